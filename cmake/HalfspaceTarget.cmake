@@ -1,0 +1,35 @@
+# How every target of this project is compiled. Per target, never global, so
+# that a project which includes this one keeps its own flags.
+
+function(halfspace_configure_target target)
+  set_target_properties(${target} PROPERTIES
+    CXX_EXTENSIONS OFF
+    CXX_VISIBILITY_PRESET hidden
+    VISIBILITY_INLINES_HIDDEN ON)
+  if(MSVC)
+    target_compile_options(${target} PRIVATE /W4 /fp:precise)
+  else()
+    # Contraction and fast-math would change answers between compilers and
+    # delete the error-free sums; the caller's own flags must not matter.
+    target_compile_options(${target} PRIVATE
+      -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion
+      -fno-fast-math -ffp-contract=off)
+    # gcc notes that passing wide vectors changed its ABI; no such function
+    # leaves a translation unit.
+    target_compile_options(${target} PRIVATE
+      $<$<CXX_COMPILER_ID:GNU>:-Wno-psabi>)
+  endif()
+  if(HALFSPACE_WERROR)
+    set_target_properties(${target} PROPERTIES COMPILE_WARNING_AS_ERROR ON)
+  endif()
+endfunction()
+
+# Forbids the compiler's own vectorisation.
+function(halfspace_keep_scalar target)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE -fno-tree-vectorize)
+  elseif(NOT MSVC)
+    target_compile_options(${target} PRIVATE -fno-vectorize
+                                             -fno-slp-vectorize)
+  endif()
+endfunction()

@@ -1,0 +1,20 @@
+// All targets of this build, with their kernels, and the one that was chosen.
+#ifndef HALFSPACE_DISPATCH_REGISTRY_H_
+#define HALFSPACE_DISPATCH_REGISTRY_H_
+
+#include <cstdint>
+#include <string_view>
+
+#include "dispatch/kernel_table.h"
+#include "halfspace/targets.h"
+
+namespace halfspace::dispatch {
+
+// The kernels of a target in `dims` dimensions, the chosen one for a default
+// handle. Throws std::invalid_argument, in the name of `call`, if the target is
+// not supported here or the choice failed.
+const KernelTable& KernelsFor(Target target, int dims, std::string_view call);
+
+}  // namespace halfspace::dispatch
+
+#endif  // HALFSPACE_DISPATCH_REGISTRY_H_

@@ -1,0 +1,23 @@
+// What each per-target pass defines: one specialisation per target and, for the
+// kernels, per number of dimensions.
+#ifndef HALFSPACE_DISPATCH_TARGET_TABLE_H_
+#define HALFSPACE_DISPATCH_TARGET_TABLE_H_
+
+#include <cstddef>
+#include <cstdint>
+
+#include "dispatch/kernel_table.h"
+
+namespace halfspace::dispatch {
+
+// The kernels of target kHighwayBit; defined in kernels_2d.cc and so on.
+template <std::int64_t kHighwayBit, int kDims>
+const KernelTable& TableOf();
+
+// float32 lanes of a vector; executes an instruction of that target.
+template <std::int64_t kHighwayBit>
+std::size_t LanesOf();
+
+}  // namespace halfspace::dispatch
+
+#endif  // HALFSPACE_DISPATCH_TARGET_TABLE_H_

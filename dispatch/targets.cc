@@ -1,0 +1,201 @@
+#include "halfspace/targets.h"
+
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cstdlib>
+#include <string>
+#include <utility>
+
+#include "dispatch/registry.h"
+#include "dispatch/target_table.h"
+#include "hwy/highway.h"
+#include "hwy/targets.h"
+#include "kernels/error.h"
+
+namespace halfspace {
+namespace dispatch {
+namespace {
+
+constexpr std::size_t kBits = 63;  // Highway leaves bit 63 alone
+
+// One target; all pointers are null if it is not in this build.
+struct Entry {
+  std::array<const KernelTable& (*)(), 3> kernels{};  // 2, 3, 4 dimensions
+  std::size_t (*lanes)() = nullptr;
+};
+
+template <std::size_t kBit>
+constexpr Entry EntryOf() {
+  constexpr std::int64_t kTarget = std::int64_t{1} << kBit;
+  if constexpr ((HWY_TARGETS & kTarget) != 0) {
+    return {{&TableOf<kTarget, 2>, &TableOf<kTarget, 3>, &TableOf<kTarget, 4>},
+            &LanesOf<kTarget>};
+  } else {
+    return {};
+  }
+}
+
+template <std::size_t... kBit>
+constexpr std::array<Entry, kBits> Entries(std::index_sequence<kBit...>) {
+  return {EntryOf<kBit>()...};
+}
+
+constexpr std::array<Entry, kBits> kEntries =
+    Entries(std::make_index_sequence<kBits>());
+
+// A lower bit is a better target, by Highway's convention.
+struct TargetList {
+  std::array<Target, kBits> targets;
+  std::size_t count = 0;
+
+  explicit TargetList(std::int64_t bits) {
+    for (std::int64_t left = bits; left != 0; left &= left - 1) {
+      targets[count++] = Target::FromHighwayBit(left & -left);
+    }
+  }
+  std::span<const Target> span() const { return {targets.data(), count}; }
+};
+
+// Highway detects anew at every call; the answer must not change under us.
+std::int64_t SupportedBits() {
+  static const std::int64_t bits = hwy::SupportedTargets() & HWY_TARGETS;
+  return bits;
+}
+
+const Entry* FindEntry(Target target) {
+  const auto bit = static_cast<std::uint64_t>(target.highway_bit());
+  if (!std::has_single_bit(bit)) return nullptr;
+  if ((target.highway_bit() & SupportedBits()) == 0) return nullptr;
+  return &kEntries[static_cast<std::size_t>(std::countr_zero(bit))];
+}
+
+std::string NamesOf(std::span<const Target> targets) {
+  std::string names;
+  for (Target target : targets) {
+    if (!names.empty()) names += ", ";
+    names += target.name();
+  }
+  return names;
+}
+
+const char* EnvironmentOverride() {
+#if defined(__GLIBC__)
+  return secure_getenv("HALFSPACE_TARGET");
+#else
+  return std::getenv("HALFSPACE_TARGET");
+#endif
+}
+
+// Empty if `name` is a supported target; else the name and what is wrong.
+std::string WhyNot(std::string_view name) {
+  if (FindTarget(name)) return {};
+  std::string why(1, '"');
+  why.append(name).append("\", which ");
+  for (Target target : CompiledTargets()) {
+    if (target.name() == name) {
+      return why.append("this build has but this machine does not support");
+    }
+  }
+  return why.append("is unknown or not in this build");
+}
+
+std::string ExpectedNames() { return "one of " + NamesOf(SupportedTargets()); }
+
+const TargetChoice& Choice() {
+  static const TargetChoice choice = [] {
+    TargetChoice result;
+    const char* value = EnvironmentOverride();
+    if (value == nullptr || *value == '\0') {
+      result.target = SupportedTargets().front();
+      return result;
+    }
+    result.requested = value;
+    if (std::string why = WhyNot(value); !why.empty()) {
+      result.error = "expected " + ExpectedNames() + ", got " + why;
+      return result;
+    }
+    result.target = *FindTarget(value);
+    return result;
+  }();
+  return choice;
+}
+
+// The chosen entry once it is known, so that a call costs one load.
+std::atomic<const Entry*> chosen_entry{nullptr};
+
+const Entry& ChosenEntry() {
+  const Entry* entry = chosen_entry.load(std::memory_order_acquire);
+  if (entry == nullptr) [[unlikely]] {
+    entry = FindEntry(ChosenTarget());
+    chosen_entry.store(entry, std::memory_order_release);
+  }
+  return *entry;
+}
+
+}  // namespace
+
+const KernelTable& KernelsFor(Target target, int dims, std::string_view call) {
+  const Entry* entry = nullptr;
+  if (target == Target()) [[likely]] {
+    entry = &ChosenEntry();
+  } else {
+    entry = FindEntry(target);
+    if (entry == nullptr) {
+      kernels::ThrowInvalid(call, "options.target", ExpectedNames(),
+                            target.name().empty() ? "a bit that is no target"
+                                                  : WhyNot(target.name()));
+    }
+  }
+  return entry->kernels[static_cast<std::size_t>(dims - 2)]();
+}
+
+}  // namespace dispatch
+
+std::string_view Target::name() const {
+  if (*this == Target()) return "auto";
+  if (!std::has_single_bit(static_cast<std::uint64_t>(highway_bit_))) return {};
+  return hwy::TargetName(highway_bit_);
+}
+
+std::size_t Target::lanes() const {
+  const dispatch::Entry* entry = dispatch::FindEntry(*this);
+  return entry == nullptr ? 0 : entry->lanes();
+}
+
+std::span<const Target> CompiledTargets() {
+  static const dispatch::TargetList list(HWY_TARGETS);
+  return list.span();
+}
+
+std::span<const Target> SupportedTargets() {
+  static const dispatch::TargetList list(dispatch::SupportedBits());
+  return list.span();
+}
+
+Target ChosenTarget() {
+  const TargetChoice& choice = dispatch::Choice();
+  if (!choice.error.empty()) {
+    kernels::ThrowInvalid("ChosenTarget", "HALFSPACE_TARGET",
+                          dispatch::ExpectedNames(),
+                          dispatch::WhyNot(choice.requested));
+  }
+  return choice.target;
+}
+
+TargetChoice DescribeTargetChoice() { return dispatch::Choice(); }
+
+std::optional<Target> FindTarget(std::string_view name) {
+  for (Target target : SupportedTargets()) {
+    if (target.name() == name) return target;
+  }
+  return std::nullopt;
+}
+
+Target TargetByName(std::string_view name) {
+  if (std::optional<Target> target = FindTarget(name)) return *target;
+  kernels::ThrowInvalid("TargetByName", "name", dispatch::ExpectedNames(),
+                        dispatch::WhyNot(name));
+}
+
+}  // namespace halfspace

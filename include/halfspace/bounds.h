@@ -1,0 +1,162 @@
+// The bounding volumes: simplex, axis-aligned box, axis-aligned octahedron.
+//
+// A bound is a set of half-spaces with fixed normals, stored as the extreme
+// projections of an object on a few axes. In kDims dimensions the axes are the
+// kDims coordinate axes and one more, D = -(X + Y + ...). They sum to zero and
+// positively span space, so kDims + 1 half-spaces close a finite volume.
+//
+//   axis index   0 ... kDims - 1   X, Y, Z, W
+//   axis index   kDims             D = -(X + Y + ...)
+//
+//   shape (3D)                 an object stores    compares in one test
+//   UpSimplex                  4 minima            4  against a DownSimplex
+//   Aabb                       3 minima, 3 maxima  6
+//   Aabo                       4 minima, 4 maxima  8
+//
+// An Aabo is an Aabb with two opposite corners cut off: its planes contain the
+// planes of the simplices and of the box, and up(), down() and aabb() give
+// them without computing anything.
+//
+// Units are the caller's. All values are plain data: copy them, compare them
+// bit for bit with ==, fill them by hand. The builders of fit.h are the safe
+// way to fill the D axis, because sums round: a D that is not rounded outward
+// makes touching objects look apart.
+//
+// Two special values exist for every type:
+//   Everything()  -FLT_MAX / +FLT_MAX: never rejected by a finite query, nor
+//                 by another Everything. Stands for what could not be bounded.
+//   Empty()       +inf / -inf: rejected by every finite query and Everything.
+// A NaN in a bound makes its plane never reject.
+//
+// Thread safety: values; none needed. Source: "The Bounding Simplex: A
+// SIMD-Era Rejection Primitive" (simplices, AABO).
+#ifndef HALFSPACE_BOUNDS_H_
+#define HALFSPACE_BOUNDS_H_
+
+#include <array>
+#include <cstddef>
+#include <limits>
+
+namespace halfspace {
+
+namespace detail {
+
+template <std::size_t kCount>
+constexpr std::array<float, kCount> Filled(float value) {
+  std::array<float, kCount> values{};
+  for (float& v : values) v = value;
+  return values;
+}
+
+inline constexpr float kFloatMax = std::numeric_limits<float>::max();
+inline constexpr float kFloatInf = std::numeric_limits<float>::infinity();
+
+}  // namespace detail
+
+// The object side of the simplex test, S+: { p : p.axis[k] >= min[k] }.
+template <int kDims>
+struct UpSimplex {
+  static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
+  static constexpr int kDimensions = kDims;
+  static constexpr std::size_t kAxes = kDims + 1;
+
+  std::array<float, kAxes> min;
+
+  static constexpr UpSimplex Everything() {
+    return {detail::Filled<kAxes>(-detail::kFloatMax)};
+  }
+  static constexpr UpSimplex Empty() {
+    return {detail::Filled<kAxes>(detail::kFloatInf)};
+  }
+  friend constexpr bool operator==(const UpSimplex&,
+                                   const UpSimplex&) = default;
+};
+
+// The query side of the simplex test, S-: { p : p.axis[k] <= max[k] }.
+template <int kDims>
+struct DownSimplex {
+  static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
+  static constexpr int kDimensions = kDims;
+  static constexpr std::size_t kAxes = kDims + 1;
+
+  std::array<float, kAxes> max;
+
+  static constexpr DownSimplex Everything() {
+    return {detail::Filled<kAxes>(detail::kFloatMax)};
+  }
+  static constexpr DownSimplex Empty() {
+    return {detail::Filled<kAxes>(-detail::kFloatInf)};
+  }
+  friend constexpr bool operator==(const DownSimplex&,
+                                   const DownSimplex&) = default;
+};
+
+// The axis-aligned bounding box; no D axis. Both sides of a test are boxes.
+template <int kDims>
+struct Aabb {
+  static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
+  static constexpr int kDimensions = kDims;
+  static constexpr std::size_t kAxes = kDims;
+
+  std::array<float, kAxes> min;
+  std::array<float, kAxes> max;
+
+  static constexpr Aabb Everything() {
+    return {detail::Filled<kAxes>(-detail::kFloatMax),
+            detail::Filled<kAxes>(detail::kFloatMax)};
+  }
+  static constexpr Aabb Empty() {
+    return {detail::Filled<kAxes>(detail::kFloatInf),
+            detail::Filled<kAxes>(-detail::kFloatInf)};
+  }
+  friend constexpr bool operator==(const Aabb&, const Aabb&) = default;
+};
+
+// The axis-aligned bounding octahedron: both simplices, hence also the box.
+template <int kDims>
+struct Aabo {
+  static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
+  static constexpr int kDimensions = kDims;
+  static constexpr std::size_t kAxes = kDims + 1;
+
+  std::array<float, kAxes> min;
+  std::array<float, kAxes> max;
+
+  constexpr UpSimplex<kDims> up() const { return {min}; }
+  constexpr DownSimplex<kDims> down() const { return {max}; }
+  constexpr Aabb<kDims> aabb() const {
+    Aabb<kDims> box{};
+    for (int k = 0; k < kDims; ++k) {
+      box.min[k] = min[k];
+      box.max[k] = max[k];
+    }
+    return box;
+  }
+
+  static constexpr Aabo Everything() {
+    return {detail::Filled<kAxes>(-detail::kFloatMax),
+            detail::Filled<kAxes>(detail::kFloatMax)};
+  }
+  static constexpr Aabo Empty() {
+    return {detail::Filled<kAxes>(detail::kFloatInf),
+            detail::Filled<kAxes>(-detail::kFloatInf)};
+  }
+  friend constexpr bool operator==(const Aabo&, const Aabo&) = default;
+};
+
+using UpSimplex2 = UpSimplex<2>;
+using UpSimplex3 = UpSimplex<3>;
+using UpSimplex4 = UpSimplex<4>;
+using DownSimplex2 = DownSimplex<2>;
+using DownSimplex3 = DownSimplex<3>;
+using DownSimplex4 = DownSimplex<4>;
+using Aabb2 = Aabb<2>;
+using Aabb3 = Aabb<3>;
+using Aabb4 = Aabb<4>;
+using Aabo2 = Aabo<2>;
+using Aabo3 = Aabo<3>;
+using Aabo4 = Aabo<4>;
+
+}  // namespace halfspace
+
+#endif  // HALFSPACE_BOUNDS_H_

@@ -1,0 +1,108 @@
+// Internal. Bounds as flat lists of plane values (all minima, then all maxima),
+// and the storage behind the owning worlds. Not part of the interface.
+#ifndef HALFSPACE_DETAIL_PLANE_ARRAYS_H_
+#define HALFSPACE_DETAIL_PLANE_ARRAYS_H_
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "halfspace/export.h"
+
+namespace halfspace::detail {
+
+inline constexpr std::size_t kMaxPlanes = 10;  // Aabo<4>
+
+template <typename Bound>
+concept HasMin = requires(Bound b) {
+  b.min;
+};
+template <typename Bound>
+concept HasMax = requires(Bound b) {
+  b.max;
+};
+
+template <typename Bound>
+inline constexpr std::size_t kPlaneCount =
+    Bound::kAxes*((HasMin<Bound> ? 1 : 0) + (HasMax<Bound> ? 1 : 0));
+
+template <typename Bound>
+using PlaneValues = std::array<float, kPlaneCount<Bound>>;
+
+template <typename Bound>
+constexpr PlaneValues<Bound> Planes(const Bound& bound) {
+  PlaneValues<Bound> values{};
+  std::size_t p = 0;
+  if constexpr (HasMin<Bound>) {
+    for (float v : bound.min) values[p++] = v;
+  }
+  if constexpr (HasMax<Bound>) {
+    for (float v : bound.max) values[p++] = v;
+  }
+  return values;
+}
+
+template <typename Bound>
+constexpr Bound BoundOf(const PlaneValues<Bound>& values) {
+  Bound bound{};
+  std::size_t p = 0;
+  if constexpr (HasMin<Bound>) {
+    for (float& v : bound.min) v = values[p++];
+  }
+  if constexpr (HasMax<Bound>) {
+    for (float& v : bound.max) v = values[p++];
+  }
+  return bound;
+}
+
+// One allocation of `padding.size()` planes of floats. Each plane is 64-byte
+// aligned; elements from size() to the end of the padded plane hold `padding`.
+class HALFSPACE_API PlaneArrays {
+ public:
+  explicit PlaneArrays(std::span<const float> padding);
+  PlaneArrays(const PlaneArrays& other);
+  PlaneArrays(PlaneArrays&& other) noexcept;
+  PlaneArrays& operator=(PlaneArrays other) noexcept;
+  ~PlaneArrays();
+
+  std::size_t size() const { return size_; }
+  std::size_t capacity() const { return capacity_; }
+  const float* plane(std::size_t p) const { return data_ + p * stride_; }
+
+  void Reserve(std::size_t objects);
+  std::size_t Push(std::span<const float> values);
+  void Set(std::size_t index, std::span<const float> values);
+  void Get(std::size_t index, std::span<float> values) const;
+  void EraseBySwap(std::size_t index);
+  void Clear();
+
+ private:
+  void CheckIndex(std::size_t index, const char* call) const;
+  void Write(std::size_t index, const float* values);
+  void Grow(std::size_t objects);
+
+  std::array<float, kMaxPlanes> padding_{};
+  std::size_t planes_ = 0;
+  std::size_t size_ = 0;
+  std::size_t capacity_ = 0;  // a multiple of 64
+  std::size_t stride_ = 0;    // floats from one plane to the next
+  float* data_ = nullptr;
+};
+
+template <typename View>
+View ViewOf(const PlaneArrays& planes) {
+  View view;
+  std::size_t p = 0;
+  if constexpr (HasMin<View>) {
+    for (const float*& plane : view.min) plane = planes.plane(p++);
+  }
+  if constexpr (HasMax<View>) {
+    for (const float*& plane : view.max) plane = planes.plane(p++);
+  }
+  view.size = planes.size();
+  return view;
+}
+
+}  // namespace halfspace::detail
+
+#endif  // HALFSPACE_DETAIL_PLANE_ARRAYS_H_

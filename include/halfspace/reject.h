@@ -1,0 +1,137 @@
+// The calls: which of the stored bounds could one query touch?
+//
+// Each call tests every object of a world against one query. An object is
+// rejected iff one of its planes proves it separated from the query:
+//
+//   simplex   object.min[k] > query.max[k]  for a k in X, Y, ..., D
+//   AABB      object.min[k] > query.max[k]  or  object.max[k] < query.min[k]
+//             for a k in X, Y, ...
+//   AABO      the same for a k in X, Y, ..., D
+//
+// and survives otherwise. The compares are strict and ordered: bounds that only
+// touch survive, and a NaN on either side never rejects. The answer depends on
+// neither target nor schedule nor compiler, bit for bit.
+//
+// Every call takes
+//   world    a view or an owning world of world.h
+//   query    the world's Query type: DownSimplex, Aabb or Aabo
+//   options  schedule and target; the defaults are right
+// and says which target really ran.
+//
+// Masks: object i is bit i % 64 of word i / 64; MaskWords(n) words in all.
+// Words past those are not touched, and bits past object n - 1 in the last one
+// never show a survivor: they are 1 in a reject mask, 0 in a survivor mask.
+//
+// Errors: a precondition that is violated throws std::invalid_argument, which
+// names the argument, what was expected and what was given; nothing has been
+// written then. They are: a null or misaligned plane or output in a world that
+// is not empty, a mask span too short, an output that overlaps a plane, more
+// than 2^32 objects with 32-bit indices, a target that is not supported here.
+// Code compiled with -fno-exceptions can link and call, and must keep to the
+// preconditions. An empty world is fine.
+//
+// Thread safety: reentrant; no allocation, no lock, no state. Cost: a load and
+// an indirect call, then one compare per plane and object, at the speed of the
+// planes' memory (docs/results.md has figures).
+//
+// Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (the tests,
+// and the early-out under SIMD that schedules are about).
+#ifndef HALFSPACE_REJECT_H_
+#define HALFSPACE_REJECT_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "halfspace/bounds.h"
+#include "halfspace/detail/scan.h"
+#include "halfspace/export.h"
+#include "halfspace/targets.h"
+#include "halfspace/world.h"
+
+namespace halfspace {
+
+// When to stop testing a group of objects that are all rejected already. It
+// changes the cost, never the answer.
+enum class Schedule : std::uint8_t {
+  kAuto,          // the shape's measured best: see docs/design.md
+  kFlat,          // every plane of every object, without a branch
+  kStaged,        // simplex, AABB: as kStagedByAxis. AABO: up simplex, then
+                  // down simplex
+  kStagedByAxis,  // after each axis: one plane of a simplex, the two planes
+                  // (the interval) of a box or an octahedron
+};
+
+struct Options {
+  Schedule schedule = Schedule::kAuto;
+  Target target = {};  // the chosen target
+};
+
+// How many objects survived, and the target that found them.
+struct SurvivorCount {
+  std::size_t count = 0;
+  Target target;
+};
+
+// Whether any object survived, and the target that found out.
+struct SurvivorFlag {
+  bool any = false;
+  Target target;
+  explicit operator bool() const { return any; }
+};
+
+// Words of a mask over n objects.
+constexpr std::size_t MaskWords(std::size_t objects) {
+  return objects / 64 + (objects % 64 != 0 ? 1 : 0);
+}
+
+// Writes the reject mask: 1 = rejected, and 1 past the last object.
+//   mask  at least MaskWords(world size) words
+template <typename AnyWorld>
+Target RejectMask(const AnyWorld& world, const typename AnyWorld::Query& query,
+                  std::span<std::uint64_t> mask, const Options& options = {}) {
+  return detail::RejectMask(detail::ScanOf(world.view(), query), mask, options);
+}
+
+// Writes the survivor mask: 1 = survives, and 0 past the last object.
+//   mask  at least MaskWords(world size) words
+template <typename AnyWorld>
+Target SurvivorMask(const AnyWorld& world,
+                    const typename AnyWorld::Query& query,
+                    std::span<std::uint64_t> mask,
+                    const Options& options = {}) {
+  return detail::SurvivorMask(detail::ScanOf(world.view(), query), mask,
+                              options);
+}
+
+// Writes the indices of the survivors, ascending, and returns how many there
+// are. A span that is too short is no error: the first indices that fit are
+// written, nothing past the span, and the full count is returned.
+template <typename AnyWorld>
+[[nodiscard]] SurvivorCount Survivors(const AnyWorld& world,
+                                      const typename AnyWorld::Query& query,
+                                      std::span<std::uint32_t> indices,
+                                      const Options& options = {}) {
+  return detail::Survivors(detail::ScanOf(world.view(), query), indices,
+                           options);
+}
+
+// Counts the survivors.
+template <typename AnyWorld>
+[[nodiscard]] SurvivorCount CountSurvivors(
+    const AnyWorld& world, const typename AnyWorld::Query& query,
+    const Options& options = {}) {
+  return detail::CountSurvivors(detail::ScanOf(world.view(), query), options);
+}
+
+// Whether anything survives. Stops at the first 64 objects with a survivor.
+template <typename AnyWorld>
+[[nodiscard]] SurvivorFlag AnySurvivor(const AnyWorld& world,
+                                       const typename AnyWorld::Query& query,
+                                       const Options& options = {}) {
+  return detail::AnySurvivor(detail::ScanOf(world.view(), query), options);
+}
+
+}  // namespace halfspace
+
+#endif  // HALFSPACE_REJECT_H_

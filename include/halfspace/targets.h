@@ -1,0 +1,90 @@
+// Which instruction sets the kernels were compiled for, which of them this
+// machine can run, and which one is used.
+//
+// Targets and their names are Highway's: on x86 "AVX3_DL", "AVX3" (AVX-512),
+// "AVX2", "SSE4", "SSSE3"; on ARM "NEON", "SVE", "SVE2", "SVE_256",
+// "SVE2_128"; and one plain fall-back, "SCALAR" or "EMU128".
+//
+// The choice is made once, at the first call that needs it: the best target
+// that was compiled and that CPU and operating system support. The environment
+// variable HALFSPACE_TARGET, read at that moment and ignored by set-user-id
+// programs, names another one; a name that is unknown or not supported here is
+// an error at the first call, never a silent fall-back. There is no global
+// setter: a call that wants another target says so in its options, and all
+// supported targets can be used side by side.
+//
+// Thread safety: every function here may be called from any thread. Cost:
+// the first call detects the CPU (microseconds); later ones are a load.
+#ifndef HALFSPACE_TARGETS_H_
+#define HALFSPACE_TARGETS_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "halfspace/export.h"
+
+namespace halfspace {
+
+// A handle of one target: a plain value, free to copy and to compare. A
+// default-constructed handle stands for "the chosen one".
+class Target {
+ public:
+  constexpr Target() = default;
+
+  // Highway's name, for example "AVX2"; "auto" for a default handle.
+  HALFSPACE_API std::string_view name() const;
+
+  // float32 lanes of one vector. On SVE this is asked of the hardware. 0 for a
+  // default handle and for a target that is not supported here.
+  HALFSPACE_API std::size_t lanes() const;
+
+  // Highway's bit (HWY_AVX2 and so on); 0 for a default handle. Its meaning
+  // may change with the version of Highway: do not store it, store the name.
+  constexpr std::int64_t highway_bit() const { return highway_bit_; }
+  static constexpr Target FromHighwayBit(std::int64_t bit) {
+    Target target;
+    target.highway_bit_ = bit;
+    return target;
+  }
+
+  friend constexpr bool operator==(Target, Target) = default;
+
+ private:
+  std::int64_t highway_bit_ = 0;
+};
+
+// What was decided, and why.
+struct TargetChoice {
+  Target target;          // default handle when `error` is not empty
+  std::string requested;  // the value of HALFSPACE_TARGET, or empty
+  std::string error;      // empty, or why `requested` cannot be honoured
+};
+
+// Every target in this build, best first. The span lives for ever.
+HALFSPACE_API std::span<const Target> CompiledTargets();
+
+// Those of CompiledTargets() that this CPU and system run, best first. The span
+// lives for ever and is never empty.
+HALFSPACE_API std::span<const Target> SupportedTargets();
+
+// The target that calls without an explicit one use. Throws
+// std::invalid_argument if HALFSPACE_TARGET cannot be honoured.
+HALFSPACE_API Target ChosenTarget();
+
+// The same without throwing: look at `error`.
+HALFSPACE_API TargetChoice DescribeTargetChoice();
+
+// The supported target of that exact name; nothing if there is none.
+HALFSPACE_API std::optional<Target> FindTarget(std::string_view name);
+
+// The same, but throws std::invalid_argument, saying whether the name is
+// unknown, not compiled in, or not supported by this machine.
+HALFSPACE_API Target TargetByName(std::string_view name);
+
+}  // namespace halfspace
+
+#endif  // HALFSPACE_TARGETS_H_

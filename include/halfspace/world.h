@@ -1,0 +1,176 @@
+// Worlds of stored bounds in structure-of-arrays form: views over the caller's
+// own memory, and arrays that own theirs.
+//
+// A world of n objects is one array of n floats per plane. Object i is element
+// i of every plane.
+//
+//   view                planes                               queried by
+//   SimplexView<D>      min[0 .. D]                          DownSimplex<D>
+//   AabbView<D>         min[0 .. D-1], max[0 .. D-1]         Aabb<D>
+//   AaboView<D>         min[0 .. D], max[0 .. D]             Aabo<D>
+//
+// An AABO world is also a simplex world and an AABB world: simplex() and
+// aabb() of a view name a part of the same planes, at no cost.
+//
+// Views: zero copy. Planes need not be adjacent to each other, nor aligned
+// beyond alignof(float), nor padded; calls read elements 0 .. size - 1 and
+// nothing else. A view owns nothing: the planes must outlive the calls that use
+// it, and must not be written meanwhile. A null plane is allowed only when size
+// is 0. Values may be anything: a NaN makes its plane never reject its object.
+//
+// Thread safety: as for any container. Concurrent reads are fine; a write needs
+// exclusive access.
+#ifndef HALFSPACE_WORLD_H_
+#define HALFSPACE_WORLD_H_
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "halfspace/bounds.h"
+#include "halfspace/detail/plane_arrays.h"
+
+namespace halfspace {
+
+template <int kDims>
+struct SimplexView {
+  using Bound = UpSimplex<kDims>;
+  using Query = DownSimplex<kDims>;
+
+  std::array<const float*, kDims + 1> min{};
+  std::size_t size = 0;
+
+  SimplexView view() const { return *this; }
+};
+
+template <int kDims>
+struct AabbView {
+  using Bound = Aabb<kDims>;
+  using Query = Aabb<kDims>;
+
+  std::array<const float*, kDims> min{};
+  std::array<const float*, kDims> max{};
+  std::size_t size = 0;
+
+  AabbView view() const { return *this; }
+};
+
+template <int kDims>
+struct AaboView {
+  using Bound = Aabo<kDims>;
+  using Query = Aabo<kDims>;
+
+  std::array<const float*, kDims + 1> min{};
+  std::array<const float*, kDims + 1> max{};
+  std::size_t size = 0;
+
+  AaboView view() const { return *this; }
+
+  SimplexView<kDims> simplex() const { return {min, size}; }
+  AabbView<kDims> aabb() const {
+    AabbView<kDims> box;
+    for (int k = 0; k < kDims; ++k) {
+      box.min[k] = min[k];
+      box.max[k] = max[k];
+    }
+    box.size = size;
+    return box;
+  }
+};
+
+using SimplexView2 = SimplexView<2>;
+using SimplexView3 = SimplexView<3>;
+using SimplexView4 = SimplexView<4>;
+using AabbView2 = AabbView<2>;
+using AabbView3 = AabbView<3>;
+using AabbView4 = AabbView<4>;
+using AaboView2 = AaboView<2>;
+using AaboView3 = AaboView<3>;
+using AaboView4 = AaboView<4>;
+
+// A world that owns its planes. `World` stands for SimplexWorld, AabbWorld or
+// AaboWorld below.
+//
+// Every plane starts on a 64-byte boundary and is padded to a multiple of 64
+// objects with Empty() bounds. Indices are positions: EraseBySwap moves the
+// last object, nothing else moves one. Growth doubles the capacity and
+// invalidates views, as std::vector does with pointers.
+//
+// Errors: an index that is not below size() throws std::invalid_argument;
+// memory that cannot be had throws std::bad_alloc and a size that cannot exist
+// std::invalid_argument, and the world is as it was.
+template <typename ViewType>
+class World {
+ public:
+  using View = ViewType;
+  using Bound = typename View::Bound;
+  using Query = typename View::Query;
+
+  World() : planes_(detail::Planes(Bound::Empty())) {}
+
+  // Builds a world of the given bounds, in order.
+  explicit World(std::span<const Bound> bounds) : World() { Assign(bounds); }
+
+  std::size_t size() const { return planes_.size(); }
+  std::size_t capacity() const { return planes_.capacity(); }
+  bool empty() const { return size() == 0; }
+
+  // Makes room for `objects` objects in all. Never shrinks.
+  void Reserve(std::size_t objects) { planes_.Reserve(objects); }
+
+  // Appends and returns the object's index. Amortised O(1).
+  std::size_t Push(const Bound& bound) {
+    return planes_.Push(detail::Planes(bound));
+  }
+
+  void Set(std::size_t index, const Bound& bound) {
+    planes_.Set(index, detail::Planes(bound));
+  }
+
+  Bound Get(std::size_t index) const {
+    detail::PlaneValues<Bound> values;
+    planes_.Get(index, values);
+    return detail::BoundOf<Bound>(values);
+  }
+
+  // Removes object `index`; the last object takes its place. O(1).
+  void EraseBySwap(std::size_t index) { planes_.EraseBySwap(index); }
+
+  // Removes all objects and keeps the memory. O(1).
+  void Clear() { planes_.Clear(); }
+
+  // Replaces the content by the given bounds, in order. They may not be part
+  // of this world's memory.
+  void Assign(std::span<const Bound> bounds) {
+    planes_.Reserve(bounds.size());
+    planes_.Clear();
+    for (const Bound& bound : bounds) Push(bound);
+  }
+
+  // Valid until the world grows, is assigned to, moved from or destroyed.
+  View view() const { return detail::ViewOf<View>(planes_); }
+
+ private:
+  detail::PlaneArrays planes_;
+};
+
+template <int kDims>
+using SimplexWorld = World<SimplexView<kDims>>;
+template <int kDims>
+using AabbWorld = World<AabbView<kDims>>;
+template <int kDims>
+using AaboWorld = World<AaboView<kDims>>;
+
+using SimplexWorld2 = SimplexWorld<2>;
+using SimplexWorld3 = SimplexWorld<3>;
+using SimplexWorld4 = SimplexWorld<4>;
+using AabbWorld2 = AabbWorld<2>;
+using AabbWorld3 = AabbWorld<3>;
+using AabbWorld4 = AabbWorld<4>;
+using AaboWorld2 = AaboWorld<2>;
+using AaboWorld3 = AaboWorld<3>;
+using AaboWorld4 = AaboWorld<4>;
+
+}  // namespace halfspace
+
+#endif  // HALFSPACE_WORLD_H_

@@ -1,0 +1,18 @@
+// Violated preconditions, in one voice: which argument, what was expected, what
+// was given.
+#ifndef HALFSPACE_KERNELS_ERROR_H_
+#define HALFSPACE_KERNELS_ERROR_H_
+
+#include <string_view>
+
+namespace halfspace::kernels {
+
+// Throws std::invalid_argument("halfspace: CALL: ARGUMENT: expected EXPECTED,
+// got GIVEN").
+[[noreturn]] void ThrowInvalid(std::string_view call, std::string_view argument,
+                               std::string_view expected,
+                               std::string_view given);
+
+}  // namespace halfspace::kernels
+
+#endif  // HALFSPACE_KERNELS_ERROR_H_

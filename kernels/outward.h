@@ -1,0 +1,100 @@
+// Exact sums of a few floats, and their rounding outward.
+//
+// The sum is taken in double with Knuth's TwoSum, which keeps the rounding
+// error of each addition, so nothing is lost. In double no sum of floats
+// overflows or underflows: every float is a multiple of 2^-149.
+//
+// Only for translation units compiled without fast-math and contraction, which
+// would delete TwoSum.
+#ifndef HALFSPACE_KERNELS_OUTWARD_H_
+#define HALFSPACE_KERNELS_OUTWARD_H_
+
+#include <array>
+#include <cfloat>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+namespace halfspace::kernels {
+
+static_assert(FLT_EVAL_METHOD == 0,
+              "excess precision (x87) breaks the error-free sums");
+
+struct TwoSumResult {
+  double sum;
+  double error;  // sum + error is the exact a + b
+};
+
+inline TwoSumResult TwoSum(double a, double b) {
+  const double sum = a + b;
+  const double b_part = sum - a;
+  return {sum, (a - (sum - b_part)) + (b - b_part)};
+}
+
+// An exact sum: `value` is within half an ulp, and `rest` has the sign of what
+// is missing (exact - value), 0 if nothing is.
+struct ExactSum {
+  double value;
+  double rest;
+};
+
+// The general case: Shewchuk's expansions, components of increasing magnitude
+// that do not overlap, then two passes that gather them into the last one.
+template <std::size_t kCount>
+ExactSum SumByExpansion(const std::array<double, kCount>& values) {
+  std::array<double, kCount> parts{};
+  for (std::size_t n = 0; n < kCount; ++n) {
+    double carry = values[n];
+    for (std::size_t i = 0; i < n; ++i) {
+      const TwoSumResult step = TwoSum(carry, parts[i]);
+      carry = step.sum;
+      parts[i] = step.error;
+    }
+    parts[n] = carry;
+  }
+  for (int pass = 0; pass < 2; ++pass) {
+    for (std::size_t i = 1; i < kCount; ++i) {
+      const TwoSumResult step = TwoSum(parts[i], parts[i - 1]);
+      parts[i] = step.sum;
+      parts[i - 1] = step.error;
+    }
+  }
+  double rest = 0.0;
+  for (std::size_t i = kCount - 1; i-- > 0 && rest == 0.0;) rest = parts[i];
+  return {parts[kCount - 1], rest};
+}
+
+// The sum of `values`, which must be finite floats. Almost always double holds
+// it exactly, and the additions prove it.
+template <std::size_t kCount>
+ExactSum SumExactly(const std::array<double, kCount>& values) {
+  double sum = values[0];
+  bool exact = true;
+  for (std::size_t i = 1; i < kCount; ++i) {
+    const TwoSumResult step = TwoSum(sum, values[i]);
+    sum = step.sum;
+    exact &= step.error == 0.0;
+  }
+  if (exact) return {sum, 0.0};
+  return SumByExpansion(values);
+}
+
+// The largest float that is not above the sum.
+inline float RoundDown(const ExactSum& sum) {
+  const float nearest = static_cast<float>(sum.value);
+  const double back = nearest;
+  const bool above = back > sum.value || (back == sum.value && sum.rest < 0.0);
+  return above
+             ? std::nextafter(nearest, -std::numeric_limits<float>::infinity())
+             : nearest;
+}
+
+// The smallest float that is not below the sum.
+inline float RoundUp(const ExactSum& sum) {
+  return -RoundDown({-sum.value, -sum.rest});
+}
+
+}  // namespace halfspace::kernels
+
+#endif  // HALFSPACE_KERNELS_OUTWARD_H_
