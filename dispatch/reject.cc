@@ -6,16 +6,15 @@
 #include <string>
 #include <string_view>
 
-#include "kernels/error.h"
 #include "dispatch/kernel_table.h"
 #include "dispatch/registry.h"
+#include "kernels/error.h"
 
 namespace halfspace::detail {
 namespace {
 
 using dispatch::KernelsFor;
 using kernels::ThrowInvalid;
-
 
 std::size_t PlanesOf(const Scan& scan) {
   const auto dims = static_cast<std::size_t>(scan.dims);

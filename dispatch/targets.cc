@@ -5,8 +5,8 @@
 #include <bit>
 #include <cstdlib>
 #include <string>
-#include <utility>
 
+#include "dispatch/for_each_target.h"
 #include "dispatch/registry.h"
 #include "dispatch/target_table.h"
 #include "hwy/highway.h"
@@ -17,36 +17,27 @@ namespace halfspace {
 namespace dispatch {
 namespace {
 
-constexpr std::size_t kBits = 63;  // Highway leaves bit 63 alone
-
 // One target; all pointers are null if it is not in this build.
 struct Entry {
   std::array<const KernelTable& (*)(), 3> kernels{};  // 2, 3, 4 dimensions
   std::size_t (*lanes)() = nullptr;
 };
 
-template <std::size_t kBit>
-constexpr Entry EntryOf() {
-  constexpr std::int64_t kTarget = std::int64_t{1} << kBit;
-  if constexpr ((HWY_TARGETS & kTarget) != 0) {
-    return {{&TableOf<kTarget, 2>, &TableOf<kTarget, 3>, &TableOf<kTarget, 4>},
-            &LanesOf<kTarget>};
-  } else {
-    return {};
-  }
-}
-
-template <std::size_t... kBit>
-constexpr std::array<Entry, kBits> Entries(std::index_sequence<kBit...>) {
-  return {EntryOf<kBit>()...};
-}
-
-constexpr std::array<Entry, kBits> kEntries =
-    Entries(std::make_index_sequence<kBits>());
+// By the index of the target's bit.
+constexpr std::array<Entry, kTargetBits> kEntries = [] {
+  std::array<Entry, kTargetBits> entries{};
+  ForEachCompiledTarget([&entries](auto target) {
+    constexpr std::int64_t kTarget = target();
+    entries[std::countr_zero(static_cast<std::uint64_t>(kTarget))] = {
+        {&TableOf<kTarget, 2>, &TableOf<kTarget, 3>, &TableOf<kTarget, 4>},
+        &LanesOf<kTarget>};
+  });
+  return entries;
+}();
 
 // A lower bit is a better target, by Highway's convention.
 struct TargetList {
-  std::array<Target, kBits> targets;
+  std::array<Target, kTargetBits> targets;
   std::size_t count = 0;
 
   explicit TargetList(std::int64_t bits) {

@@ -75,12 +75,12 @@ template <int kDims>
 void CheckPoints(const Points<kDims>& points) {
   if (points.coords == nullptr) {
     kernels::ThrowInvalid("BoundPoints", "points.coords",
-                           std::to_string(points.count) + " points",
-                           "a null pointer");
+                          std::to_string(points.count) + " points",
+                          "a null pointer");
   }
   if (reinterpret_cast<std::uintptr_t>(points.coords) % alignof(float) != 0) {
     kernels::ThrowInvalid("BoundPoints", "points.coords",
-                           "a pointer aligned to float", "a misaligned one");
+                          "a pointer aligned to float", "a misaligned one");
   }
 }
 

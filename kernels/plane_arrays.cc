@@ -70,8 +70,8 @@ void PlaneArrays::Grow(std::size_t objects) {
       std::numeric_limits<std::size_t>::max() / sizeof(float) / kMaxPlanes / 2;
   if (objects > kMost) {
     kernels::ThrowInvalid("World", "size",
-                           "at most " + std::to_string(kMost) + " objects",
-                           std::to_string(objects));
+                          "at most " + std::to_string(kMost) + " objects",
+                          std::to_string(objects));
   }
   const std::size_t capacity = (objects + kGroup - 1) / kGroup * kGroup;
   const std::size_t stride = capacity + kStagger;
@@ -106,8 +106,8 @@ std::size_t PlaneArrays::Push(std::span<const float> values) {
 void PlaneArrays::CheckIndex(std::size_t index, const char* call) const {
   if (index < size_) return;
   kernels::ThrowInvalid(call, "index",
-                         "less than the size, " + std::to_string(size_),
-                         std::to_string(index));
+                        "less than the size, " + std::to_string(size_),
+                        std::to_string(index));
 }
 
 void PlaneArrays::Set(std::size_t index, std::span<const float> values) {

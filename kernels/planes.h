@@ -87,6 +87,7 @@ struct SimplexFlat {
 template <int kDims>
 struct SimplexByAxis {
   static constexpr std::size_t kAxes = kDims + 1;
+  static constexpr std::size_t kGroup = 16;
   static constexpr Order<kAxes, kAxes> kOrder = {detail::SimplexPlanes<kAxes>(),
                                                  detail::StagesOf<kAxes>(1)};
 };
@@ -101,6 +102,7 @@ struct AabbFlat {
 template <int kDims>
 struct AabbByAxis {
   static constexpr std::size_t kAxes = kDims;
+  static constexpr std::size_t kGroup = 16;
   static constexpr Order<2 * kAxes, kAxes> kOrder = {
       detail::IntervalPlanes<kAxes>(), detail::StagesOf<kAxes>(2)};
 };
@@ -115,6 +117,7 @@ struct AaboFlat {
 template <int kDims>
 struct AaboByAxis {
   static constexpr std::size_t kAxes = kDims + 1;
+  static constexpr std::size_t kGroup = 16;
   static constexpr Order<2 * kAxes, kAxes> kOrder = {
       detail::IntervalPlanes<kAxes>(), detail::StagesOf<kAxes>(2)};
 };
@@ -122,6 +125,7 @@ struct AaboByAxis {
 template <int kDims>
 struct AaboBySimplex {
   static constexpr std::size_t kAxes = kDims + 1;
+  static constexpr std::size_t kGroup = 64;
   static constexpr Order<2 * kAxes, 2> kOrder = {
       detail::OpposingSimplexPlanes<kAxes>(), detail::StagesOf<2>(kAxes)};
 };

@@ -96,23 +96,31 @@ bool Rejects(const AaboView4& world, const Aabo4& query, std::size_t i) {
 }
 
 template <typename View>
-std::size_t CountSurvivors(const View& world,
-                           const typename View::Query& query) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < world.size; ++i) {
-    if (!Rejects(world, query, i)) ++count;
+void RejectMask(const View& world, const typename View::Query& query,
+                std::uint64_t* mask) {
+  for (std::size_t begin = 0; begin < world.size; begin += 64) {
+    std::uint64_t word = 0;
+    for (std::size_t bit = 0; bit < 64; ++bit) {
+      const std::size_t i = begin + bit;
+      if (i >= world.size || Rejects(world, query, i)) {
+        word |= std::uint64_t{1} << bit;
+      }
+    }
+    mask[begin / 64] = word;
   }
-  return count;
 }
 
-template std::size_t CountSurvivors(const SimplexView2&, const DownSimplex2&);
-template std::size_t CountSurvivors(const SimplexView3&, const DownSimplex3&);
-template std::size_t CountSurvivors(const SimplexView4&, const DownSimplex4&);
-template std::size_t CountSurvivors(const AabbView2&, const Aabb2&);
-template std::size_t CountSurvivors(const AabbView3&, const Aabb3&);
-template std::size_t CountSurvivors(const AabbView4&, const Aabb4&);
-template std::size_t CountSurvivors(const AaboView2&, const Aabo2&);
-template std::size_t CountSurvivors(const AaboView3&, const Aabo3&);
-template std::size_t CountSurvivors(const AaboView4&, const Aabo4&);
+template void RejectMask(const SimplexView2&, const DownSimplex2&,
+                         std::uint64_t*);
+template void RejectMask(const SimplexView3&, const DownSimplex3&,
+                         std::uint64_t*);
+template void RejectMask(const SimplexView4&, const DownSimplex4&,
+                         std::uint64_t*);
+template void RejectMask(const AabbView2&, const Aabb2&, std::uint64_t*);
+template void RejectMask(const AabbView3&, const Aabb3&, std::uint64_t*);
+template void RejectMask(const AabbView4&, const Aabb4&, std::uint64_t*);
+template void RejectMask(const AaboView2&, const Aabo2&, std::uint64_t*);
+template void RejectMask(const AaboView3&, const Aabo3&, std::uint64_t*);
+template void RejectMask(const AaboView4&, const Aabo4&, std::uint64_t*);
 
 }  // namespace halfspace::reference

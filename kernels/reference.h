@@ -30,11 +30,11 @@ bool Rejects(const AaboView2& world, const Aabo2& query, std::size_t i);
 bool Rejects(const AaboView3& world, const Aabo3& query, std::size_t i);
 bool Rejects(const AaboView4& world, const Aabo4& query, std::size_t i);
 
-// Survivors of the whole world, one object after the other; defined for every
-// pair above. The scalar rival that benchmarks time.
+// The reject mask of the whole world, one object after the other; defined for
+// every pair above. The scalar rival that benchmarks time.
 template <typename View>
-std::size_t CountSurvivors(const View& world,
-                           const typename View::Query& query);
+void RejectMask(const View& world, const typename View::Query& query,
+                std::uint64_t* mask);
 
 }  // namespace halfspace::reference
 

@@ -89,58 +89,39 @@ HWY_INLINE hn::Mask<D> LanesRejected(D d, Load load, const T* const* planes,
   }
 }
 
+// Bits of the lanes of vectors 0, 1, ... after object i.
+template <class Shape, size_t kBegin, size_t kEnd, size_t... kVector, class D,
+          typename T, class... V>
+HWY_INLINE uint64_t VectorsRejected(std::index_sequence<kVector...>, D d,
+                                    const T* const* planes, size_t i,
+                                    V... query) {
+  const size_t lanes = hn::Lanes(d);
+  return (... |
+          (LaneBits(d, LanesRejected<Shape, kBegin, kEnd>(
+                           d, LoadAll(), planes, i + kVector * lanes, query...))
+           << (kVector * lanes)));
+}
+
 // Bits of objects i ... i + kObjects - 1 that planes [kBegin, kEnd) reject.
 template <class Shape, size_t kObjects, size_t kBegin, size_t kEnd, class D,
           typename T, class... V>
 HWY_INLINE uint64_t BitsRejected(D d, const T* const* planes, size_t i,
                                  V... query) {
-  const size_t lanes = hn::Lanes(d);
+#if HWY_HAVE_SCALABLE
+  constexpr size_t kUnroll = 1;
+#else
+  // Constant shifts, and compares that overlap the packing of bits; more than
+  // four vectors only grow the code.
+  constexpr size_t kUnroll = HWY_MIN(size_t{4}, kObjects / hn::MaxLanes(D()));
+#endif
+  const size_t step = kUnroll * hn::Lanes(d);
   uint64_t bits = 0;
-  for (size_t l = 0; l < kObjects; l += lanes) {
-    bits |= LaneBits(d, LanesRejected<Shape, kBegin, kEnd>(d, LoadAll(), planes,
-                                                           i + l, query...))
+  for (size_t l = 0; l < kObjects; l += step) {
+    bits |= VectorsRejected<Shape, kBegin, kEnd>(
+                std::make_index_sequence<kUnroll>(), d, planes, i + l, query...)
             << l;
   }
   return bits;
-}
-
-// The same through the stages from kStage on: a group whose objects are all
-// rejected skips the rest.
-template <class Shape, size_t kObjects, size_t kStage = 0, class D, typename T,
-          class... V>
-HWY_INLINE uint64_t BitsRejectedStaged(D d, const T* const* planes, size_t i,
-                                       V... query) {
-  constexpr size_t kBegin =
-      kStage == 0 ? 0 : Shape::kOrder.stage_ends[kStage == 0 ? 0 : kStage - 1];
-  constexpr size_t kEnd = Shape::kOrder.stage_ends[kStage];
-  const uint64_t bits =
-      BitsRejected<Shape, kObjects, kBegin, kEnd>(d, planes, i, query...);
-  if constexpr (kStage + 1 == Shape::kOrder.stage_ends.size()) {
-    return bits;
-  } else {
-    if (bits == (~uint64_t{0} >> (64 - kObjects))) return bits;
-    return bits | BitsRejectedStaged<Shape, kObjects, kStage + 1>(d, planes, i,
-                                                                  query...);
-  }
-}
-
-// One word: objects i ... i + 63.
-template <class Shape, class D, typename T, class... V>
-HWY_INLINE uint64_t WordRejected(D d, const T* const* planes, size_t i,
-                                 V... query) {
-  constexpr bool kFlat = Shape::kOrder.stage_ends.size() == 1;
-  // A gate sees one vector, but not fewer than 16 objects.
-  constexpr size_t kGate = kFlat ? kWordObjects : 16;
-  const size_t gate = HWY_MAX(kGate, hn::Lanes(d));
-  uint64_t word = 0;
-  if (gate == kGate) {
-    for (size_t l = 0; l < kWordObjects; l += kGate) {
-      word |= BitsRejectedStaged<Shape, kGate>(d, planes, i + l, query...) << l;
-    }
-  } else {
-    word = BitsRejectedStaged<Shape, kWordObjects>(d, planes, i, query...);
-  }
-  return word;
 }
 
 // The last word: `count` objects from i on, 0 < count < 64, with nothing read
@@ -166,15 +147,113 @@ HWY_INLINE uint64_t TailRejected(D d, const T* const* planes, size_t i,
   return word | (~uint64_t{0} << count);
 }
 
+// Every plane for every object: words go to the sink as they are made. Returns
+// false when the sink has enough.
+template <class Shape, class Sink, class D, typename T, class... V>
+HWY_INLINE bool ScanWordsFlat(D d, const T* const* planes, size_t words,
+                              Sink& sink, V... query) {
+  constexpr size_t kPlanes = Shape::kOrder.planes.size();
+  for (size_t w = 0; w < words; ++w) {
+    const size_t i = w * kWordObjects;
+    if (!sink.Take(i, BitsRejected<Shape, kWordObjects, 0, kPlanes>(
+                          d, planes, i, query...))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// The groups of a tile that are not yet all rejected, by offset of their first
+// object, and the rejections so far.
+struct Tile {
+  // 4096 objects: the list and the words stay in L1, and the branches that end
+  // the loops over them cost little per object.
+  static constexpr size_t kWords = 64;
+
+  uint64_t words[kWords];
+  uint16_t live[kWords * kWordObjects / 4];
+  size_t live_count = 0;
+
+  // Keeps a group on the list iff one of its objects is left. No branch: which
+  // groups survive cannot be predicted, and a mispredicted branch costs more
+  // than a whole vector's test (measured: 4 times slower than flat).
+  template <size_t kGroup>
+  HWY_INLINE void AppendIfLive(size_t offset) {
+    constexpr uint64_t kAll = ~uint64_t{0} >> (kWordObjects - kGroup);
+    const uint64_t word = words[offset / kWordObjects];
+    live[live_count] = static_cast<uint16_t>(offset);
+    live_count += ((word >> (offset % kWordObjects)) & kAll) != kAll;
+  }
+};
+
+// Stage kStage and those after it, for the live groups only.
+template <class Shape, size_t kGroup, size_t kStage, class D, typename T,
+          class... V>
+HWY_INLINE void TestLiveGroups(D d, const T* const* planes, size_t first,
+                               Tile& tile, V... query) {
+  constexpr size_t kBegin = Shape::kOrder.stage_ends[kStage - 1];
+  constexpr size_t kEnd = Shape::kOrder.stage_ends[kStage];
+  constexpr bool kLast = kStage + 1 == Shape::kOrder.stage_ends.size();
+  const size_t count = tile.live_count;
+  tile.live_count = 0;
+  for (size_t j = 0; j < count; ++j) {
+    const size_t offset = tile.live[j];
+    tile.words[offset / kWordObjects] |=
+        BitsRejected<Shape, kGroup, kBegin, kEnd>(d, planes, first + offset,
+                                                  query...)
+        << (offset % kWordObjects);
+    if constexpr (!kLast) tile.AppendIfLive<kGroup>(offset);
+  }
+  if constexpr (!kLast) {
+    TestLiveGroups<Shape, kGroup, kStage + 1>(d, planes, first, tile, query...);
+  }
+}
+
+// Stage after stage over a tile of words; a stage sees only the groups that the
+// stages before it left.
+template <class Shape, class Sink, class D, typename T, class... V>
+HWY_INLINE bool ScanWordsStaged(D d, const T* const* planes, size_t words,
+                                Sink& sink, V... query) {
+#if HWY_HAVE_SCALABLE
+  // A group must hold a whole vector, whose length is not known here.
+  constexpr size_t kGroup = kWordObjects;
+#else
+  constexpr size_t kGroup = HWY_MAX(Shape::kGroup, hn::MaxLanes(D()));
+#endif
+  Tile tile;
+  for (size_t begin = 0; begin < words; begin += Tile::kWords) {
+    const size_t tile_words = HWY_MIN(Tile::kWords, words - begin);
+    const size_t first = begin * kWordObjects;
+    tile.live_count = 0;
+    for (size_t w = 0; w < tile_words; ++w) {
+      tile.words[w] =
+          BitsRejected<Shape, kWordObjects, 0, Shape::kOrder.stage_ends[0]>(
+              d, planes, first + w * kWordObjects, query...);
+      for (size_t g = 0; g < kWordObjects; g += kGroup) {
+        tile.AppendIfLive<kGroup>(w * kWordObjects + g);
+      }
+    }
+    TestLiveGroups<Shape, kGroup, 1>(d, planes, first, tile, query...);
+    for (size_t w = 0; w < tile_words; ++w) {
+      if (!sink.Take(first + w * kWordObjects, tile.words[w])) return false;
+    }
+  }
+  return true;
+}
+
 template <class Shape, class Sink, typename T, class... V>
 HWY_INLINE void ScanWith(const T* const* planes, size_t size, Sink& sink,
                          V... query) {
   const WordTag<T> d;
-  size_t i = 0;
-  for (; i + kWordObjects <= size; i += kWordObjects) {
-    if (!sink.Take(i, WordRejected<Shape>(d, planes, i, query...))) return;
+  const size_t words = size / kWordObjects;
+  bool more;
+  if constexpr (Shape::kOrder.stage_ends.size() == 1) {
+    more = ScanWordsFlat<Shape>(d, planes, words, sink, query...);
+  } else {
+    more = ScanWordsStaged<Shape>(d, planes, words, sink, query...);
   }
-  if (i < size) {
+  const size_t i = words * kWordObjects;
+  if (more && i < size) {
     sink.Take(i, TailRejected<Shape>(d, planes, i, size - i, query...));
   }
 }

@@ -1,0 +1,129 @@
+#include "bench/measure.h"
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+
+namespace halfspace::bench {
+namespace {
+
+double QuantileOf(std::vector<double> values, double quantile) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  const double at = quantile * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(at);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  const double part = at - static_cast<double>(below);
+  return values[below] * (1.0 - part) + values[above] * part;
+}
+
+double SecondsOf(const std::function<void()>& run) {
+  const auto start = std::chrono::steady_clock::now();
+  run();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+// Fixed in advance, so that the whole run takes a time that can be told. The
+// second call is the warm one.
+std::size_t IterationsFor(const Case& c, double seconds) {
+  SecondsOf(c.run);
+  const double once = std::max(SecondsOf(c.run), 1e-9);
+  return static_cast<std::size_t>(
+      std::clamp(std::ceil(seconds / once), 1.0, 1e9));
+}
+
+// Collects the repetitions; the name of each benchmark is the case's index.
+class Collector : public benchmark::BenchmarkReporter {
+ public:
+  Collector(const std::vector<Case>& cases, std::vector<Timing>& timings)
+      : cases_(cases), timings_(timings) {}
+
+  bool ReportContext(const Context& /*context*/) override { return true; }
+
+  void ReportRuns(const std::vector<Run>& runs) override {
+    for (const Run& run : runs) {
+      if (run.run_type != Run::RT_Iteration) continue;
+      const std::size_t index = std::stoul(run.run_name.function_name);
+      const double seconds = run.real_accumulated_time;
+      timings_[index].iterations = static_cast<std::size_t>(run.iterations);
+      timings_[index].samples.push_back(
+          seconds * 1e9 /
+          (static_cast<double>(run.iterations) * cases_[index].items));
+    }
+  }
+
+ private:
+  const std::vector<Case>& cases_;
+  std::vector<Timing>& timings_;
+};
+
+// Google Benchmark takes its settings from a command line only.
+void InitializeOnce() {
+  static const bool initialized = [] {
+    std::array<std::string, 2> words = {
+        "cpuinfo-bench", "--benchmark_enable_random_interleaving=true"};
+    std::array<char*, 3> argv = {words[0].data(), words[1].data(), nullptr};
+    int argc = 2;
+    benchmark::Initialize(&argc, argv.data());
+    return true;
+  }();
+  (void)initialized;
+}
+
+}  // namespace
+
+double Timing::Median() const { return QuantileOf(samples, 0.5); }
+
+Ratio RatioOf(const Timing& numerator, const Timing& denominator) {
+  std::vector<double> ratios;
+  const std::size_t count =
+      std::min(numerator.samples.size(), denominator.samples.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    ratios.push_back(numerator.samples[i] / denominator.samples[i]);
+  }
+  return {QuantileOf(ratios, 0.5), QuantileOf(ratios, 0.25),
+          QuantileOf(ratios, 0.75)};
+}
+
+void KeepResult(std::uint32_t result) { benchmark::DoNotOptimize(result); }
+
+std::vector<Timing> Measure(const std::vector<Case>& cases,
+                            const Effort& effort, Progress& progress) {
+  InitializeOnce();
+  std::vector<Timing> timings(cases.size());
+  // Checking and calibrating a case takes about as long as one repetition.
+  const double steps =
+      static_cast<double>(cases.size() * (effort.repetitions + 1));
+  double steps_done = 0.0;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const Case& c = cases[i];
+    timings[i].name = c.name;
+    timings[i].items = c.items;
+    if (c.check) {
+      if (const std::string wrong = c.check(); !wrong.empty()) {
+        throw WrongAnswer(c.name + ": " + wrong);
+      }
+    }
+    benchmark::RegisterBenchmark(
+        std::to_string(i).c_str(),
+        [&c, &progress, &steps_done, steps](benchmark::State& state) {
+          for (auto _ : state) c.run();
+          progress.Update(++steps_done / steps);
+        })
+        ->Iterations(static_cast<benchmark::IterationCount>(
+            IterationsFor(c, effort.seconds_per_repetition)))
+        ->Repetitions(static_cast<int>(effort.repetitions))
+        ->UseRealTime();
+    progress.Update(++steps_done / steps);
+  }
+  Collector collector(cases, timings);
+  benchmark::RunSpecifiedBenchmarks(&collector);
+  benchmark::ClearRegisteredBenchmarks();
+  return timings;
+}
+
+}  // namespace halfspace::bench

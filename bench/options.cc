@@ -1,0 +1,99 @@
+#include "bench/options.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <map>
+
+#include "halfspace/targets.h"
+#include "halfspace/version.h"
+
+namespace halfspace::bench {
+namespace {
+
+// A scene of more would not fit the 32-bit indices of the library, nor most
+// machines.
+constexpr std::size_t kMostObjects = std::size_t{1} << 30;
+constexpr std::size_t kMostQueries = std::size_t{1} << 20;
+constexpr std::size_t kMostRepetitions = 1000;
+
+std::string SupportedTargetNames() {
+  std::string names;
+  for (Target target : SupportedTargets()) {
+    if (!names.empty()) names += ", ";
+    names += target.name();
+  }
+  return names;
+}
+
+std::string CheckTarget(const std::string& name) {
+  if (FindTarget(name)) return {};
+  return "\"" + name + "\" is not supported here; choose one of " +
+         SupportedTargetNames();
+}
+
+}  // namespace
+
+bool BenchOptions::Wants(std::string_view section) const {
+  return only.empty() ||
+         std::find(only.begin(), only.end(), section) != only.end();
+}
+
+std::optional<int> ParseOptions(int argc, char** argv, BenchOptions& options) {
+  CLI::App app{
+      "Measures on this machine when a bounding simplex rejects faster than a "
+      "box,\nand when it does not."};
+  app.name("cpuinfo-bench");
+  app.set_version_flag("--version",
+                       std::string("cpuinfo-bench ") + HALFSPACE_VERSION_STRING,
+                       "Print the version and exit");
+  app.add_flag("--quick", options.is_quick,
+               "A smaller scene and fewer repetitions: under 40 seconds");
+  const std::vector<std::string> sections(kSections.begin(), kSections.end());
+  app.add_option("--only", options.only,
+                 "Only these sections, separated by commas (see --list)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(sections))
+      ->type_name("SECTION,...");
+  auto* mesh = app.add_option("--mesh", options.mesh,
+                              "Measure on the triangles of an OBJ file")
+                   ->type_name("FILE.obj");
+  app.add_option("--bounds", options.bounds,
+                 "Measure on boxes: rows minx,miny,minz,maxx,maxy,maxz")
+      ->type_name("FILE.csv")
+      ->excludes(mesh);
+  app.add_option("--objects", options.objects,
+                 "Objects in the scene (default 4194304)")
+      ->check(CLI::Range(std::size_t{64}, kMostObjects))
+      ->type_name("N");
+  app.add_option("--queries", options.queries,
+                 "Queries (default 128; 256 or a few more with a file)")
+      ->check(CLI::Range(std::size_t{1}, kMostQueries))
+      ->type_name("N");
+  app.add_option("--seed", options.seed, "Seed of the scene (default 1)")
+      ->type_name("N");
+  app.add_option("--target", options.target,
+                 "Measure this target only: " + SupportedTargetNames())
+      ->check(CheckTarget)
+      ->type_name("NAME");
+  app.add_option("--repetitions", options.repetitions,
+                 "Repetitions of every measurement (default 7, quick 3)")
+      ->check(CLI::Range(std::size_t{1}, kMostRepetitions))
+      ->type_name("N");
+  const std::map<std::string, Format> formats = {{"text", Format::kText},
+                                                 {"json", Format::kJson}};
+  app.add_option("--format", options.format, "text (default) or json")
+      ->transform(CLI::CheckedTransformer(formats))
+      ->type_name("text|json");
+  app.add_option("--out", options.out, "Write the results to this file")
+      ->type_name("FILE");
+  app.add_flag("--list", options.is_list, "List the sections and exit");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kExitOk : kExitUsage;
+  }
+  return std::nullopt;
+}
+
+}  // namespace halfspace::bench

@@ -1,0 +1,48 @@
+// The command line of cpuinfo-bench.
+#ifndef HALFSPACE_BENCH_OPTIONS_H_
+#define HALFSPACE_BENCH_OPTIONS_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace halfspace::bench {
+
+inline constexpr std::array<std::string_view, 7> kSections = {
+    "machine", "check", "table1", "crossover", "kernels", "quality", "verdict"};
+
+enum class Format { kText, kJson };
+
+struct BenchOptions {
+  bool is_quick = false;
+  std::vector<std::string> only;  // empty: all sections
+  std::string mesh;
+  std::string bounds;
+  std::size_t objects = 0;  // 0: the default of the run
+  std::size_t queries = 0;
+  std::uint64_t seed = 1;
+  std::string target;  // empty: all
+  std::size_t repetitions = 0;
+  Format format = Format::kText;
+  std::string out;
+  bool is_list = false;
+
+  bool Wants(std::string_view section) const;
+};
+
+inline constexpr int kExitOk = 0;
+inline constexpr int kExitWrongAnswer = 1;
+inline constexpr int kExitUsage = 2;
+inline constexpr int kExitBadInput = 3;
+
+// Fills `options`, or says with which code to exit: help, version or a usage
+// error has been printed then.
+std::optional<int> ParseOptions(int argc, char** argv, BenchOptions& options);
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_OPTIONS_H_

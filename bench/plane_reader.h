@@ -1,0 +1,30 @@
+// Reads planes and does nothing else: the ceiling of a kernel whose world
+// streams from memory.
+#ifndef HALFSPACE_BENCH_PLANE_READER_H_
+#define HALFSPACE_BENCH_PLANE_READER_H_
+
+#include <cstddef>
+#include <cstdint>
+
+#include "halfspace/targets.h"
+
+namespace halfspace::bench {
+
+enum class ReadOrder {
+  kPlaneByPlane,  // one stream after the other
+  kAllAtOnce,     // as a flat kernel reads: a word of each plane in turn
+};
+
+// Reads `size` floats, a multiple of 64, of each of 4, 6 or 8 planes. The
+// result depends on every byte, so that no read can be left out.
+using PlaneReader = std::uint32_t (*)(ReadOrder order,
+                                      const float* const* planes,
+                                      std::size_t plane_count,
+                                      std::size_t size);
+
+// Of a supported target.
+PlaneReader PlaneReaderFor(Target target);
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_PLANE_READER_H_

@@ -1,0 +1,118 @@
+// What each section found out: plain data, from which the text report, the JSON
+// report and the verdict are made.
+#ifndef HALFSPACE_BENCH_RESULTS_H_
+#define HALFSPACE_BENCH_RESULTS_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/machine.h"
+#include "bench/measure.h"
+#include "bench/work_count.h"
+
+namespace halfspace::bench {
+
+// One number for each shape.
+template <typename T>
+struct PerShape {
+  T aabb{};
+  T simplex{};
+  T aabo{};
+};
+
+struct MachineResult {
+  Machine machine;
+  Build build;
+  std::vector<std::string> compiled;
+  std::vector<std::string> supported;
+  std::string chosen;
+  std::string why_chosen;
+};
+
+struct CheckResult {
+  std::vector<std::string> targets;
+  std::size_t objects = 0;
+  std::size_t queries = 0;
+  std::size_t masks = 0;  // how many were compared, bit for bit
+};
+
+struct Table1Result {
+  std::size_t objects = 0;
+  std::size_t queries = 0;
+  std::uint64_t seed = 0;
+  WorkCount work;
+  PerShape<std::size_t> accepts;
+};
+
+// ns per object of each shape in one setting; a shape without that schedule
+// has none.
+struct CrossoverRow {
+  std::string target;
+  std::size_t lanes = 0;
+  std::string working_set;
+  std::string schedule;          // "every-plane", "flat" or "staged"
+  std::optional<std::size_t> w;  // the gate's width, for "every-plane"
+  PerShape<std::optional<double>> ns;
+  std::optional<Ratio> simplex_over_aabb;
+};
+
+struct WStar {
+  std::string target;
+  std::size_t lanes = 0;
+  std::string working_set;
+  std::optional<double> w_star;  // empty: no crossover
+  bool is_at_most = false;  // the simplex led at the narrowest gate already
+};
+
+struct CrossoverResult {
+  std::vector<CrossoverRow> rows;
+  std::vector<WStar> w_stars;
+  std::vector<std::string> not_reached;  // working sets, with the reason
+};
+
+struct KernelRow {
+  std::string shape;
+  std::string target;
+  std::string schedule;
+  std::string working_set;
+  std::size_t objects = 0;
+  double ns_per_object = 0.0;
+  double gigabytes_per_second = 0.0;  // of the shape's whole records
+  double percent_of_read = 0.0;       // of reading the same bytes
+};
+
+struct KernelsResult {
+  std::vector<KernelRow> rows;
+  std::vector<std::string> not_reached;
+};
+
+struct QualityResult {
+  std::string workload;
+  std::size_t objects = 0;
+  std::size_t queries = 0;
+  PerShape<std::size_t> survivors;
+};
+
+struct VerdictResult {
+  std::array<std::string, 3> sentences;
+};
+
+struct Results {
+  MachineResult context;  // always known, whatever sections run
+  std::optional<MachineResult> machine;
+  std::optional<CheckResult> check;
+  std::optional<Table1Result> table1;
+  std::optional<CrossoverResult> crossover;
+  std::optional<KernelsResult> kernels;
+  std::optional<QualityResult> quality;
+  std::optional<VerdictResult> verdict;
+  std::vector<Timing> timings;  // everything that was timed
+};
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_RESULTS_H_

@@ -1,0 +1,90 @@
+#include "bench/scene.h"
+
+#include <array>
+#include <cstddef>
+#include <random>
+#include <vector>
+
+#include "halfspace/fit.h"
+
+namespace halfspace::bench {
+namespace {
+
+constexpr std::size_t kClouds = 100;
+constexpr std::size_t kFewestPoints = 50;
+constexpr std::size_t kMostPoints = 64;
+constexpr float kHalfCube = 50.0f;
+
+using Cloud = std::vector<std::array<float, 3>>;
+
+// Of std::, only the engine gives the same numbers everywhere; distributions
+// are up to the implementation.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+
+  // Uniform in [-1, 1), a multiple of 2^-23.
+  float Signed() {
+    return static_cast<float>(engine_() >> 40) * 0x1p-23f - 1.0f;
+  }
+  std::size_t Below(std::size_t count) { return engine_() % count; }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+std::array<float, 3> PointInUnitBall(Random& random) {
+  for (;;) {
+    const std::array<float, 3> p = {random.Signed(), random.Signed(),
+                                    random.Signed()};
+    const double x = p[0];
+    const double y = p[1];
+    const double z = p[2];
+    if (x * x + y * y + z * z <= 1.0) return p;
+  }
+}
+
+std::vector<Cloud> MakeClouds(Random& random) {
+  std::vector<Cloud> clouds(kClouds);
+  for (Cloud& cloud : clouds) {
+    cloud.resize(kFewestPoints + random.Below(kMostPoints - kFewestPoints + 1));
+    for (std::array<float, 3>& point : cloud) point = PointInUnitBall(random);
+  }
+  return clouds;
+}
+
+Aabo3 BoundMovedCloud(const Cloud& cloud, Random& random) {
+  const std::array<float, 3> to = {kHalfCube * random.Signed(),
+                                   kHalfCube * random.Signed(),
+                                   kHalfCube * random.Signed()};
+  std::array<float, 3 * kMostPoints> moved;
+  std::size_t n = 0;
+  for (const std::array<float, 3>& point : cloud) {
+    for (std::size_t k = 0; k < 3; ++k) moved[n++] = point[k] + to[k];
+  }
+  return BoundPoints(Points3{moved.data(), cloud.size()});
+}
+
+}  // namespace
+
+Workload MakeScene(std::size_t objects, std::size_t queries, std::uint64_t seed,
+                   const std::function<void(double)>& progress) {
+  constexpr std::size_t kReport = 1 << 14;
+  Random random(seed);
+  const std::vector<Cloud> clouds = MakeClouds(random);
+  Workload scene{"scene", {}, {}};
+  scene.objects.Reserve(objects);
+  for (std::size_t i = 0; i < objects; ++i) {
+    if (i % kReport == 0) {
+      progress(static_cast<double>(i) / static_cast<double>(objects));
+    }
+    scene.objects.Push(BoundMovedCloud(clouds[random.Below(kClouds)], random));
+  }
+  for (std::size_t i = 0; i < queries; ++i) {
+    scene.queries.push_back(
+        BoundMovedCloud(clouds[random.Below(kClouds)], random));
+  }
+  return scene;
+}
+
+}  // namespace halfspace::bench

@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <optional>
+#include <string>
+
+#include "bench/sections.h"
+#include "bench/text_table.h"
+
+namespace halfspace::bench {
+namespace {
+
+// A shape's fastest schedule in one working set.
+struct Best {
+  double ns = 0.0;
+  std::string schedule;
+};
+
+std::optional<Best> BestOf(const KernelsResult& kernels, const char* shape,
+                           const std::string& target,
+                           const std::string& working_set) {
+  std::optional<Best> best;
+  for (const KernelRow& row : kernels.rows) {
+    if (row.shape != shape || row.target != target ||
+        row.working_set != working_set) {
+      continue;
+    }
+    if (!best || row.ns_per_object < best->ns) {
+      best = Best{row.ns_per_object, row.schedule};
+    }
+  }
+  return best;
+}
+
+struct BestShapes {
+  Best aabb;
+  Best simplex;
+  Best aabo;
+};
+
+std::optional<BestShapes> BestShapesOf(const KernelsResult& kernels,
+                                       const std::string& target,
+                                       const std::string& working_set) {
+  const auto aabb = BestOf(kernels, "aabb", target, working_set);
+  const auto simplex = BestOf(kernels, "simplex", target, working_set);
+  const auto aabo = BestOf(kernels, "aabo", target, working_set);
+  if (!aabb || !simplex || !aabo) return std::nullopt;
+  return BestShapes{*aabb, *simplex, *aabo};
+}
+
+// Differences below this are noise on a shared machine.
+constexpr double kTie = 0.03;
+
+std::string SpeedIn(const std::string& working_set, const BestShapes& best) {
+  const double ratio = best.simplex.ns / best.aabb.ns;
+  std::string text = "in " + working_set + " ";
+  if (ratio < 1.0 - kTie) {
+    text += "the simplex is " + Fixed(1.0 / ratio, 2) + " times as fast as ";
+  } else if (ratio > 1.0 + kTie) {
+    text += "the box wins: the simplex is only " + Fixed(1.0 / ratio, 2) +
+            " times as fast as ";
+  } else {
+    text += "the simplex is as fast as ";
+  }
+  return text + "the AABB (" + Fixed(best.simplex.ns, 3) + " against " +
+         Fixed(best.aabb.ns, 3) + " ns an object, the AABB " +
+         best.aabb.schedule + "), and the AABO takes " +
+         Fixed(best.aabo.ns, 3) + " (" + best.aabo.schedule + ")";
+}
+
+std::string SpeedSentence(const Results& results, const std::string& target) {
+  if (!results.kernels) {
+    return "Speed was not measured: run the section kernels too.";
+  }
+  std::string text;
+  for (const char* set : {"L2", "memory"}) {
+    const auto best = BestShapesOf(*results.kernels, target, set);
+    if (!best) continue;
+    text +=
+        (text.empty() ? "With " + target + ", " : "; ") + SpeedIn(set, *best);
+  }
+  return text.empty() ? "Speed was not measured for " + target + "."
+                      : text + ".";
+}
+
+std::string CrossoverSentence(const Results& results,
+                              const std::string& target) {
+  if (!results.crossover) {
+    return "The crossover was not measured: run the section crossover too.";
+  }
+  for (const WStar& star : results.crossover->w_stars) {
+    if (star.target != target || star.working_set != "L2") continue;
+    const std::string gate =
+        "With an early-out after every half-space, as in the paper, ";
+    if (!star.w_star) {
+      return gate + "the box wins at every width up to 4096 on " + target +
+             " in L2: there is no crossover.";
+    }
+    return gate + "the simplex beats the box from batches of " +
+           (star.is_at_most ? "at most " : "about ") + Fixed(*star.w_star, 0) +
+           " objects on (" + target + ", L2).";
+  }
+  return "The crossover was not measured for " + target + ".";
+}
+
+std::string Times(std::size_t survivors, std::size_t of_aabb) {
+  return Fixed(static_cast<double>(survivors) / static_cast<double>(of_aabb),
+               2);
+}
+
+// What a needless survivor may cost before the faster test no longer pays.
+std::optional<double> BreakEvenNanoseconds(const QualityResult& quality,
+                                           const BestShapes& best) {
+  const double saved_per_object = best.aabb.ns - best.simplex.ns;
+  const double tests = static_cast<double>(quality.objects) *
+                       static_cast<double>(quality.queries);
+  const double more = static_cast<double>(quality.survivors.simplex) -
+                      static_cast<double>(quality.survivors.aabb);
+  if (saved_per_object <= 0.0 || more <= 0.0) return std::nullopt;
+  return saved_per_object * tests / more;
+}
+
+std::string QualitySentence(const Results& results, const std::string& target) {
+  if (!results.quality || results.quality->survivors.aabb == 0) {
+    return "Survivors were not counted: run the section quality too.";
+  }
+  const QualityResult& quality = *results.quality;
+  std::string text = "Of " + quality.workload + " the simplex keeps " +
+                     Times(quality.survivors.simplex, quality.survivors.aabb) +
+                     " and the AABO " +
+                     Times(quality.survivors.aabo, quality.survivors.aabb) +
+                     " times as many objects as the AABB";
+  const auto best = results.kernels
+                        ? BestShapesOf(*results.kernels, target, "L2")
+                        : std::nullopt;
+  if (!best) return text + ".";
+  const auto limit = BreakEvenNanoseconds(quality, *best);
+  if (!limit) {
+    return text +
+           ", and saves no time in L2: use the AABB there, or the AABO where "
+           "survivors are dear.";
+  }
+  return text +
+         ": in L2 the simplex pays while each needless survivor costs "
+         "less than " +
+         Fixed(*limit, 0) +
+         " ns; beyond that use the AABB, or the AABO where survivors are dear.";
+}
+
+}  // namespace
+
+VerdictResult MakeVerdict(const Results& results, Target target) {
+  const std::string name(target.name());
+  return {{SpeedSentence(results, name), CrossoverSentence(results, name),
+           QualitySentence(results, name)}};
+}
+
+}  // namespace halfspace::bench

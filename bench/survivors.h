@@ -1,0 +1,21 @@
+// Survivors of one query, for all three shapes.
+#ifndef HALFSPACE_BENCH_SURVIVORS_H_
+#define HALFSPACE_BENCH_SURVIVORS_H_
+
+#include <cstddef>
+
+#include "bench/results.h"
+#include "halfspace/reject.h"
+
+namespace halfspace::bench {
+
+inline void AddSurvivors(const AaboView3& view, const Aabo3& query,
+                         PerShape<std::size_t>& sums) {
+  sums.aabb += CountSurvivors(view.aabb(), query.aabb()).count;
+  sums.simplex += CountSurvivors(view.simplex(), query.down()).count;
+  sums.aabo += CountSurvivors(view, query).count;
+}
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_SURVIVORS_H_

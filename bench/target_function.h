@@ -1,0 +1,25 @@
+// Finds what a per-target translation unit of the experiments left behind.
+#ifndef HALFSPACE_BENCH_TARGET_FUNCTION_H_
+#define HALFSPACE_BENCH_TARGET_FUNCTION_H_
+
+#include <cstdint>
+
+#include "dispatch/for_each_target.h"
+#include "halfspace/targets.h"
+
+namespace halfspace::bench {
+
+// get(TargetConstant<target>()) of the given target, a function pointer;
+// nullptr if it is not compiled.
+template <typename Function, typename Get>
+Function FunctionOf(Target wanted, const Get& get) {
+  Function found = nullptr;
+  dispatch::ForEachCompiledTarget([&](auto target) {
+    if (wanted.highway_bit() == target()) found = get(target);
+  });
+  return found;
+}
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_TARGET_FUNCTION_H_
