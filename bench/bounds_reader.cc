@@ -18,7 +18,8 @@ using Fields = std::array<std::string_view, kFields>;
 
 std::string_view Trimmed(std::string_view text) {
   text = SkipBlanks(text);
-  return text.substr(0, text.find_last_not_of(kBlanks) + 1);
+  while (!text.empty() && IsBlank(text.back())) text.remove_suffix(1);
+  return text;
 }
 
 Fields Split(std::string_view row) {

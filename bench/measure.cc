@@ -48,7 +48,9 @@ class Collector : public benchmark::BenchmarkReporter {
     for (const Run& run : runs) {
       if (run.run_type != Run::RT_Iteration) continue;
       const std::size_t index = std::stoul(run.run_name.function_name);
-      const double seconds = run.real_accumulated_time;
+      // CPU time of this thread: a kernel never waits, and real time would
+      // count the other programs of a busy machine.
+      const double seconds = run.cpu_accumulated_time;
       timings_[index].iterations = static_cast<std::size_t>(run.iterations);
       timings_[index].samples.push_back(
           seconds * 1e9 /
@@ -72,6 +74,12 @@ void InitializeOnce() {
     return true;
   }();
   (void)initialized;
+}
+
+void CheckAnswer(const Case& c) {
+  if (!c.check) return;
+  const std::string wrong = c.check();
+  if (!wrong.empty()) throw WrongAnswer(c.name + ": " + wrong);
 }
 
 }  // namespace
@@ -99,30 +107,27 @@ std::vector<Timing> Measure(const std::vector<Case>& cases,
   const double steps =
       static_cast<double>(cases.size() * (effort.repetitions + 1));
   double steps_done = 0.0;
+  const auto step = [&] { progress.Update(++steps_done / steps); };
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const Case& c = cases[i];
     timings[i].name = c.name;
     timings[i].items = c.items;
-    if (c.check) {
-      if (const std::string wrong = c.check(); !wrong.empty()) {
-        throw WrongAnswer(c.name + ": " + wrong);
-      }
-    }
-    benchmark::RegisterBenchmark(
-        std::to_string(i).c_str(),
-        [&c, &progress, &steps_done, steps](benchmark::State& state) {
-          for (auto _ : state) c.run();
-          progress.Update(++steps_done / steps);
-        })
+    CheckAnswer(c);
+    benchmark::RegisterBenchmark(std::to_string(i).c_str(),
+                                 [&c, &step](benchmark::State& state) {
+                                   for (auto _ : state) c.run();
+                                   step();
+                                 })
         ->Iterations(static_cast<benchmark::IterationCount>(
             IterationsFor(c, effort.seconds_per_repetition)))
-        ->Repetitions(static_cast<int>(effort.repetitions))
-        ->UseRealTime();
-    progress.Update(++steps_done / steps);
+        ->Repetitions(static_cast<int>(effort.repetitions));
+    step();
+    if (i + 1 == cases.size() || cases[i + 1].group != c.group) {
+      Collector collector(cases, timings);
+      benchmark::RunSpecifiedBenchmarks(&collector);
+      benchmark::ClearRegisteredBenchmarks();
+    }
   }
-  Collector collector(cases, timings);
-  benchmark::RunSpecifiedBenchmarks(&collector);
-  benchmark::ClearRegisteredBenchmarks();
   return timings;
 }
 

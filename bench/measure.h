@@ -1,5 +1,6 @@
-// Timing with Google Benchmark: cases registered in code, run in random
-// interleaving, so that a drifting machine drifts for all of them alike.
+// Timing with Google Benchmark: cases registered in code, those that will be
+// compared run close together and in random interleaving, so that a drifting
+// machine drifts for all of them alike.
 #ifndef HALFSPACE_BENCH_MEASURE_H_
 #define HALFSPACE_BENCH_MEASURE_H_
 
@@ -23,6 +24,9 @@ class WrongAnswer : public std::runtime_error {
 // One thing to time.
 struct Case {
   std::string name;
+
+  // Neighbours of the same group are interleaved with each other.
+  std::string group;
 
   // What one run() works through, so that the time can be given for each:
   // objects times queries, or bytes.
@@ -61,8 +65,8 @@ struct Effort {
 // Makes the compiler believe that a result is used.
 void KeepResult(std::uint32_t result);
 
-// Checks every case, then times them all. The timings are in the order of the
-// cases. Throws WrongAnswer, naming the case.
+// Checks and times the cases, group by group. The timings are in the order of
+// the cases. Throws WrongAnswer, naming the case.
 std::vector<Timing> Measure(const std::vector<Case>& cases,
                             const Effort& effort, Progress& progress);
 

@@ -38,7 +38,8 @@ class Statement {
     rest_ = SkipBlanks(rest_);
     while (rest_ == "\\") Continue();
     if (rest_.empty() || rest_.front() == '#') return std::nullopt;
-    std::string_view field = rest_.substr(0, rest_.find_first_of(kBlanks));
+    std::string_view field(rest_.begin(),
+                           std::find_if(rest_.begin(), rest_.end(), IsBlank));
     field_reaches_backslash_ =
         field.size() == rest_.size() && field.ends_with('\\');
     if (field_reaches_backslash_) field.remove_suffix(1);

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
-#include <map>
 
 #include "halfspace/targets.h"
 #include "halfspace/version.h"
@@ -80,10 +79,9 @@ std::optional<int> ParseOptions(int argc, char** argv, BenchOptions& options) {
                  "Repetitions of every measurement (default 7, quick 3)")
       ->check(CLI::Range(std::size_t{1}, kMostRepetitions))
       ->type_name("N");
-  const std::map<std::string, Format> formats = {{"text", Format::kText},
-                                                 {"json", Format::kJson}};
-  app.add_option("--format", options.format, "text (default) or json")
-      ->transform(CLI::CheckedTransformer(formats))
+  std::string format = "text";
+  app.add_option("--format", format, "text (default) or json")
+      ->check(CLI::IsMember({"text", "json"}))
       ->type_name("text|json");
   app.add_option("--out", options.out, "Write the results to this file")
       ->type_name("FILE");
@@ -93,6 +91,7 @@ std::optional<int> ParseOptions(int argc, char** argv, BenchOptions& options) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kExitOk : kExitUsage;
   }
+  options.format = format == "json" ? Format::kJson : Format::kText;
   return std::nullopt;
 }
 

@@ -63,7 +63,7 @@ Json BenchmarksJson(const std::vector<Timing>& timings) {
                     {"aggregate_name", "median"},
                     {"repetitions", timing.samples.size()},
                     {"iterations", timing.iterations},
-                    {"real_time", nanoseconds},
+                    {"cpu_time", nanoseconds},
                     {"time_unit", "ns"},
                     {"items_per_second", 1e9 / timing.Median()}});
   }

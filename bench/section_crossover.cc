@@ -61,6 +61,8 @@ void AddRow(Plan& plan, CrossoverRow row, std::vector<ShapeKind> shapes,
   for (ShapeKind shape : shapes) {
     Of(planned.cases, shape) = plan.cases.size();
     plan.cases.push_back(make_case(CaseName(planned.row, shape), shape));
+    // The shapes of one row are compared with each other.
+    plan.cases.back().group = std::to_string(plan.rows.size());
   }
   plan.rows.push_back(std::move(planned));
 }

@@ -96,7 +96,8 @@ void TextLines::FailAt(std::size_t line, const std::string& problem,
 }
 
 std::string_view SkipBlanks(std::string_view text) {
-  return text.substr(std::min(text.find_first_not_of(kBlanks), text.size()));
+  while (!text.empty() && IsBlank(text.front())) text.remove_prefix(1);
+  return text;
 }
 
 std::string Quoted(std::string_view text) {

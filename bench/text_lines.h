@@ -39,8 +39,8 @@ class TextLines {
   std::size_t number_ = 0;
 };
 
-// The characters that separate fields within a line, or surround them.
-inline constexpr std::string_view kBlanks = " \t";
+// Whether a character separates fields within a line, or surrounds them.
+constexpr bool IsBlank(char c) { return c == ' ' || c == '\t'; }
 
 // `text` without blanks at its start.
 std::string_view SkipBlanks(std::string_view text);
