@@ -1,7 +1,6 @@
 #include "bench/options.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <iostream>
 
 #include "halfspace/targets.h"
@@ -32,11 +31,6 @@ std::string CheckTarget(const std::string& name) {
 }
 
 }  // namespace
-
-bool BenchOptions::Wants(std::string_view section) const {
-  return only.empty() ||
-         std::find(only.begin(), only.end(), section) != only.end();
-}
 
 std::optional<int> ParseOptions(int argc, char** argv, BenchOptions& options) {
   CLI::App app{

@@ -2,6 +2,7 @@
 #ifndef HALFSPACE_BENCH_OPTIONS_H_
 #define HALFSPACE_BENCH_OPTIONS_H_
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -31,7 +32,10 @@ struct BenchOptions {
   std::string out;
   bool is_list = false;
 
-  bool Wants(std::string_view section) const;
+  bool Wants(std::string_view section) const {
+    return only.empty() ||
+           std::find(only.begin(), only.end(), section) != only.end();
+  }
 };
 
 inline constexpr int kExitOk = 0;

@@ -1,0 +1,90 @@
+// The parts of the JSON report that programs rely on.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/report.h"
+#include "bench/run.h"
+#include "halfspace/targets.h"
+
+namespace halfspace::bench {
+namespace {
+
+using Json = nlohmann::json;
+
+// A real run of everything, as small as it gets.
+const Json& Report() {
+  static const Json report = [] {
+    BenchOptions options;
+    options.is_quick = true;
+    options.only = {"machine",   "check",   "table1",
+                    "crossover", "quality", "verdict"};
+    options.objects = 4096;
+    options.queries = 4;
+    options.repetitions = 1;
+    options.target = std::string(ChosenTarget().name());
+    Progress progress;
+    return Json::parse(ToJson(Run(options, std::nullopt, progress, nullptr)));
+  }();
+  return report;
+}
+
+TEST(ReportJsonTest, HasSchemaContextBenchmarksAndSections) {
+  EXPECT_EQ(Report().at("schema"), 1);
+  EXPECT_TRUE(Report().at("context").at("num_cpus").is_number());
+  EXPECT_FALSE(Report().at("benchmarks").empty());
+  for (const Json& benchmark : Report().at("benchmarks")) {
+    EXPECT_EQ(benchmark.at("time_unit"), "ns");
+    EXPECT_GT(benchmark.at("cpu_time"), 0.0) << benchmark;
+  }
+  EXPECT_FALSE(Report().at("sections").contains("kernels"));
+}
+
+TEST(ReportJsonTest, Table1HasTheFixedForm) {
+  const Json& table = Report().at("sections").at("table1");
+  EXPECT_EQ(table.at("widths"), Json({1, 8, 16, 64, 256, 1024, 4096}));
+  for (const char* shape : {"aabb", "simplex", "aabo"}) {
+    EXPECT_EQ(table.at("half_spaces").at(shape).size(), 7u) << shape;
+    EXPECT_TRUE(table.at("accepts").at(shape).is_number_unsigned()) << shape;
+  }
+}
+
+TEST(ReportJsonTest, QualityHasTheFixedForm) {
+  const Json& quality = Report().at("sections").at("quality");
+  EXPECT_EQ(quality.at("objects"), 4096);
+  EXPECT_EQ(quality.at("queries"), 4);
+  const Json& survivors = quality.at("survivors");
+  EXPECT_GE(survivors.at("simplex"), survivors.at("aabb"));
+  EXPECT_LE(survivors.at("aabo"), survivors.at("aabb"));
+}
+
+TEST(ReportJsonTest, CrossoverRowsHaveTheFixedForm) {
+  const Json& crossover = Report().at("sections").at("crossover");
+  ASSERT_FALSE(crossover.at("rows").empty());
+  for (const Json& row : crossover.at("rows")) {
+    for (const char* key : {"target", "lanes", "working_set", "schedule", "w",
+                            "aabb_ns", "simplex_ns", "aabo_ns"}) {
+      EXPECT_TRUE(row.contains(key)) << key << " in " << row;
+    }
+    EXPECT_TRUE(row.at("aabo_ns").is_number()) << row;
+    EXPECT_EQ(row.at("w").is_number(), row.at("schedule") == "every-plane");
+  }
+  ASSERT_FALSE(crossover.at("targets").empty());
+  for (const Json& target : crossover.at("targets")) {
+    EXPECT_TRUE(target.at("w_star").is_number() ||
+                target.at("w_star").is_null());
+  }
+}
+
+TEST(ReportJsonTest, VerdictHasThreeSentences) {
+  const Json& sentences = Report().at("sections").at("verdict").at("sentences");
+  ASSERT_EQ(sentences.size(), 3u);
+  for (const Json& sentence : sentences) {
+    EXPECT_EQ(sentence.get<std::string>().back(), '.');
+  }
+}
+
+}  // namespace
+}  // namespace halfspace::bench
