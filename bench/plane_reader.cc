@@ -1,7 +1,5 @@
 #include "bench/plane_reader.h"
 
-#include <utility>
-
 #include "bench/target_function.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -46,27 +44,24 @@ uint32_t ReadOnePlane(const float* plane, size_t size) {
   return Fold(d, hn::Add(hn::Add(a, b), hn::Add(c, e)));
 }
 
-template <class D, size_t... kPlane>
-HWY_INLINE hn::Vec<D> ReadAllAt(std::index_sequence<kPlane...>, D d,
-                                const float* const* planes, size_t i) {
-  hn::Vec<D> sum = hn::Zero(d);
-  ((sum = hn::Add(sum, ReadAt(d, planes[kPlane], i))), ...);
-  return sum;
-}
-
-template <size_t kPlanes>
-uint32_t ReadAll(const float* const* planes, size_t size) {
+// 64 floats of each plane in turn, as a flat kernel reads them.
+uint32_t ReadByWord(const float* const* planes, size_t plane_count,
+                    size_t size) {
+  constexpr size_t kWord = 64;
   const ReadTag d;
   const size_t lanes = hn::Lanes(d);
-  constexpr std::make_index_sequence<kPlanes> kAll;
   auto a = hn::Zero(d);
   auto b = hn::Zero(d);
-  size_t i = 0;
-  for (; i + 2 * lanes <= size; i += 2 * lanes) {
-    a = hn::Add(a, ReadAllAt(kAll, d, planes, i));
-    b = hn::Add(b, ReadAllAt(kAll, d, planes, i + lanes));
+  for (size_t i = 0; i < size; i += kWord) {
+    for (size_t p = 0; p < plane_count; ++p) {
+      size_t l = 0;
+      for (; l + 2 * lanes <= kWord; l += 2 * lanes) {
+        a = hn::Add(a, ReadAt(d, planes[p], i + l));
+        b = hn::Add(b, ReadAt(d, planes[p], i + l + lanes));
+      }
+      for (; l < kWord; l += lanes) a = hn::Add(a, ReadAt(d, planes[p], i + l));
+    }
   }
-  for (; i < size; i += lanes) a = hn::Add(a, ReadAllAt(kAll, d, planes, i));
   return Fold(d, hn::Add(a, b));
 }
 
@@ -78,14 +73,7 @@ uint32_t ReadPlanes(bench::ReadOrder order, const float* const* planes,
       sum += ReadOnePlane(planes[p], size);
     return sum;
   }
-  switch (plane_count) {
-    case 4:
-      return ReadAll<4>(planes, size);
-    case 6:
-      return ReadAll<6>(planes, size);
-    default:
-      return ReadAll<8>(planes, size);
-  }
+  return ReadByWord(planes, plane_count, size);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -12,10 +12,10 @@ namespace halfspace::bench {
 
 enum class ReadOrder {
   kPlaneByPlane,  // one stream after the other
-  kAllAtOnce,     // as a flat kernel reads: a word of each plane in turn
+  kByWord,        // 64 floats of each plane in turn, as a flat kernel reads
 };
 
-// Reads `size` floats, a multiple of 64, of each of 4, 6 or 8 planes. The
+// Reads `size` floats, a multiple of 64, of each plane. The
 // result depends on every byte, so that no read can be left out.
 using PlaneReader = std::uint32_t (*)(ReadOrder order,
                                       const float* const* planes,

@@ -34,9 +34,8 @@ Case ReadCase(WorkingSet& set, ShapeKind shape, ReadOrder order) {
   const std::size_t rounds =
       std::max<std::size_t>(1, kObjectsPerRun / set.objects());
   Case c;
-  c.name =
-      "read/" + set.name() + "/" + NameOf(shape) +
-      (order == ReadOrder::kAllAtOnce ? "/all-at-once" : "/plane-by-plane");
+  c.name = "read/" + set.name() + "/" + NameOf(shape) +
+           (order == ReadOrder::kByWord ? "/by-word" : "/plane-by-plane");
   c.items = static_cast<double>(set.objects() * rounds);
   c.run = [read, order, planes = PlanesOf(shape, set.view()),
            objects = set.objects(), rounds] {
@@ -65,8 +64,7 @@ KernelsResult RunKernels(const std::vector<WorkingSet*>& sets,
     for (ShapeKind shape : kShapes) {
       // Every kernel of the shape is compared with reading its planes.
       const std::string group = set->name() + NameOf(shape);
-      for (ReadOrder order :
-           {ReadOrder::kAllAtOnce, ReadOrder::kPlaneByPlane}) {
+      for (ReadOrder order : {ReadOrder::kByWord, ReadOrder::kPlaneByPlane}) {
         reads[{set->name(), NameOf(shape)}].push_back(cases.size());
         cases.push_back(ReadCase(*set, shape, order));
         cases.back().group = group;

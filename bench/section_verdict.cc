@@ -106,16 +106,45 @@ std::string Times(std::size_t survivors, std::size_t of_aabb) {
                2);
 }
 
+// What the simplex is weighed against: the tighter AABO where it costs no more
+// than the AABB.
+struct Rival {
+  std::string name;
+  double ns = 0.0;
+  std::size_t survivors = 0;
+};
+
+Rival RivalOf(const QualityResult& quality, const BestShapes& best) {
+  if (best.aabo.ns <= best.aabb.ns * (1.0 + kTie)) {
+    return {"AABO", best.aabo.ns, quality.survivors.aabo};
+  }
+  return {"AABB", best.aabb.ns, quality.survivors.aabb};
+}
+
 // What a needless survivor may cost before the faster test no longer pays.
 std::optional<double> BreakEvenNanoseconds(const QualityResult& quality,
-                                           const BestShapes& best) {
-  const double saved_per_object = best.aabb.ns - best.simplex.ns;
+                                           const BestShapes& best,
+                                           const Rival& rival) {
+  const double saved_per_object = rival.ns - best.simplex.ns;
   const double tests = static_cast<double>(quality.objects) *
                        static_cast<double>(quality.queries);
   const double more = static_cast<double>(quality.survivors.simplex) -
-                      static_cast<double>(quality.survivors.aabb);
+                      static_cast<double>(rival.survivors);
   if (saved_per_object <= 0.0 || more <= 0.0) return std::nullopt;
   return saved_per_object * tests / more;
+}
+
+std::string AdviceFor(const QualityResult& quality, const BestShapes& best) {
+  const Rival rival = RivalOf(quality, best);
+  const auto limit = BreakEvenNanoseconds(quality, best, rival);
+  const std::string use =
+      rival.name == "AABO"
+          ? "use the AABO, which costs no more than the AABB and is tighter"
+          : "use the AABB, or the AABO where survivors are dear";
+  if (!limit) return ", and saves no time in L2: " + use + ".";
+  return ": in L2 the simplex pays while each needless survivor costs less "
+         "than " +
+         Fixed(*limit, 0) + " ns; beyond that " + use + ".";
 }
 
 std::string QualitySentence(const Results& results, const std::string& target) {
@@ -123,26 +152,15 @@ std::string QualitySentence(const Results& results, const std::string& target) {
     return "Survivors were not counted: run the section quality too.";
   }
   const QualityResult& quality = *results.quality;
-  std::string text = "Of " + quality.workload + " the simplex keeps " +
-                     Times(quality.survivors.simplex, quality.survivors.aabb) +
-                     " and the AABO " +
-                     Times(quality.survivors.aabo, quality.survivors.aabb) +
-                     " times as many objects as the AABB";
+  const std::string text =
+      "Of " + quality.workload + " the simplex keeps " +
+      Times(quality.survivors.simplex, quality.survivors.aabb) +
+      " and the AABO " + Times(quality.survivors.aabo, quality.survivors.aabb) +
+      " times as many objects as the AABB";
   const auto best = results.kernels
                         ? BestShapesOf(*results.kernels, target, "L2")
                         : std::nullopt;
-  if (!best) return text + ".";
-  const auto limit = BreakEvenNanoseconds(quality, *best);
-  if (!limit) {
-    return text +
-           ", and saves no time in L2: use the AABB there, or the AABO where "
-           "survivors are dear.";
-  }
-  return text +
-         ": in L2 the simplex pays while each needless survivor costs "
-         "less than " +
-         Fixed(*limit, 0) +
-         " ns; beyond that use the AABB, or the AABO where survivors are dear.";
+  return text + (best ? AdviceFor(quality, *best) : ".");
 }
 
 }  // namespace
