@@ -1,30 +1,44 @@
 # Highway: the system's package first, else a pinned release.
 #
 # By hand from a local checkout:
-#   cmake -DCMAKE_DISABLE_FIND_PACKAGE_highway=ON \
-#         -DFETCHCONTENT_SOURCE_DIR_HIGHWAY=<checkout of 1.4.0> ...
+#   cmake -DFETCHCONTENT_SOURCE_DIR_HIGHWAY=<checkout of 1.4.0> ...
 
 include(FetchContent)
 
-# A subproject in our build must not bring its tests, nor install itself.
-foreach(option TESTS EXAMPLES CONTRIB INSTALL)
-  set(HWY_ENABLE_${option} OFF CACHE BOOL "" FORCE)
-endforeach()
-
+# GLOBAL: a project that includes this one links our static library, hence
+# Highway, in a directory of its own.
 FetchContent_Declare(highway
   GIT_REPOSITORY https://github.com/google/highway.git
   GIT_TAG 2607d3b5b0113992fe84d3848859eae13b3b52c1  # 1.4.0
-  FIND_PACKAGE_ARGS 1.0.3 NAMES hwy CONFIG)
-FetchContent_MakeAvailable(highway)
+  FIND_PACKAGE_ARGS 1.0.3 NAMES hwy CONFIG GLOBAL)
 
-if(highway_FOUND)
+# A bundled Highway brings neither tests nor install rules, and is static. Its
+# options are ordinary variables of this block, which the two policies make it
+# honour: the cache belongs to the user and to other users of Highway.
+block(PROPAGATE highway_VERSION)
+  set(CMAKE_POLICY_DEFAULT_CMP0077 NEW)
+  set(CMAKE_POLICY_DEFAULT_CMP0126 NEW)
+  foreach(option TESTS EXAMPLES CONTRIB INSTALL)
+    set(HWY_ENABLE_${option} OFF)
+  endforeach()
+  set(HWY_FORCE_STATIC_LIBS ON)
+  set(BUILD_TESTING OFF)
+  FetchContent_MakeAvailable(highway)
+endblock()
+
+if(TARGET hwy)
+  set(HALFSPACE_BUNDLES_HIGHWAY ON)
+  set_target_properties(hwy PROPERTIES
+    POSITION_INDEPENDENT_CODE ON
+    CXX_VISIBILITY_PRESET hidden
+    VISIBILITY_INLINES_HIDDEN ON)
+  get_target_property(highway_sources hwy SOURCE_DIR)
+  set_property(DIRECTORY "${highway_sources}" PROPERTY EXCLUDE_FROM_ALL ON)
+  message(STATUS "halfspace: bundling Highway from ${highway_sources}")
+else()
   set(HALFSPACE_BUNDLES_HIGHWAY OFF)
   message(STATUS "halfspace: Highway ${highway_VERSION} of the system; "
                  "the bundled release is skipped")
-else()
-  set(HALFSPACE_BUNDLES_HIGHWAY ON)
-  set_target_properties(hwy PROPERTIES POSITION_INDEPENDENT_CODE ON)
-  message(STATUS "halfspace: Highway is not installed; bundling 1.4.0")
 endif()
 
 # For every target that contains per-target code: all must see the same list of
@@ -38,13 +52,16 @@ function(halfspace_use_highway target)
       HWY_COMPILE_ALL_ATTAINABLE HWY_WANT_AVX3_DL)
   endif()
   if(HALFSPACE_BUNDLES_HIGHWAY)
-    # Its objects become ours: one self-contained archive.
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:hwy>)
-    get_target_property(type ${target} TYPE)
-    if(type STREQUAL "STATIC_LIBRARY")
-      target_sources(${target} PRIVATE $<TARGET_OBJECTS:hwy>)
-    endif()
   else()
     target_link_libraries(${target} PRIVATE hwy::hwy)
+  endif()
+endfunction()
+
+# For a static library that is installed: the objects of a bundled Highway
+# become its own, and make it one self-contained archive.
+function(halfspace_embed_highway target)
+  if(HALFSPACE_BUNDLES_HIGHWAY)
+    target_sources(${target} PRIVATE $<TARGET_OBJECTS:hwy>)
   endif()
 endfunction()

@@ -4,8 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <string>
 
+#include "kernels/default_fp_mode.h"
 #include "kernels/error.h"
 #include "kernels/outward.h"
 
@@ -60,19 +63,9 @@ class DRange {
 };
 
 template <int kDims>
-Aabo<kDims> Finish(const Aabo<kDims>& bound, bool is_everything,
-                   FitStatus* status) {
-  if (status != nullptr) {
-    if (is_everything && status->everything++ == 0) {
-      status->first_everything = status->calls;
-    }
-    ++status->calls;
-  }
-  return is_everything ? Aabo<kDims>::Everything() : bound;
-}
-
-template <int kDims>
 void CheckPoints(const Points<kDims>& points) {
+  constexpr std::size_t kMostFloats =
+      std::numeric_limits<std::size_t>::max() / sizeof(float);
   if (points.coords == nullptr) {
     kernels::ThrowInvalid("BoundPoints", "points.coords",
                           std::to_string(points.count) + " points",
@@ -82,21 +75,41 @@ void CheckPoints(const Points<kDims>& points) {
     kernels::ThrowInvalid("BoundPoints", "points.coords",
                           "a pointer aligned to float", "a misaligned one");
   }
+  // (count - 1) * stride + kDims floats, without overflow.
+  const bool fits = points.stride == 0 ||
+                    points.count - 1 <= (kMostFloats - kDims) / points.stride;
+  if (!fits) {
+    kernels::ThrowInvalid("BoundPoints", "points.count",
+                          "points that fit the address space with stride " +
+                              std::to_string(points.stride),
+                          std::to_string(points.count));
+  }
 }
 
-}  // namespace
-
 template <int kDims>
-Aabo<kDims> BoundPoints(const Points<kDims>& points, FitStatus* status) {
+void CheckAabb(const Aabb<kDims>& box) {
+  for (int k = 0; k < kDims; ++k) {
+    if (box.min[k] > box.max[k]) {
+      const std::string axis = "[" + std::to_string(k) + "]";
+      kernels::ThrowInvalid(
+          "BoundAabb", "box", "min" + axis + " not above max" + axis,
+          std::to_string(box.min[k]) + " and " + std::to_string(box.max[k]));
+    }
+  }
+}
+
+// The arithmetic, for checked arguments and in the default mode. Nothing if a
+// point cannot be bounded.
+template <int kDims>
+[[gnu::noinline]] std::optional<Aabo<kDims>> TryPoints(
+    const Points<kDims>& points) {
   Aabo<kDims> bound = Aabo<kDims>::Empty();
-  if (points.count == 0) return Finish(bound, false, status);
-  CheckPoints(points);
   DRange d;
   for (std::size_t i = 0; i < points.count; ++i) {
     const float* coords = points.coords + i * points.stride;
     Point<kDims> point;
     std::copy_n(coords, kDims, point.begin());
-    if (!CanBeBounded<kDims>(point)) return Finish(bound, true, status);
+    if (!CanBeBounded<kDims>(point)) return std::nullopt;
     for (int k = 0; k < kDims; ++k) {
       bound.min[k] = std::min(bound.min[k], coords[k]);
       bound.max[k] = std::max(bound.max[k], coords[k]);
@@ -105,36 +118,58 @@ Aabo<kDims> BoundPoints(const Points<kDims>& points, FitStatus* status) {
   }
   bound.min[kDims] = d.min();
   bound.max[kDims] = d.max();
-  return Finish(bound, false, status);
+  return bound;
+}
+
+template <int kDims>
+[[gnu::noinline]] std::optional<Aabo<kDims>> TryAabb(const Aabb<kDims>& box) {
+  CheckAabb(box);
+  Aabo<kDims> bound;
+  Point<kDims> low;
+  Point<kDims> high;
+  for (int k = 0; k < kDims; ++k) {
+    low[k] = bound.min[k] = box.min[k];
+    high[k] = bound.max[k] = box.max[k];
+  }
+  if (!CanBeBounded<kDims>(low) || !CanBeBounded<kDims>(high)) {
+    return std::nullopt;
+  }
+  // D falls as the coordinates rise: its extremes are at the two corners.
+  bound.min[kDims] = RoundDown(ExactD<kDims>(high));
+  bound.max[kDims] = RoundUp(ExactD<kDims>(low));
+  return bound;
+}
+
+template <int kDims>
+Aabo<kDims> Finish(const std::optional<Aabo<kDims>>& bound, FitStatus* status) {
+  if (status != nullptr) {
+    if (!bound && status->everything++ == 0) {
+      status->first_everything = status->calls;
+    }
+    ++status->calls;
+  }
+  return bound.value_or(Aabo<kDims>::Everything());
+}
+
+}  // namespace
+
+template <int kDims>
+Aabo<kDims> BoundPoints(const Points<kDims>& points, FitStatus* status) {
+  if (points.count == 0) {
+    return Finish<kDims>(Aabo<kDims>::Empty(), status);
+  }
+  CheckPoints(points);
+  const kernels::DefaultFpMode mode;
+  return Finish(TryPoints(points), status);
 }
 
 template <int kDims>
 Aabo<kDims> BoundAabb(const Aabb<kDims>& box, FitStatus* status) {
   if (box == Aabb<kDims>::Empty()) {
-    return Finish(Aabo<kDims>::Empty(), false, status);
+    return Finish<kDims>(Aabo<kDims>::Empty(), status);
   }
-  Aabo<kDims> bound;
-  Point<kDims> low;
-  Point<kDims> high;
-  for (int k = 0; k < kDims; ++k) {
-    if (box.min[k] > box.max[k]) {
-      kernels::ThrowInvalid(
-          "BoundAabb", "box",
-          "min[" + std::to_string(k) + "] not above max[" + std::to_string(k) +
-              "]",
-          std::to_string(box.min[k]) + " and " + std::to_string(box.max[k]));
-    }
-    bound.min[k] = box.min[k];
-    bound.max[k] = box.max[k];
-    low[k] = box.min[k];
-    high[k] = box.max[k];
-  }
-  if (!CanBeBounded<kDims>(low) || !CanBeBounded<kDims>(high)) {
-    return Finish(bound, true, status);
-  }
-  bound.min[kDims] = RoundDown(ExactD<kDims>(high));
-  bound.max[kDims] = RoundUp(ExactD<kDims>(low));
-  return Finish(bound, false, status);
+  const kernels::DefaultFpMode mode;
+  return Finish(TryAabb(box), status);
 }
 
 #define HALFSPACE_INSTANTIATE(dims)                                  \

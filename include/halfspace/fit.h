@@ -16,10 +16,11 @@
 // status counts it.
 //
 // Errors: only those named below, thrown as std::invalid_argument. Thread
-// safety: pure functions. Rounding: correct in the default rounding mode; the
-// library is compiled without fast-math and contraction whatever the caller's
-// flags are. Source: "The Bounding Simplex", for the axes; the outward
-// rounding is this library's own (docs/design.md).
+// safety: pure functions. Rounding: the caller's rounding mode and its flushing
+// of subnormals do not matter, and are as before afterwards; the library is
+// compiled without fast-math and contraction whatever the caller's flags are.
+// Source: "The Bounding Simplex", for the axes; the outward rounding is this
+// library's own (docs/design.md).
 #ifndef HALFSPACE_FIT_H_
 #define HALFSPACE_FIT_H_
 
@@ -52,9 +53,9 @@ struct FitStatus {
 
 // Bounds the convex hull of a point set. No points: Empty(). A point with a
 // NaN, an infinity or |x| + |y| + ... > 2^125: Everything().
-//   Throws if coords is null or misaligned and count > 0.
-//   X, Y, Z exact; D within one unit in the last place of the exact extreme,
-//   and the tightest float for 2 and 3 dimensions.
+//   Throws if, with count > 0, coords is null or misaligned, or the points do
+//   not fit the address space.
+//   X, Y, Z exact; D is the tightest float.
 //   Cost: about 3 ns a point.
 template <int kDims>
 HALFSPACE_API Aabo<kDims> BoundPoints(const Points<kDims>& points,

@@ -2,7 +2,6 @@
 // the environment variable HALFSPACE_MESH_DIR names a folder that holds them.
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cstddef>
 #include <cstdlib>
 #include <ostream>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "bench/mesh_reader.h"
+#include "bench/workload.h"
 #include "halfspace/halfspace.h"
 
 namespace halfspace::bench {
@@ -38,27 +38,6 @@ struct Survivors {
 void PrintTo(const Survivors& survivors, std::ostream* out) {
   *out << "simplex " << survivors.simplex << ", AABB " << survivors.aabb
        << ", AABO " << survivors.aabo;
-}
-
-std::vector<Aabo3> BoundTriangles(const Mesh& mesh) {
-  std::vector<Aabo3> bounds;
-  bounds.reserve(mesh.triangles());
-  for (std::size_t t = 0; t < mesh.triangles(); ++t) {
-    std::array<float, 9> corners;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      const std::size_t vertex = mesh.indices[3 * t + i / 3];
-      corners[i] = mesh.coords[3 * vertex + i % 3];
-    }
-    bounds.push_back(BoundPoints(Points3{corners.data(), 3}));
-  }
-  return bounds;
-}
-
-std::vector<Aabo3> EveryNth(const std::vector<Aabo3>& bounds, std::size_t n) {
-  std::vector<Aabo3> picked;
-  for (std::size_t i = 0; i < bounds.size(); i += n)
-    picked.push_back(bounds[i]);
-  return picked;
 }
 
 Survivors CountAll(const AaboView3& world, const std::vector<Aabo3>& queries,
@@ -90,17 +69,17 @@ TEST_P(RealMesh, HasTheKnownSurvivors) {
   const KnownAnswer& known = GetParam();
   const Mesh mesh = ReadMesh(std::string(folder) + "/" + known.name + ".obj");
   ASSERT_EQ(mesh.triangles(), known.triangles);
-  const std::vector<Aabo3> bounds = BoundTriangles(mesh);
-  const std::vector<Aabo3> queries = EveryNth(bounds, mesh.triangles() / 256);
-  ASSERT_EQ(queries.size(), known.queries);
+  const Workload workload =
+      WorkloadOfTriangles(known.name, mesh.coords, mesh.indices, /*queries=*/0);
+  ASSERT_EQ(workload.queries.size(), known.queries);
 
-  const AaboWorld3 world(bounds);
-  const Survivors survivors = CountAll(world.view(), queries, ChosenTarget());
+  const AaboView3 world = workload.objects.view();
+  const Survivors survivors = CountAll(world, workload.queries, ChosenTarget());
   EXPECT_EQ(survivors.aabb, known.aabb);
   ExpectAtMostOneInAThousandMore(survivors.simplex, known.simplex);
   ExpectAtMostOneInAThousandMore(survivors.aabo, known.aabo);
   for (const Target target : SupportedTargets()) {
-    EXPECT_EQ(CountAll(world.view(), queries, target), survivors)
+    EXPECT_EQ(CountAll(world, workload.queries, target), survivors)
         << target.name();
   }
 }
