@@ -98,6 +98,7 @@ int main(int argc, char** argv) {
   } catch (const InputError& error) {
     return Fail(error.what(), kExitBadInput);
   } catch (const std::bad_alloc&) {
-    return Fail("out of memory; choose fewer --objects or a smaller file", kExitUsage);
+    return Fail("out of memory; choose fewer --objects or a smaller file",
+                kExitUsage);
   }
 }

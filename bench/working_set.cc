@@ -45,7 +45,10 @@ std::vector<WorkingSetSize> WorkingSetSizes(const Machine& machine) {
   const std::size_t available = machine.available_memory == 0
                                     ? std::size_t{1} << 30
                                     : machine.available_memory;
-  if (wanted * kAaboBytes > available / 4) {
+  if (machine.is_emulated) {
+    memory.why_not_reached =
+        "takes long and means nothing where the CPU is emulated";
+  } else if (wanted * kAaboBytes > available / 4) {
     memory.why_not_reached = "needs " + Mebibytes(wanted * kAaboBytes) +
                              ", more than a quarter of the " +
                              Mebibytes(available) + " that are free";

@@ -26,7 +26,7 @@ struct WorkingSetSize {
 
 // The octahedra take at most half of each cache; in "memory" the smallest
 // record, the simplex's, takes four times the last level, or it is not reached
-// because that is more than a quarter of the free memory.
+// because that is more than a quarter of the free memory, or emulated.
 std::vector<WorkingSetSize> WorkingSetSizes(const Machine& machine);
 
 // A world of a given size, a mask to write, and the right answers.

@@ -1,0 +1,74 @@
+// Which sizes are measured on which machine.
+#include "bench/working_set.h"
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <vector>
+
+namespace halfspace::bench {
+namespace {
+
+constexpr std::size_t kKiB = 1024;
+constexpr std::size_t kMiB = 1024 * kKiB;
+constexpr std::size_t kAaboBytes = 32;
+constexpr std::size_t kSimplexBytes = 16;
+
+Machine ServerWith(std::size_t available_memory) {
+  Machine machine;
+  machine.caches = {{1, 32 * kKiB, 1}, {2, kMiB, 1}, {3, 32 * kMiB, 8}};
+  machine.available_memory = available_memory;
+  return machine;
+}
+
+TEST(WorkingSetTest, FillsHalfOfEachCache) {
+  const auto sizes = WorkingSetSizes(ServerWith(16384 * kMiB));
+  ASSERT_EQ(sizes.size(), 4u);
+  EXPECT_EQ(sizes[0].objects * kAaboBytes, 16 * kKiB);
+  EXPECT_EQ(sizes[1].objects * kAaboBytes, kMiB / 2);
+  EXPECT_EQ(sizes[2].objects * kAaboBytes, 16 * kMiB);
+  for (const WorkingSetSize& size : sizes) {
+    EXPECT_EQ(size.why_not_reached, "") << size.name;
+    EXPECT_EQ(size.objects % (size.name == "L1" ? 64 : 4096), 0u) << size.name;
+  }
+}
+
+TEST(WorkingSetTest, InMemoryEvenTheSimplexIsFourTimesTheLastLevel) {
+  const auto sizes = WorkingSetSizes(ServerWith(16384 * kMiB));
+  EXPECT_EQ(sizes[3].name, "memory");
+  EXPECT_GE(sizes[3].objects * kSimplexBytes, 4 * 32 * kMiB);
+}
+
+TEST(WorkingSetTest, MemoryIsNotReachedBeyondAQuarterOfWhatIsFree) {
+  EXPECT_EQ(WorkingSetSizes(ServerWith(1100 * kMiB))[3].why_not_reached, "");
+  EXPECT_NE(WorkingSetSizes(ServerWith(900 * kMiB))[3].why_not_reached, "");
+}
+
+TEST(WorkingSetTest, MemoryIsNotReachedUnderEmulation) {
+  Machine machine = ServerWith(16384 * kMiB);
+  machine.is_emulated = true;
+  EXPECT_NE(WorkingSetSizes(machine)[3].why_not_reached, "");
+}
+
+TEST(WorkingSetTest, UnknownCachesAreGuessed) {
+  const auto sizes = WorkingSetSizes(Machine());
+  ASSERT_EQ(sizes.size(), 4u);
+  for (const WorkingSetSize& size : sizes) EXPECT_GT(size.objects, 0u);
+}
+
+// The check of a benchmark must be able to fail.
+TEST(WorkingSetTest, FindsAWrongMask) {
+  Workload workload{"one", {}, {}};
+  workload.objects.Push(Aabo3{{0, 0, 0, -3}, {1, 1, 1, 0}});
+  workload.queries.push_back(Aabo3{{2, 2, 2, -9}, {3, 3, 3, -6}});
+  WorkingSet set(workload, {"test", 128, ""});
+  const auto fill = [&set](std::uint64_t word) {
+    return [&set, word](const Aabo3&) { set.mask().assign(2, word); };
+  };
+  EXPECT_EQ(set.Check(ShapeKind::kAabb, fill(~std::uint64_t{0})), "");
+  EXPECT_NE(set.Check(ShapeKind::kAabb, fill(~std::uint64_t{1})), "");
+  EXPECT_NE(set.Check(ShapeKind::kAabb, fill(0)), "");
+}
+
+}  // namespace
+}  // namespace halfspace::bench
