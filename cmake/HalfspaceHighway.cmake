@@ -5,12 +5,10 @@
 
 include(FetchContent)
 
-# GLOBAL: a project that includes this one links our static library, hence
-# Highway, in a directory of its own.
 FetchContent_Declare(highway
   GIT_REPOSITORY https://github.com/google/highway.git
   GIT_TAG 2607d3b5b0113992fe84d3848859eae13b3b52c1  # 1.4.0
-  FIND_PACKAGE_ARGS 1.0.3 NAMES hwy CONFIG GLOBAL)
+  FIND_PACKAGE_ARGS 1.0.3 NAMES hwy CONFIG)
 
 # A bundled Highway brings neither tests nor install rules, and is static. Its
 # options are ordinary variables of this block, which the two policies make it

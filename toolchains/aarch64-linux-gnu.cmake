@@ -12,8 +12,11 @@ cmake_host_system_information(RESULT host_processor QUERY OS_PLATFORM)
 if(NOT host_processor STREQUAL "aarch64")
   find_program(HALFSPACE_QEMU_AARCH64 qemu-aarch64)
   if(HALFSPACE_QEMU_AARCH64)
-    # -L: the loader and libc of the cross compiler's package.
-    set(CMAKE_CROSSCOMPILING_EMULATOR
-        "${HALFSPACE_QEMU_AARCH64};-L;/usr/aarch64-linux-gnu")
+    set(CMAKE_CROSSCOMPILING_EMULATOR "${HALFSPACE_QEMU_AARCH64}")
+    # arm64 libc is where an arm64 program looks for it, thanks to Debian's
+    # arm64 packages; without them there is only the cross compiler's copy.
+    if(NOT EXISTS /lib/ld-linux-aarch64.so.1)
+      list(APPEND CMAKE_CROSSCOMPILING_EMULATOR -L /usr/aarch64-linux-gnu)
+    endif()
   endif()
 endif()

@@ -1,0 +1,53 @@
+# What `cmake --install` leaves behind: library, headers, the packages for CMake
+# and pkg-config, and cpuinfo-bench if it was built. The tree can be moved.
+
+include(CMakePackageConfigHelpers)
+include(GNUInstallDirs)
+
+set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/halfspace")
+
+# Only a static library leaves Highway to its users: to link, and in exactly the
+# version it was compiled with, because target bits changed their meaning.
+get_target_property(library_type halfspace TYPE)
+set(HALFSPACE_FIND_HIGHWAY "")
+set(HALFSPACE_PC_REQUIRES "")
+if(library_type STREQUAL "STATIC_LIBRARY" AND NOT HALFSPACE_BUNDLES_HIGHWAY)
+  string(JOIN "\n" HALFSPACE_FIND_HIGHWAY
+    "include(CMakeFindDependencyMacro)"
+    "find_dependency(hwy ${highway_VERSION} EXACT CONFIG)")
+  set(HALFSPACE_PC_REQUIRES "\nRequires: libhwy = ${highway_VERSION}")
+endif()
+
+set(HALFSPACE_PC_DEFINITIONS "")
+if(library_type STREQUAL "SHARED_LIBRARY")
+  set(HALFSPACE_PC_DEFINITIONS " -DHALFSPACE_SHARED")
+endif()
+
+install(TARGETS halfspace EXPORT halfspaceTargets FILE_SET HEADERS)
+install(EXPORT halfspaceTargets NAMESPACE halfspace::
+        DESTINATION "${package_dir}")
+
+configure_package_config_file(
+  "${CMAKE_CURRENT_LIST_DIR}/HalfspaceConfig.cmake.in" halfspaceConfig.cmake
+  INSTALL_DESTINATION "${package_dir}"
+  NO_SET_AND_CHECK_MACRO)
+# Before 1.0 a minor version may break what the one before offered.
+write_basic_package_version_file(halfspaceConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES
+  "${CMAKE_CURRENT_BINARY_DIR}/halfspaceConfig.cmake"
+  "${CMAKE_CURRENT_BINARY_DIR}/halfspaceConfigVersion.cmake"
+  DESTINATION "${package_dir}")
+
+file(RELATIVE_PATH HALFSPACE_PC_PREFIX
+     "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_PREFIX}")
+string(REGEX REPLACE "/$" "" HALFSPACE_PC_PREFIX "${HALFSPACE_PC_PREFIX}")
+configure_file("${CMAKE_CURRENT_LIST_DIR}/halfspace.pc.in" halfspace.pc @ONLY)
+install(FILES "${CMAKE_CURRENT_BINARY_DIR}/halfspace.pc"
+        DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+
+install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+
+if(PROJECT_IS_TOP_LEVEL)
+  include(HalfspacePackage)
+endif()

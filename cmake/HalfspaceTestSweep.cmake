@@ -1,0 +1,49 @@
+# Registers GoogleTest executables with ctest, for whatever machine runs them.
+
+include(GoogleTest)
+
+# The emulated machines: one run per target and vector length in bits. Native
+# machines have one vector length per target, and a test runs all targets.
+if(HALFSPACE_ONLY_SCALAR)
+  set(HALFSPACE_SWEEP "")
+elseif(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  set(HALFSPACE_SWEEP
+      SVE:128 SVE:256 SVE:512 SVE:2048
+      SVE2:128 SVE2:256 SVE2:512 SVE2:2048
+      SVE_256:256 SVE2_128:128 NEON:128)
+else()
+  set(HALFSPACE_SWEEP NEON:128)
+endif()
+# Highway's plain fall-back has another name, and width, by compiler.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  list(APPEND HALFSPACE_SWEEP SCALAR:32)
+else()
+  list(APPEND HALFSPACE_SWEEP EMU128:128)
+endif()
+
+# Registers the tests of `target`: each on its own, or, under an emulator, the
+# whole executable as TARGET.HIGHWAY_TARGET.BITS for every emulated machine.
+function(halfspace_sweep_test target)
+  if(NOT CMAKE_CROSSCOMPILING_EMULATOR)
+    gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST
+                         PROPERTIES LABELS library)
+    return()
+  endif()
+  foreach(machine IN LISTS HALFSPACE_SWEEP)
+    string(REPLACE ":" ";" machine "${machine}")
+    list(GET machine 0 highway_target)
+    list(GET machine 1 bits)
+    if(highway_target MATCHES "^SVE")
+      math(EXPR quads "${bits} / 128")
+      math(EXPR bytes "${bits} / 8")
+      set(cpu "max,sve-max-vq=${quads},sve-default-vector-length=${bytes}")
+    else()
+      set(cpu "max,sve=off")
+    endif()
+    set(name "${target}.${highway_target}.${bits}")
+    add_test(NAME ${name} COMMAND ${target})
+    set_tests_properties(${name} PROPERTIES
+      LABELS library
+      ENVIRONMENT "QEMU_CPU=${cpu};HALFSPACE_TARGET=${highway_target}")
+  endforeach()
+endfunction()

@@ -1,0 +1,22 @@
+# shellcheck shell=bash
+# From a fresh clone to a build of one preset. After steps.sh; needs `root`, the
+# top of the repository.
+
+# build_preset PRESET [TARGET...]
+build_preset() {
+  local preset=$1 choice=()
+  shift
+  if [ $# -gt 0 ]; then choice=(--target "$@"); fi
+  # shellcheck disable=SC2154  # root is the caller's
+  step "configure $preset" cmake -S "$root" --preset "$preset"
+  step "build $preset" cmake --build "$root/build/$preset" "${choice[@]}"
+}
+
+# test_preset PRESET [CTEST ARGUMENT...]: ctest's own output is the result.
+test_preset() {
+  local preset=$1
+  shift
+  say "==> test $preset"
+  (cd "$root" &&
+    ctest --preset "$preset" --parallel "$(getconf _NPROCESSORS_ONLN)" "$@")
+}

@@ -1,0 +1,93 @@
+# shellcheck shell=bash
+# What a build needs, and how to get it. After steps.sh.
+
+build_packages=(
+  binutils cmake g++ ninja-build pkg-config
+  libbenchmark-dev libcli11-dev libgmp-dev libgtest-dev libhwy-dev
+  libtinyobjloader-dev nlohmann-json3-dev)
+
+# Runs a command as root; without a terminal it fails rather than asks.
+as_root() {
+  if [ "$(id -u)" -eq 0 ]; then
+    "$@"
+  elif [ -t 0 ]; then
+    sudo "$@"
+  else
+    sudo -n "$@"
+  fi
+}
+
+# True if NAME or NAME:ARCHITECTURE is installed; by itself a name means this
+# machine's architecture.
+is_installed() {
+  local architecture=${1#*:}
+  if [ "$architecture" = "$1" ]; then
+    architecture=$(dpkg --print-architecture)
+  fi
+  dpkg-query --show --showformat '${Architecture} ${db:Status-Status}\n' \
+    "${1%:*}" 2>/dev/null | grep -xE "($architecture|all) installed" >/dev/null
+}
+
+# install_packages PACKAGE...: installs what is missing, and asks nothing.
+install_packages() {
+  local package missing=()
+  for package in "$@"; do
+    is_installed "$package" || missing+=("$package")
+  done
+  if [ "${#missing[@]}" -eq 0 ]; then return; fi
+
+  if [ "$(id -u)" -ne 0 ] && ! command -v sudo >/dev/null; then
+    say "These packages are missing, and only root can install them." \
+      "As root, run: apt-get install ${missing[*]}"
+    exit 1
+  fi
+  say "These packages are missing and will be installed: ${missing[*]}"
+  step "apt-get update" as_root apt-get -q update
+  step "apt-get install" as_root env DEBIAN_FRONTEND=noninteractive \
+    apt-get -q -y --no-install-recommends install "${missing[@]}"
+}
+
+# True if the C++ compiler finds the header.
+has_header() {
+  printf '#if !__has_include(<%s>)\n#error\n#endif\n' "$1" |
+    "${CXX:-c++}" -std=c++20 -x c++ -E - >/dev/null 2>&1
+}
+
+# True if `cmake` is new enough for the presets.
+has_cmake() {
+  local version
+  version=$(cmake --version 2>/dev/null | sed -n 's/^cmake version //p')
+  [ -n "$version" ] &&
+    [ "$(printf '3.25\n%s\n' "$version" | sort -V | head -n 1)" = 3.25 ]
+}
+
+# Ends the script unless everything a build needs is here, however it came.
+require_tools() {
+  local tool missing=()
+  has_cmake || missing+=("CMake 3.25 or later")
+  command -v ninja >/dev/null || missing+=("Ninja")
+  if ! has_header span; then
+    missing+=("a C++20 compiler (g++ 12 or clang 14, or later; or set CXX)")
+  else
+    has_header gtest/gtest.h || missing+=("GoogleTest")
+    has_header benchmark/benchmark.h || missing+=("Google Benchmark")
+    has_header CLI/CLI.hpp || missing+=("CLI11")
+    has_header nlohmann/json.hpp || missing+=("nlohmann-json")
+    has_header gmpxx.h || missing+=("GMP, with its C++ interface")
+    has_header tiny_obj_loader.h || missing+=("tinyobjloader")
+  fi
+  if [ "${#missing[@]}" -eq 0 ]; then return; fi
+  say "The build needs these, and they are not here:"
+  for tool in "${missing[@]}"; do say "  - $tool"; done
+  say "Install them, then run this again. Highway 1.0.3 or later is used if" \
+    "it is installed, and downloaded otherwise."
+  exit 1
+}
+
+# Makes the machine ready for a build: by apt-get where there is one.
+prepare_machine() {
+  if command -v apt-get >/dev/null; then
+    install_packages "${build_packages[@]}"
+  fi
+  require_tools
+}

@@ -1,0 +1,106 @@
+// Every target, schedule and output form against the oracle, bit for bit.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "tests/library/answers.h"
+#include "tests/library/canaries.h"
+#include "tests/library/cases.h"
+#include "tests/library/environment.h"
+#include "tests/library/inputs.h"
+#include "tests/library/sizes.h"
+
+namespace halfspace::testing {
+namespace {
+
+template <typename Case>
+class DifferentialTest : public ::testing::Test {
+ protected:
+  using Stored = typename Case::Stored;
+
+  // More than one vector of misalignments, also where a vector is one lane.
+  static std::size_t Misalignments() {
+    return std::max<std::size_t>(4, MostLanes());
+  }
+
+  // `size` objects of the input, each plane from an element of its own on, so
+  // that no two planes share an alignment.
+  static Stored ViewAt(const Input<Stored>& input, std::size_t offset,
+                       std::size_t size) {
+    Stored view;
+    for (std::size_t p = 0; p < kPlanes<Stored>; ++p) {
+      PlaneOf(view, p) =
+          input.planes[p].data() + (offset + 3 * p) % Misalignments();
+    }
+    view.size = size;
+    return view;
+  }
+
+  // Checks `offsets` misalignments of one size.
+  void Check(const Input<Stored>& input, std::size_t size,
+             std::size_t offsets) {
+    const auto query = Case::Seen(input.query);
+    for (std::size_t i = 0; i < offsets; ++i) {
+      // From one size to the next other ones, when not all are checked.
+      const std::size_t offset = (5 * size + i) % Misalignments();
+      const auto view = Case::Seen(ViewAt(input, offset, size));
+      answer_.AssignReference(view, query);
+      survivors_ += answer_.survivors().size();
+      objects_ += size;
+      ASSERT_TRUE(AnswersEverywhere(answer_, view, query, targets_))
+          << size << " objects, offset " << offset;
+    }
+  }
+
+  // An input without both answers would test little.
+  void ExpectBothAnswers() const {
+    EXPECT_GT(survivors_, 0u);
+    EXPECT_LT(survivors_, objects_);
+  }
+
+ private:
+  std::vector<Target> targets_ = TargetsUnderTest();
+  Answer answer_;
+  std::size_t survivors_ = 0;
+  std::size_t objects_ = 0;
+};
+
+TYPED_TEST_SUITE(DifferentialTest, AllCases, CaseNames);
+
+TYPED_TEST(DifferentialTest, EverySmallSizeAtEveryMisalignment) {
+  const std::vector<std::size_t> sizes = EverySmallSize();
+  const std::size_t offsets = Scaled(this->Misalignments());
+  for (InputKind kind : kInputKinds) {
+    for (std::size_t seed = 0; seed < Scaled(4); ++seed) {
+      SCOPED_TRACE(::testing::Message() << NameOf(kind) << ", seed " << seed);
+      Random random(seed);
+      const auto input = MakeInput<typename TypeParam::Stored>(
+          kind, sizes.back() + this->Misalignments(), random);
+      for (std::size_t size : sizes) {
+        this->Check(input, size, offsets);
+        if (this->HasFatalFailure()) return;
+      }
+    }
+  }
+  this->ExpectBothAnswers();
+}
+
+TYPED_TEST(DifferentialTest, SizesAroundTiles) {
+  const std::vector<std::size_t> sizes = SizesAroundTiles();
+  for (InputKind kind : kInputKinds) {
+    SCOPED_TRACE(NameOf(kind));
+    Random random(1);
+    const auto input = MakeInput<typename TypeParam::Stored>(
+        kind, sizes.back() + this->Misalignments(), random);
+    for (std::size_t size : sizes) {
+      this->Check(input, size, Scaled(2));
+      if (this->HasFatalFailure()) return;
+    }
+  }
+  this->ExpectBothAnswers();
+}
+
+}  // namespace
+}  // namespace halfspace::testing

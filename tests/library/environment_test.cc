@@ -1,0 +1,90 @@
+// What HALFSPACE_TARGET in the environment does. Each value needs a process of
+// its own: ctest runs this executable once for each.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include "halfspace/reject.h"
+#include "halfspace/targets.h"
+#include "halfspace/world.h"
+#include "tests/library/expect_invalid.h"
+#include "tests/library/five_calls.h"
+
+namespace halfspace::testing {
+namespace {
+
+constexpr std::string_view kTriedNames[] = {HALFSPACE_TRIED_NAMES};
+
+// Empty is the same as not set.
+std::string Requested() {
+  const char* value = std::getenv("HALFSPACE_TARGET");
+  return value == nullptr ? "" : value;
+}
+
+bool MustBeRefused() {
+  return !Requested().empty() && !FindTarget(Requested());
+}
+
+TEST(EnvironmentTest, EveryCompiledNameIsTried) {
+  for (Target target : CompiledTargets()) {
+    EXPECT_NE(std::find(std::begin(kTriedNames), std::end(kTriedNames),
+                        target.name()),
+              std::end(kTriedNames))
+        << "add " << target.name() << " to the names in CMakeLists.txt";
+  }
+}
+
+TEST(EnvironmentTest, CallsRunWhatItNamesOrRefuse) {
+  const Target expected = Requested().empty()
+                              ? SupportedTargets().front()
+                              : FindTarget(Requested()).value_or(Target());
+  const AaboWorld3 empty;
+  CallOutputs outputs;
+  ForEachCall(
+      empty, Aabo3::Everything(), {}, outputs,
+      [&](std::string_view name, auto call) {
+        if (MustBeRefused()) {
+          EXPECT_TRUE(Refuses(call, {"HALFSPACE_TARGET", "expected one of ",
+                                     SupportedTargets().front().name(),
+                                     SupportedTargets().back().name(),
+                                     "got \"" + Requested() + '"'}))
+              << name;
+        } else {
+          EXPECT_EQ(call(), expected) << name;
+        }
+      });
+  EXPECT_TRUE(outputs.Untouched());
+}
+
+TEST(EnvironmentTest, AskingDoesNotThrow) {
+  const TargetChoice choice = DescribeTargetChoice();
+  EXPECT_EQ(choice.requested, Requested());
+  if (MustBeRefused()) {
+    EXPECT_EQ(choice.target, Target());
+    EXPECT_NE(choice.error.find("expected one of "), std::string::npos)
+        << choice.error;
+    EXPECT_NE(choice.error.find('"' + Requested() + '"'), std::string::npos)
+        << choice.error;
+    EXPECT_TRUE(Refuses([] { ChosenTarget(); }, {"HALFSPACE_TARGET"}));
+  } else {
+    EXPECT_EQ(choice.error, "");
+    EXPECT_EQ(choice.target, ChosenTarget());
+  }
+}
+
+// A bad value must not stand in the way of a call that names its target.
+TEST(EnvironmentTest, TargetOfTheOptionsComesFirst) {
+  const AaboWorld3 empty;
+  for (Target target : SupportedTargets()) {
+    EXPECT_EQ(
+        CountSurvivors(empty, Aabo3::Everything(), {.target = target}).target,
+        target);
+  }
+}
+
+}  // namespace
+}  // namespace halfspace::testing

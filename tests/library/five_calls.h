@@ -1,0 +1,46 @@
+// The five calls as a list, for what must hold for each of them.
+#ifndef HALFSPACE_TESTS_LIBRARY_FIVE_CALLS_H_
+#define HALFSPACE_TESTS_LIBRARY_FIVE_CALLS_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "halfspace/reject.h"
+#include "tests/library/canaries.h"
+
+namespace halfspace::testing {
+
+// Room for the masks and lists of small worlds, and proof that nothing was
+// written there.
+struct CallOutputs {
+  static constexpr std::size_t kRoom = 300;
+
+  Canaried<std::uint64_t> mask;
+  Canaried<std::uint32_t> indices;
+
+  bool Untouched() const { return mask.IntactBut(0) && indices.IntactBut(0); }
+};
+
+// Calls visit(name, call) for each of the five; call() returns the target that
+// ran.
+template <typename AnyWorld, typename Visit>
+void ForEachCall(const AnyWorld& world, const typename AnyWorld::Query& query,
+                 const Options& options, CallOutputs& outputs, Visit visit) {
+  const auto mask = outputs.mask.Reset(CallOutputs::kRoom);
+  const auto indices = outputs.indices.Reset(CallOutputs::kRoom);
+  visit(std::string_view("RejectMask"),
+        [&] { return RejectMask(world, query, mask, options); });
+  visit(std::string_view("SurvivorMask"),
+        [&] { return SurvivorMask(world, query, mask, options); });
+  visit(std::string_view("Survivors"),
+        [&] { return Survivors(world, query, indices, options).target; });
+  visit(std::string_view("CountSurvivors"),
+        [&] { return CountSurvivors(world, query, options).target; });
+  visit(std::string_view("AnySurvivor"),
+        [&] { return AnySurvivor(world, query, options).target; });
+}
+
+}  // namespace halfspace::testing
+
+#endif  // HALFSPACE_TESTS_LIBRARY_FIVE_CALLS_H_

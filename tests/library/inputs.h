@@ -1,0 +1,130 @@
+// Worlds and queries to test with: plane by plane, each value placed relative
+// to the query's value that it will be compared with.
+#ifndef HALFSPACE_TESTS_LIBRARY_INPUTS_H_
+#define HALFSPACE_TESTS_LIBRARY_INPUTS_H_
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "tests/library/cases.h"
+#include "tests/library/special_values.h"
+
+namespace halfspace::testing {
+
+using Random = std::mt19937_64;
+
+enum class InputKind {
+  kDense,        // almost everything survives
+  kMixed,        // every plane rejects a third
+  kSparse,       // every plane rejects most
+  kRuns,         // long runs of rejected objects, then of survivors
+  kAdversarial,  // touching, one ulp apart, and special values, also inverted
+};
+
+inline constexpr std::array kInputKinds = {InputKind::kDense, InputKind::kMixed,
+                                           InputKind::kSparse, InputKind::kRuns,
+                                           InputKind::kAdversarial};
+
+inline const char* NameOf(InputKind kind) {
+  constexpr std::array kNames = {"dense", "mixed", "sparse", "runs",
+                                 "adversarial"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+inline bool OneIn(double n, Random& random) {
+  return std::uniform_real_distribution<>(0.0, n)(random) < 1.0;
+}
+
+inline float SpecialValue(Random& random) {
+  return kSpecialValues[random() % kSpecialValues.size()];
+}
+
+// A value for a plane that is compared with `query`.
+class PlaneValueSource {
+ public:
+  PlaneValueSource(InputKind kind, bool is_min, float query)
+      : kind_(kind), is_min_(is_min), query_(query) {}
+
+  float Next(Random& random) {
+    switch (kind_) {
+      case InputKind::kDense:
+        return Apart(OneIn(64, random), random);
+      case InputKind::kMixed:
+        return Apart(OneIn(3, random), random);
+      case InputKind::kSparse:
+        return Apart(!OneIn(4, random), random);
+      case InputKind::kRuns:
+        if (run_left_ == 0) {
+          run_left_ = 1 + random() % 80;
+          run_rejects_ = !run_rejects_;
+        }
+        --run_left_;
+        return Apart(run_rejects_ != OneIn(200, random), random);
+      case InputKind::kAdversarial:
+        return Adversarial(random);
+    }
+    return query_;
+  }
+
+ private:
+  float Apart(bool rejected, Random& random) const {
+    std::uniform_real_distribution<float> distance(0.5f, 100.f);
+    const float away = distance(random);
+    return query_ + (rejected == is_min_ ? away : -away);
+  }
+
+  float Adversarial(Random& random) const {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    switch (random() % 8) {
+      case 0:
+      case 1:
+        return query_;
+      case 2:
+        return std::nextafter(query_, kInfinity);
+      case 3:
+        return std::nextafter(query_, -kInfinity);
+      case 4:
+        return SpecialValue(random);
+      case 5:
+        return -query_;
+      default:
+        return Apart(OneIn(8, random), random);
+    }
+  }
+
+  InputKind kind_;
+  bool is_min_;
+  float query_;
+  std::size_t run_left_ = 0;
+  bool run_rejects_ = false;
+};
+
+// The planes of a world of `View`, and a query.
+template <typename View>
+struct Input {
+  std::array<std::vector<float>, kPlanes<View>> planes;
+  typename View::Query query;
+};
+
+template <typename View>
+Input<View> MakeInput(InputKind kind, std::size_t objects, Random& random) {
+  std::uniform_real_distribution<float> coordinate(-100.f, 100.f);
+  Input<View> input;
+  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+    const bool special = kind == InputKind::kAdversarial && OneIn(4, random);
+    const float query = special ? SpecialValue(random) : coordinate(random);
+    OpposingValue<View>(input.query, p) = query;
+    PlaneValueSource source(kind, IsMinPlane<View>(p), query);
+    input.planes[p].resize(objects);
+    for (float& value : input.planes[p]) value = source.Next(random);
+  }
+  return input;
+}
+
+}  // namespace halfspace::testing
+
+#endif  // HALFSPACE_TESTS_LIBRARY_INPUTS_H_

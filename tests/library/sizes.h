@@ -1,0 +1,31 @@
+// World sizes that reach every path of the kernels.
+#ifndef HALFSPACE_TESTS_LIBRARY_SIZES_H_
+#define HALFSPACE_TESTS_LIBRARY_SIZES_H_
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "tests/library/environment.h"
+
+namespace halfspace::testing {
+
+// Every size to four of the widest vectors and one more object, and at least
+// to two output words and a tail.
+inline std::vector<std::size_t> EverySmallSize() {
+  const std::size_t last =
+      std::max(4 * MostLanes() + 1, 2 * 64 + MostLanes() + 1);
+  std::vector<std::size_t> sizes(last + 1);
+  for (std::size_t n = 0; n <= last; ++n) sizes[n] = n;
+  return sizes;
+}
+
+// Around the 4096 objects that a staged scan takes at a time.
+inline std::vector<std::size_t> SizesAroundTiles() {
+  return {4095,          4096,          4097,
+          4096 + 64 + 1, 2 * 4096 - 64, 2 * 4096 + 5 * 64 + 37};
+}
+
+}  // namespace halfspace::testing
+
+#endif  // HALFSPACE_TESTS_LIBRARY_SIZES_H_

@@ -1,0 +1,27 @@
+# No instruction above the x86-64 baseline outside per-target code.
+
+if(NOT CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64" OR HALFSPACE_ONLY_SCALAR)
+  return()
+endif()
+if(CMAKE_CXX_FLAGS MATCHES "-m")
+  message(STATUS "halfspace: no scan of the binary, "
+                 "as CMAKE_CXX_FLAGS may raise the baseline")
+  return()
+endif()
+
+function(add_baseline_test name target)
+  add_test(NAME ${name}
+    COMMAND sh "${CMAKE_CURRENT_SOURCE_DIR}/scan_baseline.sh"
+            "${CMAKE_OBJDUMP}" $<TARGET_FILE:${target}> ${ARGN})
+  set_tests_properties(${name} PROPERTIES LABELS package)
+endfunction()
+
+add_baseline_test(package.baseline halfspace)
+# The experiments of cpuinfo-bench are per-target code as well.
+if(TARGET halfspace_bench)
+  add_baseline_test(package.baseline.bench halfspace_bench)
+endif()
+# The scan must find something when nothing is excused.
+add_baseline_test(package.baseline.control halfspace everything)
+set_tests_properties(package.baseline.control PROPERTIES
+  PASS_REGULAR_EXPRESSION "N_AVX2.*above the baseline")

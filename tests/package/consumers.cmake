@@ -1,0 +1,115 @@
+# Consumers of the library, built and run in every way there is to get at it:
+# an installed tree that was moved, static and shared, by find_package and by
+# pkg-config; and the sources as a subproject.
+
+if(NOT HALFSPACE_INSTALL)
+  message(STATUS "halfspace: no tests of consumers without HALFSPACE_INSTALL")
+  return()
+endif()
+include(GNUInstallDirs)
+find_program(HALFSPACE_PKG_CONFIG NAMES pkg-config pkgconf)
+if(NOT HALFSPACE_PKG_CONFIG)
+  message(STATUS "halfspace: no tests of the pkg-config file, as there is no "
+                 "pkg-config here")
+endif()
+
+# How this build was configured, for builds inside the tests.
+set(nested_options
+  "-DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE}"
+  "-DCMAKE_CXX_FLAGS=${CMAKE_CXX_FLAGS}")
+if(CMAKE_TOOLCHAIN_FILE)
+  list(APPEND nested_options "-DCMAKE_TOOLCHAIN_FILE=${CMAKE_TOOLCHAIN_FILE}")
+else()
+  list(APPEND nested_options "-DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}")
+endif()
+# The library once more, as quickly as it can be had: its code is tested
+# elsewhere.
+set(nested_library_options
+  -DCMAKE_BUILD_TYPE=Debug -DHALFSPACE_ONLY_SCALAR=ON
+  "-DHALFSPACE_WERROR=${HALFSPACE_WERROR}")
+if(HALFSPACE_BUNDLES_HIGHWAY)
+  # A consumer must not need what the library brings.
+  list(APPEND nested_options -DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON)
+  list(APPEND nested_library_options
+    "-DFETCHCONTENT_SOURCE_DIR_HIGHWAY=${highway_sources}")
+endif()
+
+set(nested_ctest ${CMAKE_CTEST_COMMAND} --output-on-failure --no-tests=error)
+
+# Configures and builds `source` in a directory of its own, then runs COMMAND.
+# Afresh: what an earlier run found must not hide what is missing now.
+function(add_nested_build_test name source)
+  cmake_parse_arguments(PARSE_ARGV 2 arg "" "" "OPTIONS;COMMAND")
+  add_test(NAME ${name}
+    COMMAND ${CMAKE_CTEST_COMMAND}
+      --build-and-test "${source}" "${CMAKE_CURRENT_BINARY_DIR}/${name}"
+      --build-generator "${CMAKE_GENERATOR}"
+      --build-options --fresh ${nested_options} ${arg_OPTIONS}
+      --test-command ${arg_COMMAND})
+  set_tests_properties(${name} PROPERTIES LABELS package)
+endfunction()
+
+# Consumers of the tree at `prefix`, which fixture `tree` leaves there.
+function(add_consumer_tests tree prefix)
+  add_nested_build_test(${tree}.find_package
+    "${CMAKE_CURRENT_SOURCE_DIR}/consumer"
+    OPTIONS "-DCMAKE_PREFIX_PATH=${prefix}"
+    COMMAND ${nested_ctest})
+  set_tests_properties(${tree}.find_package PROPERTIES
+    FIXTURES_REQUIRED ${tree})
+  if(HALFSPACE_PKG_CONFIG)
+    add_nested_build_test(${tree}.pkg_config
+      "${CMAKE_CURRENT_SOURCE_DIR}/consumer"
+      OPTIONS "-DCONSUMER_PKG_CONFIG=${prefix}/${CMAKE_INSTALL_LIBDIR}/pkgconfig"
+      COMMAND ${nested_ctest})
+    set_tests_properties(${tree}.pkg_config PROPERTIES
+      FIXTURES_REQUIRED ${tree})
+  endif()
+endfunction()
+
+# The command that installs `build`, and moves what it installed to `prefix`.
+function(install_command result build prefix)
+  set(${result}
+    ${CMAKE_COMMAND} "-DBUILD=${build}" "-DPREFIX=${prefix}"
+    "-DHEADERS=${PROJECT_SOURCE_DIR}/include"
+    "-DBUNDLES_HIGHWAY=${HALFSPACE_BUNDLES_HIGHWAY}"
+    -P "${CMAKE_CURRENT_SOURCE_DIR}/install_and_move.cmake" PARENT_SCOPE)
+endfunction()
+
+# This very build.
+set(prefix "${CMAKE_CURRENT_BINARY_DIR}/installed")
+install_command(install "${PROJECT_BINARY_DIR}" "${prefix}")
+add_test(NAME package.install COMMAND ${install})
+set_tests_properties(package.install PROPERTIES
+  LABELS package FIXTURES_SETUP package.installed)
+add_consumer_tests(package.installed "${prefix}")
+
+# Its shared sibling.
+set(prefix "${CMAKE_CURRENT_BINARY_DIR}/shared")
+install_command(install . "${prefix}")
+add_nested_build_test(package.install_shared "${PROJECT_SOURCE_DIR}"
+  OPTIONS ${nested_library_options} -DHALFSPACE_SHARED=ON
+    -DHALFSPACE_BUILD_TESTS=OFF -DHALFSPACE_BUILD_TOOLS=OFF
+    -DHALFSPACE_BUILD_EXAMPLES=OFF
+  COMMAND ${install})
+set_tests_properties(package.install_shared PROPERTIES
+  FIXTURES_SETUP package.shared)
+add_consumer_tests(package.shared "${prefix}")
+
+set(shared_library "${prefix}/${CMAKE_INSTALL_LIBDIR}/libhalfspace.so")
+set(check_exports sh "${CMAKE_CURRENT_SOURCE_DIR}/check_exports.sh"
+    "${CMAKE_NM}" "${shared_library}")
+add_test(NAME package.shared.exports COMMAND ${check_exports})
+# The check must notice what is not exported, when it looks at everything.
+add_test(NAME package.shared.exports.control
+         COMMAND ${check_exports} everything)
+set_tests_properties(package.shared.exports.control PROPERTIES
+  PASS_REGULAR_EXPRESSION "exported, but no part of the interface: halfspace::kernels::ThrowInvalid")
+set_tests_properties(package.shared.exports package.shared.exports.control
+  PROPERTIES LABELS package FIXTURES_REQUIRED package.shared)
+
+# A project that includes the sources.
+add_nested_build_test(package.subproject
+  "${CMAKE_CURRENT_SOURCE_DIR}/subproject"
+  OPTIONS ${nested_library_options} "-DHALFSPACE_SOURCES=${PROJECT_SOURCE_DIR}"
+  COMMAND ${nested_ctest})

@@ -1,0 +1,36 @@
+# Every public header compiles alone, pedantically, without Highway.
+
+set(public_includes "${PROJECT_SOURCE_DIR}/include")
+file(GLOB_RECURSE public_headers CONFIGURE_DEPENDS
+     RELATIVE "${public_includes}" "${public_includes}/*.h")
+
+set(header_compiler "${CMAKE_CXX_COMPILER}")
+if(CMAKE_CXX_COMPILER_TARGET)
+  list(APPEND header_compiler "--target=${CMAKE_CXX_COMPILER_TARGET}")
+endif()
+
+function(add_header_test name header)
+  add_test(NAME ${name}
+    COMMAND ${CMAKE_COMMAND}
+      "-DCOMPILER=${header_compiler}" "-DINCLUDES=${public_includes};${ARGN}"
+      "-DHEADER=${header}" "-DOUTPUT=${CMAKE_CURRENT_BINARY_DIR}/${name}"
+      -P "${CMAKE_CURRENT_SOURCE_DIR}/compile_header.cmake")
+  set_tests_properties(${name} PROPERTIES LABELS package)
+endfunction()
+
+foreach(header IN LISTS public_headers)
+  string(REPLACE "/" "." name "package.header.${header}")
+  add_header_test(${name} "${header}")
+endforeach()
+
+# The check must see Highway where it is.
+if(TARGET hwy)
+  set(highway hwy)
+else()
+  set(highway hwy::hwy)
+endif()
+add_header_test(package.header.control highway_user.h
+  "${CMAKE_CURRENT_SOURCE_DIR}/control"
+  "$<TARGET_PROPERTY:${highway},INTERFACE_INCLUDE_DIRECTORIES>")
+set_tests_properties(package.header.control PROPERTIES
+  PASS_REGULAR_EXPRESSION "highway_user.h includes Highway")

@@ -1,0 +1,33 @@
+# Installs BUILD, moves the tree to PREFIX, and checks what is in it. A tree
+# that refers to where it was installed is then of no use to a consumer.
+
+set(installed "${PREFIX}.before_the_move")
+file(REMOVE_RECURSE "${installed}" "${PREFIX}")
+execute_process(
+  COMMAND ${CMAKE_COMMAND} --install "${BUILD}" --prefix "${installed}"
+  OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+file(RENAME "${installed}" "${PREFIX}")
+
+file(GLOB_RECURSE expected RELATIVE "${HEADERS}" "${HEADERS}/*")
+file(GLOB_RECURSE headers RELATIVE "${PREFIX}/include" "${PREFIX}/include/*")
+if(NOT headers STREQUAL expected)
+  message(FATAL_ERROR "The headers installed are not those of ${HEADERS}.\n"
+                      "Installed: ${headers}\nExpected: ${expected}")
+endif()
+
+file(GLOB_RECURSE packages
+     "${PREFIX}/*/halfspace*.cmake" "${PREFIX}/*/halfspace.pc")
+if(NOT packages)
+  message(FATAL_ERROR "${PREFIX} has neither CMake nor pkg-config files")
+endif()
+foreach(package IN LISTS packages)
+  file(READ "${package}" text)
+  string(FIND "${text}" "${installed}" found)
+  if(NOT found EQUAL -1)
+    message(FATAL_ERROR "${package} names the folder of the installation")
+  endif()
+  if(BUNDLES_HIGHWAY AND text MATCHES "[^\n]*hwy[^\n]*")
+    message(FATAL_ERROR "${package} asks for the Highway that the library "
+                        "contains: ${CMAKE_MATCH_0}")
+  endif()
+endforeach()
