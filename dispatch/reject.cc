@@ -84,8 +84,7 @@ dispatch::Variant VariantOf(const Scan& scan, Schedule schedule,
                             std::string_view call) {
   // The measured defaults; docs/design.md has the figures behind them.
   if (schedule == Schedule::kAuto) {
-    schedule =
-        scan.shape == Shape::kAabo ? Schedule::kStaged : Schedule::kFlat;
+    schedule = scan.shape == Shape::kAabo ? Schedule::kStaged : Schedule::kFlat;
   }
   if (schedule > Schedule::kStagedByAxis) {
     ThrowInvalid(call, "options.schedule", "one of the enumerators",
