@@ -81,7 +81,8 @@ void ScanShape(std::index_sequence<kPlane...> all_planes, size_t width,
                const float* const* planes, const float* query, size_t size,
                uint64_t* mask) {
   const WordTag<float> d;
-#define HALFSPACE_QUERY hn::Set(d, query[Shape::kOrder.planes[kPlane].query])...
+#define HALFSPACE_QUERY \
+  hn::Set(d, query[kernels::kQueryIndex<Shape, kPlane>])...
   switch (width) {
     case 1:
       return ScanInWords<Shape, 1>(d, planes, size, mask, HALFSPACE_QUERY);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <fstream>
 #include <sstream>
 #include <thread>
@@ -39,6 +38,34 @@ std::string CpuInfo(const std::string& key) {
     return begin == std::string::npos ? "" : line.substr(begin);
   }
   return {};
+}
+
+std::string FirstLineOf(const char* path) {
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line, '\0');
+  return line.substr(0, line.find('\n'));
+}
+
+// arm64 kernels give no name: the board's, else the numbers of its maker.
+std::string CpuName() {
+  for (const std::string& name :
+       {CpuInfo("model name"),
+        FirstLineOf("/sys/firmware/devicetree/base/model")}) {
+    if (!name.empty()) return name;
+  }
+  const std::string maker = CpuInfo("CPU implementer");
+  if (maker.empty()) return "unknown";
+  return "implementer " + maker + ", part " + CpuInfo("CPU part");
+}
+
+// x86 has a flag for this; elsewhere the firmware tells.
+bool IsArmGuest() {
+  const std::string product = FirstLineOf("/sys/class/dmi/id/sys_vendor");
+  return !FirstLineOf("/sys/hypervisor/type").empty() ||
+         product.find("QEMU") != std::string::npos ||
+         product.find("Amazon EC2") != std::string::npos ||
+         product.find("Google") != std::string::npos;
 }
 
 bool HasWord(const std::string& text, const std::string& word) {
@@ -108,6 +135,11 @@ std::size_t Machine::CacheBytes(int level) const {
   return kGuess[static_cast<std::size_t>(std::clamp(level, 1, 3) - 1)];
 }
 
+bool Machine::HasCache(int level) const {
+  return std::any_of(caches.begin(), caches.end(),
+                     [=](const Cache& c) { return c.level == level; });
+}
+
 std::size_t Machine::LastLevelBytes() const {
   std::size_t bytes = 0;
   for (const Cache& cache : caches) bytes = std::max(bytes, cache.bytes);
@@ -123,17 +155,16 @@ Machine DescribeMachine() {
     machine.system = std::string(name.sysname) + " " + name.release;
   }
 #endif
-  machine.cpu = CpuInfo("model name");
+  machine.cpu = CpuName();
   const std::string flags = CpuInfo("flags") + " " + CpuInfo("Features");
   machine.isa = IsaOf(flags);
-  machine.is_virtual = HasWord(flags, "hypervisor");
-#if !defined(__x86_64__) && !defined(__i386__) && defined(__linux__)
-  // Only x86 kernels write this key, so the program runs under an emulator that
-  // passes the host's file through.
+  machine.is_virtual = HasWord(flags, "hypervisor") || IsArmGuest();
+#if defined(__aarch64__) && defined(__linux__)
+  // arm64 kernels do not write this key: the program runs under an emulator
+  // that passes the host's file through.
   machine.is_emulated = !CpuInfo("vendor_id").empty();
   if (machine.is_emulated) machine.isa.clear();
 #endif
-  if (machine.cpu.empty()) machine.cpu = "unknown";
   machine.cores = static_cast<int>(std::thread::hardware_concurrency());
   machine.affinity = AffinityOf();
   machine.available_memory = AvailableMemory();

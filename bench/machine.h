@@ -29,6 +29,7 @@ struct Machine {
   // Bytes of the data cache of `level`, or a stated guess if unknown.
   std::size_t CacheBytes(int level) const;
   std::size_t LastLevelBytes() const;
+  bool HasCache(int level) const;
   bool are_caches_known() const { return !caches.empty(); }
 };
 

@@ -1,14 +1,12 @@
 // cpuinfo-bench: measures on this machine what the bounding simplex, the AABB
 // and the AABO cost, and where each wins.
-#include <algorithm>
 #include <fstream>
 #include <iostream>
-#include <memory>
 #include <new>
 #include <optional>
-#include <stdexcept>
 #include <string>
-#include <vector>
+#include <string_view>
+#include <utility>
 
 #include "bench/bounds_reader.h"
 #include "bench/input_error.h"

@@ -66,10 +66,14 @@ class Collector : public benchmark::BenchmarkReporter {
 // Google Benchmark takes its settings from a command line only.
 void InitializeOnce() {
   static const bool initialized = [] {
-    std::array<std::string, 2> words = {
-        "cpuinfo-bench", "--benchmark_enable_random_interleaving=true"};
-    std::array<char*, 3> argv = {words[0].data(), words[1].data(), nullptr};
-    int argc = 2;
+    // The rest undoes what BENCHMARK_* in the environment may ask for.
+    std::array<std::string, 5> words = {
+        "cpuinfo-bench", "--benchmark_enable_random_interleaving=true",
+        "--benchmark_filter=all", "--benchmark_list_tests=false",
+        "--benchmark_out="};
+    std::array<char*, words.size() + 1> argv{};
+    for (std::size_t i = 0; i < words.size(); ++i) argv[i] = words[i].data();
+    int argc = static_cast<int>(words.size());
     benchmark::Initialize(&argc, argv.data());
     return true;
   }();
@@ -126,6 +130,11 @@ std::vector<Timing> Measure(const std::vector<Case>& cases,
       Collector collector(cases, timings);
       benchmark::RunSpecifiedBenchmarks(&collector);
       benchmark::ClearRegisteredBenchmarks();
+    }
+  }
+  for (const Timing& timing : timings) {
+    if (timing.samples.size() != effort.repetitions) {
+      throw std::logic_error(timing.name + ": was not timed");
     }
   }
   return timings;

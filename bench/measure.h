@@ -29,7 +29,7 @@ struct Case {
   std::string group;
 
   // What one run() works through, so that the time can be given for each:
-  // objects times queries, or bytes.
+  // objects times queries.
   double items = 1.0;
 
   // Empty if the answers are right, else what is wrong. Called once, first.

@@ -9,8 +9,7 @@
 namespace halfspace::bench {
 namespace {
 
-// A scene of more would not fit the 32-bit indices of the library, nor most
-// machines.
+// A scene of more would take 32 GiB.
 constexpr std::size_t kMostObjects = std::size_t{1} << 30;
 constexpr std::size_t kMostQueries = std::size_t{1} << 20;
 constexpr std::size_t kMostRepetitions = 1000;

@@ -21,7 +21,7 @@ HWY_INLINE void FillWords(std::index_sequence<kPlane...>, D d,
                           const float* const* planes, size_t words,
                           bench::PlaneWords* out, V... query) {
   for (size_t w = 0; w < words; ++w) {
-    ((out[w][Shape::kOrder.planes[kPlane].object] =
+    ((out[w][kernels::kObjectIndex<Shape, kPlane>] =
           BitsRejected<Shape, kWordObjects, kPlane, kPlane + 1>(
               d, planes, w * kWordObjects, query...)),
      ...);
@@ -34,7 +34,7 @@ void FillWords(std::index_sequence<kPlane...> all_planes,
                bench::PlaneWords* out) {
   const WordTag<float> d;
   FillWords(all_planes, d, planes, words, out,
-            hn::Set(d, query[Shape::kOrder.planes[kPlane].query])...);
+            hn::Set(d, query[kernels::kQueryIndex<Shape, kPlane>])...);
 }
 
 void FillPlaneWords(const float* const* planes, const float* query,

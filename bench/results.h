@@ -54,7 +54,7 @@ struct CrossoverRow {
   std::string target;
   std::size_t lanes = 0;
   std::string working_set;
-  std::string schedule;          // "every-plane", "flat" or "staged"
+  std::string schedule;          // "every-plane", "flat", "staged", "by-axis"
   std::optional<std::size_t> w;  // the gate's width, for "every-plane"
   PerShape<std::optional<double>> ns;
   std::optional<Ratio> simplex_over_aabb;

@@ -29,7 +29,6 @@ std::vector<ScheduleName> SchedulesOf(ShapeKind shape) {
 
 // Reading the planes of one shape, per object.
 Case ReadCase(WorkingSet& set, ShapeKind shape, ReadOrder order) {
-  constexpr std::size_t kObjectsPerRun = 1 << 16;
   const PlaneReader read = PlaneReaderFor(SupportedTargets().front());
   const std::size_t rounds =
       std::max<std::size_t>(1, kObjectsPerRun / set.objects());

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -91,12 +90,14 @@ std::string CrossoverSentence(const Results& results,
     const std::string gate =
         "With an early-out after every half-space, as in the paper, ";
     if (!star.w_star) {
-      return gate + "the box wins at every width up to 4096 on " + target +
-             " in L2: there is no crossover.";
+      return gate +
+             "the simplex does not stay ahead of the box up to batches "
+             "of 4096 objects (" +
+             target + ", L2): there is no crossover.";
     }
     return gate + "the simplex beats the box from batches of " +
            (star.is_at_most ? "at most " : "about ") + Fixed(*star.w_star, 0) +
-           " objects on (" + target + ", L2).";
+           " objects (" + target + ", L2).";
   }
   return "The crossover was not measured for " + target + ".";
 }
@@ -136,6 +137,10 @@ std::optional<double> BreakEvenNanoseconds(const QualityResult& quality,
 
 std::string AdviceFor(const QualityResult& quality, const BestShapes& best) {
   const Rival rival = RivalOf(quality, best);
+  if (best.simplex.ns < rival.ns &&
+      quality.survivors.simplex <= rival.survivors) {
+    return ", and is faster in L2: use the simplex.";
+  }
   const auto limit = BreakEvenNanoseconds(quality, best, rival);
   const std::string use =
       rival.name == "AABO"
@@ -148,12 +153,16 @@ std::string AdviceFor(const QualityResult& quality, const BestShapes& best) {
 }
 
 std::string QualitySentence(const Results& results, const std::string& target) {
-  if (!results.quality || results.quality->survivors.aabb == 0) {
+  if (!results.quality) {
     return "Survivors were not counted: run the section quality too.";
   }
   const QualityResult& quality = *results.quality;
+  if (quality.survivors.aabb == 0) {
+    return "No object of the " + quality.workload +
+           " survives an AABB test, so looseness cannot be told.";
+  }
   const std::string text =
-      "Of " + quality.workload + " the simplex keeps " +
+      "Of the " + quality.workload + " the simplex keeps " +
       Times(quality.survivors.simplex, quality.survivors.aabb) +
       " and the AABO " + Times(quality.survivors.aabo, quality.survivors.aabb) +
       " times as many objects as the AABB";

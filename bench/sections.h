@@ -3,7 +3,6 @@
 #ifndef HALFSPACE_BENCH_SECTIONS_H_
 #define HALFSPACE_BENCH_SECTIONS_H_
 
-#include <functional>
 #include <vector>
 
 #include "bench/measure.h"

@@ -7,7 +7,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include "halfspace/bounds.h"
 #include "halfspace/world.h"
@@ -35,10 +34,10 @@ class WorkCounter {
   void Add(const Aabo3& query);
   WorkCount Average() const;
 
+ private:
   // Per shape: aabb, simplex, aabo; per width.
   using Sums = std::array<std::array<std::uint64_t, kWorkWidths.size()>, 3>;
 
- private:
   AaboView3 objects_;
   std::size_t queries_ = 0;
   Sums evaluated_{};

@@ -1,9 +1,9 @@
 #include "bench/working_set.h"
 
 #include <algorithm>
-#include <functional>
 #include <utility>
 
+#include "bench/gated_scan.h"
 #include "kernels/reference.h"
 
 namespace halfspace::bench {
@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::size_t kAaboBytes = 8 * sizeof(float);
 constexpr std::size_t kSimplexBytes = 4 * sizeof(float);
-constexpr std::size_t kWidestGate = 4096;
 
 std::string Mebibytes(std::size_t bytes) {
   return std::to_string(bytes >> 20) + " MiB";
@@ -20,9 +19,6 @@ std::string Mebibytes(std::size_t bytes) {
 std::size_t RoundDown(std::size_t value, std::size_t step) {
   return std::max(step, value / step * step);
 }
-
-// One repetition of a small world goes through this many objects at least.
-constexpr std::size_t kObjectsPerRun = 1 << 16;
 
 // The reference is slow: on large worlds it answers fewer queries.
 constexpr std::size_t kReferenceTests = 1 << 22;
@@ -33,9 +29,13 @@ std::vector<WorkingSetSize> WorkingSetSizes(const Machine& machine) {
   std::vector<WorkingSetSize> sizes;
   for (int level = 1; level <= 3; ++level) {
     const std::size_t step = level == 1 ? 64 : kWidestGate;
-    sizes.push_back(
-        {"L" + std::to_string(level),
-         RoundDown(machine.CacheBytes(level) / 2 / kAaboBytes, step), ""});
+    WorkingSetSize size{
+        "L" + std::to_string(level),
+        RoundDown(machine.CacheBytes(level) / 2 / kAaboBytes, step), ""};
+    if (machine.are_caches_known() && !machine.HasCache(level)) {
+      size.why_not_reached = "this machine has no such cache";
+    }
+    sizes.push_back(std::move(size));
   }
   const std::size_t wanted =
       RoundDown(4 * machine.LastLevelBytes() / kSimplexBytes, kWidestGate) +

@@ -17,6 +17,10 @@
 
 namespace halfspace::bench {
 
+// One run of a case goes through this many objects at least, so that calls of a
+// function object cost nothing beside them.
+inline constexpr std::size_t kObjectsPerRun = std::size_t{1} << 16;
+
 // Where the planes of a world lie, and how many objects that is.
 struct WorkingSetSize {
   std::string name;             // "L1", "L2", "L3" or "memory"

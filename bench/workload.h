@@ -4,6 +4,7 @@
 #define HALFSPACE_BENCH_WORKLOAD_H_
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,8 @@ struct Workload {
 AaboWorld3 ResizedTo(const AaboWorld3& source, std::size_t objects);
 
 // A mesh as a workload: one bound per triangle (3 indices each into xyz
-// triples), and a query of every (triangles / 256)-th one. At most `objects`
-// triangles are taken, all if 0; `queries` other than 0 changes 256.
+// triples), and a query of every (triangles / 256)-th one. `queries` other than
+// 0 changes 256.
 Workload WorkloadOfTriangles(std::string name,
                              const std::vector<float>& coordinates,
                              const std::vector<std::uint32_t>& indices,

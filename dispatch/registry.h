@@ -2,7 +2,6 @@
 #ifndef HALFSPACE_DISPATCH_REGISTRY_H_
 #define HALFSPACE_DISPATCH_REGISTRY_H_
 
-#include <cstdint>
 #include <string_view>
 
 #include "dispatch/kernel_table.h"

@@ -1,5 +1,6 @@
 #include "halfspace/reject.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -73,7 +74,8 @@ void CheckOutput(const Scan& scan, std::string_view call,
   const auto out = reinterpret_cast<std::uintptr_t>(begin);
   for (std::size_t p = 0; p < PlanesOf(scan); ++p) {
     const auto plane = reinterpret_cast<std::uintptr_t>(scan.planes[p]);
-    if (out < plane + scan.size * sizeof(float) && plane < out + bytes) {
+    // Differences wrap, and so tell which one begins inside the other.
+    if (out - plane < scan.size * sizeof(float) || plane - out < bytes) {
       ThrowInvalid(call, argument, "memory apart from the world's planes",
                    "an overlap with " + PlaneName(scan, p));
     }
@@ -82,7 +84,7 @@ void CheckOutput(const Scan& scan, std::string_view call,
 
 dispatch::Variant VariantOf(const Scan& scan, Schedule schedule,
                             std::string_view call) {
-  // The measured defaults; docs/design.md has the figures behind them.
+  // The measured defaults; docs/design.md says why.
   if (schedule == Schedule::kAuto) {
     schedule = scan.shape == Shape::kAabo ? Schedule::kStaged : Schedule::kFlat;
   }
@@ -153,9 +155,11 @@ SurvivorCount Survivors(const Scan& scan, std::span<std::uint32_t> indices,
                  "at most 2^32 objects for 32-bit indices",
                  std::to_string(scan.size));
   }
-  if (scan.size != 0 && !indices.empty()) {
+  // No more than one index for each object is ever written.
+  const std::size_t writable = std::min(indices.size(), scan.size);
+  if (writable != 0) {
     CheckOutput(scan, "Survivors", "indices", indices.data(),
-                indices.size_bytes(), alignof(std::uint32_t));
+                writable * sizeof(std::uint32_t), alignof(std::uint32_t));
   }
   const dispatch::Counted counted =
       kernels.indices(scan.planes.data(), scan.query.data(), scan.size,

@@ -112,33 +112,44 @@ const TargetChoice& Choice() {
   return choice;
 }
 
-// The chosen entry once it is known, so that a call costs one load.
-std::atomic<const Entry*> chosen_entry{nullptr};
+[[noreturn]] void ThrowBadChoice(std::string_view call) {
+  kernels::ThrowInvalid(call, "HALFSPACE_TARGET", ExpectedNames(),
+                        WhyNot(Choice().requested));
+}
 
-const Entry& ChosenEntry() {
-  const Entry* entry = chosen_entry.load(std::memory_order_acquire);
-  if (entry == nullptr) [[unlikely]] {
-    entry = FindEntry(ChosenTarget());
-    chosen_entry.store(entry, std::memory_order_release);
+// The tables of the chosen target once it is known, by dimensions: a call then
+// costs a load and an indirect call.
+using Tables = std::array<const KernelTable*, 3>;
+std::atomic<const Tables*> chosen_tables{nullptr};
+
+const Tables& ChosenTables(std::string_view call) {
+  const Tables* tables = chosen_tables.load(std::memory_order_acquire);
+  if (tables == nullptr) [[unlikely]] {
+    if (!Choice().error.empty()) ThrowBadChoice(call);
+    static const Tables resolved = [] {
+      const Entry& entry = *FindEntry(Choice().target);
+      return Tables{&entry.kernels[0](), &entry.kernels[1](),
+                    &entry.kernels[2]()};
+    }();
+    tables = &resolved;
+    chosen_tables.store(tables, std::memory_order_release);
   }
-  return *entry;
+  return *tables;
 }
 
 }  // namespace
 
 const KernelTable& KernelsFor(Target target, int dims, std::string_view call) {
-  const Entry* entry = nullptr;
-  if (target == Target()) [[likely]] {
-    entry = &ChosenEntry();
-  } else {
-    entry = FindEntry(target);
-    if (entry == nullptr) {
-      kernels::ThrowInvalid(call, "options.target", ExpectedNames(),
-                            target.name().empty() ? "a bit that is no target"
-                                                  : WhyNot(target.name()));
-    }
+  const auto index = static_cast<std::size_t>(dims - 2);
+  if (target == Target()) [[likely]]
+    return *ChosenTables(call)[index];
+  const Entry* entry = FindEntry(target);
+  if (entry == nullptr) {
+    kernels::ThrowInvalid(call, "options.target", ExpectedNames(),
+                          target.name().empty() ? "a bit that is no target"
+                                                : WhyNot(target.name()));
   }
-  return entry->kernels[static_cast<std::size_t>(dims - 2)]();
+  return entry->kernels[index]();
 }
 
 }  // namespace dispatch
@@ -166,11 +177,7 @@ std::span<const Target> SupportedTargets() {
 
 Target ChosenTarget() {
   const TargetChoice& choice = dispatch::Choice();
-  if (!choice.error.empty()) {
-    kernels::ThrowInvalid("ChosenTarget", "HALFSPACE_TARGET",
-                          dispatch::ExpectedNames(),
-                          dispatch::WhyNot(choice.requested));
-  }
+  if (!choice.error.empty()) dispatch::ThrowBadChoice("ChosenTarget");
   return choice.target;
 }
 

@@ -5,11 +5,17 @@
 // Reading the mode costs a few cycles; it is written only if it differs.
 //
 // The compiler may move arithmetic across a change of mode, so the arithmetic
-// belongs in a function that is not inlined into the object's scope.
+// belongs in a HALFSPACE_NOINLINE function.
 #ifndef HALFSPACE_KERNELS_DEFAULT_FP_MODE_H_
 #define HALFSPACE_KERNELS_DEFAULT_FP_MODE_H_
 
 #include <cstdint>
+
+#if defined(_MSC_VER)
+#define HALFSPACE_NOINLINE __declspec(noinline)
+#else
+#define HALFSPACE_NOINLINE __attribute__((noinline))
+#endif
 
 #if defined(__SSE2__) || defined(_M_X64)
 #include <xmmintrin.h>
@@ -42,11 +48,11 @@ class DefaultFpMode {
       (std::uint64_t{1} << 24) | (std::uint64_t{3} << 22) | 1;
   static Register Read() {
     Register value;
-    asm volatile("mrs %0, fpcr" : "=r"(value));
+    asm volatile("mrs %0, fpcr" : "=r"(value) : : "memory");
     return value;
   }
   static void Write(Register value) {
-    asm volatile("msr fpcr, %0" : : "r"(value));
+    asm volatile("msr fpcr, %0" : : "r"(value) : "memory");
   }
 #else
   using Register = unsigned;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -86,6 +87,14 @@ void CheckPoints(const Points<kDims>& points) {
   }
 }
 
+// Enough digits to tell any two floats apart.
+std::string Shortest(float value) {
+  std::array<char, 32> text;
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return std::string(text.data(), end);
+}
+
 template <int kDims>
 void CheckAabb(const Aabb<kDims>& box) {
   for (int k = 0; k < kDims; ++k) {
@@ -93,7 +102,7 @@ void CheckAabb(const Aabb<kDims>& box) {
       const std::string axis = "[" + std::to_string(k) + "]";
       kernels::ThrowInvalid(
           "BoundAabb", "box", "min" + axis + " not above max" + axis,
-          std::to_string(box.min[k]) + " and " + std::to_string(box.max[k]));
+          Shortest(box.min[k]) + " and " + Shortest(box.max[k]));
     }
   }
 }
@@ -101,7 +110,7 @@ void CheckAabb(const Aabb<kDims>& box) {
 // The arithmetic, for checked arguments and in the default mode. Nothing if a
 // point cannot be bounded.
 template <int kDims>
-[[gnu::noinline]] std::optional<Aabo<kDims>> TryPoints(
+HALFSPACE_NOINLINE std::optional<Aabo<kDims>> TryPoints(
     const Points<kDims>& points) {
   Aabo<kDims> bound = Aabo<kDims>::Empty();
   DRange d;
@@ -122,7 +131,7 @@ template <int kDims>
 }
 
 template <int kDims>
-[[gnu::noinline]] std::optional<Aabo<kDims>> TryAabb(const Aabb<kDims>& box) {
+HALFSPACE_NOINLINE std::optional<Aabo<kDims>> TryAabb(const Aabb<kDims>& box) {
   CheckAabb(box);
   Aabo<kDims> bound;
   Point<kDims> low;

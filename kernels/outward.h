@@ -14,7 +14,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <utility>
 
 namespace halfspace::kernels {
 
@@ -32,15 +31,15 @@ inline TwoSumResult TwoSum(double a, double b) {
   return {sum, (a - (sum - b_part)) + (b - b_part)};
 }
 
-// An exact sum: `value` is within half an ulp, and `rest` has the sign of what
-// is missing (exact - value), 0 if nothing is.
+// An exact sum: `value` is less than an ulp away, and `rest` has the sign of
+// what is missing (exact - value), 0 if nothing is.
 struct ExactSum {
   double value;
   double rest;
 };
 
 // The general case: Shewchuk's expansions, components of increasing magnitude
-// that do not overlap, then two passes that gather them into the last one.
+// that do not overlap, then a pass that gathers them into the last one.
 template <std::size_t kCount>
 ExactSum SumByExpansion(const std::array<double, kCount>& values) {
   std::array<double, kCount> parts{};
@@ -53,12 +52,10 @@ ExactSum SumByExpansion(const std::array<double, kCount>& values) {
     }
     parts[n] = carry;
   }
-  for (int pass = 0; pass < 2; ++pass) {
-    for (std::size_t i = 1; i < kCount; ++i) {
-      const TwoSumResult step = TwoSum(parts[i], parts[i - 1]);
-      parts[i] = step.sum;
-      parts[i - 1] = step.error;
-    }
+  for (std::size_t i = 1; i < kCount; ++i) {
+    const TwoSumResult step = TwoSum(parts[i], parts[i - 1]);
+    parts[i] = step.sum;
+    parts[i - 1] = step.error;
   }
   double rest = 0.0;
   for (std::size_t i = kCount - 1; i-- > 0 && rest == 0.0;) rest = parts[i];

@@ -130,6 +130,15 @@ struct AaboBySimplex {
       detail::OpposingSimplexPlanes<kAxes>(), detail::StagesOf<2>(kAxes)};
 };
 
+// Which value of the query the kPlane-th test of a shape compares with. A
+// constant: no std::array function may be called from per-target code.
+template <class Shape, std::size_t kPlane>
+inline constexpr std::size_t kQueryIndex = Shape::kOrder.planes[kPlane].query;
+
+// Which stored plane it tests.
+template <class Shape, std::size_t kPlane>
+inline constexpr std::size_t kObjectIndex = Shape::kOrder.planes[kPlane].object;
+
 }  // namespace halfspace::kernels
 
 #endif  // HALFSPACE_KERNELS_PLANES_H_

@@ -8,7 +8,10 @@ build_preset() {
   shift
   if [ $# -gt 0 ]; then choice=(--target "$@"); fi
   # shellcheck disable=SC2154  # root is the caller's
-  step "configure $preset" cmake -S "$root" --preset "$preset"
+  # Where changes are accepted, warnings are errors; a user's newer compiler may
+  # have new ones.
+  step "configure $preset" cmake -S "$root" --preset "$preset" \
+    -DHALFSPACE_WERROR="${HALFSPACE_WERROR:-OFF}"
   step "build $preset" cmake --build "$root/build/$preset" "${choice[@]}"
 }
 

@@ -17,10 +17,10 @@
 // planes of the simplices and of the box, and up(), down() and aabb() give
 // them without computing anything.
 //
-// Units are the caller's. All values are plain data: copy them, compare them
-// bit for bit with ==, fill them by hand. The builders of fit.h are the safe
-// way to fill the D axis, because sums round: a D that is not rounded outward
-// makes touching objects look apart.
+// Units are the caller's. All values are plain data: copy them, fill them by
+// hand, compare them with == (as floats: -0 equals 0, a NaN equals nothing).
+// The builders of fit.h are the safe way to fill the D axis, because sums
+// round: a D that is not rounded outward makes touching objects look apart.
 //
 // Two special values exist for every type:
 //   Everything()  -FLT_MAX / +FLT_MAX: never rejected by a finite query, nor
@@ -126,7 +126,7 @@ struct Aabo {
   constexpr DownSimplex<kDims> down() const { return {max}; }
   constexpr Aabb<kDims> aabb() const {
     Aabb<kDims> box{};
-    for (int k = 0; k < kDims; ++k) {
+    for (std::size_t k = 0; k < kDims; ++k) {
       box.min[k] = min[k];
       box.max[k] = max[k];
     }

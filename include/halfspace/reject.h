@@ -45,7 +45,6 @@
 
 #include "halfspace/bounds.h"
 #include "halfspace/detail/scan.h"
-#include "halfspace/export.h"
 #include "halfspace/targets.h"
 #include "halfspace/world.h"
 
@@ -124,7 +123,8 @@ template <typename AnyWorld>
   return detail::CountSurvivors(detail::ScanOf(world.view(), query), options);
 }
 
-// Whether anything survives. Stops at the first 64 objects with a survivor.
+// Whether anything survives. Stops after the first 64 objects (flat) or 4096
+// (staged) that have a survivor.
 template <typename AnyWorld>
 [[nodiscard]] SurvivorFlag AnySurvivor(const AnyWorld& world,
                                        const typename AnyWorld::Query& query,

@@ -1,17 +1,17 @@
 // Which instruction sets the kernels were compiled for, which of them this
 // machine can run, and which one is used.
 //
-// Targets and their names are Highway's: on x86 "AVX3_DL", "AVX3" (AVX-512),
-// "AVX2", "SSE4", "SSSE3"; on ARM "NEON", "SVE", "SVE2", "SVE_256",
-// "SVE2_128"; and one plain fall-back, "SCALAR" or "EMU128".
+// Targets and their names are Highway's, and newer releases have more: on x86
+// "AVX3_DL", "AVX3" (AVX-512), "AVX2", "SSE4", "SSSE3"; on ARM "NEON", "SVE",
+// "SVE2", "SVE_256", "SVE2_128"; and one plain fall-back, "SCALAR" or "EMU128".
 //
 // The choice is made once, at the first call that needs it: the best target
 // that was compiled and that CPU and operating system support. The environment
-// variable HALFSPACE_TARGET, read at that moment and ignored by set-user-id
-// programs, names another one; a name that is unknown or not supported here is
-// an error at the first call, never a silent fall-back. There is no global
-// setter: a call that wants another target says so in its options, and all
-// supported targets can be used side by side.
+// variable HALFSPACE_TARGET, read at that moment (and, with glibc, ignored by
+// set-user-id programs), names another one; a name that is unknown or not
+// supported here is an error at the first call, never a silent fall-back. There
+// is no global setter: a call that wants another target says so in its options,
+// and all supported targets can be used side by side.
 //
 // Thread safety: every function here may be called from any thread. Cost:
 // the first call detects the CPU (microseconds); later ones are a load.
@@ -81,8 +81,8 @@ HALFSPACE_API TargetChoice DescribeTargetChoice();
 // The supported target of that exact name; nothing if there is none.
 HALFSPACE_API std::optional<Target> FindTarget(std::string_view name);
 
-// The same, but throws std::invalid_argument, saying whether the name is
-// unknown, not compiled in, or not supported by this machine.
+// The same, but throws std::invalid_argument, saying whether this build does
+// not have the name or this machine does not support it.
 HALFSPACE_API Target TargetByName(std::string_view name);
 
 }  // namespace halfspace

@@ -69,7 +69,7 @@ struct AaboView {
   SimplexView<kDims> simplex() const { return {min, size}; }
   AabbView<kDims> aabb() const {
     AabbView<kDims> box;
-    for (int k = 0; k < kDims; ++k) {
+    for (std::size_t k = 0; k < kDims; ++k) {
       box.min[k] = min[k];
       box.max[k] = max[k];
     }
@@ -136,7 +136,7 @@ class World {
   // Removes object `index`; the last object takes its place. O(1).
   void EraseBySwap(std::size_t index) { planes_.EraseBySwap(index); }
 
-  // Removes all objects and keeps the memory. O(1).
+  // Removes all objects and keeps the memory. O(size): padding is restored.
   void Clear() { planes_.Clear(); }
 
   // Replaces the content by the given bounds, in order. They may not be part
@@ -147,7 +147,8 @@ class World {
     for (const Bound& bound : bounds) Push(bound);
   }
 
-  // Valid until the world grows, is assigned to, moved from or destroyed.
+  // Of the objects there are now: a later Push, EraseBySwap or Clear is not
+  // seen. Valid until the world grows, is assigned to, moved from or destroyed.
   View view() const { return detail::ViewOf<View>(planes_); }
 
  private:

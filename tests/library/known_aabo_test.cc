@@ -127,5 +127,24 @@ TEST(KnownAaboTest, QueryForNothing) {
       });
 }
 
+// The query goes from -1 to 1, from -2 to 2, ...: no limit can stand in for
+// another.
+TEST(KnownAaboTest, EachAxisHasItsOwnLimits) {
+  ExpectFates<AaboView3>(
+      {{-1, -2, -4, -8}, {1, 2, 4, 8}},
+      {
+          {"all minima", {{1, 2, 4, 8}, {9, 9, 9, 9}}, kKept},
+          {"all maxima", {{-9, -9, -9, -9}, {-1, -2, -4, -8}}, kKept},
+          {"min X", {{1.5f, 0, 0, 0}, {9, 9, 9, 9}}, kRejected},
+          {"min Y", {{0, 3, 0, 0}, {9, 9, 9, 9}}, kRejected},
+          {"min Z", {{0, 0, 6, 0}, {9, 9, 9, 9}}, kRejected},
+          {"min D", {{0, 0, 0, 8.5f}, {9, 9, 9, 9}}, kRejected},
+          {"max X", {{-9, -9, -9, -9}, {-1.5f, 0, 0, 0}}, kRejected},
+          {"max Y", {{-9, -9, -9, -9}, {0, -3, 0, 0}}, kRejected},
+          {"max Z", {{-9, -9, -9, -9}, {0, 0, -6, 0}}, kRejected},
+          {"max D", {{-9, -9, -9, -9}, {0, 0, 0, -8.5f}}, kRejected},
+      });
+}
+
 }  // namespace
 }  // namespace halfspace::testing

@@ -1,7 +1,7 @@
 // Answers worked out by hand, since two implementations that agree may share
 // an error.
 //
-// All queries are the corner simplex with vertices 0 and 2 on every axis:
+// Most queries are the corner simplex with vertices 0 and 2 on every axis:
 // X, Y, ... go from 0 to 2, and D = -(X + Y + ...) from -2 to 0.
 #ifndef HALFSPACE_TESTS_LIBRARY_KNOWN_ANSWERS_H_
 #define HALFSPACE_TESTS_LIBRARY_KNOWN_ANSWERS_H_

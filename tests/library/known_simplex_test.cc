@@ -112,5 +112,26 @@ TEST(KnownSimplexTest, NanInTheQueryRejectsNothing) {
                             });
 }
 
+// Limits of 1, 2, 4, 8 and 16: none can stand in for another.
+TEST(KnownSimplexTest, EachAxisHasItsOwnLimit) {
+  ExpectFates<SimplexView4>({{1, 2, 4, 8, 16}},
+                            {
+                                {"all limits", {{1, 2, 4, 8, 16}}, kKept},
+                                {"X", {{1.5f, 0, 0, 0, 0}}, kRejected},
+                                {"Y", {{0, 3, 0, 0, 0}}, kRejected},
+                                {"Z", {{0, 0, 6, 0, 0}}, kRejected},
+                                {"W", {{0, 0, 0, 12, 0}}, kRejected},
+                                {"D", {{0, 0, 0, 0, 24}}, kRejected},
+                            });
+  ExpectFates<SimplexView3>({{1, 2, 4, 8}},
+                            {
+                                {"all limits", {{1, 2, 4, 8}}, kKept},
+                                {"X", {{1.5f, 0, 0, 0}}, kRejected},
+                                {"Y", {{0, 3, 0, 0}}, kRejected},
+                                {"Z", {{0, 0, 6, 0}}, kRejected},
+                                {"D", {{0, 0, 0, 12}}, kRejected},
+                            });
+}
+
 }  // namespace
 }  // namespace halfspace::testing

@@ -20,7 +20,8 @@ if(files MATCHES "[^ \n]*/hwy/[^ \n]*")
 endif()
 
 execute_process(
-  COMMAND ${compile} -Wall -Wextra -Wpedantic -Werror -c -o "${OUTPUT}.o"
+  COMMAND ${compile} -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+          -Wsign-conversion -Werror -c -o "${OUTPUT}.o"
   RESULT_VARIABLE result)
 if(result)
   message(FATAL_ERROR "${HEADER} does not compile alone")

@@ -50,6 +50,13 @@ TEST(WorkingSetTest, MemoryIsNotReachedUnderEmulation) {
   EXPECT_NE(WorkingSetSizes(machine)[3].why_not_reached, "");
 }
 
+TEST(WorkingSetTest, ACacheThatIsNotThereIsNotReached) {
+  Machine machine = ServerWith(16384 * kMiB);
+  machine.caches.pop_back();
+  EXPECT_EQ(WorkingSetSizes(machine)[1].why_not_reached, "");
+  EXPECT_NE(WorkingSetSizes(machine)[2].why_not_reached, "");
+}
+
 TEST(WorkingSetTest, UnknownCachesAreGuessed) {
   const auto sizes = WorkingSetSizes(Machine());
   ASSERT_EQ(sizes.size(), 4u);
