@@ -157,12 +157,14 @@ std::string QualitySentence(const Results& results, const std::string& target) {
     return "Survivors were not counted: run the section quality too.";
   }
   const QualityResult& quality = *results.quality;
+  const std::string what =
+      quality.workload == "scene" ? "the scene" : quality.workload;
   if (quality.survivors.aabb == 0) {
-    return "No object of the " + quality.workload +
+    return "No object of " + what +
            " survives an AABB test, so looseness cannot be told.";
   }
   const std::string text =
-      "Of the " + quality.workload + " the simplex keeps " +
+      "Of " + what + " the simplex keeps " +
       Times(quality.survivors.simplex, quality.survivors.aabb) +
       " and the AABO " + Times(quality.survivors.aabo, quality.survivors.aabb) +
       " times as many objects as the AABB";
