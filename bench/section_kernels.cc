@@ -61,12 +61,10 @@ KernelsResult RunKernels(const std::vector<WorkingSet*>& sets,
   std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> reads;
   for (WorkingSet* set : sets) {
     for (ShapeKind shape : kShapes) {
-      // Every kernel of the shape is compared with reading its planes.
-      const std::string group = set->name() + NameOf(shape);
       for (ReadOrder order : {ReadOrder::kByWord, ReadOrder::kPlaneByPlane}) {
         reads[{set->name(), NameOf(shape)}].push_back(cases.size());
         cases.push_back(ReadCase(*set, shape, order));
-        cases.back().group = group;
+        cases.back().group = set->name();
       }
       for (Target target : context.targets) {
         for (const ScheduleName& schedule : SchedulesOf(shape)) {
@@ -83,7 +81,7 @@ KernelsResult RunKernels(const std::vector<WorkingSet*>& sets,
               {row, cases.size(), PlanesOf(shape, set->view()).size()});
           cases.push_back(set->LibraryCase(
               name, shape, {.schedule = schedule.schedule, .target = target}));
-          cases.back().group = group;
+          cases.back().group = set->name();
         }
       }
     }
