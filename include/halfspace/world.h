@@ -37,7 +37,7 @@ struct SimplexView {
   using Bound = UpSimplex<kDims>;
   using Query = DownSimplex<kDims>;
 
-  std::array<const float*, kDims + 1> min{};
+  std::array<const float*, Bound::kAxes> min{};
   std::size_t size = 0;
 
   SimplexView view() const { return *this; }
@@ -48,8 +48,8 @@ struct AabbView {
   using Bound = Aabb<kDims>;
   using Query = Aabb<kDims>;
 
-  std::array<const float*, kDims> min{};
-  std::array<const float*, kDims> max{};
+  std::array<const float*, Bound::kAxes> min{};
+  std::array<const float*, Bound::kAxes> max{};
   std::size_t size = 0;
 
   AabbView view() const { return *this; }
@@ -60,8 +60,8 @@ struct AaboView {
   using Bound = Aabo<kDims>;
   using Query = Aabo<kDims>;
 
-  std::array<const float*, kDims + 1> min{};
-  std::array<const float*, kDims + 1> max{};
+  std::array<const float*, Bound::kAxes> min{};
+  std::array<const float*, Bound::kAxes> max{};
   std::size_t size = 0;
 
   AaboView view() const { return *this; }
