@@ -1,8 +1,8 @@
-// Exact sums of a few floats, and their rounding outward.
+// Exact sums of a few numbers, and their rounding outward to float.
 //
 // The sum is taken in double with Knuth's TwoSum, which keeps the rounding
-// error of each addition, so nothing is lost. In double no sum of floats
-// overflows or underflows: every float is a multiple of 2^-149.
+// error of each addition, so nothing is lost: sums in double do not underflow,
+// and nothing here comes near its largest values.
 //
 // Only for translation units compiled without fast-math and contraction, which
 // would delete TwoSum.
@@ -62,8 +62,8 @@ ExactSum SumByExpansion(const std::array<double, kCount>& values) {
   return {parts[kCount - 1], rest};
 }
 
-// The sum of `values`, which must be finite floats. Almost always double holds
-// it exactly, and the additions prove it.
+// The sum of `values`, which must be finite and below 2^1000. Of a few floats
+// double almost always holds it exactly, and the additions prove it.
 template <std::size_t kCount>
 ExactSum SumExactly(const std::array<double, kCount>& values) {
   double sum = values[0];

@@ -130,11 +130,16 @@ void PlaneArrays::EraseBySwap(std::size_t index) {
   }
 }
 
-void PlaneArrays::Clear() {
-  for (std::size_t p = 0; p < planes_; ++p) {
-    std::fill_n(data_ + p * stride_, size_, padding_[p]);
+void PlaneArrays::Resize(std::size_t objects) {
+  if (objects > capacity_) Grow(objects);
+  if (objects < size_) {
+    for (std::size_t p = 0; p < planes_; ++p) {
+      std::fill(plane(p) + objects, plane(p) + size_, padding_[p]);
+    }
   }
-  size_ = 0;
+  size_ = objects;
 }
+
+void PlaneArrays::Clear() { Resize(0); }
 
 }  // namespace halfspace::detail

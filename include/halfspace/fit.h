@@ -1,72 +1,183 @@
 // Builders: the tightest bounds, in float, that surely enclose a shape.
 //
-// The contract: every finite float of the input is taken as an exact real
-// number, and the bound that comes back encloses the exact real set those
-// numbers describe. X, Y, ... copy their inputs; D is a sum, and is rounded
-// outward, so its minimum is never above and its maximum never below the exact
+// The contract: every finite float or double of the input is taken as an exact
+// real number, and the bound that comes back encloses the exact real set those
+// numbers describe. A minimum is never above, a maximum never below the exact
 // value. Two closed sets that intersect, touching included, are therefore never
 // rejected, whichever builder and target made the two bounds.
+// docs/exactness.md has the proof.
 //
-// Every builder returns an Aabo: take its up() for the objects of a simplex
-// world, its down() for the queries, its aabb() for a box.
+// Every builder returns an Aabo, which serves both sides of a test: take its
+// up() for the objects of a simplex world, its down() for the queries, its
+// aabb() for a box. Bounds of bounds (merged, inflated, moved, swept) are in
+// transform.h, which this header includes; many at once are in fit_many.h.
 //
-// Shapes and units: coordinates in the caller's unit, |x| + |y| + ... up to
-// 2^125. A point beyond that, or with a NaN or an infinity, cannot be bounded
-// by finite floats: the result is Everything(), which never rejects, and the
-// status counts it.
+//   a shape                          its builder
+//   point, triangle, segment         BoundPoint, BoundTriangle, BoundSegment
+//   point set, mesh (indexed)        BoundPoints
+//   frustum: corners, or planes      BoundPoints, BoundFrustum
+//   axis-aligned box                 BoundAabb
+//   oriented box                     BoundOrientedBox
+//   sphere, capsule                  BoundSphere, BoundCapsule
+//   ray with a maximum distance      BoundRay
+//   long segment, in pieces          BoundSegmentPieces
+//   anything under an affine map     BoundTransformed
+//   moving body                      Sweep, or Merge of two poses (transform.h)
+//   rotating body                    BoundSphere around the point it turns
+//   about
 //
-// Errors: only those named below, thrown as std::invalid_argument. Thread
-// safety: pure functions. Rounding: the caller's rounding mode and its flushing
-// of subnormals do not matter, and are as before afterwards; the library is
+// How tight: every value is the tightest float for everything whose exact value
+// is a sum of products of inputs. Where a square root or a quotient is involved
+// (sphere, capsule, frustum, pieces) it is within 1 ulp of that; each builder
+// says so. In X, Y, Z, points and boxes of floats are copied.
+//
+// Limits: coordinates whose sum of magnitudes, in the input's precision, is at
+// most 2^125, in the caller's unit. What lies beyond, or has a NaN or an
+// infinity, cannot be bounded by finite floats: the result is Everything(),
+// which never rejects, and the status counts it.
+//
+// Errors: only those named below, thrown as std::invalid_argument that says
+// which argument, what was expected and what was given. Thread safety: pure
+// functions. Rounding: the caller's rounding mode and its flushing of
+// subnormals do not matter, and are as before afterwards; the library is
 // compiled without fast-math and contraction whatever the caller's flags are.
+// Cost: 10 to 300 ns each, and 3 to 8 ns a point; see docs/exactness.md.
+//
 // Source: "The Bounding Simplex", for the axes; the outward rounding is this
-// library's own (docs/design.md).
+// library's own (docs/exactness.md).
 #ifndef HALFSPACE_FIT_H_
 #define HALFSPACE_FIT_H_
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 
 #include "halfspace/bounds.h"
 #include "halfspace/export.h"
+#include "halfspace/fit_status.h"
+#include "halfspace/shapes.h"
+#include "halfspace/transform.h"  // IWYU pragma: export
 
 namespace halfspace {
 
-// Points in the caller's memory: point i is coords[i * stride + 0 .. kDims-1].
-template <int kDims>
-struct Points {
-  const float* coords = nullptr;  // aligned to float; not read if count is 0
-  std::size_t count = 0;
-  std::size_t stride = kDims;  // floats from one point to the next
-};
-
-using Points2 = Points<2>;
-using Points3 = Points<3>;
-using Points4 = Points<4>;
-
-// Counts what could not be bounded, over as many calls as it is passed to.
-struct FitStatus {
-  std::size_t calls = 0;             // results counted so far
-  std::size_t everything = 0;        // how many of them became Everything()
-  std::size_t first_everything = 0;  // the first such result, counted from 0;
-                                     // meaningful if everything > 0
-};
-
-// Bounds the convex hull of a point set. No points: Empty(). A point with a
-// NaN, an infinity or |x| + |y| + ... > 2^125: Everything().
-//   Throws if, with count > 0, coords is null or misaligned, or the points do
-//   not fit the address space.
-//   X, Y, Z exact; D is the tightest float.
-//   Cost: about 3 ns a point.
+// Bounds the convex hull of a point set, in double or in float, as an array of
+// structures or a structure of arrays. No points: Empty().
+//   Throws if, with count > 0, a pointer is null or misaligned, or the points
+//   do not fit the address space.
+//   Everything() if a point has a NaN or an infinity, or is too large.
+//   Tightest; X, Y, Z of floats are copied.
 template <int kDims>
 HALFSPACE_API Aabo<kDims> BoundPoints(const Points<kDims>& points,
                                       FitStatus* status = nullptr);
+template <int kDims, typename Scalar>
+HALFSPACE_API Aabo<kDims> BoundPoints(const Points<kDims, Scalar>& points,
+                                      FitStatus* status = nullptr);
+template <int kDims, typename Scalar>
+HALFSPACE_API Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
+                                      FitStatus* status = nullptr);
+
+// The same for some of the points: those with the given indices, in any order,
+// as often as one likes. One bound for a triangle mesh, for example.
+//   Throws also if an index is not below points.count.
+template <int kDims>
+HALFSPACE_API Aabo<kDims> BoundPoints(const Points<kDims>& points,
+                                      std::span<const std::uint32_t> indices,
+                                      FitStatus* status = nullptr);
+template <int kDims>
+HALFSPACE_API Aabo<kDims> BoundPoints(const PointsSoa<kDims>& points,
+                                      std::span<const std::uint32_t> indices,
+                                      FitStatus* status = nullptr);
+
+// Bounds one point. Tightest. Call as BoundPoint<3>({x, y, z}).
+template <int kDims>
+Aabo<kDims> BoundPoint(const Point<kDims>& point, FitStatus* status = nullptr) {
+  return BoundPoints(Points<kDims>{point.data(), 1}, status);
+}
+
+// Bounds a segment with both ends. Tightest.
+//   The longer and the more diagonal a segment is, the worse a single bound
+//   fits it: see BoundSegmentPieces.
+template <int kDims>
+HALFSPACE_API Aabo<kDims> BoundSegment(const Segment<kDims>& segment,
+                                       FitStatus* status = nullptr);
+
+// Bounds a triangle. Tightest.
+template <int kDims>
+HALFSPACE_API Aabo<kDims> BoundTriangle(const Triangle<kDims>& triangle,
+                                        FitStatus* status = nullptr);
+
+// Bounds a ray up to its maximum distance. Tightest.
+//   Throws if max_t is negative or NaN. Everything() if it is infinite: give
+//   the distance at which the world ends.
+template <int kDims>
+HALFSPACE_API Aabo<kDims> BoundRay(const Ray<kDims>& ray,
+                                   FitStatus* status = nullptr);
+
+// Cuts a segment into pieces.size() equal pieces and bounds each, in order from
+// a to b. Together they enclose the whole segment, and neighbours share the
+// point where they meet. Test each piece as a query of its own: n pieces of a
+// long diagonal segment keep far fewer objects than one bound of the whole
+// (docs/exactness.md has figures). For a ray, cut BoundSegment's segment; for a
+// moving sphere, Inflate the pieces.
+//   Within 1 ulp. The status counts each piece.
+//   No pieces: nothing is written. Throws if there are more than 2^24.
+template <int kDims>
+HALFSPACE_API void BoundSegmentPieces(const Segment<kDims>& segment,
+                                      std::span<Aabo<kDims>> pieces,
+                                      FitStatus* status = nullptr);
 
 // Bounds an axis-aligned box: the same X, Y, Z, and the D of its corners.
-//   A box with a NaN, an infinity or too large a value: Everything().
-//   Empty() in, Empty() out. Throws if min[k] > max[k] in any other way.
+//   Tightest. Empty() in, Empty() out, that is minima of +inf and maxima of
+//   -inf. Throws if min[k] > max[k] in any other way.
 template <int kDims>
 HALFSPACE_API Aabo<kDims> BoundAabb(const Aabb<kDims>& box,
                                     FitStatus* status = nullptr);
+template <int kDims, typename Scalar>
+HALFSPACE_API Aabo<kDims> BoundAabb(const Box<kDims, Scalar>& box,
+                                    FitStatus* status = nullptr);
+
+// Bounds a ball. Radius 0 is the point.
+//   Throws if the radius is negative or NaN.
+//   X, Y, Z tightest; D within 1 ulp.
+template <int kDims>
+HALFSPACE_API Aabo<kDims> BoundSphere(const Sphere<kDims>& sphere,
+                                      FitStatus* status = nullptr);
+template <int kDims, typename Scalar>
+HALFSPACE_API Aabo<kDims> BoundSphere(const Sphere<kDims, Scalar>& sphere,
+                                      FitStatus* status = nullptr);
+
+// Bounds a capsule, a swept ball. As BoundSphere.
+template <int kDims>
+HALFSPACE_API Aabo<kDims> BoundCapsule(const Capsule<kDims>& capsule,
+                                       FitStatus* status = nullptr);
+
+// Bounds an oriented box, or any parallelepiped. Tightest.
+//   Throws if a half-extent is negative or NaN.
+template <int kDims>
+HALFSPACE_API Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims>& box,
+                                           FitStatus* status = nullptr);
+
+// Bounds what lies in front of all six planes of a frustum. (Of its eight
+// corners, where those are known: BoundPoints.) Any convex set with up to six
+// faces will do; planes may repeat.
+//   Empty() if nothing lies in front of all. Everything() if the planes do not
+//   close a volume.
+//   Within 1 ulp, if the corners are well away from flat. Cost: about 10 us.
+HALFSPACE_API Aabo3 BoundFrustum(std::span<const HalfSpace3, 6> planes,
+                                 FitStatus* status = nullptr);
+
+// Bounds the image of a point set, or of a box, under an affine map, as if it
+// were computed without rounding. Rebuild from the local shape like this
+// instead of transforming a bound: a bound of a turned bound grows.
+//   Tightest. Errors and special cases as of BoundPoints and BoundAabb.
+template <int kDims>
+HALFSPACE_API Aabo<kDims> BoundTransformed(const Points<kDims>& points,
+                                           const Affine<kDims>& map,
+                                           FitStatus* status = nullptr);
+template <int kDims>
+HALFSPACE_API Aabo<kDims> BoundTransformed(const Aabb<kDims>& box,
+                                           const Affine<kDims>& map,
+                                           FitStatus* status = nullptr);
 
 }  // namespace halfspace
 

@@ -29,6 +29,7 @@
 
 #include "halfspace/bounds.h"
 #include "halfspace/detail/plane_arrays.h"
+#include "halfspace/planes.h"
 
 namespace halfspace {
 
@@ -36,6 +37,7 @@ template <int kDims>
 struct SimplexView {
   using Bound = UpSimplex<kDims>;
   using Query = DownSimplex<kDims>;
+  using Planes = SimplexPlanes<kDims>;
 
   std::array<const float*, Bound::kAxes> min{};
   std::size_t size = 0;
@@ -47,6 +49,7 @@ template <int kDims>
 struct AabbView {
   using Bound = Aabb<kDims>;
   using Query = Aabb<kDims>;
+  using Planes = AabbPlanes<kDims>;
 
   std::array<const float*, Bound::kAxes> min{};
   std::array<const float*, Bound::kAxes> max{};
@@ -59,6 +62,7 @@ template <int kDims>
 struct AaboView {
   using Bound = Aabo<kDims>;
   using Query = Aabo<kDims>;
+  using Planes = AaboPlanes<kDims>;
 
   std::array<const float*, Bound::kAxes> min{};
   std::array<const float*, Bound::kAxes> max{};
@@ -105,6 +109,7 @@ class World {
   using View = ViewType;
   using Bound = typename View::Bound;
   using Query = typename View::Query;
+  using Planes = typename View::Planes;
 
   World() : planes_(detail::Planes(Bound::Empty())) {}
 
@@ -136,6 +141,9 @@ class World {
   // Removes object `index`; the last object takes its place. O(1).
   void EraseBySwap(std::size_t index) { planes_.EraseBySwap(index); }
 
+  // Makes the world this many objects large; new ones are Empty().
+  void Resize(std::size_t objects) { planes_.Resize(objects); }
+
   // Removes all objects and keeps the memory. O(size): padding is restored.
   void Clear() { planes_.Clear(); }
 
@@ -150,6 +158,9 @@ class World {
   // Of the objects there are now: a later Push, EraseBySwap or Clear is not
   // seen. Valid until the world grows, is assigned to, moved from or destroyed.
   View view() const { return detail::ViewOf<View>(planes_); }
+
+  // The same planes, to be written: by the builders of fit_many.h, say.
+  Planes planes() { return detail::ViewOf<Planes>(planes_); }
 
  private:
   detail::PlaneArrays planes_;

@@ -67,6 +67,7 @@ class HALFSPACE_API PlaneArrays {
 
   std::size_t size() const { return size_; }
   std::size_t capacity() const { return capacity_; }
+  float* plane(std::size_t p) { return data_ + p * stride_; }
   const float* plane(std::size_t p) const { return data_ + p * stride_; }
 
   void Reserve(std::size_t objects);
@@ -74,6 +75,7 @@ class HALFSPACE_API PlaneArrays {
   void Set(std::size_t index, std::span<const float> values);
   void Get(std::size_t index, std::span<float> values) const;
   void EraseBySwap(std::size_t index);
+  void Resize(std::size_t objects);
   void Clear();
 
  private:
@@ -89,15 +91,16 @@ class HALFSPACE_API PlaneArrays {
   float* data_ = nullptr;
 };
 
-template <typename View>
-View ViewOf(const PlaneArrays& planes) {
+// A view of the planes, or, if they are not const, the planes to be written.
+template <typename View, typename Arrays>
+View ViewOf(Arrays& planes) {
   View view;
   std::size_t p = 0;
   if constexpr (HasMin<View>) {
-    for (const float*& plane : view.min) plane = planes.plane(p++);
+    for (auto& plane : view.min) plane = planes.plane(p++);
   }
   if constexpr (HasMax<View>) {
-    for (const float*& plane : view.max) plane = planes.plane(p++);
+    for (auto& plane : view.max) plane = planes.plane(p++);
   }
   view.size = planes.size();
   return view;

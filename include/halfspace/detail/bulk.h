@@ -1,0 +1,155 @@
+// Internal. The calls of fit_many.h after the types are gone: the boundary
+// between the caller's translation unit and the library. Not part of the
+// interface.
+#ifndef HALFSPACE_DETAIL_BULK_H_
+#define HALFSPACE_DETAIL_BULK_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "halfspace/detail/plane_arrays.h"
+#include "halfspace/export.h"
+#include "halfspace/fit_status.h"
+#include "halfspace/planes.h"
+#include "halfspace/shapes.h"
+#include "halfspace/targets.h"
+
+namespace halfspace {
+
+struct FitOptions;
+
+namespace detail {
+
+// Columns of floats: value c of element i is columns[c][i * stride]. Boxes have
+// all minima, then all maxima; spheres the center, then the radius; points
+// their coordinates.
+struct Source {
+  static constexpr std::size_t kMaxColumns = 8;  // Boxes<4>
+
+  int dims = 0;
+  std::size_t column_count = 0;
+  std::size_t count = 0;
+  std::size_t stride = 1;
+  std::array<const float*, kMaxColumns> columns{};
+};
+
+// The planes of an Aabo, all minima, then all maxima; those that are not wanted
+// are null, and their bit in `wanted` is 0.
+struct Output {
+  int dims = 0;
+  std::size_t size = 0;
+  std::uint32_t wanted = 0;
+  std::array<float*, kMaxPlanes> planes{};
+
+  constexpr void Want(std::size_t plane, float* memory) {
+    wanted |= std::uint32_t{1} << plane;
+    planes[plane] = memory;
+  }
+};
+
+template <int kDims>
+constexpr Source SourceOf(const Boxes<kDims>& boxes) {
+  Source source{.dims = kDims, .count = boxes.count, .stride = boxes.stride};
+  for (const float* column : boxes.min) {
+    source.columns[source.column_count++] = column;
+  }
+  for (const float* column : boxes.max) {
+    source.columns[source.column_count++] = column;
+  }
+  return source;
+}
+
+template <int kDims>
+constexpr Source SourceOf(const Spheres<kDims>& spheres) {
+  Source source{
+      .dims = kDims, .count = spheres.count, .stride = spheres.stride};
+  for (const float* column : spheres.center) {
+    source.columns[source.column_count++] = column;
+  }
+  source.columns[source.column_count++] = spheres.radius;
+  return source;
+}
+
+template <int kDims>
+constexpr Source SourceOf(const Points<kDims>& points) {
+  Source source{.dims = kDims, .count = points.count, .stride = points.stride};
+  for (std::size_t k = 0; k < kDims; ++k) {
+    source.columns[source.column_count++] =
+        points.coords == nullptr ? nullptr : points.coords + k;
+  }
+  return source;
+}
+
+template <int kDims>
+constexpr Source SourceOf(const PointsSoa<kDims>& points) {
+  Source source{.dims = kDims, .count = points.count};
+  for (const float* column : points.coords) {
+    source.columns[source.column_count++] = column;
+  }
+  return source;
+}
+
+// The index of an axis' maximum in Output::planes; its minimum is at `axis`.
+template <int kDims>
+constexpr std::size_t MaxPlane(std::size_t axis) {
+  return kDims + 1 + axis;
+}
+
+template <int kDims>
+constexpr Output OutputOf(const SimplexPlanes<kDims>& planes) {
+  Output output{.dims = kDims, .size = planes.size};
+  for (std::size_t k = 0; k < planes.min.size(); ++k) {
+    output.Want(k, planes.min[k]);
+  }
+  return output;
+}
+
+template <int kDims>
+constexpr Output OutputOf(const AabbPlanes<kDims>& planes) {
+  Output output{.dims = kDims, .size = planes.size};
+  for (std::size_t k = 0; k < planes.min.size(); ++k) {
+    output.Want(k, planes.min[k]);
+    output.Want(MaxPlane<kDims>(k), planes.max[k]);
+  }
+  return output;
+}
+
+template <int kDims>
+constexpr Output OutputOf(const AaboPlanes<kDims>& planes) {
+  Output output{.dims = kDims, .size = planes.size};
+  for (std::size_t k = 0; k < planes.min.size(); ++k) {
+    output.Want(k, planes.min[k]);
+    output.Want(MaxPlane<kDims>(k), planes.max[k]);
+  }
+  return output;
+}
+
+template <int kDims>
+constexpr Output OutputOf(const DPlanes<kDims>& planes) {
+  Output output{.dims = kDims, .size = planes.size};
+  output.Want(kDims, planes.min);
+  output.Want(MaxPlane<kDims>(kDims), planes.max);
+  return output;
+}
+
+HALFSPACE_API Target BoundBoxes(const Source& boxes, const Output& output,
+                                const FitOptions& options, FitStatus* status);
+HALFSPACE_API Target BoundSpheres(const Source& spheres, const Output& output,
+                                  const FitOptions& options, FitStatus* status);
+HALFSPACE_API Target BoundTriangles(const Source& vertices,
+                                    std::span<const std::uint32_t> indices,
+                                    const Output& output,
+                                    const FitOptions& options,
+                                    FitStatus* status);
+HALFSPACE_API Target BoundPointSets(const Source& points,
+                                    std::span<const std::size_t> ends,
+                                    const Output& output,
+                                    const FitOptions& options,
+                                    FitStatus* status);
+
+}  // namespace detail
+}  // namespace halfspace
+
+#endif  // HALFSPACE_DETAIL_BULK_H_

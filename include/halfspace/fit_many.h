@@ -1,0 +1,154 @@
+// Builders of many bounds at once: N boxes, spheres, triangles or point sets
+// into the planes of a world, in SIMD, on the same targets as the tests.
+//
+// They keep the contract of fit.h: every bound encloses the exact real shape
+// that its input describes. X, Y, Z are those of fit.h. D is within 1 ulp of
+// the tightest float, or, with FitOptions::tightest, the tightest. Answers are
+// bit-identical on every target and compiler.
+//
+//   auto world = halfspace::AaboWorld3();
+//   world.Resize(boxes.count);
+//   halfspace::BoundBoxes(boxes, world.planes());
+//
+// Every call takes
+//   source   the shapes, in the caller's memory (below)
+//   planes   where the bounds go: planes that the caller owns, or
+//   world.planes()
+//            of an owning world. Their type says which planes are wanted:
+//            SimplexPlanes, AabbPlanes, AaboPlanes, or DPlanes, the D axis
+//            alone, which makes an AABO world of an AABB world in place.
+//            planes.size must be the number of shapes.
+//   options  tightness, inverted boxes, target; the defaults are right
+//   status   counts, over all calls it is passed to, the shapes that became
+//            Everything(), and tells the first
+// and returns the target that really ran.
+//
+// Bad elements never throw: a shape with a NaN, an infinity, a negative radius,
+// an index out of range, an inverted box, or a sum of magnitudes beyond 2^125
+// becomes Everything(), which never rejects, and is counted.
+//
+// Errors: thrown as std::invalid_argument before anything is written: a null or
+// misaligned pointer with N > 0, sizes that differ, sizes that overflow the
+// address space, an output that overlaps an input or another output, a target
+// that is not supported here. N = 0 is fine.
+//
+// Thread safety: reentrant; no allocation, no lock, no state. Two threads may
+// build disjoint parts of one world. The caller's floating-point mode does not
+// matter. Cost: out of cache, the memory's (docs/results.md has figures).
+//
+// Source: "The Bounding Simplex", for the axes; docs/exactness.md for the
+// rounding.
+#ifndef HALFSPACE_FIT_MANY_H_
+#define HALFSPACE_FIT_MANY_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "halfspace/bounds.h"
+#include "halfspace/detail/bulk.h"
+#include "halfspace/export.h"
+#include "halfspace/fit_status.h"
+#include "halfspace/planes.h"
+#include "halfspace/shapes.h"
+#include "halfspace/targets.h"
+#include "halfspace/world.h"
+
+namespace halfspace {
+
+// What becomes of a box with min[k] > max[k]. The one with all minima +inf and
+// all maxima -inf is Empty() in any case.
+enum class Inverted : std::uint8_t {
+  kEverything,  // a mistake: never rejected, and counted
+  kEmpty,       // a box without points: always rejected, not counted
+};
+
+struct FitOptions {
+  bool tightest = false;  // D is the tightest float, not just within 1 ulp
+  Inverted inverted = Inverted::kEverything;
+  Target target = {};  // the chosen target
+};
+
+// The boxes of an array of structures.
+template <int kDims>
+Boxes<kDims> BoxesOf(std::span<const Aabb<kDims>> boxes) {
+  static_assert(sizeof(Aabb<kDims>) == 2 * kDims * sizeof(float));
+  Boxes<kDims> columns{.count = boxes.size(), .stride = 2 * kDims};
+  if (boxes.empty()) return columns;
+  for (std::size_t k = 0; k < kDims; ++k) {
+    columns.min[k] = boxes.front().min.data() + k;
+    columns.max[k] = boxes.front().max.data() + k;
+  }
+  return columns;
+}
+
+// The boxes of a world: an AabbView, or the aabb() of an AaboView.
+template <int kDims>
+Boxes<kDims> BoxesOf(const AabbView<kDims>& view) {
+  return {view.min, view.max, view.size, 1};
+}
+
+// Bounds boxes. X, Y, Z are copied.
+template <typename Planes>
+Target BoundBoxes(const Boxes<Planes::kDimensions>& boxes, const Planes& planes,
+                  const FitOptions& options = {}, FitStatus* status = nullptr) {
+  return detail::BoundBoxes(detail::SourceOf(boxes), detail::OutputOf(planes),
+                            options, status);
+}
+
+// Bounds balls. X, Y, Z are tightest. D is within 1 ulp; where its value nearly
+// cancels, without `tightest`, within 2^-49 of |x| + |y| + ... + radius.
+template <typename Planes>
+Target BoundSpheres(const Spheres<Planes::kDimensions>& spheres,
+                    const Planes& planes, const FitOptions& options = {},
+                    FitStatus* status = nullptr) {
+  return detail::BoundSpheres(detail::SourceOf(spheres),
+                              detail::OutputOf(planes), options, status);
+}
+
+// Bounds the triangles of a mesh, one bound for each: triangle i has the
+// vertices indices[3 * i], indices[3 * i + 1] and indices[3 * i + 2].
+//   Throws also if indices.size() is not 3 * planes.size. An index that is not
+//   below vertices.count makes its triangle Everything().
+template <typename Planes>
+Target BoundTriangles(const Points<Planes::kDimensions>& vertices,
+                      std::span<const std::uint32_t> indices,
+                      const Planes& planes, const FitOptions& options = {},
+                      FitStatus* status = nullptr) {
+  return detail::BoundTriangles(detail::SourceOf(vertices), indices,
+                                detail::OutputOf(planes), options, status);
+}
+template <typename Planes>
+Target BoundTriangles(const PointsSoa<Planes::kDimensions>& vertices,
+                      std::span<const std::uint32_t> indices,
+                      const Planes& planes, const FitOptions& options = {},
+                      FitStatus* status = nullptr) {
+  return detail::BoundTriangles(detail::SourceOf(vertices), indices,
+                                detail::OutputOf(planes), options, status);
+}
+
+// Bounds the convex hulls of consecutive parts of a point array: set i holds
+// the points ends[i - 1] .. ends[i] - 1, the first one from point 0.
+//   ends.size() is planes.size. An empty set gives Empty(). A set that ends
+//   before it begins, or past points.count, becomes Everything().
+template <typename Planes>
+Target BoundPointSets(const Points<Planes::kDimensions>& points,
+                      std::span<const std::size_t> ends, const Planes& planes,
+                      const FitOptions& options = {},
+                      FitStatus* status = nullptr) {
+  return detail::BoundPointSets(detail::SourceOf(points), ends,
+                                detail::OutputOf(planes), options, status);
+}
+template <typename Planes>
+Target BoundPointSets(const PointsSoa<Planes::kDimensions>& points,
+                      std::span<const std::size_t> ends, const Planes& planes,
+                      const FitOptions& options = {},
+                      FitStatus* status = nullptr) {
+  return detail::BoundPointSets(detail::SourceOf(points), ends,
+                                detail::OutputOf(planes), options, status);
+}
+
+}  // namespace halfspace
+
+#endif  // HALFSPACE_FIT_MANY_H_

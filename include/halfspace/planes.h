@@ -1,0 +1,74 @@
+// Planes to be written: where the builders of fit_many.h put their bounds.
+//
+//   planes              wants
+//   SimplexPlanes<D>    min[0 .. D]
+//   AabbPlanes<D>       min[0 .. D-1], max[0 .. D-1]
+//   AaboPlanes<D>       min[0 .. D], max[0 .. D]
+//   DPlanes<D>          min and max of the D axis alone
+//
+// Each plane is `size` floats in the caller's memory, of any alignment a float
+// may have, and apart from the others; or ask an owning world for its planes()
+// (world.h). Nothing past element size - 1 is written. The read-only
+// counterparts are the views of world.h. DPlanes have none: they complete the
+// planes of an AABB world to those of an AABO world.
+//
+// Thread safety: values; none needed.
+#ifndef HALFSPACE_PLANES_H_
+#define HALFSPACE_PLANES_H_
+
+#include <array>
+#include <cstddef>
+
+namespace halfspace {
+
+template <int kDims>
+struct SimplexPlanes {
+  static constexpr int kDimensions = kDims;
+
+  std::array<float*, static_cast<std::size_t>(kDims) + 1> min{};
+  std::size_t size = 0;
+};
+
+template <int kDims>
+struct AabbPlanes {
+  static constexpr int kDimensions = kDims;
+
+  std::array<float*, static_cast<std::size_t>(kDims)> min{};
+  std::array<float*, static_cast<std::size_t>(kDims)> max{};
+  std::size_t size = 0;
+};
+
+template <int kDims>
+struct AaboPlanes {
+  static constexpr int kDimensions = kDims;
+
+  std::array<float*, static_cast<std::size_t>(kDims) + 1> min{};
+  std::array<float*, static_cast<std::size_t>(kDims) + 1> max{};
+  std::size_t size = 0;
+};
+
+template <int kDims>
+struct DPlanes {
+  static constexpr int kDimensions = kDims;
+
+  float* min = nullptr;
+  float* max = nullptr;
+  std::size_t size = 0;
+};
+
+using SimplexPlanes2 = SimplexPlanes<2>;
+using SimplexPlanes3 = SimplexPlanes<3>;
+using SimplexPlanes4 = SimplexPlanes<4>;
+using AabbPlanes2 = AabbPlanes<2>;
+using AabbPlanes3 = AabbPlanes<3>;
+using AabbPlanes4 = AabbPlanes<4>;
+using AaboPlanes2 = AaboPlanes<2>;
+using AaboPlanes3 = AaboPlanes<3>;
+using AaboPlanes4 = AaboPlanes<4>;
+using DPlanes2 = DPlanes<2>;
+using DPlanes3 = DPlanes<3>;
+using DPlanes4 = DPlanes<4>;
+
+}  // namespace halfspace
+
+#endif  // HALFSPACE_PLANES_H_

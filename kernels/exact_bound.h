@@ -1,0 +1,154 @@
+// Bounds from exact projections: what all single builders share.
+//
+// Only for translation units compiled without fast-math and contraction.
+#ifndef HALFSPACE_KERNELS_EXACT_BOUND_H_
+#define HALFSPACE_KERNELS_EXACT_BOUND_H_
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "halfspace/bounds.h"
+#include "halfspace/fit_status.h"
+#include "kernels/error.h"
+#include "kernels/outward.h"
+
+namespace halfspace::kernels {
+
+// Beyond this sum of magnitudes D might overflow, or its rounding might.
+inline constexpr double kLargest = 0x1p125;
+
+// The magnitudes are summed in the type of the input, in order, as the builders
+// in SIMD do, so that both draw the same line. False for NaN and infinity too.
+template <typename Scalar>
+class MagnitudeGuard {
+ public:
+  void Add(Scalar value) { sum_ += std::fabs(value); }
+  template <typename Range>
+  void AddAll(const Range& values) {
+    for (Scalar value : values) Add(value);
+  }
+  bool CanBeBounded() const { return sum_ <= Scalar{kLargest}; }
+
+ private:
+  Scalar sum_ = 0;
+};
+
+template <typename Coords>
+bool CanBeBounded(const Coords& point) {
+  MagnitudeGuard<typename Coords::value_type> guard;
+  guard.AddAll(point);
+  return guard.CanBeBounded();
+}
+
+constexpr ExactSum Negated(const ExactSum& sum) {
+  return {-sum.value, -sum.rest};
+}
+
+// D = -(x + y + ...) of a point, exactly.
+template <typename Coords>
+ExactSum ExactD(const Coords& point) {
+  std::array<double, std::tuple_size_v<Coords>> terms;
+  std::copy(point.begin(), point.end(), terms.begin());
+  return Negated(SumExactly(terms));
+}
+
+// The running minimum and maximum of one projection. Sums that double holds
+// exactly are compared as they are and rounded once at the end.
+class ExactRange {
+ public:
+  void Add(const ExactSum& sum) {
+    if (sum.rest == 0.0) {
+      min_ = std::min(min_, sum.value);
+      max_ = std::max(max_, sum.value);
+    } else {
+      min_ = std::min<double>(min_, RoundDown(sum));
+      max_ = std::max<double>(max_, RoundUp(sum));
+    }
+  }
+  float min() const { return RoundDown({min_, 0.0}); }
+  float max() const { return RoundUp({max_, 0.0}); }
+
+ private:
+  double min_ = std::numeric_limits<double>::infinity();
+  double max_ = -std::numeric_limits<double>::infinity();
+};
+
+// One range per axis; D, the last, like the others.
+template <int kDims>
+class ExactRanges {
+ public:
+  static constexpr std::size_t kAxes = kDims + 1;
+
+  void Add(std::size_t axis, const ExactSum& sum) { ranges_[axis].Add(sum); }
+
+  template <typename Coords>
+  void AddPoint(const Coords& point) {
+    for (std::size_t k = 0; k < kDims; ++k) Add(k, {point[k], 0.0});
+    Add(kDims, ExactD(point));
+  }
+
+  Aabo<kDims> Bound() const {
+    Aabo<kDims> bound;
+    for (std::size_t k = 0; k < kAxes; ++k) {
+      bound.min[k] = ranges_[k].min();
+      bound.max[k] = ranges_[k].max();
+    }
+    return bound;
+  }
+
+ private:
+  std::array<ExactRange, kAxes> ranges_;
+};
+
+// Enough digits to tell any two numbers apart.
+template <typename Scalar>
+std::string Shortest(Scalar value) {
+  std::array<char, 32> text;
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return std::string(text.data(), end);
+}
+
+// Throws if the box is inverted; a NaN is left to the builder.
+template <typename Corner>
+void CheckOrder(std::string_view call, const Corner& min, const Corner& max) {
+  for (std::size_t k = 0; k < min.size(); ++k) {
+    if (min[k] > max[k]) {
+      const std::string axis = "[" + std::to_string(k) + "]";
+      ThrowInvalid(call, "box", "min" + axis + " not above max" + axis,
+                   Shortest(min[k]) + " and " + Shortest(max[k]));
+    }
+  }
+}
+
+// Throws unless `length` is 0 or more; infinity is left to the builder.
+inline void CheckLength(std::string_view call, std::string_view argument,
+                        double length) {
+  if (length >= 0.0) return;
+  ThrowInvalid(call, argument, "a number that is not negative",
+               Shortest(length));
+}
+
+// Counts the result; nothing stands for what cannot be bounded.
+template <typename Bound>
+Bound Finish(const std::optional<Bound>& bound, FitStatus* status) {
+  const Bound result = bound.value_or(Bound::Everything());
+  if (status != nullptr) {
+    if (result == Bound::Everything() && status->everything++ == 0) {
+      status->first_everything = status->results;
+    }
+    ++status->results;
+  }
+  return result;
+}
+
+}  // namespace halfspace::kernels
+
+#endif  // HALFSPACE_KERNELS_EXACT_BOUND_H_

@@ -1,0 +1,274 @@
+// Hulls of points: sets, segments, triangles, and their affine images.
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "halfspace/fit.h"
+#include "kernels/default_fp_mode.h"
+#include "kernels/error.h"
+#include "kernels/exact_bound.h"
+#include "kernels/outward.h"
+
+namespace halfspace {
+namespace {
+
+using kernels::CanBeBounded;
+using kernels::ExactRanges;
+using kernels::Finish;
+using kernels::MagnitudeGuard;
+using kernels::SumExactly;
+using kernels::ThrowInvalid;
+
+template <typename Scalar>
+std::string ElementName() {
+  return sizeof(Scalar) == sizeof(float) ? "float" : "double";
+}
+
+template <typename Scalar>
+void CheckPlace(std::string_view call, const std::string& argument,
+                const Scalar* coords, std::size_t count) {
+  if (coords == nullptr) {
+    ThrowInvalid(call, argument, std::to_string(count) + " points",
+                 "a null pointer");
+  }
+  if (reinterpret_cast<std::uintptr_t>(coords) % alignof(Scalar) != 0) {
+    ThrowInvalid(call, argument,
+                 "a pointer aligned to " + ElementName<Scalar>(),
+                 "a misaligned one");
+  }
+}
+
+// (count - 1) * stride + `last` scalars must fit, without overflow.
+template <typename Scalar>
+void CheckCount(std::string_view call, std::size_t count, std::size_t stride,
+                std::size_t last) {
+  constexpr std::size_t kMost =
+      std::numeric_limits<std::size_t>::max() / sizeof(Scalar);
+  if (stride == 0 || count - 1 <= (kMost - last) / stride) return;
+  ThrowInvalid(
+      call, "points.count",
+      "points that fit the address space with stride " + std::to_string(stride),
+      std::to_string(count));
+}
+
+template <int kDims, typename Scalar>
+void Check(std::string_view call, const Points<kDims, Scalar>& points) {
+  CheckPlace(call, "points.coords", points.coords, points.count);
+  CheckCount<Scalar>(call, points.count, points.stride, kDims);
+}
+
+template <int kDims, typename Scalar>
+void Check(std::string_view call, const PointsSoa<kDims, Scalar>& points) {
+  for (std::size_t k = 0; k < kDims; ++k) {
+    CheckPlace(call, "points.coords[" + std::to_string(k) + "]",
+               points.coords[k], points.count);
+  }
+  CheckCount<Scalar>(call, points.count, 1, 1);
+}
+
+template <int kDims, typename Scalar>
+Point<kDims, Scalar> At(const Points<kDims, Scalar>& points, std::size_t i) {
+  Point<kDims, Scalar> point;
+  for (std::size_t k = 0; k < kDims; ++k) {
+    point[k] = points.coords[i * points.stride + k];
+  }
+  return point;
+}
+
+template <int kDims, typename Scalar>
+Point<kDims, Scalar> At(const PointsSoa<kDims, Scalar>& points, std::size_t i) {
+  Point<kDims, Scalar> point;
+  for (std::size_t k = 0; k < kDims; ++k) point[k] = points.coords[k][i];
+  return point;
+}
+
+// The arithmetic, for checked arguments and in the default mode: the hull of
+// at(0), at(1), ... Nothing if a point cannot be bounded.
+template <int kDims, typename PointAt>
+HALFSPACE_NOINLINE std::optional<Aabo<kDims>> TryHull(std::size_t count,
+                                                      const PointAt& at) {
+  ExactRanges<kDims> ranges;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto point = at(i);
+    if (!CanBeBounded(point)) return std::nullopt;
+    ranges.AddPoint(point);
+  }
+  return ranges.Bound();
+}
+
+template <int kDims, typename Source>
+Aabo<kDims> BoundHull(const Source& points, FitStatus* status) {
+  if (points.count == 0) {
+    return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
+  }
+  Check("BoundPoints", points);
+  const kernels::DefaultFpMode mode;
+  return Finish(TryHull<kDims>(points.count,
+                               [&](std::size_t i) { return At(points, i); }),
+                status);
+}
+
+template <int kDims, typename Source>
+Aabo<kDims> BoundIndexed(const Source& points,
+                         std::span<const std::uint32_t> indices,
+                         FitStatus* status) {
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    if (indices[i] >= points.count) {
+      ThrowInvalid(
+          "BoundPoints", "indices[" + std::to_string(i) + "]",
+          "less than the number of points, " + std::to_string(points.count),
+          std::to_string(indices[i]));
+    }
+  }
+  if (indices.empty()) {
+    return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
+  }
+  Check("BoundPoints", points);
+  const kernels::DefaultFpMode mode;
+  const auto at = [&](std::size_t i) { return At(points, indices[i]); };
+  return Finish(TryHull<kDims>(indices.size(), at), status);
+}
+
+// Adds the image of a point, unrounded: products of two floats are exact in
+// double. False if it cannot be bounded.
+template <int kDims>
+bool AddImage(const Point<kDims>& point, const Affine<kDims>& map,
+              ExactRanges<kDims>& ranges) {
+  std::array<std::array<double, kDims + 1>, kDims> rows;
+  std::array<double, kDims*(kDims + 1)> all;
+  MagnitudeGuard<double> guard;
+  auto next = all.begin();
+  for (std::size_t k = 0; k < kDims; ++k) {
+    for (std::size_t j = 0; j < kDims; ++j) {
+      rows[k][j] = double{map.linear[k][j]} * double{point[j]};
+    }
+    rows[k][kDims] = map.translation[k];
+    guard.AddAll(rows[k]);
+    next = std::copy(rows[k].begin(), rows[k].end(), next);
+  }
+  if (!guard.CanBeBounded()) return false;
+  for (std::size_t k = 0; k < kDims; ++k) ranges.Add(k, SumExactly(rows[k]));
+  ranges.Add(kDims, kernels::Negated(SumExactly(all)));
+  return true;
+}
+
+template <int kDims, typename PointAt>
+HALFSPACE_NOINLINE std::optional<Aabo<kDims>> TryImage(
+    std::size_t count, const PointAt& at, const Affine<kDims>& map) {
+  ExactRanges<kDims> ranges;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!AddImage(at(i), map, ranges)) return std::nullopt;
+  }
+  return ranges.Bound();
+}
+
+}  // namespace
+
+template <int kDims>
+Aabo<kDims> BoundPoints(const Points<kDims>& points, FitStatus* status) {
+  return BoundHull<kDims>(points, status);
+}
+
+template <int kDims, typename Scalar>
+Aabo<kDims> BoundPoints(const Points<kDims, Scalar>& points,
+                        FitStatus* status) {
+  return BoundHull<kDims>(points, status);
+}
+
+template <int kDims, typename Scalar>
+Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
+                        FitStatus* status) {
+  return BoundHull<kDims>(points, status);
+}
+
+template <int kDims>
+Aabo<kDims> BoundPoints(const Points<kDims>& points,
+                        std::span<const std::uint32_t> indices,
+                        FitStatus* status) {
+  return BoundIndexed<kDims>(points, indices, status);
+}
+
+template <int kDims>
+Aabo<kDims> BoundPoints(const PointsSoa<kDims>& points,
+                        std::span<const std::uint32_t> indices,
+                        FitStatus* status) {
+  return BoundIndexed<kDims>(points, indices, status);
+}
+
+template <int kDims>
+Aabo<kDims> BoundSegment(const Segment<kDims>& segment, FitStatus* status) {
+  const kernels::DefaultFpMode mode;
+  const auto at = [&](std::size_t i) { return i == 0 ? segment.a : segment.b; };
+  return Finish(TryHull<kDims>(2, at), status);
+}
+
+template <int kDims>
+Aabo<kDims> BoundTriangle(const Triangle<kDims>& triangle, FitStatus* status) {
+  const kernels::DefaultFpMode mode;
+  const auto at = [&](std::size_t i) {
+    return i == 0 ? triangle.a : i == 1 ? triangle.b : triangle.c;
+  };
+  return Finish(TryHull<kDims>(3, at), status);
+}
+
+template <int kDims>
+Aabo<kDims> BoundTransformed(const Points<kDims>& points,
+                             const Affine<kDims>& map, FitStatus* status) {
+  if (points.count == 0) {
+    return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
+  }
+  Check("BoundTransformed", points);
+  const kernels::DefaultFpMode mode;
+  const auto at = [&](std::size_t i) { return At(points, i); };
+  return Finish(TryImage(points.count, at, map), status);
+}
+
+template <int kDims>
+Aabo<kDims> BoundTransformed(const Aabb<kDims>& box, const Affine<kDims>& map,
+                             FitStatus* status) {
+  if (box == Aabb<kDims>::Empty()) {
+    return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
+  }
+  const kernels::DefaultFpMode mode;
+  kernels::CheckOrder("BoundTransformed", box.min, box.max);
+  // Bit k of a corner's number says which end of axis k it has.
+  const auto corner = [&](std::size_t i) {
+    Point<kDims> point;
+    for (std::size_t k = 0; k < kDims; ++k) {
+      point[k] = ((i >> k) & 1) == 0 ? box.min[k] : box.max[k];
+    }
+    return point;
+  };
+  return Finish(TryImage(std::size_t{1} << kDims, corner, map), status);
+}
+
+#define HALFSPACE_INSTANTIATE(d)                                               \
+  template HALFSPACE_API Aabo<d> BoundPoints(const Points<d>&, FitStatus*);    \
+  template HALFSPACE_API Aabo<d> BoundPoints(const Points<d, double>&,         \
+                                             FitStatus*);                      \
+  template HALFSPACE_API Aabo<d> BoundPoints(const PointsSoa<d>&, FitStatus*); \
+  template HALFSPACE_API Aabo<d> BoundPoints(const PointsSoa<d, double>&,      \
+                                             FitStatus*);                      \
+  template HALFSPACE_API Aabo<d> BoundPoints(                                  \
+      const Points<d>&, std::span<const std::uint32_t>, FitStatus*);           \
+  template HALFSPACE_API Aabo<d> BoundPoints(                                  \
+      const PointsSoa<d>&, std::span<const std::uint32_t>, FitStatus*);        \
+  template HALFSPACE_API Aabo<d> BoundSegment(const Segment<d>&, FitStatus*);  \
+  template HALFSPACE_API Aabo<d> BoundTriangle(const Triangle<d>&,             \
+                                               FitStatus*);                    \
+  template HALFSPACE_API Aabo<d> BoundTransformed(                             \
+      const Points<d>&, const Affine<d>&, FitStatus*);                         \
+  template HALFSPACE_API Aabo<d> BoundTransformed(                             \
+      const Aabb<d>&, const Affine<d>&, FitStatus*)
+HALFSPACE_INSTANTIATE(2);
+HALFSPACE_INSTANTIATE(3);
+HALFSPACE_INSTANTIATE(4);
+#undef HALFSPACE_INSTANTIATE
+
+}  // namespace halfspace

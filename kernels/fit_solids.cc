@@ -1,0 +1,190 @@
+// Solids: boxes, oriented boxes, balls, capsules.
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "halfspace/fit.h"
+#include "kernels/default_fp_mode.h"
+#include "kernels/exact_bound.h"
+#include "kernels/outward.h"
+#include "kernels/root_of_dims.h"
+
+namespace halfspace {
+namespace {
+
+using kernels::CanBeBounded;
+using kernels::ExactD;
+using kernels::ExactRanges;
+using kernels::ExactSum;
+using kernels::Finish;
+using kernels::MagnitudeGuard;
+using kernels::Negated;
+using kernels::RoundDown;
+using kernels::RoundUp;
+using kernels::SumExactly;
+
+template <int kDims, typename Scalar>
+HALFSPACE_NOINLINE std::optional<Aabo<kDims>> TryAabb(
+    const Point<kDims, Scalar>& min, const Point<kDims, Scalar>& max) {
+  kernels::CheckOrder("BoundAabb", min, max);
+  if (!CanBeBounded(min) || !CanBeBounded(max)) return std::nullopt;
+  // D falls as the coordinates rise: its extremes are at the two corners.
+  ExactRanges<kDims> ranges;
+  ranges.AddPoint(min);
+  ranges.AddPoint(max);
+  return ranges.Bound();
+}
+
+// c + sum of s[i] h[i] u[i], |s[i]| <= 1: on each axis its extremes have the
+// signs of the axes' projections.
+template <int kDims>
+HALFSPACE_NOINLINE std::optional<Aabo<kDims>> TryOrientedBox(
+    const OrientedBox<kDims>& box) {
+  constexpr std::size_t kAll = kDims * (kDims + 1);
+  MagnitudeGuard<double> guard;
+  guard.AddAll(box.center);
+  std::array<std::array<double, kDims>, kDims> arms;  // h[i] u[i], exact
+  for (std::size_t i = 0; i < kDims; ++i) {
+    for (std::size_t k = 0; k < kDims; ++k) {
+      arms[i][k] = double{box.half_extents[i]} * double{box.axes[i][k]};
+    }
+    guard.AddAll(arms[i]);
+  }
+  if (!guard.CanBeBounded()) return std::nullopt;
+
+  ExactRanges<kDims> ranges;
+  for (double end : {-1.0, 1.0}) {
+    std::array<double, kAll> all;
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < kDims; ++i) {
+      // The side on which the sum of the coordinates, hence D, is extreme.
+      const double side = SumExactly(arms[i]).value < 0.0 ? -end : end;
+      for (double arm : arms[i]) all[n++] = side * arm;
+    }
+    for (std::size_t k = 0; k < kDims; ++k) {
+      std::array<double, kDims + 1> terms;
+      for (std::size_t i = 0; i < kDims; ++i) {
+        terms[i] = end * std::fabs(arms[i][k]);
+      }
+      terms[kDims] = all[n++] = box.center[k];
+      ranges.Add(k, SumExactly(terms));
+    }
+    ranges.Add(kDims, Negated(SumExactly(all)));
+  }
+  return ranges.Bound();
+}
+
+template <int kDims, typename Scalar>
+void AddSphere(const Point<kDims, Scalar>& center, Scalar radius,
+               Aabo<kDims>& bound) {
+  constexpr std::size_t kParts = kernels::kRootParts;
+  const auto reach = kernels::TimesRootOfDims<kDims>(radius);
+  std::array<double, kDims + kParts> up;
+  std::array<double, kDims + kParts> down;
+  for (std::size_t k = 0; k < kDims; ++k) {
+    const std::array<double, 2> high = {center[k], radius};
+    const std::array<double, 2> low = {center[k], -double{radius}};
+    bound.min[k] = std::min(bound.min[k], RoundDown(SumExactly(low)));
+    bound.max[k] = std::max(bound.max[k], RoundUp(SumExactly(high)));
+    up[k] = down[k] = -double{center[k]};
+  }
+  for (std::size_t i = 0; i < kParts; ++i) {
+    up[kDims + i] = reach[i];
+    down[kDims + i] = -reach[i];
+  }
+  bound.min[kDims] = std::min(bound.min[kDims], RoundDown(SumExactly(down)));
+  bound.max[kDims] = std::max(bound.max[kDims], RoundUp(SumExactly(up)));
+}
+
+template <int kDims, typename Scalar, std::size_t kCount>
+HALFSPACE_NOINLINE std::optional<Aabo<kDims>> TrySpheres(
+    const std::array<Point<kDims, Scalar>, kCount>& centers, Scalar radius) {
+  Aabo<kDims> bound = Aabo<kDims>::Empty();
+  for (const auto& center : centers) {
+    MagnitudeGuard<Scalar> guard;
+    guard.AddAll(center);
+    guard.Add(radius);
+    if (!guard.CanBeBounded()) return std::nullopt;
+    AddSphere<kDims>(center, radius, bound);
+  }
+  return bound;
+}
+
+template <int kDims, typename Scalar>
+Aabo<kDims> BoundBall(const Sphere<kDims, Scalar>& sphere, FitStatus* status) {
+  const kernels::DefaultFpMode mode;
+  kernels::CheckLength("BoundSphere", "sphere.radius", sphere.radius);
+  return Finish(TrySpheres<kDims, Scalar, 1>({{sphere.center}}, sphere.radius),
+                status);
+}
+
+}  // namespace
+
+template <int kDims>
+Aabo<kDims> BoundAabb(const Aabb<kDims>& box, FitStatus* status) {
+  return BoundAabb(Box<kDims>{box.min, box.max}, status);
+}
+
+template <int kDims, typename Scalar>
+Aabo<kDims> BoundAabb(const Box<kDims, Scalar>& box, FitStatus* status) {
+  constexpr Scalar kInfinity = std::numeric_limits<Scalar>::infinity();
+  bool is_empty = true;
+  for (std::size_t k = 0; k < kDims; ++k) {
+    is_empty &= box.min[k] == kInfinity && box.max[k] == -kInfinity;
+  }
+  if (is_empty) return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
+  const kernels::DefaultFpMode mode;
+  return Finish(TryAabb<kDims, Scalar>(box.min, box.max), status);
+}
+
+template <int kDims>
+Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims>& box, FitStatus* status) {
+  const kernels::DefaultFpMode mode;
+  for (std::size_t i = 0; i < kDims; ++i) {
+    kernels::CheckLength("BoundOrientedBox",
+                         "box.half_extents[" + std::to_string(i) + "]",
+                         box.half_extents[i]);
+  }
+  return Finish(TryOrientedBox(box), status);
+}
+
+template <int kDims>
+Aabo<kDims> BoundSphere(const Sphere<kDims>& sphere, FitStatus* status) {
+  return BoundBall(sphere, status);
+}
+
+template <int kDims, typename Scalar>
+Aabo<kDims> BoundSphere(const Sphere<kDims, Scalar>& sphere,
+                        FitStatus* status) {
+  return BoundBall(sphere, status);
+}
+
+// The hull of its two end balls.
+template <int kDims>
+Aabo<kDims> BoundCapsule(const Capsule<kDims>& capsule, FitStatus* status) {
+  const kernels::DefaultFpMode mode;
+  kernels::CheckLength("BoundCapsule", "capsule.radius", capsule.radius);
+  return Finish(
+      TrySpheres<kDims, float, 2>({{capsule.a, capsule.b}}, capsule.radius),
+      status);
+}
+
+#define HALFSPACE_INSTANTIATE(d)                                               \
+  template HALFSPACE_API Aabo<d> BoundAabb(const Aabb<d>&, FitStatus*);        \
+  template HALFSPACE_API Aabo<d> BoundAabb(const Box<d>&, FitStatus*);         \
+  template HALFSPACE_API Aabo<d> BoundAabb(const Box<d, double>&, FitStatus*); \
+  template HALFSPACE_API Aabo<d> BoundOrientedBox(const OrientedBox<d>&,       \
+                                                  FitStatus*);                 \
+  template HALFSPACE_API Aabo<d> BoundSphere(const Sphere<d>&, FitStatus*);    \
+  template HALFSPACE_API Aabo<d> BoundSphere(const Sphere<d, double>&,         \
+                                             FitStatus*);                      \
+  template HALFSPACE_API Aabo<d> BoundCapsule(const Capsule<d>&, FitStatus*)
+HALFSPACE_INSTANTIATE(2);
+HALFSPACE_INSTANTIATE(3);
+HALFSPACE_INSTANTIATE(4);
+#undef HALFSPACE_INSTANTIATE
+
+}  // namespace halfspace
