@@ -4,6 +4,7 @@
 
 #include <string_view>
 
+#include "dispatch/fit_table.h"
 #include "dispatch/kernel_table.h"
 #include "halfspace/targets.h"
 
@@ -13,6 +14,9 @@ namespace halfspace::dispatch {
 // handle. Throws std::invalid_argument, in the name of `call`, if the target is
 // not supported here or the choice failed.
 const KernelTable& KernelsFor(Target target, int dims, std::string_view call);
+
+// The same for the bulk builders.
+const FitTable& FitKernelsFor(Target target, int dims, std::string_view call);
 
 }  // namespace halfspace::dispatch
 

@@ -10,11 +10,14 @@
 #include "dispatch/kernel_table.h"
 #include "dispatch/registry.h"
 #include "kernels/error.h"
+#include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
 namespace {
 
 using dispatch::KernelsFor;
+using kernels::CheckPointer;
+using kernels::Overlap;
 using kernels::ThrowInvalid;
 
 std::size_t PlanesOf(const Scan& scan) {
@@ -38,25 +41,16 @@ std::string PlaneName(const Scan& scan, std::size_t p) {
   return name + std::to_string(p % axes) + "]";
 }
 
-bool IsAligned(const void* pointer, std::size_t alignment) {
-  return reinterpret_cast<std::uintptr_t>(pointer) % alignment == 0;
-}
-
 void CheckWorld(const Scan& scan, std::string_view call) {
   if (scan.size > std::numeric_limits<std::size_t>::max() / sizeof(float)) {
     ThrowInvalid(call, "world.size", "a size that fits the address space",
                  std::to_string(scan.size));
   }
   for (std::size_t p = 0; p < PlanesOf(scan); ++p) {
-    if (scan.planes[p] == nullptr) {
-      ThrowInvalid(call, PlaneName(scan, p),
-                   "a plane of " + std::to_string(scan.size) + " floats",
-                   "a null pointer");
-    }
-    if (!IsAligned(scan.planes[p], alignof(float))) {
-      ThrowInvalid(call, PlaneName(scan, p), "a pointer aligned to float",
-                   "a misaligned one");
-    }
+    CheckPointer(
+        call, scan.planes[p], alignof(float),
+        [&] { return PlaneName(scan, p); },
+        [&] { return "a plane of " + std::to_string(scan.size) + " floats"; });
   }
 }
 
@@ -64,18 +58,11 @@ void CheckWorld(const Scan& scan, std::string_view call) {
 void CheckOutput(const Scan& scan, std::string_view call,
                  std::string_view argument, const void* begin,
                  std::size_t bytes, std::size_t alignment) {
-  if (begin == nullptr) {
-    ThrowInvalid(call, argument, "room for the output", "a null pointer");
-  }
-  if (!IsAligned(begin, alignment)) {
-    ThrowInvalid(call, argument, "a pointer aligned to its element",
-                 "a misaligned one");
-  }
-  const auto out = reinterpret_cast<std::uintptr_t>(begin);
+  CheckPointer(
+      call, begin, alignment, [&] { return argument; },
+      [] { return "room for the output"; });
   for (std::size_t p = 0; p < PlanesOf(scan); ++p) {
-    const auto plane = reinterpret_cast<std::uintptr_t>(scan.planes[p]);
-    // Differences wrap, and so tell which one begins inside the other.
-    if (out - plane < scan.size * sizeof(float) || plane - out < bytes) {
+    if (Overlap(scan.planes[p], scan.size * sizeof(float), begin, bytes)) {
       ThrowInvalid(call, argument, "memory apart from the world's planes",
                    "an overlap with " + PlaneName(scan, p));
     }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "dispatch/fit_table.h"
 #include "dispatch/kernel_table.h"
 
 namespace halfspace::dispatch {
@@ -13,6 +14,10 @@ namespace halfspace::dispatch {
 // The kernels of target kHighwayBit; defined in kernels_2d.cc and so on.
 template <std::int64_t kHighwayBit, int kDims>
 const KernelTable& TableOf();
+
+// Its bulk builders; defined in fit_kernels.cc.
+template <std::int64_t kHighwayBit, int kDims>
+const FitTable& FitTableOf();
 
 // float32 lanes of a vector; executes an instruction of that target.
 template <std::int64_t kHighwayBit>

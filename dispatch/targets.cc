@@ -19,7 +19,9 @@ namespace {
 
 // One target; all pointers are null if it is not in this build.
 struct Entry {
-  std::array<const KernelTable& (*)(), 3> kernels{};  // 2, 3, 4 dimensions
+  // In 2, 3, 4 dimensions.
+  std::array<const KernelTable& (*)(), 3> kernels{};
+  std::array<const FitTable& (*)(), 3> fit{};
   std::size_t (*lanes)() = nullptr;
 };
 
@@ -30,6 +32,8 @@ constexpr std::array<Entry, kTargetBits> kEntries = [] {
     constexpr std::int64_t kTarget = target();
     entries[std::countr_zero(static_cast<std::uint64_t>(kTarget))] = {
         {&TableOf<kTarget, 2>, &TableOf<kTarget, 3>, &TableOf<kTarget, 4>},
+        {&FitTableOf<kTarget, 2>, &FitTableOf<kTarget, 3>,
+         &FitTableOf<kTarget, 4>},
         &LanesOf<kTarget>};
   });
   return entries;
@@ -137,19 +141,33 @@ const Tables& ChosenTables(std::string_view call) {
   return *tables;
 }
 
-}  // namespace
-
-const KernelTable& KernelsFor(Target target, int dims, std::string_view call) {
-  const auto index = static_cast<std::size_t>(dims - 2);
-  if (target == Target()) [[likely]]
-    return *ChosenTables(call)[index];
+// The entry of a target that a caller names.
+const Entry& EntryOf(Target target, std::string_view call) {
   const Entry* entry = FindEntry(target);
   if (entry == nullptr) {
     kernels::ThrowInvalid(call, "options.target", ExpectedNames(),
                           target.name().empty() ? "a bit that is no target"
                                                 : WhyNot(target.name()));
   }
-  return entry->kernels[index]();
+  return *entry;
+}
+
+std::size_t IndexOf(int dims) { return static_cast<std::size_t>(dims - 2); }
+
+}  // namespace
+
+const KernelTable& KernelsFor(Target target, int dims, std::string_view call) {
+  if (target == Target()) [[likely]]
+    return *ChosenTables(call)[IndexOf(dims)];
+  return EntryOf(target, call).kernels[IndexOf(dims)]();
+}
+
+const FitTable& FitKernelsFor(Target target, int dims, std::string_view call) {
+  if (target == Target()) {
+    if (!Choice().error.empty()) ThrowBadChoice(call);
+    target = Choice().target;
+  }
+  return EntryOf(target, call).fit[IndexOf(dims)]();
 }
 
 }  // namespace dispatch

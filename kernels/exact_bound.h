@@ -16,6 +16,7 @@
 
 #include "halfspace/bounds.h"
 #include "halfspace/fit_status.h"
+#include "kernels/default_fp_mode.h"
 #include "kernels/error.h"
 #include "kernels/outward.h"
 
@@ -116,9 +117,11 @@ std::string Shortest(Scalar value) {
   return std::string(text.data(), end);
 }
 
-// Throws if the box is inverted; a NaN is left to the builder.
+// Throws if the box is inverted; a NaN is left to the builder. Like all that
+// compares floats, only in the default mode: there a subnormal is not 0.
 template <typename Corner>
-void CheckOrder(std::string_view call, const Corner& min, const Corner& max) {
+HALFSPACE_NOINLINE void CheckOrder(std::string_view call, const Corner& min,
+                                   const Corner& max) {
   for (std::size_t k = 0; k < min.size(); ++k) {
     if (min[k] > max[k]) {
       const std::string axis = "[" + std::to_string(k) + "]";
@@ -128,10 +131,12 @@ void CheckOrder(std::string_view call, const Corner& min, const Corner& max) {
   }
 }
 
-// Throws unless `length` is 0 or more; infinity is left to the builder.
-inline void CheckLength(std::string_view call, std::string_view argument,
-                        double length) {
-  if (length >= 0.0) return;
+// Throws unless `length` is 0 or more; infinity is left to the builder. Only in
+// the default mode.
+template <typename Scalar>
+HALFSPACE_NOINLINE void CheckLength(std::string_view call,
+                                    std::string_view argument, Scalar length) {
+  if (length >= Scalar{0}) return;
   ThrowInvalid(call, argument, "a number that is not negative",
                Shortest(length));
 }

@@ -13,6 +13,7 @@
 #include "kernels/default_fp_mode.h"
 #include "kernels/error.h"
 #include "kernels/exact_bound.h"
+#include "kernels/memory_checks.h"
 #include "kernels/outward.h"
 
 namespace halfspace {
@@ -26,22 +27,11 @@ using kernels::SumExactly;
 using kernels::ThrowInvalid;
 
 template <typename Scalar>
-std::string ElementName() {
-  return sizeof(Scalar) == sizeof(float) ? "float" : "double";
-}
-
-template <typename Scalar>
 void CheckPlace(std::string_view call, const std::string& argument,
                 const Scalar* coords, std::size_t count) {
-  if (coords == nullptr) {
-    ThrowInvalid(call, argument, std::to_string(count) + " points",
-                 "a null pointer");
-  }
-  if (reinterpret_cast<std::uintptr_t>(coords) % alignof(Scalar) != 0) {
-    ThrowInvalid(call, argument,
-                 "a pointer aligned to " + ElementName<Scalar>(),
-                 "a misaligned one");
-  }
+  kernels::CheckPointer(
+      call, coords, alignof(Scalar), [&] { return argument; },
+      [&] { return std::to_string(count) + " points"; });
 }
 
 // (count - 1) * stride + `last` scalars must fit, without overflow.

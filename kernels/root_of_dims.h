@@ -12,22 +12,31 @@
 
 namespace halfspace::kernels {
 
-// sqrt(kDims) as the double nearest to it plus the least double that makes the
-// sum not too small: off by less than 2^-106. sqrt(3) alone rounds *down*, in
+// sqrt(kDims) in three ways, all at least that. sqrt(3) alone rounds *down*, in
 // float as in double, and a radius times that would cut into the ball.
 struct RootOfDims {
+  double above;  // the least double that is not too small
+  // The nearest double, and what makes the sum not too small: off by less than
+  // 2^-106.
   double nearest;
   double rest;
+  // Twice 29 bits, which a float can be multiplied by exactly, and the rest:
+  // off by less than 2^-110.
+  double first;
+  double second;
+  double third;
 };
 
 template <int kDims>
-constexpr RootOfDims kRootOfDims = {2.0, 0.0};  // 4 dimensions: exact
+inline constexpr RootOfDims kRootOfDims = {2.0, 2.0, 0.0, 2.0, 0.0, 0.0};
 template <>
-inline constexpr RootOfDims kRootOfDims<2> = {0x1.6a09e667f3bcdp+0,
-                                              -0x1.bdd3413b26455p-54};
+inline constexpr RootOfDims kRootOfDims<2> = {
+    0x1.6a09e667f3bcdp+0, 0x1.6a09e667f3bcdp+0,  -0x1.bdd3413b26455p-54,
+    0x1.6a09e66p+0,       0x1.fcef324000000p-30, 0x1.165f626cdd52bp-61};
 template <>
-inline constexpr RootOfDims kRootOfDims<3> = {0x1.bb67ae8584caap+0,
-                                              0x1.cec95d0b5c1e3p-54};
+inline constexpr RootOfDims kRootOfDims<3> = {
+    0x1.bb67ae8584cabp+0, 0x1.bb67ae8584caap+0,  0x1.cec95d0b5c1e3p-54,
+    0x1.bb67ae8p+0,       0x1.6132a9c000000p-30, 0x1.d92ba16b83c5dp-59};
 
 inline constexpr std::size_t kRootParts = 3;
 

@@ -67,11 +67,11 @@ HALFSPACE_NOINLINE std::optional<Bound> TryChange(const Bound& bound,
   return result;
 }
 
+// In the default mode, which the callers set.
 template <typename Bound, typename Change>
 Bound ChangePlanes(const Bound& bound, const Change& change,
                    FitStatus* status) {
   if (bound == Bound::Empty()) return Finish<Bound>(bound, status);
-  const kernels::DefaultFpMode mode;
   return Finish(TryChange(bound, change), status);
 }
 
@@ -198,6 +198,28 @@ Bound MoveVertices(const Bound& bound, const Point<Bound::kDimensions>& by,
   return Finish(TryMoveVertices(bound, by), status);
 }
 
+template <typename Bound>
+HALFSPACE_NOINLINE Bound ScaleInMode(const Bound& bound, float factor,
+                                     FitStatus* status) {
+  constexpr bool kHasBothSides = HasMin<Bound> && HasMax<Bound>;
+  const bool is_possible = kHasBothSides ? !std::isnan(factor) : factor >= 0.f;
+  if (!is_possible) {
+    kernels::ThrowInvalid(
+        "Scale", "factor",
+        kHasBothSides ? "a number" : "a number that is not negative",
+        kernels::Shortest(factor));
+  }
+  if constexpr (kHasBothSides) {
+    if (factor < 0.f && bound != Bound::Empty()) {
+      return ScaleInMode(Mirrored(bound), -factor, status);
+    }
+  }
+  const auto scaled = [&](float minimum, std::size_t, double) {
+    return RoundDown({double{minimum} * double{factor}, 0.0});
+  };
+  return ChangePlanes(bound, scaled, status);
+}
+
 }  // namespace
 
 template <typename Bound>
@@ -211,6 +233,7 @@ Bound Merge(const Bound& a, const Bound& b, FitStatus* status) {
 
 template <typename Bound>
 Bound Inflate(const Bound& bound, float radius, FitStatus* status) {
+  const kernels::DefaultFpMode mode;
   kernels::CheckLength("Inflate", "radius", radius);
   if (!std::isfinite(radius)) return Finish<Bound>(std::nullopt, status);
   const auto inflated = [&](float minimum, std::size_t axis, double) {
@@ -228,6 +251,7 @@ Bound Inflate(const Bound& bound, float radius, FitStatus* status) {
 
 template <typename Bound>
 Bound InflateByBox(const Bound& bound, float margin, FitStatus* status) {
+  const kernels::DefaultFpMode mode;
   kernels::CheckLength("InflateByBox", "margin", margin);
   if (!std::isfinite(margin)) return Finish<Bound>(std::nullopt, status);
   const auto inflated = [&](float minimum, std::size_t axis, double) {
@@ -243,6 +267,7 @@ Bound Translate(const Bound& bound, const Point<Bound::kDimensions>& by,
                 FitStatus* status) {
   if (bound == Bound::Empty()) return Finish<Bound>(bound, status);
   if (!IsFinite(by)) return Finish<Bound>(std::nullopt, status);
+  const kernels::DefaultFpMode mode;
   const auto moved = [&](float minimum, std::size_t axis, double sign) {
     return Moved<Bound>(minimum, axis, sign, by);
   };
@@ -263,23 +288,8 @@ Aabo<kDims> TranslateVertices(const Aabo<kDims>& bound, const Point<kDims>& by,
 
 template <typename Bound>
 Bound Scale(const Bound& bound, float factor, FitStatus* status) {
-  constexpr bool kHasBothSides = HasMin<Bound> && HasMax<Bound>;
-  const bool is_possible = kHasBothSides ? !std::isnan(factor) : factor >= 0.f;
-  if (!is_possible) {
-    kernels::ThrowInvalid(
-        "Scale", "factor",
-        kHasBothSides ? "a number" : "a number that is not negative",
-        kernels::Shortest(factor));
-  }
-  if constexpr (kHasBothSides) {
-    if (factor < 0.f && bound != Bound::Empty()) {
-      return Scale(Mirrored(bound), -factor, status);
-    }
-  }
-  const auto scaled = [&](float minimum, std::size_t, double) {
-    return RoundDown({double{minimum} * double{factor}, 0.0});
-  };
-  return ChangePlanes(bound, scaled, status);
+  const kernels::DefaultFpMode mode;
+  return ScaleInMode(bound, factor, status);
 }
 
 template <int kDims>

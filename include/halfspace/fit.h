@@ -138,7 +138,8 @@ HALFSPACE_API Aabo<kDims> BoundAabb(const Box<kDims, Scalar>& box,
 
 // Bounds a ball. Radius 0 is the point.
 //   Throws if the radius is negative or NaN.
-//   X, Y, Z tightest; D within 1 ulp.
+//   X, Y, Z tightest; D within 1 ulp, or, where it all but cancels, within
+//   2^-100 of the radius.
 template <int kDims>
 HALFSPACE_API Aabo<kDims> BoundSphere(const Sphere<kDims>& sphere,
                                       FitStatus* status = nullptr);

@@ -38,7 +38,8 @@ HALFSPACE_API Bound Merge(const Bound& a, const Bound& b,
 
 // Grows a bound by a ball: the Minkowski sum with a ball of this radius. D
 // moves by sqrt(kDims) times the radius.
-//   Throws if the radius is negative or NaN. X, Y, Z tightest; D within 1 ulp.
+//   Throws if the radius is negative or NaN. X, Y, Z tightest; D within 1 ulp,
+//   or, where it all but cancels, within 2^-100 of the radius.
 template <typename Bound>
 HALFSPACE_API Bound Inflate(const Bound& bound, float radius,
                             FitStatus* status = nullptr);

@@ -195,7 +195,7 @@ TYPED_TEST(FitTest, PointsThatCannotBeReadAreRefused) {
       [&] {
         BoundPoints<kDims>({misaligned, 1}, &status);
       },
-      {"BoundPoints", "points.coords: expected", "aligned to float",
+      {"BoundPoints", "points.coords: expected", "aligned to 4 bytes",
        "got a misaligned one"}));
   EXPECT_EQ(CountsOf(status), (Counts{0, 0, 0}));
 }

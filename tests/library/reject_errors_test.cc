@@ -108,7 +108,7 @@ TYPED_TEST(RejectErrorsTest, MisalignedPlane) {
     auto view = this->view_;
     PlaneOf(view, p) = Misaligned(PlaneOf(view, p));
     this->ExpectAllRefuse(view, {}, this->PlaneName(p) + ": ",
-                          "a pointer aligned to float", "a misaligned one");
+                          "a pointer aligned to 4 bytes", "a misaligned one");
   }
 }
 

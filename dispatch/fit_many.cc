@@ -1,0 +1,230 @@
+#include "halfspace/fit_many.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "dispatch/fit_table.h"
+#include "dispatch/registry.h"
+#include "kernels/default_fp_mode.h"
+#include "kernels/error.h"
+#include "kernels/fit_job.h"
+#include "kernels/memory_checks.h"
+
+namespace halfspace::detail {
+namespace {
+
+using kernels::CheckPointer;
+using kernels::FitJob;
+using kernels::FitTally;
+using kernels::Overlap;
+using kernels::ThrowInvalid;
+
+constexpr std::size_t kMostFloats =
+    std::numeric_limits<std::size_t>::max() / sizeof(float);
+
+std::string ColumnName(std::size_t column) {
+  return "column " + std::to_string(column) + " of the source";
+}
+
+std::string PlaneName(const Output& output, std::size_t plane) {
+  const auto axes = static_cast<std::size_t>(output.dims) + 1;
+  return (plane < axes ? "planes.min[" : "planes.max[") +
+         std::to_string(plane % axes) + "]";
+}
+
+bool IsWanted(const Output& output, std::size_t plane) {
+  return ((output.wanted >> plane) & 1) != 0;
+}
+
+// Floats from the first to behind the last value of a column.
+std::size_t SpanOf(const Source& source) {
+  return source.count == 0 ? 0 : (source.count - 1) * source.stride + 1;
+}
+
+void CheckSource(const Source& source, std::string_view call) {
+  if (source.count == 0) return;
+  if (source.stride != 0 &&
+      source.count - 1 > (kMostFloats - source.column_count) / source.stride) {
+    ThrowInvalid(call, "source.count",
+                 "elements that fit the address space with stride " +
+                     std::to_string(source.stride),
+                 std::to_string(source.count));
+  }
+  for (std::size_t c = 0; c < source.column_count; ++c) {
+    CheckPointer(
+        call, source.columns[c], alignof(float), [&] { return ColumnName(c); },
+        [&] { return std::to_string(source.count) + " floats"; });
+  }
+}
+
+void CheckOutput(const Output& output, std::string_view call) {
+  if (output.size > kMostFloats) {
+    ThrowInvalid(call, "planes.size", "a size that fits the address space",
+                 std::to_string(output.size));
+  }
+  for (std::size_t p = 0; p < output.planes.size(); ++p) {
+    if (!IsWanted(output, p)) continue;
+    CheckPointer(
+        call, output.planes[p], alignof(float),
+        [&] { return PlaneName(output, p); },
+        [&] { return std::to_string(output.size) + " floats"; });
+  }
+}
+
+// Every wanted plane must lie apart from `bytes` bytes of something else.
+template <typename Name>
+void CheckApart(const Output& output, const void* other, std::size_t bytes,
+                const Name& name, std::string_view call) {
+  for (std::size_t p = 0; p < output.planes.size(); ++p) {
+    if (!IsWanted(output, p)) continue;
+    if (Overlap(output.planes[p], output.size * sizeof(float), other, bytes)) {
+      ThrowInvalid(call, PlaneName(output, p),
+                   "memory apart from " + std::string(name()), "an overlap");
+    }
+  }
+}
+
+void CheckPlanesApart(const Output& output, std::string_view call) {
+  Output earlier = output;
+  earlier.wanted = 0;
+  for (std::size_t p = 0; p < output.planes.size(); ++p) {
+    if (!IsWanted(output, p)) continue;
+    CheckApart(
+        earlier, output.planes[p], output.size * sizeof(float),
+        [&] { return PlaneName(output, p); }, call);
+    earlier.Want(p, output.planes[p]);
+  }
+}
+
+void CheckSize(std::string_view call, std::string_view argument,
+               std::size_t given, std::size_t expected) {
+  if (given == expected) return;
+  ThrowInvalid(call, argument,
+               std::to_string(expected) + ", as many as planes.size asks for",
+               std::to_string(given));
+}
+
+// Checks what all calls share, then runs the kernel.
+class Call {
+ public:
+  Call(std::string_view name, dispatch::FitSource kind, const Source& source,
+       const Output& output, const FitOptions& options)
+      : name_(name),
+        kernels_(
+            dispatch::FitKernelsFor(options.target, output.dims, name)[kind]),
+        source_(source),
+        output_(output),
+        options_(options) {}
+
+  // `bytes` of another input.
+  void CheckInput(const void* begin, std::size_t bytes, std::size_t alignment,
+                  std::string_view argument) const {
+    if (output_.size == 0 || bytes == 0) return;
+    const auto name = [&] { return argument; };
+    CheckPointer(name_, begin, alignment, name,
+                 [] { return "readable memory"; });
+    CheckApart(output_, begin, bytes, name, name_);
+  }
+
+  Target Run(std::span<const std::uint32_t> indices,
+             std::span<const std::size_t> ends, FitStatus* status) const {
+    if (output_.size != 0) Check();
+    const FitJob job = {
+        .columns = source_.columns.data(),
+        .count = source_.count,
+        .stride = source_.stride,
+        .planes = output_.planes.data(),
+        .size = output_.size,
+        .indices = indices.data(),
+        .ends = ends.data(),
+        .inverted_is_empty = options_.inverted == Inverted::kEmpty};
+    const kernels::DefaultFpMode mode;
+    const FitTally tally =
+        options_.tightest ? kernels_.tightest(job) : kernels_.within_ulp(job);
+    Count(tally, status);
+    return Target::FromHighwayBit(tally.target);
+  }
+
+ private:
+  void Check() const {
+    if (options_.inverted > Inverted::kEmpty) {
+      ThrowInvalid(name_, "options.inverted", "one of the enumerators",
+                   std::to_string(static_cast<int>(options_.inverted)));
+    }
+    CheckSource(source_, name_);
+    CheckOutput(output_, name_);
+    CheckPlanesApart(output_, name_);
+    for (std::size_t c = 0; c < source_.column_count; ++c) {
+      CheckApart(
+          output_, source_.columns[c], SpanOf(source_) * sizeof(float),
+          [&] { return ColumnName(c); }, name_);
+    }
+  }
+
+  void Count(const FitTally& tally, FitStatus* status) const {
+    if (status == nullptr) return;
+    if (status->everything == 0 && tally.everything != 0) {
+      status->first_everything = status->results + tally.first_everything;
+    }
+    status->everything += tally.everything;
+    status->results += output_.size;
+  }
+
+  std::string_view name_;
+  const dispatch::FitKernels& kernels_;
+  const Source& source_;
+  const Output& output_;
+  const FitOptions& options_;
+};
+
+}  // namespace
+
+Target BoundBoxes(const Source& boxes, const Output& output,
+                  const FitOptions& options, FitStatus* status) {
+  const Call call("BoundBoxes", dispatch::kFitBoxes, boxes, output, options);
+  CheckSize("BoundBoxes", "boxes.count", boxes.count, output.size);
+  return call.Run({}, {}, status);
+}
+
+Target BoundSpheres(const Source& spheres, const Output& output,
+                    const FitOptions& options, FitStatus* status) {
+  const Call call("BoundSpheres", dispatch::kFitSpheres, spheres, output,
+                  options);
+  CheckSize("BoundSpheres", "spheres.count", spheres.count, output.size);
+  return call.Run({}, {}, status);
+}
+
+Target BoundTriangles(const Source& vertices,
+                      std::span<const std::uint32_t> indices,
+                      const Output& output, const FitOptions& options,
+                      FitStatus* status) {
+  constexpr std::size_t kCorners = 3;
+  const Call call("BoundTriangles", dispatch::kFitTriangles, vertices, output,
+                  options);
+  if (output.size > kMostFloats / kCorners) {
+    ThrowInvalid("BoundTriangles", "planes.size",
+                 "a size that fits the address space",
+                 std::to_string(output.size));
+  }
+  CheckSize("BoundTriangles", "indices.size()", indices.size(),
+            kCorners * output.size);
+  call.CheckInput(indices.data(), indices.size_bytes(), alignof(std::uint32_t),
+                  "indices");
+  return call.Run(indices, {}, status);
+}
+
+Target BoundPointSets(const Source& points, std::span<const std::size_t> ends,
+                      const Output& output, const FitOptions& options,
+                      FitStatus* status) {
+  const Call call("BoundPointSets", dispatch::kFitPointSets, points, output,
+                  options);
+  CheckSize("BoundPointSets", "ends.size()", ends.size(), output.size);
+  call.CheckInput(ends.data(), ends.size_bytes(), alignof(std::size_t), "ends");
+  return call.Run({}, ends, status);
+}
+
+}  // namespace halfspace::detail

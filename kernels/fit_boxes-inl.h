@@ -1,0 +1,120 @@
+// Bounds of many boxes: X, Y, Z are copied, D is that of two corners.
+#if defined(HALFSPACE_KERNELS_FIT_BOXES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_FIT_BOXES_INL_H_
+#undef HALFSPACE_KERNELS_FIT_BOXES_INL_H_
+#else
+#define HALFSPACE_KERNELS_FIT_BOXES_INL_H_
+#endif
+
+#include <cfloat>
+#include <cmath>
+#include <cstddef>
+
+#include "hwy/highway.h"
+#include "kernels/fit_tiles-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+template <int kDimensions, Rounding kRounding>
+struct BoxBuilder {
+  static constexpr int kDims = kDimensions;
+  static constexpr size_t kColumns = 2 * kDims;
+
+  bool inverted_is_empty;
+
+  void Read(InputTile<kColumns>& tile, const kernels::FitJob& job, size_t begin,
+            size_t count) const {
+    tile.Read(job, begin, count);
+  }
+
+  void Fit(const float* const* columns, const OutputPlanes<kDims>& out,
+           size_t count, size_t begin, kernels::FitTally& tally) const {
+    const FitTag d;
+    for (size_t i = 0; i < count; i += hn::Lanes(d)) {
+      FitVector(d, columns, out, i, begin, tally);
+    }
+  }
+
+ private:
+  template <class D>
+  HWY_INLINE void FitVector(D d, const float* const* columns,
+                            const OutputPlanes<kDims>& out, size_t i,
+                            size_t begin, kernels::FitTally& tally) const {
+    using V = hn::Vec<D>;
+    const float* const* high_columns = columns + kDims;
+    const V largest = LargestMagnitude(d);
+    auto ok = hn::And(hn::Le(Magnitude<kDims>(d, columns, i), largest),
+                      hn::Le(Magnitude<kDims>(d, high_columns, i), largest));
+    for (size_t k = 0; k < kDims; ++k) {
+      ok = hn::And(ok, hn::Le(hn::LoadU(d, columns[k] + i),
+                              hn::LoadU(d, high_columns[k] + i)));
+    }
+    // What a minimum becomes where the box cannot be bounded.
+    V fill = hn::Set(d, -FLT_MAX);
+    if (HWY_UNLIKELY(!hn::AllTrue(d, ok))) {
+      const auto is_empty = EmptyLanes(d, columns, i);
+      fill = hn::IfThenElse(is_empty, hn::Set(d, INFINITY), fill);
+      CountEverything(d, hn::Not(hn::Or(ok, is_empty)), i, begin, tally);
+    }
+    for (size_t k = 0; k < kDims; ++k) {
+      StoreWanted(d, hn::IfThenElse(ok, hn::LoadU(d, columns[k] + i), fill),
+                  out.min(k), i);
+      StoreWanted(
+          d,
+          hn::IfThenElse(ok, hn::LoadU(d, high_columns[k] + i), hn::Neg(fill)),
+          out.max(k), i);
+    }
+    // D falls as the coordinates rise: its extremes are at the two corners.
+    constexpr bool kKnown = kKnowsRest<kDims, kRounding>;
+    V sum;
+    V rest = hn::Zero(d);
+    if (out.min(kDims) != nullptr) {
+      LoadSum<kDims, kRounding>(d, high_columns, i, sum, rest);
+      StoreWanted(d, hn::IfThenElse(ok, LowerD<kKnown>(d, sum, rest), fill),
+                  out.min(kDims), i);
+    }
+    if (out.max(kDims) != nullptr) {
+      LoadSum<kDims, kRounding>(d, columns, i, sum, rest);
+      StoreWanted(
+          d, hn::IfThenElse(ok, UpperD<kKnown>(d, sum, rest), hn::Neg(fill)),
+          out.max(kDims), i);
+    }
+  }
+
+  // Boxes without points: all minima +inf and all maxima -inf, or, where that
+  // is asked for, any minimum above its maximum and no NaN.
+  template <class D>
+  hn::Mask<D> EmptyLanes(D d, const float* const* columns, size_t i) const {
+    const auto infinity = hn::Set(d, INFINITY);
+    auto is_inverted = hn::Lt(infinity, infinity);
+    auto is_number = hn::Not(is_inverted);
+    auto is_canonical = is_number;
+    for (size_t k = 0; k < kDims; ++k) {
+      const auto low = hn::LoadU(d, columns[k] + i);
+      const auto high = hn::LoadU(d, columns[kDims + k] + i);
+      is_inverted = hn::Or(is_inverted, hn::Gt(low, high));
+      is_number =
+          hn::And(is_number, hn::And(hn::Eq(low, low), hn::Eq(high, high)));
+      is_canonical = hn::And(
+          is_canonical,
+          hn::And(hn::Eq(low, infinity), hn::Eq(high, hn::Neg(infinity))));
+    }
+    return inverted_is_empty ? hn::And(is_inverted, is_number) : is_canonical;
+  }
+};
+
+template <int kDims, Rounding kRounding>
+kernels::FitTally FitBoxes(const kernels::FitJob& job) {
+  kernels::FitTally tally{.target = HWY_TARGET};
+  FitTiles(BoxBuilder<kDims, kRounding>{job.inverted_is_empty}, job,
+           job.stride == 1, tally);
+  return tally;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
+
+#endif  // HALFSPACE_KERNELS_FIT_BOXES_INL_H_

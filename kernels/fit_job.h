@@ -1,0 +1,37 @@
+// What a bulk builder is asked to do, and what it says about it. Plain data,
+// without Highway.
+#ifndef HALFSPACE_KERNELS_FIT_JOB_H_
+#define HALFSPACE_KERNELS_FIT_JOB_H_
+
+#include <cstddef>
+#include <cstdint>
+
+namespace halfspace::kernels {
+
+// Value c of source element i is columns[c][i * stride]; see detail::Source.
+// The bounds of `size` shapes go to the planes of an Aabo that are not null.
+struct FitJob {
+  const float* const* columns;
+  std::size_t count;  // source elements
+  std::size_t stride;
+  float* const* planes;
+  std::size_t size;
+  const std::uint32_t* indices;  // triangles: three for each
+  const std::size_t* ends;       // point sets: one for each
+  bool inverted_is_empty;        // boxes
+};
+
+struct FitTally {
+  std::size_t everything = 0;
+  std::size_t first_everything = 0;
+  std::int64_t target = 0;  // the Highway bit of what ran
+
+  void Count(std::size_t how_many, std::size_t first) {
+    if (everything == 0) first_everything = first;
+    everything += how_many;
+  }
+};
+
+}  // namespace halfspace::kernels
+
+#endif  // HALFSPACE_KERNELS_FIT_JOB_H_

@@ -1,0 +1,218 @@
+// What the bulk builders share: walking over the shapes, and storing bounds.
+//
+// A builder sees columns of floats, one value of one object in each lane. Where
+// the caller's memory has that form it is used as it is; else, and at the end,
+// through tiles of 64 objects on the stack, so that nothing past the last
+// element is read or written.
+#if defined(HALFSPACE_KERNELS_FIT_TILES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_FIT_TILES_INL_H_
+#undef HALFSPACE_KERNELS_FIT_TILES_INL_H_
+#else
+#define HALFSPACE_KERNELS_FIT_TILES_INL_H_
+#endif
+
+#include <cfloat>
+#include <cstddef>
+#include <cstdint>
+
+#include "hwy/highway.h"
+#include "kernels/fit_job.h"
+#include "kernels/outward-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+inline constexpr size_t kTileObjects = 64;
+
+// A tile is a whole number of vectors.
+using FitTag = hn::CappedTag<float, kTileObjects>;
+
+template <size_t kColumns>
+struct InputTile {
+  HWY_ALIGN float values[kColumns][kTileObjects];
+  const float* columns[kColumns];
+
+  InputTile() {
+    for (size_t c = 0; c < kColumns; ++c) columns[c] = values[c];
+    Clear();
+  }
+
+  void Clear() {
+    for (size_t c = 0; c < kColumns; ++c) {
+      for (size_t i = 0; i < kTileObjects; ++i) values[c][i] = 0.f;
+    }
+  }
+
+  // Objects begin .. begin + count - 1; the others stay as they are.
+  void Read(const kernels::FitJob& job, size_t begin, size_t count) {
+    for (size_t c = 0; c < kColumns; ++c) {
+      const float* from = job.columns[c] + begin * job.stride;
+      for (size_t i = 0; i < count; ++i) values[c][i] = from[i * job.stride];
+    }
+  }
+};
+
+template <int kDims>
+inline constexpr size_t kFitPlanes = 2 * (kDims + 1);
+
+// The places of objects begin and on in all wanted planes.
+template <int kDims>
+struct OutputPlanes {
+  float* planes[kFitPlanes<kDims>];
+
+  OutputPlanes(const kernels::FitJob& job, size_t begin) {
+    for (size_t p = 0; p < kFitPlanes<kDims>; ++p) {
+      planes[p] = job.planes[p] == nullptr ? nullptr : job.planes[p] + begin;
+    }
+  }
+
+  float* min(size_t axis) const { return planes[axis]; }
+  float* max(size_t axis) const { return planes[kDims + 1 + axis]; }
+};
+
+// Bounds that are copied to the wanted planes when done.
+template <int kDims>
+struct OutputTile {
+  HWY_ALIGN float values[kFitPlanes<kDims>][kTileObjects];
+  OutputPlanes<kDims> places;
+  OutputPlanes<kDims> wanted;
+
+  OutputTile(const kernels::FitJob& job, size_t begin)
+      : places(job, begin), wanted(job, begin) {
+    for (size_t p = 0; p < kFitPlanes<kDims>; ++p) {
+      if (wanted.planes[p] != nullptr) places.planes[p] = values[p];
+    }
+  }
+
+  void Write(size_t count) const {
+    for (size_t p = 0; p < kFitPlanes<kDims>; ++p) {
+      if (wanted.planes[p] == nullptr) continue;
+      for (size_t i = 0; i < count; ++i) wanted.planes[p][i] = values[p][i];
+    }
+  }
+};
+
+// Walks over all shapes. A Builder has
+//   kColumns       values of one shape
+//   kDims
+//   Read(tile, job, begin, count)   fills an InputTile
+//   Fit(columns, planes, count, begin, tally)   bounds `count` shapes, counted
+//                  up to a whole vector; `begin` is the number of the first
+template <class Builder>
+void FitTiles(const Builder& builder, const kernels::FitJob& job,
+              bool is_direct, kernels::FitTally& tally) {
+  constexpr int kDims = Builder::kDims;
+  const size_t whole = job.size / kTileObjects * kTileObjects;
+  InputTile<Builder::kColumns> tile;
+  size_t begin = 0;
+  if (is_direct) {
+    builder.Fit(job.columns, OutputPlanes<kDims>(job, 0), whole, 0, tally);
+    begin = whole;
+  }
+  for (; begin < whole; begin += kTileObjects) {
+    builder.Read(tile, job, begin, kTileObjects);
+    builder.Fit(tile.columns, OutputPlanes<kDims>(job, begin), kTileObjects,
+                begin, tally);
+  }
+  const size_t count = job.size - begin;
+  if (count == 0) return;
+  tile.Clear();
+  builder.Read(tile, job, begin, count);
+  OutputTile<kDims> output(job, begin);
+  builder.Fit(tile.columns, output.places, count, begin, tally);
+  output.Write(count);
+}
+
+// Stores into a plane, if it is wanted.
+template <class D, class V>
+HWY_INLINE void StoreWanted(D d, V value, float* plane, size_t i) {
+  if (plane != nullptr) hn::StoreU(value, d, plane + i);
+}
+
+// The sum of magnitudes may not be more: a NaN or infinity is not less either.
+template <class D>
+HWY_INLINE hn::Vec<D> LargestMagnitude(D d) {
+  return hn::Set(d, 0x1p125f);
+}
+
+// |x| + |y| + ... of one point per lane, in order.
+template <int kDims, class D>
+HWY_INLINE hn::Vec<D> Magnitude(D d, const float* const* columns, size_t i) {
+  auto sum = hn::Abs(hn::LoadU(d, columns[0] + i));
+  for (size_t k = 1; k < kDims; ++k) {
+    sum = hn::Add(sum, hn::Abs(hn::LoadU(d, columns[k] + i)));
+  }
+  return sum;
+}
+
+// The sum of one point's coordinates per lane; see SumOfPoint.
+template <int kDims, Rounding kRounding, class D, class V>
+HWY_INLINE void LoadSum(D d, const float* const* columns, size_t i, V& sum,
+                        V& rest) {
+  const V x = hn::LoadU(d, columns[0] + i);
+  const V y = hn::LoadU(d, columns[1] + i);
+  if constexpr (kDims == 2) {
+    SumOfPoint<kRounding>(sum, rest, x, y);
+  } else {
+    const V z = hn::LoadU(d, columns[2] + i);
+    if constexpr (kDims == 3) {
+      SumOfPoint<kRounding>(sum, rest, x, y, z);
+    } else {
+      SumOfPoint<kRounding>(sum, rest, x, y, z, hn::LoadU(d, columns[3] + i));
+    }
+  }
+}
+
+// Which zero a minimum of both is depends on the target: make it +0.
+template <class D, class V>
+HWY_INLINE V PlusZero(D d, V value) {
+  return hn::Add(value, hn::Zero(d));
+}
+
+// The range of D over several points per lane: widened by each, finished once.
+template <int kDims, Rounding kRounding, class D, class V>
+HWY_INLINE void WidenD(D d, const float* const* columns, size_t i, V& min,
+                       V& max) {
+  constexpr bool kKnown = kKnowsRest<kDims, kRounding>;
+  V sum;
+  V rest = hn::Zero(d);
+  LoadSum<kDims, kRounding>(d, columns, i, sum, rest);
+  if constexpr (kKnown) {
+    min = hn::Min(min, LowerD<kKnown>(d, sum, rest));
+    max = hn::Max(max, UpperD<kKnown>(d, sum, rest));
+  } else {
+    // Rounding outward is monotone, so once at the end is enough.
+    min = hn::Min(min, hn::Neg(sum));
+    max = hn::Max(max, hn::Neg(sum));
+  }
+}
+
+template <int kDims, Rounding kRounding, class D, class V>
+HWY_INLINE void FinishD(D d, V& min, V& max) {
+  if constexpr (!kKnowsRest<kDims, kRounding>) {
+    min = NextBelow(d, min);
+    max = hn::Neg(NextBelow(d, hn::Neg(max)));
+  }
+  min = PlusZero(d, min);
+  max = PlusZero(d, max);
+}
+
+// Counts the lanes of a mask among shapes i .. count - 1; `begin` is the number
+// of shape 0.
+template <class D, class M>
+HWY_INLINE void CountEverything(D d, M is_everything, size_t i, size_t begin,
+                                kernels::FitTally& tally) {
+  if (HWY_LIKELY(hn::AllFalse(d, is_everything))) return;
+  tally.Count(
+      hn::CountTrue(d, is_everything),
+      begin + i + static_cast<size_t>(hn::FindFirstTrue(d, is_everything)));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
+
+#endif  // HALFSPACE_KERNELS_FIT_TILES_INL_H_

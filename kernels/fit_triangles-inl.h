@@ -1,0 +1,102 @@
+// Bounds of many triangles, by the indices of their corners.
+#if defined(HALFSPACE_KERNELS_FIT_TRIANGLES_INL_H_) == \
+    defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_FIT_TRIANGLES_INL_H_
+#undef HALFSPACE_KERNELS_FIT_TRIANGLES_INL_H_
+#else
+#define HALFSPACE_KERNELS_FIT_TRIANGLES_INL_H_
+#endif
+
+#include <cfloat>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "hwy/highway.h"
+#include "kernels/fit_tiles-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+template <int kDimensions, Rounding kRounding>
+struct TriangleBuilder {
+  static constexpr int kDims = kDimensions;
+  static constexpr size_t kCorners = 3;
+  static constexpr size_t kColumns = kCorners * kDims;
+
+  // Gathers the corners; a NaN, which cannot be bounded, stands for those that
+  // do not exist.
+  void Read(InputTile<kColumns>& tile, const kernels::FitJob& job, size_t begin,
+            size_t count) const {
+    const uint32_t* indices = job.indices + begin * kCorners;
+    for (size_t i = 0; i < count; ++i) {
+      for (size_t corner = 0; corner < kCorners; ++corner) {
+        const size_t index = indices[i * kCorners + corner];
+        for (size_t k = 0; k < kDims; ++k) {
+          tile.values[corner * kDims + k][i] =
+              index < job.count ? job.columns[k][index * job.stride] : NAN;
+        }
+      }
+    }
+  }
+
+  void Fit(const float* const* columns, const OutputPlanes<kDims>& out,
+           size_t count, size_t begin, kernels::FitTally& tally) const {
+    const FitTag d;
+    for (size_t i = 0; i < count; i += hn::Lanes(d)) {
+      FitVector(d, columns, out, i, begin, tally);
+    }
+  }
+
+ private:
+  template <class D>
+  HWY_INLINE void FitVector(D d, const float* const* columns,
+                            const OutputPlanes<kDims>& out, size_t i,
+                            size_t begin, kernels::FitTally& tally) const {
+    using V = hn::Vec<D>;
+    const float* const* a = columns;
+    const float* const* b = columns + kDims;
+    const float* const* c = columns + 2 * kDims;
+    const V largest = LargestMagnitude(d);
+    const auto ok =
+        hn::And(hn::Le(Magnitude<kDims>(d, a, i), largest),
+                hn::And(hn::Le(Magnitude<kDims>(d, b, i), largest),
+                        hn::Le(Magnitude<kDims>(d, c, i), largest)));
+    CountEverything(d, hn::Not(ok), i, begin, tally);
+    const V low = hn::Set(d, -FLT_MAX);
+    const V high = hn::Set(d, FLT_MAX);
+    for (size_t k = 0; k < kDims; ++k) {
+      const V x = hn::LoadU(d, a[k] + i);
+      const V y = hn::LoadU(d, b[k] + i);
+      const V z = hn::LoadU(d, c[k] + i);
+      const V min = PlusZero(d, hn::Min(x, hn::Min(y, z)));
+      const V max = PlusZero(d, hn::Max(x, hn::Max(y, z)));
+      StoreWanted(d, hn::IfThenElse(ok, min, low), out.min(k), i);
+      StoreWanted(d, hn::IfThenElse(ok, max, high), out.max(k), i);
+    }
+    if (out.min(kDims) == nullptr && out.max(kDims) == nullptr) return;
+    V d_min = hn::Set(d, INFINITY);
+    V d_max = hn::Set(d, -INFINITY);
+    WidenD<kDims, kRounding>(d, a, i, d_min, d_max);
+    WidenD<kDims, kRounding>(d, b, i, d_min, d_max);
+    WidenD<kDims, kRounding>(d, c, i, d_min, d_max);
+    FinishD<kDims, kRounding>(d, d_min, d_max);
+    StoreWanted(d, hn::IfThenElse(ok, d_min, low), out.min(kDims), i);
+    StoreWanted(d, hn::IfThenElse(ok, d_max, high), out.max(kDims), i);
+  }
+};
+
+template <int kDims, Rounding kRounding>
+kernels::FitTally FitTriangles(const kernels::FitJob& job) {
+  kernels::FitTally tally{.target = HWY_TARGET};
+  FitTiles(TriangleBuilder<kDims, kRounding>(), job, /*is_direct=*/false,
+           tally);
+  return tally;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
+
+#endif  // HALFSPACE_KERNELS_FIT_TRIANGLES_INL_H_
