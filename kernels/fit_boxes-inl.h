@@ -107,10 +107,8 @@ struct BoxBuilder {
 
 template <int kDims, Rounding kRounding>
 kernels::FitTally FitBoxes(const kernels::FitJob& job) {
-  kernels::FitTally tally{.target = HWY_TARGET};
-  FitTiles(BoxBuilder<kDims, kRounding>{job.inverted_is_empty}, job,
-           job.stride == 1, tally);
-  return tally;
+  return FitAll(BoxBuilder<kDims, kRounding>{job.inverted_is_empty}, job,
+                job.stride == 1);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -158,9 +158,7 @@ struct SphereBuilder {
 
 template <int kDims, Rounding kRounding>
 kernels::FitTally FitSpheres(const kernels::FitJob& job) {
-  kernels::FitTally tally{.target = HWY_TARGET};
-  FitTiles(SphereBuilder<kDims, kRounding>(), job, job.stride == 1, tally);
-  return tally;
+  return FitAll(SphereBuilder<kDims, kRounding>(), job, job.stride == 1);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -89,10 +89,7 @@ struct TriangleBuilder {
 
 template <int kDims, Rounding kRounding>
 kernels::FitTally FitTriangles(const kernels::FitJob& job) {
-  kernels::FitTally tally{.target = HWY_TARGET};
-  FitTiles(TriangleBuilder<kDims, kRounding>(), job, /*is_direct=*/false,
-           tally);
-  return tally;
+  return FitAll(TriangleBuilder<kDims, kRounding>(), job, /*is_direct=*/false);
 }
 
 }  // namespace HWY_NAMESPACE

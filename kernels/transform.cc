@@ -235,6 +235,7 @@ template <typename Bound>
 Bound Inflate(const Bound& bound, float radius, FitStatus* status) {
   const kernels::DefaultFpMode mode;
   kernels::CheckLength("Inflate", "radius", radius);
+  if (bound == Bound::Empty()) return Finish<Bound>(bound, status);
   if (!std::isfinite(radius)) return Finish<Bound>(std::nullopt, status);
   const auto inflated = [&](float minimum, std::size_t axis, double) {
     if (!IsD<Bound>(axis)) {
@@ -253,6 +254,7 @@ template <typename Bound>
 Bound InflateByBox(const Bound& bound, float margin, FitStatus* status) {
   const kernels::DefaultFpMode mode;
   kernels::CheckLength("InflateByBox", "margin", margin);
+  if (bound == Bound::Empty()) return Finish<Bound>(bound, status);
   if (!std::isfinite(margin)) return Finish<Bound>(std::nullopt, status);
   const auto inflated = [&](float minimum, std::size_t axis, double) {
     const double times = IsD<Bound>(axis) ? double{Bound::kDimensions} : 1.0;
