@@ -1,50 +1,34 @@
 // A moving body against many stored ones: the broad phase of a physics step.
 //
-// Over one time step the body sweeps the hull of its start and its end, so the
-// bound of both point sets together encloses the whole motion. The world is one
-// of simplices, the smallest record: 16 bytes an object.
+// Over one time step the body sweeps from its start to its end; its bound is
+// swept along. The world is one of simplices, the smallest record: 16 bytes an
+// object.
 #include <halfspace/halfspace.h>
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <vector>
 
-namespace {
-
-using Corners = std::array<float, 24>;  // x y z of a cube's eight corners
-
-Corners CubeAt(float x, float y, float z) {
-  Corners corners{};
-  for (std::size_t i = 0; i < 8; ++i) {
-    corners[3 * i + 0] = x + ((i & 1) != 0 ? 0.5f : -0.5f);
-    corners[3 * i + 1] = y + ((i & 2) != 0 ? 0.5f : -0.5f);
-    corners[3 * i + 2] = z + ((i & 4) != 0 ? 0.5f : -0.5f);
-  }
-  return corners;
-}
-
-}  // namespace
-
 int main() {
+  // Crates, each turned by a quarter of a right angle.
+  constexpr float kCos = 0.92387953f;
+  constexpr float kSin = 0.38268343f;
   halfspace::SimplexWorld3 world;
   for (int x = 0; x < 40; ++x) {
     for (int z = 0; z < 40; ++z) {
-      const Corners cube =
-          CubeAt(2.0f * static_cast<float>(x), 0, 2.0f * static_cast<float>(z));
-      world.Push(
-          halfspace::BoundPoints(halfspace::Points3{cube.data(), 8}).up());
+      const halfspace::OrientedBox3 crate = {
+          {2.0f * static_cast<float>(x), 0, 2.0f * static_cast<float>(z)},
+          {{{kCos, 0, kSin}, {0, 1, 0}, {-kSin, 0, kCos}}},
+          {0.5f, 0.5f, 0.5f}};
+      world.Push(halfspace::BoundOrientedBox(crate).up());
     }
   }
 
-  // The body flies along X, over the cubes and down into their rows.
-  const Corners start = CubeAt(10, 1.5f, 20);
-  const Corners end = CubeAt(14, 0.5f, 20);
-  std::vector<float> swept(start.begin(), start.end());
-  swept.insert(swept.end(), end.begin(), end.end());
+  // A ball flies along X, over the crates and down into their rows.
+  const halfspace::Aabo3 ball =
+      halfspace::BoundSphere(halfspace::Sphere3{{10, 1.5f, 20}, 0.5f});
   const halfspace::DownSimplex3 query =
-      halfspace::BoundPoints(halfspace::Points3{swept.data(), 16}).down();
+      halfspace::Sweep(ball, {4, -1, 0}).down();
 
   std::vector<std::uint32_t> candidates(world.size());
   const halfspace::SurvivorCount found =
