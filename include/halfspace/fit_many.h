@@ -97,8 +97,9 @@ Target BoundBoxes(const Boxes<Planes::kDimensions>& boxes, const Planes& planes,
                             options, status);
 }
 
-// Bounds balls. X, Y, Z are tightest. D is within 1 ulp; where its value nearly
-// cancels, without `tightest`, within 2^-49 of |x| + |y| + ... + radius.
+// Bounds balls. X, Y, Z are tightest. D is within 1 ulp or tightest, as asked;
+// where its value all but cancels, it may be further off, by less than 2^-49 of
+// |x| + |y| + ... + radius, or, with `tightest`, 2^-100 of the radius.
 template <typename Planes>
 Target BoundSpheres(const Spheres<Planes::kDimensions>& spheres,
                     const Planes& planes, const FitOptions& options = {},
