@@ -29,22 +29,24 @@ struct BoxBuilder {
     tile.Read(job, begin, count);
   }
 
+  using Tag = FitTag;
+
+  template <Store kStore>
   void Fit(const float* const* columns, const OutputPlanes<kDims>& out,
            size_t count, size_t begin, kernels::FitTally& tally) const {
-    const FitTag d;
+    const Tag d;
     for (size_t i = 0; i < count; i += hn::Lanes(d)) {
-      FitVector(d, columns, out, i, begin, tally);
+      FitVector<kStore>(d, columns, out, i, begin, tally);
     }
   }
 
  private:
-  template <class D>
+  template <Store kStore, class D>
   HWY_INLINE void FitVector(D d, const float* const* columns,
                             const OutputPlanes<kDims>& out, size_t i,
                             size_t begin, kernels::FitTally& tally) const {
-    using V = hn::Vec<D>;
     const float* const* high_columns = columns + kDims;
-    const V largest = LargestMagnitude(d);
+    const auto largest = LargestMagnitude(d);
     auto ok = hn::And(hn::Le(Magnitude<kDims>(d, columns, i), largest),
                       hn::Le(Magnitude<kDims>(d, high_columns, i), largest));
     for (size_t k = 0; k < kDims; ++k) {
@@ -52,19 +54,28 @@ struct BoxBuilder {
                               hn::LoadU(d, high_columns[k] + i)));
     }
     // What a minimum becomes where the box cannot be bounded.
-    V fill = hn::Set(d, -FLT_MAX);
-    if (HWY_UNLIKELY(!hn::AllTrue(d, ok))) {
+    const auto everything = hn::Set(d, -FLT_MAX);
+    if (HWY_LIKELY(hn::AllTrue(d, ok))) {
+      StoreBounds<true, kStore>(d, columns, out, i, ok, everything);
+    } else {
       const auto is_empty = EmptyLanes(d, columns, i);
-      fill = hn::IfThenElse(is_empty, hn::Set(d, INFINITY), fill);
       CountEverything(d, hn::Not(hn::Or(ok, is_empty)), i, begin, tally);
+      const auto other =
+          hn::IfThenElse(is_empty, hn::Set(d, INFINITY), everything);
+      StoreBounds<false, kStore>(d, columns, out, i, ok, other);
     }
+  }
+
+  template <bool kAll, Store kStore, class D, class V, class M>
+  static HWY_INLINE void StoreBounds(D d, const float* const* columns,
+                                     const OutputPlanes<kDims>& out, size_t i,
+                                     M ok, V other) {
+    const float* const* high_columns = columns + kDims;
     for (size_t k = 0; k < kDims; ++k) {
-      StoreWanted(d, hn::IfThenElse(ok, hn::LoadU(d, columns[k] + i), fill),
-                  out.min(k), i);
-      StoreWanted(
-          d,
-          hn::IfThenElse(ok, hn::LoadU(d, high_columns[k] + i), hn::Neg(fill)),
-          out.max(k), i);
+      StoreWanted<kAll, kStore>(d, hn::LoadU(d, columns[k] + i), ok, other,
+                                out.min(k), i);
+      StoreWanted<kAll, kStore>(d, hn::LoadU(d, high_columns[k] + i), ok,
+                                hn::Neg(other), out.max(k), i);
     }
     // D falls as the coordinates rise: its extremes are at the two corners.
     constexpr bool kKnown = kKnowsRest<kDims, kRounding>;
@@ -72,14 +83,13 @@ struct BoxBuilder {
     V rest = hn::Zero(d);
     if (out.min(kDims) != nullptr) {
       LoadSum<kDims, kRounding>(d, high_columns, i, sum, rest);
-      StoreWanted(d, hn::IfThenElse(ok, LowerD<kKnown>(d, sum, rest), fill),
-                  out.min(kDims), i);
+      StoreWanted<kAll, kStore>(d, LowerD<kKnown>(d, sum, rest), ok, other,
+                                out.min(kDims), i);
     }
     if (out.max(kDims) != nullptr) {
       LoadSum<kDims, kRounding>(d, columns, i, sum, rest);
-      StoreWanted(
-          d, hn::IfThenElse(ok, UpperD<kKnown>(d, sum, rest), hn::Neg(fill)),
-          out.max(kDims), i);
+      StoreWanted<kAll, kStore>(d, UpperD<kKnown>(d, sum, rest), ok,
+                                hn::Neg(other), out.max(kDims), i);
     }
   }
 

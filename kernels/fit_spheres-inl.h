@@ -46,44 +46,56 @@ struct SphereBuilder {
     tile.Read(job, begin, count);
   }
 
+  using Tag = NarrowTag;
+
+  template <Store kStore>
   void Fit(const float* const* columns, const OutputPlanes<kDims>& out,
            size_t count, size_t begin, kernels::FitTally& tally) const {
-    const NarrowTag d;
+    const Tag d;
     for (size_t i = 0; i < count; i += hn::Lanes(d)) {
-      FitVector(d, columns, out, i, begin, tally);
+      FitVector<kStore>(d, columns, out, i, begin, tally);
     }
   }
 
  private:
-  template <class D>
+  template <Store kStore, class D>
   HWY_INLINE void FitVector(D d, const float* const* columns,
                             const OutputPlanes<kDims>& out, size_t i,
                             size_t begin, kernels::FitTally& tally) const {
-    using V = hn::Vec<D>;
-    const V radius = hn::LoadU(d, columns[kDims] + i);
-    const V zero = hn::Zero(d);
-    const V everything = hn::Set(d, -FLT_MAX);
+    const auto radius = hn::LoadU(d, columns[kDims] + i);
     const auto ok = hn::And(
-        hn::Ge(radius, zero),
+        hn::Ge(radius, hn::Zero(d)),
         hn::Le(hn::Add(Magnitude<kDims>(d, columns, i), hn::Abs(radius)),
                LargestMagnitude(d)));
-    CountEverything(d, hn::Not(ok), i, begin, tally);
+    if (HWY_LIKELY(hn::AllTrue(d, ok))) {
+      StoreBounds<true, kStore>(d, columns, out, i, ok, radius);
+    } else {
+      CountEverything(d, hn::Not(ok), i, begin, tally);
+      StoreBounds<false, kStore>(d, columns, out, i, ok, radius);
+    }
+  }
+
+  template <bool kAll, Store kStore, class D, class V, class M>
+  static HWY_INLINE void StoreBounds(D d, const float* const* columns,
+                                     const OutputPlanes<kDims>& out, size_t i,
+                                     M ok, V radius) {
+    const V lowest = hn::Set(d, -FLT_MAX);
+    const V highest = hn::Set(d, FLT_MAX);
     for (size_t k = 0; k < kDims; ++k) {
       const V center = hn::LoadU(d, columns[k] + i);
-      const V low = Difference(d, center, radius);
-      const V high = hn::Neg(Difference(d, hn::Neg(center), radius));
-      StoreWanted(d, hn::IfThenElse(ok, low, everything), out.min(k), i);
-      StoreWanted(d, hn::IfThenElse(ok, high, hn::Neg(everything)), out.max(k),
-                  i);
+      StoreWanted<kAll, kStore>(d, Difference(d, center, radius), ok, lowest,
+                                out.min(k), i);
+      StoreWanted<kAll, kStore>(d,
+                                hn::Neg(Difference(d, hn::Neg(center), radius)),
+                                ok, highest, out.max(k), i);
     }
     if (out.min(kDims) != nullptr) {
       const V low = LowestD(d, columns, i, hn::Set(WideTag(), -1.0));
-      StoreWanted(d, hn::IfThenElse(ok, low, everything), out.min(kDims), i);
+      StoreWanted<kAll, kStore>(d, low, ok, lowest, out.min(kDims), i);
     }
     if (out.max(kDims) != nullptr) {
       const V high = hn::Neg(LowestD(d, columns, i, hn::Set(WideTag(), 1.0)));
-      StoreWanted(d, hn::IfThenElse(ok, high, hn::Neg(everything)),
-                  out.max(kDims), i);
+      StoreWanted<kAll, kStore>(d, high, ok, highest, out.max(kDims), i);
     }
   }
 

@@ -150,13 +150,18 @@ struct OutputTile {
   }
 };
 
+// How a builder stores the bounds of shapes that could be bounded.
+enum class Store { kCached, kPastCaches };
+
 // Whether to write past the caches. An ordinary store first reads the line it
 // writes to; without that, a build out of the caches moves 56 bytes an object
-// instead of 88 (boxes to AABOs), but a world that would stay in a cache is
-// driven out of it.
+// instead of 88 (boxes to AABOs). But it drives out of the caches what they
+// might have kept: with 32 MiB of L3, ordinary stores were faster up to 64 MiB
+// of output.
 template <int kDims>
 bool ShouldStream(const kernels::FitJob& job) {
-  constexpr size_t kStreamedBytes = size_t{32} << 20;
+#if HWY_ARCH_X86
+  constexpr size_t kStreamedBytes = size_t{96} << 20;
   const size_t vector_bytes = hn::Lanes(FitTag()) * sizeof(float);
   size_t bytes = 0;
   for (size_t p = 0; p < kFitPlanes<kDims>; ++p) {
@@ -167,14 +172,20 @@ bool ShouldStream(const kernels::FitJob& job) {
     bytes += job.size * sizeof(float);
   }
   return bytes >= kStreamedBytes;
+#else
+  (void)job;
+  return false;
+#endif
 }
 
 // Walks over all shapes. A Builder has
 //   kColumns       values of one shape
 //   kDims
+//   Tag            whose lanes are the shapes of one step
 //   Read(tile, job, begin, count)   fills an InputTile
-//   Fit(columns, planes, count, begin, tally)   bounds `count` shapes, counted
-//                  up to a whole vector; `begin` is the number of the first
+//   Fit<Store>(columns, planes, count, begin, tally)   bounds `count` shapes,
+//                  counted up to a whole vector; `begin` is the number of the
+//                  first
 template <class Builder>
 class TileWalk {
  public:
@@ -184,20 +195,18 @@ class TileWalk {
 
   void Run() {
     const size_t whole = job_.size / kTileObjects * kTileObjects;
-    if (ShouldStream<kDims>(job_)) {
-      for (size_t begin = 0; begin < whole; begin += kTileObjects) {
-        OutputTile<kDims> output(job_, begin);
-        FitTile(begin, output.places);
-        output.Stream();
+    if (!ShouldStream<kDims>(job_)) {
+      FitWhole<Store::kCached>(whole);
+    } else {
+      // A line is written in one or two steps, or it is collected in a tile
+      // first (measured: 8 open lines written in four steps each are slower
+      // than ordinary stores).
+      if (hn::Lanes(typename Builder::Tag()) * sizeof(float) >= 32) {
+        FitWhole<Store::kPastCaches>(whole);
+      } else {
+        FitAndStream(whole);
       }
       hwy::FlushStream();
-    } else if (is_direct_) {
-      builder_.Fit(job_.columns, OutputPlanes<kDims>(job_, 0), whole, 0,
-                   tally_);
-    } else {
-      for (size_t begin = 0; begin < whole; begin += kTileObjects) {
-        FitTile(begin, OutputPlanes<kDims>(job_, begin));
-      }
     }
     if (whole != job_.size) FitRest(whole, job_.size - whole);
   }
@@ -205,24 +214,48 @@ class TileWalk {
  private:
   static constexpr int kDims = Builder::kDims;
 
-  void FitTile(size_t begin, const OutputPlanes<kDims>& output) {
+  template <Store kStore>
+  void FitWhole(size_t whole) {
     if (is_direct_) {
-      const float* columns[Builder::kColumns];
+      builder_.template Fit<kStore>(job_.columns, OutputPlanes<kDims>(job_, 0),
+                                    whole, 0, tally_);
+      return;
+    }
+    for (size_t begin = 0; begin < whole; begin += kTileObjects) {
+      FitTile<kStore>(begin, OutputPlanes<kDims>(job_, begin));
+    }
+  }
+
+  void FitAndStream(size_t whole) {
+    for (size_t begin = 0; begin < whole; begin += kTileObjects) {
+      OutputTile<kDims> output(job_, begin);
+      FitTile<Store::kCached>(begin, output.places);
+      output.Stream();
+    }
+  }
+
+  template <Store kStore>
+  void FitTile(size_t begin, const OutputPlanes<kDims>& output) {
+    const float* columns[Builder::kColumns];
+    if (is_direct_) {
       for (size_t c = 0; c < Builder::kColumns; ++c) {
         columns[c] = job_.columns[c] + begin;
       }
-      builder_.Fit(columns, output, kTileObjects, begin, tally_);
     } else {
       builder_.Read(tile_, job_, begin, kTileObjects);
-      builder_.Fit(tile_.columns, output, kTileObjects, begin, tally_);
+      for (size_t c = 0; c < Builder::kColumns; ++c) {
+        columns[c] = tile_.columns[c];
+      }
     }
+    builder_.template Fit<kStore>(columns, output, kTileObjects, begin, tally_);
   }
 
   void FitRest(size_t begin, size_t count) {
     tile_.Clear();
     builder_.Read(tile_, job_, begin, count);
     OutputTile<kDims> output(job_, begin);
-    builder_.Fit(tile_.columns, output.places, count, begin, tally_);
+    builder_.template Fit<Store::kCached>(tile_.columns, output.places, count,
+                                          begin, tally_);
     output.Write(count);
   }
 
@@ -241,10 +274,19 @@ kernels::FitTally FitAll(const Builder& builder, const kernels::FitJob& job,
   return tally;
 }
 
-// Stores into a plane, if it is wanted.
-template <class D, class V>
-HWY_INLINE void StoreWanted(D d, V value, float* plane, size_t i) {
-  if (plane != nullptr) hn::StoreU(value, d, plane + i);
+// The lanes that could be bounded, and what stands for the others in a plane.
+// kAll: there are no others.
+template <bool kAll, Store kStore, class D, class V, class M>
+HWY_INLINE void StoreWanted(D d, V value, M ok, V other, float* plane,
+                            size_t i) {
+  if (plane == nullptr) return;
+  if constexpr (!kAll) {
+    hn::StoreU(hn::IfThenElse(ok, value, other), d, plane + i);
+  } else if constexpr (kStore == Store::kCached) {
+    hn::StoreU(value, d, plane + i);
+  } else {
+    hn::Stream(value, d, plane + i);
+  }
 }
 
 // The sum of magnitudes may not be more: a NaN or infinity is not less either.

@@ -41,39 +41,53 @@ struct TriangleBuilder {
     }
   }
 
+  using Tag = FitTag;
+
+  template <Store kStore>
   void Fit(const float* const* columns, const OutputPlanes<kDims>& out,
            size_t count, size_t begin, kernels::FitTally& tally) const {
-    const FitTag d;
+    const Tag d;
     for (size_t i = 0; i < count; i += hn::Lanes(d)) {
-      FitVector(d, columns, out, i, begin, tally);
+      FitVector<kStore>(d, columns, out, i, begin, tally);
     }
   }
 
  private:
-  template <class D>
+  template <Store kStore, class D>
   HWY_INLINE void FitVector(D d, const float* const* columns,
                             const OutputPlanes<kDims>& out, size_t i,
                             size_t begin, kernels::FitTally& tally) const {
+    const auto largest = LargestMagnitude(d);
+    const auto ok = hn::And(
+        hn::Le(Magnitude<kDims>(d, columns, i), largest),
+        hn::And(hn::Le(Magnitude<kDims>(d, columns + kDims, i), largest),
+                hn::Le(Magnitude<kDims>(d, columns + 2 * kDims, i), largest)));
+    if (HWY_LIKELY(hn::AllTrue(d, ok))) {
+      StoreBounds<true, kStore>(d, columns, out, i, ok);
+    } else {
+      CountEverything(d, hn::Not(ok), i, begin, tally);
+      StoreBounds<false, kStore>(d, columns, out, i, ok);
+    }
+  }
+
+  template <bool kAll, Store kStore, class D, class M>
+  static HWY_INLINE void StoreBounds(D d, const float* const* columns,
+                                     const OutputPlanes<kDims>& out, size_t i,
+                                     M ok) {
     using V = hn::Vec<D>;
     const float* const* a = columns;
     const float* const* b = columns + kDims;
     const float* const* c = columns + 2 * kDims;
-    const V largest = LargestMagnitude(d);
-    const auto ok =
-        hn::And(hn::Le(Magnitude<kDims>(d, a, i), largest),
-                hn::And(hn::Le(Magnitude<kDims>(d, b, i), largest),
-                        hn::Le(Magnitude<kDims>(d, c, i), largest)));
-    CountEverything(d, hn::Not(ok), i, begin, tally);
-    const V low = hn::Set(d, -FLT_MAX);
-    const V high = hn::Set(d, FLT_MAX);
+    const V lowest = hn::Set(d, -FLT_MAX);
+    const V highest = hn::Set(d, FLT_MAX);
     for (size_t k = 0; k < kDims; ++k) {
       const V x = hn::LoadU(d, a[k] + i);
       const V y = hn::LoadU(d, b[k] + i);
       const V z = hn::LoadU(d, c[k] + i);
       const V min = PlusZero(d, hn::Min(x, hn::Min(y, z)));
       const V max = PlusZero(d, hn::Max(x, hn::Max(y, z)));
-      StoreWanted(d, hn::IfThenElse(ok, min, low), out.min(k), i);
-      StoreWanted(d, hn::IfThenElse(ok, max, high), out.max(k), i);
+      StoreWanted<kAll, kStore>(d, min, ok, lowest, out.min(k), i);
+      StoreWanted<kAll, kStore>(d, max, ok, highest, out.max(k), i);
     }
     if (out.min(kDims) == nullptr && out.max(kDims) == nullptr) return;
     V d_min = hn::Set(d, INFINITY);
@@ -82,8 +96,8 @@ struct TriangleBuilder {
     WidenD<kDims, kRounding>(d, b, i, d_min, d_max);
     WidenD<kDims, kRounding>(d, c, i, d_min, d_max);
     FinishD<kDims, kRounding>(d, d_min, d_max);
-    StoreWanted(d, hn::IfThenElse(ok, d_min, low), out.min(kDims), i);
-    StoreWanted(d, hn::IfThenElse(ok, d_max, high), out.max(kDims), i);
+    StoreWanted<kAll, kStore>(d, d_min, ok, lowest, out.min(kDims), i);
+    StoreWanted<kAll, kStore>(d, d_max, ok, highest, out.max(kDims), i);
   }
 };
 
