@@ -15,7 +15,7 @@ namespace halfspace::dispatch {
 template <std::int64_t kHighwayBit, int kDims>
 const KernelTable& TableOf();
 
-// Its bulk builders; defined in fit_kernels.cc.
+// Its bulk builders; defined in fit_kernels_2d.cc and so on.
 template <std::int64_t kHighwayBit, int kDims>
 const FitTable& FitTableOf();
 

@@ -1,12 +1,14 @@
-// The bulk builders, once per target.
-#include "dispatch/target_table.h"
+// The bulk builders in kDims dimensions, for the target being compiled.
+#if defined(HALFSPACE_DISPATCH_FIT_INSTANTIATE_INL_H_) == \
+    defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_DISPATCH_FIT_INSTANTIATE_INL_H_
+#undef HALFSPACE_DISPATCH_FIT_INSTANTIATE_INL_H_
+#else
+#define HALFSPACE_DISPATCH_FIT_INSTANTIATE_INL_H_
+#endif
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "dispatch/fit_kernels.cc"
-#include "hwy/foreach_target.h"  // IWYU pragma: keep
+#include "dispatch/fit_table.h"
 #include "hwy/highway.h"
-
-// After foreach_target.h, which decides what they are compiled for.
 #include "kernels/fit_boxes-inl.h"
 #include "kernels/fit_point_sets-inl.h"
 #include "kernels/fit_spheres-inl.h"
@@ -33,19 +35,4 @@ inline constexpr dispatch::FitTable kFitTable = {{
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
 
-namespace halfspace::dispatch {
-
-template <>
-const FitTable& FitTableOf<HWY_TARGET, 2>() {
-  return HWY_NAMESPACE::kFitTable<2>;
-}
-template <>
-const FitTable& FitTableOf<HWY_TARGET, 3>() {
-  return HWY_NAMESPACE::kFitTable<3>;
-}
-template <>
-const FitTable& FitTableOf<HWY_TARGET, 4>() {
-  return HWY_NAMESPACE::kFitTable<4>;
-}
-
-}  // namespace halfspace::dispatch
+#endif  // HALFSPACE_DISPATCH_FIT_INSTANTIATE_INL_H_
