@@ -2,9 +2,9 @@
 
 #include <array>
 #include <cstddef>
-#include <random>
 #include <vector>
 
+#include "bench/random.h"
 #include "halfspace/fit.h"
 
 namespace halfspace::bench {
@@ -16,22 +16,6 @@ constexpr std::size_t kMostPoints = 64;
 constexpr float kHalfCube = 50.0f;
 
 using Cloud = std::vector<std::array<float, 3>>;
-
-// Of std::, only the engine gives the same numbers everywhere; distributions
-// are up to the implementation.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-
-  // Uniform in [-1, 1), a multiple of 2^-23.
-  float Signed() {
-    return static_cast<float>(engine_() >> 40) * 0x1p-23f - 1.0f;
-  }
-  std::size_t Below(std::size_t count) { return engine_() % count; }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 std::array<float, 3> PointInUnitBall(Random& random) {
   for (;;) {
