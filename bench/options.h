@@ -13,8 +13,9 @@
 
 namespace halfspace::bench {
 
-inline constexpr std::array<std::string_view, 7> kSections = {
-    "machine", "check", "table1", "crossover", "kernels", "quality", "verdict"};
+inline constexpr std::array<std::string_view, 8> kSections = {
+    "machine", "check", "table1",  "crossover",
+    "kernels", "build", "quality", "verdict"};
 
 enum class Format { kText, kJson };
 

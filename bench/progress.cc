@@ -38,8 +38,16 @@ Progress::~Progress() { Clear(); }
 void Progress::Begin(std::string_view section, double weight) {
   before_ += weight_;
   weight_ = weight;
+  part_ = 0.0;
+  parts_ = 1.0;
   section_ = section;
   last_draw_ = {};
+  Update(0.0);
+}
+
+void Progress::BeginPart(std::size_t part, std::size_t parts) {
+  part_ = static_cast<double>(part);
+  parts_ = static_cast<double>(parts);
   Update(0.0);
 }
 
@@ -48,8 +56,8 @@ void Progress::Update(double fraction) {
   const Clock::time_point now = Clock::now();
   if (now - last_draw_ < std::chrono::milliseconds(100)) return;
   last_draw_ = now;
-  const double done = std::min(
-      1.0, (before_ + weight_ * std::clamp(fraction, 0.0, 1.0)) / total_);
+  const double of_section = (part_ + std::clamp(fraction, 0.0, 1.0)) / parts_;
+  const double done = std::min(1.0, (before_ + weight_ * of_section) / total_);
   const double elapsed = std::chrono::duration<double>(now - start_).count();
   std::fprintf(stderr, "\r\033[K%s%s%s  %3.0f %%", has_color_ ? "\033[1m" : "",
                section_.c_str(), has_color_ ? "\033[0m" : "", 100.0 * done);

@@ -4,6 +4,7 @@
 #define HALFSPACE_BENCH_PROGRESS_H_
 
 #include <chrono>
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -22,7 +23,11 @@ class Progress {
   // Starts a section that will take `weight` of the plan.
   void Begin(std::string_view section, double weight);
 
-  // `fraction` of the current section is done.
+  // From now on, and until the section ends, Update() is about one of `parts`
+  // equal parts of it, counted from 0.
+  void BeginPart(std::size_t part, std::size_t parts);
+
+  // `fraction` of the current section, or of its part, is done.
   void Update(double fraction);
 
   // Removes the line, so that other output can follow.
@@ -38,6 +43,8 @@ class Progress {
   double total_ = 1.0;
   double before_ = 0.0;  // weight of the sections that are over
   double weight_ = 0.0;  // weight of the current one
+  double part_ = 0.0;    // parts of it that are over, of all parts
+  double parts_ = 1.0;
   Clock::time_point start_;
   Clock::time_point last_draw_;
 };

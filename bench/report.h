@@ -16,6 +16,7 @@ void WriteText(std::ostream& out, const CheckResult& result);
 void WriteText(std::ostream& out, const Table1Result& result);
 void WriteText(std::ostream& out, const CrossoverResult& result);
 void WriteText(std::ostream& out, const KernelsResult& result);
+void WriteText(std::ostream& out, const BuildResult& result);
 void WriteText(std::ostream& out, const QualityResult& result);
 void WriteText(std::ostream& out, const VerdictResult& result);
 

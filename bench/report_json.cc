@@ -159,6 +159,33 @@ Json ToJson(const KernelsResult& result) {
   return {{"rows", rows}, {"not_reached", result.not_reached}};
 }
 
+Json ToJson(const BuildResult& result) {
+  Json rows = Json::array();
+  for (const BuildRow& row : result.rows) {
+    rows.push_back(
+        {{"shapes", row.shapes},
+         {"planes", row.planes},
+         {"rounding", row.rounding},
+         {"target", row.target},
+         {"working_set", row.working_set},
+         {"objects", row.objects},
+         {"item", row.item},
+         {"ns_per_item", row.ns_per_item},
+         {"gigabytes_per_second", row.gigabytes_per_second},
+         {"percent_of_copy", row.percent_of_copy},
+         {"copy", row.copy},
+         {"copy_gigabytes_per_second", row.copy_gigabytes_per_second}});
+  }
+  Json bars = Json::array();
+  for (const BuildBar& bar : result.bars) {
+    bars.push_back({{"target", bar.target},
+                    {"percent_of_copy", bar.percent_of_copy},
+                    {"at_least", kBuildBarPercent},
+                    {"holds", bar.holds()}});
+  }
+  return {{"rows", rows}, {"bars", bars}, {"not_reached", result.not_reached}};
+}
+
 Json ToJson(const QualityResult& result) {
   return {{"workload", result.workload},
           {"objects", result.objects},
@@ -185,6 +212,7 @@ std::string ToJson(const Results& results) {
   AddSection(sections, "table1", results.table1);
   AddSection(sections, "crossover", results.crossover);
   AddSection(sections, "kernels", results.kernels);
+  AddSection(sections, "build", results.build);
   AddSection(sections, "quality", results.quality);
   AddSection(sections, "verdict", results.verdict);
   Json root = {{"schema", kSchema},

@@ -169,6 +169,29 @@ void WriteText(std::ostream& out, const KernelsResult& result) {
   WriteNotReached(out, result.not_reached);
 }
 
+void WriteText(std::ostream& out, const BuildResult& result) {
+  Heading(out, "build",
+          "bounding many shapes; percent of copying the same bytes");
+  TextTable table({"shapes", "to", "rounding", "set", "target", "objects", "ns",
+                   "per", "GB/s", "% of copy", "fastest copy", "GB/s"});
+  for (const BuildRow& row : result.rows) {
+    table.AddRow({row.shapes, row.planes, row.rounding, row.working_set,
+                  row.target, Grouped(row.objects), Fixed(row.ns_per_item, 3),
+                  row.item, Fixed(row.gigabytes_per_second, 1),
+                  Fixed(row.percent_of_copy, 0), row.copy,
+                  Fixed(row.copy_gigabytes_per_second, 1)});
+  }
+  table.Write(out, 5);
+  if (!result.bars.empty()) out << '\n';
+  for (const BuildBar& bar : result.bars) {
+    out << "  " << bar.target << ": boxes to aabo in memory at "
+        << Fixed(bar.percent_of_copy, 0) << " % of copying; at least "
+        << Fixed(kBuildBarPercent, 0) << (bar.holds() ? " holds" : " FAILS")
+        << '\n';
+  }
+  WriteNotReached(out, result.not_reached);
+}
+
 void WriteText(std::ostream& out, const QualityResult& result) {
   Heading(out, "quality", "survivors, of " + result.workload);
   out << "  " << Grouped(result.objects) << " objects, "

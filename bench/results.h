@@ -90,6 +90,37 @@ struct KernelsResult {
   std::vector<std::string> not_reached;
 };
 
+struct BuildRow {
+  std::string shapes;    // "boxes", "box-records", "spheres", ...
+  std::string planes;    // "aabo" or "d"
+  std::string rounding;  // "within-ulp" or "tightest"
+  std::string target;
+  std::string working_set;
+  std::size_t objects = 0;
+  std::string item;  // "object", or "point" of a set
+  double ns_per_item = 0.0;
+  double gigabytes_per_second = 0.0;  // read and written
+  double percent_of_copy = 0.0;       // of copying the same bytes
+  std::string copy;                   // the fastest way
+  double copy_gigabytes_per_second = 0.0;
+};
+
+// What a bulk build of boxes out of the caches must reach.
+inline constexpr double kBuildBarPercent = 70.0;
+
+struct BuildBar {
+  std::string target;
+  double percent_of_copy = 0.0;
+
+  bool holds() const { return percent_of_copy >= kBuildBarPercent; }
+};
+
+struct BuildResult {
+  std::vector<BuildRow> rows;
+  std::vector<BuildBar> bars;  // none if memory was not reached
+  std::vector<std::string> not_reached;
+};
+
 struct QualityResult {
   std::string workload;
   std::size_t objects = 0;
@@ -108,6 +139,7 @@ struct Results {
   std::optional<Table1Result> table1;
   std::optional<CrossoverResult> crossover;
   std::optional<KernelsResult> kernels;
+  std::optional<BuildResult> build;
   std::optional<QualityResult> quality;
   std::optional<VerdictResult> verdict;
   std::vector<Timing> timings;  // everything that was timed

@@ -62,6 +62,12 @@ class Runner {
       result.not_reached = NotReached();
       return result;
     });
+    Section("build", results_.build, [&] {
+      BuildResult result = RunBuild(Measured(), Reached({"L2", "memory"}),
+                                    options_.is_quick, context_);
+      result.not_reached = NotReached();
+      return result;
+    });
     Section("quality", results_.quality,
             [&] { return RunQuality(Measured(), context_); });
     Section("verdict", results_.verdict,
@@ -77,6 +83,7 @@ class Runner {
     if (section == "table1") return 5.0;
     if (section == "crossover") return 45.0;
     if (section == "kernels") return 25.0;
+    if (section == "build") return 15.0;
     return 0.1;
   }
 
@@ -123,15 +130,23 @@ class Runner {
   // What is measured: the file, else the scene.
   const Workload& Measured() { return input_ ? *input_ : Scene(); }
 
-  // The working sets of these names, as far as they are reached.
-  std::vector<WorkingSet*> Sets(const std::vector<std::string>& names) {
-    std::vector<WorkingSet*> sets;
+  // The sizes of these names, as far as they are reached.
+  std::vector<WorkingSetSize> Reached(
+      const std::vector<std::string>& names) const {
+    std::vector<WorkingSetSize> sizes;
     for (const WorkingSetSize& size :
          WorkingSetSizes(results_.context.machine)) {
-      if (!size.why_not_reached.empty()) continue;
-      if (std::find(names.begin(), names.end(), size.name) == names.end()) {
-        continue;
+      if (size.why_not_reached.empty() &&
+          std::find(names.begin(), names.end(), size.name) != names.end()) {
+        sizes.push_back(size);
       }
+    }
+    return sizes;
+  }
+
+  std::vector<WorkingSet*> Sets(const std::vector<std::string>& names) {
+    std::vector<WorkingSet*> sets;
+    for (const WorkingSetSize& size : Reached(names)) {
       auto made = std::find_if(
           sets_.begin(), sets_.end(),
           [&](const auto& set) { return set->name() == size.name; });

@@ -44,6 +44,12 @@ WStar FindWStar(const std::vector<CrossoverRow>& gated_rows);
 KernelsResult RunKernels(const std::vector<WorkingSet*>& sets,
                          const Context& context);
 
+// Every bulk builder, target and size, against copying the same bytes; in
+// memory, if it is to be quick, boxes alone.
+BuildResult RunBuild(const Workload& workload,
+                     const std::vector<WorkingSetSize>& sizes, bool is_quick,
+                     const Context& context);
+
 QualityResult RunQuality(const Workload& workload, const Context& context);
 
 // Three sentences from what was measured on `target`; says what is missing.

@@ -29,18 +29,18 @@ std::vector<WorkingSetSize> WorkingSetSizes(const Machine& machine) {
   std::vector<WorkingSetSize> sizes;
   for (int level = 1; level <= 3; ++level) {
     const std::size_t step = level == 1 ? 64 : kWidestGate;
-    WorkingSetSize size{
-        "L" + std::to_string(level),
-        RoundDown(machine.CacheBytes(level) / 2 / kAaboBytes, step), ""};
+    const std::size_t bytes = machine.CacheBytes(level) / 2;
+    WorkingSetSize size{"L" + std::to_string(level),
+                        RoundDown(bytes / kAaboBytes, step), "", bytes};
     if (machine.are_caches_known() && !machine.HasCache(level)) {
       size.why_not_reached = "this machine has no such cache";
     }
     sizes.push_back(std::move(size));
   }
+  const std::size_t bytes = 4 * machine.LastLevelBytes();
   const std::size_t wanted =
-      RoundDown(4 * machine.LastLevelBytes() / kSimplexBytes, kWidestGate) +
-      kWidestGate;
-  WorkingSetSize memory{"memory", wanted, ""};
+      RoundDown(bytes / kSimplexBytes, kWidestGate) + kWidestGate;
+  WorkingSetSize memory{"memory", wanted, "", bytes};
   // What cannot be known is taken for enough for the smallest of machines.
   const std::size_t available = machine.available_memory == 0
                                     ? std::size_t{1} << 30

@@ -26,6 +26,7 @@ struct WorkingSetSize {
   std::string name;             // "L1", "L2", "L3" or "memory"
   std::size_t objects = 0;      // a multiple of 4096, in L1 of 64
   std::string why_not_reached;  // empty if it is
+  std::size_t bytes = 0;        // half the cache, or four times the last level
 };
 
 // The octahedra take at most half of each cache; in "memory" the smallest

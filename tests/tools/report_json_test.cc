@@ -19,8 +19,8 @@ const Json& Report() {
   static const Json report = [] {
     BenchOptions options;
     options.is_quick = true;
-    options.only = {"machine",   "check",   "table1",
-                    "crossover", "quality", "verdict"};
+    options.only = {"machine", "check",   "table1", "crossover",
+                    "build",   "quality", "verdict"};
     options.objects = 4096;
     options.queries = 4;
     options.repetitions = 1;
@@ -76,6 +76,31 @@ TEST(ReportJsonTest, CrossoverRowsHaveTheFixedForm) {
     EXPECT_TRUE(target.at("w_star").is_number() ||
                 target.at("w_star").is_null());
   }
+}
+
+TEST(ReportJsonTest, BuildRowsHaveTheFixedForm) {
+  const Json& build = Report().at("sections").at("build");
+  ASSERT_FALSE(build.at("rows").empty());
+  bool is_memory_reached = false;
+  for (const Json& row : build.at("rows")) {
+    for (const char* key : {"shapes", "planes", "rounding", "target",
+                            "working_set", "objects", "item", "copy"}) {
+      EXPECT_TRUE(row.contains(key)) << key << " in " << row;
+    }
+    for (const char* key : {"ns_per_item", "gigabytes_per_second",
+                            "percent_of_copy", "copy_gigabytes_per_second"}) {
+      EXPECT_GT(row.at(key), 0.0) << key << " in " << row;
+    }
+    EXPECT_EQ(row.at("item") == "point", row.at("shapes") == "point-sets");
+    is_memory_reached |= row.at("working_set") == "memory";
+  }
+  EXPECT_EQ(build.at("bars").size(), is_memory_reached ? 1u : 0u);
+  for (const Json& bar : build.at("bars")) {
+    EXPECT_EQ(bar.at("target"), std::string(ChosenTarget().name()));
+    EXPECT_EQ(bar.at("at_least"), 70.0);
+    EXPECT_EQ(bar.at("holds"), bar.at("percent_of_copy") >= 70.0);
+  }
+  EXPECT_TRUE(build.at("not_reached").is_array());
 }
 
 TEST(ReportJsonTest, VerdictHasThreeSentences) {

@@ -39,6 +39,12 @@ TEST(WorkingSetTest, InMemoryEvenTheSimplexIsFourTimesTheLastLevel) {
   EXPECT_GE(sizes[3].objects * kSimplexBytes, 4 * 32 * kMiB);
 }
 
+TEST(WorkingSetTest, SaysHowManyBytesThatIs) {
+  const auto sizes = WorkingSetSizes(ServerWith(16384 * kMiB));
+  EXPECT_EQ(sizes[1].bytes, kMiB / 2);
+  EXPECT_EQ(sizes[3].bytes, 4 * 32 * kMiB);
+}
+
 TEST(WorkingSetTest, MemoryIsNotReachedBeyondAQuarterOfWhatIsFree) {
   EXPECT_EQ(WorkingSetSizes(ServerWith(1100 * kMiB))[3].why_not_reached, "");
   EXPECT_NE(WorkingSetSizes(ServerWith(900 * kMiB))[3].why_not_reached, "");
