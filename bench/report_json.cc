@@ -193,6 +193,27 @@ Json ToJson(const QualityResult& result) {
           {"survivors", ToJson(result.survivors)}};
 }
 
+Json ToJson(const SegmentsResult& result) {
+  Json rows = Json::array();
+  for (const SegmentRow& row : result.rows) {
+    rows.push_back({{"direction", row.direction},
+                    {"length", row.length},
+                    {"pieces", row.pieces},
+                    {"kept", ToJson(row.kept)},
+                    {"floor", row.floor},
+                    {"tests", row.tests},
+                    {"bytes",
+                     {{"aabb", row.tests * kRecordBytes.aabb},
+                      {"simplex", row.tests * kRecordBytes.simplex},
+                      {"aabo", row.tests * kRecordBytes.aabo}}}});
+  }
+  return {{"workload", result.workload},
+          {"objects", result.objects},
+          {"segments", result.segments},
+          {"seed", result.seed},
+          {"rows", rows}};
+}
+
 Json ToJson(const VerdictResult& result) {
   return {{"sentences", result.sentences}};
 }
@@ -214,6 +235,7 @@ std::string ToJson(const Results& results) {
   AddSection(sections, "kernels", results.kernels);
   AddSection(sections, "build", results.build);
   AddSection(sections, "quality", results.quality);
+  AddSection(sections, "segments", results.segments);
   AddSection(sections, "verdict", results.verdict);
   Json root = {{"schema", kSchema},
                {"context", ContextJson(results.context)},

@@ -201,6 +201,25 @@ void WriteText(std::ostream& out, const QualityResult& result) {
   table.Write(out, 1);
 }
 
+void WriteText(std::ostream& out, const SegmentsResult& result) {
+  Heading(out, "segments",
+          "objects kept by a long segment in pieces, of " + result.workload);
+  out << "  " << Grouped(result.objects) << " objects, means of "
+      << result.segments << " segments, seed " << result.seed
+      << "; one test reads " << kRecordBytes.simplex << " (simplex), "
+      << kRecordBytes.aabb << " (aabb), " << kRecordBytes.aabo
+      << " (aabo) bytes\n\n";
+  TextTable table({"direction", "length", "pieces", "aabb", "simplex", "aabo",
+                   "floor", "tests"});
+  for (const SegmentRow& row : result.rows) {
+    table.AddRow({row.direction, Fixed(100.0 * row.length, 0) + " %",
+                  std::to_string(row.pieces), Fixed(row.kept.aabb, 1),
+                  Fixed(row.kept.simplex, 1), Fixed(row.kept.aabo, 1),
+                  Fixed(row.floor, 1), Grouped(row.tests)});
+  }
+  table.Write(out, 1);
+}
+
 void WriteText(std::ostream& out, const VerdictResult& result) {
   Heading(out, "verdict", "what to use on this machine");
   for (const std::string& sentence : result.sentences) {

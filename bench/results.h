@@ -128,6 +128,28 @@ struct QualityResult {
   PerShape<std::size_t> survivors;
 };
 
+// Means over segments.
+struct SegmentRow {
+  std::string direction;  // "uniform", "(1,1,1)" or "(1,-1,0)"
+  double length = 0.0;    // of the longest side of the box around all objects
+  std::size_t pieces = 0;
+  PerShape<double> kept;  // objects that a piece does not reject
+  double floor = 0.0;     // aabo with a great many pieces
+  std::size_t tests = 0;  // of an object and a piece, for one segment
+};
+
+struct SegmentsResult {
+  std::string workload;
+  std::size_t objects = 0;
+  std::size_t segments = 0;  // of each direction and length
+  std::uint64_t seed = 0;
+  std::vector<SegmentRow> rows;
+};
+
+// What one test reads.
+inline constexpr PerShape<std::size_t> kRecordBytes = {
+    .aabb = 24, .simplex = 16, .aabo = 32};
+
 struct VerdictResult {
   std::array<std::string, 3> sentences;
 };
@@ -141,6 +163,7 @@ struct Results {
   std::optional<KernelsResult> kernels;
   std::optional<BuildResult> build;
   std::optional<QualityResult> quality;
+  std::optional<SegmentsResult> segments;
   std::optional<VerdictResult> verdict;
   std::vector<Timing> timings;  // everything that was timed
 };

@@ -70,6 +70,10 @@ class Runner {
     });
     Section("quality", results_.quality,
             [&] { return RunQuality(Measured(), context_); });
+    Section("segments", results_.segments, [&] {
+      return RunSegments(Measured(), options_.seed, options_.is_quick,
+                         context_);
+    });
     Section("verdict", results_.verdict,
             [&] { return MakeVerdict(results_, VerdictTarget()); });
     return std::move(results_);
@@ -84,6 +88,7 @@ class Runner {
     if (section == "crossover") return 45.0;
     if (section == "kernels") return 25.0;
     if (section == "build") return 15.0;
+    if (section == "segments") return 1.0;
     return 0.1;
   }
 

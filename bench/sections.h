@@ -52,6 +52,11 @@ BuildResult RunBuild(const Workload& workload,
 
 QualityResult RunQuality(const Workload& workload, const Context& context);
 
+// What is kept of the objects along long segments, bounded whole and in pieces.
+// Counts, and no times.
+SegmentsResult RunSegments(const Workload& workload, std::uint64_t seed,
+                           bool is_quick, const Context& context);
+
 // Three sentences from what was measured on `target`; says what is missing.
 VerdictResult MakeVerdict(const Results& results, Target target);
 

@@ -19,8 +19,8 @@ const Json& Report() {
   static const Json report = [] {
     BenchOptions options;
     options.is_quick = true;
-    options.only = {"machine", "check",   "table1", "crossover",
-                    "build",   "quality", "verdict"};
+    options.only = {"machine", "check",   "table1",   "crossover",
+                    "build",   "quality", "segments", "verdict"};
     options.objects = 4096;
     options.queries = 4;
     options.repetitions = 1;
@@ -101,6 +101,27 @@ TEST(ReportJsonTest, BuildRowsHaveTheFixedForm) {
     EXPECT_EQ(bar.at("holds"), bar.at("percent_of_copy") >= 70.0);
   }
   EXPECT_TRUE(build.at("not_reached").is_array());
+}
+
+TEST(ReportJsonTest, SegmentRowsHaveTheFixedForm) {
+  const Json& segments = Report().at("sections").at("segments");
+  EXPECT_EQ(segments.at("objects"), 4096);
+  EXPECT_EQ(segments.at("segments"), 8);
+  EXPECT_EQ(segments.at("seed"), 1);
+  EXPECT_EQ(segments.at("workload"), "scene");
+  // Directions, lengths, pieces.
+  ASSERT_EQ(segments.at("rows").size(), 3u * 3u * 6u);
+  for (const Json& row : segments.at("rows")) {
+    const double aabo = row.at("kept").at("aabo");
+    EXPECT_LE(aabo, row.at("kept").at("aabb")) << row;
+    EXPECT_LE(aabo, row.at("kept").at("simplex")) << row;
+    EXPECT_GE(aabo, row.at("floor")) << row;
+    const std::size_t tests = row.at("tests");
+    EXPECT_EQ(tests, 4096 * row.at("pieces").get<std::size_t>());
+    EXPECT_EQ(row.at("bytes").at("simplex"), tests * 16);
+    EXPECT_EQ(row.at("bytes").at("aabb"), tests * 24);
+    EXPECT_EQ(row.at("bytes").at("aabo"), tests * 32);
+  }
 }
 
 TEST(ReportJsonTest, VerdictHasThreeSentences) {
