@@ -2,16 +2,18 @@
 #ifndef HALFSPACE_BENCH_COPY_JOB_H_
 #define HALFSPACE_BENCH_COPY_JOB_H_
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <stdexcept>
 #include <vector>
 
 namespace halfspace::bench {
 
-// Arrays of different lengths that are walked over together: every one is cut
-// into the same number of parts, and part i of one describes the same objects
-// as part i of another.
+// Arrays of different lengths that describe the same objects, in the same
+// order: cut into the same number of parts, part i of one describes the same
+// objects as part i of another.
 template <typename Byte>
 struct Streams {
   struct Stream {
@@ -43,43 +45,62 @@ struct CopyJob {
   std::size_t bytes() const { return reads.bytes() + writes.bytes(); }
 };
 
-// Walks over streams word by word: the first part of each stream in turn, then
-// the second part of each, and so on. With one part, stream by stream.
+// In which order streams are walked over: so many words of each in turn, until
+// the first part of every stream is done, then the second part of each.
+struct CopyOrder {
+  std::size_t parts = 1;
+  std::size_t words_in_turn = std::numeric_limits<std::size_t>::max();
+};
+
+// Walks over streams word by word.
 template <typename Byte>
 class StreamWalk {
  public:
-  StreamWalk(const Streams<Byte>& streams, std::size_t parts,
+  StreamWalk(const Streams<Byte>& streams, const CopyOrder& order,
              std::size_t word_bytes)
       : word_bytes_(word_bytes) {
+    std::vector<std::size_t> left;
     for (const auto& stream : streams.list) {
-      const std::size_t part_bytes = stream.bytes / parts;
-      places_.push_back({stream.begin, part_bytes});
+      places_.push_back(stream.begin);
+      left.push_back(stream.bytes / word_bytes / order.parts);
     }
-    end_ = places_.front().at + places_.front().part_bytes;
+    for (bool is_done = false; !is_done;) {
+      is_done = true;
+      for (std::size_t s = 0; s < left.size(); ++s) {
+        const std::size_t words = std::min(left[s], order.words_in_turn);
+        if (words == 0) continue;
+        turns_.push_back({s, words});
+        left[s] -= words;
+        is_done = false;
+      }
+    }
   }
 
   // The next word. May be called as often as there are words.
   Byte* Next() {
-    Place* place = &places_[current_];
-    if (place->at == end_) {
-      current_ = current_ + 1 == places_.size() ? 0 : current_ + 1;
-      place = &places_[current_];
-      end_ = place->at + place->part_bytes;
+    if (words_left_ == 0) {
+      turn_ = turn_ + 1 == turns_.size() ? 0 : turn_ + 1;
+      words_left_ = turns_[turn_].words;
+      place_ = &places_[turns_[turn_].stream];
     }
-    Byte* const word = place->at;
-    place->at += word_bytes_;
+    --words_left_;
+    Byte* const word = *place_;
+    *place_ += word_bytes_;
     return word;
   }
 
  private:
-  struct Place {
-    Byte* at;
-    std::size_t part_bytes;
+  struct Turn {
+    std::size_t stream;
+    std::size_t words;
   };
-  std::vector<Place> places_;
+
   std::size_t word_bytes_;
-  std::size_t current_ = 0;
-  Byte* end_;
+  std::vector<Byte*> places_;  // of each stream
+  std::vector<Turn> turns_;    // of one part
+  std::size_t turn_ = std::numeric_limits<std::size_t>::max();
+  std::size_t words_left_ = 0;
+  Byte** place_ = nullptr;
 };
 
 // Pairs the words that are written with those that are read, evenly. Where more
@@ -95,9 +116,9 @@ class CopyWalk {
     std::size_t reads = 0;
   };
 
-  CopyWalk(const CopyJob& job, std::size_t parts, std::size_t word_bytes)
-      : reads_(job.reads, parts, word_bytes),
-        writes_(job.writes, parts, word_bytes),
+  CopyWalk(const CopyJob& job, const CopyOrder& order, std::size_t word_bytes)
+      : reads_(job.reads, order, word_bytes),
+        writes_(job.writes, order, word_bytes),
         read_words_(job.reads.bytes() / word_bytes),
         write_words_(job.writes.bytes() / word_bytes),
         due_(write_words_ - 1) {

@@ -173,7 +173,7 @@ void WriteText(std::ostream& out, const BuildResult& result) {
   Heading(out, "build",
           "bounding many shapes; percent of copying the same bytes");
   TextTable table({"shapes", "to", "rounding", "set", "target", "objects", "ns",
-                   "per", "GB/s", "% of copy", "fastest copy", "GB/s"});
+                   "per", "GB/s", "% of copy", "fastest copy", "its GB/s"});
   for (const BuildRow& row : result.rows) {
     table.AddRow({row.shapes, row.planes, row.rounding, row.working_set,
                   row.target, Grouped(row.objects), Fixed(row.ns_per_item, 3),

@@ -67,17 +67,18 @@ HWY_INLINE void CopyWord(const bench::CopyWalk::Step& step) {
 }
 
 template <bool kStreamed>
-void CopyWords(const bench::CopyJob& job, size_t parts) {
-  bench::CopyWalk walk(job, parts, kCopyWord * sizeof(uint32_t));
+void CopyWords(const bench::CopyJob& job, const bench::CopyOrder& order) {
+  bench::CopyWalk walk(job, order, kCopyWord * sizeof(uint32_t));
   for (size_t w = 0; w < walk.steps(); ++w) CopyWord<kStreamed>(walk.Next());
 }
 
-void CopyInVectors(bool is_streamed, const bench::CopyJob& job, size_t parts) {
+void CopyInVectors(bool is_streamed, const bench::CopyJob& job,
+                   const bench::CopyOrder& order) {
   if (is_streamed) {
-    CopyWords<true>(job, parts);
+    CopyWords<true>(job, order);
     hwy::FlushStream();
   } else {
-    CopyWords<false>(job, parts);
+    CopyWords<false>(job, order);
   }
 }
 
@@ -88,7 +89,7 @@ HWY_AFTER_NAMESPACE();
 namespace halfspace::bench {
 
 using VectorCopier = void (*)(bool is_streamed, const CopyJob& job,
-                              std::size_t parts);
+                              const CopyOrder& order);
 
 template <std::int64_t kTarget>
 VectorCopier VectorCopierOf();
@@ -106,7 +107,7 @@ namespace {
 
 void CopyByMemcpy(const CopyJob& job) {
   constexpr std::size_t kBytes = 4096;
-  CopyWalk walk(job, 1, kBytes);
+  CopyWalk walk(job, CopyOrder(), kBytes);
   for (std::size_t w = 0; w < walk.steps(); ++w) {
     const CopyWalk::Step& step = walk.Next();
     std::memcpy(step.to, step.from[0], kBytes);
@@ -127,10 +128,11 @@ void CopyStreams(CopyWay way, const CopyJob& job, std::size_t objects,
   }
   const bool is_together =
       way == CopyWay::kTogether || way == CopyWay::kTogetherStreamed;
-  const std::size_t parts = is_together ? objects / kCopyObjects : 1;
+  const CopyOrder order =
+      is_together ? CopyOrder{objects / kCopyObjects, 2} : CopyOrder();
   FunctionOf<VectorCopier>(target, [](auto t) {
     return VectorCopierOf<t()>();
-  })(IsStreamed(way), job, parts);
+  })(IsStreamed(way), job, order);
 }
 
 }  // namespace halfspace::bench
