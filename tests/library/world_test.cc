@@ -228,8 +228,8 @@ TYPED_TEST(WorldTest, SizeThatCannotExistIsRefused) {
 }
 
 TYPED_TEST(WorldTest, MemoryThatCannotBeHadIsBadAlloc) {
-#if defined(__SANITIZE_ADDRESS__)
-  GTEST_SKIP() << "the address sanitizer ends the process instead";
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the sanitizer ends the process instead";
 #else
   const auto model = this->RandomBounds(70);
   typename TestFixture::AWorld world(model);
