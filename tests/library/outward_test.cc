@@ -23,7 +23,7 @@ using testing::IsTightestAbove;
 using testing::IsTightestBelow;
 
 // From a double to the next one away from zero.
-mpz_class UlpOf(double value) {
+mpq_class UlpOf(double value) {
   const double magnitude = std::fabs(value);
   const double next =
       std::nextafter(magnitude, std::numeric_limits<double>::infinity());
@@ -56,10 +56,10 @@ TYPED_TEST(OutwardTest, SumsAreExactAndRoundOutward) {
       const auto point = testing::RandomPoint<kTerms>(kind, random);
       std::array<double, kTerms> values;
       std::copy(point.begin(), point.end(), values.begin());
-      const mpz_class exact = testing::ExactSumOf(point);
+      const mpq_class exact = testing::ExactSumOf(point);
 
       const ExactSum sum = SumExactly(values);
-      const mpz_class missing = exact - Exact(sum.value);
+      const mpq_class missing = exact - Exact(sum.value);
       ASSERT_EQ(sgn(missing), (sum.rest > 0.0) - (sum.rest < 0.0));
       if (missing != 0) {
         ASSERT_LT(abs(missing), UlpOf(sum.value));

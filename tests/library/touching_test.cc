@@ -34,7 +34,7 @@ struct TouchingPair {
 };
 
 template <int kDims>
-mpz_class ExactD(const Point<kDims>& point) {
+mpq_class ExactD(const Point<kDims>& point) {
   return -ExactSumOf(point);
 }
 
