@@ -34,6 +34,8 @@ struct Looseness {
 };
 inline constexpr Looseness kTightest{};
 inline constexpr Looseness kWithinOneUlp{.coordinates = 1, .d = 1};
+inline constexpr Looseness kAnyLooseness{.coordinates = kAnyFloats,
+                                         .d = kAnyFloats};
 
 // Of balls: one float, but for the D that all but cancel.
 inline Looseness RoundD(double radius) {

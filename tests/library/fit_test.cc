@@ -29,42 +29,6 @@ Counts CountsOf(const FitStatus& status) {
   return {status.results, status.everything, status.first_everything};
 }
 
-// By hand: -(1 + 2) = -3 and -(4 - 5) = 1 in 2 dimensions, -6 and 1 in 3, -10
-// and -1 in 4.
-TEST(FitKnownTest, Points) {
-  const float points2[] = {1, 2, 4, -5};
-  EXPECT_EQ(BoundPoints<2>({points2, 2}), (Aabo2{{1, -5, -3}, {4, 2, 1}}));
-  const float points3[] = {1, 2, 3, 4, -5, 0};
-  EXPECT_EQ(BoundPoints<3>({points3, 2}),
-            (Aabo3{{1, -5, 0, -6}, {4, 2, 3, 1}}));
-  const float points4[] = {1, 2, 3, 4, 4, -5, 0, 2};
-  EXPECT_EQ(BoundPoints<4>({points4, 2}),
-            (Aabo4{{1, -5, 0, 2, -10}, {4, 2, 3, 4, -1}}));
-}
-
-// The box from (1, 2, 3) to (4, 5, 6): D from -(4 + 5 + 6) to -(1 + 2 + 3).
-TEST(FitKnownTest, Boxes) {
-  EXPECT_EQ(BoundAabb<2>({{1, 2}, {4, 5}}), (Aabo2{{1, 2, -9}, {4, 5, -3}}));
-  EXPECT_EQ(BoundAabb<3>({{1, 2, 3}, {4, 5, 6}}),
-            (Aabo3{{1, 2, 3, -15}, {4, 5, 6, -6}}));
-  EXPECT_EQ(BoundAabb<4>({{1, 2, 3, 4}, {4, 5, 6, 7}}),
-            (Aabo4{{1, 2, 3, 4, -22}, {4, 5, 6, 7, -10}}));
-}
-
-// -(1 + 2^-60) lies between -1 and the float below it. A double cannot hold the
-// sum, so this also shows that the library's own flags left the error-free
-// additions alone.
-TEST(FitKnownTest, WhatDoubleCannotHoldStillCounts) {
-  const float points[] = {1.f, 0x1p-60f};
-  const Aabo2 bound = BoundPoints<2>({points, 1});
-  EXPECT_EQ(bound.min[2], -0x1.000002p0f);
-  EXPECT_EQ(bound.max[2], -1.f);
-  const float cancelling[] = {1.f, 0x1p-60f, -0x1p-60f};
-  const Aabo3 exact = BoundPoints<3>({cancelling, 1});
-  EXPECT_EQ(exact.min[3], -1.f);
-  EXPECT_EQ(exact.max[3], -1.f);
-}
-
 template <typename Dims>
 class FitTest : public ::testing::Test {
  protected:
