@@ -162,7 +162,7 @@ TYPED_TEST(FitErrorsTest, PointsThatCannotBeRead) {
       [&] {
         BoundPoints(Points<kDims, double>{misaligned, 1}, &status);
       },
-      {"BoundPoints", "points.coords: expected", "aligned to double"}));
+      {"BoundPoints", "points.coords: expected", "aligned to 8 bytes"}));
   EXPECT_TRUE(Refuses(
       [&] {
         BoundTransformed(Points<kDims>{nullptr, 2}, Affine<kDims>{}, &status);
@@ -178,7 +178,7 @@ TYPED_TEST(FitErrorsTest, PointsThatCannotBeRead) {
                         {"BoundPoints", argument, "1 points", "null"}));
     soa.coords[k] = misaligned;
     EXPECT_TRUE(Refuses([&] { BoundPoints(soa, &status); },
-                        {"BoundPoints", argument, "aligned to double"}));
+                        {"BoundPoints", argument, "aligned to 8 bytes"}));
   }
   EXPECT_EQ(status.results, 0u);
 }
