@@ -20,8 +20,8 @@
 
 namespace halfspace::testing {
 
-// What triangles and point sets have in common: points, in columns for stride
-// 1, else one after the other.
+// What triangles and point sets have in common. Columns of points have no
+// stride: for Layout::kStrided they are structures too.
 template <int kDims>
 struct PointSource {
   std::vector<Point<kDims>> points;
@@ -29,25 +29,18 @@ struct PointSource {
   PointsSoa<kDims> soa;
   bool is_soa = false;
 
-  void PlacePoints(Arena& arena, std::size_t stride) {
-    is_soa = stride == 1;
-    const std::size_t count = points.size();
-    if (is_soa) {
-      soa.count = count;
-      for (std::size_t k = 0; k < kDims; ++k) {
-        float* column = NewColumn(arena, count, 1);
-        for (std::size_t i = 0; i < count; ++i) column[i] = points[i][k];
-        soa.coords[k] = column;
+  void PlacePoints(Arena& arena, Layout layout) {
+    is_soa = layout == Layout::kColumns;
+    if (layout == Layout::kStrided) layout = Layout::kSpread;
+    const Columns to(arena, layout, kDims, points.size());
+    for (std::size_t k = 0; k < kDims; ++k) {
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        to.Set(k, i, points[i][k]);
       }
-      return;
+      soa.coords[k] = to.columns[k];
     }
-    const std::size_t step = std::max<std::size_t>(stride, kDims);
-    float* coords =
-        arena.New<float>(count == 0 ? 0 : (count - 1) * step + kDims);
-    for (std::size_t i = 0; i < count; ++i) {
-      std::copy(points[i].begin(), points[i].end(), coords + i * step);
-    }
-    aos = {coords, count, step};
+    soa.count = points.size();
+    aos = {to.columns[0], points.size(), to.stride};
   }
 };
 
@@ -71,8 +64,8 @@ struct TriangleSource : PointSource<kDims> {
     return source;
   }
 
-  void Place(Arena& arena, std::size_t stride) {
-    this->PlacePoints(arena, stride);
+  void Place(Arena& arena, Layout layout) {
+    this->PlacePoints(arena, layout);
     auto* memory = arena.New<std::uint32_t>(corners.size());
     std::copy(corners.begin(), corners.end(), memory);
     indices = {memory, corners.size()};
@@ -88,6 +81,12 @@ struct TriangleSource : PointSource<kDims> {
   }
 
   void Truncate(std::size_t count) { corners.resize(3 * count); }
+  void Cycle(std::size_t count) {
+    const std::size_t period = corners.size();
+    for (std::size_t i = period; i < 3 * count; ++i) {
+      corners.push_back(corners[i - period]);
+    }
+  }
   std::size_t size() const { return corners.size() / 3; }
   const Point<kDims>& Corner(std::size_t i, std::size_t corner) const {
     return this->points[corners[3 * i + corner]];
@@ -128,8 +127,8 @@ struct PointSetSource : PointSource<kDims> {
     return source;
   }
 
-  void Place(Arena& arena, std::size_t stride) {
-    this->PlacePoints(arena, stride);
+  void Place(Arena& arena, Layout layout) {
+    this->PlacePoints(arena, layout);
     auto* memory = arena.New<std::size_t>(set_ends.size());
     std::copy(set_ends.begin(), set_ends.end(), memory);
     ends = {memory, set_ends.size()};
@@ -144,6 +143,18 @@ struct PointSetSource : PointSource<kDims> {
     return BoundPointSets(this->aos, ends, planes, options, status);
   }
 
+  // Sets of some sizes, repeated.
+  void Cycle(std::size_t count) {
+    const std::size_t sets = set_ends.size();
+    const std::size_t period = this->points.size();
+    for (std::size_t i = sets; i < count; ++i) {
+      const std::size_t end = set_ends[i - sets] + period;
+      for (std::size_t n = set_ends[i - 1]; n < end; ++n) {
+        this->points.push_back(this->points[n - period]);
+      }
+      set_ends.push_back(end);
+    }
+  }
   void Truncate(std::size_t count) {
     set_ends.resize(count);
     this->points.resize(count == 0 ? 0 : set_ends.back());

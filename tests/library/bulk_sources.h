@@ -2,14 +2,16 @@
 // serves them all:
 //
 //   Random(kind, count, random)   some shapes
-//   Place(arena, stride)          puts them into memory; stride 1: columns
+//   Place(arena, layout)          puts them into memory
 //   Bound(planes, options, status)
 //   Truncate(count)               forgets the shapes from there on
+//   Cycle(count)                  repeats them up to that many
 //   size(), Single(i), Hull(i)    shape i by the single builder, and exactly
 //   Give(i, is_tightest)          what D of shape i may give way
 #ifndef HALFSPACE_TESTS_LIBRARY_BULK_SOURCES_H_
 #define HALFSPACE_TESTS_LIBRARY_BULK_SOURCES_H_
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -22,10 +24,41 @@
 
 namespace halfspace::testing {
 
-// Values `stride` apart.
-inline float* NewColumn(Arena& arena, std::size_t count, std::size_t stride) {
-  return arena.New<float>(count == 0 ? 0 : (count - 1) * stride + 1);
-}
+// Where the numbers of shapes or points lie.
+enum class Layout {
+  kColumns,  // each column on its own, one value after the other
+  kStrided,  // each column on its own, with gaps
+  kPacked,   // an array of structures with nothing else in it
+  kSpread,   // an array of structures with gaps
+};
+
+inline constexpr std::array kLayouts = {Layout::kColumns, Layout::kStrided,
+                                        Layout::kPacked, Layout::kSpread};
+
+// Columns to be filled: value c of element i is columns[c][i * stride].
+struct Columns {
+  std::vector<float*> columns;
+  std::size_t stride;
+
+  Columns(Arena& arena, Layout layout, std::size_t columns_count,
+          std::size_t count) {
+    const bool is_structure =
+        layout == Layout::kPacked || layout == Layout::kSpread;
+    stride = layout == Layout::kColumns  ? 1
+             : layout == Layout::kPacked ? columns_count
+                                         : columns_count + 3;
+    const std::size_t width = is_structure ? columns_count : 1;
+    const std::size_t floats = count == 0 ? 0 : (count - 1) * stride + width;
+    for (std::size_t c = 0; c < columns_count; ++c) {
+      columns.push_back(is_structure && c > 0 ? columns[0] + c
+                                              : arena.New<float>(floats));
+    }
+  }
+
+  void Set(std::size_t c, std::size_t i, float value) const {
+    columns[c][i * stride] = value;
+  }
+};
 
 template <int kDims>
 struct BoxSource {
@@ -44,18 +77,17 @@ struct BoxSource {
     return source;
   }
 
-  void Place(Arena& arena, std::size_t stride) {
+  void Place(Arena& arena, Layout layout) {
+    const Columns to(arena, layout, 2 * kDims, shapes.size());
     boxes.count = shapes.size();
-    boxes.stride = stride;
+    boxes.stride = to.stride;
     for (std::size_t k = 0; k < kDims; ++k) {
-      float* min = NewColumn(arena, shapes.size(), stride);
-      float* max = NewColumn(arena, shapes.size(), stride);
       for (std::size_t i = 0; i < shapes.size(); ++i) {
-        min[i * stride] = shapes[i].min[k];
-        max[i * stride] = shapes[i].max[k];
+        to.Set(k, i, shapes[i].min[k]);
+        to.Set(kDims + k, i, shapes[i].max[k]);
       }
-      boxes.min[k] = min;
-      boxes.max[k] = max;
+      boxes.min[k] = to.columns[k];
+      boxes.max[k] = to.columns[kDims + k];
     }
   }
 
@@ -66,6 +98,17 @@ struct BoxSource {
   }
 
   void Truncate(std::size_t count) { shapes.resize(count); }
+  void Cycle(std::size_t count) {
+    const std::size_t period = shapes.size();
+    for (std::size_t i = period; i < count; ++i) {
+      shapes.push_back(shapes[i - period]);
+    }
+  }
+  // Stride 0.
+  void Repeat(std::size_t count) {
+    boxes.count = count;
+    boxes.stride = 0;
+  }
   std::size_t size() const { return shapes.size(); }
   Aabo<kDims> Single(std::size_t i) const { return BoundAabb(shapes[i]); }
   ExactHull<kDims> Hull(std::size_t i) const {
@@ -94,16 +137,17 @@ struct SphereSource {
     return source;
   }
 
-  void Place(Arena& arena, std::size_t stride) {
+  void Place(Arena& arena, Layout layout) {
+    const Columns to(arena, layout, kDims + 1, shapes.size());
     spheres.count = shapes.size();
-    spheres.stride = stride;
-    for (std::size_t k = 0; k <= kDims; ++k) {
-      float* column = NewColumn(arena, shapes.size(), stride);
-      for (std::size_t i = 0; i < shapes.size(); ++i) {
-        column[i * stride] =
-            k == kDims ? shapes[i].radius : shapes[i].center[k];
+    spheres.stride = to.stride;
+    spheres.radius = to.columns[kDims];
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      for (std::size_t k = 0; k < kDims; ++k) {
+        spheres.center[k] = to.columns[k];
+        to.Set(k, i, shapes[i].center[k]);
       }
-      (k == kDims ? spheres.radius : spheres.center[k]) = column;
+      to.Set(kDims, i, shapes[i].radius);
     }
   }
 
@@ -114,6 +158,17 @@ struct SphereSource {
   }
 
   void Truncate(std::size_t count) { shapes.resize(count); }
+  void Cycle(std::size_t count) {
+    const std::size_t period = shapes.size();
+    for (std::size_t i = period; i < count; ++i) {
+      shapes.push_back(shapes[i - period]);
+    }
+  }
+  // Stride 0.
+  void Repeat(std::size_t count) {
+    spheres.count = count;
+    spheres.stride = 0;
+  }
   std::size_t size() const { return shapes.size(); }
   Aabo<kDims> Single(std::size_t i) const { return BoundSphere(shapes[i]); }
   ExactHull<kDims> Hull(std::size_t i) const {

@@ -10,6 +10,8 @@
 
 #include "halfspace/halfspace.h"
 #include "tests/library/environment.h"
+#include "tests/library/every_builder.h"
+#include "tests/library/fast_math_samples.h"
 
 #if !defined(__FAST_MATH__)
 #error "compile this file with -ffast-math"
@@ -50,6 +52,23 @@ TEST(FastMathCallerTest, BoundsAreRoundedOutward) {
             std::bit_cast<std::uint32_t>(-0x1.000002p0f));
   EXPECT_EQ(std::bit_cast<std::uint32_t>(bound.max[2]),
             std::bit_cast<std::uint32_t>(-1.f));
+}
+
+// The bounds that a usual caller gets are held against exact arithmetic
+// elsewhere.
+template <int kDims>
+void ExpectUsualBits() {
+  for (std::size_t i = 0; i < FastMathSamples(); ++i) {
+    const Bits bits =
+        BitsOfEveryBound(FastMathSample<kDims>(i), TargetsUnderTest());
+    ASSERT_EQ(bits, ExpectedBits<kDims>(i)) << kDims << "D, sample " << i;
+  }
+}
+
+TEST(FastMathCallerTest, EveryBuilderGivesTheUsualBits) {
+  ExpectUsualBits<2>();
+  ExpectUsualBits<3>();
+  ExpectUsualBits<4>();
 }
 
 TEST(FastMathCallerTest, NanCannotBeBounded) {

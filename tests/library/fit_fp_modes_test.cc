@@ -1,17 +1,17 @@
-// The caller's floating-point mode changes no bound, and is left as it was.
+// The caller's floating-point mode changes no bound and no error, and is left
+// as it was.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <array>
-#include <bit>
 #include <cfenv>
 #include <cstddef>
-#include <cstdint>
 
-#include "halfspace/fit.h"
+#include "halfspace/halfspace.h"
 #include "tests/library/dims.h"
+#include "tests/library/environment.h"
+#include "tests/library/every_builder.h"
+#include "tests/library/expect_invalid.h"
 #include "tests/library/fp_modes.h"
-#include "tests/library/points.h"
+#include "tests/library/random_every_shape.h"
 
 namespace halfspace::testing {
 namespace {
@@ -19,55 +19,25 @@ namespace {
 template <typename Dims>
 class FitFpModesTest : public ::testing::Test {
  protected:
-  static constexpr std::size_t kCoords = Dims::value;
-  using Bits = std::array<std::uint32_t, 2 * (kCoords + 1)>;
-
-  // Both builders' bounds of two points. As bits: a compare of floats would
-  // depend on the mode.
-  struct Bounds {
-    Bits of_points;
-    Bits of_box;
-    bool operator==(const Bounds&) const = default;
-  };
-
-  struct Sample {
-    std::array<float, 2 * kCoords> coords;
-    Aabb<Dims::value> box;
-  };
-
-  static Sample MakeSample(PointKind kind, Random& random) {
-    const auto a = RandomPoint<kCoords>(kind, random);
-    const auto b = RandomPoint<kCoords>(kind, random);
-    Sample sample;
-    for (std::size_t k = 0; k < kCoords; ++k) {
-      sample.coords[k] = a[k];
-      sample.coords[kCoords + k] = b[k];
-      sample.box.min[k] = std::min(a[k], b[k]);
-      sample.box.max[k] = std::max(a[k], b[k]);
-    }
-    return sample;
+  static Bits Bound(const EveryShape<Dims::value>& shape) {
+    return BitsOfEveryBound(shape, TargetsUnderTest());
   }
 
-  static Bounds Bound(const Sample& sample) {
-    return {std::bit_cast<Bits>(
-                BoundPoints<Dims::value>({sample.coords.data(), 2})),
-            std::bit_cast<Bits>(BoundAabb(sample.box))};
-  }
-
-  // enter() returns an object in whose life another mode rules.
+  // enter() returns an object in whose life another mode rules. Bounds are
+  // compared as bits: a compare of floats would depend on the mode.
   template <typename Enter>
   static void ExpectSameBounds(Enter enter) {
     Random random(9);
     for (PointKind kind : kPointKinds) {
-      for (int i = 0; i < 500; ++i) {
-        const Sample sample = MakeSample(kind, random);
-        const Bounds expected = Bound(sample);
-        Bounds given;
+      for (std::size_t i = 0; i < Scaled(30); ++i) {
+        const auto shape = RandomEveryShape<Dims::value>(kind, random);
+        const Bits expected = Bound(shape);
+        Bits given;
         {
           const auto mode = enter();
-          given = Bound(sample);
+          given = Bound(shape);
         }
-        ASSERT_TRUE(given == expected) << NameOf(kind) << ", sample " << i;
+        ASSERT_EQ(given, expected) << NameOf(kind) << ", sample " << i;
       }
     }
   }
@@ -87,17 +57,55 @@ TYPED_TEST(FitFpModesTest, RoundingIsOutwardInEveryMode) {
 
 TYPED_TEST(FitFpModesTest, ModesAreLeftAsTheyWere) {
   Random random(9);
-  const auto sample = this->MakeSample(PointKind::kUniform, random);
+  const auto shape =
+      RandomEveryShape<TypeParam::value>(PointKind::kUniform, random);
   for (int mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
     const RoundingMode rounding(mode);
-    this->Bound(sample);
+    this->Bound(shape);
     EXPECT_EQ(std::fegetround(), mode);
   }
   if (FlushDenormals::kAvailable) {
     const FlushDenormals flush;
-    this->Bound(sample);
+    this->Bound(shape);
     EXPECT_TRUE(FlushDenormals::IsOn());
   }
+}
+
+// The least number below zero is below zero, and one above another is so even
+// where compares take both for zero. A throw leaves the mode as it was, too.
+TYPED_TEST(FitFpModesTest, SubnormalMistakesAreRefused) {
+  constexpr int kDims = TypeParam::value;
+  constexpr float kLeast = -0x1p-149f;
+  const Aabo<kDims> bound{};
+  const auto expect_refused = [](auto call) {
+    ::testing::AssertionResult refused = ::testing::AssertionSuccess();
+    bool is_on = true;
+    {
+      const FlushDenormals flush;
+      refused = Refuses(call, {"expected"});
+      is_on = FlushDenormals::kAvailable == FlushDenormals::IsOn();
+    }
+    EXPECT_TRUE(refused);
+    EXPECT_TRUE(is_on);
+  };
+  expect_refused([&] { BoundSphere(Sphere<kDims>{{}, kLeast}); });
+  expect_refused([&] { BoundSphere(Sphere<kDims, double>{{}, -0x1p-1074}); });
+  expect_refused([&] { BoundCapsule(Capsule<kDims>{{}, {}, kLeast}); });
+  expect_refused([&] {
+    OrientedBox<kDims> box{};
+    box.half_extents[kDims - 1] = kLeast;
+    BoundOrientedBox(box);
+  });
+  expect_refused([&] { BoundRay(Ray<kDims>{{}, {}, kLeast}); });
+  Aabb<kDims> inverted{};
+  inverted.max[0] = kLeast;
+  expect_refused([&] { BoundAabb(inverted); });
+  expect_refused([&] { BoundTransformed(inverted, Affine<kDims>{}); });
+  expect_refused([&] { Inflate(bound, kLeast); });
+  expect_refused([&] { InflateByBox(bound.aabb(), kLeast); });
+  expect_refused([&] { Scale(bound.up(), kLeast); });
+  expect_refused([&] { Scale(bound.down(), kLeast); });
+  expect_refused([&] { Circumscribe(UpSimplex<kDims>{{-kLeast}}); });
 }
 
 }  // namespace

@@ -52,9 +52,9 @@ void ExpectSameBits(const AaboWorld<Source::kDimensions>& world,
 template <typename Source>
 void ExpectSameOnAllTargets(Source& source, FitOptions options,
                             const AaboWorld<Source::kDimensions>& expected) {
-  for (std::size_t stride : {1, 3, 9}) {
+  for (Layout layout : kLayouts) {
     Arena arena;
-    source.Place(arena, stride);
+    source.Place(arena, layout);
     for (Target target : TargetsUnderTest()) {
       SCOPED_TRACE(target.name());
       options.target = target;
@@ -68,7 +68,7 @@ TYPED_TEST(FitManyExactTest, WithinOneUlp) {
   ForEachSample(70, kBatches, kShapes, [](PointKind kind, Random& random) {
     Arena arena;
     auto source = TypeParam::Random(kind, kShapes, random);
-    source.Place(arena, 1);
+    source.Place(arena, Layout::kColumns);
     FitOptions options{.target = TargetsUnderTest().front()};
     const auto world = Built(source, options);
     for (std::size_t i = 0; i < kShapes; ++i) {
@@ -84,7 +84,7 @@ TYPED_TEST(FitManyExactTest, Tightest) {
   ForEachSample(71, kBatches, kShapes, [](PointKind kind, Random& random) {
     Arena arena;
     auto source = TypeParam::Random(kind, kShapes, random);
-    source.Place(arena, 1);
+    source.Place(arena, Layout::kColumns);
     FitOptions options{.tightest = true, .target = TargetsUnderTest().front()};
     const auto world = Built(source, options);
     for (std::size_t i = 0; i < kShapes; ++i) {
@@ -101,7 +101,7 @@ TYPED_TEST(FitManyExactTest, AnyPlanes) {
   Random random(72);
   Arena arena;
   auto source = TypeParam::Random(PointKind::kUniform, kShapes, random);
-  source.Place(arena, 1);
+  source.Place(arena, Layout::kColumns);
   for (Target target : TargetsUnderTest()) {
     const FitOptions options{.target = target};
     const auto world = Built(source, options);

@@ -174,6 +174,11 @@ TYPED_TEST(TransformSpecialTest, MovesAndSizesThatAreNotFinite) {
   EXPECT_EQ(InflateByBox(bound, kInfinity, &status), kEverything);
   EXPECT_EQ(Scale(bound, kInfinity, &status), kEverything);
   EXPECT_EQ(status.everything, status.results);
+  // Of nothing there is nothing to change.
+  constexpr auto kEmpty = TypeParam::Empty();
+  EXPECT_EQ(Inflate(kEmpty, kInfinity), kEmpty);
+  EXPECT_EQ(InflateByBox(kEmpty, kInfinity), kEmpty);
+  EXPECT_EQ(Scale(kEmpty, kInfinity), kEmpty);
 }
 
 template <typename Dims>
