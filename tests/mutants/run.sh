@@ -1,0 +1,149 @@
+#!/usr/bin/env bash
+# usage: tests/mutants/run.sh [NAME...]
+#
+# Breaks the library in one place at a time, all of the lists or those named, and
+# runs its tests: each broken library, a mutant, must fail one. README.md has the
+# details.
+#
+# The sources are copied to build/mutants (or HALFSPACE_MUTANTS_BUILD), and only
+# the copy is changed. Progress goes to stderr, the table of results to stdout.
+# Exit code: 0 if all were killed, 1 if one survived or does not compile, 2 if
+# the run was impossible: a mutant that fits the sources no more, or tests that
+# fail without one.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+source "$root/scripts/steps.sh"
+
+here=$root/tests/mutants
+lists=("$here"/*.mutants)
+work=${HALFSPACE_MUTANTS_BUILD:-$root/build/mutants}
+copy=$work/source
+build=$work/build
+log=$work/log
+jobs=$(getconf _NPROCESSORS_ONLN)
+scale=0.02
+
+give_up() {
+  say "mutants: $*"
+  exit 2
+}
+
+# The targets that differ in how the kernels work: masked loads of 16 lanes,
+# copied tails of 8, plain code. The others take most of the time and add
+# nothing.
+compile_flags() {
+  local flags=-O1
+  if [ "$(uname -m)" = x86_64 ]; then
+    flags+=" '-DHWY_DISABLED_TARGETS=(HWY_AVX3_DL|HWY_SSE4|HWY_SSSE3)'"
+  fi
+  printf '%s' "$flags"
+}
+
+# Makes the copy what the work tree is. Files that are the same keep their time,
+# so that they are not built again.
+copy_sources() {
+  local file
+  mkdir -p "$copy"
+  (cd "$root" && find CMakeLists.txt README.md cmake dispatch include kernels \
+    tests -type f -print0) | while IFS= read -r -d '' file; do
+    cmp -s "$root/$file" "$copy/$file" && continue
+    mkdir -p "$(dirname "$copy/$file")"
+    cp "$root/$file" "$copy/$file"
+  done
+}
+
+configure() {
+  cmake -S "$copy" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=None \
+    "-DCMAKE_CXX_FLAGS=$(compile_flags)" -DHALFSPACE_BUILD_TOOLS=OFF \
+    -DHALFSPACE_BUILD_EXAMPLES=OFF -DHALFSPACE_INSTALL=OFF
+}
+
+# compile: the library and its tests.
+compile() {
+  ninja -C "$build" -j "$jobs" tests/library/all >"$log" 2>&1
+}
+
+# run_tests SCALE CTEST-ARGUMENT...: true if none fails; the first that does is
+# in $log.
+run_tests() {
+  local scale=$1
+  shift
+  rm -rf "$build/Testing"
+  (cd "$build" && HALFSPACE_TEST_SCALE=$scale ctest -L library --parallel \
+    "$jobs" --timeout 100 --stop-on-failure "$@") >"$log" 2>&1
+}
+
+# Everything, first what can say what is wrong: a hash only knows that something
+# is. ALSO is a pattern of tests that need full scale.
+survives() {
+  local also=$1
+  run_tests "$scale" -E HashTest && run_tests "$scale" -R HashTest &&
+    { [ -z "$also" ] || run_tests 1 -R "$also"; }
+}
+
+failed_test() {
+  sed -n 's/^\t *[0-9]* - \(.*\) (.*)$/\1/p' "$log" | head -n 1
+}
+
+# restore FILE...: the copy is as the work tree again.
+restore() {
+  local file
+  for file in "$@"; do cp "$root/$file" "$copy/$file"; done
+}
+
+row() {
+  printf '| %-34s | %-62s | %4s |\n' "$@"
+}
+
+for tool in cmake ctest ninja perl; do
+  command -v "$tool" >/dev/null || give_up "needs $tool, which is not here"
+done
+mkdir -p "$work"
+perl "$here/mutants.pl" check "$root" "${lists[@]}" || exit 2
+declare -A also=()
+all=()
+while IFS=$'\t' read -r name tests; do
+  all+=("$name")
+  also[$name]=$tests
+done < <(perl "$here/mutants.pl" also "${lists[@]}")
+names=("$@")
+if [ $# -eq 0 ]; then names=("${all[@]}"); fi
+for name in "${names[@]}"; do
+  [ -n "${also[$name]+known}" ] || give_up "there is no mutant $name"
+done
+
+say "==> copy the sources to $copy, and build them"
+copy_sources
+configure >"$log" 2>&1 || { cat "$log" >&2; give_up "cmake failed"; }
+compile || { cat "$log" >&2; give_up "the sources do not compile"; }
+say "==> run the tests without a mutant"
+survives "$(printf '%s\n' "${also[@]}" | sort -u | grep . | paste -sd'|')" ||
+  { cat "$log" >&2; give_up "the tests fail without a mutant"; }
+
+row mutant "killed by" s
+row --- --- ---
+count=0
+killed=0
+for name in "${names[@]}"; do
+  say "==> $name ($((++count)) of ${#names[@]}, ${SECONDS} s)"
+  start=$SECONDS
+  mapfile -t files < <(perl "$here/mutants.pl" apply "$copy" "$name" "${lists[@]}")
+  if ! compile; then
+    cat "$log" >&2
+    result="DOES NOT COMPILE"
+  elif survives "${also[$name]}"; then
+    result=SURVIVED
+  else
+    result=$(failed_test)
+    if [ -n "$result" ]; then
+      killed=$((killed + 1))
+    else
+      cat "$log" >&2
+      result="CTEST FAILED"
+    fi
+  fi
+  restore "${files[@]}"
+  row "$name" "$result" $((SECONDS - start))
+done
+say "==> ${#names[@]} mutants, $killed killed, in $SECONDS s"
+[ "$killed" -eq "${#names[@]}" ]
