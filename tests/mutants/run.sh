@@ -81,8 +81,18 @@ survives() {
     { [ -z "$also" ] || run_tests 1 -R "$also"; }
 }
 
+# The first failed test, without what gtest repeats in its name.
 failed_test() {
-  sed -n 's/^\t *[0-9]* - \(.*\) (.*)$/\1/p' "$log" | head -n 1
+  sed -n '/^The following tests FAILED:/,${
+    s/^\t *[0-9]* - \(.*\) ([A-Za-z ]*)$/\1/
+    t name
+    b
+    :name
+    s/  # .*//
+    s|<.*/\([^/]*\)\.$| \1|
+    p
+    q
+  }' "$log"
 }
 
 # restore FILE...: the copy is as the work tree again.
