@@ -183,7 +183,14 @@ Json ToJson(const BuildResult& result) {
                     {"at_least", kBuildBarPercent},
                     {"holds", bar.holds()}});
   }
-  return {{"rows", rows}, {"bars", bars}, {"not_reached", result.not_reached}};
+  Json singles = Json::array();
+  for (const SingleBuildRow& row : result.singles) {
+    singles.push_back({{"call", row.call}, {"ns_per_call", row.ns_per_call}});
+  }
+  return {{"rows", rows},
+          {"bars", bars},
+          {"singles", singles},
+          {"not_reached", result.not_reached}};
 }
 
 Json ToJson(const QualityResult& result) {

@@ -189,6 +189,12 @@ void WriteText(std::ostream& out, const BuildResult& result) {
         << Fixed(kBuildBarPercent, 0) << (bar.holds() ? " holds" : " FAILS")
         << '\n';
   }
+  out << '\n';
+  TextTable singles({"one shape at a time", "ns"});
+  for (const SingleBuildRow& row : result.singles) {
+    singles.AddRow({row.call, Fixed(row.ns_per_call, 1)});
+  }
+  singles.Write(out, 1);
   WriteNotReached(out, result.not_reached);
 }
 

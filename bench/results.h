@@ -115,8 +115,15 @@ struct BuildBar {
   bool holds() const { return percent_of_copy >= kBuildBarPercent; }
 };
 
+// One shape at a time.
+struct SingleBuildRow {
+  std::string call;
+  double ns_per_call = 0.0;
+};
+
 struct BuildResult {
   std::vector<BuildRow> rows;
+  std::vector<SingleBuildRow> singles;
   std::vector<BuildBar> bars;  // none if memory was not reached
   std::vector<std::string> not_reached;
 };

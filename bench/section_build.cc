@@ -5,6 +5,7 @@
 #include "bench/build_check.h"
 #include "bench/build_source.h"
 #include "bench/sections.h"
+#include "bench/single_builds.h"
 #include "bench/stream_copier.h"
 
 namespace halfspace::bench {
@@ -134,6 +135,20 @@ class BuildGroup {
   std::vector<Case> cases_;  // the ways, then the rows
 };
 
+std::vector<SingleBuildRow> RunSingles(const Context& context) {
+  Effort effort = context.effort;
+  effort.seconds_per_repetition *= kShareOfEffort;
+  const std::vector<Timing> timings =
+      Measure(SingleBuildCases(), effort, context.progress);
+  context.timings.insert(context.timings.end(), timings.begin(), timings.end());
+  std::vector<SingleBuildRow> rows;
+  for (const Timing& timing : timings) {
+    rows.push_back(
+        {timing.name.substr(timing.name.find('/') + 1), timing.Median()});
+  }
+  return rows;
+}
+
 std::vector<BuildBar> BarsOf(const std::vector<BuildRow>& rows) {
   std::vector<BuildBar> bars;
   for (const BuildRow& row : rows) {
@@ -163,11 +178,13 @@ BuildResult RunBuild(const Workload& workload,
   }
   BuildResult result;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    context.progress.BeginPart(i, parts.size());
+    context.progress.BeginPart(i, parts.size() + 1);
     BuildGroup(parts[i].kind, *parts[i].size, workload, context)
         .Run(result.rows);
   }
   result.bars = BarsOf(result.rows);
+  context.progress.BeginPart(parts.size(), parts.size() + 1);
+  result.singles = RunSingles(context);
   return result;
 }
 

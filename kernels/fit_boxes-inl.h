@@ -19,6 +19,7 @@ namespace HWY_NAMESPACE {
 
 template <int kDimensions, Rounding kRounding>
 struct BoxBuilder {
+  using Tag = FitTag;
   static constexpr int kDims = kDimensions;
   static constexpr size_t kColumns = 2 * kDims;
 
@@ -29,18 +30,6 @@ struct BoxBuilder {
     tile.Read(job, begin, count);
   }
 
-  using Tag = FitTag;
-
-  template <Store kStore>
-  void Fit(const float* const* columns, const OutputPlanes<kDims>& out,
-           size_t count, size_t begin, kernels::FitTally& tally) const {
-    const Tag d;
-    for (size_t i = 0; i < count; i += hn::Lanes(d)) {
-      FitVector<kStore>(d, columns, out, i, begin, tally);
-    }
-  }
-
- private:
   template <Store kStore, class D>
   HWY_INLINE void FitVector(D d, const float* const* columns,
                             const OutputPlanes<kDims>& out, size_t i,
@@ -66,6 +55,7 @@ struct BoxBuilder {
     }
   }
 
+ private:
   template <bool kAll, Store kStore, class D, class V, class M>
   static HWY_INLINE void StoreBounds(D d, const float* const* columns,
                                      const OutputPlanes<kDims>& out, size_t i,

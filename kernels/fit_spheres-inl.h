@@ -38,6 +38,7 @@ HWY_INLINE V LowerFloat(V value, V rest) {
 
 template <int kDimensions, Rounding kRounding>
 struct SphereBuilder {
+  using Tag = NarrowTag;
   static constexpr int kDims = kDimensions;
   static constexpr size_t kColumns = kDims + 1;
 
@@ -46,18 +47,6 @@ struct SphereBuilder {
     tile.Read(job, begin, count);
   }
 
-  using Tag = NarrowTag;
-
-  template <Store kStore>
-  void Fit(const float* const* columns, const OutputPlanes<kDims>& out,
-           size_t count, size_t begin, kernels::FitTally& tally) const {
-    const Tag d;
-    for (size_t i = 0; i < count; i += hn::Lanes(d)) {
-      FitVector<kStore>(d, columns, out, i, begin, tally);
-    }
-  }
-
- private:
   template <Store kStore, class D>
   HWY_INLINE void FitVector(D d, const float* const* columns,
                             const OutputPlanes<kDims>& out, size_t i,
@@ -75,6 +64,7 @@ struct SphereBuilder {
     }
   }
 
+ private:
   template <bool kAll, Store kStore, class D, class V, class M>
   static HWY_INLINE void StoreBounds(D d, const float* const* columns,
                                      const OutputPlanes<kDims>& out, size_t i,

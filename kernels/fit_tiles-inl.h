@@ -183,9 +183,8 @@ bool ShouldStream(const kernels::FitJob& job) {
 //   kDims
 //   Tag            whose lanes are the shapes of one step
 //   Read(tile, job, begin, count)   fills an InputTile
-//   Fit<Store>(columns, planes, count, begin, tally)   bounds `count` shapes,
-//                  counted up to a whole vector; `begin` is the number of the
-//                  first
+//   FitVector<Store>(tag, columns, planes, i, begin, tally)   bounds shapes i
+//                  and on of the columns; `begin` is the number of shape 0
 template <class Builder>
 class TileWalk {
  public:
@@ -217,8 +216,7 @@ class TileWalk {
   template <Store kStore>
   void FitWhole(size_t whole) {
     if (is_direct_) {
-      builder_.template Fit<kStore>(job_.columns, OutputPlanes<kDims>(job_, 0),
-                                    whole, 0, tally_);
+      FitVectors<kStore>(job_.columns, OutputPlanes<kDims>(job_, 0), whole, 0);
       return;
     }
     for (size_t begin = 0; begin < whole; begin += kTileObjects) {
@@ -247,15 +245,25 @@ class TileWalk {
         columns[c] = tile_.columns[c];
       }
     }
-    builder_.template Fit<kStore>(columns, output, kTileObjects, begin, tally_);
+    FitVectors<kStore>(columns, output, kTileObjects, begin);
+  }
+
+  // `count` shapes, counted up to a whole vector.
+  template <Store kStore>
+  void FitVectors(const float* const* columns,
+                  const OutputPlanes<kDims>& output, size_t count,
+                  size_t begin) {
+    const typename Builder::Tag d;
+    for (size_t i = 0; i < count; i += hn::Lanes(d)) {
+      builder_.template FitVector<kStore>(d, columns, output, i, begin, tally_);
+    }
   }
 
   void FitRest(size_t begin, size_t count) {
     tile_.Clear();
     builder_.Read(tile_, job_, begin, count);
     OutputTile<kDims> output(job_, begin);
-    builder_.template Fit<Store::kCached>(tile_.columns, output.places, count,
-                                          begin, tally_);
+    FitVectors<Store::kCached>(tile_.columns, output.places, count, begin);
     output.Write(count);
   }
 

@@ -21,6 +21,7 @@ namespace HWY_NAMESPACE {
 
 template <int kDimensions, Rounding kRounding>
 struct TriangleBuilder {
+  using Tag = FitTag;
   static constexpr int kDims = kDimensions;
   static constexpr size_t kCorners = 3;
   static constexpr size_t kColumns = kCorners * kDims;
@@ -41,18 +42,6 @@ struct TriangleBuilder {
     }
   }
 
-  using Tag = FitTag;
-
-  template <Store kStore>
-  void Fit(const float* const* columns, const OutputPlanes<kDims>& out,
-           size_t count, size_t begin, kernels::FitTally& tally) const {
-    const Tag d;
-    for (size_t i = 0; i < count; i += hn::Lanes(d)) {
-      FitVector<kStore>(d, columns, out, i, begin, tally);
-    }
-  }
-
- private:
   template <Store kStore, class D>
   HWY_INLINE void FitVector(D d, const float* const* columns,
                             const OutputPlanes<kDims>& out, size_t i,
@@ -70,6 +59,7 @@ struct TriangleBuilder {
     }
   }
 
+ private:
   template <bool kAll, Store kStore, class D, class M>
   static HWY_INLINE void StoreBounds(D d, const float* const* columns,
                                      const OutputPlanes<kDims>& out, size_t i,

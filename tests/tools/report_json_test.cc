@@ -100,6 +100,10 @@ TEST(ReportJsonTest, BuildRowsHaveTheFixedForm) {
     EXPECT_EQ(bar.at("at_least"), 70.0);
     EXPECT_EQ(bar.at("holds"), bar.at("percent_of_copy") >= 70.0);
   }
+  EXPECT_GE(build.at("singles").size(), 20u);
+  for (const Json& row : build.at("singles")) {
+    EXPECT_GT(row.at("ns_per_call"), 0.0) << row.at("call");
+  }
   EXPECT_TRUE(build.at("not_reached").is_array());
 }
 

@@ -97,31 +97,15 @@ constexpr std::size_t MaxPlane(std::size_t axis) {
   return kDims + 1 + axis;
 }
 
-template <int kDims>
-constexpr Output OutputOf(const SimplexPlanes<kDims>& planes) {
-  Output output{.dims = kDims, .size = planes.size};
+// Simplex, AABB and AABO planes: those that the type has.
+template <typename Planes>
+constexpr Output OutputOf(const Planes& planes) {
+  Output output{.dims = Planes::kDimensions, .size = planes.size};
   for (std::size_t k = 0; k < planes.min.size(); ++k) {
     output.Want(k, planes.min[k]);
-  }
-  return output;
-}
-
-template <int kDims>
-constexpr Output OutputOf(const AabbPlanes<kDims>& planes) {
-  Output output{.dims = kDims, .size = planes.size};
-  for (std::size_t k = 0; k < planes.min.size(); ++k) {
-    output.Want(k, planes.min[k]);
-    output.Want(MaxPlane<kDims>(k), planes.max[k]);
-  }
-  return output;
-}
-
-template <int kDims>
-constexpr Output OutputOf(const AaboPlanes<kDims>& planes) {
-  Output output{.dims = kDims, .size = planes.size};
-  for (std::size_t k = 0; k < planes.min.size(); ++k) {
-    output.Want(k, planes.min[k]);
-    output.Want(MaxPlane<kDims>(k), planes.max[k]);
+    if constexpr (HasMax<Planes>) {
+      output.Want(MaxPlane<Planes::kDimensions>(k), planes.max[k]);
+    }
   }
   return output;
 }
