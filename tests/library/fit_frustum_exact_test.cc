@@ -151,9 +151,11 @@ TEST(FitFrustumExactTest, RandomHalfSpaces) {
     ++(exact.IsOpen() ? open : exact.IsEmpty() ? empty : closed);
     ExpectExact(planes, random);
   });
-  EXPECT_GT(open, 0u);
-  EXPECT_GT(empty, 0u);
-  EXPECT_GT(closed, 0u);
+  if (open + empty + closed >= 100) {
+    EXPECT_GT(open, 0u);
+    EXPECT_GT(empty, 0u);
+    EXPECT_GT(closed, 0u);
+  }
 }
 
 // x, y, z >= the origin's and x + y + z <= something: a corner of a box.

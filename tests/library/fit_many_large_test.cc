@@ -15,8 +15,8 @@
 namespace halfspace::testing {
 namespace {
 
-// In 3D an AABO takes 32 bytes: a little more than 32 MiB.
-constexpr std::size_t kLarge = (std::size_t{1} << 20) + 64 + 3;
+// In 3D an AABO takes 32 bytes: 96 MiB, and a tail.
+constexpr std::size_t kLarge = 3 * (std::size_t{1} << 20) + 64 + 3;
 constexpr std::size_t kSmall = 4093;  // prime: no two tiles are alike
 
 template <typename Source>
@@ -47,6 +47,9 @@ using Sources =
 TYPED_TEST_SUITE(FitManyLargeTest, Sources, BulkSourceNames);
 
 TYPED_TEST(FitManyLargeTest, AreTheSameAsSmallOnes) {
+#if !defined(__x86_64__)
+  GTEST_SKIP() << "only on x86 do large builds take a path of their own";
+#endif
   Random random(80);
   auto small = TypeParam::Random(PointKind::kUniform, kSmall, random);
   auto large = small;
@@ -55,25 +58,22 @@ TYPED_TEST(FitManyLargeTest, AreTheSameAsSmallOnes) {
     Arena inputs;
     small.Place(inputs, layout);
     large.Place(inputs, layout);
-    // Aligned, and by one float not.
-    for (std::size_t offset : {0, 1}) {
-      Arena outputs(offset);
-      const auto expected = this->NewPlanes(outputs, kSmall);
-      small.Bound(expected);
-      const auto planes = this->NewPlanes(outputs, kLarge);
-      for (Target target : TargetsUnderTest()) {
-        for (const auto& plane : {planes.min, planes.max}) {
-          for (float* p : plane) std::fill(p, p + kLarge, 0.f);
-        }
-        FitStatus status;
-        large.Bound(planes, {.target = target}, &status);
-        this->ExpectRepeated(planes.min, expected.min);
-        this->ExpectRepeated(planes.max, expected.max);
-        ASSERT_TRUE(outputs.Intact());
-        ASSERT_EQ(status.results, kLarge);
-        ASSERT_EQ(status.everything, 0u);
-        if (this->HasFailure()) return;
+    Arena outputs;
+    const auto expected = this->NewPlanes(outputs, kSmall);
+    small.Bound(expected);
+    const auto planes = this->NewPlanes(outputs, kLarge);
+    for (Target target : TargetsUnderTest()) {
+      for (const auto& plane : {planes.min, planes.max}) {
+        for (float* p : plane) std::fill(p, p + kLarge, 0.f);
       }
+      FitStatus status;
+      large.Bound(planes, {.target = target}, &status);
+      this->ExpectRepeated(planes.min, expected.min);
+      this->ExpectRepeated(planes.max, expected.max);
+      ASSERT_TRUE(outputs.Intact());
+      ASSERT_EQ(status.results, kLarge);
+      ASSERT_EQ(status.everything, 0u);
+      if (this->HasFailure()) return;
     }
   }
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -70,6 +71,34 @@ ExactHull<kDims> HullOf(const Sphere<kDims, Scalar>& sphere) {
   return hull;
 }
 
+// All rounded to nearest, as one would write it.
+template <int kDims>
+bool NaiveIsBelow(const Sphere<kDims>& sphere) {
+  float center = 0.f;
+  mpq_class exact = 0;
+  for (float x : sphere.center) {
+    center += x;
+    exact += Exact(x);
+  }
+  const float reach =
+      sphere.radius * static_cast<float>(std::sqrt(double{kDims}));
+  return Compare({Exact(center + reach), 0, kDims},
+                 {exact, Exact(sphere.radius), kDims}) < 0;
+}
+
+TYPED_TEST(FitSolidsExactTest, NaiveSpheresAreTooSmall) {
+  constexpr int kDims = TypeParam::value;
+  Random random(37);
+  std::size_t below = 0;
+  const std::size_t count = Scaled(kSamples);
+  for (std::size_t i = 0; i < count; ++i) {
+    below +=
+        NaiveIsBelow(RandomSphere<kDims, float>(PointKind::kUniform, random));
+  }
+  EXPECT_GT(below, count / 5);
+  RecordSize("naive_spheres_per_mille", 1000 * below / count);
+}
+
 TYPED_TEST(FitSolidsExactTest, Spheres) {
   constexpr int kDims = TypeParam::value;
   ForEachSample(32, 3 * kSamples, 2, [](PointKind kind, Random& random) {
@@ -80,6 +109,7 @@ TYPED_TEST(FitSolidsExactTest, Spheres) {
     ASSERT_TRUE(
         HullOf(wide).IsEnclosedBy(BoundSphere(wide), RoundD(wide.radius)));
   });
+  RecordSize("balls", 2 * kPointKinds.size() * Scaled(3 * kSamples));
 }
 
 TYPED_TEST(FitSolidsExactTest, RadiusZeroIsThePoint) {
