@@ -103,7 +103,7 @@ class ExactFrustum {
       }
       if (height >= 0) continue;
       is_corner = false;
-      if (-height << 40 > magnitude) return;
+      if ((-height << 40) > magnitude) return;
     }
     if (!is_corner) {
       is_clear_ = false;
