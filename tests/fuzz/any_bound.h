@@ -2,18 +2,22 @@
 #ifndef HALFSPACE_TESTS_FUZZ_ANY_BOUND_H_
 #define HALFSPACE_TESTS_FUZZ_ANY_BOUND_H_
 
+#include <gmpxx.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cfloat>
 #include <cmath>
 #include <cstddef>
 #include <ostream>
+#include <span>
 #include <stdexcept>
 
 #include "halfspace/bounds.h"
 #include "halfspace/fit_status.h"
 #include "tests/fuzz/bytes.h"
 #include "tests/fuzz/caller_mode.h"
+#include "tests/fuzz/exact_real.h"
 #include "tests/fuzz/print.h"
 #include "tests/library/cases.h"
 
@@ -80,6 +84,18 @@ bool IsValid(const Bound& bound) {
   return AllMinima(bound, [](float minimum, std::size_t, int) {
     return IsValidMinimum(minimum);
   });
+}
+
+// Whether one of the values lies near 2^126 or beyond.
+inline bool MayOverflow(std::span<const ExactReal> values) {
+  const mpq_class most(0x1.fp125);
+  return std::any_of(values.begin(), values.end(), [&](const auto& value) {
+    return Compare(most, value) < 0 || Compare(-most, value) > 0;
+  });
+}
+
+inline ::testing::AssertionResult Wrong(const char* expected) {
+  return ::testing::AssertionFailure() << "expected " << expected;
 }
 
 // One call: build(status) in the given mode. Succeeds with check(result), or if
