@@ -1,18 +1,20 @@
 # Reads the lists of mutants. README.md says what a list looks like.
 #
 #   perl mutants.pl names LIST...              each mutant: name, description
-#   perl mutants.pl also LIST...               each mutant: name, tests
+#   perl mutants.pl tests LIST...              each mutant: name, first, also
 #   perl mutants.pl check ROOT LIST...         fails if one does not fit
 #   perl mutants.pl apply ROOT NAME LIST...    changes the sources under ROOT,
 #                                              and prints the changed files
 use strict;
 use warnings;
 
-# All mutants, in order: name, description, also, hunks of [file, old, new].
+# All mutants, in order: name, description, first, also, hunks of [file, old,
+# new].
 sub read_lists {
   my @mutants;
   my %seen;
   for my $list (@_) {
+    my $first = 'none';
     open(my $in, '<', $list) or die "mutants: cannot read $list: $!\n";
     while (my $line = <$in>) {
       chomp $line;
@@ -20,7 +22,12 @@ sub read_lists {
       next if $line =~ /^\s*(#|$)/;
       if ($line =~ /^mutant (\w+): (.+)$/) {
         die "$where: the name $1 is taken\n" if $seen{$1}++;
-        push @mutants, {name => $1, what => $2, also => '', hunks => []};
+        push @mutants, {name => $1, what => $2, first => $first, also => 'none',
+                        hunks => []};
+        next;
+      }
+      if ($line =~ /^first (\S+)$/) {
+        $first = $1;
         next;
       }
       my $mutant = $mutants[-1] or die "$where: expected \"mutant NAME: \"\n";
@@ -69,8 +76,8 @@ sub mutate {
 my $command = shift @ARGV // '';
 if ($command eq 'names') {
   print "$_->{name}\t$_->{what}\n" for read_lists(@ARGV);
-} elsif ($command eq 'also') {
-  print "$_->{name}\t$_->{also}\n" for read_lists(@ARGV);
+} elsif ($command eq 'tests') {
+  print "$_->{name}\t$_->{first}\t$_->{also}\n" for read_lists(@ARGV);
 } elsif ($command eq 'check') {
   my $root = shift @ARGV;
   my @stale;
@@ -90,5 +97,5 @@ if ($command eq 'names') {
     print "$file\n";
   }
 } else {
-  die "usage: perl mutants.pl names|also|check|apply ...\n";
+  die "usage: perl mutants.pl names|tests|check|apply ...\n";
 }

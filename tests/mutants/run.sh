@@ -75,12 +75,14 @@ run_tests() {
     "$jobs" --timeout 100 --stop-on-failure "$@") >"$log" 2>&1
 }
 
-# Everything, first what can say what is wrong: a hash only knows that something
-# is. ALSO is a pattern of tests that need full scale.
+# survives FIRST ALSO: runs everything, first what matches FIRST, and a hash,
+# which only knows that something is wrong, last. What matches ALSO is run at
+# full scale too.
 survives() {
-  local also=$1
-  run_tests "$scale" -E HashTest && run_tests "$scale" -R HashTest &&
-    { [ -z "$also" ] || run_tests 1 -R "$also"; }
+  local first=$1 also=$2
+  run_tests "$scale" -R "$first" -E HashTest &&
+    run_tests "$scale" -E "$first|HashTest" &&
+    run_tests "$scale" -R HashTest && run_tests 1 -R "$also"
 }
 
 # The first failed test, without what gtest repeats in its name.
@@ -112,12 +114,13 @@ for tool in cmake ctest ninja perl; do
 done
 mkdir -p "$work"
 perl "$here/mutants.pl" check "$root" "${lists[@]}" || exit 2
-declare -A also=()
+declare -A first=() also=()
 all=()
-while IFS=$'\t' read -r name tests; do
+while read -r name first_tests also_tests; do
   all+=("$name")
-  also[$name]=$tests
-done < <(perl "$here/mutants.pl" also "${lists[@]}")
+  first[$name]=$first_tests
+  also[$name]=$also_tests
+done < <(perl "$here/mutants.pl" tests "${lists[@]}")
 names=("$@")
 if [ $# -eq 0 ]; then names=("${all[@]}"); fi
 for name in "${names[@]}"; do
@@ -129,7 +132,7 @@ copy_sources
 configure >"$log" 2>&1 || { cat "$log" >&2; give_up "cmake failed"; }
 compile || { cat "$log" >&2; give_up "the sources do not compile"; }
 say "==> run the tests without a mutant"
-survives "$(printf '%s\n' "${also[@]}" | sort -u | grep . | paste -sd'|')" ||
+survives none "$(printf '%s\n' "${also[@]}" | sort -u | paste -sd'|')" ||
   { cat "$log" >&2; give_up "the tests fail without a mutant"; }
 
 row mutant "killed by" s
@@ -143,7 +146,7 @@ for name in "${names[@]}"; do
   if ! compile; then
     cat "$log" >&2
     result="DOES NOT COMPILE"
-  elif survives "${also[$name]}"; then
+  elif survives "${first[$name]}" "${also[$name]}"; then
     result=SURVIVED
   else
     result=$(failed_test)
