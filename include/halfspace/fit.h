@@ -41,7 +41,7 @@
 // functions. Rounding: the caller's rounding mode and its flushing of
 // subnormals do not matter, and are as before afterwards; the library is
 // compiled without fast-math and contraction whatever the caller's flags are.
-// Cost: 10 to 300 ns each, and 3 to 8 ns a point; see docs/exactness.md.
+// Cost: 30 to 200 ns each, and 5 ns a point; docs/exactness.md has a table.
 //
 // Source: "The Bounding Simplex", for the axes; the outward rounding is this
 // library's own (docs/exactness.md).
@@ -163,7 +163,7 @@ HALFSPACE_API Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims>& box,
 // faces will do; planes may repeat.
 //   Empty() if nothing lies in front of all. Everything() if the planes do not
 //   close a volume.
-//   Within 1 ulp, if the corners are well away from flat. Cost: about 10 us.
+//   Within 1 ulp, if the corners are well away from flat. Cost: about 25 us.
 HALFSPACE_API Aabo3 BoundFrustum(std::span<const HalfSpace3, 6> planes,
                                  FitStatus* status = nullptr);
 
