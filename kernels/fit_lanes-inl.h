@@ -1,0 +1,127 @@
+// What the bulk builders do in lanes: one shape, or one point, in each.
+#if defined(HALFSPACE_KERNELS_FIT_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_FIT_LANES_INL_H_
+#undef HALFSPACE_KERNELS_FIT_LANES_INL_H_
+#else
+#define HALFSPACE_KERNELS_FIT_LANES_INL_H_
+#endif
+
+#include <cstddef>
+
+#include "hwy/highway.h"
+#include "kernels/fit_job.h"
+#include "kernels/outward-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+inline constexpr size_t kTileObjects = 64;
+
+// A tile is a whole number of vectors.
+using FitTag = hn::CappedTag<float, kTileObjects>;
+
+// How a builder stores the bounds of shapes that could be bounded.
+enum class Store { kCached, kPastCaches };
+
+// The lanes that could be bounded, and what stands for the others in a plane.
+// kAll: there are no others.
+template <bool kAll, Store kStore, class D, class V, class M>
+HWY_INLINE void StoreWanted(D d, V value, M ok, V other, float* plane,
+                            size_t i) {
+  if (plane == nullptr) return;
+  if constexpr (!kAll) {
+    hn::StoreU(hn::IfThenElse(ok, value, other), d, plane + i);
+  } else if constexpr (kStore == Store::kCached) {
+    hn::StoreU(value, d, plane + i);
+  } else {
+    hn::Stream(value, d, plane + i);
+  }
+}
+
+// The sum of magnitudes may not be more: a NaN or infinity is not less either.
+template <class D>
+HWY_INLINE hn::Vec<D> LargestMagnitude(D d) {
+  return hn::Set(d, 0x1p125f);
+}
+
+// |x| + |y| + ... of one point per lane, in order.
+template <int kDims, class D>
+HWY_INLINE hn::Vec<D> Magnitude(D d, const float* const* columns, size_t i) {
+  auto sum = hn::Abs(hn::LoadU(d, columns[0] + i));
+  for (size_t k = 1; k < kDims; ++k) {
+    sum = hn::Add(sum, hn::Abs(hn::LoadU(d, columns[k] + i)));
+  }
+  return sum;
+}
+
+// The sum of one point's coordinates per lane; see SumOfPoint.
+template <int kDims, Rounding kRounding, class D, class V>
+HWY_INLINE void LoadSum(D d, const float* const* columns, size_t i, V& sum,
+                        V& rest) {
+  const V x = hn::LoadU(d, columns[0] + i);
+  const V y = hn::LoadU(d, columns[1] + i);
+  if constexpr (kDims == 2) {
+    SumOfPoint<kRounding>(sum, rest, x, y);
+  } else {
+    const V z = hn::LoadU(d, columns[2] + i);
+    if constexpr (kDims == 3) {
+      SumOfPoint<kRounding>(sum, rest, x, y, z);
+    } else {
+      SumOfPoint<kRounding>(sum, rest, x, y, z, hn::LoadU(d, columns[3] + i));
+    }
+  }
+}
+
+// Which zero a minimum of both is depends on the target: make it +0.
+template <class D, class V>
+HWY_INLINE V PlusZero(D d, V value) {
+  return hn::Add(value, hn::Zero(d));
+}
+
+// The range of D over several points per lane: widened by each, finished once.
+template <int kDims, Rounding kRounding, class D, class V>
+HWY_INLINE void WidenD(D d, const float* const* columns, size_t i, V& min,
+                       V& max) {
+  constexpr bool kKnown = kKnowsRest<kDims, kRounding>;
+  V sum;
+  V rest = hn::Zero(d);
+  LoadSum<kDims, kRounding>(d, columns, i, sum, rest);
+  if constexpr (kKnown) {
+    min = hn::Min(min, LowerD<kKnown>(d, sum, rest));
+    max = hn::Max(max, UpperD<kKnown>(d, sum, rest));
+  } else {
+    // Rounding outward is monotone, so once at the end is enough.
+    min = hn::Min(min, hn::Neg(sum));
+    max = hn::Max(max, hn::Neg(sum));
+  }
+}
+
+template <int kDims, Rounding kRounding, class D, class V>
+HWY_INLINE void FinishD(D d, V& min, V& max) {
+  if constexpr (!kKnowsRest<kDims, kRounding>) {
+    min = NextBelow(d, min);
+    max = hn::Neg(NextBelow(d, hn::Neg(max)));
+  }
+  min = PlusZero(d, min);
+  max = PlusZero(d, max);
+}
+
+// Counts the lanes of a mask among shapes i .. count - 1; `begin` is the number
+// of shape 0.
+template <class D, class M>
+HWY_INLINE void CountEverything(D d, M is_everything, size_t i, size_t begin,
+                                kernels::FitTally& tally) {
+  if (HWY_LIKELY(hn::AllFalse(d, is_everything))) return;
+  tally.Count(
+      hn::CountTrue(d, is_everything),
+      begin + i + static_cast<size_t>(hn::FindFirstTrue(d, is_everything)));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
+
+#endif  // HALFSPACE_KERNELS_FIT_LANES_INL_H_
