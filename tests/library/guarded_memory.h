@@ -5,6 +5,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
 #include <span>
@@ -19,7 +20,8 @@ class GuardedMemory {
  public:
   explicit GuardedMemory(std::size_t bytes) {
     const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-    size_ = (bytes + page - 1) / page * page;
+    // A page at least: not every system protects nothing.
+    size_ = std::max(page, (bytes + page - 1) / page * page);
     mapping_size_ = size_ + 2 * page;
     void* mapping = mmap(nullptr, mapping_size_, PROT_NONE,
                          MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
