@@ -16,9 +16,7 @@ namespace halfspace {
 namespace {
 
 using kernels::CanBeBounded;
-using kernels::ExactD;
 using kernels::ExactRanges;
-using kernels::ExactSum;
 using kernels::Finish;
 using kernels::MagnitudeGuard;
 using kernels::Negated;

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
-#include <type_traits>
 
 #include "halfspace/detail/plane_arrays.h"
 #include "kernels/default_fp_mode.h"
@@ -21,7 +20,6 @@ namespace {
 
 using detail::HasMax;
 using detail::HasMin;
-using kernels::ExactSum;
 using kernels::Finish;
 using kernels::RoundDown;
 using kernels::SumExactly;
@@ -32,6 +30,10 @@ constexpr float kMostMagnitude = 0x1p126f;
 // False for NaN too.
 bool CanBeBounded(float minimum) {
   return std::fabs(minimum) <= kMostMagnitude;
+}
+
+bool IsValid(float minimum) {
+  return minimum == kUnbounded || CanBeBounded(minimum);
 }
 
 template <std::size_t kCount>
@@ -50,8 +52,7 @@ HALFSPACE_NOINLINE std::optional<Bound> TryChange(const Bound& bound,
   const auto changed = [&](float minimum, std::size_t axis, double sign) {
     if (minimum == kUnbounded) return kUnbounded;
     const float result = change(minimum, axis, sign);
-    ok &=
-        CanBeBounded(minimum) && (CanBeBounded(result) || result == kUnbounded);
+    ok &= CanBeBounded(minimum) && IsValid(result);
     return result;
   };
   Bound result;
@@ -67,11 +68,13 @@ HALFSPACE_NOINLINE std::optional<Bound> TryChange(const Bound& bound,
   return result;
 }
 
-// In the default mode, which the callers set.
+// In the default mode, which the callers set. Nothing stays nothing, whatever
+// the change; by an amount that is not finite, all else becomes everything.
 template <typename Bound, typename Change>
-Bound ChangePlanes(const Bound& bound, const Change& change,
+Bound ChangePlanes(const Bound& bound, bool is_finite, const Change& change,
                    FitStatus* status) {
   if (bound == Bound::Empty()) return Finish<Bound>(bound, status);
+  if (!is_finite) return Finish<Bound>(std::nullopt, status);
   return Finish(TryChange(bound, change), status);
 }
 
@@ -130,10 +133,6 @@ HALFSPACE_NOINLINE std::optional<std::array<float, kAxes>> TryOpposing(
     if (!unbounded && !CanBeBounded(opposing[k])) return std::nullopt;
   }
   return opposing;
-}
-
-bool IsValid(float minimum) {
-  return minimum == kUnbounded || CanBeBounded(minimum);
 }
 
 template <typename Bound>
@@ -217,7 +216,8 @@ HALFSPACE_NOINLINE Bound ScaleInMode(const Bound& bound, float factor,
   const auto scaled = [&](float minimum, std::size_t, double) {
     return RoundDown({double{minimum} * double{factor}, 0.0});
   };
-  return ChangePlanes(bound, scaled, status);
+  // An infinite factor shows in the products.
+  return ChangePlanes(bound, true, scaled, status);
 }
 
 }  // namespace
@@ -235,8 +235,6 @@ template <typename Bound>
 Bound Inflate(const Bound& bound, float radius, FitStatus* status) {
   const kernels::DefaultFpMode mode;
   kernels::CheckLength("Inflate", "radius", radius);
-  if (bound == Bound::Empty()) return Finish<Bound>(bound, status);
-  if (!std::isfinite(radius)) return Finish<Bound>(std::nullopt, status);
   const auto inflated = [&](float minimum, std::size_t axis, double) {
     if (!IsD<Bound>(axis)) {
       return RoundDown(
@@ -247,33 +245,29 @@ Bound Inflate(const Bound& bound, float radius, FitStatus* status) {
     return RoundDown(SumExactly(
         std::array<double, 4>{minimum, -reach[0], -reach[1], -reach[2]}));
   };
-  return ChangePlanes(bound, inflated, status);
+  return ChangePlanes(bound, std::isfinite(radius), inflated, status);
 }
 
 template <typename Bound>
 Bound InflateByBox(const Bound& bound, float margin, FitStatus* status) {
   const kernels::DefaultFpMode mode;
   kernels::CheckLength("InflateByBox", "margin", margin);
-  if (bound == Bound::Empty()) return Finish<Bound>(bound, status);
-  if (!std::isfinite(margin)) return Finish<Bound>(std::nullopt, status);
   const auto inflated = [&](float minimum, std::size_t axis, double) {
     const double times = IsD<Bound>(axis) ? double{Bound::kDimensions} : 1.0;
     return RoundDown(
         SumExactly(std::array<double, 2>{minimum, -times * margin}));
   };
-  return ChangePlanes(bound, inflated, status);
+  return ChangePlanes(bound, std::isfinite(margin), inflated, status);
 }
 
 template <typename Bound>
 Bound Translate(const Bound& bound, const Point<Bound::kDimensions>& by,
                 FitStatus* status) {
-  if (bound == Bound::Empty()) return Finish<Bound>(bound, status);
-  if (!IsFinite(by)) return Finish<Bound>(std::nullopt, status);
   const kernels::DefaultFpMode mode;
   const auto moved = [&](float minimum, std::size_t axis, double sign) {
     return Moved<Bound>(minimum, axis, sign, by);
   };
-  return ChangePlanes(bound, moved, status);
+  return ChangePlanes(bound, IsFinite(by), moved, status);
 }
 
 template <int kDims>
