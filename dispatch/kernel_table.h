@@ -7,29 +7,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "kernels/mask_job.h"
+
 namespace halfspace::dispatch {
-
-// Every kernel returns the Highway bit of the target it was compiled for, so
-// that a result can say what really ran.
-struct Counted {
-  std::size_t count;
-  std::int64_t target;
-};
-
-// The sinks of one shape and schedule. `planes` and `query` are those of
-// detail::Scan, `size` the number of objects.
-struct Kernels {
-  std::int64_t (*mask)(const float* const* planes, const float* query,
-                       std::size_t size, std::uint64_t* mask,
-                       std::uint64_t flip);
-  Counted (*indices)(const float* const* planes, const float* query,
-                     std::size_t size, std::uint32_t* indices,
-                     std::size_t capacity);
-  Counted (*count)(const float* const* planes, const float* query,
-                   std::size_t size);
-  Counted (*any)(const float* const* planes, const float* query,
-                 std::size_t size);
-};
 
 // Shape and schedule, as the kernels see them.
 enum Variant : std::size_t {
@@ -43,7 +23,16 @@ enum Variant : std::size_t {
   kVariants
 };
 
-using KernelTable = std::array<Kernels, kVariants>;
+inline constexpr std::size_t kElements = 4;  // of detail::Element
+
+// Returns the Highway bit of the target it was compiled for, so that a result
+// can say what really ran.
+using MaskKernel = std::int64_t (*)(const kernels::MaskJob& job);
+
+struct KernelTable {
+  std::array<std::array<MaskKernel, kVariants>, kElements> mask;
+  std::size_t (*count_bits)(const std::uint64_t* words, std::size_t count);
+};
 
 }  // namespace halfspace::dispatch
 

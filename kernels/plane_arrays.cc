@@ -1,6 +1,7 @@
 #include "halfspace/detail/plane_arrays.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <new>
@@ -18,33 +19,37 @@ constexpr std::align_val_t kAlignment{64};
 // Planes of a power-of-two capacity would all start in the same cache set, and
 // the eight streams of an octahedron would evict each other. One odd number of
 // cache lines between them spreads the starts.
-constexpr std::size_t kStagger = 5 * 64 / sizeof(float);
+template <typename T>
+constexpr std::size_t kStagger = 5 * 64 / sizeof(T);
 
-float* Allocate(std::size_t floats) {
-  return static_cast<float*>(
-      ::operator new(floats * sizeof(float), kAlignment));
+template <typename T>
+T* Allocate(std::size_t elements) {
+  return static_cast<T*>(::operator new(elements * sizeof(T), kAlignment));
 }
 
-void Free(float* data) { ::operator delete(data, kAlignment); }
+void Free(void* data) { ::operator delete(data, kAlignment); }
 
 }  // namespace
 
-PlaneArrays::PlaneArrays(std::span<const float> padding)
+template <typename T>
+PlaneArrays<T>::PlaneArrays(std::span<const T> padding)
     : planes_(padding.size()) {
   std::copy(padding.begin(), padding.end(), padding_.begin());
 }
 
-PlaneArrays::PlaneArrays(const PlaneArrays& other)
+template <typename T>
+PlaneArrays<T>::PlaneArrays(const PlaneArrays& other)
     : padding_(other.padding_), planes_(other.planes_) {
   if (other.size_ == 0) return;
   Grow(other.size_);
   size_ = other.size_;
   for (std::size_t p = 0; p < planes_; ++p) {
-    std::memcpy(data_ + p * stride_, other.plane(p), size_ * sizeof(float));
+    std::memcpy(data_ + p * stride_, other.plane(p), size_ * sizeof(T));
   }
 }
 
-PlaneArrays::PlaneArrays(PlaneArrays&& other) noexcept
+template <typename T>
+PlaneArrays<T>::PlaneArrays(PlaneArrays&& other) noexcept
     : padding_(other.padding_),
       planes_(other.planes_),
       size_(std::exchange(other.size_, 0)),
@@ -52,7 +57,8 @@ PlaneArrays::PlaneArrays(PlaneArrays&& other) noexcept
       stride_(std::exchange(other.stride_, 0)),
       data_(std::exchange(other.data_, nullptr)) {}
 
-PlaneArrays& PlaneArrays::operator=(PlaneArrays other) noexcept {
+template <typename T>
+PlaneArrays<T>& PlaneArrays<T>::operator=(PlaneArrays other) noexcept {
   std::swap(padding_, other.padding_);
   std::swap(planes_, other.planes_);
   std::swap(size_, other.size_);
@@ -62,23 +68,27 @@ PlaneArrays& PlaneArrays::operator=(PlaneArrays other) noexcept {
   return *this;
 }
 
-PlaneArrays::~PlaneArrays() { Free(data_); }
+template <typename T>
+PlaneArrays<T>::~PlaneArrays() {
+  Free(data_);
+}
 
 // Moves to a new block for at least `objects` objects, all beyond size_ padded.
-void PlaneArrays::Grow(std::size_t objects) {
+template <typename T>
+void PlaneArrays<T>::Grow(std::size_t objects) {
   constexpr std::size_t kMost =
-      std::numeric_limits<std::size_t>::max() / sizeof(float) / kMaxPlanes / 2;
+      std::numeric_limits<std::size_t>::max() / sizeof(T) / kMaxPlanes / 2;
   if (objects > kMost) {
     kernels::ThrowInvalid("World", "size",
                           "at most " + std::to_string(kMost) + " objects",
                           std::to_string(objects));
   }
   const std::size_t capacity = (objects + kGroup - 1) / kGroup * kGroup;
-  const std::size_t stride = capacity + kStagger;
-  float* data = Allocate(stride * planes_);
+  const std::size_t stride = capacity + kStagger<T>;
+  T* data = Allocate<T>(stride * planes_);
   for (std::size_t p = 0; p < planes_; ++p) {
-    float* to = data + p * stride;
-    if (size_ != 0) std::memcpy(to, plane(p), size_ * sizeof(float));
+    T* to = data + p * stride;
+    if (size_ != 0) std::memcpy(to, plane(p), size_ * sizeof(T));
     std::fill(to + size_, to + stride, padding_[p]);
   }
   Free(data_);
@@ -87,50 +97,58 @@ void PlaneArrays::Grow(std::size_t objects) {
   stride_ = stride;
 }
 
-void PlaneArrays::Reserve(std::size_t objects) {
+template <typename T>
+void PlaneArrays<T>::Reserve(std::size_t objects) {
   if (objects > capacity_) Grow(objects);
 }
 
-void PlaneArrays::Write(std::size_t index, const float* values) {
+template <typename T>
+void PlaneArrays<T>::Write(std::size_t index, const T* values) {
   for (std::size_t p = 0; p < planes_; ++p) {
     data_[p * stride_ + index] = values[p];
   }
 }
 
-std::size_t PlaneArrays::Push(std::span<const float> values) {
+template <typename T>
+std::size_t PlaneArrays<T>::Push(std::span<const T> values) {
   if (size_ == capacity_) Grow(std::max(kGroup, 2 * capacity_));
   Write(size_, values.data());
   return size_++;
 }
 
-void PlaneArrays::CheckIndex(std::size_t index, const char* call) const {
+template <typename T>
+void PlaneArrays<T>::CheckIndex(std::size_t index, const char* call) const {
   if (index < size_) return;
   kernels::ThrowInvalid(call, "index",
                         "less than the size, " + std::to_string(size_),
                         std::to_string(index));
 }
 
-void PlaneArrays::Set(std::size_t index, std::span<const float> values) {
+template <typename T>
+void PlaneArrays<T>::Set(std::size_t index, std::span<const T> values) {
   CheckIndex(index, "World::Set");
   Write(index, values.data());
 }
 
-void PlaneArrays::Get(std::size_t index, std::span<float> values) const {
+template <typename T>
+void PlaneArrays<T>::Get(std::size_t index, std::span<T> values) const {
   CheckIndex(index, "World::Get");
   for (std::size_t p = 0; p < planes_; ++p) values[p] = plane(p)[index];
 }
 
-void PlaneArrays::EraseBySwap(std::size_t index) {
+template <typename T>
+void PlaneArrays<T>::EraseBySwap(std::size_t index) {
   CheckIndex(index, "World::EraseBySwap");
   --size_;
   for (std::size_t p = 0; p < planes_; ++p) {
-    float* values = data_ + p * stride_;
+    T* values = data_ + p * stride_;
     values[index] = values[size_];
     values[size_] = padding_[p];
   }
 }
 
-void PlaneArrays::Resize(std::size_t objects) {
+template <typename T>
+void PlaneArrays<T>::Resize(std::size_t objects) {
   if (objects > capacity_) Grow(objects);
   if (objects < size_) {
     for (std::size_t p = 0; p < planes_; ++p) {
@@ -140,6 +158,14 @@ void PlaneArrays::Resize(std::size_t objects) {
   size_ = objects;
 }
 
-void PlaneArrays::Clear() { Resize(0); }
+template <typename T>
+void PlaneArrays<T>::Clear() {
+  Resize(0);
+}
+
+template class PlaneArrays<float>;
+template class PlaneArrays<double>;
+template class PlaneArrays<std::int8_t>;
+template class PlaneArrays<std::int16_t>;
 
 }  // namespace halfspace::detail

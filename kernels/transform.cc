@@ -24,7 +24,7 @@ using kernels::Finish;
 using kernels::RoundDown;
 using kernels::SumExactly;
 
-constexpr float kUnbounded = -detail::kFloatMax;  // as a minimum
+constexpr float kUnbounded = -detail::kMax<float>;  // as a minimum
 constexpr float kMostMagnitude = 0x1p126f;
 
 // False for NaN too.

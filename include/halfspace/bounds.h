@@ -22,9 +22,13 @@
 // The builders of fit.h are the safe way to fill the D axis, because sums
 // round: a D that is not rounded outward makes touching objects look apart.
 //
+// Values are floats, or doubles where that is asked for: Aabb<3, double>. The
+// types of one precision do not mix with those of the other.
+//
 // Two special values exist for every type:
-//   Everything()  -FLT_MAX / +FLT_MAX: never rejected by a finite query, nor
-//                 by another Everything. Stands for what could not be bounded.
+//   Everything()  -/+ the largest finite value: never rejected by a finite
+//                 query, nor by another Everything. Stands for what could not
+//                 be bounded.
 //   Empty()       +inf / -inf: rejected by every finite query and Everything.
 // A NaN in a bound makes its plane never reject.
 //
@@ -34,6 +38,7 @@
 #define HALFSPACE_BOUNDS_H_
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <limits>
 
@@ -41,91 +46,100 @@ namespace halfspace {
 
 namespace detail {
 
-template <std::size_t kCount>
-constexpr std::array<float, kCount> Filled(float value) {
-  std::array<float, kCount> values{};
-  for (float& v : values) v = value;
+template <std::size_t kCount, typename T>
+constexpr std::array<T, kCount> Filled(T value) {
+  std::array<T, kCount> values{};
+  for (T& v : values) v = value;
   return values;
 }
 
-inline constexpr float kFloatMax = std::numeric_limits<float>::max();
-inline constexpr float kFloatInf = std::numeric_limits<float>::infinity();
+template <typename T>
+concept Float32Or64 = std::same_as<T, float> || std::same_as<T, double>;
+
+template <Float32Or64 T>
+inline constexpr T kMax = std::numeric_limits<T>::max();
+template <Float32Or64 T>
+inline constexpr T kInf = std::numeric_limits<T>::infinity();
 
 }  // namespace detail
 
 // The object side of the simplex test, S+: { p : p.axis[k] >= min[k] }.
-template <int kDims>
+template <int kDims, detail::Float32Or64 T = float>
 struct UpSimplex {
   static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
+  using Scalar = T;
   static constexpr int kDimensions = kDims;
   static constexpr std::size_t kAxes = kDims + 1;
 
-  std::array<float, kAxes> min;
+  std::array<T, kAxes> min;
 
   static constexpr UpSimplex Everything() {
-    return {detail::Filled<kAxes>(-detail::kFloatMax)};
+    return {detail::Filled<kAxes>(-detail::kMax<T>)};
   }
   static constexpr UpSimplex Empty() {
-    return {detail::Filled<kAxes>(detail::kFloatInf)};
+    return {detail::Filled<kAxes>(detail::kInf<T>)};
   }
   friend constexpr bool operator==(const UpSimplex&,
                                    const UpSimplex&) = default;
 };
 
 // The query side of the simplex test, S-: { p : p.axis[k] <= max[k] }.
-template <int kDims>
+template <int kDims, detail::Float32Or64 T = float>
 struct DownSimplex {
   static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
+  using Scalar = T;
   static constexpr int kDimensions = kDims;
   static constexpr std::size_t kAxes = kDims + 1;
 
-  std::array<float, kAxes> max;
+  std::array<T, kAxes> max;
 
   static constexpr DownSimplex Everything() {
-    return {detail::Filled<kAxes>(detail::kFloatMax)};
+    return {detail::Filled<kAxes>(detail::kMax<T>)};
   }
   static constexpr DownSimplex Empty() {
-    return {detail::Filled<kAxes>(-detail::kFloatInf)};
+    return {detail::Filled<kAxes>(-detail::kInf<T>)};
   }
   friend constexpr bool operator==(const DownSimplex&,
                                    const DownSimplex&) = default;
 };
 
 // The axis-aligned bounding box; no D axis. Both sides of a test are boxes.
-template <int kDims>
+template <int kDims, detail::Float32Or64 T = float>
 struct Aabb {
   static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
+  using Scalar = T;
   static constexpr int kDimensions = kDims;
   static constexpr std::size_t kAxes = kDims;
 
-  std::array<float, kAxes> min;
-  std::array<float, kAxes> max;
+  std::array<T, kAxes> min;
+  std::array<T, kAxes> max;
 
   static constexpr Aabb Everything() {
-    return {detail::Filled<kAxes>(-detail::kFloatMax),
-            detail::Filled<kAxes>(detail::kFloatMax)};
+    return {detail::Filled<kAxes>(-detail::kMax<T>),
+            detail::Filled<kAxes>(detail::kMax<T>)};
   }
   static constexpr Aabb Empty() {
-    return {detail::Filled<kAxes>(detail::kFloatInf),
-            detail::Filled<kAxes>(-detail::kFloatInf)};
+    return {detail::Filled<kAxes>(detail::kInf<T>),
+            detail::Filled<kAxes>(-detail::kInf<T>)};
   }
   friend constexpr bool operator==(const Aabb&, const Aabb&) = default;
 };
 
 // The axis-aligned bounding octahedron: both simplices, hence also the box.
-template <int kDims>
+template <int kDims, detail::Float32Or64 T = float>
 struct Aabo {
   static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
+  using Scalar = T;
   static constexpr int kDimensions = kDims;
   static constexpr std::size_t kAxes = kDims + 1;
 
-  std::array<float, kAxes> min;
-  std::array<float, kAxes> max;
+  std::array<T, kAxes> min;
+  std::array<T, kAxes> max;
 
-  constexpr UpSimplex<kDims> up() const { return {min}; }
-  constexpr DownSimplex<kDims> down() const { return {max}; }
-  constexpr Aabb<kDims> aabb() const {
-    Aabb<kDims> box{};
+  constexpr UpSimplex<kDims, T> up() const { return {min}; }
+  constexpr DownSimplex<kDims, T> down() const { return {max}; }
+  constexpr Aabb<kDims, T> aabb() const {
+    Aabb<kDims, T> box{};
     for (std::size_t k = 0; k < kDims; ++k) {
       box.min[k] = min[k];
       box.max[k] = max[k];
@@ -134,12 +148,12 @@ struct Aabo {
   }
 
   static constexpr Aabo Everything() {
-    return {detail::Filled<kAxes>(-detail::kFloatMax),
-            detail::Filled<kAxes>(detail::kFloatMax)};
+    return {detail::Filled<kAxes>(-detail::kMax<T>),
+            detail::Filled<kAxes>(detail::kMax<T>)};
   }
   static constexpr Aabo Empty() {
-    return {detail::Filled<kAxes>(detail::kFloatInf),
-            detail::Filled<kAxes>(-detail::kFloatInf)};
+    return {detail::Filled<kAxes>(detail::kInf<T>),
+            detail::Filled<kAxes>(-detail::kInf<T>)};
   }
   friend constexpr bool operator==(const Aabo&, const Aabo&) = default;
 };

@@ -19,31 +19,33 @@
 #include <array>
 #include <cstddef>
 
+#include "halfspace/bounds.h"
+
 namespace halfspace {
 
-template <int kDims>
+template <int kDims, detail::Float32Or64 T = float>
 struct SimplexPlanes {
   static constexpr int kDimensions = kDims;
 
-  std::array<float*, static_cast<std::size_t>(kDims) + 1> min{};
+  std::array<T*, static_cast<std::size_t>(kDims) + 1> min{};
   std::size_t size = 0;
 };
 
-template <int kDims>
+template <int kDims, detail::Float32Or64 T = float>
 struct AabbPlanes {
   static constexpr int kDimensions = kDims;
 
-  std::array<float*, static_cast<std::size_t>(kDims)> min{};
-  std::array<float*, static_cast<std::size_t>(kDims)> max{};
+  std::array<T*, static_cast<std::size_t>(kDims)> min{};
+  std::array<T*, static_cast<std::size_t>(kDims)> max{};
   std::size_t size = 0;
 };
 
-template <int kDims>
+template <int kDims, detail::Float32Or64 T = float>
 struct AaboPlanes {
   static constexpr int kDimensions = kDims;
 
-  std::array<float*, static_cast<std::size_t>(kDims) + 1> min{};
-  std::array<float*, static_cast<std::size_t>(kDims) + 1> max{};
+  std::array<T*, static_cast<std::size_t>(kDims) + 1> min{};
+  std::array<T*, static_cast<std::size_t>(kDims) + 1> max{};
   std::size_t size = 0;
 };
 

@@ -13,14 +13,18 @@
 // neither target nor schedule nor compiler, bit for bit.
 //
 // Every call takes
-//   world    a view or an owning world of world.h
+//   world    a view or an owning world of world.h, of floats or of doubles, or
+//            a coded one of codes.h
 //   query    the world's Query type: DownSimplex, Aabb or Aabo
-//   options  schedule and target; the defaults are right
-// and says which target really ran.
+//   options  schedule, target, and the range of objects; the defaults are right
+// and says which target really ran. reject_many.h has the same for many
+// queries.
 //
 // Masks: object i is bit i % 64 of word i / 64; MaskWords(n) words in all.
 // Words past those are not touched, and bits past object n - 1 in the last one
-// never show a survivor: they are 1 in a reject mask, 0 in a survivor mask.
+// never show a survivor: they are 1 in a reject mask, 0 in a survivor mask. A
+// range of objects writes the words of the range and no others; indices are the
+// world's, not the range's.
 //
 // Errors: a precondition that is violated throws std::invalid_argument, which
 // names the argument, what was expected and what was given; nothing has been
@@ -41,6 +45,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "halfspace/bounds.h"
@@ -61,9 +66,19 @@ enum class Schedule : std::uint8_t {
                   // (the interval) of a box or an octahedron
 };
 
+// Objects begin ... end - 1 of a world, for threads that share one call's work:
+// each takes a range and the same outputs. `begin` is a multiple of 64, so that
+// no two share a word of a mask; `end` too, unless it is the world's size. What
+// lies past the world does not count.
+struct Range {
+  std::size_t begin = 0;
+  std::size_t end = std::numeric_limits<std::size_t>::max();
+};
+
 struct Options {
   Schedule schedule = Schedule::kAuto;
   Target target = {};  // the chosen target
+  Range range = {};    // the whole world
 };
 
 // How many objects survived, and the target that found them.
@@ -89,7 +104,8 @@ constexpr std::size_t MaskWords(std::size_t objects) {
 template <typename AnyWorld>
 Target RejectMask(const AnyWorld& world, const typename AnyWorld::Query& query,
                   std::span<std::uint64_t> mask, const Options& options = {}) {
-  return detail::RejectMask(detail::ScanOf(world.view(), query), mask, options);
+  return detail::RejectMask(detail::ScanOfOne(world.view(), query), mask,
+                            options);
 }
 
 // Writes the survivor mask: 1 = survives, and 0 past the last object.
@@ -99,7 +115,7 @@ Target SurvivorMask(const AnyWorld& world,
                     const typename AnyWorld::Query& query,
                     std::span<std::uint64_t> mask,
                     const Options& options = {}) {
-  return detail::SurvivorMask(detail::ScanOf(world.view(), query), mask,
+  return detail::SurvivorMask(detail::ScanOfOne(world.view(), query), mask,
                               options);
 }
 
@@ -111,7 +127,7 @@ template <typename AnyWorld>
                                       const typename AnyWorld::Query& query,
                                       std::span<std::uint32_t> indices,
                                       const Options& options = {}) {
-  return detail::Survivors(detail::ScanOf(world.view(), query), indices,
+  return detail::Survivors(detail::ScanOfOne(world.view(), query), indices,
                            options);
 }
 
@@ -120,16 +136,17 @@ template <typename AnyWorld>
 [[nodiscard]] SurvivorCount CountSurvivors(
     const AnyWorld& world, const typename AnyWorld::Query& query,
     const Options& options = {}) {
-  return detail::CountSurvivors(detail::ScanOf(world.view(), query), options);
+  return detail::CountSurvivors(detail::ScanOfOne(world.view(), query),
+                                options);
 }
 
-// Whether anything survives. Stops after the first 64 objects (flat) or 4096
-// (staged) that have a survivor.
+// Whether anything survives. Looks at the first 512 objects, then at 4096 after
+// 4096, until there is a survivor.
 template <typename AnyWorld>
 [[nodiscard]] SurvivorFlag AnySurvivor(const AnyWorld& world,
                                        const typename AnyWorld::Query& query,
                                        const Options& options = {}) {
-  return detail::AnySurvivor(detail::ScanOf(world.view(), query), options);
+  return detail::AnySurvivor(detail::ScanOfOne(world.view(), query), options);
 }
 
 }  // namespace halfspace

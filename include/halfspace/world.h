@@ -1,13 +1,17 @@
 // Worlds of stored bounds in structure-of-arrays form: views over the caller's
 // own memory, and arrays that own theirs.
 //
-// A world of n objects is one array of n floats per plane. Object i is element
-// i of every plane.
+// A world of n objects is one array of n floats, or of n doubles, per plane.
+// Object i is element i of every plane.
 //
 //   view                planes                               queried by
 //   SimplexView<D>      min[0 .. D]                          DownSimplex<D>
 //   AabbView<D>         min[0 .. D-1], max[0 .. D-1]         Aabb<D>
 //   AaboView<D>         min[0 .. D], max[0 .. D]             Aabo<D>
+//
+// SimplexView<D, double> and its like are views of doubles, and are queried by
+// bounds of doubles: for coordinates that a database stores as such. A test of
+// them costs twice as much, for it reads twice the bytes.
 //
 // An AABO world is also a simplex world and an AABB world: simplex() and
 // aabb() of a view name a part of the same planes, at no cost.
@@ -33,46 +37,46 @@
 
 namespace halfspace {
 
-template <int kDims>
+template <int kDims, detail::Float32Or64 T = float>
 struct SimplexView {
-  using Bound = UpSimplex<kDims>;
-  using Query = DownSimplex<kDims>;
-  using Planes = SimplexPlanes<kDims>;
+  using Bound = UpSimplex<kDims, T>;
+  using Query = DownSimplex<kDims, T>;
+  using Planes = SimplexPlanes<kDims, T>;
 
-  std::array<const float*, Bound::kAxes> min{};
+  std::array<const T*, Bound::kAxes> min{};
   std::size_t size = 0;
 
   SimplexView view() const { return *this; }
 };
 
-template <int kDims>
+template <int kDims, detail::Float32Or64 T = float>
 struct AabbView {
-  using Bound = Aabb<kDims>;
-  using Query = Aabb<kDims>;
-  using Planes = AabbPlanes<kDims>;
+  using Bound = Aabb<kDims, T>;
+  using Query = Aabb<kDims, T>;
+  using Planes = AabbPlanes<kDims, T>;
 
-  std::array<const float*, Bound::kAxes> min{};
-  std::array<const float*, Bound::kAxes> max{};
+  std::array<const T*, Bound::kAxes> min{};
+  std::array<const T*, Bound::kAxes> max{};
   std::size_t size = 0;
 
   AabbView view() const { return *this; }
 };
 
-template <int kDims>
+template <int kDims, detail::Float32Or64 T = float>
 struct AaboView {
-  using Bound = Aabo<kDims>;
-  using Query = Aabo<kDims>;
-  using Planes = AaboPlanes<kDims>;
+  using Bound = Aabo<kDims, T>;
+  using Query = Aabo<kDims, T>;
+  using Planes = AaboPlanes<kDims, T>;
 
-  std::array<const float*, Bound::kAxes> min{};
-  std::array<const float*, Bound::kAxes> max{};
+  std::array<const T*, Bound::kAxes> min{};
+  std::array<const T*, Bound::kAxes> max{};
   std::size_t size = 0;
 
   AaboView view() const { return *this; }
 
-  SimplexView<kDims> simplex() const { return {min, size}; }
-  AabbView<kDims> aabb() const {
-    AabbView<kDims> box;
+  SimplexView<kDims, T> simplex() const { return {min, size}; }
+  AabbView<kDims, T> aabb() const {
+    AabbView<kDims, T> box;
     for (std::size_t k = 0; k < kDims; ++k) {
       box.min[k] = min[k];
       box.max[k] = max[k];
@@ -163,15 +167,15 @@ class World {
   Planes planes() { return detail::ViewOf<Planes>(planes_); }
 
  private:
-  detail::PlaneArrays planes_;
+  detail::PlaneArrays<typename Bound::Scalar> planes_;
 };
 
-template <int kDims>
-using SimplexWorld = World<SimplexView<kDims>>;
-template <int kDims>
-using AabbWorld = World<AabbView<kDims>>;
-template <int kDims>
-using AaboWorld = World<AaboView<kDims>>;
+template <int kDims, typename T = float>
+using SimplexWorld = World<SimplexView<kDims, T>>;
+template <int kDims, typename T = float>
+using AabbWorld = World<AabbView<kDims, T>>;
+template <int kDims, typename T = float>
+using AaboWorld = World<AaboView<kDims, T>>;
 
 using SimplexWorld2 = SimplexWorld<2>;
 using SimplexWorld3 = SimplexWorld<3>;

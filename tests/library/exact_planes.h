@@ -26,7 +26,7 @@ struct ExactPlanes {
   Planes max;
 
   explicit ExactPlanes(const Aabo<kDims>& bound) {
-    constexpr float kUnbounded = detail::kFloatMax;
+    constexpr float kUnbounded = detail::kMax<float>;
     for (std::size_t k = 0; k < kAxes; ++k) {
       if (bound.min[k] != -kUnbounded) min[k] = Exact(bound.min[k]);
       if (bound.max[k] != kUnbounded) max[k] = Exact(bound.max[k]);
@@ -59,7 +59,7 @@ struct ExactPlanes {
 
  private:
   static ::testing::AssertionResult IsUnbounded(float max) {
-    if (max == detail::kFloatMax) return ::testing::AssertionSuccess();
+    if (max == detail::kMax<float>) return ::testing::AssertionSuccess();
     return ::testing::AssertionFailure() << max << " bounds the unbounded";
   }
 };
@@ -72,10 +72,10 @@ Aabo<kDims> RandomPlanes(PointKind kind, Random& random) {
   Aabo<kDims> bound{RandomPoint<kAxes>(kind, random),
                     RandomPoint<kAxes>(kind, random)};
   for (float& min : bound.min) {
-    if (OneIn(16, random)) min = -detail::kFloatMax;
+    if (OneIn(16, random)) min = -detail::kMax<float>;
   }
   for (float& max : bound.max) {
-    if (OneIn(16, random)) max = detail::kFloatMax;
+    if (OneIn(16, random)) max = detail::kMax<float>;
   }
   return bound;
 }

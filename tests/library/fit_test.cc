@@ -64,7 +64,7 @@ TYPED_TEST(FitTest, PointThatCannotBeBoundedGivesEverything) {
   constexpr int kDims = TypeParam::value;
   const float too_large = std::nextafter(0x1p125f, kInfinity);
   for (float bad : {kNan, -kNan, kInfinity, -kInfinity, too_large, -too_large,
-                    detail::kFloatMax, -detail::kFloatMax}) {
+                    detail::kMax<float>, -detail::kMax<float>}) {
     for (std::size_t at = 0; at < 3 * kDims; ++at) {
       std::vector<float> coords(3 * kDims, 1.f);
       coords[at] = bad;
@@ -96,7 +96,7 @@ TYPED_TEST(FitTest, SumOfMagnitudesIsWhatIsLimited) {
 TYPED_TEST(FitTest, BoxThatCannotBeBoundedGivesEverything) {
   constexpr int kDims = TypeParam::value;
   for (int k = 0; k < kDims; ++k) {
-    for (float bad : {kNan, kInfinity, detail::kFloatMax, 0x1.000002p125f}) {
+    for (float bad : {kNan, kInfinity, detail::kMax<float>, 0x1.000002p125f}) {
       auto box = this->UnitBox();
       box.max[k] = bad;
       FitStatus status;

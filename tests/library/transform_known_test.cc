@@ -94,7 +94,7 @@ TEST(TransformKnownTest, Circumscribe) {
 
 // Without a bound on Y, only Y's opposite is bounded.
 TEST(TransformKnownTest, CircumscribeOpenSimplex) {
-  constexpr float kMax = detail::kFloatMax;
+  constexpr float kMax = detail::kMax<float>;
   EXPECT_EQ(Circumscribe(UpSimplex2{{0, -kMax, -1}}),
             (DownSimplex2{{kMax, 1, kMax}}));
   EXPECT_EQ(Circumscribe(UpSimplex2{{-kMax, -kMax, -1}}),

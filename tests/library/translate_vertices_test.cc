@@ -35,8 +35,8 @@ void ExpectNoLooserThanDocumented(const Aabo<kDims>& moved,
   const mpq_class shift = -ExactSumOf(by);
   const mpq_class low = Exact(bound.min[kDims]) + shift - give;
   const mpq_class high = Exact(bound.max[kDims]) + shift + give;
-  ASSERT_GE(std::nextafter(moved.min[kDims], detail::kFloatInf), low);
-  ASSERT_LE(std::nextafter(moved.max[kDims], -detail::kFloatInf), high);
+  ASSERT_GE(std::nextafter(moved.min[kDims], detail::kInf<float>), low);
+  ASSERT_LE(std::nextafter(moved.max[kDims], -detail::kInf<float>), high);
 }
 
 TYPED_TEST(TranslateVerticesTest, EnclosesMovedVertices) {
@@ -75,11 +75,11 @@ TYPED_TEST(TranslateVerticesTest, PlanesWithoutABoundStaySo) {
     const auto by = RandomPointOf<kDims, float>(kind, random);
     const auto moved = TranslateVertices(bound, by);
     for (std::size_t k = 0; k <= kDims; ++k) {
-      if (bound.min[k] == -detail::kFloatMax) {
-        ASSERT_EQ(moved.min[k], -detail::kFloatMax);
+      if (bound.min[k] == -detail::kMax<float>) {
+        ASSERT_EQ(moved.min[k], -detail::kMax<float>);
       }
-      if (bound.max[k] == detail::kFloatMax) {
-        ASSERT_EQ(moved.max[k], detail::kFloatMax);
+      if (bound.max[k] == detail::kMax<float>) {
+        ASSERT_EQ(moved.max[k], detail::kMax<float>);
       }
     }
   });

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "halfspace/export.h"
@@ -27,17 +28,17 @@ inline constexpr std::size_t kPlaneCount =
     Bound::kAxes*((HasMin<Bound> ? 1 : 0) + (HasMax<Bound> ? 1 : 0));
 
 template <typename Bound>
-using PlaneValues = std::array<float, kPlaneCount<Bound>>;
+using PlaneValues = std::array<typename Bound::Scalar, kPlaneCount<Bound>>;
 
 template <typename Bound>
 constexpr PlaneValues<Bound> Planes(const Bound& bound) {
   PlaneValues<Bound> values{};
   std::size_t p = 0;
   if constexpr (HasMin<Bound>) {
-    for (float v : bound.min) values[p++] = v;
+    for (auto v : bound.min) values[p++] = v;
   }
   if constexpr (HasMax<Bound>) {
-    for (float v : bound.max) values[p++] = v;
+    for (auto v : bound.max) values[p++] = v;
   }
   return values;
 }
@@ -47,19 +48,21 @@ constexpr Bound BoundOf(const PlaneValues<Bound>& values) {
   Bound bound{};
   std::size_t p = 0;
   if constexpr (HasMin<Bound>) {
-    for (float& v : bound.min) v = values[p++];
+    for (auto& v : bound.min) v = values[p++];
   }
   if constexpr (HasMax<Bound>) {
-    for (float& v : bound.max) v = values[p++];
+    for (auto& v : bound.max) v = values[p++];
   }
   return bound;
 }
 
-// One allocation of `padding.size()` planes of floats. Each plane is 64-byte
-// aligned; elements from size() to the end of the padded plane hold `padding`.
+// One allocation of `padding.size()` planes. Each plane is 64-byte aligned;
+// elements from size() to the end of the padded plane hold `padding`. Defined
+// for float, double, and the codes of codes.h.
+template <typename T>
 class HALFSPACE_API PlaneArrays {
  public:
-  explicit PlaneArrays(std::span<const float> padding);
+  explicit PlaneArrays(std::span<const T> padding);
   PlaneArrays(const PlaneArrays& other);
   PlaneArrays(PlaneArrays&& other) noexcept;
   PlaneArrays& operator=(PlaneArrays other) noexcept;
@@ -67,29 +70,34 @@ class HALFSPACE_API PlaneArrays {
 
   std::size_t size() const { return size_; }
   std::size_t capacity() const { return capacity_; }
-  float* plane(std::size_t p) { return data_ + p * stride_; }
-  const float* plane(std::size_t p) const { return data_ + p * stride_; }
+  T* plane(std::size_t p) { return data_ + p * stride_; }
+  const T* plane(std::size_t p) const { return data_ + p * stride_; }
 
   void Reserve(std::size_t objects);
-  std::size_t Push(std::span<const float> values);
-  void Set(std::size_t index, std::span<const float> values);
-  void Get(std::size_t index, std::span<float> values) const;
+  std::size_t Push(std::span<const T> values);
+  void Set(std::size_t index, std::span<const T> values);
+  void Get(std::size_t index, std::span<T> values) const;
   void EraseBySwap(std::size_t index);
   void Resize(std::size_t objects);
   void Clear();
 
  private:
   void CheckIndex(std::size_t index, const char* call) const;
-  void Write(std::size_t index, const float* values);
+  void Write(std::size_t index, const T* values);
   void Grow(std::size_t objects);
 
-  std::array<float, kMaxPlanes> padding_{};
+  std::array<T, kMaxPlanes> padding_{};
   std::size_t planes_ = 0;
   std::size_t size_ = 0;
   std::size_t capacity_ = 0;  // a multiple of 64
-  std::size_t stride_ = 0;    // floats from one plane to the next
-  float* data_ = nullptr;
+  std::size_t stride_ = 0;    // elements from one plane to the next
+  T* data_ = nullptr;
 };
+
+extern template class PlaneArrays<float>;
+extern template class PlaneArrays<double>;
+extern template class PlaneArrays<std::int8_t>;
+extern template class PlaneArrays<std::int16_t>;
 
 // A view of the planes, or, if they are not const, the planes to be written.
 template <typename View, typename Arrays>

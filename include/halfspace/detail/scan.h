@@ -1,6 +1,6 @@
-// Internal. The calls of reject.h after the types are gone: the boundary
-// between the caller's translation unit and the library. Not part of the
-// interface.
+// Internal. The calls of reject.h and reject_many.h after the types are gone:
+// the boundary between the caller's translation unit and the library. Not part
+// of the interface.
 #ifndef HALFSPACE_DETAIL_SCAN_H_
 #define HALFSPACE_DETAIL_SCAN_H_
 
@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/export.h"
@@ -19,54 +20,106 @@ namespace halfspace {
 struct Options;
 struct SurvivorCount;
 struct SurvivorFlag;
+struct SurvivorTile;
 
 namespace detail {
 
-enum class Shape : std::uint8_t { kSimplex, kAabb, kAabo };
+class CodeBook;
 
-// One world and one query. Both lists hold all minima, then all maxima; a
-// simplex world has only minima, its query only maxima. Left uninitialised
-// past the planes of the shape: clearing 120 bytes costs a tenth of a call.
+enum class Shape : std::uint8_t { kSimplex, kAabb, kAabo };
+enum class Element : std::uint8_t { kFloat32, kFloat64, kCode8, kCode16 };
+
+template <typename T>
+inline constexpr Element kElementOf = Element::kFloat32;
+template <>
+inline constexpr Element kElementOf<double> = Element::kFloat64;
+template <>
+inline constexpr Element kElementOf<std::int8_t> = Element::kCode8;
+template <>
+inline constexpr Element kElementOf<std::int16_t> = Element::kCode16;
+
+// All minima, then all maxima; a simplex world has only minima.
+using PlanePointers = std::array<const void*, kMaxPlanes>;
+
+// One world and its queries. The queries lie one after another, each with all
+// minima, then all maxima; that of a simplex has only maxima.
+//
+// Pointers are left uninitialised past the planes of the shape: clearing them
+// costs a tenth of a call.
 struct Scan {
   Shape shape;
+  Element element;  // of `planes`
   int dims;
   std::size_t size;
-  std::array<const float*, kMaxPlanes> planes;
-  std::array<float, kMaxPlanes> query;
+  PlanePointers planes;
+
+  const void* queries;
+  std::size_t query_count;
+
+  // If it is not null, `planes` are codes, and queries, which are floats, are
+  // coded with it.
+  const CodeBook* book;
+
+  // What survives the codes is tested with these planes of floats too.
+  bool is_confirmed;
+  std::size_t confirming_size;
+  PlanePointers confirming;
 };
 
-template <int kDims>
-constexpr Shape ShapeOf(const SimplexView<kDims>&) {
+template <int kDims, typename T>
+constexpr Shape ShapeOf(const SimplexView<kDims, T>&) {
   return Shape::kSimplex;
 }
-template <int kDims>
-constexpr Shape ShapeOf(const AabbView<kDims>&) {
+template <int kDims, typename T>
+constexpr Shape ShapeOf(const AabbView<kDims, T>&) {
   return Shape::kAabb;
 }
-template <int kDims>
-constexpr Shape ShapeOf(const AaboView<kDims>&) {
+template <int kDims, typename T>
+constexpr Shape ShapeOf(const AaboView<kDims, T>&) {
   return Shape::kAabo;
 }
 
 template <typename View>
-Scan ScanOf(const View& view, const typename View::Query& query) {
+void ListPlanes(const View& view, PlanePointers& planes) {
+  std::size_t p = 0;
+  for (const auto* plane : view.min) planes[p++] = plane;
+  if constexpr (HasMax<View>) {
+    for (const auto* plane : view.max) planes[p++] = plane;
+  }
+}
+
+template <typename View>
+Scan MakeScan(const View& view, std::span<const typename View::Query> queries) {
+  using Query = typename View::Query;
+  using Scalar = typename Query::Scalar;
+  static_assert(std::is_standard_layout_v<Query> &&
+                    sizeof(Query) == kPlaneCount<Query> * sizeof(Scalar),
+                "a query is read as a list of its values");
   Scan scan;
   scan.shape = ShapeOf(view);
+  scan.element = kElementOf<Scalar>;
   scan.dims = View::Bound::kDimensions;
   scan.size = view.size;
-  std::size_t p = 0;
-  for (const float* plane : view.min) scan.planes[p++] = plane;
-  if constexpr (HasMax<View>) {
-    for (const float* plane : view.max) scan.planes[p++] = plane;
-  }
-  p = 0;
-  if constexpr (HasMin<typename View::Query>) {
-    for (float v : query.min) scan.query[p++] = v;
-  }
-  for (float v : query.max) scan.query[p++] = v;
+  ListPlanes(view, scan.planes);
+  scan.queries = queries.data();
+  scan.query_count = queries.size();
+  scan.book = nullptr;
+  scan.is_confirmed = false;
   return scan;
 }
 
+// The queries must outlive the result. MakeScan of coded views is found by
+// argument-dependent lookup.
+template <typename View>
+Scan ScanOf(const View& view, std::span<const typename View::Query> queries) {
+  return MakeScan(view, queries);
+}
+template <typename View>
+Scan ScanOfOne(const View& view, const typename View::Query& query) {
+  return MakeScan(view, std::span<const typename View::Query>(&query, 1));
+}
+
+// One query.
 HALFSPACE_API Target RejectMask(const Scan& scan, std::span<std::uint64_t> mask,
                                 const Options& options);
 HALFSPACE_API Target SurvivorMask(const Scan& scan,
@@ -79,6 +132,24 @@ HALFSPACE_API SurvivorCount CountSurvivors(const Scan& scan,
                                            const Options& options);
 HALFSPACE_API SurvivorFlag AnySurvivor(const Scan& scan,
                                        const Options& options);
+
+// Many queries.
+HALFSPACE_API Target RejectMasks(const Scan& scan,
+                                 std::span<std::uint64_t> rows,
+                                 const Options& options);
+HALFSPACE_API Target SurvivorMasks(const Scan& scan,
+                                   std::span<std::uint64_t> rows,
+                                   const Options& options);
+HALFSPACE_API SurvivorCount
+SurvivorPairs(const Scan& scan, std::span<std::uint32_t> query_indices,
+              std::span<std::uint32_t> object_indices, const Options& options);
+HALFSPACE_API Target SurvivorCounts(const Scan& scan,
+                                    std::span<std::size_t> counts,
+                                    const Options& options);
+
+using TileFunction = void (*)(void* context, const SurvivorTile& tile);
+HALFSPACE_API Target ForEachTile(const Scan& scan, TileFunction function,
+                                 void* context, const Options& options);
 
 }  // namespace detail
 }  // namespace halfspace

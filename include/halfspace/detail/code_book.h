@@ -1,0 +1,103 @@
+// Internal. The map from floats to codes, and the codes of a world's planes.
+// Not part of the interface.
+#ifndef HALFSPACE_DETAIL_CODE_BOOK_H_
+#define HALFSPACE_DETAIL_CODE_BOOK_H_
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "halfspace/detail/plane_arrays.h"
+#include "halfspace/export.h"
+
+namespace halfspace::detail {
+
+// Codes are stored less half their range: x86 compares only signed bytes.
+template <typename Code>
+using StoredCode = std::make_signed_t<Code>;
+
+// For every plane a monotone map from floats to 0 ... thresholds: how many of
+// the plane's thresholds a value reaches (a minimum) or passes (a maximum).
+// Both sides of a test go through the same map, so whatever the thresholds are,
+// a pair that is not to be rejected is not.
+//
+// Floats are compared as integers in the order of floats, with both zeros and
+// all subnormals at 0, so that the floating-point mode of the caller changes
+// nothing.
+class HALFSPACE_API CodeBook {
+ public:
+  // No thresholds: one code for everything.
+  CodeBook(std::size_t minima, std::size_t maxima)
+      : minima_(minima), planes_(minima + maxima) {}
+
+  std::size_t planes() const { return planes_; }
+
+  // Thresholds at `codes` - 1 quantiles of every plane of `size` floats.
+  void Learn(std::span<const float* const> planes, std::size_t size,
+             std::size_t codes);
+
+  // `count` objects of plane `p`. A NaN gets the code that never rejects.
+  template <typename Stored>
+  void CodeObjects(std::size_t p, const float* values, std::size_t count,
+                   Stored* codes) const;
+
+  // A query: its values in the order of detail::Scan, its codes too.
+  template <typename Stored>
+  void CodeQuery(const float* values, Stored* codes) const;
+
+  // The upper eight bits of a code, of as many as there are.
+  template <typename Stored>
+  std::size_t BucketOf(Stored code) const {
+    const auto rank = static_cast<std::size_t>(
+        static_cast<std::int32_t>(code) - std::numeric_limits<Stored>::min());
+    return rank * 256 / std::max<std::size_t>(256, thresholds_per_plane_ + 1);
+  }
+
+ private:
+  std::size_t minima_;
+  std::size_t planes_;
+  // Of one plane after the other, each ascending, as ordered integers, and one
+  // less than a power of two, so that every search takes the same steps.
+  std::size_t thresholds_per_plane_ = 0;
+  std::vector<std::int32_t> thresholds_;
+};
+
+// The codes of one world, and their book.
+template <typename Stored>
+class HALFSPACE_API CodedPlanes {
+ public:
+  CodedPlanes(std::size_t minima, std::size_t maxima);
+
+  std::size_t size() const { return codes_.size(); }
+  const CodeBook& book() const { return book_; }
+  const PlaneArrays<Stored>& planes() const { return codes_; }
+
+  void Recode(std::span<const float* const> planes, std::size_t size);
+  void Reserve(std::size_t objects) { codes_.Reserve(objects); }
+  std::size_t Push(std::span<const float> values);
+  void Set(std::size_t index, std::span<const float> values);
+  void EraseBySwap(std::size_t index) { codes_.EraseBySwap(index); }
+  void Clear() { codes_.Clear(); }
+  bool Fits() const;
+
+ private:
+  using Values = std::array<Stored, kMaxPlanes>;
+  Values CodesOf(std::span<const float> values) const;
+  double Crowding(std::size_t plane) const;
+
+  CodeBook book_;
+  PlaneArrays<Stored> codes_;
+  std::array<double, kMaxPlanes> crowding_then_{};
+};
+
+extern template class CodedPlanes<std::int8_t>;
+extern template class CodedPlanes<std::int16_t>;
+
+}  // namespace halfspace::detail
+
+#endif  // HALFSPACE_DETAIL_CODE_BOOK_H_

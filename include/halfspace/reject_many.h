@@ -1,0 +1,119 @@
+// The calls for many queries at once: Q queries against N objects.
+//
+// The answers are those of reject.h for each query; the work is done in tiles.
+// A tile of the world is brought into the first-level cache once, and all
+// queries (256 at a time) are tested there, so that a world out of the caches
+// costs its bytes once for all of them and not once for each. Where registers
+// allow it, as with AVX-512, several queries share each load.
+//
+// Every call takes
+//   world    as the calls of reject.h: floats, doubles or codes
+//   queries  any number, of the world's Query type; NaN and empty queries as
+//            there
+//   options  as there; a range of objects is how threads share the work: give
+//            each thread a range, and the same outputs where the output is rows
+//            of masks, its own where it is lists or counts
+// and says which target ran.
+//
+// Errors, thread safety and the meaning of masks are those of reject.h. Nothing
+// is allocated. An empty world, and no queries, are fine.
+//
+// Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (the tests).
+#ifndef HALFSPACE_REJECT_MANY_H_
+#define HALFSPACE_REJECT_MANY_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <type_traits>
+
+#include "halfspace/detail/scan.h"
+#include "halfspace/reject.h"
+#include "halfspace/targets.h"
+
+namespace halfspace {
+
+// Writes the reject mask of every query. Row q, the mask of queries[q], is
+// words [q * MaskWords(world size), (q + 1) * MaskWords(world size)) of `rows`,
+// which has room for all.
+template <typename AnyWorld>
+Target RejectMasks(const AnyWorld& world,
+                   std::span<const typename AnyWorld::Query> queries,
+                   std::span<std::uint64_t> rows, const Options& options = {}) {
+  return detail::RejectMasks(detail::ScanOf(world.view(), queries), rows,
+                             options);
+}
+
+// The same with survivor masks.
+template <typename AnyWorld>
+Target SurvivorMasks(const AnyWorld& world,
+                     std::span<const typename AnyWorld::Query> queries,
+                     std::span<std::uint64_t> rows,
+                     const Options& options = {}) {
+  return detail::SurvivorMasks(detail::ScanOf(world.view(), queries), rows,
+                               options);
+}
+
+// Writes every surviving pair: query_indices[j] and object_indices[j]. Pairs
+// come tile by tile: those of one query in ascending order of objects, but not
+// side by side. What fits in the shorter span is written, and the number of all
+// pairs is returned. At most 2^32 objects and queries.
+template <typename AnyWorld>
+[[nodiscard]] SurvivorCount SurvivorPairs(
+    const AnyWorld& world, std::span<const typename AnyWorld::Query> queries,
+    std::span<std::uint32_t> query_indices,
+    std::span<std::uint32_t> object_indices, const Options& options = {}) {
+  return detail::SurvivorPairs(detail::ScanOf(world.view(), queries),
+                               query_indices, object_indices, options);
+}
+
+// Writes how many objects survive each query: counts[q] of queries[q]. `counts`
+// has room for all.
+template <typename AnyWorld>
+Target SurvivorCounts(const AnyWorld& world,
+                      std::span<const typename AnyWorld::Query> queries,
+                      std::span<std::size_t> counts,
+                      const Options& options = {}) {
+  return detail::SurvivorCounts(detail::ScanOf(world.view(), queries), counts,
+                                options);
+}
+
+// The survivors of a few queries in a part of the world.
+struct SurvivorTile {
+  std::size_t first_query = 0;
+  std::size_t queries = 0;
+  std::size_t first_object = 0;  // a multiple of 64
+  std::size_t objects = 0;
+
+  // The survivor mask of query first_query + q: bit 0 of word 0 is
+  // first_object. Valid during the call that gives it.
+  std::span<const std::uint64_t> Row(std::size_t q) const {
+    return {rows + q * stride, MaskWords(objects)};
+  }
+
+  const std::uint64_t* rows = nullptr;
+  std::size_t stride = 0;  // words from one row to the next
+};
+
+// Calls `function`, anything that takes a const SurvivorTile&, for every tile:
+// each pair of a query and an object is in one of them. For survivors that are
+// to be used while they are in the cache, and never stored. What the function
+// throws passes through.
+template <typename AnyWorld, typename Function>
+Target ForEachTile(const AnyWorld& world,
+                   std::span<const typename AnyWorld::Query> queries,
+                   Function&& function, const Options& options = {}) {
+  using Callable = std::remove_reference_t<Function>;
+  auto* const target = std::addressof(function);
+  return detail::ForEachTile(
+      detail::ScanOf(world.view(), queries),
+      [](void* context, const SurvivorTile& tile) {
+        (*static_cast<Callable*>(context))(tile);
+      },
+      const_cast<void*>(static_cast<const void*>(target)), options);
+}
+
+}  // namespace halfspace
+
+#endif  // HALFSPACE_REJECT_MANY_H_

@@ -1,0 +1,160 @@
+#include "halfspace/detail/code_book.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+#include "kernels/error.h"
+#include "kernels/memory_checks.h"
+
+namespace halfspace::detail {
+namespace {
+
+using Key = std::int32_t;
+
+// Beyond all keys of floats, and below kPad when one is added.
+constexpr Key kBelowAll = std::numeric_limits<Key>::min();
+constexpr Key kAboveAll = std::numeric_limits<Key>::max() - 1;
+
+// Fills a plane's thresholds up: no value reaches it.
+constexpr Key kPad = std::numeric_limits<Key>::max();
+
+// Integers in the order of floats; both zeros and all subnormals are 0.
+constexpr Key KeyOf(float value, Key key_of_nan) {
+  constexpr std::uint32_t kInfinity = 0x7f800000;
+  constexpr std::uint32_t kSmallestNormal = 0x00800000;
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  const std::uint32_t magnitude = bits & 0x7fffffff;
+  if (magnitude > kInfinity) return key_of_nan;
+  if (magnitude < kSmallestNormal) return 0;
+  const auto key = static_cast<Key>(magnitude);
+  return bits == magnitude ? key : -key;
+}
+
+// How many of each table's thresholds are below each key. The searches go side
+// by side, because each is a chain of loads.
+template <std::size_t kLanes>
+void CountBelow(const std::array<const Key*, kLanes>& tables,
+                std::size_t thresholds, const std::array<Key, kLanes>& keys,
+                std::array<std::uint32_t, kLanes>& counts) {
+  counts.fill(0);
+  for (std::size_t step = (thresholds + 1) / 2; step != 0; step /= 2) {
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const bool below = tables[l][counts[l] + step - 1] < keys[l];
+      counts[l] += below ? static_cast<std::uint32_t>(step) : 0;
+    }
+  }
+}
+
+template <typename Stored>
+constexpr Stored Stow(std::uint32_t code) {
+  return static_cast<Stored>(static_cast<std::int32_t>(code) +
+                             std::numeric_limits<Stored>::min());
+}
+
+// An evenly spread part of a plane, sorted, without NaN.
+std::vector<Key> SortedSample(const float* plane, std::size_t size,
+                              std::size_t most) {
+  const std::size_t count = std::min(size, most);
+  const std::size_t stride = count == 0 ? 1 : size / count;
+  std::vector<Key> sample;
+  sample.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Key key = KeyOf(plane[i * stride], kAboveAll);
+    if (key != kAboveAll) sample.push_back(key);
+  }
+  std::sort(sample.begin(), sample.end());
+  return sample;
+}
+
+// At most `most` of the values, evenly spread in rank: of a plane of minima the
+// least among them, of maxima the greatest, so that a query beyond all objects
+// rejects them all.
+std::vector<Key> Quantiles(const std::vector<Key>& sorted, std::size_t most,
+                           bool is_min) {
+  const std::size_t count = std::min(sorted.size(), most);
+  std::vector<Key> quantiles(count);
+  for (std::size_t j = 0; j < count; ++j) {
+    const std::size_t rank = j * sorted.size() / count;
+    quantiles[j] = is_min ? sorted[rank] : sorted[sorted.size() - 1 - rank];
+  }
+  std::sort(quantiles.begin(), quantiles.end());
+  quantiles.erase(std::unique(quantiles.begin(), quantiles.end()),
+                  quantiles.end());
+  return quantiles;
+}
+
+}  // namespace
+
+void CodeBook::Learn(std::span<const float* const> planes, std::size_t size,
+                     std::size_t codes) {
+  // Enough for the ranks of 256 codes to be off by less than one; of 65536, for
+  // most to differ.
+  const std::size_t sampled = codes <= 256 ? 1 << 16 : 1 << 18;
+  const std::size_t per_plane =
+      std::min(codes, std::bit_ceil(std::min(size, sampled) + 1)) - 1;
+  std::vector<Key> thresholds(per_plane * planes_, kPad);
+  for (std::size_t p = 0; p < planes_; ++p) {
+    const std::vector<Key> quantiles = Quantiles(
+        SortedSample(planes[p], size, sampled), per_plane, p < minima_);
+    std::copy(quantiles.begin(), quantiles.end(),
+              thresholds.begin() + static_cast<std::ptrdiff_t>(p * per_plane));
+  }
+  thresholds_ = std::move(thresholds);
+  thresholds_per_plane_ = per_plane;
+}
+
+template <typename Stored>
+void CodeBook::CodeObjects(std::size_t p, const float* values,
+                           std::size_t count, Stored* codes) const {
+  constexpr std::size_t kLanes = 8;
+  const bool is_min = p < minima_;
+  const Key* table = thresholds_.data() + p * thresholds_per_plane_;
+  // A minimum reaches a threshold, a maximum passes it.
+  const Key reach = is_min ? 1 : 0;
+  const auto key_of = [&](float value) {
+    return KeyOf(value, is_min ? kBelowAll : kAboveAll) + reach;
+  };
+  std::array<const Key*, kLanes> tables;
+  tables.fill(table);
+  std::array<Key, kLanes> keys;
+  std::array<std::uint32_t, kLanes> ranks;
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    const std::size_t lanes = std::min(kLanes, count - i);
+    keys.fill(kBelowAll);
+    for (std::size_t l = 0; l < lanes; ++l) keys[l] = key_of(values[i + l]);
+    CountBelow(tables, thresholds_per_plane_, keys, ranks);
+    for (std::size_t l = 0; l < lanes; ++l)
+      codes[i + l] = Stow<Stored>(ranks[l]);
+  }
+}
+
+template <typename Stored>
+void CodeBook::CodeQuery(const float* values, Stored* codes) const {
+  const std::size_t maxima = planes_ - minima_;
+  std::array<const Key*, kMaxPlanes> tables;
+  std::array<Key, kMaxPlanes> keys;
+  std::array<std::uint32_t, kMaxPlanes> ranks;
+  tables.fill(thresholds_.data());
+  keys.fill(kBelowAll);
+  for (std::size_t p = 0; p < planes_; ++p) {
+    // The query's maxima, which come after its minima, meet the objects'
+    // minima.
+    const bool is_min = p < minima_;
+    const std::size_t q = is_min ? maxima + p : p - minima_;
+    tables[q] = thresholds_.data() + p * thresholds_per_plane_;
+    keys[q] =
+        is_min ? KeyOf(values[q], kAboveAll) + 1 : KeyOf(values[q], kBelowAll);
+  }
+  CountBelow(tables, thresholds_per_plane_, keys, ranks);
+  for (std::size_t q = 0; q < planes_; ++q) codes[q] = Stow<Stored>(ranks[q]);
+}
+
+template void CodeBook::CodeObjects(std::size_t, const float*, std::size_t,
+                                    std::int8_t*) const;
+template void CodeBook::CodeObjects(std::size_t, const float*, std::size_t,
+                                    std::int16_t*) const;
+template void CodeBook::CodeQuery(const float*, std::int8_t*) const;
+template void CodeBook::CodeQuery(const float*, std::int16_t*) const;
+
+}  // namespace halfspace::detail

@@ -1,0 +1,148 @@
+// Several queries that share each load: a tile of registers, where there are
+// enough of them and loads bind.
+#if defined(HALFSPACE_KERNELS_TOGETHER_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_TOGETHER_INL_H_
+#undef HALFSPACE_KERNELS_TOGETHER_INL_H_
+#else
+#define HALFSPACE_KERNELS_TOGETHER_INL_H_
+#endif
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "hwy/highway.h"
+#include "kernels/mask_job.h"
+#include "kernels/word_tests-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// How many queries a flat scan tests at a time. With AVX-512, whose 32
+// registers hold the planes of four simplices, and whose cores load one vector
+// a cycle, as many as they compare: a quarter less time (0.099 to 0.075 ns a
+// pair for the simplex in L1 on Zen 4). AVX2 and SSE4 gain nothing: two loads a
+// cycle, and too few registers.
+template <size_t kPlanes>
+inline constexpr size_t kQueriesTogether =
+    !HALFSPACE_MASKED_COMPARES ? 1 : (kPlanes <= 6 ? 4 : 2);
+
+#if HALFSPACE_MASKED_COMPARES
+
+template <class Shape, size_t kQueries, class D>
+struct QueryVectors {
+  hn::Vec<D> planes[Shape::kOrder.planes.size()][kQueries];
+};
+
+// Planes kPlane and after of one vector of objects, for all the queries.
+template <class Shape, size_t kPlane, size_t... kQuery, class D, class Load,
+          typename T>
+HWY_INLINE void AddPlanes(
+    std::index_sequence<kQuery...> all, D d, Load load, const T* const* planes,
+    size_t i, const QueryVectors<Shape, sizeof...(kQuery), D>& queries,
+    hn::Mask<D> (&kept)[sizeof...(kQuery)]) {
+  if constexpr (kPlane < Shape::kOrder.planes.size()) {
+    constexpr kernels::Plane kTest = Shape::kOrder.planes[kPlane];
+    const hn::Vec<D> object = load(d, planes[kTest.object] + i);
+    if constexpr (kPlane == 0) {
+      ((kept[kQuery] =
+            FirstVerdict<kTest>(d, object, queries.planes[0][kQuery])),
+       ...);
+    } else {
+      ((kept[kQuery] = NextVerdict<kTest>(d, kept[kQuery], object,
+                                          queries.planes[kPlane][kQuery])),
+       ...);
+    }
+    AddPlanes<Shape, kPlane + 1>(all, d, load, planes, i, queries, kept);
+  }
+}
+
+// ORs the bits of vector kVector into the words of survivors.
+template <class Shape, size_t... kQuery, class D, class Load, typename T>
+HWY_INLINE void AddVector(
+    std::index_sequence<kQuery...> all, D d, Load load, const T* const* planes,
+    size_t i, size_t shift,
+    const QueryVectors<Shape, sizeof...(kQuery), D>& queries,
+    uint64_t (&survivors)[sizeof...(kQuery)]) {
+  hn::Mask<D> kept[sizeof...(kQuery)];
+  AddPlanes<Shape, 0>(all, d, load, planes, i, queries, kept);
+  ((survivors[kQuery] |= LaneBits(d, kept[kQuery]) << shift), ...);
+}
+
+template <class Shape, size_t... kVector, size_t... kQuery, class D, typename T>
+HWY_INLINE void ScanWordTogether(
+    std::index_sequence<kVector...>, std::index_sequence<kQuery...> all, D d,
+    const T* const* planes, size_t i,
+    const QueryVectors<Shape, sizeof...(kQuery), D>& queries, uint64_t* row,
+    size_t stride, uint64_t flip) {
+  uint64_t survivors[sizeof...(kQuery)] = {};
+  (AddVector<Shape>(all, d, LoadAll(), planes, i + kVector * hn::MaxLanes(d),
+                    kVector * hn::MaxLanes(d), queries, survivors),
+   ...);
+  ((row[kQuery * stride] = ~survivors[kQuery] ^ flip), ...);
+}
+
+// The last word, of `count` objects.
+template <class Shape, size_t... kQuery, class D, typename T>
+HWY_INLINE void ScanTailTogether(
+    std::index_sequence<kQuery...> all, D d, const T* const* planes, size_t i,
+    size_t count, const QueryVectors<Shape, sizeof...(kQuery), D>& queries,
+    uint64_t* row, size_t stride, uint64_t flip) {
+  constexpr size_t kLanes = hn::MaxLanes(D());
+  uint64_t survivors[sizeof...(kQuery)] = {};
+  size_t l = 0;
+  for (; l + kLanes <= count; l += kLanes) {
+    AddVector<Shape>(all, d, LoadAll(), planes, i + l, l, queries, survivors);
+  }
+  if (l < count) {
+    AddVector<Shape>(all, d, LoadFirst{count - l}, planes, i + l, l, queries,
+                     survivors);
+  }
+  const uint64_t past = ~uint64_t{0} << count;
+  ((row[kQuery * stride] = (~survivors[kQuery] | past) ^ flip), ...);
+}
+
+template <class Shape, size_t kPlane, size_t... kQuery, class D, typename T>
+HWY_INLINE void SetQueries(std::index_sequence<kQuery...> all, D d,
+                           const T* values,
+                           QueryVectors<Shape, sizeof...(kQuery), D>& queries) {
+  constexpr size_t kPlanes = Shape::kOrder.planes.size();
+  if constexpr (kPlane < kPlanes) {
+    ((queries.planes[kPlane][kQuery] = hn::Set(
+          d, values[kQuery * kPlanes + kernels::kQueryIndex<Shape, kPlane>])),
+     ...);
+    SetQueries<Shape, kPlane + 1>(all, d, values, queries);
+  }
+}
+
+// kQueries queries, flat.
+template <class Shape, size_t kQueries, typename T>
+HWY_INLINE void ScanTogether(const T* const* planes, const T* values,
+                             const kernels::MaskJob& job, uint64_t* row) {
+  const WordTag<T> d;
+  constexpr std::make_index_sequence<kQueries> kAll{};
+  constexpr std::make_index_sequence<kWordObjects / hn::MaxLanes(WordTag<T>())>
+      kVectors{};
+  QueryVectors<Shape, kQueries, WordTag<T>> queries;
+  SetQueries<Shape, 0>(kAll, d, values, queries);
+  size_t i = job.begin;
+  for (; i + kWordObjects <= job.end; i += kWordObjects) {
+    ScanWordTogether<Shape>(kVectors, kAll, d, planes, i, queries, row++,
+                            job.stride, job.flip);
+  }
+  if (i < job.end) {
+    ScanTailTogether<Shape>(kAll, d, planes, i, job.end - i, queries, row,
+                            job.stride, job.flip);
+  }
+}
+
+#endif  // HALFSPACE_MASKED_COMPARES
+
+}  // namespace HWY_NAMESPACE
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
+
+#endif  // HALFSPACE_KERNELS_TOGETHER_INL_H_
