@@ -9,10 +9,20 @@
 
 namespace halfspace::dispatch {
 
-// Clears the bits of those survivors among objects first ... that a plane of
-// floats rejects. `first` is a multiple of 64, `query` one query of the scan.
-void ConfirmWords(const detail::Scan& scan, const float* query,
-                  std::size_t first, std::uint64_t* words, std::size_t count);
+// The survivors of one query among at most 4096 objects from `first` on, a
+// multiple of 64: words, of which `live` are not 0.
+struct Candidates {
+  const float* query;
+  std::size_t first;
+  std::uint64_t* words;
+  std::uint64_t live;
+};
+
+// Asks for the floats of the candidates, so that they are there a little later.
+void PrefetchFloats(const detail::Scan& scan, const Candidates& candidates);
+
+// Clears the bits of those that a plane of floats rejects.
+void ConfirmWords(const detail::Scan& scan, const Candidates& candidates);
 
 }  // namespace halfspace::dispatch
 

@@ -12,8 +12,8 @@
 
 #include "dispatch/kernel_table.h"
 #include "hwy/highway.h"
+#include "kernels/live_words-inl.h"
 #include "kernels/reject-inl.h"
-#include "kernels/word_counts-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
@@ -23,6 +23,10 @@ template <class Shape, typename T>
 int64_t MaskKernel(const kernels::MaskJob& job) {
   Scan<Shape, T>(job);
   return HWY_TARGET;
+}
+
+inline uint64_t LiveSurvivorWords(const uint64_t* words, size_t count) {
+  return LiveWords(words, count, 0);
 }
 
 // In the order of dispatch::Variant.
@@ -42,7 +46,8 @@ template <int kDims>
 inline constexpr dispatch::KernelTable kTable = {
     {MaskKernels<kDims, float>(), MaskKernels<kDims, double>(),
      MaskKernels<kDims, int8_t>(), MaskKernels<kDims, int16_t>()},
-    &CountBits};
+    &LiveSurvivorWords,
+    &CountSurvivors};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace halfspace

@@ -31,7 +31,12 @@ using MaskKernel = std::int64_t (*)(const kernels::MaskJob& job);
 
 struct KernelTable {
   std::array<std::array<MaskKernel, kVariants>, kElements> mask;
-  std::size_t (*count_bits)(const std::uint64_t* words, std::size_t count);
+
+  // Of at most 64 words of survivors: which are not 0, and the survivors in
+  // those.
+  std::uint64_t (*live_words)(const std::uint64_t* words, std::size_t count);
+  std::size_t (*count_survivors)(const std::uint64_t* words,
+                                 std::uint64_t live);
 };
 
 }  // namespace halfspace::dispatch

@@ -7,21 +7,15 @@
 #include <string_view>
 
 #include "dispatch/prepared_scan.h"
+#include "dispatch/rows.h"
 #include "dispatch/tiles.h"
 #include "kernels/error.h"
 
 namespace halfspace::detail {
 namespace {
 
+using dispatch::Part;
 using dispatch::PreparedScan;
-using dispatch::QueryBlock;
-
-// Codes that are confirmed go tile by tile: what survives is looked at while
-// its words are in the cache. All else is one call of a kernel.
-std::size_t ObjectsAtOnce(const PreparedScan& scan) {
-  return scan.is_confirmed() ? dispatch::TileObjects(scan)
-                             : scan.end() - scan.begin();
-}
 
 Target WriteMask(const Scan& scan, std::span<std::uint64_t> mask,
                  std::uint64_t flip, const Options& options,
@@ -36,12 +30,14 @@ Target WriteMask(const Scan& scan, std::span<std::uint64_t> mask,
   }
   prepared.CheckOutput("mask", mask.data(), words * sizeof(std::uint64_t),
                        alignof(std::uint64_t));
-  return Target::FromHighwayBit(dispatch::ForEachObjectTile(
-      prepared, ObjectsAtOnce(prepared),
-      [&](const QueryBlock& block, std::size_t begin, std::size_t end) {
-        return prepared.Run(block, 0, 1, begin, end, mask.data() + begin / 64,
-                            0, flip);
-      }));
+  if (scan.book == nullptr) {
+    // The short way: a small call costs little more than its kernel.
+    return Target::FromHighwayBit(prepared.Run(
+        {0, 1, scan.queries}, 0, 1, prepared.begin(), prepared.end(),
+        mask.data() + prepared.begin() / 64, words, flip));
+  }
+  return Target::FromHighwayBit(
+      dispatch::WriteRows(prepared, mask.data(), words, flip));
 }
 
 }  // namespace
@@ -67,8 +63,8 @@ SurvivorCount Survivors(const Scan& scan, std::span<std::uint32_t> indices,
       alignof(std::uint32_t));
   std::size_t count = 0;
   const std::int64_t target =
-      dispatch::ForEachSurvivorTile(prepared, [&](const SurvivorTile& tile) {
-        dispatch::ForEachSurvivor(tile, 0, [&](std::size_t object) {
+      dispatch::ForEachPart(prepared, [&](const Part& part) {
+        dispatch::ForEachSurvivor(part, [&](std::size_t, std::size_t object) {
           if (count < indices.size()) {
             indices[count] = static_cast<std::uint32_t>(object);
           }
@@ -82,9 +78,10 @@ SurvivorCount CountSurvivors(const Scan& scan, const Options& options) {
   const PreparedScan prepared(scan, options, "CountSurvivors");
   std::size_t count = 0;
   const std::int64_t target =
-      dispatch::ForEachSurvivorTile(prepared, [&](const SurvivorTile& tile) {
-        const std::span<const std::uint64_t> row = tile.Row(0);
-        count += prepared.CountBits(row.data(), row.size());
+      dispatch::ForEachPart(prepared, [&](const Part& part) {
+        dispatch::ForEachCount(
+            prepared, part,
+            [&](std::size_t, std::size_t survivors) { count += survivors; });
       });
   return {count, Target::FromHighwayBit(target)};
 }
@@ -92,21 +89,26 @@ SurvivorCount CountSurvivors(const Scan& scan, const Options& options) {
 SurvivorFlag AnySurvivor(const Scan& scan, const Options& options) {
   const PreparedScan prepared(scan, options, "AnySurvivor");
   SurvivorFlag result;
-  prepared.ForEachBlock([&](const QueryBlock& block) {
+  prepared.ForEachBlock([&](const dispatch::QueryBlock& block) {
     // A survivor is often among the first.
     std::size_t objects = 512;
-    std::size_t begin = prepared.begin();
+    std::uint64_t words[dispatch::kStripWords];
+    Part part;
+    part.count = 1;
+    part.end = prepared.begin();
+    part.rows = words;
     do {
-      const std::size_t end =
-          prepared.end() - begin < objects ? prepared.end() : begin + objects;
-      std::uint64_t words[dispatch::kTileWords];
-      result.target = Target::FromHighwayBit(
-          prepared.Run(block, 0, 1, begin, end, words, 0, ~std::uint64_t{0}));
-      result.any = std::any_of(words, words + MaskWords(end - begin),
-                               [](std::uint64_t word) { return word != 0; });
-      begin = end;
-      objects = 64 * dispatch::kTileWords;
-    } while (!result.any && begin < prepared.end());
+      part.begin = part.end;
+      part.end = prepared.end() - part.begin < objects ? prepared.end()
+                                                       : part.begin + objects;
+      result.target = Target::FromHighwayBit(prepared.Run(
+          block, 0, 1, part.begin, part.end, words, 0, ~std::uint64_t{0}));
+      dispatch::FindLive(prepared, part);
+      if (prepared.is_confirmed()) dispatch::Confirm(prepared, part);
+      dispatch::ForEachSurvivor(
+          part, [&](std::size_t, std::size_t) { result.any = true; });
+      objects = dispatch::kStripObjects;
+    } while (!result.any && part.end < prepared.end());
   });
   return result;
 }

@@ -5,14 +5,15 @@
 #include <string>
 
 #include "dispatch/prepared_scan.h"
+#include "dispatch/rows.h"
 #include "dispatch/tiles.h"
 #include "kernels/error.h"
 
 namespace halfspace::detail {
 namespace {
 
+using dispatch::Part;
 using dispatch::PreparedScan;
-using dispatch::QueryBlock;
 
 Target WriteMasks(const Scan& scan, std::span<std::uint64_t> rows,
                   std::uint64_t flip, const Options& options,
@@ -28,13 +29,8 @@ Target WriteMasks(const Scan& scan, std::span<std::uint64_t> rows,
   prepared.CheckOutput("rows", rows.data(),
                        words * scan.query_count * sizeof(std::uint64_t),
                        alignof(std::uint64_t));
-  return Target::FromHighwayBit(dispatch::ForEachObjectTile(
-      prepared, dispatch::TileObjects(prepared),
-      [&](const QueryBlock& block, std::size_t begin, std::size_t end) {
-        return prepared.Run(block, 0, block.count, begin, end,
-                            rows.data() + block.first * words + begin / 64,
-                            words, flip);
-      }));
+  return Target::FromHighwayBit(
+      dispatch::WriteRows(prepared, rows.data(), words, flip));
 }
 
 }  // namespace
@@ -68,21 +64,19 @@ SurvivorCount SurvivorPairs(const Scan& scan,
   };
   check("query_indices", query_indices);
   check("object_indices", object_indices);
-  SurvivorCount result;
-  result.target = Target::FromHighwayBit(
-      dispatch::ForEachSurvivorTile(prepared, [&](const SurvivorTile& tile) {
-        for (std::size_t q = 0; q < tile.queries; ++q) {
-          dispatch::ForEachSurvivor(tile, q, [&](std::size_t object) {
-            if (result.count < capacity) {
-              query_indices[result.count] =
-                  static_cast<std::uint32_t>(tile.first_query + q);
-              object_indices[result.count] = static_cast<std::uint32_t>(object);
-            }
-            ++result.count;
-          });
-        }
-      }));
-  return result;
+  std::size_t count = 0;
+  const std::int64_t target =
+      dispatch::ForEachPart(prepared, [&](const Part& part) {
+        dispatch::ForEachSurvivor(
+            part, [&](std::size_t query, std::size_t object) {
+              if (count < capacity) {
+                query_indices[count] = static_cast<std::uint32_t>(query);
+                object_indices[count] = static_cast<std::uint32_t>(object);
+              }
+              ++count;
+            });
+      });
+  return {count, Target::FromHighwayBit(target)};
 }
 
 Target SurvivorCounts(const Scan& scan, std::span<std::size_t> counts,
@@ -99,20 +93,27 @@ Target SurvivorCounts(const Scan& scan, std::span<std::size_t> counts,
                        alignof(std::size_t));
   std::fill_n(counts.begin(), scan.query_count, std::size_t{0});
   return Target::FromHighwayBit(
-      dispatch::ForEachSurvivorTile(prepared, [&](const SurvivorTile& tile) {
-        for (std::size_t q = 0; q < tile.queries; ++q) {
-          const std::span<const std::uint64_t> row = tile.Row(q);
-          counts[tile.first_query + q] +=
-              prepared.CountBits(row.data(), row.size());
-        }
+      dispatch::ForEachPart(prepared, [&](const Part& part) {
+        dispatch::ForEachCount(prepared, part,
+                               [&](std::size_t query, std::size_t survivors) {
+                                 counts[query] += survivors;
+                               });
       }));
 }
 
 Target ForEachTile(const Scan& scan, TileFunction function, void* context,
                    const Options& options) {
   const PreparedScan prepared(scan, options, "ForEachTile");
-  return Target::FromHighwayBit(dispatch::ForEachSurvivorTile(
-      prepared, [&](const SurvivorTile& tile) { function(context, tile); }));
+  return Target::FromHighwayBit(
+      dispatch::ForEachPart(prepared, [&](const Part& part) {
+        if (part.count == 0 || part.begin == part.end) return;
+        function(context, {.first_query = part.first,
+                           .queries = part.count,
+                           .first_object = part.begin,
+                           .objects = part.end - part.begin,
+                           .rows = part.rows,
+                           .stride = part.stride});
+      }));
 }
 
 }  // namespace halfspace::detail

@@ -1,89 +1,193 @@
-// The survivors of a scan, tile by tile of queries and objects.
+// A scan in parts: tiles of the world that stay in the first-level cache while
+// group after group of queries is tested against them.
 #ifndef HALFSPACE_DISPATCH_TILES_H_
 #define HALFSPACE_DISPATCH_TILES_H_
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
+#include "dispatch/confirm.h"
 #include "dispatch/prepared_scan.h"
-#include "halfspace/reject_many.h"
 
 namespace halfspace::dispatch {
 
-// The largest tile, whose words are kept on the stack.
-inline constexpr std::size_t kTileWords = 64;
-inline constexpr std::size_t kTileQueries = 16;
+// A strip is one query against at most so many objects, or words; a part is at
+// most so many strips, of many queries or of one.
+inline constexpr std::size_t kStripWords = 64;
+inline constexpr std::size_t kStripObjects = 64 * kStripWords;
+inline constexpr std::size_t kPartStrips = 16;
 
-// Objects of a tile that stays in the first-level cache while query after query
-// is tested against it; one query needs no more than that its words do.
-inline std::size_t TileObjects(const PreparedScan& scan) {
-  constexpr std::size_t kTileBytes = 24 * 1024;
-  constexpr std::size_t kMost = 64 * kTileWords;
-  if (scan.query_count() == 1) return kMost;
-  return std::min(kMost, kTileBytes / scan.RecordBytes() / 64 * 64);
+// How many parts are begun before the first of them is confirmed.
+inline constexpr std::size_t kPartsUnderWay = 2;
+
+// The survivors of queries first ... first + count - 1 among objects begin ...
+// end - 1. The words of query q begin at rows + q * stride.
+struct Part {
+  std::size_t first = 0;
+  std::size_t count = 0;
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  std::uint64_t* rows = nullptr;
+  std::size_t stride = 0;
+  // Of each strip: those of one query after another.
+  std::array<std::uint64_t, kPartStrips> live;
+};
+
+// One query takes strips of a part side by side: the further apart the work on
+// codes and on floats, the longer may floats be on their way. Many queries take
+// a tile that stays in the cache.
+inline std::size_t PartObjects(const PreparedScan& scan) {
+  constexpr std::size_t kTileBytes = 32 * 1024;
+  if (scan.query_count() == 1) return kPartStrips * kStripObjects;
+  return std::min(kStripObjects, kTileBytes / scan.RecordBytes() / 64 * 64);
 }
 
-// Calls visit(block, begin, end) for every block of queries and, within it,
-// tile of objects. Returns the bit of the target.
+// Calls visit(strip, query of the scan, first object, words, count of words).
 template <typename Visit>
-std::int64_t ForEachObjectTile(const PreparedScan& scan, std::size_t objects,
-                               const Visit& visit) {
+void ForEachStrip(const Part& part, const Visit& visit) {
+  const std::size_t words = MaskWords(part.end - part.begin);
+  std::size_t strip = 0;
+  for (std::size_t q = 0; q < part.count; ++q) {
+    for (std::size_t w = 0; w < words; w += kStripWords) {
+      visit(strip++, part.first + q, part.begin + 64 * w,
+            part.rows + q * part.stride + w, std::min(kStripWords, words - w));
+    }
+  }
+}
+
+// Finds the live words, and asks for the floats that confirm them.
+inline void FindLive(const PreparedScan& scan, Part& part) {
+  ForEachStrip(part, [&](std::size_t strip, std::size_t, std::size_t first,
+                         std::uint64_t* words, std::size_t count) {
+    part.live[strip] = scan.table().live_words(words, count);
+    if (scan.is_confirmed()) {
+      PrefetchFloats(scan.scan(), {nullptr, first, words, part.live[strip]});
+    }
+  });
+}
+
+inline void Confirm(const PreparedScan& scan, const Part& part) {
+  const float* queries = static_cast<const float*>(scan.scan().queries);
+  ForEachStrip(part, [&](std::size_t strip, std::size_t query,
+                         std::size_t first, std::uint64_t* words, std::size_t) {
+    ConfirmWords(scan.scan(), {queries + query * scan.scan().plane_count, first,
+                               words, part.live[strip]});
+  });
+}
+
+// Calls visit(block, first, count, begin, end) for every group of queries of
+// every block, tile of `objects` objects after tile, and at least once. It
+// returns the bit of the target, and so does this.
+template <typename Visit>
+std::int64_t ForEachGroup(const PreparedScan& scan, std::size_t objects,
+                          const Visit& visit) {
   std::int64_t target = 0;
   scan.ForEachBlock([&](const QueryBlock& block) {
+    const std::size_t groups = (block.count + kPartStrips - 1) / kPartStrips;
     std::size_t begin = scan.begin();
     do {
       const std::size_t end =
           scan.end() - begin < objects ? scan.end() : begin + objects;
-      target = visit(block, begin, end);
+      std::size_t first = 0;
+      do {
+        if (groups > 1) {
+          scan.PrefetchTile(end, objects, first / kPartStrips, groups);
+        }
+        const std::size_t count = std::min(kPartStrips, block.count - first);
+        target = visit(block, first, count, begin, end);
+        first += count;
+      } while (first < block.count);
       begin = end;
     } while (begin < scan.end());
   });
   return target;
 }
 
-// Calls visit(object) for the survivors of query first_query + q of a tile, in
-// ascending order.
-template <typename Visit>
-void ForEachSurvivor(const SurvivorTile& tile, std::size_t q,
-                     const Visit& visit) {
-  const std::span<const std::uint64_t> row = tile.Row(q);
-  for (std::size_t w = 0; w < row.size(); ++w) {
-    for (std::uint64_t left = row[w]; left != 0; left &= left - 1) {
-      visit(tile.first_object + 64 * w +
-            static_cast<std::size_t>(std::countr_zero(left)));
+// Runs part after part of the scan and calls visit(part) with each. place(part)
+// sets its rows and stride before. Returns the bit of the target.
+template <typename Place, typename Visit>
+std::int64_t ForEachPart(const PreparedScan& scan, const Place& place,
+                         const Visit& visit) {
+  // The parts before wait for the floats that confirm them.
+  std::array<Part, kPartsUnderWay> parts;
+  std::size_t turn = 0;
+  const auto finish = [&](Part& part) {
+    if (part.count == 0) return;
+    Confirm(scan, part);
+    visit(part);
+    part.count = 0;
+  };
+  const std::int64_t target =
+      ForEachGroup(scan, PartObjects(scan),
+                   [&](const QueryBlock& block, std::size_t first,
+                       std::size_t count, std::size_t begin, std::size_t end) {
+                     Part& part = parts[turn];
+                     part.first = block.first + first;
+                     part.count = count;
+                     part.begin = begin;
+                     part.end = end;
+                     place(part, turn);
+                     const std::int64_t bit =
+                         scan.Run(block, first, count, begin, end, part.rows,
+                                  part.stride, ~std::uint64_t{0});
+                     FindLive(scan, part);
+                     if (!scan.is_confirmed()) {
+                       visit(part);
+                     } else {
+                       turn = (turn + 1) % kPartsUnderWay;
+                       finish(parts[turn]);
+                     }
+                     return bit;
+                   });
+  if (scan.is_confirmed()) {
+    for (std::size_t i = 1; i < kPartsUnderWay; ++i) {
+      finish(parts[(turn + i) % kPartsUnderWay]);
     }
   }
+  return target;
 }
 
-// Calls visit(tile), a SurvivorTile, for each that is not empty. Returns the
-// bit of the target.
+// The same with rows on the stack.
 template <typename Visit>
-std::int64_t ForEachSurvivorTile(const PreparedScan& scan, const Visit& visit) {
-  return ForEachObjectTile(
-      scan, TileObjects(scan),
-      [&](const QueryBlock& block, std::size_t begin, std::size_t end) {
-        std::uint64_t rows[kTileQueries * kTileWords];
-        std::int64_t target = 0;
-        std::size_t q = 0;
-        do {
-          const std::size_t count = std::min(kTileQueries, block.count - q);
-          target = scan.Run(block, q, count, begin, end, rows, kTileWords,
-                            ~std::uint64_t{0});
-          if (count != 0 && begin != end) {
-            visit(SurvivorTile{.first_query = block.first + q,
-                               .queries = count,
-                               .first_object = begin,
-                               .objects = end - begin,
-                               .rows = rows,
-                               .stride = kTileWords});
-          }
-          q += count;
-        } while (q < block.count);
-        return target;
-      });
+std::int64_t ForEachPart(const PreparedScan& scan, const Visit& visit) {
+  std::uint64_t rows[kPartsUnderWay][kPartStrips * kStripWords];
+  return ForEachPart(
+      scan,
+      [&](Part& part, std::size_t turn) {
+        part.rows = rows[turn];
+        part.stride = kStripWords;
+      },
+      visit);
+}
+
+// Calls visit(query, object) for every survivor: those of a query in a part in
+// ascending order, query after query.
+template <typename Visit>
+void ForEachSurvivor(const Part& part, const Visit& visit) {
+  ForEachStrip(part, [&](std::size_t strip, std::size_t query,
+                         std::size_t first, const std::uint64_t* words,
+                         std::size_t) {
+    for (std::uint64_t live = part.live[strip]; live != 0; live &= live - 1) {
+      const auto w = static_cast<std::size_t>(std::countr_zero(live));
+      for (std::uint64_t left = words[w]; left != 0; left &= left - 1) {
+        visit(query, first + 64 * w +
+                         static_cast<std::size_t>(std::countr_zero(left)));
+      }
+    }
+  });
+}
+
+// Calls visit(query, number of survivors).
+template <typename Visit>
+void ForEachCount(const PreparedScan& scan, const Part& part,
+                  const Visit& visit) {
+  ForEachStrip(part, [&](std::size_t strip, std::size_t query, std::size_t,
+                         const std::uint64_t* words, std::size_t) {
+    visit(query, scan.table().count_survivors(words, part.live[strip]));
+  });
 }
 
 }  // namespace halfspace::dispatch

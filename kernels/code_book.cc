@@ -53,14 +53,15 @@ constexpr Stored Stow(std::uint32_t code) {
 }
 
 // An evenly spread part of a plane, sorted, without NaN.
-std::vector<Key> SortedSample(const float* plane, std::size_t size,
+std::vector<Key> SortedSample(const FloatColumns& floats, std::size_t plane,
                               std::size_t most) {
-  const std::size_t count = std::min(size, most);
-  const std::size_t stride = count == 0 ? 1 : size / count;
+  const std::size_t count = std::min(floats.size, most);
+  const std::size_t stride =
+      count == 0 ? 1 : floats.size / count * floats.stride;
   std::vector<Key> sample;
   sample.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const Key key = KeyOf(plane[i * stride], kAboveAll);
+    const Key key = KeyOf(floats.planes[plane][i * stride], kAboveAll);
     if (key != kAboveAll) sample.push_back(key);
   }
   std::sort(sample.begin(), sample.end());
@@ -86,17 +87,16 @@ std::vector<Key> Quantiles(const std::vector<Key>& sorted, std::size_t most,
 
 }  // namespace
 
-void CodeBook::Learn(std::span<const float* const> planes, std::size_t size,
-                     std::size_t codes) {
+void CodeBook::Learn(const FloatColumns& floats, std::size_t codes) {
   // Enough for the ranks of 256 codes to be off by less than one; of 65536, for
   // most to differ.
   const std::size_t sampled = codes <= 256 ? 1 << 16 : 1 << 18;
   const std::size_t per_plane =
-      std::min(codes, std::bit_ceil(std::min(size, sampled) + 1)) - 1;
+      std::min(codes, std::bit_ceil(std::min(floats.size, sampled) + 1)) - 1;
   std::vector<Key> thresholds(per_plane * planes_, kPad);
   for (std::size_t p = 0; p < planes_; ++p) {
-    const std::vector<Key> quantiles = Quantiles(
-        SortedSample(planes[p], size, sampled), per_plane, p < minima_);
+    const std::vector<Key> quantiles =
+        Quantiles(SortedSample(floats, p, sampled), per_plane, p < minima_);
     std::copy(quantiles.begin(), quantiles.end(),
               thresholds.begin() + static_cast<std::ptrdiff_t>(p * per_plane));
   }
@@ -106,7 +106,8 @@ void CodeBook::Learn(std::span<const float* const> planes, std::size_t size,
 
 template <typename Stored>
 void CodeBook::CodeObjects(std::size_t p, const float* values,
-                           std::size_t count, Stored* codes) const {
+                           std::size_t stride, std::size_t count,
+                           Stored* codes) const {
   constexpr std::size_t kLanes = 8;
   const bool is_min = p < minima_;
   const Key* table = thresholds_.data() + p * thresholds_per_plane_;
@@ -122,7 +123,9 @@ void CodeBook::CodeObjects(std::size_t p, const float* values,
   for (std::size_t i = 0; i < count; i += kLanes) {
     const std::size_t lanes = std::min(kLanes, count - i);
     keys.fill(kBelowAll);
-    for (std::size_t l = 0; l < lanes; ++l) keys[l] = key_of(values[i + l]);
+    for (std::size_t l = 0; l < lanes; ++l) {
+      keys[l] = key_of(values[(i + l) * stride]);
+    }
     CountBelow(tables, thresholds_per_plane_, keys, ranks);
     for (std::size_t l = 0; l < lanes; ++l)
       codes[i + l] = Stow<Stored>(ranks[l]);
@@ -151,9 +154,9 @@ void CodeBook::CodeQuery(const float* values, Stored* codes) const {
 }
 
 template void CodeBook::CodeObjects(std::size_t, const float*, std::size_t,
-                                    std::int8_t*) const;
+                                    std::size_t, std::int8_t*) const;
 template void CodeBook::CodeObjects(std::size_t, const float*, std::size_t,
-                                    std::int16_t*) const;
+                                    std::size_t, std::int16_t*) const;
 template void CodeBook::CodeQuery(const float*, std::int8_t*) const;
 template void CodeBook::CodeQuery(const float*, std::int16_t*) const;
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "halfspace/detail/code_book.h"
+#include "kernels/error.h"
 #include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
@@ -23,31 +24,28 @@ CodedPlanes<Stored>::CodedPlanes(std::size_t minima, std::size_t maxima)
     : book_(minima, maxima), codes_(NoPlanes<Stored>(minima + maxima)) {}
 
 template <typename Stored>
-void CodedPlanes<Stored>::Recode(std::span<const float* const> planes,
-                                 std::size_t size) {
-  if (size != 0) {
-    for (std::size_t p = 0; p < planes.size(); ++p) {
-      kernels::CheckPointer(
-          "Codes::Recode", planes[p], alignof(float),
-          [&] { return "floats, plane " + std::to_string(p); },
-          [&] { return "a plane of " + std::to_string(size) + " floats"; });
-    }
+void CodedPlanes<Stored>::Recode(const FloatColumns& floats) {
+  const std::size_t planes = book_.planes();
+  for (std::size_t p = 0; p < planes && floats.size != 0; ++p) {
+    kernels::CheckPointer(
+        "Codes::Recode", floats.planes[p], alignof(float),
+        [&] { return "floats, plane " + std::to_string(p); },
+        [&] {
+          return "a plane of " + std::to_string(floats.size) + " floats";
+        });
   }
   CodeBook book = book_;
-  book.Learn(planes, size,
-             std::size_t{1}
-                 << std::numeric_limits<std::make_unsigned_t<Stored>>::digits);
-  PlaneArrays<Stored> codes = NoPlanes<Stored>(planes.size());
-  codes.Reserve(std::max(size, codes_.capacity()));
-  codes.Resize(size);
-  for (std::size_t p = 0; p < planes.size(); ++p) {
-    book.CodeObjects(p, planes[p], size, codes.plane(p));
+  book.Learn(floats, std::size_t{1} << (8 * sizeof(Stored)));
+  PlaneArrays<Stored> codes = NoPlanes<Stored>(planes);
+  codes.Reserve(std::max(floats.size, codes_.capacity()));
+  codes.Resize(floats.size);
+  for (std::size_t p = 0; p < planes; ++p) {
+    book.CodeObjects(p, floats.planes[p], floats.stride, floats.size,
+                     codes.plane(p));
   }
   book_ = std::move(book);
   codes_ = std::move(codes);
-  for (std::size_t p = 0; p < planes.size(); ++p) {
-    crowding_then_[p] = Crowding(p);
-  }
+  for (std::size_t p = 0; p < planes; ++p) crowding_then_[p] = Crowding(p);
 }
 
 template <typename Stored>
@@ -55,7 +53,7 @@ auto CodedPlanes<Stored>::CodesOf(std::span<const float> values) const
     -> Values {
   Values codes{};
   for (std::size_t p = 0; p < values.size(); ++p) {
-    book_.CodeObjects(p, &values[p], 1, &codes[p]);
+    book_.CodeObjects(p, &values[p], 1, 1, &codes[p]);
   }
   return codes;
 }
@@ -69,8 +67,24 @@ std::size_t CodedPlanes<Stored>::Push(std::span<const float> values) {
 template <typename Stored>
 void CodedPlanes<Stored>::Set(std::size_t index,
                               std::span<const float> values) {
+  CheckIndex(index, "Codes::Set");
   const Values codes = CodesOf(values);
   codes_.Set(index, std::span(codes).first(values.size()));
+}
+
+template <typename Stored>
+void CodedPlanes<Stored>::EraseBySwap(std::size_t index) {
+  CheckIndex(index, "Codes::EraseBySwap");
+  codes_.EraseBySwap(index);
+}
+
+template <typename Stored>
+void CodedPlanes<Stored>::CheckIndex(std::size_t index,
+                                     const char* call) const {
+  if (index < size()) return;
+  kernels::ThrowInvalid(call, "index",
+                        "less than the size, " + std::to_string(size()),
+                        std::to_string(index));
 }
 
 // How likely two objects are to have the same code, or, of many codes, the same

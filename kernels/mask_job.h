@@ -25,6 +25,10 @@ struct MaskJob {
   std::uint64_t* rows;
   std::size_t stride;
   std::uint64_t flip;
+
+  // Whether planes may be out of the caches: those of a tile that many queries
+  // share are not.
+  bool is_far;
 };
 
 }  // namespace halfspace::kernels

@@ -4,30 +4,21 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <new>
 #include <string>
 #include <utility>
 
+#include "halfspace/detail/block_memory.h"
 #include "kernels/error.h"
 
 namespace halfspace::detail {
 namespace {
 
 constexpr std::size_t kGroup = 64;  // objects in one output word
-constexpr std::align_val_t kAlignment{64};
-
 // Planes of a power-of-two capacity would all start in the same cache set, and
 // the eight streams of an octahedron would evict each other. One odd number of
 // cache lines between them spreads the starts.
 template <typename T>
 constexpr std::size_t kStagger = 5 * 64 / sizeof(T);
-
-template <typename T>
-T* Allocate(std::size_t elements) {
-  return static_cast<T*>(::operator new(elements * sizeof(T), kAlignment));
-}
-
-void Free(void* data) { ::operator delete(data, kAlignment); }
 
 }  // namespace
 
@@ -70,7 +61,12 @@ PlaneArrays<T>& PlaneArrays<T>::operator=(PlaneArrays other) noexcept {
 
 template <typename T>
 PlaneArrays<T>::~PlaneArrays() {
-  Free(data_);
+  Free();
+}
+
+template <typename T>
+void PlaneArrays<T>::Free() {
+  if (data_ != nullptr) FreeBlock(data_, stride_ * planes_ * sizeof(T));
 }
 
 // Moves to a new block for at least `objects` objects, all beyond size_ padded.
@@ -85,13 +81,13 @@ void PlaneArrays<T>::Grow(std::size_t objects) {
   }
   const std::size_t capacity = (objects + kGroup - 1) / kGroup * kGroup;
   const std::size_t stride = capacity + kStagger<T>;
-  T* data = Allocate<T>(stride * planes_);
+  T* data = static_cast<T*>(AllocateBlock(stride * planes_ * sizeof(T)));
   for (std::size_t p = 0; p < planes_; ++p) {
     T* to = data + p * stride;
     if (size_ != 0) std::memcpy(to, plane(p), size_ * sizeof(T));
     std::fill(to + size_, to + stride, padding_[p]);
   }
-  Free(data_);
+  Free();
   data_ = data;
   capacity_ = capacity;
   stride_ = stride;

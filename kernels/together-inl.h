@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "hwy/highway.h"
-#include "kernels/mask_job.h"
 #include "kernels/word_tests-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -21,32 +20,46 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// How many queries a flat scan tests at a time. With AVX-512, whose 32
-// registers hold the planes of four simplices, and whose cores load one vector
-// a cycle, as many as they compare: a quarter less time (0.099 to 0.075 ns a
-// pair for the simplex in L1 on Zen 4). AVX2 and SSE4 gain nothing: two loads a
-// cycle, and too few registers.
+// How many queries are tested at a time on kPlanes planes. With AVX-512, whose
+// 32 registers hold four simplices, and whose cores load one vector a cycle, as
+// many as they compare: a quarter less time (0.099 to 0.075 ns a pair for the
+// simplex in L1 on Zen 4). AVX2 and SSE4 gain nothing: two loads a cycle, and
+// too few registers.
 template <size_t kPlanes>
 inline constexpr size_t kQueriesTogether =
     !HALFSPACE_MASKED_COMPARES ? 1 : (kPlanes <= 6 ? 4 : 2);
 
 #if HALFSPACE_MASKED_COMPARES
 
-template <class Shape, size_t kQueries, class D>
+template <size_t kPlanes, size_t kQueries, class D>
 struct QueryVectors {
-  hn::Vec<D> planes[Shape::kOrder.planes.size()][kQueries];
+  hn::Vec<D> planes[kPlanes][kQueries];
 };
 
-// Planes kPlane and after of one vector of objects, for all the queries.
-template <class Shape, size_t kPlane, size_t... kQuery, class D, class Load,
+template <class Shape, size_t kPlane, size_t kPlanes, size_t... kQuery, class D,
+          typename T>
+HWY_INLINE void SetQueries(
+    std::index_sequence<kQuery...> all, D d, const T* values,
+    QueryVectors<kPlanes, sizeof...(kQuery), D>& queries) {
+  constexpr size_t kValues = Shape::kOrder.planes.size();
+  if constexpr (kPlane < kPlanes) {
+    ((queries.planes[kPlane][kQuery] = hn::Set(
+          d, values[kQuery * kValues + kernels::kQueryIndex<Shape, kPlane>])),
+     ...);
+    SetQueries<Shape, kPlane + 1>(all, d, values, queries);
+  }
+}
+
+// Planes kPlane ... kPlanes - 1 of one vector of objects, for all the queries.
+template <class Shape, size_t kPlane, size_t kPlanes, size_t... kQuery, class D,
           typename T>
 HWY_INLINE void AddPlanes(
-    std::index_sequence<kQuery...> all, D d, Load load, const T* const* planes,
-    size_t i, const QueryVectors<Shape, sizeof...(kQuery), D>& queries,
+    std::index_sequence<kQuery...> all, D d, const T* const* planes, size_t i,
+    const QueryVectors<kPlanes, sizeof...(kQuery), D>& queries,
     hn::Mask<D> (&kept)[sizeof...(kQuery)]) {
-  if constexpr (kPlane < Shape::kOrder.planes.size()) {
+  if constexpr (kPlane < kPlanes) {
     constexpr kernels::Plane kTest = Shape::kOrder.planes[kPlane];
-    const hn::Vec<D> object = load(d, planes[kTest.object] + i);
+    const hn::Vec<D> object = hn::LoadU(d, planes[kTest.object] + i);
     if constexpr (kPlane == 0) {
       ((kept[kQuery] =
             FirstVerdict<kTest>(d, object, queries.planes[0][kQuery])),
@@ -56,86 +69,52 @@ HWY_INLINE void AddPlanes(
                                           queries.planes[kPlane][kQuery])),
        ...);
     }
-    AddPlanes<Shape, kPlane + 1>(all, d, load, planes, i, queries, kept);
+    AddPlanes<Shape, kPlane + 1>(all, d, planes, i, queries, kept);
   }
 }
 
-// ORs the bits of vector kVector into the words of survivors.
-template <class Shape, size_t... kQuery, class D, class Load, typename T>
+// ORs the bits of one vector, which begins at bit `shift` of its word, into the
+// words of survivors.
+template <class Shape, size_t kPlanes, size_t... kQuery, class D, typename T>
 HWY_INLINE void AddVector(
-    std::index_sequence<kQuery...> all, D d, Load load, const T* const* planes,
-    size_t i, size_t shift,
-    const QueryVectors<Shape, sizeof...(kQuery), D>& queries,
+    std::index_sequence<kQuery...> all, D d, const T* const* planes, size_t i,
+    size_t shift, const QueryVectors<kPlanes, sizeof...(kQuery), D>& queries,
     uint64_t (&survivors)[sizeof...(kQuery)]) {
   hn::Mask<D> kept[sizeof...(kQuery)];
-  AddPlanes<Shape, 0>(all, d, load, planes, i, queries, kept);
+  AddPlanes<Shape, 0>(all, d, planes, i, queries, kept);
   ((survivors[kQuery] |= LaneBits(d, kept[kQuery]) << shift), ...);
 }
 
-template <class Shape, size_t... kVector, size_t... kQuery, class D, typename T>
-HWY_INLINE void ScanWordTogether(
+template <class Shape, size_t kPlanes, size_t... kVector, size_t... kQuery,
+          class D, typename T>
+HWY_INLINE void WordTogether(
     std::index_sequence<kVector...>, std::index_sequence<kQuery...> all, D d,
     const T* const* planes, size_t i,
-    const QueryVectors<Shape, sizeof...(kQuery), D>& queries, uint64_t* row,
+    const QueryVectors<kPlanes, sizeof...(kQuery), D>& queries, uint64_t* row,
     size_t stride, uint64_t flip) {
+  constexpr size_t kLanes = hn::MaxLanes(D());
   uint64_t survivors[sizeof...(kQuery)] = {};
-  (AddVector<Shape>(all, d, LoadAll(), planes, i + kVector * hn::MaxLanes(d),
-                    kVector * hn::MaxLanes(d), queries, survivors),
+  (AddVector<Shape>(all, d, planes, i + kVector * kLanes, kVector * kLanes,
+                    queries, survivors),
    ...);
   ((row[kQuery * stride] = ~survivors[kQuery] ^ flip), ...);
 }
 
-// The last word, of `count` objects.
-template <class Shape, size_t... kQuery, class D, typename T>
-HWY_INLINE void ScanTailTogether(
-    std::index_sequence<kQuery...> all, D d, const T* const* planes, size_t i,
-    size_t count, const QueryVectors<Shape, sizeof...(kQuery), D>& queries,
-    uint64_t* row, size_t stride, uint64_t flip) {
-  constexpr size_t kLanes = hn::MaxLanes(D());
-  uint64_t survivors[sizeof...(kQuery)] = {};
-  size_t l = 0;
-  for (; l + kLanes <= count; l += kLanes) {
-    AddVector<Shape>(all, d, LoadAll(), planes, i + l, l, queries, survivors);
-  }
-  if (l < count) {
-    AddVector<Shape>(all, d, LoadFirst{count - l}, planes, i + l, l, queries,
-                     survivors);
-  }
-  const uint64_t past = ~uint64_t{0} << count;
-  ((row[kQuery * stride] = (~survivors[kQuery] | past) ^ flip), ...);
-}
-
-template <class Shape, size_t kPlane, size_t... kQuery, class D, typename T>
-HWY_INLINE void SetQueries(std::index_sequence<kQuery...> all, D d,
-                           const T* values,
-                           QueryVectors<Shape, sizeof...(kQuery), D>& queries) {
-  constexpr size_t kPlanes = Shape::kOrder.planes.size();
-  if constexpr (kPlane < kPlanes) {
-    ((queries.planes[kPlane][kQuery] = hn::Set(
-          d, values[kQuery * kPlanes + kernels::kQueryIndex<Shape, kPlane>])),
-     ...);
-    SetQueries<Shape, kPlane + 1>(all, d, values, queries);
-  }
-}
-
-// kQueries queries, flat.
-template <class Shape, size_t kQueries, typename T>
-HWY_INLINE void ScanTogether(const T* const* planes, const T* values,
-                             const kernels::MaskJob& job, uint64_t* row) {
+// The first kPlanes planes of `words` whole words from object `first` on, for
+// kQueries queries.
+template <class Shape, size_t kPlanes, size_t kQueries, typename T>
+HWY_INLINE void WordsTogether(const T* const* planes, const T* values,
+                              size_t first, size_t words, uint64_t* row,
+                              size_t stride, uint64_t flip) {
   const WordTag<T> d;
   constexpr std::make_index_sequence<kQueries> kAll{};
   constexpr std::make_index_sequence<kWordObjects / hn::MaxLanes(WordTag<T>())>
       kVectors{};
-  QueryVectors<Shape, kQueries, WordTag<T>> queries;
+  QueryVectors<kPlanes, kQueries, WordTag<T>> queries;
   SetQueries<Shape, 0>(kAll, d, values, queries);
-  size_t i = job.begin;
-  for (; i + kWordObjects <= job.end; i += kWordObjects) {
-    ScanWordTogether<Shape>(kVectors, kAll, d, planes, i, queries, row++,
-                            job.stride, job.flip);
-  }
-  if (i < job.end) {
-    ScanTailTogether<Shape>(kAll, d, planes, i, job.end - i, queries, row,
-                            job.stride, job.flip);
+  for (size_t w = 0; w < words; ++w) {
+    WordTogether<Shape>(kVectors, kAll, d, planes, first + w * kWordObjects,
+                        queries, row + w, stride, flip);
   }
 }
 

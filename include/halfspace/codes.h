@@ -36,7 +36,9 @@
 #include <cstdint>
 #include <span>
 #include <utility>
+#include <vector>
 
+#include "halfspace/detail/block_memory.h"
 #include "halfspace/detail/code_book.h"
 #include "halfspace/detail/coded_scan.h"
 #include "halfspace/world.h"
@@ -76,13 +78,12 @@ class Codes {
   // uint16). Throws std::invalid_argument for a null or misaligned plane of a
   // view that is not empty; the codes are as they were then.
   void Recode(const FloatView& floats) {
-    std::array<const float*, detail::kPlaneCount<Bound>> planes;
-    std::size_t p = 0;
-    for (const float* plane : floats.min) planes[p++] = plane;
-    if constexpr (detail::HasMax<FloatView>) {
-      for (const float* plane : floats.max) planes[p++] = plane;
-    }
-    planes_.Recode(planes, floats.size);
+    planes_.Recode(detail::ColumnsOf(floats));
+  }
+
+  // The same for bounds in a list.
+  void Recode(std::span<const Bound> bounds) {
+    planes_.Recode(detail::ColumnsOf(bounds));
   }
 
   // Whether the map still tells the bounds apart about as well as when it was
@@ -102,6 +103,11 @@ class Codes {
   // Removes all objects; keeps memory and map.
   void Clear() { planes_.Clear(); }
 
+  // Throws, in the name of `call`, unless `index` is below size().
+  void CheckIndex(std::size_t index, const char* call) const {
+    planes_.CheckIndex(index, call);
+  }
+
   // For the calls. Valid until the codes change.
   View view() const { return View(planes_); }
 
@@ -120,63 +126,82 @@ detail::ConfirmedView<FloatView, CodeType> Confirmed(
   return {codes.view(), floats};
 }
 
-// A world of floats with its codes. What it offers is what World offers, and
-// costs that and about 20 ns for the codes; when it outgrows its memory, which
-// costs O(size) anyway, and when it is assigned to, it learns a new map.
+// A world that owns its codes and its floats. It offers what World offers, at
+// the cost of that and of about 20 ns for the codes; when it outgrows its
+// memory, which costs O(size) anyway, it learns a new map.
+//
+// Its floats are records, one after another, and not planes: few of them are
+// looked at, and each is then one cache line instead of one for each plane.
 template <typename FloatView, typename CodeType = std::uint8_t>
 class CodedWorld {
  public:
   using Bound = typename FloatView::Bound;
   using Query = typename FloatView::Query;
   using Code = CodeType;
-  using View = detail::ConfirmedView<FloatView, CodeType>;
+  using View = detail::CodedWorldView<FloatView, CodeType>;
 
   CodedWorld() = default;
 
-  // Takes the bounds of a world over, or copies them.
-  explicit CodedWorld(World<FloatView> floats) : floats_(std::move(floats)) {
+  // Copies the bounds of a world of floats, in order, or of a list.
+  explicit CodedWorld(const FloatView& floats) : codes_(floats) {
+    records_.reserve(floats.size);
+    for (std::size_t i = 0; i < floats.size; ++i) {
+      records_.push_back(detail::BoundAt(floats, i));
+    }
+  }
+  explicit CodedWorld(const World<FloatView>& floats)
+      : CodedWorld(floats.view()) {}
+  explicit CodedWorld(std::span<const Bound> bounds)
+      : records_(bounds.begin(), bounds.end()) {
     Recode();
   }
-  explicit CodedWorld(std::span<const Bound> bounds)
-      : CodedWorld(World<FloatView>(bounds)) {}
 
-  std::size_t size() const { return floats_.size(); }
-  bool empty() const { return floats_.empty(); }
+  std::size_t size() const { return records_.size(); }
+  bool empty() const { return records_.empty(); }
 
+  // Appends and returns the object's index. Amortised O(1).
   std::size_t Push(const Bound& bound) {
-    const bool grows = floats_.size() == floats_.capacity();
-    const std::size_t index = floats_.Push(bound);
+    const bool grows = records_.size() == records_.capacity();
     codes_.Push(bound);
+    records_.push_back(bound);
     if (grows) Recode();
-    return index;
+    return size() - 1;
   }
   void Set(std::size_t index, const Bound& bound) {
-    floats_.Set(index, bound);
     codes_.Set(index, bound);
+    records_[index] = bound;
   }
-  Bound Get(std::size_t index) const { return floats_.Get(index); }
+  Bound Get(std::size_t index) const {
+    codes_.CheckIndex(index, "CodedWorld::Get");
+    return records_[index];
+  }
+  // Removes object `index`; the last object takes its place. O(1).
   void EraseBySwap(std::size_t index) {
-    floats_.EraseBySwap(index);
     codes_.EraseBySwap(index);
+    records_[index] = records_.back();
+    records_.pop_back();
+  }
+  void Reserve(std::size_t objects) {
+    codes_.Reserve(objects);
+    records_.reserve(objects);
   }
   void Clear() {
-    floats_.Clear();
     codes_.Clear();
+    records_.clear();
   }
 
-  // As in Codes.
+  // As in Codes. O(size).
   bool Fits() const { return codes_.Fits(); }
-  void Recode() { codes_.Recode(floats_.view()); }
+  void Recode() { codes_.Recode(std::span<const Bound>(records_)); }
 
-  // The parts, for calls on codes or floats alone.
+  // For calls on codes alone.
   const Codes<FloatView, CodeType>& codes() const { return codes_; }
-  const World<FloatView>& floats() const { return floats_; }
 
-  View view() const { return {codes_.view(), floats_.view()}; }
+  View view() const { return {codes_.view(), records_}; }
 
  private:
-  World<FloatView> floats_;
   Codes<FloatView, CodeType> codes_;
+  std::vector<Bound, detail::BlockAllocator<Bound>> records_;
 };
 
 }  // namespace halfspace

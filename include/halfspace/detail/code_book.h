@@ -37,14 +37,14 @@ class HALFSPACE_API CodeBook {
 
   std::size_t planes() const { return planes_; }
 
-  // Thresholds at `codes` - 1 quantiles of every plane of `size` floats.
-  void Learn(std::span<const float* const> planes, std::size_t size,
-             std::size_t codes);
+  // Thresholds at `codes` - 1 quantiles of every plane.
+  void Learn(const FloatColumns& floats, std::size_t codes);
 
-  // `count` objects of plane `p`. A NaN gets the code that never rejects.
+  // `count` values of plane `p`, `stride` floats apart. A NaN gets the code
+  // that never rejects.
   template <typename Stored>
-  void CodeObjects(std::size_t p, const float* values, std::size_t count,
-                   Stored* codes) const;
+  void CodeObjects(std::size_t p, const float* values, std::size_t stride,
+                   std::size_t count, Stored* codes) const;
 
   // A query: its values in the order of detail::Scan, its codes too.
   template <typename Stored>
@@ -77,11 +77,12 @@ class HALFSPACE_API CodedPlanes {
   const CodeBook& book() const { return book_; }
   const PlaneArrays<Stored>& planes() const { return codes_; }
 
-  void Recode(std::span<const float* const> planes, std::size_t size);
+  void Recode(const FloatColumns& floats);
   void Reserve(std::size_t objects) { codes_.Reserve(objects); }
   std::size_t Push(std::span<const float> values);
   void Set(std::size_t index, std::span<const float> values);
-  void EraseBySwap(std::size_t index) { codes_.EraseBySwap(index); }
+  void EraseBySwap(std::size_t index);
+  void CheckIndex(std::size_t index, const char* call) const;
   void Clear() { codes_.Clear(); }
   bool Fits() const;
 

@@ -4,11 +4,37 @@
 
 #include <cstddef>
 #include <span>
+#include <type_traits>
 
 #include "halfspace/detail/code_book.h"
 #include "halfspace/detail/scan.h"
 
 namespace halfspace::detail {
+
+template <typename View>
+FloatColumns ColumnsOf(const View& floats) {
+  FloatColumns columns;
+  columns.size = floats.size;
+  columns.stride = 1;
+  ListPlanes(floats, columns.planes);
+  return columns;
+}
+
+template <typename Bound>
+FloatColumns ColumnsOf(std::span<const Bound> records) {
+  constexpr std::size_t kValues = kPlaneCount<Bound>;
+  static_assert(std::is_standard_layout_v<Bound> &&
+                    sizeof(Bound) == kValues * sizeof(float),
+                "a bound is read as a list of its values");
+  FloatColumns columns;
+  columns.size = records.size();
+  columns.stride = kValues;
+  const auto* values = reinterpret_cast<const float*>(records.data());
+  for (std::size_t p = 0; p < kValues; ++p) {
+    columns.planes[p] = values == nullptr ? nullptr : values + p;
+  }
+  return columns;
+}
 
 template <typename FloatView, typename Code>
 class CodedView {
@@ -38,16 +64,29 @@ struct ConfirmedView {
 };
 
 template <typename FloatView, typename Code>
+struct CodedWorldView {
+  using Bound = typename FloatView::Bound;
+  using Query = typename FloatView::Query;
+
+  CodedView<FloatView, Code> codes;
+  std::span<const Bound> records;
+
+  CodedWorldView view() const { return *this; }
+};
+
+template <typename FloatView, typename Code>
 Scan MakeScan(const CodedView<FloatView, Code>& view,
               std::span<const typename FloatView::Query> queries) {
   using Bound = typename FloatView::Bound;
   Scan scan = MakeScan(FloatView(), queries);
   const auto& coded = view.planes();
   scan.element = kElementOf<StoredCode<Code>>;
+  scan.element_bytes = sizeof(Code);
   scan.size = coded.size();
   for (std::size_t p = 0; p < kPlaneCount<Bound>; ++p) {
     scan.planes[p] = coded.planes().plane(p);
   }
+  scan.addresses = AddressesOf<kPlaneCount<Bound>>(scan.planes);
   scan.book = &coded.book();
   return scan;
 }
@@ -57,8 +96,16 @@ Scan MakeScan(const ConfirmedView<FloatView, Code>& view,
               std::span<const typename FloatView::Query> queries) {
   Scan scan = MakeScan(view.codes, queries);
   scan.is_confirmed = true;
-  scan.confirming_size = view.floats.size;
-  ListPlanes(view.floats, scan.confirming);
+  scan.confirming = ColumnsOf(view.floats);
+  return scan;
+}
+
+template <typename FloatView, typename Code>
+Scan MakeScan(const CodedWorldView<FloatView, Code>& view,
+              std::span<const typename FloatView::Query> queries) {
+  Scan scan = MakeScan(view.codes, queries);
+  scan.is_confirmed = true;
+  scan.confirming = ColumnsOf(view.records);
   return scan;
 }
 

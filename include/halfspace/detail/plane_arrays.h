@@ -56,6 +56,14 @@ constexpr Bound BoundOf(const PlaneValues<Bound>& values) {
   return bound;
 }
 
+// Value i of plane p is planes[p][i * stride]: planes, with a stride of 1, or
+// the values of records.
+struct FloatColumns {
+  std::array<const float*, kMaxPlanes> planes;
+  std::size_t size;
+  std::size_t stride;
+};
+
 // One allocation of `padding.size()` planes. Each plane is 64-byte aligned;
 // elements from size() to the end of the padded plane hold `padding`. Defined
 // for float, double, and the codes of codes.h.
@@ -85,6 +93,7 @@ class HALFSPACE_API PlaneArrays {
   void CheckIndex(std::size_t index, const char* call) const;
   void Write(std::size_t index, const T* values);
   void Grow(std::size_t objects);
+  void Free();
 
   std::array<T, kMaxPlanes> padding_{};
   std::size_t planes_ = 0;
@@ -98,6 +107,17 @@ extern template class PlaneArrays<float>;
 extern template class PlaneArrays<double>;
 extern template class PlaneArrays<std::int8_t>;
 extern template class PlaneArrays<std::int16_t>;
+
+// Object `i` of a view.
+template <typename View>
+typename View::Bound BoundAt(const View& view, std::size_t i) {
+  typename View::Bound bound{};
+  for (std::size_t k = 0; k < view.min.size(); ++k) {
+    bound.min[k] = view.min[k][i];
+    if constexpr (HasMax<View>) bound.max[k] = view.max[k][i];
+  }
+  return bound;
+}
 
 // A view of the planes, or, if they are not const, the planes to be written.
 template <typename View, typename Arrays>

@@ -41,6 +41,14 @@ inline constexpr Element kElementOf<std::int16_t> = Element::kCode16;
 // All minima, then all maxima; a simplex world has only minima.
 using PlanePointers = std::array<const void*, kMaxPlanes>;
 
+// Where the planes begin, known while their number is a constant: a call that
+// is right is then checked in a few cycles.
+struct AddressRange {
+  std::uintptr_t lowest;
+  std::uintptr_t highest;
+  std::uintptr_t bits;  // of all addresses
+};
+
 // One world and its queries. The queries lie one after another, each with all
 // minima, then all maxima; that of a simplex has only maxima.
 //
@@ -49,9 +57,14 @@ using PlanePointers = std::array<const void*, kMaxPlanes>;
 struct Scan {
   Shape shape;
   Element element;  // of `planes`
-  int dims;
+  std::uint8_t dims;
+  std::uint8_t axes;  // minima; as many maxima, unless it is a simplex
+  std::uint8_t plane_count;
+  std::uint8_t element_bytes;  // of a value of `planes`
+  std::uint8_t query_bytes;    // of a value of `queries`
   std::size_t size;
   PlanePointers planes;
+  AddressRange addresses;
 
   const void* queries;
   std::size_t query_count;
@@ -60,10 +73,9 @@ struct Scan {
   // coded with it.
   const CodeBook* book;
 
-  // What survives the codes is tested with these planes of floats too.
+  // What survives the codes is tested with these floats too.
   bool is_confirmed;
-  std::size_t confirming_size;
-  PlanePointers confirming;
+  FloatColumns confirming;
 };
 
 template <int kDims, typename T>
@@ -79,13 +91,25 @@ constexpr Shape ShapeOf(const AaboView<kDims, T>&) {
   return Shape::kAabo;
 }
 
-template <typename View>
-void ListPlanes(const View& view, PlanePointers& planes) {
+template <typename View, typename Pointers>
+void ListPlanes(const View& view, Pointers& planes) {
   std::size_t p = 0;
   for (const auto* plane : view.min) planes[p++] = plane;
   if constexpr (HasMax<View>) {
     for (const auto* plane : view.max) planes[p++] = plane;
   }
+}
+
+template <std::size_t kPlanes>
+AddressRange AddressesOf(const PlanePointers& planes) {
+  AddressRange range{~std::uintptr_t{0}, 0, 0};
+  for (std::size_t p = 0; p < kPlanes; ++p) {
+    const auto address = reinterpret_cast<std::uintptr_t>(planes[p]);
+    range.lowest = address < range.lowest ? address : range.lowest;
+    range.highest = address > range.highest ? address : range.highest;
+    range.bits |= address;
+  }
+  return range;
 }
 
 template <typename View>
@@ -99,8 +123,13 @@ Scan MakeScan(const View& view, std::span<const typename View::Query> queries) {
   scan.shape = ShapeOf(view);
   scan.element = kElementOf<Scalar>;
   scan.dims = View::Bound::kDimensions;
+  scan.axes = View::Bound::kAxes;
+  scan.plane_count = kPlaneCount<typename View::Bound>;
+  scan.element_bytes = sizeof(Scalar);
+  scan.query_bytes = sizeof(Scalar);
   scan.size = view.size;
   ListPlanes(view, scan.planes);
+  scan.addresses = AddressesOf<kPlaneCount<typename View::Bound>>(scan.planes);
   scan.queries = queries.data();
   scan.query_count = queries.size();
   scan.book = nullptr;

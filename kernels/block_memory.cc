@@ -1,0 +1,37 @@
+#include "halfspace/detail/block_memory.h"
+
+#include <new>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
+namespace halfspace::detail {
+namespace {
+
+constexpr std::size_t kLine = 64;
+constexpr std::size_t kHugePage = std::size_t{2} << 20;
+
+std::align_val_t AlignmentOf(std::size_t bytes) {
+  return std::align_val_t{bytes < 2 * kHugePage ? kLine : kHugePage};
+}
+
+}  // namespace
+
+void* AllocateBlock(std::size_t bytes) {
+  void* block = ::operator new(bytes, AlignmentOf(bytes));
+#if defined(__linux__) && defined(MADV_HUGEPAGE)
+  // A survivor's record in a large world is otherwise a walk through page
+  // tables before it is a miss. Only advice: what it returns does not matter.
+  if (bytes >= 2 * kHugePage) {
+    (void)::madvise(block, bytes / kHugePage * kHugePage, MADV_HUGEPAGE);
+  }
+#endif
+  return block;
+}
+
+void FreeBlock(void* block, std::size_t bytes) {
+  ::operator delete(block, AlignmentOf(bytes));
+}
+
+}  // namespace halfspace::detail
