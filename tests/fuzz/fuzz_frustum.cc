@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <ostream>
 #include <vector>
@@ -162,12 +161,7 @@ class Frustum {
 };
 
 }  // namespace
-}  // namespace halfspace::testing
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
-                                      std::size_t size) {
-  using namespace halfspace::testing;
-  Bytes bytes(data, size);
-  Run<Frustum>(bytes);
-  return 0;
-}
+void RunInput(Bytes& bytes) { Run<Frustum>(bytes); }
+
+}  // namespace halfspace::testing
