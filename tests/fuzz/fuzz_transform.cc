@@ -1,9 +1,9 @@
 // Bounds of bounds, against exact arithmetic.
 #include <gtest/gtest.h>
 
-
 #include "halfspace/bounds.h"
 #include "tests/fuzz/bytes.h"
+#include "tests/fuzz/moved_vertices.h"
 #include "tests/fuzz/other_transforms.h"
 #include "tests/fuzz/plane_by_plane.h"
 #include "tests/fuzz/run_input.h"
