@@ -41,7 +41,8 @@ class Bytes {
   }
 
   // Any float. Few bytes make those that are likely to matter: special values,
-  // short ones of any size, and the neighbours of earlier ones.
+  // the neighbours of earlier ones, short ones of any size, short ones whose
+  // sums are exact, and long ones whose sums round.
   float Float() {
     const std::uint8_t how = Byte();
     earlier_.push_back(Make(how % 4, how / 4));
@@ -84,6 +85,8 @@ class Bytes {
   std::span<const std::uint8_t> Rest() const { return left_; }
 
  private:
+  static constexpr int kLeastExponent = -149;  // up to 106, by a byte
+
   float Make(int kind, std::size_t detail) {
     switch (kind) {
       case 0:
@@ -92,12 +95,24 @@ class Bytes {
         return kSpecialValues[detail % kSpecialValues.size()];
       case 2:
         return earlier_.empty() ? 0.f : Neighbour(detail % 4, detail / 4);
-      default: {
-        constexpr int kLeast = -149;  // of the exponents; up to 106
-        const auto mantissa = static_cast<std::int8_t>(Byte());
-        return std::ldexp(static_cast<float>(mantissa), kLeast + Byte());
-      }
+      default:
+        if (detail < 16) return Short(static_cast<int>(detail) - 8);
+        if (detail < 32) return Long(static_cast<int>(detail) - 24);
+        return Short(kLeastExponent + Byte());
     }
+  }
+
+  float Short(int exponent) {
+    const auto mantissa = static_cast<std::int8_t>(Byte());
+    return std::ldexp(static_cast<float>(mantissa), exponent);
+  }
+
+  // A full mantissa, of any sign.
+  float Long(int exponent) {
+    constexpr std::uint32_t kOne = 0x3f800000;
+    constexpr std::uint32_t kSignAndFraction = 0x807fffff;
+    const std::uint32_t bits = kOne | (Word() & kSignAndFraction);
+    return std::ldexp(std::bit_cast<float>(bits), exponent);
   }
 
   float Neighbour(std::size_t which, std::size_t back) const {

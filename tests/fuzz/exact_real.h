@@ -44,12 +44,10 @@ inline ::testing::AssertionResult IsBelowAll(std::span<const ExactReal> values,
   return ::testing::AssertionSuccess();
 }
 
-// `bound` is not above any of the values, and as tight as asked for.
-inline ::testing::AssertionResult IsMinimumOf(std::span<const ExactReal> values,
-                                              float bound,
-                                              const Tolerance& tolerance) {
-  auto result = IsBelowAll(values, bound);
-  if (!result) return result;
+// `bound` is above one of the values, or as little below it as is tolerated.
+inline ::testing::AssertionResult IsTight(std::span<const ExactReal> values,
+                                          float bound,
+                                          const Tolerance& tolerance) {
   float inwards = bound;
   for (int ulp = 0; ulp <= tolerance.ulps; ++ulp) {
     inwards = std::nextafter(inwards, std::numeric_limits<float>::infinity());
@@ -62,6 +60,15 @@ inline ::testing::AssertionResult IsMinimumOf(std::span<const ExactReal> values,
   }
   return ::testing::AssertionFailure()
          << bound << " is not as tight as it should be";
+}
+
+// `bound` is not above any of the values, and as tight as asked for.
+inline ::testing::AssertionResult IsMinimumOf(std::span<const ExactReal> values,
+                                              float bound,
+                                              const Tolerance& tolerance) {
+  auto result = IsBelowAll(values, bound);
+  if (!result) return result;
+  return IsTight(values, bound, tolerance);
 }
 
 // Maxima are checked as the minima of the mirrored values.

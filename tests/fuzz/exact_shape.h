@@ -91,7 +91,7 @@ class ExactShape {
     }
     return CheckPlanes(
         bound, [this](const auto& values, float minimum, std::size_t axis) {
-          return IsMinimumOf(values, minimum, axis < kDims ? coordinates_ : d_);
+          return IsMinimumOf(values, minimum, ToleranceOf(axis));
         });
   }
 
@@ -103,7 +103,19 @@ class ExactShape {
                        });
   }
 
+  // Only a look at how tight it is.
+  ::testing::AssertionResult CheckTight(const Aabo<kDims>& bound) const {
+    return CheckPlanes(
+        bound, [this](const auto& values, float minimum, std::size_t axis) {
+          return IsTight(values, minimum, ToleranceOf(axis));
+        });
+  }
+
  private:
+  const Tolerance& ToleranceOf(std::size_t axis) const {
+    return axis < kDims ? coordinates_ : d_;
+  }
+
   // check(values, minimum, axis) for all minima, and all mirrored maxima.
   template <typename CheckMinimum>
   ::testing::AssertionResult CheckPlanes(const Aabo<kDims>& bound,

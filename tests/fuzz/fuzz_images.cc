@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <ostream>
 #include <utility>
 #include <vector>
@@ -131,12 +130,7 @@ using Inputs = ::testing::Types<FitInput<ImageOfPoints<kDims>>,
                                 FitInput<ImageOfBox<kDims>>>;
 
 }  // namespace
-}  // namespace halfspace::testing
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
-                                      std::size_t size) {
-  using namespace halfspace::testing;
-  Bytes bytes(data, size);
-  RunOneOfAllDims<Inputs>(bytes);
-  return 0;
-}
+void RunInput(Bytes& bytes) { RunOneOfAllDims<Inputs>(bytes); }
+
+}  // namespace halfspace::testing

@@ -1,7 +1,6 @@
 // Bounds of rays, and of segments in pieces, against exact arithmetic.
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <ostream>
 #include <span>
 #include <vector>
@@ -120,12 +119,7 @@ template <int kDims>
 using Inputs = ::testing::Types<FitInput<RayShape<kDims>>, Pieces<kDims>>;
 
 }  // namespace
-}  // namespace halfspace::testing
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
-                                      std::size_t size) {
-  using namespace halfspace::testing;
-  Bytes bytes(data, size);
-  RunOneOfAllDims<Inputs>(bytes);
-  return 0;
-}
+void RunInput(Bytes& bytes) { RunOneOfAllDims<Inputs>(bytes); }
+
+}  // namespace halfspace::testing

@@ -167,12 +167,7 @@ using Inputs = ::testing::Types<
     FitInput<Corners<kDims>>>;
 
 }  // namespace
-}  // namespace halfspace::testing
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
-                                      std::size_t size) {
-  using namespace halfspace::testing;
-  Bytes bytes(data, size);
-  RunOneOfAllDims<Inputs>(bytes);
-  return 0;
-}
+void RunInput(Bytes& bytes) { RunOneOfAllDims<Inputs>(bytes); }
+
+}  // namespace halfspace::testing

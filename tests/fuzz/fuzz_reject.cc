@@ -165,12 +165,9 @@ template <typename... Cases>
 ::testing::Types<World<Cases>...> WorldsOf(::testing::Types<Cases...>);
 
 }  // namespace
-}  // namespace halfspace::testing
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
-                                      std::size_t size) {
-  using namespace halfspace::testing;
-  Bytes bytes(data, size);
+void RunInput(Bytes& bytes) {
   RunOneOf(decltype(WorldsOf(AllCases()))(), bytes);
-  return 0;
 }
+
+}  // namespace halfspace::testing

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <ostream>
 #include <type_traits>
@@ -182,12 +181,7 @@ using Inputs = ::testing::Types<FitInput<BoxShape<kDims, Aabb<kDims>>>,
                                 FitInput<OrientedBoxShape<kDims>>>;
 
 }  // namespace
-}  // namespace halfspace::testing
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
-                                      std::size_t size) {
-  using namespace halfspace::testing;
-  Bytes bytes(data, size);
-  RunOneOfAllDims<Inputs>(bytes);
-  return 0;
-}
+void RunInput(Bytes& bytes) { RunOneOfAllDims<Inputs>(bytes); }
+
+}  // namespace halfspace::testing

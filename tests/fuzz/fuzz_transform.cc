@@ -1,11 +1,9 @@
 // Bounds of bounds, against exact arithmetic.
 #include <gtest/gtest.h>
 
-#include <cstddef>
-#include <cstdint>
-
 #include "halfspace/bounds.h"
 #include "tests/fuzz/bytes.h"
+#include "tests/fuzz/moved_vertices.h"
 #include "tests/fuzz/other_transforms.h"
 #include "tests/fuzz/plane_by_plane.h"
 #include "tests/fuzz/run_input.h"
@@ -40,12 +38,7 @@ using Inputs = typename Joined<
                      MovedVertices<Aabo<kDims>>>>::type;
 
 }  // namespace
-}  // namespace halfspace::testing
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
-                                      std::size_t size) {
-  using namespace halfspace::testing;
-  Bytes bytes(data, size);
-  RunOneOfAllDims<Inputs>(bytes);
-  return 0;
-}
+void RunInput(Bytes& bytes) { RunOneOfAllDims<Inputs>(bytes); }
+
+}  // namespace halfspace::testing

@@ -5,8 +5,9 @@
 #
 #   tests/fuzz/run.sh [SECONDS]
 #
-# To keep what a longer run has found: merge it by -merge=1 (LLVM's manual of
-# libFuzzer), and commit no more than some sixty inputs for each fuzzer.
+# To keep what a longer run has found: merge it by -set_cover_merge=1 (libFuzzer's
+# -help=1) into an empty folder, which takes the inputs that cover most first, and
+# commit the first sixty.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 source "$root/scripts/steps.sh"

@@ -14,6 +14,9 @@
 
 namespace halfspace::testing {
 
+// Decodes one input and checks it; each fuzzer defines its own.
+void RunInput(Bytes& bytes);
+
 // Ends the process, which makes the fuzzer keep the bytes, if the check fails.
 // HALFSPACE_FUZZ_PRINT in the environment prints every input before its check,
 // for inputs that end in a sanitizer.
