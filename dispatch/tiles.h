@@ -27,12 +27,17 @@ inline std::size_t TileObjects(const PreparedScan& scan) {
 }
 
 // Calls visit(block, begin, end) for every block of queries and, within it,
-// tile of objects. Returns the bit of the target.
+// tile of objects; without queries once, for no objects, so that the target is
+// known. Returns its bit.
 template <typename Visit>
 std::int64_t ForEachObjectTile(const PreparedScan& scan, std::size_t objects,
                                const Visit& visit) {
   std::int64_t target = 0;
   scan.ForEachBlock([&](const QueryBlock& block) {
+    if (block.count == 0) {
+      target = visit(block, 0, 0);
+      return;
+    }
     std::size_t begin = scan.begin();
     do {
       const std::size_t end =

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -80,6 +81,37 @@ TEST_F(RangeErrorsTest, TheRangeIsNoExcuseForABadWorld) {
   const Options options{.range = {64, 64}};
   ForEachCall(world, queries_[0], options, outputs_, check);
   ForEachManyCall(world, queries_, options, many_outputs_, check);
+}
+
+// Indices are the world's, so a range does not make them fit.
+TEST_F(RangeErrorsTest, MoreObjectsOrQueriesThanIndices) {
+  constexpr std::size_t kTooMany = (std::size_t{1} << 32) + 1;
+  const float plane[1] = {};
+  const SimplexView2 world{{plane, plane, plane}, kTooMany};
+  const DownSimplex2 query = DownSimplex2::Everything();
+  std::uint32_t first = 7;
+  std::uint32_t second = 7;
+  const Options options{.range = {0, 64}};
+  EXPECT_TRUE(Refuses(
+      [&] {
+        (void)Survivors(world, query, {&first, 1}, options);
+      },
+      {"Survivors: world.size: expected at most 2^32", "got 4294967297"}));
+  EXPECT_TRUE(Refuses(
+      [&] {
+        (void)SurvivorPairs(world, {&query, 1}, {&first, 1}, {&second, 1},
+                            options);
+      },
+      {"SurvivorPairs: world.size: expected at most 2^32", "got 4294967297"}));
+  const SimplexView2 small{{plane, plane, plane}, 1};
+  EXPECT_TRUE(Refuses(
+      [&] {
+        (void)SurvivorPairs(small, {&query, kTooMany}, {&first, 1},
+                            {&second, 1});
+      },
+      {"SurvivorPairs: queries: expected at most 2^32", "got 4294967297"}));
+  EXPECT_EQ(first, 7u);
+  EXPECT_EQ(second, 7u);
 }
 
 }  // namespace
