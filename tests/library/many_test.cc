@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <iterator>
 #include <span>
 #include <vector>
 
@@ -72,19 +73,19 @@ TYPED_TEST_SUITE(ManyTest, AllCases, CaseNames);
 
 TYPED_TEST(ManyTest, EveryNumberOfQueries) {
   constexpr std::size_t kSizes[] = {0, 1, 63, 64, 65, 2 * 64 + 31};
-  for (std::size_t seed = 0; seed < Scaled(3); ++seed) {
-    for (InputKind kind : {InputKind::kMixed, InputKind::kAdversarial}) {
-      SCOPED_TRACE(::testing::Message() << NameOf(kind) << ", seed " << seed);
-      Random random(seed);
-      const auto input = MakeInput<typename TypeParam::Stored>(
-          kind, std::end(kSizes)[-1] + kMisalignments, random);
-      const auto queries = MakeQueries<TypeParam>(input, 601, random);
-      for (std::size_t size : kSizes) {
-        for (std::size_t count : kQueryCounts) {
-          // From the second on: aligned to no more than a value is.
-          this->Check(input, std::span(queries).subspan(1, count), size);
-          if (this->HasFatalFailure()) return;
-        }
+  for (std::size_t seed = 0; seed < Scaled(4); ++seed) {
+    const InputKind kind =
+        seed % 2 == 0 ? InputKind::kAdversarial : InputKind::kMixed;
+    SCOPED_TRACE(::testing::Message() << NameOf(kind) << ", seed " << seed);
+    Random random(seed);
+    const auto input = MakeInput<typename TypeParam::Stored>(
+        kind, std::end(kSizes)[-1] + kMisalignments, random);
+    const auto queries = MakeQueries<TypeParam>(input, 601, random);
+    for (std::size_t size : kSizes) {
+      for (std::size_t count : kQueryCounts) {
+        // From the second on: aligned to no more than a value is.
+        this->Check(input, std::span(queries).subspan(1, count), size);
+        if (this->HasFatalFailure()) return;
       }
     }
   }
