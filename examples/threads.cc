@@ -16,11 +16,11 @@ int main() {
   halfspace::AabbWorld2 houses;
   for (int i = 0; i < 100000; ++i) {
     const auto x = static_cast<float>(20 * i);
-    houses.Push({{x, 5}, {x + 12, 15}});
+    houses.Push({{x, 5}, {x + 8, 15}});
   }
   std::vector<halfspace::Aabb2> cars;
   for (int i = 0; i < 64; ++i) {
-    const auto x = static_cast<float>(31250 * i);
+    const auto x = static_cast<float>(31253 * i);
     cars.push_back({{x, 0}, {x + 4, 6}});
   }
 

@@ -19,6 +19,8 @@
 namespace halfspace::testing {
 namespace {
 
+constexpr GuardedSide kSides[] = {GuardedSide::kBefore, GuardedSide::kAfter};
+
 template <typename Case>
 class ManyGuardPagesTest : public ::testing::Test {
  protected:
@@ -66,9 +68,6 @@ class ManyGuardPagesTest : public ::testing::Test {
     }
   }
 
-  static constexpr GuardedSide kSides[] = {GuardedSide::kBefore,
-                                           GuardedSide::kAfter};
-
  private:
   Random random_{5};
   Input<View> input_ = MakeInput<View>(InputKind::kRuns, kMostObjects, random_);
@@ -92,7 +91,7 @@ TYPED_TEST_SUITE(ManyGuardPagesTest, WholeCases, CaseNames);
 TYPED_TEST(ManyGuardPagesTest, EveryLengthOfTheLastWord) {
   for (std::size_t size = 0; size <= 64 + MostLanes(); ++size) {
     for (std::size_t count : {1, 2, 4, 7}) {
-      for (GuardedSide side : this->kSides) {
+      for (GuardedSide side : kSides) {
         this->Check(size, count, side);
         if (this->HasFatalFailure()) return;
       }
@@ -102,7 +101,7 @@ TYPED_TEST(ManyGuardPagesTest, EveryLengthOfTheLastWord) {
 
 TYPED_TEST(ManyGuardPagesTest, EveryNumberOfQueries) {
   for (std::size_t count : {0, 1, 2, 3, 4, 5, 8, 15, 16, 17, 255, 256, 259}) {
-    for (GuardedSide side : this->kSides) {
+    for (GuardedSide side : kSides) {
       this->Check(2 * 64 + 5, count, side);
       if (this->HasFatalFailure()) return;
     }
@@ -110,7 +109,7 @@ TYPED_TEST(ManyGuardPagesTest, EveryNumberOfQueries) {
 }
 
 TYPED_TEST(ManyGuardPagesTest, TilesAndRanges) {
-  for (GuardedSide side : this->kSides) {
+  for (GuardedSide side : kSides) {
     for (const Range& range :
          {Range{}, Range{64, 4096}, Range{4096, 2 * 4096 + 37}}) {
       this->Check(2 * 4096 + 37, 5, side, range);
