@@ -79,13 +79,18 @@ inline void Confirm(const PreparedScan& scan, const Part& part) {
 }
 
 // Calls visit(block, first, count, begin, end) for every group of queries of
-// every block, tile of `objects` objects after tile, and at least once. It
-// returns the bit of the target, and so does this.
+// every block, tile of `objects` objects after tile; without queries once, for
+// no objects, so that the target is known. It returns the target's bit, and so
+// does this.
 template <typename Visit>
 std::int64_t ForEachGroup(const PreparedScan& scan, std::size_t objects,
                           const Visit& visit) {
   std::int64_t target = 0;
   scan.ForEachBlock([&](const QueryBlock& block) {
+    if (block.count == 0) {
+      target = visit(block, 0, 0, scan.begin(), scan.begin());
+      return;
+    }
     const std::size_t groups = (block.count + kPartStrips - 1) / kPartStrips;
     std::size_t begin = scan.begin();
     do {

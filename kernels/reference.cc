@@ -2,7 +2,8 @@
 
 namespace halfspace::reference {
 
-bool Rejects(const SimplexView2& world, const DownSimplex2& query,
+template <typename T>
+bool Rejects(const SimplexView<2, T>& world, const DownSimplex<2, T>& query,
              std::size_t i) {
   if (world.min[0][i] > query.max[0]) return true;
   if (world.min[1][i] > query.max[1]) return true;
@@ -10,7 +11,8 @@ bool Rejects(const SimplexView2& world, const DownSimplex2& query,
   return false;
 }
 
-bool Rejects(const SimplexView3& world, const DownSimplex3& query,
+template <typename T>
+bool Rejects(const SimplexView<3, T>& world, const DownSimplex<3, T>& query,
              std::size_t i) {
   if (world.min[0][i] > query.max[0]) return true;
   if (world.min[1][i] > query.max[1]) return true;
@@ -19,7 +21,8 @@ bool Rejects(const SimplexView3& world, const DownSimplex3& query,
   return false;
 }
 
-bool Rejects(const SimplexView4& world, const DownSimplex4& query,
+template <typename T>
+bool Rejects(const SimplexView<4, T>& world, const DownSimplex<4, T>& query,
              std::size_t i) {
   if (world.min[0][i] > query.max[0]) return true;
   if (world.min[1][i] > query.max[1]) return true;
@@ -29,7 +32,9 @@ bool Rejects(const SimplexView4& world, const DownSimplex4& query,
   return false;
 }
 
-bool Rejects(const AabbView2& world, const Aabb2& query, std::size_t i) {
+template <typename T>
+bool Rejects(const AabbView<2, T>& world, const Aabb<2, T>& query,
+             std::size_t i) {
   if (world.min[0][i] > query.max[0]) return true;
   if (world.max[0][i] < query.min[0]) return true;
   if (world.min[1][i] > query.max[1]) return true;
@@ -37,7 +42,9 @@ bool Rejects(const AabbView2& world, const Aabb2& query, std::size_t i) {
   return false;
 }
 
-bool Rejects(const AabbView3& world, const Aabb3& query, std::size_t i) {
+template <typename T>
+bool Rejects(const AabbView<3, T>& world, const Aabb<3, T>& query,
+             std::size_t i) {
   if (world.min[0][i] > query.max[0]) return true;
   if (world.max[0][i] < query.min[0]) return true;
   if (world.min[1][i] > query.max[1]) return true;
@@ -47,7 +54,9 @@ bool Rejects(const AabbView3& world, const Aabb3& query, std::size_t i) {
   return false;
 }
 
-bool Rejects(const AabbView4& world, const Aabb4& query, std::size_t i) {
+template <typename T>
+bool Rejects(const AabbView<4, T>& world, const Aabb<4, T>& query,
+             std::size_t i) {
   if (world.min[0][i] > query.max[0]) return true;
   if (world.max[0][i] < query.min[0]) return true;
   if (world.min[1][i] > query.max[1]) return true;
@@ -59,7 +68,9 @@ bool Rejects(const AabbView4& world, const Aabb4& query, std::size_t i) {
   return false;
 }
 
-bool Rejects(const AaboView2& world, const Aabo2& query, std::size_t i) {
+template <typename T>
+bool Rejects(const AaboView<2, T>& world, const Aabo<2, T>& query,
+             std::size_t i) {
   if (world.min[0][i] > query.max[0]) return true;
   if (world.min[1][i] > query.max[1]) return true;
   if (world.min[2][i] > query.max[2]) return true;
@@ -69,7 +80,9 @@ bool Rejects(const AaboView2& world, const Aabo2& query, std::size_t i) {
   return false;
 }
 
-bool Rejects(const AaboView3& world, const Aabo3& query, std::size_t i) {
+template <typename T>
+bool Rejects(const AaboView<3, T>& world, const Aabo<3, T>& query,
+             std::size_t i) {
   if (world.min[0][i] > query.max[0]) return true;
   if (world.min[1][i] > query.max[1]) return true;
   if (world.min[2][i] > query.max[2]) return true;
@@ -81,7 +94,9 @@ bool Rejects(const AaboView3& world, const Aabo3& query, std::size_t i) {
   return false;
 }
 
-bool Rejects(const AaboView4& world, const Aabo4& query, std::size_t i) {
+template <typename T>
+bool Rejects(const AaboView<4, T>& world, const Aabo<4, T>& query,
+             std::size_t i) {
   if (world.min[0][i] > query.max[0]) return true;
   if (world.min[1][i] > query.max[1]) return true;
   if (world.min[2][i] > query.max[2]) return true;
@@ -110,17 +125,32 @@ void RejectMask(const View& world, const typename View::Query& query,
   }
 }
 
-template void RejectMask(const SimplexView2&, const DownSimplex2&,
-                         std::uint64_t*);
-template void RejectMask(const SimplexView3&, const DownSimplex3&,
-                         std::uint64_t*);
-template void RejectMask(const SimplexView4&, const DownSimplex4&,
-                         std::uint64_t*);
-template void RejectMask(const AabbView2&, const Aabb2&, std::uint64_t*);
-template void RejectMask(const AabbView3&, const Aabb3&, std::uint64_t*);
-template void RejectMask(const AabbView4&, const Aabb4&, std::uint64_t*);
-template void RejectMask(const AaboView2&, const Aabo2&, std::uint64_t*);
-template void RejectMask(const AaboView3&, const Aabo3&, std::uint64_t*);
-template void RejectMask(const AaboView4&, const Aabo4&, std::uint64_t*);
+// Every shape, in every number of dimensions, of floats and of doubles.
+#define HALFSPACE_INSTANTIATE(View, Query, kDims, T)                      \
+  template bool Rejects(const View<kDims, T>&, const Query<kDims, T>&,    \
+                        std::size_t);                                     \
+  template void RejectMask(const View<kDims, T>&, const Query<kDims, T>&, \
+                           std::uint64_t*)
+
+HALFSPACE_INSTANTIATE(SimplexView, DownSimplex, 2, float);
+HALFSPACE_INSTANTIATE(SimplexView, DownSimplex, 3, float);
+HALFSPACE_INSTANTIATE(SimplexView, DownSimplex, 4, float);
+HALFSPACE_INSTANTIATE(AabbView, Aabb, 2, float);
+HALFSPACE_INSTANTIATE(AabbView, Aabb, 3, float);
+HALFSPACE_INSTANTIATE(AabbView, Aabb, 4, float);
+HALFSPACE_INSTANTIATE(AaboView, Aabo, 2, float);
+HALFSPACE_INSTANTIATE(AaboView, Aabo, 3, float);
+HALFSPACE_INSTANTIATE(AaboView, Aabo, 4, float);
+HALFSPACE_INSTANTIATE(SimplexView, DownSimplex, 2, double);
+HALFSPACE_INSTANTIATE(SimplexView, DownSimplex, 3, double);
+HALFSPACE_INSTANTIATE(SimplexView, DownSimplex, 4, double);
+HALFSPACE_INSTANTIATE(AabbView, Aabb, 2, double);
+HALFSPACE_INSTANTIATE(AabbView, Aabb, 3, double);
+HALFSPACE_INSTANTIATE(AabbView, Aabb, 4, double);
+HALFSPACE_INSTANTIATE(AaboView, Aabo, 2, double);
+HALFSPACE_INSTANTIATE(AaboView, Aabo, 3, double);
+HALFSPACE_INSTANTIATE(AaboView, Aabo, 4, double);
+
+#undef HALFSPACE_INSTANTIATE
 
 }  // namespace halfspace::reference

@@ -16,19 +16,34 @@
 namespace halfspace::reference {
 
 // True iff object `i` is provably separated from the query. Stops at the first
-// plane that shows it.
-bool Rejects(const SimplexView2& world, const DownSimplex2& query,
+// plane that shows it. T is float or double.
+template <typename T>
+bool Rejects(const SimplexView<2, T>& world, const DownSimplex<2, T>& query,
              std::size_t i);
-bool Rejects(const SimplexView3& world, const DownSimplex3& query,
+template <typename T>
+bool Rejects(const SimplexView<3, T>& world, const DownSimplex<3, T>& query,
              std::size_t i);
-bool Rejects(const SimplexView4& world, const DownSimplex4& query,
+template <typename T>
+bool Rejects(const SimplexView<4, T>& world, const DownSimplex<4, T>& query,
              std::size_t i);
-bool Rejects(const AabbView2& world, const Aabb2& query, std::size_t i);
-bool Rejects(const AabbView3& world, const Aabb3& query, std::size_t i);
-bool Rejects(const AabbView4& world, const Aabb4& query, std::size_t i);
-bool Rejects(const AaboView2& world, const Aabo2& query, std::size_t i);
-bool Rejects(const AaboView3& world, const Aabo3& query, std::size_t i);
-bool Rejects(const AaboView4& world, const Aabo4& query, std::size_t i);
+template <typename T>
+bool Rejects(const AabbView<2, T>& world, const Aabb<2, T>& query,
+             std::size_t i);
+template <typename T>
+bool Rejects(const AabbView<3, T>& world, const Aabb<3, T>& query,
+             std::size_t i);
+template <typename T>
+bool Rejects(const AabbView<4, T>& world, const Aabb<4, T>& query,
+             std::size_t i);
+template <typename T>
+bool Rejects(const AaboView<2, T>& world, const Aabo<2, T>& query,
+             std::size_t i);
+template <typename T>
+bool Rejects(const AaboView<3, T>& world, const Aabo<3, T>& query,
+             std::size_t i);
+template <typename T>
+bool Rejects(const AaboView<4, T>& world, const Aabo<4, T>& query,
+             std::size_t i);
 
 // The reject mask of the whole world, one object after the other; defined for
 // every pair above. The scalar rival that benchmarks time.

@@ -24,9 +24,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
-#include <type_traits>
 
 #include "halfspace/detail/scan.h"
 #include "halfspace/reject.h"
@@ -104,14 +102,14 @@ template <typename AnyWorld, typename Function>
 Target ForEachTile(const AnyWorld& world,
                    std::span<const typename AnyWorld::Query> queries,
                    Function&& function, const Options& options = {}) {
-  using Callable = std::remove_reference_t<Function>;
-  auto* const target = std::addressof(function);
+  // Also of what no pointer to data can name: a function.
+  auto call = [&function](const SurvivorTile& tile) { function(tile); };
   return detail::ForEachTile(
       detail::ScanOf(world.view(), queries),
       [](void* context, const SurvivorTile& tile) {
-        (*static_cast<Callable*>(context))(tile);
+        (*static_cast<decltype(call)*>(context))(tile);
       },
-      const_cast<void*>(static_cast<const void*>(target)), options);
+      &call, options);
 }
 
 }  // namespace halfspace

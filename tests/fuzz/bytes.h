@@ -92,7 +92,7 @@ class Bytes {
       case 0:
         return std::bit_cast<float>(Word());
       case 1:
-        return kSpecialValues[detail % kSpecialValues.size()];
+        return kSpecialValues<float>[detail % kSpecialValues<float>.size()];
       case 2:
         return earlier_.empty() ? 0.f : Neighbour(detail % 4, detail / 4);
       default:

@@ -24,7 +24,11 @@ inline constexpr std::array kSchedules = {Schedule::kAuto, Schedule::kFlat,
                                           Schedule::kStaged,
                                           Schedule::kStagedByAxis};
 
-// One answer, as a reject mask, a survivor mask and a list.
+// What masks hold before a call, to show what it writes.
+inline constexpr std::uint64_t kUnwritten = 0xc5c5c5c5c5c5c5c5u;
+
+// One answer, as a reject mask, a survivor mask and a list. Words of the masks
+// that are outside the range of objects are as they were, unwritten.
 class Answer {
  public:
   Answer() = default;
@@ -32,16 +36,21 @@ class Answer {
   // rejects(i) says whether object i is rejected.
   template <typename Rejects>
   Answer(std::size_t objects, Rejects rejects) {
-    Assign(objects, rejects);
+    Assign(objects, {}, rejects);
   }
 
   template <typename Rejects>
-  void Assign(std::size_t objects, Rejects rejects) {
+  void Assign(std::size_t objects, const Range& range, Rejects rejects) {
     const std::size_t words = MaskWords(objects);
-    reject_mask_.assign(words, ~std::uint64_t{0});
-    survivor_mask_.assign(words, 0);
+    const std::size_t end = std::min(range.end, objects);
+    reject_mask_.assign(words, kUnwritten);
+    survivor_mask_.assign(words, kUnwritten);
+    for (std::size_t w = range.begin / 64; w < MaskWords(end); ++w) {
+      reject_mask_[w] = ~std::uint64_t{0};
+      survivor_mask_[w] = 0;
+    }
     survivors_.clear();
-    for (std::size_t i = 0; i < objects; ++i) {
+    for (std::size_t i = range.begin; i < end; ++i) {
       if (rejects(i)) continue;
       const std::uint64_t bit = std::uint64_t{1} << (i % 64);
       reject_mask_[i / 64] &= ~bit;
@@ -52,8 +61,9 @@ class Answer {
 
   // The oracle's answer.
   template <typename View>
-  void AssignReference(const View& view, const typename View::Query& query) {
-    Assign(view.size,
+  void AssignReference(const View& view, const typename View::Query& query,
+                       const Range& range = {}) {
+    Assign(view.size, range,
            [&](std::size_t i) { return reference::Rejects(view, query, i); });
   }
 
@@ -76,7 +86,8 @@ Answer ReferenceAnswer(const View& view, const typename View::Query& query) {
   return answer;
 }
 
-// Where a check may write: exactly as much as the answer needs.
+// Where a check may write: exactly as much as the answer needs, the mask at
+// first unwritten.
 struct Outputs {
   std::span<std::uint64_t> mask;
   std::span<std::uint32_t> indices;

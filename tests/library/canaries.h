@@ -16,7 +16,7 @@ namespace halfspace::testing {
 template <typename T>
 class Canaried {
  public:
-  static constexpr T kCanary = static_cast<T>(0xc5c5c5c5c5c5c5c5u);
+  static constexpr T kCanary = static_cast<T>(kUnwritten);
   static constexpr std::size_t kEach = 64;  // more than any vector is long
 
   // All of it, the usable part too, becomes canaries.
@@ -61,11 +61,13 @@ class CanariedOutputs {
 template <typename AnyWorld>
 ::testing::AssertionResult AnswersEverywhere(
     const Answer& answer, const AnyWorld& world,
-    const typename AnyWorld::Query& query, std::span<const Target> targets) {
+    const typename AnyWorld::Query& query, std::span<const Target> targets,
+    const Range& range = {}) {
   thread_local CanariedOutputs outputs;
   for (Target target : targets) {
     for (Schedule schedule : kSchedules) {
-      const Options options{.schedule = schedule, .target = target};
+      const Options options{
+          .schedule = schedule, .target = target, .range = range};
       auto result = Answers(answer, world, query, options, outputs.For(answer));
       if (!result) return result;
       if (!outputs.Intact()) {

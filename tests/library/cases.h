@@ -1,5 +1,6 @@
 // The ways to look at planes, for typed tests: each shape in 2, 3 and 4
-// dimensions, and an octahedron's planes seen as a simplex or a box world.
+// dimensions, and an octahedron's planes seen as a simplex or a box world, of
+// floats and of doubles.
 #ifndef HALFSPACE_TESTS_LIBRARY_CASES_H_
 #define HALFSPACE_TESTS_LIBRARY_CASES_H_
 
@@ -8,6 +9,7 @@
 #include <cstddef>
 #include <string>
 #include <tuple>
+#include <type_traits>
 
 #include "halfspace/bounds.h"
 #include "halfspace/world.h"
@@ -35,9 +37,12 @@ constexpr bool IsMinPlane(std::size_t p) {
   return p < kMinima<View>;
 }
 
+template <typename View>
+using ScalarOf = typename View::Bound::Scalar;
+
 // The value of a query that plane p of a view is compared with.
 template <typename View>
-float& OpposingValue(typename View::Query& query, std::size_t p) {
+ScalarOf<View>& OpposingValue(typename View::Query& query, std::size_t p) {
   if constexpr (HasMaxima<View>) {
     if (!IsMinPlane<View>(p)) return query.min[p - kMinima<View>];
   }
@@ -45,7 +50,7 @@ float& OpposingValue(typename View::Query& query, std::size_t p) {
 }
 
 template <typename View>
-const float*& PlaneOf(View& view, std::size_t p) {
+const ScalarOf<View>*& PlaneOf(View& view, std::size_t p) {
   if constexpr (HasMaxima<View>) {
     if (!IsMinPlane<View>(p)) return view.max[p - kMinima<View>];
   }
@@ -64,43 +69,55 @@ struct Whole {
   }
 };
 
-template <int kDims>
+template <int kDims, typename T = float>
 struct AaboAsSimplex {
-  using Stored = AaboView<kDims>;
-  using View = SimplexView<kDims>;
+  using Stored = AaboView<kDims, T>;
+  using View = SimplexView<kDims, T>;
   static View Seen(const Stored& stored) { return stored.simplex(); }
-  static DownSimplex<kDims> Seen(const Aabo<kDims>& query) {
+  static DownSimplex<kDims, T> Seen(const Aabo<kDims, T>& query) {
     return query.down();
   }
 };
 
-template <int kDims>
+template <int kDims, typename T = float>
 struct AaboAsAabb {
-  using Stored = AaboView<kDims>;
-  using View = AabbView<kDims>;
+  using Stored = AaboView<kDims, T>;
+  using View = AabbView<kDims, T>;
   static View Seen(const Stored& stored) { return stored.aabb(); }
-  static Aabb<kDims> Seen(const Aabo<kDims>& query) { return query.aabb(); }
+  static Aabb<kDims, T> Seen(const Aabo<kDims, T>& query) {
+    return query.aabb();
+  }
 };
 
-template <int kDims>
-std::string NameOf(const Whole<SimplexView<kDims>>&) {
-  return "Simplex" + std::to_string(kDims);
+namespace internal {
+
+template <typename T>
+std::string NameOf(const char* shape, int dims, const char* seen_as = "") {
+  const char* scalar = std::is_same_v<T, double> ? "Double" : "";
+  return shape + std::to_string(dims) + scalar + seen_as;
 }
-template <int kDims>
-std::string NameOf(const Whole<AabbView<kDims>>&) {
-  return "Aabb" + std::to_string(kDims);
+
+}  // namespace internal
+
+template <int kDims, typename T>
+std::string NameOf(const Whole<SimplexView<kDims, T>>&) {
+  return internal::NameOf<T>("Simplex", kDims);
 }
-template <int kDims>
-std::string NameOf(const Whole<AaboView<kDims>>&) {
-  return "Aabo" + std::to_string(kDims);
+template <int kDims, typename T>
+std::string NameOf(const Whole<AabbView<kDims, T>>&) {
+  return internal::NameOf<T>("Aabb", kDims);
 }
-template <int kDims>
-std::string NameOf(const AaboAsSimplex<kDims>&) {
-  return "Aabo" + std::to_string(kDims) + "AsSimplex";
+template <int kDims, typename T>
+std::string NameOf(const Whole<AaboView<kDims, T>>&) {
+  return internal::NameOf<T>("Aabo", kDims);
 }
-template <int kDims>
-std::string NameOf(const AaboAsAabb<kDims>&) {
-  return "Aabo" + std::to_string(kDims) + "AsAabb";
+template <int kDims, typename T>
+std::string NameOf(const AaboAsSimplex<kDims, T>&) {
+  return internal::NameOf<T>("Aabo", kDims, "AsSimplex");
+}
+template <int kDims, typename T>
+std::string NameOf(const AaboAsAabb<kDims, T>&) {
+  return internal::NameOf<T>("Aabo", kDims, "AsAabb");
 }
 
 struct CaseNames {
@@ -110,17 +127,26 @@ struct CaseNames {
   }
 };
 
-using WholeCases =
-    ::testing::Types<Whole<SimplexView2>, Whole<SimplexView3>,
-                     Whole<SimplexView4>, Whole<AabbView2>, Whole<AabbView3>,
-                     Whole<AabbView4>, Whole<AaboView2>, Whole<AaboView3>,
-                     Whole<AaboView4>>;
+using WholeCases = ::testing::Types<
+    Whole<SimplexView2>, Whole<SimplexView3>, Whole<SimplexView4>,
+    Whole<AabbView2>, Whole<AabbView3>, Whole<AabbView4>, Whole<AaboView2>,
+    Whole<AaboView3>, Whole<AaboView4>, Whole<SimplexView<2, double>>,
+    Whole<SimplexView<3, double>>, Whole<SimplexView<4, double>>,
+    Whole<AabbView<2, double>>, Whole<AabbView<3, double>>,
+    Whole<AabbView<4, double>>, Whole<AaboView<2, double>>,
+    Whole<AaboView<3, double>>, Whole<AaboView<4, double>>>;
 
 using AllCases = ::testing::Types<
     Whole<SimplexView2>, Whole<SimplexView3>, Whole<SimplexView4>,
     Whole<AabbView2>, Whole<AabbView3>, Whole<AabbView4>, Whole<AaboView2>,
     Whole<AaboView3>, Whole<AaboView4>, AaboAsSimplex<2>, AaboAsSimplex<3>,
-    AaboAsSimplex<4>, AaboAsAabb<2>, AaboAsAabb<3>, AaboAsAabb<4>>;
+    AaboAsSimplex<4>, AaboAsAabb<2>, AaboAsAabb<3>, AaboAsAabb<4>,
+    Whole<SimplexView<2, double>>, Whole<SimplexView<3, double>>,
+    Whole<SimplexView<4, double>>, Whole<AabbView<2, double>>,
+    Whole<AabbView<3, double>>, Whole<AabbView<4, double>>,
+    Whole<AaboView<2, double>>, Whole<AaboView<3, double>>,
+    Whole<AaboView<4, double>>, AaboAsSimplex<3, double>,
+    AaboAsAabb<3, double>>;
 
 }  // namespace halfspace::testing
 

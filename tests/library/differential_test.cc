@@ -25,19 +25,6 @@ class DifferentialTest : public ::testing::Test {
     return std::max<std::size_t>(4, MostLanes());
   }
 
-  // `size` objects of the input, each plane from an element of its own on, so
-  // that no two planes share an alignment.
-  static Stored ViewAt(const Input<Stored>& input, std::size_t offset,
-                       std::size_t size) {
-    Stored view;
-    for (std::size_t p = 0; p < kPlanes<Stored>; ++p) {
-      PlaneOf(view, p) =
-          input.planes[p].data() + (offset + 3 * p) % Misalignments();
-    }
-    view.size = size;
-    return view;
-  }
-
   // Checks `offsets` misalignments of one size.
   void Check(const Input<Stored>& input, std::size_t size,
              std::size_t offsets) {
@@ -45,7 +32,8 @@ class DifferentialTest : public ::testing::Test {
     for (std::size_t i = 0; i < offsets; ++i) {
       // From one size to the next other ones, when not all are checked.
       const std::size_t offset = (5 * size + i) % Misalignments();
-      const auto view = Case::Seen(ViewAt(input, offset, size));
+      const auto view =
+          Case::Seen(ViewAt(input, offset, size, Misalignments()));
       answer_.AssignReference(view, query);
       survivors_ += answer_.survivors().size();
       objects_ += size;

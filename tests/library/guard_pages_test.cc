@@ -37,10 +37,11 @@ template <typename Case>
 class GuardPagesTest : public ::testing::Test {
  protected:
   using Stored = typename Case::Stored;
+  using Scalar = ScalarOf<Stored>;
 
   GuardPagesTest() {
     for (auto& plane : planes_) {
-      plane = std::make_unique<GuardedMemory>(kMostObjects * sizeof(float));
+      plane = std::make_unique<GuardedMemory>(kMostObjects * sizeof(Scalar));
     }
   }
 
@@ -49,7 +50,7 @@ class GuardPagesTest : public ::testing::Test {
   void Check(const Input<Stored>& input, std::size_t size, GuardedSide side) {
     Stored stored;
     for (std::size_t p = 0; p < kPlanes<Stored>; ++p) {
-      const auto plane = planes_[p]->template Get<float>(size, side);
+      const auto plane = planes_[p]->template Get<Scalar>(size, side);
       std::copy_n(input.planes[p].begin(), size, plane.begin());
       PlaneOf(stored, p) = plane.data();
     }

@@ -1,63 +1,21 @@
 // More objects than 32 bits count: planes of 16 GiB of addresses, and a mask of
 // half of one, backed again and again by the same memory.
 #include <gtest/gtest.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
-#include "halfspace/reject.h"
+#include "halfspace/reject_many.h"
 #include "tests/library/environment.h"
+#include "tests/library/repeated.h"
 
 namespace halfspace::testing {
 namespace {
 
 constexpr std::size_t kTwoTo32 = std::size_t{1} << 32;
-
-// Room for `count` elements, at first all `value`: mappings of one chunk, in a
-// row. What is written to one of them is in all of them; but what is written to
-// the last one stays there, and keeps that page apart from then on.
-template <typename T>
-class Repeated {
- public:
-  Repeated(T value, std::size_t count) {
-    const std::size_t chunks = (count + kChunk - 1) / kChunk;
-    size_ = chunks * kBytes;
-    const int file = memfd_create("halfspace-huge-world", 0);
-    const std::vector<T> chunk(kChunk, value);
-    ok_ = file >= 0 &&
-          write(file, chunk.data(), kBytes) == static_cast<ssize_t>(kBytes);
-    void* all = mmap(nullptr, size_, PROT_NONE,
-                     MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    ok_ = ok_ && all != MAP_FAILED;
-    begin_ = static_cast<std::byte*>(all);
-    for (std::size_t c = 0; ok_ && c < chunks; ++c) {
-      const int kind = c + 1 == chunks ? MAP_PRIVATE : MAP_SHARED;
-      ok_ = mmap(begin_ + c * kBytes, kBytes, PROT_READ | PROT_WRITE,
-                 kind | MAP_FIXED, file, 0) != MAP_FAILED;
-    }
-    if (file >= 0) close(file);
-  }
-  Repeated(const Repeated&) = delete;
-  Repeated& operator=(const Repeated&) = delete;
-  ~Repeated() {
-    if (begin_ != nullptr && begin_ != MAP_FAILED) munmap(begin_, size_);
-  }
-
-  bool ok() const { return ok_; }
-  T* data() const { return reinterpret_cast<T*>(begin_); }
-
- private:
-  static constexpr std::size_t kBytes = std::size_t{1} << 22;
-  static constexpr std::size_t kChunk = kBytes / sizeof(T);
-
-  std::size_t size_;
-  std::byte* begin_ = nullptr;
-  bool ok_ = false;
-};
 
 class HugeWorldTest : public ::testing::Test {
  protected:
@@ -105,6 +63,109 @@ TEST_F(HugeWorldTest, LastIndexOf32Bits) {
             1u);
   EXPECT_EQ(indices[0], std::numeric_limits<std::uint32_t>::max());
   EXPECT_EQ(indices[1], 7u);
+}
+
+TEST_F(HugeWorldTest, CountsForManyQueriesBeyond32Bits) {
+  constexpr std::size_t kObjects = kTwoTo32 + 70;
+  const Repeated<float> plane(1.f, kObjects);
+  ASSERT_TRUE(plane.ok());
+  const DownSimplex2 queries[] = {{{1.f, 1.f, 1.f}}, {{1.f, 0.f, 1.f}}};
+  std::size_t counts[2];
+  SurvivorCounts(World(plane, kObjects), queries, counts);
+  EXPECT_EQ(counts[0], kObjects);
+  EXPECT_EQ(counts[1], 0u);
+}
+
+// Ranges cost nothing for what is outside: here worlds may have more.
+class HugeRangeTest : public HugeWorldTest {
+ protected:
+  // Rows of so many words that 33 of them have more than 2^32, and that begin
+  // at other places of the memory that all of them share.
+  static constexpr std::size_t kObjects = 2 * kTwoTo32 + 5 * 64 + 6;
+  static constexpr std::size_t kQueries = 33;
+  // Two words past 2^32 objects from the start, or at the end.
+  static constexpr Range kMiddle = {kTwoTo32 + 64, kTwoTo32 + 3 * 64};
+  static constexpr Range kEnd = {2 * kTwoTo32 + 4 * 64, kObjects};
+
+  void SetUp() override {
+    HugeWorldTest::SetUp();
+    if (IsSkipped()) return;
+    plane_.emplace(1.f, kObjects);
+    ASSERT_TRUE(plane_->ok());
+    // The one is in every chunk, also in that of the middle; the other is not.
+    plane_->data()[64 + 69] = 0.f;
+    plane_->data()[kObjects - 1] = 0.f;
+  }
+
+  SimplexView2 World() const { return HugeWorldTest::World(*plane_, kObjects); }
+
+  const DownSimplex2 query_{{0.f, 0.f, 0.f}};
+  const std::vector<DownSimplex2> queries_ =
+      std::vector<DownSimplex2>(kQueries, query_);
+
+ private:
+  std::optional<Repeated<float>> plane_;
+};
+
+TEST_F(HugeRangeTest, Masks) {
+  const std::size_t words = MaskWords(kObjects);
+  const Repeated<std::uint64_t> mask(7, words);
+  ASSERT_TRUE(mask.ok());
+  const std::size_t middle = kTwoTo32 / 64 + 1;
+  SurvivorMask(World(), query_, {mask.data(), words}, {.range = kMiddle});
+  EXPECT_EQ(mask.data()[middle - 1], 7u);
+  EXPECT_EQ(mask.data()[middle], 0u);
+  EXPECT_EQ(mask.data()[middle + 1], 1u << 5);
+  EXPECT_EQ(mask.data()[middle + 2], 7u);
+  RejectMask(World(), query_, {mask.data(), words}, {.range = kEnd});
+  EXPECT_EQ(mask.data()[words - 3], 7u);
+  EXPECT_EQ(mask.data()[words - 2], ~std::uint64_t{0});
+  EXPECT_EQ(mask.data()[words - 1], ~(std::uint64_t{1} << 5));
+}
+
+TEST_F(HugeRangeTest, CountsAndFlag) {
+  EXPECT_EQ(CountSurvivors(World(), query_, {.range = kMiddle}).count, 1u);
+  EXPECT_EQ(CountSurvivors(World(), query_, {.range = kEnd}).count, 1u);
+  EXPECT_TRUE(AnySurvivor(World(), query_, {.range = kMiddle}));
+  EXPECT_TRUE(AnySurvivor(World(), query_, {.range = kEnd}));
+  EXPECT_FALSE(AnySurvivor(World(), query_,
+                           {.range = {kTwoTo32 + 192, kTwoTo32 + 4096 * 64}}));
+  std::vector<std::size_t> counts(kQueries, 7);
+  SurvivorCounts(World(), queries_, counts, {.range = kEnd});
+  EXPECT_EQ(counts, std::vector<std::size_t>(kQueries, 1));
+}
+
+TEST_F(HugeRangeTest, RowsOfMoreThan32BitsOfWords) {
+  const std::size_t words = MaskWords(kObjects);
+  ASSERT_GT(words * (kQueries - 1), kTwoTo32);
+  const Repeated<std::uint64_t> rows(7, words * kQueries);
+  ASSERT_TRUE(rows.ok());
+  SurvivorMasks(World(), queries_, {rows.data(), words * kQueries},
+                {.range = kEnd});
+  for (std::size_t q = 0; q < kQueries; ++q) {
+    const std::uint64_t* end = rows.data() + (q + 1) * words;
+    EXPECT_EQ(end[-3], 7u) << q;
+    EXPECT_EQ(end[-2], 0u) << q;
+    EXPECT_EQ(end[-1], 1u << 5) << q;
+    if (q + 1 == kQueries) break;
+    EXPECT_EQ(end[0], 7u) << q;
+  }
+}
+
+TEST_F(HugeRangeTest, Tiles) {
+  std::size_t rows_seen = 0;
+  ForEachTile(World(), queries_,
+              [&](const SurvivorTile& tile) {
+                EXPECT_EQ(tile.first_object, kEnd.begin);
+                EXPECT_EQ(tile.objects, kObjects - kEnd.begin);
+                for (std::size_t q = 0; q < tile.queries; ++q) {
+                  EXPECT_EQ(tile.Row(q)[0], 0u);
+                  EXPECT_EQ(tile.Row(q)[1], 1u << 5);
+                  ++rows_seen;
+                }
+              },
+              {.range = kEnd});
+  EXPECT_EQ(rows_seen, kQueries);
 }
 
 }  // namespace

@@ -39,17 +39,19 @@ inline bool OneIn(double n, Random& random) {
   return std::uniform_real_distribution<>(0.0, n)(random) < 1.0;
 }
 
-inline float SpecialValue(Random& random) {
-  return kSpecialValues[random() % kSpecialValues.size()];
+template <typename T>
+T SpecialValue(Random& random) {
+  return kSpecialValues<T>[random() % kSpecialValues<T>.size()];
 }
 
 // A value for a plane that is compared with `query`.
+template <typename T>
 class PlaneValueSource {
  public:
-  PlaneValueSource(InputKind kind, bool is_min, float query)
+  PlaneValueSource(InputKind kind, bool is_min, T query)
       : kind_(kind), is_min_(is_min), query_(query) {}
 
-  float Next(Random& random) {
+  T Next(Random& random) {
     switch (kind_) {
       case InputKind::kDense:
         return Apart(OneIn(64, random), random);
@@ -71,14 +73,14 @@ class PlaneValueSource {
   }
 
  private:
-  float Apart(bool rejected, Random& random) const {
-    std::uniform_real_distribution<float> distance(0.5f, 100.f);
-    const float away = distance(random);
+  T Apart(bool rejected, Random& random) const {
+    std::uniform_real_distribution<T> distance(T{0.5}, T{100});
+    const T away = distance(random);
     return query_ + (rejected == is_min_ ? away : -away);
   }
 
-  float Adversarial(Random& random) const {
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  T Adversarial(Random& random) const {
+    constexpr T kInfinity = std::numeric_limits<T>::infinity();
     switch (random() % 8) {
       case 0:
       case 1:
@@ -88,7 +90,7 @@ class PlaneValueSource {
       case 3:
         return std::nextafter(query_, -kInfinity);
       case 4:
-        return SpecialValue(random);
+        return SpecialValue<T>(random);
       case 5:
         return -query_;
       default:
@@ -98,7 +100,7 @@ class PlaneValueSource {
 
   InputKind kind_;
   bool is_min_;
-  float query_;
+  T query_;
   std::size_t run_left_ = 0;
   bool run_rejects_ = false;
 };
@@ -106,23 +108,39 @@ class PlaneValueSource {
 // The planes of a world of `View`, and a query.
 template <typename View>
 struct Input {
-  std::array<std::vector<float>, kPlanes<View>> planes;
+  std::array<std::vector<ScalarOf<View>>, kPlanes<View>> planes;
   typename View::Query query;
 };
 
 template <typename View>
 Input<View> MakeInput(InputKind kind, std::size_t objects, Random& random) {
-  std::uniform_real_distribution<float> coordinate(-100.f, 100.f);
+  using T = ScalarOf<View>;
+  std::uniform_real_distribution<T> coordinate(T{-100}, T{100});
   Input<View> input;
   for (std::size_t p = 0; p < kPlanes<View>; ++p) {
     const bool special = kind == InputKind::kAdversarial && OneIn(4, random);
-    const float query = special ? SpecialValue(random) : coordinate(random);
+    const T query = special ? SpecialValue<T>(random) : coordinate(random);
     OpposingValue<View>(input.query, p) = query;
-    PlaneValueSource source(kind, IsMinPlane<View>(p), query);
+    PlaneValueSource<T> source(kind, IsMinPlane<View>(p), query);
     input.planes[p].resize(objects);
-    for (float& value : input.planes[p]) value = source.Next(random);
+    for (T& value : input.planes[p]) value = source.Next(random);
   }
   return input;
+}
+
+// `size` objects of the input, each plane from an element of its own on, so
+// that no two planes share an alignment: up to `misalignments` elements further
+// than the first.
+template <typename View>
+View ViewAt(const Input<View>& input, std::size_t offset, std::size_t size,
+            std::size_t misalignments) {
+  View view;
+  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+    PlaneOf(view, p) =
+        input.planes[p].data() + (offset + 3 * p) % misalignments;
+  }
+  view.size = size;
+  return view;
 }
 
 }  // namespace halfspace::testing

@@ -1,22 +1,25 @@
-// One seeded world per number of dimensions, and one constant per shape that
-// stands for all its answers: the same on every target, schedule, compiler and
-// machine. The other tests compare what runs here with what runs here; only a
-// constant compares with machines that are elsewhere.
+// One seeded world per number of dimensions, of floats and of doubles, and one
+// constant per shape that stands for all its answers: the same on every target,
+// schedule, compiler and machine. The other tests compare what runs here with
+// what runs here; only a constant compares with machines that are elsewhere.
 //
 // HALFSPACE_TEST_SCALE does not count here. If an answer is meant to change,
 // the message of the failed test has the new constant.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <ios>
 #include <map>
+#include <numeric>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "halfspace/reject.h"
+#include "halfspace/reject_many.h"
 #include "halfspace/world.h"
 #include "tests/library/answers.h"
 #include "tests/library/cases.h"
@@ -29,21 +32,57 @@ namespace halfspace::testing {
 namespace {
 
 const std::map<std::string, std::uint64_t> kExpected = {
-    {"Aabb2", 0x9b3b2192a5b90fc5},    {"Aabb3", 0x897a7b9458ffca03},
-    {"Aabb4", 0x7020b60384a94482},    {"Aabo2", 0x1dd97fd69039fb35},
-    {"Aabo3", 0x7bdd90a6dc6dab43},    {"Aabo4", 0x9b7e0fe77940a811},
-    {"Simplex2", 0xae1afe0d6303fc27}, {"Simplex3", 0x245c4e942dd3357d},
+    {"Aabb2", 0x9b3b2192a5b90fc5},
+    {"Aabb3", 0x897a7b9458ffca03},
+    {"Aabb4", 0x7020b60384a94482},
+    {"Aabo2", 0x1dd97fd69039fb35},
+    {"Aabo3", 0x7bdd90a6dc6dab43},
+    {"Aabo4", 0x9b7e0fe77940a811},
+    {"Simplex2", 0xae1afe0d6303fc27},
+    {"Simplex3", 0x245c4e942dd3357d},
     {"Simplex4", 0xd2d20e5e697c0a3f},
+    {"Aabb2Double", 0xd620a994e20cd2c8},
+    {"Aabb3Double", 0x8665c9a21d612081},
+    {"Aabb4Double", 0xbde9a4c7a7a9fd48},
+    {"Aabo2Double", 0x5bf8770844aece95},
+    {"Aabo3Double", 0x099c552a29a3294d},
+    {"Aabo4Double", 0x5182149f6f0dfe51},
+    {"Simplex2Double", 0xb4183a5c08ac0def},
+    {"Simplex3Double", 0x47d52aa0ff1a87ec},
+    {"Simplex4Double", 0xff22032c32a46486},
 };
 
-template <int kDims>
+const std::map<std::string, std::uint64_t> kExpectedForMany = {
+    {"Aabb2", 0x9cb1388546c4e779},
+    {"Aabb3", 0x1d6cd572e794f81d},
+    {"Aabb4", 0x37f6290b4be25d40},
+    {"Aabo2", 0xe2a77dc3399c17d6},
+    {"Aabo3", 0xa7dd4d935aa20fac},
+    {"Aabo4", 0xedb36be664bafdf8},
+    {"Simplex2", 0x30ae1fb9676ffc1d},
+    {"Simplex3", 0x20f4f58e60b0f4d9},
+    {"Simplex4", 0x7a1f250ac4ff3ce2},
+    {"Aabb2Double", 0x4a637392bc5f13e4},
+    {"Aabb3Double", 0x0b6a206f6f2e37a2},
+    {"Aabb4Double", 0x62bfc742c796e8db},
+    {"Aabo2Double", 0xaa52e834c16018d9},
+    {"Aabo3Double", 0x2cf36ef698723578},
+    {"Aabo4Double", 0xcce8a850543a3601},
+    {"Simplex2Double", 0xd4feb7503e3e7fff},
+    {"Simplex3Double", 0x014c12c34358d600},
+    {"Simplex4Double", 0x7527ccda9c6b9907},
+};
+
+template <int kDims, typename T>
 struct Scene {
   // A tile of a staged scan, then words, then a tail.
   static constexpr std::size_t kObjects = 4096 + 3 * 64 + 37;
   static constexpr std::size_t kQueries = 32;
 
-  std::vector<Aabo<kDims>> objects;
-  std::vector<Aabo<kDims>> queries;
+  using Bound = Aabo<kDims, T>;
+
+  std::vector<Bound> objects;
+  std::vector<Bound> queries;
 
   Scene() {
     SeededNumbers numbers(kDims);
@@ -57,49 +96,55 @@ struct Scene {
 
  private:
   // Half of them by the builders.
-  static Aabo<kDims> Next(SeededNumbers& numbers,
-                          std::span<const Aabo<kDims>> others) {
+  static Bound Next(SeededNumbers& numbers, std::span<const Bound> others) {
     if (numbers.Below(2) == 0) {
       const auto& builders = kSeededBuilders<kDims>;
       const auto one =
           numbers.Below(static_cast<std::uint32_t>(builders.size()));
-      return builders[one].build(numbers);
+      return Widened(builders[one].build(numbers));
     }
-    Aabo<kDims> bound;
+    Bound bound;
     for (std::size_t k = 0; k < bound.min.size(); ++k) {
       const auto* other = others.empty()
                               ? nullptr
                               : &others[numbers.Below(
                                     static_cast<std::uint32_t>(others.size()))];
-      bound.min[k] = Value(numbers, -16.f, other ? other->max[k] : 0.f);
-      bound.max[k] = Value(numbers, 16.f, other ? other->min[k] : 0.f);
+      bound.min[k] = Value(numbers, -16, other ? other->max[k] : 0);
+      bound.max[k] = Value(numbers, 16, other ? other->min[k] : 0);
     }
     return bound;
   }
 
+  static Bound Widened(const Aabo<kDims>& bound) {
+    Bound result;
+    std::copy(bound.min.begin(), bound.min.end(), result.min.begin());
+    std::copy(bound.max.begin(), bound.max.end(), result.max.begin());
+    return result;
+  }
+
   // Half of the values seldom reject, so that some objects survive. The others
   // are anything at all, touch an opposing value or are one ulp from it.
-  static float Value(SeededNumbers& numbers, float loose, float opposing) {
-    const auto bits = std::bit_cast<std::uint32_t>(opposing);
+  static T Value(SeededNumbers& numbers, T loose, T opposing) {
+    const auto bits = std::bit_cast<BitsOf<T>>(opposing);
     switch (numbers.Below(10)) {
       case 0:
-        return numbers.Special();
+        return numbers.Special<T>();
       case 1:
-        return numbers.Raw();
+        return numbers.Raw<T>();
       case 2:
         return opposing;
       case 3:
-        return std::bit_cast<float>(bits + 1);
+        return std::bit_cast<T>(bits + 1);
       case 4:
-        return std::bit_cast<float>(bits - 1);
+        return std::bit_cast<T>(bits - 1);
       default:
         return loose;
     }
   }
 };
 
-template <typename Bound, int kDims>
-Bound PartOf(const Aabo<kDims>& bound) {
+template <typename Bound, int kDims, typename T>
+Bound PartOf(const Aabo<kDims, T>& bound) {
   if constexpr (HasMinima<Bound> && HasMaxima<Bound>) {
     if constexpr (Bound::kAxes == kDims) {
       return bound.aabb();
@@ -118,10 +163,10 @@ class MaskHashTest : public ::testing::Test {
  protected:
   using Stored = typename Case::Stored;
   using View = typename Case::View;
-  static constexpr int kDims = Stored::Bound::kDimensions;
+  using TheScene = Scene<Stored::Bound::kDimensions, ScalarOf<Stored>>;
 
   MaskHashTest() {
-    static const Scene<kDims> scene;
+    static const TheScene scene;
     for (const auto& object : scene.objects) {
       world_.Push(PartOf<typename Stored::Bound>(object));
     }
@@ -130,7 +175,7 @@ class MaskHashTest : public ::testing::Test {
     }
   }
 
-  // Of every form of the answers to all queries.
+  // Of every form of the answers to all queries, one at a time.
   std::uint64_t HashOf(const Options& options) {
     const View view = Case::Seen(world_.view());
     std::vector<std::uint64_t> mask(MaskWords(view.size));
@@ -152,7 +197,39 @@ class MaskHashTest : public ::testing::Test {
     return hash.value();
   }
 
-  std::size_t survivors() const { return survivors_; }
+  // The same of the calls for many queries. Pairs count by their query, since
+  // the tiles that they come by may change.
+  std::uint64_t HashOfMany(const Options& options) {
+    const View view = Case::Seen(world_.view());
+    std::vector<std::uint64_t> rows(queries_.size() * MaskWords(view.size));
+    std::vector<std::size_t> counts(queries_.size());
+    FnvHash hash;
+    RejectMasks(view, queries_, rows, options);
+    hash.AddAll(rows);
+    SurvivorMasks(view, queries_, rows, options);
+    hash.AddAll(rows);
+    SurvivorCounts(view, queries_, counts, options);
+    hash.AddAll(counts);
+    survivors_ = std::reduce(counts.begin(), counts.end());
+    std::vector<std::uint32_t> by_pair(survivors_);
+    std::vector<std::uint32_t> objects(survivors_);
+    const std::size_t pairs =
+        SurvivorPairs(view, queries_, by_pair, objects, options).count;
+    hash.Add(pairs);
+    std::vector<std::vector<std::uint32_t>> by_query(queries_.size());
+    for (std::size_t j = 0; j < std::min(pairs, survivors_); ++j) {
+      by_query.at(by_pair[j]).push_back(objects[j]);
+    }
+    for (const auto& survivors : by_query) hash.AddAll(survivors);
+    return hash.value();
+  }
+
+  // A world of which all or nothing survives would test little.
+  void ExpectBothAnswers() const {
+    constexpr std::size_t kTested = TheScene::kObjects * TheScene::kQueries;
+    EXPECT_GT(survivors_, kTested / 50);
+    EXPECT_LT(survivors_, kTested / 2);
+  }
 
  private:
   World<Stored> world_;
@@ -162,23 +239,35 @@ class MaskHashTest : public ::testing::Test {
 
 TYPED_TEST_SUITE(MaskHashTest, AllCases, CaseNames);
 
-TYPED_TEST(MaskHashTest, IsTheSameEverywhere) {
-  const std::string name = NameOf(Whole<typename TypeParam::View>());
-  const std::uint64_t expected = kExpected.at(name);
+// hash_of(options) is the constant, on every target and schedule.
+template <typename HashOf>
+void ExpectEverywhere(std::uint64_t expected, const std::string& name,
+                      HashOf hash_of) {
   for (Target target : TargetsUnderTest()) {
     for (Schedule schedule : kSchedules) {
       const std::uint64_t hash =
-          this->HashOf({.schedule = schedule, .target = target});
+          hash_of(Options{.schedule = schedule, .target = target});
       EXPECT_EQ(hash, expected)
           << target.name() << ", schedule " << static_cast<int>(schedule)
           << ": the hash of " << name << " is 0x" << std::hex << hash;
     }
   }
-  // A world of which all or nothing survives would test little.
-  constexpr std::size_t kTested =
-      Scene<TestFixture::kDims>::kObjects * Scene<TestFixture::kDims>::kQueries;
-  EXPECT_GT(this->survivors(), kTested / 50);
-  EXPECT_LT(this->survivors(), kTested / 2);
+}
+
+TYPED_TEST(MaskHashTest, IsTheSameEverywhere) {
+  const std::string name = NameOf(Whole<typename TypeParam::View>());
+  ExpectEverywhere(kExpected.at(name), name, [this](const Options& options) {
+    return this->HashOf(options);
+  });
+  this->ExpectBothAnswers();
+}
+
+TYPED_TEST(MaskHashTest, IsTheSameEverywhereForManyQueries) {
+  const std::string name = NameOf(Whole<typename TypeParam::View>());
+  ExpectEverywhere(
+      kExpectedForMany.at(name), name + " for many",
+      [this](const Options& options) { return this->HashOfMany(options); });
+  this->ExpectBothAnswers();
 }
 
 }  // namespace

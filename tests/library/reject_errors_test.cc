@@ -13,34 +13,30 @@
 #include "tests/library/cases.h"
 #include "tests/library/expect_invalid.h"
 #include "tests/library/five_calls.h"
+#include "tests/library/misaligned.h"
 
 namespace halfspace::testing {
 namespace {
 
 constexpr std::size_t kObjects = 130;  // 3 words
 
-// `pointer`, one byte further.
-template <typename T>
-T* Misaligned(T* pointer) {
-  return reinterpret_cast<T*>(reinterpret_cast<std::uintptr_t>(pointer) + 1);
-}
-
 template <typename Case>
 class RejectErrorsTest : public ::testing::Test {
  protected:
   using View = typename Case::View;
+  using Scalar = ScalarOf<View>;
 
   RejectErrorsTest() {
     for (std::size_t p = 0; p < kPlanes<View>; ++p) {
       PlaneOf(view_, p) = Plane(p).data();
-      OpposingValue<View>(query_, p) = 0.f;
+      OpposingValue<View>(query_, p) = 0;
     }
     view_.size = kObjects;
   }
 
-  // Planes 8 bytes apart from one another, so that an output fits between.
+  // Planes two elements apart from one another, so that an output fits between.
   static constexpr std::size_t kStride = kObjects + 2;
-  std::span<float> Plane(std::size_t p) {
+  std::span<Scalar> Plane(std::size_t p) {
     return std::span(block_).subspan(2 + p * kStride, kObjects);
   }
 
@@ -66,7 +62,7 @@ class RejectErrorsTest : public ::testing::Test {
   // Both mask calls refuse `mask`, and the planes are as they were.
   void ExpectMaskRefused(std::span<std::uint64_t> mask,
                          std::string_view expected, std::string_view given) {
-    const std::vector<float> before = block_;
+    const std::vector<Scalar> before = block_;
     EXPECT_TRUE(
         Refuses([&] { RejectMask(view_, query_, mask); },
                 {"RejectMask: mask: expected", expected, "got", given}));
@@ -78,7 +74,7 @@ class RejectErrorsTest : public ::testing::Test {
 
   void ExpectIndicesRefused(std::span<std::uint32_t> indices,
                             std::string_view expected, std::string_view given) {
-    const std::vector<float> before = block_;
+    const std::vector<Scalar> before = block_;
     EXPECT_TRUE(
         Refuses([&] { (void)Survivors(view_, query_, indices); },
                 {"Survivors: indices: expected", expected, "got", given}));
@@ -88,33 +84,40 @@ class RejectErrorsTest : public ::testing::Test {
   View view_;
   typename View::Query query_;
   CallOutputs outputs_;
-  std::vector<float> block_ =
-      std::vector<float>(2 + kPlanes<View> * kStride, 0.f);
+  std::vector<Scalar> block_ = std::vector<Scalar>(2 + kPlanes<View> * kStride);
 };
 
 TYPED_TEST_SUITE(RejectErrorsTest, WholeCases, CaseNames);
 
 TYPED_TEST(RejectErrorsTest, NullPlane) {
+  constexpr bool kIsDouble = sizeof(typename TestFixture::Scalar) == 8;
   for (std::size_t p = 0; p < kPlanes<typename TypeParam::View>; ++p) {
     auto view = this->view_;
     PlaneOf(view, p) = nullptr;
-    this->ExpectAllRefuse(view, {}, this->PlaneName(p) + ": ",
-                          "a plane of 130 floats", "a null pointer");
+    this->ExpectAllRefuse(
+        view, {}, this->PlaneName(p) + ": ",
+        kIsDouble ? "a plane of 130 doubles" : "a plane of 130 floats",
+        "a null pointer");
   }
 }
 
 TYPED_TEST(RejectErrorsTest, MisalignedPlane) {
+  constexpr bool kIsDouble = sizeof(typename TestFixture::Scalar) == 8;
   for (std::size_t p = 0; p < kPlanes<typename TypeParam::View>; ++p) {
     auto view = this->view_;
     PlaneOf(view, p) = Misaligned(PlaneOf(view, p));
     this->ExpectAllRefuse(view, {}, this->PlaneName(p) + ": ",
-                          "a pointer aligned to 4 bytes", "a misaligned one");
+                          kIsDouble ? "a pointer aligned to 8 bytes"
+                                    : "a pointer aligned to 4 bytes",
+                          "a misaligned one");
   }
 }
 
 TYPED_TEST(RejectErrorsTest, SizeBeyondTheAddressSpace) {
   auto view = this->view_;
-  for (std::size_t size : {std::numeric_limits<std::size_t>::max() / 4 + 1,
+  for (std::size_t size : {std::numeric_limits<std::size_t>::max() /
+                                   sizeof(typename TestFixture::Scalar) +
+                               1,
                            std::numeric_limits<std::size_t>::max()}) {
     view.size = size;
     this->ExpectAllRefuse(view, {}, "world.size: ", "fits the address space",
@@ -168,7 +171,8 @@ TYPED_TEST(RejectErrorsTest, OutputOverlapsAPlane) {
     auto* first = reinterpret_cast<std::uint64_t*>(plane.data());
     this->ExpectMaskRefused({first, 3}, "apart from the world's planes",
                             overlap);
-    auto* last = reinterpret_cast<std::uint64_t*>(&plane[kObjects - 2]);
+    constexpr std::size_t kInWord = 8 / sizeof(typename TestFixture::Scalar);
+    auto* last = reinterpret_cast<std::uint64_t*>(&plane[kObjects - kInWord]);
     this->ExpectMaskRefused({last, 3}, "apart from the world's planes",
                             overlap);
     auto* index = reinterpret_cast<std::uint32_t*>(&plane[kObjects - 1]);
@@ -180,7 +184,7 @@ TYPED_TEST(RejectErrorsTest, OutputOverlapsAPlane) {
   }
 }
 
-// Two floats lie between two planes: an output fits there exactly.
+// Two elements lie between two planes: an output fits there exactly.
 TYPED_TEST(RejectErrorsTest, OutputRightBesideAPlaneIsFine) {
   auto view = this->view_;
   view.size = 64;
@@ -188,7 +192,7 @@ TYPED_TEST(RejectErrorsTest, OutputRightBesideAPlaneIsFine) {
     PlaneOf(view, p) = this->Plane(p).data() + (kObjects - 64);
   }
   for (std::size_t p = 0; p + 1 < kPlanes<typename TypeParam::View>; ++p) {
-    float* gap = this->Plane(p).data() + kObjects;
+    auto* gap = this->Plane(p).data() + kObjects;
     EXPECT_NO_THROW(RejectMask(view, this->query_,
                                {reinterpret_cast<std::uint64_t*>(gap), 1}));
     EXPECT_EQ(*reinterpret_cast<std::uint64_t*>(gap), 0u);

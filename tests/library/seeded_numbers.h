@@ -31,14 +31,16 @@ class SeededNumbers {
     return static_cast<std::uint32_t>(((Bits() >> 32) * n) >> 32);
   }
 
-  // Any float at all.
-  float Raw() {
-    return std::bit_cast<float>(static_cast<std::uint32_t>(Bits()));
+  // Any float, or double, at all.
+  template <typename T = float>
+  T Raw() {
+    return std::bit_cast<T>(static_cast<BitsOf<T>>(Bits()));
   }
 
-  float Special() {
-    return kSpecialValues[Below(
-        static_cast<std::uint32_t>(kSpecialValues.size()))];
+  template <typename T = float>
+  T Special() {
+    return kSpecialValues<T>[Below(
+        static_cast<std::uint32_t>(kSpecialValues<T>.size()))];
   }
 
   // Halves from -8 to 8: shapes made of them often touch.

@@ -30,6 +30,10 @@ static_assert(!IsGreater(kNan, 0.f) && !IsGreater(0.f, kNan));
 static_assert(!IsGreater(kNan, kNan));
 static_assert(IsGreater(kInfinity, 0x1.fffffep127f));
 static_assert(IsGreater(-0x1.fffffep127f, -kInfinity));
+static_assert(IsGreater(1.0 + 0x1p-52, 1.0) && !IsGreater(1.0, 1.0 + 0x1p-52));
+static_assert(!IsGreater(0.0, -0.0) && IsGreater(-1.0, -2.0));
+static_assert(!IsGreater(double{kNan}, 0.0) && !IsGreater(0.0, double{kNan}));
+static_assert(IsGreater(double{kInfinity}, 0x1.fffffffffffffp1023));
 
 // A word, then a tail with every lane of a vector, then a partial vector.
 std::size_t Objects() { return 64 + 2 * MostLanes() - 1; }
@@ -39,13 +43,15 @@ std::size_t Objects() { return 64 + 2 * MostLanes() - 1; }
 template <typename View>
 class SpecialPlane {
  public:
-  SpecialPlane(std::size_t plane, float query_value)
+  using Scalar = ScalarOf<View>;
+
+  SpecialPlane(std::size_t plane, Scalar query_value)
       : plane_(plane), query_value_(query_value) {
     for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-      const float never = IsMinPlane<View>(p) ? -1.f : 1.f;
+      const Scalar never{IsMinPlane<View>(p) ? -1.f : 1.f};
       planes_[p].assign(Objects(), never);
       PlaneOf(view_, p) = planes_[p].data();
-      OpposingValue<View>(query_, p) = 0.f;
+      OpposingValue<View>(query_, p) = 0;
     }
     view_.size = Objects();
     OpposingValue<View>(query_, plane) = query_value;
@@ -53,12 +59,13 @@ class SpecialPlane {
 
   void Shift(std::size_t shift) {
     for (std::size_t i = 0; i < Objects(); ++i) {
-      planes_[plane_][i] = kSpecialValues[(i + shift) % kSpecialValues.size()];
+      planes_[plane_][i] =
+          kSpecialValues<Scalar>[(i + shift) % kSpecialValues<Scalar>.size()];
     }
   }
 
   bool Rejects(std::size_t i) const {
-    const float object = planes_[plane_][i];
+    const Scalar object = planes_[plane_][i];
     return IsMinPlane<View>(plane_) ? IsGreater(object, query_value_)
                                     : IsGreater(query_value_, object);
   }
@@ -68,8 +75,8 @@ class SpecialPlane {
 
  private:
   std::size_t plane_;
-  float query_value_;
-  std::array<std::vector<float>, kPlanes<View>> planes_;
+  Scalar query_value_;
+  std::array<std::vector<Scalar>, kPlanes<View>> planes_;
   View view_;
   typename View::Query query_;
 };
@@ -78,9 +85,10 @@ class SpecialPlane {
 template <typename View, typename Check>
 void ForEachPair(Check check) {
   for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-    for (float query_value : kSpecialValues) {
+    for (const auto query_value : kSpecialValues<ScalarOf<View>>) {
       SpecialPlane<View> plane(p, query_value);
-      for (std::size_t shift = 0; shift < kSpecialValues.size(); ++shift) {
+      for (std::size_t shift = 0; shift < kSpecialValues<ScalarOf<View>>.size();
+           ++shift) {
         plane.Shift(shift);
         check(plane);
         if (::testing::Test::HasFatalFailure()) return;

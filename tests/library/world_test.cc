@@ -38,8 +38,9 @@ class WorldTest : public ::testing::Test {
   using Bound = typename AWorld::Bound;
   using Query = typename AWorld::Query;
   using Model = std::vector<Bound>;
+  using Scalar = ScalarOf<View>;
 
-  static float& Value(Bound& bound, std::size_t p) {
+  static Scalar& Value(Bound& bound, std::size_t p) {
     if constexpr (HasMaxima<Bound>) {
       if (!IsMinPlane<View>(p)) return bound.max[p - kMinima<View>];
     }
@@ -52,8 +53,8 @@ class WorldTest : public ::testing::Test {
     for (std::size_t p = 0; p < kPlanes<View>; ++p) {
       Value(bound, p) =
           OneIn(8, random_)
-              ? SpecialValue(random_)
-              : std::uniform_real_distribution<float>(-9.f, 9.f)(random_);
+              ? SpecialValue<Scalar>(random_)
+              : std::uniform_real_distribution<Scalar>(-9, 9)(random_);
     }
     return bound;
   }
@@ -65,8 +66,8 @@ class WorldTest : public ::testing::Test {
   }
 
   // Bits, since a NaN differs from itself and 0 from nothing but its sign.
-  static bool SameBits(float a, float b) {
-    return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
+  static bool SameBits(Scalar a, Scalar b) {
+    return std::bit_cast<BitsOf<Scalar>>(a) == std::bit_cast<BitsOf<Scalar>>(b);
   }
   static bool Same(Bound a, Bound b) {
     for (std::size_t p = 0; p < kPlanes<View>; ++p) {
@@ -88,7 +89,7 @@ class WorldTest : public ::testing::Test {
     if (model.empty()) return;
     Bound empty = Bound::Empty();
     for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-      const float* plane = PlaneOf(view, p);
+      const Scalar* plane = PlaneOf(view, p);
       ASSERT_EQ(reinterpret_cast<std::uintptr_t>(plane) % 64, 0u) << p;
       for (std::size_t i = 0; i < model.size(); ++i) {
         Bound bound = model[i];

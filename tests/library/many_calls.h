@@ -1,0 +1,63 @@
+// The five calls for many queries as a list, for what must hold for each.
+#ifndef HALFSPACE_TESTS_LIBRARY_MANY_CALLS_H_
+#define HALFSPACE_TESTS_LIBRARY_MANY_CALLS_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "halfspace/reject_many.h"
+#include "tests/library/canaries.h"
+
+namespace halfspace::testing {
+
+// Room for the rows and lists of small worlds and few queries, and proof that
+// nothing was written there and no tile was seen.
+struct ManyCallOutputs {
+  static constexpr std::size_t kRoom = 300;
+
+  Canaried<std::uint64_t> rows;
+  Canaried<std::uint32_t> query_indices;
+  Canaried<std::uint32_t> object_indices;
+  Canaried<std::size_t> counts;
+  std::size_t tiles = 0;
+
+  bool Untouched() const {
+    return rows.IntactBut(0) && query_indices.IntactBut(0) &&
+           object_indices.IntactBut(0) && counts.IntactBut(0) && tiles == 0;
+  }
+};
+
+// Calls visit(name, call) for each of the five; call() returns the target that
+// ran.
+template <typename AnyWorld, typename Visit>
+void ForEachManyCall(const AnyWorld& world,
+                     std::span<const typename AnyWorld::Query> queries,
+                     const Options& options, ManyCallOutputs& outputs,
+                     Visit visit) {
+  constexpr std::size_t kRoom = ManyCallOutputs::kRoom;
+  const auto rows = outputs.rows.Reset(kRoom);
+  const auto query_indices = outputs.query_indices.Reset(kRoom);
+  const auto object_indices = outputs.object_indices.Reset(kRoom);
+  const auto counts = outputs.counts.Reset(kRoom);
+  outputs.tiles = 0;
+  visit(std::string_view("RejectMasks"),
+        [&] { return RejectMasks(world, queries, rows, options); });
+  visit(std::string_view("SurvivorMasks"),
+        [&] { return SurvivorMasks(world, queries, rows, options); });
+  visit(std::string_view("SurvivorPairs"), [&] {
+    return SurvivorPairs(world, queries, query_indices, object_indices, options)
+        .target;
+  });
+  visit(std::string_view("SurvivorCounts"),
+        [&] { return SurvivorCounts(world, queries, counts, options); });
+  visit(std::string_view("ForEachTile"), [&] {
+    return ForEachTile(
+        world, queries, [&](const SurvivorTile&) { ++outputs.tiles; }, options);
+  });
+}
+
+}  // namespace halfspace::testing
+
+#endif  // HALFSPACE_TESTS_LIBRARY_MANY_CALLS_H_
