@@ -13,25 +13,24 @@
 namespace halfspace::bench {
 
 enum class ReadWay : std::size_t {
-  kByPlane,            // one plane after the other
-  kByPlanePrefetched,  // the same, with software prefetch
-  kByHalves,           // one plane after the other, as two streams
-  kByWord,             // 256 bytes of each plane in turn, as a flat kernel
-  kByWordPrefetched,   // the same, with software prefetch
-  kByPage,             // 4 KiB of each plane in turn
-  kWmemchr,            // the C library's search for a value that is not there
+  kByPlane,           // one plane after the other
+  kByHalves,          // one plane after the other, as two streams
+  kByWord,            // 256 bytes of each plane in turn, as a flat kernel
+  kByWordPrefetched,  // the same, with software prefetch
+  kByPage,            // 4 KiB of each plane in turn
+  kByTwoPages,        // 8 KiB
+  kWmemchr,           // the C library's search for a value that is not there
 };
 
 inline constexpr std::array<ReadWay, 7> kReadWays = {
-    ReadWay::kByPlane, ReadWay::kByPlanePrefetched, ReadWay::kByHalves,
-    ReadWay::kByWord,  ReadWay::kByWordPrefetched,  ReadWay::kByPage,
+    ReadWay::kByPlane,          ReadWay::kByHalves, ReadWay::kByWord,
+    ReadWay::kByWordPrefetched, ReadWay::kByPage,   ReadWay::kByTwoPages,
     ReadWay::kWmemchr};
 
 constexpr const char* NameOf(ReadWay way) {
   constexpr const char* kNames[] = {
-      "by-plane", "by-plane-prefetched", "by-halves",
-      "by-word",  "by-word-prefetched",  "by-page",
-      "wmemchr"};
+      "by-plane", "by-halves",    "by-word", "by-word-prefetched",
+      "by-page",  "by-two-pages", "wmemchr"};
   return kNames[static_cast<std::size_t>(way)];
 }
 

@@ -1,0 +1,2 @@
+#define HALFSPACE_RIVAL baseline
+#include "bench/rivals_vectorised-inl.h"
