@@ -135,7 +135,7 @@ void RunFlatness(const Workload& workload, const Machine& machine, int level,
 // Bar 7: what a call costs by itself; and what an object costs without that,
 // against registers (bar 2).
 void RunFit(Calls& calls, ShapeKind shape, Target target,
-            Throughput& throughput) {
+            std::size_t half_of_l1, Throughput& throughput) {
   const std::string name = std::string(target.name()) + "/" + NameOf(shape);
   const RegisterScan scan = RegisterScanFor(target);
   std::vector<Case> cases;
@@ -152,26 +152,26 @@ void RunFit(Calls& calls, ShapeKind shape, Target target,
     }
   }
   const Timings timings = throughput.TimeBriefly(std::move(cases));
-  const auto fit = [&](std::size_t first) {
+  const auto fit = [&](std::size_t first, std::size_t most) {
     std::vector<double> sizes;
     std::vector<double> times;
-    for (std::size_t i = 0; i < kFitted.size(); ++i) {
+    for (std::size_t i = 0; i < kFitted.size() && kFitted[i] <= most; ++i) {
       sizes.push_back(static_cast<double>(kFitted[i]));
       times.push_back(timings[first + i].Median());
     }
     return FitLine(sizes, times);
   };
-  const Line call = fit(0);
   const std::string which =
       std::string(NameOf(shape)) + " flat, " + std::string(target.name());
-  throughput.AddAtMost(7, "ns of a call by itself, " + which, call.intercept,
-                       20.0);
+  throughput.AddAtMost(7, "ns of a call by itself, " + which,
+                       fit(0, kFitted.back()).intercept, 20.0);
   if (scan == nullptr) return;
+  const std::size_t most = half_of_l1 / BytesOfRecord(shape);
   throughput.AddAtLeast(
       2,
       std::string(NameOf(shape)) + " flat, L1, " + std::string(target.name()) +
-          ": % of registers, one query, slope over n = 64 to 1024",
-      100.0 * fit(kFitted.size()).slope / call.slope,
+          ": % of registers, one query, slope over sizes",
+      100.0 * fit(kFitted.size(), most).slope / fit(0, most).slope,
       IsAvx512(target) ? 90.0 : 85.0);
 }
 
@@ -185,10 +185,12 @@ void AddSizeParts(const Workload& workload, const Machine& machine,
       RunFlatness(workload, machine, level, throughput);
     });
   }
-  parts.push_back([&workload](Throughput& throughput) {
+  parts.push_back([&workload, &machine](Throughput& throughput) {
+    const std::size_t half = machine.CacheBytes(1) / 2;
     Calls calls(workload, kFitted.back());
     for (Target target : throughput.targets()) {
-      for (ShapeKind shape : kShapes) RunFit(calls, shape, target, throughput);
+      for (ShapeKind shape : kShapes)
+        RunFit(calls, shape, target, half, throughput);
     }
   });
 }
