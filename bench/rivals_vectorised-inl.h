@@ -22,13 +22,13 @@ unsigned CountByOr(const float* x, const float* y, const float* z,
   return static_cast<unsigned>(objects) - rejected;
 }
 
-unsigned CountByChoice(const float* x, const float* y, const float* z,
-                       const float* d, std::size_t objects,
-                       const float* query) {
+unsigned CountByAnd(const float* x, const float* y, const float* z,
+                    const float* d, std::size_t objects, const float* query) {
   const float qx = query[0], qy = query[1], qz = query[2], qd = query[3];
   unsigned count = 0;
   for (std::size_t i = 0; i < objects; ++i) {
-    count += x[i] <= qx && y[i] <= qy && z[i] <= qz && d[i] <= qd ? 1u : 0u;
+    count += static_cast<unsigned>((x[i] <= qx) & (y[i] <= qy) & (z[i] <= qz) &
+                                   (d[i] <= qd));
   }
   return count;
 }
@@ -50,7 +50,7 @@ void Count(const SimplexJob& job, CountTile count_tile) {
 }  // namespace
 
 void CountWithOr(const SimplexJob& job) { Count(job, CountByOr); }
-void CountWithChoice(const SimplexJob& job) { Count(job, CountByChoice); }
+void CountWithAnd(const SimplexJob& job) { Count(job, CountByAnd); }
 
 }  // namespace HALFSPACE_RIVAL
 }  // namespace halfspace::bench
