@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/crossover_size.h"
 #include "bench/line_fit.h"
 #include "bench/register_scan.h"
 #include "bench/report.h"
@@ -79,7 +80,8 @@ TEST(ThroughputReportTest, JsonHasTheFixedForm) {
 TEST(ThroughputReportTest, TextSaysWhichBarsHold) {
   std::ostringstream text;
   WriteText(text, SomeResult());
-  EXPECT_NE(text.str().find("a share holds 98.00 >= 97.00"), std::string::npos)
+  EXPECT_NE(text.str().find("a share holds  98.00  >= 97.00"),
+            std::string::npos)
       << text.str();
   EXPECT_NE(text.str().find("FAILS"), std::string::npos);
   EXPECT_NE(text.str().find("<= 1.15"), std::string::npos);
@@ -104,6 +106,18 @@ TEST(LineFitTest, FindsInterceptAndSlope) {
   const std::vector<double> scattered = {1, 4, 4};
   EXPECT_NEAR(FitLine(few, scattered).slope, 1.5, 1e-12);
   EXPECT_NEAR(FitLine(few, scattered).intercept, 0.0, 1e-12);
+}
+
+TEST(CrossoverSizeTest, InterpolatesBetweenLogarithms) {
+  const std::vector<double> sizes = {100, 10000};
+  const std::vector<double> ours = {1, 100};
+  // Half of theirs, then twice as much: in the middle.
+  const std::vector<double> theirs = {2, 50};
+  EXPECT_NEAR(CrossoverSize(sizes, ours, theirs), 1000, 1e-6);
+  const std::vector<double> faster = {0.5, 200};
+  EXPECT_EQ(CrossoverSize(sizes, ours, faster), 0.0);
+  const std::vector<double> slower = {2, 200};
+  EXPECT_EQ(CrossoverSize(sizes, ours, slower), 10000.0);
 }
 
 TEST(RegisterScanTest, WritesTheWordsAndNoMore) {
