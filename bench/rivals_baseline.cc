@@ -1,2 +1,2 @@
-#define HALFSPACE_RIVAL baseline
+#define HALFSPACE_RIVAL N_RIVAL_BASELINE
 #include "bench/rivals_vectorised-inl.h"

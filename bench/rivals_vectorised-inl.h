@@ -1,6 +1,6 @@
 // The loops that the compiler vectorises, included once for each instruction
-// set, which HALFSPACE_RIVAL names: its files are compiled above the baseline,
-// so that nothing of the C++ library may be used here.
+// set, which HALFSPACE_RIVAL names: compiled above the baseline, so that
+// nothing of the C++ library may be used here, and in a namespace that says so.
 
 #include "bench/simplex_job.h"
 

@@ -8,26 +8,30 @@ namespace halfspace::bench {
   void CountWithAnd(const SimplexJob& job); \
   }
 
-HALFSPACE_DECLARE_RIVAL(sse4)
-HALFSPACE_DECLARE_RIVAL(avx2)
-HALFSPACE_DECLARE_RIVAL(avx512)
-HALFSPACE_DECLARE_RIVAL(baseline)
+HALFSPACE_DECLARE_RIVAL(N_RIVAL_SSE4)
+HALFSPACE_DECLARE_RIVAL(N_RIVAL_AVX2)
+HALFSPACE_DECLARE_RIVAL(N_RIVAL_AVX512)
+HALFSPACE_DECLARE_RIVAL(N_RIVAL_BASELINE)
 
 VectorisedForms VectorisedFormsFor(std::string_view target) {
 #ifdef HALFSPACE_BENCH_X86_RIVALS
   if (target.starts_with("AVX3")) {
-    return {{{"or", &avx512::CountWithOr}, {"and", &avx512::CountWithAnd}}};
+    return {{{"or", &N_RIVAL_AVX512::CountWithOr},
+             {"and", &N_RIVAL_AVX512::CountWithAnd}}};
   }
   if (target == "AVX2") {
-    return {{{"or", &avx2::CountWithOr}, {"and", &avx2::CountWithAnd}}};
+    return {{{"or", &N_RIVAL_AVX2::CountWithOr},
+             {"and", &N_RIVAL_AVX2::CountWithAnd}}};
   }
   if (target == "SSE4") {
-    return {{{"or", &sse4::CountWithOr}, {"and", &sse4::CountWithAnd}}};
+    return {{{"or", &N_RIVAL_SSE4::CountWithOr},
+             {"and", &N_RIVAL_SSE4::CountWithAnd}}};
   }
 #else
   (void)target;
 #endif
-  return {{{"or", &baseline::CountWithOr}, {"and", &baseline::CountWithAnd}}};
+  return {{{"or", &N_RIVAL_BASELINE::CountWithOr},
+           {"and", &N_RIVAL_BASELINE::CountWithAnd}}};
 }
 
 }  // namespace halfspace::bench
