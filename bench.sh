@@ -7,7 +7,7 @@ source "$root/scripts/steps.sh"
 source "$root/scripts/packages.sh"
 source "$root/scripts/build.sh"
 
-prepare_machine
+prepare_machine "${peer_packages[@]}"
 build_preset release cpuinfo-bench
 say "==> run cpuinfo-bench"
 exec "$root/build/release/bench/cpuinfo-bench" "$@"

@@ -13,9 +13,9 @@
 
 namespace halfspace::bench {
 
-inline constexpr std::array<std::string_view, 9> kSections = {
-    "machine", "check",   "table1",   "crossover", "kernels",
-    "build",   "quality", "segments", "verdict"};
+inline constexpr std::array<std::string_view, 10> kSections = {
+    "machine", "check",      "table1",  "crossover", "kernels",
+    "build",   "throughput", "quality", "segments",  "verdict"};
 
 enum class Format { kText, kJson };
 

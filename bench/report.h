@@ -17,6 +17,7 @@ void WriteText(std::ostream& out, const Table1Result& result);
 void WriteText(std::ostream& out, const CrossoverResult& result);
 void WriteText(std::ostream& out, const KernelsResult& result);
 void WriteText(std::ostream& out, const BuildResult& result);
+void WriteText(std::ostream& out, const ThroughputResult& result);
 void WriteText(std::ostream& out, const QualityResult& result);
 void WriteText(std::ostream& out, const SegmentsResult& result);
 void WriteText(std::ostream& out, const VerdictResult& result);

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "bench/report.h"
+#include "bench/throughput_json.h"
 
 namespace halfspace::bench {
 namespace {
@@ -241,6 +242,7 @@ std::string ToJson(const Results& results) {
   AddSection(sections, "crossover", results.crossover);
   AddSection(sections, "kernels", results.kernels);
   AddSection(sections, "build", results.build);
+  AddSection(sections, "throughput", results.throughput);
   AddSection(sections, "quality", results.quality);
   AddSection(sections, "segments", results.segments);
   AddSection(sections, "verdict", results.verdict);

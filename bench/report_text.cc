@@ -3,14 +3,11 @@
 
 #include "bench/paper.h"
 #include "bench/report.h"
+#include "bench/report_parts.h"
 #include "bench/text_table.h"
 
 namespace halfspace::bench {
 namespace {
-
-void Heading(std::ostream& out, const char* name, const std::string& what) {
-  out << '\n' << name << ": " << what << "\n\n";
-}
 
 std::string Joined(const std::vector<std::string>& words) {
   std::string text;
@@ -45,13 +42,6 @@ void AddSurvivorRows(TextTable& table, const PerShape<std::size_t>& count) {
                 Looseness(count.simplex, count.aabb)});
   table.AddRow(
       {"aabo", Grouped(count.aabo), Looseness(count.aabo, count.aabb)});
-}
-
-void WriteNotReached(std::ostream& out,
-                     const std::vector<std::string>& not_reached) {
-  for (const std::string& reason : not_reached) {
-    out << "  not reached: " << reason << '\n';
-  }
 }
 
 std::string RatioText(const std::optional<Ratio>& ratio) {

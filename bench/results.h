@@ -128,6 +128,39 @@ struct BuildResult {
   std::vector<std::string> not_reached;
 };
 
+// One thing timed. A pair is an object and a query.
+struct ThroughputRow {
+  std::string name;
+  std::size_t objects = 0;
+  std::size_t queries = 0;
+  std::string working_set;  // "L1", "L2", "L3", "memory" or "scene"
+  std::string target;       // empty: none of the library's
+  double ns_per_pair = 0.0;
+  std::string ceiling;  // the row it is measured by; empty: none
+  std::optional<double> percent_of_ceiling;
+};
+
+// One clause of a bar.
+struct ThroughputRatio {
+  int bar = 0;
+  std::string name;
+  double value = 0.0;
+  double needed = 0.0;
+  bool is_higher_better = true;
+
+  bool holds() const {
+    return is_higher_better ? value >= needed : value <= needed;
+  }
+};
+
+struct ThroughputResult {
+  std::vector<ThroughputRow> rows;
+  std::vector<ThroughputRatio> ratios;
+  // Of the scene on a grid, of all queries together.
+  std::optional<PerShape<std::size_t>> survivors;
+  std::vector<std::string> not_reached;
+};
+
 struct QualityResult {
   std::string workload;
   std::size_t objects = 0;
@@ -169,6 +202,7 @@ struct Results {
   std::optional<CrossoverResult> crossover;
   std::optional<KernelsResult> kernels;
   std::optional<BuildResult> build;
+  std::optional<ThroughputResult> throughput;
   std::optional<QualityResult> quality;
   std::optional<SegmentsResult> segments;
   std::optional<VerdictResult> verdict;

@@ -68,6 +68,15 @@ class Runner {
       result.not_reached = NotReached();
       return result;
     });
+    Section("throughput", results_.throughput, [&] {
+      ThroughputResult result = RunThroughput(
+          Measured(), Sets({"L3", "memory"}), results_.context.machine,
+          options_.seed, options_.is_quick, context_);
+      const std::vector<std::string> more = NotReached();
+      result.not_reached.insert(result.not_reached.end(), more.begin(),
+                                more.end());
+      return result;
+    });
     Section("quality", results_.quality,
             [&] { return RunQuality(Measured(), context_); });
     Section("segments", results_.segments, [&] {
@@ -88,6 +97,7 @@ class Runner {
     if (section == "crossover") return 45.0;
     if (section == "kernels") return 25.0;
     if (section == "build") return 15.0;
+    if (section == "throughput") return 70.0;
     if (section == "segments") return 1.0;
     return 0.1;
   }

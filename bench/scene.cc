@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bench/random.h"
+#include "bench/unit_ball.h"
 #include "halfspace/fit.h"
 
 namespace halfspace::bench {
@@ -16,17 +17,6 @@ constexpr std::size_t kMostPoints = 64;
 constexpr float kHalfCube = 50.0f;
 
 using Cloud = std::vector<std::array<float, 3>>;
-
-std::array<float, 3> PointInUnitBall(Random& random) {
-  for (;;) {
-    const std::array<float, 3> p = {random.Signed(), random.Signed(),
-                                    random.Signed()};
-    const double x = p[0];
-    const double y = p[1];
-    const double z = p[2];
-    if (x * x + y * y + z * z <= 1.0) return p;
-  }
-}
 
 std::vector<Cloud> MakeClouds(Random& random) {
   std::vector<Cloud> clouds(kClouds);

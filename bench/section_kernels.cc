@@ -28,18 +28,18 @@ std::vector<ScheduleName> SchedulesOf(ShapeKind shape) {
 }
 
 // Reading the planes of one shape, per object.
-Case ReadCase(WorkingSet& set, ShapeKind shape, ReadOrder order) {
+Case ReadCase(WorkingSet& set, ShapeKind shape, ReadWay way) {
   const PlaneReader read = PlaneReaderFor(SupportedTargets().front());
   const std::size_t rounds =
       std::max<std::size_t>(1, kObjectsPerRun / set.objects());
   Case c;
-  c.name = "read/" + set.name() + "/" + NameOf(shape) +
-           (order == ReadOrder::kByWord ? "/by-word" : "/plane-by-plane");
+  c.name = "read/" + set.name() + "/" + NameOf(shape) + "/" +
+           std::string(NameOf(way));
   c.items = static_cast<double>(set.objects() * rounds);
-  c.run = [read, order, planes = PlanesOf(shape, set.view()),
-           objects = set.objects(), rounds] {
+  c.run = [read, way, planes = BytesOf(PlanesOf(shape, set.view())),
+           bytes = set.objects() * sizeof(float), rounds] {
     for (std::size_t i = 0; i < rounds; ++i) {
-      KeepResult(read(order, planes.data(), planes.size(), objects));
+      KeepResult(read(way, planes.data(), planes.size(), bytes));
     }
   };
   return c;
@@ -61,9 +61,9 @@ KernelsResult RunKernels(const std::vector<WorkingSet*>& sets,
   std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> reads;
   for (WorkingSet* set : sets) {
     for (ShapeKind shape : kShapes) {
-      for (ReadOrder order : {ReadOrder::kByWord, ReadOrder::kPlaneByPlane}) {
+      for (ReadWay way : {ReadWay::kByWord, ReadWay::kByPlane}) {
         reads[{set->name(), NameOf(shape)}].push_back(cases.size());
-        cases.push_back(ReadCase(*set, shape, order));
+        cases.push_back(ReadCase(*set, shape, way));
         cases.back().group = set->name();
       }
       for (Target target : context.targets) {

@@ -50,6 +50,13 @@ BuildResult RunBuild(const Workload& workload,
                      const std::vector<WorkingSetSize>& sizes, bool is_quick,
                      const Context& context);
 
+// Throughput of the calls against ceilings and rivals; `sets` holds L3 and
+// memory, if they were reached. One bar after the other.
+ThroughputResult RunThroughput(const Workload& workload,
+                               const std::vector<WorkingSet*>& sets,
+                               const Machine& machine, std::uint64_t seed,
+                               bool is_quick, const Context& context);
+
 QualityResult RunQuality(const Workload& workload, const Context& context);
 
 // What is kept of the objects along long segments, bounded whole and in pieces.

@@ -48,21 +48,21 @@ inline constexpr uint64_t kLowBits = ~uint64_t{0} >> (kWordObjects - kObjects);
 
 // A mask of lanes kBytes wide, of the 16 / kBytes objects from i on.
 template <class Shape, size_t kBegin, size_t kEnd, size_t kBytes, class D,
-          typename T, class... V>
-HWY_INLINE uint8x16_t NarrowMask(D d, const T* const* planes, size_t i,
-                                 V... query) {
+          class Load, typename T, class... V>
+HWY_INLINE uint8x16_t NarrowMask(D d, Load load, const T* const* planes,
+                                 size_t i, V... query) {
   if constexpr (kBytes == sizeof(T)) {
     const hn::Repartition<uint8_t, D> d8;
-    return hn::BitCast(
-               d8, hn::VecFromMask(d, Verdict<Shape, kBegin, kEnd>(
-                                          d, LoadAll(), planes, i, query...)))
+    return hn::BitCast(d8,
+                       hn::VecFromMask(d, Verdict<Shape, kBegin, kEnd>(
+                                              d, load, planes, i, query...)))
         .raw;
   } else {
     constexpr size_t kWide = 2 * kBytes;
     const uint8x16_t low =
-        NarrowMask<Shape, kBegin, kEnd, kWide>(d, planes, i, query...);
+        NarrowMask<Shape, kBegin, kEnd, kWide>(d, load, planes, i, query...);
     const uint8x16_t high = NarrowMask<Shape, kBegin, kEnd, kWide>(
-        d, planes, i + 16 / kWide, query...);
+        d, load, planes, i + 16 / kWide, query...);
     if constexpr (kBytes == 1) {
       return vuzp1q_u8(low, high);
     } else if constexpr (kBytes == 2) {
@@ -76,30 +76,31 @@ HWY_INLINE uint8x16_t NarrowMask(D d, const T* const* planes, size_t i,
 }
 
 // Its own bit in each byte of 8 objects, 16 objects in all.
-template <class Shape, size_t kBegin, size_t kEnd, class D, typename T,
-          class... V>
-HWY_INLINE uint8x16_t BitInByte(D d, const T* const* planes, size_t i,
-                                V... query) {
+template <class Shape, size_t kBegin, size_t kEnd, class D, class Load,
+          typename T, class... V>
+HWY_INLINE uint8x16_t BitInByte(D d, Load load, const T* const* planes,
+                                size_t i, V... query) {
   const uint8x16_t own = vreinterpretq_u8_u64(vdupq_n_u64(0x8040201008040201));
-  return vandq_u8(NarrowMask<Shape, kBegin, kEnd, 1>(d, planes, i, query...),
-                  own);
+  return vandq_u8(
+      NarrowMask<Shape, kBegin, kEnd, 1>(d, load, planes, i, query...), own);
 }
 
 // Bits of 16 or 64 objects.
 template <class Shape, size_t kObjects, size_t kBegin, size_t kEnd, class D,
-          typename T, class... V>
-HWY_INLINE uint64_t PairwiseBits(D d, const T* const* planes, size_t i,
-                                 V... query) {
+          class Load, typename T, class... V>
+HWY_INLINE uint64_t PairwiseBits(D d, Load load, const T* const* planes,
+                                 size_t i, V... query) {
   const uint8x16_t none = vdupq_n_u8(0);
-  const uint8x16_t a = BitInByte<Shape, kBegin, kEnd>(d, planes, i, query...);
+  const uint8x16_t a =
+      BitInByte<Shape, kBegin, kEnd>(d, load, planes, i, query...);
   uint8x16_t low;
   uint8x16_t high = none;
   if constexpr (kObjects == 64) {
     low = vpaddq_u8(
-        a, BitInByte<Shape, kBegin, kEnd>(d, planes, i + 16, query...));
-    high =
-        vpaddq_u8(BitInByte<Shape, kBegin, kEnd>(d, planes, i + 32, query...),
-                  BitInByte<Shape, kBegin, kEnd>(d, planes, i + 48, query...));
+        a, BitInByte<Shape, kBegin, kEnd>(d, load, planes, i + 16, query...));
+    high = vpaddq_u8(
+        BitInByte<Shape, kBegin, kEnd>(d, load, planes, i + 32, query...),
+        BitInByte<Shape, kBegin, kEnd>(d, load, planes, i + 48, query...));
   } else {
     low = vpaddq_u8(a, none);
   }
@@ -113,24 +114,26 @@ HWY_INLINE uint64_t PairwiseBits(D d, const T* const* planes, size_t i,
 
 // The verdicts of vectors 0, 1, ... after object i.
 template <class Shape, size_t kBegin, size_t kEnd, size_t... kVector, class D,
-          typename T, class... V>
-HWY_INLINE uint64_t VectorBits(std::index_sequence<kVector...>, D d,
+          class Load, typename T, class... V>
+HWY_INLINE uint64_t VectorBits(std::index_sequence<kVector...>, D d, Load load,
                                const T* const* planes, size_t i, V... query) {
   const size_t lanes = hn::Lanes(d);
   return (... |
           (LaneBits(d, Verdict<Shape, kBegin, kEnd>(
-                           d, LoadAll(), planes, i + kVector * lanes, query...))
+                           d, load, planes, i + kVector * lanes, query...))
            << (kVector * lanes)));
 }
 
-// Bits of objects i ... i + kObjects - 1 that planes [kBegin, kEnd) reject.
+// Bits of objects i ... i + kObjects - 1 that planes [kBegin, kEnd) reject, of
+// what `load` brings.
 template <class Shape, size_t kObjects, size_t kBegin, size_t kEnd, class D,
-          typename T, class... V>
-HWY_INLINE uint64_t BitsRejected(D d, const T* const* planes, size_t i,
-                                 V... query) {
+          class Load, typename T, class... V>
+HWY_INLINE uint64_t BitsRejectedOf(D d, Load load, const T* const* planes,
+                                   size_t i, V... query) {
 #if HALFSPACE_PAIRWISE_PACKING
   if constexpr (kObjects == 16 || kObjects == 64) {
-    return PairwiseBits<Shape, kObjects, kBegin, kEnd>(d, planes, i, query...);
+    return PairwiseBits<Shape, kObjects, kBegin, kEnd>(d, load, planes, i,
+                                                       query...);
   }
 #endif
 #if HWY_HAVE_SCALABLE
@@ -144,10 +147,19 @@ HWY_INLINE uint64_t BitsRejected(D d, const T* const* planes, size_t i,
   uint64_t bits = 0;
   for (size_t l = 0; l < kObjects; l += step) {
     bits |= VectorBits<Shape, kBegin, kEnd>(std::make_index_sequence<kUnroll>(),
-                                            d, planes, i + l, query...)
+                                            d, load, planes, i + l, query...)
             << l;
   }
   return kVerdictIsKept ? bits ^ kLowBits<kObjects> : bits;
+}
+
+// Of the objects in the planes.
+template <class Shape, size_t kObjects, size_t kBegin, size_t kEnd, class D,
+          typename T, class... V>
+HWY_INLINE uint64_t BitsRejected(D d, const T* const* planes, size_t i,
+                                 V... query) {
+  return BitsRejectedOf<Shape, kObjects, kBegin, kEnd>(d, LoadAll(), planes, i,
+                                                       query...);
 }
 
 // The last word: `count` objects from i on, 0 < count < 64, with nothing read

@@ -6,6 +6,9 @@ build_packages=(
   libbenchmark-dev libcli11-dev libgmp-dev libgtest-dev libhwy-dev
   libtinyobjloader-dev nlohmann-json3-dev)
 
+# What cpuinfo-bench compares the library with, where it is installed.
+peer_packages=(libboost-dev libbullet-dev)
+
 # Runs a command as root; without a terminal it fails rather than asks.
 as_root() {
   if [ "$(id -u)" -eq 0 ]; then
@@ -84,10 +87,11 @@ require_tools() {
   exit 1
 }
 
-# Makes the machine ready for a build: by apt-get where there is one.
+# prepare_machine [PACKAGE...]: makes the machine ready for a build, by apt-get
+# where there is one, which installs these packages too.
 prepare_machine() {
   if command -v apt-get >/dev/null; then
-    install_packages "${build_packages[@]}"
+    install_packages "${build_packages[@]}" "$@"
   fi
   require_tools
 }

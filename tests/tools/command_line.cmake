@@ -24,7 +24,7 @@ endfunction()
 halfspace_command_line_test(version CODE 0 ARGUMENTS --version
   STDOUT "cpuinfo-bench ${PROJECT_VERSION}")
 halfspace_command_line_test(list CODE 0 ARGUMENTS --list
-  STDOUT "machine\ncheck\ntable1\ncrossover\nkernels\nbuild\nquality\nsegments\nverdict")
+  STDOUT "machine\ncheck\ntable1\ncrossover\nkernels\nbuild\nthroughput\nquality\nsegments\nverdict")
 halfspace_command_line_test(help CODE 0 ARGUMENTS --help STDOUT "--mesh")
 halfspace_command_line_test(unknown_option CODE 2 ARGUMENTS --fast
   STDERR "--fast")

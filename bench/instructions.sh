@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# Instructions that flat kernels take for 64 objects and one query, read from
+# their machine code, and the cycles that llvm-mca gives them if it is installed:
+#
+#   bench/instructions.sh [BUILD_DIRECTORY]       (build/release)
+#
+# Beside each kernel the same on registers alone, which cpuinfo-bench takes as
+# the ceiling. Cycles are llvm-mca's block throughput, then what it simulates.
+# Prints a table in Markdown. x86 only; AVX-512 loops of four queries at a time
+# are passed over.
+set -euo pipefail
+build=${1:-build/release}
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+
+code=$(mktemp -d)
+trap 'rm -rf "$code"' EXIT
+for source in kernels_3d register_scan; do
+  object=$(find "$build" -name "$source.cc.o" | head -n 1)
+  if [ -z "$object" ]; then
+    echo "$0: no $source.cc.o in $build; build cpuinfo-bench there first" >&2
+    exit 2
+  fi
+  objdump --disassemble --demangle --no-show-raw-insn "$object" \
+    >"$code/$source"
+done
+
+# simulate CPU LOOP TIMES: "block throughput / simulated" for 64 objects.
+simulate() {
+  if ! command -v llvm-mca >/dev/null; then
+    echo "-"
+    return
+  fi
+  llvm-mca -mcpu="$1" -iterations=200 "$2" 2>/dev/null | awk -v times="$3" '
+    /^Total Cycles:/ { total = $3 / 200 }
+    /^Block RThroughput:/ { block = $3 }
+    END {
+      if (total == 0) { print "-"; exit }
+      printf "%.1f / %.1f\n", block * times, total * times
+    }'
+}
+
+# row NAME FILE FUNCTION TARGET SHAPE PLANES LANES CPU...
+row() {
+  local name=$1 file=$2 function=$3 target=$4 shape=$5 planes=$6 lanes=$7
+  shift 7
+  local found
+  found=$(awk -v function_name="$function" -v planes="$planes" \
+    -v lanes="$lanes" -v loop="$code/loop.s" -f "$root/instructions.awk" \
+    "$code/$file")
+  local instructions=${found% *} times=${found#* } cycles=""
+  local cpu
+  for cpu in "$@"; do
+    cycles+=" $(simulate "$cpu" "$code/loop.s" "$times") |"
+  done
+  echo "| $target | $shape | $name | $instructions |$cycles"
+}
+
+# table TARGET LANES CPU...
+table() {
+  local target=$1 lanes=$2
+  shift 2
+  echo
+  printf '| target | shape | operands | instructions |'
+  printf ' %s |' "$@"
+  printf '\n|---|---|---|---|'
+  printf -- '---|%.0s' "$@"
+  echo
+  local shape planes
+  while read -r shape planes; do
+    row loaded kernels_3d \
+      "N_$target::MaskKernel<halfspace::kernels::$shape<3>, float>" \
+      "$target" "$shape" "$planes" "$lanes" "$@"
+    row registers register_scan "N_$target::ScanRegisters" \
+      "$target" "$shape" "$planes" "$lanes" "$@"
+  done <<<$'SimplexFlat 4\nAabbFlat 6\nAaboFlat 8'
+}
+
+table SSE4 4 znver3 icelake-server
+table AVX2 8 znver3 icelake-server
+table AVX3 16 skylake-avx512 icelake-server

@@ -1,0 +1,115 @@
+#include "bench/register_scan.h"
+
+#include <utility>
+
+#include "bench/target_function.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "bench/register_scan.cc"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+#include "hwy/highway.h"
+
+// After foreach_target.h, which decides what it is compiled for.
+#include "kernels/word_tests-inl.h"
+
+// What asm calls the registers of a vector; not defined where there is none.
+#undef HALFSPACE_VECTOR_REGISTER
+#if defined(__GNUC__)
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
+#define HALFSPACE_VECTOR_REGISTER "+v"
+#elif HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
+#define HALFSPACE_VECTOR_REGISTER "+x"
+#elif HWY_ARCH_ARM_A64 && HWY_TARGET == HWY_NEON
+#define HALFSPACE_VECTOR_REGISTER "+w"
+#endif
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+#ifdef HALFSPACE_VECTOR_REGISTER
+
+// Brings one register again and again; the compiler must take its value for a
+// new one each time, and no instruction is spent on it.
+template <class V>
+struct SameRegister {
+  V& vector;
+
+  template <class D, typename T>
+  HWY_INLINE V operator()(D /*d*/, const T* /*from*/) const {
+    asm("" : HALFSPACE_VECTOR_REGISTER(vector.raw));
+    return vector;
+  }
+};
+
+template <class Shape, size_t... kPlane>
+void ScanRegistersAs(std::index_sequence<kPlane...>, const float* const* planes,
+                     const float* query, size_t size, uint64_t* mask) {
+  const WordTag<float> d;
+  auto vector = hn::Zero(d);
+  const SameRegister<decltype(vector)> load{vector};
+  for (size_t w = 0; w < size / kWordObjects; ++w) {
+    mask[w] = BitsRejectedOf<Shape, kWordObjects, 0, sizeof...(kPlane)>(
+        d, load, planes, w * kWordObjects,
+        hn::Set(d, query[kernels::kQueryIndex<Shape, kPlane>])...);
+  }
+}
+
+template <class Shape>
+void ScanRegistersAs(const float* const* planes, const float* query,
+                     size_t size, uint64_t* mask) {
+  constexpr size_t kPlanes = Shape::kOrder.planes.size();
+  ScanRegistersAs<Shape>(std::make_index_sequence<kPlanes>(), planes, query,
+                         size, mask);
+}
+
+void ScanRegisters(bench::ShapeKind shape, const float* const* planes,
+                   const float* query, size_t size, uint64_t* mask) {
+  switch (shape) {
+    case bench::ShapeKind::kSimplex:
+      return ScanRegistersAs<kernels::SimplexFlat<3>>(planes, query, size,
+                                                      mask);
+    case bench::ShapeKind::kAabb:
+      return ScanRegistersAs<kernels::AabbFlat<3>>(planes, query, size, mask);
+    case bench::ShapeKind::kAabo:
+      return ScanRegistersAs<kernels::AaboFlat<3>>(planes, query, size, mask);
+  }
+}
+
+inline constexpr bench::RegisterScan kRegisterScan = &ScanRegisters;
+
+#else  // HALFSPACE_VECTOR_REGISTER
+
+inline constexpr bench::RegisterScan kRegisterScan = nullptr;
+
+#endif  // HALFSPACE_VECTOR_REGISTER
+
+}  // namespace HWY_NAMESPACE
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
+
+namespace halfspace::bench {
+
+template <std::int64_t kTarget>
+RegisterScan RegisterScanOf();
+
+template <>
+RegisterScan RegisterScanOf<HWY_TARGET>() {
+  return HWY_NAMESPACE::kRegisterScan;
+}
+
+}  // namespace halfspace::bench
+
+#if HWY_ONCE
+namespace halfspace::bench {
+
+RegisterScan RegisterScanFor(Target target) {
+  return FunctionOf<RegisterScan>(target,
+                                  [](auto t) { return RegisterScanOf<t()>(); });
+}
+
+}  // namespace halfspace::bench
+#endif  // HWY_ONCE

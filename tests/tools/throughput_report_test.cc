@@ -1,0 +1,145 @@
+// What the section throughput prints, and what it computes from times.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "bench/crossover_size.h"
+#include "bench/line_fit.h"
+#include "bench/register_scan.h"
+#include "bench/report.h"
+#include "bench/throughput.h"
+#include "halfspace/reject.h"
+
+namespace halfspace::bench {
+namespace {
+
+using Json = nlohmann::json;
+
+ThroughputResult SomeResult() {
+  ThroughputResult result;
+  ThroughputRow row;
+  row.name = "read simplex by-word";
+  row.objects = 4096;
+  row.queries = 1;
+  row.working_set = "memory";
+  row.target = "SSE4";
+  row.ns_per_pair = 0.5;
+  result.rows.push_back(row);
+  row.name = "simplex flat";
+  row.ceiling = "read simplex by-word";
+  row.percent_of_ceiling = 98.0;
+  result.rows.push_back(row);
+  row.name = "rival";
+  row.target.clear();
+  result.rows.push_back(row);
+  result.ratios.push_back({1, "a share", 98.0, 97.0, true});
+  result.ratios.push_back({6, "a cost", 1.2, 1.15, false});
+  result.not_reached.push_back("bar 8: no peers");
+  return result;
+}
+
+Json Section(const ThroughputResult& result) {
+  Results results;
+  results.throughput = result;
+  return Json::parse(ToJson(results)).at("sections").at("throughput");
+}
+
+TEST(ThroughputReportTest, JsonHasTheFixedForm) {
+  ThroughputResult result = SomeResult();
+  const Json section = Section(result);
+  const Json& row = section.at("rows").at(1);
+  EXPECT_EQ(row.at("name"), "simplex flat");
+  EXPECT_EQ(row.at("objects"), 4096);
+  EXPECT_EQ(row.at("queries"), 1);
+  EXPECT_EQ(row.at("working_set"), "memory");
+  EXPECT_EQ(row.at("target"), "SSE4");
+  EXPECT_EQ(row.at("ns_per_pair"), 0.5);
+  EXPECT_EQ(row.at("ceiling"), "read simplex by-word");
+  EXPECT_EQ(row.at("percent_of_ceiling"), 98.0);
+  EXPECT_TRUE(section.at("rows").at(0).at("ceiling").is_null());
+  EXPECT_TRUE(section.at("rows").at(0).at("percent_of_ceiling").is_null());
+  EXPECT_TRUE(section.at("rows").at(2).at("target").is_null());
+  EXPECT_EQ(section.at("ratios").at(0), Json({{"bar", 1},
+                                              {"name", "a share"},
+                                              {"value", 98.0},
+                                              {"needed", 97.0},
+                                              {"better", "higher"},
+                                              {"holds", true}}));
+  EXPECT_EQ(section.at("ratios").at(1).at("better"), "lower");
+  EXPECT_EQ(section.at("ratios").at(1).at("holds"), false);
+  EXPECT_TRUE(section.at("survivors").is_null());
+  EXPECT_EQ(section.at("not_reached").size(), 1u);
+  result.survivors = PerShape<std::size_t>{1, 2, 3};
+  EXPECT_EQ(Section(result).at("survivors"),
+            Json({{"aabb", 1}, {"simplex", 2}, {"aabo", 3}}));
+}
+
+TEST(ThroughputReportTest, TextSaysWhichBarsHold) {
+  std::ostringstream text;
+  WriteText(text, SomeResult());
+  EXPECT_NE(text.str().find("a share holds  98.00  >= 97.00"),
+            std::string::npos)
+      << text.str();
+  EXPECT_NE(text.str().find("FAILS"), std::string::npos);
+  EXPECT_NE(text.str().find("<= 1.15"), std::string::npos);
+  EXPECT_NE(text.str().find("not reached: bar 8"), std::string::npos);
+}
+
+TEST(ThroughputReportTest, ABarHoldsAtItsLimit) {
+  EXPECT_TRUE((ThroughputRatio{1, "", 97.0, 97.0, true}.holds()));
+  EXPECT_FALSE((ThroughputRatio{1, "", 96.9, 97.0, true}.holds()));
+  EXPECT_TRUE((ThroughputRatio{6, "", 1.15, 1.15, false}.holds()));
+  EXPECT_FALSE((ThroughputRatio{6, "", 1.16, 1.15, false}.holds()));
+}
+
+TEST(LineFitTest, FindsInterceptAndSlope) {
+  const std::vector<double> x = {64, 128, 1024};
+  const std::vector<double> exact = {7 + 64 * 0.5, 7 + 128 * 0.5,
+                                     7 + 1024 * 0.5};
+  EXPECT_NEAR(FitLine(x, exact).intercept, 7.0, 1e-9);
+  EXPECT_NEAR(FitLine(x, exact).slope, 0.5, 1e-12);
+  // By hand: means 2 and 3, slope (1 * 2 + 0 + 1 * 1) / 2.
+  const std::vector<double> few = {1, 2, 3};
+  const std::vector<double> scattered = {1, 4, 4};
+  EXPECT_NEAR(FitLine(few, scattered).slope, 1.5, 1e-12);
+  EXPECT_NEAR(FitLine(few, scattered).intercept, 0.0, 1e-12);
+}
+
+TEST(CrossoverSizeTest, InterpolatesBetweenLogarithms) {
+  const std::vector<double> sizes = {100, 10000};
+  const std::vector<double> ours = {1, 100};
+  // Half of theirs, then twice as much: in the middle.
+  const std::vector<double> theirs = {2, 50};
+  EXPECT_NEAR(CrossoverSize(sizes, ours, theirs), 1000, 1e-6);
+  const std::vector<double> faster = {0.5, 200};
+  EXPECT_EQ(CrossoverSize(sizes, ours, faster), 0.0);
+  const std::vector<double> slower = {2, 200};
+  EXPECT_EQ(CrossoverSize(sizes, ours, slower), 10000.0);
+}
+
+TEST(RegisterScanTest, WritesTheWordsAndNoMore) {
+  AaboWorld3 world;
+  world.Resize(256);
+  const Aabo3 query = Aabo3::Empty();
+  for (Target target : SupportedTargets()) {
+    const RegisterScan scan = RegisterScanFor(target);
+    if (scan == nullptr) continue;
+    for (ShapeKind shape : kShapes) {
+      constexpr std::uint64_t kUntouched = 0x5555555555555555;
+      std::vector<std::uint64_t> mask(6, kUntouched);
+      scan(shape, PlanesOf(shape, world.view()).data(),
+           QueryOf(shape, query).data(), 256, mask.data());
+      for (std::size_t w = 0; w < 4; ++w) {
+        EXPECT_NE(mask[w], kUntouched) << target.name() << NameOf(shape);
+      }
+      EXPECT_EQ(mask[4], kUntouched);
+      EXPECT_EQ(mask[5], kUntouched);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace halfspace::bench
