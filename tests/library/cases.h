@@ -40,6 +40,15 @@ constexpr bool IsMinPlane(std::size_t p) {
 template <typename View>
 using ScalarOf = typename View::Bound::Scalar;
 
+// The value of a bound in plane p of a view.
+template <typename View>
+ScalarOf<View>& StoredValue(typename View::Bound& bound, std::size_t p) {
+  if constexpr (HasMaxima<View>) {
+    if (!IsMinPlane<View>(p)) return bound.max[p - kMinima<View>];
+  }
+  return bound.min[p];
+}
+
 // The value of a query that plane p of a view is compared with.
 template <typename View>
 ScalarOf<View>& OpposingValue(typename View::Query& query, std::size_t p) {
