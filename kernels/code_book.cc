@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <utility>
 
 #include "kernels/error.h"
 #include "kernels/memory_checks.h"
@@ -56,12 +57,11 @@ constexpr Stored Stow(std::uint32_t code) {
 std::vector<Key> SortedSample(const FloatColumns& floats, std::size_t plane,
                               std::size_t most) {
   const std::size_t count = std::min(floats.size, most);
-  const std::size_t stride =
-      count == 0 ? 1 : floats.size / count * floats.stride;
   std::vector<Key> sample;
   sample.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const Key key = KeyOf(floats.planes[plane][i * stride], kAboveAll);
+    const std::size_t at = SampledIndex(i, count, floats.size);
+    const Key key = KeyOf(floats.planes[plane][at * floats.stride], kAboveAll);
     if (key != kAboveAll) sample.push_back(key);
   }
   std::sort(sample.begin(), sample.end());
@@ -86,6 +86,20 @@ std::vector<Key> Quantiles(const std::vector<Key>& sorted, std::size_t most,
 }
 
 }  // namespace
+
+CodeBook::CodeBook(CodeBook&& other) noexcept
+    : minima_(other.minima_),
+      planes_(other.planes_),
+      thresholds_per_plane_(std::exchange(other.thresholds_per_plane_, 0)),
+      thresholds_(std::exchange(other.thresholds_, {})) {}
+
+CodeBook& CodeBook::operator=(CodeBook other) noexcept {
+  minima_ = other.minima_;
+  planes_ = other.planes_;
+  thresholds_per_plane_ = other.thresholds_per_plane_;
+  thresholds_.swap(other.thresholds_);
+  return *this;
+}
 
 void CodeBook::Learn(const FloatColumns& floats, std::size_t codes) {
   // Enough for the ranks of 256 codes to be off by less than one; of 65536, for

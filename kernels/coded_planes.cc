@@ -34,11 +34,12 @@ void CodedPlanes<Stored>::Recode(const FloatColumns& floats) {
           return "a plane of " + std::to_string(floats.size) + " floats";
         });
   }
-  CodeBook book = book_;
-  book.Learn(floats, std::size_t{1} << (8 * sizeof(Stored)));
+  // Before a plane is read: a size that cannot exist is refused here.
   PlaneArrays<Stored> codes = NoPlanes<Stored>(planes);
   codes.Reserve(std::max(floats.size, codes_.capacity()));
   codes.Resize(floats.size);
+  CodeBook book = book_;
+  book.Learn(floats, std::size_t{1} << (8 * sizeof(Stored)));
   for (std::size_t p = 0; p < planes; ++p) {
     book.CodeObjects(p, floats.planes[p], floats.stride, floats.size,
                      codes.plane(p));
@@ -95,7 +96,7 @@ double CodedPlanes<Stored>::Crowding(std::size_t plane) const {
   if (count == 0) return 0.0;
   std::array<std::uint32_t, 256> histogram{};
   for (std::size_t i = 0; i < count; ++i) {
-    const Stored code = codes_.plane(plane)[i * (size() / count)];
+    const Stored code = codes_.plane(plane)[SampledIndex(i, count, size())];
     ++histogram[book_.BucketOf(code)];
   }
   double pairs = 0.0;

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "halfspace/detail/block_memory.h"
@@ -19,6 +20,10 @@ constexpr std::size_t kGroup = 64;  // objects in one output word
 // cache lines between them spreads the starts.
 template <typename T>
 constexpr std::size_t kStagger = 5 * 64 / sizeof(T);
+
+// The class that users know, for messages.
+template <typename T>
+constexpr const char* kOwner = std::is_floating_point_v<T> ? "World" : "Codes";
 
 }  // namespace
 
@@ -75,7 +80,7 @@ void PlaneArrays<T>::Grow(std::size_t objects) {
   constexpr std::size_t kMost =
       std::numeric_limits<std::size_t>::max() / sizeof(T) / kMaxPlanes / 2;
   if (objects > kMost) {
-    kernels::ThrowInvalid("World", "size",
+    kernels::ThrowInvalid(kOwner<T>, "size",
                           "at most " + std::to_string(kMost) + " objects",
                           std::to_string(objects));
   }

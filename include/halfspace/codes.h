@@ -31,6 +31,7 @@
 #ifndef HALFSPACE_CODES_H_
 #define HALFSPACE_CODES_H_
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -127,8 +128,10 @@ detail::ConfirmedView<FloatView, CodeType> Confirmed(
 }
 
 // A world that owns its codes and its floats. It offers what World offers, at
-// the cost of that and of about 20 ns for the codes; when it outgrows its
-// memory, which costs O(size) anyway, it learns a new map.
+// the cost of that and of about 20 ns for the codes. It learns a map when it is
+// made of bounds, and a new one whenever it outgrows its memory, which costs
+// O(size) anyway: pushed to from nothing, for the first time at 64 objects.
+// Memory that cannot be had throws std::bad_alloc, and the world is as it was.
 //
 // Its floats are records, one after another, and not planes: few of them are
 // looked at, and each is then one cache line instead of one for each plane.
@@ -141,6 +144,14 @@ class CodedWorld {
   using View = detail::CodedWorldView<FloatView, CodeType>;
 
   CodedWorld() = default;
+  CodedWorld(const CodedWorld& other) = default;
+  CodedWorld(CodedWorld&& other) noexcept = default;  // leaves it empty
+  CodedWorld& operator=(CodedWorld other) noexcept {
+    std::swap(codes_, other.codes_);
+    records_.swap(other.records_);
+    return *this;
+  }
+  ~CodedWorld() = default;
 
   // Copies the bounds of a world of floats, in order, or of a list.
   explicit CodedWorld(const FloatView& floats) : codes_(floats) {
@@ -161,13 +172,13 @@ class CodedWorld {
 
   // Appends and returns the object's index. Amortised O(1).
   std::size_t Push(const Bound& bound) {
-    const bool grows = records_.size() == records_.capacity();
+    if (records_.size() == records_.capacity()) Grow();
     codes_.Push(bound);
     records_.push_back(bound);
-    if (grows) Recode();
     return size() - 1;
   }
   void Set(std::size_t index, const Bound& bound) {
+    codes_.CheckIndex(index, "CodedWorld::Set");
     codes_.Set(index, bound);
     records_[index] = bound;
   }
@@ -177,6 +188,7 @@ class CodedWorld {
   }
   // Removes object `index`; the last object takes its place. O(1).
   void EraseBySwap(std::size_t index) {
+    codes_.CheckIndex(index, "CodedWorld::EraseBySwap");
     codes_.EraseBySwap(index);
     records_[index] = records_.back();
     records_.pop_back();
@@ -200,6 +212,13 @@ class CodedWorld {
   View view() const { return {codes_.view(), records_}; }
 
  private:
+  // All memory comes before any change, so that codes and floats stay in step.
+  void Grow() {
+    constexpr std::size_t kLeast = 64;
+    Reserve(std::max(kLeast, 2 * records_.capacity()));
+    Recode();
+  }
+
   Codes<FloatView, CodeType> codes_;
   std::vector<Bound, detail::BlockAllocator<Bound>> records_;
 };

@@ -21,6 +21,12 @@ namespace halfspace::detail {
 template <typename Code>
 using StoredCode = std::make_signed_t<Code>;
 
+// Number i of `count` indices that are evenly spread below `size`.
+constexpr std::size_t SampledIndex(std::size_t i, std::size_t count,
+                                   std::size_t size) {
+  return i * (size / count) + i * (size % count) / count;
+}
+
 // For every plane a monotone map from floats to 0 ... thresholds: how many of
 // the plane's thresholds a value reaches (a minimum) or passes (a maximum).
 // Both sides of a test go through the same map, so whatever the thresholds are,
@@ -34,6 +40,10 @@ class HALFSPACE_API CodeBook {
   // No thresholds: one code for everything.
   CodeBook(std::size_t minima, std::size_t maxima)
       : minima_(minima), planes_(minima + maxima) {}
+  CodeBook(const CodeBook& other) = default;
+  CodeBook(CodeBook&& other) noexcept;  // leaves none
+  CodeBook& operator=(CodeBook other) noexcept;
+  ~CodeBook() = default;
 
   std::size_t planes() const { return planes_; }
 
