@@ -1,15 +1,15 @@
 # Reads the lists of mutants. README.md says what a list looks like.
 #
 #   perl mutants.pl names LIST...              each mutant: name, description
-#   perl mutants.pl tests LIST...              each mutant: name, first, also
+#   perl mutants.pl tests LIST...              each mutant: name, first, also, on
 #   perl mutants.pl check ROOT LIST...         fails if one does not fit
 #   perl mutants.pl apply ROOT NAME LIST...    changes the sources under ROOT,
 #                                              and prints the changed files
 use strict;
 use warnings;
 
-# All mutants, in order: name, description, first, also, hunks of [file, old,
-# new].
+# All mutants, in order: name, description, first, also, on, hunks of [file,
+# old, new].
 sub read_lists {
   my @mutants;
   my %seen;
@@ -23,7 +23,7 @@ sub read_lists {
       if ($line =~ /^mutant (\w+): (.+)$/) {
         die "$where: the name $1 is taken\n" if $seen{$1}++;
         push @mutants, {name => $1, what => $2, first => $first, also => 'none',
-                        hunks => []};
+                        on => 'any', hunks => []};
         next;
       }
       if ($line =~ /^first (\S+)$/) {
@@ -36,10 +36,12 @@ sub read_lists {
         push @{$mutant->{hunks}}, [$1, '', ''];
       } elsif ($line =~ /^also (\S+)$/) {
         $mutant->{also} = $1;
+      } elsif ($line =~ /^on (\S+)$/) {
+        $mutant->{on} = $1;
       } elsif ($hunk && $line =~ /^([-+])(.*)$/) {
         $hunk->[$1 eq '-' ? 1 : 2] .= "$2\n";
       } else {
-        die "$where: expected mutant, in, also, - or +, got \"$line\"\n";
+        die "$where: expected mutant, in, also, on, - or +, got \"$line\"\n";
       }
     }
   }
@@ -77,7 +79,7 @@ my $command = shift @ARGV // '';
 if ($command eq 'names') {
   print "$_->{name}\t$_->{what}\n" for read_lists(@ARGV);
 } elsif ($command eq 'tests') {
-  print "$_->{name}\t$_->{first}\t$_->{also}\n" for read_lists(@ARGV);
+  print "$_->{name}\t$_->{first}\t$_->{also}\t$_->{on}\n" for read_lists(@ARGV);
 } elsif ($command eq 'check') {
   my $root = shift @ARGV;
   my @stale;

@@ -116,8 +116,12 @@ mkdir -p "$work"
 perl "$here/mutants.pl" check "$root" "${lists[@]}" || exit 2
 declare -A first=() also=()
 all=()
-while read -r name first_tests also_tests; do
-  all+=("$name")
+while read -r name first_tests also_tests machine; do
+  if [ "$machine" = any ] || [ "$machine" = "$(uname -m)" ]; then
+    all+=("$name")
+  else
+    say "==> $name is left out: it needs $machine"
+  fi
   first[$name]=$first_tests
   also[$name]=$also_tests
 done < <(perl "$here/mutants.pl" tests "${lists[@]}")
