@@ -122,7 +122,7 @@ typename View::Bound OneCodedBound(CodedInputKind kind, Random& random) {
     const float half = UniformIn(0.f, 30.f, random);
     float value = IsMinPlane<View>(p) ? middle - half : middle + half;
     if (kind == CodedInputKind::kAnyValues && OneIn(4, random)) {
-      value = SpecialValue(random);
+      value = SpecialValue<float>(random);
     }
     if (kind == CodedInputKind::kSubnormals) value = NearlyZero(random);
     if (kind == CodedInputKind::kConstantPlanes && is_odd) value = 7.f;
@@ -173,7 +173,7 @@ typename View::Query MakeCodedQuery(std::vector<typename View::Bound>& bounds,
                        : StoredValue<View>(bounds[random() % bounds.size()], p);
     switch (random() % 12) {
       case 0:
-        value = SpecialValue(random);
+        value = SpecialValue<float>(random);
         break;
       case 1:
         value = std::nextafter(stored, kInfinity);

@@ -12,12 +12,13 @@
 
 #include "halfspace/codes.h"
 #include "halfspace/reject.h"
-#include "halfspace/reject_many.h"
 #include "tests/library/coded_answers.h"
 #include "tests/library/coded_cases.h"
 #include "tests/library/environment.h"
 #include "tests/library/expect_invalid.h"
 #include "tests/library/five_calls.h"
+#include "tests/library/many_calls.h"
+#include "tests/library/misaligned.h"
 
 namespace halfspace::testing {
 namespace {
@@ -46,30 +47,17 @@ class CodesErrorsTest : public ::testing::Test {
   void ExpectAllRefuse(const AnyWorld& world, std::string_view argument,
                        std::string_view expected, std::string_view given) {
     using Query = typename FloatView::Query;
-    CallOutputs outputs;
     const Query query = Query::Everything();
     const auto refuses = [&](std::string_view name, auto call) {
       EXPECT_TRUE(Refuses(call, {"halfspace: ", name, argument, "expected",
                                  expected, "got", given}));
     };
+    CallOutputs outputs;
     ForEachCall(world, query, {}, outputs, refuses);
-    const std::span<const Query> queries(&query, 1);
-    const auto rows = outputs.mask.Reset(CallOutputs::kRoom);
-    const auto indices = outputs.indices.Reset(CallOutputs::kRoom);
-    refuses("RejectMasks", [&] { RejectMasks(world, queries, rows); });
-    refuses("SurvivorMasks", [&] { SurvivorMasks(world, queries, rows); });
-    refuses("SurvivorPairs",
-            [&] { (void)SurvivorPairs(world, queries, indices, indices); });
-    std::vector<std::size_t> counts(1, 7);
-    refuses("SurvivorCounts", [&] { SurvivorCounts(world, queries, counts); });
-    bool is_called = false;
-    refuses("ForEachTile", [&] {
-      ForEachTile(world, queries,
-                  [&](const SurvivorTile&) { is_called = true; });
-    });
-    EXPECT_FALSE(is_called);
-    EXPECT_EQ(counts[0], 7u);
     EXPECT_TRUE(outputs.Untouched());
+    ManyCallOutputs many_outputs;
+    ForEachManyCall(world, std::span(&query, 1), {}, many_outputs, refuses);
+    EXPECT_TRUE(many_outputs.Untouched());
   }
 
   Random random_{31};
@@ -116,8 +104,7 @@ TYPED_TEST(CodesErrorsTest, RecodeRefusesBadPlanesAndChangesNothing) {
                         {name, "a plane of 130 floats", "got a null pointer"}));
     this->ExpectUnchanged();
     view = this->world_.view();
-    PlaneOf(view, p) = reinterpret_cast<const float*>(
-        reinterpret_cast<std::uintptr_t>(PlaneOf(view, p)) + 1);
+    PlaneOf(view, p) = Misaligned(PlaneOf(view, p));
     EXPECT_TRUE(Refuses([&] { this->codes_.Recode(view); },
                         {name, "aligned to 4 bytes", "got a misaligned one"}));
     this->ExpectUnchanged();

@@ -111,7 +111,8 @@ TYPED_TEST(CodesFitsTest, GrowingWorldsLearn) {
   typename TestFixture::Coded grown;
   for (const auto& bound : bounds) {
     grown.Push(bound);
-    if (grown.size() > 1) {
+    // For the first time when 64 have used up its first memory.
+    if (grown.size() > 64) {
       ASSERT_TRUE(grown.Fits()) << grown.size();
     }
   }

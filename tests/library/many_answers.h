@@ -20,24 +20,34 @@ namespace halfspace::testing {
 // One answer for each query, and their masks as rows.
 class ManyAnswers {
  public:
+  // rejects(q, i) says whether query q rejects object i.
+  template <typename Rejects>
+  void Assign(std::size_t objects, std::size_t queries, const Range& range,
+              Rejects rejects) {
+    objects_ = objects;
+    range_ = range;
+    reject_rows_.clear();
+    survivor_rows_.clear();
+    pairs_ = 0;
+    answers_.resize(queries);
+    for (std::size_t q = 0; q < queries; ++q) {
+      Answer& answer = answers_[q];
+      answer.Assign(objects, range,
+                    [&](std::size_t i) { return rejects(q, i); });
+      Append(answer.reject_mask(), reject_rows_);
+      Append(answer.survivor_mask(), survivor_rows_);
+      pairs_ += answer.survivors().size();
+    }
+  }
+
   // The oracle's answers, query by query.
   template <typename View>
   void AssignReference(const View& view,
                        std::span<const typename View::Query> queries,
                        const Range& range = {}) {
-    objects_ = view.size;
-    range_ = range;
-    reject_rows_.clear();
-    survivor_rows_.clear();
-    pairs_ = 0;
-    answers_.resize(queries.size());
-    for (std::size_t q = 0; q < queries.size(); ++q) {
-      Answer& answer = answers_[q];
-      answer.AssignReference(view, queries[q], range);
-      Append(answer.reject_mask(), reject_rows_);
-      Append(answer.survivor_mask(), survivor_rows_);
-      pairs_ += answer.survivors().size();
-    }
+    Assign(view.size, queries.size(), range, [&](std::size_t q, std::size_t i) {
+      return reference::Rejects(view, queries[q], i);
+    });
   }
 
   std::size_t objects() const { return objects_; }

@@ -40,16 +40,8 @@ class WorldTest : public ::testing::Test {
   using Model = std::vector<Bound>;
   using Scalar = ScalarOf<View>;
 
-<<<<<<< HEAD
   static Scalar& Value(Bound& bound, std::size_t p) {
-    if constexpr (HasMaxima<Bound>) {
-      if (!IsMinPlane<View>(p)) return bound.max[p - kMinima<View>];
-    }
-    return bound.min[p];
-=======
-  static float& Value(Bound& bound, std::size_t p) {
     return StoredValue<View>(bound, p);
->>>>>>> ce8cdc7 (Tests of codes)
   }
 
   // Any values: a world stores, and does not judge.

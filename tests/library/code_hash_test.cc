@@ -1,0 +1,103 @@
+// Constants that stand for what codes alone answer. They are not the answers of
+// the floats, but the map is integer arithmetic on the bits of floats, so they
+// are the same on every machine, target and compiler.
+//
+// HALFSPACE_TEST_SCALE does not count here. If the map is meant to change, the
+// message of the failed test has the new constant.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <ios>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "halfspace/codes.h"
+#include "halfspace/reject.h"
+#include "tests/library/coded_cases.h"
+#include "tests/library/environment.h"
+#include "tests/library/fnv_hash.h"
+#include "tests/library/seeded_numbers.h"
+
+namespace halfspace::testing {
+namespace {
+
+const std::map<std::string, std::uint64_t> kExpected = {};
+
+template <typename Case>
+class CodeHashTest : public ::testing::Test {
+ protected:
+  using FloatView = typename Case::View;
+  using Coded = CodedWorld<FloatView, typename Case::Code>;
+  // More than a map is learnt from, for one byte.
+  static constexpr std::size_t kObjects = (1 << 16) + 3 * 64 + 37;
+  static constexpr std::size_t kQueries = 32;
+
+  CodeHashTest() {
+    SeededNumbers numbers(FloatView::Bound::kDimensions);
+    std::vector<typename FloatView::Bound> bounds(kObjects);
+    for (auto& bound : bounds) {
+      for (std::size_t p = 0; p < kPlanes<FloatView>; ++p) {
+        StoredValue<FloatView>(bound, p) = numbers.Coordinate();
+      }
+    }
+    world_ = Coded(std::span(std::as_const(bounds)));
+    // Values of the objects, of which most survive.
+    for (auto& query : queries_) {
+      for (std::size_t p = 0; p < kPlanes<FloatView>; ++p) {
+        auto& other = bounds[numbers.Below(kObjects)];
+        const float value = StoredValue<FloatView>(other, p);
+        const float loose = IsMinPlane<FloatView>(p) ? 64.f : -64.f;
+        OpposingValue<FloatView>(query, p) =
+            numbers.Below(3) == 0 ? value : loose;
+      }
+    }
+  }
+
+  std::uint64_t HashOf(const Options& options) {
+    std::vector<std::uint64_t> mask(MaskWords(kObjects));
+    FnvHash hash;
+    survivors_ = 0;
+    exact_ = 0;
+    for (const auto& query : queries_) {
+      SurvivorMask(world_.codes(), query, mask, options);
+      hash.AddAll(mask);
+      survivors_ += CountSurvivors(world_.codes(), query, options).count;
+      exact_ += CountSurvivors(world_.floats(), query, options).count;
+    }
+    return hash.value();
+  }
+
+  // Answers of the floats would say nothing about the map.
+  void ExpectItsOwnAnswers() const {
+    EXPECT_GT(survivors_, exact_);
+    EXPECT_GT(exact_, kObjects);
+    EXPECT_LT(survivors_, kObjects * kQueries);
+  }
+
+ private:
+  Coded world_;
+  std::array<typename FloatView::Query, kQueries> queries_;
+  std::size_t survivors_ = 0;
+  std::size_t exact_ = 0;
+};
+
+TYPED_TEST_SUITE(CodeHashTest, CodedCases, CodedCaseNames);
+
+TYPED_TEST(CodeHashTest, IsTheSameEverywhere) {
+  const std::string name = CodedCaseNames::GetName<TypeParam>(0);
+  const auto expected = kExpected.find(name);
+  for (Target target : TargetsUnderTest()) {
+    const std::uint64_t hash = this->HashOf({.target = target});
+    EXPECT_TRUE(expected != kExpected.end() && hash == expected->second)
+        << target.name() << ": the hash of " << name << " is 0x" << std::hex
+        << hash;
+  }
+  this->ExpectItsOwnAnswers();
+}
+
+}  // namespace
+}  // namespace halfspace::testing

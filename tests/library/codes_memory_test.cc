@@ -1,0 +1,135 @@
+// Memory that cannot be had, at every allocation in turn: codes and coded
+// worlds are then as they were. An executable of its own, because it replaces
+// the operators that all of it allocates by.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+#include <new>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "halfspace/codes.h"
+#include "tests/library/coded_answers.h"
+#include "tests/library/coded_cases.h"
+#include "tests/library/environment.h"
+
+namespace {
+
+constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
+std::size_t allocations_left = kNoLimit;
+
+void* Allocate(std::size_t size, std::size_t alignment) {
+  if (allocations_left == 0) throw std::bad_alloc();
+  if (allocations_left != kNoLimit) --allocations_left;
+  const std::size_t whole = (size + alignment) / alignment * alignment;
+  void* memory = std::aligned_alloc(alignment, whole);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+  return Allocate(size, alignof(std::max_align_t));
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return Allocate(size, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
+
+namespace halfspace::testing {
+namespace {
+
+template <typename Case>
+class CodesMemoryTest : public ::testing::Test {
+ protected:
+  using FloatView = typename Case::View;
+  using TheCodes = Codes<FloatView, typename Case::Code>;
+  using Coded = CodedWorld<FloatView, typename Case::Code>;
+  static constexpr std::size_t kObjects = 128;  // no room for one more
+
+  // Lets change(subject) fail at its first allocation, at its second, ..., and
+  // calls check(subject) after each failure.
+  template <typename Subject, typename Change, typename Check>
+  static void ExpectStrong(Subject& subject, Change change, Check check) {
+    bool is_done = false;
+    std::size_t failures = 0;
+    for (; !is_done; ++failures) {
+      allocations_left = failures;
+      try {
+        change(subject);
+        is_done = true;
+      } catch (const std::bad_alloc&) {
+      }
+      allocations_left = kNoLimit;
+      if (!is_done) check(subject);
+      if (::testing::Test::HasFatalFailure()) return;
+    }
+    EXPECT_GT(failures, 1u);
+  }
+
+  // The world answers as when it was made.
+  void CheckWorld(const Coded& world) {
+    ASSERT_EQ(world.floats().size(), kObjects);
+    ASSERT_EQ(world.codes().size(), kObjects);
+    for (const auto& query : queries_) {
+      const Answer exact = ReferenceAnswer(floats_.view(), query);
+      ASSERT_TRUE(AnswersEverywhere(exact, world, query, target_));
+    }
+  }
+  void CheckCodes(const TheCodes& codes) {
+    ASSERT_EQ(codes.size(), kObjects);
+    ASSERT_TRUE(codes.Fits());
+    for (const auto& query : queries_) {
+      ASSERT_TRUE(CodesAnswerEverywhere(codes, floats_.view(), query, target_));
+    }
+  }
+
+  Random random_{53};
+  std::vector<typename FloatView::Bound> bounds_ =
+      MakeCodedBounds<FloatView>(CodedInputKind::kUniform, kObjects, random_);
+  World<FloatView> floats_{bounds_};
+  std::vector<typename FloatView::Query> queries_ = {
+      MakeCodedQuery<FloatView>(bounds_, random_),
+      MakeCodedQuery<FloatView>(bounds_, random_)};
+  std::vector<Target> target_ = {TargetsUnderTest().front()};
+};
+
+TYPED_TEST_SUITE(CodesMemoryTest, FewCodedCases, CodedCaseNames);
+
+TYPED_TEST(CodesMemoryTest, CodedWorldStaysAsItWas) {
+  typename TestFixture::Coded world{std::span(std::as_const(this->bounds_))};
+  this->ExpectStrong(
+      world, [&](auto& changed) { changed.Push(this->bounds_[0]); },
+      [&](const auto& same) { this->CheckWorld(same); });
+  EXPECT_EQ(world.size(), this->kObjects + 1);
+}
+
+TYPED_TEST(CodesMemoryTest, CodesStayAsTheyWere) {
+  typename TestFixture::TheCodes codes{this->floats_.view()};
+  const auto check = [&](const auto& same) { this->CheckCodes(same); };
+  auto pushed = codes;
+  this->ExpectStrong(
+      pushed, [&](auto& changed) { changed.Push(this->bounds_[0]); }, check);
+  EXPECT_EQ(pushed.size(), this->kObjects + 1);
+  const auto more = MakeCodedBounds<typename TypeParam::View>(
+      CodedInputKind::kClustered, 1000, this->random_);
+  const World<typename TypeParam::View> floats(more);
+  this->ExpectStrong(
+      codes, [&](auto& changed) { changed.Recode(floats.view()); }, check);
+  EXPECT_EQ(codes.size(), 1000u);
+}
+
+}  // namespace
+}  // namespace halfspace::testing
