@@ -84,15 +84,15 @@ class CodesFpModesTest : public ::testing::Test {
 
 TYPED_TEST_SUITE(CodesFpModesTest, FewCodedCases, CodedCaseNames);
 
-// What a mode that is not changed is in the life of.
-struct UsualMode {};
+// As threads start.
+RoundingMode UsualMode() { return RoundingMode(FE_TONEAREST); }
 
 TYPED_TEST(CodesFpModesTest, SubnormalsMayBeFlushedWhenAsked) {
-  this->ExpectSame([] { return UsualMode(); }, [] { return FlushDenormals(); });
+  this->ExpectSame(UsualMode, [] { return FlushDenormals(); });
 }
 
 TYPED_TEST(CodesFpModesTest, SubnormalsMayBeFlushedWhenMade) {
-  this->ExpectSame([] { return FlushDenormals(); }, [] { return UsualMode(); });
+  this->ExpectSame([] { return FlushDenormals(); }, UsualMode);
 }
 
 TYPED_TEST(CodesFpModesTest, SubnormalsMayBeFlushedAlways) {
@@ -103,10 +103,8 @@ TYPED_TEST(CodesFpModesTest, SubnormalsMayBeFlushedAlways) {
 TYPED_TEST(CodesFpModesTest, RoundingDoesNotMatter) {
   for (int mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
     SCOPED_TRACE(mode);
-    this->ExpectSame([mode] { return RoundingMode(mode); },
-                     [] { return UsualMode(); });
-    this->ExpectSame([] { return UsualMode(); },
-                     [mode] { return RoundingMode(mode); });
+    this->ExpectSame([mode] { return RoundingMode(mode); }, UsualMode);
+    this->ExpectSame(UsualMode, [mode] { return RoundingMode(mode); });
   }
 }
 
