@@ -1,12 +1,8 @@
 // Memory that cannot be had, at every allocation in turn: codes and coded
-// worlds are then as they were. An executable of its own, because it replaces
-// the operators that all of it allocates by.
+// worlds are then as they were.
 #include <gtest/gtest.h>
 
 #include <cstddef>
-#include <cstdint>
-#include <cstdlib>
-#include <limits>
 #include <new>
 #include <span>
 #include <utility>
@@ -16,37 +12,7 @@
 #include "tests/library/coded_answers.h"
 #include "tests/library/coded_cases.h"
 #include "tests/library/environment.h"
-
-namespace {
-
-constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
-std::size_t allocations_left = kNoLimit;
-
-void* Allocate(std::size_t size, std::size_t alignment) {
-  if (allocations_left == 0) throw std::bad_alloc();
-  if (allocations_left != kNoLimit) --allocations_left;
-  const std::size_t whole = (size + alignment) / alignment * alignment;
-  void* memory = std::aligned_alloc(alignment, whole);
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) {
-  return Allocate(size, alignof(std::max_align_t));
-}
-void* operator new(std::size_t size, std::align_val_t alignment) {
-  return Allocate(size, static_cast<std::size_t>(alignment));
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-  std::free(memory);
-}
+#include "tests/library/limited_memory.h"
 
 namespace halfspace::testing {
 namespace {
@@ -72,7 +38,7 @@ class CodesMemoryTest : public ::testing::Test {
         is_done = true;
       } catch (const std::bad_alloc&) {
       }
-      allocations_left = kNoLimit;
+      allocations_left = kNoAllocationLimit;
       if (!is_done) check(subject);
       if (::testing::Test::HasFatalFailure()) return;
     }

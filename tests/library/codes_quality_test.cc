@@ -79,7 +79,7 @@ class CodesQualityTest : public ::testing::Test {
   SeededNumbers numbers_{41};
 };
 
-TYPED_TEST_SUITE(CodesQualityTest, CodedCases, CodedCaseNames);
+TYPED_TEST_SUITE(CodesQualityTest, FewCodedCases, CodedCaseNames);
 
 TYPED_TEST(CodesQualityTest, FewMoreSurviveThanOfFloats) {
   const auto bounds = this->RandomBounds(50'000);

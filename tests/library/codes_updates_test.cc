@@ -72,7 +72,7 @@ TYPED_TEST(CodesUpdatesTest, CodesFollowTheFloats) {
   typename TestFixture::Model model = this->RandomBounds(40);
   typename TestFixture::TheCodes codes{
       World<typename TypeParam::View>(model).view()};
-  for (std::size_t step = 0; step < Scaled(400); ++step) {
+  for (std::size_t step = 0; step < Scaled(2000); ++step) {
     const std::uint64_t operation = this->random_() % 100;
     const auto bound = this->RandomBound();
     const std::size_t at = model.empty() ? 0 : this->random_() % model.size();
@@ -113,7 +113,7 @@ TYPED_TEST(CodesUpdatesTest, CodesFollowTheFloats) {
 TYPED_TEST(CodesUpdatesTest, CodedWorldFollowsTheModel) {
   typename TestFixture::Coded world;
   typename TestFixture::Model model;
-  for (std::size_t step = 0; step < Scaled(400); ++step) {
+  for (std::size_t step = 0; step < Scaled(2000); ++step) {
     const std::uint64_t operation = this->random_() % 100;
     const auto bound = this->RandomBound();
     const std::size_t at = model.empty() ? 0 : this->random_() % model.size();
