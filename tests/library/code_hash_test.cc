@@ -64,7 +64,8 @@ class CodeHashTest : public ::testing::Test {
         StoredValue<FloatView>(bound, p) = numbers.Coordinate();
       }
     }
-    world_ = Coded(std::span(std::as_const(bounds)));
+    floats_.Assign(bounds);
+    world_ = Coded(floats_);
     // Values of the objects, of which most survive.
     for (auto& query : queries_) {
       for (std::size_t p = 0; p < kPlanes<FloatView>; ++p) {
@@ -86,7 +87,7 @@ class CodeHashTest : public ::testing::Test {
       SurvivorMask(world_.codes(), query, mask, options);
       hash.AddAll(mask);
       survivors_ += CountSurvivors(world_.codes(), query, options).count;
-      exact_ += CountSurvivors(world_.floats(), query, options).count;
+      exact_ += CountSurvivors(floats_, query, options).count;
     }
     return hash.value();
   }
@@ -99,6 +100,7 @@ class CodeHashTest : public ::testing::Test {
   }
 
  private:
+  World<FloatView> floats_;
   Coded world_;
   std::array<typename FloatView::Query, kQueries> queries_;
   std::size_t survivors_ = 0;

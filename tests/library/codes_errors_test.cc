@@ -81,15 +81,15 @@ TYPED_TEST(CodesErrorsTest, IndexPastTheEndIsRefused) {
                         {"Codes::Set", expected, given}));
     EXPECT_TRUE(Refuses([&] { this->codes_.EraseBySwap(index); },
                         {"Codes::EraseBySwap", expected, given}));
-    EXPECT_TRUE(
-        Refuses([&] { world.Get(index); }, {"World::Get", expected, given}));
+    EXPECT_TRUE(Refuses([&] { world.Get(index); },
+                        {"CodedWorld::Get", expected, given}));
     EXPECT_TRUE(Refuses([&] { world.Set(index, bound); },
-                        {"World::Set", expected, given}));
+                        {"CodedWorld::Set", expected, given}));
     EXPECT_TRUE(Refuses([&] { world.EraseBySwap(index); },
-                        {"World::EraseBySwap", expected, given}));
+                        {"CodedWorld::EraseBySwap", expected, given}));
   }
   this->ExpectUnchanged();
-  EXPECT_EQ(world.floats().size(), 130u);
+  EXPECT_EQ(world.size(), 130u);
   EXPECT_EQ(world.codes().size(), 130u);
 }
 

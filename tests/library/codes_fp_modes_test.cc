@@ -38,7 +38,7 @@ class CodesFpModesTest : public ::testing::Test {
             const Options& options) const {
     const std::size_t words = MaskWords(bounds_.size());
     Masks masks = {Mask(words), Mask(words), Mask(words)};
-    SurvivorMask(world.floats(), query, masks.floats, options);
+    SurvivorMask(floats_, query, masks.floats, options);
     SurvivorMask(world.codes(), query, masks.coded, options);
     SurvivorMask(world, query, masks.confirmed, options);
     return masks;
@@ -51,6 +51,7 @@ class CodesFpModesTest : public ::testing::Test {
          {CodedInputKind::kSubnormals, CodedInputKind::kAnyValues,
           CodedInputKind::kUniform}) {
       bounds_ = MakeCodedBounds<FloatView>(kind, 300, random_);
+      floats_.Assign(bounds_);
       const Coded world = [&] {
         const auto mode = make_mode();
         return Make();
@@ -80,6 +81,7 @@ class CodesFpModesTest : public ::testing::Test {
  private:
   Random random_{43};
   std::vector<typename FloatView::Bound> bounds_;
+  World<FloatView> floats_;
 };
 
 TYPED_TEST_SUITE(CodesFpModesTest, FewCodedCases, CodedCaseNames);

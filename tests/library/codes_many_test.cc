@@ -26,7 +26,8 @@ class CodesManyTest : public ::testing::Test {
 
   void SetUpWorld(CodedInputKind kind, std::size_t size, std::size_t queries) {
     auto bounds = MakeCodedBounds<FloatView>(kind, size, random_);
-    world_ = Coded(std::span(std::as_const(bounds)));
+    floats_.Assign(bounds);
+    world_ = Coded(floats_);
     queries_.clear();
     coded_.clear();
     for (std::size_t q = 0; q < queries; ++q) {
@@ -43,7 +44,7 @@ class CodesManyTest : public ::testing::Test {
                  << world_.size() << " objects, range " << range.begin << ", "
                  << range.end << ", " << queries << " queries");
     const auto some = std::span(std::as_const(queries_)).first(queries);
-    answers_.AssignReference(world_.floats().view(), some, range);
+    answers_.AssignReference(floats_.view(), some, range);
     ASSERT_TRUE(AnswersManyEverywhere(answers_, world_, some, targets_));
     answers_.Assign(world_.size(), queries, range,
                     [&](std::size_t q, std::size_t i) {
@@ -54,6 +55,7 @@ class CodesManyTest : public ::testing::Test {
         AnswersManyEverywhere(answers_, world_.codes(), some, targets_));
   }
 
+  World<FloatView> floats_;
   Coded world_;
   std::vector<Query> queries_;
   std::vector<Answer> coded_;
@@ -101,8 +103,7 @@ TYPED_TEST(CodesManyTest, Ranges) {
     this->Check(7, range);
     if (this->HasFatalFailure()) return;
     Answer exact;
-    exact.AssignReference(this->world_.floats().view(), this->queries_[0],
-                          range);
+    exact.AssignReference(this->floats_.view(), this->queries_[0], range);
     ASSERT_TRUE(AnswersEverywhere(exact, this->world_, this->queries_[0],
                                   this->targets_, range));
   }

@@ -46,13 +46,15 @@ class CodesMapTest : public ::testing::Test {
   }
 
   void Learn(const std::vector<float>& values) {
-    const float* planes[] = {values.data(), values.data()};
-    book_.Learn(planes, values.size(), std::size_t{1} << (8 * sizeof(Stored)));
+    book_.Learn({.planes = {values.data(), values.data()},
+                 .size = values.size(),
+                 .stride = 1},
+                std::size_t{1} << (8 * sizeof(Stored)));
   }
 
   Stored OfObject(std::size_t p, float value) const {
     Stored code{};
-    book_.CodeObjects(p, &value, 1, &code);
+    book_.CodeObjects(p, &value, 1, 1, &code);
     return code;
   }
 
@@ -153,7 +155,7 @@ TYPED_TEST(CodesMapTest, ManyAreCodedAsOneIs) {
   for (std::size_t count = 0; count <= 40; ++count) {
     for (std::size_t p : {0u, 1u}) {
       std::vector<TypeParam> codes(count + 1, TypeParam{77});
-      this->book_.CodeObjects(p, values.data(), count, codes.data());
+      this->book_.CodeObjects(p, values.data(), 1, count, codes.data());
       for (std::size_t i = 0; i < count; ++i) {
         ASSERT_EQ(codes[i], this->OfObject(p, values[i])) << count << ", " << i;
       }

@@ -47,7 +47,7 @@ class CodesMemoryTest : public ::testing::Test {
 
   // The world answers as when it was made.
   void CheckWorld(const Coded& world) {
-    ASSERT_EQ(world.floats().size(), kObjects);
+    ASSERT_EQ(world.size(), kObjects);
     ASSERT_EQ(world.codes().size(), kObjects);
     for (const auto& query : queries_) {
       const Answer exact = ReferenceAnswer(floats_.view(), query);
@@ -75,7 +75,9 @@ class CodesMemoryTest : public ::testing::Test {
 TYPED_TEST_SUITE(CodesMemoryTest, FewCodedCases, CodedCaseNames);
 
 TYPED_TEST(CodesMemoryTest, CodedWorldStaysAsItWas) {
-  typename TestFixture::Coded world{std::span(std::as_const(this->bounds_))};
+  typename TestFixture::Coded world;
+  for (const auto& bound : this->bounds_) world.Push(bound);
+  ASSERT_EQ(world.size(), 128u);
   this->ExpectStrong(
       world, [&](auto& changed) { changed.Push(this->bounds_[0]); },
       [&](const auto& same) { this->CheckWorld(same); });

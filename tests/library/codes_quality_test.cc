@@ -64,13 +64,15 @@ class CodesQualityTest : public ::testing::Test {
   }
 
   // How many times as many survive the codes as survive the floats.
-  double Excess(const CodedWorld<FloatView, Code>& world) {
+  double Excess(const std::vector<Bound>& bounds) {
+    const World<FloatView> floats(bounds);
+    const Codes<FloatView, Code> codes(floats.view());
     std::size_t exact = 0;
     std::size_t coded = 0;
     for (int i = 0; i < 64; ++i) {
       const Query query = RandomQuery();
-      exact += CountSurvivors(world.floats(), query).count;
-      coded += CountSurvivors(world.codes(), query).count;
+      exact += CountSurvivors(floats, query).count;
+      coded += CountSurvivors(codes, query).count;
     }
     EXPECT_GT(exact, 100u);
     return static_cast<double>(coded) / static_cast<double>(exact);
@@ -83,9 +85,7 @@ TYPED_TEST_SUITE(CodesQualityTest, FewCodedCases, CodedCaseNames);
 
 TYPED_TEST(CodesQualityTest, FewMoreSurviveThanOfFloats) {
   const auto bounds = this->RandomBounds(50'000);
-  const CodedWorld<typename TypeParam::View, typename TypeParam::Code> world{
-      std::span(bounds)};
-  const double excess = this->Excess(world);
+  const double excess = this->Excess(bounds);
   EXPECT_GE(excess, 1.0);
   EXPECT_LE(excess, TestFixture::kIsByte ? 1.6 : 1.02);
 }
@@ -98,9 +98,7 @@ TYPED_TEST(CodesQualityTest, OrderedObjectsAreToldApartToo) {
   auto bounds = this->RandomBounds(2 * sampled - 1);
   std::sort(bounds.begin(), bounds.end(),
             [](const auto& a, const auto& b) { return a.min[0] < b.min[0]; });
-  const CodedWorld<typename TypeParam::View, typename TypeParam::Code> world{
-      std::span(std::as_const(bounds))};
-  EXPECT_LE(this->Excess(world), TestFixture::kIsByte ? 1.6 : 1.02);
+  EXPECT_LE(this->Excess(bounds), TestFixture::kIsByte ? 1.6 : 1.02);
 }
 
 // Outliers take no codes from the others.
@@ -112,9 +110,7 @@ TYPED_TEST(CodesQualityTest, OutliersCostNothing) {
       StoredValue<View>(bounds[i], p) = i % 2000 == 0 ? 1e30f : -1e30f;
     }
   }
-  const CodedWorld<View, typename TypeParam::Code> world{
-      std::span(std::as_const(bounds))};
-  EXPECT_LE(this->Excess(world), TestFixture::kIsByte ? 1.6 : 1.02);
+  EXPECT_LE(this->Excess(bounds), TestFixture::kIsByte ? 1.6 : 1.02);
 }
 
 // A query beyond all objects rejects all of them, however many objects there
