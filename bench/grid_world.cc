@@ -11,8 +11,9 @@ namespace halfspace::bench {
 
 std::string GridWorld::WhyNotReached(const Machine& machine,
                                      std::size_t objects) {
-  // Floats, codes, an array of structures, and a bit for each query.
-  constexpr std::size_t kBytes = 32 + 8 + 32 + kQueries / 8 + 1;
+  // Floats, codes with their records, an array of structures, and a bit for
+  // each query.
+  constexpr std::size_t kBytes = 32 + 8 + 32 + 32 + kQueries / 8 + 1;
   if (machine.is_emulated) {
     return "the scene on a grid takes long and means nothing where the CPU is "
            "emulated";
@@ -32,7 +33,8 @@ GridWorld::GridWorld(std::size_t objects, std::uint64_t seed)
 // The answers of the library's floats; the rivals' own must be equal to them.
 GridWorld::GridWorld(Workload scene)
     : queries_(scene.queries),
-      coded_(std::move(scene.objects)),
+      floats_(std::move(scene.objects)),
+      coded_(floats_),
       halves_(MakeHalves(view())) {
   for (ShapeKind shape : kShapes) {
     std::vector<std::size_t>& counts = counts_[static_cast<std::size_t>(shape)];

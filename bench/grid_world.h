@@ -29,7 +29,7 @@ class GridWorld {
   GridWorld(std::size_t objects, std::uint64_t seed);
 
   std::size_t objects() const { return coded_.size(); }
-  AaboView3 view() const { return coded_.floats().view(); }
+  AaboView3 view() const { return floats_.view(); }
   const CodedWorld<AaboView3>& coded() const { return coded_; }
   const HalvesWorld& halves() const { return halves_; }
   const ShapeQueries& queries() const { return queries_; }
@@ -48,6 +48,7 @@ class GridWorld {
   explicit GridWorld(Workload scene);
 
   ShapeQueries queries_;
+  AaboWorld3 floats_;
   CodedWorld<AaboView3> coded_;
   HalvesWorld halves_;
   std::array<std::vector<std::size_t>, kShapes.size()> counts_;

@@ -31,12 +31,14 @@ std::size_t ObjectsOf(const Machine& machine, bool is_quick) {
 class CodedSet {
  public:
   CodedSet(const Workload& workload, std::size_t objects)
-      : world_(ResizedTo(workload.objects, objects)),
+      : floats_(ResizedTo(workload.objects, objects)),
+        world_(floats_),
         queries_(workload.queries),
         indices_(objects),
         mask_(MaskWords(objects)) {}
 
   std::size_t objects() const { return world_.size(); }
+  const AaboWorld3& floats() const { return floats_; }
   const CodedWorld<AaboView3>& world() const { return world_; }
 
   // The planes of codes in order: all minima, which are the first stage, then
@@ -71,7 +73,7 @@ class CodedSet {
               indices_.begin() + static_cast<std::ptrdiff_t>(count));
         };
         if (list(world, options) !=
-            list(world_.floats(), {.schedule = Schedule::kFlat})) {
+            list(floats_, {.schedule = Schedule::kFlat})) {
           return "query " + std::to_string(q) +
                  ": the survivors are not those of the floats";
         }
@@ -91,7 +93,7 @@ class CodedSet {
     c.check = [this, options]() -> std::string {
       std::vector<std::uint64_t> exact(mask_.size());
       for (std::size_t q = 0; q < Checked(); ++q) {
-        SurvivorMask(world_.floats(), queries_[q], exact);
+        SurvivorMask(floats_, queries_[q], exact);
         SurvivorMask(world_.codes(), queries_[q], mask_, options);
         for (std::size_t w = 0; w < exact.size(); ++w) {
           if ((exact[w] & ~mask_[w]) != 0) return "a code falsely rejects";
@@ -123,6 +125,7 @@ class CodedSet {
     return std::min(kCheckedQueries, queries_.size());
   }
 
+  AaboWorld3 floats_;
   CodedWorld<AaboView3> world_;
   std::vector<Aabo3> queries_;
   std::vector<std::uint32_t> indices_;
@@ -165,7 +168,7 @@ void RunConfirmed(CodedSet& set, Target target, Throughput& throughput) {
   for (const ScheduleName& schedule : kSchedules) {
     floats.push_back(cases.size());
     cases.push_back(set.IndicesCase(
-        "floats/memory/" + name + "/" + schedule.name, set.world().floats(),
+        "floats/memory/" + name + "/" + schedule.name, set.floats(),
         {.schedule = schedule.schedule, .target = target}));
   }
   const Timings timings = throughput.TimeLong(std::move(cases));

@@ -5,9 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "kernels/error.h"
-#include "kernels/memory_checks.h"
-
 namespace halfspace::detail {
 namespace {
 
