@@ -74,16 +74,16 @@ using BitsOf =
 // flushing or compiler flag takes part. False if either is NaN.
 template <typename T>
 constexpr bool IsGreater(T a, T b) {
-  using Bits = BitsOf<T>;
-  constexpr Bits kInfinity = sizeof(T) == 4
-                                 ? Bits{0x7f800000u}
-                                 : static_cast<Bits>(0x7ff0000000000000u);
-  constexpr Bits kMagnitude = static_cast<Bits>(~Bits{0}) >> 1;
-  const auto a_bits = std::bit_cast<Bits>(a);
-  const auto b_bits = std::bit_cast<Bits>(b);
+  using Integer = BitsOf<T>;
+  constexpr Integer kInfinity = sizeof(T) == 4
+                                    ? Integer{0x7f800000u}
+                                    : static_cast<Integer>(0x7ff0000000000000u);
+  constexpr Integer kMagnitude = static_cast<Integer>(~Integer{0}) >> 1;
+  const auto a_bits = std::bit_cast<Integer>(a);
+  const auto b_bits = std::bit_cast<Integer>(b);
   if ((a_bits & kMagnitude) > kInfinity) return false;
   if ((b_bits & kMagnitude) > kInfinity) return false;
-  const auto ordered = [](Bits bits) {
+  const auto ordered = [](Integer bits) {
     const auto magnitude = static_cast<std::int64_t>(bits & kMagnitude);
     return bits > kMagnitude ? -magnitude : magnitude;
   };
