@@ -88,7 +88,9 @@ void CheckAnswer(const Case& c) {
 
 }  // namespace
 
-double Timing::Median() const { return QuantileOf(samples, 0.5); }
+double Timing::Quantile(double quantile) const {
+  return QuantileOf(samples, quantile);
+}
 
 Ratio RatioOf(const Timing& numerator, const Timing& denominator) {
   std::vector<double> ratios;

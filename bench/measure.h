@@ -45,7 +45,8 @@ struct Timing {
   double items = 1.0;          // of one run(), as in the case
   std::size_t iterations = 0;  // calls of run() in each repetition
 
-  double Median() const;
+  double Median() const { return Quantile(0.5); }
+  double Quantile(double quantile) const;
 };
 
 // How one timing compares with another: median and quartiles of the ratios of

@@ -40,7 +40,7 @@ std::optional<int> ParseOptions(int argc, char** argv, BenchOptions& options) {
                        std::string("cpuinfo-bench ") + HALFSPACE_VERSION_STRING,
                        "Print the version and exit");
   app.add_flag("--quick", options.is_quick,
-               "A smaller scene and fewer repetitions: under 50 seconds");
+               "A smaller scene and fewer repetitions: under 40 seconds");
   const std::vector<std::string> sections(kSections.begin(), kSections.end());
   app.add_option("--only", options.only,
                  "Only these sections, separated by commas (see --list)")

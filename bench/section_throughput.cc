@@ -55,6 +55,18 @@ Timings Throughput::TimeBriefly(std::vector<Case> cases) {
   return TimeWith(effort, std::move(cases));
 }
 
+void Throughput::AddRowUnder(std::string_view ceiling, std::string_view set,
+                             ThroughputRow row) {
+  for (const ThroughputRow& other : result_.rows) {
+    if (other.name.starts_with(ceiling) && other.working_set == set &&
+        other.target == row.target) {
+      row.ceiling = other.name;
+      row.percent_of_ceiling = 100.0 * other.ns_per_pair / row.ns_per_pair;
+    }
+  }
+  AddRow(std::move(row));
+}
+
 std::size_t FastestOf(const Timings& timings,
                       const std::vector<std::size_t>& among) {
   std::size_t fastest = among.front();

@@ -129,7 +129,7 @@ void RunCodes(const GridWorld& grid, Throughput& throughput) {
     throughput.AddRow(row);
     row.name = "simplex, counts of many";
     row.ns_per_pair = timings[1].Median();
-    throughput.AddRow(row);
+    throughput.AddRowUnder("registers simplex", "L1", row);
     throughput.AddAtLeast(4,
                           "aabo uint8 confirmed, many, " + row.target +
                               ": times the float simplex",

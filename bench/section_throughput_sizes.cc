@@ -117,7 +117,9 @@ void RunFlatness(const Workload& workload, const Machine& machine, int level,
         rows[i].ns_per_pair = timings[i].Median();
         low = std::min(low, rows[i].ns_per_pair);
         high = std::max(high, rows[i].ns_per_pair);
-        throughput.AddRow(rows[i]);
+        throughput.AddRowUnder(
+            (level == 1 ? "registers " : "read ") + std::string(NameOf(shape)),
+            set, rows[i]);
       }
       if (high / low > worst) {
         worst = high / low;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -46,6 +47,11 @@ class Throughput {
   void AddTimings(const Timings& timings);
 
   void AddRow(ThroughputRow row) { result_.rows.push_back(std::move(row)); }
+
+  // The same, measured by the row before it of that set and the same target
+  // whose name begins so; if there is none, by none.
+  void AddRowUnder(std::string_view ceiling, std::string_view set,
+                   ThroughputRow row);
   void SetSurvivors(const PerShape<std::size_t>& survivors) {
     result_.survivors = survivors;
   }
