@@ -108,10 +108,29 @@ HWY_INLINE hn::Mask<D> FirstVerdict(D /*d*/, V object, V query) {
 
 inline constexpr bool kVerdictIsKept = false;
 
+template <class V>
+HWY_INLINE auto IsAbove(V object, V query) {
+  return hn::Gt(object, query);
+}
+
+#if HWY_TARGET == HWY_AVX2
+// Highway's compare has the object first, and gcc then loads it on its own;
+// with the query first the load is part of the compare. A simplex in L1: 0.165
+// to 0.122 ns on Zen 4.
+HWY_INLINE hn::Mask256<float> IsAbove(hn::Vec256<float> object,
+                                      hn::Vec256<float> query) {
+  return {_mm256_cmp_ps(query.raw, object.raw, _CMP_LT_OQ)};
+}
+HWY_INLINE hn::Mask256<double> IsAbove(hn::Vec256<double> object,
+                                       hn::Vec256<double> query) {
+  return {_mm256_cmp_pd(query.raw, object.raw, _CMP_LT_OQ)};
+}
+#endif
+
 template <kernels::Plane kPlane, class D, class V>
 HWY_INLINE hn::Mask<D> FirstVerdict(D /*d*/, V object, V query) {
   if constexpr (kPlane.is_min) {
-    return hn::Gt(object, query);
+    return IsAbove(object, query);
   } else {
     return hn::Lt(object, query);
   }
