@@ -53,9 +53,7 @@ template <typename Stored>
 auto CodedPlanes<Stored>::CodesOf(std::span<const float> values) const
     -> Values {
   Values codes{};
-  for (std::size_t p = 0; p < values.size(); ++p) {
-    book_.CodeObjects(p, &values[p], 1, 1, &codes[p]);
-  }
+  book_.CodeObject(values.data(), codes.data());
   return codes;
 }
 

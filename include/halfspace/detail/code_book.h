@@ -56,6 +56,10 @@ class HALFSPACE_API CodeBook {
   void CodeObjects(std::size_t p, const float* values, std::size_t stride,
                    std::size_t count, Stored* codes) const;
 
+  // One object: a value for each plane.
+  template <typename Stored>
+  void CodeObject(const float* values, Stored* codes) const;
+
   // A query: its values in the order of detail::Scan, its codes too.
   template <typename Stored>
   void CodeQuery(const float* values, Stored* codes) const;
@@ -69,6 +73,13 @@ class HALFSPACE_API CodeBook {
   }
 
  private:
+  template <std::size_t kLanes, typename At>
+  void RankEach(const float* values, bool is_query, const At& at,
+                std::uint32_t* ranks) const;
+  template <typename Stored, typename At>
+  void CodeEach(const float* values, bool is_query, const At& at,
+                Stored* codes) const;
+
   std::size_t minima_;
   std::size_t planes_;
   // Of one plane after the other, each ascending, as ordered integers, and one
