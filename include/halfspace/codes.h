@@ -74,10 +74,10 @@ class Codes {
   std::size_t size() const { return planes_.size(); }
   bool empty() const { return size() == 0; }
 
-  // Learns a new map from `floats` and codes all of them. About 0.1 us
-  // an octahedron (0.3 with uint16), of which a sort of at most 2^16 values a plane (uint8; 2^18 with
-  // uint16). Throws std::invalid_argument for a null or misaligned plane of a
-  // view that is not empty; the codes are as they were then.
+  // Learns a new map from `floats` and codes all of them: about 0.1 us an
+  // octahedron (0.3 with uint16), and a sort of at most 2^16 values a plane
+  // (2^18 with uint16). Throws std::invalid_argument for a null or misaligned
+  // plane of a view that is not empty; the codes are as they were then.
   void Recode(const FloatView& floats) {
     planes_.Recode(detail::ColumnsOf(floats));
   }
@@ -128,8 +128,8 @@ detail::ConfirmedView<FloatView, CodeType> Confirmed(
 }
 
 // A world that owns its codes and its floats. It offers what World offers, at
-// the cost of that and of about 0.1 us for the codes. It learns a map when it is
-// made of bounds, and a new one whenever it outgrows its memory, which costs
+// the cost of that and of about 0.1 us for the codes. It learns a map when it
+// is made of bounds, and a new one whenever it outgrows its memory, which costs
 // O(size) anyway: pushed to from nothing, for the first time at 64 objects.
 // Memory that cannot be had throws std::bad_alloc, and the world is as it was.
 //
