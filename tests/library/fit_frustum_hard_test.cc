@@ -49,5 +49,21 @@ TEST(FitFrustumHardTest, NeedleFromProductsThatDoubleCannotHold) {
   }
 }
 
+// The planes x - 2^-24 y = 65/64 and 2^-24 x + y = 2^-24 meet at
+// x = 65/64 - 2^-6 / (2^48 + 1), which double rounds to 65/64. They are ordered
+// so that all determinants of that edge have one sign, then the other.
+TEST(FitFrustumHardTest, CornersThatDoubleRoundsToAFloat) {
+  constexpr HalfSpace3 left = {{1, -0x1p-24f, 0}, -65.f / 64};
+  constexpr HalfSpace3 below = {{0x1p-24f, 1, 0}, -0x1p-24f};
+  constexpr HalfSpace3 near = {{0, 0, 1}, 0};
+  constexpr HalfSpace3 far = {{0, 0, -1}, 1};
+  constexpr HalfSpace3 right = {{-1, 0x1p-24f, 0}, 3};
+  constexpr HalfSpace3 above = {{-0x1p-24f, -1, 0}, 1};
+  for (const Planes& planes : {Planes{left, far, below, near, right, above},
+                               Planes{below, far, left, near, right, above}}) {
+    EXPECT_EQ(BoundFrustum(planes).min[0], 0x1.03fffep0f);
+  }
+}
+
 }  // namespace
 }  // namespace halfspace::testing
