@@ -203,6 +203,21 @@ TYPED_TEST(RejectErrorsTest, OutputRightBesideAPlaneIsFine) {
   }
 }
 
+// Two objects have no more than two survivors: what else the span has room for
+// is never written, and may be a plane.
+TYPED_TEST(RejectErrorsTest, RoomForMoreIndicesThanObjectsMayOverlap) {
+  auto view = this->view_;
+  view.size = 2;
+  for (std::size_t p = 0; p + 1 < kPlanes<typename TypeParam::View>; ++p) {
+    PlaneOf(view, p) = this->Plane(p).data() + (kObjects - 2);
+    PlaneOf(view, p + 1) = this->Plane(p + 1).data();
+    auto* gap =
+        reinterpret_cast<std::uint32_t*>(this->Plane(p).data() + kObjects);
+    EXPECT_EQ(Survivors(view, this->query_, {gap, 8}).count, 2u);
+    EXPECT_EQ(gap[1], 1u);
+  }
+}
+
 TYPED_TEST(RejectErrorsTest, MoreObjectsThanIndices) {
   auto view = this->view_;
   view.size = (std::size_t{1} << 32) + 1;
