@@ -83,5 +83,23 @@ TEST(FitManyKnownTest, PointSets) {
                 });
 }
 
+// Of two calls, each with a ball of no size, the first one says which is first.
+TEST(FitManyKnownTest, StatusOfTwoCalls) {
+  const float center[] = {0, 0};
+  const float radii[] = {1, -1, 1};
+  const auto bound = [&](const float* radius, FitStatus& status) {
+    AaboWorld2 world;
+    world.Resize(2);
+    BoundSpheres(Spheres2{{center, center}, radius, 2}, world.planes(), {},
+                 &status);
+  };
+  FitStatus status;
+  bound(radii, status);
+  bound(radii + 1, status);
+  EXPECT_EQ(status.results, 4u);
+  EXPECT_EQ(status.everything, 2u);
+  EXPECT_EQ(status.first_everything, 1u);
+}
+
 }  // namespace
 }  // namespace halfspace::testing
