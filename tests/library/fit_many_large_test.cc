@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstring>
+#include <span>
 
 #include "halfspace/fit_many.h"
 #include "tests/library/arena.h"
@@ -19,16 +20,16 @@ namespace {
 constexpr std::size_t kLarge = 3 * (std::size_t{1} << 20) + 64 + 3;
 constexpr std::size_t kSmall = 4093;  // prime: no two tiles are alike
 
+AaboPlanes3 NewPlanes(Arena& arena, std::size_t size) {
+  AaboPlanes3 planes{.min = {}, .max = {}, .size = size};
+  for (float*& plane : planes.min) plane = arena.New<float>(size);
+  for (float*& plane : planes.max) plane = arena.New<float>(size);
+  return planes;
+}
+
 template <typename Source>
 class FitManyLargeTest : public ::testing::Test {
  protected:
-  static AaboPlanes3 NewPlanes(Arena& arena, std::size_t size) {
-    AaboPlanes3 planes{.min = {}, .max = {}, .size = size};
-    for (float*& plane : planes.min) plane = arena.New<float>(size);
-    for (float*& plane : planes.max) plane = arena.New<float>(size);
-    return planes;
-  }
-
   static void ExpectRepeated(const std::array<float*, 4>& large,
                              const std::array<float*, 4>& small) {
     for (std::size_t k = 0; k < 4; ++k) {
@@ -59,9 +60,9 @@ TYPED_TEST(FitManyLargeTest, AreTheSameAsSmallOnes) {
     small.Place(inputs, layout);
     large.Place(inputs, layout);
     Arena outputs;
-    const auto expected = this->NewPlanes(outputs, kSmall);
+    const auto expected = NewPlanes(outputs, kSmall);
     small.Bound(expected);
-    const auto planes = this->NewPlanes(outputs, kLarge);
+    const auto planes = NewPlanes(outputs, kLarge);
     for (Target target : TargetsUnderTest()) {
       for (const auto& plane : {planes.min, planes.max}) {
         for (float* p : plane) std::fill(p, p + kLarge, 0.f);
@@ -76,6 +77,36 @@ TYPED_TEST(FitManyLargeTest, AreTheSameAsSmallOnes) {
       if (this->HasFailure()) return;
     }
   }
+}
+
+// Stores past the caches fault where they are not aligned. One box, over and
+// over; the other seven planes alone would be large enough for such stores.
+TEST(FitManyLargeMisalignedTest, OnePlane) {
+  constexpr std::size_t kBoxes = std::size_t{4} << 20;
+  constexpr Aabb3 kBox = {{1, 2, 3}, {4, 5, 6}};
+  constexpr Aabo3 kBound = {{1, 2, 3, -15}, {4, 5, 6, -6}};
+  Boxes3 boxes = BoxesOf<3>(std::span(&kBox, 1));
+  boxes.count = kBoxes;
+  boxes.stride = 0;
+  Arena aligned;
+  AaboPlanes3 planes = NewPlanes(aligned, kBoxes);
+  Arena misaligned(1);
+  planes.max[3] = misaligned.New<float>(kBoxes);
+  const auto is_all = [](const float* plane, float value) {
+    return std::all_of(plane, plane + kBoxes,
+                       [value](float x) { return x == value; });
+  };
+  for (Target target : TargetsUnderTest()) {
+    BoundBoxes(boxes, planes, {.tightest = true, .target = target});
+    for (std::size_t k = 0; k < 4; ++k) {
+      ASSERT_TRUE(is_all(planes.min[k], kBound.min[k])) << target.name();
+      ASSERT_TRUE(is_all(planes.max[k], kBound.max[k])) << target.name();
+      std::fill(planes.min[k], planes.min[k] + kBoxes, 0.f);
+      std::fill(planes.max[k], planes.max[k] + kBoxes, 0.f);
+    }
+  }
+  EXPECT_TRUE(aligned.Intact());
+  EXPECT_TRUE(misaligned.Intact());
 }
 
 }  // namespace
