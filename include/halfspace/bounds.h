@@ -23,7 +23,9 @@
 // round: a D that is not rounded outward makes touching objects look apart.
 //
 // Values are floats, or doubles where that is asked for: Aabb<3, double>. The
-// types of one precision do not mix with those of the other.
+// types of one precision do not mix with those of the other. The builders give
+// floats; the D axis of a bound of doubles is the caller's to sum, and to round
+// outward.
 //
 // Two special values exist for every type:
 //   Everything()  -/+ the largest finite value: never rejected by a finite

@@ -36,6 +36,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -58,6 +59,9 @@ namespace halfspace {
 // memory that cannot be had throws std::bad_alloc.
 template <typename FloatView, typename CodeType = std::uint8_t>
 class Codes {
+  static_assert(std::is_same_v<typename FloatView::Bound::Scalar, float>,
+                "codes are made from worlds of floats, not of doubles");
+
  public:
   using Bound = typename FloatView::Bound;
   using Query = typename FloatView::Query;
@@ -202,7 +206,7 @@ class CodedWorld {
     records_.clear();
   }
 
-  // As in Codes. O(size).
+  // As in Codes: O(1), and O(size).
   bool Fits() const { return codes_.Fits(); }
   void Recode() { codes_.Recode(std::span<const Bound>(records_)); }
 

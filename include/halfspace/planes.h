@@ -6,11 +6,11 @@
 //   AaboPlanes<D>       min[0 .. D], max[0 .. D]
 //   DPlanes<D>          min and max of the D axis alone
 //
-// Each plane is `size` floats in the caller's memory, of any alignment a float
-// may have, and apart from the others; or ask an owning world for its planes()
-// (world.h). Nothing past element size - 1 is written. The read-only
-// counterparts are the views of world.h. DPlanes have none: they complete the
-// planes of an AABB world to those of an AABO world.
+// Each plane is `size` floats, or doubles, in the caller's memory, of any
+// alignment a float may have, and apart from the others; or ask an owning world
+// for its planes() (world.h). Nothing past element size - 1 is written. The
+// read-only counterparts are the views of world.h. DPlanes have none: they
+// complete the planes of an AABB world to those of an AABO world.
 //
 // Thread safety: values; none needed.
 #ifndef HALFSPACE_PLANES_H_
