@@ -29,14 +29,16 @@
 // Errors: a precondition that is violated throws std::invalid_argument, which
 // names the argument, what was expected and what was given; nothing has been
 // written then. They are: a null or misaligned plane or output in a world that
-// is not empty, a mask span too short, an output that overlaps a plane, more
-// than 2^32 objects with 32-bit indices, a target that is not supported here.
+// is not empty, a mask span too short for the world, an output that overlaps a
+// plane or a query, more than 2^32 objects with 32-bit indices, a range that
+// begins or ends between multiples of 64 or ends before it begins, a target that
+// is not supported here.
 // Code compiled with -fno-exceptions can link and call, and must keep to the
 // preconditions. An empty world is fine.
 //
 // Thread safety: reentrant; no allocation, no lock, no state. Cost: a load and
 // an indirect call, then one compare per plane and object, at the speed of the
-// planes' memory (docs/results.md has figures).
+// planes' memory (docs/performance.md has figures).
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (the tests,
 // and the early-out under SIMD that schedules are about).
