@@ -31,10 +31,9 @@
 // written then. They are: a null or misaligned plane or output in a world that
 // is not empty, a mask span too short for the world, an output that overlaps a
 // plane or a query, more than 2^32 objects with 32-bit indices, a range that
-// begins or ends between multiples of 64 or ends before it begins, a target that
-// is not supported here.
-// Code compiled with -fno-exceptions can link and call, and must keep to the
-// preconditions. An empty world is fine.
+// begins or ends between multiples of 64 or ends before it begins, a target
+// that is not supported here. Code compiled with -fno-exceptions can link and
+// call, and must keep to the preconditions. An empty world is fine.
 //
 // Thread safety: reentrant; no allocation, no lock, no state. Cost: a load and
 // an indirect call, then one compare per plane and object, at the speed of the
