@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "halfspace/detail/code_book.h"
-#include "kernels/error.h"
 #include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
@@ -75,15 +74,6 @@ template <typename Stored>
 void CodedPlanes<Stored>::EraseBySwap(std::size_t index) {
   CheckIndex(index, "Codes::EraseBySwap");
   codes_.EraseBySwap(index);
-}
-
-template <typename Stored>
-void CodedPlanes<Stored>::CheckIndex(std::size_t index,
-                                     const char* call) const {
-  if (index < size()) return;
-  kernels::ThrowInvalid(call, "index",
-                        "less than the size, " + std::to_string(size()),
-                        std::to_string(index));
 }
 
 // How likely two objects are to have the same code, or, of many codes, the same

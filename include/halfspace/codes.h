@@ -126,7 +126,7 @@ class Codes {
 // sizes differ; floats other than those that were coded are an error that
 // cannot be seen, and falsely reject. Both must outlive it.
 template <typename FloatView, typename CodeType>
-detail::ConfirmedView<FloatView, CodeType> Confirmed(
+detail::ConfirmedView<FloatView, CodeType, FloatView> Confirmed(
     const Codes<FloatView, CodeType>& codes, const FloatView& floats) {
   return {codes.view(), floats};
 }
@@ -145,7 +145,8 @@ class CodedWorld {
   using Bound = typename FloatView::Bound;
   using Query = typename FloatView::Query;
   using Code = CodeType;
-  using View = detail::CodedWorldView<FloatView, CodeType>;
+  using View =
+      detail::ConfirmedView<FloatView, CodeType, std::span<const Bound>>;
 
   CodedWorld() = default;
   CodedWorld(const CodedWorld& other) = default;

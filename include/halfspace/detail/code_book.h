@@ -103,7 +103,9 @@ class HALFSPACE_API CodedPlanes {
   std::size_t Push(std::span<const float> values);
   void Set(std::size_t index, std::span<const float> values);
   void EraseBySwap(std::size_t index);
-  void CheckIndex(std::size_t index, const char* call) const;
+  void CheckIndex(std::size_t index, const char* call) const {
+    codes_.CheckIndex(index, call);
+  }
   void Clear() { codes_.Clear(); }
   bool Fits() const;
 

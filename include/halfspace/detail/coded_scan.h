@@ -52,26 +52,16 @@ class CodedView {
   const CodedPlanes<StoredCode<Code>>* planes_;
 };
 
-template <typename FloatView, typename Code>
+// Floats is a view of planes, or a list of records.
+template <typename FloatView, typename Code, typename Floats>
 struct ConfirmedView {
   using Bound = typename FloatView::Bound;
   using Query = typename FloatView::Query;
 
   CodedView<FloatView, Code> codes;
-  FloatView floats;
+  Floats floats;
 
   ConfirmedView view() const { return *this; }
-};
-
-template <typename FloatView, typename Code>
-struct CodedWorldView {
-  using Bound = typename FloatView::Bound;
-  using Query = typename FloatView::Query;
-
-  CodedView<FloatView, Code> codes;
-  std::span<const Bound> records;
-
-  CodedWorldView view() const { return *this; }
 };
 
 template <typename FloatView, typename Code>
@@ -91,21 +81,12 @@ Scan MakeScan(const CodedView<FloatView, Code>& view,
   return scan;
 }
 
-template <typename FloatView, typename Code>
-Scan MakeScan(const ConfirmedView<FloatView, Code>& view,
+template <typename FloatView, typename Code, typename Floats>
+Scan MakeScan(const ConfirmedView<FloatView, Code, Floats>& view,
               std::span<const typename FloatView::Query> queries) {
   Scan scan = MakeScan(view.codes, queries);
   scan.is_confirmed = true;
   scan.confirming = ColumnsOf(view.floats);
-  return scan;
-}
-
-template <typename FloatView, typename Code>
-Scan MakeScan(const CodedWorldView<FloatView, Code>& view,
-              std::span<const typename FloatView::Query> queries) {
-  Scan scan = MakeScan(view.codes, queries);
-  scan.is_confirmed = true;
-  scan.confirming = ColumnsOf(view.records);
   return scan;
 }
 

@@ -89,8 +89,10 @@ class HALFSPACE_API PlaneArrays {
   void Resize(std::size_t objects);
   void Clear();
 
- private:
+  // Throws, in the name of `call`, unless `index` is below size().
   void CheckIndex(std::size_t index, const char* call) const;
+
+ private:
   void Write(std::size_t index, const T* values);
   void Grow(std::size_t objects);
   void Free();
