@@ -20,14 +20,14 @@ template <class Shape, size_t kWidth, size_t kPlane = 0, class D, class... V>
 HWY_INLINE uint64_t BatchInWord(D d, const float* const* planes, size_t i,
                                 V... query) {
   constexpr uint64_t kAll = ~uint64_t{0} >> (kWordObjects - kWidth);
-  const uint64_t bits =
-      BitsRejected<Shape, kWidth, kPlane, kPlane + 1>(d, planes, i, query...);
+  const uint64_t bits = BitsRejected<Shape, kWidth, kPlane, kPlane + 1>(
+      d, LoadAll(), planes, i, query...);
   if constexpr (kPlane + 1 == Shape::kOrder.planes.size()) {
     return bits;
   } else {
     if (bits == kAll) return bits;
-    return bits |
-           BatchInWord<Shape, kWidth, kPlane + 1>(d, planes, i, query...);
+    return bits | BatchInWord<Shape, kWidth, kPlane + 1>(d, LoadAll(), planes,
+                                                         i, query...);
   }
 }
 
@@ -55,7 +55,7 @@ HWY_INLINE bool PlaneOverWords(D d, const float* const* planes, size_t i,
   uint64_t all = ~uint64_t{0};
   for (size_t w = 0; w < words; ++w) {
     uint64_t bits = BitsRejected<Shape, kWordObjects, kPlane, kPlane + 1>(
-        d, planes, i + w * kWordObjects, query...);
+        d, LoadAll(), planes, i + w * kWordObjects, query...);
     if constexpr (kPlane != 0) bits |= mask[w];
     mask[w] = bits;
     all &= bits;

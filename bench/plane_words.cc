@@ -23,7 +23,7 @@ HWY_INLINE void FillWords(std::index_sequence<kPlane...>, D d,
   for (size_t w = 0; w < words; ++w) {
     ((out[w][kernels::kObjectIndex<Shape, kPlane>] =
           BitsRejected<Shape, kWordObjects, kPlane, kPlane + 1>(
-              d, planes, w * kWordObjects, query...)),
+              d, LoadAll(), planes, w * kWordObjects, query...)),
      ...);
   }
 }

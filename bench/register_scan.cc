@@ -52,7 +52,7 @@ void ScanRegistersAs(std::index_sequence<kPlane...>, const float* const* planes,
   auto vector = hn::Zero(d);
   const SameRegister<decltype(vector)> load{vector};
   for (size_t w = 0; w < size / kWordObjects; ++w) {
-    mask[w] = BitsRejectedOf<Shape, kWordObjects, 0, sizeof...(kPlane)>(
+    mask[w] = BitsRejected<Shape, kWordObjects, 0, sizeof...(kPlane)>(
         d, load, planes, w * kWordObjects,
         hn::Set(d, query[kernels::kQueryIndex<Shape, kPlane>])...);
   }

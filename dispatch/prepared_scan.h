@@ -13,6 +13,7 @@
 #include "dispatch/scan_errors.h"
 #include "halfspace/detail/scan.h"
 #include "halfspace/reject.h"
+#include "kernels/mask_job.h"
 
 namespace halfspace::dispatch {
 
@@ -32,7 +33,9 @@ class PreparedScan {
       : scan_(scan),
         call_(call),
         begin_(std::min(options.range.begin, scan.size)),
-        end_(std::min(options.range.end, scan.size)) {
+        end_(std::min(options.range.end, scan.size)),
+        is_far_(scan.query_count == 1 &&
+                (end_ - begin_) * RecordBytes() > kernels::kNearBytes) {
     if (MayBeBad(scan)) [[unlikely]]
       RefuseBadWorld(scan, call);
     if (options.range.begin % 64 != 0 ||
@@ -82,16 +85,18 @@ class PreparedScan {
                    std::size_t count, std::size_t begin, std::size_t end,
                    std::uint64_t* rows, std::size_t stride,
                    std::uint64_t flip) const {
-    return kernel_({.planes = scan_.planes.data(),
-                    .queries = static_cast<const std::byte*>(block.elements) +
-                               first * RecordBytes(),
-                    .query_count = count,
-                    .begin = begin,
-                    .end = end,
-                    .rows = rows,
-                    .stride = stride,
-                    .flip = flip,
-                    .is_far = scan_.query_count == 1});
+    return kernel_(
+        {.planes = scan_.planes.data(),
+         .queries = static_cast<const std::byte*>(block.elements) +
+                    first * RecordBytes(),
+         .query_count = count,
+         .begin = begin,
+         .end = end,
+         .rows = rows,
+         .stride = stride,
+         .flip = flip,
+         .is_far = is_far_,
+         .is_aligned = scan_.addresses.bits % kernels::kPlaneAlignment == 0});
   }
 
   // Asks for share `share` of `shares` of the planes of objects begin ...
@@ -176,6 +181,7 @@ class PreparedScan {
   std::string_view call_;
   std::size_t begin_;
   std::size_t end_;
+  bool is_far_;
   const KernelTable* table_;
   MaskKernel kernel_;
 };

@@ -34,6 +34,19 @@ struct LoadAll {
   }
 };
 
+// SSE4 has no unaligned load within a compare, and is bound by the number of
+// its instructions: aligned planes are worth kernels of their own. With VEX an
+// aligned load is no better than any other.
+inline constexpr bool kAlignedLoadsPay = HWY_TARGET == HWY_SSE4;
+
+// Loads a full vector of a plane that begins at a multiple of its size.
+struct LoadAligned {
+  template <class D, typename T>
+  HWY_INLINE hn::Vec<D> operator()(D d, const T* from) const {
+    return hn::Load(d, from);
+  }
+};
+
 // Loads the first `count` lanes and reads nothing past them; the others are
 // unspecified. 0 < count < lanes.
 struct LoadFirst {

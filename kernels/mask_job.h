@@ -8,6 +8,11 @@
 
 namespace halfspace::kernels {
 
+inline constexpr std::size_t kPlaneAlignment = 64;
+
+// Planes of no more bytes are in the first levels of any cache.
+inline constexpr std::size_t kNearBytes = 128 * 1024;
+
 // Planes and queries in the order of detail::Scan, of the element type that the
 // kernel is for; the queries lie one after another.
 struct MaskJob {
@@ -26,9 +31,12 @@ struct MaskJob {
   std::size_t stride;
   std::uint64_t flip;
 
-  // Whether planes may be out of the caches: those of a tile that many queries
-  // share are not.
+  // Whether the planes of the call are more than kNearBytes; those of a tile
+  // that many queries share are near.
   bool is_far;
+
+  // Whether every plane begins at a multiple of kPlaneAlignment bytes.
+  bool is_aligned;
 };
 
 }  // namespace halfspace::kernels

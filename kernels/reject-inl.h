@@ -42,21 +42,23 @@ constexpr bool IsByWord() {
 }
 
 // `words` whole words from object job.begin on, for kQueries queries.
-template <class Shape, size_t kQueries, typename T, size_t... kPlane>
-HWY_INLINE void ScanWords(std::index_sequence<kPlane...>,
+template <class Shape, size_t kQueries, class Load, typename T,
+          size_t... kPlane>
+HWY_INLINE void ScanWords(std::index_sequence<kPlane...>, Load load,
                           const kernels::MaskJob& job, const T* const* planes,
                           const T* values, size_t words, uint64_t* row) {
   if constexpr (kIsFlat<Shape>) {
     ScanWordsFlat<Shape, sizeof...(kPlane), kQueries>(
-        planes, values, job.begin, words, row, job.stride, job.flip);
+        load, planes, values, job.begin, words, row, job.stride, job.flip,
+        job.is_far);
   } else if constexpr (IsByWord<Shape>()) {
-    ScanWordsStaged<Shape, kQueries>(planes, values, job.begin, words, row,
-                                     job.stride, job.flip, job.is_far);
+    ScanWordsStaged<Shape, kQueries>(load, planes, values, job.begin, words,
+                                     row, job.stride, job.flip, job.is_far);
   } else {
     static_assert(kQueries == 1);
     const WordTag<T> d;
     ScanGroupsStaged<Shape>(
-        d, planes, job.begin, words, row, job.flip,
+        d, load, planes, job.begin, words, row, job.flip,
         hn::Set(d, values[kernels::kQueryIndex<Shape, kPlane>])...);
   }
 }
@@ -72,8 +74,8 @@ HWY_INLINE uint64_t ScanTail(std::index_sequence<kPlane...>,
       hn::Set(d, values[kernels::kQueryIndex<Shape, kPlane>])...);
 }
 
-template <class Shape, typename T, size_t... kPlane>
-HWY_INLINE void ScanAll(std::index_sequence<kPlane...> all_planes,
+template <class Shape, typename T, class Load, size_t... kPlane>
+HWY_INLINE void ScanAll(std::index_sequence<kPlane...> all_planes, Load load,
                         const kernels::MaskJob& job) {
   constexpr size_t kPlanes = sizeof...(kPlane);
   constexpr size_t kTogether =
@@ -88,13 +90,14 @@ HWY_INLINE void ScanAll(std::index_sequence<kPlane...> all_planes,
   size_t left = job.query_count;
   if constexpr (kTogether > 1) {
     for (; left >= kTogether; left -= kTogether) {
-      ScanWords<Shape, kTogether>(all_planes, job, planes, values, words, row);
+      ScanWords<Shape, kTogether>(all_planes, load, job, planes, values, words,
+                                  row);
       values += kTogether * kPlanes;
       row += kTogether * job.stride;
     }
   }
   for (; left != 0; --left) {
-    ScanWords<Shape, 1>(all_planes, job, planes, values, words, row);
+    ScanWords<Shape, 1>(all_planes, load, job, planes, values, words, row);
     values += kPlanes;
     row += job.stride;
   }
@@ -113,8 +116,11 @@ HWY_INLINE void ScanAll(std::index_sequence<kPlane...> all_planes,
 // words. T is the type of planes and queries, in the order of planes.h.
 template <class Shape, typename T>
 HWY_INLINE void Scan(const kernels::MaskJob& job) {
-  ScanAll<Shape, T>(std::make_index_sequence<Shape::kOrder.planes.size()>(),
-                    job);
+  constexpr std::make_index_sequence<Shape::kOrder.planes.size()> kAll{};
+  if constexpr (kAlignedLoadsPay) {
+    if (job.is_aligned) return ScanAll<Shape, T>(kAll, LoadAligned(), job);
+  }
+  ScanAll<Shape, T>(kAll, LoadAll(), job);
 }
 
 }  // namespace HWY_NAMESPACE

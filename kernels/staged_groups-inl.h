@@ -46,10 +46,10 @@ struct Tile {
 };
 
 // Stage kStage and those after it, for the live groups only.
-template <class Shape, size_t kGroup, size_t kStage, class D, typename T,
-          class... V>
-HWY_INLINE void TestLiveGroups(D d, const T* const* planes, size_t first,
-                               Tile& tile, V... query) {
+template <class Shape, size_t kGroup, size_t kStage, class D, class Load,
+          typename T, class... V>
+HWY_INLINE void TestLiveGroups(D d, Load load, const T* const* planes,
+                               size_t first, Tile& tile, V... query) {
   constexpr size_t kBegin = Shape::kOrder.stage_ends[kStage - 1];
   constexpr size_t kEnd = Shape::kOrder.stage_ends[kStage];
   constexpr bool kLast = kStage + 1 == Shape::kOrder.stage_ends.size();
@@ -58,27 +58,26 @@ HWY_INLINE void TestLiveGroups(D d, const T* const* planes, size_t first,
   for (size_t j = 0; j < count; ++j) {
     const size_t offset = tile.live[j];
     tile.words[offset / kWordObjects] |=
-        BitsRejected<Shape, kGroup, kBegin, kEnd>(d, planes, first + offset,
-                                                  query...)
+        BitsRejected<Shape, kGroup, kBegin, kEnd>(d, load, planes,
+                                                  first + offset, query...)
         << (offset % kWordObjects);
     if constexpr (!kLast) tile.AppendIfLive<kGroup>(offset);
   }
   if constexpr (!kLast) {
-    TestLiveGroups<Shape, kGroup, kStage + 1>(d, planes, first, tile, query...);
+    TestLiveGroups<Shape, kGroup, kStage + 1>(d, load, planes, first, tile,
+                                              query...);
   }
 }
 
 // Stage after stage over a tile of words; a stage sees only the groups that the
 // stages before it left.
-template <class Shape, class D, typename T, class... V>
-HWY_INLINE void ScanGroupsStaged(D d, const T* const* planes, size_t first,
-                                 size_t words, uint64_t* row, uint64_t flip,
-                                 V... query) {
+template <class Shape, class D, class Load, typename T, class... V>
+HWY_INLINE void ScanGroupsStaged(D d, Load load, const T* const* planes,
+                                 size_t first, size_t words, uint64_t* row,
+                                 uint64_t flip, V... query) {
 #if HWY_HAVE_SCALABLE
   // A group must hold a whole vector, whose length is not known here.
   constexpr size_t kGroup = kWordObjects;
-#elif HALFSPACE_PAIRWISE_PACKING
-  constexpr size_t kGroup = Shape::kGroup;
 #else
   constexpr size_t kGroup = HWY_MAX(Shape::kGroup, hn::MaxLanes(D()));
 #endif
@@ -90,12 +89,13 @@ HWY_INLINE void ScanGroupsStaged(D d, const T* const* planes, size_t first,
     for (size_t w = 0; w < tile_words; ++w) {
       tile.words[w] =
           BitsRejected<Shape, kWordObjects, 0, Shape::kOrder.stage_ends[0]>(
-              d, planes, tile_first + w * kWordObjects, query...);
+              d, load, planes, tile_first + w * kWordObjects, query...);
       for (size_t g = 0; g < kWordObjects; g += kGroup) {
         tile.AppendIfLive<kGroup>(w * kWordObjects + g);
       }
     }
-    TestLiveGroups<Shape, kGroup, 1>(d, planes, tile_first, tile, query...);
+    TestLiveGroups<Shape, kGroup, 1>(d, load, planes, tile_first, tile,
+                                     query...);
     for (size_t w = 0; w < tile_words; ++w) {
       row[begin + w] = tile.words[w] ^ flip;
     }

@@ -49,8 +49,8 @@ HWY_INLINE void PrefetchLive(std::index_sequence<kPlane...>,
 }
 
 // The second stage of the live words of a tile. `row` has the tile's words.
-template <class Shape, class D, typename T, class... V>
-HWY_INLINE void FinishLive(D d, const T* const* planes, size_t first,
+template <class Shape, class D, class Load, typename T, class... V>
+HWY_INLINE void FinishLive(D d, Load load, const T* const* planes, size_t first,
                            uint64_t live, uint64_t* row, uint64_t flip,
                            V... query) {
   constexpr size_t kBegin = Shape::kOrder.stage_ends[0];
@@ -58,7 +58,7 @@ HWY_INLINE void FinishLive(D d, const T* const* planes, size_t first,
   for (; live != 0; live &= live - 1) {
     const size_t w = hwy::Num0BitsBelowLS1Bit_Nonzero64(live);
     const uint64_t rejected = BitsRejected<Shape, kWordObjects, kBegin, kEnd>(
-        d, planes, first + w * kWordObjects, query...);
+        d, load, planes, first + w * kWordObjects, query...);
     row[w] = ((row[w] ^ flip) | rejected) ^ flip;
   }
 }
@@ -69,8 +69,9 @@ struct LiveTile {
   uint64_t live[kQueries] = {};
 };
 
-template <class Shape, size_t kQueries, typename T, size_t... kPlane>
-HWY_INLINE void FinishTile(std::index_sequence<kPlane...>,
+template <class Shape, size_t kQueries, class Load, typename T,
+          size_t... kPlane>
+HWY_INLINE void FinishTile(std::index_sequence<kPlane...>, Load load,
                            const T* const* planes, const T* values,
                            size_t first, const LiveTile<Shape, kQueries>& tile,
                            uint64_t* row, size_t stride, uint64_t flip) {
@@ -79,17 +80,18 @@ HWY_INLINE void FinishTile(std::index_sequence<kPlane...>,
     if (tile.live[q] == 0) continue;
     const T* value = values + q * sizeof...(kPlane);
     FinishLive<Shape>(
-        d, planes, first + tile.word * kWordObjects, tile.live[q],
+        d, load, planes, first + tile.word * kWordObjects, tile.live[q],
         row + q * stride + tile.word, flip,
         hn::Set(d, value[kernels::kQueryIndex<Shape, kPlane>])...);
   }
 }
 
 // `words` whole words from object `first` on, for kQueries queries.
-template <class Shape, size_t kQueries, typename T>
-HWY_INLINE void ScanWordsStaged(const T* const* planes, const T* values,
-                                size_t first, size_t words, uint64_t* row,
-                                size_t stride, uint64_t flip, bool is_far) {
+template <class Shape, size_t kQueries, class Load, typename T>
+HWY_INLINE void ScanWordsStaged(Load load, const T* const* planes,
+                                const T* values, size_t first, size_t words,
+                                uint64_t* row, size_t stride, uint64_t flip,
+                                bool is_far) {
   constexpr size_t kFirst = Shape::kOrder.stage_ends[0];
   constexpr size_t kPlanes = Shape::kOrder.planes.size();
   constexpr std::make_index_sequence<kPlanes> kAll{};
@@ -98,8 +100,9 @@ HWY_INLINE void ScanWordsStaged(const T* const* planes, const T* values,
   for (size_t begin = 0; begin < words; begin += kStageWords) {
     const size_t count = HWY_MIN(kStageWords, words - begin);
     const size_t tile_first = first + begin * kWordObjects;
-    ScanWordsFlat<Shape, kFirst, kQueries>(planes, values, tile_first, count,
-                                           row + begin, stride, flip);
+    ScanWordsFlat<Shape, kFirst, kQueries>(load, planes, values, tile_first,
+                                           count, row + begin, stride, flip,
+                                           is_far);
     LiveTile<Shape, kQueries> tile;
     tile.word = begin;
     for (size_t q = 0; q < kQueries; ++q) {
@@ -108,10 +111,10 @@ HWY_INLINE void ScanWordsStaged(const T* const* planes, const T* values,
         PrefetchLive<Shape>(kSecond, planes, tile_first, tile.live[q]);
       }
     }
-    FinishTile(kAll, planes, values, first, before, row, stride, flip);
+    FinishTile(kAll, load, planes, values, first, before, row, stride, flip);
     before = tile;
   }
-  FinishTile(kAll, planes, values, first, before, row, stride, flip);
+  FinishTile(kAll, load, planes, values, first, before, row, stride, flip);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -79,6 +79,17 @@ TYPED_TEST(CodesDifferentialTest, EveryKindAroundTiles) {
   this->ExpectBothAnswers();
 }
 
+TYPED_TEST(CodesDifferentialTest, FromAfar) {
+  using Bound = typename TypeParam::View::Bound;
+  const std::size_t record_bytes =
+      sizeof(Bound) / sizeof(float) * sizeof(typename TypeParam::Code);
+  for (std::size_t size : SizesFromAfar(record_bytes)) {
+    this->Check(CodedInputKind::kClustered, size, 4);
+    if (this->HasFatalFailure()) return;
+  }
+  this->ExpectBothAnswers();
+}
+
 // Few objects make few thresholds, so each size is a map of its own.
 TYPED_TEST(CodesDifferentialTest, WhatTouchesIsKept) {
   using View = typename TypeParam::View;

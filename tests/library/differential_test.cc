@@ -42,6 +42,21 @@ class DifferentialTest : public ::testing::Test {
     }
   }
 
+  // Checks `offsets` misalignments of all sizes of all kinds of input.
+  void CheckKinds(const std::vector<std::size_t>& sizes, std::size_t offsets) {
+    for (InputKind kind : kInputKinds) {
+      SCOPED_TRACE(NameOf(kind));
+      Random random(1);
+      const auto input =
+          MakeInput<Stored>(kind, sizes.back() + Misalignments(), random);
+      for (std::size_t size : sizes) {
+        Check(input, size, offsets);
+        if (HasFatalFailure()) return;
+      }
+    }
+    ExpectBothAnswers();
+  }
+
   // An input without both answers would test little.
   void ExpectBothAnswers() const {
     EXPECT_GT(survivors_, 0u);
@@ -76,18 +91,12 @@ TYPED_TEST(DifferentialTest, EverySmallSizeAtEveryMisalignment) {
 }
 
 TYPED_TEST(DifferentialTest, SizesAroundTiles) {
-  const std::vector<std::size_t> sizes = SizesAroundTiles();
-  for (InputKind kind : kInputKinds) {
-    SCOPED_TRACE(NameOf(kind));
-    Random random(1);
-    const auto input = MakeInput<typename TypeParam::Stored>(
-        kind, sizes.back() + this->Misalignments(), random);
-    for (std::size_t size : sizes) {
-      this->Check(input, size, Scaled(2));
-      if (this->HasFatalFailure()) return;
-    }
-  }
-  this->ExpectBothAnswers();
+  this->CheckKinds(SizesAroundTiles(), Scaled(2));
+}
+
+TYPED_TEST(DifferentialTest, SizesFromAfar) {
+  const auto query = TypeParam::Seen(typename TypeParam::Stored::Query());
+  this->CheckKinds(SizesFromAfar(sizeof(query)), 1);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "kernels/mask_job.h"
 #include "tests/library/environment.h"
 
 namespace halfspace::testing {
@@ -24,6 +25,13 @@ inline std::vector<std::size_t> EverySmallSize() {
 inline std::vector<std::size_t> SizesAroundTiles() {
   return {4095,          4096,          4097,
           4096 + 64 + 1, 2 * 4096 - 64, 2 * 4096 + 5 * 64 + 37};
+}
+
+// Around where planes are taken page by page, for objects of `record_bytes`;
+// and whole pages of words and a part of one beyond, with a tail.
+inline std::vector<std::size_t> SizesFromAfar(std::size_t record_bytes) {
+  const std::size_t near = kernels::kNearBytes / record_bytes / 64 * 64;
+  return {near, near + 64, near + 4096 + 7 * 64 + 37};
 }
 
 }  // namespace halfspace::testing
