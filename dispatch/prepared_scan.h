@@ -57,6 +57,7 @@ class PreparedScan {
   std::size_t begin() const { return begin_; }
   std::size_t end() const { return end_; }
   std::size_t query_count() const { return scan_.query_count; }
+  bool is_coded() const { return scan_.book != nullptr; }
   bool is_confirmed() const { return scan_.is_confirmed; }
   const KernelTable& table() const { return *table_; }
 

@@ -17,16 +17,23 @@ namespace {
 using dispatch::Part;
 using dispatch::PreparedScan;
 
+// Apart: its strings would cost each call their room.
+[[noreturn]] void ThrowShortMask(const Scan& scan, std::size_t words,
+                                 std::string_view call) {
+  kernels::ThrowInvalid(call, "mask",
+                        "at least " + std::to_string(MaskWords(scan.size)) +
+                            " words for " + std::to_string(scan.size) +
+                            " objects",
+                        std::to_string(words));
+}
+
 Target WriteMask(const Scan& scan, std::span<std::uint64_t> mask,
                  std::uint64_t flip, const Options& options,
                  std::string_view call) {
   const PreparedScan prepared(scan, options, call);
   const std::size_t words = MaskWords(scan.size);
-  if (mask.size() < words) {
-    kernels::ThrowInvalid(call, "mask",
-                          "at least " + std::to_string(words) + " words for " +
-                              std::to_string(scan.size) + " objects",
-                          std::to_string(mask.size()));
+  if (mask.size() < words) [[unlikely]] {
+    ThrowShortMask(scan, mask.size(), call);
   }
   prepared.CheckOutput("mask", mask.data(), words * sizeof(std::uint64_t),
                        alignof(std::uint64_t));

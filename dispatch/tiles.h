@@ -40,9 +40,13 @@ struct Part {
 // codes and on floats, the longer may floats be on their way. Many queries take
 // a tile that stays in the cache.
 inline std::size_t PartObjects(const PreparedScan& scan) {
-  constexpr std::size_t kTileBytes = 32 * 1024;
+  // Room is left for the words: a box took 4 % more with 32 KiB on Zen 4. The
+  // second half of coded planes is seldom looked at, and needs none.
+  constexpr std::size_t kTileBytes = 28 * 1024;
+  constexpr std::size_t kCodedTileBytes = 32 * 1024;
   if (scan.query_count() == 1) return kPartStrips * kStripObjects;
-  return std::min(kStripObjects, kTileBytes / scan.RecordBytes() / 64 * 64);
+  const std::size_t bytes = scan.is_coded() ? kCodedTileBytes : kTileBytes;
+  return std::min(kStripObjects, bytes / scan.RecordBytes() / 64 * 64);
 }
 
 // Calls visit(strip, query of the scan, first object, words, count of words).
