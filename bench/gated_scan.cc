@@ -26,8 +26,8 @@ HWY_INLINE uint64_t BatchInWord(D d, const float* const* planes, size_t i,
     return bits;
   } else {
     if (bits == kAll) return bits;
-    return bits | BatchInWord<Shape, kWidth, kPlane + 1>(d, LoadAll(), planes,
-                                                         i, query...);
+    return bits |
+           BatchInWord<Shape, kWidth, kPlane + 1>(d, planes, i, query...);
   }
 }
 

@@ -45,10 +45,10 @@ struct SameRegister {
   }
 };
 
-template <class Shape, size_t... kPlane>
-void ScanRegistersAs(std::index_sequence<kPlane...>, const float* const* planes,
-                     const float* query, size_t size, uint64_t* mask) {
-  const WordTag<float> d;
+template <class Shape, class D, size_t... kPlane>
+void ScanRegistersAs(std::index_sequence<kPlane...>, D d,
+                     const float* const* planes, const float* query,
+                     size_t size, uint64_t* mask) {
   auto vector = hn::Zero(d);
   const SameRegister<decltype(vector)> load{vector};
   for (size_t w = 0; w < size / kWordObjects; ++w) {
@@ -58,32 +58,37 @@ void ScanRegistersAs(std::index_sequence<kPlane...>, const float* const* planes,
   }
 }
 
-template <class Shape>
-void ScanRegistersAs(const float* const* planes, const float* query,
+template <class Shape, class D>
+void ScanRegistersAs(D d, const float* const* planes, const float* query,
                      size_t size, uint64_t* mask) {
   constexpr size_t kPlanes = Shape::kOrder.planes.size();
-  ScanRegistersAs<Shape>(std::make_index_sequence<kPlanes>(), planes, query,
+  ScanRegistersAs<Shape>(std::make_index_sequence<kPlanes>(), d, planes, query,
                          size, mask);
 }
 
+template <class D>
 void ScanRegisters(bench::ShapeKind shape, const float* const* planes,
                    const float* query, size_t size, uint64_t* mask) {
+  const D d;
   switch (shape) {
     case bench::ShapeKind::kSimplex:
-      return ScanRegistersAs<kernels::SimplexFlat<3>>(planes, query, size,
+      return ScanRegistersAs<kernels::SimplexFlat<3>>(d, planes, query, size,
                                                       mask);
     case bench::ShapeKind::kAabb:
-      return ScanRegistersAs<kernels::AabbFlat<3>>(planes, query, size, mask);
+      return ScanRegistersAs<kernels::AabbFlat<3>>(d, planes, query, size,
+                                                   mask);
     case bench::ShapeKind::kAabo:
-      return ScanRegistersAs<kernels::AaboFlat<3>>(planes, query, size, mask);
+      return ScanRegistersAs<kernels::AaboFlat<3>>(d, planes, query, size,
+                                                   mask);
   }
 }
 
-inline constexpr bench::RegisterScan kRegisterScan = &ScanRegisters;
+inline constexpr bench::RegisterScans kRegisterScans = {
+    &ScanRegisters<OneTag<float>>, &ScanRegisters<WordTag<float>>};
 
 #else  // HALFSPACE_VECTOR_REGISTER
 
-inline constexpr bench::RegisterScan kRegisterScan = nullptr;
+inline constexpr bench::RegisterScans kRegisterScans = {};
 
 #endif  // HALFSPACE_VECTOR_REGISTER
 
@@ -94,11 +99,11 @@ HWY_AFTER_NAMESPACE();
 namespace halfspace::bench {
 
 template <std::int64_t kTarget>
-RegisterScan RegisterScanOf();
+RegisterScans RegisterScansOf();
 
 template <>
-RegisterScan RegisterScanOf<HWY_TARGET>() {
-  return HWY_NAMESPACE::kRegisterScan;
+RegisterScans RegisterScansOf<HWY_TARGET>() {
+  return HWY_NAMESPACE::kRegisterScans;
 }
 
 }  // namespace halfspace::bench
@@ -106,9 +111,9 @@ RegisterScan RegisterScanOf<HWY_TARGET>() {
 #if HWY_ONCE
 namespace halfspace::bench {
 
-RegisterScan RegisterScanFor(Target target) {
-  return FunctionOf<RegisterScan>(target,
-                                  [](auto t) { return RegisterScanOf<t()>(); });
+RegisterScans RegisterScansFor(Target target) {
+  return FunctionOf<RegisterScans>(
+      target, [](auto t) { return RegisterScansOf<t()>(); });
 }
 
 }  // namespace halfspace::bench

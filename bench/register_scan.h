@@ -19,9 +19,16 @@ using RegisterScan = void (*)(ShapeKind shape, const float* const* planes,
                               const float* query, std::size_t size,
                               std::uint64_t* mask);
 
+// For one query at a time, and for several that share loads: with AVX-512 they
+// differ in the width of vectors.
+struct RegisterScans {
+  RegisterScan one = nullptr;
+  RegisterScan many = nullptr;
+};
+
 // Of a supported target. nullptr where no compiler offers what it takes: it is
 // for SSE4, AVX2, AVX-512 and NEON, with gcc or clang.
-RegisterScan RegisterScanFor(Target target);
+RegisterScans RegisterScansFor(Target target);
 
 }  // namespace halfspace::bench
 

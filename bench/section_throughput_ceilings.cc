@@ -74,7 +74,7 @@ void RunAgainstReading(WorkingSet& set, ShapeKind shape, Target target,
 // by itself (bar 7) is not in it.
 void RunAgainstRegisters(InCache& world, Target target,
                          Throughput& throughput) {
-  const RegisterScan scan = RegisterScanFor(target);
+  const RegisterScan scan = RegisterScansFor(target).many;
   if (scan == nullptr) {
     throughput.NotReached("bar 2, " + std::string(target.name()) +
                           ": no compare of registers alone");

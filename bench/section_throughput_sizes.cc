@@ -139,7 +139,7 @@ void RunFlatness(const Workload& workload, const Machine& machine, int level,
 void RunFit(Calls& calls, ShapeKind shape, Target target,
             std::size_t half_of_l1, Throughput& throughput) {
   const std::string name = std::string(target.name()) + "/" + NameOf(shape);
-  const RegisterScan scan = RegisterScanFor(target);
+  const RegisterScan scan = RegisterScansFor(target).one;
   std::vector<Case> cases;
   for (std::size_t objects : kFitted) {
     cases.push_back(

@@ -9,11 +9,11 @@
 
 namespace halfspace::bench {
 
-// get(TargetConstant<target>()) of the given target, a function pointer;
-// nullptr if it is not compiled.
+// get(TargetConstant<target>()) of the given target, a function pointer or a
+// few; null if it is not compiled.
 template <typename Function, typename Get>
 Function FunctionOf(Target wanted, const Get& get) {
-  Function found = nullptr;
+  Function found{};
   dispatch::ForEachCompiledTarget([&](auto target) {
     if (wanted.highway_bit() == target()) found = get(target);
   });

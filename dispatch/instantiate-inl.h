@@ -21,8 +21,7 @@ namespace HWY_NAMESPACE {
 
 template <class Shape, typename T>
 int64_t MaskKernel(const kernels::MaskJob& job) {
-  Scan<Shape, T>(job);
-  return HWY_TARGET;
+  return Scan<Shape, T>(job);
 }
 
 inline uint64_t LiveSurvivorWords(const uint64_t* words, size_t count) {

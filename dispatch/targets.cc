@@ -152,7 +152,8 @@ const Tables& ChosenTables(std::string_view call) {
 // The entry of a target that a caller names.
 const Entry& EntryOf(Target target, std::string_view call) {
   const Entry* entry = FindEntry(target);
-  if (entry == nullptr) [[unlikely]] ThrowBadTarget(target, call);
+  if (entry == nullptr) [[unlikely]]
+    ThrowBadTarget(target, call);
   return *entry;
 }
 

@@ -98,13 +98,14 @@ HWY_INLINE void FarWords(D d, Load load, const T* const* planes, size_t first,
   }
 }
 
-template <class Shape, size_t kPlanes, class Load, typename T, size_t... kPlane>
+template <class Shape, size_t kPlanes, bool kIsFar, class Load, typename T,
+          size_t... kPlane>
 HWY_INLINE void WordsOfOne(std::index_sequence<kPlane...>, Load load,
                            const T* const* planes, const T* values,
                            size_t first, size_t words, uint64_t* row,
-                           uint64_t flip, bool is_far) {
-  const WordTag<T> d;
-  if (is_far) {
+                           uint64_t flip) {
+  const OneTag<T> d;
+  if constexpr (kIsFar) {
     FarWords<Shape, kPlanes>(
         d, load, planes, first, words, row, flip,
         hn::Set(d, values[kernels::kQueryIndex<Shape, kPlane>])...);
@@ -116,13 +117,13 @@ HWY_INLINE void WordsOfOne(std::index_sequence<kPlane...>, Load load,
 }
 
 // The first kPlanes planes of `words` whole words from object `first` on, for
-// kQueries queries. `row` has the word of `first` for the first query. Queries
-// together are never far.
-template <class Shape, size_t kPlanes, size_t kQueries, class Load, typename T>
+// kQueries queries. `row` has the word of `first` for the first query.
+template <class Shape, size_t kPlanes, size_t kQueries, bool kIsFar, class Load,
+          typename T>
 HWY_INLINE void ScanWordsFlat(Load load, const T* const* planes,
                               const T* values, size_t first, size_t words,
-                              uint64_t* row, size_t stride, uint64_t flip,
-                              bool is_far) {
+                              uint64_t* row, size_t stride, uint64_t flip) {
+  static_assert(kQueries == 1 || !kIsFar);
 #if HALFSPACE_MASKED_COMPARES
   if constexpr (kQueries > 1) {
     return WordsTogether<Shape, kPlanes, kQueries>(planes, values, first, words,
@@ -131,8 +132,8 @@ HWY_INLINE void ScanWordsFlat(Load load, const T* const* planes,
 #endif
   static_assert(kQueries == 1 || HALFSPACE_MASKED_COMPARES);
   (void)stride;
-  WordsOfOne<Shape, kPlanes>(std::make_index_sequence<kPlanes>(), load, planes,
-                             values, first, words, row, flip, is_far);
+  WordsOfOne<Shape, kPlanes, kIsFar>(std::make_index_sequence<kPlanes>(), load,
+                                     planes, values, first, words, row, flip);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -55,14 +55,6 @@ HWY_INLINE uint64_t LaneBits(D d, hn::Mask<D> mask) {
   (void)d;
   return mask.bits ? 1 : 0;
 #else
-#if HWY_TARGET == HWY_AVX2
-  // As below, without an instruction that clears what is clear.
-  const auto lanes = hn::VecFromMask(d, mask);
-  if constexpr (sizeof(hn::TFromD<D>) == 4) {
-    return static_cast<uint32_t>(_mm256_movemask_ps(
-        hn::BitCast(hn::Repartition<float, D>(), lanes).raw));
-  }
-#endif
 #if HWY_HAVE_SCALABLE
   uint8_t bytes[8] = {};
   uint64_t bits;

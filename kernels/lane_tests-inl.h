@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "hwy/highway.h"
 #include "kernels/planes.h"
@@ -71,9 +72,37 @@ struct LoadFirst {
 //
 // The compare is strict and ordered, or the exact opposite of that: touching
 // and NaN are kept.
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+
+// Whether a < b, as lanes of all ones: with AVX-512 Highway has only masks of
+// 256 bits.
+HWY_INLINE hn::Vec256<float> IsBelow(hn::Vec256<float> a, hn::Vec256<float> b) {
+  return hn::Vec256<float>{_mm256_cmp_ps(a.raw, b.raw, _CMP_LT_OQ)};
+}
+HWY_INLINE hn::Vec256<double> IsBelow(hn::Vec256<double> a,
+                                      hn::Vec256<double> b) {
+  return hn::Vec256<double>{_mm256_cmp_pd(a.raw, b.raw, _CMP_LT_OQ)};
+}
+HWY_INLINE hn::Vec256<int8_t> IsBelow(hn::Vec256<int8_t> a,
+                                      hn::Vec256<int8_t> b) {
+  return hn::Vec256<int8_t>{_mm256_cmpgt_epi8(b.raw, a.raw)};
+}
+HWY_INLINE hn::Vec256<int16_t> IsBelow(hn::Vec256<int16_t> a,
+                                       hn::Vec256<int16_t> b) {
+  return hn::Vec256<int16_t>{_mm256_cmpgt_epi16(b.raw, a.raw)};
+}
+
+#endif
+
 #if HALFSPACE_MASKED_COMPARES
 
-inline constexpr bool kVerdictIsKept = true;
+// Vectors of 256 bits are for one query (OneTag), and are compared to vectors.
+template <class D>
+inline constexpr bool kIsHalf = hn::MaxLanes(D()) * sizeof(hn::TFromD<D>) == 32;
+template <class D>
+using VerdictOf = std::conditional_t<kIsHalf<D>, hn::Vec<D>, hn::Mask<D>>;
+template <class D>
+inline constexpr bool kVerdictIsKept = !kIsHalf<D>;
 
 // One instruction a plane instead of a compare and an OR of masks: in L1 a
 // simplex is 12 % faster (0.110 to 0.099 ns on Zen 4). Highway has no such
@@ -106,19 +135,31 @@ HWY_INLINE __mmask32 KeptAnd(__mmask32 kept, hn::Vec512<int16_t> object,
 }
 
 template <kernels::Plane kPlane, class D, class V>
-HWY_INLINE hn::Mask<D> NextVerdict(D /*d*/, hn::Mask<D> kept, V object,
-                                   V query) {
-  return hn::Mask<D>{KeptAnd<kPlane>(kept.raw, object, query)};
+HWY_INLINE VerdictOf<D> FirstVerdict(D /*d*/, V object, V query) {
+  if constexpr (kIsHalf<D>) {
+    return kPlane.is_min ? IsBelow(query, object) : IsBelow(object, query);
+  } else {
+    using Raw = decltype(hn::Mask<D>::raw);
+    return hn::Mask<D>{
+        KeptAnd<kPlane>(static_cast<Raw>(~Raw{0}), object, query)};
+  }
 }
 
 template <kernels::Plane kPlane, class D, class V>
-HWY_INLINE hn::Mask<D> FirstVerdict(D /*d*/, V object, V query) {
-  using Raw = decltype(hn::Mask<D>::raw);
-  return hn::Mask<D>{KeptAnd<kPlane>(static_cast<Raw>(~Raw{0}), object, query)};
+HWY_INLINE VerdictOf<D> NextVerdict(D d, VerdictOf<D> before, V object,
+                                    V query) {
+  if constexpr (kIsHalf<D>) {
+    return hn::Or(before, FirstVerdict<kPlane>(d, object, query));
+  } else {
+    return hn::Mask<D>{KeptAnd<kPlane>(before.raw, object, query)};
+  }
 }
 
 #else  // HALFSPACE_MASKED_COMPARES
 
+template <class D>
+using VerdictOf = hn::Mask<D>;
+template <class D>
 inline constexpr bool kVerdictIsKept = false;
 
 template <class V>
@@ -130,13 +171,9 @@ HWY_INLINE auto IsAbove(V object, V query) {
 // Highway's compare has the object first, and gcc then loads it on its own;
 // with the query first the load is part of the compare. A simplex in L1: 0.165
 // to 0.122 ns on Zen 4.
-HWY_INLINE hn::Mask256<float> IsAbove(hn::Vec256<float> object,
-                                      hn::Vec256<float> query) {
-  return {_mm256_cmp_ps(query.raw, object.raw, _CMP_LT_OQ)};
-}
-HWY_INLINE hn::Mask256<double> IsAbove(hn::Vec256<double> object,
-                                       hn::Vec256<double> query) {
-  return {_mm256_cmp_pd(query.raw, object.raw, _CMP_LT_OQ)};
+template <typename T>
+HWY_INLINE hn::Mask256<T> IsAbove(hn::Vec256<T> object, hn::Vec256<T> query) {
+  return {IsBelow(query, object).raw};
 }
 #endif
 
@@ -161,11 +198,11 @@ HWY_INLINE hn::Mask<D> NextVerdict(D d, hn::Mask<D> rejected, V object,
 // the planes before. `query` begins with that of plane kNow.
 template <class Shape, size_t kNow, size_t kEnd, class D, class Load,
           typename T, class V, class... Rest>
-HWY_INLINE hn::Mask<D> AddVerdicts(D d, hn::Mask<D> before, Load load,
-                                   const T* const* planes, size_t i, V query,
-                                   Rest... rest) {
+HWY_INLINE VerdictOf<D> AddVerdicts(D d, VerdictOf<D> before, Load load,
+                                    const T* const* planes, size_t i, V query,
+                                    Rest... rest) {
   constexpr kernels::Plane kPlane = Shape::kOrder.planes[kNow];
-  const hn::Mask<D> verdict =
+  const VerdictOf<D> verdict =
       NextVerdict<kPlane>(d, before, load(d, planes[kPlane.object] + i), query);
   if constexpr (kNow + 1 == kEnd) {
     return verdict;
@@ -178,13 +215,13 @@ HWY_INLINE hn::Mask<D> AddVerdicts(D d, hn::Mask<D> before, Load load,
 // The verdict of planes [kBegin, kEnd); `query` begins with that of plane kNow.
 template <class Shape, size_t kBegin, size_t kEnd, size_t kNow = 0, class D,
           class Load, typename T, class V, class... Rest>
-HWY_INLINE hn::Mask<D> Verdict(D d, Load load, const T* const* planes, size_t i,
-                               V query, Rest... rest) {
+HWY_INLINE VerdictOf<D> Verdict(D d, Load load, const T* const* planes,
+                                size_t i, V query, Rest... rest) {
   if constexpr (kNow < kBegin) {
     return Verdict<Shape, kBegin, kEnd, kNow + 1>(d, load, planes, i, rest...);
   } else {
     constexpr kernels::Plane kPlane = Shape::kOrder.planes[kNow];
-    const hn::Mask<D> first =
+    const VerdictOf<D> first =
         FirstVerdict<kPlane>(d, load(d, planes[kPlane.object] + i), query);
     if constexpr (kNow + 1 == kEnd) {
       return first;

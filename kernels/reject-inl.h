@@ -41,22 +41,27 @@ constexpr bool IsByWord() {
   }
 }
 
+template <class Shape>
+inline constexpr size_t kTogether =
+    kIsFlat<Shape> || IsByWord<Shape>()
+        ? kQueriesTogether<Shape::kOrder.stage_ends[0]>
+        : 1;
+
 // `words` whole words from object job.begin on, for kQueries queries.
-template <class Shape, size_t kQueries, class Load, typename T,
+template <class Shape, size_t kQueries, bool kIsFar, class Load, typename T,
           size_t... kPlane>
 HWY_INLINE void ScanWords(std::index_sequence<kPlane...>, Load load,
                           const kernels::MaskJob& job, const T* const* planes,
                           const T* values, size_t words, uint64_t* row) {
   if constexpr (kIsFlat<Shape>) {
-    ScanWordsFlat<Shape, sizeof...(kPlane), kQueries>(
-        load, planes, values, job.begin, words, row, job.stride, job.flip,
-        job.is_far);
+    ScanWordsFlat<Shape, sizeof...(kPlane), kQueries, kIsFar>(
+        load, planes, values, job.begin, words, row, job.stride, job.flip);
   } else if constexpr (IsByWord<Shape>()) {
-    ScanWordsStaged<Shape, kQueries>(load, planes, values, job.begin, words,
-                                     row, job.stride, job.flip, job.is_far);
+    ScanWordsStaged<Shape, kQueries, kIsFar>(load, planes, values, job.begin,
+                                             words, row, job.stride, job.flip);
   } else {
     static_assert(kQueries == 1);
-    const WordTag<T> d;
+    const OneTag<T> d;
     ScanGroupsStaged<Shape>(
         d, load, planes, job.begin, words, row, job.flip,
         hn::Set(d, values[kernels::kQueryIndex<Shape, kPlane>])...);
@@ -74,53 +79,69 @@ HWY_INLINE uint64_t ScanTail(std::index_sequence<kPlane...>,
       hn::Set(d, values[kernels::kQueryIndex<Shape, kPlane>])...);
 }
 
-template <class Shape, typename T, class Load, size_t... kPlane>
-HWY_INLINE void ScanAll(std::index_sequence<kPlane...> all_planes, Load load,
-                        const kernels::MaskJob& job) {
-  constexpr size_t kPlanes = sizeof...(kPlane);
-  constexpr size_t kTogether =
-      kIsFlat<Shape> || IsByWord<Shape>()
-          ? kQueriesTogether<Shape::kOrder.stage_ends[0]>
-          : 1;
+// kQueries queries from `values` on, and their rows from `row` on. Returns
+// HWY_TARGET, so that a call for one query ends with a jump. Not inline: what
+// is near, far and together in one function needs so many registers that a
+// short call spends nanoseconds on saving them.
+template <class Shape, size_t kQueries, bool kIsFar, class Load, typename T,
+          size_t... kPlane>
+HWY_NOINLINE int64_t ScanQueries(std::index_sequence<kPlane...> all_planes,
+                                 Load load, const kernels::MaskJob& job,
+                                 const T* values, uint64_t* row) {
   // A local copy: the stores of words must not make the compiler reload them.
   const T* planes[] = {static_cast<const T*>(job.planes[kPlane])...};
-  const T* values = static_cast<const T*>(job.queries);
   const size_t words = (job.end - job.begin) / kWordObjects;
-  uint64_t* row = job.rows;
-  size_t left = job.query_count;
-  if constexpr (kTogether > 1) {
-    for (; left >= kTogether; left -= kTogether) {
-      ScanWords<Shape, kTogether>(all_planes, load, job, planes, values, words,
-                                  row);
-      values += kTogether * kPlanes;
-      row += kTogether * job.stride;
-    }
-  }
-  for (; left != 0; --left) {
-    ScanWords<Shape, 1>(all_planes, load, job, planes, values, words, row);
-    values += kPlanes;
-    row += job.stride;
-  }
+  ScanWords<Shape, kQueries, kIsFar>(all_planes, load, job, planes, values,
+                                     words, row);
   const size_t i = job.begin + words * kWordObjects;
-  if (i == job.end) return;
-  values = static_cast<const T*>(job.queries);
-  for (size_t q = 0; q < job.query_count; ++q) {
-    job.rows[q * job.stride + words] =
-        ScanTail<Shape>(all_planes, planes, values + q * kPlanes, i,
+  if (i == job.end) return HWY_TARGET;
+  for (size_t q = 0; q < kQueries; ++q) {
+    row[q * job.stride + words] =
+        ScanTail<Shape>(all_planes, planes, values + q * sizeof...(kPlane), i,
                         job.end - i) ^
         job.flip;
   }
+  return HWY_TARGET;
+}
+
+template <class Shape, typename T, class Load>
+HWY_INLINE int64_t ScanAll(Load load, const kernels::MaskJob& job) {
+  constexpr size_t kPlanes = Shape::kOrder.planes.size();
+  constexpr std::make_index_sequence<kPlanes> kAll{};
+  constexpr size_t kMost = kTogether<Shape>;
+  const T* values = static_cast<const T*>(job.queries);
+  uint64_t* row = job.rows;
+  if (job.is_far) {
+    return ScanQueries<Shape, 1, true>(kAll, load, job, values, row);
+  }
+  if (job.query_count == 1) {
+    return ScanQueries<Shape, 1, false>(kAll, load, job, values, row);
+  }
+  size_t left = job.query_count;
+  if constexpr (kMost > 1) {
+    for (; left >= kMost; left -= kMost) {
+      ScanQueries<Shape, kMost, false>(kAll, load, job, values, row);
+      values += kMost * kPlanes;
+      row += kMost * job.stride;
+    }
+  }
+  for (; left != 0; --left) {
+    ScanQueries<Shape, 1, false>(kAll, load, job, values, row);
+    values += kPlanes;
+    row += job.stride;
+  }
+  return HWY_TARGET;
 }
 
 // Scans objects begin ... end - 1 with every query of the job, and writes their
-// words. T is the type of planes and queries, in the order of planes.h.
+// words. T is the type of planes and queries, in the order of planes.h. Returns
+// HWY_TARGET.
 template <class Shape, typename T>
-HWY_INLINE void Scan(const kernels::MaskJob& job) {
-  constexpr std::make_index_sequence<Shape::kOrder.planes.size()> kAll{};
+HWY_INLINE int64_t Scan(const kernels::MaskJob& job) {
   if constexpr (kAlignedLoadsPay) {
-    if (job.is_aligned) return ScanAll<Shape, T>(kAll, LoadAligned(), job);
+    if (job.is_aligned) return ScanAll<Shape, T>(LoadAligned(), job);
   }
-  ScanAll<Shape, T>(kAll, LoadAll(), job);
+  return ScanAll<Shape, T>(LoadAll(), job);
 }
 
 }  // namespace HWY_NAMESPACE

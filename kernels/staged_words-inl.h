@@ -75,7 +75,7 @@ HWY_INLINE void FinishTile(std::index_sequence<kPlane...>, Load load,
                            const T* const* planes, const T* values,
                            size_t first, const LiveTile<Shape, kQueries>& tile,
                            uint64_t* row, size_t stride, uint64_t flip) {
-  const WordTag<T> d;
+  const OneTag<T> d;
   for (size_t q = 0; q < kQueries; ++q) {
     if (tile.live[q] == 0) continue;
     const T* value = values + q * sizeof...(kPlane);
@@ -87,11 +87,10 @@ HWY_INLINE void FinishTile(std::index_sequence<kPlane...>, Load load,
 }
 
 // `words` whole words from object `first` on, for kQueries queries.
-template <class Shape, size_t kQueries, class Load, typename T>
+template <class Shape, size_t kQueries, bool kIsFar, class Load, typename T>
 HWY_INLINE void ScanWordsStaged(Load load, const T* const* planes,
                                 const T* values, size_t first, size_t words,
-                                uint64_t* row, size_t stride, uint64_t flip,
-                                bool is_far) {
+                                uint64_t* row, size_t stride, uint64_t flip) {
   constexpr size_t kFirst = Shape::kOrder.stage_ends[0];
   constexpr size_t kPlanes = Shape::kOrder.planes.size();
   constexpr std::make_index_sequence<kPlanes> kAll{};
@@ -100,14 +99,13 @@ HWY_INLINE void ScanWordsStaged(Load load, const T* const* planes,
   for (size_t begin = 0; begin < words; begin += kStageWords) {
     const size_t count = HWY_MIN(kStageWords, words - begin);
     const size_t tile_first = first + begin * kWordObjects;
-    ScanWordsFlat<Shape, kFirst, kQueries>(load, planes, values, tile_first,
-                                           count, row + begin, stride, flip,
-                                           is_far);
+    ScanWordsFlat<Shape, kFirst, kQueries, kIsFar>(
+        load, planes, values, tile_first, count, row + begin, stride, flip);
     LiveTile<Shape, kQueries> tile;
     tile.word = begin;
     for (size_t q = 0; q < kQueries; ++q) {
       tile.live[q] = LiveWords(row + q * stride + begin, count, ~flip);
-      if (is_far) {
+      if constexpr (kIsFar) {
         PrefetchLive<Shape>(kSecond, planes, tile_first, tile.live[q]);
       }
     }

@@ -23,6 +23,23 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+// Bit l of the result = lane l of the verdict; zero above the lanes.
+template <class D>
+HWY_INLINE uint64_t VerdictBits(D d, VerdictOf<D> verdict) {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+  if constexpr (hn::MaxLanes(D()) == 8 && sizeof(hn::TFromD<D>) == 4) {
+    // As LaneBits, without an instruction that clears what is clear.
+    return static_cast<uint32_t>(_mm256_movemask_ps(VectorOf(d, verdict).raw));
+  }
+#endif
+#if HALFSPACE_MASKED_COMPARES
+  if constexpr (kIsHalf<D>)
+    return LaneBits(d, hn::MaskFromVec(verdict));
+  else
+#endif
+    return LaneBits(d, verdict);
+}
+
 // The verdicts of vectors 0, 1, ... after object i.
 template <class Shape, size_t kBegin, size_t kEnd, size_t... kVector, class D,
           class Load, typename T, class... V>
@@ -30,8 +47,8 @@ HWY_INLINE uint64_t VectorBits(std::index_sequence<kVector...>, D d, Load load,
                                const T* const* planes, size_t i, V... query) {
   const size_t lanes = hn::Lanes(d);
   return (... |
-          (LaneBits(d, Verdict<Shape, kBegin, kEnd>(
-                           d, load, planes, i + kVector * lanes, query...))
+          (VerdictBits(d, Verdict<Shape, kBegin, kEnd>(
+                              d, load, planes, i + kVector * lanes, query...))
            << (kVector * lanes)));
 }
 
@@ -42,7 +59,7 @@ template <class Shape, size_t kObjects, size_t kBegin, size_t kEnd,
 HWY_INLINE uint64_t BitsRejected(D d, Load load, const T* const* planes,
                                  size_t i, V... query) {
 #if HALFSPACE_NARROW_MASKS
-  if constexpr (kPack == Pack::kInstructions && kIsNarrowed<kObjects, T>) {
+  if constexpr (kPack == Pack::kInstructions && kIsNarrowed<kObjects, D>) {
     return NarrowedBits<Shape, kObjects, kBegin, kEnd>(d, load, planes, i,
                                                        query...);
   }
@@ -61,7 +78,7 @@ HWY_INLINE uint64_t BitsRejected(D d, Load load, const T* const* planes,
                                             d, load, planes, i + l, query...)
             << l;
   }
-  return kVerdictIsKept ? bits ^ kLowBits<kObjects> : bits;
+  return kVerdictIsKept<D> ? bits ^ kLowBits<kObjects> : bits;
 }
 
 // The last word: `count` objects from i on, 0 < count < 64, with nothing read
@@ -74,17 +91,17 @@ HWY_INLINE uint64_t TailRejected(D d, const T* const* planes, size_t i,
   uint64_t bits = 0;
   size_t l = 0;
   for (; l + lanes <= count; l += lanes) {
-    bits |= LaneBits(d, Verdict<Shape, 0, kPlanes>(d, LoadAll(), planes, i + l,
-                                                   query...))
+    bits |= VerdictBits(d, Verdict<Shape, 0, kPlanes>(d, LoadAll(), planes,
+                                                      i + l, query...))
             << l;
   }
   if (l < count) {
     const LoadFirst load{count - l};
-    bits |= LaneBits(
+    bits |= VerdictBits(
                 d, Verdict<Shape, 0, kPlanes>(d, load, planes, i + l, query...))
             << l;
   }
-  if (kVerdictIsKept) bits = ~bits;
+  if (kVerdictIsKept<D>) bits = ~bits;
   return bits | (~uint64_t{0} << count);
 }
 
