@@ -14,27 +14,17 @@
 #include "tests/library/cases.h"
 #include "tests/library/expect_invalid.h"
 #include "tests/library/many_calls.h"
+#include "tests/library/many_errors_fixture.h"
 #include "tests/library/misaligned.h"
 
 namespace halfspace::testing {
 namespace {
 
-constexpr std::size_t kObjects = 130;  // 3 words
-constexpr std::size_t kQueries = 5;
-
 template <typename Case>
-class ManyErrorsTest : public ::testing::Test {
+class ManyErrorsTest : public ManyErrors<Case> {
  protected:
-  using View = typename Case::View;
-  using Query = typename View::Query;
-  using Scalar = ScalarOf<View>;
-
-  ManyErrorsTest() {
-    for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-      PlaneOf(view_, p) = planes_.data() + p * kObjects;
-    }
-    view_.size = kObjects;
-  }
+  using View = typename ManyErrors<Case>::View;
+  using Query = typename ManyErrors<Case>::Query;
 
   // All five calls refuse, each in its own name, and write nothing.
   void ExpectAllRefuse(const View& view, std::span<const Query> queries,
@@ -48,68 +38,7 @@ class ManyErrorsTest : public ::testing::Test {
     EXPECT_TRUE(outputs_.Untouched());
   }
 
-  // Both calls that write rows.
-  void ExpectRowsRefused(std::span<std::uint64_t> rows,
-                         std::string_view expected, std::string_view given) {
-    EXPECT_TRUE(
-        Refuses([&] { RejectMasks(view_, queries_, rows); },
-                {"RejectMasks: rows: expected", expected, "got", given}));
-    EXPECT_TRUE(
-        Refuses([&] { SurvivorMasks(view_, queries_, rows); },
-                {"SurvivorMasks: rows: expected", expected, "got", given}));
-  }
-
-  void ExpectPairsRefused(std::span<std::uint32_t> query_indices,
-                          std::span<std::uint32_t> object_indices,
-                          std::string_view argument, std::string_view expected,
-                          std::string_view given) {
-    EXPECT_TRUE(Refuses(
-        [&] {
-          (void)SurvivorPairs(view_, queries_, query_indices, object_indices);
-        },
-        {"SurvivorPairs: ", argument, ": expected", expected, "got", given}));
-  }
-
-  void ExpectCountsRefused(std::span<std::size_t> counts,
-                           std::string_view expected, std::string_view given) {
-    EXPECT_TRUE(
-        Refuses([&] { SurvivorCounts(view_, queries_, counts); },
-                {"SurvivorCounts: counts: expected", expected, "got", given}));
-  }
-
-  // Every output is refused that begins in the first or the last word of
-  // `bytes` bytes from `begin` on.
-  void ExpectNoOutputIn(void* begin, std::size_t bytes,
-                        std::string_view expected, std::string_view given) {
-    auto* words = static_cast<std::uint64_t*>(begin);
-    const std::size_t count = bytes / sizeof(std::uint64_t);
-    ExpectRowsRefused({words, 3 * kQueries}, expected, given);
-    ExpectRowsRefused({words + count - 1, 3 * kQueries}, expected, given);
-    auto* counts = static_cast<std::size_t*>(begin);
-    ExpectCountsRefused({counts, kQueries}, expected, given);
-    ExpectCountsRefused({counts + count - 1, kQueries}, expected, given);
-    auto* indices = static_cast<std::uint32_t*>(begin);
-    std::uint32_t other = 7;
-    ExpectPairsRefused({indices, 1}, {&other, 1}, "query_indices", expected,
-                       given);
-    ExpectPairsRefused({&other, 1}, {indices + 2 * count - 1, 1},
-                       "object_indices", expected, given);
-    EXPECT_EQ(other, 7u);
-    // The longer of the two lists is written no further than the shorter.
-    const std::size_t pairs = 2;
-    std::uint32_t others[pairs] = {7, 7};
-    ExpectPairsRefused({indices + 2 * count - 1, 100}, {others, pairs},
-                       "query_indices", expected, given);
-    EXPECT_EQ(others[0], 7u);
-  }
-
-  View view_;
   ManyCallOutputs outputs_;
-  // Room behind queries and planes, for outputs that begin in their last word.
-  std::vector<Query> query_room_ = std::vector<Query>(64, Query::Everything());
-  std::span<const Query> queries_ = std::span(query_room_).first(kQueries);
-  std::vector<Scalar> planes_ =
-      std::vector<Scalar>(kPlanes<View> * kObjects + 300);
 };
 
 TYPED_TEST_SUITE(ManyErrorsTest, WholeCases, CaseNames);
@@ -170,21 +99,21 @@ TYPED_TEST(ManyErrorsTest, WorldBeyondTheAddressSpace) {
 }
 
 TYPED_TEST(ManyErrorsTest, ShortOutputs) {
-  std::vector<std::uint64_t> rows(3 * kQueries, 7);
-  this->ExpectRowsRefused(std::span(rows).first(3 * kQueries - 1),
+  std::vector<std::uint64_t> rows(3 * TestFixture::kQueries, 7);
+  this->ExpectRowsRefused(std::span(rows).first(3 * TestFixture::kQueries - 1),
                           "at least 5 rows of 3 words", "14 words");
   this->ExpectRowsRefused({}, "at least 5 rows of 3 words", "0 words");
-  EXPECT_EQ(rows, std::vector<std::uint64_t>(3 * kQueries, 7));
-  std::vector<std::size_t> counts(kQueries, 7);
-  this->ExpectCountsRefused(std::span(counts).first(kQueries - 1), "at least 5",
-                            "4");
+  EXPECT_EQ(rows, std::vector<std::uint64_t>(3 * TestFixture::kQueries, 7));
+  std::vector<std::size_t> counts(TestFixture::kQueries, 7);
+  this->ExpectCountsRefused(std::span(counts).first(TestFixture::kQueries - 1),
+                            "at least 5", "4");
   this->ExpectCountsRefused({}, "at least 5", "0");
-  EXPECT_EQ(counts, std::vector<std::size_t>(kQueries, 7));
+  EXPECT_EQ(counts, std::vector<std::size_t>(TestFixture::kQueries, 7));
 }
 
 // Rows are of the whole world, whatever the range.
 TYPED_TEST(ManyErrorsTest, RowsOfARangeAreNoShorter) {
-  std::vector<std::uint64_t> rows(3 * kQueries - 1, 7);
+  std::vector<std::uint64_t> rows(3 * TestFixture::kQueries - 1, 7);
   EXPECT_TRUE(Refuses(
       [&] {
         RejectMasks(this->view_, this->queries_, rows, {.range = {0, 64}});
@@ -216,56 +145,6 @@ TYPED_TEST(ManyErrorsTest, MoreRowsThanTheAddressSpace) {
     EXPECT_EQ(counts, std::vector<std::size_t>(16, 7));
   }
   EXPECT_EQ(rows, std::vector<std::uint64_t>(16, 7));
-}
-
-TYPED_TEST(ManyErrorsTest, NullOutputs) {
-  std::uint64_t* no_words = nullptr;
-  this->ExpectRowsRefused({no_words, 3 * kQueries}, "room for the output",
-                          "a null pointer");
-  std::size_t* no_counts = nullptr;
-  this->ExpectCountsRefused({no_counts, kQueries}, "room for the output",
-                            "a null pointer");
-  std::uint32_t* no_indices = nullptr;
-  std::uint32_t index = 7;
-  this->ExpectPairsRefused({no_indices, 1}, {&index, 1}, "query_indices",
-                           "room for the output", "a null pointer");
-  this->ExpectPairsRefused({&index, 1}, {no_indices, 1}, "object_indices",
-                           "room for the output", "a null pointer");
-  EXPECT_EQ(index, 7u);
-}
-
-TYPED_TEST(ManyErrorsTest, MisalignedOutputs) {
-  std::vector<std::uint64_t> rows(3 * kQueries + 1, 7);
-  this->ExpectRowsRefused({Misaligned(rows.data()), 3 * kQueries}, "aligned",
-                          "a misaligned one");
-  EXPECT_EQ(rows, std::vector<std::uint64_t>(3 * kQueries + 1, 7));
-  std::vector<std::size_t> counts(kQueries + 1, 7);
-  this->ExpectCountsRefused({Misaligned(counts.data()), kQueries}, "aligned",
-                            "a misaligned one");
-  EXPECT_EQ(counts, std::vector<std::size_t>(kQueries + 1, 7));
-  std::vector<std::uint32_t> indices(3, 7);
-  std::uint32_t index = 7;
-  this->ExpectPairsRefused({Misaligned(indices.data()), 1}, {&index, 1},
-                           "query_indices", "aligned", "a misaligned one");
-  this->ExpectPairsRefused({&index, 1}, {Misaligned(indices.data()), 1},
-                           "object_indices", "aligned", "a misaligned one");
-  EXPECT_EQ(indices, std::vector<std::uint32_t>(3, 7));
-}
-
-TYPED_TEST(ManyErrorsTest, OutputOverlapsAPlane) {
-  constexpr std::size_t kValues = kPlanes<typename TypeParam::View> * kObjects;
-  const auto before = this->planes_;
-  this->ExpectNoOutputIn(
-      this->planes_.data(), kValues * sizeof(typename TestFixture::Scalar),
-      "apart from the world's planes", "an overlap with world.");
-  EXPECT_EQ(this->planes_, before);
-}
-
-TYPED_TEST(ManyErrorsTest, OutputOverlapsTheQueries) {
-  const auto before = this->query_room_;
-  this->ExpectNoOutputIn(this->query_room_.data(), this->queries_.size_bytes(),
-                         "apart from the queries", "an overlap with them");
-  EXPECT_EQ(this->query_room_, before);
 }
 
 }  // namespace
