@@ -8,6 +8,7 @@
 #include "dispatch/rows.h"
 #include "dispatch/tiles.h"
 #include "kernels/error.h"
+#include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
 namespace {
@@ -53,17 +54,22 @@ SurvivorCount SurvivorPairs(const Scan& scan,
   prepared.CheckIndicesFit();
   const std::size_t capacity =
       std::min(query_indices.size(), object_indices.size());
+  // No more than one pair for each object and query is ever written.
+  const bool all_fit =
+      scan.query_count == 0 || capacity / scan.query_count >= scan.size;
+  const std::size_t bytes =
+      (all_fit ? scan.size * scan.query_count : capacity) *
+      sizeof(std::uint32_t);
   const auto check = [&](const char* name, std::span<std::uint32_t> indices) {
-    if (scan.size == 0 || scan.query_count == 0) return;
-    // No more than one pair for each object and query is ever written.
-    const std::size_t writable = capacity / scan.query_count < scan.size
-                                     ? capacity
-                                     : scan.size * scan.query_count;
-    prepared.CheckOutput(name, indices.data(), writable * sizeof(std::uint32_t),
-                         alignof(std::uint32_t));
+    prepared.CheckOutput(name, indices.data(), bytes, alignof(std::uint32_t));
   };
   check("query_indices", query_indices);
   check("object_indices", object_indices);
+  if (kernels::Overlap(query_indices.data(), bytes, object_indices.data(),
+                       bytes)) {
+    kernels::ThrowInvalid("SurvivorPairs", "object_indices",
+                          "memory apart from query_indices", "an overlap");
+  }
   std::size_t count = 0;
   const std::int64_t target =
       dispatch::ForEachPart(prepared, [&](const Part& part) {

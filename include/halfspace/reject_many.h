@@ -15,8 +15,10 @@
 //            of masks, its own where it is lists or counts
 // and says which target ran.
 //
-// Errors, thread safety and the meaning of masks are those of reject.h. Nothing
-// is allocated. An empty world, and no queries, are fine.
+// Errors, thread safety and the meaning of masks are those of reject.h. Errors
+// too are lists of pairs that overlap one another where they are written, and
+// more than 2^32 queries with 32-bit indices. Nothing is allocated. An empty
+// world, and no queries, are fine.
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (the tests).
 #ifndef HALFSPACE_REJECT_MANY_H_
@@ -56,7 +58,8 @@ Target SurvivorMasks(const AnyWorld& world,
 // Writes every surviving pair: query_indices[j] and object_indices[j]. Pairs
 // come tile by tile: those of one query in ascending order of objects, but not
 // side by side. What fits in the shorter span is written, and the number of all
-// pairs is returned. At most 2^32 objects and queries.
+// pairs is returned. At most 2^32 objects and queries. The spans must not
+// overlap.
 template <typename AnyWorld>
 [[nodiscard]] SurvivorCount SurvivorPairs(
     const AnyWorld& world, std::span<const typename AnyWorld::Query> queries,

@@ -116,5 +116,59 @@ TYPED_TEST(ManyOutputErrorsTest, OutputOverlapsTheQueries) {
   EXPECT_EQ(this->query_room_, before);
 }
 
+// By one element, or all, and in either order.
+TYPED_TEST(ManyOutputErrorsTest, PairsOverlapOneAnother) {
+  constexpr std::size_t kPairs = 4;
+  std::vector<std::uint32_t> room(3 * kPairs, 7);
+  for (std::size_t begin = 1; begin < 2 * kPairs; ++begin) {
+    this->ExpectPairsRefused({&room[kPairs], kPairs}, {&room[begin], kPairs},
+                             "object_indices",
+                             "memory apart from query_indices", "an overlap");
+  }
+  // Where one has room for more than the other, too.
+  this->ExpectPairsRefused({&room[0], kPairs}, {&room[kPairs - 1], 2 * kPairs},
+                           "object_indices", "memory apart from query_indices",
+                           "an overlap");
+  EXPECT_EQ(room, std::vector<std::uint32_t>(3 * kPairs, 7));
+}
+
+TYPED_TEST(ManyOutputErrorsTest, PairsSideBySideAreFine) {
+  constexpr std::size_t kPairs = 4;
+  std::vector<std::uint32_t> room(3 * kPairs, 7);
+  const std::size_t all = this->queries_.size() * this->view_.size;
+  for (std::size_t begin : {std::size_t{0}, 2 * kPairs}) {
+    EXPECT_EQ(SurvivorPairs(this->view_, this->queries_,
+                            {&room[kPairs], kPairs}, {&room[begin], kPairs})
+                  .count,
+              all);
+  }
+  const std::vector<std::uint32_t> expected = {0, 1, 2, 3, 0, 0,
+                                               0, 0, 0, 1, 2, 3};
+  EXPECT_EQ(room, expected);
+}
+
+// What is never written may overlap: the longer list past the end of the
+// shorter one, and either past the last pair there can be.
+TYPED_TEST(ManyOutputErrorsTest, RoomForMorePairsMayOverlap) {
+  std::vector<std::uint32_t> room(10, 7);
+  EXPECT_EQ(
+      SurvivorPairs(this->view_, this->queries_, {&room[0], 8}, {&room[2], 2})
+          .count,
+      this->queries_.size() * this->view_.size);
+  EXPECT_EQ(room, (std::vector<std::uint32_t>{0, 0, 0, 1, 7, 7, 7, 7, 7, 7}));
+  auto two = this->view_;
+  two.size = 2;
+  EXPECT_EQ(
+      SurvivorPairs(two, this->queries_.first(1), {&room[4], 4}, {&room[6], 4})
+          .count,
+      2u);
+  EXPECT_EQ(room, (std::vector<std::uint32_t>{0, 0, 0, 1, 0, 0, 0, 1, 7, 7}));
+  // Nothing survives in a world without objects.
+  EXPECT_EQ(SurvivorPairs(typename TestFixture::View{}, this->queries_,
+                          {&room[0], 8}, {&room[0], 8})
+                .count,
+            0u);
+}
+
 }  // namespace
 }  // namespace halfspace::testing
