@@ -1,5 +1,6 @@
 #include "halfspace/targets.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
@@ -84,15 +85,28 @@ const char* EnvironmentOverride() {
 #endif
 }
 
+// Of letters without accents, whatever the locale.
+bool IsSameButForCase(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  };
+  return std::equal(
+      a.begin(), a.end(), b.begin(), b.end(),
+      [&](char left, char right) { return lower(left) == lower(right); });
+}
+
 // Empty if `name` is a supported target; else the name and what is wrong.
 std::string WhyNot(std::string_view name) {
   if (FindTarget(name)) return {};
   std::string why(1, '"');
   why.append(name).append("\", which ");
   for (Target target : CompiledTargets()) {
-    if (target.name() == name) {
+    if (!IsSameButForCase(target.name(), name)) continue;
+    if (!FindTarget(target.name())) {
       return why.append("this build has but this machine does not support");
     }
+    why.append("is unknown, as case matters: did you mean ");
+    return why.append(target.name()).append("?");
   }
   return why.append("is unknown or not in this build");
 }

@@ -9,7 +9,8 @@
 // that was compiled and that CPU and operating system support. The environment
 // variable HALFSPACE_TARGET, read at that moment (and, with glibc, ignored by
 // set-user-id programs), names another one; a name that is unknown or not
-// supported here is an error at the first call, never a silent fall-back. There
+// supported here is an error at the first call, never a silent fall-back. Case
+// matters: "avx2" is unknown, and the error asks whether AVX2 is meant. There
 // is no global setter: a call that wants another target says so in its options,
 // and all supported targets can be used side by side.
 //

@@ -24,4 +24,6 @@ endforeach()
 halfspace_add_environment_test(not_set "unset:")
 halfspace_add_environment_test(empty "set:")
 halfspace_add_environment_test(unknown "set:nonsense")
-halfspace_add_environment_test(lower_case "set:scalar")
+# One of the two is the plain fall-back of every build.
+halfspace_add_environment_test(lower_case_scalar "set:scalar")
+halfspace_add_environment_test(lower_case_emu128 "set:emu128")
