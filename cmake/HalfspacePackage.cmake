@@ -9,7 +9,8 @@ if(TARGET cpuinfo-bench)
     INSTALL_RPATH "$ORIGIN/${bin_to_libraries}")
   target_link_options(cpuinfo-bench PRIVATE
     $<$<PLATFORM_ID:Linux>:LINKER:--disable-new-dtags>)
-  install(TARGETS cpuinfo-bench)
+  # Whoever built the library alone installs it alone.
+  install(TARGETS cpuinfo-bench OPTIONAL)
 
   # Only the tarball carries libraries; an installation uses the system's.
   configure_file("${CMAKE_CURRENT_LIST_DIR}/HalfspaceBundle.cmake.in"

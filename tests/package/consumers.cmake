@@ -36,14 +36,18 @@ endif()
 
 set(nested_ctest ${CMAKE_CTEST_COMMAND} --output-on-failure --no-tests=error)
 
-# Configures and builds `source` in a directory of its own, then runs COMMAND.
-# Afresh: what an earlier run found must not hide what is missing now.
+# Configures and builds `source`, or TARGET in it, in a directory of its own, then
+# runs COMMAND. Afresh: what an earlier run found must not hide what is missing now.
 function(add_nested_build_test name source)
-  cmake_parse_arguments(PARSE_ARGV 2 arg "" "" "OPTIONS;COMMAND")
+  cmake_parse_arguments(PARSE_ARGV 2 arg "" "TARGET" "OPTIONS;COMMAND")
+  set(target "")
+  if(arg_TARGET)
+    set(target --build-target "${arg_TARGET}")
+  endif()
   add_test(NAME ${name}
     COMMAND ${CMAKE_CTEST_COMMAND}
       --build-and-test "${source}" "${CMAKE_CURRENT_BINARY_DIR}/${name}"
-      --build-generator "${CMAKE_GENERATOR}"
+      --build-generator "${CMAKE_GENERATOR}" ${target}
       --build-options --fresh ${nested_options} ${arg_OPTIONS}
       --test-command ${arg_COMMAND})
   set_tests_properties(${name} PROPERTIES LABELS package)
@@ -84,13 +88,15 @@ set_tests_properties(package.install PROPERTIES
   LABELS package FIXTURES_SETUP package.installed)
 add_consumer_tests(package.installed "${prefix}")
 
-# Its shared sibling.
+# Its shared sibling, built without the tool that could be installed with it.
 set(prefix "${CMAKE_CURRENT_BINARY_DIR}/shared")
 install_command(install . "${prefix}")
 add_nested_build_test(package.install_shared "${PROJECT_SOURCE_DIR}"
   OPTIONS ${nested_library_options} -DHALFSPACE_SHARED=ON
-    -DHALFSPACE_BUILD_TESTS=OFF -DHALFSPACE_BUILD_TOOLS=OFF
+    -DHALFSPACE_BUILD_TESTS=OFF
+    "-DHALFSPACE_BUILD_TOOLS=${HALFSPACE_BUILD_TOOLS}"
     -DHALFSPACE_BUILD_EXAMPLES=OFF
+  TARGET halfspace
   COMMAND ${install})
 set_tests_properties(package.install_shared PROPERTIES
   FIXTURES_SETUP package.shared)
