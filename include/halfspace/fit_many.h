@@ -12,12 +12,12 @@
 //
 // Every call takes
 //   source   the shapes, in the caller's memory (below)
-//   planes   where the bounds go: planes that the caller owns, or
-//   world.planes()
-//            of an owning world. Their type says which planes are wanted:
-//            SimplexPlanes, AabbPlanes, AaboPlanes, or DPlanes, the D axis
-//            alone, which makes an AABO world of an AABB world in place.
-//            planes.size must be the number of shapes.
+//   planes   where the bounds go: planes of floats that the caller owns, or the
+//            planes() of an owning world. Their type says which planes are
+//            wanted: SimplexPlanes, AabbPlanes, AaboPlanes, or DPlanes, the D
+//            axis alone, which makes an AABO world of an AABB world in place.
+//            planes.size must be the number of shapes. (Bounds of doubles are
+//            the caller's to make: see bounds.h.)
 //   options  tightness, inverted boxes, target; the defaults are right
 //   status   counts, over all calls it is passed to, the shapes that became
 //            Everything(), and tells the first
@@ -90,7 +90,7 @@ Boxes<kDims> BoxesOf(const AabbView<kDims>& view) {
 }
 
 // Bounds boxes. X, Y, Z are copied.
-template <typename Planes>
+template <detail::PlanesOfFloats Planes>
 Target BoundBoxes(const Boxes<Planes::kDimensions>& boxes, const Planes& planes,
                   const FitOptions& options = {}, FitStatus* status = nullptr) {
   return detail::BoundBoxes(detail::SourceOf(boxes), detail::OutputOf(planes),
@@ -100,7 +100,7 @@ Target BoundBoxes(const Boxes<Planes::kDimensions>& boxes, const Planes& planes,
 // Bounds balls. X, Y, Z are tightest. D is within 1 ulp or tightest, as asked;
 // where its value all but cancels, it may be further off, by less than 2^-49 of
 // |x| + |y| + ... + radius, or, with `tightest`, 2^-100 of the radius.
-template <typename Planes>
+template <detail::PlanesOfFloats Planes>
 Target BoundSpheres(const Spheres<Planes::kDimensions>& spheres,
                     const Planes& planes, const FitOptions& options = {},
                     FitStatus* status = nullptr) {
@@ -112,7 +112,7 @@ Target BoundSpheres(const Spheres<Planes::kDimensions>& spheres,
 // vertices indices[3 * i], indices[3 * i + 1] and indices[3 * i + 2].
 //   Throws also if indices.size() is not 3 * planes.size. An index that is not
 //   below vertices.count makes its triangle Everything().
-template <typename Planes>
+template <detail::PlanesOfFloats Planes>
 Target BoundTriangles(const Points<Planes::kDimensions>& vertices,
                       std::span<const std::uint32_t> indices,
                       const Planes& planes, const FitOptions& options = {},
@@ -120,7 +120,7 @@ Target BoundTriangles(const Points<Planes::kDimensions>& vertices,
   return detail::BoundTriangles(detail::SourceOf(vertices), indices,
                                 detail::OutputOf(planes), options, status);
 }
-template <typename Planes>
+template <detail::PlanesOfFloats Planes>
 Target BoundTriangles(const PointsSoa<Planes::kDimensions>& vertices,
                       std::span<const std::uint32_t> indices,
                       const Planes& planes, const FitOptions& options = {},
@@ -133,7 +133,7 @@ Target BoundTriangles(const PointsSoa<Planes::kDimensions>& vertices,
 // the points ends[i - 1] .. ends[i] - 1, the first one from point 0.
 //   ends.size() is planes.size. An empty set gives Empty(). A set that ends
 //   before it begins, or past points.count, becomes Everything().
-template <typename Planes>
+template <detail::PlanesOfFloats Planes>
 Target BoundPointSets(const Points<Planes::kDimensions>& points,
                       std::span<const std::size_t> ends, const Planes& planes,
                       const FitOptions& options = {},
@@ -141,7 +141,7 @@ Target BoundPointSets(const Points<Planes::kDimensions>& points,
   return detail::BoundPointSets(detail::SourceOf(points), ends,
                                 detail::OutputOf(planes), options, status);
 }
-template <typename Planes>
+template <detail::PlanesOfFloats Planes>
 Target BoundPointSets(const PointsSoa<Planes::kDimensions>& points,
                       std::span<const std::size_t> ends, const Planes& planes,
                       const FitOptions& options = {},

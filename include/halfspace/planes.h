@@ -25,6 +25,7 @@ namespace halfspace {
 
 template <int kDims, detail::Float32Or64 T = float>
 struct SimplexPlanes {
+  using Scalar = T;
   static constexpr int kDimensions = kDims;
 
   std::array<T*, static_cast<std::size_t>(kDims) + 1> min{};
@@ -33,6 +34,7 @@ struct SimplexPlanes {
 
 template <int kDims, detail::Float32Or64 T = float>
 struct AabbPlanes {
+  using Scalar = T;
   static constexpr int kDimensions = kDims;
 
   std::array<T*, static_cast<std::size_t>(kDims)> min{};
@@ -42,6 +44,7 @@ struct AabbPlanes {
 
 template <int kDims, detail::Float32Or64 T = float>
 struct AaboPlanes {
+  using Scalar = T;
   static constexpr int kDimensions = kDims;
 
   std::array<T*, static_cast<std::size_t>(kDims) + 1> min{};
@@ -51,6 +54,7 @@ struct AaboPlanes {
 
 template <int kDims>
 struct DPlanes {
+  using Scalar = float;
   static constexpr int kDimensions = kDims;
 
   float* min = nullptr;

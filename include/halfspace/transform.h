@@ -1,10 +1,11 @@
 // Bounds of bounds: merged, inflated, moved, scaled, swept, turned over.
 //
 // `Bound` is any of UpSimplex, DownSimplex, Aabb and Aabo in 2, 3 or 4
-// dimensions. If the bounds given enclose their shapes, the result encloses the
-// merged, inflated, moved ... shape, exactly as for the builders of fit.h: no
-// minimum is above and no maximum below the exact value, so touching shapes are
-// never rejected.
+// dimensions, of floats: those of doubles are the caller's own (bounds.h), and
+// no call takes them. If the bounds given enclose their shapes, the result
+// encloses the merged, inflated, moved ... shape, exactly as for the builders
+// of fit.h: no minimum is above and no maximum below the exact value, so
+// touching shapes are never rejected.
 //
 // Every call rounds outward, so results of results drift outward, by up to an
 // ulp a step. Move from the local bound each time, not from the last result.
@@ -22,6 +23,8 @@
 // rounding.
 #ifndef HALFSPACE_TRANSFORM_H_
 #define HALFSPACE_TRANSFORM_H_
+
+#include <concepts>
 
 #include "halfspace/bounds.h"
 #include "halfspace/export.h"
@@ -104,6 +107,31 @@ HALFSPACE_API DownSimplex<kDims> Circumscribe(const UpSimplex<kDims>& simplex,
 template <int kDims>
 HALFSPACE_API UpSimplex<kDims> Circumscribe(const DownSimplex<kDims>& simplex,
                                             FitStatus* status = nullptr);
+
+// Bounds of doubles are refused by the compiler, not by the linker.
+namespace detail {
+template <typename Bound>
+concept BoundOfDoubles = std::same_as<typename Bound::Scalar, double>;
+}  // namespace detail
+
+template <detail::BoundOfDoubles Bound>
+Bound Merge(const Bound& a, const Bound& b,
+            FitStatus* status = nullptr) = delete;
+template <detail::BoundOfDoubles Bound>
+Bound Inflate(const Bound& bound, float radius,
+              FitStatus* status = nullptr) = delete;
+template <detail::BoundOfDoubles Bound>
+Bound InflateByBox(const Bound& bound, float margin,
+                   FitStatus* status = nullptr) = delete;
+template <detail::BoundOfDoubles Bound>
+Bound Translate(const Bound& bound, const Point<Bound::kDimensions>& by,
+                FitStatus* status = nullptr) = delete;
+template <detail::BoundOfDoubles Bound>
+Bound Scale(const Bound& bound, float factor,
+            FitStatus* status = nullptr) = delete;
+template <detail::BoundOfDoubles Bound>
+Bound Sweep(const Bound& bound, const Point<Bound::kDimensions>& motion,
+            FitStatus* status = nullptr) = delete;
 
 }  // namespace halfspace
 

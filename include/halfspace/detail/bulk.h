@@ -5,6 +5,7 @@
 #define HALFSPACE_DETAIL_BULK_H_
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -34,6 +35,10 @@ struct Source {
   std::size_t stride = 1;
   std::array<const float*, kMaxColumns> columns{};
 };
+
+// The builders give floats: planes of doubles are the caller's to fill.
+template <typename Planes>
+concept PlanesOfFloats = std::same_as<typename Planes::Scalar, float>;
 
 // The planes of an Aabo, all minima, then all maxima; those that are not wanted
 // are null, and their bit in `wanted` is 0.
