@@ -1,5 +1,5 @@
 // Table 1 of "The Bounding Simplex: A SIMD-Era Rejection Primitive", to print
-// beside what is counted here: 2^22 objects, 128 queries.
+// beside what is counted here.
 #ifndef HALFSPACE_BENCH_PAPER_H_
 #define HALFSPACE_BENCH_PAPER_H_
 
@@ -9,6 +9,9 @@
 #include "bench/work_count.h"
 
 namespace halfspace::bench {
+
+inline constexpr std::size_t kPaperObjects = std::size_t{1} << 22;
+inline constexpr std::size_t kPaperQueries = 128;
 
 inline constexpr WorkCount kPaperWork = {
     .aabb = {1.56, 2.29, 2.64, 3.58, 4.27, 5.07, 5.77},

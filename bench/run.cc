@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/paper.h"
 #include "bench/report.h"
 #include "bench/scene.h"
 #include "bench/sections.h"
@@ -13,9 +14,7 @@
 namespace halfspace::bench {
 namespace {
 
-constexpr std::size_t kPaperObjects = std::size_t{1} << 22;
 constexpr std::size_t kQuickObjects = std::size_t{1} << 19;
-constexpr std::size_t kPaperQueries = 128;
 
 std::vector<Target> TargetsOf(const BenchOptions& options) {
   if (!options.target.empty()) return {TargetByName(options.target)};

@@ -88,6 +88,19 @@ TEST(ThroughputReportTest, TextSaysWhichBarsHold) {
   EXPECT_NE(text.str().find("not reached: bar 8"), std::string::npos);
 }
 
+TEST(ThroughputReportTest, TextSaysWhatFailsMeans) {
+  constexpr const char* kMeaning = "FAILS: an aim that this machine misses";
+  std::ostringstream text;
+  WriteText(text, SomeResult());
+  EXPECT_NE(text.str().find(kMeaning), std::string::npos) << text.str();
+  EXPECT_NE(text.str().find("docs/performance.md"), std::string::npos);
+  ThroughputResult all_hold = SomeResult();
+  all_hold.ratios.pop_back();
+  std::ostringstream other;
+  WriteText(other, all_hold);
+  EXPECT_EQ(other.str().find("FAILS"), std::string::npos) << other.str();
+}
+
 TEST(ThroughputReportTest, ABarHoldsAtItsLimit) {
   EXPECT_TRUE((ThroughputRatio{1, "", 97.0, 97.0, true}.holds()));
   EXPECT_FALSE((ThroughputRatio{1, "", 96.9, 97.0, true}.holds()));
