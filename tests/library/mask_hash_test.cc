@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <ios>
@@ -25,8 +24,7 @@
 #include "tests/library/cases.h"
 #include "tests/library/environment.h"
 #include "tests/library/fnv_hash.h"
-#include "tests/library/seeded_bounds.h"
-#include "tests/library/seeded_numbers.h"
+#include "tests/library/seeded_scene.h"
 
 namespace halfspace::testing {
 namespace {
@@ -73,100 +71,15 @@ const std::map<std::string, std::uint64_t> kExpectedForMany = {
     {"Simplex4Double", 0x7527ccda9c6b9907},
 };
 
-template <int kDims, typename T>
-struct Scene {
-  // A tile of a staged scan, then words, then a tail.
-  static constexpr std::size_t kObjects = 4096 + 3 * 64 + 37;
-  static constexpr std::size_t kQueries = 32;
-
-  using Bound = Aabo<kDims, T>;
-
-  std::vector<Bound> objects;
-  std::vector<Bound> queries;
-
-  Scene() {
-    SeededNumbers numbers(kDims);
-    while (queries.size() < kQueries) {
-      queries.push_back(Next(numbers, queries));
-    }
-    while (objects.size() < kObjects) {
-      objects.push_back(Next(numbers, queries));
-    }
-  }
-
- private:
-  // Half of them by the builders.
-  static Bound Next(SeededNumbers& numbers, std::span<const Bound> others) {
-    if (numbers.Below(2) == 0) {
-      const auto& builders = kSeededBuilders<kDims>;
-      const auto one =
-          numbers.Below(static_cast<std::uint32_t>(builders.size()));
-      return Widened(builders[one].build(numbers));
-    }
-    Bound bound;
-    for (std::size_t k = 0; k < bound.min.size(); ++k) {
-      const auto* other = others.empty()
-                              ? nullptr
-                              : &others[numbers.Below(
-                                    static_cast<std::uint32_t>(others.size()))];
-      bound.min[k] = Value(numbers, -16, other ? other->max[k] : 0);
-      bound.max[k] = Value(numbers, 16, other ? other->min[k] : 0);
-    }
-    return bound;
-  }
-
-  static Bound Widened(const Aabo<kDims>& bound) {
-    Bound result;
-    std::copy(bound.min.begin(), bound.min.end(), result.min.begin());
-    std::copy(bound.max.begin(), bound.max.end(), result.max.begin());
-    return result;
-  }
-
-  // Half of the values seldom reject, so that some objects survive. The others
-  // are anything at all, touch an opposing value or are one ulp from it.
-  static T Value(SeededNumbers& numbers, T loose, T opposing) {
-    const auto bits = std::bit_cast<BitsOf<T>>(opposing);
-    switch (numbers.Below(10)) {
-      case 0:
-        return numbers.Special<T>();
-      case 1:
-        return numbers.Raw<T>();
-      case 2:
-        return opposing;
-      case 3:
-        return std::bit_cast<T>(bits + 1);
-      case 4:
-        return std::bit_cast<T>(bits - 1);
-      default:
-        return loose;
-    }
-  }
-};
-
-template <typename Bound, int kDims, typename T>
-Bound PartOf(const Aabo<kDims, T>& bound) {
-  if constexpr (HasMinima<Bound> && HasMaxima<Bound>) {
-    if constexpr (Bound::kAxes == kDims) {
-      return bound.aabb();
-    } else {
-      return bound;
-    }
-  } else if constexpr (HasMinima<Bound>) {
-    return bound.up();
-  } else {
-    return bound.down();
-  }
-}
-
 template <typename Case>
 class MaskHashTest : public ::testing::Test {
  protected:
   using Stored = typename Case::Stored;
   using View = typename Case::View;
-  using TheScene = Scene<Stored::Bound::kDimensions, ScalarOf<Stored>>;
+  using Scene = SeededScene<Stored::Bound::kDimensions, ScalarOf<Stored>>;
 
   MaskHashTest() {
-    static const TheScene scene;
+    static const Scene scene;
     for (const auto& object : scene.objects) {
       world_.Push(PartOf<typename Stored::Bound>(object));
     }
@@ -226,7 +139,7 @@ class MaskHashTest : public ::testing::Test {
 
   // A world of which all or nothing survives would test little.
   void ExpectBothAnswers() const {
-    constexpr std::size_t kTested = TheScene::kObjects * TheScene::kQueries;
+    constexpr std::size_t kTested = Scene::kObjects * Scene::kQueries;
     EXPECT_GT(survivors_, kTested / 50);
     EXPECT_LT(survivors_, kTested / 2);
   }
