@@ -62,9 +62,7 @@ class PreparedScan {
   const KernelTable& table() const { return *table_; }
 
   // Bytes of one object in the planes that the kernels read.
-  std::size_t RecordBytes() const {
-    return std::size_t{scan_.plane_count} * scan_.element_bytes;
-  }
+  std::size_t RecordBytes() const { return scan_.record_bytes; }
 
   // Throws unless an output of `bytes` lies outside every plane and query, and
   // is aligned. No bytes are always right.

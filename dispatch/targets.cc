@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cstdlib>
 #include <string>
@@ -61,9 +60,7 @@ std::int64_t SupportedBits() {
 
 const Entry* FindEntry(Target target) {
   const auto bit = static_cast<std::uint64_t>(target.highway_bit());
-  // Each call comes here: a test for a single bit that needs no popcnt, which
-  // the baseline of x86 has not.
-  if ((bit & (bit - 1)) != 0) return nullptr;
+  if (!std::has_single_bit(bit)) return nullptr;
   if ((bit & static_cast<std::uint64_t>(SupportedBits())) == 0) return nullptr;
   return &kEntries[static_cast<std::size_t>(std::countr_zero(bit))];
 }
@@ -137,37 +134,20 @@ const TargetChoice& Choice() {
                         WhyNot(Choice().requested));
 }
 
-// The tables of the chosen target once it is known, by dimensions: a call then
-// costs a load and an indirect call.
-using Tables = std::array<const KernelTable*, 3>;
-std::atomic<const Tables*> chosen_tables{nullptr};
-
-const Tables& ChosenTables(std::string_view call) {
-  const Tables* tables = chosen_tables.load(std::memory_order_acquire);
-  if (tables == nullptr) [[unlikely]] {
-    if (!Choice().error.empty()) ThrowBadChoice(call);
-    static const Tables resolved = [] {
-      const Entry& entry = *FindEntry(Choice().target);
-      return Tables{&entry.kernels[0](), &entry.kernels[1](),
-                    &entry.kernels[2]()};
-    }();
-    tables = &resolved;
-    chosen_tables.store(tables, std::memory_order_release);
-  }
-  return *tables;
-}
-
 [[noreturn]] void ThrowBadTarget(Target target, std::string_view call) {
   kernels::ThrowInvalid(call, "options.target", ExpectedNames(),
                         target.name().empty() ? "a bit that is no target"
                                               : WhyNot(target.name()));
 }
 
-// The entry of a target that a caller names.
+// The entry of a target that a caller names, or of the chosen one.
 const Entry& EntryOf(Target target, std::string_view call) {
+  if (target == Target()) {
+    if (!Choice().error.empty()) ThrowBadChoice(call);
+    target = Choice().target;
+  }
   const Entry* entry = FindEntry(target);
-  if (entry == nullptr) [[unlikely]]
-    ThrowBadTarget(target, call);
+  if (entry == nullptr) ThrowBadTarget(target, call);
   return *entry;
 }
 
@@ -175,17 +155,19 @@ std::size_t IndexOf(int dims) { return static_cast<std::size_t>(dims - 2); }
 
 }  // namespace
 
-const KernelTable& KernelsFor(Target target, int dims, std::string_view call) {
-  if (target == Target()) [[likely]]
-    return *ChosenTables(call)[IndexOf(dims)];
-  return EntryOf(target, call).kernels[IndexOf(dims)]();
+constinit ResolvedKernels resolved_kernels{};
+
+const KernelTable& ResolveKernels(Target target, int dims,
+                                  std::string_view call) {
+  const KernelTable& kernels = EntryOf(target, call).kernels[IndexOf(dims)]();
+  const auto bit = static_cast<std::uint64_t>(target.highway_bit());
+  resolved_kernels[static_cast<std::size_t>(std::countr_zero(bit))]
+                  [IndexOf(dims)]
+                      .store(&kernels, std::memory_order_release);
+  return kernels;
 }
 
 const FitTable& FitKernelsFor(Target target, int dims, std::string_view call) {
-  if (target == Target()) {
-    if (!Choice().error.empty()) ThrowBadChoice(call);
-    target = Choice().target;
-  }
   return EntryOf(target, call).fit[IndexOf(dims)]();
 }
 

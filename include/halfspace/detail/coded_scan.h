@@ -72,6 +72,7 @@ Scan MakeScan(const CodedView<FloatView, Code>& view,
   const auto& coded = view.planes();
   scan.element = kElementOf<StoredCode<Code>>;
   scan.element_bytes = sizeof(Code);
+  scan.record_bytes = scan.plane_count * sizeof(Code);
   scan.size = coded.size();
   for (std::size_t p = 0; p < kPlaneCount<Bound>; ++p) {
     scan.planes[p] = coded.planes().plane(p);

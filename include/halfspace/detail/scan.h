@@ -62,6 +62,7 @@ struct Scan {
   std::uint8_t plane_count;
   std::uint8_t element_bytes;  // of a value of `planes`
   std::uint8_t query_bytes;    // of a value of `queries`
+  std::uint8_t record_bytes;   // of an object's values in `planes`
   std::size_t size;
   PlanePointers planes;
   AddressRange addresses;
@@ -127,6 +128,7 @@ Scan MakeScan(const View& view, std::span<const typename View::Query> queries) {
   scan.plane_count = kPlaneCount<typename View::Bound>;
   scan.element_bytes = sizeof(Scalar);
   scan.query_bytes = sizeof(Scalar);
+  scan.record_bytes = scan.plane_count * sizeof(Scalar);
   scan.size = view.size;
   ListPlanes(view, scan.planes);
   scan.addresses = AddressesOf<kPlaneCount<typename View::Bound>>(scan.planes);
