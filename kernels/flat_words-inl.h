@@ -22,9 +22,10 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A page of each plane.
+// A page of each plane; of codes half a page is 5 % faster.
 template <typename T>
-inline constexpr size_t kPageWords = 4096 / (kWordObjects * sizeof(T));
+inline constexpr size_t kPageWords = HWY_MIN(size_t{32},
+                                             4096 / (kWordObjects * sizeof(T)));
 
 template <class Shape, size_t kPlanes, class D, class Load, typename T,
           class... V>

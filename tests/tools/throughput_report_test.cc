@@ -138,18 +138,20 @@ TEST(RegisterScanTest, WritesTheWordsAndNoMore) {
   world.Resize(256);
   const Aabo3 query = Aabo3::Empty();
   for (Target target : SupportedTargets()) {
-    const RegisterScan scan = RegisterScanFor(target);
-    if (scan == nullptr) continue;
-    for (ShapeKind shape : kShapes) {
-      constexpr std::uint64_t kUntouched = 0x5555555555555555;
-      std::vector<std::uint64_t> mask(6, kUntouched);
-      scan(shape, PlanesOf(shape, world.view()).data(),
-           QueryOf(shape, query).data(), 256, mask.data());
-      for (std::size_t w = 0; w < 4; ++w) {
-        EXPECT_NE(mask[w], kUntouched) << target.name() << NameOf(shape);
+    const RegisterScans scans = RegisterScansFor(target);
+    for (RegisterScan scan : {scans.one, scans.many}) {
+      if (scan == nullptr) continue;
+      for (ShapeKind shape : kShapes) {
+        constexpr std::uint64_t kUntouched = 0x5555555555555555;
+        std::vector<std::uint64_t> mask(6, kUntouched);
+        scan(shape, PlanesOf(shape, world.view()).data(),
+             QueryOf(shape, query).data(), 256, mask.data());
+        for (std::size_t w = 0; w < 4; ++w) {
+          EXPECT_NE(mask[w], kUntouched) << target.name() << NameOf(shape);
+        }
+        EXPECT_EQ(mask[4], kUntouched);
+        EXPECT_EQ(mask[5], kUntouched);
       }
-      EXPECT_EQ(mask[4], kUntouched);
-      EXPECT_EQ(mask[5], kUntouched);
     }
   }
 }
