@@ -28,6 +28,15 @@ inline uint64_t LiveSurvivorWords(const uint64_t* words, size_t count) {
   return LiveWords(words, count, 0);
 }
 
+template <int kDims, typename T>
+constexpr dispatch::MaskKernel AaboUpKernel() {
+  if constexpr (sizeof(T) < sizeof(float)) {
+    return &MaskKernel<kernels::AaboUp<kDims>, T>;
+  } else {
+    return nullptr;
+  }
+}
+
 // In the order of dispatch::Variant.
 template <int kDims, typename T>
 constexpr std::array<dispatch::MaskKernel, dispatch::kVariants> MaskKernels() {
@@ -37,7 +46,8 @@ constexpr std::array<dispatch::MaskKernel, dispatch::kVariants> MaskKernels() {
           &MaskKernel<kernels::AabbByAxis<kDims>, T>,
           &MaskKernel<kernels::AaboFlat<kDims>, T>,
           &MaskKernel<kernels::AaboByAxis<kDims>, T>,
-          &MaskKernel<kernels::AaboBySimplex<kDims>, T>};
+          &MaskKernel<kernels::AaboBySimplex<kDims>, T>,
+          AaboUpKernel<kDims, T>()};
 }
 
 // In the order of detail::Element.

@@ -20,6 +20,7 @@ enum Variant : std::size_t {
   kAaboFlat,
   kAaboByAxis,
   kAaboBySimplex,
+  kAaboUp,  // null but for codes
   kVariants
 };
 

@@ -48,9 +48,8 @@ class PreparedScan {
       RefuseBadSchedule(options.schedule, call);
     }
     table_ = &KernelsFor(options.target, scan.dims, call);
-    kernel_ =
-        table_->mask[Index(scan.element)]
-                    [kVariantOf[Index(scan.shape)][Index(options.schedule)]];
+    variant_ = kVariantOf[Index(scan.shape)][Index(options.schedule)];
+    kernel_ = table_->mask[Index(scan.element)][variant_];
   }
 
   const detail::Scan& scan() const { return scan_; }
@@ -84,18 +83,24 @@ class PreparedScan {
                    std::size_t count, std::size_t begin, std::size_t end,
                    std::uint64_t* rows, std::size_t stride,
                    std::uint64_t flip) const {
-    return kernel_(
-        {.planes = scan_.planes.data(),
-         .queries = static_cast<const std::byte*>(block.elements) +
-                    first * RecordBytes(),
-         .query_count = count,
-         .begin = begin,
-         .end = end,
-         .rows = rows,
-         .stride = stride,
-         .flip = flip,
-         .is_far = is_far_,
-         .is_aligned = scan_.addresses.bits % kernels::kPlaneAlignment == 0});
+    return RunKernel(kernel_, block, first, count, begin, end, rows, stride,
+                     flip);
+  }
+
+  // Whether the first stage alone leaves so few candidates, as a rule, that
+  // floats test them sooner than more codes: two stages of codes out of the
+  // caches are another four lines for each live word.
+  bool HasFirstStage() const {
+    return scan_.is_confirmed && variant_ == kAaboBySimplex;
+  }
+
+  // As Run, with the survivors of the first stage alone.
+  std::int64_t RunFirstStage(const QueryBlock& block, std::size_t first,
+                             std::size_t count, std::size_t begin,
+                             std::size_t end, std::uint64_t* rows,
+                             std::size_t stride) const {
+    return RunKernel(table_->mask[Index(scan_.element)][kAaboUp], block, first,
+                     count, begin, end, rows, stride, ~std::uint64_t{0});
   }
 
   // Asks for share `share` of `shares` of the planes of objects begin ...
@@ -127,6 +132,25 @@ class PreparedScan {
       {kAabbFlat, kAabbFlat, kAabbByAxis, kAabbByAxis},
       {kAaboBySimplex, kAaboFlat, kAaboBySimplex, kAaboByAxis},
   };
+
+  std::int64_t RunKernel(MaskKernel kernel, const QueryBlock& block,
+                         std::size_t first, std::size_t count,
+                         std::size_t begin, std::size_t end,
+                         std::uint64_t* rows, std::size_t stride,
+                         std::uint64_t flip) const {
+    return kernel(
+        {.planes = scan_.planes.data(),
+         .queries = static_cast<const std::byte*>(block.elements) +
+                    first * RecordBytes(),
+         .query_count = count,
+         .begin = begin,
+         .end = end,
+         .rows = rows,
+         .stride = stride,
+         .flip = flip,
+         .is_far = is_far_,
+         .is_aligned = scan_.addresses.bits % kernels::kPlaneAlignment == 0});
+  }
 
   template <typename Enum>
   static std::size_t Index(Enum value) {
@@ -182,6 +206,7 @@ class PreparedScan {
   std::size_t end_;
   bool is_far_;
   const KernelTable* table_;
+  Variant variant_;
   MaskKernel kernel_;
 };
 

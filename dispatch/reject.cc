@@ -108,9 +108,8 @@ SurvivorFlag AnySurvivor(const Scan& scan, const Options& options) {
       part.begin = part.end;
       part.end = prepared.end() - part.begin < objects ? prepared.end()
                                                        : part.begin + objects;
-      result.target = Target::FromHighwayBit(prepared.Run(
-          block, 0, 1, part.begin, part.end, words, 0, ~std::uint64_t{0}));
-      dispatch::FindLive(prepared, part);
+      result.target =
+          Target::FromHighwayBit(dispatch::RunPart(prepared, block, part));
       if (prepared.is_confirmed()) dispatch::Confirm(prepared, part);
       dispatch::ForEachSurvivor(
           part, [&](std::size_t, std::size_t) { result.any = true; });

@@ -62,14 +62,46 @@ void ForEachStrip(const Part& part, const Visit& visit) {
   }
 }
 
-// Finds the live words, and asks for the floats that confirm them.
 inline void FindLive(const PreparedScan& scan, Part& part) {
-  ForEachStrip(part, [&](std::size_t strip, std::size_t, std::size_t first,
+  ForEachStrip(part, [&](std::size_t strip, std::size_t, std::size_t,
                          std::uint64_t* words, std::size_t count) {
     part.live[strip] = scan.table().live_words(words, count);
-    if (scan.is_confirmed()) {
-      PrefetchFloats(scan.scan(), {nullptr, first, words, part.live[strip]});
-    }
+  });
+}
+
+// Whether more than a quarter of the words live.
+inline bool ManyLive(const PreparedScan& scan, const Part& part) {
+  const std::size_t words = MaskWords(part.end - part.begin);
+  const std::size_t strips =
+      part.count * ((words + kStripWords - 1) / kStripWords);
+  if (strips == 0) return false;
+  const std::uint64_t all_strips = ~std::uint64_t{0} >> (64 - strips);
+  return 4 * scan.table().count_survivors(part.live.data(), all_strips) >
+         part.count * words;
+}
+
+// Writes the part's words, and finds those that live. Returns the target's bit.
+inline std::int64_t RunPart(const PreparedScan& scan, const QueryBlock& block,
+                            Part& part) {
+  const std::size_t first = part.first - block.first;
+  if (scan.HasFirstStage()) {
+    const std::int64_t bit = scan.RunFirstStage(
+        block, first, part.count, part.begin, part.end, part.rows, part.stride);
+    FindLive(scan, part);
+    if (!ManyLive(scan, part)) return bit;
+  }
+  const std::int64_t bit =
+      scan.Run(block, first, part.count, part.begin, part.end, part.rows,
+               part.stride, ~std::uint64_t{0});
+  FindLive(scan, part);
+  return bit;
+}
+
+// Asks for the floats that confirm what lives.
+inline void PrefetchPart(const PreparedScan& scan, const Part& part) {
+  ForEachStrip(part, [&](std::size_t strip, std::size_t, std::size_t first,
+                         std::uint64_t* words, std::size_t) {
+    PrefetchFloats(scan.scan(), {nullptr, first, words, part.live[strip]});
   });
 }
 
@@ -139,13 +171,11 @@ std::int64_t ForEachPart(const PreparedScan& scan, const Place& place,
                      part.begin = begin;
                      part.end = end;
                      place(part, turn);
-                     const std::int64_t bit =
-                         scan.Run(block, first, count, begin, end, part.rows,
-                                  part.stride, ~std::uint64_t{0});
-                     FindLive(scan, part);
+                     const std::int64_t bit = RunPart(scan, block, part);
                      if (!scan.is_confirmed()) {
                        visit(part);
                      } else {
+                       PrefetchPart(scan, part);
                        turn = (turn + 1) % kPartsUnderWay;
                        finish(parts[turn]);
                      }

@@ -145,15 +145,16 @@ HWY_INLINE uint32_t BitsOfBytes(MaskBytes bytes) {
 #endif
 }
 
-// With AVX2 doubles would need one more permutation.
-template <size_t kObjects, typename T>
-inline constexpr bool kIsNarrowed = kObjects % kNarrowObjects == 0 &&
-                                    (HWY_TARGET != HWY_AVX2 ||
-                                     sizeof(T) <= sizeof(float));
+// Doubles of 256 bits would need one more permutation.
+template <size_t kObjects, class D>
+inline constexpr bool kIsNarrowed =
+    kObjects % kNarrowObjects == 0 &&
+    hn::MaxLanes(D()) * sizeof(hn::TFromD<D>) == kNarrowObjects &&
+    (kNarrowObjects == 16 || sizeof(hn::TFromD<D>) <= sizeof(float));
 
 // A word of floats takes SSE4 12 narrowings and 4 moves of bits instead of 16
-// moves, each with a shift and an OR; and AVX2 6, 2 permutations and 2 moves
-// instead of 8.
+// moves, each with a shift and an OR; and 256 bits 6, 2 permutations and 2
+// moves instead of 8.
 template <class Shape, size_t kObjects, size_t kBegin, size_t kEnd, class D,
           class Load, typename T, class... V>
 HWY_INLINE uint64_t NarrowedBits(D d, Load load, const T* const* planes,

@@ -64,6 +64,14 @@ constexpr auto SimplexPlanes() {
   return planes;
 }
 
+// The up simplex of an octahedron.
+template <std::size_t kAxes>
+constexpr auto UpSimplexPlanes() {
+  std::array<Plane, kAxes> planes{};
+  for (std::size_t k = 0; k < kAxes; ++k) planes[k] = MinPlane(k, kAxes);
+  return planes;
+}
+
 // Both simplices of an octahedron, the up simplex first.
 template <std::size_t kAxes>
 constexpr auto OpposingSimplexPlanes() {
@@ -129,6 +137,23 @@ struct AaboBySimplex {
   static constexpr Order<2 * kAxes, 2> kOrder = {
       detail::OpposingSimplexPlanes<kAxes>(), detail::StagesOf<2>(kAxes)};
 };
+
+// The first stage of AaboBySimplex alone: for codes, whose candidates are
+// tested with floats anyway.
+template <int kDims>
+struct AaboUp {
+  static constexpr std::size_t kAxes = kDims + 1;
+  static constexpr Order<kAxes, 1> kOrder = {detail::UpSimplexPlanes<kAxes>(),
+                                             detail::StagesOf<1>(kAxes)};
+};
+
+// From one query to the next: as many values as planes, unless some are left
+// out.
+template <class Shape>
+inline constexpr std::size_t kQueryValues = Shape::kOrder.planes.size();
+template <int kDims>
+inline constexpr std::size_t kQueryValues<AaboUp<kDims>> =
+    2 * AaboUp<kDims>::kAxes;
 
 // Which value of the query the kPlane-th test of a shape compares with. A
 // constant: no std::array function may be called from per-target code.

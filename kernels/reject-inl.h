@@ -97,7 +97,8 @@ HWY_NOINLINE int64_t ScanQueries(std::index_sequence<kPlane...> all_planes,
   if (i == job.end) return HWY_TARGET;
   for (size_t q = 0; q < kQueries; ++q) {
     row[q * job.stride + words] =
-        ScanTail<Shape>(all_planes, planes, values + q * sizeof...(kPlane), i,
+        ScanTail<Shape>(all_planes, planes,
+                        values + q * kernels::kQueryValues<Shape>, i,
                         job.end - i) ^
         job.flip;
   }
@@ -106,8 +107,8 @@ HWY_NOINLINE int64_t ScanQueries(std::index_sequence<kPlane...> all_planes,
 
 template <class Shape, typename T, class Load>
 HWY_INLINE int64_t ScanAll(Load load, const kernels::MaskJob& job) {
-  constexpr size_t kPlanes = Shape::kOrder.planes.size();
-  constexpr std::make_index_sequence<kPlanes> kAll{};
+  constexpr std::make_index_sequence<Shape::kOrder.planes.size()> kAll{};
+  constexpr size_t kValues = kernels::kQueryValues<Shape>;
   constexpr size_t kMost = kTogether<Shape>;
   const T* values = static_cast<const T*>(job.queries);
   uint64_t* row = job.rows;
@@ -121,13 +122,13 @@ HWY_INLINE int64_t ScanAll(Load load, const kernels::MaskJob& job) {
   if constexpr (kMost > 1) {
     for (; left >= kMost; left -= kMost) {
       ScanQueries<Shape, kMost, false>(kAll, load, job, values, row);
-      values += kMost * kPlanes;
+      values += kMost * kValues;
       row += kMost * job.stride;
     }
   }
   for (; left != 0; --left) {
     ScanQueries<Shape, 1, false>(kAll, load, job, values, row);
-    values += kPlanes;
+    values += kValues;
     row += job.stride;
   }
   return HWY_TARGET;

@@ -41,7 +41,7 @@ template <class Shape, size_t kPlane, size_t kPlanes, size_t... kQuery, class D,
 HWY_INLINE void SetQueries(
     std::index_sequence<kQuery...> all, D d, const T* values,
     QueryVectors<kPlanes, sizeof...(kQuery), D>& queries) {
-  constexpr size_t kValues = Shape::kOrder.planes.size();
+  constexpr size_t kValues = kernels::kQueryValues<Shape>;
   if constexpr (kPlane < kPlanes) {
     ((queries.planes[kPlane][kQuery] = hn::Set(
           d, values[kQuery * kValues + kernels::kQueryIndex<Shape, kPlane>])),
