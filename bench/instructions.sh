@@ -6,8 +6,8 @@
 #
 # Beside each kernel the same on registers alone, which cpuinfo-bench takes as
 # the ceiling. Cycles are llvm-mca's block throughput, then what it simulates.
-# Prints a table in Markdown. x86 only; AVX-512 loops of four queries at a time
-# are passed over.
+# Prints a table in Markdown. x86 only. Kernels are those for one query and a
+# world in the near caches, with SSE4 for aligned planes.
 set -euo pipefail
 build=${1:-build/release}
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -55,10 +55,10 @@ row() {
   echo "| $target | $shape | $name | $instructions |$cycles"
 }
 
-# table TARGET LANES CPU...
+# table TARGET LANES LOAD CPU...
 table() {
-  local target=$1 lanes=$2
-  shift 2
+  local target=$1 lanes=$2 load=$3
+  shift 3
   echo
   printf '| target | shape | operands | instructions |'
   printf ' %s |' "$@"
@@ -68,13 +68,14 @@ table() {
   local shape planes
   while read -r shape planes; do
     row loaded kernels_3d \
-      "N_$target::MaskKernel<halfspace::kernels::$shape<3>, float>" \
+      "N_$target::ScanQueries<halfspace::kernels::$shape<3>, 1ul, false, halfspace::N_$target::$load, float," \
       "$target" "$shape" "$planes" "$lanes" "$@"
-    row registers register_scan "N_$target::ScanRegisters" \
+    row registers register_scan \
+      "N_$target::ScanRegisters<hwy::N_$target::Simd<float, ${lanes}ul, 0>" \
       "$target" "$shape" "$planes" "$lanes" "$@"
   done <<<$'SimplexFlat 4\nAabbFlat 6\nAaboFlat 8'
 }
 
-table SSE4 4 znver3 icelake-server
-table AVX2 8 znver3 icelake-server
-table AVX3 16 skylake-avx512 icelake-server
+table SSE4 4 LoadAligned znver3 icelake-server
+table AVX2 8 LoadAll znver3 icelake-server
+table AVX3 8 LoadAll skylake-avx512 icelake-server
