@@ -83,8 +83,11 @@ TYPED_TEST(CodesDifferentialTest, FromAfar) {
   using Bound = typename TypeParam::View::Bound;
   const std::size_t record_bytes =
       sizeof(Bound) / sizeof(float) * sizeof(typename TypeParam::Code);
-  for (std::size_t size : SizesFromAfar(record_bytes)) {
-    this->Check(CodedInputKind::kClustered, size, 4);
+  // The largest first.
+  std::vector<std::size_t> sizes = SizesFromAfar(record_bytes);
+  for (std::size_t left = Scaled(sizes.size()); left != 0; --left) {
+    this->Check(CodedInputKind::kClustered, sizes.back(), 4);
+    sizes.pop_back();
     if (this->HasFatalFailure()) return;
   }
   this->ExpectBothAnswers();

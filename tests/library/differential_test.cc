@@ -42,9 +42,12 @@ class DifferentialTest : public ::testing::Test {
     }
   }
 
-  // Checks `offsets` misalignments of all sizes of all kinds of input.
-  void CheckKinds(const std::vector<std::size_t>& sizes, std::size_t offsets) {
-    for (InputKind kind : kInputKinds) {
+  // Checks `offsets` misalignments of all sizes of the first `kinds` kinds of
+  // input.
+  void CheckKinds(const std::vector<std::size_t>& sizes, std::size_t offsets,
+                  std::size_t kinds) {
+    for (std::size_t k = 0; k < kinds; ++k) {
+      const InputKind kind = kInputKinds[k];
       SCOPED_TRACE(NameOf(kind));
       Random random(1);
       const auto input =
@@ -91,12 +94,12 @@ TYPED_TEST(DifferentialTest, EverySmallSizeAtEveryMisalignment) {
 }
 
 TYPED_TEST(DifferentialTest, SizesAroundTiles) {
-  this->CheckKinds(SizesAroundTiles(), Scaled(2));
+  this->CheckKinds(SizesAroundTiles(), Scaled(2), kInputKinds.size());
 }
 
 TYPED_TEST(DifferentialTest, SizesFromAfar) {
   const auto query = TypeParam::Seen(typename TypeParam::Stored::Query());
-  this->CheckKinds(SizesFromAfar(sizeof(query)), 1);
+  this->CheckKinds(SizesFromAfar(sizeof(query)), 1, Scaled(kInputKinds.size()));
 }
 
 }  // namespace
