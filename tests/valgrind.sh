@@ -25,15 +25,34 @@ left_out=(
   # Faults on purpose, which memcheck reports.
   '*DeathTest.*')
 
+filter="-$(IFS=:; echo "${left_out[*]}")"
+logs=$root/build/memcheck
+mkdir -p "$logs"
+export filter logs
+
+# memcheck TEST: a line on how it went, or why it failed.
+#
 # codes_memory_test brings its own operator new, which valgrind must leave alone
 # (nouserintercepts); the memory below it is valgrind's all the same.
 #
 # A vector that is loaded beyond the end of a block is an error to us, even one
 # that stays within an aligned word (--partial-loads-ok).
-for test in "$root"/build/release/tests/library/*_test; do
-  step "memcheck ${test##*/}" \
-    valgrind -q --error-exitcode=99 --partial-loads-ok=no \
+memcheck() {
+  local name=${1##*/}
+  if valgrind -q --error-exitcode=99 --partial-loads-ok=no \
     --soname-synonyms=somalloc=nouserintercepts \
     --leak-check=full --errors-for-leak-kinds=definite \
-    "$test" --gtest_brief=1 --gtest_filter="-$(IFS=:; echo "${left_out[*]}")"
-done
+    "$1" --gtest_brief=1 --gtest_filter="$filter" >"$logs/$name.txt" 2>&1; then
+    echo "    $name: passed" >&2
+    return
+  fi
+  tail -n 60 "$logs/$name.txt" >&2
+  echo "FAILED: memcheck $name. All it said is in $logs/$name.txt" >&2
+  return 1
+}
+export -f memcheck
+
+# One test a core: each is single-threaded.
+say "==> memcheck"
+printf '%s\0' "$root"/build/release/tests/library/*_test |
+  xargs -0 -n 1 -P "$(getconf _NPROCESSORS_ONLN)" bash -c 'memcheck "$1"' memcheck
