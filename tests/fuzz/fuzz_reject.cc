@@ -1,5 +1,5 @@
-// Worlds of any floats: every target and every call against the oracle, bit for
-// bit.
+// Worlds of any floats and doubles: every target and every call against the
+// oracle, bit for bit.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -22,27 +22,26 @@
 namespace halfspace::testing {
 namespace {
 
-// `size` floats, the first of them `offset` elements after a 64-byte boundary
+// `size` numbers, the first of them `offset` elements after a 64-byte boundary
 // and the last at the very end of its block.
+template <typename T>
 class MisalignedPlane {
  public:
   MisalignedPlane(std::size_t offset, std::size_t size)
-      : block_(static_cast<float*>(
-            ::operator new((offset + size) * sizeof(float), kAlignment))),
+      : block_(static_cast<T*>(
+            ::operator new((offset + size) * sizeof(T), kAlignment))),
         values_(block_.get() + offset, size) {}
 
-  std::span<float> values() const { return values_; }
+  std::span<T> values() const { return values_; }
 
  private:
   static constexpr std::align_val_t kAlignment{64};
   struct Free {
-    void operator()(float* block) const {
-      ::operator delete(block, kAlignment);
-    }
+    void operator()(T* block) const { ::operator delete(block, kAlignment); }
   };
 
-  std::unique_ptr<float, Free> block_;
-  std::span<float> values_;
+  std::unique_ptr<T, Free> block_;
+  std::span<T> values_;
 };
 
 // Sizes of a few words, and around the tiles of staged scans.
@@ -63,8 +62,8 @@ class World {
         capacity_(bytes.Below(size_ + 70)),
         run_(std::size_t{1} << bytes.Below(8)) {
     for (std::size_t p = 0; p < kPlanes<Stored>; ++p) {
-      OpposingValue<Stored>(query_, p) = bytes.Float();
-      for (float& value : palettes_[p]) value = bytes.Float();
+      OpposingValue<Stored>(query_, p) = bytes.Number<Scalar>();
+      bytes.Fill(palettes_[p]);
     }
     // Whose bits choose from the palettes, again and again.
     pattern_.assign(bytes.Rest().begin(), bytes.Rest().end());
@@ -110,6 +109,7 @@ class World {
 
  private:
   using Stored = typename Case::Stored;
+  using Scalar = ScalarOf<Stored>;
   static constexpr std::size_t kOffsets = 16;
 
   void MakePlane(std::size_t p) {
@@ -155,9 +155,9 @@ class World {
   std::size_t capacity_;
   std::size_t run_;  // objects in a row that are the same
   typename Stored::Query query_;
-  std::array<std::array<float, 4>, kPlanes<Stored>> palettes_;
+  std::array<std::array<Scalar, 4>, kPlanes<Stored>> palettes_;
   std::vector<std::uint8_t> pattern_;
-  std::vector<MisalignedPlane> planes_;
+  std::vector<MisalignedPlane<Scalar>> planes_;
   Stored stored_;
 };
 
