@@ -23,7 +23,11 @@ left_out=(
   # Its operator new cannot throw, and ends the process instead.
   '*.MemoryThatCannotBeHadIsBadAlloc'
   # Faults on purpose, which memcheck reports.
-  '*DeathTest.*')
+  '*DeathTest.*'
+  # The long ones in 3 dimensions only: minutes, for the same code.
+  'Many*/*2*' 'Many*/*4*' 'Range*/*2*' 'Range*/*4*'
+  'CodesDifferential*/*2*' 'CodesDifferential*/*4*'
+  'CodesMany*/*2*' 'CodesMany*/*4*' 'CodesPairs*/*2*' 'CodesPairs*/*4*')
 
 filter="-$(IFS=:; echo "${left_out[*]}")"
 logs=$root/build/memcheck

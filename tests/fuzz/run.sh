@@ -23,9 +23,9 @@ fi
 
 prepare_machine
 install_packages clang libclang-rt-dev
-build_preset fuzz fuzzers
+build_preset asan fuzzers
 
-build=$root/build/fuzz
+build=$root/build/asan
 mkdir -p "$build/found" "$build/wrong" "$build/logs"
 
 # fuzz NAME: a line on how it went, or why it failed.
