@@ -29,24 +29,26 @@ class Calls {
         queries_(workload.queries),
         mask_(MaskWords(most)) {}
 
-  // Its items are `items` for a call.
+  // Its items are `items` for a call. The view and the queries are of that
+  // shape beforehand, as a user's are.
   Case FlatCase(std::string name, ShapeKind shape, std::size_t objects,
                 Target target, double items) {
     const std::size_t calls = CallsOfRun(objects);
     Case c;
     c.name = std::move(name);
     c.items = items * static_cast<double>(calls);
-    c.run = [this, shape, target, calls, view = First(objects),
-             next = std::size_t{0}]() mutable {
-      for (std::size_t i = 0; i < calls; ++i) {
-        WithShape(shape, view, queries_[next],
-                  [&](const auto& v, const auto& query) {
-                    RejectMask(v, query, mask_,
+    WithShape(shape, First(objects), queries_.front(),
+              [&](const auto& view, const auto& query) {
+                c.run = [this, target, calls, view,
+                         queries = QueriesLike(query),
+                         next = std::size_t{0}]() mutable {
+                  for (std::size_t i = 0; i < calls; ++i) {
+                    RejectMask(view, queries[next], mask_,
                                {.schedule = Schedule::kFlat, .target = target});
-                  });
-        next = next + 1 == queries_.size() ? 0 : next + 1;
-      }
-    };
+                    next = next + 1 == queries.size() ? 0 : next + 1;
+                  }
+                };
+              });
     return c;
   }
 
@@ -74,6 +76,12 @@ class Calls {
     AaboView3 view = world_.view();
     view.size = objects;
     return view;
+  }
+  template <typename Query>
+  std::vector<Query> QueriesLike(const Query&) const {
+    std::vector<Query> queries;
+    for (const Aabo3& query : queries_) queries.push_back(SeenAs<Query>(query));
+    return queries;
   }
 
   AaboWorld3 world_;

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <type_traits>
 #include <vector>
 
 #include "halfspace/bounds.h"
@@ -22,15 +23,27 @@ constexpr const char* NameOf(ShapeKind shape) {
   return kNames[static_cast<std::size_t>(shape)];
 }
 
+// A query of one shape, of its octahedron.
+template <typename Query>
+Query SeenAs(const Aabo3& query) {
+  if constexpr (std::is_same_v<Query, Aabb3>) {
+    return query.aabb();
+  } else if constexpr (std::is_same_v<Query, DownSimplex3>) {
+    return query.down();
+  } else {
+    return query;
+  }
+}
+
 // Calls f(view, query) with the shape's own view of the octahedra.
 template <typename F>
 auto WithShape(ShapeKind shape, const AaboView3& view, const Aabo3& query,
                F&& f) {
   switch (shape) {
     case ShapeKind::kAabb:
-      return f(view.aabb(), query.aabb());
+      return f(view.aabb(), SeenAs<Aabb3>(query));
     case ShapeKind::kSimplex:
-      return f(view.simplex(), query.down());
+      return f(view.simplex(), SeenAs<DownSimplex3>(query));
     case ShapeKind::kAabo:
       break;
   }

@@ -49,7 +49,6 @@ class PreparedScan {
     }
     table_ = &KernelsFor(options.target, scan.dims, call);
     variant_ = kVariantOf[Index(scan.shape)][Index(options.schedule)];
-    kernel_ = table_->mask[Index(scan.element)][variant_];
   }
 
   const detail::Scan& scan() const { return scan_; }
@@ -83,7 +82,7 @@ class PreparedScan {
                    std::size_t count, std::size_t begin, std::size_t end,
                    std::uint64_t* rows, std::size_t stride,
                    std::uint64_t flip) const {
-    return RunKernel(kernel_, block, first, count, begin, end, rows, stride,
+    return RunKernel(variant_, block, first, count, begin, end, rows, stride,
                      flip);
   }
 
@@ -99,8 +98,8 @@ class PreparedScan {
                              std::size_t count, std::size_t begin,
                              std::size_t end, std::uint64_t* rows,
                              std::size_t stride) const {
-    return RunKernel(table_->mask[Index(scan_.element)][kAaboUp], block, first,
-                     count, begin, end, rows, stride, ~std::uint64_t{0});
+    return RunKernel(kAaboUp, block, first, count, begin, end, rows, stride,
+                     ~std::uint64_t{0});
   }
 
   // Asks for share `share` of `shares` of the planes of objects begin ...
@@ -133,12 +132,12 @@ class PreparedScan {
       {kAaboBySimplex, kAaboFlat, kAaboBySimplex, kAaboByAxis},
   };
 
-  std::int64_t RunKernel(MaskKernel kernel, const QueryBlock& block,
+  std::int64_t RunKernel(Variant variant, const QueryBlock& block,
                          std::size_t first, std::size_t count,
                          std::size_t begin, std::size_t end,
                          std::uint64_t* rows, std::size_t stride,
                          std::uint64_t flip) const {
-    return kernel(
+    return table_->mask[Index(scan_.element)][variant](
         {.planes = scan_.planes.data(),
          .queries = static_cast<const std::byte*>(block.elements) +
                     first * RecordBytes(),
@@ -207,7 +206,6 @@ class PreparedScan {
   bool is_far_;
   const KernelTable* table_;
   Variant variant_;
-  MaskKernel kernel_;
 };
 
 }  // namespace halfspace::dispatch

@@ -48,9 +48,10 @@ void CountBelow(const std::array<const Key*, kLanes>& tables,
 }
 
 template <typename Stored>
-constexpr Stored Stow(std::uint32_t code) {
-  return static_cast<Stored>(static_cast<std::int32_t>(code) +
-                             std::numeric_limits<Stored>::min());
+constexpr Stored Stow(std::uint32_t rank, bool is_min) {
+  const auto code = static_cast<Stored>(static_cast<std::int32_t>(rank) +
+                                        std::numeric_limits<Stored>::min());
+  return is_min ? static_cast<Stored>(~code) : code;
 }
 
 // An evenly spread part of a plane, sorted, without NaN.
@@ -142,7 +143,7 @@ void CodeBook::CodeObjects(std::size_t p, const float* values,
     }
     CountBelow(tables, thresholds_per_plane_, keys, ranks);
     for (std::size_t l = 0; l < lanes; ++l)
-      codes[i + l] = Stow<Stored>(ranks[l]);
+      codes[i + l] = Stow<Stored>(ranks[l], is_min);
   }
 }
 
@@ -164,7 +165,7 @@ void CodeBook::RankEach(const float* values, bool is_query, const At& at,
     keys[p] = KeyOf(values[at(plane)], key_of_nan) + (is_min ? 1 : 0);
   }
   CountBelow(tables, thresholds_per_plane_, keys, counts);
-  for (std::size_t p = 0; p < planes_; ++p) ranks[at(p)] = counts[p];
+  for (std::size_t p = 0; p < planes_; ++p) ranks[p] = counts[p];
 }
 
 template <typename Stored, typename At>
@@ -180,7 +181,9 @@ void CodeBook::CodeEach(const float* values, bool is_query, const At& at,
   } else {
     RankEach<kMaxPlanes>(values, is_query, at, ranks.data());
   }
-  for (std::size_t p = 0; p < planes_; ++p) codes[p] = Stow<Stored>(ranks[p]);
+  for (std::size_t p = 0; p < planes_; ++p) {
+    codes[at(p)] = Stow<Stored>(ranks[p], p < minima_);
+  }
 }
 
 template <typename Stored>

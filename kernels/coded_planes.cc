@@ -85,7 +85,7 @@ double CodedPlanes<Stored>::Crowding(std::size_t plane) const {
   std::array<std::uint32_t, 256> histogram{};
   for (std::size_t i = 0; i < count; ++i) {
     const Stored code = codes_.plane(plane)[SampledIndex(i, count, size())];
-    ++histogram[book_.BucketOf(code)];
+    ++histogram[book_.BucketOf(book_.RankOf(plane, code))];
   }
   double pairs = 0.0;
   for (const std::uint32_t bucket : histogram) {

@@ -66,6 +66,14 @@ struct LoadFirst {
   }
 };
 
+// Whether what is above the query's value rejects, or what is below it. Codes
+// of minima are stored in reverse (kernels/code_book.cc): for signed bytes AVX2
+// has one compare, which takes the objects from memory only if they are the
+// lesser side.
+template <kernels::Plane kPlane, typename T>
+inline constexpr bool kRejectsAbove =
+    kPlane.is_min&& std::is_floating_point_v<T>;
+
 // What the planes so far have found out about the lanes of a vector: a mask of
 // those rejected, or, where compares are masked, of those kept. FirstVerdict is
 // of one plane, NextVerdict adds another's.
@@ -110,34 +118,36 @@ inline constexpr bool kVerdictIsKept = !kIsHalf<D>;
 template <kernels::Plane kPlane>
 HWY_INLINE __mmask16 KeptAnd(__mmask16 kept, hn::Vec512<float> object,
                              hn::Vec512<float> query) {
-  return _mm512_mask_cmp_ps_mask(kept, object.raw, query.raw,
-                                 kPlane.is_min ? _CMP_NGT_UQ : _CMP_NLT_UQ);
+  return _mm512_mask_cmp_ps_mask(
+      kept, object.raw, query.raw,
+      kRejectsAbove<kPlane, float> ? _CMP_NGT_UQ : _CMP_NLT_UQ);
 }
 template <kernels::Plane kPlane>
 HWY_INLINE __mmask8 KeptAnd(__mmask8 kept, hn::Vec512<double> object,
                             hn::Vec512<double> query) {
-  return _mm512_mask_cmp_pd_mask(kept, object.raw, query.raw,
-                                 kPlane.is_min ? _CMP_NGT_UQ : _CMP_NLT_UQ);
+  return _mm512_mask_cmp_pd_mask(
+      kept, object.raw, query.raw,
+      kRejectsAbove<kPlane, double> ? _CMP_NGT_UQ : _CMP_NLT_UQ);
 }
 template <kernels::Plane kPlane>
 HWY_INLINE __mmask64 KeptAnd(__mmask64 kept, hn::Vec512<int8_t> object,
                              hn::Vec512<int8_t> query) {
-  return _mm512_mask_cmp_epi8_mask(
-      kept, object.raw, query.raw,
-      kPlane.is_min ? _MM_CMPINT_LE : _MM_CMPINT_NLT);
+  static_assert(!kRejectsAbove<kPlane, int8_t>);
+  return _mm512_mask_cmp_epi8_mask(kept, object.raw, query.raw, _MM_CMPINT_NLT);
 }
 template <kernels::Plane kPlane>
 HWY_INLINE __mmask32 KeptAnd(__mmask32 kept, hn::Vec512<int16_t> object,
                              hn::Vec512<int16_t> query) {
-  return _mm512_mask_cmp_epi16_mask(
-      kept, object.raw, query.raw,
-      kPlane.is_min ? _MM_CMPINT_LE : _MM_CMPINT_NLT);
+  static_assert(!kRejectsAbove<kPlane, int16_t>);
+  return _mm512_mask_cmp_epi16_mask(kept, object.raw, query.raw,
+                                    _MM_CMPINT_NLT);
 }
 
 template <kernels::Plane kPlane, class D, class V>
 HWY_INLINE VerdictOf<D> FirstVerdict(D /*d*/, V object, V query) {
   if constexpr (kIsHalf<D>) {
-    return kPlane.is_min ? IsBelow(query, object) : IsBelow(object, query);
+    return kRejectsAbove<kPlane, hn::TFromD<D>> ? IsBelow(query, object)
+                                                : IsBelow(object, query);
   } else {
     using Raw = decltype(hn::Mask<D>::raw);
     return hn::Mask<D>{
@@ -179,7 +189,7 @@ HWY_INLINE hn::Mask256<T> IsAbove(hn::Vec256<T> object, hn::Vec256<T> query) {
 
 template <kernels::Plane kPlane, class D, class V>
 HWY_INLINE hn::Mask<D> FirstVerdict(D /*d*/, V object, V query) {
-  if constexpr (kPlane.is_min) {
+  if constexpr (kRejectsAbove<kPlane, hn::TFromD<D>>) {
     return IsAbove(object, query);
   } else {
     return hn::Lt(object, query);

@@ -24,9 +24,6 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 template <typename Stored>
 class CodesMapTest : public ::testing::Test {
  protected:
-  static constexpr Stored kLeast = std::numeric_limits<Stored>::min();
-  static constexpr Stored kMost = std::numeric_limits<Stored>::max();
-
   // Ascending and of every kind, without NaN.
   std::vector<float> SortedValues() {
     std::vector<float> values;
@@ -52,18 +49,19 @@ class CodesMapTest : public ::testing::Test {
                 std::size_t{1} << (8 * sizeof(Stored)));
   }
 
-  Stored OfObject(std::size_t p, float value) const {
+  // Ranks: how many thresholds a value stands for.
+  std::uint32_t OfObject(std::size_t p, float value) const {
     Stored code{};
     book_.CodeObjects(p, &value, 1, 1, &code);
-    return code;
+    return book_.RankOf(p, code);
   }
 
-  // Of a query's minimum, then of its maximum.
-  std::array<Stored, 2> OfQuery(float min, float max) const {
+  // Of a query's minimum, which meets maxima, then of its maximum.
+  std::array<std::uint32_t, 2> OfQuery(float min, float max) const {
     const std::array<float, 2> values = {min, max};
     std::array<Stored, 2> codes{};
     book_.CodeQuery(values.data(), codes.data());
-    return codes;
+    return {book_.RankOf(1, codes[0]), book_.RankOf(0, codes[1])};
   }
 
   Random random_{47};
@@ -85,7 +83,7 @@ TYPED_TEST(CodesMapTest, IsMonotoneAndTheSameOnBothSides) {
     std::vector<float> some(std::min(learnt, values.size()));
     for (float& value : some) value = values[this->random_() % values.size()];
     this->Learn(some);
-    std::array<TypeParam, 2> last = {this->kLeast, this->kLeast};
+    std::array<std::uint32_t, 2> last = {};
     for (const float value : values) {
       const std::array objects = {this->OfObject(0, value),
                                   this->OfObject(1, value)};
@@ -100,15 +98,27 @@ TYPED_TEST(CodesMapTest, IsMonotoneAndTheSameOnBothSides) {
   }
 }
 
+// What the kernels rely on: in every plane the lesser stored code rejects.
+TYPED_TEST(CodesMapTest, MinimaAreStoredInReverse) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  this->Learn(this->SortedValues());
+  std::array<TypeParam, 2> low{};
+  std::array<TypeParam, 2> high{};
+  this->book_.CodeObject(std::array{-kInfinity, -kInfinity}.data(), low.data());
+  this->book_.CodeObject(std::array{kInfinity, kInfinity}.data(), high.data());
+  EXPECT_GT(low[0], high[0]);
+  EXPECT_LT(low[1], high[1]);
+}
+
 TYPED_TEST(CodesMapTest, NanNeverRejects) {
   const std::vector<float> values = this->SortedValues();
   this->Learn(values);
   for (const float nan : kSpecialValues<float>) {
     if (nan == nan) continue;
-    EXPECT_EQ(this->OfObject(0, nan), this->kLeast);
+    EXPECT_EQ(this->OfObject(0, nan), 0u);
     EXPECT_GE(this->OfObject(1, nan), this->OfObject(1, values.back()));
     const auto query = this->OfQuery(nan, nan);
-    EXPECT_EQ(query[0], this->kLeast);
+    EXPECT_EQ(query[0], 0u);
     EXPECT_GE(query[1], this->OfObject(0, values.back()));
   }
 }
@@ -139,12 +149,12 @@ TYPED_TEST(CodesMapTest, NanTeachesNothing) {
     values[30 * i] = static_cast<float>(i + 1);
   }
   this->Learn(values);
-  EXPECT_EQ(this->OfObject(0, 0.f), this->kLeast);
-  EXPECT_EQ(this->OfObject(0, 1.f), this->kLeast + 1);
-  EXPECT_EQ(this->OfObject(0, 2.f), this->kLeast + 2);
-  EXPECT_EQ(this->OfObject(1, 1.f), this->kLeast);
-  EXPECT_EQ(this->OfObject(1, 2.f), this->kLeast + 1);
-  EXPECT_EQ(this->OfObject(1, 3.f), this->kLeast + 2);
+  EXPECT_EQ(this->OfObject(0, 0.f), 0u);
+  EXPECT_EQ(this->OfObject(0, 1.f), 1u);
+  EXPECT_EQ(this->OfObject(0, 2.f), 2u);
+  EXPECT_EQ(this->OfObject(1, 1.f), 0u);
+  EXPECT_EQ(this->OfObject(1, 2.f), 1u);
+  EXPECT_EQ(this->OfObject(1, 3.f), 2u);
 }
 
 // Every lane of the search, and what is left of eight.
@@ -157,7 +167,8 @@ TYPED_TEST(CodesMapTest, ManyAreCodedAsOneIs) {
       std::vector<TypeParam> codes(count + 1, TypeParam{77});
       this->book_.CodeObjects(p, values.data(), 1, count, codes.data());
       for (std::size_t i = 0; i < count; ++i) {
-        ASSERT_EQ(codes[i], this->OfObject(p, values[i])) << count << ", " << i;
+        ASSERT_EQ(this->book_.RankOf(p, codes[i]), this->OfObject(p, values[i]))
+            << count << ", " << i;
       }
       ASSERT_EQ(codes[count], TypeParam{77}) << count;
     }

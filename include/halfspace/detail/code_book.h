@@ -17,7 +17,9 @@
 
 namespace halfspace::detail {
 
-// Codes are stored less half their range: x86 compares only signed bytes.
+// Codes are stored less half their range, because x86 compares only signed
+// bytes; and those of minima in reverse, so that the lesser stored code rejects
+// in every plane: lane_tests-inl.h says what for.
 template <typename Code>
 using StoredCode = std::make_signed_t<Code>;
 
@@ -64,11 +66,16 @@ class HALFSPACE_API CodeBook {
   template <typename Stored>
   void CodeQuery(const float* values, Stored* codes) const;
 
-  // The upper eight bits of a code, of as many as there are.
+  // What is stored of plane `p`, as the number of thresholds it stands for.
   template <typename Stored>
-  std::size_t BucketOf(Stored code) const {
-    const auto rank = static_cast<std::size_t>(
-        static_cast<std::int32_t>(code) - std::numeric_limits<Stored>::min());
+  std::uint32_t RankOf(std::size_t p, Stored stored) const {
+    const auto code = p < minima_ ? static_cast<Stored>(~stored) : stored;
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(code) -
+                                      std::numeric_limits<Stored>::min());
+  }
+
+  // The upper eight bits of a rank, of as many as there are.
+  std::size_t BucketOf(std::size_t rank) const {
     return rank * 256 / std::max<std::size_t>(256, thresholds_per_plane_ + 1);
   }
 
