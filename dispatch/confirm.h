@@ -3,26 +3,17 @@
 #define HALFSPACE_DISPATCH_CONFIRM_H_
 
 #include <cstddef>
-#include <cstdint>
 
 #include "halfspace/detail/scan.h"
 
 namespace halfspace::dispatch {
 
-// The survivors of one query among at most 4096 objects from `first` on, a
-// multiple of 64: words, of which `live` are not 0.
-struct Candidates {
-  const float* query;
-  std::size_t first;
-  std::uint64_t* words;
-  std::uint64_t live;
-};
+// Asks for the floats of an object, so that they are there a little later.
+void PrefetchFloats(const detail::Scan& scan, std::size_t object);
 
-// Asks for the floats of the candidates, so that they are there a little later.
-void PrefetchFloats(const detail::Scan& scan, const Candidates& candidates);
-
-// Clears the bits of those that a plane of floats rejects.
-void ConfirmWords(const detail::Scan& scan, const Candidates& candidates);
+// Whether a plane of floats rejects it.
+bool FloatsReject(const detail::Scan& scan, const float* query,
+                  std::size_t object);
 
 }  // namespace halfspace::dispatch
 

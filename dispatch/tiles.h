@@ -23,6 +23,16 @@ inline constexpr std::size_t kPartStrips = 16;
 // How many parts are begun before the first of them is confirmed.
 inline constexpr std::size_t kPartsUnderWay = 2;
 
+// What survived the codes, if it is no more than that, is listed: with one or
+// two in a strip, loops over words and their bits are mispredicted once in each
+// strip, and there are three of them.
+inline constexpr std::size_t kMostListed = 64;
+struct Candidate {
+  std::size_t query;
+  std::size_t object;
+  std::uint64_t* word;  // has its bit
+};
+
 // The survivors of queries first ... first + count - 1 among objects begin ...
 // end - 1. The words of query q begin at rows + q * stride.
 struct Part {
@@ -34,6 +44,9 @@ struct Part {
   std::size_t stride = 0;
   // Of each strip: those of one query after another.
   std::array<std::uint64_t, kPartStrips> live;
+  bool is_listed = false;
+  std::size_t candidates = 0;
+  std::array<Candidate, kMostListed> list;
 };
 
 // One query takes strips of a part side by side: the further apart the work on
@@ -84,6 +97,7 @@ inline bool ManyLive(const PreparedScan& scan, const Part& part) {
 inline std::int64_t RunPart(const PreparedScan& scan, const QueryBlock& block,
                             Part& part) {
   const std::size_t first = part.first - block.first;
+  part.is_listed = false;
   if (scan.HasFirstStage()) {
     const std::int64_t bit = scan.RunFirstStage(
         block, first, part.count, part.begin, part.end, part.rows, part.stride);
@@ -97,21 +111,52 @@ inline std::int64_t RunPart(const PreparedScan& scan, const QueryBlock& block,
   return bit;
 }
 
-// Asks for the floats that confirm what lives.
-inline void PrefetchPart(const PreparedScan& scan, const Part& part) {
-  ForEachStrip(part, [&](std::size_t strip, std::size_t, std::size_t first,
-                         std::uint64_t* words, std::size_t) {
-    PrefetchFloats(scan.scan(), {nullptr, first, words, part.live[strip]});
+// Calls visit(query, object, word with its bit) for every survivor in the
+// words, or every one that is listed: those of a query in a part in ascending
+// order, query after query.
+template <typename Visit>
+void ForEachBit(const Part& part, const Visit& visit) {
+  if (part.is_listed) {
+    for (std::size_t c = 0; c < part.candidates; ++c) {
+      visit(part.list[c].query, part.list[c].object, *part.list[c].word);
+    }
+    return;
+  }
+  ForEachStrip(part, [&](std::size_t strip, std::size_t query,
+                         std::size_t first, std::uint64_t* words, std::size_t) {
+    for (std::uint64_t live = part.live[strip]; live != 0; live &= live - 1) {
+      const auto w = static_cast<std::size_t>(std::countr_zero(live));
+      for (std::uint64_t left = words[w]; left != 0; left &= left - 1) {
+        visit(query,
+              first + 64 * w + static_cast<std::size_t>(std::countr_zero(left)),
+              words[w]);
+      }
+    }
   });
+}
+
+// Asks for the floats that confirm what lives, and lists it.
+inline void PrefetchPart(const PreparedScan& scan, Part& part) {
+  std::size_t count = 0;
+  ForEachBit(part,
+             [&](std::size_t query, std::size_t object, std::uint64_t& word) {
+               PrefetchFloats(scan.scan(), object);
+               if (count < kMostListed)
+                 part.list[count] = {query, object, &word};
+               ++count;
+             });
+  part.candidates = count;
+  part.is_listed = count <= kMostListed;
 }
 
 inline void Confirm(const PreparedScan& scan, const Part& part) {
   const float* queries = static_cast<const float*>(scan.scan().queries);
-  ForEachStrip(part, [&](std::size_t strip, std::size_t query,
-                         std::size_t first, std::uint64_t* words, std::size_t) {
-    ConfirmWords(scan.scan(), {queries + query * scan.scan().plane_count, first,
-                               words, part.live[strip]});
-  });
+  ForEachBit(
+      part, [&](std::size_t query, std::size_t object, std::uint64_t& word) {
+        const std::uint64_t rejected = FloatsReject(
+            scan.scan(), queries + query * scan.scan().plane_count, object);
+        word &= ~(rejected << object % 64);
+      });
 }
 
 // Calls visit(block, first, count, begin, end) for every group of queries of
@@ -202,21 +247,13 @@ std::int64_t ForEachPart(const PreparedScan& scan, const Visit& visit) {
       visit);
 }
 
-// Calls visit(query, object) for every survivor: those of a query in a part in
-// ascending order, query after query.
+// Calls visit(query, object) for every survivor.
 template <typename Visit>
 void ForEachSurvivor(const Part& part, const Visit& visit) {
-  ForEachStrip(part, [&](std::size_t strip, std::size_t query,
-                         std::size_t first, const std::uint64_t* words,
-                         std::size_t) {
-    for (std::uint64_t live = part.live[strip]; live != 0; live &= live - 1) {
-      const auto w = static_cast<std::size_t>(std::countr_zero(live));
-      for (std::uint64_t left = words[w]; left != 0; left &= left - 1) {
-        visit(query, first + 64 * w +
-                         static_cast<std::size_t>(std::countr_zero(left)));
-      }
-    }
-  });
+  ForEachBit(part,
+             [&](std::size_t query, std::size_t object, std::uint64_t word) {
+               if ((word >> object % 64 & 1) != 0) visit(query, object);
+             });
 }
 
 // Calls visit(query, number of survivors).

@@ -29,6 +29,16 @@ HWY_INLINE uint64_t LiveWords(const uint64_t* words, size_t count,
   const hn::CappedTag<uint64_t, 8> d;
   const size_t lanes = hn::Lanes(d);
   const auto all_dead = hn::Set(d, dead);
+  // Four at a time: the shifts within are constants.
+  constexpr size_t kUnroll = 4;
+  for (; w + kUnroll * lanes <= count; w += kUnroll * lanes) {
+    uint64_t bits = 0;
+    for (size_t u = 0; u < kUnroll; ++u) {
+      const auto vector = hn::LoadU(d, words + w + u * lanes);
+      bits |= LaneBits(d, hn::Ne(vector, all_dead)) << (u * lanes);
+    }
+    live |= bits << w;
+  }
   for (; w + lanes <= count; w += lanes) {
     live |= LaneBits(d, hn::Ne(hn::LoadU(d, words + w), all_dead)) << w;
   }
