@@ -118,16 +118,14 @@ inline constexpr bool kVerdictIsKept = !kIsHalf<D>;
 template <kernels::Plane kPlane>
 HWY_INLINE __mmask16 KeptAnd(__mmask16 kept, hn::Vec512<float> object,
                              hn::Vec512<float> query) {
-  return _mm512_mask_cmp_ps_mask(
-      kept, object.raw, query.raw,
-      kRejectsAbove<kPlane, float> ? _CMP_NGT_UQ : _CMP_NLT_UQ);
+  return _mm512_mask_cmp_ps_mask(kept, object.raw, query.raw,
+                                 kPlane.is_min ? _CMP_NGT_UQ : _CMP_NLT_UQ);
 }
 template <kernels::Plane kPlane>
 HWY_INLINE __mmask8 KeptAnd(__mmask8 kept, hn::Vec512<double> object,
                             hn::Vec512<double> query) {
-  return _mm512_mask_cmp_pd_mask(
-      kept, object.raw, query.raw,
-      kRejectsAbove<kPlane, double> ? _CMP_NGT_UQ : _CMP_NLT_UQ);
+  return _mm512_mask_cmp_pd_mask(kept, object.raw, query.raw,
+                                 kPlane.is_min ? _CMP_NGT_UQ : _CMP_NLT_UQ);
 }
 template <kernels::Plane kPlane>
 HWY_INLINE __mmask64 KeptAnd(__mmask64 kept, hn::Vec512<int8_t> object,
