@@ -35,7 +35,7 @@ struct CodedCaseNames {
   }
 };
 
-using CodedCases = ::testing::Types<
+using CodedCases = Tested<::testing::Types<
     CodedCase<SimplexView2, std::uint8_t>,
     CodedCase<SimplexView3, std::uint8_t>,
     CodedCase<SimplexView4, std::uint8_t>, CodedCase<AabbView2, std::uint8_t>,
@@ -46,7 +46,7 @@ using CodedCases = ::testing::Types<
     CodedCase<SimplexView4, std::uint16_t>, CodedCase<AabbView2, std::uint16_t>,
     CodedCase<AabbView3, std::uint16_t>, CodedCase<AabbView4, std::uint16_t>,
     CodedCase<AaboView2, std::uint16_t>, CodedCase<AaboView3, std::uint16_t>,
-    CodedCase<AaboView4, std::uint16_t>>;
+    CodedCase<AaboView4, std::uint16_t>>>;
 
 // For what is the same code for all shapes: one of each, and both sizes.
 using FewCodedCases = ::testing::Types<
