@@ -11,23 +11,28 @@ elseif(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
       SVE:128 SVE:256 SVE:512 SVE:2048
       SVE2:128 SVE2:256 SVE2:512 SVE2:2048
       SVE_256:256 SVE2_128:128 NEON:128)
+  set(HALFSPACE_SWEEP_EACH
+      SVE:512 SVE2:256 SVE_256:256 SVE2_128:128 NEON:128)
   set(HALFSPACE_SWEEP_FEW NEON:128 SVE:512 SVE2:2048)
 else()
   set(HALFSPACE_SWEEP NEON:128)
+  set(HALFSPACE_SWEEP_EACH NEON:128)
   set(HALFSPACE_SWEEP_FEW NEON:128)
 endif()
 set(HALFSPACE_SWEEP_ONE NEON:128)
 # Highway's plain fall-back has another name, and width, by compiler.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND HALFSPACE_SWEEP SCALAR:32)
+  list(APPEND HALFSPACE_SWEEP_EACH SCALAR:32)
 else()
   list(APPEND HALFSPACE_SWEEP EMU128:128)
+  list(APPEND HALFSPACE_SWEEP_EACH EMU128:128)
 endif()
 
 # Registers the tests of `target`: each on its own, or, under an emulator, the
 # whole executable as TARGET.HIGHWAY_TARGET.BITS for emulated machines: all of
-# them, or, with FEW or ONE as the second argument, a choice, for tests of what
-# differs less between machines than it takes time.
+# them, or, with EACH (target once), FEW or ONE as the second argument, a choice,
+# for tests of what differs less between machines than it takes time.
 function(halfspace_sweep_test target)
   if(NOT CMAKE_CROSSCOMPILING_EMULATOR)
     gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST
