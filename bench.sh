@@ -7,6 +7,18 @@ source "$root/scripts/steps.sh"
 source "$root/scripts/packages.sh"
 source "$root/scripts/build.sh"
 
+for argument in "$@"; do
+  case $argument in -h | --help)
+    if [ ! -x "$root/build/release/bench/cpuinfo-bench" ]; then
+      say "usage: ./bench.sh [OPTION...]: installs what is missing, builds" \
+        "cpuinfo-bench, and runs it with these options. They are in" \
+        "docs/cpuinfo-bench.md; once it is built, --help lists them."
+      exit 0
+    fi
+    ;;
+  esac
+done
+
 prepare_machine "${peer_packages[@]}"
 build_preset release cpuinfo-bench
 say "==> run cpuinfo-bench"
