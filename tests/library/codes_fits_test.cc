@@ -109,14 +109,14 @@ TYPED_TEST(CodesFitsTest, LastObjectsCountToo) {
 // moved from.
 TYPED_TEST(CodesFitsTest, GrowingWorldsLearn) {
   using View = typename TypeParam::View;
-  using Coded = typename TestFixture::Coded;
+  using Grown = typename TestFixture::Coded;
   auto bounds = this->RandomBounds(5000);
   const auto made = this->WorldOf(bounds);
-  std::array<Coded, 3> worlds;
+  std::array<Grown, 3> worlds;
   worlds[1].Reserve(bounds.size());
   worlds[2] = made;
-  const Coded moved_to = std::move(worlds[2]);
-  for (Coded& grown : worlds) {
+  const Grown moved_to = std::move(worlds[2]);
+  for (Grown& grown : worlds) {
     for (const auto& bound : bounds) {
       grown.Push(bound);
       // There is nothing to learn from in the first 64.
