@@ -194,10 +194,22 @@ HWY_INLINE hn::Mask<D> FirstVerdict(D /*d*/, V object, V query) {
   }
 }
 
+template <class M>
+HWY_INLINE M EitherMask(M a, M b) {
+#if HWY_TARGET == HWY_SVE || HWY_TARGET == HWY_SVE2 || \
+    HWY_TARGET == HWY_SVE_256 || HWY_TARGET == HWY_SVE2_128
+  // Highway's Or selects. gcc 12 takes that apart lane by lane for bytes, and
+  // on SVE_256 forgets every other 16 of them.
+  return svorr_b_z(svptrue_b8(), a, b);
+#else
+  return hn::Or(a, b);
+#endif
+}
+
 template <kernels::Plane kPlane, class D, class V>
 HWY_INLINE hn::Mask<D> NextVerdict(D d, hn::Mask<D> rejected, V object,
                                    V query) {
-  return hn::Or(rejected, FirstVerdict<kPlane>(d, object, query));
+  return EitherMask(rejected, FirstVerdict<kPlane>(d, object, query));
 }
 
 #endif  // HALFSPACE_MASKED_COMPARES
