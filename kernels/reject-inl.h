@@ -68,8 +68,8 @@ HWY_INLINE void ScanWords(std::index_sequence<kPlane...>, Load load,
   }
 }
 
-// The last, partial word, from object i on. Not inline: its registers would be
-// saved by calls that have none, which took 2 ns.
+// The last, partial word, from object i on. Not inline: one for a shape and a
+// type serves near, far and together, and the library is 6 % smaller.
 template <class Shape, typename T, size_t... kPlane>
 HWY_NOINLINE uint64_t ScanTail(std::index_sequence<kPlane...>,
                                const kernels::MaskJob& job, const T* values,
