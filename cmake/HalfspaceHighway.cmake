@@ -39,15 +39,37 @@ else()
                  "the bundled release is skipped")
 endif()
 
+# Targets whose kernels are no faster than those of the next one below them, or
+# that no machine of the last fifteen years needs. Each costs as much time and
+# code as any other. Only names that this Highway knows may be disabled.
+if(HALFSPACE_BUNDLES_HIGHWAY)
+  set(highway_include "${highway_sources}")
+else()
+  get_target_property(highway_include hwy::hwy INTERFACE_INCLUDE_DIRECTORIES)
+endif()
+list(GET highway_include 0 highway_include)
+file(STRINGS "${highway_include}/hwy/detect_targets.h" known_targets
+     REGEX "^#define HWY_[A-Z0-9_]+ \\(1LL")
+set(HALFSPACE_DISABLED_TARGETS "")
+foreach(name SSE2 SSSE3 AVX3_DL AVX3_ZEN4 AVX3_SPR AVX10_2 NEON_BF16)
+  if(known_targets MATCHES "HWY_${name} ")
+    list(APPEND HALFSPACE_DISABLED_TARGETS "HWY_${name}")
+  endif()
+endforeach()
+list(JOIN HALFSPACE_DISABLED_TARGETS "|" HALFSPACE_DISABLED_TARGETS)
+
 # For every target that contains per-target code: all must see the same list of
 # targets.
 function(halfspace_use_highway target)
   if(HALFSPACE_ONLY_SCALAR)
     target_compile_definitions(${target} PRIVATE HWY_COMPILE_ONLY_SCALAR)
-  else()
-    # Every target the compiler can make, so that a test can run each of them.
+  elseif(HALFSPACE_EXTRA_TARGETS)
     target_compile_definitions(${target} PRIVATE
       HWY_COMPILE_ALL_ATTAINABLE HWY_WANT_AVX3_DL)
+  else()
+    # Every other target the compiler can make, so that a test can run each.
+    target_compile_definitions(${target} PRIVATE HWY_COMPILE_ALL_ATTAINABLE
+      "HWY_DISABLED_TARGETS=(${HALFSPACE_DISABLED_TARGETS})")
   endif()
   if(HALFSPACE_BUNDLES_HIGHWAY)
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:hwy>)

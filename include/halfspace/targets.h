@@ -1,9 +1,11 @@
 // Which instruction sets the kernels were compiled for, which of them this
 // machine can run, and which one is used.
 //
-// Targets and their names are Highway's, and newer releases have more: on x86
-// "AVX3_DL", "AVX3" (AVX-512), "AVX2", "SSE4", "SSSE3"; on ARM "NEON", "SVE",
-// "SVE2", "SVE_256", "SVE2_128"; and one plain fall-back, "SCALAR" or "EMU128".
+// Targets and their names are Highway's: on x86 "AVX3" (AVX-512), "AVX2" and
+// "SSE4"; on ARM "NEON", "SVE", "SVE2", "SVE_256" and "SVE2_128"; and one plain
+// fall-back, "SCALAR" or "EMU128". Those that are no faster than the next one
+// below them ("SSSE3", "AVX3_DL", and more of newer releases) are compiled with
+// -DHALFSPACE_EXTRA_TARGETS=ON.
 //
 // The choice is made once, at the first call that needs it: the best target
 // that was compiled and that CPU and operating system support. The environment
