@@ -59,7 +59,7 @@ class CodedSet {
         const auto list = [&](const auto& any, const Options& how) {
           indices_.resize(objects());
           const std::size_t count =
-              Survivors(any, queries_[q], indices_, how).count;
+              Survivors(any, queries_[q], indices_, how);
           return std::vector<std::uint32_t>(
               indices_.begin(),
               indices_.begin() + static_cast<std::ptrdiff_t>(count));

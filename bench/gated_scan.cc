@@ -1,5 +1,6 @@
 #include "bench/gated_scan.h"
 
+#include "bench/plane_order.h"
 #include "bench/target_function.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -8,30 +9,40 @@
 #include "hwy/highway.h"
 
 // After foreach_target.h, which decides what it is compiled for.
-#include "kernels/reject-inl.h"
+#include "kernels/scan/words-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
 namespace HWY_NAMESPACE {
 
+// Objects i ... i + kObjects - 1 that a plane rejects.
+template <const auto& kOrder, size_t kPlane, size_t kObjects, class D, class V>
+HWY_INLINE uint64_t PlaneRejects(D d, const float* const* planes, size_t i,
+                                 V query) {
+  constexpr bench::Plane kTest = bench::kPlaneOf<kOrder, kPlane>;
+  return KeptBits < kTest.is_min ? 1 : 0,
+         kObjects > (d, LoadAll(), planes + kTest.object, i, query) ^
+             kLowBits<kObjects>;
+}
+
 // A batch that is part of a word: planes kPlane, kPlane + 1, ... until all its
 // objects are rejected.
-template <class Shape, size_t kWidth, size_t kPlane = 0, class D, class... V>
+template <const auto& kOrder, size_t kWidth, size_t kPlane = 0, class D,
+          class V, class... Rest>
 HWY_INLINE uint64_t BatchInWord(D d, const float* const* planes, size_t i,
-                                V... query) {
-  constexpr uint64_t kAll = ~uint64_t{0} >> (kWordObjects - kWidth);
-  const uint64_t bits = BitsRejected<Shape, kWidth, kPlane, kPlane + 1>(
-      d, LoadAll(), planes, i, query...);
-  if constexpr (kPlane + 1 == Shape::kOrder.planes.size()) {
+                                V query, Rest... rest) {
+  const uint64_t bits =
+      PlaneRejects<kOrder, kPlane, kWidth>(d, planes, i, query);
+  if constexpr (sizeof...(Rest) == 0) {
     return bits;
   } else {
-    if (bits == kAll) return bits;
+    if (bits == kLowBits<kWidth>) return bits;
     return bits |
-           BatchInWord<Shape, kWidth, kPlane + 1>(d, planes, i, query...);
+           BatchInWord<kOrder, kWidth, kPlane + 1>(d, planes, i, rest...);
   }
 }
 
-template <class Shape, size_t kWidth, class D, class... V>
+template <const auto& kOrder, size_t kWidth, class D, class... V>
 HWY_INLINE void ScanInWords(D d, const float* const* planes, size_t size,
                             uint64_t* mask, V... query) {
   // A batch is never less than a vector.
@@ -41,7 +52,7 @@ HWY_INLINE void ScanInWords(D d, const float* const* planes, size_t size,
     for (size_t i = 0; i < size; i += kWordObjects) {
       uint64_t word = 0;
       for (size_t l = 0; l < kWordObjects; l += kWidth) {
-        word |= BatchInWord<Shape, kWidth>(d, planes, i + l, query...) << l;
+        word |= BatchInWord<kOrder, kWidth>(d, planes, i + l, query...) << l;
       }
       mask[i / kWordObjects] = word;
     }
@@ -49,13 +60,13 @@ HWY_INLINE void ScanInWords(D d, const float* const* planes, size_t size,
 }
 
 // One plane of a batch of words; true if all objects are rejected after it.
-template <class Shape, size_t kPlane, class D, class... V>
+template <const auto& kOrder, size_t kPlane, class D, class V>
 HWY_INLINE bool PlaneOverWords(D d, const float* const* planes, size_t i,
-                               size_t words, uint64_t* mask, V... query) {
+                               size_t words, uint64_t* mask, V query) {
   uint64_t all = ~uint64_t{0};
   for (size_t w = 0; w < words; ++w) {
-    uint64_t bits = BitsRejected<Shape, kWordObjects, kPlane, kPlane + 1>(
-        d, LoadAll(), planes, i + w * kWordObjects, query...);
+    uint64_t bits = PlaneRejects<kOrder, kPlane, kWordObjects>(
+        d, planes, i + w * kWordObjects, query);
     if constexpr (kPlane != 0) bits |= mask[w];
     mask[w] = bits;
     all &= bits;
@@ -63,53 +74,52 @@ HWY_INLINE bool PlaneOverWords(D d, const float* const* planes, size_t i,
   return all == ~uint64_t{0};
 }
 
-template <class Shape, size_t... kPlane, class D, class... V>
+template <const auto& kOrder, size_t... kPlane, class D, class... V>
 HWY_INLINE void ScanOverWords(std::index_sequence<kPlane...>, D d, size_t width,
                               const float* const* planes, size_t size,
                               uint64_t* mask, V... query) {
   const size_t words = width / kWordObjects;
   for (size_t i = 0; i < size; i += width) {
     uint64_t* batch = mask + i / kWordObjects;
-    (void)(PlaneOverWords<Shape, kPlane>(d, planes, i, words, batch,
-                                         query...) ||
+    (void)(PlaneOverWords<kOrder, kPlane>(d, planes, i, words, batch, query) ||
            ...);
   }
 }
 
-template <class Shape, size_t... kPlane>
+template <const auto& kOrder, size_t... kPlane>
 void ScanShape(std::index_sequence<kPlane...> all_planes, size_t width,
                const float* const* planes, const float* query, size_t size,
                uint64_t* mask) {
   const WordTag<float> d;
 #define HALFSPACE_QUERY \
-  hn::Set(d, query[kernels::kQueryIndex<Shape, kPlane>])...
+  hn::Set(d, query[bench::kPlaneOf<kOrder, kPlane>.query])...
   switch (width) {
     case 1:
-      return ScanInWords<Shape, 1>(d, planes, size, mask, HALFSPACE_QUERY);
+      return ScanInWords<kOrder, 1>(d, planes, size, mask, HALFSPACE_QUERY);
     case 2:
-      return ScanInWords<Shape, 2>(d, planes, size, mask, HALFSPACE_QUERY);
+      return ScanInWords<kOrder, 2>(d, planes, size, mask, HALFSPACE_QUERY);
     case 4:
-      return ScanInWords<Shape, 4>(d, planes, size, mask, HALFSPACE_QUERY);
+      return ScanInWords<kOrder, 4>(d, planes, size, mask, HALFSPACE_QUERY);
     case 8:
-      return ScanInWords<Shape, 8>(d, planes, size, mask, HALFSPACE_QUERY);
+      return ScanInWords<kOrder, 8>(d, planes, size, mask, HALFSPACE_QUERY);
     case 16:
-      return ScanInWords<Shape, 16>(d, planes, size, mask, HALFSPACE_QUERY);
+      return ScanInWords<kOrder, 16>(d, planes, size, mask, HALFSPACE_QUERY);
     case 32:
-      return ScanInWords<Shape, 32>(d, planes, size, mask, HALFSPACE_QUERY);
+      return ScanInWords<kOrder, 32>(d, planes, size, mask, HALFSPACE_QUERY);
     case 64:
-      return ScanInWords<Shape, 64>(d, planes, size, mask, HALFSPACE_QUERY);
+      return ScanInWords<kOrder, 64>(d, planes, size, mask, HALFSPACE_QUERY);
     default:
-      return ScanOverWords<Shape>(all_planes, d, width, planes, size, mask,
-                                  HALFSPACE_QUERY);
+      return ScanOverWords<kOrder>(all_planes, d, width, planes, size, mask,
+                                   HALFSPACE_QUERY);
   }
 #undef HALFSPACE_QUERY
 }
 
-template <class Shape>
+template <const auto& kOrder>
 void ScanShape(size_t width, const float* const* planes, const float* query,
                size_t size, uint64_t* mask) {
-  ScanShape<Shape>(std::make_index_sequence<Shape::kOrder.planes.size()>(),
-                   width, planes, query, size, mask);
+  constexpr std::make_index_sequence<kOrder.size()> kPlanes{};
+  ScanShape<kOrder>(kPlanes, width, planes, query, size, mask);
 }
 
 void ScanGated(bench::GatedShape shape, size_t width,
@@ -117,12 +127,11 @@ void ScanGated(bench::GatedShape shape, size_t width,
                uint64_t* mask) {
   switch (shape) {
     case bench::GatedShape::kSimplex:
-      return ScanShape<kernels::SimplexFlat<3>>(width, planes, query, size,
-                                                mask);
+      return ScanShape<bench::kSimplexOrder>(width, planes, query, size, mask);
     case bench::GatedShape::kAabb:
-      return ScanShape<kernels::AabbFlat<3>>(width, planes, query, size, mask);
+      return ScanShape<bench::kAabbOrder>(width, planes, query, size, mask);
     case bench::GatedShape::kAabo:
-      return ScanShape<kernels::AaboFlat<3>>(width, planes, query, size, mask);
+      return ScanShape<bench::kAaboOrder>(width, planes, query, size, mask);
   }
 }
 

@@ -8,39 +8,30 @@
 #include "hwy/highway.h"
 
 // After foreach_target.h, which decides what it is compiled for.
-#include "kernels/reject-inl.h"
+#include "kernels/scan/words-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
 namespace HWY_NAMESPACE {
 
-using Shape = kernels::AaboFlat<3>;
-
-template <size_t... kPlane, class D, class... V>
-HWY_INLINE void FillWords(std::index_sequence<kPlane...>, D d,
-                          const float* const* planes, size_t words,
-                          bench::PlaneWords* out, V... query) {
-  for (size_t w = 0; w < words; ++w) {
-    ((out[w][kernels::kObjectIndex<Shape, kPlane>] =
-          BitsRejected<Shape, kWordObjects, kPlane, kPlane + 1>(
-              d, LoadAll(), planes, w * kWordObjects, query...)),
-     ...);
-  }
-}
-
 template <size_t... kPlane>
-void FillWords(std::index_sequence<kPlane...> all_planes,
-               const float* const* planes, const float* query, size_t words,
-               bench::PlaneWords* out) {
+HWY_INLINE void FillWord(std::index_sequence<kPlane...>,
+                         const float* const* planes, const float* query,
+                         size_t i, bench::PlaneWords& out) {
   const WordTag<float> d;
-  FillWords(all_planes, d, planes, words, out,
-            hn::Set(d, query[kernels::kQueryIndex<Shape, kPlane>])...);
+  constexpr size_t kMinima = sizeof...(kPlane) / 2;
+  ((out[kPlane] = ~KeptBits<(kPlane < kMinima ? 1 : 0)>(
+        d, LoadAll(), planes + kPlane, i,
+        hn::Set(d, query[(kPlane + kMinima) % sizeof...(kPlane)]))),
+   ...);
 }
 
 void FillPlaneWords(const float* const* planes, const float* query,
                     size_t words, bench::PlaneWords* out) {
-  FillWords(std::make_index_sequence<bench::kPlaneWordsPlanes>(), planes, query,
-            words, out);
+  constexpr std::make_index_sequence<bench::kPlaneWordsPlanes> kPlanes{};
+  for (size_t w = 0; w < words; ++w) {
+    FillWord(kPlanes, planes, query, w * kWordObjects, out[w]);
+  }
 }
 
 }  // namespace HWY_NAMESPACE

@@ -10,7 +10,7 @@
 #include "hwy/highway.h"
 
 // After foreach_target.h, which decides what it is compiled for.
-#include "kernels/word_tests-inl.h"
+#include "kernels/scan/words-inl.h"
 
 // What asm calls the registers of a vector; not defined where there is none.
 #undef HALFSPACE_VECTOR_REGISTER
@@ -45,25 +45,24 @@ struct SameRegister {
   }
 };
 
-template <class Shape, class D, size_t... kPlane>
+template <size_t kMins, size_t kMaxs, class D, size_t... kPlane>
 void ScanRegistersAs(std::index_sequence<kPlane...>, D d,
                      const float* const* planes, const float* query,
                      size_t size, uint64_t* mask) {
   auto vector = hn::Zero(d);
   const SameRegister<decltype(vector)> load{vector};
   for (size_t w = 0; w < size / kWordObjects; ++w) {
-    mask[w] = BitsRejected<Shape, kWordObjects, 0, sizeof...(kPlane)>(
+    mask[w] = KeptBits<kMins>(
         d, load, planes, w * kWordObjects,
-        hn::Set(d, query[kernels::kQueryIndex<Shape, kPlane>])...);
+        hn::Set(d, query[kPlane < kMins ? kMaxs + kPlane : kPlane - kMins])...);
   }
 }
 
-template <class Shape, class D>
+template <size_t kMins, size_t kMaxs, class D>
 void ScanRegistersAs(D d, const float* const* planes, const float* query,
                      size_t size, uint64_t* mask) {
-  constexpr size_t kPlanes = Shape::kOrder.planes.size();
-  ScanRegistersAs<Shape>(std::make_index_sequence<kPlanes>(), d, planes, query,
-                         size, mask);
+  ScanRegistersAs<kMins, kMaxs>(std::make_index_sequence<kMins + kMaxs>(), d,
+                                planes, query, size, mask);
 }
 
 template <class D>
@@ -72,14 +71,11 @@ void ScanRegisters(bench::ShapeKind shape, const float* const* planes,
   const D d;
   switch (shape) {
     case bench::ShapeKind::kSimplex:
-      return ScanRegistersAs<kernels::SimplexFlat<3>>(d, planes, query, size,
-                                                      mask);
+      return ScanRegistersAs<4, 0>(d, planes, query, size, mask);
     case bench::ShapeKind::kAabb:
-      return ScanRegistersAs<kernels::AabbFlat<3>>(d, planes, query, size,
-                                                   mask);
+      return ScanRegistersAs<3, 3>(d, planes, query, size, mask);
     case bench::ShapeKind::kAabo:
-      return ScanRegistersAs<kernels::AaboFlat<3>>(d, planes, query, size,
-                                                   mask);
+      return ScanRegistersAs<4, 4>(d, planes, query, size, mask);
   }
 }
 

@@ -27,7 +27,7 @@ constexpr double kUndisturbed = 0.1;
 std::size_t CountAs(ShapeKind shape, const AaboView3& view,
                     const Aabo3& query) {
   return WithShape(shape, view, query, [](const auto& v, const auto& q) {
-    return CountSurvivors(v, q).count;
+    return CountSurvivors(v, q);
   });
 }
 

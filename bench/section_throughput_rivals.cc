@@ -53,8 +53,7 @@ Case PairsCase(std::string name, const GridWorld& grid, const AnyWorld& world,
         answer.object_indices.resize(survivors);
         const std::size_t count =
             SurvivorPairs(world, grid.queries().aabos(), answer.query_indices,
-                          answer.object_indices, {.target = target})
-                .count;
+                          answer.object_indices, {.target = target});
         std::fill(answer.counts.begin(), answer.counts.end(), std::size_t{0});
         for (std::size_t i = 0; i < std::min(count, survivors); ++i) {
           ++answer.counts[answer.query_indices[i]];

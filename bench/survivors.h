@@ -11,9 +11,9 @@ namespace halfspace::bench {
 
 inline void AddSurvivors(const AaboView3& view, const Aabo3& query,
                          PerShape<std::size_t>& sums) {
-  sums.aabb += CountSurvivors(view.aabb(), query.aabb()).count;
-  sums.simplex += CountSurvivors(view.simplex(), query.down()).count;
-  sums.aabo += CountSurvivors(view, query).count;
+  sums.aabb += CountSurvivors(view.aabb(), query.aabb());
+  sums.simplex += CountSurvivors(view.simplex(), query.down());
+  sums.aabo += CountSurvivors(view, query);
 }
 
 }  // namespace halfspace::bench

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "dispatch/for_each_target.h"
+#include "kernels/compiled_targets.h"
 #include "halfspace/targets.h"
 
 namespace halfspace::bench {
@@ -14,7 +14,7 @@ namespace halfspace::bench {
 template <typename Function, typename Get>
 Function FunctionOf(Target wanted, const Get& get) {
   Function found{};
-  dispatch::ForEachCompiledTarget([&](auto target) {
+  kernels::ForEachCompiledTarget([&](auto target) {
     if (wanted.highway_bit() == target()) found = get(target);
   });
   return found;

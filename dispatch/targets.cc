@@ -6,11 +6,12 @@
 #include <cstdlib>
 #include <string>
 
-#include "dispatch/for_each_target.h"
+#include "dispatch/chosen_target.h"
 #include "dispatch/registry.h"
 #include "dispatch/target_table.h"
 #include "hwy/highway.h"
 #include "hwy/targets.h"
+#include "kernels/compiled_targets.h"
 #include "kernels/error.h"
 
 namespace halfspace {
@@ -20,28 +21,26 @@ namespace {
 // One target; all pointers are null if it is not in this build.
 struct Entry {
   // In 2, 3, 4 dimensions.
-  std::array<const KernelTable& (*)(), 3> kernels{};
   std::array<const FitTable& (*)(), 3> fit{};
   std::size_t (*lanes)() = nullptr;
 };
 
 // By the index of the target's bit.
-constexpr std::array<Entry, kTargetBits> kEntries = [] {
-  std::array<Entry, kTargetBits> entries{};
-  ForEachCompiledTarget([&entries](auto target) {
+constexpr std::array<Entry, kernels::kTargetBits> kEntries = [] {
+  std::array<Entry, kernels::kTargetBits> entries{};
+  kernels::ForEachCompiledTarget([&entries](auto target) {
     constexpr std::int64_t kTarget = target();
     entries[std::countr_zero(static_cast<std::uint64_t>(kTarget))] = {
-        {&TableOf<kTarget, 2>, &TableOf<kTarget, 3>, &TableOf<kTarget, 4>},
         {&FitTableOf<kTarget, 2>, &FitTableOf<kTarget, 3>,
          &FitTableOf<kTarget, 4>},
-        &LanesOf<kTarget>};
+        &kernels::LanesOf<kTarget>};
   });
   return entries;
 }();
 
 // A lower bit is a better target, by Highway's convention.
 struct TargetList {
-  std::array<Target, kTargetBits> targets;
+  std::array<Target, kernels::kTargetBits> targets;
   std::size_t count = 0;
 
   explicit TargetList(std::int64_t bits) {
@@ -140,12 +139,15 @@ const TargetChoice& Choice() {
                                               : WhyNot(target.name()));
 }
 
+// The target that HALFSPACE_TARGET asks for, or the best one.
+Target ChosenFor(std::string_view call) {
+  if (!Choice().error.empty()) ThrowBadChoice(call);
+  return Choice().target;
+}
+
 // The entry of a target that a caller names, or of the chosen one.
 const Entry& EntryOf(Target target, std::string_view call) {
-  if (target == Target()) {
-    if (!Choice().error.empty()) ThrowBadChoice(call);
-    target = Choice().target;
-  }
+  if (target == Target()) target = ChosenFor(call);
   const Entry* entry = FindEntry(target);
   if (entry == nullptr) ThrowBadTarget(target, call);
   return *entry;
@@ -155,16 +157,19 @@ std::size_t IndexOf(int dims) { return static_cast<std::size_t>(dims - 2); }
 
 }  // namespace
 
-constinit ResolvedKernels resolved_kernels{};
+constinit std::array<std::atomic<std::uint8_t>, 65> resolved_indices{};
 
-const KernelTable& ResolveKernels(Target target, int dims,
-                                  std::string_view call) {
-  const KernelTable& kernels = EntryOf(target, call).kernels[IndexOf(dims)]();
-  const auto bit = static_cast<std::uint64_t>(target.highway_bit());
-  resolved_kernels[static_cast<std::size_t>(std::countr_zero(bit))]
-                  [IndexOf(dims)]
-                      .store(&kernels, std::memory_order_release);
-  return kernels;
+std::size_t ResolveIndex(Target target, const char* call) {
+  const std::int64_t bit =
+      (target == Target() ? ChosenFor(call) : target).highway_bit();
+  EntryOf(target, call);
+  // Better targets have lower bits, and come before it.
+  const std::size_t index = static_cast<std::size_t>(
+      std::popcount(static_cast<std::uint64_t>(HWY_TARGETS & (bit - 1))));
+  resolved_indices[static_cast<std::size_t>(std::countr_zero(
+      static_cast<std::uint64_t>(target.highway_bit())))]
+      .store(static_cast<std::uint8_t>(index + 1), std::memory_order_relaxed);
+  return index;
 }
 
 const FitTable& FitKernelsFor(Target target, int dims, std::string_view call) {

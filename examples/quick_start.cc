@@ -16,7 +16,7 @@ int main() {
 
   std::vector<std::uint32_t> touched(world.size());
   const auto found = halfspace::Survivors(world, query, touched);
-  for (std::size_t i = 0; i < found.count; ++i) {
+  for (std::size_t i = 0; i < found; ++i) {
     std::printf("object %u may be touched\n", touched[i]);
   }
 }

@@ -24,9 +24,9 @@ int main() {
 
   if (!halfspace::AnySurvivor(streets, selection)) return 1;
   const std::size_t octagons =
-      halfspace::CountSurvivors(streets, selection).count;
+      halfspace::CountSurvivors(streets, selection);
   const std::size_t boxes =
-      halfspace::CountSurvivors(streets.view().aabb(), selection.aabb()).count;
+      halfspace::CountSurvivors(streets.view().aabb(), selection.aabb());
   std::printf("%zu rows could match; boxes alone would have kept %zu\n",
               octagons, boxes);
   return octagons <= boxes ? 0 : 1;

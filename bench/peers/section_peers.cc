@@ -52,7 +52,7 @@ class Boxes {
 
  private:
   std::size_t Scan(const Aabb3& query) {
-    return Survivors(coded_, query, indices_, {.target = target_}).count;
+    return Survivors(coded_, query, indices_, {.target = target_});
   }
 
   Case TreeCase(std::string name, const BoxTree& tree) {

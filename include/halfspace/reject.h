@@ -17,8 +17,7 @@
 //            a coded one of codes.h
 //   query    the world's Query type: DownSimplex, Aabb or Aabo
 //   options  schedule, target, and the range of objects; the defaults are right
-// and says which target really ran. reject_many.h has the same for many
-// queries.
+// reject_many.h has the same for many queries.
 //
 // Masks: object i is bit i % 64 of word i / 64; MaskWords(n) words in all.
 // Words past those are not touched, and bits past object n - 1 in the last one
@@ -47,6 +46,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "halfspace/bounds.h"
@@ -78,21 +78,9 @@ struct Range {
 
 struct Options {
   Schedule schedule = Schedule::kAuto;
-  Target target = {};  // the chosen target
-  Range range = {};    // the whole world
-};
-
-// How many objects survived, and the target that found them.
-struct SurvivorCount {
-  std::size_t count = 0;
-  Target target;
-};
-
-// Whether any object survived, and the target that found out.
-struct SurvivorFlag {
-  bool any = false;
-  Target target;
-  explicit operator bool() const { return any; }
+  Target target = {};     // the chosen target
+  Range range = {};       // the whole world
+  Target* ran = nullptr;  // if it is not null, is told which target ran
 };
 
 // Words of a mask over n objects.
@@ -103,51 +91,50 @@ constexpr std::size_t MaskWords(std::size_t objects) {
 // Writes the reject mask: 1 = rejected, and 1 past the last object.
 //   mask  at least MaskWords(world size) words
 template <typename AnyWorld>
-Target RejectMask(const AnyWorld& world, const typename AnyWorld::Query& query,
-                  std::span<std::uint64_t> mask, const Options& options = {}) {
-  return detail::RejectMask(detail::ScanOfOne(world.view(), query), mask,
-                            options);
+void RejectMask(const AnyWorld& world, const typename AnyWorld::Query& query,
+                std::span<std::uint64_t> mask, const Options& options = {}) {
+  detail::RejectMask(detail::ScanOfOne(world.view(), query), mask, options);
 }
 
 // Writes the survivor mask: 1 = survives, and 0 past the last object.
 //   mask  at least MaskWords(world size) words
 template <typename AnyWorld>
-Target SurvivorMask(const AnyWorld& world,
-                    const typename AnyWorld::Query& query,
-                    std::span<std::uint64_t> mask,
-                    const Options& options = {}) {
-  return detail::SurvivorMask(detail::ScanOfOne(world.view(), query), mask,
-                              options);
+void SurvivorMask(const AnyWorld& world, const typename AnyWorld::Query& query,
+                  std::span<std::uint64_t> mask, const Options& options = {}) {
+  detail::SurvivorMask(detail::ScanOfOne(world.view(), query), mask, options);
 }
 
 // Writes the indices of the survivors, ascending, and returns how many there
 // are. A span that is too short is no error: the first indices that fit are
 // written, nothing past the span, and the full count is returned.
 template <typename AnyWorld>
-[[nodiscard]] SurvivorCount Survivors(const AnyWorld& world,
-                                      const typename AnyWorld::Query& query,
-                                      std::span<std::uint32_t> indices,
-                                      const Options& options = {}) {
+[[nodiscard]] std::size_t Survivors(const AnyWorld& world,
+                                    const typename AnyWorld::Query& query,
+                                    std::span<std::uint32_t> indices,
+                                    const Options& options = {}) {
   return detail::Survivors(detail::ScanOfOne(world.view(), query), indices,
                            options);
 }
 
 // Counts the survivors.
 template <typename AnyWorld>
-[[nodiscard]] SurvivorCount CountSurvivors(
-    const AnyWorld& world, const typename AnyWorld::Query& query,
-    const Options& options = {}) {
+[[nodiscard]] std::size_t CountSurvivors(const AnyWorld& world,
+                                         const typename AnyWorld::Query& query,
+                                         const Options& options = {}) {
   return detail::CountSurvivors(detail::ScanOfOne(world.view(), query),
                                 options);
 }
 
-// Whether anything survives. Looks at the first 512 objects, then at 4096 after
-// 4096, until there is a survivor.
+// The index of the first survivor, if there is one. Looks at the first 512
+// objects, then at 4096 after 4096, until there is a survivor.
 template <typename AnyWorld>
-[[nodiscard]] SurvivorFlag AnySurvivor(const AnyWorld& world,
-                                       const typename AnyWorld::Query& query,
-                                       const Options& options = {}) {
-  return detail::AnySurvivor(detail::ScanOfOne(world.view(), query), options);
+[[nodiscard]] std::optional<std::size_t> AnySurvivor(
+    const AnyWorld& world, const typename AnyWorld::Query& query,
+    const Options& options = {}) {
+  const std::size_t first =
+      detail::AnySurvivor(detail::ScanOfOne(world.view(), query), options);
+  if (first == detail::kNoSurvivor) return std::nullopt;
+  return first;
 }
 
 }  // namespace halfspace

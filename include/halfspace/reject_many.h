@@ -13,7 +13,6 @@
 //   options  as there; a range of objects is how threads share the work: give
 //            each thread a range, and the same outputs where the output is rows
 //            of masks, its own where it is lists or counts
-// and says which target ran.
 //
 // Errors, thread safety and the meaning of masks are those of reject.h. Errors
 // too are lists of pairs that overlap one another where they are written, and
@@ -38,21 +37,18 @@ namespace halfspace {
 // words [q * MaskWords(world size), (q + 1) * MaskWords(world size)) of `rows`,
 // which has room for all.
 template <typename AnyWorld>
-Target RejectMasks(const AnyWorld& world,
-                   std::span<const typename AnyWorld::Query> queries,
-                   std::span<std::uint64_t> rows, const Options& options = {}) {
-  return detail::RejectMasks(detail::ScanOf(world.view(), queries), rows,
-                             options);
+void RejectMasks(const AnyWorld& world,
+                 std::span<const typename AnyWorld::Query> queries,
+                 std::span<std::uint64_t> rows, const Options& options = {}) {
+  detail::RejectMasks(detail::ScanOf(world.view(), queries), rows, options);
 }
 
 // The same with survivor masks.
 template <typename AnyWorld>
-Target SurvivorMasks(const AnyWorld& world,
-                     std::span<const typename AnyWorld::Query> queries,
-                     std::span<std::uint64_t> rows,
-                     const Options& options = {}) {
-  return detail::SurvivorMasks(detail::ScanOf(world.view(), queries), rows,
-                               options);
+void SurvivorMasks(const AnyWorld& world,
+                   std::span<const typename AnyWorld::Query> queries,
+                   std::span<std::uint64_t> rows, const Options& options = {}) {
+  detail::SurvivorMasks(detail::ScanOf(world.view(), queries), rows, options);
 }
 
 // Writes every surviving pair: query_indices[j] and object_indices[j]. Pairs
@@ -61,7 +57,7 @@ Target SurvivorMasks(const AnyWorld& world,
 // pairs is returned. At most 2^32 objects and queries. The spans must not
 // overlap.
 template <typename AnyWorld>
-[[nodiscard]] SurvivorCount SurvivorPairs(
+[[nodiscard]] std::size_t SurvivorPairs(
     const AnyWorld& world, std::span<const typename AnyWorld::Query> queries,
     std::span<std::uint32_t> query_indices,
     std::span<std::uint32_t> object_indices, const Options& options = {}) {
@@ -72,12 +68,12 @@ template <typename AnyWorld>
 // Writes how many objects survive each query: counts[q] of queries[q]. `counts`
 // has room for all.
 template <typename AnyWorld>
-Target SurvivorCounts(const AnyWorld& world,
-                      std::span<const typename AnyWorld::Query> queries,
-                      std::span<std::size_t> counts,
-                      const Options& options = {}) {
-  return detail::SurvivorCounts(detail::ScanOf(world.view(), queries), counts,
-                                options);
+void SurvivorCounts(const AnyWorld& world,
+                    std::span<const typename AnyWorld::Query> queries,
+                    std::span<std::size_t> counts,
+                    const Options& options = {}) {
+  detail::SurvivorCounts(detail::ScanOf(world.view(), queries), counts,
+                         options);
 }
 
 // The survivors of a few queries in a part of the world.
@@ -102,12 +98,12 @@ struct SurvivorTile {
 // to be used while they are in the cache, and never stored. What the function
 // throws passes through.
 template <typename AnyWorld, typename Function>
-Target ForEachTile(const AnyWorld& world,
-                   std::span<const typename AnyWorld::Query> queries,
-                   Function&& function, const Options& options = {}) {
+void ForEachTile(const AnyWorld& world,
+                 std::span<const typename AnyWorld::Query> queries,
+                 Function&& function, const Options& options = {}) {
   // Also of what no pointer to data can name: a function.
   auto call = [&function](const SurvivorTile& tile) { function(tile); };
-  return detail::ForEachTile(
+  detail::ForEachTile(
       detail::ScanOf(world.view(), queries),
       [](void* context, const SurvivorTile& tile) {
         (*static_cast<decltype(call)*>(context))(tile);

@@ -133,10 +133,10 @@ class World {
     const auto expected = all.first(std::min(capacity_, all.size()));
     Canaried<std::uint32_t> indices;
     const auto out = indices.Reset(capacity_);
-    const SurvivorCount counted = Survivors(view, query, out, options);
-    if (counted.count != all.size()) {
+    const std::size_t counted = Survivors(view, query, out, options);
+    if (counted != all.size()) {
       return internal::Fail("Survivors", options)
-             << "expected " << all.size() << ", got " << counted.count;
+             << "expected " << all.size() << ", got " << counted;
     }
     if (!internal::Same<std::uint32_t>(expected, out)) {
       return internal::FailElement<std::uint32_t>("Survivors", options,

@@ -86,8 +86,8 @@ class CodeHashTest : public ::testing::Test {
     for (const auto& query : queries_) {
       SurvivorMask(world_.codes(), query, mask, options);
       hash.AddAll(mask);
-      survivors_ += CountSurvivors(world_.codes(), query, options).count;
-      exact_ += CountSurvivors(floats_, query, options).count;
+      survivors_ += CountSurvivors(world_.codes(), query, options);
+      exact_ += CountSurvivors(floats_, query, options);
     }
     return hash.value();
   }

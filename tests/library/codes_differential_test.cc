@@ -84,7 +84,7 @@ TYPED_TEST(CodesDifferentialTest, FromAfar) {
   const std::size_t record_bytes =
       sizeof(Bound) / sizeof(float) * sizeof(typename TypeParam::Code);
   // The largest first.
-  std::vector<std::size_t> sizes = SizesFromAfar(record_bytes);
+  std::vector<std::size_t> sizes = SizesFromMemory(record_bytes);
   for (std::size_t left = Scaled(sizes.size()); left != 0; --left) {
     this->Check(CodedInputKind::kClustered, sizes.back(), 4);
     sizes.pop_back();

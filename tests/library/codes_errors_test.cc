@@ -129,8 +129,7 @@ TYPED_TEST(CodesErrorsTest, ViewOfNothingNeedsNoPlanes) {
   EXPECT_TRUE(this->codes_.empty());
   EXPECT_TRUE(this->codes_.Fits());
   EXPECT_EQ(
-      CountSurvivors(Confirmed(this->codes_, View()), View::Query::Everything())
-          .count,
+      CountSurvivors(Confirmed(this->codes_, View()), View::Query::Everything()),
       0u);
 }
 

@@ -128,8 +128,8 @@ TYPED_TEST(CodesFitsTest, GrowingWorldsLearn) {
     std::size_t of_made = 0;
     for (int i = 0; i < 50; ++i) {
       const auto query = MakeCodedQuery<View>(bounds, this->random_);
-      of_grown += CountSurvivors(grown.codes(), query).count;
-      of_made += CountSurvivors(made.codes(), query).count;
+      of_grown += CountSurvivors(grown.codes(), query);
+      of_made += CountSurvivors(made.codes(), query);
     }
     EXPECT_GT(of_made, 0u);
     EXPECT_LT(of_grown, of_made + of_made / 5);

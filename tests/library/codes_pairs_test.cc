@@ -138,7 +138,7 @@ TYPED_TEST(CodesPairsTest, BetweenThresholdsTheNextOneOutwardCounts) {
     typename View::Query query{};
     const auto survivors = [&](float value) {
       OpposingValue<View>(query, p) = value;
-      return CountSurvivors(codes, query, options).count;
+      return CountSurvivors(codes, query, options);
     };
     const float value = this->ValueOf(kCode);
     const std::size_t count = survivors(value);

@@ -71,8 +71,8 @@ class CodesQualityTest : public ::testing::Test {
     std::size_t coded = 0;
     for (int i = 0; i < 64; ++i) {
       const Query query = RandomQuery();
-      exact += CountSurvivors(floats, query).count;
-      coded += CountSurvivors(codes, query).count;
+      exact += CountSurvivors(floats, query);
+      coded += CountSurvivors(codes, query);
     }
     EXPECT_GT(exact, 100u);
     return static_cast<double>(coded) / static_cast<double>(exact);

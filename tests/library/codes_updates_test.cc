@@ -156,11 +156,11 @@ TYPED_TEST(CodesUpdatesTest, PushToAnEmptyMapIsConservative) {
   using View = typename TypeParam::View;
   typename TestFixture::TheCodes codes;
   EXPECT_TRUE(codes.empty());
-  EXPECT_EQ(CountSurvivors(codes, View::Query::Everything()).count, 0u);
+  EXPECT_EQ(CountSurvivors(codes, View::Query::Everything()), 0u);
   typename TestFixture::Model model = this->RandomBounds(100);
   for (const auto& bound : model) codes.Push(bound);
   this->ExpectAnswers(codes, model);
-  EXPECT_EQ(CountSurvivors(codes, View::Query::Everything()).count, 100u);
+  EXPECT_EQ(CountSurvivors(codes, View::Query::Everything()), 100u);
   EXPECT_FALSE(codes.Fits());
 }
 

@@ -97,9 +97,9 @@ TYPED_TEST(DifferentialTest, SizesAroundTiles) {
   this->CheckKinds(SizesAroundTiles(), Scaled(2), kInputKinds.size());
 }
 
-TYPED_TEST(DifferentialTest, SizesFromAfar) {
+TYPED_TEST(DifferentialTest, SizesFromMemory) {
   const auto query = TypeParam::Seen(typename TypeParam::Stored::Query());
-  this->CheckKinds(SizesFromAfar(sizeof(query)), 1, Scaled(kInputKinds.size()));
+  this->CheckKinds(SizesFromMemory(sizeof(query)), 1, Scaled(kInputKinds.size()));
 }
 
 }  // namespace

@@ -18,20 +18,25 @@ TEST(DispatchRaceTest, AllThreadsGetTheChosenTargetAndTheAnswer) {
   constexpr std::size_t kThreads = 16;
   constexpr std::size_t kObjects = 1000;
   const AaboWorld3 world(std::vector<Aabo3>(kObjects, Aabo3::Everything()));
-  std::array<SurvivorCount, kThreads> counted;
+  struct Answer {
+    std::size_t survivors = 0;
+    Target ran;
+  };
+  std::array<Answer, kThreads> answers;
   std::barrier start(kThreads);
   {
     std::vector<std::jthread> threads;
-    for (SurvivorCount& mine : counted) {
+    for (Answer& mine : answers) {
       threads.emplace_back([&world, &start, &mine] {
         start.arrive_and_wait();
-        mine = CountSurvivors(world, Aabo3::Everything());
+        mine.survivors =
+            CountSurvivors(world, Aabo3::Everything(), {.ran = &mine.ran});
       });
     }
   }
-  for (const SurvivorCount& one : counted) {
-    EXPECT_EQ(one.count, kObjects);
-    EXPECT_EQ(one.target, ChosenTarget());
+  for (const Answer& one : answers) {
+    EXPECT_EQ(one.survivors, kObjects);
+    EXPECT_EQ(one.ran, ChosenTarget());
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 
 #include "halfspace/reject.h"
 #include "tests/library/canaries.h"
@@ -23,22 +24,31 @@ struct CallOutputs {
 };
 
 // Calls visit(name, call) for each of the five; call() returns the target that
-// ran.
+// ran, as the call tells it.
 template <typename AnyWorld, typename Visit>
 void ForEachCall(const AnyWorld& world, const typename AnyWorld::Query& query,
                  const Options& options, CallOutputs& outputs, Visit visit) {
   const auto mask = outputs.mask.Reset(CallOutputs::kRoom);
   const auto indices = outputs.indices.Reset(CallOutputs::kRoom);
-  visit(std::string_view("RejectMask"),
-        [&] { return RejectMask(world, query, mask, options); });
-  visit(std::string_view("SurvivorMask"),
-        [&] { return SurvivorMask(world, query, mask, options); });
-  visit(std::string_view("Survivors"),
-        [&] { return Survivors(world, query, indices, options).target; });
-  visit(std::string_view("CountSurvivors"),
-        [&] { return CountSurvivors(world, query, options).target; });
-  visit(std::string_view("AnySurvivor"),
-        [&] { return AnySurvivor(world, query, options).target; });
+  Options asking = options;
+  Target ran;
+  asking.ran = &ran;
+  const auto visit_call = [&](std::string_view name, auto call) {
+    visit(name, [&] {
+      ran = {};
+      call();
+      return ran;
+    });
+  };
+  visit_call("RejectMask", [&] { RejectMask(world, query, mask, asking); });
+  visit_call("SurvivorMask", [&] { SurvivorMask(world, query, mask, asking); });
+  visit_call("Survivors", [&] {
+    std::ignore = Survivors(world, query, indices, asking);
+  });
+  visit_call("CountSurvivors",
+             [&] { std::ignore = CountSurvivors(world, query, asking); });
+  visit_call("AnySurvivor",
+             [&] { std::ignore = AnySurvivor(world, query, asking); });
 }
 
 }  // namespace halfspace::testing

@@ -32,7 +32,7 @@ TEST_F(HugeWorldTest, CountsBeyond32Bits) {
   constexpr std::size_t kObjects = kTwoTo32 + 70;
   const Repeated<float> plane(1.f, kObjects);
   ASSERT_TRUE(plane.ok());
-  EXPECT_EQ(CountSurvivors(World(plane, kObjects), {{1.f, 1.f, 1.f}}).count,
+  EXPECT_EQ(CountSurvivors(World(plane, kObjects), {{1.f, 1.f, 1.f}}),
             kObjects);
 }
 
@@ -59,7 +59,7 @@ TEST_F(HugeWorldTest, LastIndexOf32Bits) {
   ASSERT_TRUE(plane.ok());
   plane.data()[kTwoTo32 - 1] = 0.f;
   std::vector<std::uint32_t> indices(2, 7);
-  EXPECT_EQ(Survivors(World(plane, kTwoTo32), {{0.f, 0.f, 0.f}}, indices).count,
+  EXPECT_EQ(Survivors(World(plane, kTwoTo32), {{0.f, 0.f, 0.f}}, indices),
             1u);
   EXPECT_EQ(indices[0], std::numeric_limits<std::uint32_t>::max());
   EXPECT_EQ(indices[1], 7u);
@@ -124,8 +124,8 @@ TEST_F(HugeRangeTest, Masks) {
 }
 
 TEST_F(HugeRangeTest, CountsAndFlag) {
-  EXPECT_EQ(CountSurvivors(World(), query_, {.range = kMiddle}).count, 1u);
-  EXPECT_EQ(CountSurvivors(World(), query_, {.range = kEnd}).count, 1u);
+  EXPECT_EQ(CountSurvivors(World(), query_, {.range = kMiddle}), 1u);
+  EXPECT_EQ(CountSurvivors(World(), query_, {.range = kEnd}), 1u);
   EXPECT_TRUE(AnySurvivor(World(), query_, {.range = kMiddle}));
   EXPECT_TRUE(AnySurvivor(World(), query_, {.range = kEnd}));
   EXPECT_FALSE(AnySurvivor(World(), query_,

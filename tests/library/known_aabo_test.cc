@@ -102,9 +102,9 @@ TEST(KnownAaboTest, SeenAsSimplexAndAsBox) {
   // The point (1, 1, 1): only max D tells it from the query.
   const AaboWorld3 world(std::vector<Aabo3>{{{1, 1, 1, -3}, {1, 1, 1, -3}}});
   const Aabo3 query{{0, 0, 0, -2}, {2, 2, 2, 0}};
-  EXPECT_EQ(CountSurvivors(world, query).count, 0u);
-  EXPECT_EQ(CountSurvivors(world.view().simplex(), query.down()).count, 1u);
-  EXPECT_EQ(CountSurvivors(world.view().aabb(), query.aabb()).count, 1u);
+  EXPECT_EQ(CountSurvivors(world, query), 0u);
+  EXPECT_EQ(CountSurvivors(world.view().simplex(), query.down()), 1u);
+  EXPECT_EQ(CountSurvivors(world.view().aabb(), query.aabb()), 1u);
 }
 
 TEST(KnownAaboTest, QueryForEverything) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <tuple>
 
 #include "halfspace/reject_many.h"
 #include "tests/library/canaries.h"
@@ -30,7 +31,7 @@ struct ManyCallOutputs {
 };
 
 // Calls visit(name, call) for each of the five; call() returns the target that
-// ran.
+// ran, as the call tells it.
 template <typename AnyWorld, typename Visit>
 void ForEachManyCall(const AnyWorld& world,
                      std::span<const typename AnyWorld::Query> queries,
@@ -42,19 +43,28 @@ void ForEachManyCall(const AnyWorld& world,
   const auto object_indices = outputs.object_indices.Reset(kRoom);
   const auto counts = outputs.counts.Reset(kRoom);
   outputs.tiles = 0;
-  visit(std::string_view("RejectMasks"),
-        [&] { return RejectMasks(world, queries, rows, options); });
-  visit(std::string_view("SurvivorMasks"),
-        [&] { return SurvivorMasks(world, queries, rows, options); });
-  visit(std::string_view("SurvivorPairs"), [&] {
-    return SurvivorPairs(world, queries, query_indices, object_indices, options)
-        .target;
+  Options asking = options;
+  Target ran;
+  asking.ran = &ran;
+  const auto visit_call = [&](std::string_view name, auto call) {
+    visit(name, [&] {
+      ran = {};
+      call();
+      return ran;
+    });
+  };
+  visit_call("RejectMasks", [&] { RejectMasks(world, queries, rows, asking); });
+  visit_call("SurvivorMasks",
+             [&] { SurvivorMasks(world, queries, rows, asking); });
+  visit_call("SurvivorPairs", [&] {
+    std::ignore =
+        SurvivorPairs(world, queries, query_indices, object_indices, asking);
   });
-  visit(std::string_view("SurvivorCounts"),
-        [&] { return SurvivorCounts(world, queries, counts, options); });
-  visit(std::string_view("ForEachTile"), [&] {
-    return ForEachTile(
-        world, queries, [&](const SurvivorTile&) { ++outputs.tiles; }, options);
+  visit_call("SurvivorCounts",
+             [&] { SurvivorCounts(world, queries, counts, asking); });
+  visit_call("ForEachTile", [&] {
+    ForEachTile(
+        world, queries, [&](const SurvivorTile&) { ++outputs.tiles; }, asking);
   });
 }
 

@@ -138,8 +138,7 @@ TYPED_TEST(ManyOutputErrorsTest, PairsSideBySideAreFine) {
   const std::size_t all = this->queries_.size() * this->view_.size;
   for (std::size_t begin : {std::size_t{0}, 2 * kPairs}) {
     EXPECT_EQ(SurvivorPairs(this->view_, this->queries_,
-                            {&room[kPairs], kPairs}, {&room[begin], kPairs})
-                  .count,
+                            {&room[kPairs], kPairs}, {&room[begin], kPairs}),
               all);
   }
   const std::vector<std::uint32_t> expected = {0, 1, 2, 3, 0, 0,
@@ -152,21 +151,18 @@ TYPED_TEST(ManyOutputErrorsTest, PairsSideBySideAreFine) {
 TYPED_TEST(ManyOutputErrorsTest, RoomForMorePairsMayOverlap) {
   std::vector<std::uint32_t> room(10, 7);
   EXPECT_EQ(
-      SurvivorPairs(this->view_, this->queries_, {&room[0], 8}, {&room[2], 2})
-          .count,
+      SurvivorPairs(this->view_, this->queries_, {&room[0], 8}, {&room[2], 2}),
       this->queries_.size() * this->view_.size);
   EXPECT_EQ(room, (std::vector<std::uint32_t>{0, 0, 0, 1, 7, 7, 7, 7, 7, 7}));
   auto two = this->view_;
   two.size = 2;
   EXPECT_EQ(
-      SurvivorPairs(two, this->queries_.first(1), {&room[4], 4}, {&room[6], 4})
-          .count,
+      SurvivorPairs(two, this->queries_.first(1), {&room[4], 4}, {&room[6], 4}),
       2u);
   EXPECT_EQ(room, (std::vector<std::uint32_t>{0, 0, 0, 1, 0, 0, 0, 1, 7, 7}));
   // Nothing survives in a world without objects.
   EXPECT_EQ(SurvivorPairs(typename TestFixture::View{}, this->queries_,
-                          {&room[0], 8}, {&room[0], 8})
-                .count,
+                          {&room[0], 8}, {&room[0], 8}),
             0u);
 }
 

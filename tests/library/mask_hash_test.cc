@@ -100,11 +100,11 @@ class MaskHashTest : public ::testing::Test {
       hash.AddAll(mask);
       SurvivorMask(view, query, mask, options);
       hash.AddAll(mask);
-      const std::size_t listed = Survivors(view, query, indices, options).count;
+      const std::size_t listed = Survivors(view, query, indices, options);
       hash.AddAll(std::span(indices).first(listed));
       hash.Add(listed);
-      hash.Add(CountSurvivors(view, query, options).count);
-      hash.Add(AnySurvivor(view, query, options).any ? 1 : 0);
+      hash.Add(CountSurvivors(view, query, options));
+      hash.Add(AnySurvivor(view, query, options).has_value() ? 1 : 0);
       survivors_ += listed;
     }
     return hash.value();
@@ -127,7 +127,7 @@ class MaskHashTest : public ::testing::Test {
     std::vector<std::uint32_t> by_pair(survivors_);
     std::vector<std::uint32_t> objects(survivors_);
     const std::size_t pairs =
-        SurvivorPairs(view, queries_, by_pair, objects, options).count;
+        SurvivorPairs(view, queries_, by_pair, objects, options);
     hash.Add(pairs);
     std::vector<std::vector<std::uint32_t>> by_query(queries_.size());
     for (std::size_t j = 0; j < std::min(pairs, survivors_); ++j) {

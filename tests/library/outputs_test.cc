@@ -79,7 +79,7 @@ TEST_P(OutputsTest, WhatFitsIsWrittenAndAllAreCounted) {
   Everywhere([&](const Options& options) {
     for (std::size_t capacity : capacities) {
       const auto out = indices.Reset(capacity);
-      EXPECT_EQ(Survivors(world, kAll, out, options).count, all.size());
+      EXPECT_EQ(Survivors(world, kAll, out, options), all.size());
       const std::size_t written = std::min(capacity, all.size());
       EXPECT_TRUE(std::equal(all.begin(),
                              all.begin() + static_cast<std::ptrdiff_t>(written),

@@ -108,8 +108,7 @@ TYPED_TEST(RangeTest, AnySurvivorSeesTheRangeAlone) {
     for (Target target : TargetsUnderTest()) {
       const auto any = [&](std::size_t begin, std::size_t end) {
         return AnySurvivor(world, query,
-                           {.target = target, .range = {begin, end}})
-            .any;
+                           {.target = target, .range = {begin, end}}).has_value();
       };
       EXPECT_TRUE(any(0, kMost)) << at;
       EXPECT_TRUE(any(word, kMost)) << at;
@@ -133,7 +132,7 @@ TYPED_TEST(RangeTest, PartsMakeTheWhole) {
   SurvivorMasks(view, queries, whole);
   SurvivorCounts(view, queries, whole_counts);
   std::vector<std::uint32_t> whole_list(kSize);
-  whole_list.resize(Survivors(view, queries[0], whole_list).count);
+  whole_list.resize(Survivors(view, queries[0], whole_list));
 
   std::vector<std::uint64_t> rows(whole.size());
   std::vector<std::size_t> counts(kQueries);
@@ -147,7 +146,7 @@ TYPED_TEST(RangeTest, PartsMakeTheWhole) {
     SurvivorMasks(view, queries, rows, options);
     SurvivorCounts(view, queries, part_counts, options);
     for (std::size_t q = 0; q < kQueries; ++q) counts[q] += part_counts[q];
-    const std::size_t found = Survivors(view, queries[0], part, options).count;
+    const std::size_t found = Survivors(view, queries[0], part, options);
     const auto end = part.begin() + static_cast<std::ptrdiff_t>(found);
     list.insert(list.end(), part.begin(), end);
   }

@@ -197,8 +197,7 @@ TYPED_TEST(RejectErrorsTest, OutputRightBesideAPlaneIsFine) {
                                {reinterpret_cast<std::uint64_t*>(gap), 1}));
     EXPECT_EQ(*reinterpret_cast<std::uint64_t*>(gap), 0u);
     EXPECT_EQ(Survivors(view, this->query_,
-                        {reinterpret_cast<std::uint32_t*>(gap), 2})
-                  .count,
+                        {reinterpret_cast<std::uint32_t*>(gap), 2}),
               64u);
   }
 }
@@ -213,7 +212,7 @@ TYPED_TEST(RejectErrorsTest, RoomForMoreIndicesThanObjectsMayOverlap) {
     PlaneOf(view, p + 1) = this->Plane(p + 1).data();
     auto* gap =
         reinterpret_cast<std::uint32_t*>(this->Plane(p).data() + kObjects);
-    EXPECT_EQ(Survivors(view, this->query_, {gap, 8}).count, 2u);
+    EXPECT_EQ(Survivors(view, this->query_, {gap, 8}), 2u);
     EXPECT_EQ(gap[1], 1u);
   }
 }
@@ -233,8 +232,8 @@ TYPED_TEST(RejectErrorsTest, EmptyWorldNeedsNoPlanesAndNoOutput) {
   const auto& query = this->query_;
   EXPECT_NO_THROW(RejectMask(view, query, {}));
   EXPECT_NO_THROW(SurvivorMask(view, query, {}));
-  EXPECT_EQ(Survivors(view, query, {}).count, 0u);
-  EXPECT_EQ(CountSurvivors(view, query).count, 0u);
+  EXPECT_EQ(Survivors(view, query, {}), 0u);
+  EXPECT_EQ(CountSurvivors(view, query), 0u);
   EXPECT_FALSE(AnySurvivor(view, query));
   ForEachCall(view, query, {}, this->outputs_,
               [](std::string_view, auto call) { call(); });

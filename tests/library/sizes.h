@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "kernels/mask_job.h"
+#include "dispatch/scan/prepare.h"
 #include "tests/library/environment.h"
 
 namespace halfspace::testing {
@@ -29,9 +29,9 @@ inline std::vector<std::size_t> SizesAroundTiles() {
 
 // Around where planes are taken page by page, for objects of `record_bytes`;
 // and whole pages of words and a part of one beyond, with a tail.
-inline std::vector<std::size_t> SizesFromAfar(std::size_t record_bytes) {
-  const std::size_t near = kernels::kNearBytes / record_bytes / 64 * 64;
-  return {near, near + 64, near + 4096 + 7 * 64 + 37};
+inline std::vector<std::size_t> SizesFromMemory(std::size_t record_bytes) {
+  const std::size_t last = dispatch::kInCacheBytes / record_bytes / 64 * 64;
+  return {last, last + 64, last + 4096 + 7 * 64 + 37};
 }
 
 }  // namespace halfspace::testing

@@ -270,11 +270,11 @@ TYPED_TEST(AaboWorldViewsTest, AnswerAsSeparateWorldsDo) {
     SurvivorMask(aabos.view().simplex(), query.down(), seen);
     SurvivorMask(simplices, query.down(), own);
     ASSERT_EQ(seen, own);
-    survivors += CountSurvivors(simplices, query.down()).count;
+    survivors += CountSurvivors(simplices, query.down());
     SurvivorMask(aabos.view().aabb(), query.aabb(), seen);
     SurvivorMask(boxes, query.aabb(), own);
     ASSERT_EQ(seen, own);
-    survivors += CountSurvivors(boxes, query.aabb()).count;
+    survivors += CountSurvivors(boxes, query.aabb());
   }
   EXPECT_GT(survivors, 0u);
   EXPECT_LT(survivors, 2u * 50 * 500);

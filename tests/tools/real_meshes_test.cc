@@ -45,9 +45,9 @@ Survivors CountAll(const AaboView3& world, const std::vector<Aabo3>& queries,
   const Options options = {.target = target};
   Survivors sum;
   for (const Aabo3& query : queries) {
-    sum.simplex += CountSurvivors(world.simplex(), query.down(), options).count;
-    sum.aabb += CountSurvivors(world.aabb(), query.aabb(), options).count;
-    sum.aabo += CountSurvivors(world, query, options).count;
+    sum.simplex += CountSurvivors(world.simplex(), query.down(), options);
+    sum.aabb += CountSurvivors(world.aabb(), query.aabb(), options);
+    sum.aabo += CountSurvivors(world, query, options);
   }
   return sum;
 }

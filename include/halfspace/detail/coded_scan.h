@@ -64,21 +64,34 @@ struct ConfirmedView {
   ConfirmedView view() const { return *this; }
 };
 
+template <typename Stored>
+void EncodeQueries(const Scan& scan, std::size_t first, std::size_t count,
+                   void* codes) {
+  const float* values =
+      static_cast<const float*>(scan.queries) + first * scan.plane_count;
+  auto* to = static_cast<Stored*>(codes);
+  for (std::size_t q = 0; q < count; ++q) {
+    scan.book->CodeQuery(values, to);
+    values += scan.plane_count;
+    to += scan.plane_count;
+  }
+}
+
 template <typename FloatView, typename Code>
 Scan MakeScan(const CodedView<FloatView, Code>& view,
               std::span<const typename FloatView::Query> queries) {
   using Bound = typename FloatView::Bound;
-  Scan scan = MakeScan(FloatView(), queries);
+  Scan scan = ScanOfQueries<FloatView>(queries);
   const auto& coded = view.planes();
-  scan.element = kElementOf<StoredCode<Code>>;
+  scan.all_kernels = KernelsOf<Bound::kAxes, StoredCode<Code>>::kTargets;
   scan.element_bytes = sizeof(Code);
-  scan.record_bytes = scan.plane_count * sizeof(Code);
   scan.size = coded.size();
   for (std::size_t p = 0; p < kPlaneCount<Bound>; ++p) {
     scan.planes[p] = coded.planes().plane(p);
   }
   scan.addresses = AddressesOf<kPlaneCount<Bound>>(scan.planes);
   scan.book = &coded.book();
+  scan.encode = &EncodeQueries<StoredCode<Code>>;
   return scan;
 }
 
@@ -86,8 +99,8 @@ template <typename FloatView, typename Code, typename Floats>
 Scan MakeScan(const ConfirmedView<FloatView, Code, Floats>& view,
               std::span<const typename FloatView::Query> queries) {
   Scan scan = MakeScan(view.codes, queries);
-  scan.is_confirmed = true;
-  scan.confirming = ColumnsOf(view.floats);
+  scan.is_refined = true;
+  scan.floats = ColumnsOf(view.floats);
   return scan;
 }
 

@@ -18,25 +18,44 @@
 namespace halfspace {
 
 struct Options;
-struct SurvivorCount;
-struct SurvivorFlag;
 struct SurvivorTile;
 
 namespace detail {
 
 class CodeBook;
+struct TargetKernels;
 
 enum class Shape : std::uint8_t { kSimplex, kAabb, kAabo };
-enum class Element : std::uint8_t { kFloat32, kFloat64, kCode8, kCode16 };
 
-template <typename T>
-inline constexpr Element kElementOf = Element::kFloat32;
-template <>
-inline constexpr Element kElementOf<double> = Element::kFloat64;
-template <>
-inline constexpr Element kElementOf<std::int8_t> = Element::kCode8;
-template <>
-inline constexpr Element kElementOf<std::int16_t> = Element::kCode16;
+// How the planes of a scan are gone through: one enumerator for each kernel.
+enum Way : std::uint8_t {
+  kMinima,           // the minima of every object, all at once
+  kMinimaStreaming,  // the same for one query out of the caches
+  kAll,              // minima and maxima of every object
+  kAllStreaming,
+  kByAxis,     // axis after axis, for the groups of objects that are left
+  kBySimplex,  // the minima, then the maxima of the words that are left
+  kWays
+};
+
+// The kernels of bounds with kAxes axes whose planes are stored as T, of each
+// compiled target, best first. They are an object file of the library for each
+// pair, so that a program links those that its worlds name, and no others.
+template <std::size_t kAxes, typename T>
+struct HALFSPACE_API KernelsOf {
+  static const TargetKernels* const kTargets;
+};
+
+#define HALFSPACE_DECLARE_KERNELS(T)      \
+  extern template struct KernelsOf<2, T>; \
+  extern template struct KernelsOf<3, T>; \
+  extern template struct KernelsOf<4, T>; \
+  extern template struct KernelsOf<5, T>
+HALFSPACE_DECLARE_KERNELS(float);
+HALFSPACE_DECLARE_KERNELS(double);
+HALFSPACE_DECLARE_KERNELS(std::int8_t);
+HALFSPACE_DECLARE_KERNELS(std::int16_t);
+#undef HALFSPACE_DECLARE_KERNELS
 
 // All minima, then all maxima; a simplex world has only minima.
 using PlanePointers = std::array<const void*, kMaxPlanes>;
@@ -49,34 +68,45 @@ struct AddressRange {
   std::uintptr_t bits;  // of all addresses
 };
 
-// One world and its queries. The queries lie one after another, each with all
-// minima, then all maxima; that of a simplex has only maxima.
+// One call: a world and its queries, and then what the library makes of them.
+// The queries lie one after another, each with all minima, then all maxima;
+// that of a simplex has only maxima.
 //
 // Pointers are left uninitialised past the planes of the shape: clearing them
 // costs a tenth of a call.
 struct Scan {
-  Shape shape;
-  Element element;  // of `planes`
-  std::uint8_t dims;
-  std::uint8_t axes;  // minima; as many maxima, unless it is a simplex
-  std::uint8_t plane_count;
-  std::uint8_t element_bytes;  // of a value of `planes`
-  std::uint8_t query_bytes;    // of a value of `queries`
-  std::uint8_t record_bytes;   // of an object's values in `planes`
-  std::size_t size;
   PlanePointers planes;
   AddressRange addresses;
+  std::size_t size;
+  const TargetKernels* all_kernels;  // of each target
+  Shape shape;
+  std::uint8_t axes;  // minima; as many maxima, unless it is a simplex
+  std::uint8_t plane_count;
+  std::uint8_t first_max;  // of a query's values, of which there are as many
+  std::uint8_t element_bytes;  // of a value of `planes`
+  std::uint8_t query_bytes;    // of a value of `queries`
+
+  // If it is not null, `planes` are codes, and queries, which are floats, are
+  // encoded with it: `count` of them from number `first` on.
+  const CodeBook* book;
+  void (*encode)(const Scan& scan, std::size_t first, std::size_t count,
+                 void* codes);
 
   const void* queries;
   std::size_t query_count;
 
-  // If it is not null, `planes` are codes, and queries, which are floats, are
-  // coded with it.
-  const CodeBook* book;
-
   // What survives the codes is tested with these floats too.
-  bool is_confirmed;
-  FloatColumns confirming;
+  bool is_refined;
+  FloatColumns floats;
+
+  // Set by the library, once the call is found to be right.
+  Way way;
+  bool is_streaming;
+  bool is_aligned;               // every plane begins at a multiple of 64 bytes
+  const TargetKernels* kernels;  // of the target that runs
+  const char* call;              // its name, for messages
+  std::size_t begin;             // the range of objects
+  std::size_t end;
 };
 
 template <int kDims, typename T>
@@ -113,29 +143,37 @@ AddressRange AddressesOf(const PlanePointers& planes) {
   return range;
 }
 
+// A scan of a View's bounds without its planes.
 template <typename View>
-Scan MakeScan(const View& view, std::span<const typename View::Query> queries) {
+Scan ScanOfQueries(std::span<const typename View::Query> queries) {
+  using Bound = typename View::Bound;
   using Query = typename View::Query;
   using Scalar = typename Query::Scalar;
   static_assert(std::is_standard_layout_v<Query> &&
                     sizeof(Query) == kPlaneCount<Query> * sizeof(Scalar),
                 "a query is read as a list of its values");
   Scan scan;
-  scan.shape = ShapeOf(view);
-  scan.element = kElementOf<Scalar>;
-  scan.dims = View::Bound::kDimensions;
-  scan.axes = View::Bound::kAxes;
-  scan.plane_count = kPlaneCount<typename View::Bound>;
-  scan.element_bytes = sizeof(Scalar);
+  scan.shape = ShapeOf(View());
+  scan.axes = Bound::kAxes;
+  scan.plane_count = kPlaneCount<Bound>;
+  scan.first_max = HasMin<Query> ? Bound::kAxes : 0;
   scan.query_bytes = sizeof(Scalar);
-  scan.record_bytes = scan.plane_count * sizeof(Scalar);
-  scan.size = view.size;
-  ListPlanes(view, scan.planes);
-  scan.addresses = AddressesOf<kPlaneCount<typename View::Bound>>(scan.planes);
   scan.queries = queries.data();
   scan.query_count = queries.size();
   scan.book = nullptr;
-  scan.is_confirmed = false;
+  scan.is_refined = false;
+  return scan;
+}
+
+template <typename View>
+Scan MakeScan(const View& view, std::span<const typename View::Query> queries) {
+  using Bound = typename View::Bound;
+  Scan scan = ScanOfQueries<View>(queries);
+  scan.all_kernels = KernelsOf<Bound::kAxes, typename Bound::Scalar>::kTargets;
+  scan.element_bytes = sizeof(typename Bound::Scalar);
+  scan.size = view.size;
+  ListPlanes(view, scan.planes);
+  scan.addresses = AddressesOf<kPlaneCount<Bound>>(scan.planes);
   return scan;
 }
 
@@ -150,37 +188,35 @@ Scan ScanOfOne(const View& view, const typename View::Query& query) {
   return MakeScan(view, std::span<const typename View::Query>(&query, 1));
 }
 
+// What AnySurvivor returns if there is none.
+inline constexpr std::size_t kNoSurvivor = ~std::size_t{0};
+
 // One query.
-HALFSPACE_API Target RejectMask(const Scan& scan, std::span<std::uint64_t> mask,
+HALFSPACE_API void RejectMask(Scan&& scan, std::span<std::uint64_t> mask,
+                              const Options& options);
+HALFSPACE_API void SurvivorMask(Scan&& scan, std::span<std::uint64_t> mask,
                                 const Options& options);
-HALFSPACE_API Target SurvivorMask(const Scan& scan,
-                                  std::span<std::uint64_t> mask,
-                                  const Options& options);
-HALFSPACE_API SurvivorCount Survivors(const Scan& scan,
-                                      std::span<std::uint32_t> indices,
-                                      const Options& options);
-HALFSPACE_API SurvivorCount CountSurvivors(const Scan& scan,
-                                           const Options& options);
-HALFSPACE_API SurvivorFlag AnySurvivor(const Scan& scan,
-                                       const Options& options);
+HALFSPACE_API std::size_t Survivors(Scan&& scan,
+                                    std::span<std::uint32_t> indices,
+                                    const Options& options);
+HALFSPACE_API std::size_t CountSurvivors(Scan&& scan, const Options& options);
+HALFSPACE_API std::size_t AnySurvivor(Scan&& scan, const Options& options);
 
 // Many queries.
-HALFSPACE_API Target RejectMasks(const Scan& scan,
-                                 std::span<std::uint64_t> rows,
+HALFSPACE_API void RejectMasks(Scan&& scan, std::span<std::uint64_t> rows,
+                               const Options& options);
+HALFSPACE_API void SurvivorMasks(Scan&& scan, std::span<std::uint64_t> rows,
                                  const Options& options);
-HALFSPACE_API Target SurvivorMasks(const Scan& scan,
-                                   std::span<std::uint64_t> rows,
-                                   const Options& options);
-HALFSPACE_API SurvivorCount
-SurvivorPairs(const Scan& scan, std::span<std::uint32_t> query_indices,
-              std::span<std::uint32_t> object_indices, const Options& options);
-HALFSPACE_API Target SurvivorCounts(const Scan& scan,
-                                    std::span<std::size_t> counts,
-                                    const Options& options);
+HALFSPACE_API std::size_t SurvivorPairs(Scan&& scan,
+                                        std::span<std::uint32_t> query_indices,
+                                        std::span<std::uint32_t> object_indices,
+                                        const Options& options);
+HALFSPACE_API void SurvivorCounts(Scan&& scan, std::span<std::size_t> counts,
+                                  const Options& options);
 
 using TileFunction = void (*)(void* context, const SurvivorTile& tile);
-HALFSPACE_API Target ForEachTile(const Scan& scan, TileFunction function,
-                                 void* context, const Options& options);
+HALFSPACE_API void ForEachTile(Scan&& scan, TileFunction function,
+                               void* context, const Options& options);
 
 }  // namespace detail
 }  // namespace halfspace

@@ -26,14 +26,15 @@ int main() {
 
   for (halfspace::Target target : halfspace::SupportedTargets()) {
     std::array<std::uint64_t, 1> mask{};
-    const halfspace::Target ran =
-        halfspace::SurvivorMask(world, query, mask, {.target = target});
-    const halfspace::SurvivorCount boxes = halfspace::CountSurvivors(
+    halfspace::Target ran;
+    halfspace::SurvivorMask(world, query, mask,
+                            {.target = target, .ran = &ran});
+    const std::size_t boxes = halfspace::CountSurvivors(
         world.view().aabb(), query.aabb(), {.target = target});
-    if (ran != target || mask[0] != 0b01 || boxes.count != 2) {
+    if (ran != target || mask[0] != 0b01 || boxes != 2) {
       std::fprintf(stderr, "%s: survivors %llx of 1, boxes %zu of 2\n",
                    std::string(target.name()).c_str(),
-                   static_cast<unsigned long long>(mask[0]), boxes.count);
+                   static_cast<unsigned long long>(mask[0]), boxes);
       return 1;
     }
   }

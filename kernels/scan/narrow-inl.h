@@ -1,17 +1,17 @@
 // Masks of a vector's worth of bytes, one an object, and those as bits: for
 // targets where the bits of each vector by themselves cost more.
-#if defined(HALFSPACE_KERNELS_NARROW_MASKS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef HALFSPACE_KERNELS_NARROW_MASKS_INL_H_
-#undef HALFSPACE_KERNELS_NARROW_MASKS_INL_H_
+#if defined(HALFSPACE_KERNELS_SCAN_NARROW_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_SCAN_NARROW_INL_H_
+#undef HALFSPACE_KERNELS_SCAN_NARROW_INL_H_
 #else
-#define HALFSPACE_KERNELS_NARROW_MASKS_INL_H_
+#define HALFSPACE_KERNELS_SCAN_NARROW_INL_H_
 #endif
 
 #include <cstddef>
 #include <cstdint>
 
 #include "hwy/highway.h"
-#include "kernels/lane_tests-inl.h"
+#include "kernels/scan/vectors-inl.h"
 
 #undef HALFSPACE_NARROW_MASKS
 #if HWY_ARCH_ARM_A64 && HWY_TARGET == HWY_NEON
@@ -54,9 +54,9 @@ inline constexpr uint64_t kLowBits = ~uint64_t{0} >> (kWordObjects - kObjects);
 // and a few more vector operations: from L2 on it is 6 % faster, but 4 % slower
 // in L1, where the vector units are what binds (Zen 4).
 enum class Pack { kInstructions, kVectorOps };
-inline constexpr Pack kNearPack = HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
-                                      ? Pack::kVectorOps
-                                      : Pack::kInstructions;
+inline constexpr Pack kInCachePack = HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+                                         ? Pack::kVectorOps
+                                         : Pack::kInstructions;
 
 #if HALFSPACE_NARROW_MASKS
 
@@ -108,19 +108,19 @@ HWY_INLINE hn::Vec<D> VectorOf(D d, VerdictOf<D> verdict) {
 
 // A mask of lanes kBytes wide, of the kNarrowObjects / kBytes objects from i
 // on.
-template <class Shape, size_t kBegin, size_t kEnd, size_t kBytes, class D,
-          class Load, typename T, class... V>
+template <size_t kMins, size_t kBytes, class D, class Load, typename T,
+          class... V>
 HWY_INLINE MaskBytes NarrowMask(D d, Load load, const T* const* planes,
                                 size_t i, V... query) {
   if constexpr (kBytes == sizeof(T)) {
     const hn::Repartition<uint8_t, D> d8;
-    return hn::BitCast(d8, VectorOf(d, Verdict<Shape, kBegin, kEnd>(
-                                           d, load, planes, i, query...)));
+    return hn::BitCast(
+        d8, VectorOf(d, Verdict<kMins>(d, load, planes, i, query...)));
   } else {
     constexpr size_t kWide = 2 * kBytes;
     const MaskBytes low =
-        NarrowMask<Shape, kBegin, kEnd, kWide>(d, load, planes, i, query...);
-    const MaskBytes high = NarrowMask<Shape, kBegin, kEnd, kWide>(
+        NarrowMask<kMins, kWide>(d, load, planes, i, query...);
+    const MaskBytes high = NarrowMask<kMins, kWide>(
         d, load, planes, i + kNarrowObjects / kWide, query...);
     return NarrowPair<kWide>(low, high);
   }
@@ -155,14 +155,14 @@ inline constexpr bool kIsNarrowed =
 // A word of floats takes SSE4 12 narrowings and 4 moves of bits instead of 16
 // moves, each with a shift and an OR; and 256 bits 6, 2 permutations and 2
 // moves instead of 8.
-template <class Shape, size_t kObjects, size_t kBegin, size_t kEnd, class D,
-          class Load, typename T, class... V>
+template <size_t kMins, size_t kObjects, class D, class Load, typename T,
+          class... V>
 HWY_INLINE uint64_t NarrowedBits(D d, Load load, const T* const* planes,
                                  size_t i, V... query) {
   uint64_t bits = 0;
   for (size_t l = 0; l < kObjects; l += kNarrowObjects) {
-    bits |= uint64_t{BitsOfBytes<sizeof(T)>(NarrowMask<Shape, kBegin, kEnd, 1>(
-                d, load, planes, i + l, query...))}
+    bits |= uint64_t{BitsOfBytes<sizeof(T)>(
+                NarrowMask<kMins, 1>(d, load, planes, i + l, query...))}
             << l;
   }
   return bits;
@@ -180,32 +180,26 @@ inline constexpr bool kIsNarrowed =
     kObjects == kNarrowObjects || kObjects == kWordObjects;
 
 // Its own bit in each byte of 8 objects, 16 objects in all.
-template <class Shape, size_t kBegin, size_t kEnd, class D, class Load,
-          typename T, class... V>
+template <size_t kMins, class D, class Load, typename T, class... V>
 HWY_INLINE uint8x16_t BitInByte(D d, Load load, const T* const* planes,
                                 size_t i, V... query) {
   const uint8x16_t own = vreinterpretq_u8_u64(vdupq_n_u64(0x8040201008040201));
-  return vandq_u8(
-      NarrowMask<Shape, kBegin, kEnd, 1>(d, load, planes, i, query...).raw,
-      own);
+  return vandq_u8(NarrowMask<kMins, 1>(d, load, planes, i, query...).raw, own);
 }
 
 // Bits of 16 or 64 objects.
-template <class Shape, size_t kObjects, size_t kBegin, size_t kEnd, class D,
-          class Load, typename T, class... V>
+template <size_t kMins, size_t kObjects, class D, class Load, typename T,
+          class... V>
 HWY_INLINE uint64_t NarrowedBits(D d, Load load, const T* const* planes,
                                  size_t i, V... query) {
   const uint8x16_t none = vdupq_n_u8(0);
-  const uint8x16_t a =
-      BitInByte<Shape, kBegin, kEnd>(d, load, planes, i, query...);
+  const uint8x16_t a = BitInByte<kMins>(d, load, planes, i, query...);
   uint8x16_t low;
   uint8x16_t high = none;
   if constexpr (kObjects == 64) {
-    low = vpaddq_u8(
-        a, BitInByte<Shape, kBegin, kEnd>(d, load, planes, i + 16, query...));
-    high = vpaddq_u8(
-        BitInByte<Shape, kBegin, kEnd>(d, load, planes, i + 32, query...),
-        BitInByte<Shape, kBegin, kEnd>(d, load, planes, i + 48, query...));
+    low = vpaddq_u8(a, BitInByte<kMins>(d, load, planes, i + 16, query...));
+    high = vpaddq_u8(BitInByte<kMins>(d, load, planes, i + 32, query...),
+                     BitInByte<kMins>(d, load, planes, i + 48, query...));
   } else {
     low = vpaddq_u8(a, none);
   }
@@ -223,4 +217,4 @@ HWY_INLINE uint64_t NarrowedBits(D d, Load load, const T* const* planes,
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
 
-#endif  // HALFSPACE_KERNELS_NARROW_MASKS_INL_H_
+#endif  // HALFSPACE_KERNELS_SCAN_NARROW_INL_H_

@@ -1,9 +1,9 @@
 // One plane of one vector of objects: its load and its compare.
-#if defined(HALFSPACE_KERNELS_LANE_TESTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef HALFSPACE_KERNELS_LANE_TESTS_INL_H_
-#undef HALFSPACE_KERNELS_LANE_TESTS_INL_H_
+#if defined(HALFSPACE_KERNELS_SCAN_VECTORS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_SCAN_VECTORS_INL_H_
+#undef HALFSPACE_KERNELS_SCAN_VECTORS_INL_H_
 #else
-#define HALFSPACE_KERNELS_LANE_TESTS_INL_H_
+#define HALFSPACE_KERNELS_SCAN_VECTORS_INL_H_
 #endif
 
 #include <cstddef>
@@ -11,7 +11,6 @@
 #include <type_traits>
 
 #include "hwy/highway.h"
-#include "kernels/planes.h"
 
 // AVX-512 compares into mask registers, and can AND what was there before.
 #undef HALFSPACE_MASKED_COMPARES
@@ -70,9 +69,8 @@ struct LoadFirst {
 // of minima are stored in reverse (kernels/code_book.cc): for signed bytes AVX2
 // has one compare, which takes the objects from memory only if they are the
 // lesser side.
-template <kernels::Plane kPlane, typename T>
-inline constexpr bool kRejectsAbove =
-    kPlane.is_min&& std::is_floating_point_v<T>;
+template <bool kIsMin, typename T>
+inline constexpr bool kRejectsAbove = kIsMin&& std::is_floating_point_v<T>;
 
 // What the planes so far have found out about the lanes of a vector: a mask of
 // those rejected, or, where compares are masked, of those kept. FirstVerdict is
@@ -115,51 +113,51 @@ inline constexpr bool kVerdictIsKept = !kIsHalf<D>;
 // One instruction a plane instead of a compare and an OR of masks: in L1 a
 // simplex is 12 % faster (0.110 to 0.099 ns on Zen 4). Highway has no such
 // compare.
-template <kernels::Plane kPlane>
+template <bool kIsMin>
 HWY_INLINE __mmask16 KeptAnd(__mmask16 kept, hn::Vec512<float> object,
                              hn::Vec512<float> query) {
   return _mm512_mask_cmp_ps_mask(kept, object.raw, query.raw,
-                                 kPlane.is_min ? _CMP_NGT_UQ : _CMP_NLT_UQ);
+                                 kIsMin ? _CMP_NGT_UQ : _CMP_NLT_UQ);
 }
-template <kernels::Plane kPlane>
+template <bool kIsMin>
 HWY_INLINE __mmask8 KeptAnd(__mmask8 kept, hn::Vec512<double> object,
                             hn::Vec512<double> query) {
   return _mm512_mask_cmp_pd_mask(kept, object.raw, query.raw,
-                                 kPlane.is_min ? _CMP_NGT_UQ : _CMP_NLT_UQ);
+                                 kIsMin ? _CMP_NGT_UQ : _CMP_NLT_UQ);
 }
-template <kernels::Plane kPlane>
+template <bool kIsMin>
 HWY_INLINE __mmask64 KeptAnd(__mmask64 kept, hn::Vec512<int8_t> object,
                              hn::Vec512<int8_t> query) {
-  static_assert(!kRejectsAbove<kPlane, int8_t>);
+  static_assert(!kRejectsAbove<kIsMin, int8_t>);
   return _mm512_mask_cmp_epi8_mask(kept, object.raw, query.raw, _MM_CMPINT_NLT);
 }
-template <kernels::Plane kPlane>
+template <bool kIsMin>
 HWY_INLINE __mmask32 KeptAnd(__mmask32 kept, hn::Vec512<int16_t> object,
                              hn::Vec512<int16_t> query) {
-  static_assert(!kRejectsAbove<kPlane, int16_t>);
+  static_assert(!kRejectsAbove<kIsMin, int16_t>);
   return _mm512_mask_cmp_epi16_mask(kept, object.raw, query.raw,
                                     _MM_CMPINT_NLT);
 }
 
-template <kernels::Plane kPlane, class D, class V>
+template <bool kIsMin, class D, class V>
 HWY_INLINE VerdictOf<D> FirstVerdict(D /*d*/, V object, V query) {
   if constexpr (kIsHalf<D>) {
-    return kRejectsAbove<kPlane, hn::TFromD<D>> ? IsBelow(query, object)
+    return kRejectsAbove<kIsMin, hn::TFromD<D>> ? IsBelow(query, object)
                                                 : IsBelow(object, query);
   } else {
     using Raw = decltype(hn::Mask<D>::raw);
     return hn::Mask<D>{
-        KeptAnd<kPlane>(static_cast<Raw>(~Raw{0}), object, query)};
+        KeptAnd<kIsMin>(static_cast<Raw>(~Raw{0}), object, query)};
   }
 }
 
-template <kernels::Plane kPlane, class D, class V>
+template <bool kIsMin, class D, class V>
 HWY_INLINE VerdictOf<D> NextVerdict(D d, VerdictOf<D> before, V object,
                                     V query) {
   if constexpr (kIsHalf<D>) {
-    return hn::Or(before, FirstVerdict<kPlane>(d, object, query));
+    return hn::Or(before, FirstVerdict<kIsMin>(d, object, query));
   } else {
-    return hn::Mask<D>{KeptAnd<kPlane>(before.raw, object, query)};
+    return hn::Mask<D>{KeptAnd<kIsMin>(before.raw, object, query)};
   }
 }
 
@@ -185,9 +183,9 @@ HWY_INLINE hn::Mask256<T> IsAbove(hn::Vec256<T> object, hn::Vec256<T> query) {
 }
 #endif
 
-template <kernels::Plane kPlane, class D, class V>
+template <bool kIsMin, class D, class V>
 HWY_INLINE hn::Mask<D> FirstVerdict(D /*d*/, V object, V query) {
-  if constexpr (kRejectsAbove<kPlane, hn::TFromD<D>>) {
+  if constexpr (kRejectsAbove<kIsMin, hn::TFromD<D>>) {
     return IsAbove(object, query);
   } else {
     return hn::Lt(object, query);
@@ -206,49 +204,40 @@ HWY_INLINE M EitherMask(M a, M b) {
 #endif
 }
 
-template <kernels::Plane kPlane, class D, class V>
+template <bool kIsMin, class D, class V>
 HWY_INLINE hn::Mask<D> NextVerdict(D d, hn::Mask<D> rejected, V object,
                                    V query) {
-  return EitherMask(rejected, FirstVerdict<kPlane>(d, object, query));
+  return EitherMask(rejected, FirstVerdict<kIsMin>(d, object, query));
 }
 
 #endif  // HALFSPACE_MASKED_COMPARES
 
-// The verdict of planes [kNow, kEnd) on objects i, i + 1, ..., added to that of
-// the planes before. `query` begins with that of plane kNow.
-template <class Shape, size_t kNow, size_t kEnd, class D, class Load,
-          typename T, class V, class... Rest>
+// Adds the verdict of planes[0], planes[1], ... on objects i, i + 1, ..., one
+// plane for each query vector; the first kMins planes are minima.
+template <size_t kMins, class D, class Load, typename T, class V, class... Rest>
 HWY_INLINE VerdictOf<D> AddVerdicts(D d, VerdictOf<D> before, Load load,
                                     const T* const* planes, size_t i, V query,
                                     Rest... rest) {
-  constexpr kernels::Plane kPlane = Shape::kOrder.planes[kNow];
   const VerdictOf<D> verdict =
-      NextVerdict<kPlane>(d, before, load(d, planes[kPlane.object] + i), query);
-  if constexpr (kNow + 1 == kEnd) {
+      NextVerdict<(kMins > 0)>(d, before, load(d, planes[0] + i), query);
+  if constexpr (sizeof...(Rest) == 0) {
     return verdict;
   } else {
-    return AddVerdicts<Shape, kNow + 1, kEnd>(d, verdict, load, planes, i,
-                                              rest...);
+    constexpr size_t kLeft = kMins > 0 ? kMins - 1 : 0;
+    return AddVerdicts<kLeft>(d, verdict, load, planes + 1, i, rest...);
   }
 }
 
-// The verdict of planes [kBegin, kEnd); `query` begins with that of plane kNow.
-template <class Shape, size_t kBegin, size_t kEnd, size_t kNow = 0, class D,
-          class Load, typename T, class V, class... Rest>
+template <size_t kMins, class D, class Load, typename T, class V, class... Rest>
 HWY_INLINE VerdictOf<D> Verdict(D d, Load load, const T* const* planes,
                                 size_t i, V query, Rest... rest) {
-  if constexpr (kNow < kBegin) {
-    return Verdict<Shape, kBegin, kEnd, kNow + 1>(d, load, planes, i, rest...);
+  const VerdictOf<D> first =
+      FirstVerdict<(kMins > 0)>(d, load(d, planes[0] + i), query);
+  if constexpr (sizeof...(Rest) == 0) {
+    return first;
   } else {
-    constexpr kernels::Plane kPlane = Shape::kOrder.planes[kNow];
-    const VerdictOf<D> first =
-        FirstVerdict<kPlane>(d, load(d, planes[kPlane.object] + i), query);
-    if constexpr (kNow + 1 == kEnd) {
-      return first;
-    } else {
-      return AddVerdicts<Shape, kNow + 1, kEnd>(d, first, load, planes, i,
-                                                rest...);
-    }
+    constexpr size_t kLeft = kMins > 0 ? kMins - 1 : 0;
+    return AddVerdicts<kLeft>(d, first, load, planes + 1, i, rest...);
   }
 }
 
@@ -256,4 +245,4 @@ HWY_INLINE VerdictOf<D> Verdict(D d, Load load, const T* const* planes,
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
 
-#endif  // HALFSPACE_KERNELS_LANE_TESTS_INL_H_
+#endif  // HALFSPACE_KERNELS_SCAN_VECTORS_INL_H_

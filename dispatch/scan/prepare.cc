@@ -1,4 +1,4 @@
-#include "dispatch/scan_errors.h"
+#include "dispatch/scan/prepare.h"
 
 #include <algorithm>
 #include <limits>
@@ -10,7 +10,6 @@
 namespace halfspace::dispatch {
 namespace {
 
-using detail::Element;
 using kernels::CheckPointer;
 using kernels::Overlap;
 using kernels::ThrowInvalid;
@@ -24,10 +23,10 @@ std::string PlaneName(const detail::Scan& scan, std::size_t p) {
 
 template <typename Pointers>
 void CheckPlanes(const detail::Scan& scan, const Pointers& planes,
-                 std::size_t bytes, std::string_view call) {
+                 std::size_t bytes) {
   for (std::size_t p = 0; p < scan.plane_count; ++p) {
     CheckPointer(
-        call, planes[p], bytes, [&] { return PlaneName(scan, p); },
+        scan.call, planes[p], bytes, [&] { return PlaneName(scan, p); },
         [&] {
           return "a plane of " + std::to_string(scan.size) +
                  (bytes == sizeof(double) ? " doubles" : " floats");
@@ -37,12 +36,11 @@ void CheckPlanes(const detail::Scan& scan, const Pointers& planes,
 
 template <typename Pointers>
 void CheckApart(const detail::Scan& scan, const Pointers& planes,
-                std::size_t plane_bytes, std::string_view call,
-                std::string_view argument, const void* begin,
-                std::size_t bytes) {
+                std::size_t plane_bytes, const Output& output) {
   for (std::size_t p = 0; p < scan.plane_count; ++p) {
-    if (Overlap(planes[p], plane_bytes, begin, bytes)) {
-      ThrowInvalid(call, argument, "memory apart from the world's planes",
+    if (Overlap(planes[p], plane_bytes, output.begin, output.bytes)) {
+      ThrowInvalid(scan.call, output.argument,
+                   "memory apart from the world's planes",
                    "an overlap with " + PlaneName(scan, p));
     }
   }
@@ -57,70 +55,77 @@ std::size_t ColumnBytes(const detail::FloatColumns& columns) {
 
 }  // namespace
 
-void RefuseBadWorld(const detail::Scan& scan, std::string_view call) {
-  if (scan.is_confirmed && scan.confirming.size != scan.size) {
-    ThrowInvalid(call, "world",
+void RefuseBadWorld(const detail::Scan& scan) {
+  if (scan.is_refined && scan.floats.size != scan.size) {
+    ThrowInvalid(scan.call, "world",
                  "as many floats as codes, " + std::to_string(scan.size),
-                 std::to_string(scan.confirming.size));
+                 std::to_string(scan.floats.size));
   }
   if (scan.query_count != 0) {
     CheckPointer(
-        call, scan.queries, scan.query_bytes,
+        scan.call, scan.queries, scan.query_bytes,
         [] { return std::string("queries"); },
         [&] { return std::to_string(scan.query_count) + " queries"; });
   }
   if (scan.size == 0) return;
   const std::size_t bytes = scan.element_bytes;
   if (scan.size > std::numeric_limits<std::size_t>::max() / bytes) {
-    ThrowInvalid(call, "world.size", "a size that fits the address space",
+    ThrowInvalid(scan.call, "world.size", "a size that fits the address space",
                  std::to_string(scan.size));
   }
   // Codes are always the library's own.
-  if (scan.book == nullptr) CheckPlanes(scan, scan.planes, bytes, call);
-  if (scan.is_confirmed) {
-    CheckPlanes(scan, scan.confirming.planes, sizeof(float), call);
-  }
+  if (scan.book == nullptr) CheckPlanes(scan, scan.planes, bytes);
+  if (scan.is_refined) CheckPlanes(scan, scan.floats.planes, sizeof(float));
 }
 
-void RefuseBadRange(const detail::Scan& scan, const Range& range,
-                    std::string_view call) {
+void RefuseBadRange(const detail::Scan& scan, const Range& range) {
   if (range.begin % 64 != 0) {
-    ThrowInvalid(call, "options.range.begin", "a multiple of 64",
+    ThrowInvalid(scan.call, "options.range.begin", "a multiple of 64",
                  std::to_string(range.begin));
   }
   if (range.end % 64 != 0 && range.end < scan.size) {
-    ThrowInvalid(call, "options.range.end",
+    ThrowInvalid(scan.call, "options.range.end",
                  "a multiple of 64, or the world's size",
                  std::to_string(range.end));
   }
   if (range.begin > range.end) {
-    ThrowInvalid(call, "options.range.end", "not less than its begin",
+    ThrowInvalid(scan.call, "options.range.end", "not less than its begin",
                  std::to_string(range.end));
   }
 }
 
-void RefuseBadSchedule(Schedule schedule, std::string_view call) {
-  ThrowInvalid(call, "options.schedule", "one of the enumerators",
+void RefuseSchedule(const detail::Scan& scan, Schedule schedule) {
+  ThrowInvalid(scan.call, "options.schedule", "one of the enumerators",
                std::to_string(static_cast<int>(schedule)));
 }
 
-void RefuseBadOutput(const detail::Scan& scan, std::string_view call,
-                     std::string_view argument, const void* begin,
-                     std::size_t bytes, std::size_t alignment) {
+void RefuseBadOutput(const detail::Scan& scan, const Output& output) {
   CheckPointer(
-      call, begin, alignment, [&] { return argument; },
-      [] { return "room for the output"; });
-  CheckApart(scan, scan.planes, scan.size * scan.element_bytes, call, argument,
-             begin, bytes);
-  if (scan.is_confirmed) {
-    CheckApart(scan, scan.confirming.planes, ColumnBytes(scan.confirming), call,
-               argument, begin, bytes);
+      scan.call, output.begin, output.alignment,
+      [&] { return output.argument; }, [] { return "room for the output"; });
+  CheckApart(scan, scan.planes, scan.size * scan.element_bytes, output);
+  if (scan.is_refined) {
+    CheckApart(scan, scan.floats.planes, ColumnBytes(scan.floats), output);
   }
   if (Overlap(scan.queries,
-              scan.query_count * scan.plane_count * scan.query_bytes, begin,
-              bytes)) {
-    ThrowInvalid(call, argument, "memory apart from the queries",
+              scan.query_count * scan.plane_count * scan.query_bytes,
+              output.begin, output.bytes)) {
+    ThrowInvalid(scan.call, output.argument, "memory apart from the queries",
                  "an overlap with them");
+  }
+}
+
+void CheckIndicesFit(const detail::Scan& scan) {
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 32;
+  if (scan.size > kMost) {
+    ThrowInvalid(scan.call, "world.size",
+                 "at most 2^32 objects for 32-bit indices",
+                 std::to_string(scan.size));
+  }
+  if (scan.query_count > kMost) {
+    ThrowInvalid(scan.call, "queries",
+                 "at most 2^32 queries for 32-bit indices",
+                 std::to_string(scan.query_count));
   }
 }
 

@@ -1,7 +1,7 @@
 // Visits the targets of this build at compile time, so that no list of targets
 // but Highway's own exists.
-#ifndef HALFSPACE_DISPATCH_FOR_EACH_TARGET_H_
-#define HALFSPACE_DISPATCH_FOR_EACH_TARGET_H_
+#ifndef HALFSPACE_KERNELS_COMPILED_TARGETS_H_
+#define HALFSPACE_KERNELS_COMPILED_TARGETS_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 #include "hwy/detect_targets.h"
 
-namespace halfspace::dispatch {
+namespace halfspace::kernels {
 
 inline constexpr std::size_t kTargetBits = 63;  // Highway leaves bit 63 alone
 
@@ -38,6 +38,18 @@ constexpr void ForEachCompiledTarget(const Visit& visit) {
   detail::VisitTargets(visit, std::make_index_sequence<kTargetBits>());
 }
 
-}  // namespace halfspace::dispatch
+// How many there are. Lists of kernels have an entry for each, best first.
+inline constexpr std::size_t kCompiledTargets = [] {
+  std::size_t count = 0;
+  ForEachCompiledTarget([&count](auto) { ++count; });
+  return count;
+}();
 
-#endif  // HALFSPACE_DISPATCH_FOR_EACH_TARGET_H_
+// float32 lanes of a vector; executes an instruction of that target. Defined in
+// kernels/scan/words.cc, because SVE has to ask the hardware.
+template <std::int64_t kHighwayBit>
+std::size_t LanesOf();
+
+}  // namespace halfspace::kernels
+
+#endif  // HALFSPACE_KERNELS_COMPILED_TARGETS_H_

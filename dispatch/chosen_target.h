@@ -1,0 +1,40 @@
+// The place of a target in every list of kernels.
+#ifndef HALFSPACE_DISPATCH_CHOSEN_TARGET_H_
+#define HALFSPACE_DISPATCH_CHOSEN_TARGET_H_
+
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "halfspace/targets.h"
+
+namespace halfspace::dispatch {
+
+// The index of a target among the compiled ones, best first; of the chosen one
+// for a default handle. Throws std::invalid_argument, in the name of `call`, if
+// it is not supported here or the choice failed.
+std::size_t ResolveIndex(Target target, const char* call);
+
+// One more than what has been resolved, by the index of the target's bit, the
+// default handle last; else 0.
+extern std::array<std::atomic<std::uint8_t>, 65> resolved_indices;
+
+// The same as ResolveIndex, without a call.
+inline std::size_t IndexOf(Target target, const char* call) {
+  const auto bit = static_cast<std::uint64_t>(target.highway_bit());
+  // No std::has_single_bit: the baseline of x86 has no popcnt.
+  if ((bit & (bit - 1)) == 0) [[likely]] {
+    const std::size_t known =
+        resolved_indices[static_cast<std::size_t>(std::countr_zero(bit))].load(
+            std::memory_order_relaxed);
+    if (known != 0) [[likely]]
+      return known - 1;
+  }
+  return ResolveIndex(target, call);
+}
+
+}  // namespace halfspace::dispatch
+
+#endif  // HALFSPACE_DISPATCH_CHOSEN_TARGET_H_

@@ -1,0 +1,317 @@
+// A scan in parts: tiles of the world that stay in the first-level cache while
+// batch after batch of queries is tested against them. What codes keep is
+// tested on the floats, one part later.
+#ifndef HALFSPACE_DISPATCH_SCAN_PARTS_H_
+#define HALFSPACE_DISPATCH_SCAN_PARTS_H_
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "dispatch/scan/prepare.h"
+#include "halfspace/detail/scan.h"
+#include "kernels/scan/kernel_table.h"
+
+namespace halfspace::dispatch {
+
+using detail::kMostQueries;
+using detail::Part;
+using detail::Scan;
+
+// A run is the words of one query on at most so many objects. A part is one run
+// of each query of a batch, or a few runs of one query.
+inline constexpr std::size_t kRunWords = 64;
+inline constexpr std::size_t kRunObjects = 64 * kRunWords;
+inline constexpr std::size_t kRunsOfOne = 4;
+
+// The words of a part's survivors, and where to look among them.
+struct Tested {
+  // What survived the codes, if it is no more than that, is listed: with one or
+  // two in a run, loops over words and their bits are mispredicted once in each
+  // run, and there are three of them.
+  static constexpr std::size_t kMostListed = 64;
+
+  Part part;
+  std::size_t runs;
+  std::uint64_t nonzero[kMostQueries];  // words, of each run
+  std::size_t candidates;               // if they were listed, or would be
+  std::uint16_t list[kMostListed];      // run * kRunObjects + object
+
+  bool is_one() const { return part.query_count == 1; }
+  std::size_t words() const { return MaskWords(part.end - part.begin); }
+  std::size_t WordsOfRun(std::size_t run) const {
+    return is_one() ? std::min(kRunWords, words() - run * kRunWords) : words();
+  }
+  std::size_t QueryOfRun(std::size_t run) const {
+    return part.first_query + (is_one() ? 0 : run);
+  }
+  std::size_t ObjectOfRun(std::size_t run) const {
+    return part.begin + (is_one() ? run * kRunObjects : 0);
+  }
+  std::uint64_t* RowOfRun(std::size_t run) const {
+    return part.rows + (is_one() ? run * kRunWords : run * part.stride);
+  }
+};
+
+// What codes keep and floats are to test (refine.cc).
+bool FloatsReject(const Scan& scan, std::size_t query, std::size_t object);
+void PrefetchFloats(const Scan& scan, std::size_t object);
+
+// Asks for share `share` of `shares` of the planes of objects begin ... begin +
+// objects - 1, as far as there are any. A tile that the queries come to piece
+// by piece would come out of memory line by line.
+void PrefetchTile(const Scan& scan, std::size_t begin, std::size_t objects,
+                  std::size_t share, std::size_t shares);
+
+// One query takes a few runs at a time: the further apart the work on codes and
+// on floats, the longer may floats be on their way. Many queries take a tile
+// that stays in the cache, with room for the words: a box took 4 % more with
+// 32 KiB on Zen 4. The second half of coded planes is seldom looked at, and
+// needs none.
+inline std::size_t PartObjects(const Scan& scan) {
+  constexpr std::size_t kTileBytes = 28 * 1024;
+  constexpr std::size_t kCodedTileBytes = 32 * 1024;
+  if (scan.query_count == 1) return kRunsOfOne * kRunObjects;
+  const std::size_t bytes = scan.book != nullptr ? kCodedTileBytes : kTileBytes;
+  return std::min(kRunObjects, bytes / RecordBytes(scan) / 64 * 64);
+}
+
+// Calls visit(run, query, first object, words, count of words).
+template <typename Visit>
+void ForEachRun(const Tested& tested, const Visit& visit) {
+  for (std::size_t run = 0; run < tested.runs; ++run) {
+    visit(run, tested.QueryOfRun(run), tested.ObjectOfRun(run),
+          tested.RowOfRun(run), tested.WordsOfRun(run));
+  }
+}
+
+// Calls visit(run, object of the run) for every bit of the words.
+template <typename Visit>
+void ForEachBit(const Tested& tested, const Visit& visit) {
+  for (std::size_t run = 0; run < tested.runs; ++run) {
+    const std::uint64_t* words = tested.RowOfRun(run);
+    for (std::uint64_t nonzero = tested.nonzero[run]; nonzero != 0;
+         nonzero &= nonzero - 1) {
+      const auto w = static_cast<std::size_t>(std::countr_zero(nonzero));
+      for (std::uint64_t left = words[w]; left != 0; left &= left - 1) {
+        visit(run, 64 * w + static_cast<std::size_t>(std::countr_zero(left)));
+      }
+    }
+  }
+}
+
+// The same for what survived the codes, which is listed if it is little.
+template <typename Visit>
+void ForEachCandidate(const Tested& tested, const Visit& visit) {
+  if (tested.candidates > Tested::kMostListed) return ForEachBit(tested, visit);
+  for (std::size_t c = 0; c < tested.candidates; ++c) {
+    visit(tested.list[c] / kRunObjects, tested.list[c] % kRunObjects);
+  }
+}
+
+inline void FindNonzero(const Scan& scan, Tested& tested) {
+  tested.runs = tested.is_one() ? (tested.words() + kRunWords - 1) / kRunWords
+                                : tested.part.query_count;
+  for (std::size_t run = 0; run < tested.runs; ++run) {
+    tested.nonzero[run] = scan.kernels->nonzero_words(tested.RowOfRun(run),
+                                                      tested.WordsOfRun(run));
+  }
+}
+
+// Writes the words of a part, and finds those that are not 0.
+//
+// Of codes that floats refine, an octahedron's minima alone leave so few
+// candidates, as a rule, that floats test them sooner than more codes: those,
+// out of the caches, are another four lines for each word. Only where more than
+// a quarter of the words are left are all codes tested.
+inline void TestPart(const Scan& scan, Tested& tested) {
+  if (scan.is_refined && scan.way == detail::kBySimplex) {
+    const detail::Way minima =
+        scan.is_streaming ? detail::kMinimaStreaming : detail::kMinima;
+    scan.kernels->run[minima](scan, tested.part);
+    FindNonzero(scan, tested);
+    const std::uint64_t runs =
+        tested.runs == 0 ? 0 : ~std::uint64_t{0} >> (64 - tested.runs);
+    if (4 * scan.kernels->count_bits(tested.nonzero, runs) <=
+        tested.part.query_count * tested.words()) {
+      return;
+    }
+  }
+  Run(scan, tested.part);
+  FindNonzero(scan, tested);
+}
+
+// Asks for the floats of what the codes have kept, and lists it.
+inline void PrefetchCandidates(const Scan& scan, Tested& tested) {
+  std::size_t count = 0;
+  ForEachBit(tested, [&](std::size_t run, std::size_t object) {
+    PrefetchFloats(scan, tested.ObjectOfRun(run) + object);
+    if (count < Tested::kMostListed) {
+      tested.list[count] =
+          static_cast<std::uint16_t>(run * kRunObjects + object);
+    }
+    ++count;
+  });
+  tested.candidates = count;
+}
+
+// Clears the bits of what the floats reject.
+inline void Refine(const Scan& scan, const Tested& tested) {
+  ForEachCandidate(tested, [&](std::size_t run, std::size_t object) {
+    const std::uint64_t rejected = FloatsReject(
+        scan, tested.QueryOfRun(run), tested.ObjectOfRun(run) + object);
+    tested.RowOfRun(run)[object / 64] &= ~(rejected << object % 64);
+  });
+}
+
+// Calls visit(part), without rows, for every batch of queries and tile of
+// `objects` objects. Codes of queries are made once for all tiles of the world,
+// for kBlock queries at a time: enough of them that reading the world again for
+// the next block costs nothing.
+template <std::size_t kBlock, typename Visit>
+void ForEachBatch(const Scan& scan, std::size_t objects, const Visit& visit) {
+  alignas(16)
+      std::byte codes[kBlock * detail::kMaxPlanes * sizeof(std::int16_t)];
+  const std::size_t most = scan.book != nullptr
+                               ? kBlock
+                               : std::max<std::size_t>(1, scan.query_count);
+  for (std::size_t first = 0; first < scan.query_count; first += most) {
+    const std::size_t block = std::min(most, scan.query_count - first);
+    if (scan.book != nullptr) scan.encode(scan, first, block, codes);
+    const auto* queries = static_cast<const std::byte*>(
+        scan.book != nullptr ? codes : scan.queries);
+    const std::size_t batches = (block + kMostQueries - 1) / kMostQueries;
+    for (std::size_t begin = scan.begin; begin < scan.end; begin += objects) {
+      const std::size_t end = std::min(scan.end - begin, objects) + begin;
+      for (std::size_t b = 0; b < batches; ++b) {
+        if (batches > 1) PrefetchTile(scan, end, objects, b, batches);
+        const std::size_t q = b * kMostQueries;
+        visit(Part{.first_query = first + q,
+                   .query_count = std::min(kMostQueries, block - q),
+                   .queries = queries + q * RecordBytes(scan),
+                   .begin = begin,
+                   .end = end,
+                   .rows = nullptr,
+                   .stride = 0});
+      }
+    }
+  }
+}
+
+// Tests part after part and calls visit(tested) with each, refined. place(part,
+// turn) has set its rows and stride; the rows of two turns are in use at a
+// time.
+template <std::size_t kBlock, typename Place, typename Visit>
+void ForEachPlacedPart(const Scan& scan, const Place& place,
+                       const Visit& visit) {
+  // The part before waits for the floats that refine it.
+  Tested parts[2];
+  std::size_t turn = 0;
+  bool is_waiting = false;
+  const auto finish = [&](const Tested& tested) {
+    Refine(scan, tested);
+    visit(tested);
+  };
+  ForEachBatch<kBlock>(scan, PartObjects(scan), [&](const Part& part) {
+    Tested& tested = parts[turn];
+    tested.part = part;
+    place(tested.part, turn);
+    TestPart(scan, tested);
+    if (!scan.is_refined) return visit(tested);
+    PrefetchCandidates(scan, tested);
+    turn ^= 1;
+    if (is_waiting) finish(parts[turn]);
+    is_waiting = true;
+  });
+  if (is_waiting) finish(parts[turn ^ 1]);
+}
+
+// The queries whose codes are made at a time, and the room for the words of two
+// parts, on the stack: of one query, or of many.
+struct OneQuery {
+  static constexpr std::size_t kBlock = 1;
+  static constexpr std::size_t kStride = 0;
+  std::uint64_t rows[2][kRunsOfOne * kRunWords];
+};
+struct ManyQueries {
+  static constexpr std::size_t kBlock = 256;
+  static constexpr std::size_t kStride = kRunWords;
+  std::uint64_t rows[2][kMostQueries * kRunWords];
+};
+
+// The same with rows on the stack.
+template <typename Queries, typename Visit>
+void ForEachPart(const Scan& scan, const Visit& visit) {
+  Queries room;
+  ForEachPlacedPart<Queries::kBlock>(
+      scan,
+      [&room](Part& part, std::size_t turn) {
+        part.rows = room.rows[turn];
+        part.stride = Queries::kStride;
+      },
+      visit);
+}
+
+// Calls visit(query, object) for every survivor: those of a query in a part in
+// ascending order.
+template <typename Visit>
+void ForEachSurvivor(const Scan& scan, const Tested& tested,
+                     const Visit& visit) {
+  const auto survivor = [&](std::size_t run, std::size_t object) {
+    visit(tested.QueryOfRun(run), tested.ObjectOfRun(run) + object);
+  };
+  if (!scan.is_refined) return ForEachBit(tested, survivor);
+  ForEachCandidate(tested, [&](std::size_t run, std::size_t object) {
+    if ((tested.RowOfRun(run)[object / 64] >> object % 64 & 1) != 0) {
+      survivor(run, object);
+    }
+  });
+}
+
+// Calls visit(query, number of survivors).
+template <typename Visit>
+void ForEachCount(const Scan& scan, const Tested& tested, const Visit& visit) {
+  ForEachRun(tested, [&](std::size_t run, std::size_t query, std::size_t,
+                         const std::uint64_t* words, std::size_t) {
+    visit(query, scan.kernels->count_bits(words, tested.nonzero[run]));
+  });
+}
+
+// Makes reject masks of survivor masks, or the other way round.
+inline void Flip(std::uint64_t* words, std::size_t count) {
+  for (std::size_t w = 0; w < count; ++w) words[w] = ~words[w];
+}
+
+// Writes the masks of all queries; row q begins at rows + q * stride.
+template <typename Queries>
+void WriteRows(const Scan& scan, std::uint64_t* rows, std::size_t stride,
+               bool rejects) {
+  const auto place = [&](Part& part, std::size_t) {
+    part.rows = rows + part.first_query * stride + part.begin / 64;
+    part.stride = stride;
+  };
+  const auto finish = [&](const Part& part) {
+    if (!rejects) return;
+    const std::size_t words = MaskWords(part.end - part.begin);
+    for (std::size_t q = 0; q < part.query_count; ++q) {
+      Flip(part.rows + q * stride, words);
+    }
+  };
+  if (scan.is_refined) {
+    return ForEachPlacedPart<Queries::kBlock>(
+        scan, place, [&](const Tested& tested) { finish(tested.part); });
+  }
+  // Without a look at the words.
+  ForEachBatch<Queries::kBlock>(scan, PartObjects(scan),
+                                [&](const Part& batch) {
+                                  Part part = batch;
+                                  place(part, 0);
+                                  Run(scan, part);
+                                  finish(part);
+                                });
+}
+
+}  // namespace halfspace::dispatch
+
+#endif  // HALFSPACE_DISPATCH_SCAN_PARTS_H_

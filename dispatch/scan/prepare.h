@@ -1,0 +1,134 @@
+// What every call does first: it checks its arguments, and chooses how to scan.
+#ifndef HALFSPACE_DISPATCH_SCAN_PREPARE_H_
+#define HALFSPACE_DISPATCH_SCAN_PREPARE_H_
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "dispatch/chosen_target.h"
+#include "halfspace/detail/scan.h"
+#include "halfspace/reject.h"
+#include "kernels/scan/kernel_table.h"
+
+namespace halfspace::dispatch {
+
+// Planes of no more bytes are in the first levels of any cache.
+inline constexpr std::size_t kInCacheBytes = 128 * 1024;
+
+// What a call writes.
+struct Output {
+  const char* argument;
+  const void* begin;
+  std::size_t bytes;  // none are always right
+  std::size_t alignment;
+};
+
+// Each throws std::invalid_argument, in the name of scan.call, if something is
+// wrong.
+void RefuseBadWorld(const detail::Scan& scan);
+void RefuseBadRange(const detail::Scan& scan, const Range& range);
+void RefuseBadOutput(const detail::Scan& scan, const Output& output);
+[[noreturn]] void RefuseSchedule(const detail::Scan& scan, Schedule schedule);
+
+// Throws if there are more than 2^32 objects or queries.
+void CheckIndicesFit(const detail::Scan& scan);
+
+// Bytes of one object in the planes that the kernels read.
+inline std::size_t RecordBytes(const detail::Scan& scan) {
+  return std::size_t{scan.plane_count} * scan.element_bytes;
+}
+
+// The way through all planes; docs/design.md says why the defaults are what
+// they are.
+inline detail::Way ChooseWay(const detail::Scan& scan, Schedule schedule) {
+  if (schedule > Schedule::kStagedByAxis) [[unlikely]] {
+    RefuseSchedule(scan, schedule);
+  }
+  if (scan.shape == detail::Shape::kSimplex) return detail::kMinima;
+  const bool is_octahedron = scan.shape == detail::Shape::kAabo;
+  switch (schedule) {
+    case Schedule::kFlat:
+      return detail::kAll;
+    case Schedule::kAuto:
+      return is_octahedron ? detail::kBySimplex : detail::kAll;
+    case Schedule::kStaged:
+      if (is_octahedron) return detail::kBySimplex;
+      break;
+    case Schedule::kStagedByAxis:
+      break;
+  }
+  // A word of codes is a vector or two: there is nothing to leave out of it.
+  if (scan.book == nullptr) return detail::kByAxis;
+  return is_octahedron ? detail::kBySimplex : detail::kAll;
+}
+
+// Way `way` for one query whose planes come from memory.
+inline detail::Way Streaming(detail::Way way) {
+  if (way == detail::kMinima) return detail::kMinimaStreaming;
+  if (way == detail::kAll) return detail::kAllStreaming;
+  return way;
+}
+
+// Writes the words of a part. Returns the bit of the target.
+inline std::int64_t Run(const detail::Scan& scan, const detail::Part& part) {
+  return scan.kernels->run[scan.way](scan, part);
+}
+
+// Throws std::invalid_argument in the name of `call`. An empty world resolves
+// its target too, so that a bad one is an error whatever the size.
+inline void Prepare(detail::Scan& scan, const Options& options,
+                    const char* call) {
+  const Range& range = options.range;
+  scan.call = call;
+  scan.begin = std::min(range.begin, scan.size);
+  scan.end = std::min(range.end, scan.size);
+  // Whether something may be wrong: a few cycles, where what is wrong takes a
+  // look at each plane. Codes have planes of floats too, and are looked at.
+  const auto queries = reinterpret_cast<std::uintptr_t>(scan.queries);
+  if (queries == 0 || (queries & (scan.query_bytes - 1u)) != 0 ||
+      scan.addresses.lowest == 0 ||
+      (scan.addresses.bits & (scan.element_bytes - 1u)) != 0 ||
+      scan.size >> 60 != 0 || scan.is_refined) [[unlikely]] {
+    RefuseBadWorld(scan);
+  }
+  if (range.begin % 64 != 0 || range.begin > range.end ||
+      (range.end % 64 != 0 && range.end < scan.size)) [[unlikely]] {
+    RefuseBadRange(scan, range);
+  }
+  scan.kernels = scan.all_kernels + IndexOf(options.target, call);
+  scan.is_streaming =
+      scan.query_count == 1 &&
+      (scan.end - scan.begin) * RecordBytes(scan) > kInCacheBytes;
+  scan.is_aligned = scan.addresses.bits % 64 == 0;
+  scan.way = ChooseWay(scan, options.schedule);
+  if (scan.is_streaming) scan.way = Streaming(scan.way);
+  if (options.ran != nullptr) [[unlikely]] {
+    // Asked of the kernels themselves: no queries, no objects.
+    *options.ran = Target::FromHighwayBit(Run(scan, detail::Part{}));
+  }
+}
+
+// Throws unless the output lies outside every plane and query, and is aligned.
+inline void CheckOutput(const detail::Scan& scan, const Output& output) {
+  if (output.bytes == 0) return;
+  const auto begin = reinterpret_cast<std::uintptr_t>(output.begin);
+  const auto queries = reinterpret_cast<std::uintptr_t>(scan.queries);
+  const std::size_t query_bytes =
+      scan.query_count * scan.plane_count * scan.query_bytes;
+  // Planes often lie in one block, and outputs outside it. Differences wrap.
+  const std::size_t world_bytes = scan.addresses.highest -
+                                  scan.addresses.lowest +
+                                  scan.size * scan.element_bytes;
+  if (begin == 0 || (begin & (output.alignment - 1)) != 0 ||
+      begin - scan.addresses.lowest < world_bytes ||
+      scan.addresses.lowest - begin < output.bytes ||
+      begin - queries < query_bytes || queries - begin < output.bytes ||
+      scan.is_refined) [[unlikely]] {
+    RefuseBadOutput(scan, output);
+  }
+}
+
+}  // namespace halfspace::dispatch
+
+#endif  // HALFSPACE_DISPATCH_SCAN_PREPARE_H_

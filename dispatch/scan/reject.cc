@@ -1,0 +1,118 @@
+#include "halfspace/reject.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "dispatch/scan/parts.h"
+#include "dispatch/scan/prepare.h"
+#include "kernels/error.h"
+
+namespace halfspace::detail {
+namespace {
+
+using dispatch::OneQuery;
+using dispatch::Tested;
+
+// Apart: its strings would cost each call their room.
+[[noreturn]] void ThrowShortMask(const Scan& scan, std::size_t words) {
+  kernels::ThrowInvalid(scan.call, "mask",
+                        "at least " + std::to_string(MaskWords(scan.size)) +
+                            " words for " + std::to_string(scan.size) +
+                            " objects",
+                        std::to_string(words));
+}
+
+void WriteMask(Scan& scan, std::span<std::uint64_t> mask,
+               const Options& options, const char* call) {
+  dispatch::Prepare(scan, options, call);
+  const std::size_t words = MaskWords(scan.size);
+  if (mask.size() < words) [[unlikely]] {
+    ThrowShortMask(scan, mask.size());
+  }
+  dispatch::CheckOutput(scan,
+                        {"mask", mask.data(), words * sizeof(std::uint64_t),
+                         alignof(std::uint64_t)});
+  if (scan.book != nullptr) {
+    return dispatch::WriteRows<OneQuery>(scan, mask.data(), words, false);
+  }
+  // The short way: a small call costs little more than its kernel.
+  dispatch::Run(scan, {.first_query = 0,
+                       .query_count = 1,
+                       .queries = scan.queries,
+                       .begin = scan.begin,
+                       .end = scan.end,
+                       .rows = mask.data() + scan.begin / 64,
+                       .stride = words});
+}
+
+}  // namespace
+
+void SurvivorMask(Scan&& scan, std::span<std::uint64_t> mask,
+                  const Options& options) {
+  WriteMask(scan, mask, options, "SurvivorMask");
+}
+
+void RejectMask(Scan&& scan, std::span<std::uint64_t> mask,
+                const Options& options) {
+  WriteMask(scan, mask, options, "RejectMask");
+  dispatch::Flip(mask.data() + scan.begin / 64,
+                 MaskWords(scan.end - scan.begin));
+}
+
+std::size_t Survivors(Scan&& scan, std::span<std::uint32_t> indices,
+                      const Options& options) {
+  dispatch::Prepare(scan, options, "Survivors");
+  dispatch::CheckIndicesFit(scan);
+  // No more than one index for each object is ever written.
+  dispatch::CheckOutput(
+      scan, {"indices", indices.data(),
+             std::min(indices.size(), scan.size) * sizeof(std::uint32_t),
+             alignof(std::uint32_t)});
+  std::size_t count = 0;
+  dispatch::ForEachPart<OneQuery>(scan, [&](const Tested& tested) {
+    dispatch::ForEachSurvivor(
+        scan, tested, [&](std::size_t, std::size_t object) {
+          if (count < indices.size()) {
+            indices[count] = static_cast<std::uint32_t>(object);
+          }
+          ++count;
+        });
+  });
+  return count;
+}
+
+std::size_t CountSurvivors(Scan&& scan, const Options& options) {
+  dispatch::Prepare(scan, options, "CountSurvivors");
+  std::size_t count = 0;
+  dispatch::ForEachPart<OneQuery>(scan, [&](const Tested& tested) {
+    dispatch::ForEachCount(
+        scan, tested,
+        [&](std::size_t, std::size_t survivors) { count += survivors; });
+  });
+  return count;
+}
+
+std::size_t AnySurvivor(Scan&& scan, const Options& options) {
+  dispatch::Prepare(scan, options, "AnySurvivor");
+  // A survivor is often among the first.
+  std::size_t objects = 512;
+  const std::size_t end = scan.end;
+  while (scan.begin < end) {
+    scan.end = std::min(end - scan.begin, objects) + scan.begin;
+    std::size_t found = kNoSurvivor;
+    dispatch::ForEachPart<OneQuery>(scan, [&](const Tested& tested) {
+      dispatch::ForEachSurvivor(scan, tested,
+                                [&](std::size_t, std::size_t object) {
+                                  found = std::min(found, object);
+                                });
+    });
+    if (found != kNoSurvivor) return found;
+    scan.begin = scan.end;
+    objects = dispatch::kRunObjects;
+  }
+  return kNoSurvivor;
+}
+
+}  // namespace halfspace::detail

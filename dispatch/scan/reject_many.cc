@@ -1,0 +1,119 @@
+#include "halfspace/reject_many.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+#include "dispatch/scan/parts.h"
+#include "dispatch/scan/prepare.h"
+#include "kernels/error.h"
+#include "kernels/memory_checks.h"
+
+namespace halfspace::detail {
+namespace {
+
+using dispatch::ManyQueries;
+using dispatch::Tested;
+
+void WriteMasks(Scan& scan, std::span<std::uint64_t> rows,
+                const Options& options, const char* call, bool rejects) {
+  dispatch::Prepare(scan, options, call);
+  const std::size_t words = MaskWords(scan.size);
+  if (words != 0 && rows.size() / words < scan.query_count) {
+    kernels::ThrowInvalid(call, "rows",
+                          "at least " + std::to_string(scan.query_count) +
+                              " rows of " + std::to_string(words) + " words",
+                          std::to_string(rows.size()) + " words");
+  }
+  dispatch::CheckOutput(scan, {"rows", rows.data(),
+                               words * scan.query_count * sizeof(std::uint64_t),
+                               alignof(std::uint64_t)});
+  dispatch::WriteRows<ManyQueries>(scan, rows.data(), words, rejects);
+}
+
+}  // namespace
+
+void RejectMasks(Scan&& scan, std::span<std::uint64_t> rows,
+                 const Options& options) {
+  WriteMasks(scan, rows, options, "RejectMasks", true);
+}
+
+void SurvivorMasks(Scan&& scan, std::span<std::uint64_t> rows,
+                   const Options& options) {
+  WriteMasks(scan, rows, options, "SurvivorMasks", false);
+}
+
+std::size_t SurvivorPairs(Scan&& scan, std::span<std::uint32_t> query_indices,
+                          std::span<std::uint32_t> object_indices,
+                          const Options& options) {
+  dispatch::Prepare(scan, options, "SurvivorPairs");
+  dispatch::CheckIndicesFit(scan);
+  const std::size_t capacity =
+      std::min(query_indices.size(), object_indices.size());
+  // No more than one pair for each object and query is ever written.
+  const bool all_fit =
+      scan.query_count == 0 || capacity / scan.query_count >= scan.size;
+  const std::size_t bytes =
+      (all_fit ? scan.size * scan.query_count : capacity) *
+      sizeof(std::uint32_t);
+  const auto check = [&](const char* name, std::span<std::uint32_t> indices) {
+    dispatch::CheckOutput(
+        scan, {name, indices.data(), bytes, alignof(std::uint32_t)});
+  };
+  check("query_indices", query_indices);
+  check("object_indices", object_indices);
+  if (kernels::Overlap(query_indices.data(), bytes, object_indices.data(),
+                       bytes)) {
+    kernels::ThrowInvalid("SurvivorPairs", "object_indices",
+                          "memory apart from query_indices", "an overlap");
+  }
+  std::size_t count = 0;
+  dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
+    dispatch::ForEachSurvivor(
+        scan, tested, [&](std::size_t query, std::size_t object) {
+          if (count < capacity) {
+            query_indices[count] = static_cast<std::uint32_t>(query);
+            object_indices[count] = static_cast<std::uint32_t>(object);
+          }
+          ++count;
+        });
+  });
+  return count;
+}
+
+void SurvivorCounts(Scan&& scan, std::span<std::size_t> counts,
+                    const Options& options) {
+  dispatch::Prepare(scan, options, "SurvivorCounts");
+  if (counts.size() < scan.query_count) {
+    kernels::ThrowInvalid(
+        "SurvivorCounts", "counts",
+        "at least " + std::to_string(scan.query_count) + ", one for each query",
+        std::to_string(counts.size()));
+  }
+  dispatch::CheckOutput(
+      scan, {"counts", counts.data(), scan.query_count * sizeof(std::size_t),
+             alignof(std::size_t)});
+  std::fill_n(counts.begin(), scan.query_count, std::size_t{0});
+  dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
+    dispatch::ForEachCount(scan, tested,
+                           [&](std::size_t query, std::size_t survivors) {
+                             counts[query] += survivors;
+                           });
+  });
+}
+
+void ForEachTile(Scan&& scan, TileFunction function, void* context,
+                 const Options& options) {
+  dispatch::Prepare(scan, options, "ForEachTile");
+  dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
+    const Part& part = tested.part;
+    function(context, {.first_query = part.first_query,
+                       .queries = part.query_count,
+                       .first_object = part.begin,
+                       .objects = part.end - part.begin,
+                       .rows = part.rows,
+                       .stride = part.stride});
+  });
+}
+
+}  // namespace halfspace::detail

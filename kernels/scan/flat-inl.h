@@ -1,0 +1,223 @@
+// All planes of every object at once, without a branch, for one query or for
+// several that share each load. What is in the caches is tested like this.
+//
+// Query planes travel as a parameter pack of vectors: an SVE vector cannot be
+// an array element or a member.
+#if defined(HALFSPACE_KERNELS_SCAN_FLAT_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_SCAN_FLAT_INL_H_
+#undef HALFSPACE_KERNELS_SCAN_FLAT_INL_H_
+#else
+#define HALFSPACE_KERNELS_SCAN_FLAT_INL_H_
+#endif
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+
+#include "hwy/highway.h"
+#include "kernels/scan/kernel_table.h"
+#include "kernels/scan/words-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// The value of a query that plane kPlane is compared with: a minimum with the
+// query's maximum, which comes after its minima, if it has any.
+template <size_t kMins, size_t kPlane, typename T>
+HWY_INLINE T QueryValue(const T* values, size_t first_max) {
+  if constexpr (kPlane < kMins) {
+    return values[first_max + kPlane];
+  } else {
+    return values[kPlane - kMins];
+  }
+}
+
+// The last, partial word, from object i on. Not inline: one serves one query
+// and several.
+template <size_t kMins, typename T, size_t... kPlane>
+HWY_NOINLINE uint64_t FlatTail(std::index_sequence<kPlane...>,
+                               const detail::Scan& scan, const T* values,
+                               size_t i, size_t count) {
+  const T* planes[] = {static_cast<const T*>(scan.planes[kPlane])...};
+  const WordTag<T> d;
+  return KeptTail<kMins>(
+      d, planes, i, count,
+      hn::Set(d, QueryValue<kMins, kPlane>(values, scan.first_max))...);
+}
+
+template <size_t kMins, class D, class Load, typename T, class... V>
+HWY_INLINE void FlatWords(D d, Load load, const T* const* planes, size_t first,
+                          size_t words, uint64_t* row, V... query) {
+  for (size_t w = 0; w < words; ++w) {
+    row[w] =
+        KeptBits<kMins>(d, load, planes, first + w * kWordObjects, query...);
+  }
+}
+
+// One query of the part. Not inline: with what several queries need in one
+// function a short call would spend nanoseconds on saving registers.
+template <size_t kMins, class Load, typename T, size_t... kPlane>
+HWY_NOINLINE int64_t FlatOne(std::index_sequence<kPlane...> all_planes,
+                             Load load, const detail::Scan& scan,
+                             const detail::Part& part, size_t q) {
+  // A local copy: the stores of words must not make the compiler reload them.
+  const T* planes[] = {static_cast<const T*>(scan.planes[kPlane])...};
+  const T* values = static_cast<const T*>(part.queries) + q * scan.plane_count;
+  const size_t words = (part.end - part.begin) / kWordObjects;
+  uint64_t* row = part.rows + q * part.stride;
+  const OneTag<T> d;
+  FlatWords<kMins>(
+      d, load, planes, part.begin, words, row,
+      hn::Set(d, QueryValue<kMins, kPlane>(values, scan.first_max))...);
+  const size_t i = part.begin + words * kWordObjects;
+  if (i != part.end) {
+    row[words] = FlatTail<kMins>(all_planes, scan, values, i, part.end - i);
+  }
+  return HWY_TARGET;
+}
+
+// How many queries are tested at a time on kPlanes planes. With AVX-512, whose
+// 32 registers hold four simplices, and whose cores load one vector a cycle, as
+// many as they compare: a quarter less time (0.099 to 0.075 ns a pair for the
+// simplex in L1 on Zen 4). AVX2 and SSE4 gain nothing: two loads a cycle, and
+// too few registers.
+template <size_t kPlanes>
+inline constexpr size_t kQueriesAtOnce =
+    !HALFSPACE_MASKED_COMPARES ? 1 : (kPlanes <= 6 ? 4 : 2);
+
+#if HALFSPACE_MASKED_COMPARES
+
+template <size_t kPlanes, size_t kQueries, class D>
+struct QueryVectors {
+  hn::Vec<D> planes[kPlanes][kQueries];
+};
+
+// Plane kPlane and those after it of one vector of objects, for all queries.
+template <size_t kMins, size_t kPlane, size_t kPlanes, size_t... kQuery,
+          class D, typename T>
+HWY_INLINE void AddPlanes(
+    std::index_sequence<kQuery...> all, D d, const T* const* planes, size_t i,
+    const QueryVectors<kPlanes, sizeof...(kQuery), D>& queries,
+    hn::Mask<D> (&kept)[sizeof...(kQuery)]) {
+  if constexpr (kPlane < kPlanes) {
+    constexpr bool kIsMin = kPlane < kMins;
+    const hn::Vec<D> object = hn::LoadU(d, planes[kPlane] + i);
+    if constexpr (kPlane == 0) {
+      ((kept[kQuery] =
+            FirstVerdict<kIsMin>(d, object, queries.planes[0][kQuery])),
+       ...);
+    } else {
+      ((kept[kQuery] = NextVerdict<kIsMin>(d, kept[kQuery], object,
+                                           queries.planes[kPlane][kQuery])),
+       ...);
+    }
+    AddPlanes<kMins, kPlane + 1>(all, d, planes, i, queries, kept);
+  }
+}
+
+// ORs the bits of one vector, which begins at bit `shift` of its word, into the
+// words of survivors.
+template <size_t kMins, size_t kPlanes, size_t... kQuery, class D, typename T>
+HWY_INLINE void AddVector(
+    std::index_sequence<kQuery...> all, D d, const T* const* planes, size_t i,
+    size_t shift, const QueryVectors<kPlanes, sizeof...(kQuery), D>& queries,
+    uint64_t (&survivors)[sizeof...(kQuery)]) {
+  hn::Mask<D> kept[sizeof...(kQuery)];
+  AddPlanes<kMins, 0>(all, d, planes, i, queries, kept);
+  ((survivors[kQuery] |= LaneBits(d, kept[kQuery]) << shift), ...);
+}
+
+template <size_t kMins, size_t kPlanes, size_t... kVector, size_t... kQuery,
+          class D, typename T>
+HWY_INLINE void WordOfSeveral(
+    std::index_sequence<kVector...>, std::index_sequence<kQuery...> all, D d,
+    const T* const* planes, size_t i,
+    const QueryVectors<kPlanes, sizeof...(kQuery), D>& queries, uint64_t* row,
+    size_t stride) {
+  constexpr size_t kLanes = hn::MaxLanes(D());
+  uint64_t survivors[sizeof...(kQuery)] = {};
+  (AddVector<kMins>(all, d, planes, i + kVector * kLanes, kVector * kLanes,
+                    queries, survivors),
+   ...);
+  ((row[kQuery * stride] = survivors[kQuery]), ...);
+}
+
+// Queries q, q + 1, ... of the part, which share each load.
+template <size_t kMins, typename T, size_t... kPlane, size_t... kQuery>
+HWY_NOINLINE void FlatSeveral(std::index_sequence<kPlane...> all_planes,
+                              std::index_sequence<kQuery...> all_queries,
+                              const detail::Scan& scan,
+                              const detail::Part& part, size_t q) {
+  const WordTag<T> d;
+  constexpr std::make_index_sequence<kWordObjects / hn::MaxLanes(WordTag<T>())>
+      kVectors{};
+  const T* planes[] = {static_cast<const T*>(scan.planes[kPlane])...};
+  const T* values = static_cast<const T*>(part.queries) + q * scan.plane_count;
+  const size_t words = (part.end - part.begin) / kWordObjects;
+  uint64_t* row = part.rows + q * part.stride;
+  QueryVectors<sizeof...(kPlane), sizeof...(kQuery), WordTag<T>> queries;
+  const auto set_query = [&](size_t query) HWY_ATTR {
+    const T* of_query = values + query * scan.plane_count;
+    ((queries.planes[kPlane][query] =
+          hn::Set(d, QueryValue<kMins, kPlane>(of_query, scan.first_max))),
+     ...);
+  };
+  (set_query(kQuery), ...);
+  for (size_t w = 0; w < words; ++w) {
+    WordOfSeveral<kMins>(kVectors, all_queries, d, planes,
+                         part.begin + w * kWordObjects, queries, row + w,
+                         part.stride);
+  }
+  const size_t i = part.begin + words * kWordObjects;
+  if (i == part.end) return;
+  for (size_t query = 0; query < sizeof...(kQuery); ++query) {
+    row[query * part.stride + words] = FlatTail<kMins>(
+        all_planes, scan, values + query * scan.plane_count, i, part.end - i);
+  }
+}
+
+#endif  // HALFSPACE_MASKED_COMPARES
+
+// All queries of the part, with loads of one kind.
+template <size_t kMins, typename T, class Planes, class Load>
+HWY_INLINE int64_t FlatAll(Planes all_planes, Load load,
+                           const detail::Scan& scan, const detail::Part& part) {
+  // So that a call for one query ends with a jump.
+  if (part.query_count == 1) {
+    return FlatOne<kMins, Load, T>(all_planes, load, scan, part, 0);
+  }
+  size_t q = 0;
+#if HALFSPACE_MASKED_COMPARES
+  constexpr size_t kAtOnce = kQueriesAtOnce<all_planes.size()>;
+  for (; q + kAtOnce <= part.query_count; q += kAtOnce) {
+    FlatSeveral<kMins, T>(all_planes, std::make_index_sequence<kAtOnce>(), scan,
+                          part, q);
+  }
+#endif
+  for (; q < part.query_count; ++q) {
+    FlatOne<kMins, Load, T>(all_planes, load, scan, part, q);
+  }
+  return HWY_TARGET;
+}
+
+// All queries of the part on the first kMins + kMaxs planes of the scan.
+template <size_t kMins, size_t kMaxs, typename T>
+int64_t Flat(const detail::Scan& scan, const detail::Part& part) {
+  constexpr std::make_index_sequence<kMins + kMaxs> kPlanes{};
+  if constexpr (kAlignedLoadsPay && std::is_same_v<T, float>) {
+    if (scan.is_aligned) {
+      return FlatAll<kMins, T>(kPlanes, LoadAligned(), scan, part);
+    }
+  }
+  return FlatAll<kMins, T>(kPlanes, LoadAll(), scan, part);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
+
+#endif  // HALFSPACE_KERNELS_SCAN_FLAT_INL_H_

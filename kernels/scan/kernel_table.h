@@ -1,0 +1,50 @@
+// What a scan asks of the kernels, and where it finds them. No Highway here, so
+// that everything above the kernels compiles without it.
+#ifndef HALFSPACE_KERNELS_SCAN_KERNEL_TABLE_H_
+#define HALFSPACE_KERNELS_SCAN_KERNEL_TABLE_H_
+
+#include <cstddef>
+#include <cstdint>
+
+#include "halfspace/detail/scan.h"
+
+namespace halfspace::detail {
+
+// A part has at most so many queries.
+inline constexpr std::size_t kMostQueries = 16;
+
+// Some queries of a scan against some of its objects, and where the words of
+// survivors go.
+struct Part {
+  std::size_t first_query;
+  std::size_t query_count;
+  const void* queries;  // the values of the first, of the type of the planes
+
+  std::size_t begin;  // objects begin ... end - 1
+  std::size_t end;
+
+  // Bit 0 of row 0 is object `begin` and query `first_query`; nothing past
+  // `end` survives.
+  std::uint64_t* rows;
+  std::size_t stride;  // words from one row to the next
+};
+
+// Returns the Highway bit of the target that it was compiled for, so that a
+// result can say what really ran.
+using Kernel = std::int64_t (*)(const Scan& scan, const Part& part);
+
+struct TargetKernels {
+  Kernel run[kWays];
+
+  // Of at most 64 words: which are not 0, and the bits in those.
+  std::uint64_t (*nonzero_words)(const std::uint64_t* words, std::size_t count);
+  std::size_t (*count_bits)(const std::uint64_t* words, std::uint64_t nonzero);
+};
+
+// Specialised by each target's pass over the kernels of so many axes.
+template <std::int64_t kTarget, std::size_t kAxes, typename T>
+inline constexpr TargetKernels kKernelsFor{};
+
+}  // namespace halfspace::detail
+
+#endif  // HALFSPACE_KERNELS_SCAN_KERNEL_TABLE_H_
