@@ -11,6 +11,7 @@
 #include "bench/line_fit.h"
 #include "bench/register_scan.h"
 #include "bench/report.h"
+#include "bench/text_table.h"
 #include "bench/throughput.h"
 #include "bench/two_threads.h"
 #include "halfspace/reject.h"
@@ -164,6 +165,12 @@ TEST(TwoThreadsTest, AreNotReachedWhereNoThreadCanBeStarted) {
   ASSERT_EQ(pthread_setattr_default_np(&usual), 0);
 }
 #endif
+
+TEST(PrintableTest, EscapesControlCharactersAndLeavesLetters) {
+  EXPECT_EQ(Printable("a\n\x1b[31m\x7f"), "a\\x0a\\x1b[31m\\x7f");
+  EXPECT_EQ(Printable("\xC3\x9F"), "\xC3\x9F");     // U+00DF
+  EXPECT_EQ(Printable("\xC2\x9Bm"), "\xC2\\x9bm");  // U+009B
+}
 
 TEST(LineFitTest, FindsInterceptAndSlope) {
   const std::vector<double> x = {64, 128, 1024};
