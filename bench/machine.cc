@@ -112,18 +112,6 @@ std::string AffinityOf() {
 #endif
 }
 
-std::size_t AvailableMemory() {
-  std::ifstream file("/proc/meminfo");
-  std::string key;
-  std::size_t kibibytes = 0;
-  std::string unit;
-  while (file >> key >> kibibytes) {
-    std::getline(file, unit);
-    if (key == "MemAvailable:") return kibibytes * 1024;
-  }
-  return 0;
-}
-
 }  // namespace
 
 std::size_t Machine::CacheBytes(int level) const {
@@ -144,6 +132,27 @@ std::size_t Machine::LastLevelBytes() const {
   std::size_t bytes = 0;
   for (const Cache& cache : caches) bytes = std::max(bytes, cache.bytes);
   return bytes == 0 ? CacheBytes(3) : bytes;
+}
+
+int UsableCpus() {
+#if defined(__linux__)
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  if (sched_getaffinity(0, sizeof(set), &set) == 0) return CPU_COUNT(&set);
+#endif
+  return static_cast<int>(std::thread::hardware_concurrency());
+}
+
+std::size_t FreeMemory() {
+  std::ifstream file("/proc/meminfo");
+  std::string key;
+  std::size_t kibibytes = 0;
+  std::string unit;
+  while (file >> key >> kibibytes) {
+    std::getline(file, unit);
+    if (key == "MemAvailable:") return kibibytes * 1024;
+  }
+  return 0;
 }
 
 Machine DescribeMachine() {
@@ -167,7 +176,7 @@ Machine DescribeMachine() {
 #endif
   machine.cores = static_cast<int>(std::thread::hardware_concurrency());
   machine.affinity = AffinityOf();
-  machine.available_memory = AvailableMemory();
+  machine.available_memory = FreeMemory();
   for (const auto& cache : benchmark::CPUInfo::Get().caches) {
     if (cache.type == "Instruction" || cache.size <= 0) continue;
     machine.caches.push_back(

@@ -35,6 +35,12 @@ struct Machine {
 
 Machine DescribeMachine();
 
+// Logical CPUs that this thread may use; 0 if unknown.
+int UsableCpus();
+
+// Bytes of memory that can still be taken; 0 if unknown.
+std::size_t FreeMemory();
+
 // How this program was built.
 struct Build {
   std::string version;

@@ -1,85 +1,108 @@
 // cpuinfo-bench: measures on this machine what the bounding simplex, the AABB
 // and the AABO cost, and where each wins.
-#include <fstream>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
 #include <iostream>
 #include <new>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "bench/bounds_reader.h"
 #include "bench/input_error.h"
 #include "bench/mesh_reader.h"
 #include "bench/options.h"
+#include "bench/out_file.h"
 #include "bench/progress.h"
 #include "bench/report.h"
 #include "bench/run.h"
+#include "bench/text_table.h"
 #include "halfspace/targets.h"
 
 namespace halfspace::bench {
 namespace {
 
-int List() {
-  for (std::string_view section : kSections) std::cout << section << '\n';
-  return kExitOk;
-}
-
 int Fail(const std::string& what, int code) {
-  std::cerr << "cpuinfo-bench: " << what << '\n';
+  std::cerr << "cpuinfo-bench: " << Printable(what) << '\n';
   return code;
 }
 
-// The file of --mesh or --bounds; nothing if neither was given.
-std::optional<Workload> ReadInput(const BenchOptions& options) {
+Workload ReadWorkload(const BenchOptions& options) {
   if (!options.mesh.empty()) {
     const Mesh mesh = ReadMesh(options.mesh);
     return WorkloadOfTriangles(options.mesh, mesh.coords, mesh.indices,
                                options.queries);
   }
-  if (!options.bounds.empty()) {
-    return WorkloadOfBoxes(options.bounds, ReadBounds(options.bounds),
-                           options.queries);
-  }
-  return std::nullopt;
+  return WorkloadOfBoxes(options.bounds, ReadBounds(options.bounds),
+                         options.queries);
 }
 
-int RunTo(std::ostream& out, const BenchOptions& options,
-          std::optional<Workload> input) {
+// The file of --mesh or --bounds; nothing if neither was given.
+std::optional<Workload> ReadInput(const BenchOptions& options) {
+  const std::string& path =
+      options.mesh.empty() ? options.bounds : options.mesh;
+  if (path.empty()) return std::nullopt;
+  constexpr const char* kSmaller = "give a smaller one";
+  const std::size_t available = FreeMemory();
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (!error && available != 0 && bytes > available) {
+    throw InputError(path,
+                     "the file takes " + Mebibytes(bytes) +
+                         ", too much for the " + Mebibytes(available) +
+                         " that are free",
+                     kSmaller);
+  }
+  std::optional<Workload> workload;
+  try {
+    workload = ReadWorkload(options);
+  } catch (const std::bad_alloc&) {
+    throw InputError(path, "the file does not fit the memory", kSmaller);
+  }
+  for (std::size_t i = 0; i < workload->objects.size(); ++i) {
+    if (workload->objects.Get(i) != Aabo3::Everything()) return workload;
+  }
+  throw InputError(path,
+                   "all bounds are Everything(), which no test rejects, "
+                   "because coordinates beyond 2^125 cannot be bounded",
+                   "scale the coordinates down");
+}
+
+void RunTo(std::ostream& out, const BenchOptions& options,
+           std::optional<Workload> input) {
   const bool is_text = options.format == Format::kText;
   Progress progress;
   const Results results =
       Run(options, std::move(input), progress, is_text ? &out : nullptr);
   progress.Clear();
   if (!is_text) out << ToJson(results) << '\n';
-  out.flush();
-  return kExitOk;
 }
 
 int Main(int argc, char** argv) {
   BenchOptions options;
-  if (const std::optional<int> code = ParseOptions(argc, argv, options)) {
-    return *code;
+  if (!ParseOptions(argc, argv, options)) return kExitOk;
+  if (options.is_list) {
+    for (std::string_view section : kSections) std::cout << section << '\n';
+    return kExitOk;
   }
-  if (options.is_list) return List();
   if (const TargetChoice choice = DescribeTargetChoice();
       !choice.error.empty()) {
     return Fail("HALFSPACE_TARGET: " + choice.error, kExitUsage);
   }
   std::optional<Workload> input = ReadInput(options);
   if (options.out.empty()) {
-    const int code = RunTo(std::cout, options, std::move(input));
-    return std::cout ? code : Fail("standard output: cannot write", kExitUsage);
+    RunTo(std::cout, options, std::move(input));
+    return kExitOk;
   }
-  std::ofstream file(options.out);
-  if (!file) {
-    return Fail(options.out + ": cannot be written; choose another --out",
-                kExitUsage);
-  }
-  const int code = RunTo(file, options, std::move(input));
-  return file ? code
-              : Fail(options.out + ": writing failed; is the disk full?",
-                     kExitUsage);
+  OutFile file(options.out);
+  std::ostringstream text;
+  RunTo(text, options, std::move(input));
+  file.Write(text.str());
+  return kExitOk;
 }
 
 }  // namespace
@@ -88,7 +111,13 @@ int Main(int argc, char** argv) {
 int main(int argc, char** argv) {
   using namespace halfspace::bench;
   try {
-    return Main(argc, argv);
+    const int code = Main(argc, argv);
+    std::cout.flush();
+    if (std::cout) return code;
+    return Fail("standard output: writing failed; is the disk full?",
+                kExitFailed);
+  } catch (const UsageError& error) {
+    return Fail(error.what(), kExitUsage);
   } catch (const WrongAnswer& error) {
     return Fail(std::string("wrong answer: ") + error.what() +
                     ". Please report this machine.",
@@ -96,7 +125,11 @@ int main(int argc, char** argv) {
   } catch (const InputError& error) {
     return Fail(error.what(), kExitBadInput);
   } catch (const std::bad_alloc&) {
-    return Fail("out of memory; choose fewer --objects or a smaller file",
-                kExitUsage);
+    return Fail("out of memory; free some, or choose fewer sections by --only",
+                kExitFailed);
+  } catch (const std::exception& error) {
+    return Fail(error.what(), kExitFailed);
+  } catch (...) {
+    return Fail("an unknown error", kExitFailed);
   }
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <string_view>
 
 namespace halfspace::bench {
 namespace {
@@ -63,14 +64,31 @@ class Collector : public benchmark::BenchmarkReporter {
   std::vector<Timing>& timings_;
 };
 
+// Google Benchmark's static initialisers read settings from these variables,
+// and complain of them on standard error: they must be gone before those run.
+#if defined(__GLIBC__)
+void DropBenchmarkVariables(int /*argc*/, char** /*argv*/, char** environment) {
+  char** kept = environment;
+  for (char** each = environment; *each != nullptr; ++each) {
+    const std::string_view variable(*each);
+    if (variable.starts_with("BENCHMARK_") || variable.starts_with("V=")) {
+      continue;
+    }
+    *kept++ = *each;
+  }
+  *kept = nullptr;
+}
+using Initialiser = void (*)(int, char**, char**);
+__attribute__((section(".preinit_array"), used)) const Initialiser kFirst =
+    &DropBenchmarkVariables;
+#endif
+
 // Google Benchmark takes its settings from a command line only.
 void InitializeOnce() {
   static const bool initialized = [] {
-    // The rest undoes what BENCHMARK_* in the environment may ask for.
-    std::array<std::string, 5> words = {
+    std::array<std::string, 3> words = {
         "cpuinfo-bench", "--benchmark_enable_random_interleaving=true",
-        "--benchmark_filter=all", "--benchmark_list_tests=false",
-        "--benchmark_out="};
+        "--benchmark_filter=all"};
     std::array<char*, words.size() + 1> argv{};
     for (std::size_t i = 0; i < words.size(); ++i) argv[i] = words[i].data();
     int argc = static_cast<int>(words.size());

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,10 +44,17 @@ inline constexpr int kExitOk = 0;
 inline constexpr int kExitWrongAnswer = 1;
 inline constexpr int kExitUsage = 2;
 inline constexpr int kExitBadInput = 3;
+inline constexpr int kExitFailed = 4;
 
-// Fills `options`, or says with which code to exit: help, version or a usage
-// error has been printed then.
-std::optional<int> ParseOptions(int argc, char** argv, BenchOptions& options);
+// What is wrong with the command line, and what to do.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// Fills `options`. False if help or the version, which has been printed, is all
+// that was asked for. Throws UsageError.
+bool ParseOptions(int argc, char** argv, BenchOptions& options);
 
 }  // namespace halfspace::bench
 

@@ -193,7 +193,7 @@ void WriteText(std::ostream& out, const BuildResult& result) {
 }
 
 void WriteText(std::ostream& out, const QualityResult& result) {
-  Heading(out, "quality", "survivors, of " + result.workload);
+  Heading(out, "quality", "survivors, of " + Printable(result.workload));
   out << "  " << Grouped(result.objects) << " objects, "
       << Grouped(result.queries) << " queries\n\n";
   TextTable table({"shape", "survivors", "looseness"});
@@ -203,7 +203,8 @@ void WriteText(std::ostream& out, const QualityResult& result) {
 
 void WriteText(std::ostream& out, const SegmentsResult& result) {
   Heading(out, "segments",
-          "objects kept by a long segment in pieces, of " + result.workload);
+          "objects kept by a long segment in pieces, of " +
+              Printable(result.workload));
   out << "  " << Grouped(result.objects) << " objects, means of "
       << result.segments << " segments, seed " << result.seed
       << "; one test reads " << kRecordBytes.simplex << " (simplex), "

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <new>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "bench/report.h"
 #include "bench/scene.h"
 #include "bench/sections.h"
+#include "bench/text_table.h"
 
 namespace halfspace::bench {
 namespace {
@@ -44,6 +46,7 @@ class Runner {
 
   Results Run() {
     results_.context = RunMachine();
+    CheckMemory();
     PlanProgress();
     Section("machine", results_.machine, [&] { return results_.context; });
     Section("check", results_.check,
@@ -128,16 +131,46 @@ class Runner {
     return !input_ && section != "machine" && section != "verdict";
   }
 
+  std::size_t SceneObjects() const {
+    if (options_.objects != 0) return options_.objects;
+    return options_.is_quick ? kQuickObjects : kPaperObjects;
+  }
+
+  [[noreturn]] void FailForMemory(const std::string& why) const {
+    throw UsageError("the scene of " + std::to_string(SceneObjects()) +
+                     " objects takes " +
+                     Mebibytes(SceneObjects() * sizeof(Aabo3)) + why +
+                     "; choose fewer --objects");
+  }
+
+  // Before anything is taken: a system that has promised too much ends the
+  // program without a word. An eighth is left to the sections.
+  void CheckMemory() const {
+    const bool is_needed = std::any_of(
+        kSections.begin(), kSections.end(), [this](std::string_view section) {
+          return options_.Wants(section) && NeedsScene(section);
+        });
+    const std::size_t available = results_.context.machine.available_memory;
+    if (is_needed && available != 0 &&
+        SceneObjects() * sizeof(Aabo3) > available / 8 * 7) {
+      FailForMemory(", too much for the " + Mebibytes(available) +
+                    " that are free");
+    }
+  }
+
   const Workload& Scene() {
-    if (scene_.objects.empty()) {
-      progress_.Begin("scene", WeightOf("scene"));
-      const std::size_t usual =
-          options_.is_quick ? kQuickObjects : kPaperObjects;
+    if (!scene_.objects.empty()) return scene_;
+    progress_.Begin("scene", WeightOf("scene"));
+    try {
       scene_ = MakeScene(
-          options_.objects != 0 ? options_.objects : usual,
+          SceneObjects(),
           options_.queries != 0 ? options_.queries : kPaperQueries,
           options_.seed, [&](double done) { progress_.Update(done); });
+    } catch (const std::bad_alloc&) {
+      FailForMemory(", which this program does not get");
     }
+    // What the working sets may still take.
+    results_.context.machine.available_memory = FreeMemory();
     return scene_;
   }
 

@@ -14,7 +14,8 @@ namespace halfspace::bench {
 
 // `input` is the workload of a file, if one was given; the paper's scene is
 // made where it is needed. With `text`, each section is written there as soon
-// as it is done. Throws WrongAnswer.
+// as it is done. Throws WrongAnswer, and UsageError if the scene does not fit
+// the memory.
 Results Run(const BenchOptions& options, std::optional<Workload> input,
             Progress& progress, std::ostream* text);
 

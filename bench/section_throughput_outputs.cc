@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
-#include <thread>
+#include <system_error>
 #include <tuple>
 #include <utility>
 
+#include "bench/machine.h"
 #include "bench/shape_queries.h"
 #include "bench/throughput.h"
 #include "bench/two_threads.h"
@@ -132,8 +134,8 @@ double NanosecondsOf(const std::function<void()>& run) {
 // Bar 6: the simplex masks of many queries, on one thread and on two, in real
 // time: each takes half of the objects.
 void RunThreads(const Workload& workload, Throughput& throughput) {
-  if (std::thread::hardware_concurrency() < 2) {
-    throughput.NotReached("bar 6, two threads: one CPU");
+  if (UsableCpus() < 2) {
+    throughput.NotReached("bar 6, two threads: this run may use one CPU");
     return;
   }
   const AaboWorld3 world = ResizedTo(workload.objects, kObjects);
@@ -148,7 +150,15 @@ void RunThreads(const Workload& workload, Throughput& throughput) {
     SurvivorMasks(world.view().simplex(), queries.simplices(), rows,
                   {.target = target, .range = range});
   };
-  OtherThread other([&] { masks({kObjects / 2, kObjects}); });
+  std::optional<OtherThread> other;
+  try {
+    other.emplace([&] { masks({kObjects / 2, kObjects}); });
+  } catch (const std::system_error& error) {
+    throughput.NotReached(
+        std::string("bar 6, two threads: no thread can be started: ") +
+        error.what());
+    return;
+  }
   Timing one{"throughput/threads/1", {}, 0.0, 1};
   Timing two{"throughput/threads/2", {}, 0.0, 1};
   one.items = two.items = static_cast<double>(kObjects * kThreadQueries);
@@ -156,9 +166,9 @@ void RunThreads(const Workload& workload, Throughput& throughput) {
   for (std::size_t i = 0; i < repetitions; ++i) {
     one.samples.push_back(NanosecondsOf([&] { masks({}); }) / one.items);
     two.samples.push_back(NanosecondsOf([&] {
-                            other.Start();
+                            other->Start();
                             masks({0, kObjects / 2});
-                            other.Wait();
+                            other->Wait();
                           }) /
                           two.items);
     throughput.progress().Update(static_cast<double>(i) /

@@ -158,7 +158,7 @@ std::string QualitySentence(const Results& results, const std::string& target) {
   }
   const QualityResult& quality = *results.quality;
   const std::string what =
-      quality.workload == "scene" ? "the scene" : quality.workload;
+      quality.workload == "scene" ? "the scene" : Printable(quality.workload);
   if (quality.survivors.aabb == 0) {
     return "No object of " + what +
            " survives an AABB test, so looseness cannot be told.";

@@ -51,4 +51,28 @@ std::string Grouped(std::size_t value) {
   return digits;
 }
 
+std::string Printable(std::string_view text) {
+  std::string printable;
+  unsigned char before = 0;
+  for (char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    // U+0080 to U+009F are control characters, too.
+    const bool is_c1 = before == 0xC2 && byte >= 0x80 && byte < 0xA0;
+    if (byte < 0x20 || byte == 0x7F || is_c1) {
+      char escaped[8];
+      std::snprintf(escaped, sizeof(escaped), "\\x%02x", byte);
+      printable += escaped;
+    } else {
+      printable += c;
+    }
+    before = byte;
+  }
+  return printable;
+}
+
+std::string Mebibytes(std::size_t bytes) {
+  constexpr std::size_t kMebibyte = std::size_t{1} << 20;
+  return std::to_string(bytes / kMebibyte + (bytes % kMebibyte != 0)) + " MiB";
+}
+
 }  // namespace halfspace::bench

@@ -5,6 +5,7 @@
 #include <optional>
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace halfspace::bench {
@@ -29,6 +30,13 @@ std::string Fixed(const std::optional<double>& value, int digits);
 
 // 65536 as "65 536".
 std::string Grouped(std::size_t value);
+
+// What a file name or a variable holds, safe for a terminal: control characters
+// as \xNN.
+std::string Printable(std::string_view text);
+
+// "12 MiB", rounded up.
+std::string Mebibytes(std::size_t bytes);
 
 }  // namespace halfspace::bench
 

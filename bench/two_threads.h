@@ -3,6 +3,7 @@
 #define HALFSPACE_BENCH_TWO_THREADS_H_
 
 #include <atomic>
+#include <exception>
 #include <functional>
 #include <thread>
 #include <utility>
@@ -11,6 +12,7 @@ namespace halfspace::bench {
 
 class OtherThread {
  public:
+  // Throws std::system_error where no thread can be started.
   explicit OtherThread(std::function<void()> work)
       : work_(std::move(work)), thread_([this] { Serve(); }) {}
 
@@ -25,10 +27,11 @@ class OtherThread {
   // Does the work once over there.
   void Start() { ++started_; }
 
-  // Until it is done.
+  // Until it is done. Throws what the work has thrown.
   void Wait() const {
     while (done_ != started_) {
     }
+    if (error_) std::rethrow_exception(error_);
   }
 
  private:
@@ -39,12 +42,17 @@ class OtherThread {
       while (started_ < next) {
       }
       if (is_over_) return;
-      work_();
+      try {
+        work_();
+      } catch (...) {
+        error_ = std::current_exception();
+      }
       done_ = next;
     }
   }
 
   std::function<void()> work_;
+  std::exception_ptr error_;  // handed over by done_
   std::atomic<bool> is_over_{false};
   std::atomic<unsigned> started_{0};
   std::atomic<unsigned> done_{0};

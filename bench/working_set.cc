@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "bench/gated_scan.h"
+#include "bench/text_table.h"
 #include "kernels/reference.h"
 
 namespace halfspace::bench {
@@ -11,10 +12,6 @@ namespace {
 
 constexpr std::size_t kAaboBytes = 8 * sizeof(float);
 constexpr std::size_t kSimplexBytes = 4 * sizeof(float);
-
-std::string Mebibytes(std::size_t bytes) {
-  return std::to_string(bytes >> 20) + " MiB";
-}
 
 std::size_t RoundDown(std::size_t value, std::size_t step) {
   return std::max(step, value / step * step);

@@ -4,21 +4,35 @@ set(inputs "${CMAKE_CURRENT_BINARY_DIR}/inputs")
 file(WRITE "${inputs}/quad.obj" "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
 file(WRITE "${inputs}/bad.obj" "v 0 0 0\nv 1 0 0\nv 1 1 zero\nf 1 2 3\n")
 file(WRITE "${inputs}/boxes.csv" "0,0,0,1,1,1\n2,2,2,3,3,3\n")
+file(WRITE "${inputs}/far.obj" "v 3e38 0 0\nv 0 3e38 0\nv 0 0 3e38\nf 1 2 3\n")
+file(WRITE "${inputs}/far.csv" "2e38,2e38,2e38,3e38,3e38,3e38\n")
 file(WRITE "${inputs}/bad.csv" "0,0,0,1,1,1\n0,0,0,nan,1,1\n")
 
 # halfspace_command_line_test(<name> CODE n [STDOUT regex] [STDERR regex]
+#                             [STDOUT_FILE file] [OUT regex]
+#                             [BEFORE command ...] [ENVIRONMENT variable=value ...]
 #                             ARGUMENTS ...)
+# With OUT, there is a file for --out, which matches afterwards. BEFORE is what
+# runs the tool. Among arguments, <EMPTY> is none and <ESC> a control character.
 function(halfspace_command_line_test name)
-  cmake_parse_arguments(arg "" "CODE;STDOUT;STDERR" "ARGUMENTS" ${ARGN})
-  set(command ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:cpuinfo-bench>
-              ${arg_ARGUMENTS})
+  cmake_parse_arguments(arg "" "CODE;STDOUT;STDERR;STDOUT_FILE;OUT"
+                        "BEFORE;ENVIRONMENT;ARGUMENTS" ${ARGN})
+  set(out "")
+  if(arg_OUT)
+    set(out "${inputs}/${name}.out")
+    list(APPEND arg_ARGUMENTS --out "${out}")
+  endif()
+  set(command ${arg_BEFORE} ${CMAKE_CROSSCOMPILING_EMULATOR}
+              $<TARGET_FILE:cpuinfo-bench> ${arg_ARGUMENTS})
   string(REPLACE ";" "|" command "${command}")
   add_test(NAME cpuinfo-bench.${name}
     COMMAND "${CMAKE_COMMAND}" "-DCOMMAND=${command}"
             "-DEXPECTED_CODE=${arg_CODE}" "-DSTDOUT=${arg_STDOUT}"
-            "-DSTDERR=${arg_STDERR}"
+            "-DSTDERR=${arg_STDERR}" "-DSTDOUT_FILE=${arg_STDOUT_FILE}"
+            "-DOUT=${out}" "-DEXPECTED_OUT=${arg_OUT}"
             -P "${CMAKE_CURRENT_SOURCE_DIR}/command_line_test.cmake")
-  set_tests_properties(cpuinfo-bench.${name} PROPERTIES LABELS tools)
+  set_tests_properties(cpuinfo-bench.${name} PROPERTIES
+    LABELS tools ENVIRONMENT "${arg_ENVIRONMENT}")
 endfunction()
 
 halfspace_command_line_test(version CODE 0 ARGUMENTS --version
@@ -56,6 +70,71 @@ halfspace_command_line_test(json CODE 0
 
 # Every message of a bad environment reaches the user too.
 halfspace_command_line_test(bad_environment CODE 2 ARGUMENTS --only machine
-  STDERR "HALFSPACE_TARGET.*MMX")
-set_tests_properties(cpuinfo-bench.bad_environment PROPERTIES
-  ENVIRONMENT HALFSPACE_TARGET=MMX)
+  STDERR "HALFSPACE_TARGET.*MMX" ENVIRONMENT HALFSPACE_TARGET=MMX)
+string(ASCII 27 escape)
+halfspace_command_line_test(control_character_in_environment CODE 2
+  ARGUMENTS --only machine STDERR "x1bc"
+  ENVIRONMENT "HALFSPACE_TARGET=${escape}c")
+halfspace_command_line_test(control_character_in_file_name CODE 3
+  ARGUMENTS --mesh "<ESC>[31m" STDERR "x1b\\[31m: ")
+
+# Google Benchmark complains of its own variables before main().
+halfspace_command_line_test(benchmark_environment CODE 0
+  ARGUMENTS --only machine
+  ENVIRONMENT BENCHMARK_REPETITIONS=x BENCHMARK_CONTEXT=x
+              BENCHMARK_MIN_WARMUP_TIME=x V=x)
+
+foreach(seed -1 18446744073709551616 0x10 1e16 0.5 <EMPTY>)
+  halfspace_command_line_test(seed_${seed} CODE 2
+    ARGUMENTS --only machine --seed ${seed} STDERR "no whole number from 0 to")
+endforeach()
+halfspace_command_line_test(decimal_seed CODE 0
+  ARGUMENTS --only segments --objects 64 --quick --seed 010 STDOUT "seed 10;")
+halfspace_command_line_test(exponents CODE 0
+  ARGUMENTS --only quality --objects 1.5e3 --queries 1e0 --seed 1e6
+  STDOUT "1 500 objects, 1 queries")
+foreach(option --mesh --bounds --out)
+  halfspace_command_line_test(empty${option} CODE 2
+    ARGUMENTS --only machine ${option} <EMPTY> STDERR "empty file name")
+endforeach()
+foreach(sections "quality," ",quality" "quality,,check" "<EMPTY>")
+  halfspace_command_line_test(empty_section_${sections} CODE 2
+    ARGUMENTS --only "${sections}" STDERR "no section")
+endforeach()
+
+if(EXISTS /dev/full)
+  foreach(option --list --help --version)
+    halfspace_command_line_test(full${option} CODE 4 ARGUMENTS ${option}
+      STDOUT_FILE /dev/full STDERR "standard output")
+  endforeach()
+  halfspace_command_line_test(full_run CODE 4 ARGUMENTS --only machine
+    STDOUT_FILE /dev/full STDERR "standard output")
+  halfspace_command_line_test(full_out CODE 4
+    ARGUMENTS --only machine --out /dev/full STDERR "/dev/full: ")
+endif()
+halfspace_command_line_test(out CODE 0 ARGUMENTS --only machine
+  OUT "^\nmachine: ")
+halfspace_command_line_test(out_of_a_failed_run CODE 3
+  ARGUMENTS --only machine --mesh "${inputs}/none.obj"
+  OUT "^what was there$")
+halfspace_command_line_test(out_of_an_interrupted_run CODE 124
+  BEFORE timeout 1 ARGUMENTS --only crossover --objects 4096
+  OUT "^what was there$")
+
+# 32 GiB, where that cannot be had; the machine is told first.
+file(STRINGS /proc/meminfo available REGEX "MemAvailable")
+if(available MATCHES "([0-9]+) kB" AND CMAKE_MATCH_1 LESS 30000000)
+  halfspace_command_line_test(too_many_objects CODE 2
+    ARGUMENTS --objects 1073741824 STDERR "32768 MiB.*fewer --objects")
+endif()
+halfspace_command_line_test(objects_that_are_not_needed CODE 0
+  ARGUMENTS --only machine --objects 1073741824)
+if(NOT CMAKE_CROSSCOMPILING AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize=")
+  halfspace_command_line_test(no_memory_for_the_scene CODE 2
+    BEFORE prlimit --as=200000000 ARGUMENTS --only quality --objects 8388608
+    STDERR "256 MiB.*fewer --objects")
+endif()
+halfspace_command_line_test(far_mesh CODE 3
+  ARGUMENTS --only quality --mesh "${inputs}/far.obj" STDERR "Everything")
+halfspace_command_line_test(far_bounds CODE 3
+  ARGUMENTS --only quality --bounds "${inputs}/far.csv" STDERR "Everything")

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -10,8 +11,15 @@
 #include "bench/line_fit.h"
 #include "bench/register_scan.h"
 #include "bench/report.h"
+#include "bench/text_table.h"
 #include "bench/throughput.h"
+#include "bench/two_threads.h"
 #include "halfspace/reject.h"
+
+#if defined(__GLIBC__)
+#include <pthread.h>
+#include <sched.h>
+#endif
 
 namespace halfspace::bench {
 namespace {
@@ -106,6 +114,62 @@ TEST(ThroughputReportTest, ABarHoldsAtItsLimit) {
   EXPECT_FALSE((ThroughputRatio{1, "", 96.9, 97.0, true}.holds()));
   EXPECT_TRUE((ThroughputRatio{6, "", 1.15, 1.15, false}.holds()));
   EXPECT_FALSE((ThroughputRatio{6, "", 1.16, 1.15, false}.holds()));
+}
+
+TEST(OtherThreadTest, HandsOverWhatTheWorkThrows) {
+  OtherThread other([] { throw std::runtime_error("over there"); });
+  other.Start();
+  EXPECT_THROW(other.Wait(), std::runtime_error);
+}
+
+#if defined(__GLIBC__)
+void ExpectTwoThreadsNotReached(const std::string& why) {
+  Workload workload;
+  workload.objects.Push(Aabo3::Everything());
+  workload.queries.push_back(Aabo3::Everything());
+  Progress progress;
+  std::vector<Timing> timings;
+  const Context context{{ChosenTarget()}, {}, progress, timings};
+  ThroughputResult result;
+  Throughput throughput(context, true, result);
+  ThroughputParts parts;
+  AddOutputParts(workload, parts);
+  parts.back()(throughput);
+  EXPECT_TRUE(result.ratios.empty());
+  ASSERT_EQ(result.not_reached.size(), 1u);
+  EXPECT_NE(result.not_reached[0].find(why), std::string::npos)
+      << result.not_reached[0];
+}
+
+TEST(TwoThreadsTest, AreNotReachedOnOneOfManyCpus) {
+  cpu_set_t all;
+  ASSERT_EQ(sched_getaffinity(0, sizeof(all), &all), 0);
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  CPU_SET(static_cast<std::size_t>(sched_getcpu()), &one);
+  ASSERT_EQ(sched_setaffinity(0, sizeof(one), &one), 0);
+  ExpectTwoThreadsNotReached("one CPU");
+  ASSERT_EQ(sched_setaffinity(0, sizeof(all), &all), 0);
+}
+
+TEST(TwoThreadsTest, AreNotReachedWhereNoThreadCanBeStarted) {
+  if (UsableCpus() < 2) GTEST_SKIP() << "one CPU";
+  pthread_attr_t usual;
+  pthread_attr_t huge;
+  ASSERT_EQ(pthread_getattr_default_np(&usual), 0);
+  ASSERT_EQ(pthread_getattr_default_np(&huge), 0);
+  // A stack that no address space has room for.
+  ASSERT_EQ(pthread_attr_setstacksize(&huge, std::size_t{1} << 60), 0);
+  ASSERT_EQ(pthread_setattr_default_np(&huge), 0);
+  ExpectTwoThreadsNotReached("no thread can be started");
+  ASSERT_EQ(pthread_setattr_default_np(&usual), 0);
+}
+#endif
+
+TEST(PrintableTest, EscapesControlCharactersAndLeavesLetters) {
+  EXPECT_EQ(Printable("a\n\x1b[31m\x7f"), "a\\x0a\\x1b[31m\\x7f");
+  EXPECT_EQ(Printable("\xC3\x9F"), "\xC3\x9F");     // U+00DF
+  EXPECT_EQ(Printable("\xC2\x9Bm"), "\xC2\\x9bm");  // U+009B
 }
 
 TEST(LineFitTest, FindsInterceptAndSlope) {
