@@ -43,7 +43,7 @@ int main() {
   // Enough of both to learn from: codes lie about them as soon as this file and
   // the library take them for something different.
   halfspace::CodedWorld<halfspace::AaboView3> coded;
-  for (int i = 0; i < 200; ++i) coded.Push(world.Get(i % 2));
+  for (std::size_t i = 0; i < 200; ++i) coded.Push(world.Get(i % 2));
   const auto copy = coded;
   const halfspace::Codes<halfspace::AaboView3> codes(world);
   const std::size_t left[] = {
