@@ -43,12 +43,13 @@ endif()
 # that no machine of the last fifteen years needs. Each costs as much time and
 # code as any other. Only names that this Highway knows may be disabled.
 if(HALFSPACE_BUNDLES_HIGHWAY)
-  set(highway_include "${highway_sources}")
+  set(HALFSPACE_HIGHWAY_INCLUDE "${highway_sources}")
 else()
-  get_target_property(highway_include hwy::hwy INTERFACE_INCLUDE_DIRECTORIES)
+  get_target_property(HALFSPACE_HIGHWAY_INCLUDE
+                      hwy::hwy INTERFACE_INCLUDE_DIRECTORIES)
 endif()
-list(GET highway_include 0 highway_include)
-file(STRINGS "${highway_include}/hwy/detect_targets.h" known_targets
+list(GET HALFSPACE_HIGHWAY_INCLUDE 0 HALFSPACE_HIGHWAY_INCLUDE)
+file(STRINGS "${HALFSPACE_HIGHWAY_INCLUDE}/hwy/detect_targets.h" known_targets
      REGEX "^#define HWY_[A-Z0-9_]+ \\(1LL")
 set(HALFSPACE_DISABLED_TARGETS "")
 foreach(name SSE2 SSSE3 AVX3_DL AVX3_ZEN4 AVX3_SPR AVX10_2 NEON_BF16)

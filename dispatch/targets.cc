@@ -109,9 +109,17 @@ std::string WhyNot(std::string_view name) {
 
 std::string ExpectedNames() { return "one of " + NamesOf(SupportedTargets()); }
 
-const TargetChoice& Choice() {
-  static const TargetChoice choice = [] {
-    TargetChoice result;
+struct Choice {
+  Target target;
+  std::string requested;
+  std::string error;
+};
+
+// Never destroyed: calls may come from other objects' destructors after main,
+// and from threads that nobody waits for.
+const Choice& TheChoice() {
+  static const Choice& choice = *new Choice([] {
+    Choice result;
     const char* value = EnvironmentOverride();
     if (value == nullptr || *value == '\0') {
       result.target = SupportedTargets().front();
@@ -124,13 +132,13 @@ const TargetChoice& Choice() {
     }
     result.target = *FindTarget(value);
     return result;
-  }();
+  }());
   return choice;
 }
 
 [[noreturn]] void ThrowBadChoice(std::string_view call) {
   kernels::ThrowInvalid(call, "HALFSPACE_TARGET", ExpectedNames(),
-                        WhyNot(Choice().requested));
+                        WhyNot(TheChoice().requested));
 }
 
 [[noreturn]] void ThrowBadTarget(Target target, std::string_view call) {
@@ -141,8 +149,8 @@ const TargetChoice& Choice() {
 
 // The target that HALFSPACE_TARGET asks for, or the best one.
 Target ChosenFor(std::string_view call) {
-  if (!Choice().error.empty()) ThrowBadChoice(call);
-  return Choice().target;
+  if (!TheChoice().error.empty()) ThrowBadChoice(call);
+  return TheChoice().target;
 }
 
 // The entry of a target that a caller names, or of the chosen one.
@@ -200,12 +208,15 @@ std::span<const Target> SupportedTargets() {
 }
 
 Target ChosenTarget() {
-  const TargetChoice& choice = dispatch::Choice();
+  const dispatch::Choice& choice = dispatch::TheChoice();
   if (!choice.error.empty()) dispatch::ThrowBadChoice("ChosenTarget");
   return choice.target;
 }
 
-TargetChoice DescribeTargetChoice() { return dispatch::Choice(); }
+detail::TargetChoiceView detail::ViewTargetChoice() {
+  const dispatch::Choice& choice = dispatch::TheChoice();
+  return {choice.target, choice.requested, choice.error};
+}
 
 std::optional<Target> FindTarget(std::string_view name) {
   for (Target target : SupportedTargets()) {

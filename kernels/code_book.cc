@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <numeric>
+#include <span>
 #include <utility>
+#include <vector>
 
 namespace halfspace::detail {
 namespace {
@@ -54,6 +57,31 @@ constexpr Stored Stow(std::uint32_t rank, bool is_min) {
   return is_min ? static_cast<Stored>(~code) : code;
 }
 
+// By one byte after the other: a tenth of the time of std::sort for the 2^16
+// keys of a plane, and learning is little else.
+void Sort(std::vector<Key>& keys) {
+  constexpr std::size_t kFew = 128;
+  if (keys.size() < kFew) {
+    std::sort(keys.begin(), keys.end());
+    return;
+  }
+  constexpr std::size_t kBytes = sizeof(Key);
+  const auto byte_of = [](Key key, std::size_t b) {
+    return (static_cast<std::uint32_t>(key) ^ 0x80000000u) >> (8 * b) & 0xff;
+  };
+  std::array<std::array<std::uint32_t, 256>, kBytes> places{};
+  for (const Key key : keys) {
+    for (std::size_t b = 0; b < kBytes; ++b) ++places[b][byte_of(key, b)];
+  }
+  std::vector<Key> sorted(keys.size());
+  for (std::size_t b = 0; b < kBytes; ++b) {
+    std::exclusive_scan(places[b].begin(), places[b].end(), places[b].begin(),
+                        std::uint32_t{0});
+    for (const Key key : keys) sorted[places[b][byte_of(key, b)]++] = key;
+    keys.swap(sorted);
+  }
+}
+
 // An evenly spread part of a plane, sorted, without NaN.
 std::vector<Key> SortedSample(const FloatColumns& floats, std::size_t plane,
                               std::size_t most) {
@@ -65,7 +93,7 @@ std::vector<Key> SortedSample(const FloatColumns& floats, std::size_t plane,
     const Key key = KeyOf(floats.planes[plane][at * floats.stride], kAboveAll);
     if (key != kAboveAll) sample.push_back(key);
   }
-  std::sort(sample.begin(), sample.end());
+  Sort(sample);
   return sample;
 }
 
@@ -80,27 +108,24 @@ std::vector<Key> Quantiles(const std::vector<Key>& sorted, std::size_t most,
     const std::size_t rank = j * sorted.size() / count;
     quantiles[j] = is_min ? sorted[rank] : sorted[sorted.size() - 1 - rank];
   }
-  std::sort(quantiles.begin(), quantiles.end());
+  if (!is_min) std::reverse(quantiles.begin(), quantiles.end());
   quantiles.erase(std::unique(quantiles.begin(), quantiles.end()),
                   quantiles.end());
   return quantiles;
 }
 
+PlaneArrays<Key> NoThresholds(std::size_t planes) {
+  std::array<Key, kMaxPlanes> padding;
+  padding.fill(kPad);
+  return PlaneArrays<Key>(std::span(padding).first(planes));
+}
+
 }  // namespace
 
-CodeBook::CodeBook(CodeBook&& other) noexcept
-    : minima_(other.minima_),
-      planes_(other.planes_),
-      thresholds_per_plane_(std::exchange(other.thresholds_per_plane_, 0)),
-      thresholds_(std::exchange(other.thresholds_, {})) {}
-
-CodeBook& CodeBook::operator=(CodeBook other) noexcept {
-  minima_ = other.minima_;
-  planes_ = other.planes_;
-  thresholds_per_plane_ = other.thresholds_per_plane_;
-  thresholds_.swap(other.thresholds_);
-  return *this;
-}
+CodeBook::CodeBook(std::size_t minima, std::size_t maxima)
+    : minima_(minima),
+      planes_(minima + maxima),
+      thresholds_(NoThresholds(planes_)) {}
 
 void CodeBook::Learn(const FloatColumns& floats, std::size_t codes) {
   // Enough for the ranks of 256 codes to be off by less than one; of 65536, for
@@ -108,15 +133,14 @@ void CodeBook::Learn(const FloatColumns& floats, std::size_t codes) {
   const std::size_t sampled = codes <= 256 ? 1 << 16 : 1 << 18;
   const std::size_t per_plane =
       std::min(codes, std::bit_ceil(std::min(floats.size, sampled) + 1)) - 1;
-  std::vector<Key> thresholds(per_plane * planes_, kPad);
+  PlaneArrays<Key> thresholds = NoThresholds(planes_);
+  thresholds.Resize(per_plane);
   for (std::size_t p = 0; p < planes_; ++p) {
     const std::vector<Key> quantiles =
         Quantiles(SortedSample(floats, p, sampled), per_plane, p < minima_);
-    std::copy(quantiles.begin(), quantiles.end(),
-              thresholds.begin() + static_cast<std::ptrdiff_t>(p * per_plane));
+    std::copy(quantiles.begin(), quantiles.end(), thresholds.plane(p));
   }
   thresholds_ = std::move(thresholds);
-  thresholds_per_plane_ = per_plane;
 }
 
 template <typename Stored>
@@ -125,7 +149,7 @@ void CodeBook::CodeObjects(std::size_t p, const float* values,
                            Stored* codes) const {
   constexpr std::size_t kLanes = 8;
   const bool is_min = p < minima_;
-  const Key* table = thresholds_.data() + p * thresholds_per_plane_;
+  const Key* table = thresholds_.plane(p);
   // A minimum reaches a threshold, a maximum passes it.
   const Key reach = is_min ? 1 : 0;
   const auto key_of = [&](float value) {
@@ -141,7 +165,7 @@ void CodeBook::CodeObjects(std::size_t p, const float* values,
     for (std::size_t l = 0; l < lanes; ++l) {
       keys[l] = key_of(values[(i + l) * stride]);
     }
-    CountBelow(tables, thresholds_per_plane_, keys, ranks);
+    CountBelow(tables, thresholds_.size(), keys, ranks);
     for (std::size_t l = 0; l < lanes; ++l)
       codes[i + l] = Stow<Stored>(ranks[l], is_min);
   }
@@ -158,13 +182,13 @@ void CodeBook::RankEach(const float* values, bool is_query, const At& at,
   for (std::size_t p = 0; p < kLanes; ++p) {
     const std::size_t plane = std::min(p, planes_ - 1);
     const bool is_min = plane < minima_;
-    tables[p] = thresholds_.data() + plane * thresholds_per_plane_;
+    tables[p] = thresholds_.plane(plane);
     // A NaN never rejects: an object's minimum is then below all, the query's
     // maximum, which it is compared with, above.
     const Key key_of_nan = is_min == is_query ? kAboveAll : kBelowAll;
     keys[p] = KeyOf(values[at(plane)], key_of_nan) + (is_min ? 1 : 0);
   }
-  CountBelow(tables, thresholds_per_plane_, keys, counts);
+  CountBelow(tables, thresholds_.size(), keys, counts);
   for (std::size_t p = 0; p < planes_; ++p) ranks[p] = counts[p];
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
@@ -14,6 +15,12 @@ template <typename Stored>
 PlaneArrays<Stored> NoPlanes(std::size_t planes) {
   const std::array<Stored, kMaxPlanes> padding{};
   return PlaneArrays<Stored>(std::span(padding).first(planes));
+}
+
+// Codes of equal rank are shared by one object in 256; a map that is four times
+// worse rejects with two bits less.
+double MostPairs(double times, double pairs_then) {
+  return times * (pairs_then + 1.0 / 256);
 }
 
 }  // namespace
@@ -45,7 +52,7 @@ void CodedPlanes<Stored>::Recode(const FloatColumns& floats) {
   }
   book_ = std::move(book);
   codes_ = std::move(codes);
-  for (std::size_t p = 0; p < planes; ++p) crowding_then_[p] = Crowding(p);
+  for (std::size_t p = 0; p < planes; ++p) pairs_then_[p] = CrowdOf(p).pairs;
 }
 
 template <typename Stored>
@@ -76,32 +83,51 @@ void CodedPlanes<Stored>::EraseBySwap(std::size_t index) {
   codes_.EraseBySwap(index);
 }
 
-// How likely two objects are to have the same code, or, of many codes, the same
-// upper eight bits of it: from up to 1024 of them.
+// Of many codes, only the upper eight bits count. From up to 1024 objects.
 template <typename Stored>
-double CodedPlanes<Stored>::Crowding(std::size_t plane) const {
+auto CodedPlanes<Stored>::CrowdOf(std::size_t plane) const -> Crowd {
   const std::size_t count = std::min<std::size_t>(size(), 1024);
-  if (count == 0) return 0.0;
+  if (count == 0) return {};
   std::array<std::uint32_t, 256> histogram{};
   for (std::size_t i = 0; i < count; ++i) {
     const Stored code = codes_.plane(plane)[SampledIndex(i, count, size())];
     ++histogram[book_.BucketOf(book_.RankOf(plane, code))];
   }
-  double pairs = 0.0;
+  std::uint32_t pairs = 0;
+  std::uint32_t fullest = 0;
   for (const std::uint32_t bucket : histogram) {
-    pairs += static_cast<double>(bucket) * bucket;
+    pairs += bucket * bucket;
+    fullest = std::max(fullest, bucket);
   }
-  return pairs / (static_cast<double>(count) * static_cast<double>(count));
+  const auto all = static_cast<double>(count);
+  return {.pairs = pairs / (all * all), .fullest = fullest / all};
 }
 
 template <typename Stored>
 bool CodedPlanes<Stored>::Fits() const {
-  // Codes of equal rank are shared by one object in 256; a map that is four
-  // times worse rejects with two bits less.
   for (std::size_t p = 0; p < book_.planes(); ++p) {
-    if (Crowding(p) > 4.0 * (crowding_then_[p] + 1.0 / 256)) return false;
+    if (CrowdOf(p).pairs > MostPairs(4.0, pairs_then_[p])) return false;
   }
   return true;
+}
+
+template <typename Stored>
+std::size_t CodedPlanes<Stored>::Room() const {
+  double room = 1.0;
+  for (std::size_t p = 0; p < book_.planes(); ++p) {
+    // Less than Fits() allows, as that will look at other objects.
+    const double most = MostPairs(3.5, pairs_then_[p]);
+    const Crowd crowd = CrowdOf(p);
+    if (crowd.pairs >= most) return 0;
+    if (most >= 1.0) continue;
+    // The worst that can come: x times as many objects, all of them with the
+    // most frequent code. Then pairs + 2 fullest x + x^2 = most (1 + x)^2.
+    const double half = most - crowd.fullest;
+    const double root =
+        std::sqrt(half * half + (1.0 - most) * (most - crowd.pairs));
+    room = std::min(room, (half + root) / (1.0 - most));
+  }
+  return static_cast<std::size_t>(room * static_cast<double>(size()));
 }
 
 template class CodedPlanes<std::int8_t>;

@@ -132,7 +132,7 @@ struct OutputTile {
   }
 
   // The whole tile, past the caches.
-  void Stream() const {
+  void StreamOut() const {
     const FitTag d;
     const size_t lanes = hn::Lanes(d);
     for (size_t p = 0; p < kFitPlanes<kDims>; ++p) {
@@ -219,7 +219,7 @@ class TileWalk {
     for (size_t begin = 0; begin < whole; begin += kTileObjects) {
       OutputTile<kDims> output(job_, begin);
       FitTile<Store::kCached>(begin, output.places);
-      output.Stream();
+      output.StreamOut();
     }
   }
 

@@ -60,10 +60,10 @@ HWY_INLINE void Grow(V& carry, V& largest, Vs&... smaller) {
 
 // Turns any numbers into parts that do not overlap.
 template <class V>
-HWY_INLINE void Expand(V& /*part*/) {}
+HWY_INLINE void IntoParts(V& /*part*/) {}
 template <class V, class... Vs>
-HWY_INLINE void Expand(V& part, Vs&... others) {
-  Expand(others...);
+HWY_INLINE void IntoParts(V& part, Vs&... others) {
+  IntoParts(others...);
   Grow(part, others...);
 }
 
@@ -91,7 +91,7 @@ HWY_INLINE V Leading(V part, Vs... smaller) {
 // sign of what is missing.
 template <class V, class... Vs>
 HWY_INLINE void SumExactly(V& value, V& rest, V first, Vs... others) {
-  Expand(first, others...);
+  IntoParts(first, others...);
   Gather(first, others...);
   value = first;
   rest = Leading(others...);

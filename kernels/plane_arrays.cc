@@ -53,14 +53,22 @@ PlaneArrays<T>::PlaneArrays(PlaneArrays&& other) noexcept
       stride_(std::exchange(other.stride_, 0)),
       data_(std::exchange(other.data_, nullptr)) {}
 
+// Two operators, and not one that takes its argument by value: assignments that
+// a compiler writes would take that for one that never throws.
 template <typename T>
-PlaneArrays<T>& PlaneArrays<T>::operator=(PlaneArrays other) noexcept {
-  std::swap(padding_, other.padding_);
-  std::swap(planes_, other.planes_);
-  std::swap(size_, other.size_);
-  std::swap(capacity_, other.capacity_);
-  std::swap(stride_, other.stride_);
-  std::swap(data_, other.data_);
+PlaneArrays<T>& PlaneArrays<T>::operator=(const PlaneArrays& other) {
+  return *this = PlaneArrays(other);
+}
+
+template <typename T>
+PlaneArrays<T>& PlaneArrays<T>::operator=(PlaneArrays&& other) noexcept {
+  PlaneArrays taken(std::move(other));
+  std::swap(padding_, taken.padding_);
+  std::swap(planes_, taken.planes_);
+  std::swap(size_, taken.size_);
+  std::swap(capacity_, taken.capacity_);
+  std::swap(stride_, taken.stride_);
+  std::swap(data_, taken.data_);
   return *this;
 }
 
@@ -168,5 +176,6 @@ template class PlaneArrays<float>;
 template class PlaneArrays<double>;
 template class PlaneArrays<std::int8_t>;
 template class PlaneArrays<std::int16_t>;
+template class PlaneArrays<std::int32_t>;
 
 }  // namespace halfspace::detail

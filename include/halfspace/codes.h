@@ -19,7 +19,7 @@
 //   floats, bit for bit.
 //
 // Memory: planes x sizeof(Code) bytes an object (an AABO in 3D: 8 or 16), and
-// at most 1 KiB (uint8) or 256 KiB (uint16) a plane for the map.
+// at most 1.4 KiB (uint8) or 257 KiB (uint16) a plane for the map.
 //
 // Special values: a NaN plane never rejects, infinities and Everything() are
 // values like others. One object, equal objects, constant planes: conservative
@@ -74,6 +74,7 @@ class Codes {
 
   // Codes the bounds of `floats`.
   explicit Codes(const FloatView& floats) { Recode(floats); }
+  explicit Codes(const World<FloatView>& floats) { Recode(floats); }
 
   std::size_t size() const { return planes_.size(); }
   bool empty() const { return size() == 0; }
@@ -85,6 +86,7 @@ class Codes {
   void Recode(const FloatView& floats) {
     planes_.Recode(detail::ColumnsOf(floats));
   }
+  void Recode(const World<FloatView>& floats) { Recode(floats.view()); }
 
   // The same for bounds in a list.
   void Recode(std::span<const Bound> bounds) {
@@ -130,13 +132,25 @@ detail::ConfirmedView<FloatView, CodeType, FloatView> Confirmed(
     const Codes<FloatView, CodeType>& codes, const FloatView& floats) {
   return {codes.view(), floats};
 }
+template <typename FloatView, typename CodeType>
+detail::ConfirmedView<FloatView, CodeType, FloatView> Confirmed(
+    const Codes<FloatView, CodeType>& codes, const World<FloatView>& floats) {
+  return {codes.view(), floats.view()};
+}
 
 // A world that owns its codes and its floats: those are as many bytes again as
-// in a World. To set an object takes about 0.1 us, to push one three times
-// that, all told: the world learns a map when it is made of bounds, and a new
-// one whenever it has twice the objects that it learnt from, pushed to from
-// nothing for the first time at 64. Memory that cannot be had throws
-// std::bad_alloc, and the world is as it was.
+// in a World. Memory that cannot be had throws std::bad_alloc, and the world is
+// as it was.
+//
+// The world learns a map when it is made of bounds. Pushed to, it learns a new
+// one when it has twice the objects that it learnt from, and before those that
+// came, in the order of a plane, say, crowd a few codes; pushed to from
+// nothing, and after Clear(), for the first time at 64. So Fits() holds while
+// objects are pushed, from then on. What Set and EraseBySwap change, a Push
+// later may learn; ask Fits() whether to call Recode().
+//
+// To set an object takes about 0.1 us; to push one, all told, 0.3 to 1 us
+// (three times that in the order of a plane), for most of it is learning.
 //
 // Its floats are records, one after another, and not planes: few of them are
 // looked at, and each is then one cache line instead of one for each plane.
@@ -154,11 +168,17 @@ class CodedWorld {
   CodedWorld(CodedWorld&& other) noexcept  // leaves it empty
       : codes_(std::move(other.codes_)),
         records_(std::move(other.records_)),
-        learnt_(std::exchange(other.learnt_, 0)) {}
-  CodedWorld& operator=(CodedWorld other) noexcept {
-    std::swap(codes_, other.codes_);
-    records_.swap(other.records_);
-    std::swap(learnt_, other.learnt_);
+        learnt_(std::exchange(other.learnt_, 0)),
+        unlooked_(std::exchange(other.unlooked_, 0)) {}
+  CodedWorld& operator=(const CodedWorld& other) {
+    return *this = CodedWorld(other);
+  }
+  CodedWorld& operator=(CodedWorld&& other) noexcept {
+    CodedWorld taken(std::move(other));
+    std::swap(codes_, taken.codes_);
+    records_.swap(taken.records_);
+    std::swap(learnt_, taken.learnt_);
+    std::swap(unlooked_, taken.unlooked_);
     return *this;
   }
   ~CodedWorld() = default;
@@ -186,9 +206,10 @@ class CodedWorld {
     // All memory comes before any change, so that codes and floats stay in
     // step.
     if (size() == records_.capacity()) Reserve(std::max(kLeast, 2 * size()));
-    if (size() >= std::max(kLeast, 2 * learnt_)) Recode();
+    if (unlooked_ == 0) LearnInTime();
     codes_.Push(bound);
     records_.push_back(bound);
+    --unlooked_;
     return size() - 1;
   }
   void Set(std::size_t index, const Bound& bound) {
@@ -212,10 +233,12 @@ class CodedWorld {
     codes_.Reserve(objects);
     records_.reserve(objects);
   }
-  // Keeps the memory, and the map.
+  // Keeps the memory, and the map until there is enough to learn a new one.
   void Clear() {
     codes_.Clear();
     records_.clear();
+    learnt_ = 0;
+    unlooked_ = 0;
   }
 
   // As in Codes: O(1), and O(size).
@@ -223,6 +246,7 @@ class CodedWorld {
   void Recode() {
     codes_.Recode(std::span<const Bound>(records_));
     learnt_ = size();
+    unlooked_ = 0;
   }
 
   // For calls on codes alone.
@@ -233,9 +257,25 @@ class CodedWorld {
  private:
   static constexpr std::size_t kLeast = 64;
 
+  // Learns if it is time, and says when to look again. After it has learnt
+  // there is room for an eighth more at least, so that a Push is O(1) all told.
+  void LearnInTime() {
+    if (size() < kLeast) {
+      unlooked_ = kLeast - size();
+      return;
+    }
+    std::size_t room = size() < 2 * learnt_ ? codes_.view().planes().Room() : 0;
+    if (room < size() / 16) {
+      Recode();
+      room = codes_.view().planes().Room();
+    }
+    unlooked_ = std::min(room, 2 * learnt_ - size());
+  }
+
   Codes<FloatView, CodeType> codes_;
   std::vector<Bound, detail::BlockAllocator<Bound>> records_;
-  std::size_t learnt_ = 0;  // objects that there were then
+  std::size_t learnt_ = 0;    // objects that there were then
+  std::size_t unlooked_ = 0;  // pushes until it is time to look at the map
 };
 
 }  // namespace halfspace

@@ -67,6 +67,19 @@ struct TargetChoice {
   std::string error;      // empty, or why `requested` cannot be honoured
 };
 
+namespace detail {
+
+// The same without std::string, whose layout depends on a caller's flags. What
+// it points to lives for ever.
+struct TargetChoiceView {
+  Target target;
+  std::string_view requested;
+  std::string_view error;
+};
+HALFSPACE_API TargetChoiceView ViewTargetChoice();
+
+}  // namespace detail
+
 // Every target in this build, best first. The span lives for ever.
 HALFSPACE_API std::span<const Target> CompiledTargets();
 
@@ -79,7 +92,11 @@ HALFSPACE_API std::span<const Target> SupportedTargets();
 HALFSPACE_API Target ChosenTarget();
 
 // The same without throwing: look at `error`.
-HALFSPACE_API TargetChoice DescribeTargetChoice();
+inline TargetChoice DescribeTargetChoice() {
+  const detail::TargetChoiceView choice = detail::ViewTargetChoice();
+  return {choice.target, std::string(choice.requested),
+          std::string(choice.error)};
+}
 
 // The supported target of that exact name; nothing if there is none.
 HALFSPACE_API std::optional<Target> FindTarget(std::string_view name);

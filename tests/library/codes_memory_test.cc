@@ -1,14 +1,16 @@
-// Memory that cannot be had, at every allocation in turn: codes and coded
-// worlds are then as they were.
+// Memory that cannot be had, at every allocation in turn: worlds, codes and
+// coded worlds are then as they were.
 #include <gtest/gtest.h>
 
 #include <cstddef>
 #include <new>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "halfspace/codes.h"
+#include "halfspace/world.h"
 #include "tests/library/coded_answers.h"
 #include "tests/library/coded_cases.h"
 #include "tests/library/environment.h"
@@ -62,6 +64,13 @@ class CodesMemoryTest : public ::testing::Test {
     }
   }
 
+  void CheckFloats(const World<FloatView>& floats) {
+    ASSERT_EQ(floats.size(), kObjects);
+    for (std::size_t i = 0; i < kObjects; ++i) {
+      ASSERT_EQ(floats.Get(i), bounds_[i]) << i;
+    }
+  }
+
   Random random_{53};
   std::vector<typename FloatView::Bound> bounds_ =
       MakeCodedBounds<FloatView>(CodedInputKind::kUniform, kObjects, random_);
@@ -97,6 +106,47 @@ TYPED_TEST(CodesMemoryTest, CodesStayAsTheyWere) {
   this->ExpectStrong(
       codes, [&](auto& changed) { changed.Recode(floats.view()); }, check);
   EXPECT_EQ(codes.size(), 1000u);
+}
+
+// A caller's class, whose assignments the compiler writes.
+template <typename Member>
+struct Holder {
+  Member member;
+};
+
+template <typename Member>
+constexpr bool OnlyCopyingThrows() {
+  using Held = Holder<Member>;
+  return !std::is_nothrow_copy_assignable_v<Held> &&
+         std::is_nothrow_move_assignable_v<Held> &&
+         std::is_nothrow_move_constructible_v<Held> &&
+         std::is_nothrow_swappable_v<Held>;
+}
+
+TYPED_TEST(CodesMemoryTest, CopyAssignmentLeavesItAsItWas) {
+  using View = typename TypeParam::View;
+  using ACoded = typename TestFixture::Coded;
+  using ACodes = typename TestFixture::TheCodes;
+  static_assert(OnlyCopyingThrows<World<View>>());
+  static_assert(OnlyCopyingThrows<ACodes>());
+  static_assert(OnlyCopyingThrows<ACoded>());
+  const auto assign = [this](auto subject, const auto& from, auto check) {
+    this->ExpectStrong(
+        subject, [&](auto& changed) { changed = from; },
+        [&](const auto& same) { check(same.member); });
+    EXPECT_EQ(subject.member.size(), from.member.size());
+  };
+  const auto more =
+      MakeCodedBounds<View>(CodedInputKind::kClustered, 1000, this->random_);
+  const World<View> more_floats(more);
+  assign(Holder<World<View>>{this->floats_}, Holder<World<View>>{more_floats},
+         [&](const auto& same) { this->CheckFloats(same); });
+  assign(Holder<ACodes>{ACodes(this->floats_.view())},
+         Holder<ACodes>{ACodes(more_floats.view())},
+         [&](const auto& same) { this->CheckCodes(same); });
+  assign(Holder<ACoded>{ACoded(this->floats_.view())},
+         Holder<ACoded>{ACoded(more_floats.view())},
+         [&](const auto& same) { this->CheckWorld(same); });
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -199,6 +200,22 @@ TYPED_TEST(CodesUpdatesTest, MovedFromAndSelfAssignedAreUsable) {
   this->ExpectAnswers(codes, none);
   for (const auto& bound : model) codes.Push(bound);
   this->ExpectAnswers(codes, model);
+}
+
+TYPED_TEST(CodesUpdatesTest, WorldsNeedNoView) {
+  using View = typename TypeParam::View;
+  typename TestFixture::Model model = this->RandomBounds(300);
+  const World<View> floats(model);
+  const auto query = MakeCodedQuery<View>(model, this->random_);
+  const typename TestFixture::TheCodes codes(floats);
+  this->ExpectAnswers(codes, model);
+  typename TestFixture::TheCodes recoded;
+  recoded.Recode(floats);
+  this->ExpectAnswers(recoded, model);
+  EXPECT_TRUE(AnswersEverywhere(ReferenceAnswer(floats.view(), query),
+                                Confirmed(codes, floats), query,
+                                this->target_));
+  static_assert(std::is_same_v<decltype(Codes(floats)), Codes<View>>);
 }
 
 }  // namespace

@@ -23,7 +23,8 @@ foreach(name IN LISTS names)
 endforeach()
 halfspace_add_environment_test(not_set "unset:")
 halfspace_add_environment_test(empty "set:")
-halfspace_add_environment_test(unknown "set:nonsense")
+# Longer than what a string keeps in itself.
+halfspace_add_environment_test(unknown "set:nonsense, and more of it")
 # One of the two is the plain fall-back of every build.
 halfspace_add_environment_test(lower_case_scalar "set:scalar")
 halfspace_add_environment_test(lower_case_emu128 "set:emu128")

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <cstdlib>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
+#include "halfspace/fit_many.h"
 #include "halfspace/reject.h"
 #include "halfspace/targets.h"
 #include "halfspace/world.h"
@@ -34,6 +37,45 @@ std::string UpperCase(std::string name) {
 
 bool MustBeRefused() {
   return !Requested().empty() && !FindTarget(Requested());
+}
+
+// What a builder of many, and a scan of what it built, say and do.
+std::string WhatIsDone() {
+  const std::array<float, 8> box = {1, 2, 3, 4, 5, 6};
+  AaboWorld3 world;
+  world.Resize(1);
+  try {
+    BoundBoxes(Boxes3{.min = {&box[0], &box[1], &box[2]},
+                      .max = {&box[3], &box[4], &box[5]},
+                      .count = 1},
+               world.planes());
+    const SurvivorCount survivors =
+        CountSurvivors(world, Aabo3::Everything(), {});
+    return std::string(survivors.target.name()) + ' ' +
+           std::to_string(survivors.count) + ' ' +
+           std::to_string(world.Get(0).max[3]);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+}
+
+// Made before the library is asked for anything, and so gone after all that it
+// keeps.
+class AtExit {
+ public:
+  ~AtExit() {
+    if (expected.empty() || WhatIsDone() == expected) return;
+    std::fprintf(stderr, "after main: %s\nbefore: %s\n", WhatIsDone().c_str(),
+                 expected.c_str());
+    std::_Exit(1);
+  }
+  std::string expected;
+};
+AtExit at_exit;
+
+TEST(EnvironmentTest, HoldsAfterMainToo) {
+  at_exit.expected = WhatIsDone();
+  EXPECT_FALSE(at_exit.expected.empty());
 }
 
 TEST(EnvironmentTest, EveryCompiledNameIsTried) {

@@ -10,7 +10,6 @@
 #include <limits>
 #include <span>
 #include <type_traits>
-#include <vector>
 
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/export.h"
@@ -23,10 +22,15 @@ namespace halfspace::detail {
 template <typename Code>
 using StoredCode = std::make_signed_t<Code>;
 
-// Number i of `count` indices that are evenly spread below `size`.
+// Number i of `count` indices that are spread evenly below `size`: each is
+// somewhere in its part, by the golden ratio, because objects in the order of a
+// grid have a period, which equal steps could be a multiple of.
 constexpr std::size_t SampledIndex(std::size_t i, std::size_t count,
                                    std::size_t size) {
-  return i * (size / count) + i * (size % count) / count;
+  const std::size_t part = size / count;
+  const std::uint64_t within = i * std::uint64_t{0x9e3779b97f4a7c15} >> 32;
+  return i * part + i * (size % count) / count +
+         static_cast<std::size_t>(part * within >> 32);
 }
 
 // For every plane a monotone map from floats to 0 ... thresholds: how many of
@@ -40,12 +44,7 @@ constexpr std::size_t SampledIndex(std::size_t i, std::size_t count,
 class HALFSPACE_API CodeBook {
  public:
   // No thresholds: one code for everything.
-  CodeBook(std::size_t minima, std::size_t maxima)
-      : minima_(minima), planes_(minima + maxima) {}
-  CodeBook(const CodeBook& other) = default;
-  CodeBook(CodeBook&& other) noexcept;  // leaves none
-  CodeBook& operator=(CodeBook other) noexcept;
-  ~CodeBook() = default;
+  CodeBook(std::size_t minima, std::size_t maxima);
 
   std::size_t planes() const { return planes_; }
 
@@ -76,7 +75,7 @@ class HALFSPACE_API CodeBook {
 
   // The upper eight bits of a rank, of as many as there are.
   std::size_t BucketOf(std::size_t rank) const {
-    return rank * 256 / std::max<std::size_t>(256, thresholds_per_plane_ + 1);
+    return rank * 256 / std::max<std::size_t>(256, thresholds_.size() + 1);
   }
 
  private:
@@ -89,10 +88,10 @@ class HALFSPACE_API CodeBook {
 
   std::size_t minima_;
   std::size_t planes_;
-  // Of one plane after the other, each ascending, as ordered integers, and one
-  // less than a power of two, so that every search takes the same steps.
-  std::size_t thresholds_per_plane_ = 0;
-  std::vector<std::int32_t> thresholds_;
+  // Of each plane ascending, as ordered integers, and one less than a power of
+  // two, so that every search takes the same steps. No std::vector: a caller's
+  // flags may give that another layout.
+  PlaneArrays<std::int32_t> thresholds_;
 };
 
 // The codes of one world, and their book.
@@ -100,6 +99,14 @@ template <typename Stored>
 class HALFSPACE_API CodedPlanes {
  public:
   CodedPlanes(std::size_t minima, std::size_t maxima);
+  CodedPlanes(const CodedPlanes& other) = default;
+  CodedPlanes(CodedPlanes&& other) noexcept = default;
+  // Both or neither of codes and book, which mean nothing without each other.
+  CodedPlanes& operator=(const CodedPlanes& other) {
+    return *this = CodedPlanes(other);
+  }
+  CodedPlanes& operator=(CodedPlanes&& other) noexcept = default;
+  ~CodedPlanes() = default;
 
   std::size_t size() const { return codes_.size(); }
   const CodeBook& book() const { return book_; }
@@ -115,15 +122,23 @@ class HALFSPACE_API CodedPlanes {
   }
   void Clear() { codes_.Clear(); }
   bool Fits() const;
+  // How many more objects it fits for sure, whatever they are, or size() if
+  // they are more.
+  std::size_t Room() const;
 
  private:
   using Values = std::array<Stored, kMaxPlanes>;
   Values CodesOf(std::span<const float> values) const;
-  double Crowding(std::size_t plane) const;
+  // Of the objects, as parts of one.
+  struct Crowd {
+    double pairs = 0.0;    // that share a code
+    double fullest = 0.0;  // that have the most frequent code
+  };
+  Crowd CrowdOf(std::size_t plane) const;
 
   CodeBook book_;
   PlaneArrays<Stored> codes_;
-  std::array<double, kMaxPlanes> crowding_then_{};
+  std::array<double, kMaxPlanes> pairs_then_{};
 };
 
 extern template class CodedPlanes<std::int8_t>;

@@ -66,14 +66,15 @@ struct FloatColumns {
 
 // One allocation of `padding.size()` planes. Each plane is 64-byte aligned;
 // elements from size() to the end of the padded plane hold `padding`. Defined
-// for float, double, and the codes of codes.h.
+// for float, double, and the codes of codes.h and their thresholds.
 template <typename T>
 class HALFSPACE_API PlaneArrays {
  public:
   explicit PlaneArrays(std::span<const T> padding);
   PlaneArrays(const PlaneArrays& other);
   PlaneArrays(PlaneArrays&& other) noexcept;
-  PlaneArrays& operator=(PlaneArrays other) noexcept;
+  PlaneArrays& operator=(const PlaneArrays& other);
+  PlaneArrays& operator=(PlaneArrays&& other) noexcept;
   ~PlaneArrays();
 
   std::size_t size() const { return size_; }
@@ -109,6 +110,7 @@ extern template class PlaneArrays<float>;
 extern template class PlaneArrays<double>;
 extern template class PlaneArrays<std::int8_t>;
 extern template class PlaneArrays<std::int16_t>;
+extern template class PlaneArrays<std::int32_t>;
 
 // Object `i` of a view.
 template <typename View>

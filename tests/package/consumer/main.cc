@@ -1,10 +1,12 @@
 // A user of the library: bounds two triangles, asks which of them a third one
-// could touch, on every target of this machine, and checks the answer.
+// could touch, on every target of this machine, and checks the answer, as
+// floats and as codes.
 #include <halfspace/halfspace.h>
 
 #include <array>
 #include <cstdint>
 #include <cstdio>
+#include <string>
 
 namespace {
 
@@ -37,6 +39,30 @@ int main() {
                    static_cast<unsigned long long>(mask[0]), boxes);
       return 1;
     }
+  }
+
+  // Enough of both to learn from: codes lie about them as soon as this file and
+  // the library take them for something different.
+  halfspace::CodedWorld<halfspace::AaboView3> coded;
+  for (std::size_t i = 0; i < 200; ++i) coded.Push(world.Get(i % 2));
+  const auto copy = coded;
+  const halfspace::Codes<halfspace::AaboView3> codes(world);
+  const std::size_t left[] = {
+      halfspace::CountSurvivors(coded, query),
+      halfspace::CountSurvivors(copy.codes(), query),
+      halfspace::CountSurvivors(codes, query),
+      halfspace::CountSurvivors(halfspace::Confirmed(codes, world), query)};
+  if (left[0] != 100 || left[1] != 100 || left[2] != 1 || left[3] != 1 ||
+      !copy.Fits() || !codes.Fits()) {
+    std::fprintf(stderr, "survivors of codes: %zu, %zu of 100, %zu, %zu of 1\n",
+                 left[0], left[1], left[2], left[3]);
+    return 1;
+  }
+  const halfspace::TargetChoice choice = halfspace::DescribeTargetChoice();
+  if (choice.target != halfspace::ChosenTarget() || !choice.error.empty()) {
+    std::fprintf(stderr, "the choice: %s, %s\n", choice.requested.c_str(),
+                 choice.error.c_str());
+    return 1;
   }
   std::printf("halfspace %s\n", HALFSPACE_VERSION_STRING);
   return 0;
