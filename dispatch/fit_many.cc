@@ -26,10 +26,6 @@ using kernels::ThrowInvalid;
 constexpr std::size_t kMostFloats =
     std::numeric_limits<std::size_t>::max() / sizeof(float);
 
-std::string ColumnName(std::size_t column) {
-  return "column " + std::to_string(column) + " of the source";
-}
-
 std::string PlaneName(const Output& output, std::size_t plane) {
   const auto axes = static_cast<std::size_t>(output.dims) + 1;
   return (plane < axes ? "planes.min[" : "planes.max[") +
@@ -43,22 +39,6 @@ bool IsWanted(const Output& output, std::size_t plane) {
 // Floats from the first to behind the last value of a column.
 std::size_t SpanOf(const Source& source) {
   return source.count == 0 ? 0 : (source.count - 1) * source.stride + 1;
-}
-
-void CheckSource(const Source& source, std::string_view call) {
-  if (source.count == 0) return;
-  if (source.stride != 0 &&
-      source.count - 1 > (kMostFloats - source.column_count) / source.stride) {
-    ThrowInvalid(call, "source.count",
-                 "elements that fit the address space with stride " +
-                     std::to_string(source.stride),
-                 std::to_string(source.count));
-  }
-  for (std::size_t c = 0; c < source.column_count; ++c) {
-    CheckPointer(
-        call, source.columns[c], alignof(float), [&] { return ColumnName(c); },
-        [&] { return std::to_string(source.count) + " floats"; });
-  }
 }
 
 void CheckOutput(const Output& output, std::string_view call) {
@@ -108,12 +88,22 @@ void CheckSize(std::string_view call, std::string_view argument,
                std::to_string(given));
 }
 
+// What a call calls its source: the argument, which is also what it holds, and
+// the members that its columns come from.
+struct SourceNames {
+  std::string_view argument;
+  std::string_view member;
+  std::string_view last_member = {};  // of columns from `dims` on
+};
+
 // Checks what all calls share, then runs the kernel.
 class Call {
  public:
-  Call(std::string_view name, dispatch::FitSource kind, const Source& source,
-       const Output& output, const FitOptions& options)
+  Call(std::string_view name, const SourceNames& source_names,
+       dispatch::FitSource kind, const Source& source, const Output& output,
+       const FitOptions& options)
       : name_(name),
+        source_names_(source_names),
         kernels_(
             dispatch::FitKernelsFor(options.target, output.dims, name)[kind]),
         source_(source),
@@ -132,6 +122,10 @@ class Call {
 
   Target Run(std::span<const std::uint32_t> indices,
              std::span<const std::size_t> ends, FitStatus* status) const {
+    if (options_.inverted > Inverted::kEmpty) {
+      ThrowInvalid(name_, "options.inverted", "one of the enumerators",
+                   std::to_string(static_cast<int>(options_.inverted)));
+    }
     if (output_.size != 0) Check();
     const FitJob job = {
         .columns = source_.columns.data(),
@@ -150,12 +144,35 @@ class Call {
   }
 
  private:
-  void Check() const {
-    if (options_.inverted > Inverted::kEmpty) {
-      ThrowInvalid(name_, "options.inverted", "one of the enumerators",
-                   std::to_string(static_cast<int>(options_.inverted)));
+  // Where the caller wrote a column's pointer.
+  std::string ColumnName(std::size_t c) const {
+    const auto dims = static_cast<std::size_t>(source_.dims);
+    std::string name(source_names_.argument);
+    name += '.';
+    name += c < dims ? source_names_.member : source_names_.last_member;
+    const bool is_alone =
+        source_.has_one_pointer || source_.column_count == c - c % dims + 1;
+    return is_alone ? name : name + "[" + std::to_string(c % dims) + "]";
+  }
+
+  void CheckSource() const {
+    const std::string_view argument = source_names_.argument;
+    if (source_.count == 0) return;
+    kernels::CheckExtent(name_, argument, sizeof(float), source_.count,
+                         source_.stride,
+                         source_.has_one_pointer ? source_.column_count : 1);
+    for (std::size_t c = 0; c < source_.column_count; ++c) {
+      CheckPointer(
+          name_, source_.columns[c], alignof(float),
+          [&] { return ColumnName(c); },
+          [&] {
+            return std::to_string(source_.count) + ' ' + std::string(argument);
+          });
     }
-    CheckSource(source_, name_);
+  }
+
+  void Check() const {
+    CheckSource();
     CheckOutput(output_, name_);
     CheckPlanesApart(output_, name_);
     for (std::size_t c = 0; c < source_.column_count; ++c) {
@@ -175,6 +192,7 @@ class Call {
   }
 
   std::string_view name_;
+  SourceNames source_names_;
   const dispatch::FitKernels& kernels_;
   const Source& source_;
   const Output& output_;
@@ -185,15 +203,16 @@ class Call {
 
 Target BoundBoxes(const Source& boxes, const Output& output,
                   const FitOptions& options, FitStatus* status) {
-  const Call call("BoundBoxes", dispatch::kFitBoxes, boxes, output, options);
+  const Call call("BoundBoxes", {"boxes", "min", "max"}, dispatch::kFitBoxes,
+                  boxes, output, options);
   CheckSize("BoundBoxes", "boxes.count", boxes.count, output.size);
   return call.Run({}, {}, status);
 }
 
 Target BoundSpheres(const Source& spheres, const Output& output,
                     const FitOptions& options, FitStatus* status) {
-  const Call call("BoundSpheres", dispatch::kFitSpheres, spheres, output,
-                  options);
+  const Call call("BoundSpheres", {"spheres", "center", "radius"},
+                  dispatch::kFitSpheres, spheres, output, options);
   CheckSize("BoundSpheres", "spheres.count", spheres.count, output.size);
   return call.Run({}, {}, status);
 }
@@ -203,8 +222,8 @@ Target BoundTriangles(const Source& vertices,
                       const Output& output, const FitOptions& options,
                       FitStatus* status) {
   constexpr std::size_t kCorners = 3;
-  const Call call("BoundTriangles", dispatch::kFitTriangles, vertices, output,
-                  options);
+  const Call call("BoundTriangles", {"vertices", "coords"},
+                  dispatch::kFitTriangles, vertices, output, options);
   if (output.size > kMostFloats / kCorners) {
     ThrowInvalid("BoundTriangles", "planes.size",
                  "a size that fits the address space",
@@ -220,8 +239,8 @@ Target BoundTriangles(const Source& vertices,
 Target BoundPointSets(const Source& points, std::span<const std::size_t> ends,
                       const Output& output, const FitOptions& options,
                       FitStatus* status) {
-  const Call call("BoundPointSets", dispatch::kFitPointSets, points, output,
-                  options);
+  const Call call("BoundPointSets", {"points", "coords"},
+                  dispatch::kFitPointSets, points, output, options);
   CheckSize("BoundPointSets", "ends.size()", ends.size(), output.size);
   call.CheckInput(ends.data(), ends.size_bytes(), alignof(std::size_t), "ends");
   return call.Run({}, ends, status);

@@ -1,11 +1,13 @@
-// Round to nearest, with subnormals, for the life of an object of this class.
+// Round to nearest, with subnormals and without traps, for the life of an
+// object of this class.
 //
 // A program that was linked with fast-math anywhere flushes subnormals in all
-// of its threads, and a bound that lost one would not enclose its shape.
-// Reading the mode costs a few cycles; it is written only if it differs.
+// of its threads, and a bound that lost one would not enclose its shape; one
+// that traps invalid operations would end at the first NaN. Reading the mode
+// costs a few cycles; it is written only if it differs.
 //
-// The compiler may move arithmetic across a change of mode, so the arithmetic
-// belongs in a HALFSPACE_NOINLINE function.
+// Exceptions that a builder raises may stay raised (they are bits of the same
+// register on x86, and of another one on ARM); none is cleared.
 #ifndef HALFSPACE_KERNELS_DEFAULT_FP_MODE_H_
 #define HALFSPACE_KERNELS_DEFAULT_FP_MODE_H_
 
@@ -26,10 +28,10 @@ namespace halfspace::kernels {
 class DefaultFpMode {
  public:
   DefaultFpMode() : saved_(Read()) {
-    if ((saved_ & kDeviations) != 0) Write(saved_ & ~kDeviations);
+    if (!IsDefault()) Write((saved_ & ~kMode) | kDefault);
   }
   ~DefaultFpMode() {
-    if ((saved_ & kDeviations) != 0) Write(saved_);
+    if (!IsDefault()) Write(saved_);
   }
   DefaultFpMode(const DefaultFpMode&) = delete;
   DefaultFpMode& operator=(const DefaultFpMode&) = delete;
@@ -37,15 +39,17 @@ class DefaultFpMode {
  private:
 #if defined(__SSE2__) || defined(_M_X64)
   using Register = unsigned;
-  // MXCSR: flush to zero, rounding control, denormals are zero.
-  static constexpr Register kDeviations = 0x8000 | 0x6000 | 0x0040;
+  // MXCSR: flush to zero, rounding control, masked traps, denormals are zero.
+  static constexpr Register kMode = 0x8000 | 0x6000 | 0x1f80 | 0x0040;
+  static constexpr Register kDefault = 0x1f80;
   static Register Read() { return _mm_getcsr(); }
   static void Write(Register value) { _mm_setcsr(value); }
 #elif defined(__aarch64__) && defined(__GNUC__)
   using Register = std::uint64_t;
-  // FPCR: flush to zero, rounding mode, flush inputs to zero.
-  static constexpr Register kDeviations =
-      (std::uint64_t{1} << 24) | (std::uint64_t{3} << 22) | 1;
+  // FPCR: flush to zero, rounding mode, traps (few machines have any), flush
+  // inputs to zero.
+  static constexpr Register kMode = 0x0100'0000 | 0x00c0'0000 | 0x9f00 | 1;
+  static constexpr Register kDefault = 0;
   static Register Read() {
     Register value;
     asm volatile("mrs %0, fpcr" : "=r"(value) : : "memory");
@@ -56,13 +60,31 @@ class DefaultFpMode {
   }
 #else
   using Register = unsigned;
-  static constexpr Register kDeviations = 0;
+  static constexpr Register kMode = 0;
+  static constexpr Register kDefault = 0;
   static Register Read() { return 0; }
   static void Write(Register /*value*/) {}
 #endif
 
+  bool IsDefault() const { return (saved_ & kMode) == kDefault; }
+
   const Register saved_;
 };
+
+// Calls function() where nothing of it can move out.
+template <typename Function>
+HALFSPACE_NOINLINE auto CallApart(const Function& function) {
+  return function();
+}
+
+// Calls function() in the default mode. All that looks at a float belongs in
+// it: the compiler may move arithmetic across a change of mode, and even a
+// compare is trapped.
+template <typename Function>
+auto InDefaultFpMode(const Function& function) {
+  const DefaultFpMode mode;
+  return CallApart(function);
+}
 
 }  // namespace halfspace::kernels
 

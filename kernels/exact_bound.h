@@ -120,8 +120,7 @@ std::string Shortest(Scalar value) {
 // Throws if the box is inverted; a NaN is left to the builder. Like all that
 // compares floats, only in the default mode: there a subnormal is not 0.
 template <typename Corner>
-HALFSPACE_NOINLINE void CheckOrder(std::string_view call, const Corner& min,
-                                   const Corner& max) {
+void CheckOrder(std::string_view call, const Corner& min, const Corner& max) {
   for (std::size_t k = 0; k < min.size(); ++k) {
     if (min[k] > max[k]) {
       const std::string axis = "[" + std::to_string(k) + "]";
@@ -134,14 +133,15 @@ HALFSPACE_NOINLINE void CheckOrder(std::string_view call, const Corner& min,
 // Throws unless `length` is 0 or more; infinity is left to the builder. Only in
 // the default mode.
 template <typename Scalar>
-HALFSPACE_NOINLINE void CheckLength(std::string_view call,
-                                    std::string_view argument, Scalar length) {
+void CheckLength(std::string_view call, std::string_view argument,
+                 Scalar length) {
   if (length >= Scalar{0}) return;
   ThrowInvalid(call, argument, "a number that is not negative",
                Shortest(length));
 }
 
-// Counts the result; nothing stands for what cannot be bounded.
+// Counts the result; nothing stands for what cannot be bounded. Only in the
+// default mode.
 template <typename Bound>
 Bound Finish(const std::optional<Bound>& bound, FitStatus* status) {
   const Bound result = bound.value_or(Bound::Everything());

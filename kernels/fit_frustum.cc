@@ -12,6 +12,7 @@
 #include "halfspace/fit.h"
 #include "kernels/default_fp_mode.h"
 #include "kernels/exact_bound.h"
+#include "kernels/memory_checks.h"
 #include "kernels/outward.h"
 #include "kernels/quotient.h"
 
@@ -62,12 +63,12 @@ struct Meeting {
     }
   }
 
-  ExactSum Determinant() const {
-    return SumExactly(DeterminantTerms(normals[0], normals[1], normals[2]));
+  Terms Denominator() const {
+    return DeterminantTerms(normals[0], normals[1], normals[2]);
   }
 
-  // Cramer's rule: coordinate k of the point is this over the determinant.
-  Terms NumeratorTerms(std::size_t k) const {
+  // Cramer's rule: coordinate k of the point is this over the denominator.
+  Terms Numerator(std::size_t k) const {
     std::array<Column, 3> columns = normals;
     columns[k] = right;
     return DeterminantTerms(columns[0], columns[1], columns[2]);
@@ -75,7 +76,8 @@ struct Meeting {
 };
 
 double Determinant(Planes planes, std::size_t i, std::size_t j, std::size_t k) {
-  return Meeting(planes[i], planes[j], planes[k]).Determinant().value;
+  return SumExactly(Meeting(planes[i], planes[j], planes[k]).Denominator())
+      .value;
 }
 
 // Whether some direction never leaves the planes' front sides. If any does, one
@@ -99,17 +101,47 @@ bool IsOpen(Planes planes) {
   return is_flat;
 }
 
-// False only if the corner is surely behind the plane. Its coordinates are good
-// to kQuotientError, and the sum rounds a few times.
-bool MayBeInFront(const HalfSpace3& plane, const std::array<double, 3>& point) {
+// Where three planes meet.
+struct Corner {
+  std::array<Terms, 3> numerators;
+  Terms denominator;
+  double determinant;
+  std::array<double, 3> point;  // good to kQuotientError
+};
+
+// The height of the corner above the plane times the determinant, exactly.
+double TimesDeterminant(const HalfSpace3& plane, const Corner& corner) {
+  std::array<double, 2 * 4 * kTerms> terms;
+  std::size_t n = 0;
+  const auto add = [&](float factor, const Terms& parts) {
+    for (double part : parts) {
+      const double product = double{factor} * part;
+      terms[n++] = product;
+      terms[n++] = std::fma(double{factor}, part, -product);
+    }
+  };
+  for (std::size_t k = 0; k < 3; ++k) {
+    add(plane.normal[k], corner.numerators[k]);
+  }
+  add(plane.offset, corner.denominator);
+  return SumExactly(terms).value;
+}
+
+// Whether the corner is in front of the plane or on it.
+bool IsInFront(const HalfSpace3& plane, const Corner& corner) {
   double height = plane.offset;
   double magnitude = std::fabs(height);
   for (std::size_t k = 0; k < 3; ++k) {
-    const double term = double{plane.normal[k]} * point[k];
+    const double term = double{plane.normal[k]} * corner.point[k];
     height += term;
     magnitude += std::fabs(term);
   }
-  return height >= -magnitude * 2.0 * kernels::kQuotientError;
+  // The sum rounds a few times, too.
+  if (std::fabs(height) > magnitude * 2.0 * kernels::kQuotientError) {
+    return height > 0.0;
+  }
+  const double exact = TimesDeterminant(plane, corner);
+  return corner.determinant > 0.0 ? exact >= 0.0 : exact <= 0.0;
 }
 
 void AddQuotient(const ExactSum& numerator, const ExactSum& denominator,
@@ -125,23 +157,26 @@ void AddQuotient(const ExactSum& numerator, const ExactSum& denominator,
 bool AddCorner(Planes planes, std::size_t i, std::size_t j, std::size_t k,
                Aabo3& bound) {
   const Meeting meeting(planes[i], planes[j], planes[k]);
-  const ExactSum determinant = meeting.Determinant();
+  Corner corner;
+  corner.denominator = meeting.Denominator();
+  const ExactSum determinant = SumExactly(corner.denominator);
   if (determinant.value == 0.0) return true;
 
+  corner.determinant = determinant.value;
   std::array<double, 3 * kTerms> all;
   std::array<ExactSum, 3> numerators;
-  std::array<double, 3> point;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const Terms terms = meeting.NumeratorTerms(axis);
+    const Terms terms = meeting.Numerator(axis);
     std::copy(terms.begin(), terms.end(), all.begin() + axis * kTerms);
     numerators[axis] = SumExactly(terms);
-    point[axis] = numerators[axis].value / determinant.value;
+    corner.numerators[axis] = terms;
+    corner.point[axis] = numerators[axis].value / determinant.value;
   }
   for (std::size_t other = 0; other < kPlanes; ++other) {
     if (other == i || other == j || other == k) continue;
-    if (!MayBeInFront(planes[other], point)) return true;
+    if (!IsInFront(planes[other], corner)) return true;
   }
-  if (!kernels::CanBeBounded(point)) return false;
+  if (!kernels::CanBeBounded(corner.point)) return false;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     AddQuotient(numerators[axis], determinant, axis, bound);
   }
@@ -149,7 +184,7 @@ bool AddCorner(Planes planes, std::size_t i, std::size_t j, std::size_t k,
   return true;
 }
 
-HALFSPACE_NOINLINE std::optional<Aabo3> TryFrustum(Planes planes) {
+std::optional<Aabo3> TryFrustum(Planes planes) {
   for (const HalfSpace3& plane : planes) {
     const auto& n = plane.normal;
     for (float value : {n[0], n[1], n[2], plane.offset}) {
@@ -171,8 +206,11 @@ HALFSPACE_NOINLINE std::optional<Aabo3> TryFrustum(Planes planes) {
 }  // namespace
 
 Aabo3 BoundFrustum(Planes planes, FitStatus* status) {
-  const kernels::DefaultFpMode mode;
-  return Finish(TryFrustum(planes), status);
+  kernels::CheckPointer(
+      "BoundFrustum", planes.data(), alignof(HalfSpace3),
+      [] { return "planes"; }, [] { return "6 planes"; });
+  return kernels::InDefaultFpMode(
+      [&] { return Finish(TryFrustum(planes), status); });
 }
 
 }  // namespace halfspace

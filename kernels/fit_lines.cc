@@ -4,11 +4,13 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 
 #include "halfspace/fit.h"
 #include "kernels/default_fp_mode.h"
 #include "kernels/error.h"
 #include "kernels/exact_bound.h"
+#include "kernels/memory_checks.h"
 #include "kernels/outward.h"
 #include "kernels/quotient.h"
 
@@ -19,12 +21,13 @@ using kernels::CanBeBounded;
 using kernels::ExactRanges;
 using kernels::ExactSum;
 using kernels::Finish;
+using kernels::InDefaultFpMode;
 using kernels::MagnitudeGuard;
 using kernels::Negated;
 using kernels::SumExactly;
 
 template <int kDims>
-HALFSPACE_NOINLINE std::optional<Aabo<kDims>> TryRay(const Ray<kDims>& ray) {
+std::optional<Aabo<kDims>> TryRay(const Ray<kDims>& ray) {
   // A direction of 0 goes nowhere, however far.
   std::array<std::array<double, 2>, kDims> end;
   std::array<double, 2 * kDims> all;
@@ -75,9 +78,8 @@ Aabo<kDims> BoundPointAlong(const Segment<kDims>& segment, std::size_t i,
 }
 
 template <int kDims>
-HALFSPACE_NOINLINE void WritePieces(const Segment<kDims>& segment,
-                                    std::span<Aabo<kDims>> pieces,
-                                    FitStatus* status) {
+void WritePieces(const Segment<kDims>& segment, std::span<Aabo<kDims>> pieces,
+                 FitStatus* status) {
   const bool can_be_bounded =
       CanBeBounded(segment.a) && CanBeBounded(segment.b);
   Aabo<kDims> begin = Aabo<kDims>::Everything();
@@ -94,26 +96,31 @@ HALFSPACE_NOINLINE void WritePieces(const Segment<kDims>& segment,
 
 template <int kDims>
 Aabo<kDims> BoundRay(const Ray<kDims>& ray, FitStatus* status) {
-  const kernels::DefaultFpMode mode;
-  kernels::CheckLength("BoundRay", "ray.max_t", ray.max_t);
-  return Finish(TryRay(ray), status);
+  return InDefaultFpMode([&] {
+    kernels::CheckLength("BoundRay", "ray.max_t", ray.max_t);
+    return Finish(TryRay(ray), status);
+  });
 }
 
 template <int kDims>
 void BoundSegmentPieces(const Segment<kDims>& segment,
-                        std::span<Aabo<kDims>> pieces, FitStatus* status) {
+                        std::type_identity_t<std::span<Aabo<kDims>>> pieces,
+                        FitStatus* status) {
   if (pieces.size() > kMostPieces) {
     kernels::ThrowInvalid("BoundSegmentPieces", "pieces", "at most 2^24 pieces",
                           std::to_string(pieces.size()));
   }
   if (pieces.empty()) return;
-  const kernels::DefaultFpMode mode;
-  WritePieces(segment, pieces, status);
+  kernels::CheckPointer(
+      "BoundSegmentPieces", pieces.data(), alignof(Aabo<kDims>),
+      [] { return "pieces"; },
+      [&] { return "room for " + std::to_string(pieces.size()); });
+  InDefaultFpMode([&] { WritePieces(segment, pieces, status); });
 }
 
 #define HALFSPACE_INSTANTIATE(d)                                      \
   template HALFSPACE_API Aabo<d> BoundRay(const Ray<d>&, FitStatus*); \
-  template HALFSPACE_API void BoundSegmentPieces(                     \
+  template HALFSPACE_API void BoundSegmentPieces<d>(                  \
       const Segment<d>&, std::span<Aabo<d>>, FitStatus*)
 HALFSPACE_INSTANTIATE(2);
 HALFSPACE_INSTANTIATE(3);

@@ -22,44 +22,33 @@ namespace {
 using kernels::CanBeBounded;
 using kernels::ExactRanges;
 using kernels::Finish;
+using kernels::InDefaultFpMode;
 using kernels::MagnitudeGuard;
 using kernels::SumExactly;
 using kernels::ThrowInvalid;
 
-template <typename Scalar>
-void CheckPlace(std::string_view call, const std::string& argument,
-                const Scalar* coords, std::size_t count) {
-  kernels::CheckPointer(
-      call, coords, alignof(Scalar), [&] { return argument; },
-      [&] { return std::to_string(count) + " points"; });
-}
-
-// (count - 1) * stride + `last` scalars must fit, without overflow.
-template <typename Scalar>
-void CheckCount(std::string_view call, std::size_t count, std::size_t stride,
-                std::size_t last) {
-  constexpr std::size_t kMost =
-      std::numeric_limits<std::size_t>::max() / sizeof(Scalar);
-  if (stride == 0 || count - 1 <= (kMost - last) / stride) return;
-  ThrowInvalid(
-      call, "points.count",
-      "points that fit the address space with stride " + std::to_string(stride),
-      std::to_string(count));
+// name() is made only for a message.
+template <typename Scalar, typename Name>
+void CheckPlace(std::string_view call, const Scalar* coords, std::size_t count,
+                const Name& name) {
+  kernels::CheckPointer(call, coords, alignof(Scalar), name,
+                        [&] { return std::to_string(count) + " points"; });
 }
 
 template <int kDims, typename Scalar>
 void Check(std::string_view call, const Points<kDims, Scalar>& points) {
-  CheckPlace(call, "points.coords", points.coords, points.count);
-  CheckCount<Scalar>(call, points.count, points.stride, kDims);
+  CheckPlace(call, points.coords, points.count, [] { return "points.coords"; });
+  kernels::CheckExtent(call, "points", sizeof(Scalar), points.count,
+                       points.stride, kDims);
 }
 
 template <int kDims, typename Scalar>
 void Check(std::string_view call, const PointsSoa<kDims, Scalar>& points) {
   for (std::size_t k = 0; k < kDims; ++k) {
-    CheckPlace(call, "points.coords[" + std::to_string(k) + "]",
-               points.coords[k], points.count);
+    CheckPlace(call, points.coords[k], points.count,
+               [&] { return "points.coords[" + std::to_string(k) + "]"; });
   }
-  CheckCount<Scalar>(call, points.count, 1, 1);
+  kernels::CheckExtent(call, "points", sizeof(Scalar), points.count, 1, 1);
 }
 
 template <int kDims, typename Scalar>
@@ -79,10 +68,10 @@ Point<kDims, Scalar> At(const PointsSoa<kDims, Scalar>& points, std::size_t i) {
 }
 
 // The arithmetic, for checked arguments and in the default mode: the hull of
-// at(0), at(1), ... Nothing if a point cannot be bounded.
+// at(0), at(1), ..., Empty() if there are none. Nothing if a point cannot be
+// bounded.
 template <int kDims, typename PointAt>
-HALFSPACE_NOINLINE std::optional<Aabo<kDims>> TryHull(std::size_t count,
-                                                      const PointAt& at) {
+std::optional<Aabo<kDims>> TryHull(std::size_t count, const PointAt& at) {
   ExactRanges<kDims> ranges;
   for (std::size_t i = 0; i < count; ++i) {
     const auto point = at(i);
@@ -94,20 +83,23 @@ HALFSPACE_NOINLINE std::optional<Aabo<kDims>> TryHull(std::size_t count,
 
 template <int kDims, typename Source>
 Aabo<kDims> BoundHull(const Source& points, FitStatus* status) {
-  if (points.count == 0) {
-    return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
-  }
-  Check("BoundPoints", points);
-  const kernels::DefaultFpMode mode;
-  return Finish(TryHull<kDims>(points.count,
-                               [&](std::size_t i) { return At(points, i); }),
-                status);
+  if (points.count != 0) Check("BoundPoints", points);
+  return InDefaultFpMode([&] {
+    const auto at = [&](std::size_t i) { return At(points, i); };
+    return Finish(TryHull<kDims>(points.count, at), status);
+  });
 }
 
 template <int kDims, typename Source>
 Aabo<kDims> BoundIndexed(const Source& points,
                          std::span<const std::uint32_t> indices,
                          FitStatus* status) {
+  if (!indices.empty()) {
+    kernels::CheckPointer(
+        "BoundPoints", indices.data(), alignof(std::uint32_t),
+        [] { return "indices"; },
+        [&] { return std::to_string(indices.size()) + " indices"; });
+  }
   for (std::size_t i = 0; i < indices.size(); ++i) {
     if (indices[i] >= points.count) {
       ThrowInvalid(
@@ -116,13 +108,11 @@ Aabo<kDims> BoundIndexed(const Source& points,
           std::to_string(indices[i]));
     }
   }
-  if (indices.empty()) {
-    return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
-  }
-  Check("BoundPoints", points);
-  const kernels::DefaultFpMode mode;
-  const auto at = [&](std::size_t i) { return At(points, indices[i]); };
-  return Finish(TryHull<kDims>(indices.size(), at), status);
+  if (!indices.empty()) Check("BoundPoints", points);
+  return InDefaultFpMode([&] {
+    const auto at = [&](std::size_t i) { return At(points, indices[i]); };
+    return Finish(TryHull<kDims>(indices.size(), at), status);
+  });
 }
 
 // Adds the image of a point, unrounded: products of two floats are exact in
@@ -149,8 +139,8 @@ bool AddImage(const Point<kDims>& point, const Affine<kDims>& map,
 }
 
 template <int kDims, typename PointAt>
-HALFSPACE_NOINLINE std::optional<Aabo<kDims>> TryImage(
-    std::size_t count, const PointAt& at, const Affine<kDims>& map) {
+std::optional<Aabo<kDims>> TryImage(std::size_t count, const PointAt& at,
+                                    const Affine<kDims>& map) {
   ExactRanges<kDims> ranges;
   for (std::size_t i = 0; i < count; ++i) {
     if (!AddImage(at(i), map, ranges)) return std::nullopt;
@@ -193,49 +183,52 @@ Aabo<kDims> BoundPoints(const PointsSoa<kDims>& points,
 
 template <int kDims>
 Aabo<kDims> BoundSegment(const Segment<kDims>& segment, FitStatus* status) {
-  const kernels::DefaultFpMode mode;
-  const auto at = [&](std::size_t i) { return i == 0 ? segment.a : segment.b; };
-  return Finish(TryHull<kDims>(2, at), status);
+  return InDefaultFpMode([&] {
+    const auto at = [&](std::size_t i) {
+      return i == 0 ? segment.a : segment.b;
+    };
+    return Finish(TryHull<kDims>(2, at), status);
+  });
 }
 
 template <int kDims>
 Aabo<kDims> BoundTriangle(const Triangle<kDims>& triangle, FitStatus* status) {
-  const kernels::DefaultFpMode mode;
-  const auto at = [&](std::size_t i) {
-    return i == 0 ? triangle.a : i == 1 ? triangle.b : triangle.c;
-  };
-  return Finish(TryHull<kDims>(3, at), status);
+  return InDefaultFpMode([&] {
+    const auto at = [&](std::size_t i) {
+      return i == 0 ? triangle.a : i == 1 ? triangle.b : triangle.c;
+    };
+    return Finish(TryHull<kDims>(3, at), status);
+  });
 }
 
 template <int kDims>
 Aabo<kDims> BoundTransformed(const Points<kDims>& points,
                              const Affine<kDims>& map, FitStatus* status) {
-  if (points.count == 0) {
-    return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
-  }
-  Check("BoundTransformed", points);
-  const kernels::DefaultFpMode mode;
-  const auto at = [&](std::size_t i) { return At(points, i); };
-  return Finish(TryImage(points.count, at, map), status);
+  if (points.count != 0) Check("BoundTransformed", points);
+  return InDefaultFpMode([&] {
+    const auto at = [&](std::size_t i) { return At(points, i); };
+    return Finish(TryImage(points.count, at, map), status);
+  });
 }
 
 template <int kDims>
 Aabo<kDims> BoundTransformed(const Aabb<kDims>& box, const Affine<kDims>& map,
                              FitStatus* status) {
-  if (box == Aabb<kDims>::Empty()) {
-    return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
-  }
-  const kernels::DefaultFpMode mode;
-  kernels::CheckOrder("BoundTransformed", box.min, box.max);
-  // Bit k of a corner's number says which end of axis k it has.
-  const auto corner = [&](std::size_t i) {
-    Point<kDims> point;
-    for (std::size_t k = 0; k < kDims; ++k) {
-      point[k] = ((i >> k) & 1) == 0 ? box.min[k] : box.max[k];
+  return InDefaultFpMode([&] {
+    if (box == Aabb<kDims>::Empty()) {
+      return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
     }
-    return point;
-  };
-  return Finish(TryImage(std::size_t{1} << kDims, corner, map), status);
+    kernels::CheckOrder("BoundTransformed", box.min, box.max);
+    // Bit k of a corner's number says which end of axis k it has.
+    const auto corner = [&](std::size_t i) {
+      Point<kDims> point;
+      for (std::size_t k = 0; k < kDims; ++k) {
+        point[k] = ((i >> k) & 1) == 0 ? box.min[k] : box.max[k];
+      }
+      return point;
+    };
+    return Finish(TryImage(std::size_t{1} << kDims, corner, map), status);
+  });
 }
 
 #define HALFSPACE_INSTANTIATE(d)                                               \

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
-#include <string>
 
 #include "halfspace/fit.h"
 #include "kernels/default_fp_mode.h"
@@ -18,6 +17,7 @@ namespace {
 using kernels::CanBeBounded;
 using kernels::ExactRanges;
 using kernels::Finish;
+using kernels::InDefaultFpMode;
 using kernels::MagnitudeGuard;
 using kernels::Negated;
 using kernels::RoundDown;
@@ -25,9 +25,8 @@ using kernels::RoundUp;
 using kernels::SumExactly;
 
 template <int kDims, typename Scalar>
-HALFSPACE_NOINLINE std::optional<Aabo<kDims>> TryAabb(
-    const Point<kDims, Scalar>& min, const Point<kDims, Scalar>& max) {
-  kernels::CheckOrder("BoundAabb", min, max);
+std::optional<Aabo<kDims>> TryAabb(const Point<kDims, Scalar>& min,
+                                   const Point<kDims, Scalar>& max) {
   if (!CanBeBounded(min) || !CanBeBounded(max)) return std::nullopt;
   // D falls as the coordinates rise: its extremes are at the two corners.
   ExactRanges<kDims> ranges;
@@ -39,8 +38,7 @@ HALFSPACE_NOINLINE std::optional<Aabo<kDims>> TryAabb(
 // c + sum of s[i] h[i] u[i], |s[i]| <= 1: on each axis its extremes have the
 // signs of the axes' projections.
 template <int kDims>
-HALFSPACE_NOINLINE std::optional<Aabo<kDims>> TryOrientedBox(
-    const OrientedBox<kDims>& box) {
+std::optional<Aabo<kDims>> TryOrientedBox(const OrientedBox<kDims>& box) {
   constexpr std::size_t kAll = kDims * (kDims + 1);
   MagnitudeGuard<double> guard;
   guard.AddAll(box.center);
@@ -98,7 +96,7 @@ void AddSphere(const Point<kDims, Scalar>& center, Scalar radius,
 }
 
 template <int kDims, typename Scalar, std::size_t kCount>
-HALFSPACE_NOINLINE std::optional<Aabo<kDims>> TrySpheres(
+std::optional<Aabo<kDims>> TrySpheres(
     const std::array<Point<kDims, Scalar>, kCount>& centers, Scalar radius) {
   Aabo<kDims> bound = Aabo<kDims>::Empty();
   for (const auto& center : centers) {
@@ -113,10 +111,21 @@ HALFSPACE_NOINLINE std::optional<Aabo<kDims>> TrySpheres(
 
 template <int kDims, typename Scalar>
 Aabo<kDims> BoundBall(const Sphere<kDims, Scalar>& sphere, FitStatus* status) {
-  const kernels::DefaultFpMode mode;
-  kernels::CheckLength("BoundSphere", "sphere.radius", sphere.radius);
-  return Finish(TrySpheres<kDims, Scalar, 1>({{sphere.center}}, sphere.radius),
-                status);
+  return InDefaultFpMode([&] {
+    kernels::CheckLength("BoundSphere", "sphere.radius", sphere.radius);
+    return Finish(
+        TrySpheres<kDims, Scalar, 1>({{sphere.center}}, sphere.radius), status);
+  });
+}
+
+template <int kDims, typename Scalar>
+bool IsEmpty(const Box<kDims, Scalar>& box) {
+  constexpr Scalar kInfinity = std::numeric_limits<Scalar>::infinity();
+  bool is_empty = true;
+  for (std::size_t k = 0; k < kDims; ++k) {
+    is_empty &= box.min[k] == kInfinity && box.max[k] == -kInfinity;
+  }
+  return is_empty;
 }
 
 }  // namespace
@@ -128,25 +137,23 @@ Aabo<kDims> BoundAabb(const Aabb<kDims>& box, FitStatus* status) {
 
 template <int kDims, typename Scalar>
 Aabo<kDims> BoundAabb(const Box<kDims, Scalar>& box, FitStatus* status) {
-  constexpr Scalar kInfinity = std::numeric_limits<Scalar>::infinity();
-  bool is_empty = true;
-  for (std::size_t k = 0; k < kDims; ++k) {
-    is_empty &= box.min[k] == kInfinity && box.max[k] == -kInfinity;
-  }
-  if (is_empty) return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
-  const kernels::DefaultFpMode mode;
-  return Finish(TryAabb<kDims, Scalar>(box.min, box.max), status);
+  return InDefaultFpMode([&] {
+    if (IsEmpty(box)) return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
+    kernels::CheckOrder("BoundAabb", box.min, box.max);
+    return Finish(TryAabb<kDims, Scalar>(box.min, box.max), status);
+  });
 }
 
 template <int kDims>
 Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims>& box, FitStatus* status) {
-  const kernels::DefaultFpMode mode;
-  for (std::size_t i = 0; i < kDims; ++i) {
-    kernels::CheckLength("BoundOrientedBox",
-                         "box.half_extents[" + std::to_string(i) + "]",
-                         box.half_extents[i]);
-  }
-  return Finish(TryOrientedBox(box), status);
+  constexpr std::array kNames = {"box.half_extents[0]", "box.half_extents[1]",
+                                 "box.half_extents[2]", "box.half_extents[3]"};
+  return InDefaultFpMode([&] {
+    for (std::size_t i = 0; i < kDims; ++i) {
+      kernels::CheckLength("BoundOrientedBox", kNames[i], box.half_extents[i]);
+    }
+    return Finish(TryOrientedBox(box), status);
+  });
 }
 
 template <int kDims>
@@ -163,11 +170,12 @@ Aabo<kDims> BoundSphere(const Sphere<kDims, Scalar>& sphere,
 // The hull of its two end balls.
 template <int kDims>
 Aabo<kDims> BoundCapsule(const Capsule<kDims>& capsule, FitStatus* status) {
-  const kernels::DefaultFpMode mode;
-  kernels::CheckLength("BoundCapsule", "capsule.radius", capsule.radius);
-  return Finish(
-      TrySpheres<kDims, float, 2>({{capsule.a, capsule.b}}, capsule.radius),
-      status);
+  return InDefaultFpMode([&] {
+    kernels::CheckLength("BoundCapsule", "capsule.radius", capsule.radius);
+    return Finish(
+        TrySpheres<kDims, float, 2>({{capsule.a, capsule.b}}, capsule.radius),
+        status);
+  });
 }
 
 #define HALFSPACE_INSTANTIATE(d)                                               \

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 
@@ -26,6 +27,28 @@ void CheckPointer(std::string_view call, const void* pointer,
                  "a pointer aligned to " + std::to_string(alignment) + " bytes",
                  "a misaligned one");
   }
+}
+
+// Throws unless the scalars of `count` > 0 elements fit the address space: one
+// begins `stride` scalars after another, and the last has `last`. The larger of
+// the two numbers is to blame. `argument` is also what there are so many of.
+inline void CheckExtent(std::string_view call, std::string_view argument,
+                        std::size_t scalar_bytes, std::size_t count,
+                        std::size_t stride, std::size_t last) {
+  const std::size_t most =
+      std::numeric_limits<std::size_t>::max() / scalar_bytes;
+  if (stride == 0 || count - 1 <= (most - last) / stride) return;
+  const std::string name(argument);
+  if (stride > count) {
+    ThrowInvalid(call, name + ".stride",
+                 "a stride with which " + std::to_string(count) + ' ' + name +
+                     " fit the address space",
+                 std::to_string(stride));
+  }
+  ThrowInvalid(call, name + ".count",
+               name + " that fit the address space with stride " +
+                   std::to_string(stride),
+               std::to_string(count));
 }
 
 // Whether two ranges of bytes share one.

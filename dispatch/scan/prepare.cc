@@ -89,7 +89,8 @@ void RefuseBadRange(const detail::Scan& scan, const Range& range) {
                  std::to_string(range.end));
   }
   if (range.begin > range.end) {
-    ThrowInvalid(scan.call, "options.range.end", "not less than its begin",
+    ThrowInvalid(scan.call, "options.range.end",
+                 "not less than its begin, " + std::to_string(range.begin),
                  std::to_string(range.end));
   }
 }

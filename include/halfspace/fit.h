@@ -38,10 +38,12 @@
 //
 // Errors: only those named below, thrown as std::invalid_argument that says
 // which argument, what was expected and what was given. Thread safety: pure
-// functions. Rounding: the caller's rounding mode and its flushing of
-// subnormals do not matter, and are as before afterwards; the library is
-// compiled without fast-math and contraction whatever the caller's flags are.
-// Cost: 30 to 200 ns each, and 5 ns a point; docs/exactness.md has a table.
+// functions. Floating-point mode: the caller's rounding, its flushing of
+// subnormals and the exceptions that it traps do not matter, and are as before
+// afterwards: nothing is trapped in a builder. Exception flags may be raised
+// there, and none is cleared. The library is compiled without fast-math and
+// contraction whatever the caller's flags are. Cost: 30 to 200 ns each, and 5
+// ns a point; docs/exactness.md has a table.
 //
 // Source: "The Bounding Simplex", for the axes; the outward rounding is this
 // library's own (docs/exactness.md).
@@ -51,6 +53,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 #include "halfspace/bounds.h"
 #include "halfspace/export.h"
@@ -78,7 +81,8 @@ HALFSPACE_API Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
 
 // The same for some of the points: those with the given indices, in any order,
 // as often as one likes. One bound for a triangle mesh, for example.
-//   Throws also if an index is not below points.count.
+//   Throws also if an index is not below points.count, or if the pointer to
+//   them is null or misaligned.
 template <int kDims>
 HALFSPACE_API Aabo<kDims> BoundPoints(const Points<kDims>& points,
                                       std::span<const std::uint32_t> indices,
@@ -120,11 +124,13 @@ HALFSPACE_API Aabo<kDims> BoundRay(const Ray<kDims>& ray,
 // (docs/exactness.md has figures). For a ray, cut BoundSegment's segment; for a
 // moving sphere, Inflate the pieces.
 //   Within 1 ulp. The status counts each piece.
-//   No pieces: nothing is written. Throws if there are more than 2^24.
+//   No pieces: nothing is written. Throws if there are more than 2^24, or if
+//   the pointer to them is null or misaligned.
 template <int kDims>
-HALFSPACE_API void BoundSegmentPieces(const Segment<kDims>& segment,
-                                      std::span<Aabo<kDims>> pieces,
-                                      FitStatus* status = nullptr);
+HALFSPACE_API void BoundSegmentPieces(
+    const Segment<kDims>& segment,
+    std::type_identity_t<std::span<Aabo<kDims>>> pieces,  // or a vector of them
+    FitStatus* status = nullptr);
 
 // Bounds an axis-aligned box: the same X, Y, Z, and the D of its corners.
 //   Tightest. Empty() in, Empty() out, that is minima of +inf and maxima of
@@ -161,9 +167,11 @@ HALFSPACE_API Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims>& box,
 // Bounds what lies in front of all six planes of a frustum. (Of its eight
 // corners, where those are known: BoundPoints.) Any convex set with up to six
 // faces will do; planes may repeat.
-//   Empty() if nothing lies in front of all. Everything() if the planes do not
-//   close a volume.
-//   Within 1 ulp, if the corners are well away from flat. Cost: about 25 us.
+//   Everything() if the planes do not close a volume, wherever they are; else
+//   Empty() if nothing lies in front of all.
+//   Throws if the pointer to the planes is null or misaligned.
+//   Within 1 ulp. Cost: about 25 us, and up to ten times that where more than
+//   three planes meet in a point, or nearly.
 HALFSPACE_API Aabo3 BoundFrustum(std::span<const HalfSpace3, 6> planes,
                                  FitStatus* status = nullptr);
 

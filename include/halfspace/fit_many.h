@@ -3,8 +3,9 @@
 //
 // They keep the contract of fit.h: every bound encloses the exact real shape
 // that its input describes. X, Y, Z are those of fit.h. D is within 1 ulp of
-// the tightest float, or, with FitOptions::tightest, the tightest. Answers are
-// bit-identical on every target and compiler.
+// the tightest float, or, with FitOptions::tightest, the tightest; of balls it
+// is nearly so (BoundSpheres). Answers are bit-identical on every target and
+// compiler.
 //
 //   auto world = halfspace::AaboWorld3();
 //   world.Resize(boxes.count);
@@ -29,12 +30,14 @@
 //
 // Errors: thrown as std::invalid_argument before anything is written: a null or
 // misaligned pointer with N > 0, sizes that differ, sizes that overflow the
-// address space, an output that overlaps an input or another output, a target
-// that is not supported here. N = 0 is fine.
+// address space, an output that overlaps an input or another output, an option
+// that is not one of the enumerators, a target that is not supported here. N =
+// 0 is fine.
 //
 // Thread safety: reentrant; no allocation, no lock, no state. Two threads may
 // build disjoint parts of one world. The caller's floating-point mode does not
-// matter. Cost: out of cache, the memory's (docs/results.md has figures).
+// matter, as in fit.h. Cost: out of cache, the memory's (docs/results.md has
+// figures).
 //
 // Source: "The Bounding Simplex", for the axes; docs/exactness.md for the
 // rounding.
@@ -83,10 +86,14 @@ Boxes<kDims> BoxesOf(std::span<const Aabb<kDims>> boxes) {
   return columns;
 }
 
-// The boxes of a world: an AabbView, or the aabb() of an AaboView.
+// The boxes of a world: an AabbWorld or its view, or the aabb() of an AaboView.
 template <int kDims>
 Boxes<kDims> BoxesOf(const AabbView<kDims>& view) {
   return {view.min, view.max, view.size, 1};
+}
+template <int kDims>
+Boxes<kDims> BoxesOf(const World<AabbView<kDims>>& world) {
+  return BoxesOf(world.view());
 }
 
 // Bounds boxes. X, Y, Z are copied.
@@ -97,9 +104,10 @@ Target BoundBoxes(const Boxes<Planes::kDimensions>& boxes, const Planes& planes,
                             options, status);
 }
 
-// Bounds balls. X, Y, Z are tightest. D is within 1 ulp or tightest, as asked;
-// where its value all but cancels, it may be further off, by less than 2^-49 of
-// |x| + |y| + ... + radius, or, with `tightest`, 2^-100 of the radius.
+// Bounds balls. X, Y, Z are tightest. D is the tightest float for a value that
+// is off by less than 2^-49 of |x| + |y| + ... + sqrt(kDims) * radius, or, with
+// `tightest`, by less than 2^-100 of the radius. So it is off by no more than 1
+// ulp plus that much, which is more than an ulp only where D all but cancels.
 template <detail::PlanesOfFloats Planes>
 Target BoundSpheres(const Spheres<Planes::kDimensions>& spheres,
                     const Planes& planes, const FitOptions& options = {},

@@ -16,8 +16,8 @@
 //
 // Errors, thread safety and the meaning of masks are those of reject.h. Errors
 // too are lists of pairs that overlap one another where they are written, and
-// more than 2^32 queries with 32-bit indices. Nothing is allocated. An empty
-// world, and no queries, are fine.
+// more than 2^32 queries with 32-bit indices. Nothing is allocated: a call
+// works on up to 32 KiB of stack. An empty world, and no queries, are fine.
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (the tests).
 #ifndef HALFSPACE_REJECT_MANY_H_

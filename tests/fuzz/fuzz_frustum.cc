@@ -83,30 +83,25 @@ class Frustum {
 
   static ::testing::AssertionResult CheckCorners(const Polytope& polytope,
                                                  const Aabo3& bound) {
-    const auto [surely, perhaps] = polytope.FindCorners();
+    const auto corners = polytope.FindCorners();
     if (bound == Aabo3::Everything()) {
       const auto is_far = [](const ExactPoint<3>& corner) {
         return SumOfMagnitudes(corner) > mpq_class(0x1.fp124);
       };
-      if (std::any_of(perhaps.begin(), perhaps.end(), is_far)) {
+      if (std::any_of(corners.begin(), corners.end(), is_far)) {
         return ::testing::AssertionSuccess();
       }
       return ::testing::AssertionFailure() << "everything";
     }
     if (bound == Aabo3::Empty()) {
-      if (surely.empty()) return ::testing::AssertionSuccess();
+      if (corners.empty()) return ::testing::AssertionSuccess();
       return ::testing::AssertionFailure() << "empty";
     }
-    auto result = ShapeOf(surely).CheckEncloses(bound);
-    if (!result) return result;
-    return ShapeOf(perhaps).CheckTight(bound);
-  }
-
-  static ExactShape<3> ShapeOf(const std::vector<ExactPoint<3>>& corners) {
     ExactShape<3> exact;
     for (const auto& corner : corners) exact.AddPoint(corner);
     exact.Tolerate({.ulps = 1}, {.ulps = 1});
-    return exact;
+    const auto result = exact.CheckEncloses(bound);
+    return result ? exact.CheckTight(bound) : result;
   }
 
   CallerMode mode_;

@@ -39,13 +39,6 @@ struct ExactPlane {
   mpz_class offset;
 };
 
-// Where three planes meet.
-struct Corners {
-  std::vector<ExactPoint<3>> surely;   // behind none of the planes
-  std::vector<ExactPoint<3>> perhaps;  // these, and those so little behind one
-                                       // that doubles may not tell
-};
-
 // The intersection of half-spaces.
 class Polytope {
  public:
@@ -71,8 +64,9 @@ class Polytope {
     return is_flat;
   }
 
-  Corners FindCorners() const {
-    Corners corners;
+  // Where three planes meet, behind none of the others.
+  std::vector<ExactPoint<3>> FindCorners() const {
+    std::vector<ExactPoint<3>> corners;
     for (std::size_t i = 0; i < planes_.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         for (std::size_t k = 0; k < j; ++k) Meet(i, j, k, corners);
@@ -84,7 +78,7 @@ class Polytope {
  private:
   // By Cramer's rule: a point times its divisor, which is made positive.
   void Meet(std::size_t i, std::size_t j, std::size_t k,
-            Corners& corners) const {
+            std::vector<ExactPoint<3>>& corners) const {
     const ExactPlane& a = planes_[i];
     const ExactPlane& b = planes_[j];
     const ExactPlane& c = planes_[k];
@@ -100,28 +94,16 @@ class Polytope {
       point[n] =
           -sign * (a.offset * bc[n] + b.offset * ca[n] + c.offset * ab[n]);
     }
-    bool is_behind = false;
     for (const ExactPlane& plane : planes_) {
-      mpz_class height = plane.offset * divisor;
-      mpz_class magnitude = abs(height);
-      for (std::size_t n = 0; n < 3; ++n) {
-        const mpz_class term = plane.normal[n] * point[n];
-        height += term;
-        magnitude += abs(term);
-      }
-      is_behind |= height < 0;
-      if ((-height << kNearBits) > magnitude) return;
+      if (plane.offset * divisor + Dot(plane.normal, point) < 0) return;
     }
     ExactPoint<3> corner;
     for (std::size_t n = 0; n < 3; ++n) {
       corner[n] = mpq_class(point[n], divisor);
       corner[n].canonicalize();
     }
-    corners.perhaps.push_back(corner);
-    if (!is_behind) corners.surely.push_back(corner);
+    corners.push_back(corner);
   }
-
-  static constexpr int kNearBits = 45;
 
   std::vector<ExactPlane> planes_;
 };

@@ -116,6 +116,9 @@ TYPED_TEST(CodesErrorsTest, SizeThatCannotExistIsRefused) {
   const std::string given = "got " + std::to_string(most);
   EXPECT_TRUE(Refuses([&] { this->codes_.Reserve(most); },
                       {"Codes", "size: expected at most", "objects", given}));
+  CodedWorld<typename TypeParam::View, typename TypeParam::Code> world;
+  EXPECT_TRUE(Refuses([&] { world.Reserve(most); },
+                      {"size: expected at most", "objects", given}));
   auto view = this->world_.view();
   view.size = most;
   EXPECT_TRUE(Refuses([&] { this->codes_.Recode(view); },

@@ -54,68 +54,83 @@ static void AppendBits(const Bound& bound, Bits& bits) {
   bits.insert(bits.end(), words.begin(), words.end());
 }
 
-template <int kDims>
-static void AppendFits(const EveryShape<kDims>& s, Bits& bits) {
+// Each of these gives every call in turn to visit(call); call() returns what
+// the library made.
+template <int kDims, typename Visit>
+static void VisitFits(const EveryShape<kDims>& s, const Visit& visit) {
   const Points<kDims> points{s.points[0].data(), s.points.size()};
   const Points<kDims, double> wide{s.wide_points[0].data(),
                                    s.wide_points.size()};
   const std::array<std::uint32_t, 2> last = {2, 1};
   const Segment<kDims> segment{s.points[0], s.points[1]};
-  AppendBits(BoundPoints(points), bits);
-  AppendBits(BoundPoints(wide), bits);
-  AppendBits(BoundPoints<kDims>(points, last), bits);
-  AppendBits(BoundPoint<kDims>(s.points[0]), bits);
-  AppendBits(BoundSegment(segment), bits);
-  AppendBits(BoundTriangle<kDims>({s.points[0], s.points[1], s.points[2]}),
-             bits);
-  AppendBits(BoundRay(s.ray), bits);
-  std::array<Aabo<kDims>, 3> pieces;
-  BoundSegmentPieces<kDims>(segment, pieces);
-  for (const auto& piece : pieces) AppendBits(piece, bits);
-  AppendBits(BoundAabb(s.box), bits);
-  AppendBits(BoundAabb(s.wide_box), bits);
-  AppendBits(BoundOrientedBox(s.oriented_box), bits);
-  AppendBits(BoundSphere(s.sphere), bits);
-  AppendBits(BoundSphere(s.wide_sphere), bits);
-  AppendBits(BoundCapsule(s.capsule), bits);
-  AppendBits(BoundFrustum(s.planes), bits);
-  AppendBits(BoundTransformed(points, s.map), bits);
-  AppendBits(BoundTransformed(s.box, s.map), bits);
+  PointsSoa<kDims> soa{.coords = {}, .count = 2};
+  PointsSoa<kDims, double> wide_soa{.coords = {}, .count = 2};
+  soa.coords.fill(s.points[0].data());
+  wide_soa.coords.fill(s.wide_points[0].data());
+  visit([&] { return BoundPoints(points); });
+  visit([&] { return BoundPoints(wide); });
+  visit([&] { return BoundPoints(soa); });
+  visit([&] { return BoundPoints(wide_soa); });
+  visit([&] { return BoundPoints<kDims>(points, last); });
+  visit([&] { return BoundPoint<kDims>(s.points[0]); });
+  visit([&] { return BoundSegment(segment); });
+  visit([&] {
+    return BoundTriangle<kDims>({s.points[0], s.points[1], s.points[2]});
+  });
+  visit([&] { return BoundRay(s.ray); });
+  visit([&] {
+    std::array<Aabo<kDims>, 3> pieces;
+    BoundSegmentPieces(segment, pieces);
+    return pieces;
+  });
+  visit([&] { return BoundAabb(s.box); });
+  visit([&] { return BoundAabb(s.wide_box); });
+  visit([&] { return BoundOrientedBox(s.oriented_box); });
+  visit([&] { return BoundSphere(s.sphere); });
+  visit([&] { return BoundSphere(s.wide_sphere); });
+  visit([&] { return BoundCapsule(s.capsule); });
+  visit([&] { return BoundFrustum(s.planes); });
+  visit([&] { return BoundTransformed(points, s.map); });
+  visit([&] { return BoundTransformed(s.box, s.map); });
 }
 
-template <int kDims>
-static void AppendTransforms(const EveryShape<kDims>& s, Bits& bits) {
-  const auto append = [&](const auto& bound) {
-    AppendBits(Merge(bound, bound), bits);
-    AppendBits(Inflate(bound, s.length), bits);
-    AppendBits(InflateByBox(bound, s.length), bits);
-    AppendBits(Translate(bound, s.move), bits);
-    AppendBits(Scale(bound, s.length), bits);
-    AppendBits(Sweep(bound, s.move), bits);
+template <int kDims, typename Visit>
+static void VisitTransforms(const EveryShape<kDims>& s, const Visit& visit) {
+  const auto visit_all = [&](const auto& bound) {
+    visit([&] { return Merge(bound, bound); });
+    visit([&] { return Inflate(bound, s.length); });
+    visit([&] { return InflateByBox(bound, s.length); });
+    visit([&] { return Translate(bound, s.move); });
+    visit([&] { return Scale(bound, s.length); });
+    visit([&] { return Sweep(bound, s.move); });
   };
-  append(s.bound);
-  append(s.bound.up());
-  append(s.bound.down());
-  append(s.bound.aabb());
-  AppendBits(TranslateVertices(s.bound, s.move), bits);
-  AppendBits(TranslateVertices(s.bound.aabb(), s.move), bits);
-  AppendBits(Scale(s.bound, s.factor), bits);
-  AppendBits(Scale(s.bound.aabb(), s.factor), bits);
-  const auto down = Circumscribe(s.simplex);
-  AppendBits(down, bits);
-  AppendBits(Circumscribe(down), bits);
+  visit_all(s.bound);
+  visit_all(s.bound.up());
+  visit_all(s.bound.down());
+  visit_all(s.bound.aabb());
+  visit([&] { return TranslateVertices(s.bound, s.move); });
+  visit([&] { return TranslateVertices(s.bound.aabb(), s.move); });
+  visit([&] { return Scale(s.bound, s.factor); });
+  visit([&] { return Scale(s.bound.aabb(), s.factor); });
+  visit([&] { return Circumscribe(s.simplex); });
+  visit([&] { return Circumscribe(Circumscribe(s.simplex)); });
 }
 
-template <int kDims>
-static void AppendBulk(const EveryShape<kDims>& s, const FitOptions& options,
-                       Bits& bits) {
-  const auto append = [&](auto build) {
-    AaboWorld<kDims> world;
-    world.Resize(EveryShape<kDims>::kMany);
-    build(world.planes());
-    for (std::size_t i = 0; i < world.size(); ++i) {
-      AppendBits(world.Get(i), bits);
-    }
+template <int kDims, typename Visit>
+static void VisitBulk(const EveryShape<kDims>& s, const FitOptions& options,
+                      const Visit& visit) {
+  constexpr std::size_t kMany = EveryShape<kDims>::kMany;
+  const auto visit_one = [&](auto build) {
+    visit([&] {
+      std::array<std::array<float, kMany>, 2 * (kDims + 1)> memory;
+      AaboPlanes<kDims> planes{.min = {}, .max = {}, .size = kMany};
+      for (std::size_t k = 0; k <= kDims; ++k) {
+        planes.min[k] = memory[2 * k].data();
+        planes.max[k] = memory[2 * k + 1].data();
+      }
+      build(planes);
+      return memory;
+    });
   };
   Spheres<kDims> spheres{.radius = &s.spheres[0].radius,
                          .count = s.spheres.size(),
@@ -124,30 +139,39 @@ static void AppendBulk(const EveryShape<kDims>& s, const FitOptions& options,
     spheres.center[k] = s.spheres[0].center.data() + k;
   }
   const Points<kDims> vertices{s.vertices[0].data(), s.vertices.size()};
-  append([&](const auto& planes) {
+  visit_one([&](const auto& planes) {
     BoundBoxes(BoxesOf<kDims>(s.boxes), planes, options);
   });
-  append([&](const auto& planes) { BoundSpheres(spheres, planes, options); });
-  append([&](const auto& planes) {
+  visit_one(
+      [&](const auto& planes) { BoundSpheres(spheres, planes, options); });
+  visit_one([&](const auto& planes) {
     BoundTriangles(vertices, s.indices, planes, options);
   });
-  append([&](const auto& planes) {
+  visit_one([&](const auto& planes) {
     BoundPointSets(vertices, s.ends, planes, options);
   });
 }
 
-// On the given targets.
+// The bulk builders on the given targets.
+template <int kDims, typename Visit>
+static void VisitEveryBuilder(const EveryShape<kDims>& shape,
+                              const std::vector<Target>& targets,
+                              const Visit& visit) {
+  VisitFits(shape, visit);
+  VisitTransforms(shape, visit);
+  for (Target target : targets) {
+    for (bool tightest : {false, true}) {
+      VisitBulk(shape, {.tightest = tightest, .target = target}, visit);
+    }
+  }
+}
+
 template <int kDims>
 static Bits BitsOfEveryBound(const EveryShape<kDims>& shape,
                              const std::vector<Target>& targets) {
   Bits bits;
-  AppendFits(shape, bits);
-  AppendTransforms(shape, bits);
-  for (Target target : targets) {
-    for (bool tightest : {false, true}) {
-      AppendBulk(shape, {.tightest = tightest, .target = target}, bits);
-    }
-  }
+  VisitEveryBuilder(shape, targets,
+                    [&](const auto& call) { AppendBits(call(), bits); });
   return bits;
 }
 

@@ -43,9 +43,6 @@ class ExactFrustum {
   bool IsEmpty() const { return corners_.empty(); }
   bool IsOpen() const { return is_open_; }
 
-  // No three planes meet so little behind another one that doubles cannot tell.
-  bool IsClear() const { return is_clear_; }
-
   ExactHull<3> Hull() const {
     ExactHull<3> hull;
     for (const auto& corner : corners_) hull.AddPoint(corner);
@@ -92,22 +89,10 @@ class ExactFrustum {
     if (divisor < 0) {
       for (mpz_class& x : point) x = -x;
     }
-    bool is_corner = true;
     for (const Four& plane : planes_) {
       mpz_class height = 0;
-      mpz_class magnitude = 0;
-      for (std::size_t n = 0; n < 4; ++n) {
-        const mpz_class term = plane[n] * point[n];
-        height += term;
-        magnitude += abs(term);
-      }
-      if (height >= 0) continue;
-      is_corner = false;
-      if ((-height << 40) > magnitude) return;
-    }
-    if (!is_corner) {
-      is_clear_ = false;
-      return;
+      for (std::size_t n = 0; n < 4; ++n) height += plane[n] * point[n];
+      if (height < 0) return;
     }
     is_open_ |= std::max({i, j, k}) >= planes_.size() - 6;
     ExactPoint<3> corner;
@@ -121,7 +106,6 @@ class ExactFrustum {
   std::vector<Four> planes_;  // the last six: the box
   std::vector<ExactPoint<3>> corners_;
   bool is_open_ = false;
-  bool is_clear_ = true;
 };
 
 }  // namespace halfspace::testing

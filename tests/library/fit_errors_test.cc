@@ -13,6 +13,7 @@
 #include "halfspace/fit.h"
 #include "tests/library/dims.h"
 #include "tests/library/expect_invalid.h"
+#include "tests/library/misaligned.h"
 
 namespace halfspace::testing {
 namespace {
@@ -183,6 +184,30 @@ TYPED_TEST(FitErrorsTest, PointsThatCannotBeRead) {
   EXPECT_EQ(status.results, 0u);
 }
 
+TYPED_TEST(FitErrorsTest, IndicesThatCannotBeRead) {
+  constexpr int kDims = TypeParam::value;
+  using Indices = std::span<const std::uint32_t>;
+  const auto point = this->Ones();
+  const Points<kDims> aos{point.data(), 1};
+  PointsSoa<kDims> soa{.coords = {}, .count = 1};
+  soa.coords.fill(point.data());
+  FitStatus status;
+  const auto expect_refused = [&](const std::uint32_t* pointer,
+                                  std::string_view expected,
+                                  std::string_view given) {
+    const Indices indices(pointer, 2);
+    EXPECT_TRUE(Refuses([&] { BoundPoints<kDims>(aos, indices, &status); },
+                        {"BoundPoints: indices: expected ", expected, given}));
+    EXPECT_TRUE(Refuses([&] { BoundPoints<kDims>(soa, indices, &status); },
+                        {"BoundPoints: indices: expected ", expected, given}));
+  };
+  const std::array<std::uint32_t, 3> zeros{};
+  expect_refused(nullptr, "2 indices", "a null pointer");
+  expect_refused(Misaligned(zeros.data()), "aligned to 4", "misaligned");
+  EXPECT_EQ(status.results, 0u);
+  EXPECT_EQ(BoundPoints<kDims>(aos, Indices(), &status), Aabo<kDims>::Empty());
+}
+
 // Before any is read: the one point there is lies at index 0.
 TYPED_TEST(FitErrorsTest, IndicesOutOfRange) {
   constexpr int kDims = TypeParam::value;
@@ -226,6 +251,37 @@ TYPED_TEST(FitErrorsTest, TooManyPieces) {
       {"BoundSegmentPieces", "pieces: expected at most 2^24",
        "got " + std::to_string(kMany)}));
   EXPECT_EQ(status.results, 0u);
+}
+
+TYPED_TEST(FitErrorsTest, PiecesThatCannotBeWritten) {
+  constexpr int kDims = TypeParam::value;
+  const Segment<kDims> segment{this->Ones(), this->Ones()};
+  FitStatus status;
+  const auto bound = [&](Aabo<kDims>* pieces) {
+    BoundSegmentPieces(segment, std::span(pieces, 2), &status);
+  };
+  std::array<Aabo<kDims>, 3> room;
+  EXPECT_TRUE(Refuses(
+      [&] { bound(nullptr); },
+      {"BoundSegmentPieces: pieces: expected room for 2", "a null pointer"}));
+  EXPECT_TRUE(Refuses(
+      [&] { bound(Misaligned(room.data())); },
+      {"BoundSegmentPieces: pieces: expected", "aligned to 4", "misaligned"}));
+  BoundSegmentPieces(segment, std::span<Aabo<kDims>>(), &status);
+  EXPECT_EQ(status.results, 0u);
+}
+
+TEST(FitFrustumErrorsTest, PlanesThatCannotBeRead) {
+  const std::array<HalfSpace3, 7> planes{};
+  const auto bound = [](const HalfSpace3* pointer) {
+    BoundFrustum(std::span<const HalfSpace3, 6>(pointer, 6));
+  };
+  EXPECT_TRUE(
+      Refuses([&] { bound(nullptr); },
+              {"BoundFrustum: planes: expected 6 planes, got a null pointer"}));
+  EXPECT_TRUE(Refuses(
+      [&] { bound(Misaligned(planes.data())); },
+      {"BoundFrustum: planes: expected", "aligned to 4", "misaligned"}));
 }
 
 // By one float: the planes' sum is exact.

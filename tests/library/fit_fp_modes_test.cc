@@ -2,8 +2,11 @@
 // as it was.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cfenv>
 #include <cstddef>
+#include <cstdint>
+#include <stdexcept>
 
 #include "halfspace/halfspace.h"
 #include "tests/library/dims.h"
@@ -15,6 +18,34 @@
 
 namespace halfspace::testing {
 namespace {
+
+// All numbers of the shapes.
+template <int kDims>
+void FillWith(float value, double wide, EveryShape<kDims>& s) {
+  const auto fill = [&](auto&... points) { (points.fill(value), ...); };
+  for (auto& point : s.points) fill(point);
+  for (auto& point : s.wide_points) point.fill(wide);
+  for (auto& axis : s.oriented_box.axes) fill(axis);
+  for (auto& row : s.map.linear) fill(row);
+  for (auto& plane : s.planes) fill(plane.normal);
+  for (auto& plane : s.planes) plane.offset = value;
+  fill(s.ray.origin, s.ray.direction, s.box.min, s.box.max,
+       s.oriented_box.center, s.oriented_box.half_extents, s.sphere.center,
+       s.capsule.a, s.capsule.b, s.map.translation, s.bound.min, s.bound.max,
+       s.simplex.min, s.move);
+  s.ray.max_t = s.sphere.radius = s.capsule.radius = value;
+  s.length = s.factor = value;
+  s.wide_box.min.fill(wide);
+  s.wide_box.max.fill(wide);
+  s.wide_sphere.center.fill(wide);
+  s.wide_sphere.radius = wide;
+  for (auto& box : s.boxes) fill(box.min, box.max);
+  for (auto& sphere : s.spheres) {
+    fill(sphere.center);
+    sphere.radius = value;
+  }
+  for (auto& vertex : s.vertices) fill(vertex);
+}
 
 template <typename Dims>
 class FitFpModesTest : public ::testing::Test {
@@ -52,6 +83,44 @@ TYPED_TEST(FitFpModesTest, RoundingIsOutwardInEveryMode) {
   for (int mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
     SCOPED_TRACE(mode);
     this->ExpectSameBounds([mode] { return RoundingMode(mode); });
+  }
+}
+
+TYPED_TEST(FitFpModesTest, NothingIsTrapped) {
+  this->ExpectSameBounds([] { return TrapExceptions(); });
+}
+
+// With such values in every number that a builder takes, where it refuses them
+// too. As bits, because to convert a signalling NaN is an exception itself.
+TYPED_TEST(FitFpModesTest, NothingIsTrappedWhateverTheValues) {
+  struct Special {
+    std::uint32_t narrow;
+    std::uint64_t wide;
+  };
+  Random random(9);
+  auto shape = RandomEveryShape<TypeParam::value>(PointKind::kUniform, random);
+  const auto targets = TargetsUnderTest();
+  for (const auto& [narrow, wide] :
+       {Special{0x7fc00000, 0x7ff8'0000'0000'0000},     // NaN
+        Special{0xff800001, 0x7ff0'0000'0000'0001},     // a signalling one
+        Special{0x7f800000, 0x7ff0'0000'0000'0000},     // infinity
+        Special{0x7f7fffff, 0x7fef'ffff'ffff'ffff},     // the largest
+        Special{0xff7fffff, 0xffef'ffff'ffff'ffff},     // the smallest
+        Special{0x00000001, 0x0000'0000'0000'0001}}) {  // a subnormal
+    SCOPED_TRACE(narrow);
+    FillWith(std::bit_cast<float>(narrow), std::bit_cast<double>(wide), shape);
+    VisitEveryBuilder(shape, targets, [](const auto& call) {
+      bool is_untouched = false;
+      {
+        const TrapExceptions trap;
+        try {
+          (void)call();
+        } catch (const std::invalid_argument&) {
+        }
+        is_untouched = trap.IsUntouched();
+      }
+      EXPECT_TRUE(is_untouched);
+    });
   }
 }
 

@@ -65,5 +65,34 @@ TEST(FitFrustumHardTest, CornersThatDoubleRoundsToAFloat) {
   }
 }
 
+// 0 <= z <= 1, -1 <= y <= 2 and 1 <= x <= 1 - 2^-60 y, which is 1 to a double:
+// what is above y = 0 is in front of all but one plane, and not of that.
+TEST(FitFrustumHardTest, CornersBehindAPlaneByLessThanDoubleCanTell) {
+  Planes planes = {{{{1, 0, 0}, -1},
+                    {{-1, -0x1p-60f, 0}, 1},
+                    {{0, 1, 0}, 1},
+                    {{0, -1, 0}, 2},
+                    {{0, 0, 1}, 0},
+                    {{0, 0, -1}, 1}}};
+  const Aabo3 bound = BoundFrustum(planes);
+  EXPECT_EQ(bound.min[1], -1.f);
+  EXPECT_EQ(bound.max[1], 0.f);
+  // Above y = 0x1p-149 there is nothing.
+  planes[2].offset = -0x1p-149f;
+  EXPECT_EQ(BoundFrustum(planes), Aabo3::Empty());
+}
+
+// Four planes meet in a point, and one of them is there twice.
+TEST(FitFrustumHardTest, CornersOfMoreThanThreePlanes) {
+  constexpr HalfSpace3 a = {{3, 1, -1}, 1};
+  constexpr HalfSpace3 b = {{-3, 1, -1}, 1};
+  constexpr HalfSpace3 c = {{0x1.000002p0f, -7, -1}, 1};
+  constexpr HalfSpace3 d = {{-0x1.000002p0f, -7, -1}, 1};
+  constexpr HalfSpace3 below = {{0, 0, 1}, 0};
+  const Aabo3 bound = BoundFrustum(std::array{a, b, c, d, below, a});
+  EXPECT_EQ(bound.max[2], 1.f);
+  EXPECT_EQ(bound.min[2], 0.f);
+}
+
 }  // namespace
 }  // namespace halfspace::testing

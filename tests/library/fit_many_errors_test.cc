@@ -79,31 +79,49 @@ class FitManyErrorsTest : public ::testing::Test {
 
 TEST_F(FitManyErrorsTest, NullAndMisalignedPointers) {
   boxes_.max[0] = nullptr;
-  ExpectBoxesRefused({"BoundBoxes", "column 3", "expected", "a null pointer"});
+  ExpectBoxesRefused(
+      {"BoundBoxes: boxes.max[0]: expected 3 boxes, got a null"});
   boxes_.max[0] = Misaligned(columns_[3].data());
-  ExpectBoxesRefused({"BoundBoxes", "column 3", "aligned to 4", "misaligned"});
+  ExpectBoxesRefused(
+      {"BoundBoxes: boxes.max[0]", "aligned to 4", "misaligned"});
   boxes_.max[0] = columns_[3].data();
   output_.max[3] = nullptr;
   ExpectBoxesRefused({"BoundBoxes", "planes.max[3]", "a null pointer"});
   output_.max[3] = Misaligned(planes_[7].data());
   ExpectBoxesRefused({"BoundBoxes", "planes.max[3]", "misaligned"});
   output_.max[3] = planes_[7].data();
+  boxes_.min[2] = nullptr;
+  ExpectBoxesRefused({"BoundBoxes: boxes.min[2]: expected", "a null pointer"});
 
+  const auto expect_spheres_refused = [&](std::string_view text) {
+    ExpectRefused(
+        [&](FitStatus* status) { BoundSpheres(spheres_, output_, {}, status); },
+        {text, "a null pointer"});
+  };
   spheres_.radius = nullptr;
-  ExpectRefused(
-      [&](FitStatus* status) { BoundSpheres(spheres_, output_, {}, status); },
-      {"BoundSpheres", "column 3", "a null pointer"});
+  expect_spheres_refused("BoundSpheres: spheres.radius: expected 3 spheres");
+  spheres_.center[2] = nullptr;
+  expect_spheres_refused("BoundSpheres: spheres.center[2]: expected 3 spheres");
+}
+
+TEST_F(FitManyErrorsTest, NullPoints) {
+  const auto expect_refused = [&](const auto& points, std::string_view coords) {
+    const std::string expected = std::string(coords) + ": expected 3 ";
+    ExpectRefused(
+        [&](FitStatus* status) {
+          BoundTriangles(points, indices_, output_, {}, status);
+        },
+        {"BoundTriangles: vertices." + expected + "vertices",
+         "a null pointer"});
+    ExpectRefused(
+        [&](FitStatus* status) {
+          BoundPointSets(points, ends_, output_, {}, status);
+        },
+        {"BoundPointSets: points." + expected + "points", "a null pointer"});
+  };
   points_.coords[1] = nullptr;
-  ExpectRefused(
-      [&](FitStatus* status) {
-        BoundTriangles(points_, indices_, output_, {}, status);
-      },
-      {"BoundTriangles", "column 1", "a null pointer"});
-  ExpectRefused(
-      [&](FitStatus* status) {
-        BoundPointSets(points_, ends_, output_, {}, status);
-      },
-      {"BoundPointSets", "column 1", "a null pointer"});
+  expect_refused(points_, "coords[1]");
+  expect_refused(Points3{nullptr, kCount}, "coords");
 }
 
 TEST_F(FitManyErrorsTest, MisalignedIndices) {
@@ -148,7 +166,7 @@ TEST_F(FitManyErrorsTest, SizesThatDiffer) {
 TEST_F(FitManyErrorsTest, SizesBeyondTheAddressSpace) {
   boxes_.count = output_.size = kHuge / 4;
   boxes_.stride = 2;
-  ExpectBoxesRefused({"BoundBoxes", "source.count: expected", "stride 2",
+  ExpectBoxesRefused({"BoundBoxes: boxes.count: expected", "stride 2",
                       "got " + std::to_string(kHuge / 4)});
   boxes_.count = output_.size = kHuge;
   boxes_.stride = 0;
@@ -165,7 +183,29 @@ TEST_F(FitManyErrorsTest, SizesBeyondTheAddressSpace) {
       [&](FitStatus* status) {
         BoundPointSets(points_, ends_, output_, {}, status);
       },
-      {"BoundPointSets", "source.count: expected"});
+      {"BoundPointSets: points.count: expected"});
+}
+
+// Of stride and count, the larger is to blame.
+TEST_F(FitManyErrorsTest, StridesBeyondTheAddressSpace) {
+  boxes_.stride = spheres_.stride = kHuge / 4;
+  const std::string expected = "expected a stride with which 3 ";
+  const std::string given = "got " + std::to_string(kHuge / 4);
+  ExpectBoxesRefused({"BoundBoxes: boxes.stride: " + expected, given});
+  ExpectRefused(
+      [&](FitStatus* status) { BoundSpheres(spheres_, output_, {}, status); },
+      {"BoundSpheres: spheres.stride: " + expected, given});
+  const Points3 points{columns_[0].data(), kCount, kHuge / 4};
+  ExpectRefused(
+      [&](FitStatus* status) {
+        BoundTriangles(points, indices_, output_, {}, status);
+      },
+      {"BoundTriangles: vertices.stride: " + expected, given});
+  ExpectRefused(
+      [&](FitStatus* status) {
+        BoundPointSets(points, ends_, output_, {}, status);
+      },
+      {"BoundPointSets: points.stride: " + expected, given});
 }
 
 TEST_F(FitManyErrorsTest, OutputsThatOverlap) {
@@ -174,12 +214,12 @@ TEST_F(FitManyErrorsTest, OutputsThatOverlap) {
       {"BoundBoxes", "planes.m", "apart from", "planes.m", "got an overlap"});
   output_.max[1] = columns_[4].data() + kCount - 1;
   ExpectBoxesRefused({"BoundBoxes", "planes.max[1]: expected",
-                      "apart from column 4", "got an overlap"});
+                      "apart from boxes.max[1]", "got an overlap"});
   EXPECT_EQ(columns_[4], std::vector<float>(16, 1.f));
   // Between the values of a column is inside it.
   boxes_.stride = 2;
   output_.max[1] = columns_[4].data() + 4;
-  ExpectBoxesRefused({"planes.max[1]", "apart from column 4"});
+  ExpectBoxesRefused({"planes.max[1]", "apart from boxes.max[1]"});
   output_.max[1] = reinterpret_cast<float*>(&indices_[6]);
   ExpectRefused(
       [&](FitStatus* status) {
@@ -206,6 +246,9 @@ TEST_F(FitManyErrorsTest, NeighboursAreNoOverlap) {
 TEST_F(FitManyErrorsTest, TargetsAndOptions) {
   const Target nonsense = Target::FromHighwayBit(3);  // two bits
   ExpectBoxesRefused({"BoundBoxes", "target"}, {.target = nonsense});
+  ExpectBoxesRefused({"BoundBoxes", "options.inverted", "got 7"},
+                     {.inverted = static_cast<Inverted>(7)});
+  boxes_.count = output_.size = 0;
   ExpectBoxesRefused({"BoundBoxes", "options.inverted", "got 7"},
                      {.inverted = static_cast<Inverted>(7)});
 }

@@ -41,7 +41,7 @@ TEST(FitManyKnownTest, BoxesOfAWorld) {
   for (Target target : TargetsUnderTest()) {
     std::array<float, 2> min;
     std::array<float, 2> max;
-    BoundBoxes(BoxesOf(world.view()), DPlanes2{min.data(), max.data(), 2},
+    BoundBoxes(BoxesOf(world), DPlanes2{min.data(), max.data(), 2},
                {.tightest = true, .target = target});
     EXPECT_EQ(min, (std::array{-9.f, -1.f}));
     EXPECT_EQ(max, (std::array{-3.f, 1.f}));

@@ -164,7 +164,8 @@ TYPED_TEST(FitTest, PointsThatCannotBeReadAreRefused) {
   EXPECT_EQ(CountsOf(status), (Counts{0, 0, 0}));
 }
 
-// Refused before the first point is read, or this would crash.
+// Refused before the first point is read, or this would crash. Of count and
+// stride, the larger is to blame.
 TYPED_TEST(FitTest, PointsBeyondTheAddressSpaceAreRefused) {
   constexpr int kDims = TypeParam::value;
   constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
@@ -179,7 +180,8 @@ TYPED_TEST(FitTest, PointsBeyondTheAddressSpaceAreRefused) {
       [&] {
         BoundPoints<kDims>({coords.data(), 3, kMost / 4});
       },
-      {"BoundPoints", "points.count: expected", "got 3"}));
+      {"BoundPoints", "points.stride: expected a stride with which 3 points",
+       "got " + std::to_string(kMost / 4)}));
 }
 
 TYPED_TEST(FitTest, InvertedBoxIsRefused) {

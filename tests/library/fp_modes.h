@@ -54,6 +54,50 @@ class FlushDenormals {
   FlushDenormals& operator=(const FlushDenormals&) = delete;
 };
 
+// Every exception of <cfenv>, and a subnormal operand, is a SIGFPE; none has
+// been raised yet.
+class TrapExceptions {
+ public:
+#if defined(__SSE2__)
+  TrapExceptions() { _mm_setcsr(saved_ & ~(kMasks | kRaised)); }
+  ~TrapExceptions() { _mm_setcsr(saved_); }
+
+  // On, and nothing raised.
+  static bool IsUntouched() { return (_mm_getcsr() & (kMasks | kRaised)) == 0; }
+
+ private:
+  static constexpr unsigned kMasks = 0x1f80;
+  static constexpr unsigned kRaised = 0x003f;
+  unsigned saved_ = _mm_getcsr();
+#elif defined(__aarch64__)
+  TrapExceptions() {
+    asm volatile("mrs %0, fpcr" : "=r"(saved_));
+    asm volatile("msr fpcr, %0" : : "r"(saved_ | kTraps) : "memory");
+    asm volatile("mrs %0, fpcr" : "=r"(given_));
+  }
+  ~TrapExceptions() { asm volatile("msr fpcr, %0" : : "r"(saved_) : "memory"); }
+
+  // As many as the machine has are on.
+  bool IsUntouched() const {
+    std::uint64_t now;
+    asm volatile("mrs %0, fpcr" : "=r"(now));
+    return now == given_;
+  }
+
+ private:
+  static constexpr std::uint64_t kTraps = 0x9f00;
+  std::uint64_t saved_ = 0;
+  std::uint64_t given_ = 0;
+#else
+  TrapExceptions() = default;
+  static bool IsUntouched() { return true; }
+#endif
+
+ public:
+  TrapExceptions(const TrapExceptions&) = delete;
+  TrapExceptions& operator=(const TrapExceptions&) = delete;
+};
+
 // Results are rounded as one of <cfenv>'s modes says.
 class RoundingMode {
  public:

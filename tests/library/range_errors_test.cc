@@ -60,17 +60,17 @@ TEST_F(RangeErrorsTest, EndWithinAWord) {
 }
 
 TEST_F(RangeErrorsTest, EndBeforeBegin) {
-  ExpectAllRefuse(1000, {128, 64}, "options.range.end",
-                  "not less than its begin", "64");
-  ExpectAllRefuse(1000, {64, 0}, "options.range.end", "not less than its begin",
-                  "0");
+  const auto expect_refused = [&](std::size_t size, const Range& range) {
+    ExpectAllRefuse(size, range, "options.range.end",
+                    "not less than its begin, " + std::to_string(range.begin),
+                    std::to_string(range.end));
+  };
+  expect_refused(1000, {128, 64});
+  expect_refused(1000, {64, 0});
   // Also past the world, and at its last word.
-  ExpectAllRefuse(130, {320, 256}, "options.range.end",
-                  "not less than its begin", "256");
-  ExpectAllRefuse(130, {192, 130}, "options.range.end",
-                  "not less than its begin", "130");
-  ExpectAllRefuse(0, {64, 0}, "options.range.end", "not less than its begin",
-                  "0");
+  expect_refused(130, {320, 256});
+  expect_refused(130, {192, 130});
+  expect_refused(0, {64, 0});
 }
 
 TEST_F(RangeErrorsTest, TheRangeIsNoExcuseForABadWorld) {

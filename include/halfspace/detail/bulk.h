@@ -34,6 +34,7 @@ struct Source {
   std::size_t count = 0;
   std::size_t stride = 1;
   std::array<const float*, kMaxColumns> columns{};
+  bool has_one_pointer = false;  // for all columns: Points
 };
 
 // The builders give floats: planes of doubles are the caller's to fill.
@@ -79,7 +80,10 @@ constexpr Source SourceOf(const Spheres<kDims>& spheres) {
 
 template <int kDims>
 constexpr Source SourceOf(const Points<kDims>& points) {
-  Source source{.dims = kDims, .count = points.count, .stride = points.stride};
+  Source source{.dims = kDims,
+                .count = points.count,
+                .stride = points.stride,
+                .has_one_pointer = true};
   for (std::size_t k = 0; k < kDims; ++k) {
     source.columns[source.column_count++] =
         points.coords == nullptr ? nullptr : points.coords + k;
