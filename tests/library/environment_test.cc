@@ -49,10 +49,10 @@ std::string WhatIsDone() {
                       .max = {&box[3], &box[4], &box[5]},
                       .count = 1},
                world.planes());
-    const SurvivorCount survivors =
-        CountSurvivors(world, Aabo3::Everything(), {});
-    return std::string(survivors.target.name()) + ' ' +
-           std::to_string(survivors.count) + ' ' +
+    Target ran;
+    const std::size_t survivors =
+        CountSurvivors(world, Aabo3::Everything(), {.ran = &ran});
+    return std::string(ran.name()) + ' ' + std::to_string(survivors) + ' ' +
            std::to_string(world.Get(0).max[3]);
   } catch (const std::invalid_argument& error) {
     return error.what();
