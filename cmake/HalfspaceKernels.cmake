@@ -13,10 +13,35 @@ endfunction()
 
 target_include_directories(halfspace PRIVATE "${PROJECT_BINARY_DIR}/kernels")
 
+# In 3D a box has 3 axes, and the other shapes have 4.
+set(HALFSPACE_DIMS "2;3;4" CACHE STRING
+    "Dimensions to compile: a list of 2, 3 and 4")
+set(all_axes)
+foreach(dims IN LISTS HALFSPACE_DIMS)
+  if(NOT dims MATCHES "^[234]$")
+    message(FATAL_ERROR "halfspace: HALFSPACE_DIMS is a list of 2, 3 and 4, "
+                        "not \"${HALFSPACE_DIMS}\".")
+  endif()
+  math(EXPR axes "${dims} + 1")
+  list(APPEND all_axes ${dims} ${axes})
+endforeach()
+list(REMOVE_DUPLICATES all_axes)
+
 foreach(element float double std::int8_t std::int16_t)
   string(REGEX REPLACE "std::|_t" "" element_name "${element}")
   halfspace_add_kernels(scan/kernels_of_element "scan_${element_name}")
-  foreach(axes 2 3 4 5)
+  foreach(axes IN LISTS all_axes)
     halfspace_add_kernels(scan/kernels_of_axes "scan_${element_name}_${axes}")
+  endforeach()
+endforeach()
+
+set(fit_header_of_Boxes fit_boxes)
+set(fit_header_of_Spheres fit_spheres)
+set(fit_header_of_Triangles fit_triangles)
+set(fit_header_of_PointSets fit_point_sets)
+foreach(source_name Boxes Spheres Triangles PointSets)
+  set(fit_header "${fit_header_of_${source_name}}")
+  foreach(dims IN LISTS HALFSPACE_DIMS)
+    halfspace_add_kernels(fit_kernels "${fit_header}_${dims}")
   endforeach()
 endforeach()

@@ -7,11 +7,10 @@
 #include <string>
 #include <string_view>
 
-#include "dispatch/fit_table.h"
-#include "dispatch/registry.h"
+#include "dispatch/chosen_target.h"
 #include "kernels/default_fp_mode.h"
 #include "kernels/error.h"
-#include "kernels/fit_job.h"
+#include "kernels/fit_kernels.h"
 #include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
@@ -99,13 +98,11 @@ struct SourceNames {
 // Checks what all calls share, then runs the kernel.
 class Call {
  public:
-  Call(std::string_view name, const SourceNames& source_names,
-       dispatch::FitSource kind, const Source& source, const Output& output,
-       const FitOptions& options)
+  Call(const char* name, const SourceNames& source_names, const Source& source,
+       const Output& output, const FitOptions& options)
       : name_(name),
         source_names_(source_names),
-        kernels_(
-            dispatch::FitKernelsFor(options.target, output.dims, name)[kind]),
+        kernels_(source.kernels[dispatch::IndexOf(options.target, name)]),
         source_(source),
         output_(output),
         options_(options) {}
@@ -191,9 +188,9 @@ class Call {
     status->results += output_.size;
   }
 
-  std::string_view name_;
+  const char* name_;
   SourceNames source_names_;
-  const dispatch::FitKernels& kernels_;
+  const FitKernels& kernels_;
   const Source& source_;
   const Output& output_;
   const FitOptions& options_;
@@ -203,16 +200,16 @@ class Call {
 
 Target BoundBoxes(const Source& boxes, const Output& output,
                   const FitOptions& options, FitStatus* status) {
-  const Call call("BoundBoxes", {"boxes", "min", "max"}, dispatch::kFitBoxes,
-                  boxes, output, options);
+  const Call call("BoundBoxes", {"boxes", "min", "max"}, boxes, output,
+                  options);
   CheckSize("BoundBoxes", "boxes.count", boxes.count, output.size);
   return call.Run({}, {}, status);
 }
 
 Target BoundSpheres(const Source& spheres, const Output& output,
                     const FitOptions& options, FitStatus* status) {
-  const Call call("BoundSpheres", {"spheres", "center", "radius"},
-                  dispatch::kFitSpheres, spheres, output, options);
+  const Call call("BoundSpheres", {"spheres", "center", "radius"}, spheres,
+                  output, options);
   CheckSize("BoundSpheres", "spheres.count", spheres.count, output.size);
   return call.Run({}, {}, status);
 }
@@ -222,8 +219,8 @@ Target BoundTriangles(const Source& vertices,
                       const Output& output, const FitOptions& options,
                       FitStatus* status) {
   constexpr std::size_t kCorners = 3;
-  const Call call("BoundTriangles", {"vertices", "coords"},
-                  dispatch::kFitTriangles, vertices, output, options);
+  const Call call("BoundTriangles", {"vertices", "coords"}, vertices, output,
+                  options);
   if (output.size > kMostFloats / kCorners) {
     ThrowInvalid("BoundTriangles", "planes.size",
                  "a size that fits the address space",
@@ -239,8 +236,8 @@ Target BoundTriangles(const Source& vertices,
 Target BoundPointSets(const Source& points, std::span<const std::size_t> ends,
                       const Output& output, const FitOptions& options,
                       FitStatus* status) {
-  const Call call("BoundPointSets", {"points", "coords"},
-                  dispatch::kFitPointSets, points, output, options);
+  const Call call("BoundPointSets", {"points", "coords"}, points, output,
+                  options);
   CheckSize("BoundPointSets", "ends.size()", ends.size(), output.size);
   call.CheckInput(ends.data(), ends.size_bytes(), alignof(std::size_t), "ends");
   return call.Run({}, ends, status);

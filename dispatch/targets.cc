@@ -7,8 +7,6 @@
 #include <string>
 
 #include "dispatch/chosen_target.h"
-#include "dispatch/registry.h"
-#include "dispatch/target_table.h"
 #include "hwy/highway.h"
 #include "hwy/targets.h"
 #include "kernels/compiled_targets.h"
@@ -17,26 +15,6 @@
 namespace halfspace {
 namespace dispatch {
 namespace {
-
-// One target; all pointers are null if it is not in this build.
-struct Entry {
-  // In 2, 3, 4 dimensions.
-  std::array<const FitTable& (*)(), 3> fit{};
-  std::size_t (*lanes)() = nullptr;
-};
-
-// By the index of the target's bit.
-constexpr std::array<Entry, kernels::kTargetBits> kEntries = [] {
-  std::array<Entry, kernels::kTargetBits> entries{};
-  kernels::ForEachCompiledTarget([&entries](auto target) {
-    constexpr std::int64_t kTarget = target();
-    entries[std::countr_zero(static_cast<std::uint64_t>(kTarget))] = {
-        {&FitTableOf<kTarget, 2>, &FitTableOf<kTarget, 3>,
-         &FitTableOf<kTarget, 4>},
-        &kernels::LanesOf<kTarget>};
-  });
-  return entries;
-}();
 
 // A lower bit is a better target, by Highway's convention.
 struct TargetList {
@@ -57,11 +35,10 @@ std::int64_t SupportedBits() {
   return bits;
 }
 
-const Entry* FindEntry(Target target) {
+bool IsSupported(Target target) {
   const auto bit = static_cast<std::uint64_t>(target.highway_bit());
-  if (!std::has_single_bit(bit)) return nullptr;
-  if ((bit & static_cast<std::uint64_t>(SupportedBits())) == 0) return nullptr;
-  return &kEntries[static_cast<std::size_t>(std::countr_zero(bit))];
+  return std::has_single_bit(bit) &&
+         (bit & static_cast<std::uint64_t>(SupportedBits())) != 0;
 }
 
 std::string NamesOf(std::span<const Target> targets) {
@@ -153,35 +130,20 @@ Target ChosenFor(std::string_view call) {
   return TheChoice().target;
 }
 
-// The entry of a target that a caller names, or of the chosen one.
-const Entry& EntryOf(Target target, std::string_view call) {
-  if (target == Target()) target = ChosenFor(call);
-  const Entry* entry = FindEntry(target);
-  if (entry == nullptr) ThrowBadTarget(target, call);
-  return *entry;
-}
-
-std::size_t IndexOf(int dims) { return static_cast<std::size_t>(dims - 2); }
-
 }  // namespace
 
 constinit std::array<std::atomic<std::uint8_t>, 65> resolved_indices{};
 
 std::size_t ResolveIndex(Target target, const char* call) {
-  const std::int64_t bit =
-      (target == Target() ? ChosenFor(call) : target).highway_bit();
-  EntryOf(target, call);
-  // Better targets have lower bits, and come before it.
-  const std::size_t index = static_cast<std::size_t>(
-      std::popcount(static_cast<std::uint64_t>(HWY_TARGETS & (bit - 1))));
-  resolved_indices[static_cast<std::size_t>(std::countr_zero(
-      static_cast<std::uint64_t>(target.highway_bit())))]
-      .store(static_cast<std::uint8_t>(index + 1), std::memory_order_relaxed);
+  const Target runs = target == Target() ? ChosenFor(call) : target;
+  if (!IsSupported(runs)) ThrowBadTarget(runs, call);
+  // Better targets have lower bits.
+  const auto index = static_cast<std::uint8_t>(std::popcount(
+      static_cast<std::uint64_t>(HWY_TARGETS & (runs.highway_bit() - 1))));
+  const auto named = static_cast<std::uint64_t>(target.highway_bit());
+  resolved_indices[static_cast<std::size_t>(std::countr_zero(named))].store(
+      static_cast<std::uint8_t>(index + 1), std::memory_order_relaxed);
   return index;
-}
-
-const FitTable& FitKernelsFor(Target target, int dims, std::string_view call) {
-  return EntryOf(target, call).fit[IndexOf(dims)]();
 }
 
 }  // namespace dispatch
@@ -193,8 +155,12 @@ std::string_view Target::name() const {
 }
 
 std::size_t Target::lanes() const {
-  const dispatch::Entry* entry = dispatch::FindEntry(*this);
-  return entry == nullptr ? 0 : entry->lanes();
+  if (!dispatch::IsSupported(*this)) return 0;
+  std::size_t lanes = 0;
+  kernels::ForEachCompiledTarget([this, &lanes](auto target) {
+    if (highway_bit_ == target()) lanes = kernels::LanesOf<target()>();
+  });
+  return lanes;
 }
 
 std::span<const Target> CompiledTargets() {

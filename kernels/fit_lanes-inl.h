@@ -9,7 +9,7 @@
 #include <cstddef>
 
 #include "hwy/highway.h"
-#include "kernels/fit_job.h"
+#include "kernels/fit_kernels.h"
 #include "kernels/outward-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -16,7 +16,7 @@
 
 #include "hwy/cache_control.h"
 #include "hwy/highway.h"
-#include "kernels/fit_job.h"
+#include "kernels/fit_kernels.h"
 #include "kernels/fit_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -100,8 +100,8 @@ Boxes<kDims> BoxesOf(const World<AabbView<kDims>>& world) {
 template <detail::PlanesOfFloats Planes>
 Target BoundBoxes(const Boxes<Planes::kDimensions>& boxes, const Planes& planes,
                   const FitOptions& options = {}, FitStatus* status = nullptr) {
-  return detail::BoundBoxes(detail::SourceOf(boxes), detail::OutputOf(planes),
-                            options, status);
+  return detail::BoundBoxes(detail::SourceOf<detail::kFitBoxes>(boxes),
+                            detail::OutputOf(planes), options, status);
 }
 
 // Bounds balls. X, Y, Z are tightest. D is the tightest float for a value that
@@ -112,7 +112,7 @@ template <detail::PlanesOfFloats Planes>
 Target BoundSpheres(const Spheres<Planes::kDimensions>& spheres,
                     const Planes& planes, const FitOptions& options = {},
                     FitStatus* status = nullptr) {
-  return detail::BoundSpheres(detail::SourceOf(spheres),
+  return detail::BoundSpheres(detail::SourceOf<detail::kFitSpheres>(spheres),
                               detail::OutputOf(planes), options, status);
 }
 
@@ -125,16 +125,18 @@ Target BoundTriangles(const Points<Planes::kDimensions>& vertices,
                       std::span<const std::uint32_t> indices,
                       const Planes& planes, const FitOptions& options = {},
                       FitStatus* status = nullptr) {
-  return detail::BoundTriangles(detail::SourceOf(vertices), indices,
-                                detail::OutputOf(planes), options, status);
+  return detail::BoundTriangles(
+      detail::SourceOf<detail::kFitTriangles>(vertices), indices,
+      detail::OutputOf(planes), options, status);
 }
 template <detail::PlanesOfFloats Planes>
 Target BoundTriangles(const PointsSoa<Planes::kDimensions>& vertices,
                       std::span<const std::uint32_t> indices,
                       const Planes& planes, const FitOptions& options = {},
                       FitStatus* status = nullptr) {
-  return detail::BoundTriangles(detail::SourceOf(vertices), indices,
-                                detail::OutputOf(planes), options, status);
+  return detail::BoundTriangles(
+      detail::SourceOf<detail::kFitTriangles>(vertices), indices,
+      detail::OutputOf(planes), options, status);
 }
 
 // Bounds the convex hulls of consecutive parts of a point array: set i holds
@@ -146,16 +148,18 @@ Target BoundPointSets(const Points<Planes::kDimensions>& points,
                       std::span<const std::size_t> ends, const Planes& planes,
                       const FitOptions& options = {},
                       FitStatus* status = nullptr) {
-  return detail::BoundPointSets(detail::SourceOf(points), ends,
-                                detail::OutputOf(planes), options, status);
+  return detail::BoundPointSets(detail::SourceOf<detail::kFitPointSets>(points),
+                                ends, detail::OutputOf(planes), options,
+                                status);
 }
 template <detail::PlanesOfFloats Planes>
 Target BoundPointSets(const PointsSoa<Planes::kDimensions>& points,
                       std::span<const std::size_t> ends, const Planes& planes,
                       const FitOptions& options = {},
                       FitStatus* status = nullptr) {
-  return detail::BoundPointSets(detail::SourceOf(points), ends,
-                                detail::OutputOf(planes), options, status);
+  return detail::BoundPointSets(detail::SourceOf<detail::kFitPointSets>(points),
+                                ends, detail::OutputOf(planes), options,
+                                status);
 }
 
 }  // namespace halfspace

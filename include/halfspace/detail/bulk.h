@@ -23,12 +23,34 @@ struct FitOptions;
 
 namespace detail {
 
+struct FitKernels;
+
+enum FitSource { kFitBoxes, kFitSpheres, kFitTriangles, kFitPointSets };
+
+// The builders of one source in kDims dimensions, of each compiled target, best
+// first: an object file of the library for each, as KernelsOf of scan.h.
+template <FitSource kSource, int kDims>
+struct HALFSPACE_API FitKernelsOf {
+  static const FitKernels* const kTargets;
+};
+
+#define HALFSPACE_DECLARE_KERNELS(source)         \
+  extern template struct FitKernelsOf<source, 2>; \
+  extern template struct FitKernelsOf<source, 3>; \
+  extern template struct FitKernelsOf<source, 4>
+HALFSPACE_DECLARE_KERNELS(kFitBoxes);
+HALFSPACE_DECLARE_KERNELS(kFitSpheres);
+HALFSPACE_DECLARE_KERNELS(kFitTriangles);
+HALFSPACE_DECLARE_KERNELS(kFitPointSets);
+#undef HALFSPACE_DECLARE_KERNELS
+
 // Columns of floats: value c of element i is columns[c][i * stride]. Boxes have
 // all minima, then all maxima; spheres the center, then the radius; points
 // their coordinates.
 struct Source {
   static constexpr std::size_t kMaxColumns = 8;  // Boxes<4>
 
+  const FitKernels* kernels = nullptr;  // of each target
   int dims = 0;
   std::size_t column_count = 0;
   std::size_t count = 0;
@@ -55,9 +77,12 @@ struct Output {
   }
 };
 
-template <int kDims>
-constexpr Source SourceOf(const Boxes<kDims>& boxes) {
-  Source source{.dims = kDims, .count = boxes.count, .stride = boxes.stride};
+template <FitSource kSource, int kDims>
+Source SourceOf(const Boxes<kDims>& boxes) {
+  Source source{.kernels = FitKernelsOf<kSource, kDims>::kTargets,
+                .dims = kDims,
+                .count = boxes.count,
+                .stride = boxes.stride};
   for (const float* column : boxes.min) {
     source.columns[source.column_count++] = column;
   }
@@ -67,10 +92,12 @@ constexpr Source SourceOf(const Boxes<kDims>& boxes) {
   return source;
 }
 
-template <int kDims>
-constexpr Source SourceOf(const Spheres<kDims>& spheres) {
-  Source source{
-      .dims = kDims, .count = spheres.count, .stride = spheres.stride};
+template <FitSource kSource, int kDims>
+Source SourceOf(const Spheres<kDims>& spheres) {
+  Source source{.kernels = FitKernelsOf<kSource, kDims>::kTargets,
+                .dims = kDims,
+                .count = spheres.count,
+                .stride = spheres.stride};
   for (const float* column : spheres.center) {
     source.columns[source.column_count++] = column;
   }
@@ -78,9 +105,10 @@ constexpr Source SourceOf(const Spheres<kDims>& spheres) {
   return source;
 }
 
-template <int kDims>
-constexpr Source SourceOf(const Points<kDims>& points) {
-  Source source{.dims = kDims,
+template <FitSource kSource, int kDims>
+Source SourceOf(const Points<kDims>& points) {
+  Source source{.kernels = FitKernelsOf<kSource, kDims>::kTargets,
+                .dims = kDims,
                 .count = points.count,
                 .stride = points.stride,
                 .has_one_pointer = true};
@@ -91,9 +119,11 @@ constexpr Source SourceOf(const Points<kDims>& points) {
   return source;
 }
 
-template <int kDims>
-constexpr Source SourceOf(const PointsSoa<kDims>& points) {
-  Source source{.dims = kDims, .count = points.count};
+template <FitSource kSource, int kDims>
+Source SourceOf(const PointsSoa<kDims>& points) {
+  Source source{.kernels = FitKernelsOf<kSource, kDims>::kTargets,
+                .dims = kDims,
+                .count = points.count};
   for (const float* column : points.coords) {
     source.columns[source.column_count++] = column;
   }

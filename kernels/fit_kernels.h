@@ -1,10 +1,12 @@
-// What a bulk builder is asked to do, and what it says about it. Plain data,
-// without Highway.
-#ifndef HALFSPACE_KERNELS_FIT_JOB_H_
-#define HALFSPACE_KERNELS_FIT_JOB_H_
+// What a bulk builder is asked to do, what it says about it, and where it is
+// found. No Highway here.
+#ifndef HALFSPACE_KERNELS_FIT_KERNELS_H_
+#define HALFSPACE_KERNELS_FIT_KERNELS_H_
 
 #include <cstddef>
 #include <cstdint>
+
+#include "halfspace/detail/bulk.h"
 
 namespace halfspace::kernels {
 
@@ -34,4 +36,18 @@ struct FitTally {
 
 }  // namespace halfspace::kernels
 
-#endif  // HALFSPACE_KERNELS_FIT_JOB_H_
+namespace halfspace::detail {
+
+// One source on one target: D within an ulp, and tightest.
+struct FitKernels {
+  kernels::FitTally (*within_ulp)(const kernels::FitJob& job);
+  kernels::FitTally (*tightest)(const kernels::FitJob& job);
+};
+
+// Specialised by each target's pass over the builders of a source.
+template <std::int64_t kTarget, FitSource kSource, int kDims>
+inline constexpr FitKernels kFitKernelsFor{};
+
+}  // namespace halfspace::detail
+
+#endif  // HALFSPACE_KERNELS_FIT_KERNELS_H_
