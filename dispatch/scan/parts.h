@@ -74,7 +74,7 @@ inline std::size_t PartObjects(const Scan& scan) {
   constexpr std::size_t kCodedTileBytes = 32 * 1024;
   if (scan.query_count == 1) return kRunsOfOne * kRunObjects;
   const std::size_t bytes = scan.book != nullptr ? kCodedTileBytes : kTileBytes;
-  return std::min(kRunObjects, bytes / RecordBytes(scan) / 64 * 64);
+  return std::min(kRunObjects, bytes / scan.record_bytes / 64 * 64);
 }
 
 // Calls visit(run, query, first object, words, count of words).
@@ -189,7 +189,7 @@ void ForEachBatch(const Scan& scan, std::size_t objects, const Visit& visit) {
         const std::size_t q = b * kMostQueries;
         visit(Part{.first_query = first + q,
                    .query_count = std::min(kMostQueries, block - q),
-                   .queries = queries + q * RecordBytes(scan),
+                   .queries = queries + q * scan.record_bytes,
                    .begin = begin,
                    .end = end,
                    .rows = nullptr,

@@ -108,8 +108,7 @@ void RefuseBadOutput(const detail::Scan& scan, const Output& output) {
   if (scan.is_refined) {
     CheckApart(scan, scan.floats.planes, ColumnBytes(scan.floats), output);
   }
-  if (Overlap(scan.queries,
-              scan.query_count * scan.plane_count * scan.query_bytes,
+  if (Overlap(scan.queries, scan.query_count * scan.query_record_bytes,
               output.begin, output.bytes)) {
     ThrowInvalid(scan.call, output.argument, "memory apart from the queries",
                  "an overlap with them");

@@ -34,41 +34,26 @@ void RefuseBadOutput(const detail::Scan& scan, const Output& output);
 // Throws if there are more than 2^32 objects or queries.
 void CheckIndicesFit(const detail::Scan& scan);
 
-// Bytes of one object in the planes that the kernels read.
-inline std::size_t RecordBytes(const detail::Scan& scan) {
-  return std::size_t{scan.plane_count} * scan.element_bytes;
-}
+// The way through all planes, by shape and schedule; docs/design.md says why
+// the defaults are what they are.
+inline constexpr detail::Way kWays[3][4] = {
+    // kAuto, kFlat, kStaged, kStagedByAxis
+    {detail::kMinima, detail::kMinima, detail::kMinima, detail::kMinima},
+    {detail::kAll, detail::kAll, detail::kByAxis, detail::kByAxis},
+    {detail::kBySimplex, detail::kAll, detail::kBySimplex, detail::kByAxis},
+};
+// A word of codes is a vector or two: a stage has nothing to leave out of it.
+inline constexpr detail::Way kWaysOfCodes[3][4] = {
+    {detail::kMinima, detail::kMinima, detail::kMinima, detail::kMinima},
+    {detail::kAll, detail::kAll, detail::kAll, detail::kAll},
+    {detail::kBySimplex, detail::kAll, detail::kBySimplex, detail::kBySimplex},
+};
 
-// The way through all planes; docs/design.md says why the defaults are what
-// they are.
-inline detail::Way ChooseWay(const detail::Scan& scan, Schedule schedule) {
-  if (schedule > Schedule::kStagedByAxis) [[unlikely]] {
-    RefuseSchedule(scan, schedule);
-  }
-  if (scan.shape == detail::Shape::kSimplex) return detail::kMinima;
-  const bool is_octahedron = scan.shape == detail::Shape::kAabo;
-  switch (schedule) {
-    case Schedule::kFlat:
-      return detail::kAll;
-    case Schedule::kAuto:
-      return is_octahedron ? detail::kBySimplex : detail::kAll;
-    case Schedule::kStaged:
-      if (is_octahedron) return detail::kBySimplex;
-      break;
-    case Schedule::kStagedByAxis:
-      break;
-  }
-  // A word of codes is a vector or two: there is nothing to leave out of it.
-  if (scan.book == nullptr) return detail::kByAxis;
-  return is_octahedron ? detail::kBySimplex : detail::kAll;
-}
-
-// Way `way` for one query whose planes come from memory.
-inline detail::Way Streaming(detail::Way way) {
-  if (way == detail::kMinima) return detail::kMinimaStreaming;
-  if (way == detail::kAll) return detail::kAllStreaming;
-  return way;
-}
+// The way of one query whose planes come from memory.
+inline constexpr detail::Way kStreamingWays[detail::kWays] = {
+    detail::kMinimaStreaming, detail::kMinimaStreaming, detail::kAllStreaming,
+    detail::kAllStreaming,    detail::kByAxis,          detail::kBySimplex,
+};
 
 // Writes the words of a part. Returns the bit of the target.
 inline std::int64_t Run(const detail::Scan& scan, const detail::Part& part) {
@@ -96,13 +81,20 @@ inline void Prepare(detail::Scan& scan, const Options& options,
       (range.end % 64 != 0 && range.end < scan.size)) [[unlikely]] {
     RefuseBadRange(scan, range);
   }
+  const auto schedule = static_cast<std::size_t>(options.schedule);
+  if (schedule > static_cast<std::size_t>(Schedule::kStagedByAxis))
+      [[unlikely]] {
+    RefuseSchedule(scan, options.schedule);
+  }
   scan.kernels = scan.all_kernels + IndexOf(options.target, call);
+  scan.is_aligned = scan.addresses.bits % 64 == 0;
   scan.is_streaming =
       scan.query_count == 1 &&
-      (scan.end - scan.begin) * RecordBytes(scan) > kInCacheBytes;
-  scan.is_aligned = scan.addresses.bits % 64 == 0;
-  scan.way = ChooseWay(scan, options.schedule);
-  if (scan.is_streaming) scan.way = Streaming(scan.way);
+      (scan.end - scan.begin) * scan.record_bytes > kInCacheBytes;
+  const auto shape = static_cast<std::size_t>(scan.shape);
+  scan.way = scan.book == nullptr ? kWays[shape][schedule]
+                                  : kWaysOfCodes[shape][schedule];
+  if (scan.is_streaming) scan.way = kStreamingWays[scan.way];
   if (options.ran != nullptr) [[unlikely]] {
     // Asked of the kernels themselves: no queries, no objects.
     *options.ran = Target::FromHighwayBit(Run(scan, detail::Part{}));
@@ -114,8 +106,7 @@ inline void CheckOutput(const detail::Scan& scan, const Output& output) {
   if (output.bytes == 0) return;
   const auto begin = reinterpret_cast<std::uintptr_t>(output.begin);
   const auto queries = reinterpret_cast<std::uintptr_t>(scan.queries);
-  const std::size_t query_bytes =
-      scan.query_count * scan.plane_count * scan.query_bytes;
+  const std::size_t query_bytes = scan.query_count * scan.query_record_bytes;
   // Planes often lie in one block, and outputs outside it. Differences wrap.
   const std::size_t world_bytes = scan.addresses.highest -
                                   scan.addresses.lowest +

@@ -24,8 +24,13 @@ using dispatch::Tested;
                         std::to_string(words));
 }
 
-void WriteMask(Scan& scan, std::span<std::uint64_t> mask,
-               const Options& options, const char* call) {
+// Apart for the same reason.
+[[gnu::noinline]] void WriteCodedMask(const Scan& scan, std::uint64_t* mask) {
+  dispatch::WriteRows<OneQuery>(scan, mask, MaskWords(scan.size), false);
+}
+
+inline void WriteMask(Scan& scan, std::span<std::uint64_t> mask,
+                      const Options& options, const char* call) {
   dispatch::Prepare(scan, options, call);
   const std::size_t words = MaskWords(scan.size);
   if (mask.size() < words) [[unlikely]] {
@@ -34,9 +39,7 @@ void WriteMask(Scan& scan, std::span<std::uint64_t> mask,
   dispatch::CheckOutput(scan,
                         {"mask", mask.data(), words * sizeof(std::uint64_t),
                          alignof(std::uint64_t)});
-  if (scan.book != nullptr) {
-    return dispatch::WriteRows<OneQuery>(scan, mask.data(), words, false);
-  }
+  if (scan.book != nullptr) return WriteCodedMask(scan, mask.data());
   // The short way: a small call costs little more than its kernel.
   dispatch::Run(scan, {.first_query = 0,
                        .query_count = 1,

@@ -103,7 +103,7 @@ constexpr std::size_t MaskWords(std::size_t objects) {
 template <typename AnyWorld>
 void RejectMask(const AnyWorld& world, const typename AnyWorld::Query& query,
                 std::span<std::uint64_t> mask, const Options& options = {}) {
-  detail::RejectMask(detail::ScanOfOne(world.view(), query), mask, options);
+  detail::RejectMask(detail::ScanOfOne(world, query), mask, options);
 }
 
 // Writes the survivor mask: 1 = survives, and 0 past the last object.
@@ -111,7 +111,7 @@ void RejectMask(const AnyWorld& world, const typename AnyWorld::Query& query,
 template <typename AnyWorld>
 void SurvivorMask(const AnyWorld& world, const typename AnyWorld::Query& query,
                   std::span<std::uint64_t> mask, const Options& options = {}) {
-  detail::SurvivorMask(detail::ScanOfOne(world.view(), query), mask, options);
+  detail::SurvivorMask(detail::ScanOfOne(world, query), mask, options);
 }
 
 // Writes the indices of the survivors, ascending, and returns how many there
@@ -122,8 +122,7 @@ template <typename AnyWorld>
                                     const typename AnyWorld::Query& query,
                                     std::span<std::uint32_t> indices,
                                     const Options& options = {}) {
-  return detail::Survivors(detail::ScanOfOne(world.view(), query), indices,
-                           options);
+  return detail::Survivors(detail::ScanOfOne(world, query), indices, options);
 }
 
 // Counts the survivors.
@@ -131,8 +130,7 @@ template <typename AnyWorld>
 [[nodiscard]] std::size_t CountSurvivors(const AnyWorld& world,
                                          const typename AnyWorld::Query& query,
                                          const Options& options = {}) {
-  return detail::CountSurvivors(detail::ScanOfOne(world.view(), query),
-                                options);
+  return detail::CountSurvivors(detail::ScanOfOne(world, query), options);
 }
 
 // The index of the first survivor, if there is one. Looks at the first 512
@@ -142,7 +140,7 @@ template <typename AnyWorld>
     const AnyWorld& world, const typename AnyWorld::Query& query,
     const Options& options = {}) {
   const std::size_t first =
-      detail::AnySurvivor(detail::ScanOfOne(world.view(), query), options);
+      detail::AnySurvivor(detail::ScanOfOne(world, query), options);
   if (first == detail::kNoSurvivor) return std::nullopt;
   return first;
 }

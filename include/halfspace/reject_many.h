@@ -40,7 +40,7 @@ template <typename AnyWorld>
 void RejectMasks(const AnyWorld& world,
                  std::span<const typename AnyWorld::Query> queries,
                  std::span<std::uint64_t> rows, const Options& options = {}) {
-  detail::RejectMasks(detail::ScanOf(world.view(), queries), rows, options);
+  detail::RejectMasks(detail::ScanOf(world, queries), rows, options);
 }
 
 // The same with survivor masks.
@@ -48,7 +48,7 @@ template <typename AnyWorld>
 void SurvivorMasks(const AnyWorld& world,
                    std::span<const typename AnyWorld::Query> queries,
                    std::span<std::uint64_t> rows, const Options& options = {}) {
-  detail::SurvivorMasks(detail::ScanOf(world.view(), queries), rows, options);
+  detail::SurvivorMasks(detail::ScanOf(world, queries), rows, options);
 }
 
 // Writes every surviving pair: query_indices[j] and object_indices[j]. Pairs
@@ -61,8 +61,8 @@ template <typename AnyWorld>
     const AnyWorld& world, std::span<const typename AnyWorld::Query> queries,
     std::span<std::uint32_t> query_indices,
     std::span<std::uint32_t> object_indices, const Options& options = {}) {
-  return detail::SurvivorPairs(detail::ScanOf(world.view(), queries),
-                               query_indices, object_indices, options);
+  return detail::SurvivorPairs(detail::ScanOf(world, queries), query_indices,
+                               object_indices, options);
 }
 
 // Writes how many objects survive each query: counts[q] of queries[q]. `counts`
@@ -72,8 +72,7 @@ void SurvivorCounts(const AnyWorld& world,
                     std::span<const typename AnyWorld::Query> queries,
                     std::span<std::size_t> counts,
                     const Options& options = {}) {
-  detail::SurvivorCounts(detail::ScanOf(world.view(), queries), counts,
-                         options);
+  detail::SurvivorCounts(detail::ScanOf(world, queries), counts, options);
 }
 
 // The survivors of a few queries in a part of the world.
@@ -104,7 +103,7 @@ void ForEachTile(const AnyWorld& world,
   // Also of what no pointer to data can name: a function.
   auto call = [&function](const SurvivorTile& tile) { function(tile); };
   detail::ForEachTile(
-      detail::ScanOf(world.view(), queries),
+      detail::ScanOf(world, queries),
       [](void* context, const SurvivorTile& tile) {
         (*static_cast<decltype(call)*>(context))(tile);
       },

@@ -46,7 +46,7 @@ struct SimplexView {
   std::array<const T*, Bound::kAxes> min{};
   std::size_t size = 0;
 
-  SimplexView view() const { return *this; }
+  const SimplexView& view() const { return *this; }
 };
 
 template <int kDims, detail::Float32Or64 T = float>
@@ -59,7 +59,7 @@ struct AabbView {
   std::array<const T*, Bound::kAxes> max{};
   std::size_t size = 0;
 
-  AabbView view() const { return *this; }
+  const AabbView& view() const { return *this; }
 };
 
 template <int kDims, detail::Float32Or64 T = float>
@@ -72,7 +72,7 @@ struct AaboView {
   std::array<const T*, Bound::kAxes> max{};
   std::size_t size = 0;
 
-  AaboView view() const { return *this; }
+  const AaboView& view() const { return *this; }
 
   SimplexView<kDims, T> simplex() const { return {min, size}; }
   AabbView<kDims, T> aabb() const {

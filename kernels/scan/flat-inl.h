@@ -58,17 +58,17 @@ HWY_INLINE void FlatWords(D d, Load load, const T* const* planes, size_t first,
   }
 }
 
-// One query of the part. Not inline: with what several queries need in one
-// function a short call would spend nanoseconds on saving registers.
+// One query of the part, from `values` on, and its row. Not inline: with what
+// several queries need in one function a short call would spend nanoseconds on
+// saving registers.
 template <size_t kMins, class Load, typename T, size_t... kPlane>
 HWY_NOINLINE int64_t FlatOne(std::index_sequence<kPlane...> all_planes,
                              Load load, const detail::Scan& scan,
-                             const detail::Part& part, size_t q) {
+                             const detail::Part& part, const T* values,
+                             uint64_t* row) {
   // A local copy: the stores of words must not make the compiler reload them.
   const T* planes[] = {static_cast<const T*>(scan.planes[kPlane])...};
-  const T* values = static_cast<const T*>(part.queries) + q * scan.plane_count;
   const size_t words = (part.end - part.begin) / kWordObjects;
-  uint64_t* row = part.rows + q * part.stride;
   const OneTag<T> d;
   FlatWords<kMins>(
       d, load, planes, part.begin, words, row,
@@ -188,7 +188,8 @@ HWY_INLINE int64_t FlatAll(Planes all_planes, Load load,
                            const detail::Scan& scan, const detail::Part& part) {
   // So that a call for one query ends with a jump.
   if (part.query_count == 1) {
-    return FlatOne<kMins, Load, T>(all_planes, load, scan, part, 0);
+    return FlatOne<kMins>(all_planes, load, scan, part,
+                          static_cast<const T*>(part.queries), part.rows);
   }
   size_t q = 0;
 #if HALFSPACE_MASKED_COMPARES
@@ -199,7 +200,9 @@ HWY_INLINE int64_t FlatAll(Planes all_planes, Load load,
   }
 #endif
   for (; q < part.query_count; ++q) {
-    FlatOne<kMins, Load, T>(all_planes, load, scan, part, q);
+    FlatOne<kMins>(all_planes, load, scan, part,
+                   static_cast<const T*>(part.queries) + q * scan.plane_count,
+                   part.rows + q * part.stride);
   }
   return HWY_TARGET;
 }

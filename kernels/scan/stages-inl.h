@@ -37,15 +37,25 @@ struct ElementKernels {
   static int64_t ByAxis(const detail::Scan& scan, const detail::Part& part);
 };
 
+// Objects from word `first` of a part on, up to object `end`. Field by field: a
+// copy in vectors waits for the stores of the fields.
+HWY_INLINE detail::Part PartFrom(const detail::Part& part, size_t first,
+                                 size_t end) {
+  return {.first_query = part.first_query,
+          .query_count = part.query_count,
+          .queries = part.queries,
+          .begin = part.begin + first * kWordObjects,
+          .end = end,
+          .rows = part.rows + first,
+          .stride = part.stride};
+}
+
 // What follows the last whole word of a part, tested on all planes at once.
 HWY_INLINE int64_t FinishPart(const detail::Scan& scan,
                               const detail::Part& part, detail::Way way) {
   const size_t words = (part.end - part.begin) / kWordObjects;
-  detail::Part rest = part;
-  rest.begin += words * kWordObjects;
-  rest.rows += words;
-  if (rest.begin == rest.end) return HWY_TARGET;
-  return scan.kernels->run[way](scan, rest);
+  if (part.begin + words * kWordObjects == part.end) return HWY_TARGET;
+  return scan.kernels->run[way](scan, PartFrom(part, words, part.end));
 }
 
 // ---- Streaming: one query over planes out of the caches.
@@ -77,8 +87,8 @@ HWY_INLINE void PrefetchWord(const T* plane, size_t first) {
 // A page of words, of which those that are not the first are ANDed to what the
 // planes before have kept.
 template <size_t kMins, typename T, size_t kPlanes>
-HWY_NOINLINE void TestPage(const PlaneGroup<T, kPlanes>& group, bool is_first,
-                           size_t first, size_t words, uint64_t* row) {
+HWY_INLINE void TestPage(const PlaneGroup<T, kPlanes>& group, bool is_first,
+                         size_t first, size_t words, uint64_t* row) {
   const OneTag<T> d;
   const auto test = [&](size_t w) HWY_ATTR {
     if constexpr (kPlanes == 1) {
@@ -98,56 +108,55 @@ HWY_NOINLINE void TestPage(const PlaneGroup<T, kPlanes>& group, bool is_first,
   }
 }
 
-// Plane p and, if there is one, its partner: a minimum's maximum, or, without
-// maxima, the next minimum.
-struct PlanePair {
-  size_t first;
-  size_t second;
-  bool is_pair;
-};
-HWY_INLINE PlanePair PairOf(const detail::Scan& scan, size_t pair,
-                            bool with_maxima) {
-  if (with_maxima) return {pair, scan.axes + pair, true};
-  return {2 * pair, 2 * pair + 1, 2 * pair + 1 < scan.axes};
+// Asks for the first word of a page of two planes, from object `first` on.
+template <typename T>
+HWY_INLINE void PrefetchPair(const T* plane, const T* other, size_t first) {
+  for (size_t i = first; i < first + kWordObjects; i += 64 / sizeof(T)) {
+    kernels::Prefetch(plane + i);
+    kernels::Prefetch(other + i);
+  }
 }
 
-// A page of two planes after a page of two others. Prefetchers follow two
-// streams, and not eight: an octahedron in L3 takes 0.34 ns instead of 0.48 on
-// Zen 4 (AVX2), a box 0.25 instead of 0.28. To ask for more than where the next
-// pages begin, which gains 3 %, was slower at any distance.
-template <typename T>
-HWY_INLINE void StreamPages(const detail::Scan& scan, const detail::Part& part,
-                            bool with_maxima) {
-  const T* values = static_cast<const T*>(part.queries);
+// A page of two planes after a page of two others: of an axis, or, without
+// maxima, of two axes, and of the last one. Prefetchers follow two streams, and
+// not eight: an octahedron in L3 takes 0.34 ns instead of 0.48 on Zen 4 (AVX2),
+// a box 0.25 instead of 0.28. To ask for more than where the next pages begin,
+// which gains 3 %, was slower at any distance.
+template <bool kWithMaxima, typename T>
+HWY_INLINE void StreamPages(const detail::Scan& scan,
+                            const detail::Part& part) {
+  const size_t axes = scan.axes;
+  const T* min_values = static_cast<const T*>(part.queries);
+  const T* max_values = min_values + scan.first_max;
   const auto plane = [&](size_t p) {
     return static_cast<const T*>(scan.planes[p]);
   };
-  const size_t pairs = with_maxima ? scan.axes : (scan.axes + 1) / 2;
+  // The second plane of a pair that begins with plane k.
+  const auto partner = [&](size_t k) {
+    return plane(kWithMaxima ? axes + k : HWY_MIN(k + 1, axes - 1));
+  };
+  constexpr size_t kStep = kWithMaxima ? 1 : 2;
   const size_t words = (part.end - part.begin) / kWordObjects;
   for (size_t w = 0; w < words; w += kPageWords<T>) {
     const size_t first = part.begin + w * kWordObjects;
     const size_t count = HWY_MIN(kPageWords<T>, words - w);
     uint64_t* row = part.rows + w;
-    for (size_t p = 0; p < pairs; ++p) {
-      const bool is_last = p + 1 == pairs;
-      const size_t next_first = first + (is_last ? count * kWordObjects : 0);
-      if (!is_last || w + count < words) {
-        const PlanePair next = PairOf(scan, is_last ? 0 : p + 1, with_maxima);
-        PrefetchWord(plane(next.first), next_first);
-        if (next.is_pair) PrefetchWord(plane(next.second), next_first);
+    for (size_t k = 0; k < axes; k += kStep) {
+      if (k + kStep < axes) {
+        PrefetchPair(plane(k + kStep), partner(k + kStep), first);
+      } else if (w + count < words) {
+        PrefetchPair(plane(0), partner(0), first + count * kWordObjects);
       }
-      const PlanePair pair = PairOf(scan, p, with_maxima);
-      const T max = values[scan.first_max + pair.first];
-      if (with_maxima) {
+      if constexpr (kWithMaxima) {
         TestPage<1, T, 2>(
-            {{plane(pair.first), plane(pair.second)}, {max, values[p]}}, p == 0,
-            first, count, row);
-      } else if (pair.is_pair) {
-        TestPage<2, T, 2>({{plane(pair.first), plane(pair.second)},
-                           {max, values[scan.first_max + pair.second]}},
-                          p == 0, first, count, row);
+            {{plane(k), plane(axes + k)}, {max_values[k], min_values[k]}},
+            k == 0, first, count, row);
+      } else if (k + 1 < axes) {
+        TestPage<2, T, 2>(
+            {{plane(k), plane(k + 1)}, {max_values[k], max_values[k + 1]}},
+            k == 0, first, count, row);
       } else {
-        TestPage<1, T, 1>({{plane(pair.first)}, {max}}, p == 0, first, count,
+        TestPage<1, T, 1>({{plane(k)}, {max_values[k]}}, k == 0, first, count,
                           row);
       }
     }
@@ -157,91 +166,98 @@ HWY_INLINE void StreamPages(const detail::Scan& scan, const detail::Part& part,
 template <typename T>
 int64_t ElementKernels<T>::StreamMinima(const detail::Scan& scan,
                                         const detail::Part& part) {
-  StreamPages<T>(scan, part, false);
+  StreamPages<false, T>(scan, part);
   return FinishPart(scan, part, detail::kMinima);
 }
 
 template <typename T>
 int64_t ElementKernels<T>::StreamAll(const detail::Scan& scan,
                                      const detail::Part& part) {
-  StreamPages<T>(scan, part, true);
+  StreamPages<true, T>(scan, part);
   return FinishPart(scan, part, detail::kAll);
 }
 
 // ---- By axis: stages that leave many groups of objects, kept in a list.
 
-// The groups of a tile that still have an object, by the offset of their first,
-// and the survivors so far.
-struct GroupTile {
+// The groups of a tile that still have an object, by the offset of their first.
+struct GroupList {
   static constexpr size_t kSmallestGroup = 16;
 
-  uint64_t* words;
   uint16_t groups[kTileWords * kWordObjects / kSmallestGroup];
-  size_t count;
 
-  // Keeps a group on the list iff one of its objects is left. No branch: which
+  // Keeps a group of a word, whose survivors begin at the lowest bit, on a list
+  // of `count` iff one of them is left; returns the new count. No branch: which
   // groups survive cannot be predicted, and a mispredicted branch costs more
   // than a whole vector's test (measured: 3 times slower than flat).
   template <size_t kGroup>
-  HWY_INLINE void AppendIfLeft(size_t offset) {
+  HWY_INLINE size_t AppendIfLeft(size_t count, size_t offset,
+                                 uint64_t survivors) {
     static_assert(kGroup >= kSmallestGroup, "the list would be too short");
-    const uint64_t word = words[offset / kWordObjects];
     groups[count] = static_cast<uint16_t>(offset);
-    count += ((word >> (offset % kWordObjects)) & kLowBits<kGroup>) != 0;
+    return count + ((survivors & kLowBits<kGroup>) != 0);
   }
 };
 
-// Both planes of an axis, then those of the next axis for the groups that are
-// left.
+// Both planes of an axis of all objects of a tile, then those of the next axis
+// for the groups that are left, and so on.
 template <typename T>
-int64_t ElementKernels<T>::ByAxis(const detail::Scan& scan,
-                                  const detail::Part& part) {
+HWY_INLINE void TileByAxis(const detail::Scan& scan, const T* values,
+                           size_t first, size_t words,
+                           uint64_t* HWY_RESTRICT row) {
   const OneTag<T> d;
 #if HWY_HAVE_SCALABLE
   // A group must hold a whole vector, whose length is not known here.
   constexpr size_t kGroup = kWordObjects;
 #else
   constexpr size_t kGroup =
-      HWY_MAX(GroupTile::kSmallestGroup, hn::MaxLanes(OneTag<T>()));
+      HWY_MAX(GroupList::kSmallestGroup, hn::MaxLanes(OneTag<T>()));
 #endif
+  GroupList list;
+  size_t left = 0;
+  for (size_t k = 0; k < scan.axes; ++k) {
+    const T* planes[] = {
+        static_cast<const T*>(scan.planes[k]) + first,
+        static_cast<const T*>(scan.planes[scan.axes + k]) + first};
+    const auto max = hn::Set(d, values[scan.first_max + k]);
+    const auto min = hn::Set(d, values[k]);
+    if (k == 0) {
+      for (size_t w = 0; w < words; ++w) {
+        const uint64_t kept =
+            KeptBits<1>(d, LoadAll(), planes, w * kWordObjects, max, min);
+        row[w] = kept;
+        for (size_t g = 0; g < kWordObjects; g += kGroup) {
+          left = list.template AppendIfLeft<kGroup>(left, w * kWordObjects + g,
+                                                    kept >> g);
+        }
+      }
+      continue;
+    }
+    const size_t count = left;
+    left = 0;
+    for (size_t j = 0; j < count; ++j) {
+      const size_t offset = list.groups[j];
+      const size_t shift = offset % kWordObjects;
+      const uint64_t rejected =
+          KeptBits<1, kGroup>(d, LoadAll(), planes, offset, max, min) ^
+          kLowBits<kGroup>;
+      const uint64_t word = row[offset / kWordObjects] & ~(rejected << shift);
+      row[offset / kWordObjects] = word;
+      left = list.template AppendIfLeft<kGroup>(left, offset, word >> shift);
+    }
+  }
+}
+
+template <typename T>
+int64_t ElementKernels<T>::ByAxis(const detail::Scan& scan,
+                                  const detail::Part& part) {
   const size_t words = (part.end - part.begin) / kWordObjects;
   for (size_t q = 0; q < part.query_count; ++q) {
     const T* values =
         static_cast<const T*>(part.queries) + q * scan.plane_count;
     for (size_t begin = 0; begin < words; begin += kTileWords) {
-      const size_t tile_words = HWY_MIN(kTileWords, words - begin);
-      const size_t first = part.begin + begin * kWordObjects;
-      GroupTile tile;
-      tile.count = 0;
-      tile.words = part.rows + q * part.stride + begin;
-      for (size_t k = 0; k < scan.axes; ++k) {
-        const T* planes[] = {static_cast<const T*>(scan.planes[k]),
-                             static_cast<const T*>(scan.planes[scan.axes + k])};
-        const auto max = hn::Set(d, values[scan.first_max + k]);
-        const auto min = hn::Set(d, values[k]);
-        const size_t count = tile.count;
-        tile.count = 0;
-        if (k == 0) {
-          for (size_t w = 0; w < tile_words; ++w) {
-            tile.words[w] = KeptBits<1>(d, LoadAll(), planes,
-                                        first + w * kWordObjects, max, min);
-            for (size_t g = 0; g < kWordObjects; g += kGroup) {
-              tile.template AppendIfLeft<kGroup>(w * kWordObjects + g);
-            }
-          }
-          continue;
-        }
-        for (size_t j = 0; j < count; ++j) {
-          const size_t offset = tile.groups[j];
-          const size_t shift = offset % kWordObjects;
-          const uint64_t rejected =
-              KeptBits<1, kGroup>(d, LoadAll(), planes, first + offset, max,
-                                  min) ^
-              kLowBits<kGroup>;
-          tile.words[offset / kWordObjects] &= ~(rejected << shift);
-          tile.template AppendIfLeft<kGroup>(offset);
-        }
-      }
+      TileByAxis(scan, values, part.begin + begin * kWordObjects,
+                 HWY_MIN(kTileWords, words - begin),
+                 part.rows + q * part.stride + begin);
     }
   }
   return FinishPart(scan, part, detail::kAll);
@@ -302,18 +318,18 @@ HWY_INLINE void FinishTile(const detail::Scan& scan, const detail::Part& part,
 
 template <size_t kAxes, typename T>
 int64_t BySimplex(const detail::Scan& scan, const detail::Part& part) {
-  const detail::Way minima =
-      scan.is_streaming ? detail::kMinimaStreaming : detail::kMinima;
   const size_t words = (part.end - part.begin) / kWordObjects;
   WordTile tiles[2];
   size_t turn = 0;
   for (size_t begin = 0; begin < words; begin += kTileWords) {
     const size_t count = HWY_MIN(kTileWords, words - begin);
-    detail::Part tile_part = part;
-    tile_part.begin += begin * kWordObjects;
-    tile_part.end = tile_part.begin + count * kWordObjects;
-    tile_part.rows += begin;
-    scan.kernels->run[minima](scan, tile_part);
+    const detail::Part tile_part =
+        PartFrom(part, begin, part.begin + (begin + count) * kWordObjects);
+    if (scan.is_streaming) {
+      scan.kernels->run[detail::kMinimaStreaming](scan, tile_part);
+    } else {
+      Flat<kAxes, 0, T>(scan, tile_part);
+    }
     WordTile& tile = tiles[turn];
     tile.word = begin;
     for (size_t q = 0; q < part.query_count; ++q) {

@@ -45,7 +45,7 @@ class CodedView {
   explicit CodedView(const CodedPlanes<StoredCode<Code>>& planes)
       : planes_(&planes) {}
 
-  CodedView view() const { return *this; }
+  const CodedView& view() const { return *this; }
   const CodedPlanes<StoredCode<Code>>& planes() const { return *planes_; }
 
  private:
@@ -61,7 +61,7 @@ struct ConfirmedView {
   CodedView<FloatView, Code> codes;
   Floats floats;
 
-  ConfirmedView view() const { return *this; }
+  const ConfirmedView& view() const { return *this; }
 };
 
 template <typename Stored>
@@ -85,11 +85,11 @@ Scan MakeScan(const CodedView<FloatView, Code>& view,
   const auto& coded = view.planes();
   scan.all_kernels = KernelsOf<Bound::kAxes, StoredCode<Code>>::kTargets;
   scan.element_bytes = sizeof(Code);
+  scan.record_bytes = kPlaneCount<Bound> * sizeof(Code);
   scan.size = coded.size();
-  for (std::size_t p = 0; p < kPlaneCount<Bound>; ++p) {
-    scan.planes[p] = coded.planes().plane(p);
-  }
-  scan.addresses = AddressesOf<kPlaneCount<Bound>>(scan.planes);
+  AddPlanes(
+      std::make_index_sequence<kPlaneCount<Bound>>(),
+      [&coded](auto plane) { return coded.planes().plane(plane()); }, scan);
   scan.book = &coded.book();
   scan.encode = &EncodeQueries<StoredCode<Code>>;
   return scan;
