@@ -1,0 +1,28 @@
+# How much code a program links: what README promises of a static release build
+# by gcc for x86-64.
+
+if(NOT CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64" OR HALFSPACE_SHARED OR
+   HALFSPACE_EXTRA_TARGETS OR NOT CMAKE_BUILD_TYPE STREQUAL "Release" OR
+   NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  return()
+endif()
+find_program(HALFSPACE_SIZE size REQUIRED)
+
+function(add_size_test name target most)
+  add_test(NAME package.size.${name}
+    COMMAND sh "${CMAKE_CURRENT_SOURCE_DIR}/check_size.sh"
+            "${HALFSPACE_SIZE}" $<TARGET_FILE:${target}> ${most})
+  set_tests_properties(package.size.${name} PROPERTIES LABELS package)
+endfunction()
+
+add_size_test(archive halfspace 2500000)
+if(TARGET example_quick_start)
+  add_size_test(quick_start example_quick_start 500000)
+endif()
+add_executable(one_call one_call.cc)
+target_link_libraries(one_call PRIVATE halfspace::halfspace)
+halfspace_configure_target(one_call)
+add_size_test(one_call one_call 250000)
+# The check must notice a program that is too large.
+add_size_test(control one_call 1000)
+set_tests_properties(package.size.control PROPERTIES WILL_FAIL ON)
