@@ -19,18 +19,19 @@ struct Registers {
   std::uint32_t edx = 0;
 };
 
+// Not __get_cpuid_count, which asks for the highest leaf each time: in a
+// virtual machine every CPUID takes microseconds.
 Registers Cpuid(std::uint32_t leaf, std::uint32_t subleaf = 0) {
-  Registers result;  // stays 0 for a leaf that the CPU does not have
-  __get_cpuid_count(leaf, subleaf, &result.eax, &result.ebx, &result.ecx,
-                    &result.edx);
+  Registers result;
+  __cpuid_count(leaf, subleaf, result.eax, result.ebx, result.ecx, result.edx);
   return result;
 }
 
 std::int64_t AskMachine() {
-  const Registers vendor = Cpuid(0);
+  const Registers leaf0 = Cpuid(0);  // in eax the highest leaf
   const Registers leaf1 = Cpuid(1);
-  const Registers leaf7 = Cpuid(7);
-  const Registers leaf7_1 = Cpuid(7, 1);
+  const Registers leaf7 = leaf0.eax >= 7 ? Cpuid(7) : Registers();
+  const Registers leaf7_1 = leaf7.eax >= 1 ? Cpuid(7, 1) : Registers();
   X86Machine machine;
   machine.leaf1_ecx = leaf1.ecx;
   machine.leaf1_edx = leaf1.edx;
@@ -39,15 +40,15 @@ std::int64_t AskMachine() {
   machine.leaf7_edx = leaf7.edx;
   machine.leaf7_1_eax = leaf7_1.eax;
   machine.leaf7_1_edx = leaf7_1.edx;
-  machine.leaf24h_ebx = Cpuid(0x24).ebx;
+  if (leaf0.eax >= 0x24) machine.leaf24h_ebx = Cpuid(0x24).ebx;
   machine.extended1_ecx = Cpuid(0x80000001).ecx;
   if (HasBits(machine.leaf1_ecx, {27})) {  // OSXSAVE: xgetbv is allowed
     std::uint32_t upper_half;
     asm volatile("xgetbv" : "=a"(machine.xcr0), "=d"(upper_half) : "c"(0));
   }
-  machine.is_amd = vendor.ebx == signature_AMD_ebx &&
-                   vendor.ecx == signature_AMD_ecx &&
-                   vendor.edx == signature_AMD_edx;
+  machine.is_amd = leaf0.ebx == signature_AMD_ebx &&
+                   leaf0.ecx == signature_AMD_ecx &&
+                   leaf0.edx == signature_AMD_edx;
   return TargetsOf(machine);
 }
 

@@ -3,8 +3,8 @@
 //
 // The conditions are those of Highway's SupportedTargets(); where its releases
 // differ, the strictest. (1.0.3 does without AVX512CD, GFNI and SVE2_128's I8MM
-// and BF16, and trusts an operating system without XSAVE.) They stand apart from
-// the asking, so that a test can show them other machines.
+// and BF16, and trusts an operating system without XSAVE.) They stand apart
+// from the asking, so that a test can show them other machines.
 #ifndef HALFSPACE_DISPATCH_DETECT_TARGETS_H_
 #define HALFSPACE_DISPATCH_DETECT_TARGETS_H_
 
