@@ -1,4 +1,6 @@
-# Highway: the system's package first, else a pinned release.
+# Highway, of which only the headers are used: the system's package first, else a
+# pinned release. Its library would be one more thing to link and to match, and
+# costs a process milliseconds at its start.
 #
 # By hand from a local checkout:
 #   cmake -DFETCHCONTENT_SOURCE_DIR_HIGHWAY=<checkout of 1.4.0> ...
@@ -8,33 +10,19 @@ include(FetchContent)
 FetchContent_Declare(highway
   GIT_REPOSITORY https://github.com/google/highway.git
   GIT_TAG 2607d3b5b0113992fe84d3848859eae13b3b52c1  # 1.4.0
+  SOURCE_SUBDIR none  # a folder without CMakeLists.txt, so that nothing is built
   FIND_PACKAGE_ARGS 1.0.3 NAMES hwy CONFIG)
+FetchContent_MakeAvailable(highway)
 
-# A bundled Highway brings neither tests nor install rules, and is static. Its
-# options are ordinary variables of this block, which the two policies make it
-# honour: the cache belongs to the user and to other users of Highway.
-block(PROPAGATE highway_VERSION)
-  set(CMAKE_POLICY_DEFAULT_CMP0077 NEW)
-  set(CMAKE_POLICY_DEFAULT_CMP0126 NEW)
-  foreach(option TESTS EXAMPLES CONTRIB INSTALL)
-    set(HWY_ENABLE_${option} OFF)
-  endforeach()
-  set(HWY_FORCE_STATIC_LIBS ON)
-  set(BUILD_TESTING OFF)
-  FetchContent_MakeAvailable(highway)
-endblock()
-
-if(TARGET hwy)
+if(highway_SOURCE_DIR)
   set(HALFSPACE_BUNDLES_HIGHWAY ON)
-  set_target_properties(hwy PROPERTIES
-    POSITION_INDEPENDENT_CODE ON
-    CXX_VISIBILITY_PRESET hidden
-    VISIBILITY_INLINES_HIDDEN ON)
-  get_target_property(highway_sources hwy SOURCE_DIR)
-  set_property(DIRECTORY "${highway_sources}" PROPERTY EXCLUDE_FROM_ALL ON)
-  message(STATUS "halfspace: bundling Highway from ${highway_sources}")
+  set(HALFSPACE_HIGHWAY_INCLUDE "${highway_SOURCE_DIR}")
+  message(STATUS "halfspace: Highway's headers from ${highway_SOURCE_DIR}")
 else()
   set(HALFSPACE_BUNDLES_HIGHWAY OFF)
+  get_target_property(HALFSPACE_HIGHWAY_INCLUDE
+                      hwy::hwy INTERFACE_INCLUDE_DIRECTORIES)
+  list(GET HALFSPACE_HIGHWAY_INCLUDE 0 HALFSPACE_HIGHWAY_INCLUDE)
   message(STATUS "halfspace: Highway ${highway_VERSION} of the system; "
                  "the bundled release is skipped")
 endif()
@@ -42,13 +30,6 @@ endif()
 # Targets whose kernels are no faster than those of the next one below them, or
 # that no machine of the last fifteen years needs. Each costs as much time and
 # code as any other. Only names that this Highway knows may be disabled.
-if(HALFSPACE_BUNDLES_HIGHWAY)
-  set(HALFSPACE_HIGHWAY_INCLUDE "${highway_sources}")
-else()
-  get_target_property(HALFSPACE_HIGHWAY_INCLUDE
-                      hwy::hwy INTERFACE_INCLUDE_DIRECTORIES)
-endif()
-list(GET HALFSPACE_HIGHWAY_INCLUDE 0 HALFSPACE_HIGHWAY_INCLUDE)
 file(STRINGS "${HALFSPACE_HIGHWAY_INCLUDE}/hwy/detect_targets.h" known_targets
      REGEX "^#define HWY_[A-Z0-9_]+ \\(1LL")
 set(HALFSPACE_DISABLED_TARGETS "")
@@ -72,17 +53,8 @@ function(halfspace_use_highway target)
     target_compile_definitions(${target} PRIVATE HWY_COMPILE_ALL_ATTAINABLE
       "HWY_DISABLED_TARGETS=(${HALFSPACE_DISABLED_TARGETS})")
   endif()
-  if(HALFSPACE_BUNDLES_HIGHWAY)
-    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:hwy>)
-  else()
-    target_link_libraries(${target} PRIVATE hwy::hwy)
-  endif()
-endfunction()
-
-# For a static library that is installed: the objects of a bundled Highway
-# become its own, and make it one self-contained archive.
-function(halfspace_embed_highway target)
-  if(HALFSPACE_BUNDLES_HIGHWAY)
-    target_sources(${target} PRIVATE $<TARGET_OBJECTS:hwy>)
-  endif()
+  # Highway's assertions, in debug builds, are functions of its library.
+  target_compile_definitions(${target} PRIVATE HWY_IS_DEBUG_BUILD=0)
+  target_include_directories(${target} SYSTEM
+                             PRIVATE "${HALFSPACE_HIGHWAY_INCLUDE}")
 endfunction()

@@ -6,19 +6,8 @@ include(GNUInstallDirs)
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/halfspace")
 
-# Only a static library leaves Highway to its users: to link, and in exactly the
-# version it was compiled with, because target bits changed their meaning.
-get_target_property(library_type halfspace TYPE)
-set(HALFSPACE_FIND_HIGHWAY "")
-set(HALFSPACE_PC_REQUIRES "")
-if(library_type STREQUAL "STATIC_LIBRARY" AND NOT HALFSPACE_BUNDLES_HIGHWAY)
-  string(JOIN "\n" HALFSPACE_FIND_HIGHWAY
-    "include(CMakeFindDependencyMacro)"
-    "find_dependency(hwy ${highway_VERSION} EXACT CONFIG)")
-  set(HALFSPACE_PC_REQUIRES "\nRequires: libhwy = ${highway_VERSION}")
-endif()
-
 set(HALFSPACE_PC_DEFINITIONS "")
+get_target_property(library_type halfspace TYPE)
 if(library_type STREQUAL "SHARED_LIBRARY")
   set(HALFSPACE_PC_DEFINITIONS " -DHALFSPACE_SHARED")
 endif()

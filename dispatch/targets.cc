@@ -7,6 +7,7 @@
 #include <string>
 
 #include "dispatch/chosen_target.h"
+#include "dispatch/detect_targets.h"
 #include "hwy/highway.h"
 #include "hwy/targets.h"
 #include "kernels/compiled_targets.h"
@@ -29,9 +30,9 @@ struct TargetList {
   std::span<const Target> span() const { return {targets.data(), count}; }
 };
 
-// Highway detects anew at every call; the answer must not change under us.
+// Asked once; the answer must not change under us.
 std::int64_t SupportedBits() {
-  static const std::int64_t bits = hwy::SupportedTargets() & HWY_TARGETS;
+  static const std::int64_t bits = DetectTargets();
   return bits;
 }
 

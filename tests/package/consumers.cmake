@@ -28,10 +28,8 @@ set(nested_library_options
   -DCMAKE_BUILD_TYPE=Debug -DHALFSPACE_ONLY_SCALAR=ON
   "-DHALFSPACE_WERROR=${HALFSPACE_WERROR}")
 if(HALFSPACE_BUNDLES_HIGHWAY)
-  # A consumer must not need what the library brings.
-  list(APPEND nested_options -DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON)
   list(APPEND nested_library_options
-    "-DFETCHCONTENT_SOURCE_DIR_HIGHWAY=${highway_sources}")
+    "-DFETCHCONTENT_SOURCE_DIR_HIGHWAY=${HALFSPACE_HIGHWAY_INCLUDE}")
 endif()
 
 set(nested_ctest ${CMAKE_CTEST_COMMAND} --output-on-failure --no-tests=error)
@@ -53,11 +51,12 @@ function(add_nested_build_test name source)
   set_tests_properties(${name} PROPERTIES LABELS package)
 endfunction()
 
-# Consumers of the tree at `prefix`, which fixture `tree` leaves there.
+# Consumers of the tree at `prefix`, which fixture `tree` leaves there. None needs
+# a Highway.
 function(add_consumer_tests tree prefix)
   add_nested_build_test(${tree}.find_package
     "${CMAKE_CURRENT_SOURCE_DIR}/consumer"
-    OPTIONS "-DCMAKE_PREFIX_PATH=${prefix}"
+    OPTIONS "-DCMAKE_PREFIX_PATH=${prefix}" -DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON
     COMMAND ${nested_ctest})
   set_tests_properties(${tree}.find_package PROPERTIES
     FIXTURES_REQUIRED ${tree})
@@ -76,7 +75,6 @@ function(install_command result build prefix)
   set(${result}
     ${CMAKE_COMMAND} "-DBUILD=${build}" "-DPREFIX=${prefix}"
     "-DHEADERS=${PROJECT_SOURCE_DIR}/include"
-    "-DBUNDLES_HIGHWAY=${HALFSPACE_BUNDLES_HIGHWAY}"
     -P "${CMAKE_CURRENT_SOURCE_DIR}/install_and_move.cmake" PARENT_SCOPE)
 endfunction()
 

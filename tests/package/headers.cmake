@@ -24,13 +24,8 @@ foreach(header IN LISTS public_headers)
 endforeach()
 
 # The check must see Highway where it is.
-if(TARGET hwy)
-  set(highway hwy)
-else()
-  set(highway hwy::hwy)
-endif()
 add_header_test(package.header.control highway_user.h
   "${CMAKE_CURRENT_SOURCE_DIR}/control"
-  "$<TARGET_PROPERTY:${highway},INTERFACE_INCLUDE_DIRECTORIES>")
+  "${HALFSPACE_HIGHWAY_INCLUDE}")
 set_tests_properties(package.header.control PROPERTIES
   PASS_REGULAR_EXPRESSION "highway_user.h includes Highway")

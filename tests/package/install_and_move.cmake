@@ -26,8 +26,8 @@ foreach(package IN LISTS packages)
   if(NOT found EQUAL -1)
     message(FATAL_ERROR "${package} names the folder of the installation")
   endif()
-  if(BUNDLES_HIGHWAY AND text MATCHES "[^\n]*hwy[^\n]*")
-    message(FATAL_ERROR "${package} asks for the Highway that the library "
-                        "contains: ${CMAKE_MATCH_0}")
+  if(text MATCHES "[^\n]*hwy[^\n]*")
+    message(FATAL_ERROR "${package} asks for Highway, which only the compiler "
+                        "of the library needs: ${CMAKE_MATCH_0}")
   endif()
 endforeach()

@@ -1,0 +1,196 @@
+// Detection: against Highway's own on this machine, and what each missing
+// feature takes away on others.
+#include "dispatch/detect_targets.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <ios>
+#include <vector>
+
+#include "halfspace/targets.h"
+#include "hwy/highway.h"
+#include "hwy/targets.h"
+
+namespace halfspace::dispatch {
+namespace {
+
+#ifdef HWY_SSE2
+constexpr std::int64_t kSse2 = HWY_SSE2;
+#else
+constexpr std::int64_t kSse2 = 0;
+#endif
+#ifdef HWY_AVX3_ZEN4
+constexpr std::int64_t kZen4 = HWY_AVX3_ZEN4;
+#else
+constexpr std::int64_t kZen4 = 0;
+#endif
+#ifdef HWY_AVX3_SPR
+constexpr std::int64_t kSpr = HWY_AVX3_SPR;
+#else
+constexpr std::int64_t kSpr = 0;
+#endif
+#ifdef HWY_AVX10_2
+constexpr std::int64_t kAvx10 = HWY_AVX10_2;
+#else
+constexpr std::int64_t kAvx10 = 0;
+#endif
+#ifdef HWY_NEON_WITHOUT_AES
+constexpr std::int64_t kNeonWithoutAes = HWY_NEON_WITHOUT_AES;
+#else
+constexpr std::int64_t kNeonWithoutAes = 0;
+#endif
+#ifdef HWY_NEON_BF16
+constexpr std::int64_t kNeonBf16 = HWY_NEON_BF16;
+#else
+constexpr std::int64_t kNeonBf16 = 0;
+#endif
+
+constexpr std::int64_t kX86[] = {kSse2,    HWY_SSSE3, HWY_SSE4,
+                                 HWY_AVX2, HWY_AVX3,  HWY_AVX3_DL,
+                                 kZen4,    kSpr,      kAvx10};
+
+// The first `count` of them.
+constexpr std::int64_t First(std::size_t count) {
+  std::int64_t targets = 0;
+  for (std::size_t i = 0; i < count; ++i) targets |= kX86[i];
+  return targets;
+}
+
+using X86Word = std::uint32_t X86Machine::*;
+
+constexpr X86Word kX86Words[] = {
+    &X86Machine::leaf1_ecx,     &X86Machine::leaf1_edx,
+    &X86Machine::leaf7_ebx,     &X86Machine::leaf7_ecx,
+    &X86Machine::leaf7_edx,     &X86Machine::leaf7_1_eax,
+    &X86Machine::leaf7_1_edx,   &X86Machine::leaf24h_ebx,
+    &X86Machine::extended1_ecx, &X86Machine::xcr0};
+
+X86Machine EveryX86() {
+  X86Machine machine;
+  for (X86Word word : kX86Words) machine.*word = 0xffffffff;
+  machine.leaf24h_ebx = 0xffffff02;
+  machine.is_amd = true;
+  return machine;
+}
+
+// How many of kX86 a machine without this one feature runs.
+struct X86Need {
+  X86Word word;
+  int bit;
+  std::size_t left;
+};
+
+// By the manuals of Intel and AMD.
+constexpr X86Need kX86Needs[] = {
+    {&X86Machine::leaf1_edx, 25, 0},     // SSE
+    {&X86Machine::leaf1_edx, 26, 0},     // SSE2
+    {&X86Machine::leaf1_ecx, 0, 1},      // SSE3
+    {&X86Machine::leaf1_ecx, 9, 1},      // SSSE3
+    {&X86Machine::leaf1_ecx, 1, 2},      // PCLMULQDQ
+    {&X86Machine::leaf1_ecx, 19, 2},     // SSE4.1
+    {&X86Machine::leaf1_ecx, 20, 2},     // SSE4.2
+    {&X86Machine::leaf1_ecx, 25, 2},     // AES
+    {&X86Machine::leaf1_ecx, 12, 3},     // FMA
+    {&X86Machine::leaf1_ecx, 26, 3},     // XSAVE
+    {&X86Machine::leaf1_ecx, 27, 3},     // OSXSAVE
+    {&X86Machine::leaf1_ecx, 28, 3},     // AVX
+    {&X86Machine::leaf1_ecx, 29, 3},     // F16C
+    {&X86Machine::extended1_ecx, 5, 3},  // LZCNT
+    {&X86Machine::leaf7_ebx, 3, 3},      // BMI1
+    {&X86Machine::leaf7_ebx, 5, 3},      // AVX2
+    {&X86Machine::leaf7_ebx, 8, 3},      // BMI2
+    {&X86Machine::xcr0, 1, 3},           // XMM
+    {&X86Machine::xcr0, 2, 3},           // upper halves of YMM
+    {&X86Machine::leaf7_ebx, 16, 4},     // AVX512F
+    {&X86Machine::leaf7_ebx, 17, 4},     // AVX512DQ
+    {&X86Machine::leaf7_ebx, 28, 4},     // AVX512CD
+    {&X86Machine::leaf7_ebx, 30, 4},     // AVX512BW
+    {&X86Machine::leaf7_ebx, 31, 4},     // AVX512VL
+    {&X86Machine::xcr0, 5, 4},           // mask registers
+    {&X86Machine::xcr0, 6, 4},           // upper halves of ZMM0 to ZMM15
+    {&X86Machine::xcr0, 7, 4},           // ZMM16 to ZMM31
+    {&X86Machine::leaf7_ecx, 1, 5},      // AVX512_VBMI
+    {&X86Machine::leaf7_ecx, 6, 5},      // AVX512_VBMI2
+    {&X86Machine::leaf7_ecx, 8, 5},      // GFNI
+    {&X86Machine::leaf7_ecx, 9, 5},      // VAES
+    {&X86Machine::leaf7_ecx, 10, 5},     // VPCLMULQDQ
+    {&X86Machine::leaf7_ecx, 11, 5},     // AVX512_VNNI
+    {&X86Machine::leaf7_ecx, 12, 5},     // AVX512_BITALG
+    {&X86Machine::leaf7_ecx, 14, 5},     // AVX512_VPOPCNTDQ
+    {&X86Machine::leaf7_1_eax, 5, 6},    // AVX512_BF16
+    {&X86Machine::leaf7_edx, 23, 7},     // AVX512_FP16
+    {&X86Machine::leaf7_1_edx, 19, 8},   // AVX10
+    {&X86Machine::leaf7_1_edx, 21, 8},   // APX
+    {&X86Machine::leaf24h_ebx, 1, 8},    // the 2 of AVX10.2
+    {&X86Machine::leaf24h_ebx, 18, 8},   // 512 bits
+};
+
+TEST(DetectTargetsTest, EachFeatureOfX86) {
+  EXPECT_EQ(TargetsOf(X86Machine()), 0);
+  EXPECT_EQ(TargetsOf(EveryX86()), First(9));
+  for (X86Word word : kX86Words) {
+    for (int bit = 0; bit < 32; ++bit) {
+      std::size_t left = 9;
+      for (const X86Need& need : kX86Needs) {
+        if (need.word == word && need.bit == bit) left = need.left;
+      }
+      X86Machine machine = EveryX86();
+      machine.*word &= ~(std::uint32_t{1} << bit);
+      EXPECT_EQ(TargetsOf(machine), First(left))
+          << "word " << &(machine.*word) - &machine.leaf1_ecx << " bit " << bit;
+    }
+  }
+}
+
+TEST(DetectTargetsTest, Zen4IsOnlyOfAmd) {
+  X86Machine machine = EveryX86();
+  machine.is_amd = false;
+  EXPECT_EQ(TargetsOf(machine), First(9) & ~kZen4);
+}
+
+TEST(DetectTargetsTest, EachFeatureOfAarch64) {
+  constexpr std::uint64_t kAll = ~std::uint64_t{0};
+  const auto without = [](int bit) { return ~(std::uint64_t{1} << bit); };
+  constexpr std::int64_t kNeon = kNeonWithoutAes | HWY_NEON | kNeonBf16;
+  constexpr std::int64_t kSve = HWY_SVE | HWY_SVE2;
+  struct Case {
+    Aarch64Machine machine;
+    std::int64_t targets;
+  };
+  const Case cases[] = {
+      {{0, 0, 0}, kNeonWithoutAes},
+      {{kAll, kAll, 64}, kNeon | kSve},
+      {{kAll, kAll, 32}, kNeon | kSve | HWY_SVE_256},
+      {{kAll, kAll, 16}, kNeon | kSve | HWY_SVE2_128},
+      {{kAll, 0, 32}, (kNeon & ~kNeonBf16) | HWY_SVE | HWY_SVE_256},
+      {{kAll, 0, 16}, (kNeon & ~kNeonBf16) | HWY_SVE},
+      // AES, ASIMDHP, ASIMDDP, SVE
+      {{without(3), kAll, 16}, kNeonWithoutAes | kSve | HWY_SVE2_128},
+      {{without(10), kAll, 64}, (kNeon & ~kNeonBf16) | kSve},
+      {{without(20), kAll, 64}, (kNeon & ~kNeonBf16) | kSve},
+      {{without(22), 0, 32}, kNeon & ~kNeonBf16},
+      // SVE2, SVEAES, SVEI8MM, SVEBF16, BF16
+      {{kAll, without(1), 16}, kNeon | HWY_SVE},
+      {{kAll, without(2), 16}, kNeon | HWY_SVE},
+      {{kAll, without(9), 16}, kNeon | kSve},
+      {{kAll, without(12), 16}, kNeon | kSve},
+      {{kAll, without(14), 64}, (kNeon & ~kNeonBf16) | kSve},
+  };
+  for (const Case& each : cases) {
+    EXPECT_EQ(TargetsOf(each.machine), each.targets)
+        << std::hex << each.machine.hwcap << ' ' << each.machine.hwcap2 << ' '
+        << each.machine.sve_bytes;
+  }
+}
+
+// Highway only warns if the CPU lacks what the compiler was told it has.
+TEST(DetectTargetsTest, ThisMachineAsHighwayDoes) {
+  std::int64_t supported = 0;
+  for (Target target : SupportedTargets()) supported |= target.highway_bit();
+  EXPECT_EQ(supported,
+            (hwy::SupportedTargets() | HWY_ENABLED_BASELINE) & HWY_TARGETS);
+}
+
+}  // namespace
+}  // namespace halfspace::dispatch
