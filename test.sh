@@ -1,12 +1,47 @@
 #!/usr/bin/env bash
-# Tests the library on this machine: installs what is missing, builds, and runs
-# every test. Arguments are passed on to ctest.
+# Tests the library: see usage below.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 source "$root/scripts/steps.sh"
 source "$root/scripts/packages.sh"
 source "$root/scripts/build.sh"
+source "$root/scripts/arm.sh"
+
+usage='usage: ./test.sh [--full] [--arm] [CTEST ARGUMENT...]
+
+Installs what is missing, builds the library, and tests it on this machine: every
+kernel of every target that the machine can run, each call and each builder.
+
+  --full  everything. Left out otherwise: 2 and 4 dimensions, except that the
+          answers of all kernels in them are compared with known hashes; and the
+          tests of cpuinfo-bench, of the examples, and of the installed package
+  --arm   for arm64 instead: cross-compiles, and runs the tests under qemu on NEON,
+          SVE, SVE2 and their fixed-width forms, at a hundredth of their scale
+
+Other arguments are those of ctest, as in ./test.sh -R Range.
+HALFSPACE_TEST_SCALE=0.1 makes random tests a tenth as long, here and natively.'
+
+preset=release
+is_full=
+while [ $# -gt 0 ]; do
+  case $1 in
+    --full) is_full=1 ;;
+    --arm) preset=aarch64 ;;
+    -h | --help)
+      printf '%s\n' "$usage"
+      exit 0
+      ;;
+    *) break ;;
+  esac
+  shift
+done
 
 prepare_machine
-build_preset release
-test_preset release "$@"
+if [ "$preset" = aarch64 ]; then prepare_arm; fi
+if [ "$is_full" ]; then
+  build_preset "$preset" -DHALFSPACE_TEST_ONLY_3D=OFF
+  test_preset "$preset" "$@"
+else
+  build_preset "$preset" -DHALFSPACE_TEST_ONLY_3D=ON "${library_tests[@]}"
+  test_preset "$preset" --label-regex '^library$' "$@"
+fi

@@ -7,6 +7,7 @@ build_packages=(
   libtinyobjloader-dev nlohmann-json3-dev)
 
 # What cpuinfo-bench compares the library with, where it is installed.
+# shellcheck disable=SC2034  # for those who source this
 peer_packages=(libboost-dev libbullet-dev)
 
 # Runs a command as root; without a terminal it fails rather than asks.
@@ -18,6 +19,14 @@ as_root() {
   else
     sudo -n "$@"
   fi
+}
+
+# require_root COMMAND: ends the script, naming the command, if nobody here could
+# run it as root.
+require_root() {
+  if [ "$(id -u)" -eq 0 ] || command -v sudo >/dev/null; then return; fi
+  say "This needs root, and there is no sudo. As root, run: $1"
+  exit 1
 }
 
 # True if NAME or NAME:ARCHITECTURE is installed; by itself a name means this
@@ -39,12 +48,8 @@ install_packages() {
   done
   if [ "${#missing[@]}" -eq 0 ]; then return; fi
 
-  if [ "$(id -u)" -ne 0 ] && ! command -v sudo >/dev/null; then
-    say "These packages are missing, and only root can install them." \
-      "As root, run: apt-get install ${missing[*]}"
-    exit 1
-  fi
   say "These packages are missing and will be installed: ${missing[*]}"
+  require_root "apt-get install ${missing[*]}"
   step "apt-get update" as_root apt-get -q update
   step "apt-get install" as_root env DEBIAN_FRONTEND=noninteractive \
     apt-get -q -y --no-install-recommends install "${missing[@]}"

@@ -9,7 +9,7 @@ source "$root/scripts/build.sh"
 
 prepare_machine
 install_packages valgrind
-build_preset release
+build_preset release -DHALFSPACE_TEST_ONLY_3D=OFF "${library_tests[@]}"
 
 export HALFSPACE_TARGET=AVX2
 export HALFSPACE_TEST_SCALE=0.02  # leaves out the huge world, too
@@ -24,10 +24,9 @@ left_out=(
   '*.MemoryThatCannotBeHadIsBadAlloc'
   # Faults on purpose, which memcheck reports.
   '*DeathTest.*'
-  # The long ones in 3 dimensions only: minutes, for the same code.
-  'Many*/*2*' 'Many*/*4*' 'Range*/*2*' 'Range*/*4*'
-  'CodesDifferential*/*2*' 'CodesDifferential*/*4*'
-  'CodesMany*/*2*' 'CodesMany*/*4*' 'CodesPairs*/*2*' 'CodesPairs*/*4*')
+  # Scans in 3 dimensions only: minutes, for the same code.
+  '*/Simplex2*' '*/Simplex4*' '*/Aabb2*' '*/Aabb4*'
+  '*/Aabo2*' '*/Aabo4*')
 
 filter="-$(IFS=:; echo "${left_out[*]}")"
 logs=$root/build/memcheck
@@ -58,5 +57,5 @@ export -f memcheck
 
 # One test a core: each is single-threaded.
 say "==> memcheck"
-printf '%s\0' "$root"/build/release/tests/library/*_test |
+printf '%s\0' "$root"/build/release/tests/{kernels,library}/*_test |
   xargs -0 -n 1 -P "$(getconf _NPROCESSORS_ONLN)" bash -c 'memcheck "$1"' memcheck

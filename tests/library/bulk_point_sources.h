@@ -175,11 +175,17 @@ struct PointSetSource : PointSource<kDims> {
   double Give(std::size_t, bool) const { return 0.0; }
 };
 
+#if defined(HALFSPACE_TEST_ONLY_3D)
+using AllBulkSources =
+    ::testing::Types<BoxSource<3>, SphereSource<3>, TriangleSource<3>,
+                     PointSetSource<3>>;
+#else
 using AllBulkSources =
     ::testing::Types<BoxSource<2>, BoxSource<3>, BoxSource<4>, SphereSource<2>,
                      SphereSource<3>, SphereSource<4>, TriangleSource<2>,
                      TriangleSource<3>, TriangleSource<4>, PointSetSource<2>,
                      PointSetSource<3>, PointSetSource<4>>;
+#endif
 
 struct BulkSourceNames {
   template <typename Source>

@@ -3,9 +3,9 @@
 if(NOT CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64" OR HALFSPACE_ONLY_SCALAR)
   return()
 endif()
-if(CMAKE_CXX_FLAGS MATCHES "-m")
+if(CMAKE_CXX_FLAGS MATCHES "-m" OR HALFSPACE_ONLY_NATIVE)
   message(STATUS "halfspace: no scan of the binary, "
-                 "as CMAKE_CXX_FLAGS may raise the baseline")
+                 "as its flags may raise the baseline")
   return()
 endif()
 

@@ -1,0 +1,22 @@
+# shellcheck shell=bash
+# arm64 on another machine: cross-compiled, and run under qemu. After packages.sh.
+
+arm_packages=(
+  g++-aarch64-linux-gnu qemu-user
+  libbenchmark-dev:arm64 libgmp-dev:arm64 libgtest-dev:arm64 libhwy-dev:arm64)
+
+# prepare_arm: what the presets aarch64 and aarch64-clang need besides what every
+# build does.
+prepare_arm() {
+  if ! command -v dpkg >/dev/null; then
+    say "Cross-compiling needs Debian's packages for arm64, and there is no dpkg" \
+      "here. On an arm64 machine ./test.sh tests it as it is."
+    exit 1
+  fi
+  if [ "$(dpkg --print-architecture)" != arm64 ] &&
+    ! dpkg --print-foreign-architectures | grep -qx arm64; then
+    require_root "dpkg --add-architecture arm64"
+    step "add Debian's arm64" as_root dpkg --add-architecture arm64
+  fi
+  install_packages "${arm_packages[@]}"
+}
