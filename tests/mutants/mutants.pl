@@ -2,11 +2,15 @@
 #
 #   perl mutants.pl names LIST...              each mutant: name, description
 #   perl mutants.pl tests LIST...              each mutant: name, first, also, on
-#   perl mutants.pl check ROOT LIST...         fails if one does not fit
+#   perl mutants.pl check ROOT LIST...         fails if one does not fit, or if
+#                                              they are too many
 #   perl mutants.pl apply ROOT NAME LIST...    changes the sources under ROOT,
 #                                              and prints the changed files
 use strict;
 use warnings;
+
+# All of them run in an hour.
+my $most = 100;
 
 # All mutants, in order: name, description, first, also, on, hunks of [file,
 # old, new].
@@ -83,9 +87,12 @@ if ($command eq 'names') {
 } elsif ($command eq 'check') {
   my $root = shift @ARGV;
   my @stale;
-  for my $mutant (read_lists(@ARGV)) {
+  my @mutants = read_lists(@ARGV);
+  for my $mutant (@mutants) {
     push @stale, $@ unless eval { mutate($root, $mutant); 1 };
   }
+  push @stale, "mutants: " . @mutants . " are more than $most: drop those that " .
+    "repeat others\n" if @mutants > $most;
   die @stale if @stale;
 } elsif ($command eq 'apply') {
   my ($root, $name, @lists) = @ARGV;

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# usage: tests/mutants/run.sh [NAME...]
+# usage: tests/mutants/run.sh [check | NAME...]
 #
 # Breaks the library in one place at a time, all of the lists or those named, and
 # runs its tests: each broken library, a mutant, must fail one. README.md has the
-# details.
+# details. `check` builds nothing: it says which mutants fit the sources no more.
 #
 # The sources are copied to build/mutants (or HALFSPACE_MUTANTS_BUILD), and only
 # the copy is changed. Progress goes to stderr, the table of results to stdout.
@@ -98,11 +98,18 @@ row() {
   printf '| %-34s | %-62s | %4s |\n' "$@"
 }
 
-for tool in cmake ctest ninja perl; do
-  command -v "$tool" >/dev/null || give_up "needs $tool, which is not here"
-done
-mkdir -p "$work"
+need() {
+  local tool
+  for tool in "$@"; do
+    command -v "$tool" >/dev/null || give_up "needs $tool, which is not here"
+  done
+}
+
+need perl
 perl "$here/mutants.pl" check "$root" "${lists[@]}" || exit 2
+if [ "$*" = check ]; then exit 0; fi
+need cmake ctest ninja
+mkdir -p "$work"
 declare -A first=() also=()
 all=()
 while read -r name first_tests also_tests machine; do

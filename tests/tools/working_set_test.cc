@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <set>
 #include <vector>
+
+#include "halfspace/fit.h"
 
 namespace halfspace::bench {
 namespace {
@@ -73,7 +76,7 @@ TEST(WorkingSetTest, UnknownCachesAreGuessed) {
 TEST(WorkingSetTest, FindsAWrongMask) {
   Workload workload{"one", {}, {}};
   workload.objects.Push(Aabo3{{0, 0, 0, -3}, {1, 1, 1, 0}});
-  workload.queries.push_back(Aabo3{{2, 2, 2, -9}, {3, 3, 3, -6}});
+  workload.timed_queries.push_back(Aabo3{{2, 2, 2, -9}, {3, 3, 3, -6}});
   WorkingSet set(workload, {"test", 128, ""});
   const auto fill = [&set](std::uint64_t word) {
     return [&set, word](const Aabo3&) { set.mask().assign(2, word); };
@@ -81,6 +84,49 @@ TEST(WorkingSetTest, FindsAWrongMask) {
   EXPECT_EQ(set.Check(ShapeKind::kAabb, fill(~std::uint64_t{0})), "");
   EXPECT_NE(set.Check(ShapeKind::kAabb, fill(~std::uint64_t{1})), "");
   EXPECT_NE(set.Check(ShapeKind::kAabb, fill(0)), "");
+}
+
+TEST(WorkingSetTest, TakesAllTimedQueriesInTurn) {
+  Workload workload{"one", {}, {}};
+  workload.objects.Push(Aabo3::Everything());
+  for (int i = 0; i < 3; ++i) {
+    workload.timed_queries.push_back(BoundPoint<3>({static_cast<float>(i)}));
+  }
+  WorkingSet set(workload, {"test", kObjectsPerRun / 2, ""});
+  std::vector<float> seen;
+  const Case c = set.MakeCase(
+      "case", ShapeKind::kAabb,
+      [&seen](const Aabo3& query) { seen.push_back(query.min[0]); });
+  c.run();
+  c.run();
+  EXPECT_EQ(seen, (std::vector<float>{0, 1, 2, 0}));
+}
+
+// As many as a branch predictor cannot learn, and in no order that it could
+// use.
+TEST(WorkloadTest, QueriesToTimeAreManyAndInNoOrder) {
+  const std::size_t size = 3 * kTimedQueries;
+  std::vector<Aabb3> boxes;
+  for (std::size_t i = 0; i < size; ++i) {
+    const auto x = static_cast<float>(i);
+    boxes.push_back({{x, 0, 0}, {x, 0, 0}});
+  }
+  const Workload workload = WorkloadOfBoxes("boxes", boxes, 0);
+  std::set<float> different;
+  std::size_t ascents = 0;
+  float before = -1.0f;
+  for (const Aabo3& query : workload.timed_queries) {
+    different.insert(query.min[0]);
+    ascents += before < query.min[0] ? 1 : 0;
+    before = query.min[0];
+  }
+  EXPECT_EQ(different.size(), kTimedQueries);
+  EXPECT_EQ(workload.timed_queries.size(), kTimedQueries);
+  EXPECT_NEAR(static_cast<double>(ascents), kTimedQueries / 2.0,
+              kTimedQueries / 20.0);
+  EXPECT_LT(workload.queries.size(), std::size_t{300});
+  // What the user asks for is what is timed.
+  EXPECT_EQ(WorkloadOfBoxes("boxes", boxes, 8).timed_queries.size(), 8u);
 }
 
 }  // namespace
