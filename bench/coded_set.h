@@ -58,8 +58,7 @@ class CodedSet {
       for (std::size_t q = 0; q < Checked(); ++q) {
         const auto list = [&](const auto& any, const Options& how) {
           indices_.resize(objects());
-          const std::size_t count =
-              Survivors(any, queries_[q], indices_, how);
+          const std::size_t count = Survivors(any, queries_[q], indices_, how);
           return std::vector<std::uint32_t>(
               indices_.begin(),
               indices_.begin() + static_cast<std::ptrdiff_t>(count));

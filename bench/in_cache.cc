@@ -6,7 +6,7 @@
 
 #include "bench/working_set.h"
 #include "halfspace/reject_many.h"
-#include "kernels/reference.h"
+#include "tests/reference/reference.h"
 
 namespace halfspace::bench {
 namespace {

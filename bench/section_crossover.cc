@@ -3,7 +3,7 @@
 
 #include "bench/gated_scan.h"
 #include "bench/sections.h"
-#include "kernels/reference.h"
+#include "tests/reference/reference.h"
 
 namespace halfspace::bench {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "kernels/compiled_targets.h"
 #include "halfspace/targets.h"
+#include "kernels/compiled_targets.h"
 
 namespace halfspace::bench {
 

@@ -5,7 +5,7 @@
 
 #include "bench/gated_scan.h"
 #include "bench/text_table.h"
-#include "kernels/reference.h"
+#include "tests/reference/reference.h"
 
 namespace halfspace::bench {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "dispatch/chosen_target.h"
+#include "dispatch/targets/chosen_target.h"
 #include "halfspace/detail/scan.h"
 #include "halfspace/reject.h"
 #include "kernels/scan/kernel_table.h"

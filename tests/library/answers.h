@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "halfspace/reject.h"
-#include "kernels/reference.h"
+#include "tests/reference/reference.h"
 
 namespace halfspace::testing {
 

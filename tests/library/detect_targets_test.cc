@@ -1,6 +1,6 @@
 // Detection: against Highway's own on this machine, and what each missing
 // feature takes away on others.
-#include "dispatch/detect_targets.h"
+#include "dispatch/targets/detect_targets.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The exact sums and their rounding, against GMP.
-#include "kernels/outward.h"
+#include "kernels/exact/outward.h"
 
 #include <gtest/gtest.h>
 

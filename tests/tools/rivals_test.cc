@@ -14,7 +14,7 @@
 #include "bench/grid_world.h"
 #include "halfspace/reject.h"
 #include "halfspace/targets.h"
-#include "kernels/reference.h"
+#include "tests/reference/reference.h"
 
 namespace halfspace::bench {
 namespace {

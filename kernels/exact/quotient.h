@@ -1,13 +1,13 @@
 // Quotients of exact sums, rounded outward.
 //
 // Only for translation units compiled without fast-math and contraction.
-#ifndef HALFSPACE_KERNELS_QUOTIENT_H_
-#define HALFSPACE_KERNELS_QUOTIENT_H_
+#ifndef HALFSPACE_KERNELS_EXACT_QUOTIENT_H_
+#define HALFSPACE_KERNELS_EXACT_QUOTIENT_H_
 
 #include <cmath>
 #include <limits>
 
-#include "kernels/outward.h"
+#include "kernels/exact/outward.h"
 
 namespace halfspace::kernels {
 
@@ -40,4 +40,4 @@ inline float QuotientUp(const ExactSum& numerator,
 
 }  // namespace halfspace::kernels
 
-#endif  // HALFSPACE_KERNELS_QUOTIENT_H_
+#endif  // HALFSPACE_KERNELS_EXACT_QUOTIENT_H_

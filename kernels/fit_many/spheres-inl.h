@@ -1,17 +1,18 @@
 // Bounds of many balls. D has a square root in it, and is computed in double.
-#if defined(HALFSPACE_KERNELS_FIT_SPHERES_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef HALFSPACE_KERNELS_FIT_SPHERES_INL_H_
-#undef HALFSPACE_KERNELS_FIT_SPHERES_INL_H_
+#if defined(HALFSPACE_KERNELS_FIT_MANY_SPHERES_INL_H_) == \
+    defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_FIT_MANY_SPHERES_INL_H_
+#undef HALFSPACE_KERNELS_FIT_MANY_SPHERES_INL_H_
 #else
-#define HALFSPACE_KERNELS_FIT_SPHERES_INL_H_
+#define HALFSPACE_KERNELS_FIT_MANY_SPHERES_INL_H_
 #endif
 
 #include <cfloat>
 #include <cstddef>
 
 #include "hwy/highway.h"
-#include "kernels/fit_tiles-inl.h"
-#include "kernels/root_of_dims.h"
+#include "kernels/exact/root_of_dims.h"
+#include "kernels/fit_many/tiles-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
@@ -167,4 +168,4 @@ kernels::FitTally FitSpheres(const kernels::FitJob& job) {
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
 
-#endif  // HALFSPACE_KERNELS_FIT_SPHERES_INL_H_
+#endif  // HALFSPACE_KERNELS_FIT_MANY_SPHERES_INL_H_

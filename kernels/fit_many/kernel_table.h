@@ -1,7 +1,7 @@
 // What a bulk builder is asked to do, what it says about it, and where it is
 // found. No Highway here.
-#ifndef HALFSPACE_KERNELS_FIT_KERNELS_H_
-#define HALFSPACE_KERNELS_FIT_KERNELS_H_
+#ifndef HALFSPACE_KERNELS_FIT_MANY_KERNEL_TABLE_H_
+#define HALFSPACE_KERNELS_FIT_MANY_KERNEL_TABLE_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -50,4 +50,4 @@ inline constexpr FitKernels kFitKernelsFor{};
 
 }  // namespace halfspace::detail
 
-#endif  // HALFSPACE_KERNELS_FIT_KERNELS_H_
+#endif  // HALFSPACE_KERNELS_FIT_MANY_KERNEL_TABLE_H_

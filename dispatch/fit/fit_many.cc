@@ -7,10 +7,10 @@
 #include <string>
 #include <string_view>
 
-#include "dispatch/chosen_target.h"
-#include "kernels/default_fp_mode.h"
+#include "dispatch/targets/chosen_target.h"
 #include "kernels/error.h"
-#include "kernels/fit_kernels.h"
+#include "kernels/exact/default_fp_mode.h"
+#include "kernels/fit_many/kernel_table.h"
 #include "kernels/memory_checks.h"
 
 namespace halfspace::detail {

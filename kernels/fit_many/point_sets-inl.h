@@ -1,10 +1,10 @@
 // Bounds of many point sets: the lanes hold points of one set.
-#if defined(HALFSPACE_KERNELS_FIT_POINT_SETS_INL_H_) == \
+#if defined(HALFSPACE_KERNELS_FIT_MANY_POINT_SETS_INL_H_) == \
     defined(HWY_TARGET_TOGGLE)
-#ifdef HALFSPACE_KERNELS_FIT_POINT_SETS_INL_H_
-#undef HALFSPACE_KERNELS_FIT_POINT_SETS_INL_H_
+#ifdef HALFSPACE_KERNELS_FIT_MANY_POINT_SETS_INL_H_
+#undef HALFSPACE_KERNELS_FIT_MANY_POINT_SETS_INL_H_
 #else
-#define HALFSPACE_KERNELS_FIT_POINT_SETS_INL_H_
+#define HALFSPACE_KERNELS_FIT_MANY_POINT_SETS_INL_H_
 #endif
 
 #include <cfloat>
@@ -12,7 +12,7 @@
 #include <cstddef>
 
 #include "hwy/highway.h"
-#include "kernels/fit_tiles-inl.h"
+#include "kernels/fit_many/tiles-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
@@ -136,4 +136,4 @@ kernels::FitTally FitPointSets(const kernels::FitJob& job) {
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
 
-#endif  // HALFSPACE_KERNELS_FIT_POINT_SETS_INL_H_
+#endif  // HALFSPACE_KERNELS_FIT_MANY_POINT_SETS_INL_H_

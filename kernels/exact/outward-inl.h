@@ -2,11 +2,12 @@
 //
 // Only for translation units compiled without fast-math and contraction, and
 // only in the default floating-point mode (default_fp_mode.h).
-#if defined(HALFSPACE_KERNELS_OUTWARD_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef HALFSPACE_KERNELS_OUTWARD_INL_H_
-#undef HALFSPACE_KERNELS_OUTWARD_INL_H_
+#if defined(HALFSPACE_KERNELS_EXACT_OUTWARD_INL_H_) == \
+    defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_EXACT_OUTWARD_INL_H_
+#undef HALFSPACE_KERNELS_EXACT_OUTWARD_INL_H_
 #else
-#define HALFSPACE_KERNELS_OUTWARD_INL_H_
+#define HALFSPACE_KERNELS_EXACT_OUTWARD_INL_H_
 #endif
 
 #include <cstdint>
@@ -160,4 +161,4 @@ HWY_INLINE V UpperD(D d, V sum, V rest) {
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
 
-#endif  // HALFSPACE_KERNELS_OUTWARD_INL_H_
+#endif  // HALFSPACE_KERNELS_EXACT_OUTWARD_INL_H_

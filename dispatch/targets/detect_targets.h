@@ -5,8 +5,8 @@
 // differ, the strictest. (1.0.3 does without AVX512CD, GFNI and SVE2_128's I8MM
 // and BF16, and trusts an operating system without XSAVE.) They stand apart
 // from the asking, so that a test can show them other machines.
-#ifndef HALFSPACE_DISPATCH_DETECT_TARGETS_H_
-#define HALFSPACE_DISPATCH_DETECT_TARGETS_H_
+#ifndef HALFSPACE_DISPATCH_TARGETS_DETECT_TARGETS_H_
+#define HALFSPACE_DISPATCH_TARGETS_DETECT_TARGETS_H_
 
 #include <cstdint>
 #include <initializer_list>
@@ -134,4 +134,4 @@ std::int64_t DetectTargets();
 
 }  // namespace halfspace::dispatch
 
-#endif  // HALFSPACE_DISPATCH_DETECT_TARGETS_H_
+#endif  // HALFSPACE_DISPATCH_TARGETS_DETECT_TARGETS_H_

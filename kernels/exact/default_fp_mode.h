@@ -8,8 +8,8 @@
 //
 // Exceptions that a builder raises may stay raised (they are bits of the same
 // register on x86, and of another one on ARM); none is cleared.
-#ifndef HALFSPACE_KERNELS_DEFAULT_FP_MODE_H_
-#define HALFSPACE_KERNELS_DEFAULT_FP_MODE_H_
+#ifndef HALFSPACE_KERNELS_EXACT_DEFAULT_FP_MODE_H_
+#define HALFSPACE_KERNELS_EXACT_DEFAULT_FP_MODE_H_
 
 #include <cstdint>
 
@@ -88,4 +88,4 @@ auto InDefaultFpMode(const Function& function) {
 
 }  // namespace halfspace::kernels
 
-#endif  // HALFSPACE_KERNELS_DEFAULT_FP_MODE_H_
+#endif  // HALFSPACE_KERNELS_EXACT_DEFAULT_FP_MODE_H_

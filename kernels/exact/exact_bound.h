@@ -1,8 +1,8 @@
 // Bounds from exact projections: what all single builders share.
 //
 // Only for translation units compiled without fast-math and contraction.
-#ifndef HALFSPACE_KERNELS_EXACT_BOUND_H_
-#define HALFSPACE_KERNELS_EXACT_BOUND_H_
+#ifndef HALFSPACE_KERNELS_EXACT_EXACT_BOUND_H_
+#define HALFSPACE_KERNELS_EXACT_EXACT_BOUND_H_
 
 #include <algorithm>
 #include <array>
@@ -16,9 +16,9 @@
 
 #include "halfspace/bounds.h"
 #include "halfspace/fit_status.h"
-#include "kernels/default_fp_mode.h"
 #include "kernels/error.h"
-#include "kernels/outward.h"
+#include "kernels/exact/default_fp_mode.h"
+#include "kernels/exact/outward.h"
 
 namespace halfspace::kernels {
 
@@ -156,4 +156,4 @@ Bound Finish(const std::optional<Bound>& bound, FitStatus* status) {
 
 }  // namespace halfspace::kernels
 
-#endif  // HALFSPACE_KERNELS_EXACT_BOUND_H_
+#endif  // HALFSPACE_KERNELS_EXACT_EXACT_BOUND_H_

@@ -1,9 +1,10 @@
 // Bounds of many boxes: X, Y, Z are copied, D is that of two corners.
-#if defined(HALFSPACE_KERNELS_FIT_BOXES_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef HALFSPACE_KERNELS_FIT_BOXES_INL_H_
-#undef HALFSPACE_KERNELS_FIT_BOXES_INL_H_
+#if defined(HALFSPACE_KERNELS_FIT_MANY_BOXES_INL_H_) == \
+    defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_FIT_MANY_BOXES_INL_H_
+#undef HALFSPACE_KERNELS_FIT_MANY_BOXES_INL_H_
 #else
-#define HALFSPACE_KERNELS_FIT_BOXES_INL_H_
+#define HALFSPACE_KERNELS_FIT_MANY_BOXES_INL_H_
 #endif
 
 #include <cfloat>
@@ -11,7 +12,7 @@
 #include <cstddef>
 
 #include "hwy/highway.h"
-#include "kernels/fit_tiles-inl.h"
+#include "kernels/fit_many/tiles-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
@@ -115,4 +116,4 @@ kernels::FitTally FitBoxes(const kernels::FitJob& job) {
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
 
-#endif  // HALFSPACE_KERNELS_FIT_BOXES_INL_H_
+#endif  // HALFSPACE_KERNELS_FIT_MANY_BOXES_INL_H_

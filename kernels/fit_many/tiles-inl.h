@@ -4,11 +4,12 @@
 // the caller's memory has that form it is used as it is; else, and at the end,
 // through tiles of 64 objects on the stack, so that nothing past the last
 // element is read or written.
-#if defined(HALFSPACE_KERNELS_FIT_TILES_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef HALFSPACE_KERNELS_FIT_TILES_INL_H_
-#undef HALFSPACE_KERNELS_FIT_TILES_INL_H_
+#if defined(HALFSPACE_KERNELS_FIT_MANY_TILES_INL_H_) == \
+    defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_FIT_MANY_TILES_INL_H_
+#undef HALFSPACE_KERNELS_FIT_MANY_TILES_INL_H_
 #else
-#define HALFSPACE_KERNELS_FIT_TILES_INL_H_
+#define HALFSPACE_KERNELS_FIT_MANY_TILES_INL_H_
 #endif
 
 #include <cstddef>
@@ -16,8 +17,8 @@
 
 #include "hwy/cache_control.h"
 #include "hwy/highway.h"
-#include "kernels/fit_kernels.h"
-#include "kernels/fit_lanes-inl.h"
+#include "kernels/fit_many/kernel_table.h"
+#include "kernels/fit_many/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
@@ -277,4 +278,4 @@ kernels::FitTally FitAll(const Builder& builder, const kernels::FitJob& job,
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
 
-#endif  // HALFSPACE_KERNELS_FIT_TILES_INL_H_
+#endif  // HALFSPACE_KERNELS_FIT_MANY_TILES_INL_H_

@@ -9,11 +9,11 @@
 #include <optional>
 
 #include "halfspace/detail/plane_arrays.h"
-#include "kernels/default_fp_mode.h"
 #include "kernels/error.h"
-#include "kernels/exact_bound.h"
-#include "kernels/outward.h"
-#include "kernels/root_of_dims.h"
+#include "kernels/exact/default_fp_mode.h"
+#include "kernels/exact/exact_bound.h"
+#include "kernels/exact/outward.h"
+#include "kernels/exact/root_of_dims.h"
 
 namespace halfspace {
 namespace {

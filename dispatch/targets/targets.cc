@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "dispatch/chosen_target.h"
-#include "dispatch/detect_targets.h"
+#include "dispatch/targets/chosen_target.h"
+#include "dispatch/targets/detect_targets.h"
 #include "hwy/highway.h"
 #include "hwy/targets.h"
 #include "kernels/compiled_targets.h"

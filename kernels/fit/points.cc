@@ -10,11 +10,11 @@
 #include <string_view>
 
 #include "halfspace/fit.h"
-#include "kernels/default_fp_mode.h"
 #include "kernels/error.h"
-#include "kernels/exact_bound.h"
+#include "kernels/exact/default_fp_mode.h"
+#include "kernels/exact/exact_bound.h"
+#include "kernels/exact/outward.h"
 #include "kernels/memory_checks.h"
-#include "kernels/outward.h"
 
 namespace halfspace {
 namespace {

@@ -1,10 +1,10 @@
 // Bounds of many triangles, by the indices of their corners.
-#if defined(HALFSPACE_KERNELS_FIT_TRIANGLES_INL_H_) == \
+#if defined(HALFSPACE_KERNELS_FIT_MANY_TRIANGLES_INL_H_) == \
     defined(HWY_TARGET_TOGGLE)
-#ifdef HALFSPACE_KERNELS_FIT_TRIANGLES_INL_H_
-#undef HALFSPACE_KERNELS_FIT_TRIANGLES_INL_H_
+#ifdef HALFSPACE_KERNELS_FIT_MANY_TRIANGLES_INL_H_
+#undef HALFSPACE_KERNELS_FIT_MANY_TRIANGLES_INL_H_
 #else
-#define HALFSPACE_KERNELS_FIT_TRIANGLES_INL_H_
+#define HALFSPACE_KERNELS_FIT_MANY_TRIANGLES_INL_H_
 #endif
 
 #include <cfloat>
@@ -13,7 +13,7 @@
 #include <cstdint>
 
 #include "hwy/highway.h"
-#include "kernels/fit_tiles-inl.h"
+#include "kernels/fit_many/tiles-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
@@ -100,4 +100,4 @@ kernels::FitTally FitTriangles(const kernels::FitJob& job) {
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
 
-#endif  // HALFSPACE_KERNELS_FIT_TRIANGLES_INL_H_
+#endif  // HALFSPACE_KERNELS_FIT_MANY_TRIANGLES_INL_H_

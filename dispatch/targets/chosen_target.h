@@ -1,6 +1,6 @@
 // The place of a target in every list of kernels.
-#ifndef HALFSPACE_DISPATCH_CHOSEN_TARGET_H_
-#define HALFSPACE_DISPATCH_CHOSEN_TARGET_H_
+#ifndef HALFSPACE_DISPATCH_TARGETS_CHOSEN_TARGET_H_
+#define HALFSPACE_DISPATCH_TARGETS_CHOSEN_TARGET_H_
 
 #include <array>
 #include <atomic>
@@ -37,4 +37,4 @@ inline std::size_t IndexOf(Target target, const char* call) {
 
 }  // namespace halfspace::dispatch
 
-#endif  // HALFSPACE_DISPATCH_CHOSEN_TARGET_H_
+#endif  // HALFSPACE_DISPATCH_TARGETS_CHOSEN_TARGET_H_

@@ -7,12 +7,12 @@
 #include <type_traits>
 
 #include "halfspace/fit.h"
-#include "kernels/default_fp_mode.h"
 #include "kernels/error.h"
-#include "kernels/exact_bound.h"
+#include "kernels/exact/default_fp_mode.h"
+#include "kernels/exact/exact_bound.h"
+#include "kernels/exact/outward.h"
+#include "kernels/exact/quotient.h"
 #include "kernels/memory_checks.h"
-#include "kernels/outward.h"
-#include "kernels/quotient.h"
 
 namespace halfspace {
 namespace {

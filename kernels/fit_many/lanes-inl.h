@@ -1,16 +1,17 @@
 // What the bulk builders do in lanes: one shape, or one point, in each.
-#if defined(HALFSPACE_KERNELS_FIT_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef HALFSPACE_KERNELS_FIT_LANES_INL_H_
-#undef HALFSPACE_KERNELS_FIT_LANES_INL_H_
+#if defined(HALFSPACE_KERNELS_FIT_MANY_LANES_INL_H_) == \
+    defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_FIT_MANY_LANES_INL_H_
+#undef HALFSPACE_KERNELS_FIT_MANY_LANES_INL_H_
 #else
-#define HALFSPACE_KERNELS_FIT_LANES_INL_H_
+#define HALFSPACE_KERNELS_FIT_MANY_LANES_INL_H_
 #endif
 
 #include <cstddef>
 
 #include "hwy/highway.h"
-#include "kernels/fit_kernels.h"
-#include "kernels/outward-inl.h"
+#include "kernels/exact/outward-inl.h"
+#include "kernels/fit_many/kernel_table.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
@@ -124,4 +125,4 @@ HWY_INLINE void CountEverything(D d, M is_everything, size_t i, size_t begin,
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
 
-#endif  // HALFSPACE_KERNELS_FIT_LANES_INL_H_
+#endif  // HALFSPACE_KERNELS_FIT_MANY_LANES_INL_H_

@@ -4,8 +4,8 @@
 // auto-vectorisation, so that "scalar" stays scalar when it is timed.
 //
 // Planes are in the order of the views: all minima, then all maxima.
-#ifndef HALFSPACE_KERNELS_REFERENCE_H_
-#define HALFSPACE_KERNELS_REFERENCE_H_
+#ifndef HALFSPACE_TESTS_REFERENCE_REFERENCE_H_
+#define HALFSPACE_TESTS_REFERENCE_REFERENCE_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -53,4 +53,4 @@ void RejectMask(const View& world, const typename View::Query& query,
 
 }  // namespace halfspace::reference
 
-#endif  // HALFSPACE_KERNELS_REFERENCE_H_
+#endif  // HALFSPACE_TESTS_REFERENCE_REFERENCE_H_

@@ -1,4 +1,4 @@
-#include "kernels/reference.h"
+#include "tests/reference/reference.h"
 
 namespace halfspace::reference {
 

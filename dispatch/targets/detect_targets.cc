@@ -1,4 +1,4 @@
-#include "dispatch/detect_targets.h"
+#include "dispatch/targets/detect_targets.h"
 
 #if HWY_ARCH_X86 && __has_include(<cpuid.h>)
 #include <cpuid.h>

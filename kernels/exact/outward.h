@@ -6,8 +6,8 @@
 //
 // Only for translation units compiled without fast-math and contraction, which
 // would delete TwoSum.
-#ifndef HALFSPACE_KERNELS_OUTWARD_H_
-#define HALFSPACE_KERNELS_OUTWARD_H_
+#ifndef HALFSPACE_KERNELS_EXACT_OUTWARD_H_
+#define HALFSPACE_KERNELS_EXACT_OUTWARD_H_
 
 #include <array>
 #include <cfloat>
@@ -94,4 +94,4 @@ inline float RoundUp(const ExactSum& sum) {
 
 }  // namespace halfspace::kernels
 
-#endif  // HALFSPACE_KERNELS_OUTWARD_H_
+#endif  // HALFSPACE_KERNELS_EXACT_OUTWARD_H_
