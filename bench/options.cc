@@ -123,7 +123,8 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
       ->transform(Whole(64, kMostObjects))
       ->type_name("N");
   app.add_option("--queries", options.queries,
-                 "Queries (default 128; 256 or a few more with a file)")
+                 "Queries (default 128 to count with, 256 or a few more "
+                 "with a file, and 20000 to time)")
       ->transform(Whole(1, kMostQueries))
       ->type_name("N");
   app.add_option("--seed", options.seed, "Seed of the scene (default 1)")

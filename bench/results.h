@@ -133,7 +133,7 @@ struct ThroughputRow {
   std::string name;
   std::size_t objects = 0;
   std::size_t queries = 0;
-  std::string working_set;  // "L1", "L2", "L3", "memory" or "scene"
+  std::string working_set;  // "L1", "L2", "L3", "memory", "grid", ...
   std::string target;       // empty: none of the library's
   double ns_per_pair = 0.0;
   std::string ceiling;  // the row it is measured by; empty: none

@@ -164,8 +164,10 @@ class Runner {
     try {
       scene_ = MakeScene(
           SceneObjects(),
-          options_.queries != 0 ? options_.queries : kPaperQueries,
+          options_.queries != 0 ? options_.queries : kTimedQueries,
           options_.seed, [&](double done) { progress_.Update(done); });
+      scene_.timed_queries = scene_.queries;
+      if (options_.queries == 0) scene_.queries.resize(kPaperQueries);
     } catch (const std::bad_alloc&) {
       FailForMemory(", which this program does not get");
     }

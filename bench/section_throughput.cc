@@ -67,6 +67,23 @@ void Throughput::AddRowUnder(std::string_view ceiling, std::string_view set,
   AddRow(std::move(row));
 }
 
+void Throughput::AddRowsInTurn(const ThroughputRow& row, const Timing& all,
+                               const Timing& few, Rows rows) {
+  constexpr double kDifference = 0.03;
+  const Ratio ratio = RatioOf(all, few);
+  const bool differ =
+      ratio.low > 1.0 + kDifference || ratio.high < 1.0 / (1.0 + kDifference);
+  if (!differ && rows == Rows::kIfTheyDiffer) return;
+  ThroughputRow added = row;
+  const auto objects = static_cast<double>(row.objects);
+  added.ns_per_pair = all.Median() / objects;
+  AddRow(added);
+  if (!differ) return;
+  added.name += ", " + std::to_string(kFewQueries) + " queries in turn";
+  added.ns_per_pair = few.Median() / objects;
+  AddRow(added);
+}
+
 std::size_t FastestOf(const Timings& timings,
                       const std::vector<std::size_t>& among) {
   std::size_t fastest = among.front();
@@ -88,6 +105,7 @@ ThroughputResult RunThroughput(const Workload& workload,
   AddCodedParts(workload, machine, is_quick, parts);
   AddOutputParts(workload, parts);
   AddSizeParts(workload, machine, parts);
+  AddQueryParts(workload, parts);
   AddPeerParts(seed, parts);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     context.progress.BeginPart(i, parts.size());

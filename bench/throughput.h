@@ -52,6 +52,14 @@ class Throughput {
   // whose name begins so; if there is none, by none.
   void AddRowUnder(std::string_view ceiling, std::string_view set,
                    ThroughputRow row);
+
+  // The row of what was timed with all queries in turn, per pair, and another
+  // of the same with kFewQueries, if three of four repetitions differ by more
+  // than 3 %.
+  enum class Rows { kAlways, kIfTheyDiffer };
+  void AddRowsInTurn(const ThroughputRow& row, const Timing& all,
+                     const Timing& few, Rows rows);
+
   void SetSurvivors(const PerShape<std::size_t>& survivors) {
     result_.survivors = survivors;
   }
@@ -108,6 +116,9 @@ void RunAgainstRivals(const GridWorld& grid, Throughput& throughput);
 void AddOutputParts(const Workload& workload, ThroughputParts& parts);
 void AddSizeParts(const Workload& workload, const Machine& machine,
                   ThroughputParts& parts);
+
+// What more queries in turn make of what depends on branches.
+void AddQueryParts(const Workload& workload, ThroughputParts& parts);
 
 // Bar 8, if this program was built with the peers.
 void AddPeerParts(std::uint64_t seed, ThroughputParts& parts);

@@ -19,6 +19,7 @@ std::size_t RoundDown(std::size_t value, std::size_t step) {
 
 // The reference is slow: on large worlds it answers fewer queries.
 constexpr std::size_t kReferenceTests = 1 << 22;
+constexpr std::size_t kMostChecked = 256;
 
 }  // namespace
 
@@ -58,10 +59,11 @@ WorkingSet::WorkingSet(const Workload& workload, const WorkingSetSize& size)
     : name_(size.name),
       world_(ResizedTo(workload.objects, size.objects)),
       view_(world_.view()),
-      queries_(workload.queries),
+      queries_(workload.timed_queries),
       mask_(MaskWords(size.objects)),
-      checked_queries_(std::clamp<std::size_t>(kReferenceTests / size.objects,
-                                               1, queries_.size())) {
+      checked_queries_(
+          std::clamp<std::size_t>(kReferenceTests / size.objects, 1,
+                                  std::min(kMostChecked, queries_.size()))) {
   for (ShapeKind shape : kShapes) {
     std::vector<std::uint64_t>& masks =
         expected_[static_cast<std::size_t>(shape)];

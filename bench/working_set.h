@@ -50,8 +50,8 @@ class WorkingSet {
   using WriteMask = std::function<void(const Aabo3& query)>;
   std::string Check(ShapeKind shape, const WriteMask& write);
 
-  // A case that calls `write` for one query after the other, so that no branch
-  // predictor learns an answer. It is named `name` and timed per object.
+  // A case that calls `write` for one query after the other, of all that are to
+  // be timed. It is named `name` and timed per object.
   Case MakeCase(std::string name, ShapeKind shape, WriteMask write);
 
   // The case of a call of the library.

@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "bench/random.h"
 #include "halfspace/fit.h"
 
 namespace halfspace::bench {
@@ -11,13 +12,29 @@ namespace {
 
 constexpr std::size_t kDefaultQueries = 256;
 
-// Every step-th object is a query too.
+// Every step-th object.
+std::vector<Aabo3> SomeOf(const AaboWorld3& objects, std::size_t count) {
+  const std::size_t step = std::max<std::size_t>(1, objects.size() / count);
+  std::vector<Aabo3> some;
+  for (std::size_t i = 0; i < objects.size(); i += step) {
+    some.push_back(objects.Get(i));
+  }
+  return some;
+}
+
 void AddQueries(Workload& workload, std::size_t queries) {
-  if (queries == 0) queries = kDefaultQueries;
-  const std::size_t objects = workload.objects.size();
-  const std::size_t step = std::max<std::size_t>(1, objects / queries);
-  for (std::size_t i = 0; i < objects; i += step) {
-    workload.queries.push_back(workload.objects.Get(i));
+  if (queries != 0) {
+    workload.queries = SomeOf(workload.objects, queries);
+    workload.timed_queries = workload.queries;
+    return;
+  }
+  workload.queries = SomeOf(workload.objects, kDefaultQueries);
+  std::vector<Aabo3>& timed = workload.timed_queries;
+  timed = SomeOf(workload.objects, kTimedQueries);
+  // Neighbours in a file are neighbours in space, and have the same path.
+  Random random(1);
+  for (std::size_t i = timed.size(); i > 1; --i) {
+    std::swap(timed[i - 1], timed[random.Below(i)]);
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "bench/crossover_size.h"
 #include "bench/peers/box_tree.h"
+#include "bench/queries_in_turn.h"
 #include "bench/scene.h"
 #include "bench/throughput.h"
 #include "halfspace/codes.h"
@@ -16,7 +17,8 @@ namespace halfspace::bench {
 namespace {
 
 constexpr std::array<std::size_t, 4> kSizes = {100, 1000, 10000, 100000};
-constexpr std::size_t kQueries = 128;
+constexpr std::size_t kCallsOfRun = 128;
+constexpr std::size_t kChecked = 1000;
 constexpr double kSizeNeeded = 10000.0;
 
 using Indices = std::vector<std::uint32_t>;
@@ -27,7 +29,7 @@ class Boxes {
   Boxes(std::size_t objects, std::uint64_t seed, Target target)
       : target_(target) {
     const Workload scene =
-        MakeScene(objects, kQueries, seed, [](double /*done*/) {});
+        MakeScene(objects, kTimedQueries, seed, [](double /*done*/) {});
     std::vector<Aabb3> boxes;
     for (std::size_t i = 0; i < objects; ++i) {
       boxes.push_back(scene.objects.Get(i).aabb());
@@ -41,13 +43,20 @@ class Boxes {
     bullet_ = MakeBulletTree(boxes);
   }
 
-  // The scan, and the two trees.
+  // The scan, and the two trees: each with all queries, and with few.
   std::vector<Case> Cases() {
+    std::vector<Case> cases;
     const std::string size = std::to_string(coded_.size());
-    return {CaseOf("peers/scan/" + size,
-                   [this](const Aabb3& query) { return Scan(query); }),
-            TreeCase("peers/boost-rtree/" + size, *boost_),
-            TreeCase("peers/bullet-dbvt/" + size, *bullet_)};
+    for (std::size_t different : {kTimedQueries, kFewQueries}) {
+      cases.push_back(
+          InTurn("peers/scan/" + size, queries_, different, kCallsOfRun,
+                 [this](const Aabb3& query) { std::ignore = Scan(query); }));
+      cases.push_back(
+          TreeCase("peers/boost-rtree/" + size, different, *boost_));
+      cases.push_back(
+          TreeCase("peers/bullet-dbvt/" + size, different, *bullet_));
+    }
+    return cases;
   }
 
  private:
@@ -55,15 +64,14 @@ class Boxes {
     return Survivors(coded_, query, indices_, {.target = target_});
   }
 
-  Case TreeCase(std::string name, const BoxTree& tree) {
-    Case c = CaseOf(std::move(name), [this, &tree](const Aabb3& query) {
-      tree.Find(query, found_);
-      return found_.size();
-    });
+  Case TreeCase(std::string name, std::size_t different, const BoxTree& tree) {
+    Case c =
+        InTurn(std::move(name), queries_, different, kCallsOfRun,
+               [this, &tree](const Aabb3& query) { tree.Find(query, found_); });
     c.check = [this, &tree]() -> std::string {
-      for (const Aabb3& query : queries_) {
-        const std::size_t count = Scan(query);
-        tree.Find(query, found_);
+      for (std::size_t q = 0; q < kChecked; ++q) {
+        const std::size_t count = Scan(queries_[q]);
+        tree.Find(queries_[q], found_);
         std::sort(found_.begin(), found_.end());
         if (!std::equal(
                 found_.begin(), found_.end(), indices_.begin(),
@@ -72,19 +80,6 @@ class Boxes {
         }
       }
       return {};
-    };
-    return c;
-  }
-
-  template <typename Find>
-  Case CaseOf(std::string name, const Find& find) {
-    Case c;
-    c.name = std::move(name);
-    c.items = static_cast<double>(queries_.size());
-    c.run = [this, find] {
-      std::size_t found = 0;
-      for (const Aabb3& query : queries_) found += find(query);
-      KeepResult(static_cast<std::uint32_t>(found));
     };
     return c;
   }
@@ -110,15 +105,16 @@ void RunPeers(std::uint64_t seed, Throughput& throughput) {
     const Timings timings = throughput.Time(boxes.Cases());
     sizes.push_back(static_cast<double>(objects));
     for (std::size_t i = 0; i < kNames.size(); ++i) {
-      times[i].push_back(timings[i].Median());
+      const Timing& all = timings[i];
+      times[i].push_back(all.Median());
       ThroughputRow row;
       row.name = kNames[i];
       row.objects = objects;
       row.queries = 1;
       row.working_set = "boxes";
       if (i == 0) row.target = target.name();
-      row.ns_per_pair = timings[i].Median() / static_cast<double>(objects);
-      throughput.AddRow(row);
+      throughput.AddRowsInTurn(row, all, timings[kNames.size() + i],
+                               Throughput::Rows::kAlways);
     }
   }
   for (std::size_t i = 1; i < kNames.size(); ++i) {
