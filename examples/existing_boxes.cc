@@ -47,8 +47,7 @@ int main() {
       {8e6 + 90.3, 8e6 + 9.7, 8e6 + 9.1}, 12.5};
   const halfspace::Aabo3 query = halfspace::BoundSphere(camera, &status);
   const std::size_t octahedra = halfspace::CountSurvivors(world, query);
-  const std::size_t plain =
-      halfspace::CountSurvivors(boxes, query.aabb());
+  const std::size_t plain = halfspace::CountSurvivors(boxes, query.aabb());
   std::printf("%zu boxes are near the camera; without D, %zu\n", octahedra,
               plain);
   const bool ok = status.everything == 0 && 0 < octahedra && octahedra < plain;

@@ -23,8 +23,7 @@ int main() {
       halfspace::BoundAabb(halfspace::Aabb2{{100, 50}, {104, 54}});
 
   if (!halfspace::AnySurvivor(streets, selection)) return 1;
-  const std::size_t octagons =
-      halfspace::CountSurvivors(streets, selection);
+  const std::size_t octagons = halfspace::CountSurvivors(streets, selection);
   const std::size_t boxes =
       halfspace::CountSurvivors(streets.view().aabb(), selection.aabb());
   std::printf("%zu rows could match; boxes alone would have kept %zu\n",

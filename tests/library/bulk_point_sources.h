@@ -176,9 +176,8 @@ struct PointSetSource : PointSource<kDims> {
 };
 
 #if defined(HALFSPACE_TEST_ONLY_3D)
-using AllBulkSources =
-    ::testing::Types<BoxSource<3>, SphereSource<3>, TriangleSource<3>,
-                     PointSetSource<3>>;
+using AllBulkSources = ::testing::Types<BoxSource<3>, SphereSource<3>,
+                                        TriangleSource<3>, PointSetSource<3>>;
 #else
 using AllBulkSources =
     ::testing::Types<BoxSource<2>, BoxSource<3>, BoxSource<4>, SphereSource<2>,

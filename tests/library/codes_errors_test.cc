@@ -131,9 +131,9 @@ TYPED_TEST(CodesErrorsTest, ViewOfNothingNeedsNoPlanes) {
   this->codes_.Recode(View());
   EXPECT_TRUE(this->codes_.empty());
   EXPECT_TRUE(this->codes_.Fits());
-  EXPECT_EQ(
-      CountSurvivors(Confirmed(this->codes_, View()), View::Query::Everything()),
-      0u);
+  EXPECT_EQ(CountSurvivors(Confirmed(this->codes_, View()),
+                           View::Query::Everything()),
+            0u);
 }
 
 TYPED_TEST(CodesErrorsTest, ConfirmedSizesMustAgree) {

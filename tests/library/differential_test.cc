@@ -99,7 +99,8 @@ TYPED_TEST(DifferentialTest, SizesAroundTiles) {
 
 TYPED_TEST(DifferentialTest, SizesFromMemory) {
   const auto query = TypeParam::Seen(typename TypeParam::Stored::Query());
-  this->CheckKinds(SizesFromMemory(sizeof(query)), 1, Scaled(kInputKinds.size()));
+  this->CheckKinds(SizesFromMemory(sizeof(query)), 1,
+                   Scaled(kInputKinds.size()));
 }
 
 }  // namespace

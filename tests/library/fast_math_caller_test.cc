@@ -29,8 +29,7 @@ float NotANumber() {
 template <typename World, typename Query>
 void ExpectAllKept(const World& world, const Query& query) {
   for (Target target : TargetsUnderTest()) {
-    EXPECT_EQ(CountSurvivors(world, query, {.target = target}),
-              world.size())
+    EXPECT_EQ(CountSurvivors(world, query, {.target = target}), world.size())
         << target.name();
   }
 }

@@ -42,9 +42,8 @@ void ForEachCall(const AnyWorld& world, const typename AnyWorld::Query& query,
   };
   visit_call("RejectMask", [&] { RejectMask(world, query, mask, asking); });
   visit_call("SurvivorMask", [&] { SurvivorMask(world, query, mask, asking); });
-  visit_call("Survivors", [&] {
-    std::ignore = Survivors(world, query, indices, asking);
-  });
+  visit_call("Survivors",
+             [&] { std::ignore = Survivors(world, query, indices, asking); });
   visit_call("CountSurvivors",
              [&] { std::ignore = CountSurvivors(world, query, asking); });
   visit_call("AnySurvivor",

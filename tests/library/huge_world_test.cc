@@ -59,8 +59,7 @@ TEST_F(HugeWorldTest, LastIndexOf32Bits) {
   ASSERT_TRUE(plane.ok());
   plane.data()[kTwoTo32 - 1] = 0.f;
   std::vector<std::uint32_t> indices(2, 7);
-  EXPECT_EQ(Survivors(World(plane, kTwoTo32), {{0.f, 0.f, 0.f}}, indices),
-            1u);
+  EXPECT_EQ(Survivors(World(plane, kTwoTo32), {{0.f, 0.f, 0.f}}, indices), 1u);
   EXPECT_EQ(indices[0], std::numeric_limits<std::uint32_t>::max());
   EXPECT_EQ(indices[1], 7u);
 }

@@ -139,8 +139,8 @@ template <typename AnyWorld>
   }
 
   ran = {};
-  const std::size_t pairs = SurvivorPairs(
-      world, queries, outputs.query_indices, outputs.object_indices, asking);
+  const std::size_t pairs = SurvivorPairs(world, queries, outputs.query_indices,
+                                          outputs.object_indices, asking);
   if (ran != options.target) return wrong_target("SurvivorPairs");
   if (pairs != answers.pairs()) {
     return Fail("SurvivorPairs", options)

@@ -108,7 +108,8 @@ TYPED_TEST(RangeTest, AnySurvivorSeesTheRangeAlone) {
     for (Target target : TargetsUnderTest()) {
       const auto any = [&](std::size_t begin, std::size_t end) {
         return AnySurvivor(world, query,
-                           {.target = target, .range = {begin, end}}).has_value();
+                           {.target = target, .range = {begin, end}})
+            .has_value();
       };
       EXPECT_TRUE(any(0, kMost)) << at;
       EXPECT_TRUE(any(word, kMost)) << at;
