@@ -33,7 +33,7 @@ constexpr std::size_t kFewestPairs = 1000;  // or the naive ones may all pass
 template <int kDims>
 using Tuple = std::array<int, static_cast<std::size_t>(kDims) + 1>;
 
-std::vector<Tuple<2>> TuplesOf(DimsConstant<2>) {
+[[maybe_unused]] std::vector<Tuple<2>> TuplesOf(DimsConstant<2>) {
   return {{119, 120, 169},
           {696, 697, 985},
           {4060, 4059, 5741},
@@ -48,7 +48,9 @@ std::vector<Tuple<3>> TuplesOf(DimsConstant<3>) {
           {17136, 17136, 17137, 29681},
           {63954, 63954, 63953, 110771}};
 }
-std::vector<Tuple<4>> TuplesOf(DimsConstant<4>) { return {{1, 1, 1, 1, 2}}; }
+[[maybe_unused]] std::vector<Tuple<4>> TuplesOf(DimsConstant<4>) {
+  return {{1, 1, 1, 1, 2}};
+}
 
 template <int kDims>
 struct TouchingBall {
