@@ -11,7 +11,7 @@
 #include "bench/throughput.h"
 #include "halfspace/codes.h"
 #include "halfspace/reject.h"
-#include "kernels/reference.h"
+#include "tests/reference/reference.h"
 
 namespace halfspace::bench {
 namespace {

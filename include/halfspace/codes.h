@@ -28,9 +28,6 @@
 // to learn a map, and Fits(), may give inexact numbers, and what confirms codes
 // is as in reject.h.
 //
-// Stack: calls on codes take up to 32 KiB (27 are used on x86; up to 11 by
-// masks of one query), as all lists and counts do.
-//
 // Thread safety: as for any container. Source: monotone codes are this
 // library's; docs/performance.md has the figures.
 #ifndef HALFSPACE_CODES_H_

@@ -42,8 +42,8 @@
 // subnormals and the exceptions that it traps do not matter, and are as before
 // afterwards: nothing is trapped in a builder. Exception flags may be raised
 // there, and none is cleared. The library is compiled without fast-math and
-// contraction whatever the caller's flags are. Cost: 30 to 200 ns each, and 5
-// ns a point; docs/exactness.md has a table.
+// contraction whatever the caller's flags are. Cost: tens to hundreds of ns,
+// and 5 ns a point; docs/performance.md has a table.
 //
 // Source: "The Bounding Simplex", for the axes; the outward rounding is this
 // library's own (docs/exactness.md).

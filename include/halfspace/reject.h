@@ -42,11 +42,11 @@
 // that is not supported here. Code compiled with -fno-exceptions can link and
 // call, and must keep to the preconditions. An empty world is fine.
 //
-// Thread safety: reentrant; no allocation, no lock, no state. Stack: 32 KiB are
-// enough for every call (27 are used on x86), and 4 KiB for the mask of one
-// query over a world of floats. Cost: a load and an indirect call, then one
-// compare per plane and object, at the speed of the planes' memory
-// (docs/performance.md has figures).
+// Thread safety: reentrant; no allocation, no lock, no state. Stack: 8 KiB are
+// enough for every call here (7 are used on x86), over floats or codes. Cost: a
+// load and an indirect call, then one compare per plane and object, at the
+// speed of the planes' memory (docs/performance.md has figures). A reject mask
+// is a survivor mask turned over: one more pass over the mask.
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (the tests,
 // and the early-out under SIMD that schedules are about).
@@ -67,14 +67,13 @@
 namespace halfspace {
 
 // When to stop testing a group of objects that are all rejected already. It
-// changes the cost, never the answer.
+// changes the cost, never the answer. A simplex is always tested flat.
 enum class Schedule : std::uint8_t {
   kAuto,          // the shape's measured best: see docs/design.md
   kFlat,          // every plane of every object, without a branch
-  kStaged,        // simplex, AABB: as kStagedByAxis. AABO: up simplex, then
-                  // down simplex
-  kStagedByAxis,  // after each axis: one plane of a simplex, the two planes
-                  // (the interval) of a box or an octahedron
+  kStaged,        // AABB: as kStagedByAxis. AABO: up simplex, then down simplex
+  kStagedByAxis,  // after the two planes (the interval) of each axis of a box
+                  // or an octahedron of floats or doubles; of codes, as kAuto
 };
 
 // Objects begin ... end - 1 of a world, for threads that share one call's work:

@@ -17,7 +17,8 @@
 //
 // Errors: only those named below, thrown as std::invalid_argument. Thread
 // safety: pure functions. The caller's floating-point mode and compiler flags
-// do not matter, as in fit.h. Cost: 20 to 90 ns.
+// do not matter, as in fit.h. Cost: tens of ns, up to twice
+// that where every bound differs; docs/performance.md has a table.
 //
 // Source: "The Bounding Simplex", for the axes; docs/exactness.md for the
 // rounding.
