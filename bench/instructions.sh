@@ -14,7 +14,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 
 code=$(mktemp -d)
 trap 'rm -rf "$code"' EXIT
-for source in kernels_3d register_scan; do
+for source in scan_float_3 scan_float_4 register_scan; do
   object=$(find "$build" -name "$source.cc.o" | head -n 1)
   if [ -z "$object" ]; then
     echo "$0: no $source.cc.o in $build; build cpuinfo-bench there first" >&2
@@ -65,15 +65,16 @@ table() {
   printf '\n|---|---|---|---|'
   printf -- '---|%.0s' "$@"
   echo
-  local shape planes
-  while read -r shape planes; do
-    row loaded kernels_3d \
-      "N_$target::ScanQueries<halfspace::kernels::$shape<3>, 1ul, false, halfspace::N_$target::$load, float," \
+  local shape planes axes all
+  while read -r shape planes axes; do
+    all=$(seq -f ' %.0ful' -s , 0 $((planes - 1)))
+    row loaded "scan_float_$axes" \
+      "N_$target::FlatOne<${axes}ul, halfspace::N_$target::$load, float,$all>" \
       "$target" "$shape" "$planes" "$lanes" "$@"
     row registers register_scan \
       "N_$target::ScanRegisters<hwy::N_$target::Simd<float, ${lanes}ul, 0>" \
       "$target" "$shape" "$planes" "$lanes" "$@"
-  done <<<$'SimplexFlat 4\nAabbFlat 6\nAaboFlat 8'
+  done <<<$'simplex 4 4\nAABB 6 3\nAABO 8 4'
 }
 
 table SSE4 4 LoadAligned znver3 icelake-server
