@@ -166,15 +166,23 @@ HWY_INLINE void StreamPages(const detail::Scan& scan,
 template <typename T>
 int64_t ElementKernels<T>::StreamMinima(const detail::Scan& scan,
                                         const detail::Part& part) {
-  StreamPages<false, T>(scan, part);
-  return FinishPart(scan, part, detail::kMinima);
+  if constexpr (kPagesPay) {
+    StreamPages<false, T>(scan, part);
+    return FinishPart(scan, part, detail::kMinima);
+  } else {
+    return scan.kernels->run[detail::kMinima](scan, part);
+  }
 }
 
 template <typename T>
 int64_t ElementKernels<T>::StreamAll(const detail::Scan& scan,
                                      const detail::Part& part) {
-  StreamPages<true, T>(scan, part);
-  return FinishPart(scan, part, detail::kAll);
+  if constexpr (kPagesPay) {
+    StreamPages<true, T>(scan, part);
+    return FinishPart(scan, part, detail::kAll);
+  } else {
+    return scan.kernels->run[detail::kAll](scan, part);
+  }
 }
 
 // ---- By axis: stages that leave many groups of objects, kept in a list.
@@ -353,19 +361,13 @@ constexpr detail::TargetKernels MakeKernels() {
   kernels.nonzero_words = &FindNonzeroWords;
   kernels.count_bits = &CountBits;
   kernels.run[detail::kAll] = &Flat<kAxes, kAxes, T>;
-  kernels.run[detail::kAllStreaming] = kernels.run[detail::kAll];
-  if constexpr (kPagesPay) {
-    kernels.run[detail::kAllStreaming] = &ElementKernels<T>::StreamAll;
-  }
+  kernels.run[detail::kAllStreaming] = &ElementKernels<T>::StreamAll;
   if constexpr (std::is_floating_point_v<T>) {
     kernels.run[detail::kByAxis] = &ElementKernels<T>::ByAxis;
   }
   if constexpr (kAxes > 2) {
     kernels.run[detail::kMinima] = &Flat<kAxes, 0, T>;
-    kernels.run[detail::kMinimaStreaming] = kernels.run[detail::kMinima];
-    if constexpr (kPagesPay) {
-      kernels.run[detail::kMinimaStreaming] = &ElementKernels<T>::StreamMinima;
-    }
+    kernels.run[detail::kMinimaStreaming] = &ElementKernels<T>::StreamMinima;
     kernels.run[detail::kBySimplex] = &BySimplex<kAxes, T>;
   }
   return kernels;
