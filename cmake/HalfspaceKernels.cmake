@@ -1,8 +1,6 @@
 # The kernels, as a source file for each set that a program may link alone. All
 # sets are made from the templates next to the kernels.
 
-# halfspace_add_kernels(<template> <name>): adds kernels/<template>.cc.in, with
-# this scope's variables, as <name>.cc.
 # A copy of two neighbouring fields as one vector waits for the stores that just
 # wrote them: 4 ns in a call that takes 25.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
@@ -13,12 +11,14 @@ endif()
 set_property(SOURCE dispatch/scan/reject.cc dispatch/scan/reject_many.cc
   APPEND PROPERTY COMPILE_OPTIONS ${scalar_copies})
 
+# halfspace_add_kernels(<template> <name> [OPTION...]): adds
+# kernels/<template>.cc.in, with this scope's variables, as <name>.cc.
 function(halfspace_add_kernels template name)
   set(source "${name}.cc")
   set(file "${PROJECT_BINARY_DIR}/kernels/${source}")
   configure_file("${PROJECT_SOURCE_DIR}/kernels/${template}.cc.in" "${file}" @ONLY)
   target_sources(halfspace PRIVATE "${file}")
-  set_property(SOURCE "${file}" APPEND PROPERTY COMPILE_OPTIONS ${scalar_copies})
+  set_property(SOURCE "${file}" APPEND PROPERTY COMPILE_OPTIONS ${ARGN})
   halfspace_ease_sanitizers("${file}")
 endfunction()
 
@@ -40,9 +40,11 @@ list(REMOVE_DUPLICATES all_axes)
 
 foreach(element float double std::int8_t std::int16_t)
   string(REGEX REPLACE "std::|_t" "" element_name "${element}")
-  halfspace_add_kernels(scan/kernels_of_element "scan_${element_name}")
+  halfspace_add_kernels(scan/kernels_of_element "scan_${element_name}"
+    ${scalar_copies})
   foreach(axes IN LISTS all_axes)
-    halfspace_add_kernels(scan/kernels_of_axes "scan_${element_name}_${axes}")
+    halfspace_add_kernels(scan/kernels_of_axes "scan_${element_name}_${axes}"
+      ${scalar_copies})
   endforeach()
 endforeach()
 

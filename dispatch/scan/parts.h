@@ -54,7 +54,7 @@ struct Tested {
   }
 };
 
-// What codes keep and floats are to test (refine.cc).
+// What codes keep and floats are to test (parts.cc).
 bool FloatsReject(const Scan& scan, std::size_t query, std::size_t object);
 void PrefetchFloats(const Scan& scan, std::size_t object);
 
@@ -75,15 +75,6 @@ inline std::size_t PartObjects(const Scan& scan) {
   if (scan.query_count == 1) return kRunsOfOne * kRunObjects;
   const std::size_t bytes = scan.book != nullptr ? kCodedTileBytes : kTileBytes;
   return std::min(kRunObjects, bytes / scan.record_bytes / 64 * 64);
-}
-
-// Calls visit(run, query, first object, words, count of words).
-template <typename Visit>
-void ForEachRun(const Tested& tested, const Visit& visit) {
-  for (std::size_t run = 0; run < tested.runs; ++run) {
-    visit(run, tested.QueryOfRun(run), tested.ObjectOfRun(run),
-          tested.RowOfRun(run), tested.WordsOfRun(run));
-  }
 }
 
 // Calls visit(run, object of the run) for every bit of the words.
@@ -269,13 +260,13 @@ void ForEachSurvivor(const Scan& scan, const Tested& tested,
   });
 }
 
-// Calls visit(query, number of survivors).
+// Calls visit(query, number of survivors) for every run.
 template <typename Visit>
 void ForEachCount(const Scan& scan, const Tested& tested, const Visit& visit) {
-  ForEachRun(tested, [&](std::size_t run, std::size_t query, std::size_t,
-                         const std::uint64_t* words, std::size_t) {
-    visit(query, scan.kernels->count_bits(words, tested.nonzero[run]));
-  });
+  for (std::size_t run = 0; run < tested.runs; ++run) {
+    visit(tested.QueryOfRun(run),
+          scan.kernels->count_bits(tested.RowOfRun(run), tested.nonzero[run]));
+  }
 }
 
 // Makes reject masks of survivor masks, or the other way round.

@@ -88,11 +88,9 @@ void RefuseBadRange(const detail::Scan& scan, const Range& range) {
                  "a multiple of 64, or the world's size",
                  std::to_string(range.end));
   }
-  if (range.begin > range.end) {
-    ThrowInvalid(scan.call, "options.range.end",
-                 "not less than its begin, " + std::to_string(range.begin),
-                 std::to_string(range.end));
-  }
+  ThrowInvalid(scan.call, "options.range.end",
+               "not less than its begin, " + std::to_string(range.begin),
+               std::to_string(range.end));
 }
 
 void RefuseSchedule(const detail::Scan& scan, Schedule schedule) {

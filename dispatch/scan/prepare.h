@@ -27,7 +27,7 @@ struct Output {
 // Each throws std::invalid_argument, in the name of scan.call, if something is
 // wrong.
 void RefuseBadWorld(const detail::Scan& scan);
-void RefuseBadRange(const detail::Scan& scan, const Range& range);
+[[noreturn]] void RefuseBadRange(const detail::Scan& scan, const Range& range);
 void RefuseBadOutput(const detail::Scan& scan, const Output& output);
 [[noreturn]] void RefuseSchedule(const detail::Scan& scan, Schedule schedule);
 
@@ -36,21 +36,21 @@ void CheckIndicesFit(const detail::Scan& scan);
 
 // The way through all planes, by shape and schedule; docs/design.md says why
 // the defaults are what they are.
-inline constexpr detail::Way kWays[3][4] = {
+inline constexpr detail::Way kWayOf[3][4] = {
     // kAuto, kFlat, kStaged, kStagedByAxis
     {detail::kMinima, detail::kMinima, detail::kMinima, detail::kMinima},
     {detail::kAll, detail::kAll, detail::kByAxis, detail::kByAxis},
     {detail::kBySimplex, detail::kAll, detail::kBySimplex, detail::kByAxis},
 };
 // A word of codes is a vector or two: a stage has nothing to leave out of it.
-inline constexpr detail::Way kWaysOfCodes[3][4] = {
+inline constexpr detail::Way kWayOfCodes[3][4] = {
     {detail::kMinima, detail::kMinima, detail::kMinima, detail::kMinima},
     {detail::kAll, detail::kAll, detail::kAll, detail::kAll},
     {detail::kBySimplex, detail::kAll, detail::kBySimplex, detail::kBySimplex},
 };
 
-// The way of one query whose planes come from memory.
-inline constexpr detail::Way kStreamingWays[detail::kWays] = {
+// The way of one query whose planes are too many for the first-level cache.
+inline constexpr detail::Way kStreamingWayOf[detail::kWays] = {
     detail::kMinimaStreaming, detail::kMinimaStreaming, detail::kAllStreaming,
     detail::kAllStreaming,    detail::kByAxis,          detail::kBySimplex,
 };
@@ -92,12 +92,14 @@ inline void Prepare(detail::Scan& scan, const Options& options,
       scan.query_count == 1 &&
       (scan.end - scan.begin) * scan.record_bytes > kInCacheBytes;
   const auto shape = static_cast<std::size_t>(scan.shape);
-  scan.way = scan.book == nullptr ? kWays[shape][schedule]
-                                  : kWaysOfCodes[shape][schedule];
-  if (scan.is_streaming) scan.way = kStreamingWays[scan.way];
+  scan.way = scan.book == nullptr ? kWayOf[shape][schedule]
+                                  : kWayOfCodes[shape][schedule];
+  if (scan.is_streaming) scan.way = kStreamingWayOf[scan.way];
   if (options.ran != nullptr) [[unlikely]] {
     // Asked of the kernels themselves: no queries, no objects.
-    *options.ran = Target::FromHighwayBit(Run(scan, detail::Part{}));
+    detail::Part nothing{};
+    nothing.queries = scan.queries;
+    *options.ran = Target::FromHighwayBit(Run(scan, nothing));
   }
 }
 

@@ -89,7 +89,7 @@ struct Options {
   Schedule schedule = Schedule::kAuto;
   Target target = {};     // the chosen target
   Range range = {};       // the whole world
-  Target* ran = nullptr;  // if it is not null, is told which target ran
+  Target* ran = nullptr;  // if it is not null, is told which target runs
 };
 
 // Words of a mask over n objects.

@@ -80,16 +80,15 @@ HWY_NOINLINE int64_t FlatOne(std::index_sequence<kPlane...> all_planes,
   return HWY_TARGET;
 }
 
+#if HALFSPACE_MASKED_COMPARES
+
 // How many queries are tested at a time on kPlanes planes. With AVX-512, whose
 // 32 registers hold four simplices, and whose cores load one vector a cycle, as
 // many as they compare: a quarter less time (0.099 to 0.075 ns a pair for the
 // simplex in L1 on Zen 4). AVX2 and SSE4 gain nothing: two loads a cycle, and
 // too few registers.
 template <size_t kPlanes>
-inline constexpr size_t kQueriesAtOnce =
-    !HALFSPACE_MASKED_COMPARES ? 1 : (kPlanes <= 6 ? 4 : 2);
-
-#if HALFSPACE_MASKED_COMPARES
+inline constexpr size_t kQueriesAtOnce = kPlanes <= 6 ? 4 : 2;
 
 template <size_t kPlanes, size_t kQueries, class D>
 struct QueryVectors {

@@ -18,7 +18,7 @@ namespace halfspace::detail {
 
 // Codes are stored less half their range, because x86 compares only signed
 // bytes; and those of minima in reverse, so that the lesser stored code rejects
-// in every plane: lane_tests-inl.h says what for.
+// in every plane: kernels/scan/vectors-inl.h says what for.
 template <typename Code>
 using StoredCode = std::make_signed_t<Code>;
 

@@ -11,6 +11,15 @@
 
 namespace halfspace::detail {
 
+template <typename View, typename Pointers>
+void ListPlanes(const View& view, Pointers& planes) {
+  std::size_t p = 0;
+  for (const auto* plane : view.min) planes[p++] = plane;
+  if constexpr (HasMax<View>) {
+    for (const auto* plane : view.max) planes[p++] = plane;
+  }
+}
+
 template <typename View>
 FloatColumns ColumnsOf(const View& floats) {
   FloatColumns columns;

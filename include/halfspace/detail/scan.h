@@ -102,7 +102,7 @@ struct Scan {
   bool is_refined;
   FloatColumns floats;
 
-  // Set by the library, once the call is found to be right.
+  // Set by the library.
   Way way;
   bool is_streaming;
   bool is_aligned;               // every plane begins at a multiple of 64 bytes
@@ -123,15 +123,6 @@ constexpr Shape ShapeOf(const AabbView<kDims, T>&) {
 template <int kDims, typename T>
 constexpr Shape ShapeOf(const AaboView<kDims, T>&) {
   return Shape::kAabo;
-}
-
-template <typename View, typename Pointers>
-void ListPlanes(const View& view, Pointers& planes) {
-  std::size_t p = 0;
-  for (const auto* plane : view.min) planes[p++] = plane;
-  if constexpr (HasMax<View>) {
-    for (const auto* plane : view.max) planes[p++] = plane;
-  }
 }
 
 template <std::size_t kPlane, typename View>
