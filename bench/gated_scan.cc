@@ -20,9 +20,10 @@ template <const auto& kOrder, size_t kPlane, size_t kObjects, class D, class V>
 HWY_INLINE uint64_t PlaneRejects(D d, const float* const* planes, size_t i,
                                  V query) {
   constexpr bench::Plane kTest = bench::kPlaneOf<kOrder, kPlane>;
-  return KeptBits < kTest.is_min ? 1 : 0,
-         kObjects > (d, LoadAll(), planes + kTest.object, i, query) ^
-             kLowBits<kObjects>;
+  constexpr size_t kMins = kTest.is_min ? 1 : 0;
+  return KeptBits<kMins, kObjects>(d, LoadAll(), planes + kTest.object, i,
+                                   query) ^
+         kLowBits<kObjects>;
 }
 
 // A batch that is part of a word: planes kPlane, kPlane + 1, ... until all its

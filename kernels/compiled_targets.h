@@ -3,6 +3,7 @@
 #ifndef HALFSPACE_KERNELS_COMPILED_TARGETS_H_
 #define HALFSPACE_KERNELS_COMPILED_TARGETS_H_
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -44,6 +45,15 @@ inline constexpr std::size_t kCompiledTargets = [] {
   ForEachCompiledTarget([&count](auto) { ++count; });
   return count;
 }();
+
+// get(TargetConstant<target>()) of each, in that order.
+template <typename Entry, typename Get>
+constexpr std::array<Entry, kCompiledTargets> OfEachTarget(const Get& get) {
+  std::array<Entry, kCompiledTargets> entries{};
+  std::size_t i = 0;
+  ForEachCompiledTarget([&](auto target) { entries[i++] = get(target); });
+  return entries;
+}
 
 // float32 lanes of a vector; executes an instruction of that target. Defined in
 // kernels/scan/words.cc, because SVE has to ask the hardware.

@@ -58,8 +58,8 @@ struct Tested {
 bool FloatsReject(const Scan& scan, std::size_t query, std::size_t object);
 void PrefetchFloats(const Scan& scan, std::size_t object);
 
-// Asks for share `share` of `shares` of the planes of objects begin ... begin +
-// objects - 1, as far as there are any. A tile that the queries come to piece
+// Prefetches share `share` of `shares` of the planes of objects begin ... begin
+// + objects - 1, as far as there are any. A tile that the queries come to piece
 // by piece would come out of memory line by line.
 void PrefetchTile(const Scan& scan, std::size_t begin, std::size_t objects,
                   std::size_t share, std::size_t shares);
@@ -133,7 +133,7 @@ inline void TestPart(const Scan& scan, Tested& tested) {
   FindNonzero(scan, tested);
 }
 
-// Asks for the floats of what the codes have kept, and lists it.
+// Prefetches the floats of what the codes have kept, and lists it.
 inline void PrefetchCandidates(const Scan& scan, Tested& tested) {
   std::size_t count = 0;
   ForEachBit(tested, [&](std::size_t run, std::size_t object) {
@@ -156,22 +156,53 @@ inline void Refine(const Scan& scan, const Tested& tested) {
   });
 }
 
+// The queries whose codes are made at a time, and the room for the words of two
+// parts, on the stack: of one query, or of many.
+struct OneQuery {
+  static constexpr std::size_t kBlock = 1;
+  static constexpr std::size_t kStride = 0;
+  std::uint64_t rows[2][kRunsOfOne * kRunWords];
+};
+struct ManyQueries {
+  static constexpr std::size_t kBlock = 256;
+  static constexpr std::size_t kStride = kRunWords;
+  std::uint64_t rows[2][kMostQueries * kRunWords];
+};
+
+// Room for the codes of so many queries.
+template <std::size_t kQueries>
+struct QueryCodes {
+  alignas(
+      16) std::byte bytes[kQueries * detail::kMaxPlanes * sizeof(std::int16_t)];
+};
+
+// Queries `first` ... `first` + `count` - 1 as the kernels read them: the
+// caller's own, or their codes, which are made here.
+template <std::size_t kQueries>
+const std::byte* ReadableQueries(const Scan& scan, std::size_t first,
+                                 std::size_t count,
+                                 QueryCodes<kQueries>& codes) {
+  if (scan.book == nullptr) {
+    return static_cast<const std::byte*>(scan.queries) +
+           first * scan.record_bytes;
+  }
+  scan.encode(scan, first, count, codes.bytes);
+  return codes.bytes;
+}
+
 // Calls visit(part), without rows, for every batch of queries and tile of
 // `objects` objects. Codes of queries are made once for all tiles of the world,
 // for kBlock queries at a time: enough of them that reading the world again for
 // the next block costs nothing.
 template <std::size_t kBlock, typename Visit>
 void ForEachBatch(const Scan& scan, std::size_t objects, const Visit& visit) {
-  alignas(16)
-      std::byte codes[kBlock * detail::kMaxPlanes * sizeof(std::int16_t)];
+  QueryCodes<kBlock> codes;
   const std::size_t most = scan.book != nullptr
                                ? kBlock
                                : std::max<std::size_t>(1, scan.query_count);
   for (std::size_t first = 0; first < scan.query_count; first += most) {
     const std::size_t block = std::min(most, scan.query_count - first);
-    if (scan.book != nullptr) scan.encode(scan, first, block, codes);
-    const auto* queries = static_cast<const std::byte*>(
-        scan.book != nullptr ? codes : scan.queries);
+    const std::byte* queries = ReadableQueries(scan, first, block, codes);
     const std::size_t batches = (block + kMostQueries - 1) / kMostQueries;
     for (std::size_t begin = scan.begin; begin < scan.end; begin += objects) {
       const std::size_t end = std::min(scan.end - begin, objects) + begin;
@@ -217,19 +248,6 @@ void ForEachPlacedPart(const Scan& scan, const Place& place,
   });
   if (is_waiting) finish(parts[turn ^ 1]);
 }
-
-// The queries whose codes are made at a time, and the room for the words of two
-// parts, on the stack: of one query, or of many.
-struct OneQuery {
-  static constexpr std::size_t kBlock = 1;
-  static constexpr std::size_t kStride = 0;
-  std::uint64_t rows[2][kRunsOfOne * kRunWords];
-};
-struct ManyQueries {
-  static constexpr std::size_t kBlock = 256;
-  static constexpr std::size_t kStride = kRunWords;
-  std::uint64_t rows[2][kMostQueries * kRunWords];
-};
 
 // The same with rows on the stack.
 template <typename Queries, typename Visit>

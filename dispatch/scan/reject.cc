@@ -1,6 +1,7 @@
 #include "halfspace/reject.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -99,20 +100,33 @@ std::size_t CountSurvivors(Scan&& scan, const Options& options) {
 
 std::size_t AnySurvivor(Scan&& scan, const Options& options) {
   dispatch::Prepare(scan, options, "AnySurvivor");
+  dispatch::QueryCodes<1> codes;
+  std::uint64_t words[dispatch::kRunWords];
+  Tested tested;
+  Part& part = tested.part;
+  part = {.first_query = 0,
+          .query_count = 1,
+          .queries = dispatch::ReadableQueries(scan, 0, 1, codes),
+          .begin = scan.begin,
+          .end = scan.begin,
+          .rows = words,
+          .stride = 0};
   // A survivor is often among the first.
   std::size_t objects = 512;
-  const std::size_t end = scan.end;
-  while (scan.begin < end) {
-    scan.end = std::min(end - scan.begin, objects) + scan.begin;
-    std::size_t found = kNoSurvivor;
-    dispatch::ForEachPart<OneQuery>(scan, [&](const Tested& tested) {
-      dispatch::ForEachSurvivor(scan, tested,
-                                [&](std::size_t, std::size_t object) {
-                                  found = std::min(found, object);
-                                });
-    });
-    if (found != kNoSurvivor) return found;
-    scan.begin = scan.end;
+  while (part.end < scan.end) {
+    part.begin = part.end;
+    part.end += std::min(scan.end - part.begin, objects);
+    dispatch::TestPart(scan, tested);
+    if (scan.is_refined) {
+      dispatch::PrefetchCandidates(scan, tested);
+      dispatch::Refine(scan, tested);
+    }
+    for (std::size_t w = 0; w < tested.words(); ++w) {
+      if (words[w] != 0) {
+        return part.begin + 64 * w +
+               static_cast<std::size_t>(std::countr_zero(words[w]));
+      }
+    }
     objects = dispatch::kRunObjects;
   }
   return kNoSurvivor;

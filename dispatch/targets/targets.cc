@@ -114,21 +114,20 @@ const Choice& TheChoice() {
   return choice;
 }
 
-[[noreturn]] void ThrowBadChoice(std::string_view call) {
-  kernels::ThrowInvalid(call, "HALFSPACE_TARGET", ExpectedNames(),
-                        WhyNot(TheChoice().requested));
-}
-
 [[noreturn]] void ThrowBadTarget(Target target, std::string_view call) {
   kernels::ThrowInvalid(call, "options.target", ExpectedNames(),
                         target.name().empty() ? "a bit that is no target"
                                               : WhyNot(target.name()));
 }
 
-// The target that HALFSPACE_TARGET asks for, or the best one.
+// The target that HALFSPACE_TARGET names, or the best one.
 Target ChosenFor(std::string_view call) {
-  if (!TheChoice().error.empty()) ThrowBadChoice(call);
-  return TheChoice().target;
+  const Choice& choice = TheChoice();
+  if (!choice.error.empty()) {
+    kernels::ThrowInvalid(call, "HALFSPACE_TARGET", ExpectedNames(),
+                          WhyNot(choice.requested));
+  }
+  return choice.target;
 }
 
 }  // namespace
@@ -174,11 +173,7 @@ std::span<const Target> SupportedTargets() {
   return list.span();
 }
 
-Target ChosenTarget() {
-  const dispatch::Choice& choice = dispatch::TheChoice();
-  if (!choice.error.empty()) dispatch::ThrowBadChoice("ChosenTarget");
-  return choice.target;
-}
+Target ChosenTarget() { return dispatch::ChosenFor("ChosenTarget"); }
 
 detail::TargetChoiceView detail::ViewTargetChoice() {
   const dispatch::Choice& choice = dispatch::TheChoice();

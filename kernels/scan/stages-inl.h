@@ -85,8 +85,8 @@ HWY_INLINE void PrefetchWord(const T* plane, size_t first) {
   }
 }
 
-// A page of words, of which those that are not the first are ANDed to what the
-// planes before have kept.
+// The words of a page: of the first planes as they are, of later ones ANDed to
+// what those before have kept.
 template <size_t kMins, typename T, size_t kPlanes>
 HWY_INLINE void TestPage(const PlaneGroup<T, kPlanes>& group, bool is_first,
                          size_t first, size_t words, uint64_t* row) {

@@ -23,31 +23,51 @@ struct CallOutputs {
   bool Untouched() const { return mask.IntactBut(0) && indices.IntactBut(0); }
 };
 
-// Calls visit(name, call) for each of the five; call() returns the target that
-// ran, as the call tells it.
+// Turns calls that take options into visit(name, call), where call() returns
+// the target that ran, as the call tells it.
+template <typename Visit>
+class CallVisitor {
+ public:
+  CallVisitor(const Options& options, Visit visit)
+      : asking_(options), visit_(visit) {
+    asking_.ran = &ran_;
+  }
+
+  template <typename Call>
+  void operator()(std::string_view name, const Call& call) {
+    visit_(name, [this, &call] {
+      ran_ = {};
+      call(asking_);
+      return ran_;
+    });
+  }
+
+ private:
+  Options asking_;
+  Target ran_;
+  Visit visit_;
+};
+
+// Calls visit(name, call) for each of the five, as CallVisitor does.
 template <typename AnyWorld, typename Visit>
 void ForEachCall(const AnyWorld& world, const typename AnyWorld::Query& query,
                  const Options& options, CallOutputs& outputs, Visit visit) {
   const auto mask = outputs.mask.Reset(CallOutputs::kRoom);
   const auto indices = outputs.indices.Reset(CallOutputs::kRoom);
-  Options asking = options;
-  Target ran;
-  asking.ran = &ran;
-  const auto visit_call = [&](std::string_view name, auto call) {
-    visit(name, [&] {
-      ran = {};
-      call();
-      return ran;
-    });
-  };
-  visit_call("RejectMask", [&] { RejectMask(world, query, mask, asking); });
-  visit_call("SurvivorMask", [&] { SurvivorMask(world, query, mask, asking); });
-  visit_call("Survivors",
-             [&] { std::ignore = Survivors(world, query, indices, asking); });
-  visit_call("CountSurvivors",
-             [&] { std::ignore = CountSurvivors(world, query, asking); });
-  visit_call("AnySurvivor",
-             [&] { std::ignore = AnySurvivor(world, query, asking); });
+  CallVisitor visit_call(options, visit);
+  visit_call("RejectMask",
+             [&](const Options& o) { RejectMask(world, query, mask, o); });
+  visit_call("SurvivorMask",
+             [&](const Options& o) { SurvivorMask(world, query, mask, o); });
+  visit_call("Survivors", [&](const Options& o) {
+    std::ignore = Survivors(world, query, indices, o);
+  });
+  visit_call("CountSurvivors", [&](const Options& o) {
+    std::ignore = CountSurvivors(world, query, o);
+  });
+  visit_call("AnySurvivor", [&](const Options& o) {
+    std::ignore = AnySurvivor(world, query, o);
+  });
 }
 
 }  // namespace halfspace::testing

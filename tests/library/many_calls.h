@@ -10,6 +10,7 @@
 
 #include "halfspace/reject_many.h"
 #include "tests/library/canaries.h"
+#include "tests/library/five_calls.h"
 
 namespace halfspace::testing {
 
@@ -30,8 +31,7 @@ struct ManyCallOutputs {
   }
 };
 
-// Calls visit(name, call) for each of the five; call() returns the target that
-// ran, as the call tells it.
+// Calls visit(name, call) for each of the five, as CallVisitor does.
 template <typename AnyWorld, typename Visit>
 void ForEachManyCall(const AnyWorld& world,
                      std::span<const typename AnyWorld::Query> queries,
@@ -43,28 +43,21 @@ void ForEachManyCall(const AnyWorld& world,
   const auto object_indices = outputs.object_indices.Reset(kRoom);
   const auto counts = outputs.counts.Reset(kRoom);
   outputs.tiles = 0;
-  Options asking = options;
-  Target ran;
-  asking.ran = &ran;
-  const auto visit_call = [&](std::string_view name, auto call) {
-    visit(name, [&] {
-      ran = {};
-      call();
-      return ran;
-    });
-  };
-  visit_call("RejectMasks", [&] { RejectMasks(world, queries, rows, asking); });
+  CallVisitor visit_call(options, visit);
+  visit_call("RejectMasks",
+             [&](const Options& o) { RejectMasks(world, queries, rows, o); });
   visit_call("SurvivorMasks",
-             [&] { SurvivorMasks(world, queries, rows, asking); });
-  visit_call("SurvivorPairs", [&] {
+             [&](const Options& o) { SurvivorMasks(world, queries, rows, o); });
+  visit_call("SurvivorPairs", [&](const Options& o) {
     std::ignore =
-        SurvivorPairs(world, queries, query_indices, object_indices, asking);
+        SurvivorPairs(world, queries, query_indices, object_indices, o);
   });
-  visit_call("SurvivorCounts",
-             [&] { SurvivorCounts(world, queries, counts, asking); });
-  visit_call("ForEachTile", [&] {
+  visit_call("SurvivorCounts", [&](const Options& o) {
+    SurvivorCounts(world, queries, counts, o);
+  });
+  visit_call("ForEachTile", [&](const Options& o) {
     ForEachTile(
-        world, queries, [&](const SurvivorTile&) { ++outputs.tiles; }, asking);
+        world, queries, [&](const SurvivorTile&) { ++outputs.tiles; }, o);
   });
 }
 

@@ -18,7 +18,10 @@ set(nested_options
   "-DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE}"
   "-DCMAKE_CXX_FLAGS=${CMAKE_CXX_FLAGS}")
 if(CMAKE_TOOLCHAIN_FILE)
-  list(APPEND nested_options "-DCMAKE_TOOLCHAIN_FILE=${CMAKE_TOOLCHAIN_FILE}")
+  # A preset names it relative to these sources, which a build of others is not in.
+  get_filename_component(toolchain "${CMAKE_TOOLCHAIN_FILE}" ABSOLUTE
+    BASE_DIR "${CMAKE_SOURCE_DIR}")
+  list(APPEND nested_options "-DCMAKE_TOOLCHAIN_FILE=${toolchain}")
 else()
   list(APPEND nested_options "-DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}")
 endif()
