@@ -158,8 +158,10 @@ void RunThreads(const Workload& workload, Throughput& throughput) {
   std::vector<std::uint64_t> rows(kThreadQueries * MaskWords(kObjects));
   const Target target = throughput.targets().front();
   const auto masks = [&](const Range& range) {
-    SurvivorMasks(world.view().simplex(), queries.simplices(), rows,
-                  {.target = target, .range = range});
+    SurvivorMasks(
+        world.view().simplex(), queries.simplices(),
+        std::span(rows).subspan(range.begin / 64),
+        {.target = target, .range = range, .row_words = MaskWords(kObjects)});
   };
   std::optional<OtherThread> other;
   try {

@@ -1,6 +1,6 @@
 // Which of many boxes could each of many queries touch? Every thread takes a
-// range of the world, and all of them fill the same rows of masks: ranges share
-// no word, so no lock is needed.
+// range of the world, and all of them fill the same rows of masks, each its own
+// words of them, so no lock is needed.
 #include <halfspace/halfspace.h>
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -29,14 +30,17 @@ int main() {
   std::vector<std::uint64_t> rows(cars.size() * words);
 
   // As many words for each thread; the last one's range ends past the world.
-  const std::size_t threads = std::max(2u, std::thread::hardware_concurrency());
+  const std::size_t threads =
+      std::clamp<std::size_t>(std::thread::hardware_concurrency(), 2, 16);
   const std::size_t objects = 64 * (words / threads + 1);
   {
     std::vector<std::jthread> workers;
     for (std::size_t t = 0; t < threads; ++t) {
       const halfspace::Range range{t * objects, (t + 1) * objects};
-      workers.emplace_back([&, range] {
-        halfspace::SurvivorMasks(houses, cars, rows, {.range = range});
+      workers.emplace_back([&, t, range] {
+        halfspace::SurvivorMasks(houses, cars,
+                                 std::span(rows).subspan(t * objects / 64),
+                                 {.range = range, .row_words = words});
       });
     }
   }  // here they are joined

@@ -8,6 +8,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "dispatch/scan/prepare.h"
 #include "halfspace/detail/scan.h"
@@ -190,10 +191,22 @@ const std::byte* ReadableQueries(const Scan& scan, std::size_t first,
   return codes.bytes;
 }
 
+// visit(argument), and whether to go on: a visitor that returns nothing does.
+template <typename Visit, typename Argument>
+bool GoesOn(const Visit& visit, const Argument& argument) {
+  if constexpr (std::is_void_v<
+                    std::invoke_result_t<const Visit&, const Argument&>>) {
+    visit(argument);
+    return true;
+  } else {
+    return visit(argument);
+  }
+}
+
 // Calls visit(part), without rows, for every batch of queries and tile of
-// `objects` objects. Codes of queries are made once for all tiles of the world,
-// for kBlock queries at a time: enough of them that reading the world again for
-// the next block costs nothing.
+// `objects` objects, until it returns false. Codes of queries are made once for
+// all tiles of the world, for kBlock queries at a time: enough of them that
+// reading the world again for the next block costs nothing.
 template <std::size_t kBlock, typename Visit>
 void ForEachBatch(const Scan& scan, std::size_t objects, const Visit& visit) {
   QueryCodes<kBlock> codes;
@@ -209,21 +222,22 @@ void ForEachBatch(const Scan& scan, std::size_t objects, const Visit& visit) {
       for (std::size_t b = 0; b < batches; ++b) {
         if (batches > 1) PrefetchTile(scan, end, objects, b, batches);
         const std::size_t q = b * kMostQueries;
-        visit(Part{.first_query = first + q,
-                   .query_count = std::min(kMostQueries, block - q),
-                   .queries = queries + q * scan.record_bytes,
-                   .begin = begin,
-                   .end = end,
-                   .rows = nullptr,
-                   .stride = 0});
+        const Part part{.first_query = first + q,
+                        .query_count = std::min(kMostQueries, block - q),
+                        .queries = queries + q * scan.record_bytes,
+                        .begin = begin,
+                        .end = end,
+                        .rows = nullptr,
+                        .stride = 0};
+        if (!GoesOn(visit, part)) return;
       }
     }
   }
 }
 
-// Tests part after part and calls visit(tested) with each, refined. place(part,
-// turn) has set its rows and stride; the rows of two turns are in use at a
-// time.
+// Tests part after part and calls visit(tested) with each, refined, until it
+// returns false. place(part, turn) has set its rows and stride; the rows of two
+// turns are in use at a time.
 template <std::size_t kBlock, typename Place, typename Visit>
 void ForEachPlacedPart(const Scan& scan, const Place& place,
                        const Visit& visit) {
@@ -233,18 +247,19 @@ void ForEachPlacedPart(const Scan& scan, const Place& place,
   bool is_waiting = false;
   const auto finish = [&](const Tested& tested) {
     Refine(scan, tested);
-    visit(tested);
+    return GoesOn(visit, tested);
   };
   ForEachBatch<kBlock>(scan, PartObjects(scan), [&](const Part& part) {
     Tested& tested = parts[turn];
     tested.part = part;
     place(tested.part, turn);
     TestPart(scan, tested);
-    if (!scan.is_refined) return visit(tested);
+    if (!scan.is_refined) return GoesOn(visit, tested);
     PrefetchCandidates(scan, tested);
     turn ^= 1;
-    if (is_waiting) finish(parts[turn]);
-    is_waiting = true;
+    const bool goes_on = !is_waiting || finish(parts[turn]);
+    is_waiting = goes_on;
+    return goes_on;
   });
   if (is_waiting) finish(parts[turn ^ 1]);
 }
@@ -292,12 +307,14 @@ inline void Flip(std::uint64_t* words, std::size_t count) {
   for (std::size_t w = 0; w < count; ++w) words[w] = ~words[w];
 }
 
-// Writes the masks of all queries; row q begins at rows + q * stride.
+// Writes the masks of all queries; row q begins at rows + q * stride, with the
+// range's first object.
 template <typename Queries>
 void WriteRows(const Scan& scan, std::uint64_t* rows, std::size_t stride,
                bool rejects) {
   const auto place = [&](Part& part, std::size_t) {
-    part.rows = rows + part.first_query * stride + part.begin / 64;
+    part.rows =
+        rows + part.first_query * stride + (part.begin - scan.begin) / 64;
     part.stride = stride;
   };
   const auto finish = [&](const Part& part) {

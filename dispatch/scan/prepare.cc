@@ -79,15 +79,6 @@ void RefuseBadWorld(const detail::Scan& scan) {
 }
 
 void RefuseBadRange(const detail::Scan& scan, const Range& range) {
-  if (range.begin % 64 != 0) {
-    ThrowInvalid(scan.call, "options.range.begin", "a multiple of 64",
-                 std::to_string(range.begin));
-  }
-  if (range.end % 64 != 0 && range.end < scan.size) {
-    ThrowInvalid(scan.call, "options.range.end",
-                 "a multiple of 64, or the world's size",
-                 std::to_string(range.end));
-  }
   ThrowInvalid(scan.call, "options.range.end",
                "not less than its begin, " + std::to_string(range.begin),
                std::to_string(range.end));

@@ -77,17 +77,16 @@ inline void Prepare(detail::Scan& scan, const Options& options,
       scan.size >> 60 != 0 || scan.is_refined) [[unlikely]] {
     RefuseBadWorld(scan);
   }
-  if (range.begin % 64 != 0 || range.begin > range.end ||
-      (range.end % 64 != 0 && range.end < scan.size)) [[unlikely]] {
+  if (range.begin > range.end) [[unlikely]]
     RefuseBadRange(scan, range);
-  }
   const auto schedule = static_cast<std::size_t>(options.schedule);
   if (schedule > static_cast<std::size_t>(Schedule::kStagedByAxis))
       [[unlikely]] {
     RefuseSchedule(scan, options.schedule);
   }
   scan.kernels = scan.all_kernels + IndexOf(options.target, call);
-  scan.is_aligned = scan.addresses.bits % 64 == 0;
+  scan.is_aligned =
+      (scan.addresses.bits | scan.begin * scan.element_bytes) % 64 == 0;
   scan.is_streaming =
       scan.query_count == 1 &&
       (scan.end - scan.begin) * scan.record_bytes > kInCacheBytes;

@@ -18,22 +18,23 @@ using dispatch::Tested;
 
 // Apart: its strings would cost each call their room.
 [[noreturn]] void ThrowShortMask(const Scan& scan, std::size_t words) {
+  const std::size_t objects = scan.end - scan.begin;
   kernels::ThrowInvalid(scan.call, "mask",
-                        "at least " + std::to_string(MaskWords(scan.size)) +
-                            " words for " + std::to_string(scan.size) +
+                        "at least " + std::to_string(MaskWords(objects)) +
+                            " words for " + std::to_string(objects) +
                             " objects",
                         std::to_string(words));
 }
 
 // Apart for the same reason.
 [[gnu::noinline]] void WriteCodedMask(const Scan& scan, std::uint64_t* mask) {
-  dispatch::WriteRows<OneQuery>(scan, mask, MaskWords(scan.size), false);
+  dispatch::WriteRows<OneQuery>(scan, mask, 0, false);
 }
 
 inline void WriteMask(Scan& scan, std::span<std::uint64_t> mask,
                       const Options& options, const char* call) {
   dispatch::Prepare(scan, options, call);
-  const std::size_t words = MaskWords(scan.size);
+  const std::size_t words = MaskWords(scan.end - scan.begin);
   if (mask.size() < words) [[unlikely]] {
     ThrowShortMask(scan, mask.size());
   }
@@ -47,8 +48,8 @@ inline void WriteMask(Scan& scan, std::span<std::uint64_t> mask,
                        .queries = scan.queries,
                        .begin = scan.begin,
                        .end = scan.end,
-                       .rows = mask.data() + scan.begin / 64,
-                       .stride = words});
+                       .rows = mask.data(),
+                       .stride = 0});
 }
 
 }  // namespace
@@ -61,8 +62,7 @@ void SurvivorMask(Scan&& scan, std::span<std::uint64_t> mask,
 void RejectMask(Scan&& scan, std::span<std::uint64_t> mask,
                 const Options& options) {
   WriteMask(scan, mask, options, "RejectMask");
-  dispatch::Flip(mask.data() + scan.begin / 64,
-                 MaskWords(scan.end - scan.begin));
+  dispatch::Flip(mask.data(), MaskWords(scan.end - scan.begin));
 }
 
 std::size_t Survivors(Scan&& scan, std::span<std::uint32_t> indices,

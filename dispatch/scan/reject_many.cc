@@ -18,17 +18,35 @@ using dispatch::Tested;
 void WriteMasks(Scan& scan, std::span<std::uint64_t> rows,
                 const Options& options, const char* call, bool rejects) {
   dispatch::Prepare(scan, options, call);
-  const std::size_t words = MaskWords(scan.size);
-  if (words != 0 && rows.size() / words < scan.query_count) {
-    kernels::ThrowInvalid(call, "rows",
-                          "at least " + std::to_string(scan.query_count) +
-                              " rows of " + std::to_string(words) + " words",
-                          std::to_string(rows.size()) + " words");
+  const std::size_t words = MaskWords(scan.end - scan.begin);
+  const std::size_t stride = options.row_words != 0 ? options.row_words : words;
+  if (stride < words) {
+    kernels::ThrowInvalid(
+        call, "options.row_words",
+        "0, or at least the " + std::to_string(words) + " words of a row",
+        std::to_string(stride));
   }
-  dispatch::CheckOutput(scan, {"rows", rows.data(),
-                               words * scan.query_count * sizeof(std::uint64_t),
-                               alignof(std::uint64_t)});
-  dispatch::WriteRows<ManyQueries>(scan, rows.data(), words, rejects);
+  std::size_t used = 0;
+  if (words != 0 && scan.query_count != 0) {
+    // The last row may end before the next would begin.
+    const std::size_t most =
+        rows.size() < words ? 0 : (rows.size() - words) / stride + 1;
+    if (most < scan.query_count) {
+      kernels::ThrowInvalid(
+          call, "rows",
+          "at least " + std::to_string(scan.query_count) + " rows of " +
+              std::to_string(words) + " words" +
+              (stride == words
+                   ? ""
+                   : ", " + std::to_string(stride) + " words apart"),
+          std::to_string(rows.size()) + " words");
+    }
+    used = (scan.query_count - 1) * stride + words;
+  }
+  dispatch::CheckOutput(scan,
+                        {"rows", rows.data(), used * sizeof(std::uint64_t),
+                         alignof(std::uint64_t)});
+  dispatch::WriteRows<ManyQueries>(scan, rows.data(), stride, rejects);
 }
 
 }  // namespace
@@ -107,12 +125,12 @@ void ForEachTile(Scan&& scan, TileFunction function, void* context,
   dispatch::Prepare(scan, options, "ForEachTile");
   dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
     const Part& part = tested.part;
-    function(context, {.first_query = part.first_query,
-                       .queries = part.query_count,
-                       .first_object = part.begin,
-                       .objects = part.end - part.begin,
-                       .rows = part.rows,
-                       .stride = part.stride});
+    return function(context, {.first_query = part.first_query,
+                              .queries = part.query_count,
+                              .first_object = part.begin,
+                              .objects = part.end - part.begin,
+                              .rows = part.rows,
+                              .stride = part.stride});
   });
 }
 

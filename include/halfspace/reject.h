@@ -27,20 +27,20 @@
 //   options  schedule, target, and the range of objects; the defaults are right
 // reject_many.h has the same for many queries.
 //
-// Masks: object i is bit i % 64 of word i / 64; MaskWords(n) words in all.
-// Words past those are not touched, and bits past object n - 1 in the last one
-// never show a survivor: they are 1 in a reject mask, 0 in a survivor mask. A
-// range of objects writes the words of the range and no others; indices are the
-// world's, not the range's.
+// Masks: object i of the world, or of the range that the options give, is bit
+// i % 64 of word i / 64; MaskWords(n) words for n objects. Words past those are
+// not touched, and bits past object n - 1 in the last one never show a
+// survivor: they are 1 in a reject mask, 0 in a survivor mask. Indices are the
+// world's, also those of a range.
 //
 // Errors: a precondition that is violated throws std::invalid_argument, which
 // names the argument, what was expected and what was given; nothing has been
 // written then. They are: a null or misaligned plane or output in a world that
-// is not empty, a mask span too short for the world, an output that overlaps a
-// plane or a query, more than 2^32 objects with 32-bit indices, a range that
-// begins or ends between multiples of 64 or ends before it begins, a target
-// that is not supported here. Code compiled with -fno-exceptions can link and
-// call, and must keep to the preconditions. An empty world is fine.
+// is not empty, a mask span too short for the objects, an output that overlaps
+// a plane or a query, more than 2^32 objects with 32-bit indices, a range that
+// ends before it begins, a target that is not supported here. Code compiled
+// with -fno-exceptions can link and call, and must keep to the preconditions.
+// An empty world is fine.
 //
 // Thread safety: reentrant; no allocation, no lock, no state. Stack: 8 KiB are
 // enough for every call here (7 are used on x86), over floats or codes. Cost: a
@@ -76,10 +76,11 @@ enum class Schedule : std::uint8_t {
                   // or an octahedron of floats or doubles; of codes, as kAuto
 };
 
-// Objects begin ... end - 1 of a world, for threads that share one call's work:
-// each takes a range and the same outputs. `begin` is a multiple of 64, so that
-// no two share a word of a mask; `end` too, unless it is the world's size. What
-// lies past the world does not count.
+// Objects begin ... end - 1 of a world. What lies past the world does not
+// count. A range costs what a world of its objects would: the cells of a grid
+// or the leaves of a tree are ranges of one world. Threads that share one
+// call's work take a range each; multiples of 64 objects let them fill the same
+// mask, each from word begin / 64 on.
 struct Range {
   std::size_t begin = 0;
   std::size_t end = std::numeric_limits<std::size_t>::max();
@@ -90,6 +91,10 @@ struct Options {
   Target target = {};     // the chosen target
   Range range = {};       // the whole world
   Target* ran = nullptr;  // if it is not null, is told which target runs
+
+  // RejectMasks and SurvivorMasks only: the words from one row to the next. 0
+  // stands for the words of a row. More lets a range be a part of larger rows.
+  std::size_t row_words = 0;
 };
 
 // Words of a mask over n objects.
@@ -98,7 +103,7 @@ constexpr std::size_t MaskWords(std::size_t objects) {
 }
 
 // Writes the reject mask: 1 = rejected, and 1 past the last object.
-//   mask  at least MaskWords(world size) words
+//   mask  at least MaskWords(objects of the range) words
 template <typename AnyWorld>
 void RejectMask(const AnyWorld& world, const typename AnyWorld::Query& query,
                 std::span<std::uint64_t> mask, const Options& options = {}) {
@@ -106,7 +111,7 @@ void RejectMask(const AnyWorld& world, const typename AnyWorld::Query& query,
 }
 
 // Writes the survivor mask: 1 = survives, and 0 past the last object.
-//   mask  at least MaskWords(world size) words
+//   mask  at least MaskWords(objects of the range) words
 template <typename AnyWorld>
 void SurvivorMask(const AnyWorld& world, const typename AnyWorld::Query& query,
                   std::span<std::uint64_t> mask, const Options& options = {}) {

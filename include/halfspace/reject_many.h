@@ -11,8 +11,8 @@
 //   queries  any number, of the world's Query type; NaN and empty queries as
 //            there
 //   options  as there; a range of objects is how threads share the work: give
-//            each thread a range, and the same outputs where the output is rows
-//            of masks, its own where it is lists or counts
+//            each thread a range, and outputs of its own, or, where these are
+//            rows of masks, its columns of the same rows (Options::row_words)
 //
 // Errors, thread safety and the meaning of masks are those of reject.h. Errors
 // too are lists of pairs that overlap one another where they are written, and
@@ -26,6 +26,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 #include "halfspace/detail/scan.h"
 #include "halfspace/reject.h"
@@ -33,9 +34,10 @@
 
 namespace halfspace {
 
-// Writes the reject mask of every query. Row q, the mask of queries[q], is
-// words [q * MaskWords(world size), (q + 1) * MaskWords(world size)) of `rows`,
-// which has room for all.
+// Writes the reject mask of every query. Row q, the mask of queries[q], is the
+// MaskWords(objects of the range) words of `rows` from q * options.row_words
+// on, or, if that is 0, from q times so many words on. `rows` has room for all.
+// Throws also if options.row_words is neither 0 nor enough for a row.
 template <typename AnyWorld>
 void RejectMasks(const AnyWorld& world,
                  std::span<const typename AnyWorld::Query> queries,
@@ -79,7 +81,7 @@ void SurvivorCounts(const AnyWorld& world,
 struct SurvivorTile {
   std::size_t first_query = 0;
   std::size_t queries = 0;
-  std::size_t first_object = 0;  // a multiple of 64
+  std::size_t first_object = 0;  // a multiple of 64 after the range's begin
   std::size_t objects = 0;
 
   // The survivor mask of query first_query + q: bit 0 of word 0 is
@@ -94,18 +96,26 @@ struct SurvivorTile {
 
 // Calls `function`, anything that takes a const SurvivorTile&, for every tile:
 // each pair of a query and an object is in one of them. For survivors that are
-// to be used while they are in the cache, and never stored. What the function
-// throws passes through.
+// to be used while they are in the cache, and never stored. A function that
+// returns a bool ends the call by returning false. What it throws passes
+// through.
 template <typename AnyWorld, typename Function>
 void ForEachTile(const AnyWorld& world,
                  std::span<const typename AnyWorld::Query> queries,
                  Function&& function, const Options& options = {}) {
   // Also of what no pointer to data can name: a function.
-  auto call = [&function](const SurvivorTile& tile) { function(tile); };
+  auto call = [&function](const SurvivorTile& tile) {
+    if constexpr (std::is_same_v<decltype(function(tile)), bool>) {
+      return function(tile);
+    } else {
+      function(tile);
+      return true;
+    }
+  };
   detail::ForEachTile(
       detail::ScanOf(world, queries),
       [](void* context, const SurvivorTile& tile) {
-        (*static_cast<decltype(call)*>(context))(tile);
+        return (*static_cast<decltype(call)*>(context))(tile);
       },
       &call, options);
 }

@@ -27,8 +27,7 @@ inline constexpr std::array kSchedules = {Schedule::kAuto, Schedule::kFlat,
 // What masks hold before a call, to show what it writes.
 inline constexpr std::uint64_t kUnwritten = 0xc5c5c5c5c5c5c5c5u;
 
-// One answer, as a reject mask, a survivor mask and a list. Words of the masks
-// that are outside the range of objects are as they were, unwritten.
+// One answer, as a reject mask, a survivor mask and a list.
 class Answer {
  public:
   Answer() = default;
@@ -41,20 +40,18 @@ class Answer {
 
   template <typename Rejects>
   void Assign(std::size_t objects, const Range& range, Rejects rejects) {
-    const std::size_t words = MaskWords(objects);
+    const std::size_t begin = std::min(range.begin, objects);
     const std::size_t end = std::min(range.end, objects);
-    reject_mask_.assign(words, kUnwritten);
-    survivor_mask_.assign(words, kUnwritten);
-    for (std::size_t w = range.begin / 64; w < MaskWords(end); ++w) {
-      reject_mask_[w] = ~std::uint64_t{0};
-      survivor_mask_[w] = 0;
-    }
+    const std::size_t words = MaskWords(end - begin);
+    reject_mask_.assign(words, ~std::uint64_t{0});
+    survivor_mask_.assign(words, 0);
     survivors_.clear();
-    for (std::size_t i = range.begin; i < end; ++i) {
+    for (std::size_t i = begin; i < end; ++i) {
       if (rejects(i)) continue;
-      const std::uint64_t bit = std::uint64_t{1} << (i % 64);
-      reject_mask_[i / 64] &= ~bit;
-      survivor_mask_[i / 64] |= bit;
+      const std::size_t at = i - begin;
+      const std::uint64_t bit = std::uint64_t{1} << (at % 64);
+      reject_mask_[at / 64] &= ~bit;
+      survivor_mask_[at / 64] |= bit;
       survivors_.push_back(static_cast<std::uint32_t>(i));
     }
   }

@@ -15,14 +15,14 @@ namespace halfspace::testing {
 
 class CoveredTiles {
  public:
-  // `rows` are the survivor masks that tiles are parts of.
+  // `rows` are the survivor masks of the range that tiles are parts of.
   CoveredTiles(std::span<const std::uint64_t> rows, std::size_t queries,
                std::size_t objects, const Range& range)
       : rows_(rows),
         queries_(queries),
-        words_(MaskWords(objects)),
         begin_(std::min(range.begin, objects)),
         end_(std::min(range.end, objects)),
+        words_(MaskWords(end_ - begin_)),
         times_(rows.size()) {}
 
   void Add(const SurvivorTile& tile) {
@@ -39,9 +39,8 @@ class CoveredTiles {
   // After the last tile; empty if nothing is.
   std::string WhatIsWrong() const {
     if (!wrong_.empty()) return wrong_;
-    if (begin_ == end_) return {};
     for (std::size_t q = 0; q < queries_; ++q) {
-      for (std::size_t w = begin_ / 64; w < MaskWords(end_); ++w) {
+      for (std::size_t w = 0; w < words_; ++w) {
         if (times_[q * words_ + w] != 1) {
           return "word " + std::to_string(w) + " of query " +
                  std::to_string(q) + " came " +
@@ -59,11 +58,11 @@ class CoveredTiles {
         tile.queries > queries_ - tile.first_query) {
       return "no such query";
     }
-    if (tile.first_object % 64 != 0) return "half a word";
     if (tile.first_object < begin_ || tile.first_object >= end_ ||
         tile.objects > end_ - tile.first_object) {
       return "objects outside the range";
     }
+    if ((tile.first_object - begin_) % 64 != 0) return "half a word";
     if (tile.objects % 64 != 0 && tile.first_object + tile.objects != end_) {
       return "half a word at the end";
     }
@@ -71,7 +70,7 @@ class CoveredTiles {
       const std::span<const std::uint64_t> row = tile.Row(q);
       if (row.size() != MaskWords(tile.objects)) return "a row of other size";
       const std::size_t at =
-          (tile.first_query + q) * words_ + tile.first_object / 64;
+          (tile.first_query + q) * words_ + (tile.first_object - begin_) / 64;
       for (std::size_t w = 0; w < row.size(); ++w) {
         ++times_[at + w];
         if (row[w] != rows_[at + w]) {
@@ -85,9 +84,9 @@ class CoveredTiles {
 
   std::span<const std::uint64_t> rows_;
   std::size_t queries_;
-  std::size_t words_;
   std::size_t begin_;
   std::size_t end_;
+  std::size_t words_;                // of a row
   std::vector<std::uint8_t> times_;  // each word came
   std::string wrong_;
 };

@@ -107,19 +107,12 @@ class HugeRangeTest : public HugeWorldTest {
 };
 
 TEST_F(HugeRangeTest, Masks) {
-  const std::size_t words = MaskWords(kObjects);
-  const Repeated<std::uint64_t> mask(7, words);
-  ASSERT_TRUE(mask.ok());
-  const std::size_t middle = kTwoTo32 / 64 + 1;
-  SurvivorMask(World(), query_, {mask.data(), words}, {.range = kMiddle});
-  EXPECT_EQ(mask.data()[middle - 1], 7u);
-  EXPECT_EQ(mask.data()[middle], 0u);
-  EXPECT_EQ(mask.data()[middle + 1], 1u << 5);
-  EXPECT_EQ(mask.data()[middle + 2], 7u);
-  RejectMask(World(), query_, {mask.data(), words}, {.range = kEnd});
-  EXPECT_EQ(mask.data()[words - 3], 7u);
-  EXPECT_EQ(mask.data()[words - 2], ~std::uint64_t{0});
-  EXPECT_EQ(mask.data()[words - 1], ~(std::uint64_t{1} << 5));
+  std::vector<std::uint64_t> mask(3, 7);
+  SurvivorMask(World(), query_, mask, {.range = kMiddle});
+  EXPECT_EQ(mask, (std::vector<std::uint64_t>{0, 1u << 5, 7}));
+  RejectMask(World(), query_, mask, {.range = kEnd});
+  EXPECT_EQ(mask, (std::vector<std::uint64_t>{~std::uint64_t{0},
+                                              ~(std::uint64_t{1} << 5), 7}));
 }
 
 TEST_F(HugeRangeTest, CountsAndFlag) {
@@ -139,8 +132,10 @@ TEST_F(HugeRangeTest, RowsOfMoreThan32BitsOfWords) {
   ASSERT_GT(words * (kQueries - 1), kTwoTo32);
   const Repeated<std::uint64_t> rows(7, words * kQueries);
   ASSERT_TRUE(rows.ok());
-  SurvivorMasks(World(), queries_, {rows.data(), words * kQueries},
-                {.range = kEnd});
+  const std::size_t first = kEnd.begin / 64;
+  SurvivorMasks(World(), queries_,
+                {rows.data() + first, words * kQueries - first},
+                {.range = kEnd, .row_words = words});
   for (std::size_t q = 0; q < kQueries; ++q) {
     const std::uint64_t* end = rows.data() + (q + 1) * words;
     EXPECT_EQ(end[-3], 7u) << q;

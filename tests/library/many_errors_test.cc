@@ -111,16 +111,6 @@ TYPED_TEST(ManyErrorsTest, ShortOutputs) {
   EXPECT_EQ(counts, std::vector<std::size_t>(TestFixture::kQueries, 7));
 }
 
-// Rows are of the whole world, whatever the range.
-TYPED_TEST(ManyErrorsTest, RowsOfARangeAreNoShorter) {
-  std::vector<std::uint64_t> rows(3 * TestFixture::kQueries - 1, 7);
-  EXPECT_TRUE(Refuses(
-      [&] {
-        RejectMasks(this->view_, this->queries_, rows, {.range = {0, 64}});
-      },
-      {"RejectMasks: rows: expected", "at least 5 rows of 3 words"}));
-}
-
 // So many words that their number has no size_t: no span can be long enough.
 TYPED_TEST(ManyErrorsTest, MoreRowsThanTheAddressSpace) {
   using AQuery = typename TestFixture::Query;

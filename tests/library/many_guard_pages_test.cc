@@ -111,7 +111,7 @@ TYPED_TEST(ManyGuardPagesTest, EveryNumberOfQueries) {
 TYPED_TEST(ManyGuardPagesTest, TilesAndRanges) {
   for (GuardedSide side : kSides) {
     for (const Range& range :
-         {Range{}, Range{64, 4096}, Range{4096, 2 * 4096 + 37}}) {
+         {Range{}, Range{61, 4099}, Range{4097, 2 * 4096 + 37}}) {
       this->Check(2 * 4096 + 37, 5, side, range);
       if (this->HasFatalFailure()) return;
     }

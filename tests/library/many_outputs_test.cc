@@ -211,6 +211,31 @@ TEST(ForEachTileTest, WhatTheFunctionThrowsPassesThrough) {
   }
 }
 
+TEST(ForEachTileTest, FalseEndsTheCall) {
+  const AabbWorld2 world = PointsOnX(10000);
+  const std::vector<Aabb2> queries = LongerAndLonger(40);
+  const Codes<AabbView2, std::uint8_t> codes(world);
+  const auto check = [&](const auto& any_world, Target target) {
+    const auto tiles_until = [&](std::size_t last) {
+      std::size_t tiles = 0;
+      ForEachTile(any_world, queries,
+                  [&](const SurvivorTile&) { return ++tiles != last; },
+                  {.target = target});
+      return tiles;
+    };
+    const std::size_t all = tiles_until(0);
+    EXPECT_GT(all, 3u);
+    for (std::size_t last = 1; last <= all; ++last) {
+      EXPECT_EQ(tiles_until(last), last);
+    }
+  };
+  for (Target target : TargetsUnderTest()) {
+    check(world, target);
+    check(codes, target);
+    check(Confirmed(codes, world), target);
+  }
+}
+
 // A tile's rows stay as they are when its function makes calls of its own.
 TEST(ForEachTileTest, FunctionMayCallTheLibrary) {
   const AabbWorld2 world = PointsOnX(1000);

@@ -42,23 +42,6 @@ class RangeErrorsTest : public ::testing::Test {
   ManyCallOutputs many_outputs_;
 };
 
-TEST_F(RangeErrorsTest, BeginWithinAWord) {
-  for (std::size_t size : {0u, 10u, 130u, 1000u}) {
-    for (std::size_t begin : {1u, 63u, 65u, 130u, 1000u}) {
-      ExpectAllRefuse(size, {begin, 2000}, "options.range.begin",
-                      "a multiple of 64", std::to_string(begin));
-    }
-  }
-}
-
-TEST_F(RangeErrorsTest, EndWithinAWord) {
-  for (std::size_t end : {1u, 63u, 65u, 129u}) {
-    ExpectAllRefuse(130, {0, end}, "options.range.end",
-                    "a multiple of 64, or the world's size",
-                    std::to_string(end));
-  }
-}
-
 TEST_F(RangeErrorsTest, EndBeforeBegin) {
   const auto expect_refused = [&](std::size_t size, const Range& range) {
     ExpectAllRefuse(size, range, "options.range.end",
@@ -67,6 +50,7 @@ TEST_F(RangeErrorsTest, EndBeforeBegin) {
   };
   expect_refused(1000, {128, 64});
   expect_refused(1000, {64, 0});
+  expect_refused(1000, {8, 7});
   // Also past the world, and at its last word.
   expect_refused(130, {320, 256});
   expect_refused(130, {192, 130});
@@ -81,6 +65,29 @@ TEST_F(RangeErrorsTest, TheRangeIsNoExcuseForABadWorld) {
   const Options options{.range = {64, 64}};
   ForEachCall(world, queries_[0], options, outputs_, check);
   ForEachManyCall(world, queries_, options, many_outputs_, check);
+}
+
+TEST_F(RangeErrorsTest, RowsThatOverlap) {
+  const AabbWorld3 world = WorldOf(1000);
+  std::vector<std::uint64_t> rows(100, 7);
+  EXPECT_TRUE(Refuses(
+      [&] {
+        SurvivorMasks(world, queries_, rows,
+                      {.range = {0, 129}, .row_words = 2});
+      },
+      {"SurvivorMasks: options.row_words: expected 0, or at least the 3 words",
+       "got 2"}));
+  // Two rows of 3 words, and the 3 words of the last.
+  const Options apart{.range = {1, 130}, .row_words = 20};
+  EXPECT_TRUE(Refuses(
+      [&] { SurvivorMasks(world, queries_, std::span(rows).first(42), apart); },
+      {"SurvivorMasks: rows: expected", "at least 3 rows of 3 words, 20 words",
+       "42 words"}));
+  EXPECT_EQ(rows, std::vector<std::uint64_t>(100, 7));
+  SurvivorMasks(world, queries_, std::span(rows).first(43), apart);
+  EXPECT_EQ(rows[42], 1u);
+  EXPECT_EQ(rows[43], 7u);
+  EXPECT_EQ(rows[3], 7u);
 }
 
 // Indices are the world's, so a range does not make them fit.

@@ -1,5 +1,5 @@
 // A part of the world in every output form, for one query and for many: the
-// answers of the range, the words of the range, and nothing else.
+// answers of the range, in outputs as large as the range.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,13 +23,15 @@ namespace {
 constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
 constexpr std::size_t kQueries = 7;  // tiles of registers, and one more
 
-// Every range of a world, by words, and what lies past it.
+// Ranges within words and across them, and what lies past the world.
 std::vector<Range> EveryRange(std::size_t size) {
   std::vector<std::size_t> ends = {size, size + 1, kMost};
   const std::size_t past = (MaskWords(size) + 2) * 64;
-  for (std::size_t end = 0; end <= past; end += 64) ends.push_back(end);
+  for (std::size_t end = 0; end <= past; end += 64) {
+    ends.insert(ends.end(), {end, end + 1, end + 13, end + 63});
+  }
   std::vector<Range> ranges;
-  for (std::size_t begin = 0; begin <= past; begin += 64) {
+  for (std::size_t begin : {0u, 1u, 3u, 16u, 63u, 64u, 101u, 128u, 4u * 64u}) {
     for (std::size_t end : ends) {
       if (begin <= end) ranges.push_back({begin, end});
     }
@@ -87,9 +89,9 @@ TYPED_TEST(RangeTest, RangesAcrossTiles) {
   constexpr std::size_t kSize = 2 * 4096 + 5 * 64 + 37;
   this->SetUpInput(kSize);
   const std::vector<Range> ranges = {
-      {64, 4096 + 128}, {4032, kSize},           {64, 4096},
-      {64, 4096 + 64},  {2 * 4096 + 320, kMost}, {4096, 2 * 4096},
-      {0, 2 * 4096},    {512, 2 * 4096}};
+      {65, 4096 + 128}, {4031, kSize},           {64, 4096},
+      {63, 4096 + 64},  {2 * 4096 + 319, kMost}, {4096, 2 * 4096 + 1},
+      {0, 2 * 4096},    {511, 2 * 4096}};
   this->CheckAll(
       std::span(ranges).first(std::min(Scaled(ranges.size()), ranges.size())));
 }
@@ -115,6 +117,9 @@ TYPED_TEST(RangeTest, AnySurvivorSeesTheRangeAlone) {
       EXPECT_TRUE(any(word, kMost)) << at;
       EXPECT_TRUE(any(word, word + 64)) << at;
       EXPECT_TRUE(any(0, word + 64)) << at;
+      EXPECT_TRUE(any(at, at + 1)) << at;
+      EXPECT_FALSE(any(0, at)) << at;
+      EXPECT_FALSE(any(at + 1, kMost)) << at;
       EXPECT_FALSE(any(0, word)) << at;
       EXPECT_FALSE(any(word, word)) << at;
       EXPECT_FALSE(any(word + 64, kMost)) << at;
@@ -143,8 +148,9 @@ TYPED_TEST(RangeTest, PartsMakeTheWhole) {
   // The last part first: the order does not matter.
   for (const Range& range : {Range{4096 + 64, kMost}, Range{0, 640},
                              Range{640, 640}, Range{640, 4096 + 64}}) {
-    const Options options{.range = range};
-    SurvivorMasks(view, queries, rows, options);
+    const Options options{.range = range, .row_words = MaskWords(kSize)};
+    SurvivorMasks(view, queries, std::span(rows).subspan(range.begin / 64),
+                  options);
     SurvivorCounts(view, queries, part_counts, options);
     for (std::size_t q = 0; q < kQueries; ++q) counts[q] += part_counts[q];
     const std::size_t found = Survivors(view, queries[0], part, options);

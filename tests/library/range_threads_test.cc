@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -40,10 +41,16 @@ TEST(RangeThreadsTest, TwoThreadsFillTheSameMasks) {
       std::vector<std::uint64_t> mask(kWords);
       std::vector<std::uint64_t> rows(kQueries * kWords);
       const auto work = [&](Range range) {
-        const Options options{schedule, target, range};
+        const Options options{.schedule = schedule,
+                              .target = target,
+                              .range = range,
+                              .row_words = kWords};
+        const std::size_t first = range.begin / 64;
         for (std::size_t i = 0; i < Scaled(50); ++i) {
-          SurvivorMask(world, queries[0], mask, options);
-          SurvivorMasks(world, queries, rows, options);
+          SurvivorMask(world, queries[0], std::span(mask).subspan(first),
+                       options);
+          SurvivorMasks(world, queries, std::span(rows).subspan(first),
+                        options);
         }
       };
       {

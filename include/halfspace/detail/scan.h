@@ -105,7 +105,7 @@ struct Scan {
   // Set by the library.
   Way way;
   bool is_streaming;
-  bool is_aligned;               // every plane begins at a multiple of 64 bytes
+  bool is_aligned;  // the range begins at a multiple of 64 bytes in each plane
   const TargetKernels* kernels;  // of the target that runs
   const char* call;              // its name, for messages
   std::size_t begin;             // the range of objects
@@ -227,7 +227,8 @@ HALFSPACE_API std::size_t SurvivorPairs(Scan&& scan,
 HALFSPACE_API void SurvivorCounts(Scan&& scan, std::span<std::size_t> counts,
                                   const Options& options);
 
-using TileFunction = void (*)(void* context, const SurvivorTile& tile);
+// Returns whether to go on.
+using TileFunction = bool (*)(void* context, const SurvivorTile& tile);
 HALFSPACE_API void ForEachTile(Scan&& scan, TileFunction function,
                                void* context, const Options& options);
 
