@@ -21,10 +21,10 @@
 #include "tests/fuzz/coded_followers.h"
 #include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
-#include "tests/library/coded_answers.h"
-#include "tests/library/coded_cases.h"
-#include "tests/library/environment.h"
-#include "tests/library/many_canaries.h"
+#include "tests/library/quantized/coded_answers.h"
+#include "tests/library/support/coded_cases.h"
+#include "tests/library/support/environment.h"
+#include "tests/library/support/many_canaries.h"
 
 namespace halfspace::testing {
 namespace {

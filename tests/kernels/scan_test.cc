@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "kernels/compiled_targets.h"
-#include "tests/library/environment.h"
+#include "tests/library/support/environment.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tests/kernels/scan_test.cc"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/report.h"
-#include "bench/run.h"
+#include "bench/app/run.h"
+#include "bench/report/report.h"
 #include "halfspace/targets.h"
 
 namespace halfspace::bench {

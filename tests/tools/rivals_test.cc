@@ -1,6 +1,6 @@
 // The rivals give the right answers, or they would be no rivals; and the scene
 // that they are measured in is the same everywhere.
-#include "bench/rivals.h"
+#include "bench/baselines/rivals.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/grid_scene.h"
-#include "bench/grid_world.h"
+#include "bench/worlds/grid_scene.h"
+#include "bench/worlds/grid_world.h"
 #include "halfspace/reject.h"
 #include "halfspace/targets.h"
 #include "tests/reference/reference.h"

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "bench/crossover_size.h"
-#include "bench/line_fit.h"
-#include "bench/register_scan.h"
-#include "bench/report.h"
-#include "bench/text_table.h"
-#include "bench/throughput.h"
-#include "bench/two_threads.h"
+#include "bench/base/text_table.h"
+#include "bench/baselines/register_scan.h"
+#include "bench/measure/crossover_size.h"
+#include "bench/measure/line_fit.h"
+#include "bench/measure/two_threads.h"
+#include "bench/report/report.h"
+#include "bench/sections/throughput.h"
 #include "halfspace/reject.h"
 
 #if defined(__GLIBC__)
