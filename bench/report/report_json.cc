@@ -181,7 +181,7 @@ Json ToJson(const BuildResult& result) {
   for (const BuildBar& bar : result.bars) {
     bars.push_back({{"target", bar.target},
                     {"percent_of_copy", bar.percent_of_copy},
-                    {"at_least", kBuildBarPercent},
+                    {"at_least", thresholds::kBuildPercentOfCopy},
                     {"holds", bar.holds()}});
   }
   Json singles = Json::array();

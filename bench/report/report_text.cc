@@ -180,8 +180,8 @@ void WriteText(std::ostream& out, const BuildResult& result) {
   for (const BuildBar& bar : result.bars) {
     out << "  " << bar.target << ": boxes to aabo in memory at "
         << Fixed(bar.percent_of_copy, 0) << " % of copying; at least "
-        << Fixed(kBuildBarPercent, 0) << (bar.holds() ? " holds" : " FAILS")
-        << '\n';
+        << Fixed(thresholds::kBuildPercentOfCopy, 0)
+        << (bar.holds() ? " holds" : " FAILS") << '\n';
   }
   out << '\n';
   TextTable singles({"one shape at a time", "ns"});

@@ -13,6 +13,7 @@
 #include "bench/measure/machine.h"
 #include "bench/measure/measure.h"
 #include "bench/measure/work_count.h"
+#include "bench/report/thresholds.h"
 
 namespace halfspace::bench {
 
@@ -105,14 +106,13 @@ struct BuildRow {
   double copy_gigabytes_per_second = 0.0;
 };
 
-// What a bulk build of boxes out of the caches must reach.
-inline constexpr double kBuildBarPercent = 70.0;
-
 struct BuildBar {
   std::string target;
   double percent_of_copy = 0.0;
 
-  bool holds() const { return percent_of_copy >= kBuildBarPercent; }
+  bool holds() const {
+    return percent_of_copy >= thresholds::kBuildPercentOfCopy;
+  }
 };
 
 // One shape at a time.
@@ -136,7 +136,7 @@ struct ThroughputRow {
   std::string working_set;  // "L1", "L2", "L3", "memory", "grid", ...
   std::string target;       // empty: none of the library's
   double ns_per_pair = 0.0;
-  std::string ceiling;  // the row it is measured by; empty: none
+  std::optional<std::size_t> ceiling;  // the row that it is measured by
   std::optional<double> percent_of_ceiling;
 };
 

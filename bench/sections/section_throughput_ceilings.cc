@@ -9,14 +9,6 @@
 namespace halfspace::bench {
 namespace {
 
-// What share of reading (bar 1) and of registers (bar 2) is needed.
-double ReadShareNeeded(Target target) {
-  return IsAvx512(target) || IsAvx2(target) ? 97.0 : 90.0;
-}
-double RegisterShareNeeded(Target target) {
-  return IsAvx512(target) ? 90.0 : 85.0;
-}
-
 std::string RatioName(const std::string& what, ShapeKind shape,
                       const std::string& set, Target target) {
   return std::string(NameOf(shape)) + " flat, " + set + ", " +
@@ -28,24 +20,13 @@ void RunAgainstReading(WorkingSet& set, ShapeKind shape, Target target,
                        Throughput& throughput) {
   const std::string place =
       set.name() + "/" + std::string(target.name()) + "/" + NameOf(shape);
-  const std::size_t rounds =
-      std::max<std::size_t>(1, kObjectsPerRun / set.objects());
   std::vector<Case> cases = {set.LibraryCase(
       "flat/" + place, shape, {.schedule = Schedule::kFlat, .target = target})};
   std::vector<std::size_t> readers;
   for (ReadWay way : kReadWays) {
-    Case c;
-    c.name = "read/" + place + "/" + NameOf(way);
-    c.items = static_cast<double>(set.objects() * rounds);
-    c.run = [read = PlaneReaderFor(target), way, rounds,
-             planes = BytesOf(PlanesOf(shape, set.view())),
-             bytes = set.objects() * sizeof(float)] {
-      for (std::size_t i = 0; i < rounds; ++i) {
-        KeepResult(read(way, planes.data(), planes.size(), bytes));
-      }
-    };
     readers.push_back(cases.size());
-    cases.push_back(std::move(c));
+    cases.push_back(
+        set.ReadCase("read/" + place + "/" + NameOf(way), shape, way, target));
   }
   const Timings timings = throughput.Time(std::move(cases));
   const std::size_t fastest = FastestOf(timings, readers);
@@ -57,17 +38,16 @@ void RunAgainstReading(WorkingSet& set, ShapeKind shape, Target target,
   row.name = std::string("read ") + NameOf(shape) + " " +
              NameOf(kReadWays[fastest - readers.front()]);
   row.ns_per_pair = timings[fastest].Median();
-  const std::string ceiling = row.name;
-  throughput.AddRow(row);
+  row.ceiling = throughput.AddCeiling(
+      {Ceiling::Kind::kRead, shape, set.name(), target}, row);
   const double percent = 100.0 * RatioOf(timings[fastest], timings[0]).median;
   row.name = std::string(NameOf(shape)) + " flat";
   row.ns_per_pair = timings[0].Median();
-  row.ceiling = ceiling;
   row.percent_of_ceiling = percent;
   throughput.AddRow(row);
-  throughput.AddAtLeast(
-      1, RatioName("the fastest read", shape, set.name(), target), percent,
-      ReadShareNeeded(target));
+  throughput.AddRatio(thresholds::kReading, target,
+                      RatioName("the fastest read", shape, set.name(), target),
+                      percent);
 }
 
 // Bar 2, one shape and target: many queries a call, so that what a call costs
@@ -102,14 +82,14 @@ void RunAgainstRegisters(InCache& world, Target target,
   row.target = target.name();
   row.name = std::string("registers ") + NameOf(shape);
   row.ns_per_pair = timings[1].Median();
-  throughput.AddRow(row);
-  row.ceiling = row.name;
+  row.ceiling = throughput.AddCeiling(
+      {Ceiling::Kind::kRegisters, shape, row.working_set, target}, row);
   row.name = std::string(NameOf(shape)) + " flat, masks of many";
   row.ns_per_pair = timings[0].Median();
   row.percent_of_ceiling = 100.0 * RatioOf(timings[1], timings[0]).median;
-  throughput.AddAtLeast(
-      2, RatioName("registers, many queries", shape, "L1", target),
-      *row.percent_of_ceiling, RegisterShareNeeded(target));
+  throughput.AddRatio(thresholds::kRegisters, target,
+                      RatioName("registers, many queries", shape, "L1", target),
+                      *row.percent_of_ceiling);
   throughput.AddRow(row);
 }
 

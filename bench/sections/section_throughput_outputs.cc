@@ -102,16 +102,15 @@ class ListsAndMasks {
     row.target = target.name();
     row.name = std::string(NameOf(shape_)) + ", mask, 1 in 1000";
     row.ns_per_pair = timings[0].Median();
-    throughput.AddRow(row);
-    row.ceiling = row.name;
+    row.ceiling = throughput.AddRow(row);
     row.percent_of_ceiling = 100.0 * RatioOf(timings[0], timings[1]).median;
     row.name = std::string(NameOf(shape_)) + ", indices, 1 in 1000";
     row.ns_per_pair = timings[1].Median();
     throughput.AddRow(row);
-    throughput.AddAtMost(6,
-                         std::string(NameOf(shape_)) + ", " + row.target +
-                             ": indices over mask at 1 survivor in 1000",
-                         RatioOf(timings[1], timings[0]).median, 1.15);
+    throughput.AddRatio(thresholds::kIndicesOverMask, target,
+                        std::string(NameOf(shape_)) + ", " + row.target +
+                            ": indices over mask at 1 survivor in 1000",
+                        RatioOf(timings[1], timings[0]).median);
   }
 
  private:
@@ -199,11 +198,10 @@ void RunThreads(const Workload& workload, Throughput& throughput) {
   row.name = "simplex, masks of many, 2 threads";
   row.ns_per_pair = two.Quantile(kUndisturbed);
   throughput.AddRow(row);
-  throughput.AddAtLeast(6,
-                        "simplex, many, " + row.target +
-                            ": times as fast on 2 threads, 2^16 objects",
-                        one.Quantile(kUndisturbed) / two.Quantile(kUndisturbed),
-                        1.8);
+  throughput.AddRatio(thresholds::kTwoThreads, target,
+                      "simplex, many, " + row.target +
+                          ": times as fast on 2 threads, 2^16 objects",
+                      one.Quantile(kUndisturbed) / two.Quantile(kUndisturbed));
 }
 
 }  // namespace
