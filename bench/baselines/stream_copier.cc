@@ -126,10 +126,10 @@ void CopyStreams(CopyWay way, const CopyJob& job, std::size_t objects,
     CopyByMemcpy(job);
     return;
   }
-  const bool is_together =
-      way == CopyWay::kTogether || way == CopyWay::kTogetherStreamed;
+  const bool is_interleaved =
+      way == CopyWay::kInterleaved || way == CopyWay::kInterleavedStreamed;
   const CopyOrder order =
-      is_together ? CopyOrder{objects / kCopyObjects, 2} : CopyOrder();
+      is_interleaved ? CopyOrder{objects / kCopyObjects, 2} : CopyOrder();
   FunctionOf<VectorCopier>(target, [](auto t) {
     return VectorCopierOf<t()>();
   })(IsStreamed(way), job, order);

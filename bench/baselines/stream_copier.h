@@ -12,25 +12,26 @@
 namespace halfspace::bench {
 
 enum class CopyWay : std::size_t {
-  kTogether,          // 512 bytes of each plane in turn, as a builder does
-  kTogetherStreamed,  // the same with stores past the caches
-  kByPlane,           // one plane after the other
+  kInterleaved,          // 512 bytes of each plane in turn, as a builder does
+  kInterleavedStreamed,  // the same with stores past the caches
+  kByPlane,              // one plane after the other
   kByPlaneStreamed,
   kMemcpy,  // one plane after the other, 4 KiB at a time
 };
 
 inline constexpr std::array<CopyWay, 5> kCopyWays = {
-    CopyWay::kTogether, CopyWay::kTogetherStreamed, CopyWay::kByPlane,
+    CopyWay::kInterleaved, CopyWay::kInterleavedStreamed, CopyWay::kByPlane,
     CopyWay::kByPlaneStreamed, CopyWay::kMemcpy};
 
 constexpr const char* NameOf(CopyWay way) {
-  constexpr const char* kNames[] = {"together", "together-streamed", "by-plane",
-                                    "by-plane-streamed", "memcpy"};
+  constexpr const char* kNames[] = {"interleaved", "interleaved-streamed",
+                                    "by-plane", "by-plane-streamed", "memcpy"};
   return kNames[static_cast<std::size_t>(way)];
 }
 
 constexpr bool IsStreamed(CopyWay way) {
-  return way == CopyWay::kTogetherStreamed || way == CopyWay::kByPlaneStreamed;
+  return way == CopyWay::kInterleavedStreamed ||
+         way == CopyWay::kByPlaneStreamed;
 }
 
 // Objects that all streams describe must be a multiple of this, or, to be

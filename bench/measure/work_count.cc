@@ -30,8 +30,8 @@ std::uint64_t SumOf16(std::uint64_t groups) {
 
 // Without the popcnt instruction, which the baseline lacks, std::popcount is a
 // call.
-std::uint64_t LiveObjects(std::uint64_t alive) {
-  std::uint64_t pairs = alive - ((alive >> 1) & 0x5555555555555555);
+std::uint64_t ObjectsIn(std::uint64_t kept) {
+  std::uint64_t pairs = kept - ((kept >> 1) & 0x5555555555555555);
   pairs = (pairs & 0x3333333333333333) + ((pairs >> 2) & 0x3333333333333333);
   return SumOfBytes((pairs + (pairs >> 4)) & 0x0F0F0F0F0F0F0F0F);
 }
@@ -44,19 +44,19 @@ class ShapeCounter {
       : order_(order) {}
 
   void AddWord(const PlaneWords& words) {
-    std::uint64_t alive = ~std::uint64_t{0};
-    for (std::size_t k = 0; k < kPlanes && alive != 0; ++k) {
-      std::uint64_t any = alive;
-      evaluated_[0] += LiveObjects(alive);
+    std::uint64_t kept = ~std::uint64_t{0};
+    for (std::size_t k = 0; k < kPlanes && kept != 0; ++k) {
+      std::uint64_t any = kept;
+      evaluated_[0] += ObjectsIn(kept);
       for (int shift : {1, 2, 4}) any |= any >> shift;
       const std::uint64_t any8 = any & 0x0101010101010101;
       evaluated_[1] += SumOfBytes(any8);
       evaluated_[2] += SumOf16((any8 | (any8 >> 8)) & 0x0001000100010001);
       evaluated_[3] += 1;
       for (std::size_t b = 0; b < kWideWords.size(); ++b) {
-        wide_alive_[b][k] = true;
+        wide_nonzero_[b][k] = true;
       }
-      alive &= ~words[order_[k]];
+      kept &= ~words[order_[k]];
     }
   }
 
@@ -64,9 +64,9 @@ class ShapeCounter {
   void CloseBatches(std::size_t words_done, bool is_end) {
     for (std::size_t b = 0; b < kWideWords.size(); ++b) {
       if (words_done % kWideWords[b] != 0 && !is_end) continue;
-      for (bool& alive : wide_alive_[b]) {
-        evaluated_[4 + b] += alive ? 1 : 0;
-        alive = false;
+      for (bool& kept : wide_nonzero_[b]) {
+        evaluated_[4 + b] += kept ? 1 : 0;
+        kept = false;
       }
     }
   }
@@ -78,7 +78,7 @@ class ShapeCounter {
  private:
   const std::array<std::size_t, kPlanes>& order_;
   std::array<std::uint64_t, kWorkWidths.size()> evaluated_{};
-  std::array<std::array<bool, kMostPlanes>, kWideWords.size()> wide_alive_{};
+  std::array<std::array<bool, kMostPlanes>, kWideWords.size()> wide_nonzero_{};
 };
 
 // The planes from object `first` on, as the kernels take them.

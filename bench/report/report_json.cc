@@ -177,19 +177,19 @@ Json ToJson(const BuildResult& result) {
          {"copy", row.copy},
          {"copy_gigabytes_per_second", row.copy_gigabytes_per_second}});
   }
-  Json bars = Json::array();
-  for (const BuildBar& bar : result.bars) {
-    bars.push_back({{"target", bar.target},
-                    {"percent_of_copy", bar.percent_of_copy},
-                    {"at_least", thresholds::kBuildPercentOfCopy},
-                    {"holds", bar.holds()}});
+  Json thresholds = Json::array();
+  for (const BuildThreshold& threshold : result.thresholds) {
+    thresholds.push_back({{"target", threshold.target},
+                          {"percent_of_copy", threshold.percent_of_copy},
+                          {"at_least", thresholds::kBuildPercentOfCopy},
+                          {"holds", threshold.holds()}});
   }
   Json singles = Json::array();
   for (const SingleBuildRow& row : result.singles) {
     singles.push_back({{"call", row.call}, {"ns_per_call", row.ns_per_call}});
   }
   return {{"rows", rows},
-          {"bars", bars},
+          {"thresholds", thresholds},
           {"singles", singles},
           {"not_reached", result.not_reached}};
 }

@@ -176,12 +176,12 @@ void WriteText(std::ostream& out, const BuildResult& result) {
                   Fixed(row.copy_gigabytes_per_second, 1)});
   }
   table.Write(out, 5);
-  if (!result.bars.empty()) out << '\n';
-  for (const BuildBar& bar : result.bars) {
-    out << "  " << bar.target << ": boxes to aabo in memory at "
-        << Fixed(bar.percent_of_copy, 0) << " % of copying; at least "
+  if (!result.thresholds.empty()) out << '\n';
+  for (const BuildThreshold& threshold : result.thresholds) {
+    out << "  " << threshold.target << ": boxes to aabo in memory at "
+        << Fixed(threshold.percent_of_copy, 0) << " % of copying; at least "
         << Fixed(thresholds::kBuildPercentOfCopy, 0)
-        << (bar.holds() ? " holds" : " FAILS") << '\n';
+        << (threshold.holds() ? " holds" : " FAILS") << '\n';
   }
   out << '\n';
   TextTable singles({"one shape at a time", "ns"});

@@ -25,10 +25,10 @@ void WriteText(std::ostream& out, const ThroughputResult& result) {
         << Grouped(result.survivors->simplex) << '\n';
   }
   out << '\n';
-  TextTable ratios({"bar", "ratio", "", "value", "needed"});
+  TextTable ratios({"threshold", "ratio", "", "value", "needed"});
   for (const ThroughputRatio& ratio : result.ratios) {
     ratios.AddRow(
-        {std::to_string(ratio.bar), ratio.name,
+        {std::to_string(ratio.threshold), ratio.name,
          ratio.holds() ? "holds" : "FAILS", Fixed(ratio.value, 2),
          (ratio.is_higher_better ? ">= " : "<= ") + Fixed(ratio.needed, 2)});
   }

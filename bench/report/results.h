@@ -106,7 +106,7 @@ struct BuildRow {
   double copy_gigabytes_per_second = 0.0;
 };
 
-struct BuildBar {
+struct BuildThreshold {
   std::string target;
   double percent_of_copy = 0.0;
 
@@ -124,7 +124,7 @@ struct SingleBuildRow {
 struct BuildResult {
   std::vector<BuildRow> rows;
   std::vector<SingleBuildRow> singles;
-  std::vector<BuildBar> bars;  // none if memory was not reached
+  std::vector<BuildThreshold> thresholds;  // none if memory was not reached
   std::vector<std::string> not_reached;
 };
 
@@ -140,9 +140,9 @@ struct ThroughputRow {
   std::optional<double> percent_of_ceiling;
 };
 
-// One clause of a bar.
+// One threshold.
 struct ThroughputRatio {
-  int bar = 0;
+  int threshold = 0;
   std::string name;
   double value = 0.0;
   double needed = 0.0;

@@ -14,7 +14,7 @@ inline bool IsAvx512(Target target) {
 inline bool IsAvx2(Target target) { return target.name() == "AVX2"; }
 
 struct Threshold {
-  int bar;  // the number of the aim in the report
+  int threshold;  // the number of the aim in the report
   bool is_higher_better;
   double avx512;
   double avx2;
@@ -26,11 +26,11 @@ struct Threshold {
   }
 };
 
-constexpr Threshold AtLeast(int bar, double needed) {
-  return {bar, true, needed, needed, needed};
+constexpr Threshold AtLeast(int threshold, double needed) {
+  return {threshold, true, needed, needed, needed};
 }
-constexpr Threshold AtMost(int bar, double needed) {
-  return {bar, false, needed, needed, needed};
+constexpr Threshold AtMost(int threshold, double needed) {
+  return {threshold, false, needed, needed, needed};
 }
 
 namespace thresholds {

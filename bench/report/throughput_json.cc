@@ -29,7 +29,7 @@ Json ToJson(const ThroughputResult& result) {
   }
   Json ratios = Json::array();
   for (const ThroughputRatio& ratio : result.ratios) {
-    ratios.push_back({{"bar", ratio.bar},
+    ratios.push_back({{"threshold", ratio.threshold},
                       {"name", ratio.name},
                       {"value", ratio.value},
                       {"needed", ratio.needed},

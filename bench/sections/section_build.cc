@@ -22,8 +22,8 @@ struct Rounding {
   bool tightest;
 };
 
-// The tightest D of a ball is computed for so long that its size tells nothing
-// more.
+// The tightest D of a sphere is computed for so long that its size tells
+// nothing more.
 std::vector<Rounding> RoundingsOf(BuildKind kind, bool is_in_cache) {
   std::vector<Rounding> roundings = {{"within-ulp", false}};
   if (kind == BuildKind::kBoxes ||
@@ -140,15 +140,15 @@ std::vector<SingleBuildRow> RunSingles(const Context& context) {
   return rows;
 }
 
-std::vector<BuildBar> BarsOf(const std::vector<BuildRow>& rows) {
-  std::vector<BuildBar> bars;
+std::vector<BuildThreshold> ThresholdsOf(const std::vector<BuildRow>& rows) {
+  std::vector<BuildThreshold> thresholds;
   for (const BuildRow& row : rows) {
     if (row.shapes == "boxes" && row.planes == "aabo" &&
         row.rounding == "within-ulp" && row.working_set == "memory") {
-      bars.push_back({row.target, row.percent_of_copy});
+      thresholds.push_back({row.target, row.percent_of_copy});
     }
   }
-  return bars;
+  return thresholds;
 }
 
 }  // namespace
@@ -173,7 +173,7 @@ BuildResult RunBuild(const Workload& workload,
     BuildGroup(parts[i].kind, *parts[i].size, workload, context)
         .Run(result.rows);
   }
-  result.bars = BarsOf(result.rows);
+  result.thresholds = ThresholdsOf(result.rows);
   context.progress.BeginPart(parts.size(), parts.size() + 1);
   result.singles = RunSingles(context);
   return result;

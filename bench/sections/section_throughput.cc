@@ -107,11 +107,11 @@ ThroughputResult RunThroughput(const Workload& workload,
   ThroughputParts parts;
   AddCeilingParts(workload, machine, sets, parts);
   AddManyParts(workload, machine, seed, is_quick, parts);
-  AddCodedParts(workload, machine, is_quick, parts);
+  AddQuantizedParts(workload, machine, is_quick, parts);
   AddOutputParts(workload, parts);
   AddSizeParts(workload, machine, parts);
   AddQueryParts(workload, parts);
-  AddPeerParts(seed, parts);
+  AddCompetitorParts(seed, parts);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     context.progress.BeginPart(i, parts.size());
     parts[i](throughput);
@@ -120,7 +120,7 @@ ThroughputResult RunThroughput(const Workload& workload,
   }
   std::stable_sort(result.ratios.begin(), result.ratios.end(),
                    [](const ThroughputRatio& a, const ThroughputRatio& b) {
-                     return a.bar < b.bar;
+                     return a.threshold < b.threshold;
                    });
   return result;
 }

@@ -15,7 +15,7 @@ std::string RatioName(const std::string& what, ShapeKind shape,
          std::string(target.name()) + ": % of " + what;
 }
 
-// Bar 1, one shape and target: the flat kernel and every reader.
+// Threshold 1, one shape and target: the flat kernel and every reader.
 void RunAgainstReading(WorkingSet& set, ShapeKind shape, Target target,
                        Throughput& throughput) {
   const std::string place =
@@ -50,13 +50,13 @@ void RunAgainstReading(WorkingSet& set, ShapeKind shape, Target target,
                       percent);
 }
 
-// Bar 2, one shape and target: many queries a call, so that what a call costs
-// by itself (bar 7) is not in it.
+// Threshold 2, one shape and target: many queries a call, so that what a call
+// costs by itself (threshold 7) is not in it.
 void RunAgainstRegisters(InCache& world, Target target,
                          Throughput& throughput) {
   const RegisterScan scan = RegisterScansFor(target).many;
   if (scan == nullptr) {
-    throughput.NotReached("bar 2, " + std::string(target.name()) +
+    throughput.NotReached("threshold 2, " + std::string(target.name()) +
                           ": no compare of registers alone");
     return;
   }

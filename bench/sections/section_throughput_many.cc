@@ -82,7 +82,8 @@ Case MasksCase(std::string name, SharedGrid& shared, ShapeKind shape,
   return c;
 }
 
-// Bar 3, one shape: masks of the grid against masks in the first-level cache.
+// Threshold 3, one shape: masks of the grid against masks in the first-level
+// cache.
 void RunAgainstCache(SharedGrid& shared, InCache& in_cache,
                      Throughput& throughput) {
   const ShapeKind shape = in_cache.shape();
@@ -113,17 +114,18 @@ void RunAgainstCache(SharedGrid& shared, InCache& in_cache,
   }
 }
 
-// Bar 4, many queries: confirmed codes against the float simplex.
-void RunCodes(const GridWorld& grid, Throughput& throughput) {
+// Threshold 4, many queries: refined quantized bounds against the float
+// simplex.
+void RunQuantized(const GridWorld& grid, Throughput& throughput) {
   for (Target target : throughput.targets()) {
     const std::string place = "grid/" + std::string(target.name());
     const Options options{.target = target};
     const std::size_t queries = grid.queries().size();
     const Timings timings = throughput.TimeLong(
-        {CountsCase("codes-many/" + place, grid, ShapeKind::kAabo, queries,
+        {CountsCase("quantized-many/" + place, grid, ShapeKind::kAabo, queries,
                     [&grid, options](std::vector<std::size_t>& counts) {
-                      SurvivorCounts(grid.coded(), grid.queries().aabos(),
-                                     counts, options);
+                      SurvivorCounts(grid.quantized_world(),
+                                     grid.queries().aabos(), counts, options);
                     }),
          CountsCase("simplex-many/" + place, grid, ShapeKind::kSimplex, queries,
                     [&grid, options](std::vector<std::size_t>& counts) {
@@ -132,17 +134,17 @@ void RunCodes(const GridWorld& grid, Throughput& throughput) {
                                      options);
                     })});
     ThroughputRow row = RowOf(grid, target);
-    row.name = "aabo uint8 confirmed, counts of many";
+    row.name = "aabo uint8 refined, counts of many";
     row.ns_per_pair = timings[0].Median();
     throughput.AddRow(row);
     row.name = "simplex, counts of many";
     row.ns_per_pair = timings[1].Median();
     throughput.AddRowUnder(
         {Ceiling::Kind::kRegisters, ShapeKind::kSimplex, "L1", target}, row);
-    throughput.AddRatio(thresholds::kFilterOverSimplex, target,
-                        "aabo uint8 confirmed, many, " + row.target +
-                            ": times the float simplex",
-                        RatioOf(timings[1], timings[0]).median);
+    throughput.AddRatio(
+        thresholds::kFilterOverSimplex, target,
+        "aabo uint8 refined, many, " + row.target + ": times the float simplex",
+        RatioOf(timings[1], timings[0]).median);
   }
 }
 
@@ -156,7 +158,7 @@ void AddManyParts(const Workload& workload, const Machine& machine,
   const std::string reason = GridWorld::WhyNotReached(machine, shared->objects);
   if (!reason.empty()) {
     parts.push_back([reason](Throughput& throughput) {
-      throughput.NotReached("bars 3 to 5: " + reason);
+      throughput.NotReached("thresholds 3 to 5: " + reason);
     });
     return;
   }
@@ -166,9 +168,10 @@ void AddManyParts(const Workload& workload, const Machine& machine,
       RunAgainstCache(*shared, in_cache, all);
     });
   }
-  parts.push_back([shared](Throughput& all) { RunCodes(shared->Get(), all); });
   parts.push_back(
-      [shared](Throughput& all) { RunAgainstRivals(shared->Get(), all); });
+      [shared](Throughput& all) { RunQuantized(shared->Get(), all); });
+  parts.push_back(
+      [shared](Throughput& all) { RunAgainstBaselines(shared->Get(), all); });
 }
 
 }  // namespace halfspace::bench

@@ -68,7 +68,7 @@ std::vector<Aabo3> GrownQueries(const Workload& workload, ShapeKind shape,
   return grown;
 }
 
-// Bar 6, one shape: lists of indices against masks.
+// Threshold 6, one shape: lists of indices against masks.
 class ListsAndMasks {
  public:
   ListsAndMasks(const Workload& workload, ShapeKind shape)
@@ -81,7 +81,7 @@ class ListsAndMasks {
   void Run(Target target, Throughput& throughput) {
     const std::string name = std::string(target.name()) + "/" + NameOf(shape_);
     if (queries_.empty()) {
-      throughput.NotReached("bar 6, " + name +
+      throughput.NotReached("threshold 6, " + name +
                             ": all queries have more survivors");
       return;
     }
@@ -141,11 +141,11 @@ double NanosecondsOf(const std::function<void()>& run) {
       .count();
 }
 
-// Bar 6: the simplex masks of many queries, on one thread and on two, in real
-// time: each takes half of the objects.
+// Threshold 6: the simplex masks of many queries, on one thread and on two, in
+// real time: each takes half of the objects.
 void RunThreads(const Workload& workload, Throughput& throughput) {
   if (UsableCpus() < 2) {
-    throughput.NotReached("bar 6, two threads: this run may use one CPU");
+    throughput.NotReached("threshold 6, two threads: this run may use one CPU");
     return;
   }
   const AaboWorld3 world = ResizedTo(workload.objects, kObjects);
@@ -167,7 +167,7 @@ void RunThreads(const Workload& workload, Throughput& throughput) {
     other.emplace([&] { masks({kObjects / 2, kObjects}); });
   } catch (const std::system_error& error) {
     throughput.NotReached(
-        std::string("bar 6, two threads: no thread can be started: ") +
+        std::string("threshold 6, two threads: no thread can be started: ") +
         error.what());
     return;
   }

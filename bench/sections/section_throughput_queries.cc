@@ -9,7 +9,7 @@
 #include "bench/baselines/gated_scan.h"
 #include "bench/measure/queries_in_turn.h"
 #include "bench/sections/throughput.h"
-#include "halfspace/codes.h"
+#include "halfspace/quantized.h"
 #include "halfspace/reject.h"
 #include "tests/reference/reference.h"
 
@@ -27,7 +27,7 @@ class SmallWorld {
       : target_(target),
         queries_(workload.timed_queries),
         floats_(ResizedTo(workload.objects, objects)),
-        coded_(floats_),
+        quantized_world_(floats_),
         mask_(MaskWords(objects)),
         indices_(objects) {}
 
@@ -41,7 +41,7 @@ class SmallWorld {
       reference::RejectMask(floats_.view().aabb(), query.aabb(), mask_.data());
     });
     AddOutputs("aabo floats", floats_);
-    AddOutputs("aabo uint8 confirmed", coded_);
+    AddOutputs("aabo uint8 refined", quantized_world_);
     const Timings timings = throughput.TimeBriefly(std::move(cases_));
     for (std::size_t i = 0; i < names_.size(); ++i) {
       ThroughputRow row;
@@ -109,7 +109,7 @@ class SmallWorld {
   Target target_;
   const std::vector<Aabo3>& queries_;
   AaboWorld3 floats_;
-  CodedWorld<AaboView3> coded_;
+  QuantizedWorld<AaboView3> quantized_world_;
   std::vector<std::uint64_t> mask_;
   std::vector<std::uint32_t> indices_;
   std::vector<std::string> names_;

@@ -93,7 +93,7 @@ std::size_t BytesOfRecord(ShapeKind shape) {
   return PlaneCountOf(shape) * sizeof(float);
 }
 
-// Bar 7: ns per object over three sizes in one level.
+// Threshold 7: ns per object over three sizes in one level.
 void RunFlatness(const Workload& workload, const Machine& machine, int level,
                  Throughput& throughput) {
   const std::size_t bytes = machine.CacheBytes(level);
@@ -143,8 +143,8 @@ void RunFlatness(const Workload& workload, const Machine& machine, int level,
   }
 }
 
-// Bar 7: what a call costs by itself; and what an object costs without that,
-// against registers (bar 2).
+// Threshold 7: what a call costs by itself; and what an object costs without
+// that, against registers (threshold 2).
 void RunFit(Calls& calls, ShapeKind shape, Target target,
             std::size_t half_of_l1, Throughput& throughput) {
   const std::string name = std::string(target.name()) + "/" + NameOf(shape);

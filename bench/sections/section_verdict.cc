@@ -109,13 +109,14 @@ std::string Times(std::size_t survivors, std::size_t of_aabb) {
 
 // What the simplex is weighed against: the tighter AABO where it costs no more
 // than the AABB.
-struct Rival {
+struct Alternative {
   std::string name;
   double ns = 0.0;
   std::size_t survivors = 0;
 };
 
-Rival RivalOf(const QualityResult& quality, const BestShapes& best) {
+Alternative AlternativeOf(const QualityResult& quality,
+                          const BestShapes& best) {
   if (best.aabo.ns <= best.aabb.ns * (1.0 + kTie)) {
     return {"AABO", best.aabo.ns, quality.survivors.aabo};
   }
@@ -125,25 +126,25 @@ Rival RivalOf(const QualityResult& quality, const BestShapes& best) {
 // What a needless survivor may cost before the faster test no longer pays.
 std::optional<double> BreakEvenNanoseconds(const QualityResult& quality,
                                            const BestShapes& best,
-                                           const Rival& rival) {
-  const double saved_per_object = rival.ns - best.simplex.ns;
+                                           const Alternative& alternative) {
+  const double saved_per_object = alternative.ns - best.simplex.ns;
   const double tests = static_cast<double>(quality.objects) *
                        static_cast<double>(quality.queries);
   const double more = static_cast<double>(quality.survivors.simplex) -
-                      static_cast<double>(rival.survivors);
+                      static_cast<double>(alternative.survivors);
   if (saved_per_object <= 0.0 || more <= 0.0) return std::nullopt;
   return saved_per_object * tests / more;
 }
 
 std::string AdviceFor(const QualityResult& quality, const BestShapes& best) {
-  const Rival rival = RivalOf(quality, best);
-  if (best.simplex.ns < rival.ns &&
-      quality.survivors.simplex <= rival.survivors) {
+  const Alternative alternative = AlternativeOf(quality, best);
+  if (best.simplex.ns < alternative.ns &&
+      quality.survivors.simplex <= alternative.survivors) {
     return ", and is faster in L2: use the simplex.";
   }
-  const auto limit = BreakEvenNanoseconds(quality, best, rival);
+  const auto limit = BreakEvenNanoseconds(quality, best, alternative);
   const std::string use =
-      rival.name == "AABO"
+      alternative.name == "AABO"
           ? "use the AABO, which costs no more than the AABB and is tighter"
           : "use the AABB, or the AABO where survivors are dear";
   if (!limit) return ", and saves no time in L2: " + use + ".";

@@ -50,8 +50,8 @@ BuildResult RunBuild(const Workload& workload,
                      const std::vector<WorkingSetSize>& sizes, bool is_quick,
                      const Context& context);
 
-// Throughput of the calls against ceilings and rivals; `sets` holds L3 and
-// memory, if they were reached. One bar after the other.
+// Throughput of the calls against ceilings and baselines; `sets` holds L3 and
+// memory, if they were reached. One threshold after the other.
 ThroughputResult RunThroughput(const Workload& workload,
                                const std::vector<WorkingSet*>& sets,
                                const Machine& machine, std::uint64_t seed,

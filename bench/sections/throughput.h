@@ -1,5 +1,5 @@
-// The parts of the section `throughput`: each bar measures what it compares in
-// one group, and adds rows and ratios.
+// The parts of the section `throughput`: each threshold measures what it
+// compares in one group, and adds rows and ratios.
 #ifndef HALFSPACE_BENCH_SECTIONS_THROUGHPUT_H_
 #define HALFSPACE_BENCH_SECTIONS_THROUGHPUT_H_
 
@@ -36,9 +36,9 @@ class Throughput {
  public:
   Throughput(const Context& context, bool is_quick, ThroughputResult& result);
 
-  // The widest measured target of each width that the bars speak of: of x86
-  // the best AVX-512, AVX2 and SSE4; elsewhere, and if it is to be quick, the
-  // best.
+  // The widest measured target of each width that the thresholds speak of: of
+  // x86 the best AVX-512, AVX2 and SSE4; elsewhere, and if it is to be quick,
+  // the best.
   const std::vector<Target>& targets() const { return targets_; }
   bool is_quick() const { return is_quick_; }
   Progress& progress() const { return context_.progress; }
@@ -81,7 +81,7 @@ class Throughput {
   // A value that has a threshold, for that target.
   void AddRatio(const Threshold& threshold, Target target, std::string name,
                 double value) {
-    result_.ratios.push_back({threshold.bar, std::move(name), value,
+    result_.ratios.push_back({threshold.threshold, std::move(name), value,
                               threshold.For(target),
                               threshold.is_higher_better});
   }
@@ -96,7 +96,7 @@ class Throughput {
   std::vector<std::pair<Ceiling, std::size_t>> ceilings_;  // and their rows
 };
 
-// Part of a bar, for the progress line: run one after the other.
+// Part of a threshold, for the progress line: run one after the other.
 using ThroughputPart = std::function<void(Throughput&)>;
 using ThroughputParts = std::vector<ThroughputPart>;
 
@@ -104,24 +104,24 @@ using ThroughputParts = std::vector<ThroughputPart>;
 std::size_t FastestOf(const Timings& timings,
                       const std::vector<std::size_t>& among);
 
-// Bars 1 and 2: one query against its ceilings.
+// Thresholds 1 and 2: one query against its ceilings.
 void AddCeilingParts(const Workload& workload, const Machine& machine,
                      const std::vector<WorkingSet*>& sets,
                      ThroughputParts& parts);
 
-// Bar 4, one query.
-void AddCodedParts(const Workload& workload, const Machine& machine,
-                   bool is_quick, ThroughputParts& parts);
+// Threshold 4, one query.
+void AddQuantizedParts(const Workload& workload, const Machine& machine,
+                       bool is_quick, ThroughputParts& parts);
 
-// Bars 3, 4 and 5: many queries in the scene on a grid.
+// Thresholds 3, 4 and 5: many queries in the scene on a grid.
 void AddManyParts(const Workload& workload, const Machine& machine,
                   std::uint64_t seed, bool is_quick, ThroughputParts& parts);
 
-// Bar 5, of the same scene.
+// Threshold 5, of the same scene.
 class GridWorld;
-void RunAgainstRivals(const GridWorld& grid, Throughput& throughput);
+void RunAgainstBaselines(const GridWorld& grid, Throughput& throughput);
 
-// Bars 6 and 7: outputs, threads, sizes, and what a call costs.
+// Thresholds 6 and 7: outputs, threads, sizes, and what a call costs.
 void AddOutputParts(const Workload& workload, ThroughputParts& parts);
 void AddSizeParts(const Workload& workload, const Machine& machine,
                   ThroughputParts& parts);
@@ -129,8 +129,8 @@ void AddSizeParts(const Workload& workload, const Machine& machine,
 // What more queries in turn make of what depends on branches.
 void AddQueryParts(const Workload& workload, ThroughputParts& parts);
 
-// Bar 8, if this program was built with the peers.
-void AddPeerParts(std::uint64_t seed, ThroughputParts& parts);
+// Threshold 8, if this program was built with the competitors.
+void AddCompetitorParts(std::uint64_t seed, ThroughputParts& parts);
 
 }  // namespace halfspace::bench
 

@@ -112,8 +112,8 @@ BuildSource MakeBoxesToD(const Workload& workload, std::size_t bytes) {
   return source;
 }
 
-// The balls within the boxes' longest sides. Their planes, the center's and the
-// radius', are a SimplexWorld's, for its alignment.
+// The spheres within the boxes' longest sides. Their planes, the center's and
+// the radius', are a SimplexWorld's, for its alignment.
 BuildSource MakeSpheres(const Workload& workload, std::size_t bytes) {
   BuildSource source =
       SourceOf("spheres", ObjectsFor(bytes, 16 + 32, kMemcpyObjects));

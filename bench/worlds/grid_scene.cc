@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "bench/worlds/random.h"
-#include "bench/worlds/unit_ball.h"
+#include "bench/worlds/unit_sphere.h"
 #include "halfspace/fit.h"
 #include "halfspace/transform.h"
 
@@ -19,7 +19,7 @@ constexpr double kHalfCube = 50.0;
 Aabo3 MakeCloud(Random& random) {
   std::array<float, 3 * kPoints> coords;
   for (std::size_t i = 0; i < kPoints; ++i) {
-    const std::array<float, 3> point = PointInUnitBall(random);
+    const std::array<float, 3> point = PointInUnitSphere(random);
     for (std::size_t k = 0; k < 3; ++k) coords[3 * i + k] = point[k];
   }
   return BoundPoints(Points3{coords.data(), kPoints});

@@ -10,7 +10,7 @@
 
 namespace halfspace::bench {
 
-// 100 clouds of 50 points, uniform in the unit ball. Each object is a cloud
+// 100 clouds of 50 points, uniform in the unit sphere. Each object is a cloud
 // that has been moved to a place in [-50, 50]^3, uniform on a grid of 10 000
 // steps per axis; queries likewise.
 Workload MakeGridScene(std::size_t objects, std::size_t queries,

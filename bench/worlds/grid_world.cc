@@ -11,8 +11,8 @@ namespace halfspace::bench {
 
 std::string GridWorld::WhyNotReached(const Machine& machine,
                                      std::size_t objects) {
-  // Floats, codes with their records, an array of structures, and a bit for
-  // each query.
+  // Floats, quantized bounds with their records, an array of structures, and a
+  // bit for each query.
   constexpr std::size_t kBytes = 32 + 8 + 32 + 32 + kQueries / 8 + 1;
   if (machine.is_emulated) {
     return "the scene on a grid takes long and means nothing where the CPU is "
@@ -30,11 +30,12 @@ std::string GridWorld::WhyNotReached(const Machine& machine,
 GridWorld::GridWorld(std::size_t objects, std::uint64_t seed)
     : GridWorld(MakeGridScene(objects, kQueries, seed)) {}
 
-// The answers of the library's floats; the rivals' own must be equal to them.
+// The answers of the library's floats; the baselines' own must be equal to
+// them.
 GridWorld::GridWorld(Workload scene)
     : queries_(scene.queries),
       floats_(std::move(scene.objects)),
-      coded_(floats_),
+      quantized_world_(floats_),
       halves_(MakeHalves(view())) {
   for (ShapeKind shape : kShapes) {
     std::vector<std::size_t>& counts = counts_[static_cast<std::size_t>(shape)];

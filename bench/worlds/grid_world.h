@@ -1,5 +1,5 @@
-// The scene on a grid in every form that is measured: floats, codes and an
-// array of structures, with the right answers.
+// The scene on a grid in every form that is measured: floats, quantized bounds
+// and an array of structures, with the right answers.
 #ifndef HALFSPACE_BENCH_WORLDS_GRID_WORLD_H_
 #define HALFSPACE_BENCH_WORLDS_GRID_WORLD_H_
 
@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "bench/base/shape_queries.h"
-#include "bench/baselines/rivals.h"
+#include "bench/baselines/baselines.h"
 #include "bench/measure/machine.h"
 #include "bench/worlds/workload.h"
-#include "halfspace/codes.h"
+#include "halfspace/quantized.h"
 
 namespace halfspace::bench {
 
@@ -28,9 +28,11 @@ class GridWorld {
 
   GridWorld(std::size_t objects, std::uint64_t seed);
 
-  std::size_t objects() const { return coded_.size(); }
+  std::size_t objects() const { return quantized_world_.size(); }
   AaboView3 view() const { return floats_.view(); }
-  const CodedWorld<AaboView3>& coded() const { return coded_; }
+  const QuantizedWorld<AaboView3>& quantized_world() const {
+    return quantized_world_;
+  }
   const HalvesWorld& halves() const { return halves_; }
   const ShapeQueries& queries() const { return queries_; }
 
@@ -49,7 +51,7 @@ class GridWorld {
 
   ShapeQueries queries_;
   AaboWorld3 floats_;
-  CodedWorld<AaboView3> coded_;
+  QuantizedWorld<AaboView3> quantized_world_;
   HalvesWorld halves_;
   std::array<std::vector<std::size_t>, kShapes.size()> counts_;
 };

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/worlds/random.h"
-#include "bench/worlds/unit_ball.h"
+#include "bench/worlds/unit_sphere.h"
 #include "halfspace/fit.h"
 
 namespace halfspace::bench {
@@ -22,7 +22,7 @@ std::vector<Cloud> MakeClouds(Random& random) {
   std::vector<Cloud> clouds(kClouds);
   for (Cloud& cloud : clouds) {
     cloud.resize(kFewestPoints + random.Below(kMostPoints - kFewestPoints + 1));
-    for (std::array<float, 3>& point : cloud) point = PointInUnitBall(random);
+    for (std::array<float, 3>& point : cloud) point = PointInUnitSphere(random);
   }
   return clouds;
 }

@@ -11,9 +11,9 @@
 
 namespace halfspace::bench {
 
-// 100 clouds of 50 to 64 points uniform in the unit ball; each object and each
-// query is one of them, moved uniformly within [-50, 50]^3. The same seed gives
-// the same scene on every machine. `progress` gets the fraction done.
+// 100 clouds of 50 to 64 points uniform in the unit sphere; each object and
+// each query is one of them, moved uniformly within [-50, 50]^3. The same seed
+// gives the same scene on every machine. `progress` gets the fraction done.
 Workload MakeScene(std::size_t objects, std::size_t queries, std::uint64_t seed,
                    const std::function<void(double)>& progress);
 

@@ -41,12 +41,12 @@ ThroughputResult SomeResult() {
   row.ceiling = 0;
   row.percent_of_ceiling = 98.0;
   result.rows.push_back(row);
-  row.name = "rival";
+  row.name = "baseline";
   row.target.clear();
   result.rows.push_back(row);
   result.ratios.push_back({1, "a share", 98.0, 97.0, true});
   result.ratios.push_back({6, "a cost", 1.2, 1.15, false});
-  result.not_reached.push_back("bar 8: no peers");
+  result.not_reached.push_back("threshold 8: no competitors");
   return result;
 }
 
@@ -71,7 +71,7 @@ TEST(ThroughputReportTest, JsonHasTheFixedForm) {
   EXPECT_TRUE(section.at("rows").at(0).at("ceiling").is_null());
   EXPECT_TRUE(section.at("rows").at(0).at("percent_of_ceiling").is_null());
   EXPECT_TRUE(section.at("rows").at(2).at("target").is_null());
-  EXPECT_EQ(section.at("ratios").at(0), Json({{"bar", 1},
+  EXPECT_EQ(section.at("ratios").at(0), Json({{"threshold", 1},
                                               {"name", "a share"},
                                               {"value", 98.0},
                                               {"needed", 97.0},
@@ -86,7 +86,7 @@ TEST(ThroughputReportTest, JsonHasTheFixedForm) {
             Json({{"aabb", 1}, {"simplex", 2}, {"aabo", 3}}));
 }
 
-TEST(ThroughputReportTest, TextSaysWhichBarsHold) {
+TEST(ThroughputReportTest, TextSaysWhichThresholdsHold) {
   std::ostringstream text;
   WriteText(text, SomeResult());
   EXPECT_NE(text.str().find("a share holds  98.00  >= 97.00"),
@@ -94,7 +94,7 @@ TEST(ThroughputReportTest, TextSaysWhichBarsHold) {
       << text.str();
   EXPECT_NE(text.str().find("FAILS"), std::string::npos);
   EXPECT_NE(text.str().find("<= 1.15"), std::string::npos);
-  EXPECT_NE(text.str().find("not reached: bar 8"), std::string::npos);
+  EXPECT_NE(text.str().find("not reached: threshold 8"), std::string::npos);
 }
 
 TEST(ThroughputReportTest, TextSaysWhatFailsMeans) {
@@ -110,7 +110,7 @@ TEST(ThroughputReportTest, TextSaysWhatFailsMeans) {
   EXPECT_EQ(other.str().find("FAILS"), std::string::npos) << other.str();
 }
 
-TEST(ThroughputReportTest, ABarHoldsAtItsLimit) {
+TEST(ThroughputReportTest, AThresholdHoldsAtItsLimit) {
   EXPECT_TRUE((ThroughputRatio{1, "", 97.0, 97.0, true}.holds()));
   EXPECT_FALSE((ThroughputRatio{1, "", 96.9, 97.0, true}.holds()));
   EXPECT_TRUE((ThroughputRatio{6, "", 1.15, 1.15, false}.holds()));
@@ -169,7 +169,7 @@ TEST(ThroughputTest, ARatioHasTheThresholdOfItsTarget) {
     sink.throughput.AddRatio(thresholds::kReading, target, "a share", 90.0);
     ASSERT_EQ(sink.result.ratios.size(), 1u);
     const ThroughputRatio& ratio = sink.result.ratios[0];
-    EXPECT_EQ(ratio.bar, 1);
+    EXPECT_EQ(ratio.threshold, 1);
     EXPECT_EQ(ratio.needed, IsAvx512(target) || IsAvx2(target) ? 97.0 : 90.0)
         << target.name();
     EXPECT_EQ(ratio.holds(), ratio.needed == 90.0);

@@ -9,12 +9,12 @@
 #include "tests/library/fit/every_builder.h"
 #include "tests/library/fit/random_every_shape.h"
 #include "tests/library/support/cases.h"
-#include "tests/library/support/coded_cases.h"
 #include "tests/library/support/dims.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/five_calls.h"
 #include "tests/library/support/limited_memory.h"
 #include "tests/library/support/many_calls.h"
+#include "tests/library/support/quantized_cases.h"
 
 namespace halfspace::testing {
 namespace {
@@ -61,22 +61,26 @@ TYPED_TEST(NoAllocationTest, Builders) {
 
 template <typename Case>
 class NoAllocationOfCallsTest : public ::testing::Test {};
-TYPED_TEST_SUITE(NoAllocationOfCallsTest, FewCodedCases, CodedCaseNames);
+TYPED_TEST_SUITE(NoAllocationOfCallsTest, FewQuantizedCases,
+                 QuantizedCaseNames);
 
-TYPED_TEST(NoAllocationOfCallsTest, OnFloatsAndCodes) {
+TYPED_TEST(NoAllocationOfCallsTest, OnFloatsAndQuantized) {
   using View = typename TypeParam::View;
   Random random(62);
-  auto bounds = MakeCodedBounds<View>(CodedInputKind::kUniform, 1000, random);
+  auto bounds =
+      MakeQuantizedBounds<View>(QuantizedInputKind::kUniform, 1000, random);
   std::vector<typename View::Query> queries;
   for (int i = 0; i < 9; ++i) {
-    queries.push_back(MakeCodedQuery<View>(bounds, random));
+    queries.push_back(MakeQuantizedQuery<View>(bounds, random));
   }
   const World<View> floats(bounds);
-  const CodedWorld<View, typename TypeParam::Code> coded{std::span(bounds)};
+  const QuantizedWorld<View, typename TypeParam::Element> quantized_world{
+      std::span(bounds)};
   ExpectCallsWithoutMemory(floats, queries);
-  ExpectCallsWithoutMemory(coded.codes(), queries);
-  ExpectCallsWithoutMemory(Confirmed(coded.codes(), floats.view()), queries);
-  ExpectCallsWithoutMemory(coded, queries);
+  ExpectCallsWithoutMemory(quantized_world.quantized(), queries);
+  ExpectCallsWithoutMemory(Refined(quantized_world.quantized(), floats.view()),
+                           queries);
+  ExpectCallsWithoutMemory(quantized_world, queries);
 }
 
 }  // namespace

@@ -105,7 +105,7 @@ TEST(FitKnownTest, OrientedBoxes) {
 }
 
 // The square root of 4 is 2.
-TEST(FitKnownTest, BallsIn4D) {
+TEST(FitKnownTest, SpheresIn4D) {
   EXPECT_EQ(BoundSphere<4>({{1, 2, 3, 4}, 2}),
             (Aabo4{{-1, 0, 1, 2, -14}, {3, 4, 5, 6, -6}}));
   EXPECT_EQ(BoundCapsule<4>({{0, 0, 0, 0}, {4, 0, 0, 0}, 1}),
@@ -114,14 +114,14 @@ TEST(FitKnownTest, BallsIn4D) {
 
 // sqrt(3) = 0x1.bb67ae85..., sqrt(2) = 0x1.6a09e667...
 TEST(FitKnownTest, RootsAreRoundedOutward) {
-  const Aabo3 ball3 = BoundSphere<3>({{0, 0, 0}, 1});
-  EXPECT_GE(ball3.max[3], 0x1.bb67b0p0f);
-  EXPECT_LE(ball3.max[3], 0x1.bb67b2p0f);
-  EXPECT_EQ(ball3.min[3], -ball3.max[3]);
-  const Aabo2 ball2 = BoundSphere<2>({{0, 0}, 1});
-  EXPECT_GE(ball2.max[2], 0x1.6a09e8p0f);
-  EXPECT_LE(ball2.max[2], 0x1.6a09eap0f);
-  EXPECT_EQ(ball2.min[2], -ball2.max[2]);
+  const Aabo3 sphere3 = BoundSphere<3>({{0, 0, 0}, 1});
+  EXPECT_GE(sphere3.max[3], 0x1.bb67b0p0f);
+  EXPECT_LE(sphere3.max[3], 0x1.bb67b2p0f);
+  EXPECT_EQ(sphere3.min[3], -sphere3.max[3]);
+  const Aabo2 sphere2 = BoundSphere<2>({{0, 0}, 1});
+  EXPECT_GE(sphere2.max[2], 0x1.6a09e8p0f);
+  EXPECT_LE(sphere2.max[2], 0x1.6a09eap0f);
+  EXPECT_EQ(sphere2.min[2], -sphere2.max[2]);
 }
 
 // -2 <= x <= z and so on, from an eye in the origin: the far end's corners are

@@ -1,5 +1,5 @@
-// Bounds of boxes, balls, capsules, rays and pieces of segments, against their
-// exact extremes.
+// Bounds of boxes, spheres, capsules, rays and pieces of segments, against
+// their exact extremes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -68,7 +68,7 @@ TYPED_TEST(FitSolidsExactTest, OrientedBoxes) {
 template <int kDims, typename Scalar>
 ExactHull<kDims> HullOf(const Sphere<kDims, Scalar>& sphere) {
   ExactHull<kDims> hull;
-  hull.AddBall(ExactPointOf(sphere.center), Exact(sphere.radius));
+  hull.AddSphere(ExactPointOf(sphere.center), Exact(sphere.radius));
   return hull;
 }
 
@@ -110,7 +110,7 @@ TYPED_TEST(FitSolidsExactTest, Spheres) {
     ASSERT_TRUE(
         HullOf(wide).IsEnclosedBy(BoundSphere(wide), RoundD(wide.radius)));
   });
-  RecordSize("balls", 2 * kPointKinds.size() * Scaled(3 * kSamples));
+  RecordSize("spheres", 2 * kPointKinds.size() * Scaled(3 * kSamples));
 }
 
 TYPED_TEST(FitSolidsExactTest, RadiusZeroIsThePoint) {
@@ -128,8 +128,8 @@ TYPED_TEST(FitSolidsExactTest, Capsules) {
   ForEachSample(34, kSamples, 1, [](PointKind kind, Random& random) {
     const auto capsule = RandomCapsule<kDims>(kind, random);
     ExactHull<kDims> hull;
-    hull.AddBall(ExactPointOf(capsule.a), Exact(capsule.radius));
-    hull.AddBall(ExactPointOf(capsule.b), Exact(capsule.radius));
+    hull.AddSphere(ExactPointOf(capsule.a), Exact(capsule.radius));
+    hull.AddSphere(ExactPointOf(capsule.b), Exact(capsule.radius));
     ASSERT_TRUE(
         hull.IsEnclosedBy(BoundCapsule(capsule), RoundD(capsule.radius)));
   });

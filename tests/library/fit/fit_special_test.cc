@@ -110,7 +110,7 @@ TYPED_TEST(FitSpecialTest, Doubles) {
                                        });
 }
 
-TYPED_TEST(FitSpecialTest, Balls) {
+TYPED_TEST(FitSpecialTest, Spheres) {
   constexpr std::size_t kDims = TypeParam::value;
   const auto sphere = [](const auto& shape, FitStatus* status) {
     return BoundSphere(shape, status);

@@ -52,7 +52,8 @@ EveryShape<kDims> RandomEveryShape(PointKind kind, Random& random) {
   s.length = std::min(RandomLength<float>(kind, random), 100.f);
   s.factor = -std::fabs(RandomFactor(kind, random));
   for (auto& b : s.boxes) b = box();
-  for (auto& ball : s.spheres) ball = RandomSphere<kDims, float>(kind, random);
+  for (auto& sphere : s.spheres)
+    sphere = RandomSphere<kDims, float>(kind, random);
   for (auto& v : s.vertices) v = point();
   for (auto& i : s.indices) {
     i = static_cast<std::uint32_t>(random() % s.vertices.size());

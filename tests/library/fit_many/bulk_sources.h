@@ -173,7 +173,7 @@ struct SphereSource {
   Aabo<kDims> Single(std::size_t i) const { return BoundSphere(shapes[i]); }
   ExactHull<kDims> Hull(std::size_t i) const {
     ExactHull<kDims> hull;
-    hull.AddBall(ExactPointOf(shapes[i].center), Exact(shapes[i].radius));
+    hull.AddSphere(ExactPointOf(shapes[i].center), Exact(shapes[i].radius));
     return hull;
   }
   double Give(std::size_t i, bool is_tightest) const {

@@ -49,7 +49,7 @@ TEST(FitManyKnownTest, BoxesOfAWorld) {
 }
 
 // The square root of 4 is 2.
-TEST(FitManyKnownTest, Balls) {
+TEST(FitManyKnownTest, Spheres) {
   const float x[] = {1, 0};
   const float y[] = {2, 0};
   const float z[] = {3, 0};
@@ -83,7 +83,8 @@ TEST(FitManyKnownTest, PointSets) {
                 });
 }
 
-// Of two calls, each with a ball of no size, the first one says which is first.
+// Of two calls, each with a sphere of no size, the first one says which is
+// first.
 TEST(FitManyKnownTest, StatusOfTwoCalls) {
   const float center[] = {0, 0};
   const float radii[] = {1, -1, 1};

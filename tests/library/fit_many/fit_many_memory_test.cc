@@ -136,7 +136,7 @@ TYPED_TEST(FitManyMemoryTest, GuardPages) {
 #endif
 
 // Stride 0: the first shape again and again.
-TYPED_TEST(FitManyMemoryTest, BoxesAndBallsOfStrideZero) {
+TYPED_TEST(FitManyMemoryTest, BoxesAndSpheresOfStrideZero) {
   auto source = this->RandomShapes();
   if constexpr (requires { source.shapes; }) {
     const std::size_t size = source.size();

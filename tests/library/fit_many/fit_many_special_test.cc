@@ -146,7 +146,7 @@ TYPED_TEST(FitManySpecialTest, InvertedBoxes) {
   }
 }
 
-TYPED_TEST(FitManySpecialTest, BallsThatCannotBeBounded) {
+TYPED_TEST(FitManySpecialTest, SpheresThatCannotBeBounded) {
   for (std::size_t at = 0; at < kShapes; ++at) {
     for (std::size_t k = 0; k < TypeParam::value; ++k) {
       for (float bad : BadCoordinates()) this->ExpectBadSphere(at, k, bad);

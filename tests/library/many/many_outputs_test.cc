@@ -214,7 +214,7 @@ TEST(ForEachTileTest, WhatTheFunctionThrowsPassesThrough) {
 TEST(ForEachTileTest, FalseEndsTheCall) {
   const AabbWorld2 world = PointsOnX(10000);
   const std::vector<Aabb2> queries = LongerAndLonger(40);
-  const Codes<AabbView2, std::uint8_t> codes(world);
+  const QuantizedBounds<AabbView2, std::uint8_t> quantized(world);
   const auto check = [&](const auto& any_world, Target target) {
     const auto tiles_until = [&](std::size_t last) {
       std::size_t tiles = 0;
@@ -231,8 +231,8 @@ TEST(ForEachTileTest, FalseEndsTheCall) {
   };
   for (Target target : TargetsUnderTest()) {
     check(world, target);
-    check(codes, target);
-    check(Confirmed(codes, world), target);
+    check(quantized, target);
+    check(Refined(quantized, world), target);
   }
 }
 

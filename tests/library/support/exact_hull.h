@@ -37,7 +37,7 @@ inline constexpr Looseness kWithinOneUlp{.coordinates = 1, .d = 1};
 inline constexpr Looseness kAnyLooseness{.coordinates = kAnyFloats,
                                          .d = kAnyFloats};
 
-// Of balls: one float, but for the D that all but cancel.
+// Of spheres: one float, but for the D that all but cancel.
 inline Looseness RoundD(double radius) {
   return {.d = 1, .d_slack = std::max(radius * 0x1p-100, 0x1p-800)};
 }
@@ -48,9 +48,9 @@ class ExactHull {
  public:
   using Coords = ExactPoint<kDims>;
 
-  void AddPoint(const Coords& point) { AddBall(point, 0); }
+  void AddPoint(const Coords& point) { AddSphere(point, 0); }
 
-  void AddBall(const Coords& center, const mpq_class& radius) {
+  void AddSphere(const Coords& center, const mpq_class& radius) {
     mpq_class d = 0;
     for (std::size_t k = 0; k < kDims; ++k) {
       Add(k, mpq_class(center[k] - radius), mpq_class(center[k] + radius));

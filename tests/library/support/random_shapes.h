@@ -82,8 +82,8 @@ inline float RandomFactor(PointKind kind, Random& random) {
 }
 
 // Lengths of 1 / sqrt(kDims) times the sum of the center's coordinates, or
-// coordinates that add up to almost sqrt(kDims) times the radius: D of the ball
-// is next to nothing, on one side.
+// coordinates that add up to almost sqrt(kDims) times the radius: D of the
+// sphere is next to nothing, on one side.
 template <int kDims, typename Scalar>
 void MakeCancelling(Sphere<kDims, Scalar>& sphere, Random& random) {
   constexpr Scalar kInfinity = std::numeric_limits<Scalar>::infinity();
