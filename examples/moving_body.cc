@@ -24,11 +24,11 @@ int main() {
     }
   }
 
-  // A ball flies along X, over the crates and down into their rows.
-  const halfspace::Aabo3 ball =
+  // A sphere flies along X, over the crates and down into their rows.
+  const halfspace::Aabo3 sphere =
       halfspace::BoundSphere(halfspace::Sphere3{{10, 1.5f, 20}, 0.5f});
   const halfspace::DownSimplex3 query =
-      halfspace::Sweep(ball, {4, -1, 0}).down();
+      halfspace::Sweep(sphere, {4, -1, 0}).down();
 
   std::vector<std::uint32_t> candidates(world.size());
   const std::size_t found = halfspace::Survivors(world, query, candidates);

@@ -14,7 +14,7 @@ inline __attribute__((always_inline)) void Prefetch(const void* address) {
 }
 
 // Into the second level: for what must not push out what is in use.
-inline __attribute__((always_inline)) void PrefetchFar(const void* address) {
+inline __attribute__((always_inline)) void PrefetchToL2(const void* address) {
   __builtin_prefetch(address, 0, 2);
   __asm__ volatile("");
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs the tests against exact arithmetic at full scale, and prints what ran:
-# 20 times what test.sh takes, which makes more than 10^7 bounds, 10^6 balls and
+# 20 times what test.sh takes, which makes more than 10^7 bounds, 10^6 spheres and
 # 10^5 pairs of touching triangles. About ten minutes of one core. An argument
 # sets another scale.
 set -euo pipefail
@@ -32,14 +32,14 @@ row() {
   local name=$1 tests=$2 seconds=$3
   shift 3
   printf '| %s | %s | %s | %s | %s | %s | %s |\n' "$name" "$tests" \
-    "$(total bounds "$@")" "$(total balls "$@")" "$(total pairs "$@")" \
+    "$(total bounds "$@")" "$(total spheres "$@")" "$(total pairs "$@")" \
     "$(total naive_rejects "$@")" "$seconds"
 }
 
 printf 'HALFSPACE_TEST_SCALE=%s, commit %s\n\n' "$scale" \
   "$(git -C "$root" describe --always --dirty 2>/dev/null || echo unknown)"
 printf '%s\n' \
-  '| suite | tests | bounds | of balls | pairs | naive rejects | s |' \
+  '| suite | tests | bounds | of spheres | pairs | naive rejects | s |' \
   '|---|---|---|---|---|---|---|'
 all_tests=0
 begin=$SECONDS

@@ -36,7 +36,7 @@ export filter logs
 
 # memcheck TEST: a line on how it went, or why it failed.
 #
-# codes_memory_test brings its own operator new, which valgrind must leave alone
+# quantized_memory_test brings its own operator new, which valgrind must leave alone
 # (nouserintercepts); the memory below it is valgrind's all the same.
 #
 # A vector that is loaded beyond the end of a block is an error to us, even one

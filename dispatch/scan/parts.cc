@@ -47,7 +47,7 @@ void PrefetchTile(const Scan& scan, std::size_t begin, std::size_t objects,
     const char* plane =
         static_cast<const char*>(scan.planes[p]) + begin * scan.element_bytes;
     for (std::size_t line = first; line < last; ++line) {
-      kernels::PrefetchFar(plane + line * kLine);
+      kernels::PrefetchToL2(plane + line * kLine);
     }
   }
 }

@@ -1,6 +1,6 @@
 // A scan in parts: tiles of the world that stay in the first-level cache while
-// batch after batch of queries is tested against them. What codes keep is
-// tested on the floats, one part later.
+// batch after batch of queries is tested against them. What quantized bounds
+// keep is tested on the floats, one part later.
 #ifndef HALFSPACE_DISPATCH_SCAN_PARTS_H_
 #define HALFSPACE_DISPATCH_SCAN_PARTS_H_
 
@@ -27,9 +27,9 @@ inline constexpr std::size_t kRunsOfOne = 4;
 
 // The words of a part's survivors, and where to look among them.
 struct Tested {
-  // What survived the codes, if it is no more than that, is listed: with one or
-  // two in a run, loops over words and their bits are mispredicted once in each
-  // run, and there are three of them.
+  // What survived the quantized bounds, if it is no more than that, is listed:
+  // with one or two in a run, loops over words and their bits are mispredicted
+  // once in each run, and there are three of them.
   static constexpr std::size_t kMostListed = 64;
 
   Part part;
@@ -54,7 +54,7 @@ struct Tested {
   }
 };
 
-// What codes keep and floats are to test (parts.cc).
+// What quantized bounds keep and floats are to test (parts.cc).
 bool FloatsReject(const Scan& scan, std::size_t query, std::size_t object);
 void PrefetchFloats(const Scan& scan, std::size_t object);
 
@@ -64,16 +64,17 @@ void PrefetchFloats(const Scan& scan, std::size_t object);
 void PrefetchTile(const Scan& scan, std::size_t begin, std::size_t objects,
                   std::size_t share, std::size_t shares);
 
-// One query takes a few runs at a time: the further apart the work on codes and
-// on floats, the longer may floats be on their way. Many queries take a tile
-// that stays in the cache, with room for the words: a box took 4 % more with
-// 32 KiB on Zen 4. The second half of coded planes is seldom looked at, and
-// needs none.
+// One query takes a few runs at a time: the further apart the work on quantized
+// bounds and on floats, the longer may floats be on their way. Many queries
+// take a tile that stays in the cache, with room for the words: a box took 4 %
+// more with 32 KiB on Zen 4. The second half of quantized planes is seldom
+// looked at, and needs none.
 inline std::size_t PartObjects(const Scan& scan) {
   constexpr std::size_t kTileBytes = 28 * 1024;
-  constexpr std::size_t kCodedTileBytes = 32 * 1024;
+  constexpr std::size_t kQuantizedTileBytes = 32 * 1024;
   if (scan.query_count == 1) return kRunsOfOne * kRunObjects;
-  const std::size_t bytes = scan.book != nullptr ? kCodedTileBytes : kTileBytes;
+  const std::size_t bytes =
+      scan.quantizer != nullptr ? kQuantizedTileBytes : kTileBytes;
   return std::min(kRunObjects, bytes / scan.record_bytes / 64 * 64);
 }
 
@@ -92,7 +93,8 @@ void ForEachBit(const Tested& tested, const Visit& visit) {
   }
 }
 
-// The same for what survived the codes, which is listed if it is little.
+// The same for what survived the quantized bounds, which is listed if it is
+// little.
 template <typename Visit>
 void ForEachCandidate(const Tested& tested, const Visit& visit) {
   if (tested.candidates > Tested::kMostListed) return ForEachBit(tested, visit);
@@ -112,10 +114,11 @@ inline void FindNonzero(const Scan& scan, Tested& tested) {
 
 // Writes the words of a part, and finds those that are not 0.
 //
-// Of codes that floats refine, an octahedron's minima alone leave so few
-// candidates, as a rule, that floats test them sooner than more codes: those,
-// out of the caches, are another four lines for each word. Only where more than
-// a quarter of the words are left are all codes tested.
+// Of quantized bounds that floats refine, an octahedron's minima alone leave so
+// few candidates, as a rule, that floats test them sooner than more quantized
+// bounds: those, out of the caches, are another four lines for each word. Only
+// where more than a quarter of the words are left are all quantized bounds
+// tested.
 inline void TestPart(const Scan& scan, Tested& tested) {
   if (scan.is_refined && scan.way == detail::kBySimplex) {
     const detail::Way minima =
@@ -133,7 +136,7 @@ inline void TestPart(const Scan& scan, Tested& tested) {
   FindNonzero(scan, tested);
 }
 
-// Prefetches the floats of what the codes have kept, and lists it.
+// Prefetches the floats of what the quantized bounds have kept, and lists it.
 inline void PrefetchCandidates(const Scan& scan, Tested& tested) {
   std::size_t count = 0;
   ForEachBit(tested, [&](std::size_t run, std::size_t object) {
@@ -156,8 +159,8 @@ inline void Refine(const Scan& scan, const Tested& tested) {
   });
 }
 
-// The queries whose codes are made at a time, and the room for the words of two
-// parts, on the stack: of one query, or of many.
+// The queries whose quantized bounds are made at a time, and the room for the
+// words of two parts, on the stack: of one query, or of many.
 struct OneQuery {
   static constexpr std::size_t kBlock = 1;
   static constexpr std::size_t kStride = 0;
@@ -169,40 +172,40 @@ struct ManyQueries {
   std::uint64_t rows[2][kMostQueries * kRunWords];
 };
 
-// Room for the codes of so many queries.
+// Room for the quantized bounds of so many queries.
 template <std::size_t kQueries>
-struct QueryCodes {
+struct EncodedQueries {
   alignas(
       16) std::byte bytes[kQueries * detail::kMaxPlanes * sizeof(std::int16_t)];
 };
 
 // Queries `first` ... `first` + `count` - 1 as the kernels read them: the
-// caller's own, or their codes, which are made here.
+// caller's own, or their quantized bounds, which are made here.
 template <std::size_t kQueries>
 const std::byte* ReadableQueries(const Scan& scan, std::size_t first,
                                  std::size_t count,
-                                 QueryCodes<kQueries>& codes) {
-  if (scan.book == nullptr) {
+                                 EncodedQueries<kQueries>& quantized) {
+  if (scan.quantizer == nullptr) {
     return static_cast<const std::byte*>(scan.queries) +
            first * scan.record_bytes;
   }
-  scan.encode(scan, first, count, codes.bytes);
-  return codes.bytes;
+  scan.encode(scan, first, count, quantized.bytes);
+  return quantized.bytes;
 }
 
 // Calls visit(part), without rows, for every batch of queries and tile of
-// `objects` objects. Codes of queries are made once for all tiles of the world,
-// for kBlock queries at a time: enough of them that reading the world again for
-// the next block costs nothing.
+// `objects` objects. Quantized bounds of queries are made once for all tiles of
+// the world, for kBlock queries at a time: enough of them that reading the
+// world again for the next block costs nothing.
 template <std::size_t kBlock, typename Visit>
 void ForEachBatch(const Scan& scan, std::size_t objects, const Visit& visit) {
-  QueryCodes<kBlock> codes;
-  const std::size_t most = scan.book != nullptr
+  EncodedQueries<kBlock> quantized;
+  const std::size_t most = scan.quantizer != nullptr
                                ? kBlock
                                : std::max<std::size_t>(1, scan.query_count);
   for (std::size_t first = 0; first < scan.query_count; first += most) {
     const std::size_t block = std::min(most, scan.query_count - first);
-    const std::byte* queries = ReadableQueries(scan, first, block, codes);
+    const std::byte* queries = ReadableQueries(scan, first, block, quantized);
     const std::size_t batches = (block + kMostQueries - 1) / kMostQueries;
     for (std::size_t begin = scan.begin; begin < scan.end; begin += objects) {
       const std::size_t end = std::min(scan.end - begin, objects) + begin;

@@ -57,9 +57,10 @@ std::size_t ColumnBytes(const detail::FloatColumns& columns) {
 
 void RefuseBadWorld(const detail::Scan& scan) {
   if (scan.is_refined && scan.floats.size != scan.size) {
-    ThrowInvalid(scan.call, "world",
-                 "as many floats as codes, " + std::to_string(scan.size),
-                 std::to_string(scan.floats.size));
+    ThrowInvalid(
+        scan.call, "world",
+        "as many floats as quantized bounds, " + std::to_string(scan.size),
+        std::to_string(scan.floats.size));
   }
   if (scan.query_count != 0) {
     CheckPointer(
@@ -73,8 +74,8 @@ void RefuseBadWorld(const detail::Scan& scan) {
     ThrowInvalid(scan.call, "world.size", "a size that fits the address space",
                  std::to_string(scan.size));
   }
-  // Codes are always the library's own.
-  if (scan.book == nullptr) CheckPlanes(scan, scan.planes, bytes);
+  // Quantized bounds are always the library's own.
+  if (scan.quantizer == nullptr) CheckPlanes(scan, scan.planes, bytes);
   if (scan.is_refined) CheckPlanes(scan, scan.floats.planes, sizeof(float));
 }
 

@@ -42,8 +42,9 @@ inline constexpr detail::Way kWayOf[3][4] = {
     {detail::kAll, detail::kAll, detail::kByAxis, detail::kByAxis},
     {detail::kBySimplex, detail::kAll, detail::kBySimplex, detail::kByAxis},
 };
-// A word of codes is a vector or two: a stage has nothing to leave out of it.
-inline constexpr detail::Way kWayOfCodes[3][4] = {
+// A word of quantized bounds is a vector or two: a stage has nothing to leave
+// out of it.
+inline constexpr detail::Way kWayOfQuantized[3][4] = {
     {detail::kMinima, detail::kMinima, detail::kMinima, detail::kMinima},
     {detail::kAll, detail::kAll, detail::kAll, detail::kAll},
     {detail::kBySimplex, detail::kAll, detail::kBySimplex, detail::kBySimplex},
@@ -69,7 +70,8 @@ inline void Prepare(detail::Scan& scan, const Options& options,
   scan.begin = std::min(range.begin, scan.size);
   scan.end = std::min(range.end, scan.size);
   // Whether something may be wrong: a few cycles, where what is wrong takes a
-  // look at each plane. Codes have planes of floats too, and are looked at.
+  // look at each plane. Quantized bounds have planes of floats too, and are
+  // looked at.
   const auto queries = reinterpret_cast<std::uintptr_t>(scan.queries);
   if (queries == 0 || (queries & (scan.query_bytes - 1u)) != 0 ||
       scan.addresses.lowest == 0 ||
@@ -92,8 +94,8 @@ inline void Prepare(detail::Scan& scan, const Options& options,
       scan.query_count == 1 &&
       (scan.end - scan.begin) * scan.record_bytes > kInCacheBytes;
   const auto shape = static_cast<std::size_t>(scan.shape);
-  scan.way = scan.book == nullptr ? kWayOf[shape][schedule]
-                                  : kWayOfCodes[shape][schedule];
+  scan.way = scan.quantizer == nullptr ? kWayOf[shape][schedule]
+                                       : kWayOfQuantized[shape][schedule];
   if (scan.is_streaming) scan.way = kStreamingWayOf[scan.way];
   if (options.ran != nullptr) [[unlikely]] {
     // Asked of the kernels themselves: no queries, no objects.

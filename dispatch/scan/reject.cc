@@ -26,7 +26,8 @@ using dispatch::Tested;
 }
 
 // Apart for the same reason.
-[[gnu::noinline]] void WriteCodedMask(const Scan& scan, std::uint64_t* mask) {
+[[gnu::noinline]] void WriteQuantizedMask(const Scan& scan,
+                                          std::uint64_t* mask) {
   dispatch::WriteRows<OneQuery>(scan, mask, MaskWords(scan.size), false);
 }
 
@@ -40,7 +41,7 @@ inline void WriteMask(Scan& scan, std::span<std::uint64_t> mask,
   dispatch::CheckOutput(scan,
                         {"mask", mask.data(), words * sizeof(std::uint64_t),
                          alignof(std::uint64_t)});
-  if (scan.book != nullptr) return WriteCodedMask(scan, mask.data());
+  if (scan.quantizer != nullptr) return WriteQuantizedMask(scan, mask.data());
   // The short way: a small call costs little more than its kernel.
   dispatch::Run(scan, {.first_query = 0,
                        .query_count = 1,
@@ -100,13 +101,13 @@ std::size_t CountSurvivors(Scan&& scan, const Options& options) {
 
 std::size_t AnySurvivor(Scan&& scan, const Options& options) {
   dispatch::Prepare(scan, options, "AnySurvivor");
-  dispatch::QueryCodes<1> codes;
+  dispatch::EncodedQueries<1> quantized;
   std::uint64_t words[dispatch::kRunWords];
   Tested tested;
   Part& part = tested.part;
   part = {.first_query = 0,
           .query_count = 1,
-          .queries = dispatch::ReadableQueries(scan, 0, 1, codes),
+          .queries = dispatch::ReadableQueries(scan, 0, 1, quantized),
           .begin = scan.begin,
           .end = scan.begin,
           .rows = words,

@@ -142,7 +142,7 @@ template <int kDims, typename Scalar>
 HALFSPACE_API Aabo<kDims> BoundAabb(const Box<kDims, Scalar>& box,
                                     FitStatus* status = nullptr);
 
-// Bounds a ball. Radius 0 is the point.
+// Bounds a sphere. Radius 0 is the point.
 //   Throws if the radius is negative or NaN.
 //   X, Y, Z tightest; D within 1 ulp, or, where it all but cancels, within
 //   2^-100 of the radius.
@@ -153,7 +153,7 @@ template <int kDims, typename Scalar>
 HALFSPACE_API Aabo<kDims> BoundSphere(const Sphere<kDims, Scalar>& sphere,
                                       FitStatus* status = nullptr);
 
-// Bounds a capsule, a swept ball. As BoundSphere.
+// Bounds a capsule, a swept sphere. As BoundSphere.
 template <int kDims>
 HALFSPACE_API Aabo<kDims> BoundCapsule(const Capsule<kDims>& capsule,
                                        FitStatus* status = nullptr);

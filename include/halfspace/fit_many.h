@@ -3,8 +3,8 @@
 //
 // They keep the contract of fit.h: every bound encloses the exact real shape
 // that its input describes. X, Y, Z are those of fit.h. D is within 1 ulp of
-// the tightest float, or, with FitOptions::tightest, the tightest; of balls it
-// is nearly so (BoundSpheres). Answers are bit-identical on every target and
+// the tightest float, or, with FitOptions::tightest, the tightest; of spheres
+// it is nearly so (BoundSpheres). Answers are bit-identical on every target and
 // compiler.
 //
 //   auto world = halfspace::AaboWorld3();
@@ -104,10 +104,11 @@ Target BoundBoxes(const Boxes<Planes::kDimensions>& boxes, const Planes& planes,
                             detail::OutputOf(planes), options, status);
 }
 
-// Bounds balls. X, Y, Z are tightest. D is the tightest float for a value that
-// is off by less than 2^-49 of |x| + |y| + ... + sqrt(kDims) * radius, or, with
-// `tightest`, by less than 2^-100 of the radius. So it is off by no more than 1
-// ulp plus that much, which is more than an ulp only where D all but cancels.
+// Bounds spheres. X, Y, Z are tightest. D is the tightest float for a value
+// that is off by less than 2^-49 of |x| + |y| + ... + sqrt(kDims) * radius, or,
+// with `tightest`, by less than 2^-100 of the radius. So it is off by no more
+// than 1 ulp plus that much, which is more than an ulp only where D all but
+// cancels.
 template <detail::PlanesOfFloats Planes>
 Target BoundSpheres(const Spheres<Planes::kDimensions>& spheres,
                     const Planes& planes, const FitOptions& options = {},

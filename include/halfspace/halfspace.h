@@ -7,7 +7,7 @@
 //   transform.h  bounds of bounds: merged, inflated, moved, swept
 //   fit_many.h bounds of many shapes at once, in SIMD
 //   world.h    many stored bounds: views and owning arrays
-//   codes.h    worlds of one or two bytes a plane
+//   quantized.h    worlds of one or two bytes a plane
 //   reject.h   the tests: masks, index lists, counts
 //   reject_many.h  many queries at once
 //   targets.h  the instruction sets
@@ -15,11 +15,11 @@
 #define HALFSPACE_HALFSPACE_H_
 
 #include "halfspace/bounds.h"       // IWYU pragma: export
-#include "halfspace/codes.h"        // IWYU pragma: export
 #include "halfspace/fit.h"          // IWYU pragma: export
 #include "halfspace/fit_many.h"     // IWYU pragma: export
 #include "halfspace/fit_status.h"   // IWYU pragma: export
 #include "halfspace/planes.h"       // IWYU pragma: export
+#include "halfspace/quantized.h"    // IWYU pragma: export
 #include "halfspace/reject.h"       // IWYU pragma: export
 #include "halfspace/reject_many.h"  // IWYU pragma: export
 #include "halfspace/shapes.h"       // IWYU pragma: export

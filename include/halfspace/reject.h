@@ -22,7 +22,7 @@
 //
 // Every call takes
 //   world    a view or an owning world of world.h, of floats or of doubles, or
-//            a coded one of codes.h
+//            a quantized one of quantized.h
 //   query    the world's Query type: DownSimplex, Aabb or Aabo
 //   options  schedule, target, and the range of objects; the defaults are right
 // reject_many.h has the same for many queries.
@@ -43,10 +43,10 @@
 // call, and must keep to the preconditions. An empty world is fine.
 //
 // Thread safety: reentrant; no allocation, no lock, no state. Stack: 8 KiB are
-// enough for every call here (7 are used on x86), over floats or codes. Cost: a
-// load and an indirect call, then one compare per plane and object, at the
-// speed of the planes' memory (docs/performance.md has figures). A reject mask
-// is a survivor mask turned over: one more pass over the mask.
+// enough for every call here (7 are used on x86), over floats or quantized
+// bounds. Cost: a load and an indirect call, then one compare per plane and
+// object, at the speed of the planes' memory (docs/performance.md has figures).
+// A reject mask is a survivor mask turned over: one more pass over the mask.
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (the tests,
 // and the early-out under SIMD that schedules are about).
@@ -73,7 +73,8 @@ enum class Schedule : std::uint8_t {
   kFlat,          // every plane of every object, without a branch
   kStaged,        // AABB: as kStagedByAxis. AABO: up simplex, then down simplex
   kStagedByAxis,  // after the two planes (the interval) of each axis of a box
-                  // or an octahedron of floats or doubles; of codes, as kAuto
+                  // or an octahedron of floats or doubles; of quantized bounds,
+                  // as kAuto
 };
 
 // Objects begin ... end - 1 of a world, for threads that share one call's work:

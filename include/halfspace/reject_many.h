@@ -2,12 +2,12 @@
 //
 // The answers are those of reject.h for each query; the work is done in tiles.
 // A tile of the world is brought into the first-level cache once, and all
-// queries (of codes 256 at a time) are tested there, so that a world out of the
-// caches costs its bytes once for all of them and not once for each. Where
-// registers allow it, as with AVX-512, several queries share each load.
+// queries (of quantized bounds 256 at a time) are tested there, so that a world
+// out of the caches costs its bytes once for all of them and not once for each.
+// Where registers allow it, as with AVX-512, several queries share each load.
 //
 // Every call takes
-//   world    as the calls of reject.h: floats, doubles or codes
+//   world    as the calls of reject.h: floats, doubles or quantized bounds
 //   queries  any number, of the world's Query type; NaN and empty queries as
 //            there
 //   options  as there; a range of objects is how threads share the work: give

@@ -63,7 +63,7 @@ struct Ray {
   float max_t;
 };
 
-// The ball of all points within `radius` of `center`.
+// The sphere of all points within `radius` of `center`.
 template <int kDims, typename Scalar = float>
 struct Sphere {
   Point<kDims, Scalar> center;

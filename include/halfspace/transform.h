@@ -40,7 +40,7 @@ template <typename Bound>
 HALFSPACE_API Bound Merge(const Bound& a, const Bound& b,
                           FitStatus* status = nullptr);
 
-// Grows a bound by a ball: the Minkowski sum with a ball of this radius. D
+// Grows a bound by a sphere: the Minkowski sum with a sphere of this radius. D
 // moves by sqrt(kDims) times the radius.
 //   Throws if the radius is negative or NaN. X, Y, Z tightest; D within 1 ulp,
 //   or, where it all but cancels, within 2^-100 of the radius.

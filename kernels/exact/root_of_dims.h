@@ -13,7 +13,7 @@
 namespace halfspace::kernels {
 
 // sqrt(kDims) in three ways, all at least that. sqrt(3) alone rounds *down*, in
-// float as in double, and a radius times that would cut into the ball.
+// float as in double, and a radius times that would cut into the sphere.
 struct RootOfDims {
   double above;  // the least double that is not too small
   // The nearest double, and what makes the sum not too small: off by less than

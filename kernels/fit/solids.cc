@@ -1,4 +1,4 @@
-// Solids: boxes, oriented boxes, balls, capsules.
+// Solids: boxes, oriented boxes, spheres, capsules.
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -110,7 +110,8 @@ std::optional<Aabo<kDims>> TrySpheres(
 }
 
 template <int kDims, typename Scalar>
-Aabo<kDims> BoundBall(const Sphere<kDims, Scalar>& sphere, FitStatus* status) {
+Aabo<kDims> BoundAnySphere(const Sphere<kDims, Scalar>& sphere,
+                           FitStatus* status) {
   return InDefaultFpMode([&] {
     kernels::CheckLength("BoundSphere", "sphere.radius", sphere.radius);
     return Finish(
@@ -158,16 +159,16 @@ Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims>& box, FitStatus* status) {
 
 template <int kDims>
 Aabo<kDims> BoundSphere(const Sphere<kDims>& sphere, FitStatus* status) {
-  return BoundBall(sphere, status);
+  return BoundAnySphere(sphere, status);
 }
 
 template <int kDims, typename Scalar>
 Aabo<kDims> BoundSphere(const Sphere<kDims, Scalar>& sphere,
                         FitStatus* status) {
-  return BoundBall(sphere, status);
+  return BoundAnySphere(sphere, status);
 }
 
-// The hull of its two end balls.
+// The hull of its two end spheres.
 template <int kDims>
 Aabo<kDims> BoundCapsule(const Capsule<kDims>& capsule, FitStatus* status) {
   return InDefaultFpMode([&] {

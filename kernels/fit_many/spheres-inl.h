@@ -1,4 +1,4 @@
-// Bounds of many balls. D has a square root in it, and is computed in double.
+// Bounds of many spheres. D has a square root in it, and is computed in double.
 #if defined(HALFSPACE_KERNELS_FIT_MANY_SPHERES_INL_H_) == \
     defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_FIT_MANY_SPHERES_INL_H_

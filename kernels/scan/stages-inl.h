@@ -65,7 +65,8 @@ HWY_INLINE int64_t FinishPart(const detail::Scan& scan,
 inline constexpr bool kPagesPay =
     HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128;
 
-// A page of each plane; of codes of a byte half a page is 5 % faster.
+// A page of each plane; of quantized bounds of a byte half a page is 5 %
+// faster.
 template <typename T>
 inline constexpr size_t kPageWords = HWY_MIN(size_t{32},
                                              4096 / (kWordObjects * sizeof(T)));
@@ -252,7 +253,7 @@ HWY_INLINE void TileByAxis(const detail::Scan& scan, const T* values,
 template <typename T>
 int64_t ElementKernels<T>::ByAxis(const detail::Scan& scan,
                                   const detail::Part& part) {
-  // Codes have no stages by axis.
+  // Quantized bounds have no stages by axis.
   if constexpr (std::is_floating_point_v<T>) {
     const size_t words = (part.end - part.begin) / kWordObjects;
     for (size_t q = 0; q < part.query_count; ++q) {

@@ -65,10 +65,10 @@ struct LoadFirst {
   }
 };
 
-// Whether what is above the query's value rejects, or what is below it. Codes
-// of minima are stored in reverse (kernels/quantize/code_book.cc): for signed
-// bytes AVX2 has one compare, which takes the objects from memory only if they
-// are the lesser side.
+// Whether what is above the query's value rejects, or what is below it.
+// Quantized bounds of minima are stored in reverse
+// (kernels/quantize/quantizer.cc): for signed bytes AVX2 has one compare, which
+// takes the objects from memory only if they are the lesser side.
 template <bool kIsMin, typename T>
 inline constexpr bool kRejectsAbove = kIsMin&& std::is_floating_point_v<T>;
 

@@ -23,7 +23,8 @@ constexpr std::size_t kStagger = 5 * 64 / sizeof(T);
 
 // The class that users know, for messages.
 template <typename T>
-constexpr const char* kOwner = std::is_floating_point_v<T> ? "World" : "Codes";
+constexpr const char* kOwner =
+    std::is_floating_point_v<T> ? "World" : "QuantizedBounds";
 
 }  // namespace
 

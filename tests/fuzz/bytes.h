@@ -13,7 +13,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "tests/library/special_values.h"
+#include "tests/library/support/special_values.h"
 
 namespace halfspace::testing {
 

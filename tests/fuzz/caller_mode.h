@@ -8,7 +8,7 @@
 #include <ostream>
 
 #include "tests/fuzz/bytes.h"
-#include "tests/library/fp_modes.h"
+#include "tests/library/support/fp_modes.h"
 
 namespace halfspace::testing {
 

@@ -19,7 +19,7 @@ namespace halfspace::testing {
 template <std::size_t kDims>
 using ExactPoint = std::array<mpq_class, kDims>;
 
-// The convex hull of the points and balls that were added.
+// The convex hull of the points and spheres that were added.
 template <int kDims>
 class ExactShape {
  public:
@@ -47,9 +47,9 @@ class ExactShape {
     weight_ = std::max(weight_, magnitude);
   }
 
-  void AddPoint(const Point& point) { AddBall(point, 0); }
+  void AddPoint(const Point& point) { AddSphere(point, 0); }
 
-  void AddBall(const Point& center, const mpq_class& radius) {
+  void AddSphere(const Point& center, const mpq_class& radius) {
     mpq_class d = 0;
     for (std::size_t k = 0; k < kDims; ++k) {
       values_[k].push_back({center[k] - radius});

@@ -17,7 +17,7 @@
 #include "tests/fuzz/many_shapes.h"
 #include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
-#include "tests/library/environment.h"
+#include "tests/library/support/environment.h"
 
 namespace halfspace::testing {
 namespace {

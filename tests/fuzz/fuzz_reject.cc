@@ -14,10 +14,10 @@
 #include "tests/fuzz/bytes.h"
 #include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
-#include "tests/library/answers.h"
-#include "tests/library/canaries.h"
-#include "tests/library/cases.h"
-#include "tests/library/environment.h"
+#include "tests/library/support/answers.h"
+#include "tests/library/support/canaries.h"
+#include "tests/library/support/cases.h"
+#include "tests/library/support/environment.h"
 
 namespace halfspace::testing {
 namespace {

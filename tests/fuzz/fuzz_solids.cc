@@ -1,4 +1,4 @@
-// Bounds of boxes, balls and capsules, against exact arithmetic.
+// Bounds of boxes, spheres and capsules, against exact arithmetic.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -90,7 +90,7 @@ class RoundShape {
       if (!exact.Accept(center)) return;
       const auto coords = ExactOf<std::size_t{kDims}>(center);
       exact.Weigh(SumOfMagnitudes(coords) + radius);
-      exact.AddBall(coords, radius);
+      exact.AddSphere(coords, radius);
     }
     exact.Tolerate({}, {.ulps = 1, .slack = radius * 0x1p-100});
   }

@@ -153,7 +153,7 @@ class ManySpheres {
     const mpq_class radius(row[kDims]);
     const mpq_class weight = SumOfMagnitudes(center) + radius;
     exact.Weigh(weight);
-    exact.AddBall(center, radius);
+    exact.AddSphere(center, radius);
     const Tolerance tightest = {.slack = radius * 0x1p-100};
     const Tolerance within_ulp = {.ulps = 1, .slack = weight * 0x1p-49};
     exact.Tolerate({}, options.tightest ? tightest : within_ulp);

@@ -18,7 +18,7 @@
 #include "tests/fuzz/caller_mode.h"
 #include "tests/fuzz/exact_real.h"
 #include "tests/fuzz/print.h"
-#include "tests/library/cases.h"
+#include "tests/library/support/cases.h"
 
 namespace halfspace::testing {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "kernels/compiled_targets.h"
-#include "tests/library/environment.h"
+#include "tests/library/support/environment.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tests/kernels/scan_test.cc"
@@ -182,7 +182,7 @@ void ForEachTargetUnderTest(const Visit& visit) {
   });
 }
 
-// A NaN rejects nothing. Codes of minima are stored in reverse.
+// A NaN rejects nothing. Quantized bounds of minima are stored in reverse.
 template <typename T>
 bool Rejects(bool is_min, T object, T query) {
   return is_min && std::is_floating_point_v<T> ? object > query

@@ -46,7 +46,7 @@ bool Rejects(const AaboView<4, T>& world, const Aabo<4, T>& query,
              std::size_t i);
 
 // The reject mask of the whole world, one object after the other; defined for
-// every pair above. The scalar rival that benchmarks time.
+// every pair above. The scalar baseline that benchmarks time.
 template <typename View>
 void RejectMask(const View& world, const typename View::Query& query,
                 std::uint64_t* mask);

@@ -1,4 +1,4 @@
-#include "bench/bounds_reader.h"
+#include "bench/input/bounds_reader.h"
 
 #include <gtest/gtest.h>
 

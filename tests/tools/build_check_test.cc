@@ -1,6 +1,6 @@
 // The shapes that the bulk builders are measured on, and the check of their
 // answers, which must be able to fail.
-#include "bench/build_check.h"
+#include "bench/worlds/build_check.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <string>
 
-#include "bench/build_source.h"
-#include "bench/scene.h"
+#include "bench/worlds/build_source.h"
+#include "bench/worlds/scene.h"
 #include "halfspace/targets.h"
 
 namespace halfspace::bench {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/mesh_reader.h"
+#include "bench/input/mesh_reader.h"
 #include "tests/tools/temp_file.h"
 
 #define TINYOBJLOADER_IMPLEMENTATION

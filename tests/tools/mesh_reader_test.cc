@@ -1,4 +1,4 @@
-#include "bench/mesh_reader.h"
+#include "bench/input/mesh_reader.h"
 
 #include <gtest/gtest.h>
 

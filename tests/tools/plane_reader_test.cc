@@ -1,5 +1,5 @@
 // The ceiling of the scans: it must read every byte of every plane.
-#include "bench/plane_reader.h"
+#include "bench/baselines/plane_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/aligned_vector.h"
+#include "bench/base/aligned_vector.h"
 #include "halfspace/targets.h"
 
 namespace halfspace::bench {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/mesh_reader.h"
-#include "bench/workload.h"
+#include "bench/input/mesh_reader.h"
+#include "bench/worlds/workload.h"
 #include "halfspace/halfspace.h"
 
 namespace halfspace::bench {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/report.h"
-#include "bench/run.h"
+#include "bench/app/run.h"
+#include "bench/report/report.h"
 #include "halfspace/targets.h"
 
 namespace halfspace::bench {
@@ -94,11 +94,11 @@ TEST(ReportJsonTest, BuildRowsHaveTheFixedForm) {
     EXPECT_EQ(row.at("item") == "point", row.at("shapes") == "point-sets");
     is_memory_reached |= row.at("working_set") == "memory";
   }
-  EXPECT_EQ(build.at("bars").size(), is_memory_reached ? 1u : 0u);
-  for (const Json& bar : build.at("bars")) {
-    EXPECT_EQ(bar.at("target"), std::string(ChosenTarget().name()));
-    EXPECT_EQ(bar.at("at_least"), 70.0);
-    EXPECT_EQ(bar.at("holds"), bar.at("percent_of_copy") >= 70.0);
+  EXPECT_EQ(build.at("thresholds").size(), is_memory_reached ? 1u : 0u);
+  for (const Json& threshold : build.at("thresholds")) {
+    EXPECT_EQ(threshold.at("target"), std::string(ChosenTarget().name()));
+    EXPECT_EQ(threshold.at("at_least"), 70.0);
+    EXPECT_EQ(threshold.at("holds"), threshold.at("percent_of_copy") >= 70.0);
   }
   EXPECT_GE(build.at("singles").size(), 20u);
   for (const Json& row : build.at("singles")) {

@@ -1,6 +1,6 @@
 // Long segments in pieces: against counts by hand, and that more pieces never
 // keep more.
-#include "bench/segments.h"
+#include "bench/sections/segments.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "bench/scene.h"
-#include "tests/library/environment.h"
+#include "bench/worlds/scene.h"
+#include "tests/library/support/environment.h"
 
 namespace halfspace::bench {
 namespace {

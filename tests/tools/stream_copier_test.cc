@@ -1,5 +1,5 @@
 // The ceiling of the bulk builders: it must move every byte, once.
-#include "bench/stream_copier.h"
+#include "bench/baselines/stream_copier.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/aligned_vector.h"
+#include "bench/base/aligned_vector.h"
 #include "halfspace/targets.h"
 
 namespace halfspace::bench {

@@ -5,8 +5,8 @@
 #include <sstream>
 #include <string>
 
-#include "bench/paper.h"
-#include "bench/report.h"
+#include "bench/report/paper.h"
+#include "bench/report/report.h"
 
 namespace halfspace::bench {
 namespace {

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "bench/crossover_size.h"
-#include "bench/line_fit.h"
-#include "bench/register_scan.h"
-#include "bench/report.h"
-#include "bench/text_table.h"
-#include "bench/throughput.h"
-#include "bench/two_threads.h"
+#include "bench/base/text_table.h"
+#include "bench/baselines/register_scan.h"
+#include "bench/measure/crossover_size.h"
+#include "bench/measure/line_fit.h"
+#include "bench/measure/two_threads.h"
+#include "bench/report/report.h"
+#include "bench/sections/throughput.h"
 #include "halfspace/reject.h"
 
 #if defined(__GLIBC__)
@@ -40,12 +40,12 @@ ThroughputResult SomeResult() {
   row.ceiling = "read simplex by-word";
   row.percent_of_ceiling = 98.0;
   result.rows.push_back(row);
-  row.name = "rival";
+  row.name = "baseline";
   row.target.clear();
   result.rows.push_back(row);
   result.ratios.push_back({1, "a share", 98.0, 97.0, true});
   result.ratios.push_back({6, "a cost", 1.2, 1.15, false});
-  result.not_reached.push_back("bar 8: no peers");
+  result.not_reached.push_back("threshold 8: no competitors");
   return result;
 }
 
@@ -70,7 +70,7 @@ TEST(ThroughputReportTest, JsonHasTheFixedForm) {
   EXPECT_TRUE(section.at("rows").at(0).at("ceiling").is_null());
   EXPECT_TRUE(section.at("rows").at(0).at("percent_of_ceiling").is_null());
   EXPECT_TRUE(section.at("rows").at(2).at("target").is_null());
-  EXPECT_EQ(section.at("ratios").at(0), Json({{"bar", 1},
+  EXPECT_EQ(section.at("ratios").at(0), Json({{"threshold", 1},
                                               {"name", "a share"},
                                               {"value", 98.0},
                                               {"needed", 97.0},
@@ -85,7 +85,7 @@ TEST(ThroughputReportTest, JsonHasTheFixedForm) {
             Json({{"aabb", 1}, {"simplex", 2}, {"aabo", 3}}));
 }
 
-TEST(ThroughputReportTest, TextSaysWhichBarsHold) {
+TEST(ThroughputReportTest, TextSaysWhichThresholdsHold) {
   std::ostringstream text;
   WriteText(text, SomeResult());
   EXPECT_NE(text.str().find("a share holds  98.00  >= 97.00"),
@@ -93,7 +93,7 @@ TEST(ThroughputReportTest, TextSaysWhichBarsHold) {
       << text.str();
   EXPECT_NE(text.str().find("FAILS"), std::string::npos);
   EXPECT_NE(text.str().find("<= 1.15"), std::string::npos);
-  EXPECT_NE(text.str().find("not reached: bar 8"), std::string::npos);
+  EXPECT_NE(text.str().find("not reached: threshold 8"), std::string::npos);
 }
 
 TEST(ThroughputReportTest, TextSaysWhatFailsMeans) {
@@ -109,7 +109,7 @@ TEST(ThroughputReportTest, TextSaysWhatFailsMeans) {
   EXPECT_EQ(other.str().find("FAILS"), std::string::npos) << other.str();
 }
 
-TEST(ThroughputReportTest, ABarHoldsAtItsLimit) {
+TEST(ThroughputReportTest, AThresholdHoldsAtItsLimit) {
   EXPECT_TRUE((ThroughputRatio{1, "", 97.0, 97.0, true}.holds()));
   EXPECT_FALSE((ThroughputRatio{1, "", 96.9, 97.0, true}.holds()));
   EXPECT_TRUE((ThroughputRatio{6, "", 1.15, 1.15, false}.holds()));

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "bench/sections.h"
+#include "bench/sections/sections.h"
 
 namespace halfspace::bench {
 namespace {

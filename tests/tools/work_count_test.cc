@@ -1,6 +1,6 @@
 // The paper's work metric: against a count that follows its definition object
 // by object, and against the paper's own figures.
-#include "bench/work_count.h"
+#include "bench/measure/work_count.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "bench/paper.h"
-#include "bench/scene.h"
-#include "bench/survivors.h"
+#include "bench/report/paper.h"
+#include "bench/sections/survivors.h"
+#include "bench/worlds/scene.h"
 
 namespace halfspace::bench {
 namespace {

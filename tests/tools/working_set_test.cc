@@ -1,5 +1,5 @@
 // Which sizes are measured on which machine.
-#include "bench/working_set.h"
+#include "bench/worlds/working_set.h"
 
 #include <gtest/gtest.h>
 

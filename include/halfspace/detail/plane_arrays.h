@@ -66,7 +66,8 @@ struct FloatColumns {
 
 // One allocation of `padding.size()` planes. Each plane is 64-byte aligned;
 // elements from size() to the end of the padded plane hold `padding`. Defined
-// for float, double, and the codes of codes.h and their thresholds.
+// for float, double, and the quantized bounds of quantized.h and their
+// thresholds.
 template <typename T>
 class HALFSPACE_API PlaneArrays {
  public:

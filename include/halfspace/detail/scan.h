@@ -23,7 +23,7 @@ struct SurvivorTile;
 
 namespace detail {
 
-class CodeBook;
+class Quantizer;
 struct TargetKernels;
 
 enum class Shape : std::uint8_t { kSimplex, kAabb, kAabo };
@@ -89,16 +89,16 @@ struct Scan {
   std::uint8_t query_bytes;         // of a value of `queries`
   std::uint8_t query_record_bytes;  // of a query
 
-  // If it is not null, `planes` are codes, and queries, which are floats, are
-  // encoded with it: `count` of them from number `first` on.
-  const CodeBook* book;
+  // If it is not null, `planes` are quantized bounds, and queries, which are
+  // floats, are encoded with it: `count` of them from number `first` on.
+  const Quantizer* quantizer;
   void (*encode)(const Scan& scan, std::size_t first, std::size_t count,
-                 void* codes);
+                 void* quantized);
 
   const void* queries;
   std::size_t query_count;
 
-  // What survives the codes is tested with these floats too.
+  // What survives the quantized bounds is tested with these floats too.
   bool is_refined;
   FloatColumns floats;
 
@@ -169,7 +169,7 @@ Scan ScanOfQueries(std::span<const typename View::Query> queries) {
   scan.query_record_bytes = sizeof(Query);
   scan.queries = queries.data();
   scan.query_count = queries.size();
-  scan.book = nullptr;
+  scan.quantizer = nullptr;
   scan.is_refined = false;
   return scan;
 }
@@ -188,7 +188,7 @@ Scan MakeScan(const View& view, std::span<const typename View::Query> queries) {
   return scan;
 }
 
-// The queries must outlive the result. MakeScan of coded views is found by
+// The queries must outlive the result. MakeScan of quantized views is found by
 // argument-dependent lookup.
 template <typename AnyWorld>
 Scan ScanOf(const AnyWorld& world,

@@ -1,6 +1,6 @@
 // A user of the library: bounds two triangles, asks which of them a third one
 // could touch, on every target of this machine, and checks the answer, as
-// floats and as codes.
+// floats and as quantized bounds.
 #include <halfspace/halfspace.h>
 
 #include <array>
@@ -41,21 +41,23 @@ int main() {
     }
   }
 
-  // Enough of both to learn from: codes lie about them as soon as this file and
-  // the library take them for something different.
-  halfspace::CodedWorld<halfspace::AaboView3> coded;
-  for (std::size_t i = 0; i < 200; ++i) coded.Push(world.Get(i % 2));
-  const auto copy = coded;
-  const halfspace::Codes<halfspace::AaboView3> codes(world);
+  // Enough of both to train from: quantized bounds lie about them as soon as
+  // this file and the library take them for something different.
+  halfspace::QuantizedWorld<halfspace::AaboView3> quantized_world;
+  for (std::size_t i = 0; i < 200; ++i) quantized_world.Push(world.Get(i % 2));
+  const auto copy = quantized_world;
+  const halfspace::QuantizedBounds<halfspace::AaboView3> quantized(world);
   const std::size_t left[] = {
-      halfspace::CountSurvivors(coded, query),
-      halfspace::CountSurvivors(copy.codes(), query),
-      halfspace::CountSurvivors(codes, query),
-      halfspace::CountSurvivors(halfspace::Confirmed(codes, world), query)};
+      halfspace::CountSurvivors(quantized_world, query),
+      halfspace::CountSurvivors(copy.quantized(), query),
+      halfspace::CountSurvivors(quantized, query),
+      halfspace::CountSurvivors(halfspace::Refined(quantized, world), query)};
   if (left[0] != 100 || left[1] != 100 || left[2] != 1 || left[3] != 1 ||
-      !copy.Fits() || !codes.Fits()) {
-    std::fprintf(stderr, "survivors of codes: %zu, %zu of 100, %zu, %zu of 1\n",
-                 left[0], left[1], left[2], left[3]);
+      !copy.Fits() || !quantized.Fits()) {
+    std::fprintf(
+        stderr,
+        "survivors of quantized bounds: %zu, %zu of 100, %zu, %zu of 1\n",
+        left[0], left[1], left[2], left[3]);
     return 1;
   }
   const halfspace::TargetChoice choice = halfspace::DescribeTargetChoice();

@@ -1,0 +1,135 @@
+// cpuinfo-bench: measures on this machine what the bounding simplex, the AABB
+// and the AABO cost, and where each wins.
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <new>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "bench/app/options.h"
+#include "bench/app/out_file.h"
+#include "bench/app/run.h"
+#include "bench/base/progress.h"
+#include "bench/base/text_table.h"
+#include "bench/input/bounds_reader.h"
+#include "bench/input/input_error.h"
+#include "bench/input/mesh_reader.h"
+#include "bench/report/report.h"
+#include "halfspace/targets.h"
+
+namespace halfspace::bench {
+namespace {
+
+int Fail(const std::string& what, int code) {
+  std::cerr << "cpuinfo-bench: " << Printable(what) << '\n';
+  return code;
+}
+
+Workload ReadWorkload(const BenchOptions& options) {
+  if (!options.mesh.empty()) {
+    const Mesh mesh = ReadMesh(options.mesh);
+    return WorkloadOfTriangles(options.mesh, mesh.coords, mesh.indices,
+                               options.queries);
+  }
+  return WorkloadOfBoxes(options.bounds, ReadBounds(options.bounds),
+                         options.queries);
+}
+
+// The file of --mesh or --bounds; nothing if neither was given.
+std::optional<Workload> ReadInput(const BenchOptions& options) {
+  const std::string& path =
+      options.mesh.empty() ? options.bounds : options.mesh;
+  if (path.empty()) return std::nullopt;
+  constexpr const char* kSmaller = "give a smaller one";
+  const std::size_t available = FreeMemory();
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (!error && available != 0 && bytes > available) {
+    throw InputError(path,
+                     "the file takes " + Mebibytes(bytes) +
+                         ", too much for the " + Mebibytes(available) +
+                         " that are free",
+                     kSmaller);
+  }
+  std::optional<Workload> workload;
+  try {
+    workload = ReadWorkload(options);
+  } catch (const std::bad_alloc&) {
+    throw InputError(path, "the file does not fit the memory", kSmaller);
+  }
+  for (std::size_t i = 0; i < workload->objects.size(); ++i) {
+    if (workload->objects.Get(i) != Aabo3::Everything()) return workload;
+  }
+  throw InputError(path,
+                   "all bounds are Everything(), which no test rejects, "
+                   "because coordinates beyond 2^125 cannot be bounded",
+                   "scale the coordinates down");
+}
+
+void RunTo(std::ostream& out, const BenchOptions& options,
+           std::optional<Workload> input) {
+  const bool is_text = options.format == Format::kText;
+  Progress progress;
+  const Results results =
+      Run(options, std::move(input), progress, is_text ? &out : nullptr);
+  progress.Clear();
+  if (!is_text) out << ToJson(results) << '\n';
+}
+
+int Main(int argc, char** argv) {
+  BenchOptions options;
+  if (!ParseOptions(argc, argv, options)) return kExitOk;
+  if (options.is_list) {
+    for (std::string_view section : kSections) std::cout << section << '\n';
+    return kExitOk;
+  }
+  if (const TargetChoice choice = DescribeTargetChoice();
+      !choice.error.empty()) {
+    return Fail("HALFSPACE_TARGET: " + choice.error, kExitUsage);
+  }
+  std::optional<Workload> input = ReadInput(options);
+  if (options.out.empty()) {
+    RunTo(std::cout, options, std::move(input));
+    return kExitOk;
+  }
+  OutFile file(options.out);
+  std::ostringstream text;
+  RunTo(text, options, std::move(input));
+  file.Write(text.str());
+  return kExitOk;
+}
+
+}  // namespace
+}  // namespace halfspace::bench
+
+int main(int argc, char** argv) {
+  using namespace halfspace::bench;
+  try {
+    const int code = Main(argc, argv);
+    std::cout.flush();
+    if (std::cout) return code;
+    return Fail("standard output: writing failed; is the disk full?",
+                kExitFailed);
+  } catch (const UsageError& error) {
+    return Fail(error.what(), kExitUsage);
+  } catch (const WrongAnswer& error) {
+    return Fail(std::string("wrong answer: ") + error.what() +
+                    ". Please report this machine.",
+                kExitWrongAnswer);
+  } catch (const InputError& error) {
+    return Fail(error.what(), kExitBadInput);
+  } catch (const std::bad_alloc&) {
+    return Fail("out of memory; free some, or choose fewer sections by --only",
+                kExitFailed);
+  } catch (const std::exception& error) {
+    return Fail(error.what(), kExitFailed);
+  } catch (...) {
+    return Fail("an unknown error", kExitFailed);
+  }
+}

@@ -1,0 +1,168 @@
+#include "bench/app/options.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <system_error>
+#include <utility>
+
+#include "halfspace/targets.h"
+#include "halfspace/version.h"
+
+namespace halfspace::bench {
+namespace {
+
+// A scene of more would take 32 GiB.
+constexpr std::size_t kMostObjects = std::size_t{1} << 30;
+constexpr std::size_t kMostQueries = std::size_t{1} << 20;
+constexpr std::size_t kMostRepetitions = 1000;
+
+std::string SupportedTargetNames() {
+  std::string names;
+  for (Target target : SupportedTargets()) {
+    if (!names.empty()) names += ", ";
+    names += target.name();
+  }
+  return names;
+}
+
+std::string CheckTarget(const std::string& name) {
+  if (FindTarget(name)) return {};
+  return "\"" + name + "\" is not supported here; choose one of " +
+         SupportedTargetNames();
+}
+
+// Decimal: 010 is ten, and 0x10 nothing. 1e6 is a whole number, too.
+std::optional<std::uint64_t> ParseWhole(std::string_view text) {
+  const char* const end = text.data() + text.size();
+  const auto is_all = [end](const std::from_chars_result& result) {
+    return result.ec == std::errc() && result.ptr == end;
+  };
+  std::uint64_t whole = 0;
+  if (is_all(std::from_chars(text.data(), end, whole))) return whole;
+  double value = 0;
+  if (!is_all(std::from_chars(text.data(), end, value))) return std::nullopt;
+  // Further up, not every whole number is a double.
+  const bool is_exact =
+      value >= 0 && value < 0x1p53 && value == std::floor(value);
+  if (!is_exact) return std::nullopt;
+  return static_cast<std::uint64_t>(value);
+}
+
+// Leaves plain digits for CLI11, which would read others as octal.
+CLI::Validator Whole(std::uint64_t least, std::uint64_t most) {
+  const std::string range =
+      std::to_string(least) + " to " + std::to_string(most);
+  const auto check = [=](std::string& text) -> std::string {
+    const std::optional<std::uint64_t> number = ParseWhole(text);
+    if (!number || *number < least || *number > most) {
+      return "\"" + text + "\" is no whole number from " + range;
+    }
+    text = std::to_string(*number);
+    return {};
+  };
+  return CLI::Validator(check, range);
+}
+
+std::string CheckFileName(const std::string& name) {
+  return name.empty() ? "an empty file name" : "";
+}
+
+// Empty pieces, too, which the delimiters of CLI11 drop.
+std::vector<std::string> SplitAtCommas(const std::string& list) {
+  std::vector<std::string> pieces(1);
+  for (char c : list) {
+    if (c == ',') {
+      pieces.emplace_back();
+    } else {
+      pieces.back() += c;
+    }
+  }
+  return pieces;
+}
+
+std::string CheckSections(const std::string& list) {
+  for (const std::string& name : SplitAtCommas(list)) {
+    if (std::find(kSections.begin(), kSections.end(), name) ==
+        kSections.end()) {
+      return "\"" + name + "\" is no section of --list";
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+bool ParseOptions(int argc, char** argv, BenchOptions& options) {
+  CLI::App app{
+      "Measures on this machine when a bounding simplex rejects faster than a "
+      "box,\nand when it does not."};
+  app.name("cpuinfo-bench");
+  app.set_version_flag("--version",
+                       std::string("cpuinfo-bench ") + HALFSPACE_VERSION_STRING,
+                       "Print the version and exit");
+  app.add_flag("--quick", options.is_quick,
+               "A smaller scene and fewer repetitions: under 40 seconds");
+  std::vector<std::string> lists;
+  app.add_option("--only", lists,
+                 "Only these sections, separated by commas (see --list)")
+      ->check(CheckSections)
+      ->type_name("SECTION,...");
+  auto* mesh = app.add_option("--mesh", options.mesh,
+                              "Measure on the triangles of an OBJ file")
+                   ->check(CheckFileName)
+                   ->type_name("FILE.obj");
+  app.add_option("--bounds", options.bounds,
+                 "Measure on boxes: rows minx,miny,minz,maxx,maxy,maxz")
+      ->check(CheckFileName)
+      ->type_name("FILE.csv")
+      ->excludes(mesh);
+  app.add_option("--objects", options.objects,
+                 "Objects in the scene (default 4194304)")
+      ->transform(Whole(64, kMostObjects))
+      ->type_name("N");
+  app.add_option("--queries", options.queries,
+                 "Queries (default 128 to count with, 256 or a few more "
+                 "with a file, and 20000 to time)")
+      ->transform(Whole(1, kMostQueries))
+      ->type_name("N");
+  app.add_option("--seed", options.seed, "Seed of the scene (default 1)")
+      ->transform(Whole(0, std::numeric_limits<std::uint64_t>::max()))
+      ->type_name("N");
+  app.add_option("--target", options.target,
+                 "Measure this target only: " + SupportedTargetNames())
+      ->check(CheckTarget)
+      ->type_name("NAME");
+  app.add_option("--repetitions", options.repetitions,
+                 "Repetitions of every measurement (default 7, quick 3)")
+      ->transform(Whole(1, kMostRepetitions))
+      ->type_name("N");
+  std::string format = "text";
+  app.add_option("--format", format, "text (default) or json")
+      ->check(CLI::IsMember({"text", "json"}))
+      ->type_name("text|json");
+  app.add_option("--out", options.out, "Write the results to this file")
+      ->check(CheckFileName)
+      ->type_name("FILE");
+  app.add_flag("--list", options.is_list, "List the sections and exit");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() != 0) {
+      throw UsageError(std::string(error.what()) +
+                       "; --help lists the options");
+    }
+    app.exit(error);
+    return false;
+  }
+  for (const std::string& list : lists) {
+    for (std::string& section : SplitAtCommas(list)) {
+      options.only.push_back(std::move(section));
+    }
+  }
+  options.format = format == "json" ? Format::kJson : Format::kText;
+  return true;
+}
+
+}  // namespace halfspace::bench

@@ -1,0 +1,246 @@
+#include "bench/app/run.h"
+
+#include <algorithm>
+#include <memory>
+#include <new>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/base/text_table.h"
+#include "bench/report/paper.h"
+#include "bench/report/report.h"
+#include "bench/sections/sections.h"
+#include "bench/worlds/scene.h"
+
+namespace halfspace::bench {
+namespace {
+
+constexpr std::size_t kQuickObjects = std::size_t{1} << 19;
+
+std::vector<Target> TargetsOf(const BenchOptions& options) {
+  if (!options.target.empty()) return {TargetByName(options.target)};
+  const std::span<const Target> all = SupportedTargets();
+  return {all.begin(), all.end()};
+}
+
+Effort EffortOf(const BenchOptions& options) {
+  Effort effort;
+  effort.repetitions = options.is_quick ? 3 : 7;
+  effort.seconds_per_repetition = options.is_quick ? 0.004 : 0.015;
+  if (options.repetitions != 0) effort.repetitions = options.repetitions;
+  return effort;
+}
+
+// The sections of one run, with what they share made when first needed.
+class Runner {
+ public:
+  Runner(const BenchOptions& options, std::optional<Workload> input,
+         Progress& progress, std::ostream* text)
+      : options_(options),
+        input_(std::move(input)),
+        progress_(progress),
+        text_(text),
+        context_{TargetsOf(options), EffortOf(options), progress,
+                 results_.timings} {}
+
+  Results Run() {
+    results_.context = RunMachine();
+    CheckMemory();
+    PlanProgress();
+    Section("machine", results_.machine, [&] { return results_.context; });
+    Section("check", results_.check,
+            [&] { return RunCheck(Measured(), context_); });
+    Section("table1", results_.table1,
+            [&] { return RunTable1(Scene(), options_.seed, context_); });
+    Section("crossover", results_.crossover, [&] {
+      CrossoverResult result = RunCrossover(Sets({"L2", "memory"}), context_);
+      result.not_reached = NotReached();
+      return result;
+    });
+    Section("kernels", results_.kernels, [&] {
+      KernelsResult result =
+          RunKernels(Sets({"L1", "L2", "L3", "memory"}), context_);
+      result.not_reached = NotReached();
+      return result;
+    });
+    Section("build", results_.build, [&] {
+      BuildResult result = RunBuild(Measured(), Reached({"L2", "memory"}),
+                                    options_.is_quick, context_);
+      result.not_reached = NotReached();
+      return result;
+    });
+    Section("throughput", results_.throughput, [&] {
+      ThroughputResult result = RunThroughput(
+          Measured(), Sets({"L3", "memory"}), results_.context.machine,
+          options_.seed, options_.is_quick, context_);
+      const std::vector<std::string> more = NotReached();
+      result.not_reached.insert(result.not_reached.end(), more.begin(),
+                                more.end());
+      return result;
+    });
+    Section("quality", results_.quality,
+            [&] { return RunQuality(Measured(), context_); });
+    Section("segments", results_.segments, [&] {
+      return RunSegments(Measured(), options_.seed, options_.is_quick,
+                         context_);
+    });
+    Section("verdict", results_.verdict,
+            [&] { return MakeVerdict(results_, VerdictTarget()); });
+    return std::move(results_);
+  }
+
+ private:
+  // Seconds that each section takes on a common machine, in proportion.
+  static double WeightOf(std::string_view section) {
+    if (section == "scene") return 4.0;
+    if (section == "check") return 1.0;
+    if (section == "table1") return 5.0;
+    if (section == "crossover") return 45.0;
+    if (section == "kernels") return 25.0;
+    if (section == "build") return 15.0;
+    if (section == "throughput") return 70.0;
+    if (section == "segments") return 1.0;
+    return 0.1;
+  }
+
+  void PlanProgress() {
+    double total = WeightOf("scene");
+    for (std::string_view section : kSections) {
+      if (options_.Wants(section)) total += WeightOf(section);
+    }
+    progress_.Plan(total);
+  }
+
+  template <typename Result, typename MakeResult>
+  void Section(const char* name, std::optional<Result>& result,
+               const MakeResult& make) {
+    if (!options_.Wants(name)) return;
+    if (scene_.objects.empty() && NeedsScene(name)) Scene();
+    progress_.Begin(name, WeightOf(name));
+    result = make();
+    progress_.Clear();
+    if (text_ != nullptr) {
+      WriteText(*text_, *result);
+      text_->flush();
+    }
+  }
+
+  bool NeedsScene(std::string_view section) const {
+    if (section == "table1") return true;
+    return !input_ && section != "machine" && section != "verdict";
+  }
+
+  std::size_t SceneObjects() const {
+    if (options_.objects != 0) return options_.objects;
+    return options_.is_quick ? kQuickObjects : kPaperObjects;
+  }
+
+  [[noreturn]] void FailForMemory(const std::string& why) const {
+    throw UsageError("the scene of " + std::to_string(SceneObjects()) +
+                     " objects takes " +
+                     Mebibytes(SceneObjects() * sizeof(Aabo3)) + why +
+                     "; choose fewer --objects");
+  }
+
+  // Before anything is taken: a system that has promised too much ends the
+  // program without a word. An eighth is left to the sections.
+  void CheckMemory() const {
+    const bool is_needed = std::any_of(
+        kSections.begin(), kSections.end(), [this](std::string_view section) {
+          return options_.Wants(section) && NeedsScene(section);
+        });
+    const std::size_t available = results_.context.machine.available_memory;
+    if (is_needed && available != 0 &&
+        SceneObjects() * sizeof(Aabo3) > available / 8 * 7) {
+      FailForMemory(", too much for the " + Mebibytes(available) +
+                    " that are free");
+    }
+  }
+
+  const Workload& Scene() {
+    if (!scene_.objects.empty()) return scene_;
+    progress_.Begin("scene", WeightOf("scene"));
+    try {
+      scene_ = MakeScene(
+          SceneObjects(),
+          options_.queries != 0 ? options_.queries : kTimedQueries,
+          options_.seed, [&](double done) { progress_.Update(done); });
+      scene_.timed_queries = scene_.queries;
+      if (options_.queries == 0) scene_.queries.resize(kPaperQueries);
+    } catch (const std::bad_alloc&) {
+      FailForMemory(", which this program does not get");
+    }
+    // What the working sets may still take.
+    results_.context.machine.available_memory = FreeMemory();
+    return scene_;
+  }
+
+  // What is measured: the file, else the scene.
+  const Workload& Measured() { return input_ ? *input_ : Scene(); }
+
+  // The sizes of these names, as far as they are reached.
+  std::vector<WorkingSetSize> Reached(
+      const std::vector<std::string>& names) const {
+    std::vector<WorkingSetSize> sizes;
+    for (const WorkingSetSize& size :
+         WorkingSetSizes(results_.context.machine)) {
+      if (size.why_not_reached.empty() &&
+          std::find(names.begin(), names.end(), size.name) != names.end()) {
+        sizes.push_back(size);
+      }
+    }
+    return sizes;
+  }
+
+  std::vector<WorkingSet*> Sets(const std::vector<std::string>& names) {
+    std::vector<WorkingSet*> sets;
+    for (const WorkingSetSize& size : Reached(names)) {
+      auto made = std::find_if(
+          sets_.begin(), sets_.end(),
+          [&](const auto& set) { return set->name() == size.name; });
+      if (made == sets_.end()) {
+        sets_.push_back(std::make_unique<WorkingSet>(Measured(), size));
+        made = sets_.end() - 1;
+      }
+      sets.push_back(made->get());
+    }
+    return sets;
+  }
+
+  std::vector<std::string> NotReached() const {
+    std::vector<std::string> reasons;
+    for (const WorkingSetSize& size :
+         WorkingSetSizes(results_.context.machine)) {
+      if (!size.why_not_reached.empty()) {
+        reasons.push_back(size.name + ": " + size.why_not_reached);
+      }
+    }
+    return reasons;
+  }
+
+  Target VerdictTarget() const {
+    const std::vector<Target>& targets = context_.targets;
+    const bool is_measured = std::find(targets.begin(), targets.end(),
+                                       ChosenTarget()) != targets.end();
+    return is_measured ? ChosenTarget() : targets.front();
+  }
+
+  const BenchOptions& options_;
+  std::optional<Workload> input_;
+  Progress& progress_;
+  std::ostream* text_;
+  Results results_;
+  Context context_;
+  Workload scene_;
+  std::vector<std::unique_ptr<WorkingSet>> sets_;
+};
+
+}  // namespace
+
+Results Run(const BenchOptions& options, std::optional<Workload> input,
+            Progress& progress, std::ostream* text) {
+  return Runner(options, std::move(input), progress, text).Run();
+}
+
+}  // namespace halfspace::bench

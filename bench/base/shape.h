@@ -1,0 +1,77 @@
+// The three shapes, as the benchmarks name and view them in one world of
+// octahedra.
+#ifndef HALFSPACE_BENCH_BASE_SHAPE_H_
+#define HALFSPACE_BENCH_BASE_SHAPE_H_
+
+#include <array>
+#include <cstddef>
+#include <type_traits>
+#include <vector>
+
+#include "halfspace/bounds.h"
+#include "halfspace/world.h"
+
+namespace halfspace::bench {
+
+enum class ShapeKind : std::size_t { kAabb, kSimplex, kAabo };
+
+inline constexpr std::array<ShapeKind, 3> kShapes = {
+    ShapeKind::kAabb, ShapeKind::kSimplex, ShapeKind::kAabo};
+
+constexpr const char* NameOf(ShapeKind shape) {
+  constexpr const char* kNames[] = {"aabb", "simplex", "aabo"};
+  return kNames[static_cast<std::size_t>(shape)];
+}
+
+// A query of one shape, of its octahedron.
+template <typename Query>
+Query SeenAs(const Aabo3& query) {
+  if constexpr (std::is_same_v<Query, Aabb3>) {
+    return query.aabb();
+  } else if constexpr (std::is_same_v<Query, DownSimplex3>) {
+    return query.down();
+  } else {
+    return query;
+  }
+}
+
+// Calls f(view, query) with the shape's own view of the octahedra.
+template <typename F>
+auto WithShape(ShapeKind shape, const AaboView3& view, const Aabo3& query,
+               F&& f) {
+  switch (shape) {
+    case ShapeKind::kAabb:
+      return f(view.aabb(), SeenAs<Aabb3>(query));
+    case ShapeKind::kSimplex:
+      return f(view.simplex(), SeenAs<DownSimplex3>(query));
+    case ShapeKind::kAabo:
+      break;
+  }
+  return f(view, query);
+}
+
+// The shape's planes in the kernels' order: all minima, then all maxima.
+inline std::vector<const float*> PlanesOf(ShapeKind shape,
+                                          const AaboView3& view) {
+  const std::size_t axes = shape == ShapeKind::kAabb ? 3 : 4;
+  std::vector<const float*> planes(view.min.begin(), view.min.begin() + axes);
+  if (shape != ShapeKind::kSimplex) {
+    planes.insert(planes.end(), view.max.begin(), view.max.begin() + axes);
+  }
+  return planes;
+}
+
+// The query's values in the kernels' order.
+inline std::vector<float> QueryOf(ShapeKind shape, const Aabo3& query) {
+  const std::size_t axes = shape == ShapeKind::kAabb ? 3 : 4;
+  std::vector<float> values;
+  if (shape != ShapeKind::kSimplex) {
+    values.assign(query.min.begin(), query.min.begin() + axes);
+  }
+  values.insert(values.end(), query.max.begin(), query.max.begin() + axes);
+  return values;
+}
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_BASE_SHAPE_H_

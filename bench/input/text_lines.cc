@@ -1,0 +1,143 @@
+#include "bench/input/text_lines.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include "bench/input/input_error.h"
+
+namespace halfspace::bench {
+namespace {
+
+struct FileCloser {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, FileCloser>;
+
+[[noreturn]] void FailToRead(const std::string& path, int error) {
+  throw InputError(path,
+                   "cannot be read: " + std::generic_category().message(error),
+                   "give the path of a readable file");
+}
+
+[[noreturn]] void FailOnNul(const std::string& path, std::string_view text,
+                            std::size_t nul) {
+  const auto end = text.begin() + static_cast<std::ptrdiff_t>(nul);
+  const auto line_ends = std::count(text.begin(), end, '\n');
+  throw InputError(path, static_cast<std::size_t>(line_ends) + 1,
+                   "a NUL byte, so this is no text file",
+                   "give a plain text file");
+}
+
+// Grows with what has been read, never by what the file system promises, and
+// stops at the first NUL: a sparse file or a device must not fill the memory.
+std::string ReadText(const std::string& path) {
+  constexpr std::size_t kChunk = std::size_t{1} << 16;
+  const File file(std::fopen(path.c_str(), "rb"));
+  if (file == nullptr) FailToRead(path, errno);
+  std::string text;
+  std::size_t got = 0;
+  do {
+    const std::size_t size = text.size();
+    text.resize(size + kChunk);
+    got = std::fread(text.data() + size, 1, kChunk, file.get());
+    if (std::ferror(file.get()) != 0) FailToRead(path, errno);
+    text.resize(size + got);
+    const std::size_t nul = text.find('\0', size);
+    if (nul != std::string::npos) FailOnNul(path, text, nul);
+  } while (got == kChunk);
+  return text;
+}
+
+// from_chars does not tell a number that is too large from one that is too
+// small; strtof does, and the nearest float to the latter is a zero or the
+// smallest float. The program never leaves the "C" locale.
+float BeyondRange(const char* begin, const char* end) {
+  return std::strtof(std::string(begin, end).c_str(), nullptr);
+}
+
+}  // namespace
+
+TextLines::TextLines(std::string path)
+    : path_(std::move(path)), text_(ReadText(path_)), rest_(text_) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (rest_.starts_with(kByteOrderMark)) {
+    rest_.remove_prefix(kByteOrderMark.size());
+  }
+  if (rest_.empty()) {
+    FailAt(1, "the file is empty", "give a file with content");
+  }
+}
+
+std::optional<std::string_view> TextLines::Next() {
+  if (rest_.empty()) return std::nullopt;
+  const std::size_t end = rest_.find('\n');
+  std::string_view line = rest_.substr(0, end);
+  rest_.remove_prefix(std::min(line.size() + 1, rest_.size()));
+  ++number_;
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
+}
+
+void TextLines::Fail(const std::string& problem,
+                     const std::string& advice) const {
+  FailAt(number_, problem, advice);
+}
+
+void TextLines::FailAt(std::size_t line, const std::string& problem,
+                       const std::string& advice) const {
+  throw InputError(path_, line, problem, advice);
+}
+
+std::string_view SkipBlanks(std::string_view text) {
+  while (!text.empty() && IsBlank(text.front())) text.remove_prefix(1);
+  return text;
+}
+
+std::string Quoted(std::string_view text) {
+  constexpr std::size_t kMost = 32;
+  std::string quoted = "\"";
+  for (char c : text.substr(0, kMost)) {
+    if (c >= ' ' && c <= '~') {
+      quoted += c;
+    } else {
+      constexpr std::string_view kDigits = "0123456789abcdef";
+      const auto byte = static_cast<unsigned char>(c);
+      quoted.append("\\x").append(1, kDigits[byte / 16]);
+      quoted.append(1, kDigits[byte % 16]);
+    }
+  }
+  return quoted.append(text.size() > kMost ? "...\"" : "\"");
+}
+
+float ParseFloat(const TextLines& lines, std::string_view field) {
+  constexpr const char* kAdvice = "write a number such as 1.5 or -2e3";
+  // from_chars knows no plus, and would take the minus of "+-1".
+  const bool plus = field.starts_with('+') && !field.starts_with("+-");
+  const char* begin = field.data() + (plus ? 1 : 0);
+  const char* end = field.data() + field.size();
+  float value = 0;
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  if (error == std::errc::invalid_argument || stop != end) {
+    lines.Fail(Quoted(field) + " is not a number", kAdvice);
+  }
+  if (error == std::errc::result_out_of_range) {
+    value = BeyondRange(begin, end);
+    if (std::isinf(value)) {
+      lines.Fail(Quoted(field) + " is too large for a 32-bit float",
+                 "scale the coordinates down");
+    }
+  }
+  if (!std::isfinite(value)) {
+    lines.Fail(Quoted(field) + " is not a finite number", kAdvice);
+  }
+  return value;
+}
+
+}  // namespace halfspace::bench

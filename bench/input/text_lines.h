@@ -1,0 +1,59 @@
+// The lines of an untrusted text file, and the numbers in them. Every error
+// names its place.
+#ifndef HALFSPACE_BENCH_INPUT_TEXT_LINES_H_
+#define HALFSPACE_BENCH_INPUT_TEXT_LINES_H_
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace halfspace::bench {
+
+class TextLines {
+ public:
+  // Reads the whole file. Throws InputError if it cannot be read, is empty or
+  // is no text.
+  explicit TextLines(std::string path);
+
+  // Lines are views into the text.
+  TextLines(const TextLines&) = delete;
+  TextLines& operator=(const TextLines&) = delete;
+
+  // The next line, without its end (LF or CR LF); nothing after the last one.
+  std::optional<std::string_view> Next();
+
+  // Of the line that Next() returned last, counted from 1.
+  std::size_t number() const { return number_; }
+
+  // Throws InputError at the current line, or at `line`.
+  [[noreturn]] void Fail(const std::string& problem,
+                         const std::string& advice) const;
+  [[noreturn]] void FailAt(std::size_t line, const std::string& problem,
+                           const std::string& advice) const;
+
+ private:
+  std::string path_;
+  std::string text_;
+  std::string_view rest_;
+  std::size_t number_ = 0;
+};
+
+// Whether a character separates fields within a line, or surrounds them.
+constexpr bool IsBlank(char c) { return c == ' ' || c == '\t'; }
+
+// `text` without blanks at its start.
+std::string_view SkipBlanks(std::string_view text);
+
+// A piece of an untrusted file that is safe to print: in quotes, shortened,
+// control and non-ASCII characters as \xNN.
+std::string Quoted(std::string_view text);
+
+// The float nearest to the decimal number that `field`, from the current line
+// of `lines`, is. Fails at that line if it is anything else, or infinite as a
+// float.
+float ParseFloat(const TextLines& lines, std::string_view field);
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_INPUT_TEXT_LINES_H_

@@ -1,0 +1,163 @@
+#include "bench/measure/measure.h"
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <string_view>
+
+namespace halfspace::bench {
+namespace {
+
+double QuantileOf(std::vector<double> values, double quantile) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  const double at = quantile * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(at);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  const double part = at - static_cast<double>(below);
+  return values[below] * (1.0 - part) + values[above] * part;
+}
+
+double SecondsOf(const std::function<void()>& run) {
+  const auto start = std::chrono::steady_clock::now();
+  run();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+// Fixed in advance, so that the whole run takes a time that can be told. The
+// second call is the warm one; it cannot change the answer for a long one.
+std::size_t IterationsFor(const Case& c, double seconds) {
+  if (SecondsOf(c.run) > 4.0 * seconds) return 1;
+  const double once = std::max(SecondsOf(c.run), 1e-9);
+  return static_cast<std::size_t>(
+      std::clamp(std::ceil(seconds / once), 1.0, 1e9));
+}
+
+// Collects the repetitions; the name of each benchmark is the case's index.
+class Collector : public benchmark::BenchmarkReporter {
+ public:
+  Collector(const std::vector<Case>& cases, std::vector<Timing>& timings)
+      : cases_(cases), timings_(timings) {}
+
+  bool ReportContext(const Context& /*context*/) override { return true; }
+
+  void ReportRuns(const std::vector<Run>& runs) override {
+    for (const Run& run : runs) {
+      if (run.run_type != Run::RT_Iteration) continue;
+      const std::size_t index = std::stoul(run.run_name.function_name);
+      // CPU time of this thread: a kernel never waits, and real time would
+      // count the other programs of a busy machine.
+      const double seconds = run.cpu_accumulated_time;
+      timings_[index].iterations = static_cast<std::size_t>(run.iterations);
+      timings_[index].samples.push_back(
+          seconds * 1e9 /
+          (static_cast<double>(run.iterations) * cases_[index].items));
+    }
+  }
+
+ private:
+  const std::vector<Case>& cases_;
+  std::vector<Timing>& timings_;
+};
+
+// Google Benchmark's static initialisers read settings from these variables,
+// and complain of them on standard error: they must be gone before those run.
+#if defined(__GLIBC__)
+void DropBenchmarkVariables(int /*argc*/, char** /*argv*/, char** environment) {
+  char** kept = environment;
+  for (char** each = environment; *each != nullptr; ++each) {
+    const std::string_view variable(*each);
+    if (variable.starts_with("BENCHMARK_") || variable.starts_with("V=")) {
+      continue;
+    }
+    *kept++ = *each;
+  }
+  *kept = nullptr;
+}
+using Initialiser = void (*)(int, char**, char**);
+__attribute__((section(".preinit_array"), used)) const Initialiser kFirst =
+    &DropBenchmarkVariables;
+#endif
+
+// Google Benchmark takes its settings from a command line only.
+void InitializeOnce() {
+  static const bool initialized = [] {
+    std::array<std::string, 3> words = {
+        "cpuinfo-bench", "--benchmark_enable_random_interleaving=true",
+        "--benchmark_filter=all"};
+    std::array<char*, words.size() + 1> argv{};
+    for (std::size_t i = 0; i < words.size(); ++i) argv[i] = words[i].data();
+    int argc = static_cast<int>(words.size());
+    benchmark::Initialize(&argc, argv.data());
+    return true;
+  }();
+  (void)initialized;
+}
+
+void CheckAnswer(const Case& c) {
+  if (!c.check) return;
+  const std::string wrong = c.check();
+  if (!wrong.empty()) throw WrongAnswer(c.name + ": " + wrong);
+}
+
+}  // namespace
+
+double Timing::Quantile(double quantile) const {
+  return QuantileOf(samples, quantile);
+}
+
+Ratio RatioOf(const Timing& numerator, const Timing& denominator) {
+  std::vector<double> ratios;
+  const std::size_t count =
+      std::min(numerator.samples.size(), denominator.samples.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    ratios.push_back(numerator.samples[i] / denominator.samples[i]);
+  }
+  return {QuantileOf(ratios, 0.5), QuantileOf(ratios, 0.25),
+          QuantileOf(ratios, 0.75)};
+}
+
+void KeepResult(std::uint32_t result) { benchmark::DoNotOptimize(result); }
+
+std::vector<Timing> Measure(const std::vector<Case>& cases,
+                            const Effort& effort, Progress& progress) {
+  InitializeOnce();
+  std::vector<Timing> timings(cases.size());
+  // Checking and calibrating a case takes about as long as one repetition.
+  const double steps =
+      static_cast<double>(cases.size() * (effort.repetitions + 1));
+  double steps_done = 0.0;
+  const auto step = [&] { progress.Update(++steps_done / steps); };
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const Case& c = cases[i];
+    timings[i].name = c.name;
+    timings[i].items = c.items;
+    CheckAnswer(c);
+    benchmark::RegisterBenchmark(std::to_string(i).c_str(),
+                                 [&c, &step](benchmark::State& state) {
+                                   for (auto _ : state) c.run();
+                                   step();
+                                 })
+        ->Iterations(static_cast<benchmark::IterationCount>(
+            IterationsFor(c, effort.seconds_per_repetition)))
+        ->Repetitions(static_cast<int>(effort.repetitions));
+    step();
+    if (i + 1 == cases.size() || cases[i + 1].group != c.group) {
+      Collector collector(cases, timings);
+      benchmark::RunSpecifiedBenchmarks(&collector);
+      benchmark::ClearRegisteredBenchmarks();
+    }
+  }
+  for (const Timing& timing : timings) {
+    if (timing.samples.size() != effort.repetitions) {
+      throw std::logic_error(timing.name + ": was not timed");
+    }
+  }
+  return timings;
+}
+
+}  // namespace halfspace::bench

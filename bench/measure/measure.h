@@ -1,0 +1,76 @@
+// Timing with Google Benchmark: cases registered in code, those that will be
+// compared run close together and in random interleaving, so that a drifting
+// machine drifts for all of them alike.
+#ifndef HALFSPACE_BENCH_MEASURE_MEASURE_H_
+#define HALFSPACE_BENCH_MEASURE_MEASURE_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "bench/base/progress.h"
+
+namespace halfspace::bench {
+
+// A benchmark whose answer was wrong before it was timed.
+class WrongAnswer : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// One thing to time.
+struct Case {
+  std::string name;
+
+  // Neighbours of the same group are interleaved with each other.
+  std::string group;
+
+  // What one run() works through, so that the time can be given for each:
+  // objects times queries.
+  double items = 1.0;
+
+  // Empty if the answers are right, else what is wrong. Called once, first.
+  std::function<std::string()> check;
+
+  std::function<void()> run;
+};
+
+// Nanoseconds per item, over the repetitions.
+struct Timing {
+  std::string name;
+  std::vector<double> samples;
+  double items = 1.0;          // of one run(), as in the case
+  std::size_t iterations = 0;  // calls of run() in each repetition
+
+  double Median() const { return Quantile(0.5); }
+  double Quantile(double quantile) const;
+};
+
+// How one timing compares with another: median and quartiles of the ratios of
+// their repetitions.
+struct Ratio {
+  double median = 0.0;
+  double low = 0.0;
+  double high = 0.0;
+};
+Ratio RatioOf(const Timing& numerator, const Timing& denominator);
+
+struct Effort {
+  std::size_t repetitions = 5;
+  double seconds_per_repetition = 0.01;
+};
+
+// Makes the compiler believe that a result is used.
+void KeepResult(std::uint32_t result);
+
+// Checks and times the cases, group by group. The timings are in the order of
+// the cases. Throws WrongAnswer, naming the case.
+std::vector<Timing> Measure(const std::vector<Case>& cases,
+                            const Effort& effort, Progress& progress);
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_MEASURE_MEASURE_H_

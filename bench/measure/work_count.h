@@ -1,0 +1,48 @@
+// The paper's work metric: half-spaces evaluated per object when a batch of w
+// objects stops after the first half-space that leaves all of them rejected.
+// It counts, it does not time: the same on every machine.
+#ifndef HALFSPACE_BENCH_MEASURE_WORK_COUNT_H_
+#define HALFSPACE_BENCH_MEASURE_WORK_COUNT_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "halfspace/bounds.h"
+#include "halfspace/world.h"
+
+namespace halfspace::bench {
+
+inline constexpr std::array<std::size_t, 7> kWorkWidths = {1,   8,    16,  64,
+                                                           256, 1024, 4096};
+
+// Averages over batches and queries, in the order of kWorkWidths. Planes are
+// evaluated in the paper's order: min X, max X, min Y, ... for the AABB; X, Y,
+// Z, D for the simplex; the up, then the down simplex for the AABO.
+struct WorkCount {
+  std::array<double, kWorkWidths.size()> aabb{};
+  std::array<double, kWorkWidths.size()> simplex{};
+  std::array<double, kWorkWidths.size()> aabo{};
+};
+
+// Adds up the batches in which each half-space was evaluated. Objects past the
+// last full word of 64 are left out.
+class WorkCounter {
+ public:
+  explicit WorkCounter(const AaboView3& objects) : objects_(objects) {}
+
+  void Add(const Aabo3& query);
+  WorkCount Average() const;
+
+ private:
+  // Per shape: aabb, simplex, aabo; per width.
+  using Sums = std::array<std::array<std::uint64_t, kWorkWidths.size()>, 3>;
+
+  AaboView3 objects_;
+  std::size_t queries_ = 0;
+  Sums evaluated_{};
+};
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_MEASURE_WORK_COUNT_H_

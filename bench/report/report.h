@@ -1,0 +1,30 @@
+// The two forms of the results.
+#ifndef HALFSPACE_BENCH_REPORT_REPORT_H_
+#define HALFSPACE_BENCH_REPORT_REPORT_H_
+
+#include <ostream>
+#include <string>
+
+#include "bench/report/results.h"
+
+namespace halfspace::bench {
+
+// One section for a person; nothing for a section without a result. Called as
+// soon as the section is done.
+void WriteText(std::ostream& out, const MachineResult& result);
+void WriteText(std::ostream& out, const CheckResult& result);
+void WriteText(std::ostream& out, const Table1Result& result);
+void WriteText(std::ostream& out, const CrossoverResult& result);
+void WriteText(std::ostream& out, const KernelsResult& result);
+void WriteText(std::ostream& out, const BuildResult& result);
+void WriteText(std::ostream& out, const ThroughputResult& result);
+void WriteText(std::ostream& out, const QualityResult& result);
+void WriteText(std::ostream& out, const SegmentsResult& result);
+void WriteText(std::ostream& out, const VerdictResult& result);
+
+// Everything, for a program: docs/cpuinfo-bench.md describes the schema.
+std::string ToJson(const Results& results);
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_REPORT_REPORT_H_

@@ -1,0 +1,25 @@
+// What the sections of the text report have in common.
+#ifndef HALFSPACE_BENCH_REPORT_REPORT_PARTS_H_
+#define HALFSPACE_BENCH_REPORT_REPORT_PARTS_H_
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace halfspace::bench {
+
+inline void Heading(std::ostream& out, const char* name,
+                    const std::string& what) {
+  out << '\n' << name << ": " << what << "\n\n";
+}
+
+inline void WriteNotReached(std::ostream& out,
+                            const std::vector<std::string>& not_reached) {
+  for (const std::string& reason : not_reached) {
+    out << "  not reached: " << reason << '\n';
+  }
+}
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_REPORT_REPORT_PARTS_H_

@@ -1,0 +1,46 @@
+#include <algorithm>
+#include <string>
+
+#include "bench/base/text_table.h"
+#include "bench/report/report.h"
+#include "bench/report/report_parts.h"
+
+namespace halfspace::bench {
+
+void WriteText(std::ostream& out, const ThroughputResult& result) {
+  Heading(out, "throughput", "ns per object and query, beside its ceiling");
+  TextTable rows({"what", "set", "target", "ceiling", "objects", "queries",
+                  "ns/pair", "% of it"});
+  for (const ThroughputRow& row : result.rows) {
+    rows.AddRow({row.name, row.working_set,
+                 row.target.empty() ? "-" : row.target,
+                 row.ceiling.empty() ? "-" : row.ceiling, Grouped(row.objects),
+                 Grouped(row.queries), Fixed(row.ns_per_pair, 4),
+                 Fixed(row.percent_of_ceiling, 0)});
+  }
+  rows.Write(out, 4);
+  if (result.survivors) {
+    out << "\n  survivors on the grid: aabb " << Grouped(result.survivors->aabb)
+        << ", aabo " << Grouped(result.survivors->aabo) << ", simplex "
+        << Grouped(result.survivors->simplex) << '\n';
+  }
+  out << '\n';
+  TextTable ratios({"threshold", "ratio", "", "value", "needed"});
+  for (const ThroughputRatio& ratio : result.ratios) {
+    ratios.AddRow(
+        {std::to_string(ratio.threshold), ratio.name,
+         ratio.holds() ? "holds" : "FAILS", Fixed(ratio.value, 2),
+         (ratio.is_higher_better ? ">= " : "<= ") + Fixed(ratio.needed, 2)});
+  }
+  ratios.Write(out, 3);
+  const bool all_hold =
+      std::all_of(result.ratios.begin(), result.ratios.end(),
+                  [](const ThroughputRatio& ratio) { return ratio.holds(); });
+  if (!all_hold) {
+    out << "\n  FAILS: an aim that this machine misses, and no wrong answer; "
+           "docs/performance.md has those known, and why.\n";
+  }
+  WriteNotReached(out, result.not_reached);
+}
+
+}  // namespace halfspace::bench

@@ -1,2 +1,0 @@
-#define HALFSPACE_RIVAL N_RIVAL_BASELINE
-#include "bench/rivals_vectorised-inl.h"

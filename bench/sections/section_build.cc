@@ -1,0 +1,191 @@
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "bench/baselines/stream_copier.h"
+#include "bench/sections/sections.h"
+#include "bench/sections/single_builds.h"
+#include "bench/worlds/build_check.h"
+#include "bench/worlds/build_source.h"
+
+namespace halfspace::bench {
+namespace {
+
+// A build takes long enough for less time than the scans are given.
+constexpr double kShareOfEffort = 1.0 / 5.0;
+
+bool IsInCache(const WorkingSetSize& size) { return size.name != "memory"; }
+
+struct Rounding {
+  const char* name;
+  bool tightest;
+};
+
+// The tightest D of a sphere is computed for so long that its size tells
+// nothing more.
+std::vector<Rounding> RoundingsOf(BuildKind kind, bool is_in_cache) {
+  std::vector<Rounding> roundings = {{"within-ulp", false}};
+  if (kind == BuildKind::kBoxes ||
+      (kind == BuildKind::kSpheres && is_in_cache)) {
+    roundings.push_back({"tightest", true});
+  }
+  return roundings;
+}
+
+// The builds of one kind at one size, and the copies they are measured by: they
+// share their memory, and are timed together.
+class BuildGroup {
+ public:
+  BuildGroup(BuildKind kind, const WorkingSetSize& size,
+             const Workload& workload, const Context& context)
+      : context_(context),
+        working_set_(size.name),
+        source_(MakeBuildSource(kind, workload, size.bytes)),
+        rounds_(std::max<std::size_t>(1, kObjectsPerRun / source_.items)) {
+    for (CopyWay way : kCopyWays) {
+      // Stores past the caches only lose in them.
+      if (IsStreamed(way) && IsInCache(size)) continue;
+      if (CanCopy(way, source_.copy)) AddCopy(way);
+    }
+    for (Target target : context.targets) {
+      for (const Rounding& rounding : RoundingsOf(kind, IsInCache(size))) {
+        AddBuild(target, rounding);
+      }
+    }
+  }
+
+  void Run(std::vector<BuildRow>& rows) {
+    Effort effort = context_.effort;
+    effort.seconds_per_repetition *= kShareOfEffort;
+    const std::vector<Timing> timings =
+        Measure(cases_, effort, context_.progress);
+    context_.timings.insert(context_.timings.end(), timings.begin(),
+                            timings.end());
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      rows.push_back(Finished(rows_[i], timings, ways_.size() + i));
+    }
+  }
+
+ private:
+  Case MakeCase(std::string name) const {
+    Case c;
+    c.name = std::move(name);
+    c.items = static_cast<double>(source_.items * rounds_);
+    return c;
+  }
+
+  // With the widest vectors, whatever is measured.
+  void AddCopy(CopyWay way) {
+    Case c = MakeCase("copy/" + working_set_ + "/" + source_.shapes + "-to-" +
+                      source_.planes + "/" + NameOf(way));
+    c.run = [this, way] {
+      for (std::size_t i = 0; i < rounds_; ++i) {
+        CopyStreams(way, source_.copy, source_.objects,
+                    SupportedTargets().front());
+      }
+    };
+    ways_.push_back(way);
+    cases_.push_back(std::move(c));
+  }
+
+  void AddBuild(Target target, const Rounding& rounding) {
+    BuildRow row;
+    row.shapes = source_.shapes;
+    row.planes = source_.planes;
+    row.rounding = rounding.name;
+    row.target = target.name();
+    row.working_set = working_set_;
+    row.objects = source_.objects;
+    row.item = source_.items == source_.objects ? "object" : "point";
+    Case c = MakeCase("build/" + working_set_ + "/" + row.target + "/" +
+                      row.shapes + "-to-" + row.planes + "/" + row.rounding);
+    const FitOptions options{.tightest = rounding.tightest, .target = target};
+    c.check = [this, options] { return CheckBuild(source_, options); };
+    c.run = [this, options] {
+      for (std::size_t i = 0; i < rounds_; ++i) source_.build(options, nullptr);
+    };
+    rows_.push_back(std::move(row));
+    cases_.push_back(std::move(c));
+  }
+
+  // The fastest copy is the ceiling.
+  BuildRow Finished(BuildRow row, const std::vector<Timing>& timings,
+                    std::size_t index) const {
+    const Timing& timing = timings[index];
+    const double bytes_per_item = static_cast<double>(source_.copy.bytes()) /
+                                  static_cast<double>(source_.items);
+    row.ns_per_item = timing.Median();
+    row.gigabytes_per_second = bytes_per_item / row.ns_per_item;
+    for (std::size_t c = 0; c < ways_.size(); ++c) {
+      const double percent = 100.0 * RatioOf(timings[c], timing).median;
+      if (c != 0 && percent >= row.percent_of_copy) continue;
+      row.percent_of_copy = percent;
+      row.copy = NameOf(ways_[c]);
+      row.copy_gigabytes_per_second = bytes_per_item / timings[c].Median();
+    }
+    return row;
+  }
+
+  const Context& context_;
+  std::string working_set_;
+  BuildSource source_;
+  std::size_t rounds_;
+  std::vector<CopyWay> ways_;
+  std::vector<BuildRow> rows_;
+  std::vector<Case> cases_;  // the ways, then the rows
+};
+
+std::vector<SingleBuildRow> RunSingles(const Context& context) {
+  Effort effort = context.effort;
+  effort.seconds_per_repetition *= kShareOfEffort;
+  const std::vector<Timing> timings =
+      Measure(SingleBuildCases(), effort, context.progress);
+  context.timings.insert(context.timings.end(), timings.begin(), timings.end());
+  std::vector<SingleBuildRow> rows;
+  for (const Timing& timing : timings) {
+    rows.push_back(
+        {timing.name.substr(timing.name.find('/') + 1), timing.Median()});
+  }
+  return rows;
+}
+
+std::vector<BuildThreshold> ThresholdsOf(const std::vector<BuildRow>& rows) {
+  std::vector<BuildThreshold> thresholds;
+  for (const BuildRow& row : rows) {
+    if (row.shapes == "boxes" && row.planes == "aabo" &&
+        row.rounding == "within-ulp" && row.working_set == "memory") {
+      thresholds.push_back({row.target, row.percent_of_copy});
+    }
+  }
+  return thresholds;
+}
+
+}  // namespace
+
+BuildResult RunBuild(const Workload& workload,
+                     const std::vector<WorkingSetSize>& sizes, bool is_quick,
+                     const Context& context) {
+  struct Part {
+    BuildKind kind;
+    const WorkingSetSize* size;
+  };
+  std::vector<Part> parts;
+  for (const WorkingSetSize& size : sizes) {
+    for (BuildKind kind : kBuildKinds) {
+      if (is_quick && !IsInCache(size) && kind != BuildKind::kBoxes) continue;
+      parts.push_back({kind, &size});
+    }
+  }
+  BuildResult result;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    context.progress.BeginPart(i, parts.size() + 1);
+    BuildGroup(parts[i].kind, *parts[i].size, workload, context)
+        .Run(result.rows);
+  }
+  result.thresholds = ThresholdsOf(result.rows);
+  context.progress.BeginPart(parts.size(), parts.size() + 1);
+  result.singles = RunSingles(context);
+  return result;
+}
+
+}  // namespace halfspace::bench

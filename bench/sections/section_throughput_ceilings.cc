@@ -1,0 +1,140 @@
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "bench/baselines/plane_reader.h"
+#include "bench/baselines/register_scan.h"
+#include "bench/sections/throughput.h"
+
+namespace halfspace::bench {
+namespace {
+
+// What share of reading (threshold 1) and of registers (threshold 2) is needed.
+double ReadShareNeeded(Target target) {
+  return IsAvx512(target) || IsAvx2(target) ? 97.0 : 90.0;
+}
+double RegisterShareNeeded(Target target) {
+  return IsAvx512(target) ? 90.0 : 85.0;
+}
+
+std::string RatioName(const std::string& what, ShapeKind shape,
+                      const std::string& set, Target target) {
+  return std::string(NameOf(shape)) + " flat, " + set + ", " +
+         std::string(target.name()) + ": % of " + what;
+}
+
+// Threshold 1, one shape and target: the flat kernel and every reader.
+void RunAgainstReading(WorkingSet& set, ShapeKind shape, Target target,
+                       Throughput& throughput) {
+  const std::string place =
+      set.name() + "/" + std::string(target.name()) + "/" + NameOf(shape);
+  const std::size_t rounds =
+      std::max<std::size_t>(1, kObjectsPerRun / set.objects());
+  std::vector<Case> cases = {set.LibraryCase(
+      "flat/" + place, shape, {.schedule = Schedule::kFlat, .target = target})};
+  std::vector<std::size_t> readers;
+  for (ReadWay way : kReadWays) {
+    Case c;
+    c.name = "read/" + place + "/" + NameOf(way);
+    c.items = static_cast<double>(set.objects() * rounds);
+    c.run = [read = PlaneReaderFor(target), way, rounds,
+             planes = BytesOf(PlanesOf(shape, set.view())),
+             bytes = set.objects() * sizeof(float)] {
+      for (std::size_t i = 0; i < rounds; ++i) {
+        KeepResult(read(way, planes.data(), planes.size(), bytes));
+      }
+    };
+    readers.push_back(cases.size());
+    cases.push_back(std::move(c));
+  }
+  const Timings timings = throughput.Time(std::move(cases));
+  const std::size_t fastest = FastestOf(timings, readers);
+  ThroughputRow row;
+  row.objects = set.objects();
+  row.queries = 1;
+  row.working_set = set.name();
+  row.target = target.name();
+  row.name = std::string("read ") + NameOf(shape) + " " +
+             NameOf(kReadWays[fastest - readers.front()]);
+  row.ns_per_pair = timings[fastest].Median();
+  const std::string ceiling = row.name;
+  throughput.AddRow(row);
+  const double percent = 100.0 * RatioOf(timings[fastest], timings[0]).median;
+  row.name = std::string(NameOf(shape)) + " flat";
+  row.ns_per_pair = timings[0].Median();
+  row.ceiling = ceiling;
+  row.percent_of_ceiling = percent;
+  throughput.AddRow(row);
+  throughput.AddAtLeast(
+      1, RatioName("the fastest read", shape, set.name(), target), percent,
+      ReadShareNeeded(target));
+}
+
+// Threshold 2, one shape and target: many queries a call, so that what a call
+// costs by itself (threshold 7) is not in it.
+void RunAgainstRegisters(InCache& world, Target target,
+                         Throughput& throughput) {
+  const RegisterScan scan = RegisterScansFor(target).many;
+  if (scan == nullptr) {
+    throughput.NotReached("threshold 2, " + std::string(target.name()) +
+                          ": no compare of registers alone");
+    return;
+  }
+  const ShapeKind shape = world.shape();
+  const std::string place =
+      "L1/" + std::string(target.name()) + "/" + NameOf(shape);
+  Case registers;
+  registers.name = "registers/" + place;
+  registers.items = world.items();
+  registers.run = [&world, scan, planes = PlanesOf(world.shape(), world.view()),
+                   query = QueryOf(world.shape(), world.queries().aabos()[0])] {
+    for (std::size_t i = 0; i < world.rounds() * world.queries().size(); ++i) {
+      scan(world.shape(), planes.data(), query.data(), world.view().size,
+           world.rows().data());
+    }
+  };
+  const Timings timings = throughput.Time(
+      {world.MasksCase("flat-many/" + place, target), std::move(registers)});
+  ThroughputRow row;
+  row.objects = world.view().size;
+  row.queries = world.queries().size();
+  row.working_set = "L1";
+  row.target = target.name();
+  row.name = std::string("registers ") + NameOf(shape);
+  row.ns_per_pair = timings[1].Median();
+  throughput.AddRow(row);
+  row.ceiling = row.name;
+  row.name = std::string(NameOf(shape)) + " flat, masks of many";
+  row.ns_per_pair = timings[0].Median();
+  row.percent_of_ceiling = 100.0 * RatioOf(timings[1], timings[0]).median;
+  throughput.AddAtLeast(
+      2, RatioName("registers, many queries", shape, "L1", target),
+      *row.percent_of_ceiling, RegisterShareNeeded(target));
+  throughput.AddRow(row);
+}
+
+}  // namespace
+
+void AddCeilingParts(const Workload& workload, const Machine& machine,
+                     const std::vector<WorkingSet*>& sets,
+                     ThroughputParts& parts) {
+  for (WorkingSet* set : sets) {
+    for (ShapeKind shape : kShapes) {
+      parts.push_back([set, shape](Throughput& throughput) {
+        for (Target target : throughput.targets()) {
+          RunAgainstReading(*set, shape, target, throughput);
+        }
+      });
+    }
+  }
+  parts.push_back([&workload, &machine](Throughput& throughput) {
+    for (ShapeKind shape : kShapes) {
+      InCache world(workload, machine, shape);
+      for (Target target : throughput.targets()) {
+        RunAgainstRegisters(world, target, throughput);
+      }
+    }
+  });
+}
+
+}  // namespace halfspace::bench

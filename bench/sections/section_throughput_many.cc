@@ -1,0 +1,168 @@
+#include <bit>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "bench/sections/throughput.h"
+#include "bench/worlds/grid_world.h"
+#include "halfspace/reject_many.h"
+
+namespace halfspace::bench {
+namespace {
+
+// Made by the first part that needs it, and gone with the last.
+struct SharedGrid {
+  std::size_t objects;
+  std::uint64_t seed;
+  std::unique_ptr<GridWorld> world;
+  std::vector<std::uint64_t> rows;
+
+  GridWorld& Get() {
+    if (!world) world = std::make_unique<GridWorld>(objects, seed);
+    return *world;
+  }
+};
+
+ThroughputRow RowOf(const GridWorld& grid, Target target) {
+  ThroughputRow row;
+  row.objects = grid.objects();
+  row.queries = grid.queries().size();
+  row.working_set = "grid";
+  row.target = target.name();
+  return row;
+}
+
+double Pairs(const GridWorld& grid, std::size_t queries) {
+  return static_cast<double>(grid.objects()) * static_cast<double>(queries);
+}
+
+// A case that leaves the survivors of all queries in counts.
+template <typename Run>
+Case CountsCase(std::string name, const GridWorld& grid, ShapeKind shape,
+                std::size_t queries, const Run& run) {
+  auto counts = std::make_shared<std::vector<std::size_t>>(queries);
+  Case c;
+  c.name = std::move(name);
+  c.items = Pairs(grid, queries);
+  c.run = [counts, run] { run(*counts); };
+  c.check = [counts, run, &grid, shape] {
+    run(*counts);
+    return grid.Check(shape, *counts);
+  };
+  return c;
+}
+
+std::vector<std::size_t> CountRows(const GridWorld& grid,
+                                   const std::vector<std::uint64_t>& rows) {
+  std::vector<std::size_t> counts(grid.queries().size());
+  const std::size_t words = MaskWords(grid.objects());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    counts[i / words] += static_cast<std::size_t>(std::popcount(rows[i]));
+  }
+  return counts;
+}
+
+Case MasksCase(std::string name, SharedGrid& shared, ShapeKind shape,
+               Target target) {
+  GridWorld& grid = shared.Get();
+  shared.rows.resize(grid.queries().size() * MaskWords(grid.objects()));
+  Case c;
+  c.name = std::move(name);
+  c.items = Pairs(grid, grid.queries().size());
+  c.run = [&grid, &rows = shared.rows, shape, target] {
+    grid.queries().With(shape, grid.view(), [&](const auto& v, const auto& q) {
+      SurvivorMasks(v, q, rows,
+                    {.schedule = Schedule::kFlat, .target = target});
+    });
+  };
+  c.check = [run = c.run, &grid, &rows = shared.rows, shape] {
+    run();
+    return grid.Check(shape, CountRows(grid, rows));
+  };
+  return c;
+}
+
+// Threshold 3, one shape: masks of the grid against masks in the first-level
+// cache.
+void RunAgainstCache(SharedGrid& shared, InCache& in_cache,
+                     Throughput& throughput) {
+  const ShapeKind shape = in_cache.shape();
+  for (Target target : throughput.targets()) {
+    const std::string place =
+        "/" + std::string(target.name()) + "/" + NameOf(shape);
+    const Timings timings = throughput.TimeLong(
+        {in_cache.MasksCase("flat-many/L1-again" + place, target),
+         MasksCase("flat-many/grid" + place, shared, shape, target)});
+    ThroughputRow row = RowOf(shared.Get(), target);
+    row.name = std::string(NameOf(shape)) + " flat, masks of many";
+    row.ns_per_pair = timings[1].Median();
+    row.ceiling = "the same in L1";
+    row.percent_of_ceiling = 100.0 * RatioOf(timings[0], timings[1]).median;
+    throughput.AddAtLeast(3,
+                          std::string(NameOf(shape)) + " flat, many, " +
+                              row.target + ": % of the same in L1",
+                          *row.percent_of_ceiling, 90.0);
+    throughput.AddRow(row);
+  }
+}
+
+// Threshold 4, many queries: refined quantized bounds against the float
+// simplex.
+void RunQuantized(const GridWorld& grid, Throughput& throughput) {
+  for (Target target : throughput.targets()) {
+    const std::string place = "grid/" + std::string(target.name());
+    const Options options{.target = target};
+    const std::size_t queries = grid.queries().size();
+    const Timings timings = throughput.TimeLong(
+        {CountsCase("quantized-many/" + place, grid, ShapeKind::kAabo, queries,
+                    [&grid, options](std::vector<std::size_t>& counts) {
+                      SurvivorCounts(grid.quantized_world(),
+                                     grid.queries().aabos(), counts, options);
+                    }),
+         CountsCase("simplex-many/" + place, grid, ShapeKind::kSimplex, queries,
+                    [&grid, options](std::vector<std::size_t>& counts) {
+                      SurvivorCounts(grid.view().simplex(),
+                                     grid.queries().simplices(), counts,
+                                     options);
+                    })});
+    ThroughputRow row = RowOf(grid, target);
+    row.name = "aabo uint8 refined, counts of many";
+    row.ns_per_pair = timings[0].Median();
+    throughput.AddRow(row);
+    row.name = "simplex, counts of many";
+    row.ns_per_pair = timings[1].Median();
+    throughput.AddRowUnder("registers simplex", "L1", row);
+    throughput.AddAtLeast(
+        4,
+        "aabo uint8 refined, many, " + row.target + ": times the float simplex",
+        RatioOf(timings[1], timings[0]).median, 3.0);
+  }
+}
+
+}  // namespace
+
+void AddManyParts(const Workload& workload, const Machine& machine,
+                  std::uint64_t seed, bool is_quick, ThroughputParts& parts) {
+  auto shared = std::make_shared<SharedGrid>();
+  shared->objects = is_quick ? GridWorld::kQuickObjects : GridWorld::kObjects;
+  shared->seed = seed;
+  const std::string reason = GridWorld::WhyNotReached(machine, shared->objects);
+  if (!reason.empty()) {
+    parts.push_back([reason](Throughput& throughput) {
+      throughput.NotReached("thresholds 3 to 5: " + reason);
+    });
+    return;
+  }
+  for (ShapeKind shape : kShapes) {
+    parts.push_back([shared, &workload, &machine, shape](Throughput& all) {
+      InCache in_cache(workload, machine, shape);
+      RunAgainstCache(*shared, in_cache, all);
+    });
+  }
+  parts.push_back(
+      [shared](Throughput& all) { RunQuantized(shared->Get(), all); });
+  parts.push_back(
+      [shared](Throughput& all) { RunAgainstBaselines(shared->Get(), all); });
+}
+
+}  // namespace halfspace::bench

@@ -1,0 +1,223 @@
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <tuple>
+#include <utility>
+
+#include "bench/base/shape_queries.h"
+#include "bench/measure/machine.h"
+#include "bench/measure/two_threads.h"
+#include "bench/sections/throughput.h"
+#include "halfspace/reject_many.h"
+#include "halfspace/transform.h"
+
+namespace halfspace::bench {
+namespace {
+
+constexpr std::size_t kObjects = std::size_t{1} << 16;
+// With 65 survivors each they have as many branches as cannot be learnt; to
+// grow 20 000 takes 14 s.
+constexpr std::size_t kMostGrown = 512;
+constexpr std::size_t kSurvivorsInOne = 1000;  // 1 in so many, or fewer
+constexpr std::size_t kThreadQueries = 128;
+
+// Real time counts the other programs of a busy machine: the fastest tenth does
+// without most of them.
+constexpr double kUndisturbed = 0.1;
+
+std::size_t CountAs(ShapeKind shape, const AaboView3& view,
+                    const Aabo3& query) {
+  return WithShape(shape, view, query, [](const auto& v, const auto& q) {
+    return CountSurvivors(v, q);
+  });
+}
+
+// Grown until 1 in 1000 objects survive, and no more. Those that have more from
+// the start are left out.
+std::vector<Aabo3> GrownQueries(const Workload& workload, ShapeKind shape,
+                                const AaboView3& view) {
+  const std::size_t most = view.size / kSurvivorsInOne;
+  std::vector<Aabo3> grown;
+  // What the query before has grown by is where the search begins.
+  float before = 1.0f;
+  for (const Aabo3& query : workload.timed_queries) {
+    if (grown.size() == kMostGrown) break;
+    const auto fits = [&](float margin) {
+      return CountAs(shape, view, InflateByBox(query, margin)) <= most;
+    };
+    float low = 0.875f * before;
+    if (!fits(low)) {
+      if (!fits(0.0f)) continue;
+      low = 0.0f;
+    }
+    float high = 1.125f * before;
+    while (high < 1e30f && fits(high)) {
+      low = high;
+      high *= 2.0f;
+    }
+    while (high - low > high / 32.0f) {
+      const float middle = 0.5f * (low + high);
+      (fits(middle) ? low : high) = middle;
+    }
+    before = high;
+    grown.push_back(InflateByBox(query, low));
+  }
+  return grown;
+}
+
+// Threshold 6, one shape: lists of indices against masks.
+class ListsAndMasks {
+ public:
+  ListsAndMasks(const Workload& workload, ShapeKind shape)
+      : shape_(shape),
+        world_(ResizedTo(workload.objects, kObjects)),
+        queries_(GrownQueries(workload, shape, world_.view())),
+        mask_(MaskWords(kObjects)),
+        indices_(kObjects) {}
+
+  void Run(Target target, Throughput& throughput) {
+    const std::string name = std::string(target.name()) + "/" + NameOf(shape_);
+    if (queries_.empty()) {
+      throughput.NotReached("threshold 6, " + name +
+                            ": all queries have more survivors");
+      return;
+    }
+    const Options options{.target = target};
+    const Timings timings = throughput.Time(
+        {CaseOf("mask/" + name,
+                [this, options](const auto& view, const auto& query) {
+                  SurvivorMask(view, query, mask_, options);
+                }),
+         CaseOf("indices/" + name,
+                [this, options](const auto& view, const auto& query) {
+                  std::ignore = Survivors(view, query, indices_, options);
+                })});
+    ThroughputRow row;
+    row.objects = kObjects;
+    row.queries = 1;
+    row.working_set = "65536";
+    row.target = target.name();
+    row.name = std::string(NameOf(shape_)) + ", mask, 1 in 1000";
+    row.ns_per_pair = timings[0].Median();
+    throughput.AddRow(row);
+    row.ceiling = row.name;
+    row.percent_of_ceiling = 100.0 * RatioOf(timings[0], timings[1]).median;
+    row.name = std::string(NameOf(shape_)) + ", indices, 1 in 1000";
+    row.ns_per_pair = timings[1].Median();
+    throughput.AddRow(row);
+    throughput.AddAtMost(6,
+                         std::string(NameOf(shape_)) + ", " + row.target +
+                             ": indices over mask at 1 survivor in 1000",
+                         RatioOf(timings[1], timings[0]).median, 1.15);
+  }
+
+ private:
+  template <typename Call>
+  Case CaseOf(std::string name, const Call& call) {
+    Case c;
+    c.name = std::move(name);
+    c.items = static_cast<double>(kObjects);
+    c.run = [this, call, next = std::size_t{0}]() mutable {
+      WithShape(shape_, world_.view(), queries_[next], call);
+      next = next + 1 == queries_.size() ? 0 : next + 1;
+    };
+    return c;
+  }
+
+  ShapeKind shape_;
+  AaboWorld3 world_;
+  std::vector<Aabo3> queries_;
+  std::vector<std::uint64_t> mask_;
+  std::vector<std::uint32_t> indices_;
+};
+
+double NanosecondsOf(const std::function<void()>& run) {
+  const auto start = std::chrono::steady_clock::now();
+  run();
+  return std::chrono::duration<double, std::nano>(
+             std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+// Threshold 6: the simplex masks of many queries, on one thread and on two, in
+// real time: each takes half of the objects.
+void RunThreads(const Workload& workload, Throughput& throughput) {
+  if (UsableCpus() < 2) {
+    throughput.NotReached("threshold 6, two threads: this run may use one CPU");
+    return;
+  }
+  const AaboWorld3 world = ResizedTo(workload.objects, kObjects);
+  std::vector<Aabo3> some;
+  for (std::size_t i = 0; i < kThreadQueries; ++i) {
+    some.push_back(workload.queries[i % workload.queries.size()]);
+  }
+  const ShapeQueries queries(some);
+  std::vector<std::uint64_t> rows(kThreadQueries * MaskWords(kObjects));
+  const Target target = throughput.targets().front();
+  const auto masks = [&](const Range& range) {
+    SurvivorMasks(world.view().simplex(), queries.simplices(), rows,
+                  {.target = target, .range = range});
+  };
+  std::optional<OtherThread> other;
+  try {
+    other.emplace([&] { masks({kObjects / 2, kObjects}); });
+  } catch (const std::system_error& error) {
+    throughput.NotReached(
+        std::string("threshold 6, two threads: no thread can be started: ") +
+        error.what());
+    return;
+  }
+  Timing one{"throughput/threads/1", {}, 0.0, 1};
+  Timing two{"throughput/threads/2", {}, 0.0, 1};
+  one.items = two.items = static_cast<double>(kObjects * kThreadQueries);
+  const std::size_t repetitions = throughput.is_quick() ? 100 : 500;
+  for (std::size_t i = 0; i < repetitions; ++i) {
+    one.samples.push_back(NanosecondsOf([&] { masks({}); }) / one.items);
+    two.samples.push_back(NanosecondsOf([&] {
+                            other->Start();
+                            masks({0, kObjects / 2});
+                            other->Wait();
+                          }) /
+                          two.items);
+    throughput.progress().Update(static_cast<double>(i) /
+                                 static_cast<double>(repetitions));
+  }
+  throughput.AddTimings({one, two});
+  ThroughputRow row;
+  row.objects = kObjects;
+  row.queries = kThreadQueries;
+  row.working_set = "65536";
+  row.target = target.name();
+  row.name = "simplex, masks of many, 1 thread";
+  row.ns_per_pair = one.Quantile(kUndisturbed);
+  throughput.AddRow(row);
+  row.name = "simplex, masks of many, 2 threads";
+  row.ns_per_pair = two.Quantile(kUndisturbed);
+  throughput.AddRow(row);
+  throughput.AddAtLeast(6,
+                        "simplex, many, " + row.target +
+                            ": times as fast on 2 threads, 2^16 objects",
+                        one.Quantile(kUndisturbed) / two.Quantile(kUndisturbed),
+                        1.8);
+}
+
+}  // namespace
+
+void AddOutputParts(const Workload& workload, ThroughputParts& parts) {
+  parts.push_back([&workload](Throughput& throughput) {
+    for (ShapeKind shape : kShapes) {
+      ListsAndMasks outputs(workload, shape);
+      for (Target target : throughput.targets()) {
+        outputs.Run(target, throughput);
+      }
+    }
+  });
+  parts.push_back([&workload](Throughput& throughput) {
+    RunThreads(workload, throughput);
+  });
+}
+
+}  // namespace halfspace::bench

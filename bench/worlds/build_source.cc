@@ -1,0 +1,250 @@
+#include "bench/worlds/build_source.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "bench/base/aligned_vector.h"
+#include "bench/baselines/stream_copier.h"
+#include "bench/worlds/random.h"
+#include "halfspace/fit.h"
+
+namespace halfspace::bench {
+namespace {
+
+// Vertices lie in rows of this many, two triangles between four of them.
+constexpr std::size_t kRow = 64;
+
+// As many objects as move about `bytes`, in steps that all copiers can do.
+std::size_t ObjectsFor(std::size_t bytes, std::size_t bytes_per_object,
+                       std::size_t step) {
+  return std::max(step, bytes / bytes_per_object / step * step);
+}
+
+BuildSource SourceOf(std::string shapes, std::size_t objects) {
+  BuildSource source;
+  source.shapes = std::move(shapes);
+  source.planes = "aabo";
+  source.objects = objects;
+  source.items = objects;
+  source.built = std::make_shared<AaboWorld3>();
+  source.built->Resize(objects);
+  const AaboPlanes3 planes = source.built->planes();
+  for (float* plane : planes.min) source.copy.Write(plane, objects);
+  for (float* plane : planes.max) source.copy.Write(plane, objects);
+  return source;
+}
+
+Aabb3 BoxOf(const Workload& workload, std::size_t i) {
+  return workload.objects.Get(i % workload.objects.size()).aabb();
+}
+
+Point<3> MiddleOf(const Aabb3& box) {
+  Point<3> middle;
+  for (std::size_t k = 0; k < 3; ++k) {
+    middle[k] = 0.5f * box.min[k] + 0.5f * box.max[k];
+  }
+  return middle;
+}
+
+BuildSource MakeBoxes(const Workload& workload, std::size_t bytes) {
+  BuildSource source =
+      SourceOf("boxes", ObjectsFor(bytes, 24 + 32, kMemcpyObjects));
+  auto boxes = std::make_shared<AabbWorld3>();
+  boxes->Reserve(source.objects);
+  for (std::size_t i = 0; i < source.objects; ++i) {
+    boxes->Push(BoxOf(workload, i));
+  }
+  const AabbView3 view = boxes->view();
+  for (const float* plane : view.min) source.copy.Read(plane, view.size);
+  for (const float* plane : view.max) source.copy.Read(plane, view.size);
+  source.build = [boxes, built = source.built](const FitOptions& options,
+                                               FitStatus* status) {
+    return BoundBoxes(BoxesOf(boxes->view()), built->planes(), options, status);
+  };
+  source.single = [boxes](std::size_t i) { return BoundAabb(boxes->Get(i)); };
+  return source;
+}
+
+BuildSource MakeBoxRecords(const Workload& workload, std::size_t bytes) {
+  BuildSource source =
+      SourceOf("box-records", ObjectsFor(bytes, 24 + 32, kMemcpyObjects));
+  auto boxes = std::make_shared<AlignedVector<Aabb3>>(source.objects);
+  for (std::size_t i = 0; i < source.objects; ++i) {
+    (*boxes)[i] = BoxOf(workload, i);
+  }
+  source.copy.Read(boxes->data(), boxes->size());
+  source.build = [boxes, built = source.built](const FitOptions& options,
+                                               FitStatus* status) {
+    return BoundBoxes(BoxesOf(std::span<const Aabb3>(*boxes)), built->planes(),
+                      options, status);
+  };
+  source.single = [boxes](std::size_t i) { return BoundAabb((*boxes)[i]); };
+  return source;
+}
+
+BuildSource MakeBoxesToD(const Workload& workload, std::size_t bytes) {
+  BuildSource source;
+  source.shapes = "boxes";
+  source.planes = "d";
+  source.objects = ObjectsFor(bytes, 24 + 8, kMemcpyObjects);
+  source.items = source.objects;
+  source.built =
+      std::make_shared<AaboWorld3>(ResizedTo(workload.objects, source.objects));
+  const AaboPlanes3 planes = source.built->planes();
+  const AabbView3 view = source.built->view().aabb();
+  for (const float* plane : view.min) source.copy.Read(plane, view.size);
+  for (const float* plane : view.max) source.copy.Read(plane, view.size);
+  source.copy.Write(planes.min[kDAxis], view.size);
+  source.copy.Write(planes.max[kDAxis], view.size);
+  source.build = [built = source.built](const FitOptions& options,
+                                        FitStatus* status) {
+    const AaboPlanes3 all = built->planes();
+    return BoundBoxes(BoxesOf(built->view().aabb()),
+                      DPlanes3{all.min[kDAxis], all.max[kDAxis], all.size},
+                      options, status);
+  };
+  source.single = [built = source.built](std::size_t i) {
+    return BoundAabb(built->Get(i).aabb());
+  };
+  return source;
+}
+
+// The spheres within the boxes' longest sides. Their planes, the center's and
+// the radius', are a SimplexWorld's, for its alignment.
+BuildSource MakeSpheres(const Workload& workload, std::size_t bytes) {
+  BuildSource source =
+      SourceOf("spheres", ObjectsFor(bytes, 16 + 32, kMemcpyObjects));
+  auto columns = std::make_shared<SimplexWorld3>();
+  columns->Reserve(source.objects);
+  for (std::size_t i = 0; i < source.objects; ++i) {
+    const Aabb3 box = BoxOf(workload, i);
+    const Point<3> center = MiddleOf(box);
+    float radius = 0.0f;
+    for (std::size_t k = 0; k < 3; ++k) {
+      radius = std::max(radius, box.max[k] - center[k]);
+    }
+    columns->Push(UpSimplex3{{center[0], center[1], center[2], radius}});
+  }
+  const SimplexView3 view = columns->view();
+  for (const float* plane : view.min) source.copy.Read(plane, view.size);
+  source.build = [columns, built = source.built](const FitOptions& options,
+                                                 FitStatus* status) {
+    const SimplexView3 all = columns->view();
+    const Spheres<3> spheres{
+        {all.min[0], all.min[1], all.min[2]}, all.min[3], all.size, 1};
+    return BoundSpheres(spheres, built->planes(), options, status);
+  };
+  source.single = [columns](std::size_t i) {
+    const UpSimplex3 s = columns->Get(i);
+    return BoundSphere(Sphere3{{s.min[0], s.min[1], s.min[2]}, s.min[3]});
+  };
+  return source;
+}
+
+struct Triangles {
+  AlignedVector<float> coords;           // vertex i: x, y, z from 3 * i on
+  AlignedVector<std::uint32_t> indices;  // triangle t: 3 from 3 * t on
+
+  Points3 vertices() const { return {coords.data(), coords.size() / 3}; }
+};
+
+// A grid, which has half as many vertices as triangles, as closed meshes do.
+BuildSource MakeTriangles(const Workload& workload, std::size_t bytes) {
+  BuildSource source =
+      SourceOf("triangles", ObjectsFor(bytes, 12 + 6 + 32, kMemcpyObjects));
+  auto mesh = std::make_shared<Triangles>();
+  const std::size_t vertices = source.objects / 2;
+  for (std::size_t v = 0; v < vertices; ++v) {
+    for (float coord : MiddleOf(BoxOf(workload, v))) {
+      mesh->coords.push_back(coord);
+    }
+  }
+  const auto add = [&](std::size_t vertex) {
+    mesh->indices.push_back(static_cast<std::uint32_t>(vertex % vertices));
+  };
+  for (std::size_t v = 0; v < vertices; ++v) {
+    for (std::size_t corner : {v, v + 1, v + kRow}) add(corner);
+    for (std::size_t corner : {v + 1, v + kRow, v + kRow + 1}) add(corner);
+  }
+  source.copy.Read(mesh->indices.data(), mesh->indices.size());
+  source.copy.Read(mesh->coords.data(), mesh->coords.size());
+  source.build = [mesh, built = source.built](const FitOptions& options,
+                                              FitStatus* status) {
+    return BoundTriangles(mesh->vertices(), mesh->indices, built->planes(),
+                          options, status);
+  };
+  source.single = [mesh](std::size_t i) {
+    return BoundPoints(mesh->vertices(), std::span<const std::uint32_t>(
+                                             &mesh->indices[3 * i], 3));
+  };
+  return source;
+}
+
+struct PointSets {
+  std::array<AlignedVector<float>, 3> coords;
+  AlignedVector<std::size_t> ends;
+
+  PointsSoa3 points(std::size_t first, std::size_t count) const {
+    return {{&coords[0][first], &coords[1][first], &coords[2][first]}, count};
+  }
+};
+
+// Points within the boxes.
+BuildSource MakePointSets(const Workload& workload, std::size_t bytes) {
+  BuildSource source =
+      SourceOf("point-sets",
+               ObjectsFor(bytes, kPointsOfSet * 12 + 8 + 32, kCopyObjects));
+  source.items = source.objects * kPointsOfSet;
+  auto sets = std::make_shared<PointSets>();
+  Random random(1);
+  for (std::size_t i = 0; i < source.objects; ++i) {
+    const Aabb3 box = BoxOf(workload, i);
+    const Point<3> middle = MiddleOf(box);
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t p = 0; p < kPointsOfSet; ++p) {
+        sets->coords[k].push_back(middle[k] +
+                                  random.Signed() * (box.max[k] - middle[k]));
+      }
+    }
+    sets->ends.push_back((i + 1) * kPointsOfSet);
+  }
+  for (const auto& column : sets->coords) {
+    source.copy.Read(column.data(), column.size());
+  }
+  source.copy.Read(sets->ends.data(), sets->ends.size());
+  source.build = [sets, built = source.built](const FitOptions& options,
+                                              FitStatus* status) {
+    return BoundPointSets(sets->points(0, sets->coords[0].size()), sets->ends,
+                          built->planes(), options, status);
+  };
+  source.single = [sets](std::size_t i) {
+    return BoundPoints(sets->points(i * kPointsOfSet, kPointsOfSet));
+  };
+  return source;
+}
+
+}  // namespace
+
+BuildSource MakeBuildSource(BuildKind kind, const Workload& workload,
+                            std::size_t bytes) {
+  switch (kind) {
+    case BuildKind::kBoxes:
+      return MakeBoxes(workload, bytes);
+    case BuildKind::kBoxRecords:
+      return MakeBoxRecords(workload, bytes);
+    case BuildKind::kBoxesToD:
+      return MakeBoxesToD(workload, bytes);
+    case BuildKind::kSpheres:
+      return MakeSpheres(workload, bytes);
+    case BuildKind::kTriangles:
+      return MakeTriangles(workload, bytes);
+    case BuildKind::kPointSets:
+      break;
+  }
+  return MakePointSets(workload, bytes);
+}
+
+}  // namespace halfspace::bench

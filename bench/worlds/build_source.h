@@ -1,0 +1,55 @@
+// Shapes in memory for one of the bulk builders, and planes for their bounds.
+#ifndef HALFSPACE_BENCH_WORLDS_BUILD_SOURCE_H_
+#define HALFSPACE_BENCH_WORLDS_BUILD_SOURCE_H_
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "bench/baselines/copy_job.h"
+#include "bench/worlds/workload.h"
+#include "halfspace/fit_many.h"
+
+namespace halfspace::bench {
+
+enum class BuildKind {
+  kBoxes,
+  kBoxRecords,  // an array of structures
+  kBoxesToD,    // the D planes of a world of boxes, in place
+  kSpheres,
+  kTriangles,
+  kPointSets,
+};
+
+inline constexpr std::array<BuildKind, 6> kBuildKinds = {
+    BuildKind::kBoxes,   BuildKind::kBoxRecords, BuildKind::kBoxesToD,
+    BuildKind::kSpheres, BuildKind::kTriangles,  BuildKind::kPointSets};
+
+inline constexpr std::size_t kPointsOfSet = 50;
+inline constexpr std::size_t kDAxis = 3;
+
+struct BuildSource {
+  std::string shapes;  // "boxes", "box-records", "spheres", ...
+  std::string planes;  // "aabo" or "d"
+  std::size_t objects = 0;
+  std::size_t items = 0;  // objects, or the points of all sets
+  CopyJob copy;           // the bytes that a build moves
+
+  // Bounds everything.
+  std::function<Target(const FitOptions& options, FitStatus* status)> build;
+  std::shared_ptr<AaboWorld3> built;  // where the bounds go
+
+  // The bound of one object by its builder of fit.h.
+  std::function<Aabo3(std::size_t object)> single;
+};
+
+// Shapes that lie where the workload's objects do, again and again if there are
+// fewer: as many as make about `bytes` read and written.
+BuildSource MakeBuildSource(BuildKind kind, const Workload& workload,
+                            std::size_t bytes);
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_WORLDS_BUILD_SOURCE_H_

@@ -1,0 +1,29 @@
+// Random numbers that are the same on every machine.
+#ifndef HALFSPACE_BENCH_WORLDS_RANDOM_H_
+#define HALFSPACE_BENCH_WORLDS_RANDOM_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <random>
+
+namespace halfspace::bench {
+
+// Of std::, only the engine gives the same numbers everywhere; distributions
+// are up to the implementation.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+
+  // Uniform in [-1, 1), a multiple of 2^-23.
+  float Signed() {
+    return static_cast<float>(engine_() >> 40) * 0x1p-23f - 1.0f;
+  }
+  std::size_t Below(std::size_t count) { return engine_() % count; }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_WORLDS_RANDOM_H_

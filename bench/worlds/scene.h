@@ -1,0 +1,22 @@
+// The paper's scene: objects are point clouds in a cube, queries are drawn from
+// the same distribution.
+#ifndef HALFSPACE_BENCH_WORLDS_SCENE_H_
+#define HALFSPACE_BENCH_WORLDS_SCENE_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#include "bench/worlds/workload.h"
+
+namespace halfspace::bench {
+
+// 100 clouds of 50 to 64 points uniform in the unit sphere; each object and
+// each query is one of them, moved uniformly within [-50, 50]^3. The same seed
+// gives the same scene on every machine. `progress` gets the fraction done.
+Workload MakeScene(std::size_t objects, std::size_t queries, std::uint64_t seed,
+                   const std::function<void(double)>& progress);
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_WORLDS_SCENE_H_

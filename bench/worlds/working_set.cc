@@ -1,0 +1,126 @@
+#include "bench/worlds/working_set.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "bench/base/text_table.h"
+#include "bench/baselines/gated_scan.h"
+#include "tests/reference/reference.h"
+
+namespace halfspace::bench {
+namespace {
+
+constexpr std::size_t kAaboBytes = 8 * sizeof(float);
+constexpr std::size_t kSimplexBytes = 4 * sizeof(float);
+
+std::size_t RoundDown(std::size_t value, std::size_t step) {
+  return std::max(step, value / step * step);
+}
+
+// The reference is slow: on large worlds it answers fewer queries.
+constexpr std::size_t kReferenceTests = 1 << 22;
+constexpr std::size_t kMostChecked = 256;
+
+}  // namespace
+
+std::vector<WorkingSetSize> WorkingSetSizes(const Machine& machine) {
+  std::vector<WorkingSetSize> sizes;
+  for (int level = 1; level <= 3; ++level) {
+    const std::size_t step = level == 1 ? 64 : kWidestGate;
+    const std::size_t bytes = machine.CacheBytes(level) / 2;
+    WorkingSetSize size{"L" + std::to_string(level),
+                        RoundDown(bytes / kAaboBytes, step), "", bytes};
+    if (machine.are_caches_known() && !machine.HasCache(level)) {
+      size.why_not_reached = "this machine has no such cache";
+    }
+    sizes.push_back(std::move(size));
+  }
+  const std::size_t bytes = 4 * machine.LastLevelBytes();
+  const std::size_t wanted =
+      RoundDown(bytes / kSimplexBytes, kWidestGate) + kWidestGate;
+  WorkingSetSize memory{"memory", wanted, "", bytes};
+  // What cannot be known is taken for enough for the smallest of machines.
+  const std::size_t available = machine.available_memory == 0
+                                    ? std::size_t{1} << 30
+                                    : machine.available_memory;
+  if (machine.is_emulated) {
+    memory.why_not_reached =
+        "takes long and means nothing where the CPU is emulated";
+  } else if (wanted * kAaboBytes > available / 4) {
+    memory.why_not_reached = "needs " + Mebibytes(wanted * kAaboBytes) +
+                             ", more than a quarter of the " +
+                             Mebibytes(available) + " that are free";
+  }
+  sizes.push_back(std::move(memory));
+  return sizes;
+}
+
+WorkingSet::WorkingSet(const Workload& workload, const WorkingSetSize& size)
+    : name_(size.name),
+      world_(ResizedTo(workload.objects, size.objects)),
+      view_(world_.view()),
+      queries_(workload.timed_queries),
+      mask_(MaskWords(size.objects)),
+      checked_queries_(
+          std::clamp<std::size_t>(kReferenceTests / size.objects, 1,
+                                  std::min(kMostChecked, queries_.size()))) {
+  for (ShapeKind shape : kShapes) {
+    std::vector<std::uint64_t>& masks =
+        expected_[static_cast<std::size_t>(shape)];
+    masks.resize(mask_.size() * checked_queries_, 0);
+    for (std::size_t q = 0; q < checked_queries_; ++q) {
+      std::uint64_t* mask = &masks[q * mask_.size()];
+      WithShape(shape, view_, queries_[q],
+                [mask](const auto& view, const auto& query) {
+                  reference::RejectMask(view, query, mask);
+                });
+    }
+  }
+}
+
+std::string WorkingSet::Check(ShapeKind shape, const WriteMask& write) {
+  const std::vector<std::uint64_t>& expected =
+      expected_[static_cast<std::size_t>(shape)];
+  for (std::size_t q = 0; q < checked_queries_; ++q) {
+    std::fill(mask_.begin(), mask_.end(), 0x5555555555555555);
+    write(queries_[q]);
+    const auto first =
+        expected.begin() + static_cast<std::ptrdiff_t>(q * mask_.size());
+    const auto wrong = std::mismatch(mask_.begin(), mask_.end(), first).first;
+    if (wrong != mask_.end()) {
+      return "query " + std::to_string(q) + ", objects from " +
+             std::to_string((wrong - mask_.begin()) * 64) +
+             " on: the mask is not the scalar reference's";
+    }
+  }
+  return {};
+}
+
+Case WorkingSet::MakeCase(std::string name, ShapeKind shape, WriteMask write) {
+  const std::size_t per_run =
+      std::clamp<std::size_t>(kObjectsPerRun / objects(), 1, queries_.size());
+  Case c;
+  c.name = std::move(name);
+  c.items = static_cast<double>(objects() * per_run);
+  c.check = [this, shape, write] { return Check(shape, write); };
+  c.run = [this, write = std::move(write), per_run,
+           next = std::size_t{0}]() mutable {
+    for (std::size_t i = 0; i < per_run; ++i) {
+      write(queries_[next]);
+      next = next + 1 == queries_.size() ? 0 : next + 1;
+    }
+  };
+  return c;
+}
+
+Case WorkingSet::LibraryCase(std::string name, ShapeKind shape,
+                             const Options& options) {
+  return MakeCase(
+      std::move(name), shape, [this, shape, options](const Aabo3& aabo) {
+        WithShape(shape, view_, aabo, [&](const auto& view, const auto& query) {
+          RejectMask(view, query, mask_, options);
+        });
+      });
+}
+
+}  // namespace halfspace::bench

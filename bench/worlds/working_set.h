@@ -1,0 +1,73 @@
+// The same workload at the sizes of the memory hierarchy.
+#ifndef HALFSPACE_BENCH_WORLDS_WORKING_SET_H_
+#define HALFSPACE_BENCH_WORLDS_WORKING_SET_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/base/shape.h"
+#include "bench/measure/machine.h"
+#include "bench/measure/measure.h"
+#include "bench/worlds/workload.h"
+#include "halfspace/reject.h"
+
+namespace halfspace::bench {
+
+// One run of a case goes through this many objects at least, so that calls of a
+// function object cost nothing beside them.
+inline constexpr std::size_t kObjectsPerRun = std::size_t{1} << 16;
+
+// Where the planes of a world lie, and how many objects that is.
+struct WorkingSetSize {
+  std::string name;             // "L1", "L2", "L3" or "memory"
+  std::size_t objects = 0;      // a multiple of 4096, in L1 of 64
+  std::string why_not_reached;  // empty if it is
+  std::size_t bytes = 0;        // half the cache, or four times the last level
+};
+
+// The octahedra take at most half of each cache; in "memory" the smallest
+// record, the simplex's, takes four times the last level, or it is not reached
+// because that is more than a quarter of the free memory, or emulated.
+std::vector<WorkingSetSize> WorkingSetSizes(const Machine& machine);
+
+// A world of a given size, a mask to write, and the right answers.
+class WorkingSet {
+ public:
+  WorkingSet(const Workload& workload, const WorkingSetSize& size);
+
+  const std::string& name() const { return name_; }
+  const AaboView3& view() const { return view_; }
+  std::size_t objects() const { return view_.size; }
+  std::size_t checked_queries() const { return checked_queries_; }
+  std::vector<std::uint64_t>& mask() { return mask_; }
+
+  // Empty if `write`, called for each query that has been answered by the
+  // scalar reference, leaves the right reject mask; else what is wrong.
+  using WriteMask = std::function<void(const Aabo3& query)>;
+  std::string Check(ShapeKind shape, const WriteMask& write);
+
+  // A case that calls `write` for one query after the other, of all that are to
+  // be timed. It is named `name` and timed per object.
+  Case MakeCase(std::string name, ShapeKind shape, WriteMask write);
+
+  // The case of a call of the library.
+  Case LibraryCase(std::string name, ShapeKind shape, const Options& options);
+
+ private:
+  std::string name_;
+  AaboWorld3 world_;
+  AaboView3 view_;
+  std::vector<Aabo3> queries_;
+  std::vector<std::uint64_t> mask_;
+  std::size_t checked_queries_;
+  // Per shape, the reference's masks of the checked queries, one after another.
+  std::array<std::vector<std::uint64_t>, kShapes.size()> expected_;
+};
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_WORLDS_WORKING_SET_H_

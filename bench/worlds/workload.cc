@@ -1,0 +1,79 @@
+#include "bench/worlds/workload.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "bench/worlds/random.h"
+#include "halfspace/fit.h"
+
+namespace halfspace::bench {
+namespace {
+
+constexpr std::size_t kDefaultQueries = 256;
+
+// Every step-th object.
+std::vector<Aabo3> SomeOf(const AaboWorld3& objects, std::size_t count) {
+  const std::size_t step = std::max<std::size_t>(1, objects.size() / count);
+  std::vector<Aabo3> some;
+  for (std::size_t i = 0; i < objects.size(); i += step) {
+    some.push_back(objects.Get(i));
+  }
+  return some;
+}
+
+void AddQueries(Workload& workload, std::size_t queries) {
+  if (queries != 0) {
+    workload.queries = SomeOf(workload.objects, queries);
+    workload.timed_queries = workload.queries;
+    return;
+  }
+  workload.queries = SomeOf(workload.objects, kDefaultQueries);
+  std::vector<Aabo3>& timed = workload.timed_queries;
+  timed = SomeOf(workload.objects, kTimedQueries);
+  // Neighbours in a file are neighbours in space, and have the same path.
+  Random random(1);
+  for (std::size_t i = timed.size(); i > 1; --i) {
+    std::swap(timed[i - 1], timed[random.Below(i)]);
+  }
+}
+
+}  // namespace
+
+AaboWorld3 ResizedTo(const AaboWorld3& source, std::size_t objects) {
+  AaboWorld3 world;
+  world.Reserve(objects);
+  for (std::size_t i = 0; i < objects; ++i) {
+    world.Push(source.Get(i % source.size()));
+  }
+  return world;
+}
+
+Workload WorkloadOfTriangles(std::string name,
+                             const std::vector<float>& coordinates,
+                             const std::vector<std::uint32_t>& indices,
+                             std::size_t queries) {
+  Workload workload{std::move(name), {}, {}};
+  workload.objects.Reserve(indices.size() / 3);
+  for (std::size_t t = 0; t + 2 < indices.size(); t += 3) {
+    std::array<float, 9> corners;
+    for (std::size_t c = 0; c < 3; ++c) {
+      std::copy_n(&coordinates[3 * std::size_t{indices[t + c]}], 3,
+                  &corners[3 * c]);
+    }
+    workload.objects.Push(BoundPoints(Points3{corners.data(), 3}));
+  }
+  AddQueries(workload, queries);
+  return workload;
+}
+
+Workload WorkloadOfBoxes(std::string name, const std::vector<Aabb3>& boxes,
+                         std::size_t queries) {
+  Workload workload{std::move(name), {}, {}};
+  workload.objects.Reserve(boxes.size());
+  for (const Aabb3& box : boxes) workload.objects.Push(BoundAabb(box));
+  AddQueries(workload, queries);
+  return workload;
+}
+
+}  // namespace halfspace::bench

@@ -1,0 +1,50 @@
+// What is measured: stored bounds and the queries against them. Octahedra, so
+// that one copy serves as all three shapes.
+#ifndef HALFSPACE_BENCH_WORLDS_WORKLOAD_H_
+#define HALFSPACE_BENCH_WORLDS_WORKLOAD_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "halfspace/bounds.h"
+#include "halfspace/world.h"
+
+namespace halfspace::bench {
+
+// So many queries that no branch predictor learns what comes of them, and the
+// first-level cache does not keep their paths through a tree. With 128 in turn
+// a tree takes a half to a fifth of the time.
+inline constexpr std::size_t kTimedQueries = 20000;
+inline constexpr std::size_t kFewQueries = 128;
+
+struct Workload {
+  std::string name;  // "scene", or the file it was read from
+  AaboWorld3 objects;
+  std::vector<Aabo3> queries;  // to count with
+
+  // To time one after the other.
+  std::vector<Aabo3> timed_queries = {};
+};
+
+// A world of exactly `objects` objects: those of the workload, again and again
+// if it has fewer.
+AaboWorld3 ResizedTo(const AaboWorld3& source, std::size_t objects);
+
+// A mesh as a workload: one bound per triangle (3 indices each into xyz
+// triples), and a query of every (triangles / 256)-th one. `queries` other than
+// 0 changes 256. Those to time are of every (triangles / kTimedQueries)-th one,
+// in random order; if `queries` is not 0, they are the same.
+Workload WorkloadOfTriangles(std::string name,
+                             const std::vector<float>& coordinates,
+                             const std::vector<std::uint32_t>& indices,
+                             std::size_t queries);
+
+// Boxes as a workload, with queries by the same rule.
+Workload WorkloadOfBoxes(std::string name, const std::vector<Aabb3>& boxes,
+                         std::size_t queries);
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_WORLDS_WORKLOAD_H_

@@ -1,0 +1,150 @@
+// Internal. The map from floats to levels, and the levels of a world's planes.
+// Not part of the interface.
+#ifndef HALFSPACE_DETAIL_QUANTIZER_H_
+#define HALFSPACE_DETAIL_QUANTIZER_H_
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <type_traits>
+
+#include "halfspace/detail/plane_arrays.h"
+#include "halfspace/export.h"
+
+namespace halfspace::detail {
+
+// Levels are stored less half their range, because x86 compares only signed
+// bytes; and those of minima in reverse, so that the lesser stored level
+// rejects in every plane: kernels/scan/vectors-inl.h says what for.
+template <typename Element>
+using StoredElement = std::make_signed_t<Element>;
+
+// Number i of `count` indices that are spread evenly below `size`: each is
+// somewhere in its part, by the golden ratio, because objects in the order of a
+// grid have a period, which equal steps could be a multiple of.
+constexpr std::size_t SampledIndex(std::size_t i, std::size_t count,
+                                   std::size_t size) {
+  const std::size_t part = size / count;
+  const std::uint64_t within = i * std::uint64_t{0x9e3779b97f4a7c15} >> 32;
+  return i * part + i * (size % count) / count +
+         static_cast<std::size_t>(part * within >> 32);
+}
+
+// For every plane a monotone map from floats to 0 ... thresholds: how many of
+// the plane's thresholds a value reaches (a minimum) or passes (a maximum).
+// Both sides of a test go through the same map, so whatever the thresholds are,
+// a pair that is not to be rejected is not.
+//
+// Floats are compared as integers in the order of floats, with both zeros and
+// all subnormals at 0, so that the floating-point mode of the caller changes
+// nothing.
+class HALFSPACE_API Quantizer {
+ public:
+  // No thresholds: one level for everything.
+  Quantizer(std::size_t minima, std::size_t maxima);
+
+  std::size_t planes() const { return planes_; }
+
+  // Thresholds at `levels` - 1 quantiles of every plane.
+  void Train(const FloatColumns& floats, std::size_t levels);
+
+  // `count` values of plane `p`, `stride` floats apart. A NaN gets the level
+  // that never rejects.
+  template <typename Stored>
+  void EncodeObjects(std::size_t p, const float* values, std::size_t stride,
+                     std::size_t count, Stored* levels) const;
+
+  // One object: a value for each plane.
+  template <typename Stored>
+  void EncodeObject(const float* values, Stored* levels) const;
+
+  // A query: its values in the order of detail::Scan, its levels too.
+  template <typename Stored>
+  void EncodeQuery(const float* values, Stored* levels) const;
+
+  // What is stored of plane `p`, as the number of thresholds it stands for.
+  template <typename Stored>
+  std::uint32_t RankOf(std::size_t p, Stored stored) const {
+    const auto level = p < minima_ ? static_cast<Stored>(~stored) : stored;
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(level) -
+                                      std::numeric_limits<Stored>::min());
+  }
+
+  // The upper eight bits of a rank, of as many as there are.
+  std::size_t BucketOf(std::size_t rank) const {
+    return rank * 256 / std::max<std::size_t>(256, thresholds_.size() + 1);
+  }
+
+ private:
+  template <std::size_t kLanes, typename At>
+  void RankEach(const float* values, bool is_query, const At& at,
+                std::uint32_t* ranks) const;
+  template <typename Stored, typename At>
+  void EncodeEach(const float* values, bool is_query, const At& at,
+                  Stored* levels) const;
+
+  std::size_t minima_;
+  std::size_t planes_;
+  // Of each plane ascending, as ordered integers, and one less than a power of
+  // two, so that every search takes the same steps. No std::vector: a caller's
+  // flags may give that another layout.
+  PlaneArrays<std::int32_t> thresholds_;
+};
+
+// The levels of one world, and their quantizer.
+template <typename Stored>
+class HALFSPACE_API QuantizedPlanes {
+ public:
+  QuantizedPlanes(std::size_t minima, std::size_t maxima);
+  QuantizedPlanes(const QuantizedPlanes& other) = default;
+  QuantizedPlanes(QuantizedPlanes&& other) noexcept = default;
+  // Both or neither of levels and quantizer, which mean nothing without each
+  // other.
+  QuantizedPlanes& operator=(const QuantizedPlanes& other) {
+    return *this = QuantizedPlanes(other);
+  }
+  QuantizedPlanes& operator=(QuantizedPlanes&& other) noexcept = default;
+  ~QuantizedPlanes() = default;
+
+  std::size_t size() const { return levels_.size(); }
+  const Quantizer& quantizer() const { return quantizer_; }
+  const PlaneArrays<Stored>& planes() const { return levels_; }
+
+  void Requantize(const FloatColumns& floats);
+  void Reserve(std::size_t objects) { levels_.Reserve(objects); }
+  std::size_t Push(std::span<const float> values);
+  void Set(std::size_t index, std::span<const float> values);
+  void EraseBySwap(std::size_t index);
+  void CheckIndex(std::size_t index, const char* call) const {
+    levels_.CheckIndex(index, call);
+  }
+  void Clear() { levels_.Clear(); }
+  bool Fits() const;
+  // How many more objects it fits for sure, whatever they are, or size() if
+  // they are more.
+  std::size_t Room() const;
+
+ private:
+  using Values = std::array<Stored, kMaxPlanes>;
+  Values Encoded(std::span<const float> values) const;
+  // Of the objects, as parts of one.
+  struct Crowd {
+    double pairs = 0.0;    // that share a level
+    double fullest = 0.0;  // that have the most frequent level
+  };
+  Crowd CrowdOf(std::size_t plane) const;
+
+  Quantizer quantizer_;
+  PlaneArrays<Stored> levels_;
+  std::array<double, kMaxPlanes> pairs_then_{};
+};
+
+extern template class QuantizedPlanes<std::int8_t>;
+extern template class QuantizedPlanes<std::int16_t>;
+
+}  // namespace halfspace::detail
+
+#endif  // HALFSPACE_DETAIL_QUANTIZER_H_

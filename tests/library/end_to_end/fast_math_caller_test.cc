@@ -1,0 +1,82 @@
+// A caller compiled with -ffast-math gets the same answers: what must not be
+// optimised so is compiled in the library. Alone in its executable, since
+// inline functions of such a translation unit may replace those of others.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "halfspace/halfspace.h"
+#include "tests/library/end_to_end/fast_math_samples.h"
+#include "tests/library/fit/every_builder.h"
+#include "tests/library/support/environment.h"
+
+#if !defined(__FAST_MATH__)
+#error "compile this file with -ffast-math"
+#endif
+
+namespace halfspace::testing {
+namespace {
+
+// From its bits at run time, so that the compiler cannot reason about it.
+float NotANumber() {
+  volatile std::uint32_t bits = 0x7fc00000u;
+  return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
+}
+
+template <typename World, typename Query>
+void ExpectAllKept(const World& world, const Query& query) {
+  for (Target target : TargetsUnderTest()) {
+    EXPECT_EQ(CountSurvivors(world, query, {.target = target}), world.size())
+        << target.name();
+  }
+}
+
+TEST(FastMathCallerTest, NanIsKept) {
+  const float nan = NotANumber();
+  const Aabo3 unknown{{nan, nan, nan, nan}, {nan, nan, nan, nan}};
+  const Aabo3 unit{{0, 0, 0, -3}, {1, 1, 1, 0}};
+  const AaboWorld3 unknowns(std::vector<Aabo3>(100, unknown));
+  ExpectAllKept(unknowns, unit);
+  ExpectAllKept(unknowns, unknown);
+  ExpectAllKept(AaboWorld3(std::vector<Aabo3>(100, unit)), unknown);
+}
+
+TEST(FastMathCallerTest, BoundsAreRoundedOutward) {
+  const float points[] = {1.f, 0x1p-60f};
+  const Aabo2 bound = BoundPoints<2>({points, 1});
+  EXPECT_EQ(std::bit_cast<std::uint32_t>(bound.min[2]),
+            std::bit_cast<std::uint32_t>(-0x1.000002p0f));
+  EXPECT_EQ(std::bit_cast<std::uint32_t>(bound.max[2]),
+            std::bit_cast<std::uint32_t>(-1.f));
+}
+
+// The bounds that a usual caller gets are held against exact arithmetic
+// elsewhere.
+template <int kDims>
+void ExpectUsualBits() {
+  for (std::size_t i = 0; i < FastMathSamples(); ++i) {
+    const Bits bits =
+        BitsOfEveryBound(FastMathSample<kDims>(i), TargetsUnderTest());
+    ASSERT_EQ(bits, ExpectedBits<kDims>(i)) << kDims << "D, sample " << i;
+  }
+}
+
+TEST(FastMathCallerTest, EveryBuilderGivesTheUsualBits) {
+  ExpectUsualBits<2>();
+  ExpectUsualBits<3>();
+  ExpectUsualBits<4>();
+}
+
+TEST(FastMathCallerTest, NanCannotBeBounded) {
+  const float points[] = {0.f, NotANumber()};
+  FitStatus status;
+  const Aabo2 bound = BoundPoints<2>({points, 1}, &status);
+  EXPECT_EQ(bound, Aabo2::Everything());
+  EXPECT_EQ(status.everything, 1u);
+}
+
+}  // namespace
+}  // namespace halfspace::testing

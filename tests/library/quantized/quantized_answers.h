@@ -1,0 +1,63 @@
+// What quantized worlds answer: exactly what the floats do, or, of quantized
+// bounds alone, no more rejections than that.
+#ifndef HALFSPACE_TESTS_LIBRARY_QUANTIZED_QUANTIZED_ANSWERS_H_
+#define HALFSPACE_TESTS_LIBRARY_QUANTIZED_QUANTIZED_ANSWERS_H_
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "halfspace/quantized.h"
+#include "halfspace/reject.h"
+#include "tests/library/support/answers.h"
+#include "tests/library/support/canaries.h"
+
+namespace halfspace::testing {
+
+// The answer of any world, by one call on one target.
+template <typename AnyWorld>
+Answer AnswerByMask(const AnyWorld& world, std::size_t size,
+                    const typename AnyWorld::Query& query, Target target) {
+  std::vector<std::uint64_t> mask(MaskWords(size));
+  RejectMask(world, query, mask,
+             {.schedule = Schedule::kFlat, .target = target});
+  return Answer(
+      size, [&](std::size_t i) { return (mask[i / 64] >> (i % 64) & 1) != 0; });
+}
+
+// Whatever survives in `exact` survives in `quantized` too.
+inline ::testing::AssertionResult KeepsAllOf(const Answer& exact,
+                                             const Answer& of_quantized) {
+  for (const std::uint32_t i : exact.survivors()) {
+    if ((of_quantized.reject_mask()[i / 64] >> (i % 64) & 1) == 0) continue;
+    return ::testing::AssertionFailure()
+           << "the quantized reject object " << i << ", which floats keep";
+  }
+  return ::testing::AssertionSuccess();
+}
+
+// Quantized bounds alone keep what floats keep, and all calls agree on what
+// that is; refined, they are the floats' answer. Everywhere.
+template <typename FloatView, typename Element>
+::testing::AssertionResult QuantizedAnswersEverywhere(
+    const QuantizedBounds<FloatView, Element>& quantized,
+    const FloatView& floats, const typename FloatView::Query& query,
+    std::span<const Target> targets) {
+  const Answer exact = ReferenceAnswer(floats, query);
+  const Answer of_quantized =
+      AnswerByMask(quantized, quantized.size(), query, targets[0]);
+  auto result = KeepsAllOf(exact, of_quantized);
+  if (result)
+    result = AnswersEverywhere(of_quantized, quantized, query, targets);
+  if (!result) return result << " (quantized alone)";
+  result = AnswersEverywhere(exact, Refined(quantized, floats), query, targets);
+  if (!result) return result << " (refined)";
+  return result;
+}
+
+}  // namespace halfspace::testing
+
+#endif  // HALFSPACE_TESTS_LIBRARY_QUANTIZED_QUANTIZED_ANSWERS_H_

@@ -1,0 +1,171 @@
+// More objects than 32 bits count: planes of 16 GiB of addresses, and a mask of
+// half of one, backed again and again by the same memory.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "halfspace/reject_many.h"
+#include "tests/library/reject/repeated.h"
+#include "tests/library/support/environment.h"
+
+namespace halfspace::testing {
+namespace {
+
+constexpr std::size_t kTwoTo32 = std::size_t{1} << 32;
+
+class HugeWorldTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (TestScale() < 1.0) GTEST_SKIP() << "takes seconds at full scale only";
+  }
+
+  static SimplexView2 World(const Repeated<float>& plane, std::size_t size) {
+    return {{plane.data(), plane.data(), plane.data()}, size};
+  }
+};
+
+TEST_F(HugeWorldTest, CountsBeyond32Bits) {
+  constexpr std::size_t kObjects = kTwoTo32 + 70;
+  const Repeated<float> plane(1.f, kObjects);
+  ASSERT_TRUE(plane.ok());
+  EXPECT_EQ(CountSurvivors(World(plane, kObjects), {{1.f, 1.f, 1.f}}),
+            kObjects);
+}
+
+// Object 2^32 + 69, the only survivor, is bit 5 of the last word.
+TEST_F(HugeWorldTest, MaskBeyond32Bits) {
+  constexpr std::size_t kObjects = kTwoTo32 + 70;
+  const Repeated<float> plane(1.f, kObjects);
+  ASSERT_TRUE(plane.ok());
+  plane.data()[kObjects - 1] = 0.f;
+  constexpr std::size_t kWords = MaskWords(kObjects);
+  const Repeated<std::uint64_t> mask(7, kWords);
+  ASSERT_TRUE(mask.ok());
+  mask.data()[kWords] = 7;
+  SurvivorMask(World(plane, kObjects), {{0.f, 0.f, 0.f}},
+               {mask.data(), kWords});
+  EXPECT_EQ(mask.data()[0], 0u);
+  EXPECT_EQ(mask.data()[kWords - 2], 0u);
+  EXPECT_EQ(mask.data()[kWords - 1], 1u << 5);
+  EXPECT_EQ(mask.data()[kWords], 7u);
+}
+
+TEST_F(HugeWorldTest, LastIndexOf32Bits) {
+  const Repeated<float> plane(1.f, kTwoTo32);
+  ASSERT_TRUE(plane.ok());
+  plane.data()[kTwoTo32 - 1] = 0.f;
+  std::vector<std::uint32_t> indices(2, 7);
+  EXPECT_EQ(Survivors(World(plane, kTwoTo32), {{0.f, 0.f, 0.f}}, indices), 1u);
+  EXPECT_EQ(indices[0], std::numeric_limits<std::uint32_t>::max());
+  EXPECT_EQ(indices[1], 7u);
+}
+
+TEST_F(HugeWorldTest, CountsForManyQueriesBeyond32Bits) {
+  constexpr std::size_t kObjects = kTwoTo32 + 70;
+  const Repeated<float> plane(1.f, kObjects);
+  ASSERT_TRUE(plane.ok());
+  const DownSimplex2 queries[] = {{{1.f, 1.f, 1.f}}, {{1.f, 0.f, 1.f}}};
+  std::size_t counts[2];
+  SurvivorCounts(World(plane, kObjects), queries, counts);
+  EXPECT_EQ(counts[0], kObjects);
+  EXPECT_EQ(counts[1], 0u);
+}
+
+// Ranges cost nothing for what is outside: here worlds may have more.
+class HugeRangeTest : public HugeWorldTest {
+ protected:
+  // Rows of so many words that 33 of them have more than 2^32, and that begin
+  // at other places of the memory that all of them share.
+  static constexpr std::size_t kObjects = 2 * kTwoTo32 + 5 * 64 + 6;
+  static constexpr std::size_t kQueries = 33;
+  // Two words past 2^32 objects from the start, or at the end.
+  static constexpr Range kMiddle = {kTwoTo32 + 64, kTwoTo32 + 3 * 64};
+  static constexpr Range kEnd = {2 * kTwoTo32 + 4 * 64, kObjects};
+
+  void SetUp() override {
+    HugeWorldTest::SetUp();
+    if (IsSkipped()) return;
+    plane_.emplace(1.f, kObjects);
+    ASSERT_TRUE(plane_->ok());
+    // The one is in every chunk, also in that of the middle; the other is not.
+    plane_->data()[64 + 69] = 0.f;
+    plane_->data()[kObjects - 1] = 0.f;
+  }
+
+  SimplexView2 World() const { return HugeWorldTest::World(*plane_, kObjects); }
+
+  const DownSimplex2 query_{{0.f, 0.f, 0.f}};
+  const std::vector<DownSimplex2> queries_ =
+      std::vector<DownSimplex2>(kQueries, query_);
+
+ private:
+  std::optional<Repeated<float>> plane_;
+};
+
+TEST_F(HugeRangeTest, Masks) {
+  const std::size_t words = MaskWords(kObjects);
+  const Repeated<std::uint64_t> mask(7, words);
+  ASSERT_TRUE(mask.ok());
+  const std::size_t middle = kTwoTo32 / 64 + 1;
+  SurvivorMask(World(), query_, {mask.data(), words}, {.range = kMiddle});
+  EXPECT_EQ(mask.data()[middle - 1], 7u);
+  EXPECT_EQ(mask.data()[middle], 0u);
+  EXPECT_EQ(mask.data()[middle + 1], 1u << 5);
+  EXPECT_EQ(mask.data()[middle + 2], 7u);
+  RejectMask(World(), query_, {mask.data(), words}, {.range = kEnd});
+  EXPECT_EQ(mask.data()[words - 3], 7u);
+  EXPECT_EQ(mask.data()[words - 2], ~std::uint64_t{0});
+  EXPECT_EQ(mask.data()[words - 1], ~(std::uint64_t{1} << 5));
+}
+
+TEST_F(HugeRangeTest, CountsAndFlag) {
+  EXPECT_EQ(CountSurvivors(World(), query_, {.range = kMiddle}), 1u);
+  EXPECT_EQ(CountSurvivors(World(), query_, {.range = kEnd}), 1u);
+  EXPECT_TRUE(AnySurvivor(World(), query_, {.range = kMiddle}));
+  EXPECT_TRUE(AnySurvivor(World(), query_, {.range = kEnd}));
+  EXPECT_FALSE(AnySurvivor(World(), query_,
+                           {.range = {kTwoTo32 + 192, kTwoTo32 + 4096 * 64}}));
+  std::vector<std::size_t> counts(kQueries, 7);
+  SurvivorCounts(World(), queries_, counts, {.range = kEnd});
+  EXPECT_EQ(counts, std::vector<std::size_t>(kQueries, 1));
+}
+
+TEST_F(HugeRangeTest, RowsOfMoreThan32BitsOfWords) {
+  const std::size_t words = MaskWords(kObjects);
+  ASSERT_GT(words * (kQueries - 1), kTwoTo32);
+  const Repeated<std::uint64_t> rows(7, words * kQueries);
+  ASSERT_TRUE(rows.ok());
+  SurvivorMasks(World(), queries_, {rows.data(), words * kQueries},
+                {.range = kEnd});
+  for (std::size_t q = 0; q < kQueries; ++q) {
+    const std::uint64_t* end = rows.data() + (q + 1) * words;
+    EXPECT_EQ(end[-3], 7u) << q;
+    EXPECT_EQ(end[-2], 0u) << q;
+    EXPECT_EQ(end[-1], 1u << 5) << q;
+    if (q + 1 == kQueries) break;
+    EXPECT_EQ(end[0], 7u) << q;
+  }
+}
+
+TEST_F(HugeRangeTest, Tiles) {
+  std::size_t rows_seen = 0;
+  ForEachTile(World(), queries_,
+              [&](const SurvivorTile& tile) {
+                EXPECT_EQ(tile.first_object, kEnd.begin);
+                EXPECT_EQ(tile.objects, kObjects - kEnd.begin);
+                for (std::size_t q = 0; q < tile.queries; ++q) {
+                  EXPECT_EQ(tile.Row(q)[0], 0u);
+                  EXPECT_EQ(tile.Row(q)[1], 1u << 5);
+                  ++rows_seen;
+                }
+              },
+              {.range = kEnd});
+  EXPECT_EQ(rows_seen, kQueries);
+}
+
+}  // namespace
+}  // namespace halfspace::testing

@@ -1,0 +1,118 @@
+// Ranges that are none: each call names what is wrong, and writes nothing.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "halfspace/reject_many.h"
+#include "halfspace/world.h"
+#include "tests/library/support/expect_invalid.h"
+#include "tests/library/support/five_calls.h"
+#include "tests/library/support/many_calls.h"
+
+namespace halfspace::testing {
+namespace {
+
+class RangeErrorsTest : public ::testing::Test {
+ protected:
+  static AabbWorld3 WorldOf(std::size_t size) {
+    return AabbWorld3(std::vector<Aabb3>(size, Aabb3::Everything()));
+  }
+
+  void ExpectAllRefuse(std::size_t size, const Range& range,
+                       std::string_view argument, std::string_view expected,
+                       std::string_view given) {
+    const AabbWorld3 world = WorldOf(size);
+    const auto check = [&](std::string_view name, auto call) {
+      EXPECT_TRUE(Refuses(call, {"halfspace: ", name, ": ", argument,
+                                 ": expected ", expected, "got ", given}));
+    };
+    const Options options{.range = range};
+    ForEachCall(world, queries_[0], options, outputs_, check);
+    EXPECT_TRUE(outputs_.Untouched());
+    ForEachManyCall(world, queries_, options, many_outputs_, check);
+    EXPECT_TRUE(many_outputs_.Untouched());
+  }
+
+  std::vector<Aabb3> queries_ = std::vector<Aabb3>(3, Aabb3::Everything());
+  CallOutputs outputs_;
+  ManyCallOutputs many_outputs_;
+};
+
+TEST_F(RangeErrorsTest, BeginWithinAWord) {
+  for (std::size_t size : {0u, 10u, 130u, 1000u}) {
+    for (std::size_t begin : {1u, 63u, 65u, 130u, 1000u}) {
+      ExpectAllRefuse(size, {begin, 2000}, "options.range.begin",
+                      "a multiple of 64", std::to_string(begin));
+    }
+  }
+}
+
+TEST_F(RangeErrorsTest, EndWithinAWord) {
+  for (std::size_t end : {1u, 63u, 65u, 129u}) {
+    ExpectAllRefuse(130, {0, end}, "options.range.end",
+                    "a multiple of 64, or the world's size",
+                    std::to_string(end));
+  }
+}
+
+TEST_F(RangeErrorsTest, EndBeforeBegin) {
+  const auto expect_refused = [&](std::size_t size, const Range& range) {
+    ExpectAllRefuse(size, range, "options.range.end",
+                    "not less than its begin, " + std::to_string(range.begin),
+                    std::to_string(range.end));
+  };
+  expect_refused(1000, {128, 64});
+  expect_refused(1000, {64, 0});
+  // Also past the world, and at its last word.
+  expect_refused(130, {320, 256});
+  expect_refused(130, {192, 130});
+  expect_refused(0, {64, 0});
+}
+
+TEST_F(RangeErrorsTest, TheRangeIsNoExcuseForABadWorld) {
+  const AabbView3 world{{}, {}, 1000};
+  const auto check = [](std::string_view name, auto call) {
+    EXPECT_TRUE(Refuses(call, {name, "world.min[0]", "a null pointer"}));
+  };
+  const Options options{.range = {64, 64}};
+  ForEachCall(world, queries_[0], options, outputs_, check);
+  ForEachManyCall(world, queries_, options, many_outputs_, check);
+}
+
+// Indices are the world's, so a range does not make them fit.
+TEST_F(RangeErrorsTest, MoreObjectsOrQueriesThanIndices) {
+  constexpr std::size_t kTooMany = (std::size_t{1} << 32) + 1;
+  const float plane[1] = {};
+  const SimplexView2 world{{plane, plane, plane}, kTooMany};
+  const DownSimplex2 query = DownSimplex2::Everything();
+  std::uint32_t first = 7;
+  std::uint32_t second = 7;
+  const Options options{.range = {0, 64}};
+  EXPECT_TRUE(Refuses(
+      [&] {
+        (void)Survivors(world, query, {&first, 1}, options);
+      },
+      {"Survivors: world.size: expected at most 2^32", "got 4294967297"}));
+  EXPECT_TRUE(Refuses(
+      [&] {
+        (void)SurvivorPairs(world, {&query, 1}, {&first, 1}, {&second, 1},
+                            options);
+      },
+      {"SurvivorPairs: world.size: expected at most 2^32", "got 4294967297"}));
+  const SimplexView2 small{{plane, plane, plane}, 1};
+  EXPECT_TRUE(Refuses(
+      [&] {
+        (void)SurvivorPairs(small, {&query, kTooMany}, {&first, 1},
+                            {&second, 1});
+      },
+      {"SurvivorPairs: queries: expected at most 2^32", "got 4294967297"}));
+  EXPECT_EQ(first, 7u);
+  EXPECT_EQ(second, 7u);
+}
+
+}  // namespace
+}  // namespace halfspace::testing

@@ -1,0 +1,60 @@
+// Threads that share one call's work write the same output, each its range.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <thread>
+#include <vector>
+
+#include "halfspace/reject_many.h"
+#include "tests/library/support/answers.h"
+#include "tests/library/support/cases.h"
+#include "tests/library/support/environment.h"
+#include "tests/library/support/inputs.h"
+#include "tests/library/support/many_queries.h"
+
+namespace halfspace::testing {
+namespace {
+
+TEST(RangeThreadsTest, TwoThreadsFillTheSameMasks) {
+  using Case = Whole<AaboView3>;
+  constexpr std::size_t kObjects = 9 * 64 + 5;
+  constexpr std::size_t kQueries = 5;
+  constexpr std::size_t kMiddle = 5 * 64;
+  Random random(11);
+  const auto input = MakeInput<AaboView3>(InputKind::kMixed, kObjects, random);
+  const AaboView3 world = ViewAt(input, 0, kObjects, 1);
+  const auto queries = MakeQueries<Case>(input, kQueries, random);
+  constexpr std::size_t kWords = MaskWords(kObjects);
+  std::vector<std::uint64_t> expected_rows;
+  for (const Aabo3& query : queries) {
+    const Answer answer = ReferenceAnswer(world, query);
+    const auto mask = answer.survivor_mask();
+    expected_rows.insert(expected_rows.end(), mask.begin(), mask.end());
+  }
+  const std::vector<std::uint64_t> expected_mask(
+      expected_rows.begin(), expected_rows.begin() + kWords);
+
+  for (Target target : TargetsUnderTest()) {
+    for (Schedule schedule : kSchedules) {
+      std::vector<std::uint64_t> mask(kWords);
+      std::vector<std::uint64_t> rows(kQueries * kWords);
+      const auto work = [&](Range range) {
+        const Options options{schedule, target, range};
+        for (std::size_t i = 0; i < Scaled(50); ++i) {
+          SurvivorMask(world, queries[0], mask, options);
+          SurvivorMasks(world, queries, rows, options);
+        }
+      };
+      {
+        const std::jthread first(work, Range{0, kMiddle});
+        const std::jthread second(work, Range{.begin = kMiddle});
+      }
+      EXPECT_EQ(mask, expected_mask) << target.name();
+      EXPECT_EQ(rows, expected_rows) << target.name();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace halfspace::testing

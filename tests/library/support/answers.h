@@ -1,0 +1,191 @@
+// The answer of a world to a query in all its forms, and the check that the
+// five calls give exactly that.
+#ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_ANSWERS_H_
+#define HALFSPACE_TESTS_LIBRARY_SUPPORT_ANSWERS_H_
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <ios>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "halfspace/reject.h"
+#include "tests/reference/reference.h"
+
+namespace halfspace::testing {
+
+inline constexpr std::array kSchedules = {Schedule::kAuto, Schedule::kFlat,
+                                          Schedule::kStaged,
+                                          Schedule::kStagedByAxis};
+
+// What masks hold before a call, to show what it writes.
+inline constexpr std::uint64_t kUnwritten = 0xc5c5c5c5c5c5c5c5u;
+
+// One answer, as a reject mask, a survivor mask and a list. Words of the masks
+// that are outside the range of objects are as they were, unwritten.
+class Answer {
+ public:
+  Answer() = default;
+
+  // rejects(i) says whether object i is rejected.
+  template <typename Rejects>
+  Answer(std::size_t objects, Rejects rejects) {
+    Assign(objects, {}, rejects);
+  }
+
+  template <typename Rejects>
+  void Assign(std::size_t objects, const Range& range, Rejects rejects) {
+    const std::size_t words = MaskWords(objects);
+    const std::size_t end = std::min(range.end, objects);
+    reject_mask_.assign(words, kUnwritten);
+    survivor_mask_.assign(words, kUnwritten);
+    for (std::size_t w = range.begin / 64; w < MaskWords(end); ++w) {
+      reject_mask_[w] = ~std::uint64_t{0};
+      survivor_mask_[w] = 0;
+    }
+    survivors_.clear();
+    for (std::size_t i = range.begin; i < end; ++i) {
+      if (rejects(i)) continue;
+      const std::uint64_t bit = std::uint64_t{1} << (i % 64);
+      reject_mask_[i / 64] &= ~bit;
+      survivor_mask_[i / 64] |= bit;
+      survivors_.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+
+  // The oracle's answer.
+  template <typename View>
+  void AssignReference(const View& view, const typename View::Query& query,
+                       const Range& range = {}) {
+    Assign(view.size, range,
+           [&](std::size_t i) { return reference::Rejects(view, query, i); });
+  }
+
+  std::span<const std::uint64_t> reject_mask() const { return reject_mask_; }
+  std::span<const std::uint64_t> survivor_mask() const {
+    return survivor_mask_;
+  }
+  std::span<const std::uint32_t> survivors() const { return survivors_; }
+
+ private:
+  std::vector<std::uint64_t> reject_mask_;
+  std::vector<std::uint64_t> survivor_mask_;
+  std::vector<std::uint32_t> survivors_;
+};
+
+template <typename View>
+Answer ReferenceAnswer(const View& view, const typename View::Query& query) {
+  Answer answer;
+  answer.AssignReference(view, query);
+  return answer;
+}
+
+// Where a check may write: exactly as much as the answer needs, the mask at
+// first unwritten.
+struct Outputs {
+  std::span<std::uint64_t> mask;
+  std::span<std::uint32_t> indices;
+};
+
+namespace internal {
+
+inline ::testing::AssertionResult Fail(std::string_view call,
+                                       const Options& options) {
+  return ::testing::AssertionFailure()
+         << call << " on " << options.target.name() << ", schedule "
+         << static_cast<int>(options.schedule) << ": ";
+}
+
+template <typename T>
+::testing::AssertionResult FailElement(std::string_view call,
+                                       const Options& options,
+                                       std::span<const T> expected,
+                                       std::span<const T> given) {
+  const auto [e, g] =
+      std::mismatch(expected.begin(), expected.end(), given.begin());
+  return Fail(call, options)
+         << "element " << e - expected.begin() << " of " << expected.size()
+         << ": expected " << std::hex << *e << ", got " << *g;
+}
+
+template <typename T>
+bool Same(std::span<const T> expected, std::span<const T> given) {
+  return std::equal(expected.begin(), expected.end(), given.begin());
+}
+
+}  // namespace internal
+
+// All five calls give `answer`, and run on the target of `options`, or on the
+// chosen one.
+template <typename AnyWorld>
+::testing::AssertionResult Answers(const Answer& answer, const AnyWorld& world,
+                                   const typename AnyWorld::Query& query,
+                                   const Options& options, Outputs outputs) {
+  using internal::Fail;
+  using internal::FailElement;
+  using internal::Same;
+  const Target expected =
+      options.target == Target() ? ChosenTarget() : options.target;
+  Target ran;
+  Options asking = options;
+  asking.ran = &ran;
+  const auto wrong_target = [&](std::string_view call) {
+    return Fail(call, options) << "ran on " << ran.name();
+  };
+
+  RejectMask(world, query, outputs.mask, asking);
+  std::span<const std::uint64_t> mask = outputs.mask;
+  if (ran != expected) return wrong_target("RejectMask");
+  if (!Same(answer.reject_mask(), mask)) {
+    return FailElement("RejectMask", options, answer.reject_mask(), mask);
+  }
+
+  ran = {};
+  SurvivorMask(world, query, outputs.mask, asking);
+  if (ran != expected) return wrong_target("SurvivorMask");
+  if (!Same(answer.survivor_mask(), mask)) {
+    return FailElement("SurvivorMask", options, answer.survivor_mask(), mask);
+  }
+
+  const std::size_t count = answer.survivors().size();
+  ran = {};
+  std::size_t counted = Survivors(world, query, outputs.indices, asking);
+  std::span<const std::uint32_t> indices = outputs.indices;
+  if (ran != expected) return wrong_target("Survivors");
+  if (counted != count) {
+    return Fail("Survivors", options)
+           << "expected " << count << ", got " << counted;
+  }
+  if (!Same(answer.survivors(), indices)) {
+    return FailElement("Survivors", options, answer.survivors(), indices);
+  }
+
+  ran = {};
+  counted = CountSurvivors(world, query, asking);
+  if (ran != expected) return wrong_target("CountSurvivors");
+  if (counted != count) {
+    return Fail("CountSurvivors", options)
+           << "expected " << count << ", got " << counted;
+  }
+
+  ran = {};
+  const std::optional<std::size_t> first = AnySurvivor(world, query, asking);
+  if (ran != expected) return wrong_target("AnySurvivor");
+  if (first.has_value() != (count != 0) ||
+      (first && *first != answer.survivors().front())) {
+    return Fail("AnySurvivor", options)
+           << "got " << (first ? std::to_string(*first) : "none") << " of "
+           << count << " survivors";
+  }
+  return ::testing::AssertionSuccess();
+}
+
+}  // namespace halfspace::testing
+
+#endif  // HALFSPACE_TESTS_LIBRARY_SUPPORT_ANSWERS_H_

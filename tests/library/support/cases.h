@@ -1,0 +1,191 @@
+// The ways to look at planes, for typed tests: each shape in 2, 3 and 4
+// dimensions, and an octahedron's planes seen as a simplex or a box world, of
+// floats and of doubles.
+#ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_CASES_H_
+#define HALFSPACE_TESTS_LIBRARY_SUPPORT_CASES_H_
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <string>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "halfspace/bounds.h"
+#include "halfspace/world.h"
+
+namespace halfspace::testing {
+
+template <typename T>
+concept HasMinima = requires(T value) {
+  value.min;
+};
+template <typename T>
+concept HasMaxima = requires(T value) {
+  value.max;
+};
+
+// Planes of a view: its minima, then its maxima.
+template <typename View>
+inline constexpr std::size_t kMinima = std::tuple_size_v<decltype(View::min)>;
+template <typename View>
+inline constexpr std::size_t kPlanes =
+    HasMaxima<View> ? 2 * kMinima<View> : kMinima<View>;
+
+template <typename View>
+constexpr bool IsMinPlane(std::size_t p) {
+  return p < kMinima<View>;
+}
+
+template <typename View>
+using ScalarOf = typename View::Bound::Scalar;
+
+// The value of a bound in plane p of a view.
+template <typename View>
+ScalarOf<View>& StoredValue(typename View::Bound& bound, std::size_t p) {
+  if constexpr (HasMaxima<View>) {
+    if (!IsMinPlane<View>(p)) return bound.max[p - kMinima<View>];
+  }
+  return bound.min[p];
+}
+
+// The value of a query that plane p of a view is compared with.
+template <typename View>
+ScalarOf<View>& OpposingValue(typename View::Query& query, std::size_t p) {
+  if constexpr (HasMaxima<View>) {
+    if (!IsMinPlane<View>(p)) return query.min[p - kMinima<View>];
+  }
+  return query.max[p];
+}
+
+template <typename View>
+const ScalarOf<View>*& PlaneOf(View& view, std::size_t p) {
+  if constexpr (HasMaxima<View>) {
+    if (!IsMinPlane<View>(p)) return view.max[p - kMinima<View>];
+  }
+  return view.min[p];
+}
+
+// A case: the planes in memory are those of `Stored`, and are queried as
+// `View`.
+template <typename TheView>
+struct Whole {
+  using Stored = TheView;
+  using View = TheView;
+  static View Seen(const Stored& stored) { return stored; }
+  static typename View::Query Seen(const typename Stored::Query& query) {
+    return query;
+  }
+};
+
+template <int kDims, typename T = float>
+struct AaboAsSimplex {
+  using Stored = AaboView<kDims, T>;
+  using View = SimplexView<kDims, T>;
+  static View Seen(const Stored& stored) { return stored.simplex(); }
+  static DownSimplex<kDims, T> Seen(const Aabo<kDims, T>& query) {
+    return query.down();
+  }
+};
+
+template <int kDims, typename T = float>
+struct AaboAsAabb {
+  using Stored = AaboView<kDims, T>;
+  using View = AabbView<kDims, T>;
+  static View Seen(const Stored& stored) { return stored.aabb(); }
+  static Aabb<kDims, T> Seen(const Aabo<kDims, T>& query) {
+    return query.aabb();
+  }
+};
+
+namespace internal {
+
+template <typename T>
+std::string NameOf(const char* shape, int dims, const char* seen_as = "") {
+  const char* scalar = std::is_same_v<T, double> ? "Double" : "";
+  return shape + std::to_string(dims) + scalar + seen_as;
+}
+
+}  // namespace internal
+
+template <int kDims, typename T>
+std::string NameOf(const Whole<SimplexView<kDims, T>>&) {
+  return internal::NameOf<T>("Simplex", kDims);
+}
+template <int kDims, typename T>
+std::string NameOf(const Whole<AabbView<kDims, T>>&) {
+  return internal::NameOf<T>("Aabb", kDims);
+}
+template <int kDims, typename T>
+std::string NameOf(const Whole<AaboView<kDims, T>>&) {
+  return internal::NameOf<T>("Aabo", kDims);
+}
+template <int kDims, typename T>
+std::string NameOf(const AaboAsSimplex<kDims, T>&) {
+  return internal::NameOf<T>("Aabo", kDims, "AsSimplex");
+}
+template <int kDims, typename T>
+std::string NameOf(const AaboAsAabb<kDims, T>&) {
+  return internal::NameOf<T>("Aabo", kDims, "AsAabb");
+}
+
+namespace internal {
+
+template <typename... Cases>
+::testing::Types<Cases...> AsTypes(const std::tuple<Cases...>&);
+
+template <typename List>
+struct In3d;
+template <typename... Cases>
+struct In3d<::testing::Types<Cases...>> {
+  template <typename Case>
+  using IfIs3d = std::conditional_t<Case::View::Bound::kDimensions == 3,
+                                    std::tuple<Case>, std::tuple<>>;
+  using Found = decltype(std::tuple_cat(std::declval<IfIs3d<Cases>>()...));
+  using type = decltype(AsTypes(std::declval<Found>()));
+};
+
+}  // namespace internal
+
+// Those of a list of cases that this build tests: builds that take long for
+// each (sanitizers, emulation) leave out 2 and 4 dimensions.
+#if defined(HALFSPACE_TEST_ONLY_3D)
+template <typename List>
+using Tested = typename internal::In3d<List>::type;
+#else
+template <typename List>
+using Tested = List;
+#endif
+
+struct CaseNames {
+  template <typename Case>
+  static std::string GetName(int) {
+    return NameOf(Case());
+  }
+};
+
+using WholeCases = Tested<::testing::Types<
+    Whole<SimplexView2>, Whole<SimplexView3>, Whole<SimplexView4>,
+    Whole<AabbView2>, Whole<AabbView3>, Whole<AabbView4>, Whole<AaboView2>,
+    Whole<AaboView3>, Whole<AaboView4>, Whole<SimplexView<2, double>>,
+    Whole<SimplexView<3, double>>, Whole<SimplexView<4, double>>,
+    Whole<AabbView<2, double>>, Whole<AabbView<3, double>>,
+    Whole<AabbView<4, double>>, Whole<AaboView<2, double>>,
+    Whole<AaboView<3, double>>, Whole<AaboView<4, double>>>>;
+
+using AllCases = Tested<::testing::Types<
+    Whole<SimplexView2>, Whole<SimplexView3>, Whole<SimplexView4>,
+    Whole<AabbView2>, Whole<AabbView3>, Whole<AabbView4>, Whole<AaboView2>,
+    Whole<AaboView3>, Whole<AaboView4>, AaboAsSimplex<2>, AaboAsSimplex<3>,
+    AaboAsSimplex<4>, AaboAsAabb<2>, AaboAsAabb<3>, AaboAsAabb<4>,
+    Whole<SimplexView<2, double>>, Whole<SimplexView<3, double>>,
+    Whole<SimplexView<4, double>>, Whole<AabbView<2, double>>,
+    Whole<AabbView<3, double>>, Whole<AabbView<4, double>>,
+    Whole<AaboView<2, double>>, Whole<AaboView<3, double>>,
+    Whole<AaboView<4, double>>, AaboAsSimplex<3, double>,
+    AaboAsAabb<3, double>>>;
+
+}  // namespace halfspace::testing
+
+#endif  // HALFSPACE_TESTS_LIBRARY_SUPPORT_CASES_H_

@@ -1,0 +1,39 @@
+// Checks that a call refuses, and says why.
+#ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_EXPECT_INVALID_H_
+#define HALFSPACE_TESTS_LIBRARY_SUPPORT_EXPECT_INVALID_H_
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <initializer_list>
+#include <stdexcept>
+#include <string_view>
+
+namespace halfspace::testing {
+
+// call() throws std::invalid_argument with all of `parts` in its text, in that
+// order.
+template <typename Call>
+::testing::AssertionResult Refuses(
+    Call call, std::initializer_list<std::string_view> parts) {
+  try {
+    call();
+  } catch (const std::invalid_argument& error) {
+    const std::string_view text = error.what();
+    std::size_t from = 0;
+    for (std::string_view part : parts) {
+      const std::size_t at = text.find(part, from);
+      if (at == std::string_view::npos) {
+        return ::testing::AssertionFailure()
+               << "no \"" << part << "\" in its place in \"" << text << '"';
+      }
+      from = at + part.size();
+    }
+    return ::testing::AssertionSuccess();
+  }
+  return ::testing::AssertionFailure() << "nothing was thrown";
+}
+
+}  // namespace halfspace::testing
+
+#endif  // HALFSPACE_TESTS_LIBRARY_SUPPORT_EXPECT_INVALID_H_

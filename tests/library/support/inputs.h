@@ -1,0 +1,148 @@
+// Worlds and queries to test with: plane by plane, each value placed relative
+// to the query's value that it will be compared with.
+#ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_INPUTS_H_
+#define HALFSPACE_TESTS_LIBRARY_SUPPORT_INPUTS_H_
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "tests/library/support/cases.h"
+#include "tests/library/support/special_values.h"
+
+namespace halfspace::testing {
+
+using Random = std::mt19937_64;
+
+enum class InputKind {
+  kDense,        // almost everything survives
+  kMixed,        // every plane rejects a third
+  kSparse,       // every plane rejects most
+  kRuns,         // long runs of rejected objects, then of survivors
+  kAdversarial,  // touching, one ulp apart, and special values, also inverted
+};
+
+inline constexpr std::array kInputKinds = {InputKind::kDense, InputKind::kMixed,
+                                           InputKind::kSparse, InputKind::kRuns,
+                                           InputKind::kAdversarial};
+
+inline const char* NameOf(InputKind kind) {
+  constexpr std::array kNames = {"dense", "mixed", "sparse", "runs",
+                                 "adversarial"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+inline bool OneIn(double n, Random& random) {
+  return std::uniform_real_distribution<>(0.0, n)(random) < 1.0;
+}
+
+template <typename T>
+T SpecialValue(Random& random) {
+  return kSpecialValues<T>[random() % kSpecialValues<T>.size()];
+}
+
+// A value for a plane that is compared with `query`.
+template <typename T>
+class PlaneValueSource {
+ public:
+  PlaneValueSource(InputKind kind, bool is_min, T query)
+      : kind_(kind), is_min_(is_min), query_(query) {}
+
+  T Next(Random& random) {
+    switch (kind_) {
+      case InputKind::kDense:
+        return Apart(OneIn(64, random), random);
+      case InputKind::kMixed:
+        return Apart(OneIn(3, random), random);
+      case InputKind::kSparse:
+        return Apart(!OneIn(4, random), random);
+      case InputKind::kRuns:
+        if (run_left_ == 0) {
+          run_left_ = 1 + random() % 80;
+          run_rejects_ = !run_rejects_;
+        }
+        --run_left_;
+        return Apart(run_rejects_ != OneIn(200, random), random);
+      case InputKind::kAdversarial:
+        return Adversarial(random);
+    }
+    return query_;
+  }
+
+ private:
+  T Apart(bool rejected, Random& random) const {
+    std::uniform_real_distribution<T> distance(T{0.5}, T{100});
+    const T away = distance(random);
+    return query_ + (rejected == is_min_ ? away : -away);
+  }
+
+  T Adversarial(Random& random) const {
+    constexpr T kInfinity = std::numeric_limits<T>::infinity();
+    switch (random() % 8) {
+      case 0:
+      case 1:
+        return query_;
+      case 2:
+        return std::nextafter(query_, kInfinity);
+      case 3:
+        return std::nextafter(query_, -kInfinity);
+      case 4:
+        return SpecialValue<T>(random);
+      case 5:
+        return -query_;
+      default:
+        return Apart(OneIn(8, random), random);
+    }
+  }
+
+  InputKind kind_;
+  bool is_min_;
+  T query_;
+  std::size_t run_left_ = 0;
+  bool run_rejects_ = false;
+};
+
+// The planes of a world of `View`, and a query.
+template <typename View>
+struct Input {
+  std::array<std::vector<ScalarOf<View>>, kPlanes<View>> planes;
+  typename View::Query query;
+};
+
+template <typename View>
+Input<View> MakeInput(InputKind kind, std::size_t objects, Random& random) {
+  using T = ScalarOf<View>;
+  std::uniform_real_distribution<T> coordinate(T{-100}, T{100});
+  Input<View> input;
+  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+    const bool special = kind == InputKind::kAdversarial && OneIn(4, random);
+    const T query = special ? SpecialValue<T>(random) : coordinate(random);
+    OpposingValue<View>(input.query, p) = query;
+    PlaneValueSource<T> source(kind, IsMinPlane<View>(p), query);
+    input.planes[p].resize(objects);
+    for (T& value : input.planes[p]) value = source.Next(random);
+  }
+  return input;
+}
+
+// `size` objects of the input, each plane from an element of its own on, so
+// that no two planes share an alignment: up to `misalignments` elements further
+// than the first.
+template <typename View>
+View ViewAt(const Input<View>& input, std::size_t offset, std::size_t size,
+            std::size_t misalignments) {
+  View view;
+  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+    PlaneOf(view, p) =
+        input.planes[p].data() + (offset + 3 * p) % misalignments;
+  }
+  view.size = size;
+  return view;
+}
+
+}  // namespace halfspace::testing
+
+#endif  // HALFSPACE_TESTS_LIBRARY_SUPPORT_INPUTS_H_

@@ -1,0 +1,30 @@
+# HALFSPACE_TARGET, once with each value that says something different. It is
+# read when a process starts, so each value is a test of its own.
+
+set(names
+  AVX3_SPR AVX3_ZEN4 AVX3_DL AVX3 AVX2 SSE4 SSSE3 SSE2
+  SVE2_128 SVE_256 SVE2 SVE NEON_BF16 NEON NEON_WITHOUT_AES
+  EMU128 SCALAR)
+
+halfspace_add_library_test_executable(environment_test targets/environment_test.cc)
+list(JOIN names "\",\"" quoted)
+target_compile_definitions(environment_test
+  PRIVATE "HALFSPACE_TRIED_NAMES=\"${quoted}\"")
+
+function(halfspace_add_environment_test name change)
+  add_test(NAME environment_test.${name} COMMAND environment_test)
+  set_tests_properties(environment_test.${name} PROPERTIES
+    LABELS library
+    ENVIRONMENT_MODIFICATION "HALFSPACE_TARGET=${change}")
+endfunction()
+
+foreach(name IN LISTS names)
+  halfspace_add_environment_test(${name} "set:${name}")
+endforeach()
+halfspace_add_environment_test(not_set "unset:")
+halfspace_add_environment_test(empty "set:")
+# Longer than what a string keeps in itself.
+halfspace_add_environment_test(unknown "set:nonsense, and more of it")
+# One of the two is the plain fall-back of every build.
+halfspace_add_environment_test(lower_case_scalar "set:scalar")
+halfspace_add_environment_test(lower_case_emu128 "set:emu128")

@@ -1,0 +1,147 @@
+// What HALFSPACE_TARGET in the environment does. Each value needs a process of
+// its own: ctest runs this executable once for each.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "halfspace/fit_many.h"
+#include "halfspace/reject.h"
+#include "halfspace/targets.h"
+#include "halfspace/world.h"
+#include "tests/library/support/expect_invalid.h"
+#include "tests/library/support/five_calls.h"
+
+namespace halfspace::testing {
+namespace {
+
+constexpr std::string_view kTriedNames[] = {HALFSPACE_TRIED_NAMES};
+
+// Empty is the same as not set.
+std::string Requested() {
+  const char* value = std::getenv("HALFSPACE_TARGET");
+  return value == nullptr ? "" : value;
+}
+
+std::string UpperCase(std::string name) {
+  for (char& c : name) {
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  }
+  return name;
+}
+
+bool MustBeRefused() {
+  return !Requested().empty() && !FindTarget(Requested());
+}
+
+// What a builder of many, and a scan of what it built, say and do.
+std::string WhatIsDone() {
+  const std::array<float, 8> box = {1, 2, 3, 4, 5, 6};
+  AaboWorld3 world;
+  world.Resize(1);
+  try {
+    BoundBoxes(Boxes3{.min = {&box[0], &box[1], &box[2]},
+                      .max = {&box[3], &box[4], &box[5]},
+                      .count = 1},
+               world.planes());
+    Target ran;
+    const std::size_t survivors =
+        CountSurvivors(world, Aabo3::Everything(), {.ran = &ran});
+    return std::string(ran.name()) + ' ' + std::to_string(survivors) + ' ' +
+           std::to_string(world.Get(0).max[3]);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+}
+
+// Made before the library is asked for anything, and so gone after all that it
+// keeps.
+class AtExit {
+ public:
+  ~AtExit() {
+    if (expected.empty() || WhatIsDone() == expected) return;
+    std::fprintf(stderr, "after main: %s\nbefore: %s\n", WhatIsDone().c_str(),
+                 expected.c_str());
+    std::_Exit(1);
+  }
+  std::string expected;
+};
+AtExit at_exit;
+
+TEST(EnvironmentTest, HoldsAfterMainToo) {
+  at_exit.expected = WhatIsDone();
+  EXPECT_FALSE(at_exit.expected.empty());
+}
+
+TEST(EnvironmentTest, EveryCompiledNameIsTried) {
+  for (Target target : CompiledTargets()) {
+    EXPECT_NE(std::find(std::begin(kTriedNames), std::end(kTriedNames),
+                        target.name()),
+              std::end(kTriedNames))
+        << "add " << target.name() << " to the names in CMakeLists.txt";
+  }
+}
+
+TEST(EnvironmentTest, CallsRunWhatItNamesOrRefuse) {
+  const Target expected = Requested().empty()
+                              ? SupportedTargets().front()
+                              : FindTarget(Requested()).value_or(Target());
+  const AaboWorld3 empty;
+  CallOutputs outputs;
+  ForEachCall(
+      empty, Aabo3::Everything(), {}, outputs,
+      [&](std::string_view name, auto call) {
+        if (MustBeRefused()) {
+          EXPECT_TRUE(Refuses(call, {"HALFSPACE_TARGET", "expected one of ",
+                                     "got \"" + Requested() + '"'}))
+              << name;
+          for (Target target : SupportedTargets()) {
+            EXPECT_TRUE(Refuses(call, {"expected one of ", target.name()}))
+                << name;
+          }
+          if (const auto meant = FindTarget(UpperCase(Requested()))) {
+            EXPECT_TRUE(Refuses(
+                call, {"case matters: did you mean ", meant->name(), "?"}))
+                << name;
+          }
+        } else {
+          EXPECT_EQ(call(), expected) << name;
+        }
+      });
+  EXPECT_TRUE(outputs.Untouched());
+}
+
+TEST(EnvironmentTest, AskingDoesNotThrow) {
+  const TargetChoice choice = DescribeTargetChoice();
+  EXPECT_EQ(choice.requested, Requested());
+  if (MustBeRefused()) {
+    EXPECT_EQ(choice.target, Target());
+    EXPECT_NE(choice.error.find("expected one of "), std::string::npos)
+        << choice.error;
+    EXPECT_NE(choice.error.find('"' + Requested() + '"'), std::string::npos)
+        << choice.error;
+    EXPECT_TRUE(Refuses([] { ChosenTarget(); }, {"HALFSPACE_TARGET"}));
+  } else {
+    EXPECT_EQ(choice.error, "");
+    EXPECT_EQ(choice.target, ChosenTarget());
+  }
+}
+
+// A bad value must not stand in the way of a call that names its target.
+TEST(EnvironmentTest, TargetOfTheOptionsComesFirst) {
+  const AaboWorld3 empty;
+  for (Target target : SupportedTargets()) {
+    Target ran;
+    std::ignore = CountSurvivors(empty, Aabo3::Everything(),
+                                 {.target = target, .ran = &ran});
+    EXPECT_EQ(ran, target);
+  }
+}
+
+}  // namespace
+}  // namespace halfspace::testing

@@ -1,0 +1,205 @@
+// Targets: the lists, the names, and that the target asked for is the one that
+// runs.
+#include "halfspace/targets.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "halfspace/reject.h"
+#include "halfspace/world.h"
+#include "tests/library/support/environment.h"
+#include "tests/library/support/expect_invalid.h"
+#include "tests/library/support/five_calls.h"
+
+namespace halfspace::testing {
+namespace {
+
+bool Contains(std::span<const Target> targets, Target target) {
+  return std::find(targets.begin(), targets.end(), target) != targets.end();
+}
+
+std::string SupportedNames() {
+  std::string names;
+  for (Target target : SupportedTargets()) {
+    if (!names.empty()) names += ", ";
+    names += target.name();
+  }
+  return names;
+}
+
+std::string LowerCase(std::string_view name) {
+  std::string lower(name);
+  for (char& c : lower) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return lower;
+}
+
+AaboWorld3 SmallWorld() {
+  return AaboWorld3(std::vector<Aabo3>(70, Aabo3::Everything()));
+}
+
+TEST(TargetsTest, SupportedOnesAreCompiledInTheSameOrder) {
+  const auto compiled = CompiledTargets();
+  auto from = compiled.begin();
+  ASSERT_FALSE(SupportedTargets().empty());
+  for (Target target : SupportedTargets()) {
+    from = std::find(from, compiled.end(), target);
+    ASSERT_NE(from, compiled.end()) << target.name();
+  }
+}
+
+TEST(TargetsTest, NamesAreUniqueAndFindTheirTarget) {
+  std::set<std::string_view> names;
+  for (Target target : CompiledTargets()) {
+    EXPECT_FALSE(target.name().empty());
+    EXPECT_TRUE(names.insert(target.name()).second) << target.name();
+  }
+  for (Target target : SupportedTargets()) {
+    EXPECT_EQ(FindTarget(target.name()), target);
+    EXPECT_EQ(TargetByName(target.name()), target);
+  }
+}
+
+TEST(TargetsTest, PlainFallBackIsAlwaysThere) {
+  const Target last = SupportedTargets().back();
+  EXPECT_TRUE(last.name() == "SCALAR" || last.name() == "EMU128")
+      << last.name();
+}
+
+TEST(TargetsTest, LanesAreThoseOfTheInstructionSet) {
+  const std::map<std::string_view, std::size_t> known = {
+      {"AVX3_DL", 16}, {"AVX3", 16},  {"AVX2", 8},   {"SSE4", 4},
+      {"SSSE3", 4},    {"SSE2", 4},   {"NEON", 4},   {"SVE_256", 8},
+      {"SVE2_128", 4}, {"EMU128", 4}, {"SCALAR", 1},
+  };
+  for (Target target : SupportedTargets()) {
+    const auto it = known.find(target.name());
+    if (it != known.end()) {
+      EXPECT_EQ(target.lanes(), it->second) << target.name();
+    } else {
+      EXPECT_GE(target.lanes(), 4u) << target.name();
+    }
+  }
+  EXPECT_EQ(Target().lanes(), 0u);
+}
+
+TEST(TargetsTest, DefaultHandle) {
+  EXPECT_EQ(Target().name(), "auto");
+  EXPECT_EQ(Target().highway_bit(), 0);
+}
+
+TEST(TargetsTest, BestSupportedOneIsChosenUnlessForced) {
+  const TargetChoice choice = DescribeTargetChoice();
+  EXPECT_EQ(choice.error, "");
+  EXPECT_EQ(choice.target, ChosenTarget());
+  if (choice.requested.empty()) {
+    EXPECT_EQ(choice.target, SupportedTargets().front());
+  } else {
+    EXPECT_EQ(choice.target.name(), choice.requested);
+  }
+}
+
+// Every target side by side in this process, whatever is forced.
+TEST(TargetsTest, TargetOfTheOptionsIsTheOneThatRan) {
+  const AaboWorld3 world = SmallWorld();
+  CallOutputs outputs;
+  for (Target target : SupportedTargets()) {
+    ForEachCall(world, Aabo3::Everything(), {.target = target}, outputs,
+                [&](std::string_view name, auto call) {
+                  EXPECT_EQ(call(), target) << name;
+                });
+  }
+}
+
+TEST(TargetsTest, DefaultHandleRunsTheChosenOne) {
+  const AaboWorld3 world = SmallWorld();
+  CallOutputs outputs;
+  ForEachCall(world, Aabo3::Everything(), {}, outputs,
+              [&](std::string_view name, auto call) {
+                EXPECT_EQ(call(), ChosenTarget()) << name;
+              });
+}
+
+TEST(TargetsTest, HandleOfNoSupportedTargetIsRefused) {
+  std::vector<std::int64_t> bits = {3, -1,
+                                    std::numeric_limits<std::int64_t>::min()};
+  for (int bit = 0; bit < 63; ++bit) {
+    const Target target = Target::FromHighwayBit(std::int64_t{1} << bit);
+    if (!Contains(SupportedTargets(), target)) {
+      bits.push_back(target.highway_bit());
+    }
+  }
+  const AaboWorld3 full = SmallWorld();
+  const AaboWorld3 empty;
+  CallOutputs outputs;
+  for (const AaboWorld3* world : {&full, &empty}) {
+    for (std::int64_t bit : bits) {
+      const Target target = Target::FromHighwayBit(bit);
+      ForEachCall(*world, Aabo3::Everything(), {.target = target}, outputs,
+                  [&](std::string_view name, auto call) {
+                    EXPECT_TRUE(Refuses(
+                        call, {name, "options.target",
+                               "expected one of " + SupportedNames(), "got"}))
+                        << "bit " << bit;
+                  });
+      EXPECT_TRUE(outputs.Untouched());
+      EXPECT_EQ(target.lanes(), 0u);
+    }
+  }
+}
+
+TEST(TargetsTest, UnknownNamesAreRefused) {
+  for (std::string_view name : {"", "auto", "nonsense", "AVX2 ", "A"}) {
+    EXPECT_EQ(FindTarget(name), std::nullopt) << name;
+    EXPECT_TRUE(
+        Refuses([&] { TargetByName(name); },
+                {"TargetByName", "name", "expected one of " + SupportedNames(),
+                 "got \"" + std::string(name) + '"',
+                 "is unknown or not in this build"}));
+  }
+}
+
+TEST(TargetsTest, CaseMattersAndTheErrorSaysSo) {
+  for (Target target : SupportedTargets()) {
+    std::string name = LowerCase(target.name());
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_EQ(FindTarget(name), std::nullopt) << name;
+      EXPECT_TRUE(Refuses(
+          [&] { TargetByName(name); },
+          {"expected one of " + SupportedNames(), "got \"" + name + '"',
+           "case matters: did you mean " + std::string(target.name()) + "?"}));
+      name[0] = target.name()[0];
+    }
+  }
+}
+
+TEST(TargetsTest, CompiledButUnsupportedNamesAreRefused) {
+  bool found = false;
+  for (Target target : CompiledTargets()) {
+    if (Contains(SupportedTargets(), target)) continue;
+    found = true;
+    for (const std::string& name :
+         {std::string(target.name()), LowerCase(target.name())}) {
+      EXPECT_EQ(FindTarget(name), std::nullopt);
+      EXPECT_TRUE(Refuses([&] { TargetByName(name); },
+                          {"expected one of " + SupportedNames(),
+                           '"' + name + '"', "this machine does not support"}));
+    }
+  }
+  if (!found) GTEST_SKIP() << "this machine supports all of this build";
+}
+
+}  // namespace
+}  // namespace halfspace::testing
