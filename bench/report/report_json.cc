@@ -181,7 +181,7 @@ Json ToJson(const BuildResult& result) {
   for (const BuildThreshold& threshold : result.thresholds) {
     thresholds.push_back({{"target", threshold.target},
                           {"percent_of_copy", threshold.percent_of_copy},
-                          {"at_least", kBuildThresholdPercent},
+                          {"at_least", thresholds::kBuildPercentOfCopy},
                           {"holds", threshold.holds()}});
   }
   Json singles = Json::array();

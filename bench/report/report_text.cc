@@ -180,7 +180,7 @@ void WriteText(std::ostream& out, const BuildResult& result) {
   for (const BuildThreshold& threshold : result.thresholds) {
     out << "  " << threshold.target << ": boxes to aabo in memory at "
         << Fixed(threshold.percent_of_copy, 0) << " % of copying; at least "
-        << Fixed(kBuildThresholdPercent, 0)
+        << Fixed(thresholds::kBuildPercentOfCopy, 0)
         << (threshold.holds() ? " holds" : " FAILS") << '\n';
   }
   out << '\n';

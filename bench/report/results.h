@@ -13,6 +13,7 @@
 #include "bench/measure/machine.h"
 #include "bench/measure/measure.h"
 #include "bench/measure/work_count.h"
+#include "bench/report/thresholds.h"
 
 namespace halfspace::bench {
 
@@ -105,14 +106,13 @@ struct BuildRow {
   double copy_gigabytes_per_second = 0.0;
 };
 
-// What a bulk build of boxes out of the caches must reach.
-inline constexpr double kBuildThresholdPercent = 70.0;
-
 struct BuildThreshold {
   std::string target;
   double percent_of_copy = 0.0;
 
-  bool holds() const { return percent_of_copy >= kBuildThresholdPercent; }
+  bool holds() const {
+    return percent_of_copy >= thresholds::kBuildPercentOfCopy;
+  }
 };
 
 // One shape at a time.

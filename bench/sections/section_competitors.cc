@@ -19,7 +19,6 @@ namespace {
 constexpr std::array<std::size_t, 4> kSizes = {100, 1000, 10000, 100000};
 constexpr std::size_t kCallsOfRun = 128;
 constexpr std::size_t kChecked = 1000;
-constexpr double kSizeNeeded = 10000.0;
 
 using Indices = std::vector<std::uint32_t>;
 
@@ -118,12 +117,12 @@ void RunCompetitors(std::uint64_t seed, Throughput& throughput) {
     }
   }
   for (std::size_t i = 1; i < kNames.size(); ++i) {
-    throughput.AddAtLeast(
-        8,
+    throughput.AddRatio(
+        thresholds::kTreeSize, target,
         std::string("objects up to which a quantized scan beats "
                     "the ") +
             kNames[i],
-        CrossoverSize(sizes, times[0], times[i]), kSizeNeeded);
+        CrossoverSize(sizes, times[0], times[i]));
   }
 }
 

@@ -5,8 +5,6 @@
 #include "bench/sections/throughput.h"
 
 namespace halfspace::bench {
-bool IsAvx512(Target target) { return target.name().starts_with("AVX3"); }
-bool IsAvx2(Target target) { return target.name() == "AVX2"; }
 
 Throughput::Throughput(const Context& context, bool is_quick,
                        ThroughputResult& result)

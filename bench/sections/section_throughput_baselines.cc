@@ -132,13 +132,15 @@ void RunAgainstBaselines(const GridWorld& grid, Throughput& throughput) {
            kSimplexCeiling, name, queries, timings[fastest], throughput);
     next += forms.size();
     if (target == throughput.targets().front()) {
-      throughput.AddAtLeast(
-          5, "exact aabo survivors, " + name + ": times the scalar early-out",
-          RatioOf(timings[0], quantized).median, 40.0);
+      throughput.AddRatio(
+          thresholds::kOverScalar, target,
+          "exact aabo survivors, " + name + ": times the scalar early-out",
+          RatioOf(timings[0], quantized).median);
     }
-    throughput.AddAtLeast(
-        5, "exact aabo survivors, " + name + ": times the vectorised simplex",
-        RatioOf(timings[fastest], quantized).median, 2.0);
+    throughput.AddRatio(
+        thresholds::kOverVectorised, target,
+        "exact aabo survivors, " + name + ": times the vectorised simplex",
+        RatioOf(timings[fastest], quantized).median);
   }
 }
 

@@ -9,14 +9,6 @@
 namespace halfspace::bench {
 namespace {
 
-// What share of reading (threshold 1) and of registers (threshold 2) is needed.
-double ReadShareNeeded(Target target) {
-  return IsAvx512(target) || IsAvx2(target) ? 97.0 : 90.0;
-}
-double RegisterShareNeeded(Target target) {
-  return IsAvx512(target) ? 90.0 : 85.0;
-}
-
 std::string RatioName(const std::string& what, ShapeKind shape,
                       const std::string& set, Target target) {
   return std::string(NameOf(shape)) + " flat, " + set + ", " +
@@ -65,9 +57,9 @@ void RunAgainstReading(WorkingSet& set, ShapeKind shape, Target target,
   row.ceiling = ceiling;
   row.percent_of_ceiling = percent;
   throughput.AddRow(row);
-  throughput.AddAtLeast(
-      1, RatioName("the fastest read", shape, set.name(), target), percent,
-      ReadShareNeeded(target));
+  throughput.AddRatio(thresholds::kReading, target,
+                      RatioName("the fastest read", shape, set.name(), target),
+                      percent);
 }
 
 // Threshold 2, one shape and target: many queries a call, so that what a call
@@ -107,9 +99,9 @@ void RunAgainstRegisters(InCache& world, Target target,
   row.name = std::string(NameOf(shape)) + " flat, masks of many";
   row.ns_per_pair = timings[0].Median();
   row.percent_of_ceiling = 100.0 * RatioOf(timings[1], timings[0]).median;
-  throughput.AddAtLeast(
-      2, RatioName("registers, many queries", shape, "L1", target),
-      *row.percent_of_ceiling, RegisterShareNeeded(target));
+  throughput.AddRatio(thresholds::kRegisters, target,
+                      RatioName("registers, many queries", shape, "L1", target),
+                      *row.percent_of_ceiling);
   throughput.AddRow(row);
 }
 

@@ -98,10 +98,10 @@ void RunAgainstCache(SharedGrid& shared, InCache& in_cache,
     row.ns_per_pair = timings[1].Median();
     row.ceiling = "the same in L1";
     row.percent_of_ceiling = 100.0 * RatioOf(timings[0], timings[1]).median;
-    throughput.AddAtLeast(3,
-                          std::string(NameOf(shape)) + " flat, many, " +
-                              row.target + ": % of the same in L1",
-                          *row.percent_of_ceiling, 90.0);
+    throughput.AddRatio(thresholds::kInCache, target,
+                        std::string(NameOf(shape)) + " flat, many, " +
+                            row.target + ": % of the same in L1",
+                        *row.percent_of_ceiling);
     throughput.AddRow(row);
   }
 }
@@ -132,10 +132,10 @@ void RunQuantized(const GridWorld& grid, Throughput& throughput) {
     row.name = "simplex, counts of many";
     row.ns_per_pair = timings[1].Median();
     throughput.AddRowUnder("registers simplex", "L1", row);
-    throughput.AddAtLeast(
-        4,
+    throughput.AddRatio(
+        thresholds::kFilterOverSimplex, target,
         "aabo uint8 refined, many, " + row.target + ": times the float simplex",
-        RatioOf(timings[1], timings[0]).median, 3.0);
+        RatioOf(timings[1], timings[0]).median);
   }
 }
 

@@ -108,10 +108,10 @@ class ListsAndMasks {
     row.name = std::string(NameOf(shape_)) + ", indices, 1 in 1000";
     row.ns_per_pair = timings[1].Median();
     throughput.AddRow(row);
-    throughput.AddAtMost(6,
-                         std::string(NameOf(shape_)) + ", " + row.target +
-                             ": indices over mask at 1 survivor in 1000",
-                         RatioOf(timings[1], timings[0]).median, 1.15);
+    throughput.AddRatio(thresholds::kIndicesOverMask, target,
+                        std::string(NameOf(shape_)) + ", " + row.target +
+                            ": indices over mask at 1 survivor in 1000",
+                        RatioOf(timings[1], timings[0]).median);
   }
 
  private:
@@ -197,11 +197,10 @@ void RunThreads(const Workload& workload, Throughput& throughput) {
   row.name = "simplex, masks of many, 2 threads";
   row.ns_per_pair = two.Quantile(kUndisturbed);
   throughput.AddRow(row);
-  throughput.AddAtLeast(6,
-                        "simplex, many, " + row.target +
-                            ": times as fast on 2 threads, 2^16 objects",
-                        one.Quantile(kUndisturbed) / two.Quantile(kUndisturbed),
-                        1.8);
+  throughput.AddRatio(thresholds::kTwoThreads, target,
+                      "simplex, many, " + row.target +
+                          ": times as fast on 2 threads, 2^16 objects",
+                      one.Quantile(kUndisturbed) / two.Quantile(kUndisturbed));
 }
 
 }  // namespace

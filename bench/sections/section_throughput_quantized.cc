@@ -75,10 +75,10 @@ void RunRefined(QuantizedSet& set, Target target, Throughput& throughput) {
       std::string("aabo floats ") + kSchedules[fastest - 1].name + ", indices";
   row.ns_per_pair = timings[fastest].Median();
   throughput.AddRowUnder("read simplex", row.working_set, row);
-  throughput.AddAtLeast(4,
-                        "aabo uint8 refined, one query, memory, " + name +
-                            ": times the fastest of floats",
-                        RatioOf(timings[fastest], timings[0]).median, 3.5);
+  throughput.AddRatio(thresholds::kFilterOverFloats, target,
+                      "aabo uint8 refined, one query, memory, " + name +
+                          ": times the fastest of floats",
+                      RatioOf(timings[fastest], timings[0]).median);
 }
 
 void RunQuantizedScan(QuantizedSet& set, const Reading& reading, Target target,
@@ -106,10 +106,10 @@ void RunQuantizedScan(QuantizedSet& set, const Reading& reading, Target target,
   row.name = std::string("aabo uint8 quantized alone, ") + reading.name;
   row.ns_per_pair = timings[0].Median();
   row.percent_of_ceiling = 100.0 * RatioOf(timings[fastest], timings[0]).median;
-  throughput.AddAtLeast(4,
-                        std::string("quantized scan, one query, memory, ") +
-                            name + ": % of the fastest read, " + reading.name,
-                        *row.percent_of_ceiling, 90.0);
+  throughput.AddRatio(thresholds::kReadingQuantized, target,
+                      std::string("quantized scan, one query, memory, ") +
+                          name + ": % of the fastest read, " + reading.name,
+                      *row.percent_of_ceiling);
   throughput.AddRow(row);
 }
 

@@ -134,11 +134,11 @@ void RunFlatness(const Workload& workload, const Machine& machine, int level,
         worst_shape = shape;
       }
     }
-    throughput.AddAtMost(
-        7,
-        "ns per object, slowest of three sizes over fastest, " + set + ", " +
-            std::string(target.name()) + " (" + NameOf(worst_shape) + ")",
-        worst, 1.15);
+    throughput.AddRatio(thresholds::kSizes, target,
+                        "ns per object, slowest of three sizes over fastest, " +
+                            set + ", " + std::string(target.name()) + " (" +
+                            NameOf(worst_shape) + ")",
+                        worst);
   }
 }
 
@@ -173,16 +173,16 @@ void RunFit(Calls& calls, ShapeKind shape, Target target,
   };
   const std::string which =
       std::string(NameOf(shape)) + " flat, " + std::string(target.name());
-  throughput.AddAtMost(7, "ns of a call by itself, " + which,
-                       fit(0, kFitted.back()).intercept, 20.0);
+  throughput.AddRatio(thresholds::kCall, target,
+                      "ns of a call by itself, " + which,
+                      fit(0, kFitted.back()).intercept);
   if (scan == nullptr) return;
   const std::size_t most = half_of_l1 / BytesOfRecord(shape);
-  throughput.AddAtLeast(
-      2,
+  throughput.AddRatio(
+      thresholds::kRegisters, target,
       std::string(NameOf(shape)) + " flat, L1, " + std::string(target.name()) +
           ": % of registers, one query, slope over sizes",
-      100.0 * fit(kFitted.size(), most).slope / fit(0, most).slope,
-      IsAvx512(target) ? 90.0 : 85.0);
+      100.0 * fit(kFitted.size(), most).slope / fit(0, most).slope);
 }
 
 }  // namespace

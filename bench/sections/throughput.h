@@ -14,6 +14,7 @@
 #include "bench/measure/machine.h"
 #include "bench/measure/measure.h"
 #include "bench/report/results.h"
+#include "bench/report/thresholds.h"
 #include "bench/sections/sections.h"
 #include "bench/worlds/in_cache.h"
 #include "bench/worlds/working_set.h"
@@ -67,13 +68,12 @@ class Throughput {
     result_.not_reached.push_back(reason);
   }
 
-  void AddAtLeast(int threshold, std::string name, double value,
-                  double needed) {
-    result_.ratios.push_back({threshold, std::move(name), value, needed, true});
-  }
-  void AddAtMost(int threshold, std::string name, double value, double needed) {
-    result_.ratios.push_back(
-        {threshold, std::move(name), value, needed, false});
+  // A value that has a threshold, for that target.
+  void AddRatio(const Threshold& threshold, Target target, std::string name,
+                double value) {
+    result_.ratios.push_back({threshold.threshold, std::move(name), value,
+                              threshold.For(target),
+                              threshold.is_higher_better});
   }
 
  private:
@@ -84,10 +84,6 @@ class Throughput {
   ThroughputResult& result_;
   std::vector<Target> targets_;
 };
-
-// Of x86; everywhere else what SSE4 must reach.
-bool IsAvx512(Target target);
-bool IsAvx2(Target target);
 
 // Part of a threshold, for the progress line: run one after the other.
 using ThroughputPart = std::function<void(Throughput&)>;
