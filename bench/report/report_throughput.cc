@@ -14,9 +14,9 @@ void WriteText(std::ostream& out, const ThroughputResult& result) {
   for (const ThroughputRow& row : result.rows) {
     rows.AddRow({row.name, row.working_set,
                  row.target.empty() ? "-" : row.target,
-                 row.ceiling.empty() ? "-" : row.ceiling, Grouped(row.objects),
-                 Grouped(row.queries), Fixed(row.ns_per_pair, 4),
-                 Fixed(row.percent_of_ceiling, 0)});
+                 row.ceiling ? result.rows[*row.ceiling].name : "-",
+                 Grouped(row.objects), Grouped(row.queries),
+                 Fixed(row.ns_per_pair, 4), Fixed(row.percent_of_ceiling, 0)});
   }
   rows.Write(out, 4);
   if (result.survivors) {

@@ -136,7 +136,7 @@ struct ThroughputRow {
   std::string working_set;  // "L1", "L2", "L3", "memory", "grid", ...
   std::string target;       // empty: none of the library's
   double ns_per_pair = 0.0;
-  std::string ceiling;  // the row it is measured by; empty: none
+  std::optional<std::size_t> ceiling;  // the row that it is measured by
   std::optional<double> percent_of_ceiling;
 };
 

@@ -102,8 +102,7 @@ class ListsAndMasks {
     row.target = target.name();
     row.name = std::string(NameOf(shape_)) + ", mask, 1 in 1000";
     row.ns_per_pair = timings[0].Median();
-    throughput.AddRow(row);
-    row.ceiling = row.name;
+    row.ceiling = throughput.AddRow(row);
     row.percent_of_ceiling = 100.0 * RatioOf(timings[0], timings[1]).median;
     row.name = std::string(NameOf(shape_)) + ", indices, 1 in 1000";
     row.ns_per_pair = timings[1].Median();

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -37,7 +38,7 @@ ThroughputResult SomeResult() {
   row.ns_per_pair = 0.5;
   result.rows.push_back(row);
   row.name = "simplex flat";
-  row.ceiling = "read simplex by-word";
+  row.ceiling = 0;
   row.percent_of_ceiling = 98.0;
   result.rows.push_back(row);
   row.name = "baseline";
@@ -122,23 +123,72 @@ TEST(OtherThreadTest, HandsOverWhatTheWorkThrows) {
   EXPECT_THROW(other.Wait(), std::runtime_error);
 }
 
+// What sections add to a result, without anything timed.
+struct Sink {
+  Progress progress;
+  std::vector<Timing> timings;
+  Context context{{ChosenTarget()}, {}, progress, timings};
+  ThroughputResult result;
+  Throughput throughput{context, true, result};
+};
+
+TEST(ThroughputTest, ARowKnowsItsCeilingWhateverItsName) {
+  Sink sink;
+  const Target target = ChosenTarget();
+  const auto row = [](double ns) {
+    ThroughputRow made;
+    made.name = "read simplex";
+    made.ns_per_pair = ns;
+    return made;
+  };
+  const Ceiling ceiling{Ceiling::Kind::kRead, ShapeKind::kSimplex, "L3",
+                        target};
+  Ceiling other_set = ceiling;
+  other_set.working_set = "memory";
+  Ceiling other_kind = ceiling;
+  other_kind.kind = Ceiling::Kind::kReadQuantized;
+  Ceiling other_shape = ceiling;
+  other_shape.shape = ShapeKind::kAabo;
+  sink.throughput.AddCeiling(ceiling, row(1.0));
+  sink.throughput.AddCeiling(other_set, row(2.0));
+  sink.throughput.AddCeiling(other_kind, row(3.0));
+  sink.throughput.AddRow(row(4.0));
+  sink.throughput.AddRowUnder(ceiling, row(5.0));
+  EXPECT_EQ(sink.result.rows.back().ceiling, 0u);
+  EXPECT_EQ(sink.result.rows.back().percent_of_ceiling, 20.0);
+  sink.throughput.AddRowUnder(other_kind, row(5.0));
+  EXPECT_EQ(sink.result.rows.back().ceiling, 2u);
+  sink.throughput.AddRowUnder(other_shape, row(5.0));
+  EXPECT_EQ(sink.result.rows.back().ceiling, std::nullopt);
+  EXPECT_EQ(sink.result.rows.back().percent_of_ceiling, std::nullopt);
+}
+
+TEST(ThroughputTest, ARatioHasTheThresholdOfItsTarget) {
+  for (Target target : SupportedTargets()) {
+    Sink sink;
+    sink.throughput.AddRatio(thresholds::kReading, target, "a share", 90.0);
+    ASSERT_EQ(sink.result.ratios.size(), 1u);
+    const ThroughputRatio& ratio = sink.result.ratios[0];
+    EXPECT_EQ(ratio.threshold, 1);
+    EXPECT_EQ(ratio.needed, IsAvx512(target) || IsAvx2(target) ? 97.0 : 90.0)
+        << target.name();
+    EXPECT_EQ(ratio.holds(), ratio.needed == 90.0);
+  }
+}
+
 #if defined(__GLIBC__)
 void ExpectTwoThreadsNotReached(const std::string& why) {
   Workload workload;
   workload.objects.Push(Aabo3::Everything());
   workload.queries.push_back(Aabo3::Everything());
-  Progress progress;
-  std::vector<Timing> timings;
-  const Context context{{ChosenTarget()}, {}, progress, timings};
-  ThroughputResult result;
-  Throughput throughput(context, true, result);
+  Sink sink;
   ThroughputParts parts;
   AddOutputParts(workload, parts);
-  parts.back()(throughput);
-  EXPECT_TRUE(result.ratios.empty());
-  ASSERT_EQ(result.not_reached.size(), 1u);
-  EXPECT_NE(result.not_reached[0].find(why), std::string::npos)
-      << result.not_reached[0];
+  parts.back()(sink.throughput);
+  EXPECT_TRUE(sink.result.ratios.empty());
+  ASSERT_EQ(sink.result.not_reached.size(), 1u);
+  EXPECT_NE(sink.result.not_reached[0].find(why), std::string::npos)
+      << sink.result.not_reached[0];
 }
 
 TEST(TwoThreadsTest, AreNotReachedOnOneOfManyCpus) {
