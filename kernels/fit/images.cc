@@ -183,7 +183,7 @@ template <int kDims>
 Aabo<kDims> BoundTransformed(const Aabb<kDims>& box, const Affine<kDims>& map,
                              FitStatus* status) {
   return InDefaultFpMode([&] {
-    if (box == Aabb<kDims>::Empty()) {
+    if (IsEmpty(box)) {
       return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
     }
     kernels::CheckOrder("BoundTransformed", box.min, box.max);

@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <optional>
 
 #include "halfspace/fit.h"
@@ -80,16 +79,6 @@ Aabo<kDims> BoundAnySphere(const Sphere<kDims, Scalar>& sphere,
   });
 }
 
-template <int kDims, typename Scalar>
-bool IsEmpty(const Box<kDims, Scalar>& box) {
-  constexpr Scalar kInfinity = std::numeric_limits<Scalar>::infinity();
-  bool is_empty = true;
-  for (std::size_t k = 0; k < kDims; ++k) {
-    is_empty &= box.min[k] == kInfinity && box.max[k] == -kInfinity;
-  }
-  return is_empty;
-}
-
 }  // namespace
 
 template <int kDims>
@@ -100,7 +89,8 @@ Aabo<kDims> BoundAabb(const Aabb<kDims>& box, FitStatus* status) {
 template <int kDims, typename Scalar>
 Aabo<kDims> BoundAabb(const Box<kDims, Scalar>& box, FitStatus* status) {
   return InDefaultFpMode([&] {
-    if (IsEmpty(box)) return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
+    if (IsEmpty(Aabb<kDims, Scalar>{box.min, box.max}))
+      return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
     kernels::CheckOrder("BoundAabb", box.min, box.max);
     return Finish(TryAabb<kDims, Scalar>(box.min, box.max), status);
   });
