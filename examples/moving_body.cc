@@ -24,6 +24,10 @@ int main() {
     }
   }
 
+  // One is taken away. The others keep their indices: an empty bound is a hole,
+  // which no query finds, until Set puts another crate there.
+  world.Set(415, halfspace::UpSimplex3::Empty());
+
   // A sphere flies along X, over the crates and down into their rows.
   const halfspace::Aabo3 sphere =
       halfspace::BoundSphere(halfspace::Sphere3{{10, 1.5f, 20}, 0.5f});

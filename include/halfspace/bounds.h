@@ -34,6 +34,13 @@
 //   Empty()       +inf / -inf: rejected by every finite query and Everything.
 // A NaN in a bound makes its plane never reject.
 //
+// Engines initialise boxes to minima of +FLT_MAX and maxima of -FLT_MAX (of
+// doubles, DBL_MAX). With these on all planes a bound is Empty(), too: to
+// IsEmpty, to Intersection and the measures, and to every builder and bound of
+// bounds, whose results have infinities instead. To a scan they are numbers: an
+// object stored so, or such a query, is rejected by whatever has a limit on any
+// plane, but kept by Everything(). Push Empty() where that matters.
+//
 // Thread safety: values; none needed. Source: "The Bounding Simplex: A
 // SIMD-Era Rejection Primitive" (simplices, AABO).
 #ifndef HALFSPACE_BOUNDS_H_
@@ -62,6 +69,68 @@ template <Float32Or64 T>
 inline constexpr T kMax = std::numeric_limits<T>::max();
 template <Float32Or64 T>
 inline constexpr T kInf = std::numeric_limits<T>::infinity();
+
+template <typename Values>
+constexpr bool AreEmptyMinima(const Values& min) {
+  for (auto v : min) {
+    if (!(v >= kMax<decltype(v)>)) return false;
+  }
+  return true;
+}
+template <typename Values>
+constexpr bool AreEmptyMaxima(const Values& max) {
+  for (auto v : max) {
+    if (!(v <= -kMax<decltype(v)>)) return false;
+  }
+  return true;
+}
+
+// Of two limits the one that leaves less. A NaN is no limit.
+template <typename Values>
+constexpr Values TighterMinima(Values a, const Values& b) {
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    if (!(a[k] >= b[k]) && b[k] == b[k]) a[k] = b[k];
+  }
+  return a;
+}
+template <typename Values>
+constexpr Values TighterMaxima(Values a, const Values& b) {
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    if (!(a[k] <= b[k]) && b[k] == b[k]) a[k] = b[k];
+  }
+  return a;
+}
+
+// `bound`, or Empty() if it has no point for the planes of one axis.
+template <typename Bound>
+constexpr Bound EmptyIfInverted(const Bound& bound) {
+  for (std::size_t k = 0; k < bound.min.size(); ++k) {
+    if (bound.min[k] > bound.max[k]) return Bound::Empty();
+  }
+  return bound;
+}
+
+// The product of all lengths but that of axis `skipped`; 0 times anything is 0.
+template <typename Lengths>
+constexpr auto ProductWithout(const Lengths& lengths, std::size_t skipped) {
+  typename Lengths::value_type product = 1;
+  for (std::size_t k = 0; k < lengths.size(); ++k) {
+    if (k == skipped) continue;
+    if (lengths[k] == 0) return lengths[k];
+    product *= lengths[k];
+  }
+  return product;
+}
+
+// A simplex whose planes are `slack` apart is the corner of a cube with that
+// edge.
+template <typename T>
+constexpr T CornerVolume(T slack, int dims) {
+  if (slack <= 0) return 0;
+  T volume = 1;
+  for (int k = 1; k <= dims; ++k) volume *= slack / static_cast<T>(k);
+  return volume;
+}
 
 }  // namespace detail
 
@@ -159,6 +228,99 @@ struct Aabo {
   }
   friend constexpr bool operator==(const Aabo&, const Aabo&) = default;
 };
+
+// Whether the bound is Empty(), or what engines take for it; see above.
+template <int kDims, typename T>
+constexpr bool IsEmpty(const UpSimplex<kDims, T>& bound) {
+  return detail::AreEmptyMinima(bound.min);
+}
+template <int kDims, typename T>
+constexpr bool IsEmpty(const DownSimplex<kDims, T>& bound) {
+  return detail::AreEmptyMaxima(bound.max);
+}
+template <int kDims, typename T>
+constexpr bool IsEmpty(const Aabb<kDims, T>& bound) {
+  return detail::AreEmptyMinima(bound.min) && detail::AreEmptyMaxima(bound.max);
+}
+template <int kDims, typename T>
+constexpr bool IsEmpty(const Aabo<kDims, T>& bound) {
+  return detail::AreEmptyMinima(bound.min) && detail::AreEmptyMaxima(bound.max);
+}
+
+// What is inside both bounds: of each plane the tighter one, so nothing is
+// rounded. Everything() changes nothing, and a NaN is no limit. Empty() if a
+// minimum comes to lie above the maximum of its axis, as if one of the two is
+// Empty(). Planes of different axes that leave no point between them, such as a
+// D that the box does not reach, stay as they are: the bound is of nothing, but
+// a scan may keep it.
+template <int kDims, typename T>
+constexpr UpSimplex<kDims, T> Intersection(const UpSimplex<kDims, T>& a,
+                                           const UpSimplex<kDims, T>& b) {
+  const UpSimplex<kDims, T> both{detail::TighterMinima(a.min, b.min)};
+  return IsEmpty(both) ? UpSimplex<kDims, T>::Empty() : both;
+}
+template <int kDims, typename T>
+constexpr DownSimplex<kDims, T> Intersection(const DownSimplex<kDims, T>& a,
+                                             const DownSimplex<kDims, T>& b) {
+  const DownSimplex<kDims, T> both{detail::TighterMaxima(a.max, b.max)};
+  return IsEmpty(both) ? DownSimplex<kDims, T>::Empty() : both;
+}
+template <int kDims, typename T>
+constexpr Aabb<kDims, T> Intersection(const Aabb<kDims, T>& a,
+                                      const Aabb<kDims, T>& b) {
+  return detail::EmptyIfInverted(
+      Aabb<kDims, T>{detail::TighterMinima(a.min, b.min),
+                     detail::TighterMaxima(a.max, b.max)});
+}
+template <int kDims, typename T>
+constexpr Aabo<kDims, T> Intersection(const Aabo<kDims, T>& a,
+                                      const Aabo<kDims, T>& b) {
+  return detail::EmptyIfInverted(
+      Aabo<kDims, T>{detail::TighterMinima(a.min, b.min),
+                     detail::TighterMaxima(a.max, b.max)});
+}
+
+// Measures, to choose between bounds by: computed and rounded as T. 0 if a
+// minimum is above the maximum of its axis, or, of a simplex, if it has no
+// point: so of Empty(). Infinite where they overflow, as of Everything(). NaN
+// with a NaN in a plane that counts. Of an Aabo, take that of its aabb().
+template <int kDims, typename T>
+constexpr T Volume(const UpSimplex<kDims, T>& bound) {
+  T slack = 0;
+  for (T min : bound.min) slack -= min;
+  return detail::CornerVolume(slack, kDims);
+}
+template <int kDims, typename T>
+constexpr T Volume(const DownSimplex<kDims, T>& bound) {
+  T slack = 0;
+  for (T max : bound.max) slack += max;
+  return detail::CornerVolume(slack, kDims);
+}
+template <int kDims, typename T>
+constexpr T Volume(const Aabb<kDims, T>& bound) {
+  std::array<T, Aabb<kDims, T>::kAxes> lengths{};
+  for (std::size_t k = 0; k < lengths.size(); ++k) {
+    lengths[k] = bound.max[k] - bound.min[k];
+    if (lengths[k] < 0) return 0;
+  }
+  return detail::ProductWithout(lengths, lengths.size());
+}
+
+// Half the surface, which the surface area heuristic compares: in 2 dimensions
+// half the circumference, in 4 half the volume of the 8 boxes around it.
+template <int kDims, typename T>
+constexpr T HalfArea(const Aabb<kDims, T>& bound) {
+  std::array<T, Aabb<kDims, T>::kAxes> lengths{};
+  for (std::size_t k = 0; k < lengths.size(); ++k) {
+    lengths[k] = bound.max[k] - bound.min[k];
+    if (lengths[k] < 0) return 0;
+  }
+  T area = 0;
+  for (std::size_t k = 0; k < lengths.size(); ++k) {
+    area += detail::ProductWithout(lengths, k);
+  }
+  return area;
+}
 
 using UpSimplex2 = UpSimplex<2>;
 using UpSimplex3 = UpSimplex<3>;

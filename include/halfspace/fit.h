@@ -133,8 +133,9 @@ HALFSPACE_API void BoundSegmentPieces(
     FitStatus* status = nullptr);
 
 // Bounds an axis-aligned box: the same X, Y, Z, and the D of its corners.
-//   Tightest. Empty() in, Empty() out, that is minima of +inf and maxima of
-//   -inf. Throws if min[k] > max[k] in any other way.
+//   Tightest. Empty() in, Empty() out, also as minima of FLT_MAX (of doubles,
+//   DBL_MAX) and maxima of -FLT_MAX. Throws if min[k] > max[k] in any other
+//   way.
 template <int kDims>
 HALFSPACE_API Aabo<kDims> BoundAabb(const Aabb<kDims>& box,
                                     FitStatus* status = nullptr);

@@ -60,8 +60,8 @@
 
 namespace halfspace {
 
-// What becomes of a box with min[k] > max[k]. The one with all minima +inf and
-// all maxima -inf is Empty() in any case.
+// What becomes of a box with min[k] > max[k]. One with all minima +inf or
+// FLT_MAX and all maxima -inf or -FLT_MAX is Empty() in any case.
 enum class Inverted : std::uint8_t {
   kEverything,  // a mistake: never rejected, and counted
   kEmpty,       // a box without points: always rejected, not counted

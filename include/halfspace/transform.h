@@ -12,8 +12,10 @@
 //
 // Special values, each plane on its own: a plane without a bound (-FLT_MAX as a
 // minimum, FLT_MAX as a maximum, as all planes of Everything()) stays so.
-// Empty() in, Empty() out. If any other value is NaN, infinite or beyond 2^126,
-// or becomes so, the result is Everything(), and the status counts it.
+// Empty() in, Empty() out, also for minima of FLT_MAX with maxima of -FLT_MAX
+// on all planes (IsEmpty of bounds.h). If any other value is NaN, infinite or
+// beyond 2^126, or becomes so, the result is Everything(), and the status
+// counts it.
 //
 // Errors: only those named below, thrown as std::invalid_argument. Thread
 // safety: pure functions. The caller's floating-point mode and compiler flags

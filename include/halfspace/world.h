@@ -104,6 +104,11 @@ using AaboView4 = AaboView<4>;
 // last object, nothing else moves one. Growth doubles the capacity and
 // invalidates views, as std::vector does with pointers.
 //
+// Where indices must not move, leave a hole instead of erasing: Set(i,
+// Bound::Empty()), which no finite query keeps, and fill it with a later object
+// by Set(i, bound). A hole costs what an object costs, in memory and in every
+// scan, and size() counts it; which indices are free is the caller's to know.
+//
 // Errors: an index that is not below size() throws std::invalid_argument;
 // memory that cannot be had throws std::bad_alloc and a size that cannot exist
 // std::invalid_argument, and the world is as it was.

@@ -10,10 +10,11 @@
 #define HALFSPACE_KERNELS_EXACT_OUTWARD_H_
 
 #include <array>
+#include <bit>
 #include <cfloat>
 #include <cmath>
 #include <cstddef>
-#include <limits>
+#include <cstdint>
 
 namespace halfspace::kernels {
 
@@ -77,14 +78,19 @@ ExactSum SumExactly(const std::array<double, kCount>& values) {
   return SumByExpansion(values);
 }
 
-// The largest float that is not above the sum.
+// The largest float that is not above the sum. Whether the nearest is above is
+// anybody's guess: no branch, which would be mispredicted every second time.
 inline float RoundDown(const ExactSum& sum) {
   const float nearest = static_cast<float>(sum.value);
   const double back = nearest;
-  const bool above = back > sum.value || (back == sum.value && sum.rest < 0.0);
-  return above
-             ? std::nextafter(nearest, -std::numeric_limits<float>::infinity())
-             : nearest;
+  const std::uint32_t above = static_cast<std::uint32_t>(back > sum.value) |
+                              (static_cast<std::uint32_t>(back == sum.value) &
+                               static_cast<std::uint32_t>(sum.rest < 0.0));
+  // Below zero, magnitudes grow: +0 counts as -0 there.
+  const auto bits = std::bit_cast<std::uint32_t>(nearest);
+  const std::uint32_t below =
+      nearest > 0.0f ? bits - 1 : (bits | 0x80000000u) + 1;
+  return std::bit_cast<float>(bits ^ ((bits ^ below) & (0 - above)));
 }
 
 // The smallest float that is not below the sum.

@@ -1,8 +1,7 @@
-// Solids: boxes, oriented boxes, spheres, capsules.
+// Solids: boxes, spheres, capsules.
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <optional>
 
 #include "halfspace/fit.h"
@@ -19,7 +18,6 @@ using kernels::ExactRanges;
 using kernels::Finish;
 using kernels::InDefaultFpMode;
 using kernels::MagnitudeGuard;
-using kernels::Negated;
 using kernels::RoundDown;
 using kernels::RoundUp;
 using kernels::SumExactly;
@@ -32,44 +30,6 @@ std::optional<Aabo<kDims>> TryAabb(const Point<kDims, Scalar>& min,
   ExactRanges<kDims> ranges;
   ranges.AddPoint(min);
   ranges.AddPoint(max);
-  return ranges.Bound();
-}
-
-// c + sum of s[i] h[i] u[i], |s[i]| <= 1: on each axis its extremes have the
-// signs of the axes' projections.
-template <int kDims>
-std::optional<Aabo<kDims>> TryOrientedBox(const OrientedBox<kDims>& box) {
-  constexpr std::size_t kAll = kDims * (kDims + 1);
-  MagnitudeGuard<double> guard;
-  guard.AddAll(box.center);
-  std::array<std::array<double, kDims>, kDims> arms;  // h[i] u[i], exact
-  for (std::size_t i = 0; i < kDims; ++i) {
-    for (std::size_t k = 0; k < kDims; ++k) {
-      arms[i][k] = double{box.half_extents[i]} * double{box.axes[i][k]};
-    }
-    guard.AddAll(arms[i]);
-  }
-  if (!guard.CanBeBounded()) return std::nullopt;
-
-  ExactRanges<kDims> ranges;
-  for (double end : {-1.0, 1.0}) {
-    std::array<double, kAll> all;
-    std::size_t n = 0;
-    for (std::size_t i = 0; i < kDims; ++i) {
-      // The side on which the sum of the coordinates, hence D, is extreme.
-      const double side = SumExactly(arms[i]).value < 0.0 ? -end : end;
-      for (double arm : arms[i]) all[n++] = side * arm;
-    }
-    for (std::size_t k = 0; k < kDims; ++k) {
-      std::array<double, kDims + 1> terms;
-      for (std::size_t i = 0; i < kDims; ++i) {
-        terms[i] = end * std::fabs(arms[i][k]);
-      }
-      terms[kDims] = all[n++] = box.center[k];
-      ranges.Add(k, SumExactly(terms));
-    }
-    ranges.Add(kDims, Negated(SumExactly(all)));
-  }
   return ranges.Bound();
 }
 
@@ -119,16 +79,6 @@ Aabo<kDims> BoundAnySphere(const Sphere<kDims, Scalar>& sphere,
   });
 }
 
-template <int kDims, typename Scalar>
-bool IsEmpty(const Box<kDims, Scalar>& box) {
-  constexpr Scalar kInfinity = std::numeric_limits<Scalar>::infinity();
-  bool is_empty = true;
-  for (std::size_t k = 0; k < kDims; ++k) {
-    is_empty &= box.min[k] == kInfinity && box.max[k] == -kInfinity;
-  }
-  return is_empty;
-}
-
 }  // namespace
 
 template <int kDims>
@@ -139,21 +89,10 @@ Aabo<kDims> BoundAabb(const Aabb<kDims>& box, FitStatus* status) {
 template <int kDims, typename Scalar>
 Aabo<kDims> BoundAabb(const Box<kDims, Scalar>& box, FitStatus* status) {
   return InDefaultFpMode([&] {
-    if (IsEmpty(box)) return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
+    if (IsEmpty(Aabb<kDims, Scalar>{box.min, box.max}))
+      return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
     kernels::CheckOrder("BoundAabb", box.min, box.max);
     return Finish(TryAabb<kDims, Scalar>(box.min, box.max), status);
-  });
-}
-
-template <int kDims>
-Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims>& box, FitStatus* status) {
-  constexpr std::array kNames = {"box.half_extents[0]", "box.half_extents[1]",
-                                 "box.half_extents[2]", "box.half_extents[3]"};
-  return InDefaultFpMode([&] {
-    for (std::size_t i = 0; i < kDims; ++i) {
-      kernels::CheckLength("BoundOrientedBox", kNames[i], box.half_extents[i]);
-    }
-    return Finish(TryOrientedBox(box), status);
   });
 }
 
@@ -183,8 +122,6 @@ Aabo<kDims> BoundCapsule(const Capsule<kDims>& capsule, FitStatus* status) {
   template HALFSPACE_API Aabo<d> BoundAabb(const Aabb<d>&, FitStatus*);        \
   template HALFSPACE_API Aabo<d> BoundAabb(const Box<d>&, FitStatus*);         \
   template HALFSPACE_API Aabo<d> BoundAabb(const Box<d, double>&, FitStatus*); \
-  template HALFSPACE_API Aabo<d> BoundOrientedBox(const OrientedBox<d>&,       \
-                                                  FitStatus*);                 \
   template HALFSPACE_API Aabo<d> BoundSphere(const Sphere<d>&, FitStatus*);    \
   template HALFSPACE_API Aabo<d> BoundSphere(const Sphere<d, double>&,         \
                                              FitStatus*);                      \

@@ -74,7 +74,7 @@ HALFSPACE_NOINLINE std::optional<Bound> TryChange(const Bound& bound,
 template <typename Bound, typename Change>
 Bound ChangePlanes(const Bound& bound, bool is_finite, const Change& change,
                    FitStatus* status) {
-  if (bound == Bound::Empty()) return Finish<Bound>(bound, status);
+  if (IsEmpty(bound)) return Finish<Bound>(Bound::Empty(), status);
   if (!is_finite) return Finish<Bound>(std::nullopt, status);
   return Finish(TryChange(bound, change), status);
 }
@@ -192,7 +192,7 @@ template <typename Bound>
 Bound MoveVertices(const Bound& bound, const Point<Bound::kDimensions>& by,
                    FitStatus* status) {
   return InDefaultFpMode([&] {
-    if (bound == Bound::Empty()) return Finish<Bound>(bound, status);
+    if (IsEmpty(bound)) return Finish<Bound>(Bound::Empty(), status);
     if (!IsFinite(by)) return Finish<Bound>(std::nullopt, status);
     return Finish(TryMoveVertices(bound, by), status);
   });
@@ -209,7 +209,7 @@ Bound ScaleInMode(const Bound& bound, float factor, FitStatus* status) {
         kernels::Shortest(factor));
   }
   if constexpr (kHasBothSides) {
-    if (factor < 0.f && bound != Bound::Empty()) {
+    if (factor < 0.f && !IsEmpty(bound)) {
       return ScaleInMode(Mirrored(bound), -factor, status);
     }
   }
@@ -225,9 +225,9 @@ Bound ScaleInMode(const Bound& bound, float factor, FitStatus* status) {
 template <typename Bound>
 Bound Merge(const Bound& a, const Bound& b, FitStatus* status) {
   return InDefaultFpMode([&] {
-    const Bound& one = a == Bound::Empty() ? b : a;
-    const Bound& other = b == Bound::Empty() ? a : b;
-    if (one == Bound::Empty()) return Finish<Bound>(one, status);
+    const Bound& one = IsEmpty(a) ? b : a;
+    const Bound& other = IsEmpty(b) ? a : b;
+    if (IsEmpty(one)) return Finish<Bound>(Bound::Empty(), status);
     return Finish(TryMerge(one, other), status);
   });
 }
@@ -296,7 +296,7 @@ DownSimplex<kDims> Circumscribe(const UpSimplex<kDims>& simplex,
                                 FitStatus* status) {
   using Result = DownSimplex<kDims>;
   return InDefaultFpMode([&] {
-    if (simplex == UpSimplex<kDims>::Empty()) {
+    if (IsEmpty(simplex)) {
       return Finish<Result>(Result::Empty(), status);
     }
     const auto opposing = TryOpposing(simplex.min);
@@ -310,7 +310,7 @@ UpSimplex<kDims> Circumscribe(const DownSimplex<kDims>& simplex,
                               FitStatus* status) {
   using Result = UpSimplex<kDims>;
   return InDefaultFpMode([&] {
-    if (simplex == DownSimplex<kDims>::Empty()) {
+    if (IsEmpty(simplex)) {
       return Finish<Result>(Result::Empty(), status);
     }
     const auto opposing = TryOpposing(Negated(simplex.max));

@@ -84,12 +84,13 @@ struct BoxBuilder {
     }
   }
 
-  // Boxes without points: all minima +inf and all maxima -inf, or, where that
-  // is asked for, any minimum above its maximum and no NaN.
+  // Boxes without points: all minima FLT_MAX or more and all maxima -FLT_MAX or
+  // less, or, where that is asked for, any minimum above its maximum and no
+  // NaN.
   template <class D>
   hn::Mask<D> EmptyLanes(D d, const float* const* columns, size_t i) const {
-    const auto infinity = hn::Set(d, INFINITY);
-    auto is_inverted = hn::Lt(infinity, infinity);
+    const auto most = hn::Set(d, FLT_MAX);
+    auto is_inverted = hn::Lt(most, most);
     auto is_number = hn::Not(is_inverted);
     auto is_canonical = is_number;
     for (size_t k = 0; k < kDims; ++k) {
@@ -98,9 +99,9 @@ struct BoxBuilder {
       is_inverted = hn::Or(is_inverted, hn::Gt(low, high));
       is_number =
           hn::And(is_number, hn::And(hn::Eq(low, low), hn::Eq(high, high)));
-      is_canonical = hn::And(
-          is_canonical,
-          hn::And(hn::Eq(low, infinity), hn::Eq(high, hn::Neg(infinity))));
+      is_canonical =
+          hn::And(is_canonical,
+                  hn::And(hn::Ge(low, most), hn::Le(high, hn::Neg(most))));
     }
     return inverted_is_empty ? hn::And(is_inverted, is_number) : is_canonical;
   }

@@ -32,6 +32,12 @@ class AnyBound {
     const std::size_t kind = bytes.Below(8);
     bound_ = kind == 0 ? Bound::Empty() : Bound::Everything();
     if (kind <= 1) return;
+    if (kind == 2) {
+      // As engines initialise boxes.
+      if constexpr (HasMinima<Bound>) bound_.min.fill(FLT_MAX);
+      if constexpr (HasMaxima<Bound>) bound_.max.fill(-FLT_MAX);
+      return;
+    }
     if constexpr (HasMinima<Bound>) bytes.Fill(bound_.min);
     if constexpr (HasMaxima<Bound>) bytes.Fill(bound_.max);
   }

@@ -100,7 +100,7 @@ class ImageOfBox {
   }
 
   void Describe(ExactShape<kDims>& exact) const {
-    if (box_ == Aabb<kDims>::Empty()) return;
+    if (IsEmpty(box_)) return;
     for (std::size_t k = 0; k < kDims; ++k) {
       if (box_.min[k] > box_.max[k]) return exact.Refuse();
     }

@@ -1,9 +1,7 @@
 // Bounds of boxes, spheres and capsules, against exact arithmetic.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <ostream>
 #include <type_traits>
 #include <utility>
@@ -34,7 +32,7 @@ class BoxShape {
   }
 
   void Describe(ExactShape<kDims>& exact) const {
-    if (IsEmpty()) return;
+    if (IsEmpty(Aabb<kDims, Scalar>{box_.min, box_.max})) return;
     for (std::size_t k = 0; k < kDims; ++k) {
       if (box_.min[k] > box_.max[k]) return exact.Refuse();
     }
@@ -59,15 +57,6 @@ class BoxShape {
 
  private:
   using Scalar = std::decay_t<decltype(AnyBox().min[0])>;
-
-  bool IsEmpty() const {
-    constexpr Scalar kInfinity = std::numeric_limits<Scalar>::infinity();
-    const auto all = [](const auto& numbers, Scalar value) {
-      return std::all_of(numbers.begin(), numbers.end(),
-                         [value](Scalar x) { return x == value; });
-    };
-    return all(box_.min, kInfinity) && all(box_.max, -kInfinity);
-  }
 
   AnyBox box_;
 };

@@ -10,10 +10,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cfloat>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <ostream>
 #include <span>
 #include <vector>
@@ -95,13 +95,12 @@ class ManyBoxes {
     const std::span<const float> row(rows_[shape]);
     const auto low = row.first(kDims);
     const auto high = row.last(kDims);
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
     bool is_inverted = false;
     bool is_empty = true;
     bool is_number = true;
     for (std::size_t k = 0; k < kDims; ++k) {
       is_inverted |= low[k] > high[k];
-      is_empty &= low[k] == kInfinity && high[k] == -kInfinity;
+      is_empty &= low[k] >= FLT_MAX && high[k] <= -FLT_MAX;
       is_number &= !std::isnan(low[k]) && !std::isnan(high[k]);
     }
     const bool empties = options.inverted == Inverted::kEmpty && is_number;

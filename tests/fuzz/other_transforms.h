@@ -46,9 +46,9 @@ class MergeInput {
 
  private:
   Bound Expected() const {
-    Bound merged = a_.bound() == Bound::Empty() ? b_.bound() : a_.bound();
-    const Bound& other = b_.bound() == Bound::Empty() ? merged : b_.bound();
-    if (merged == Bound::Empty()) return merged;
+    Bound merged = IsEmpty(a_.bound()) ? b_.bound() : a_.bound();
+    const Bound& other = IsEmpty(b_.bound()) ? merged : b_.bound();
+    if (IsEmpty(merged)) return Bound::Empty();
     if (!IsValid(merged) || !IsValid(other)) return Bound::Everything();
     for (std::size_t k = 0; k < Bound::kAxes; ++k) {
       if constexpr (HasMinima<Bound>) {
@@ -106,7 +106,7 @@ class CircumscribeInput {
   }
 
   ::testing::AssertionResult CheckResult(const Opposing& result) const {
-    if (given_.bound() == Simplex::Empty()) {
+    if (IsEmpty(given_.bound())) {
       if (result == Opposing::Empty()) return ::testing::AssertionSuccess();
       return Wrong("Empty()");
     }

@@ -44,13 +44,13 @@ class PlaneByPlane {
   }
 
   ::testing::AssertionResult CheckValues(const Bound& result) const {
-    if (given_.bound() == Bound::Empty() && op_.IsFinite()) {
+    if (IsEmpty(given_.bound()) && op_.IsFinite()) {
       if (result == Bound::Empty()) return ::testing::AssertionSuccess();
       return Wrong("Empty()");
     }
     const bool is_everything = result == Bound::Everything();
     if (!IsValid(given_.bound()) || !op_.IsFinite()) {
-      const bool may_be_empty = given_.bound() == Bound::Empty();
+      const bool may_be_empty = IsEmpty(given_.bound());
       if (is_everything || may_be_empty) return ::testing::AssertionSuccess();
       return Wrong("Everything()");
     }

@@ -223,7 +223,16 @@ TYPED_TEST(FitSpecialTest, NothingGivesEmpty) {
   box.min.fill(kInfinity);
   box.max.fill(-kInfinity);
   EXPECT_EQ(BoundAabb(box, &status), kEmpty);
-  EXPECT_EQ(status.results, 7u);
+  // As engines initialise boxes.
+  box.min.fill(Bad<double>::kMost);
+  box.max.fill(-Bad<double>::kMost);
+  EXPECT_EQ(BoundAabb(box, &status), kEmpty);
+  Aabb<kDims> untouched;
+  untouched.min.fill(Bad<float>::kMost);
+  untouched.max.fill(-Bad<float>::kMost);
+  EXPECT_EQ(BoundAabb(untouched, &status), kEmpty);
+  EXPECT_EQ(BoundTransformed(untouched, Affine<kDims>{}, &status), kEmpty);
+  EXPECT_EQ(status.results, 10u);
   EXPECT_EQ(status.everything, 0u);
 }
 

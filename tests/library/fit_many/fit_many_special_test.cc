@@ -140,8 +140,13 @@ TYPED_TEST(FitManySpecialTest, InvertedBoxes) {
       }
     }
     for (Inverted inverted : {Inverted::kEverything, Inverted::kEmpty}) {
-      this->ExpectBox(at, Aabb<TypeParam::value>::Empty(), Result::Empty(),
-                      inverted);
+      auto box = Aabb<TypeParam::value>::Empty();
+      this->ExpectBox(at, box, Result::Empty(), inverted);
+      box.min[0] = kMost;
+      this->ExpectBox(at, box, Result::Empty(), inverted);
+      box.min.fill(kMost);
+      box.max.fill(-kMost);
+      this->ExpectBox(at, box, Result::Empty(), inverted);
     }
   }
 }

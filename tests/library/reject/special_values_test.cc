@@ -6,8 +6,10 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "tests/library/support/answers.h"
@@ -110,6 +112,33 @@ TYPED_TEST(SpecialValuesTest, FollowTheRuleInEveryLane) {
     ASSERT_TRUE(
         AnswersEverywhere(answer, plane.view(), plane.query(), targets));
   });
+}
+
+// What engines initialise boxes to. As bounds.h says: a limit on one plane
+// rejects it, and Everything() does not.
+TYPED_TEST(SpecialValuesTest, UntouchedBoxesAreNumbersToAScan) {
+  using View = typename TypeParam::View;
+  constexpr auto kMost = std::numeric_limits<ScalarOf<View>>::max();
+  SpecialPlane<View> plane(0, 0);
+  View view = plane.view();
+  const std::vector<ScalarOf<View>> minima(Objects(), kMost);
+  const std::vector<ScalarOf<View>> maxima(Objects(), -kMost);
+  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+    PlaneOf(view, p) = (IsMinPlane<View>(p) ? minima : maxima).data();
+  }
+  const auto everything = View::Query::Everything();
+  const std::vector<Target> targets = TargetsUnderTest();
+  EXPECT_TRUE(
+      AnswersEverywhere(Answer(Objects(), [](std::size_t) { return false; }),
+                        view, everything, targets));
+  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+    auto query = everything;
+    auto& limit = OpposingValue<View>(query, p);
+    limit = std::nextafter(limit, ScalarOf<View>{0});
+    EXPECT_TRUE(
+        AnswersEverywhere(Answer(Objects(), [](std::size_t) { return true; }),
+                          view, query, targets));
+  }
 }
 
 // A process may run with subnormals flushed to zero. That may cost survivors

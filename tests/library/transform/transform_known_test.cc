@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <type_traits>
 
 #include "halfspace/transform.h"
 
@@ -10,6 +11,8 @@ namespace {
 
 // The box from (0, 0, 0) to (1, 2, 3), without a corner: x + y + z <= 5.
 constexpr Aabo3 kBody{{0, 0, 0, -5}, {1, 2, 3, 0}};
+
+constexpr float kMax = detail::kMax<float>;
 
 TEST(TransformKnownTest, Merge) {
   EXPECT_EQ(Merge(kBody, Aabo3{{-1, 1, 1, -4}, {0, 3, 2, -1}}),
@@ -20,6 +23,75 @@ TEST(TransformKnownTest, Merge) {
             (DownSimplex2{{1, 1, 3}}));
   EXPECT_EQ(Merge(Aabb2{{0, 1}, {2, 3}}, Aabb2{{1, 0}, {3, 2}}),
             (Aabb2{{0, 0}, {3, 3}}));
+}
+
+TEST(TransformKnownTest, Intersection) {
+  EXPECT_EQ(Intersection(kBody, Aabo3{{-1, 1, 1, -4}, {0, 3, 2, -1}}),
+            (Aabo3{{0, 1, 1, -4}, {0, 2, 2, -1}}));
+  EXPECT_EQ(Intersection(UpSimplex2{{0, 1, 2}}, UpSimplex2{{1, 0, 3}}),
+            (UpSimplex2{{1, 1, 3}}));
+  EXPECT_EQ(Intersection(DownSimplex2{{0, 1, 2}}, DownSimplex2{{1, 0, 3}}),
+            (DownSimplex2{{0, 0, 2}}));
+  // They touch, and they do not.
+  EXPECT_EQ(Intersection(Aabb2{{0, 1}, {2, 3}}, Aabb2{{2, 0}, {3, 2}}),
+            (Aabb2{{2, 1}, {2, 2}}));
+  EXPECT_EQ(Intersection(Aabb2{{0, 1}, {2, 3}}, Aabb2{{2.5f, 0}, {3, 2}}),
+            Aabb2::Empty());
+  EXPECT_EQ(
+      Intersection(Aabo2{{0, 0, -4}, {2, 2, -3}}, Aabo2{{0, 0, -2}, {2, 2, 0}}),
+      Aabo2::Empty());
+  // A D that the box does not reach stays.
+  EXPECT_EQ(
+      Intersection(Aabo2{{0, 0, -4}, {2, 2, -3}}, Aabo2{{0, 0, -4}, {1, 1, 0}}),
+      (Aabo2{{0, 0, -4}, {1, 1, -3}}));
+  constexpr Aabb<2, double> kWide{{0, 0}, {1, 1 + 0x1p-52}};
+  static_assert(Intersection(kWide, kWide) == kWide);
+}
+
+TEST(TransformKnownTest, Measures) {
+  static_assert(Volume(kBody.aabb()) == 6);
+  static_assert(HalfArea(kBody.aabb()) == 2 + 6 + 3);
+  EXPECT_EQ(Volume(Aabb2{{-1, 0}, {1, 3}}), 6.f);
+  EXPECT_EQ(HalfArea(Aabb2{{-1, 0}, {1, 3}}), 5.f);
+  EXPECT_EQ(Volume(Aabb<4, double>{{0, 0, 0, 0}, {1, 2, 3, 4}}), 24.0);
+  EXPECT_EQ(HalfArea(Aabb4{{0, 0, 0, 0}, {1, 2, 3, 4}}), 6.f + 8 + 12 + 24);
+  // x, y, z >= 0 and x + y + z <= 6: a sixth of a cube.
+  EXPECT_EQ(Volume(UpSimplex3{{0, 0, 0, -6}}), 36.f);
+  EXPECT_EQ(Volume(UpSimplex3{{1, 1, 1, -9}}), 36.f);
+  EXPECT_EQ(Volume(DownSimplex2{{1, 1, 0}}), 2.f);
+  EXPECT_EQ(Volume(DownSimplex4{{1, 1, 1, 1, -4}}), 0.f);
+  EXPECT_EQ(Volume(UpSimplex2{{1, 1, 1}}), 0.f);
+  // A sheet, however wide.
+  EXPECT_EQ(Volume(Aabb3{{-kMax, 0, 0}, {kMax, 0, 1}}), 0.f);
+  EXPECT_EQ(HalfArea(Aabb3{{0, 0, 0}, {2, 0, 3}}), 6.f);
+  EXPECT_EQ(HalfArea(Aabb3{{-kMax, 0, 0}, {kMax, 0, 0}}), 0.f);
+}
+
+template <typename Bound>
+void ExpectMeasuresOfSpecialValues() {
+  constexpr float kInfinity = detail::kInf<float>;
+  const float nan = std::nanf("");
+  EXPECT_EQ(Volume(Bound::Empty()), 0.f);
+  EXPECT_EQ(Volume(Bound::Everything()), kInfinity);
+  Bound bound{};
+  if constexpr (std::is_same_v<Bound, Aabb3>) {
+    bound = {{0, 0, 0}, {1, 1, nan}};
+    EXPECT_EQ(HalfArea(Bound::Empty()), 0.f);
+    EXPECT_EQ(HalfArea(Aabb3{{kMax, kMax, kMax}, {-kMax, -kMax, -kMax}}), 0.f);
+    EXPECT_EQ(HalfArea(Bound::Everything()), kInfinity);
+    EXPECT_TRUE(std::isnan(HalfArea(bound)));
+  } else if constexpr (std::is_same_v<Bound, UpSimplex3>) {
+    bound.min[1] = nan;
+  } else {
+    bound.max[1] = nan;
+  }
+  EXPECT_TRUE(std::isnan(Volume(bound)));
+}
+
+TEST(TransformKnownTest, MeasuresOfSpecialValues) {
+  ExpectMeasuresOfSpecialValues<Aabb3>();
+  ExpectMeasuresOfSpecialValues<UpSimplex3>();
+  ExpectMeasuresOfSpecialValues<DownSimplex3>();
 }
 
 // In 4 dimensions D moves by twice the radius.
@@ -94,7 +166,6 @@ TEST(TransformKnownTest, Circumscribe) {
 
 // Without a bound on Y, only Y's opposite is bounded.
 TEST(TransformKnownTest, CircumscribeOpenSimplex) {
-  constexpr float kMax = detail::kMax<float>;
   EXPECT_EQ(Circumscribe(UpSimplex2{{0, -kMax, -1}}),
             (DownSimplex2{{kMax, 1, kMax}}));
   EXPECT_EQ(Circumscribe(UpSimplex2{{-kMax, -kMax, -1}}),

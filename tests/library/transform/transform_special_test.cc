@@ -77,27 +77,76 @@ using AllBounds = ::testing::Types<UpSimplex2, UpSimplex3, UpSimplex4,
 #endif
 TYPED_TEST_SUITE(TransformSpecialTest, AllBounds);
 
+// What engines initialise boxes to: Everything() turned over.
+template <typename Bound>
+Bound Untouched() {
+  Bound bound;
+  if constexpr (detail::HasMin<Bound>) bound.min.fill(kMax);
+  if constexpr (detail::HasMax<Bound>) bound.max.fill(-kMax);
+  return bound;
+}
+
 TYPED_TEST(TransformSpecialTest, EmptyStaysEmpty) {
   FitStatus status;
   std::size_t calls = 0;
-  this->ForEachCall([&](auto call) {
-    EXPECT_EQ(call(TypeParam::Empty(), &status), TypeParam::Empty());
-    ++calls;
-  });
+  for (const auto& empty : {TypeParam::Empty(), Untouched<TypeParam>()}) {
+    EXPECT_TRUE(IsEmpty(empty));
+    this->ForEachCall([&](auto call) {
+      EXPECT_EQ(call(empty, &status), TypeParam::Empty());
+      ++calls;
+    });
+  }
   EXPECT_EQ(status.results, calls);
   EXPECT_EQ(status.everything, 0u);
 }
 
 TYPED_TEST(TransformSpecialTest, EmptyIsTheIdentityOfMerge) {
-  constexpr auto kEmpty = TypeParam::Empty();
-  this->ForEachPlane(-5.f, [&](const TypeParam& bound) {
-    EXPECT_EQ(Merge(bound, kEmpty), bound);
-    EXPECT_EQ(Merge(kEmpty, bound), bound);
-  });
   constexpr auto kEverything = TypeParam::Everything();
-  EXPECT_EQ(Merge(kEmpty, kEverything), kEverything);
-  EXPECT_EQ(Merge(kEverything, kEmpty), kEverything);
-  EXPECT_EQ(Merge(kEmpty, kEmpty), kEmpty);
+  for (const auto& empty : {TypeParam::Empty(), Untouched<TypeParam>()}) {
+    this->ForEachPlane(-5.f, [&](const TypeParam& bound) {
+      EXPECT_EQ(Merge(bound, empty), bound);
+      EXPECT_EQ(Merge(empty, bound), bound);
+    });
+    EXPECT_EQ(Merge(empty, kEverything), kEverything);
+    EXPECT_EQ(Merge(kEverything, empty), kEverything);
+    EXPECT_EQ(Merge(empty, TypeParam::Empty()), TypeParam::Empty());
+    EXPECT_EQ(Merge(empty, empty), TypeParam::Empty());
+  }
+}
+
+TYPED_TEST(TransformSpecialTest, IntersectionOfSpecialValues) {
+  constexpr auto kEmpty = TypeParam::Empty();
+  for (const auto& empty : {kEmpty, Untouched<TypeParam>()}) {
+    EXPECT_EQ(Intersection(empty, TypeParam{}), kEmpty);
+    EXPECT_EQ(Intersection(TypeParam{}, empty), kEmpty);
+    EXPECT_EQ(Intersection(empty, TypeParam::Everything()), kEmpty);
+    EXPECT_EQ(Intersection(empty, empty), kEmpty);
+  }
+  this->ForEachPlane(-5.f, [&](const TypeParam& bound) {
+    EXPECT_EQ(Intersection(bound, TypeParam::Everything()), bound);
+    EXPECT_EQ(Intersection(TypeParam::Everything(), bound), bound);
+  });
+  // A NaN is no limit, on either side.
+  this->ForEachPlane(kNan, [&](const TypeParam& bound) {
+    EXPECT_EQ(Intersection(bound, TypeParam{}), TypeParam{});
+    EXPECT_EQ(Intersection(TypeParam{}, bound), TypeParam{});
+  });
+}
+
+// Some planes do not make it empty.
+TYPED_TEST(TransformSpecialTest, EmptyOnAllPlanesOrNotAtAll) {
+  this->ForEachPlane(kMax, [&](TypeParam bound) {
+    EXPECT_FALSE(IsEmpty(bound));
+    bound = Untouched<TypeParam>();
+    if constexpr (detail::HasMin<TypeParam>) bound.min[0] = kInfinity;
+    EXPECT_TRUE(IsEmpty(bound));
+    if constexpr (detail::HasMin<TypeParam>) {
+      bound.min[1] = kNan;
+    } else {
+      bound.max[1] = kNan;
+    }
+    EXPECT_FALSE(IsEmpty(bound));
+  });
 }
 
 TYPED_TEST(TransformSpecialTest, EverythingStaysEverything) {
@@ -195,6 +244,8 @@ TYPED_TEST(CircumscribeSpecialTest, SpecialValues) {
   FitStatus status;
   EXPECT_EQ(Circumscribe(Up::Empty(), &status), Down::Empty());
   EXPECT_EQ(Circumscribe(Down::Empty(), &status), Up::Empty());
+  EXPECT_EQ(Circumscribe(Untouched<Up>(), &status), Down::Empty());
+  EXPECT_EQ(Circumscribe(Untouched<Down>(), &status), Up::Empty());
   EXPECT_EQ(status.everything, 0u);
   EXPECT_EQ(Circumscribe(Up::Everything(), &status), Down::Everything());
   EXPECT_EQ(Circumscribe(Down::Everything(), &status), Up::Everything());
@@ -208,8 +259,8 @@ TYPED_TEST(CircumscribeSpecialTest, SpecialValues) {
       EXPECT_EQ(Circumscribe(down, &status), Up::Everything()) << bad;
     }
   }
-  EXPECT_EQ(status.results, status.everything + 2);
-  EXPECT_EQ(status.first_everything, 2u);
+  EXPECT_EQ(status.results, status.everything + 4);
+  EXPECT_EQ(status.first_everything, 4u);
 }
 
 }  // namespace

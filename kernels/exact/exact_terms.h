@@ -1,0 +1,141 @@
+// Sums of coordinates and of products of two numbers, exactly.
+//
+// Only for translation units compiled without fast-math and contraction, and
+// only in the default floating-point mode (default_fp_mode.h).
+#ifndef HALFSPACE_KERNELS_EXACT_EXACT_TERMS_H_
+#define HALFSPACE_KERNELS_EXACT_EXACT_TERMS_H_
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+#include "kernels/exact/outward.h"
+
+namespace halfspace::kernels {
+
+// A sum that rounds to float as the exact one does, in either direction, though
+// `left_out` may be missing from the terms. Few sums lie so close to a float
+// that there is none: then the terms have to be added exactly, which takes ten
+// times as long.
+template <std::size_t kCount>
+std::optional<ExactSum> TrySumToRound(const std::array<double, kCount>& terms,
+                                      double left_out) {
+  double sum = 0.0;
+  double magnitude = 0.0;
+  for (double term : terms) {
+    sum += term;
+    magnitude += std::fabs(term);
+  }
+  // Twice what kCount additions can lose.
+  const double error = magnitude * (kCount * 0x1p-52) + left_out;
+  const double low = sum - error;
+  const double high = sum + error;
+  const float nearest = static_cast<float>(low);
+  if (nearest != static_cast<float>(high)) return std::nullopt;
+  if (nearest >= low && nearest <= high) return std::nullopt;
+  return ExactSum{sum, 0.0};
+}
+
+// At most kProducts products and kNumbers other terms, whose sum is below
+// 2^1000. Of floats: double holds a product exactly.
+template <typename Scalar, std::size_t kProducts, std::size_t kNumbers>
+class ExactTerms {
+ public:
+  void Add(Scalar number) { terms_[count_++] = number; }
+  void AddProduct(Scalar a, Scalar b) {
+    terms_[count_++] = double{a} * double{b};
+  }
+
+  ExactSum Sum() const { return SumExactly(terms_); }
+  // To float it rounds as Sum() does, either way.
+  ExactSum SumToRound() const {
+    const auto sum = TrySumToRound(terms_, 0.0);
+    return sum ? *sum : Sum();
+  }
+
+ private:
+  std::array<double, kProducts + kNumbers> terms_{};
+  std::size_t count_ = 0;
+};
+
+// A product of doubles is a double and its error, which is a double too unless
+// the product is next to nothing.
+template <std::size_t kProducts, std::size_t kNumbers>
+class ExactTerms<double, kProducts, kNumbers> {
+ public:
+  void Add(double number) { terms_[count_++] = number; }
+  void AddProduct(double a, double b) {
+    const double product = a * b;
+    if (std::fabs(product) < kTiny && a != 0.0 && b != 0.0) {
+      AddTinyProduct(a, b);
+      return;
+    }
+    terms_[count_++] = product;
+    terms_[count_++] = std::fma(a, b, -product);
+  }
+
+  ExactSum Sum() const {
+    return tiny_count_ == 0 ? SumExactly(terms_) : SumWithTiny();
+  }
+
+  ExactSum SumToRound() const {
+    constexpr double kTinySum = kTermCount * kTiny;
+    const auto sum = TrySumToRound(terms_, tiny_count_ == 0 ? 0.0 : kTinySum);
+    return sum ? *sum : Sum();
+  }
+
+ private:
+  static constexpr std::size_t kTermCount = 2 * kProducts + kNumbers;
+
+  // Products below kTiny are kept apart, times 2^kTinyScale: so any product of
+  // two doubles, a multiple of 2^-2148, is a double and its error.
+  static constexpr double kTiny = 0x1p-900;
+  static constexpr int kTinyScale = 1200;
+  static constexpr int kLeast = -1074;  // 2^kLeast is the smallest double
+
+  void AddTinyProduct(double a, double b) {
+    int a_exponent = 0;
+    int b_exponent = 0;
+    const double x = std::frexp(a, &a_exponent);
+    const double y = std::frexp(b, &b_exponent);
+    const double product = x * y;
+    const int scale = a_exponent + b_exponent + kTinyScale;
+    tiny_[tiny_count_++] = std::ldexp(product, scale);
+    tiny_[tiny_count_++] = std::ldexp(std::fma(x, y, -product), scale);
+  }
+
+  // Cuts a scaled number into a double, its multiple of 2^kLeast to nearest,
+  // and what is left of it, scaled.
+  static double TakeDouble(double& scaled) {
+    const double whole =
+        std::nearbyint(std::ldexp(scaled, -kTinyScale - kLeast));
+    scaled -= std::ldexp(whole, kTinyScale + kLeast);
+    return std::ldexp(whole, kLeast);
+  }
+
+  ExactSum SumWithTiny() const {
+    std::array<double, kTermCount + 2 * kProducts + 1> doubles{};
+    std::size_t n = 0;
+    for (double term : terms_) doubles[n++] = term;
+    std::array<double, 2 * kProducts> left = tiny_;
+    for (double& scaled : left) doubles[n++] = TakeDouble(scaled);
+    ExactSum below = SumExactly(left);
+    doubles[n] = TakeDouble(below.value);
+    // What is below all doubles comes to less than the smallest of them.
+    ExactSum sum = SumByExpansion(doubles);
+    if (sum.rest == 0.0) {
+      sum.rest = below.value != 0.0 ? below.value : below.rest;
+    }
+    return sum;
+  }
+
+  std::array<double, kTermCount> terms_{};
+  std::size_t count_ = 0;
+  std::array<double, 2 * kProducts> tiny_{};
+  std::size_t tiny_count_ = 0;
+};
+
+}  // namespace halfspace::kernels
+
+#endif  // HALFSPACE_KERNELS_EXACT_EXACT_TERMS_H_
