@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 
@@ -92,8 +91,7 @@ Aabo<kDims> BoundHull(const Source& points, FitStatus* status) {
 
 template <int kDims, typename Source>
 Aabo<kDims> BoundIndexed(const Source& points,
-                         std::span<const std::uint32_t> indices,
-                         FitStatus* status) {
+                         Span<const std::uint32_t> indices, FitStatus* status) {
   if (!indices.empty()) {
     kernels::CheckPointer(
         "BoundPoints", indices.data(), alignof(std::uint32_t),
@@ -169,15 +167,13 @@ Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
 
 template <int kDims>
 Aabo<kDims> BoundPoints(const Points<kDims>& points,
-                        std::span<const std::uint32_t> indices,
-                        FitStatus* status) {
+                        Span<const std::uint32_t> indices, FitStatus* status) {
   return BoundIndexed<kDims>(points, indices, status);
 }
 
 template <int kDims>
 Aabo<kDims> BoundPoints(const PointsSoa<kDims>& points,
-                        std::span<const std::uint32_t> indices,
-                        FitStatus* status) {
+                        Span<const std::uint32_t> indices, FitStatus* status) {
   return BoundIndexed<kDims>(points, indices, status);
 }
 
@@ -239,9 +235,9 @@ Aabo<kDims> BoundTransformed(const Aabb<kDims>& box, const Affine<kDims>& map,
   template HALFSPACE_API Aabo<d> BoundPoints(const PointsSoa<d, double>&,      \
                                              FitStatus*);                      \
   template HALFSPACE_API Aabo<d> BoundPoints(                                  \
-      const Points<d>&, std::span<const std::uint32_t>, FitStatus*);           \
+      const Points<d>&, Span<const std::uint32_t>, FitStatus*);                \
   template HALFSPACE_API Aabo<d> BoundPoints(                                  \
-      const PointsSoa<d>&, std::span<const std::uint32_t>, FitStatus*);        \
+      const PointsSoa<d>&, Span<const std::uint32_t>, FitStatus*);             \
   template HALFSPACE_API Aabo<d> BoundSegment(const Segment<d>&, FitStatus*);  \
   template HALFSPACE_API Aabo<d> BoundTriangle(const Triangle<d>&,             \
                                                FitStatus*);                    \
