@@ -2,6 +2,7 @@
 # that a project which includes this one keeps its own flags.
 
 function(halfspace_configure_target target)
+  target_compile_features(${target} PRIVATE cxx_std_20)
   set_target_properties(${target} PROPERTIES
     CXX_EXTENSIONS OFF
     CXX_VISIBILITY_PRESET hidden

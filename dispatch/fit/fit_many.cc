@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <string>
 #include <string_view>
 
@@ -117,8 +116,8 @@ class Call {
     CheckApart(output_, begin, bytes, name, name_);
   }
 
-  Target Run(std::span<const std::uint32_t> indices,
-             std::span<const std::size_t> ends, FitStatus* status) const {
+  Target Run(Span<const std::uint32_t> indices, Span<const std::size_t> ends,
+             FitStatus* status) const {
     if (options_.inverted > Inverted::kEmpty) {
       ThrowInvalid(name_, "options.inverted", "one of the enumerators",
                    std::to_string(static_cast<int>(options_.inverted)));
@@ -214,8 +213,7 @@ Target BoundSpheres(const Source& spheres, const Output& output,
   return call.Run({}, {}, status);
 }
 
-Target BoundTriangles(const Source& vertices,
-                      std::span<const std::uint32_t> indices,
+Target BoundTriangles(const Source& vertices, Span<const std::uint32_t> indices,
                       const Output& output, const FitOptions& options,
                       FitStatus* status) {
   constexpr std::size_t kCorners = 3;
@@ -228,18 +226,19 @@ Target BoundTriangles(const Source& vertices,
   }
   CheckSize("BoundTriangles", "indices.size()", indices.size(),
             kCorners * output.size);
-  call.CheckInput(indices.data(), indices.size_bytes(), alignof(std::uint32_t),
-                  "indices");
+  call.CheckInput(indices.data(), indices.size() * sizeof(std::uint32_t),
+                  alignof(std::uint32_t), "indices");
   return call.Run(indices, {}, status);
 }
 
-Target BoundPointSets(const Source& points, std::span<const std::size_t> ends,
+Target BoundPointSets(const Source& points, Span<const std::size_t> ends,
                       const Output& output, const FitOptions& options,
                       FitStatus* status) {
   const Call call("BoundPointSets", {"points", "coords"}, points, output,
                   options);
   CheckSize("BoundPointSets", "ends.size()", ends.size(), output.size);
-  call.CheckInput(ends.data(), ends.size_bytes(), alignof(std::size_t), "ends");
+  call.CheckInput(ends.data(), ends.size() * sizeof(std::size_t),
+                  alignof(std::size_t), "ends");
   return call.Run({}, ends, status);
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <span>
 #include <string>
 
 #include "dispatch/scan/parts.h"
@@ -32,7 +31,7 @@ using dispatch::Tested;
   dispatch::WriteRows<OneQuery>(scan, mask, 0, false);
 }
 
-inline void WriteMask(Scan& scan, std::span<std::uint64_t> mask,
+inline void WriteMask(Scan& scan, Span<std::uint64_t> mask,
                       const Options& options, const char* call) {
   dispatch::Prepare(scan, options, call);
   const std::size_t words = MaskWords(scan.end - scan.begin);
@@ -55,18 +54,17 @@ inline void WriteMask(Scan& scan, std::span<std::uint64_t> mask,
 
 }  // namespace
 
-void SurvivorMask(Scan&& scan, std::span<std::uint64_t> mask,
+void SurvivorMask(Scan&& scan, Span<std::uint64_t> mask,
                   const Options& options) {
   WriteMask(scan, mask, options, "SurvivorMask");
 }
 
-void RejectMask(Scan&& scan, std::span<std::uint64_t> mask,
-                const Options& options) {
+void RejectMask(Scan&& scan, Span<std::uint64_t> mask, const Options& options) {
   WriteMask(scan, mask, options, "RejectMask");
   dispatch::Flip(mask.data(), MaskWords(scan.end - scan.begin));
 }
 
-std::size_t Survivors(Scan&& scan, std::span<std::uint32_t> indices,
+std::size_t Survivors(Scan&& scan, Span<std::uint32_t> indices,
                       const Options& options) {
   dispatch::Prepare(scan, options, "Survivors");
   dispatch::CheckIndicesFit(scan);

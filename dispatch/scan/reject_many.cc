@@ -15,8 +15,8 @@ namespace {
 using dispatch::ManyQueries;
 using dispatch::Tested;
 
-void WriteMasks(Scan& scan, std::span<std::uint64_t> rows,
-                const Options& options, const char* call, bool rejects) {
+void WriteMasks(Scan& scan, Span<std::uint64_t> rows, const Options& options,
+                const char* call, bool rejects) {
   dispatch::Prepare(scan, options, call);
   const std::size_t words = MaskWords(scan.end - scan.begin);
   const std::size_t stride = options.row_words != 0 ? options.row_words : words;
@@ -51,18 +51,18 @@ void WriteMasks(Scan& scan, std::span<std::uint64_t> rows,
 
 }  // namespace
 
-void RejectMasks(Scan&& scan, std::span<std::uint64_t> rows,
+void RejectMasks(Scan&& scan, Span<std::uint64_t> rows,
                  const Options& options) {
   WriteMasks(scan, rows, options, "RejectMasks", true);
 }
 
-void SurvivorMasks(Scan&& scan, std::span<std::uint64_t> rows,
+void SurvivorMasks(Scan&& scan, Span<std::uint64_t> rows,
                    const Options& options) {
   WriteMasks(scan, rows, options, "SurvivorMasks", false);
 }
 
-std::size_t SurvivorPairs(Scan&& scan, std::span<std::uint32_t> query_indices,
-                          std::span<std::uint32_t> object_indices,
+std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
+                          Span<std::uint32_t> object_indices,
                           const Options& options) {
   dispatch::Prepare(scan, options, "SurvivorPairs");
   dispatch::CheckIndicesFit(scan);
@@ -74,7 +74,7 @@ std::size_t SurvivorPairs(Scan&& scan, std::span<std::uint32_t> query_indices,
   const std::size_t bytes =
       (all_fit ? scan.size * scan.query_count : capacity) *
       sizeof(std::uint32_t);
-  const auto check = [&](const char* name, std::span<std::uint32_t> indices) {
+  const auto check = [&](const char* name, Span<std::uint32_t> indices) {
     dispatch::CheckOutput(
         scan, {name, indices.data(), bytes, alignof(std::uint32_t)});
   };
@@ -99,7 +99,7 @@ std::size_t SurvivorPairs(Scan&& scan, std::span<std::uint32_t> query_indices,
   return count;
 }
 
-void SurvivorCounts(Scan&& scan, std::span<std::size_t> counts,
+void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
                     const Options& options) {
   dispatch::Prepare(scan, options, "SurvivorCounts");
   if (counts.size() < scan.query_count) {

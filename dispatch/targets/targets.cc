@@ -27,7 +27,7 @@ struct TargetList {
       targets[count++] = Target::FromHighwayBit(left & -left);
     }
   }
-  std::span<const Target> span() const { return {targets.data(), count}; }
+  Span<const Target> span() const { return {targets.data(), count}; }
 };
 
 // Asked once; the answer must not change under us.
@@ -42,7 +42,7 @@ bool IsSupported(Target target) {
          (bit & static_cast<std::uint64_t>(SupportedBits())) != 0;
 }
 
-std::string NamesOf(std::span<const Target> targets) {
+std::string NamesOf(Span<const Target> targets) {
   std::string names;
   for (Target target : targets) {
     if (!names.empty()) names += ", ";
@@ -163,12 +163,12 @@ std::size_t Target::lanes() const {
   return lanes;
 }
 
-std::span<const Target> CompiledTargets() {
+Span<const Target> CompiledTargets() {
   static const dispatch::TargetList list(HWY_TARGETS);
   return list.span();
 }
 
-std::span<const Target> SupportedTargets() {
+Span<const Target> SupportedTargets() {
   static const dispatch::TargetList list(dispatch::SupportedBits());
   return list.span();
 }

@@ -47,9 +47,9 @@
 #define HALFSPACE_BOUNDS_H_
 
 #include <array>
-#include <concepts>
 #include <cstddef>
 #include <limits>
+#include <type_traits>
 
 namespace halfspace {
 
@@ -62,12 +62,23 @@ constexpr std::array<T, kCount> Filled(T value) {
   return values;
 }
 
-template <typename T>
-concept Float32Or64 = std::same_as<T, float> || std::same_as<T, double>;
+// std::array's == is constexpr from C++20 on.
+template <typename T, std::size_t kCount>
+constexpr bool Equal(const std::array<T, kCount>& a,
+                     const std::array<T, kCount>& b) {
+  for (std::size_t i = 0; i < kCount; ++i) {
+    if (!(a[i] == b[i])) return false;
+  }
+  return true;
+}
 
-template <Float32Or64 T>
+template <typename T>
+inline constexpr bool kIsFloat32Or64 =
+    std::is_same_v<T, float> || std::is_same_v<T, double>;
+
+template <typename T>
 inline constexpr T kMax = std::numeric_limits<T>::max();
-template <Float32Or64 T>
+template <typename T>
 inline constexpr T kInf = std::numeric_limits<T>::infinity();
 
 template <typename Values>
@@ -135,9 +146,10 @@ constexpr T CornerVolume(T slack, int dims) {
 }  // namespace detail
 
 // The object side of the simplex test, S+: { p : p.axis[k] >= min[k] }.
-template <int kDims, detail::Float32Or64 T = float>
+template <int kDims, typename T = float>
 struct UpSimplex {
   static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
+  static_assert(detail::kIsFloat32Or64<T>, "floats or doubles");
   using Scalar = T;
   static constexpr int kDimensions = kDims;
   static constexpr std::size_t kAxes = kDims + 1;
@@ -150,14 +162,19 @@ struct UpSimplex {
   static constexpr UpSimplex Empty() {
     return {detail::Filled<kAxes>(detail::kInf<T>)};
   }
-  friend constexpr bool operator==(const UpSimplex&,
-                                   const UpSimplex&) = default;
+  friend constexpr bool operator==(const UpSimplex& a, const UpSimplex& b) {
+    return detail::Equal(a.min, b.min);
+  }
+  friend constexpr bool operator!=(const UpSimplex& a, const UpSimplex& b) {
+    return !(a == b);
+  }
 };
 
 // The query side of the simplex test, S-: { p : p.axis[k] <= max[k] }.
-template <int kDims, detail::Float32Or64 T = float>
+template <int kDims, typename T = float>
 struct DownSimplex {
   static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
+  static_assert(detail::kIsFloat32Or64<T>, "floats or doubles");
   using Scalar = T;
   static constexpr int kDimensions = kDims;
   static constexpr std::size_t kAxes = kDims + 1;
@@ -170,14 +187,19 @@ struct DownSimplex {
   static constexpr DownSimplex Empty() {
     return {detail::Filled<kAxes>(-detail::kInf<T>)};
   }
-  friend constexpr bool operator==(const DownSimplex&,
-                                   const DownSimplex&) = default;
+  friend constexpr bool operator==(const DownSimplex& a, const DownSimplex& b) {
+    return detail::Equal(a.max, b.max);
+  }
+  friend constexpr bool operator!=(const DownSimplex& a, const DownSimplex& b) {
+    return !(a == b);
+  }
 };
 
 // The axis-aligned bounding box; no D axis. Both sides of a test are boxes.
-template <int kDims, detail::Float32Or64 T = float>
+template <int kDims, typename T = float>
 struct Aabb {
   static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
+  static_assert(detail::kIsFloat32Or64<T>, "floats or doubles");
   using Scalar = T;
   static constexpr int kDimensions = kDims;
   static constexpr std::size_t kAxes = kDims;
@@ -193,13 +215,19 @@ struct Aabb {
     return {detail::Filled<kAxes>(detail::kInf<T>),
             detail::Filled<kAxes>(-detail::kInf<T>)};
   }
-  friend constexpr bool operator==(const Aabb&, const Aabb&) = default;
+  friend constexpr bool operator==(const Aabb& a, const Aabb& b) {
+    return detail::Equal(a.min, b.min) && detail::Equal(a.max, b.max);
+  }
+  friend constexpr bool operator!=(const Aabb& a, const Aabb& b) {
+    return !(a == b);
+  }
 };
 
 // The axis-aligned bounding octahedron: both simplices, hence also the box.
-template <int kDims, detail::Float32Or64 T = float>
+template <int kDims, typename T = float>
 struct Aabo {
   static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
+  static_assert(detail::kIsFloat32Or64<T>, "floats or doubles");
   using Scalar = T;
   static constexpr int kDimensions = kDims;
   static constexpr std::size_t kAxes = kDims + 1;
@@ -226,7 +254,12 @@ struct Aabo {
     return {detail::Filled<kAxes>(detail::kInf<T>),
             detail::Filled<kAxes>(-detail::kInf<T>)};
   }
-  friend constexpr bool operator==(const Aabo&, const Aabo&) = default;
+  friend constexpr bool operator==(const Aabo& a, const Aabo& b) {
+    return detail::Equal(a.min, b.min) && detail::Equal(a.max, b.max);
+  }
+  friend constexpr bool operator!=(const Aabo& a, const Aabo& b) {
+    return !(a == b);
+  }
 };
 
 // Whether the bound is Empty(), or what engines take for it; see above.

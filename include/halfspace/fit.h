@@ -52,13 +52,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <type_traits>
 
 #include "halfspace/bounds.h"
 #include "halfspace/export.h"
 #include "halfspace/fit_status.h"
 #include "halfspace/shapes.h"
+#include "halfspace/span.h"
 #include "halfspace/transform.h"  // IWYU pragma: export
 
 namespace halfspace {
@@ -85,11 +85,11 @@ HALFSPACE_API Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
 //   them is null or misaligned.
 template <int kDims>
 HALFSPACE_API Aabo<kDims> BoundPoints(const Points<kDims>& points,
-                                      std::span<const std::uint32_t> indices,
+                                      Span<const std::uint32_t> indices,
                                       FitStatus* status = nullptr);
 template <int kDims>
 HALFSPACE_API Aabo<kDims> BoundPoints(const PointsSoa<kDims>& points,
-                                      std::span<const std::uint32_t> indices,
+                                      Span<const std::uint32_t> indices,
                                       FitStatus* status = nullptr);
 
 // Bounds one point. Tightest. Call as BoundPoint<3>({x, y, z}).
@@ -129,7 +129,7 @@ HALFSPACE_API Aabo<kDims> BoundRay(const Ray<kDims>& ray,
 template <int kDims>
 HALFSPACE_API void BoundSegmentPieces(
     const Segment<kDims>& segment,
-    std::type_identity_t<std::span<Aabo<kDims>>> pieces,  // or a vector of them
+    std::decay_t<Span<Aabo<kDims>>> pieces,  // or a vector of them
     FitStatus* status = nullptr);
 
 // Bounds an axis-aligned box: the same X, Y, Z, and the D of its corners.
@@ -170,10 +170,11 @@ HALFSPACE_API Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims>& box,
 // faces will do; planes may repeat.
 //   Everything() if the planes do not close a volume, wherever they are; else
 //   Empty() if nothing lies in front of all.
-//   Throws if the pointer to the planes is null or misaligned.
+//   Throws unless there are six planes, or if the pointer to them is null or
+//   misaligned.
 //   Within 1 ulp. Cost: about 25 us, and up to ten times that where more than
 //   three planes meet in a point, or nearly.
-HALFSPACE_API Aabo3 BoundFrustum(std::span<const HalfSpace3, 6> planes,
+HALFSPACE_API Aabo3 BoundFrustum(Span<const HalfSpace3> planes,
                                  FitStatus* status = nullptr);
 
 // Bounds the image of a point set, or of a box, under an affine map, as if it

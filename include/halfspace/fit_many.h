@@ -47,7 +47,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
+#include <iterator>
+#include <type_traits>
+#include <utility>
 
 #include "halfspace/bounds.h"
 #include "halfspace/detail/bulk.h"
@@ -55,6 +57,7 @@
 #include "halfspace/fit_status.h"
 #include "halfspace/planes.h"
 #include "halfspace/shapes.h"
+#include "halfspace/span.h"
 #include "halfspace/targets.h"
 #include "halfspace/world.h"
 
@@ -75,15 +78,22 @@ struct FitOptions {
 
 // The boxes of an array of structures.
 template <int kDims>
-Boxes<kDims> BoxesOf(std::span<const Aabb<kDims>> boxes) {
+Boxes<kDims> BoxesOf(Span<const Aabb<kDims>> boxes) {
   static_assert(sizeof(Aabb<kDims>) == 2 * kDims * sizeof(float));
-  Boxes<kDims> columns{.count = boxes.size(), .stride = 2 * kDims};
+  Boxes<kDims> columns;
+  columns.count = boxes.size();
+  columns.stride = 2 * kDims;
   if (boxes.empty()) return columns;
   for (std::size_t k = 0; k < kDims; ++k) {
     columns.min[k] = boxes.front().min.data() + k;
     columns.max[k] = boxes.front().max.data() + k;
   }
   return columns;
+}
+template <typename List, typename Box = std::remove_reference_t<
+                             decltype(*std::data(std::declval<const List&>()))>>
+Boxes<Box::kDimensions> BoxesOf(const List& boxes) {
+  return BoxesOf<Box::kDimensions>(boxes);
 }
 
 // The boxes of a world: an AabbWorld or its view, or the aabb() of an AaboView.
@@ -97,7 +107,7 @@ Boxes<kDims> BoxesOf(const World<AabbView<kDims>>& world) {
 }
 
 // Bounds boxes. X, Y, Z are copied.
-template <detail::PlanesOfFloats Planes>
+template <typename Planes, typename = detail::IfOfFloats<Planes>>
 Target BoundBoxes(const Boxes<Planes::kDimensions>& boxes, const Planes& planes,
                   const FitOptions& options = {}, FitStatus* status = nullptr) {
   return detail::BoundBoxes(detail::SourceOf<detail::kFitBoxes>(boxes),
@@ -109,7 +119,7 @@ Target BoundBoxes(const Boxes<Planes::kDimensions>& boxes, const Planes& planes,
 // with `tightest`, by less than 2^-100 of the radius. So it is off by no more
 // than 1 ulp plus that much, which is more than an ulp only where D all but
 // cancels.
-template <detail::PlanesOfFloats Planes>
+template <typename Planes, typename = detail::IfOfFloats<Planes>>
 Target BoundSpheres(const Spheres<Planes::kDimensions>& spheres,
                     const Planes& planes, const FitOptions& options = {},
                     FitStatus* status = nullptr) {
@@ -121,19 +131,19 @@ Target BoundSpheres(const Spheres<Planes::kDimensions>& spheres,
 // vertices indices[3 * i], indices[3 * i + 1] and indices[3 * i + 2].
 //   Throws also if indices.size() is not 3 * planes.size. An index that is not
 //   below vertices.count makes its triangle Everything().
-template <detail::PlanesOfFloats Planes>
+template <typename Planes, typename = detail::IfOfFloats<Planes>>
 Target BoundTriangles(const Points<Planes::kDimensions>& vertices,
-                      std::span<const std::uint32_t> indices,
-                      const Planes& planes, const FitOptions& options = {},
+                      Span<const std::uint32_t> indices, const Planes& planes,
+                      const FitOptions& options = {},
                       FitStatus* status = nullptr) {
   return detail::BoundTriangles(
       detail::SourceOf<detail::kFitTriangles>(vertices), indices,
       detail::OutputOf(planes), options, status);
 }
-template <detail::PlanesOfFloats Planes>
+template <typename Planes, typename = detail::IfOfFloats<Planes>>
 Target BoundTriangles(const PointsSoa<Planes::kDimensions>& vertices,
-                      std::span<const std::uint32_t> indices,
-                      const Planes& planes, const FitOptions& options = {},
+                      Span<const std::uint32_t> indices, const Planes& planes,
+                      const FitOptions& options = {},
                       FitStatus* status = nullptr) {
   return detail::BoundTriangles(
       detail::SourceOf<detail::kFitTriangles>(vertices), indices,
@@ -144,18 +154,18 @@ Target BoundTriangles(const PointsSoa<Planes::kDimensions>& vertices,
 // the points ends[i - 1] .. ends[i] - 1, the first one from point 0.
 //   ends.size() is planes.size. An empty set gives Empty(). A set that ends
 //   before it begins, or past points.count, becomes Everything().
-template <detail::PlanesOfFloats Planes>
+template <typename Planes, typename = detail::IfOfFloats<Planes>>
 Target BoundPointSets(const Points<Planes::kDimensions>& points,
-                      std::span<const std::size_t> ends, const Planes& planes,
+                      Span<const std::size_t> ends, const Planes& planes,
                       const FitOptions& options = {},
                       FitStatus* status = nullptr) {
   return detail::BoundPointSets(detail::SourceOf<detail::kFitPointSets>(points),
                                 ends, detail::OutputOf(planes), options,
                                 status);
 }
-template <detail::PlanesOfFloats Planes>
+template <typename Planes, typename = detail::IfOfFloats<Planes>>
 Target BoundPointSets(const PointsSoa<Planes::kDimensions>& points,
-                      std::span<const std::size_t> ends, const Planes& planes,
+                      Span<const std::size_t> ends, const Planes& planes,
                       const FitOptions& options = {},
                       FitStatus* status = nullptr) {
   return detail::BoundPointSets(detail::SourceOf<detail::kFitPointSets>(points),

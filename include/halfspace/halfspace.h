@@ -6,6 +6,7 @@
 //   fit.h      bounds that surely enclose a shape
 //   transform.h  bounds of bounds: merged, inflated, moved, swept
 //   fit_many.h bounds of many shapes at once, in SIMD
+//   span.h     how calls take lists and outputs
 //   world.h    many stored bounds: views and owning arrays
 //   quantized.h    worlds of one or two bytes a plane
 //   reject.h   the tests: masks, index lists, counts
@@ -23,6 +24,7 @@
 #include "halfspace/reject.h"       // IWYU pragma: export
 #include "halfspace/reject_many.h"  // IWYU pragma: export
 #include "halfspace/shapes.h"       // IWYU pragma: export
+#include "halfspace/span.h"         // IWYU pragma: export
 #include "halfspace/targets.h"      // IWYU pragma: export
 #include "halfspace/transform.h"    // IWYU pragma: export
 #include "halfspace/version.h"      // IWYU pragma: export

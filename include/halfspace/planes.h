@@ -23,8 +23,9 @@
 
 namespace halfspace {
 
-template <int kDims, detail::Float32Or64 T = float>
+template <int kDims, typename T = float>
 struct SimplexPlanes {
+  static_assert(detail::kIsFloat32Or64<T>, "floats or doubles");
   using Scalar = T;
   static constexpr int kDimensions = kDims;
 
@@ -32,8 +33,9 @@ struct SimplexPlanes {
   std::size_t size = 0;
 };
 
-template <int kDims, detail::Float32Or64 T = float>
+template <int kDims, typename T = float>
 struct AabbPlanes {
+  static_assert(detail::kIsFloat32Or64<T>, "floats or doubles");
   using Scalar = T;
   static constexpr int kDimensions = kDims;
 
@@ -42,8 +44,9 @@ struct AabbPlanes {
   std::size_t size = 0;
 };
 
-template <int kDims, detail::Float32Or64 T = float>
+template <int kDims, typename T = float>
 struct AaboPlanes {
+  static_assert(detail::kIsFloat32Or64<T>, "floats or doubles");
   using Scalar = T;
   static constexpr int kDimensions = kDims;
 

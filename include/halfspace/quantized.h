@@ -38,7 +38,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -46,6 +45,7 @@
 #include "halfspace/detail/block_memory.h"
 #include "halfspace/detail/quantized_scan.h"
 #include "halfspace/detail/quantizer.h"
+#include "halfspace/span.h"
 #include "halfspace/world.h"
 
 namespace halfspace {
@@ -99,7 +99,7 @@ class QuantizedBounds {
   void Requantize(const World<FloatView>& floats) { Requantize(floats.view()); }
 
   // The same for bounds in a list.
-  void Requantize(std::span<const Bound> bounds) {
+  void Requantize(Span<const Bound> bounds) {
     planes_.Requantize(detail::ColumnsOf(bounds));
   }
 
@@ -173,8 +173,7 @@ class QuantizedWorld {
   using Bound = typename FloatView::Bound;
   using Query = typename FloatView::Query;
   using Element = ElementType;
-  using View =
-      detail::RefinedView<FloatView, ElementType, std::span<const Bound>>;
+  using View = detail::RefinedView<FloatView, ElementType, Span<const Bound>>;
 
   QuantizedWorld() = default;
   QuantizedWorld(const QuantizedWorld& other) = default;
@@ -206,7 +205,7 @@ class QuantizedWorld {
   }
   explicit QuantizedWorld(const World<FloatView>& floats)
       : QuantizedWorld(floats.view()) {}
-  explicit QuantizedWorld(std::span<const Bound> bounds)
+  explicit QuantizedWorld(Span<const Bound> bounds)
       : records_(bounds.begin(), bounds.end()) {
     Requantize();
   }
@@ -257,7 +256,7 @@ class QuantizedWorld {
   // As in Quantized bounds: O(1), and O(size).
   bool Fits() const { return quantized_.Fits(); }
   void Requantize() {
-    quantized_.Requantize(std::span<const Bound>(records_));
+    quantized_.Requantize(Span<const Bound>(records_));
     trained_ = size();
     pushes_left_ = 0;
   }

@@ -57,10 +57,10 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <span>
 
 #include "halfspace/bounds.h"
 #include "halfspace/detail/scan.h"
+#include "halfspace/span.h"
 #include "halfspace/targets.h"
 #include "halfspace/world.h"
 
@@ -107,7 +107,7 @@ constexpr std::size_t MaskWords(std::size_t objects) {
 //   mask  at least MaskWords(objects of the range) words
 template <typename AnyWorld>
 void RejectMask(const AnyWorld& world, const typename AnyWorld::Query& query,
-                std::span<std::uint64_t> mask, const Options& options = {}) {
+                Span<std::uint64_t> mask, const Options& options = {}) {
   detail::RejectMask(detail::ScanOfOne(world, query), mask, options);
 }
 
@@ -115,7 +115,7 @@ void RejectMask(const AnyWorld& world, const typename AnyWorld::Query& query,
 //   mask  at least MaskWords(objects of the range) words
 template <typename AnyWorld>
 void SurvivorMask(const AnyWorld& world, const typename AnyWorld::Query& query,
-                  std::span<std::uint64_t> mask, const Options& options = {}) {
+                  Span<std::uint64_t> mask, const Options& options = {}) {
   detail::SurvivorMask(detail::ScanOfOne(world, query), mask, options);
 }
 
@@ -125,7 +125,7 @@ void SurvivorMask(const AnyWorld& world, const typename AnyWorld::Query& query,
 template <typename AnyWorld>
 [[nodiscard]] std::size_t Survivors(const AnyWorld& world,
                                     const typename AnyWorld::Query& query,
-                                    std::span<std::uint32_t> indices,
+                                    Span<std::uint32_t> indices,
                                     const Options& options = {}) {
   return detail::Survivors(detail::ScanOfOne(world, query), indices, options);
 }

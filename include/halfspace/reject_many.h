@@ -25,11 +25,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <type_traits>
 
 #include "halfspace/detail/scan.h"
 #include "halfspace/reject.h"
+#include "halfspace/span.h"
 #include "halfspace/targets.h"
 
 namespace halfspace {
@@ -40,16 +40,16 @@ namespace halfspace {
 // Throws also if options.row_words is neither 0 nor enough for a row.
 template <typename AnyWorld>
 void RejectMasks(const AnyWorld& world,
-                 std::span<const typename AnyWorld::Query> queries,
-                 std::span<std::uint64_t> rows, const Options& options = {}) {
+                 Span<const typename AnyWorld::Query> queries,
+                 Span<std::uint64_t> rows, const Options& options = {}) {
   detail::RejectMasks(detail::ScanOf(world, queries), rows, options);
 }
 
 // The same with survivor masks.
 template <typename AnyWorld>
 void SurvivorMasks(const AnyWorld& world,
-                   std::span<const typename AnyWorld::Query> queries,
-                   std::span<std::uint64_t> rows, const Options& options = {}) {
+                   Span<const typename AnyWorld::Query> queries,
+                   Span<std::uint64_t> rows, const Options& options = {}) {
   detail::SurvivorMasks(detail::ScanOf(world, queries), rows, options);
 }
 
@@ -60,9 +60,9 @@ void SurvivorMasks(const AnyWorld& world,
 // overlap.
 template <typename AnyWorld>
 [[nodiscard]] std::size_t SurvivorPairs(
-    const AnyWorld& world, std::span<const typename AnyWorld::Query> queries,
-    std::span<std::uint32_t> query_indices,
-    std::span<std::uint32_t> object_indices, const Options& options = {}) {
+    const AnyWorld& world, Span<const typename AnyWorld::Query> queries,
+    Span<std::uint32_t> query_indices, Span<std::uint32_t> object_indices,
+    const Options& options = {}) {
   return detail::SurvivorPairs(detail::ScanOf(world, queries), query_indices,
                                object_indices, options);
 }
@@ -71,9 +71,8 @@ template <typename AnyWorld>
 // has room for all.
 template <typename AnyWorld>
 void SurvivorCounts(const AnyWorld& world,
-                    std::span<const typename AnyWorld::Query> queries,
-                    std::span<std::size_t> counts,
-                    const Options& options = {}) {
+                    Span<const typename AnyWorld::Query> queries,
+                    Span<std::size_t> counts, const Options& options = {}) {
   detail::SurvivorCounts(detail::ScanOf(world, queries), counts, options);
 }
 
@@ -86,7 +85,7 @@ struct SurvivorTile {
 
   // The survivor mask of query first_query + q: bit 0 of word 0 is
   // first_object. Valid during the call that gives it.
-  std::span<const std::uint64_t> Row(std::size_t q) const {
+  Span<const std::uint64_t> Row(std::size_t q) const {
     return {rows + q * stride, MaskWords(objects)};
   }
 
@@ -101,7 +100,7 @@ struct SurvivorTile {
 // through.
 template <typename AnyWorld, typename Function>
 void ForEachTile(const AnyWorld& world,
-                 std::span<const typename AnyWorld::Query> queries,
+                 Span<const typename AnyWorld::Query> queries,
                  Function&& function, const Options& options = {}) {
   // Also of what no pointer to data can name: a function.
   auto call = [&function](const SurvivorTile& tile) {

@@ -29,11 +29,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 
 #include "halfspace/export.h"
+#include "halfspace/span.h"
 
 namespace halfspace {
 
@@ -59,7 +59,10 @@ class Target {
     return target;
   }
 
-  friend constexpr bool operator==(Target, Target) = default;
+  friend constexpr bool operator==(Target a, Target b) {
+    return a.highway_bit_ == b.highway_bit_;
+  }
+  friend constexpr bool operator!=(Target a, Target b) { return !(a == b); }
 
  private:
   std::int64_t highway_bit_ = 0;
@@ -86,11 +89,11 @@ HALFSPACE_API TargetChoiceView ViewTargetChoice();
 }  // namespace detail
 
 // Every target in this build, best first. The span lives for ever.
-HALFSPACE_API std::span<const Target> CompiledTargets();
+HALFSPACE_API Span<const Target> CompiledTargets();
 
 // Those of CompiledTargets() that this CPU and system run, best first. The span
 // lives for ever and is never empty.
-HALFSPACE_API std::span<const Target> SupportedTargets();
+HALFSPACE_API Span<const Target> SupportedTargets();
 
 // The target that calls without an explicit one use. Throws
 // std::invalid_argument if HALFSPACE_TARGET cannot be honoured.

@@ -27,8 +27,6 @@
 #ifndef HALFSPACE_TRANSFORM_H_
 #define HALFSPACE_TRANSFORM_H_
 
-#include <concepts>
-
 #include "halfspace/bounds.h"
 #include "halfspace/export.h"
 #include "halfspace/fit_status.h"
@@ -112,29 +110,28 @@ HALFSPACE_API UpSimplex<kDims> Circumscribe(const DownSimplex<kDims>& simplex,
                                             FitStatus* status = nullptr);
 
 // Bounds of doubles are refused by the compiler, not by the linker.
-namespace detail {
-template <typename Bound>
-concept BoundOfDoubles = std::same_as<typename Bound::Scalar, double>;
-}  // namespace detail
-
-template <detail::BoundOfDoubles Bound>
-Bound Merge(const Bound& a, const Bound& b,
-            FitStatus* status = nullptr) = delete;
-template <detail::BoundOfDoubles Bound>
-Bound Inflate(const Bound& bound, float radius,
-              FitStatus* status = nullptr) = delete;
-template <detail::BoundOfDoubles Bound>
-Bound InflateByBox(const Bound& bound, float margin,
-                   FitStatus* status = nullptr) = delete;
-template <detail::BoundOfDoubles Bound>
-Bound Translate(const Bound& bound, const Point<Bound::kDimensions>& by,
-                FitStatus* status = nullptr) = delete;
-template <detail::BoundOfDoubles Bound>
-Bound Scale(const Bound& bound, float factor,
-            FitStatus* status = nullptr) = delete;
-template <detail::BoundOfDoubles Bound>
-Bound Sweep(const Bound& bound, const Point<Bound::kDimensions>& motion,
-            FitStatus* status = nullptr) = delete;
+template <template <int, typename> class Bound, int kDims>
+Bound<kDims, double> Merge(const Bound<kDims, double>& a,
+                           const Bound<kDims, double>& b,
+                           FitStatus* status = nullptr) = delete;
+template <template <int, typename> class Bound, int kDims>
+Bound<kDims, double> Inflate(const Bound<kDims, double>& bound, float radius,
+                             FitStatus* status = nullptr) = delete;
+template <template <int, typename> class Bound, int kDims>
+Bound<kDims, double> InflateByBox(const Bound<kDims, double>& bound,
+                                  float margin,
+                                  FitStatus* status = nullptr) = delete;
+template <template <int, typename> class Bound, int kDims>
+Bound<kDims, double> Translate(const Bound<kDims, double>& bound,
+                               const Point<kDims>& by,
+                               FitStatus* status = nullptr) = delete;
+template <template <int, typename> class Bound, int kDims>
+Bound<kDims, double> Scale(const Bound<kDims, double>& bound, float factor,
+                           FitStatus* status = nullptr) = delete;
+template <template <int, typename> class Bound, int kDims>
+Bound<kDims, double> Sweep(const Bound<kDims, double>& bound,
+                           const Point<kDims>& motion,
+                           FitStatus* status = nullptr) = delete;
 
 }  // namespace halfspace
 

@@ -29,15 +29,15 @@
 
 #include <array>
 #include <cstddef>
-#include <span>
 
 #include "halfspace/bounds.h"
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/planes.h"
+#include "halfspace/span.h"
 
 namespace halfspace {
 
-template <int kDims, detail::Float32Or64 T = float>
+template <int kDims, typename T = float>
 struct SimplexView {
   using Bound = UpSimplex<kDims, T>;
   using Query = DownSimplex<kDims, T>;
@@ -49,7 +49,7 @@ struct SimplexView {
   const SimplexView& view() const { return *this; }
 };
 
-template <int kDims, detail::Float32Or64 T = float>
+template <int kDims, typename T = float>
 struct AabbView {
   using Bound = Aabb<kDims, T>;
   using Query = Aabb<kDims, T>;
@@ -62,7 +62,7 @@ struct AabbView {
   const AabbView& view() const { return *this; }
 };
 
-template <int kDims, detail::Float32Or64 T = float>
+template <int kDims, typename T = float>
 struct AaboView {
   using Bound = Aabo<kDims, T>;
   using Query = Aabo<kDims, T>;
@@ -123,7 +123,7 @@ class World {
   World() : planes_(detail::Planes(Bound::Empty())) {}
 
   // Builds a world of the given bounds, in order.
-  explicit World(std::span<const Bound> bounds) : World() { Assign(bounds); }
+  explicit World(Span<const Bound> bounds) : World() { Assign(bounds); }
 
   std::size_t size() const { return planes_.size(); }
   std::size_t capacity() const { return planes_.capacity(); }
@@ -158,7 +158,7 @@ class World {
 
   // Replaces the content by the given bounds, in order. They may not be part
   // of this world's memory.
-  void Assign(std::span<const Bound> bounds) {
+  void Assign(Span<const Bound> bounds) {
     planes_.Reserve(bounds.size());
     planes_.Clear();
     for (const Bound& bound : bounds) Push(bound);

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
-#include <span>
+#include <string>
 
 #include "halfspace/fit.h"
 #include "kernels/exact/default_fp_mode.h"
@@ -27,7 +27,7 @@ using kernels::SumExactly;
 constexpr std::size_t kPlanes = 6;
 constexpr std::size_t kTerms = 12;  // of a determinant: six products, two each
 
-using Planes = std::span<const HalfSpace3, kPlanes>;
+using Planes = Span<const HalfSpace3>;
 using Terms = std::array<double, kTerms>;
 using Column = std::array<float, 3>;
 
@@ -206,6 +206,10 @@ std::optional<Aabo3> TryFrustum(Planes planes) {
 }  // namespace
 
 Aabo3 BoundFrustum(Planes planes, FitStatus* status) {
+  if (planes.size() != kPlanes) {
+    kernels::ThrowInvalid("BoundFrustum", "planes", "6 planes",
+                          std::to_string(planes.size()));
+  }
   kernels::CheckPointer(
       "BoundFrustum", planes.data(), alignof(HalfSpace3),
       [] { return "planes"; }, [] { return "6 planes"; });

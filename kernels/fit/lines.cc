@@ -2,7 +2,6 @@
 #include <array>
 #include <cstddef>
 #include <optional>
-#include <span>
 #include <string>
 #include <type_traits>
 
@@ -78,7 +77,7 @@ Aabo<kDims> BoundPointAlong(const Segment<kDims>& segment, std::size_t i,
 }
 
 template <int kDims>
-void WritePieces(const Segment<kDims>& segment, std::span<Aabo<kDims>> pieces,
+void WritePieces(const Segment<kDims>& segment, Span<Aabo<kDims>> pieces,
                  FitStatus* status) {
   const bool can_be_bounded =
       CanBeBounded(segment.a) && CanBeBounded(segment.b);
@@ -104,7 +103,7 @@ Aabo<kDims> BoundRay(const Ray<kDims>& ray, FitStatus* status) {
 
 template <int kDims>
 void BoundSegmentPieces(const Segment<kDims>& segment,
-                        std::type_identity_t<std::span<Aabo<kDims>>> pieces,
+                        std::decay_t<Span<Aabo<kDims>>> pieces,
                         FitStatus* status) {
   if (pieces.size() > kMostPieces) {
     kernels::ThrowInvalid("BoundSegmentPieces", "pieces", "at most 2^24 pieces",
@@ -118,10 +117,10 @@ void BoundSegmentPieces(const Segment<kDims>& segment,
   InDefaultFpMode([&] { WritePieces(segment, pieces, status); });
 }
 
-#define HALFSPACE_INSTANTIATE(d)                                      \
-  template HALFSPACE_API Aabo<d> BoundRay(const Ray<d>&, FitStatus*); \
-  template HALFSPACE_API void BoundSegmentPieces<d>(                  \
-      const Segment<d>&, std::span<Aabo<d>>, FitStatus*)
+#define HALFSPACE_INSTANTIATE(d)                                       \
+  template HALFSPACE_API Aabo<d> BoundRay(const Ray<d>&, FitStatus*);  \
+  template HALFSPACE_API void BoundSegmentPieces<d>(const Segment<d>&, \
+                                                    Span<Aabo<d>>, FitStatus*)
 HALFSPACE_INSTANTIATE(2);
 HALFSPACE_INSTANTIATE(3);
 HALFSPACE_INSTANTIATE(4);

@@ -2,7 +2,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 
 #include "halfspace/fit.h"
@@ -47,8 +46,7 @@ Aabo<kDims> BoundHull(const Source& points, FitStatus* status) {
 
 template <int kDims, typename Source>
 Aabo<kDims> BoundIndexed(const Source& points,
-                         std::span<const std::uint32_t> indices,
-                         FitStatus* status) {
+                         Span<const std::uint32_t> indices, FitStatus* status) {
   if (!indices.empty()) {
     kernels::CheckPointer(
         "BoundPoints", indices.data(), alignof(std::uint32_t),
@@ -91,15 +89,13 @@ Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
 
 template <int kDims>
 Aabo<kDims> BoundPoints(const Points<kDims>& points,
-                        std::span<const std::uint32_t> indices,
-                        FitStatus* status) {
+                        Span<const std::uint32_t> indices, FitStatus* status) {
   return BoundIndexed<kDims>(points, indices, status);
 }
 
 template <int kDims>
 Aabo<kDims> BoundPoints(const PointsSoa<kDims>& points,
-                        std::span<const std::uint32_t> indices,
-                        FitStatus* status) {
+                        Span<const std::uint32_t> indices, FitStatus* status) {
   return BoundIndexed<kDims>(points, indices, status);
 }
 
@@ -131,9 +127,9 @@ Aabo<kDims> BoundTriangle(const Triangle<kDims>& triangle, FitStatus* status) {
   template HALFSPACE_API Aabo<d> BoundPoints(const PointsSoa<d, double>&,      \
                                              FitStatus*);                      \
   template HALFSPACE_API Aabo<d> BoundPoints(                                  \
-      const Points<d>&, std::span<const std::uint32_t>, FitStatus*);           \
+      const Points<d>&, Span<const std::uint32_t>, FitStatus*);                \
   template HALFSPACE_API Aabo<d> BoundPoints(                                  \
-      const PointsSoa<d>&, std::span<const std::uint32_t>, FitStatus*);        \
+      const PointsSoa<d>&, Span<const std::uint32_t>, FitStatus*);             \
   template HALFSPACE_API Aabo<d> BoundSegment(const Segment<d>&, FitStatus*);  \
   template HALFSPACE_API Aabo<d> BoundTriangle(const Triangle<d>&, FitStatus*)
 HALFSPACE_INSTANTIATE(2);

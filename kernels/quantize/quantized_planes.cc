@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -56,7 +57,7 @@ void QuantizedPlanes<Stored>::Requantize(const FloatColumns& floats) {
 }
 
 template <typename Stored>
-auto QuantizedPlanes<Stored>::Encoded(std::span<const float> values) const
+auto QuantizedPlanes<Stored>::Encoded(Span<const float> values) const
     -> Values {
   Values levels{};
   quantizer_.EncodeObject(values.data(), levels.data());
@@ -64,14 +65,13 @@ auto QuantizedPlanes<Stored>::Encoded(std::span<const float> values) const
 }
 
 template <typename Stored>
-std::size_t QuantizedPlanes<Stored>::Push(std::span<const float> values) {
+std::size_t QuantizedPlanes<Stored>::Push(Span<const float> values) {
   const Values levels = Encoded(values);
   return levels_.Push(std::span(levels).first(values.size()));
 }
 
 template <typename Stored>
-void QuantizedPlanes<Stored>::Set(std::size_t index,
-                                  std::span<const float> values) {
+void QuantizedPlanes<Stored>::Set(std::size_t index, Span<const float> values) {
   CheckIndex(index, "QuantizedBounds::Set");
   const Values levels = Encoded(values);
   levels_.Set(index, std::span(levels).first(values.size()));

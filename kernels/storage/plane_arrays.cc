@@ -29,8 +29,7 @@ constexpr const char* kOwner =
 }  // namespace
 
 template <typename T>
-PlaneArrays<T>::PlaneArrays(std::span<const T> padding)
-    : planes_(padding.size()) {
+PlaneArrays<T>::PlaneArrays(Span<const T> padding) : planes_(padding.size()) {
   std::copy(padding.begin(), padding.end(), padding_.begin());
 }
 
@@ -120,7 +119,7 @@ void PlaneArrays<T>::Write(std::size_t index, const T* values) {
 }
 
 template <typename T>
-std::size_t PlaneArrays<T>::Push(std::span<const T> values) {
+std::size_t PlaneArrays<T>::Push(Span<const T> values) {
   if (size_ == capacity_) Grow(std::max(kGroup, 2 * capacity_));
   Write(size_, values.data());
   return size_++;
@@ -135,13 +134,13 @@ void PlaneArrays<T>::CheckIndex(std::size_t index, const char* call) const {
 }
 
 template <typename T>
-void PlaneArrays<T>::Set(std::size_t index, std::span<const T> values) {
+void PlaneArrays<T>::Set(std::size_t index, Span<const T> values) {
   CheckIndex(index, "World::Set");
   Write(index, values.data());
 }
 
 template <typename T>
-void PlaneArrays<T>::Get(std::size_t index, std::span<T> values) const {
+void PlaneArrays<T>::Get(std::size_t index, Span<T> values) const {
   CheckIndex(index, "World::Get");
   for (std::size_t p = 0; p < planes_; ++p) values[p] = plane(p)[index];
 }

@@ -1,14 +1,15 @@
 # Compiles HEADER alone (twice in a row, as its guard allows) with COMPILER and
-# the INCLUDES, and fails on any warning, or if Highway came along.
+# the INCLUDES, in each language it is written in, and fails on any warning, or if
+# Highway came along.
 
 set(source "${OUTPUT}.cc")
 set(dependencies "${OUTPUT}.d")
 file(WRITE "${source}" "#include \"${HEADER}\"\n#include \"${HEADER}\"\n")
 list(REMOVE_ITEM INCLUDES "")
 list(TRANSFORM INCLUDES PREPEND "-I")
-set(compile ${COMPILER} -std=c++20 ${INCLUDES} "${source}")
+set(compile ${COMPILER} ${INCLUDES} "${source}")
 
-execute_process(COMMAND ${compile} -M -MF "${dependencies}"
+execute_process(COMMAND ${compile} -std=c++17 -M -MF "${dependencies}"
                 COMMAND_ERROR_IS_FATAL ANY)
 file(READ "${dependencies}" files)
 string(FIND "${files}" "${HEADER}" found)
@@ -19,10 +20,12 @@ if(files MATCHES "[^ \n]*/hwy/[^ \n]*")
   message(FATAL_ERROR "${HEADER} includes Highway: ${CMAKE_MATCH_0}")
 endif()
 
-execute_process(
-  COMMAND ${compile} -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-          -Wsign-conversion -Werror -c -o "${OUTPUT}.o"
-  RESULT_VARIABLE result)
-if(result)
-  message(FATAL_ERROR "${HEADER} does not compile alone")
-endif()
+foreach(standard c++17 c++20)
+  execute_process(
+    COMMAND ${compile} -std=${standard} -Wall -Wextra -Wpedantic -Wshadow
+            -Wconversion -Wsign-conversion -Werror -c -o "${OUTPUT}.o"
+    RESULT_VARIABLE result)
+  if(result)
+    message(FATAL_ERROR "${HEADER} does not compile alone as ${standard}")
+  endif()
+endforeach()

@@ -1,4 +1,5 @@
-# Every public header compiles alone, pedantically, without Highway.
+# Every public header compiles alone, as C++17 and as C++20, pedantically, without
+# Highway.
 
 set(public_includes "${PROJECT_SOURCE_DIR}/include")
 file(GLOB_RECURSE public_headers CONFIGURE_DEPENDS

@@ -30,8 +30,12 @@ struct BlockAllocator {
   void deallocate(T* block, std::size_t count) {
     FreeBlock(block, count * sizeof(T));
   }
-  friend bool operator==(const BlockAllocator&,
-                         const BlockAllocator&) = default;
+  friend bool operator==(const BlockAllocator&, const BlockAllocator&) {
+    return true;
+  }
+  friend bool operator!=(const BlockAllocator&, const BlockAllocator&) {
+    return false;
+  }
 };
 
 }  // namespace halfspace::detail

@@ -5,16 +5,16 @@
 #define HALFSPACE_DETAIL_BULK_H_
 
 #include <array>
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <span>
+#include <type_traits>
 
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/export.h"
 #include "halfspace/fit_status.h"
 #include "halfspace/planes.h"
 #include "halfspace/shapes.h"
+#include "halfspace/span.h"
 #include "halfspace/targets.h"
 
 namespace halfspace {
@@ -61,7 +61,8 @@ struct Source {
 
 // The builders give floats: planes of doubles are the caller's to fill.
 template <typename Planes>
-concept PlanesOfFloats = std::same_as<typename Planes::Scalar, float>;
+using IfOfFloats =
+    std::enable_if_t<std::is_same_v<typename Planes::Scalar, float>>;
 
 // The planes of an Aabo, all minima, then all maxima; those that are not wanted
 // are null, and their bit in `wanted` is 0.
@@ -79,10 +80,11 @@ struct Output {
 
 template <FitSource kSource, int kDims>
 Source SourceOf(const Boxes<kDims>& boxes) {
-  Source source{.kernels = FitKernelsOf<kSource, kDims>::kTargets,
-                .dims = kDims,
-                .count = boxes.count,
-                .stride = boxes.stride};
+  Source source;
+  source.kernels = FitKernelsOf<kSource, kDims>::kTargets;
+  source.dims = kDims;
+  source.count = boxes.count;
+  source.stride = boxes.stride;
   for (const float* column : boxes.min) {
     source.columns[source.column_count++] = column;
   }
@@ -94,10 +96,11 @@ Source SourceOf(const Boxes<kDims>& boxes) {
 
 template <FitSource kSource, int kDims>
 Source SourceOf(const Spheres<kDims>& spheres) {
-  Source source{.kernels = FitKernelsOf<kSource, kDims>::kTargets,
-                .dims = kDims,
-                .count = spheres.count,
-                .stride = spheres.stride};
+  Source source;
+  source.kernels = FitKernelsOf<kSource, kDims>::kTargets;
+  source.dims = kDims;
+  source.count = spheres.count;
+  source.stride = spheres.stride;
   for (const float* column : spheres.center) {
     source.columns[source.column_count++] = column;
   }
@@ -107,11 +110,12 @@ Source SourceOf(const Spheres<kDims>& spheres) {
 
 template <FitSource kSource, int kDims>
 Source SourceOf(const Points<kDims>& points) {
-  Source source{.kernels = FitKernelsOf<kSource, kDims>::kTargets,
-                .dims = kDims,
-                .count = points.count,
-                .stride = points.stride,
-                .has_one_pointer = true};
+  Source source;
+  source.kernels = FitKernelsOf<kSource, kDims>::kTargets;
+  source.dims = kDims;
+  source.count = points.count;
+  source.stride = points.stride;
+  source.has_one_pointer = true;
   for (std::size_t k = 0; k < kDims; ++k) {
     source.columns[source.column_count++] =
         points.coords == nullptr ? nullptr : points.coords + k;
@@ -121,9 +125,10 @@ Source SourceOf(const Points<kDims>& points) {
 
 template <FitSource kSource, int kDims>
 Source SourceOf(const PointsSoa<kDims>& points) {
-  Source source{.kernels = FitKernelsOf<kSource, kDims>::kTargets,
-                .dims = kDims,
-                .count = points.count};
+  Source source;
+  source.kernels = FitKernelsOf<kSource, kDims>::kTargets;
+  source.dims = kDims;
+  source.count = points.count;
   for (const float* column : points.coords) {
     source.columns[source.column_count++] = column;
   }
@@ -139,7 +144,9 @@ constexpr std::size_t MaxPlane(std::size_t axis) {
 // Simplex, AABB and AABO planes: those that the type has.
 template <typename Planes>
 constexpr Output OutputOf(const Planes& planes) {
-  Output output{.dims = Planes::kDimensions, .size = planes.size};
+  Output output;
+  output.dims = Planes::kDimensions;
+  output.size = planes.size;
   for (std::size_t k = 0; k < planes.min.size(); ++k) {
     output.Want(k, planes.min[k]);
     if constexpr (HasMax<Planes>) {
@@ -151,7 +158,9 @@ constexpr Output OutputOf(const Planes& planes) {
 
 template <int kDims>
 constexpr Output OutputOf(const DPlanes<kDims>& planes) {
-  Output output{.dims = kDims, .size = planes.size};
+  Output output;
+  output.dims = kDims;
+  output.size = planes.size;
   output.Want(kDims, planes.min);
   output.Want(MaxPlane<kDims>(kDims), planes.max);
   return output;
@@ -162,12 +171,12 @@ HALFSPACE_API Target BoundBoxes(const Source& boxes, const Output& output,
 HALFSPACE_API Target BoundSpheres(const Source& spheres, const Output& output,
                                   const FitOptions& options, FitStatus* status);
 HALFSPACE_API Target BoundTriangles(const Source& vertices,
-                                    std::span<const std::uint32_t> indices,
+                                    Span<const std::uint32_t> indices,
                                     const Output& output,
                                     const FitOptions& options,
                                     FitStatus* status);
 HALFSPACE_API Target BoundPointSets(const Source& points,
-                                    std::span<const std::size_t> ends,
+                                    Span<const std::size_t> ends,
                                     const Output& output,
                                     const FitOptions& options,
                                     FitStatus* status);

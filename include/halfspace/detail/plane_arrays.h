@@ -6,22 +6,23 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
+#include <type_traits>
 
 #include "halfspace/export.h"
+#include "halfspace/span.h"
 
 namespace halfspace::detail {
 
 inline constexpr std::size_t kMaxPlanes = 10;  // Aabo<4>
 
+template <typename Bound, typename = void>
+inline constexpr bool HasMin = false;
 template <typename Bound>
-concept HasMin = requires(Bound b) {
-  b.min;
-};
+inline constexpr bool HasMin<Bound, std::void_t<decltype(Bound::min)>> = true;
+template <typename Bound, typename = void>
+inline constexpr bool HasMax = false;
 template <typename Bound>
-concept HasMax = requires(Bound b) {
-  b.max;
-};
+inline constexpr bool HasMax<Bound, std::void_t<decltype(Bound::max)>> = true;
 
 template <typename Bound>
 inline constexpr std::size_t kPlaneCount =
@@ -71,7 +72,7 @@ struct FloatColumns {
 template <typename T>
 class HALFSPACE_API PlaneArrays {
  public:
-  explicit PlaneArrays(std::span<const T> padding);
+  explicit PlaneArrays(Span<const T> padding);
   PlaneArrays(const PlaneArrays& other);
   PlaneArrays(PlaneArrays&& other) noexcept;
   PlaneArrays& operator=(const PlaneArrays& other);
@@ -84,9 +85,9 @@ class HALFSPACE_API PlaneArrays {
   const T* plane(std::size_t p) const { return data_ + p * stride_; }
 
   void Reserve(std::size_t objects);
-  std::size_t Push(std::span<const T> values);
-  void Set(std::size_t index, std::span<const T> values);
-  void Get(std::size_t index, std::span<T> values) const;
+  std::size_t Push(Span<const T> values);
+  void Set(std::size_t index, Span<const T> values);
+  void Get(std::size_t index, Span<T> values) const;
   void EraseBySwap(std::size_t index);
   void Resize(std::size_t objects);
   void Clear();

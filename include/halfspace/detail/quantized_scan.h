@@ -4,11 +4,11 @@
 #define HALFSPACE_DETAIL_QUANTIZED_SCAN_H_
 
 #include <cstddef>
-#include <span>
 #include <type_traits>
 
 #include "halfspace/detail/quantizer.h"
 #include "halfspace/detail/scan.h"
+#include "halfspace/span.h"
 
 namespace halfspace::detail {
 
@@ -31,7 +31,7 @@ FloatColumns ColumnsOf(const View& floats) {
 }
 
 template <typename Bound>
-FloatColumns ColumnsOf(std::span<const Bound> records) {
+FloatColumns ColumnsOf(Span<const Bound> records) {
   constexpr std::size_t kValues = kPlaneCount<Bound>;
   static_assert(std::is_standard_layout_v<Bound> &&
                     sizeof(Bound) == kValues * sizeof(float),
@@ -91,7 +91,7 @@ void EncodeQueries(const Scan& scan, std::size_t first, std::size_t count,
 
 template <typename FloatView, typename Element>
 Scan MakeScan(const QuantizedView<FloatView, Element>& view,
-              std::span<const typename FloatView::Query> queries) {
+              Span<const typename FloatView::Query> queries) {
   using Bound = typename FloatView::Bound;
   Scan scan = ScanOfQueries<FloatView>(queries);
   const auto& quantized = view.planes();
@@ -110,7 +110,7 @@ Scan MakeScan(const QuantizedView<FloatView, Element>& view,
 
 template <typename FloatView, typename Element, typename Floats>
 Scan MakeScan(const RefinedView<FloatView, Element, Floats>& view,
-              std::span<const typename FloatView::Query> queries) {
+              Span<const typename FloatView::Query> queries) {
   Scan scan = MakeScan(view.quantized, queries);
   scan.is_refined = true;
   scan.floats = ColumnsOf(view.floats);

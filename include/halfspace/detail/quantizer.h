@@ -8,11 +8,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <type_traits>
 
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/export.h"
+#include "halfspace/span.h"
 
 namespace halfspace::detail {
 
@@ -115,8 +115,8 @@ class HALFSPACE_API QuantizedPlanes {
 
   void Requantize(const FloatColumns& floats);
   void Reserve(std::size_t objects) { levels_.Reserve(objects); }
-  std::size_t Push(std::span<const float> values);
-  void Set(std::size_t index, std::span<const float> values);
+  std::size_t Push(Span<const float> values);
+  void Set(std::size_t index, Span<const float> values);
   void EraseBySwap(std::size_t index);
   void CheckIndex(std::size_t index, const char* call) const {
     levels_.CheckIndex(index, call);
@@ -129,7 +129,7 @@ class HALFSPACE_API QuantizedPlanes {
 
  private:
   using Values = std::array<Stored, kMaxPlanes>;
-  Values Encoded(std::span<const float> values) const;
+  Values Encoded(Span<const float> values) const;
   // Of the objects, as parts of one.
   struct Crowd {
     double pairs = 0.0;    // that share a level

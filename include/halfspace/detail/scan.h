@@ -7,12 +7,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <type_traits>
 #include <utility>
 
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/export.h"
+#include "halfspace/span.h"
 #include "halfspace/targets.h"
 #include "halfspace/world.h"
 
@@ -153,7 +153,7 @@ void AddPlanes(std::index_sequence<kPlane...>, const PlaneAt& plane_at,
 
 // A scan of a View's bounds without its planes.
 template <typename View>
-Scan ScanOfQueries(std::span<const typename View::Query> queries) {
+Scan ScanOfQueries(Span<const typename View::Query> queries) {
   using Bound = typename View::Bound;
   using Query = typename View::Query;
   using Scalar = typename Query::Scalar;
@@ -175,7 +175,7 @@ Scan ScanOfQueries(std::span<const typename View::Query> queries) {
 }
 
 template <typename View>
-Scan MakeScan(const View& view, std::span<const typename View::Query> queries) {
+Scan MakeScan(const View& view, Span<const typename View::Query> queries) {
   using Bound = typename View::Bound;
   Scan scan = ScanOfQueries<View>(queries);
   scan.all_kernels = KernelsOf<Bound::kAxes, typename Bound::Scalar>::kTargets;
@@ -192,39 +192,38 @@ Scan MakeScan(const View& view, std::span<const typename View::Query> queries) {
 // argument-dependent lookup.
 template <typename AnyWorld>
 Scan ScanOf(const AnyWorld& world,
-            std::span<const typename AnyWorld::Query> queries) {
+            Span<const typename AnyWorld::Query> queries) {
   return MakeScan(world.view(), queries);
 }
 template <typename AnyWorld>
 Scan ScanOfOne(const AnyWorld& world, const typename AnyWorld::Query& query) {
   return MakeScan(world.view(),
-                  std::span<const typename AnyWorld::Query>(&query, 1));
+                  Span<const typename AnyWorld::Query>(&query, 1));
 }
 
 // What AnySurvivor returns if there is none.
 inline constexpr std::size_t kNoSurvivor = ~std::size_t{0};
 
 // One query.
-HALFSPACE_API void RejectMask(Scan&& scan, std::span<std::uint64_t> mask,
+HALFSPACE_API void RejectMask(Scan&& scan, Span<std::uint64_t> mask,
                               const Options& options);
-HALFSPACE_API void SurvivorMask(Scan&& scan, std::span<std::uint64_t> mask,
+HALFSPACE_API void SurvivorMask(Scan&& scan, Span<std::uint64_t> mask,
                                 const Options& options);
-HALFSPACE_API std::size_t Survivors(Scan&& scan,
-                                    std::span<std::uint32_t> indices,
+HALFSPACE_API std::size_t Survivors(Scan&& scan, Span<std::uint32_t> indices,
                                     const Options& options);
 HALFSPACE_API std::size_t CountSurvivors(Scan&& scan, const Options& options);
 HALFSPACE_API std::size_t AnySurvivor(Scan&& scan, const Options& options);
 
 // Many queries.
-HALFSPACE_API void RejectMasks(Scan&& scan, std::span<std::uint64_t> rows,
+HALFSPACE_API void RejectMasks(Scan&& scan, Span<std::uint64_t> rows,
                                const Options& options);
-HALFSPACE_API void SurvivorMasks(Scan&& scan, std::span<std::uint64_t> rows,
+HALFSPACE_API void SurvivorMasks(Scan&& scan, Span<std::uint64_t> rows,
                                  const Options& options);
 HALFSPACE_API std::size_t SurvivorPairs(Scan&& scan,
-                                        std::span<std::uint32_t> query_indices,
-                                        std::span<std::uint32_t> object_indices,
+                                        Span<std::uint32_t> query_indices,
+                                        Span<std::uint32_t> object_indices,
                                         const Options& options);
-HALFSPACE_API void SurvivorCounts(Scan&& scan, std::span<std::size_t> counts,
+HALFSPACE_API void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
                                   const Options& options);
 
 // Returns whether to go on.

@@ -271,6 +271,16 @@ TYPED_TEST(FitErrorsTest, PiecesThatCannotBeWritten) {
   EXPECT_EQ(status.results, 0u);
 }
 
+TEST(FitFrustumErrorsTest, PlanesThatAreNotSix) {
+  const std::vector<HalfSpace3> planes(7);
+  const HalfSpace3 five[5] = {};
+  EXPECT_TRUE(Refuses([&] { BoundFrustum(planes); },
+                      {"BoundFrustum: planes: expected 6 planes, got 7"}));
+  EXPECT_TRUE(
+      Refuses([&] { BoundFrustum(five); }, {"expected 6 planes, got 5"}));
+  EXPECT_TRUE(Refuses([] { BoundFrustum({}); }, {"got 0"}));
+}
+
 TEST(FitFrustumErrorsTest, PlanesThatCannotBeRead) {
   const std::array<HalfSpace3, 7> planes{};
   const auto bound = [](const HalfSpace3* pointer) {

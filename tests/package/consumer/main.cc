@@ -1,12 +1,17 @@
 // A user of the library: bounds two triangles, asks which of them a third one
 // could touch, on every target of this machine, and checks the answer, as
-// floats and as quantized bounds.
+// floats and as quantized bounds. In C++17, with one caller in C++20.
 #include <halfspace/halfspace.h>
 
 #include <array>
 #include <cstdint>
 #include <cstdio>
 #include <string>
+#include <vector>
+
+#include "cxx20.h"
+
+static_assert(__cplusplus < 202002L, "what links the library stays C++17");
 
 namespace {
 
@@ -29,10 +34,12 @@ int main() {
   for (halfspace::Target target : halfspace::SupportedTargets()) {
     std::array<std::uint64_t, 1> mask{};
     halfspace::Target ran;
-    halfspace::SurvivorMask(world, query, mask,
-                            {.target = target, .ran = &ran});
-    const std::size_t boxes = halfspace::CountSurvivors(
-        world.view().aabb(), query.aabb(), {.target = target});
+    halfspace::Options options;
+    options.target = target;
+    options.ran = &ran;
+    halfspace::SurvivorMask(world, query, mask, options);
+    const std::size_t boxes =
+        halfspace::CountSurvivors(world.view().aabb(), query.aabb(), options);
     if (ran != target || mask[0] != 0b01 || boxes != 2) {
       std::fprintf(stderr, "%s: survivors %llx of 1, boxes %zu of 2\n",
                    std::string(target.name()).c_str(),
@@ -60,6 +67,29 @@ int main() {
         left[0], left[1], left[2], left[3]);
     return 1;
   }
+
+  // Lists as callers have them: the same calls from C++17 and from C++20.
+  const std::vector<halfspace::Aabo3> bounds = {world.Get(1), world.Get(0)};
+  const halfspace::AaboWorld3 turned(bounds);
+  std::vector<std::uint32_t> indices(turned.size());
+  std::uint32_t indices_of_cxx20[2];
+  if (halfspace::Survivors(turned, query, indices) != 1 ||
+      SurvivorsInCxx20(turned, query, indices_of_cxx20) != 1 ||
+      indices[0] != 1 || indices_of_cxx20[0] != 1) {
+    std::fprintf(stderr, "survivors %u and %u, expected 1\n", indices[0],
+                 indices_of_cxx20[0]);
+    return 1;
+  }
+  const halfspace::Segment3 segment = {{0, 0, 0}, {4, 4, 4}};
+  std::vector<halfspace::Aabo3> pieces(4);
+  halfspace::BoundSegmentPieces(segment, pieces);
+  if (pieces[3] !=
+          halfspace::BoundSegment(halfspace::Segment3{{3, 3, 3}, {4, 4, 4}}) ||
+      pieces[3] == pieces[2]) {
+    std::fprintf(stderr, "a piece is not what it should be\n");
+    return 1;
+  }
+
   const halfspace::TargetChoice choice = halfspace::DescribeTargetChoice();
   if (choice.target != halfspace::ChosenTarget() || !choice.error.empty()) {
     std::fprintf(stderr, "the choice: %s, %s\n", choice.requested.c_str(),
