@@ -84,8 +84,8 @@ struct BoxBuilder {
     }
   }
 
-  // Boxes without points: all minima +inf and all maxima -inf, or, where that
-  // is asked for, any minimum above its maximum and no NaN.
+  // Boxes without points: all minima +inf and all maxima -inf, or, if the
+  // options say so, any minimum above its maximum and no NaN.
   template <class D>
   hn::Mask<D> EmptyLanes(D d, const float* const* columns, size_t i) const {
     const auto infinity = hn::Set(d, INFINITY);
