@@ -48,8 +48,8 @@ class Throughput {
 
   void AddRow(ThroughputRow row) { result_.rows.push_back(std::move(row)); }
 
-  // The same, measured by the row before it of that set and the same target
-  // whose name begins so; if there is none, by none.
+  // The same, with a ceiling: the last row of that set and target whose name
+  // begins so, if there is one.
   void AddRowUnder(std::string_view ceiling, std::string_view set,
                    ThroughputRow row);
 
@@ -119,7 +119,7 @@ void AddOutputParts(const Workload& workload, ThroughputParts& parts);
 void AddSizeParts(const Workload& workload, const Machine& machine,
                   ThroughputParts& parts);
 
-// What more queries in turn make of what depends on branches.
+// Rows whose cost depends on branches, with few queries in turn and with many.
 void AddQueryParts(const Workload& workload, ThroughputParts& parts);
 
 // Threshold 8, if this program was built with the competitors.
