@@ -27,9 +27,9 @@ inline constexpr std::size_t kRunsOfOne = 4;
 
 // The words of a part, and which of them are nonzero.
 struct Tested {
-  // Up to so many survivors of quantized bounds are listed. With one or two in
-  // a run, a loop over words and their bits is mispredicted once in each run,
-  // and there would be three such loops.
+  // Up to kMostListed survivors of quantized bounds are listed. With one or two
+  // in a run, a loop over words and their bits is mispredicted once in each
+  // run, and there would be three such loops.
   static constexpr std::size_t kMostListed = 64;
 
   Part part;
@@ -171,7 +171,7 @@ struct ManyQueries {
   std::uint64_t rows[2][kMostQueries * kRunWords];
 };
 
-// Room for so many encoded queries.
+// Room for kQueries encoded queries.
 template <std::size_t kQueries>
 struct EncodedQueries {
   alignas(

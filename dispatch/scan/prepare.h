@@ -13,8 +13,7 @@
 
 namespace halfspace::dispatch {
 
-// Planes of at most so many bytes are taken to be in cache; others are
-// streamed.
+// Up to this many bytes of planes are taken to be in cache; more are streamed.
 inline constexpr std::size_t kInCacheBytes = 128 * 1024;
 
 // What a call writes.
@@ -63,7 +62,7 @@ inline std::int64_t Run(const detail::Scan& scan, const detail::Part& part) {
 }
 
 // Throws std::invalid_argument in the name of `call`. An empty world resolves
-// its target too, so that a bad one is an error whatever the size.
+// its target too, so that a bad target is always an error.
 inline void Prepare(detail::Scan& scan, const Options& options,
                     const char* call) {
   const Range& range = options.range;

@@ -23,8 +23,7 @@
 //   long segment, in pieces          BoundSegmentPieces
 //   affine image of points or a box  BoundTransformed
 //   moving body                      Sweep, or Merge of two poses (transform.h)
-//   rotating body                    BoundSphere around the point it turns
-//   about
+//   rotating body                    BoundSphere around its pivot
 //
 // How tight: a value is the tightest float if its exact value is a sum of
 // products of inputs. Where a square root or a quotient is involved (sphere,

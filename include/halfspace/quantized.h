@@ -2,8 +2,8 @@
 // quarter or half of the bytes, and is up to four times as fast.
 //
 //   QuantizedBounds  quantized bounds of floats that the caller keeps
-//   Refined          a view of such bounds and of those floats: the exact
-//   answer QuantizedWorld   a world that owns both and keeps them in step
+//   Refined          a view of both, quantized bounds and floats: exact answers
+//   QuantizedWorld   a world that owns both and keeps them in step
 //
 // All of them are worlds to the calls of reject.h and reject_many.h. Queries
 // are those of the floats; a call encodes them.

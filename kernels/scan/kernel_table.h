@@ -10,7 +10,7 @@
 
 namespace halfspace::detail {
 
-// A part has at most so many queries.
+// The most queries of a part: a batch.
 inline constexpr std::size_t kMostQueries = 16;
 
 // Some queries of a scan, some of its objects, and where the words of survivors

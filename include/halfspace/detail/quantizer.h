@@ -123,8 +123,8 @@ class HALFSPACE_API QuantizedPlanes {
   }
   void Clear() { levels_.Clear(); }
   bool Fits() const;
-  // So many more objects, whatever they are, cannot make Fits() false; at most
-  // size().
+  // How many objects may be added, with any values, before Fits() can become
+  // false; at most size().
   std::size_t Room() const;
 
  private:
