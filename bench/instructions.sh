@@ -7,7 +7,7 @@
 # Beside each kernel the same on registers alone, which cpuinfo-bench takes as
 # the ceiling. Cycles are llvm-mca's block throughput, then what it simulates.
 # Prints a table in Markdown. x86 only. Kernels are those for one query and a
-# world in the near caches, with SSE4 for aligned planes.
+# world in cache; those of SSE4 are for aligned planes.
 set -euo pipefail
 build=${1:-build/release}
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)

@@ -1,5 +1,5 @@
-// Violated preconditions, in one voice: which argument, what was expected, what
-// was given.
+// The message of a violated precondition: which argument, what was expected,
+// what was given.
 #ifndef HALFSPACE_KERNELS_ERROR_H_
 #define HALFSPACE_KERNELS_ERROR_H_
 

@@ -30,8 +30,9 @@ void CheckPointer(std::string_view call, const void* pointer,
 }
 
 // Throws unless the scalars of `count` > 0 elements fit the address space: one
-// begins `stride` scalars after another, and the last has `last`. The larger of
-// the two numbers is to blame. `argument` is also what there are so many of.
+// begins `stride` scalars after another, and the last has `last`. The message
+// names the larger of stride and count; `argument` is also the name of the
+// elements.
 inline void CheckExtent(std::string_view call, std::string_view argument,
                         std::size_t scalar_bytes, std::size_t count,
                         std::size_t stride, std::size_t last) {

@@ -52,8 +52,8 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Fills `options`. False if help or the version, which has been printed, is all
-// that was asked for. Throws UsageError.
+// Fills `options`. False if only help or the version was requested, which has
+// been printed. Throws UsageError.
 bool ParseOptions(int argc, char** argv, BenchOptions& options);
 
 }  // namespace halfspace::bench

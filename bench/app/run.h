@@ -1,4 +1,4 @@
-// Runs the sections that were asked for, in order.
+// Runs the selected sections, in order.
 #ifndef HALFSPACE_BENCH_APP_RUN_H_
 #define HALFSPACE_BENCH_APP_RUN_H_
 

@@ -1,5 +1,5 @@
-// What the library is measured against: the loops that one would write instead.
-// They do not ship.
+// Baselines: the loops that one would write instead of calling the library.
+// They are part of cpuinfo-bench only.
 #ifndef HALFSPACE_BENCH_BASELINES_BASELINES_H_
 #define HALFSPACE_BENCH_BASELINES_BASELINES_H_
 
@@ -17,7 +17,7 @@
 namespace halfspace::bench {
 
 // Octahedra as an array of structures, in halves of 16 bytes: all up simplices,
-// then all down simplices, so that what is rejected by the first costs 16
+// then all down simplices, so that an object that the first rejects costs 16
 // bytes.
 struct HalvesWorld {
   struct Half {

@@ -1,5 +1,5 @@
-// Trees of boxes that other libraries offer: what a user would reach for
-// instead of a scan.
+// Competitors: trees of boxes that other libraries offer, which a user might
+// take instead of a scan.
 #ifndef HALFSPACE_BENCH_BASELINES_BOX_TREE_H_
 #define HALFSPACE_BENCH_BASELINES_BOX_TREE_H_
 

@@ -28,7 +28,7 @@ double SecondsOf(const std::function<void()>& run) {
       .count();
 }
 
-// Fixed in advance, so that the whole run takes a time that can be told. The
+// Fixed in advance, so that the time of the whole run can be estimated. The
 // second call is the warm one; it cannot change the answer for a long one.
 std::size_t IterationsFor(const Case& c, double seconds) {
   if (SecondsOf(c.run) > 4.0 * seconds) return 1;

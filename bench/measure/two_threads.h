@@ -1,4 +1,4 @@
-// One other thread that is kept alive, so that starting it costs nothing.
+// A second thread that waits between runs, so that starting it is not timed.
 #ifndef HALFSPACE_BENCH_MEASURE_TWO_THREADS_H_
 #define HALFSPACE_BENCH_MEASURE_TWO_THREADS_H_
 

@@ -156,7 +156,7 @@ struct ThroughputRatio {
 struct ThroughputResult {
   std::vector<ThroughputRow> rows;
   std::vector<ThroughputRatio> ratios;
-  // Of the scene on a grid, of all queries together.
+  // Of the scene on a grid, the sum over all queries.
   std::optional<PerShape<std::size_t>> survivors;
   std::vector<std::string> not_reached;
 };

@@ -86,8 +86,8 @@ void RunAgainstCache(SharedGrid& shared, InCache& in_cache,
   }
 }
 
-// Threshold 4, many queries: refined quantized bounds against the float
-// simplex.
+// Threshold 4, several queries: the refined octahedron against the simplex of
+// floats.
 void RunQuantized(const GridWorld& grid, Throughput& throughput) {
   for (Target target : throughput.targets()) {
     const std::string place = "grid/" + std::string(target.name());

@@ -18,14 +18,14 @@ namespace halfspace::bench {
 namespace {
 
 constexpr std::size_t kObjects = std::size_t{1} << 16;
-// With 65 survivors each they have as many branches as cannot be learnt; to
-// grow 20 000 takes 14 s.
+// With 65 survivors each, 512 queries have more branches than a predictor
+// learns. Growing 20 000 queries would take 14 s.
 constexpr std::size_t kMostGrown = 512;
 constexpr std::size_t kSurvivorsInOne = 1000;  // 1 in so many, or fewer
 constexpr std::size_t kThreadQueries = 128;
 
-// Real time counts the other programs of a busy machine: the fastest tenth does
-// without most of them.
+// Real time includes the other programs of a busy machine; the fastest tenth of
+// the runs excludes most of them.
 constexpr double kUndisturbed = 0.1;
 
 std::size_t CountAs(ShapeKind shape, const AaboView3& view,

@@ -12,8 +12,8 @@
 namespace halfspace::bench {
 namespace {
 
-// So many that the quantized bounds of the first stage alone, 4 bytes an
-// object, take four times the last level; fewer, if that needs too much memory.
+// So many that the planes of the first stage alone, 4 bytes an object, take
+// four times the last-level cache; fewer, if that needs too much memory.
 std::size_t ObjectsOf(const Machine& machine, bool is_quick) {
   constexpr std::size_t kStep = 4096;
   constexpr std::size_t kBytes = 32 + 8;
@@ -24,7 +24,7 @@ std::size_t ObjectsOf(const Machine& machine, bool is_quick) {
   return objects / kStep * kStep;
 }
 
-// What the code scan is measured by: reading the planes of a shape.
+// What a scan of quantized bounds alone is measured by.
 struct Reading {
   const char* name;
   Schedule schedule;
@@ -120,7 +120,8 @@ void AddQuantizedParts(const Workload& workload, const Machine& machine,
   if (!is_reached) {
     parts.push_back([](Throughput& throughput) {
       throughput.NotReached(
-          "threshold 4, one query: quantized of four times the last level take "
+          "threshold 4, one query: quantized bounds of four times the "
+          "last-level cache take "
           "more than "
           "a quarter of the free memory, or the CPU is emulated");
     });

@@ -162,7 +162,7 @@ std::string QualitySentence(const Results& results, const std::string& target) {
       quality.workload == "scene" ? "the scene" : Printable(quality.workload);
   if (quality.survivors.aabb == 0) {
     return "No object of " + what +
-           " survives an AABB test, so looseness cannot be told.";
+           " survives an AABB test, so looseness is undefined.";
   }
   const std::string text =
       "Of " + what + " the simplex keeps " +

@@ -16,7 +16,8 @@
 namespace halfspace::bench {
 namespace {
 
-// With 256 in turn, whose branches are learnt, most calls take half as long.
+// With 256 in turn most calls take half as long, because a branch predictor
+// learns them.
 constexpr std::size_t kShapes = kTimedQueries;
 constexpr std::size_t kCallsOfRun = 256;
 

@@ -126,7 +126,7 @@ void AddOutputParts(const Workload& workload, ThroughputParts& parts);
 void AddSizeParts(const Workload& workload, const Machine& machine,
                   ThroughputParts& parts);
 
-// What more queries in turn make of what depends on branches.
+// Rows whose cost depends on branches, with few queries in turn and with many.
 void AddQueryParts(const Workload& workload, ThroughputParts& parts);
 
 // Threshold 8, if this program was built with the competitors.

@@ -1,5 +1,5 @@
-// Objects in quantized bounds and in floats, and what is timed and checked on
-// them with one query at a time.
+// Quantized octahedra and their floats, and the cases that are timed and
+// checked on them with one query at a time.
 #ifndef HALFSPACE_BENCH_WORLDS_QUANTIZED_SET_H_
 #define HALFSPACE_BENCH_WORLDS_QUANTIZED_SET_H_
 
@@ -19,7 +19,7 @@
 
 namespace halfspace::bench {
 
-// A quantized world of octahedra, out of the last level.
+// A quantized world of octahedra, larger than the last-level cache.
 class QuantizedSet {
  public:
   QuantizedSet(const Workload& workload, std::size_t objects)
@@ -33,8 +33,8 @@ class QuantizedSet {
   const AaboWorld3& floats() const { return floats_; }
   const QuantizedWorld<AaboView3>& world() const { return world_; }
 
-  // The planes of quantized bounds in order: all minima, which are the first
-  // stage, then all maxima.
+  // The quantized planes in order: all minima, which are the first stage, then
+  // all maxima.
   BytePlanes QuantizedPlanes(std::size_t count) const {
     const auto view = world_.quantized().view();
     BytePlanes planes;

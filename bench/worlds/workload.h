@@ -13,7 +13,7 @@
 
 namespace halfspace::bench {
 
-// So many queries that no branch predictor learns what comes of them, and the
+// So many queries that no branch predictor learns their results, and that the
 // first-level cache does not keep their paths through a tree. With 128 in turn
 // a tree takes a half to a fifth of the time.
 inline constexpr std::size_t kTimedQueries = 20000;

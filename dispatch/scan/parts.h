@@ -1,6 +1,6 @@
 // A scan in parts: tiles of the world that stay in the first-level cache while
-// batch after batch of queries is tested against them. What quantized bounds
-// keep is tested on the floats, one part later.
+// batch after batch of queries is tested against them. Survivors of quantized
+// bounds are refined by the floats one part later.
 #ifndef HALFSPACE_DISPATCH_SCAN_PARTS_H_
 #define HALFSPACE_DISPATCH_SCAN_PARTS_H_
 
@@ -20,23 +20,23 @@ using detail::kMostQueries;
 using detail::Part;
 using detail::Scan;
 
-// A run is the words of one query on at most so many objects. A part is one run
-// of each query of a batch, or a few runs of one query.
+// A run is the words of one query on at most kRunObjects objects. A part is one
+// run of each query of a batch, or up to kRunsOfOne runs of one query.
 inline constexpr std::size_t kRunWords = 64;
 inline constexpr std::size_t kRunObjects = 64 * kRunWords;
 inline constexpr std::size_t kRunsOfOne = 4;
 
-// The words of a part's survivors, and where to look among them.
+// The words of a part, and which of them are nonzero.
 struct Tested {
-  // What survived the quantized bounds, if it is no more than that, is listed:
-  // with one or two in a run, loops over words and their bits are mispredicted
-  // once in each run, and there are three of them.
+  // Up to kMostListed survivors of quantized bounds are listed. With one or two
+  // in a run, a loop over words and their bits is mispredicted once in each
+  // run, and there would be three such loops.
   static constexpr std::size_t kMostListed = 64;
 
   Part part;
   std::size_t runs;
   std::uint64_t nonzero[kMostQueries];  // words, of each run
-  std::size_t candidates;               // if they were listed, or would be
+  std::size_t candidates;               // their number, listed or not
   std::uint16_t list[kMostListed];      // run * kRunObjects + object
 
   bool is_one() const { return part.query_count == 1; }
@@ -55,21 +55,21 @@ struct Tested {
   }
 };
 
-// What quantized bounds keep and floats are to test (parts.cc).
+// Test a candidate, a survivor of quantized bounds, on the floats (parts.cc).
 bool FloatsReject(const Scan& scan, std::size_t query, std::size_t object);
 void PrefetchFloats(const Scan& scan, std::size_t object);
 
 // Prefetches share `share` of `shares` of the planes of objects begin ... begin
-// + objects - 1, as far as there are any. A tile that the queries come to piece
-// by piece would come out of memory line by line.
+// + objects - 1, as far as these exist. Otherwise the first batch on a tile
+// would wait for memory line by line.
 void PrefetchTile(const Scan& scan, std::size_t begin, std::size_t objects,
                   std::size_t share, std::size_t shares);
 
-// One query takes a few runs at a time: the further apart the work on quantized
-// bounds and on floats, the longer may floats be on their way. Many queries
-// take a tile that stays in the cache, with room for the words: a box took 4 %
-// more with 32 KiB on Zen 4. The second half of quantized planes is seldom
-// looked at, and needs none.
+// One query takes a few runs at a time: the more work lies between prefetching
+// floats and reading them, the more of their latency is hidden. Several queries
+// take a tile that leaves room in the first-level cache for the words: a box
+// took 4 % more time with 32 KiB on Zen 4. The second half of quantized planes
+// is seldom read, and needs no room.
 inline std::size_t PartObjects(const Scan& scan) {
   constexpr std::size_t kTileBytes = 28 * 1024;
   constexpr std::size_t kQuantizedTileBytes = 32 * 1024;
@@ -94,8 +94,7 @@ void ForEachBit(const Tested& tested, const Visit& visit) {
   }
 }
 
-// The same for what survived the quantized bounds, which is listed if it is
-// little.
+// The same for the candidates, by their list if they are few.
 template <typename Visit>
 void ForEachCandidate(const Tested& tested, const Visit& visit) {
   if (tested.candidates > Tested::kMostListed) return ForEachBit(tested, visit);
@@ -113,13 +112,13 @@ inline void FindNonzero(const Scan& scan, Tested& tested) {
   }
 }
 
-// Writes the words of a part, and finds those that are not 0.
+// Writes the words of a part, and finds the nonzero ones.
 //
-// Of quantized bounds that floats refine, an octahedron's minima alone leave so
-// few candidates, as a rule, that floats test them sooner than more quantized
-// bounds: those, out of the caches, are another four lines for each word. Only
-// where more than a quarter of the words are left are all quantized bounds
-// tested.
+// Where quantized octahedra are refined, their minima are the filter: they
+// usually leave so few candidates that testing those on floats is faster than
+// testing the maxima, which out of the caches are four more cache lines for
+// each word. The maxima are tested too if more than a quarter of the words are
+// nonzero.
 inline void TestPart(const Scan& scan, Tested& tested) {
   if (scan.is_refined && scan.way == detail::kBySimplex) {
     const detail::Way minima =
@@ -137,7 +136,7 @@ inline void TestPart(const Scan& scan, Tested& tested) {
   FindNonzero(scan, tested);
 }
 
-// Prefetches the floats of what the quantized bounds have kept, and lists it.
+// Prefetches the floats of the candidates, and lists these.
 inline void PrefetchCandidates(const Scan& scan, Tested& tested) {
   std::size_t count = 0;
   ForEachBit(tested, [&](std::size_t run, std::size_t object) {
@@ -151,7 +150,7 @@ inline void PrefetchCandidates(const Scan& scan, Tested& tested) {
   tested.candidates = count;
 }
 
-// Clears the bits of what the floats reject.
+// Clears the bits of candidates that the floats reject.
 inline void Refine(const Scan& scan, const Tested& tested) {
   ForEachCandidate(tested, [&](std::size_t run, std::size_t object) {
     const std::uint64_t rejected = FloatsReject(
@@ -160,8 +159,8 @@ inline void Refine(const Scan& scan, const Tested& tested) {
   });
 }
 
-// The queries whose quantized bounds are made at a time, and the room for the
-// words of two parts, on the stack: of one query, or of many.
+// How many queries are encoded at a time, and room on the stack for the words
+// of two parts: for one query, and for several.
 struct OneQuery {
   static constexpr std::size_t kBlock = 1;
   static constexpr std::size_t kStride = 0;
@@ -173,7 +172,7 @@ struct ManyQueries {
   std::uint64_t rows[2][kMostQueries * kRunWords];
 };
 
-// Room for the quantized bounds of so many queries.
+// Room for kQueries encoded queries.
 template <std::size_t kQueries>
 struct EncodedQueries {
   alignas(
@@ -181,7 +180,7 @@ struct EncodedQueries {
 };
 
 // Queries `first` ... `first` + `count` - 1 as the kernels read them: the
-// caller's own, or their quantized bounds, which are made here.
+// caller's own, or, over quantized bounds, encoded here.
 template <std::size_t kQueries>
 const std::byte* ReadableQueries(const Scan& scan, std::size_t first,
                                  std::size_t count,
@@ -207,9 +206,9 @@ bool GoesOn(const Visit& visit, const Argument& argument) {
 }
 
 // Calls visit(part), without rows, for every batch of queries and tile of
-// `objects` objects, until it returns false. Quantized bounds of queries are
-// made once for all tiles of the world, for kBlock queries at a time: enough of
-// them that reading the world again for the next block costs nothing.
+// `objects` objects, until it returns false. Queries are encoded once for all
+// tiles of the world, kBlock at a time: so many that reading the world again
+// for the next block does not matter.
 template <std::size_t kBlock, typename Visit>
 void ForEachBatch(const Scan& scan, std::size_t objects, const Visit& visit) {
   EncodedQueries<kBlock> quantized;
@@ -238,13 +237,13 @@ void ForEachBatch(const Scan& scan, std::size_t objects, const Visit& visit) {
   }
 }
 
-// Tests part after part and calls visit(tested) with each, refined, until it
-// returns false. place(part, turn) has set its rows and stride; the rows of two
-// turns are in use at a time.
+// Tests part after part and calls visit(tested) with each after refining it,
+// until it returns false. place(part, turn) sets its rows and stride; the rows
+// of two turns are in use at a time.
 template <std::size_t kBlock, typename Place, typename Visit>
 void ForEachPlacedPart(const Scan& scan, const Place& place,
                        const Visit& visit) {
-  // The part before waits for the floats that refine it.
+  // The floats that refine the previous part are still being fetched.
   Tested parts[2];
   std::size_t turn = 0;
   bool is_waiting = false;
@@ -305,7 +304,7 @@ void ForEachCount(const Scan& scan, const Tested& tested, const Visit& visit) {
   }
 }
 
-// Makes reject masks of survivor masks, or the other way round.
+// Turns survivor masks into reject masks, and back.
 inline void Flip(std::uint64_t* words, std::size_t count) {
   for (std::size_t w = 0; w < count; ++w) words[w] = ~words[w];
 }
@@ -331,7 +330,7 @@ void WriteRows(const Scan& scan, std::uint64_t* rows, std::size_t stride,
     return ForEachPlacedPart<Queries::kBlock>(
         scan, place, [&](const Tested& tested) { finish(tested.part); });
   }
-  // Without a look at the words.
+  // Masks that are not refined need no list of nonzero words.
   ForEachBatch<Queries::kBlock>(scan, PartObjects(scan),
                                 [&](const Part& batch) {
                                   Part part = batch;

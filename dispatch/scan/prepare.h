@@ -13,14 +13,14 @@
 
 namespace halfspace::dispatch {
 
-// Planes of no more bytes are in the first levels of any cache.
+// Up to this many bytes of planes are taken to be in cache; more are streamed.
 inline constexpr std::size_t kInCacheBytes = 128 * 1024;
 
 // What a call writes.
 struct Output {
   const char* argument;
   const void* begin;
-  std::size_t bytes;  // none are always right
+  std::size_t bytes;  // 0 needs no check
   std::size_t alignment;
 };
 
@@ -42,15 +42,15 @@ inline constexpr detail::Way kWayOf[3][4] = {
     {detail::kAll, detail::kAll, detail::kByAxis, detail::kByAxis},
     {detail::kBySimplex, detail::kAll, detail::kBySimplex, detail::kByAxis},
 };
-// A word of quantized bounds is a vector or two: a stage has nothing to leave
-// out of it.
+// A word of quantized bounds is one or two vectors, so a stage by axis could
+// skip nothing.
 inline constexpr detail::Way kWayOfQuantized[3][4] = {
     {detail::kMinima, detail::kMinima, detail::kMinima, detail::kMinima},
     {detail::kAll, detail::kAll, detail::kAll, detail::kAll},
     {detail::kBySimplex, detail::kAll, detail::kBySimplex, detail::kBySimplex},
 };
 
-// The way of one query whose planes are too many for the first-level cache.
+// The streaming way: of one query over planes that are not in cache.
 inline constexpr detail::Way kStreamingWayOf[detail::kWays] = {
     detail::kMinimaStreaming, detail::kMinimaStreaming, detail::kAllStreaming,
     detail::kAllStreaming,    detail::kByAxis,          detail::kBySimplex,
@@ -62,16 +62,16 @@ inline std::int64_t Run(const detail::Scan& scan, const detail::Part& part) {
 }
 
 // Throws std::invalid_argument in the name of `call`. An empty world resolves
-// its target too, so that a bad one is an error whatever the size.
+// its target too, so that a bad target is always an error.
 inline void Prepare(detail::Scan& scan, const Options& options,
                     const char* call) {
   const Range& range = options.range;
   scan.call = call;
   scan.begin = std::min(range.begin, scan.size);
   scan.end = std::min(range.end, scan.size);
-  // Whether something may be wrong: a few cycles, where what is wrong takes a
-  // look at each plane. Quantized bounds have planes of floats too, and are
-  // looked at.
+  // A quick check of a few cycles that finds whether anything may be wrong;
+  // only then is each plane checked. Refined scans have planes of floats
+  // too, and are always checked.
   const auto queries = reinterpret_cast<std::uintptr_t>(scan.queries);
   if (queries == 0 || (queries & (scan.query_bytes - 1u)) != 0 ||
       scan.addresses.lowest == 0 ||
@@ -97,7 +97,7 @@ inline void Prepare(detail::Scan& scan, const Options& options,
                                        : kWayOfQuantized[shape][schedule];
   if (scan.is_streaming) scan.way = kStreamingWayOf[scan.way];
   if (options.ran != nullptr) [[unlikely]] {
-    // Asked of the kernels themselves: no queries, no objects.
+    // The kernel says which target it is of: no queries, no objects.
     detail::Part nothing{};
     nothing.queries = scan.queries;
     *options.ran = Target::FromHighwayBit(Run(scan, nothing));
@@ -110,7 +110,8 @@ inline void CheckOutput(const detail::Scan& scan, const Output& output) {
   const auto begin = reinterpret_cast<std::uintptr_t>(output.begin);
   const auto queries = reinterpret_cast<std::uintptr_t>(scan.queries);
   const std::size_t query_bytes = scan.query_count * scan.query_record_bytes;
-  // Planes often lie in one block, and outputs outside it. Differences wrap.
+  // Usually all planes are in one block of memory and the output is outside it,
+  // which one compare finds. Differences wrap.
   const std::size_t world_bytes = scan.addresses.highest -
                                   scan.addresses.lowest +
                                   scan.size * scan.element_bytes;

@@ -15,7 +15,8 @@ namespace {
 using dispatch::OneQuery;
 using dispatch::Tested;
 
-// Apart: its strings would cost each call their room.
+// A function of its own, because its strings take stack that every call would
+// have to reserve.
 [[noreturn]] void ThrowShortMask(const Scan& scan, std::size_t words) {
   const std::size_t objects = scan.end - scan.begin;
   kernels::ThrowInvalid(scan.call, "mask",
@@ -25,7 +26,7 @@ using dispatch::Tested;
                         std::to_string(words));
 }
 
-// Apart for the same reason.
+// A function of its own, because its buffers take stack, too.
 [[gnu::noinline]] void WriteQuantizedMask(const Scan& scan,
                                           std::uint64_t* mask) {
   dispatch::WriteRows<OneQuery>(scan, mask, 0, false);
@@ -42,7 +43,7 @@ inline void WriteMask(Scan& scan, Span<std::uint64_t> mask,
                         {"mask", mask.data(), words * sizeof(std::uint64_t),
                          alignof(std::uint64_t)});
   if (scan.quantizer != nullptr) return WriteQuantizedMask(scan, mask.data());
-  // The short way: a small call costs little more than its kernel.
+  // Without parts: a small call costs little more than its kernel.
   dispatch::Run(scan, {.first_query = 0,
                        .query_count = 1,
                        .queries = scan.queries,

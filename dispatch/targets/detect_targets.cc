@@ -19,8 +19,8 @@ struct Registers {
   std::uint32_t edx = 0;
 };
 
-// Not __get_cpuid_count, which asks for the highest leaf each time: in a
-// virtual machine every CPUID takes microseconds.
+// Not __get_cpuid_count, which reads the highest leaf each time: in a virtual
+// machine every CPUID takes microseconds.
 Registers Cpuid(std::uint32_t leaf, std::uint32_t subleaf = 0) {
   Registers result;
   __cpuid_count(leaf, subleaf, result.eax, result.ebx, result.ecx, result.edx);

@@ -1,10 +1,10 @@
-// Which of Highway's targets a machine runs. The library uses nothing of
-// Highway but its headers, so it asks CPU and operating system itself.
+// Which of Highway's targets a machine runs. The library uses only Highway's
+// headers, so it queries CPU and operating system itself.
 //
 // The conditions are those of Highway's SupportedTargets(); where its releases
 // differ, the strictest. (1.0.3 does without AVX512CD, GFNI and SVE2_128's I8MM
-// and BF16, and trusts an operating system without XSAVE.) They stand apart
-// from the asking, so that a test can show them other machines.
+// and BF16, and trusts an operating system without XSAVE.) They are separate
+// from the queries of the machine, so that a test can describe other machines.
 #ifndef HALFSPACE_DISPATCH_TARGETS_DETECT_TARGETS_H_
 #define HALFSPACE_DISPATCH_TARGETS_DETECT_TARGETS_H_
 
@@ -129,7 +129,7 @@ constexpr std::int64_t TargetsOf(const Aarch64Machine& machine) {
 
 // The targets of this build that this machine runs: those above on x86 and on
 // aarch64 Linux, and everywhere the plain fall-back and what the compiler was
-// told that it may use without asking.
+// told that it may use without a check.
 std::int64_t DetectTargets();
 
 }  // namespace halfspace::dispatch

@@ -30,7 +30,7 @@ struct TargetList {
   Span<const Target> span() const { return {targets.data(), count}; }
 };
 
-// Asked once; the answer must not change under us.
+// Detected once, because the result must not change during the run.
 std::int64_t SupportedBits() {
   static const std::int64_t bits = DetectTargets();
   return bits;

@@ -1,48 +1,48 @@
 // The bounding volumes: simplex, axis-aligned box, axis-aligned octahedron.
 //
-// A bound is a set of half-spaces with fixed normals, stored as the extreme
-// projections of an object on a few axes. In kDims dimensions the axes are the
-// kDims coordinate axes and one more, D = -(X + Y + ...). They sum to zero and
-// positively span space, so kDims + 1 half-spaces close a finite volume.
+// All are discrete oriented polytopes (k-DOPs): sets of k half-spaces with
+// fixed normals, stored as the least and greatest projections of an object on a
+// few axes. In kDims dimensions the axes are the kDims coordinate axes and D =
+// -(X + Y + ...). These sum to zero and positively span space, so kDims + 1
+// half-spaces close a finite volume.
 //
 //   axis index   0 ... kDims - 1   X, Y, Z, W
 //   axis index   kDims             D = -(X + Y + ...)
 //
 //   shape (3D)                 an object stores    compares in one test
-//   UpSimplex                  4 minima            4  against a DownSimplex
-//   Aabb                       3 minima, 3 maxima  6
-//   Aabo                       4 minima, 4 maxima  8
+//   UpSimplex   4-DOP          4 minima            4  against a DownSimplex
+//   Aabb        6-DOP          3 minima, 3 maxima  6
+//   Aabo        8-DOP          4 minima, 4 maxima  8
 //
-// An Aabo is an Aabb with two opposite corners cut off: its planes contain the
-// planes of the simplices and of the box, and up(), down() and aabb() give
-// them without computing anything.
+// An Aabo is an Aabb with two opposite corners cut off. Its planes contain
+// those of both simplices and of the box; up(), down() and aabb() return them
+// without computing anything.
 //
 // Units are the caller's. All values are plain data: copy them, fill them by
 // hand, compare them with == (as floats: -0 equals 0, a NaN equals nothing).
-// The builders of fit.h are the safe way to fill the D axis, because sums
-// round: a D that is not rounded outward makes touching objects look apart.
+// Use the builders of fit.h for the D axis: a sum rounds, and a D that is not
+// rounded outward separates objects that touch.
 //
-// Values are floats, or doubles where that is asked for: Aabb<3, double>. The
-// types of one precision do not mix with those of the other. The builders give
-// floats; the D axis of a bound of doubles is the caller's to sum, and to round
-// outward.
+// Values are floats, or doubles, as in Aabb<3, double>. The two precisions do
+// not mix. Builders return floats; the D axis of a bound of doubles is summed,
+// and rounded outward, by the caller.
 //
 // Two special values exist for every type:
 //   Everything()  -/+ the largest finite value: never rejected by a finite
-//                 query, nor by another Everything. Stands for what could not
-//                 be bounded.
+//                 query, nor by another Everything. Builders return it for what
+//                 they cannot bound.
 //   Empty()       +inf / -inf: rejected by every finite query and Everything.
-// A NaN in a bound makes its plane never reject.
+// A plane with a NaN never rejects.
 //
 // Engines initialise boxes to minima of +FLT_MAX and maxima of -FLT_MAX (of
-// doubles, DBL_MAX). With these on all planes a bound is Empty(), too: to
+// doubles, DBL_MAX). A bound with these on all planes is Empty(), too: to
 // IsEmpty, to Intersection and the measures, and to every builder and bound of
 // bounds, whose results have infinities instead. To a scan they are numbers: an
 // object stored so, or such a query, is rejected by whatever has a limit on any
 // plane, but kept by Everything(). Push Empty() where that matters.
 //
-// Thread safety: values; none needed. Source: "The Bounding Simplex: A
-// SIMD-Era Rejection Primitive" (simplices, AABO).
+// Thread safety: plain values. Source: "The Bounding Simplex: A SIMD-Era
+// Rejection Primitive" (simplices, AABO).
 #ifndef HALFSPACE_BOUNDS_H_
 #define HALFSPACE_BOUNDS_H_
 

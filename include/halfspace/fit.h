@@ -1,4 +1,4 @@
-// Builders: the tightest bounds, in float, that surely enclose a shape.
+// Builders: the tightest bounds, in float, that are sure to enclose a shape.
 //
 // The contract: every finite float or double of the input is taken as an exact
 // real number, and the bound that comes back encloses the exact real set those
@@ -21,29 +21,30 @@
 //   sphere, capsule                  BoundSphere, BoundCapsule
 //   ray with a maximum distance      BoundRay
 //   long segment, in pieces          BoundSegmentPieces
-//   anything under an affine map     BoundTransformed
+//   affine image of points or a box  BoundTransformed
 //   moving body                      Sweep, or Merge of two poses (transform.h)
-//   rotating body                    BoundSphere around the point it turns
-//   about
+//   rotating body                    BoundSphere around its pivot
 //
-// How tight: every value is the tightest float for everything whose exact value
-// is a sum of products of inputs. Where a square root or a quotient is involved
-// (sphere, capsule, frustum, pieces) it is within 1 ulp of that; each builder
-// says so. In X, Y, Z, points and boxes of floats are copied.
+// How tight: a value is the tightest float if its exact value is a sum of
+// products of inputs. Where a square root or a quotient is involved (sphere,
+// capsule, frustum, pieces), it is within 1 ulp of that; each builder says so.
+// X, Y and Z of points and boxes of floats are copied.
 //
-// Limits: coordinates whose sum of magnitudes, in the input's precision, is at
-// most 2^125, in the caller's unit. What lies beyond, or has a NaN or an
-// infinity, cannot be bounded by finite floats: the result is Everything(),
+// Limits: the magnitudes of a point's coordinates may sum to at most 2^125, in
+// the input's precision and the caller's unit. Finite floats cannot bound what
+// lies beyond, or has a NaN or an infinity: the result is then Everything(),
 // which never rejects, and the status counts it.
 //
-// Errors: only those named below, thrown as std::invalid_argument that says
-// which argument, what was expected and what was given. Thread safety: pure
-// functions. Floating-point mode: the caller's rounding, its flushing of
-// subnormals and the exceptions that it traps do not matter, and are as before
-// afterwards: nothing is trapped in a builder. Exception flags may be raised
-// there, and none is cleared. The library is compiled without fast-math and
-// contraction whatever the caller's flags are. Cost: tens to hundreds of ns,
-// and 5 ns a point; docs/performance.md has a table.
+// Errors: only those named below, thrown as std::invalid_argument, which says
+// which argument is wrong, what was expected and what was given. Thread safety:
+// pure functions.
+//
+// Floating-point mode: builders work in the default mode and restore the
+// caller's. So its rounding, its flushing of subnormals and its traps do not
+// matter, and a builder never traps. A builder may raise exception flags and
+// clears none. The library is compiled without fast-math and contraction
+// whatever the caller's flags are. Cost: tens to hundreds of ns, and 5 ns a
+// point; docs/performance.md has a table.
 //
 // Source: "The Bounding Simplex", for the axes; the outward rounding is this
 // library's own (docs/exactness.md).
@@ -63,8 +64,8 @@
 
 namespace halfspace {
 
-// Bounds the convex hull of a point set, in double or in float, as an array of
-// structures or a structure of arrays. No points: Empty().
+// Bounds the convex hull of a point set: of floats or doubles, as an array of
+// structures or a structure of arrays. Empty() if there are no points.
 //   Throws if, with count > 0, a pointer is null or misaligned, or the points
 //   do not fit the address space.
 //   Everything() if a point has a NaN or an infinity, or is too large.
@@ -79,8 +80,8 @@ template <int kDims, typename Scalar>
 HALFSPACE_API Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
                                       FitStatus* status = nullptr);
 
-// The same for some of the points: those with the given indices, in any order,
-// as often as one likes. One bound for a triangle mesh, for example.
+// The same for those points whose indices are given, in any order; an index may
+// repeat. It gives one bound for a triangle mesh, for example.
 //   Throws also if an index is not below points.count, or if the pointer to
 //   them is null or misaligned.
 template <int kDims>
@@ -111,18 +112,18 @@ HALFSPACE_API Aabo<kDims> BoundTriangle(const Triangle<kDims>& triangle,
                                         FitStatus* status = nullptr);
 
 // Bounds a ray up to its maximum distance. Tightest.
-//   Throws if max_t is negative or NaN. Everything() if it is infinite: give
+//   Throws if max_t is negative or NaN. Everything() if it is infinite: pass
 //   the distance at which the world ends.
 template <int kDims>
 HALFSPACE_API Aabo<kDims> BoundRay(const Ray<kDims>& ray,
                                    FitStatus* status = nullptr);
 
 // Cuts a segment into pieces.size() equal pieces and bounds each, in order from
-// a to b. Together they enclose the whole segment, and neighbours share the
+// a to b. All pieces together enclose the segment, and neighbours share the
 // point where they meet. Test each piece as a query of its own: n pieces of a
 // long diagonal segment keep far fewer objects than one bound of the whole
-// (docs/exactness.md has figures). For a ray, cut BoundSegment's segment; for a
-// moving sphere, Inflate the pieces.
+// (docs/exactness.md has figures). For a ray, cut the segment that it covers;
+// for a moving sphere, Inflate the pieces.
 //   Within 1 ulp. The status counts each piece.
 //   No pieces: nothing is written. Throws if there are more than 2^24, or if
 //   the pointer to them is null or misaligned.
@@ -133,9 +134,9 @@ HALFSPACE_API void BoundSegmentPieces(
     FitStatus* status = nullptr);
 
 // Bounds an axis-aligned box: the same X, Y, Z, and the D of its corners.
-//   Tightest. Empty() in, Empty() out, also as minima of FLT_MAX (of doubles,
-//   DBL_MAX) and maxima of -FLT_MAX. Throws if min[k] > max[k] in any other
-//   way.
+//   Tightest. An Empty() box (minima +inf and maxima -inf, or FLT_MAX and
+//   -FLT_MAX, of doubles DBL_MAX) gives Empty(). Throws if min[k] > max[k] in
+//   any other box.
 template <int kDims>
 HALFSPACE_API Aabo<kDims> BoundAabb(const Aabb<kDims>& box,
                                     FitStatus* status = nullptr);
@@ -165,11 +166,11 @@ template <int kDims>
 HALFSPACE_API Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims>& box,
                                            FitStatus* status = nullptr);
 
-// Bounds what lies in front of all six planes of a frustum. (Of its eight
-// corners, where those are known: BoundPoints.) Any convex set with up to six
-// faces will do; planes may repeat.
-//   Everything() if the planes do not close a volume, wherever they are; else
-//   Empty() if nothing lies in front of all.
+// Bounds what lies in front of all six planes of a frustum, or of any convex
+// set with up to six faces; planes may repeat. If the eight corners are known,
+// pass them to BoundPoints instead.
+//   Everything() if the planes do not close a volume; otherwise Empty() if
+//   nothing lies in front of all of them.
 //   Throws unless there are six planes, or if the pointer to them is null or
 //   misaligned.
 //   Within 1 ulp. Cost: about 25 us, and up to ten times that where more than
@@ -177,9 +178,9 @@ HALFSPACE_API Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims>& box,
 HALFSPACE_API Aabo3 BoundFrustum(Span<const HalfSpace3> planes,
                                  FitStatus* status = nullptr);
 
-// Bounds the image of a point set, or of a box, under an affine map, as if it
-// were computed without rounding. Rebuild from the local shape like this
-// instead of transforming a bound: a bound of a turned bound grows.
+// Bounds the exact image of a point set, or of a box, under an affine map. Call
+// it on the local shape in every pose instead of turning a bound: a bound of a
+// turned bound grows.
 //   Tightest. Errors and special cases as of BoundPoints and BoundAabb.
 template <int kDims>
 HALFSPACE_API Aabo<kDims> BoundTransformed(const Points<kDims>& points,

@@ -3,9 +3,8 @@
 //
 // They keep the contract of fit.h: every bound encloses the exact real shape
 // that its input describes. X, Y, Z are those of fit.h. D is within 1 ulp of
-// the tightest float, or, with FitOptions::tightest, the tightest; of spheres
-// it is nearly so (BoundSpheres). Answers are bit-identical on every target and
-// compiler.
+// the tightest float, or is that float with FitOptions::tightest; for spheres
+// see BoundSpheres. Answers are bit-identical on every target and compiler.
 //
 //   auto world = halfspace::AaboWorld3();
 //   world.Resize(boxes.count);
@@ -13,31 +12,30 @@
 //
 // Every call takes
 //   source   the shapes, in the caller's memory (below)
-//   planes   where the bounds go: planes of floats that the caller owns, or the
-//            planes() of an owning world. Their type says which planes are
-//            wanted: SimplexPlanes, AabbPlanes, AaboPlanes, or DPlanes, the D
-//            axis alone, which makes an AABO world of an AABB world in place.
-//            planes.size must be the number of shapes. (Bounds of doubles are
-//            the caller's to make: see bounds.h.)
+//   planes   where the bounds are written: planes of floats that the caller
+//            owns, or the planes() of an owning world. Their type says which
+//            planes are computed: SimplexPlanes, AabbPlanes, AaboPlanes, or
+//            DPlanes, the D axis alone, which completes the planes of an AABB
+//            world to those of an AABO world. planes.size must be the number of
+//            shapes. (Bounds of doubles are computed by the caller: bounds.h.)
 //   options  tightness, inverted boxes, target; the defaults are right
 //   status   counts, over all calls it is passed to, the shapes that became
-//            Everything(), and tells the first
-// and returns the target that really ran.
+//            Everything(), and records the first
+// and returns the target that ran.
 //
 // Bad elements never throw: a shape with a NaN, an infinity, a negative radius,
 // an index out of range, an inverted box, or a sum of magnitudes beyond 2^125
 // becomes Everything(), which never rejects, and is counted.
 //
-// Errors: thrown as std::invalid_argument before anything is written: a null or
-// misaligned pointer with N > 0, sizes that differ, sizes that overflow the
-// address space, an output that overlaps an input or another output, an option
-// that is not one of the enumerators, a target that is not supported here. N =
-// 0 is fine.
+// Errors: std::invalid_argument is thrown before anything is written if, with N
+// > 0, a pointer is null or misaligned, sizes differ or overflow the address
+// space, an output overlaps an input or another output, an option is not one of
+// the enumerators, or the target is not supported here. N = 0 is valid.
 //
 // Thread safety: reentrant; no allocation, no lock, no state. Two threads may
 // build disjoint parts of one world. The caller's floating-point mode does not
-// matter, as in fit.h. Cost: out of cache, the memory's (docs/results.md has
-// figures).
+// matter, as in fit.h. Cost: for data larger than the caches, about that of the
+// memory (docs/results.md has figures).
 //
 // Source: "The Bounding Simplex", for the axes; docs/exactness.md for the
 // rounding.
@@ -63,8 +61,8 @@
 
 namespace halfspace {
 
-// What becomes of a box with min[k] > max[k]. One with all minima +inf or
-// FLT_MAX and all maxima -inf or -FLT_MAX is Empty() in any case.
+// What a box with min[k] > max[k] becomes. A box with all minima +inf or
+// FLT_MAX and all maxima -inf or -FLT_MAX becomes Empty() in any case.
 enum class Inverted : std::uint8_t {
   kEverything,  // a mistake: never rejected, and counted
   kEmpty,       // a box without points: always rejected, not counted
@@ -115,10 +113,10 @@ Target BoundBoxes(const Boxes<Planes::kDimensions>& boxes, const Planes& planes,
 }
 
 // Bounds spheres. X, Y, Z are tightest. D is the tightest float for a value
-// that is off by less than 2^-49 of |x| + |y| + ... + sqrt(kDims) * radius, or,
-// with `tightest`, by less than 2^-100 of the radius. So it is off by no more
-// than 1 ulp plus that much, which is more than an ulp only where D all but
-// cancels.
+// whose error is less than 2^-49 of |x| + |y| + ... + sqrt(kDims) * radius, or,
+// with `tightest`, less than 2^-100 of the radius. So D is within 1 ulp plus
+// that error of the tightest float; the error is more than an ulp only where D
+// all but cancels.
 template <typename Planes, typename = detail::IfOfFloats<Planes>>
 Target BoundSpheres(const Spheres<Planes::kDimensions>& spheres,
                     const Planes& planes, const FitOptions& options = {},

@@ -1,4 +1,4 @@
-// What the builders say about elements that could not be bounded.
+// What the builders report about shapes that could not be bounded.
 #ifndef HALFSPACE_FIT_STATUS_H_
 #define HALFSPACE_FIT_STATUS_H_
 
@@ -6,8 +6,9 @@
 
 namespace halfspace {
 
-// Counts what could not be bounded, over as many calls as it is passed to. A
-// call for one bound counts one result, a call for many counts each.
+// Counts the results, and those that could not be bounded, of all calls that it
+// is passed to. A call for one bound counts one result, a call for many counts
+// each.
 struct FitStatus {
   std::size_t results = 0;           // counted so far
   std::size_t everything = 0;        // how many of them became Everything()

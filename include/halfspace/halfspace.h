@@ -1,17 +1,19 @@
 // halfspace: which of these stored bounds could this query touch?
 //
 // Includes every public header. Each is the manual of its calls:
-//   bounds.h   the bounding volumes
-//   shapes.h   points, boxes, spheres, ...: what callers have
-//   fit.h      bounds that surely enclose a shape
-//   transform.h  bounds of bounds: merged, inflated, moved, swept
-//   fit_many.h bounds of many shapes at once, in SIMD
-//   span.h     how calls take lists and outputs
-//   world.h    many stored bounds: views and owning arrays
-//   quantized.h    worlds of one or two bytes a plane
-//   reject.h   the tests: masks, index lists, counts
-//   reject_many.h  many queries at once
-//   targets.h  the instruction sets
+//   bounds.h       the bounding volumes (k-DOPs)
+//   shapes.h       points, boxes, spheres, ...: the inputs of builders
+//   fit.h          builders: a bound that encloses a shape
+//   transform.h    bounds of bounds: merged, inflated, moved, swept
+//   fit_many.h     builders of many bounds at once, in SIMD
+//   fit_status.h   what builders report
+//   planes.h       where builders of many bounds write
+//   span.h         how calls take lists and outputs
+//   world.h        stored bounds: views and owning worlds
+//   quantized.h    stored bounds of one or two bytes a plane
+//   reject.h       the calls for one query: masks, index lists, counts
+//   reject_many.h  the calls for several queries
+//   targets.h      the instruction sets
 #ifndef HALFSPACE_HALFSPACE_H_
 #define HALFSPACE_HALFSPACE_H_
 

@@ -1,18 +1,18 @@
-// Planes to be written: where the builders of fit_many.h put their bounds.
+// Planes for writing: where the builders of fit_many.h store bounds.
 //
-//   planes              wants
+//   planes              pointers
 //   SimplexPlanes<D>    min[0 .. D]
 //   AabbPlanes<D>       min[0 .. D-1], max[0 .. D-1]
 //   AaboPlanes<D>       min[0 .. D], max[0 .. D]
 //   DPlanes<D>          min and max of the D axis alone
 //
-// Each plane is `size` floats, or doubles, in the caller's memory, of any
-// alignment a float may have, and apart from the others; or ask an owning world
-// for its planes() (world.h). Nothing past element size - 1 is written. The
-// read-only counterparts are the views of world.h. DPlanes have none: they
-// complete the planes of an AABB world to those of an AABO world.
+// Each plane is `size` floats, or doubles, in the caller's memory, with the
+// alignment of its type, and overlaps no other plane. An owning world returns
+// its own by planes() (world.h). Nothing past element size - 1 is written. The
+// read-only counterparts are the views of world.h. DPlanes have no counterpart:
+// they complete the planes of an AABB world to those of an AABO world.
 //
-// Thread safety: values; none needed.
+// Thread safety: plain values.
 #ifndef HALFSPACE_PLANES_H_
 #define HALFSPACE_PLANES_H_
 

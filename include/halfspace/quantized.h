@@ -1,36 +1,38 @@
-// Quantized worlds: bounds as quantized bounds of one or two bytes a plane, to
-// be tested at a quarter or half of the bytes, and so up to four times as fast.
+// Quantized bounds: one or two bytes a plane instead of four. A test reads a
+// quarter or half of the bytes, and is up to four times as fast.
 //
-// A test made of compares alone survives any monotone map of both its sides: a
-// pair that floats do not reject is not rejected by quantized bounds either. A
-// level is the rank of a value among quantiles of its plane, so that each plane
-// rejects as much as its bits can, wherever the objects are; outliers cost
-// nothing.
+//   QuantizedBounds  quantized bounds of floats that the caller keeps
+//   Refined          a view of both, quantized bounds and floats: exact answers
+//   QuantizedWorld   a world that owns both and keeps them in step
 //
-//   QuantizedBounds  those of floats that the caller keeps
-//   Refined          such bounds and those floats: the exact answer
-//   QuantizedWorld   a world that owns both, and keeps them in step
+// All of them are worlds to the calls of reject.h and reject_many.h. Queries
+// are those of the floats; a call encodes them.
 //
-// All of them are worlds to the calls of reject.h and reject_many.h, with the
-// queries of the floats.
-//   Quantized bounds alone answer conservatively: they reject no pair that the
-//   floats keep, and keep some that the floats reject; a few times as many
-//   survivors with uint8 quantized bounds, a few in a thousand with uint16.
-//   Refined and QuantizedWorld test what the quantized bounds leave on the
-//   floats too: the answer is that of the floats, bit for bit.
+// Filter and refine. QuantizedBounds alone are a filter: they never reject a
+// pair that the floats keep, and keep some that the floats reject (a few times
+// as many survivors with uint8, a few in a thousand more with uint16). Refined
+// and QuantizedWorld test the survivors of the filter on the floats too, so
+// their answer is that of the floats, bit for bit.
+//
+// Why it is safe: a float is encoded as its rank among quantiles of its plane.
+// That map is monotone, and a test consists of compares alone, so a pair that
+// the floats keep is kept by the ranks too. Ranks spread the bits evenly over
+// the objects, wherever those are, so outliers cost nothing.
 //
 // Memory: planes x sizeof(Element) bytes an object (an AABO in 3D: 8 or 16),
-// and at most 1.4 KiB (uint8) or 257 KiB (uint16) a plane for the map.
+// and at most 1.4 KiB (uint8) or 257 KiB (uint16) a plane for the quantizer.
 //
-// Special values: a NaN plane never rejects, infinities and Everything() are
-// values like others. One object, equal objects, constant planes: conservative
-// like all. Subnormals are quantized as 0, so that a caller's DAZ mode changes
-// nothing. Floats are quantized as integers, and trap no floating-point
-// exception; to train a map, and Fits(), may give inexact numbers, and what
-// refines quantized bounds is as in reject.h.
+// Special values: a NaN plane never rejects. Infinities and Everything() are
+// values like others. One object, equal objects and constant planes are tested
+// conservatively, like everything else. Subnormals are encoded as 0, so that a
+// caller's DAZ mode changes nothing.
 //
-// Thread safety: as for any container. Source: monotone quantized bounds are
-// this library's; docs/performance.md has the figures.
+// Floating-point exceptions: floats are encoded as integers, which traps none.
+// Training and Fits() may raise the inexact exception. Refining is as in
+// reject.h.
+//
+// Thread safety: as for any container. Source: quantization by monotone maps is
+// this library's own; docs/performance.md has the figures.
 #ifndef HALFSPACE_QUANTIZED_H_
 #define HALFSPACE_QUANTIZED_H_
 
@@ -50,19 +52,18 @@
 
 namespace halfspace {
 
-// The quantized bounds of the bounds of a world of floats. FloatView is
-// SimplexView<D>, AabbView<D> or AaboView<D>; Element is std::uint8_t or
-// std::uint16_t.
+// Quantized bounds of a world of floats. FloatView is SimplexView<D>,
+// AabbView<D> or AaboView<D>; Element is std::uint8_t or std::uint16_t.
 //
-// The map is trained from the bounds there are (Requantize), and then kept:
-// bounds that are set or pushed are quantized by it, whatever their values.
-// When they have moved so far that it does not tell them apart well, Fits()
-// says so, and it is time for Requantize again. Answers are right all the
-// while.
+// Requantize trains the quantizer on the bounds it is given and encodes them.
+// The quantizer is kept afterwards: it encodes all bounds that are pushed or
+// set, whatever their values. When these have moved so far that it no longer
+// tells them apart well, Fits() returns false: call Requantize again. Answers
+// are right before and after; only the number of survivors changes.
 //
-// Errors: an index that is not below size() throws std::invalid_argument;
-// memory that cannot be had throws std::bad_alloc and a size that cannot exist
-// std::invalid_argument, and the quantized bounds are as they were.
+// Errors: an index that is not below size() and a size that no memory can have
+// throw std::invalid_argument, a failed allocation throws std::bad_alloc. The
+// quantized bounds are then as they were.
 template <typename FloatView, typename ElementType = std::uint8_t>
 class QuantizedBounds {
   static_assert(
@@ -75,11 +76,11 @@ class QuantizedBounds {
   using Element = ElementType;
   using View = detail::QuantizedView<FloatView, ElementType>;
 
-  // None, and a map that has one level for everything: what is pushed survives
-  // every query that is not empty, until Requantize.
+  // No bounds, and a quantizer with one level for every value: until
+  // Requantize, what is pushed survives every query that is not empty.
   QuantizedBounds() = default;
 
-  // Quantized bounds the bounds of `floats`.
+  // Trains a quantizer on `floats` and encodes them.
   explicit QuantizedBounds(const FloatView& floats) { Requantize(floats); }
   explicit QuantizedBounds(const World<FloatView>& floats) {
     Requantize(floats);
@@ -88,26 +89,27 @@ class QuantizedBounds {
   std::size_t size() const { return planes_.size(); }
   bool empty() const { return size() == 0; }
 
-  // Trains a new map from `floats` and quantized bounds all of them: about 0.1
-  // us an octahedron (0.3 with uint16), and a sort of at most 2^16 values a
-  // plane (2^18 with uint16). Throws std::invalid_argument for a null or
-  // misaligned plane of a view that is not empty; the quantized bounds are as
-  // they were then.
+  // Replaces the content: trains a new quantizer on `floats` and encodes all of
+  // them. Costs about 0.1 us an octahedron (0.3 with uint16), and a sort of at
+  // most 2^16 values a plane (2^18 with uint16). Throws std::invalid_argument
+  // for a null or misaligned plane of a view that is not empty; the quantized
+  // bounds are then as they were.
   void Requantize(const FloatView& floats) {
     planes_.Requantize(detail::ColumnsOf(floats));
   }
   void Requantize(const World<FloatView>& floats) { Requantize(floats.view()); }
 
-  // The same for bounds in a list.
+  // The same for a list of bounds.
   void Requantize(Span<const Bound> bounds) {
     planes_.Requantize(detail::ColumnsOf(bounds));
   }
 
-  // Whether the map still tells the bounds apart about as well as when it was
-  // trained, judged by 1024 of them. False after pushes to an empty map. O(1).
+  // Whether the quantizer still tells the bounds apart about as well as when it
+  // was trained, judged by 1024 of them. False if bounds were pushed and it was
+  // never trained. O(1).
   bool Fits() const { return planes_.Fits(); }
 
-  // As in World, for the quantized bounds: keep them in step with the floats.
+  // As in World. The caller makes the same change to the floats.
   std::size_t Push(const Bound& bound) {
     return planes_.Push(detail::Planes(bound));
   }
@@ -117,10 +119,11 @@ class QuantizedBounds {
   void EraseBySwap(std::size_t index) { planes_.EraseBySwap(index); }
   void Reserve(std::size_t objects) { planes_.Reserve(objects); }
 
-  // Removes all objects; keeps memory and map.
+  // Removes all objects; keeps the memory and the quantizer.
   void Clear() { planes_.Clear(); }
 
-  // Throws, in the name of `call`, unless `index` is below size().
+  // Throws std::invalid_argument, in the name of `call`, unless `index` is
+  // below size().
   void CheckIndex(std::size_t index, const char* call) const {
     planes_.CheckIndex(index, call);
   }
@@ -133,11 +136,10 @@ class QuantizedBounds {
       Bound::kAxes, detail::kPlaneCount<Bound> - Bound::kAxes};
 };
 
-// Quantized bounds and the floats they were made from, in the same order: a
-// world whose answers are those of the floats. The calls throw
-// std::invalid_argument if the sizes differ; floats other than those that were
-// quantized are an error that cannot be seen, and falsely reject. Both must
-// outlive it.
+// A world of quantized bounds and of the floats that they were encoded from, in
+// the same order. Its answers are those of the floats. Both must outlive it.
+//   The calls throw std::invalid_argument if the sizes differ. Different floats
+//   cannot be detected: a call may then reject pairs that touch.
 template <typename FloatView, typename ElementType>
 detail::RefinedView<FloatView, ElementType, FloatView> Refined(
     const QuantizedBounds<FloatView, ElementType>& quantized,
@@ -151,22 +153,25 @@ detail::RefinedView<FloatView, ElementType, FloatView> Refined(
   return {quantized.view(), floats.view()};
 }
 
-// A world that owns its quantized bounds and its floats: those are as many
-// bytes again as in a World. Errors are those of Quantized bounds, and the
-// world is as it was.
+// A world that owns quantized bounds and their floats. The floats take as many
+// bytes as in a World. Errors are those of QuantizedBounds; the world is then
+// as it was.
 //
-// The world trains a map when it is made of bounds. Pushed to, it trains a new
-// one when it has twice the objects that it trained from, and before those that
-// came, in the order of a plane, say, crowd a few quantized bounds; pushed to
-// from nothing, and after Clear(), for the first time at 64. So Fits() holds
-// while objects are pushed, from then on. What Set and EraseBySwap change, a
-// Push later may train; ask Fits() whether to call Requantize().
+// Training: a world that is constructed from bounds trains its quantizer on
+// them. Push trains a new one when the world has twice the objects of the last
+// training, and earlier if the objects pushed since would crowd into a few
+// levels, as objects sorted along an axis do. A world that starts empty, or was
+// cleared, is trained for the first time at 64 objects. So from 64 objects on
+// Fits() is true while objects are only pushed. Set and EraseBySwap do not
+// train; a later Push may. After many of them, check Fits() and call
+// Requantize().
 //
-// To set an object takes about 0.1 us; to push one, all told, 0.3 to 1 us
-// (three times that in the order of a plane), for most of it is training.
+// Cost: Set takes about 0.1 us. Push takes 0.3 to 1 us on average, most of it
+// training, and three times that for objects sorted along an axis.
 //
-// Its floats are records, one after another, and not planes: few of them are
-// looked at, and each is then one cache line instead of one for each plane.
+// The floats are stored as records, one after another, and not as planes: few
+// of them are read, and reading a record misses one cache line instead of one
+// for each plane.
 template <typename FloatView, typename ElementType = std::uint8_t>
 class QuantizedWorld {
  public:
@@ -215,8 +220,8 @@ class QuantizedWorld {
 
   // Appends and returns the object's index. Amortised O(1).
   std::size_t Push(const Bound& bound) {
-    // All memory comes before any change, so that quantized bounds and floats
-    // stay in step.
+    // Allocates before it changes anything, so that quantized bounds and floats
+    // stay in step if that fails.
     if (size() == records_.capacity()) Reserve(std::max(kLeast, 2 * size()));
     if (pushes_left_ == 0) TrainIfDue();
     quantized_.Push(bound);
@@ -240,12 +245,13 @@ class QuantizedWorld {
     records_[index] = records_.back();
     records_.pop_back();
   }
-  // Room for so many objects in all. To train takes memory of its own.
+  // Makes room for `objects` objects in all. Training allocates more memory.
   void Reserve(std::size_t objects) {
     quantized_.Reserve(objects);
     records_.reserve(objects);
   }
-  // Keeps the memory, and the map until there is enough to train a new one.
+  // Removes all objects. Keeps the memory, and the quantizer until there are
+  // enough objects to train a new one.
   void Clear() {
     quantized_.Clear();
     records_.clear();
@@ -253,7 +259,7 @@ class QuantizedWorld {
     pushes_left_ = 0;
   }
 
-  // As in Quantized bounds: O(1), and O(size).
+  // As in QuantizedBounds. Fits() is O(1), Requantize() is O(size).
   bool Fits() const { return quantized_.Fits(); }
   void Requantize() {
     quantized_.Requantize(Span<const Bound>(records_));
@@ -261,7 +267,7 @@ class QuantizedWorld {
     pushes_left_ = 0;
   }
 
-  // For calls on quantized bounds alone.
+  // The quantized bounds alone, for calls that need no refining.
   const QuantizedBounds<FloatView, ElementType>& quantized() const {
     return quantized_;
   }
@@ -271,8 +277,8 @@ class QuantizedWorld {
  private:
   static constexpr std::size_t kLeast = 64;
 
-  // Trains if it is time, and says when to look again. After it has trained
-  // there is room for an eighth more at least, so that a Push is O(1) all told.
+  // Trains if it is time, and sets when to check again. After training there is
+  // room for an eighth more objects at least, so Push is O(1) on average.
   void TrainIfDue() {
     if (size() < kLeast) {
       pushes_left_ = kLeast - size();
@@ -289,8 +295,8 @@ class QuantizedWorld {
 
   QuantizedBounds<FloatView, ElementType> quantized_;
   std::vector<Bound, detail::BlockAllocator<Bound>> records_;
-  std::size_t trained_ = 0;      // objects that there were then
-  std::size_t pushes_left_ = 0;  // pushes until it is time to look at the map
+  std::size_t trained_ = 0;      // objects at the last training
+  std::size_t pushes_left_ = 0;  // until TrainIfDue checks again
 };
 
 }  // namespace halfspace

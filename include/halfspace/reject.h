@@ -1,52 +1,52 @@
-// The calls: which of the stored bounds could one query touch?
+// The calls for one query: which of the stored bounds could it touch?
 //
-// Each call tests every object of a world against one query. An object is
-// rejected iff one of its planes proves it separated from the query:
+// A call tests every object of a world against the query. An object is rejected
+// iff one of its planes proves that it is separated from the query:
 //
 //   simplex   object.min[k] > query.max[k]  for a k in X, Y, ..., D
 //   AABB      object.min[k] > query.max[k]  or  object.max[k] < query.min[k]
 //             for a k in X, Y, ...
 //   AABO      the same for a k in X, Y, ..., D
 //
-// and survives otherwise. The compares are strict and ordered: bounds that only
-// touch survive, and a NaN on either side never rejects. The answer depends on
-// neither target nor schedule nor compiler, bit for bit.
+// Otherwise it survives. The compares are strict and ordered: bounds that only
+// touch survive, and a NaN on either side never rejects. The answer is the same
+// on every target, schedule and compiler, bit for bit.
 //
-// Floating-point mode: rounding does not matter. Where the thread flushes
-// subnormal inputs (DAZ, as a program linked with fast-math may), those in
-// planes and queries of floats count as 0, which may keep an object that would
-// else be rejected, and never rejects one that would be kept. Where it traps
-// floating-point exceptions, a NaN or a subnormal in planes or queries may be
-// trapped, on some targets and not on others, and no other value is: mask the
-// traps around calls on such values. (No builder is trapped: fit.h.)
+// Floating-point mode: rounding does not matter. If the thread flushes
+// subnormal inputs (DAZ, which a program linked with fast-math may set), those
+// in planes and queries of floats count as 0. That may keep an object that
+// would be rejected otherwise, and never rejects one that would be kept. If the
+// thread traps floating-point exceptions, a NaN or a subnormal in planes or
+// queries may trap, on some targets and not on others; no other value does.
+// Mask the traps around calls on such values. (Builders never trap: fit.h.)
 //
 // Every call takes
-//   world    a view or an owning world of world.h, of floats or of doubles, or
-//            a quantized one of quantized.h
+//   world    a view or an owning world of world.h (floats or doubles), or a
+//            quantized one of quantized.h
 //   query    the world's Query type: DownSimplex, Aabb or Aabo
 //   options  schedule, target, and the range of objects; the defaults are right
-// reject_many.h has the same for many queries.
+// reject_many.h has the calls for several queries.
 //
-// Masks: object i of the world, or of the range that the options give, is bit
-// i % 64 of word i / 64; MaskWords(n) words for n objects. Words past those are
-// not touched, and bits past object n - 1 in the last one never show a
-// survivor: they are 1 in a reject mask, 0 in a survivor mask. Indices are the
-// world's, also those of a range.
+// Masks: object i of the world, or of the range in the options, is bit i % 64
+// of word i / 64; a mask of n objects has MaskWords(n) words. Words after those
+// are not touched. Bits after object n - 1 in the last word never show a
+// survivor: they are 1 in a reject mask, 0 in a survivor mask. Indices are
+// always those of the world, also with a range.
 //
-// Errors: a precondition that is violated throws std::invalid_argument, which
-// names the argument, what was expected and what was given; nothing has been
-// written then. They are: a null or misaligned plane or output in a world that
-// is not empty, a mask span too short for the objects, an output that overlaps
-// a plane or a query, more than 2^32 objects with 32-bit indices, a range that
-// ends before it begins, a target that is not supported here. Code compiled
-// with -fno-exceptions can link and call, and must keep to the preconditions.
-// An empty world is fine.
+// Errors: a violated precondition throws std::invalid_argument, which names the
+// argument, what was expected and what was given. Nothing has been written
+// then. The preconditions: in a world that is not empty, no plane and no output
+// is null or misaligned; a mask has room for all objects; an output overlaps
+// neither a plane nor a query; with 32-bit indices a world has at most 2^32
+// objects; a range does not end before it begins; the target is supported here.
+// An empty world is valid. Code compiled with -fno-exceptions can link and
+// call, and must keep the preconditions.
 //
-// Thread safety: reentrant; no allocation, no lock, no state. Stack: 8 KiB are
-// enough for every call here (7 are used on x86), over floats or quantized
-// bounds. Cost: a load and an indirect call, then one compare per plane and
-// object, at the speed of the planes' memory (docs/performance.md has figures).
-// A reject mask is a survivor mask turned over: one more pass over the mask.
+// Thread safety: reentrant; no allocation, no lock, no state. Stack: every call
+// here uses at most 8 KiB (7 on x86), over floats or quantized bounds. Cost: a
+// load and an indirect call, then one compare per plane and object, at the
+// speed of the planes' memory (docs/performance.md has figures). A reject mask
+// is made from a survivor mask, by one more pass over the mask.
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (the tests,
 // and the early-out under SIMD that schedules are about).
@@ -66,22 +66,21 @@
 
 namespace halfspace {
 
-// When to stop testing a group of objects that are all rejected already. It
+// When to stop testing a group of objects that have all been rejected. It
 // changes the cost, never the answer. A simplex is always tested flat.
 enum class Schedule : std::uint8_t {
   kAuto,          // the shape's measured best: see docs/design.md
   kFlat,          // every plane of every object, without a branch
   kStaged,        // AABB: as kStagedByAxis. AABO: up simplex, then down simplex
-  kStagedByAxis,  // after the two planes (the interval) of each axis of a box
-                  // or an octahedron of floats or doubles; of quantized bounds,
-                  // as kAuto
+  kStagedByAxis,  // after the two planes of each axis of a box or an octahedron
+                  // of floats or doubles; of quantized bounds, as kAuto
 };
 
-// Objects begin ... end - 1 of a world. What lies past the world does not
-// count. A range costs what a world of its objects would: the cells of a grid
-// or the leaves of a tree are ranges of one world. Threads that share one
-// call's work take a range each; multiples of 64 objects let them fill the same
-// mask, each from word begin / 64 on.
+// Objects begin ... end - 1 of a world. An end beyond the world is taken as the
+// world's size. A range costs what a world of its objects would: the cells of a
+// grid or the leaves of a tree are ranges of one world. Threads share the work
+// of one call by taking a range each; if these begin at multiples of 64
+// objects, each thread writes its words of one mask, from word begin / 64 on.
 struct Range {
   std::size_t begin = 0;
   std::size_t end = std::numeric_limits<std::size_t>::max();
@@ -89,12 +88,12 @@ struct Range {
 
 struct Options {
   Schedule schedule = Schedule::kAuto;
-  Target target = {};     // the chosen target
-  Range range = {};       // the whole world
-  Target* ran = nullptr;  // if it is not null, is told which target runs
+  Target target = {};     // by default, the chosen one (targets.h)
+  Range range = {};       // by default, the whole world
+  Target* ran = nullptr;  // if not null, receives the target that ran
 
-  // RejectMasks and SurvivorMasks only: the words from one row to the next. 0
-  // stands for the words of a row. More lets a range be a part of larger rows.
+  // RejectMasks and SurvivorMasks only: words from one row to the next. 0
+  // stands for the words of a row; with more, a range is a part of larger rows.
   std::size_t row_words = 0;
 };
 
@@ -120,8 +119,8 @@ void SurvivorMask(const AnyWorld& world, const typename AnyWorld::Query& query,
 }
 
 // Writes the indices of the survivors, ascending, and returns how many there
-// are. A span that is too short is no error: the first indices that fit are
-// written, nothing past the span, and the full count is returned.
+// are. A span that is too short is no error: it receives the first indices, and
+// the full count is returned.
 template <typename AnyWorld>
 [[nodiscard]] std::size_t Survivors(const AnyWorld& world,
                                     const typename AnyWorld::Query& query,
@@ -138,8 +137,8 @@ template <typename AnyWorld>
   return detail::CountSurvivors(detail::ScanOfOne(world, query), options);
 }
 
-// The index of the first survivor, if there is one. Looks at the first 512
-// objects, then at 4096 after 4096, until there is a survivor.
+// The index of the first survivor, if there is one. Tests the first 512
+// objects, then 4096 at a time until one survives.
 template <typename AnyWorld>
 [[nodiscard]] std::optional<std::size_t> AnySurvivor(
     const AnyWorld& world, const typename AnyWorld::Query& query,

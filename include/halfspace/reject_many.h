@@ -1,23 +1,25 @@
-// The calls for many queries at once: Q queries against N objects.
+// The calls for several queries: Q queries against N objects.
 //
-// The answers are those of reject.h for each query; the work is done in tiles.
-// A tile of the world is brought into the first-level cache once, and all
-// queries (of quantized bounds 256 at a time) are tested there, so that a world
-// out of the caches costs its bytes once for all of them and not once for each.
-// Where registers allow it, as with AVX-512, several queries share each load.
+// The answers are those of reject.h for each query. The work is done in tiles:
+// a tile of the world is brought into the first-level cache once, and all
+// queries (over quantized bounds, 256 at a time) are tested there. So a world
+// that is larger than the caches is read once for all queries and not once for
+// each. Where there are enough registers, as with AVX-512, several queries also
+// share each load.
 //
 // Every call takes
-//   world    as the calls of reject.h: floats, doubles or quantized bounds
-//   queries  any number, of the world's Query type; NaN and empty queries as
-//            there
-//   options  as there; a range of objects is how threads share the work: give
-//            each thread a range, and outputs of its own, or, where these are
-//            rows of masks, its columns of the same rows (Options::row_words)
+//   world    as in reject.h: floats, doubles or quantized bounds
+//   queries  any number, of the world's Query type; a NaN or an empty query is
+//            treated as in reject.h
+//   options  as in reject.h. Threads share the work by ranges of objects: give
+//            each thread a range, and outputs of its own, or, if these are rows
+//            of masks, its words of the same rows (Options::row_words)
 //
-// Errors, thread safety and the meaning of masks are those of reject.h. Errors
-// too are lists of pairs that overlap one another where they are written, and
-// more than 2^32 queries with 32-bit indices. Nothing is allocated: a call
-// works on up to 32 KiB of stack. An empty world, and no queries, are fine.
+// Errors, thread safety and the meaning of masks are those of reject.h. Two
+// more preconditions: the two lists of SurvivorPairs do not overlap where they
+// are written, and with 32-bit indices there are at most 2^32 queries. Nothing
+// is allocated: a call uses up to 32 KiB of stack. An empty world and an empty
+// list of queries are valid.
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (the tests).
 #ifndef HALFSPACE_REJECT_MANY_H_
@@ -34,10 +36,11 @@
 
 namespace halfspace {
 
-// Writes the reject mask of every query. Row q, the mask of queries[q], is the
-// MaskWords(objects of the range) words of `rows` from q * options.row_words
-// on, or, if that is 0, from q times so many words on. `rows` has room for all.
-// Throws also if options.row_words is neither 0 nor enough for a row.
+// Writes the reject mask of every query. The mask of queries[q] is row q: the
+// MaskWords(objects of the range) words of `rows` from q * stride on. The
+// stride is options.row_words, or, if that is 0, the words of a row. `rows` has
+// room for all rows.
+//   Throws also if options.row_words is neither 0 nor enough for a row.
 template <typename AnyWorld>
 void RejectMasks(const AnyWorld& world,
                  Span<const typename AnyWorld::Query> queries,
@@ -53,11 +56,11 @@ void SurvivorMasks(const AnyWorld& world,
   detail::SurvivorMasks(detail::ScanOf(world, queries), rows, options);
 }
 
-// Writes every surviving pair: query_indices[j] and object_indices[j]. Pairs
-// come tile by tile: those of one query in ascending order of objects, but not
-// side by side. What fits in the shorter span is written, and the number of all
-// pairs is returned. At most 2^32 objects and queries. The spans must not
-// overlap.
+// Writes every surviving pair, as query_indices[j] and object_indices[j], and
+// returns the number of pairs. Pairs come tile by tile: those of one query are
+// in ascending order of objects, with pairs of other queries between them. If
+// the shorter span is too short, it is filled and the full number is returned.
+// At most 2^32 objects and queries. The spans must not overlap.
 template <typename AnyWorld>
 [[nodiscard]] std::size_t SurvivorPairs(
     const AnyWorld& world, Span<const typename AnyWorld::Query> queries,
@@ -67,8 +70,8 @@ template <typename AnyWorld>
                                object_indices, options);
 }
 
-// Writes how many objects survive each query: counts[q] of queries[q]. `counts`
-// has room for all.
+// Writes to counts[q] how many objects survive queries[q]. `counts` has room
+// for all queries.
 template <typename AnyWorld>
 void SurvivorCounts(const AnyWorld& world,
                     Span<const typename AnyWorld::Query> queries,
@@ -76,15 +79,15 @@ void SurvivorCounts(const AnyWorld& world,
   detail::SurvivorCounts(detail::ScanOf(world, queries), counts, options);
 }
 
-// The survivors of a few queries in a part of the world.
+// The survivors of a few queries among some consecutive objects of the world.
 struct SurvivorTile {
   std::size_t first_query = 0;
   std::size_t queries = 0;
   std::size_t first_object = 0;  // a multiple of 64 after the range's begin
   std::size_t objects = 0;
 
-  // The survivor mask of query first_query + q: bit 0 of word 0 is
-  // first_object. Valid during the call that gives it.
+  // The survivor mask of query first_query + q; bit 0 of word 0 is
+  // first_object. Valid until the callback returns.
   Span<const std::uint64_t> Row(std::size_t q) const {
     return {rows + q * stride, MaskWords(objects)};
   }
@@ -93,11 +96,10 @@ struct SurvivorTile {
   std::size_t stride = 0;  // words from one row to the next
 };
 
-// Calls `function`, anything that takes a const SurvivorTile&, for every tile:
-// each pair of a query and an object is in one of them. For survivors that are
-// to be used while they are in the cache, and never stored. A function that
-// returns a bool ends the call by returning false. What it throws passes
-// through.
+// Calls function(const SurvivorTile&) for every tile; each pair of a query and
+// an object is in exactly one tile. Use it to process survivors while they are
+// in the cache, without storing them. A function that returns a bool ends the
+// call by returning false. Exceptions of the function pass through.
 template <typename AnyWorld, typename Function>
 void ForEachTile(const AnyWorld& world,
                  Span<const typename AnyWorld::Query> queries,

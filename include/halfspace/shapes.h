@@ -1,11 +1,11 @@
-// Shapes as a caller has them: what the builders of fit.h and fit_many.h take.
+// Shapes: the inputs of the builders of fit.h and fit_many.h.
 //
-// All are plain data in the caller's own unit. Structs that point into the
-// caller's memory own nothing: what they name must outlive the call. Pointers
-// need the alignment of their element and no more; no element outside those
-// described is read. Scalar is float (the default) or double.
+// All are plain data in the caller's own unit. Structs with pointers own
+// nothing: the memory that they point to must outlive the call. Pointers need
+// the alignment of their element and no more; only the elements described are
+// read. Scalar is float (the default) or double.
 //
-// Thread safety: values; none needed.
+// Thread safety: plain values.
 #ifndef HALFSPACE_SHAPES_H_
 #define HALFSPACE_SHAPES_H_
 
@@ -54,8 +54,8 @@ struct Triangle {
   Point<kDims> c;
 };
 
-// The points origin + t * direction for 0 <= t <= max_t. The direction need
-// not have length 1: max_t counts in lengths of it.
+// The points origin + t * direction for 0 <= t <= max_t. The direction need not
+// have length 1: max_t is a multiple of its length.
 template <int kDims>
 struct Ray {
   Point<kDims> origin;
@@ -79,8 +79,7 @@ struct Capsule {
 };
 
 // The points center + sum of s[i] * half_extents[i] * axes[i] for
-// -1 <= s[i] <= 1. The axes are taken as they are: they need be neither of
-// length 1 nor at right angles.
+// -1 <= s[i] <= 1. The axes need be neither of length 1 nor at right angles.
 template <int kDims>
 struct OrientedBox {
   Point<kDims> center;
@@ -88,7 +87,7 @@ struct OrientedBox {
   Point<kDims> half_extents;
 };
 
-// The points p with normal[0] * p[0] + ... + offset >= 0: what lies in front of
+// The points p with normal[0] * p[0] + ... + offset >= 0, which lie in front of
 // a plane. The normal need not have length 1.
 struct HalfSpace3 {
   Point<3> normal;
@@ -96,7 +95,7 @@ struct HalfSpace3 {
 };
 
 // N boxes: coordinate k of box i is min[k][i * stride] and max[k][i * stride].
-// Stride 1 is a structure of arrays, the fastest.
+// Stride 1 is a structure of arrays, which is the fastest to read.
 template <int kDims>
 struct Boxes {
   std::array<const float*, static_cast<std::size_t>(kDims)> min{};

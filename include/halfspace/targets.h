@@ -3,26 +3,26 @@
 //
 // Targets and their names are Highway's: on x86 "AVX3" (AVX-512), "AVX2" and
 // "SSE4"; on ARM "NEON", "SVE", "SVE2", "SVE_256" and "SVE2_128"; and one plain
-// fall-back, "SCALAR" or "EMU128". Those that are no faster than the next one
-// below them ("SSSE3", "AVX3_DL", and more of newer releases) are compiled with
-// -DHALFSPACE_EXTRA_TARGETS=ON.
+// fall-back, "SCALAR" or "EMU128". Targets that are no faster than the next one
+// below them ("SSSE3", "AVX3_DL", and more in newer releases of Highway) are
+// compiled only with -DHALFSPACE_EXTRA_TARGETS=ON.
 //
-// The choice is made once, at the first call that needs it: the best target
-// that was compiled and that CPU and operating system support. The environment
-// variable HALFSPACE_TARGET, read at that moment (and, with glibc, ignored by
-// set-user-id programs), names another one; a name that is unknown or not
+// The choice is made once, at the first call that needs it: the best compiled
+// target that CPU and operating system support. The environment variable
+// HALFSPACE_TARGET, read at that moment (and, with glibc, ignored by
+// set-user-id programs), names another one. A name that is unknown or not
 // supported here is an error at the first call, never a silent fall-back. Case
-// matters: "avx2" is unknown, and the error asks whether AVX2 is meant. There
-// is no global setter: a call that wants another target says so in its options,
-// and all supported targets can be used side by side.
+// matters: "avx2" is unknown, and the error suggests AVX2. There is no global
+// setter: a call may name another target in its options, and one program can
+// use all supported targets.
 //
-// CPU and system are asked on x86 (by gcc's and clang's means) and on aarch64
-// Linux. Elsewhere the targets supported are the fall-back and those that the
-// library's compiler was told it may use.
+// Support is detected on x86 (with gcc and clang) and on aarch64 Linux.
+// Elsewhere the supported targets are the fall-back and those that the
+// library's own compiler flags allow.
 //
-// Thread safety: every function here may be called from any thread. Cost:
-// the first call asks the CPU (microseconds, up to 0.1 ms in a virtual
-// machine); later ones are a load.
+// Thread safety: every function here may be called from any thread. Cost: the
+// first call detects the CPU (microseconds, up to 0.1 ms in a virtual machine);
+// later ones are a load.
 #ifndef HALFSPACE_TARGETS_H_
 #define HALFSPACE_TARGETS_H_
 
@@ -37,8 +37,8 @@
 
 namespace halfspace {
 
-// A handle of one target: a plain value, free to copy and to compare. A
-// default-constructed handle stands for "the chosen one".
+// A handle of one target: a plain value. A default-constructed handle means the
+// chosen target.
 class Target {
  public:
   constexpr Target() = default;
@@ -46,7 +46,7 @@ class Target {
   // Highway's name, for example "AVX2"; "auto" for a default handle.
   HALFSPACE_API std::string_view name() const;
 
-  // float32 lanes of one vector. On SVE this is asked of the hardware. 0 for a
+  // float32 lanes of one vector; on SVE the hardware says how many. 0 for a
   // default handle and for a target that is not supported here.
   HALFSPACE_API std::size_t lanes() const;
 
@@ -68,7 +68,7 @@ class Target {
   std::int64_t highway_bit_ = 0;
 };
 
-// What was decided, and why.
+// Which target was chosen, and why.
 struct TargetChoice {
   Target target;          // default handle when `error` is not empty
   std::string requested;  // the value of HALFSPACE_TARGET, or empty
@@ -77,8 +77,8 @@ struct TargetChoice {
 
 namespace detail {
 
-// The same without std::string, whose layout depends on a caller's flags. What
-// it points to lives for ever.
+// The same without std::string, whose layout depends on the caller's flags. Its
+// strings are never destroyed.
 struct TargetChoiceView {
   Target target;
   std::string_view requested;
@@ -88,18 +88,18 @@ HALFSPACE_API TargetChoiceView ViewTargetChoice();
 
 }  // namespace detail
 
-// Every target in this build, best first. The span lives for ever.
+// Every target in this build, best first. The span stays valid.
 HALFSPACE_API Span<const Target> CompiledTargets();
 
 // Those of CompiledTargets() that this CPU and system run, best first. The span
-// lives for ever and is never empty.
+// stays valid and is never empty.
 HALFSPACE_API Span<const Target> SupportedTargets();
 
 // The target that calls without an explicit one use. Throws
 // std::invalid_argument if HALFSPACE_TARGET cannot be honoured.
 HALFSPACE_API Target ChosenTarget();
 
-// The same without throwing: look at `error`.
+// The same without throwing: check `error`.
 inline TargetChoice DescribeTargetChoice() {
   const detail::TargetChoiceView choice = detail::ViewTargetChoice();
   return {choice.target, std::string(choice.requested),

@@ -1,26 +1,27 @@
 // Bounds of bounds: merged, inflated, moved, scaled, swept, turned over.
 //
 // `Bound` is any of UpSimplex, DownSimplex, Aabb and Aabo in 2, 3 or 4
-// dimensions, of floats: those of doubles are the caller's own (bounds.h), and
-// no call takes them. If the bounds given enclose their shapes, the result
-// encloses the merged, inflated, moved ... shape, exactly as for the builders
-// of fit.h: no minimum is above and no maximum below the exact value, so
-// touching shapes are never rejected.
+// dimensions, of floats; no call takes bounds of doubles (bounds.h). If the
+// bounds given enclose their shapes, the result encloses the merged, inflated,
+// moved ... shape, exactly as for the builders of fit.h: no minimum is above
+// and no maximum below the exact value, so touching shapes are never rejected.
 //
-// Every call rounds outward, so results of results drift outward, by up to an
-// ulp a step. Move from the local bound each time, not from the last result.
+// Every call rounds outward, so a result that is transformed again grows by up
+// to an ulp each time. Move from the local bound each time, not from the last
+// result.
 //
-// Special values, each plane on its own: a plane without a bound (-FLT_MAX as a
-// minimum, FLT_MAX as a maximum, as all planes of Everything()) stays so.
-// Empty() in, Empty() out, also for minima of FLT_MAX with maxima of -FLT_MAX
-// on all planes (IsEmpty of bounds.h). If any other value is NaN, infinite or
+// Special values: a plane without a bound (-FLT_MAX as a minimum, FLT_MAX as a
+// maximum, as all planes of Everything()) stays so, whatever the other planes
+// are. Empty() gives Empty(), also minima of FLT_MAX with maxima of -FLT_MAX on
+// all planes (IsEmpty of bounds.h). If any other value is NaN, infinite or
 // beyond 2^126, or becomes so, the result is Everything(), and the status
 // counts it.
 //
 // Errors: only those named below, thrown as std::invalid_argument. Thread
 // safety: pure functions. The caller's floating-point mode and compiler flags
-// do not matter, as in fit.h. Cost: tens of ns, up to twice
-// that where every bound differs; docs/performance.md has a table.
+// do not matter, as in fit.h. Cost: tens of ns, and up to twice that where
+// every call has another bound and branches are mispredicted;
+// docs/performance.md has a table.
 //
 // Source: "The Bounding Simplex", for the axes; docs/exactness.md for the
 // rounding.
@@ -34,8 +35,8 @@
 
 namespace halfspace {
 
-// The bound of two shapes together, and of their convex hull. Exact: rounds
-// nothing. Empty() is its identity.
+// The bound of the union of two shapes, and of its convex hull. Exact: nothing
+// is rounded. Merging with Empty() changes nothing.
 template <typename Bound>
 HALFSPACE_API Bound Merge(const Bound& a, const Bound& b,
                           FitStatus* status = nullptr);
@@ -67,9 +68,10 @@ HALFSPACE_API Bound Translate(const Bound& bound,
 // Moves vertices as float arithmetic does: encloses the hull of all
 // float(v + by), rounded to nearest in each coordinate, for float vertices v
 // whose hull is inside the bound. X, Y, Z are float(min + by) and
-// float(max + by); D gives way by what the rounding can move a vertex, at most
-// 2^-24 times the sum of the largest coordinates.
-//   Simplices bound coordinates on one side only; this takes boxes and AABOs.
+// float(max + by). D is widened by as much as rounding can move a vertex, at
+// most 2^-24 times the sum of the largest coordinates.
+//   Takes boxes and AABOs only, because simplices bound each coordinate on one
+//   side.
 template <int kDims>
 HALFSPACE_API Aabb<kDims> TranslateVertices(const Aabb<kDims>& bound,
                                             const Point<kDims>& by,
@@ -80,27 +82,28 @@ HALFSPACE_API Aabo<kDims> TranslateVertices(const Aabo<kDims>& bound,
                                             FitStatus* status = nullptr);
 
 // Scales the exact set about the origin. Tightest.
-//   A negative factor turns the shape over: minima become maxima. Simplices
-//   have no other side, so for them it throws; NaN always throws.
+//   A negative factor turns the shape over: minima become maxima. A simplex has
+//   only one of them, so there it throws. NaN always throws.
 template <typename Bound>
 HALFSPACE_API Bound Scale(const Bound& bound, float factor,
                           FitStatus* status = nullptr);
 
-// The bound of a shape all along a straight move by `motion`, which it makes
-// without turning: the hull of the exact start and end. Tightest.
-//   Where both poses have bounds of their own, Merge them: for any motion in
-//   which every point stays on the straight line between its two places.
+// The bound of everything that a shape passes while it moves by `motion`, in a
+// straight line and without turning: the hull of the exact start and end.
+// Tightest.
+//   If both poses have bounds of their own, Merge them. That bounds any motion
+//   in which every point stays on the segment between its two places.
 template <typename Bound>
 Bound Sweep(const Bound& bound, const Point<Bound::kDimensions>& motion,
             FitStatus* status = nullptr) {
   return Merge(bound, Translate(bound, motion), status);
 }
 
-// The opposing simplex circumscribed about a simplex: what a query has to
-// supply when only the object's simplex is stored, and the other way round. It
-// is 3 times (in 3D; kDims times) as large, so prefer the Aabo of the shape
-// where that is known. Tightest.
-//   A simplex that contains no point (whose planes sum to more than 0) throws;
+// The opposing simplex, circumscribed about the given one: it makes a query
+// from the simplex that a world stores, or an object from a query. It is kDims
+// times as large (3 times in 3D), so use the Aabo of the shape if you have it.
+// Tightest.
+//   Throws if the simplex contains no point (its planes sum to more than 0).
 //   Empty() gives Empty().
 template <int kDims>
 HALFSPACE_API DownSimplex<kDims> Circumscribe(const UpSimplex<kDims>& simplex,

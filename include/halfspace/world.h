@@ -1,5 +1,5 @@
-// Worlds of stored bounds in structure-of-arrays form: views over the caller's
-// own memory, and arrays that own theirs.
+// Worlds: stored bounds as a structure of arrays, either as a view of the
+// caller's memory or as an owning container.
 //
 // A world of n objects is one array of n floats, or of n doubles, per plane.
 // Object i is element i of every plane.
@@ -9,18 +9,19 @@
 //   AabbView<D>         min[0 .. D-1], max[0 .. D-1]         Aabb<D>
 //   AaboView<D>         min[0 .. D], max[0 .. D]             Aabo<D>
 //
-// SimplexView<D, double> and its like are views of doubles, and are queried by
-// bounds of doubles: for coordinates that a database stores as such. A test of
-// them costs twice as much, for it reads twice the bytes.
+// SimplexView<D, double>, AabbView<D, double> and AaboView<D, double> are views
+// of doubles and are queried by bounds of doubles: for data that is stored in
+// double precision, as in a database. A test of doubles takes twice the time,
+// because it reads twice the bytes.
 //
-// An AABO world is also a simplex world and an AABB world: simplex() and
-// aabb() of a view name a part of the same planes, at no cost.
+// An AABO world is also a simplex world and an AABB world: simplex() and aabb()
+// of a view select some of its planes, at no cost.
 //
-// Views: zero copy. Planes need not be adjacent to each other, nor aligned
+// Views copy nothing. Planes need not be adjacent to each other, nor aligned
 // beyond alignof(float), nor padded; calls read elements 0 .. size - 1 and
 // nothing else. A view owns nothing: the planes must outlive the calls that use
 // it, and must not be written meanwhile. A null plane is allowed only when size
-// is 0. Values may be anything: a NaN makes its plane never reject its object.
+// is 0. Any value is allowed; a plane with a NaN never rejects its object.
 //
 // Thread safety: as for any container. Concurrent reads are fine; a write needs
 // exclusive access.
@@ -107,11 +108,11 @@ using AaboView4 = AaboView<4>;
 // Where indices must not move, leave a hole instead of erasing: Set(i,
 // Bound::Empty()), which no finite query keeps, and fill it with a later object
 // by Set(i, bound). A hole costs what an object costs, in memory and in every
-// scan, and size() counts it; which indices are free is the caller's to know.
+// scan, and size() counts it. The caller keeps the list of free indices.
 //
-// Errors: an index that is not below size() throws std::invalid_argument;
-// memory that cannot be had throws std::bad_alloc and a size that cannot exist
-// std::invalid_argument, and the world is as it was.
+// Errors: an index that is not below size() and a size that no memory can have
+// throw std::invalid_argument, a failed allocation throws std::bad_alloc. The
+// world is then as it was.
 template <typename ViewType>
 class World {
  public:
@@ -150,10 +151,11 @@ class World {
   // Removes object `index`; the last object takes its place. O(1).
   void EraseBySwap(std::size_t index) { planes_.EraseBySwap(index); }
 
-  // Makes the world this many objects large; new ones are Empty().
+  // Sets the number of objects; new ones are Empty().
   void Resize(std::size_t objects) { planes_.Resize(objects); }
 
-  // Removes all objects and keeps the memory. O(size): padding is restored.
+  // Removes all objects and keeps the memory. O(size), because it refills the
+  // padding.
   void Clear() { planes_.Clear(); }
 
   // Replaces the content by the given bounds, in order. They may not be part
@@ -164,11 +166,12 @@ class World {
     for (const Bound& bound : bounds) Push(bound);
   }
 
-  // Of the objects there are now: a later Push, EraseBySwap or Clear is not
-  // seen. Valid until the world grows, is assigned to, moved from or destroyed.
+  // A view of the current objects. It does not follow a later Push, EraseBySwap
+  // or Clear. Valid until the world grows, is assigned to, moved from or
+  // destroyed.
   View view() const { return detail::ViewOf<View>(planes_); }
 
-  // The same planes, to be written: by the builders of fit_many.h, say.
+  // The same planes for writing, for example by the builders of fit_many.h.
   Planes planes() { return detail::ViewOf<Planes>(planes_); }
 
  private:

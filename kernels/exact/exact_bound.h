@@ -140,7 +140,7 @@ void CheckLength(std::string_view call, std::string_view argument,
                Shortest(length));
 }
 
-// Counts the result; nothing stands for what cannot be bounded. Only in the
+// Counts the result; std::nullopt means that it cannot be bounded. Only in the
 // default mode.
 template <typename Bound>
 Bound Finish(const std::optional<Bound>& bound, FitStatus* status) {

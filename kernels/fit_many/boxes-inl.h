@@ -85,8 +85,7 @@ struct BoxBuilder {
   }
 
   // Boxes without points: all minima FLT_MAX or more and all maxima -FLT_MAX or
-  // less, or, where that is asked for, any minimum above its maximum and no
-  // NaN.
+  // less, or, if the options say so, any minimum above its maximum and no NaN.
   template <class D>
   hn::Mask<D> EmptyLanes(D d, const float* const* columns, size_t i) const {
     const auto most = hn::Set(d, FLT_MAX);

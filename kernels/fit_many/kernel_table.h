@@ -1,5 +1,5 @@
-// What a bulk builder is asked to do, what it says about it, and where it is
-// found. No Highway here.
+// The arguments of a bulk builder, what it reports, and the table of builders.
+// No Highway here.
 #ifndef HALFSPACE_KERNELS_FIT_MANY_KERNEL_TABLE_H_
 #define HALFSPACE_KERNELS_FIT_MANY_KERNEL_TABLE_H_
 

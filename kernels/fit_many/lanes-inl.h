@@ -27,7 +27,7 @@ using FitTag = hn::CappedTag<float, kTileObjects>;
 // How a builder stores the bounds of shapes that could be bounded.
 enum class Store { kCached, kPastCaches };
 
-// The lanes that could be bounded, and what stands for the others in a plane.
+// The lanes that could be bounded, and what a plane stores for the others.
 // kAll: there are no others.
 template <bool kAll, Store kStore, class D, class V, class M>
 HWY_INLINE void StoreWanted(D d, V value, M ok, V other, float* plane,
@@ -42,7 +42,7 @@ HWY_INLINE void StoreWanted(D d, V value, M ok, V other, float* plane,
   }
 }
 
-// The sum of magnitudes may not be more: a NaN or infinity is not less either.
+// The limit of the sum of magnitudes. A NaN or an infinity is not below it.
 template <class D>
 HWY_INLINE hn::Vec<D> LargestMagnitude(D d) {
   return hn::Set(d, 0x1p125f);
@@ -76,7 +76,7 @@ HWY_INLINE void LoadSum(D d, const float* const* columns, size_t i, V& sum,
   }
 }
 
-// Which zero a minimum of both is depends on the target: make it +0.
+// The minimum of -0 and +0 depends on the target: make it +0.
 template <class D, class V>
 HWY_INLINE V PlusZero(D d, V value) {
   return hn::Add(value, hn::Zero(d));

@@ -1,9 +1,9 @@
-// What the bulk builders share: walking over the shapes.
+// The loop over shapes that all bulk builders share.
 //
-// A builder sees columns of floats, one value of one object in each lane. Where
-// the caller's memory has that form it is used as it is; else, and at the end,
-// through tiles of 64 objects on the stack, so that nothing past the last
-// element is read or written.
+// A builder reads columns of floats, one value of one object in each lane. If
+// the caller's memory has that form, it is read in place. Other layouts, and
+// the last objects, are copied through tiles of 64 objects on the stack, so
+// that nothing past the last element is read or written.
 #if defined(HALFSPACE_KERNELS_FIT_MANY_TILES_INL_H_) == \
     defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_FIT_MANY_TILES_INL_H_

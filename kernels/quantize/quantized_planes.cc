@@ -11,15 +11,15 @@
 namespace halfspace::detail {
 namespace {
 
-// What lies past the objects is never looked at.
+// The padding is never read, so its values do not matter.
 template <typename Stored>
 PlaneArrays<Stored> NoPlanes(std::size_t planes) {
   const std::array<Stored, kMaxPlanes> padding{};
   return PlaneArrays<Stored>(std::span(padding).first(planes));
 }
 
-// Levels of equal rank are shared by one object in 256; a map that is four
-// times worse rejects with two bits less.
+// An ideal quantizer puts one object in 256 on each level. One that is four
+// times as crowded rejects with two bits less.
 double MostPairs(double times, double pairs_then) {
   return times * (pairs_then + 1.0 / 256);
 }
@@ -41,7 +41,8 @@ void QuantizedPlanes<Stored>::Requantize(const FloatColumns& floats) {
           return "a plane of " + std::to_string(floats.size) + " floats";
         });
   }
-  // Before a plane is read: a size that cannot exist is refused here.
+  // Before a plane is read, so that a size that no memory can have is refused
+  // here.
   PlaneArrays<Stored> levels = NoPlanes<Stored>(planes);
   levels.Reserve(std::max(floats.size, levels_.capacity()));
   levels.Resize(floats.size);
@@ -83,7 +84,7 @@ void QuantizedPlanes<Stored>::EraseBySwap(std::size_t index) {
   levels_.EraseBySwap(index);
 }
 
-// Of many levels, only the upper eight bits count. From up to 1024 objects.
+// Judged by the upper eight bits of the levels of up to 1024 objects.
 template <typename Stored>
 auto QuantizedPlanes<Stored>::CrowdOf(std::size_t plane) const -> Crowd {
   const std::size_t count = std::min<std::size_t>(size(), 1024);
@@ -115,12 +116,12 @@ template <typename Stored>
 std::size_t QuantizedPlanes<Stored>::Room() const {
   double room = 1.0;
   for (std::size_t p = 0; p < quantizer_.planes(); ++p) {
-    // Less than Fits() allows, as that will look at other objects.
+    // Less than Fits() allows, because that will sample other objects.
     const double most = MostPairs(3.5, pairs_then_[p]);
     const Crowd crowd = CrowdOf(p);
     if (crowd.pairs >= most) return 0;
     if (most >= 1.0) continue;
-    // The worst that can come: x times as many objects, all of them with the
+    // The worst case: x times as many objects are added, all of them with the
     // most frequent level. Then pairs + 2 fullest x + x^2 = most (1 + x)^2.
     const double half = most - crowd.fullest;
     const double root =

@@ -17,7 +17,7 @@ using Key = std::int32_t;
 constexpr Key kBelowAll = std::numeric_limits<Key>::min();
 constexpr Key kAboveAll = std::numeric_limits<Key>::max() - 1;
 
-// Fills a plane's thresholds up: no value reaches it.
+// Fills up a plane's thresholds; no value reaches it.
 constexpr Key kPad = std::numeric_limits<Key>::max();
 
 // Integers in the order of floats; both zeros and all subnormals are 0.
@@ -32,8 +32,8 @@ constexpr Key KeyOf(float value, Key key_of_nan) {
   return bits == magnitude ? key : -key;
 }
 
-// How many of each table's thresholds are below each key. The searches go side
-// by side, because each is a chain of loads.
+// How many of each table's thresholds are below each key. The searches are
+// interleaved, because each is a chain of loads.
 template <std::size_t kLanes>
 void CountBelow(const std::array<const Key*, kLanes>& tables,
                 std::size_t thresholds, const std::array<Key, kLanes>& keys,
@@ -41,8 +41,9 @@ void CountBelow(const std::array<const Key*, kLanes>& tables,
   counts.fill(0);
   for (std::size_t step = (thresholds + 1) / 2; step != 0; step /= 2) {
     for (std::size_t l = 0; l < kLanes; ++l) {
-      // As a mask: gcc makes a branch of a choice, which is mispredicted every
-      // second time (an octahedron takes 230 ns then instead of 80).
+      // A mask, because gcc compiles a conditional to a branch that is
+      // mispredicted every second time (an octahedron then takes 230 ns instead
+      // of 80).
       const std::uint32_t below =
           tables[l][counts[l] + step - 1] < keys[l] ? ~std::uint32_t{0} : 0;
       counts[l] += static_cast<std::uint32_t>(step) & below;
@@ -57,8 +58,8 @@ constexpr Stored Stow(std::uint32_t rank, bool is_min) {
   return is_min ? static_cast<Stored>(~level) : level;
 }
 
-// By one byte after the other: a tenth of the time of std::sort for the 2^16
-// keys of a plane, and training is little else.
+// A radix sort, byte by byte. It takes a tenth of the time of std::sort for the
+// 2^16 keys of a plane, and training consists mostly of sorting.
 void Sort(std::vector<Key>& keys) {
   constexpr std::size_t kFew = 128;
   if (keys.size() < kFew) {
@@ -82,7 +83,7 @@ void Sort(std::vector<Key>& keys) {
   }
 }
 
-// An evenly spread part of a plane, sorted, without NaN.
+// An evenly spread sample of a plane, sorted, without NaN.
 std::vector<Key> SortedSample(const FloatColumns& floats, std::size_t plane,
                               std::size_t most) {
   const std::size_t count = std::min(floats.size, most);
@@ -97,9 +98,9 @@ std::vector<Key> SortedSample(const FloatColumns& floats, std::size_t plane,
   return sample;
 }
 
-// At most `most` of the values, evenly spread in rank: of a plane of minima the
-// least among them, of maxima the greatest, so that a query beyond all objects
-// rejects them all.
+// At most `most` of the values, evenly spread in rank. The least value is among
+// them for a plane of minima, the greatest for one of maxima, so that a query
+// beyond all objects rejects them all.
 std::vector<Key> Quantiles(const std::vector<Key>& sorted, std::size_t most,
                            bool is_min) {
   const std::size_t count = std::min(sorted.size(), most);
@@ -128,8 +129,8 @@ Quantizer::Quantizer(std::size_t minima, std::size_t maxima)
       thresholds_(NoThresholds(planes_)) {}
 
 void Quantizer::Train(const FloatColumns& floats, std::size_t levels) {
-  // Enough for the ranks of 256 levels to be off by less than one; of 65536,
-  // for most to differ.
+  // So large a sample that the ranks of 256 levels are off by less than one,
+  // and that most of 65536 levels differ.
   const std::size_t sampled = levels <= 256 ? 1 << 16 : 1 << 18;
   const std::size_t per_plane =
       std::min(levels, std::bit_ceil(std::min(floats.size, sampled) + 1)) - 1;
@@ -150,7 +151,7 @@ void Quantizer::EncodeObjects(std::size_t p, const float* values,
   constexpr std::size_t kLanes = 8;
   const bool is_min = p < minima_;
   const Key* table = thresholds_.plane(p);
-  // A minimum reaches a threshold, a maximum passes it.
+  // A minimum reaches a threshold, a maximum exceeds it.
   const Key reach = is_min ? 1 : 0;
   const auto key_of = [&](float value) {
     return KeyOf(value, is_min ? kBelowAll : kAboveAll) + reach;
@@ -171,8 +172,8 @@ void Quantizer::EncodeObjects(std::size_t p, const float* values,
   }
 }
 
-// One value for each plane, side by side: value `at(p)` of the list for plane
-// p.
+// Ranks one value for each plane, interleaved: for plane p value at(p) of the
+// list.
 template <std::size_t kLanes, typename At>
 void Quantizer::RankEach(const float* values, bool is_query, const At& at,
                          std::uint32_t* ranks) const {
@@ -218,7 +219,8 @@ void Quantizer::EncodeObject(const float* values, Stored* levels) const {
 
 template <typename Stored>
 void Quantizer::EncodeQuery(const float* values, Stored* levels) const {
-  // The query's maxima, which come after its minima, meet the objects' minima.
+  // The query's maxima, which come after its minima, are compared with the
+  // objects' minima.
   const std::size_t maxima = planes_ - minima_;
   EncodeEach(
       values, true,

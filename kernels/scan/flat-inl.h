@@ -1,8 +1,8 @@
-// All planes of every object at once, without a branch, for one query or for
-// several that share each load. What is in the caches is tested like this.
+// Tests all planes of every object at once, without a branch, for one query or
+// for several that share each load. This is the way for planes in the caches.
 //
-// Query planes travel as a parameter pack of vectors: an SVE vector cannot be
-// an array element or a member.
+// Query planes are passed as a parameter pack of vectors, because an SVE vector
+// can be neither an array element nor a member.
 #if defined(HALFSPACE_KERNELS_SCAN_FLAT_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_SCAN_FLAT_INL_H_
 #undef HALFSPACE_KERNELS_SCAN_FLAT_INL_H_
@@ -25,8 +25,9 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The value of a query that plane kPlane is compared with: a minimum with the
-// query's maximum, which comes after its minima, if it has any.
+// The value of a query that plane kPlane is compared with. A minimum is
+// compared with the query's maximum; a query's maxima come after its minima, if
+// it has minima.
 template <size_t kMins, size_t kPlane, typename T>
 HWY_INLINE T QueryValue(const T* values, size_t first_max) {
   if constexpr (kPlane < kMins) {
@@ -36,8 +37,8 @@ HWY_INLINE T QueryValue(const T* values, size_t first_max) {
   }
 }
 
-// The last, partial word, from object i on. Not inline: one serves one query
-// and several.
+// The last, partial word, from object i on. Not inlined, so that there is one
+// copy for one query and for several.
 template <size_t kMins, typename T, size_t... kPlane>
 HWY_NOINLINE uint64_t FlatTail(std::index_sequence<kPlane...>,
                                const detail::Scan& scan, const T* values,
@@ -58,15 +59,16 @@ HWY_INLINE void FlatWords(D d, Load load, const T* const* planes, size_t first,
   }
 }
 
-// One query of the part, from `values` on, and its row. Not inline: with what
-// several queries need in one function a short call would spend nanoseconds on
-// saving registers.
+// Tests one query of the part, whose values begin at `values`, and writes its
+// row. Not inlined: in one function with the code for several queries, which
+// needs many registers, a short call would spend nanoseconds on saving them.
 template <size_t kMins, class Load, typename T, size_t... kPlane>
 HWY_NOINLINE int64_t FlatOne(std::index_sequence<kPlane...> all_planes,
                              Load load, const detail::Scan& scan,
                              const detail::Part& part, const T* values,
                              uint64_t* row) {
-  // A local copy: the stores of words must not make the compiler reload them.
+  // A local copy, because the compiler would reload the pointers after every
+  // store of a word.
   const T* planes[] = {static_cast<const T*>(scan.planes[kPlane])...};
   const size_t words = (part.end - part.begin) / kWordObjects;
   const OneTag<T> d;
@@ -82,11 +84,11 @@ HWY_NOINLINE int64_t FlatOne(std::index_sequence<kPlane...> all_planes,
 
 #if HALFSPACE_MASKED_COMPARES
 
-// How many queries are tested at a time on kPlanes planes. With AVX-512, whose
-// 32 registers hold four simplices, and whose cores load one vector a cycle, as
-// many as they compare: a quarter less time (0.099 to 0.075 ns a pair for the
-// simplex in L1 on Zen 4). AVX2 and SSE4 gain nothing: two loads a cycle, and
-// too few registers.
+// How many queries share each load on kPlanes planes. With AVX-512 that takes a
+// quarter less time (0.099 to 0.075 ns a pair for the simplex in L1 on Zen 4):
+// its 32 registers hold four simplices, and its cores load no more vectors a
+// cycle than they compare, one. AVX2 and SSE4 gain nothing, because their cores
+// load two vectors a cycle and they have too few registers.
 template <size_t kPlanes>
 inline constexpr size_t kQueriesAtOnce = kPlanes <= 6 ? 4 : 2;
 
@@ -95,7 +97,8 @@ struct QueryVectors {
   hn::Vec<D> planes[kPlanes][kQueries];
 };
 
-// Plane kPlane and those after it of one vector of objects, for all queries.
+// Tests one vector of objects on plane kPlane and those after it, for all
+// queries.
 template <size_t kMins, size_t kPlane, size_t kPlanes, size_t... kQuery,
           class D, typename T>
 HWY_INLINE void AddPlanes(
@@ -145,7 +148,7 @@ HWY_INLINE void WordOfSeveral(
   ((row[kQuery * stride] = survivors[kQuery]), ...);
 }
 
-// Queries q, q + 1, ... of the part, which share each load.
+// Tests queries q, q + 1, ... of the part, which share each load.
 template <size_t kMins, typename T, size_t... kPlane, size_t... kQuery>
 HWY_NOINLINE void FlatSeveral(std::index_sequence<kPlane...> all_planes,
                               std::index_sequence<kQuery...> all_queries,
@@ -181,11 +184,11 @@ HWY_NOINLINE void FlatSeveral(std::index_sequence<kPlane...> all_planes,
 
 #endif  // HALFSPACE_MASKED_COMPARES
 
-// All queries of the part, with loads of one kind.
+// Tests all queries of the part, with aligned or unaligned loads.
 template <size_t kMins, typename T, class Planes, class Load>
 HWY_INLINE int64_t FlatAll(Planes all_planes, Load load,
                            const detail::Scan& scan, const detail::Part& part) {
-  // So that a call for one query ends with a jump.
+  // Returns at once, so that a call for one query ends with a jump.
   if (part.query_count == 1) {
     return FlatOne<kMins>(all_planes, load, scan, part,
                           static_cast<const T*>(part.queries), part.rows);
@@ -206,7 +209,7 @@ HWY_INLINE int64_t FlatAll(Planes all_planes, Load load,
   return HWY_TARGET;
 }
 
-// All queries of the part on the first kMins + kMaxs planes of the scan.
+// Tests all queries of the part on the first kMins + kMaxs planes of the scan.
 template <size_t kMins, size_t kMaxs, typename T>
 int64_t Flat(const detail::Scan& scan, const detail::Part& part) {
   constexpr std::make_index_sequence<kMins + kMaxs> kPlanes{};

@@ -1,5 +1,5 @@
-// What a scan asks of the kernels, and where it finds them. No Highway here, so
-// that everything above the kernels compiles without it.
+// The arguments of a kernel, and the table of kernels. No Highway here, so that
+// everything above the kernels compiles without it.
 #ifndef HALFSPACE_KERNELS_SCAN_KERNEL_TABLE_H_
 #define HALFSPACE_KERNELS_SCAN_KERNEL_TABLE_H_
 
@@ -10,11 +10,11 @@
 
 namespace halfspace::detail {
 
-// A part has at most so many queries.
+// The most queries of a part: a batch.
 inline constexpr std::size_t kMostQueries = 16;
 
-// Some queries of a scan against some of its objects, and where the words of
-// survivors go.
+// Some queries of a scan, some of its objects, and where the words of survivors
+// are written.
 struct Part {
   std::size_t first_query;
   std::size_t query_count;
@@ -30,7 +30,7 @@ struct Part {
 };
 
 // Returns the Highway bit of the target that it was compiled for, so that a
-// result can say what really ran.
+// call can report which target ran.
 using Kernel = std::int64_t (*)(const Scan& scan, const Part& part);
 
 struct TargetKernels {

@@ -35,9 +35,9 @@ inline constexpr size_t kWordObjects = 64;
 template <typename T>
 using WordTag = hn::CappedTag<T, kWordObjects>;
 
-// Vectors for one query, which loads for each compare. With AVX-512 256 bits
-// are 10 to 25 % faster in L1 than 512 on Zen 4, and 3 to 9 % in memory; 512
-// bits pay where queries share loads.
+// The vectors for one query, where each compare has a load. With AVX-512, on
+// Zen 4, 256 bits are 10 to 25 % faster than 512 in L1, and 3 to 9 % in memory;
+// 512 bits are faster where queries share loads.
 #if HALFSPACE_MASKED_COMPARES
 template <typename T>
 using OneTag = hn::CappedTag<T, 32 / sizeof(T)>;
@@ -50,9 +50,9 @@ using OneTag = WordTag<T>;
 template <size_t kObjects>
 inline constexpr uint64_t kLowBits = ~uint64_t{0} >> (kWordObjects - kObjects);
 
-// What packing is to save. With 256 bits narrowing takes fewer instructions
-// and a few more vector operations: from L2 on it is 6 % faster, but 4 % slower
-// in L1, where the vector units are what binds (Zen 4).
+// What packing saves. With 256 bits narrowing takes fewer instructions and a
+// few more vector operations: from L2 on it is 6 % faster, but 4 % slower in
+// L1, where the vector units are the limit (Zen 4).
 enum class Pack { kInstructions, kVectorOps };
 inline constexpr Pack kInCachePack = HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
                                          ? Pack::kVectorOps
@@ -152,9 +152,9 @@ inline constexpr bool kIsNarrowed =
     hn::MaxLanes(D()) * sizeof(hn::TFromD<D>) == kNarrowObjects &&
     (kNarrowObjects == 16 || sizeof(hn::TFromD<D>) <= sizeof(float));
 
-// A word of floats takes SSE4 12 narrowings and 4 moves of bits instead of 16
-// moves, each with a shift and an OR; and 256 bits 6, 2 permutations and 2
-// moves instead of 8.
+// For a word of floats SSE4 needs 12 narrowings and 4 moves of bits instead of
+// 16 moves, each with a shift and an OR. With 256 bits it is 6 narrowings, 2
+// permutations and 2 moves instead of 8 moves.
 template <size_t kMins, size_t kObjects, class D, class Load, typename T,
           class... V>
 HWY_INLINE uint64_t NarrowedBits(D d, Load load, const T* const* planes,
@@ -170,10 +170,10 @@ HWY_INLINE uint64_t NarrowedBits(D d, Load load, const T* const* planes,
 
 #else  // HWY_ARCH_X86
 
-// NEON has no instruction from lanes to bits. Of the bytes of 16 objects each
-// keeps its own bit, and they are added in pairs until eight are one: 16
-// additions and narrowings for a word of floats instead of 16 times a sum over
-// a vector.
+// NEON has no instruction that moves lanes to bits. Each of the bytes of 16
+// objects is masked to its own bit, and bytes are added in pairs until eight
+// have become one. A word of floats takes 16 additions and narrowings, instead
+// of 16 sums over a vector.
 
 template <size_t kObjects, class D>
 inline constexpr bool kIsNarrowed =

@@ -1,6 +1,6 @@
-// Scans that look at some planes of many objects before they look at others:
-// page by page where planes come from memory, and in stages, of which each sees
-// only the objects that the one before has left.
+// Scans that test some planes of many objects before others: page by page where
+// planes are streamed from memory, and in stages, each of which tests only
+// objects that survived the stage before.
 #if defined(HALFSPACE_KERNELS_SCAN_STAGES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_SCAN_STAGES_INL_H_
 #undef HALFSPACE_KERNELS_SCAN_STAGES_INL_H_
@@ -23,8 +23,8 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// 4096 objects: the bits of one word say which of their words are left, and
-// what a stage keeps for the next one stays in L1.
+// 4096 objects: one word has a bit for each of their words, and what a stage
+// keeps for the next one stays in L1.
 inline constexpr size_t kTileWords = 64;
 
 // The kernels that are the same for any number of axes: compiled once for each
@@ -50,7 +50,7 @@ HWY_INLINE detail::Part PartFrom(const detail::Part& part, size_t first,
           .stride = part.stride};
 }
 
-// What follows the last whole word of a part, tested on all planes at once.
+// Tests the objects after the last whole word of a part, on all planes at once.
 HWY_INLINE int64_t FinishPart(const detail::Scan& scan,
                               const detail::Part& part, detail::Way way) {
   const size_t words = (part.end - part.begin) / kWordObjects;
@@ -60,12 +60,12 @@ HWY_INLINE int64_t FinishPart(const detail::Scan& scan,
 
 // ---- Streaming: one query over planes out of the caches.
 
-// Where it was measured. Plain code packs bits one by one, for each two planes
-// anew, and took more than twice as long.
+// Streaming is used where it was measured to pay. Plain code packs bits one by
+// one, again for every two planes, and took more than twice as long.
 inline constexpr bool kPagesPay =
     HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128;
 
-// A page of each plane; of quantized bounds of a byte half a page is 5 %
+// A page of each plane; for quantized bounds of one byte, half a page is 5 %
 // faster.
 template <typename T>
 inline constexpr size_t kPageWords = HWY_MIN(size_t{32},
@@ -86,8 +86,8 @@ HWY_INLINE void PrefetchWord(const T* plane, size_t first) {
   }
 }
 
-// The words of a page: of the first planes as they are, of later ones ANDed to
-// what those before have kept.
+// Tests a page. Words of the first planes are stored, words of later ones are
+// ANDed to those that are there.
 template <size_t kMins, typename T, size_t kPlanes>
 HWY_INLINE void TestPage(const PlaneGroup<T, kPlanes>& group, bool is_first,
                          size_t first, size_t words, uint64_t* row) {
@@ -110,11 +110,12 @@ HWY_INLINE void TestPage(const PlaneGroup<T, kPlanes>& group, bool is_first,
   }
 }
 
-// A page of two planes after a page of two others: of an axis, or, without
-// maxima, of two axes, and of the last one. Prefetchers follow two streams, and
-// not eight: an octahedron in L3 takes 0.34 ns instead of 0.48 on Zen 4 (AVX2),
-// a box 0.25 instead of 0.28. To ask for more than where the next pages begin,
-// which gains 3 %, was slower at any distance.
+// Tests a page of two planes, then a page of two others. The two are those of
+// an axis, or, without maxima, those of two axes, with the last one alone if
+// their number is odd. Prefetchers follow two streams and not eight: an
+// octahedron in L3 takes 0.34 ns instead of 0.48 on Zen 4 (AVX2), a box 0.25
+// instead of 0.28. Prefetching the begin of the next pages gains 3 %;
+// prefetching more of them was slower at any distance.
 template <bool kWithMaxima, typename T>
 HWY_INLINE void StreamPages(const detail::Scan& scan,
                             const detail::Part& part) {
@@ -180,18 +181,20 @@ int64_t ElementKernels<T>::StreamAll(const detail::Scan& scan,
   }
 }
 
-// ---- By axis: stages that leave many groups of objects, kept in a list.
+// ---- By axis: each stage leaves many groups of objects, which are listed.
 
-// The groups of a tile that still have an object, by the offset of their first.
+// The groups of a tile that still have a survivor, by the offset of their first
+// object.
 struct GroupList {
   static constexpr size_t kSmallestGroup = 16;
 
   uint16_t groups[kTileWords * kWordObjects / kSmallestGroup];
 
-  // Keeps a group of a word, whose survivors begin at the lowest bit, on a list
-  // of `count` iff one of them is left; returns the new count. No branch: which
-  // groups survive cannot be predicted, and a mispredicted branch costs more
-  // than a whole vector's test (measured: 3 times slower than flat).
+  // Appends a group to a list of `count` if it has a survivor, and returns the
+  // new count; the group's bits of `survivors` begin at the lowest. There is no
+  // branch, because which groups survive cannot be predicted, and a
+  // mispredicted branch costs more than the test of a whole vector (measured: a
+  // staged box took three times as long as a flat one).
   template <size_t kGroup>
   HWY_INLINE size_t AppendIfLeft(size_t count, size_t offset,
                                  uint64_t survivors) {
@@ -201,8 +204,8 @@ struct GroupList {
   }
 };
 
-// Both planes of an axis of all objects of a tile, then those of the next axis
-// for the groups that are left, and so on.
+// Tests both planes of an axis for all objects of a tile, then those of the
+// next axis for the groups that still have a survivor, and so on.
 template <typename T>
 HWY_INLINE void TileByAxis(const detail::Scan& scan, const T* values,
                            size_t first, size_t words,
@@ -271,12 +274,13 @@ int64_t ElementKernels<T>::ByAxis(const detail::Scan& scan,
   }
 }
 
-// ---- By simplex: an octahedron's minima, and then, of the few words that are
-// left, its maxima.
+// ---- By simplex: an octahedron's minima, then its maxima for the nonzero
+// words, which are few.
 
-// The maxima of the nonzero words of a tile are on their way while the next
-// tile's minima are tested: out of the caches each of them is a miss. Where
-// many words are left they come in order, and the hardware sees that.
+// Prefetches the maxima of the nonzero words of a tile, before the minima of
+// the next tile are tested: out of the caches each of them is a miss. Where
+// many words are nonzero, they are read in order, and the hardware prefetches
+// them.
 template <size_t kAxes, typename T>
 HWY_INLINE void PrefetchMaxima(const detail::Scan& scan, size_t first,
                                uint64_t nonzero) {
@@ -306,7 +310,7 @@ HWY_NOINLINE void TestMaxima(std::index_sequence<kPlane...>,
   }
 }
 
-// Of each query of a part, which words of a tile have survivors.
+// Which words of a tile are nonzero, for each query of a part.
 struct WordTile {
   size_t word;
   uint64_t nonzero[detail::kMostQueries];
@@ -353,7 +357,7 @@ int64_t BySimplex(const detail::Scan& scan, const detail::Part& part) {
   return FinishPart(scan, part, detail::kAll);
 }
 
-// ---- What a target has to offer.
+// ---- The table of a target.
 
 template <size_t kAxes, typename T>
 constexpr detail::TargetKernels MakeKernels() {

@@ -1,5 +1,5 @@
-// Planes of up to 64 objects to the bits of a word: 1 = survives. Verdicts on
-// the lanes of several vectors are packed into one word.
+// From planes of up to 64 objects to the bits of a word: 1 = survives. Verdicts
+// on the lanes of several vectors are packed into one word.
 #if defined(HALFSPACE_KERNELS_SCAN_WORDS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_SCAN_WORDS_INL_H_
 #undef HALFSPACE_KERNELS_SCAN_WORDS_INL_H_
@@ -77,7 +77,7 @@ template <class D>
 HWY_INLINE uint64_t VerdictBits(D d, VerdictOf<D> verdict) {
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
   if constexpr (hn::MaxLanes(D()) == 8 && sizeof(hn::TFromD<D>) == 4) {
-    // As LaneBits, without an instruction that clears what is clear.
+    // As LaneBits, without an instruction that clears bits that are 0 already.
     return static_cast<uint32_t>(_mm256_movemask_ps(VectorOf(d, verdict).raw));
   }
 #endif
@@ -100,9 +100,9 @@ HWY_INLINE uint64_t VectorBits(std::index_sequence<kVector...>, D d, Load load,
                  << (kVector * lanes)));
 }
 
-// Bits of those of objects i ... i + kObjects - 1 that planes[0], planes[1],
-// ... keep, of what `load` brings; the first kMins of them are minima, and
-// there is a query vector for each.
+// The bits of those of objects i ... i + kObjects - 1 that survive planes[0],
+// planes[1], ..., each loaded by `load` and compared with its query vector. The
+// first kMins planes are minima.
 template <size_t kMins, size_t kObjects = kWordObjects,
           Pack kPack = kInCachePack, class D, class Load, typename T,
           class... V>
@@ -131,8 +131,8 @@ HWY_INLINE uint64_t KeptBits(D d, Load load, const T* const* planes, size_t i,
   return kVerdictIsKept<D> ? bits : bits ^ kLowBits<kObjects>;
 }
 
-// The last word: `count` objects from i on, 0 < count < 64, with nothing read
-// past them. Nothing past the end survives.
+// The last word: `count` objects from i on, 0 < count < 64. Nothing past them
+// is read, and bits past them are 0.
 template <size_t kMins, class D, typename T, class... V>
 HWY_INLINE uint64_t KeptTail(D d, const T* const* planes, size_t i,
                              size_t count, V... query) {
@@ -153,8 +153,8 @@ HWY_INLINE uint64_t KeptTail(D d, const T* const* planes, size_t i,
   return bits & ~(~uint64_t{0} << count);
 }
 
-// Bit w of the result: words[w] is not 0. At most 64 words. Without a branch:
-// which words have survivors cannot be predicted.
+// Bit w of the result says whether words[w] is nonzero; at most 64 words. There
+// is no branch, because which words are nonzero cannot be predicted.
 HWY_INLINE uint64_t NonzeroWords(const uint64_t* words, size_t count) {
   uint64_t nonzero = 0;
   size_t w = 0;
@@ -183,8 +183,8 @@ HWY_INLINE uint64_t NonzeroWords(const uint64_t* words, size_t count) {
 // The same, as a function (words.cc).
 uint64_t FindNonzeroWords(const uint64_t* words, size_t count);
 
-// The bits of at most 64 words, of which those in `nonzero` are looked at. Per
-// target, because the baseline of x86 has no popcnt.
+// The number of bits in those of at most 64 words that `nonzero` names.
+// Compiled per target, because the baseline of x86 has no popcnt.
 size_t CountBits(const uint64_t* words, uint64_t nonzero);
 
 }  // namespace HWY_NAMESPACE

@@ -1,4 +1,4 @@
-// What every scan needs of a target, whatever its planes.
+// Functions of a target that every scan uses, whatever its planes.
 #include <cstddef>
 #include <cstdint>
 

@@ -21,8 +21,9 @@ std::align_val_t AlignmentOf(std::size_t bytes) {
 void* AllocateBlock(std::size_t bytes) {
   void* block = ::operator new(bytes, AlignmentOf(bytes));
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
-  // A survivor's record in a large world is otherwise a walk through page
-  // tables before it is a miss. Only advice: what it returns does not matter.
+  // Huge pages, because reading a survivor's record in a large world would
+  // otherwise cost a walk through page tables besides the cache miss. This is
+  // only advice, so the result is ignored.
   if (bytes >= 2 * kHugePage) {
     (void)::madvise(block, bytes / kHugePage * kHugePage, MADV_HUGEPAGE);
   }

@@ -16,12 +16,12 @@ namespace {
 
 constexpr std::size_t kGroup = 64;  // objects in one output word
 // Planes of a power-of-two capacity would all start in the same cache set, and
-// the eight streams of an octahedron would evict each other. One odd number of
-// cache lines between them spreads the starts.
+// the eight streams of an octahedron would evict each other. An odd number of
+// cache lines between planes spreads their starts.
 template <typename T>
 constexpr std::size_t kStagger = 5 * 64 / sizeof(T);
 
-// The class that users know, for messages.
+// The public class, for messages.
 template <typename T>
 constexpr const char* kOwner =
     std::is_floating_point_v<T> ? "World" : "QuantizedBounds";
@@ -53,8 +53,8 @@ PlaneArrays<T>::PlaneArrays(PlaneArrays&& other) noexcept
       stride_(std::exchange(other.stride_, 0)),
       data_(std::exchange(other.data_, nullptr)) {}
 
-// Two operators, and not one that takes its argument by value: assignments that
-// a compiler writes would take that for one that never throws.
+// Two operators, and not one that takes its argument by value: a compiler would
+// treat the assignments that it generates from that as never throwing.
 template <typename T>
 PlaneArrays<T>& PlaneArrays<T>::operator=(const PlaneArrays& other) {
   return *this = PlaneArrays(other);

@@ -194,9 +194,9 @@ class UpdatedQuantized {
         return AnswerByMask(world, floats.size(), query, target_);
       };
       auto result = KeepsAllOf(exact, ask(followers.quantized()));
-      if (!result) return result << " (quantized)";
+      if (!result) return result << " (quantized bounds)";
       result = KeepsAllOf(exact, ask(followers.quantized_world().quantized()));
-      if (!result) return result << " (quantized of the quantized world)";
+      if (!result) return result << " (unrefined quantized world)";
       const Answer refined = ask(followers.quantized_world());
       if (!internal::Same(exact.reject_mask(), refined.reject_mask())) {
         return ::testing::AssertionFailure() << "wrong (quantized world)";

@@ -1,5 +1,5 @@
-// Internal. The map from floats to levels, and the levels of a world's planes.
-// Not part of the interface.
+// Internal. The quantizer, a map from floats to levels, and the planes of
+// quantized bounds. Not part of the interface.
 #ifndef HALFSPACE_DETAIL_QUANTIZER_H_
 #define HALFSPACE_DETAIL_QUANTIZER_H_
 
@@ -17,14 +17,14 @@
 namespace halfspace::detail {
 
 // Levels are stored less half their range, because x86 compares only signed
-// bytes; and those of minima in reverse, so that the lesser stored level
-// rejects in every plane: kernels/scan/vectors-inl.h says what for.
+// bytes. Those of minima are stored in reverse, so that the lesser stored level
+// rejects in every plane; kernels/scan/vectors-inl.h says why.
 template <typename Element>
 using StoredElement = std::make_signed_t<Element>;
 
-// Number i of `count` indices that are spread evenly below `size`: each is
-// somewhere in its part, by the golden ratio, because objects in the order of a
-// grid have a period, which equal steps could be a multiple of.
+// Number i of `count` indices that are spread evenly below `size`. The place of
+// each within its part follows the golden ratio, because equal steps could be a
+// multiple of the period of objects in the order of a grid.
 constexpr std::size_t SampledIndex(std::size_t i, std::size_t count,
                                    std::size_t size) {
   const std::size_t part = size / count;
@@ -33,10 +33,10 @@ constexpr std::size_t SampledIndex(std::size_t i, std::size_t count,
          static_cast<std::size_t>(part * within >> 32);
 }
 
-// For every plane a monotone map from floats to 0 ... thresholds: how many of
-// the plane's thresholds a value reaches (a minimum) or passes (a maximum).
-// Both sides of a test go through the same map, so whatever the thresholds are,
-// a pair that is not to be rejected is not.
+// A monotone map from floats to levels for every plane. The rank of a value is
+// the number of the plane's thresholds that it reaches (a minimum) or exceeds
+// (a maximum). Both sides of a test go through the same map, so a pair that the
+// floats keep is kept, whatever the thresholds are.
 //
 // Floats are compared as integers in the order of floats, with both zeros and
 // all subnormals at 0, so that the floating-point mode of the caller changes
@@ -48,24 +48,24 @@ class HALFSPACE_API Quantizer {
 
   std::size_t planes() const { return planes_; }
 
-  // Thresholds at `levels` - 1 quantiles of every plane.
+  // Sets the thresholds to `levels` - 1 quantiles of every plane.
   void Train(const FloatColumns& floats, std::size_t levels);
 
-  // `count` values of plane `p`, `stride` floats apart. A NaN gets the level
-  // that never rejects.
+  // Encodes `count` values of plane `p`, `stride` floats apart. A NaN gets the
+  // level that never rejects.
   template <typename Stored>
   void EncodeObjects(std::size_t p, const float* values, std::size_t stride,
                      std::size_t count, Stored* levels) const;
 
-  // One object: a value for each plane.
+  // Encodes one object: a value for each plane.
   template <typename Stored>
   void EncodeObject(const float* values, Stored* levels) const;
 
-  // A query: its values in the order of detail::Scan, its levels too.
+  // Encodes a query. Values and levels are in the order of detail::Scan.
   template <typename Stored>
   void EncodeQuery(const float* values, Stored* levels) const;
 
-  // What is stored of plane `p`, as the number of thresholds it stands for.
+  // The rank that a stored level of plane `p` stands for.
   template <typename Stored>
   std::uint32_t RankOf(std::size_t p, Stored stored) const {
     const auto level = p < minima_ ? static_cast<Stored>(~stored) : stored;
@@ -73,7 +73,7 @@ class HALFSPACE_API Quantizer {
                                       std::numeric_limits<Stored>::min());
   }
 
-  // The upper eight bits of a rank, of as many as there are.
+  // The upper eight bits of a rank.
   std::size_t BucketOf(std::size_t rank) const {
     return rank * 256 / std::max<std::size_t>(256, thresholds_.size() + 1);
   }
@@ -88,21 +88,21 @@ class HALFSPACE_API Quantizer {
 
   std::size_t minima_;
   std::size_t planes_;
-  // Of each plane ascending, as ordered integers, and one less than a power of
-  // two, so that every search takes the same steps. No std::vector: a caller's
-  // flags may give that another layout.
+  // For each plane ascending, as ordered integers. Their number is one less
+  // than a power of two, so that every search takes the same steps. Not a
+  // std::vector, because a caller's flags may give that another layout.
   PlaneArrays<std::int32_t> thresholds_;
 };
 
-// The levels of one world, and their quantizer.
+// The levels of one world, and the quantizer that encoded them.
 template <typename Stored>
 class HALFSPACE_API QuantizedPlanes {
  public:
   QuantizedPlanes(std::size_t minima, std::size_t maxima);
   QuantizedPlanes(const QuantizedPlanes& other) = default;
   QuantizedPlanes(QuantizedPlanes&& other) noexcept = default;
-  // Both or neither of levels and quantizer, which mean nothing without each
-  // other.
+  // Assigns levels and quantizer, or neither if memory cannot be had: they mean
+  // nothing without each other.
   QuantizedPlanes& operator=(const QuantizedPlanes& other) {
     return *this = QuantizedPlanes(other);
   }
@@ -123,17 +123,17 @@ class HALFSPACE_API QuantizedPlanes {
   }
   void Clear() { levels_.Clear(); }
   bool Fits() const;
-  // How many more objects it fits for sure, whatever they are, or size() if
-  // they are more.
+  // How many objects may be added, with any values, before Fits() can become
+  // false; at most size().
   std::size_t Room() const;
 
  private:
   using Values = std::array<Stored, kMaxPlanes>;
   Values Encoded(Span<const float> values) const;
-  // Of the objects, as parts of one.
+  // Fractions of the objects.
   struct Crowd {
-    double pairs = 0.0;    // that share a level
-    double fullest = 0.0;  // that have the most frequent level
+    double pairs = 0.0;    // of all pairs, those that share a level
+    double fullest = 0.0;  // objects that have the most frequent level
   };
   Crowd CrowdOf(std::size_t plane) const;
 

@@ -28,20 +28,20 @@ struct TargetKernels;
 
 enum class Shape : std::uint8_t { kSimplex, kAabb, kAabo };
 
-// How the planes of a scan are gone through: one enumerator for each kernel.
+// The way of a scan through its planes: one enumerator for each kernel.
 enum Way : std::uint8_t {
   kMinima,           // the minima of every object, all at once
   kMinimaStreaming,  // the same for one query out of the caches
   kAll,              // minima and maxima of every object
   kAllStreaming,
-  kByAxis,     // axis after axis, for the groups of objects that are left
-  kBySimplex,  // the minima, then the maxima of the words that are left
+  kByAxis,     // axis after axis, for groups of objects that have a survivor
+  kBySimplex,  // the minima, then the maxima of the nonzero words
   kWays
 };
 
-// The kernels of bounds with kAxes axes whose planes are stored as T, of each
-// compiled target, best first. They are an object file of the library for each
-// pair, so that a program links those that its worlds name, and no others.
+// The kernels of bounds with kAxes axes whose planes are stored as T: one entry
+// for each compiled target, best first. Each table is in an object file of its
+// own, so that a program links those that its worlds name, and no others.
 template <std::size_t kAxes, typename T>
 struct HALFSPACE_API KernelsOf {
   static const TargetKernels* const kTargets;
@@ -61,20 +61,20 @@ HALFSPACE_DECLARE_KERNELS(std::int16_t);
 // All minima, then all maxima; a simplex world has only minima.
 using PlanePointers = std::array<const void*, kMaxPlanes>;
 
-// Where the planes begin, known while their number is a constant: a call that
-// is right is then checked in a few cycles.
+// Where the planes begin. Computed where their number is a constant, so that a
+// valid call is checked in a few cycles.
 struct AddressRange {
   std::uintptr_t lowest;
   std::uintptr_t highest;
   std::uintptr_t bits;  // of all addresses
 };
 
-// One call: a world and its queries, and then what the library makes of them.
-// The queries lie one after another, each with all minima, then all maxima;
-// that of a simplex has only maxima.
+// One call: a world and its queries, and what the library computes from them.
+// The queries are stored one after another, each with all minima, then all
+// maxima; a query of simplices has only maxima.
 //
-// Pointers are left uninitialised past the planes of the shape: clearing them
-// costs a tenth of a call.
+// Pointers after the planes of the shape are left uninitialised, because
+// clearing them costs a tenth of a call.
 struct Scan {
   PlanePointers planes;
   AddressRange addresses;
@@ -89,8 +89,8 @@ struct Scan {
   std::uint8_t query_bytes;         // of a value of `queries`
   std::uint8_t query_record_bytes;  // of a query
 
-  // If it is not null, `planes` are quantized bounds, and queries, which are
-  // floats, are encoded with it: `count` of them from number `first` on.
+  // If it is not null, `planes` are quantized bounds, and encode() encodes
+  // queries, which are floats: `count` of them from number `first` on.
   const Quantizer* quantizer;
   void (*encode)(const Scan& scan, std::size_t first, std::size_t count,
                  void* quantized);
@@ -98,7 +98,7 @@ struct Scan {
   const void* queries;
   std::size_t query_count;
 
-  // What survives the quantized bounds is tested with these floats too.
+  // Survivors of the quantized bounds are refined by these floats.
   bool is_refined;
   FloatColumns floats;
 

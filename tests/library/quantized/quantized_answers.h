@@ -1,5 +1,5 @@
-// What quantized worlds answer: exactly what the floats do, or, of quantized
-// bounds alone, no more rejections than that.
+// The answers of quantized worlds: exactly those of the floats, or, without
+// refining, no more rejections than those.
 #ifndef HALFSPACE_TESTS_LIBRARY_QUANTIZED_QUANTIZED_ANSWERS_H_
 #define HALFSPACE_TESTS_LIBRARY_QUANTIZED_QUANTIZED_ANSWERS_H_
 
@@ -34,7 +34,7 @@ inline ::testing::AssertionResult KeepsAllOf(const Answer& exact,
   for (const std::uint32_t i : exact.survivors()) {
     if ((of_quantized.reject_mask()[i / 64] >> (i % 64) & 1) == 0) continue;
     return ::testing::AssertionFailure()
-           << "the quantized reject object " << i << ", which floats keep";
+           << "quantized bounds reject object " << i << ", which floats keep";
   }
   return ::testing::AssertionSuccess();
 }

@@ -1,4 +1,5 @@
-// What quantized bounds refuse, in whose name, and that nothing changes then.
+// What quantized bounds refuse, in the name of which call, and that nothing
+// changes then.
 #include <gtest/gtest.h>
 
 #include <cstddef>

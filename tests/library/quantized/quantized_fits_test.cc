@@ -46,8 +46,8 @@ class QuantizedFitsTest : public ::testing::Test {
     EXPECT_TRUE(bounds.size() <= 64 || world.Fits());
   }
 
-  // Quantized bounds reject nearly as well as those of a world that is made of
-  // all bounds at once: at most `more` times as much is left.
+  // The quantized bounds keep at most `more` times as many as those of a world
+  // that is constructed from all bounds at once.
   void ExpectNearlyAsGood(const TheWorld& world, std::vector<Bound>& bounds,
                           double more) {
     const TheWorld made = WorldOf(bounds);

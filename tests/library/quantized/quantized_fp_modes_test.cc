@@ -1,4 +1,4 @@
-// Quantized bounds made in one floating-point mode of the thread and asked in
+// Quantized bounds made in one floating-point mode of the thread and tested in
 // another: no pair is lost, and refined they answer as a call on floats in the
 // mode of the call does.
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ class QuantizedFpModesTest : public ::testing::Test {
     return masks;
   }
 
-  // make() and ask() return objects in whose lives another mode rules.
+  // make() and ask() return objects that set another mode while they exist.
   template <typename MakeMode, typename AskMode>
   void ExpectSame(MakeMode make_mode, AskMode ask_mode) {
     for (QuantizedInputKind kind :

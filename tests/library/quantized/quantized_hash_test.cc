@@ -1,5 +1,5 @@
-// Constants that stand for what quantized bounds alone answer. They are not the
-// answers of the floats, but the map is integer arithmetic on the bits of
+// Hashes of the answers of quantized bounds that are not refined. They are not
+// the answers of the floats, but the map is integer arithmetic on the bits of
 // floats, so they are the same on every machine, target and compiler.
 //
 // HALFSPACE_TEST_SCALE does not count here. If the map is meant to change, the

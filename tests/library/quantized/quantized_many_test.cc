@@ -71,7 +71,7 @@ class QuantizedManyTest : public ::testing::Test {
 TYPED_TEST_SUITE(QuantizedManyTest, QuantizedCases, QuantizedCaseNames);
 
 // Around the queries that share a load (2 or 4), the rows of a tile (16), and
-// the queries whose quantized bounds are made at a time (256).
+// the queries that are encoded at a time (256).
 TYPED_TEST(QuantizedManyTest, EveryNumberOfQueries) {
   this->SetUpWorld(QuantizedInputKind::kAnyValues, 2 * 64 + 37, 600);
   for (std::size_t queries : {0, 1, 2, 3, 4, 5, 9, 16, 17, 256, 257, 600}) {

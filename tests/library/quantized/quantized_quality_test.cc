@@ -63,7 +63,7 @@ class QuantizedQualityTest : public ::testing::Test {
     return query;
   }
 
-  // How many times as many survive the quantized bounds as survive the floats.
+  // Survivors of the quantized bounds, as a multiple of those of the floats.
   double Excess(const std::vector<Bound>& bounds) {
     const World<FloatView> floats(bounds);
     const QuantizedBounds<FloatView, Element> quantized(floats.view());
@@ -101,7 +101,7 @@ TYPED_TEST(QuantizedQualityTest, OrderedObjectsAreToldApartToo) {
   EXPECT_LE(this->Excess(bounds), TestFixture::kIsByte ? 1.6 : 1.02);
 }
 
-// Outliers take no quantized bounds from the others.
+// Outliers take no levels from the others.
 TYPED_TEST(QuantizedQualityTest, OutliersCostNothing) {
   using View = typename TypeParam::View;
   auto bounds = this->RandomBounds(50'000);

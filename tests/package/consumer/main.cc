@@ -48,8 +48,8 @@ int main() {
     }
   }
 
-  // Enough of both to train from: quantized bounds lie about them as soon as
-  // this file and the library take them for something different.
+  // Enough objects to train on: quantized bounds answer wrongly if this file
+  // and the library were compiled for different layouts of them.
   halfspace::QuantizedWorld<halfspace::AaboView3> quantized_world;
   for (std::size_t i = 0; i < 200; ++i) quantized_world.Push(world.Get(i % 2));
   const auto copy = quantized_world;
