@@ -8,6 +8,7 @@
 //   fit_many.h bounds of many shapes at once, in SIMD
 //   world.h    many stored bounds: views and owning arrays
 //   quantized.h    worlds of one or two bytes a plane
+//   memory.h   where owning worlds get their memory
 //   reject.h   the tests: masks, index lists, counts
 //   reject_many.h  many queries at once
 //   targets.h  the instruction sets
@@ -18,6 +19,7 @@
 #include "halfspace/fit.h"          // IWYU pragma: export
 #include "halfspace/fit_many.h"     // IWYU pragma: export
 #include "halfspace/fit_status.h"   // IWYU pragma: export
+#include "halfspace/memory.h"       // IWYU pragma: export
 #include "halfspace/planes.h"       // IWYU pragma: export
 #include "halfspace/quantized.h"    // IWYU pragma: export
 #include "halfspace/reject.h"       // IWYU pragma: export

@@ -33,6 +33,7 @@
 
 #include "halfspace/bounds.h"
 #include "halfspace/detail/plane_arrays.h"
+#include "halfspace/memory.h"
 #include "halfspace/planes.h"
 
 namespace halfspace {
@@ -107,6 +108,9 @@ using AaboView4 = AaboView<4>;
 // Errors: an index that is not below size() throws std::invalid_argument;
 // memory that cannot be had throws std::bad_alloc and a size that cannot exist
 // std::invalid_argument, and the world is as it was.
+//
+// Memory: one block, from the heap or from a resource of the caller's; which
+// one copies, moves and swap(a, b) use stands in memory.h.
 template <typename ViewType>
 class World {
  public:
@@ -115,11 +119,23 @@ class World {
   using Query = typename View::Query;
   using Planes = typename View::Planes;
 
-  World() : planes_(detail::Planes(Bound::Empty())) {}
+  World() : World(MemoryResource()) {}
+  explicit World(const MemoryResource& memory)
+      : planes_(detail::Planes(Bound::Empty()), memory) {}
 
   // Builds a world of the given bounds, in order.
-  explicit World(std::span<const Bound> bounds) : World() { Assign(bounds); }
+  explicit World(std::span<const Bound> bounds,
+                 const MemoryResource& memory = {})
+      : World(memory) {
+    Assign(bounds);
+  }
 
+  World(const World& other, const MemoryResource& memory)
+      : planes_(other.planes_, memory) {}
+
+  friend void swap(World& a, World& b) noexcept { swap(a.planes_, b.planes_); }
+
+  const MemoryResource& memory() const { return planes_.memory(); }
   std::size_t size() const { return planes_.size(); }
   std::size_t capacity() const { return planes_.capacity(); }
   bool empty() const { return size() == 0; }

@@ -1,7 +1,6 @@
 // Builders and calls allocate nothing, as they say: there is no memory left.
 #include <gtest/gtest.h>
 
-#include <new>
 #include <span>
 #include <vector>
 
@@ -18,19 +17,6 @@
 
 namespace halfspace::testing {
 namespace {
-
-// Runs call() without memory.
-constexpr auto kWithoutMemory = [](const auto& call) {
-  bool had_enough = true;
-  allocations_left = 0;
-  try {
-    (void)call();
-  } catch (const std::bad_alloc&) {
-    had_enough = false;
-  }
-  allocations_left = kNoAllocationLimit;
-  EXPECT_TRUE(had_enough);
-};
 
 // The calls on `world`, for one query and for many.
 template <typename AnyWorld>

@@ -15,6 +15,7 @@
 
 #include "halfspace/reject.h"
 #include "tests/library/support/cases.h"
+#include "tests/library/support/counting_memory.h"
 #include "tests/library/support/dims.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
@@ -104,7 +105,8 @@ class WorldTest : public ::testing::Test {
 TYPED_TEST_SUITE(WorldTest, WholeCases, CaseNames);
 
 TYPED_TEST(WorldTest, RandomOperationsFollowTheModel) {
-  typename TestFixture::AWorld world;
+  CountingMemory memory;
+  typename TestFixture::AWorld world(memory.resource());
   typename TestFixture::Model model;
   const std::size_t steps = Scaled(3000);
   for (std::size_t step = 0; step < steps; ++step) {
