@@ -20,13 +20,7 @@
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
 #include "tests/library/support/inputs.h"
-
-// gcc defines this one itself.
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define __SANITIZE_ADDRESS__
-#endif
-#endif
+#include "tests/library/support/sanitized.h"
 
 namespace halfspace::testing {
 namespace {
@@ -228,7 +222,7 @@ TYPED_TEST(WorldTest, SizeThatCannotExistIsRefused) {
 }
 
 TYPED_TEST(WorldTest, MemoryThatCannotBeHadIsBadAlloc) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(HALFSPACE_SANITIZED)
   GTEST_SKIP() << "the sanitizer ends the process instead";
 #else
   const auto model = this->RandomBounds(70);
