@@ -52,6 +52,34 @@ inline void CheckExtent(std::string_view call, std::string_view argument,
                std::to_string(count));
 }
 
+// Throws unless `count` elements of `bytes` each fit the address space.
+inline void CheckAddressable(std::string_view call, std::string_view argument,
+                             std::size_t count, std::size_t bytes) {
+  if (count <= std::numeric_limits<std::size_t>::max() / bytes) return;
+  ThrowInvalid(call, argument, "a size that fits the address space",
+               std::to_string(count));
+}
+
+// Plane `p` of all minima, then all maxima.
+inline std::string PlaneName(std::string_view planes, std::size_t axes,
+                             std::size_t p) {
+  std::string name(planes);
+  name += p < axes ? ".min[" : ".max[";
+  return name + std::to_string(p % axes) + "]";
+}
+
+// From the first of `count` floats to the end of the last.
+constexpr std::size_t ColumnBytes(std::size_t count, std::size_t stride) {
+  return count == 0 ? 0 : ((count - 1) * stride + 1) * sizeof(float);
+}
+
+[[noreturn]] inline void ThrowOverlap(std::string_view call,
+                                      std::string_view argument,
+                                      std::string_view other,
+                                      std::string_view what = "an overlap") {
+  ThrowInvalid(call, argument, "memory apart from " + std::string(other), what);
+}
+
 // Whether two ranges of bytes share one.
 inline bool Overlap(const void* a, std::size_t a_bytes, const void* b,
                     std::size_t b_bytes) {

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <string_view>
 
@@ -21,61 +20,47 @@ using kernels::FitTally;
 using kernels::Overlap;
 using kernels::ThrowInvalid;
 
-constexpr std::size_t kMostFloats =
-    std::numeric_limits<std::size_t>::max() / sizeof(float);
-
 std::string PlaneName(const Output& output, std::size_t plane) {
-  const auto axes = static_cast<std::size_t>(output.dims) + 1;
-  return (plane < axes ? "planes.min[" : "planes.max[") +
-         std::to_string(plane % axes) + "]";
+  return kernels::PlaneName("planes", static_cast<std::size_t>(output.dims) + 1,
+                            plane);
 }
 
-bool IsWanted(const Output& output, std::size_t plane) {
-  return ((output.wanted >> plane) & 1) != 0;
-}
-
-// Floats from the first to behind the last value of a column.
-std::size_t SpanOf(const Source& source) {
-  return source.count == 0 ? 0 : (source.count - 1) * source.stride + 1;
+template <typename Visit>
+void ForEachPlane(const Output& output, const Visit& visit) {
+  for (std::size_t p = 0; p < output.planes.size(); ++p) {
+    if (((output.wanted >> p) & 1) != 0) visit(p, output.planes[p]);
+  }
 }
 
 void CheckOutput(const Output& output, std::string_view call) {
-  if (output.size > kMostFloats) {
-    ThrowInvalid(call, "planes.size", "a size that fits the address space",
-                 std::to_string(output.size));
-  }
-  for (std::size_t p = 0; p < output.planes.size(); ++p) {
-    if (!IsWanted(output, p)) continue;
+  kernels::CheckAddressable(call, "planes.size", output.size, sizeof(float));
+  ForEachPlane(output, [&](std::size_t p, const float* plane) {
     CheckPointer(
-        call, output.planes[p], alignof(float),
-        [&] { return PlaneName(output, p); },
+        call, plane, alignof(float), [&] { return PlaneName(output, p); },
         [&] { return std::to_string(output.size) + " floats"; });
-  }
+  });
 }
 
 // Every wanted plane must lie apart from `bytes` bytes of something else.
 template <typename Name>
 void CheckApart(const Output& output, const void* other, std::size_t bytes,
                 const Name& name, std::string_view call) {
-  for (std::size_t p = 0; p < output.planes.size(); ++p) {
-    if (!IsWanted(output, p)) continue;
-    if (Overlap(output.planes[p], output.size * sizeof(float), other, bytes)) {
-      ThrowInvalid(call, PlaneName(output, p),
-                   "memory apart from " + std::string(name()), "an overlap");
+  ForEachPlane(output, [&](std::size_t p, const float* plane) {
+    if (Overlap(plane, output.size * sizeof(float), other, bytes)) {
+      kernels::ThrowOverlap(call, PlaneName(output, p), name());
     }
-  }
+  });
 }
 
 void CheckPlanesApart(const Output& output, std::string_view call) {
   Output earlier = output;
   earlier.wanted = 0;
-  for (std::size_t p = 0; p < output.planes.size(); ++p) {
-    if (!IsWanted(output, p)) continue;
+  ForEachPlane(output, [&](std::size_t p, float* plane) {
     CheckApart(
-        earlier, output.planes[p], output.size * sizeof(float),
+        earlier, plane, output.size * sizeof(float),
         [&] { return PlaneName(output, p); }, call);
-    earlier.Want(p, output.planes[p]);
-  }
+    earlier.Want(p, plane);
+  });
 }
 
 void CheckSize(std::string_view call, std::string_view argument,
@@ -173,7 +158,8 @@ class Call {
     CheckPlanesApart(output_, name_);
     for (std::size_t c = 0; c < source_.column_count; ++c) {
       CheckApart(
-          output_, source_.columns[c], SpanOf(source_) * sizeof(float),
+          output_, source_.columns[c],
+          kernels::ColumnBytes(source_.count, source_.stride),
           [&] { return ColumnName(c); }, name_);
     }
   }
@@ -219,11 +205,8 @@ Target BoundTriangles(const Source& vertices, Span<const std::uint32_t> indices,
   constexpr std::size_t kCorners = 3;
   const Call call("BoundTriangles", {"vertices", "coords"}, vertices, output,
                   options);
-  if (output.size > kMostFloats / kCorners) {
-    ThrowInvalid("BoundTriangles", "planes.size",
-                 "a size that fits the address space",
-                 std::to_string(output.size));
-  }
+  kernels::CheckAddressable("BoundTriangles", "planes.size", output.size,
+                            kCorners * sizeof(float));
   CheckSize("BoundTriangles", "indices.size()", indices.size(),
             kCorners * output.size);
   call.CheckInput(indices.data(), indices.size() * sizeof(std::uint32_t),

@@ -1,7 +1,5 @@
 #include "dispatch/scan/prepare.h"
 
-#include <algorithm>
-#include <limits>
 #include <string>
 
 #include "kernels/error.h"
@@ -15,10 +13,7 @@ using kernels::Overlap;
 using kernels::ThrowInvalid;
 
 std::string PlaneName(const detail::Scan& scan, std::size_t p) {
-  const std::size_t axes = scan.axes;
-  std::string name = "world.";
-  name += p < axes ? "min[" : "max[";
-  return name + std::to_string(p % axes) + "]";
+  return kernels::PlaneName("world", scan.axes, p);
 }
 
 template <typename Pointers>
@@ -39,18 +34,10 @@ void CheckApart(const detail::Scan& scan, const Pointers& planes,
                 std::size_t plane_bytes, const Output& output) {
   for (std::size_t p = 0; p < scan.plane_count; ++p) {
     if (Overlap(planes[p], plane_bytes, output.begin, output.bytes)) {
-      ThrowInvalid(scan.call, output.argument,
-                   "memory apart from the world's planes",
-                   "an overlap with " + PlaneName(scan, p));
+      kernels::ThrowOverlap(scan.call, output.argument, "the world's planes",
+                            "an overlap with " + PlaneName(scan, p));
     }
   }
-}
-
-// From the first value of a column to the end of the last.
-std::size_t ColumnBytes(const detail::FloatColumns& columns) {
-  return columns.size == 0
-             ? 0
-             : ((columns.size - 1) * columns.stride + 1) * sizeof(float);
 }
 
 }  // namespace
@@ -70,10 +57,7 @@ void RefuseBadWorld(const detail::Scan& scan) {
   }
   if (scan.size == 0) return;
   const std::size_t bytes = scan.element_bytes;
-  if (scan.size > std::numeric_limits<std::size_t>::max() / bytes) {
-    ThrowInvalid(scan.call, "world.size", "a size that fits the address space",
-                 std::to_string(scan.size));
-  }
+  kernels::CheckAddressable(scan.call, "world.size", scan.size, bytes);
   // Quantized bounds are always the library's own.
   if (scan.quantizer == nullptr) CheckPlanes(scan, scan.planes, bytes);
   if (scan.is_refined) CheckPlanes(scan, scan.floats.planes, sizeof(float));
@@ -96,12 +80,14 @@ void RefuseBadOutput(const detail::Scan& scan, const Output& output) {
       [&] { return output.argument; }, [] { return "room for the output"; });
   CheckApart(scan, scan.planes, scan.size * scan.element_bytes, output);
   if (scan.is_refined) {
-    CheckApart(scan, scan.floats.planes, ColumnBytes(scan.floats), output);
+    CheckApart(scan, scan.floats.planes,
+               kernels::ColumnBytes(scan.floats.size, scan.floats.stride),
+               output);
   }
   if (Overlap(scan.queries, scan.query_count * scan.query_record_bytes,
               output.begin, output.bytes)) {
-    ThrowInvalid(scan.call, output.argument, "memory apart from the queries",
-                 "an overlap with them");
+    kernels::ThrowOverlap(scan.call, output.argument, "the queries",
+                          "an overlap with them");
   }
 }
 

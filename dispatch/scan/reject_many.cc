@@ -82,8 +82,7 @@ std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
   check("object_indices", object_indices);
   if (kernels::Overlap(query_indices.data(), bytes, object_indices.data(),
                        bytes)) {
-    kernels::ThrowInvalid("SurvivorPairs", "object_indices",
-                          "memory apart from query_indices", "an overlap");
+    kernels::ThrowOverlap("SurvivorPairs", "object_indices", "query_indices");
   }
   std::size_t count = 0;
   dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {

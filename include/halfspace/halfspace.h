@@ -11,6 +11,7 @@
 //   span.h         how calls take lists and outputs
 //   world.h        stored bounds: views and owning worlds
 //   quantized.h    stored bounds of one or two bytes a plane
+//   memory.h       where owning worlds get their memory
 //   reject.h       the calls for one query: masks, index lists, counts
 //   reject_many.h  the calls for several queries
 //   targets.h      the instruction sets
@@ -21,6 +22,7 @@
 #include "halfspace/fit.h"          // IWYU pragma: export
 #include "halfspace/fit_many.h"     // IWYU pragma: export
 #include "halfspace/fit_status.h"   // IWYU pragma: export
+#include "halfspace/memory.h"       // IWYU pragma: export
 #include "halfspace/planes.h"       // IWYU pragma: export
 #include "halfspace/quantized.h"    // IWYU pragma: export
 #include "halfspace/reject.h"       // IWYU pragma: export

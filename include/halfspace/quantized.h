@@ -21,6 +21,9 @@
 //
 // Memory: planes x sizeof(Element) bytes an object (an AABO in 3D: 8 or 16),
 // and at most 1.4 KiB (uint8) or 257 KiB (uint16) a plane for the quantizer.
+// Requantize needs both twice during the call, and at most 0.5 MiB (uint8) or
+// 2 MiB (uint16) for a sample. All of it comes from the heap or from a resource
+// of the caller's; memory.h says which one copies, moves and swap(a, b) use.
 //
 // Special values: a NaN plane never rejects. Infinities and Everything() are
 // values like others. One object, equal objects and constant planes are tested
@@ -47,6 +50,7 @@
 #include "halfspace/detail/block_memory.h"
 #include "halfspace/detail/quantized_scan.h"
 #include "halfspace/detail/quantizer.h"
+#include "halfspace/memory.h"
 #include "halfspace/span.h"
 #include "halfspace/world.h"
 
@@ -78,14 +82,29 @@ class QuantizedBounds {
 
   // No bounds, and a quantizer with one level for every value: until
   // Requantize, what is pushed survives every query that is not empty.
-  QuantizedBounds() = default;
+  QuantizedBounds() : QuantizedBounds(MemoryResource()) {}
+  explicit QuantizedBounds(const MemoryResource& memory)
+      : planes_(Bound::kAxes, detail::kPlaneCount<Bound> - Bound::kAxes,
+                memory) {}
 
   // Trains a quantizer on `floats` and encodes them.
-  explicit QuantizedBounds(const FloatView& floats) { Requantize(floats); }
-  explicit QuantizedBounds(const World<FloatView>& floats) {
+  explicit QuantizedBounds(const FloatView& floats,
+                           const MemoryResource& memory = {})
+      : QuantizedBounds(memory) {
     Requantize(floats);
   }
+  explicit QuantizedBounds(const World<FloatView>& floats,
+                           const MemoryResource& memory = {})
+      : QuantizedBounds(floats.view(), memory) {}
 
+  QuantizedBounds(const QuantizedBounds& other, const MemoryResource& memory)
+      : planes_(other.planes_, memory) {}
+
+  friend void swap(QuantizedBounds& a, QuantizedBounds& b) noexcept {
+    swap(a.planes_, b.planes_);
+  }
+
+  const MemoryResource& memory() const { return planes_.memory(); }
   std::size_t size() const { return planes_.size(); }
   bool empty() const { return size() == 0; }
 
@@ -132,8 +151,7 @@ class QuantizedBounds {
   View view() const { return View(planes_); }
 
  private:
-  detail::QuantizedPlanes<detail::StoredElement<ElementType>> planes_{
-      Bound::kAxes, detail::kPlaneCount<Bound> - Bound::kAxes};
+  detail::QuantizedPlanes<detail::StoredElement<ElementType>> planes_;
 };
 
 // A world of quantized bounds and of the floats that they were encoded from, in
@@ -180,41 +198,57 @@ class QuantizedWorld {
   using Element = ElementType;
   using View = detail::RefinedView<FloatView, ElementType, Span<const Bound>>;
 
-  QuantizedWorld() = default;
-  QuantizedWorld(const QuantizedWorld& other) = default;
+  QuantizedWorld() : QuantizedWorld(MemoryResource()) {}
+  explicit QuantizedWorld(const MemoryResource& memory)
+      : quantized_(memory), records_(Allocator(memory)) {}
+  QuantizedWorld(const QuantizedWorld& other)
+      : QuantizedWorld(other, MemoryResource()) {}
+  QuantizedWorld(const QuantizedWorld& other, const MemoryResource& memory)
+      : quantized_(other.quantized_, memory),
+        records_(other.records_, Allocator(memory)),
+        trained_(other.trained_),
+        pushes_left_(other.pushes_left_) {}
   QuantizedWorld(QuantizedWorld&& other) noexcept  // leaves it empty
       : quantized_(std::move(other.quantized_)),
         records_(std::move(other.records_)),
         trained_(std::exchange(other.trained_, 0)),
         pushes_left_(std::exchange(other.pushes_left_, 0)) {}
   QuantizedWorld& operator=(const QuantizedWorld& other) {
-    return *this = QuantizedWorld(other);
+    return detail::AssignCopy(*this, other);
   }
-  QuantizedWorld& operator=(QuantizedWorld&& other) noexcept {
-    QuantizedWorld taken(std::move(other));
-    std::swap(quantized_, taken.quantized_);
-    records_.swap(taken.records_);
-    std::swap(trained_, taken.trained_);
-    std::swap(pushes_left_, taken.pushes_left_);
-    return *this;
+  QuantizedWorld& operator=(QuantizedWorld&& other) {
+    return detail::AssignMove(*this, other);
   }
   ~QuantizedWorld() = default;
+  friend void swap(QuantizedWorld& a, QuantizedWorld& b) noexcept {
+    swap(a.quantized_, b.quantized_);
+    a.records_.swap(b.records_);
+    std::swap(a.trained_, b.trained_);
+    std::swap(a.pushes_left_, b.pushes_left_);
+  }
 
   // Copies the bounds of a world of floats, in order, or of a list.
-  explicit QuantizedWorld(const FloatView& floats)
-      : quantized_(floats), trained_(floats.size) {
+  explicit QuantizedWorld(const FloatView& floats,
+                          const MemoryResource& memory = {})
+      : quantized_(floats, memory),
+        records_(Allocator(memory)),
+        trained_(floats.size) {
     records_.reserve(floats.size);
     for (std::size_t i = 0; i < floats.size; ++i) {
       records_.push_back(detail::BoundAt(floats, i));
     }
   }
-  explicit QuantizedWorld(const World<FloatView>& floats)
-      : QuantizedWorld(floats.view()) {}
-  explicit QuantizedWorld(Span<const Bound> bounds)
-      : records_(bounds.begin(), bounds.end()) {
+  explicit QuantizedWorld(const World<FloatView>& floats,
+                          const MemoryResource& memory = {})
+      : QuantizedWorld(floats.view(), memory) {}
+  explicit QuantizedWorld(Span<const Bound> bounds,
+                          const MemoryResource& memory = {})
+      : quantized_(memory),
+        records_(bounds.begin(), bounds.end(), Allocator(memory)) {
     Requantize();
   }
 
+  const MemoryResource& memory() const { return quantized_.memory(); }
   std::size_t size() const { return records_.size(); }
   bool empty() const { return records_.empty(); }
 
@@ -275,6 +309,7 @@ class QuantizedWorld {
   View view() const { return {quantized_.view(), records_}; }
 
  private:
+  using Allocator = detail::BlockAllocator<Bound>;
   static constexpr std::size_t kLeast = 64;
 
   // Trains if it is time, and sets when to check again. After training there is
@@ -294,7 +329,7 @@ class QuantizedWorld {
   }
 
   QuantizedBounds<FloatView, ElementType> quantized_;
-  std::vector<Bound, detail::BlockAllocator<Bound>> records_;
+  std::vector<Bound, Allocator> records_;
   std::size_t trained_ = 0;      // objects at the last training
   std::size_t pushes_left_ = 0;  // until TrainIfDue checks again
 };

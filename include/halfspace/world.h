@@ -33,6 +33,7 @@
 
 #include "halfspace/bounds.h"
 #include "halfspace/detail/plane_arrays.h"
+#include "halfspace/memory.h"
 #include "halfspace/planes.h"
 #include "halfspace/span.h"
 
@@ -113,6 +114,9 @@ using AaboView4 = AaboView<4>;
 // Errors: an index that is not below size() and a size that no memory can have
 // throw std::invalid_argument, a failed allocation throws std::bad_alloc. The
 // world is then as it was.
+//
+// Memory: one block, from the heap or from a resource of the caller's; memory.h
+// says which one copies, moves and swap(a, b) use.
 template <typename ViewType>
 class World {
  public:
@@ -121,11 +125,22 @@ class World {
   using Query = typename View::Query;
   using Planes = typename View::Planes;
 
-  World() : planes_(detail::Planes(Bound::Empty())) {}
+  World() : World(MemoryResource()) {}
+  explicit World(const MemoryResource& memory)
+      : planes_(detail::Planes(Bound::Empty()), memory) {}
 
   // Builds a world of the given bounds, in order.
-  explicit World(Span<const Bound> bounds) : World() { Assign(bounds); }
+  explicit World(Span<const Bound> bounds, const MemoryResource& memory = {})
+      : World(memory) {
+    Assign(bounds);
+  }
 
+  World(const World& other, const MemoryResource& memory)
+      : planes_(other.planes_, memory) {}
+
+  friend void swap(World& a, World& b) noexcept { swap(a.planes_, b.planes_); }
+
+  const MemoryResource& memory() const { return planes_.memory(); }
   std::size_t size() const { return planes_.size(); }
   std::size_t capacity() const { return planes_.capacity(); }
   bool empty() const { return size() == 0; }

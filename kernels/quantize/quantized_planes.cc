@@ -13,9 +13,9 @@ namespace {
 
 // The padding is never read, so its values do not matter.
 template <typename Stored>
-PlaneArrays<Stored> NoPlanes(std::size_t planes) {
+PlaneArrays<Stored> NoPlanes(std::size_t planes, const MemoryResource& memory) {
   const std::array<Stored, kMaxPlanes> padding{};
-  return PlaneArrays<Stored>(std::span(padding).first(planes));
+  return {std::span(padding).first(planes), memory};
 }
 
 // An ideal quantizer puts one object in 256 on each level. One that is four
@@ -27,8 +27,10 @@ double MostPairs(double times, double pairs_then) {
 }  // namespace
 
 template <typename Stored>
-QuantizedPlanes<Stored>::QuantizedPlanes(std::size_t minima, std::size_t maxima)
-    : quantizer_(minima, maxima), levels_(NoPlanes<Stored>(minima + maxima)) {}
+QuantizedPlanes<Stored>::QuantizedPlanes(std::size_t minima, std::size_t maxima,
+                                         const MemoryResource& memory)
+    : quantizer_(minima, maxima, memory),
+      levels_(NoPlanes<Stored>(minima + maxima, memory)) {}
 
 template <typename Stored>
 void QuantizedPlanes<Stored>::Requantize(const FloatColumns& floats) {
@@ -43,11 +45,11 @@ void QuantizedPlanes<Stored>::Requantize(const FloatColumns& floats) {
   }
   // Before a plane is read, so that a size that no memory can have is refused
   // here.
-  PlaneArrays<Stored> levels = NoPlanes<Stored>(planes);
+  PlaneArrays<Stored> levels = NoPlanes<Stored>(planes, memory());
   levels.Reserve(std::max(floats.size, levels_.capacity()));
   levels.Resize(floats.size);
-  Quantizer quantizer = quantizer_;
-  quantizer.Train(floats, std::size_t{1} << (8 * sizeof(Stored)));
+  Quantizer quantizer =
+      quantizer_.Trained(floats, std::size_t{1} << (8 * sizeof(Stored)));
   for (std::size_t p = 0; p < planes; ++p) {
     quantizer.EncodeObjects(p, floats.planes[p], floats.stride, floats.size,
                             levels.plane(p));

@@ -6,7 +6,6 @@
 #include <numeric>
 #include <span>
 #include <utility>
-#include <vector>
 
 namespace halfspace::detail {
 namespace {
@@ -60,7 +59,7 @@ constexpr Stored Stow(std::uint32_t rank, bool is_min) {
 
 // A radix sort, byte by byte. It takes a tenth of the time of std::sort for the
 // 2^16 keys of a plane, and training consists mostly of sorting.
-void Sort(std::vector<Key>& keys) {
+void Sort(std::span<Key> keys, std::span<Key> spare) {
   constexpr std::size_t kFew = 128;
   if (keys.size() < kFew) {
     std::sort(keys.begin(), keys.end());
@@ -74,74 +73,77 @@ void Sort(std::vector<Key>& keys) {
   for (const Key key : keys) {
     for (std::size_t b = 0; b < kBytes; ++b) ++places[b][byte_of(key, b)];
   }
-  std::vector<Key> sorted(keys.size());
+  // An even number of times: the last time into `keys`.
   for (std::size_t b = 0; b < kBytes; ++b) {
     std::exclusive_scan(places[b].begin(), places[b].end(), places[b].begin(),
                         std::uint32_t{0});
-    for (const Key key : keys) sorted[places[b][byte_of(key, b)]++] = key;
-    keys.swap(sorted);
+    for (const Key key : keys) spare[places[b][byte_of(key, b)]++] = key;
+    std::swap(keys, spare);
   }
 }
 
-// An evenly spread sample of a plane, sorted, without NaN.
-std::vector<Key> SortedSample(const FloatColumns& floats, std::size_t plane,
-                              std::size_t most) {
-  const std::size_t count = std::min(floats.size, most);
-  std::vector<Key> sample;
-  sample.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t at = SampledIndex(i, count, floats.size);
+// An evenly spread sample of a plane, sorted, without NaN: a part of `sample`,
+// which has two planes of as many keys as are looked at.
+std::span<const Key> SortedSample(const FloatColumns& floats, std::size_t plane,
+                                  PlaneArrays<Key>& sample) {
+  const std::span<Key> keys(sample.plane(0), sample.size());
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const std::size_t at = SampledIndex(i, keys.size(), floats.size);
     const Key key = KeyOf(floats.planes[plane][at * floats.stride], kAboveAll);
-    if (key != kAboveAll) sample.push_back(key);
+    if (key != kAboveAll) keys[count++] = key;
   }
-  Sort(sample);
-  return sample;
+  Sort(keys.first(count), {sample.plane(1), count});
+  return keys.first(count);
 }
 
-// At most `most` of the values, evenly spread in rank. The least value is among
-// them for a plane of minima, the greatest for one of maxima, so that a query
-// beyond all objects rejects them all.
-std::vector<Key> Quantiles(const std::vector<Key>& sorted, std::size_t most,
-                           bool is_min) {
-  const std::size_t count = std::min(sorted.size(), most);
-  std::vector<Key> quantiles(count);
+// Writes at most `quantiles.size()` of the values, evenly spread in rank, and
+// fills up with kPad. The least value is among them for a plane of minima, the
+// greatest for one of maxima, so that a query beyond all objects rejects them
+// all.
+void Quantiles(std::span<const Key> sorted, bool is_min,
+               std::span<Key> quantiles) {
+  const std::size_t count = std::min(sorted.size(), quantiles.size());
+  const auto chosen = quantiles.first(count);
   for (std::size_t j = 0; j < count; ++j) {
     const std::size_t rank = j * sorted.size() / count;
-    quantiles[j] = is_min ? sorted[rank] : sorted[sorted.size() - 1 - rank];
+    chosen[j] = is_min ? sorted[rank] : sorted[sorted.size() - 1 - rank];
   }
-  if (!is_min) std::reverse(quantiles.begin(), quantiles.end());
-  quantiles.erase(std::unique(quantiles.begin(), quantiles.end()),
-                  quantiles.end());
-  return quantiles;
+  if (!is_min) std::reverse(chosen.begin(), chosen.end());
+  std::fill(std::unique(chosen.begin(), chosen.end()), chosen.end(), kPad);
 }
 
-PlaneArrays<Key> NoThresholds(std::size_t planes) {
+PlaneArrays<Key> NoThresholds(std::size_t planes,
+                              const MemoryResource& memory) {
   std::array<Key, kMaxPlanes> padding;
   padding.fill(kPad);
-  return PlaneArrays<Key>(std::span(padding).first(planes));
+  return {std::span(padding).first(planes), memory};
 }
 
 }  // namespace
 
-Quantizer::Quantizer(std::size_t minima, std::size_t maxima)
+Quantizer::Quantizer(std::size_t minima, std::size_t maxima,
+                     const MemoryResource& memory)
     : minima_(minima),
       planes_(minima + maxima),
-      thresholds_(NoThresholds(planes_)) {}
+      thresholds_(NoThresholds(planes_, memory)) {}
 
-void Quantizer::Train(const FloatColumns& floats, std::size_t levels) {
+Quantizer Quantizer::Trained(const FloatColumns& floats,
+                             std::size_t levels) const {
   // So large a sample that the ranks of 256 levels are off by less than one,
   // and that most of 65536 levels differ.
   const std::size_t sampled = levels <= 256 ? 1 << 16 : 1 << 18;
   const std::size_t per_plane =
       std::min(levels, std::bit_ceil(std::min(floats.size, sampled) + 1)) - 1;
-  PlaneArrays<Key> thresholds = NoThresholds(planes_);
-  thresholds.Resize(per_plane);
+  Quantizer quantizer(minima_, planes_ - minima_, memory());
+  quantizer.thresholds_.Resize(per_plane);
+  PlaneArrays<Key> sample = NoThresholds(2, memory());
+  sample.Resize(std::min(floats.size, sampled));
   for (std::size_t p = 0; p < planes_; ++p) {
-    const std::vector<Key> quantiles =
-        Quantiles(SortedSample(floats, p, sampled), per_plane, p < minima_);
-    std::copy(quantiles.begin(), quantiles.end(), thresholds.plane(p));
+    Quantiles(SortedSample(floats, p, sample), p < minima_,
+              {quantizer.thresholds_.plane(p), per_plane});
   }
-  thresholds_ = std::move(thresholds);
+  return quantizer;
 }
 
 template <typename Stored>

@@ -1,6 +1,9 @@
 #include "halfspace/detail/block_memory.h"
 
+#include <cstdint>
 #include <new>
+
+#include "kernels/error.h"
 
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -16,9 +19,21 @@ std::align_val_t AlignmentOf(std::size_t bytes) {
   return std::align_val_t{bytes < 2 * kHugePage ? kLine : kHugePage};
 }
 
+void* AllocateFrom(const MemoryResource& memory, std::size_t bytes) {
+  void* block = memory.allocate(memory.context, bytes, kLine);
+  if (block == nullptr) throw std::bad_alloc();
+  if (reinterpret_cast<std::uintptr_t>(block) % kLine != 0) {
+    FreeBlock(memory, block, bytes);
+    kernels::ThrowInvalid("MemoryResource::allocate", "the result",
+                          "memory aligned to 64 bytes", "a misaligned block");
+  }
+  return block;
+}
+
 }  // namespace
 
-void* AllocateBlock(std::size_t bytes) {
+void* AllocateBlock(const MemoryResource& memory, std::size_t bytes) {
+  if (memory.allocate != nullptr) return AllocateFrom(memory, bytes);
   void* block = ::operator new(bytes, AlignmentOf(bytes));
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
   // Huge pages, because reading a survivor's record in a large world would
@@ -31,8 +46,12 @@ void* AllocateBlock(std::size_t bytes) {
   return block;
 }
 
-void FreeBlock(void* block, std::size_t bytes) {
-  ::operator delete(block, AlignmentOf(bytes));
+void FreeBlock(const MemoryResource& memory, void* block, std::size_t bytes) {
+  if (memory.deallocate != nullptr) {
+    memory.deallocate(memory.context, block, bytes, kLine);
+  } else {
+    ::operator delete(block, AlignmentOf(bytes));
+  }
 }
 
 }  // namespace halfspace::detail

@@ -8,7 +8,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "halfspace/detail/block_memory.h"
 #include "kernels/error.h"
 
 namespace halfspace::detail {
@@ -26,16 +25,26 @@ template <typename T>
 constexpr const char* kOwner =
     std::is_floating_point_v<T> ? "World" : "QuantizedBounds";
 
+const MemoryResource& Checked(const MemoryResource& memory) {
+  if ((memory.allocate == nullptr) != (memory.deallocate == nullptr)) {
+    kernels::ThrowInvalid("MemoryResource", "allocate and deallocate",
+                          "two functions, or none", "one of them");
+  }
+  return memory;
+}
+
 }  // namespace
 
 template <typename T>
-PlaneArrays<T>::PlaneArrays(Span<const T> padding) : planes_(padding.size()) {
+PlaneArrays<T>::PlaneArrays(Span<const T> padding, const MemoryResource& memory)
+    : memory_(Checked(memory)), planes_(padding.size()) {
   std::copy(padding.begin(), padding.end(), padding_.begin());
 }
 
 template <typename T>
-PlaneArrays<T>::PlaneArrays(const PlaneArrays& other)
-    : padding_(other.padding_), planes_(other.planes_) {
+PlaneArrays<T>::PlaneArrays(const PlaneArrays& other,
+                            const MemoryResource& memory)
+    : PlaneArrays(std::span(other.padding_).first(other.planes_), memory) {
   if (other.size_ == 0) return;
   Grow(other.size_);
   size_ = other.size_;
@@ -46,30 +55,23 @@ PlaneArrays<T>::PlaneArrays(const PlaneArrays& other)
 
 template <typename T>
 PlaneArrays<T>::PlaneArrays(PlaneArrays&& other) noexcept
-    : padding_(other.padding_),
+    : memory_(other.memory_),
+      padding_(other.padding_),
       planes_(other.planes_),
       size_(std::exchange(other.size_, 0)),
       capacity_(std::exchange(other.capacity_, 0)),
       stride_(std::exchange(other.stride_, 0)),
       data_(std::exchange(other.data_, nullptr)) {}
 
-// Two operators, and not one that takes its argument by value: a compiler would
-// treat the assignments that it generates from that as never throwing.
 template <typename T>
-PlaneArrays<T>& PlaneArrays<T>::operator=(const PlaneArrays& other) {
-  return *this = PlaneArrays(other);
-}
-
-template <typename T>
-PlaneArrays<T>& PlaneArrays<T>::operator=(PlaneArrays&& other) noexcept {
-  PlaneArrays taken(std::move(other));
-  std::swap(padding_, taken.padding_);
-  std::swap(planes_, taken.planes_);
-  std::swap(size_, taken.size_);
-  std::swap(capacity_, taken.capacity_);
-  std::swap(stride_, taken.stride_);
-  std::swap(data_, taken.data_);
-  return *this;
+void PlaneArrays<T>::Swap(PlaneArrays& other) noexcept {
+  std::swap(memory_, other.memory_);
+  std::swap(padding_, other.padding_);
+  std::swap(planes_, other.planes_);
+  std::swap(size_, other.size_);
+  std::swap(capacity_, other.capacity_);
+  std::swap(stride_, other.stride_);
+  std::swap(data_, other.data_);
 }
 
 template <typename T>
@@ -79,7 +81,8 @@ PlaneArrays<T>::~PlaneArrays() {
 
 template <typename T>
 void PlaneArrays<T>::Free() {
-  if (data_ != nullptr) FreeBlock(data_, stride_ * planes_ * sizeof(T));
+  if (data_ == nullptr) return;
+  FreeBlock(memory_, data_, stride_ * planes_ * sizeof(T));
 }
 
 // Moves to a new block for at least `objects` objects, all beyond size_ padded.
@@ -94,7 +97,8 @@ void PlaneArrays<T>::Grow(std::size_t objects) {
   }
   const std::size_t capacity = (objects + kGroup - 1) / kGroup * kGroup;
   const std::size_t stride = capacity + kStagger<T>;
-  T* data = static_cast<T*>(AllocateBlock(stride * planes_ * sizeof(T)));
+  T* data =
+      static_cast<T*>(AllocateBlock(memory_, stride * planes_ * sizeof(T)));
   for (std::size_t p = 0; p < planes_; ++p) {
     T* to = data + p * stride;
     if (size_ != 0) std::memcpy(to, plane(p), size_ * sizeof(T));

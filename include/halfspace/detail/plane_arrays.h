@@ -8,7 +8,9 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "halfspace/detail/block_memory.h"
 #include "halfspace/export.h"
+#include "halfspace/memory.h"
 #include "halfspace/span.h"
 
 namespace halfspace::detail {
@@ -72,13 +74,23 @@ struct FloatColumns {
 template <typename T>
 class HALFSPACE_API PlaneArrays {
  public:
-  explicit PlaneArrays(Span<const T> padding);
-  PlaneArrays(const PlaneArrays& other);
+  PlaneArrays(Span<const T> padding, const MemoryResource& memory);
+  PlaneArrays(const PlaneArrays& other)
+      : PlaneArrays(other, MemoryResource()) {}
+  PlaneArrays(const PlaneArrays& other, const MemoryResource& memory);
   PlaneArrays(PlaneArrays&& other) noexcept;
-  PlaneArrays& operator=(const PlaneArrays& other);
-  PlaneArrays& operator=(PlaneArrays&& other) noexcept;
+  // Two operators, and not one that takes its argument by value: assignments
+  // that a compiler writes would take that for one that never throws.
+  PlaneArrays& operator=(const PlaneArrays& other) {
+    return AssignCopy(*this, other);
+  }
+  PlaneArrays& operator=(PlaneArrays&& other) {
+    return AssignMove(*this, other);
+  }
   ~PlaneArrays();
+  friend void swap(PlaneArrays& a, PlaneArrays& b) noexcept { a.Swap(b); }
 
+  const MemoryResource& memory() const { return memory_; }
   std::size_t size() const { return size_; }
   std::size_t capacity() const { return capacity_; }
   T* plane(std::size_t p) { return data_ + p * stride_; }
@@ -99,7 +111,9 @@ class HALFSPACE_API PlaneArrays {
   void Write(std::size_t index, const T* values);
   void Grow(std::size_t objects);
   void Free();
+  void Swap(PlaneArrays& other) noexcept;
 
+  MemoryResource memory_;
   std::array<T, kMaxPlanes> padding_{};
   std::size_t planes_ = 0;
   std::size_t size_ = 0;

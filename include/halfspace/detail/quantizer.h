@@ -9,9 +9,11 @@
 #include <cstdint>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/export.h"
+#include "halfspace/memory.h"
 #include "halfspace/span.h"
 
 namespace halfspace::detail {
@@ -44,12 +46,18 @@ constexpr std::size_t SampledIndex(std::size_t i, std::size_t count,
 class HALFSPACE_API Quantizer {
  public:
   // No thresholds: one level for everything.
-  Quantizer(std::size_t minima, std::size_t maxima);
+  Quantizer(std::size_t minima, std::size_t maxima,
+            const MemoryResource& memory);
+  Quantizer(const Quantizer& other, const MemoryResource& memory)
+      : minima_(other.minima_),
+        planes_(other.planes_),
+        thresholds_(other.thresholds_, memory) {}
 
+  const MemoryResource& memory() const { return thresholds_.memory(); }
   std::size_t planes() const { return planes_; }
 
-  // Sets the thresholds to `levels` - 1 quantiles of every plane.
-  void Train(const FloatColumns& floats, std::size_t levels);
+  // One with thresholds at `levels` - 1 quantiles of every plane.
+  Quantizer Trained(const FloatColumns& floats, std::size_t levels) const;
 
   // Encodes `count` values of plane `p`, `stride` floats apart. A NaN gets the
   // level that never rejects.
@@ -85,6 +93,11 @@ class HALFSPACE_API Quantizer {
   template <typename Stored, typename At>
   void EncodeEach(const float* values, bool is_query, const At& at,
                   Stored* levels) const;
+  friend void swap(Quantizer& a, Quantizer& b) noexcept {
+    std::swap(a.minima_, b.minima_);
+    std::swap(a.planes_, b.planes_);
+    swap(a.thresholds_, b.thresholds_);
+  }
 
   std::size_t minima_;
   std::size_t planes_;
@@ -98,17 +111,30 @@ class HALFSPACE_API Quantizer {
 template <typename Stored>
 class HALFSPACE_API QuantizedPlanes {
  public:
-  QuantizedPlanes(std::size_t minima, std::size_t maxima);
+  QuantizedPlanes(std::size_t minima, std::size_t maxima,
+                  const MemoryResource& memory);
   QuantizedPlanes(const QuantizedPlanes& other) = default;
+  QuantizedPlanes(const QuantizedPlanes& other, const MemoryResource& memory)
+      : quantizer_(other.quantizer_, memory),
+        levels_(other.levels_, memory),
+        pairs_then_(other.pairs_then_) {}
   QuantizedPlanes(QuantizedPlanes&& other) noexcept = default;
   // Assigns levels and quantizer, or neither if memory cannot be had: they mean
   // nothing without each other.
   QuantizedPlanes& operator=(const QuantizedPlanes& other) {
-    return *this = QuantizedPlanes(other);
+    return AssignCopy(*this, other);
   }
-  QuantizedPlanes& operator=(QuantizedPlanes&& other) noexcept = default;
+  QuantizedPlanes& operator=(QuantizedPlanes&& other) {
+    return AssignMove(*this, other);
+  }
   ~QuantizedPlanes() = default;
+  friend void swap(QuantizedPlanes& a, QuantizedPlanes& b) noexcept {
+    swap(a.quantizer_, b.quantizer_);
+    swap(a.levels_, b.levels_);
+    a.pairs_then_.swap(b.pairs_then_);
+  }
 
+  const MemoryResource& memory() const { return levels_.memory(); }
   std::size_t size() const { return levels_.size(); }
   const Quantizer& quantizer() const { return quantizer_; }
   const PlaneArrays<Stored>& planes() const { return levels_; }

@@ -1,8 +1,10 @@
 // Builders and calls allocate nothing, as they say: there is no memory left.
+// And calls take no more stack than they say.
 #include <gtest/gtest.h>
 
-#include <new>
+#include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "halfspace/halfspace.h"
@@ -15,35 +17,29 @@
 #include "tests/library/support/limited_memory.h"
 #include "tests/library/support/many_calls.h"
 #include "tests/library/support/quantized_cases.h"
+#include "tests/library/support/sanitized.h"
+
+#if defined(__unix__)
+#include "tests/library/support/stack_use.h"
+#endif
 
 namespace halfspace::testing {
 namespace {
 
-// Runs call() without memory.
-constexpr auto kWithoutMemory = [](const auto& call) {
-  bool had_enough = true;
-  allocations_left = 0;
-  try {
-    (void)call();
-  } catch (const std::bad_alloc&) {
-    had_enough = false;
-  }
-  allocations_left = kNoAllocationLimit;
-  EXPECT_TRUE(had_enough);
-};
-
-// The calls on `world`, for one query and for many.
-template <typename AnyWorld>
-void ExpectCallsWithoutMemory(
-    const AnyWorld& world,
-    const std::vector<typename AnyWorld::Query>& queries) {
-  const auto visit = [](auto, const auto& call) { kWithoutMemory(call); };
+// Every call on `world`, for one query and for many, with every target and
+// schedule.
+template <typename AnyWorld, typename One, typename Many>
+void VisitCalls(const AnyWorld& world,
+                const std::vector<typename AnyWorld::Query>& queries,
+                const One& one, const Many& many) {
   CallOutputs outputs;
   ManyCallOutputs many_outputs;
   for (Target target : TargetsUnderTest()) {
-    const Options options{.target = target};
-    ForEachCall(world, queries[0], options, outputs, visit);
-    ForEachManyCall(world, std::span(queries), options, many_outputs, visit);
+    for (Schedule schedule : kSchedules) {
+      const Options options{.schedule = schedule, .target = target};
+      ForEachCall(world, queries[0], options, outputs, one);
+      ForEachManyCall(world, std::span(queries), options, many_outputs, many);
+    }
   }
 }
 
@@ -64,24 +60,47 @@ class NoAllocationOfCallsTest : public ::testing::Test {};
 TYPED_TEST_SUITE(NoAllocationOfCallsTest, FewQuantizedCases,
                  QuantizedCaseNames);
 
-TYPED_TEST(NoAllocationOfCallsTest, OnFloatsAndQuantized) {
-  using View = typename TypeParam::View;
+// The same on floats, on quantized bounds and on both; of many objects, whose
+// planes are in no first-level cache, with one query, for which there is room.
+template <typename Case, typename One, typename Many>
+void VisitWorlds(const One& one, const Many& many) {
+  using View = typename Case::View;
   Random random(62);
-  auto bounds =
-      MakeQuantizedBounds<View>(QuantizedInputKind::kUniform, 1000, random);
-  std::vector<typename View::Query> queries;
-  for (int i = 0; i < 9; ++i) {
-    queries.push_back(MakeQuantizedQuery<View>(bounds, random));
+  for (const auto& [objects, count] :
+       {std::pair(1000, 9), std::pair(15000, 1)}) {
+    auto bounds =
+        MakeQuantizedBounds<View>(QuantizedInputKind::kUniform,
+                                  static_cast<std::size_t>(objects), random);
+    std::vector<typename View::Query> queries;
+    for (int i = 0; i < count; ++i) {
+      queries.push_back(MakeQuantizedQuery<View>(bounds, random));
+    }
+    const World<View> floats(bounds);
+    const QuantizedWorld<View, typename Case::Element> quantized_world{
+        std::span(bounds)};
+    VisitCalls(floats, queries, one, many);
+    VisitCalls(quantized_world.quantized(), queries, one, many);
+    VisitCalls(Refined(quantized_world.quantized(), floats.view()), queries,
+               one, many);
+    VisitCalls(quantized_world, queries, one, many);
   }
-  const World<View> floats(bounds);
-  const QuantizedWorld<View, typename TypeParam::Element> quantized_world{
-      std::span(bounds)};
-  ExpectCallsWithoutMemory(floats, queries);
-  ExpectCallsWithoutMemory(quantized_world.quantized(), queries);
-  ExpectCallsWithoutMemory(Refined(quantized_world.quantized(), floats.view()),
-                           queries);
-  ExpectCallsWithoutMemory(quantized_world, queries);
 }
+
+TYPED_TEST(NoAllocationOfCallsTest, OnFloatsAndQuantized) {
+  const auto visit = [](auto, const auto& call) { kWithoutMemory(call); };
+  VisitWorlds<TypeParam>(visit, visit);
+}
+
+#if defined(__unix__) && defined(__OPTIMIZE__) && !defined(HALFSPACE_SANITIZED)
+TYPED_TEST(NoAllocationOfCallsTest, TakeTheStackThatHeadersState) {
+  const auto most = [](std::size_t bytes) {
+    return [bytes](auto name, const auto& call) {
+      EXPECT_LE(StackUse(call), bytes) << name;
+    };
+  };
+  VisitWorlds<TypeParam>(most(8 * 1024), most(32 * 1024));
+}
+#endif
 
 }  // namespace
 }  // namespace halfspace::testing

@@ -43,10 +43,10 @@ class QuantizedMapTest : public ::testing::Test {
   }
 
   void Train(const std::vector<float>& values) {
-    quantizer_.Train({.planes = {values.data(), values.data()},
-                      .size = values.size(),
-                      .stride = 1},
-                     std::size_t{1} << (8 * sizeof(Stored)));
+    quantizer_ = quantizer_.Trained({.planes = {values.data(), values.data()},
+                                     .size = values.size(),
+                                     .stride = 1},
+                                    std::size_t{1} << (8 * sizeof(Stored)));
   }
 
   // Ranks: how many thresholds a value stands for.
@@ -65,7 +65,7 @@ class QuantizedMapTest : public ::testing::Test {
   }
 
   Random random_{47};
-  detail::Quantizer quantizer_{1, 1};
+  detail::Quantizer quantizer_{1, 1, MemoryResource()};
 };
 
 using StoredTypes = ::testing::Types<std::int8_t, std::int16_t>;

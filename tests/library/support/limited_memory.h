@@ -3,8 +3,11 @@
 #ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_LIMITED_MEMORY_H_
 #define HALFSPACE_TESTS_LIBRARY_SUPPORT_LIMITED_MEMORY_H_
 
+#include <gtest/gtest.h>
+
 #include <cstddef>
 #include <limits>
+#include <new>
 
 namespace halfspace::testing {
 
@@ -13,6 +16,19 @@ inline constexpr std::size_t kNoAllocationLimit =
 
 // How many allocations are left before std::bad_alloc. For one thread.
 extern std::size_t allocations_left;
+
+// Runs call() without memory.
+inline constexpr auto kWithoutMemory = [](const auto& call) {
+  bool had_enough = true;
+  allocations_left = 0;
+  try {
+    (void)call();
+  } catch (const std::bad_alloc&) {
+    had_enough = false;
+  }
+  allocations_left = kNoAllocationLimit;
+  EXPECT_TRUE(had_enough);
+};
 
 }  // namespace halfspace::testing
 

@@ -15,17 +15,12 @@
 
 #include "halfspace/reject.h"
 #include "tests/library/support/cases.h"
+#include "tests/library/support/counting_memory.h"
 #include "tests/library/support/dims.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
 #include "tests/library/support/inputs.h"
-
-// gcc defines this one itself.
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define __SANITIZE_ADDRESS__
-#endif
-#endif
+#include "tests/library/support/sanitized.h"
 
 namespace halfspace::testing {
 namespace {
@@ -104,7 +99,8 @@ class WorldTest : public ::testing::Test {
 TYPED_TEST_SUITE(WorldTest, WholeCases, CaseNames);
 
 TYPED_TEST(WorldTest, RandomOperationsFollowTheModel) {
-  typename TestFixture::AWorld world;
+  CountingMemory memory;
+  typename TestFixture::AWorld world(memory.resource());
   typename TestFixture::Model model;
   const std::size_t steps = Scaled(3000);
   for (std::size_t step = 0; step < steps; ++step) {
@@ -226,7 +222,7 @@ TYPED_TEST(WorldTest, SizeThatCannotExistIsRefused) {
 }
 
 TYPED_TEST(WorldTest, MemoryThatCannotBeHadIsBadAlloc) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(HALFSPACE_SANITIZED)
   GTEST_SKIP() << "the sanitizer ends the process instead";
 #else
   const auto model = this->RandomBounds(70);

@@ -1,0 +1,76 @@
+// A resource of the caller's that knows what it gave, and can come to an end.
+#ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_COUNTING_MEMORY_H_
+#define HALFSPACE_TESTS_LIBRARY_SUPPORT_COUNTING_MEMORY_H_
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdlib>
+#include <limits>
+#include <new>
+
+#include "halfspace/memory.h"
+
+namespace halfspace::testing {
+
+enum class Failure { kThrows, kReturnsNull };
+
+// Its own memory is malloc's, so that operator new can be forbidden meanwhile.
+// Before each block stand its size and the resource that it came from.
+class CountingMemory {
+ public:
+  explicit CountingMemory(Failure failure = Failure::kThrows)
+      : failure_(failure) {}
+  CountingMemory(const CountingMemory&) = delete;
+  CountingMemory& operator=(const CountingMemory&) = delete;
+  ~CountingMemory() { EXPECT_EQ(blocks, 0u); }
+
+  void* allocate(std::size_t bytes, std::size_t alignment) {
+    EXPECT_EQ(alignment, kAlignment);
+    EXPECT_GT(bytes, 0u);
+    if (left == 0) {
+      if (failure_ == Failure::kThrows) throw std::bad_alloc();
+      return nullptr;
+    }
+    if (left != kNoLimit) --left;
+    const std::size_t whole = (bytes / kAlignment + 2) * kAlignment;
+    auto* memory =
+        static_cast<std::byte*>(std::aligned_alloc(kAlignment, whole));
+    new (memory) Header{bytes, this};
+    ++blocks;
+    ++allocations;
+    return memory + kAlignment + shift;
+  }
+
+  void deallocate(void* block, std::size_t bytes, std::size_t alignment) {
+    auto* memory = static_cast<std::byte*>(block) - kAlignment - shift;
+    const Header header = *reinterpret_cast<const Header*>(memory);
+    EXPECT_EQ(header.bytes, bytes);
+    EXPECT_EQ(header.from, this);
+    EXPECT_EQ(alignment, kAlignment);
+    --blocks;
+    std::free(memory);
+  }
+
+  MemoryResource resource() { return MemoryFrom(*this); }
+
+  static constexpr std::size_t kNoLimit =
+      std::numeric_limits<std::size_t>::max();
+  std::size_t left = kNoLimit;  // allocations before there is no memory
+  std::size_t blocks = 0;       // that were not given back
+  std::size_t allocations = 0;
+  std::size_t shift = 0;  // bytes that blocks lie off their alignment
+
+ private:
+  static constexpr std::size_t kAlignment = 64;
+  struct Header {
+    std::size_t bytes;
+    const CountingMemory* from;
+  };
+
+  Failure failure_;
+};
+
+}  // namespace halfspace::testing
+
+#endif  // HALFSPACE_TESTS_LIBRARY_SUPPORT_COUNTING_MEMORY_H_
