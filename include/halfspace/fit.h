@@ -36,14 +36,13 @@
 // infinity, cannot be bounded by finite floats: the result is Everything(),
 // which never rejects, and the status counts it.
 //
-// Errors: only those named below, thrown as std::invalid_argument that says
-// which argument, what was expected and what was given. Thread safety: pure
-// functions. Floating-point mode: the caller's rounding, its flushing of
-// subnormals and the exceptions that it traps do not matter, and are as before
-// afterwards: nothing is trapped in a builder. Exception flags may be raised
-// there, and none is cleared. The library is compiled without fast-math and
-// contraction whatever the caller's flags are. Cost: tens to hundreds of ns,
-// and 5 ns a point; docs/performance.md has a table.
+// Errors (error.h): only those named below. Thread safety: pure functions.
+// Floating-point mode: the caller's rounding, its flushing of subnormals and
+// the exceptions that it traps do not matter, and are as before afterwards:
+// nothing is trapped in a builder. Exception flags may be raised there, and
+// none is cleared. The library is compiled without fast-math and contraction
+// whatever the caller's flags are. Cost: tens to hundreds of ns, and 5 ns a
+// point; docs/performance.md has a table.
 //
 // Source: "The Bounding Simplex", for the axes; the outward rounding is this
 // library's own (docs/exactness.md).

@@ -28,8 +28,8 @@
 // an index out of range, an inverted box, or a sum of magnitudes beyond 2^125
 // becomes Everything(), which never rejects, and is counted.
 //
-// Errors: thrown as std::invalid_argument before anything is written: a null or
-// misaligned pointer with N > 0, sizes that differ, sizes that overflow the
+// Errors (error.h), before anything is written: a null or misaligned pointer
+// with N > 0, sizes that differ, sizes that overflow the
 // address space, an output that overlaps an input or another output, an option
 // that is not one of the enumerators, a target that is not supported here. N =
 // 0 is fine.

@@ -12,10 +12,12 @@
 //   reject.h   the tests: masks, index lists, counts
 //   reject_many.h  many queries at once
 //   targets.h  the instruction sets
+//   error.h    what a violated precondition does
 #ifndef HALFSPACE_HALFSPACE_H_
 #define HALFSPACE_HALFSPACE_H_
 
 #include "halfspace/bounds.h"       // IWYU pragma: export
+#include "halfspace/error.h"        // IWYU pragma: export
 #include "halfspace/fit.h"          // IWYU pragma: export
 #include "halfspace/fit_many.h"     // IWYU pragma: export
 #include "halfspace/fit_status.h"   // IWYU pragma: export

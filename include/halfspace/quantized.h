@@ -60,9 +60,10 @@ namespace halfspace {
 // says so, and it is time for Requantize again. Answers are right all the
 // while.
 //
-// Errors: an index that is not below size() throws std::invalid_argument;
-// memory that cannot be had throws std::bad_alloc and a size that cannot exist
-// std::invalid_argument, and the quantized bounds are as they were.
+// Errors (error.h): an index that is not below size() throws
+// std::invalid_argument; memory that cannot be had throws std::bad_alloc and a
+// size that cannot exist std::invalid_argument, and the quantized bounds are as
+// they were.
 template <typename FloatView, typename ElementType = std::uint8_t>
 class QuantizedBounds {
   static_assert(

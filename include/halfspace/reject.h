@@ -33,14 +33,13 @@
 // range of objects writes the words of the range and no others; indices are the
 // world's, not the range's.
 //
-// Errors: a precondition that is violated throws std::invalid_argument, which
-// names the argument, what was expected and what was given; nothing has been
-// written then. They are: a null or misaligned plane or output in a world that
-// is not empty, a mask span too short for the world, an output that overlaps a
-// plane or a query, more than 2^32 objects with 32-bit indices, a range that
-// begins or ends between multiples of 64 or ends before it begins, a target
-// that is not supported here. Code compiled with -fno-exceptions can link and
-// call, and must keep to the preconditions. An empty world is fine.
+// Errors (error.h), before anything is written: a null or misaligned plane or
+// output in a world that is not empty, a mask span too short for the world, an
+// output that overlaps a plane or a query, more than 2^32 objects with 32-bit
+// indices, a range that begins or ends between multiples of 64 or ends before
+// it begins, a target that is not supported here. Code compiled with
+// -fno-exceptions can link and call, and sets a handler. An empty world is
+// fine.
 //
 // Thread safety: reentrant; no allocation, no lock, no state. Stack: 8 KiB are
 // enough for every call here (7 are used on x86), over floats or quantized

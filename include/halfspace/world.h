@@ -104,9 +104,9 @@ using AaboView4 = AaboView<4>;
 // last object, nothing else moves one. Growth doubles the capacity and
 // invalidates views, as std::vector does with pointers.
 //
-// Errors: an index that is not below size() throws std::invalid_argument;
-// memory that cannot be had throws std::bad_alloc and a size that cannot exist
-// std::invalid_argument, and the world is as it was.
+// Errors (error.h): an index that is not below size() throws
+// std::invalid_argument; memory that cannot be had throws std::bad_alloc and a
+// size that cannot exist std::invalid_argument, and the world is as it was.
 template <typename ViewType>
 class World {
  public:
