@@ -1,17 +1,42 @@
 #include "kernels/error.h"
 
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
 #include <stdexcept>
 #include <string>
 
-namespace halfspace::kernels {
+#include "halfspace/error.h"
+#include "kernels/exact/default_fp_mode.h"
 
-void ThrowInvalid(std::string_view call, std::string_view argument,
-                  std::string_view expected, std::string_view given) {
+namespace halfspace {
+namespace {
+
+constinit std::atomic<ErrorHandler> error_handler{nullptr};
+
+}  // namespace
+
+ErrorHandler SetErrorHandler(ErrorHandler handler) noexcept {
+  return error_handler.exchange(handler);
+}
+
+void kernels::ThrowInvalid(std::string_view call, std::string_view argument,
+                           std::string_view expected, std::string_view given) {
   std::string text = "halfspace: ";
   text.append(call).append(": ").append(argument);
   text.append(": expected ").append(expected);
   text.append(", got ").append(given);
+  if (const ErrorHandler handler = error_handler.load(); handler != nullptr) {
+    DefaultFpMode::Leave();
+    handler(text.c_str());
+    std::abort();
+  }
+#if defined(__cpp_exceptions)
   throw std::invalid_argument(text);
+#else
+  std::fprintf(stderr, "%s\n", text.c_str());
+  std::abort();
+#endif
 }
 
-}  // namespace halfspace::kernels
+}  // namespace halfspace

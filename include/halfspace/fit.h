@@ -35,9 +35,7 @@
 // lies beyond, or has a NaN or an infinity: the result is then Everything(),
 // which never rejects, and the status counts it.
 //
-// Errors: only those named below, thrown as std::invalid_argument, which says
-// which argument is wrong, what was expected and what was given. Thread safety:
-// pure functions.
+// Errors (error.h): only those named below. Thread safety: pure functions.
 //
 // Floating-point mode: builders work in the default mode and restore the
 // caller's. So its rounding, its flushing of subnormals and its traps do not

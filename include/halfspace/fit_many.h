@@ -27,10 +27,10 @@
 // an index out of range, an inverted box, or a sum of magnitudes beyond 2^125
 // becomes Everything(), which never rejects, and is counted.
 //
-// Errors: std::invalid_argument is thrown before anything is written if, with N
-// > 0, a pointer is null or misaligned, sizes differ or overflow the address
-// space, an output overlaps an input or another output, an option is not one of
-// the enumerators, or the target is not supported here. N = 0 is valid.
+// Errors (error.h), before anything is written: with N > 0, a pointer is null
+// or misaligned, sizes differ or overflow the address space, an output overlaps
+// an input or another output, an option is not one of the enumerators, or the
+// target is not supported here. N = 0 is valid.
 //
 // Thread safety: reentrant; no allocation, no lock, no state. Two threads may
 // build disjoint parts of one world. The caller's floating-point mode does not

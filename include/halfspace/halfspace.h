@@ -15,10 +15,12 @@
 //   reject.h       the calls for one query: masks, index lists, counts
 //   reject_many.h  the calls for several queries
 //   targets.h      the instruction sets
+//   error.h        what a violated precondition does
 #ifndef HALFSPACE_HALFSPACE_H_
 #define HALFSPACE_HALFSPACE_H_
 
 #include "halfspace/bounds.h"       // IWYU pragma: export
+#include "halfspace/error.h"        // IWYU pragma: export
 #include "halfspace/fit.h"          // IWYU pragma: export
 #include "halfspace/fit_many.h"     // IWYU pragma: export
 #include "halfspace/fit_status.h"   // IWYU pragma: export

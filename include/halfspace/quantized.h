@@ -65,9 +65,9 @@ namespace halfspace {
 // tells them apart well, Fits() returns false: call Requantize again. Answers
 // are right before and after; only the number of survivors changes.
 //
-// Errors: an index that is not below size() and a size that no memory can have
-// throw std::invalid_argument, a failed allocation throws std::bad_alloc. The
-// quantized bounds are then as they were.
+// Errors (error.h): an index that is not below size() and a size that no memory
+// can have throw std::invalid_argument, a failed allocation throws
+// std::bad_alloc. The quantized bounds are then as they were.
 template <typename FloatView, typename ElementType = std::uint8_t>
 class QuantizedBounds {
   static_assert(

@@ -33,14 +33,13 @@
 // survivor: they are 1 in a reject mask, 0 in a survivor mask. Indices are
 // always those of the world, also with a range.
 //
-// Errors: a violated precondition throws std::invalid_argument, which names the
-// argument, what was expected and what was given. Nothing has been written
-// then. The preconditions: in a world that is not empty, no plane and no output
-// is null or misaligned; a mask has room for all objects; an output overlaps
-// neither a plane nor a query; with 32-bit indices a world has at most 2^32
-// objects; a range does not end before it begins; the target is supported here.
-// An empty world is valid. Code compiled with -fno-exceptions can link and
-// call, and must keep the preconditions.
+// Errors (error.h): a violated precondition is found before anything is
+// written. The preconditions: in a world that is not empty, no plane and no
+// output is null or misaligned; a mask has room for all objects; an output
+// overlaps neither a plane nor a query; with 32-bit indices a world has at most
+// 2^32 objects; a range does not end before it begins; the target is supported
+// here. An empty world is valid. Code compiled with -fno-exceptions can link
+// and call, and sets a handler.
 //
 // Thread safety: reentrant; no allocation, no lock, no state. Stack: every call
 // here uses at most 8 KiB (7 on x86), over floats or quantized bounds. Cost: a

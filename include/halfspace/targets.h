@@ -95,7 +95,7 @@ HALFSPACE_API Span<const Target> CompiledTargets();
 // stays valid and is never empty.
 HALFSPACE_API Span<const Target> SupportedTargets();
 
-// The target that calls without an explicit one use. Throws
+// The target that calls without an explicit one use. Throws (error.h)
 // std::invalid_argument if HALFSPACE_TARGET cannot be honoured.
 HALFSPACE_API Target ChosenTarget();
 

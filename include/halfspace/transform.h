@@ -17,10 +17,10 @@
 // beyond 2^126, or becomes so, the result is Everything(), and the status
 // counts it.
 //
-// Errors: only those named below, thrown as std::invalid_argument. Thread
-// safety: pure functions. The caller's floating-point mode and compiler flags
-// do not matter, as in fit.h. Cost: tens of ns, and up to twice that where
-// every call has another bound and branches are mispredicted;
+// Errors (error.h): only those named below. Thread safety: pure functions. The
+// caller's floating-point mode and compiler flags do not matter, as in fit.h.
+// Cost: tens of ns, and up to twice that where every call has another bound and
+// branches are mispredicted;
 // docs/performance.md has a table.
 //
 // Source: "The Bounding Simplex", for the axes; docs/exactness.md for the

@@ -111,9 +111,9 @@ using AaboView4 = AaboView<4>;
 // by Set(i, bound). A hole costs what an object costs, in memory and in every
 // scan, and size() counts it. The caller keeps the list of free indices.
 //
-// Errors: an index that is not below size() and a size that no memory can have
-// throw std::invalid_argument, a failed allocation throws std::bad_alloc. The
-// world is then as it was.
+// Errors (error.h): an index that is not below size() and a size that no memory
+// can have throw std::invalid_argument, a failed allocation throws
+// std::bad_alloc. The world is then as it was.
 //
 // Memory: one block, from the heap or from a resource of the caller's; memory.h
 // says which one copies, moves and swap(a, b) use.

@@ -28,13 +28,25 @@ namespace halfspace::kernels {
 class DefaultFpMode {
  public:
   DefaultFpMode() : saved_(Read()) {
-    if (!IsDefault()) Write((saved_ & ~kMode) | kDefault);
+    if (IsDefault()) return;
+    Write((saved_ & ~kMode) | kDefault);
+    active_ = this;
   }
   ~DefaultFpMode() {
-    if (!IsDefault()) Write(saved_);
+    if (IsDefault()) return;
+    Write(saved_);
+    active_ = nullptr;
   }
   DefaultFpMode(const DefaultFpMode&) = delete;
   DefaultFpMode& operator=(const DefaultFpMode&) = delete;
+
+  // What the destructor does, for a way out that passes by it: this thread has
+  // the mode again that it had.
+  static void Leave() {
+    if (active_ == nullptr) return;
+    Write(active_->saved_);
+    active_ = nullptr;
+  }
 
  private:
 #if defined(__SSE2__) || defined(_M_X64)
@@ -67,6 +79,9 @@ class DefaultFpMode {
 #endif
 
   bool IsDefault() const { return (saved_ & kMode) == kDefault; }
+
+  // This thread's, if it has changed anything.
+  static constinit inline thread_local const DefaultFpMode* active_ = nullptr;
 
   const Register saved_;
 };

@@ -7,12 +7,33 @@
 #include <cstddef>
 #include <initializer_list>
 #include <stdexcept>
+#include <string>
 #include <string_view>
+
+#include "halfspace/error.h"
 
 namespace halfspace::testing {
 
+// What a handler of errors is told by call(), or nothing.
+template <typename Call>
+std::string ToldBy(Call call) {
+  struct Told {
+    std::string message;
+  };
+  const ErrorHandler before =
+      SetErrorHandler([](const char* message) { throw Told{message}; });
+  std::string message;
+  try {
+    call();
+  } catch (const Told& told) {
+    message = told.message;
+  }
+  SetErrorHandler(before);
+  return message;
+}
+
 // call() throws std::invalid_argument with all of `parts` in its text, in that
-// order.
+// order, and tells a handler the same text.
 template <typename Call>
 ::testing::AssertionResult Refuses(
     Call call, std::initializer_list<std::string_view> parts) {
@@ -28,6 +49,10 @@ template <typename Call>
                << "no \"" << part << "\" in its place in \"" << text << '"';
       }
       from = at + part.size();
+    }
+    if (const std::string told = ToldBy(call); told != text) {
+      return ::testing::AssertionFailure()
+             << "a handler is told \"" << told << "\", not \"" << text << '"';
     }
     return ::testing::AssertionSuccess();
   }

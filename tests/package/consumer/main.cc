@@ -4,6 +4,7 @@
 #include <halfspace/halfspace.h>
 
 #include <array>
+#include <csetjmp>
 #include <cstdint>
 #include <cstdio>
 #include <string>
@@ -14,6 +15,21 @@
 static_assert(__cplusplus < 202002L, "what links the library stays C++17");
 
 namespace {
+
+// As of a program without exceptions that goes on after an error.
+std::jmp_buf before_the_error;
+std::string told;
+void JumpBack(const char* message) {
+  told = message;
+  std::longjmp(before_the_error, 1);
+}
+
+std::string ToldOfAnIndex(const halfspace::AaboWorld3& world) {
+  halfspace::SetErrorHandler(&JumpBack);
+  if (setjmp(before_the_error) == 0) world.Get(7);
+  halfspace::SetErrorHandler(nullptr);
+  return told;
+}
 
 using Triangle = std::array<float, 9>;
 
@@ -90,6 +106,11 @@ int main() {
     return 1;
   }
 
+  if (ToldOfAnIndex(world) !=
+      "halfspace: World::Get: index: expected less than the size, 2, got 7") {
+    std::fprintf(stderr, "told of an index: %s\n", told.c_str());
+    return 1;
+  }
   const halfspace::TargetChoice choice = halfspace::DescribeTargetChoice();
   if (choice.target != halfspace::ChosenTarget() || !choice.error.empty()) {
     std::fprintf(stderr, "the choice: %s, %s\n", choice.requested.c_str(),
