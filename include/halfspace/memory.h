@@ -1,4 +1,4 @@
-// Where owners get their memory: World (world.h), Quantized bounds and
+// Where owners get their memory: World (world.h), QuantizedBounds and
 // QuantizedWorld (quantized.h). Nothing else in the library allocates.
 //
 //   std::pmr::monotonic_buffer_resource arena;
