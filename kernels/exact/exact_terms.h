@@ -34,7 +34,10 @@ std::optional<ExactSum> TrySumToRound(const std::array<double, kCount>& terms,
   const double high = sum + error;
   const float nearest = static_cast<float>(low);
   if (nearest != static_cast<float>(high)) return std::nullopt;
-  if (nearest >= low && nearest <= high) return std::nullopt;
+  // On which side it lies nobody can predict: both compares, and one branch.
+  const bool is_above_low = nearest >= low;
+  const bool is_below_high = nearest <= high;
+  if (is_above_low & is_below_high) return std::nullopt;
   return ExactSum{sum, 0.0};
 }
 
