@@ -54,5 +54,7 @@ foreach(source_name Boxes Spheres Triangles PointSets)
   string(TOLOWER "${file_name}" file_name)
   foreach(dims IN LISTS HALFSPACE_DIMS)
     halfspace_add_kernels(fit_many/kernels_of_source "fit_${file_name}_${dims}")
+    halfspace_add_kernels(fit_many/kernels_of_doubles
+                          "fit_${file_name}_double_${dims}")
   endforeach()
 endforeach()

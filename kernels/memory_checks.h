@@ -68,9 +68,10 @@ inline std::string PlaneName(std::string_view planes, std::size_t axes,
   return name + std::to_string(p % axes) + "]";
 }
 
-// From the first of `count` floats to the end of the last.
-constexpr std::size_t ColumnBytes(std::size_t count, std::size_t stride) {
-  return count == 0 ? 0 : ((count - 1) * stride + 1) * sizeof(float);
+// From the first of `count` scalars to the end of the last.
+constexpr std::size_t ColumnBytes(std::size_t count, std::size_t stride,
+                                  std::size_t scalar_bytes) {
+  return count == 0 ? 0 : ((count - 1) * stride + 1) * scalar_bytes;
 }
 
 [[noreturn]] inline void ThrowOverlap(std::string_view call,

@@ -1,5 +1,6 @@
 #include "halfspace/fit_many.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -30,6 +31,20 @@ void ForEachPlane(const Output& output, const Visit& visit) {
   for (std::size_t p = 0; p < output.planes.size(); ++p) {
     if (((output.wanted >> p) & 1) != 0) visit(p, output.planes[p]);
   }
+}
+
+std::size_t ScalarBytes(const Source& source) {
+  return source.is_double ? sizeof(double) : sizeof(float);
+}
+
+template <typename Scalar>
+std::array<const Scalar*, Source::kMaxColumns> ColumnsOf(const Source& source) {
+  std::array<const Scalar*, Source::kMaxColumns> columns{};
+  if (source.is_double != (sizeof(Scalar) == sizeof(double))) return columns;
+  for (std::size_t c = 0; c < source.column_count; ++c) {
+    columns[c] = static_cast<const Scalar*>(source.columns[c]);
+  }
+  return columns;
 }
 
 void CheckOutput(const Output& output, std::string_view call) {
@@ -86,7 +101,8 @@ class Call {
        const Output& output, const FitOptions& options)
       : name_(name),
         source_names_(source_names),
-        kernels_(source.kernels[dispatch::IndexOf(options.target, name)]),
+        // Also where there are none to choose from: the target is checked.
+        target_index_(dispatch::IndexOf(options.target, name)),
         source_(source),
         output_(output),
         options_(options) {}
@@ -108,8 +124,11 @@ class Call {
                    std::to_string(static_cast<int>(options_.inverted)));
     }
     if (output_.size != 0) Check();
+    const auto floats = ColumnsOf<float>(source_);
+    const auto doubles = ColumnsOf<double>(source_);
     const FitJob job = {
-        .columns = source_.columns.data(),
+        .columns = floats.data(),
+        .double_columns = doubles.data(),
         .count = source_.count,
         .stride = source_.stride,
         .planes = output_.planes.data(),
@@ -118,10 +137,13 @@ class Call {
         .ends = ends.data(),
         .inverted_is_empty = options_.inverted == Inverted::kEmpty};
     const kernels::DefaultFpMode mode;
+    const FitKernels& kernels =
+        source_.kernels[source_.is_double ? 0 : target_index_];
     const FitTally tally =
-        options_.tightest ? kernels_.tightest(job) : kernels_.within_ulp(job);
+        options_.tightest ? kernels.tightest(job) : kernels.within_ulp(job);
     Count(tally, status);
-    return Target::FromHighwayBit(tally.target);
+    return source_.is_double ? CompiledTargets()[target_index_]
+                             : Target::FromHighwayBit(tally.target);
   }
 
  private:
@@ -139,12 +161,13 @@ class Call {
   void CheckSource() const {
     const std::string_view argument = source_names_.argument;
     if (source_.count == 0) return;
-    kernels::CheckExtent(name_, argument, sizeof(float), source_.count,
+    kernels::CheckExtent(name_, argument, ScalarBytes(source_), source_.count,
                          source_.stride,
                          source_.has_one_pointer ? source_.column_count : 1);
     for (std::size_t c = 0; c < source_.column_count; ++c) {
       CheckPointer(
-          name_, source_.columns[c], alignof(float),
+          name_, source_.columns[c],
+          source_.is_double ? alignof(double) : alignof(float),
           [&] { return ColumnName(c); },
           [&] {
             return std::to_string(source_.count) + ' ' + std::string(argument);
@@ -159,7 +182,8 @@ class Call {
     for (std::size_t c = 0; c < source_.column_count; ++c) {
       CheckApart(
           output_, source_.columns[c],
-          kernels::ColumnBytes(source_.count, source_.stride),
+          kernels::ColumnBytes(source_.count, source_.stride,
+                               ScalarBytes(source_)),
           [&] { return ColumnName(c); }, name_);
     }
   }
@@ -175,7 +199,7 @@ class Call {
 
   const char* name_;
   SourceNames source_names_;
-  const FitKernels& kernels_;
+  std::size_t target_index_;
   const Source& source_;
   const Output& output_;
   const FitOptions& options_;

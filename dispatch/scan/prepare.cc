@@ -81,7 +81,8 @@ void RefuseBadOutput(const detail::Scan& scan, const Output& output) {
   CheckApart(scan, scan.planes, scan.size * scan.element_bytes, output);
   if (scan.is_refined) {
     CheckApart(scan, scan.floats.planes,
-               kernels::ColumnBytes(scan.floats.size, scan.floats.stride),
+               kernels::ColumnBytes(scan.floats.size, scan.floats.stride,
+                                    sizeof(float)),
                output);
   }
   if (Overlap(scan.queries, scan.query_count * scan.query_record_bytes,

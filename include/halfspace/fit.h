@@ -25,6 +25,9 @@
 //   moving body                      Sweep, or Merge of two poses (transform.h)
 //   rotating body                    BoundSphere around its pivot
 //
+// Every builder takes shapes of floats, Segment3, and of doubles, Segment<3,
+// double>. Bounds are of floats in both cases, and as tight.
+//
 // How tight: a value is the tightest float if its exact value is a sum of
 // products of inputs. Where a square root or a quotient is involved (sphere,
 // capsule, frustum, pieces), it is within 1 ulp of that; each builder says so.
@@ -42,7 +45,8 @@
 // matter, and a builder never traps. A builder may raise exception flags and
 // clears none. The library is compiled without fast-math and contraction
 // whatever the caller's flags are. Cost: tens to hundreds of ns, and 5 ns a
-// point; docs/performance.md has a table.
+// point; up to twice that of doubles, and four times for pieces and frusta;
+// docs/performance.md has a table.
 //
 // Source: "The Bounding Simplex", for the axes; the outward rounding is this
 // library's own (docs/exactness.md).
@@ -68,10 +72,7 @@ namespace halfspace {
 //   do not fit the address space.
 //   Everything() if a point has a NaN or an infinity, or is too large.
 //   Tightest; X, Y, Z of floats are copied.
-template <int kDims>
-HALFSPACE_API Aabo<kDims> BoundPoints(const Points<kDims>& points,
-                                      FitStatus* status = nullptr);
-template <int kDims, typename Scalar>
+template <int kDims, typename Scalar = float>
 HALFSPACE_API Aabo<kDims> BoundPoints(const Points<kDims, Scalar>& points,
                                       FitStatus* status = nullptr);
 template <int kDims, typename Scalar>
@@ -82,38 +83,39 @@ HALFSPACE_API Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
 // repeat. It gives one bound for a triangle mesh, for example.
 //   Throws also if an index is not below points.count, or if the pointer to
 //   them is null or misaligned.
-template <int kDims>
-HALFSPACE_API Aabo<kDims> BoundPoints(const Points<kDims>& points,
+template <int kDims, typename Scalar = float>
+HALFSPACE_API Aabo<kDims> BoundPoints(const Points<kDims, Scalar>& points,
                                       Span<const std::uint32_t> indices,
                                       FitStatus* status = nullptr);
-template <int kDims>
-HALFSPACE_API Aabo<kDims> BoundPoints(const PointsSoa<kDims>& points,
+template <int kDims, typename Scalar = float>
+HALFSPACE_API Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
                                       Span<const std::uint32_t> indices,
                                       FitStatus* status = nullptr);
 
 // Bounds one point. Tightest. Call as BoundPoint<3>({x, y, z}).
-template <int kDims>
-Aabo<kDims> BoundPoint(const Point<kDims>& point, FitStatus* status = nullptr) {
-  return BoundPoints(Points<kDims>{point.data(), 1}, status);
+template <int kDims, typename Scalar = float>
+Aabo<kDims> BoundPoint(const Point<kDims, Scalar>& point,
+                       FitStatus* status = nullptr) {
+  return BoundPoints(Points<kDims, Scalar>{point.data(), 1}, status);
 }
 
 // Bounds a segment with both ends. Tightest.
 //   The longer and the more diagonal a segment is, the worse a single bound
 //   fits it: see BoundSegmentPieces.
-template <int kDims>
-HALFSPACE_API Aabo<kDims> BoundSegment(const Segment<kDims>& segment,
+template <int kDims, typename Scalar = float>
+HALFSPACE_API Aabo<kDims> BoundSegment(const Segment<kDims, Scalar>& segment,
                                        FitStatus* status = nullptr);
 
 // Bounds a triangle. Tightest.
-template <int kDims>
-HALFSPACE_API Aabo<kDims> BoundTriangle(const Triangle<kDims>& triangle,
+template <int kDims, typename Scalar = float>
+HALFSPACE_API Aabo<kDims> BoundTriangle(const Triangle<kDims, Scalar>& triangle,
                                         FitStatus* status = nullptr);
 
 // Bounds a ray up to its maximum distance. Tightest.
 //   Throws if max_t is negative or NaN. Everything() if it is infinite: pass
 //   the distance at which the world ends.
-template <int kDims>
-HALFSPACE_API Aabo<kDims> BoundRay(const Ray<kDims>& ray,
+template <int kDims, typename Scalar = float>
+HALFSPACE_API Aabo<kDims> BoundRay(const Ray<kDims, Scalar>& ray,
                                    FitStatus* status = nullptr);
 
 // Cuts a segment into pieces.size() equal pieces and bounds each, in order from
@@ -125,9 +127,9 @@ HALFSPACE_API Aabo<kDims> BoundRay(const Ray<kDims>& ray,
 //   Within 1 ulp. The status counts each piece.
 //   No pieces: nothing is written. Throws if there are more than 2^24, or if
 //   the pointer to them is null or misaligned.
-template <int kDims>
+template <int kDims, typename Scalar = float>
 HALFSPACE_API void BoundSegmentPieces(
-    const Segment<kDims>& segment,
+    const Segment<kDims, Scalar>& segment,
     std::decay_t<Span<Aabo<kDims>>> pieces,  // or a vector of them
     FitStatus* status = nullptr);
 
@@ -146,23 +148,21 @@ HALFSPACE_API Aabo<kDims> BoundAabb(const Box<kDims, Scalar>& box,
 //   Throws if the radius is negative or NaN.
 //   X, Y, Z tightest; D within 1 ulp, or, where it all but cancels, within
 //   2^-100 of the radius.
-template <int kDims>
-HALFSPACE_API Aabo<kDims> BoundSphere(const Sphere<kDims>& sphere,
-                                      FitStatus* status = nullptr);
-template <int kDims, typename Scalar>
+template <int kDims, typename Scalar = float>
 HALFSPACE_API Aabo<kDims> BoundSphere(const Sphere<kDims, Scalar>& sphere,
                                       FitStatus* status = nullptr);
 
 // Bounds a capsule, a swept sphere. As BoundSphere.
-template <int kDims>
-HALFSPACE_API Aabo<kDims> BoundCapsule(const Capsule<kDims>& capsule,
+template <int kDims, typename Scalar = float>
+HALFSPACE_API Aabo<kDims> BoundCapsule(const Capsule<kDims, Scalar>& capsule,
                                        FitStatus* status = nullptr);
 
 // Bounds an oriented box, or any parallelepiped. Tightest.
-//   Throws if a half-extent is negative or NaN.
-template <int kDims>
-HALFSPACE_API Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims>& box,
-                                           FitStatus* status = nullptr);
+//   Throws if a half-extent is negative or NaN. Everything() if a number of an
+//   axis is beyond 2^900.
+template <int kDims, typename Scalar = float>
+HALFSPACE_API Aabo<kDims> BoundOrientedBox(
+    const OrientedBox<kDims, Scalar>& box, FitStatus* status = nullptr);
 
 // Bounds what lies in front of all six planes of a frustum, or of any convex
 // set with up to six faces; planes may repeat. If the eight corners are known,
@@ -173,20 +173,30 @@ HALFSPACE_API Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims>& box,
 //   misaligned.
 //   Within 1 ulp. Cost: about 25 us, and up to ten times that where more than
 //   three planes meet in a point, or nearly.
+//   Of doubles also Everything() if a number of a plane is not 0 and differs
+//   from the largest of its normal by a factor of more than 2^200.
 HALFSPACE_API Aabo3 BoundFrustum(Span<const HalfSpace3> planes,
+                                 FitStatus* status = nullptr);
+HALFSPACE_API Aabo3 BoundFrustum(Span<const HalfSpace<3, double>> planes,
                                  FitStatus* status = nullptr);
 
 // Bounds the exact image of a point set, or of a box, under an affine map. Call
 // it on the local shape in every pose instead of turning a bound: a bound of a
-// turned bound grows.
-//   Tightest. Errors and special cases as of BoundPoints and BoundAabb.
-template <int kDims>
-HALFSPACE_API Aabo<kDims> BoundTransformed(const Points<kDims>& points,
-                                           const Affine<kDims>& map,
+// turned bound grows. Shape and map may be of floats or doubles, each on its
+// own: a map of doubles places a local mesh of floats exactly.
+//   Tightest. Errors and special cases as of BoundPoints and BoundAabb; the box
+//   is Everything() also if a number of the map's linear part is beyond 2^900.
+template <int kDims, typename Scalar = float, typename MapScalar = float>
+HALFSPACE_API Aabo<kDims> BoundTransformed(const Points<kDims, Scalar>& points,
+                                           const Affine<kDims, MapScalar>& map,
                                            FitStatus* status = nullptr);
-template <int kDims>
+template <int kDims, typename MapScalar = float>
 HALFSPACE_API Aabo<kDims> BoundTransformed(const Aabb<kDims>& box,
-                                           const Affine<kDims>& map,
+                                           const Affine<kDims, MapScalar>& map,
+                                           FitStatus* status = nullptr);
+template <int kDims, typename Scalar, typename MapScalar = float>
+HALFSPACE_API Aabo<kDims> BoundTransformed(const Box<kDims, Scalar>& box,
+                                           const Affine<kDims, MapScalar>& map,
                                            FitStatus* status = nullptr);
 
 }  // namespace halfspace

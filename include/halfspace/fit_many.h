@@ -11,7 +11,8 @@
 //   halfspace::BoundBoxes(boxes, world.planes());
 //
 // Every call takes
-//   source   the shapes, in the caller's memory (below)
+//   source   the shapes, in the caller's memory (below): of floats, or of
+//            doubles, Boxes<3, double>
 //   planes   where the bounds are written: planes of floats that the caller
 //            owns, or the planes() of an owning world. Their type says which
 //            planes are computed: SimplexPlanes, AabbPlanes, AaboPlanes, or
@@ -26,6 +27,10 @@
 // Bad elements never throw: a shape with a NaN, an infinity, a negative radius,
 // an index out of range, an inverted box, or a sum of magnitudes beyond 2^125
 // becomes Everything(), which never rejects, and is counted.
+//
+// Doubles are bounded one after the other, by the builders of fit.h: all axes
+// are rounded outward, D is as tight as there on every target, and a bound
+// costs what it costs there. The target is the one that was chosen.
 //
 // Errors (error.h), before anything is written: with N > 0, a pointer is null
 // or misaligned, sizes differ or overflow the address space, an output overlaps
@@ -74,40 +79,53 @@ struct FitOptions {
   Target target = {};  // the chosen target
 };
 
-// The boxes of an array of structures.
-template <int kDims>
-Boxes<kDims> BoxesOf(Span<const Aabb<kDims>> boxes) {
-  static_assert(sizeof(Aabb<kDims>) == 2 * kDims * sizeof(float));
-  Boxes<kDims> columns;
-  columns.count = boxes.size();
+namespace detail {
+template <int kDims, typename T>
+Boxes<kDims, T> BoxesOfRecords(const Aabb<kDims, T>* boxes, std::size_t count) {
+  static_assert(sizeof(Aabb<kDims, T>) == 2 * kDims * sizeof(T));
+  Boxes<kDims, T> columns;
+  columns.count = count;
   columns.stride = 2 * kDims;
-  if (boxes.empty()) return columns;
+  if (count == 0) return columns;
   for (std::size_t k = 0; k < kDims; ++k) {
-    columns.min[k] = boxes.front().min.data() + k;
-    columns.max[k] = boxes.front().max.data() + k;
+    columns.min[k] = boxes->min.data() + k;
+    columns.max[k] = boxes->max.data() + k;
   }
   return columns;
 }
+}  // namespace detail
+
+// The boxes of an array of structures.
+template <int kDims>
+Boxes<kDims> BoxesOf(Span<const Aabb<kDims>> boxes) {
+  return detail::BoxesOfRecords(boxes.data(), boxes.size());
+}
+template <int kDims>
+Boxes<kDims, double> BoxesOf(Span<const Aabb<kDims, double>> boxes) {
+  return detail::BoxesOfRecords(boxes.data(), boxes.size());
+}
 template <typename List, typename Box = std::remove_reference_t<
                              decltype(*std::data(std::declval<const List&>()))>>
-Boxes<Box::kDimensions> BoxesOf(const List& boxes) {
-  return BoxesOf<Box::kDimensions>(boxes);
+Boxes<Box::kDimensions, typename Box::Scalar> BoxesOf(const List& boxes) {
+  return detail::BoxesOfRecords(std::data(boxes), std::size(boxes));
 }
 
 // The boxes of a world: an AabbWorld or its view, or the aabb() of an AaboView.
-template <int kDims>
-Boxes<kDims> BoxesOf(const AabbView<kDims>& view) {
+template <int kDims, typename T>
+Boxes<kDims, T> BoxesOf(const AabbView<kDims, T>& view) {
   return {view.min, view.max, view.size, 1};
 }
-template <int kDims>
-Boxes<kDims> BoxesOf(const World<AabbView<kDims>>& world) {
+template <int kDims, typename T>
+Boxes<kDims, T> BoxesOf(const World<AabbView<kDims, T>>& world) {
   return BoxesOf(world.view());
 }
 
-// Bounds boxes. X, Y, Z are copied.
-template <typename Planes, typename = detail::IfOfFloats<Planes>>
-Target BoundBoxes(const Boxes<Planes::kDimensions>& boxes, const Planes& planes,
-                  const FitOptions& options = {}, FitStatus* status = nullptr) {
+// Bounds boxes. X, Y, Z of floats are copied.
+template <typename Planes, typename Scalar = float,
+          typename = detail::IfOfFloats<Planes>>
+Target BoundBoxes(const Boxes<Planes::kDimensions, Scalar>& boxes,
+                  const Planes& planes, const FitOptions& options = {},
+                  FitStatus* status = nullptr) {
   return detail::BoundBoxes(detail::SourceOf<detail::kFitBoxes>(boxes),
                             detail::OutputOf(planes), options, status);
 }
@@ -116,9 +134,10 @@ Target BoundBoxes(const Boxes<Planes::kDimensions>& boxes, const Planes& planes,
 // whose error is less than 2^-49 of |x| + |y| + ... + sqrt(kDims) * radius, or,
 // with `tightest`, less than 2^-100 of the radius. So D is within 1 ulp plus
 // that error of the tightest float; the error is more than an ulp only where D
-// all but cancels.
-template <typename Planes, typename = detail::IfOfFloats<Planes>>
-Target BoundSpheres(const Spheres<Planes::kDimensions>& spheres,
+// all but cancels. Of doubles as BoundSphere.
+template <typename Planes, typename Scalar = float,
+          typename = detail::IfOfFloats<Planes>>
+Target BoundSpheres(const Spheres<Planes::kDimensions, Scalar>& spheres,
                     const Planes& planes, const FitOptions& options = {},
                     FitStatus* status = nullptr) {
   return detail::BoundSpheres(detail::SourceOf<detail::kFitSpheres>(spheres),
@@ -129,8 +148,9 @@ Target BoundSpheres(const Spheres<Planes::kDimensions>& spheres,
 // vertices indices[3 * i], indices[3 * i + 1] and indices[3 * i + 2].
 //   Throws also if indices.size() is not 3 * planes.size. An index that is not
 //   below vertices.count makes its triangle Everything().
-template <typename Planes, typename = detail::IfOfFloats<Planes>>
-Target BoundTriangles(const Points<Planes::kDimensions>& vertices,
+template <typename Planes, typename Scalar = float,
+          typename = detail::IfOfFloats<Planes>>
+Target BoundTriangles(const Points<Planes::kDimensions, Scalar>& vertices,
                       Span<const std::uint32_t> indices, const Planes& planes,
                       const FitOptions& options = {},
                       FitStatus* status = nullptr) {
@@ -138,8 +158,9 @@ Target BoundTriangles(const Points<Planes::kDimensions>& vertices,
       detail::SourceOf<detail::kFitTriangles>(vertices), indices,
       detail::OutputOf(planes), options, status);
 }
-template <typename Planes, typename = detail::IfOfFloats<Planes>>
-Target BoundTriangles(const PointsSoa<Planes::kDimensions>& vertices,
+template <typename Planes, typename Scalar = float,
+          typename = detail::IfOfFloats<Planes>>
+Target BoundTriangles(const PointsSoa<Planes::kDimensions, Scalar>& vertices,
                       Span<const std::uint32_t> indices, const Planes& planes,
                       const FitOptions& options = {},
                       FitStatus* status = nullptr) {
@@ -152,8 +173,9 @@ Target BoundTriangles(const PointsSoa<Planes::kDimensions>& vertices,
 // the points ends[i - 1] .. ends[i] - 1, the first one from point 0.
 //   ends.size() is planes.size. An empty set gives Empty(). A set that ends
 //   before it begins, or past points.count, becomes Everything().
-template <typename Planes, typename = detail::IfOfFloats<Planes>>
-Target BoundPointSets(const Points<Planes::kDimensions>& points,
+template <typename Planes, typename Scalar = float,
+          typename = detail::IfOfFloats<Planes>>
+Target BoundPointSets(const Points<Planes::kDimensions, Scalar>& points,
                       Span<const std::size_t> ends, const Planes& planes,
                       const FitOptions& options = {},
                       FitStatus* status = nullptr) {
@@ -161,8 +183,9 @@ Target BoundPointSets(const Points<Planes::kDimensions>& points,
                                 ends, detail::OutputOf(planes), options,
                                 status);
 }
-template <typename Planes, typename = detail::IfOfFloats<Planes>>
-Target BoundPointSets(const PointsSoa<Planes::kDimensions>& points,
+template <typename Planes, typename Scalar = float,
+          typename = detail::IfOfFloats<Planes>>
+Target BoundPointSets(const PointsSoa<Planes::kDimensions, Scalar>& points,
                       Span<const std::size_t> ends, const Planes& planes,
                       const FitOptions& options = {},
                       FitStatus* status = nullptr) {

@@ -41,26 +41,26 @@ struct Box {
   Point<kDims, Scalar> max;
 };
 
-template <int kDims>
+template <int kDims, typename Scalar = float>
 struct Segment {
-  Point<kDims> a;
-  Point<kDims> b;
+  Point<kDims, Scalar> a;
+  Point<kDims, Scalar> b;
 };
 
-template <int kDims>
+template <int kDims, typename Scalar = float>
 struct Triangle {
-  Point<kDims> a;
-  Point<kDims> b;
-  Point<kDims> c;
+  Point<kDims, Scalar> a;
+  Point<kDims, Scalar> b;
+  Point<kDims, Scalar> c;
 };
 
 // The points origin + t * direction for 0 <= t <= max_t. The direction need not
 // have length 1: max_t is a multiple of its length.
-template <int kDims>
+template <int kDims, typename Scalar = float>
 struct Ray {
-  Point<kDims> origin;
-  Point<kDims> direction;
-  float max_t;
+  Point<kDims, Scalar> origin;
+  Point<kDims, Scalar> direction;
+  Scalar max_t;
 };
 
 // The sphere of all points within `radius` of `center`.
@@ -71,55 +71,56 @@ struct Sphere {
 };
 
 // All points within `radius` of the segment from a to b.
-template <int kDims>
+template <int kDims, typename Scalar = float>
 struct Capsule {
-  Point<kDims> a;
-  Point<kDims> b;
-  float radius;
+  Point<kDims, Scalar> a;
+  Point<kDims, Scalar> b;
+  Scalar radius;
 };
 
 // The points center + sum of s[i] * half_extents[i] * axes[i] for
 // -1 <= s[i] <= 1. The axes need be neither of length 1 nor at right angles.
-template <int kDims>
+template <int kDims, typename Scalar = float>
 struct OrientedBox {
-  Point<kDims> center;
-  std::array<Point<kDims>, static_cast<std::size_t>(kDims)> axes;
-  Point<kDims> half_extents;
+  Point<kDims, Scalar> center;
+  std::array<Point<kDims, Scalar>, static_cast<std::size_t>(kDims)> axes;
+  Point<kDims, Scalar> half_extents;
 };
 
 // The points p with normal[0] * p[0] + ... + offset >= 0, which lie in front of
 // a plane. The normal need not have length 1.
-struct HalfSpace3 {
-  Point<3> normal;
-  float offset;
+template <int kDims, typename Scalar = float>
+struct HalfSpace {
+  Point<kDims, Scalar> normal;
+  Scalar offset;
 };
 
 // N boxes: coordinate k of box i is min[k][i * stride] and max[k][i * stride].
 // Stride 1 is a structure of arrays, which is the fastest to read.
-template <int kDims>
+template <int kDims, typename Scalar = float>
 struct Boxes {
-  std::array<const float*, static_cast<std::size_t>(kDims)> min{};
-  std::array<const float*, static_cast<std::size_t>(kDims)> max{};
+  std::array<const Scalar*, static_cast<std::size_t>(kDims)> min{};
+  std::array<const Scalar*, static_cast<std::size_t>(kDims)> max{};
   std::size_t count = 0;
-  std::size_t stride = 1;  // floats from one box to the next
+  std::size_t stride = 1;  // scalars from one box to the next
 };
 
 // N spheres: coordinate k of center i is center[k][i * stride], its radius
 // radius[i * stride].
-template <int kDims>
+template <int kDims, typename Scalar = float>
 struct Spheres {
-  std::array<const float*, static_cast<std::size_t>(kDims)> center{};
-  const float* radius = nullptr;
+  std::array<const Scalar*, static_cast<std::size_t>(kDims)> center{};
+  const Scalar* radius = nullptr;
   std::size_t count = 0;
-  std::size_t stride = 1;  // floats from one sphere to the next
+  std::size_t stride = 1;  // scalars from one sphere to the next
 };
 
 // The map x -> linear * x + translation; linear[i] is row i, so that
 // coordinate i of the image is linear[i][0] * x[0] + ... + translation[i].
-template <int kDims>
+template <int kDims, typename Scalar = float>
 struct Affine {
-  std::array<Point<kDims>, static_cast<std::size_t>(kDims)> linear;
-  Point<kDims> translation;
+  std::array<Point<kDims, Scalar>, static_cast<std::size_t>(kDims)> linear;
+  Point<kDims, Scalar> translation;
 };
 
 using Point2 = Point<2>;
@@ -149,6 +150,7 @@ using Capsule4 = Capsule<4>;
 using OrientedBox2 = OrientedBox<2>;
 using OrientedBox3 = OrientedBox<3>;
 using OrientedBox4 = OrientedBox<4>;
+using HalfSpace3 = HalfSpace<3>;
 using Boxes2 = Boxes<2>;
 using Boxes3 = Boxes<3>;
 using Boxes4 = Boxes<4>;

@@ -117,16 +117,22 @@ std::string Shortest(Scalar value) {
   return std::string(text.data(), end);
 }
 
+// Apart, once for each type: the text is long.
+template <typename Scalar>
+[[noreturn]] HALFSPACE_NOINLINE void ThrowInverted(std::string_view call,
+                                                   std::size_t k, Scalar min,
+                                                   Scalar max) {
+  const std::string axis = "[" + std::to_string(k) + "]";
+  ThrowInvalid(call, "box", "min" + axis + " not above max" + axis,
+               Shortest(min) + " and " + Shortest(max));
+}
+
 // Throws if the box is inverted; a NaN is left to the builder. Like all that
 // compares floats, only in the default mode: there a subnormal is not 0.
 template <typename Corner>
 void CheckOrder(std::string_view call, const Corner& min, const Corner& max) {
   for (std::size_t k = 0; k < min.size(); ++k) {
-    if (min[k] > max[k]) {
-      const std::string axis = "[" + std::to_string(k) + "]";
-      ThrowInvalid(call, "box", "min" + axis + " not above max" + axis,
-                   Shortest(min[k]) + " and " + Shortest(max[k]));
-    }
+    if (min[k] > max[k]) ThrowInverted(call, k, min[k], max[k]);
   }
 }
 

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "kernels/exact/default_fp_mode.h"
 #include "kernels/exact/outward.h"
 
 namespace halfspace::kernels {
@@ -33,7 +34,10 @@ std::optional<ExactSum> TrySumToRound(const std::array<double, kCount>& terms,
   const double high = sum + error;
   const float nearest = static_cast<float>(low);
   if (nearest != static_cast<float>(high)) return std::nullopt;
-  if (nearest >= low && nearest <= high) return std::nullopt;
+  // On which side it lies nobody can predict: both compares, and one branch.
+  const bool is_above_low = nearest >= low;
+  const bool is_below_high = nearest <= high;
+  if (is_above_low & is_below_high) return std::nullopt;
   return ExactSum{sum, 0.0};
 }
 
@@ -51,10 +55,14 @@ class ExactTerms {
   // To float it rounds as Sum() does, either way.
   ExactSum SumToRound() const {
     const auto sum = TrySumToRound(terms_, 0.0);
-    return sum ? *sum : Sum();
+    return sum ? *sum : SumApart();
   }
 
  private:
+  // The code of an exact sum is long, and seldom needed where it could be
+  // inlined.
+  HALFSPACE_NOINLINE ExactSum SumApart() const { return Sum(); }
+
   std::array<double, kProducts + kNumbers> terms_{};
   std::size_t count_ = 0;
 };
@@ -82,7 +90,7 @@ class ExactTerms<double, kProducts, kNumbers> {
   ExactSum SumToRound() const {
     constexpr double kTinySum = kTermCount * kTiny;
     const auto sum = TrySumToRound(terms_, tiny_count_ == 0 ? 0.0 : kTinySum);
-    return sum ? *sum : Sum();
+    return sum ? *sum : SumApart();
   }
 
  private:
@@ -94,7 +102,7 @@ class ExactTerms<double, kProducts, kNumbers> {
   static constexpr int kTinyScale = 1200;
   static constexpr int kLeast = -1074;  // 2^kLeast is the smallest double
 
-  void AddTinyProduct(double a, double b) {
+  HALFSPACE_NOINLINE void AddTinyProduct(double a, double b) {
     int a_exponent = 0;
     int b_exponent = 0;
     const double x = std::frexp(a, &a_exponent);
@@ -114,7 +122,9 @@ class ExactTerms<double, kProducts, kNumbers> {
     return std::ldexp(whole, kLeast);
   }
 
-  ExactSum SumWithTiny() const {
+  HALFSPACE_NOINLINE ExactSum SumApart() const { return Sum(); }
+
+  HALFSPACE_NOINLINE ExactSum SumWithTiny() const {
     std::array<double, kTermCount + 2 * kProducts + 1> doubles{};
     std::size_t n = 0;
     for (double term : terms_) doubles[n++] = term;

@@ -88,8 +88,9 @@ inline float RoundDown(const ExactSum& sum) {
                                static_cast<std::uint32_t>(sum.rest < 0.0));
   // Below zero, magnitudes grow: +0 counts as -0 there.
   const auto bits = std::bit_cast<std::uint32_t>(nearest);
+  const auto is_positive = static_cast<std::uint32_t>(nearest > 0.0f);
   const std::uint32_t below =
-      nearest > 0.0f ? bits - 1 : (bits | 0x80000000u) + 1;
+      (bits | ((is_positive - 1) & 0x80000000u)) + 1 - 2 * is_positive;
   return std::bit_cast<float>(bits ^ ((bits ^ below) & (0 - above)));
 }
 

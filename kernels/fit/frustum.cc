@@ -1,5 +1,5 @@
 // A frustum, from its planes: its corners are where three planes meet, and
-// determinants of floats, exact as sums, tell which of those are corners and
+// determinants, exact as sums, tell which of those are corners and
 // whether the planes close a volume at all.
 #include <algorithm>
 #include <array>
@@ -8,8 +8,10 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <type_traits>
 
 #include "halfspace/fit.h"
+#include "kernels/error.h"
 #include "kernels/exact/default_fp_mode.h"
 #include "kernels/exact/exact_bound.h"
 #include "kernels/exact/outward.h"
@@ -25,64 +27,103 @@ using kernels::Negated;
 using kernels::SumExactly;
 
 constexpr std::size_t kPlanes = 6;
-constexpr std::size_t kTerms = 12;  // of a determinant: six products, two each
 
-using Planes = Span<const HalfSpace3>;
-using Terms = std::array<double, kTerms>;
-using Column = std::array<float, 3>;
+template <typename Scalar>
+using Planes = Span<const HalfSpace<3, Scalar>>;
 
-// The terms of the determinant with these columns. Each product of three floats
-// is a double and its rounding error.
-Terms DeterminantTerms(const Column& a, const Column& b, const Column& c) {
+// What a product of three comes to: a double and its error, or, of doubles, two
+// of both.
+template <typename Scalar>
+constexpr std::size_t kProductTerms = std::is_same_v<Scalar, float> ? 2 : 4;
+// Of a determinant: six products.
+template <typename Scalar>
+constexpr std::size_t kTerms = 6 * kProductTerms<Scalar>;
+template <typename Scalar>
+using Terms = std::array<double, kTerms<Scalar>>;
+
+template <typename Scalar>
+using Column = std::array<Scalar, 3>;
+
+void WriteProduct(double a, double b, double* terms) {
+  terms[0] = a * b;
+  terms[1] = std::fma(a, b, -terms[0]);
+}
+void WriteProduct(float a, float b, float c, double* terms) {
+  WriteProduct(double{a} * double{b}, double{c}, terms);
+}
+void WriteProduct(double a, double b, double c, double* terms) {
+  const double pair = a * b;
+  WriteProduct(pair, c, terms);
+  WriteProduct(std::fma(a, b, -pair), c, terms + 2);
+}
+
+// The terms of the determinant with these columns.
+template <typename Scalar>
+Terms<Scalar> DeterminantTerms(const Column<Scalar>& a, const Column<Scalar>& b,
+                               const Column<Scalar>& c) {
   constexpr std::array<std::array<std::size_t, 3>, 3> kCyclic = {
       {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}}};
-  Terms terms;
-  std::size_t n = 0;
+  Terms<Scalar> terms;
+  double* next = terms.data();
   for (const auto& [i, j, k] : kCyclic) {
-    for (double sign : {1.0, -1.0}) {
-      const float second = sign > 0.0 ? b[j] : b[k];
-      const float third = sign > 0.0 ? c[k] : c[j];
-      const double pair = sign * double{a[i]} * double{second};  // exact
-      const double product = pair * double{third};
-      terms[n++] = product;
-      terms[n++] = std::fma(pair, double{third}, -product);
-    }
+    WriteProduct(a[i], b[j], c[k], next);
+    next += kProductTerms<Scalar>;
+    WriteProduct(-a[i], b[k], c[j], next);
+    next += kProductTerms<Scalar>;
   }
   return terms;
 }
 
 // Three of the planes, as the columns of n . p = -offset.
+template <typename Scalar>
 struct Meeting {
-  std::array<Column, 3> normals;  // column k: coordinate k of each normal
-  Column right;
+  std::array<Column<Scalar>, 3> normals;  // column k: coordinate k of each
+  Column<Scalar> right;
 
-  Meeting(const HalfSpace3& a, const HalfSpace3& b, const HalfSpace3& c)
+  Meeting(const HalfSpace<3, Scalar>& a, const HalfSpace<3, Scalar>& b,
+          const HalfSpace<3, Scalar>& c)
       : right{-a.offset, -b.offset, -c.offset} {
     for (std::size_t k = 0; k < 3; ++k) {
       normals[k] = {a.normal[k], b.normal[k], c.normal[k]};
     }
   }
 
-  Terms Denominator() const {
-    return DeterminantTerms(normals[0], normals[1], normals[2]);
+  Terms<Scalar> Denominator() const {
+    return DeterminantTerms<Scalar>(normals[0], normals[1], normals[2]);
   }
 
   // Cramer's rule: coordinate k of the point is this over the denominator.
-  Terms Numerator(std::size_t k) const {
-    std::array<Column, 3> columns = normals;
+  Terms<Scalar> Numerator(std::size_t k) const {
+    std::array<Column<Scalar>, 3> columns = normals;
     columns[k] = right;
-    return DeterminantTerms(columns[0], columns[1], columns[2]);
+    return DeterminantTerms<Scalar>(columns[0], columns[1], columns[2]);
   }
 };
 
-double Determinant(Planes planes, std::size_t i, std::size_t j, std::size_t k) {
-  return SumExactly(Meeting(planes[i], planes[j], planes[k]).Denominator())
-      .value;
+// A number with the sign of the sum.
+template <std::size_t kCount>
+double SignOf(const std::array<double, kCount>& terms) {
+  double sum = 0.0;
+  double magnitude = 0.0;
+  for (double term : terms) {
+    sum += term;
+    magnitude += std::fabs(term);
+  }
+  if (std::fabs(sum) > magnitude * (kCount * 0x1p-52)) return sum;
+  return SumExactly(terms).value;
+}
+
+// A number with the sign of the determinant of three normals.
+template <typename Scalar>
+double Determinant(Planes<Scalar> planes, std::size_t i, std::size_t j,
+                   std::size_t k) {
+  return SignOf(Meeting(planes[i], planes[j], planes[k]).Denominator());
 }
 
 // Whether some direction never leaves the planes' front sides. If any does, one
 // along which two planes meet does, or the normals lie in one plane.
-bool IsOpen(Planes planes) {
+template <typename Scalar>
+bool IsOpen(Planes<Scalar> planes) {
   bool is_flat = true;
   for (std::size_t i = 0; i < kPlanes; ++i) {
     for (std::size_t j = i + 1; j < kPlanes; ++j) {
@@ -90,7 +131,7 @@ bool IsOpen(Planes planes) {
       bool some_fall = false;
       for (std::size_t k = 0; k < kPlanes; ++k) {
         if (k == i || k == j) continue;
-        const double slope = Determinant(planes, k, i, j);
+        const double slope = Determinant<Scalar>(planes, k, i, j);
         some_rise |= slope > 0.0;
         some_fall |= slope < 0.0;
       }
@@ -102,33 +143,38 @@ bool IsOpen(Planes planes) {
 }
 
 // Where three planes meet.
+template <typename Scalar>
 struct Corner {
-  std::array<Terms, 3> numerators;
-  Terms denominator;
+  std::array<Terms<Scalar>, 3> numerators;
+  Terms<Scalar> denominator;
   double determinant;
   std::array<double, 3> point;  // good to kQuotientError
 };
 
-// The height of the corner above the plane times the determinant, exactly.
-double TimesDeterminant(const HalfSpace3& plane, const Corner& corner) {
-  std::array<double, 2 * 4 * kTerms> terms;
-  std::size_t n = 0;
-  const auto add = [&](float factor, const Terms& parts) {
+// A number with the sign of the height of the corner above the plane times the
+// determinant.
+template <typename Scalar>
+double TimesDeterminant(const HalfSpace<3, Scalar>& plane,
+                        const Corner<Scalar>& corner) {
+  std::array<double, 2 * 4 * kTerms<Scalar>> terms;
+  double* next = terms.data();
+  const auto add = [&](Scalar factor, const Terms<Scalar>& parts) {
     for (double part : parts) {
-      const double product = double{factor} * part;
-      terms[n++] = product;
-      terms[n++] = std::fma(double{factor}, part, -product);
+      WriteProduct(double{factor}, part, next);
+      next += 2;
     }
   };
   for (std::size_t k = 0; k < 3; ++k) {
     add(plane.normal[k], corner.numerators[k]);
   }
   add(plane.offset, corner.denominator);
-  return SumExactly(terms).value;
+  return SignOf(terms);
 }
 
 // Whether the corner is in front of the plane or on it.
-bool IsInFront(const HalfSpace3& plane, const Corner& corner) {
+template <typename Scalar>
+bool IsInFront(const HalfSpace<3, Scalar>& plane,
+               const Corner<Scalar>& corner) {
   double height = plane.offset;
   double magnitude = std::fabs(height);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -154,20 +200,21 @@ void AddQuotient(const ExactSum& numerator, const ExactSum& denominator,
 
 // Adds the point where the planes i, j and k meet, if it is a corner. False if
 // it cannot be bounded.
-bool AddCorner(Planes planes, std::size_t i, std::size_t j, std::size_t k,
-               Aabo3& bound) {
+template <typename Scalar>
+bool AddCorner(Planes<Scalar> planes, std::size_t i, std::size_t j,
+               std::size_t k, Aabo3& bound) {
   const Meeting meeting(planes[i], planes[j], planes[k]);
-  Corner corner;
+  Corner<Scalar> corner;
   corner.denominator = meeting.Denominator();
   const ExactSum determinant = SumExactly(corner.denominator);
   if (determinant.value == 0.0) return true;
 
   corner.determinant = determinant.value;
-  std::array<double, 3 * kTerms> all;
+  std::array<double, 3 * kTerms<Scalar>> all;
   std::array<ExactSum, 3> numerators;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const Terms terms = meeting.Numerator(axis);
-    std::copy(terms.begin(), terms.end(), all.begin() + axis * kTerms);
+    const Terms<Scalar> terms = meeting.Numerator(axis);
+    std::copy(terms.begin(), terms.end(), all.begin() + axis * kTerms<Scalar>);
     numerators[axis] = SumExactly(terms);
     corner.numerators[axis] = terms;
     corner.point[axis] = numerators[axis].value / determinant.value;
@@ -184,37 +231,95 @@ bool AddCorner(Planes planes, std::size_t i, std::size_t j, std::size_t k,
   return true;
 }
 
-std::optional<Aabo3> TryFrustum(Planes planes) {
-  for (const HalfSpace3& plane : planes) {
-    const auto& n = plane.normal;
-    for (float value : {n[0], n[1], n[2], plane.offset}) {
-      if (!std::isfinite(value)) return std::nullopt;
-    }
-  }
-  if (IsOpen(planes)) return std::nullopt;
+template <typename Scalar>
+std::optional<Aabo3> TryFrustum(Planes<Scalar> planes) {
+  if (IsOpen<Scalar>(planes)) return std::nullopt;
   Aabo3 bound = Aabo3::Empty();
   for (std::size_t i = 0; i < kPlanes; ++i) {
     for (std::size_t j = i + 1; j < kPlanes; ++j) {
       for (std::size_t k = j + 1; k < kPlanes; ++k) {
-        if (!AddCorner(planes, i, j, k, bound)) return std::nullopt;
+        if (!AddCorner<Scalar>(planes, i, j, k, bound)) return std::nullopt;
       }
     }
   }
   return bound;
 }
 
-}  // namespace
+template <typename Scalar>
+bool AreFinite(Planes<Scalar> planes) {
+  for (const auto& plane : planes) {
+    const auto& n = plane.normal;
+    for (Scalar value : {n[0], n[1], n[2], plane.offset}) {
+      if (!std::isfinite(value)) return false;
+    }
+  }
+  return true;
+}
 
-Aabo3 BoundFrustum(Planes planes, FitStatus* status) {
+std::optional<Aabo3> TryAny(Planes<float> planes) {
+  if (!AreFinite<float>(planes)) return std::nullopt;
+  return TryFrustum<float>(planes);
+}
+
+// The same half-space with the largest number of its normal in [1, 2), and the
+// others so near to it that products of four have their errors in double.
+// Nothing if there is none. Without a normal only the sign of the offset
+// counts.
+std::optional<HalfSpace<3, double>> Scaled(const HalfSpace<3, double>& plane) {
+  constexpr double kMost = 0x1p200;
+  const auto& n = plane.normal;
+  const double largest =
+      std::max({std::fabs(n[0]), std::fabs(n[1]), std::fabs(n[2])});
+  if (largest == 0.0) {
+    const double offset = plane.offset == 0.0 ? 0.0 : 1.0;
+    return HalfSpace<3, double>{{}, std::copysign(offset, plane.offset)};
+  }
+  const int exponent = -std::ilogb(largest);
+  bool ok = true;
+  const auto scaled = [&](double value) {
+    const double result = std::scalbn(value, exponent);
+    const double magnitude = std::fabs(result);
+    ok &= value == 0.0 || (magnitude >= 1.0 / kMost && magnitude <= kMost);
+    return result;
+  };
+  const HalfSpace<3, double> result = {
+      {scaled(n[0]), scaled(n[1]), scaled(n[2])}, scaled(plane.offset)};
+  if (!ok) return std::nullopt;
+  return result;
+}
+
+std::optional<Aabo3> TryAny(Planes<double> planes) {
+  if (!AreFinite<double>(planes)) return std::nullopt;
+  std::array<HalfSpace<3, double>, kPlanes> all;
+  for (std::size_t i = 0; i < kPlanes; ++i) {
+    const auto scaled = Scaled(planes[i]);
+    if (!scaled) return std::nullopt;
+    all[i] = *scaled;
+  }
+  return TryFrustum<double>(all);
+}
+
+template <typename Scalar>
+Aabo3 BoundPlanes(Planes<Scalar> planes, FitStatus* status) {
   if (planes.size() != kPlanes) {
     kernels::ThrowInvalid("BoundFrustum", "planes", "6 planes",
                           std::to_string(planes.size()));
   }
   kernels::CheckPointer(
-      "BoundFrustum", planes.data(), alignof(HalfSpace3),
+      "BoundFrustum", planes.data(), alignof(HalfSpace<3, Scalar>),
       [] { return "planes"; }, [] { return "6 planes"; });
   return kernels::InDefaultFpMode(
-      [&] { return Finish(TryFrustum(planes), status); });
+      [&] { return Finish(TryAny(planes), status); });
+}
+
+}  // namespace
+
+Aabo3 BoundFrustum(Planes<float> planes, FitStatus* status) {
+  return BoundPlanes<float>(planes, status);
+}
+
+Aabo3 BoundFrustum(Planes<double> planes, FitStatus* status) {
+  return BoundPlanes<double>(planes, status);
 }
 
 }  // namespace halfspace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <type_traits>
 
 #include "halfspace/fit.h"
 #include "kernels/exact/default_fp_mode.h"
@@ -25,8 +26,9 @@ using kernels::PointAt;
 using kernels::RoundDown;
 using kernels::RoundUp;
 
-template <int kDims>
-bool CanBeBounded(const Point<kDims>& point, const Affine<kDims>& map) {
+template <int kDims, typename Scalar>
+bool CanBeBounded(const Point<kDims, Scalar>& point,
+                  const Affine<kDims, Scalar>& map) {
   MagnitudeGuard<double> guard;
   for (std::size_t k = 0; k < kDims; ++k) {
     for (std::size_t j = 0; j < kDims; ++j) {
@@ -38,20 +40,20 @@ bool CanBeBounded(const Point<kDims>& point, const Affine<kDims>& map) {
 }
 
 // A coordinate of an image, and the sum of all of them.
-template <int kDims>
-using Coordinate = ExactTerms<float, std::size_t{kDims}, 1>;
-template <int kDims>
+template <int kDims, typename Scalar>
+using Coordinate = ExactTerms<Scalar, std::size_t{kDims}, 1>;
+template <int kDims, typename Scalar>
 using CoordinateSum =
-    ExactTerms<float, std::size_t{kDims} * kDims, std::size_t{kDims}>;
+    ExactTerms<Scalar, std::size_t{kDims} * kDims, std::size_t{kDims}>;
 
 // Adds the image of a point, unrounded. False if it cannot be bounded.
-template <int kDims>
-bool AddImage(const Point<kDims>& point, const Affine<kDims>& map,
-              ExactRanges<kDims>& ranges) {
-  if (!CanBeBounded(point, map)) return false;
-  CoordinateSum<kDims> all;
+template <int kDims, typename Scalar>
+bool AddImage(const Point<kDims, Scalar>& point,
+              const Affine<kDims, Scalar>& map, ExactRanges<kDims>& ranges) {
+  if (!CanBeBounded<kDims, Scalar>(point, map)) return false;
+  CoordinateSum<kDims, Scalar> all;
   for (std::size_t k = 0; k < kDims; ++k) {
-    Coordinate<kDims> coordinate;
+    Coordinate<kDims, Scalar> coordinate;
     for (std::size_t j = 0; j < kDims; ++j) {
       coordinate.AddProduct(map.linear[k][j], point[j]);
       all.AddProduct(map.linear[k][j], point[j]);
@@ -64,20 +66,21 @@ bool AddImage(const Point<kDims>& point, const Affine<kDims>& map,
   return true;
 }
 
-template <int kDims, typename AtIndex>
+template <int kDims, typename Scalar, typename AtIndex>
 std::optional<Aabo<kDims>> TryPoints(std::size_t count, const AtIndex& at,
-                                     const Affine<kDims>& map) {
+                                     const Affine<kDims, Scalar>& map) {
   ExactRanges<kDims> ranges;
   for (std::size_t i = 0; i < count; ++i) {
-    if (!AddImage(at(i), map, ranges)) return std::nullopt;
+    if (!AddImage<kDims, Scalar>(at(i), map, ranges)) return std::nullopt;
   }
   return ranges.Bound();
 }
 
 // The corner of a box that is farthest from the origin.
-template <int kDims>
-Point<kDims> FarthestCorner(const Point<kDims>& min, const Point<kDims>& max) {
-  Point<kDims> corner;
+template <int kDims, typename Scalar>
+Point<kDims, Scalar> FarthestCorner(const Point<kDims, Scalar>& min,
+                                    const Point<kDims, Scalar>& max) {
+  Point<kDims, Scalar> corner;
   for (std::size_t k = 0; k < kDims; ++k) {
     corner[k] = -min[k] > max[k] ? min[k] : max[k];
   }
@@ -105,20 +108,28 @@ struct Ends {
   }
 };
 
+// The sum of a few is far from overflow.
+constexpr double kMostFactor = 0x1p900;
+
 // Each axis has its extremes at two opposite corners: of all corners they are
 // told by signs, so no other corner is looked at.
-template <int kDims>
-std::optional<Aabo<kDims>> TryBox(const Point<kDims>& min,
-                                  const Point<kDims>& max,
-                                  const Affine<kDims>& map) {
+template <int kDims, typename Scalar>
+std::optional<Aabo<kDims>> TryBox(const Point<kDims, Scalar>& min,
+                                  const Point<kDims, Scalar>& max,
+                                  const Affine<kDims, Scalar>& map) {
   for (std::size_t k = 0; k < kDims; ++k) {
     if (!std::isfinite(min[k]) || !std::isfinite(max[k])) return std::nullopt;
+    for (Scalar factor : map.linear[k]) {
+      // What a map does to a coordinate of 0 does not show in the products.
+      if (!(std::fabs(factor) <= kMostFactor)) return std::nullopt;
+    }
   }
-  if (!CanBeBounded<kDims>(FarthestCorner<kDims>(min, max), map)) {
+  if (!CanBeBounded<kDims, Scalar>(FarthestCorner<kDims, Scalar>(min, max),
+                                   map)) {
     return std::nullopt;
   }
   Aabo<kDims> bound;
-  Ends<CoordinateSum<kDims>> all;
+  Ends<CoordinateSum<kDims, Scalar>> all;
   for (std::size_t j = 0; j < kDims; ++j) {
     std::array<double, std::size_t{kDims}> column;
     for (std::size_t k = 0; k < kDims; ++k) column[k] = map.linear[k][j];
@@ -128,7 +139,7 @@ std::optional<Aabo<kDims>> TryBox(const Point<kDims>& min,
     }
   }
   for (std::size_t k = 0; k < kDims; ++k) {
-    Ends<Coordinate<kDims>> ends;
+    Ends<Coordinate<kDims, Scalar>> ends;
     for (std::size_t j = 0; j < kDims; ++j) {
       const auto factor = map.linear[k][j];
       ends.AddProduct(factor, factor < 0, min[j], max[j]);
@@ -143,22 +154,59 @@ std::optional<Aabo<kDims>> TryBox(const Point<kDims>& min,
   return bound;
 }
 
-template <int kDims>
-std::optional<Aabo<kDims>> TryOrientedBox(const OrientedBox<kDims>& box) {
-  Affine<kDims> map;
+template <int kDims, typename Scalar>
+std::optional<Aabo<kDims>> TryOrientedBox(
+    const OrientedBox<kDims, Scalar>& box) {
+  Affine<kDims, Scalar> map;
   map.translation = box.center;
-  Point<kDims> min;
+  Point<kDims, Scalar> min;
   for (std::size_t j = 0; j < kDims; ++j) {
     min[j] = -box.half_extents[j];
     for (std::size_t k = 0; k < kDims; ++k) map.linear[k][j] = box.axes[j][k];
   }
-  return TryBox<kDims>(min, box.half_extents, map);
+  return TryBox<kDims, Scalar>(min, box.half_extents, map);
+}
+
+// The same numbers as `To`.
+template <typename To, typename From, std::size_t kCount>
+std::array<To, kCount> As(const std::array<From, kCount>& from) {
+  std::array<To, kCount> to;
+  std::copy(from.begin(), from.end(), to.begin());
+  return to;
+}
+template <typename To, int kDims, typename From>
+Affine<kDims, To> As(const Affine<kDims, From>& from) {
+  Affine<kDims, To> to;
+  for (std::size_t k = 0; k < kDims; ++k) to.linear[k] = As<To>(from.linear[k]);
+  to.translation = As<To>(from.translation);
+  return to;
+}
+
+// What holds the numbers of both.
+template <typename A, typename B>
+using Wider = std::conditional_t<std::is_same_v<A, B>, A, double>;
+
+template <int kDims, typename Scalar, typename MapScalar>
+Aabo<kDims> BoundBox(const Point<kDims, Scalar>& min,
+                     const Point<kDims, Scalar>& max,
+                     const Affine<kDims, MapScalar>& map, FitStatus* status) {
+  return InDefaultFpMode([&] {
+    if (IsEmpty(Aabb<kDims, Scalar>{min, max})) {
+      return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
+    }
+    kernels::CheckOrder("BoundTransformed", min, max);
+    using Wide = Wider<Scalar, MapScalar>;
+    return Finish(
+        TryBox<kDims, Wide>(As<Wide>(min), As<Wide>(max), As<Wide>(map)),
+        status);
+  });
 }
 
 }  // namespace
 
-template <int kDims>
-Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims>& box, FitStatus* status) {
+template <int kDims, typename Scalar>
+Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims, Scalar>& box,
+                             FitStatus* status) {
   constexpr std::array kNames = {"box.half_extents[0]", "box.half_extents[1]",
                                  "box.half_extents[2]", "box.half_extents[3]"};
   return InDefaultFpMode([&] {
@@ -169,38 +217,55 @@ Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims>& box, FitStatus* status) {
   });
 }
 
-template <int kDims>
-Aabo<kDims> BoundTransformed(const Points<kDims>& points,
-                             const Affine<kDims>& map, FitStatus* status) {
+template <int kDims, typename Scalar, typename MapScalar>
+Aabo<kDims> BoundTransformed(const Points<kDims, Scalar>& points,
+                             const Affine<kDims, MapScalar>& map,
+                             FitStatus* status) {
   if (points.count != 0) kernels::CheckPoints("BoundTransformed", points);
   return InDefaultFpMode([&] {
-    const auto at = [&](std::size_t i) { return PointAt(points, i); };
-    return Finish(TryPoints(points.count, at, map), status);
+    using Wide = Wider<Scalar, MapScalar>;
+    const auto at = [&](std::size_t i) { return As<Wide>(PointAt(points, i)); };
+    return Finish(TryPoints<kDims, Wide>(points.count, at, As<Wide>(map)),
+                  status);
   });
 }
 
-template <int kDims>
-Aabo<kDims> BoundTransformed(const Aabb<kDims>& box, const Affine<kDims>& map,
+template <int kDims, typename MapScalar>
+Aabo<kDims> BoundTransformed(const Aabb<kDims>& box,
+                             const Affine<kDims, MapScalar>& map,
                              FitStatus* status) {
-  return InDefaultFpMode([&] {
-    if (IsEmpty(box)) {
-      return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
-    }
-    kernels::CheckOrder("BoundTransformed", box.min, box.max);
-    return Finish(TryBox<kDims>(box.min, box.max, map), status);
-  });
+  return BoundBox<kDims, float>(box.min, box.max, map, status);
 }
 
+template <int kDims, typename Scalar, typename MapScalar>
+Aabo<kDims> BoundTransformed(const Box<kDims, Scalar>& box,
+                             const Affine<kDims, MapScalar>& map,
+                             FitStatus* status) {
+  return BoundBox<kDims, Scalar>(box.min, box.max, map, status);
+}
+
+#define HALFSPACE_INSTANTIATE_OF(d, Scalar, MapScalar)                    \
+  template HALFSPACE_API Aabo<d> BoundTransformed(                        \
+      const Points<d, Scalar>&, const Affine<d, MapScalar>&, FitStatus*); \
+  template HALFSPACE_API Aabo<d> BoundTransformed(                        \
+      const Box<d, Scalar>&, const Affine<d, MapScalar>&, FitStatus*)
 #define HALFSPACE_INSTANTIATE(d)                                         \
   template HALFSPACE_API Aabo<d> BoundOrientedBox(const OrientedBox<d>&, \
                                                   FitStatus*);           \
+  template HALFSPACE_API Aabo<d> BoundOrientedBox(                       \
+      const OrientedBox<d, double>&, FitStatus*);                        \
   template HALFSPACE_API Aabo<d> BoundTransformed(                       \
-      const Points<d>&, const Affine<d>&, FitStatus*);                   \
+      const Aabb<d>&, const Affine<d>&, FitStatus*);                     \
   template HALFSPACE_API Aabo<d> BoundTransformed(                       \
-      const Aabb<d>&, const Affine<d>&, FitStatus*)
+      const Aabb<d>&, const Affine<d, double>&, FitStatus*);             \
+  HALFSPACE_INSTANTIATE_OF(d, float, float);                             \
+  HALFSPACE_INSTANTIATE_OF(d, float, double);                            \
+  HALFSPACE_INSTANTIATE_OF(d, double, float);                            \
+  HALFSPACE_INSTANTIATE_OF(d, double, double)
 HALFSPACE_INSTANTIATE(2);
 HALFSPACE_INSTANTIATE(3);
 HALFSPACE_INSTANTIATE(4);
 #undef HALFSPACE_INSTANTIATE
+#undef HALFSPACE_INSTANTIATE_OF
 
 }  // namespace halfspace

@@ -1,5 +1,4 @@
 // Rays, and long segments in pieces.
-#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -9,6 +8,7 @@
 #include "kernels/error.h"
 #include "kernels/exact/default_fp_mode.h"
 #include "kernels/exact/exact_bound.h"
+#include "kernels/exact/exact_terms.h"
 #include "kernels/exact/outward.h"
 #include "kernels/exact/quotient.h"
 #include "kernels/memory_checks.h"
@@ -19,32 +19,37 @@ namespace {
 using kernels::CanBeBounded;
 using kernels::ExactRanges;
 using kernels::ExactSum;
+using kernels::ExactTerms;
 using kernels::Finish;
 using kernels::InDefaultFpMode;
 using kernels::MagnitudeGuard;
 using kernels::Negated;
-using kernels::SumExactly;
 
-template <int kDims>
-std::optional<Aabo<kDims>> TryRay(const Ray<kDims>& ray) {
+template <int kDims, typename Scalar>
+std::optional<Aabo<kDims>> TryRay(const Ray<kDims, Scalar>& ray) {
   // A direction of 0 goes nowhere, however far.
-  std::array<std::array<double, 2>, kDims> end;
-  std::array<double, 2 * kDims> all;
   MagnitudeGuard<double> guard;
   for (std::size_t k = 0; k < kDims; ++k) {
-    end[k] = {ray.origin[k], double{ray.max_t} * double{ray.direction[k]}};
-    all[2 * k] = end[k][0];
-    all[2 * k + 1] = end[k][1];
+    guard.Add(ray.origin[k]);
+    guard.Add(double{ray.max_t} * double{ray.direction[k]});
   }
-  guard.AddAll(all);
   if (!guard.CanBeBounded()) return std::nullopt;
   ExactRanges<kDims> ranges;
   ranges.AddPoint(ray.origin);
-  for (std::size_t k = 0; k < kDims; ++k) ranges.Add(k, SumExactly(end[k]));
-  ranges.Add(kDims, Negated(SumExactly(all)));
+  ExactTerms<Scalar, std::size_t{kDims}, std::size_t{kDims}> all;
+  for (std::size_t k = 0; k < kDims; ++k) {
+    ExactTerms<Scalar, 1, 1> end;
+    end.Add(ray.origin[k]);
+    end.AddProduct(ray.max_t, ray.direction[k]);
+    all.Add(ray.origin[k]);
+    all.AddProduct(ray.max_t, ray.direction[k]);
+    ranges.Add(k, end.SumToRound());
+  }
+  ranges.Add(kDims, Negated(all.SumToRound()));
   return ranges.Bound();
 }
 
+// Whole numbers that float holds.
 constexpr std::size_t kMostPieces = std::size_t{1} << 24;
 
 // Encloses exact / divisor on one axis of the bound.
@@ -55,30 +60,30 @@ void SetQuotient(const ExactSum& exact, double divisor, std::size_t axis,
   bound.max[axis] = kernels::QuotientUp(exact, {divisor, 0.0});
 }
 
-// The bound of the point ((n - i) a + i b) / n of the segment. Products of a
-// float and a whole number up to 2^24 are exact in double.
-template <int kDims>
-Aabo<kDims> BoundPointAlong(const Segment<kDims>& segment, std::size_t i,
-                            std::size_t n) {
+// The bound of the point ((n - i) a + i b) / n of the segment.
+template <int kDims, typename Scalar>
+Aabo<kDims> BoundPointAlong(const Segment<kDims, Scalar>& segment,
+                            std::size_t i, std::size_t n) {
   const auto divisor = static_cast<double>(n);
-  const auto weight_a = static_cast<double>(n - i);
-  const auto weight_b = static_cast<double>(i);
+  const auto weight_a = static_cast<Scalar>(n - i);
+  const auto weight_b = static_cast<Scalar>(i);
   Aabo<kDims> bound;
-  std::array<double, 2 * kDims> all;
+  ExactTerms<Scalar, 2 * std::size_t{kDims}, 0> all;
   for (std::size_t k = 0; k < kDims; ++k) {
-    const std::array<double, 2> terms = {weight_a * segment.a[k],
-                                         weight_b * segment.b[k]};
-    all[2 * k] = terms[0];
-    all[2 * k + 1] = terms[1];
-    SetQuotient(SumExactly(terms), divisor, k, bound);
+    ExactTerms<Scalar, 2, 0> terms;
+    terms.AddProduct(weight_a, segment.a[k]);
+    terms.AddProduct(weight_b, segment.b[k]);
+    all.AddProduct(weight_a, segment.a[k]);
+    all.AddProduct(weight_b, segment.b[k]);
+    SetQuotient(terms.Sum(), divisor, k, bound);
   }
-  SetQuotient(Negated(SumExactly(all)), divisor, kDims, bound);
+  SetQuotient(Negated(all.Sum()), divisor, kDims, bound);
   return bound;
 }
 
-template <int kDims>
-void WritePieces(const Segment<kDims>& segment, Span<Aabo<kDims>> pieces,
-                 FitStatus* status) {
+template <int kDims, typename Scalar>
+void WritePieces(const Segment<kDims, Scalar>& segment,
+                 Span<Aabo<kDims>> pieces, FitStatus* status) {
   const bool can_be_bounded =
       CanBeBounded(segment.a) && CanBeBounded(segment.b);
   Aabo<kDims> begin = Aabo<kDims>::Everything();
@@ -93,16 +98,16 @@ void WritePieces(const Segment<kDims>& segment, Span<Aabo<kDims>> pieces,
 
 }  // namespace
 
-template <int kDims>
-Aabo<kDims> BoundRay(const Ray<kDims>& ray, FitStatus* status) {
+template <int kDims, typename Scalar>
+Aabo<kDims> BoundRay(const Ray<kDims, Scalar>& ray, FitStatus* status) {
   return InDefaultFpMode([&] {
     kernels::CheckLength("BoundRay", "ray.max_t", ray.max_t);
     return Finish(TryRay(ray), status);
   });
 }
 
-template <int kDims>
-void BoundSegmentPieces(const Segment<kDims>& segment,
+template <int kDims, typename Scalar>
+void BoundSegmentPieces(const Segment<kDims, Scalar>& segment,
                         std::decay_t<Span<Aabo<kDims>>> pieces,
                         FitStatus* status) {
   if (pieces.size() > kMostPieces) {
@@ -117,13 +122,17 @@ void BoundSegmentPieces(const Segment<kDims>& segment,
   InDefaultFpMode([&] { WritePieces(segment, pieces, status); });
 }
 
-#define HALFSPACE_INSTANTIATE(d)                                       \
-  template HALFSPACE_API Aabo<d> BoundRay(const Ray<d>&, FitStatus*);  \
-  template HALFSPACE_API void BoundSegmentPieces<d>(const Segment<d>&, \
+#define HALFSPACE_INSTANTIATE_OF(d, Scalar)                                    \
+  template HALFSPACE_API Aabo<d> BoundRay(const Ray<d, Scalar>&, FitStatus*);  \
+  template HALFSPACE_API void BoundSegmentPieces<d>(const Segment<d, Scalar>&, \
                                                     Span<Aabo<d>>, FitStatus*)
+#define HALFSPACE_INSTANTIATE(d)      \
+  HALFSPACE_INSTANTIATE_OF(d, float); \
+  HALFSPACE_INSTANTIATE_OF(d, double)
 HALFSPACE_INSTANTIATE(2);
 HALFSPACE_INSTANTIATE(3);
 HALFSPACE_INSTANTIATE(4);
 #undef HALFSPACE_INSTANTIATE
+#undef HALFSPACE_INSTANTIATE_OF
 
 }  // namespace halfspace

@@ -70,11 +70,6 @@ Aabo<kDims> BoundIndexed(const Source& points,
 
 }  // namespace
 
-template <int kDims>
-Aabo<kDims> BoundPoints(const Points<kDims>& points, FitStatus* status) {
-  return BoundHull<kDims>(points, status);
-}
-
 template <int kDims, typename Scalar>
 Aabo<kDims> BoundPoints(const Points<kDims, Scalar>& points,
                         FitStatus* status) {
@@ -87,20 +82,21 @@ Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
   return BoundHull<kDims>(points, status);
 }
 
-template <int kDims>
-Aabo<kDims> BoundPoints(const Points<kDims>& points,
+template <int kDims, typename Scalar>
+Aabo<kDims> BoundPoints(const Points<kDims, Scalar>& points,
                         Span<const std::uint32_t> indices, FitStatus* status) {
   return BoundIndexed<kDims>(points, indices, status);
 }
 
-template <int kDims>
-Aabo<kDims> BoundPoints(const PointsSoa<kDims>& points,
+template <int kDims, typename Scalar>
+Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
                         Span<const std::uint32_t> indices, FitStatus* status) {
   return BoundIndexed<kDims>(points, indices, status);
 }
 
-template <int kDims>
-Aabo<kDims> BoundSegment(const Segment<kDims>& segment, FitStatus* status) {
+template <int kDims, typename Scalar>
+Aabo<kDims> BoundSegment(const Segment<kDims, Scalar>& segment,
+                         FitStatus* status) {
   return InDefaultFpMode([&] {
     const auto at = [&](std::size_t i) {
       return i == 0 ? segment.a : segment.b;
@@ -109,8 +105,9 @@ Aabo<kDims> BoundSegment(const Segment<kDims>& segment, FitStatus* status) {
   });
 }
 
-template <int kDims>
-Aabo<kDims> BoundTriangle(const Triangle<kDims>& triangle, FitStatus* status) {
+template <int kDims, typename Scalar>
+Aabo<kDims> BoundTriangle(const Triangle<kDims, Scalar>& triangle,
+                          FitStatus* status) {
   return InDefaultFpMode([&] {
     const auto at = [&](std::size_t i) {
       return i == 0 ? triangle.a : i == 1 ? triangle.b : triangle.c;
@@ -119,22 +116,26 @@ Aabo<kDims> BoundTriangle(const Triangle<kDims>& triangle, FitStatus* status) {
   });
 }
 
-#define HALFSPACE_INSTANTIATE(d)                                               \
-  template HALFSPACE_API Aabo<d> BoundPoints(const Points<d>&, FitStatus*);    \
-  template HALFSPACE_API Aabo<d> BoundPoints(const Points<d, double>&,         \
-                                             FitStatus*);                      \
-  template HALFSPACE_API Aabo<d> BoundPoints(const PointsSoa<d>&, FitStatus*); \
-  template HALFSPACE_API Aabo<d> BoundPoints(const PointsSoa<d, double>&,      \
-                                             FitStatus*);                      \
-  template HALFSPACE_API Aabo<d> BoundPoints(                                  \
-      const Points<d>&, Span<const std::uint32_t>, FitStatus*);                \
-  template HALFSPACE_API Aabo<d> BoundPoints(                                  \
-      const PointsSoa<d>&, Span<const std::uint32_t>, FitStatus*);             \
-  template HALFSPACE_API Aabo<d> BoundSegment(const Segment<d>&, FitStatus*);  \
-  template HALFSPACE_API Aabo<d> BoundTriangle(const Triangle<d>&, FitStatus*)
+#define HALFSPACE_INSTANTIATE_OF(d, Scalar)                                \
+  template HALFSPACE_API Aabo<d> BoundPoints(const Points<d, Scalar>&,     \
+                                             FitStatus*);                  \
+  template HALFSPACE_API Aabo<d> BoundPoints(const PointsSoa<d, Scalar>&,  \
+                                             FitStatus*);                  \
+  template HALFSPACE_API Aabo<d> BoundPoints(                              \
+      const Points<d, Scalar>&, Span<const std::uint32_t>, FitStatus*);    \
+  template HALFSPACE_API Aabo<d> BoundPoints(                              \
+      const PointsSoa<d, Scalar>&, Span<const std::uint32_t>, FitStatus*); \
+  template HALFSPACE_API Aabo<d> BoundSegment(const Segment<d, Scalar>&,   \
+                                              FitStatus*);                 \
+  template HALFSPACE_API Aabo<d> BoundTriangle(const Triangle<d, Scalar>&, \
+                                               FitStatus*)
+#define HALFSPACE_INSTANTIATE(d)      \
+  HALFSPACE_INSTANTIATE_OF(d, float); \
+  HALFSPACE_INSTANTIATE_OF(d, double)
 HALFSPACE_INSTANTIATE(2);
 HALFSPACE_INSTANTIATE(3);
 HALFSPACE_INSTANTIATE(4);
 #undef HALFSPACE_INSTANTIATE
+#undef HALFSPACE_INSTANTIATE_OF
 
 }  // namespace halfspace

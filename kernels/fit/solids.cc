@@ -69,16 +69,6 @@ std::optional<Aabo<kDims>> TrySpheres(
   return bound;
 }
 
-template <int kDims, typename Scalar>
-Aabo<kDims> BoundAnySphere(const Sphere<kDims, Scalar>& sphere,
-                           FitStatus* status) {
-  return InDefaultFpMode([&] {
-    kernels::CheckLength("BoundSphere", "sphere.radius", sphere.radius);
-    return Finish(
-        TrySpheres<kDims, Scalar, 1>({{sphere.center}}, sphere.radius), status);
-  });
-}
-
 }  // namespace
 
 template <int kDims>
@@ -96,39 +86,42 @@ Aabo<kDims> BoundAabb(const Box<kDims, Scalar>& box, FitStatus* status) {
   });
 }
 
-template <int kDims>
-Aabo<kDims> BoundSphere(const Sphere<kDims>& sphere, FitStatus* status) {
-  return BoundAnySphere(sphere, status);
-}
-
 template <int kDims, typename Scalar>
 Aabo<kDims> BoundSphere(const Sphere<kDims, Scalar>& sphere,
                         FitStatus* status) {
-  return BoundAnySphere(sphere, status);
+  return InDefaultFpMode([&] {
+    kernels::CheckLength("BoundSphere", "sphere.radius", sphere.radius);
+    return Finish(
+        TrySpheres<kDims, Scalar, 1>({{sphere.center}}, sphere.radius), status);
+  });
 }
 
 // The hull of its two end spheres.
-template <int kDims>
-Aabo<kDims> BoundCapsule(const Capsule<kDims>& capsule, FitStatus* status) {
+template <int kDims, typename Scalar>
+Aabo<kDims> BoundCapsule(const Capsule<kDims, Scalar>& capsule,
+                         FitStatus* status) {
   return InDefaultFpMode([&] {
     kernels::CheckLength("BoundCapsule", "capsule.radius", capsule.radius);
     return Finish(
-        TrySpheres<kDims, float, 2>({{capsule.a, capsule.b}}, capsule.radius),
+        TrySpheres<kDims, Scalar, 2>({{capsule.a, capsule.b}}, capsule.radius),
         status);
   });
 }
 
-#define HALFSPACE_INSTANTIATE(d)                                               \
-  template HALFSPACE_API Aabo<d> BoundAabb(const Aabb<d>&, FitStatus*);        \
-  template HALFSPACE_API Aabo<d> BoundAabb(const Box<d>&, FitStatus*);         \
-  template HALFSPACE_API Aabo<d> BoundAabb(const Box<d, double>&, FitStatus*); \
-  template HALFSPACE_API Aabo<d> BoundSphere(const Sphere<d>&, FitStatus*);    \
-  template HALFSPACE_API Aabo<d> BoundSphere(const Sphere<d, double>&,         \
+#define HALFSPACE_INSTANTIATE_OF(d, Scalar)                                    \
+  template HALFSPACE_API Aabo<d> BoundAabb(const Box<d, Scalar>&, FitStatus*); \
+  template HALFSPACE_API Aabo<d> BoundSphere(const Sphere<d, Scalar>&,         \
                                              FitStatus*);                      \
-  template HALFSPACE_API Aabo<d> BoundCapsule(const Capsule<d>&, FitStatus*)
+  template HALFSPACE_API Aabo<d> BoundCapsule(const Capsule<d, Scalar>&,       \
+                                              FitStatus*)
+#define HALFSPACE_INSTANTIATE(d)                                        \
+  template HALFSPACE_API Aabo<d> BoundAabb(const Aabb<d>&, FitStatus*); \
+  HALFSPACE_INSTANTIATE_OF(d, float);                                   \
+  HALFSPACE_INSTANTIATE_OF(d, double)
 HALFSPACE_INSTANTIATE(2);
 HALFSPACE_INSTANTIATE(3);
 HALFSPACE_INSTANTIATE(4);
 #undef HALFSPACE_INSTANTIATE
+#undef HALFSPACE_INSTANTIATE_OF
 
 }  // namespace halfspace

@@ -28,25 +28,29 @@ struct FitKernels;
 enum FitSource { kFitBoxes, kFitSpheres, kFitTriangles, kFitPointSets };
 
 // The builders of one source in kDims dimensions, of each compiled target, best
-// first: an object file of the library for each, as KernelsOf of scan.h.
-template <FitSource kSource, int kDims>
+// first: an object file of the library for each, as KernelsOf of scan.h. Of
+// doubles there is one, for every target.
+template <FitSource kSource, int kDims, typename Scalar>
 struct HALFSPACE_API FitKernelsOf {
   static const FitKernels* const kTargets;
 };
 
-#define HALFSPACE_DECLARE_KERNELS(source)         \
-  extern template struct FitKernelsOf<source, 2>; \
-  extern template struct FitKernelsOf<source, 3>; \
-  extern template struct FitKernelsOf<source, 4>
+#define HALFSPACE_DECLARE_KERNELS(source)                 \
+  extern template struct FitKernelsOf<source, 2, float>;  \
+  extern template struct FitKernelsOf<source, 3, float>;  \
+  extern template struct FitKernelsOf<source, 4, float>;  \
+  extern template struct FitKernelsOf<source, 2, double>; \
+  extern template struct FitKernelsOf<source, 3, double>; \
+  extern template struct FitKernelsOf<source, 4, double>
 HALFSPACE_DECLARE_KERNELS(kFitBoxes);
 HALFSPACE_DECLARE_KERNELS(kFitSpheres);
 HALFSPACE_DECLARE_KERNELS(kFitTriangles);
 HALFSPACE_DECLARE_KERNELS(kFitPointSets);
 #undef HALFSPACE_DECLARE_KERNELS
 
-// Columns of floats: value c of element i is columns[c][i * stride]. Boxes have
-// all minima, then all maxima; spheres the center, then the radius; points
-// their coordinates.
+// Columns of floats, or of doubles: value c of element i is
+// columns[c][i * stride]. Boxes have all minima, then all maxima; spheres the
+// center, then the radius; points their coordinates.
 struct Source {
   static constexpr std::size_t kMaxColumns = 8;  // Boxes<4>
 
@@ -55,8 +59,9 @@ struct Source {
   std::size_t column_count = 0;
   std::size_t count = 0;
   std::size_t stride = 1;
-  std::array<const float*, kMaxColumns> columns{};
+  std::array<const void*, kMaxColumns> columns{};
   bool has_one_pointer = false;  // for all columns: Points
+  bool is_double = false;
 };
 
 // The builders give floats: planes of doubles are the caller's to fill.
@@ -78,44 +83,47 @@ struct Output {
   }
 };
 
-template <FitSource kSource, int kDims>
-Source SourceOf(const Boxes<kDims>& boxes) {
+template <FitSource kSource, int kDims, typename Scalar>
+Source SourceOf(const Boxes<kDims, Scalar>& boxes) {
   Source source;
-  source.kernels = FitKernelsOf<kSource, kDims>::kTargets;
+  source.kernels = FitKernelsOf<kSource, kDims, Scalar>::kTargets;
   source.dims = kDims;
   source.count = boxes.count;
   source.stride = boxes.stride;
-  for (const float* column : boxes.min) {
+  source.is_double = sizeof(Scalar) == sizeof(double);
+  for (const Scalar* column : boxes.min) {
     source.columns[source.column_count++] = column;
   }
-  for (const float* column : boxes.max) {
+  for (const Scalar* column : boxes.max) {
     source.columns[source.column_count++] = column;
   }
   return source;
 }
 
-template <FitSource kSource, int kDims>
-Source SourceOf(const Spheres<kDims>& spheres) {
+template <FitSource kSource, int kDims, typename Scalar>
+Source SourceOf(const Spheres<kDims, Scalar>& spheres) {
   Source source;
-  source.kernels = FitKernelsOf<kSource, kDims>::kTargets;
+  source.kernels = FitKernelsOf<kSource, kDims, Scalar>::kTargets;
   source.dims = kDims;
   source.count = spheres.count;
   source.stride = spheres.stride;
-  for (const float* column : spheres.center) {
+  source.is_double = sizeof(Scalar) == sizeof(double);
+  for (const Scalar* column : spheres.center) {
     source.columns[source.column_count++] = column;
   }
   source.columns[source.column_count++] = spheres.radius;
   return source;
 }
 
-template <FitSource kSource, int kDims>
-Source SourceOf(const Points<kDims>& points) {
+template <FitSource kSource, int kDims, typename Scalar>
+Source SourceOf(const Points<kDims, Scalar>& points) {
   Source source;
-  source.kernels = FitKernelsOf<kSource, kDims>::kTargets;
+  source.kernels = FitKernelsOf<kSource, kDims, Scalar>::kTargets;
   source.dims = kDims;
   source.count = points.count;
   source.stride = points.stride;
   source.has_one_pointer = true;
+  source.is_double = sizeof(Scalar) == sizeof(double);
   for (std::size_t k = 0; k < kDims; ++k) {
     source.columns[source.column_count++] =
         points.coords == nullptr ? nullptr : points.coords + k;
@@ -123,13 +131,14 @@ Source SourceOf(const Points<kDims>& points) {
   return source;
 }
 
-template <FitSource kSource, int kDims>
-Source SourceOf(const PointsSoa<kDims>& points) {
+template <FitSource kSource, int kDims, typename Scalar>
+Source SourceOf(const PointsSoa<kDims, Scalar>& points) {
   Source source;
-  source.kernels = FitKernelsOf<kSource, kDims>::kTargets;
+  source.kernels = FitKernelsOf<kSource, kDims, Scalar>::kTargets;
   source.dims = kDims;
   source.count = points.count;
-  for (const float* column : points.coords) {
+  source.is_double = sizeof(Scalar) == sizeof(double);
+  for (const Scalar* column : points.coords) {
     source.columns[source.column_count++] = column;
   }
   return source;

@@ -25,17 +25,22 @@ const std::map<std::string, std::uint64_t> kExpected = {
     {"BoundAabb", 0x67ca5ff90215e6e2},
     {"BoundAabb of doubles", 0xe939be9bb1337732},
     {"BoundCapsule", 0x4b747af9113c8c42},
+    {"BoundCapsule of doubles", 0x66ba2b9ee6779ae4},
     {"BoundFrustum", 0x6d35254279d03e41},
     {"BoundOrientedBox", 0xaf4a98bb8668c18d},
+    {"BoundOrientedBox of doubles", 0x34593f0563d5d6a4},
     {"BoundPoints", 0x3573bddfb9e1af0f},
     {"BoundPoints by indices", 0x1f4d14c05e4a46ab},
     {"BoundPoints of doubles", 0x35643d93018714a1},
     {"BoundRay", 0xd8068d41319c7d99},
+    {"BoundRay of doubles", 0x93f1f3196f4f8167},
     {"BoundSegment", 0x1c4465e09a1310b0},
     {"BoundSegmentPieces", 0x3912905216b7232d},
+    {"BoundSegmentPieces of doubles", 0xc3a0937605fd8b69},
     {"BoundSphere", 0x01587148ad767104},
     {"BoundSphere of doubles", 0xcfe6ecf10fc7ee09},
     {"BoundTransformed box", 0x531a8c735054c763},
+    {"BoundTransformed box of doubles", 0x0cc06882071ab6aa},
     {"BoundTransformed points", 0x0fe231292c1239b1},
     {"BoundTriangle", 0xd37ef5ac65b63eeb},
     {"Circumscribe", 0xf5f809e0d855d5ce},
@@ -72,21 +77,29 @@ void AddBounds(Build build, FnvHash& hash) {
   EXPECT_LT(unbounded, kBounds / 2);
 }
 
+template <int kDims>
+const SeededBuilder<kDims>& BuilderAt(std::size_t i) {
+  constexpr std::size_t kFirst = kSeededBuilders<kDims>.size();
+  return i < kFirst ? kSeededBuilders<kDims>[i]
+                    : kSeededBuildersOfDoubles<kDims>[i - kFirst];
+}
+
 class BoundHashTest : public ::testing::TestWithParam<std::size_t> {};
 
 TEST_P(BoundHashTest, IsTheSameEverywhere) {
-  const std::string name = kSeededBuilders<3>[GetParam()].name;
+  const std::string name = BuilderAt<3>(GetParam()).name;
   FnvHash hash;
-  AddBounds<2>(kSeededBuilders<2>[GetParam()].build, hash);
-  AddBounds<3>(kSeededBuilders<3>[GetParam()].build, hash);
-  AddBounds<4>(kSeededBuilders<4>[GetParam()].build, hash);
+  AddBounds<2>(BuilderAt<2>(GetParam()).build, hash);
+  AddBounds<3>(BuilderAt<3>(GetParam()).build, hash);
+  AddBounds<4>(BuilderAt<4>(GetParam()).build, hash);
   EXPECT_EQ(hash.value(), Expected(name))
       << "the hash of " << name << " is 0x" << std::hex << hash.value();
 }
 
-INSTANTIATE_TEST_SUITE_P(Builders, BoundHashTest,
-                         ::testing::Range(std::size_t{0},
-                                          kSeededBuilders<3>.size()));
+INSTANTIATE_TEST_SUITE_P(
+    Builders, BoundHashTest,
+    ::testing::Range(std::size_t{0}, kSeededBuilders<3>.size() +
+                                         kSeededBuildersOfDoubles<3>.size()));
 
 // Six planes around a point that is surely inside, none of them straight.
 Aabo3 FrustumBound(SeededNumbers& numbers) {

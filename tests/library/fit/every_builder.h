@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <vector>
 
 #include "halfspace/halfspace.h"
@@ -32,6 +33,11 @@ struct EveryShape {
   Capsule<kDims> capsule;
   Affine<kDims> map;
   std::array<HalfSpace3, 6> planes;
+  Ray<kDims, double> wide_ray;
+  OrientedBox<kDims, double> wide_oriented_box;
+  Capsule<kDims, double> wide_capsule;
+  Affine<kDims, double> wide_map;
+  std::array<HalfSpace<3, double>, 6> wide_planes;
   Aabo<kDims> bound;
   UpSimplex<kDims> simplex;  // contains a point
   Point<kDims> move;
@@ -92,6 +98,24 @@ static void VisitFits(const EveryShape<kDims>& s, const Visit& visit) {
   visit([&] { return BoundFrustum(s.planes); });
   visit([&] { return BoundTransformed(points, s.map); });
   visit([&] { return BoundTransformed(s.box, s.map); });
+  const Segment<kDims, double> wide_segment{s.wide_points[0], s.wide_points[1]};
+  visit([&] { return BoundPoints(wide, std::span(last).subspan(1)); });
+  visit([&] { return BoundSegment(wide_segment); });
+  visit([&] {
+    return BoundTriangle<kDims, double>(
+        {s.wide_points[0], s.wide_points[1], s.wide_points[0]});
+  });
+  visit([&] { return BoundRay(s.wide_ray); });
+  visit([&] {
+    std::array<Aabo<kDims>, 3> pieces;
+    BoundSegmentPieces(wide_segment, pieces);
+    return pieces;
+  });
+  visit([&] { return BoundOrientedBox(s.wide_oriented_box); });
+  visit([&] { return BoundCapsule(s.wide_capsule); });
+  visit([&] { return BoundFrustum(s.wide_planes); });
+  visit([&] { return BoundTransformed(points, s.wide_map); });
+  visit([&] { return BoundTransformed(s.wide_box, s.wide_map); });
 }
 
 template <int kDims, typename Visit>

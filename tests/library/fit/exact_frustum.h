@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <span>
 #include <vector>
 
 #include "halfspace/shapes.h"
@@ -21,8 +20,10 @@ namespace halfspace::testing {
 // has a corner on it.
 class ExactFrustum {
  public:
-  explicit ExactFrustum(std::span<const HalfSpace3> planes) {
-    for (const HalfSpace3& p : planes) {
+  template <typename Scalar, std::size_t kCount>
+  explicit ExactFrustum(
+      const std::array<HalfSpace<3, Scalar>, kCount>& planes) {
+    for (const auto& p : planes) {
       planes_.push_back({Whole(p.normal[0]), Whole(p.normal[1]),
                          Whole(p.normal[2]), Whole(p.offset)});
     }
@@ -64,9 +65,12 @@ class ExactFrustum {
 
   static mpz_class FarAway() { return mpz_class(1) << 1000; }
 
-  // A float as a multiple of the smallest one.
+  // A number as a multiple of the smallest one of its type.
   static mpz_class Whole(float value) {
     return mpz_class(Exact(value) * (mpz_class(1) << 149));
+  }
+  static mpz_class Whole(double value) {
+    return mpz_class(Exact(value) * (mpz_class(1) << 1074));
   }
 
   static mpz_class Determinant(const Four& a, const Four& b, const Four& c,

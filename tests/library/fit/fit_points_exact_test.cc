@@ -99,10 +99,10 @@ TYPED_TEST(FitPointsExactTest, Doubles) {
   CheckLayouts<TypeParam::value, double>();
 }
 
-TYPED_TEST(FitPointsExactTest, Indexed) {
-  constexpr int kDims = TypeParam::value;
+template <int kDims, typename Scalar>
+void CheckIndexed() {
   ForEachSample(21, kSamples, 2, [](PointKind kind, Random& random) {
-    const Layouts<kDims, float> layouts(kind, random);
+    const Layouts<kDims, Scalar> layouts(kind, random);
     const auto bound = BoundPoints(layouts.Shuffled(), layouts.indices);
     ASSERT_TRUE(layouts.Hull().IsEnclosedBy(bound, kTightest));
     const auto soa = layouts.Soa(layouts.shuffled_columns);
@@ -110,24 +110,37 @@ TYPED_TEST(FitPointsExactTest, Indexed) {
   });
 }
 
-TYPED_TEST(FitPointsExactTest, PointSegmentTriangle) {
-  constexpr int kDims = TypeParam::value;
+TYPED_TEST(FitPointsExactTest, Indexed) {
+  CheckIndexed<TypeParam::value, float>();
+  CheckIndexed<TypeParam::value, double>();
+}
+
+template <int kDims, typename Scalar>
+void CheckPointSegmentTriangle() {
   ForEachSample(22, kSamples, 3, [](PointKind kind, Random& random) {
-    const auto a = RandomPointOf<kDims, float>(kind, random);
-    const auto b = RandomPointOf<kDims, float>(kind, random);
-    const auto c = RandomPointOf<kDims, float>(kind, random);
+    const auto a = RandomPointOf<kDims, Scalar>(kind, random);
+    const auto b = RandomPointOf<kDims, Scalar>(kind, random);
+    const auto c = RandomPointOf<kDims, Scalar>(kind, random);
     ExactHull<kDims> hull;
     hull.AddPoint(ExactPointOf(a));
     ASSERT_TRUE(hull.IsEnclosedBy(BoundPoint<kDims>(a), kTightest));
     hull.AddPoint(ExactPointOf(b));
-    ASSERT_TRUE(hull.IsEnclosedBy(BoundSegment<kDims>({a, b}), kTightest));
+    ASSERT_TRUE(hull.IsEnclosedBy(BoundSegment(Segment<kDims, Scalar>{a, b}),
+                                  kTightest));
     hull.AddPoint(ExactPointOf(c));
-    ASSERT_TRUE(hull.IsEnclosedBy(BoundTriangle<kDims>({a, b, c}), kTightest));
+    ASSERT_TRUE(hull.IsEnclosedBy(
+        BoundTriangle(Triangle<kDims, Scalar>{a, b, c}), kTightest));
   });
 }
 
-template <int kDims>
-ExactPoint<kDims> Image(const Point<kDims>& point, const Affine<kDims>& map) {
+TYPED_TEST(FitPointsExactTest, PointSegmentTriangle) {
+  CheckPointSegmentTriangle<TypeParam::value, float>();
+  CheckPointSegmentTriangle<TypeParam::value, double>();
+}
+
+template <int kDims, typename Scalar, typename MapScalar>
+ExactPoint<kDims> Image(const Point<kDims, Scalar>& point,
+                        const Affine<kDims, MapScalar>& map) {
   ExactPoint<kDims> image = ExactPointOf(map.translation);
   for (std::size_t i = 0; i < kDims; ++i) {
     for (std::size_t k = 0; k < kDims; ++k) {
@@ -137,34 +150,61 @@ ExactPoint<kDims> Image(const Point<kDims>& point, const Affine<kDims>& map) {
   return image;
 }
 
-TYPED_TEST(FitPointsExactTest, ImagesOfPoints) {
-  constexpr int kDims = TypeParam::value;
+template <typename To, typename From, std::size_t kCount>
+std::array<To, kCount> As(const std::array<From, kCount>& from) {
+  std::array<To, kCount> to;
+  for (std::size_t k = 0; k < kCount; ++k) to[k] = static_cast<To>(from[k]);
+  return to;
+}
+
+template <int kDims, typename Scalar, typename MapScalar>
+void CheckImagesOfPoints() {
   ForEachSample(23, kSamples, 1, [](PointKind kind, Random& random) {
-    const Layouts<kDims, float> layouts(kind, random);
-    const auto map = RandomAffine<kDims>(kind, layouts.points[0], random);
+    const Layouts<kDims, Scalar> layouts(kind, random);
+    const auto map = RandomAffine<kDims, MapScalar>(
+        kind, As<MapScalar>(layouts.points[0]), random);
     ExactHull<kDims> hull;
-    for (const auto& p : layouts.points) hull.AddPoint(Image<kDims>(p, map));
+    for (const auto& p : layouts.points) {
+      hull.AddPoint(Image<kDims, Scalar>(p, map));
+    }
     const auto bound = BoundTransformed(layouts.Strided(), map);
     ASSERT_TRUE(hull.IsEnclosedBy(bound, kTightest));
   });
 }
 
-TYPED_TEST(FitPointsExactTest, ImagesOfBoxes) {
-  constexpr int kDims = TypeParam::value;
+TYPED_TEST(FitPointsExactTest, ImagesOfPoints) {
+  CheckImagesOfPoints<TypeParam::value, float, float>();
+  CheckImagesOfPoints<TypeParam::value, float, double>();
+  CheckImagesOfPoints<TypeParam::value, double, double>();
+}
+
+template <int kDims, typename Scalar, typename MapScalar>
+void CheckImagesOfBoxes() {
   ForEachSample(24, kSamples, 1, [](PointKind kind, Random& random) {
-    const auto box = RandomBox<kDims, float>(kind, random);
-    const auto map = RandomAffine<kDims>(kind, box.min, random);
+    const auto box = RandomBox<kDims, Scalar>(kind, random);
+    const auto map =
+        RandomAffine<kDims, MapScalar>(kind, As<MapScalar>(box.min), random);
     ExactHull<kDims> hull;
     for (std::size_t corner = 0; corner < (1u << kDims); ++corner) {
-      Point<kDims> point = box.min;
+      Point<kDims, Scalar> point = box.min;
       for (std::size_t k = 0; k < kDims; ++k) {
         if ((corner >> k & 1) != 0) point[k] = box.max[k];
       }
-      hull.AddPoint(Image<kDims>(point, map));
+      hull.AddPoint(Image<kDims, Scalar>(point, map));
     }
-    const auto bound = BoundTransformed(Aabb<kDims>{box.min, box.max}, map);
+    const auto bound = BoundTransformed(box, map);
     ASSERT_TRUE(hull.IsEnclosedBy(bound, kTightest));
+    if constexpr (sizeof(Scalar) == sizeof(float)) {
+      ASSERT_EQ(BoundTransformed(Aabb<kDims>{box.min, box.max}, map), bound);
+    }
   });
+}
+
+TYPED_TEST(FitPointsExactTest, ImagesOfBoxes) {
+  CheckImagesOfBoxes<TypeParam::value, float, float>();
+  CheckImagesOfBoxes<TypeParam::value, float, double>();
+  CheckImagesOfBoxes<TypeParam::value, double, float>();
+  CheckImagesOfBoxes<TypeParam::value, double, double>();
 }
 
 }  // namespace

@@ -45,10 +45,10 @@ TYPED_TEST(FitSolidsExactTest, Boxes) {
 }
 
 // All 2^kDims corners.
-TYPED_TEST(FitSolidsExactTest, OrientedBoxes) {
-  constexpr int kDims = TypeParam::value;
+template <int kDims, typename Scalar>
+void CheckOrientedBoxes() {
   ForEachSample(31, kSamples, 1, [](PointKind kind, Random& random) {
-    const auto box = RandomOrientedBox<kDims>(kind, random);
+    const auto box = RandomOrientedBox<kDims, Scalar>(kind, random);
     ExactHull<kDims> hull;
     for (std::size_t corner = 0; corner < (1u << kDims); ++corner) {
       auto point = ExactPointOf(box.center);
@@ -63,6 +63,11 @@ TYPED_TEST(FitSolidsExactTest, OrientedBoxes) {
     }
     ASSERT_TRUE(hull.IsEnclosedBy(BoundOrientedBox(box), kTightest));
   });
+}
+
+TYPED_TEST(FitSolidsExactTest, OrientedBoxes) {
+  CheckOrientedBoxes<TypeParam::value, float>();
+  CheckOrientedBoxes<TypeParam::value, double>();
 }
 
 template <int kDims, typename Scalar>
@@ -123,10 +128,10 @@ TYPED_TEST(FitSolidsExactTest, RadiusZeroIsThePoint) {
   });
 }
 
-TYPED_TEST(FitSolidsExactTest, Capsules) {
-  constexpr int kDims = TypeParam::value;
+template <int kDims, typename Scalar>
+void CheckCapsules() {
   ForEachSample(34, kSamples, 1, [](PointKind kind, Random& random) {
-    const auto capsule = RandomCapsule<kDims>(kind, random);
+    const auto capsule = RandomCapsule<kDims, Scalar>(kind, random);
     ExactHull<kDims> hull;
     hull.AddSphere(ExactPointOf(capsule.a), Exact(capsule.radius));
     hull.AddSphere(ExactPointOf(capsule.b), Exact(capsule.radius));
@@ -135,10 +140,15 @@ TYPED_TEST(FitSolidsExactTest, Capsules) {
   });
 }
 
-TYPED_TEST(FitSolidsExactTest, Rays) {
-  constexpr int kDims = TypeParam::value;
+TYPED_TEST(FitSolidsExactTest, Capsules) {
+  CheckCapsules<TypeParam::value, float>();
+  CheckCapsules<TypeParam::value, double>();
+}
+
+template <int kDims, typename Scalar>
+void CheckRays() {
   ForEachSample(35, kSamples, 1, [](PointKind kind, Random& random) {
-    const auto ray = RandomRay<kDims>(kind, random);
+    const auto ray = RandomRay<kDims, Scalar>(kind, random);
     ExactHull<kDims> hull;
     auto end = ExactPointOf(ray.origin);
     hull.AddPoint(end);
@@ -150,20 +160,26 @@ TYPED_TEST(FitSolidsExactTest, Rays) {
   });
 }
 
+TYPED_TEST(FitSolidsExactTest, Rays) {
+  CheckRays<TypeParam::value, float>();
+  CheckRays<TypeParam::value, double>();
+}
+
 // Each piece encloses its exact part of the segment. So neighbours both have
 // the point where they meet, and nothing is left out.
-TYPED_TEST(FitSolidsExactTest, SegmentPieces) {
-  constexpr int kDims = TypeParam::value;
+template <int kDims, typename Scalar>
+void CheckSegmentPieces() {
   constexpr std::size_t kMostPieces = 7;
   ForEachSample(
       36, kSamples / 4, kMostPieces / 2, [](PointKind kind, Random& random) {
-        const Segment<kDims> segment{RandomPointOf<kDims, float>(kind, random),
-                                     RandomPointOf<kDims, float>(kind, random)};
+        const Segment<kDims, Scalar> segment{
+            RandomPointOf<kDims, Scalar>(kind, random),
+            RandomPointOf<kDims, Scalar>(kind, random)};
         // Few pieces, or, now and then, many.
         const std::size_t count =
             OneIn(100, random) ? 1000 : 1 + random() % kMostPieces;
         std::vector<Aabo<kDims>> pieces(count);
-        BoundSegmentPieces<kDims>(segment, pieces);
+        BoundSegmentPieces(segment, pieces);
         const auto along = [&](std::size_t i) {
           ExactPoint<kDims> point;
           const mpq_class share = mpq_class(i) / mpq_class(count);
@@ -180,6 +196,11 @@ TYPED_TEST(FitSolidsExactTest, SegmentPieces) {
           ASSERT_TRUE(hull.IsEnclosedBy(pieces[i], kWithinOneUlp)) << i;
         }
       });
+}
+
+TYPED_TEST(FitSolidsExactTest, SegmentPieces) {
+  CheckSegmentPieces<TypeParam::value, float>();
+  CheckSegmentPieces<TypeParam::value, double>();
 }
 
 }  // namespace

@@ -102,6 +102,32 @@ TYPED_TEST(FitSpecialTest, Doubles) {
       [](const auto& sphere, FitStatus* status) {
         return BoundSphere(sphere, status);
       });
+  ExpectEverything<Point<kDims, double>>(0, kDims, bad,
+                                         BoundPoint<kDims, double>);
+  ExpectEverything<Segment<kDims, double>>(0, 2 * kDims, bad,
+                                           BoundSegment<kDims, double>);
+  ExpectEverything<Triangle<kDims, double>>(0, 3 * kDims, bad,
+                                            BoundTriangle<kDims, double>);
+  ExpectEverything<Ray<kDims, double>>(0, 2 * kDims, bad,
+                                       BoundRay<kDims, double>);
+  ExpectEverything<Capsule<kDims, double>>(0, 2 * kDims, bad,
+                                           BoundCapsule<kDims, double>);
+  ExpectEverything<OrientedBox<kDims, double>>(0, kDims + kDims * kDims, bad,
+                                               BoundOrientedBox<kDims, double>);
+  ExpectEverything<Affine<kDims, double>>(
+      0, kDims * (kDims + 1), bad, [](const auto& map, FitStatus* status) {
+        Aabb<kDims> box;
+        box.min.fill(1.f);
+        box.max.fill(1.f);
+        const Points<kDims> points{box.min.data(), 1};
+        EXPECT_EQ(BoundTransformed(points, map),
+                  BoundTransformed(box, map, status));
+        return BoundTransformed(points, map);
+      });
+  // What is not told from the products: it may come to anything.
+  Affine<kDims, double> map{};
+  map.linear[0][0] = std::nextafter(0x1p900, Bad<double>::kMost);
+  EXPECT_EQ(BoundTransformed(Aabb<kDims>{}, map), Aabo<kDims>::Everything());
   const std::vector<double> up = {1e300, Bad<double>::kInfinity,
                                   Bad<double>::kNan};
   ExpectEverything<Box<kDims, double>>(kDims, 2 * kDims, up,
@@ -263,6 +289,35 @@ TEST(FitFrustumSpecialTest, NumbersThatAreNotFiniteGiveEverything) {
   EXPECT_EQ(BoundFrustum(cube), Aabo3::Everything());
   cube[0].offset = 0x1p124f;
   EXPECT_EQ(BoundFrustum(cube).min[0], -0x1p124f);
+}
+
+TEST(FitFrustumSpecialTest, DoublesFarApart) {
+  std::array<HalfSpace<3, double>, 6> cube = {{{{1, 0, 0}, 1},
+                                               {{-1, 0, 0}, 1},
+                                               {{0, 1, 0}, 1},
+                                               {{0, -1, 0}, 1},
+                                               {{0, 0, 1}, 1},
+                                               {{0, 0, -1}, 1}}};
+  constexpr double kInfinity = Bad<double>::kInfinity;
+  EXPECT_EQ(BoundFrustum(cube).max[0], 1.f);
+  // So long a normal, so short a normal.
+  cube[1] = {{-0x1p1023, 0, 0}, 0x1p1023};
+  cube[2] = {{0, 0x1p-1074, 0}, 0x1p-1074};
+  EXPECT_EQ(BoundFrustum(cube).max[0], 1.f);
+  EXPECT_EQ(BoundFrustum(cube).min[1], -1.f);
+  cube[1] = {{-1, 0x1p-200, 0}, 1};
+  EXPECT_EQ(BoundFrustum(cube).max[0], 0x1.000002p0f);
+  for (double bad : {0x1p-201, Bad<double>::kNan, kInfinity, -kInfinity}) {
+    cube[1].normal[1] = bad;
+    EXPECT_EQ(BoundFrustum(cube), Aabo3::Everything()) << bad;
+  }
+  cube[1] = {{-1, 0, 0}, 0x1p201};
+  EXPECT_EQ(BoundFrustum(cube), Aabo3::Everything());
+  // In front of it everywhere, and behind it everywhere.
+  cube[1] = {{-1, 0, 0}, 1};
+  cube[5] = {{0, 0, -1}, 1};
+  cube[0].offset = -0x1p-200;
+  EXPECT_EQ(BoundFrustum(cube).min[0], 0.f);
 }
 
 }  // namespace

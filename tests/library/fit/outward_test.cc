@@ -11,9 +11,11 @@
 #include <string>
 #include <type_traits>
 
+#include "kernels/exact/exact_terms.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/exact.h"
 #include "tests/library/support/points.h"
+#include "tests/library/support/random_shapes.h"
 
 namespace halfspace::kernels {
 namespace {
@@ -104,6 +106,57 @@ TEST(OutwardKnownTest, BothZerosHaveTheSameNeighbours) {
     EXPECT_EQ(RoundDown({zero, -0x1p-200}), -0x1p-149f);
     EXPECT_EQ(RoundUp({zero, 0x1p-200}), 0x1p-149f);
   }
+}
+
+// Of products from 2^-2148 on, some of which cancel, and of numbers near
+// floats.
+TEST(ExactTermsTest, ProductsOfDoublesAreExact) {
+  testing::Random random(6);
+  std::size_t tiny = 0;
+  for (std::size_t i = 0; i < testing::Scaled(100'000); ++i) {
+    ExactTerms<double, 4, 2> terms;
+    mpq_class exact = 0;
+    const auto number = [&](int least, int most) {
+      const int exponent = testing::RandomExponent(least, most, random);
+      return std::ldexp(
+          testing::WithMoreBits(
+              testing::RandomSign(random) * testing::RandomMantissa(random),
+              random),
+          exponent);
+    };
+    // From one line on, or around the smallest double and its half.
+    const int range = testing::OneIn(2, random) ? 1074 : 530;
+    for (int p = 0; p < 2; ++p) {
+      double a = number(-range, p == 0 ? 40 : -500);
+      double b = number(-range, p == 0 ? 40 : -500);
+      terms.AddProduct(a, b);
+      exact += Exact(a) * Exact(b);
+      tiny += std::fabs(a * b) < 0x1p-900;
+      // Its opposite, by other factors, or nearly.
+      a = std::ldexp(a, a < 0x1p-500 ? 3 : -3);
+      b = std::ldexp(-b, a < 0x1p-500 ? -3 : 3);
+      if (testing::OneIn(3, random)) b = std::nextafter(b, 1.0);
+      terms.AddProduct(a, b);
+      exact += Exact(a) * Exact(b);
+    }
+    for (int n = 0; n < 2; ++n) {
+      double x = testing::OneIn(2, random) ? number(-1074, 40) : 1.0;
+      if (testing::OneIn(4, random)) x = 0x1p-1074;
+      if (testing::OneIn(4, random)) x = 0.0;
+      terms.Add(x);
+      exact += Exact(x);
+    }
+    for (const ExactSum& sum : {terms.Sum(), terms.SumToRound()}) {
+      ASSERT_TRUE(IsTightestBelow(RoundDown(sum), exact)) << i;
+      ASSERT_TRUE(IsTightestAbove(RoundUp(sum), exact)) << i;
+    }
+    const ExactSum sum = terms.Sum();
+    ASSERT_EQ(sgn(exact), sum.value != 0.0
+                              ? (sum.value > 0.0 ? 1 : -1)
+                              : (sum.rest > 0.0) - (sum.rest < 0.0))
+        << i;
+  }
+  EXPECT_GT(tiny, testing::Scaled(100'000) / 10);
 }
 
 }  // namespace

@@ -46,6 +46,17 @@ EveryShape<kDims> RandomEveryShape(PointKind kind, Random& random) {
   s.capsule = RandomCapsule<kDims>(kind, random);
   s.map = RandomAffine<kDims>(kind, s.points[0], random);
   s.planes = RandomFrustum(kind, random);
+  s.wide_ray = RandomRay<kDims, double>(kind, random);
+  s.wide_oriented_box = RandomOrientedBox<kDims, double>(kind, random);
+  s.wide_capsule = RandomCapsule<kDims, double>(kind, random);
+  s.wide_map = RandomAffine<kDims, double>(kind, s.wide_box.min, random);
+  for (std::size_t i = 0; i < s.planes.size(); ++i) {
+    const auto& [normal, offset] = s.planes[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      s.wide_planes[i].normal[k] = WithMoreBits(normal[k], random);
+    }
+    s.wide_planes[i].offset = WithMoreBits(offset, random);
+  }
   s.bound = BoundAabb(s.box);
   s.simplex = s.bound.up();
   s.move = point();

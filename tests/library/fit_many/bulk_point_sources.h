@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "halfspace/fit.h"
@@ -22,17 +23,17 @@ namespace halfspace::testing {
 
 // What triangles and point sets have in common. Columns of points have no
 // stride: for Layout::kStrided they are structures too.
-template <int kDims>
+template <int kDims, typename Scalar>
 struct PointSource {
-  std::vector<Point<kDims>> points;
-  Points<kDims> aos;
-  PointsSoa<kDims> soa;
+  std::vector<Point<kDims, Scalar>> points;
+  Points<kDims, Scalar> aos;
+  PointsSoa<kDims, Scalar> soa;
   bool is_soa = false;
 
   void PlacePoints(Arena& arena, Layout layout) {
     is_soa = layout == Layout::kColumns;
     if (layout == Layout::kStrided) layout = Layout::kSpread;
-    const Columns to(arena, layout, kDims, points.size());
+    const Columns<Scalar> to(arena, layout, kDims, points.size());
     for (std::size_t k = 0; k < kDims; ++k) {
       for (std::size_t i = 0; i < points.size(); ++i) {
         to.Set(k, i, points[i][k]);
@@ -44,10 +45,11 @@ struct PointSource {
   }
 };
 
-template <int kDims>
-struct TriangleSource : PointSource<kDims> {
+template <int kDims, typename Scalar = float>
+struct TriangleSource : PointSource<kDims, Scalar> {
   static constexpr int kDimensions = kDims;
-  static constexpr const char* kName = "Triangles";
+  static constexpr const char* kName =
+      std::is_same_v<Scalar, float> ? "Triangles" : "TrianglesOfDoubles";
 
   std::vector<std::uint32_t> corners;
   std::span<const std::uint32_t> indices;
@@ -56,7 +58,8 @@ struct TriangleSource : PointSource<kDims> {
                                Random& random) {
     TriangleSource source;
     source.points.resize(count + 2);
-    for (auto& p : source.points) p = RandomPointOf<kDims, float>(kind, random);
+    for (auto& p : source.points)
+      p = RandomPointOf<kDims, Scalar>(kind, random);
     for (std::size_t i = 0; i < 3 * count; ++i) {
       source.corners.push_back(
           static_cast<std::uint32_t>(random() % source.points.size()));
@@ -88,11 +91,12 @@ struct TriangleSource : PointSource<kDims> {
     }
   }
   std::size_t size() const { return corners.size() / 3; }
-  const Point<kDims>& Corner(std::size_t i, std::size_t corner) const {
+  const Point<kDims, Scalar>& Corner(std::size_t i, std::size_t corner) const {
     return this->points[corners[3 * i + corner]];
   }
   Aabo<kDims> Single(std::size_t i) const {
-    return BoundTriangle<kDims>({Corner(i, 0), Corner(i, 1), Corner(i, 2)});
+    return BoundTriangle(
+        Triangle<kDims, Scalar>{Corner(i, 0), Corner(i, 1), Corner(i, 2)});
   }
   ExactHull<kDims> Hull(std::size_t i) const {
     ExactHull<kDims> hull;
@@ -105,10 +109,11 @@ struct TriangleSource : PointSource<kDims> {
 };
 
 // Of 1 to 4 points, or, now and then, of more than fill some vectors.
-template <int kDims>
-struct PointSetSource : PointSource<kDims> {
+template <int kDims, typename Scalar = float>
+struct PointSetSource : PointSource<kDims, Scalar> {
   static constexpr int kDimensions = kDims;
-  static constexpr const char* kName = "PointSets";
+  static constexpr const char* kName =
+      std::is_same_v<Scalar, float> ? "PointSets" : "PointSetsOfDoubles";
 
   std::vector<std::size_t> set_ends;
   std::span<const std::size_t> ends;
@@ -120,7 +125,7 @@ struct PointSetSource : PointSource<kDims> {
       std::size_t size = 1 + random() % 4;
       if (OneIn(16, random)) size += random() % 150;
       for (std::size_t n = 0; n < size; ++n) {
-        source.points.push_back(RandomPointOf<kDims, float>(kind, random));
+        source.points.push_back(RandomPointOf<kDims, Scalar>(kind, random));
       }
       source.set_ends.push_back(source.points.size());
     }
@@ -160,12 +165,13 @@ struct PointSetSource : PointSource<kDims> {
     this->points.resize(count == 0 ? 0 : set_ends.back());
   }
   std::size_t size() const { return set_ends.size(); }
-  std::span<const Point<kDims>> Set(std::size_t i) const {
+  std::span<const Point<kDims, Scalar>> Set(std::size_t i) const {
     const std::size_t begin = i == 0 ? 0 : set_ends[i - 1];
     return std::span(this->points).subspan(begin, set_ends[i] - begin);
   }
   Aabo<kDims> Single(std::size_t i) const {
-    return BoundPoints<kDims>({Set(i).front().data(), Set(i).size()});
+    return BoundPoints(
+        Points<kDims, Scalar>{Set(i).front().data(), Set(i).size()});
   }
   ExactHull<kDims> Hull(std::size_t i) const {
     ExactHull<kDims> hull;
@@ -176,14 +182,21 @@ struct PointSetSource : PointSource<kDims> {
 };
 
 #if defined(HALFSPACE_TEST_ONLY_3D)
-using AllBulkSources = ::testing::Types<BoxSource<3>, SphereSource<3>,
-                                        TriangleSource<3>, PointSetSource<3>>;
+using AllBulkSources =
+    ::testing::Types<BoxSource<3>, SphereSource<3>, TriangleSource<3>,
+                     PointSetSource<3>, BoxSource<3, double>,
+                     SphereSource<3, double>, TriangleSource<3, double>,
+                     PointSetSource<3, double>>;
 #else
 using AllBulkSources =
     ::testing::Types<BoxSource<2>, BoxSource<3>, BoxSource<4>, SphereSource<2>,
                      SphereSource<3>, SphereSource<4>, TriangleSource<2>,
                      TriangleSource<3>, TriangleSource<4>, PointSetSource<2>,
-                     PointSetSource<3>, PointSetSource<4>>;
+                     PointSetSource<3>, PointSetSource<4>, BoxSource<2, double>,
+                     BoxSource<3, double>, SphereSource<3, double>,
+                     SphereSource<4, double>, TriangleSource<3, double>,
+                     TriangleSource<4, double>, PointSetSource<2, double>,
+                     PointSetSource<3, double>>;
 #endif
 
 struct BulkSourceNames {

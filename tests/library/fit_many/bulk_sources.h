@@ -14,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <type_traits>
 #include <vector>
 
 #include "halfspace/fit.h"
@@ -36,8 +37,9 @@ inline constexpr std::array kLayouts = {Layout::kColumns, Layout::kStrided,
                                         Layout::kPacked, Layout::kSpread};
 
 // Columns to be filled: value c of element i is columns[c][i * stride].
+template <typename Scalar>
 struct Columns {
-  std::vector<float*> columns;
+  std::vector<Scalar*> columns;
   std::size_t stride;
 
   Columns(Arena& arena, Layout layout, std::size_t columns_count,
@@ -48,37 +50,37 @@ struct Columns {
              : layout == Layout::kPacked ? columns_count
                                          : columns_count + 3;
     const std::size_t width = is_structure ? columns_count : 1;
-    const std::size_t floats = count == 0 ? 0 : (count - 1) * stride + width;
+    const std::size_t scalars = count == 0 ? 0 : (count - 1) * stride + width;
     for (std::size_t c = 0; c < columns_count; ++c) {
       columns.push_back(is_structure && c > 0 ? columns[0] + c
-                                              : arena.New<float>(floats));
+                                              : arena.New<Scalar>(scalars));
     }
   }
 
-  void Set(std::size_t c, std::size_t i, float value) const {
+  void Set(std::size_t c, std::size_t i, Scalar value) const {
     columns[c][i * stride] = value;
   }
 };
 
-template <int kDims>
+template <int kDims, typename Scalar = float>
 struct BoxSource {
   static constexpr int kDimensions = kDims;
-  static constexpr const char* kName = "Boxes";
+  static constexpr const char* kName =
+      std::is_same_v<Scalar, float> ? "Boxes" : "BoxesOfDoubles";
 
-  std::vector<Aabb<kDims>> shapes;
-  Boxes<kDims> boxes;
+  std::vector<Box<kDims, Scalar>> shapes;
+  Boxes<kDims, Scalar> boxes;
 
   static BoxSource Random(PointKind kind, std::size_t count, Random& random) {
     BoxSource source;
     for (std::size_t i = 0; i < count; ++i) {
-      const auto box = RandomBox<kDims, float>(kind, random);
-      source.shapes.push_back({box.min, box.max});
+      source.shapes.push_back(RandomBox<kDims, Scalar>(kind, random));
     }
     return source;
   }
 
   void Place(Arena& arena, Layout layout) {
-    const Columns to(arena, layout, 2 * kDims, shapes.size());
+    const Columns<Scalar> to(arena, layout, 2 * kDims, shapes.size());
     boxes.count = shapes.size();
     boxes.stride = to.stride;
     for (std::size_t k = 0; k < kDims; ++k) {
@@ -120,25 +122,26 @@ struct BoxSource {
   double Give(std::size_t, bool) const { return 0.0; }
 };
 
-template <int kDims>
+template <int kDims, typename Scalar = float>
 struct SphereSource {
   static constexpr int kDimensions = kDims;
-  static constexpr const char* kName = "Spheres";
+  static constexpr const char* kName =
+      std::is_same_v<Scalar, float> ? "Spheres" : "SpheresOfDoubles";
 
-  std::vector<Sphere<kDims>> shapes;
-  Spheres<kDims> spheres;
+  std::vector<Sphere<kDims, Scalar>> shapes;
+  Spheres<kDims, Scalar> spheres;
 
   static SphereSource Random(PointKind kind, std::size_t count,
                              Random& random) {
     SphereSource source;
     for (std::size_t i = 0; i < count; ++i) {
-      source.shapes.push_back(RandomSphere<kDims, float>(kind, random));
+      source.shapes.push_back(RandomSphere<kDims, Scalar>(kind, random));
     }
     return source;
   }
 
   void Place(Arena& arena, Layout layout) {
-    const Columns to(arena, layout, kDims + 1, shapes.size());
+    const Columns<Scalar> to(arena, layout, kDims + 1, shapes.size());
     spheres.count = shapes.size();
     spheres.stride = to.stride;
     spheres.radius = to.columns[kDims];
@@ -178,8 +181,9 @@ struct SphereSource {
   }
   double Give(std::size_t i, bool is_tightest) const {
     double sum = shapes[i].radius;
+    if (std::is_same_v<Scalar, double>) return RoundD(sum).d_slack;
     if (is_tightest) return sum * 0x1p-100;
-    for (float x : shapes[i].center) sum += std::fabs(x);
+    for (Scalar x : shapes[i].center) sum += std::fabs(x);
     return sum * 0x1p-49;
   }
 };

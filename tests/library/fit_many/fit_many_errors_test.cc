@@ -265,5 +265,38 @@ TEST_F(FitManyErrorsTest, NothingIsNoError) {
   EXPECT_EQ(status.results, 0u);
 }
 
+// Twice as many bytes: misaligned as no float is, and as long as that.
+TEST_F(FitManyErrorsTest, Doubles) {
+  alignas(double) std::array<float, 2 * kCount + 2> room{};
+  const std::array<double, kCount> ones = {1, 1, 1};
+  const auto* doubles = reinterpret_cast<const double*>(room.data());
+  Boxes<3, double> boxes{.count = kCount};
+  boxes.min.fill(ones.data());
+  boxes.max.fill(ones.data());
+  const auto expect_refused =
+      [&](std::initializer_list<std::string_view> parts) {
+        ExpectRefused(
+            [&](FitStatus* status) { BoundBoxes(boxes, output_, {}, status); },
+            parts);
+      };
+  boxes.max[1] = reinterpret_cast<const double*>(room.data() + 1);
+  expect_refused({"BoundBoxes: boxes.max[1]: expected", "aligned to 8 bytes"});
+  boxes.max[1] = doubles;
+  output_.min[2] = room.data() + 2 * kCount - 1;
+  expect_refused({"BoundBoxes: planes.min[2]: expected", "boxes.max[1]"});
+  output_.min[2] = planes_[2].data();
+  boxes.count = kCount + 1;
+  expect_refused({"BoundBoxes: boxes.count: expected 3"});
+  // A target that is not there is refused, though one is like the other.
+  boxes.count = kCount;
+  ExpectRefused(
+      [&](FitStatus* status) {
+        BoundBoxes(boxes, output_,
+                   {.target = Target::FromHighwayBit(std::int64_t{1} << 50)},
+                   status);
+      },
+      {"BoundBoxes: ", "target"});
+}
+
 }  // namespace
 }  // namespace halfspace::testing

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <vector>
 
@@ -244,6 +245,78 @@ TYPED_TEST(FitManySpecialTest, EndsThatAreOutOfOrder) {
       }
     }
   }
+}
+
+// Bad shapes of doubles, one of each kind; the last of each is good.
+TYPED_TEST(FitManySpecialTest, Doubles) {
+  constexpr int kDims = TypeParam::value;
+  constexpr double kWideNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kWideMost = std::numeric_limits<double>::max();
+  constexpr auto kEverything = Aabo<kDims>::Everything();
+  constexpr auto kNothing = Aabo<kDims>::Empty();
+  Point<kDims> ones;
+  ones.fill(1.f);
+  const auto good = BoundPoint<kDims>(ones);
+  AaboWorld<kDims> world;
+  FitStatus status;
+  // The bounds that come, of all shapes built since the last time.
+  const auto expect = [&](std::initializer_list<Aabo<kDims>> expected) {
+    ASSERT_EQ(world.size(), expected.size());
+    std::size_t everything = 0;
+    for (std::size_t i = 0; i < world.size(); ++i) {
+      const auto& bound = expected.begin()[i];
+      EXPECT_EQ(world.Get(i), bound) << i;
+      if (everything == 0 && bound == kEverything) {
+        EXPECT_EQ(status.first_everything, i);
+      }
+      everything += bound == kEverything ? 1 : 0;
+    }
+    EXPECT_EQ(status.results, world.size());
+    EXPECT_EQ(status.everything, everything);
+    status = {};
+  };
+
+  std::vector<Aabb<kDims, double>> boxes(7);
+  for (auto& box : boxes) {
+    box.min.fill(1.0);
+    box.max.fill(1.0);
+  }
+  boxes[0] = Aabb<kDims, double>::Empty();
+  boxes[1].min.fill(kWideMost);
+  boxes[1].max.fill(-kWideMost);
+  boxes[2].min[1] = kWideNan;
+  boxes[3].max[0] = 0.0;
+  boxes[4] = boxes[3];
+  boxes[4].min[1] = kWideNan;
+  boxes[5].max[1] = 0x1.8p125;
+  world.Resize(boxes.size());
+  const auto columns = BoxesOf<kDims>(boxes);
+  BoundBoxes(columns, world.planes(), {}, &status);
+  expect({kNothing, kNothing, kEverything, kEverything, kEverything,
+          kEverything, good});
+  BoundBoxes(columns, world.planes(), {.inverted = Inverted::kEmpty}, &status);
+  expect({kNothing, kNothing, kEverything, kNothing, kEverything, kEverything,
+          good});
+
+  const std::array<double, 4> radii = {-0x1p-1074, kWideNan, 0x1.8p125, 0.0};
+  const std::vector<double> coords(4 * kDims, 1.0);
+  Spheres<kDims, double> spheres{.radius = radii.data(), .count = radii.size()};
+  spheres.center.fill(coords.data());
+  world.Resize(radii.size());
+  BoundSpheres(spheres, world.planes(), {}, &status);
+  expect({kEverything, kEverything, kEverything, good});
+
+  const Points<kDims, double> points{coords.data(), 4};
+  const std::array<std::uint32_t, 9> indices = {0, 1, 4, 0xffffffff, 1,
+                                                2, 3, 1, 0};
+  world.Resize(3);
+  BoundTriangles(points, indices, world.planes(), {}, &status);
+  expect({kEverything, kEverything, good});
+
+  const std::array<std::size_t, 5> ends = {0, 3, 2, 4, 5};
+  world.Resize(ends.size());
+  BoundPointSets(points, ends, world.planes(), {}, &status);
+  expect({kNothing, good, kEverything, good, kEverything});
 }
 
 // No vertices at all: no triangle has corners.

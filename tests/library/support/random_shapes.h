@@ -63,7 +63,11 @@ Scalar RandomLength(PointKind kind, Random& random) {
 }
 
 // To multiply coordinates with: small enough for the largest of them.
-inline float RandomFactor(PointKind kind, Random& random) {
+template <typename Scalar = float>
+Scalar RandomFactor(PointKind kind, Random& random);
+
+template <>
+inline float RandomFactor<float>(PointKind kind, Random& random) {
   const float sign = RandomSign(random);
   switch (kind) {
     case PointKind::kUniform:
@@ -79,6 +83,14 @@ inline float RandomFactor(PointKind kind, Random& random) {
       return sign * std::nextafter(1.f, RandomSign(random) * 2.f);
   }
   return sign;
+}
+
+// Of subnormal points the products are less than any double.
+template <>
+inline double RandomFactor<double>(PointKind kind, Random& random) {
+  const double factor = WithMoreBits(RandomFactor<float>(kind, random), random);
+  if (kind != PointKind::kSubnormal || OneIn(2, random)) return factor;
+  return std::ldexp(factor, -RandomExponent(0, 920, random));
 }
 
 // Lengths of 1 / sqrt(kDims) times the sum of the center's coordinates, or
@@ -115,11 +127,11 @@ Sphere<kDims, Scalar> RandomSphere(PointKind kind, Random& random) {
   return sphere;
 }
 
-template <int kDims>
-Capsule<kDims> RandomCapsule(PointKind kind, Random& random) {
-  const auto sphere = RandomSphere<kDims, float>(kind, random);
-  Capsule<kDims> capsule{
-      sphere.center, RandomPointOf<kDims, float>(kind, random), sphere.radius};
+template <int kDims, typename Scalar = float>
+Capsule<kDims, Scalar> RandomCapsule(PointKind kind, Random& random) {
+  const auto sphere = RandomSphere<kDims, Scalar>(kind, random);
+  Capsule<kDims, Scalar> capsule{
+      sphere.center, RandomPointOf<kDims, Scalar>(kind, random), sphere.radius};
   if (OneIn(4, random)) capsule.b = capsule.a;
   return capsule;
 }
@@ -134,34 +146,35 @@ Box<kDims, Scalar> RandomBox(PointKind kind, Random& random) {
   return box;
 }
 
-template <int kDims>
-OrientedBox<kDims> RandomOrientedBox(PointKind kind, Random& random) {
-  OrientedBox<kDims> box;
-  box.center = RandomPointOf<kDims, float>(kind, random);
-  for (auto& axis : box.axes) axis = RandomPointOf<kDims, float>(kind, random);
-  for (float& half : box.half_extents) {
-    half = OneIn(8, random) ? 0.f : std::fabs(RandomFactor(kind, random));
+template <int kDims, typename Scalar = float>
+OrientedBox<kDims, Scalar> RandomOrientedBox(PointKind kind, Random& random) {
+  OrientedBox<kDims, Scalar> box;
+  box.center = RandomPointOf<kDims, Scalar>(kind, random);
+  for (auto& axis : box.axes) axis = RandomPointOf<kDims, Scalar>(kind, random);
+  for (Scalar& half : box.half_extents) {
+    half = OneIn(8, random) ? 0 : std::fabs(RandomFactor<Scalar>(kind, random));
   }
   return box;
 }
 
-template <int kDims>
-Ray<kDims> RandomRay(PointKind kind, Random& random) {
-  return {RandomPointOf<kDims, float>(kind, random),
-          RandomPointOf<kDims, float>(kind, random),
-          OneIn(8, random) ? 0.f : std::fabs(RandomFactor(kind, random))};
+template <int kDims, typename Scalar = float>
+Ray<kDims, Scalar> RandomRay(PointKind kind, Random& random) {
+  return {RandomPointOf<kDims, Scalar>(kind, random),
+          RandomPointOf<kDims, Scalar>(kind, random),
+          OneIn(8, random) ? 0 : std::fabs(RandomFactor<Scalar>(kind, random))};
 }
 
 // kCancelling: the translation takes `point` almost back to the origin.
-template <int kDims>
-Affine<kDims> RandomAffine(PointKind kind, const Point<kDims>& point,
-                           Random& random) {
-  Affine<kDims> map;
-  map.translation = RandomPointOf<kDims, float>(kind, random);
+template <int kDims, typename Scalar = float>
+Affine<kDims, Scalar> RandomAffine(PointKind kind,
+                                   const Point<kDims, Scalar>& point,
+                                   Random& random) {
+  Affine<kDims, Scalar> map;
+  map.translation = RandomPointOf<kDims, Scalar>(kind, random);
   for (std::size_t i = 0; i < kDims; ++i) {
-    float sum = 0.f;
+    Scalar sum = 0;
     for (std::size_t k = 0; k < kDims; ++k) {
-      map.linear[i][k] = RandomFactor(kind, random);
+      map.linear[i][k] = RandomFactor<Scalar>(kind, random);
       sum += map.linear[i][k] * point[k];
     }
     if (kind == PointKind::kCancelling) map.translation[i] = -sum;

@@ -37,6 +37,45 @@ struct SeededBounds {
                                        Coordinates(numbers), numbers.Length()});
   }
 
+  static Bound OfCapsuleInDouble(Numbers& numbers) {
+    return BoundCapsule(Capsule<kDims, double>{
+        numbers.DoubleCoordinates<kCoords>(),
+        numbers.DoubleCoordinates<kCoords>(), double{numbers.Length()}});
+  }
+
+  static Bound OfOrientedBoxInDouble(Numbers& numbers) {
+    OrientedBox<kDims, double> box;
+    box.center = numbers.DoubleCoordinates<kCoords>();
+    for (auto& axis : box.axes) axis = numbers.DoubleCoordinates<kCoords>();
+    for (double& extent : box.half_extents) extent = numbers.Length();
+    return BoundOrientedBox(box);
+  }
+
+  static Bound OfRayInDouble(Numbers& numbers) {
+    return BoundRay(Ray<kDims, double>{numbers.DoubleCoordinates<kCoords>(),
+                                       numbers.DoubleCoordinates<kCoords>(),
+                                       double{numbers.Length()}});
+  }
+
+  static Bound OfSegmentPiecesInDouble(Numbers& numbers) {
+    const Segment<kDims, double> segment = {
+        numbers.DoubleCoordinates<kCoords>(),
+        numbers.DoubleCoordinates<kCoords>()};
+    std::array<Bound, 7> pieces;
+    BoundSegmentPieces(segment, pieces);
+    return pieces[numbers.Below(7)];
+  }
+
+  static Bound OfTransformedBoxInDouble(Numbers& numbers) {
+    halfspace::Box<kDims, double> box = {numbers.DoubleCoordinates<kCoords>(),
+                                         numbers.DoubleCoordinates<kCoords>()};
+    Order(box.min, box.max);
+    Affine<kDims, double> map;
+    for (auto& row : map.linear) row = numbers.DoubleCoordinates<kCoords>();
+    map.translation = numbers.DoubleCoordinates<kCoords>();
+    return BoundTransformed(box, map);
+  }
+
   static Bound OfOrientedBox(Numbers& numbers) {
     OrientedBox<kDims> box;
     box.center = Coordinates(numbers);
@@ -224,6 +263,21 @@ inline constexpr std::array kSeededBuilders = {
     SeededBuilder<kDims>{"Translate", &SeededBounds<kDims>::Translated},
     SeededBuilder<kDims>{"TranslateVertices",
                          &SeededBounds<kDims>::WithTranslatedVertices},
+};
+
+// Not in the scenes of seeded_scene.h, whose masks are constants, too.
+template <int kDims>
+inline constexpr std::array kSeededBuildersOfDoubles = {
+    SeededBuilder<kDims>{"BoundCapsule of doubles",
+                         &SeededBounds<kDims>::OfCapsuleInDouble},
+    SeededBuilder<kDims>{"BoundOrientedBox of doubles",
+                         &SeededBounds<kDims>::OfOrientedBoxInDouble},
+    SeededBuilder<kDims>{"BoundRay of doubles",
+                         &SeededBounds<kDims>::OfRayInDouble},
+    SeededBuilder<kDims>{"BoundSegmentPieces of doubles",
+                         &SeededBounds<kDims>::OfSegmentPiecesInDouble},
+    SeededBuilder<kDims>{"BoundTransformed box of doubles",
+                         &SeededBounds<kDims>::OfTransformedBoxInDouble},
 };
 
 }  // namespace halfspace::testing

@@ -1,0 +1,108 @@
+// Bounds of many shapes of doubles: those of fit.h, one after the other.
+#ifndef HALFSPACE_KERNELS_FIT_MANY_ONE_BY_ONE_H_
+#define HALFSPACE_KERNELS_FIT_MANY_ONE_BY_ONE_H_
+
+#include <cstddef>
+#include <cstdint>
+
+#include "halfspace/fit.h"
+#include "kernels/fit_many/kernel_table.h"
+
+namespace halfspace::kernels {
+
+// Numbers of element i, from column `first` on.
+template <int kDims>
+Point<kDims, double> ElementAt(const FitJob& job, std::size_t i,
+                               std::size_t first = 0) {
+  Point<kDims, double> point;
+  for (std::size_t k = 0; k < kDims; ++k) {
+    point[k] = job.double_columns[first + k][i * job.stride];
+  }
+  return point;
+}
+
+// Writes bound_of(i) for every shape i.
+template <int kDims, typename BoundOf>
+FitTally FitEach(const FitJob& job, const BoundOf& bound_of) {
+  FitTally tally;
+  for (std::size_t i = 0; i < job.size; ++i) {
+    const Aabo<kDims> bound = bound_of(i);
+    if (bound == Aabo<kDims>::Everything()) tally.Count(1, i);
+    for (std::size_t k = 0; k <= kDims; ++k) {
+      float* const min = job.planes[k];
+      float* const max = job.planes[kDims + 1 + k];
+      if (min != nullptr) min[i] = bound.min[k];
+      if (max != nullptr) max[i] = bound.max[k];
+    }
+  }
+  return tally;
+}
+
+template <int kDims>
+FitTally FitBoxes(const FitJob& job) {
+  return FitEach<kDims>(job, [&](std::size_t i) {
+    const Box<kDims, double> box = {ElementAt<kDims>(job, i),
+                                    ElementAt<kDims>(job, i, kDims)};
+    if (IsEmpty(Aabb<kDims, double>{box.min, box.max})) {
+      return Aabo<kDims>::Empty();
+    }
+    bool is_inverted = false;
+    bool is_number = true;
+    for (std::size_t k = 0; k < kDims; ++k) {
+      is_inverted |= box.min[k] > box.max[k];
+      is_number &= box.min[k] == box.min[k] && box.max[k] == box.max[k];
+    }
+    if (!is_inverted) return BoundAabb(box);
+    return is_number && job.inverted_is_empty ? Aabo<kDims>::Empty()
+                                              : Aabo<kDims>::Everything();
+  });
+}
+
+template <int kDims>
+FitTally FitSpheres(const FitJob& job) {
+  return FitEach<kDims>(job, [&](std::size_t i) {
+    const Sphere<kDims, double> sphere = {
+        ElementAt<kDims>(job, i), job.double_columns[kDims][i * job.stride]};
+    if (!(sphere.radius >= 0)) return Aabo<kDims>::Everything();
+    return BoundSphere(sphere);
+  });
+}
+
+template <int kDims>
+FitTally FitTriangles(const FitJob& job) {
+  return FitEach<kDims>(job, [&](std::size_t i) {
+    const std::uint32_t* const corners = job.indices + 3 * i;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (corners[c] >= job.count) return Aabo<kDims>::Everything();
+    }
+    return BoundTriangle(Triangle<kDims, double>{
+        ElementAt<kDims>(job, corners[0]), ElementAt<kDims>(job, corners[1]),
+        ElementAt<kDims>(job, corners[2])});
+  });
+}
+
+template <int kDims>
+FitTally FitPointSets(const FitJob& job) {
+  // Columns of points have a stride only where they are structures.
+  const bool is_soa = job.stride == 1;
+  return FitEach<kDims>(job, [&](std::size_t i) {
+    const std::size_t begin = i == 0 ? 0 : job.ends[i - 1];
+    const std::size_t end = job.ends[i];
+    if (begin > end || end > job.count) return Aabo<kDims>::Everything();
+    if (begin == end) return Aabo<kDims>::Empty();
+    if (!is_soa) {
+      return BoundPoints(Points<kDims, double>{
+          job.double_columns[0] + begin * job.stride, end - begin, job.stride});
+    }
+    PointsSoa<kDims, double> points;
+    points.count = end - begin;
+    for (std::size_t k = 0; k < kDims; ++k) {
+      points.coords[k] = job.double_columns[k] + begin;
+    }
+    return BoundPoints(points);
+  });
+}
+
+}  // namespace halfspace::kernels
+
+#endif  // HALFSPACE_KERNELS_FIT_MANY_ONE_BY_ONE_H_
