@@ -117,8 +117,8 @@ class BuildGroup {
     row.ns_per_item = timing.Median();
     row.gigabytes_per_second = bytes_per_item / row.ns_per_item;
     for (std::size_t c = 0; c < ways_.size(); ++c) {
-      const double percent = 100.0 * RatioOf(timings[c], timing).median;
-      if (c != 0 && percent >= row.percent_of_copy) continue;
+      const Ratio percent = RatioOf(timings[c], timing).Percent();
+      if (c != 0 && percent.median >= row.percent_of_copy.median) continue;
       row.percent_of_copy = percent;
       row.copy = NameOf(ways_[c]);
       row.copy_gigabytes_per_second = bytes_per_item / timings[c].Median();
@@ -142,6 +142,7 @@ std::vector<SingleBuildRow> RunSingles(const Context& context) {
       Measure(SingleBuildCases(), effort, context.progress);
   context.timings.insert(context.timings.end(), timings.begin(), timings.end());
   std::vector<SingleBuildRow> rows;
+  rows.reserve(timings.size());
   for (const Timing& timing : timings) {
     rows.push_back(
         {timing.name.substr(timing.name.find('/') + 1), timing.Median()});
@@ -154,7 +155,7 @@ std::vector<BuildThreshold> ThresholdsOf(const std::vector<BuildRow>& rows) {
   for (const BuildRow& row : rows) {
     if (row.shapes == "boxes" && row.planes == "aabo" &&
         row.rounding == "within-ulp" && row.working_set == "memory") {
-      thresholds.push_back({row.target, row.percent_of_copy});
+      thresholds.push_back({row.target, row.percent_of_copy.median});
     }
   }
   return thresholds;

@@ -54,7 +54,7 @@ std::string CaseName(const CrossoverRow& row, ShapeKind shape) {
 
 // Adds a row whose cases are made by make_case(name, shape).
 template <typename MakeCase>
-void AddRow(Plan& plan, CrossoverRow row, std::vector<ShapeKind> shapes,
+void AddRow(Plan& plan, CrossoverRow row, const std::vector<ShapeKind>& shapes,
             const MakeCase& make_case) {
   PlannedRow planned{std::move(row), {kNoCase, kNoCase, kNoCase}};
   for (ShapeKind shape : shapes) {

@@ -98,8 +98,9 @@ KernelsResult RunKernels(const std::vector<WorkingSet*>& sets,
         static_cast<double>(planned.planes * sizeof(float)) / row.ns_per_object;
     // The faster reader is the ceiling.
     for (std::size_t read : reads[{row.working_set, row.shape}]) {
-      const double percent = 100.0 * RatioOf(timings[read], timing).median;
-      if (row.percent_of_read == 0.0 || percent < row.percent_of_read) {
+      const Ratio percent = RatioOf(timings[read], timing).Percent();
+      if (row.percent_of_read.median == 0.0 ||
+          percent.median < row.percent_of_read.median) {
         row.percent_of_read = percent;
       }
     }

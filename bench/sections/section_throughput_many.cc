@@ -97,11 +97,12 @@ void RunAgainstCache(SharedGrid& shared, InCache& in_cache,
     row.name = std::string(NameOf(shape)) + " flat, masks of many";
     row.ns_per_pair = timings[1].Median();
     row.ceiling = "the same in L1";
-    row.percent_of_ceiling = 100.0 * RatioOf(timings[0], timings[1]).median;
+    const Ratio percent = RatioOf(timings[0], timings[1]).Percent();
+    row.percent_of_ceiling = percent.median;
     throughput.AddRatio(thresholds::kInCache, target,
                         std::string(NameOf(shape)) + " flat, many, " +
                             row.target + ": % of the same in L1",
-                        *row.percent_of_ceiling);
+                        percent);
     throughput.AddRow(row);
   }
 }
@@ -135,7 +136,7 @@ void RunQuantized(const GridWorld& grid, Throughput& throughput) {
     throughput.AddRatio(
         thresholds::kFilterOverSimplex, target,
         "aabo uint8 refined, many, " + row.target + ": times the float simplex",
-        RatioOf(timings[1], timings[0]).median);
+        RatioOf(timings[1], timings[0]));
   }
 }
 
