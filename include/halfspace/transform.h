@@ -1,4 +1,5 @@
-// Bounds of bounds: merged, inflated, moved, scaled, swept, turned over.
+// Bounds of bounds: merged, inflated, moved, scaled, swept, turned over. What
+// needs no rounding, Intersection and measures, is in bounds.h.
 //
 // `Bound` is any of UpSimplex, DownSimplex, Aabb and Aabo in 2, 3 or 4
 // dimensions, of floats; no call takes bounds of doubles (bounds.h). If the

@@ -159,5 +159,18 @@ TEST(ExactTermsTest, ProductsOfDoublesAreExact) {
   EXPECT_GT(tiny, testing::Scaled(100'000) / 10);
 }
 
+// Halves of the smallest double add up to it, and what is left counts.
+TEST(ExactTermsTest, WhatIsLeftOfTinyProductsCounts) {
+  for (double left : {0x1p-1000, -0x1p-1000}) {
+    ExactTerms<double, 3, 1> terms;
+    terms.AddProduct(0x1p-537, 0x1p-538);
+    terms.AddProduct(0x1p-538, 0x1p-537);
+    terms.AddProduct(left, 0x1p-1000);
+    terms.Add(-0x1p-1074);
+    EXPECT_EQ(RoundUp(terms.Sum()), left > 0.0 ? 0x1p-149f : 0.f);
+    EXPECT_EQ(RoundDown(terms.SumToRound()), left > 0.0 ? 0.f : -0x1p-149f);
+  }
+}
+
 }  // namespace
 }  // namespace halfspace::kernels
