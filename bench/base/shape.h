@@ -23,6 +23,11 @@ constexpr const char* NameOf(ShapeKind shape) {
   return kNames[static_cast<std::size_t>(shape)];
 }
 
+constexpr std::size_t PlaneCountOf(ShapeKind shape) {
+  constexpr std::size_t kCounts[] = {6, 4, 8};
+  return kCounts[static_cast<std::size_t>(shape)];
+}
+
 // A query of one shape, of its octahedron.
 template <typename Query>
 Query SeenAs(const Aabo3& query) {

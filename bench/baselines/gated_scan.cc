@@ -123,15 +123,14 @@ void ScanShape(size_t width, const float* const* planes, const float* query,
   ScanShape<kOrder>(kPlanes, width, planes, query, size, mask);
 }
 
-void ScanGated(bench::GatedShape shape, size_t width,
-               const float* const* planes, const float* query, size_t size,
-               uint64_t* mask) {
+void ScanGated(bench::ShapeKind shape, size_t width, const float* const* planes,
+               const float* query, size_t size, uint64_t* mask) {
   switch (shape) {
-    case bench::GatedShape::kSimplex:
+    case bench::ShapeKind::kSimplex:
       return ScanShape<bench::kSimplexOrder>(width, planes, query, size, mask);
-    case bench::GatedShape::kAabb:
+    case bench::ShapeKind::kAabb:
       return ScanShape<bench::kAabbOrder>(width, planes, query, size, mask);
-    case bench::GatedShape::kAabo:
+    case bench::ShapeKind::kAabo:
       return ScanShape<bench::kAaboOrder>(width, planes, query, size, mask);
   }
 }

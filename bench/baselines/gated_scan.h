@@ -7,18 +7,17 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "bench/base/shape.h"
 #include "halfspace/targets.h"
 
 namespace halfspace::bench {
 
 inline constexpr std::size_t kWidestGate = 4096;
 
-enum class GatedShape { kSimplex, kAabb, kAabo };
-
 // Writes the reject mask of `size` objects. Planes and query as in the kernels:
 // all minima, then all maxima. `width` is a power of two from the target's lane
 // count to kWidestGate, `size` a multiple of kWidestGate.
-using GatedScan = void (*)(GatedShape shape, std::size_t width,
+using GatedScan = void (*)(ShapeKind shape, std::size_t width,
                            const float* const* planes, const float* query,
                            std::size_t size, std::uint64_t* mask);
 

@@ -11,6 +11,8 @@ namespace {
 // Ordered, so that the file reads as the sections run.
 using Json = nlohmann::ordered_json;
 
+constexpr int kSchema = 1;
+
 template <typename T>
 Json OrNull(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
@@ -32,7 +34,7 @@ std::string Now() {
 
 // Google Benchmark's names where it has them; the build type is this program's
 // own, not that of the installed benchmark library.
-Json ContextJson(const MachineResult& result, const std::string& options) {
+Json ContextJson(const MachineResult& result) {
   const Machine& m = result.machine;
   Json caches = Json::array();
   for (const Cache& cache : m.caches) {
@@ -41,11 +43,15 @@ Json ContextJson(const MachineResult& result, const std::string& options) {
                       {"size", cache.bytes},
                       {"num_sharing", cache.shared_by}});
   }
-  return {{"date", Now()},      {"executable", "cpuinfo-bench"},
-          {"options", options}, {"num_cpus", m.cores},
-          {"caches", caches},   {"library_build_type", result.build.type},
-          {"cpu", m.cpu},       {"architecture", m.architecture},
-          {"system", m.system}, {"halfspace_version", result.build.version}};
+  return {{"date", Now()},
+          {"executable", "cpuinfo-bench"},
+          {"num_cpus", m.cores},
+          {"caches", caches},
+          {"library_build_type", result.build.type},
+          {"cpu", m.cpu},
+          {"architecture", m.architecture},
+          {"system", m.system},
+          {"halfspace_version", result.build.version}};
 }
 
 Json BenchmarksJson(const std::vector<Timing>& timings) {
@@ -141,17 +147,15 @@ Json ToJson(const CrossoverResult& result) {
 Json ToJson(const KernelsResult& result) {
   Json rows = Json::array();
   for (const KernelRow& row : result.rows) {
-    rows.push_back(
-        {{"shape", row.shape},
-         {"target", row.target},
-         {"schedule", row.schedule},
-         {"working_set", row.working_set},
-         {"objects", row.objects},
-         {"ns_per_object", row.ns_per_object},
-         {"objects_per_second", 1e9 / row.ns_per_object},
-         {"gigabytes_per_second", row.gigabytes_per_second},
-         {"percent_of_read", row.percent_of_read.median},
-         {"quartiles", {row.percent_of_read.low, row.percent_of_read.high}}});
+    rows.push_back({{"shape", row.shape},
+                    {"target", row.target},
+                    {"schedule", row.schedule},
+                    {"working_set", row.working_set},
+                    {"objects", row.objects},
+                    {"ns_per_object", row.ns_per_object},
+                    {"objects_per_second", 1e9 / row.ns_per_object},
+                    {"gigabytes_per_second", row.gigabytes_per_second},
+                    {"percent_of_read", row.percent_of_read}});
   }
   return {{"rows", rows}, {"not_reached", result.not_reached}};
 }
@@ -169,8 +173,7 @@ Json ToJson(const BuildResult& result) {
          {"item", row.item},
          {"ns_per_item", row.ns_per_item},
          {"gigabytes_per_second", row.gigabytes_per_second},
-         {"percent_of_copy", row.percent_of_copy.median},
-         {"quartiles", {row.percent_of_copy.low, row.percent_of_copy.high}},
+         {"percent_of_copy", row.percent_of_copy},
          {"copy", row.copy},
          {"copy_gigabytes_per_second", row.copy_gigabytes_per_second}});
   }
@@ -179,7 +182,7 @@ Json ToJson(const BuildResult& result) {
     thresholds.push_back({{"target", threshold.target},
                           {"percent_of_copy", threshold.percent_of_copy},
                           {"at_least", thresholds::kBuildPercentOfCopy},
-                          {"met", threshold.is_met()}});
+                          {"holds", threshold.holds()}});
   }
   Json singles = Json::array();
   for (const SingleBuildRow& row : result.singles) {
@@ -243,8 +246,8 @@ std::string ToJson(const Results& results) {
   AddSection(sections, "quality", results.quality);
   AddSection(sections, "segments", results.segments);
   AddSection(sections, "verdict", results.verdict);
-  Json root = {{"schema", kReportSchema},
-               {"context", ContextJson(results.context, results.options)},
+  Json root = {{"schema", kSchema},
+               {"context", ContextJson(results.context)},
                {"benchmarks", BenchmarksJson(results.timings)},
                {"sections", sections}};
   // A file name in another encoding must not stop the report.

@@ -83,7 +83,7 @@ struct KernelRow {
   std::size_t objects = 0;
   double ns_per_object = 0.0;
   double gigabytes_per_second = 0.0;  // of the shape's whole records
-  Ratio percent_of_read;              // of reading the same bytes
+  double percent_of_read = 0.0;       // of reading the same bytes
 };
 
 struct KernelsResult {
@@ -101,7 +101,7 @@ struct BuildRow {
   std::string item;  // "object", or "point" of a set
   double ns_per_item = 0.0;
   double gigabytes_per_second = 0.0;  // read and written
-  Ratio percent_of_copy;              // of copying the same bytes
+  double percent_of_copy = 0.0;       // of copying the same bytes
   std::string copy;                   // the fastest way
   double copy_gigabytes_per_second = 0.0;
 };
@@ -110,7 +110,7 @@ struct BuildThreshold {
   std::string target;
   double percent_of_copy = 0.0;
 
-  bool is_met() const {
+  bool holds() const {
     return percent_of_copy >= thresholds::kBuildPercentOfCopy;
   }
 };
@@ -136,20 +136,19 @@ struct ThroughputRow {
   std::string working_set;  // "L1", "L2", "L3", "memory", "grid", ...
   std::string target;       // empty: none of the library's
   double ns_per_pair = 0.0;
-  std::string ceiling;  // the row it is measured by; empty: none
+  std::optional<std::size_t> ceiling;  // the row that it is measured by
   std::optional<double> percent_of_ceiling;
 };
 
-// One aim of a threshold.
+// One threshold.
 struct ThroughputRatio {
   int threshold = 0;
   std::string name;
   double value = 0.0;
   double needed = 0.0;
   bool is_higher_better = true;
-  std::optional<Ratio> quartiles = std::nullopt;  // over repetitions
 
-  bool is_met() const {
+  bool holds() const {
     return is_higher_better ? value >= needed : value <= needed;
   }
 };
@@ -197,7 +196,6 @@ struct VerdictResult {
 
 struct Results {
   MachineResult context;  // always known, whatever sections run
-  std::string options;    // those that choose what is measured
   std::optional<MachineResult> machine;
   std::optional<CheckResult> check;
   std::optional<Table1Result> table1;

@@ -14,29 +14,27 @@ Json OrNull(const std::string& text) {
 Json ToJson(const ThroughputResult& result) {
   Json rows = Json::array();
   for (const ThroughputRow& row : result.rows) {
-    rows.push_back({{"name", row.name},
-                    {"objects", row.objects},
-                    {"queries", row.queries},
-                    {"working_set", row.working_set},
-                    {"target", OrNull(row.target)},
-                    {"ns_per_pair", row.ns_per_pair},
-                    {"ceiling", OrNull(row.ceiling)},
-                    {"percent_of_ceiling", row.percent_of_ceiling
-                                               ? Json(*row.percent_of_ceiling)
-                                               : Json(nullptr)}});
+    rows.push_back(
+        {{"name", row.name},
+         {"objects", row.objects},
+         {"queries", row.queries},
+         {"working_set", row.working_set},
+         {"target", OrNull(row.target)},
+         {"ns_per_pair", row.ns_per_pair},
+         {"ceiling",
+          row.ceiling ? Json(result.rows[*row.ceiling].name) : Json(nullptr)},
+         {"percent_of_ceiling", row.percent_of_ceiling
+                                    ? Json(*row.percent_of_ceiling)
+                                    : Json(nullptr)}});
   }
   Json ratios = Json::array();
   for (const ThroughputRatio& ratio : result.ratios) {
-    ratios.push_back(
-        {{"threshold", ratio.threshold},
-         {"name", ratio.name},
-         {"value", ratio.value},
-         {"needed", ratio.needed},
-         {"better", ratio.is_higher_better ? "higher" : "lower"},
-         {"met", ratio.is_met()},
-         {"quartiles", ratio.quartiles
-                           ? Json({ratio.quartiles->low, ratio.quartiles->high})
-                           : Json(nullptr)}});
+    ratios.push_back({{"threshold", ratio.threshold},
+                      {"name", ratio.name},
+                      {"value", ratio.value},
+                      {"needed", ratio.needed},
+                      {"better", ratio.is_higher_better ? "higher" : "lower"},
+                      {"holds", ratio.holds()}});
   }
   Json survivors = nullptr;
   if (result.survivors) {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "bench/baselines/stream_copier.h"
+#include "bench/sections/plan.h"
 #include "bench/sections/sections.h"
 #include "bench/sections/single_builds.h"
 #include "bench/worlds/build_check.h"
@@ -57,13 +58,7 @@ class BuildGroup {
   void Run(std::vector<BuildRow>& rows) {
     Effort effort = context_.effort;
     effort.seconds_per_repetition *= kShareOfEffort;
-    const std::vector<Timing> timings =
-        Measure(cases_, effort, context_.progress);
-    context_.timings.insert(context_.timings.end(), timings.begin(),
-                            timings.end());
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      rows.push_back(Finished(rows_[i], timings, ways_.size() + i));
-    }
+    plan_.Run(effort, context_, rows);
   }
 
  private:
@@ -84,8 +79,7 @@ class BuildGroup {
                     SupportedTargets().front());
       }
     };
-    ways_.push_back(way);
-    cases_.push_back(std::move(c));
+    copies_.emplace_back(way, plan_.AddCase(std::move(c)));
   }
 
   void AddBuild(Target target, const Rounding& rounding) {
@@ -104,46 +98,42 @@ class BuildGroup {
     c.run = [this, options] {
       for (std::size_t i = 0; i < rounds_; ++i) source_.build(options, nullptr);
     };
-    rows_.push_back(std::move(row));
-    cases_.push_back(std::move(c));
+    const std::size_t place = plan_.AddCase(std::move(c));
+    plan_.AddRow(std::move(row),
+                 [this, place](const Timings& timings, BuildRow& timed) {
+                   Finish(timed, timings, timings[place]);
+                 });
   }
 
   // The fastest copy is the ceiling.
-  BuildRow Finished(BuildRow row, const std::vector<Timing>& timings,
-                    std::size_t index) const {
-    const Timing& timing = timings[index];
+  void Finish(BuildRow& row, const Timings& timings,
+              const Timing& timing) const {
     const double bytes_per_item = static_cast<double>(source_.copy.bytes()) /
                                   static_cast<double>(source_.items);
     row.ns_per_item = timing.Median();
     row.gigabytes_per_second = bytes_per_item / row.ns_per_item;
-    for (std::size_t c = 0; c < ways_.size(); ++c) {
-      const Ratio percent = RatioOf(timings[c], timing).Percent();
-      if (c != 0 && percent.median >= row.percent_of_copy.median) continue;
+    for (const auto& [way, place] : copies_) {
+      const double percent = 100.0 * RatioOf(timings[place], timing).median;
+      if (!row.copy.empty() && percent >= row.percent_of_copy) continue;
       row.percent_of_copy = percent;
-      row.copy = NameOf(ways_[c]);
-      row.copy_gigabytes_per_second = bytes_per_item / timings[c].Median();
+      row.copy = NameOf(way);
+      row.copy_gigabytes_per_second = bytes_per_item / timings[place].Median();
     }
-    return row;
   }
 
   const Context& context_;
   std::string working_set_;
   BuildSource source_;
   std::size_t rounds_;
-  std::vector<CopyWay> ways_;
-  std::vector<BuildRow> rows_;
-  std::vector<Case> cases_;  // the ways, then the rows
+  std::vector<std::pair<CopyWay, std::size_t>> copies_;  // and their places
+  Plan<BuildRow> plan_;
 };
 
 std::vector<SingleBuildRow> RunSingles(const Context& context) {
   Effort effort = context.effort;
   effort.seconds_per_repetition *= kShareOfEffort;
-  const std::vector<Timing> timings =
-      Measure(SingleBuildCases(), effort, context.progress);
-  context.timings.insert(context.timings.end(), timings.begin(), timings.end());
   std::vector<SingleBuildRow> rows;
-  rows.reserve(timings.size());
-  for (const Timing& timing : timings) {
+  for (const Timing& timing : TimeCases(SingleBuildCases(), effort, context)) {
     rows.push_back(
         {timing.name.substr(timing.name.find('/') + 1), timing.Median()});
   }
@@ -155,7 +145,7 @@ std::vector<BuildThreshold> ThresholdsOf(const std::vector<BuildRow>& rows) {
   for (const BuildRow& row : rows) {
     if (row.shapes == "boxes" && row.planes == "aabo" &&
         row.rounding == "within-ulp" && row.working_set == "memory") {
-      thresholds.push_back({row.target, row.percent_of_copy.median});
+      thresholds.push_back({row.target, row.percent_of_copy});
     }
   }
   return thresholds;

@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <array>
 
+#include "bench/base/schedules.h"
 #include "bench/sections/sections.h"
 
 namespace halfspace::bench {
@@ -8,9 +8,6 @@ namespace {
 
 // No multiple of 64, so that tails are checked too.
 constexpr std::size_t kMostObjects = 20'011;
-
-constexpr std::array kSchedules = {Schedule::kAuto, Schedule::kFlat,
-                                   Schedule::kStaged, Schedule::kStagedByAxis};
 
 }  // namespace
 
@@ -23,7 +20,7 @@ CheckResult RunCheck(const Workload& workload, const Context& context) {
   double done = 0.0;
   for (Target target : context.targets) {
     for (ShapeKind shape : kShapes) {
-      for (Schedule schedule : kSchedules) {
+      const auto check = [&](Schedule schedule) {
         const Case c =
             set.LibraryCase(std::string(target.name()) + ", " + NameOf(shape),
                             shape, {.schedule = schedule, .target = target});
@@ -31,7 +28,9 @@ CheckResult RunCheck(const Workload& workload, const Context& context) {
           throw WrongAnswer(c.name + ": " + wrong);
         }
         result.masks += result.queries;
-      }
+      };
+      check(Schedule::kAuto);
+      for (const NamedSchedule& named : kSchedules) check(named.schedule);
     }
     result.targets.emplace_back(target.name());
     context.progress.Update(++done /

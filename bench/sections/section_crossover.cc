@@ -1,49 +1,16 @@
+#include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
+#include "bench/base/schedules.h"
 #include "bench/baselines/gated_scan.h"
+#include "bench/sections/plan.h"
 #include "bench/sections/sections.h"
 #include "tests/reference/reference.h"
 
 namespace halfspace::bench {
 namespace {
-
-constexpr std::size_t kNoCase = static_cast<std::size_t>(-1);
-
-// A row before it is timed: which case holds each shape.
-struct PlannedRow {
-  CrossoverRow row;
-  PerShape<std::size_t> cases{kNoCase, kNoCase, kNoCase};
-};
-
-struct Plan {
-  std::vector<PlannedRow> rows;
-  std::vector<Case> cases;
-};
-
-GatedShape GatedShapeOf(ShapeKind shape) {
-  switch (shape) {
-    case ShapeKind::kAabb:
-      return GatedShape::kAabb;
-    case ShapeKind::kSimplex:
-      return GatedShape::kSimplex;
-    case ShapeKind::kAabo:
-      break;
-  }
-  return GatedShape::kAabo;
-}
-
-std::size_t& Of(PerShape<std::size_t>& values, ShapeKind shape) {
-  switch (shape) {
-    case ShapeKind::kAabb:
-      return values.aabb;
-    case ShapeKind::kSimplex:
-      return values.simplex;
-    case ShapeKind::kAabo:
-      break;
-  }
-  return values.aabo;
-}
 
 std::string CaseName(const CrossoverRow& row, ShapeKind shape) {
   std::string name = "crossover/" + row.working_set + "/" + row.target + "/" +
@@ -54,16 +21,32 @@ std::string CaseName(const CrossoverRow& row, ShapeKind shape) {
 
 // Adds a row whose cases are made by make_case(name, shape).
 template <typename MakeCase>
-void AddRow(Plan& plan, CrossoverRow row, const std::vector<ShapeKind>& shapes,
-            const MakeCase& make_case) {
-  PlannedRow planned{std::move(row), {kNoCase, kNoCase, kNoCase}};
+void AddRow(Plan<CrossoverRow>& plan, CrossoverRow row,
+            const std::vector<ShapeKind>& shapes, const MakeCase& make_case) {
+  std::array<std::optional<std::size_t>, kShapes.size()> places;
   for (ShapeKind shape : shapes) {
-    Of(planned.cases, shape) = plan.cases.size();
-    plan.cases.push_back(make_case(CaseName(planned.row, shape), shape));
+    Case c = make_case(CaseName(row, shape), shape);
     // The shapes of one row are compared with each other.
-    plan.cases.back().group = std::to_string(plan.rows.size());
+    c.group = std::to_string(plan.rows());
+    places[static_cast<std::size_t>(shape)] = plan.AddCase(std::move(c));
   }
-  plan.rows.push_back(std::move(planned));
+  plan.AddRow(
+      std::move(row), [places](const Timings& timings, CrossoverRow& timed) {
+        const auto timing = [&](ShapeKind shape) -> const Timing* {
+          const auto place = places[static_cast<std::size_t>(shape)];
+          return place ? &timings[*place] : nullptr;
+        };
+        const auto median = [&](ShapeKind shape) -> std::optional<double> {
+          if (!timing(shape)) return std::nullopt;
+          return timing(shape)->Median();
+        };
+        timed.ns = {median(ShapeKind::kAabb), median(ShapeKind::kSimplex),
+                    median(ShapeKind::kAabo)};
+        if (timed.ns.aabb && timed.ns.simplex) {
+          timed.simplex_over_aabb =
+              RatioOf(*timing(ShapeKind::kSimplex), *timing(ShapeKind::kAabb));
+        }
+      });
 }
 
 Case GatedCase(WorkingSet& set, std::string name, ShapeKind shape,
@@ -73,8 +56,8 @@ Case GatedCase(WorkingSet& set, std::string name, ShapeKind shape,
   return set.MakeCase(std::move(name), shape,
                       [&set, scan, shape, planes, width](const Aabo3& aabo) {
                         const std::vector<float> query = QueryOf(shape, aabo);
-                        scan(GatedShapeOf(shape), width, planes.data(),
-                             query.data(), set.objects(), set.mask().data());
+                        scan(shape, width, planes.data(), query.data(),
+                             set.objects(), set.mask().data());
                       });
 }
 
@@ -103,7 +86,7 @@ std::vector<std::size_t> Widths(std::size_t lanes, bool only_headlines) {
   return widths;
 }
 
-void PlanTarget(Plan& plan, WorkingSet& set, Target target) {
+void PlanTarget(Plan<CrossoverRow>& plan, WorkingSet& set, Target target) {
   const std::vector<ShapeKind> all(kShapes.begin(), kShapes.end());
   const CrossoverRow base{
       std::string(target.name()), target.lanes(), set.name(), "", {}, {}, {}};
@@ -115,40 +98,27 @@ void PlanTarget(Plan& plan, WorkingSet& set, Target target) {
       return GatedCase(set, std::move(name), shape, target, width);
     });
   }
-  const auto add = [&](const char* schedule_name, Schedule schedule,
-                       const std::vector<ShapeKind>& shapes) {
+  for (std::size_t s = 0; s < kSchedules.size(); ++s) {
     CrossoverRow row = base;
-    row.schedule = schedule_name;
+    row.schedule = kSchedules[s].name;
+    std::vector<ShapeKind> shapes;
+    for (ShapeKind shape : kShapes) {
+      if (s < SchedulesOf(shape).size()) shapes.push_back(shape);
+    }
     AddRow(plan, row, shapes, [&](std::string name, ShapeKind shape) {
-      return set.LibraryCase(std::move(name), shape,
-                             {.schedule = schedule, .target = target});
+      return set.LibraryCase(
+          std::move(name), shape,
+          {.schedule = kSchedules[s].schedule, .target = target});
     });
-  };
-  add("flat", Schedule::kFlat, all);
-  add("staged", Schedule::kStaged, {ShapeKind::kAabb, ShapeKind::kAabo});
-  add("by-axis", Schedule::kStagedByAxis, {ShapeKind::kAabo});
+  }
 }
 
-void PlanScalar(Plan& plan, WorkingSet& set) {
+void PlanScalar(Plan<CrossoverRow>& plan, WorkingSet& set) {
   CrossoverRow row{"reference", 1, set.name(), "every-plane", 1, {}, {}};
   AddRow(plan, row, {kShapes.begin(), kShapes.end()},
          [&](std::string name, ShapeKind shape) {
            return ScalarCase(set, std::move(name), shape);
          });
-}
-
-void FillRow(PlannedRow& planned, const std::vector<Timing>& timings) {
-  const auto median = [&](std::size_t i) -> std::optional<double> {
-    if (i == kNoCase) return std::nullopt;
-    return timings[i].Median();
-  };
-  CrossoverRow& row = planned.row;
-  row.ns = {median(planned.cases.aabb), median(planned.cases.simplex),
-            median(planned.cases.aabo)};
-  if (row.ns.aabb && row.ns.simplex) {
-    row.simplex_over_aabb =
-        RatioOf(timings[planned.cases.simplex], timings[planned.cases.aabb]);
-  }
 }
 
 }  // namespace
@@ -180,19 +150,13 @@ WStar FindWStar(const std::vector<CrossoverRow>& gated_rows) {
 
 CrossoverResult RunCrossover(const std::vector<WorkingSet*>& sets,
                              const Context& context) {
-  Plan plan;
+  Plan<CrossoverRow> plan;
   for (WorkingSet* set : sets) {
     PlanScalar(plan, *set);
     for (Target target : context.targets) PlanTarget(plan, *set, target);
   }
-  const std::vector<Timing> timings =
-      Measure(plan.cases, context.effort, context.progress);
-  context.timings.insert(context.timings.end(), timings.begin(), timings.end());
   CrossoverResult result;
-  for (PlannedRow& planned : plan.rows) {
-    FillRow(planned, timings);
-    result.rows.push_back(planned.row);
-  }
+  plan.Run(context.effort, context, result.rows);
   for (WorkingSet* set : sets) {
     for (Target target : context.targets) {
       std::vector<CrossoverRow> gated;

@@ -1,111 +1,70 @@
-#include <algorithm>
-#include <map>
+#include <string>
 #include <utility>
+#include <vector>
 
+#include "bench/base/schedules.h"
 #include "bench/baselines/plane_reader.h"
+#include "bench/sections/plan.h"
 #include "bench/sections/sections.h"
 
 namespace halfspace::bench {
 namespace {
 
-struct ScheduleName {
-  const char* name;
-  Schedule schedule;
-};
-
-std::vector<ScheduleName> SchedulesOf(ShapeKind shape) {
-  switch (shape) {
-    case ShapeKind::kSimplex:
-      return {{"flat", Schedule::kFlat}};
-    case ShapeKind::kAabb:
-      return {{"flat", Schedule::kFlat}, {"staged", Schedule::kStaged}};
-    case ShapeKind::kAabo:
-      break;
-  }
-  return {{"flat", Schedule::kFlat},
-          {"staged", Schedule::kStaged},
-          {"by-axis", Schedule::kStagedByAxis}};
-}
-
-// Reading the planes of one shape, per object.
-Case ReadCase(WorkingSet& set, ShapeKind shape, ReadWay way) {
-  const PlaneReader read = PlaneReaderFor(SupportedTargets().front());
-  const std::size_t rounds =
-      std::max<std::size_t>(1, kObjectsPerRun / set.objects());
-  Case c;
-  c.name = "read/" + set.name() + "/" + NameOf(shape) + "/" +
-           std::string(NameOf(way));
-  c.items = static_cast<double>(set.objects() * rounds);
-  c.run = [read, way, planes = BytesOf(PlanesOf(shape, set.view())),
-           bytes = set.objects() * sizeof(float), rounds] {
-    for (std::size_t i = 0; i < rounds; ++i) {
-      KeepResult(read(way, planes.data(), planes.size(), bytes));
-    }
+// The readers of one shape's planes, and every target and schedule.
+void PlanShape(Plan<KernelRow>& plan, WorkingSet& set, ShapeKind shape,
+               const std::vector<Target>& targets) {
+  const auto add = [&](Case c) {
+    c.group = set.name();
+    return plan.AddCase(std::move(c));
   };
-  return c;
+  std::vector<std::size_t> reads;
+  for (ReadWay way : {ReadWay::kByWord, ReadWay::kByPlane}) {
+    reads.push_back(add(set.ReadCase(
+        "read/" + set.name() + "/" + NameOf(shape) + "/" + NameOf(way), shape,
+        way, SupportedTargets().front())));
+  }
+  const double bytes = static_cast<double>(PlaneCountOf(shape) * sizeof(float));
+  for (Target target : targets) {
+    for (const NamedSchedule& schedule : SchedulesOf(shape)) {
+      KernelRow row;
+      row.shape = NameOf(shape);
+      row.target = target.name();
+      row.schedule = schedule.name;
+      row.working_set = set.name();
+      row.objects = set.objects();
+      const std::size_t place = add(set.LibraryCase(
+          "kernels/" + row.working_set + "/" + row.target + "/" + row.shape +
+              "/" + row.schedule,
+          shape, {.schedule = schedule.schedule, .target = target}));
+      plan.AddRow(std::move(row), [=](const Timings& timings,
+                                      KernelRow& timed) {
+        timed.ns_per_object = timings[place].Median();
+        timed.gigabytes_per_second = bytes / timed.ns_per_object;
+        // The faster reader is the ceiling.
+        for (std::size_t read : reads) {
+          const double percent =
+              100.0 * RatioOf(timings[read], timings[place]).median;
+          if (timed.percent_of_read == 0.0 || percent < timed.percent_of_read) {
+            timed.percent_of_read = percent;
+          }
+        }
+      });
+    }
+  }
 }
-
-struct PlannedRow {
-  KernelRow row;
-  std::size_t case_index;
-  std::size_t planes;
-};
 
 }  // namespace
 
 KernelsResult RunKernels(const std::vector<WorkingSet*>& sets,
                          const Context& context) {
-  std::vector<Case> cases;
-  std::vector<PlannedRow> plan;
-  // Per working set and shape, the cases of the readers.
-  std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> reads;
+  Plan<KernelRow> plan;
   for (WorkingSet* set : sets) {
     for (ShapeKind shape : kShapes) {
-      for (ReadWay way : {ReadWay::kByWord, ReadWay::kByPlane}) {
-        reads[{set->name(), NameOf(shape)}].push_back(cases.size());
-        cases.push_back(ReadCase(*set, shape, way));
-        cases.back().group = set->name();
-      }
-      for (Target target : context.targets) {
-        for (const ScheduleName& schedule : SchedulesOf(shape)) {
-          KernelRow row;
-          row.shape = NameOf(shape);
-          row.target = target.name();
-          row.schedule = schedule.name;
-          row.working_set = set->name();
-          row.objects = set->objects();
-          const std::string name = "kernels/" + row.working_set + "/" +
-                                   row.target + "/" + row.shape + "/" +
-                                   row.schedule;
-          plan.push_back(
-              {row, cases.size(), PlanesOf(shape, set->view()).size()});
-          cases.push_back(set->LibraryCase(
-              name, shape, {.schedule = schedule.schedule, .target = target}));
-          cases.back().group = set->name();
-        }
-      }
+      PlanShape(plan, *set, shape, context.targets);
     }
   }
-  const std::vector<Timing> timings =
-      Measure(cases, context.effort, context.progress);
-  context.timings.insert(context.timings.end(), timings.begin(), timings.end());
   KernelsResult result;
-  for (const PlannedRow& planned : plan) {
-    KernelRow row = planned.row;
-    const Timing& timing = timings[planned.case_index];
-    row.ns_per_object = timing.Median();
-    row.gigabytes_per_second =
-        static_cast<double>(planned.planes * sizeof(float)) / row.ns_per_object;
-    // The faster reader is the ceiling.
-    for (std::size_t read : reads[{row.working_set, row.shape}]) {
-      const Ratio percent = RatioOf(timings[read], timing).Percent();
-      if (row.percent_of_read.median == 0.0 ||
-          percent.median < row.percent_of_read.median) {
-        row.percent_of_read = percent;
-      }
-    }
-    result.rows.push_back(row);
-  }
+  plan.Run(context.effort, context, result.rows);
   return result;
 }
 

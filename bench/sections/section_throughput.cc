@@ -25,9 +25,7 @@ Timings Throughput::TimeWith(const Effort& effort, std::vector<Case> cases) {
     c.name = "throughput/" + c.name;
     c.group = "throughput";
   }
-  Timings timings = Measure(cases, effort, context_.progress);
-  AddTimings(timings);
-  return timings;
+  return TimeCases(cases, effort, context_);
 }
 
 void Throughput::AddTimings(const Timings& timings) {
@@ -53,14 +51,23 @@ Timings Throughput::TimeBriefly(std::vector<Case> cases) {
   return TimeWith(effort, std::move(cases));
 }
 
-void Throughput::AddRowUnder(std::string_view ceiling, std::string_view set,
-                             ThroughputRow row) {
-  for (const ThroughputRow& other : result_.rows) {
-    if (other.name.starts_with(ceiling) && other.working_set == set &&
-        other.target == row.target) {
-      row.ceiling = other.name;
-      row.percent_of_ceiling = 100.0 * other.ns_per_pair / row.ns_per_pair;
-    }
+std::size_t Throughput::AddRow(ThroughputRow row) {
+  result_.rows.push_back(std::move(row));
+  return result_.rows.size() - 1;
+}
+
+std::size_t Throughput::AddCeiling(const Ceiling& ceiling, ThroughputRow row) {
+  const std::size_t place = AddRow(std::move(row));
+  ceilings_.emplace_back(ceiling, place);
+  return place;
+}
+
+void Throughput::AddRowUnder(const Ceiling& ceiling, ThroughputRow row) {
+  for (const auto& [timed, place] : ceilings_) {
+    if (timed != ceiling) continue;
+    row.ceiling = place;
+    row.percent_of_ceiling =
+        100.0 * result_.rows[place].ns_per_pair / row.ns_per_pair;
   }
   AddRow(std::move(row));
 }

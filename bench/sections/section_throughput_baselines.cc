@@ -1,6 +1,5 @@
 #include <memory>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include "bench/baselines/baselines.h"
@@ -13,9 +12,6 @@ namespace {
 
 // The scalar loop is so slow that it answers some of the queries only.
 constexpr std::size_t kScalarQueries = 10;
-
-constexpr std::string_view kSimplexCeiling = "registers simplex";
-constexpr std::string_view kNoCeiling = "none";
 
 // What one case leaves behind.
 struct Answer {
@@ -74,11 +70,8 @@ Case VectorisedCase(std::string name, const GridWorld& grid,
                   });
 }
 
-// `ceiling` is a row of L1: what tests the simplex first is measured by its
-// compares alone.
-void AddRow(const GridWorld& grid, std::string name, std::string_view ceiling,
-            std::string target, std::size_t queries, const Timing& timing,
-            Throughput& throughput) {
+ThroughputRow RowOf(const GridWorld& grid, std::string name, std::string target,
+                    std::size_t queries, const Timing& timing) {
   ThroughputRow row;
   row.name = std::move(name);
   row.objects = grid.objects();
@@ -86,7 +79,7 @@ void AddRow(const GridWorld& grid, std::string name, std::string_view ceiling,
   row.working_set = "grid";
   row.target = std::move(target);
   row.ns_per_pair = timing.Median();
-  throughput.AddRowUnder(ceiling, "L1", std::move(row));
+  return row;
 }
 
 }  // namespace
@@ -114,33 +107,37 @@ void RunAgainstBaselines(const GridWorld& grid, Throughput& throughput) {
     }
   }
   const Timings timings = throughput.TimeLong(std::move(cases));
-  AddRow(grid, "baseline: scalar early-out aabo", kNoCeiling, "",
-         kScalarQueries, timings[0], throughput);
+  throughput.AddRow(RowOf(grid, "baseline: scalar early-out aabo", "",
+                          kScalarQueries, timings[0]));
   std::size_t next = 1;
   for (Target target : throughput.targets()) {
     const std::string name(target.name());
     const Timing& quantized = timings[next++];
-    AddRow(grid, "aabo uint8 refined, pairs", kNoCeiling, name, queries,
-           quantized, throughput);
-    AddRow(grid, "aabo floats, pairs", kSimplexCeiling, name, queries,
-           timings[next++], throughput);
+    throughput.AddRow(
+        RowOf(grid, "aabo uint8 refined, pairs", name, queries, quantized));
+    // What tests the simplex first is measured by its compares alone.
+    const Ceiling ceiling{Ceiling::Kind::kRegisters, ShapeKind::kSimplex, "L1",
+                          target};
+    throughput.AddRowUnder(ceiling, RowOf(grid, "aabo floats, pairs", name,
+                                          queries, timings[next++]));
     const VectorisedForms forms = VectorisedFormsFor(name);
     const std::size_t fastest = FastestOf(timings, {next, next + 1});
-    AddRow(grid,
-           std::string("baseline: vectorised simplex, ") +
-               forms[fastest - next].name,
-           kSimplexCeiling, name, queries, timings[fastest], throughput);
+    throughput.AddRowUnder(ceiling,
+                           RowOf(grid,
+                                 std::string("baseline: vectorised simplex, ") +
+                                     forms[fastest - next].name,
+                                 name, queries, timings[fastest]));
     next += forms.size();
     if (target == throughput.targets().front()) {
       throughput.AddRatio(
           thresholds::kOverScalar, target,
           "exact aabo survivors, " + name + ": times the scalar early-out",
-          RatioOf(timings[0], quantized));
+          RatioOf(timings[0], quantized).median);
     }
     throughput.AddRatio(
         thresholds::kOverVectorised, target,
         "exact aabo survivors, " + name + ": times the vectorised simplex",
-        RatioOf(timings[fastest], quantized));
+        RatioOf(timings[fastest], quantized).median);
   }
 }
 

@@ -20,24 +20,13 @@ void RunAgainstReading(WorkingSet& set, ShapeKind shape, Target target,
                        Throughput& throughput) {
   const std::string place =
       set.name() + "/" + std::string(target.name()) + "/" + NameOf(shape);
-  const std::size_t rounds =
-      std::max<std::size_t>(1, kObjectsPerRun / set.objects());
   std::vector<Case> cases = {set.LibraryCase(
       "flat/" + place, shape, {.schedule = Schedule::kFlat, .target = target})};
   std::vector<std::size_t> readers;
   for (ReadWay way : kReadWays) {
-    Case c;
-    c.name = "read/" + place + "/" + NameOf(way);
-    c.items = static_cast<double>(set.objects() * rounds);
-    c.run = [read = PlaneReaderFor(target), way, rounds,
-             planes = BytesOf(PlanesOf(shape, set.view())),
-             bytes = set.objects() * sizeof(float)] {
-      for (std::size_t i = 0; i < rounds; ++i) {
-        KeepResult(read(way, planes.data(), planes.size(), bytes));
-      }
-    };
     readers.push_back(cases.size());
-    cases.push_back(std::move(c));
+    cases.push_back(
+        set.ReadCase("read/" + place + "/" + NameOf(way), shape, way, target));
   }
   const Timings timings = throughput.Time(std::move(cases));
   const std::size_t fastest = FastestOf(timings, readers);
@@ -49,13 +38,12 @@ void RunAgainstReading(WorkingSet& set, ShapeKind shape, Target target,
   row.name = std::string("read ") + NameOf(shape) + " " +
              NameOf(kReadWays[fastest - readers.front()]);
   row.ns_per_pair = timings[fastest].Median();
-  const std::string ceiling = row.name;
-  throughput.AddRow(row);
-  const Ratio percent = RatioOf(timings[fastest], timings[0]).Percent();
+  row.ceiling = throughput.AddCeiling(
+      {Ceiling::Kind::kRead, shape, set.name(), target}, row);
+  const double percent = 100.0 * RatioOf(timings[fastest], timings[0]).median;
   row.name = std::string(NameOf(shape)) + " flat";
   row.ns_per_pair = timings[0].Median();
-  row.ceiling = ceiling;
-  row.percent_of_ceiling = percent.median;
+  row.percent_of_ceiling = percent;
   throughput.AddRow(row);
   throughput.AddRatio(thresholds::kReading, target,
                       RatioName("the fastest read", shape, set.name(), target),
@@ -94,15 +82,14 @@ void RunAgainstRegisters(InCache& world, Target target,
   row.target = target.name();
   row.name = std::string("registers ") + NameOf(shape);
   row.ns_per_pair = timings[1].Median();
-  throughput.AddRow(row);
-  row.ceiling = row.name;
+  row.ceiling = throughput.AddCeiling(
+      {Ceiling::Kind::kRegisters, shape, row.working_set, target}, row);
   row.name = std::string(NameOf(shape)) + " flat, masks of many";
   row.ns_per_pair = timings[0].Median();
-  const Ratio percent = RatioOf(timings[1], timings[0]).Percent();
-  row.percent_of_ceiling = percent.median;
+  row.percent_of_ceiling = 100.0 * RatioOf(timings[1], timings[0]).median;
   throughput.AddRatio(thresholds::kRegisters, target,
                       RatioName("registers, many queries", shape, "L1", target),
-                      percent);
+                      *row.percent_of_ceiling);
   throughput.AddRow(row);
 }
 

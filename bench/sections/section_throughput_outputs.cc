@@ -102,8 +102,7 @@ class ListsAndMasks {
     row.target = target.name();
     row.name = std::string(NameOf(shape_)) + ", mask, 1 in 1000";
     row.ns_per_pair = timings[0].Median();
-    throughput.AddRow(row);
-    row.ceiling = row.name;
+    row.ceiling = throughput.AddRow(row);
     row.percent_of_ceiling = 100.0 * RatioOf(timings[0], timings[1]).median;
     row.name = std::string(NameOf(shape_)) + ", indices, 1 in 1000";
     row.ns_per_pair = timings[1].Median();
@@ -111,7 +110,7 @@ class ListsAndMasks {
     throughput.AddRatio(thresholds::kIndicesOverMask, target,
                         std::string(NameOf(shape_)) + ", " + row.target +
                             ": indices over mask at 1 survivor in 1000",
-                        RatioOf(timings[1], timings[0]));
+                        RatioOf(timings[1], timings[0]).median);
   }
 
  private:

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "bench/base/schedules.h"
 #include "bench/baselines/plane_reader.h"
 #include "bench/sections/throughput.h"
 #include "bench/worlds/quantized_set.h"
@@ -10,9 +11,6 @@
 
 namespace halfspace::bench {
 namespace {
-
-constexpr std::size_t kStagePlanes = 4;
-constexpr std::size_t kPlanes = 8;
 
 // So many that the quantized bounds of the first stage alone, 4 bytes an
 // object, take four times the last level; fewer, if that needs too much memory.
@@ -26,24 +24,16 @@ std::size_t ObjectsOf(const Machine& machine, bool is_quick) {
   return objects / kStep * kStep;
 }
 
-struct ScheduleName {
-  const char* name;
-  Schedule schedule;
-};
-constexpr ScheduleName kSchedules[] = {{"flat", Schedule::kFlat},
-                                       {"staged", Schedule::kStaged},
-                                       {"by-axis", Schedule::kStagedByAxis}};
-
-// What the code scan is measured by.
+// What the code scan is measured by: reading the planes of a shape.
 struct Reading {
   const char* name;
   Schedule schedule;
-  std::size_t planes;
+  ShapeKind shape;
 };
 constexpr Reading kReadings[] = {
     {"staged, of the 4 planes of the first stage", Schedule::kStaged,
-     kStagePlanes},
-    {"flat, of all 8 planes", Schedule::kFlat, kPlanes}};
+     ShapeKind::kSimplex},
+    {"flat, of all 8 planes", Schedule::kFlat, ShapeKind::kAabo}};
 
 ThroughputRow RowOf(const QuantizedSet& set, Target target) {
   ThroughputRow row;
@@ -59,7 +49,7 @@ void RunRefined(QuantizedSet& set, Target target, Throughput& throughput) {
   std::vector<Case> cases = {set.IndicesCase("refined/memory/" + name,
                                              set.world(), {.target = target})};
   std::vector<std::size_t> floats;
-  for (const ScheduleName& schedule : kSchedules) {
+  for (const NamedSchedule& schedule : kSchedules) {
     floats.push_back(cases.size());
     cases.push_back(set.IndicesCase(
         "floats/memory/" + name + "/" + schedule.name, set.floats(),
@@ -70,21 +60,26 @@ void RunRefined(QuantizedSet& set, Target target, Throughput& throughput) {
   ThroughputRow row = RowOf(set, target);
   row.name = "aabo uint8 refined, indices";
   row.ns_per_pair = timings[0].Median();
-  throughput.AddRowUnder("read quantized 4-planes", row.working_set, row);
+  throughput.AddRowUnder({Ceiling::Kind::kReadQuantized, ShapeKind::kSimplex,
+                          row.working_set, target},
+                         row);
   row.name =
       std::string("aabo floats ") + kSchedules[fastest - 1].name + ", indices";
   row.ns_per_pair = timings[fastest].Median();
-  throughput.AddRowUnder("read simplex", row.working_set, row);
+  throughput.AddRowUnder(
+      {Ceiling::Kind::kRead, ShapeKind::kSimplex, row.working_set, target},
+      row);
   throughput.AddRatio(thresholds::kFilterOverFloats, target,
                       "aabo uint8 refined, one query, memory, " + name +
                           ": times the fastest of floats",
-                      RatioOf(timings[fastest], timings[0]));
+                      RatioOf(timings[fastest], timings[0]).median);
 }
 
 void RunQuantizedScan(QuantizedSet& set, const Reading& reading, Target target,
                       Throughput& throughput) {
   const std::string name(target.name());
-  const std::string planes = std::to_string(reading.planes) + "-planes";
+  const std::size_t count = PlaneCountOf(reading.shape);
+  const std::string planes = std::to_string(count) + "-planes";
   std::vector<Case> cases = {
       set.QuantizedCase("quantized/memory/" + name + "/" + planes,
                         {.schedule = reading.schedule, .target = target})};
@@ -93,7 +88,7 @@ void RunQuantizedScan(QuantizedSet& set, const Reading& reading, Target target,
     readers.push_back(cases.size());
     cases.push_back(set.ReadCase(
         "read-quantized/memory/" + name + "/" + planes + "/" + NameOf(way),
-        reading.planes, way, target));
+        count, way, target));
   }
   const Timings timings = throughput.TimeLong(std::move(cases));
   const std::size_t fastest = FastestOf(timings, readers);
@@ -101,16 +96,16 @@ void RunQuantizedScan(QuantizedSet& set, const Reading& reading, Target target,
   row.name = "read quantized " + planes + " " +
              NameOf(kReadWays[fastest - readers.front()]);
   row.ns_per_pair = timings[fastest].Median();
-  throughput.AddRow(row);
-  row.ceiling = row.name;
+  row.ceiling = throughput.AddCeiling(
+      {Ceiling::Kind::kReadQuantized, reading.shape, row.working_set, target},
+      row);
   row.name = std::string("aabo uint8 quantized alone, ") + reading.name;
   row.ns_per_pair = timings[0].Median();
-  const Ratio percent = RatioOf(timings[fastest], timings[0]).Percent();
-  row.percent_of_ceiling = percent.median;
+  row.percent_of_ceiling = 100.0 * RatioOf(timings[fastest], timings[0]).median;
   throughput.AddRatio(thresholds::kReadingQuantized, target,
                       std::string("quantized scan, one query, memory, ") +
                           name + ": % of the fastest read, " + reading.name,
-                      percent);
+                      *row.percent_of_ceiling);
   throughput.AddRow(row);
 }
 
@@ -120,7 +115,8 @@ void AddQuantizedParts(const Workload& workload, const Machine& machine,
                        bool is_quick, ThroughputParts& parts) {
   const std::size_t objects = ObjectsOf(machine, is_quick);
   const bool is_reached =
-      !machine.is_emulated && objects * kPlanes >= 4 * machine.LastLevelBytes();
+      !machine.is_emulated &&
+      objects * PlaneCountOf(ShapeKind::kAabo) >= 4 * machine.LastLevelBytes();
   if (!is_reached) {
     parts.push_back([](Throughput& throughput) {
       throughput.NotReached(

@@ -88,7 +88,7 @@ class SmallWorld {
          planes =
              PlanesOf(ShapeKind::kAabb, floats_.view())](const Aabo3& aabo) {
           const std::vector<float> query = QueryOf(ShapeKind::kAabb, aabo);
-          scan(GatedShape::kAabb, kGate, planes.data(), query.data(), size(),
+          scan(ShapeKind::kAabb, kGate, planes.data(), query.data(), size(),
                mask_.data());
         });
   }

@@ -90,7 +90,7 @@ class Calls {
 };
 
 std::size_t BytesOfRecord(ShapeKind shape) {
-  return PlanesOf(shape, AaboView3()).size() * sizeof(float);
+  return PlaneCountOf(shape) * sizeof(float);
 }
 
 // Threshold 7: ns per object over three sizes in one level.
@@ -126,8 +126,9 @@ void RunFlatness(const Workload& workload, const Machine& machine, int level,
         low = std::min(low, rows[i].ns_per_pair);
         high = std::max(high, rows[i].ns_per_pair);
         throughput.AddRowUnder(
-            (level == 1 ? "registers " : "read ") + std::string(NameOf(shape)),
-            set, rows[i]);
+            {level == 1 ? Ceiling::Kind::kRegisters : Ceiling::Kind::kRead,
+             shape, set, target},
+            rows[i]);
       }
       if (high / low > worst) {
         worst = high / low;
@@ -149,7 +150,6 @@ void RunFit(Calls& calls, ShapeKind shape, Target target,
   const std::string name = std::string(target.name()) + "/" + NameOf(shape);
   const RegisterScan scan = RegisterScansFor(target).one;
   std::vector<Case> cases;
-  cases.reserve(2 * kFitted.size());
   for (std::size_t objects : kFitted) {
     cases.push_back(
         calls.FlatCase("call/" + name + "/" + std::to_string(objects), shape,

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <functional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -15,14 +14,23 @@
 #include "bench/measure/measure.h"
 #include "bench/report/results.h"
 #include "bench/report/thresholds.h"
+#include "bench/sections/plan.h"
 #include "bench/sections/sections.h"
 #include "bench/worlds/in_cache.h"
 #include "bench/worlds/working_set.h"
 
 namespace halfspace::bench {
 
-// What one group has measured: the timings of its cases, by their place.
-using Timings = std::vector<Timing>;
+// What a row is measured by, if it was timed with other cases.
+struct Ceiling {
+  enum class Kind { kRead, kReadQuantized, kRegisters };
+  Kind kind;
+  ShapeKind shape;
+  std::string working_set;
+  Target target;
+
+  bool operator==(const Ceiling&) const = default;
+};
 
 class Throughput {
  public:
@@ -47,12 +55,14 @@ class Throughput {
   // Adds what was timed in another way.
   void AddTimings(const Timings& timings);
 
-  void AddRow(ThroughputRow row) { result_.rows.push_back(std::move(row)); }
+  // The place of the row, for those that are measured by it.
+  std::size_t AddRow(ThroughputRow row);
 
-  // The same, measured by the row before it of that set and the same target
-  // whose name begins so; if there is none, by none.
-  void AddRowUnder(std::string_view ceiling, std::string_view set,
-                   ThroughputRow row);
+  // The same, for rows of later parts.
+  std::size_t AddCeiling(const Ceiling& ceiling, ThroughputRow row);
+
+  // A row that is measured by a ceiling; by none, if that was not timed.
+  void AddRowUnder(const Ceiling& ceiling, ThroughputRow row);
 
   // The row of what was timed with all queries in turn, per pair, and another
   // of the same with kFewQueries, if three of four repetitions differ by more
@@ -75,11 +85,6 @@ class Throughput {
                               threshold.For(target),
                               threshold.is_higher_better});
   }
-  void AddRatio(const Threshold& threshold, Target target, std::string name,
-                const Ratio& ratio) {
-    AddRatio(threshold, target, std::move(name), ratio.median);
-    result_.ratios.back().quartiles = ratio;
-  }
 
  private:
   Timings TimeWith(const Effort& effort, std::vector<Case> cases);
@@ -88,6 +93,7 @@ class Throughput {
   bool is_quick_;
   ThroughputResult& result_;
   std::vector<Target> targets_;
+  std::vector<std::pair<Ceiling, std::size_t>> ceilings_;  // and their rows
 };
 
 // Part of a threshold, for the progress line: run one after the other.

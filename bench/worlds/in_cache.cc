@@ -15,8 +15,7 @@ namespace {
 constexpr std::size_t kQueries = 16;
 
 std::size_t ObjectsInHalf(const Machine& machine, ShapeKind shape) {
-  const std::size_t record =
-      PlanesOf(shape, AaboView3()).size() * sizeof(float);
+  const std::size_t record = PlaneCountOf(shape) * sizeof(float);
   return std::max<std::size_t>(64,
                                machine.CacheBytes(1) / 2 / record / 64 * 64);
 }

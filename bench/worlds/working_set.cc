@@ -123,4 +123,21 @@ Case WorkingSet::LibraryCase(std::string name, ShapeKind shape,
       });
 }
 
+Case WorkingSet::ReadCase(std::string name, ShapeKind shape, ReadWay way,
+                          Target target) const {
+  const std::size_t rounds =
+      std::max<std::size_t>(1, kObjectsPerRun / objects());
+  Case c;
+  c.name = std::move(name);
+  c.items = static_cast<double>(objects() * rounds);
+  c.run = [read = PlaneReaderFor(target), way, rounds,
+           planes = BytesOf(PlanesOf(shape, view_)),
+           bytes = objects() * sizeof(float)] {
+    for (std::size_t i = 0; i < rounds; ++i) {
+      KeepResult(read(way, planes.data(), planes.size(), bytes));
+    }
+  };
+  return c;
+}
+
 }  // namespace halfspace::bench

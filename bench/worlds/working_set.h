@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bench/base/shape.h"
+#include "bench/baselines/plane_reader.h"
 #include "bench/measure/machine.h"
 #include "bench/measure/measure.h"
 #include "bench/worlds/workload.h"
@@ -56,6 +57,10 @@ class WorkingSet {
 
   // The case of a call of the library.
   Case LibraryCase(std::string name, ShapeKind shape, const Options& options);
+
+  // Reading the shape's planes, with the vectors of a target.
+  Case ReadCase(std::string name, ShapeKind shape, ReadWay way,
+                Target target) const;
 
  private:
   std::string name_;
