@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "bench/sections/grid_cases.h"
 #include "bench/sections/throughput.h"
 #include "bench/worlds/grid_world.h"
 #include "halfspace/reject_many.h"
@@ -23,35 +24,6 @@ struct SharedGrid {
   }
 };
 
-ThroughputRow RowOf(const GridWorld& grid, Target target) {
-  ThroughputRow row;
-  row.objects = grid.objects();
-  row.queries = grid.queries().size();
-  row.working_set = "grid";
-  row.target = target.name();
-  return row;
-}
-
-double Pairs(const GridWorld& grid, std::size_t queries) {
-  return static_cast<double>(grid.objects()) * static_cast<double>(queries);
-}
-
-// A case that leaves the survivors of all queries in counts.
-template <typename Run>
-Case CountsCase(std::string name, const GridWorld& grid, ShapeKind shape,
-                std::size_t queries, const Run& run) {
-  auto counts = std::make_shared<std::vector<std::size_t>>(queries);
-  Case c;
-  c.name = std::move(name);
-  c.items = Pairs(grid, queries);
-  c.run = [counts, run] { run(*counts); };
-  c.check = [counts, run, &grid, shape] {
-    run(*counts);
-    return grid.Check(shape, *counts);
-  };
-  return c;
-}
-
 std::vector<std::size_t> CountRows(const GridWorld& grid,
                                    const std::vector<std::uint64_t>& rows) {
   std::vector<std::size_t> counts(grid.queries().size());
@@ -68,7 +40,8 @@ Case MasksCase(std::string name, SharedGrid& shared, ShapeKind shape,
   shared.rows.resize(grid.queries().size() * MaskWords(grid.objects()));
   Case c;
   c.name = std::move(name);
-  c.items = Pairs(grid, grid.queries().size());
+  c.items = static_cast<double>(grid.objects()) *
+            static_cast<double>(grid.queries().size());
   c.run = [&grid, &rows = shared.rows, shape, target] {
     grid.queries().With(shape, grid.view(), [&](const auto& v, const auto& q) {
       SurvivorMasks(v, q, rows,
@@ -93,18 +66,17 @@ void RunAgainstCache(SharedGrid& shared, InCache& in_cache,
     const Timings timings = throughput.TimeLong(
         {in_cache.MasksCase("flat-many/L1-again" + place, target),
          MasksCase("flat-many/grid" + place, shared, shape, target)});
-    ThroughputRow row = RowOf(shared.Get(), target);
-    const std::string name =
-        std::string(NameOf(shape)) + " flat, masks of many";
+    const GridWorld& grid = shared.Get();
+    ThroughputRow row =
+        GridRow(grid, std::string(NameOf(shape)) + " flat, masks of many",
+                std::string(target.name()), grid.queries().size(), timings[1]);
     ThroughputRow again = row;
-    again.name = name + ", again";
+    again.name += ", again";
     again.objects = in_cache.view().size;
     again.queries = in_cache.queries().size();
     again.working_set = "L1";
     again.ns_per_pair = timings[0].Median();
     row.ceiling = throughput.AddRow(std::move(again));
-    row.name = name;
-    row.ns_per_pair = timings[1].Median();
     row.percent_of_ceiling = 100.0 * RatioOf(timings[0], timings[1]).median;
     throughput.AddRatio(thresholds::kInCache, target,
                         std::string(NameOf(shape)) + " flat, many, " +
@@ -133,17 +105,15 @@ void RunQuantized(const GridWorld& grid, Throughput& throughput) {
                                      grid.queries().simplices(), counts,
                                      options);
                     })});
-    ThroughputRow row = RowOf(grid, target);
-    row.name = "aabo uint8 refined, counts of many";
-    row.ns_per_pair = timings[0].Median();
-    throughput.AddRow(row);
-    row.name = "simplex, counts of many";
-    row.ns_per_pair = timings[1].Median();
+    const std::string name(target.name());
+    throughput.AddRow(GridRow(grid, "aabo uint8 refined, counts of many", name,
+                              queries, timings[0]));
     throughput.AddRowUnder(
-        {Ceiling::Kind::kRegisters, ShapeKind::kSimplex, "L1", target}, row);
+        {Ceiling::Kind::kRegisters, ShapeKind::kSimplex, "L1", target},
+        GridRow(grid, "simplex, counts of many", name, queries, timings[1]));
     throughput.AddRatio(
         thresholds::kFilterOverSimplex, target,
-        "aabo uint8 refined, many, " + row.target + ": times the float simplex",
+        "aabo uint8 refined, many, " + name + ": times the float simplex",
         RatioOf(timings[1], timings[0]).median);
   }
 }
