@@ -29,11 +29,15 @@ endif()
 
 # Targets whose kernels are no faster than those of the next one below them, or
 # that no machine of the last fifteen years needs. Each costs as much time and
-# code as any other. Only names that this Highway knows may be disabled.
+# code as any other; and those that whoever configures names. Only names that this
+# Highway knows may be disabled.
+set(HALFSPACE_LEAVE_OUT_TARGETS "" CACHE STRING
+    "Targets not to compile besides, as in SSE4;AVX2")
 file(STRINGS "${HALFSPACE_HIGHWAY_INCLUDE}/hwy/detect_targets.h" known_targets
      REGEX "^#define HWY_[A-Z0-9_]+ \\(1LL")
 set(HALFSPACE_DISABLED_TARGETS "")
-foreach(name SSE2 SSSE3 AVX3_DL AVX3_ZEN4 AVX3_SPR AVX10_2 NEON_BF16)
+foreach(name SSE2 SSSE3 AVX3_DL AVX3_ZEN4 AVX3_SPR AVX10_2 NEON_BF16
+             ${HALFSPACE_LEAVE_OUT_TARGETS})
   if(known_targets MATCHES "HWY_${name} ")
     list(APPEND HALFSPACE_DISABLED_TARGETS "HWY_${name}")
   endif()
