@@ -3,14 +3,17 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <new>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "bench/app/options.h"
 #include "bench/app/out_file.h"
@@ -21,6 +24,8 @@
 #include "bench/input/input_error.h"
 #include "bench/input/mesh_reader.h"
 #include "bench/report/report.h"
+#include "bench/report/stored_run.h"
+#include "bench/sections/sections.h"
 #include "halfspace/targets.h"
 
 namespace halfspace::bench {
@@ -72,14 +77,59 @@ std::optional<Workload> ReadInput(const BenchOptions& options) {
                    "scale the coordinates down");
 }
 
-void RunTo(std::ostream& out, const BenchOptions& options,
-           std::optional<Workload> input) {
+// The report of --against; nothing if none was given. Before anything is
+// measured.
+std::optional<StoredRun> ReadStoredRun(const BenchOptions& options) {
+  const std::string& path = options.against;
+  if (path.empty()) return std::nullopt;
+  constexpr const char* kOther =
+      "give a file that --format json --out has written";
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file) throw InputError(path, "cannot be read", kOther);
+  try {
+    StoredRun stored(text.str());
+    const std::string why =
+        stored.WhyIncomparable(RunMachine().machine.cpu, options.Scope());
+    if (!why.empty()) {
+      throw UsageError("--against " + path + ": " + why +
+                       "; compare runs of the same machine and options");
+    }
+    return stored;
+  } catch (const std::invalid_argument& error) {
+    throw InputError(path, error.what(), kOther);
+  }
+}
+
+// Says what is worse than in the stored run.
+int Compare(const Results& results, const StoredRun& stored,
+            const std::string& path) {
+  std::size_t compared = 0;
+  const std::vector<std::string> lines =
+      stored.RegressionsIn(results, compared);
+  if (compared == 0) {
+    throw UsageError("--against " + path +
+                     ": no ratio is in both runs; choose sections and targets "
+                     "that it has, of kernels, build and throughput");
+  }
+  for (const std::string& line : lines) {
+    std::cerr << "cpuinfo-bench: worse: " << Printable(line) << '\n';
+  }
+  std::cerr << "cpuinfo-bench: " << lines.size() << " of " << compared
+            << " ratios are worse than in " << Printable(path) << '\n';
+  return lines.empty() ? kExitOk : kExitWorse;
+}
+
+Results RunTo(std::ostream& out, const BenchOptions& options,
+              std::optional<Workload> input) {
   const bool is_text = options.format == Format::kText;
   Progress progress;
-  const Results results =
+  Results results =
       Run(options, std::move(input), progress, is_text ? &out : nullptr);
   progress.Clear();
   if (!is_text) out << ToJson(results) << '\n';
+  return results;
 }
 
 int Main(int argc, char** argv) {
@@ -93,16 +143,18 @@ int Main(int argc, char** argv) {
       !choice.error.empty()) {
     return Fail("HALFSPACE_TARGET: " + choice.error, kExitUsage);
   }
+  const std::optional<StoredRun> stored = ReadStoredRun(options);
   std::optional<Workload> input = ReadInput(options);
+  Results results;
   if (options.out.empty()) {
-    RunTo(std::cout, options, std::move(input));
-    return kExitOk;
+    results = RunTo(std::cout, options, std::move(input));
+  } else {
+    OutFile file(options.out);
+    std::ostringstream text;
+    results = RunTo(text, options, std::move(input));
+    file.Write(text.str());
   }
-  OutFile file(options.out);
-  std::ostringstream text;
-  RunTo(text, options, std::move(input));
-  file.Write(text.str());
-  return kExitOk;
+  return stored ? Compare(results, *stored, options.against) : kExitOk;
 }
 
 }  // namespace

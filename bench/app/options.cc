@@ -145,6 +145,11 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
   app.add_option("--out", options.out, "Write the results to this file")
       ->check(CheckFileName)
       ->type_name("FILE");
+  app.add_option("--against", options.against,
+                 "Compare ratios with those of this JSON report; exit with 5 "
+                 "if one is worse")
+      ->check(CheckFileName)
+      ->type_name("FILE.json");
   app.add_flag("--list", options.is_list, "List the sections and exit");
   try {
     app.parse(argc, argv);

@@ -32,7 +32,12 @@ struct BenchOptions {
   std::size_t repetitions = 0;
   Format format = Format::kText;
   std::string out;
+  std::string against;  // a stored report; empty: none
   bool is_list = false;
+
+  // Those that choose what is measured, as on the command line, but for the
+  // sections: runs that differ in them are not compared.
+  std::string Scope() const;
 
   bool Wants(std::string_view section) const {
     return only.empty() ||
@@ -45,6 +50,7 @@ inline constexpr int kExitWrongAnswer = 1;
 inline constexpr int kExitUsage = 2;
 inline constexpr int kExitBadInput = 3;
 inline constexpr int kExitFailed = 4;
+inline constexpr int kExitWorse = 5;
 
 // What is wrong with the command line, and what to do.
 class UsageError : public std::runtime_error {

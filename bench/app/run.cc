@@ -46,6 +46,7 @@ class Runner {
 
   Results Run() {
     results_.context = RunMachine();
+    results_.options = options_.Scope();
     CheckMemory();
     PlanProgress();
     Section("machine", results_.machine, [&] { return results_.context; });
@@ -237,6 +238,20 @@ class Runner {
 };
 
 }  // namespace
+
+std::string BenchOptions::Scope() const {
+  std::string text;
+  const auto add = [&text](const std::string& option) {
+    text += (text.empty() ? "" : " ") + option;
+  };
+  if (is_quick) add("--quick");
+  if (!mesh.empty()) add("--mesh " + mesh);
+  if (!bounds.empty()) add("--bounds " + bounds);
+  if (objects != 0) add("--objects " + std::to_string(objects));
+  if (queries != 0) add("--queries " + std::to_string(queries));
+  if (seed != 1) add("--seed " + std::to_string(seed));
+  return text;
+}
 
 Results Run(const BenchOptions& options, std::optional<Workload> input,
             Progress& progress, std::ostream* text) {

@@ -55,6 +55,8 @@ struct Ratio {
   double median = 0.0;
   double low = 0.0;
   double high = 0.0;
+
+  Ratio Percent() const { return {100.0 * median, 100.0 * low, 100.0 * high}; }
 };
 Ratio RatioOf(const Timing& numerator, const Timing& denominator);
 

@@ -23,6 +23,7 @@ void WriteText(std::ostream& out, const SegmentsResult& result);
 void WriteText(std::ostream& out, const VerdictResult& result);
 
 // Everything, for a program: docs/cpuinfo-bench.md describes the schema.
+inline constexpr int kReportSchema = 2;
 std::string ToJson(const Results& results);
 
 }  // namespace halfspace::bench

@@ -11,8 +11,6 @@ namespace {
 // Ordered, so that the file reads as the sections run.
 using Json = nlohmann::ordered_json;
 
-constexpr int kSchema = 1;
-
 template <typename T>
 Json OrNull(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
@@ -34,7 +32,7 @@ std::string Now() {
 
 // Google Benchmark's names where it has them; the build type is this program's
 // own, not that of the installed benchmark library.
-Json ContextJson(const MachineResult& result) {
+Json ContextJson(const MachineResult& result, const std::string& options) {
   const Machine& m = result.machine;
   Json caches = Json::array();
   for (const Cache& cache : m.caches) {
@@ -43,15 +41,11 @@ Json ContextJson(const MachineResult& result) {
                       {"size", cache.bytes},
                       {"num_sharing", cache.shared_by}});
   }
-  return {{"date", Now()},
-          {"executable", "cpuinfo-bench"},
-          {"num_cpus", m.cores},
-          {"caches", caches},
-          {"library_build_type", result.build.type},
-          {"cpu", m.cpu},
-          {"architecture", m.architecture},
-          {"system", m.system},
-          {"halfspace_version", result.build.version}};
+  return {{"date", Now()},      {"executable", "cpuinfo-bench"},
+          {"options", options}, {"num_cpus", m.cores},
+          {"caches", caches},   {"library_build_type", result.build.type},
+          {"cpu", m.cpu},       {"architecture", m.architecture},
+          {"system", m.system}, {"halfspace_version", result.build.version}};
 }
 
 Json BenchmarksJson(const std::vector<Timing>& timings) {
@@ -147,15 +141,17 @@ Json ToJson(const CrossoverResult& result) {
 Json ToJson(const KernelsResult& result) {
   Json rows = Json::array();
   for (const KernelRow& row : result.rows) {
-    rows.push_back({{"shape", row.shape},
-                    {"target", row.target},
-                    {"schedule", row.schedule},
-                    {"working_set", row.working_set},
-                    {"objects", row.objects},
-                    {"ns_per_object", row.ns_per_object},
-                    {"objects_per_second", 1e9 / row.ns_per_object},
-                    {"gigabytes_per_second", row.gigabytes_per_second},
-                    {"percent_of_read", row.percent_of_read}});
+    rows.push_back(
+        {{"shape", row.shape},
+         {"target", row.target},
+         {"schedule", row.schedule},
+         {"working_set", row.working_set},
+         {"objects", row.objects},
+         {"ns_per_object", row.ns_per_object},
+         {"objects_per_second", 1e9 / row.ns_per_object},
+         {"gigabytes_per_second", row.gigabytes_per_second},
+         {"percent_of_read", row.percent_of_read.median},
+         {"quartiles", {row.percent_of_read.low, row.percent_of_read.high}}});
   }
   return {{"rows", rows}, {"not_reached", result.not_reached}};
 }
@@ -173,7 +169,8 @@ Json ToJson(const BuildResult& result) {
          {"item", row.item},
          {"ns_per_item", row.ns_per_item},
          {"gigabytes_per_second", row.gigabytes_per_second},
-         {"percent_of_copy", row.percent_of_copy},
+         {"percent_of_copy", row.percent_of_copy.median},
+         {"quartiles", {row.percent_of_copy.low, row.percent_of_copy.high}},
          {"copy", row.copy},
          {"copy_gigabytes_per_second", row.copy_gigabytes_per_second}});
   }
@@ -182,7 +179,7 @@ Json ToJson(const BuildResult& result) {
     thresholds.push_back({{"target", threshold.target},
                           {"percent_of_copy", threshold.percent_of_copy},
                           {"at_least", thresholds::kBuildPercentOfCopy},
-                          {"holds", threshold.holds()}});
+                          {"met", threshold.is_met()}});
   }
   Json singles = Json::array();
   for (const SingleBuildRow& row : result.singles) {
@@ -246,8 +243,8 @@ std::string ToJson(const Results& results) {
   AddSection(sections, "quality", results.quality);
   AddSection(sections, "segments", results.segments);
   AddSection(sections, "verdict", results.verdict);
-  Json root = {{"schema", kSchema},
-               {"context", ContextJson(results.context)},
+  Json root = {{"schema", kReportSchema},
+               {"context", ContextJson(results.context, results.options)},
                {"benchmarks", BenchmarksJson(results.timings)},
                {"sections", sections}};
   // A file name in another encoding must not stop the report.

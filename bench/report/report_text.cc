@@ -157,7 +157,7 @@ void WriteText(std::ostream& out, const KernelsResult& result) {
                   Grouped(row.objects), Fixed(row.ns_per_object, 4),
                   Fixed(1.0 / row.ns_per_object, 2),
                   Fixed(row.gigabytes_per_second, 1),
-                  Fixed(row.percent_of_read, 0)});
+                  Fixed(row.percent_of_read.median, 0)});
   }
   table.Write(out, 4);
   WriteNotReached(out, result.not_reached);
@@ -172,16 +172,17 @@ void WriteText(std::ostream& out, const BuildResult& result) {
     table.AddRow({row.shapes, row.planes, row.rounding, row.working_set,
                   row.target, Grouped(row.objects), Fixed(row.ns_per_item, 3),
                   row.item, Fixed(row.gigabytes_per_second, 1),
-                  Fixed(row.percent_of_copy, 0), row.copy,
+                  Fixed(row.percent_of_copy.median, 0), row.copy,
                   Fixed(row.copy_gigabytes_per_second, 1)});
   }
   table.Write(out, 5);
   if (!result.thresholds.empty()) out << '\n';
   for (const BuildThreshold& threshold : result.thresholds) {
     out << "  " << threshold.target << ": boxes to aabo in memory at "
-        << Fixed(threshold.percent_of_copy, 0) << " % of copying; at least "
+        << Fixed(threshold.percent_of_copy, 0)
+        << " % of copying; aim: at least "
         << Fixed(thresholds::kBuildPercentOfCopy, 0)
-        << (threshold.holds() ? " holds" : " FAILS") << '\n';
+        << (threshold.is_met() ? ", met" : ", missed") << '\n';
   }
   out << '\n';
   TextTable singles({"one shape at a time", "ns"});

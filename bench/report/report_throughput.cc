@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstddef>
 #include <string>
 
 #include "bench/base/text_table.h"
@@ -25,20 +26,25 @@ void WriteText(std::ostream& out, const ThroughputResult& result) {
         << Grouped(result.survivors->simplex) << '\n';
   }
   out << '\n';
-  TextTable ratios({"threshold", "ratio", "", "value", "needed"});
+  TextTable ratios({"threshold", "ratio", "", "value", "aim"});
   for (const ThroughputRatio& ratio : result.ratios) {
     ratios.AddRow(
         {std::to_string(ratio.threshold), ratio.name,
-         ratio.holds() ? "holds" : "FAILS", Fixed(ratio.value, 2),
+         ratio.is_met() ? "met" : "missed", Fixed(ratio.value, 2),
          (ratio.is_higher_better ? ">= " : "<= ") + Fixed(ratio.needed, 2)});
   }
   ratios.Write(out, 3);
-  const bool all_hold =
-      std::all_of(result.ratios.begin(), result.ratios.end(),
-                  [](const ThroughputRatio& ratio) { return ratio.holds(); });
-  if (!all_hold) {
-    out << "\n  FAILS: an aim that this machine misses, and no wrong answer; "
-           "docs/performance.md has those known, and why.\n";
+  const auto met = std::count_if(
+      result.ratios.begin(), result.ratios.end(),
+      [](const ThroughputRatio& ratio) { return ratio.is_met(); });
+  const auto all = static_cast<std::ptrdiff_t>(result.ratios.size());
+  if (all != 0) {
+    out << "\n  " << met << " of " << all << " aims are met.";
+    if (met != all) {
+      out << " One that is missed is no failure, and no wrong answer;\n  "
+             "docs/performance.md has those known, and why.";
+    }
+    out << '\n';
   }
   WriteNotReached(out, result.not_reached);
 }

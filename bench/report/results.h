@@ -83,7 +83,7 @@ struct KernelRow {
   std::size_t objects = 0;
   double ns_per_object = 0.0;
   double gigabytes_per_second = 0.0;  // of the shape's whole records
-  double percent_of_read = 0.0;       // of reading the same bytes
+  Ratio percent_of_read;              // of reading the same bytes
 };
 
 struct KernelsResult {
@@ -101,7 +101,7 @@ struct BuildRow {
   std::string item;  // "object", or "point" of a set
   double ns_per_item = 0.0;
   double gigabytes_per_second = 0.0;  // read and written
-  double percent_of_copy = 0.0;       // of copying the same bytes
+  Ratio percent_of_copy;              // of copying the same bytes
   std::string copy;                   // the fastest way
   double copy_gigabytes_per_second = 0.0;
 };
@@ -110,7 +110,7 @@ struct BuildThreshold {
   std::string target;
   double percent_of_copy = 0.0;
 
-  bool holds() const {
+  bool is_met() const {
     return percent_of_copy >= thresholds::kBuildPercentOfCopy;
   }
 };
@@ -140,15 +140,16 @@ struct ThroughputRow {
   std::optional<double> percent_of_ceiling;
 };
 
-// One threshold.
+// One aim of a threshold.
 struct ThroughputRatio {
   int threshold = 0;
   std::string name;
   double value = 0.0;
   double needed = 0.0;
   bool is_higher_better = true;
+  std::optional<Ratio> quartiles = std::nullopt;  // over repetitions
 
-  bool holds() const {
+  bool is_met() const {
     return is_higher_better ? value >= needed : value <= needed;
   }
 };
@@ -196,6 +197,7 @@ struct VerdictResult {
 
 struct Results {
   MachineResult context;  // always known, whatever sections run
+  std::string options;    // those that choose what is measured
   std::optional<MachineResult> machine;
   std::optional<CheckResult> check;
   std::optional<Table1Result> table1;

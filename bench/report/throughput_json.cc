@@ -29,12 +29,16 @@ Json ToJson(const ThroughputResult& result) {
   }
   Json ratios = Json::array();
   for (const ThroughputRatio& ratio : result.ratios) {
-    ratios.push_back({{"threshold", ratio.threshold},
-                      {"name", ratio.name},
-                      {"value", ratio.value},
-                      {"needed", ratio.needed},
-                      {"better", ratio.is_higher_better ? "higher" : "lower"},
-                      {"holds", ratio.holds()}});
+    ratios.push_back(
+        {{"threshold", ratio.threshold},
+         {"name", ratio.name},
+         {"value", ratio.value},
+         {"needed", ratio.needed},
+         {"better", ratio.is_higher_better ? "higher" : "lower"},
+         {"met", ratio.is_met()},
+         {"quartiles", ratio.quartiles
+                           ? Json({ratio.quartiles->low, ratio.quartiles->high})
+                           : Json(nullptr)}});
   }
   Json survivors = nullptr;
   if (result.survivors) {

@@ -113,8 +113,10 @@ class BuildGroup {
     row.ns_per_item = timing.Median();
     row.gigabytes_per_second = bytes_per_item / row.ns_per_item;
     for (const auto& [way, place] : copies_) {
-      const double percent = 100.0 * RatioOf(timings[place], timing).median;
-      if (!row.copy.empty() && percent >= row.percent_of_copy) continue;
+      const Ratio percent = RatioOf(timings[place], timing).Percent();
+      if (!row.copy.empty() && percent.median >= row.percent_of_copy.median) {
+        continue;
+      }
       row.percent_of_copy = percent;
       row.copy = NameOf(way);
       row.copy_gigabytes_per_second = bytes_per_item / timings[place].Median();
@@ -145,7 +147,7 @@ std::vector<BuildThreshold> ThresholdsOf(const std::vector<BuildRow>& rows) {
   for (const BuildRow& row : rows) {
     if (row.shapes == "boxes" && row.planes == "aabo" &&
         row.rounding == "within-ulp" && row.working_set == "memory") {
-      thresholds.push_back({row.target, row.percent_of_copy});
+      thresholds.push_back({row.target, row.percent_of_copy.median});
     }
   }
   return thresholds;

@@ -36,19 +36,20 @@ void PlanShape(Plan<KernelRow>& plan, WorkingSet& set, ShapeKind shape,
           "kernels/" + row.working_set + "/" + row.target + "/" + row.shape +
               "/" + row.schedule,
           shape, {.schedule = schedule.schedule, .target = target}));
-      plan.AddRow(std::move(row), [=](const Timings& timings,
-                                      KernelRow& timed) {
-        timed.ns_per_object = timings[place].Median();
-        timed.gigabytes_per_second = bytes / timed.ns_per_object;
-        // The faster reader is the ceiling.
-        for (std::size_t read : reads) {
-          const double percent =
-              100.0 * RatioOf(timings[read], timings[place]).median;
-          if (timed.percent_of_read == 0.0 || percent < timed.percent_of_read) {
-            timed.percent_of_read = percent;
-          }
-        }
-      });
+      plan.AddRow(std::move(row),
+                  [=](const Timings& timings, KernelRow& timed) {
+                    timed.ns_per_object = timings[place].Median();
+                    timed.gigabytes_per_second = bytes / timed.ns_per_object;
+                    // The faster reader is the ceiling.
+                    for (std::size_t read : reads) {
+                      const Ratio percent =
+                          RatioOf(timings[read], timings[place]).Percent();
+                      if (timed.percent_of_read.median == 0.0 ||
+                          percent.median < timed.percent_of_read.median) {
+                        timed.percent_of_read = percent;
+                      }
+                    }
+                  });
     }
   }
 }

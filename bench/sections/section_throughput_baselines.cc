@@ -105,12 +105,12 @@ void RunAgainstBaselines(const GridWorld& grid, Throughput& throughput) {
       throughput.AddRatio(
           thresholds::kOverScalar, target,
           "exact aabo survivors, " + name + ": times the scalar early-out",
-          RatioOf(timings[0], quantized).median);
+          RatioOf(timings[0], quantized));
     }
     throughput.AddRatio(
         thresholds::kOverVectorised, target,
         "exact aabo survivors, " + name + ": times the vectorised simplex",
-        RatioOf(timings[fastest], quantized).median);
+        RatioOf(timings[fastest], quantized));
   }
 }
 

@@ -40,10 +40,10 @@ void RunAgainstReading(WorkingSet& set, ShapeKind shape, Target target,
   row.ns_per_pair = timings[fastest].Median();
   row.ceiling = throughput.AddCeiling(
       {Ceiling::Kind::kRead, shape, set.name(), target}, row);
-  const double percent = 100.0 * RatioOf(timings[fastest], timings[0]).median;
+  const Ratio percent = RatioOf(timings[fastest], timings[0]).Percent();
   row.name = std::string(NameOf(shape)) + " flat";
   row.ns_per_pair = timings[0].Median();
-  row.percent_of_ceiling = percent;
+  row.percent_of_ceiling = percent.median;
   throughput.AddRow(row);
   throughput.AddRatio(thresholds::kReading, target,
                       RatioName("the fastest read", shape, set.name(), target),
@@ -86,10 +86,11 @@ void RunAgainstRegisters(InCache& world, Target target,
       {Ceiling::Kind::kRegisters, shape, row.working_set, target}, row);
   row.name = std::string(NameOf(shape)) + " flat, masks of many";
   row.ns_per_pair = timings[0].Median();
-  row.percent_of_ceiling = 100.0 * RatioOf(timings[1], timings[0]).median;
+  const Ratio percent = RatioOf(timings[1], timings[0]).Percent();
+  row.percent_of_ceiling = percent.median;
   throughput.AddRatio(thresholds::kRegisters, target,
                       RatioName("registers, many queries", shape, "L1", target),
-                      *row.percent_of_ceiling);
+                      percent);
   throughput.AddRow(row);
 }
 

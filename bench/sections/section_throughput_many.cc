@@ -77,11 +77,12 @@ void RunAgainstCache(SharedGrid& shared, InCache& in_cache,
     again.working_set = "L1";
     again.ns_per_pair = timings[0].Median();
     row.ceiling = throughput.AddRow(std::move(again));
-    row.percent_of_ceiling = 100.0 * RatioOf(timings[0], timings[1]).median;
+    const Ratio percent = RatioOf(timings[0], timings[1]).Percent();
+    row.percent_of_ceiling = percent.median;
     throughput.AddRatio(thresholds::kInCache, target,
                         std::string(NameOf(shape)) + " flat, many, " +
                             row.target + ": % of the same in L1",
-                        *row.percent_of_ceiling);
+                        percent);
     throughput.AddRow(row);
   }
 }
@@ -114,7 +115,7 @@ void RunQuantized(const GridWorld& grid, Throughput& throughput) {
     throughput.AddRatio(
         thresholds::kFilterOverSimplex, target,
         "aabo uint8 refined, many, " + name + ": times the float simplex",
-        RatioOf(timings[1], timings[0]).median);
+        RatioOf(timings[1], timings[0]));
   }
 }
 

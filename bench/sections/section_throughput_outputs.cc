@@ -110,7 +110,7 @@ class ListsAndMasks {
     throughput.AddRatio(thresholds::kIndicesOverMask, target,
                         std::string(NameOf(shape_)) + ", " + row.target +
                             ": indices over mask at 1 survivor in 1000",
-                        RatioOf(timings[1], timings[0]).median);
+                        RatioOf(timings[1], timings[0]));
   }
 
  private:

@@ -72,7 +72,7 @@ void RunRefined(QuantizedSet& set, Target target, Throughput& throughput) {
   throughput.AddRatio(thresholds::kFilterOverFloats, target,
                       "aabo uint8 refined, one query, memory, " + name +
                           ": times the fastest of floats",
-                      RatioOf(timings[fastest], timings[0]).median);
+                      RatioOf(timings[fastest], timings[0]));
 }
 
 void RunQuantizedScan(QuantizedSet& set, const Reading& reading, Target target,
@@ -101,11 +101,12 @@ void RunQuantizedScan(QuantizedSet& set, const Reading& reading, Target target,
       row);
   row.name = std::string("aabo uint8 quantized alone, ") + reading.name;
   row.ns_per_pair = timings[0].Median();
-  row.percent_of_ceiling = 100.0 * RatioOf(timings[fastest], timings[0]).median;
+  const Ratio percent = RatioOf(timings[fastest], timings[0]).Percent();
+  row.percent_of_ceiling = percent.median;
   throughput.AddRatio(thresholds::kReadingQuantized, target,
                       std::string("quantized scan, one query, memory, ") +
                           name + ": % of the fastest read, " + reading.name,
-                      *row.percent_of_ceiling);
+                      percent);
   throughput.AddRow(row);
 }
 

@@ -150,6 +150,7 @@ void RunFit(Calls& calls, ShapeKind shape, Target target,
   const std::string name = std::string(target.name()) + "/" + NameOf(shape);
   const RegisterScan scan = RegisterScansFor(target).one;
   std::vector<Case> cases;
+  cases.reserve(2 * kFitted.size());
   for (std::size_t objects : kFitted) {
     cases.push_back(
         calls.FlatCase("call/" + name + "/" + std::to_string(objects), shape,

@@ -85,6 +85,11 @@ class Throughput {
                               threshold.For(target),
                               threshold.is_higher_better});
   }
+  void AddRatio(const Threshold& threshold, Target target, std::string name,
+                const Ratio& ratio) {
+    AddRatio(threshold, target, std::move(name), ratio.median);
+    result_.ratios.back().quartiles = ratio;
+  }
 
  private:
   Timings TimeWith(const Effort& effort, std::vector<Case> cases);

@@ -64,6 +64,17 @@ halfspace_command_line_test(bad_bounds CODE 3
   ARGUMENTS --only quality --bounds "${inputs}/bad.csv" STDERR "bad.csv:2: ")
 halfspace_command_line_test(missing_mesh CODE 3
   ARGUMENTS --mesh "${inputs}/none.obj" STDERR "none.obj: ")
+# What is compared, stored_run_test tests.
+file(WRITE "${inputs}/other.json" "{\"schema\": 2, \"context\": {\"cpu\": \"none\", \"options\": \"\"}, \"sections\": {\"kernels\": {\"rows\": [{\"shape\": \"aabb\", \"schedule\": \"flat\", \"working_set\": \"L1\", \"target\": \"AVX2\", \"percent_of_read\": 90, \"quartiles\": [89, 91]}]}}}")
+halfspace_command_line_test(against_another_machine CODE 2
+  ARGUMENTS --only machine --against "${inputs}/other.json"
+  STDERR "other.json: it is of none, and this is .*same machine")
+halfspace_command_line_test(against_no_report CODE 3
+  ARGUMENTS --only machine --against "${inputs}/boxes.csv"
+  STDERR "boxes.csv: no JSON report of this program; give")
+halfspace_command_line_test(against_no_file CODE 3
+  ARGUMENTS --only machine --against "${inputs}/none.json"
+  STDERR "none.json: cannot be read; give")
 halfspace_command_line_test(json CODE 0
   ARGUMENTS --only machine,table1 --objects 4096 --queries 2 --format json
   STDOUT "\"half_spaces\"")
@@ -93,7 +104,7 @@ halfspace_command_line_test(decimal_seed CODE 0
 halfspace_command_line_test(exponents CODE 0
   ARGUMENTS --only quality --objects 1.5e3 --queries 1e0 --seed 1e6
   STDOUT "1 500 objects, 1 queries")
-foreach(option --mesh --bounds --out)
+foreach(option --mesh --bounds --out --against)
   halfspace_command_line_test(empty${option} CODE 2
     ARGUMENTS --only machine ${option} <EMPTY> STDERR "empty file name")
 endforeach()

@@ -1,0 +1,114 @@
+#include "bench/report/stored_run.h"
+
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "bench/base/text_table.h"
+#include "bench/report/report.h"
+
+namespace halfspace::bench {
+namespace {
+
+using Json = nlohmann::json;
+using Ratios = std::map<std::string, StoredRatio>;
+
+void Add(Ratios& ratios, const Json& row, const char* section,
+         std::initializer_list<const char*> keys, const char* value,
+         bool is_higher_better) {
+  const Json& quartiles = row.at("quartiles");
+  if (quartiles.is_null()) return;
+  std::string name = section;
+  for (const char* key : keys) {
+    name += std::string(", ") + row.at(key).get<std::string>();
+  }
+  ratios[name] = {{row.at(value), quartiles.at(0), quartiles.at(1)},
+                  is_higher_better};
+}
+
+// Of a report, those whose repetitions were interleaved.
+Ratios RatiosOf(const Json& report) {
+  Ratios ratios;
+  const Json& sections = report.at("sections");
+  if (sections.contains("kernels")) {
+    for (const Json& row : sections.at("kernels").at("rows")) {
+      Add(ratios, row, "kernels",
+          {"shape", "schedule", "working_set", "target"}, "percent_of_read",
+          true);
+    }
+  }
+  if (sections.contains("build")) {
+    for (const Json& row : sections.at("build").at("rows")) {
+      Add(ratios, row, "build",
+          {"shapes", "planes", "rounding", "working_set", "target"},
+          "percent_of_copy", true);
+    }
+  }
+  if (sections.contains("throughput")) {
+    for (const Json& row : sections.at("throughput").at("ratios")) {
+      Add(ratios, row, "throughput", {"name"}, "value",
+          row.at("better") == "higher");
+    }
+  }
+  return ratios;
+}
+
+std::string Text(const Ratio& ratio) {
+  return Fixed(ratio.median, 2) + " [" + Fixed(ratio.low, 2) + ", " +
+         Fixed(ratio.high, 2) + "]";
+}
+
+}  // namespace
+
+bool IsWorse(const StoredRatio& stored, const Ratio& now) {
+  return stored.is_higher_better
+             ? now.high < stored.ratio.low * (1.0 - kTolerance)
+             : now.low > stored.ratio.high * (1.0 + kTolerance);
+}
+
+StoredRun::StoredRun(std::string_view json) {
+  try {
+    const Json report = Json::parse(json);
+    if (report.at("schema") != kReportSchema) {
+      throw std::invalid_argument("a report of schema " +
+                                  report.at("schema").dump() + ", not " +
+                                  std::to_string(kReportSchema));
+    }
+    cpu_ = report.at("context").at("cpu");
+    options_ = report.at("context").at("options");
+    ratios_ = RatiosOf(report);
+  } catch (const Json::exception&) {
+    throw std::invalid_argument("no JSON report of this program");
+  }
+  if (ratios_.empty()) {
+    throw std::invalid_argument("a report without a ratio to compare");
+  }
+}
+
+std::string StoredRun::WhyIncomparable(const std::string& cpu,
+                                       const std::string& options) const {
+  if (cpu != cpu_) return "it is of " + cpu_ + ", and this is " + cpu;
+  if (options != options_) {
+    return "it was made with \"" + options_ + "\", and this run with \"" +
+           options + "\"";
+  }
+  return {};
+}
+
+std::vector<std::string> StoredRun::RegressionsIn(const Results& results,
+                                                  std::size_t& compared) const {
+  std::vector<std::string> lines;
+  compared = 0;
+  for (const auto& [name, now] : RatiosOf(Json::parse(ToJson(results)))) {
+    const auto stored = ratios_.find(name);
+    if (stored == ratios_.end()) continue;
+    ++compared;
+    if (IsWorse(stored->second, now.ratio)) {
+      lines.push_back(name + ": " + Text(now.ratio) + ", was " +
+                      Text(stored->second.ratio));
+    }
+  }
+  return lines;
+}
+
+}  // namespace halfspace::bench
