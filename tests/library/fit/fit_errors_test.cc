@@ -278,7 +278,8 @@ TEST(FitFrustumErrorsTest, PlanesThatAreNotSix) {
                       {"BoundFrustum: planes: expected 6 planes, got 7"}));
   EXPECT_TRUE(
       Refuses([&] { BoundFrustum(five); }, {"expected 6 planes, got 5"}));
-  EXPECT_TRUE(Refuses([] { BoundFrustum({}); }, {"got 0"}));
+  EXPECT_TRUE(
+      Refuses([] { BoundFrustum(Span<const HalfSpace3>()); }, {"got 0"}));
 }
 
 TEST(FitFrustumErrorsTest, PlanesThatCannotBeRead) {
