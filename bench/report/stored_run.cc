@@ -95,21 +95,20 @@ std::string StoredRun::WhyIncomparable(const std::string& cpu,
   return {};
 }
 
-std::vector<Regression> StoredRun::RegressionsIn(const Results& results,
-                                                 std::size_t& compared) const {
-  std::vector<Regression> regressions;
+std::vector<std::string> StoredRun::RegressionsIn(const Results& results,
+                                                  std::size_t& compared) const {
+  std::vector<std::string> lines;
   compared = 0;
   for (const auto& [name, now] : RatiosOf(Json::parse(ToJson(results)))) {
     const auto stored = ratios_.find(name);
     if (stored == ratios_.end()) continue;
     ++compared;
     if (IsWorse(stored->second, now.ratio)) {
-      regressions.push_back({name.substr(0, name.find(',')), name,
-                             name + ": " + Text(now.ratio) + ", was " +
-                                 Text(stored->second.ratio)});
+      lines.push_back(name + ": " + Text(now.ratio) + ", was " +
+                      Text(stored->second.ratio));
     }
   }
-  return regressions;
+  return lines;
 }
 
 }  // namespace halfspace::bench

@@ -180,7 +180,7 @@ TEST(ThroughputTest, ARatioHasTheThresholdOfItsTarget) {
     EXPECT_EQ(ratio.threshold, 1);
     EXPECT_EQ(ratio.needed, IsAvx512(target) || IsAvx2(target) ? 97.0 : 90.0)
         << target.name();
-    EXPECT_EQ(ratio.holds(), ratio.needed == 90.0);
+    EXPECT_EQ(ratio.is_met(), ratio.needed == 90.0);
   }
 }
 
