@@ -1,0 +1,223 @@
+#!/usr/bin/env python3
+"""Makes docs/results.md, and README's table of speed, from bench/results/*.json.
+
+    scripts/results.py           writes them
+    scripts/results.py --check   fails if they are not what it would write
+
+Each file is a run's report on one machine:
+
+    ./bench.sh --format json --out bench/results/<machine>.json
+
+README's table is that of the first file, by name, whose run had no options; it stands
+between two comments there. Without files there is nothing to make.
+"""
+
+import json
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SHAPES = ("simplex", "aabb", "aabo")
+NAMES = {"simplex": "simplex", "aabb": "AABB", "aabo": "AABO"}
+BEGIN = "<!-- speed: made by scripts/results.py -->\n"
+END = "<!-- end of speed -->\n"
+
+
+def number(value, digits=3):
+    if value is None:
+        return ""
+    if isinstance(value, int):
+        return f"{value:,}".replace(",", " ")
+    return f"{value:.{digits}f}"
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    lines += ["| " + " | ".join(map(str, row)) + " |" for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def pivot(rows, keys, column, cell):
+    """A table with a line for each value of `keys`, a column for each of `column`."""
+    columns = list(dict.fromkeys(row[column] for row in rows))
+    lines = {}
+    for row in rows:
+        lines.setdefault(tuple(row[key] for key in keys), {})[row[column]] = cell(row)
+    return table([*keys, *columns],
+                 [[*line, *(cells.get(c, "") for c in columns)]
+                  for line, cells in lines.items()])
+
+
+def machine(report, path):
+    m = report["sections"]["machine"]
+    context = report["context"]
+    caches = ", ".join(f"L{c['level']} {c['size'] // 1024} KiB"
+                       for c in context["caches"])
+    options = f" {context['options']}" if context["options"] else ""
+    text = (f"`cpuinfo-bench{options}` {m['version']}, {context['date'][:10]}, as "
+            f"[{path.name}](../bench/results/{path.name}) has it: {m['system']}, "
+            f"{m['cores']} cores, {caches}; {m['compiler']}, `{m['flags'].strip()}`, "
+            f"Highway {m['highway']}; {m['targets']['chosen']} chosen of "
+            f"{', '.join(m['targets']['supported'])}.")
+    if m["virtual"]:
+        text += " A virtual machine, whose neighbours disturb it: trust the ratios."
+    return text + "\n"
+
+
+def verdict(section):
+    return "".join(f"- {sentence}\n" for sentence in section["sentences"])
+
+
+def table1(section):
+    rows = [[w, *(number(section["half_spaces"][s][i], 2) for s in SHAPES)]
+            for i, w in enumerate(section["widths"])]
+    rows.append(["accepts", *(number(section["accepts"][s]) for s in SHAPES)])
+    return ("Half-spaces evaluated for an object, early-out in batches of w, and "
+            "objects accepted.\n\n" + table(["w", *SHAPES], rows))
+
+
+def crossover(section):
+    def cell(row):
+        if row["w_star"] is None:
+            return "no crossover"
+        return ("at most " if row["at_most"] else "") + number(row["w_star"], 0)
+    return ("w\\*, from which on the simplex leads the AABB, with an early-out after "
+            "every half-space.\n\n" +
+            pivot(section["targets"], ["target", "lanes"], "working_set", cell))
+
+
+def kernels(section):
+    return ("ns an object, and the percentage of reading the same planes.\n\n" +
+            pivot(section["rows"], ["shape", "schedule", "target"], "working_set",
+                  lambda row: f"{number(row['ns_per_object'])} "
+                              f"({number(row['percent_of_read'], 0)})"))
+
+
+def build(section):
+    text = ("ns an object (of sets: a point), and the percentage of copying the same "
+            "bytes.\n\n" +
+            pivot(section["rows"], ["shapes", "planes", "rounding", "target"],
+                  "working_set",
+                  lambda row: f"{number(row['ns_per_item'])} "
+                              f"({number(row['percent_of_copy'], 0)})"))
+    return text + "\n" + table(["one shape at a time", "ns"],
+                               [[row["call"], number(row["ns_per_call"], 1)]
+                                for row in section["singles"]])
+
+
+def throughput(section):
+    ratios = section["ratios"]
+    met = sum(ratio["met"] for ratio in ratios)
+    text = (f"{met} of {len(ratios)} aims are met.\n\n" +
+            table(["threshold", "ratio", "", "value", "aim"],
+                  [[r["threshold"], r["name"], "met" if r["met"] else "missed",
+                    number(r["value"], 2),
+                    (">= " if r["better"] == "higher" else "<= ") +
+                    number(r["needed"], 2)] for r in ratios]))
+    # Aim 7 has the sizes.
+    rows = [row for row in section["rows"] if not re.search(r", \d/\d$", row["name"])]
+    return text + "\n" + table(
+        ["what", "set", "target", "objects", "queries", "ns a pair", "% of", "ceiling"],
+        [[row["name"], row["working_set"], row["target"] or "", number(row["objects"]),
+          number(row["queries"]), number(row["ns_per_pair"], 4),
+          number(row["percent_of_ceiling"], 0), row["ceiling"] or ""]
+         for row in rows])
+
+
+def quality(section):
+    least = section["survivors"]["aabb"] or 1
+    return (f"{number(section['objects'])} objects, {number(section['queries'])} "
+            f"queries, of {section['workload']}.\n\n" +
+            table(["", *SHAPES],
+                  [["survivors", *(number(section["survivors"][s]) for s in SHAPES)],
+                   ["of the AABB's", *(number(section["survivors"][s] / least, 2)
+                                       for s in SHAPES)]]))
+
+
+def segments(section):
+    return ("Objects that a long segment in pieces keeps, on average.\n\n" +
+            table(["direction", "length", "pieces", *SHAPES, "floor"],
+                  [[row["direction"], f"{100 * row['length']:.0f} %", row["pieces"],
+                    *(number(row["kept"][s], 1) for s in SHAPES),
+                    number(row["floor"], 1)] for row in section["rows"]]))
+
+
+SECTIONS = (verdict, kernels, throughput, build, crossover, table1, quality, segments)
+
+
+def page(reports):
+    text = ("# Results\n\nMade by `scripts/results.py` from the reports in "
+            "[bench/results](../bench/results): what `cpuinfo-bench` found on each "
+            "machine. [The tool](cpuinfo-bench.md) says how it measures, and "
+            "[performance](performance.md) what binds the kernels.\n")
+    for path, report in reports:
+        text += f"\n## {report['context']['cpu']}\n\n{machine(report, path)}"
+        for section in SECTIONS:
+            name = section.__name__
+            if name in report["sections"]:
+                text += f"\n### {name}\n\n{section(report['sections'][name])}"
+    return text
+
+
+def speed(path, report):
+    """README's table: one query a working set; many queries; survivors."""
+    sections = report["sections"]
+    chosen = sections["machine"]["targets"]["chosen"]
+    columns = (("simplex", "flat"), ("aabb", "flat"), ("aabb", "staged"),
+               ("aabo", "staged"))
+
+    def cells(value):
+        return [value(shape, schedule) for shape, schedule in columns]
+
+    rows = []
+    kernel = {(r["working_set"], r["shape"], r["schedule"]): number(r["ns_per_object"])
+              for r in sections["kernels"]["rows"] if r["target"] == chosen}
+    for name in dict.fromkeys(key[0] for key in kernel):
+        rows.append([name, *cells(lambda *key, name=name: kernel[(name, *key)])])
+    many = {}
+    for row in sections["throughput"]["rows"]:
+        if row["working_set"] == "grid" and row["target"] == chosen:
+            many[re.sub("^(simplex,|aabo floats|aabo uint8).*(counts|pairs).*",
+                        r"\1 \2", row["name"])] = number(row["ns_per_pair"])
+    rows.append(["many queries, a pair", many["simplex, counts"], "", "",
+                 f"{many['aabo floats pairs']}; quantized {many['aabo uint8 pairs']}"])
+    kept = sections["quality"]["survivors"]
+    rows.append(["survivors, of the AABB's",
+                 *cells(lambda shape, _: number(kept[shape] / kept["aabb"], 2))])
+    m = sections["machine"]
+    return (f"ns an object for one query, the paper's scene, {m['cpu']}, {chosen}, "
+            f"{m['compiler']} ([the report](bench/results/{path.name})).\n\n" +
+            table(["", *(f"{NAMES[shape]}, {schedule}" for shape, schedule in columns)], rows))
+
+
+def with_speed(readme, reports):
+    if BEGIN not in readme or END not in readme:
+        sys.exit(f"README.md has no line {BEGIN.strip()}, or none {END.strip()}")
+    for path, report in reports:
+        if not report["context"]["options"]:
+            before, rest = readme.split(BEGIN)
+            return before + BEGIN + speed(path, report) + END + rest.split(END)[1]
+    return readme
+
+
+def main():
+    if sys.argv[1:] not in ([], ["--check"]):
+        sys.exit(__doc__)
+    paths = sorted((ROOT / "bench/results").glob("*.json"))
+    if not paths:
+        return
+    reports = [(path, json.loads(path.read_text())) for path in paths]
+    readme = ROOT / "README.md"
+    made = {ROOT / "docs/results.md": page(reports),
+            readme: with_speed(readme.read_text(), reports)}
+    for path, text in made.items():
+        if path.read_text() == text:
+            continue
+        if len(sys.argv) > 1:
+            sys.exit(f"{path.relative_to(ROOT)} is not what the reports in "
+                     "bench/results say: run scripts/results.py")
+        path.write_text(text)
+
+
+main()
