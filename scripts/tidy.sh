@@ -1,23 +1,24 @@
 #!/usr/bin/env bash
-# Runs clang-tidy (.clang-tidy has the checks) on the sources of the library and of
-# cpuinfo-bench that contain no kernels:
+# Runs clang-tidy, with the checks of .clang-tidy, on the sources of the library and
+# of cpuinfo-bench that were configured for a build and contain no kernels:
 #
 #   scripts/tidy.sh BUILD_DIRECTORY [FILE...]
 #
-# The directory is one that clang was configured in: its warnings are found, too.
+# clang's warnings are errors here, too, if it is the compiler of that build.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-cd "$root"
 
-build=$1
+build=$(realpath "$1")
 shift
-if [ $# -gt 0 ]; then
-  files=("$@")
-else
-  # What includes Highway is what the compiler was given its folder for, but
-  # for a few files that say so in their text.
-  mapfile -t files < <(git ls-files 'dispatch/*.cc' 'kernels/*.cc' 'bench/*.cc' |
-    xargs grep -L 'hwy/foreach_target.h')
+cd "$root"
+files=("$@")
+if [ "${#files[@]}" -eq 0 ]; then
+  # Kernels are compiled for target after target: minutes, for the same text.
+  mapfile -t files < <(
+    sed -n "s|^ *\"file\": \"$root/\(.*\)\",\{0,1\}\$|\1|p" \
+      "$build/compile_commands.json" |
+      grep -E '^(bench|dispatch|kernels)/' | sort -u |
+      xargs grep -L 'hwy/foreach_target.h')
 fi
-printf '%s\0' "${files[@]}" | xargs -0 -n 1 -P "$(getconf _NPROCESSORS_ONLN)" \
-  clang-tidy --quiet -p "$build"
+printf '%s\0' "${files[@]}" |
+  xargs -0 -n 1 -P "$(getconf _NPROCESSORS_ONLN)" clang-tidy --quiet -p "$build"

@@ -17,6 +17,7 @@ struct CacheLineAllocator {
 
   CacheLineAllocator() = default;
   template <typename Other>
+  // NOLINTNEXTLINE(google-explicit-constructor): allocators are converted.
   CacheLineAllocator(const CacheLineAllocator<Other>& /*other*/) {}
 
   T* allocate(std::size_t count) {

@@ -27,7 +27,7 @@ Fields Split(std::string_view row) {
   for (std::string_view& field : fields) {
     const std::size_t comma = row.find(',');
     field = Trimmed(row.substr(0, comma));
-    row.remove_prefix(comma == row.npos ? row.size() : comma + 1);
+    row.remove_prefix(comma == std::string_view::npos ? row.size() : comma + 1);
   }
   return fields;
 }
