@@ -15,8 +15,9 @@ kernel of every target that the machine can run, each call and each builder.
   --full  everything. Left out otherwise: 2 and 4 dimensions, except that the
           answers of all kernels in them are compared with known hashes; and the
           tests of cpuinfo-bench, of the examples, and of the installed package
-  --arm   for arm64 instead: cross-compiles, and runs the tests under qemu on NEON,
-          SVE, SVE2 and their fixed-width forms, at a hundredth of their scale
+  --arm   for arm64 instead: cross-compiles, and runs under qemu, on NEON, SVE, SVE2
+          and their fixed-width forms, the tests of what differs there, at a
+          hundredth of their scale
 
 Other arguments are those of ctest, as in ./test.sh -R Range.
 HALFSPACE_TEST_SCALE=0.1 makes random tests a tenth as long, here and natively.'
