@@ -95,20 +95,21 @@ std::string StoredRun::WhyIncomparable(const std::string& cpu,
   return {};
 }
 
-std::vector<std::string> StoredRun::RegressionsIn(const Results& results,
-                                                  std::size_t& compared) const {
-  std::vector<std::string> lines;
+std::vector<Regression> StoredRun::RegressionsIn(const Results& results,
+                                                 std::size_t& compared) const {
+  std::vector<Regression> regressions;
   compared = 0;
   for (const auto& [name, now] : RatiosOf(Json::parse(ToJson(results)))) {
     const auto stored = ratios_.find(name);
     if (stored == ratios_.end()) continue;
     ++compared;
     if (IsWorse(stored->second, now.ratio)) {
-      lines.push_back(name + ": " + Text(now.ratio) + ", was " +
-                      Text(stored->second.ratio));
+      regressions.push_back({name.substr(0, name.find(',')), name,
+                             name + ": " + Text(now.ratio) + ", was " +
+                                 Text(stored->second.ratio)});
     }
   }
-  return lines;
+  return regressions;
 }
 
 }  // namespace halfspace::bench

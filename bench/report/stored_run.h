@@ -26,6 +26,12 @@ struct StoredRatio {
 // kTolerance.
 bool IsWorse(const StoredRatio& stored, const Ratio& now);
 
+struct Regression {
+  std::string section;
+  std::string ratio;  // its name
+  std::string text;   // the name, and both values
+};
+
 class StoredRun {
  public:
   // From a JSON report. Throws std::invalid_argument with what is wrong with
@@ -36,11 +42,10 @@ class StoredRun {
   std::string WhyIncomparable(const std::string& cpu,
                               const std::string& options) const;
 
-  // A line for each ratio that is worse, of those that both runs have, which
-  // `compared` counts. Times are not compared: they are the machine's of the
-  // day.
-  std::vector<std::string> RegressionsIn(const Results& results,
-                                         std::size_t& compared) const;
+  // The ratios that are worse, of those that both runs have, which `compared`
+  // counts. Times are not compared: they are the machine's of the day.
+  std::vector<Regression> RegressionsIn(const Results& results,
+                                        std::size_t& compared) const;
 
  private:
   std::string cpu_;

@@ -34,15 +34,15 @@ Results RunOf(const std::vector<KernelRow>& rows,
   return results;
 }
 
-// The lines, and how many ratios there were.
+// What is worse, and how many ratios there were.
 struct Found {
-  std::vector<std::string> lines;
+  std::vector<Regression> worse;
   std::size_t compared = 0;
 };
 
 Found Compare(const Results& stored, const Results& now) {
   Found found;
-  found.lines = StoredRun(ToJson(stored)).RegressionsIn(now, found.compared);
+  found.worse = StoredRun(ToJson(stored)).RegressionsIn(now, found.compared);
   return found;
 }
 
@@ -53,8 +53,10 @@ TEST(StoredRunTest, FindsTheRatiosThatAreWorse) {
       Compare(RunOf({Row("AVX2", kStored), Row("SSE4", kStored)}),
               RunOf({Row("AVX2", {90.0, 89.0, 91.0}), Row("SSE4", kStored)}));
   EXPECT_EQ(found.compared, 2u);
-  ASSERT_EQ(found.lines.size(), 1u);
-  EXPECT_EQ(found.lines[0],
+  ASSERT_EQ(found.worse.size(), 1u);
+  EXPECT_EQ(found.worse[0].section, "kernels");
+  EXPECT_EQ(found.worse[0].ratio, "kernels, aabb, flat, L2, AVX2");
+  EXPECT_EQ(found.worse[0].text,
             "kernels, aabb, flat, L2, AVX2: 90.00 [89.00, 91.00], was 95.00 "
             "[94.00, 96.00]");
 }
@@ -63,7 +65,7 @@ TEST(StoredRunTest, ComparesWhatBothRunsHave) {
   const Found found = Compare(RunOf({Row("AVX2", kStored)}),
                               RunOf({Row("SSE4", {1.0, 1.0, 1.0})}));
   EXPECT_EQ(found.compared, 0u);
-  EXPECT_TRUE(found.lines.empty());
+  EXPECT_TRUE(found.worse.empty());
 }
 
 TEST(StoredRunTest, KnowsWhatIsBetter) {
@@ -71,8 +73,8 @@ TEST(StoredRunTest, KnowsWhatIsBetter) {
     return RunOf({}, {{6, "a cost", value, 1.15, false,
                        Ratio{value, value - 0.01, value + 0.01}}});
   };
-  EXPECT_EQ(Compare(run(1.0), run(1.2)).lines.size(), 1u);
-  EXPECT_TRUE(Compare(run(1.2), run(1.0)).lines.empty());
+  EXPECT_EQ(Compare(run(1.0), run(1.2)).worse.size(), 1u);
+  EXPECT_TRUE(Compare(run(1.2), run(1.0)).worse.empty());
 }
 
 TEST(StoredRunTest, LeavesOutWhatIsNoRatioOfRepetitions) {
@@ -82,7 +84,7 @@ TEST(StoredRunTest, LeavesOutWhatIsNoRatioOfRepetitions) {
   };
   const Found found = Compare(run(10.0), run(100.0));
   EXPECT_EQ(found.compared, 1u);
-  EXPECT_TRUE(found.lines.empty());
+  EXPECT_TRUE(found.worse.empty());
 }
 
 TEST(StoredRunTest, BuildsAreCompared) {
@@ -94,8 +96,8 @@ TEST(StoredRunTest, BuildsAreCompared) {
     results.build.emplace().rows.push_back(row);
     return results;
   };
-  EXPECT_EQ(Compare(run(75.0), run(70.0)).lines.size(), 1u);
-  EXPECT_TRUE(Compare(run(75.0), run(74.0)).lines.empty());
+  EXPECT_EQ(Compare(run(75.0), run(70.0)).worse.size(), 1u);
+  EXPECT_TRUE(Compare(run(75.0), run(74.0)).worse.empty());
 }
 
 TEST(StoredRunTest, IsWorseBeyondTheSpreadAndTheTolerance) {
