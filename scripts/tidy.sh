@@ -13,7 +13,7 @@ shift
 cd "$root"
 files=("$@")
 if [ "${#files[@]}" -eq 0 ]; then
-  # Kernels are compiled for target after target: minutes, for the same text.
+  # Kernels are the same text, target after target.
   mapfile -t files < <(
     sed -n "s|^ *\"file\": \"$root/\(.*\)\",\{0,1\}\$|\1|p" \
       "$build/compile_commands.json" |
