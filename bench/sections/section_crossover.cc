@@ -21,7 +21,7 @@ std::string CaseName(const CrossoverRow& row, ShapeKind shape) {
 
 // Adds a row whose cases are made by make_case(name, shape).
 template <typename MakeCase>
-void AddRow(Plan<CrossoverRow>& plan, CrossoverRow row,
+void AddRow(Plan<CrossoverRow>& plan, const CrossoverRow& row,
             const std::vector<ShapeKind>& shapes, const MakeCase& make_case) {
   std::array<std::optional<std::size_t>, kShapes.size()> places;
   for (ShapeKind shape : shapes) {
@@ -30,23 +30,22 @@ void AddRow(Plan<CrossoverRow>& plan, CrossoverRow row,
     c.group = std::to_string(plan.rows());
     places[static_cast<std::size_t>(shape)] = plan.AddCase(std::move(c));
   }
-  plan.AddRow(
-      std::move(row), [places](const Timings& timings, CrossoverRow& timed) {
-        const auto timing = [&](ShapeKind shape) -> const Timing* {
-          const auto place = places[static_cast<std::size_t>(shape)];
-          return place ? &timings[*place] : nullptr;
-        };
-        const auto median = [&](ShapeKind shape) -> std::optional<double> {
-          if (!timing(shape)) return std::nullopt;
-          return timing(shape)->Median();
-        };
-        timed.ns = {median(ShapeKind::kAabb), median(ShapeKind::kSimplex),
-                    median(ShapeKind::kAabo)};
-        if (timed.ns.aabb && timed.ns.simplex) {
-          timed.simplex_over_aabb =
-              RatioOf(*timing(ShapeKind::kSimplex), *timing(ShapeKind::kAabb));
-        }
-      });
+  plan.AddRow(row, [places](const Timings& timings, CrossoverRow& timed) {
+    const auto timing = [&](ShapeKind shape) -> const Timing* {
+      const auto place = places[static_cast<std::size_t>(shape)];
+      return place ? &timings[*place] : nullptr;
+    };
+    const auto median = [&](ShapeKind shape) -> std::optional<double> {
+      if (!timing(shape)) return std::nullopt;
+      return timing(shape)->Median();
+    };
+    timed.ns = {median(ShapeKind::kAabb), median(ShapeKind::kSimplex),
+                median(ShapeKind::kAabo)};
+    if (timed.ns.aabb && timed.ns.simplex) {
+      timed.simplex_over_aabb =
+          RatioOf(*timing(ShapeKind::kSimplex), *timing(ShapeKind::kAabb));
+    }
+  });
 }
 
 Case GatedCase(WorkingSet& set, std::string name, ShapeKind shape,
