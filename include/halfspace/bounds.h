@@ -96,18 +96,24 @@ constexpr bool AreEmptyMaxima(const Values& max) {
   return true;
 }
 
+// Any number or infinity, but no NaN.
+template <typename T>
+constexpr bool IsNumber(T value) {
+  return value <= kInf<T>;
+}
+
 // Of two limits the one that leaves less. A NaN is no limit.
 template <typename Values>
 constexpr Values TighterMinima(Values a, const Values& b) {
   for (std::size_t k = 0; k < a.size(); ++k) {
-    if (!(a[k] >= b[k]) && b[k] == b[k]) a[k] = b[k];
+    if (!(a[k] >= b[k]) && IsNumber(b[k])) a[k] = b[k];
   }
   return a;
 }
 template <typename Values>
 constexpr Values TighterMaxima(Values a, const Values& b) {
   for (std::size_t k = 0; k < a.size(); ++k) {
-    if (!(a[k] <= b[k]) && b[k] == b[k]) a[k] = b[k];
+    if (!(a[k] <= b[k]) && IsNumber(b[k])) a[k] = b[k];
   }
   return a;
 }

@@ -56,10 +56,12 @@ class Span {
   // Of what is const, and of a temporary, std::data() is const too, unless it
   // points to somebody else's elements.
   template <typename List, typename = detail::IfListOf<T, List>>
+  // NOLINTNEXTLINE(google-explicit-constructor): lists become spans, as said.
   constexpr Span(List& list) noexcept
       : data_(std::data(list)),
         size_(static_cast<std::size_t>(std::size(list))) {}
   template <typename List, typename = detail::IfListOf<T, const List>>
+  // NOLINTNEXTLINE(google-explicit-constructor): as above.
   constexpr Span(const List& list) noexcept
       : data_(std::data(list)),
         size_(static_cast<std::size_t>(std::size(list))) {}
