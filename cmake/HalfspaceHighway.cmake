@@ -27,10 +27,11 @@ else()
                  "the bundled release is skipped")
 endif()
 
-# Targets whose kernels are no faster than those of the next one below them, or
-# that no machine of the last fifteen years needs. Each costs as much time and
-# code as any other; and those that whoever configures names. Only names that this
-# Highway knows may be disabled.
+# Left out: targets whose kernels are no faster than those of the next one below
+# them, or that no machine of the last fifteen years needs, as each costs as much
+# time and code as any other; and those in HALFSPACE_LEAVE_OUT_TARGETS. With
+# HALFSPACE_EXTRA_TARGETS none is. Only names that this Highway knows may be
+# disabled.
 set(HALFSPACE_LEAVE_OUT_TARGETS "" CACHE STRING
     "Targets not to compile besides, as in SSE4;AVX2")
 file(STRINGS "${HALFSPACE_HIGHWAY_INCLUDE}/hwy/detect_targets.h" known_targets

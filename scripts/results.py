@@ -115,7 +115,7 @@ def throughput(section):
                     number(r["value"], 2),
                     (">= " if r["better"] == "higher" else "<= ") +
                     number(r["needed"], 2)] for r in ratios]))
-    # Aim 7 has the sizes.
+    # Threshold 7 has the sizes.
     rows = [row for row in section["rows"] if not re.search(r", \d/\d$", row["name"])]
     return text + "\n" + table(
         ["what", "set", "target", "objects", "queries", "ns a pair", "% of", "ceiling"],

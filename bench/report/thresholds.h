@@ -54,7 +54,7 @@ inline constexpr Threshold kIndicesOverMask = AtMost(6, 1.15);
 inline constexpr Threshold kTwoThreads = AtLeast(6, 1.8);
 // Slowest over fastest size in one cache level; ns of a call by itself.
 inline constexpr Threshold kSizes = AtMost(7, 1.15);
-inline constexpr Threshold kCall = AtMost(7, 20.0);
+inline constexpr Threshold kCall = AtMost(7, 10.0);
 // Objects up to which a scan is faster than a tree.
 inline constexpr Threshold kTreeSize = AtLeast(8, 10000.0);
 // A bulk build of boxes out of the caches: % of copying the same bytes.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/detail/scan.h"
@@ -16,6 +17,10 @@ namespace halfspace::dispatch {
 // Up to this many bytes of planes are taken to be in cache; more are streamed.
 inline constexpr std::size_t kInCacheBytes = 128 * 1024;
 
+// Planes of no more values fit the address space whatever they store.
+inline constexpr std::size_t kMostObjects =
+    std::numeric_limits<std::size_t>::max() / 16;
+
 // What a call writes.
 struct Output {
   const char* argument;
@@ -24,7 +29,7 @@ struct Output {
   std::size_t alignment;
 };
 
-// Each throws std::invalid_argument, in the name of scan.call, if something is
+// Each throws (error.h), in the name of scan.call, if something is
 // wrong.
 void RefuseBadWorld(const detail::Scan& scan);
 [[noreturn]] void RefuseBadRange(const detail::Scan& scan, const Range& range);
@@ -61,7 +66,7 @@ inline std::int64_t Run(const detail::Scan& scan, const detail::Part& part) {
   return scan.kernels->run[scan.way](scan, part);
 }
 
-// Throws std::invalid_argument in the name of `call`. An empty world resolves
+// Throws (error.h) in the name of `call`. An empty world resolves
 // its target too, so that a bad target is always an error.
 inline void Prepare(detail::Scan& scan, const Options& options,
                     const char* call) {
@@ -76,7 +81,7 @@ inline void Prepare(detail::Scan& scan, const Options& options,
   if (queries == 0 || (queries & (scan.query_bytes - 1u)) != 0 ||
       scan.addresses.lowest == 0 ||
       (scan.addresses.bits & (scan.element_bytes - 1u)) != 0 ||
-      scan.size >> 60 != 0 || scan.is_refined) [[unlikely]] {
+      scan.size > kMostObjects || scan.is_refined) [[unlikely]] {
     RefuseBadWorld(scan);
   }
   if (range.begin > range.end) [[unlikely]]
@@ -96,12 +101,16 @@ inline void Prepare(detail::Scan& scan, const Options& options,
   scan.way = scan.quantizer == nullptr ? kWayOf[shape][schedule]
                                        : kWayOfQuantized[shape][schedule];
   if (scan.is_streaming) scan.way = kStreamingWayOf[scan.way];
-  if (options.ran != nullptr) [[unlikely]] {
-    // The kernel says which target it is of: no queries, no objects.
-    detail::Part nothing{};
-    nothing.queries = scan.queries;
-    *options.ran = Target::FromHighwayBit(Run(scan, nothing));
-  }
+}
+
+// Only after the last check, because a call that is refused writes nothing.
+inline void ReportTarget(const detail::Scan& scan, const Options& options) {
+  if (options.ran == nullptr) [[likely]]
+    return;
+  // The kernel says which target it is of: no queries, no objects.
+  detail::Part nothing{};
+  nothing.queries = scan.queries;
+  *options.ran = Target::FromHighwayBit(Run(scan, nothing));
 }
 
 // Throws unless the output lies outside every plane and query, and is aligned.

@@ -42,6 +42,7 @@ inline void WriteMask(Scan& scan, Span<std::uint64_t> mask,
   dispatch::CheckOutput(scan,
                         {"mask", mask.data(), words * sizeof(std::uint64_t),
                          alignof(std::uint64_t)});
+  dispatch::ReportTarget(scan, options);
   if (scan.quantizer != nullptr) return WriteQuantizedMask(scan, mask.data());
   // Without parts: a small call costs little more than its kernel.
   dispatch::Run(scan, {.first_query = 0,
@@ -69,11 +70,12 @@ std::size_t Survivors(Scan&& scan, Span<std::uint32_t> indices,
                       const Options& options) {
   dispatch::Prepare(scan, options, "Survivors");
   dispatch::CheckIndicesFit(scan);
-  // No more than one index for each object is ever written.
-  dispatch::CheckOutput(
-      scan, {"indices", indices.data(),
-             std::min(indices.size(), scan.size) * sizeof(std::uint32_t),
-             alignof(std::uint32_t)});
+  // No more than one index for each object of the range is ever written.
+  dispatch::CheckOutput(scan, {"indices", indices.data(),
+                               std::min(indices.size(), scan.end - scan.begin) *
+                                   sizeof(std::uint32_t),
+                               alignof(std::uint32_t)});
+  dispatch::ReportTarget(scan, options);
   std::size_t count = 0;
   dispatch::ForEachPart<OneQuery>(scan, [&](const Tested& tested) {
     dispatch::ForEachSurvivor(
@@ -89,6 +91,7 @@ std::size_t Survivors(Scan&& scan, Span<std::uint32_t> indices,
 
 std::size_t CountSurvivors(Scan&& scan, const Options& options) {
   dispatch::Prepare(scan, options, "CountSurvivors");
+  dispatch::ReportTarget(scan, options);
   std::size_t count = 0;
   dispatch::ForEachPart<OneQuery>(scan, [&](const Tested& tested) {
     dispatch::ForEachCount(
@@ -100,6 +103,7 @@ std::size_t CountSurvivors(Scan&& scan, const Options& options) {
 
 std::size_t AnySurvivor(Scan&& scan, const Options& options) {
   dispatch::Prepare(scan, options, "AnySurvivor");
+  dispatch::ReportTarget(scan, options);
   dispatch::EncodedQueries<1> quantized;
   std::uint64_t words[dispatch::kRunWords];
   Tested tested;

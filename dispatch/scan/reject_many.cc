@@ -42,10 +42,12 @@ void WriteMasks(Scan& scan, Span<std::uint64_t> rows, const Options& options,
           std::to_string(rows.size()) + " words");
     }
     used = (scan.query_count - 1) * stride + words;
+    kernels::CheckAddressable(call, "rows", used, sizeof(std::uint64_t));
   }
   dispatch::CheckOutput(scan,
                         {"rows", rows.data(), used * sizeof(std::uint64_t),
                          alignof(std::uint64_t)});
+  dispatch::ReportTarget(scan, options);
   dispatch::WriteRows<ManyQueries>(scan, rows.data(), stride, rejects);
 }
 
@@ -68,12 +70,13 @@ std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
   dispatch::CheckIndicesFit(scan);
   const std::size_t capacity =
       std::min(query_indices.size(), object_indices.size());
-  // No more than one pair for each object and query is ever written.
+  // No more than one pair for each query and object of the range is ever
+  // written.
+  const std::size_t objects = scan.end - scan.begin;
   const bool all_fit =
-      scan.query_count == 0 || capacity / scan.query_count >= scan.size;
+      scan.query_count == 0 || capacity / scan.query_count >= objects;
   const std::size_t bytes =
-      (all_fit ? scan.size * scan.query_count : capacity) *
-      sizeof(std::uint32_t);
+      (all_fit ? objects * scan.query_count : capacity) * sizeof(std::uint32_t);
   const auto check = [&](const char* name, Span<std::uint32_t> indices) {
     dispatch::CheckOutput(
         scan, {name, indices.data(), bytes, alignof(std::uint32_t)});
@@ -84,6 +87,7 @@ std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
                        bytes)) {
     kernels::ThrowOverlap("SurvivorPairs", "object_indices", "query_indices");
   }
+  dispatch::ReportTarget(scan, options);
   std::size_t count = 0;
   dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
     dispatch::ForEachSurvivor(
@@ -110,6 +114,7 @@ void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
   dispatch::CheckOutput(
       scan, {"counts", counts.data(), scan.query_count * sizeof(std::size_t),
              alignof(std::size_t)});
+  dispatch::ReportTarget(scan, options);
   std::fill_n(counts.begin(), scan.query_count, std::size_t{0});
   dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
     dispatch::ForEachCount(scan, tested,
@@ -122,6 +127,7 @@ void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
 void ForEachTile(Scan&& scan, TileFunction function, void* context,
                  const Options& options) {
   dispatch::Prepare(scan, options, "ForEachTile");
+  dispatch::ReportTarget(scan, options);
   dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
     const Part& part = tested.part;
     return function(context, {.first_query = part.first_query,

@@ -13,7 +13,7 @@
 namespace halfspace::dispatch {
 
 // The index of a target among the compiled ones, best first; of the chosen one
-// for a default handle. Throws std::invalid_argument, in the name of `call`, if
+// for a default handle. Throws (error.h), in the name of `call`, if
 // it is not supported here or the choice failed.
 std::size_t ResolveIndex(Target target, const char* call);
 

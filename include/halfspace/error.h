@@ -23,7 +23,8 @@
 // the library, and is called again if that call is wrong too.
 //
 // Where the library itself was compiled without exceptions, a message for which
-// there is no handler goes to stderr, and std::abort follows.
+// there is no handler goes to stderr, and std::abort follows, as it does where
+// a MemoryResource (memory.h) has no memory.
 //
 // Memory that cannot be had is no violated precondition: std::bad_alloc is
 // thrown, as by any operator new, and no handler is told.

@@ -30,7 +30,8 @@
 //
 // Doubles are bounded one after the other, by the builders of fit.h: all axes
 // are rounded outward, D is as tight as there on every target, and a bound
-// costs what it costs there. The target is the one that was chosen.
+// costs what it costs there. The target that is returned is that of the
+// options, as for floats, though all run the same code.
 //
 // Errors (error.h), before anything is written: with N > 0, a pointer is null
 // or misaligned, sizes differ or overflow the address space, an output overlaps

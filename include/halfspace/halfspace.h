@@ -16,6 +16,7 @@
 //   reject_many.h  the calls for several queries
 //   targets.h      the instruction sets
 //   error.h        what a violated precondition does
+//   version.h      the library's version
 #ifndef HALFSPACE_HALFSPACE_H_
 #define HALFSPACE_HALFSPACE_H_
 

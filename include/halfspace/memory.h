@@ -1,5 +1,6 @@
 // Where owners get their memory: World (world.h), QuantizedBounds and
-// QuantizedWorld (quantized.h). Nothing else in the library allocates.
+// QuantizedWorld (quantized.h). Nothing else in the library allocates,
+// but for the text of an error and the choice of a target, once.
 //
 //   std::pmr::monotonic_buffer_resource arena;
 //   AaboWorld3 world(MemoryFrom(arena));
@@ -42,11 +43,12 @@ namespace halfspace {
 struct MemoryResource {
   // Memory of `bytes` > 0, aligned to `alignment`, which is 64. May throw
   // std::bad_alloc, or return null, which the owner turns into std::bad_alloc:
-  // the owner is then as it was. Misaligned memory is given back, and
-  // std::invalid_argument is thrown.
+  // the owner is then as it was. Misaligned memory is given back, and is a
+  // violated precondition (error.h).
   void* (*allocate)(void* context, std::size_t bytes,
                     std::size_t alignment) = nullptr;
-  // Gives a block back, with what it was asked for with. Must not throw.
+  // Gives a block back, with the size and alignment that it was allocated with.
+  // Must not throw.
   void (*deallocate)(void* context, void* block, std::size_t bytes,
                      std::size_t alignment) = nullptr;
   void* context = nullptr;

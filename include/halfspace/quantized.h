@@ -66,7 +66,7 @@ namespace halfspace {
 // are right before and after; only the number of survivors changes.
 //
 // Errors (error.h): an index that is not below size() and a size that no memory
-// can have throw std::invalid_argument, a failed allocation throws
+// can have are violated preconditions; a failed allocation throws
 // std::bad_alloc. The quantized bounds are then as they were.
 template <typename FloatView, typename ElementType = std::uint8_t>
 class QuantizedBounds {
@@ -110,7 +110,7 @@ class QuantizedBounds {
 
   // Replaces the content: trains a new quantizer on `floats` and encodes all of
   // them. Costs about 0.1 us an octahedron (0.3 with uint16), and a sort of at
-  // most 2^16 values a plane (2^18 with uint16). Throws std::invalid_argument
+  // most 2^16 values a plane (2^18 with uint16). Throws (error.h)
   // for a null or misaligned plane of a view that is not empty; the quantized
   // bounds are then as they were.
   void Requantize(const FloatView& floats) {
@@ -141,7 +141,7 @@ class QuantizedBounds {
   // Removes all objects; keeps the memory and the quantizer.
   void Clear() { planes_.Clear(); }
 
-  // Throws std::invalid_argument, in the name of `call`, unless `index` is
+  // Throws (error.h), in the name of `call`, unless `index` is
   // below size().
   void CheckIndex(std::size_t index, const char* call) const {
     planes_.CheckIndex(index, call);
@@ -156,7 +156,7 @@ class QuantizedBounds {
 
 // A world of quantized bounds and of the floats that they were encoded from, in
 // the same order. Its answers are those of the floats. Both must outlive it.
-//   The calls throw std::invalid_argument if the sizes differ. Different floats
+//   The calls throw (error.h) if the sizes differ. Different floats
 //   cannot be detected: a call may then reject pairs that touch.
 template <typename FloatView, typename ElementType>
 detail::RefinedView<FloatView, ElementType, FloatView> Refined(

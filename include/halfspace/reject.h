@@ -34,12 +34,13 @@
 // always those of the world, also with a range.
 //
 // Errors (error.h): a violated precondition is found before anything is
-// written. The preconditions: in a world that is not empty, no plane and no
-// output is null or misaligned; a mask has room for all objects; an output
-// overlaps neither a plane nor a query; with 32-bit indices a world has at most
-// 2^32 objects; a range does not end before it begins; the target is supported
-// here. An empty world is valid. Code compiled with -fno-exceptions can link
-// and call, and sets a handler.
+// written. The preconditions: no query, and in a world that is not empty no
+// plane and no output, is null or misaligned; a mask has room for the objects
+// of the range; an output overlaps neither a plane nor a query; with 32-bit
+// indices a world has at most 2^32 objects; a range does not end before it
+// begins; the schedule is one of the enumerators; the target is supported here.
+// An empty world is valid. Code compiled with -fno-exceptions can link and
+// call, and sets a handler.
 //
 // Thread safety: reentrant; no allocation, no lock, no state. Stack: every call
 // here uses at most 8 KiB (7 on x86), over floats or quantized bounds. Cost: a
@@ -75,11 +76,12 @@ enum class Schedule : std::uint8_t {
                   // of floats or doubles; of quantized bounds, as kAuto
 };
 
-// Objects begin ... end - 1 of a world. An end beyond the world is taken as the
-// world's size. A range costs what a world of its objects would: the cells of a
-// grid or the leaves of a tree are ranges of one world. Threads share the work
-// of one call by taking a range each; if these begin at multiples of 64
-// objects, each thread writes its words of one mask, from word begin / 64 on.
+// Objects begin ... end - 1 of a world, as far as it has them: an end beyond
+// the world is taken as its size, and a range that begins there is empty. A
+// range costs what a world of its objects would: the cells of a grid or the
+// leaves of a tree are ranges of one world. Threads share the work of one call
+// by taking a range each; if these begin at multiples of 64 objects, each
+// thread writes its words of one mask, from word begin / 64 on.
 struct Range {
   std::size_t begin = 0;
   std::size_t end = std::numeric_limits<std::size_t>::max();

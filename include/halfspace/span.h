@@ -33,7 +33,7 @@ namespace halfspace {
 namespace detail {
 
 // A type only if List has pointers to T, or to T without const, at its data();
-// a base of T is of another size.
+// a class derived from T may be of another size.
 template <typename T, typename List>
 using IfListOf = std::enable_if_t<
     std::is_convertible_v<

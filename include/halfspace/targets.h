@@ -109,7 +109,7 @@ inline TargetChoice DescribeTargetChoice() {
 // The supported target of that exact name; nothing if there is none.
 HALFSPACE_API std::optional<Target> FindTarget(std::string_view name);
 
-// The same, but throws std::invalid_argument, saying whether this build does
+// The same, but throws (error.h), saying whether this build does
 // not have the name or this machine does not support it.
 HALFSPACE_API Target TargetByName(std::string_view name);
 

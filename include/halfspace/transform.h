@@ -21,8 +21,7 @@
 // Errors (error.h): only those named below. Thread safety: pure functions. The
 // caller's floating-point mode and compiler flags do not matter, as in fit.h.
 // Cost: tens of ns, and up to twice that where every call has another bound and
-// branches are mispredicted;
-// docs/performance.md has a table.
+// branches are mispredicted; docs/performance.md has a table.
 //
 // Source: "The Bounding Simplex", for the axes; docs/exactness.md for the
 // rounding.

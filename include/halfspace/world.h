@@ -18,10 +18,11 @@
 // of a view select some of its planes, at no cost.
 //
 // Views copy nothing. Planes need not be adjacent to each other, nor aligned
-// beyond alignof(float), nor padded; calls read elements 0 .. size - 1 and
-// nothing else. A view owns nothing: the planes must outlive the calls that use
-// it, and must not be written meanwhile. A null plane is allowed only when size
-// is 0. Any value is allowed; a plane with a NaN never rejects its object.
+// beyond what their elements need, nor padded; calls read elements 0 .. size -
+// 1 and nothing else. A view owns nothing: the planes must outlive the calls
+// that use it, and must not be written meanwhile. A null plane is allowed only
+// when size is 0. Any value is allowed; a plane with a NaN never rejects its
+// object.
 //
 // Thread safety: as for any container. Concurrent reads are fine; a write needs
 // exclusive access.
@@ -112,7 +113,7 @@ using AaboView4 = AaboView<4>;
 // scan, and size() counts it. The caller keeps the list of free indices.
 //
 // Errors (error.h): an index that is not below size() and a size that no memory
-// can have throw std::invalid_argument, a failed allocation throws
+// can have are violated preconditions; a failed allocation throws
 // std::bad_alloc. The world is then as it was.
 //
 // Memory: one block, from the heap or from a resource of the caller's; memory.h

@@ -81,6 +81,7 @@ Bound ChangePlanes(const Bound& bound, bool is_finite, const Change& change,
 
 template <typename Bound>
 constexpr bool IsD(std::size_t axis) {
+  static_assert(Bound::kAxes >= Bound::kDimensions, "slot k is axis k");
   return axis == static_cast<std::size_t>(Bound::kDimensions);
 }
 

@@ -1,6 +1,7 @@
 #include "halfspace/detail/block_memory.h"
 
 #include <cstdint>
+#include <cstdlib>
 #include <new>
 
 #include "kernels/error.h"
@@ -19,9 +20,17 @@ std::align_val_t AlignmentOf(std::size_t bytes) {
   return std::align_val_t{bytes < 2 * kHugePage ? kLine : kHugePage};
 }
 
+[[noreturn]] void ThrowBadAlloc() {
+#if defined(__cpp_exceptions)
+  throw std::bad_alloc();
+#else
+  std::abort();
+#endif
+}
+
 void* AllocateFrom(const MemoryResource& memory, std::size_t bytes) {
   void* block = memory.allocate(memory.context, bytes, kLine);
-  if (block == nullptr) throw std::bad_alloc();
+  if (block == nullptr) ThrowBadAlloc();
   if (reinterpret_cast<std::uintptr_t>(block) % kLine != 0) {
     FreeBlock(memory, block, bytes);
     kernels::ThrowInvalid("MemoryResource::allocate", "the result",

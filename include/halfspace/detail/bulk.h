@@ -153,6 +153,8 @@ constexpr std::size_t MaxPlane(std::size_t axis) {
 // Simplex, AABB and AABO planes: those that the type has.
 template <typename Planes>
 constexpr Output OutputOf(const Planes& planes) {
+  static_assert(std::tuple_size_v<decltype(planes.min)> >= Planes::kDimensions,
+                "slot k of min and max is axis k: X, Y, ..., D");
   Output output;
   output.dims = Planes::kDimensions;
   output.size = planes.size;

@@ -31,8 +31,8 @@ constexpr std::size_t SampledIndex(std::size_t i, std::size_t count,
                                    std::size_t size) {
   const std::size_t part = size / count;
   const std::uint64_t within = i * std::uint64_t{0x9e3779b97f4a7c15} >> 32;
-  return i * part + i * (size % count) / count +
-         static_cast<std::size_t>(part * within >> 32);
+  const std::uint64_t rest = std::uint64_t{i} * (size % count) / count;
+  return i * part + static_cast<std::size_t>(rest + (part * within >> 32));
 }
 
 // A monotone map from floats to levels for every plane. The rank of a value is

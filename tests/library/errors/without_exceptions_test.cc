@@ -1,5 +1,5 @@
-// The library compiled without exceptions: the one file of it that throws is
-// compiled so into this program.
+// The library compiled without exceptions: its files that throw are compiled so
+// into this program.
 #include <gtest/gtest.h>
 
 #include <csignal>

@@ -160,6 +160,11 @@ TYPED_TEST(ManyOutputErrorsTest, RoomForMorePairsMayOverlap) {
       SurvivorPairs(two, this->queries_.first(1), {&room[4], 4}, {&room[6], 4}),
       2u);
   EXPECT_EQ(room, (std::vector<std::uint32_t>{0, 0, 0, 1, 0, 0, 0, 1, 7, 7}));
+  // A range has the pairs of its objects.
+  EXPECT_EQ(SurvivorPairs(this->view_, this->queries_.first(1), {&room[4], 4},
+                          {&room[6], 4}, {.range = {1, 3}}),
+            2u);
+  EXPECT_EQ(room, (std::vector<std::uint32_t>{0, 0, 0, 1, 0, 0, 1, 2, 7, 7}));
   // Nothing survives in a world without objects.
   EXPECT_EQ(SurvivorPairs(typename TestFixture::View{}, this->queries_,
                           {&room[0], 8}, {&room[0], 8}),

@@ -22,16 +22,16 @@ namespace halfspace::testing {
 namespace {
 
 // Object i is a point at x = i; query q is all points with x <= 3 q.
-AabbWorld2 PointsOnX(std::size_t n) {
-  AabbWorld2 world;
+AabbWorld3 PointsOnX(std::size_t n) {
+  AabbWorld3 world;
   for (std::size_t i = 0; i < n; ++i) {
     const auto x = static_cast<float>(i);
-    world.Push({{x, 0.f}, {x, 0.f}});
+    world.Push({{x, 0.f, 0.f}, {x, 0.f, 0.f}});
   }
   return world;
 }
-std::vector<Aabb2> LongerAndLonger(std::size_t count) {
-  std::vector<Aabb2> queries(count, Aabb2{{0.f, 0.f}, {0.f, 0.f}});
+std::vector<Aabb3> LongerAndLonger(std::size_t count) {
+  std::vector<Aabb3> queries(count, Aabb3{});
   for (std::size_t q = 0; q < count; ++q) {
     queries[q].max[0] = static_cast<float>(3 * q);
   }
@@ -40,8 +40,8 @@ std::vector<Aabb2> LongerAndLonger(std::size_t count) {
 
 using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
-std::vector<Pair> AllPairs(const AabbWorld2& world,
-                           std::span<const Aabb2> queries,
+std::vector<Pair> AllPairs(const AabbWorld3& world,
+                           std::span<const Aabb3> queries,
                            const Options& options) {
   std::vector<std::uint32_t> query_indices(world.size() * queries.size());
   std::vector<std::uint32_t> object_indices(query_indices.size());
@@ -56,8 +56,8 @@ std::vector<Pair> AllPairs(const AabbWorld2& world,
 
 // By one of the two spans, or both.
 TEST(ManyOutputsTest, PairsThatFitAreWrittenAndAllAreCounted) {
-  const AabbWorld2 world = PointsOnX(70);
-  const std::vector<Aabb2> queries = LongerAndLonger(20);
+  const AabbWorld3 world = PointsOnX(70);
+  const std::vector<Aabb3> queries = LongerAndLonger(20);
   Canaried<std::uint32_t> query_indices;
   Canaried<std::uint32_t> object_indices;
   for (Target target : TargetsUnderTest()) {
@@ -87,8 +87,8 @@ TEST(ManyOutputsTest, PairsThatFitAreWrittenAndAllAreCounted) {
 
 // What is too long by far is no error, though its bytes have no number.
 TEST(ManyOutputsTest, PairsTakeNoMoreRoomThanThereArePairs) {
-  const AabbWorld2 world = PointsOnX(70);
-  const std::vector<Aabb2> queries = LongerAndLonger(2);
+  const AabbWorld3 world = PointsOnX(70);
+  const std::vector<Aabb3> queries = LongerAndLonger(2);
   std::vector<std::uint32_t> query_indices(140);
   std::vector<std::uint32_t> object_indices(140);
   const std::size_t boundless = ~std::size_t{0} / sizeof(std::uint32_t);
@@ -99,8 +99,8 @@ TEST(ManyOutputsTest, PairsTakeNoMoreRoomThanThereArePairs) {
 
 TEST(ManyOutputsTest, RowsAndCountsPastTheQueriesAreNotTouched) {
   for (std::size_t n : {1u, 64u, 70u, 4161u}) {
-    const AabbWorld2 world = PointsOnX(n);
-    const std::vector<Aabb2> queries = LongerAndLonger(18);
+    const AabbWorld3 world = PointsOnX(n);
+    const std::vector<Aabb3> queries = LongerAndLonger(18);
     const std::size_t words = MaskWords(n) * queries.size();
     Canaried<std::uint64_t> rows;
     Canaried<std::size_t> counts;
@@ -120,9 +120,9 @@ TEST(ManyOutputsTest, RowsAndCountsPastTheQueriesAreNotTouched) {
 
 // Counts are written, not added to.
 TEST(ManyOutputsTest, CountsOfNothingAreZero) {
-  const std::vector<Aabb2> queries = LongerAndLonger(3);
+  const std::vector<Aabb3> queries = LongerAndLonger(3);
   std::vector<std::size_t> counts(3, 7);
-  SurvivorCounts(AabbWorld2(), queries, counts);
+  SurvivorCounts(AabbWorld3(), queries, counts);
   EXPECT_EQ(counts, std::vector<std::size_t>(3));
   counts.assign(3, 7);
   SurvivorCounts(PointsOnX(100), queries, counts, {.range = {64, 64}});
@@ -130,8 +130,8 @@ TEST(ManyOutputsTest, CountsOfNothingAreZero) {
 }
 
 TEST(ManyOutputsTest, NothingNeedsNoMemoryAndHasATarget) {
-  const AabbWorld2 world = PointsOnX(10000);
-  const std::vector<Aabb2> queries = LongerAndLonger(300);
+  const AabbWorld3 world = PointsOnX(10000);
+  const std::vector<Aabb3> queries = LongerAndLonger(300);
   ManyCallOutputs outputs;
   for (Target target : TargetsUnderTest()) {
     for (Schedule schedule : kSchedules) {
@@ -141,7 +141,7 @@ TEST(ManyOutputsTest, NothingNeedsNoMemoryAndHasATarget) {
       SurvivorMasks(world, {}, {}, options);
       EXPECT_EQ(SurvivorPairs(world, {}, {}, {}, options), 0u);
       SurvivorCounts(world, {}, {}, options);
-      const AabbView2 empty;
+      const AabbView3 empty;
       RejectMasks(empty, queries, {}, options);
       SurvivorMasks(empty, queries, {}, options);
       EXPECT_EQ(SurvivorPairs(empty, queries, {}, {}, options), 0u);
@@ -159,7 +159,7 @@ TEST(ManyOutputsTest, NothingNeedsNoMemoryAndHasATarget) {
 
 // The target that is not named is the chosen one.
 TEST(ManyOutputsTest, SayTheChosenTarget) {
-  const AabbWorld2 world = PointsOnX(100);
+  const AabbWorld3 world = PointsOnX(100);
   ManyCallOutputs outputs;
   ForEachManyCall(world, LongerAndLonger(3), {}, outputs,
                   [](std::string_view name, auto call) {
@@ -171,8 +171,8 @@ std::size_t seen_by_function = 0;
 void Function(const SurvivorTile& tile) { seen_by_function += tile.queries; }
 
 TEST(ForEachTileTest, TakesAnythingThatTakesATile) {
-  const AabbWorld2 world = PointsOnX(100);
-  const std::vector<Aabb2> queries = LongerAndLonger(3);
+  const AabbWorld3 world = PointsOnX(100);
+  const std::vector<Aabb3> queries = LongerAndLonger(3);
   seen_by_function = 0;
   ForEachTile(world, queries, Function);
   EXPECT_EQ(seen_by_function, 3u);
@@ -198,8 +198,8 @@ TEST(ForEachTileTest, TakesAnythingThatTakesATile) {
 }
 
 TEST(ForEachTileTest, WhatTheFunctionThrowsPassesThrough) {
-  const AabbWorld2 world = PointsOnX(10000);
-  const std::vector<Aabb2> queries = LongerAndLonger(40);
+  const AabbWorld3 world = PointsOnX(10000);
+  const std::vector<Aabb3> queries = LongerAndLonger(40);
   for (Target target : TargetsUnderTest()) {
     std::size_t tiles = 0;
     const auto third = [&tiles](const SurvivorTile&) {
@@ -212,9 +212,9 @@ TEST(ForEachTileTest, WhatTheFunctionThrowsPassesThrough) {
 }
 
 TEST(ForEachTileTest, FalseEndsTheCall) {
-  const AabbWorld2 world = PointsOnX(10000);
-  const std::vector<Aabb2> queries = LongerAndLonger(40);
-  const QuantizedBounds<AabbView2, std::uint8_t> quantized(world);
+  const AabbWorld3 world = PointsOnX(10000);
+  const std::vector<Aabb3> queries = LongerAndLonger(40);
+  const QuantizedBounds<AabbView3, std::uint8_t> quantized(world);
   const auto check = [&](const auto& any_world, Target target) {
     const auto tiles_until = [&](std::size_t last) {
       std::size_t tiles = 0;
@@ -238,8 +238,8 @@ TEST(ForEachTileTest, FalseEndsTheCall) {
 
 // A tile's rows stay as they are when its function makes calls of its own.
 TEST(ForEachTileTest, FunctionMayCallTheLibrary) {
-  const AabbWorld2 world = PointsOnX(1000);
-  const std::vector<Aabb2> queries = LongerAndLonger(40);
+  const AabbWorld3 world = PointsOnX(1000);
+  const std::vector<Aabb3> queries = LongerAndLonger(40);
   std::vector<std::uint64_t> inner(MaskWords(1000));
   std::size_t compared = 0;
   ForEachTile(world, queries, [&](const SurvivorTile& tile) {

@@ -156,7 +156,7 @@ TYPED_TEST(QuantizedUpdatesTest, QuantizedWorldFollowsTheModel) {
   }
 }
 
-// A map that has one code for everything tells nothing apart.
+// A map that has one level for everything tells nothing apart.
 TYPED_TEST(QuantizedUpdatesTest, PushToAnEmptyMapIsConservative) {
   using View = typename TypeParam::View;
   typename TestFixture::TheBounds quantized;

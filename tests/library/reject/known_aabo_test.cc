@@ -9,6 +9,7 @@ namespace {
 constexpr auto kKept = Fate::kKept;
 constexpr auto kRejected = Fate::kRejected;
 
+#if !defined(HALFSPACE_TEST_ONLY_3D)
 TEST(KnownAaboTest, TwoDimensions) {
   ExpectFates<AaboView2>(
       {{0, 0, -2}, {2, 2, 0}},
@@ -34,6 +35,7 @@ TEST(KnownAaboTest, TwoDimensions) {
           {"empty", Aabo2::Empty(), kRejected},
       });
 }
+#endif
 
 TEST(KnownAaboTest, ThreeDimensions) {
   ExpectFates<AaboView3>(
@@ -70,6 +72,7 @@ TEST(KnownAaboTest, ThreeDimensions) {
       });
 }
 
+#if !defined(HALFSPACE_TEST_ONLY_3D)
 TEST(KnownAaboTest, FourDimensions) {
   ExpectFates<AaboView4>(
       {{0, 0, 0, 0, -2}, {2, 2, 2, 2, 0}},
@@ -96,6 +99,7 @@ TEST(KnownAaboTest, FourDimensions) {
           {"empty", Aabo4::Empty(), kRejected},
       });
 }
+#endif
 
 // The same planes, asked as a simplex and as a box, forget the other planes.
 TEST(KnownAaboTest, SeenAsSimplexAndAsBox) {

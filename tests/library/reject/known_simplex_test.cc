@@ -9,6 +9,7 @@ namespace {
 constexpr auto kKept = Fate::kKept;
 constexpr auto kRejected = Fate::kRejected;
 
+#if !defined(HALFSPACE_TEST_ONLY_3D)
 TEST(KnownSimplexTest, TwoDimensions) {
   ExpectFates<SimplexView2>(
       {{2, 2, 0}},
@@ -30,6 +31,7 @@ TEST(KnownSimplexTest, TwoDimensions) {
           {"empty", UpSimplex2::Empty(), kRejected},
       });
 }
+#endif
 
 TEST(KnownSimplexTest, ThreeDimensions) {
   ExpectFates<SimplexView3>(
@@ -56,6 +58,7 @@ TEST(KnownSimplexTest, ThreeDimensions) {
       });
 }
 
+#if !defined(HALFSPACE_TEST_ONLY_3D)
 TEST(KnownSimplexTest, FourDimensions) {
   ExpectFates<SimplexView4>(
       {{2, 2, 2, 2, 0}},
@@ -82,6 +85,7 @@ TEST(KnownSimplexTest, FourDimensions) {
           {"empty", UpSimplex4::Empty(), kRejected},
       });
 }
+#endif
 
 TEST(KnownSimplexTest, QueryForEverything) {
   ExpectFates<SimplexView3>(
@@ -103,6 +107,7 @@ TEST(KnownSimplexTest, QueryForNothing) {
       });
 }
 
+#if !defined(HALFSPACE_TEST_ONLY_3D)
 TEST(KnownSimplexTest, NanInTheQueryRejectsNothing) {
   ExpectFates<SimplexView2>({{kNan, 2, 0}},
                             {
@@ -111,8 +116,10 @@ TEST(KnownSimplexTest, NanInTheQueryRejectsNothing) {
                                 {"empty, by Y", UpSimplex2::Empty(), kRejected},
                             });
 }
+#endif
 
 // Limits of 1, 2, 4, 8 and 16: none can stand in for another.
+#if !defined(HALFSPACE_TEST_ONLY_3D)
 TEST(KnownSimplexTest, EachAxisHasItsOwnLimit) {
   ExpectFates<SimplexView4>({{1, 2, 4, 8, 16}},
                             {
@@ -132,6 +139,7 @@ TEST(KnownSimplexTest, EachAxisHasItsOwnLimit) {
                                 {"D", {{0, 0, 0, 12}}, kRejected},
                             });
 }
+#endif
 
 }  // namespace
 }  // namespace halfspace::testing

@@ -78,13 +78,16 @@ TEST_F(RangeErrorsTest, RowsThatOverlap) {
       {"SurvivorMasks: options.row_words: expected 0, or at least the 3 words",
        "got 2"}));
   // Two rows of 3 words, and the 3 words of the last.
-  const Options apart{.range = {1, 130}, .row_words = 20};
+  Target ran;
+  const Options apart{.range = {1, 130}, .ran = &ran, .row_words = 20};
   EXPECT_TRUE(Refuses(
       [&] { SurvivorMasks(world, queries_, std::span(rows).first(42), apart); },
       {"SurvivorMasks: rows: expected", "at least 3 rows of 3 words, 20 words",
        "42 words"}));
   EXPECT_EQ(rows, std::vector<std::uint64_t>(100, 7));
+  EXPECT_EQ(ran, Target()) << "of a call that was refused";
   SurvivorMasks(world, queries_, std::span(rows).first(43), apart);
+  EXPECT_EQ(ran, ChosenTarget());
   EXPECT_EQ(rows[42], 1u);
   EXPECT_EQ(rows[43], 7u);
   EXPECT_EQ(rows[3], 7u);

@@ -58,9 +58,9 @@ using QuantizedCases =
 // For what is the same code for all shapes: one of each, and both sizes.
 using FewQuantizedCases =
     ::testing::Types<QuantizedCase<SimplexView3, std::uint8_t>,
-                     QuantizedCase<AabbView2, std::uint16_t>,
+                     QuantizedCase<AabbView3, std::uint16_t>,
                      QuantizedCase<AaboView3, std::uint8_t>,
-                     QuantizedCase<AaboView4, std::uint16_t>>;
+                     QuantizedCase<AaboView3, std::uint16_t>>;
 
 enum class QuantizedInputKind {
   kUniform,

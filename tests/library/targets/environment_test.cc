@@ -83,7 +83,7 @@ TEST(EnvironmentTest, EveryCompiledNameIsTried) {
     EXPECT_NE(std::find(std::begin(kTriedNames), std::end(kTriedNames),
                         target.name()),
               std::end(kTriedNames))
-        << "add " << target.name() << " to the names in CMakeLists.txt";
+        << "add " << target.name() << " to the names in environment.cmake";
   }
 }
 
