@@ -20,6 +20,7 @@ left_out=(
   '*.NothingIsTrappedWhateverTheValues'
   '*.ModesAreLeftAsTheyWere'
   '*.SubnormalMistakesAreRefused'
+  '*.HasTheFloatingPointModeOfTheCaller'
   '*.NothingMoreIsRejectedWithSubnormalsFlushed'
   # Its operator new cannot throw, and ends the process instead.
   '*.MemoryThatCannotBeHadIsBadAlloc'
