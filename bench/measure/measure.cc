@@ -21,13 +21,6 @@ double QuantileOf(std::vector<double> values, double quantile) {
   return values[below] * (1.0 - part) + values[above] * part;
 }
 
-double SecondsOf(const std::function<void()>& run) {
-  const auto start = std::chrono::steady_clock::now();
-  run();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
-      .count();
-}
-
 // Fixed in advance, so that the time of the whole run can be estimated. The
 // second call is the warm one; it cannot change the answer for a long one.
 std::size_t IterationsFor(const Case& c, double seconds) {
@@ -105,6 +98,13 @@ void CheckAnswer(const Case& c) {
 }
 
 }  // namespace
+
+double SecondsOf(const std::function<void()>& run) {
+  const auto start = std::chrono::steady_clock::now();
+  run();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
+      .count();
+}
 
 double Timing::Quantile(double quantile) const {
   return QuantileOf(samples, quantile);

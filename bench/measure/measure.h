@@ -68,6 +68,9 @@ struct Effort {
 // Makes the compiler believe that a result is used.
 void KeepResult(std::uint32_t result);
 
+// Real time that run() takes once.
+double SecondsOf(const std::function<void()>& run);
+
 // Checks and times the cases, group by group. The timings are in the order of
 // the cases. Throws WrongAnswer, naming the case.
 std::vector<Timing> Measure(const std::vector<Case>& cases,

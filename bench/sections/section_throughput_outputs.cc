@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -133,14 +132,6 @@ class ListsAndMasks {
   std::vector<std::uint32_t> indices_;
 };
 
-double NanosecondsOf(const std::function<void()>& run) {
-  const auto start = std::chrono::steady_clock::now();
-  run();
-  return std::chrono::duration<double, std::nano>(
-             std::chrono::steady_clock::now() - start)
-      .count();
-}
-
 // Threshold 6: the simplex masks of many queries, on one thread and on two, in
 // real time: each takes half of the objects.
 void RunThreads(const Workload& workload, Throughput& throughput) {
@@ -176,8 +167,8 @@ void RunThreads(const Workload& workload, Throughput& throughput) {
   one.items = two.items = static_cast<double>(kObjects * kThreadQueries);
   const std::size_t repetitions = throughput.is_quick() ? 100 : 500;
   for (std::size_t i = 0; i < repetitions; ++i) {
-    one.samples.push_back(NanosecondsOf([&] { masks({}); }) / one.items);
-    two.samples.push_back(NanosecondsOf([&] {
+    one.samples.push_back(1e9 * SecondsOf([&] { masks({}); }) / one.items);
+    two.samples.push_back(1e9 * SecondsOf([&] {
                             other->Start();
                             masks({0, kObjects / 2});
                             other->Wait();

@@ -83,14 +83,22 @@ struct Output {
   }
 };
 
+// A source of so many shapes, without its columns.
 template <FitSource kSource, int kDims, typename Scalar>
-Source SourceOf(const Boxes<kDims, Scalar>& boxes) {
+Source SourceOfShapes(std::size_t count, std::size_t stride) {
   Source source;
   source.kernels = FitKernelsOf<kSource, kDims, Scalar>::kTargets;
   source.dims = kDims;
-  source.count = boxes.count;
-  source.stride = boxes.stride;
+  source.count = count;
+  source.stride = stride;
   source.is_double = sizeof(Scalar) == sizeof(double);
+  return source;
+}
+
+template <FitSource kSource, int kDims, typename Scalar>
+Source SourceOf(const Boxes<kDims, Scalar>& boxes) {
+  Source source =
+      SourceOfShapes<kSource, kDims, Scalar>(boxes.count, boxes.stride);
   for (const Scalar* column : boxes.min) {
     source.columns[source.column_count++] = column;
   }
@@ -102,12 +110,8 @@ Source SourceOf(const Boxes<kDims, Scalar>& boxes) {
 
 template <FitSource kSource, int kDims, typename Scalar>
 Source SourceOf(const Spheres<kDims, Scalar>& spheres) {
-  Source source;
-  source.kernels = FitKernelsOf<kSource, kDims, Scalar>::kTargets;
-  source.dims = kDims;
-  source.count = spheres.count;
-  source.stride = spheres.stride;
-  source.is_double = sizeof(Scalar) == sizeof(double);
+  Source source =
+      SourceOfShapes<kSource, kDims, Scalar>(spheres.count, spheres.stride);
   for (const Scalar* column : spheres.center) {
     source.columns[source.column_count++] = column;
   }
@@ -117,13 +121,9 @@ Source SourceOf(const Spheres<kDims, Scalar>& spheres) {
 
 template <FitSource kSource, int kDims, typename Scalar>
 Source SourceOf(const Points<kDims, Scalar>& points) {
-  Source source;
-  source.kernels = FitKernelsOf<kSource, kDims, Scalar>::kTargets;
-  source.dims = kDims;
-  source.count = points.count;
-  source.stride = points.stride;
+  Source source =
+      SourceOfShapes<kSource, kDims, Scalar>(points.count, points.stride);
   source.has_one_pointer = true;
-  source.is_double = sizeof(Scalar) == sizeof(double);
   for (std::size_t k = 0; k < kDims; ++k) {
     source.columns[source.column_count++] =
         points.coords == nullptr ? nullptr : points.coords + k;
@@ -133,11 +133,7 @@ Source SourceOf(const Points<kDims, Scalar>& points) {
 
 template <FitSource kSource, int kDims, typename Scalar>
 Source SourceOf(const PointsSoa<kDims, Scalar>& points) {
-  Source source;
-  source.kernels = FitKernelsOf<kSource, kDims, Scalar>::kTargets;
-  source.dims = kDims;
-  source.count = points.count;
-  source.is_double = sizeof(Scalar) == sizeof(double);
+  Source source = SourceOfShapes<kSource, kDims, Scalar>(points.count, 1);
   for (const Scalar* column : points.coords) {
     source.columns[source.column_count++] = column;
   }
