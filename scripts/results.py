@@ -9,7 +9,7 @@ Each file is a run's report on one machine:
     ./bench.sh --format json --out bench/results/<machine>.json
 
 README's table is that of the first file, by name, whose run had no options; it stands
-between two comments there. Without files there is nothing to make.
+between two comments there.
 """
 
 import json
@@ -206,7 +206,8 @@ def main():
         sys.exit(__doc__)
     paths = sorted((ROOT / "bench/results").glob("*.json"))
     if not paths:
-        return
+        sys.exit("bench/results has no report, which this makes: ./bench.sh "
+                 "--format json --out bench/results/<machine>.json")
     reports = [(path, json.loads(path.read_text())) for path in paths]
     readme = ROOT / "README.md"
     made = {ROOT / "docs/results.md": page(reports),
