@@ -87,7 +87,7 @@ class SmallWorld {
         [this, scan = GatedScanFor(target_),
          planes =
              PlanesOf(ShapeKind::kAabb, floats_.view())](const Aabo3& aabo) {
-          const std::vector<float> query = QueryOf(ShapeKind::kAabb, aabo);
+          const auto query = detail::Planes(aabo.aabb());
           scan(ShapeKind::kAabb, kGate, planes.data(), query.data(), size(),
                mask_.data());
         });

@@ -154,6 +154,9 @@ std::vector<Case> SingleBuildCases() {
   add("BoundTransformed, a point", [](const S& s, std::size_t i) {
     return BoundTransformed(Points3{s.a[i].data(), 1}, s.Map(i));
   });
+  add("BoundTransformed, a box", [](const S& s, std::size_t i) {
+    return BoundTransformed(s.bound[i].aabb(), s.Map(i));
+  });
   add("Merge", [](const S& s, std::size_t i) {
     return Merge(s.bound[i], s.bound[kShapes - 1 - i]);
   });

@@ -290,8 +290,8 @@ constexpr bool IsEmpty(const Aabo<kDims, T>& bound) {
 // rounded. Everything() changes nothing, and a NaN is no limit. Empty() if a
 // minimum comes to lie above the maximum of its axis, as if one of the two is
 // Empty(). Planes of different axes that leave no point between them, such as a
-// D that the box does not reach, stay as they are: the bound is of nothing, but
-// a scan may keep it.
+// D that the box does not reach, stay as they are: such a bound encloses
+// nothing, but a scan may keep it.
 template <int kDims, typename T>
 constexpr UpSimplex<kDims, T> Intersection(const UpSimplex<kDims, T>& a,
                                            const UpSimplex<kDims, T>& b) {

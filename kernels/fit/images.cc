@@ -87,8 +87,9 @@ Point<kDims, Scalar> FarthestCorner(const Point<kDims, Scalar>& min,
   return corner;
 }
 
-// The two ends of a sum of numbers times the box's coordinates, each of which
-// is at the end that the sign of its factor asks for.
+// The least and the greatest sum of factors times the coordinates of a point of
+// the box: a positive factor takes the minimum for the least, a negative one
+// the maximum.
 template <typename Terms>
 struct Ends {
   Terms low;
