@@ -62,3 +62,10 @@ foreach(source_name Boxes Spheres Triangles PointSets)
                           "fit_${file_name}_double_${dims}")
   endforeach()
 endforeach()
+
+# Sorted worlds have 2 or 3 dimensions.
+foreach(axes IN LISTS all_axes)
+  if(axes LESS 5)
+    halfspace_add_kernels(sorted/kernels_of_axes "sorted_${axes}" ${scalar_copies})
+  endif()
+endforeach()

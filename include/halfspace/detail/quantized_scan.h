@@ -12,40 +12,6 @@
 
 namespace halfspace::detail {
 
-template <typename View, typename Pointers>
-void ListPlanes(const View& view, Pointers& planes) {
-  std::size_t p = 0;
-  for (const auto* plane : view.min) planes[p++] = plane;
-  if constexpr (HasMax<View>) {
-    for (const auto* plane : view.max) planes[p++] = plane;
-  }
-}
-
-template <typename View>
-FloatColumns ColumnsOf(const View& floats) {
-  FloatColumns columns;
-  columns.size = floats.size;
-  columns.stride = 1;
-  ListPlanes(floats, columns.planes);
-  return columns;
-}
-
-template <typename Bound>
-FloatColumns ColumnsOf(Span<const Bound> records) {
-  constexpr std::size_t kValues = kPlaneCount<Bound>;
-  static_assert(std::is_standard_layout_v<Bound> &&
-                    sizeof(Bound) == kValues * sizeof(float),
-                "a bound is read as a list of its values");
-  FloatColumns columns;
-  columns.size = records.size();
-  columns.stride = kValues;
-  const auto* values = reinterpret_cast<const float*>(records.data());
-  for (std::size_t p = 0; p < kValues; ++p) {
-    columns.planes[p] = values == nullptr ? nullptr : values + p;
-  }
-  return columns;
-}
-
 template <typename FloatView, typename Element>
 class QuantizedView {
  public:

@@ -1,0 +1,158 @@
+// The calls of sorted.h: checks, and what becomes of the ids.
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "dispatch/targets/chosen_target.h"
+#include "halfspace/detail/sorted.h"
+#include "kernels/error.h"
+#include "kernels/memory_checks.h"
+#include "kernels/sorted/block.h"
+
+namespace halfspace::detail {
+namespace {
+
+const SortedKernels::OfPlanes& KernelsFor(const SortedTree& tree, Target target,
+                                          const char* call) {
+  const SortedShape& shape = tree.shape();
+  const SortedKernels& kernels = shape.kernels[dispatch::IndexOf(target, call)];
+  return shape.has_max ? kernels.all : kernels.minima;
+}
+
+// Ids that go to the caller's memory while that has room for a block, and to a
+// buffer then.
+struct IdsToSpan : WalkIds {
+  explicit IdsToSpan(Span<std::uint32_t> to) : span(to) {
+    next = span.data();
+    end = next + span.size();
+    make_room = [](WalkIds& ids) {
+      static_cast<IdsToSpan&>(ids).Flush();
+      return true;
+    };
+    end_of_query = [](WalkIds& ids, std::size_t query) {
+      auto& all = static_cast<IdsToSpan&>(ids);
+      if (all.offsets != nullptr) all.offsets[query + 1] = all.Total();
+      return true;
+    };
+  }
+
+  std::size_t Total() const {
+    return total + static_cast<std::size_t>(
+                       next - (is_buffered ? buffer : span.data()));
+  }
+
+  void Flush() {
+    if (is_buffered && total < span.size()) {
+      std::copy_n(buffer,
+                  std::min<std::size_t>(next - buffer, span.size() - total),
+                  span.data() + total);
+    }
+    total = Total();
+    is_buffered = true;
+    next = buffer;
+    end = buffer + kRoom;
+  }
+
+  static constexpr std::size_t kRoom = 4 * kBlockObjects;
+  Span<std::uint32_t> span;
+  std::size_t* offsets = nullptr;  // of the queries that walk
+  std::size_t total = 0;           // before `next` began
+  bool is_buffered = false;
+  std::uint32_t buffer[kRoom];
+};
+
+// Ids that a function takes, some at a time.
+struct IdsToFunction : WalkIds {
+  IdsToFunction(IdsFunction to, void* its_context)
+      : function(to), context(its_context) {
+    next = buffer;
+    end = buffer + kRoom;
+    make_room = [](WalkIds& ids) {
+      return static_cast<IdsToFunction&>(ids).Flush();
+    };
+    end_of_query = [](WalkIds& ids, std::size_t) {
+      return static_cast<IdsToFunction&>(ids).Flush();
+    };
+  }
+
+  bool Flush() {
+    const auto count = static_cast<std::size_t>(next - buffer);
+    next = buffer;
+    return count == 0 || function(context, {buffer, count});
+  }
+
+  static constexpr std::size_t kRoom = 512;
+  IdsFunction function;
+  void* context;
+  std::uint32_t buffer[kRoom];
+};
+
+void CheckMemory(const char* call, const char* argument, const void* memory,
+                 std::size_t size, std::size_t alignment) {
+  if (size == 0) return;
+  kernels::CheckPointer(
+      call, memory, alignment, [&] { return std::string(argument); },
+      [&] { return "memory for " + std::to_string(size) + " elements"; });
+}
+
+}  // namespace
+
+std::size_t SortedSurvivors(const SortedTree& tree, const float* query,
+                            Span<std::uint32_t> ids, Target target) {
+  const auto& kernels = KernelsFor(tree, target, "Survivors");
+  CheckMemory("Survivors", "ids", ids.data(), ids.size(),
+              alignof(std::uint32_t));
+  if (tree.size() == 0) return 0;
+  IdsToSpan to(ids);
+  kernels.find({&tree.levels(), query, 1, &to, nullptr});
+  if (to.is_buffered) to.Flush();
+  return to.Total();
+}
+
+std::size_t SortedCount(const SortedTree& tree, const float* query,
+                        Target target) {
+  const auto& kernels = KernelsFor(tree, target, "CountSurvivors");
+  if (tree.size() == 0) return 0;
+  std::size_t count = 0;
+  kernels.count({&tree.levels(), query, 1, nullptr, &count});
+  return count;
+}
+
+void SortedForEach(const SortedTree& tree, const float* query,
+                   IdsFunction function, void* context, Target target) {
+  const auto& kernels = KernelsFor(tree, target, "ForEachSurvivor");
+  if (tree.size() == 0) return;
+  IdsToFunction to(function, context);
+  kernels.find({&tree.levels(), query, 1, &to, nullptr});
+}
+
+std::size_t SortedSurvivorsOfMany(const SortedTree& tree, const float* queries,
+                                  std::size_t query_count,
+                                  Span<std::uint32_t> ids,
+                                  Span<std::size_t> offsets, Target target) {
+  constexpr const char* kCall = "SurvivorsOfEach";
+  const auto& kernels = KernelsFor(tree, target, kCall);
+  CheckMemory(kCall, "queries", queries, query_count, alignof(float));
+  CheckMemory(kCall, "ids", ids.data(), ids.size(), alignof(std::uint32_t));
+  if (offsets.size() <= query_count) {
+    kernels::ThrowInvalid(
+        kCall, "offsets",
+        "one more than the queries, " + std::to_string(query_count),
+        std::to_string(offsets.size()));
+  }
+  CheckMemory(kCall, "offsets", offsets.data(), offsets.size(),
+              alignof(std::size_t));
+  offsets[0] = 0;
+  if (tree.size() == 0) {
+    std::fill_n(offsets.data(), query_count + 1, 0);
+    return 0;
+  }
+  IdsToSpan to(ids);
+  to.offsets = offsets.data();
+  kernels.find({&tree.levels(), queries, query_count, &to, nullptr});
+  if (to.is_buffered) to.Flush();
+  return to.Total();
+}
+
+}  // namespace halfspace::detail

@@ -1,0 +1,191 @@
+// What a sorted world owns: its memory, and the build.
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "dispatch/targets/chosen_target.h"
+#include "halfspace/detail/block_memory.h"
+#include "halfspace/detail/sorted.h"
+#include "halfspace/sorted.h"
+#include "kernels/error.h"
+#include "kernels/memory_checks.h"
+#include "kernels/sorted/block.h"
+#include "kernels/sorted/order.h"
+
+namespace halfspace::detail {
+namespace {
+
+constexpr std::size_t kLine = 64;
+
+// More than this is not in the second-level cache.
+constexpr std::size_t kInCacheBytes = std::size_t{1} << 20;
+
+constexpr std::size_t BlocksOf(std::size_t objects) {
+  return (objects + kBlockObjects - 1) / kBlockObjects;
+}
+
+std::size_t PlanesOf(const SortedShape& shape) {
+  return shape.has_max ? 2u * shape.axes : shape.axes;
+}
+
+// The next part of a tree, of whole cache lines.
+template <typename T>
+T* Take(std::byte*& next, std::size_t count) {
+  auto* part = reinterpret_cast<T*>(next);
+  next += (count * sizeof(T) + kLine - 1) / kLine * kLine;
+  return part;
+}
+
+// Where the parts of a tree are in memory from `begin` on; returns its end. All
+// follows from the number of objects.
+std::byte* Place(const SortedShape& shape, std::size_t objects,
+                 std::byte* begin, SortedLevels& levels) {
+  constexpr std::size_t kStagger = 5 * kLine / sizeof(float);
+  levels = {};
+  const std::size_t planes = PlanesOf(shape);
+  std::byte* next = begin;
+  std::size_t size = objects;
+  do {
+    SortedLevel& level = levels.level[levels.count++];
+    level.size = size;
+    const std::size_t blocks = BlocksOf(size);
+    const std::size_t bytes = blocks * BlockBytes(planes);
+    level.is_prefetched = bytes > kInCacheBytes;
+    level.blocks = Take<std::byte>(next, bytes);
+    for (std::size_t p = 0; p < planes; ++p) {
+      level.planes[p] = Take<float>(next, blocks * kBlockObjects + kStagger);
+    }
+    size = blocks;
+  } while (size > 1);
+  levels.ids = Take<std::uint32_t>(next, BlocksOf(objects) * kBlockObjects);
+  return next;
+}
+
+// Memory for the time of a build.
+struct Scratch {
+  Scratch(const MemoryResource& resource, std::size_t size)
+      : memory(resource),
+        bytes(size),
+        begin(static_cast<std::byte*>(AllocateBlock(memory, bytes))) {}
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  ~Scratch() { FreeBlock(memory, begin, bytes); }
+
+  MemoryResource memory;
+  std::size_t bytes;
+  std::byte* begin;
+};
+
+}  // namespace
+
+SortedTree::SortedTree(const SortedShape& shape, const MemoryResource& memory)
+    : shape_(shape), memory_(memory) {}
+
+SortedTree::SortedTree(const SortedTree& other, const MemoryResource& memory)
+    : SortedTree(other.shape_, memory) {
+  if (other.block_ == nullptr) return;
+  Allocate(other.size());
+  std::memcpy(block_, other.block_, bytes_);
+}
+
+SortedTree::SortedTree(SortedTree&& other) noexcept
+    : shape_(other.shape_), memory_(other.memory_) {
+  std::swap(block_, other.block_);
+  std::swap(bytes_, other.bytes_);
+  std::swap(levels_, other.levels_);
+}
+
+SortedTree& SortedTree::operator=(const SortedTree& other) {
+  return AssignCopy(*this, other);
+}
+SortedTree& SortedTree::operator=(SortedTree&& other) {
+  return AssignMove(*this, other);
+}
+
+SortedTree::~SortedTree() { Free(); }
+
+void SortedTree::Swap(SortedTree& other) noexcept {
+  std::swap(shape_, other.shape_);
+  std::swap(memory_, other.memory_);
+  std::swap(block_, other.block_);
+  std::swap(bytes_, other.bytes_);
+  std::swap(levels_, other.levels_);
+}
+
+void SortedTree::Free() {
+  if (block_ == nullptr) return;
+  FreeBlock(memory_, block_, bytes_);
+  block_ = nullptr;
+  bytes_ = 0;
+  levels_ = {};
+}
+
+// Replaces all by new memory. As it was if there is none.
+void SortedTree::Allocate(std::size_t objects) {
+  SortedLevels levels;
+  const auto bytes =
+      reinterpret_cast<std::size_t>(Place(shape_, objects, nullptr, levels));
+  auto* const block = static_cast<std::byte*>(AllocateBlock(memory_, bytes));
+  Free();
+  block_ = block;
+  bytes_ = bytes;
+  Place(shape_, objects, block_, levels_);
+}
+
+void SortedTree::Build(const FloatColumns& objects, Order order,
+                       Target target) {
+  constexpr const char* kCall = "SortedWorld";
+  const std::size_t index = dispatch::IndexOf(target, kCall);
+  const SortedKernels::OfPlanes& kernels =
+      shape_.has_max ? shape_.kernels[index].all : shape_.kernels[index].minima;
+  const std::size_t planes = PlanesOf(shape_);
+  if (objects.size > std::numeric_limits<std::uint32_t>::max()) {
+    kernels::ThrowInvalid(kCall, "world", "less than 2^32 objects",
+                          std::to_string(objects.size));
+  }
+  if (order != Order::kTight && order != Order::kFast) {
+    kernels::ThrowInvalid(kCall, "order", "an enumerator of Order",
+                          std::to_string(static_cast<int>(order)));
+  }
+  if (objects.size == 0) return Free();
+  for (std::size_t p = 0; p < planes; ++p) {
+    kernels::CheckPointer(
+        kCall, objects.planes[p], alignof(float),
+        [&] { return kernels::PlaneName("world", shape_.axes, p); },
+        [&] {
+          return "a plane of " + std::to_string(objects.size) + " floats";
+        });
+  }
+  {
+    const Scratch scratch(memory_, objects.size * kernels::kOrderScratch);
+    Allocate(objects.size);
+    const auto put_in_order =
+        order == Order::kFast ? kernels::OrderByCurve : kernels::OrderByMedians;
+    put_in_order(shape_, objects, scratch.begin, levels_.ids);
+  }
+  std::fill(levels_.ids + objects.size,
+            levels_.ids + BlocksOf(objects.size) * kBlockObjects, 0);
+  for (std::size_t p = 0; p < planes; ++p) {
+    float* const plane = levels_.level[0].planes[p];
+    for (std::size_t i = 0; i < objects.size; ++i) {
+      plane[i] = objects.planes[p][levels_.ids[i] * objects.stride];
+    }
+  }
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  for (std::size_t l = 0; l < levels_.count; ++l) {
+    const SortedLevel& level = levels_.level[l];
+    const std::size_t blocks = BlocksOf(level.size);
+    for (std::size_t p = 0; p < planes; ++p) {
+      std::fill(level.planes[p] + level.size,
+                level.planes[p] + blocks * kBlockObjects,
+                p < shape_.axes ? kInf : -kInf);
+    }
+    const bool is_top = l + 1 == levels_.count;
+    kernels.build(
+        {&level, is_top ? nullptr : &levels_.level[l + 1], 0, blocks});
+  }
+}
+
+}  // namespace halfspace::detail

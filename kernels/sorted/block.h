@@ -1,0 +1,105 @@
+// 64 objects or nodes in 8 bits a plane, and the arguments of the kernels of
+// sorted worlds. No Highway here.
+#ifndef HALFSPACE_KERNELS_SORTED_BLOCK_H_
+#define HALFSPACE_KERNELS_SORTED_BLOCK_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "halfspace/detail/sorted.h"
+
+namespace halfspace::detail {
+
+inline constexpr std::size_t kBlockObjects = 64;
+
+// The scale of a plane: value v, or -v of a maximum, has the code
+//
+//   min(max(floor((v - base) * scale + 1), 0), kMostCode)
+//
+// computed in float. A query's value is encoded twice, kCodeMargin above and
+// below that, which is more than all rounding, in any mode: a code above the
+// upper one proves that the value is greater, one below the lower that it is
+// less. Any finite base and positive scale are right, as codes at the ends
+// prove only what is true. They are such that the codes of a block leave out
+// both ends, and a query beyond all its values is decided.
+struct alignas(32) BlockScale {
+  // Lane k has the minima of axis k, lane kMaxLane + k the negated maxima.
+  static constexpr std::size_t kMaxLane = 4;
+  static constexpr std::size_t kLanes = 8;
+  float base[kLanes];
+  float scale[kLanes];
+};
+
+// Stored less 128, as x86 compares signed bytes. Objects that do not exist have
+// kNoCode in all planes: no query has a code that is not less, so they are
+// always rejected.
+inline constexpr int kMostCode = 254;
+inline constexpr float kScaledCodes =
+    252.5f;  // to the middle of the last but one
+inline constexpr int kNoCode = 255;
+inline constexpr int kCodeBias = 128;
+inline constexpr float kCodeMargin = 0x1p-10f;
+
+template <std::size_t kPlanes>
+struct alignas(64) Block {
+  BlockScale scale;
+  std::int8_t codes[kPlanes][kBlockObjects];
+};
+
+constexpr std::size_t BlockBytes(std::size_t planes) {
+  return sizeof(BlockScale) + planes * kBlockObjects;
+}
+static_assert(sizeof(Block<6>) == BlockBytes(6));
+
+// The most queries that walk together: a place in a list of blocks to visit is
+// the query above kBlockBits bits of the block.
+inline constexpr std::size_t kWalkers = 64;
+inline constexpr std::size_t kBlockBits = 26;
+
+// Where ids go: `next` has room for kBlockObjects ids before `end`, or
+// make_room() gives it that. Both functions return whether to go on.
+struct WalkIds {
+  std::uint32_t* next;
+  std::uint32_t* end;
+  bool (*make_room)(WalkIds& ids);
+  // All ids of a query have been written; queries come in order.
+  bool (*end_of_query)(WalkIds& ids, std::size_t query);
+};
+
+struct Walk {
+  const SortedLevels* levels;
+  // One after another: of each all minima, then all maxima; of simplices
+  // maxima.
+  const float* queries;
+  std::size_t query_count;
+  WalkIds* ids;         // to find
+  std::size_t* counts;  // to count: of each query, added to
+};
+
+// Blocks begin ... end - 1 of a level: encodes each, and bounds it by a node of
+// the next level, unless there is none.
+struct BlockRange {
+  const SortedLevel* level;
+  const SortedLevel* above;  // or null
+  std::size_t begin;
+  std::size_t end;
+};
+
+struct SortedKernels {
+  struct OfPlanes {
+    void (*build)(const BlockRange& range);
+    void (*find)(const Walk& walk);   // writes ids
+    void (*count)(const Walk& walk);  // adds to counts
+  };
+  OfPlanes minima;  // simplices
+  OfPlanes all;
+};
+
+// Specialised by each target's pass over the kernels of so many axes.
+template <std::int64_t kTarget, std::size_t kAxes>
+inline constexpr SortedKernels kSortedKernelsFor{};
+
+}  // namespace halfspace::detail
+
+#endif  // HALFSPACE_KERNELS_SORTED_BLOCK_H_

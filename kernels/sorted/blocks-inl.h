@@ -1,0 +1,335 @@
+// Blocks of 64 objects or nodes: their codes, and the test of a query on them.
+#if defined(HALFSPACE_KERNELS_SORTED_BLOCKS_INL_H_) == \
+    defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_SORTED_BLOCKS_INL_H_
+#undef HALFSPACE_KERNELS_SORTED_BLOCKS_INL_H_
+#else
+#define HALFSPACE_KERNELS_SORTED_BLOCKS_INL_H_
+#endif
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "hwy/highway.h"
+#include "kernels/scan/words-inl.h"
+#include "kernels/sorted/block.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Numbers beyond this are encoded as the ends of a scale that the others make.
+// It also keeps a scale so small that flushed subnormals change no code.
+inline constexpr float kMostScaled = 0x1p100f;
+
+// The codes of scaled values that are numbers, less the bias.
+template <class D>
+HWY_INLINE hn::Vec<hn::Rebind<int32_t, D>> CodesOf(D d, hn::Vec<D> scaled) {
+  const hn::Rebind<int32_t, D> di;
+  const auto clamped =
+      hn::Min(hn::Max(scaled, hn::Zero(d)),
+              hn::Set(d, static_cast<float>(detail::kMostCode)));
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
+  // Highway's conversion mends what is out of range, in five instructions more.
+  if constexpr (hn::MaxLanes(D()) == 8) {
+    const decltype(hn::Zero(di)) truncated{_mm256_cvttps_epi32(clamped.raw)};
+    return hn::Sub(truncated, hn::Set(di, detail::kCodeBias));
+  }
+#endif
+  return hn::Sub(hn::ConvertTo(di, clamped), hn::Set(di, detail::kCodeBias));
+}
+
+// A query as blocks read it, in the lanes of BlockScale: the maxima, and the
+// negated minima. A NaN, which never rejects, is +inf.
+struct alignas(32) WalkQuery {
+  float lanes[detail::BlockScale::kLanes];
+};
+
+template <size_t kAxes, bool kHasMax>
+inline constexpr size_t kBlockPlanes = kHasMax ? 2 * kAxes : kAxes;
+template <bool kHasMax>
+inline constexpr size_t kQueryLanes =
+    kHasMax ? detail::BlockScale::kLanes : detail::BlockScale::kMaxLane;
+
+// Lanes of one vector are stored by one instruction: a load waits for stores of
+// its parts.
+template <size_t kAxes, bool kHasMax>
+HWY_INLINE void ReadQuery(const float* values, WalkQuery& query) {
+  constexpr size_t kLanes = kQueryLanes<kHasMax>;
+  HWY_ALIGN float lanes[detail::BlockScale::kLanes] = {};
+  const float* const maxima = kHasMax ? values + kAxes : values;
+  for (size_t k = 0; k < kAxes; ++k) {
+    lanes[k] = maxima[k];
+    if (kHasMax) lanes[detail::BlockScale::kMaxLane + k] = -values[k];
+  }
+  const hn::CappedTag<float, kLanes> d;
+  const auto inf = hn::Set(d, std::numeric_limits<float>::infinity());
+  for (size_t l = 0; l < kLanes; l += hn::Lanes(d)) {
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
+    const auto low =
+        _mm_setr_ps(lanes[l], lanes[l + 1], lanes[l + 2], lanes[l + 3]);
+    hn::Vec<decltype(d)> v;
+#if HWY_TARGET <= HWY_AVX2
+    if constexpr (kLanes == 8) {
+      v.raw = _mm256_set_m128(
+          _mm_setr_ps(lanes[l + 4], lanes[l + 5], lanes[l + 6], lanes[l + 7]),
+          low);
+    } else
+#endif
+      v.raw = low;
+#else
+    const auto v = hn::LoadU(d, lanes + l);
+#endif
+    hn::StoreU(hn::IfThenElse(hn::Eq(v, v), v, inf), d, query.lanes + l);
+  }
+}
+
+// The codes of a query in a block: those above it, in lane order. Where
+// shuffles of bytes spread them over a vector, they are in each of its blocks
+// of 16 bytes.
+#undef HALFSPACE_SHUFFLED_CODES
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
+#define HALFSPACE_SHUFFLED_CODES 1
+#else
+#define HALFSPACE_SHUFFLED_CODES 0
+#endif
+struct QueryCodes {
+#if HALFSPACE_SHUFFLED_CODES
+  hn::Vec<WordTag<int8_t>> upper;
+#else
+  int8_t upper[detail::BlockScale::kLanes];
+#endif
+  // A code that is above the upper one by no more than this, which is negative,
+  // is below the lower one.
+  int8_t certain;
+};
+
+#if HALFSPACE_SHUFFLED_CODES
+HWY_INLINE hn::Vec<WordTag<int8_t>> InEachBlock(__m128i bytes) {
+#if HWY_TARGET <= HWY_AVX3
+  return {_mm512_broadcast_i32x4(bytes)};
+#elif HWY_TARGET == HWY_AVX2
+  return {_mm256_broadcastsi128_si256(bytes)};
+#else
+  return {bytes};
+#endif
+}
+#endif
+
+template <size_t kLanes>
+HWY_INLINE QueryCodes EncodeQuery(const detail::BlockScale& scale,
+                                  const float* query) {
+  const hn::CappedTag<float, kLanes> d;
+  const hn::Rebind<int8_t, decltype(d)> d8;
+  const hn::Rebind<int32_t, decltype(d)> di;
+  const auto above = hn::Set(d, 1.0f + detail::kCodeMargin);
+  const auto below = hn::Set(d, 1.0f - detail::kCodeMargin);
+  QueryCodes codes;
+  HWY_ALIGN int8_t bytes[16];
+  bool differ = false;
+  for (size_t l = 0; l < kLanes; l += hn::Lanes(d)) {
+    const auto scaled =
+        hn::Mul(hn::Sub(hn::LoadU(d, query + l), hn::LoadU(d, scale.base + l)),
+                hn::LoadU(d, scale.scale + l));
+    const auto upper = CodesOf(d, hn::Add(scaled, above));
+    const auto lower = CodesOf(d, hn::Add(scaled, below));
+    differ |= !hn::AllTrue(di, hn::Eq(upper, lower));
+    const auto demoted = hn::DemoteTo(d8, upper);
+#if HALFSPACE_SHUFFLED_CODES
+    if constexpr (hn::MaxLanes(d) == kLanes) {
+      codes.upper = InEachBlock(demoted.raw);
+      continue;
+    }
+#endif
+    hn::StoreU(demoted, d8, bytes + l);
+  }
+#if HALFSPACE_SHUFFLED_CODES
+  if constexpr (hn::MaxLanes(d) != kLanes) {
+    codes.upper =
+        InEachBlock(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(bytes)));
+  }
+#else
+  hwy::CopyBytes<sizeof(codes.upper)>(bytes, codes.upper);
+#endif
+  codes.certain = static_cast<int8_t>(-1 - static_cast<int>(differ));
+  return codes;
+}
+
+#if HALFSPACE_SHUFFLED_CODES
+// Loaded, as gcc would make each by two instructions in each block.
+#define HALFSPACE_16(lane)                                                  \
+  {                                                                         \
+    lane, lane, lane, lane, lane, lane, lane, lane, lane, lane, lane, lane, \
+        lane, lane, lane, lane                                              \
+  }
+alignas(16) inline constexpr int8_t kSameLane[detail::BlockScale::kLanes][16] =
+    {HALFSPACE_16(0), HALFSPACE_16(1), HALFSPACE_16(2), HALFSPACE_16(3),
+     HALFSPACE_16(4), HALFSPACE_16(5), HALFSPACE_16(6), HALFSPACE_16(7)};
+#undef HALFSPACE_16
+#endif
+
+template <class D>
+HWY_INLINE hn::Vec<D> CodeOfLane(D d, const QueryCodes& query, size_t lane) {
+#if HALFSPACE_SHUFFLED_CODES
+  return hn::TableLookupBytes(query.upper, hn::LoadDup128(d, kSameLane[lane]));
+#else
+  return hn::Set(d, query.upper[lane]);
+#endif
+}
+
+// Of a block of objects: bit i of `kept` says that no code rejects object i,
+// and of `unsure` that its floats have to tell, though it is kept.
+struct BlockBits {
+  uint64_t kept;
+  uint64_t unsure;
+};
+
+// The code of plane p in a query.
+template <size_t kAxes>
+constexpr size_t LaneOf(size_t p) {
+  return p < kAxes ? p : detail::BlockScale::kMaxLane + p - kAxes;
+}
+
+// By how much the code of an object is above that of the query, at most over
+// the planes: an object is rejected where that is positive.
+template <size_t kAxes, size_t kPlane, class D>
+HWY_INLINE hn::Vec<D> MostAbove(D d, const int8_t* codes,
+                                const QueryCodes& query) {
+  const auto above = hn::SaturatedSub(
+      hn::Load(d, codes + (kPlane - 1) * detail::kBlockObjects),
+      CodeOfLane(d, query, LaneOf<kAxes>(kPlane - 1)));
+  if constexpr (kPlane == 1) {
+    return above;
+  } else {
+    return hn::Max(above, MostAbove<kAxes, kPlane - 1>(d, codes, query));
+  }
+}
+
+template <size_t kAxes, bool kHasMax>
+HWY_INLINE BlockBits
+TestBlock(const detail::Block<kBlockPlanes<kAxes, kHasMax>>& block,
+          const WalkQuery& query) {
+  const QueryCodes codes =
+      EncodeQuery<kQueryLanes<kHasMax>>(block.scale, query.lanes);
+  const WordTag<int8_t> d;
+  const auto zero = hn::Zero(d);
+  const auto certain = hn::Set(d, codes.certain);
+  uint64_t rejected = 0;
+  uint64_t not_certain = 0;
+  for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+    const auto above = MostAbove<kAxes, kBlockPlanes<kAxes, kHasMax>>(
+        d, &block.codes[0][i], codes);
+    rejected |= LaneBits(d, hn::Gt(above, zero)) << i;
+    not_certain |= LaneBits(d, hn::Gt(above, certain)) << i;
+  }
+  return {~rejected, not_certain & ~rejected};
+}
+
+// A plane of a block as the least of what it stores; maxima are negated.
+template <bool kIsMax, class D>
+HWY_INLINE hn::Vec<D> LeastOf(D d, const float* plane) {
+  const auto values = hn::LoadU(d, plane);
+  return kIsMax ? hn::Neg(values) : values;
+}
+
+template <class D>
+HWY_INLINE float LeastLane(D d, hn::Vec<D> values) {
+  HWY_ALIGN float lanes[HWY_MAX_BYTES / sizeof(float)];
+  hn::Store(values, d, lanes);
+  float least = lanes[0];
+  for (size_t l = 1; l < hn::Lanes(d); ++l) {
+    if (lanes[l] < least) least = lanes[l];
+  }
+  return least;
+}
+
+// Encodes a plane, of which `count` objects exist. Returns the least value,
+// which is -inf with a NaN.
+template <bool kIsMax>
+HWY_INLINE float EncodePlane(const float* plane, size_t count, float& base,
+                             float& scale, int8_t* codes) {
+  const hn::CappedTag<float, 16> d;
+  const hn::Rebind<int8_t, decltype(d)> d8;
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  const auto most = hn::Set(d, kInf);
+  auto all_least = most;
+  auto least = most;
+  auto negated_greatest = most;
+  for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+    const auto v = LeastOf<kIsMax>(d, plane + i);
+    const auto is_scaled = hn::Le(hn::Abs(v), hn::Set(d, kMostScaled));
+    all_least =
+        hn::Min(all_least, hn::IfThenElse(hn::Eq(v, v), v, hn::Set(d, -kInf)));
+    least = hn::Min(least, hn::IfThenElse(is_scaled, v, most));
+    negated_greatest =
+        hn::Min(negated_greatest, hn::IfThenElse(is_scaled, hn::Neg(v), most));
+  }
+  base = LeastLane(d, least);
+  const float range = -LeastLane(d, negated_greatest) - base;
+  scale = detail::kScaledCodes / range;
+  if (!(scale <= kMostScaled)) scale = kMostScaled;
+  if (!(base <= kMostScaled)) {  // nothing to scale
+    base = 0;
+    scale = 1;
+  }
+  const auto vbase = hn::Set(d, base);
+  const auto vscale = hn::Set(d, scale);
+  for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+    const auto v = LeastOf<kIsMax>(d, plane + i);
+    const auto scaled =
+        hn::Add(hn::Mul(hn::Sub(v, vbase), vscale), hn::Set(d, 1.0f));
+    // A NaN never rejects.
+    const auto number = hn::IfThenElseZero(hn::Eq(v, v), scaled);
+    hn::StoreU(hn::DemoteTo(d8, CodesOf(d, number)), d8, codes + i);
+  }
+  for (size_t i = count; i < detail::kBlockObjects; ++i) {
+    codes[i] = static_cast<int8_t>(detail::kNoCode - detail::kCodeBias);
+  }
+  return LeastLane(d, all_least);
+}
+
+template <size_t kAxes, bool kHasMax>
+void BuildBlocks(const detail::BlockRange& range) {
+  using Block = detail::Block<kBlockPlanes<kAxes, kHasMax>>;
+  auto* const blocks = reinterpret_cast<Block*>(range.level->blocks);
+  for (size_t b = range.begin; b < range.end; ++b) {
+    const size_t first = b * detail::kBlockObjects;
+    const size_t count =
+        HWY_MIN(detail::kBlockObjects, range.level->size - first);
+    detail::BlockScale scale;
+    for (size_t l = 0; l < detail::BlockScale::kLanes; ++l) {
+      scale.base[l] = -0.5f;  // lanes without an axis: queries have 0
+      scale.scale[l] = 1.0f;
+    }
+    float least[detail::BlockScale::kLanes] = {};
+    for (size_t k = 0; k < kAxes; ++k) {
+      least[k] =
+          EncodePlane<false>(range.level->planes[k] + first, count,
+                             scale.base[k], scale.scale[k], blocks[b].codes[k]);
+      if constexpr (kHasMax) {
+        const size_t l = detail::BlockScale::kMaxLane + k;
+        least[l] = EncodePlane<true>(range.level->planes[kAxes + k] + first,
+                                     count, scale.base[l], scale.scale[l],
+                                     blocks[b].codes[kAxes + k]);
+      }
+    }
+    blocks[b].scale = scale;
+    if (range.above == nullptr) continue;
+    for (size_t k = 0; k < kAxes; ++k) {
+      range.above->planes[k][b] = least[k];
+      if constexpr (kHasMax) {
+        range.above->planes[kAxes + k][b] =
+            -least[detail::BlockScale::kMaxLane + k];
+      }
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
+
+#endif  // HALFSPACE_KERNELS_SORTED_BLOCKS_INL_H_

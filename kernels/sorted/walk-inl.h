@@ -1,0 +1,280 @@
+// From the root to the objects that survive: level by level, a few blocks at a
+// time. A block's survivors are appended to a list without a branch, because
+// which survive cannot be predicted, and all of them can be prefetched before
+// the first is read.
+#if defined(HALFSPACE_KERNELS_SORTED_WALK_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_SORTED_WALK_INL_H_
+#undef HALFSPACE_KERNELS_SORTED_WALK_INL_H_
+#else
+#define HALFSPACE_KERNELS_SORTED_WALK_INL_H_
+#endif
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "hwy/highway.h"
+#include "kernels/prefetch.h"
+#include "kernels/scan/words-inl.h"
+#include "kernels/sorted/block.h"
+#include "kernels/sorted/blocks-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Calls write(i, bit) for the i-th set bit: for up to four bits without a
+// branch, and so for four places after the last bit too.
+template <class Write>
+HWY_INLINE void ForFewBits(uint64_t bits, const Write& write) {
+  for (size_t i = 0; i < 4; ++i) {
+    write(i, hwy::Num0BitsBelowLS1Bit_Nonzero64(bits | uint64_t{1} << 63));
+    bits &= bits - 1;
+  }
+  for (size_t i = 4; bits != 0; ++i) {
+    write(i, hwy::Num0BitsBelowLS1Bit_Nonzero64(bits));
+    bits &= bits - 1;
+  }
+}
+
+// Writes ids[i] for every bit i. There is room for 64.
+HWY_INLINE uint32_t* WriteIds(uint64_t bits, const uint32_t* ids,
+                              uint32_t* to) {
+#if HALFSPACE_MASKED_COMPARES
+  const hn::CappedTag<uint32_t, 16> d;
+  for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+    const auto some = static_cast<uint16_t>(bits >> i);
+    hn::StoreU(hn::Compress(hn::LoadU(d, ids + i), hn::Mask<decltype(d)>{some}),
+               d, to);
+    to += hwy::PopCount(uint64_t{some});
+  }
+  return to;
+#else
+  ForFewBits(bits, [&](size_t i, size_t bit) HWY_ATTR { to[i] = ids[bit]; });
+  return to + hwy::PopCount(bits);
+#endif
+}
+
+template <size_t kAxes, bool kHasMax, bool kWrites>
+class Walker {
+ public:
+  static constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
+  using Block = detail::Block<kPlanes>;
+
+  explicit Walker(const detail::Walk& walk)
+      : walk_(walk), levels_(*walk.levels) {}
+
+  void Run() {
+    constexpr size_t kValues = kBlockPlanes<kAxes, kHasMax>;
+    for (size_t first = 0; first < walk_.query_count;
+         first += detail::kWalkers) {
+      const size_t count = HWY_MIN(detail::kWalkers, walk_.query_count - first);
+      uint32_t roots[detail::kWalkers];
+      for (size_t q = 0; q < count; ++q) {
+        ReadQuery<kAxes, kHasMax>(walk_.queries + (first + q) * kValues,
+                                  queries_[q]);
+        roots[q] = static_cast<uint32_t>(q << detail::kBlockBits);
+      }
+      first_query_ = first;
+      query_ = 0;
+      if (!Visit(levels_.count - 1, roots, count)) return;
+      if (kWrites && !EndQueries(count)) return;
+    }
+  }
+
+ private:
+  // A chunk of blocks is tested before their survivors are.
+  static constexpr size_t kChunk = 16;
+  static constexpr uint32_t kBlockMask =
+      (uint32_t{1} << detail::kBlockBits) - 1;
+
+  static const Block& BlockOf(const detail::SortedLevel& level,
+                              uint32_t place) {
+    return reinterpret_cast<const Block*>(level.blocks)[place & kBlockMask];
+  }
+  static size_t QueryOf(uint32_t place) { return place >> detail::kBlockBits; }
+
+  bool Visit(size_t level, const uint32_t* places, size_t count) {
+    if (level == 0) return VisitObjects(places, count);
+    uint32_t* const list = lists_[level - 1];
+    for (size_t begin = 0; begin < count; begin += kChunk) {
+      const size_t end = HWY_MIN(begin + kChunk, count);
+      uint32_t* to = list;
+      for (size_t i = begin; i < end; ++i) {
+        const uint32_t place = places[i];
+        const uint64_t kept =
+            TestBlock<kAxes, kHasMax>(BlockOf(levels_.level[level], place),
+                                      queries_[QueryOf(place)])
+                .kept;
+        const uint32_t first =
+            (place & ~kBlockMask) |
+            (place & kBlockMask) * static_cast<uint32_t>(detail::kBlockObjects);
+        ForFewBits(kept, [&](size_t n, size_t bit) HWY_ATTR {
+          to[n] = first + static_cast<uint32_t>(bit);
+        });
+        const size_t survivors = hwy::PopCount(kept);
+        if (levels_.level[level - 1].is_prefetched) {
+          for (size_t n = 0; n < survivors; ++n) {
+            PrefetchBlock(levels_.level[level - 1], to[n], level == 1);
+          }
+        }
+        to += survivors;
+      }
+      if (!Visit(level - 1, list, static_cast<size_t>(to - list))) return false;
+    }
+    return true;
+  }
+
+  void PrefetchBlock(const detail::SortedLevel& level, uint32_t place,
+                     bool has_ids) const {
+    const auto* block = reinterpret_cast<const char*>(&BlockOf(level, place));
+    for (size_t b = 0; b < sizeof(Block); b += 64) kernels::Prefetch(block + b);
+    if (!kWrites || !has_ids) return;
+    const uint32_t* ids =
+        levels_.ids + size_t{place & kBlockMask} * detail::kBlockObjects;
+    for (size_t i = 0; i < detail::kBlockObjects; i += 16) {
+      kernels::Prefetch(ids + i);
+    }
+  }
+
+  bool VisitObjects(const uint32_t* places, size_t count) {
+    for (size_t begin = 0; begin < count; begin += kChunk) {
+      const size_t end = HWY_MIN(begin + kChunk, count);
+      Unsure unsure[kChunk];
+      size_t unsure_count = 0;
+      for (size_t i = begin; i < end; ++i) {
+        const uint32_t place = places[i];
+        const size_t query = QueryOf(place);
+        if (kWrites && query != query_) {
+          if (!Resolve(unsure, unsure_count) || !EndQueries(query)) {
+            return false;
+          }
+          unsure_count = 0;
+        }
+        const BlockBits bits = TestBlock<kAxes, kHasMax>(
+            BlockOf(levels_.level[0], place), queries_[query]);
+        unsure[unsure_count] = {place, bits.unsure};
+        unsure_count += bits.unsure != 0;
+        if (!Take(place, bits.kept & ~bits.unsure)) return false;
+      }
+      if (unsure_count != 0 && !Resolve(unsure, unsure_count)) return false;
+    }
+    return true;
+  }
+
+  bool EndQueries(size_t end) {
+    for (; query_ < end; ++query_) {
+      if (!walk_.ids->end_of_query(*walk_.ids, first_query_ + query_)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  HWY_INLINE bool Take(uint32_t place, uint64_t bits) {
+    if constexpr (kWrites) {
+      detail::WalkIds& ids = *walk_.ids;
+      if (static_cast<size_t>(ids.end - ids.next) < detail::kBlockObjects)
+          [[unlikely]] {
+        if (!ids.make_room(ids)) return false;
+      }
+      ids.next = WriteIds(
+          bits,
+          levels_.ids + size_t{place & kBlockMask} * detail::kBlockObjects,
+          ids.next);
+    } else {
+      walk_.counts[first_query_ + QueryOf(place)] += hwy::PopCount(bits);
+    }
+    return true;
+  }
+
+  struct Unsure {
+    uint32_t place;
+    uint64_t bits;
+  };
+
+  // The floats say which of the unsure survive.
+  bool Resolve(const Unsure* unsure, size_t count) {
+    for (size_t u = 0; u < count; ++u) {
+      if (!Take(unsure[u].place,
+                unsure[u].bits & FloatBits(unsure[u].place, unsure[u].bits))) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  // One object after another, or, from so many on, the block at once: the same
+  // time.
+  uint64_t FloatBits(uint32_t place, uint64_t bits) const {
+    constexpr size_t kFew = 6;
+    const WalkQuery& query = queries_[QueryOf(place)];
+    const size_t first = size_t{place & kBlockMask} * detail::kBlockObjects;
+    if (hwy::PopCount(bits) > kFew) {
+      return BlockFloatBits(std::make_index_sequence<kPlanes>(), first, query);
+    }
+    uint64_t kept = 0;
+    for (; bits != 0; bits &= bits - 1) {
+      const size_t bit = hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
+      kept |= uint64_t{!FloatsReject(first + bit, query)} << bit;
+    }
+    return kept;
+  }
+
+  bool FloatsReject(size_t i, const WalkQuery& query) const {
+    const auto& planes = levels_.level[0].planes;
+    bool rejects = false;
+    for (size_t k = 0; k < kAxes; ++k) {
+      rejects |= planes[k][i] > query.lanes[k];
+      if constexpr (kHasMax) {
+        rejects |= -planes[kAxes + k][i] >
+                   query.lanes[detail::BlockScale::kMaxLane + k];
+      }
+    }
+    return rejects;
+  }
+
+  template <size_t... kPlane>
+  uint64_t BlockFloatBits(std::index_sequence<kPlane...>, size_t first,
+                          const WalkQuery& query) const {
+    const OneTag<float> d;
+    const float* planes[] = {levels_.level[0].planes[kPlane]...};
+    return KeptBits<kAxes>(
+        d, LoadAll(), planes, first,
+        hn::Set(d, kPlane < kAxes ? query.lanes[LaneOf<kAxes>(kPlane)]
+                                  : -query.lanes[LaneOf<kAxes>(kPlane)])...);
+  }
+
+  const detail::Walk& walk_;
+  const detail::SortedLevels& levels_;
+  size_t first_query_ = 0;
+  size_t query_ = 0;  // after the first, whose ids are written
+  WalkQuery queries_[detail::kWalkers];
+  uint32_t lists_[detail::kMostLevels - 1]
+                 [(kChunk + 1) * detail::kBlockObjects];
+};
+
+template <size_t kAxes, bool kHasMax, bool kWrites>
+void RunWalk(const detail::Walk& walk) {
+  Walker<kAxes, kHasMax, kWrites>(walk).Run();
+}
+
+template <size_t kAxes, bool kHasMax>
+constexpr detail::SortedKernels::OfPlanes MakeSortedKernelsOf() {
+  return {&BuildBlocks<kAxes, kHasMax>, &RunWalk<kAxes, kHasMax, true>,
+          &RunWalk<kAxes, kHasMax, false>};
+}
+
+template <size_t kAxes>
+constexpr detail::SortedKernels MakeSortedKernels() {
+  return {MakeSortedKernelsOf<kAxes, false>(),
+          MakeSortedKernelsOf<kAxes, true>()};
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
+
+#endif  // HALFSPACE_KERNELS_SORTED_WALK_INL_H_

@@ -1,0 +1,452 @@
+// The ids that a sorted world finds are the indices that a scan of the same
+// bounds finds, as sets: of every kind of bounds, order, target and output.
+#include "halfspace/sorted.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cfenv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "halfspace/halfspace.h"
+#include "tests/library/support/canaries.h"
+#include "tests/library/support/cases.h"
+#include "tests/library/support/counting_memory.h"
+#include "tests/library/support/environment.h"
+#include "tests/library/support/expect_invalid.h"
+#include "tests/library/support/fp_modes.h"
+#include "tests/library/support/inputs.h"
+
+namespace halfspace::testing {
+namespace {
+
+using Ids = std::vector<std::uint32_t>;
+
+constexpr std::array kOrders = {Order::kTight, Order::kFast};
+
+template <typename View>
+Ids Expected(const View& view, const typename View::Query& query) {
+  Ids ids(view.size);
+  ids.resize(Survivors(view, query, ids));
+  return ids;
+}
+
+Ids Sorted(std::span<const std::uint32_t> ids) {
+  Ids sorted(ids.begin(), ids.end());
+  std::sort(sorted.begin(), sorted.end());
+  return sorted;
+}
+
+// Every output, for each query by itself and for all in one call.
+template <typename View>
+void ExpectSame(const SortedWorld<View>& sorted, const View& view,
+                std::span<const typename View::Query> queries, Target target) {
+  ASSERT_EQ(sorted.size(), view.size);
+  Canaried<std::uint32_t> canaried;
+  Ids all;
+  for (const auto& query : queries) {
+    const Ids expected = Expected(view, query);
+    all.insert(all.end(), expected.begin(), expected.end());
+    const auto ids = canaried.Reset(view.size);
+    ASSERT_EQ(Survivors(sorted, query, ids, target), expected.size());
+    ASSERT_EQ(Sorted(ids.first(expected.size())), expected);
+    EXPECT_TRUE(canaried.IntactBut(view.size));
+    EXPECT_EQ(CountSurvivors(sorted, query, target), expected.size());
+    Ids visited;
+    ForEachSurvivor(
+        sorted, query,
+        [&](Span<const std::uint32_t> some) {
+          visited.insert(visited.end(), some.begin(), some.end());
+        },
+        target);
+    EXPECT_EQ(Sorted(visited), expected);
+  }
+  std::vector<std::size_t> offsets(queries.size() + 1);
+  const auto ids = canaried.Reset(all.size());
+  ASSERT_EQ(SurvivorsOfEach(sorted, queries, ids, offsets, target), all.size());
+  EXPECT_TRUE(canaried.IntactBut(all.size()));
+  for (std::size_t q = 0; q < queries.size(); ++q) {
+    std::sort(ids.begin() + static_cast<std::ptrdiff_t>(offsets[q]),
+              ids.begin() + static_cast<std::ptrdiff_t>(offsets[q + 1]));
+  }
+  EXPECT_TRUE(std::equal(ids.begin(), ids.end(), all.begin()));
+}
+
+template <typename View>
+void ExpectSameEverywhere(const View& view,
+                          std::span<const typename View::Query> queries) {
+  for (Order order : kOrders) {
+    const SortedWorld<View> sorted(view, order);
+    for (Target target : TargetsUnderTest()) {
+      ExpectSame<View>(sorted, view, queries, target);
+      if (::testing::Test::HasFatalFailure()) {
+        FAIL() << view.size << " objects, order " << static_cast<int>(order)
+               << ", " << target.name();
+      }
+    }
+  }
+}
+
+template <typename Case>
+class SortedTest : public ::testing::Test {};
+
+using SortedCases = Tested<
+    ::testing::Types<Whole<SimplexView2>, Whole<SimplexView3>, Whole<AabbView2>,
+                     Whole<AabbView3>, Whole<AaboView2>, Whole<AaboView3>>>;
+TYPED_TEST_SUITE(SortedTest, SortedCases, CaseNames);
+
+// Spheres in a cube of side 100, seen as bounds of the view.
+template <typename View>
+class Spread {
+ public:
+  using Bound = typename View::Bound;
+  using Query = typename View::Query;
+
+  explicit Spread(float radius, std::uint64_t seed = 1)
+      : random_(seed), radius_(radius) {}
+
+  Bound NextObject() {
+    const auto bound = Next();
+    if constexpr (!HasMaxima<View>) {
+      return bound.up();
+    } else if constexpr (Bound::kAxes == Bound::kDimensions) {
+      return bound.aabb();
+    } else {
+      return bound;
+    }
+  }
+  Query NextQuery() {
+    const auto bound = Next();
+    if constexpr (!HasMaxima<View>) {
+      return bound.down();
+    } else if constexpr (Bound::kAxes == Bound::kDimensions) {
+      return bound.aabb();
+    } else {
+      return bound;
+    }
+  }
+  std::vector<Query> Queries(std::size_t count) {
+    std::vector<Query> queries;
+    for (std::size_t q = 0; q < count; ++q) queries.push_back(NextQuery());
+    return queries;
+  }
+  World<View> Objects(std::size_t count) {
+    World<View> world;
+    for (std::size_t i = 0; i < count; ++i) world.Push(NextObject());
+    return world;
+  }
+
+ private:
+  Aabo<Bound::kDimensions> Next() {
+    std::uniform_real_distribution<float> coordinate(-50.0f, 50.0f);
+    Sphere<Bound::kDimensions> sphere;
+    for (float& x : sphere.center) x = coordinate(random_);
+    sphere.radius = radius_;
+    return BoundSphere(sphere);
+  }
+
+  Random random_;
+  float radius_;
+};
+
+TYPED_TEST(SortedTest, FindsWhatAScanFinds) {
+  using View = typename TypeParam::View;
+  std::vector<std::size_t> sizes = {0,   1,   2,    63,   64,   65,  127,
+                                    128, 129, 4032, 4095, 4096, 4097};
+  Random random(7);
+  for (std::size_t i = 0; i < Scaled(20); ++i) sizes.push_back(random() % 9000);
+  for (std::size_t size : sizes) {
+    Spread<View> spread(4.0f, size);
+    const World<View> world = spread.Objects(size);
+    // More than walk together.
+    const auto queries = spread.Queries(70);
+    ExpectSameEverywhere<View>(world.view(), queries);
+    if (this->HasFatalFailure()) return;
+  }
+}
+
+// Three levels above the objects, and queries of all sizes.
+TYPED_TEST(SortedTest, FindsWhatAScanFindsAmongMany) {
+  using View = typename TypeParam::View;
+  const World<View> world =
+      Spread<View>(0.2f).Objects(64 * 4096 + Scaled(40'000));
+  std::vector<typename View::Query> queries;
+  for (float radius : {0.0f, 0.5f, 5.0f, 40.0f}) {
+    queries.push_back(Spread<View>(radius, 2).NextQuery());
+  }
+  ExpectSameEverywhere<View>(world.view(), queries);
+}
+
+// Planes apart from each other and from any geometry: values that touch, one
+// ulp apart, special, inverted.
+TYPED_TEST(SortedTest, FindsWhatAScanFindsAmongSpecialValues) {
+  using View = typename TypeParam::View;
+  Random random(3);
+  for (std::size_t round = 0; round < Scaled(60); ++round) {
+    for (InputKind kind : kInputKinds) {
+      const Input<View> input = MakeInput<View>(kind, 700, random);
+      View view = ViewAt(input, 0, 1 + random() % 690, 8);
+      std::vector<typename View::Query> queries(3, input.query);
+      queries.push_back(MakeInput<View>(kind, 0, random).query);
+      for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+        queries.push_back(input.query);
+        OpposingValue<View>(queries.back(), p) = SpecialValue<float>(random);
+      }
+      ExpectSameEverywhere<View>(view, queries);
+      if (this->HasFatalFailure()) {
+        FAIL() << NameOf(kind) << ", round " << round;
+      }
+    }
+  }
+}
+
+// Worlds without an order, and with one only on some axes.
+TYPED_TEST(SortedTest, FindsWhatAScanFindsInDegenerateWorlds) {
+  using View = typename TypeParam::View;
+  using Bound = typename View::Bound;
+  using Query = typename View::Query;
+  Spread<View> spread(3.0f);
+  const Bound one = spread.NextObject();
+  const std::vector<std::function<Bound(std::size_t)>> worlds = {
+      [&](std::size_t) { return one; },
+      [](std::size_t) { return Bound::Everything(); },
+      [](std::size_t) { return Bound::Empty(); },
+      [&](std::size_t i) { return i % 3 == 0 ? Bound::Empty() : one; },
+      [&](std::size_t i) {
+        return i % 50 == 0 ? Bound::Everything() : spread.NextObject();
+      },
+      [&](std::size_t i) {  // on a line
+        Bound bound = one;
+        for (std::size_t k = 0; k < Bound::kAxes; ++k) {
+          StoredValue<View>(bound, k) = k == 0 ? static_cast<float>(i) : 1.0f;
+        }
+        return bound;
+      },
+      [&](std::size_t i) {  // a lattice, where all faces coincide
+        Bound bound = one;
+        for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+          const std::size_t k = p % Bound::kAxes;
+          StoredValue<View>(bound, p) = static_cast<float>((i >> 4 * k) % 16) +
+                                        (IsMinPlane<View>(p) ? 0.0f : 1.0f);
+        }
+        return bound;
+      },
+  };
+  for (std::size_t w = 0; w < worlds.size(); ++w) {
+    World<View> world;
+    for (std::size_t i = 0; i < 4500; ++i) world.Push(worlds[w](i));
+    std::vector<Query> queries = spread.Queries(20);
+    queries.push_back(Query::Everything());
+    queries.push_back(Query::Empty());
+    Random random(w);
+    for (std::size_t q = 0; q < 20; ++q) {
+      Query query = queries[q];
+      for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+        OpposingValue<View>(query, p) = static_cast<float>(random() % 16) +
+                                        (IsMinPlane<View>(p) ? 1.0f : 0.0f);
+      }
+      queries.push_back(query);
+    }
+    ExpectSameEverywhere<View>(world.view(), queries);
+    if (this->HasFatalFailure()) FAIL() << "world " << w;
+  }
+}
+
+// One block whose values are at every place of their scale, and queries at each
+// of them and one ulp to both sides: a code that decides too much is found. In
+// every rounding mode, and with subnormals flushed, which may keep more.
+TYPED_TEST(SortedTest, CodesDecideOnlyWhatTheyProve) {
+  using View = typename TypeParam::View;
+  using Bound = typename View::Bound;
+  using Query = typename View::Query;
+  const float inf = std::numeric_limits<float>::infinity();
+  // With 252.5 the values are at the ends of codes, where rounding tells.
+  struct Scale {
+    float base;
+    float step;
+    float last = 63.0f;
+  };
+  constexpr std::array<Scale, 12> kScales = {
+      {{0.0f, 1.0f},
+       {1.0f, 0x1p-23f},
+       {1.0f, 0.1f},
+       {-100.0f, 3.1f},
+       {0.0f, 0x1p-149f},
+       {0x1p-126f, 0x1p-149f},
+       {-0x1p127f, 0x1.f8p121f},
+       {1.0f, 0.0f},
+       {0x1p99f, 0x1p94f},
+       {0.0f, 3.1f, 252.5f},
+       {0.3f, 0.7f, 252.5f},
+       {-40.0f, 0.9f, 252.5f}}};
+  for (const Scale& scale : kScales) {
+    World<View> world;
+    std::vector<float> values;
+    for (std::size_t i = 0; i < 64; ++i) {
+      values.push_back(scale.base +
+                       (i < 63 ? static_cast<float>(i) : scale.last) *
+                           scale.step);
+    }
+    for (std::size_t i = 0; i < 64; ++i) {
+      Bound bound{};
+      for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+        StoredValue<View>(bound, p) = values[(i * 37 + p) % 64];
+      }
+      world.Push(bound);
+    }
+    std::vector<Query> queries;
+    for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+      for (float value : values) {
+        for (float at :
+             {value, std::nextafter(value, inf), std::nextafter(value, -inf)}) {
+          Query query{};
+          for (std::size_t other = 0; other < kPlanes<View>; ++other) {
+            OpposingValue<View>(query, other) =
+                IsMinPlane<View>(other) ? inf : -inf;
+          }
+          OpposingValue<View>(query, p) = at;
+          queries.push_back(query);
+        }
+      }
+    }
+    const View view = world.view();
+    for (int build_mode : {FE_TONEAREST, FE_UPWARD, FE_DOWNWARD}) {
+      std::fesetround(build_mode);
+      const SortedWorld<View> sorted(view);
+      for (int mode : {FE_TONEAREST, FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
+        std::fesetround(mode);
+        for (Target target : TargetsUnderTest()) {
+          for (const Query& query : queries) {
+            const std::size_t kept = CountSurvivors(sorted, query, target);
+            const std::size_t expected = CountSurvivors(view, query);
+            if (kept != expected) {
+              std::fesetround(FE_TONEAREST);
+              FAIL() << kept << " of " << expected << ", from " << scale.base
+                     << " by " << scale.step << ", " << target.name();
+            }
+          }
+        }
+      }
+      std::fesetround(FE_TONEAREST);
+    }
+    const SortedWorld<View> sorted(view);
+    for (Target target : TargetsUnderTest()) {
+      for (const Query& query : queries) {
+        const std::size_t expected = CountSurvivors(view, query);
+        const FlushDenormals flush;
+        ASSERT_GE(CountSurvivors(sorted, query, target), expected);
+      }
+    }
+  }
+}
+
+TYPED_TEST(SortedTest, FillsAShortSpanAndCountsAll) {
+  using View = typename TypeParam::View;
+  Spread<View> spread(20.0f);
+  const World<View> world = spread.Objects(3000);
+  const SortedWorld<View> sorted(world.view());
+  const auto queries = spread.Queries(5);
+  Canaried<std::uint32_t> canaried;
+  for (Target target : TargetsUnderTest()) {
+    for (const auto& query : queries) {
+      const Ids expected = Expected(world.view(), query);
+      for (std::size_t room :
+           {std::size_t{0}, std::size_t{1}, std::size_t{63}, std::size_t{200},
+            expected.size() / 2, expected.size()}) {
+        if (room > expected.size()) continue;
+        const auto ids = canaried.Reset(room);
+        ASSERT_EQ(Survivors(sorted, query, ids, target), expected.size());
+        EXPECT_TRUE(canaried.IntactBut(room));
+        const Ids written = Sorted(ids);
+        EXPECT_TRUE(std::includes(expected.begin(), expected.end(),
+                                  written.begin(), written.end()));
+        EXPECT_EQ(std::adjacent_find(written.begin(), written.end()),
+                  written.end());
+      }
+    }
+  }
+}
+
+TYPED_TEST(SortedTest, StopsWhenTheFunctionSaysSo) {
+  using View = typename TypeParam::View;
+  Spread<View> spread(40.0f);
+  const World<View> world = spread.Objects(5000);
+  const SortedWorld<View> sorted(world.view());
+  for (Target target : TargetsUnderTest()) {
+    std::size_t calls = 0;
+    ForEachSurvivor(
+        sorted, View::Query::Everything(),
+        [&](Span<const std::uint32_t> ids) {
+          EXPECT_GT(ids.size(), 0u);
+          return ++calls < 3;
+        },
+        target);
+    EXPECT_EQ(calls, 3u);
+  }
+}
+
+// The bytes beyond the planes of floats that a sorted world of boxes may have,
+// ids and permutation included.
+TEST(SortedMemoryTest, IsAtMostSixTenthsOfTheFloats) {
+  const AabbWorld3 world = Spread<AabbView3>(1.0f).Objects(200'000);
+  CountingMemory memory;
+  std::size_t bytes = 0;
+  {
+    const SortedWorld<AabbView3> sorted(world.view(), Order::kTight,
+                                        memory.resource());
+    bytes = sorted.bytes();
+    EXPECT_EQ(memory.blocks, 1u);
+  }
+  const double floats = 24.0 * 200'000;
+  EXPECT_LE(static_cast<double>(bytes), 1.6 * floats);
+}
+
+TEST(SortedMemoryTest, CopiesMovesAndSwaps) {
+  Spread<AabbView3> spread(4.0f);
+  const AabbWorld3 world = spread.Objects(1000);
+  const auto queries = spread.Queries(10);
+  const Target target = ChosenTarget();
+  SortedWorld<AabbView3> first(world.view());
+  const SortedWorld<AabbView3> copy(first);
+  ExpectSame<AabbView3>(copy, world.view(), queries, target);
+  SortedWorld<AabbView3> second;
+  EXPECT_TRUE(second.empty());
+  EXPECT_EQ(CountSurvivors(second, queries[0]), 0u);
+  swap(first, second);
+  EXPECT_TRUE(first.empty());
+  ExpectSame<AabbView3>(second, world.view(), queries, target);
+  first = std::move(second);
+  ExpectSame<AabbView3>(first, world.view(), queries, target);
+  second = first;
+  ExpectSame<AabbView3>(second, world.view(), queries, target);
+}
+
+TEST(SortedErrorsTest, RefusesWhatItCannotRead) {
+  const AabbWorld3 world = Spread<AabbView3>(4.0f).Objects(100);
+  const SortedWorld<AabbView3> sorted(world.view());
+  Ids ids(100);
+  std::vector<std::size_t> offsets(3);
+  const std::vector<Aabb3> queries(3, Aabb3::Everything());
+  EXPECT_TRUE(Refuses(
+      [&] {
+        (void)SurvivorsOfEach(sorted, std::span<const Aabb3>(queries), ids,
+                              offsets);
+      },
+      {"SurvivorsOfEach", "offsets", "3", "3"}));
+  AabbView3 view = world.view();
+  view.max[1] = nullptr;
+  EXPECT_TRUE(Refuses([&] { SortedWorld<AabbView3> bad(view); },
+                      {"SortedWorld", "world.max[1]", "null"}));
+}
+
+}  // namespace
+}  // namespace halfspace::testing
