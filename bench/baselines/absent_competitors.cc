@@ -1,0 +1,32 @@
+// The factories of what was not found when this was built.
+
+#include "bench/baselines/box_tree.h"
+
+namespace halfspace::bench {
+
+#ifdef HALFSPACE_BENCH_NO_BOOST
+std::unique_ptr<BoxTree<2>> MakeBoostTree(std::span<const Aabb2> /*boxes*/,
+                                          std::size_t /*node_size*/) {
+  return nullptr;
+}
+std::unique_ptr<BoxTree<3>> MakeBoostTree(std::span<const Aabb3> /*boxes*/,
+                                          std::size_t /*node_size*/) {
+  return nullptr;
+}
+std::unique_ptr<NearestTree<2>> MakeBoostNearest(
+    std::span<const Aabb2> /*boxes*/, std::size_t /*node_size*/) {
+  return nullptr;
+}
+std::unique_ptr<NearestTree<3>> MakeBoostNearest(
+    std::span<const Aabb3> /*boxes*/, std::size_t /*node_size*/) {
+  return nullptr;
+}
+#endif
+
+#ifdef HALFSPACE_BENCH_NO_BULLET
+std::unique_ptr<BoxTree<3>> MakeBulletTree(std::span<const Aabb3> /*boxes*/) {
+  return nullptr;
+}
+#endif
+
+}  // namespace halfspace::bench
