@@ -29,4 +29,16 @@ std::unique_ptr<BoxTree<3>> MakeBulletTree(std::span<const Aabb3> /*boxes*/) {
 }
 #endif
 
+#ifdef HALFSPACE_BENCH_NO_EMBREE
+std::unique_ptr<BoxTree<3>> MakeEmbreeTree(std::span<const Aabb3> /*boxes*/) {
+  return nullptr;
+}
+std::unique_ptr<LineTree> MakeEmbreeLines(std::span<const Aabb3> /*boxes*/) {
+  return nullptr;
+}
+std::unique_ptr<PairFinder> MakeEmbreePairs(std::span<const Aabb3> /*boxes*/) {
+  return nullptr;
+}
+#endif
+
 }  // namespace halfspace::bench

@@ -81,6 +81,13 @@ std::unique_ptr<NearestTree<3>> MakeBoostNearest(std::span<const Aabb3> boxes,
 // Bullet's btDbvt, built by insertion and then optimised from the top down.
 std::unique_ptr<BoxTree<3>> MakeBulletTree(std::span<const Aabb3> boxes);
 
+// Embree's tree of user geometry. Its query is a sphere, here that around the
+// box. The ends of a segment are at most twice as far from 0, on each axis, as
+// the farthest corner of a box.
+std::unique_ptr<BoxTree<3>> MakeEmbreeTree(std::span<const Aabb3> boxes);
+std::unique_ptr<LineTree> MakeEmbreeLines(std::span<const Aabb3> boxes);
+std::unique_ptr<PairFinder> MakeEmbreePairs(std::span<const Aabb3> boxes);
+
 // Boxes sorted by their minima on one axis; each is compared with those that
 // begin before it ends, in a loop that the compiler vectorises.
 std::unique_ptr<PairFinder> MakeSweep(std::span<const Aabb3> boxes);

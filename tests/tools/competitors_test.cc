@@ -92,6 +92,26 @@ bool DoTouch(const Aabb<kDims>& a, const Aabb<kDims>& b) {
   return true;
 }
 
+// Clips the segment by one slab after another. The quotients of small integers
+// compare as if they were exact.
+bool DoTouch(const Segment<3>& segment, const Aabb3& box) {
+  double begin = 0;
+  double end = 1;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double a = segment.a[k];
+    const double direction = segment.b[k] - a;
+    if (direction == 0) {
+      if (a < box.min[k] || a > box.max[k]) return false;
+      continue;
+    }
+    const double at_min = (box.min[k] - a) / direction;
+    const double at_max = (box.max[k] - a) / direction;
+    begin = std::max(begin, std::min(at_min, at_max));
+    end = std::min(end, std::max(at_min, at_max));
+  }
+  return begin <= end;
+}
+
 template <typename Query, typename Box>
 std::vector<std::uint32_t> AllThatTouch(const Query& query,
                                         const std::vector<Box>& boxes) {
@@ -129,6 +149,7 @@ std::vector<Named<BoxTree<3>>> BoxTrees(const std::vector<Aabb3>& boxes) {
                              Tree("Boost 16", MakeBoostTree(boxes)),
                              Tree("Boost 32", MakeBoostTree(boxes, 32)),
                              Tree("Bullet", MakeBulletTree(boxes)),
+                             Tree("Embree", MakeEmbreeTree(boxes)),
                              Tree("grid", MakeGrid(boxes)));
 }
 
@@ -162,7 +183,8 @@ TEST(CompetitorsTest, FindEachPairOnce) {
       }
     }
     const auto finders =
-        Present<PairFinder>(Finder("sweep", MakeSweep(world.boxes)));
+        Present<PairFinder>(Finder("Embree", MakeEmbreePairs(world.boxes)),
+                            Finder("sweep", MakeSweep(world.boxes)));
     for (const auto& [name, finder] : finders) {
       SCOPED_TRACE(name + ", " + world.name);
       std::vector<IndexPair> found = {{99, 99}};
@@ -232,6 +254,29 @@ void TestNearestTrees() {
 
 TEST(CompetitorsTest, FindTheNearestIn2D) { TestNearestTrees<2>(); }
 TEST(CompetitorsTest, FindTheNearestIn3D) { TestNearestTrees<3>(); }
+
+TEST(CompetitorsTest, FindTheBoxesAlongASegment) {
+  for (const auto& world : Worlds<3>()) {
+    const auto trees = Present<LineTree>(
+        Named<LineTree>("Embree", MakeEmbreeLines(world.boxes)));
+    for (const auto& [name, tree] : trees) {
+      SCOPED_TRACE(name + ", " + world.name);
+      std::vector<std::uint32_t> found = {99};
+      for (std::size_t q = 0; q < world.queries.size(); ++q) {
+        const Point<3> a = world.queries[q].min;
+        const Point<3> b = world.queries[(q + 1) % world.queries.size()].max;
+        // As it is, along an axis, in a plane, and a point.
+        for (const Point<3>& end :
+             {b, {a[0], a[1], b[2]}, {a[0], b[1], b[2]}, a}) {
+          const Segment<3> segment{a, end};
+          tree->Along(segment, found);
+          std::sort(found.begin(), found.end());
+          ASSERT_EQ(found, AllThatTouch(segment, world.boxes));
+        }
+      }
+    }
+  }
+}
 
 }  // namespace
 }  // namespace halfspace::bench
