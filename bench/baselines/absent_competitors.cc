@@ -41,4 +41,21 @@ std::unique_ptr<PairFinder> MakeEmbreePairs(std::span<const Aabb3> /*boxes*/) {
 }
 #endif
 
+#ifdef HALFSPACE_BENCH_NO_GEOS
+std::unique_ptr<BoxTree<2>> MakeGeosTree(std::span<const Aabb2> /*boxes*/) {
+  return nullptr;
+}
+#endif
+
+#ifdef HALFSPACE_BENCH_NO_NANOFLANN
+std::unique_ptr<NearestTree<2>> MakeNanoflann(
+    std::span<const Point<2>> /*points*/) {
+  return nullptr;
+}
+std::unique_ptr<NearestTree<3>> MakeNanoflann(
+    std::span<const Point<3>> /*points*/) {
+  return nullptr;
+}
+#endif
+
 }  // namespace halfspace::bench

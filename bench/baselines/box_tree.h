@@ -88,6 +88,13 @@ std::unique_ptr<BoxTree<3>> MakeEmbreeTree(std::span<const Aabb3> boxes);
 std::unique_ptr<LineTree> MakeEmbreeLines(std::span<const Aabb3> boxes);
 std::unique_ptr<PairFinder> MakeEmbreePairs(std::span<const Aabb3> boxes);
 
+// GEOS's TemplateSTRtree, of doubles.
+std::unique_ptr<BoxTree<2>> MakeGeosTree(std::span<const Aabb2> boxes);
+
+// nanoflann's k-d tree, which knows points only.
+std::unique_ptr<NearestTree<2>> MakeNanoflann(std::span<const Point<2>> points);
+std::unique_ptr<NearestTree<3>> MakeNanoflann(std::span<const Point<3>> points);
+
 // Boxes sorted by their minima on one axis; each is compared with those that
 // begin before it ends, in a loop that the compiler vectorises.
 std::unique_ptr<PairFinder> MakeSweep(std::span<const Aabb3> boxes);

@@ -141,6 +141,7 @@ std::vector<Named<BoxTree<2>>> BoxTrees(const std::vector<Aabb2>& boxes) {
   return Present<BoxTree<2>>(Tree("Boost 8", MakeBoostTree(boxes, 8)),
                              Tree("Boost 16", MakeBoostTree(boxes)),
                              Tree("Boost 32", MakeBoostTree(boxes, 32)),
+                             Tree("GEOS", MakeGeosTree(boxes)),
                              Tree("grid", MakeGrid(boxes)));
 }
 std::vector<Named<BoxTree<3>>> BoxTrees(const std::vector<Aabb3>& boxes) {
@@ -249,6 +250,17 @@ void TestNearestTrees() {
       SCOPED_TRACE(name + ", " + world.name);
       TestNearest<kDims>(world.boxes, world.queries, *tree);
     }
+
+    std::vector<Point<kDims>> points;
+    std::vector<Aabb<kDims>> as_boxes;
+    for (const auto& box : world.boxes) {
+      points.push_back(box.min);
+      as_boxes.push_back({box.min, box.min});
+    }
+    const auto tree = MakeNanoflann(points);
+    if (tree == nullptr) continue;
+    SCOPED_TRACE("nanoflann, " + world.name);
+    TestNearest<kDims>(as_boxes, world.queries, *tree);
   }
 }
 
