@@ -29,6 +29,13 @@ std::unique_ptr<BoxTree<3>> MakeBulletTree(std::span<const Aabb3> /*boxes*/) {
 }
 #endif
 
+#ifdef HALFSPACE_BENCH_NO_CGAL
+std::unique_ptr<PairFinder> MakeCgalPairs(std::span<const Aabb3> /*boxes*/,
+                                          std::ptrdiff_t /*cutoff*/) {
+  return nullptr;
+}
+#endif
+
 #ifdef HALFSPACE_BENCH_NO_EMBREE
 std::unique_ptr<BoxTree<3>> MakeEmbreeTree(std::span<const Aabb3> /*boxes*/) {
   return nullptr;

@@ -95,6 +95,11 @@ std::unique_ptr<BoxTree<2>> MakeGeosTree(std::span<const Aabb2> boxes);
 std::unique_ptr<NearestTree<2>> MakeNanoflann(std::span<const Point<2>> points);
 std::unique_ptr<NearestTree<3>> MakeNanoflann(std::span<const Point<3>> points);
 
+// CGAL's box_self_intersection_d, which does all its work in Pairs(): of so
+// many boxes it no longer makes trees, but scans.
+std::unique_ptr<PairFinder> MakeCgalPairs(std::span<const Aabb3> boxes,
+                                          std::ptrdiff_t cutoff = 10);
+
 // Boxes sorted by their minima on one axis; each is compared with those that
 // begin before it ends, in a loop that the compiler vectorises.
 std::unique_ptr<PairFinder> MakeSweep(std::span<const Aabb3> boxes);

@@ -184,7 +184,9 @@ TEST(CompetitorsTest, FindEachPairOnce) {
       }
     }
     const auto finders =
-        Present<PairFinder>(Finder("Embree", MakeEmbreePairs(world.boxes)),
+        Present<PairFinder>(Finder("CGAL", MakeCgalPairs(world.boxes)),
+                            Finder("CGAL 100", MakeCgalPairs(world.boxes, 100)),
+                            Finder("Embree", MakeEmbreePairs(world.boxes)),
                             Finder("sweep", MakeSweep(world.boxes)));
     for (const auto& [name, finder] : finders) {
       SCOPED_TRACE(name + ", " + world.name);
