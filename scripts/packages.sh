@@ -8,7 +8,9 @@ build_packages=(
 
 # What cpuinfo-bench compares the library with, where it is installed.
 # shellcheck disable=SC2034  # for those who source this
-competitor_packages=(libboost-dev libbullet-dev)
+competitor_packages=(
+  libboost-dev libbullet-dev libcgal-dev libembree-dev libgeos++-dev
+  libnanoflann-dev)
 
 # Runs a command as root; without a terminal it fails rather than asks.
 as_root() {

@@ -13,17 +13,24 @@ namespace {
 namespace bg = boost::geometry;
 namespace bgi = boost::geometry::index;
 
-using Point = bg::model::point<float, 3, bg::cs::cartesian>;
-using Box = bg::model::box<Point>;
-using Entry = std::pair<Box, std::uint32_t>;
+template <int kDims>
+using BoostPoint = bg::model::point<float, kDims, bg::cs::cartesian>;
+template <int kDims>
+using BoostBox = bg::model::box<BoostPoint<kDims>>;
+template <int kDims>
+using Entry = std::pair<BoostBox<kDims>, std::uint32_t>;
 
-Box BoxOf(const Aabb3& box) {
-  return {{box.min[0], box.min[1], box.min[2]},
-          {box.max[0], box.max[1], box.max[2]}};
+BoostPoint<2> PointOf(const Point<2>& p) { return {p[0], p[1]}; }
+BoostPoint<3> PointOf(const Point<3>& p) { return {p[0], p[1], p[2]}; }
+
+template <int kDims>
+BoostBox<kDims> BoxOf(const Aabb<kDims>& box) {
+  return {PointOf(box.min), PointOf(box.max)};
 }
 
-// Takes what a query finds, and keeps its index.
-class IndexTaker {
+// An output iterator: takes what a query finds.
+template <typename Take>
+class Taker {
  public:
   using iterator_category = std::output_iterator_tag;
   using value_type = void;
@@ -31,42 +38,89 @@ class IndexTaker {
   using pointer = void;
   using reference = void;
 
-  explicit IndexTaker(std::vector<std::uint32_t>& found) : found_(&found) {}
+  explicit Taker(const Take& take) : take_(take) {}
 
-  IndexTaker& operator=(const Entry& entry) {
-    found_->push_back(entry.second);
+  template <typename Found>
+  Taker& operator=(const Found& found) {
+    take_(found);
     return *this;
   }
-  IndexTaker& operator*() { return *this; }
-  IndexTaker& operator++() { return *this; }
-  IndexTaker operator++(int) { return *this; }
+  Taker& operator*() { return *this; }
+  Taker& operator++() { return *this; }
+  Taker operator++(int) { return *this; }
 
  private:
-  std::vector<std::uint32_t>* found_;
+  Take take_;
 };
 
-class BoostTree : public BoxTree {
- public:
-  explicit BoostTree(const std::vector<Entry>& entries) : tree_(entries) {}
+auto IndexTaker(std::vector<std::uint32_t>& found) {
+  return Taker([&found](const auto& entry) { found.push_back(entry.second); });
+}
 
-  void Find(const Aabb3& query,
+template <int kDims, std::size_t kNodeSize>
+class BoostTree : public BoxTree<kDims>, public NearestTree<kDims> {
+ public:
+  explicit BoostTree(const std::vector<Entry<kDims>>& entries)
+      : tree_(entries) {}
+
+  void Find(const Aabb<kDims>& query,
             std::vector<std::uint32_t>& found) const override {
     found.clear();
     tree_.query(bgi::intersects(BoxOf(query)), IndexTaker(found));
   }
 
+  std::size_t Count(const Aabb<kDims>& query) const override {
+    return tree_.query(bgi::intersects(BoxOf(query)),
+                       Taker([](const auto& /*entry*/) {}));
+  }
+
+  void Nearest(const Point<kDims>& point, std::size_t count,
+               std::vector<std::uint32_t>& found) override {
+    found.clear();
+    // Boost has no answer to this, but an assertion.
+    if (count == 0) return;
+    tree_.query(bgi::nearest(PointOf(point), static_cast<unsigned>(count)),
+                IndexTaker(found));
+  }
+
  private:
-  bgi::rtree<Entry, bgi::quadratic<16>> tree_;
+  bgi::rtree<Entry<kDims>, bgi::quadratic<kNodeSize>> tree_;
 };
 
-}  // namespace
-
-std::unique_ptr<BoxTree> MakeBoostTree(std::span<const Aabb3> boxes) {
-  std::vector<Entry> entries;
+template <typename Tree, int kDims>
+std::unique_ptr<Tree> Make(std::span<const Aabb<kDims>> boxes,
+                           std::size_t node_size) {
+  std::vector<Entry<kDims>> entries;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     entries.emplace_back(BoxOf(boxes[i]), static_cast<std::uint32_t>(i));
   }
-  return std::make_unique<BoostTree>(entries);
+  switch (node_size) {
+    case 8:
+      return std::make_unique<BoostTree<kDims, 8>>(entries);
+    case 32:
+      return std::make_unique<BoostTree<kDims, 32>>(entries);
+    default:
+      return std::make_unique<BoostTree<kDims, 16>>(entries);
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<BoxTree<2>> MakeBoostTree(std::span<const Aabb2> boxes,
+                                          std::size_t node_size) {
+  return Make<BoxTree<2>>(boxes, node_size);
+}
+std::unique_ptr<BoxTree<3>> MakeBoostTree(std::span<const Aabb3> boxes,
+                                          std::size_t node_size) {
+  return Make<BoxTree<3>>(boxes, node_size);
+}
+std::unique_ptr<NearestTree<2>> MakeBoostNearest(std::span<const Aabb2> boxes,
+                                                 std::size_t node_size) {
+  return Make<NearestTree<2>>(boxes, node_size);
+}
+std::unique_ptr<NearestTree<3>> MakeBoostNearest(std::span<const Aabb3> boxes,
+                                                 std::size_t node_size) {
+  return Make<NearestTree<3>>(boxes, node_size);
 }
 
 }  // namespace halfspace::bench

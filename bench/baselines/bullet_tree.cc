@@ -20,7 +20,13 @@ struct IndexTaker : btDbvt::ICollide {
   std::vector<std::uint32_t>& found;
 };
 
-class BulletTree : public BoxTree {
+struct Counter : btDbvt::ICollide {
+  void Process(const btDbvtNode* /*leaf*/) override { ++count; }
+
+  std::size_t count = 0;
+};
+
+class BulletTree : public BoxTree<3> {
  public:
   explicit BulletTree(std::span<const Aabb3> boxes) {
     for (std::size_t i = 0; i < boxes.size(); ++i) {
@@ -37,13 +43,19 @@ class BulletTree : public BoxTree {
     tree_.collideTV(tree_.m_root, VolumeOf(query), taker);
   }
 
+  std::size_t Count(const Aabb3& query) const override {
+    Counter counter;
+    tree_.collideTV(tree_.m_root, VolumeOf(query), counter);
+    return counter.count;
+  }
+
  private:
   btDbvt tree_;
 };
 
 }  // namespace
 
-std::unique_ptr<BoxTree> MakeBulletTree(std::span<const Aabb3> boxes) {
+std::unique_ptr<BoxTree<3>> MakeBulletTree(std::span<const Aabb3> boxes) {
   return std::make_unique<BulletTree>(boxes);
 }
 

@@ -63,7 +63,8 @@ class Boxes {
     return Survivors(quantized_world_, query, indices_, {.target = target_});
   }
 
-  Case TreeCase(std::string name, std::size_t different, const BoxTree& tree) {
+  Case TreeCase(std::string name, std::size_t different,
+                const BoxTree<3>& tree) {
     Case c =
         InTurn(std::move(name), queries_, different, kCallsOfRun,
                [this, &tree](const Aabb3& query) { tree.Find(query, found_); });
@@ -88,8 +89,8 @@ class Boxes {
   std::vector<Aabb3> queries_;
   Indices indices_;
   Indices found_;
-  std::unique_ptr<BoxTree> boost_;
-  std::unique_ptr<BoxTree> bullet_;
+  std::unique_ptr<BoxTree<3>> boost_;
+  std::unique_ptr<BoxTree<3>> bullet_;
 };
 
 void RunCompetitors(std::uint64_t seed, Throughput& throughput) {

@@ -1,0 +1,223 @@
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "bench/baselines/box_tree.h"
+#include "bench/baselines/touches.h"
+
+namespace halfspace::bench {
+namespace {
+
+// One for the process, as it sets how many threads Embree uses there.
+class Device {
+ public:
+  Device() : device_(rtcNewDevice("threads=1")) {
+    if (device_ == nullptr) throw std::runtime_error("Embree: no device");
+  }
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  ~Device() { rtcReleaseDevice(device_); }
+
+  static RTCDevice Get() {
+    static const Device device;
+    return device.device_;
+  }
+
+ private:
+  RTCDevice device_;
+};
+
+// The least sphere of floats around the box, and a little more: Embree computes
+// distances in float, with an error relative to the distance.
+RTCPointQuery SphereAround(const Aabb3& box) {
+  float center[3];
+  double square = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double low = box.min[k];
+    const double high = box.max[k];
+    center[k] = static_cast<float>((low + high) / 2);
+    const double reach = std::max(high - center[k], center[k] - low);
+    square += reach * reach;
+  }
+  RTCPointQuery sphere{};
+  sphere.x = center[0];
+  sphere.y = center[1];
+  sphere.z = center[2];
+  sphere.radius = static_cast<float>(std::sqrt(square) * (1 + 0x1p-20));
+  return sphere;
+}
+
+RTCRay RayOf(const Segment<3>& segment) {
+  RTCRay ray{};
+  ray.org_x = segment.a[0];
+  ray.org_y = segment.a[1];
+  ray.org_z = segment.a[2];
+  ray.dir_x = segment.b[0] - segment.a[0];
+  ray.dir_y = segment.b[1] - segment.a[1];
+  ray.dir_z = segment.b[2] - segment.a[2];
+  ray.tfar = 1;
+  ray.mask = ~0u;
+  return ray;
+}
+
+class EmbreeTree : public BoxTree<3>, public LineTree, public PairFinder {
+ public:
+  explicit EmbreeTree(std::span<const Aabb3> boxes)
+      : boxes_(boxes.begin(), boxes.end()), scene_(rtcNewScene(Device::Get())) {
+    float farthest = 0;
+    for (const Aabb3& box : boxes_) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        farthest =
+            std::max({farthest, std::abs(box.min[k]), std::abs(box.max[k])});
+      }
+    }
+    // An ulp would do for spheres. A ray's direction, its reciprocal and its
+    // product with the origin are rounded to float, which moves the ray by a
+    // few ulps of the farthest coordinate.
+    slack_ = farthest * 0x1p-18f;
+
+    const RTCGeometry geometry =
+        rtcNewGeometry(Device::Get(), RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry,
+                                     static_cast<unsigned>(boxes_.size()));
+    rtcSetGeometryUserData(geometry, this);
+    rtcSetGeometryBoundsFunction(geometry, &EmbreeTree::Bound, nullptr);
+    rtcSetGeometryOccludedFunction(geometry, &EmbreeTree::TakeOnLine);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene_);
+    if (rtcGetDeviceError(Device::Get()) != RTC_ERROR_NONE) {
+      throw std::runtime_error("Embree: no tree");
+    }
+  }
+  ~EmbreeTree() override { rtcReleaseScene(scene_); }
+
+  void Find(const Aabb3& query,
+            std::vector<std::uint32_t>& found) const override {
+    found.clear();
+    ForEach(query, [&found](unsigned index) { found.push_back(index); });
+  }
+
+  std::size_t Count(const Aabb3& query) const override {
+    std::size_t count = 0;
+    ForEach(query, [&count](unsigned /*index*/) { ++count; });
+    return count;
+  }
+
+  void Along(const Segment<3>& segment,
+             std::vector<std::uint32_t>& found) const override {
+    found.clear();
+    LineSearch search{{}, &segment, &found};
+    rtcInitIntersectContext(&search.context);
+    RTCRay ray = RayOf(segment);
+    rtcOccluded1(scene_, &search.context, &ray);
+  }
+
+  void Pairs(std::vector<IndexPair>& found) override {
+    found.clear();
+    if (boxes_.empty()) return;  // Embree has no collider for it.
+    PairSearch search{boxes_.data(), &found};
+    rtcCollide(scene_, scene_, &EmbreeTree::TakePairs, &search);
+  }
+
+ private:
+  template <typename Take>
+  struct BoxSearch {
+    const Aabb3* boxes;
+    const Aabb3* query;
+    Take* take;
+  };
+  struct LineSearch {
+    RTCIntersectContext context;  // first, as Embree hands it on
+    const Segment<3>* segment;
+    std::vector<std::uint32_t>* found;
+  };
+  struct PairSearch {
+    const Aabb3* boxes;
+    std::vector<IndexPair>* found;
+  };
+
+  static void Bound(const RTCBoundsFunctionArguments* arguments) {
+    const auto* tree =
+        static_cast<const EmbreeTree*>(arguments->geometryUserPtr);
+    const Aabb3& box = tree->boxes_[arguments->primID];
+    RTCBounds& bounds = *arguments->bounds_o;
+    bounds.lower_x = tree->Below(box.min[0]);
+    bounds.lower_y = tree->Below(box.min[1]);
+    bounds.lower_z = tree->Below(box.min[2]);
+    bounds.upper_x = tree->Above(box.max[0]);
+    bounds.upper_y = tree->Above(box.max[1]);
+    bounds.upper_z = tree->Above(box.max[2]);
+  }
+  float Below(float value) const {
+    return std::nextafter(value - slack_, -std::numeric_limits<float>::max());
+  }
+  float Above(float value) const {
+    return std::nextafter(value + slack_, std::numeric_limits<float>::max());
+  }
+
+  template <typename Take>
+  void ForEach(const Aabb3& query, Take take) const {
+    RTCPointQuery sphere = SphereAround(query);
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    BoxSearch<Take> search{boxes_.data(), &query, &take};
+    rtcPointQuery(scene_, &sphere, &context, &EmbreeTree::TakeInBox<Take>,
+                  &search);
+  }
+
+  template <typename Take>
+  static bool TakeInBox(RTCPointQueryFunctionArguments* arguments) {
+    const auto& search =
+        *static_cast<const BoxSearch<Take>*>(arguments->userPtr);
+    if (Touches(search.boxes[arguments->primID], *search.query)) {
+      (*search.take)(arguments->primID);
+    }
+    return false;  // the sphere stays as it is
+  }
+
+  // As no hit is ever told, the ray goes on.
+  static void TakeOnLine(const RTCOccludedFunctionNArguments* arguments) {
+    const auto* tree =
+        static_cast<const EmbreeTree*>(arguments->geometryUserPtr);
+    const auto& search =
+        *reinterpret_cast<const LineSearch*>(arguments->context);
+    if (Touches(*search.segment, tree->boxes_[arguments->primID])) {
+      search.found->push_back(arguments->primID);
+    }
+  }
+
+  // Embree finds each pair in both orders.
+  static void TakePairs(void* user, RTCCollision* collisions, unsigned count) {
+    const auto& search = *static_cast<const PairSearch*>(user);
+    for (unsigned i = 0; i < count; ++i) {
+      const unsigned a = collisions[i].primID0;
+      const unsigned b = collisions[i].primID1;
+      if (a < b && Touches(search.boxes[a], search.boxes[b])) {
+        search.found->push_back({a, b});
+      }
+    }
+  }
+
+  std::vector<Aabb3> boxes_;
+  RTCScene scene_;
+  float slack_;
+};
+
+}  // namespace
+
+std::unique_ptr<BoxTree<3>> MakeEmbreeTree(std::span<const Aabb3> boxes) {
+  return std::make_unique<EmbreeTree>(boxes);
+}
+std::unique_ptr<LineTree> MakeEmbreeLines(std::span<const Aabb3> boxes) {
+  return std::make_unique<EmbreeTree>(boxes);
+}
+std::unique_ptr<PairFinder> MakeEmbreePairs(std::span<const Aabb3> boxes) {
+  return std::make_unique<EmbreeTree>(boxes);
+}
+
+}  // namespace halfspace::bench

@@ -1,0 +1,52 @@
+// What GEOS wants to be told by those who use its C++ interface.
+#define USE_UNSTABLE_GEOS_CPP_API
+
+#include <geos/geom/Envelope.h>
+#include <geos/index/strtree/TemplateSTRtree.h>
+
+#include "bench/baselines/box_tree.h"
+
+namespace halfspace::bench {
+namespace {
+
+geos::geom::Envelope EnvelopeOf(const Aabb2& box) {
+  return {box.min[0], box.max[0], box.min[1], box.max[1]};
+}
+
+class GeosTree : public BoxTree<2> {
+ public:
+  explicit GeosTree(std::span<const Aabb2> boxes)
+      : tree_(kNodeSize, boxes.size()) {
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      tree_.insert(EnvelopeOf(boxes[i]), static_cast<std::uint32_t>(i));
+    }
+    tree_.build();
+  }
+
+  void Find(const Aabb2& query,
+            std::vector<std::uint32_t>& found) const override {
+    found.clear();
+    tree_.query(EnvelopeOf(query), found);
+  }
+
+  std::size_t Count(const Aabb2& query) const override {
+    std::size_t count = 0;
+    tree_.query(EnvelopeOf(query),
+                [&count](std::uint32_t /*index*/) { ++count; });
+    return count;
+  }
+
+ private:
+  static constexpr std::size_t kNodeSize = 10;  // GEOS's own choice
+
+  // A query would build what is not built yet, so that it is not const.
+  mutable geos::index::strtree::TemplateSTRtree<std::uint32_t> tree_;
+};
+
+}  // namespace
+
+std::unique_ptr<BoxTree<2>> MakeGeosTree(std::span<const Aabb2> boxes) {
+  return std::make_unique<GeosTree>(boxes);
+}
+
+}  // namespace halfspace::bench

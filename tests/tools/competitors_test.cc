@@ -1,0 +1,296 @@
+// Competitors give the right answers, each that was built: those of loops over
+// all boxes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <numeric>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/baselines/box_tree.h"
+#include "bench/worlds/random.h"
+
+namespace halfspace::bench {
+namespace {
+
+template <int kDims>
+struct World {
+  std::string name;
+  std::vector<Aabb<kDims>> boxes;
+  std::vector<Aabb<kDims>> queries;
+};
+
+// Boxes whose centres are at most `reach` from `middle`, and whose lengths are
+// at most 2 * size.
+template <int kDims>
+std::vector<Aabb<kDims>> RandomBoxes(std::size_t count, float middle,
+                                     float reach, float size, Random& random) {
+  std::vector<Aabb<kDims>> boxes(count);
+  for (auto& box : boxes) {
+    for (std::size_t k = 0; k < kDims; ++k) {
+      const float center = middle + reach * random.Signed();
+      const float half = std::abs(size * random.Signed());
+      box.min[k] = center - half;
+      box.max[k] = center + half;
+    }
+  }
+  return boxes;
+}
+
+// So few coordinates that many boxes touch, are points, or are the same.
+template <int kDims>
+std::vector<Aabb<kDims>> IntegerBoxes(std::size_t count, Random& random) {
+  std::vector<Aabb<kDims>> boxes(count);
+  for (auto& box : boxes) {
+    for (std::size_t k = 0; k < kDims; ++k) {
+      box.min[k] = static_cast<float>(random.Below(12)) - 4;
+      box.max[k] = box.min[k] + static_cast<float>(random.Below(3));
+    }
+  }
+  return boxes;
+}
+
+template <int kDims>
+std::vector<World<kDims>> Worlds() {
+  Random random(1);
+  std::vector<World<kDims>> worlds;
+  worlds.push_back({"random", RandomBoxes<kDims>(900, 0, 10, 0.7f, random),
+                    RandomBoxes<kDims>(60, 0, 11, 3, random)});
+  // Far from 0, where floats are coarse.
+  worlds.push_back({"far", RandomBoxes<kDims>(500, 5000, 1, 0.01f, random),
+                    RandomBoxes<kDims>(60, 5000, 1.2f, 0.1f, random)});
+  worlds.push_back({"integers", IntegerBoxes<kDims>(700, random),
+                    IntegerBoxes<kDims>(60, random)});
+  World<kDims> few_large{"few large",
+                         RandomBoxes<kDims>(500, 0, 100, 0.01f, random),
+                         RandomBoxes<kDims>(60, 0, 100, 5, random)};
+  for (const auto& box : RandomBoxes<kDims>(30, 0, 50, 100, random)) {
+    few_large.boxes.push_back(box);
+  }
+  worlds.push_back(few_large);
+  worlds.push_back({"the same",
+                    std::vector(300, IntegerBoxes<kDims>(1, random)[0]),
+                    IntegerBoxes<kDims>(60, random)});
+  worlds.push_back(
+      {"one", IntegerBoxes<kDims>(1, random), IntegerBoxes<kDims>(60, random)});
+  worlds.push_back({"none", {}, IntegerBoxes<kDims>(1, random)});
+  return worlds;
+}
+
+template <int kDims>
+bool DoTouch(const Aabb<kDims>& a, const Aabb<kDims>& b) {
+  for (std::size_t k = 0; k < kDims; ++k) {
+    if (a.max[k] < b.min[k] || b.max[k] < a.min[k]) return false;
+  }
+  return true;
+}
+
+// Clips the segment by one slab after another. The quotients of small integers
+// compare as if they were exact.
+bool DoTouch(const Segment<3>& segment, const Aabb3& box) {
+  double begin = 0;
+  double end = 1;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double a = segment.a[k];
+    const double direction = segment.b[k] - a;
+    if (direction == 0) {
+      if (a < box.min[k] || a > box.max[k]) return false;
+      continue;
+    }
+    const double at_min = (box.min[k] - a) / direction;
+    const double at_max = (box.max[k] - a) / direction;
+    begin = std::max(begin, std::min(at_min, at_max));
+    end = std::min(end, std::max(at_min, at_max));
+  }
+  return begin <= end;
+}
+
+template <typename Query, typename Box>
+std::vector<std::uint32_t> AllThatTouch(const Query& query,
+                                        const std::vector<Box>& boxes) {
+  std::vector<std::uint32_t> found;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (DoTouch(query, boxes[i])) {
+      found.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+  return found;
+}
+
+template <typename Interface>
+using Named = std::pair<std::string, std::unique_ptr<Interface>>;
+
+// Those that were built.
+template <typename Interface, typename... Rest>
+std::vector<Named<Interface>> Present(Rest... rest) {
+  std::vector<Named<Interface>> all;
+  (all.push_back(std::move(rest)), ...);
+  std::erase_if(all, [](const auto& named) { return named.second == nullptr; });
+  return all;
+}
+
+std::vector<Named<BoxTree<2>>> BoxTrees(const std::vector<Aabb2>& boxes) {
+  using Tree = Named<BoxTree<2>>;
+  return Present<BoxTree<2>>(Tree("Boost 8", MakeBoostTree(boxes, 8)),
+                             Tree("Boost 16", MakeBoostTree(boxes)),
+                             Tree("Boost 32", MakeBoostTree(boxes, 32)),
+                             Tree("GEOS", MakeGeosTree(boxes)),
+                             Tree("grid", MakeGrid(boxes)));
+}
+std::vector<Named<BoxTree<3>>> BoxTrees(const std::vector<Aabb3>& boxes) {
+  using Tree = Named<BoxTree<3>>;
+  return Present<BoxTree<3>>(Tree("Boost 8", MakeBoostTree(boxes, 8)),
+                             Tree("Boost 16", MakeBoostTree(boxes)),
+                             Tree("Boost 32", MakeBoostTree(boxes, 32)),
+                             Tree("Bullet", MakeBulletTree(boxes)),
+                             Tree("Embree", MakeEmbreeTree(boxes)),
+                             Tree("grid", MakeGrid(boxes)));
+}
+
+template <int kDims>
+void TestBoxTrees() {
+  for (const auto& world : Worlds<kDims>()) {
+    for (const auto& [name, tree] : BoxTrees(world.boxes)) {
+      SCOPED_TRACE(name + ", " + world.name);
+      std::vector<std::uint32_t> found = {99};
+      for (const auto& query : world.queries) {
+        const auto expected = AllThatTouch(query, world.boxes);
+        tree->Find(query, found);
+        std::sort(found.begin(), found.end());
+        ASSERT_EQ(found, expected);
+        ASSERT_EQ(tree->Count(query), expected.size());
+      }
+    }
+  }
+}
+
+TEST(CompetitorsTest, FindAndCountTheBoxesThatTouchIn2D) { TestBoxTrees<2>(); }
+TEST(CompetitorsTest, FindAndCountTheBoxesThatTouchIn3D) { TestBoxTrees<3>(); }
+
+TEST(CompetitorsTest, FindEachPairOnce) {
+  using Finder = Named<PairFinder>;
+  for (const auto& world : Worlds<3>()) {
+    std::vector<IndexPair> expected;
+    for (std::uint32_t i = 0; i < world.boxes.size(); ++i) {
+      for (std::uint32_t j = i + 1; j < world.boxes.size(); ++j) {
+        if (DoTouch(world.boxes[i], world.boxes[j])) expected.push_back({i, j});
+      }
+    }
+    const auto finders =
+        Present<PairFinder>(Finder("CGAL", MakeCgalPairs(world.boxes)),
+                            Finder("CGAL 100", MakeCgalPairs(world.boxes, 100)),
+                            Finder("Embree", MakeEmbreePairs(world.boxes)),
+                            Finder("sweep", MakeSweep(world.boxes)));
+    for (const auto& [name, finder] : finders) {
+      SCOPED_TRACE(name + ", " + world.name);
+      std::vector<IndexPair> found = {{99, 99}};
+      for (int time = 0; time < 2; ++time) {
+        finder->Pairs(found);
+        for (IndexPair& pair : found) std::sort(pair.begin(), pair.end());
+        std::sort(found.begin(), found.end());
+        ASSERT_EQ(found, expected);
+      }
+    }
+  }
+}
+
+template <int kDims>
+double Distance(const Point<kDims>& point, const Aabb<kDims>& box) {
+  double square = 0;
+  for (std::size_t k = 0; k < kDims; ++k) {
+    const double p = point[k];
+    const double away = std::max({box.min[k] - p, p - box.max[k], 0.0});
+    square += away * away;
+  }
+  return std::sqrt(square);
+}
+
+// Of boxes that are equally far, or nearly so, any is right.
+template <int kDims>
+void TestNearest(const std::vector<Aabb<kDims>>& boxes,
+                 const std::vector<Aabb<kDims>>& queries,
+                 NearestTree<kDims>& tree) {
+  std::vector<std::uint32_t> found = {99};
+  for (const auto& query : queries) {
+    const Point<kDims> point = query.min;
+    std::vector<double> expected;
+    for (const auto& box : boxes) expected.push_back(Distance(point, box));
+    std::sort(expected.begin(), expected.end());
+    for (std::size_t count : {0, 1, 7, 2000}) {
+      tree.Nearest(point, count, found);
+      ASSERT_EQ(found.size(), std::min(count, boxes.size()));
+      std::sort(found.begin(), found.end());
+      ASSERT_EQ(std::adjacent_find(found.begin(), found.end()), found.end());
+      std::vector<double> distances;
+      for (std::uint32_t index : found) {
+        distances.push_back(Distance(point, boxes.at(index)));
+      }
+      std::sort(distances.begin(), distances.end());
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        ASSERT_NEAR(distances[i], expected[i], 1e-6 * expected[i]);
+      }
+    }
+  }
+}
+
+template <int kDims>
+void TestNearestTrees() {
+  using Tree = Named<NearestTree<kDims>>;
+  for (const auto& world : Worlds<kDims>()) {
+    const auto trees = Present<NearestTree<kDims>>(
+        Tree("Boost 8", MakeBoostNearest(world.boxes, 8)),
+        Tree("Boost 16", MakeBoostNearest(world.boxes)),
+        Tree("Boost 32", MakeBoostNearest(world.boxes, 32)));
+    for (const auto& [name, tree] : trees) {
+      SCOPED_TRACE(name + ", " + world.name);
+      TestNearest<kDims>(world.boxes, world.queries, *tree);
+    }
+
+    std::vector<Point<kDims>> points;
+    std::vector<Aabb<kDims>> as_boxes;
+    for (const auto& box : world.boxes) {
+      points.push_back(box.min);
+      as_boxes.push_back({box.min, box.min});
+    }
+    const auto tree = MakeNanoflann(points);
+    if (tree == nullptr) continue;
+    SCOPED_TRACE("nanoflann, " + world.name);
+    TestNearest<kDims>(as_boxes, world.queries, *tree);
+  }
+}
+
+TEST(CompetitorsTest, FindTheNearestIn2D) { TestNearestTrees<2>(); }
+TEST(CompetitorsTest, FindTheNearestIn3D) { TestNearestTrees<3>(); }
+
+TEST(CompetitorsTest, FindTheBoxesAlongASegment) {
+  for (const auto& world : Worlds<3>()) {
+    const auto trees = Present<LineTree>(
+        Named<LineTree>("Embree", MakeEmbreeLines(world.boxes)));
+    for (const auto& [name, tree] : trees) {
+      SCOPED_TRACE(name + ", " + world.name);
+      std::vector<std::uint32_t> found = {99};
+      for (std::size_t q = 0; q < world.queries.size(); ++q) {
+        const Point<3> a = world.queries[q].min;
+        const Point<3> b = world.queries[(q + 1) % world.queries.size()].max;
+        // As it is, along an axis, in a plane, and a point.
+        for (const Point<3>& end :
+             {b, {a[0], a[1], b[2]}, {a[0], b[1], b[2]}, a}) {
+          const Segment<3> segment{a, end};
+          tree->Along(segment, found);
+          std::sort(found.begin(), found.end());
+          ASSERT_EQ(found, AllThatTouch(segment, world.boxes));
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace halfspace::bench
