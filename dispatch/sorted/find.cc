@@ -119,6 +119,19 @@ std::size_t SortedCount(const SortedTree& tree, const float* query,
   return count;
 }
 
+bool SortedAny(const SortedTree& tree, const float* query, std::uint32_t& id,
+               Target target) {
+  const auto& kernels = KernelsFor(tree, target, "AnySurvivor");
+  if (tree.size() == 0) return false;
+  // Full after the first survivors.
+  std::uint32_t buffer[kBlockObjects];
+  WalkIds first{buffer, buffer + kBlockObjects, [](WalkIds&) { return false; },
+                [](WalkIds&, std::size_t) { return true; }};
+  kernels.find({&tree.levels(), query, 1, &first, nullptr});
+  id = buffer[0];
+  return first.next != buffer;
+}
+
 void SortedForEach(const SortedTree& tree, const float* query,
                    IdsFunction function, void* context, Target target) {
   const auto& kernels = KernelsFor(tree, target, "ForEachSurvivor");

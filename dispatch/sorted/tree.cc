@@ -57,6 +57,7 @@ std::byte* Place(const SortedShape& shape, std::size_t objects,
     for (std::size_t p = 0; p < planes; ++p) {
       level.planes[p] = Take<float>(next, blocks * kBlockObjects + kStagger);
     }
+    if (levels.count > 1) level.regular = Take<std::uint64_t>(next, blocks);
     size = blocks;
   } while (size > 1);
   levels.ids = Take<std::uint32_t>(next, BlocksOf(objects) * kBlockObjects);
@@ -183,6 +184,10 @@ void SortedTree::Build(const FloatColumns& objects, Order order,
                 p < shape_.axes ? kInf : -kInf);
     }
     const bool is_top = l + 1 == levels_.count;
+    if (!is_top) {
+      const SortedLevel& above = levels_.level[l + 1];
+      std::fill_n(above.regular, BlocksOf(above.size), 0);
+    }
     kernels.build(
         {&level, is_top ? nullptr : &levels_.level[l + 1], 0, blocks});
   }

@@ -14,6 +14,7 @@
 //   memory.h       where owning worlds get their memory
 //   reject.h       the calls for one query: masks, index lists, counts
 //   reject_many.h  the calls for several queries
+//   sorted.h       a hierarchy for large worlds that rarely change
 //   targets.h      the instruction sets
 //   error.h        what a violated precondition does
 //   version.h      the library's version
@@ -31,6 +32,7 @@
 #include "halfspace/reject.h"       // IWYU pragma: export
 #include "halfspace/reject_many.h"  // IWYU pragma: export
 #include "halfspace/shapes.h"       // IWYU pragma: export
+#include "halfspace/sorted.h"       // IWYU pragma: export
 #include "halfspace/span.h"         // IWYU pragma: export
 #include "halfspace/targets.h"      // IWYU pragma: export
 #include "halfspace/transform.h"    // IWYU pragma: export

@@ -193,18 +193,33 @@ constexpr size_t LaneOf(size_t p) {
   return p < kAxes ? p : detail::BlockScale::kMaxLane + p - kAxes;
 }
 
-// By how much the code of an object is above that of the query, at most over
-// the planes: an object is rejected where that is positive.
+// By how much the code of an object is above that of the query.
 template <size_t kAxes, size_t kPlane, class D>
+HWY_INLINE hn::Vec<D> Above(D d, const int8_t* codes, const QueryCodes& query) {
+  return hn::SaturatedSub(hn::Load(d, codes + kPlane * detail::kBlockObjects),
+                          CodeOfLane(d, query, LaneOf<kAxes>(kPlane)));
+}
+
+// The most of that over kPlanes planes: where it is positive, an object is
+// rejected. And the least.
+template <size_t kAxes, size_t kPlanes, class D>
 HWY_INLINE hn::Vec<D> MostAbove(D d, const int8_t* codes,
                                 const QueryCodes& query) {
-  const auto above = hn::SaturatedSub(
-      hn::Load(d, codes + (kPlane - 1) * detail::kBlockObjects),
-      CodeOfLane(d, query, LaneOf<kAxes>(kPlane - 1)));
-  if constexpr (kPlane == 1) {
+  const auto above = Above<kAxes, kPlanes - 1>(d, codes, query);
+  if constexpr (kPlanes == 1) {
     return above;
   } else {
-    return hn::Max(above, MostAbove<kAxes, kPlane - 1>(d, codes, query));
+    return hn::Max(above, MostAbove<kAxes, kPlanes - 1>(d, codes, query));
+  }
+}
+template <size_t kAxes, size_t kPlanes, class D>
+HWY_INLINE hn::Vec<D> LeastAbove(D d, const int8_t* codes,
+                                 const QueryCodes& query) {
+  const auto above = Above<kAxes, kPlanes - 1>(d, codes, query);
+  if constexpr (kPlanes == 1) {
+    return above;
+  } else {
+    return hn::Min(above, LeastAbove<kAxes, kPlanes - 1>(d, codes, query));
   }
 }
 
@@ -226,6 +241,24 @@ TestBlock(const detail::Block<kBlockPlanes<kAxes, kHasMax>>& block,
     not_certain |= LaneBits(d, hn::Gt(above, certain)) << i;
   }
   return {~rejected, not_certain & ~rejected};
+}
+
+// The bits of the objects or nodes inside a box or an octahedron: those whose
+// minima are above its minima and whose maxima are below its maxima. `inverse`
+// has the query's minima, and its negated maxima, in the lanes of WalkQuery.
+template <size_t kAxes>
+HWY_INLINE uint64_t InsideBits(const detail::Block<2 * kAxes>& block,
+                               const WalkQuery& inverse) {
+  const QueryCodes codes =
+      EncodeQuery<kQueryLanes<true>>(block.scale, inverse.lanes);
+  const WordTag<int8_t> d;
+  uint64_t inside = 0;
+  for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+    const auto above =
+        LeastAbove<kAxes, 2 * kAxes>(d, &block.codes[0][i], codes);
+    inside |= LaneBits(d, hn::Gt(above, hn::Zero(d))) << i;
+  }
+  return inside;
 }
 
 // A plane of a block as the least of what it stores; maxima are negated.
@@ -291,6 +324,26 @@ HWY_INLINE float EncodePlane(const float* plane, size_t count, float& base,
   return LeastLane(d, all_least);
 }
 
+template <size_t kAxes>
+HWY_INLINE bool IsRegular(const detail::SortedLevel& level, size_t block,
+                          size_t count) {
+  const uint64_t all = ~uint64_t{0} >> (detail::kBlockObjects - count);
+  if (level.regular != nullptr) return level.regular[block] == all;
+  const WordTag<float> d;
+  bool is_regular = true;
+  for (size_t k = 0; k < kAxes; ++k) {
+    uint64_t ordered = 0;
+    for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+      const size_t at = block * detail::kBlockObjects + i;
+      const auto min = hn::LoadU(d, level.planes[k] + at);
+      const auto max = hn::LoadU(d, level.planes[kAxes + k] + at);
+      ordered |= LaneBits(d, hn::Le(min, max)) << i;
+    }
+    is_regular &= (ordered & all) == all;
+  }
+  return is_regular;
+}
+
 template <size_t kAxes, bool kHasMax>
 void BuildBlocks(const detail::BlockRange& range) {
   using Block = detail::Block<kBlockPlanes<kAxes, kHasMax>>;
@@ -318,6 +371,9 @@ void BuildBlocks(const detail::BlockRange& range) {
     }
     blocks[b].scale = scale;
     if (range.above == nullptr) continue;
+    if (kHasMax && IsRegular<kAxes>(*range.level, b, count)) {
+      range.above->regular[b / 64] |= uint64_t{1} << (b % 64);
+    }
     for (size_t k = 0; k < kAxes; ++k) {
       range.above->planes[k][b] = least[k];
       if constexpr (kHasMax) {

@@ -104,10 +104,13 @@ class Walker {
       uint32_t* to = list;
       for (size_t i = begin; i < end; ++i) {
         const uint32_t place = places[i];
-        const uint64_t kept =
+        uint64_t kept =
             TestBlock<kAxes, kHasMax>(BlockOf(levels_.level[level], place),
                                       queries_[QueryOf(place)])
                 .kept;
+        if constexpr (!kWrites && kHasMax) {
+          kept ^= CountInside(level, place, kept);
+        }
         const uint32_t first =
             (place & ~kBlockMask) |
             (place & kBlockMask) * static_cast<uint32_t>(detail::kBlockObjects);
@@ -125,6 +128,31 @@ class Walker {
       if (!Visit(level - 1, list, static_cast<size_t>(to - list))) return false;
     }
     return true;
+  }
+
+  // Adds the objects of the nodes inside the query, without a visit; returns
+  // which of `kept` these are.
+  uint64_t CountInside(size_t level, uint32_t place, uint64_t kept) {
+    const detail::SortedLevel& nodes = levels_.level[level];
+    const size_t block = place & kBlockMask;
+    const WalkQuery& query = queries_[QueryOf(place)];
+    WalkQuery inverse;
+    for (size_t l = 0; l < detail::BlockScale::kLanes; ++l) {
+      inverse.lanes[l] = -query.lanes[l ^ detail::BlockScale::kMaxLane];
+    }
+    const uint64_t inside = InsideBits<kAxes>(BlockOf(nodes, place), inverse) &
+                            kept & nodes.regular[block];
+    if (inside == 0) return 0;
+    const size_t objects_of_node = size_t{1} << (6 * level);
+    size_t objects = hwy::PopCount(inside) * objects_of_node;
+    // The last node may have fewer.
+    const size_t last = nodes.size - 1;
+    if (last / detail::kBlockObjects == block &&
+        (inside >> (last % detail::kBlockObjects) & 1) != 0) {
+      objects -= nodes.size * objects_of_node - levels_.level[0].size;
+    }
+    walk_.counts[first_query_ + QueryOf(place)] += objects;
+    return inside;
   }
 
   void PrefetchBlock(const detail::SortedLevel& level, uint32_t place,

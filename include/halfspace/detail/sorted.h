@@ -40,7 +40,10 @@ struct SortedLevel {
   std::size_t size = 0;
   std::byte* blocks = nullptr;     // kernels/sorted/block.h
   std::array<float*, 8> planes{};  // all minima, then all maxima
-  bool is_prefetched = false;      // as its blocks are more than a cache holds
+  // Of nodes, a bit each: all objects in it have a minimum and a maximum on
+  // each axis, in this order. So those of a node inside a query survive.
+  std::uint64_t* regular = nullptr;
+  bool is_prefetched = false;  // as its blocks are more than a cache holds
 };
 
 struct SortedLevels {
@@ -98,6 +101,9 @@ HALFSPACE_API std::size_t SortedSurvivors(const SortedTree& tree,
                                           Target target);
 HALFSPACE_API std::size_t SortedCount(const SortedTree& tree,
                                       const float* query, Target target);
+// Returns whether there is one, and its id.
+HALFSPACE_API bool SortedAny(const SortedTree& tree, const float* query,
+                             std::uint32_t& id, Target target);
 HALFSPACE_API void SortedForEach(const SortedTree& tree, const float* query,
                                  IdsFunction function, void* context,
                                  Target target);

@@ -1,6 +1,5 @@
 // The ids that a sorted world finds are the indices that a scan of the same
 // bounds finds, as sets: of every kind of bounds, order, target and output.
-#include "halfspace/sorted.h"
 
 #include <gtest/gtest.h>
 
@@ -61,6 +60,11 @@ void ExpectSame(const SortedWorld<View>& sorted, const View& view,
     ASSERT_EQ(Sorted(ids.first(expected.size())), expected);
     EXPECT_TRUE(canaried.IntactBut(view.size));
     EXPECT_EQ(CountSurvivors(sorted, query, target), expected.size());
+    const auto any = AnySurvivor(sorted, query, target);
+    ASSERT_EQ(any.has_value(), !expected.empty());
+    if (any) {
+      EXPECT_TRUE(std::binary_search(expected.begin(), expected.end(), *any));
+    }
     Ids visited;
     ForEachSurvivor(
         sorted, query,
@@ -197,6 +201,14 @@ TYPED_TEST(SortedTest, FindsWhatAScanFindsAmongSpecialValues) {
       View view = ViewAt(input, 0, 1 + random() % 690, 8);
       std::vector<typename View::Query> queries(3, input.query);
       queries.push_back(MakeInput<View>(kind, 0, random).query);
+      // Around all that is finite, and all that is not huge: whose nodes are
+      // counted without a visit.
+      queries.push_back(View::Query::Everything());
+      for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+        OpposingValue<View>(queries.back(), p) =
+            IsMinPlane<View>(p) ? 300.0f : -300.0f;
+      }
+      queries.push_back(View::Query::Everything());
       for (std::size_t p = 0; p < kPlanes<View>; ++p) {
         queries.push_back(input.query);
         OpposingValue<View>(queries.back(), p) = SpecialValue<float>(random);
