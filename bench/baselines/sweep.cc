@@ -4,13 +4,6 @@
 
 #include "bench/baselines/box_tree.h"
 
-// Compiled for each instruction set, of which the loader takes the best.
-#if defined(__x86_64__) && defined(__ELF__)
-#define HALFSPACE_SWEEP_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define HALFSPACE_SWEEP_CLONES
-#endif
-
 namespace halfspace::bench {
 namespace {
 
@@ -24,9 +17,8 @@ struct Planes {
 };
 
 // Which of so many boxes touch box i on these two axes.
-HALFSPACE_SWEEP_CLONES void TestBlock(const Planes& planes, std::size_t i,
-                                      std::size_t begin, std::size_t count,
-                                      unsigned char* __restrict touches) {
+void TestBlock(const Planes& planes, std::size_t i, std::size_t begin,
+               std::size_t count, unsigned char* __restrict touches) {
   const float min0 = planes.min[0][i], min1 = planes.min[1][i];
   const float max0 = planes.max[0][i], max1 = planes.max[1][i];
   const float* mins0 = planes.min[0] + begin;

@@ -282,8 +282,8 @@ HWY_INLINE float LeastLane(D d, hn::Vec<D> values) {
 // Encodes a plane, of which `count` objects exist. Returns the least value,
 // which is -inf with a NaN.
 template <bool kIsMax>
-HWY_INLINE float EncodePlane(const float* plane, size_t count, float& base,
-                             float& scale, int8_t* codes) {
+HWY_NOINLINE float EncodePlane(const float* plane, size_t count, float& base,
+                               float& scale, int8_t* codes) {
   const hn::CappedTag<float, 16> d;
   const hn::Rebind<int8_t, decltype(d)> d8;
   constexpr float kInf = std::numeric_limits<float>::infinity();

@@ -295,10 +295,13 @@ constexpr detail::SortedKernels::OfPlanes MakeSortedKernelsOf() {
           &RunWalk<kAxes, kHasMax, false>};
 }
 
+// A simplex has three axes or more.
 template <size_t kAxes>
 constexpr detail::SortedKernels MakeSortedKernels() {
-  return {MakeSortedKernelsOf<kAxes, false>(),
-          MakeSortedKernelsOf<kAxes, true>()};
+  detail::SortedKernels kernels{};
+  if constexpr (kAxes > 2) kernels.minima = MakeSortedKernelsOf<kAxes, false>();
+  kernels.all = MakeSortedKernelsOf<kAxes, true>();
+  return kernels;
 }
 
 }  // namespace HWY_NAMESPACE
