@@ -28,8 +28,8 @@
 //   target  the target to run, by default the chosen one (targets.h)
 //
 // Errors (error.h): no output with room is null or misaligned, offsets are one
-// more than the queries, and the target is supported here. That outputs are apart
-// from each other and from the queries is not checked.
+// more than the queries, and the target is supported here. That outputs are
+// apart from each other and from the queries is not checked.
 //
 // Floating-point mode: as in reject.h, but for traps: a thread that traps
 // inexact results traps in these calls. A world may be made in one mode and

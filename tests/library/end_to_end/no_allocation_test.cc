@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -91,7 +93,47 @@ TYPED_TEST(NoAllocationOfCallsTest, OnFloatsAndQuantized) {
   VisitWorlds<TypeParam>(visit, visit);
 }
 
+// Of more objects than one level has nodes for.
+template <typename Visit>
+void VisitSorted(const Visit& visit) {
+  AaboWorld3 floats;
+  for (int i = 0; i < 5000; ++i) {
+    const auto x = static_cast<float>(i);
+    floats.Push(BoundSphere(Sphere3{{x, x, x}, 100.0f}));
+  }
+  const SortedAaboWorld3 world(floats);
+  const std::vector<Aabo3> queries(70, floats.Get(2500));
+  std::vector<std::uint32_t> ids(100'000);
+  std::vector<std::size_t> offsets(queries.size() + 1);
+  for (Target target : TargetsUnderTest()) {
+    visit("Survivors",
+          [&] { std::ignore = Survivors(world, queries[0], ids, target); });
+    visit("CountSurvivors",
+          [&] { std::ignore = CountSurvivors(world, queries[0], target); });
+    visit("AnySurvivor",
+          [&] { std::ignore = AnySurvivor(world, queries[0], target); });
+    visit("ForEachSurvivor", [&] {
+      ForEachSurvivor(
+          world, queries[0], [](Span<const std::uint32_t>) {}, target);
+    });
+    visit("SurvivorsOfEach", [&] {
+      std::ignore = SurvivorsOfEach(world, Span<const Aabo3>(queries), ids,
+                                    offsets, target);
+    });
+  }
+}
+
+TEST(NoAllocationOfSortedTest, Calls) {
+  VisitSorted([](auto, const auto& call) { kWithoutMemory(call); });
+}
+
 #if defined(__unix__) && defined(__OPTIMIZE__) && !defined(HALFSPACE_SANITIZED)
+TEST(NoAllocationOfSortedTest, TakeTheStackThatHeadersState) {
+  VisitSorted([](auto name, const auto& call) {
+    EXPECT_LE(StackUse(call), 32u * 1024) << name;
+  });
+}
+
 TYPED_TEST(NoAllocationOfCallsTest, TakeTheStackThatHeadersState) {
   const auto most = [](std::size_t bytes) {
     return [bytes](auto name, const auto& call) {

@@ -287,19 +287,18 @@ TYPED_TEST(SortedTest, CodesDecideOnlyWhatTheyProve) {
     float step;
     float last = 63.0f;
   };
-  constexpr std::array<Scale, 12> kScales = {
-      {{0.0f, 1.0f},
-       {1.0f, 0x1p-23f},
-       {1.0f, 0.1f},
-       {-100.0f, 3.1f},
-       {0.0f, 0x1p-149f},
-       {0x1p-126f, 0x1p-149f},
-       {-0x1p127f, 0x1.f8p121f},
-       {1.0f, 0.0f},
-       {0x1p99f, 0x1p94f},
-       {0.0f, 3.1f, 252.5f},
-       {0.3f, 0.7f, 252.5f},
-       {-40.0f, 0.9f, 252.5f}}};
+  constexpr std::array<Scale, 12> kScales = {{{0.0f, 1.0f},
+                                              {1.0f, 0x1p-23f},
+                                              {1.0f, 0.1f},
+                                              {-100.0f, 3.1f},
+                                              {0.0f, 0x1p-149f},
+                                              {0x1p-126f, 0x1p-149f},
+                                              {-0x1p127f, 0x1.f8p121f},
+                                              {1.0f, 0.0f},
+                                              {0x1p99f, 0x1p94f},
+                                              {0.0f, 3.1f, 252.5f},
+                                              {0.3f, 0.7f, 252.5f},
+                                              {-40.0f, 0.9f, 252.5f}}};
   for (const Scale& scale : kScales) {
     World<View> world;
     std::vector<float> values;
