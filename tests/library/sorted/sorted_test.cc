@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "halfspace/halfspace.h"
+#include "kernels/sorted/block.h"
 #include "tests/library/support/canaries.h"
 #include "tests/library/support/cases.h"
 #include "tests/library/support/counting_memory.h"
@@ -355,6 +356,32 @@ TYPED_TEST(SortedTest, CodesDecideOnlyWhatTheyProve) {
         const std::size_t expected = CountSurvivors(view, query);
         const FlushDenormals flush;
         ASSERT_GE(CountSurvivors(sorted, query, target), expected);
+      }
+    }
+  }
+}
+
+TYPED_TEST(SortedTest, IsTheSameWhicheverTargetBuildsIt) {
+  using View = typename TypeParam::View;
+  const World<View> world = Spread<View>(3.0f).Objects(5000);
+  const auto built = [&](Target target) {
+    detail::SortedTree tree(detail::SortedShapeOf<View>(), MemoryResource());
+    tree.Build(detail::ColumnsOf(world.view()), Order::kTight, target);
+    return tree;
+  };
+  const std::vector<Target> targets = TargetsUnderTest();
+  const detail::SortedTree first = built(targets[0]);
+  for (Target target : targets) {
+    const detail::SortedTree other = built(target);
+    for (std::size_t l = 0; l < first.levels().count; ++l) {
+      const detail::SortedLevel& a = first.levels().level[l];
+      const detail::SortedLevel& b = other.levels().level[l];
+      ASSERT_EQ(a.size, b.size);
+      const auto bytes = (a.size + 63) / 64 * detail::BlockBytes(kPlanes<View>);
+      EXPECT_TRUE(std::equal(a.blocks, a.blocks + bytes, b.blocks))
+          << "level " << l << ", " << target.name();
+      for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+        EXPECT_TRUE(std::equal(a.planes[p], a.planes[p] + a.size, b.planes[p]));
       }
     }
   }
