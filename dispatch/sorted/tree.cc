@@ -30,22 +30,34 @@ std::size_t PlanesOf(const SortedShape& shape) {
   return shape.has_max ? 2u * shape.axes : shape.axes;
 }
 
-// The next part of a tree, of whole cache lines.
-template <typename T>
-T* Take(std::byte*& next, std::size_t count) {
-  auto* part = reinterpret_cast<T*>(next);
-  next += (count * sizeof(T) + kLine - 1) / kLine * kLine;
-  return part;
-}
+// Hands out parts of a tree, of whole cache lines; without memory it measures.
+class Parts {
+ public:
+  explicit Parts(std::byte* begin) : begin_(begin) {}
 
-// Where the parts of a tree are in memory from `begin` on; returns its end. All
-// follows from the number of objects.
-std::byte* Place(const SortedShape& shape, std::size_t objects,
-                 std::byte* begin, SortedLevels& levels) {
+  std::size_t bytes() const { return bytes_; }
+
+  template <typename T>
+  T* Take(std::size_t count) {
+    auto* part =
+        begin_ == nullptr ? nullptr : reinterpret_cast<T*>(begin_ + bytes_);
+    bytes_ += (count * sizeof(T) + kLine - 1) / kLine * kLine;
+    return part;
+  }
+
+ private:
+  std::byte* begin_;
+  std::size_t bytes_ = 0;
+};
+
+// Finds where the parts of a tree are in memory from `begin` on, all of which
+// follows from the number of objects; returns their bytes.
+std::size_t Place(const SortedShape& shape, std::size_t objects,
+                  std::byte* begin, SortedLevels& levels) {
   constexpr std::size_t kStagger = 5 * kLine / sizeof(float);
   levels = {};
   const std::size_t planes = PlanesOf(shape);
-  std::byte* next = begin;
+  Parts parts(begin);
   std::size_t size = objects;
   do {
     SortedLevel& level = levels.level[levels.count++];
@@ -53,15 +65,15 @@ std::byte* Place(const SortedShape& shape, std::size_t objects,
     const std::size_t blocks = BlocksOf(size);
     const std::size_t bytes = blocks * BlockBytes(planes);
     level.is_prefetched = bytes > kInCacheBytes;
-    level.blocks = Take<std::byte>(next, bytes);
+    level.blocks = parts.Take<std::byte>(bytes);
     for (std::size_t p = 0; p < planes; ++p) {
-      level.planes[p] = Take<float>(next, blocks * kBlockObjects + kStagger);
+      level.planes[p] = parts.Take<float>(blocks * kBlockObjects + kStagger);
     }
-    if (levels.count > 1) level.regular = Take<std::uint64_t>(next, blocks);
+    if (levels.count > 1) level.regular = parts.Take<std::uint64_t>(blocks);
     size = blocks;
   } while (size > 1);
-  levels.ids = Take<std::uint32_t>(next, BlocksOf(objects) * kBlockObjects);
-  return next;
+  levels.ids = parts.Take<std::uint32_t>(BlocksOf(objects) * kBlockObjects);
+  return parts.bytes();
 }
 
 // Memory for the time of a build.
@@ -126,8 +138,7 @@ void SortedTree::Free() {
 // Replaces all by new memory. As it was if there is none.
 void SortedTree::Allocate(std::size_t objects) {
   SortedLevels levels;
-  const auto bytes =
-      reinterpret_cast<std::size_t>(Place(shape_, objects, nullptr, levels));
+  const std::size_t bytes = Place(shape_, objects, nullptr, levels);
   auto* const block = static_cast<std::byte*>(AllocateBlock(memory_, bytes));
   Free();
   block_ = block;
