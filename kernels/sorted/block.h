@@ -35,9 +35,10 @@ struct alignas(32) BlockScale {
 // kNoCode in all planes: no query has a code that is not less, so they are
 // always rejected.
 inline constexpr int kMostCode = 254;
-inline constexpr float kScaledCodes =
-    252.5f;  // to the middle of the last but one
 inline constexpr int kNoCode = 255;
+// From the least value of a block, which has code 1, to the greatest, in the
+// middle of code 253.
+inline constexpr float kScaledCodes = 252.5f;
 inline constexpr int kCodeBias = 128;
 inline constexpr float kCodeMargin = 0x1p-10f;
 
