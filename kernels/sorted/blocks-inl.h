@@ -68,7 +68,7 @@ HWY_INLINE void ReadQuery(const float* values, WalkQuery& query) {
   const hn::CappedTag<float, kLanes> d;
   const auto inf = hn::Set(d, std::numeric_limits<float>::infinity());
   for (size_t l = 0; l < kLanes; l += hn::Lanes(d)) {
-#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
     const auto low =
         _mm_setr_ps(lanes[l], lanes[l + 1], lanes[l + 2], lanes[l + 3]);
     hn::Vec<decltype(d)> v;
@@ -91,7 +91,7 @@ HWY_INLINE void ReadQuery(const float* values, WalkQuery& query) {
 // shuffles of bytes spread them over a vector, they are in each of its blocks
 // of 16 bytes.
 #undef HALFSPACE_SHUFFLED_CODES
-#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
 #define HALFSPACE_SHUFFLED_CODES 1
 #else
 #define HALFSPACE_SHUFFLED_CODES 0
