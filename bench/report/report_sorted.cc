@@ -31,8 +31,12 @@ void WriteText(std::ostream& out, const SortedResult& result) {
   builds.Write(out, 1);
   out << '\n';
   if (result.scan_is_faster_below) {
-    out << "  Below " << Fixed(*result.scan_is_faster_below, 0)
-        << " boxes a quantized scan is faster, one query a call.\n";
+    if (*result.scan_is_faster_below > 0.0) {
+      out << "  Below " << Fixed(*result.scan_is_faster_below, 0)
+          << " boxes a flat scan is faster, one query a call.\n";
+    } else {
+      out << "  A flat scan is at no size faster, one query a call.\n";
+    }
   }
   for (const std::string& remark : result.remarks) {
     out << "  " << remark << ".\n";

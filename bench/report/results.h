@@ -189,7 +189,8 @@ struct SortedBuild {
 struct SortedResult {
   std::vector<SortedWorkload> workloads;
   std::vector<SortedBuild> builds;
-  // Below so many objects a quantized scan is faster.
+  // Below so many objects a flat scan is faster, of floats or quantized; 0 if
+  // it never is.
   std::optional<double> scan_is_faster_below;
   std::vector<ThroughputRatio> ratios;
   std::vector<std::string> remarks;

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <ctime>
 #include <functional>
 #include <memory>
 #include <span>
@@ -13,6 +14,7 @@
 #include "bench/base/text_table.h"
 #include "bench/baselines/box_tree.h"
 #include "bench/measure/crossover_size.h"
+#include "bench/measure/machine.h"
 #include "bench/measure/queries_in_turn.h"
 #include "bench/sections/sections.h"
 #include "bench/sections/throughput.h"
@@ -31,11 +33,19 @@ constexpr std::size_t kQueriesInTurn = 2000;
 constexpr std::size_t kTurns = kTimedQueries / kQueriesInTurn;
 // A scan of more is slower than anything else.
 constexpr std::size_t kMostScanned = 10000;
-// Of a file: the structures over more would take gigabytes.
+// Of a file. Embree knows no coordinates further out; and of more ids, writing
+// them is what would be timed.
 constexpr std::size_t kMostOfFile = 4'000'000;
+constexpr float kFarthest = 1e18f;
+constexpr std::size_t kMostFound = 2000;
 // Where a scan may be faster.
-constexpr std::array<std::size_t, 6> kFewObjects = {30,   100,  300,
+constexpr std::array<std::size_t, 7> kFewObjects = {10,   30,   100,  300,
                                                     1000, 3000, 10000};
+// Of more, it takes ten times as long as others for a query, and many seconds
+// for itself.
+constexpr std::size_t kMostOfBullet = 100000;
+// All structures of a workload together.
+constexpr std::size_t kBytesOfBox = 1500;
 
 constexpr const char* kOneByOne = ", one query a call";
 constexpr const char* kAllAtOnce = ", all in one call";
@@ -94,7 +104,16 @@ class Contest {
            });
   }
 
-  void AddScan(Target target) {
+  void AddFloatScan(Target target) {
+    AddOneByOne("scan, one query a call", std::string(target.name()),
+                [this, target](const Box& query) {
+                  return FoundOne(Survivors(
+                      boxes_.view(), query, one_,
+                      {.schedule = Schedule::kFlat, .target = target}));
+                });
+  }
+
+  void AddQuantizedScan(Target target) {
     AddOneByOne(
         "quantized scan, one query a call", std::string(target.name()),
         [this, target,
@@ -111,7 +130,9 @@ class Contest {
                     MakeBoostTree(set_.boxes, node_size));
     }
     if constexpr (kDims == 3) {
-      AddCompetitor("Bullet btDbvt", MakeBulletTree(set_.boxes));
+      if (set_.boxes.size() <= kMostOfBullet) {
+        AddCompetitor("Bullet btDbvt", MakeBulletTree(set_.boxes));
+      }
       AddCompetitor("Embree", MakeEmbreeTree(set_.boxes));
     } else {
       AddCompetitor("GEOS STRtree", MakeGeosTree(set_.boxes));
@@ -168,16 +189,16 @@ class Contest {
     const SortedRow& grid = workload_.rows[grid_];
     const SortedRow& tight =
         workload_.rows[RowOf(std::string("tight") + kOneByOne, target)];
-    const std::string place =
-        "in " + workload_.name + " " + Grouped(workload_.objects) +
-        " our own grid, which is no competitor here, takes ";
-    if (grid.ns < tight.ns) {
-      remarks.push_back(place + Fixed(grid.ns / tight.ns, 2) +
-                        " of the time of a sorted world");
-    }
-    if (grid.over_fastest > 1.0) {
-      remarks.push_back(place + Fixed(1.0 / *grid.over_fastest, 2) +
-                        " of the time of the fastest competitor");
+    const auto add = [&](double share, const char* of) {
+      if (share < 1.0) {
+        remarks.push_back(workload_.name + " " + Grouped(workload_.objects) +
+                          ": our own grid, no competitor here, takes " +
+                          Fixed(share, 2) + " of the time of " + of);
+      }
+    };
+    add(grid.ns / tight.ns, "a sorted world, one query a call");
+    if (grid.over_fastest) {
+      add(1.0 / *grid.over_fastest, "the fastest competitor");
     }
   }
 
@@ -365,9 +386,12 @@ void RunContest(const BoxSet<kDims>& set, const Aims& aims,
     }
   }
   contest.AddCounts(best);
-  if (set.boxes.size() <= kMostScanned) contest.AddScan(best);
+  if (set.boxes.size() <= kMostScanned) contest.AddQuantizedScan(best);
   contest.AddTrees();
-  contest.Run(throughput.repetitions());
+  constexpr std::size_t kMostRepetitions = 5;
+  contest.Run(set.boxes.size() < 1'000'000
+                  ? throughput.repetitions()
+                  : std::min(throughput.repetitions(), kMostRepetitions));
   for (Target target : aims.targets) {
     contest.AddRatios(aims.threshold, target);
   }
@@ -386,46 +410,75 @@ void RunScan(std::size_t most, std::uint64_t seed, Throughput& throughput,
     if (objects > most) continue;
     const BoxSet<3> set = MakeUniformBoxes<3>("few", objects, kSide3D, seed);
     Contest<3> contest(set, throughput);
-    contest.AddScan(target);
+    contest.AddFloatScan(target);
+    contest.AddQuantizedScan(target);
     contest.AddSorted(Order::kTight, target);
     contest.Run(std::min<std::size_t>(throughput.repetitions(), 3));
     sizes.push_back(static_cast<double>(objects));
-    scan.push_back(contest.MedianOf(0));
-    sorted.push_back(contest.MedianOf(1));
+    scan.push_back(std::min(contest.MedianOf(0), contest.MedianOf(1)));
+    sorted.push_back(contest.MedianOf(2));
   }
   result.scan_is_faster_below = CrossoverSize(sizes, scan, sorted);
 }
 
+// One after the other, and again. What was built ends between two of them, as
+// its end is no part of a build.
+class Builds {
+ public:
+  using Make = std::function<std::shared_ptr<const void>()>;
+
+  void Add(const char* name, Make make) {
+    makes_.push_back(std::move(make));
+    timings_.emplace_back();
+    timings_.back().name = std::string("sorted/build/") + name;
+    timings_.back().iterations = 1;
+  }
+
+  Timings Time(std::size_t repetitions) {
+    // The first ones find memory that nobody has used.
+    for (std::size_t r = 0; r <= repetitions; ++r) {
+      for (std::size_t i = 0; i < makes_.size(); ++i) {
+        const std::clock_t start = std::clock();
+        const std::shared_ptr<const void> made = makes_[i]();
+        const std::clock_t end = std::clock();
+        if (r == 0) continue;
+        timings_[i].samples.push_back(static_cast<double>(end - start) * 1e9 /
+                                      CLOCKS_PER_SEC);
+      }
+    }
+    return timings_;
+  }
+
+ private:
+  std::vector<Make> makes_;
+  Timings timings_;
+};
+
 void RunBuilds(std::size_t objects, std::uint64_t seed, Throughput& throughput,
                SortedResult& result) {
-  constexpr std::size_t kMostRepetitions = 3;
+  constexpr std::size_t kMostRepetitions = 5;
   const Target target = throughput.targets().front();
   const BoxSet<3> set = MakeUniformBoxes<3>("a", objects, kSide3D, seed);
-  // What is built stays until all are timed, as its end is no part of it.
-  std::vector<SortedWorld<AabbView3>> worlds;
-  std::vector<std::unique_ptr<BoxTree<3>>> trees;
-  std::vector<std::string> names;
-  std::vector<Case> cases;
-  const auto add = [&](const char* name, std::function<void()> run) {
-    names.emplace_back(name);
-    cases.emplace_back();
-    cases.back().name = "build/" + names.back();
-    cases.back().run = std::move(run);
-  };
-  add("tight", [&] { worlds.emplace_back(set.boxes, Order::kTight); });
-  add("fast", [&] { worlds.emplace_back(set.boxes, Order::kFast); });
+  using Sorted = SortedWorld<AabbView3>;
+  const std::array<const char*, 3> names = {"tight", "fast",
+                                            "Boost R-tree, 16 a node"};
+  Builds builds;
+  builds.Add(names[0], [&] {
+    return std::make_shared<const Sorted>(set.boxes, Order::kTight);
+  });
+  builds.Add(names[1], [&] {
+    return std::make_shared<const Sorted>(set.boxes, Order::kFast);
+  });
   const bool has_competitor =
       MakeBoostTree(std::span(set.boxes).first(1)) != nullptr;
   if (has_competitor) {
-    add("Boost R-tree, 16 a node",
-        [&] { trees.push_back(MakeBoostTree(set.boxes)); });
+    builds.Add(names[2], [&] {
+      return std::shared_ptr<const BoxTree<3>>(MakeBoostTree(set.boxes));
+    });
   }
-  const std::size_t repetitions =
-      std::min(throughput.repetitions(), kMostRepetitions);
-  // And once to see how long it takes.
-  worlds.reserve(2 * (repetitions + 1));
-  trees.reserve(repetitions + 1);
-  const Timings timings = throughput.TimeRuns(std::move(cases), repetitions);
+  const Timings timings =
+      builds.Time(std::min(throughput.repetitions(), kMostRepetitions));
+  throughput.AddTimings(timings);
   for (std::size_t i = 0; i < timings.size(); ++i) {
     result.builds.push_back({names[i], objects, timings[i].Median() / 1e6});
   }
@@ -437,13 +490,20 @@ void RunBuilds(std::size_t objects, std::uint64_t seed, Throughput& throughput,
     throughput.AddRatio(thresholds::kTightBuild, target,
                         "tight build of " + size + ": times Boost's bulk load",
                         RatioOf(timings[2], timings[0]));
+  } else {
+    throughput.NotReached("threshold 2, builds: built without Boost.Geometry");
   }
+  const Sorted world(set.boxes);
   const auto floats =
       static_cast<double>(objects * detail::kPlaneCount<Aabb3> * sizeof(float));
-  throughput.AddRatio(
-      thresholds::kSortedMemory, target,
-      "bytes beyond the floats, over the floats, of " + size,
-      static_cast<double>(worlds.front().bytes()) / floats - 1.0);
+  throughput.AddRatio(thresholds::kSortedMemory, target,
+                      "bytes beyond the floats, over the floats, of " + size,
+                      static_cast<double>(world.bytes()) / floats - 1.0);
+}
+
+bool HasMemoryFor(std::size_t objects) {
+  const std::size_t available = FreeMemory();
+  return available == 0 || objects < available / kBytesOfBox;
 }
 
 // The sizes up to `most`; if none, that one.
@@ -452,6 +512,32 @@ std::vector<std::size_t> UpTo(std::size_t most,
   std::erase_if(sizes, [most](std::size_t size) { return size > most; });
   if (sizes.empty()) sizes.push_back(most);
   return sizes;
+}
+
+// Why the boxes of a file are not measured; empty if they are.
+std::string WhyNot(const Workload* input) {
+  if (input == nullptr) return "no --mesh or --bounds";
+  const std::size_t objects = input->objects.size();
+  if (objects > kMostOfFile || !HasMemoryFor(objects)) {
+    return "too many boxes";
+  }
+  const AabbView3 view = input->objects.view().aabb();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const bool is_near = std::all_of(view.min[k], view.min[k] + objects,
+                                     [](float x) { return x >= -kFarthest; }) &&
+                         std::all_of(view.max[k], view.max[k] + objects,
+                                     [](float x) { return x <= kFarthest; });
+    if (!is_near) return "coordinates beyond 1e18, which not all trees take";
+  }
+  const SortedWorld<AabbView3> world(view);
+  std::size_t found = 0;
+  for (const Aabo3& query : input->queries) {
+    found += CountSurvivors(world, query.aabb());
+  }
+  if (found > kMostFound * input->queries.size()) {
+    return "a query finds more than " + std::to_string(kMostFound) + " boxes";
+  }
+  return {};
 }
 
 Threshold ThresholdFor(std::size_t objects) {
@@ -471,6 +557,11 @@ SortedResult RunSorted(const Workload* input, std::size_t most_objects,
   const Target best = throughput.targets().front();
   std::size_t most = is_quick ? 100'000 : 1'000'000;
   if (most_objects != 0) most = std::min(most, most_objects);
+  if (!HasMemoryFor(most)) {
+    most = std::min<std::size_t>(most, 100'000);
+    throughput.NotReached("more than " + Grouped(most) +
+                          " boxes, which do not fit the free memory");
+  }
 
   ThroughputParts parts;
   const std::vector<std::size_t> sizes =
@@ -491,16 +582,13 @@ SortedResult RunSorted(const Workload* input, std::size_t most_objects,
                  {thresholds::kSortedMore, {best}}, to, result);
     });
   }
-  if (input != nullptr && input->objects.size() <= kMostOfFile) {
+  if (const std::string why = WhyNot(input); why.empty()) {
     parts.push_back([=, &result](Throughput& to) {
       RunContest(BoxesOf("file", *input), {thresholds::kSortedFile, {best}}, to,
                  result);
     });
   } else {
-    throughput.NotReached(input == nullptr
-                              ? "threshold 1: a mesh (--mesh or --bounds)"
-                              : "threshold 1: the file, of more than " +
-                                    Grouped(kMostOfFile) + " boxes");
+    throughput.NotReached("threshold 1, the boxes of a file: " + why);
   }
   for (std::size_t objects : UpTo(most, {100'000, 1'000'000})) {
     parts.push_back([=, &result](Throughput& to) {
