@@ -33,13 +33,13 @@ constexpr std::size_t kQueriesInTurn = 2000;
 constexpr std::size_t kTurns = kTimedQueries / kQueriesInTurn;
 // A scan of more is slower than anything else.
 constexpr std::size_t kMostScanned = 10000;
-// Of a file. Embree knows no coordinates further out; and of more ids, writing
+// Of a file. Bullet takes no coordinates further out; and of more ids, writing
 // them is what would be timed.
 constexpr std::size_t kMostOfFile = 4'000'000;
-constexpr float kFarthest = 1e18f;
+constexpr float kFarthest = 1e12f;
 constexpr std::size_t kMostFound = 2000;
 // Where a scan may be faster.
-constexpr std::array<std::size_t, 7> kFewObjects = {10,   30,   100,  300,
+constexpr std::array<std::size_t, 6> kFewObjects = {30,   100,  300,
                                                     1000, 3000, 10000};
 // Of more, it takes ten times as long as others for a query, and many seconds
 // for itself.
@@ -527,7 +527,7 @@ std::string WhyNot(const Workload* input) {
                                      [](float x) { return x >= -kFarthest; }) &&
                          std::all_of(view.max[k], view.max[k] + objects,
                                      [](float x) { return x <= kFarthest; });
-    if (!is_near) return "coordinates beyond 1e18, which not all trees take";
+    if (!is_near) return "coordinates beyond 1e12, which not all trees take";
   }
   const SortedWorld<AabbView3> world(view);
   std::size_t found = 0;
