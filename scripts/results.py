@@ -106,15 +106,18 @@ def build(section):
                                 for row in section["singles"]])
 
 
-def throughput(section):
-    ratios = section["ratios"]
+def aims(ratios):
     met = sum(ratio["met"] for ratio in ratios)
-    text = (f"{met} of {len(ratios)} aims are met.\n\n" +
+    return (f"{met} of {len(ratios)} aims are met.\n\n" +
             table(["threshold", "ratio", "", "value", "aim"],
                   [[r["threshold"], r["name"], "met" if r["met"] else "missed",
                     number(r["value"], 2),
                     (">= " if r["better"] == "higher" else "<= ") +
                     number(r["needed"], 2)] for r in ratios]))
+
+
+def throughput(section):
+    text = aims(section["ratios"])
     # Threshold 7 has the sizes.
     rows = [row for row in section["rows"] if not re.search(r", \d/\d$", row["name"])]
     return text + "\n" + table(
@@ -123,6 +126,22 @@ def throughput(section):
           number(row["queries"]), number(row["ns_per_pair"], 4),
           number(row["percent_of_ceiling"], 0), row["ceiling"] or ""]
          for row in rows])
+
+
+def sorted_worlds(section):
+    text = aims(section["ratios"])
+    for load in section["workloads"]:
+        text += (f"\n{load['name']}: {number(load['objects'])} boxes, of which a query "
+                 f"finds {number(load['survivors_per_query'], 1)}; us a query, and times "
+                 "as fast as the fastest competitor.\n\n")
+        text += table(["what", "target", "us", "times", "in turns: us", "times"],
+                      [[row["name"], row["target"] or "",
+                        number(row["ns_per_query"] / 1e3), number(row["over_fastest"], 2),
+                        number(row["ns_per_query_in_turns"] / 1e3),
+                        number(row["over_fastest_in_turns"], 2)] for row in load["rows"]])
+    return text + "\n" + table(["build", "objects", "ms"],
+                               [[row["name"], number(row["objects"]), number(row["ms"], 1)]
+                                for row in section["builds"]])
 
 
 def quality(section):
@@ -143,7 +162,9 @@ def segments(section):
                     number(row["floor"], 1)] for row in section["rows"]]))
 
 
-SECTIONS = (verdict, kernels, throughput, build, crossover, table1, quality, segments)
+SECTIONS = {"verdict": verdict, "kernels": kernels, "throughput": throughput,
+            "sorted": sorted_worlds, "build": build, "crossover": crossover,
+            "table1": table1, "quality": quality, "segments": segments}
 
 
 def page(reports):
@@ -153,8 +174,7 @@ def page(reports):
             "[performance](performance.md) what binds the kernels.\n")
     for path, report in reports:
         text += f"\n## {report['context']['cpu']}\n\n{machine(report, path)}"
-        for section in SECTIONS:
-            name = section.__name__
+        for name, section in SECTIONS.items():
             if name in report["sections"]:
                 text += f"\n### {name}\n\n{section(report['sections'][name])}"
     return text

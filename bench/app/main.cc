@@ -115,7 +115,7 @@ int Compare(const Results& results, const StoredRun& stored,
   if (compared == 0) {
     throw UsageError("--against " + path +
                      ": no ratio is in both runs; choose sections and targets "
-                     "that it has, of kernels, build and throughput");
+                     "that it has, of kernels, build, throughput and sorted");
   }
   if (!worse.empty()) {
     BenchOptions again = options;

@@ -103,7 +103,7 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
                        std::string("cpuinfo-bench ") + HALFSPACE_VERSION_STRING,
                        "Print the version and exit");
   app.add_flag("--quick", options.is_quick,
-               "A smaller scene and fewer repetitions: under 40 seconds");
+               "A smaller scene and fewer repetitions: under a minute");
   std::vector<std::string> lists;
   app.add_option("--only", lists,
                  "Only these sections, separated by commas (see --list)")

@@ -14,9 +14,9 @@
 
 namespace halfspace::bench {
 
-inline constexpr std::array<std::string_view, 10> kSections = {
-    "machine", "check",      "table1",  "crossover", "kernels",
-    "build",   "throughput", "quality", "segments",  "verdict"};
+inline constexpr std::array<std::string_view, 11> kSections = {
+    "machine",    "check",  "table1",  "crossover", "kernels", "build",
+    "throughput", "sorted", "quality", "segments",  "verdict"};
 
 enum class Format { kText, kJson };
 

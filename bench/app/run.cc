@@ -80,6 +80,10 @@ class Runner {
                                 more.end());
       return result;
     });
+    Section("sorted", results_.sorted, [&] {
+      return RunSorted(input_ ? &*input_ : nullptr, options_.objects,
+                       options_.seed, options_.is_quick, context_);
+    });
     Section("quality", results_.quality,
             [&] { return RunQuality(Measured(), context_); });
     Section("segments", results_.segments, [&] {
@@ -101,6 +105,7 @@ class Runner {
     if (section == "kernels") return 25.0;
     if (section == "build") return 15.0;
     if (section == "throughput") return 70.0;
+    if (section == "sorted") return 50.0;
     if (section == "segments") return 1.0;
     return 0.1;
   }
@@ -129,7 +134,8 @@ class Runner {
 
   bool NeedsScene(std::string_view section) const {
     if (section == "table1") return true;
-    return !input_ && section != "machine" && section != "verdict";
+    return !input_ && section != "machine" && section != "sorted" &&
+           section != "verdict";
   }
 
   std::size_t SceneObjects() const {

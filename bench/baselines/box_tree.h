@@ -79,6 +79,8 @@ std::unique_ptr<NearestTree<3>> MakeBoostNearest(std::span<const Aabb3> boxes,
                                                  std::size_t node_size = 16);
 
 // Bullet's btDbvt, built by insertion and then optimised from the top down.
+// Coordinates are at most 1e12: where the volume of a box is no float, it
+// writes beyond its arrays.
 std::unique_ptr<BoxTree<3>> MakeBulletTree(std::span<const Aabb3> boxes);
 
 // Embree's tree of user geometry. Its query is a sphere, here that around the

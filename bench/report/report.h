@@ -18,6 +18,7 @@ void WriteText(std::ostream& out, const CrossoverResult& result);
 void WriteText(std::ostream& out, const KernelsResult& result);
 void WriteText(std::ostream& out, const BuildResult& result);
 void WriteText(std::ostream& out, const ThroughputResult& result);
+void WriteText(std::ostream& out, const SortedResult& result);
 void WriteText(std::ostream& out, const QualityResult& result);
 void WriteText(std::ostream& out, const SegmentsResult& result);
 void WriteText(std::ostream& out, const VerdictResult& result);

@@ -240,6 +240,7 @@ std::string ToJson(const Results& results) {
   AddSection(sections, "kernels", results.kernels);
   AddSection(sections, "build", results.build);
   AddSection(sections, "throughput", results.throughput);
+  AddSection(sections, "sorted", results.sorted);
   AddSection(sections, "quality", results.quality);
   AddSection(sections, "segments", results.segments);
   AddSection(sections, "verdict", results.verdict);

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/report/results.h"
+
 namespace halfspace::bench {
 
 inline void Heading(std::ostream& out, const char* name,
@@ -19,6 +21,10 @@ inline void WriteNotReached(std::ostream& out,
     out << "  not reached: " << reason << '\n';
   }
 }
+
+// The aims, and how many of them are met. `missed` follows where one is not.
+void WriteRatios(std::ostream& out, const std::vector<ThroughputRatio>& ratios,
+                 const char* missed);
 
 }  // namespace halfspace::bench
 

@@ -26,27 +26,31 @@ void WriteText(std::ostream& out, const ThroughputResult& result) {
         << Grouped(result.survivors->simplex) << '\n';
   }
   out << '\n';
-  TextTable ratios({"threshold", "ratio", "", "value", "aim"});
-  for (const ThroughputRatio& ratio : result.ratios) {
-    ratios.AddRow(
+  WriteRatios(out, result.ratios,
+              " One that is missed is no failure, and no wrong answer;\n  "
+              "docs/performance.md has those known, and why.");
+  WriteNotReached(out, result.not_reached);
+}
+
+void WriteRatios(std::ostream& out, const std::vector<ThroughputRatio>& ratios,
+                 const char* missed) {
+  TextTable table({"threshold", "ratio", "", "value", "aim"});
+  for (const ThroughputRatio& ratio : ratios) {
+    table.AddRow(
         {std::to_string(ratio.threshold), ratio.name,
          ratio.is_met() ? "met" : "missed", Fixed(ratio.value, 2),
          (ratio.is_higher_better ? ">= " : "<= ") + Fixed(ratio.needed, 2)});
   }
-  ratios.Write(out, 3);
+  table.Write(out, 3);
   const auto met = std::count_if(
-      result.ratios.begin(), result.ratios.end(),
+      ratios.begin(), ratios.end(),
       [](const ThroughputRatio& ratio) { return ratio.is_met(); });
-  const auto all = static_cast<std::ptrdiff_t>(result.ratios.size());
+  const auto all = static_cast<std::ptrdiff_t>(ratios.size());
   if (all != 0) {
     out << "\n  " << met << " of " << all << " aims are met.";
-    if (met != all) {
-      out << " One that is missed is no failure, and no wrong answer;\n  "
-             "docs/performance.md has those known, and why.";
-    }
+    if (met != all) out << missed;
     out << '\n';
   }
-  WriteNotReached(out, result.not_reached);
 }
 
 }  // namespace halfspace::bench

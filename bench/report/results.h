@@ -162,6 +162,41 @@ struct ThroughputResult {
   std::vector<std::string> not_reached;
 };
 
+// One way to answer box queries.
+struct SortedRow {
+  std::string name;
+  std::string target;        // empty: none of the library's
+  double ns = 0.0;           // a query, its queries in a row
+  double ns_in_turns = 0.0;  // in turns with all other rows
+  // Times as fast as the fastest competitor; none without competitors.
+  std::optional<double> over_fastest;
+  std::optional<double> over_fastest_in_turns;
+};
+
+struct SortedWorkload {
+  std::string name;  // "a", "clusters", "2D", "file"
+  std::size_t objects = 0;
+  double survivors = 0.0;  // of a query
+  std::vector<SortedRow> rows;
+};
+
+struct SortedBuild {
+  std::string name;
+  std::size_t objects = 0;
+  double ms = 0.0;
+};
+
+struct SortedResult {
+  std::vector<SortedWorkload> workloads;
+  std::vector<SortedBuild> builds;
+  // Below so many objects a flat scan is faster, of floats or quantized; 0 if
+  // it never is.
+  std::optional<double> scan_is_faster_below;
+  std::vector<ThroughputRatio> ratios;
+  std::vector<std::string> remarks;
+  std::vector<std::string> not_reached;
+};
+
 struct QualityResult {
   std::string workload;
   std::size_t objects = 0;
@@ -205,6 +240,7 @@ struct Results {
   std::optional<KernelsResult> kernels;
   std::optional<BuildResult> build;
   std::optional<ThroughputResult> throughput;
+  std::optional<SortedResult> sorted;
   std::optional<QualityResult> quality;
   std::optional<SegmentsResult> segments;
   std::optional<VerdictResult> verdict;

@@ -44,9 +44,10 @@ Ratios RatiosOf(const Json& report) {
           "percent_of_copy", true);
     }
   }
-  if (sections.contains("throughput")) {
-    for (const Json& row : sections.at("throughput").at("ratios")) {
-      Add(ratios, row, "throughput", {"name"}, "value",
+  for (const char* section : {"throughput", "sorted"}) {
+    if (!sections.contains(section)) continue;
+    for (const Json& row : sections.at(section).at("ratios")) {
+      Add(ratios, row, section, {"name"}, "value",
           row.at("better") == "higher");
     }
   }

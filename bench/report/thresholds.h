@@ -57,6 +57,27 @@ inline constexpr Threshold kSizes = AtMost(7, 1.15);
 inline constexpr Threshold kCall = AtMost(7, 10.0);
 // Objects up to which a scan is faster than a tree.
 inline constexpr Threshold kTreeSize = AtLeast(8, 10000.0);
+
+// Section sorted. Box queries: times the fastest competitor, and half of that
+// where structures evict each other from the caches.
+constexpr Threshold TimesFastest(double needed) {
+  return {1, true, needed, 0.6 * needed, 0.6 * needed};
+}
+constexpr Threshold WhereEvicted(const Threshold& threshold) {
+  return TimesFastest(0.5 * threshold.avx512);
+}
+inline constexpr Threshold kSortedThousand = TimesFastest(2.5);
+inline constexpr Threshold kSortedTenThousand = TimesFastest(4.0);
+inline constexpr Threshold kSortedMore = TimesFastest(7.0);
+inline constexpr Threshold kSortedFile = TimesFastest(5.0);
+inline constexpr Threshold kSorted2D = TimesFastest(5.0);
+// Builds: times as fast as the competitor's bulk load. Queries of the fast
+// order over those of the tight one. Bytes beyond the floats over the floats.
+inline constexpr Threshold kFastBuild = AtLeast(2, 5.0);
+inline constexpr Threshold kTightBuild = AtLeast(2, 1.0);
+inline constexpr Threshold kFastOverTight = AtMost(2, 1.5);
+inline constexpr Threshold kSortedMemory = AtMost(2, 0.6);
+
 // A bulk build of boxes out of the caches: % of copying the same bytes.
 inline constexpr double kBuildPercentOfCopy = 70.0;
 

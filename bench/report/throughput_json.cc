@@ -1,5 +1,9 @@
 #include "bench/report/throughput_json.h"
 
+#include <optional>
+#include <string>
+#include <vector>
+
 namespace halfspace::bench {
 namespace {
 
@@ -7,6 +11,27 @@ using Json = nlohmann::ordered_json;
 
 Json OrNull(const std::string& text) {
   return text.empty() ? Json(nullptr) : Json(text);
+}
+
+Json OrNull(const std::optional<double>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json ToJson(const std::vector<ThroughputRatio>& ratios) {
+  Json list = Json::array();
+  for (const ThroughputRatio& ratio : ratios) {
+    list.push_back(
+        {{"threshold", ratio.threshold},
+         {"name", ratio.name},
+         {"value", ratio.value},
+         {"needed", ratio.needed},
+         {"better", ratio.is_higher_better ? "higher" : "lower"},
+         {"met", ratio.is_met()},
+         {"quartiles", ratio.quartiles
+                           ? Json({ratio.quartiles->low, ratio.quartiles->high})
+                           : Json(nullptr)}});
+  }
+  return list;
 }
 
 }  // namespace
@@ -23,22 +48,7 @@ Json ToJson(const ThroughputResult& result) {
          {"ns_per_pair", row.ns_per_pair},
          {"ceiling",
           row.ceiling ? Json(result.rows[*row.ceiling].name) : Json(nullptr)},
-         {"percent_of_ceiling", row.percent_of_ceiling
-                                    ? Json(*row.percent_of_ceiling)
-                                    : Json(nullptr)}});
-  }
-  Json ratios = Json::array();
-  for (const ThroughputRatio& ratio : result.ratios) {
-    ratios.push_back(
-        {{"threshold", ratio.threshold},
-         {"name", ratio.name},
-         {"value", ratio.value},
-         {"needed", ratio.needed},
-         {"better", ratio.is_higher_better ? "higher" : "lower"},
-         {"met", ratio.is_met()},
-         {"quartiles", ratio.quartiles
-                           ? Json({ratio.quartiles->low, ratio.quartiles->high})
-                           : Json(nullptr)}});
+         {"percent_of_ceiling", OrNull(row.percent_of_ceiling)}});
   }
   Json survivors = nullptr;
   if (result.survivors) {
@@ -47,8 +57,39 @@ Json ToJson(const ThroughputResult& result) {
                  {"aabo", result.survivors->aabo}};
   }
   return {{"rows", rows},
-          {"ratios", ratios},
+          {"ratios", ToJson(result.ratios)},
           {"survivors", survivors},
+          {"not_reached", result.not_reached}};
+}
+
+Json ToJson(const SortedResult& result) {
+  Json workloads = Json::array();
+  for (const SortedWorkload& workload : result.workloads) {
+    Json rows = Json::array();
+    for (const SortedRow& row : workload.rows) {
+      rows.push_back(
+          {{"name", row.name},
+           {"target", OrNull(row.target)},
+           {"ns_per_query", row.ns},
+           {"ns_per_query_in_turns", row.ns_in_turns},
+           {"over_fastest", OrNull(row.over_fastest)},
+           {"over_fastest_in_turns", OrNull(row.over_fastest_in_turns)}});
+    }
+    workloads.push_back({{"name", workload.name},
+                         {"objects", workload.objects},
+                         {"survivors_per_query", workload.survivors},
+                         {"rows", rows}});
+  }
+  Json builds = Json::array();
+  for (const SortedBuild& build : result.builds) {
+    builds.push_back(
+        {{"name", build.name}, {"objects", build.objects}, {"ms", build.ms}});
+  }
+  return {{"workloads", workloads},
+          {"builds", builds},
+          {"scan_is_faster_below", OrNull(result.scan_is_faster_below)},
+          {"ratios", ToJson(result.ratios)},
+          {"remarks", result.remarks},
           {"not_reached", result.not_reached}};
 }
 

@@ -1,4 +1,4 @@
-// The section `throughput` of the JSON report.
+// The sections `throughput` and `sorted` of the JSON report.
 #ifndef HALFSPACE_BENCH_REPORT_THROUGHPUT_JSON_H_
 #define HALFSPACE_BENCH_REPORT_THROUGHPUT_JSON_H_
 
@@ -9,6 +9,7 @@
 namespace halfspace::bench {
 
 nlohmann::ordered_json ToJson(const ThroughputResult& result);
+nlohmann::ordered_json ToJson(const SortedResult& result);
 
 }  // namespace halfspace::bench
 

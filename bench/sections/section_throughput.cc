@@ -7,8 +7,11 @@
 namespace halfspace::bench {
 
 Throughput::Throughput(const Context& context, bool is_quick,
-                       ThroughputResult& result)
-    : context_(context), is_quick_(is_quick), result_(result) {
+                       ThroughputResult& result, std::string section)
+    : context_(context),
+      is_quick_(is_quick),
+      result_(result),
+      section_(std::move(section)) {
   bool has_avx512 = false;
   for (Target target : context.targets) {
     const bool is_named = (IsAvx512(target) && !has_avx512) || IsAvx2(target) ||
@@ -22,8 +25,8 @@ Throughput::Throughput(const Context& context, bool is_quick,
 
 Timings Throughput::TimeWith(const Effort& effort, std::vector<Case> cases) {
   for (Case& c : cases) {
-    c.name = "throughput/" + c.name;
-    c.group = "throughput";
+    c.name = section_ + "/" + c.name;
+    c.group = section_;
   }
   return TimeCases(cases, effort, context_);
 }
@@ -49,6 +52,10 @@ Timings Throughput::TimeBriefly(std::vector<Case> cases) {
   Effort effort = context_.effort;
   effort.seconds_per_repetition *= kShare;
   return TimeWith(effort, std::move(cases));
+}
+
+Timings Throughput::TimeRuns(std::vector<Case> cases, std::size_t repetitions) {
+  return TimeWith({repetitions, 0.0}, std::move(cases));
 }
 
 std::size_t Throughput::AddRow(ThroughputRow row) {
@@ -98,6 +105,15 @@ std::size_t FastestOf(const Timings& timings,
   return fastest;
 }
 
+void RunParts(ThroughputParts& parts, Throughput& throughput) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    throughput.progress().BeginPart(i, parts.size());
+    parts[i](throughput);
+    // With what it holds: worlds of many megabytes.
+    parts[i] = nullptr;
+  }
+}
+
 ThroughputResult RunThroughput(const Workload& workload,
                                const std::vector<WorkingSet*>& sets,
                                const Machine& machine, std::uint64_t seed,
@@ -112,12 +128,7 @@ ThroughputResult RunThroughput(const Workload& workload,
   AddSizeParts(workload, machine, parts);
   AddQueryParts(workload, parts);
   AddCompetitorParts(seed, parts);
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    context.progress.BeginPart(i, parts.size());
-    parts[i](throughput);
-    // With what it holds: worlds of many megabytes.
-    parts[i] = nullptr;
-  }
+  RunParts(parts, throughput);
   std::stable_sort(result.ratios.begin(), result.ratios.end(),
                    [](const ThroughputRatio& a, const ThroughputRatio& b) {
                      return a.threshold < b.threshold;

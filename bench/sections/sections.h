@@ -57,6 +57,13 @@ ThroughputResult RunThroughput(const Workload& workload,
                                const Machine& machine, std::uint64_t seed,
                                bool is_quick, const Context& context);
 
+// Sorted worlds against trees and a scan, one workload after the other: of at
+// most so many boxes, or as many as it sees fit for 0; and the boxes of
+// `input`, a file, if there is one.
+SortedResult RunSorted(const Workload* input, std::size_t most_objects,
+                       std::uint64_t seed, bool is_quick,
+                       const Context& context);
+
 QualityResult RunQuality(const Workload& workload, const Context& context);
 
 // What is kept of the objects along long segments, bounded whole and in pieces.

@@ -34,13 +34,16 @@ struct Ceiling {
 
 class Throughput {
  public:
-  Throughput(const Context& context, bool is_quick, ThroughputResult& result);
+  // Of another section, its name is before those of all cases.
+  Throughput(const Context& context, bool is_quick, ThroughputResult& result,
+             std::string section = "throughput");
 
   // The widest measured target of each width that the thresholds speak of: of
   // x86 the best AVX-512, AVX2 and SSE4; elsewhere, and if it is to be quick,
   // the best.
   const std::vector<Target>& targets() const { return targets_; }
   bool is_quick() const { return is_quick_; }
+  std::size_t repetitions() const { return context_.effort.repetitions; }
   Progress& progress() const { return context_.progress; }
 
   // Times cases as one group.
@@ -51,6 +54,9 @@ class Throughput {
 
   // The same for many short cases, each for a fraction of the usual time.
   Timings TimeBriefly(std::vector<Case> cases);
+
+  // The same for long runs, each of which is a repetition by itself.
+  Timings TimeRuns(std::vector<Case> cases, std::size_t repetitions);
 
   // Adds what was timed in another way.
   void AddTimings(const Timings& timings);
@@ -97,6 +103,7 @@ class Throughput {
   const Context& context_;
   bool is_quick_;
   ThroughputResult& result_;
+  std::string section_;
   std::vector<Target> targets_;
   std::vector<std::pair<Ceiling, std::size_t>> ceilings_;  // and their rows
 };
@@ -104,6 +111,7 @@ class Throughput {
 // Part of a threshold, for the progress line: run one after the other.
 using ThroughputPart = std::function<void(Throughput&)>;
 using ThroughputParts = std::vector<ThroughputPart>;
+void RunParts(ThroughputParts& parts, Throughput& throughput);
 
 // The fastest of some timings: the one with the smallest median.
 std::size_t FastestOf(const Timings& timings,

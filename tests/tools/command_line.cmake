@@ -6,6 +6,7 @@ file(WRITE "${inputs}/bad.obj" "v 0 0 0\nv 1 0 0\nv 1 1 zero\nf 1 2 3\n")
 file(WRITE "${inputs}/boxes.csv" "0,0,0,1,1,1\n2,2,2,3,3,3\n")
 file(WRITE "${inputs}/far.obj" "v 3e38 0 0\nv 0 3e38 0\nv 0 0 3e38\nf 1 2 3\n")
 file(WRITE "${inputs}/far.csv" "2e38,2e38,2e38,3e38,3e38,3e38\n")
+file(WRITE "${inputs}/far_out.csv" "0,0,0,1,1,1\n1e13,1e13,1e13,2e13,2e13,2e13\n")
 file(WRITE "${inputs}/bad.csv" "0,0,0,1,1,1\n0,0,0,nan,1,1\n")
 
 # halfspace_command_line_test(<name> CODE n [STDOUT regex] [STDERR regex]
@@ -38,7 +39,7 @@ endfunction()
 halfspace_command_line_test(version CODE 0 ARGUMENTS --version
   STDOUT "cpuinfo-bench ${PROJECT_VERSION}")
 halfspace_command_line_test(list CODE 0 ARGUMENTS --list
-  STDOUT "machine\ncheck\ntable1\ncrossover\nkernels\nbuild\nthroughput\nquality\nsegments\nverdict")
+  STDOUT "machine\ncheck\ntable1\ncrossover\nkernels\nbuild\nthroughput\nsorted\nquality\nsegments\nverdict")
 halfspace_command_line_test(help CODE 0 ARGUMENTS --help STDOUT "--mesh")
 halfspace_command_line_test(unknown_option CODE 2 ARGUMENTS --fast
   STDERR "--fast")
@@ -55,6 +56,12 @@ halfspace_command_line_test(unwritable_output CODE 2
 halfspace_command_line_test(mesh CODE 0
   ARGUMENTS --only quality --mesh "${inputs}/quad.obj"
   STDOUT "2 objects, 2 queries")
+halfspace_command_line_test(sorted_mesh CODE 0
+  ARGUMENTS --only sorted --objects 64 --quick --mesh "${inputs}/quad.obj"
+  STDOUT "file: 2 boxes, of which a query finds 2.0")
+halfspace_command_line_test(sorted_far_bounds CODE 0
+  ARGUMENTS --only sorted --objects 64 --quick --bounds "${inputs}/far_out.csv"
+  STDOUT "not reached: threshold 1, the boxes of a file: coordinates")
 halfspace_command_line_test(bounds CODE 0
   ARGUMENTS --only check,quality --bounds "${inputs}/boxes.csv"
   STDOUT "aabb +2 +1.00")

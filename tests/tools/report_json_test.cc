@@ -19,8 +19,8 @@ const Json& Report() {
   static const Json report = [] {
     BenchOptions options;
     options.is_quick = true;
-    options.only = {"machine", "check",   "table1",   "crossover",
-                    "build",   "quality", "segments", "verdict"};
+    options.only = {"machine", "check",   "table1",   "crossover", "build",
+                    "sorted",  "quality", "segments", "verdict"};
     options.objects = 4096;
     options.queries = 4;
     options.repetitions = 1;
@@ -109,6 +109,47 @@ TEST(ReportJsonTest, BuildRowsHaveTheFixedForm) {
     EXPECT_GT(row.at("ns_per_call"), 0.0) << row.at("call");
   }
   EXPECT_TRUE(build.at("not_reached").is_array());
+}
+
+TEST(ReportJsonTest, SortedHasTheFixedForm) {
+  const Json& sorted = Report().at("sections").at("sorted");
+  std::vector<std::string> names;
+  for (const Json& workload : sorted.at("workloads")) {
+    names.push_back(workload.at("name"));
+    EXPECT_LE(workload.at("objects"), 4096);
+    EXPECT_GT(workload.at("survivors_per_query"), 0.0);
+    std::size_t ours = 0;
+    bool has_grid = false;
+    for (const Json& row : workload.at("rows")) {
+      EXPECT_GT(row.at("ns_per_query"), 0.0) << row;
+      EXPECT_GT(row.at("ns_per_query_in_turns"), 0.0) << row;
+      EXPECT_EQ(row.at("over_fastest").is_null(),
+                row.at("over_fastest_in_turns").is_null());
+      ours += row.at("target").is_string() ? 1 : 0;
+      has_grid |= row.at("name") == "grid";
+    }
+    EXPECT_GE(ours, 5u) << workload;
+    EXPECT_TRUE(has_grid) << workload;
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"a", "clusters", "2D"}));
+  ASSERT_GE(sorted.at("builds").size(), 2u);
+  for (const Json& build : sorted.at("builds")) {
+    EXPECT_EQ(build.at("objects"), 4096);
+    EXPECT_GT(build.at("ms"), 0.0) << build;
+  }
+  EXPECT_TRUE(sorted.at("scan_is_faster_below").is_number());
+  // Of a file, as there is none.
+  EXPECT_FALSE(sorted.at("not_reached").empty());
+  EXPECT_TRUE(sorted.at("remarks").is_array());
+  for (const Json& ratio : sorted.at("ratios")) {
+    EXPECT_TRUE(ratio.at("threshold") == 1 || ratio.at("threshold") == 2);
+    EXPECT_GT(ratio.at("value"), 0.0) << ratio;
+    EXPECT_EQ(ratio.at("met"), ratio.at("better") == "higher"
+                                   ? ratio.at("value") >= ratio.at("needed")
+                                   : ratio.at("value") <= ratio.at("needed"))
+        << ratio;
+  }
+  EXPECT_FALSE(sorted.at("ratios").empty());
 }
 
 TEST(ReportJsonTest, SegmentRowsHaveTheFixedForm) {

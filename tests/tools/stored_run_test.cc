@@ -100,6 +100,22 @@ TEST(StoredRunTest, BuildsAreCompared) {
   EXPECT_TRUE(Compare(run(75.0), run(74.0)).worse.empty());
 }
 
+TEST(StoredRunTest, SortedWorldsAreCompared) {
+  const auto run = [](double value) {
+    Results results = RunOf({});
+    results.sorted.emplace().ratios = {
+        {1, "over trees", value, 7.0, true, Ratio{value, value, value}},
+        {2, "memory", value, 0.6, false, std::nullopt}};
+    return results;
+  };
+  const Found found = Compare(run(8.0), run(7.0));
+  EXPECT_EQ(found.compared, 1u);
+  ASSERT_EQ(found.worse.size(), 1u);
+  EXPECT_EQ(found.worse[0].section, "sorted");
+  EXPECT_EQ(found.worse[0].ratio, "sorted, over trees");
+  EXPECT_TRUE(Compare(run(7.0), run(8.0)).worse.empty());
+}
+
 TEST(StoredRunTest, IsWorseBeyondTheSpreadAndTheTolerance) {
   const StoredRatio higher{{100.0, 95.0, 105.0}, true};
   EXPECT_FALSE(IsWorse(higher, {80.0, 70.0, 95.0 * (1.0 - kTolerance)}));

@@ -1,0 +1,351 @@
+// Box queries of sorted worlds, of scans and of trees, timed beside each other.
+#ifndef HALFSPACE_BENCH_SECTIONS_CONTEST_H_
+#define HALFSPACE_BENCH_SECTIONS_CONTEST_H_
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "bench/base/text_table.h"
+#include "bench/baselines/box_tree.h"
+#include "bench/measure/queries_in_turn.h"
+#include "bench/sections/throughput.h"
+#include "bench/worlds/box_set.h"
+#include "halfspace/quantized.h"
+#include "halfspace/reject.h"
+#include "halfspace/sorted.h"
+
+namespace halfspace::bench {
+
+// All that can answer the queries of a set, beside each other.
+template <int kDims>
+class Contest {
+ public:
+  Contest(const BoxSet<kDims>& set, Throughput& throughput)
+      : set_(set), throughput_(throughput), boxes_(set.boxes) {
+    workload_.name = set.name;
+    workload_.objects = set.boxes.size();
+    all_ = BatchesOf(kTimedQueries);
+    turns_ = BatchesOf(kQueriesInTurn);
+    one_.resize(set.boxes.size());
+    found_.reserve(set.boxes.size());
+    FindExpected();
+  }
+
+  // Each row has a copy of the world, so that in turns with the others it finds
+  // the caches as a tree finds them.
+  void AddSorted(Order order, Target target) {
+    const std::string name = order == Order::kTight ? "tight" : "fast";
+    const Sorted world(boxes_.view(), order);
+    if (all_ids_.empty()) MakeRoom(world);
+    AddOneByOne(name + kOneByOne, std::string(target.name()),
+                [this, target, own = Copy(world)](const Box& query) {
+                  return FoundOne(Survivors(*own, query, one_, target));
+                });
+    AddAllAtOnce(name + kAllAtOnce, target, Copy(world));
+  }
+
+  void AddCounts(Target target) {
+    const auto world = std::make_shared<const Sorted>(boxes_.view());
+    const auto count = [world, target](const Box& query) {
+      return CountSurvivors(*world, query, target);
+    };
+    const auto check = [this, count]() -> std::string {
+      for (std::size_t q = 0; q < expected_.size(); ++q) {
+        if (count(set_.queries[q]) != expected_[q].size()) {
+          return "the counts are not those of a scan";
+        }
+      }
+      return {};
+    };
+    AddRow("tight, counts, one query a call", std::string(target.name()), check,
+           [&](std::size_t queries) {
+             return CaseOneByOne(queries, [count](const Box& query) {
+               std::ignore = count(query);
+             });
+           });
+  }
+
+  void AddFloatScan(Target target) {
+    AddOneByOne("scan, one query a call", std::string(target.name()),
+                [this, target](const Box& query) {
+                  return FoundOne(Survivors(
+                      boxes_.view(), query, one_,
+                      {.schedule = Schedule::kFlat, .target = target}));
+                });
+  }
+
+  void AddQuantizedScan(Target target) {
+    AddOneByOne(
+        "quantized scan, one query a call", std::string(target.name()),
+        [this, target,
+         world = std::make_shared<const QuantizedWorld<View>>(set_.boxes)](
+            const Box& query) {
+          return FoundOne(Survivors(*world, query, one_, {.target = target}));
+        });
+  }
+
+  // Those that were built. The grid is our own, and no competitor.
+  void AddTrees() {
+    for (std::size_t node_size : {8, 16, 32}) {
+      AddCompetitor("Boost R-tree, " + std::to_string(node_size) + " a node",
+                    MakeBoostTree(set_.boxes, node_size));
+    }
+    if constexpr (kDims == 3) {
+      if (set_.boxes.size() <= kMostOfBullet) {
+        AddCompetitor("Bullet btDbvt", MakeBulletTree(set_.boxes));
+      }
+      AddCompetitor("Embree", MakeEmbreeTree(set_.boxes));
+    } else {
+      AddCompetitor("GEOS STRtree", MakeGeosTree(set_.boxes));
+    }
+    grid_ = workload_.rows.size();
+    AddTree("grid", MakeGrid(set_.boxes));
+  }
+
+  // Times all that was added, and fills the rows.
+  void Run(std::size_t repetitions) {
+    in_a_row_ = throughput_.TimeRuns(std::move(in_a_row_cases_), repetitions);
+    // So many that each has all queries.
+    in_turns_ = throughput_.TimeRuns(std::move(in_turns_cases_),
+                                     std::max(repetitions, kTurns));
+    for (std::size_t i = 0; i < workload_.rows.size(); ++i) {
+      SortedRow& row = workload_.rows[i];
+      row.ns = in_a_row_[i].Median();
+      row.ns_in_turns = in_turns_[i].Median();
+      if (competitors_.empty()) continue;
+      row.over_fastest = Fastest(in_a_row_).Median() / row.ns;
+      row.over_fastest_in_turns = Fastest(in_turns_).Median() / row.ns_in_turns;
+    }
+  }
+
+  // Of the rows of a sorted world with that target: times the fastest
+  // competitor, which is asked one query a call in either case.
+  void AddRatios(Threshold threshold, Target target) {
+    if (competitors_.empty()) return;
+    for (const char* how : {kOneByOne, kAllAtOnce}) {
+      const std::size_t row = RowOf(std::string("tight") + how, target);
+      const std::string name = workload_.name + " " +
+                               Grouped(workload_.objects) + how + ", " +
+                               std::string(target.name());
+      throughput_.AddRatio(threshold, target,
+                           name + ": times the fastest competitor",
+                           RatioOf(Fastest(in_a_row_), in_a_row_[row]));
+      throughput_.AddRatio(thresholds::WhereEvicted(threshold), target,
+                           name + ", in turns: times the fastest competitor",
+                           RatioOf(Fastest(in_turns_), in_turns_[row]));
+    }
+  }
+
+  void AddFastOverTight(Target target) {
+    throughput_.AddRatio(
+        thresholds::kFastOverTight, target,
+        workload_.name + " " + Grouped(workload_.objects) + kOneByOne +
+            ": time of the fast order over the tight one's",
+        RatioOf(in_a_row_[RowOf(std::string("fast") + kOneByOne, target)],
+                in_a_row_[RowOf(std::string("tight") + kOneByOne, target)]));
+  }
+
+  // Where the grid wins.
+  void AddRemarks(Target target, std::vector<std::string>& remarks) const {
+    const SortedRow& grid = workload_.rows[grid_];
+    const SortedRow& tight =
+        workload_.rows[RowOf(std::string("tight") + kOneByOne, target)];
+    const auto add = [&](double share, const char* of) {
+      if (share < 1.0) {
+        remarks.push_back(workload_.name + " " + Grouped(workload_.objects) +
+                          ": our own grid, no competitor here, takes " +
+                          Fixed(share, 2) + " of the time of " + of);
+      }
+    };
+    add(grid.ns / tight.ns, "a sorted world, one query a call");
+    if (grid.over_fastest) {
+      add(1.0 / *grid.over_fastest, "the fastest competitor");
+    }
+  }
+
+  double MedianOf(std::size_t row) const { return workload_.rows[row].ns; }
+  SortedWorkload TakeWorkload() { return std::move(workload_); }
+
+ private:
+  using Box = Aabb<kDims>;
+  using View = AabbView<kDims>;
+  using Sorted = SortedWorld<View>;
+  using Batches = std::vector<std::span<const Box>>;
+  using Ids = std::vector<std::uint32_t>;
+
+  // In one turn of the structures, after which each has evicted the others.
+  static constexpr std::size_t kQueriesInTurn = 2000;
+  static constexpr std::size_t kTurns = kTimedQueries / kQueriesInTurn;
+  // Of more, it takes ten times as long as others for a query, and many seconds
+  // for itself.
+  static constexpr std::size_t kMostOfBullet = 100000;
+
+  static constexpr const char* kOneByOne = ", one query a call";
+  static constexpr const char* kAllAtOnce = ", all in one call";
+  static constexpr const char* kWrong =
+      "the boxes found are not those of a scan";
+
+  static std::shared_ptr<const Sorted> Copy(const Sorted& world) {
+    return std::make_shared<const Sorted>(world);
+  }
+
+  Batches BatchesOf(std::size_t size) const {
+    Batches batches;
+    for (std::size_t q = 0; q < set_.queries.size(); q += size) {
+      batches.push_back(std::span(set_.queries).subspan(q, size));
+    }
+    return batches;
+  }
+
+  // The answers of a flat scan of the floats, for as many queries as it answers
+  // in a moment.
+  void FindExpected() {
+    constexpr std::size_t kPairs = 50'000'000;
+    constexpr std::size_t kMost = 1000;
+    const std::size_t count =
+        std::clamp<std::size_t>(kPairs / workload_.objects, 20, kMost);
+    for (std::size_t q = 0; q < count; ++q) {
+      const std::size_t kept = Survivors(boxes_.view(), set_.queries[q], one_,
+                                         {.schedule = Schedule::kFlat});
+      expected_.emplace_back(one_.begin(),
+                             one_.begin() + static_cast<std::ptrdiff_t>(kept));
+    }
+  }
+
+  // For the ids of all queries.
+  void MakeRoom(const Sorted& world) {
+    std::size_t sum = 0;
+    for (const Box& query : set_.queries) sum += CountSurvivors(world, query);
+    workload_.survivors = static_cast<double>(sum) / kTimedQueries;
+    all_ids_.resize(sum + 1);
+    offsets_.resize(kTimedQueries + 1);
+  }
+
+  bool IsExpected(std::size_t query, std::span<const std::uint32_t> ids) const {
+    Ids sorted(ids.begin(), ids.end());
+    std::sort(sorted.begin(), sorted.end());
+    return sorted == expected_[query];
+  }
+
+  // find(query) returns the ids.
+  template <typename Find>
+  void AddOneByOne(std::string name, std::string target, Find find) {
+    const auto check = [this, find]() -> std::string {
+      for (std::size_t q = 0; q < expected_.size(); ++q) {
+        if (!IsExpected(q, find(set_.queries[q]))) return kWrong;
+      }
+      return {};
+    };
+    AddRow(std::move(name), std::move(target), check, [&](std::size_t queries) {
+      return CaseOneByOne(
+          queries, [find](const Box& query) { std::ignore = find(query); });
+    });
+  }
+
+  void AddTree(std::string name, std::unique_ptr<BoxTree<kDims>> tree) {
+    AddOneByOne(std::move(name), "",
+                [this, own = std::shared_ptr<const BoxTree<kDims>>(
+                           std::move(tree))](const Box& query) {
+                  own->Find(query, found_);
+                  return std::span<const std::uint32_t>(found_);
+                });
+  }
+  void AddCompetitor(std::string name, std::unique_ptr<BoxTree<kDims>> tree) {
+    if (tree == nullptr) return;
+    competitors_.push_back(workload_.rows.size());
+    AddTree(std::move(name), std::move(tree));
+  }
+
+  void AddAllAtOnce(std::string name, Target target,
+                    std::shared_ptr<const Sorted> world) {
+    const auto ask = [this, world, target](std::span<const Box> queries) {
+      std::ignore =
+          SurvivorsOfEach(*world, queries, all_ids_, offsets_, target);
+    };
+    const auto check = [this, ask]() -> std::string {
+      ask(std::span(set_.queries).first(expected_.size()));
+      for (std::size_t q = 0; q < expected_.size(); ++q) {
+        if (!IsExpected(q, std::span(all_ids_).subspan(
+                               offsets_[q], offsets_[q + 1] - offsets_[q]))) {
+          return kWrong;
+        }
+      }
+      return {};
+    };
+    AddRow(std::move(name), std::string(target.name()), check,
+           [&](std::size_t queries) {
+             const Batches& batches = queries == kQueriesInTurn ? turns_ : all_;
+             Case c = InTurn("", batches, batches.size(), 1, ask);
+             c.items = static_cast<double>(queries);
+             return c;
+           });
+  }
+
+  template <typename Call>
+  Case CaseOneByOne(std::size_t queries, Call call) const {
+    return InTurn("", set_.queries, kTimedQueries, queries, call);
+  }
+
+  // case_of(n) asks n queries in a run, and the next ones in the next run.
+  template <typename Check, typename CaseOf>
+  void AddRow(std::string name, std::string target, const Check& check,
+              const CaseOf& case_of) {
+    const std::string place = workload_.name + "/" +
+                              std::to_string(workload_.objects) + "/" + name +
+                              (target.empty() ? "" : "/" + target);
+    in_a_row_cases_.push_back(case_of(kTimedQueries));
+    in_a_row_cases_.back().name = place;
+    in_a_row_cases_.back().check = check;
+    in_turns_cases_.push_back(case_of(kQueriesInTurn));
+    in_turns_cases_.back().name = place + "/in turns";
+    SortedRow row;
+    row.name = std::move(name);
+    row.target = std::move(target);
+    workload_.rows.push_back(std::move(row));
+  }
+
+  std::span<const std::uint32_t> FoundOne(std::size_t count) const {
+    return std::span(one_).first(count);
+  }
+
+  const Timing& Fastest(const Timings& timings) const {
+    return timings[FastestOf(timings, competitors_)];
+  }
+  std::size_t RowOf(const std::string& name, Target target) const {
+    std::size_t row = 0;
+    while (workload_.rows[row].name != name ||
+           workload_.rows[row].target != target.name()) {
+      ++row;
+    }
+    return row;
+  }
+
+  const BoxSet<kDims>& set_;
+  Throughput& throughput_;
+  World<View> boxes_;
+  SortedWorkload workload_;
+  std::vector<std::size_t> competitors_;  // their rows
+  std::size_t grid_ = 0;
+  std::vector<Case> in_a_row_cases_;  // of each row
+  std::vector<Case> in_turns_cases_;
+  Timings in_a_row_;
+  Timings in_turns_;
+  Batches all_;
+  Batches turns_;
+  std::vector<Ids> expected_;  // of the first queries
+  Ids one_;                    // what one query finds
+  Ids found_;
+  Ids all_ids_;
+  std::vector<std::size_t> offsets_;
+};
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_SECTIONS_CONTEST_H_
