@@ -146,8 +146,8 @@ SortedResult RunSorted(const Workload* input, std::size_t most_objects,
   const Target best = throughput.targets().front();
   std::size_t most = is_quick ? 100'000 : 1'000'000;
   if (most_objects != 0) most = std::min(most, most_objects);
-  if (!HasMemoryFor(most)) {
-    most = std::min<std::size_t>(most, 100'000);
+  if (most > 100'000 && !HasMemoryFor(most)) {
+    most = 100'000;
     throughput.NotReached("more than " + Grouped(most) +
                           " boxes, which do not fit the free memory");
   }

@@ -1,7 +1,5 @@
 // The calls of sorted.h: checks, and what becomes of the ids.
 #include <algorithm>
-#include <cstring>
-#include <limits>
 #include <string>
 
 #include "dispatch/targets/chosen_target.h"
@@ -128,8 +126,9 @@ bool SortedAny(const SortedTree& tree, const float* query, std::uint32_t& id,
   WalkIds first{buffer, buffer + kBlockObjects, [](WalkIds&) { return false; },
                 [](WalkIds&, std::size_t) { return true; }};
   kernels.find({&tree.levels(), query, 1, &first, nullptr});
+  if (first.next == buffer) return false;
   id = buffer[0];
-  return first.next != buffer;
+  return true;
 }
 
 void SortedForEach(const SortedTree& tree, const float* query,
@@ -151,7 +150,7 @@ std::size_t SortedSurvivorsOfMany(const SortedTree& tree, const float* queries,
   if (offsets.size() <= query_count) {
     kernels::ThrowInvalid(
         kCall, "offsets",
-        "one more than the queries, " + std::to_string(query_count),
+        "at least one more than the queries, " + std::to_string(query_count),
         std::to_string(offsets.size()));
   }
   CheckMemory(kCall, "offsets", offsets.data(), offsets.size(),

@@ -10,6 +10,7 @@
 #include "halfspace/detail/sorted.h"
 #include "halfspace/sorted.h"
 #include "kernels/error.h"
+#include "kernels/exact/default_fp_mode.h"
 #include "kernels/memory_checks.h"
 #include "kernels/sorted/block.h"
 #include "kernels/sorted/order.h"
@@ -74,6 +75,38 @@ std::size_t Place(const SortedShape& shape, std::size_t objects,
   } while (size > 1);
   levels.ids = parts.Take<std::uint32_t>(BlocksOf(objects) * kBlockObjects);
   return parts.bytes();
+}
+
+// Everything but the ids of the objects.
+void Fill(const SortedShape& shape, const FloatColumns& objects,
+          const SortedKernels::OfPlanes& of_planes,
+          const SortedLevels& levels) {
+  const std::size_t planes = PlanesOf(shape);
+  std::fill(levels.ids + objects.size,
+            levels.ids + BlocksOf(objects.size) * kBlockObjects, 0);
+  for (std::size_t p = 0; p < planes; ++p) {
+    float* const plane = levels.level[0].planes[p];
+    for (std::size_t i = 0; i < objects.size; ++i) {
+      plane[i] = objects.planes[p][levels.ids[i] * objects.stride];
+    }
+  }
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  for (std::size_t l = 0; l < levels.count; ++l) {
+    const SortedLevel& level = levels.level[l];
+    const std::size_t blocks = BlocksOf(level.size);
+    for (std::size_t p = 0; p < planes; ++p) {
+      std::fill(level.planes[p] + level.size,
+                level.planes[p] + blocks * kBlockObjects,
+                (p < shape.axes ? 1.0f : -1.0f) * kInf);
+    }
+    const bool is_top = l + 1 == levels.count;
+    if (!is_top) {
+      const SortedLevel& above = levels.level[l + 1];
+      std::fill_n(above.regular, BlocksOf(above.size), 0);
+    }
+    of_planes.build(
+        {&level, is_top ? nullptr : &levels.level[l + 1], 0, blocks});
+  }
 }
 
 // Memory for the time of a build.
@@ -150,7 +183,7 @@ void SortedTree::Build(const FloatColumns& objects, Order order,
                        Target target) {
   constexpr const char* kCall = "SortedWorld";
   const std::size_t index = dispatch::IndexOf(target, kCall);
-  const SortedKernels::OfPlanes& kernels =
+  const SortedKernels::OfPlanes& of_planes =
       shape_.has_max ? shape_.kernels[index].all : shape_.kernels[index].minima;
   const std::size_t planes = PlanesOf(shape_);
   if (objects.size > std::numeric_limits<std::uint32_t>::max()) {
@@ -170,38 +203,16 @@ void SortedTree::Build(const FloatColumns& objects, Order order,
           return "a plane of " + std::to_string(objects.size) + " floats";
         });
   }
-  {
-    const Scratch scratch(memory_, objects.size * kernels::kOrderScratch);
-    Allocate(objects.size);
+  // More bytes than an object takes in all.
+  kernels::CheckAddressable(kCall, "world", objects.size, 128);
+  const Scratch scratch(memory_, objects.size * kernels::kOrderScratch);
+  Allocate(objects.size);
+  kernels::InDefaultFpMode([&] {
     const auto put_in_order =
         order == Order::kFast ? kernels::OrderByCurve : kernels::OrderByMedians;
     put_in_order(shape_, objects, scratch.begin, levels_.ids);
-  }
-  std::fill(levels_.ids + objects.size,
-            levels_.ids + BlocksOf(objects.size) * kBlockObjects, 0);
-  for (std::size_t p = 0; p < planes; ++p) {
-    float* const plane = levels_.level[0].planes[p];
-    for (std::size_t i = 0; i < objects.size; ++i) {
-      plane[i] = objects.planes[p][levels_.ids[i] * objects.stride];
-    }
-  }
-  constexpr float kInf = std::numeric_limits<float>::infinity();
-  for (std::size_t l = 0; l < levels_.count; ++l) {
-    const SortedLevel& level = levels_.level[l];
-    const std::size_t blocks = BlocksOf(level.size);
-    for (std::size_t p = 0; p < planes; ++p) {
-      std::fill(level.planes[p] + level.size,
-                level.planes[p] + blocks * kBlockObjects,
-                p < shape_.axes ? kInf : -kInf);
-    }
-    const bool is_top = l + 1 == levels_.count;
-    if (!is_top) {
-      const SortedLevel& above = levels_.level[l + 1];
-      std::fill_n(above.regular, BlocksOf(above.size), 0);
-    }
-    kernels.build(
-        {&level, is_top ? nullptr : &levels_.level[l + 1], 0, blocks});
-  }
+    Fill(shape_, objects, of_planes, levels_);
+  });
 }
 
 }  // namespace halfspace::detail

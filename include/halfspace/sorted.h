@@ -27,13 +27,14 @@
 //   query   of the view's Query type
 //   target  the target to run, by default the chosen one (targets.h)
 //
-// Errors (error.h): no output with room is null or misaligned, offsets are one
-// more than the queries, and the target is supported here. That outputs are
-// apart from each other and from the queries is not checked.
+// Errors (error.h): no output with room and no list of queries is null or
+// misaligned, offsets are at least one more than the queries, and the target is
+// supported here. That outputs are apart from each other and from the queries
+// is not checked.
 //
-// Floating-point mode: as in reject.h, but for traps: a thread that traps
-// inexact results traps in these calls. A world may be made in one mode and
-// queried in another.
+// Floating-point mode: as in reject.h. But calls may raise inexact, overflow
+// and underflow for any values: mask these traps around them. Making a world
+// never traps, and works in the default mode.
 //
 // Thread safety: calls on the same world may run at the same time. They use up
 // to 32 KiB of stack, allocate nothing, lock nothing and have no state.
@@ -62,7 +63,9 @@ enum class Order : std::uint8_t {
   // load of an R-tree.
   kTight,
   // Along a space-filling curve. Takes O(n), less than half as long; queries
-  // take up to 1.4 times as long as with kTight.
+  // take up to 1.4 times as long as with kTight. The curve has 1024 cells an
+  // axis: use kTight where few objects are so far away that the others share a
+  // few cells.
   kFast,
 };
 
@@ -76,11 +79,11 @@ SortedShape SortedShapeOf() {
 }
 
 template <typename Query>
-const float* ValuesOf(const Query& query) {
+const float* ValuesOf(const Query* queries) {
   static_assert(std::is_standard_layout_v<Query> &&
                     sizeof(Query) == kPlaneCount<Query> * sizeof(float),
                 "a query is read as a list of its values");
-  return reinterpret_cast<const float*>(&query);
+  return reinterpret_cast<const float*>(queries);
 }
 
 }  // namespace detail
@@ -161,32 +164,33 @@ template <typename View>
                                     const typename View::Query& query,
                                     Span<std::uint32_t> ids,
                                     Target target = {}) {
-  return detail::SortedSurvivors(world.tree(), detail::ValuesOf(query), ids,
+  return detail::SortedSurvivors(world.tree(), detail::ValuesOf(&query), ids,
                                  target);
 }
 
 // Counts the survivors. Nodes that lie inside a box or an octahedron add their
-// number and are not visited, so a large query costs what its surface does.
+// number and are not visited, so the cost of a large query grows with its
+// surface and not with its volume.
 template <typename View>
 [[nodiscard]] std::size_t CountSurvivors(const SortedWorld<View>& world,
                                          const typename View::Query& query,
                                          Target target = {}) {
-  return detail::SortedCount(world.tree(), detail::ValuesOf(query), target);
+  return detail::SortedCount(world.tree(), detail::ValuesOf(&query), target);
 }
 
-// The id of a survivor, if there is one. Stops at the first block that has one.
+// The id of a survivor, if there is one. Stops soon after it has found one.
 template <typename View>
 [[nodiscard]] std::optional<std::uint32_t> AnySurvivor(
     const SortedWorld<View>& world, const typename View::Query& query,
     Target target = {}) {
   std::uint32_t id = 0;
-  if (!detail::SortedAny(world.tree(), detail::ValuesOf(query), id, target)) {
+  if (!detail::SortedAny(world.tree(), detail::ValuesOf(&query), id, target)) {
     return std::nullopt;
   }
   return id;
 }
 
-// Calls function(Span<const std::uint32_t> ids) with up to 512 survivors at a
+// Calls function(Span<const std::uint32_t> ids) with 1 to 512 survivors at a
 // time. A function that returns a bool ends the call by returning false.
 // Exceptions of the function pass through.
 template <typename View, typename Function>
@@ -194,6 +198,9 @@ void ForEachSurvivor(const SortedWorld<View>& world,
                      const typename View::Query& query, Function&& function,
                      Target target = {}) {
   auto call = [&function](Span<const std::uint32_t> ids) {
+    static_assert(std::is_void_v<decltype(function(ids))> ||
+                      std::is_same_v<decltype(function(ids)), bool>,
+                  "the function returns nothing, or whether to go on");
     if constexpr (std::is_same_v<decltype(function(ids)), bool>) {
       return function(ids);
     } else {
@@ -202,7 +209,7 @@ void ForEachSurvivor(const SortedWorld<View>& world,
     }
   };
   detail::SortedForEach(
-      world.tree(), detail::ValuesOf(query),
+      world.tree(), detail::ValuesOf(&query),
       [](void* context, Span<const std::uint32_t> ids) {
         return (*static_cast<decltype(call)*>(context))(ids);
       },
@@ -210,19 +217,18 @@ void ForEachSurvivor(const SortedWorld<View>& world,
 }
 
 // Survivors() of several queries, which walk together, 64 at a time: that hides
-// the latency of memory and the cost of a call, and takes 0.6 to 0.9 times as
+// the latency of memory and the cost of a call, and takes 0.6 to 1 times as
 // long. The ids of queries[q] are ids[offsets[q]] ... ids[offsets[q + 1] - 1],
 // and all their number is returned. `offsets` has one element more than there
-// are queries. If `ids` is too short, the first ids are written, and offsets
-// are those of a span that is not.
+// are queries. If `ids` is too short, it receives the first ids; `offsets` are
+// as if it were long enough. Elements after the last id may be overwritten.
 template <typename View>
 [[nodiscard]] std::size_t SurvivorsOfEach(
     const SortedWorld<View>& world, Span<const typename View::Query> queries,
     Span<std::uint32_t> ids, Span<std::size_t> offsets, Target target = {}) {
-  return detail::SortedSurvivorsOfMany(
-      world.tree(),
-      queries.size() == 0 ? nullptr : detail::ValuesOf(queries[0]),
-      queries.size(), ids, offsets, target);
+  return detail::SortedSurvivorsOfMany(world.tree(),
+                                       detail::ValuesOf(queries.data()),
+                                       queries.size(), ids, offsets, target);
 }
 
 }  // namespace halfspace

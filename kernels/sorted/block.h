@@ -3,7 +3,6 @@
 #ifndef HALFSPACE_KERNELS_SORTED_BLOCK_H_
 #define HALFSPACE_KERNELS_SORTED_BLOCK_H_
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -20,9 +19,9 @@ inline constexpr std::size_t kBlockObjects = 64;
 // computed in float. A query's value is encoded twice, kCodeMargin above and
 // below that, which is more than all rounding, in any mode: a code above the
 // upper one proves that the value is greater, one below the lower that it is
-// less. Any finite base and positive scale are right, as codes at the ends
-// prove only what is true. They are such that the codes of a block leave out
-// both ends, and a query beyond all its values is decided.
+// less. That holds for any finite base and any positive scale up to 2^100
+// (docs/sorted.md). They are such that the values of a block have codes 1 to
+// 253, so that a query a code's width beyond them is decided.
 struct alignas(32) BlockScale {
   // Lane k has the minima of axis k, lane kMaxLane + k the negated maxima.
   static constexpr std::size_t kMaxLane = 4;
@@ -32,8 +31,7 @@ struct alignas(32) BlockScale {
 };
 
 // Stored less 128, as x86 compares signed bytes. Objects that do not exist have
-// kNoCode in all planes: no query has a code that is not less, so they are
-// always rejected.
+// kNoCode in all planes: every query's code is less, so they are rejected.
 inline constexpr int kMostCode = 254;
 inline constexpr int kNoCode = 255;
 // From the least value of a block, which has code 1, to the greatest, in the

@@ -15,8 +15,9 @@ constexpr std::size_t kAxes = 3;  // the last is 0 in two dimensions
 using Point = std::array<float, kAxes>;
 
 // Centers that are no numbers, as of what is empty, come last.
+constexpr float kMost = std::numeric_limits<float>::max() / 4;
+
 float CenterOf(float min, float max) {
-  constexpr float kMost = std::numeric_limits<float>::max() / 4;
   const float center = 0.5f * min + 0.5f * max;
   return center >= -kMost && center <= kMost ? center : kMost;
 }
@@ -71,8 +72,10 @@ struct Extent {
     least.fill(std::numeric_limits<float>::infinity());
     greatest.fill(-std::numeric_limits<float>::infinity());
   }
+  // Without what is placed last: one such object would leave all others a cell.
   void Add(const Point& point) {
     for (std::size_t k = 0; k < kAxes; ++k) {
+      if (point[k] == kMost) continue;
       least[k] = std::min(least[k], point[k]);
       greatest[k] = std::max(greatest[k], point[k]);
     }
@@ -198,7 +201,8 @@ void OrderByCurve(const detail::SortedShape& shape,
       const Point center = centers.At(first + i);
       for (std::size_t k = 0; k < kAxes; ++k) {
         const float at = (center[k] - extent.least[k]) * scale[k];
-        cells[k][i] = std::min(static_cast<std::uint32_t>(at), kCells - 1);
+        cells[k][i] = static_cast<std::uint32_t>(
+            std::min(at, static_cast<float>(kCells - 1)));
       }
     }
     std::array<std::uint32_t, kChunk> places;

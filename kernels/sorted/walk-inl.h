@@ -26,7 +26,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Calls write(i, bit) for the i-th set bit: for up to four bits without a
-// branch, and so for four places after the last bit too.
+// branch, so that places 0 ... 3 are written even with fewer.
 template <class Write>
 HWY_INLINE void ForFewBits(uint64_t bits, const Write& write) {
   for (size_t i = 0; i < 4; ++i) {
@@ -67,13 +67,12 @@ class Walker {
       : walk_(walk), levels_(*walk.levels) {}
 
   void Run() {
-    constexpr size_t kValues = kBlockPlanes<kAxes, kHasMax>;
     for (size_t first = 0; first < walk_.query_count;
          first += detail::kWalkers) {
       const size_t count = HWY_MIN(detail::kWalkers, walk_.query_count - first);
       uint32_t roots[detail::kWalkers];
       for (size_t q = 0; q < count; ++q) {
-        ReadQuery<kAxes, kHasMax>(walk_.queries + (first + q) * kValues,
+        ReadQuery<kAxes, kHasMax>(walk_.queries + (first + q) * kPlanes,
                                   queries_[q]);
         roots[q] = static_cast<uint32_t>(q << detail::kBlockBits);
       }

@@ -276,7 +276,7 @@ TYPED_TEST(SortedTest, FindsWhatAScanFindsInDegenerateWorlds) {
 
 // One block whose values are at every place of their scale, and queries at each
 // of them and one ulp to both sides: a code that decides too much is found. In
-// every rounding mode, and with subnormals flushed, which may keep more.
+// every rounding mode, and with subnormals flushed.
 TYPED_TEST(SortedTest, CodesDecideOnlyWhatTheyProve) {
   using View = typename TypeParam::View;
   using Bound = typename View::Bound;
@@ -353,9 +353,9 @@ TYPED_TEST(SortedTest, CodesDecideOnlyWhatTheyProve) {
     const SortedWorld<View> sorted(view);
     for (Target target : TargetsUnderTest()) {
       for (const Query& query : queries) {
-        const std::size_t expected = CountSurvivors(view, query);
         const FlushDenormals flush;
-        ASSERT_GE(CountSurvivors(sorted, query, target), expected);
+        ASSERT_EQ(CountSurvivors(sorted, query, target),
+                  CountSurvivors(view, query, {.target = target}));
       }
     }
   }
@@ -466,6 +466,45 @@ TEST(SortedMemoryTest, CopiesMovesAndSwaps) {
   ExpectSame<AabbView3>(first, world.view(), queries, target);
   second = first;
   ExpectSame<AabbView3>(second, world.view(), queries, target);
+}
+
+// Offsets are those of all ids, of which the first are written.
+TEST(SortedManyTest, FillsAShortSpan) {
+  Spread<AabbView3> spread(20.0f);
+  const SortedAabbWorld3 sorted(spread.Objects(3000));
+  const std::vector<Aabb3> queries = spread.Queries(70);
+  std::vector<std::size_t> offsets(71);
+  Ids all(70 * 3000);
+  all.resize(SurvivorsOfEach(sorted, queries, all, offsets));
+  Canaried<std::uint32_t> canaried;
+  std::vector<std::size_t> same(71);
+  for (std::size_t room : {std::size_t{0}, std::size_t{100}, all.size() - 1}) {
+    const auto ids = canaried.Reset(room);
+    EXPECT_EQ(SurvivorsOfEach(sorted, queries, ids, same), all.size());
+    EXPECT_TRUE(canaried.IntactBut(room));
+    EXPECT_EQ(same, offsets);
+    EXPECT_TRUE(std::equal(ids.begin(), ids.end(), all.begin()));
+  }
+  EXPECT_EQ(SurvivorsOfEach(sorted, Span<const Aabb3>(), all, same), 0u);
+  EXPECT_EQ(same[0], 0u);
+  EXPECT_EQ(SurvivorsOfEach(SortedAabbWorld3(), queries, all, same), 0u);
+  EXPECT_EQ(same, std::vector<std::size_t>(71));
+}
+
+// Planes of one value, no numbers, and all that there is.
+TEST(SortedFpModesTest, MakingAWorldNeverTraps) {
+  AabbWorld3 world;
+  for (int i = 0; i < 200; ++i) {
+    const auto x = static_cast<float>(i);
+    world.Push({{x, 0.0f, 1e-40f}, {x + 1.0f, 0.0f, 3e38f}});
+  }
+  world.Push(Aabb3::Empty());
+  world.Push(Aabb3::Everything());
+  for (Order order : kOrders) {
+    const TrapExceptions traps;
+    const SortedAabbWorld3 sorted(world, order);
+    EXPECT_TRUE(traps.IsUntouched());
+  }
 }
 
 TEST(SortedErrorsTest, RefusesWhatItCannotRead) {
