@@ -200,7 +200,9 @@ void OrderByCurve(const detail::SortedShape& shape,
     for (std::size_t i = 0; i < count; ++i) {
       const Point center = centers.At(first + i);
       for (std::size_t k = 0; k < kAxes; ++k) {
-        const float at = (center[k] - extent.least[k]) * scale[k];
+        const float at = center[k] == kMost
+                             ? static_cast<float>(kCells)
+                             : (center[k] - extent.least[k]) * scale[k];
         cells[k][i] = static_cast<std::uint32_t>(
             std::min(at, static_cast<float>(kCells - 1)));
       }
