@@ -134,13 +134,16 @@ class Walker {
   uint64_t CountInside(size_t level, uint32_t place, uint64_t kept) {
     const detail::SortedLevel& nodes = levels_.level[level];
     const size_t block = place & kBlockMask;
+    // Without a second encoding of the query where nothing could be counted.
+    const uint64_t countable = kept & nodes.regular[block];
+    if (countable == 0) return 0;
     const WalkQuery& query = queries_[QueryOf(place)];
     WalkQuery inverse;
     for (size_t l = 0; l < detail::BlockScale::kLanes; ++l) {
       inverse.lanes[l] = -query.lanes[l ^ detail::BlockScale::kMaxLane];
     }
-    const uint64_t inside = InsideBits<kAxes>(BlockOf(nodes, place), inverse) &
-                            kept & nodes.regular[block];
+    const uint64_t inside =
+        countable & InsideBits<kAxes>(BlockOf(nodes, place), inverse);
     if (inside == 0) return 0;
     const size_t objects_of_node = size_t{1} << (6 * level);
     size_t objects = hwy::PopCount(inside) * objects_of_node;
