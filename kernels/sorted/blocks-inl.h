@@ -200,26 +200,30 @@ HWY_INLINE hn::Vec<D> Above(D d, const int8_t* codes, const QueryCodes& query) {
                           CodeOfLane(d, query, LaneOf<kAxes>(kPlane)));
 }
 
-// The most of that over kPlanes planes: where it is positive, an object is
-// rejected. And the least.
-template <size_t kAxes, size_t kPlanes, class D>
-HWY_INLINE hn::Vec<D> MostAbove(D d, const int8_t* codes,
-                                const QueryCodes& query) {
-  const auto above = Above<kAxes, kPlanes - 1>(d, codes, query);
-  if constexpr (kPlanes == 1) {
-    return above;
-  } else {
-    return hn::Max(above, MostAbove<kAxes, kPlanes - 1>(d, codes, query));
+struct TakeMost {
+  template <class V>
+  HWY_INLINE V operator()(V a, V b) const {
+    return hn::Max(a, b);
   }
-}
-template <size_t kAxes, size_t kPlanes, class D>
-HWY_INLINE hn::Vec<D> LeastAbove(D d, const int8_t* codes,
-                                 const QueryCodes& query) {
+};
+struct TakeLeast {
+  template <class V>
+  HWY_INLINE V operator()(V a, V b) const {
+    return hn::Min(a, b);
+  }
+};
+
+// The most of that over kPlanes planes, or the least: where the most is
+// positive, an object is rejected.
+template <size_t kAxes, size_t kPlanes, class Take, class D>
+HWY_INLINE hn::Vec<D> AboveOfPlanes(D d, Take take, const int8_t* codes,
+                                    const QueryCodes& query) {
   const auto above = Above<kAxes, kPlanes - 1>(d, codes, query);
   if constexpr (kPlanes == 1) {
     return above;
   } else {
-    return hn::Min(above, LeastAbove<kAxes, kPlanes - 1>(d, codes, query));
+    return take(above,
+                AboveOfPlanes<kAxes, kPlanes - 1>(d, take, codes, query));
   }
 }
 
@@ -235,8 +239,8 @@ TestBlock(const detail::Block<kBlockPlanes<kAxes, kHasMax>>& block,
   uint64_t rejected = 0;
   uint64_t not_certain = 0;
   for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
-    const auto above = MostAbove<kAxes, kBlockPlanes<kAxes, kHasMax>>(
-        d, &block.codes[0][i], codes);
+    const auto above = AboveOfPlanes<kAxes, kBlockPlanes<kAxes, kHasMax>>(
+        d, TakeMost(), &block.codes[0][i], codes);
     rejected |= LaneBits(d, hn::Gt(above, zero)) << i;
     not_certain |= LaneBits(d, hn::Gt(above, certain)) << i;
   }
@@ -254,8 +258,8 @@ HWY_INLINE uint64_t InsideBits(const detail::Block<2 * kAxes>& block,
   const WordTag<int8_t> d;
   uint64_t inside = 0;
   for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
-    const auto above =
-        LeastAbove<kAxes, 2 * kAxes>(d, &block.codes[0][i], codes);
+    const auto above = AboveOfPlanes<kAxes, 2 * kAxes>(
+        d, TakeLeast(), &block.codes[0][i], codes);
     inside |= LaneBits(d, hn::Gt(above, hn::Zero(d))) << i;
   }
   return inside;
