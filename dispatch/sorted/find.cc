@@ -2,21 +2,14 @@
 #include <algorithm>
 #include <string>
 
-#include "dispatch/targets/chosen_target.h"
-#include "halfspace/detail/sorted.h"
+#include "dispatch/sorted/layout.h"
+#include "halfspace/sorted.h"
 #include "kernels/error.h"
 #include "kernels/memory_checks.h"
 #include "kernels/sorted/block.h"
 
 namespace halfspace::detail {
 namespace {
-
-const SortedKernels::OfPlanes& KernelsFor(const SortedTree& tree, Target target,
-                                          const char* call) {
-  const SortedShape& shape = tree.shape();
-  const SortedKernels& kernels = shape.kernels[dispatch::IndexOf(target, call)];
-  return shape.has_max ? kernels.all : kernels.minima;
-}
 
 // Ids that go to the caller's memory while that has room for a block, and to a
 // buffer then.
@@ -97,54 +90,60 @@ void CheckMemory(const char* call, const char* argument, const void* memory,
 }  // namespace
 
 std::size_t SortedSurvivors(const SortedTree& tree, const float* query,
-                            Span<std::uint32_t> ids, Target target) {
-  const auto& kernels = KernelsFor(tree, target, "Survivors");
+                            Span<std::uint32_t> ids,
+                            const SortedOptions& options) {
+  const auto& kernels = KernelsOf(tree.shape(), options.target, "Survivors");
   CheckMemory("Survivors", "ids", ids.data(), ids.size(),
               alignof(std::uint32_t));
   if (tree.size() == 0) return 0;
   IdsToSpan to(ids);
-  kernels.find({&tree.levels(), query, 1, &to, nullptr});
+  kernels.find({&tree.levels(), query, 1, &to, nullptr, options.categories});
   if (to.is_buffered) to.Flush();
   return to.Total();
 }
 
 std::size_t SortedCount(const SortedTree& tree, const float* query,
-                        Target target) {
-  const auto& kernels = KernelsFor(tree, target, "CountSurvivors");
+                        const SortedOptions& options) {
+  const auto& kernels =
+      KernelsOf(tree.shape(), options.target, "CountSurvivors");
   if (tree.size() == 0) return 0;
   std::size_t count = 0;
-  kernels.count({&tree.levels(), query, 1, nullptr, &count});
+  kernels.count(
+      {&tree.levels(), query, 1, nullptr, &count, options.categories});
   return count;
 }
 
 bool SortedAny(const SortedTree& tree, const float* query, std::uint32_t& id,
-               Target target) {
-  const auto& kernels = KernelsFor(tree, target, "AnySurvivor");
+               const SortedOptions& options) {
+  const auto& kernels = KernelsOf(tree.shape(), options.target, "AnySurvivor");
   if (tree.size() == 0) return false;
   // Full after the first survivors.
   std::uint32_t buffer[kBlockObjects];
   WalkIds first{buffer, buffer + kBlockObjects, [](WalkIds&) { return false; },
                 [](WalkIds&, std::size_t) { return true; }};
-  kernels.find({&tree.levels(), query, 1, &first, nullptr});
+  kernels.find({&tree.levels(), query, 1, &first, nullptr, options.categories});
   if (first.next == buffer) return false;
   id = buffer[0];
   return true;
 }
 
 void SortedForEach(const SortedTree& tree, const float* query,
-                   IdsFunction function, void* context, Target target) {
-  const auto& kernels = KernelsFor(tree, target, "ForEachSurvivor");
+                   IdsFunction function, void* context,
+                   const SortedOptions& options) {
+  const auto& kernels =
+      KernelsOf(tree.shape(), options.target, "ForEachSurvivor");
   if (tree.size() == 0) return;
   IdsToFunction to(function, context);
-  kernels.find({&tree.levels(), query, 1, &to, nullptr});
+  kernels.find({&tree.levels(), query, 1, &to, nullptr, options.categories});
 }
 
 std::size_t SortedSurvivorsOfMany(const SortedTree& tree, const float* queries,
                                   std::size_t query_count,
                                   Span<std::uint32_t> ids,
-                                  Span<std::size_t> offsets, Target target) {
+                                  Span<std::size_t> offsets,
+                                  const SortedOptions& options) {
   constexpr const char* kCall = "SurvivorsOfEach";
-  const auto& kernels = KernelsFor(tree, target, kCall);
+  const auto& kernels = KernelsOf(tree.shape(), options.target, kCall);
   CheckMemory(kCall, "queries", queries, query_count, alignof(float));
   CheckMemory(kCall, "ids", ids.data(), ids.size(), alignof(std::uint32_t));
   if (offsets.size() <= query_count) {
@@ -162,7 +161,8 @@ std::size_t SortedSurvivorsOfMany(const SortedTree& tree, const float* queries,
   }
   IdsToSpan to(ids);
   to.offsets = offsets.data();
-  kernels.find({&tree.levels(), queries, query_count, &to, nullptr});
+  kernels.find(
+      {&tree.levels(), queries, query_count, &to, nullptr, options.categories});
   if (to.is_buffered) to.Flush();
   return to.Total();
 }

@@ -1,18 +1,16 @@
-// What a sorted world owns: its memory, and the build.
+// What a sorted world owns: its memory, the build, and its blob.
 #include <algorithm>
 #include <cstring>
 #include <limits>
 #include <string>
 #include <utility>
 
-#include "dispatch/targets/chosen_target.h"
-#include "halfspace/detail/block_memory.h"
-#include "halfspace/detail/sorted.h"
+#include "dispatch/sorted/layout.h"
+#include "dispatch/sorted/scratch.h"
 #include "halfspace/sorted.h"
 #include "kernels/error.h"
 #include "kernels/exact/default_fp_mode.h"
 #include "kernels/memory_checks.h"
-#include "kernels/sorted/block.h"
 #include "kernels/sorted/order.h"
 
 namespace halfspace::detail {
@@ -23,15 +21,8 @@ constexpr std::size_t kLine = 64;
 // More than this is not in the second-level cache.
 constexpr std::size_t kInCacheBytes = std::size_t{1} << 20;
 
-constexpr std::size_t BlocksOf(std::size_t objects) {
-  return (objects + kBlockObjects - 1) / kBlockObjects;
-}
-
-std::size_t PlanesOf(const SortedShape& shape) {
-  return shape.has_max ? 2u * shape.axes : shape.axes;
-}
-
-// Hands out parts of a tree, of whole cache lines; without memory it measures.
+// Hands out parts of a block of memory, of whole cache lines; without memory it
+// measures.
 class Parts {
  public:
   explicit Parts(std::byte* begin) : begin_(begin) {}
@@ -51,18 +42,41 @@ class Parts {
   std::size_t bytes_ = 0;
 };
 
-// Finds where the parts of a tree are in memory from `begin` on, all of which
-// follows from the number of objects; returns their bytes.
-std::size_t Place(const SortedShape& shape, std::size_t objects,
-                  std::byte* begin, SortedLevels& levels) {
+[[noreturn]] void ThrowCorrupt(const char* expected, const std::string& given) {
+  kernels::ThrowInvalid("SortedWorld::Load", "blob", expected, given);
+}
+
+// The last block of a level has lanes without an object, which no query may
+// keep: their children would be beyond the level below.
+bool IsClosed(const SortedShape& shape, const SortedLevel& level) {
+  const std::size_t count = level.size % kBlockObjects;
+  if (count == 0) return true;
+  const std::size_t last = level.size / kBlockObjects;
+  if (level.present[last] >> count != 0) return false;
+  const auto* codes = reinterpret_cast<const std::int8_t*>(
+      level.blocks + last * BlockBytes(PlanesOf(shape)) + sizeof(BlockScale));
+  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
+    for (std::size_t i = count; i < kBlockObjects; ++i) {
+      if (codes[p * kBlockObjects + i] != kNoCode - kCodeBias) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+std::size_t Place(const SortedShape& shape, std::size_t capacity,
+                  const SortedExtras& extras, std::byte* begin,
+                  SortedLevels& levels) {
+  // So that equal places of all planes are not in one set of a cache.
   constexpr std::size_t kStagger = 5 * kLine / sizeof(float);
   levels = {};
   const std::size_t planes = PlanesOf(shape);
   Parts parts(begin);
-  std::size_t size = objects;
+  parts.Take<SortedHeader>(1);
+  std::size_t size = capacity;
   do {
     SortedLevel& level = levels.level[levels.count++];
-    level.size = size;
     const std::size_t blocks = BlocksOf(size);
     const std::size_t bytes = blocks * BlockBytes(planes);
     level.is_prefetched = bytes > kInCacheBytes;
@@ -70,61 +84,57 @@ std::size_t Place(const SortedShape& shape, std::size_t objects,
     for (std::size_t p = 0; p < planes; ++p) {
       level.planes[p] = parts.Take<float>(blocks * kBlockObjects + kStagger);
     }
-    if (levels.count > 1) level.regular = parts.Take<std::uint64_t>(blocks);
+    level.present = parts.Take<std::uint64_t>(blocks);
+    if (shape.has_max && levels.count > 1) {
+      level.regular = parts.Take<std::uint64_t>(blocks);
+    }
+    if (extras.has_categories) {
+      level.categories = parts.Take<std::uint32_t>(blocks * kBlockObjects);
+    }
     size = blocks;
   } while (size > 1);
-  levels.ids = parts.Take<std::uint32_t>(BlocksOf(objects) * kBlockObjects);
+  levels.ids = parts.Take<std::uint32_t>(BlocksOf(capacity) * kBlockObjects);
+  if (extras.has_slots) levels.slots = parts.Take<std::uint32_t>(capacity);
+  levels.built = parts.Take<double>(PartsOf(capacity));
   return parts.bytes();
 }
 
-// Everything but the ids of the objects.
-void Fill(const SortedShape& shape, const FloatColumns& objects,
-          const SortedKernels::OfPlanes& of_planes,
-          const SortedLevels& levels) {
-  const std::size_t planes = PlanesOf(shape);
-  std::fill(levels.ids + objects.size,
-            levels.ids + BlocksOf(objects.size) * kBlockObjects, 0);
-  for (std::size_t p = 0; p < planes; ++p) {
-    float* const plane = levels.level[0].planes[p];
-    for (std::size_t i = 0; i < objects.size; ++i) {
-      plane[i] = objects.planes[p][levels.ids[i] * objects.stride];
-    }
-  }
-  constexpr float kInf = std::numeric_limits<float>::infinity();
+void SetSlots(SortedLevels& levels, std::size_t slots) {
   for (std::size_t l = 0; l < levels.count; ++l) {
-    const SortedLevel& level = levels.level[l];
-    const std::size_t blocks = BlocksOf(level.size);
-    for (std::size_t p = 0; p < planes; ++p) {
-      std::fill(level.planes[p] + level.size,
-                level.planes[p] + blocks * kBlockObjects,
-                (p < shape.axes ? 1.0f : -1.0f) * kInf);
-    }
-    const bool is_top = l + 1 == levels.count;
-    if (!is_top) {
-      const SortedLevel& above = levels.level[l + 1];
-      std::fill_n(above.regular, BlocksOf(above.size), 0);
-    }
-    of_planes.build(
-        {&level, is_top ? nullptr : &levels.level[l + 1], 0, blocks});
+    levels.level[l].size = slots;
+    slots = BlocksOf(slots);
   }
 }
 
-// Memory for the time of a build.
-struct Scratch {
-  Scratch(const MemoryResource& resource, std::size_t size)
-      : memory(resource),
-        bytes(size),
-        begin(static_cast<std::byte*>(AllocateBlock(memory, bytes))) {}
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  ~Scratch() { FreeBlock(memory, begin, bytes); }
+void ClearSlots(const SortedShape& shape, SortedLevels& levels,
+                std::size_t level, std::size_t begin) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  const std::size_t end = BlocksOf(begin + 1) * kBlockObjects;
+  const SortedLevel& cleared = levels.level[level];
+  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
+    std::fill(cleared.planes[p] + begin, cleared.planes[p] + end,
+              p < shape.axes ? kInf : -kInf);
+  }
+  const std::uint64_t kept = (std::uint64_t{1} << begin % kBlockObjects) - 1;
+  const std::size_t block = begin / kBlockObjects;
+  cleared.present[block] &= begin % kBlockObjects == 0 ? 0 : kept;
+  if (cleared.regular != nullptr) {
+    cleared.regular[block] &= begin % kBlockObjects == 0 ? 0 : kept;
+  }
+  if (cleared.categories != nullptr) {
+    std::fill(cleared.categories + begin, cleared.categories + end, 0);
+  }
+  if (level == 0) std::fill(levels.ids + begin, levels.ids + end, kNoId);
+}
 
-  MemoryResource memory;
-  std::size_t bytes;
-  std::byte* begin;
-};
-
-}  // namespace
+void EncodeLevels(const SortedLevels& levels,
+                  const SortedKernels::OfPlanes& kernels, std::size_t from) {
+  for (std::size_t l = from; l < levels.count; ++l) {
+    const bool is_top = l + 1 == levels.count;
+    kernels.encode({&levels.level[l], is_top ? nullptr : &levels.level[l + 1],
+                    0, BlocksOf(levels.level[l].size)});
+  }
+}
 
 SortedTree::SortedTree(const SortedShape& shape, const MemoryResource& memory)
     : shape_(shape), memory_(memory) {}
@@ -132,22 +142,15 @@ SortedTree::SortedTree(const SortedShape& shape, const MemoryResource& memory)
 SortedTree::SortedTree(const SortedTree& other, const MemoryResource& memory)
     : SortedTree(other.shape_, memory) {
   if (other.block_ == nullptr) return;
-  Allocate(other.size());
+  const SortedHeader& from = other.header();
+  Allocate(from.capacity, {from.has_slots != 0, from.has_categories != 0});
   std::memcpy(block_, other.block_, bytes_);
+  SetSlots(levels_, from.slots);
 }
 
 SortedTree::SortedTree(SortedTree&& other) noexcept
-    : shape_(other.shape_), memory_(other.memory_) {
-  std::swap(block_, other.block_);
-  std::swap(bytes_, other.bytes_);
-  std::swap(levels_, other.levels_);
-}
-
-SortedTree& SortedTree::operator=(const SortedTree& other) {
-  return AssignCopy(*this, other);
-}
-SortedTree& SortedTree::operator=(SortedTree&& other) {
-  return AssignMove(*this, other);
+    : SortedTree(other.shape_, other.memory_) {
+  Swap(other);
 }
 
 SortedTree::~SortedTree() { Free(); }
@@ -157,37 +160,54 @@ void SortedTree::Swap(SortedTree& other) noexcept {
   std::swap(memory_, other.memory_);
   std::swap(block_, other.block_);
   std::swap(bytes_, other.bytes_);
+  std::swap(is_owned_, other.is_owned_);
   std::swap(levels_, other.levels_);
 }
 
 void SortedTree::Free() {
-  if (block_ == nullptr) return;
-  FreeBlock(memory_, block_, bytes_);
+  if (block_ != nullptr && is_owned_) FreeBlock(memory_, block_, bytes_);
   block_ = nullptr;
   bytes_ = 0;
+  is_owned_ = true;
   levels_ = {};
 }
 
-// Replaces all by new memory. As it was if there is none.
-void SortedTree::Allocate(std::size_t objects) {
+SortedHeader& SortedTree::header() const {
+  return *reinterpret_cast<SortedHeader*>(block_);
+}
+
+std::size_t SortedTree::size() const {
+  return block_ == nullptr ? 0 : header().size;
+}
+
+void SortedTree::Allocate(std::size_t capacity, const SortedExtras& extras) {
   SortedLevels levels;
-  const std::size_t bytes = Place(shape_, objects, nullptr, levels);
+  const std::size_t bytes = Place(shape_, capacity, extras, nullptr, levels);
   auto* const block = static_cast<std::byte*>(AllocateBlock(memory_, bytes));
   Free();
   block_ = block;
   bytes_ = bytes;
-  Place(shape_, objects, block_, levels_);
+  Place(shape_, capacity, extras, block_, levels_);
+  SortedHeader& header = this->header();
+  header = {};
+  std::copy(std::begin(kSortedMagic), std::end(kSortedMagic), header.magic);
+  header.version = kSortedVersion;
+  header.byte_order = kSortedByteOrder;
+  header.bytes = bytes;
+  header.capacity = capacity;
+  header.free_id = kNoId;
+  header.axes = shape_.axes;
+  header.has_max = shape_.has_max;
+  header.has_slots = extras.has_slots;
+  header.has_categories = extras.has_categories;
 }
 
 void SortedTree::Build(const FloatColumns& objects, Order order,
                        Target target) {
   constexpr const char* kCall = "SortedWorld";
-  const std::size_t index = dispatch::IndexOf(target, kCall);
-  const SortedKernels::OfPlanes& of_planes =
-      shape_.has_max ? shape_.kernels[index].all : shape_.kernels[index].minima;
-  const std::size_t planes = PlanesOf(shape_);
-  if (objects.size > std::numeric_limits<std::uint32_t>::max()) {
-    kernels::ThrowInvalid(kCall, "world", "less than 2^32 objects",
+  const SortedKernels::OfPlanes& kernels = KernelsOf(shape_, target, kCall);
+  if (objects.size >= kMostObjects) {
+    kernels::ThrowInvalid(kCall, "world", "less than 2^31 objects",
                           std::to_string(objects.size));
   }
   if (order != Order::kTight && order != Order::kFast) {
@@ -195,24 +215,85 @@ void SortedTree::Build(const FloatColumns& objects, Order order,
                           std::to_string(static_cast<int>(order)));
   }
   if (objects.size == 0) return Free();
-  for (std::size_t p = 0; p < planes; ++p) {
-    kernels::CheckPointer(
-        kCall, objects.planes[p], alignof(float),
-        [&] { return kernels::PlaneName("world", shape_.axes, p); },
-        [&] {
-          return "a plane of " + std::to_string(objects.size) + " floats";
-        });
-  }
-  // More bytes than an object takes in all.
-  kernels::CheckAddressable(kCall, "world", objects.size, 128);
+  CheckColumns(shape_, objects, kCall);
   const Scratch scratch(memory_, objects.size * kernels::kOrderScratch);
-  Allocate(objects.size);
+  Allocate(objects.size, {});
   kernels::InDefaultFpMode([&] {
     const auto put_in_order =
         order == Order::kFast ? kernels::OrderByCurve : kernels::OrderByMedians;
-    put_in_order(shape_, objects, scratch.begin, levels_.ids);
-    Fill(shape_, objects, of_planes, levels_);
+    put_in_order(shape_, objects, scratch.data(), levels_.ids);
+    SetSlots(levels_, objects.size);
+    header().slots = header().size = header().ids = objects.size;
+    for (std::size_t l = 0; l < levels_.count; ++l) {
+      const std::size_t size = levels_.level[l].size;
+      std::fill_n(levels_.level[l].present, BlocksOf(size), ~std::uint64_t{0});
+      if (levels_.level[l].regular != nullptr) {
+        std::fill_n(levels_.level[l].regular, BlocksOf(size), 0);
+      }
+      if (size % kBlockObjects != 0) ClearSlots(shape_, levels_, l, size);
+    }
+    FillParts(levels_, PlanesOf(shape_), objects, levels_.ids, kernels, 0,
+              PartsOf(objects.size));
+    EncodeLevels(levels_, kernels, 1);
+    MarkBuilt();
   });
+}
+
+void SortedTree::Load(Span<const std::byte> blob, bool is_in_place) {
+  if (blob.empty()) return Free();
+  SortedHeader header;
+  if (blob.size() < sizeof(header)) {
+    ThrowCorrupt("a header of 64 bytes", std::to_string(blob.size()));
+  }
+  std::memcpy(&header, blob.data(), sizeof(header));
+  if (!std::equal(std::begin(kSortedMagic), std::end(kSortedMagic),
+                  header.magic)) {
+    ThrowCorrupt("what SortedWorld::Blob() gave", "another beginning");
+  }
+  if (header.version != kSortedVersion ||
+      header.byte_order != kSortedByteOrder) {
+    ThrowCorrupt("the version and the byte order of this library",
+                 "version " + std::to_string(header.version));
+  }
+  if (header.axes != shape_.axes || (header.has_max != 0) != shape_.has_max) {
+    ThrowCorrupt("bounds of this world's kind",
+                 std::to_string(header.axes) + " axes with " +
+                     (header.has_max != 0 ? "" : "no ") + "maxima");
+  }
+  const SortedExtras extras = {header.has_slots != 0,
+                               header.has_categories != 0};
+  SortedLevels levels;
+  if (header.capacity >= kMostObjects || header.slots > header.capacity ||
+      header.size > header.slots || header.slots == 0 ||
+      header.ids > header.capacity ||
+      (header.free_id != kNoId && header.free_id >= header.ids) ||
+      Place(shape_, header.capacity, extras, nullptr, levels) != header.bytes ||
+      header.bytes != blob.size()) {
+    ThrowCorrupt("the bytes that its header tells",
+                 std::to_string(blob.size()));
+  }
+  SortedTree loaded(shape_, memory_);
+  if (is_in_place) {
+    kernels::CheckPointer(
+        "SortedWorld::Load", blob.data(), kLine, [] { return "blob"; },
+        [] { return "a blob"; });
+    // Not written before it has been copied: see Reallocate.
+    loaded.block_ = const_cast<std::byte*>(blob.data());
+    loaded.bytes_ = blob.size();
+    loaded.is_owned_ = false;
+    Place(shape_, header.capacity, extras, loaded.block_, loaded.levels_);
+  } else {
+    loaded.Allocate(header.capacity, extras);
+    std::memcpy(loaded.block_, blob.data(), blob.size());
+  }
+  SetSlots(loaded.levels_, header.slots);
+  for (std::size_t l = 0; l < loaded.levels_.count; ++l) {
+    if (!IsClosed(shape_, loaded.levels_.level[l])) {
+      ThrowCorrupt("no objects beyond the last",
+                   "some on level " + std::to_string(l));
+    }
+  }
+  Swap(loaded);
 }
 
 }  // namespace halfspace::detail

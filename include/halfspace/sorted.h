@@ -23,9 +23,9 @@
 // queries do what they do in reject.h.
 //
 // Every call takes
-//   world   a SortedWorld
-//   query   of the view's Query type
-//   target  the target to run, by default the chosen one (targets.h)
+//   world    a SortedWorld
+//   query    of the view's Query type
+//   options  categories and target; the defaults are right
 //
 // Errors (error.h): no output with room and no list of queries is null or
 // misaligned, offsets are at least one more than the queries, and the target is
@@ -69,6 +69,13 @@ enum class Order : std::uint8_t {
   kFast,
 };
 
+struct SortedOptions {
+  // Only objects that have one of these categories, if any have been set
+  // (SortedWorld::SetCategories); all ones stands for all objects.
+  std::uint32_t categories = 0xFFFFFFFF;
+  Target target = {};  // by default, the chosen one (targets.h)
+};
+
 namespace detail {
 
 template <typename View>
@@ -88,22 +95,28 @@ const float* ValuesOf(const Query* queries) {
 
 }  // namespace detail
 
-// A sorted copy of a world's bounds.
+// A sorted copy of a world's bounds. The id of an object is its index in that
+// world, or what Insert() returned.
 //
 // Memory: one block, from the heap or from a resource of the caller's
 // (memory.h, which says what copies, moves and swap(a, b) use): of boxes in 3
-// dimensions 36 bytes an object, 24 of them floats. While it is made, 16 bytes
-// an object more.
+// dimensions 36 bytes an object, 24 of them floats; 4 more after the first
+// change by id, and 4 more with categories. While it is made, 16 bytes an
+// object more, and while its order is made anew, 44 more.
+//
+// Changes are seen by every later call; none may run at the same time as
+// another call on the same world. They run on the chosen target.
 //
 // Errors (error.h): a plane of a world that is not empty is null or misaligned;
-// there are 2^32 objects or more; the order is none of the enumerators. A
-// failed allocation throws std::bad_alloc.
+// there are 2^31 objects or more; the order is none of the enumerators; an id
+// is not that of an object in the world. A failed allocation throws
+// std::bad_alloc. The world is then as it was.
 template <typename ViewType>
 class SortedWorld {
  public:
   using View = ViewType;
   using Bound = typename View::Bound;
-  using Query = typename View::Query;
+  // No type Query: the calls of reject.h are for all that has one.
   static_assert(std::is_same_v<typename Bound::Scalar, float>,
                 "sorted worlds are of floats");
   static_assert(Bound::kDimensions <= 3, "2 or 3 dimensions");
@@ -142,10 +155,124 @@ class SortedWorld {
   // The size of its block of memory.
   std::size_t bytes() const { return tree_.bytes(); }
 
+  // Whether an object has this id. O(1).
+  bool Has(std::uint32_t id) const { return tree_.Has(id); }
+
+  // Gives an object a new bound. All levels are at once as tight as they can be
+  // with this order. About half a microsecond, and a copy of the world at the
+  // first change by id.
+  void Set(std::uint32_t id, const Bound& bound) {
+    tree_.Set(id, detail::Planes(bound));
+  }
+
+  // Adds an object, of all categories, and returns its id: that of an object
+  // that was erased, or one more than the greatest. It takes the place of an
+  // erased object near it, or is last, and the memory grows by half if that is
+  // full. Costs what Set() costs, and a few microseconds to find a place.
+  std::uint32_t Insert(const Bound& bound) {
+    return tree_.Insert(detail::Planes(bound));
+  }
+
+  // Removes an object. Costs what Set() costs. Its place stays empty until an
+  // object is inserted near it or all are sorted anew.
+  void Erase(std::uint32_t id) { tree_.Erase(id); }
+
+  // Gives objects categories, bits that SortedOptions::categories asks for:
+  // one object, or all, by id (0 beyond the end of the list).
+  void SetCategories(std::uint32_t id, std::uint32_t categories) {
+    tree_.SetCategories(id, categories);
+  }
+  void SetCategories(Span<const std::uint32_t> categories) {
+    tree_.SetCategories(categories);
+  }
+
+  // The ids in this world's order; 0xFFFFFFFF where an object was erased. Valid
+  // until an object is inserted or erased or the order changes.
+  Span<const std::uint32_t> ids() const { return tree_.ids(); }
+
+  // Gives all objects new bounds, by id: object i has bound i, and those of
+  // free ids are not read. The order stays as it is.
+  //   run  if given, run(count, part) calls part(i) once for each i below
+  //        `count`, in any order and on any threads, and returns when all have
+  //        returned
+  void Refit(const View& bounds) { Refit(bounds, InTurn()); }
+  void Refit(Span<const Bound> bounds) { Refit(bounds, InTurn()); }
+  template <typename Run>
+  void Refit(const View& bounds, Run&& run) {
+    Refit(detail::ColumnsOf(bounds), true, run);
+  }
+  template <typename Run>
+  void Refit(Span<const Bound> bounds, Run&& run) {
+    Refit(detail::ColumnsOf(bounds), true, run);
+  }
+
+  // The same with bounds in this world's order: bound i is that of object
+  // ids()[i], and those of erased objects are not read. Several times as fast.
+  void RefitInOrder(const View& bounds) { RefitInOrder(bounds, InTurn()); }
+  template <typename Run>
+  void RefitInOrder(const View& bounds, Run&& run) {
+    Refit(detail::ColumnsOf(bounds), false, run);
+  }
+
+  // How much the order has decayed: the surface of all groups of 64 objects,
+  // times that when they were sorted. A query visits up to so many times as
+  // many blocks. Infinite if there was no order, as in a world made by
+  // Insert(). O(n / 64).
+  double Decay() const { return tree_.Decay(); }
+
+  // Sorts all objects anew, and gives back the memory of erased ones. Ids stay.
+  void Rebuild(Order order = Order::kTight) { tree_.Rebuild(order); }
+
+  // Sorts about so many objects anew, those whose groups have grown most:
+  // 4096 that follow each other, and some such groups together if `objects`
+  // allows it. Returns how many were sorted; 0 if none have grown. Takes about
+  // 0.3 us an object.
+  std::size_t RebuildWorst(std::size_t objects) {
+    return tree_.RebuildWorst(objects);
+  }
+
+  // The world as bytes, to store or to map: its block of memory itself. Valid
+  // until the world changes.
+  Span<const std::byte> Blob() const { return tree_.Blob(); }
+
+  // A world of what Blob() gave: a copy, or, in place, one that refers to the
+  // bytes, which must be aligned to 64, stay, and not change. A change makes it
+  // a copy. Whatever the bytes are, calls on the world read nothing beside
+  // them. What is checked is O(1); bytes that were altered may give other
+  // answers. Throws (error.h) if they are not a world's of this type, this byte
+  // order and this version of the library.
+  static SortedWorld FromBlob(Span<const std::byte> blob,
+                              const MemoryResource& memory = {}) {
+    SortedWorld world(memory);
+    world.tree_.Load(blob, false);
+    return world;
+  }
+  static SortedWorld InPlace(Span<const std::byte> blob,
+                             const MemoryResource& memory = {}) {
+    SortedWorld world(memory);
+    world.tree_.Load(blob, true);
+    return world;
+  }
+
   // Internal.
   const detail::SortedTree& tree() const { return tree_; }
 
  private:
+  struct InTurn {
+    template <typename Part>
+    void operator()(std::size_t count, const Part& part) const {
+      for (std::size_t i = 0; i < count; ++i) part(i);
+    }
+  };
+  template <typename Run>
+  void Refit(const detail::FloatColumns& bounds, bool is_by_id, Run&& run) {
+    tree_.BeginRefit(bounds, is_by_id);
+    run(tree_.PartCount(), [&](std::size_t part) {
+      tree_.Refit(bounds, is_by_id, part, part + 1);
+    });
+    tree_.FinishRefit();
+  }
+
   detail::SortedTree tree_;
 };
 
@@ -163,9 +290,9 @@ template <typename View>
 [[nodiscard]] std::size_t Survivors(const SortedWorld<View>& world,
                                     const typename View::Query& query,
                                     Span<std::uint32_t> ids,
-                                    Target target = {}) {
+                                    const SortedOptions& options = {}) {
   return detail::SortedSurvivors(world.tree(), detail::ValuesOf(&query), ids,
-                                 target);
+                                 options);
 }
 
 // Counts the survivors. Nodes that lie inside a box or an octahedron add their
@@ -174,17 +301,17 @@ template <typename View>
 template <typename View>
 [[nodiscard]] std::size_t CountSurvivors(const SortedWorld<View>& world,
                                          const typename View::Query& query,
-                                         Target target = {}) {
-  return detail::SortedCount(world.tree(), detail::ValuesOf(&query), target);
+                                         const SortedOptions& options = {}) {
+  return detail::SortedCount(world.tree(), detail::ValuesOf(&query), options);
 }
 
 // The id of a survivor, if there is one. Stops soon after it has found one.
 template <typename View>
 [[nodiscard]] std::optional<std::uint32_t> AnySurvivor(
     const SortedWorld<View>& world, const typename View::Query& query,
-    Target target = {}) {
+    const SortedOptions& options = {}) {
   std::uint32_t id = 0;
-  if (!detail::SortedAny(world.tree(), detail::ValuesOf(&query), id, target)) {
+  if (!detail::SortedAny(world.tree(), detail::ValuesOf(&query), id, options)) {
     return std::nullopt;
   }
   return id;
@@ -196,7 +323,7 @@ template <typename View>
 template <typename View, typename Function>
 void ForEachSurvivor(const SortedWorld<View>& world,
                      const typename View::Query& query, Function&& function,
-                     Target target = {}) {
+                     const SortedOptions& options = {}) {
   auto call = [&function](Span<const std::uint32_t> ids) {
     static_assert(std::is_void_v<decltype(function(ids))> ||
                       std::is_same_v<decltype(function(ids)), bool>,
@@ -213,7 +340,7 @@ void ForEachSurvivor(const SortedWorld<View>& world,
       [](void* context, Span<const std::uint32_t> ids) {
         return (*static_cast<decltype(call)*>(context))(ids);
       },
-      &call, target);
+      &call, options);
 }
 
 // Survivors() of several queries, which walk together, 64 at a time: that hides
@@ -225,10 +352,11 @@ void ForEachSurvivor(const SortedWorld<View>& world,
 template <typename View>
 [[nodiscard]] std::size_t SurvivorsOfEach(
     const SortedWorld<View>& world, Span<const typename View::Query> queries,
-    Span<std::uint32_t> ids, Span<std::size_t> offsets, Target target = {}) {
+    Span<std::uint32_t> ids, Span<std::size_t> offsets,
+    const SortedOptions& options = {}) {
   return detail::SortedSurvivorsOfMany(world.tree(),
                                        detail::ValuesOf(queries.data()),
-                                       queries.size(), ids, offsets, target);
+                                       queries.size(), ids, offsets, options);
 }
 
 }  // namespace halfspace

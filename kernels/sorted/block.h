@@ -52,9 +52,13 @@ constexpr std::size_t BlockBytes(std::size_t planes) {
 static_assert(sizeof(Block<6>) == BlockBytes(6));
 
 // The most queries that walk together: a place in a list of blocks to visit is
-// the query above kBlockBits bits of the block.
+// the query above kQueryShift bits of the block. The highest of these says that
+// the block lies inside the query.
 inline constexpr std::size_t kWalkers = 64;
-inline constexpr std::size_t kBlockBits = 26;
+inline constexpr std::size_t kQueryShift = 26;
+inline constexpr std::uint32_t kInsideBit = std::uint32_t{1}
+                                            << (kQueryShift - 1);
+inline constexpr std::uint32_t kBlockMask = kInsideBit - 1;
 
 // Where ids go: `next` has room for kBlockObjects ids before `end`, or
 // make_room() gives it that. Both functions return whether to go on.
@@ -74,10 +78,13 @@ struct Walk {
   std::size_t query_count;
   WalkIds* ids;         // to find
   std::size_t* counts;  // to count: of each query, added to
+  // Objects that have none of them are left out; all ones leave out none.
+  std::uint32_t categories;
 };
 
 // Blocks begin ... end - 1 of a level: encodes each, and bounds it by a node of
-// the next level, unless there is none.
+// the next level, unless there is none. Threads may share a level at multiples
+// of 64 blocks.
 struct BlockRange {
   const SortedLevel* level;
   const SortedLevel* above;  // or null
@@ -87,7 +94,7 @@ struct BlockRange {
 
 struct SortedKernels {
   struct OfPlanes {
-    void (*build)(const BlockRange& range);
+    void (*encode)(const BlockRange& range);
     void (*find)(const Walk& walk);   // writes ids
     void (*count)(const Walk& walk);  // adds to counts
   };

@@ -283,11 +283,11 @@ HWY_INLINE float LeastLane(D d, hn::Vec<D> values) {
   return least;
 }
 
-// Encodes a plane, of which `count` objects exist. Returns the least value,
-// which is -inf with a NaN.
+// Encodes a plane, of which the objects in `present` exist. Returns the least
+// value, which is -inf with a NaN.
 template <bool kIsMax>
-HWY_NOINLINE float EncodePlane(const float* plane, size_t count, float& base,
-                               float& scale, int8_t* codes) {
+HWY_NOINLINE float EncodePlane(const float* plane, uint64_t present,
+                               float& base, float& scale, int8_t* codes) {
   const hn::CappedTag<float, 16> d;
   const hn::Rebind<int8_t, decltype(d)> d8;
   constexpr float kInf = std::numeric_limits<float>::infinity();
@@ -322,25 +322,27 @@ HWY_NOINLINE float EncodePlane(const float* plane, size_t count, float& base,
     const auto number = hn::IfThenElseZero(hn::Eq(v, v), scaled);
     hn::StoreU(hn::DemoteTo(d8, CodesOf(d, number)), d8, codes + i);
   }
-  for (size_t i = count; i < detail::kBlockObjects; ++i) {
-    codes[i] = static_cast<int8_t>(detail::kNoCode - detail::kCodeBias);
+  for (uint64_t absent = ~present; absent != 0; absent &= absent - 1) {
+    codes[hwy::Num0BitsBelowLS1Bit_Nonzero64(absent)] =
+        static_cast<int8_t>(detail::kNoCode - detail::kCodeBias);
   }
   return LeastLane(d, all_least);
 }
 
 template <size_t kAxes>
-HWY_INLINE bool IsRegular(const detail::SortedLevel& level, size_t block,
-                          size_t count) {
+HWY_INLINE bool IsRegular(const detail::SortedLevel& level, size_t block) {
+  const size_t first = block * detail::kBlockObjects;
+  const size_t count = HWY_MIN(detail::kBlockObjects, level.size - first);
   const uint64_t all = ~uint64_t{0} >> (detail::kBlockObjects - count);
+  if (level.present[block] != all) return false;
   if (level.regular != nullptr) return level.regular[block] == all;
   const WordTag<float> d;
   bool is_regular = true;
   for (size_t k = 0; k < kAxes; ++k) {
     uint64_t ordered = 0;
     for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
-      const size_t at = block * detail::kBlockObjects + i;
-      const auto min = hn::LoadU(d, level.planes[k] + at);
-      const auto max = hn::LoadU(d, level.planes[kAxes + k] + at);
+      const auto min = hn::LoadU(d, level.planes[k] + first + i);
+      const auto max = hn::LoadU(d, level.planes[kAxes + k] + first + i);
       ordered |= LaneBits(d, hn::Le(min, max)) << i;
     }
     is_regular &= (ordered & all) == all;
@@ -348,14 +350,19 @@ HWY_INLINE bool IsRegular(const detail::SortedLevel& level, size_t block,
   return is_regular;
 }
 
+HWY_INLINE void AssignBit(uint64_t* words, size_t i, bool value) {
+  const uint64_t bit = uint64_t{1} << (i % 64);
+  words[i / 64] = value ? words[i / 64] | bit : words[i / 64] & ~bit;
+}
+
 template <size_t kAxes, bool kHasMax>
-void BuildBlocks(const detail::BlockRange& range) {
+void EncodeBlocks(const detail::BlockRange& range) {
   using Block = detail::Block<kBlockPlanes<kAxes, kHasMax>>;
-  auto* const blocks = reinterpret_cast<Block*>(range.level->blocks);
+  const detail::SortedLevel& level = *range.level;
+  auto* const blocks = reinterpret_cast<Block*>(level.blocks);
   for (size_t b = range.begin; b < range.end; ++b) {
     const size_t first = b * detail::kBlockObjects;
-    const size_t count =
-        HWY_MIN(detail::kBlockObjects, range.level->size - first);
+    const uint64_t present = level.present[b];
     detail::BlockScale scale;
     for (size_t l = 0; l < detail::BlockScale::kLanes; ++l) {
       scale.base[l] = -0.5f;  // lanes without an axis: queries have 0
@@ -364,19 +371,20 @@ void BuildBlocks(const detail::BlockRange& range) {
     float least[detail::BlockScale::kLanes] = {};
     for (size_t k = 0; k < kAxes; ++k) {
       least[k] =
-          EncodePlane<false>(range.level->planes[k] + first, count,
-                             scale.base[k], scale.scale[k], blocks[b].codes[k]);
+          EncodePlane<false>(level.planes[k] + first, present, scale.base[k],
+                             scale.scale[k], blocks[b].codes[k]);
       if constexpr (kHasMax) {
         const size_t l = detail::BlockScale::kMaxLane + k;
-        least[l] = EncodePlane<true>(range.level->planes[kAxes + k] + first,
-                                     count, scale.base[l], scale.scale[l],
+        least[l] = EncodePlane<true>(level.planes[kAxes + k] + first, present,
+                                     scale.base[l], scale.scale[l],
                                      blocks[b].codes[kAxes + k]);
       }
     }
     blocks[b].scale = scale;
     if (range.above == nullptr) continue;
-    if (kHasMax && IsRegular<kAxes>(*range.level, b, count)) {
-      range.above->regular[b / 64] |= uint64_t{1} << (b % 64);
+    AssignBit(range.above->present, b, present != 0);
+    if constexpr (kHasMax) {
+      AssignBit(range.above->regular, b, IsRegular<kAxes>(level, b));
     }
     for (size_t k = 0; k < kAxes; ++k) {
       range.above->planes[k][b] = least[k];

@@ -64,7 +64,10 @@ class Walker {
   using Block = detail::Block<kPlanes>;
 
   explicit Walker(const detail::Walk& walk)
-      : walk_(walk), levels_(*walk.levels) {}
+      : walk_(walk),
+        levels_(*walk.levels),
+        has_categories_(levels_.level[0].categories != nullptr &&
+                        ~walk.categories != 0) {}
 
   void Run() {
     for (size_t first = 0; first < walk_.query_count;
@@ -74,7 +77,7 @@ class Walker {
       for (size_t q = 0; q < count; ++q) {
         ReadQuery<kAxes, kHasMax>(walk_.queries + (first + q) * kPlanes,
                                   queries_[q]);
-        roots[q] = static_cast<uint32_t>(q << detail::kBlockBits);
+        roots[q] = static_cast<uint32_t>(q << detail::kQueryShift);
       }
       first_query_ = first;
       query_ = 0;
@@ -86,14 +89,16 @@ class Walker {
  private:
   // A chunk of blocks is tested before their survivors are.
   static constexpr size_t kChunk = 16;
-  static constexpr uint32_t kBlockMask =
-      (uint32_t{1} << detail::kBlockBits) - 1;
+  // From so many survivors in a block on, those inside the query are looked
+  // for: a query that is not larger than its nodes has none.
+  static constexpr size_t kManyKept = 8;
 
   static const Block& BlockOf(const detail::SortedLevel& level,
                               uint32_t place) {
-    return reinterpret_cast<const Block*>(level.blocks)[place & kBlockMask];
+    return reinterpret_cast<const Block*>(
+        level.blocks)[place & detail::kBlockMask];
   }
-  static size_t QueryOf(uint32_t place) { return place >> detail::kBlockBits; }
+  static size_t QueryOf(uint32_t place) { return place >> detail::kQueryShift; }
 
   bool Visit(size_t level, const uint32_t* places, size_t count) {
     if (level == 0) return VisitObjects(places, count);
@@ -103,20 +108,35 @@ class Walker {
       uint32_t* to = list;
       for (size_t i = begin; i < end; ++i) {
         const uint32_t place = places[i];
-        uint64_t kept =
-            TestBlock<kAxes, kHasMax>(BlockOf(levels_.level[level], place),
-                                      queries_[QueryOf(place)])
-                .kept;
-        if constexpr (!kWrites && kHasMax) {
-          kept ^= CountInside(level, place, kept);
+        uint64_t kept;
+        uint64_t inside = 0;
+        if ((place & detail::kInsideBit) != 0) {
+          kept = levels_.level[level].present[place & detail::kBlockMask];
+        } else {
+          kept = Filter(
+              level, place,
+              TestBlock<kAxes, kHasMax>(BlockOf(levels_.level[level], place),
+                                        queries_[QueryOf(place)])
+                  .kept);
+          inside = Inside(level, place, kept);
+          if constexpr (!kWrites) {
+            if (inside != 0) Count(level, place, inside);
+            kept &= ~inside;
+          }
         }
-        const uint32_t first =
-            (place & ~kBlockMask) |
-            (place & kBlockMask) * static_cast<uint32_t>(detail::kBlockObjects);
+        const uint32_t first = (place & ~detail::kBlockMask) |
+                               (place & detail::kBlockMask) *
+                                   static_cast<uint32_t>(detail::kBlockObjects);
         ForFewBits(kept, [&](size_t n, size_t bit) HWY_ATTR {
           to[n] = first + static_cast<uint32_t>(bit);
         });
         const size_t survivors = hwy::PopCount(kept);
+        if (kWrites && inside != 0) {
+          for (size_t n = 0; n < survivors; ++n) {
+            const uint64_t bit = inside >> (to[n] % detail::kBlockObjects) & 1;
+            to[n] |= static_cast<uint32_t>(bit) * detail::kInsideBit;
+          }
+        }
         if (levels_.level[level - 1].is_prefetched) {
           for (size_t n = 0; n < survivors; ++n) {
             PrefetchBlock(levels_.level[level - 1], to[n], level == 1);
@@ -129,41 +149,74 @@ class Walker {
     return true;
   }
 
-  // Adds the objects of the nodes inside the query, without a visit; returns
-  // which of `kept` these are.
-  uint64_t CountInside(size_t level, uint32_t place, uint64_t kept) {
-    const detail::SortedLevel& nodes = levels_.level[level];
-    const size_t block = place & kBlockMask;
-    // Without a second encoding of the query where nothing could be counted.
-    const uint64_t countable = kept & nodes.regular[block];
-    if (countable == 0) return 0;
+  // Those of `kept` that have what a query asks for beside its planes.
+  HWY_INLINE uint64_t Filter(size_t level, uint32_t place, uint64_t kept) {
+    if (kept != 0 && has_categories_) {
+      kept &= CategoryBits(levels_.level[level].categories +
+                           size_t{place & detail::kBlockMask} *
+                               detail::kBlockObjects);
+    }
+    return kept;
+  }
+
+  HWY_NOINLINE uint64_t CategoryBits(const uint32_t* categories) const {
+    const WordTag<uint32_t> d;
+    const auto wanted = hn::Set(d, walk_.categories);
+    uint64_t bits = 0;
+    for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+      const auto common = hn::And(hn::LoadU(d, categories + i), wanted);
+      bits |= LaneBits(d, hn::Ne(common, hn::Zero(d))) << i;
+    }
+    return bits;
+  }
+
+  // The nodes of `kept` all of whose objects survive.
+  HWY_INLINE uint64_t Inside(size_t level, uint32_t place, uint64_t kept) {
+    if constexpr (kHasMax) {
+      if (has_categories_) return 0;
+      if (kWrites && hwy::PopCount(kept) < kManyKept) return 0;
+      const uint64_t candidates =
+          kept & levels_.level[level].regular[place & detail::kBlockMask];
+      // Without a second encoding of the query where there can be none.
+      if (candidates != 0) return candidates & InsideQuery(level, place);
+    }
+    return 0;
+  }
+
+  uint64_t InsideQuery(size_t level, uint32_t place) const {
     const WalkQuery& query = queries_[QueryOf(place)];
     WalkQuery inverse;
     for (size_t l = 0; l < detail::BlockScale::kLanes; ++l) {
       inverse.lanes[l] = -query.lanes[l ^ detail::BlockScale::kMaxLane];
     }
-    const uint64_t inside =
-        countable & InsideBits<kAxes>(BlockOf(nodes, place), inverse);
-    if (inside == 0) return 0;
+    return InsideBits<kAxes>(BlockOf(levels_.level[level], place), inverse);
+  }
+
+  // Adds the objects of the nodes inside the query, without a visit.
+  void Count(size_t level, uint32_t place, uint64_t inside) {
+    const detail::SortedLevel& nodes = levels_.level[level];
     const size_t objects_of_node = size_t{1} << (6 * level);
     size_t objects = hwy::PopCount(inside) * objects_of_node;
     // The last node may have fewer.
     const size_t last = nodes.size - 1;
-    if (last / detail::kBlockObjects == block &&
+    if (last / detail::kBlockObjects == (place & detail::kBlockMask) &&
         (inside >> (last % detail::kBlockObjects) & 1) != 0) {
       objects -= nodes.size * objects_of_node - levels_.level[0].size;
     }
     walk_.counts[first_query_ + QueryOf(place)] += objects;
-    return inside;
   }
 
   void PrefetchBlock(const detail::SortedLevel& level, uint32_t place,
                      bool has_ids) const {
-    const auto* block = reinterpret_cast<const char*>(&BlockOf(level, place));
-    for (size_t b = 0; b < sizeof(Block); b += 64) kernels::Prefetch(block + b);
+    if ((place & detail::kInsideBit) == 0) {
+      const auto* block = reinterpret_cast<const char*>(&BlockOf(level, place));
+      for (size_t b = 0; b < sizeof(Block); b += 64) {
+        kernels::Prefetch(block + b);
+      }
+    }
     if (!kWrites || !has_ids) return;
-    const uint32_t* ids =
-        levels_.ids + size_t{place & kBlockMask} * detail::kBlockObjects;
+    const uint32_t* ids = levels_.ids + size_t{place & detail::kBlockMask} *
+                                            detail::kBlockObjects;
     for (size_t i = 0; i < detail::kBlockObjects; i += 16) {
       kernels::Prefetch(ids + i);
     }
@@ -183,8 +236,17 @@ class Walker {
           }
           unsure_count = 0;
         }
-        const BlockBits bits = TestBlock<kAxes, kHasMax>(
+        if ((place & detail::kInsideBit) != 0) {
+          if (!Take(place,
+                    levels_.level[0].present[place & detail::kBlockMask])) {
+            return false;
+          }
+          continue;
+        }
+        BlockBits bits = TestBlock<kAxes, kHasMax>(
             BlockOf(levels_.level[0], place), queries_[query]);
+        bits.kept = Filter(0, place, bits.kept);
+        bits.unsure &= bits.kept;
         unsure[unsure_count] = {place, bits.unsure};
         unsure_count += bits.unsure != 0;
         if (!Take(place, bits.kept & ~bits.unsure)) return false;
@@ -210,10 +272,10 @@ class Walker {
           [[unlikely]] {
         if (!ids.make_room(ids)) return false;
       }
-      ids.next = WriteIds(
-          bits,
-          levels_.ids + size_t{place & kBlockMask} * detail::kBlockObjects,
-          ids.next);
+      ids.next = WriteIds(bits,
+                          levels_.ids + size_t{place & detail::kBlockMask} *
+                                            detail::kBlockObjects,
+                          ids.next);
     } else {
       walk_.counts[first_query_ + QueryOf(place)] += hwy::PopCount(bits);
     }
@@ -241,7 +303,8 @@ class Walker {
   uint64_t FloatBits(uint32_t place, uint64_t bits) const {
     constexpr size_t kFew = 6;
     const WalkQuery& query = queries_[QueryOf(place)];
-    const size_t first = size_t{place & kBlockMask} * detail::kBlockObjects;
+    const size_t first =
+        size_t{place & detail::kBlockMask} * detail::kBlockObjects;
     if (hwy::PopCount(bits) > kFew) {
       return BlockFloatBits(std::make_index_sequence<kPlanes>(), first, query);
     }
@@ -279,6 +342,7 @@ class Walker {
 
   const detail::Walk& walk_;
   const detail::SortedLevels& levels_;
+  const bool has_categories_;
   size_t first_query_ = 0;
   size_t query_ = 0;  // after the first, whose ids are written
   WalkQuery queries_[detail::kWalkers];
@@ -293,7 +357,7 @@ void RunWalk(const detail::Walk& walk) {
 
 template <size_t kAxes, bool kHasMax>
 constexpr detail::SortedKernels::OfPlanes MakeSortedKernelsOf() {
-  return {&BuildBlocks<kAxes, kHasMax>, &RunWalk<kAxes, kHasMax, true>,
+  return {&EncodeBlocks<kAxes, kHasMax>, &RunWalk<kAxes, kHasMax, true>,
           &RunWalk<kAxes, kHasMax, false>};
 }
 

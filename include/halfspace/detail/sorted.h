@@ -16,6 +16,7 @@
 namespace halfspace {
 
 enum class Order : std::uint8_t;
+struct SortedOptions;
 
 namespace detail {
 
@@ -40,17 +41,27 @@ struct SortedLevel {
   std::size_t size = 0;
   std::byte* blocks = nullptr;     // kernels/sorted/block.h
   std::array<float*, 8> planes{};  // all minima, then all maxima
-  // Of nodes, a bit each: all objects in it have a minimum and a maximum on
-  // each axis, in this order. So those of a node inside a query survive.
+  // A bit each: it exists. Those that do not, as they were erased, are Empty().
+  std::uint64_t* present = nullptr;
+  // Of nodes with maxima, a bit each: all objects in it exist, and have a
+  // minimum and a maximum on each axis, in this order. So those of a node
+  // inside a query survive.
   std::uint64_t* regular = nullptr;
+  // Of an object its own, of a node those of its objects; null without any.
+  std::uint32_t* categories = nullptr;
   bool is_prefetched = false;  // as its blocks are more than a cache holds
 };
 
 struct SortedLevels {
   std::size_t count = 0;
   std::array<SortedLevel, kMostLevels> level{};
-  std::uint32_t* ids = nullptr;  // of objects, by position
+  std::uint32_t* ids = nullptr;  // of objects, by slot; kNoId of none
+  // By id, the slot; of a free id the next that is free. Null until a change.
+  std::uint32_t* slots = nullptr;
+  double* built = nullptr;  // the cost of each 4096 slots when they were sorted
 };
+
+inline constexpr std::uint32_t kNoId = 0xFFFFFFFF;
 
 struct SortedShape {
   const SortedKernels* kernels;  // of each target
@@ -58,36 +69,83 @@ struct SortedShape {
   bool has_max;
 };
 
-// One block of memory, that of `memory`, and where its parts begin.
+struct SortedHeader;
+struct SortedExtras;
+
+// A tree in one block of memory: a header, then the parts of all levels
+// (dispatch/sorted/layout.h). The objects are in slots 0, 1, ... of level 0,
+// some of which may be empty.
 class HALFSPACE_API SortedTree {
  public:
   SortedTree(const SortedShape& shape, const MemoryResource& memory);
   SortedTree(const SortedTree& other, const MemoryResource& memory);
   SortedTree(const SortedTree& other) : SortedTree(other, MemoryResource()) {}
   SortedTree(SortedTree&& other) noexcept;
-  SortedTree& operator=(const SortedTree& other);
-  SortedTree& operator=(SortedTree&& other);
+  SortedTree& operator=(const SortedTree& other) {
+    return AssignCopy(*this, other);
+  }
+  SortedTree& operator=(SortedTree&& other) { return AssignMove(*this, other); }
   ~SortedTree();
   friend void swap(SortedTree& a, SortedTree& b) noexcept { a.Swap(b); }
-
-  // Replaces the content. The planes may not be its own.
-  void Build(const FloatColumns& objects, Order order, Target target);
 
   const MemoryResource& memory() const { return memory_; }
   const SortedShape& shape() const { return shape_; }
   const SortedLevels& levels() const { return levels_; }
-  std::size_t size() const { return levels_.level[0].size; }
+  std::size_t size() const;
   std::size_t bytes() const { return bytes_; }
+  Span<const std::uint32_t> ids() const {
+    return {levels_.ids, levels_.level[0].size};
+  }
+
+  // Replaces the content. The planes may not be its own.
+  void Build(const FloatColumns& objects, Order order, Target target);
+
+  // Replaces the content by what Blob() gave, in place or as a copy.
+  void Load(Span<const std::byte> blob, bool is_in_place);
+  Span<const std::byte> Blob() const { return {block_, bytes_}; }
+
+  // `values` are those of all minima, then of all maxima.
+  bool Has(std::uint32_t id) const;
+  void Set(std::uint32_t id, Span<const float> values);
+  std::uint32_t Insert(Span<const float> values);
+  void Erase(std::uint32_t id);
+
+  // Of one object; of all objects by id.
+  void SetCategories(std::uint32_t id, std::uint32_t categories);
+  void SetCategories(Span<const std::uint32_t> categories);
+
+  // The bounds of the objects anew, by id or by slot: of parts begin ... end -
+  // 1, each of 4096 slots. Threads may share the parts between the other two.
+  void BeginRefit(const FloatColumns& objects, bool is_by_id);
+  void Refit(const FloatColumns& objects, bool is_by_id, std::size_t begin,
+             std::size_t end);
+  void FinishRefit();
+  std::size_t PartCount() const;
+
+  double Decay() const;
+  void Rebuild(Order order);
+  std::size_t RebuildWorst(std::size_t objects);
 
  private:
-  void Allocate(std::size_t objects);
-  void Free();
   void Swap(SortedTree& other) noexcept;
+  void Free();
+  SortedHeader& header() const;
+  // Takes new memory, with room for `capacity` slots and for these extras.
+  void Allocate(std::size_t capacity, const SortedExtras& extras);
+  // The same, with the content kept.
+  void Reallocate(std::size_t capacity, const SortedExtras& extras);
+  void NeedSlots();
+  std::size_t SlotOf(std::uint32_t id, const char* call);
+  std::size_t FindSlot(const float* values);
+  std::size_t AppendSlot();
+  void EncodePath(std::size_t slot);
+  void MarkBuilt();
 
   SortedShape shape_;
   MemoryResource memory_;
   std::byte* block_ = nullptr;
   std::size_t bytes_ = 0;
+  bool is_owned_ = true;  // and not that of a blob in place
   SortedLevels levels_;
 };
 
@@ -98,20 +156,24 @@ using IdsFunction = bool (*)(void* context, Span<const std::uint32_t> ids);
 HALFSPACE_API std::size_t SortedSurvivors(const SortedTree& tree,
                                           const float* query,
                                           Span<std::uint32_t> ids,
-                                          Target target);
+                                          const SortedOptions& options);
 HALFSPACE_API std::size_t SortedCount(const SortedTree& tree,
-                                      const float* query, Target target);
+                                      const float* query,
+                                      const SortedOptions& options);
 // Returns whether there is one, and its id.
 HALFSPACE_API bool SortedAny(const SortedTree& tree, const float* query,
-                             std::uint32_t& id, Target target);
+                             std::uint32_t& id, const SortedOptions& options);
 HALFSPACE_API void SortedForEach(const SortedTree& tree, const float* query,
                                  IdsFunction function, void* context,
-                                 Target target);
+                                 const SortedOptions& options);
 
 // Several, one after another.
-HALFSPACE_API std::size_t SortedSurvivorsOfMany(
-    const SortedTree& tree, const float* queries, std::size_t query_count,
-    Span<std::uint32_t> ids, Span<std::size_t> offsets, Target target);
+HALFSPACE_API std::size_t SortedSurvivorsOfMany(const SortedTree& tree,
+                                                const float* queries,
+                                                std::size_t query_count,
+                                                Span<std::uint32_t> ids,
+                                                Span<std::size_t> offsets,
+                                                const SortedOptions& options);
 
 }  // namespace detail
 }  // namespace halfspace

@@ -18,6 +18,7 @@
 
 #include "halfspace/halfspace.h"
 #include "kernels/sorted/block.h"
+#include "tests/library/sorted/spread.h"
 #include "tests/library/support/canaries.h"
 #include "tests/library/support/cases.h"
 #include "tests/library/support/counting_memory.h"
@@ -29,8 +30,6 @@
 namespace halfspace::testing {
 namespace {
 
-using Ids = std::vector<std::uint32_t>;
-
 constexpr std::array kOrders = {Order::kTight, Order::kFast};
 
 template <typename View>
@@ -38,12 +37,6 @@ Ids Expected(const View& view, const typename View::Query& query) {
   Ids ids(view.size);
   ids.resize(Survivors(view, query, ids));
   return ids;
-}
-
-Ids Sorted(std::span<const std::uint32_t> ids) {
-  Ids sorted(ids.begin(), ids.end());
-  std::sort(sorted.begin(), sorted.end());
-  return sorted;
 }
 
 // Every output, for each query by itself and for all in one call.
@@ -57,27 +50,29 @@ void ExpectSame(const SortedWorld<View>& sorted, const View& view,
     const Ids expected = Expected(view, query);
     all.insert(all.end(), expected.begin(), expected.end());
     const auto ids = canaried.Reset(view.size);
-    ASSERT_EQ(Survivors(sorted, query, ids, target), expected.size());
+    ASSERT_EQ(Survivors(sorted, query, ids, {.target = target}),
+              expected.size());
     ASSERT_EQ(Sorted(ids.first(expected.size())), expected);
     EXPECT_TRUE(canaried.IntactBut(view.size));
-    EXPECT_EQ(CountSurvivors(sorted, query, target), expected.size());
-    const auto any = AnySurvivor(sorted, query, target);
+    EXPECT_EQ(CountSurvivors(sorted, query, {.target = target}),
+              expected.size());
+    const auto any = AnySurvivor(sorted, query, {.target = target});
     ASSERT_EQ(any.has_value(), !expected.empty());
     if (any) {
       EXPECT_TRUE(std::binary_search(expected.begin(), expected.end(), *any));
     }
     Ids visited;
-    ForEachSurvivor(
-        sorted, query,
-        [&](Span<const std::uint32_t> some) {
-          visited.insert(visited.end(), some.begin(), some.end());
-        },
-        target);
+    ForEachSurvivor(sorted, query,
+                    [&](Span<const std::uint32_t> some) {
+                      visited.insert(visited.end(), some.begin(), some.end());
+                    },
+                    {.target = target});
     EXPECT_EQ(Sorted(visited), expected);
   }
   std::vector<std::size_t> offsets(queries.size() + 1);
   const auto ids = canaried.Reset(all.size());
-  ASSERT_EQ(SurvivorsOfEach(sorted, queries, ids, offsets, target), all.size());
+  ASSERT_EQ(SurvivorsOfEach(sorted, queries, ids, offsets, {.target = target}),
+            all.size());
   EXPECT_TRUE(canaried.IntactBut(all.size()));
   for (std::size_t q = 0; q < queries.size(); ++q) {
     std::sort(ids.begin() + static_cast<std::ptrdiff_t>(offsets[q]),
@@ -103,65 +98,7 @@ void ExpectSameEverywhere(const View& view,
 
 template <typename Case>
 class SortedTest : public ::testing::Test {};
-
-using SortedCases = Tested<
-    ::testing::Types<Whole<SimplexView2>, Whole<SimplexView3>, Whole<AabbView2>,
-                     Whole<AabbView3>, Whole<AaboView2>, Whole<AaboView3>>>;
 TYPED_TEST_SUITE(SortedTest, SortedCases, CaseNames);
-
-// Spheres in a cube of side 100, seen as bounds of the view.
-template <typename View>
-class Spread {
- public:
-  using Bound = typename View::Bound;
-  using Query = typename View::Query;
-
-  explicit Spread(float radius, std::uint64_t seed = 1)
-      : random_(seed), radius_(radius) {}
-
-  Bound NextObject() {
-    const auto bound = Next();
-    if constexpr (!HasMaxima<View>) {
-      return bound.up();
-    } else if constexpr (Bound::kAxes == Bound::kDimensions) {
-      return bound.aabb();
-    } else {
-      return bound;
-    }
-  }
-  Query NextQuery() {
-    const auto bound = Next();
-    if constexpr (!HasMaxima<View>) {
-      return bound.down();
-    } else if constexpr (Bound::kAxes == Bound::kDimensions) {
-      return bound.aabb();
-    } else {
-      return bound;
-    }
-  }
-  std::vector<Query> Queries(std::size_t count) {
-    std::vector<Query> queries;
-    for (std::size_t q = 0; q < count; ++q) queries.push_back(NextQuery());
-    return queries;
-  }
-  World<View> Objects(std::size_t count) {
-    World<View> world;
-    for (std::size_t i = 0; i < count; ++i) world.Push(NextObject());
-    return world;
-  }
-
- private:
-  Aabo<Bound::kDimensions> Next() {
-    std::uniform_real_distribution<float> coordinate(-50.0f, 50.0f);
-    Sphere<Bound::kDimensions> sphere;
-    for (float& x : sphere.center) x = coordinate(random_);
-    sphere.radius = radius_;
-    return BoundSphere(sphere);
-  }
-
-  Random random_;
-  float radius_;
-};
 
 TYPED_TEST(SortedTest, FindsWhatAScanFinds) {
   using View = typename TypeParam::View;
@@ -338,7 +275,8 @@ TYPED_TEST(SortedTest, CodesDecideOnlyWhatTheyProve) {
         std::fesetround(mode);
         for (Target target : TargetsUnderTest()) {
           for (const Query& query : queries) {
-            const std::size_t kept = CountSurvivors(sorted, query, target);
+            const std::size_t kept =
+                CountSurvivors(sorted, query, {.target = target});
             const std::size_t expected = CountSurvivors(view, query);
             if (kept != expected) {
               std::fesetround(FE_TONEAREST);
@@ -354,7 +292,7 @@ TYPED_TEST(SortedTest, CodesDecideOnlyWhatTheyProve) {
     for (Target target : TargetsUnderTest()) {
       for (const Query& query : queries) {
         const FlushDenormals flush;
-        ASSERT_EQ(CountSurvivors(sorted, query, target),
+        ASSERT_EQ(CountSurvivors(sorted, query, {.target = target}),
                   CountSurvivors(view, query, {.target = target}));
       }
     }
@@ -402,7 +340,8 @@ TYPED_TEST(SortedTest, FillsAShortSpanAndCountsAll) {
             expected.size() / 2, expected.size()}) {
         if (room > expected.size()) continue;
         const auto ids = canaried.Reset(room);
-        ASSERT_EQ(Survivors(sorted, query, ids, target), expected.size());
+        ASSERT_EQ(Survivors(sorted, query, ids, {.target = target}),
+                  expected.size());
         EXPECT_TRUE(canaried.IntactBut(room));
         const Ids written = Sorted(ids);
         EXPECT_TRUE(std::includes(expected.begin(), expected.end(),
@@ -421,13 +360,12 @@ TYPED_TEST(SortedTest, StopsWhenTheFunctionSaysSo) {
   const SortedWorld<View> sorted(world.view());
   for (Target target : TargetsUnderTest()) {
     std::size_t calls = 0;
-    ForEachSurvivor(
-        sorted, View::Query::Everything(),
-        [&](Span<const std::uint32_t> ids) {
-          EXPECT_GT(ids.size(), 0u);
-          return ++calls < 3;
-        },
-        target);
+    ForEachSurvivor(sorted, View::Query::Everything(),
+                    [&](Span<const std::uint32_t> ids) {
+                      EXPECT_GT(ids.size(), 0u);
+                      return ++calls < 3;
+                    },
+                    {.target = target});
     EXPECT_EQ(calls, 3u);
   }
 }

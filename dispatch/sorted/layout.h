@@ -1,0 +1,103 @@
+// The memory of a sorted world. All places in it follow from a few numbers of
+// its header, so a copy of the bytes is a copy of the world.
+#ifndef HALFSPACE_DISPATCH_SORTED_LAYOUT_H_
+#define HALFSPACE_DISPATCH_SORTED_LAYOUT_H_
+
+#include <cstddef>
+#include <cstdint>
+
+#include "dispatch/targets/chosen_target.h"
+#include "halfspace/detail/sorted.h"
+#include "kernels/sorted/block.h"
+
+namespace halfspace::detail {
+
+// Changes and rebuilds look at nodes of so many slots.
+inline constexpr std::size_t kPartSlots = kBlockObjects * kBlockObjects;
+
+// More than this have no place in a list of blocks to visit.
+inline constexpr std::size_t kMostObjects = std::size_t{1} << 31;
+
+// What a tree has room for beside bounds and ids.
+struct SortedExtras {
+  bool has_slots;  // by id
+  bool has_categories;
+};
+
+struct alignas(64) SortedHeader {
+  char magic[8];
+  std::uint32_t version;
+  std::uint32_t byte_order;
+  std::uint64_t bytes;
+  std::uint64_t capacity;  // slots that there is room for
+  std::uint64_t slots;     // in use or erased: from 0 on
+  std::uint64_t size;      // objects
+  std::uint64_t ids;       // that were ever in use: from 0 on
+  std::uint32_t free_id;   // the first, or kNoId
+  std::uint8_t axes;
+  std::uint8_t has_max;
+  std::uint8_t has_slots;
+  std::uint8_t has_categories;
+};
+static_assert(sizeof(SortedHeader) == 64);
+
+inline constexpr char kSortedMagic[8] = {'h', 'a', 'l', 'f',
+                                         's', 'o', 'r', 't'};
+inline constexpr std::uint32_t kSortedVersion = 1;
+inline constexpr std::uint32_t kSortedByteOrder = 0x01020304;
+
+constexpr std::size_t BlocksOf(std::size_t objects) {
+  return (objects + kBlockObjects - 1) / kBlockObjects;
+}
+constexpr std::size_t PartsOf(std::size_t slots) {
+  return (slots + kPartSlots - 1) / kPartSlots;
+}
+
+inline std::size_t PlanesOf(const SortedShape& shape) {
+  return shape.has_max ? 2u * shape.axes : shape.axes;
+}
+
+inline const SortedKernels::OfPlanes& KernelsOf(const SortedShape& shape,
+                                                Target target,
+                                                const char* call) {
+  const SortedKernels& kernels = shape.kernels[dispatch::IndexOf(target, call)];
+  return shape.has_max ? kernels.all : kernels.minima;
+}
+
+// Finds where the parts of a tree are in memory from `begin` on, or null to
+// measure; returns its bytes. The levels are empty.
+std::size_t Place(const SortedShape& shape, std::size_t capacity,
+                  const SortedExtras& extras, std::byte* begin,
+                  SortedLevels& levels);
+
+// Sets the sizes of all levels.
+void SetSlots(SortedLevels& levels, std::size_t slots);
+
+// Writes Empty() and no id to the slots of a level from `begin` to the end of
+// its last block.
+void ClearSlots(const SortedShape& shape, SortedLevels& levels,
+                std::size_t level, std::size_t begin);
+
+// Throws unless the planes of objects can be read, in the name of `call`.
+void CheckColumns(const SortedShape& shape, const FloatColumns& objects,
+                  const char* call);
+
+// Copies the bounds of the objects that exist in parts begin ... end - 1, and
+// encodes their blocks. Slot s has element elements[s], or s without them.
+void FillParts(const SortedLevels& levels, std::size_t planes,
+               const FloatColumns& objects, const std::uint32_t* elements,
+               const SortedKernels::OfPlanes& kernels, std::size_t begin,
+               std::size_t end);
+
+// Encodes all levels from `from` on, whose floats and presence are there.
+void EncodeLevels(const SortedLevels& levels,
+                  const SortedKernels::OfPlanes& kernels, std::size_t from);
+
+// About how many blocks queries visit: the sum of the surfaces of the nodes
+// over the 4096 slots of a part.
+double CostOf(const SortedShape& shape, const SortedLevels& levels,
+              std::size_t part);
+
+}  // namespace halfspace::detail
+
+#endif  // HALFSPACE_DISPATCH_SORTED_LAYOUT_H_
