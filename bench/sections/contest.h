@@ -44,17 +44,18 @@ class Contest {
     const std::string name = order == Order::kTight ? "tight" : "fast";
     const Sorted world(boxes_.view(), order);
     if (all_ids_.empty()) MakeRoom(world);
-    AddOneByOne(name + kOneByOne, std::string(target.name()),
-                [this, target, own = Copy(world)](const Box& query) {
-                  return FoundOne(Survivors(*own, query, one_, target));
-                });
+    AddOneByOne(
+        name + kOneByOne, std::string(target.name()),
+        [this, target, own = Copy(world)](const Box& query) {
+          return FoundOne(Survivors(*own, query, one_, {.target = target}));
+        });
     AddAllAtOnce(name + kAllAtOnce, target, Copy(world));
   }
 
   void AddCounts(Target target) {
     const auto world = std::make_shared<const Sorted>(boxes_.view());
     const auto count = [world, target](const Box& query) {
-      return CountSurvivors(*world, query, target);
+      return CountSurvivors(*world, query, {.target = target});
     };
     const auto check = [this, count]() -> std::string {
       for (std::size_t q = 0; q < expected_.size(); ++q) {
@@ -266,8 +267,8 @@ class Contest {
   void AddAllAtOnce(std::string name, Target target,
                     std::shared_ptr<const Sorted> world) {
     const auto ask = [this, world, target](std::span<const Box> queries) {
-      std::ignore =
-          SurvivorsOfEach(*world, queries, all_ids_, offsets_, target);
+      std::ignore = SurvivorsOfEach(*world, queries, all_ids_, offsets_,
+                                    {.target = target});
     };
     const auto check = [this, ask]() -> std::string {
       ask(std::span(set_.queries).first(expected_.size()));

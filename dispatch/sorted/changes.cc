@@ -13,6 +13,7 @@
 #include "kernels/error.h"
 #include "kernels/exact/default_fp_mode.h"
 #include "kernels/memory_checks.h"
+#include "kernels/prefetch.h"
 #include "kernels/sorted/order.h"
 
 namespace halfspace::detail {
@@ -92,6 +93,19 @@ std::uint64_t ExistingLanes(const SortedLevel& level, std::size_t block) {
   return ~std::uint64_t{0} >> (kBlockObjects - count);
 }
 
+// The bounds of the next block, which are anywhere.
+void Prefetch(const FloatColumns& objects, std::size_t planes,
+              const std::uint32_t* elements) {
+  // The values of a record are in one line, or in two.
+  const std::size_t step = objects.stride == 1 ? 1 : planes - 1;
+  for (std::size_t i = 0; i < kBlockObjects; ++i) {
+    if (elements[i] == kNoId) continue;
+    for (std::size_t p = 0; p < planes; p += step) {
+      kernels::Prefetch(objects.planes[p] + elements[i] * objects.stride);
+    }
+  }
+}
+
 void OrCategories(SortedLevels& levels, std::size_t level, std::size_t block) {
   const std::uint32_t* const of_block =
       levels.level[level].categories + block * kBlockObjects;
@@ -133,18 +147,30 @@ void FillParts(const SortedLevels& levels, std::size_t planes,
       std::min(BlocksOf(level.size), end * kBlockObjects);
   for (std::size_t b = begin * kBlockObjects; b < end_block; ++b) {
     const std::size_t first = b * kBlockObjects;
-    std::size_t from[kBlockObjects];
-    std::size_t to[kBlockObjects];
-    std::size_t count = 0;
-    for (std::size_t s = first; s < std::min(first + kBlockObjects, level.size);
-         ++s) {
-      if ((level.present[b] >> s % kBlockObjects & 1) == 0) continue;
-      from[count] = (elements == nullptr ? s : elements[s]) * objects.stride;
-      to[count++] = s;
+    if (elements != nullptr && b + 1 < end_block) {
+      Prefetch(objects, planes, elements + first + kBlockObjects);
     }
-    for (std::size_t p = 0; p < planes; ++p) {
-      for (std::size_t i = 0; i < count; ++i) {
-        level.planes[p][to[i]] = objects.planes[p][from[i]];
+    std::uint64_t present = level.present[b];
+    if (~present == 0 && elements != nullptr) {
+      for (std::size_t p = 0; p < planes; ++p) {
+        float* const to = level.planes[p] + first;
+        for (std::size_t i = 0; i < kBlockObjects; ++i) {
+          to[i] = objects.planes[p][elements[first + i] * objects.stride];
+        }
+      }
+    } else if (~present == 0 && objects.stride == 1) {
+      for (std::size_t p = 0; p < planes; ++p) {
+        std::memcpy(level.planes[p] + first, objects.planes[p] + first,
+                    kBlockObjects * sizeof(float));
+      }
+    } else {
+      for (std::size_t s = first; present != 0; present >>= 1, ++s) {
+        if ((present & 1) == 0) continue;
+        const std::size_t from =
+            (elements == nullptr ? s : elements[s]) * objects.stride;
+        for (std::size_t p = 0; p < planes; ++p) {
+          level.planes[p][s] = objects.planes[p][from];
+        }
       }
     }
     kernels.encode({&level, above, b, b + 1});

@@ -272,15 +272,10 @@ HWY_INLINE hn::Vec<D> LeastOf(D d, const float* plane) {
   return kIsMax ? hn::Neg(values) : values;
 }
 
+// Never -0, of which and of 0 targets take one or the other.
 template <class D>
 HWY_INLINE float LeastLane(D d, hn::Vec<D> values) {
-  HWY_ALIGN float lanes[HWY_MAX_BYTES / sizeof(float)];
-  hn::Store(values, d, lanes);
-  float least = lanes[0];
-  for (size_t l = 1; l < hn::Lanes(d); ++l) {
-    if (lanes[l] < least) least = lanes[l];
-  }
-  return least;
+  return hn::GetLane(hn::MinOfLanes(d, values)) + 0.0f;
 }
 
 // Encodes a plane, of which the objects in `present` exist. Returns the least
@@ -292,20 +287,29 @@ HWY_NOINLINE float EncodePlane(const float* plane, uint64_t present,
   const hn::Rebind<int8_t, decltype(d)> d8;
   constexpr float kInf = std::numeric_limits<float>::infinity();
   const auto most = hn::Set(d, kInf);
-  auto all_least = most;
   auto least = most;
   auto negated_greatest = most;
+  bool all_scaled = true;
   for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
     const auto v = LeastOf<kIsMax>(d, plane + i);
     const auto is_scaled = hn::Le(hn::Abs(v), hn::Set(d, kMostScaled));
-    all_least =
-        hn::Min(all_least, hn::IfThenElse(hn::Eq(v, v), v, hn::Set(d, -kInf)));
+    all_scaled &= hn::AllTrue(d, is_scaled);
     least = hn::Min(least, hn::IfThenElse(is_scaled, v, most));
     negated_greatest =
         hn::Min(negated_greatest, hn::IfThenElse(is_scaled, hn::Neg(v), most));
   }
   base = LeastLane(d, least);
-  const float range = -LeastLane(d, negated_greatest) - base;
+  float all_least = base;
+  if (!all_scaled) {
+    auto all = most;
+    for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+      const auto v = LeastOf<kIsMax>(d, plane + i);
+      all = hn::Min(all, hn::IfThenElse(hn::Eq(v, v), v, hn::Set(d, -kInf)));
+    }
+    all_least = LeastLane(d, all);
+  }
+  // 0 - 0, and not -0, which would make a negative scale.
+  const float range = 0.0f - LeastLane(d, negated_greatest) - base;
   scale = detail::kScaledCodes / range;
   if (!(scale <= kMostScaled)) scale = kMostScaled;
   if (!(base <= kMostScaled)) {  // nothing to scale
@@ -326,7 +330,7 @@ HWY_NOINLINE float EncodePlane(const float* plane, uint64_t present,
     codes[hwy::Num0BitsBelowLS1Bit_Nonzero64(absent)] =
         static_cast<int8_t>(detail::kNoCode - detail::kCodeBias);
   }
-  return LeastLane(d, all_least);
+  return all_least;
 }
 
 template <size_t kAxes>
