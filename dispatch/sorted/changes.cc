@@ -101,7 +101,7 @@ void Prefetch(const FloatColumns& objects, std::size_t planes,
   for (std::size_t i = 0; i < kBlockObjects; ++i) {
     if (elements[i] == kNoId) continue;
     for (std::size_t p = 0; p < planes; p += step) {
-      kernels::Prefetch(objects.planes[p] + elements[i] * objects.stride);
+      kernels::PrefetchToL2(objects.planes[p] + elements[i] * objects.stride);
     }
   }
 }
@@ -602,7 +602,7 @@ std::size_t SortedTree::RebuildWorst(std::size_t objects) {
   const SortedKernels::OfPlanes& kernels =
       KernelsOf(shape_, Target(), "SortedWorld::RebuildWorst");
   kernels::InDefaultFpMode([&] {
-    kernels::OrderByMedians(shape_, columns, scratch.data(), elements);
+    kernels::OrderByMedians(columns, kernels, scratch.data(), elements);
     const SortedLevel& level = levels_.level[0];
     std::size_t next = 0;
     for (std::size_t w = 0; w < bad; ++w) {

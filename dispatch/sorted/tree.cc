@@ -221,7 +221,7 @@ void SortedTree::Build(const FloatColumns& objects, Order order,
   kernels::InDefaultFpMode([&] {
     const auto put_in_order =
         order == Order::kFast ? kernels::OrderByCurve : kernels::OrderByMedians;
-    put_in_order(shape_, objects, scratch.data(), levels_.ids);
+    put_in_order(objects, kernels, scratch.data(), levels_.ids);
     SetSlots(levels_, objects.size);
     header().slots = header().size = header().ids = objects.size;
     for (std::size_t l = 0; l < levels_.count; ++l) {

@@ -3,8 +3,10 @@
 #ifndef HALFSPACE_KERNELS_SORTED_BLOCK_H_
 #define HALFSPACE_KERNELS_SORTED_BLOCK_H_
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "halfspace/detail/sorted.h"
 
@@ -92,8 +94,27 @@ struct BlockRange {
   std::size_t end;
 };
 
+// Of some objects: coordinate k of the center of object i. What has no center,
+// as it is empty or no number, has the last one.
+inline constexpr std::size_t kCenterAxes = 3;  // the last is 0 in 2 dimensions
+using Centers = std::array<std::array<float, kBlockObjects>, kCenterAxes>;
+inline constexpr float kLastCenter = std::numeric_limits<float>::max() / 4;
+
+// A curve's cells: from the least center on, as a share of all of an axis.
+inline constexpr std::uint32_t kPlaceBits = 30;  // of all axes
+struct Grid {
+  std::array<float, kCenterAxes> least;
+  std::array<float, kCenterAxes> cells_of_unit;
+};
+
 struct SortedKernels {
   struct OfPlanes {
+    // Of objects first ... first + count - 1, at most 64.
+    void (*centers)(const FloatColumns& objects, std::size_t first,
+                    std::size_t count, Centers& centers);
+    // Where 64 centers are on Hilbert's curve.
+    void (*places)(const Centers& centers, const Grid& grid,
+                   std::uint32_t* places);
     void (*encode)(const BlockRange& range);
     void (*find)(const Walk& walk);   // writes ids
     void (*count)(const Walk& walk);  // adds to counts

@@ -10,59 +10,25 @@
 namespace halfspace::kernels {
 namespace {
 
-constexpr std::size_t kAxes = 3;  // the last is 0 in two dimensions
+using detail::Centers;
+using detail::kBlockObjects;
+using Kernels = detail::SortedKernels::OfPlanes;
 
-using Point = std::array<float, kAxes>;
+constexpr std::size_t kAxes = detail::kCenterAxes;
 
-// Centers that are no numbers, as of what is empty, come last.
-constexpr float kMost = std::numeric_limits<float>::max() / 4;
-
-float CenterOf(float min, float max) {
-  const float center = 0.5f * min + 0.5f * max;
-  return center >= -kMost && center <= kMost ? center : kMost;
+// Calls function(first, count, centers) for 64 objects at a time.
+template <typename Function>
+void ForCenters(const detail::FloatColumns& objects, const Kernels& kernels,
+                const Function& function) {
+  Centers centers;
+  for (std::size_t first = 0; first < objects.size; first += kBlockObjects) {
+    const std::size_t count = std::min(kBlockObjects, objects.size - first);
+    kernels.centers(objects, first, count, centers);
+    function(first, count, centers);
+  }
 }
 
-// The center of a bound, from its planes.
-class Centers {
- public:
-  Centers(const detail::SortedShape& shape, const detail::FloatColumns& objects)
-      : objects_(objects),
-        has_max_(shape.has_max),
-        axes_(shape.axes),
-        dims_(std::min<std::size_t>(
-            shape.has_max ? shape.axes : shape.axes - 1u, kAxes)) {}
-
-  std::size_t size() const { return objects_.size; }
-
-  Point At(std::size_t i) const {
-    Point center{};
-    if (has_max_) {
-      for (std::size_t k = 0; k < dims_; ++k) {
-        center[k] = CenterOf(Value(k, i), Value(axes_ + k, i));
-      }
-      return center;
-    }
-    // The centroid of a simplex is equally far from all its planes.
-    float slack = 0;
-    for (std::size_t k = 0; k < axes_; ++k) slack -= Value(k, i);
-    slack /= static_cast<float>(axes_);
-    for (std::size_t k = 0; k < dims_; ++k) {
-      const float value = Value(k, i) + slack;
-      center[k] = CenterOf(value, value);
-    }
-    return center;
-  }
-
- private:
-  float Value(std::size_t plane, std::size_t i) const {
-    return objects_.planes[plane][i * objects_.stride];
-  }
-
-  const detail::FloatColumns& objects_;
-  bool has_max_;
-  std::size_t axes_;
-  std::size_t dims_;
-};
+using Point = std::array<float, kAxes>;
 
 struct Extent {
   Point least;
@@ -73,12 +39,11 @@ struct Extent {
     greatest.fill(-std::numeric_limits<float>::infinity());
   }
   // Without what is placed last: one such object would leave all others a cell.
-  void Add(const Point& point) {
-    for (std::size_t k = 0; k < kAxes; ++k) {
-      if (point[k] == kMost) continue;
-      least[k] = std::min(least[k], point[k]);
-      greatest[k] = std::max(greatest[k], point[k]);
-    }
+  void Add(std::size_t axis, float center) {
+    least[axis] = std::min(least[axis], center);
+    greatest[axis] =
+        std::max(greatest[axis],
+                 center == detail::kLastCenter ? -detail::kLastCenter : center);
   }
   float Width(std::size_t k) const { return greatest[k] - least[k]; }
 };
@@ -95,7 +60,11 @@ void SortByMedians(Entry* entries, std::size_t count) {
     while (node * detail::kBlockObjects < count) node *= detail::kBlockObjects;
     const std::size_t middle = (count + node - 1) / node / 2 * node;
     Extent extent;
-    for (std::size_t i = 0; i < count; ++i) extent.Add(entries[i].center);
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t k = 0; k < kAxes; ++k) {
+        extent.Add(k, entries[i].center[k]);
+      }
+    }
     std::size_t widest = 0;
     for (std::size_t k = 1; k < kAxes; ++k) {
       if (extent.Width(k) > extent.Width(widest)) widest = k;
@@ -110,51 +79,6 @@ void SortByMedians(Entry* entries, std::size_t count) {
   }
 }
 
-constexpr std::uint32_t kCurveBits = 10;  // of each axis
-constexpr std::uint32_t kCells = 1u << kCurveBits;
-
-// Some objects, so that the compiler has loops over them to vectorise.
-constexpr std::size_t kChunk = 64;
-using Cells = std::array<std::array<std::uint32_t, kChunk>, kAxes>;
-
-// The places of cells on Hilbert's curve: J. Skilling, "Programming the Hilbert
-// curve" (2004), without branches on the bits.
-void FindPlaces(Cells& cells, std::array<std::uint32_t, kChunk>& places) {
-  auto& first = cells[0];
-  for (std::uint32_t bit = kCells >> 1; bit > 1; bit >>= 1) {
-    const std::uint32_t low = bit - 1;
-    for (auto& axis : cells) {
-      for (std::size_t i = 0; i < kChunk; ++i) {
-        const std::uint32_t is_set =
-            0u - static_cast<std::uint32_t>((axis[i] & bit) != 0);
-        const std::uint32_t swapped = (first[i] ^ axis[i]) & low & ~is_set;
-        axis[i] ^= swapped;
-        first[i] ^= (is_set & low) | swapped;
-      }
-    }
-  }
-  std::array<std::uint32_t, kChunk> flips{};
-  for (std::size_t i = 0; i < kChunk; ++i) {
-    cells[1][i] ^= cells[0][i];
-    cells[2][i] ^= cells[1][i];
-  }
-  for (std::uint32_t bit = kCells >> 1; bit > 1; bit >>= 1) {
-    for (std::size_t i = 0; i < kChunk; ++i) {
-      const std::uint32_t is_set =
-          0u - static_cast<std::uint32_t>((cells[2][i] & bit) != 0);
-      flips[i] ^= is_set & (bit - 1);
-    }
-  }
-  places.fill(0);
-  for (std::uint32_t bit = kCurveBits; bit-- > 0;) {
-    for (const auto& axis : cells) {
-      for (std::size_t i = 0; i < kChunk; ++i) {
-        places[i] = places[i] << 1 | ((axis[i] ^ flips[i]) >> bit & 1);
-      }
-    }
-  }
-}
-
 struct Key {
   std::uint32_t place;
   std::uint32_t id;
@@ -163,69 +87,74 @@ static_assert(2 * sizeof(Key) == kOrderScratch);
 
 }  // namespace
 
-void OrderByMedians(const detail::SortedShape& shape,
-                    const detail::FloatColumns& objects, std::byte* scratch,
-                    std::uint32_t* ids) {
-  const Centers centers(shape, objects);
+void OrderByMedians(const detail::FloatColumns& objects, const Kernels& kernels,
+                    std::byte* scratch, std::uint32_t* ids) {
   auto* const entries = reinterpret_cast<Entry*>(scratch);
-  for (std::size_t i = 0; i < centers.size(); ++i) {
-    entries[i] = {centers.At(i), static_cast<std::uint32_t>(i)};
-  }
-  SortByMedians(entries, centers.size());
-  for (std::size_t i = 0; i < centers.size(); ++i) ids[i] = entries[i].id;
+  ForCenters(objects, kernels,
+             [&](std::size_t first, std::size_t count, const Centers& centers) {
+               for (std::size_t i = 0; i < count; ++i) {
+                 entries[first + i] = {
+                     {centers[0][i], centers[1][i], centers[2][i]},
+                     static_cast<std::uint32_t>(first + i)};
+               }
+             });
+  SortByMedians(entries, objects.size);
+  for (std::size_t i = 0; i < objects.size; ++i) ids[i] = entries[i].id;
 }
 
-void OrderByCurve(const detail::SortedShape& shape,
-                  const detail::FloatColumns& objects, std::byte* scratch,
-                  std::uint32_t* ids) {
-  const Centers centers(shape, objects);
+void OrderByCurve(const detail::FloatColumns& objects, const Kernels& kernels,
+                  std::byte* scratch, std::uint32_t* ids) {
   Extent extent;
-  for (std::size_t i = 0; i < centers.size(); ++i) extent.Add(centers.At(i));
-  Point scale;
+  ForCenters(objects, kernels,
+             [&](std::size_t, std::size_t count, const Centers& centers) {
+               for (std::size_t k = 0; k < kAxes; ++k) {
+                 for (std::size_t i = 0; i < count; ++i) {
+                   extent.Add(k, centers[k][i]);
+                 }
+               }
+             });
+  detail::Grid grid;
   for (std::size_t k = 0; k < kAxes; ++k) {
     const float width = extent.Width(k);
-    scale[k] = width > 0 ? static_cast<float>(kCells) / width : 0;
-    if (!(scale[k] <= std::numeric_limits<float>::max())) scale[k] = 0;
+    grid.least[k] = extent.least[k];
+    grid.cells_of_unit[k] =
+        width > 0 && 1 / width <= std::numeric_limits<float>::max() / 0x1p15f
+            ? 1 / width
+            : 0;
   }
   auto* from = reinterpret_cast<Key*>(scratch);
-  auto* to = from + centers.size();
-  // A radix sort: the bits of one axis' number are a digit, the lowest first.
-  std::array<std::array<std::uint32_t, kCells>, kAxes> starts{};
+  auto* to = from + objects.size;
+  // A radix sort, the lowest digit first.
+  constexpr std::size_t kDigits = 3;
+  constexpr std::uint32_t kDigitBits = detail::kPlaceBits / kDigits;
+  std::array<std::array<std::uint32_t, 1u << kDigitBits>, kDigits> starts{};
   const auto digit_of = [](const Key& key, std::size_t digit) {
-    return key.place >> digit * kCurveBits & (kCells - 1);
+    return key.place >> digit * kDigitBits & ((1u << kDigitBits) - 1);
   };
-  for (std::size_t first = 0; first < centers.size(); first += kChunk) {
-    const std::size_t count = std::min(kChunk, centers.size() - first);
-    Cells cells{};
-    for (std::size_t i = 0; i < count; ++i) {
-      const Point center = centers.At(first + i);
-      for (std::size_t k = 0; k < kAxes; ++k) {
-        const float at = center[k] == kMost
-                             ? static_cast<float>(kCells)
-                             : (center[k] - extent.least[k]) * scale[k];
-        cells[k][i] = static_cast<std::uint32_t>(
-            std::min(at, static_cast<float>(kCells - 1)));
-      }
-    }
-    std::array<std::uint32_t, kChunk> places;
-    FindPlaces(cells, places);
-    for (std::size_t i = 0; i < count; ++i) {
-      const Key key{places[i], static_cast<std::uint32_t>(first + i)};
-      from[first + i] = key;
-      for (std::size_t d = 0; d < kAxes; ++d) ++starts[d][digit_of(key, d)];
-    }
-  }
-  for (std::size_t d = 0; d < kAxes; ++d) {
+  ForCenters(
+      objects, kernels,
+      [&](std::size_t first, std::size_t count, const Centers& centers) {
+        std::array<std::uint32_t, kBlockObjects> places;
+        kernels.places(centers, grid, places.data());
+        for (std::size_t i = 0; i < count; ++i) {
+          const Key key{places[i], static_cast<std::uint32_t>(first + i)};
+          from[first + i] = key;
+          for (std::size_t d = 0; d < kDigits; ++d) {
+            ++starts[d][digit_of(key, d)];
+          }
+        }
+      });
+  for (std::size_t d = 0; d < kDigits; ++d) {
     std::uint32_t start = 0;
     for (std::uint32_t& bucket : starts[d]) {
       start += std::exchange(bucket, start);
     }
-    for (std::size_t i = 0; i < centers.size(); ++i) {
+    for (std::size_t i = 0; i < objects.size; ++i) {
       to[starts[d][digit_of(from[i], d)]++] = from[i];
     }
     std::swap(from, to);
   }
-  for (std::size_t i = 0; i < centers.size(); ++i) ids[i] = from[i].id;
+  for (std::size_t i = 0; i < objects.size; ++i) ids[i] = from[i].id;
 }
 
 }  // namespace halfspace::kernels

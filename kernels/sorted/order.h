@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "halfspace/detail/sorted.h"
+#include "kernels/sorted/block.h"
 
 namespace halfspace::kernels {
 
@@ -16,14 +16,14 @@ inline constexpr std::size_t kOrderScratch = 16;
 // By medians of the axis on which the centers are spread widest, each rounded
 // to a multiple of the largest full node, until 64 objects are left. ids[p]
 // becomes the object at position p.
-void OrderByMedians(const detail::SortedShape& shape,
-                    const detail::FloatColumns& objects, std::byte* scratch,
-                    std::uint32_t* ids);
+void OrderByMedians(const detail::FloatColumns& objects,
+                    const detail::SortedKernels::OfPlanes& kernels,
+                    std::byte* scratch, std::uint32_t* ids);
 
 // Along Hilbert's curve through 2^30 cells, in linear time.
-void OrderByCurve(const detail::SortedShape& shape,
-                  const detail::FloatColumns& objects, std::byte* scratch,
-                  std::uint32_t* ids);
+void OrderByCurve(const detail::FloatColumns& objects,
+                  const detail::SortedKernels::OfPlanes& kernels,
+                  std::byte* scratch, std::uint32_t* ids);
 
 }  // namespace halfspace::kernels
 

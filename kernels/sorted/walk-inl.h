@@ -18,6 +18,7 @@
 #include "kernels/scan/words-inl.h"
 #include "kernels/sorted/block.h"
 #include "kernels/sorted/blocks-inl.h"
+#include "kernels/sorted/curve-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
@@ -357,7 +358,8 @@ void RunWalk(const detail::Walk& walk) {
 
 template <size_t kAxes, bool kHasMax>
 constexpr detail::SortedKernels::OfPlanes MakeSortedKernelsOf() {
-  return {&EncodeBlocks<kAxes, kHasMax>, &RunWalk<kAxes, kHasMax, true>,
+  return {&FindCenters<kAxes, kHasMax>, &FindPlaces<kAxes, kHasMax>,
+          &EncodeBlocks<kAxes, kHasMax>, &RunWalk<kAxes, kHasMax, true>,
           &RunWalk<kAxes, kHasMax, false>};
 }
 
