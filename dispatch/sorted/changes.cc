@@ -122,30 +122,15 @@ void OrAllCategories(SortedLevels& levels) {
   }
 }
 
-}  // namespace
-
-void CheckColumns(const SortedShape& shape, const FloatColumns& objects,
-                  const char* call) {
-  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
-    kernels::CheckPointer(
-        call, objects.planes[p], alignof(float),
-        [&] { return kernels::PlaneName("world", shape.axes, p); },
-        [&] {
-          return "a plane of " + std::to_string(objects.size) + " floats";
-        });
-  }
-}
-
-void FillParts(const SortedLevels& levels, std::size_t planes,
-               const FloatColumns& objects, const std::uint32_t* elements,
-               const SortedKernels::OfPlanes& kernels, std::size_t begin,
-               std::size_t end) {
+void FillPart(const SortedLevels& levels, std::size_t planes,
+              const FloatColumns& objects, const std::uint32_t* elements,
+              const SortedKernels::OfPlanes& kernels, std::size_t part) {
   const SortedLevel& level = levels.level[0];
   const SortedLevel* const above =
       levels.count > 1 ? &levels.level[1] : nullptr;
   const std::size_t end_block =
-      std::min(BlocksOf(level.size), end * kBlockObjects);
-  for (std::size_t b = begin * kBlockObjects; b < end_block; ++b) {
+      std::min(BlocksOf(level.size), (part + 1) * kBlockObjects);
+  for (std::size_t b = part * kBlockObjects; b < end_block; ++b) {
     const std::size_t first = b * kBlockObjects;
     if (elements != nullptr && b + 1 < end_block) {
       Prefetch(objects, planes, elements + first + kBlockObjects);
@@ -175,6 +160,31 @@ void FillParts(const SortedLevels& levels, std::size_t planes,
     }
     kernels.encode({&level, above, b, b + 1});
   }
+}
+
+}  // namespace
+
+void CheckColumns(const SortedShape& shape, const FloatColumns& objects,
+                  const char* call) {
+  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
+    kernels::CheckPointer(
+        call, objects.planes[p], alignof(float),
+        [&] { return kernels::PlaneName("world", shape.axes, p); },
+        [&] {
+          return "a plane of " + std::to_string(objects.size) + " floats";
+        });
+  }
+}
+
+void FillSlots(const SortedShape& shape, const SortedLevels& levels,
+               const FloatColumns& objects, const std::uint32_t* elements,
+               const SortedKernels::OfPlanes& kernels, const PartRunner& run) {
+  run(PartsOf(levels.level[0].size), [&](std::size_t part) {
+    kernels::InDefaultFpMode([&] {
+      FillPart(levels, PlanesOf(shape), objects, elements, kernels, part);
+    });
+  });
+  kernels::InDefaultFpMode([&] { EncodeLevels(levels, kernels, 1); });
 }
 
 double CostOf(const SortedShape& shape, const SortedLevels& levels,
@@ -478,7 +488,8 @@ void SortedTree::SetCategories(Span<const std::uint32_t> categories) {
   OrAllCategories(levels_);
 }
 
-void SortedTree::BeginRefit(const FloatColumns& objects, bool is_by_id) {
+void SortedTree::Refit(const FloatColumns& objects, bool is_by_id,
+                       const PartRunner& run) {
   constexpr const char* kCall = "SortedWorld::Refit";
   const std::size_t size = block_ == nullptr ? 0
                            : is_by_id        ? header().ids
@@ -496,33 +507,8 @@ void SortedTree::BeginRefit(const FloatColumns& objects, bool is_by_id) {
     Reallocate(header().capacity,
                {header().has_slots != 0, header().has_categories != 0});
   }
-}
-
-void SortedTree::Refit(const FloatColumns& objects, bool is_by_id,
-                       std::size_t begin, std::size_t end) {
-  const SortedKernels::OfPlanes& kernels =
-      KernelsOf(shape_, Target(), "SortedWorld::Refit");
-  kernels::InDefaultFpMode([&] {
-    FillParts(levels_, PlanesOf(shape_), objects,
-              is_by_id ? levels_.ids : nullptr, kernels, begin, end);
-  });
-}
-
-void SortedTree::FinishRefit() {
-  if (block_ == nullptr) return;
-  kernels::InDefaultFpMode([&] {
-    EncodeLevels(levels_, KernelsOf(shape_, Target(), "SortedWorld::Refit"), 1);
-  });
-}
-
-std::size_t SortedTree::PartCount() const {
-  return PartsOf(levels_.level[0].size);
-}
-
-void SortedTree::MarkBuilt() {
-  for (std::size_t part = 0; part < PartsOf(header().slots); ++part) {
-    levels_.built[part] = CostOf(shape_, levels_, part);
-  }
+  FillSlots(shape_, levels_, objects, is_by_id ? levels_.ids : nullptr,
+            KernelsOf(shape_, Target(), kCall), run);
 }
 
 double SortedTree::Decay() const {
@@ -536,12 +522,12 @@ double SortedTree::Decay() const {
   return now == built ? 1 : now / built;
 }
 
-void SortedTree::Rebuild(Order order) {
+void SortedTree::Rebuild(Order order, const PartRunner& run) {
   if (block_ == nullptr) return;
   Gathered objects(shape_, memory_, levels_, header().slots);
   objects.Add(0, header().slots);
   SortedTree sorted(shape_, memory_);
-  sorted.Build(objects.columns(), order, Target());
+  sorted.Build(objects.columns(), order, Target(), run);
   if (sorted.block_ == nullptr) return Swap(sorted);
   const SortedHeader& from = header();
   if (from.has_slots || from.has_categories) {
@@ -601,8 +587,10 @@ std::size_t SortedTree::RebuildWorst(std::size_t objects) {
   const Scratch scratch(memory_, columns.size * kernels::kOrderScratch);
   const SortedKernels::OfPlanes& kernels =
       KernelsOf(shape_, Target(), "SortedWorld::RebuildWorst");
+  InTurn in_turn;
+  kernels::OrderByMedians(columns, kernels, scratch.data(), elements,
+                          RunnerOf(in_turn));
   kernels::InDefaultFpMode([&] {
-    kernels::OrderByMedians(columns, kernels, scratch.data(), elements);
     const SortedLevel& level = levels_.level[0];
     std::size_t next = 0;
     for (std::size_t w = 0; w < bad; ++w) {

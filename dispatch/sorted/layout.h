@@ -82,12 +82,11 @@ void ClearSlots(const SortedShape& shape, SortedLevels& levels,
 void CheckColumns(const SortedShape& shape, const FloatColumns& objects,
                   const char* call);
 
-// Copies the bounds of the objects that exist in parts begin ... end - 1, and
-// encodes their blocks. Slot s has element elements[s], or s without them.
-void FillParts(const SortedLevels& levels, std::size_t planes,
+// Copies the bounds of the objects that exist and encodes all levels. Slot s
+// has element elements[s], or s without them.
+void FillSlots(const SortedShape& shape, const SortedLevels& levels,
                const FloatColumns& objects, const std::uint32_t* elements,
-               const SortedKernels::OfPlanes& kernels, std::size_t begin,
-               std::size_t end);
+               const SortedKernels::OfPlanes& kernels, const PartRunner& run);
 
 // Encodes all levels from `from` on, whose floats and presence are there.
 void EncodeLevels(const SortedLevels& levels,

@@ -202,8 +202,8 @@ void SortedTree::Allocate(std::size_t capacity, const SortedExtras& extras) {
   header.has_categories = extras.has_categories;
 }
 
-void SortedTree::Build(const FloatColumns& objects, Order order,
-                       Target target) {
+void SortedTree::Build(const FloatColumns& objects, Order order, Target target,
+                       const PartRunner& run) {
   constexpr const char* kCall = "SortedWorld";
   const SortedKernels::OfPlanes& kernels = KernelsOf(shape_, target, kCall);
   if (objects.size >= kMostObjects) {
@@ -218,24 +218,24 @@ void SortedTree::Build(const FloatColumns& objects, Order order,
   CheckColumns(shape_, objects, kCall);
   const Scratch scratch(memory_, objects.size * kernels::kOrderScratch);
   Allocate(objects.size, {});
-  kernels::InDefaultFpMode([&] {
-    const auto put_in_order =
-        order == Order::kFast ? kernels::OrderByCurve : kernels::OrderByMedians;
-    put_in_order(objects, kernels, scratch.data(), levels_.ids);
-    SetSlots(levels_, objects.size);
-    header().slots = header().size = header().ids = objects.size;
-    for (std::size_t l = 0; l < levels_.count; ++l) {
-      const std::size_t size = levels_.level[l].size;
-      std::fill_n(levels_.level[l].present, BlocksOf(size), ~std::uint64_t{0});
-      if (levels_.level[l].regular != nullptr) {
-        std::fill_n(levels_.level[l].regular, BlocksOf(size), 0);
-      }
-      if (size % kBlockObjects != 0) ClearSlots(shape_, levels_, l, size);
+  const auto put_in_order =
+      order == Order::kFast ? kernels::OrderByCurve : kernels::OrderByMedians;
+  put_in_order(objects, kernels, scratch.data(), levels_.ids, run);
+  SetSlots(levels_, objects.size);
+  header().slots = header().size = header().ids = objects.size;
+  for (std::size_t l = 0; l < levels_.count; ++l) {
+    const std::size_t size = levels_.level[l].size;
+    std::fill_n(levels_.level[l].present, BlocksOf(size), ~std::uint64_t{0});
+    if (levels_.level[l].regular != nullptr) {
+      std::fill_n(levels_.level[l].regular, BlocksOf(size), 0);
     }
-    FillParts(levels_, PlanesOf(shape_), objects, levels_.ids, kernels, 0,
-              PartsOf(objects.size));
-    EncodeLevels(levels_, kernels, 1);
-    MarkBuilt();
+    if (size % kBlockObjects != 0) ClearSlots(shape_, levels_, l, size);
+  }
+  FillSlots(shape_, levels_, objects, levels_.ids, kernels, run);
+  kernels::InDefaultFpMode([&] {
+    for (std::size_t part = 0; part < PartsOf(objects.size); ++part) {
+      levels_.built[part] = CostOf(shape_, levels_, part);
+    }
   });
 }
 

@@ -18,12 +18,14 @@ inline constexpr std::size_t kOrderScratch = 16;
 // becomes the object at position p.
 void OrderByMedians(const detail::FloatColumns& objects,
                     const detail::SortedKernels::OfPlanes& kernels,
-                    std::byte* scratch, std::uint32_t* ids);
+                    std::byte* scratch, std::uint32_t* ids,
+                    const detail::PartRunner& run);
 
 // Along Hilbert's curve through 2^30 cells, in linear time.
 void OrderByCurve(const detail::FloatColumns& objects,
                   const detail::SortedKernels::OfPlanes& kernels,
-                  std::byte* scratch, std::uint32_t* ids);
+                  std::byte* scratch, std::uint32_t* ids,
+                  const detail::PartRunner& run);
 
 }  // namespace halfspace::kernels
 

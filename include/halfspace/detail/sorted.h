@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/export.h"
@@ -69,6 +70,44 @@ struct SortedShape {
   bool has_max;
 };
 
+// Calls part(i) for each i below `count`, in any order and on any threads, and
+// returns when all have returned.
+struct PartRunner {
+  void (*run)(void* context, std::size_t count,
+              void (*part)(const void* parts, std::size_t i),
+              const void* parts);
+  void* context;
+
+  template <typename Part>
+  void operator()(std::size_t count, const Part& part) const {
+    run(
+        context, count,
+        [](const void* parts, std::size_t i) {
+          (*static_cast<const Part*>(parts))(i);
+        },
+        &part);
+  }
+};
+
+// `run` is called as run(count, part), and must outlive the result.
+template <typename Run>
+PartRunner RunnerOf(Run& run) {
+  return {
+      [](void* context, std::size_t count,
+         void (*part)(const void* parts, std::size_t i), const void* parts) {
+        (*static_cast<Run*>(context))(
+            count, [part, parts](std::size_t i) { part(parts, i); });
+      },
+      const_cast<std::remove_const_t<Run>*>(&run)};
+}
+
+struct InTurn {
+  template <typename Part>
+  void operator()(std::size_t count, const Part& part) const {
+    for (std::size_t i = 0; i < count; ++i) part(i);
+  }
+};
+
 struct SortedHeader;
 struct SortedExtras;
 
@@ -98,7 +137,8 @@ class HALFSPACE_API SortedTree {
   }
 
   // Replaces the content. The planes may not be its own.
-  void Build(const FloatColumns& objects, Order order, Target target);
+  void Build(const FloatColumns& objects, Order order, Target target,
+             const PartRunner& run);
 
   // Replaces the content by what Blob() gave, in place or as a copy.
   void Load(Span<const std::byte> blob, bool is_in_place);
@@ -114,16 +154,11 @@ class HALFSPACE_API SortedTree {
   void SetCategories(std::uint32_t id, std::uint32_t categories);
   void SetCategories(Span<const std::uint32_t> categories);
 
-  // The bounds of the objects anew, by id or by slot: of parts begin ... end -
-  // 1, each of 4096 slots. Threads may share the parts between the other two.
-  void BeginRefit(const FloatColumns& objects, bool is_by_id);
-  void Refit(const FloatColumns& objects, bool is_by_id, std::size_t begin,
-             std::size_t end);
-  void FinishRefit();
-  std::size_t PartCount() const;
+  // The bounds of the objects anew, by id or by slot.
+  void Refit(const FloatColumns& objects, bool is_by_id, const PartRunner& run);
 
   double Decay() const;
-  void Rebuild(Order order);
+  void Rebuild(Order order, const PartRunner& run);
   std::size_t RebuildWorst(std::size_t objects);
 
  private:
@@ -139,7 +174,6 @@ class HALFSPACE_API SortedTree {
   std::size_t FindSlot(const float* values);
   std::size_t AppendSlot();
   void EncodePath(std::size_t slot);
-  void MarkBuilt();
 
   SortedShape shape_;
   MemoryResource memory_;

@@ -240,7 +240,7 @@ TYPED_TEST(SortedChangesTest, RebuildsMendWhatDecayed) {
   EXPECT_EQ(sorted.Decay(), 1.0);
 }
 
-TEST(SortedRefitTest, ThreadsShareIt) {
+TEST(SortedThreadsTest, ShareRefitsAndBuilds) {
   Spread<AabbView3> spread(1.0f);
   SortedAabbWorld3 sorted(spread.Objects(40'000));
   SortedAabbWorld3 same(sorted);
@@ -259,6 +259,16 @@ TEST(SortedRefitTest, ThreadsShareIt) {
   EXPECT_EQ(sorted.Decay(), same.Decay());
   for (const Aabb3& query : SomeQueries<AabbView3>(1)) {
     EXPECT_EQ(CountSurvivors(sorted, query), CountSurvivors(bounds, query));
+  }
+  // And builds, which are the same then.
+  for (Order order : {Order::kTight, Order::kFast}) {
+    const SortedAabbWorld3 built(bounds.view(), order, {}, run);
+    const SortedAabbWorld3 alone(bounds.view(), order);
+    EXPECT_TRUE(std::equal(built.ids().begin(), built.ids().end(),
+                           alone.ids().begin()));
+    EXPECT_EQ(built.Decay(), 1.0);
+    sorted.Rebuild(order, run);
+    EXPECT_EQ(CountSurvivors(sorted, Aabb3::Everything()), 40'000u);
   }
 }
 

@@ -304,7 +304,9 @@ TYPED_TEST(SortedTest, IsTheSameWhicheverTargetBuildsIt) {
   const World<View> world = Spread<View>(3.0f).Objects(5000);
   const auto built = [&](Target target) {
     detail::SortedTree tree(detail::SortedShapeOf<View>(), MemoryResource());
-    tree.Build(detail::ColumnsOf(world.view()), Order::kTight, target);
+    detail::InTurn in_turn;
+    tree.Build(detail::ColumnsOf(world.view()), Order::kTight, target,
+               detail::RunnerOf(in_turn));
     return tree;
   };
   const std::vector<Target> targets = TargetsUnderTest();
