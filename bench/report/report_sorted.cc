@@ -1,3 +1,4 @@
+#include <optional>
 #include <string>
 
 #include "bench/base/text_table.h"
@@ -5,6 +6,15 @@
 #include "bench/report/report_parts.h"
 
 namespace halfspace::bench {
+
+namespace {
+
+std::optional<double> InMicroseconds(std::optional<double> ns) {
+  if (ns) *ns /= 1e3;
+  return ns;
+}
+
+}  // namespace
 
 void WriteText(std::ostream& out, const SortedResult& result) {
   Heading(
@@ -18,17 +28,17 @@ void WriteText(std::ostream& out, const SortedResult& result) {
     for (const SortedRow& row : workload.rows) {
       rows.AddRow({row.name, row.target.empty() ? "-" : row.target,
                    Fixed(row.ns / 1e3, 3), Fixed(row.over_fastest, 2),
-                   Fixed(row.ns_in_turns / 1e3, 3),
+                   Fixed(InMicroseconds(row.ns_in_turns), 3),
                    Fixed(row.over_fastest_in_turns, 2)});
     }
     rows.Write(out, 2);
     out << '\n';
   }
-  TextTable builds({"build", "objects", "ms"});
-  for (const SortedBuild& build : result.builds) {
-    builds.AddRow({build.name, Grouped(build.objects), Fixed(build.ms, 1)});
+  TextTable jobs({"of all objects", "objects", "ms"});
+  for (const SortedJob& job : result.jobs) {
+    jobs.AddRow({job.name, Grouped(job.objects), Fixed(job.ms, 1)});
   }
-  builds.Write(out, 1);
+  jobs.Write(out, 1);
   out << '\n';
   if (result.scan_is_faster_below) {
     if (*result.scan_is_faster_below > 0.0) {

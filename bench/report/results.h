@@ -165,9 +165,10 @@ struct ThroughputResult {
 // One way to answer box queries.
 struct SortedRow {
   std::string name;
-  std::string target;        // empty: none of the library's
-  double ns = 0.0;           // a query, its queries in a row
-  double ns_in_turns = 0.0;  // in turns with all other rows
+  std::string target;  // empty: none of the library's
+  double ns = 0.0;     // a query, its queries in a row
+  // In turns with all other rows, if that was asked.
+  std::optional<double> ns_in_turns;
   // Times as fast as the fastest competitor; none without competitors.
   std::optional<double> over_fastest;
   std::optional<double> over_fastest_in_turns;
@@ -180,7 +181,8 @@ struct SortedWorkload {
   std::vector<SortedRow> rows;
 };
 
-struct SortedBuild {
+// What is done to all objects at once: a build, a refit, a join.
+struct SortedJob {
   std::string name;
   std::size_t objects = 0;
   double ms = 0.0;
@@ -188,7 +190,7 @@ struct SortedBuild {
 
 struct SortedResult {
   std::vector<SortedWorkload> workloads;
-  std::vector<SortedBuild> builds;
+  std::vector<SortedJob> jobs;
   // Below so many objects a flat scan is faster, of floats or quantized; 0 if
   // it never is.
   std::optional<double> scan_is_faster_below;

@@ -77,6 +77,17 @@ inline constexpr Threshold kFastBuild = AtLeast(2, 5.0);
 inline constexpr Threshold kTightBuild = AtLeast(2, 1.0);
 inline constexpr Threshold kFastOverTight = AtMost(2, 1.5);
 inline constexpr Threshold kSortedMemory = AtMost(2, 0.6);
+// Refits: % of copying as many bytes as they read and write.
+inline constexpr Threshold kRefitInOrder = AtLeast(3, 40.0);
+inline constexpr Threshold kRefitById = AtLeast(3, 20.0);
+// Pairs: times the fastest competitor, with the build and without; two threads.
+inline constexpr Threshold kPairsAndBuild = AtLeast(4, 3.0);
+inline constexpr Threshold kPairs = AtLeast(4, 5.0);
+inline constexpr Threshold kPairsTwoThreads = AtLeast(4, 1.8);
+// Other searches: times Boost, Embree and Boost.
+inline constexpr Threshold kNearest = AtLeast(5, 2.0);
+inline constexpr Threshold kAlong = AtLeast(5, 1.5);
+inline constexpr Threshold kCounts = AtLeast(5, 20.0);
 
 // A bulk build of boxes out of the caches: % of copying the same bytes.
 inline constexpr double kBuildPercentOfCopy = 70.0;

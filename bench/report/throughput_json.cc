@@ -71,7 +71,7 @@ Json ToJson(const SortedResult& result) {
           {{"name", row.name},
            {"target", OrNull(row.target)},
            {"ns_per_query", row.ns},
-           {"ns_per_query_in_turns", row.ns_in_turns},
+           {"ns_per_query_in_turns", OrNull(row.ns_in_turns)},
            {"over_fastest", OrNull(row.over_fastest)},
            {"over_fastest_in_turns", OrNull(row.over_fastest_in_turns)}});
     }
@@ -80,13 +80,13 @@ Json ToJson(const SortedResult& result) {
                          {"survivors_per_query", workload.survivors},
                          {"rows", rows}});
   }
-  Json builds = Json::array();
-  for (const SortedBuild& build : result.builds) {
-    builds.push_back(
-        {{"name", build.name}, {"objects", build.objects}, {"ms", build.ms}});
+  Json jobs = Json::array();
+  for (const SortedJob& job : result.jobs) {
+    jobs.push_back(
+        {{"name", job.name}, {"objects", job.objects}, {"ms", job.ms}});
   }
   return {{"workloads", workloads},
-          {"builds", builds},
+          {"jobs", jobs},
           {"scan_is_faster_below", OrNull(result.scan_is_faster_below)},
           {"ratios", ToJson(result.ratios)},
           {"remarks", result.remarks},

@@ -119,10 +119,11 @@ class Contest {
     for (std::size_t i = 0; i < workload_.rows.size(); ++i) {
       SortedRow& row = workload_.rows[i];
       row.ns = in_a_row_[i].Median();
-      row.ns_in_turns = in_turns_[i].Median();
+      const double in_turns = in_turns_[i].Median();
+      row.ns_in_turns = in_turns;
       if (competitors_.empty()) continue;
       row.over_fastest = Fastest(in_a_row_).Median() / row.ns;
-      row.over_fastest_in_turns = Fastest(in_turns_).Median() / row.ns_in_turns;
+      row.over_fastest_in_turns = Fastest(in_turns_).Median() / in_turns;
     }
   }
 

@@ -11,7 +11,7 @@
 #include "bench/measure/machine.h"
 #include "bench/sections/contest.h"
 #include "bench/sections/sections.h"
-#include "bench/sections/sorted_builds.h"
+#include "bench/sections/sorted_parts.h"
 #include "bench/sections/throughput.h"
 #include "bench/worlds/box_set.h"
 #include "halfspace/sorted.h"
@@ -189,6 +189,13 @@ SortedResult RunSorted(const Workload* input, std::size_t most_objects,
       [=, &result](Throughput& to) { RunScan(most, seed, to, result); });
   parts.push_back([=, &result](Throughput& to) {
     RunSortedBuilds(MakeUniformBoxes<3>("a", most, kSide3D, seed), to, result);
+  });
+  parts.push_back([=, &result](Throughput& to) {
+    RunSortedRefits(MakeUniformBoxes<3>("a", most, kSide3D, seed), to, result);
+  });
+  parts.push_back([=, &result](Throughput& to) {
+    RunSortedSearches(MakeUniformBoxes<3>("a", most, kSide3D, seed), seed, to,
+                      result);
   });
   RunParts(parts, throughput);
 

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <ctime>
 #include <functional>
 #include <memory>
@@ -11,9 +13,10 @@
 
 #include "bench/base/text_table.h"
 #include "bench/baselines/box_tree.h"
-#include "bench/sections/sorted_builds.h"
+#include "bench/sections/sorted_parts.h"
 #include "bench/worlds/box_set.h"
 #include "halfspace/sorted.h"
+#include "kernels/sorted/block.h"
 
 namespace halfspace::bench {
 namespace {
@@ -79,7 +82,7 @@ void RunSortedBuilds(const BoxSet<3>& set, Throughput& throughput,
       builds.Time(std::min(throughput.repetitions(), kMostRepetitions));
   throughput.AddTimings(timings);
   for (std::size_t i = 0; i < timings.size(); ++i) {
-    result.builds.push_back({names[i], objects, timings[i].Median() / 1e6});
+    result.jobs.push_back({names[i], objects, timings[i].Median() / 1e6});
   }
   const std::string size = Grouped(objects);
   if (has_competitor) {
@@ -98,6 +101,56 @@ void RunSortedBuilds(const BoxSet<3>& set, Throughput& throughput,
   throughput.AddRatio(thresholds::kSortedMemory, target,
                       "bytes beyond the floats, over the floats, of " + size,
                       static_cast<double>(world.bytes()) / floats - 1.0);
+}
+
+// Each is a sorted world of its own, so that none finds what another has left
+// in the caches.
+void RunSortedRefits(const BoxSet<3>& set, Throughput& throughput,
+                     SortedResult& result) {
+  using Sorted = SortedWorld<AabbView3>;
+  constexpr std::size_t kPlanes = detail::kPlaneCount<Aabb3>;
+  const Target target = throughput.targets().front();
+  const std::size_t objects = set.boxes.size();
+  const std::span<const Aabb3> boxes = set.boxes;
+  Sorted in_order(boxes);
+  Sorted by_id(boxes);
+  World<AabbView3> bounds;
+  for (std::uint32_t id : in_order.ids()) bounds.Push(boxes[id]);
+
+  // A refit reads the floats and writes them and the codes; a copy moves as
+  // many bytes, half of them each way.
+  const std::size_t moved = objects * (2 * kPlanes * sizeof(float)) +
+                            objects / 64 * detail::BlockBytes(kPlanes);
+  std::vector<std::byte> from(moved / 2, std::byte{1});
+  std::vector<std::byte> to(moved / 2);
+
+  std::vector<Case> cases(3);
+  cases[0].name = "refit, in order";
+  cases[0].run = [&] { in_order.RefitInOrder(bounds.view()); };
+  cases[1].name = "refit, by id, of a list";
+  cases[1].run = [&] { by_id.Refit(boxes); };
+  cases[2].name = "copy of as many bytes";
+  cases[2].run = [&] { std::memcpy(to.data(), from.data(), to.size()); };
+  for (std::size_t c = 0; c < 2; ++c) {
+    cases[c].check = [&, c]() -> std::string {
+      cases[c].run();
+      return (c == 0 ? in_order : by_id).Decay() == 1.0
+                 ? ""
+                 : "the same bounds make another world";
+    };
+  }
+  const Timings timings = throughput.TimeRuns(
+      cases, std::max<std::size_t>(5, throughput.repetitions()));
+  const std::string size = Grouped(objects);
+  for (const Timing& timing : timings) {
+    result.jobs.push_back({timing.name, objects, timing.Median() / 1e6});
+  }
+  throughput.AddRatio(thresholds::kRefitInOrder, target,
+                      "refit of " + size + " in order: % of copying as much",
+                      RatioOf(timings[2], timings[0]).Percent());
+  throughput.AddRatio(thresholds::kRefitById, target,
+                      "refit of " + size + " by id: % of copying as much",
+                      RatioOf(timings[2], timings[1]).Percent());
 }
 
 }  // namespace halfspace::bench

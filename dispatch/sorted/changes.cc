@@ -1,7 +1,5 @@
-// How a sorted world changes: one object at a time, all bounds at once, and the
-// order of the worst parts.
+// How a sorted world changes, one object at a time or all bounds at once.
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <string>
@@ -13,67 +11,9 @@
 #include "kernels/error.h"
 #include "kernels/exact/default_fp_mode.h"
 #include "kernels/memory_checks.h"
-#include "kernels/prefetch.h"
-#include "kernels/sorted/order.h"
 
 namespace halfspace::detail {
 namespace {
-
-// The objects of some slots, one after another: what is sorted again.
-class Gathered {
- public:
-  Gathered(const SortedShape& shape, const MemoryResource& memory,
-           const SortedLevels& levels, std::size_t room)
-      : planes_(PlanesOf(shape)),
-        room_(room),
-        levels_(levels),
-        floats_(memory, room * planes_ * sizeof(float)),
-        ids_(memory, room * sizeof(std::uint32_t)),
-        categories_(memory, levels.level[0].categories == nullptr
-                                ? 0
-                                : room * sizeof(std::uint32_t)) {
-    columns_.size = 0;
-    columns_.stride = 1;
-    for (std::size_t p = 0; p < planes_; ++p) {
-      columns_.planes[p] = Floats() + p * room;
-    }
-  }
-
-  const FloatColumns& columns() const { return columns_; }
-  std::uint32_t* ids() const {
-    return reinterpret_cast<std::uint32_t*>(ids_.data());
-  }
-  std::uint32_t* categories() const {
-    return reinterpret_cast<std::uint32_t*>(categories_.data());
-  }
-
-  // The objects of slots begin ... end - 1.
-  void Add(std::size_t begin, std::size_t end) {
-    const SortedLevel& level = levels_.level[0];
-    for (std::size_t s = begin; s < end; ++s) {
-      if ((level.present[s / kBlockObjects] >> s % kBlockObjects & 1) == 0) {
-        continue;
-      }
-      const std::size_t i = columns_.size++;
-      for (std::size_t p = 0; p < planes_; ++p) {
-        Floats()[p * room_ + i] = level.planes[p][s];
-      }
-      ids()[i] = levels_.ids[s];
-      if (categories() != nullptr) categories()[i] = level.categories[s];
-    }
-  }
-
- private:
-  float* Floats() const { return reinterpret_cast<float*>(floats_.data()); }
-
-  std::size_t planes_;
-  std::size_t room_;
-  const SortedLevels& levels_;
-  Scratch floats_;
-  Scratch ids_;
-  Scratch categories_;
-  FloatColumns columns_;
-};
 
 // How much a node would have to grow to enclose a bound.
 float GrowthOf(const SortedShape& shape, const SortedLevel& level,
@@ -93,129 +33,7 @@ std::uint64_t ExistingLanes(const SortedLevel& level, std::size_t block) {
   return ~std::uint64_t{0} >> (kBlockObjects - count);
 }
 
-// The bounds of the next block, which are anywhere.
-void Prefetch(const FloatColumns& objects, std::size_t planes,
-              const std::uint32_t* elements) {
-  // The values of a record are in one line, or in two.
-  const std::size_t step = objects.stride == 1 ? 1 : planes - 1;
-  for (std::size_t i = 0; i < kBlockObjects; ++i) {
-    if (elements[i] == kNoId) continue;
-    for (std::size_t p = 0; p < planes; p += step) {
-      kernels::PrefetchToL2(objects.planes[p] + elements[i] * objects.stride);
-    }
-  }
-}
-
-void OrCategories(SortedLevels& levels, std::size_t level, std::size_t block) {
-  const std::uint32_t* const of_block =
-      levels.level[level].categories + block * kBlockObjects;
-  std::uint32_t all = 0;
-  for (std::size_t i = 0; i < kBlockObjects; ++i) all |= of_block[i];
-  levels.level[level + 1].categories[block] = all;
-}
-
-void OrAllCategories(SortedLevels& levels) {
-  for (std::size_t l = 0; l + 1 < levels.count; ++l) {
-    for (std::size_t b = 0; b < BlocksOf(levels.level[l].size); ++b) {
-      OrCategories(levels, l, b);
-    }
-  }
-}
-
-void FillPart(const SortedLevels& levels, std::size_t planes,
-              const FloatColumns& objects, const std::uint32_t* elements,
-              const SortedKernels::OfPlanes& kernels, std::size_t part) {
-  const SortedLevel& level = levels.level[0];
-  const SortedLevel* const above =
-      levels.count > 1 ? &levels.level[1] : nullptr;
-  const std::size_t end_block =
-      std::min(BlocksOf(level.size), (part + 1) * kBlockObjects);
-  for (std::size_t b = part * kBlockObjects; b < end_block; ++b) {
-    const std::size_t first = b * kBlockObjects;
-    if (elements != nullptr && b + 1 < end_block) {
-      Prefetch(objects, planes, elements + first + kBlockObjects);
-    }
-    std::uint64_t present = level.present[b];
-    if (~present == 0 && elements != nullptr) {
-      for (std::size_t p = 0; p < planes; ++p) {
-        float* const to = level.planes[p] + first;
-        for (std::size_t i = 0; i < kBlockObjects; ++i) {
-          to[i] = objects.planes[p][elements[first + i] * objects.stride];
-        }
-      }
-    } else if (~present == 0 && objects.stride == 1) {
-      for (std::size_t p = 0; p < planes; ++p) {
-        std::memcpy(level.planes[p] + first, objects.planes[p] + first,
-                    kBlockObjects * sizeof(float));
-      }
-    } else {
-      for (std::size_t s = first; present != 0; present >>= 1, ++s) {
-        if ((present & 1) == 0) continue;
-        const std::size_t from =
-            (elements == nullptr ? s : elements[s]) * objects.stride;
-        for (std::size_t p = 0; p < planes; ++p) {
-          level.planes[p][s] = objects.planes[p][from];
-        }
-      }
-    }
-    kernels.encode({&level, above, b, b + 1});
-  }
-}
-
 }  // namespace
-
-void CheckColumns(const SortedShape& shape, const FloatColumns& objects,
-                  const char* call) {
-  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
-    kernels::CheckPointer(
-        call, objects.planes[p], alignof(float),
-        [&] { return kernels::PlaneName("world", shape.axes, p); },
-        [&] {
-          return "a plane of " + std::to_string(objects.size) + " floats";
-        });
-  }
-}
-
-void FillSlots(const SortedShape& shape, const SortedLevels& levels,
-               const FloatColumns& objects, const std::uint32_t* elements,
-               const SortedKernels::OfPlanes& kernels, const PartRunner& run) {
-  run(PartsOf(levels.level[0].size), [&](std::size_t part) {
-    kernels::InDefaultFpMode([&] {
-      FillPart(levels, PlanesOf(shape), objects, elements, kernels, part);
-    });
-  });
-  kernels::InDefaultFpMode([&] { EncodeLevels(levels, kernels, 1); });
-}
-
-double CostOf(const SortedShape& shape, const SortedLevels& levels,
-              std::size_t part) {
-  if (levels.count == 1) return 0;
-  const SortedLevel& nodes = levels.level[1];
-  const std::size_t end = std::min(nodes.size, (part + 1) * kBlockObjects);
-  double cost = 0;
-  for (std::size_t n = part * kBlockObjects; n < end; ++n) {
-    double extents[4] = {};
-    double slack = 0;
-    for (std::size_t k = 0; k < shape.axes; ++k) {
-      const double min = nodes.planes[k][n];
-      slack -= min;
-      if (shape.has_max) extents[k] = nodes.planes[shape.axes + k][n] - min;
-    }
-    double surface = slack;
-    if (shape.has_max) {
-      surface = shape.axes == 2
-                    ? extents[0] + extents[1]
-                    : extents[0] * extents[1] + extents[1] * extents[2] +
-                          extents[2] * extents[0];
-    } else if (shape.axes == 4) {
-      surface = slack * slack;
-    }
-    if (surface > 0 && surface < std::numeric_limits<double>::infinity()) {
-      cost += surface;
-    }
-  }
-  return cost;
-}
 
 // Also when nothing grows: it makes a blob in place its own.
 void SortedTree::Reallocate(std::size_t capacity, const SortedExtras& extras) {
@@ -418,7 +236,8 @@ std::size_t SortedTree::FindSlot(const float* values) {
 
 std::uint32_t SortedTree::Insert(Span<const float> values) {
   NeedSlots();
-  const std::size_t slot = FindSlot(values.data());
+  const std::size_t slot =
+      kernels::InDefaultFpMode([&] { return FindSlot(values.data()); });
   // Only of a blob that was altered: else there is a free id, or a slot for
   // each.
   if (header().free_id == kNoId && header().ids == header().capacity) {
@@ -509,121 +328,6 @@ void SortedTree::Refit(const FloatColumns& objects, bool is_by_id,
   }
   FillSlots(shape_, levels_, objects, is_by_id ? levels_.ids : nullptr,
             KernelsOf(shape_, Target(), kCall), run);
-}
-
-double SortedTree::Decay() const {
-  if (block_ == nullptr) return 1;
-  double built = 0;
-  double now = 0;
-  for (std::size_t part = 0; part < PartsOf(header().slots); ++part) {
-    built += levels_.built[part];
-    now += CostOf(shape_, levels_, part);
-  }
-  return now == built ? 1 : now / built;
-}
-
-void SortedTree::Rebuild(Order order, const PartRunner& run) {
-  if (block_ == nullptr) return;
-  Gathered objects(shape_, memory_, levels_, header().slots);
-  objects.Add(0, header().slots);
-  SortedTree sorted(shape_, memory_);
-  sorted.Build(objects.columns(), order, Target(), run);
-  if (sorted.block_ == nullptr) return Swap(sorted);
-  const SortedHeader& from = header();
-  if (from.has_slots || from.has_categories) {
-    sorted.Reallocate(std::max<std::size_t>(sorted.size(), from.ids),
-                      {from.has_slots != 0, from.has_categories != 0});
-  }
-  SortedLevels& levels = sorted.levels_;
-  if (from.has_slots) {
-    std::memcpy(levels.slots, levels_.slots, from.ids * sizeof(std::uint32_t));
-  }
-  for (std::size_t s = 0; s < sorted.size(); ++s) {
-    const std::uint32_t element = levels.ids[s];
-    const std::uint32_t id = objects.ids()[element];
-    levels.ids[s] = id;
-    if (from.has_slots && id < from.ids) {
-      levels.slots[id] = static_cast<std::uint32_t>(s);
-    }
-    if (from.has_categories) {
-      levels.level[0].categories[s] = objects.categories()[element];
-    }
-  }
-  if (from.has_categories) OrAllCategories(levels);
-  sorted.header().ids = from.ids;
-  sorted.header().free_id = from.free_id;
-  Swap(sorted);
-}
-
-std::size_t SortedTree::RebuildWorst(std::size_t objects) {
-  if (block_ == nullptr || objects == 0 || levels_.count == 1) return 0;
-  if (!is_owned_) NeedSlots();
-  const std::size_t parts = PartsOf(header().slots);
-  const Scratch memory(memory_, parts * sizeof(std::pair<double, std::size_t>));
-  auto* const worst =
-      reinterpret_cast<std::pair<double, std::size_t>*>(memory.data());
-  std::size_t bad = 0;
-  for (std::size_t part = 0; part < parts; ++part) {
-    const double excess = CostOf(shape_, levels_, part) - levels_.built[part];
-    if (excess > 0) worst[bad++] = {-excess, part};
-  }
-  std::sort(worst, worst + bad);
-  bad = std::min(bad, std::max<std::size_t>(1, objects / kPartSlots));
-  if (bad == 0) return 0;
-  // The slots keep their places, and so their nodes: in the order of the parts
-  // the objects of a part stay near each other.
-  std::sort(worst, worst + bad,
-            [](const auto& a, const auto& b) { return a.second < b.second; });
-  Gathered gathered(shape_, memory_, levels_, bad * kPartSlots);
-  const auto end_of = [&](std::size_t part) {
-    return std::min<std::size_t>(header().slots, (part + 1) * kPartSlots);
-  };
-  for (std::size_t w = 0; w < bad; ++w) {
-    gathered.Add(worst[w].second * kPartSlots, end_of(worst[w].second));
-  }
-  const FloatColumns& columns = gathered.columns();
-  const Scratch order(memory_, columns.size * sizeof(std::uint32_t));
-  auto* const elements = reinterpret_cast<std::uint32_t*>(order.data());
-  const Scratch scratch(memory_, columns.size * kernels::kOrderScratch);
-  const SortedKernels::OfPlanes& kernels =
-      KernelsOf(shape_, Target(), "SortedWorld::RebuildWorst");
-  InTurn in_turn;
-  kernels::OrderByMedians(columns, kernels, scratch.data(), elements,
-                          RunnerOf(in_turn));
-  kernels::InDefaultFpMode([&] {
-    const SortedLevel& level = levels_.level[0];
-    std::size_t next = 0;
-    for (std::size_t w = 0; w < bad; ++w) {
-      const std::size_t begin = worst[w].second * kPartSlots;
-      const std::size_t end = end_of(worst[w].second);
-      for (std::size_t s = begin; s < end; ++s) {
-        if (s % kBlockObjects == 0) ClearSlots(shape_, levels_, 0, s);
-        if (next == columns.size) continue;
-        const std::uint32_t element = elements[next++];
-        for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
-          level.planes[p][s] = columns.planes[p][element];
-        }
-        level.present[s / kBlockObjects] |= std::uint64_t{1}
-                                            << s % kBlockObjects;
-        const std::uint32_t id = gathered.ids()[element];
-        levels_.ids[s] = id;
-        if (levels_.slots != nullptr && id < header().ids) {
-          levels_.slots[id] = static_cast<std::uint32_t>(s);
-        }
-        if (level.categories != nullptr) {
-          level.categories[s] = gathered.categories()[element];
-        }
-      }
-      kernels.encode(
-          {&level, &levels_.level[1], begin / kBlockObjects, BlocksOf(end)});
-    }
-    EncodeLevels(levels_, kernels, 1);
-    if (level.categories != nullptr) OrAllCategories(levels_);
-  });
-  for (std::size_t w = 0; w < bad; ++w) {
-    levels_.built[worst[w].second] = CostOf(shape_, levels_, worst[w].second);
-  }
-  return columns.size;
 }
 
 }  // namespace halfspace::detail

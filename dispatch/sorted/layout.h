@@ -92,6 +92,10 @@ void FillSlots(const SortedShape& shape, const SortedLevels& levels,
 void EncodeLevels(const SortedLevels& levels,
                   const SortedKernels::OfPlanes& kernels, std::size_t from);
 
+// Says of a node, or of all, which categories its objects have.
+void OrCategories(SortedLevels& levels, std::size_t level, std::size_t block);
+void OrAllCategories(SortedLevels& levels);
+
 // About how many blocks queries visit: the sum of the surfaces of the nodes
 // over the 4096 slots of a part.
 double CostOf(const SortedShape& shape, const SortedLevels& levels,

@@ -16,32 +16,6 @@
 namespace halfspace::detail {
 namespace {
 
-constexpr std::size_t kLine = 64;
-
-// More than this is not in the second-level cache.
-constexpr std::size_t kInCacheBytes = std::size_t{1} << 20;
-
-// Hands out parts of a block of memory, of whole cache lines; without memory it
-// measures.
-class Parts {
- public:
-  explicit Parts(std::byte* begin) : begin_(begin) {}
-
-  std::size_t bytes() const { return bytes_; }
-
-  template <typename T>
-  T* Take(std::size_t count) {
-    auto* part =
-        begin_ == nullptr ? nullptr : reinterpret_cast<T*>(begin_ + bytes_);
-    bytes_ += (count * sizeof(T) + kLine - 1) / kLine * kLine;
-    return part;
-  }
-
- private:
-  std::byte* begin_;
-  std::size_t bytes_ = 0;
-};
-
 [[noreturn]] void ThrowCorrupt(const char* expected, const std::string& given) {
   kernels::ThrowInvalid("SortedWorld::Load", "blob", expected, given);
 }
@@ -64,77 +38,6 @@ bool IsClosed(const SortedShape& shape, const SortedLevel& level) {
 }
 
 }  // namespace
-
-std::size_t Place(const SortedShape& shape, std::size_t capacity,
-                  const SortedExtras& extras, std::byte* begin,
-                  SortedLevels& levels) {
-  // So that equal places of all planes are not in one set of a cache.
-  constexpr std::size_t kStagger = 5 * kLine / sizeof(float);
-  levels = {};
-  const std::size_t planes = PlanesOf(shape);
-  Parts parts(begin);
-  parts.Take<SortedHeader>(1);
-  std::size_t size = capacity;
-  do {
-    SortedLevel& level = levels.level[levels.count++];
-    const std::size_t blocks = BlocksOf(size);
-    const std::size_t bytes = blocks * BlockBytes(planes);
-    level.is_prefetched = bytes > kInCacheBytes;
-    level.blocks = parts.Take<std::byte>(bytes);
-    for (std::size_t p = 0; p < planes; ++p) {
-      level.planes[p] = parts.Take<float>(blocks * kBlockObjects + kStagger);
-    }
-    level.present = parts.Take<std::uint64_t>(blocks);
-    if (shape.has_max && levels.count > 1) {
-      level.regular = parts.Take<std::uint64_t>(blocks);
-    }
-    if (extras.has_categories) {
-      level.categories = parts.Take<std::uint32_t>(blocks * kBlockObjects);
-    }
-    size = blocks;
-  } while (size > 1);
-  levels.ids = parts.Take<std::uint32_t>(BlocksOf(capacity) * kBlockObjects);
-  if (extras.has_slots) levels.slots = parts.Take<std::uint32_t>(capacity);
-  levels.built = parts.Take<double>(PartsOf(capacity));
-  return parts.bytes();
-}
-
-void SetSlots(SortedLevels& levels, std::size_t slots) {
-  for (std::size_t l = 0; l < levels.count; ++l) {
-    levels.level[l].size = slots;
-    slots = BlocksOf(slots);
-  }
-}
-
-void ClearSlots(const SortedShape& shape, SortedLevels& levels,
-                std::size_t level, std::size_t begin) {
-  constexpr float kInf = std::numeric_limits<float>::infinity();
-  const std::size_t end = BlocksOf(begin + 1) * kBlockObjects;
-  const SortedLevel& cleared = levels.level[level];
-  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
-    std::fill(cleared.planes[p] + begin, cleared.planes[p] + end,
-              p < shape.axes ? kInf : -kInf);
-  }
-  const std::uint64_t kept = (std::uint64_t{1} << begin % kBlockObjects) - 1;
-  const std::size_t block = begin / kBlockObjects;
-  cleared.present[block] &= begin % kBlockObjects == 0 ? 0 : kept;
-  if (cleared.regular != nullptr) {
-    cleared.regular[block] &= begin % kBlockObjects == 0 ? 0 : kept;
-  }
-  if (cleared.categories != nullptr) {
-    std::fill(cleared.categories + begin, cleared.categories + end, 0);
-  }
-  if (level == 0) std::fill(levels.ids + begin, levels.ids + end, kNoId);
-}
-
-void EncodeLevels(const SortedLevels& levels,
-                  const SortedKernels::OfPlanes& kernels, std::size_t from) {
-  for (std::size_t l = from; l < levels.count; ++l) {
-    const bool is_top = l + 1 == levels.count;
-    kernels.encode({&levels.level[l], is_top ? nullptr : &levels.level[l + 1],
-                    0, BlocksOf(levels.level[l].size)});
-  }
-}
 
 SortedTree::SortedTree(const SortedShape& shape, const MemoryResource& memory)
     : shape_(shape), memory_(memory) {}
@@ -275,8 +178,8 @@ void SortedTree::Load(Span<const std::byte> blob, bool is_in_place) {
   SortedTree loaded(shape_, memory_);
   if (is_in_place) {
     kernels::CheckPointer(
-        "SortedWorld::Load", blob.data(), kLine, [] { return "blob"; },
-        [] { return "a blob"; });
+        "SortedWorld::Load", blob.data(), alignof(SortedHeader),
+        [] { return "blob"; }, [] { return "a blob"; });
     // Not written before it has been copied: see Reallocate.
     loaded.block_ = const_cast<std::byte*>(blob.data());
     loaded.bytes_ = blob.size();

@@ -132,10 +132,10 @@ TEST(ReportJsonTest, SortedHasTheFixedForm) {
     EXPECT_TRUE(has_grid) << workload;
   }
   EXPECT_EQ(names, (std::vector<std::string>{"a", "clusters", "2D"}));
-  ASSERT_GE(sorted.at("builds").size(), 2u);
-  for (const Json& build : sorted.at("builds")) {
-    EXPECT_EQ(build.at("objects"), 4096);
-    EXPECT_GT(build.at("ms"), 0.0) << build;
+  ASSERT_GE(sorted.at("jobs").size(), 2u);
+  for (const Json& job : sorted.at("jobs")) {
+    EXPECT_EQ(job.at("objects"), 4096);
+    EXPECT_GT(job.at("ms"), 0.0) << job;
   }
   EXPECT_TRUE(sorted.at("scan_is_faster_below").is_number());
   // Of a file, as there is none.

@@ -24,7 +24,7 @@ SortedResult SomeResult() {
       {"tight, one query a call", "AVX2", 200.0, 250.0, 5.0, 6.0});
   workload.rows.push_back({"grid", "", 1000.0, 1500.0, {}, {}});
   result.workloads.push_back(workload);
-  result.builds.push_back({"fast", 100'000, 6.25});
+  result.jobs.push_back({"fast", 100'000, 6.25});
   result.scan_is_faster_below = 45.2;
   result.ratios.push_back({1, "over trees", 5.0, 4.2, true});
   result.ratios.push_back({2, "memory", 0.7, 0.6, false});

@@ -1,0 +1,236 @@
+#include "dispatch/sorted/layout.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "kernels/exact/default_fp_mode.h"
+#include "kernels/memory_checks.h"
+#include "kernels/prefetch.h"
+
+namespace halfspace::detail {
+namespace {
+
+constexpr std::size_t kLine = 64;
+
+// More than this is not in the second-level cache.
+constexpr std::size_t kInCacheBytes = std::size_t{1} << 20;
+
+// Hands out parts of a block of memory, of whole cache lines; without memory it
+// measures.
+class Parts {
+ public:
+  explicit Parts(std::byte* begin) : begin_(begin) {}
+
+  std::size_t bytes() const { return bytes_; }
+
+  template <typename T>
+  T* Take(std::size_t count) {
+    auto* part =
+        begin_ == nullptr ? nullptr : reinterpret_cast<T*>(begin_ + bytes_);
+    bytes_ += (count * sizeof(T) + kLine - 1) / kLine * kLine;
+    return part;
+  }
+
+ private:
+  std::byte* begin_;
+  std::size_t bytes_ = 0;
+};
+
+// The bounds of the next block, which are anywhere.
+void Prefetch(const FloatColumns& objects, std::size_t planes,
+              const std::uint32_t* elements) {
+  // The values of a record are in one line, or in two.
+  const std::size_t step = objects.stride == 1 ? 1 : planes - 1;
+  for (std::size_t i = 0; i < kBlockObjects; ++i) {
+    if (elements[i] == kNoId) continue;
+    for (std::size_t p = 0; p < planes; p += step) {
+      kernels::PrefetchToL2(objects.planes[p] + elements[i] * objects.stride);
+    }
+  }
+}
+
+void FillPart(const SortedLevels& levels, std::size_t planes,
+              const FloatColumns& objects, const std::uint32_t* elements,
+              const SortedKernels::OfPlanes& kernels, std::size_t part) {
+  const SortedLevel& level = levels.level[0];
+  const SortedLevel* const above =
+      levels.count > 1 ? &levels.level[1] : nullptr;
+  const std::size_t end_block =
+      std::min(BlocksOf(level.size), (part + 1) * kBlockObjects);
+  for (std::size_t b = part * kBlockObjects; b < end_block; ++b) {
+    const std::size_t first = b * kBlockObjects;
+    if (elements != nullptr && b + 1 < end_block) {
+      Prefetch(objects, planes, elements + first + kBlockObjects);
+    }
+    std::uint64_t present = level.present[b];
+    if (~present == 0 && elements != nullptr) {
+      for (std::size_t p = 0; p < planes; ++p) {
+        float* const to = level.planes[p] + first;
+        for (std::size_t i = 0; i < kBlockObjects; ++i) {
+          to[i] = objects.planes[p][elements[first + i] * objects.stride];
+        }
+      }
+    } else if (~present == 0 && objects.stride == 1) {
+      for (std::size_t p = 0; p < planes; ++p) {
+        std::memcpy(level.planes[p] + first, objects.planes[p] + first,
+                    kBlockObjects * sizeof(float));
+      }
+    } else {
+      for (std::size_t s = first; present != 0; present >>= 1, ++s) {
+        if ((present & 1) == 0) continue;
+        const std::size_t from =
+            (elements == nullptr ? s : elements[s]) * objects.stride;
+        for (std::size_t p = 0; p < planes; ++p) {
+          level.planes[p][s] = objects.planes[p][from];
+        }
+      }
+    }
+    kernels.encode({&level, above, b, b + 1});
+  }
+}
+
+}  // namespace
+
+std::size_t Place(const SortedShape& shape, std::size_t capacity,
+                  const SortedExtras& extras, std::byte* begin,
+                  SortedLevels& levels) {
+  // So that equal places of all planes are not in one set of a cache.
+  constexpr std::size_t kStagger = 5 * kLine / sizeof(float);
+  levels = {};
+  const std::size_t planes = PlanesOf(shape);
+  Parts parts(begin);
+  parts.Take<SortedHeader>(1);
+  std::size_t size = capacity;
+  do {
+    SortedLevel& level = levels.level[levels.count++];
+    const std::size_t blocks = BlocksOf(size);
+    const std::size_t bytes = blocks * BlockBytes(planes);
+    level.is_prefetched = bytes > kInCacheBytes;
+    level.blocks = parts.Take<std::byte>(bytes);
+    for (std::size_t p = 0; p < planes; ++p) {
+      level.planes[p] = parts.Take<float>(blocks * kBlockObjects + kStagger);
+    }
+    level.present = parts.Take<std::uint64_t>(blocks);
+    if (shape.has_max && levels.count > 1) {
+      level.regular = parts.Take<std::uint64_t>(blocks);
+    }
+    if (extras.has_categories) {
+      level.categories = parts.Take<std::uint32_t>(blocks * kBlockObjects);
+    }
+    size = blocks;
+  } while (size > 1);
+  levels.ids = parts.Take<std::uint32_t>(BlocksOf(capacity) * kBlockObjects);
+  if (extras.has_slots) levels.slots = parts.Take<std::uint32_t>(capacity);
+  levels.built = parts.Take<double>(PartsOf(capacity));
+  return parts.bytes();
+}
+
+void SetSlots(SortedLevels& levels, std::size_t slots) {
+  for (std::size_t l = 0; l < levels.count; ++l) {
+    levels.level[l].size = slots;
+    slots = BlocksOf(slots);
+  }
+}
+
+void ClearSlots(const SortedShape& shape, SortedLevels& levels,
+                std::size_t level, std::size_t begin) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  const std::size_t end = BlocksOf(begin + 1) * kBlockObjects;
+  const SortedLevel& cleared = levels.level[level];
+  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
+    std::fill(cleared.planes[p] + begin, cleared.planes[p] + end,
+              p < shape.axes ? kInf : -kInf);
+  }
+  const std::uint64_t kept = (std::uint64_t{1} << begin % kBlockObjects) - 1;
+  const std::size_t block = begin / kBlockObjects;
+  cleared.present[block] &= begin % kBlockObjects == 0 ? 0 : kept;
+  if (cleared.regular != nullptr) {
+    cleared.regular[block] &= begin % kBlockObjects == 0 ? 0 : kept;
+  }
+  if (cleared.categories != nullptr) {
+    std::fill(cleared.categories + begin, cleared.categories + end, 0);
+  }
+  if (level == 0) std::fill(levels.ids + begin, levels.ids + end, kNoId);
+}
+
+void EncodeLevels(const SortedLevels& levels,
+                  const SortedKernels::OfPlanes& kernels, std::size_t from) {
+  for (std::size_t l = from; l < levels.count; ++l) {
+    const bool is_top = l + 1 == levels.count;
+    kernels.encode({&levels.level[l], is_top ? nullptr : &levels.level[l + 1],
+                    0, BlocksOf(levels.level[l].size)});
+  }
+}
+
+void CheckColumns(const SortedShape& shape, const FloatColumns& objects,
+                  const char* call) {
+  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
+    kernels::CheckPointer(
+        call, objects.planes[p], alignof(float),
+        [&] { return kernels::PlaneName("world", shape.axes, p); },
+        [&] {
+          return "a plane of " + std::to_string(objects.size) + " floats";
+        });
+  }
+}
+
+void FillSlots(const SortedShape& shape, const SortedLevels& levels,
+               const FloatColumns& objects, const std::uint32_t* elements,
+               const SortedKernels::OfPlanes& kernels, const PartRunner& run) {
+  run(PartsOf(levels.level[0].size), [&](std::size_t part) {
+    kernels::InDefaultFpMode([&] {
+      FillPart(levels, PlanesOf(shape), objects, elements, kernels, part);
+    });
+  });
+  kernels::InDefaultFpMode([&] { EncodeLevels(levels, kernels, 1); });
+}
+
+double CostOf(const SortedShape& shape, const SortedLevels& levels,
+              std::size_t part) {
+  if (levels.count == 1) return 0;
+  const SortedLevel& nodes = levels.level[1];
+  const std::size_t end = std::min(nodes.size, (part + 1) * kBlockObjects);
+  double cost = 0;
+  for (std::size_t n = part * kBlockObjects; n < end; ++n) {
+    double extents[4] = {};
+    double slack = 0;
+    for (std::size_t k = 0; k < shape.axes; ++k) {
+      const double min = nodes.planes[k][n];
+      slack -= min;
+      if (shape.has_max) extents[k] = nodes.planes[shape.axes + k][n] - min;
+    }
+    double surface = slack;
+    if (shape.has_max) {
+      surface = shape.axes == 2
+                    ? extents[0] + extents[1]
+                    : extents[0] * extents[1] + extents[1] * extents[2] +
+                          extents[2] * extents[0];
+    } else if (shape.axes == 4) {
+      surface = slack * slack;
+    }
+    if (surface > 0 && surface < std::numeric_limits<double>::infinity()) {
+      cost += surface;
+    }
+  }
+  return cost;
+}
+
+void OrCategories(SortedLevels& levels, std::size_t level, std::size_t block) {
+  const std::uint32_t* const of_block =
+      levels.level[level].categories + block * kBlockObjects;
+  std::uint32_t all = 0;
+  for (std::size_t i = 0; i < kBlockObjects; ++i) all |= of_block[i];
+  levels.level[level + 1].categories[block] = all;
+}
+
+void OrAllCategories(SortedLevels& levels) {
+  for (std::size_t l = 0; l + 1 < levels.count; ++l) {
+    for (std::size_t b = 0; b < BlocksOf(levels.level[l].size); ++b) {
+      OrCategories(levels, l, b);
+    }
+  }
+}
+
+}  // namespace halfspace::detail
