@@ -22,8 +22,12 @@ void WriteText(std::ostream& out, const SortedResult& result) {
       "us a query; times as fast as the fastest competitor, which has 1.00");
   for (const SortedWorkload& workload : result.workloads) {
     out << "  " << workload.name << ": " << Grouped(workload.objects)
-        << " boxes, of which a query finds " << Fixed(workload.survivors, 1)
-        << "\n\n";
+        << " boxes, of which a query finds " << Fixed(workload.survivors, 1);
+    if (workload.blocks > 0.0) {
+      out << " in " << Fixed(workload.blocks, 1) << " blocks of 64, each in "
+          << Fixed(workload.rows.front().ns / workload.blocks, 1) << " ns";
+    }
+    out << "\n\n";
     TextTable rows({"what", "target", "us", "times", "in turns: us", "times"});
     for (const SortedRow& row : workload.rows) {
       rows.AddRow({row.name, row.target.empty() ? "-" : row.target,

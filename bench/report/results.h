@@ -178,6 +178,7 @@ struct SortedWorkload {
   std::string name;  // "a", "clusters", "2D", "file"
   std::size_t objects = 0;
   double survivors = 0.0;  // of a query
+  double blocks = 0.0;     // that it visits in tight order; 0: not counted
   std::vector<SortedRow> rows;
 };
 

@@ -78,6 +78,7 @@ Json ToJson(const SortedResult& result) {
     workloads.push_back({{"name", workload.name},
                          {"objects", workload.objects},
                          {"survivors_per_query", workload.survivors},
+                         {"blocks_per_query", workload.blocks},
                          {"rows", rows}});
   }
   Json jobs = Json::array();

@@ -23,6 +23,26 @@
 
 namespace halfspace::bench {
 
+// The blocks that a query visits below and at one of a level, by the floats of
+// the nodes. Codes keep a few nodes more.
+template <int kDims>
+std::size_t VisitedBlocks(const detail::SortedLevels& levels, std::size_t level,
+                          std::size_t block, const Aabb<kDims>& query) {
+  std::size_t visited = 1;
+  if (level == 0) return visited;
+  const detail::SortedLevel& nodes = levels.level[level];
+  const std::size_t end = std::min(nodes.size, (block + 1) * 64);
+  for (std::size_t n = block * 64; n < end; ++n) {
+    bool is_kept = true;
+    for (std::size_t k = 0; k < kDims; ++k) {
+      is_kept &= nodes.planes[k][n] <= query.max[k] &&
+                 nodes.planes[kDims + k][n] >= query.min[k];
+    }
+    if (is_kept) visited += VisitedBlocks(levels, level - 1, n, query);
+  }
+  return visited;
+}
+
 // All that can answer the queries of a set, beside each other.
 template <int kDims>
 class Contest {
@@ -223,8 +243,14 @@ class Contest {
 
   // For the ids of all queries.
   void MakeRoom(const Sorted& world) {
+    const detail::SortedLevels& levels = world.tree().levels();
     std::size_t sum = 0;
-    for (const Box& query : set_.queries) sum += CountSurvivors(world, query);
+    std::size_t blocks = 0;
+    for (const Box& query : set_.queries) {
+      sum += CountSurvivors(world, query);
+      blocks += VisitedBlocks(levels, levels.count - 1, 0, query);
+    }
+    workload_.blocks = static_cast<double>(blocks) / kTimedQueries;
     workload_.survivors = static_cast<double>(sum) / kTimedQueries;
     all_ids_.resize(sum + 1);
     offsets_.resize(kTimedQueries + 1);

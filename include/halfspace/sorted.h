@@ -154,6 +154,22 @@ class SortedWorld {
                 detail::RunnerOf(run));
   }
 
+  // A world of the `count` bounds that fit(planes) writes, as a builder of
+  // fit_many.h does, in one pass and without a world of the caller's:
+  //
+  //   SortedAabbWorld3::Fitted(spheres.count, [&](const AabbPlanes3& planes) {
+  //     BoundSpheres(spheres, planes);
+  //   });
+  template <typename Fit>
+  static SortedWorld Fitted(std::size_t count, Fit&& fit,
+                            Order order = Order::kTight,
+                            const MemoryResource& memory = {}) {
+    World<View> bounds(memory);
+    bounds.Resize(count);
+    fit(bounds.planes());
+    return SortedWorld(bounds.view(), order, memory);
+  }
+
   SortedWorld(const SortedWorld& other, const MemoryResource& memory)
       : tree_(other.tree_, memory) {}
 

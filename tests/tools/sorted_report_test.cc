@@ -20,6 +20,7 @@ SortedResult SomeResult() {
   workload.name = "a";
   workload.objects = 100'000;
   workload.survivors = 5.5;
+  workload.blocks = 8.0;
   workload.rows.push_back(
       {"tight, one query a call", "AVX2", 200.0, 250.0, 5.0, 6.0});
   workload.rows.push_back({"grid", "", 1000.0, 1500.0, {}, {}});
@@ -45,14 +46,17 @@ void ExpectPart(const std::string& text, const char* part) {
 
 TEST(SortedReportTest, TextHasATableForEachWorkload) {
   const std::string text = TextOf(SomeResult());
-  ExpectPart(text, "a: 100 000 boxes, of which a query finds 5.5");
+  ExpectPart(
+      text,
+      "a: 100 000 boxes, of which a query finds 5.5 in 8.0 blocks of 64, "
+      "each in 25.0 ns");
   ExpectPart(
       text,
       "tight, one query a call AVX2    0.200   5.00         0.250   6.00");
   ExpectPart(
       text,
       "grid                    -       1.000      -         1.500      -");
-  ExpectPart(text, "fast   100 000  6.2");
+  ExpectPart(text, "fast            100 000  6.2");
   ExpectPart(text, "Below 45 boxes a flat scan is faster");
   ExpectPart(text, "a remark.");
   ExpectPart(text, "over trees met      5.00  >= 4.20");
