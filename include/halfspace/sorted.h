@@ -93,6 +93,22 @@ const float* ValuesOf(const Query* queries) {
   return reinterpret_cast<const float*>(queries);
 }
 
+// The caller's function of some items at a time, which may return whether to go
+// on, as one that does.
+template <typename Item, typename Function>
+bool CallWithSome(void* function, Span<const Item> items) {
+  auto& call = *static_cast<Function*>(function);
+  using Result = decltype(call(items));
+  static_assert(std::is_void_v<Result> || std::is_same_v<Result, bool>,
+                "the function returns nothing, or whether to go on");
+  if constexpr (std::is_same_v<Result, bool>) {
+    return call(items);
+  } else {
+    call(items);
+    return true;
+  }
+}
+
 }  // namespace detail
 
 // A sorted copy of a world's bounds. The id of an object is its index in that
@@ -337,22 +353,11 @@ void ForEachSurvivor(const SortedWorld<View>& world,
                      const typename View::Query& query, Function&& function,
                      const SortedOptions& options = {}) {
   auto call = [&function](Span<const std::uint32_t> ids) {
-    static_assert(std::is_void_v<decltype(function(ids))> ||
-                      std::is_same_v<decltype(function(ids)), bool>,
-                  "the function returns nothing, or whether to go on");
-    if constexpr (std::is_same_v<decltype(function(ids)), bool>) {
-      return function(ids);
-    } else {
-      function(ids);
-      return true;
-    }
+    return function(ids);
   };
-  detail::SortedForEach(
-      world.tree(), detail::ValuesOf(&query),
-      [](void* context, Span<const std::uint32_t> ids) {
-        return (*static_cast<decltype(call)*>(context))(ids);
-      },
-      &call, options);
+  detail::SortedForEach(world.tree(), detail::ValuesOf(&query),
+                        &detail::CallWithSome<std::uint32_t, decltype(call)>,
+                        &call, options);
 }
 
 // Survivors() of several queries, which walk together, 64 at a time: that hides

@@ -123,9 +123,37 @@ struct SortedKernels {
   OfPlanes all;
 };
 
+// Where pairs go, two ids each: `next` has room for kBlockObjects pairs before
+// `end`, or make_room() gives it that, and returns whether to go on.
+struct PairSink {
+  std::uint32_t* next;
+  std::uint32_t* end;
+  bool (*make_room)(PairSink& pairs);
+};
+
+// The objects in blocks begin ... end - 1 of one world, with those of another
+// or of the same world.
+struct PairJoin {
+  Walk walk;  // in the other world: its levels, and categories of both
+  const SortedLevels* queries;
+  bool is_one_world;  // each pair is written once, and no object with itself
+  // Of one world a bit each slot, or null: only objects that have it, with all
+  // objects.
+  const std::uint64_t* set;
+  std::size_t begin;
+  std::size_t end;
+  PairSink* pairs;
+};
+
+struct SortedPairKernels {
+  void (*join)(const PairJoin& join);
+};
+
 // Specialised by each target's pass over the kernels of so many axes.
 template <std::int64_t kTarget, std::size_t kAxes>
 inline constexpr SortedKernels kSortedKernelsFor{};
+template <std::int64_t kTarget, std::size_t kAxes>
+inline constexpr SortedPairKernels kSortedPairKernelsFor{};
 
 }  // namespace halfspace::detail
 

@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <utility>
 
 #include "hwy/highway.h"
@@ -58,7 +59,9 @@ HWY_INLINE uint32_t* WriteIds(uint64_t bits, const uint32_t* ids,
 #endif
 }
 
-template <size_t kAxes, bool kHasMax, bool kWrites>
+// Leaves, if given, derives from this and walks with queries of its own: it has
+// VisitLeaves(), which takes what VisitObjects() does, and WantedNodes().
+template <size_t kAxes, bool kHasMax, bool kWrites, class Leaves = void>
 class Walker {
  public:
   static constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
@@ -87,7 +90,8 @@ class Walker {
     }
   }
 
- private:
+ protected:
+  static constexpr bool kHasLeaves = !std::is_void_v<Leaves>;
   // A chunk of blocks is tested before their survivors are.
   static constexpr size_t kChunk = 16;
   // From so many survivors in a block on, those inside the query are looked
@@ -102,7 +106,13 @@ class Walker {
   static size_t QueryOf(uint32_t place) { return place >> detail::kQueryShift; }
 
   bool Visit(size_t level, const uint32_t* places, size_t count) {
-    if (level == 0) return VisitObjects(places, count);
+    if (level == 0) {
+      if constexpr (kHasLeaves) {
+        return static_cast<Leaves*>(this)->VisitLeaves(places, count);
+      } else {
+        return VisitObjects(places, count);
+      }
+    }
     uint32_t* const list = lists_[level - 1];
     for (size_t begin = 0; begin < count; begin += kChunk) {
       const size_t end = HWY_MIN(begin + kChunk, count);
@@ -152,6 +162,9 @@ class Walker {
 
   // Those of `kept` that have what a query asks for beside its planes.
   HWY_INLINE uint64_t Filter(size_t level, uint32_t place, uint64_t kept) {
+    if constexpr (kHasLeaves) {
+      kept &= static_cast<Leaves*>(this)->WantedNodes(level, place);
+    }
     if (kept != 0 && has_categories_) {
       kept &= CategoryBits(levels_.level[level].categories +
                            size_t{place & detail::kBlockMask} *
@@ -173,7 +186,7 @@ class Walker {
 
   // The nodes of `kept` all of whose objects survive.
   HWY_INLINE uint64_t Inside(size_t level, uint32_t place, uint64_t kept) {
-    if constexpr (kHasMax) {
+    if constexpr (kHasMax && !kHasLeaves) {
       if (has_categories_) return 0;
       if (kWrites && hwy::PopCount(kept) < kManyKept) return 0;
       const uint64_t candidates =
@@ -209,6 +222,7 @@ class Walker {
 
   void PrefetchBlock(const detail::SortedLevel& level, uint32_t place,
                      bool has_ids) const {
+    if (kHasLeaves && has_ids) return;
     if ((place & detail::kInsideBit) == 0) {
       const auto* block = reinterpret_cast<const char*>(&BlockOf(level, place));
       for (size_t b = 0; b < sizeof(Block); b += 64) {

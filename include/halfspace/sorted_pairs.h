@@ -1,0 +1,166 @@
+// All pairs of objects of sorted worlds whose bounds touch or overlap.
+//
+//   std::vector<halfspace::IdPair> pairs(room);
+//   const std::size_t count = Pairs(sorted, pairs);
+//
+// Bounds a and b overlap unless a plane separates them: unless a.min[k] >
+// b.max[k] or b.min[k] > a.max[k] for an axis k. So bounds that touch overlap,
+// a NaN separates nothing, and Empty() overlaps only Everything() and what has
+// NaNs in its place. Objects of reject.h are rejected by the same rule, with a
+// query for one of the two. Erased objects are in no pair.
+//
+// Worlds are those of sorted.h that have minima and maxima: boxes and
+// octahedra, in 2 or 3 dimensions. No two simplices of a kind have planes that
+// face each other, so nothing could tell them apart.
+//
+// Pairs are in no particular order, but the same in each call on the same
+// target.
+//
+// Every call takes
+//   world    a SortedWorld, or two of one type
+//   options  categories, which part, and target; the defaults are right
+//
+// Calls that write into a span return how many pairs there are. A span that is
+// too short is no error: it is filled, and the full count is returned; without
+// room they count. Elements after the last pair may be overwritten.
+//
+// Calls with a function call function(Span<const IdPair> pairs) with 1 to 256
+// pairs at a time. A function that returns a bool ends the call by returning
+// false. Exceptions of the function pass through.
+//
+// Errors (error.h): no output with room is null or misaligned, and the target
+// is supported here.
+//
+// Floating-point mode: as in reject.h; answers do not depend on it, unless it
+// flushes subnormals. Calls may raise inexact, overflow and underflow for any
+// values.
+//
+// Thread safety: as in sorted.h, also of the stack; only the calls with a set
+// allocate. Threads share a join by parts: see PairOptions.
+//
+// Cost: that of a query for each 64 objects, and a compare of all that meet the
+// bounds of each other's 64. 100 000 boxes with 266 000 pairs take a few
+// milliseconds (docs/sorted.md).
+//
+// Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (its order as
+// a hierarchy, here met by itself).
+#ifndef HALFSPACE_SORTED_PAIRS_H_
+#define HALFSPACE_SORTED_PAIRS_H_
+
+#include <cstddef>
+#include <cstdint>
+
+#include "halfspace/detail/sorted_pairs.h"
+#include "halfspace/sorted.h"
+#include "halfspace/span.h"
+#include "halfspace/targets.h"
+
+namespace halfspace {
+
+// The ids of two objects; of two worlds, `a` is one of the first.
+struct IdPair {
+  std::uint32_t a;
+  std::uint32_t b;
+
+  friend bool operator==(const IdPair& left, const IdPair& right) {
+    return left.a == right.a && left.b == right.b;
+  }
+  friend bool operator!=(const IdPair& left, const IdPair& right) {
+    return !(left == right);
+  }
+};
+
+struct PairOptions {
+  // Only pairs of objects that both have one of these categories, as in
+  // SortedOptions.
+  std::uint32_t categories = 0xFFFFFFFF;
+  // Only parts begin ... end - 1 of PairParts(). Each pair belongs to one part,
+  // so calls on different parts, on any threads, give each pair once. Parts
+  // take unequal times: give each thread several ranges.
+  std::size_t begin = 0;
+  std::size_t end = static_cast<std::size_t>(-1);
+  Target target = {};  // by default, the chosen one (targets.h)
+};
+
+namespace detail {
+
+template <typename View>
+PairSources PairsIn(const SortedWorld<View>& a,
+                    const SortedWorld<View>* b = nullptr,
+                    const Span<const std::uint32_t>* ids = nullptr) {
+  static_assert(HasMax<typename View::Bound>,
+                "pairs are of bounds with minima and maxima: two simplices of "
+                "one kind have no planes that face each other");
+  return {SortedPairKernelsOf<View::Bound::kAxes>::kTargets, &a.tree(),
+          b == nullptr ? nullptr : &b->tree(), ids};
+}
+
+template <typename Function>
+void CallForPairs(const PairSources& sources, Function& function,
+                  const PairOptions& options) {
+  auto call = [&function](Span<const IdPair> pairs) { return function(pairs); };
+  SortedForEachPair(sources, &CallWithSome<IdPair, decltype(call)>, &call,
+                    options);
+}
+
+}  // namespace detail
+
+// How many parts a world has as the first or only one of a join: one for each
+// 64 places of its order.
+template <typename View>
+std::size_t PairParts(const SortedWorld<View>& world) {
+  return (world.ids().size() + 63) / 64;
+}
+
+// The pairs of objects of one world, each once: {i, j} or {j, i}.
+template <typename View>
+[[nodiscard]] std::size_t Pairs(const SortedWorld<View>& world,
+                                Span<IdPair> pairs,
+                                const PairOptions& options = {}) {
+  return detail::SortedPairs(detail::PairsIn(world), pairs, options);
+}
+template <typename View, typename Function>
+void ForEachPair(const SortedWorld<View>& world, Function&& function,
+                 const PairOptions& options = {}) {
+  detail::CallForPairs(detail::PairsIn(world), function, options);
+}
+
+// The pairs of an object of `a` and one of `b`.
+template <typename View>
+[[nodiscard]] std::size_t Pairs(const SortedWorld<View>& a,
+                                const SortedWorld<View>& b, Span<IdPair> pairs,
+                                const PairOptions& options = {}) {
+  return detail::SortedPairs(detail::PairsIn(a, &b), pairs, options);
+}
+template <typename View, typename Function>
+void ForEachPair(const SortedWorld<View>& a, const SortedWorld<View>& b,
+                 Function&& function, const PairOptions& options = {}) {
+  detail::CallForPairs(detail::PairsIn(a, &b), function, options);
+}
+
+// The pairs of an object of a set, IdPair::a, and any other object: what has to
+// be tested again when those objects moved. A pair of two objects of the set is
+// there once, in either order; an id may be in the list more than once.
+//
+// Needs all ids to be those of objects in the world. Allocates a bit for each
+// object from the world's memory, and two bits in a world that has never
+// changed by id; a failed allocation throws std::bad_alloc.
+template <typename View>
+[[nodiscard]] std::size_t PairsOf(const SortedWorld<View>& world,
+                                  Span<const std::uint32_t> ids,
+                                  Span<IdPair> pairs,
+                                  const PairOptions& options = {}) {
+  return detail::SortedPairs(detail::PairsIn<View>(world, nullptr, &ids), pairs,
+                             options);
+}
+template <typename View, typename Function>
+void ForEachPairOf(const SortedWorld<View>& world,
+                   Span<const std::uint32_t> ids, Function&& function,
+                   const PairOptions& options = {}) {
+  detail::CallForPairs(detail::PairsIn<View>(world, nullptr, &ids), function,
+                       options);
+}
+
+}  // namespace halfspace
+
+#endif  // HALFSPACE_SORTED_PAIRS_H_

@@ -1,0 +1,281 @@
+// All pairs that overlap: the objects of a block are bounded, 64 such bounds
+// walk as queries to the blocks that they meet, and of two blocks only those
+// objects are compared that meet the other block's bound.
+#if defined(HALFSPACE_KERNELS_SORTED_PAIRS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_SORTED_PAIRS_INL_H_
+#undef HALFSPACE_KERNELS_SORTED_PAIRS_INL_H_
+#else
+#define HALFSPACE_KERNELS_SORTED_PAIRS_INL_H_
+#endif
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "hwy/highway.h"
+#include "kernels/scan/words-inl.h"
+#include "kernels/sorted/block.h"
+#include "kernels/sorted/blocks-inl.h"
+#include "kernels/sorted/walk-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Writes pairs of the lanes of two vectors.
+template <class D>
+HWY_INLINE void StorePairs(D d, hn::Vec<D> a, hn::Vec<D> b, uint32_t* to) {
+#if HALFSPACE_MASKED_COMPARES
+  // Highway's takes six shuffles.
+  const __m512i low =
+      _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+  const __m512i high = _mm512_add_epi32(low, _mm512_set1_epi32(8));
+  _mm512_storeu_si512(to, _mm512_permutex2var_epi32(a.raw, low, b.raw));
+  _mm512_storeu_si512(to + 16, _mm512_permutex2var_epi32(a.raw, high, b.raw));
+#else
+  hn::StoreInterleaved2(a, b, d, to);
+#endif
+}
+
+template <size_t kAxes>
+class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
+  using Base = Walker<kAxes, true, true, PairWalker<kAxes>>;
+  friend Base;
+  static constexpr size_t kPlanes = 2 * kAxes;
+  static constexpr std::make_index_sequence<kPlanes> kEachPlane{};
+  using Tag = hn::CappedTag<float, 16>;
+  using IdTag = hn::Rebind<uint32_t, Tag>;
+
+ public:
+  explicit PairWalker(const detail::PairJoin& join)
+      : Base(join.walk), join_(join) {}
+
+  void Run() {
+    for (size_t block = join_.begin; block < join_.end;) {
+      uint32_t roots[detail::kWalkers];
+      size_t count = 0;
+      for (; block < join_.end && count < detail::kWalkers; ++block) {
+        uint64_t members = Objects(*join_.queries, block);
+        if (join_.set != nullptr) members &= join_.set[block];
+        if (members == 0) continue;
+        block_[count] = block;
+        members_[count] = members;
+        BoundMembers(block, members, this->queries_[count]);
+        roots[count] = static_cast<uint32_t>(count << detail::kQueryShift);
+        ++count;
+      }
+      if (!this->Visit(this->levels_.count - 1, roots, count)) return;
+    }
+  }
+
+ private:
+  // The objects of a block that exist and have one of the categories.
+  uint64_t Objects(const detail::SortedLevels& levels, size_t block) const {
+    const detail::SortedLevel& level = levels.level[0];
+    uint64_t objects = level.present[block];
+    if (level.categories != nullptr && ~this->walk_.categories != 0) {
+      objects &=
+          this->CategoryBits(level.categories + block * detail::kBlockObjects);
+    }
+    return objects;
+  }
+
+  // The bound of some objects of a block. A NaN is infinite, which rejects no
+  // more.
+  void BoundMembers(size_t block, uint64_t members, WalkQuery& query) const {
+    const Tag d;
+    constexpr float kInf = std::numeric_limits<float>::infinity();
+    const auto& planes = join_.queries->level[0].planes;
+    const size_t first = block * detail::kBlockObjects;
+    query = {};
+    for (size_t p = 0; p < kPlanes; ++p) {
+      auto least = hn::Set(d, kInf);
+      for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+        const uint64_t some = members >> i;
+        const auto is_member =
+            hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&some));
+        auto v = hn::LoadU(d, planes[p] + first + i);
+        if (p >= kAxes) v = hn::Neg(v);
+        v = hn::IfThenElse(hn::Eq(v, v), v, hn::Set(d, -kInf));
+        least = hn::Min(least, hn::IfThenElse(is_member, v, hn::Set(d, kInf)));
+      }
+      const size_t l = p < kAxes ? detail::BlockScale::kMaxLane + p : p - kAxes;
+      query.lanes[l] = -LeastLane(d, least);
+    }
+  }
+
+  // The nodes whose blocks follow the query's: each pair of blocks is found
+  // from the first of both.
+  HWY_INLINE uint64_t WantedNodes(size_t level, uint32_t place) const {
+    if (!join_.is_one_world || join_.set != nullptr) return ~uint64_t{0};
+    const size_t first = block_[this->QueryOf(place)] >> (6 * (level - 1));
+    const size_t begin =
+        size_t{place & detail::kBlockMask} * detail::kBlockObjects;
+    if (first <= begin) return ~uint64_t{0};
+    const size_t before = first - begin;
+    return before < detail::kBlockObjects ? ~uint64_t{0} << before : 0;
+  }
+
+  bool VisitLeaves(const uint32_t* places, size_t count) {
+    for (size_t i = 0; i < count; ++i) {
+      if (!Join(this->QueryOf(places[i]), places[i] & detail::kBlockMask)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  // The pairs of a query's members and the objects of a block.
+  bool Join(size_t query, size_t block) {
+    const detail::SortedLevels& levels = this->levels_;
+    const detail::SortedLevels& queries = *join_.queries;
+    const size_t own = block_[query];
+    uint64_t members = members_[query];
+    uint64_t objects = Objects(levels, block);
+    if (join_.is_one_world && block == own) {
+      const size_t count = Gather(queries, own, members, 0);
+      return Compare<true, false>(
+          queries, own, members,
+          Gather(levels, own, objects & ~members, count));
+    }
+    // Found from both blocks.
+    if (join_.set != nullptr && block < own) objects &= ~join_.set[block];
+    const WalkQuery& bound = this->queries_[query];
+    objects &= Overlapping(kEachPlane, levels, block, [&](size_t p) {
+      return p < kAxes ? bound.lanes[p]
+                       : -bound.lanes[detail::BlockScale::kMaxLane + p - kAxes];
+    });
+    if (objects == 0) return true;
+    if (levels.count > 1) {
+      const auto& planes = levels.level[1].planes;
+      members &= Overlapping(kEachPlane, queries, own, [&](size_t p) {
+        return planes[(p + kAxes) % kPlanes][block];
+      });
+      if (members == 0) return true;
+    }
+    if (hwy::PopCount(members) <= hwy::PopCount(objects)) {
+      return Compare<false, false>(queries, own, members,
+                                   Gather(levels, block, objects, 0));
+    }
+    return Compare<false, true>(levels, block, objects,
+                                Gather(queries, own, members, 0));
+  }
+
+  // The objects of a block that overlap a bound, which opposes value(p) to
+  // plane p.
+  template <size_t... kPlane, class Value>
+  static HWY_INLINE uint64_t Overlapping(std::index_sequence<kPlane...>,
+                                         const detail::SortedLevels& levels,
+                                         size_t block, const Value& value) {
+    const WordTag<float> d;
+    const float* planes[] = {levels.level[0].planes[kPlane]...};
+    return KeptBits<kAxes>(d, LoadAll(), planes, block * detail::kBlockObjects,
+                           hn::Set(d, value(kPlane))...);
+  }
+
+  // Appends some objects of a block to those that are compared; returns how
+  // many there are then.
+  size_t Gather(const detail::SortedLevels& levels, size_t block,
+                uint64_t objects, size_t count) {
+    const Tag d;
+    const IdTag du;
+    const size_t lanes = hn::Lanes(d);
+    const size_t first = block * detail::kBlockObjects;
+    const auto& planes = levels.level[0].planes;
+    for (size_t i = 0; i < detail::kBlockObjects; i += lanes) {
+      const uint64_t some = objects >> i & LowBits(lanes);
+      uint8_t bits[8];
+      std::memcpy(bits, &some, sizeof(some));
+      for (size_t p = 0; p < kPlanes; ++p) {
+        hn::StoreU(hn::CompressBits(hn::LoadU(d, planes[p] + first + i), bits),
+                   d, values_[p] + count);
+      }
+      hn::StoreU(hn::CompressBits(hn::LoadU(du, levels.ids + first + i), bits),
+                 du, ids_ + count);
+      count += hwy::PopCount(some);
+    }
+    return count;
+  }
+
+  static uint64_t LowBits(size_t count) { return ~uint64_t{0} >> (64 - count); }
+
+  // Each of some objects of a block with the gathered ones: with kIsOwn they
+  // are the first of these, and are compared with those after them.
+  template <bool kIsOwn, bool kIsSecond>
+  bool Compare(const detail::SortedLevels& levels, size_t block,
+               uint64_t objects, size_t count) {
+    const Tag d;
+    const IdTag du;
+    const size_t lanes = hn::Lanes(d);
+    const size_t first = block * detail::kBlockObjects;
+    detail::PairSink& pairs = *join_.pairs;
+    for (size_t n = 0; objects != 0; objects &= objects - 1, ++n) {
+      if (static_cast<size_t>(pairs.end - pairs.next) <
+          2 * detail::kBlockObjects) [[unlikely]] {
+        if (!pairs.make_room(pairs)) return false;
+      }
+      uint32_t* to = pairs.next;
+      const size_t i = first + hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);
+      const auto id = hn::Set(du, levels.ids[i]);
+      for (size_t j = kIsOwn ? n / lanes * lanes : 0; j < count; j += lanes) {
+        auto kept = Kept(kEachPlane, levels.level[0].planes.data(), i, j);
+        if (kIsOwn && j <= n) {
+          kept = hn::AndNot(hn::FirstN(du, n + 1 - j), kept);
+        }
+        const auto others = hn::Compress(hn::LoadU(du, ids_ + j), kept);
+        if constexpr (kIsSecond) {
+          StorePairs(du, others, id, to);
+        } else {
+          StorePairs(du, id, others, to);
+        }
+        const uint64_t bits =
+            LaneBits(du, kept) & LowBits(HWY_MIN(count - j, lanes));
+        to += 2 * hwy::PopCount(bits);
+      }
+      pairs.next = to;
+    }
+    return true;
+  }
+
+  // The gathered objects from j on that overlap object i.
+  template <size_t... kPlane>
+  HWY_INLINE hn::Mask<IdTag> Kept(std::index_sequence<kPlane...>,
+                                  float* const* planes, size_t i,
+                                  size_t j) const {
+    const Tag d;
+    const float* values[] = {values_[kPlane]...};
+    const auto verdict =
+        Verdict<kAxes>(d, LoadAll(), values, j,
+                       hn::Set(d, planes[(kPlane + kAxes) % kPlanes][i])...);
+    const auto mask = hn::RebindMask(IdTag(), verdict);
+    if constexpr (kVerdictIsKept<Tag>) {
+      return mask;
+    } else {
+      return hn::Not(mask);
+    }
+  }
+
+  // A vector of the gathered ones may end beyond the last.
+  static constexpr size_t kRoom = detail::kBlockObjects + hn::MaxLanes(Tag());
+
+  const detail::PairJoin& join_;
+  size_t block_[detail::kWalkers];
+  uint64_t members_[detail::kWalkers];
+  HWY_ALIGN float values_[kPlanes][kRoom] = {};
+  HWY_ALIGN uint32_t ids_[kRoom] = {};
+};
+
+template <size_t kAxes>
+void JoinPairs(const detail::PairJoin& join) {
+  PairWalker<kAxes>(join).Run();
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
+
+#endif  // HALFSPACE_KERNELS_SORTED_PAIRS_INL_H_
