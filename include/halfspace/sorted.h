@@ -93,6 +93,25 @@ const float* ValuesOf(const Query* queries) {
   return reinterpret_cast<const float*>(queries);
 }
 
+// A function of the caller's as an IdsFunction.
+template <typename Function>
+struct IdsCall {
+  Function& function;
+
+  static bool Run(void* context, Span<const std::uint32_t> ids) {
+    auto& function = static_cast<IdsCall*>(context)->function;
+    using Result = decltype(function(ids));
+    static_assert(std::is_void_v<Result> || std::is_same_v<Result, bool>,
+                  "the function returns nothing, or whether to go on");
+    if constexpr (std::is_same_v<Result, bool>) {
+      return function(ids);
+    } else {
+      function(ids);
+      return true;
+    }
+  }
+};
+
 }  // namespace detail
 
 // A sorted copy of a world's bounds. The id of an object is its index in that
@@ -324,23 +343,9 @@ template <typename View, typename Function>
 void ForEachSurvivor(const SortedWorld<View>& world,
                      const typename View::Query& query, Function&& function,
                      const SortedOptions& options = {}) {
-  auto call = [&function](Span<const std::uint32_t> ids) {
-    static_assert(std::is_void_v<decltype(function(ids))> ||
-                      std::is_same_v<decltype(function(ids)), bool>,
-                  "the function returns nothing, or whether to go on");
-    if constexpr (std::is_same_v<decltype(function(ids)), bool>) {
-      return function(ids);
-    } else {
-      function(ids);
-      return true;
-    }
-  };
-  detail::SortedForEach(
-      world.tree(), detail::ValuesOf(&query),
-      [](void* context, Span<const std::uint32_t> ids) {
-        return (*static_cast<decltype(call)*>(context))(ids);
-      },
-      &call, options);
+  detail::IdsCall<Function> call{function};
+  detail::SortedForEach(world.tree(), detail::ValuesOf(&query),
+                        &detail::IdsCall<Function>::Run, &call, options);
 }
 
 // Survivors() of several queries, which walk together, 64 at a time: that hides

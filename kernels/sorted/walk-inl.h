@@ -18,6 +18,7 @@
 #include "kernels/scan/words-inl.h"
 #include "kernels/sorted/block.h"
 #include "kernels/sorted/blocks-inl.h"
+#include "kernels/sorted/shape.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
@@ -98,6 +99,10 @@ class Walker {
     return reinterpret_cast<const Block*>(
         level.blocks)[place & detail::kBlockMask];
   }
+  // The first of its objects or nodes.
+  static size_t FirstOf(uint32_t place) {
+    return size_t{place & detail::kBlockMask} * detail::kBlockObjects;
+  }
   static size_t QueryOf(uint32_t place) { return place >> detail::kQueryShift; }
 
   bool Visit(size_t level, const uint32_t* places, size_t count) {
@@ -156,6 +161,10 @@ class Walker {
                            size_t{place & detail::kBlockMask} *
                                detail::kBlockObjects);
     }
+    if (kept != 0 && walk_.shape != nullptr) {
+      kept = walk_.shape->touching(*walk_.shape, levels_.level[level],
+                                   FirstOf(place), kept);
+    }
     return kept;
   }
 
@@ -175,10 +184,17 @@ class Walker {
     if constexpr (kHasMax) {
       if (has_categories_) return 0;
       if (kWrites && hwy::PopCount(kept) < kManyKept) return 0;
-      const uint64_t candidates =
+      const detail::WalkShape* const shape = walk_.shape;
+      if (shape != nullptr && shape->inside == nullptr) return 0;
+      uint64_t candidates =
           kept & levels_.level[level].regular[place & detail::kBlockMask];
       // Without a second encoding of the query where there can be none.
-      if (candidates != 0) return candidates & InsideQuery(level, place);
+      if (candidates != 0) candidates &= InsideQuery(level, place);
+      if (candidates != 0 && shape != nullptr) {
+        candidates = shape->inside(*shape, levels_.level[level], FirstOf(place),
+                                   candidates);
+      }
+      return candidates;
     }
     return 0;
   }
