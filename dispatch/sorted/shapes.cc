@@ -18,7 +18,6 @@
 namespace halfspace::detail {
 namespace {
 
-// The values of one point after those of another.
 template <int kDims>
 Point<kDims> PointAt(const float* values) {
   Point<kDims> point;
@@ -26,23 +25,14 @@ Point<kDims> PointAt(const float* values) {
   return point;
 }
 
+// The bound of a sphere; the other shapes are tested without one.
 template <int kDims>
 Aabo<kDims> BoundOf(const SortedShapeQuery& query) {
-  const float* const v = query.values;
-  switch (query.kind) {
-    case SortedShapeQuery::kSphere:
-      return BoundSphere(Sphere<kDims>{PointAt<kDims>(v), v[kDims]});
-    case SortedShapeQuery::kSegment:
-      return BoundSegment(
-          Segment<kDims>{PointAt<kDims>(v), PointAt<kDims>(v + kDims)});
-    case SortedShapeQuery::kCapsule:
-      return BoundCapsule(Capsule<kDims>{
-          PointAt<kDims>(v), PointAt<kDims>(v + kDims), v[2 * kDims]});
-    case SortedShapeQuery::kHalfSpaces:
-      break;
+  if (query.kind == SortedShapeQuery::kSphere) {
+    return BoundSphere(
+        Sphere<kDims>{PointAt<kDims>(query.values), query.values[kDims]});
   }
-  constexpr float kInf = std::numeric_limits<float>::infinity();
-  return {Filled<kDims + 1>(-kInf), Filled<kDims + 1>(kInf)};
+  return {Filled<kDims + 1>(-kInf<float>), Filled<kDims + 1>(kInf<float>)};
 }
 
 // What a walk reads of a shape.
@@ -104,6 +94,8 @@ class Prepared {
     switch (query.kind) {
       case SortedShapeQuery::kSphere: {
         shape_.touching = kernels.ball;
+        shape_.by_codes = nullptr;
+        shape_.codes_suffice = false;
         shape_.inside = kernels.in_ball;
         shape_.ball = MakeBall(planes, v, v[dims]);
         // What no bound encloses is nowhere.
@@ -122,6 +114,8 @@ class Prepared {
         }
         const bool is_capsule = query.kind == SortedShapeQuery::kCapsule;
         shape_.touching = kernels.line;
+        shape_.by_codes = kernels.line_codes;
+        shape_.codes_suffice = true;
         shape_.inside = nullptr;
         shape_.line = MakeLine(planes, origin, direction, 1,
                                is_capsule ? v[2 * dims] : 0);
@@ -129,6 +123,8 @@ class Prepared {
       }
       case SortedShapeQuery::kHalfSpaces:
         shape_.touching = kernels.fronts;
+        shape_.by_codes = kernels.all_codes;
+        shape_.codes_suffice = false;
         shape_.inside = kernels.in_fronts;
         shape_.front_count = query.count;
         for (std::size_t f = 0; f < query.count; ++f) {

@@ -48,6 +48,7 @@ Line MakeLine(const ShapePlanes& planes, const double* origin,
     direction_size += std::abs(direction[k]);
   }
   Line line{};
+  line.axes = planes.axes;
   line.max_t = max_t;
   LinePlane leaving[4];
   std::size_t leaving_count = 0;
@@ -69,9 +70,10 @@ Line MakeLine(const ShapePlanes& planes, const double* origin,
     width += 0x1p-50 * (std::abs(origins[k]) + width) + 0x1p-124;
     const float high = RoundedUp(origins[k] + width);
     const float low = RoundedDown(origins[k] - width);
-    // Also what is no number tells nothing on this axis.
-    if (!(std::abs(rise) < 0x1p120 && std::abs(high) < kInf &&
-          std::abs(low) < kInf)) {
+    // What is no number tells nothing on this axis; neither does what a plane
+    // could overflow with.
+    if (!(std::abs(rise) < 0x1p120 && std::abs(high) < 0x1p100f &&
+          std::abs(low) < 0x1p100f)) {
       continue;
     }
     const bool is_up = rise >= 0;

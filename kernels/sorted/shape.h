@@ -40,6 +40,7 @@ struct LinePlane {
 // The slabs of a bound on a line from t = 0 on: first the planes by which the
 // line enters them, then those by which it leaves.
 struct Line {
+  std::size_t axes;
   std::size_t entering;
   std::size_t planes;
   LinePlane plane[8];
@@ -69,6 +70,12 @@ struct WalkShape {
   using Bits = std::uint64_t (*)(const WalkShape& shape,
                                  const SortedLevel& level, std::size_t first,
                                  std::uint64_t candidates);
+  // Instead of the query of planes, those of a block that no code rejects,
+  // which are all that `touching` keeps, and others. Null if the query of
+  // planes is to be tested.
+  std::uint64_t (*by_codes)(const WalkShape& shape, const std::byte* block,
+                            std::uint64_t present);
+  bool codes_suffice;  // of nodes
   // Of the 64 objects or nodes of a level from `first` on, those of the
   // candidates that the shape may touch.
   Bits touching;
@@ -82,6 +89,8 @@ struct WalkShape {
 };
 
 struct SortedShapeKernels {
+  decltype(WalkShape::by_codes) line_codes;
+  decltype(WalkShape::by_codes) all_codes;  // no code rejects
   WalkShape::Bits ball;
   WalkShape::Bits in_ball;
   WalkShape::Bits line;

@@ -12,8 +12,10 @@
 #define HALFSPACE_KERNELS_SORTED_SHAPES_INL_H_
 #endif
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "hwy/highway.h"
 #include "kernels/scan/words-inl.h"
@@ -132,6 +134,96 @@ inline uint64_t LineBits(const detail::WalkShape& shape,
     const auto enter = EntryOf(d, level, first + i, shape.line, exit);
     return hn::Gt(enter, exit);
   });
+}
+
+// A plane of a block on a line, as a function of its stored codes: t is at
+// least slope * code + t_of_0 if the line enters by it, and at most that if it
+// leaves.
+struct CodesOnLine {
+  const int8_t* codes;
+  float slope;
+  float t_of_0;
+};
+
+// A code c says that the stored value, which is that of a minimum or the
+// negated one of a maximum, is at least base + (c - 1 - margin) / scale. What
+// is added is more than all rounding here and in EntryOf.
+HWY_INLINE CodesOnLine CodesOnLineOf(const detail::Line& line, size_t p,
+                                     const std::byte* block) {
+  const detail::LinePlane& plane = line.plane[p];
+  const auto& scale = *reinterpret_cast<const detail::BlockScale*>(block);
+  const bool is_max = plane.plane >= line.axes;
+  const size_t lane =
+      is_max ? detail::BlockScale::kMaxLane + plane.plane - line.axes
+             : plane.plane;
+  const bool enters = p < line.entering;
+  // On an axis on which the line does not move; up to max_t when it touches.
+  const bool is_still = plane.inverse > std::numeric_limits<float>::max();
+  const float inverse = is_still ? 0x1p60f : plane.inverse;
+  const float factor = is_max ? -inverse : inverse;
+  const float offset = is_max ? -plane.offset : plane.offset;
+  const float slope = factor / scale.scale[lane];
+  const float base = (scale.base[lane] - offset) * factor;
+  const float error = 0x1p-16f * (std::abs(base) + 256 * std::abs(slope));
+  const auto* const codes =
+      reinterpret_cast<const int8_t*>(block + sizeof(scale)) +
+      plane.plane * detail::kBlockObjects;
+  // An overflow is no infinity in all modes.
+  if (!(error < 0x1p100f)) {
+    constexpr float kInf = std::numeric_limits<float>::infinity();
+    return {codes, 0, enters ? -kInf : kInf};
+  }
+  float t_of_0 =
+      base + (detail::kCodeBias - 1 - 2 * detail::kCodeMargin) * slope;
+  t_of_0 = enters ? t_of_0 - error : t_of_0 + error;
+  if (is_still && !enters) t_of_0 += line.max_t;
+  return {codes, slope, t_of_0};
+}
+
+// As LineBits, with what codes say of the floats.
+inline uint64_t LineCodeBits(const detail::WalkShape& shape,
+                             const std::byte* block, uint64_t present) {
+  const detail::Line& line = shape.line;
+  CodesOnLine planes[8];
+  for (size_t p = 0; p < line.planes; ++p)
+    planes[p] = CodesOnLineOf(line, p, block);
+  const WordTag<float> d;
+  const hn::Rebind<int32_t, decltype(d)> di;
+  const hn::Rebind<int8_t, decltype(d)> d8;
+  const WordTag<int8_t> d_bytes;
+  const auto at = [&](size_t p, size_t i) HWY_ATTR {
+    const auto code =
+        hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d8, planes[p].codes + i)));
+    return hn::Add(hn::Mul(code, hn::Set(d, planes[p].slope)),
+                   hn::Set(d, planes[p].t_of_0));
+  };
+  uint64_t rejected = 0;
+  for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+    auto enter = hn::Zero(d);
+    auto exit = hn::Set(d, line.max_t);
+    size_t p = 0;
+    for (; p < line.entering; ++p) enter = GreaterOf(at(p, i), enter);
+    for (; p < line.planes; ++p) exit = LesserOf(at(p, i), exit);
+    exit = hn::Add(exit, hn::Set(d, 2 * detail::kApartOnLine));
+    rejected |= LaneBits(d, hn::Gt(enter, exit)) << i;
+  }
+  // Code 0 may stand for anything that is less.
+  const auto zero = hn::Set(d_bytes, static_cast<int8_t>(-detail::kCodeBias));
+  uint64_t unknown = 0;
+  for (size_t i = 0; i < detail::kBlockObjects && rejected != 0;
+       i += hn::Lanes(d_bytes)) {
+    auto least = hn::Set(d_bytes, int8_t{127});
+    for (size_t p = 0; p < line.planes; ++p) {
+      least = hn::Min(least, hn::LoadU(d_bytes, planes[p].codes + i));
+    }
+    unknown |= LaneBits(d_bytes, hn::Eq(least, zero)) << i;
+  }
+  return present & ~(rejected & ~unknown);
+}
+
+inline uint64_t AllCodeBits(const detail::WalkShape& /*shape*/,
+                            const std::byte* /*block*/, uint64_t present) {
+  return present;
 }
 
 // Those whose farthest corners, or nearest, are in front of all.

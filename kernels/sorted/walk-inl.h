@@ -118,11 +118,7 @@ class Walker {
         if ((place & detail::kInsideBit) != 0) {
           kept = levels_.level[level].present[place & detail::kBlockMask];
         } else {
-          kept = Filter(
-              level, place,
-              TestBlock<kAxes, kHasMax>(BlockOf(levels_.level[level], place),
-                                        queries_[QueryOf(place)])
-                  .kept);
+          kept = Filter(level, place, Test(level, place).kept);
           inside = Inside(level, place, kept);
           if constexpr (!kWrites) {
             if (inside != 0) Count(level, place, inside);
@@ -154,6 +150,19 @@ class Walker {
     return true;
   }
 
+  // By the codes.
+  HWY_INLINE BlockBits Test(size_t level, uint32_t place) const {
+    const Block& block = BlockOf(levels_.level[level], place);
+    const detail::WalkShape* const shape = walk_.shape;
+    if (shape != nullptr && shape->by_codes != nullptr) {
+      return {shape->by_codes(
+                  *shape, reinterpret_cast<const std::byte*>(&block),
+                  levels_.level[level].present[place & detail::kBlockMask]),
+              0};
+    }
+    return TestBlock<kAxes, kHasMax>(block, queries_[QueryOf(place)]);
+  }
+
   // Those of `kept` that have what a query asks for beside its planes.
   HWY_INLINE uint64_t Filter(size_t level, uint32_t place, uint64_t kept) {
     if (kept != 0 && has_categories_) {
@@ -161,7 +170,8 @@ class Walker {
                            size_t{place & detail::kBlockMask} *
                                detail::kBlockObjects);
     }
-    if (kept != 0 && walk_.shape != nullptr) {
+    if (kept != 0 && walk_.shape != nullptr &&
+        (level == 0 || !walk_.shape->codes_suffice)) {
       kept = walk_.shape->touching(*walk_.shape, levels_.level[level],
                                    FirstOf(place), kept);
     }
@@ -259,8 +269,7 @@ class Walker {
           }
           continue;
         }
-        BlockBits bits = TestBlock<kAxes, kHasMax>(
-            BlockOf(levels_.level[0], place), queries_[query]);
+        BlockBits bits = Test(0, place);
         bits.kept = Filter(0, place, bits.kept);
         bits.unsure &= bits.kept;
         unsure[unsure_count] = {place, bits.unsure};

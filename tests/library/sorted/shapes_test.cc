@@ -13,6 +13,7 @@
 #include <random>
 #include <span>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "halfspace/halfspace.h"
@@ -40,20 +41,14 @@ typename View::Query QueryOf(const Aabo<View::Bound::kDimensions>& bound) {
     return bound;
   }
 }
-template <typename View, int kDims>
-typename View::Query BoundOf(const Sphere<kDims>& shape) {
+template <typename View, typename Shape>
+requires std::is_same_v<Shape, Sphere<View::Bound::kDimensions>>
+typename View::Query BoundOf(const Shape& shape) {
   return QueryOf<View>(BoundSphere(shape));
 }
-template <typename View, int kDims>
-typename View::Query BoundOf(const Segment<kDims>& shape) {
-  return QueryOf<View>(BoundSegment(shape));
-}
-template <typename View, int kDims>
-typename View::Query BoundOf(const Capsule<kDims>& shape) {
-  return QueryOf<View>(BoundCapsule(shape));
-}
-template <typename View, int kDims>
-typename View::Query BoundOf(const std::vector<HalfSpace<kDims>>& /*shape*/) {
+// Of the others, none.
+template <typename View, typename Shape>
+typename View::Query BoundOf(const Shape& /*shape*/) {
   typename View::Query query{};
   for (std::size_t p = 0; p < kPlanes<View>; ++p) {
     OpposingValue<View>(query, p) = IsMinPlane<View>(p) ? kInf : -kInf;
