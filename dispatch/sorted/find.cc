@@ -91,37 +91,40 @@ void CheckMemory(const char* call, const char* argument, const void* memory,
 
 std::size_t SortedSurvivors(const SortedTree& tree, const float* query,
                             Span<std::uint32_t> ids,
-                            const SortedOptions& options) {
+                            const SortedOptions& options,
+                            const WalkShape* shape) {
   const auto& kernels = KernelsOf(tree.shape(), options.target, "Survivors");
   CheckMemory("Survivors", "ids", ids.data(), ids.size(),
               alignof(std::uint32_t));
   if (tree.size() == 0) return 0;
   IdsToSpan to(ids);
-  kernels.find({&tree.levels(), query, 1, &to, nullptr, options.categories});
+  kernels.find(
+      {&tree.levels(), query, 1, &to, nullptr, options.categories, shape});
   if (to.is_buffered) to.Flush();
   return to.Total();
 }
 
 std::size_t SortedCount(const SortedTree& tree, const float* query,
-                        const SortedOptions& options) {
+                        const SortedOptions& options, const WalkShape* shape) {
   const auto& kernels =
       KernelsOf(tree.shape(), options.target, "CountSurvivors");
   if (tree.size() == 0) return 0;
   std::size_t count = 0;
   kernels.count(
-      {&tree.levels(), query, 1, nullptr, &count, options.categories});
+      {&tree.levels(), query, 1, nullptr, &count, options.categories, shape});
   return count;
 }
 
 bool SortedAny(const SortedTree& tree, const float* query, std::uint32_t& id,
-               const SortedOptions& options) {
+               const SortedOptions& options, const WalkShape* shape) {
   const auto& kernels = KernelsOf(tree.shape(), options.target, "AnySurvivor");
   if (tree.size() == 0) return false;
   // Full after the first survivors.
   std::uint32_t buffer[kBlockObjects];
   WalkIds first{buffer, buffer + kBlockObjects, [](WalkIds&) { return false; },
                 [](WalkIds&, std::size_t) { return true; }};
-  kernels.find({&tree.levels(), query, 1, &first, nullptr, options.categories});
+  kernels.find(
+      {&tree.levels(), query, 1, &first, nullptr, options.categories, shape});
   if (first.next == buffer) return false;
   id = buffer[0];
   return true;
@@ -129,12 +132,13 @@ bool SortedAny(const SortedTree& tree, const float* query, std::uint32_t& id,
 
 void SortedForEach(const SortedTree& tree, const float* query,
                    IdsFunction function, void* context,
-                   const SortedOptions& options) {
+                   const SortedOptions& options, const WalkShape* shape) {
   const auto& kernels =
       KernelsOf(tree.shape(), options.target, "ForEachSurvivor");
   if (tree.size() == 0) return;
   IdsToFunction to(function, context);
-  kernels.find({&tree.levels(), query, 1, &to, nullptr, options.categories});
+  kernels.find(
+      {&tree.levels(), query, 1, &to, nullptr, options.categories, shape});
 }
 
 std::size_t SortedSurvivorsOfMany(const SortedTree& tree, const float* queries,

@@ -82,6 +82,8 @@ struct Walk {
   std::size_t* counts;  // to count: of each query, added to
   // Objects that have none of them are left out; all ones leave out none.
   std::uint32_t categories;
+  // Survivors touch it too (kernels/sorted/shape.h); of one query. Or null.
+  const WalkShape* shape = nullptr;
 };
 
 // Blocks begin ... end - 1 of a level: encodes each, and bounds it by a node of

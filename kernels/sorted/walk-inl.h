@@ -20,6 +20,7 @@
 #include "kernels/sorted/block.h"
 #include "kernels/sorted/blocks-inl.h"
 #include "kernels/sorted/curve-inl.h"
+#include "kernels/sorted/shape.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
@@ -103,6 +104,10 @@ class Walker {
     return reinterpret_cast<const Block*>(
         level.blocks)[place & detail::kBlockMask];
   }
+  // The first of its objects or nodes.
+  static size_t FirstOf(uint32_t place) {
+    return size_t{place & detail::kBlockMask} * detail::kBlockObjects;
+  }
   static size_t QueryOf(uint32_t place) { return place >> detail::kQueryShift; }
 
   bool Visit(size_t level, const uint32_t* places, size_t count) {
@@ -124,11 +129,7 @@ class Walker {
         if ((place & detail::kInsideBit) != 0) {
           kept = levels_.level[level].present[place & detail::kBlockMask];
         } else {
-          kept = Filter(
-              level, place,
-              TestBlock<kAxes, kHasMax>(BlockOf(levels_.level[level], place),
-                                        queries_[QueryOf(place)])
-                  .kept);
+          kept = Filter(level, place, Test(level, place).kept);
           inside = Inside(level, place, kept);
           if constexpr (!kWrites) {
             if (inside != 0) Count(level, place, inside);
@@ -160,6 +161,19 @@ class Walker {
     return true;
   }
 
+  // By the codes.
+  HWY_INLINE BlockBits Test(size_t level, uint32_t place) const {
+    const Block& block = BlockOf(levels_.level[level], place);
+    const detail::WalkShape* const shape = walk_.shape;
+    if (shape != nullptr && shape->by_codes != nullptr) {
+      return {shape->by_codes(
+                  *shape, reinterpret_cast<const std::byte*>(&block),
+                  levels_.level[level].present[place & detail::kBlockMask]),
+              0};
+    }
+    return TestBlock<kAxes, kHasMax>(block, queries_[QueryOf(place)]);
+  }
+
   // Those of `kept` that have what a query asks for beside its planes.
   HWY_INLINE uint64_t Filter(size_t level, uint32_t place, uint64_t kept) {
     if constexpr (kHasLeaves) {
@@ -169,6 +183,11 @@ class Walker {
       kept &= CategoryBits(levels_.level[level].categories +
                            size_t{place & detail::kBlockMask} *
                                detail::kBlockObjects);
+    }
+    if (kept != 0 && walk_.shape != nullptr &&
+        (level == 0 || !walk_.shape->codes_suffice)) {
+      kept = walk_.shape->touching(*walk_.shape, levels_.level[level],
+                                   FirstOf(place), kept);
     }
     return kept;
   }
@@ -189,10 +208,17 @@ class Walker {
     if constexpr (kHasMax && !kHasLeaves) {
       if (has_categories_) return 0;
       if (kWrites && hwy::PopCount(kept) < kManyKept) return 0;
-      const uint64_t candidates =
+      const detail::WalkShape* const shape = walk_.shape;
+      if (shape != nullptr && shape->inside == nullptr) return 0;
+      uint64_t candidates =
           kept & levels_.level[level].regular[place & detail::kBlockMask];
       // Without a second encoding of the query where there can be none.
-      if (candidates != 0) return candidates & InsideQuery(level, place);
+      if (candidates != 0) candidates &= InsideQuery(level, place);
+      if (candidates != 0 && shape != nullptr) {
+        candidates = shape->inside(*shape, levels_.level[level], FirstOf(place),
+                                   candidates);
+      }
+      return candidates;
     }
     return 0;
   }
@@ -258,8 +284,7 @@ class Walker {
           }
           continue;
         }
-        BlockBits bits = TestBlock<kAxes, kHasMax>(
-            BlockOf(levels_.level[0], place), queries_[query]);
+        BlockBits bits = Test(0, place);
         bits.kept = Filter(0, place, bits.kept);
         bits.unsure &= bits.kept;
         unsure[unsure_count] = {place, bits.unsure};

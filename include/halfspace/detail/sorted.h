@@ -186,20 +186,27 @@ class HALFSPACE_API SortedTree {
 // Returns whether to go on.
 using IdsFunction = bool (*)(void* context, Span<const std::uint32_t> ids);
 
-// One query: all its minima, then all its maxima; of simplices only maxima.
+struct WalkShape;
+
+// One query: all its minima, then all its maxima; of simplices only maxima. And
+// a shape that survivors touch too.
 HALFSPACE_API std::size_t SortedSurvivors(const SortedTree& tree,
                                           const float* query,
                                           Span<std::uint32_t> ids,
-                                          const SortedOptions& options);
+                                          const SortedOptions& options,
+                                          const WalkShape* shape = nullptr);
 HALFSPACE_API std::size_t SortedCount(const SortedTree& tree,
                                       const float* query,
-                                      const SortedOptions& options);
+                                      const SortedOptions& options,
+                                      const WalkShape* shape = nullptr);
 // Returns whether there is one, and its id.
 HALFSPACE_API bool SortedAny(const SortedTree& tree, const float* query,
-                             std::uint32_t& id, const SortedOptions& options);
+                             std::uint32_t& id, const SortedOptions& options,
+                             const WalkShape* shape = nullptr);
 HALFSPACE_API void SortedForEach(const SortedTree& tree, const float* query,
                                  IdsFunction function, void* context,
-                                 const SortedOptions& options);
+                                 const SortedOptions& options,
+                                 const WalkShape* shape = nullptr);
 
 // Several, one after another.
 HALFSPACE_API std::size_t SortedSurvivorsOfMany(const SortedTree& tree,

@@ -1,0 +1,207 @@
+// The calls of sorted_shapes.h: a shape becomes a query of planes, and a test
+// of what that keeps.
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string>
+
+#include "dispatch/targets/chosen_target.h"
+#include "halfspace/fit.h"
+#include "halfspace/sorted.h"
+#include "halfspace/sorted_shapes.h"
+#include "kernels/error.h"
+#include "kernels/exact/default_fp_mode.h"
+#include "kernels/memory_checks.h"
+#include "kernels/sorted/shape.h"
+
+namespace halfspace::detail {
+namespace {
+
+template <int kDims>
+Point<kDims> PointAt(const float* values) {
+  Point<kDims> point;
+  for (std::size_t k = 0; k < kDims; ++k) point[k] = values[k];
+  return point;
+}
+
+// The bound of a sphere; the other shapes are tested without one.
+template <int kDims>
+Aabo<kDims> BoundOf(const SortedShapeQuery& query) {
+  if (query.kind == SortedShapeQuery::kSphere) {
+    return BoundSphere(
+        Sphere<kDims>{PointAt<kDims>(query.values), query.values[kDims]});
+  }
+  return {Filled<kDims + 1>(-kInf<float>), Filled<kDims + 1>(kInf<float>)};
+}
+
+// What a walk reads of a shape.
+class Prepared {
+ public:
+  Prepared(const SortedTree& tree, const SortedShapeQuery& query,
+           const SortedOptions& options, const char* call) {
+    const auto& kernels =
+        kSortedShapeKernels[dispatch::IndexOf(options.target, call)];
+    const std::size_t dims = query.dims;
+    if (query.kind == SortedShapeQuery::kHalfSpaces) {
+      if (query.count > kMostHalfSpaces) {
+        kernels::ThrowInvalid(
+            call, "half-spaces",
+            "at most " + std::to_string(kMostHalfSpaces) + " of them",
+            std::to_string(query.count));
+      }
+      if (query.count > 0) {
+        kernels::CheckPointer(
+            call, query.values, alignof(float),
+            [] { return std::string("half-spaces"); },
+            [] { return std::string("a pointer to them"); });
+      }
+    } else if (query.kind != SortedShapeQuery::kSegment) {
+      const bool is_sphere = query.kind == SortedShapeQuery::kSphere;
+      const float radius = query.values[is_sphere ? dims : 2 * dims];
+      kernels::InDefaultFpMode([&] {
+        if (radius >= 0) return;
+        kernels::ThrowInvalid(call, "radius", "a number that is not negative",
+                              std::to_string(radius));
+      });
+    }
+    if (dims == 2) {
+      SetBound(tree.shape(), BoundOf<2>(query));
+    } else {
+      SetBound(tree.shape(), BoundOf<3>(query));
+    }
+    const ShapePlanes planes{dims, tree.shape().axes, tree.shape().has_max};
+    kernels::InDefaultFpMode([&] { SetShape(planes, query, kernels); });
+  }
+
+  const float* bound() const { return bound_.data(); }
+  const WalkShape* shape() const { return &shape_; }
+
+ private:
+  template <typename Bound>
+  void SetBound(const SortedShape& shape, const Bound& bound) {
+    std::size_t v = 0;
+    if (shape.has_max) {
+      for (std::size_t k = 0; k < shape.axes; ++k) bound_[v++] = bound.min[k];
+    }
+    for (std::size_t k = 0; k < shape.axes; ++k) bound_[v++] = bound.max[k];
+  }
+
+  void SetShape(const ShapePlanes& planes, const SortedShapeQuery& query,
+                const SortedShapeKernels& kernels) {
+    const float* const v = query.values;
+    const std::size_t dims = planes.dims;
+    switch (query.kind) {
+      case SortedShapeQuery::kSphere: {
+        shape_.touching = kernels.ball;
+        shape_.by_codes = nullptr;
+        shape_.codes_suffice = false;
+        shape_.inside = kernels.in_ball;
+        shape_.ball = MakeBall(planes, v, v[dims]);
+        // What no bound encloses is nowhere.
+        for (std::size_t k = 0; k < dims; ++k) {
+          if (!std::isfinite(v[k])) shape_.ball.limit = kInf<float>;
+        }
+        return;
+      }
+      case SortedShapeQuery::kSegment:
+      case SortedShapeQuery::kCapsule: {
+        double origin[3] = {};
+        double direction[3] = {};
+        for (std::size_t k = 0; k < dims; ++k) {
+          origin[k] = v[k];
+          direction[k] = double{v[dims + k]} - v[k];
+        }
+        const bool is_capsule = query.kind == SortedShapeQuery::kCapsule;
+        shape_.touching = kernels.line;
+        shape_.by_codes = kernels.line_codes;
+        shape_.codes_suffice = true;
+        shape_.inside = nullptr;
+        shape_.line = MakeLine(planes, origin, direction, 1,
+                               is_capsule ? v[2 * dims] : 0);
+        return;
+      }
+      case SortedShapeQuery::kHalfSpaces:
+        shape_.touching = kernels.fronts;
+        shape_.by_codes = kernels.all_codes;
+        shape_.codes_suffice = false;
+        shape_.inside = kernels.in_fronts;
+        shape_.front_count = query.count;
+        for (std::size_t f = 0; f < query.count; ++f) {
+          const float* const plane = v + f * (dims + 1);
+          shape_.fronts[f] = MakeFront(planes, plane, plane[dims]);
+        }
+    }
+  }
+
+  std::array<float, 8> bound_;
+  WalkShape shape_;
+};
+
+}  // namespace
+
+std::size_t SortedSurvivors(const SortedTree& tree,
+                            const SortedShapeQuery& query,
+                            Span<std::uint32_t> ids,
+                            const SortedOptions& options) {
+  const Prepared prepared(tree, query, options, "Survivors");
+  return SortedSurvivors(tree, prepared.bound(), ids, options,
+                         prepared.shape());
+}
+
+std::size_t SortedCount(const SortedTree& tree, const SortedShapeQuery& query,
+                        const SortedOptions& options) {
+  const Prepared prepared(tree, query, options, "CountSurvivors");
+  return SortedCount(tree, prepared.bound(), options, prepared.shape());
+}
+
+bool SortedAny(const SortedTree& tree, const SortedShapeQuery& query,
+               std::uint32_t& id, const SortedOptions& options) {
+  const Prepared prepared(tree, query, options, "AnySurvivor");
+  return SortedAny(tree, prepared.bound(), id, options, prepared.shape());
+}
+
+void SortedForEach(const SortedTree& tree, const SortedShapeQuery& query,
+                   IdsFunction function, void* context,
+                   const SortedOptions& options) {
+  const Prepared prepared(tree, query, options, "ForEachSurvivor");
+  SortedForEach(tree, prepared.bound(), function, context, options,
+                prepared.shape());
+}
+
+std::size_t SortedSurvivorsOfMany(const SortedTree& tree, const void* queries,
+                                  std::size_t query_count, ShapeQueryAt at,
+                                  Span<std::uint32_t> ids,
+                                  Span<std::size_t> offsets,
+                                  const SortedOptions& options) {
+  // Its checks, and its zeros.
+  SortedSurvivorsOfMany(tree, nullptr, 0, ids, offsets, options);
+  constexpr const char* kCall = "SurvivorsOfEach";
+  if (offsets.size() <= query_count) {
+    kernels::ThrowInvalid(
+        kCall, "offsets",
+        "at least one more than the queries, " + std::to_string(query_count),
+        std::to_string(offsets.size()));
+  }
+  if (query_count > 0) {
+    kernels::CheckPointer(
+        kCall, queries, alignof(float), [] { return std::string("queries"); },
+        [&] {
+          return "memory for " + std::to_string(query_count) + " elements";
+        });
+  }
+  std::size_t total = 0;
+  for (std::size_t q = 0; q < query_count; ++q) {
+    const Prepared prepared(tree, at(queries, q), options, kCall);
+    const Span<std::uint32_t> rest =
+        total < ids.size()
+            ? Span<std::uint32_t>(ids.data() + total, ids.size() - total)
+            : Span<std::uint32_t>();
+    total += SortedSurvivors(tree, prepared.bound(), rest, options,
+                             prepared.shape());
+    offsets[q + 1] = total;
+  }
+  return total;
+}
+
+}  // namespace halfspace::detail

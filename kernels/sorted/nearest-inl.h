@@ -1,0 +1,159 @@
+// The objects with the least keys: into the nearest node first, and into others
+// while they can have what is nearer than the last of those found. A node's key
+// and first slot are at most those of all objects in it, so what is found is
+// exact, ties included, and one node of each level is remembered at a time.
+#if defined(HALFSPACE_KERNELS_SORTED_NEAREST_INL_H_) == \
+    defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_SORTED_NEAREST_INL_H_
+#undef HALFSPACE_KERNELS_SORTED_NEAREST_INL_H_
+#else
+#define HALFSPACE_KERNELS_SORTED_NEAREST_INL_H_
+#endif
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "hwy/highway.h"
+#include "kernels/prefetch.h"
+#include "kernels/scan/words-inl.h"
+#include "kernels/sorted/block.h"
+#include "kernels/sorted/nearest.h"
+#include "kernels/sorted/shapes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+class NearestFinder {
+ public:
+  explicit NearestFinder(const detail::NearestSearch& search)
+      : search_(search),
+        has_categories_(search.levels->level[0].categories != nullptr &&
+                        ~search.categories != 0),
+        worst_(Keyed(search.limit, ~uint32_t{0})) {}
+
+  size_t Find() {
+    Visit(search_.levels->count - 1, 0);
+    return count_;
+  }
+
+ private:
+  static constexpr float kInf = std::numeric_limits<float>::infinity();
+
+  static detail::KeyedSlot Keyed(float key, size_t slot) {
+    return uint64_t{std::bit_cast<uint32_t>(key)} << 32 | slot;
+  }
+  static float KeyOf(detail::KeyedSlot keyed) {
+    return std::bit_cast<float>(static_cast<uint32_t>(keyed >> 32));
+  }
+
+  void Visit(size_t level, size_t block) {
+    HWY_ALIGN float keys[detail::kBlockObjects];
+    if (!ReadKeys(level, block, keys)) return;
+    for (;;) {
+      float key;
+      const size_t lane = TakeLeast(keys, key);
+      const size_t place = block * detail::kBlockObjects + lane;
+      const detail::KeyedSlot keyed = Keyed(key, place << (6 * level));
+      // Also where none is left, as no limit is infinite.
+      if (keyed > worst_) return;
+      if (level == 0) {
+        if (keyed >= search_.from) Insert(keyed);
+      } else {
+        Visit(level - 1, place);
+      }
+    }
+  }
+
+  // Writes the keys of a block's nodes, or of its objects that were not found
+  // before; +inf of those beyond the limit. Returns whether there are any.
+  HWY_INLINE bool ReadKeys(size_t level, size_t block, float* keys) const {
+    const detail::SortedLevel& nodes = search_.levels->level[level];
+    const size_t first = block * detail::kBlockObjects;
+    uint64_t wanted = nodes.present[block];
+    if (has_categories_) wanted &= CategoryBits(nodes.categories + first);
+    const WordTag<float> d;
+    const auto limit = hn::Set(d, KeyOf(worst_));
+    const auto from = hn::Set(d, level == 0 ? KeyOf(search_.from) : 0.0f);
+    const auto inf = hn::Set(d, kInf);
+    const auto normal = hn::Set(d, std::numeric_limits<float>::min());
+    uint64_t bits = 0;
+    for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+      auto key = hn::Zero(d);
+      if (search_.line != nullptr) {
+        auto exit = key;
+        key = EntryOf(d, nodes, first + i, *search_.line, exit);
+        key = hn::IfThenElse(hn::Gt(key, exit), inf, key);
+      } else {
+        key = SquaredDistance(d, nodes, first + i, search_.ball);
+      }
+      // Else modes that flush subnormals would change the order.
+      key = hn::IfThenElseZero(hn::Ge(key, normal), key);
+      const auto is_found = hn::And(hn::Le(key, limit), hn::Ge(key, from));
+      bits |= LaneBits(d, is_found) << i;
+      hn::Store(hn::IfThenElse(is_found, key, inf), d, keys + i);
+    }
+    for (uint64_t others = bits & ~wanted; others != 0; others &= others - 1) {
+      keys[hwy::Num0BitsBelowLS1Bit_Nonzero64(others)] = kInf;
+    }
+    return (bits & wanted) != 0;
+  }
+
+  HWY_NOINLINE uint64_t CategoryBits(const uint32_t* categories) const {
+    const WordTag<uint32_t> d;
+    const auto wanted = hn::Set(d, search_.categories);
+    uint64_t bits = 0;
+    for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+      const auto common = hn::And(hn::LoadU(d, categories + i), wanted);
+      bits |= LaneBits(d, hn::Ne(common, hn::Zero(d))) << i;
+    }
+    return bits;
+  }
+
+  // The least key and its first lane, which is not taken again.
+  static HWY_INLINE size_t TakeLeast(float* keys, float& key) {
+    const WordTag<float> d;
+    auto least = hn::Load(d, keys);
+    for (size_t i = hn::Lanes(d); i < detail::kBlockObjects;
+         i += hn::Lanes(d)) {
+      least = hn::Min(least, hn::Load(d, keys + i));
+    }
+    least = hn::MinOfLanes(d, least);
+    key = hn::GetLane(least);
+    uint64_t bits = 0;
+    for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+      bits |= LaneBits(d, hn::Eq(hn::Load(d, keys + i), least)) << i;
+    }
+    const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
+    keys[lane] = kInf;
+    return lane;
+  }
+
+  void Insert(detail::KeyedSlot keyed) {
+    size_t i = count_ < search_.room ? count_++ : count_ - 1;
+    for (; i > 0 && search_.found[i - 1] > keyed; --i) {
+      search_.found[i] = search_.found[i - 1];
+    }
+    search_.found[i] = keyed;
+    if (count_ == search_.room) worst_ = search_.found[count_ - 1];
+  }
+
+  const detail::NearestSearch& search_;
+  const bool has_categories_;
+  size_t count_ = 0;
+  detail::KeyedSlot worst_;  // none beyond it is found
+};
+
+inline size_t FindNearest(const detail::NearestSearch& search) {
+  return NearestFinder(search).Find();
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
+
+#endif  // HALFSPACE_KERNELS_SORTED_NEAREST_INL_H_

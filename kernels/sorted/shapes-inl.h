@@ -1,0 +1,257 @@
+// The tests of shapes on the floats of 64 objects or nodes.
+//
+// Answers are the same on every target: each result is that of one operation in
+// IEEE's arithmetic, in one order, and a NaN is passed over by a compare, as
+// minima and maxima of it differ between targets. All results grow with the
+// planes of a bound, or fall, so what rejects a node rejects its objects.
+#if defined(HALFSPACE_KERNELS_SORTED_SHAPES_INL_H_) == \
+    defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_SORTED_SHAPES_INL_H_
+#undef HALFSPACE_KERNELS_SORTED_SHAPES_INL_H_
+#else
+#define HALFSPACE_KERNELS_SORTED_SHAPES_INL_H_
+#endif
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "hwy/highway.h"
+#include "kernels/scan/words-inl.h"
+#include "kernels/sorted/block.h"
+#include "kernels/sorted/shape.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// a > b ? a : b, and a < b ? a : b: b if one is no number.
+template <class V>
+HWY_INLINE V GreaterOf(V a, V b) {
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
+  return hn::Max(a, b);
+#else
+  return hn::IfThenElse(hn::Gt(a, b), a, b);
+#endif
+}
+template <class V>
+HWY_INLINE V LesserOf(V a, V b) {
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
+  return hn::Min(a, b);
+#else
+  return hn::IfThenElse(hn::Lt(a, b), a, b);
+#endif
+}
+
+// The squared distances of bounds from i on: never a NaN, and never -0.
+template <class D>
+HWY_INLINE hn::Vec<D> SquaredDistance(D d, const detail::SortedLevel& level,
+                                      size_t i, const detail::Ball& ball) {
+  auto sum = hn::Zero(d);
+  for (size_t k = 0; k < ball.dims; ++k) {
+    const auto c = hn::Set(d, ball.center[k]);
+    auto gap =
+        GreaterOf(hn::Sub(hn::LoadU(d, level.planes[k] + i), c), hn::Zero(d));
+    if (ball.max_plane != 0) {
+      const float* const maxima = level.planes[ball.max_plane + k];
+      gap = GreaterOf(hn::Sub(c, hn::LoadU(d, maxima + i)), gap);
+    }
+    sum = hn::Add(sum, hn::Mul(gap, gap));
+  }
+  return sum;
+}
+
+// Where the line enters bounds from i on: 0 or more. Beyond exit, it does not.
+template <class D>
+HWY_INLINE hn::Vec<D> EntryOf(D d, const detail::SortedLevel& level, size_t i,
+                              const detail::Line& line, hn::Vec<D>& exit) {
+  const auto at = [&](size_t p) HWY_ATTR {
+    const detail::LinePlane& plane = line.plane[p];
+    return hn::Mul(hn::Sub(hn::LoadU(d, level.planes[plane.plane] + i),
+                           hn::Set(d, plane.offset)),
+                   hn::Set(d, plane.inverse));
+  };
+  auto enter = hn::Zero(d);
+  exit = hn::Set(d, line.max_t);
+  size_t p = 0;
+  for (; p < line.entering; ++p) enter = GreaterOf(at(p), enter);
+  for (; p < line.planes; ++p) exit = LesserOf(at(p), exit);
+  exit = hn::Add(exit, hn::Set(d, detail::kApartOnLine));
+  return enter;
+}
+
+// Of the candidates among 64 those for which `rejects` is false, a vector at a
+// time where there are any.
+template <class Rejects>
+HWY_INLINE uint64_t NotRejected(uint64_t candidates, const Rejects& rejects) {
+  const WordTag<float> d;
+  const size_t lanes = hn::Lanes(d);
+  const uint64_t all = ~uint64_t{0} >> (detail::kBlockObjects - lanes);
+  for (size_t i = 0; i < detail::kBlockObjects; i += lanes) {
+    if ((candidates & all << i) == 0) continue;
+    candidates &= ~(LaneBits(d, rejects(d, i)) << i);
+  }
+  return candidates;
+}
+
+inline uint64_t BallBits(const detail::WalkShape& shape,
+                         const detail::SortedLevel& level, size_t first,
+                         uint64_t candidates) {
+  return NotRejected(candidates, [&](auto d, size_t i) HWY_ATTR {
+    return hn::Gt(SquaredDistance(d, level, first + i, shape.ball),
+                  hn::Set(d, shape.ball.limit));
+  });
+}
+
+// By their farthest corners. The squares of their objects' distances, as
+// computed, are no greater.
+inline uint64_t InBallBits(const detail::WalkShape& shape,
+                           const detail::SortedLevel& level, size_t first,
+                           uint64_t candidates) {
+  return NotRejected(candidates, [&](auto d, size_t i) HWY_ATTR {
+    auto sum = hn::Zero(d);
+    for (size_t k = 0; k < shape.ball.dims; ++k) {
+      const auto c = hn::Set(d, shape.ball.center[k]);
+      const float* const minima = level.planes[k] + first;
+      const float* const maxima =
+          level.planes[shape.ball.max_plane + k] + first;
+      const auto gap = GreaterOf(hn::Sub(hn::LoadU(d, maxima + i), c),
+                                 hn::Sub(c, hn::LoadU(d, minima + i)));
+      sum = hn::Add(sum, hn::Mul(gap, gap));
+    }
+    return hn::Not(hn::Le(sum, hn::Set(d, shape.ball.limit)));
+  });
+}
+
+inline uint64_t LineBits(const detail::WalkShape& shape,
+                         const detail::SortedLevel& level, size_t first,
+                         uint64_t candidates) {
+  return NotRejected(candidates, [&](auto d, size_t i) HWY_ATTR {
+    auto exit = hn::Zero(d);
+    const auto enter = EntryOf(d, level, first + i, shape.line, exit);
+    return hn::Gt(enter, exit);
+  });
+}
+
+// A plane of a block on a line, as a function of its stored codes: t is at
+// least slope * code + t_of_0 if the line enters by it, and at most that if it
+// leaves.
+struct CodesOnLine {
+  const int8_t* codes;
+  float slope;
+  float t_of_0;
+};
+
+// A code c says that the stored value, which is that of a minimum or the
+// negated one of a maximum, is at least base + (c - 1 - margin) / scale. What
+// is added is more than all rounding here and in EntryOf.
+HWY_INLINE CodesOnLine CodesOnLineOf(const detail::Line& line, size_t p,
+                                     const std::byte* block) {
+  const detail::LinePlane& plane = line.plane[p];
+  const auto& scale = *reinterpret_cast<const detail::BlockScale*>(block);
+  const bool is_max = plane.plane >= line.axes;
+  const size_t lane =
+      is_max ? detail::BlockScale::kMaxLane + plane.plane - line.axes
+             : plane.plane;
+  const bool enters = p < line.entering;
+  // On an axis on which the line does not move; up to max_t when it touches.
+  const bool is_still = plane.inverse > std::numeric_limits<float>::max();
+  const float inverse = is_still ? 0x1p60f : plane.inverse;
+  const float factor = is_max ? -inverse : inverse;
+  const float offset = is_max ? -plane.offset : plane.offset;
+  const float slope = factor / scale.scale[lane];
+  const float base = (scale.base[lane] - offset) * factor;
+  const float error = 0x1p-16f * (std::abs(base) + 256 * std::abs(slope));
+  const auto* const codes =
+      reinterpret_cast<const int8_t*>(block + sizeof(scale)) +
+      plane.plane * detail::kBlockObjects;
+  // An overflow is no infinity in all modes.
+  if (!(error < 0x1p100f)) {
+    constexpr float kInf = std::numeric_limits<float>::infinity();
+    return {codes, 0, enters ? -kInf : kInf};
+  }
+  float t_of_0 =
+      base + (detail::kCodeBias - 1 - 2 * detail::kCodeMargin) * slope;
+  t_of_0 = enters ? t_of_0 - error : t_of_0 + error;
+  if (is_still && !enters) t_of_0 += line.max_t;
+  return {codes, slope, t_of_0};
+}
+
+// As LineBits, with what codes say of the floats.
+inline uint64_t LineCodeBits(const detail::WalkShape& shape,
+                             const std::byte* block, uint64_t present) {
+  const detail::Line& line = shape.line;
+  CodesOnLine planes[8];
+  for (size_t p = 0; p < line.planes; ++p)
+    planes[p] = CodesOnLineOf(line, p, block);
+  const WordTag<float> d;
+  const hn::Rebind<int32_t, decltype(d)> di;
+  const hn::Rebind<int8_t, decltype(d)> d8;
+  const WordTag<int8_t> d_bytes;
+  const auto at = [&](size_t p, size_t i) HWY_ATTR {
+    const auto code =
+        hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d8, planes[p].codes + i)));
+    return hn::Add(hn::Mul(code, hn::Set(d, planes[p].slope)),
+                   hn::Set(d, planes[p].t_of_0));
+  };
+  uint64_t rejected = 0;
+  for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+    auto enter = hn::Zero(d);
+    auto exit = hn::Set(d, line.max_t);
+    size_t p = 0;
+    for (; p < line.entering; ++p) enter = GreaterOf(at(p, i), enter);
+    for (; p < line.planes; ++p) exit = LesserOf(at(p, i), exit);
+    exit = hn::Add(exit, hn::Set(d, 2 * detail::kApartOnLine));
+    rejected |= LaneBits(d, hn::Gt(enter, exit)) << i;
+  }
+  // Code 0 may stand for anything that is less.
+  const auto zero = hn::Set(d_bytes, static_cast<int8_t>(-detail::kCodeBias));
+  uint64_t unknown = 0;
+  for (size_t i = 0; i < detail::kBlockObjects && rejected != 0;
+       i += hn::Lanes(d_bytes)) {
+    auto least = hn::Set(d_bytes, int8_t{127});
+    for (size_t p = 0; p < line.planes; ++p) {
+      least = hn::Min(least, hn::LoadU(d_bytes, planes[p].codes + i));
+    }
+    unknown |= LaneBits(d_bytes, hn::Eq(least, zero)) << i;
+  }
+  return present & ~(rejected & ~unknown);
+}
+
+inline uint64_t AllCodeBits(const detail::WalkShape& /*shape*/,
+                            const std::byte* /*block*/, uint64_t present) {
+  return present;
+}
+
+// Those whose farthest corners, or nearest, are in front of all.
+template <bool kIsNearest>
+uint64_t FrontBits(const detail::WalkShape& shape,
+                   const detail::SortedLevel& level, size_t first,
+                   uint64_t candidates) {
+  for (size_t f = 0; f < shape.front_count && candidates != 0; ++f) {
+    const detail::Front& front = shape.fronts[f];
+    candidates = NotRejected(candidates, [&](auto d, size_t i) HWY_ATTR {
+      auto sum = hn::Set(d, front.offset);
+      for (size_t t = 0; t < front.terms; ++t) {
+        const detail::Front::Term& term = front.term[t];
+        const float* const plane =
+            level.planes[kIsNearest ? term.opposite : term.plane];
+        const auto value = hn::LoadU(d, plane + first + i);
+        sum = hn::Add(sum, GreaterOf(hn::Mul(value, hn::Set(d, term.more)),
+                                     hn::Mul(value, hn::Set(d, term.less))));
+      }
+      const auto is_behind = hn::Lt(sum, hn::Zero(d));
+      return kIsNearest ? hn::Or(is_behind, hn::Ne(sum, sum)) : is_behind;
+    });
+  }
+  return candidates;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
+
+#endif  // HALFSPACE_KERNELS_SORTED_SHAPES_INL_H_

@@ -1,0 +1,353 @@
+// Searches for the nearest objects: those of a sorted list of all, in its
+// order, on every target and of every kind of world.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <random>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "halfspace/halfspace.h"
+#include "tests/library/sorted/shape_reference.h"
+#include "tests/library/sorted/spread.h"
+#include "tests/library/support/cases.h"
+#include "tests/library/support/environment.h"
+#include "tests/library/support/expect_invalid.h"
+#include "tests/library/support/inputs.h"
+#include "tests/library/support/special_values.h"
+
+namespace halfspace::testing {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kMost = std::numeric_limits<float>::max();
+
+struct Found {
+  std::uint32_t id;
+  float value;
+  friend bool operator==(const Found&, const Found&) = default;
+};
+
+// All objects with a key up to a limit, by key and then in the world's order.
+template <typename View, typename KeyOf>
+std::vector<Found> Expected(const SortedWorld<View>& sorted,
+                            std::span<const typename View::Bound> bounds,
+                            float limit, const KeyOf& key_of) {
+  std::vector<Found> found;
+  for (std::uint32_t id : sorted.ids()) {
+    if (id == 0xFFFFFFFF) continue;
+    float key = key_of(PlanesOf<View>(bounds[id]));
+    if (key < std::numeric_limits<float>::min()) key = 0;
+    if (key <= std::min(limit, kMost)) found.push_back({id, key});
+  }
+  std::stable_sort(
+      found.begin(), found.end(),
+      [](const Found& a, const Found& b) { return a.value < b.value; });
+  return found;
+}
+
+template <typename View>
+std::vector<Found> ExpectedNearest(const SortedWorld<View>& sorted,
+                                   std::span<const typename View::Bound> bounds,
+                                   const Point<View::Bound::kDimensions>& point,
+                                   float max_distance) {
+  const detail::Ball ball =
+      detail::MakeBall(kShapePlanes<View>, point.data(), 0);
+  auto found = Expected(
+      sorted, bounds, detail::SquaredLimit(max_distance),
+      [&](const auto& planes) { return SquaredDistanceOf(planes, ball); });
+  for (Found& one : found) one.value = std::sqrt(one.value);
+  return found;
+}
+
+template <typename View>
+std::vector<Found> ExpectedAlong(const SortedWorld<View>& sorted,
+                                 std::span<const typename View::Bound> bounds,
+                                 const Ray<View::Bound::kDimensions>& ray,
+                                 float radius) {
+  double origin[3] = {};
+  double direction[3] = {};
+  for (std::size_t k = 0; k < ray.origin.size(); ++k) {
+    origin[k] = ray.origin[k];
+    direction[k] = ray.direction[k];
+  }
+  const detail::Line line = detail::MakeLine(kShapePlanes<View>, origin,
+                                             direction, ray.max_t, radius);
+  return Expected(sorted, bounds, ray.max_t + detail::kApartOnLine,
+                  [&](const auto& planes) { return EntryOf(planes, line); });
+}
+
+template <typename View>
+void ExpectNearest(const SortedWorld<View>& sorted,
+                   std::span<const typename View::Bound> bounds,
+                   const Point<View::Bound::kDimensions>& point,
+                   float max_distance, Target target) {
+  const auto expected = ExpectedNearest(sorted, bounds, point, max_distance);
+  const SortedOptions options = {.target = target};
+  for (std::size_t room : {1u, 8u, 300u, 700u}) {
+    Ids ids(room);
+    std::vector<float> distances(room);
+    const std::size_t count =
+        NearestObjects(sorted, point, ids, distances, max_distance, options);
+    ASSERT_EQ(count, std::min(room, expected.size()));
+    for (std::size_t i = 0; i < count; ++i) {
+      ASSERT_EQ((Found{ids[i], distances[i]}), expected[i]) << i;
+    }
+  }
+  std::vector<Found> found;
+  ForEachNearest(
+      sorted, point, max_distance,
+      [&](std::uint32_t id, float distance) {
+        found.push_back({id, distance});
+      },
+      options);
+  ASSERT_EQ(found, expected);
+  // Ends after some, and by a bound that shrinks.
+  for (std::size_t some : {1u, 8u, 9u, 30u}) {
+    found.clear();
+    ForEachNearest(
+        sorted, point, max_distance,
+        [&](std::uint32_t id, float distance) {
+          found.push_back({id, distance});
+          return found.size() < some;
+        },
+        options);
+    ASSERT_EQ(found.size(), std::min(some, expected.size()));
+    ASSERT_TRUE(std::equal(found.begin(), found.end(), expected.begin()));
+    found.clear();
+    ForEachNearest(
+        sorted, point, max_distance,
+        [&](std::uint32_t id, float distance) {
+          found.push_back({id, distance});
+          return found.size() < some ? 2 * distance + 1 : distance;
+        },
+        options);
+    float limit = kInf;
+    std::size_t count = 0;
+    while (count < expected.size()) {
+      const float distance = expected[count].value;
+      if (distance > limit * (1 + 0x1p-18f)) break;
+      ++count;
+      limit = std::min(limit, count < some ? 2 * distance + 1 : distance);
+    }
+    ASSERT_EQ(found.size(), count);
+    ASSERT_TRUE(std::equal(found.begin(), found.end(), expected.begin()));
+  }
+}
+
+template <typename View>
+void ExpectAlong(const SortedWorld<View>& sorted,
+                 std::span<const typename View::Bound> bounds,
+                 const Ray<View::Bound::kDimensions>& ray, float radius,
+                 Target target) {
+  const auto expected = ExpectedAlong(sorted, bounds, ray, radius);
+  std::vector<Found> found;
+  ForEachAlongRay(sorted, ray, radius,
+                  [&](std::uint32_t id, float t) {
+                    found.push_back({id, t});
+                  },
+                  {.target = target});
+  ASSERT_EQ(found, expected);
+  // The closest hit: in the middle of what is entered.
+  if (expected.empty()) return;
+  const float hit = expected[expected.size() / 2].value;
+  found.clear();
+  ForEachAlongRay(sorted, ray, radius,
+                  [&](std::uint32_t id, float t) {
+                    found.push_back({id, t});
+                    return hit;
+                  },
+                  {.target = target});
+  std::size_t count = 0;
+  while (count < expected.size() && expected[count].value <= hit) ++count;
+  ASSERT_EQ(found.size(), std::max<std::size_t>(count, 1));
+  ASSERT_TRUE(std::equal(found.begin(), found.end(), expected.begin()));
+}
+
+template <typename View>
+void ExpectAll(const SortedWorld<View>& sorted,
+               std::span<const typename View::Bound> bounds, Random& random,
+               bool is_special = false) {
+  constexpr int kDims = View::Bound::kDimensions;
+  std::uniform_real_distribution<float> coordinate(-60.0f, 60.0f);
+  const auto any = [&] {
+    return is_special && random() % 6 == 0 ? SpecialValue<float>(random)
+                                           : coordinate(random);
+  };
+  for (Target target : TargetsUnderTest()) {
+    for (float limit : {kInf, 30.0f, 0.0f}) {
+      Point<kDims> point;
+      Ray<kDims> ray;
+      for (std::size_t k = 0; k < kDims; ++k) {
+        point[k] = any();
+        ray.origin[k] = any();
+        ray.direction[k] = random() % 5 == 0 ? 0.0f : any();
+      }
+      ray.max_t = limit == 30.0f ? 0.5f : limit;
+      ExpectNearest<View>(sorted, bounds, point, limit, target);
+      ExpectAlong<View>(sorted, bounds, ray, random() % 2 == 0 ? 0.0f : 2.0f,
+                        target);
+      if (::testing::Test::HasFatalFailure()) {
+        FAIL() << sorted.size() << " objects, limit " << limit << ", "
+               << target.name();
+      }
+    }
+  }
+}
+
+template <typename Case>
+class SortedNearestTest : public ::testing::Test {};
+TYPED_TEST_SUITE(SortedNearestTest, SortedCases, CaseNames);
+
+TYPED_TEST(SortedNearestTest, IsASortedList) {
+  using View = typename TypeParam::View;
+  using Bound = typename View::Bound;
+  Random random(1);
+  Spread<View> spread(1.0f);
+  const auto one = spread.NextObject();
+  using Next = std::function<Bound(std::size_t)>;
+  struct Case {
+    std::size_t size;
+    Next next;
+  };
+  const Next near = [&](std::size_t) { return spread.NextObject(); };
+  std::vector<Case> cases = {
+      {0, near},
+      {1, near},
+      {63, near},
+      {64, near},
+      {65, near},
+      {4097, near},
+      {random() % 9000, near},
+      {1000, [&](std::size_t) { return one; }},
+      {1000, [](std::size_t) { return Bound::Everything(); }},
+      {300, [](std::size_t) { return Bound::Empty(); }},
+      // A lattice, where many are at the same distance.
+      {4500,
+       [&](std::size_t i) {
+         Bound bound = one;
+         for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+           const std::size_t k = p % Bound::kAxes;
+           StoredValue<View>(bound, p) = static_cast<float>((i >> 4 * k) % 16) +
+                                         (IsMinPlane<View>(p) ? 0.0f : 1.0f);
+         }
+         return bound;
+       }},
+      {900, [&](std::size_t i) {
+         Bound bound = i % 5 == 0 ? Bound::Everything() : spread.NextObject();
+         for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+           if (random() % 6 == 0) {
+             StoredValue<View>(bound, p) = SpecialValue<float>(random);
+           }
+         }
+         return bound;
+       }}};
+  for (const Case& one_case : cases) {
+    std::vector<Bound> bounds;
+    for (std::size_t i = 0; i < one_case.size; ++i) {
+      bounds.push_back(one_case.next(i));
+    }
+    for (Order order : {Order::kTight, Order::kFast}) {
+      const SortedWorld<View> sorted(std::span<const Bound>(bounds), order);
+      ExpectAll<View>(sorted, bounds, random, one_case.size == 900);
+      if (this->HasFatalFailure()) return;
+    }
+  }
+}
+
+TYPED_TEST(SortedNearestTest, KnowsErasedObjectsAndCategories) {
+  using View = typename TypeParam::View;
+  using Bound = typename View::Bound;
+  Random random(2);
+  Spread<View> spread(1.0f);
+  std::vector<Bound> bounds;
+  for (std::size_t i = 0; i < 5000; ++i) bounds.push_back(spread.NextObject());
+  SortedWorld<View> sorted((std::span<const Bound>(bounds)));
+  for (std::uint32_t i = 0; i < 5000; i += 3) sorted.Erase(i);
+  for (std::size_t i = 0; i < 700; ++i) {
+    const Bound bound = spread.NextObject();
+    bounds[sorted.Insert(bound)] = bound;
+  }
+  ExpectAll<View>(sorted, bounds, random);
+  Ids categories(5000);
+  for (std::uint32_t i = 0; i < 5000; ++i) categories[i] = 1u << i % 3;
+  sorted.SetCategories(categories);
+  const Point<Bound::kDimensions> point{};
+  const auto all = ExpectedNearest<View>(sorted, bounds, point, 50.0f);
+  for (Target target : TargetsUnderTest()) {
+    std::vector<Found> found;
+    ForEachNearest(sorted, point, 50.0f,
+                   [&](std::uint32_t id, float distance) {
+                     found.push_back({id, distance});
+                   },
+                   {.categories = 2, .target = target});
+    std::vector<Found> expected;
+    for (const Found& one : all) {
+      if (one.id % 3 == 1) expected.push_back(one);
+    }
+    EXPECT_EQ(found, expected);
+  }
+}
+
+TEST(SortedNearestKnownTest, Distances) {
+  AabbWorld3 world;
+  world.Push({{0, 0, 0}, {1, 1, 1}});
+  world.Push({{5, 0, 0}, {6, 1, 1}});
+  world.Push({{-4, -5, 0}, {-3, -4, 1}});
+  const SortedAabbWorld3 sorted(world);
+  Ids ids(3);
+  std::vector<float> distances(3);
+  ASSERT_EQ(NearestObjects(sorted, {0, 0, 0.5f}, ids, distances), 3u);
+  EXPECT_EQ(ids, (Ids{0, 1, 2}));
+  EXPECT_EQ(distances, (std::vector<float>{0, 5, 5}));
+  EXPECT_EQ(NearestObjects(sorted, {0, 0, 0}, ids, {}, 4.9f), 1u);
+  std::vector<float> entries;
+  ForEachAlongRay(sorted, Ray3{{0.5f, 0.5f, 0.5f}, {2, 0, 0}, kInf},
+                  [&](std::uint32_t, float t) { entries.push_back(t); });
+  ASSERT_EQ(entries.size(), 2u);
+  EXPECT_EQ(entries[0], 0.0f);
+  EXPECT_NEAR(entries[1], 2.25f, 1e-5f);
+  EXPECT_LE(entries[1], 2.25f);
+}
+
+TEST(SortedNearestErrorsTest, RefusesWhatIsNoLimit) {
+  const SortedAabbWorld3 sorted(Spread<AabbView3>(4.0f).Objects(100));
+  Ids ids(10);
+  std::vector<float> distances(9);
+  const auto ignore = [](std::uint32_t, float) {};
+  for (float bad : {-1.0f, std::numeric_limits<float>::quiet_NaN()}) {
+    EXPECT_TRUE(Refuses([&] { ForEachNearest(sorted, {}, bad, ignore); },
+                        {"ForEachNearest", "max_distance"}));
+    EXPECT_TRUE(Refuses([&] { (void)NearestObjects(sorted, {}, ids, {}, bad); },
+                        {"NearestObjects", "max_distance"}));
+    EXPECT_TRUE(Refuses(
+        [&] {
+          ForEachAlongRay(sorted, Ray3{{}, {}, bad}, ignore);
+        },
+        {"ForEachAlongRay", "max_t"}));
+    EXPECT_TRUE(Refuses(
+        [&] {
+          ForEachAlongRay(sorted, Ray3{{}, {}, 1}, bad, ignore);
+        },
+        {"ForEachAlongRay", "radius"}));
+  }
+  EXPECT_TRUE(Refuses([&] { (void)NearestObjects(sorted, {}, ids, distances); },
+                      {"NearestObjects", "distances", "10", "9"}));
+  EXPECT_TRUE(Refuses(
+      [&] {
+        (void)NearestObjects(
+            sorted, {}, {static_cast<std::uint32_t*>(nullptr), std::size_t{4}},
+            {});
+      },
+      {"NearestObjects", "ids", "null"}));
+}
+
+}  // namespace
+}  // namespace halfspace::testing
