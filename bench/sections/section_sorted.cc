@@ -193,6 +193,12 @@ SortedResult RunSorted(const Workload* input, std::size_t most_objects,
   parts.push_back([=, &result](Throughput& to) {
     RunSortedRefits(MakeUniformBoxes<3>("a", most, kSide3D, seed), to, result);
   });
+  for (std::size_t objects : UpTo(most, {100'000, 1'000'000})) {
+    parts.push_back([=, &result](Throughput& to) {
+      RunSortedPairs(MakeUniformBoxes<3>("a", objects, kSide3D, seed), to,
+                     result);
+    });
+  }
   parts.push_back([=, &result](Throughput& to) {
     RunSortedSearches(MakeUniformBoxes<3>("a", most, kSide3D, seed), seed, to,
                       result);

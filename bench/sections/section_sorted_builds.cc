@@ -56,6 +56,15 @@ class Builds {
 
 }  // namespace
 
+void AddJobs(const Timings& timings, std::size_t objects,
+             SortedResult& result) {
+  for (const Timing& timing : timings) {
+    // Without the name of the section.
+    result.jobs.push_back({timing.name.substr(timing.name.find('/') + 1),
+                           objects, timing.Median() / 1e6});
+  }
+}
+
 void RunSortedBuilds(const BoxSet<3>& set, Throughput& throughput,
                      SortedResult& result) {
   constexpr std::size_t kMostRepetitions = 5;
@@ -142,9 +151,7 @@ void RunSortedRefits(const BoxSet<3>& set, Throughput& throughput,
   const Timings timings = throughput.TimeRuns(
       cases, std::max<std::size_t>(5, throughput.repetitions()));
   const std::string size = Grouped(objects);
-  for (const Timing& timing : timings) {
-    result.jobs.push_back({timing.name, objects, timing.Median() / 1e6});
-  }
+  AddJobs(timings, objects, result);
   throughput.AddRatio(thresholds::kRefitInOrder, target,
                       "refit of " + size + " in order: % of copying as much",
                       RatioOf(timings[2], timings[0]).Percent());

@@ -1,13 +1,15 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
+#include <limits>
 #include <memory>
 #include <random>
 #include <span>
 #include <string>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -17,12 +19,21 @@
 #include "bench/sections/sorted_parts.h"
 #include "bench/worlds/box_set.h"
 #include "halfspace/sorted.h"
+#include "halfspace/sorted_nearest.h"
+#include "halfspace/sorted_shapes.h"
 
 namespace halfspace::bench {
 namespace {
 
 using Sorted = SortedWorld<AabbView3>;
 using Ids = std::vector<std::uint32_t>;
+
+struct Itself {
+  template <typename Query>
+  std::size_t operator()(const Query&, std::size_t answer) const {
+    return answer;
+  }
+};
 
 // One kind of search, by a sorted world and by others, over queries of a type.
 template <typename Query>
@@ -36,22 +47,28 @@ class Search {
     workload_.name = std::move(name);
   }
 
-  // answer(query) gives the same number for all that are added. It is asked
-  // `per_run` of the queries in a run, and the next ones in the next.
-  template <typename Answer>
+  // number(query, answer(query)) is the same for all that are added. `per_run`
+  // of the queries are asked in a run, and the next ones in the next.
+  template <typename Answer, typename Number = Itself>
   void Add(std::string name, std::string target, std::size_t per_run,
-           Answer answer) {
+           Answer answer, Number number = {}) {
     SortedRow row;
     row.name = std::move(name);
     row.target = std::move(target);
     Case c = InTurn(
         workload_.name + "/" + row.name, queries_, queries_.size(), per_run,
         [answer](const Query& query) { std::ignore = answer(query); });
-    c.check = [this, answer]() -> std::string {
-      constexpr std::size_t kChecked = 20;
+    c.check = [this, answer, number]() -> std::string {
       std::vector<std::size_t> answers;
+      survivors_ = 0;
       for (std::size_t q = 0; q < kChecked; ++q) {
-        answers.push_back(answer(queries_[q]));
+        const auto found = answer(queries_[q]);
+        answers.push_back(number(queries_[q], found));
+        if constexpr (std::is_integral_v<decltype(found)>) {
+          survivors_ += static_cast<double>(found);
+        } else {
+          survivors_ += static_cast<double>(found.size());
+        }
       }
       if (expected_.empty()) expected_ = answers;
       return answers == expected_ ? "" : "the answers differ";
@@ -66,9 +83,7 @@ class Search {
     const Timings timings =
         throughput_.TimeRuns(std::move(cases_), throughput_.repetitions());
     workload_.objects = objects;
-    double sum = 0;
-    for (std::size_t expected : expected_) sum += static_cast<double>(expected);
-    workload_.survivors = sum / static_cast<double>(expected_.size());
+    workload_.survivors = survivors_ / static_cast<double>(kChecked);
     for (std::size_t i = 0; i < timings.size(); ++i) {
       workload_.rows[i].ns = timings[i].Median();
       workload_.rows[i].over_fastest =
@@ -87,14 +102,18 @@ class Search {
   }
 
  private:
+  static constexpr std::size_t kChecked = 20;
+
   const std::vector<Query>& queries_;
   Throughput& throughput_;
+  double survivors_ = 0;  // of those that are checked
   SortedWorkload workload_;
   std::vector<Case> cases_;
   std::vector<std::size_t> expected_;
 };
 
 constexpr float kHalfWorld = 50.0f;
+constexpr float kFar = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
@@ -106,6 +125,10 @@ void RunSortedSearches(const BoxSet<3>& set, std::uint64_t seed,
   const auto world = std::make_shared<const Sorted>(set.boxes);
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<float> place(-kHalfWorld, kHalfWorld);
+  const auto any_point = [&] {
+    return Point<3>{place(random), place(random), place(random)};
+  };
+
   // A tenth of the world: its third root of each axis.
   constexpr float kHalfSide = 0.4642f * kHalfWorld;
   std::vector<Aabb3> large;
@@ -133,6 +156,68 @@ void RunSortedSearches(const BoxSet<3>& set, std::uint64_t seed,
                [boost](const Aabb3& query) { return boost->Count(query); });
   }
   counts.Run(objects, thresholds::kCounts, "times Boost's count", result);
+
+  std::vector<Point<3>> points;
+  for (std::size_t q = 0; q < kTimedQueries; ++q) points.push_back(any_point());
+  constexpr std::size_t kNearestCount = 8;
+  Search<Point<3>> nearest("nearest 8", points, throughput);
+  // Many boxes are equally far away, so the answer is a distance: of the last.
+  const auto farthest = [&set](const Point<3>& point, auto&& ids) {
+    double most = 0;
+    for (std::uint32_t id : ids) {
+      double square = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double beyond = std::max({set.boxes[id].min[k] - point[k],
+                                        point[k] - set.boxes[id].max[k], 0.0f});
+        square += beyond * beyond;
+      }
+      most = std::max(most, square);
+    }
+    return static_cast<std::size_t>(1e6 * std::sqrt(most)) + ids.size();
+  };
+  std::array<std::uint32_t, kNearestCount> ids;
+  std::array<float, kNearestCount> distances;
+  nearest.Add(
+      "nearest", target_name, 2000,
+      [&](const Point<3>& point) {
+        const std::size_t count = NearestObjects(*world, point, ids, distances,
+                                                 kFar, {.target = target});
+        return std::span(ids).first(count);
+      },
+      farthest);
+  if (const std::shared_ptr<NearestTree<3>> boost =
+          MakeBoostNearest(set.boxes)) {
+    nearest.Add(
+        "Boost R-tree, 16 a node", "", 200,
+        [boost, &found](const Point<3>& point) {
+          boost->Nearest(point, kNearestCount, found);
+          return std::span<const std::uint32_t>(found);
+        },
+        farthest);
+  }
+  nearest.Run(objects, thresholds::kNearest, "times Boost", result);
+
+  std::vector<Segment<3>> segments;
+  constexpr float kLength = 0.3f;  // of the way from one point to another
+  for (std::size_t q = 0; q < kTimedQueries; ++q) {
+    Segment<3> segment{any_point(), any_point()};
+    for (std::size_t k = 0; k < 3; ++k) {
+      segment.b[k] = segment.a[k] + kLength * (segment.b[k] - segment.a[k]);
+    }
+    segments.push_back(segment);
+  }
+  Search<Segment<3>> along("along a segment", segments, throughput);
+  along.Add("ids", target_name, 1000, [=, &found](const Segment<3>& segment) {
+    return Survivors(*world, segment, found, {.target = target});
+  });
+  if (const std::shared_ptr<const LineTree> embree =
+          MakeEmbreeLines(set.boxes)) {
+    along.Add("Embree", "", 200, [embree, &found](const Segment<3>& segment) {
+      embree->Along(segment, found);
+      return found.size();
+    });
+  }
+  along.Run(objects, thresholds::kAlong, "times Embree", result);
 }
 
 }  // namespace halfspace::bench

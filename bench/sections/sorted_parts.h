@@ -10,12 +10,17 @@
 
 namespace halfspace::bench {
 
+// What was timed, as jobs on all objects.
+void AddJobs(const Timings& timings, std::size_t objects, SortedResult& result);
+
 // Each adds rows or jobs, and ratios: builds and memory (threshold 2), refits
-// (3), searches by distance, along segments and counts (5).
+// (3), pairs (4), searches by distance, along segments and counts (5).
 void RunSortedBuilds(const BoxSet<3>& set, Throughput& throughput,
                      SortedResult& result);
 void RunSortedRefits(const BoxSet<3>& set, Throughput& throughput,
                      SortedResult& result);
+void RunSortedPairs(const BoxSet<3>& set, Throughput& throughput,
+                    SortedResult& result);
 void RunSortedSearches(const BoxSet<3>& set, std::uint64_t seed,
                        Throughput& throughput, SortedResult& result);
 
