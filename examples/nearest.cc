@@ -69,7 +69,7 @@ int main() {
 
   // The first sphere along a ray: no bound behind it is asked for.
   const float d = std::sqrt(1.0f / 3.0f);
-  const halfspace::Ray3 ray = {{-1.0f, 4.5f, 9.2f}, {d, d, d}, 100.0f};
+  const halfspace::Ray3 ray = {{-1.0f, 4.2f, 8.1f}, {d, d, d}, 100.0f};
   float closest = ray.max_t;
   std::uint32_t hit = 0;
   int tests = 0;

@@ -1,5 +1,6 @@
-// A world that is sorted once and answers one query over many objects by a
-// hierarchy: for worlds of thousands of objects and more that rarely change.
+// A world that is sorted and answers one query over many objects by a
+// hierarchy: for worlds of thousands of objects and more, also if these move,
+// come and go.
 //
 //   halfspace::SortedWorld<halfspace::AabbView3> sorted(world.view());
 //   std::vector<std::uint32_t> ids(sorted.size());
@@ -17,6 +18,10 @@
 // They reject, or prove that an object survives, or leave it to the floats, of
 // which the world has a copy.
 //
+// Other queries of the same worlds: sorted_shapes.h (spheres, segments,
+// half-spaces), sorted_nearest.h (what is nearest, or first along a ray),
+// sorted_pairs.h (all pairs that overlap). None is linked that is not called.
+//
 // Worlds are of floats, in 2 or 3 dimensions: SortedWorld<SimplexView3>,
 // SortedWorld<AabbView3>, SortedWorld<AaboView3> and the same with 2. Queries
 // are of the view's Query type. NaN, empty, inverted and infinite bounds and
@@ -33,8 +38,9 @@
 // is not checked.
 //
 // Floating-point mode: as in reject.h. But calls may raise inexact, overflow
-// and underflow for any values: mask these traps around them. Making a world
-// never traps, and works in the default mode.
+// and underflow for any values: mask these traps around them. Making a world,
+// and Set(), Insert(), Erase() and Refit(), never trap, and work in the default
+// mode.
 //
 // Thread safety: calls on the same world may run at the same time. They use up
 // to 32 KiB of stack, allocate nothing, lock nothing and have no state.

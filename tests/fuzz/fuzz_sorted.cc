@@ -50,7 +50,7 @@ class SortedHistory {
       if (bytes.Below(4) == 0) world.RebuildWorst(bytes.Below(700));
       if (bytes.Below(8) == 0) world.Rebuild(Order::kFast);
       const auto result = CheckAnswers(world, model);
-      if (!result) return result << " after step " << step;
+      if (!result) return result;
     }
     return ::testing::AssertionSuccess();
   }

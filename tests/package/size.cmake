@@ -15,7 +15,7 @@ function(add_size_test name target most)
   set_tests_properties(package.size.${name} PROPERTIES LABELS package)
 endfunction()
 
-add_size_test(archive halfspace 2500000)
+add_size_test(archive halfspace 3000000)
 if(TARGET example_quick_start)
   add_size_test(quick_start example_quick_start 500000)
 endif()
