@@ -26,20 +26,16 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Writes pairs of the lanes of two vectors.
-template <class D>
-HWY_INLINE void StorePairs(D d, hn::Vec<D> a, hn::Vec<D> b, uint32_t* to) {
 #if HALFSPACE_MASKED_COMPARES
-  // Highway's takes six shuffles.
+// Writes the pairs of the lanes of two vectors. Highway's takes six shuffles.
+HWY_INLINE void StorePairs(__m512i a, __m512i b, uint32_t* to) {
   const __m512i low =
       _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
   const __m512i high = _mm512_add_epi32(low, _mm512_set1_epi32(8));
-  _mm512_storeu_si512(to, _mm512_permutex2var_epi32(a.raw, low, b.raw));
-  _mm512_storeu_si512(to + 16, _mm512_permutex2var_epi32(a.raw, high, b.raw));
-#else
-  hn::StoreInterleaved2(a, b, d, to);
-#endif
+  _mm512_storeu_si512(to, _mm512_permutex2var_epi32(a, low, b));
+  _mm512_storeu_si512(to + 16, _mm512_permutex2var_epi32(a, high, b));
 }
+#endif
 
 template <size_t kAxes>
 class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
@@ -181,22 +177,12 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
   // many there are then.
   size_t Gather(const detail::SortedLevels& levels, size_t block,
                 uint64_t objects, size_t count) {
-    const Tag d;
-    const IdTag du;
-    const size_t lanes = hn::Lanes(d);
     const size_t first = block * detail::kBlockObjects;
     const auto& planes = levels.level[0].planes;
-    for (size_t i = 0; i < detail::kBlockObjects; i += lanes) {
-      const uint64_t some = objects >> i & LowBits(lanes);
-      uint8_t bits[8];
-      std::memcpy(bits, &some, sizeof(some));
-      for (size_t p = 0; p < kPlanes; ++p) {
-        hn::StoreU(hn::CompressBits(hn::LoadU(d, planes[p] + first + i), bits),
-                   d, values_[p] + count);
-      }
-      hn::StoreU(hn::CompressBits(hn::LoadU(du, levels.ids + first + i), bits),
-                 du, ids_ + count);
-      count += hwy::PopCount(some);
+    for (; objects != 0; objects &= objects - 1, ++count) {
+      const size_t i = first + hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);
+      for (size_t p = 0; p < kPlanes; ++p) values_[p][count] = planes[p][i];
+      ids_[count] = levels.ids[i];
     }
     return count;
   }
@@ -209,54 +195,74 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
   bool Compare(const detail::SortedLevels& levels, size_t block,
                uint64_t objects, size_t count) {
     const Tag d;
-    const IdTag du;
     const size_t lanes = hn::Lanes(d);
-    const size_t first = block * detail::kBlockObjects;
     detail::PairSink& pairs = *join_.pairs;
-    for (size_t n = 0; objects != 0; objects &= objects - 1, ++n) {
+    uint64_t wanted = LowBits(count);
+    for (; objects != 0; objects &= objects - 1) {
       if (static_cast<size_t>(pairs.end - pairs.next) <
           2 * detail::kBlockObjects) [[unlikely]] {
         if (!pairs.make_room(pairs)) return false;
       }
+      const size_t i = block * detail::kBlockObjects +
+                       hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);
+      const uint32_t id = levels.ids[i];
+      size_t j = 0;
+      if constexpr (kIsOwn) {
+        wanted &= wanted - 1;
+        if (wanted == 0) break;
+        j = hwy::Num0BitsBelowLS1Bit_Nonzero64(wanted) / lanes * lanes;
+      }
       uint32_t* to = pairs.next;
-      const size_t i = first + hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);
-      const auto id = hn::Set(du, levels.ids[i]);
-      for (size_t j = kIsOwn ? n / lanes * lanes : 0; j < count; j += lanes) {
-        auto kept = Kept(kEachPlane, levels.level[0].planes.data(), i, j);
-        if (kIsOwn && j <= n) {
-          kept = hn::AndNot(hn::FirstN(du, n + 1 - j), kept);
-        }
-        const auto others = hn::Compress(hn::LoadU(du, ids_ + j), kept);
-        if constexpr (kIsSecond) {
-          StorePairs(du, others, id, to);
-        } else {
-          StorePairs(du, id, others, to);
-        }
+      uint64_t kept = 0;
+      for (; j < count; j += lanes) {
         const uint64_t bits =
-            LaneBits(du, kept) & LowBits(HWY_MIN(count - j, lanes));
-        to += 2 * hwy::PopCount(bits);
+            Kept(kEachPlane, levels.level[0].planes.data(), i, j) & wanted >> j;
+        if constexpr (HALFSPACE_MASKED_COMPARES != 0) {
+          to = WritePairs<kIsSecond>(id, bits, ids_ + j, to);
+        } else {
+          kept |= bits << j;
+        }
+      }
+      if constexpr (HALFSPACE_MASKED_COMPARES == 0) {
+        to = WritePairs<kIsSecond>(id, kept, ids_, to);
       }
       pairs.next = to;
     }
     return true;
   }
 
-  // The gathered objects from j on that overlap object i.
+  // Writes pairs of an id and those of some gathered objects, of a vector where
+  // it has masks.
+  template <bool kIsSecond>
+  static HWY_INLINE uint32_t* WritePairs(uint32_t id, uint64_t objects,
+                                         const uint32_t* ids, uint32_t* to) {
+#if HALFSPACE_MASKED_COMPARES
+    // Also of few: a branch would not be predicted.
+    const __m512i one = _mm512_set1_epi32(static_cast<int32_t>(id));
+    const __m512i others = _mm512_maskz_compress_epi32(
+        static_cast<__mmask16>(objects), _mm512_loadu_si512(ids));
+    StorePairs(kIsSecond ? others : one, kIsSecond ? one : others, to);
+#else
+    ForFewBits(objects, [&](size_t n, size_t bit) HWY_ATTR {
+      to[2 * n] = kIsSecond ? ids[bit] : id;
+      to[2 * n + 1] = kIsSecond ? id : ids[bit];
+    });
+#endif
+    return to + 2 * hwy::PopCount(objects);
+  }
+
+  // The bits of the gathered objects from j on that overlap object i: of a
+  // vector.
   template <size_t... kPlane>
-  HWY_INLINE hn::Mask<IdTag> Kept(std::index_sequence<kPlane...>,
-                                  float* const* planes, size_t i,
-                                  size_t j) const {
+  HWY_INLINE uint64_t Kept(std::index_sequence<kPlane...>, float* const* planes,
+                           size_t i, size_t j) const {
     const Tag d;
     const float* values[] = {values_[kPlane]...};
-    const auto verdict =
+    const uint64_t bits = VerdictBits(
+        d,
         Verdict<kAxes>(d, LoadAll(), values, j,
-                       hn::Set(d, planes[(kPlane + kAxes) % kPlanes][i])...);
-    const auto mask = hn::RebindMask(IdTag(), verdict);
-    if constexpr (kVerdictIsKept<Tag>) {
-      return mask;
-    } else {
-      return hn::Not(mask);
-    }
+                       hn::Set(d, planes[(kPlane + kAxes) % kPlanes][i])...));
+    return kVerdictIsKept<Tag> ? bits : bits ^ LowBits(hn::Lanes(d));
   }
 
   // A vector of the gathered ones may end beyond the last.
