@@ -58,7 +58,7 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
         uint64_t members = Objects(*join_.queries, block);
         if (join_.set != nullptr) members &= join_.set[block];
         if (members == 0) continue;
-        block_[count] = block;
+        block_[count] = static_cast<uint32_t>(block);
         members_[count] = members;
         BoundMembers(block, members, this->queries_[count]);
         roots[count] = static_cast<uint32_t>(count << detail::kQueryShift);
@@ -194,41 +194,65 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
   template <bool kIsOwn, bool kIsSecond>
   bool Compare(const detail::SortedLevels& levels, size_t block,
                uint64_t objects, size_t count) {
-    const Tag d;
-    const size_t lanes = hn::Lanes(d);
+    const size_t lanes = hn::Lanes(Tag());
     detail::PairSink& pairs = *join_.pairs;
     uint64_t wanted = LowBits(count);
+    size_t begin = 0;
     for (; objects != 0; objects &= objects - 1) {
       if (static_cast<size_t>(pairs.end - pairs.next) <
           2 * detail::kBlockObjects) [[unlikely]] {
         if (!pairs.make_room(pairs)) return false;
       }
-      const size_t i = block * detail::kBlockObjects +
-                       hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);
-      const uint32_t id = levels.ids[i];
-      size_t j = 0;
       if constexpr (kIsOwn) {
         wanted &= wanted - 1;
         if (wanted == 0) break;
-        j = hwy::Num0BitsBelowLS1Bit_Nonzero64(wanted) / lanes * lanes;
+        begin = hwy::Num0BitsBelowLS1Bit_Nonzero64(wanted) / lanes * lanes;
       }
-      uint32_t* to = pairs.next;
-      uint64_t kept = 0;
-      for (; j < count; j += lanes) {
-        const uint64_t bits =
-            Kept(kEachPlane, levels.level[0].planes.data(), i, j) & wanted >> j;
-        if constexpr (HALFSPACE_MASKED_COMPARES != 0) {
-          to = WritePairs<kIsSecond>(id, bits, ids_ + j, to);
-        } else {
-          kept |= bits << j;
-        }
-      }
-      if constexpr (HALFSPACE_MASKED_COMPARES == 0) {
-        to = WritePairs<kIsSecond>(id, kept, ids_, to);
-      }
-      pairs.next = to;
+      const size_t i = block * detail::kBlockObjects +
+                       hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);
+      pairs.next = CompareOne<kIsSecond>(kEachPlane, levels, i, begin, count,
+                                         wanted, pairs.next);
     }
     return true;
+  }
+
+  // Object i with those of the gathered ones from `begin` on that are wanted.
+  template <bool kIsSecond, size_t... kPlane>
+  HWY_INLINE uint32_t* CompareOne(std::index_sequence<kPlane...>,
+                                  const detail::SortedLevels& levels, size_t i,
+                                  size_t begin, size_t count, uint64_t wanted,
+                                  uint32_t* to) const {
+    const Tag d;
+    const auto& planes = levels.level[0].planes;
+    return CompareWith<kIsSecond>(
+        kEachPlane, levels.ids[i], begin, count, wanted, to,
+        hn::Set(d, planes[(kPlane + kAxes) % kPlanes][i])...);
+  }
+
+  // The values are arguments, as they would be loaded again after each store.
+  template <bool kIsSecond, size_t... kPlane, class... V>
+  HWY_INLINE uint32_t* CompareWith(std::index_sequence<kPlane...>, uint32_t id,
+                                   size_t begin, size_t count, uint64_t wanted,
+                                   uint32_t* to, V... opposing) const {
+    const Tag d;
+    const size_t lanes = hn::Lanes(d);
+    const float* const values[] = {values_[kPlane]...};
+    uint64_t kept = 0;
+    for (size_t j = begin; j < count; j += lanes) {
+      uint64_t bits =
+          VerdictBits(d, Verdict<kAxes>(d, LoadAll(), values, j, opposing...));
+      if constexpr (!kVerdictIsKept<Tag>) bits ^= LowBits(lanes);
+      bits &= wanted >> j;
+      if constexpr (HALFSPACE_MASKED_COMPARES != 0) {
+        to = WritePairs<kIsSecond>(id, bits, ids_ + j, to);
+      } else {
+        kept |= bits << j;
+      }
+    }
+    if constexpr (HALFSPACE_MASKED_COMPARES == 0) {
+      to = WritePairs<kIsSecond>(id, kept, ids_, to);
+    }
+    return to;
   }
 
   // Writes pairs of an id and those of some gathered objects, of a vector where
@@ -251,25 +275,11 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
     return to + 2 * hwy::PopCount(objects);
   }
 
-  // The bits of the gathered objects from j on that overlap object i: of a
-  // vector.
-  template <size_t... kPlane>
-  HWY_INLINE uint64_t Kept(std::index_sequence<kPlane...>, float* const* planes,
-                           size_t i, size_t j) const {
-    const Tag d;
-    const float* values[] = {values_[kPlane]...};
-    const uint64_t bits = VerdictBits(
-        d,
-        Verdict<kAxes>(d, LoadAll(), values, j,
-                       hn::Set(d, planes[(kPlane + kAxes) % kPlanes][i])...));
-    return kVerdictIsKept<Tag> ? bits : bits ^ LowBits(hn::Lanes(d));
-  }
-
   // A vector of the gathered ones may end beyond the last.
   static constexpr size_t kRoom = detail::kBlockObjects + hn::MaxLanes(Tag());
 
   const detail::PairJoin& join_;
-  size_t block_[detail::kWalkers];
+  uint32_t block_[detail::kWalkers];
   uint64_t members_[detail::kWalkers];
   HWY_ALIGN float values_[kPlanes][kRoom] = {};
   HWY_ALIGN uint32_t ids_[kRoom] = {};
