@@ -146,6 +146,12 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
                        : -bound.lanes[detail::BlockScale::kMaxLane + p - kAxes];
     });
     if (objects == 0) return true;
+    if ((members & (members - 1)) == 0) {
+      // The bound is its own, so these are its pairs.
+      return WriteAll(queries.ids[own * detail::kBlockObjects +
+                                  hwy::Num0BitsBelowLS1Bit_Nonzero64(members)],
+                      objects, levels.ids + block * detail::kBlockObjects);
+    }
     if (levels.count > 1) {
       const auto& planes = levels.level[1].planes;
       members &= Overlapping(kEachPlane, queries, own, [&](size_t p) {
@@ -195,14 +201,10 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
   bool Compare(const detail::SortedLevels& levels, size_t block,
                uint64_t objects, size_t count) {
     const size_t lanes = hn::Lanes(Tag());
-    detail::PairSink& pairs = *join_.pairs;
     uint64_t wanted = LowBits(count);
     size_t begin = 0;
     for (; objects != 0; objects &= objects - 1) {
-      if (static_cast<size_t>(pairs.end - pairs.next) <
-          2 * detail::kBlockObjects) [[unlikely]] {
-        if (!pairs.make_room(pairs)) return false;
-      }
+      if (!HasRoom()) return false;
       if constexpr (kIsOwn) {
         wanted &= wanted - 1;
         if (wanted == 0) break;
@@ -210,10 +212,17 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
       }
       const size_t i = block * detail::kBlockObjects +
                        hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);
-      pairs.next = CompareOne<kIsSecond>(kEachPlane, levels, i, begin, count,
-                                         wanted, pairs.next);
+      join_.pairs->next = CompareOne<kIsSecond>(
+          kEachPlane, levels, i, begin, count, wanted, join_.pairs->next);
     }
     return true;
+  }
+
+  HWY_INLINE bool HasRoom() const {
+    detail::PairSink& pairs = *join_.pairs;
+    return static_cast<size_t>(pairs.end - pairs.next) >=
+               2 * detail::kBlockObjects ||
+           pairs.make_room(pairs);
   }
 
   // Object i with those of the gathered ones from `begin` on that are wanted.
@@ -253,6 +262,20 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
       to = WritePairs<kIsSecond>(id, kept, ids_, to);
     }
     return to;
+  }
+
+  // Writes the pairs of an id and those of some objects of a block.
+  bool WriteAll(uint32_t id, uint64_t objects, const uint32_t* ids) const {
+    if (!HasRoom()) return false;
+    uint32_t*& to = join_.pairs->next;
+    if constexpr (HALFSPACE_MASKED_COMPARES != 0) {
+      for (; objects != 0; objects >>= 16, ids += 16) {
+        to = WritePairs<false>(id, objects & 0xFFFF, ids, to);
+      }
+    } else {
+      to = WritePairs<false>(id, objects, ids, to);
+    }
+    return true;
   }
 
   // Writes pairs of an id and those of some gathered objects, of a vector where
