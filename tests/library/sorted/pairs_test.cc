@@ -330,7 +330,7 @@ TYPED_TEST(SortedPairsTest, AreThoseThatNoPlaneSeparatesInDegenerateWorlds) {
   for (std::size_t w = 0; w < worlds.size(); ++w) {
     World<View> world;
     World<View> other;
-    for (std::size_t i = 0; i < 520; ++i) {
+    for (std::size_t i = 0; i < 330; ++i) {
       (i % 8 == 3 ? other : world).Push(worlds[w](i));
     }
     other.Push(Bound::Everything());
@@ -349,10 +349,10 @@ TYPED_TEST(SortedPairsTest, AreThoseOfTheObjectsThatThereAre) {
   for (std::size_t round = 0; round < std::max<std::size_t>(2, Scaled(4));
        ++round) {
     Spread<View> spread(5.0f, round);
-    const World<View> world = spread.Objects(round == 0 ? 0 : 600);
+    const World<View> world = spread.Objects(round == 0 ? 0 : 300);
     Objects<Bound> objects = ObjectsOf(world);
     SortedWorld<View> sorted(world);
-    for (std::size_t step = 0; step < 12; ++step) {
+    for (std::size_t step = 0; step < 10; ++step) {
       for (std::size_t i = random() % 150; i-- > 0;) {
         const std::size_t what = random() % 8;
         if (what < 3 || objects.empty()) {
