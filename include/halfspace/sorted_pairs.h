@@ -3,44 +3,40 @@
 //   std::vector<halfspace::IdPair> pairs(room);
 //   const std::size_t count = Pairs(sorted, pairs);
 //
-// Bounds a and b overlap unless a plane separates them: unless a.min[k] >
-// b.max[k] or b.min[k] > a.max[k] for an axis k. So bounds that touch overlap,
-// a NaN separates nothing, and Empty() overlaps only Everything() and what has
-// NaNs in its place. Objects of reject.h are rejected by the same rule, with a
-// query for one of the two. Erased objects are in no pair.
+// Bounds a and b overlap unless a plane separates them: a.min[k] > b.max[k] or
+// b.min[k] > a.max[k] for an axis k. That is the rule of reject.h, with an
+// object for the query. So bounds that touch overlap, a NaN separates nothing,
+// and of bounds without NaNs and infinities none overlaps Empty(). Erased
+// objects are in no pair.
 //
 // Worlds are those of sorted.h that have minima and maxima: boxes and
 // octahedra, in 2 or 3 dimensions. No two simplices of a kind have planes that
-// face each other, so nothing could tell them apart.
-//
-// Pairs are in no particular order, but the same in each call on the same
-// target.
+// face each other, so nothing tells them apart.
 //
 // Every call takes
 //   world    a SortedWorld, or two of one type
-//   options  categories, which part, and target; the defaults are right
+//   options  categories, parts, and target; the defaults are right
+// and gives pairs in no particular order
+//   to a span      and returns how many there are. A span that is too short is
+//                  no error: it is filled, and the full count is returned; an
+//                  empty one counts. Elements after the last pair may be
+//                  overwritten.
+//   to a function  of Span<const IdPair>, 1 to 256 at a time. A function that
+//                  returns a bool ends the call by returning false. Exceptions
+//                  of the function pass through.
 //
-// Calls that write into a span return how many pairs there are. A span that is
-// too short is no error: it is filled, and the full count is returned; without
-// room they count. Elements after the last pair may be overwritten.
+// Errors (error.h): no span or list with room is null or misaligned, ids are
+// those of objects in the world, and the target is supported here.
 //
-// Calls with a function call function(Span<const IdPair> pairs) with 1 to 256
-// pairs at a time. A function that returns a bool ends the call by returning
-// false. Exceptions of the function pass through.
+// Floating-point mode: as in sorted.h.
 //
-// Errors (error.h): no output with room is null or misaligned, and the target
-// is supported here.
+// Thread safety: calls on the same worlds may run at the same time, and share
+// one join by parts (PairOptions). They use up to 32 KiB of stack and lock
+// nothing. Only PairsOf() and ForEachPairOf() allocate.
 //
-// Floating-point mode: as in reject.h; answers do not depend on it, unless it
-// flushes subnormals. Calls may raise inexact, overflow and underflow for any
-// values.
-//
-// Thread safety: as in sorted.h, also of the stack; only the calls with a set
-// allocate. Threads share a join by parts: see PairOptions.
-//
-// Cost: that of a query for each 64 objects, and a compare of all that meet the
-// bounds of each other's 64. 100 000 boxes with 266 000 pairs take a few
-// milliseconds (docs/sorted.md).
+// Cost: a query for each 64 objects, and a compare of those that meet the
+// bounds of each other's 64: 12 ns a pair where an object is in 5 pairs, 3 ns
+// where it is in 50.
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (its order as
 // a hierarchy, here met by itself).
@@ -75,8 +71,8 @@ struct PairOptions {
   // SortedOptions.
   std::uint32_t categories = 0xFFFFFFFF;
   // Only parts begin ... end - 1 of PairParts(). Each pair belongs to one part,
-  // so calls on different parts, on any threads, give each pair once. Parts
-  // take unequal times: give each thread several ranges.
+  // so calls on parts that are apart, on any threads, give each pair once.
+  // Parts take unequal times: have more ranges than threads.
   std::size_t begin = 0;
   std::size_t end = static_cast<std::size_t>(-1);
   Target target = {};  // by default, the chosen one (targets.h)
@@ -105,8 +101,7 @@ void CallForPairs(const PairSources& sources, Function& function,
 
 }  // namespace detail
 
-// How many parts a world has as the first or only one of a join: one for each
-// 64 places of its order.
+// How many parts a join has whose first or only world this is.
 template <typename View>
 std::size_t PairParts(const SortedWorld<View>& world) {
   return (world.ids().size() + 63) / 64;
@@ -138,13 +133,14 @@ void ForEachPair(const SortedWorld<View>& a, const SortedWorld<View>& b,
   detail::CallForPairs(detail::PairsIn(a, &b), function, options);
 }
 
-// The pairs of an object of a set, IdPair::a, and any other object: what has to
-// be tested again when those objects moved. A pair of two objects of the set is
-// there once, in either order; an id may be in the list more than once.
+// The pairs of an object of a set, which is IdPair::a, and any other object:
+// what is new when these objects moved. A pair of two objects of the set is
+// there once. An id may be in the list more than once.
 //
-// Needs all ids to be those of objects in the world. Allocates a bit for each
-// object from the world's memory, and two bits in a world that has never
-// changed by id; a failed allocation throws std::bad_alloc.
+// Allocates a bit for each object from the world's memory; a failed allocation
+// throws std::bad_alloc. A world that has never changed by id
+// (SortedWorld::Set) takes two bits, and 0.6 ns an object to find where they
+// are.
 template <typename View>
 [[nodiscard]] std::size_t PairsOf(const SortedWorld<View>& world,
                                   Span<const std::uint32_t> ids,

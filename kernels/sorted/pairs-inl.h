@@ -26,20 +26,16 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Writes pairs of the lanes of two vectors.
-template <class D>
-HWY_INLINE void StorePairs(D d, hn::Vec<D> a, hn::Vec<D> b, uint32_t* to) {
 #if HALFSPACE_MASKED_COMPARES
-  // Highway's takes six shuffles.
+// Writes the pairs of the lanes of two vectors. Highway's takes six shuffles.
+HWY_INLINE void StorePairs(__m512i a, __m512i b, uint32_t* to) {
   const __m512i low =
       _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
   const __m512i high = _mm512_add_epi32(low, _mm512_set1_epi32(8));
-  _mm512_storeu_si512(to, _mm512_permutex2var_epi32(a.raw, low, b.raw));
-  _mm512_storeu_si512(to + 16, _mm512_permutex2var_epi32(a.raw, high, b.raw));
-#else
-  hn::StoreInterleaved2(a, b, d, to);
-#endif
+  _mm512_storeu_si512(to, _mm512_permutex2var_epi32(a, low, b));
+  _mm512_storeu_si512(to + 16, _mm512_permutex2var_epi32(a, high, b));
 }
+#endif
 
 template <size_t kAxes>
 class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
@@ -62,7 +58,7 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
         uint64_t members = Objects(*join_.queries, block);
         if (join_.set != nullptr) members &= join_.set[block];
         if (members == 0) continue;
-        block_[count] = block;
+        block_[count] = static_cast<uint32_t>(block);
         members_[count] = members;
         BoundMembers(block, members, this->queries_[count]);
         roots[count] = static_cast<uint32_t>(count << detail::kQueryShift);
@@ -150,6 +146,12 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
                        : -bound.lanes[detail::BlockScale::kMaxLane + p - kAxes];
     });
     if (objects == 0) return true;
+    if ((members & (members - 1)) == 0) {
+      // The bound is its own, so these are its pairs.
+      return WriteAll(queries.ids[own * detail::kBlockObjects +
+                                  hwy::Num0BitsBelowLS1Bit_Nonzero64(members)],
+                      objects, levels.ids + block * detail::kBlockObjects);
+    }
     if (levels.count > 1) {
       const auto& planes = levels.level[1].planes;
       members &= Overlapping(kEachPlane, queries, own, [&](size_t p) {
@@ -181,22 +183,12 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
   // many there are then.
   size_t Gather(const detail::SortedLevels& levels, size_t block,
                 uint64_t objects, size_t count) {
-    const Tag d;
-    const IdTag du;
-    const size_t lanes = hn::Lanes(d);
     const size_t first = block * detail::kBlockObjects;
     const auto& planes = levels.level[0].planes;
-    for (size_t i = 0; i < detail::kBlockObjects; i += lanes) {
-      const uint64_t some = objects >> i & LowBits(lanes);
-      uint8_t bits[8];
-      std::memcpy(bits, &some, sizeof(some));
-      for (size_t p = 0; p < kPlanes; ++p) {
-        hn::StoreU(hn::CompressBits(hn::LoadU(d, planes[p] + first + i), bits),
-                   d, values_[p] + count);
-      }
-      hn::StoreU(hn::CompressBits(hn::LoadU(du, levels.ids + first + i), bits),
-                 du, ids_ + count);
-      count += hwy::PopCount(some);
+    for (; objects != 0; objects &= objects - 1, ++count) {
+      const size_t i = first + hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);
+      for (size_t p = 0; p < kPlanes; ++p) values_[p][count] = planes[p][i];
+      ids_[count] = levels.ids[i];
     }
     return count;
   }
@@ -208,62 +200,109 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
   template <bool kIsOwn, bool kIsSecond>
   bool Compare(const detail::SortedLevels& levels, size_t block,
                uint64_t objects, size_t count) {
-    const Tag d;
-    const IdTag du;
-    const size_t lanes = hn::Lanes(d);
-    const size_t first = block * detail::kBlockObjects;
-    detail::PairSink& pairs = *join_.pairs;
-    for (size_t n = 0; objects != 0; objects &= objects - 1, ++n) {
-      if (static_cast<size_t>(pairs.end - pairs.next) <
-          2 * detail::kBlockObjects) [[unlikely]] {
-        if (!pairs.make_room(pairs)) return false;
+    const size_t lanes = hn::Lanes(Tag());
+    uint64_t wanted = LowBits(count);
+    size_t begin = 0;
+    for (; objects != 0; objects &= objects - 1) {
+      if (!HasRoom()) return false;
+      if constexpr (kIsOwn) {
+        wanted &= wanted - 1;
+        if (wanted == 0) break;
+        begin = hwy::Num0BitsBelowLS1Bit_Nonzero64(wanted) / lanes * lanes;
       }
-      uint32_t* to = pairs.next;
-      const size_t i = first + hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);
-      const auto id = hn::Set(du, levels.ids[i]);
-      for (size_t j = kIsOwn ? n / lanes * lanes : 0; j < count; j += lanes) {
-        auto kept = Kept(kEachPlane, levels.level[0].planes.data(), i, j);
-        if (kIsOwn && j <= n) {
-          kept = hn::AndNot(hn::FirstN(du, n + 1 - j), kept);
-        }
-        const auto others = hn::Compress(hn::LoadU(du, ids_ + j), kept);
-        if constexpr (kIsSecond) {
-          StorePairs(du, others, id, to);
-        } else {
-          StorePairs(du, id, others, to);
-        }
-        const uint64_t bits =
-            LaneBits(du, kept) & LowBits(HWY_MIN(count - j, lanes));
-        to += 2 * hwy::PopCount(bits);
-      }
-      pairs.next = to;
+      const size_t i = block * detail::kBlockObjects +
+                       hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);
+      join_.pairs->next = CompareOne<kIsSecond>(
+          kEachPlane, levels, i, begin, count, wanted, join_.pairs->next);
     }
     return true;
   }
 
-  // The gathered objects from j on that overlap object i.
-  template <size_t... kPlane>
-  HWY_INLINE hn::Mask<IdTag> Kept(std::index_sequence<kPlane...>,
-                                  float* const* planes, size_t i,
-                                  size_t j) const {
+  HWY_INLINE bool HasRoom() const {
+    detail::PairSink& pairs = *join_.pairs;
+    return static_cast<size_t>(pairs.end - pairs.next) >=
+               2 * detail::kBlockObjects ||
+           pairs.make_room(pairs);
+  }
+
+  // Object i with those of the gathered ones from `begin` on that are wanted.
+  template <bool kIsSecond, size_t... kPlane>
+  HWY_INLINE uint32_t* CompareOne(std::index_sequence<kPlane...>,
+                                  const detail::SortedLevels& levels, size_t i,
+                                  size_t begin, size_t count, uint64_t wanted,
+                                  uint32_t* to) const {
     const Tag d;
-    const float* values[] = {values_[kPlane]...};
-    const auto verdict =
-        Verdict<kAxes>(d, LoadAll(), values, j,
-                       hn::Set(d, planes[(kPlane + kAxes) % kPlanes][i])...);
-    const auto mask = hn::RebindMask(IdTag(), verdict);
-    if constexpr (kVerdictIsKept<Tag>) {
-      return mask;
-    } else {
-      return hn::Not(mask);
+    const auto& planes = levels.level[0].planes;
+    return CompareWith<kIsSecond>(
+        kEachPlane, levels.ids[i], begin, count, wanted, to,
+        hn::Set(d, planes[(kPlane + kAxes) % kPlanes][i])...);
+  }
+
+  // The values are arguments, as they would be loaded again after each store.
+  template <bool kIsSecond, size_t... kPlane, class... V>
+  HWY_INLINE uint32_t* CompareWith(std::index_sequence<kPlane...>, uint32_t id,
+                                   size_t begin, size_t count, uint64_t wanted,
+                                   uint32_t* to, V... opposing) const {
+    const Tag d;
+    const size_t lanes = hn::Lanes(d);
+    const float* const values[] = {values_[kPlane]...};
+    uint64_t kept = 0;
+    for (size_t j = begin; j < count; j += lanes) {
+      uint64_t bits =
+          VerdictBits(d, Verdict<kAxes>(d, LoadAll(), values, j, opposing...));
+      if constexpr (!kVerdictIsKept<Tag>) bits ^= LowBits(lanes);
+      bits &= wanted >> j;
+      if constexpr (HALFSPACE_MASKED_COMPARES != 0) {
+        to = WritePairs<kIsSecond>(id, bits, ids_ + j, to);
+      } else {
+        kept |= bits << j;
+      }
     }
+    if constexpr (HALFSPACE_MASKED_COMPARES == 0) {
+      to = WritePairs<kIsSecond>(id, kept, ids_, to);
+    }
+    return to;
+  }
+
+  // Writes the pairs of an id and those of some objects of a block.
+  bool WriteAll(uint32_t id, uint64_t objects, const uint32_t* ids) const {
+    if (!HasRoom()) return false;
+    uint32_t*& to = join_.pairs->next;
+    if constexpr (HALFSPACE_MASKED_COMPARES != 0) {
+      for (; objects != 0; objects >>= 16, ids += 16) {
+        to = WritePairs<false>(id, objects & 0xFFFF, ids, to);
+      }
+    } else {
+      to = WritePairs<false>(id, objects, ids, to);
+    }
+    return true;
+  }
+
+  // Writes pairs of an id and those of some gathered objects, of a vector where
+  // it has masks.
+  template <bool kIsSecond>
+  static HWY_INLINE uint32_t* WritePairs(uint32_t id, uint64_t objects,
+                                         const uint32_t* ids, uint32_t* to) {
+#if HALFSPACE_MASKED_COMPARES
+    // Also of few: a branch would not be predicted.
+    const __m512i one = _mm512_set1_epi32(static_cast<int32_t>(id));
+    const __m512i others = _mm512_maskz_compress_epi32(
+        static_cast<__mmask16>(objects), _mm512_loadu_si512(ids));
+    StorePairs(kIsSecond ? others : one, kIsSecond ? one : others, to);
+#else
+    ForFewBits(objects, [&](size_t n, size_t bit) HWY_ATTR {
+      to[2 * n] = kIsSecond ? ids[bit] : id;
+      to[2 * n + 1] = kIsSecond ? id : ids[bit];
+    });
+#endif
+    return to + 2 * hwy::PopCount(objects);
   }
 
   // A vector of the gathered ones may end beyond the last.
   static constexpr size_t kRoom = detail::kBlockObjects + hn::MaxLanes(Tag());
 
   const detail::PairJoin& join_;
-  size_t block_[detail::kWalkers];
+  uint32_t block_[detail::kWalkers];
   uint64_t members_[detail::kWalkers];
   HWY_ALIGN float values_[kPlanes][kRoom] = {};
   HWY_ALIGN uint32_t ids_[kRoom] = {};

@@ -93,8 +93,8 @@ class Walker {
 
  protected:
   static constexpr bool kHasLeaves = !std::is_void_v<Leaves>;
-  // A chunk of blocks is tested before their survivors are.
-  static constexpr size_t kChunk = 16;
+  // A chunk of blocks is tested before their survivors are. Leaves need stack.
+  static constexpr size_t kChunk = kHasLeaves ? 8 : 16;
   // From so many survivors in a block on, those inside the query are looked
   // for: a query that is not larger than its nodes has none.
   static constexpr size_t kManyKept = 8;

@@ -1,2 +1,423 @@
+// The pairs of sorted worlds are those that no plane separates, compared one by
+// one: of every kind of bounds, order, target and output, after any history.
+
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <new>
+#include <random>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "halfspace/halfspace.h"
+#include "tests/library/sorted/spread.h"
+#include "tests/library/support/cases.h"
+#include "tests/library/support/counting_memory.h"
+#include "tests/library/support/environment.h"
+#include "tests/library/support/expect_invalid.h"
+#include "tests/library/support/inputs.h"
+
+namespace halfspace::testing {
+namespace {
+
+using PairList = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+template <typename Bound>
+bool AreSeparated(const Bound& a, const Bound& b) {
+  for (std::size_t k = 0; k < Bound::kAxes; ++k) {
+    if (a.min[k] > b.max[k] || b.min[k] > a.max[k]) return true;
+  }
+  return false;
+}
+
+// What a world has: the bound and the categories of each id.
+template <typename Bound>
+struct Object {
+  Bound bound;
+  std::uint32_t categories = 0xFFFFFFFF;
+};
+template <typename Bound>
+using Objects = std::map<std::uint32_t, Object<Bound>>;
+
+template <typename View>
+Objects<typename View::Bound> ObjectsOf(const World<View>& world) {
+  Objects<typename View::Bound> objects;
+  for (std::uint32_t i = 0; i < world.size(); ++i) {
+    objects[i] = {world.Get(i)};
+  }
+  return objects;
+}
+
+template <typename Bound>
+bool HavePair(const Object<Bound>& a, const Object<Bound>& b,
+              std::uint32_t categories) {
+  return (~categories == 0 || ((a.categories & categories) != 0 &&
+                               (b.categories & categories) != 0)) &&
+         !AreSeparated(a.bound, b.bound);
+}
+
+// Of one world, the lesser id first.
+template <typename Bound>
+PairList ExpectedPairs(const Objects<Bound>& objects,
+                       std::uint32_t categories = 0xFFFFFFFF) {
+  PairList pairs;
+  for (auto a = objects.begin(); a != objects.end(); ++a) {
+    for (auto b = std::next(a); b != objects.end(); ++b) {
+      if (HavePair(a->second, b->second, categories)) {
+        pairs.emplace_back(a->first, b->first);
+      }
+    }
+  }
+  return pairs;
+}
+
+template <typename Bound>
+PairList ExpectedPairs(const Objects<Bound>& as, const Objects<Bound>& bs,
+                       std::uint32_t categories = 0xFFFFFFFF) {
+  PairList pairs;
+  for (const auto& [i, a] : as) {
+    for (const auto& [j, b] : bs) {
+      if (HavePair(a, b, categories)) pairs.emplace_back(i, j);
+    }
+  }
+  return pairs;
+}
+
+PairList Sorted(std::span<const IdPair> pairs, bool is_one_world) {
+  PairList sorted;
+  for (const IdPair& pair : pairs) {
+    sorted.emplace_back(pair.a, pair.b);
+    if (is_one_world && pair.a > pair.b) {
+      std::swap(sorted.back().first, sorted.back().second);
+    }
+  }
+  std::sort(sorted.begin(), sorted.end());
+  return sorted;
+}
+
+// The pairs of pairs(span, options) in all ways to ask for them: with room,
+// with less, without, some at a time, and in parts.
+template <typename Find, typename ForEach>
+void ExpectPairs(const PairList& expected, bool is_one_world, std::size_t parts,
+                 PairOptions options, const Find& find,
+                 const ForEach& for_each) {
+  constexpr IdPair kCanary{0xABABABAB, 0xCDCDCDCD};
+  for (std::size_t room : {expected.size() + 3, expected.size(),
+                           expected.size() / 2, std::size_t{0}}) {
+    std::vector<IdPair> pairs(room + 2 * 64, kCanary);
+    const auto usable = std::span(pairs).subspan(64, room);
+    ASSERT_EQ(find(usable, options), expected.size());
+    const std::size_t written = std::min(room, expected.size());
+    const PairList got = Sorted(usable.first(written), is_one_world);
+    if (written == expected.size()) {
+      ASSERT_EQ(got, expected);
+    } else {
+      ASSERT_TRUE(std::includes(expected.begin(), expected.end(), got.begin(),
+                                got.end()));
+      ASSERT_EQ(std::adjacent_find(got.begin(), got.end()), got.end());
+    }
+    for (std::size_t i = 0; i < 64; ++i) {
+      ASSERT_EQ(pairs[i], kCanary);
+      ASSERT_EQ(pairs[64 + room + i], kCanary);
+    }
+  }
+  std::vector<IdPair> visited;
+  for (options.begin = 0; options.begin < parts; options.begin = options.end) {
+    options.end = options.begin + 1 + parts / 3;
+    for_each(
+        [&](Span<const IdPair> some) {
+          ASSERT_GT(some.size(), 0u);
+          ASSERT_LE(some.size(), 256u);
+          visited.insert(visited.end(), some.begin(), some.end());
+        },
+        options);
+  }
+  ASSERT_EQ(Sorted(visited, is_one_world), expected);
+  options.begin = 0;
+  options.end = parts;
+  std::size_t calls = 0;
+  for_each([&](Span<const IdPair>) { return ++calls < 2; }, options);
+  ASSERT_EQ(calls == 0, expected.empty());
+  ASSERT_LE(calls, 2u);
+  ASSERT_TRUE(calls == 2 || expected.size() <= 256);
+}
+
+template <typename View>
+void ExpectPairsOf(const SortedWorld<View>& world,
+                   const Objects<typename View::Bound>& objects,
+                   const PairOptions& options) {
+  ASSERT_EQ(world.size(), objects.size());
+  const PairList expected = ExpectedPairs(objects, options.categories);
+  ExpectPairs(
+      expected, true, PairParts(world), options,
+      [&](Span<IdPair> pairs, const PairOptions& asked) {
+        return Pairs(world, pairs, asked);
+      },
+      [&](auto function, const PairOptions& asked) {
+        ForEachPair(world, function, asked);
+      });
+  if (::testing::Test::HasFatalFailure()) return;
+  // Sets of none, one, a few, most and all, each id twice.
+  for (std::uint32_t share : {0u, 1u, 7u, 60u, 64u}) {
+    Ids ids;
+    for (const auto& [id, object] : objects) {
+      if (share == 1 ? ids.empty() : id * 37 % 64 < share) ids.push_back(id);
+    }
+    const auto is_in = [&](std::uint32_t id) {
+      return std::binary_search(ids.begin(), ids.end(), id);
+    };
+    PairList of_set;
+    for (const auto& pair : expected) {
+      if (is_in(pair.first) || is_in(pair.second)) of_set.push_back(pair);
+    }
+    Ids twice(ids.rbegin(), ids.rend());
+    twice.insert(twice.end(), ids.begin(), ids.end());
+    ExpectPairs(
+        of_set, true, PairParts(world), options,
+        [&](Span<IdPair> pairs, const PairOptions& asked) {
+          return PairsOf(world, twice, pairs, asked);
+        },
+        [&](auto function, const PairOptions& asked) {
+          ForEachPairOf(
+              world, twice,
+              [&](Span<const IdPair> some) {
+                for (const IdPair& pair : some) EXPECT_TRUE(is_in(pair.a));
+                return function(some);
+              },
+              asked);
+        });
+    if (::testing::Test::HasFatalFailure()) FAIL() << ids.size() << " ids";
+  }
+}
+
+template <typename View>
+void ExpectPairsOf(const SortedWorld<View>& a,
+                   const Objects<typename View::Bound>& of_a,
+                   const SortedWorld<View>& b,
+                   const Objects<typename View::Bound>& of_b,
+                   const PairOptions& options) {
+  ExpectPairs(
+      ExpectedPairs(of_a, of_b, options.categories), false, PairParts(a),
+      options,
+      [&](Span<IdPair> pairs, const PairOptions& asked) {
+        return Pairs(a, b, pairs, asked);
+      },
+      [&](auto function, const PairOptions& asked) {
+        ForEachPair(a, b, function, asked);
+      });
+}
+
+// The pairs in a world, and of it and another, in all orders, on all targets.
+template <typename View>
+void ExpectPairsEverywhere(const World<View>& world, const World<View>& other) {
+  const auto objects = ObjectsOf(world);
+  const auto others = ObjectsOf(other);
+  for (Order order : {Order::kTight, Order::kFast}) {
+    const SortedWorld<View> a(world, order);
+    const SortedWorld<View> b(other, order);
+    for (Target target : TargetsUnderTest()) {
+      ExpectPairsOf(a, objects, {.target = target});
+      ExpectPairsOf(a, objects, b, others, {.target = target});
+      ExpectPairsOf(b, others, a, objects, {.target = target});
+      if (::testing::Test::HasFatalFailure()) {
+        FAIL() << world.size() << " objects, order " << static_cast<int>(order)
+               << ", " << target.name();
+      }
+    }
+  }
+}
+
+using PairCases = Tested<::testing::Types<Whole<AabbView2>, Whole<AabbView3>,
+                                          Whole<AaboView2>, Whole<AaboView3>>>;
+template <typename Case>
+class SortedPairsTest : public ::testing::Test {};
+TYPED_TEST_SUITE(SortedPairsTest, PairCases, CaseNames);
+
+TYPED_TEST(SortedPairsTest, AreThoseThatNoPlaneSeparates) {
+  using View = typename TypeParam::View;
+  std::vector<std::size_t> sizes = {0, 1, 2, 63, 64, 65, 128, 129, 700};
+  Random random(7);
+  for (std::size_t i = 0; i < Scaled(6); ++i) sizes.push_back(random() % 1500);
+  for (std::size_t size : sizes) {
+    Spread<View> spread(6.0f, size);
+    const World<View> world = spread.Objects(size);
+    ExpectPairsEverywhere(world, spread.Objects(random() % 300));
+    if (this->HasFatalFailure()) return;
+  }
+}
+
+// Two levels above the objects.
+TYPED_TEST(SortedPairsTest, AreThoseThatNoPlaneSeparatesAmongMany) {
+  using View = typename TypeParam::View;
+  Spread<View> spread(1.0f);
+  ExpectPairsEverywhere(spread.Objects(4097), spread.Objects(100));
+}
+
+// Bounds made apart from any geometry: values that touch, one ulp apart,
+// special, inverted.
+TYPED_TEST(SortedPairsTest, AreThoseThatNoPlaneSeparatesAmongSpecialValues) {
+  using View = typename TypeParam::View;
+  Random random(3);
+  for (std::size_t round = 0; round < Scaled(4); ++round) {
+    for (InputKind kind : kInputKinds) {
+      const Input<View> input = MakeInput<View>(kind, 400, random);
+      View view = ViewAt(input, 0, 1 + random() % 390, 8);
+      World<View> world;
+      World<View> other;
+      for (std::size_t i = 0; i < view.size; ++i) {
+        typename View::Bound bound{};
+        for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+          StoredValue<View>(bound, p) = PlaneOf(view, p)[i];
+        }
+        (i % 3 == 0 ? other : world).Push(bound);
+        if (i % 5 == 0) {  // also faces that meet, and inverted bounds
+          for (std::size_t k = 0; k < View::Bound::kAxes; ++k) {
+            std::swap(bound.min[k], bound.max[k]);
+          }
+          world.Push(bound);
+        }
+      }
+      ExpectPairsEverywhere(world, other);
+      if (this->HasFatalFailure()) {
+        FAIL() << NameOf(kind) << ", round " << round;
+      }
+    }
+  }
+}
+
+TYPED_TEST(SortedPairsTest, AreThoseThatNoPlaneSeparatesInDegenerateWorlds) {
+  using View = typename TypeParam::View;
+  using Bound = typename View::Bound;
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  Spread<View> spread(3.0f);
+  const Bound one = spread.NextObject();
+  const std::vector<std::function<Bound(std::size_t)>> worlds = {
+      [&](std::size_t) { return one; },
+      [](std::size_t) { return Bound::Everything(); },
+      [](std::size_t) { return Bound::Empty(); },
+      [&](std::size_t i) { return i % 3 == 0 ? Bound::Empty() : one; },
+      [&](std::size_t i) {
+        return i % 50 == 0   ? Bound::Everything()
+               : i % 50 == 1 ? Bound::Empty()
+                             : spread.NextObject();
+      },
+      [&](std::size_t i) {  // NaN in one plane, or in all
+        Bound bound = spread.NextObject();
+        for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+          if (i % 40 == 7 || i % 90 == p) StoredValue<View>(bound, p) = kNan;
+        }
+        return bound;
+      },
+      [&](std::size_t i) {  // a lattice, where all faces coincide
+        Bound bound = one;
+        for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+          const std::size_t k = p % Bound::kAxes;
+          StoredValue<View>(bound, p) = static_cast<float>((i >> 3 * k) % 8) +
+                                        (IsMinPlane<View>(p) ? 0.0f : 1.0f);
+        }
+        return bound;
+      },
+  };
+  for (std::size_t w = 0; w < worlds.size(); ++w) {
+    World<View> world;
+    World<View> other;
+    for (std::size_t i = 0; i < 330; ++i) {
+      (i % 8 == 3 ? other : world).Push(worlds[w](i));
+    }
+    other.Push(Bound::Everything());
+    other.Push(Bound::Empty());
+    ExpectPairsEverywhere(world, other);
+    if (this->HasFatalFailure()) FAIL() << "world " << w;
+  }
+}
+
+// Erased slots are in no pair, also not with what overlaps everything.
+TYPED_TEST(SortedPairsTest, AreThoseOfTheObjectsThatThereAre) {
+  using View = typename TypeParam::View;
+  using Bound = typename View::Bound;
+  Random random(5);
+  const std::vector<Target> targets = TargetsUnderTest();
+  for (std::size_t round = 0; round < std::max<std::size_t>(2, Scaled(4));
+       ++round) {
+    Spread<View> spread(5.0f, round);
+    const World<View> world = spread.Objects(round == 0 ? 0 : 300);
+    Objects<Bound> objects = ObjectsOf(world);
+    SortedWorld<View> sorted(world);
+    for (std::size_t step = 0; step < 10; ++step) {
+      for (std::size_t i = random() % 150; i-- > 0;) {
+        const std::size_t what = random() % 8;
+        if (what < 3 || objects.empty()) {
+          const Bound bound =
+              what == 0 ? Bound::Everything() : spread.NextObject();
+          objects[sorted.Insert(bound)] = {bound};
+          continue;
+        }
+        auto it = objects.lower_bound(
+            static_cast<std::uint32_t>(random() % objects.size()));
+        if (it == objects.end()) it = objects.begin();
+        if (what < 7) {
+          sorted.Erase(it->first);
+          objects.erase(it);
+        } else if (step > 6) {
+          it->second.categories = 1u << random() % 3;
+          sorted.SetCategories(it->first, it->second.categories);
+        }
+      }
+      if (step == 8) sorted.Rebuild();
+      const Target target = targets[random() % targets.size()];
+      const World<View> other = spread.Objects(80);
+      for (std::uint32_t categories : {0xFFFFFFFFu, 1u, 6u}) {
+        const PairOptions options{.categories = categories, .target = target};
+        ExpectPairsOf(sorted, objects, options);
+        ExpectPairsOf(sorted, objects, SortedWorld<View>(other),
+                      ObjectsOf(other), options);
+        if (this->HasFatalFailure()) {
+          FAIL() << "round " << round << ", step " << step;
+        }
+      }
+    }
+  }
+}
+
+TEST(SortedPairsMemoryTest, OnlyASetAllocates) {
+  CountingMemory memory;
+  const SortedAabbWorld3 world(Spread<AabbView3>(4.0f).Objects(1000).view(),
+                               Order::kTight, memory.resource());
+  memory.left = 0;
+  EXPECT_GT(Pairs(world, Span<IdPair>()), 0u);
+  EXPECT_THROW((void)PairsOf(world, Ids{1, 2, 3}, Span<IdPair>()),
+               std::bad_alloc);
+  memory.left = 1;
+  EXPECT_GT(PairsOf(world, Ids{1, 2, 3}, Span<IdPair>()), 0u);
+  EXPECT_EQ(memory.blocks, 1u);
+}
+
+TEST(SortedPairsErrorsTest, RefusesWhatItCannotRead) {
+  SortedAabbWorld3 world(Spread<AabbView3>(4.0f).Objects(100));
+  std::vector<IdPair> pairs(10);
+  const auto refuses = [&](std::uint32_t id) {
+    return Refuses(
+        [&] {
+          (void)PairsOf(world, Ids{1, id}, pairs);
+        },
+        {"PairsOf", "ids", "in the world", std::to_string(id)});
+  };
+  EXPECT_TRUE(refuses(100));
+  EXPECT_TRUE(refuses(0xFFFFFFFF));
+  world.Erase(7);
+  EXPECT_TRUE(refuses(7));
+  EXPECT_TRUE(Refuses([&] { (void)Pairs(world, Span<IdPair>(nullptr, 10)); },
+                      {"Pairs", "pairs", "10 pairs", "null"}));
+}
+
+}  // namespace
+}  // namespace halfspace::testing
