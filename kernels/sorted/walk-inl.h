@@ -152,15 +152,16 @@ class Walker {
 
   // By the codes.
   HWY_INLINE BlockBits Test(size_t level, uint32_t place) const {
-    const Block& block = BlockOf(levels_.level[level], place);
+    const detail::SortedLevel& blocks = levels_.level[level];
     const detail::WalkShape* const shape = walk_.shape;
-    if (shape != nullptr && shape->by_codes != nullptr) {
-      return {shape->by_codes(
-                  *shape, reinterpret_cast<const std::byte*>(&block),
-                  levels_.level[level].present[place & detail::kBlockMask]),
-              0};
+    if (shape != nullptr && shape->instead != nullptr) {
+      const uint64_t kept =
+          shape->instead(*shape, blocks, FirstOf(place),
+                         blocks.present[place & detail::kBlockMask]);
+      return {kept, shape->touching == nullptr ? 0 : kept};
     }
-    return TestBlock<kAxes, kHasMax>(block, queries_[QueryOf(place)]);
+    return TestBlock<kAxes, kHasMax>(BlockOf(blocks, place),
+                                     queries_[QueryOf(place)]);
   }
 
   // Those of `kept` that have what a query asks for beside its planes.
@@ -171,7 +172,7 @@ class Walker {
                                detail::kBlockObjects);
     }
     if (kept != 0 && walk_.shape != nullptr &&
-        (level == 0 || !walk_.shape->codes_suffice)) {
+        walk_.shape->instead == nullptr) {
       kept = walk_.shape->touching(*walk_.shape, levels_.level[level],
                                    FirstOf(place), kept);
     }
@@ -274,11 +275,23 @@ class Walker {
         bits.unsure &= bits.kept;
         unsure[unsure_count] = {place, bits.unsure};
         unsure_count += bits.unsure != 0;
+        if (walk_.shape != nullptr) PrefetchFloats(place, bits.unsure);
         if (!Take(place, bits.kept & ~bits.unsure)) return false;
       }
       if (unsure_count != 0 && !Resolve(unsure, unsure_count)) return false;
     }
     return true;
+  }
+
+  // Shapes have many unsure objects, one of which would wait for the other.
+  void PrefetchFloats(uint32_t place, uint64_t bits) const {
+    constexpr size_t kLine = 64 / sizeof(float);
+    for (size_t i = 0; i < detail::kBlockObjects; i += kLine) {
+      if ((bits >> i & 0xFFFF) == 0) continue;
+      for (size_t p = 0; p < kPlanes; ++p) {
+        kernels::Prefetch(levels_.level[0].planes[p] + FirstOf(place) + i);
+      }
+    }
   }
 
   bool EndQueries(size_t end) {
@@ -328,8 +341,10 @@ class Walker {
   uint64_t FloatBits(uint32_t place, uint64_t bits) const {
     constexpr size_t kFew = 6;
     const WalkQuery& query = queries_[QueryOf(place)];
-    const size_t first =
-        size_t{place & detail::kBlockMask} * detail::kBlockObjects;
+    const size_t first = FirstOf(place);
+    if (walk_.shape != nullptr && walk_.shape->instead != nullptr) {
+      return walk_.shape->touching(*walk_.shape, levels_.level[0], first, bits);
+    }
     if (hwy::PopCount(bits) > kFew) {
       return BlockFloatBits(std::make_index_sequence<kPlanes>(), first, query);
     }
