@@ -115,8 +115,8 @@ class Prepared {
         shape_.touching = kernels.line;
         shape_.instead = kernels.line_codes;
         shape_.inside = nullptr;
-        shape_.line = MakeLine(planes, origin, direction, 1,
-                               is_capsule ? v[2 * dims] : 0);
+        MakeLine(planes, origin, direction, 1, is_capsule ? v[2 * dims] : 0,
+                 shape_.line);
         return;
       }
       case SortedShapeQuery::kHalfSpaces:

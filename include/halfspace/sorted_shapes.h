@@ -15,10 +15,11 @@
 //   sphere            the test of BoundSphere(), and the distance of the box of
 //                     the first d axes from the center; simplices have minima
 //                     only, so theirs is that of an octant
-//   segment, capsule  the test of BoundSegment() or BoundCapsule(), and the
-//                     parts of the segment within the radius of each pair of
-//                     planes, which have to overlap; so near an edge what is up
-//                     to sqrt(d) times the radius away may survive
+//   segment, capsule  the parts of the segment within the radius of each pair
+//   of
+//                     planes, D included, which have to overlap; so near an
+//                     edge what is up to sqrt(d) times the radius away may
+//                     survive
 //   half-spaces       the corner of the bound that is foremost along each
 //                     normal; of an octahedron that of its box. So what is
 //                     behind none of the planes, but outside all the same, may

@@ -35,8 +35,8 @@ Ball MakeBall(const ShapePlanes& planes, const float* center, float radius) {
   return ball;
 }
 
-Line MakeLine(const ShapePlanes& planes, const double* origin,
-              const double* direction, float max_t, float radius) {
+void MakeLine(const ShapePlanes& planes, const double* origin,
+              const double* direction, float max_t, float radius, Line& line) {
   double origins[4] = {};
   double directions[4] = {};
   double origin_size = 0;
@@ -49,7 +49,8 @@ Line MakeLine(const ShapePlanes& planes, const double* origin,
     origin_size += std::abs(origin[k]);
     direction_size += std::abs(direction[k]);
   }
-  Line line{};
+  line.codes = {};
+  line.entering = 0;
   line.block_bytes = BlockBytes((planes.has_max ? 2 : 1) * planes.axes);
   line.max_t = max_t;
   LinePlane leaving[4];
@@ -105,7 +106,6 @@ Line MakeLine(const ShapePlanes& planes, const double* origin,
   }
   std::copy_n(leaving, leaving_count, line.plane + line.entering);
   line.planes = line.entering + leaving_count;
-  return line;
 }
 
 Front MakeFront(const ShapePlanes& planes, const float* normal, float offset) {

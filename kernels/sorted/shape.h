@@ -118,8 +118,8 @@ float SquaredLimit(float distance);
 // with the others. A bound is passed if it is within `radius` of the line, on
 // each axis by itself.
 Ball MakeBall(const ShapePlanes& planes, const float* center, float radius);
-Line MakeLine(const ShapePlanes& planes, const double* origin,
-              const double* direction, float max_t, float radius);
+void MakeLine(const ShapePlanes& planes, const double* origin,
+              const double* direction, float max_t, float radius, Line& line);
 Front MakeFront(const ShapePlanes& planes, const float* normal, float offset);
 
 }  // namespace halfspace::detail

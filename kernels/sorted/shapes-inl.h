@@ -180,27 +180,53 @@ inline uint64_t LineCodeBits(const detail::WalkShape& shape,
                                      hn::Set(d8, kInf))),
               d8, t_of_0 + l);
   }
-  const WordTag<float> d;
+  const hn::CappedTag<float, detail::kBlockObjects / 4> d;
   const hn::Rebind<int32_t, decltype(d)> di;
   const hn::Rebind<int8_t, decltype(d)> d_codes;
-  const auto at = [&](size_t p, size_t i) HWY_ATTR {
-    const detail::LinePlane& plane = line.plane[p];
-    const auto code = hn::ConvertTo(
-        d, hn::PromoteTo(
-               di, hn::LoadU(d_codes,
-                             codes + plane.plane * detail::kBlockObjects + i)));
-    return hn::MulAdd(code, hn::Set(d, slopes[plane.lane]),
-                      hn::Set(d, t_of_0[plane.lane]));
-  };
+  // Four vectors at a time, of which a plane's factors are read once.
+  const size_t lanes = hn::Lanes(d);
   uint64_t rejected = 0;
-  for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
-    auto enter = hn::Zero(d);
-    auto exit = hn::Set(d, line.max_t);
-    size_t p = 0;
-    for (; p < line.entering; ++p) enter = GreaterOf(at(p, i), enter);
-    for (; p < line.planes; ++p) exit = LesserOf(at(p, i), exit);
-    exit = hn::Add(exit, hn::Set(d, 2 * detail::kApartOnLine));
-    rejected |= LaneBits(d, hn::Gt(enter, exit)) << i;
+  for (size_t i = 0; i < detail::kBlockObjects; i += 4 * lanes) {
+    auto enter0 = hn::Zero(d);
+    auto enter1 = enter0;
+    auto enter2 = enter0;
+    auto enter3 = enter0;
+    auto exit0 = hn::Set(d, line.max_t);
+    auto exit1 = exit0;
+    auto exit2 = exit0;
+    auto exit3 = exit0;
+    for (size_t p = 0; p < line.planes; ++p) {
+      const detail::LinePlane& plane = line.plane[p];
+      const auto slope = hn::Set(d, slopes[plane.lane]);
+      const auto of_0 = hn::Set(d, t_of_0[plane.lane]);
+      const int8_t* const from =
+          codes + plane.plane * detail::kBlockObjects + i;
+      const auto at = [&](size_t v) HWY_ATTR {
+        const auto code = hn::ConvertTo(
+            d, hn::PromoteTo(di, hn::LoadU(d_codes, from + v * lanes)));
+        return hn::MulAdd(code, slope, of_0);
+      };
+      if (p < line.entering) {
+        enter0 = GreaterOf(at(0), enter0);
+        enter1 = GreaterOf(at(1), enter1);
+        enter2 = GreaterOf(at(2), enter2);
+        enter3 = GreaterOf(at(3), enter3);
+      } else {
+        exit0 = LesserOf(at(0), exit0);
+        exit1 = LesserOf(at(1), exit1);
+        exit2 = LesserOf(at(2), exit2);
+        exit3 = LesserOf(at(3), exit3);
+      }
+    }
+    const auto apart = hn::Set(d, 2 * detail::kApartOnLine);
+    const auto bits = [&](hn::Vec<decltype(d)> enter,
+                          hn::Vec<decltype(d)> exit) HWY_ATTR {
+      return LaneBits(d, hn::Gt(enter, hn::Add(exit, apart)));
+    };
+    rejected |=
+        (bits(enter0, exit0) | bits(enter1, exit1) << lanes |
+         bits(enter2, exit2) << 2 * lanes | bits(enter3, exit3) << 3 * lanes)
+        << i;
   }
   candidates &= ~rejected;
   // Code 0 may stand for anything that is less.
