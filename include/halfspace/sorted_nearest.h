@@ -140,9 +140,7 @@ void ForEachAlongRay(const SortedWorld<View>& world,
       world.tree(), ray.origin.size(), reinterpret_cast<const float*>(&ray),
       radius, &detail::NearCall<Function>::Run, &call, options);
 }
-template <typename View, typename Function,
-          typename = std::enable_if_t<
-              !std::is_arithmetic_v<std::remove_reference_t<Function>>>>
+template <typename View, typename Function>
 void ForEachAlongRay(const SortedWorld<View>& world,
                      const Ray<View::Bound::kDimensions>& ray,
                      Function&& function, const SortedOptions& options = {}) {

@@ -133,7 +133,7 @@ Front MakeFront(const ShapePlanes& planes, const float* normal, float offset) {
   // Finite planes cannot overflow with factors of 1/8 and less.
   const double scale =
       is_finite && largest > 0 ? std::ldexp(1.0, -4 - std::ilogb(largest)) : 1;
-  const double scaled_offset = std::max(offset * scale, -0x1p126);
+  const double scaled_offset = std::clamp(offset * scale, -0x1p126, 0x1p126);
   Front front{};
   front.offset =
       RoundedUp(scaled_offset + std::abs(scaled_offset) * 0x1p-19 + 0x1p-120);

@@ -82,8 +82,8 @@ struct WalkShape {
   // candidates that the shape may touch: tested instead of the query of planes,
   // or null if that is to be tested.
   Bits instead;
-  // The same, of what is kept by the query of planes; or, of objects, by
-  // `instead`, unless it is null.
+  // The same of what is kept so: of objects, and, unless there is `instead`, of
+  // nodes. Null if `instead` tells all.
   Bits touching;
   // Those nodes of the candidates all of whose objects the shape is sure to
   // keep; null if there are none. Their minima are below their maxima.

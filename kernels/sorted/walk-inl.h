@@ -155,10 +155,9 @@ class Walker {
     const detail::SortedLevel& blocks = levels_.level[level];
     const detail::WalkShape* const shape = walk_.shape;
     if (shape != nullptr && shape->instead != nullptr) {
-      const uint64_t kept =
-          shape->instead(*shape, blocks, FirstOf(place),
-                         blocks.present[place & detail::kBlockMask]);
-      return {kept, shape->touching == nullptr ? 0 : kept};
+      return {shape->instead(*shape, blocks, FirstOf(place),
+                             blocks.present[place & detail::kBlockMask]),
+              0};
     }
     return TestBlock<kAxes, kHasMax>(BlockOf(blocks, place),
                                      queries_[QueryOf(place)]);
@@ -171,7 +170,7 @@ class Walker {
                            size_t{place & detail::kBlockMask} *
                                detail::kBlockObjects);
     }
-    if (kept != 0 && walk_.shape != nullptr &&
+    if (kept != 0 && level != 0 && walk_.shape != nullptr &&
         walk_.shape->instead == nullptr) {
       kept = walk_.shape->touching(*walk_.shape, levels_.level[level],
                                    FirstOf(place), kept);
@@ -272,10 +271,13 @@ class Walker {
         }
         BlockBits bits = Test(0, place);
         bits.kept = Filter(0, place, bits.kept);
+        if (walk_.shape != nullptr && walk_.shape->touching != nullptr) {
+          bits.unsure = bits.kept;
+          PrefetchFloats(place, bits.kept);
+        }
         bits.unsure &= bits.kept;
         unsure[unsure_count] = {place, bits.unsure};
         unsure_count += bits.unsure != 0;
-        if (walk_.shape != nullptr) PrefetchFloats(place, bits.unsure);
         if (!Take(place, bits.kept & ~bits.unsure)) return false;
       }
       if (unsure_count != 0 && !Resolve(unsure, unsure_count)) return false;
@@ -328,25 +330,27 @@ class Walker {
   // The floats say which of the unsure survive.
   bool Resolve(const Unsure* unsure, size_t count) {
     for (size_t u = 0; u < count; ++u) {
-      if (!Take(unsure[u].place,
-                unsure[u].bits & FloatBits(unsure[u].place, unsure[u].bits))) {
+      if (!Take(unsure[u].place, FloatBits(unsure[u].place, unsure[u].bits))) {
         return false;
       }
     }
     return true;
   }
 
-  // One object after another, or, from so many on, the block at once: the same
-  // time.
+  // Of `bits`. One object after another, or, from so many on, the block at
+  // once: the same time.
   uint64_t FloatBits(uint32_t place, uint64_t bits) const {
     constexpr size_t kFew = 6;
     const WalkQuery& query = queries_[QueryOf(place)];
     const size_t first = FirstOf(place);
-    if (walk_.shape != nullptr && walk_.shape->instead != nullptr) {
-      return walk_.shape->touching(*walk_.shape, levels_.level[0], first, bits);
+    if (const detail::WalkShape* const shape = walk_.shape;
+        shape != nullptr && shape->touching != nullptr) {
+      bits = shape->touching(*shape, levels_.level[0], first, bits);
+      if (bits == 0 || shape->instead != nullptr) return bits;
     }
     if (hwy::PopCount(bits) > kFew) {
-      return BlockFloatBits(std::make_index_sequence<kPlanes>(), first, query);
+      return bits &
+             BlockFloatBits(std::make_index_sequence<kPlanes>(), first, query);
     }
     uint64_t kept = 0;
     for (; bits != 0; bits &= bits - 1) {
