@@ -15,10 +15,9 @@
 //   sphere            the test of BoundSphere(), and the distance of the box of
 //                     the first d axes from the center; simplices have minima
 //                     only, so theirs is that of an octant
-//   segment, capsule  the parts of the segment within the radius of each pair
-//   of
-//                     planes, D included, which have to overlap; so near an
-//                     edge what is up to sqrt(d) times the radius away may
+//   segment, capsule  the parts of the segment within the radius of the planes
+//                     of each axis, D included, which have to overlap; so near
+//                     an edge what is up to sqrt(d) times the radius away may
 //                     survive
 //   half-spaces       the corner of the bound that is foremost along each
 //                     normal; of an octahedron that of its box. So what is
@@ -55,8 +54,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <type_traits>
+#include <utility>
 
 #include "halfspace/detail/sorted_shapes.h"
 #include "halfspace/shapes.h"
