@@ -154,6 +154,10 @@ class NearestFinder {
     for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
       bits |= LaneBits(d, hn::Eq(hn::Load(d, keys + i), least)) << i;
     }
+    if (bits == 0) {  // as Highway's plain target starts from the largest float
+      key = kInf;
+      return 0;
+    }
     const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
     keys[lane] = kInf;
     return lane;
