@@ -161,8 +161,8 @@ void SortedForEachAlongRay(const SortedTree& tree, std::size_t dims,
       origin[k] = ray[k];
       direction[k] = ray[dims + k];
     }
-    line = MakeLine({dims, tree.shape().axes, tree.shape().has_max}, origin,
-                    direction, ray[2 * dims], radius);
+    MakeLine({dims, tree.shape().axes, tree.shape().has_max}, origin, direction,
+             ray[2 * dims], radius, line);
     search.limit = KeyLimit(true, ray[2 * dims]);
   });
   Call(search, options, kCall, function, context);

@@ -94,8 +94,7 @@ class Prepared {
     switch (query.kind) {
       case SortedShapeQuery::kSphere: {
         shape_.touching = kernels.ball;
-        shape_.by_codes = nullptr;
-        shape_.codes_suffice = false;
+        shape_.instead = nullptr;
         shape_.inside = kernels.in_ball;
         shape_.ball = MakeBall(planes, v, v[dims]);
         // What no bound encloses is nowhere.
@@ -114,17 +113,15 @@ class Prepared {
         }
         const bool is_capsule = query.kind == SortedShapeQuery::kCapsule;
         shape_.touching = kernels.line;
-        shape_.by_codes = kernels.line_codes;
-        shape_.codes_suffice = true;
+        shape_.instead = kernels.line_codes;
         shape_.inside = nullptr;
-        shape_.line = MakeLine(planes, origin, direction, 1,
-                               is_capsule ? v[2 * dims] : 0);
+        MakeLine(planes, origin, direction, 1, is_capsule ? v[2 * dims] : 0,
+                 shape_.line);
         return;
       }
       case SortedShapeQuery::kHalfSpaces:
-        shape_.touching = kernels.fronts;
-        shape_.by_codes = kernels.all_codes;
-        shape_.codes_suffice = false;
+        shape_.instead = kernels.fronts;
+        shape_.touching = nullptr;
         shape_.inside = kernels.in_fronts;
         shape_.front_count = query.count;
         for (std::size_t f = 0; f < query.count; ++f) {

@@ -33,12 +33,12 @@
 // at most the exact one, and within 2^-18 of it or of what the rounding of the
 // origin and the planes makes of it. What touches the limit exactly is found;
 // so may be what is beyond it by 2^-18. Distances below 2^-62 are 0, and what
-// is farther than 2^63 is not found.
+// is farther than about 2^63 is not found.
 //
 // NaN and infinities: a plane with a NaN limits nothing; neither does the axis
 // of a coordinate or a direction that is no number, and no direction beyond
-// 2^120. Of a point with an infinite coordinate nothing is found. Empty()
-// objects are not found.
+// 2^120. What is infinitely far from an infinite coordinate is not found;
+// neither are Empty() objects, but by a ray that no axis limits.
 //
 // Errors (error.h): the target is supported; a limit or radius is negative or
 // NaN; an output with room is null or misaligned; `distances` has another size
@@ -140,9 +140,7 @@ void ForEachAlongRay(const SortedWorld<View>& world,
       world.tree(), ray.origin.size(), reinterpret_cast<const float*>(&ray),
       radius, &detail::NearCall<Function>::Run, &call, options);
 }
-template <typename View, typename Function,
-          typename = std::enable_if_t<
-              !std::is_arithmetic_v<std::remove_reference_t<Function>>>>
+template <typename View, typename Function>
 void ForEachAlongRay(const SortedWorld<View>& world,
                      const Ray<View::Bound::kDimensions>& ray,
                      Function&& function, const SortedOptions& options = {}) {

@@ -54,18 +54,44 @@ class NearestFinder {
   void Visit(size_t level, size_t block) {
     HWY_ALIGN float keys[detail::kBlockObjects];
     if (!ReadKeys(level, block, keys)) return;
+    float key;
+    size_t lane = TakeLeast(keys, key);
     for (;;) {
-      float key;
-      const size_t lane = TakeLeast(keys, key);
       const size_t place = block * detail::kBlockObjects + lane;
       const detail::KeyedSlot keyed = Keyed(key, place << (6 * level));
       // Also where none is left, as no limit is infinite.
       if (keyed > worst_) return;
       if (level == 0) {
         if (keyed >= search_.from) Insert(keyed);
+        lane = TakeLeast(keys, key);
       } else {
+        lane = TakeLeast(keys, key);
+        if (key <= KeyOf(worst_)) {
+          Prefetch(level - 1, block * detail::kBlockObjects + lane);
+        }
         Visit(level - 1, place);
       }
+    }
+  }
+
+  // The floats of a block that is visited after the next.
+  void Prefetch(size_t level, size_t block) const {
+    const auto& planes = search_.levels->level[level].planes;
+    const auto prefetch = [&](size_t p) {
+      constexpr size_t kLine = 64 / sizeof(float);
+      for (size_t i = 0; i < detail::kBlockObjects; i += kLine) {
+        kernels::Prefetch(planes[p] + block * detail::kBlockObjects + i);
+      }
+    };
+    if (search_.line != nullptr) {
+      const detail::Line& line = *search_.line;
+      for (size_t p = 0; p < line.planes; ++p) prefetch(line.plane[p].plane);
+      return;
+    }
+    const detail::Ball& ball = search_.ball;
+    for (size_t k = 0; k < ball.dims; ++k) {
+      prefetch(k);
+      if (ball.max_plane != 0) prefetch(ball.max_plane + k);
     }
   }
 
@@ -127,6 +153,10 @@ class NearestFinder {
     uint64_t bits = 0;
     for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
       bits |= LaneBits(d, hn::Eq(hn::Load(d, keys + i), least)) << i;
+    }
+    if (bits == 0) {  // as Highway's plain target starts from the largest float
+      key = kInf;
+      return 0;
     }
     const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
     keys[lane] = kInf;

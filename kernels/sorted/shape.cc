@@ -6,14 +6,16 @@
 #include <cmath>
 #include <limits>
 
+#include "kernels/sorted/block.h"
+
 namespace halfspace::detail {
 namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
+// By up to two ulps.
 float RoundedUp(double value) {
-  const auto rounded = static_cast<float>(value);
-  return rounded < value ? std::nextafter(rounded, kInf) : rounded;
+  return static_cast<float>(value + std::abs(value) * 0x1p-23 + 0x1p-149);
 }
 
 float RoundedDown(double value) { return -RoundedUp(-value); }
@@ -33,8 +35,8 @@ Ball MakeBall(const ShapePlanes& planes, const float* center, float radius) {
   return ball;
 }
 
-Line MakeLine(const ShapePlanes& planes, const double* origin,
-              const double* direction, float max_t, float radius) {
+void MakeLine(const ShapePlanes& planes, const double* origin,
+              const double* direction, float max_t, float radius, Line& line) {
   double origins[4] = {};
   double directions[4] = {};
   double origin_size = 0;
@@ -47,8 +49,9 @@ Line MakeLine(const ShapePlanes& planes, const double* origin,
     origin_size += std::abs(origin[k]);
     direction_size += std::abs(direction[k]);
   }
-  Line line{};
-  line.axes = planes.axes;
+  line.codes = {};
+  line.entering = 0;
+  line.block_bytes = BlockBytes((planes.has_max ? 2 : 1) * planes.axes);
   line.max_t = max_t;
   LinePlane leaving[4];
   std::size_t leaving_count = 0;
@@ -81,17 +84,28 @@ Line MakeLine(const ShapePlanes& planes, const double* origin,
     const auto min = static_cast<std::uint32_t>(k);
     const auto early = static_cast<float>(inverse * (1 - 0x1p-20));
     const auto late = static_cast<float>(inverse * (1 + 0x1p-20));
-    if (is_up || planes.has_max) {
-      line.plane[line.entering++] = {is_up ? min : max, is_up ? high : low,
-                                     early};
-    }
-    if (!is_up || planes.has_max) {
-      leaving[leaving_count++] = {is_up ? max : min, is_up ? low : high, late};
-    }
+    const auto add = [&](bool is_max, bool enters) {
+      const LinePlane plane = {
+          is_max ? max : min,
+          static_cast<std::uint32_t>(is_max ? BlockScale::kMaxLane + k : k),
+          is_max ? low : high, enters ? early : late};
+      // What is infinite would be no number where a product with 0 is.
+      const float factor = rise == 0 ? 0x1p60f : plane.inverse;
+      line.codes.factor[plane.lane] = is_max ? -factor : factor;
+      line.codes.offset[plane.lane] = is_max ? -plane.offset : plane.offset;
+      line.codes.outward[plane.lane] = enters ? -0x1p-16f : 0x1p-16f;
+      line.codes.more[plane.lane] = rise == 0 && !enters ? max_t : 0;
+      if (enters) {
+        line.plane[line.entering++] = plane;
+      } else {
+        leaving[leaving_count++] = plane;
+      }
+    };
+    add(false, is_up);
+    if (planes.has_max) add(true, !is_up);
   }
   std::copy_n(leaving, leaving_count, line.plane + line.entering);
   line.planes = line.entering + leaving_count;
-  return line;
 }
 
 Front MakeFront(const ShapePlanes& planes, const float* normal, float offset) {
@@ -119,7 +133,7 @@ Front MakeFront(const ShapePlanes& planes, const float* normal, float offset) {
   // Finite planes cannot overflow with factors of 1/8 and less.
   const double scale =
       is_finite && largest > 0 ? std::ldexp(1.0, -4 - std::ilogb(largest)) : 1;
-  const double scaled_offset = std::max(offset * scale, -0x1p126);
+  const double scaled_offset = std::clamp(offset * scale, -0x1p126, 0x1p126);
   Front front{};
   front.offset =
       RoundedUp(scaled_offset + std::abs(scaled_offset) * 0x1p-19 + 0x1p-120);

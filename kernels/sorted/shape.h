@@ -33,6 +33,7 @@ struct Ball {
 // Where a line passes a plane: at t = (value - offset) * inverse.
 struct LinePlane {
   std::uint32_t plane;
+  std::uint32_t lane;  // of BlockScale
   float offset;
   float inverse;
 };
@@ -40,11 +41,18 @@ struct LinePlane {
 // The slabs of a bound on a line from t = 0 on: first the planes by which the
 // line enters them, then those by which it leaves.
 struct Line {
-  std::size_t axes;
+  std::size_t block_bytes;
   std::size_t entering;
   std::size_t planes;
   LinePlane plane[8];
   float max_t;
+  // The same on the scales of a block, in its lanes.
+  struct Codes {
+    alignas(32) float factor[8];
+    alignas(32) float offset[8];
+    alignas(32) float outward[8];  // a small part: negative where it enters
+    alignas(32) float more[8];     // of an axis on which it does not move
+  } codes;
 };
 
 // By how much t must be apart on two planes to count as apart: far above what
@@ -70,14 +78,12 @@ struct WalkShape {
   using Bits = std::uint64_t (*)(const WalkShape& shape,
                                  const SortedLevel& level, std::size_t first,
                                  std::uint64_t candidates);
-  // Instead of the query of planes, those of a block that no code rejects,
-  // which are all that `touching` keeps, and others. Null if the query of
-  // planes is to be tested.
-  std::uint64_t (*by_codes)(const WalkShape& shape, const std::byte* block,
-                            std::uint64_t present);
-  bool codes_suffice;  // of nodes
   // Of the 64 objects or nodes of a level from `first` on, those of the
-  // candidates that the shape may touch.
+  // candidates that the shape may touch: tested instead of the query of planes,
+  // or null if that is to be tested.
+  Bits instead;
+  // The same of what is kept so: of objects, and, unless there is `instead`, of
+  // nodes. Null if `instead` tells all.
   Bits touching;
   // Those nodes of the candidates all of whose objects the shape is sure to
   // keep; null if there are none. Their minima are below their maxima.
@@ -89,8 +95,7 @@ struct WalkShape {
 };
 
 struct SortedShapeKernels {
-  decltype(WalkShape::by_codes) line_codes;
-  decltype(WalkShape::by_codes) all_codes;  // no code rejects
+  WalkShape::Bits line_codes;  // keeps all that `line` keeps
   WalkShape::Bits ball;
   WalkShape::Bits in_ball;
   WalkShape::Bits line;
@@ -113,8 +118,8 @@ float SquaredLimit(float distance);
 // with the others. A bound is passed if it is within `radius` of the line, on
 // each axis by itself.
 Ball MakeBall(const ShapePlanes& planes, const float* center, float radius);
-Line MakeLine(const ShapePlanes& planes, const double* origin,
-              const double* direction, float max_t, float radius);
+void MakeLine(const ShapePlanes& planes, const double* origin,
+              const double* direction, float max_t, float radius, Line& line);
 Front MakeFront(const ShapePlanes& planes, const float* normal, float offset);
 
 }  // namespace halfspace::detail

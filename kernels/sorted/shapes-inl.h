@@ -12,7 +12,6 @@
 #define HALFSPACE_KERNELS_SORTED_SHAPES_INL_H_
 #endif
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -27,6 +26,11 @@ namespace halfspace {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
+
+// What a stored code of 0 is more than the first code of a value, less the
+// margin.
+inline constexpr float kFirstCode =
+    detail::kCodeBias - 1 - 2 * detail::kCodeMargin;
 
 // a > b ? a : b, and a < b ? a : b: b if one is no number.
 template <class V>
@@ -136,94 +140,109 @@ inline uint64_t LineBits(const detail::WalkShape& shape,
   });
 }
 
-// A plane of a block on a line, as a function of its stored codes: t is at
-// least slope * code + t_of_0 if the line enters by it, and at most that if it
-// leaves.
-struct CodesOnLine {
-  const int8_t* codes;
-  float slope;
-  float t_of_0;
-};
-
-// A code c says that the stored value, which is that of a minimum or the
-// negated one of a maximum, is at least base + (c - 1 - margin) / scale. What
-// is added is more than all rounding here and in EntryOf.
-HWY_INLINE CodesOnLine CodesOnLineOf(const detail::Line& line, size_t p,
-                                     const std::byte* block) {
-  const detail::LinePlane& plane = line.plane[p];
-  const auto& scale = *reinterpret_cast<const detail::BlockScale*>(block);
-  const bool is_max = plane.plane >= line.axes;
-  const size_t lane =
-      is_max ? detail::BlockScale::kMaxLane + plane.plane - line.axes
-             : plane.plane;
-  const bool enters = p < line.entering;
-  // On an axis on which the line does not move; up to max_t when it touches.
-  const bool is_still = plane.inverse > std::numeric_limits<float>::max();
-  const float inverse = is_still ? 0x1p60f : plane.inverse;
-  const float factor = is_max ? -inverse : inverse;
-  const float offset = is_max ? -plane.offset : plane.offset;
-  const float slope = factor / scale.scale[lane];
-  const float base = (scale.base[lane] - offset) * factor;
-  const float error = 0x1p-16f * (std::abs(base) + 256 * std::abs(slope));
-  const auto* const codes =
-      reinterpret_cast<const int8_t*>(block + sizeof(scale)) +
-      plane.plane * detail::kBlockObjects;
-  // An overflow is no infinity in all modes.
-  if (!(error < 0x1p100f)) {
-    constexpr float kInf = std::numeric_limits<float>::infinity();
-    return {codes, 0, enters ? -kInf : kInf};
-  }
-  float t_of_0 =
-      base + (detail::kCodeBias - 1 - 2 * detail::kCodeMargin) * slope;
-  t_of_0 = enters ? t_of_0 - error : t_of_0 + error;
-  if (is_still && !enters) t_of_0 += line.max_t;
-  return {codes, slope, t_of_0};
-}
-
-// As LineBits, with what codes say of the floats.
+// As LineBits, with what codes say of the floats. A code c says that the stored
+// value, which is that of a minimum or the negated one of a maximum, is at
+// least base + (c - 1 - margin) / scale: so t is at least slope * c + t_of_0 if
+// the line enters by the plane, and at most that if it leaves. What is added to
+// t_of_0 is more than all rounding here and in EntryOf, so that answers are not
+// those of codes.
 inline uint64_t LineCodeBits(const detail::WalkShape& shape,
-                             const std::byte* block, uint64_t present) {
+                             const detail::SortedLevel& level, size_t first,
+                             uint64_t candidates) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
   const detail::Line& line = shape.line;
-  CodesOnLine planes[8];
-  for (size_t p = 0; p < line.planes; ++p)
-    planes[p] = CodesOnLineOf(line, p, block);
-  const WordTag<float> d;
-  const hn::Rebind<int32_t, decltype(d)> di;
-  const hn::Rebind<int8_t, decltype(d)> d8;
-  const WordTag<int8_t> d_bytes;
-  const auto at = [&](size_t p, size_t i) HWY_ATTR {
-    const auto code =
-        hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d8, planes[p].codes + i)));
-    return hn::Add(hn::Mul(code, hn::Set(d, planes[p].slope)),
-                   hn::Set(d, planes[p].t_of_0));
-  };
-  uint64_t rejected = 0;
-  for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
-    auto enter = hn::Zero(d);
-    auto exit = hn::Set(d, line.max_t);
-    size_t p = 0;
-    for (; p < line.entering; ++p) enter = GreaterOf(at(p, i), enter);
-    for (; p < line.planes; ++p) exit = LesserOf(at(p, i), exit);
-    exit = hn::Add(exit, hn::Set(d, 2 * detail::kApartOnLine));
-    rejected |= LaneBits(d, hn::Gt(enter, exit)) << i;
+  const std::byte* const block =
+      level.blocks + first / detail::kBlockObjects * line.block_bytes;
+  const auto& scale = *reinterpret_cast<const detail::BlockScale*>(block);
+  const auto* const codes =
+      reinterpret_cast<const int8_t*>(block + sizeof(scale));
+  // Of all planes at once.
+  HWY_ALIGN float slopes[8];
+  HWY_ALIGN float t_of_0[8];
+  const hn::CappedTag<float, 8> d8;
+  for (size_t l = 0; l < 8; l += hn::Lanes(d8)) {
+    const auto factor = hn::Load(d8, line.codes.factor + l);
+    const auto slope = hn::Div(factor, hn::LoadU(d8, scale.scale + l));
+    const auto base = hn::Mul(hn::Sub(hn::LoadU(d8, scale.base + l),
+                                      hn::Load(d8, line.codes.offset + l)),
+                              factor);
+    const auto size =
+        hn::Add(hn::Abs(base), hn::Mul(hn::Abs(slope), hn::Set(d8, 256.0f)));
+    const auto error = hn::Mul(size, hn::Load(d8, line.codes.outward + l));
+    const auto t = hn::Add(
+        hn::Add(hn::Add(base, hn::Mul(slope, hn::Set(d8, kFirstCode))), error),
+        hn::Load(d8, line.codes.more + l));
+    // An overflow is no infinity in all modes.
+    const auto is_sure = hn::Lt(size, hn::Set(d8, 0x1p100f));
+    hn::Store(hn::IfThenElseZero(is_sure, slope), d8, slopes + l);
+    hn::Store(hn::IfThenElse(is_sure, t,
+                             hn::Mul(hn::Load(d8, line.codes.outward + l),
+                                     hn::Set(d8, kInf))),
+              d8, t_of_0 + l);
   }
+  const hn::CappedTag<float, detail::kBlockObjects / 4> d;
+  const hn::Rebind<int32_t, decltype(d)> di;
+  const hn::Rebind<int8_t, decltype(d)> d_codes;
+  // Four vectors at a time, of which a plane's factors are read once.
+  const size_t lanes = hn::Lanes(d);
+  uint64_t rejected = 0;
+  for (size_t i = 0; i < detail::kBlockObjects; i += 4 * lanes) {
+    auto enter0 = hn::Zero(d);
+    auto enter1 = enter0;
+    auto enter2 = enter0;
+    auto enter3 = enter0;
+    auto exit0 = hn::Set(d, line.max_t);
+    auto exit1 = exit0;
+    auto exit2 = exit0;
+    auto exit3 = exit0;
+    for (size_t p = 0; p < line.planes; ++p) {
+      const detail::LinePlane& plane = line.plane[p];
+      const auto slope = hn::Set(d, slopes[plane.lane]);
+      const auto of_0 = hn::Set(d, t_of_0[plane.lane]);
+      const int8_t* const from =
+          codes + plane.plane * detail::kBlockObjects + i;
+      const auto at = [&](size_t v) HWY_ATTR {
+        const auto code = hn::ConvertTo(
+            d, hn::PromoteTo(di, hn::LoadU(d_codes, from + v * lanes)));
+        return hn::MulAdd(code, slope, of_0);
+      };
+      if (p < line.entering) {
+        enter0 = GreaterOf(at(0), enter0);
+        enter1 = GreaterOf(at(1), enter1);
+        enter2 = GreaterOf(at(2), enter2);
+        enter3 = GreaterOf(at(3), enter3);
+      } else {
+        exit0 = LesserOf(at(0), exit0);
+        exit1 = LesserOf(at(1), exit1);
+        exit2 = LesserOf(at(2), exit2);
+        exit3 = LesserOf(at(3), exit3);
+      }
+    }
+    const auto apart = hn::Set(d, 2 * detail::kApartOnLine);
+    const auto bits = [&](hn::Vec<decltype(d)> enter,
+                          hn::Vec<decltype(d)> exit) HWY_ATTR {
+      return LaneBits(d, hn::Gt(enter, hn::Add(exit, apart)));
+    };
+    rejected |=
+        (bits(enter0, exit0) | bits(enter1, exit1) << lanes |
+         bits(enter2, exit2) << 2 * lanes | bits(enter3, exit3) << 3 * lanes)
+        << i;
+  }
+  candidates &= ~rejected;
   // Code 0 may stand for anything that is less.
+  const WordTag<int8_t> d_bytes;
   const auto zero = hn::Set(d_bytes, static_cast<int8_t>(-detail::kCodeBias));
-  uint64_t unknown = 0;
-  for (size_t i = 0; i < detail::kBlockObjects && rejected != 0;
-       i += hn::Lanes(d_bytes)) {
+  for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d_bytes)) {
     auto least = hn::Set(d_bytes, int8_t{127});
     for (size_t p = 0; p < line.planes; ++p) {
-      least = hn::Min(least, hn::LoadU(d_bytes, planes[p].codes + i));
+      least = hn::Min(
+          least,
+          hn::LoadU(d_bytes,
+                    codes + line.plane[p].plane * detail::kBlockObjects + i));
     }
-    unknown |= LaneBits(d_bytes, hn::Eq(least, zero)) << i;
+    candidates |= LaneBits(d_bytes, hn::Eq(least, zero)) << i;
   }
-  return present & ~(rejected & ~unknown);
-}
-
-inline uint64_t AllCodeBits(const detail::WalkShape& /*shape*/,
-                            const std::byte* /*block*/, uint64_t present) {
-  return present;
+  return candidates;
 }
 
 // Those whose farthest corners, or nearest, are in front of all.

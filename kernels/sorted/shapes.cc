@@ -18,10 +18,9 @@ namespace halfspace::detail {
 
 template <>
 inline constexpr SortedShapeKernels kSortedShapeKernelsFor<HWY_TARGET> = {
-    &HWY_NAMESPACE::LineCodeBits,   &HWY_NAMESPACE::AllCodeBits,
-    &HWY_NAMESPACE::BallBits,       &HWY_NAMESPACE::InBallBits,
-    &HWY_NAMESPACE::LineBits,       &HWY_NAMESPACE::FrontBits<false>,
-    &HWY_NAMESPACE::FrontBits<true>};
+    &HWY_NAMESPACE::LineCodeBits,     &HWY_NAMESPACE::BallBits,
+    &HWY_NAMESPACE::InBallBits,       &HWY_NAMESPACE::LineBits,
+    &HWY_NAMESPACE::FrontBits<false>, &HWY_NAMESPACE::FrontBits<true>};
 
 }  // namespace halfspace::detail
 HWY_AFTER_NAMESPACE();

@@ -163,15 +163,15 @@ class Walker {
 
   // By the codes.
   HWY_INLINE BlockBits Test(size_t level, uint32_t place) const {
-    const Block& block = BlockOf(levels_.level[level], place);
+    const detail::SortedLevel& blocks = levels_.level[level];
     const detail::WalkShape* const shape = walk_.shape;
-    if (shape != nullptr && shape->by_codes != nullptr) {
-      return {shape->by_codes(
-                  *shape, reinterpret_cast<const std::byte*>(&block),
-                  levels_.level[level].present[place & detail::kBlockMask]),
+    if (shape != nullptr && shape->instead != nullptr) {
+      return {shape->instead(*shape, blocks, FirstOf(place),
+                             blocks.present[place & detail::kBlockMask]),
               0};
     }
-    return TestBlock<kAxes, kHasMax>(block, queries_[QueryOf(place)]);
+    return TestBlock<kAxes, kHasMax>(BlockOf(blocks, place),
+                                     queries_[QueryOf(place)]);
   }
 
   // Those of `kept` that have what a query asks for beside its planes.
@@ -184,8 +184,8 @@ class Walker {
                            size_t{place & detail::kBlockMask} *
                                detail::kBlockObjects);
     }
-    if (kept != 0 && walk_.shape != nullptr &&
-        (level == 0 || !walk_.shape->codes_suffice)) {
+    if (kept != 0 && level != 0 && walk_.shape != nullptr &&
+        walk_.shape->instead == nullptr) {
       kept = walk_.shape->touching(*walk_.shape, levels_.level[level],
                                    FirstOf(place), kept);
     }
@@ -286,6 +286,10 @@ class Walker {
         }
         BlockBits bits = Test(0, place);
         bits.kept = Filter(0, place, bits.kept);
+        if (walk_.shape != nullptr && walk_.shape->touching != nullptr) {
+          bits.unsure = bits.kept;
+          PrefetchFloats(place, bits.kept);
+        }
         bits.unsure &= bits.kept;
         unsure[unsure_count] = {place, bits.unsure};
         unsure_count += bits.unsure != 0;
@@ -294,6 +298,17 @@ class Walker {
       if (unsure_count != 0 && !Resolve(unsure, unsure_count)) return false;
     }
     return true;
+  }
+
+  // Shapes have many unsure objects, one of which would wait for the other.
+  void PrefetchFloats(uint32_t place, uint64_t bits) const {
+    constexpr size_t kLine = 64 / sizeof(float);
+    for (size_t i = 0; i < detail::kBlockObjects; i += kLine) {
+      if ((bits >> i & 0xFFFF) == 0) continue;
+      for (size_t p = 0; p < kPlanes; ++p) {
+        kernels::Prefetch(levels_.level[0].planes[p] + FirstOf(place) + i);
+      }
+    }
   }
 
   bool EndQueries(size_t end) {
@@ -330,23 +345,27 @@ class Walker {
   // The floats say which of the unsure survive.
   bool Resolve(const Unsure* unsure, size_t count) {
     for (size_t u = 0; u < count; ++u) {
-      if (!Take(unsure[u].place,
-                unsure[u].bits & FloatBits(unsure[u].place, unsure[u].bits))) {
+      if (!Take(unsure[u].place, FloatBits(unsure[u].place, unsure[u].bits))) {
         return false;
       }
     }
     return true;
   }
 
-  // One object after another, or, from so many on, the block at once: the same
-  // time.
+  // Of `bits`. One object after another, or, from so many on, the block at
+  // once: the same time.
   uint64_t FloatBits(uint32_t place, uint64_t bits) const {
     constexpr size_t kFew = 6;
     const WalkQuery& query = queries_[QueryOf(place)];
-    const size_t first =
-        size_t{place & detail::kBlockMask} * detail::kBlockObjects;
+    const size_t first = FirstOf(place);
+    if (const detail::WalkShape* const shape = walk_.shape;
+        shape != nullptr && shape->touching != nullptr) {
+      bits = shape->touching(*shape, levels_.level[0], first, bits);
+      if (bits == 0 || shape->instead != nullptr) return bits;
+    }
     if (hwy::PopCount(bits) > kFew) {
-      return BlockFloatBits(std::make_index_sequence<kPlanes>(), first, query);
+      return bits &
+             BlockFloatBits(std::make_index_sequence<kPlanes>(), first, query);
     }
     uint64_t kept = 0;
     for (; bits != 0; bits &= bits - 1) {

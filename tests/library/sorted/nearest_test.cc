@@ -78,8 +78,9 @@ std::vector<Found> ExpectedAlong(const SortedWorld<View>& sorted,
     origin[k] = ray.origin[k];
     direction[k] = ray.direction[k];
   }
-  const detail::Line line = detail::MakeLine(kShapePlanes<View>, origin,
-                                             direction, ray.max_t, radius);
+  detail::Line line;
+  detail::MakeLine(kShapePlanes<View>, origin, direction, ray.max_t, radius,
+                   line);
   return Expected(sorted, bounds, ray.max_t + detail::kApartOnLine,
                   [&](const auto& planes) { return EntryOf(planes, line); });
 }

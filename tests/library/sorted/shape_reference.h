@@ -87,7 +87,9 @@ detail::Line LineOf(const detail::ShapePlanes& planes,
     origin[k] = capsule.a[k];
     direction[k] = double{capsule.b[k]} - capsule.a[k];
   }
-  return detail::MakeLine(planes, origin, direction, 1, capsule.radius);
+  detail::Line line;
+  detail::MakeLine(planes, origin, direction, 1, capsule.radius, line);
+  return line;
 }
 
 // Whether the test beside that of the planes keeps a bound.
