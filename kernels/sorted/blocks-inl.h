@@ -275,6 +275,10 @@ HWY_INLINE hn::Vec<D> LeastOf(D d, const float* plane) {
 // Never -0, of which and of 0 targets take one or the other.
 template <class D>
 HWY_INLINE float LeastLane(D d, hn::Vec<D> values) {
+#if HWY_TARGET == HWY_EMU128
+  // Where all lanes are infinite, Highway 1.0.3 has FLT_MAX there.
+  if (hn::AllTrue(d, hn::Eq(values, hn::Inf(d)))) return hn::GetLane(values);
+#endif
   return hn::GetLane(hn::MinOfLanes(d, values)) + 0.0f;
 }
 

@@ -122,7 +122,7 @@ TYPED_TEST(SortedChangesTest, AnyHistoryIsThatOfTheModel) {
           return spread.NextObject();
       }
     };
-    for (std::size_t step = 0; step < 30; ++step) {
+    for (std::size_t step = 0; step < 10 + Scaled(20); ++step) {
       const std::size_t what = random() % 10;
       if (what < 4 || model.objects.empty()) {
         for (std::size_t i = random() % 300; i-- > 0;) {

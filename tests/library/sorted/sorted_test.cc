@@ -301,7 +301,9 @@ TYPED_TEST(SortedTest, CodesDecideOnlyWhatTheyProve) {
 
 TYPED_TEST(SortedTest, IsTheSameWhicheverTargetBuildsIt) {
   using View = typename TypeParam::View;
-  const World<View> world = Spread<View>(3.0f).Objects(5000);
+  World<View> world = Spread<View>(3.0f).Objects(5000);
+  // Blocks without a finite value.
+  for (int i = 0; i < 200; ++i) world.Push(View::Bound::Empty());
   const auto built = [&](Target target) {
     detail::SortedTree tree(detail::SortedShapeOf<View>(), MemoryResource());
     detail::InTurn in_turn;
