@@ -157,12 +157,7 @@ void SortedTree::EncodePath(std::size_t slot) {
       const auto before = node();
       kernels.encode({&levels_.level[l], &above, block, block + 1});
       if (above.categories != nullptr) OrCategories(levels_, l, block);
-      const auto after = node();
-      if (before.second == after.second &&
-          std::memcmp(before.first.data(), after.first.data(),
-                      sizeof(before.first)) == 0) {
-        return;
-      }
+      if (node() == before) return;
     }
   });
 }

@@ -140,15 +140,13 @@ void ClearSlots(const SortedShape& shape, SortedLevels& levels,
   const std::size_t end = BlocksOf(begin + 1) * kBlockObjects;
   const SortedLevel& cleared = levels.level[level];
   for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
-    std::fill(cleared.planes[p] + begin, cleared.planes[p] + end,
-              p < shape.axes ? kInf : -kInf);
+    const float empty = (p < shape.axes ? 1.0f : -1.0f) * kInf;
+    std::fill(cleared.planes[p] + begin, cleared.planes[p] + end, empty);
   }
   const std::uint64_t kept = (std::uint64_t{1} << begin % kBlockObjects) - 1;
   const std::size_t block = begin / kBlockObjects;
-  cleared.present[block] &= begin % kBlockObjects == 0 ? 0 : kept;
-  if (cleared.regular != nullptr) {
-    cleared.regular[block] &= begin % kBlockObjects == 0 ? 0 : kept;
-  }
+  cleared.present[block] &= kept;
+  if (cleared.regular != nullptr) cleared.regular[block] &= kept;
   if (cleared.categories != nullptr) {
     std::fill(cleared.categories + begin, cleared.categories + end, 0);
   }

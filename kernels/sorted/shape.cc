@@ -68,7 +68,7 @@ void MakeLine(const ShapePlanes& planes, const double* origin,
       // As if it did not move at all.
       if (rise != 0) width += std::abs(rise) * double{max_t};
       rise = 0;
-      inverse = kInf;
+      inverse = std::numeric_limits<double>::infinity();
     }
     width += 0x1p-50 * (std::abs(origins[k]) + width) + 0x1p-124;
     const float high = RoundedUp(origins[k] + width);
