@@ -39,6 +39,9 @@ std::uint64_t ExistingLanes(const SortedLevel& level, std::size_t block) {
 void SortedTree::Reallocate(std::size_t capacity, const SortedExtras& extras) {
   SortedTree grown(shape_, memory_);
   grown.Allocate(capacity, extras);
+  // What is not used yet is part of a blob.
+  std::memset(grown.block_ + sizeof(SortedHeader), 0,
+              grown.bytes_ - sizeof(SortedHeader));
   SortedHeader& to = grown.header();
   const std::size_t old_count = block_ == nullptr ? 0 : levels_.count;
   if (block_ != nullptr) {

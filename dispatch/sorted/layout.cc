@@ -18,10 +18,11 @@ constexpr std::size_t kLine = 64;
 constexpr std::size_t kInCacheBytes = std::size_t{1} << 20;
 
 // Hands out parts of a block of memory, of whole cache lines; without memory it
-// measures.
+// measures. What is between parts is cleared in new memory, as it is part of a
+// blob.
 class Parts {
  public:
-  explicit Parts(std::byte* begin) : begin_(begin) {}
+  Parts(std::byte* begin, bool is_new) : begin_(begin), is_new_(is_new) {}
 
   std::size_t bytes() const { return bytes_; }
 
@@ -29,12 +30,19 @@ class Parts {
   T* Take(std::size_t count) {
     auto* part =
         begin_ == nullptr ? nullptr : reinterpret_cast<T*>(begin_ + bytes_);
-    bytes_ += (count * sizeof(T) + kLine - 1) / kLine * kLine;
+    bytes_ += count * sizeof(T);
+    Skip((kLine - bytes_ % kLine) % kLine);
     return part;
+  }
+
+  void Skip(std::size_t bytes) {
+    if (begin_ != nullptr && is_new_) std::memset(begin_ + bytes_, 0, bytes);
+    bytes_ += bytes;
   }
 
  private:
   std::byte* begin_;
+  bool is_new_;
   std::size_t bytes_ = 0;
 };
 
@@ -94,13 +102,13 @@ void FillPart(const SortedLevels& levels, std::size_t planes,
 }  // namespace
 
 std::size_t Place(const SortedShape& shape, std::size_t capacity,
-                  const SortedExtras& extras, std::byte* begin,
+                  const SortedExtras& extras, std::byte* begin, bool is_new,
                   SortedLevels& levels) {
   // So that equal places of all planes are not in one set of a cache.
-  constexpr std::size_t kStagger = 5 * kLine / sizeof(float);
+  constexpr std::size_t kStagger = 5 * kLine;
   levels = {};
   const std::size_t planes = PlanesOf(shape);
-  Parts parts(begin);
+  Parts parts(begin, is_new);
   parts.Take<SortedHeader>(1);
   std::size_t size = capacity;
   do {
@@ -110,7 +118,8 @@ std::size_t Place(const SortedShape& shape, std::size_t capacity,
     level.is_prefetched = bytes > kInCacheBytes;
     level.blocks = parts.Take<std::byte>(bytes);
     for (std::size_t p = 0; p < planes; ++p) {
-      level.planes[p] = parts.Take<float>(blocks * kBlockObjects + kStagger);
+      level.planes[p] = parts.Take<float>(blocks * kBlockObjects);
+      parts.Skip(kStagger);
     }
     level.present = parts.Take<std::uint64_t>(blocks);
     if (shape.has_max && levels.count > 1) {

@@ -65,9 +65,10 @@ inline const SortedKernels::OfPlanes& KernelsOf(const SortedShape& shape,
 }
 
 // Finds where the parts of a tree are in memory from `begin` on, or null to
-// measure; returns its bytes. The levels are empty.
+// measure; returns its bytes. The levels are empty. What is between the parts
+// of new memory becomes 0.
 std::size_t Place(const SortedShape& shape, std::size_t capacity,
-                  const SortedExtras& extras, std::byte* begin,
+                  const SortedExtras& extras, std::byte* begin, bool is_new,
                   SortedLevels& levels);
 
 // Sets the sizes of all levels.

@@ -85,12 +85,13 @@ std::size_t SortedTree::size() const {
 
 void SortedTree::Allocate(std::size_t capacity, const SortedExtras& extras) {
   SortedLevels levels;
-  const std::size_t bytes = Place(shape_, capacity, extras, nullptr, levels);
+  const std::size_t bytes =
+      Place(shape_, capacity, extras, nullptr, false, levels);
   auto* const block = static_cast<std::byte*>(AllocateBlock(memory_, bytes));
   Free();
   block_ = block;
   bytes_ = bytes;
-  Place(shape_, capacity, extras, block_, levels_);
+  Place(shape_, capacity, extras, block_, true, levels_);
   SortedHeader& header = this->header();
   header = {};
   std::copy(std::begin(kSortedMagic), std::end(kSortedMagic), header.magic);
@@ -170,7 +171,8 @@ void SortedTree::Load(Span<const std::byte> blob, bool is_in_place) {
       header.size > header.slots || header.slots == 0 ||
       header.ids > header.capacity ||
       (header.free_id != kNoId && header.free_id >= header.ids) ||
-      Place(shape_, header.capacity, extras, nullptr, levels) != header.bytes ||
+      Place(shape_, header.capacity, extras, nullptr, false, levels) !=
+          header.bytes ||
       header.bytes != blob.size()) {
     ThrowCorrupt("the bytes that its header tells",
                  std::to_string(blob.size()));
@@ -184,7 +186,8 @@ void SortedTree::Load(Span<const std::byte> blob, bool is_in_place) {
     loaded.block_ = const_cast<std::byte*>(blob.data());
     loaded.bytes_ = blob.size();
     loaded.is_owned_ = false;
-    Place(shape_, header.capacity, extras, loaded.block_, loaded.levels_);
+    Place(shape_, header.capacity, extras, loaded.block_, false,
+          loaded.levels_);
   } else {
     loaded.Allocate(header.capacity, extras);
     std::memcpy(loaded.block_, blob.data(), blob.size());

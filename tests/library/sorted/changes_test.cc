@@ -11,6 +11,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <new>
 #include <random>
 #include <span>
 #include <stdexcept>
@@ -283,6 +284,43 @@ TEST(SortedRefitTest, RefusesOtherNumbersOfBounds) {
       Refuses([&] { sorted.Set(100, Aabb3::Empty()); }, {"Set", "id", "100"}));
 }
 
+// Each change, with less memory than it needs.
+TEST(SortedChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
+  using Change = void (*)(SortedAabbWorld3&);
+  constexpr Change kChanges[] = {
+      [](SortedAabbWorld3& world) { world.Set(3, Aabb3::Everything()); },
+      [](SortedAabbWorld3& world) { world.Insert(Aabb3::Everything()); },
+      [](SortedAabbWorld3& world) { world.Erase(3); },
+      [](SortedAabbWorld3& world) { world.SetCategories(3, 1); },
+      [](SortedAabbWorld3& world) { world.Rebuild(); },
+      [](SortedAabbWorld3& world) { world.RebuildWorst(9000); }};
+  CountingMemory memory;
+  Spread<AabbView3> spread(2.0f);
+  const AabbWorld3 objects = spread.Objects(9000);
+  Model<AabbView3> model;
+  SortedAabbWorld3 first(objects, Order::kTight, memory.resource());
+  const AabbWorld3 moved = spread.Objects(9000);
+  first.Refit(moved.view());  // so that there is something to sort
+  for (std::uint32_t i = 0; i < 9000; ++i) model.objects[i] = {moved.Get(i)};
+  const auto queries = SomeQueries<AabbView3>(1);
+  for (Change change : kChanges) {
+    bool is_done = false;
+    for (std::size_t left = 0; !is_done; ++left) {
+      SortedAabbWorld3 world(first, memory.resource());
+      memory.left = left;
+      try {
+        change(world);
+        is_done = true;
+        EXPECT_GT(left, 0u);
+      } catch (const std::bad_alloc&) {
+        memory.left = CountingMemory::kNoLimit;
+        ExpectIsModel<AabbView3>(world, model, queries, ChosenTarget());
+      }
+      memory.left = CountingMemory::kNoLimit;
+    }
+  }
+}
+
 // 64-byte aligned bytes.
 class AlignedCopy {
  public:
@@ -334,6 +372,39 @@ TYPED_TEST(SortedChangesTest, ABlobIsTheWorld) {
                            untouched.bytes().begin()));
     EXPECT_EQ(copy.Insert(bound), id);
     ExpectIsModel<View>(copy, model, queries, ChosenTarget());
+  }
+}
+
+// A blob may leave the process, so nothing of what its memory held before does.
+TYPED_TEST(SortedChangesTest, ABlobHasNothingElseInIt) {
+  using View = typename TypeParam::View;
+  struct Filled {
+    int byte;
+    void* allocate(std::size_t bytes, std::size_t alignment) const {
+      void* block = ::operator new (bytes, std::align_val_t{alignment});
+      std::memset(block, byte, bytes);
+      return block;
+    }
+    void deallocate(void* block, std::size_t, std::size_t alignment) const {
+      ::operator delete (block, std::align_val_t{alignment});
+    }
+  };
+  Filled zeros{0};
+  Filled ones{255};
+  Spread<View> spread(2.0f);
+  const World<View> world = spread.Objects(4500);
+  SortedWorld<View> a(world, Order::kTight, MemoryFrom(zeros));
+  SortedWorld<View> b(world, Order::kTight, MemoryFrom(ones));
+  for (int step = 0; step < 4; ++step) {
+    const auto of_a = a.Blob();
+    EXPECT_TRUE(std::equal(of_a.begin(), of_a.end(), b.Blob().begin())) << step;
+    for (SortedWorld<View>* changed : {&a, &b}) {
+      if (step == 0) changed->Erase(17);
+      if (step == 1) changed->SetCategories(5, 4);
+      if (step == 2) {
+        for (std::uint32_t i = 0; i < 100; ++i) changed->Insert(world.Get(i));
+      }
+    }
   }
 }
 
