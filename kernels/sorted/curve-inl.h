@@ -66,61 +66,84 @@ void FindCenters(const detail::FloatColumns& objects, size_t first,
   }
 }
 
+// All ones where a bit is set.
+template <class D>
+HWY_INLINE hn::Vec<D> WhereSet(D d, hn::Vec<D> v, int bit) {
+  const hn::Rebind<int32_t, D> di;
+  const auto to_sign = hn::ShiftLeftSame(v, 31 - bit);
+  return hn::BitCast(d, hn::ShiftRight<31>(hn::BitCast(di, to_sign)));
+}
+
+template <class D>
+HWY_INLINE hn::Vec<D> CellsOf(D d, const float* centers, float least,
+                              float cells_of_unit, uint32_t cells) {
+  const hn::Rebind<float, D> df;
+  const hn::Rebind<int32_t, D> di;
+  const auto most = hn::Set(df, static_cast<float>(cells - 1));
+  const auto at =
+      hn::Mul(hn::Sub(hn::LoadU(df, centers), hn::Set(df, least)),
+              hn::Set(df, cells_of_unit * static_cast<float>(cells)));
+  // What is placed last may be no number here: beyond the float's range.
+  const auto cell = hn::IfThenElse(hn::Lt(at, most), at, most);
+  return hn::BitCast(d, hn::ConvertTo(di, hn::Max(cell, hn::Zero(df))));
+}
+
+// Exchanges the low bits of two axes, or flips those of the first.
+template <class D, class V>
+HWY_INLINE void Turn(D d, int bit, V& first, V& axis) {
+  const auto low = hn::Set(d, (uint32_t{1} << bit) - 1);
+  const auto set = WhereSet(d, axis, bit);
+  const auto swapped = hn::AndNot(set, hn::And(hn::Xor(first, axis), low));
+  axis = hn::Xor(axis, swapped);
+  first = hn::Xor(first, hn::Or(hn::And(set, low), swapped));
+}
+
+template <class V>
+HWY_INLINE V WithBit(V place, V axis, int bit) {
+  const hn::DFromV<V> d;
+  const auto digit = hn::And(hn::ShiftRightSame(axis, bit), hn::Set(d, 1));
+  return hn::Or(hn::ShiftLeft<1>(place), digit);
+}
+
 // J. Skilling, "Programming the Hilbert curve" (2004), without branches on the
 // bits.
 template <size_t kAxes, bool kHasMax>
 void FindPlaces(const detail::Centers& centers, const detail::Grid& grid,
                 uint32_t* places) {
   constexpr size_t kUsed = kCenterAxes<kAxes, kHasMax>;
+  static_assert(kUsed == 2 || kUsed == 3);
   constexpr int kBits = static_cast<int>(detail::kPlaceBits / kUsed);
   constexpr uint32_t kCells = uint32_t{1} << kBits;
   const hn::CappedTag<uint32_t, 16> d;
-  const hn::Rebind<float, decltype(d)> df;
-  const hn::Rebind<int32_t, decltype(d)> di;
-  using V = hn::Vec<decltype(d)>;
-  // All ones where a bit is set.
-  const auto where_set = [d, di](V v, int bit) HWY_ATTR {
-    const auto to_sign = hn::ShiftLeftSame(v, 31 - bit);
-    return hn::BitCast(d, hn::ShiftRight<31>(hn::BitCast(di, to_sign)));
-  };
-  const auto most = hn::Set(df, static_cast<float>(kCells - 1));
   for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
-    V cells[3];
-    for (size_t k = 0; k < kUsed; ++k) {
-      const auto center = hn::LoadU(df, centers[k].data() + i);
-      const auto at = hn::Mul(
-          hn::Sub(center, hn::Set(df, grid.least[k])),
-          hn::Set(df, grid.cells_of_unit[k] * static_cast<float>(kCells)));
-      // What is placed last may be no number here: beyond the float's range.
-      const auto cell = hn::IfThenElse(hn::Lt(at, most), at, most);
-      cells[k] = hn::BitCast(d, hn::ConvertTo(di, hn::Max(cell, hn::Zero(df))));
-    }
+    const auto cells_of = [&](size_t k) HWY_ATTR {
+      return CellsOf(d, centers[k].data() + i, grid.least[k],
+                     grid.cells_of_unit[k], kCells);
+    };
+    auto x = cells_of(0);
+    auto y = cells_of(1);
+    auto z = cells_of(kUsed - 1);
     for (int bit = kBits - 1; bit > 0; --bit) {
       const auto low = hn::Set(d, (uint32_t{1} << bit) - 1);
-      for (size_t k = 0; k < kUsed; ++k) {
-        const auto set = where_set(cells[k], bit);
-        const auto swapped =
-            hn::AndNot(set, hn::And(hn::Xor(cells[0], cells[k]), low));
-        cells[k] = hn::Xor(cells[k], swapped);
-        cells[0] = hn::Xor(cells[0], hn::Or(hn::And(set, low), swapped));
-      }
+      x = hn::Xor(x, hn::And(WhereSet(d, x, bit), low));
+      Turn(d, bit, x, y);
+      if (kUsed == 3) Turn(d, bit, x, z);
     }
-    for (size_t k = 1; k < kUsed; ++k) {
-      cells[k] = hn::Xor(cells[k], cells[k - 1]);
-    }
+    y = hn::Xor(y, x);
+    z = kUsed == 3 ? hn::Xor(z, y) : y;
     auto flips = hn::Zero(d);
     for (int bit = kBits - 1; bit > 0; --bit) {
       const auto low = hn::Set(d, (uint32_t{1} << bit) - 1);
-      flips = hn::Xor(flips, hn::And(where_set(cells[kUsed - 1], bit), low));
+      flips = hn::Xor(flips, hn::And(WhereSet(d, z, bit), low));
     }
+    x = hn::Xor(x, flips);
+    y = hn::Xor(y, flips);
+    z = hn::Xor(z, flips);
     auto place = hn::Zero(d);
-    const auto one = hn::Set(d, 1);
     for (int bit = kBits - 1; bit >= 0; --bit) {
-      for (size_t k = 0; k < kUsed; ++k) {
-        const auto digit =
-            hn::And(hn::ShiftRightSame(hn::Xor(cells[k], flips), bit), one);
-        place = hn::Or(hn::ShiftLeft<1>(place), digit);
-      }
+      place = WithBit(place, x, bit);
+      place = WithBit(place, y, bit);
+      if (kUsed == 3) place = WithBit(place, z, bit);
     }
     hn::StoreU(place, d, places + i);
   }
