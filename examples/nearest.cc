@@ -1,6 +1,5 @@
-// Which stations are nearest to a place, and which of a scene's triangles does
-// a ray hit first? Both searches go from near to far, and stop where nothing
-// nearer can be left.
+// Which spheres are nearest to a place, and which one does a ray hit first?
+// Both searches go from near to far, and stop where nothing nearer can be left.
 #include <halfspace/halfspace.h>
 
 #include <algorithm>

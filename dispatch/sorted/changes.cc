@@ -90,8 +90,9 @@ void SortedTree::Reallocate(std::size_t capacity, const SortedExtras& extras) {
     std::memcpy(grown.levels_.built, levels_.built,
                 PartsOf(to.slots) * sizeof(double));
     if (grown.levels_.count > old_count) {
-      EncodeLevels(grown.levels_, KernelsOf(shape_, Target(), "SortedWorld"),
-                   old_count - 1);
+      const auto& kernels = KernelsOf(shape_, Target(), "SortedWorld");
+      kernels::InDefaultFpMode(
+          [&] { EncodeLevels(grown.levels_, kernels, old_count - 1); });
       if (extras.has_categories) OrAllCategories(grown.levels_);
     }
   }
@@ -102,18 +103,30 @@ void SortedTree::Reallocate(std::size_t capacity, const SortedExtras& extras) {
 void SortedTree::NeedSlots() {
   if (block_ == nullptr) return;
   if (header().has_slots && is_owned_) return;
-  const bool had_slots = header().has_slots != 0;
-  Reallocate(std::max(header().capacity, header().ids),
-             {true, header().has_categories != 0});
-  if (had_slots) return;
+  if (header().has_slots) return MakeOwn();
+  CheckIds("SortedWorld");
+  Reallocate(header().capacity, {true, header().has_categories != 0});
+  std::fill_n(levels_.slots, header().ids, kNoId);
   for (std::size_t s = 0; s < header().slots; ++s) {
-    const std::uint32_t id = levels_.ids[s];
-    if (id >= header().ids) {
-      kernels::ThrowInvalid("SortedWorld", "blob",
-                            "ids below " + std::to_string(header().ids),
-                            std::to_string(id));
+    if (IsPresent(levels_, s)) {
+      levels_.slots[levels_.ids[s]] = static_cast<std::uint32_t>(s);
     }
-    levels_.slots[id] = static_cast<std::uint32_t>(s);
+  }
+}
+
+void SortedTree::MakeOwn() {
+  if (is_owned_) return;
+  Reallocate(header().capacity,
+             {header().has_slots != 0, header().has_categories != 0});
+}
+
+void SortedTree::CheckIds(const char* call) const {
+  for (std::size_t s = 0; s < header().slots; ++s) {
+    if (IsPresent(levels_, s) && levels_.ids[s] >= header().ids) {
+      kernels::ThrowInvalid(call, "blob",
+                            "ids below " + std::to_string(header().ids),
+                            std::to_string(levels_.ids[s]));
+    }
   }
 }
 
@@ -125,11 +138,12 @@ bool SortedTree::Has(std::uint32_t id) const {
 }
 
 std::size_t SortedTree::SlotOf(std::uint32_t id, const char* call) {
+  if (Has(id)) NeedSlots();
+  // Again, as the ids of an altered blob may be twice there.
   if (!Has(id)) {
     kernels::ThrowInvalid(call, "id", "the id of an object in the world",
                           std::to_string(id));
   }
-  NeedSlots();
   return levels_.slots[id];
 }
 
@@ -294,9 +308,10 @@ void SortedTree::SetCategories(std::uint32_t id, std::uint32_t categories) {
 
 void SortedTree::SetCategories(Span<const std::uint32_t> categories) {
   if (block_ == nullptr) return;
-  if (levels_.level[0].categories == nullptr || !is_owned_) {
+  if (levels_.level[0].categories == nullptr) {
     Reallocate(header().capacity, {header().has_slots != 0, true});
   }
+  MakeOwn();
   for (std::size_t s = 0; s < header().slots; ++s) {
     const std::uint32_t id = levels_.ids[s];
     levels_.level[0].categories[s] =
@@ -307,25 +322,24 @@ void SortedTree::SetCategories(Span<const std::uint32_t> categories) {
 
 void SortedTree::Refit(const FloatColumns& objects, bool is_by_id,
                        const PartRunner& run) {
-  constexpr const char* kCall = "SortedWorld::Refit";
+  const char* const call =
+      is_by_id ? "SortedWorld::Refit" : "SortedWorld::RefitInOrder";
   const std::size_t size = block_ == nullptr ? 0
                            : is_by_id        ? header().ids
                                              : header().slots;
   if (objects.size < size || (!is_by_id && objects.size > size)) {
-    kernels::ThrowInvalid(kCall, "bounds",
+    kernels::ThrowInvalid(call, "bounds",
                           (is_by_id ? "a bound for each id, at least "
                                     : "a bound for each element of ids(), ") +
                               std::to_string(size),
                           std::to_string(objects.size));
   }
   if (size == 0) return;
-  CheckColumns(shape_, objects, kCall);
-  if (!is_owned_) {
-    Reallocate(header().capacity,
-               {header().has_slots != 0, header().has_categories != 0});
-  }
+  CheckColumns(shape_, objects, call);
+  if (is_by_id) CheckIds(call);
+  MakeOwn();
   FillSlots(shape_, levels_, objects, is_by_id ? levels_.ids : nullptr,
-            KernelsOf(shape_, Target(), kCall), run);
+            KernelsOf(shape_, Target(), call), run);
 }
 
 }  // namespace halfspace::detail

@@ -79,6 +79,13 @@ void SetSlots(SortedLevels& levels, std::size_t slots);
 void ClearSlots(const SortedShape& shape, SortedLevels& levels,
                 std::size_t level, std::size_t begin);
 
+// Whether there is an object in a slot.
+inline bool IsPresent(const SortedLevels& levels, std::size_t slot) {
+  return (levels.level[0].present[slot / kBlockObjects] >>
+              slot % kBlockObjects &
+          1) != 0;
+}
+
 // Throws unless the planes of objects can be read, in the name of `call`.
 void CheckColumns(const SortedShape& shape, const FloatColumns& objects,
                   const char* call);

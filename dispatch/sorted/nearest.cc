@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <tuple>
 
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/sorted.h"
@@ -22,7 +23,8 @@ namespace {
 // beyond a place on a line: finite, so that what is nowhere is never found.
 float KeyLimit(bool is_line, float value) {
   const float limit = is_line ? value + kApartOnLine : SquaredLimit(value);
-  return std::min(limit, std::numeric_limits<float>::max());
+  // The greatest float is what overflows become in some rounding modes.
+  return std::min(limit, 0x1.fffffcp127f);
 }
 
 void CheckLimit(const char* call, const char* argument, float value) {
@@ -118,6 +120,7 @@ std::size_t SortedNearest(const SortedTree& tree, std::size_t dims,
   };
   check("ids", ids.data(), ids.size());
   check("distances", distances.data(), distances.size());
+  std::ignore = dispatch::IndexOf(options.target, kCall);
   if (tree.size() == 0) return 0;
   NearestSearch search = SearchFrom(tree, dims, point, max_distance);
   std::size_t count = 0;
@@ -137,6 +140,7 @@ void SortedForEachNearest(const SortedTree& tree, std::size_t dims,
                           const SortedOptions& options) {
   constexpr const char* kCall = "ForEachNearest";
   CheckLimit(kCall, "max_distance", max_distance);
+  std::ignore = dispatch::IndexOf(options.target, kCall);
   if (tree.size() == 0) return;
   NearestSearch search = SearchFrom(tree, dims, point, max_distance);
   Call(search, options, kCall, function, context);
@@ -149,6 +153,7 @@ void SortedForEachAlongRay(const SortedTree& tree, std::size_t dims,
   constexpr const char* kCall = "ForEachAlongRay";
   CheckLimit(kCall, "ray.max_t", ray[2 * dims]);
   CheckLimit(kCall, "radius", radius);
+  std::ignore = dispatch::IndexOf(options.target, kCall);
   if (tree.size() == 0) return;
   NearestSearch search{};
   Line line;

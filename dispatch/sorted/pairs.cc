@@ -73,7 +73,7 @@ class SlotSet {
   // The set of all objects has no memory.
   SlotSet(const SortedTree& tree, const Span<const std::uint32_t>* ids,
           const char* call)
-      : memory_(tree.memory(), ids == nullptr ? 0 : Bytes(tree)) {
+      : memory_(MemoryResource(), ids == nullptr ? 0 : Bytes(tree)) {
     if (ids == nullptr) return;
     if (ids->size() != 0) {
       kernels::CheckPointer(

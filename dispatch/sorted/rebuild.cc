@@ -45,9 +45,7 @@ class Gathered {
   void Add(std::size_t begin, std::size_t end) {
     const SortedLevel& level = levels_.level[0];
     for (std::size_t s = begin; s < end; ++s) {
-      if ((level.present[s / kBlockObjects] >> s % kBlockObjects & 1) == 0) {
-        continue;
-      }
+      if (!IsPresent(levels_, s)) continue;
       const std::size_t i = columns_.size++;
       for (std::size_t p = 0; p < planes_; ++p) {
         Floats()[p * room_ + i] = level.planes[p][s];
@@ -73,13 +71,15 @@ class Gathered {
 
 double SortedTree::Decay() const {
   if (block_ == nullptr) return 1;
-  double built = 0;
-  double now = 0;
-  for (std::size_t part = 0; part < PartsOf(header().slots); ++part) {
-    built += levels_.built[part];
-    now += CostOf(shape_, levels_, part);
-  }
-  return now == built ? 1 : now / built;
+  return kernels::InDefaultFpMode([&] {
+    double built = 0;
+    double now = 0;
+    for (std::size_t part = 0; part < PartsOf(header().slots); ++part) {
+      built += levels_.built[part];
+      now += CostOf(shape_, levels_, part);
+    }
+    return now == built ? 1 : now / built;
+  });
 }
 
 void SortedTree::Rebuild(Order order, const PartRunner& run) {
@@ -117,19 +117,21 @@ void SortedTree::Rebuild(Order order, const PartRunner& run) {
 
 std::size_t SortedTree::RebuildWorst(std::size_t objects) {
   if (block_ == nullptr || objects == 0 || levels_.count == 1) return 0;
-  if (!is_owned_) NeedSlots();
   const std::size_t parts = PartsOf(header().slots);
   const Scratch memory(memory_, parts * sizeof(std::pair<double, std::size_t>));
   auto* const worst =
       reinterpret_cast<std::pair<double, std::size_t>*>(memory.data());
   std::size_t bad = 0;
-  for (std::size_t part = 0; part < parts; ++part) {
-    const double excess = CostOf(shape_, levels_, part) - levels_.built[part];
-    if (excess > 0) worst[bad++] = {-excess, part};
-  }
+  kernels::InDefaultFpMode([&] {
+    for (std::size_t part = 0; part < parts; ++part) {
+      const double excess = CostOf(shape_, levels_, part) - levels_.built[part];
+      if (excess > 0) worst[bad++] = {-excess, part};
+    }
+  });
   std::sort(worst, worst + bad);
   bad = std::min(bad, std::max<std::size_t>(1, objects / kPartSlots));
   if (bad == 0) return 0;
+  MakeOwn();
   // The slots keep their places, and so their nodes: in the order of the parts
   // the objects of a part stay near each other.
   std::sort(worst, worst + bad,
@@ -180,9 +182,11 @@ std::size_t SortedTree::RebuildWorst(std::size_t objects) {
     EncodeLevels(levels_, kernels, 1);
     if (level.categories != nullptr) OrAllCategories(levels_);
   });
-  for (std::size_t w = 0; w < bad; ++w) {
-    levels_.built[worst[w].second] = CostOf(shape_, levels_, worst[w].second);
-  }
+  kernels::InDefaultFpMode([&] {
+    for (std::size_t w = 0; w < bad; ++w) {
+      levels_.built[worst[w].second] = CostOf(shape_, levels_, worst[w].second);
+    }
+  });
   return columns.size;
 }
 

@@ -16,8 +16,11 @@
 namespace halfspace::detail {
 namespace {
 
-[[noreturn]] void ThrowCorrupt(const char* expected, const std::string& given) {
-  kernels::ThrowInvalid("SortedWorld::Load", "blob", expected, given);
+[[noreturn]] void ThrowCorrupt(bool is_in_place, const char* expected,
+                               const std::string& given) {
+  kernels::ThrowInvalid(
+      is_in_place ? "SortedWorld::InPlace" : "SortedWorld::FromBlob", "blob",
+      expected, given);
 }
 
 // The last block of a level has lanes without an object, which no query may
@@ -145,22 +148,28 @@ void SortedTree::Build(const FloatColumns& objects, Order order, Target target,
 
 void SortedTree::Load(Span<const std::byte> blob, bool is_in_place) {
   if (blob.empty()) return Free();
+  kernels::CheckPointer(
+      is_in_place ? "SortedWorld::InPlace" : "SortedWorld::FromBlob",
+      blob.data(), is_in_place ? alignof(SortedHeader) : 1,
+      [] { return "blob"; }, [] { return "a blob"; });
   SortedHeader header;
   if (blob.size() < sizeof(header)) {
-    ThrowCorrupt("a header of 64 bytes", std::to_string(blob.size()));
+    ThrowCorrupt(is_in_place, "a header of 64 bytes",
+                 std::to_string(blob.size()));
   }
   std::memcpy(&header, blob.data(), sizeof(header));
   if (!std::equal(std::begin(kSortedMagic), std::end(kSortedMagic),
                   header.magic)) {
-    ThrowCorrupt("what SortedWorld::Blob() gave", "another beginning");
+    ThrowCorrupt(is_in_place, "what SortedWorld::Blob() gave",
+                 "another beginning");
   }
   if (header.version != kSortedVersion ||
       header.byte_order != kSortedByteOrder) {
-    ThrowCorrupt("the version and the byte order of this library",
+    ThrowCorrupt(is_in_place, "the version and the byte order of this library",
                  "version " + std::to_string(header.version));
   }
   if (header.axes != shape_.axes || (header.has_max != 0) != shape_.has_max) {
-    ThrowCorrupt("bounds of this world's kind",
+    ThrowCorrupt(is_in_place, "bounds of this world's kind",
                  std::to_string(header.axes) + " axes with " +
                      (header.has_max != 0 ? "" : "no ") + "maxima");
   }
@@ -174,15 +183,12 @@ void SortedTree::Load(Span<const std::byte> blob, bool is_in_place) {
       Place(shape_, header.capacity, extras, nullptr, false, levels) !=
           header.bytes ||
       header.bytes != blob.size()) {
-    ThrowCorrupt("the bytes that its header tells",
+    ThrowCorrupt(is_in_place, "the bytes that its header tells",
                  std::to_string(blob.size()));
   }
   SortedTree loaded(shape_, memory_);
   if (is_in_place) {
-    kernels::CheckPointer(
-        "SortedWorld::Load", blob.data(), alignof(SortedHeader),
-        [] { return "blob"; }, [] { return "a blob"; });
-    // Not written before it has been copied: see Reallocate.
+    // Not written before it has been copied: see MakeOwn().
     loaded.block_ = const_cast<std::byte*>(blob.data());
     loaded.bytes_ = blob.size();
     loaded.is_owned_ = false;
@@ -195,7 +201,7 @@ void SortedTree::Load(Span<const std::byte> blob, bool is_in_place) {
   SetSlots(loaded.levels_, header.slots);
   for (std::size_t l = 0; l < loaded.levels_.count; ++l) {
     if (!IsClosed(shape_, loaded.levels_.level[l])) {
-      ThrowCorrupt("no objects beyond the last",
+      ThrowCorrupt(is_in_place, "no objects beyond the last",
                    "some on level " + std::to_string(l));
     }
   }

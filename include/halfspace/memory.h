@@ -1,7 +1,7 @@
 // Where owners get their memory: World (world.h), QuantizedBounds and
 // QuantizedWorld (quantized.h), SortedWorld (sorted.h). Nothing else in the
-// library allocates, but for the text of an error and the choice of a target,
-// once.
+// library allocates, but for the text of an error, the choice of a target,
+// once, and PairsOf() (sorted_pairs.h), from the heap.
 //
 //   std::pmr::monotonic_buffer_resource arena;
 //   AaboWorld3 world(MemoryFrom(arena));

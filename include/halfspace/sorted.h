@@ -38,9 +38,8 @@
 // is not checked.
 //
 // Floating-point mode: as in reject.h. But calls may raise inexact, overflow
-// and underflow for any values: mask these traps around them. Making a world,
-// and Set(), Insert(), Erase() and Refit(), never trap, and work in the default
-// mode.
+// and underflow for any values: mask these traps around them. Making a
+// world and changing it never trap, and work in the default mode.
 //
 // Thread safety: calls on the same world may run at the same time. They use up
 // to 32 KiB of stack, allocate nothing, lock nothing and have no state.
@@ -68,9 +67,10 @@ enum class Order : std::uint8_t {
   // By medians of the widest axis. Takes O(n log n): about as long as the bulk
   // load of an R-tree.
   kTight,
-  // Along a space-filling curve. Takes O(n), less than half as long; queries
+  // Along a space-filling curve. Takes O(n), about a fifth as long; queries
   // take up to 1.4 times as long as with kTight. The curve has 1024 cells an
-  // axis: use kTight where few objects are so far away that the others share a
+  // axis in 3 dimensions: use kTight where few objects are so far away that the
+  // others share a
   // few cells.
   kFast,
 };
@@ -124,7 +124,7 @@ bool CallWithSome(void* function, Span<const Item> items) {
 // (memory.h, which says what copies, moves and swap(a, b) use): of boxes in 3
 // dimensions 36 bytes an object, 24 of them floats; 4 more after the first
 // change by id, and 4 more with categories. While it is made, 16 bytes an
-// object more, and while its order is made anew, 44 more.
+// object more, and while all are sorted anew, up to 112 more.
 //
 // Changes are seen by every later call; none may run at the same time as
 // another call on the same world. They run on the chosen target.
@@ -132,7 +132,8 @@ bool CallWithSome(void* function, Span<const Item> items) {
 // Errors (error.h): a plane of a world that is not empty is null or misaligned;
 // there are 2^31 objects or more; the order is none of the enumerators; an id
 // is not that of an object in the world. A failed allocation throws
-// std::bad_alloc. The world is then as it was.
+// std::bad_alloc. The world is then as it was. If a function `run` throws, a
+// world that is made is not, and one that is refitted has to be refitted again.
 template <typename ViewType>
 class SortedWorld {
  public:
@@ -238,7 +239,7 @@ class SortedWorld {
   }
 
   // The ids in this world's order; 0xFFFFFFFF where an object was erased. Valid
-  // until an object is inserted or erased or the order changes.
+  // until the world changes.
   Span<const std::uint32_t> ids() const { return tree_.ids(); }
 
   // Gives all objects new bounds, by id: object i has bound i, and there is one
@@ -266,7 +267,8 @@ class SortedWorld {
   // Insert(). O(n / 64).
   double Decay() const { return tree_.Decay(); }
 
-  // Sorts all objects anew, and gives back the memory of erased ones. Ids stay.
+  // Sorts all objects anew, without empty places between them. Ids stay, and so
+  // does room for an object for each id that was ever in use.
   template <typename Run = detail::InTurn>
   void Rebuild(Order order = Order::kTight, Run&& run = Run()) {
     tree_.Rebuild(order, detail::RunnerOf(run));
@@ -288,8 +290,8 @@ class SortedWorld {
   // bytes, which must be aligned to 64, stay, and not change. A change makes it
   // a copy. Whatever the bytes are, calls on the world read nothing beside
   // them. What is checked is O(1); bytes that were altered may give other
-  // answers. Throws (error.h) if they are not a world's of this type, this byte
-  // order and this version of the library.
+  // answers, and any ids. Throws (error.h) if they are not a world's of this
+  // type, this byte order and this version of the library.
   static SortedWorld FromBlob(Span<const std::byte> blob,
                               const MemoryResource& memory = {}) {
     SortedWorld world(memory);

@@ -32,7 +32,7 @@
 // Rounding: a distance is within 2^-20 of the exact one, relative to it. A t is
 // at most the exact one, and within 2^-18 of it or of what the rounding of the
 // origin and the planes makes of it. What touches the limit exactly is found;
-// so may be what is beyond it by 2^-18. Distances below 2^-62 are 0, and what
+// so may be what is beyond it by 2^-18. Distances below 2^-63 are 0, and what
 // is farther than about 2^63 is not found.
 //
 // NaN and infinities: a plane with a NaN limits nothing; neither does the axis

@@ -31,7 +31,7 @@
 //
 // NaN and infinities: planes of objects as in reject.h. A shape that a builder
 // cannot bound is Everything(), and a half-space with one of them, or one
-// number of whose normal is less than 2^-100 of another but not 0, rejects
+// number of whose normal is less than 2^-96 of another but not 0, rejects
 // nothing. No half-spaces reject nothing. Objects that are Empty() survive only
 // what rejects nothing.
 //

@@ -98,7 +98,8 @@ struct BlockRange {
 
 // Of some objects: coordinate k of the center of object i. What has no center,
 // as it is empty or no number, has the last one.
-inline constexpr std::size_t kCenterAxes = 3;  // the last is 0 in 2 dimensions
+inline constexpr std::size_t kCenterAxes =
+    3;  // the last is 0 where two are used
 using Centers = std::array<std::array<float, kBlockObjects>, kCenterAxes>;
 inline constexpr float kLastCenter = std::numeric_limits<float>::max() / 4;
 

@@ -272,14 +272,13 @@ HWY_INLINE hn::Vec<D> LeastOf(D d, const float* plane) {
   return kIsMax ? hn::Neg(values) : values;
 }
 
-// Never -0, of which and of 0 targets take one or the other.
 template <class D>
 HWY_INLINE float LeastLane(D d, hn::Vec<D> values) {
 #if HWY_TARGET == HWY_EMU128
   // Where all lanes are infinite, Highway 1.0.3 has FLT_MAX there.
   if (hn::AllTrue(d, hn::Eq(values, hn::Inf(d)))) return hn::GetLane(values);
 #endif
-  return hn::GetLane(hn::MinOfLanes(d, values)) + 0.0f;
+  return hn::GetLane(hn::MinOfLanes(d, values));
 }
 
 // Encodes a plane, of which the objects in `present` exist. Returns the least
@@ -302,7 +301,8 @@ HWY_NOINLINE float EncodePlane(const float* plane, uint64_t present,
     negated_greatest =
         hn::Min(negated_greatest, hn::IfThenElse(is_scaled, hn::Neg(v), most));
   }
-  base = LeastLane(d, least);
+  // Never -0, of which and of 0 targets take one or the other.
+  base = LeastLane(d, least) + 0.0f;
   float all_least = base;
   if (!all_scaled) {
     auto all = most;
@@ -310,7 +310,7 @@ HWY_NOINLINE float EncodePlane(const float* plane, uint64_t present,
       const auto v = LeastOf<kIsMax>(d, plane + i);
       all = hn::Min(all, hn::IfThenElse(hn::Eq(v, v), v, hn::Set(d, -kInf)));
     }
-    all_least = LeastLane(d, all);
+    all_least = LeastLane(d, all) + 0.0f;
   }
   // 0 - 0, and not -0, which would make a negative scale.
   const float range = 0.0f - LeastLane(d, negated_greatest) - base;

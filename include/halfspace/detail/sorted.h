@@ -169,7 +169,10 @@ class HALFSPACE_API SortedTree {
   void Allocate(std::size_t capacity, const SortedExtras& extras);
   // The same, with the content kept.
   void Reallocate(std::size_t capacity, const SortedExtras& extras);
+  void MakeOwn();
   void NeedSlots();
+  // Throws if an object has an id that was never given, as in an altered blob.
+  void CheckIds(const char* call) const;
   std::size_t SlotOf(std::uint32_t id, const char* call);
   std::size_t FindSlot(const float* values);
   std::size_t AppendSlot();

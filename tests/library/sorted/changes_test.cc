@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -413,14 +414,16 @@ TYPED_TEST(SortedChangesTest, ABlobHasNothingElseInIt) {
 TYPED_TEST(SortedChangesTest, ACorruptBlobIsRefusedOrHarmless) {
   using View = typename TypeParam::View;
   using Sorted = SortedWorld<View>;
-  Sorted sorted(Spread<View>(2.0f).Objects(300));
+  const World<View> objects = Spread<View>(2.0f).Objects(300);
+  const Sorted fresh(objects);
+  Sorted sorted(fresh);
   sorted.Erase(5);
   sorted.SetCategories(6, 2);
   const auto queries = SomeQueries<View>(1);
   Random random(1);
   std::size_t refused = 0;
   for (std::size_t round = 0; round < Scaled(3000); ++round) {
-    const AlignedCopy blob(sorted.Blob());
+    const AlignedCopy blob((round % 3 == 0 ? fresh : sorted).Blob());
     const std::size_t changes = 1 + random() % 64;
     // The first bytes are the header.
     const std::size_t most = round % 2 == 0 ? 64 : blob.bytes().size();
@@ -435,8 +438,33 @@ TYPED_TEST(SortedChangesTest, ACorruptBlobIsRefusedOrHarmless) {
         (void)Survivors(world, query, ids, {.categories = 3});
         (void)CountSurvivors(world, query);
       }
-      world.Erase(9);
-      world.Set(7, View::Bound::Everything());
+      std::array<std::uint32_t, 3> near;
+      (void)NearestObjects(world, {}, near, {});
+      (void)CountSurvivors(world, Sphere<View::Bound::kDimensions>{{}, 9.0f});
+      (void)CountSurvivors(world, Segment<View::Bound::kDimensions>{{}, {}});
+      if constexpr (HasMaxima<View>) {
+        (void)Pairs(world, {});
+        (void)PairsOf(world, Span<const std::uint32_t>(near), {});
+      }
+    } catch (const std::invalid_argument&) {
+      ++refused;
+    }
+    try {
+      Sorted world = Sorted::InPlace(blob.bytes());
+      switch (random() % 6) {
+        case 0:
+          world.Refit(objects.view());
+          break;
+        case 1:
+          world.SetCategories(7, 1);
+          break;
+        case 2:
+          world.RebuildWorst(1000);
+          break;
+        default:
+          world.Set(7, View::Bound::Everything());
+          world.Erase(9);
+      }
       for (int i = 0; i < 5; ++i) world.Insert(View::Bound::Empty());
       world.RebuildWorst(1000);
       world.Rebuild();
@@ -448,7 +476,7 @@ TYPED_TEST(SortedChangesTest, ACorruptBlobIsRefusedOrHarmless) {
   for (std::size_t size : {1u, 63u, 64u, 1000u}) {
     const AlignedCopy blob(sorted.Blob());
     EXPECT_TRUE(Refuses([&] { Sorted::FromBlob(blob.bytes().first(size)); },
-                        {"Load", "blob"}));
+                        {"FromBlob", "blob"}));
   }
 }
 
