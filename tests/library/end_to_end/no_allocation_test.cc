@@ -106,20 +106,39 @@ void VisitSorted(const Visit& visit) {
   std::vector<std::uint32_t> ids(100'000);
   std::vector<std::size_t> offsets(queries.size() + 1);
   for (Target target : TargetsUnderTest()) {
-    visit("Survivors",
-          [&] { std::ignore = Survivors(world, queries[0], ids, target); });
-    visit("CountSurvivors",
-          [&] { std::ignore = CountSurvivors(world, queries[0], target); });
-    visit("AnySurvivor",
-          [&] { std::ignore = AnySurvivor(world, queries[0], target); });
+    visit("Survivors", [&] {
+      std::ignore = Survivors(world, queries[0], ids, {.target = target});
+    });
+    visit("CountSurvivors", [&] {
+      std::ignore = CountSurvivors(world, queries[0], {.target = target});
+    });
+    visit("AnySurvivor", [&] {
+      std::ignore = AnySurvivor(world, queries[0], {.target = target});
+    });
     visit("ForEachSurvivor", [&] {
-      ForEachSurvivor(
-          world, queries[0], [](Span<const std::uint32_t>) {}, target);
+      ForEachSurvivor(world, queries[0], [](Span<const std::uint32_t>) {},
+                      {.target = target});
     });
     visit("SurvivorsOfEach", [&] {
       std::ignore = SurvivorsOfEach(world, Span<const Aabo3>(queries), ids,
-                                    offsets, target);
+                                    offsets, {.target = target});
     });
+    const Sphere3 sphere{{2500, 2500, 2500}, 50};
+    visit("Survivors of a sphere", [&] {
+      std::ignore = Survivors(world, sphere, ids, {.target = target});
+    });
+    std::array<std::uint32_t, 300> nearest;
+    visit("NearestObjects", [&] {
+      std::ignore = NearestObjects(world, sphere.center, nearest, {}, 1e9f,
+                                   {.target = target});
+    });
+    visit("ForEachAlongRay", [&] {
+      ForEachAlongRay(world, Ray3{{}, {1, 1, 1}, 1000},
+                      [](std::uint32_t, float) {}, {.target = target});
+    });
+    std::vector<IdPair> pairs(100);
+    visit("Pairs",
+          [&] { std::ignore = Pairs(world, pairs, {.target = target}); });
   }
 }
 
