@@ -39,8 +39,6 @@ struct Itself {
 template <typename Query>
 class Search {
  public:
-  // expected(query) is a number that tells a right answer: how many, or a sum
-  // of ids.
   Search(std::string name, const std::vector<Query>& queries,
          Throughput& throughput)
       : queries_(queries), throughput_(throughput) {
@@ -82,14 +80,16 @@ class Search {
            const std::string& ratio, SortedResult& result) {
     const Timings timings =
         throughput_.TimeRuns(std::move(cases_), throughput_.repetitions());
+    const bool has_competitor = workload_.rows.back().target.empty();
     workload_.objects = objects;
     workload_.survivors = survivors_ / static_cast<double>(kChecked);
     for (std::size_t i = 0; i < timings.size(); ++i) {
       workload_.rows[i].ns = timings[i].Median();
+      if (!has_competitor) continue;
       workload_.rows[i].over_fastest =
           timings.back().Median() / timings[i].Median();
     }
-    if (timings.size() > 1) {
+    if (has_competitor) {
       throughput_.AddRatio(
           threshold, throughput_.targets().front(),
           workload_.name + " of " + Grouped(objects) + ": " + ratio,

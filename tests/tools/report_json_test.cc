@@ -118,20 +118,26 @@ TEST(ReportJsonTest, SortedHasTheFixedForm) {
     names.push_back(workload.at("name"));
     EXPECT_LE(workload.at("objects"), 4096);
     EXPECT_GT(workload.at("survivors_per_query"), 0.0);
+    // Of box queries, in all ways; the others are one kind of search each.
+    const bool is_contest = workload.at("blocks_per_query") > 0.0;
     std::size_t ours = 0;
     bool has_grid = false;
     for (const Json& row : workload.at("rows")) {
       EXPECT_GT(row.at("ns_per_query"), 0.0) << row;
-      EXPECT_GT(row.at("ns_per_query_in_turns"), 0.0) << row;
-      EXPECT_EQ(row.at("over_fastest").is_null(),
-                row.at("over_fastest_in_turns").is_null());
+      if (is_contest) {
+        EXPECT_GT(row.at("ns_per_query_in_turns"), 0.0) << row;
+        EXPECT_EQ(row.at("over_fastest").is_null(),
+                  row.at("over_fastest_in_turns").is_null());
+      }
       ours += row.at("target").is_string() ? 1 : 0;
       has_grid |= row.at("name") == "grid";
     }
-    EXPECT_GE(ours, 5u) << workload;
-    EXPECT_TRUE(has_grid) << workload;
+    EXPECT_GE(ours, is_contest ? 5u : 1u) << workload;
+    EXPECT_EQ(has_grid, is_contest) << workload;
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"a", "clusters", "2D"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"a", "clusters", "2D",
+                                             "counts of a tenth", "nearest 8",
+                                             "along a segment"}));
   ASSERT_GE(sorted.at("jobs").size(), 2u);
   for (const Json& job : sorted.at("jobs")) {
     EXPECT_EQ(job.at("objects"), 4096);
@@ -142,7 +148,7 @@ TEST(ReportJsonTest, SortedHasTheFixedForm) {
   EXPECT_FALSE(sorted.at("not_reached").empty());
   EXPECT_TRUE(sorted.at("remarks").is_array());
   for (const Json& ratio : sorted.at("ratios")) {
-    EXPECT_TRUE(ratio.at("threshold") == 1 || ratio.at("threshold") == 2);
+    EXPECT_TRUE(ratio.at("threshold") >= 1 && ratio.at("threshold") <= 5);
     EXPECT_GT(ratio.at("value"), 0.0) << ratio;
     EXPECT_EQ(ratio.at("met"), ratio.at("better") == "higher"
                                    ? ratio.at("value") >= ratio.at("needed")
