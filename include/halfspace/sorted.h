@@ -2,7 +2,8 @@
 // hierarchy: for worlds of thousands of objects and more, also if these move,
 // come and go.
 //
-//   halfspace::SortedWorld<halfspace::AabbView3> sorted(world.view());
+//   halfspace::SortedAabbWorld3 sorted(world);  // an AabbWorld3, or its view
+//   halfspace::Aabb3 query = {{0, 0, 0}, {1, 1, 1}};
 //   std::vector<std::uint32_t> ids(sorted.size());
 //   ids.resize(Survivors(sorted, query, ids));
 //
@@ -69,9 +70,8 @@ enum class Order : std::uint8_t {
   kTight,
   // Along a space-filling curve. Takes O(n), about a fifth as long; queries
   // take up to 1.4 times as long as with kTight. The curve has 1024 cells an
-  // axis in 3 dimensions: use kTight where few objects are so far away that the
-  // others share a
-  // few cells.
+  // axis in 3 dimensions: use kTight where a few objects are so far away that
+  // all others share a few cells.
   kFast,
 };
 
@@ -229,8 +229,10 @@ class SortedWorld {
   // object is inserted near it or all are sorted anew.
   void Erase(std::uint32_t id) { tree_.Erase(id); }
 
-  // Gives objects categories, bits that SortedOptions::categories asks for:
-  // one object, or all, by id (0 beyond the end of the list).
+  // Gives objects categories, bits that SortedOptions::categories asks for: one
+  // object, or all, by id. An object has all until it is given others; those
+  // beyond the end of the list get 0, and are found only where all are asked
+  // for.
   void SetCategories(std::uint32_t id, std::uint32_t categories) {
     tree_.SetCategories(id, categories);
   }
@@ -242,9 +244,11 @@ class SortedWorld {
   // until the world changes.
   Span<const std::uint32_t> ids() const { return tree_.ids(); }
 
-  // Gives all objects new bounds, by id: object i has bound i, and there is one
-  // for each id that was ever in use. The order stays as it is. `run` is as in
-  // the constructor.
+  // Gives all objects new bounds, by id: bound i is that of object i. There is
+  // one at least for each id from 0 to the greatest that was ever in use, so
+  // they may be more than size(); those of erased objects are not read. Fewer
+  // are an error (error.h). The order stays as it is. `run` is as in the
+  // constructor.
   template <typename Run = detail::InTurn>
   void Refit(const View& bounds, Run&& run = Run()) {
     tree_.Refit(detail::ColumnsOf(bounds), true, detail::RunnerOf(run));
@@ -255,16 +259,16 @@ class SortedWorld {
   }
 
   // The same with bounds in this world's order: bound i is that of object
-  // ids()[i], and those of erased objects are not read. 2 to 4 times as fast.
+  // ids()[i], and there are ids().size(). 2 to 4 times as fast.
   template <typename Run = detail::InTurn>
   void RefitInOrder(const View& bounds, Run&& run = Run()) {
     tree_.Refit(detail::ColumnsOf(bounds), false, detail::RunnerOf(run));
   }
 
-  // How much the order has decayed: the surface of all groups of 64 objects,
-  // times that when they were sorted. A query visits up to so many times as
-  // many blocks. Infinite if there was no order, as in a world made by
-  // Insert(). O(n / 64).
+  // How much the order has decayed: the surface of all groups of 64 objects
+  // now, divided by what it was when they were sorted. 1 is as sorted; with 2,
+  // queries visit up to twice as many blocks. Infinite if there was no order,
+  // as in a world made by Insert(). O(n / 64).
   double Decay() const { return tree_.Decay(); }
 
   // Sorts all objects anew, without empty places between them. Ids stay, and so
@@ -286,12 +290,13 @@ class SortedWorld {
   // until the world changes.
   Span<const std::byte> Blob() const { return tree_.Blob(); }
 
-  // A world of what Blob() gave: a copy, or, in place, one that refers to the
-  // bytes, which must be aligned to 64, stay, and not change. A change makes it
-  // a copy. Whatever the bytes are, calls on the world read nothing beside
-  // them. What is checked is O(1); bytes that were altered may give other
-  // answers, and any ids. Throws (error.h) if they are not a world's of this
-  // type, this byte order and this version of the library.
+  // A world of what Blob() gave. FromBlob() copies the bytes. InPlace() refers
+  // to them: they are aligned to 64, as a mapped file is, and stay unchanged
+  // while the world lives; a change of the world makes it a copy first.
+  // Whatever the bytes are, no call reads outside them. What is checked is
+  // O(1): bytes that were altered may give other answers, and any ids. Throws
+  // (error.h) if they are not a world's of this type, this byte order and this
+  // version of the library.
   static SortedWorld FromBlob(Span<const std::byte> blob,
                               const MemoryResource& memory = {}) {
     SortedWorld world(memory);

@@ -5,8 +5,10 @@
 //   std::array<float, 8> distances;
 //   std::size_t found = NearestObjects(sorted, {x, y, z}, ids, distances);
 //
-//   ForEachAlongRay(sorted, ray, [&](std::uint32_t id, float t) {
-//     return std::min(closest, HitTriangle(ray, id));  // nothing beyond it
+//   float closest = ray.max_t;
+//   ForEachAlongRay(sorted, ray, [&](std::uint32_t id, float) {
+//     // HitTriangle() is infinite for a miss.
+//     return closest = std::min(closest, HitTriangle(ray, id));
 //   });
 //
 // Distances are those of bounds, not of what is in them: the distance of a
@@ -21,9 +23,10 @@
 //   ray       Ray<d>: t from 0 to max_t, in multiples of the direction
 //   function  function(std::uint32_t id, float value) with the distance or t,
 //             called for one object after another. Returns nothing, or whether
-//             to go on, or as a float the new limit of what is to be found: a
-//             greater one than the last is no limit, a negative one ends the
-//             search. It may not change the world. Exceptions pass through.
+//             to go on, or as a float the new limit of what is to be found.
+//             Limits only shrink: one greater than the last changes nothing,
+//             and a negative one ends the search. It may not change the world.
+//             Exceptions pass through.
 //   options   categories and target, as in sorted.h
 //
 // Order: by the squared distance, or t, as computed in floats, and of equal
@@ -49,9 +52,9 @@
 // Thread safety: as in sorted.h; 6 KiB of stack.
 //
 // Cost: of k objects that of about 4 + k / 16 blocks, which are visited nearest
-// first. A function is called with 8 objects that were found together, then
-// with 16, and so on up to 256, and each time those before are passed by: to
-// visit all objects, sort what Survivors() finds.
+// first. For a function, objects are searched for 8 at a time, then 16, and so
+// on up to 256, and handed to it one by one; each search passes those before
+// by. To visit all objects, sort what Survivors() finds.
 //
 // Source: branch and bound (Roussopoulos, Kelley and Vincent, "Nearest Neighbor
 // Queries", 1995).

@@ -67,8 +67,8 @@ struct IdPair {
 };
 
 struct PairOptions {
-  // Only pairs of objects that both have one of these categories, as in
-  // SortedOptions.
+  // Only pairs of objects that each have one of these categories, not
+  // necessarily the same; all ones stands for all objects, as in SortedOptions.
   std::uint32_t categories = 0xFFFFFFFF;
   // Only parts begin ... end - 1 of PairParts(). Each pair belongs to one part,
   // so calls on parts that are apart, on any threads, give each pair once.

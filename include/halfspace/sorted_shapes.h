@@ -3,7 +3,7 @@
 //   Survivors(sorted, Sphere3{{x, y, z}, radius}, ids)
 //   CountSurvivors(sorted, Segment3{a, b})
 //   ForEachSurvivor(sorted, Capsule3{a, b, radius}, function)
-//   AnySurvivor(sorted, frustum)        any list of HalfSpace3
+//   AnySurvivor(sorted, frustum)        a std::array<HalfSpace3, 6>, say
 //   SurvivorsOfEach(sorted, spheres, ids, offsets)
 //
 // A shape is a Sphere<d>, Segment<d> or Capsule<d> of floats (shapes.h) in the
@@ -20,9 +20,9 @@
 //                     an edge what is up to sqrt(d) times the radius away may
 //                     survive
 //   half-spaces       the corner of the bound that is foremost along each
-//                     normal; of an octahedron that of its box. So what is
-//                     behind none of the planes, but outside all the same, may
-//                     survive
+//                     normal; of an octahedron that of its box. So a bound
+//                     that is outside, as near an edge of a frustum, but not
+//                     wholly behind any one plane, may survive
 //
 // What touches the exact shape, taken as real numbers, is never rejected, in
 // any floating-point mode; what is apart by less than about 2^-18 of the sizes
