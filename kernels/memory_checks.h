@@ -29,6 +29,16 @@ void CheckPointer(std::string_view call, const void* pointer,
   }
 }
 
+// The same for memory of `size` elements; any will do for none.
+inline void CheckMemory(std::string_view call, std::string_view argument,
+                        const void* memory, std::size_t size,
+                        std::size_t alignment) {
+  if (size == 0) return;
+  CheckPointer(
+      call, memory, alignment, [&] { return std::string(argument); },
+      [&] { return "memory for " + std::to_string(size) + " elements"; });
+}
+
 // Throws unless the scalars of `count` > 0 elements fit the address space: one
 // begins `stride` scalars after another, and the last has `last`. The message
 // names the larger of stride and count; `argument` is also the name of the

@@ -1,10 +1,8 @@
 // The calls of sorted.h: checks, and what becomes of the ids.
 #include <algorithm>
-#include <string>
 
 #include "dispatch/sorted/layout.h"
 #include "halfspace/sorted.h"
-#include "kernels/error.h"
 #include "kernels/memory_checks.h"
 #include "kernels/sorted/block.h"
 
@@ -79,14 +77,6 @@ struct IdsToFunction : WalkIds {
   std::uint32_t buffer[kRoom];
 };
 
-void CheckMemory(const char* call, const char* argument, const void* memory,
-                 std::size_t size, std::size_t alignment) {
-  if (size == 0) return;
-  kernels::CheckPointer(
-      call, memory, alignment, [&] { return std::string(argument); },
-      [&] { return "memory for " + std::to_string(size) + " elements"; });
-}
-
 }  // namespace
 
 std::size_t SortedSurvivors(const SortedTree& tree, const float* query,
@@ -94,8 +84,8 @@ std::size_t SortedSurvivors(const SortedTree& tree, const float* query,
                             const SortedOptions& options,
                             const WalkShape* shape) {
   const auto& kernels = KernelsOf(tree.shape(), options.target, "Survivors");
-  CheckMemory("Survivors", "ids", ids.data(), ids.size(),
-              alignof(std::uint32_t));
+  kernels::CheckMemory("Survivors", "ids", ids.data(), ids.size(),
+                       alignof(std::uint32_t));
   if (tree.size() == 0) return 0;
   IdsToSpan to(ids);
   kernels.find(
@@ -148,16 +138,7 @@ std::size_t SortedSurvivorsOfMany(const SortedTree& tree, const float* queries,
                                   const SortedOptions& options) {
   constexpr const char* kCall = "SurvivorsOfEach";
   const auto& kernels = KernelsOf(tree.shape(), options.target, kCall);
-  CheckMemory(kCall, "queries", queries, query_count, alignof(float));
-  CheckMemory(kCall, "ids", ids.data(), ids.size(), alignof(std::uint32_t));
-  if (offsets.size() <= query_count) {
-    kernels::ThrowInvalid(
-        kCall, "offsets",
-        "at least one more than the queries, " + std::to_string(query_count),
-        std::to_string(offsets.size()));
-  }
-  CheckMemory(kCall, "offsets", offsets.data(), offsets.size(),
-              alignof(std::size_t));
+  CheckOfEach(kCall, queries, query_count, ids, offsets);
   offsets[0] = 0;
   if (tree.size() == 0) {
     std::fill_n(offsets.data(), query_count + 1, 0);

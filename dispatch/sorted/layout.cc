@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "kernels/error.h"
 #include "kernels/exact/default_fp_mode.h"
 #include "kernels/memory_checks.h"
 #include "kernels/prefetch.h"
@@ -169,6 +170,21 @@ void EncodeLevels(const SortedLevels& levels,
     kernels.encode({&levels.level[l], is_top ? nullptr : &levels.level[l + 1],
                     0, BlocksOf(levels.level[l].size)});
   }
+}
+
+void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
+                 Span<std::uint32_t> ids, Span<std::size_t> offsets) {
+  kernels::CheckMemory(call, "queries", queries, query_count, alignof(float));
+  kernels::CheckMemory(call, "ids", ids.data(), ids.size(),
+                       alignof(std::uint32_t));
+  if (offsets.size() <= query_count) {
+    kernels::ThrowInvalid(
+        call, "offsets",
+        "at least one more than the queries, " + std::to_string(query_count),
+        std::to_string(offsets.size()));
+  }
+  kernels::CheckMemory(call, "offsets", offsets.data(), offsets.size(),
+                       alignof(std::size_t));
 }
 
 void CheckColumns(const SortedShape& shape, const FloatColumns& objects,

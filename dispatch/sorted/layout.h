@@ -86,6 +86,10 @@ inline bool IsPresent(const SortedLevels& levels, std::size_t slot) {
           1) != 0;
 }
 
+// Throws unless the memory of a call for several queries is right.
+void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
+                 Span<std::uint32_t> ids, Span<std::size_t> offsets);
+
 // Throws unless the planes of objects can be read, in the name of `call`.
 void CheckColumns(const SortedShape& shape, const FloatColumns& objects,
                   const char* call);

@@ -111,15 +111,10 @@ std::size_t SortedNearest(const SortedTree& tree, std::size_t dims,
                           "as many as ids, " + std::to_string(ids.size()),
                           std::to_string(distances.size()));
   }
-  const auto check = [&](const char* argument, const void* memory,
-                         std::size_t size) {
-    if (size == 0) return;
-    kernels::CheckPointer(
-        kCall, memory, alignof(float), [&] { return std::string(argument); },
-        [&] { return "memory for " + std::to_string(size) + " elements"; });
-  };
-  check("ids", ids.data(), ids.size());
-  check("distances", distances.data(), distances.size());
+  kernels::CheckMemory(kCall, "ids", ids.data(), ids.size(),
+                       alignof(std::uint32_t));
+  kernels::CheckMemory(kCall, "distances", distances.data(), distances.size(),
+                       alignof(float));
   std::ignore = dispatch::IndexOf(options.target, kCall);
   if (tree.size() == 0) return 0;
   NearestSearch search = SearchFrom(tree, dims, point, max_distance);

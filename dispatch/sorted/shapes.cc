@@ -5,7 +5,9 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <tuple>
 
+#include "dispatch/sorted/layout.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/fit.h"
 #include "halfspace/sorted.h"
@@ -171,22 +173,10 @@ std::size_t SortedSurvivorsOfMany(const SortedTree& tree, const void* queries,
                                   Span<std::uint32_t> ids,
                                   Span<std::size_t> offsets,
                                   const SortedOptions& options) {
-  // Its checks, and its zeros.
-  SortedSurvivorsOfMany(tree, nullptr, 0, ids, offsets, options);
   constexpr const char* kCall = "SurvivorsOfEach";
-  if (offsets.size() <= query_count) {
-    kernels::ThrowInvalid(
-        kCall, "offsets",
-        "at least one more than the queries, " + std::to_string(query_count),
-        std::to_string(offsets.size()));
-  }
-  if (query_count > 0) {
-    kernels::CheckPointer(
-        kCall, queries, alignof(float), [] { return std::string("queries"); },
-        [&] {
-          return "memory for " + std::to_string(query_count) + " elements";
-        });
-  }
+  std::ignore = KernelsOf(tree.shape(), options.target, kCall);
+  CheckOfEach(kCall, queries, query_count, ids, offsets);
+  offsets[0] = 0;
   std::size_t total = 0;
   for (std::size_t q = 0; q < query_count; ++q) {
     const Prepared prepared(tree, at(queries, q), options, kCall);

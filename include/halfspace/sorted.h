@@ -292,7 +292,7 @@ class SortedWorld {
 
   // A world of what Blob() gave. FromBlob() copies the bytes. InPlace() refers
   // to them: they are aligned to 64, as a mapped file is, and stay unchanged
-  // while the world lives; a change of the world makes it a copy first.
+  // while the world lives; a change of the world copies them first.
   // Whatever the bytes are, no call reads outside them. What is checked is
   // O(1): bytes that were altered may give other answers, and any ids. Throws
   // (error.h) if they are not a world's of this type, this byte order and this

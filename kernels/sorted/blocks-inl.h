@@ -247,6 +247,19 @@ TestBlock(const detail::Block<kBlockPlanes<kAxes, kHasMax>>& block,
   return {~rejected, not_certain & ~rejected};
 }
 
+// The bits of those of 64 objects or nodes that have one of some categories.
+HWY_NOINLINE inline uint64_t CategoryBits(const uint32_t* categories,
+                                          uint32_t wanted_categories) {
+  const WordTag<uint32_t> d;
+  const auto wanted = hn::Set(d, wanted_categories);
+  uint64_t bits = 0;
+  for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+    const auto common = hn::And(hn::LoadU(d, categories + i), wanted);
+    bits |= LaneBits(d, hn::Ne(common, hn::Zero(d))) << i;
+  }
+  return bits;
+}
+
 // The bits of the objects or nodes inside a box or an octahedron: those whose
 // minima are above its minima and whose maxima are below its maxima. `inverse`
 // has the query's minima, and its negated maxima, in the lanes of WalkQuery.

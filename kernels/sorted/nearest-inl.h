@@ -19,6 +19,7 @@
 #include "kernels/prefetch.h"
 #include "kernels/scan/words-inl.h"
 #include "kernels/sorted/block.h"
+#include "kernels/sorted/blocks-inl.h"
 #include "kernels/sorted/nearest.h"
 #include "kernels/sorted/shapes-inl.h"
 
@@ -101,7 +102,8 @@ class NearestFinder {
     const detail::SortedLevel& nodes = search_.levels->level[level];
     const size_t first = block * detail::kBlockObjects;
     uint64_t wanted = nodes.present[block];
-    if (has_categories_) wanted &= CategoryBits(nodes.categories + first);
+    if (has_categories_)
+      wanted &= CategoryBits(nodes.categories + first, search_.categories);
     const WordTag<float> d;
     const auto limit = hn::Set(d, KeyOf(worst_));
     const auto from = hn::Set(d, level == 0 ? KeyOf(search_.from) : 0.0f);
@@ -127,17 +129,6 @@ class NearestFinder {
       keys[hwy::Num0BitsBelowLS1Bit_Nonzero64(others)] = kInf;
     }
     return (bits & wanted) != 0;
-  }
-
-  HWY_NOINLINE uint64_t CategoryBits(const uint32_t* categories) const {
-    const WordTag<uint32_t> d;
-    const auto wanted = hn::Set(d, search_.categories);
-    uint64_t bits = 0;
-    for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
-      const auto common = hn::And(hn::LoadU(d, categories + i), wanted);
-      bits |= LaneBits(d, hn::Ne(common, hn::Zero(d))) << i;
-    }
-    return bits;
   }
 
   // The least key and its first lane, which is not taken again.

@@ -74,8 +74,8 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
     const detail::SortedLevel& level = levels.level[0];
     uint64_t objects = level.present[block];
     if (level.categories != nullptr && ~this->walk_.categories != 0) {
-      objects &=
-          this->CategoryBits(level.categories + block * detail::kBlockObjects);
+      objects &= CategoryBits(level.categories + block * detail::kBlockObjects,
+                              this->walk_.categories);
     }
     return objects;
   }

@@ -180,9 +180,8 @@ class Walker {
       kept &= static_cast<Leaves*>(this)->WantedNodes(level, place);
     }
     if (kept != 0 && has_categories_) {
-      kept &= CategoryBits(levels_.level[level].categories +
-                           size_t{place & detail::kBlockMask} *
-                               detail::kBlockObjects);
+      kept &= CategoryBits(levels_.level[level].categories + FirstOf(place),
+                           walk_.categories);
     }
     if (kept != 0 && level != 0 && walk_.shape != nullptr &&
         walk_.shape->instead == nullptr) {
@@ -190,17 +189,6 @@ class Walker {
                                    FirstOf(place), kept);
     }
     return kept;
-  }
-
-  HWY_NOINLINE uint64_t CategoryBits(const uint32_t* categories) const {
-    const WordTag<uint32_t> d;
-    const auto wanted = hn::Set(d, walk_.categories);
-    uint64_t bits = 0;
-    for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
-      const auto common = hn::And(hn::LoadU(d, categories + i), wanted);
-      bits |= LaneBits(d, hn::Ne(common, hn::Zero(d))) << i;
-    }
-    return bits;
   }
 
   // The nodes of `kept` all of whose objects survive.
