@@ -119,9 +119,9 @@ int Compare(const Results& results, const StoredRun& stored,
   }
   if (!worse.empty()) {
     BenchOptions again = options;
-    again.only.clear();
+    again.details.clear();
     for (const Regression& regression : worse) {
-      again.only.push_back(regression.section);
+      again.details.push_back(regression.section);
     }
     Progress progress;
     const Results second = Run(again, ReadInput(options), progress, nullptr);
@@ -146,11 +146,16 @@ int Compare(const Results& results, const StoredRun& stored,
 Results RunTo(std::ostream& out, const BenchOptions& options,
               std::optional<Workload> input) {
   const bool is_text = options.format == Format::kText;
+  const bool is_page = options.details.empty();
   Progress progress;
-  Results results =
-      Run(options, std::move(input), progress, is_text ? &out : nullptr);
+  Results results = Run(options, std::move(input), progress,
+                        is_text && !is_page ? &out : nullptr);
   progress.Clear();
-  if (!is_text) out << ToJson(results) << '\n';
+  if (!is_text) {
+    out << ToJson(results) << '\n';
+  } else if (is_page) {
+    WritePage(out, ToJson(results));
+  }
   return results;
 }
 
@@ -176,6 +181,12 @@ int Main(int argc, char** argv) {
     results = RunTo(text, options, std::move(input));
     file.Write(text.str());
   }
+  if (options.is_strict && results.noise && results.noise->is_noisy()) {
+    return Fail(
+        "--strict: something disturbed the run (the section noise says how "
+        "much); run again when the machine is idle",
+        kExitFailed);
+  }
   return stored ? Compare(results, *stored, options) : kExitOk;
 }
 
@@ -199,8 +210,9 @@ int main(int argc, char** argv) {
   } catch (const InputError& error) {
     return Fail(error.what(), kExitBadInput);
   } catch (const std::bad_alloc&) {
-    return Fail("out of memory; free some, or choose fewer sections by --only",
-                kExitFailed);
+    return Fail(
+        "out of memory; free some, or choose fewer sections by --details",
+        kExitFailed);
   } catch (const std::exception& error) {
     return Fail(error.what(), kExitFailed);
   } catch (...) {

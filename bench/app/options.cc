@@ -84,8 +84,8 @@ std::vector<std::string> SplitAtCommas(const std::string& list) {
 
 std::string CheckSections(const std::string& list) {
   for (const std::string& name : SplitAtCommas(list)) {
-    if (std::find(kSections.begin(), kSections.end(), name) ==
-        kSections.end()) {
+    if (name != kAllSections && std::find(kSections.begin(), kSections.end(),
+                                          name) == kSections.end()) {
       return "\"" + name + "\" is no section of --list";
     }
   }
@@ -103,10 +103,11 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
                        std::string("cpuinfo-bench ") + HALFSPACE_VERSION_STRING,
                        "Print the version and exit");
   app.add_flag("--quick", options.is_quick,
-               "A smaller scene and fewer repetitions: under a minute");
+               "A smaller scene and fewer repetitions: 20 seconds");
   std::vector<std::string> lists;
-  app.add_option("--only", lists,
-                 "Only these sections, separated by commas (see --list)")
+  app.add_option("--details", lists,
+                 "Measure these sections at length and print their tables; "
+                 "separated by commas, see --list; all takes minutes")
       ->check(CheckSections)
       ->type_name("SECTION,...");
   auto* mesh = app.add_option("--mesh", options.mesh,
@@ -135,9 +136,17 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
       ->check(CheckTarget)
       ->type_name("NAME");
   app.add_option("--repetitions", options.repetitions,
-                 "Repetitions of every measurement (default 7, quick 3)")
+                 "Repetitions of every measurement (default 5, of --details "
+                 "7, quick 3)")
       ->transform(Whole(1, kMostRepetitions))
       ->type_name("N");
+  app.add_option("--exact-ns", options.exact_ns,
+                 "What your exact test of a survivor takes, in ns (default: "
+                 "a triangle pair's, measured)")
+      ->check(CLI::Range(0.0, 1e9))
+      ->type_name("NS");
+  app.add_flag("--strict", options.is_strict,
+               "Exit with 4 if something disturbed the run");
   std::string format = "text";
   app.add_option("--format", format, "text (default) or json")
       ->check(CLI::IsMember({"text", "json"}))
@@ -161,9 +170,12 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
     app.exit(error);
     return false;
   }
+  for (int i = 1; i < argc; ++i) {
+    options.command += (i == 1 ? "" : " ") + std::string(argv[i]);
+  }
   for (const std::string& list : lists) {
     for (std::string& section : SplitAtCommas(list)) {
-      options.only.push_back(std::move(section));
+      options.details.push_back(std::move(section));
     }
   }
   options.format = format == "json" ? Format::kJson : Format::kText;

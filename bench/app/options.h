@@ -14,15 +14,25 @@
 
 namespace halfspace::bench {
 
-inline constexpr std::array<std::string_view, 11> kSections = {
-    "machine",    "check",  "table1",  "crossover", "kernels", "build",
-    "throughput", "sorted", "quality", "segments",  "verdict"};
+inline constexpr std::array<std::string_view, 15> kSections = {
+    "machine", "check",      "table1",  "crossover", "kernels",
+    "build",   "throughput", "sorted",  "quality",   "segments",
+    "model",   "sweep",      "threads", "noise",     "answers"};
+
+// Those that the page is made of.
+inline constexpr std::array<std::string_view, 11> kPageSections = {
+    "machine", "check", "table1",  "crossover", "kernels", "quality",
+    "model",   "sweep", "threads", "noise",     "answers"};
+
+inline constexpr std::string_view kAllSections = "all";
 
 enum class Format { kText, kJson };
 
 struct BenchOptions {
+  std::string command;  // as it was typed
   bool is_quick = false;
-  std::vector<std::string> only;  // empty: all sections
+  // Sections to measure at length and print; empty: the page, in short.
+  std::vector<std::string> details;
   std::string mesh;
   std::string bounds;
   std::size_t objects = 0;  // 0: the default of the run
@@ -30,6 +40,8 @@ struct BenchOptions {
   std::uint64_t seed = 1;
   std::string target;  // empty: all
   std::size_t repetitions = 0;
+  std::optional<double> exact_ns;  // empty: that of a triangle pair, measured
+  bool is_strict = false;
   Format format = Format::kText;
   std::string out;
   std::string against;  // a stored report; empty: none
@@ -40,8 +52,12 @@ struct BenchOptions {
   std::string Scope() const;
 
   bool Wants(std::string_view section) const {
-    return only.empty() ||
-           std::find(only.begin(), only.end(), section) != only.end();
+    const auto has = [](const auto& list, std::string_view name) {
+      return std::find(list.begin(), list.end(), name) != list.end();
+    };
+    return details.empty()
+               ? has(kPageSections, section)
+               : has(details, section) || has(details, kAllSections);
   }
 };
 

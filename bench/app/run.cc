@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bench/base/text_table.h"
+#include "bench/measure/clock_probe.h"
 #include "bench/report/paper.h"
 #include "bench/report/report.h"
 #include "bench/sections/sections.h"
@@ -26,8 +27,11 @@ std::vector<Target> TargetsOf(const BenchOptions& options) {
 
 Effort EffortOf(const BenchOptions& options) {
   Effort effort;
-  effort.repetitions = options.is_quick ? 3 : 7;
-  effort.seconds_per_repetition = options.is_quick ? 0.004 : 0.015;
+  const bool is_page = options.details.empty();
+  effort.repetitions = options.is_quick ? 3 : is_page ? 5 : 7;
+  effort.seconds_per_repetition = options.is_quick ? 0.003
+                                  : is_page        ? 0.006
+                                                   : 0.015;
   if (options.repetitions != 0) effort.repetitions = options.repetitions;
   return effort;
 }
@@ -42,11 +46,18 @@ class Runner {
         progress_(progress),
         text_(text),
         context_{TargetsOf(options), EffortOf(options), progress,
-                 results_.timings} {}
+                 results_.timings},
+        best_{context_} {
+    // SupportedTargets() is best first, and answers are about one target.
+    best_.targets = {AnswersTarget()};
+  }
 
   Results Run() {
     results_.context = RunMachine();
     results_.options = options_.Scope();
+    results_.command = options_.command;
+    results_.seed = options_.seed;
+    results_.repetitions = context_.effort.repetitions;
     CheckMemory();
     PlanProgress();
     Section("machine", results_.machine, [&] { return results_.context; });
@@ -55,13 +66,14 @@ class Runner {
     Section("table1", results_.table1,
             [&] { return RunTable1(Scene(), options_.seed, context_); });
     Section("crossover", results_.crossover, [&] {
-      CrossoverResult result = RunCrossover(Sets({"L2", "memory"}), context_);
+      CrossoverResult result = RunCrossover(
+          IsPage() ? Sets({"L2"}) : Sets({"L2", "memory"}), context_);
       result.not_reached = NotReached();
       return result;
     });
     Section("kernels", results_.kernels, [&] {
-      KernelsResult result =
-          RunKernels(Sets({"L1", "L2", "L3", "memory"}), context_);
+      KernelsResult result = RunKernels(Sets({"L1", "L2", "L3", "memory"}),
+                                        IsPage() ? best_ : context_);
       result.not_reached = NotReached();
       return result;
     });
@@ -90,8 +102,22 @@ class Runner {
       return RunSegments(Measured(), options_.seed, options_.is_quick,
                          context_);
     });
-    Section("verdict", results_.verdict,
-            [&] { return MakeVerdict(results_, VerdictTarget()); });
+    Section("model", results_.model, [&] {
+      return RunModel(Measured(), *Sets({"L2"}).front(), Quality(),
+                      ExactTests(), best_);
+    });
+    Section("sweep", results_.sweep, [&] {
+      const ExactTest exact =
+          options_.exact_ns ? ExactTest{"given", *options_.exact_ns,
+                                        *options_.exact_ns, *options_.exact_ns}
+                            : ExactTests().front();
+      return RunSweep(Measured(), exact, options_.seed, options_.is_quick,
+                      best_);
+    });
+    Section("threads", results_.threads,
+            [&] { return RunThreads(Measured(), Sets({"memory"}), best_); });
+    Section("noise", results_.noise, [&] { return Noise(); });
+    Section("answers", results_.answers, [&] { return MakeAnswers(results_); });
     return std::move(results_);
   }
 
@@ -107,6 +133,9 @@ class Runner {
     if (section == "throughput") return 70.0;
     if (section == "sorted") return 50.0;
     if (section == "segments") return 1.0;
+    if (section == "model") return 2.0;
+    if (section == "sweep") return 15.0;
+    if (section == "threads") return 2.0;
     return 0.1;
   }
 
@@ -124,6 +153,7 @@ class Runner {
     if (!options_.Wants(name)) return;
     if (scene_.objects.empty() && NeedsScene(name)) Scene();
     progress_.Begin(name, WeightOf(name));
+    clock_.Sample();
     result = make();
     progress_.Clear();
     if (text_ != nullptr) {
@@ -135,7 +165,7 @@ class Runner {
   bool NeedsScene(std::string_view section) const {
     if (section == "table1") return true;
     return !input_ && section != "machine" && section != "sorted" &&
-           section != "verdict";
+           section != "answers";
   }
 
   std::size_t SceneObjects() const {
@@ -226,7 +256,31 @@ class Runner {
     return reasons;
   }
 
-  Target VerdictTarget() const {
+  bool IsPage() const { return options_.details.empty(); }
+
+  const QualityResult& Quality() {
+    if (results_.quality) return *results_.quality;
+    if (!quality_) quality_ = RunQuality(Measured(), context_);
+    return *quality_;
+  }
+
+  const std::vector<ExactTest>& ExactTests() {
+    if (exact_tests_.empty()) {
+      exact_tests_ = RunExactTests(options_.seed, context_);
+    }
+    return exact_tests_;
+  }
+
+  NoiseResult Noise() {
+    // Neither a busy neighbour nor a clock that changes by less has been seen
+    // to change an answer.
+    constexpr double kLimit = 0.05;
+    const Ratio ratio = SameOverSame(*Sets({"L2"}).front(), best_);
+    clock_.Sample();
+    return {ratio, clock_.Drift(), kLimit};
+  }
+
+  Target AnswersTarget() const {
     const std::vector<Target>& targets = context_.targets;
     const bool is_measured = std::find(targets.begin(), targets.end(),
                                        ChosenTarget()) != targets.end();
@@ -239,7 +293,11 @@ class Runner {
   std::ostream* text_;
   Results results_;
   Context context_;
+  Context best_;  // the target of the answers alone
   Workload scene_;
+  ClockProbe clock_;
+  std::optional<QualityResult> quality_;  // if its section does not run
+  std::vector<ExactTest> exact_tests_;
   std::vector<std::unique_ptr<WorkingSet>> sets_;
 };
 
@@ -256,6 +314,7 @@ std::string BenchOptions::Scope() const {
   if (objects != 0) add("--objects " + std::to_string(objects));
   if (queries != 0) add("--queries " + std::to_string(queries));
   if (seed != 1) add("--seed " + std::to_string(seed));
+  if (exact_ns) add("--exact-ns " + Fixed(*exact_ns, 3));
   return text;
 }
 

@@ -110,15 +110,19 @@ double Timing::Quantile(double quantile) const {
   return QuantileOf(samples, quantile);
 }
 
-Ratio RatioOf(const Timing& numerator, const Timing& denominator) {
+Ratio RatioOf(const std::vector<double>& numerator,
+              const std::vector<double>& denominator) {
   std::vector<double> ratios;
-  const std::size_t count =
-      std::min(numerator.samples.size(), denominator.samples.size());
+  const std::size_t count = std::min(numerator.size(), denominator.size());
   for (std::size_t i = 0; i < count; ++i) {
-    ratios.push_back(numerator.samples[i] / denominator.samples[i]);
+    ratios.push_back(numerator[i] / denominator[i]);
   }
   return {QuantileOf(ratios, 0.5), QuantileOf(ratios, 0.25),
           QuantileOf(ratios, 0.75)};
+}
+
+Ratio RatioOf(const Timing& numerator, const Timing& denominator) {
+  return RatioOf(numerator.samples, denominator.samples);
 }
 
 void KeepResult(std::uint32_t result) { benchmark::DoNotOptimize(result); }

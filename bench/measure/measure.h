@@ -58,6 +58,8 @@ struct Ratio {
 
   Ratio Percent() const { return {100.0 * median, 100.0 * low, 100.0 * high}; }
 };
+Ratio RatioOf(const std::vector<double>& numerator,
+              const std::vector<double>& denominator);
 Ratio RatioOf(const Timing& numerator, const Timing& denominator);
 
 struct Effort {

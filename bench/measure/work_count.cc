@@ -2,14 +2,12 @@
 
 #include <algorithm>
 
-#include "bench/measure/plane_words.h"
 #include "halfspace/targets.h"
 
 namespace halfspace::bench {
 namespace {
 
 constexpr std::size_t kWordObjects = 64;
-constexpr std::size_t kMostPlanes = 8;
 
 // Widths of more than a word, in words.
 constexpr std::array<std::size_t, 3> kWideWords = {4, 16, 64};
@@ -36,6 +34,9 @@ std::uint64_t ObjectsIn(std::uint64_t kept) {
   return SumOfBytes((pairs + (pairs >> 4)) & 0x0F0F0F0F0F0F0F0F);
 }
 
+using ByWidth = std::array<std::uint64_t, kWorkWidths.size()>;
+using Reached = std::array<ByWidth, kPlaneWordsPlanes>;
+
 // Counts one shape over one query's words.
 template <std::size_t kPlanes>
 class ShapeCounter {
@@ -47,12 +48,13 @@ class ShapeCounter {
     std::uint64_t kept = ~std::uint64_t{0};
     for (std::size_t k = 0; k < kPlanes && kept != 0; ++k) {
       std::uint64_t any = kept;
-      evaluated_[0] += ObjectsIn(kept);
+      ByWidth& reached = reached_[k];
+      reached[0] += ObjectsIn(kept);
       for (int shift : {1, 2, 4}) any |= any >> shift;
       const std::uint64_t any8 = any & 0x0101010101010101;
-      evaluated_[1] += SumOfBytes(any8);
-      evaluated_[2] += SumOf16((any8 | (any8 >> 8)) & 0x0001000100010001);
-      evaluated_[3] += 1;
+      reached[1] += SumOfBytes(any8);
+      reached[2] += SumOf16((any8 | (any8 >> 8)) & 0x0001000100010001);
+      reached[3] += 1;
       for (std::size_t b = 0; b < kWideWords.size(); ++b) {
         wide_nonzero_[b][k] = true;
       }
@@ -64,21 +66,26 @@ class ShapeCounter {
   void CloseBatches(std::size_t words_done, bool is_end) {
     for (std::size_t b = 0; b < kWideWords.size(); ++b) {
       if (words_done % kWideWords[b] != 0 && !is_end) continue;
-      for (bool& kept : wide_nonzero_[b]) {
-        evaluated_[4 + b] += kept ? 1 : 0;
-        kept = false;
+      for (std::size_t k = 0; k < kPlanes; ++k) {
+        reached_[k][4 + b] += wide_nonzero_[b][k] ? 1 : 0;
+        wide_nonzero_[b][k] = false;
       }
     }
   }
 
-  const std::array<std::uint64_t, kWorkWidths.size()>& evaluated() const {
-    return evaluated_;
+  void AddTo(Reached& sums) const {
+    for (std::size_t k = 0; k < kPlanes; ++k) {
+      for (std::size_t i = 0; i < kWorkWidths.size(); ++i) {
+        sums[k][i] += reached_[k][i];
+      }
+    }
   }
 
  private:
   const std::array<std::size_t, kPlanes>& order_;
-  std::array<std::uint64_t, kWorkWidths.size()> evaluated_{};
-  std::array<std::array<bool, kMostPlanes>, kWideWords.size()> wide_nonzero_{};
+  Reached reached_{};
+  std::array<std::array<bool, kPlaneWordsPlanes>, kWideWords.size()>
+      wide_nonzero_{};
 };
 
 // The planes from object `first` on, as the kernels take them.
@@ -90,11 +97,6 @@ std::array<const float*, kPlaneWordsPlanes> PlanesFrom(const AaboView3& view,
     planes[4 + k] = view.max[k] + first;
   }
   return planes;
-}
-
-void AddTo(std::array<std::uint64_t, kWorkWidths.size()>& sums,
-           const std::array<std::uint64_t, kWorkWidths.size()>& more) {
-  for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += more[i];
 }
 
 }  // namespace
@@ -125,9 +127,9 @@ void WorkCounter::Add(const Aabo3& query) {
       aabo.CloseBatches(begin + w + 1, is_end);
     }
   }
-  AddTo(evaluated_[0], aabb.evaluated());
-  AddTo(evaluated_[1], simplex.evaluated());
-  AddTo(evaluated_[2], aabo.evaluated());
+  aabb.AddTo(reached_[0]);
+  simplex.AddTo(reached_[1]);
+  aabo.AddTo(reached_[2]);
   ++queries_;
 }
 
@@ -139,14 +141,33 @@ WorkCount WorkCounter::Average() const {
         (objects + kWorkWidths[i] - 1) / kWorkWidths[i] * queries_;
     if (batches == 0) continue;
     const auto average_of = [&](std::size_t shape) {
-      return static_cast<double>(evaluated_[shape][i]) /
-             static_cast<double>(batches);
+      std::uint64_t evaluated = 0;
+      for (const ByWidth& reached : reached_[shape]) evaluated += reached[i];
+      return static_cast<double>(evaluated) / static_cast<double>(batches);
     };
     average.aabb[i] = average_of(0);
     average.simplex[i] = average_of(1);
     average.aabo[i] = average_of(2);
   }
   return average;
+}
+
+BatchRejects WorkCounter::RejectsPerPlane() const {
+  BatchRejects rejects;
+  for (std::size_t i = 0; i < kWorkWidths.size(); ++i) {
+    const auto share_of = [&](std::size_t shape, std::size_t planes) {
+      const auto& reached = reached_[shape];
+      std::uint64_t before_last = 0;
+      for (std::size_t k = 0; k + 1 < planes; ++k) before_last += reached[k][i];
+      if (before_last == 0) return 0.0;
+      return static_cast<double>(reached[0][i] - reached[planes - 1][i]) /
+             static_cast<double>(before_last);
+    };
+    rejects.aabb[i] = share_of(0, kAabbOrder.size());
+    rejects.simplex[i] = share_of(1, kSimplexOrder.size());
+    rejects.aabo[i] = share_of(2, kAaboOrder.size());
+  }
+  return rejects;
 }
 
 }  // namespace halfspace::bench

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "bench/measure/plane_words.h"
 #include "halfspace/bounds.h"
 #include "halfspace/world.h"
 
@@ -25,6 +26,11 @@ struct WorkCount {
   std::array<double, kWorkWidths.size()> aabo{};
 };
 
+// How likely a half-space is to end a batch that has reached it, on average
+// over all but the last one, after which every batch ends. In the order of
+// kWorkWidths.
+using BatchRejects = WorkCount;
+
 // Adds up the batches in which each half-space was evaluated. Objects past the
 // last full word of 64 are left out.
 class WorkCounter {
@@ -33,14 +39,17 @@ class WorkCounter {
 
   void Add(const Aabo3& query);
   WorkCount Average() const;
+  BatchRejects RejectsPerPlane() const;
 
  private:
-  // Per shape: aabb, simplex, aabo; per width.
-  using Sums = std::array<std::array<std::uint64_t, kWorkWidths.size()>, 3>;
+  // Batches that reach a half-space: per shape (aabb, simplex, aabo), per
+  // half-space in the order of evaluation, per width.
+  using ByWidth = std::array<std::uint64_t, kWorkWidths.size()>;
+  using Sums = std::array<std::array<ByWidth, kPlaneWordsPlanes>, 3>;
 
   AaboView3 objects_;
   std::size_t queries_ = 0;
-  Sums evaluated_{};
+  Sums reached_{};
 };
 
 }  // namespace halfspace::bench

@@ -4,6 +4,7 @@
 
 #include <ostream>
 #include <string>
+#include <string_view>
 
 #include "bench/report/results.h"
 
@@ -21,11 +22,20 @@ void WriteText(std::ostream& out, const ThroughputResult& result);
 void WriteText(std::ostream& out, const SortedResult& result);
 void WriteText(std::ostream& out, const QualityResult& result);
 void WriteText(std::ostream& out, const SegmentsResult& result);
-void WriteText(std::ostream& out, const VerdictResult& result);
+void WriteText(std::ostream& out, const ModelResult& result);
+void WriteText(std::ostream& out, const SweepResult& result);
+void WriteText(std::ostream& out, const ThreadsResult& result);
+void WriteText(std::ostream& out, const NoiseResult& result);
+void WriteText(std::ostream& out, const AnswersResult& result);
 
 // Everything, for a program: docs/cpuinfo-bench.md describes the schema.
-inline constexpr int kReportSchema = 2;
+inline constexpr int kReportSchema = 3;
 std::string ToJson(const Results& results);
+
+// The page to read, at most 60 lines, of a report that ToJson() has made, now
+// or on another machine. What was not measured is left out. Throws
+// std::invalid_argument, with what is wrong, for what is no report.
+void WritePage(std::ostream& out, std::string_view json);
 
 }  // namespace halfspace::bench
 

@@ -32,7 +32,8 @@ std::string Now() {
 
 // Google Benchmark's names where it has them; the build type is this program's
 // own, not that of the installed benchmark library.
-Json ContextJson(const MachineResult& result, const std::string& options) {
+Json ContextJson(const Results& results) {
+  const MachineResult& result = results.context;
   const Machine& m = result.machine;
   Json caches = Json::array();
   for (const Cache& cache : m.caches) {
@@ -41,11 +42,19 @@ Json ContextJson(const MachineResult& result, const std::string& options) {
                       {"size", cache.bytes},
                       {"num_sharing", cache.shared_by}});
   }
-  return {{"date", Now()},      {"executable", "cpuinfo-bench"},
-          {"options", options}, {"num_cpus", m.cores},
-          {"caches", caches},   {"library_build_type", result.build.type},
-          {"cpu", m.cpu},       {"architecture", m.architecture},
-          {"system", m.system}, {"halfspace_version", result.build.version}};
+  return {{"date", Now()},
+          {"executable", "cpuinfo-bench"},
+          {"options", results.options},
+          {"command", results.command},
+          {"seed", results.seed},
+          {"repetitions", results.repetitions},
+          {"num_cpus", m.cores},
+          {"caches", caches},
+          {"library_build_type", result.build.type},
+          {"cpu", m.cpu},
+          {"architecture", m.architecture},
+          {"system", m.system},
+          {"halfspace_version", result.build.version}};
 }
 
 Json BenchmarksJson(const std::vector<Timing>& timings) {
@@ -59,6 +68,9 @@ Json BenchmarksJson(const std::vector<Timing>& timings) {
                     {"repetitions", timing.samples.size()},
                     {"iterations", timing.iterations},
                     {"cpu_time", nanoseconds},
+                    {"quartiles",
+                     {timing.Quantile(0.25) * timing.items,
+                      timing.Quantile(0.75) * timing.items}},
                     {"time_unit", "ns"},
                     {"items_per_second", 1e9 / timing.Median()}});
   }
@@ -107,9 +119,8 @@ Json ToJson(const Table1Result& result) {
           {"accepts", ToJson(result.accepts)}};
 }
 
-Json ToJson(const std::optional<Ratio>& ratio) {
-  if (!ratio) return nullptr;
-  return {{"median", ratio->median}, {"quartiles", {ratio->low, ratio->high}}};
+Json ToJson(const Ratio& ratio) {
+  return {{"median", ratio.median}, {"quartiles", {ratio.low, ratio.high}}};
 }
 
 Json ToJson(const CrossoverResult& result) {
@@ -123,7 +134,9 @@ Json ToJson(const CrossoverResult& result) {
                     {"aabb_ns", OrNull(row.ns.aabb)},
                     {"simplex_ns", OrNull(row.ns.simplex)},
                     {"aabo_ns", OrNull(row.ns.aabo)},
-                    {"simplex_over_aabb", ToJson(row.simplex_over_aabb)}});
+                    {"simplex_over_aabb", row.simplex_over_aabb
+                                              ? ToJson(*row.simplex_over_aabb)
+                                              : Json(nullptr)}});
   }
   Json targets = Json::array();
   for (const WStar& star : result.w_stars) {
@@ -219,8 +232,138 @@ Json ToJson(const SegmentsResult& result) {
           {"rows", rows}};
 }
 
-Json ToJson(const VerdictResult& result) {
-  return {{"sentences", result.sentences}};
+Json ToJson(const LeadFrom& lead) {
+  return {{"w", OrNull(lead.w)}, {"at_most", lead.is_at_most}};
+}
+
+Json ToJson(const ModelResult& result) {
+  Json shapes = Json::array();
+  for (const ModelShape& shape : result.shapes) {
+    Json rows = Json::array();
+    for (const ModelRow& row : shape.rows) {
+      rows.push_back(
+          {{"w", row.w},
+           {"p", row.p},
+           {"expected_half_spaces", row.expected},
+           {"counted_half_spaces", row.counted},
+           {"compare_ns", row.compare_ns},
+           {"predicted_ns", row.predicted_ns},
+           {"measured_ns", row.measured_ns},
+           {"measured_over_predicted", ToJson(row.measured_over_predicted)}});
+    }
+    shapes.push_back({{"shape", shape.shape},
+                      {"planes", shape.planes},
+                      {"schedule", shape.schedule},
+                      {"ns_per_object", shape.ns_per_object},
+                      {"candidates", shape.candidates},
+                      {"rows", rows}});
+  }
+  Json advantages = Json::array();
+  for (const AdvantageRow& row : result.advantages) {
+    advantages.push_back({{"w", row.w},
+                          {"expected", row.expected},
+                          {"counted", row.counted},
+                          {"predicted", row.predicted},
+                          {"measured", ToJson(row.measured)}});
+  }
+  Json exact_tests = Json::array();
+  for (const ExactTest& test : result.exact_tests) {
+    exact_tests.push_back({{"name", test.name},
+                           {"ns", test.ns},
+                           {"quartiles", {test.low, test.high}}});
+  }
+  Json break_even = Json::array();
+  for (const BreakEven& each : result.break_even) {
+    break_even.push_back({{"against", each.against}, {"ns", OrNull(each.ns)}});
+  }
+  return {{"target", result.target},
+          {"working_set", result.working_set},
+          {"objects", result.objects},
+          {"compare_ns", result.compare_ns},
+          {"call_ns", result.call_ns},
+          {"shapes", shapes},
+          {"advantages", advantages},
+          {"crossover",
+           {{"expected", ToJson(result.expected)},
+            {"counted", ToJson(result.counted)},
+            {"predicted", ToJson(result.predicted)},
+            {"measured", ToJson(result.measured)}}},
+          {"exact_tests", exact_tests},
+          {"break_even", break_even}};
+}
+
+Json ToJson(const SweepCell& cell) {
+  Json ways = Json::array();
+  for (const Way& way : cell.ways) {
+    ways.push_back({{"shape", way.shape},
+                    {"schedule", way.schedule},
+                    {"precision", way.precision},
+                    {"ns", way.ns},
+                    {"quartiles", {way.low, way.high}},
+                    {"survivors", way.survivors},
+                    {"ns_with_exact", way.ns_with_exact},
+                    {"of_best", ToJson(way.of_best)}});
+  }
+  const Way& best = cell.ways[cell.best];
+  return {{"size", OrNull(cell.size)},
+          {"objects", cell.objects},
+          {"slab_overlap", cell.slab_overlap},
+          {"survivors", best.survivors},
+          {"winner", best.name()},
+          {"ns", best.ns_with_exact},
+          {"is_tie", cell.is_tie},
+          {"ways", ways}};
+}
+
+Json ToJson(const SweepResult& result) {
+  Json cells = Json::array();
+  for (const SweepCell& cell : result.cells) cells.push_back(ToJson(cell));
+  Json map = Json::array();
+  for (const MapPoint& point : result.map) {
+    map.push_back({{"w", point.w},
+                   {"slab_overlap", point.slab_overlap},
+                   {"simplex_over_aabb", ToJson(point.simplex_over_aabb)}});
+  }
+  return {{"target", result.target},
+          {"exact_ns", result.exact_ns},
+          {"exact_test", result.exact_test},
+          {"own", ToJson(result.own)},
+          {"cells", cells},
+          {"map", map}};
+}
+
+Json ToJson(const ThreadsResult& result) {
+  Json rows = Json::array();
+  for (const ThreadsRow& row : result.rows) {
+    rows.push_back({{"work", row.work},
+                    {"threads", row.threads},
+                    {"ns_per_pair", row.ns_per_pair},
+                    {"times", ToJson(row.times)}});
+  }
+  return {{"rows", rows}, {"not_reached", result.not_reached}};
+}
+
+Json ToJson(const NoiseResult& result) {
+  return {{"same_over_same", ToJson(result.same_over_same)},
+          {"clock_drift", result.clock_drift},
+          {"limit", result.limit},
+          {"is_noisy", result.is_noisy()}};
+}
+
+Json ToJson(const AnswersResult& result) {
+  Json answers = Json::array();
+  for (const Answer& answer : result.answers) {
+    answers.push_back(
+        {{"question", answer.question},
+         {"answer", answer.text},
+         {"figure", answer.figure},
+         {"unit", answer.unit},
+         {"quartiles", answer.quartiles ? Json({answer.quartiles->low,
+                                                answer.quartiles->high})
+                                        : Json(nullptr)},
+         {"is_tie", answer.is_tie}});
+  }
+  return {{"answers", answers}, {"not_reached", result.not_reached}};
 }
 
 template <typename T>
@@ -243,9 +386,13 @@ std::string ToJson(const Results& results) {
   AddSection(sections, "sorted", results.sorted);
   AddSection(sections, "quality", results.quality);
   AddSection(sections, "segments", results.segments);
-  AddSection(sections, "verdict", results.verdict);
+  AddSection(sections, "model", results.model);
+  AddSection(sections, "sweep", results.sweep);
+  AddSection(sections, "threads", results.threads);
+  AddSection(sections, "noise", results.noise);
+  AddSection(sections, "answers", results.answers);
   Json root = {{"schema", kReportSchema},
-               {"context", ContextJson(results.context, results.options)},
+               {"context", ContextJson(results)},
                {"benchmarks", BenchmarksJson(results.timings)},
                {"sections", sections}};
   // A file name in another encoding must not stop the report.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/base/text_table.h"
 #include "bench/report/results.h"
 
 namespace halfspace::bench {
@@ -14,6 +15,14 @@ inline void Heading(std::ostream& out, const char* name,
                     const std::string& what) {
   out << '\n' << name << ": " << what << "\n\n";
 }
+
+inline std::string RatioText(const Ratio& ratio) {
+  return Fixed(ratio.median, 2) + " [" + Fixed(ratio.low, 2) + ", " +
+         Fixed(ratio.high, 2) + "]";
+}
+
+// For a reader: up to which exact test the simplex pays.
+std::string BreakEvenText(const BreakEven& break_even);
 
 inline void WriteNotReached(std::ostream& out,
                             const std::vector<std::string>& not_reached) {

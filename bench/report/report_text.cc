@@ -44,12 +44,6 @@ void AddSurvivorRows(TextTable& table, const PerShape<std::size_t>& count) {
       {"aabo", Grouped(count.aabo), Looseness(count.aabo, count.aabb)});
 }
 
-std::string RatioText(const std::optional<Ratio>& ratio) {
-  if (!ratio) return "-";
-  return Fixed(ratio->median, 2) + " [" + Fixed(ratio->low, 2) + ", " +
-         Fixed(ratio->high, 2) + "]";
-}
-
 }  // namespace
 
 void WriteText(std::ostream& out, const MachineResult& result) {
@@ -127,10 +121,11 @@ void WriteText(std::ostream& out, const CrossoverResult& result) {
   TextTable table({"target", "set", "schedule", "w", "aabb", "simplex", "aabo",
                    "simplex/aabb [quartiles]"});
   for (const CrossoverRow& row : result.rows) {
-    table.AddRow({row.target, row.working_set, row.schedule,
-                  row.w ? std::to_string(*row.w) : "-", Fixed(row.ns.aabb, 4),
-                  Fixed(row.ns.simplex, 4), Fixed(row.ns.aabo, 4),
-                  RatioText(row.simplex_over_aabb)});
+    table.AddRow(
+        {row.target, row.working_set, row.schedule,
+         row.w ? std::to_string(*row.w) : "-", Fixed(row.ns.aabb, 4),
+         Fixed(row.ns.simplex, 4), Fixed(row.ns.aabo, 4),
+         row.simplex_over_aabb ? RatioText(*row.simplex_over_aabb) : "-"});
   }
   table.Write(out, 3);
   out << '\n';
@@ -220,13 +215,6 @@ void WriteText(std::ostream& out, const SegmentsResult& result) {
                   Fixed(row.floor, 1), Grouped(row.tests)});
   }
   table.Write(out, 1);
-}
-
-void WriteText(std::ostream& out, const VerdictResult& result) {
-  Heading(out, "verdict", "what to use on this machine");
-  for (const std::string& sentence : result.sentences) {
-    out << "  " << sentence << '\n';
-  }
 }
 
 }  // namespace halfspace::bench

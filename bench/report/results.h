@@ -3,13 +3,13 @@
 #ifndef HALFSPACE_BENCH_REPORT_RESULTS_H_
 #define HALFSPACE_BENCH_REPORT_RESULTS_H_
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "bench/measure/cost_model.h"
 #include "bench/measure/machine.h"
 #include "bench/measure/measure.h"
 #include "bench/measure/work_count.h"
@@ -229,13 +229,153 @@ struct SegmentsResult {
 inline constexpr PerShape<std::size_t> kRecordBytes = {
     .aabb = 24, .simplex = 16, .aabo = 32};
 
-struct VerdictResult {
-  std::array<std::string, 3> sentences;
+// One shape, with an early-out after every half-space in batches of w.
+struct ModelRow {
+  std::size_t w = 0;
+  double p = 0.0;             // that a half-space ends the batch
+  double expected = 0.0;      // half-spaces, by p alone
+  double counted = 0.0;       // half-spaces
+  double compare_ns = 0.0;    // of an object, where nothing is rejected
+  double predicted_ns = 0.0;  // of an object
+  double measured_ns = 0.0;
+  Ratio measured_over_predicted;
+};
+
+struct ModelShape {
+  std::string shape;
+  std::size_t planes = 0;
+  std::string schedule;  // the fastest one of the library
+  double ns_per_object = 0.0;
+  double candidates = 0.0;  // of all pairs
+  std::vector<ModelRow> rows;
+};
+
+// The AABB's cost over the simplex's in batches of w, without exact tests.
+struct AdvantageRow {
+  std::size_t w = 0;
+  double expected = 0.0;   // by half-spaces expected
+  double counted = 0.0;    // by half-spaces counted
+  double predicted = 0.0;  // by time predicted
+  Ratio measured;
+};
+
+struct ExactTest {
+  std::string name;
+  double ns = 0.0;
+  double low = 0.0;  // quartiles
+  double high = 0.0;
+};
+
+// From which exact test on the simplex's extra candidates cost more than it
+// saves.
+struct BreakEven {
+  std::string against;  // a shape
+  std::optional<double> ns;
+};
+
+struct ModelResult {
+  std::string target;
+  std::string working_set;
+  std::size_t objects = 0;
+  double compare_ns = 0.0;  // w_cmp: of flat kernels, an object
+  double call_ns = 0.0;     // kappa: what a call costs by itself
+  std::vector<ModelShape> shapes;
+  std::vector<AdvantageRow> advantages;
+  LeadFrom expected;  // where the simplex begins to lead
+  LeadFrom counted;
+  LeadFrom predicted;
+  LeadFrom measured;
+  std::vector<ExactTest> exact_tests;
+  std::vector<BreakEven> break_even;
+};
+
+// One way to answer a query with a list of survivors.
+struct Way {
+  std::string shape;
+  std::string schedule;   // or "sorted"
+  std::string precision;  // "floats" or "uint8"
+  double ns = 0.0;        // a query
+  double low = 0.0;       // quartiles
+  double high = 0.0;
+  double survivors = 0.0;       // of a query
+  double ns_with_exact = 0.0;   // a query, and the exact test of survivors
+  std::vector<double> samples;  // ns with exact tests, by repetition
+  Ratio of_best;                // its time over that of the best way
+
+  std::string name() const { return shape + " " + schedule + " " + precision; }
+};
+
+// A world, and every way to query it.
+struct SweepCell {
+  std::optional<double> size;  // of an object, of the world's side; of a file
+                               // and of the paper's scene none
+  std::size_t objects = 0;
+  double slab_overlap = 0.0;  // share of pairs that overlap on X
+  std::vector<Way> ways;
+  std::size_t best = 0;  // of the ways
+  bool is_tie = false;   // with the fastest way of another family
+};
+
+// Time of gated scans, simplex over AABB.
+struct MapPoint {
+  std::size_t w = 0;
+  double slab_overlap = 0.0;
+  Ratio simplex_over_aabb;
+};
+
+struct SweepResult {
+  std::string target;
+  double exact_ns = 0.0;
+  std::string exact_test;  // its name, or "given"
+  SweepCell own;           // the scene, or the file
+  std::vector<SweepCell> cells;
+  std::vector<MapPoint> map;
+};
+
+struct ThreadsRow {
+  std::string work;  // "one query, memory" or "many queries, cache"
+  std::size_t threads = 0;
+  double ns_per_pair = 0.0;
+  Ratio times;  // as fast as one thread
+};
+
+struct ThreadsResult {
+  std::vector<ThreadsRow> rows;
+  std::vector<std::string> not_reached;
+};
+
+// What disturbed the run.
+struct NoiseResult {
+  Ratio same_over_same;      // one kernel timed against itself
+  double clock_drift = 0.0;  // the slowest clock over the fastest, minus 1
+  double limit = 0.0;        // of both, from which on a run is noisy
+
+  bool is_noisy() const {
+    return same_over_same.high - 1.0 > limit ||
+           1.0 - same_over_same.low > limit || clock_drift > limit;
+  }
+};
+
+struct Answer {
+  std::string question;
+  std::string text;
+  double figure = 0.0;
+  std::string unit;
+  std::optional<Ratio> quartiles;
+  bool is_tie = false;
+};
+
+struct AnswersResult {
+  std::vector<Answer> answers;
+  std::vector<std::string> not_reached;
 };
 
 struct Results {
   MachineResult context;  // always known, whatever sections run
   std::string options;    // those that choose what is measured
+  std::string command;    // all of them, as typed
+  std::uint64_t seed = 0;
+  std::size_t repetitions = 0;
   std::optional<MachineResult> machine;
   std::optional<CheckResult> check;
   std::optional<Table1Result> table1;
@@ -246,7 +386,11 @@ struct Results {
   std::optional<SortedResult> sorted;
   std::optional<QualityResult> quality;
   std::optional<SegmentsResult> segments;
-  std::optional<VerdictResult> verdict;
+  std::optional<ModelResult> model;
+  std::optional<SweepResult> sweep;
+  std::optional<ThreadsResult> threads;
+  std::optional<NoiseResult> noise;
+  std::optional<AnswersResult> answers;
   std::vector<Timing> timings;  // everything that was timed
 };
 

@@ -1,10 +1,10 @@
 #include <array>
-#include <cmath>
 #include <optional>
 #include <utility>
 
 #include "bench/base/schedules.h"
 #include "bench/baselines/gated_scan.h"
+#include "bench/measure/cost_model.h"
 #include "bench/sections/plan.h"
 #include "bench/sections/sections.h"
 #include "tests/reference/reference.h"
@@ -48,18 +48,6 @@ void AddRow(Plan<CrossoverRow>& plan, const CrossoverRow& row,
   });
 }
 
-Case GatedCase(WorkingSet& set, std::string name, ShapeKind shape,
-               Target target, std::size_t width) {
-  const GatedScan scan = GatedScanFor(target);
-  const std::vector<const float*> planes = PlanesOf(shape, set.view());
-  return set.MakeCase(std::move(name), shape,
-                      [&set, scan, shape, planes, width](const Aabo3& aabo) {
-                        const std::vector<float> query = QueryOf(shape, aabo);
-                        scan(shape, width, planes.data(), query.data(),
-                             set.objects(), set.mask().data());
-                      });
-}
-
 // One object after the other, stopping at its first failing plane.
 Case ScalarCase(WorkingSet& set, std::string name, ShapeKind shape) {
   return set.MakeCase(std::move(name), shape, [&set, shape](const Aabo3& aabo) {
@@ -94,7 +82,7 @@ void PlanTarget(Plan<CrossoverRow>& plan, WorkingSet& set, Target target) {
     row.schedule = "every-plane";
     row.w = width;
     AddRow(plan, row, all, [&](std::string name, ShapeKind shape) {
-      return GatedCase(set, std::move(name), shape, target, width);
+      return set.GatedCase(std::move(name), shape, target, width);
     });
   }
   for (std::size_t s = 0; s < kSchedules.size(); ++s) {
@@ -127,23 +115,15 @@ WStar FindWStar(const std::vector<CrossoverRow>& gated_rows) {
   if (gated_rows.empty()) return result;
   const CrossoverRow& first = gated_rows.front();
   result = {first.target, first.lanes, first.working_set, {}, false};
-  // From the widest gate down to the narrowest from which on the simplex leads.
-  std::size_t lead = gated_rows.size();
-  while (lead > 0 && gated_rows[lead - 1].simplex_over_aabb->median <= 1.0) {
-    --lead;
+  std::vector<double> widths;
+  std::vector<double> ratios;
+  for (const CrossoverRow& row : gated_rows) {
+    widths.push_back(static_cast<double>(*row.w));
+    ratios.push_back(row.simplex_over_aabb->median);
   }
-  if (lead == gated_rows.size()) return result;
-  const double w = static_cast<double>(*gated_rows[lead].w);
-  if (lead == 0) {
-    result.w_star = w;
-    result.is_at_most = true;
-    return result;
-  }
-  // Straight between the two measured ratios, over log2 w.
-  const double above = gated_rows[lead - 1].simplex_over_aabb->median - 1.0;
-  const double below = 1.0 - gated_rows[lead].simplex_over_aabb->median;
-  const double w_before = static_cast<double>(*gated_rows[lead - 1].w);
-  result.w_star = w_before * std::pow(w / w_before, above / (above + below));
+  const LeadFrom lead = FindLead(widths, ratios);
+  result.w_star = lead.w;
+  result.is_at_most = lead.is_at_most;
   return result;
 }
 

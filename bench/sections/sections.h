@@ -71,8 +71,31 @@ QualityResult RunQuality(const Workload& workload, const Context& context);
 SegmentsResult RunSegments(const Workload& workload, std::uint64_t seed,
                            bool is_quick, const Context& context);
 
-// Three sentences from what was measured on `target`; says what is missing.
-VerdictResult MakeVerdict(const Results& results, Target target);
+// Exact tests of pairs around each other, one test at a time.
+std::vector<ExactTest> RunExactTests(std::uint64_t seed,
+                                     const Context& context);
+
+// The cost model on `set`, of the first target: predicted and measured.
+ModelResult RunModel(const Workload& workload, WorkingSet& set,
+                     const QualityResult& quality,
+                     std::vector<ExactTest> exact_tests,
+                     const Context& context);
+
+// Every way to answer a query, over worlds of many sizes of objects and many
+// objects, and on the workload; each with that exact test of its survivors.
+SweepResult RunSweep(const Workload& workload, const ExactTest& exact,
+                     std::uint64_t seed, bool is_quick, const Context& context);
+
+// Scans that threads share, against one thread: in the cache, and of `memory`.
+ThreadsResult RunThreads(const Workload& workload,
+                         const std::vector<WorkingSet*>& memory,
+                         const Context& context);
+
+// A kernel against itself.
+Ratio SameOverSame(WorkingSet& set, const Context& context);
+
+// What to use, from what was measured; says what is missing.
+AnswersResult MakeAnswers(const Results& results);
 
 }  // namespace halfspace::bench
 

@@ -14,15 +14,18 @@ namespace {
 constexpr std::size_t kClouds = 100;
 constexpr std::size_t kFewestPoints = 50;
 constexpr std::size_t kMostPoints = 64;
-constexpr float kHalfCube = 50.0f;
+constexpr float kHalfCube = kSceneSide / 2;
 
 using Cloud = std::vector<std::array<float, 3>>;
 
-std::vector<Cloud> MakeClouds(Random& random) {
+std::vector<Cloud> MakeClouds(Random& random, float radius) {
   std::vector<Cloud> clouds(kClouds);
   for (Cloud& cloud : clouds) {
     cloud.resize(kFewestPoints + random.Below(kMostPoints - kFewestPoints + 1));
-    for (std::array<float, 3>& point : cloud) point = PointInUnitSphere(random);
+    for (std::array<float, 3>& point : cloud) {
+      point = PointInUnitSphere(random);
+      for (float& coordinate : point) coordinate *= radius;
+    }
   }
   return clouds;
 }
@@ -42,10 +45,10 @@ Aabo3 BoundMovedCloud(const Cloud& cloud, Random& random) {
 }  // namespace
 
 Workload MakeScene(std::size_t objects, std::size_t queries, std::uint64_t seed,
-                   const std::function<void(double)>& progress) {
+                   const std::function<void(double)>& progress, float radius) {
   constexpr std::size_t kReport = 1 << 14;
   Random random(seed);
-  const std::vector<Cloud> clouds = MakeClouds(random);
+  const std::vector<Cloud> clouds = MakeClouds(random, radius);
   Workload scene{"scene", {}, {}};
   scene.objects.Reserve(objects);
   for (std::size_t i = 0; i < objects; ++i) {

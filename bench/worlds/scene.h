@@ -11,11 +11,16 @@
 
 namespace halfspace::bench {
 
-// 100 clouds of 50 to 64 points uniform in the unit sphere; each object and
-// each query is one of them, moved uniformly within [-50, 50]^3. The same seed
-// gives the same scene on every machine. `progress` gets the fraction done.
+// The side of the cube that objects are moved within.
+inline constexpr float kSceneSide = 100.0f;
+
+// 100 clouds of 50 to 64 points uniform in a sphere of that radius; each object
+// and each query is one of them, moved uniformly within [-50, 50]^3. The same
+// seed gives the same scene on every machine. `progress` gets the fraction
+// done.
 Workload MakeScene(std::size_t objects, std::size_t queries, std::uint64_t seed,
-                   const std::function<void(double)>& progress);
+                   const std::function<void(double)>& progress,
+                   float radius = 1.0f);
 
 }  // namespace halfspace::bench
 

@@ -123,6 +123,38 @@ Case WorkingSet::LibraryCase(std::string name, ShapeKind shape,
       });
 }
 
+Case WorkingSet::GatedCase(std::string name, ShapeKind shape, Target target,
+                           std::size_t width) {
+  return MakeCase(std::move(name), shape,
+                  [this, scan = GatedScanFor(target), shape, width,
+                   planes = PlanesOf(shape, view_)](const Aabo3& aabo) {
+                    const std::vector<float> query = QueryOf(shape, aabo);
+                    scan(shape, width, planes.data(), query.data(), objects(),
+                         mask_.data());
+                  });
+}
+
+Case WorkingSet::KeepingCase(std::string name, ShapeKind shape, Target target,
+                             std::size_t width) {
+  Case c = GatedCase(std::move(name), shape, target, width);
+  const auto keep_all = [this, scan = GatedScanFor(target), shape, width,
+                         planes = PlanesOf(shape, view_),
+                         query = QueryOf(shape, Aabo3::Everything())] {
+    scan(shape, width, planes.data(), query.data(), objects(), mask_.data());
+  };
+  c.check = [this, keep_all]() -> std::string {
+    keep_all();
+    for (std::uint64_t word : mask_) {
+      if (word != 0) return "a query of everything rejects";
+    }
+    return {};
+  };
+  c.run = [keep_all, runs = c.items / static_cast<double>(objects())] {
+    for (double i = 0; i < runs; ++i) keep_all();
+  };
+  return c;
+}
+
 Case WorkingSet::ReadCase(std::string name, ShapeKind shape, ReadWay way,
                           Target target) const {
   const std::size_t rounds =

@@ -58,6 +58,15 @@ class WorkingSet {
   // The case of a call of the library.
   Case LibraryCase(std::string name, ShapeKind shape, const Options& options);
 
+  // The case of an early-out after every half-space, in batches of `width`.
+  Case GatedCase(std::string name, ShapeKind shape, Target target,
+                 std::size_t width);
+
+  // The same with a query that rejects nothing, so that every half-space is
+  // evaluated.
+  Case KeepingCase(std::string name, ShapeKind shape, Target target,
+                   std::size_t width);
+
   // Reading the shape's planes, with the vectors of a target.
   Case ReadCase(std::string name, ShapeKind shape, ReadWay way,
                 Target target) const;

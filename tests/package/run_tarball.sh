@@ -49,4 +49,4 @@ while read -r library; do
 done <needed
 
 "$@" bin/cpuinfo-bench --version
-"$@" bin/cpuinfo-bench --only machine,check --objects 4096 --queries 2
+"$@" bin/cpuinfo-bench --details machine,check --objects 4096 --queries 2

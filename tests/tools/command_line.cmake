@@ -39,11 +39,11 @@ endfunction()
 halfspace_command_line_test(version CODE 0 ARGUMENTS --version
   STDOUT "cpuinfo-bench ${PROJECT_VERSION}")
 halfspace_command_line_test(list CODE 0 ARGUMENTS --list
-  STDOUT "machine\ncheck\ntable1\ncrossover\nkernels\nbuild\nthroughput\nsorted\nquality\nsegments\nverdict")
+  STDOUT "machine\ncheck\ntable1\ncrossover\nkernels\nbuild\nthroughput\nsorted\nquality\nsegments\nmodel\nsweep\nthreads\nnoise\nanswers")
 halfspace_command_line_test(help CODE 0 ARGUMENTS --help STDOUT "--mesh")
 halfspace_command_line_test(unknown_option CODE 2 ARGUMENTS --fast
   STDERR "--fast")
-halfspace_command_line_test(unknown_section CODE 2 ARGUMENTS --only speed
+halfspace_command_line_test(unknown_section CODE 2 ARGUMENTS --details speed
   STDERR "speed")
 halfspace_command_line_test(unknown_target CODE 2 ARGUMENTS --target MMX
   STDERR "MMX.*choose one of")
@@ -52,72 +52,72 @@ halfspace_command_line_test(two_inputs CODE 2
 halfspace_command_line_test(zero_repetitions CODE 2
   ARGUMENTS --repetitions 0 STDERR "repetitions")
 halfspace_command_line_test(unwritable_output CODE 2
-  ARGUMENTS --only machine --out "${inputs}/none/x" STDERR "cannot be written")
+  ARGUMENTS --details machine --out "${inputs}/none/x" STDERR "cannot be written")
 halfspace_command_line_test(mesh CODE 0
-  ARGUMENTS --only quality --mesh "${inputs}/quad.obj"
+  ARGUMENTS --details quality --mesh "${inputs}/quad.obj"
   STDOUT "2 objects, 2 queries")
 halfspace_command_line_test(sorted_mesh CODE 0
-  ARGUMENTS --only sorted --objects 64 --quick --mesh "${inputs}/quad.obj"
+  ARGUMENTS --details sorted --objects 64 --quick --mesh "${inputs}/quad.obj"
   STDOUT "file: 2 boxes, of which a query finds 2.0")
 halfspace_command_line_test(sorted_far_bounds CODE 0
-  ARGUMENTS --only sorted --objects 64 --quick --bounds "${inputs}/far_out.csv"
+  ARGUMENTS --details sorted --objects 64 --quick --bounds "${inputs}/far_out.csv"
   STDOUT "not reached: threshold 1, the boxes of a file: coordinates")
 halfspace_command_line_test(bounds CODE 0
-  ARGUMENTS --only check,quality --bounds "${inputs}/boxes.csv"
+  ARGUMENTS --details check,quality --bounds "${inputs}/boxes.csv"
   STDOUT "aabb +2 +1.00")
 halfspace_command_line_test(bad_mesh CODE 3
-  ARGUMENTS --only quality --mesh "${inputs}/bad.obj" STDERR "bad.obj:3: ")
+  ARGUMENTS --details quality --mesh "${inputs}/bad.obj" STDERR "bad.obj:3: ")
 halfspace_command_line_test(bad_bounds CODE 3
-  ARGUMENTS --only quality --bounds "${inputs}/bad.csv" STDERR "bad.csv:2: ")
+  ARGUMENTS --details quality --bounds "${inputs}/bad.csv" STDERR "bad.csv:2: ")
 halfspace_command_line_test(missing_mesh CODE 3
   ARGUMENTS --mesh "${inputs}/none.obj" STDERR "none.obj: ")
 # What is compared, stored_run_test tests.
-file(WRITE "${inputs}/other.json" "{\"schema\": 2, \"context\": {\"cpu\": \"none\", \"options\": \"\"}, \"sections\": {\"kernels\": {\"rows\": [{\"shape\": \"aabb\", \"schedule\": \"flat\", \"working_set\": \"L1\", \"target\": \"AVX2\", \"percent_of_read\": 90, \"quartiles\": [89, 91]}]}}}")
+file(WRITE "${inputs}/other.json" "{\"schema\": 3, \"context\": {\"cpu\": \"none\", \"options\": \"\"}, \"sections\": {\"kernels\": {\"rows\": [{\"shape\": \"aabb\", \"schedule\": \"flat\", \"working_set\": \"L1\", \"target\": \"AVX2\", \"percent_of_read\": 90, \"quartiles\": [89, 91]}]}}}")
 halfspace_command_line_test(against_another_machine CODE 2
-  ARGUMENTS --only machine --against "${inputs}/other.json"
+  ARGUMENTS --details machine --against "${inputs}/other.json"
   STDERR "other.json: it is of none, and this is .*same machine")
 halfspace_command_line_test(against_no_report CODE 3
-  ARGUMENTS --only machine --against "${inputs}/boxes.csv"
+  ARGUMENTS --details machine --against "${inputs}/boxes.csv"
   STDERR "boxes.csv: no JSON report of this program; give")
 halfspace_command_line_test(against_no_file CODE 3
-  ARGUMENTS --only machine --against "${inputs}/none.json"
+  ARGUMENTS --details machine --against "${inputs}/none.json"
   STDERR "none.json: cannot be read; give")
 halfspace_command_line_test(json CODE 0
-  ARGUMENTS --only machine,table1 --objects 4096 --queries 2 --format json
+  ARGUMENTS --details machine,table1 --objects 4096 --queries 2 --format json
   STDOUT "\"half_spaces\"")
 
 # Every message of a bad environment reaches the user too.
-halfspace_command_line_test(bad_environment CODE 2 ARGUMENTS --only machine
+halfspace_command_line_test(bad_environment CODE 2 ARGUMENTS --details machine
   STDERR "HALFSPACE_TARGET.*MMX" ENVIRONMENT HALFSPACE_TARGET=MMX)
 string(ASCII 27 escape)
 halfspace_command_line_test(control_character_in_environment CODE 2
-  ARGUMENTS --only machine STDERR "x1bc"
+  ARGUMENTS --details machine STDERR "x1bc"
   ENVIRONMENT "HALFSPACE_TARGET=${escape}c")
 halfspace_command_line_test(control_character_in_file_name CODE 3
   ARGUMENTS --mesh "<ESC>[31m" STDERR "x1b\\[31m: ")
 
 # Google Benchmark complains of its own variables before main().
 halfspace_command_line_test(benchmark_environment CODE 0
-  ARGUMENTS --only machine
+  ARGUMENTS --details machine
   ENVIRONMENT BENCHMARK_REPETITIONS=x BENCHMARK_CONTEXT=x
               BENCHMARK_MIN_WARMUP_TIME=x V=x)
 
 foreach(seed -1 18446744073709551616 0x10 1e16 0.5 <EMPTY>)
   halfspace_command_line_test(seed_${seed} CODE 2
-    ARGUMENTS --only machine --seed ${seed} STDERR "no whole number from 0 to")
+    ARGUMENTS --details machine --seed ${seed} STDERR "no whole number from 0 to")
 endforeach()
 halfspace_command_line_test(decimal_seed CODE 0
-  ARGUMENTS --only segments --objects 64 --quick --seed 010 STDOUT "seed 10;")
+  ARGUMENTS --details segments --objects 64 --quick --seed 010 STDOUT "seed 10;")
 halfspace_command_line_test(exponents CODE 0
-  ARGUMENTS --only quality --objects 1.5e3 --queries 1e0 --seed 1e6
+  ARGUMENTS --details quality --objects 1.5e3 --queries 1e0 --seed 1e6
   STDOUT "1 500 objects, 1 queries")
 foreach(option --mesh --bounds --out --against)
   halfspace_command_line_test(empty${option} CODE 2
-    ARGUMENTS --only machine ${option} <EMPTY> STDERR "empty file name")
+    ARGUMENTS --details machine ${option} <EMPTY> STDERR "empty file name")
 endforeach()
 foreach(sections "quality," ",quality" "quality,,check" "<EMPTY>")
   halfspace_command_line_test(empty_section_${sections} CODE 2
-    ARGUMENTS --only "${sections}" STDERR "no section")
+    ARGUMENTS --details "${sections}" STDERR "no section")
 endforeach()
 
 if(EXISTS /dev/full)
@@ -125,18 +125,18 @@ if(EXISTS /dev/full)
     halfspace_command_line_test(full${option} CODE 4 ARGUMENTS ${option}
       STDOUT_FILE /dev/full STDERR "standard output")
   endforeach()
-  halfspace_command_line_test(full_run CODE 4 ARGUMENTS --only machine
+  halfspace_command_line_test(full_run CODE 4 ARGUMENTS --details machine
     STDOUT_FILE /dev/full STDERR "standard output")
   halfspace_command_line_test(full_out CODE 4
-    ARGUMENTS --only machine --out /dev/full STDERR "/dev/full: ")
+    ARGUMENTS --details machine --out /dev/full STDERR "/dev/full: ")
 endif()
-halfspace_command_line_test(out CODE 0 ARGUMENTS --only machine
+halfspace_command_line_test(out CODE 0 ARGUMENTS --details machine
   OUT "^\nmachine: ")
 halfspace_command_line_test(out_of_a_failed_run CODE 3
-  ARGUMENTS --only machine --mesh "${inputs}/none.obj"
+  ARGUMENTS --details machine --mesh "${inputs}/none.obj"
   OUT "^what was there$")
 halfspace_command_line_test(out_of_an_interrupted_run CODE 124
-  BEFORE timeout 1 ARGUMENTS --only crossover --objects 4096
+  BEFORE timeout 1 ARGUMENTS --details crossover --objects 4096
   OUT "^what was there$")
 
 # 32 GiB, where that cannot be had; the machine is told first.
@@ -146,13 +146,13 @@ if(available MATCHES "([0-9]+) kB" AND CMAKE_MATCH_1 LESS 30000000)
     ARGUMENTS --objects 1073741824 STDERR "32768 MiB.*fewer --objects")
 endif()
 halfspace_command_line_test(objects_that_are_not_needed CODE 0
-  ARGUMENTS --only machine --objects 1073741824)
+  ARGUMENTS --details machine --objects 1073741824)
 if(NOT CMAKE_CROSSCOMPILING AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize=")
   halfspace_command_line_test(no_memory_for_the_scene CODE 2
-    BEFORE prlimit --as=200000000 ARGUMENTS --only quality --objects 8388608
+    BEFORE prlimit --as=200000000 ARGUMENTS --details quality --objects 8388608
     STDERR "256 MiB.*fewer --objects")
 endif()
 halfspace_command_line_test(far_mesh CODE 3
-  ARGUMENTS --only quality --mesh "${inputs}/far.obj" STDERR "Everything")
+  ARGUMENTS --details quality --mesh "${inputs}/far.obj" STDERR "Everything")
 halfspace_command_line_test(far_bounds CODE 3
-  ARGUMENTS --only quality --bounds "${inputs}/far.csv" STDERR "Everything")
+  ARGUMENTS --details quality --bounds "${inputs}/far.csv" STDERR "Everything")

@@ -1,7 +1,10 @@
 // The parts of the JSON report that programs rely on.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -19,8 +22,9 @@ const Json& Report() {
   static const Json report = [] {
     BenchOptions options;
     options.is_quick = true;
-    options.only = {"machine", "check",   "table1",   "crossover", "build",
-                    "sorted",  "quality", "segments", "verdict"};
+    options.details = {"machine", "check",   "table1",   "crossover", "build",
+                       "sorted",  "quality", "segments", "model",     "sweep",
+                       "threads", "noise",   "answers"};
     options.objects = 4096;
     options.queries = 4;
     options.repetitions = 1;
@@ -179,11 +183,72 @@ TEST(ReportJsonTest, SegmentRowsHaveTheFixedForm) {
   }
 }
 
-TEST(ReportJsonTest, VerdictHasThreeSentences) {
-  const Json& sentences = Report().at("sections").at("verdict").at("sentences");
-  ASSERT_EQ(sentences.size(), 3u);
-  for (const Json& sentence : sentences) {
-    EXPECT_EQ(sentence.get<std::string>().back(), '.');
+TEST(ReportJsonTest, ModelHasTheFixedForm) {
+  const Json& model = Report().at("sections").at("model");
+  ASSERT_EQ(model.at("shapes").size(), 3u);
+  for (const Json& shape : model.at("shapes")) {
+    for (const Json& row : shape.at("rows")) {
+      // p is an average over half-spaces: the expectation need not be right.
+      EXPECT_GE(row.at("counted_half_spaces"), 1.0) << row;
+      EXPECT_LE(row.at("counted_half_spaces"), shape.at("planes")) << row;
+      EXPECT_GT(row.at("measured_ns"), 0.0) << row;
+    }
+  }
+  EXPECT_EQ(model.at("exact_tests").size(), 3u);
+  EXPECT_EQ(model.at("break_even").size(), 2u);
+}
+
+TEST(ReportJsonTest, SweepCellsNameTheFastestOfAllWays) {
+  const Json& sweep = Report().at("sections").at("sweep");
+  std::vector<Json> cells = sweep.at("cells");
+  EXPECT_EQ(cells.size(), 6u);
+  cells.push_back(sweep.at("own"));
+  for (const Json& cell : cells) {
+    // Schedules of simplex, box and octahedron, in floats and uint8, and sorted
+    // worlds.
+    ASSERT_EQ(cell.at("ways").size(), 2u * (1 + 2 + 3) + 3);
+    for (const Json& way : cell.at("ways")) {
+      EXPECT_GE(way.at("ns_with_exact"), cell.at("ns")) << way;
+      EXPECT_NEAR(
+          way.at("ns_with_exact").get<double>(),
+          way.at("ns").get<double>() + sweep.at("exact_ns").get<double>() *
+                                           way.at("survivors").get<double>(),
+          1e-6)
+          << way;
+    }
+  }
+}
+
+TEST(ReportJsonTest, AnswersAreToAllQuestions) {
+  std::vector<std::string> questions;
+  for (const Json& answer :
+       Report().at("sections").at("answers").at("answers")) {
+    questions.push_back(answer.at("question"));
+    EXPECT_GE(answer.at("figure"), answer.at("quartiles").at(0));
+    EXPECT_LE(answer.at("figure"), answer.at("quartiles").at(1));
+  }
+  questions.resize(4);  // threads are of machines with more than one CPU
+  EXPECT_EQ(questions, (std::vector<std::string>{"shape", "schedule",
+                                                 "precision", "structure"}));
+}
+
+TEST(ReportJsonTest, ThePageIsOfSixtyLinesAtMost) {
+  std::ostringstream page;
+  WritePage(page, Report().dump());
+  const std::string text = page.str();
+  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 60);
+  for (const char* part : {"What to use", "w*", "break-even", "noise"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part;
+  }
+  EXPECT_EQ(text.find(" \n"), std::string::npos);
+}
+
+TEST(ReportJsonTest, AnythingElseIsNoPage) {
+  for (const char* json :
+       {"", "{", "[]", "{}", R"({"schema": "3"})", R"({"schema": 3})",
+        R"({"schema": 3, "context": {"cpu": 1}, "sections": {}})"}) {
+    std::ostringstream page;
+    EXPECT_THROW(WritePage(page, json), std::invalid_argument) << json;
   }
 }
 

@@ -135,10 +135,10 @@ TEST(StoredRunTest, SaysWhatIsNoReport) {
     return "";
   };
   for (const char* json : {"", "{", "[]", "{}", "0,0,0,1,1,1",
-                           R"({"schema": 2, "context": {"cpu": 3}})"}) {
+                           R"({"schema": 3, "context": {"cpu": 3}})"}) {
     EXPECT_EQ(problem(json), "no JSON report of this program") << json;
   }
-  EXPECT_EQ(problem(R"({"schema": 1})"), "a report of schema 1, not 2");
+  EXPECT_EQ(problem(R"({"schema": 1})"), "a report of schema 1, not 3");
   EXPECT_EQ(problem(ToJson(RunOf({}))), "a report without a ratio to compare");
   EXPECT_EQ(problem(ToJson(RunOf({Row("AVX2", kStored)}))), "");
 }
