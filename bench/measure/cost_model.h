@@ -43,18 +43,10 @@ inline LeadFrom FindLead(std::span<const double> widths,
           false};
 }
 
-// One way to reject: ns an object, and the share of objects that it keeps.
-struct Rejection {
-  double ns = 0.0;
-  double candidates = 0.0;
-};
-
-// ns of an exact test from which on the faster and looser way costs more than
-// the other: empty if it is not faster, or not looser.
-inline std::optional<double> BreakEvenNanoseconds(const Rejection& loose,
-                                                  const Rejection& tight) {
-  const double saved = tight.ns - loose.ns;
-  const double more = loose.candidates - tight.candidates;
+// ns of an exact test from which on the faster and looser of two ways to reject
+// costs more: it saves `saved` ns an object, and keeps `more` of all objects.
+// Empty if it saves nothing, or keeps no more.
+inline std::optional<double> BreakEvenNanoseconds(double saved, double more) {
   if (saved <= 0.0 || more <= 0.0) return std::nullopt;
   return saved / more;
 }

@@ -148,7 +148,9 @@ void WriteKernels(std::ostream& out, const Json& sections) {
       out << "  "
           << Padded(shape == std::string("simplex") ? Printable(set) : "", 8)
           << Padded(shape, 8) << Padded(String(row->at("schedule")), 8)
-          << Fixed(ns, 3) << ' '
+          << Fixed(ns, 3) << " ["
+          << Fixed(row->at("ns_quartiles").at(0).get<double>(), 3) << ", "
+          << Fixed(row->at("ns_quartiles").at(1).get<double>(), 3) << "] "
           << std::string(static_cast<std::size_t>(std::clamp(
                              std::ceil(kBar * ns / most), 1.0, kBar)),
                          '#')
@@ -159,22 +161,27 @@ void WriteKernels(std::ostream& out, const Json& sections) {
 
 std::string WidthText(const Json& w, bool is_at_most) {
   if (w.is_null()) return "none";
-  return (is_at_most ? "<= " : "") + Fixed(w.get<double>(), 0);
+  return (is_at_most ? "at most " : "") + Fixed(w.get<double>(), 0);
 }
 
+// The width from which on the simplex leads, of each target.
 void WriteCrossover(std::ostream& out, const Json& sections) {
   if (!sections.contains("crossover")) return;
-  out << "\nw*: from batches of w objects on, each stopping after any "
-         "half-space, "
-         "the simplex leads the box\n\n";
-  TextTable table({"target", "lanes", "set", "w*"});
+  std::string text;
   for (const Json& star : sections.at("crossover").at("targets")) {
-    table.AddRow({String(star.at("target")),
-                  std::to_string(star.at("lanes").get<std::size_t>()),
-                  String(star.at("working_set")),
-                  WidthText(star.at("w_star"), star.at("at_most"))});
+    text += (text.empty() ? "" : "; ") + String(star.at("target")) + " (" +
+            std::to_string(star.at("lanes").get<std::size_t>()) + " lanes, " +
+            String(star.at("working_set")) + ") " +
+            WidthText(star.at("w_star"), star.at("at_most"));
+    const Json& quartiles = star.at("quartiles");
+    if (!star.at("w_star").is_null() && !star.at("at_most")) {
+      text += " [" + WidthText(quartiles.at(0), false) + ", " +
+              WidthText(quartiles.at(1), false) + "]";
+    }
   }
-  table.Write(out, 1);
+  out << "\nEarly-out after every half-space, in batches of w: from w* on the "
+         "simplex leads the box\n\n";
+  WriteWrapped(out, "  w*         ", text);
 }
 
 void WriteModel(std::ostream& out, const Json& sections) {
@@ -185,17 +192,21 @@ void WriteModel(std::ostream& out, const Json& sections) {
     const Json& lead = crossover.at(by);
     return WidthText(lead.at("w"), lead.at("at_most"));
   };
-  out << '\n';
-  WriteWrapped(out, "model      ",
+  WriteWrapped(out, "  predicted  ",
                "w* by half-spaces expected " + at("expected") + ", counted " +
                    at("counted") + ", by their time " + at("predicted") +
                    ", measured " + at("measured") + " (" +
                    String(model.at("target")) + ", " +
                    String(model.at("working_set")) + ")");
   for (const Json& each : model.at("break_even")) {
-    BreakEven even{String(each.at("against")), {}};
-    if (!each.at("ns").is_null()) even.ns = each.at("ns").get<double>();
-    WriteWrapped(out, "break-even ", BreakEvenText(even));
+    BreakEven even;
+    even.against = String(each.at("against"));
+    if (!each.at("ns").is_null()) {
+      even.ns = each.at("ns").get<double>();
+      even.low = each.at("quartiles").at(0);
+      even.high = each.at("quartiles").at(1);
+    }
+    WriteWrapped(out, "  break-even ", BreakEvenText(even));
   }
 }
 

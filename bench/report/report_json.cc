@@ -144,7 +144,8 @@ Json ToJson(const CrossoverResult& result) {
                        {"lanes", star.lanes},
                        {"working_set", star.working_set},
                        {"w_star", OrNull(star.w_star)},
-                       {"at_most", star.is_at_most}});
+                       {"at_most", star.is_at_most},
+                       {"quartiles", {OrNull(star.low), OrNull(star.high)}}});
   }
   return {{"rows", rows},
           {"targets", targets},
@@ -161,6 +162,7 @@ Json ToJson(const KernelsResult& result) {
          {"working_set", row.working_set},
          {"objects", row.objects},
          {"ns_per_object", row.ns_per_object},
+         {"ns_quartiles", {row.low, row.high}},
          {"objects_per_second", 1e9 / row.ns_per_object},
          {"gigabytes_per_second", row.gigabytes_per_second},
          {"percent_of_read", row.percent_of_read.median},
@@ -274,7 +276,10 @@ Json ToJson(const ModelResult& result) {
   }
   Json break_even = Json::array();
   for (const BreakEven& each : result.break_even) {
-    break_even.push_back({{"against", each.against}, {"ns", OrNull(each.ns)}});
+    break_even.push_back(
+        {{"against", each.against},
+         {"ns", OrNull(each.ns)},
+         {"quartiles", each.ns ? Json({each.low, each.high}) : Json(nullptr)}});
   }
   return {{"target", result.target},
           {"working_set", result.working_set},

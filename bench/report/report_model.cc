@@ -45,7 +45,9 @@ void WriteText(std::ostream& out, const ModelResult& result) {
   out << "  " << result.target << ", " << result.working_set << ", "
       << Grouped(result.objects) << " objects: a compare "
       << Fixed(result.compare_ns, 4) << " ns an object, a call "
-      << Fixed(result.call_ns, 1) << " ns\n\n";
+      << Fixed(result.call_ns, 1) << " ns, "
+      << Fixed(result.call_ns / static_cast<double>(result.objects), 4)
+      << " an object\n\n";
   TextTable rows({"shape", "w", "p", "E[C]", "counted", "compare ns",
                   "predicted ns", "measured ns", "measured/predicted"});
   for (const ModelShape& shape : result.shapes) {
@@ -93,8 +95,9 @@ std::string BreakEvenText(const BreakEven& break_even) {
     return "Against the " + break_even.against +
            " the simplex saves no time, or keeps no more.";
   }
-  return "With an exact test of more than " + Fixed(*break_even.ns, 0) +
-         " ns the simplex's extra candidates cost more than it saves against "
+  return "With an exact test of more than " + Fixed(*break_even.ns, 0) + " [" +
+         Fixed(break_even.low, 0) + ", " + Fixed(break_even.high, 0) +
+         "] ns the simplex's extra candidates cost more than it saves against "
          "the " +
          break_even.against + ".";
 }

@@ -67,6 +67,9 @@ struct WStar {
   std::string working_set;
   std::optional<double> w_star;  // empty: no crossover
   bool is_at_most = false;  // the simplex led at the narrowest gate already
+  // The same with the quartiles of all ratios.
+  std::optional<double> low;
+  std::optional<double> high;
 };
 
 struct CrossoverResult {
@@ -82,6 +85,8 @@ struct KernelRow {
   std::string working_set;
   std::size_t objects = 0;
   double ns_per_object = 0.0;
+  double low = 0.0;  // quartiles
+  double high = 0.0;
   double gigabytes_per_second = 0.0;  // of the shape's whole records
   Ratio percent_of_read;              // of reading the same bytes
 };
@@ -246,7 +251,8 @@ struct ModelShape {
   std::size_t planes = 0;
   std::string schedule;  // the fastest one of the library
   double ns_per_object = 0.0;
-  double candidates = 0.0;  // of all pairs
+  std::vector<double> samples;  // of these, by repetition
+  double candidates = 0.0;      // of all pairs
   std::vector<ModelRow> rows;
 };
 
@@ -271,6 +277,8 @@ struct ExactTest {
 struct BreakEven {
   std::string against;  // a shape
   std::optional<double> ns;
+  double low = 0.0;  // quartiles
+  double high = 0.0;
 };
 
 struct ModelResult {
@@ -293,7 +301,7 @@ struct ModelResult {
 struct Way {
   std::string shape;
   std::string schedule;   // or "sorted"
-  std::string precision;  // "floats" or "uint8"
+  std::string precision;  // "floats", "uint8" or "uint16"
   double ns = 0.0;        // a query
   double low = 0.0;       // quartiles
   double high = 0.0;

@@ -13,7 +13,7 @@ namespace {
 using IsOneOf = std::function<bool(const Way&)>;
 
 bool IsSorted(const Way& way) { return way.schedule == "sorted"; }
-bool IsQuantized(const Way& way) { return way.precision == "uint8"; }
+bool IsQuantized(const Way& way) { return way.precision != "floats"; }
 
 // The fastest of some ways; null if there is none of them.
 const Way* FastestOf(const SweepCell& cell, const IsOneOf& is_one) {

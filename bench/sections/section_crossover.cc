@@ -114,16 +114,23 @@ WStar FindWStar(const std::vector<CrossoverRow>& gated_rows) {
   WStar result;
   if (gated_rows.empty()) return result;
   const CrossoverRow& first = gated_rows.front();
-  result = {first.target, first.lanes, first.working_set, {}, false};
-  std::vector<double> widths;
-  std::vector<double> ratios;
-  for (const CrossoverRow& row : gated_rows) {
-    widths.push_back(static_cast<double>(*row.w));
-    ratios.push_back(row.simplex_over_aabb->median);
-  }
-  const LeadFrom lead = FindLead(widths, ratios);
+  result.target = first.target;
+  result.lanes = first.lanes;
+  result.working_set = first.working_set;
+  const auto lead_by = [&gated_rows](double Ratio::*figure) {
+    std::vector<double> widths;
+    std::vector<double> ratios;
+    for (const CrossoverRow& row : gated_rows) {
+      widths.push_back(static_cast<double>(*row.w));
+      ratios.push_back((*row.simplex_over_aabb).*figure);
+    }
+    return FindLead(widths, ratios);
+  };
+  const LeadFrom lead = lead_by(&Ratio::median);
   result.w_star = lead.w;
   result.is_at_most = lead.is_at_most;
+  result.low = lead_by(&Ratio::low).w;
+  result.high = lead_by(&Ratio::high).w;
   return result;
 }
 

@@ -39,6 +39,8 @@ void PlanShape(Plan<KernelRow>& plan, WorkingSet& set, ShapeKind shape,
       plan.AddRow(std::move(row),
                   [=](const Timings& timings, KernelRow& timed) {
                     timed.ns_per_object = timings[place].Median();
+                    timed.low = timings[place].Quantile(0.25);
+                    timed.high = timings[place].Quantile(0.75);
                     timed.gigabytes_per_second = bytes / timed.ns_per_object;
                     // The faster reader is the ceiling.
                     for (std::size_t read : reads) {

@@ -7,14 +7,12 @@
 #include <vector>
 
 #include "bench/base/schedules.h"
-#include "bench/baselines/exact_tests.h"
 #include "bench/measure/cost_model.h"
 #include "bench/measure/line_fit.h"
 #include "bench/measure/queries_in_turn.h"
 #include "bench/measure/work_count.h"
 #include "bench/sections/plan.h"
 #include "bench/sections/sections.h"
-#include "bench/worlds/random.h"
 #include "halfspace/reject.h"
 
 namespace halfspace::bench {
@@ -113,11 +111,6 @@ Case CallCase(WorkingSet& set, const Workload& workload, std::size_t objects,
                 });
 }
 
-struct ShapePlaces {
-  std::vector<std::size_t> gated;   // one for each width
-  std::vector<std::size_t> kernel;  // one for each schedule
-};
-
 LeadFrom LeadOf(const std::vector<AdvantageRow>& rows,
                 double (*advantage)(const AdvantageRow&)) {
   std::vector<double> widths;
@@ -129,175 +122,117 @@ LeadFrom LeadOf(const std::vector<AdvantageRow>& rows,
   return FindLead(widths, costs);
 }
 
-template <typename Shape>
-Case TestCase(const char* name, const std::vector<std::pair<Shape, Shape>>& all,
-              std::size_t& touching) {
-  Case c = InTurn(std::string("exact/") + name, all, all.size(), all.size(),
-                  [&touching](const std::pair<Shape, Shape>& pair) {
-                    touching += Touch(pair.first, pair.second) ? 1 : 0;
-                  });
-  c.group = "exact";
-  return c;
-}
+using ByShape = std::array<std::size_t, kShapes.size()>;
 
-}  // namespace
+// The places of the cases.
+struct Places {
+  std::vector<ByShape> gated;    // of each width
+  std::vector<ByShape> keeping;  // the same, where nothing is rejected
+  std::array<std::vector<std::size_t>, kShapes.size()> schedules;
+  std::array<std::size_t, kCallSizes.size()> calls{};
+};
 
-std::vector<ExactTest> RunExactTests(std::uint64_t seed,
-                                     const Context& context) {
-  // So many that no predictor learns them, around each other as candidates are.
-  constexpr float kBetween = 0.75f;
-  Random random(seed);
-  const auto vector = [&random](float scale) {
-    Vector3 v;
-    for (float& x : v) x = scale * random.Signed();
-    return v;
-  };
-  const auto moved = [](Vector3 v, const Vector3& by) {
-    for (std::size_t k = 0; k < 3; ++k) v[k] += by[k];
-    return v;
-  };
-  const auto triangle = [&] {
-    const Vector3 at = vector(kBetween);
-    return Triangle{moved(vector(0.5f), at), moved(vector(0.5f), at),
-                    moved(vector(0.5f), at)};
-  };
-  const auto ball = [&] { return Ball{vector(kBetween), 0.5f}; };
-  // Turned about one axis by an angle of a Pythagorean triple: unit vectors.
-  const auto box = [&] {
-    OrientedBox b{vector(kBetween), {}, {0.5f, 0.3f, 0.2f}};
-    const std::size_t up = random.Below(3);
-    b.axes[up][up] = 1.0f;
-    const std::size_t x = (up + 1) % 3;
-    const std::size_t y = (up + 2) % 3;
-    b.axes[x][x] = b.axes[y][y] = 0.8f;
-    b.axes[x][y] = 0.6f;
-    b.axes[y][x] = -0.6f;
-    return b;
-  };
-  std::vector<std::pair<Triangle, Triangle>> triangles;
-  std::vector<std::pair<Ball, Ball>> balls;
-  std::vector<std::pair<OrientedBox, OrientedBox>> boxes;
-  for (std::size_t i = 0; i < kTimedQueries; ++i) {
-    triangles.emplace_back(triangle(), triangle());
-    balls.emplace_back(ball(), ball());
-    boxes.emplace_back(box(), box());
-  }
-  std::size_t touching = 0;
-  const std::vector<Case> cases = {
-      TestCase("triangle-triangle", triangles, touching),
-      TestCase("sphere-sphere", balls, touching),
-      TestCase("box-box", boxes, touching)};
-  const Timings timings = TimeCases(cases, context.effort, context);
-  KeepResult(static_cast<std::uint32_t>(touching));
-  std::vector<ExactTest> tests;
-  for (std::size_t i = 0; i < cases.size(); ++i) {
-    tests.push_back(
-        {std::array{"triangle-triangle", "sphere-sphere", "box-box"}[i],
-         timings[i].Median(), timings[i].Quantile(0.25),
-         timings[i].Quantile(0.75)});
-  }
-  return tests;
-}
-
-ModelResult RunModel(const Workload& workload, WorkingSet& set,
-                     const QualityResult& quality,
-                     std::vector<ExactTest> exact_tests,
-                     const Context& context) {
-  const Target target = context.targets.front();
-  ModelResult result;
-  result.target = target.name();
-  result.working_set = set.name();
-  result.objects = set.objects();
-  result.exact_tests = std::move(exact_tests);
-  const Counts counts = CountsOf(set, workload);
-  const std::vector<std::size_t> widths = WidthsFrom(target.lanes());
-
-  ModelCases cases;
-  std::array<ShapePlaces, kShapes.size()> places;
-  std::vector<std::array<std::size_t, kShapes.size()>> keeping(widths.size());
+Places PlanCases(const Workload& workload, WorkingSet& set, Target target,
+                 const std::vector<std::size_t>& widths, ModelCases& cases) {
+  Places places;
+  places.gated.resize(widths.size());
+  places.keeping.resize(widths.size());
   for (std::size_t s = 0; s < kShapes.size(); ++s) {
     const ShapeKind shape = kShapes[s];
     const std::string name = std::string("model/") + NameOf(shape) + "/";
     for (std::size_t i = 0; i < widths.size(); ++i) {
       const std::size_t w = kWorkWidths[widths[i]];
-      places[s].gated.push_back(cases.Add(set.GatedCase(
-          name + "gated/w" + std::to_string(w), shape, target, w)));
-      keeping[i][s] = cases.Add(set.KeepingCase(
-          name + "keeping/w" + std::to_string(w), shape, target, w));
+      const std::string gate = "w" + std::to_string(w);
+      places.gated[i][s] =
+          cases.Add(set.GatedCase(name + "gated/" + gate, shape, target, w));
+      places.keeping[i][s] = cases.Add(
+          set.KeepingCase(name + "keeping/" + gate, shape, target, w));
     }
     for (const NamedSchedule& schedule : SchedulesOf(shape)) {
-      places[s].kernel.push_back(cases.Add(
+      places.schedules[s].push_back(cases.Add(
           set.LibraryCase(name + schedule.name, shape,
                           {.schedule = schedule.schedule, .target = target})));
     }
   }
-  std::vector<std::size_t> calls;
-  for (std::size_t size : kCallSizes) {
-    calls.push_back(cases.Add(CallCase(set, workload, size, target)));
+  for (std::size_t i = 0; i < kCallSizes.size(); ++i) {
+    places.calls[i] = cases.Add(CallCase(set, workload, kCallSizes[i], target));
   }
-  cases.Run(context);
+  return places;
+}
 
-  std::array<std::size_t, kShapes.size()> flat{};
-  for (std::size_t s = 0; s < kShapes.size(); ++s) {
-    flat[s] = places[s].kernel.front();
-  }
-  result.compare_ns = LineOverPlanes(cases, flat).slope;
+double CallNanoseconds(const ModelCases& cases, const Places& places) {
   std::array<double, kCallSizes.size()> sizes{};
-  std::array<double, kCallSizes.size()> call_ns{};
+  std::array<double, kCallSizes.size()> ns{};
   for (std::size_t i = 0; i < kCallSizes.size(); ++i) {
     sizes[i] = static_cast<double>(kCallSizes[i]);
-    call_ns[i] = cases[calls[i]].Median();
+    ns[i] = cases[places.calls[i]].Median();
   }
-  result.call_ns = std::max(0.0, FitLine(sizes, call_ns).intercept);
+  return std::max(0.0, FitLine(sizes, ns).intercept);
+}
 
-  std::vector<Line> lines;
-  for (const auto& of_width : keeping) {
-    lines.push_back(LineOverPlanes(cases, of_width));
-  }
-  const double pairs = static_cast<double>(quality.objects) *
-                       static_cast<double>(quality.queries);
-  for (std::size_t s = 0; s < kShapes.size(); ++s) {
-    const ShapeKind shape = kShapes[s];
-    ModelShape model{NameOf(shape), PlaneCountOf(shape), "", 0.0, 0.0, {}};
-    model.candidates =
-        static_cast<double>(Of(quality.survivors, shape)) / pairs;
-    for (std::size_t k = 0; k < places[s].kernel.size(); ++k) {
-      const double ns = cases[places[s].kernel[k]].Median();
-      if (k == 0 || ns < model.ns_per_object) {
-        model.ns_per_object = ns;
-        model.schedule = SchedulesOf(shape)[k].name;
-      }
+// The fastest schedule, and a row for each width.
+ModelShape ShapeOf(std::size_t s, const std::vector<std::size_t>& widths,
+                   const Counts& counts, const ModelCases& cases,
+                   const Places& places) {
+  const ShapeKind shape = kShapes[s];
+  ModelShape model;
+  model.shape = NameOf(shape);
+  model.planes = PlaneCountOf(shape);
+  for (std::size_t k = 0; k < places.schedules[s].size(); ++k) {
+    const double ns = cases[places.schedules[s][k]].Median();
+    if (k == 0 || ns < model.ns_per_object) {
+      model.ns_per_object = ns;
+      model.schedule = SchedulesOf(shape)[k].name;
+      model.samples = cases[places.schedules[s][k]].samples;
     }
-    for (std::size_t i = 0; i < widths.size(); ++i) {
-      const Timing& gated = cases[places[s].gated[i]];
-      ModelRow row;
-      row.w = kWorkWidths[widths[i]];
-      row.p = Of(counts.rejects, shape)[widths[i]];
-      row.expected = ExpectedHalfSpaces(row.p, model.planes);
-      row.counted = Of(counts.half_spaces, shape)[widths[i]];
-      row.compare_ns = lines[i].slope;
-      row.predicted_ns = lines[i].intercept + lines[i].slope * row.counted;
-      row.measured_ns = gated.Median();
-      const double scale = 1.0 / row.predicted_ns;
-      row.measured_over_predicted = {row.measured_ns * scale,
-                                     gated.Quantile(0.25) * scale,
-                                     gated.Quantile(0.75) * scale};
-      model.rows.push_back(row);
-    }
-    result.shapes.push_back(std::move(model));
   }
-  const ModelShape& aabb = result.shapes[0];
-  const ModelShape& simplex = result.shapes[1];
-  const ModelShape& aabo = result.shapes[2];
   for (std::size_t i = 0; i < widths.size(); ++i) {
-    const ModelRow& box = aabb.rows[i];
-    const ModelRow& own = simplex.rows[i];
-    result.advantages.push_back(
-        {box.w, box.expected / own.expected, box.counted / own.counted,
-         box.predicted_ns / own.predicted_ns,
-         RatioOf(cases[places[0].gated[i]], cases[places[1].gated[i]])});
+    const Timing& gated = cases[places.gated[i][s]];
+    const Line line = LineOverPlanes(cases, places.keeping[i]);
+    ModelRow row;
+    row.w = kWorkWidths[widths[i]];
+    row.p = Of(counts.rejects, shape)[widths[i]];
+    row.expected = ExpectedHalfSpaces(row.p, model.planes);
+    row.counted = Of(counts.half_spaces, shape)[widths[i]];
+    row.compare_ns = line.slope;
+    row.predicted_ns = line.intercept + line.slope * row.counted;
+    row.measured_ns = gated.Median();
+    row.measured_over_predicted = {row.measured_ns / row.predicted_ns,
+                                   gated.Quantile(0.25) / row.predicted_ns,
+                                   gated.Quantile(0.75) / row.predicted_ns};
+    model.rows.push_back(row);
   }
-  const auto& rows = result.advantages;
+  return model;
+}
+
+BreakEven BreakEvenOf(const ModelShape& simplex, const ModelShape& other) {
+  Timing saved;
+  for (std::size_t i = 0; i < simplex.samples.size(); ++i) {
+    saved.samples.push_back(other.samples[i] - simplex.samples[i]);
+  }
+  const double more = simplex.candidates - other.candidates;
+  BreakEven result;
+  result.against = other.shape;
+  result.ns = BreakEvenNanoseconds(saved.Median(), more);
+  if (result.ns) {
+    result.low = std::max(0.0, saved.Quantile(0.25) / more);
+    result.high = saved.Quantile(0.75) / more;
+  }
+  return result;
+}
+
+void AddAdvantages(const ModelCases& cases, const Places& places,
+                   ModelResult& result) {
+  const auto& boxes = result.shapes[0].rows;
+  const auto& simplices = result.shapes[1].rows;
+  std::vector<AdvantageRow>& rows = result.advantages;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    rows.push_back(
+        {boxes[i].w, boxes[i].expected / simplices[i].expected,
+         boxes[i].counted / simplices[i].counted,
+         boxes[i].predicted_ns / simplices[i].predicted_ns,
+         RatioOf(cases[places.gated[i][0]], cases[places.gated[i][1]])});
+  }
   result.expected =
       LeadOf(rows, [](const AdvantageRow& row) { return row.expected; });
   result.counted =
@@ -306,11 +241,43 @@ ModelResult RunModel(const Workload& workload, WorkingSet& set,
       LeadOf(rows, [](const AdvantageRow& row) { return row.predicted; });
   result.measured =
       LeadOf(rows, [](const AdvantageRow& row) { return row.measured.median; });
-  for (const ModelShape* other : {&aabb, &aabo}) {
+}
+
+}  // namespace
+
+ModelResult RunModel(const Workload& workload, WorkingSet& set,
+                     const QualityResult& quality,
+                     std::vector<ExactTest> exact_tests,
+                     const Context& context) {
+  const Target target = context.targets.front();
+  const std::vector<std::size_t> widths = WidthsFrom(target.lanes());
+  const Counts counts = CountsOf(set, workload);
+  ModelCases cases;
+  const Places places = PlanCases(workload, set, target, widths, cases);
+  cases.Run(context);
+
+  ModelResult result;
+  result.target = target.name();
+  result.working_set = set.name();
+  result.objects = set.objects();
+  ByShape flat{};
+  for (std::size_t s = 0; s < kShapes.size(); ++s) {
+    flat[s] = places.schedules[s].front();
+  }
+  result.compare_ns = LineOverPlanes(cases, flat).slope;
+  result.call_ns = CallNanoseconds(cases, places);
+  const double pairs = static_cast<double>(quality.objects) *
+                       static_cast<double>(quality.queries);
+  for (std::size_t s = 0; s < kShapes.size(); ++s) {
+    result.shapes.push_back(ShapeOf(s, widths, counts, cases, places));
+    result.shapes[s].candidates =
+        static_cast<double>(Of(quality.survivors, kShapes[s])) / pairs;
+  }
+  AddAdvantages(cases, places, result);
+  result.exact_tests = std::move(exact_tests);
+  for (std::size_t other : {0, 2}) {
     result.break_even.push_back(
-        {other->shape,
-         BreakEvenNanoseconds({simplex.ns_per_object, simplex.candidates},
-                              {other->ns_per_object, other->candidates})});
+        BreakEvenOf(result.shapes[1], result.shapes[other]));
   }
   return result;
 }

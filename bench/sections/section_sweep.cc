@@ -115,7 +115,9 @@ class Contestants {
         static_cast<double>(sum) / static_cast<double>(counts.size());
     const auto expected =
         std::make_shared<const std::vector<std::size_t>>(counts);
-    const auto quantized = std::make_shared<const QuantizedWorld<View>>(view);
+    const auto bytes = std::make_shared<const QuantizedWorld<View>>(view);
+    const auto words =
+        std::make_shared<const QuantizedWorld<View, std::uint16_t>>(view);
     const auto sorted = std::make_shared<const SortedWorld<View>>(view);
     const std::size_t in_a_scan = std::clamp<std::size_t>(
         (std::size_t{1} << 16) / view_.size, 1, kQueriesPerRun);
@@ -149,8 +151,12 @@ class Contestants {
             return Survivors(view, query, indices_, options);
           });
       add(schedule.name, "uint8", in_a_scan,
-          [this, quantized, options](const Query& query) {
-            return Survivors(*quantized, query, indices_, options);
+          [this, bytes, options](const Query& query) {
+            return Survivors(*bytes, query, indices_, options);
+          });
+      add(schedule.name, "uint16", in_a_scan,
+          [this, words, options](const Query& query) {
+            return Survivors(*words, query, indices_, options);
           });
     }
     add("sorted", "floats", kQueriesPerRun, [this, sorted](const Query& query) {

@@ -35,6 +35,17 @@ TEST(WStarTest, IsInterpolatedOverTheLogarithmOfTheWidth) {
   EXPECT_EQ(star.lanes, 16u);
 }
 
+TEST(WStarTest, HasTheQuartilesOfTheRatios) {
+  std::vector<CrossoverRow> rows = RowsOf({1.4, 1.2, 0.8, 0.7});
+  for (CrossoverRow& row : rows) {
+    row.simplex_over_aabb->low -= 0.4;
+    row.simplex_over_aabb->high += 0.4;
+  }
+  const WStar star = FindWStar(rows);
+  EXPECT_EQ(star.low, 16.0);           // 1.0 0.8 0.4 0.3
+  EXPECT_EQ(star.high, std::nullopt);  // 1.8 1.6 1.2 1.1
+}
+
 TEST(WStarTest, IsNothingWhereTheBoxWinsAtTheEnd) {
   EXPECT_FALSE(FindWStar(RowsOf({1.4, 1.2, 1.1})).w_star.has_value());
   EXPECT_FALSE(FindWStar(RowsOf({0.9, 0.8, 1.1})).w_star.has_value());
@@ -65,11 +76,11 @@ TEST(CostModelTest, ExpectsTheSumOfWhatIsReached) {
 
 TEST(CostModelTest, BreaksEvenWhereExtraCandidatesCostWhatIsSaved) {
   // 0.1 ns saved an object, 1 more candidate in 1000: 100 ns.
-  const auto ns = BreakEvenNanoseconds({0.2, 0.003}, {0.3, 0.002});
+  const auto ns = BreakEvenNanoseconds(0.1, 0.001);
   ASSERT_TRUE(ns.has_value());
   EXPECT_NEAR(*ns, 100.0, 1e-9);
-  EXPECT_FALSE(BreakEvenNanoseconds({0.3, 0.003}, {0.2, 0.002}));
-  EXPECT_FALSE(BreakEvenNanoseconds({0.2, 0.002}, {0.3, 0.002}));
+  EXPECT_FALSE(BreakEvenNanoseconds(-0.1, 0.001));
+  EXPECT_FALSE(BreakEvenNanoseconds(0.1, 0.0));
 }
 
 TEST(ExactTestsTest, KnowWhatTouches) {

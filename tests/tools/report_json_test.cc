@@ -204,9 +204,9 @@ TEST(ReportJsonTest, SweepCellsNameTheFastestOfAllWays) {
   EXPECT_EQ(cells.size(), 6u);
   cells.push_back(sweep.at("own"));
   for (const Json& cell : cells) {
-    // Schedules of simplex, box and octahedron, in floats and uint8, and sorted
+    // Schedules of simplex, box and octahedron in three precisions, and sorted
     // worlds.
-    ASSERT_EQ(cell.at("ways").size(), 2u * (1 + 2 + 3) + 3);
+    ASSERT_EQ(cell.at("ways").size(), 3u * (1 + 2 + 3) + 3);
     for (const Json& way : cell.at("ways")) {
       EXPECT_GE(way.at("ns_with_exact"), cell.at("ns")) << way;
       EXPECT_NEAR(
