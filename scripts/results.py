@@ -6,7 +6,7 @@
 
 Each file is a run's report on one machine:
 
-    ./bench.sh --format json --out bench/results/<machine>.json
+    ./bench.sh --details all --format json --out bench/results/<machine>.json
 
 README's table is that of the first file, by name, whose run had no options; it stands
 between two comments there.
@@ -67,6 +67,38 @@ def machine(report, path):
 
 def verdict(section):
     return "".join(f"- {sentence}\n" for sentence in section["sentences"])
+
+
+def answers(section):
+    return "".join(f"- {row['question']}: {row['answer']}\n" for row in section["answers"])
+
+
+def model(section):
+    return ("The AABB's cost over the simplex's in batches of w that stop after any "
+            "half-space: by half-spaces expected and counted, by the time predicted, and "
+            "measured.\n\n" +
+            table(["w", "expected", "counted", "predicted", "measured"],
+                  [[row["w"], *(number(row[by], 2)
+                                for by in ("expected", "counted", "predicted")),
+                    number(row["measured"]["median"], 2)]
+                   for row in section["advantages"]]))
+
+
+def sweep(section):
+    def share(value):
+        return "" if value is None else f"{100 * value:.1f} %"
+    return (f"The fastest way to a list of survivors, each with an exact test of "
+            f"{number(section['exact_ns'], 1)} ns ({section['exact_test']}).\n\n" +
+            table(["size of objects", "objects", "fastest", "us a query", "survivors"],
+                  [[share(cell["size"]), number(cell["objects"]),
+                    cell["winner"] + (" (tie)" if cell["is_tie"] else ""),
+                    number(cell["ns"] / 1e3), number(cell["survivors"], 1)]
+                   for cell in section["cells"]]))
+
+
+def threads(section):
+    return pivot(section["rows"], ["work"], "threads",
+                 lambda row: number(row["times"]["median"], 2) + " times")
 
 
 def table1(section):
@@ -139,9 +171,9 @@ def sorted_worlds(section):
                         number(row["ns_per_query"] / 1e3), number(row["over_fastest"], 2),
                         number(row["ns_per_query_in_turns"] / 1e3),
                         number(row["over_fastest_in_turns"], 2)] for row in load["rows"]])
-    return text + "\n" + table(["build", "objects", "ms"],
+    return text + "\n" + table(["of all objects", "objects", "ms"],
                                [[row["name"], number(row["objects"]), number(row["ms"], 1)]
-                                for row in section["builds"]])
+                                for row in section["jobs"]])
 
 
 def quality(section):
@@ -162,8 +194,9 @@ def segments(section):
                     number(row["floor"], 1)] for row in section["rows"]]))
 
 
-SECTIONS = {"verdict": verdict, "kernels": kernels, "throughput": throughput,
+SECTIONS = {"answers": answers, "verdict": verdict, "kernels": kernels, "throughput": throughput,
             "sorted": sorted_worlds, "build": build, "crossover": crossover,
+            "model": model, "sweep": sweep, "threads": threads,
             "table1": table1, "quality": quality, "segments": segments}
 
 
@@ -226,8 +259,8 @@ def main():
         sys.exit(__doc__)
     paths = sorted((ROOT / "bench/results").glob("*.json"))
     if not paths:
-        sys.exit("bench/results has no report, which this makes: ./bench.sh "
-                 "--format json --out bench/results/<machine>.json")
+        sys.exit("bench/results has no report, which this makes: ./bench.sh --details "
+                 "all --format json --out bench/results/<machine>.json")
     reports = [(path, json.loads(path.read_text())) for path in paths]
     readme = ROOT / "README.md"
     made = {ROOT / "docs/results.md": page(reports),
