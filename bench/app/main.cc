@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/app/html_page.h"
 #include "bench/app/options.h"
 #include "bench/app/out_file.h"
 #include "bench/app/run.h"
@@ -166,12 +167,15 @@ int Main(int argc, char** argv) {
     for (std::string_view section : kSections) std::cout << section << '\n';
     return kExitOk;
   }
+  if (!options.render.empty()) return Render(options);
   if (const TargetChoice choice = DescribeTargetChoice();
       !choice.error.empty()) {
     return Fail("HALFSPACE_TARGET: " + choice.error, kExitUsage);
   }
   const std::optional<StoredRun> stored = ReadStoredRun(options);
   std::optional<Workload> input = ReadInput(options);
+  std::optional<OutFile> page;
+  if (!options.report.empty()) page.emplace(options.report);
   Results results;
   if (options.out.empty()) {
     results = RunTo(std::cout, options, std::move(input));
@@ -181,6 +185,7 @@ int Main(int argc, char** argv) {
     results = RunTo(text, options, std::move(input));
     file.Write(text.str());
   }
+  if (page) WriteHtml(*page, {ToJson(results)});
   if (options.is_strict && results.noise && results.noise->is_noisy()) {
     return Fail(
         "--strict: something disturbed the run (the section noise says how "

@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "bench/report/html_report.h"
 #include "halfspace/targets.h"
 #include "halfspace/version.h"
 
@@ -159,6 +160,23 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
                  "if one is worse")
       ->check(CheckFileName)
       ->type_name("FILE.json");
+  app.add_option("--report", options.report,
+                 "Write a page to look at, with figures, to this file")
+      ->check(CheckFileName)
+      ->type_name("FILE.html");
+  auto* render = app.add_option("--render", options.render,
+                                "Measure nothing: make the page of --report of "
+                                "these JSON reports, side by side")
+                     ->check(CheckFileName)
+                     ->expected(1, static_cast<int>(kMostReports))
+                     ->type_name("FILE.json");
+  for (CLI::Option* option : app.get_options()) {
+    const std::string name = option->get_name();
+    if (name != "--report" && name != "--render" && name != "--help" &&
+        name != "--version") {
+      render->excludes(option);
+    }
+  }
   app.add_flag("--list", options.is_list, "List the sections and exit");
   try {
     app.parse(argc, argv);

@@ -44,7 +44,9 @@ struct BenchOptions {
   bool is_strict = false;
   Format format = Format::kText;
   std::string out;
-  std::string against;  // a stored report; empty: none
+  std::string against;              // a stored report; empty: none
+  std::string report;               // the page; empty: none
+  std::vector<std::string> render;  // stored reports to make it of
   bool is_list = false;
 
   // Those that choose what is measured, as on the command line, but for the

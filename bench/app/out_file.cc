@@ -32,7 +32,7 @@ OutFile::OutFile(const std::string& path)
     fs::remove(part_, error);
   }
   if (!is_writable) {
-    throw UsageError(path + ": cannot be written; choose another --out");
+    throw UsageError(path + ": cannot be written; choose another file");
   }
 }
 

@@ -1,5 +1,5 @@
-// The file of --out: replaced as a whole at the end, so that whatever ends a
-// run before leaves what was there.
+// A file of --out or --report: replaced as a whole at the end, so that whatever
+// ends a run before leaves what was there.
 #ifndef HALFSPACE_BENCH_APP_OUT_FILE_H_
 #define HALFSPACE_BENCH_APP_OUT_FILE_H_
 
