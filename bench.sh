@@ -19,7 +19,7 @@ for argument in "$@"; do
   esac
 done
 
-prepare_machine "${competitor_packages[@]}"
+prepare_machine "${competitor_packages[@]}" "${page_packages[@]}"
 build_preset release cpuinfo-bench
 say "==> run cpuinfo-bench"
 exec "$root/build/release/bench/cpuinfo-bench" "$@"

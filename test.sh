@@ -37,7 +37,11 @@ while [ $# -gt 0 ]; do
   shift
 done
 
-prepare_machine
+if [ "$is_full" ]; then
+  prepare_machine "${page_test_packages[@]}"
+else
+  prepare_machine
+fi
 if [ "$preset" = aarch64 ]; then prepare_arm; fi
 if [ "$is_full" ]; then
   build_preset "$preset" -DHALFSPACE_TEST_ONLY_3D=OFF

@@ -12,6 +12,14 @@ competitor_packages=(
   libboost-dev libbullet-dev libcgal-dev libembree-dev libgeos++-dev
   libnanoflann-dev)
 
+# What draws the figures of its page.
+# shellcheck disable=SC2034
+page_packages=(gnuplot-nox)
+
+# What checks its page and its report.
+# shellcheck disable=SC2034
+page_test_packages=(gnuplot-nox python3-jsonschema tidy)
+
 # Runs a command as root; without a terminal it fails rather than asks.
 as_root() {
   if [ "$(id -u)" -eq 0 ]; then

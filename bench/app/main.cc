@@ -174,6 +174,10 @@ int Main(int argc, char** argv) {
   }
   const std::optional<StoredRun> stored = ReadStoredRun(options);
   std::optional<Workload> input = ReadInput(options);
+  if (!options.report.empty() && options.report == options.out) {
+    throw UsageError("--out and --report: " + options.out +
+                     " cannot be both; name two files");
+  }
   std::optional<OutFile> page;
   if (!options.report.empty()) page.emplace(options.report);
   Results results;

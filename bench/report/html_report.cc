@@ -82,19 +82,7 @@ std::string AnswerCell(const Run& run, const std::string& question) {
   if (!answers) return "<td>not measured</td>";
   for (const ReportField& row : answers->List("answers")) {
     if (row.At("question").Text() != question) continue;
-    std::string html = "<td>" + Escaped(row.At("answer").Text());
-    const auto tie = row.Find("is_tie");
-    if (const auto figure = row.Find("figure")) {
-      const auto unit = row.Find("unit");
-      const auto quartiles = row.Find("quartiles");
-      html += "<small>" + Digits(figure->Number()) + " " +
-              Escaped(unit ? unit->Text() : "");
-      if (quartiles) {
-        html += " [" + Escaped(ValueText(quartiles->json())) + "]";
-      }
-      html += tie && tie->Flag() ? ", a tie</small>" : "</small>";
-    }
-    return html + "</td>";
+    return "<td>" + Escaped(row.At("answer").Text()) + "</td>";
   }
   return "<td>-</td>";
 }
@@ -333,6 +321,10 @@ std::string HowMeasured(const Run& run) {
   if (is_virtual && is_virtual->Flag()) {
     add("a virtual machine",
         "its neighbours disturb it; trust the ratios, not the times");
+  }
+  const auto noise = run.Sections().Find("noise");
+  if (noise && noise->At("is_noisy").Flag()) {
+    add("noise", "something disturbed this run; the section says how much");
   }
   return "<ul>" + html + "</ul>\n";
 }

@@ -71,7 +71,6 @@ thead th { font-style: italic; }
 .words th[scope=row] { white-space: nowrap; width: 1%; }
 .words tbody td { min-width: min(15rem, 60vw); max-width: 34rem; }
 .words { font-size: 1rem; }
-.words small { display: block; font-size: .875rem; }
 .machines td, .machines th { white-space: normal; max-width: 34rem; }
 .map td, .map thead th { text-align: center; padding: .3rem .5rem; }
 .map, .map thead { border: none; }

@@ -10,18 +10,23 @@ file(WRITE "${inputs}/far_out.csv" "0,0,0,1,1,1\n1e13,1e13,1e13,2e13,2e13,2e13\n
 file(WRITE "${inputs}/bad.csv" "0,0,0,1,1,1\n0,0,0,nan,1,1\n")
 
 # halfspace_command_line_test(<name> CODE n [STDOUT regex] [STDERR regex]
-#                             [STDOUT_FILE file] [OUT regex]
+#                             [STDOUT_FILE file] [OUT regex] [REPORT regex]
 #                             [BEFORE command ...] [ENVIRONMENT variable=value ...]
 #                             ARGUMENTS ...)
-# With OUT, there is a file for --out, which matches afterwards. BEFORE is what
-# runs the tool. Among arguments, <EMPTY> is none and <ESC> a control character.
+# With OUT, there is a file for --out, which matches afterwards; with REPORT, one
+# for --report. BEFORE is what runs the tool. Among arguments, <EMPTY> is none and
+# <ESC> a control character.
 function(halfspace_command_line_test name)
-  cmake_parse_arguments(arg "" "CODE;STDOUT;STDERR;STDOUT_FILE;OUT"
+  cmake_parse_arguments(arg "" "CODE;STDOUT;STDERR;STDOUT_FILE;OUT;REPORT"
                         "BEFORE;ENVIRONMENT;ARGUMENTS" ${ARGN})
   set(out "")
   if(arg_OUT)
     set(out "${inputs}/${name}.out")
     list(APPEND arg_ARGUMENTS --out "${out}")
+  elseif(arg_REPORT)
+    set(out "${inputs}/${name}.out")
+    set(arg_OUT "${arg_REPORT}")
+    list(APPEND arg_ARGUMENTS --report "${out}")
   endif()
   set(command ${arg_BEFORE} ${CMAKE_CROSSCOMPILING_EMULATOR}
               $<TARGET_FILE:cpuinfo-bench> ${arg_ARGUMENTS})
@@ -82,6 +87,40 @@ halfspace_command_line_test(against_no_report CODE 3
 halfspace_command_line_test(against_no_file CODE 3
   ARGUMENTS --details machine --against "${inputs}/none.json"
   STDERR "none.json: cannot be read; give")
+
+# Of pages, html_report_test tests what is in them.
+set(stored "{\"schema\": 3, \"context\": {\"cpu\": \"a CPU\"}, \"sections\": {")
+file(WRITE "${inputs}/run.json" "${stored}\"quality\": {\"survivors\": {\"aabb\": 4, \"simplex\": 9, \"aabo\": 3}}}}")
+file(WRITE "${inputs}/cut.json" "${stored}")
+file(WRITE "${inputs}/old.json" "{\"schema\": 1}")
+file(WRITE "${inputs}/typed.json" "${stored}\"quality\": {\"survivors\": 1}}}")
+foreach(bad "cut|no JSON report" "old|a report of schema 1" "none|cannot be read"
+            "typed|sections.quality.survivors is no object")
+  string(REGEX MATCH "^([a-z]+)[|](.*)" bad "${bad}")
+  halfspace_command_line_test(render_${CMAKE_MATCH_1} CODE 3
+    ARGUMENTS --report "${inputs}/x.html"
+              --render "${inputs}/run.json" "${inputs}/${CMAKE_MATCH_1}.json"
+    STDERR "${CMAKE_MATCH_1}.json: ${CMAKE_MATCH_2}.*; give a file")
+endforeach()
+halfspace_command_line_test(render CODE 0
+  ARGUMENTS --render "${inputs}/run.json" "${inputs}/run.json"
+  REPORT "^<!DOCTYPE html>.*a CPU [(]2[)].*</html>\n$")
+halfspace_command_line_test(render_without_gnuplot CODE 0
+  ARGUMENTS --render "${inputs}/run.json" ENVIRONMENT "PATH=${inputs}"
+  REPORT "installed [(]Debian: gnuplot-nox[)].*<td class=\"n\">2.25</td>")
+halfspace_command_line_test(render_to_nothing CODE 2
+  ARGUMENTS --render "${inputs}/run.json" STDERR "add --report")
+halfspace_command_line_test(render_and_measure CODE 2
+  ARGUMENTS --quick --report x.html --render "${inputs}/run.json"
+  STDERR "excludes")
+halfspace_command_line_test(one_file_for_two CODE 2
+  ARGUMENTS --details machine --out x.html --report x.html
+  STDERR "two files")
+halfspace_command_line_test(unwritable_report CODE 2
+  ARGUMENTS --details machine --report "${inputs}/none/x"
+  STDERR "cannot be written")
+halfspace_command_line_test(report CODE 0 ARGUMENTS --details machine
+  REPORT "^<!DOCTYPE html>.*not measured; --details answers.*</html>\n$")
 halfspace_command_line_test(json CODE 0
   ARGUMENTS --details machine,table1 --objects 4096 --queries 2 --format json
   STDOUT "\"half_spaces\"")
