@@ -77,6 +77,9 @@ std::string AxisScript(const Axis& axis, const std::string& name,
 // All x axes that have marks are logarithmic.
 std::string MarkScript(const Figure& figure) {
   std::vector<Mark> marks = figure.marks;
+  std::erase_if(marks, [&figure](const Mark& mark) {
+    return !(mark.x >= figure.x.low && mark.x <= figure.x.high);
+  });
   std::sort(marks.begin(), marks.end(), [](const Mark& a, const Mark& b) {
     return std::pair(!a.is_line, a.x) < std::pair(!b.is_line, b.x);
   });

@@ -92,7 +92,7 @@ details > details { margin-left: 1rem; }
   .scroll { overflow: visible; }
   details:not([open]), .numbers { display: none; }
   section:not(.wide), .map { break-inside: avoid; }
-  h2, h3, h4 { break-after: avoid; }
+  h2, h3, h4, h2 + p { break-after: avoid; }
   tr { break-inside: avoid; }
   td { -webkit-print-color-adjust: exact; print-color-adjust: exact; }
 }
