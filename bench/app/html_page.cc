@@ -2,10 +2,12 @@
 
 #include <fstream>
 #include <iostream>
+#include <sstream>
 #include <stdexcept>
 
 #include "bench/input/input_error.h"
 #include "bench/report/html_report.h"
+#include "bench/report/report.h"
 
 namespace halfspace::bench {
 namespace {
@@ -27,6 +29,8 @@ std::string ReadReport(const std::string& path) {
   }
   try {
     CheckReport(text);
+    std::ostringstream page;
+    WritePage(page, text);
   } catch (const std::invalid_argument& error) {
     throw InputError(path, error.what(), kOther);
   }
@@ -46,15 +50,19 @@ void WriteHtml(OutFile& file, const std::vector<std::string>& reports) {
 }
 
 int Render(const BenchOptions& options) {
-  if (options.report.empty()) {
-    throw UsageError("--render needs a file to write; add --report FILE.html");
-  }
   std::vector<std::string> reports;
   for (const std::string& path : options.render) {
     reports.push_back(ReadReport(path));
   }
-  OutFile file(options.report);
-  WriteHtml(file, reports);
+  if (options.report.empty()) {
+    for (const std::string& report : reports) {
+      if (&report != &reports.front()) std::cout << '\n';
+      WritePage(std::cout, report);
+    }
+  } else {
+    OutFile file(options.report);
+    WriteHtml(file, reports);
+  }
   return kExitOk;
 }
 

@@ -13,7 +13,8 @@ namespace halfspace::bench {
 // Of these JSON reports.
 void WriteHtml(OutFile& file, const std::vector<std::string>& reports);
 
-// What --render does; the exit code. Throws UsageError and InputError.
+// What --render does: the pages of stored reports. The exit code. Throws
+// InputError, and UsageError of a file that cannot be written.
 int Render(const BenchOptions& options);
 
 }  // namespace halfspace::bench

@@ -1,9 +1,9 @@
-// The page to read, from a report in JSON: what was measured here, or
-// elsewhere.
+// The page to read, from a report in JSON: of this run, or of anybody's.
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <ostream>
 #include <stdexcept>
 #include <string>
@@ -12,17 +12,26 @@
 
 #include "bench/base/text_table.h"
 #include "bench/report/report.h"
+#include "bench/report/report_field.h"
 #include "bench/report/report_parts.h"
 
 namespace halfspace::bench {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr std::size_t kWidth = 90;
 
-std::string String(const Json& json) {
-  return Printable(json.get<std::string>());
+std::string Text(const ReportField& field) { return Printable(field.Text()); }
+
+std::string Whole(const ReportField& field) { return Fixed(field.Number(), 0); }
+
+std::string Count(double count) {
+  return Grouped(static_cast<std::size_t>(std::clamp(count, 0.0, 1e15)));
+}
+
+Ratio Spread(const ReportField& field) {
+  const std::vector<ReportField> quartiles = field.List();
+  if (quartiles.size() != 2) field.Fail("is no pair of quartiles");
+  return {0.0, quartiles[0].Number(), quartiles[1].Number()};
 }
 
 void WriteLine(std::ostream& out, std::string line) {
@@ -54,200 +63,224 @@ std::string Padded(std::string text, std::size_t width) {
   return text;
 }
 
-void WriteMachine(std::ostream& out, const Json& report) {
-  const Json& context = report.at("context");
-  std::string text =
-      String(context.at("cpu")) + ", " + String(context.at("system")) + ", " +
-      std::to_string(context.at("num_cpus").get<int>()) + " CPUs, caches";
-  for (const Json& cache : context.at("caches")) {
-    text += " L" + std::to_string(cache.at("level").get<int>()) + " " +
-            std::to_string(cache.at("size").get<std::size_t>() / 1024) + " KiB";
+void WriteMachine(std::ostream& out, const ReportField& report) {
+  const ReportField context = report.At("context");
+  std::string text = Text(context.At("cpu")) + ", " +
+                     Text(context.At("system")) + ", " +
+                     Whole(context.At("num_cpus")) + " CPUs, caches";
+  const std::vector<ReportField> caches = context.List("caches");
+  for (const ReportField& cache : caches) {
+    text += " L" + Whole(cache.At("level")) + " " +
+            Fixed(cache.At("size").Number() / 1024, 0) + " KiB";
   }
-  if (context.at("caches").empty()) text += " unknown";
-  const Json& sections = report.at("sections");
-  if (sections.contains("machine")) {
-    const Json& machine = sections.at("machine");
-    text += "; best target " + String(machine.at("targets").at("chosen")) +
-            "; built by " + String(machine.at("compiler"));
-    if (machine.at("virtual")) text += "; a virtual machine";
-    if (machine.at("emulated")) text += "; emulated: times mean nothing";
+  if (caches.empty()) text += " unknown";
+  if (const auto machine = report.At("sections").Find("machine")) {
+    text += "; best target " + Text(machine->At("targets").At("chosen")) +
+            "; built by " + Text(machine->At("compiler"));
+    if (machine->At("virtual").Flag()) text += "; a virtual machine";
+    if (machine->At("emulated").Flag())
+      text += "; emulated: times mean nothing";
   }
   WriteWrapped(out, "machine    ", text);
-  WriteWrapped(
-      out, "run        ",
-      "cpuinfo-bench " +
-          (context.at("command").get<std::string>().empty()
-               ? ""
-               : String(context.at("command")) + " ") +
-          "(" + String(context.at("halfspace_version")) + "), " +
-          String(context.at("date")) + ", seed " +
-          std::to_string(context.at("seed").get<std::uint64_t>()) +
-          ", medians of " +
-          std::to_string(context.at("repetitions").get<std::size_t>()) +
-          " repetitions [quartiles]");
-  if (!sections.contains("noise")) return;
-  const Json& noise = sections.at("noise");
-  const Json& same = noise.at("same_over_same").at("quartiles");
-  WriteWrapped(out, "noise      ",
-               std::string("a kernel against itself: ") +
-                   Fixed(same.at(0).get<double>(), 2) + " to " +
-                   Fixed(same.at(1).get<double>(), 2) +
-                   "; the clock changed by " +
-                   Fixed(100.0 * noise.at("clock_drift").get<double>(), 1) +
-                   " %" + (noise.at("is_noisy") ? ": a noisy run" : ""));
+  const std::string command = Text(context.At("command"));
+  WriteWrapped(out, "run        ",
+               "cpuinfo-bench " + command + (command.empty() ? "(" : " (") +
+                   Text(context.At("halfspace_version")) + "), " +
+                   Text(context.At("date")) + ", seed " +
+                   Whole(context.At("seed")) + ", medians of " +
+                   Whole(context.At("repetitions")) +
+                   " repetitions [quartiles]");
+  if (const auto noise = report.At("sections").Find("noise")) {
+    const Ratio same = Spread(noise->At("same_over_same").At("quartiles"));
+    WriteWrapped(out, "noise      ",
+                 "a kernel against itself: " + Fixed(same.low, 2) + " to " +
+                     Fixed(same.high, 2) + "; the clock changed by " +
+                     Fixed(100.0 * noise->At("clock_drift").Number(), 1) +
+                     " %" +
+                     (noise->At("is_noisy").Flag() ? ": a noisy run" : ""));
+  }
 }
 
-void WriteAnswers(std::ostream& out, const Json& sections) {
-  if (!sections.contains("answers")) return;
+void WriteAnswers(std::ostream& out, const ReportField& sections) {
+  const auto answers = sections.Find("answers");
+  if (!answers) return;
   out << "\nWhat to use";
-  if (sections.contains("sweep")) {
-    const Json& sweep = sections.at("sweep");
+  if (const auto sweep = sections.Find("sweep")) {
     out << ", one query a call over "
-        << Grouped(sweep.at("own").at("objects").get<std::size_t>())
-        << " objects, " << Fixed(sweep.at("exact_ns").get<double>(), 0)
-        << " ns a survivor (" << String(sweep.at("exact_test")) << ")";
+        << Count(sweep->At("own").At("objects").Number()) << " objects, "
+        << Whole(sweep->At("exact_ns")) << " ns a survivor ("
+        << Text(sweep->At("exact_test")) << ")";
   }
   out << "\n\n";
-  for (const Json& answer : sections.at("answers").at("answers")) {
-    WriteWrapped(out, "  " + Padded(String(answer.at("question")), 11),
-                 String(answer.at("answer")));
+  for (const ReportField& answer : answers->List("answers")) {
+    WriteWrapped(out, "  " + Padded(Text(answer.At("question")), 11),
+                 Text(answer.At("answer")));
   }
 }
 
 // The fastest schedule of each shape in each working set, as bars.
-void WriteKernels(std::ostream& out, const Json& sections) {
-  if (!sections.contains("kernels") || !sections.contains("machine")) return;
+void WriteKernels(std::ostream& out, const ReportField& sections) {
   constexpr double kBar = 40.0;
-  const Json& chosen = sections.at("machine").at("targets").at("chosen");
-  std::vector<std::string> sets;
-  std::map<std::pair<std::string, std::string>, const Json*> best;
+  const auto kernels = sections.Find("kernels");
+  const auto machine = sections.Find("machine");
+  if (!kernels || !machine) return;
+  const std::string chosen = machine->At("targets").At("chosen").Text();
+  struct Bar {
+    std::string shape;
+    std::string schedule;
+    double ns;
+    Ratio spread;
+  };
+  std::vector<std::pair<std::string, std::vector<Bar>>> sets;
   double most = 0.0;
-  for (const Json& row : sections.at("kernels").at("rows")) {
-    if (row.at("target") != chosen) continue;
-    const std::string set = row.at("working_set");
-    if (std::find(sets.begin(), sets.end(), set) == sets.end()) {
-      sets.push_back(set);
-    }
-    const Json*& fastest = best[{set, row.at("shape").get<std::string>()}];
-    const double ns = row.at("ns_per_object");
-    if (fastest == nullptr || ns < fastest->at("ns_per_object").get<double>()) {
-      fastest = &row;
+  for (const ReportField& row : kernels->List("rows")) {
+    if (row.At("target").Text() != chosen) continue;
+    const std::string set = Text(row.At("working_set"));
+    if (sets.empty() || sets.back().first != set) sets.push_back({set, {}});
+    std::vector<Bar>& bars = sets.back().second;
+    const Bar bar = {Text(row.At("shape")), Text(row.At("schedule")),
+                     row.At("ns_per_object").Number(),
+                     Spread(row.At("ns_quartiles"))};
+    const auto same = std::find_if(bars.begin(), bars.end(), [&](const Bar& b) {
+      return b.shape == bar.shape;
+    });
+    if (same == bars.end()) {
+      bars.push_back(bar);
+    } else if (bar.ns < same->ns) {
+      *same = bar;
     }
   }
-  for (const auto& [key, row] : best) {
-    most = std::max(most, row->at("ns_per_object").get<double>());
+  for (const auto& [set, bars] : sets) {
+    for (const Bar& bar : bars) most = std::max(most, bar.ns);
   }
-  if (best.empty() || most <= 0.0) return;
-  out << "\nA flat or staged scan of one query, ns an object ("
-      << String(chosen) << ")\n\n";
-  for (const std::string& set : sets) {
-    for (const char* shape : {"simplex", "aabb", "aabo"}) {
-      const Json* row = best[{set, shape}];
-      if (row == nullptr) continue;
-      const double ns = row->at("ns_per_object");
-      out << "  "
-          << Padded(shape == std::string("simplex") ? Printable(set) : "", 8)
-          << Padded(shape, 8) << Padded(String(row->at("schedule")), 8)
-          << Fixed(ns, 3) << " ["
-          << Fixed(row->at("ns_quartiles").at(0).get<double>(), 3) << ", "
-          << Fixed(row->at("ns_quartiles").at(1).get<double>(), 3) << "] "
+  if (most <= 0.0) return;
+  out << "\nA scan of one query, ns an object (" << Printable(chosen)
+      << ")\n\n";
+  for (const auto& [set, bars] : sets) {
+    for (const Bar& bar : bars) {
+      out << "  " << Padded(&bar == &bars.front() ? set : "", 8)
+          << Padded(bar.shape, 8) << Padded(bar.schedule, 8) << Fixed(bar.ns, 3)
+          << " [" << Fixed(bar.spread.low, 3) << ", "
+          << Fixed(bar.spread.high, 3) << "] "
           << std::string(static_cast<std::size_t>(std::clamp(
-                             std::ceil(kBar * ns / most), 1.0, kBar)),
+                             std::ceil(kBar * bar.ns / most), 1.0, kBar)),
                          '#')
           << '\n';
     }
   }
 }
 
-std::string WidthText(const Json& w, bool is_at_most) {
-  if (w.is_null()) return "none";
-  return (is_at_most ? "at most " : "") + Fixed(w.get<double>(), 0);
+// A width from which on the simplex leads.
+std::string WidthText(const std::optional<ReportField>& w, bool is_at_most) {
+  if (!w) return "none";
+  return (is_at_most ? "at most " : "") + Whole(*w);
 }
 
-// The width from which on the simplex leads, of each target.
-void WriteCrossover(std::ostream& out, const Json& sections) {
-  if (!sections.contains("crossover")) return;
+void WriteCrossover(std::ostream& out, const ReportField& sections) {
+  const auto crossover = sections.Find("crossover");
+  if (!crossover) return;
   std::string text;
-  for (const Json& star : sections.at("crossover").at("targets")) {
-    text += (text.empty() ? "" : "; ") + String(star.at("target")) + " (" +
-            std::to_string(star.at("lanes").get<std::size_t>()) + " lanes, " +
-            String(star.at("working_set")) + ") " +
-            WidthText(star.at("w_star"), star.at("at_most"));
-    const Json& quartiles = star.at("quartiles");
-    if (!star.at("w_star").is_null() && !star.at("at_most")) {
-      text += " [" + WidthText(quartiles.at(0), false) + ", " +
-              WidthText(quartiles.at(1), false) + "]";
+  for (const ReportField& star : crossover->List("targets")) {
+    const auto w = star.Find("w_star");
+    const bool is_at_most = star.At("at_most").Flag();
+    text += (text.empty() ? "" : "; ") + Text(star.At("target")) + " (" +
+            Whole(star.At("lanes")) + " lanes, " +
+            Text(star.At("working_set")) + ") " + WidthText(w, is_at_most);
+    if (!w || is_at_most) continue;
+    std::string spread;
+    for (const ReportField& each : star.At("quartiles").List()) {
+      spread += (spread.empty() ? "" : ", ") +
+                (each.json().is_null() ? "none" : Whole(each));
     }
+    text += " [" + spread + "]";
   }
   out << "\nEarly-out after every half-space, in batches of w: from w* on the "
          "simplex leads the box\n\n";
   WriteWrapped(out, "  w*         ", text);
 }
 
-void WriteModel(std::ostream& out, const Json& sections) {
-  if (!sections.contains("model")) return;
-  const Json& model = sections.at("model");
-  const Json& crossover = model.at("crossover");
+void WriteModel(std::ostream& out, const ReportField& sections) {
+  const auto model = sections.Find("model");
+  if (!model) return;
   const auto at = [&](const char* by) {
-    const Json& lead = crossover.at(by);
-    return WidthText(lead.at("w"), lead.at("at_most"));
+    const ReportField lead = model->At("crossover").At(by);
+    return WidthText(lead.Find("w"), lead.At("at_most").Flag());
   };
   WriteWrapped(out, "  predicted  ",
                "w* by half-spaces expected " + at("expected") + ", counted " +
                    at("counted") + ", by their time " + at("predicted") +
                    ", measured " + at("measured") + " (" +
-                   String(model.at("target")) + ", " +
-                   String(model.at("working_set")) + ")");
-  for (const Json& each : model.at("break_even")) {
+                   Text(model->At("target")) + ", " +
+                   Text(model->At("working_set")) + ")");
+  for (const ReportField& each : model->List("break_even")) {
     BreakEven even;
-    even.against = String(each.at("against"));
-    if (!each.at("ns").is_null()) {
-      even.ns = each.at("ns").get<double>();
-      even.low = each.at("quartiles").at(0);
-      even.high = each.at("quartiles").at(1);
+    even.against = Text(each.At("against"));
+    if (const auto ns = each.Find("ns")) {
+      const Ratio spread = Spread(each.At("quartiles"));
+      even.ns = ns->Number();
+      even.low = spread.low;
+      even.high = spread.high;
     }
     WriteWrapped(out, "  break-even ", BreakEvenText(even));
   }
 }
 
 // A line for each size of objects, a column for each number of them.
-void WriteMap(std::ostream& out, const Json& sections) {
-  if (!sections.contains("sweep")) return;
-  std::vector<double> sizes;
-  std::vector<std::size_t> counts;
-  std::map<std::pair<double, std::size_t>, std::string> winners;
-  const auto add = [](auto& list, auto value) {
-    if (std::find(list.begin(), list.end(), value) == list.end()) {
-      list.push_back(value);
-    }
-  };
-  for (const Json& cell : sections.at("sweep").at("cells")) {
-    const double size = cell.at("size");
-    const std::size_t objects = cell.at("objects");
-    add(sizes, size);
-    add(counts, objects);
-    winners[{size, objects}] = String(cell.at("winner")) +
-                               (cell.at("is_tie") ? " ~" : "") + ", " +
-                               Fixed(1e-3 * cell.at("ns").get<double>(), 2);
+void WriteMap(std::ostream& out, const ReportField& sections) {
+  const auto sweep = sections.Find("sweep");
+  if (!sweep) return;
+  std::vector<double> counts;
+  std::vector<std::vector<std::string>> rows;
+  for (const ReportField& cell : sweep->List("cells")) {
+    const double count = cell.At("objects").Number();
+    const std::string size = Fixed(100.0 * cell.At("size").Number(), 1) + " %";
+    auto column = std::find(counts.begin(), counts.end(), count);
+    if (column == counts.end()) column = counts.insert(column, count);
+    if (rows.empty() || rows.back()[0] != size) rows.push_back({size});
+    rows.back().resize(static_cast<std::size_t>(column - counts.begin()) + 1);
+    rows.back().push_back(Text(cell.At("winner")) +
+                          (cell.At("is_tie").Flag() ? " ~, " : ", ") +
+                          Fixed(1e-3 * cell.At("ns").Number(), 2));
   }
-  if (sizes.empty()) return;
+  if (rows.empty()) return;
   out << "\nFastest way, and us a query with its exact tests, by size of "
          "objects "
          "(of the world's side)\nand their number; ~ where another is as "
          "fast\n\n";
   std::vector<std::string> header = {"size"};
-  for (std::size_t count : counts) header.push_back(Grouped(count));
+  for (double count : counts) header.push_back(Count(count));
   TextTable table(header);
-  for (double size : sizes) {
-    std::vector<std::string> row = {Fixed(100.0 * size, 1) + " %"};
-    for (std::size_t count : counts) row.push_back(winners[{size, count}]);
+  for (std::vector<std::string>& row : rows) {
+    row.resize(header.size());
     table.AddRow(row);
   }
   table.Write(out, header.size());
 }
 
-void WriteReport(std::ostream& out, const Json& report) {
-  const Json& sections = report.at("sections");
+void WriteNotReached(std::ostream& out, const ReportField& sections) {
+  const auto answers = sections.Find("answers");
+  if (!answers) return;
+  std::string reasons;
+  for (const ReportField& reason : answers->List("not_reached")) {
+    reasons += (reasons.empty() ? "" : "; ") + Text(reason);
+  }
+  if (!reasons.empty()) WriteWrapped(out, "not reached ", reasons);
+}
+
+}  // namespace
+
+void WritePage(std::ostream& out, std::string_view json) {
+  const Json parsed = Json::parse(json, nullptr, /*allow_exceptions=*/false);
+  if (parsed.is_discarded()) {
+    throw std::invalid_argument("no JSON report of this program");
+  }
+  const ReportField report(parsed, "the report");
+  if (report.At("schema").json() != kReportSchema) {
+    throw std::invalid_argument("a report of schema " +
+                                report.At("schema").json().dump() + ", not " +
+                                std::to_string(kReportSchema));
+  }
+  const ReportField sections = report.At("sections");
   WriteMachine(out, report);
   WriteAnswers(out, sections);
   WriteKernels(out, sections);
@@ -255,31 +288,9 @@ void WriteReport(std::ostream& out, const Json& report) {
   WriteModel(out, sections);
   WriteMap(out, sections);
   out << '\n';
-  if (sections.contains("answers")) {
-    std::string reasons;
-    for (const Json& reason : sections.at("answers").at("not_reached")) {
-      reasons += (reasons.empty() ? "" : "; ") + String(reason);
-    }
-    if (!reasons.empty()) WriteWrapped(out, "not reached: ", reasons);
-  }
-  out << "--details SECTION prints the tables of a section (--list), --format "
-         "json everything.\n";
-}
-
-}  // namespace
-
-void WritePage(std::ostream& out, std::string_view json) {
-  try {
-    const Json report = Json::parse(json);
-    if (report.at("schema") != kReportSchema) {
-      throw std::invalid_argument("a report of schema " +
-                                  report.at("schema").dump() + ", not " +
-                                  std::to_string(kReportSchema));
-    }
-    WriteReport(out, report);
-  } catch (const Json::exception&) {
-    throw std::invalid_argument("no JSON report of this program");
-  }
+  WriteNotReached(out, sections);
+  out << "--details SECTION prints the tables of a section (--list), --report "
+         "FILE.html draws figures.\n";
 }
 
 }  // namespace halfspace::bench

@@ -89,7 +89,7 @@ halfspace_command_line_test(against_no_file CODE 3
   STDERR "none.json: cannot be read; give")
 
 # Of pages, html_report_test tests what is in them.
-set(stored "{\"schema\": 3, \"context\": {\"cpu\": \"a CPU\"}, \"sections\": {")
+set(stored "{\"schema\": 3, \"context\": {\"cpu\": \"a CPU\", \"system\": \"a system\", \"num_cpus\": 1, \"command\": \"\", \"halfspace_version\": \"1\", \"date\": \"today\", \"seed\": 1, \"repetitions\": 1}, \"sections\": {")
 file(WRITE "${inputs}/run.json" "${stored}\"quality\": {\"survivors\": {\"aabb\": 4, \"simplex\": 9, \"aabo\": 3}}}}")
 file(WRITE "${inputs}/cut.json" "${stored}")
 file(WRITE "${inputs}/old.json" "{\"schema\": 1}")
@@ -108,8 +108,9 @@ halfspace_command_line_test(render CODE 0
 halfspace_command_line_test(render_without_gnuplot CODE 0
   ARGUMENTS --render "${inputs}/run.json" ENVIRONMENT "PATH=${inputs}"
   REPORT "installed [(]Debian: gnuplot-nox[)].*<td class=\"n\">2.25</td>")
-halfspace_command_line_test(render_to_nothing CODE 2
-  ARGUMENTS --render "${inputs}/run.json" STDERR "add --report")
+halfspace_command_line_test(render_as_text CODE 0
+  ARGUMENTS --render "${inputs}/run.json" "${inputs}/run.json"
+  STDOUT "machine .*--details SECTION.*\n\nmachine ")
 halfspace_command_line_test(render_and_measure CODE 2
   ARGUMENTS --quick --report x.html --render "${inputs}/run.json"
   STDERR "excludes")
