@@ -14,10 +14,10 @@
 
 namespace halfspace::bench {
 
-inline constexpr std::array<std::string_view, 15> kSections = {
-    "machine", "check",      "table1",  "crossover", "kernels",
-    "build",   "throughput", "sorted",  "quality",   "segments",
-    "model",   "sweep",      "threads", "noise",     "answers"};
+inline constexpr std::array<std::string_view, 18> kSections = {
+    "machine",    "check",  "table1",  "crossover", "kernels", "build",
+    "throughput", "sorted", "quality", "volumes",   "dual",    "axes",
+    "segments",   "model",  "sweep",   "threads",   "noise",   "answers"};
 
 // Those that the page is made of.
 inline constexpr std::array<std::string_view, 11> kPageSections = {

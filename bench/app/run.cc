@@ -11,6 +11,7 @@
 #include "bench/measure/clock_probe.h"
 #include "bench/report/paper.h"
 #include "bench/report/report.h"
+#include "bench/sections/alternatives.h"
 #include "bench/sections/sections.h"
 #include "bench/worlds/scene.h"
 
@@ -98,6 +99,24 @@ class Runner {
     });
     Section("quality", results_.quality,
             [&] { return RunQuality(Measured(), context_); });
+    Section("volumes", results_.volumes, [&] {
+      VolumesResult result =
+          RunVolumes(input_ ? &*input_ : nullptr, options_.objects,
+                     Reached({"L2", "memory"}), options_.seed,
+                     options_.is_quick, context_);
+      result.not_reached = NotReached();
+      return result;
+    });
+    Section("dual", results_.dual, [&] {
+      DualResult result =
+          RunDual(Measured(), Sets({"L2", "memory"}), Reached({"L2", "memory"}),
+                  options_.is_quick, context_);
+      result.not_reached = NotReached();
+      return result;
+    });
+    Section("axes", results_.axes, [&] {
+      return RunAxes(input_ ? &*input_ : nullptr, options_.seed, context_);
+    });
     Section("segments", results_.segments, [&] {
       return RunSegments(Measured(), options_.seed, options_.is_quick,
                          context_);
@@ -132,6 +151,9 @@ class Runner {
     if (section == "build") return 15.0;
     if (section == "throughput") return 70.0;
     if (section == "sorted") return 50.0;
+    if (section == "volumes") return 10.0;
+    if (section == "dual") return 5.0;
+    if (section == "axes") return 2.0;
     if (section == "segments") return 1.0;
     if (section == "model") return 2.0;
     if (section == "sweep") return 15.0;
@@ -165,7 +187,7 @@ class Runner {
   bool NeedsScene(std::string_view section) const {
     if (section == "table1") return true;
     return !input_ && section != "machine" && section != "sorted" &&
-           section != "answers";
+           section != "volumes" && section != "axes" && section != "answers";
   }
 
   std::size_t SceneObjects() const {

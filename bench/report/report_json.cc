@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "bench/report/alternatives_json.h"
 #include "bench/report/report.h"
 #include "bench/report/throughput_json.h"
 
@@ -390,6 +391,9 @@ std::string ToJson(const Results& results) {
   AddSection(sections, "throughput", results.throughput);
   AddSection(sections, "sorted", results.sorted);
   AddSection(sections, "quality", results.quality);
+  AddSection(sections, "volumes", results.volumes);
+  AddSection(sections, "dual", results.dual);
+  AddSection(sections, "axes", results.axes);
   AddSection(sections, "segments", results.segments);
   AddSection(sections, "model", results.model);
   AddSection(sections, "sweep", results.sweep);

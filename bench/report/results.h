@@ -13,6 +13,7 @@
 #include "bench/measure/machine.h"
 #include "bench/measure/measure.h"
 #include "bench/measure/work_count.h"
+#include "bench/report/alternatives.h"
 #include "bench/report/thresholds.h"
 
 namespace halfspace::bench {
@@ -393,6 +394,9 @@ struct Results {
   std::optional<ThroughputResult> throughput;
   std::optional<SortedResult> sorted;
   std::optional<QualityResult> quality;
+  std::optional<VolumesResult> volumes;
+  std::optional<DualResult> dual;
+  std::optional<AxesResult> axes;
   std::optional<SegmentsResult> segments;
   std::optional<ModelResult> model;
   std::optional<SweepResult> sweep;

@@ -3,19 +3,23 @@
 #define HALFSPACE_BENCH_WORLDS_UNIT_SPHERE_H_
 
 #include <array>
+#include <cstddef>
 
 #include "bench/worlds/random.h"
 
 namespace halfspace::bench {
 
-inline std::array<float, 3> PointInUnitSphere(Random& random) {
+// Uniform in the ball of radius 1.
+template <std::size_t kDims = 3>
+std::array<float, kDims> PointInUnitSphere(Random& random) {
   for (;;) {
-    const std::array<float, 3> p = {random.Signed(), random.Signed(),
-                                    random.Signed()};
-    const double x = p[0];
-    const double y = p[1];
-    const double z = p[2];
-    if (x * x + y * y + z * z <= 1.0) return p;
+    std::array<float, kDims> p;
+    double square = 0.0;
+    for (float& coordinate : p) {
+      coordinate = random.Signed();
+      square += double{coordinate} * double{coordinate};
+    }
+    if (square <= 1.0) return p;
   }
 }
 

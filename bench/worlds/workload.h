@@ -26,6 +26,9 @@ struct Workload {
 
   // To time one after the other.
   std::vector<Aabo3> timed_queries = {};
+
+  // Of a mesh: x y z of the corners of object 0, then of object 1, ...
+  std::vector<float> corners = {};
 };
 
 // A world of exactly `objects` objects: those of the workload, again and again

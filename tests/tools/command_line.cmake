@@ -44,7 +44,7 @@ endfunction()
 halfspace_command_line_test(version CODE 0 ARGUMENTS --version
   STDOUT "cpuinfo-bench ${PROJECT_VERSION}")
 halfspace_command_line_test(list CODE 0 ARGUMENTS --list
-  STDOUT "machine\ncheck\ntable1\ncrossover\nkernels\nbuild\nthroughput\nsorted\nquality\nsegments\nmodel\nsweep\nthreads\nnoise\nanswers")
+  STDOUT "machine\ncheck\ntable1\ncrossover\nkernels\nbuild\nthroughput\nsorted\nquality\nvolumes\ndual\naxes\nsegments\nmodel\nsweep\nthreads\nnoise\nanswers")
 halfspace_command_line_test(help CODE 0 ARGUMENTS --help STDOUT "--mesh")
 halfspace_command_line_test(unknown_option CODE 2 ARGUMENTS --fast
   STDERR "--fast")
@@ -61,6 +61,9 @@ halfspace_command_line_test(unwritable_output CODE 2
 halfspace_command_line_test(mesh CODE 0
   ARGUMENTS --details quality --mesh "${inputs}/quad.obj"
   STDOUT "2 objects, 2 queries")
+halfspace_command_line_test(axes_mesh CODE 0
+  ARGUMENTS --details axes --quick --mesh "${inputs}/quad.obj"
+  STDOUT "quad.obj +regular")
 halfspace_command_line_test(sorted_mesh CODE 0
   ARGUMENTS --details sorted --objects 64 --quick --mesh "${inputs}/quad.obj"
   STDOUT "file: 2 boxes, of which a query finds 2.0")

@@ -22,9 +22,10 @@ const Json& Report() {
   static const Json report = [] {
     BenchOptions options;
     options.is_quick = true;
-    options.details = {"machine", "check",   "table1",   "crossover", "build",
-                       "sorted",  "quality", "segments", "model",     "sweep",
-                       "threads", "noise",   "answers"};
+    options.details = {"machine", "check",   "table1",   "crossover",
+                       "build",   "sorted",  "quality",  "volumes",
+                       "dual",    "axes",    "segments", "model",
+                       "sweep",   "threads", "noise",    "answers"};
     options.objects = 4096;
     options.queries = 4;
     options.repetitions = 1;
@@ -64,6 +65,55 @@ TEST(ReportJsonTest, QualityHasTheFixedForm) {
   const Json& survivors = quality.at("survivors");
   EXPECT_GE(survivors.at("simplex"), survivors.at("aabb"));
   EXPECT_LE(survivors.at("aabo"), survivors.at("aabb"));
+}
+
+void ExpectKeys(const Json& rows, const std::vector<const char*>& keys) {
+  ASSERT_FALSE(rows.empty());
+  for (const Json& row : rows) {
+    for (const char* key : keys) EXPECT_TRUE(row.contains(key)) << key;
+  }
+}
+
+TEST(ReportJsonTest, VolumesHaveTheFixedForm) {
+  const Json& volumes = Report().at("sections").at("volumes");
+  ExpectKeys(
+      volumes.at("rows"),
+      {"volume", "schedule", "target", "working_set", "objects",
+       "bytes_per_object", "ns_per_object", "over_simplex", "looseness"});
+  ASSERT_EQ(volumes.at("dimensions").size(), 3u);
+  ExpectKeys(volumes.at("dimensions"),
+             {"dimensions", "target", "objects", "scale", "simplex_ns",
+              "aabb_flat_ns", "aabb_staged_ns", "aabo_flat_ns",
+              "aabo_staged_ns", "simplex_over_flat_aabb",
+              "simplex_over_fastest_aabb", "queries", "survivors"});
+  for (const Json& row : volumes.at("dimensions")) {
+    EXPECT_LE(row.at("survivors").at("aabo"), row.at("survivors").at("aabb"));
+    EXPECT_EQ(row.at("simplex_over_flat_aabb").at("quartiles").size(), 2u);
+  }
+}
+
+TEST(ReportJsonTest, DualRowsHaveTheFixedForm) {
+  const Json& rows = Report().at("sections").at("dual").at("rows");
+  ExpectKeys(rows,
+             {"content", "working_set", "target", "lanes", "objects",
+              "second_of_1", "second_of_lanes", "second_of_64", "simplex_ns",
+              "refined_ns", "flat_ns", "staged_ns", "staged_over_flat",
+              "refined_over_staged", "staged_over_simplex"});
+  for (const Json& row : rows) {
+    EXPECT_LE(row.at("second_of_1"), row.at("second_of_lanes"));
+    EXPECT_LE(row.at("second_of_lanes"), row.at("second_of_64"));
+  }
+}
+
+TEST(ReportJsonTest, AxesHaveTheFixedForm) {
+  const Json& axes = Report().at("sections").at("axes");
+  ASSERT_EQ(axes.at("construction").size(), 3u);
+  ExpectKeys(axes.at("construction"),
+             {"axes", "target", "clouds", "flops_per_point", "rounded_planes",
+              "ns_per_cloud", "over_standard", "pad_over_extent"});
+  ASSERT_EQ(axes.at("alignment").size(), 6u);
+  ExpectKeys(axes.at("alignment"),
+             {"world", "objects", "queries", "axes", "survivors"});
 }
 
 TEST(ReportJsonTest, CrossoverRowsHaveTheFixedForm) {

@@ -1,0 +1,153 @@
+#include "bench/baselines/sphere_scan.h"
+
+#include <utility>
+
+#include "bench/base/target_function.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "bench/baselines/sphere_scan.cc"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+#include "hwy/highway.h"
+
+// After foreach_target.h, which decides what it is compiled for.
+#include "kernels/scan/stages-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// The tests of a vector of spheres. As in the library's verdicts, what is above
+// is rejected.
+struct TestAlongX {
+  template <class D, class V>
+  HWY_INLINE VerdictOf<D> operator()(D d, const float* const* planes, size_t i,
+                                     V x, V /*y*/, V /*z*/, V radius) const {
+    const V along = hn::Abs(hn::Sub(hn::Load(d, planes[0] + i), x));
+    return FirstVerdict<true>(d, along,
+                              hn::Add(hn::Load(d, planes[3] + i), radius));
+  }
+};
+
+struct TestDistance {
+  template <class D, class V>
+  HWY_INLINE VerdictOf<D> operator()(D d, const float* const* planes, size_t i,
+                                     V x, V y, V z, V radius) const {
+    const V dx = hn::Sub(hn::Load(d, planes[0] + i), x);
+    const V dy = hn::Sub(hn::Load(d, planes[1] + i), y);
+    const V dz = hn::Sub(hn::Load(d, planes[2] + i), z);
+    const V reach = hn::Add(hn::Load(d, planes[3] + i), radius);
+    const V square = hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx)));
+    return FirstVerdict<true>(d, square, hn::Mul(reach, reach));
+  }
+};
+
+template <size_t... kVector, class D, class Test, class... V>
+HWY_INLINE uint64_t SphereVectors(std::index_sequence<kVector...>, D d,
+                                  Test test, const float* const* planes,
+                                  size_t i, V... query) {
+  const size_t lanes = hn::Lanes(d);
+  return (... | (VerdictBits(d, test(d, planes, i + kVector * lanes, query...))
+                 << (kVector * lanes)));
+}
+
+// The bits of those of objects i ... i + kObjects - 1 that survive; unrolled as
+// KeptBits is.
+template <size_t kObjects, class D, class Test, class... V>
+HWY_INLINE uint64_t SphereBits(D d, Test test, const float* const* planes,
+                               size_t i, V... query) {
+#if HWY_HAVE_SCALABLE
+  constexpr size_t kUnroll = 1;
+#else
+  constexpr size_t kUnroll = HWY_MIN(size_t{4}, kObjects / hn::MaxLanes(D()));
+#endif
+  const size_t step = kUnroll * hn::Lanes(d);
+  uint64_t bits = 0;
+  for (size_t l = 0; l < kObjects; l += step) {
+    bits |= SphereVectors(std::make_index_sequence<kUnroll>(), d, test, planes,
+                          i + l, query...)
+            << l;
+  }
+  return kVerdictIsKept<D> ? bits : bits ^ kLowBits<kObjects>;
+}
+
+void ScanSpheres(const float* const* planes, const float* query, size_t size,
+                 uint64_t* mask) {
+  const OneTag<float> d;
+  const float* local[] = {planes[0], planes[1], planes[2], planes[3]};
+  const auto x = hn::Set(d, query[0]);
+  const auto y = hn::Set(d, query[1]);
+  const auto z = hn::Set(d, query[2]);
+  const auto radius = hn::Set(d, query[3]);
+  for (size_t w = 0; w < size / kWordObjects; ++w) {
+    mask[w] = SphereBits<kWordObjects>(d, TestDistance(), local,
+                                       w * kWordObjects, x, y, z, radius);
+  }
+}
+
+void ScanSpheresByAxis(const float* const* planes, const float* query,
+                       size_t size, uint64_t* mask) {
+  const OneTag<float> d;
+#if HWY_HAVE_SCALABLE
+  constexpr size_t kGroup = kWordObjects;
+#else
+  constexpr size_t kGroup =
+      HWY_MAX(GroupList::kSmallestGroup, hn::MaxLanes(OneTag<float>()));
+#endif
+  const auto x = hn::Set(d, query[0]);
+  const auto y = hn::Set(d, query[1]);
+  const auto z = hn::Set(d, query[2]);
+  const auto radius = hn::Set(d, query[3]);
+  GroupList list;
+  const size_t words = size / kWordObjects;
+  for (size_t begin = 0; begin < words; begin += kTileWords) {
+    const size_t first = begin * kWordObjects;
+    const float* tile[] = {planes[0] + first, planes[1] + first,
+                           planes[2] + first, planes[3] + first};
+    uint64_t* row = mask + begin;
+    size_t left = 0;
+    for (size_t w = 0; w < HWY_MIN(kTileWords, words - begin); ++w) {
+      row[w] = SphereBits<kWordObjects>(d, TestAlongX(), tile, w * kWordObjects,
+                                        x, y, z, radius);
+      for (size_t g = 0; g < kWordObjects; g += kGroup) {
+        left = list.template AppendIfLeft<kGroup>(left, w * kWordObjects + g,
+                                                  row[w] >> g);
+      }
+    }
+    for (size_t j = 0; j < left; ++j) {
+      const size_t offset = list.groups[j];
+      const uint64_t rejected =
+          SphereBits<kGroup>(d, TestDistance(), tile, offset, x, y, z, radius) ^
+          kLowBits<kGroup>;
+      row[offset / kWordObjects] &= ~(rejected << (offset % kWordObjects));
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
+
+namespace halfspace::bench {
+
+template <std::int64_t kTarget>
+SphereScans SphereScansOf();
+
+template <>
+SphereScans SphereScansOf<HWY_TARGET>() {
+  return {&HWY_NAMESPACE::ScanSpheres, &HWY_NAMESPACE::ScanSpheresByAxis};
+}
+
+}  // namespace halfspace::bench
+
+#if HWY_ONCE
+namespace halfspace::bench {
+
+SphereScans SphereScansFor(Target target) {
+  return FunctionOf<SphereScans>(target,
+                                 [](auto t) { return SphereScansOf<t()>(); });
+}
+
+}  // namespace halfspace::bench
+#endif  // HWY_ONCE

@@ -1,0 +1,70 @@
+// What the paper's scene is made of, in any number of dimensions: point clouds,
+// one after the other, each moved to a place of its own.
+#ifndef HALFSPACE_BENCH_WORLDS_MOVED_CLOUDS_H_
+#define HALFSPACE_BENCH_WORLDS_MOVED_CLOUDS_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "bench/worlds/random.h"
+#include "bench/worlds/scene.h"
+#include "bench/worlds/unit_sphere.h"
+
+namespace halfspace::bench {
+
+inline constexpr float kHalfCube = kSceneSide / 2;
+
+// 100 clouds of 50 to 64 points uniform in the unit ball.
+template <std::size_t kDims>
+class MovedClouds {
+ public:
+  using Cloud = std::vector<std::array<float, kDims>>;
+
+  explicit MovedClouds(std::uint64_t seed) : random_(seed), clouds_(kClouds) {
+    for (Cloud& cloud : clouds_) {
+      cloud.resize(kFewestPoints +
+                   random_.Below(kMostPoints - kFewestPoints + 1));
+      for (auto& point : cloud) point = PointInUnitSphere<kDims>(random_);
+    }
+  }
+
+  const std::vector<Cloud>& clouds() const { return clouds_; }
+
+  // Makes those that follow larger or smaller.
+  void Scale(float factor) {
+    for (Cloud& cloud : clouds_) {
+      for (auto& point : cloud) {
+        for (float& coordinate : point) coordinate *= factor;
+      }
+    }
+  }
+
+  // The points of one of the clouds, moved uniformly within [-50, 50]^kDims:
+  // their coordinates, point by point. They stay until the next call.
+  std::span<const float> Next() {
+    const Cloud& cloud = clouds_[random_.Below(kClouds)];
+    std::array<float, kDims> to;
+    for (float& coordinate : to) coordinate = kHalfCube * random_.Signed();
+    std::size_t n = 0;
+    for (const auto& point : cloud) {
+      for (std::size_t k = 0; k < kDims; ++k) moved_[n++] = point[k] + to[k];
+    }
+    return std::span(moved_).first(n);
+  }
+
+ private:
+  static constexpr std::size_t kClouds = 100;
+  static constexpr std::size_t kFewestPoints = 50;
+  static constexpr std::size_t kMostPoints = 64;
+
+  Random random_;
+  std::vector<Cloud> clouds_;
+  std::array<float, kDims * kMostPoints> moved_;
+};
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_WORLDS_MOVED_CLOUDS_H_
