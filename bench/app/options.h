@@ -20,9 +20,9 @@ inline constexpr std::array<std::string_view, 18> kSections = {
     "segments",   "model",  "sweep",   "threads",   "noise",   "answers"};
 
 // Those that the page is made of.
-inline constexpr std::array<std::string_view, 11> kPageSections = {
-    "machine", "check", "table1",  "crossover", "kernels", "quality",
-    "model",   "sweep", "threads", "noise",     "answers"};
+inline constexpr std::array<std::string_view, 14> kPageSections = {
+    "machine", "check", "table1", "crossover", "kernels", "quality", "volumes",
+    "dual",    "axes",  "model",  "sweep",     "threads", "noise",   "answers"};
 
 inline constexpr std::string_view kAllSections = "all";
 

@@ -154,6 +154,10 @@ void WriteKernels(std::ostream& out, const ReportField& sections) {
     for (const Bar& bar : bars) most = std::max(most, bar.ns);
   }
   if (most <= 0.0) return;
+  // Where all fits a cache of the core, and where it does not.
+  std::erase_if(sets, [&sets](const auto& set) {
+    return set.first != "L2" && set.first != sets.back().first;
+  });
   out << "\nA scan of one query, ns an object (" << Printable(chosen)
       << ")\n\n";
   for (const auto& [set, bars] : sets) {
@@ -179,13 +183,13 @@ std::string WidthText(const std::optional<ReportField>& w, bool is_at_most) {
 void WriteCrossover(std::ostream& out, const ReportField& sections) {
   const auto crossover = sections.Find("crossover");
   if (!crossover) return;
+  const std::vector<ReportField> targets = crossover->List("targets");
   std::string text;
-  for (const ReportField& star : crossover->List("targets")) {
+  for (const ReportField& star : targets) {
     const auto w = star.Find("w_star");
     const bool is_at_most = star.At("at_most").Flag();
-    text += (text.empty() ? "" : "; ") + Text(star.At("target")) + " (" +
-            Whole(star.At("lanes")) + " lanes, " +
-            Text(star.At("working_set")) + ") " + WidthText(w, is_at_most);
+    text += (text.empty() ? "" : "; ") + Text(star.At("target")) + " " +
+            WidthText(w, is_at_most);
     if (!w || is_at_most) continue;
     std::string spread;
     for (const ReportField& each : star.At("quartiles").List()) {
@@ -193,6 +197,9 @@ void WriteCrossover(std::ostream& out, const ReportField& sections) {
                 (each.json().is_null() ? "none" : Whole(each));
     }
     text += " [" + spread + "]";
+  }
+  if (!targets.empty()) {
+    text += " (" + Text(targets[0].At("working_set")) + ")";
   }
   out << "\nEarly-out after every half-space, in batches of w: from w* on the "
          "simplex leads the box\n\n";
@@ -212,16 +219,112 @@ void WriteModel(std::ostream& out, const ReportField& sections) {
                    ", measured " + at("measured") + " (" +
                    Text(model->At("target")) + ", " +
                    Text(model->At("working_set")) + ")");
+  std::string limits;
   for (const ReportField& each : model->List("break_even")) {
-    BreakEven even;
-    even.against = Text(each.At("against"));
-    if (const auto ns = each.Find("ns")) {
-      const Ratio spread = Spread(each.At("quartiles"));
-      even.ns = ns->Number();
-      even.low = spread.low;
-      even.high = spread.high;
+    const auto ns = each.Find("ns");
+    if (!ns) continue;
+    const Ratio spread = Spread(each.At("quartiles"));
+    limits += (limits.empty() ? "" : ", or ") + Whole(*ns) + " [" +
+              Fixed(spread.low, 0) + ", " + Fixed(spread.high, 0) +
+              "] ns against the " + Text(each.At("against"));
+  }
+  WriteWrapped(out, "  break-even ",
+               limits.empty()
+                   ? "the simplex saves no time, or keeps no more"
+                   : "with an exact test of more than " + limits +
+                         ", the simplex's extra candidates cost more than it "
+                         "saves");
+}
+
+std::string Spread(const ReportField& ratio, int digits) {
+  const Ratio spread = Spread(ratio.At("quartiles"));
+  return Fixed(ratio.At("median").Number(), digits) + " [" +
+         Fixed(spread.low, digits) + ", " + Fixed(spread.high, digits) + "]";
+}
+
+// The fastest schedule of each volume, where and on what the first row is.
+std::string VolumesText(const std::vector<ReportField>& rows) {
+  struct Volume {
+    std::string name;
+    double ratio;
+    std::string text;
+  };
+  std::vector<Volume> volumes;
+  for (const ReportField& row : rows) {
+    if (row.At("working_set").Text() != rows[0].At("working_set").Text() ||
+        row.At("target").Text() != rows[0].At("target").Text()) {
+      continue;
     }
-    WriteWrapped(out, "  break-even ", BreakEvenText(even));
+    const Volume volume = {Text(row.At("volume")),
+                           row.At("over_simplex").At("median").Number(),
+                           Spread(row.At("over_simplex"), 2) + " and " +
+                               Fixed(row.At("looseness").Number(), 2)};
+    const auto same = std::find_if(
+        volumes.begin(), volumes.end(),
+        [&](const Volume& other) { return other.name == volume.name; });
+    if (same == volumes.end()) {
+      volumes.push_back(volume);
+    } else if (volume.ratio < same->ratio) {
+      *same = volume;
+    }
+  }
+  std::string text;
+  for (const Volume& volume : volumes) {
+    if (volume.name == "simplex") continue;
+    text += (text.empty() ? "" : "; ") + volume.name + " " + volume.text;
+  }
+  return "time of the simplex's, and survivors of the box's: " + text + " (" +
+         Text(rows[0].At("working_set")) + ")";
+}
+
+// The last axes of each world over its first, by the simplex's survivors.
+std::string AlignmentText(const std::vector<ReportField>& rows) {
+  std::string text;
+  for (std::size_t i = 0; i + 1 < rows.size(); i += 2) {
+    const auto survivors = [&rows](std::size_t row) {
+      return rows[row].At("survivors").At("simplex").Number();
+    };
+    text += (text.empty() ? "" : ", ") + Text(rows[i].At("world")) + " " +
+            Fixed(survivors(i + 1) / survivors(i), 2);
+  }
+  return text;
+}
+
+void WriteClaims(std::ostream& out, const ReportField& sections) {
+  const auto rows_of = [&sections](const char* name, const char* list) {
+    const auto section = sections.Find(name);
+    return section ? section->List(list) : std::vector<ReportField>();
+  };
+  const auto volumes = rows_of("volumes", "rows");
+  const auto dimensions = rows_of("volumes", "dimensions");
+  const auto dual = rows_of("dual", "rows");
+  const auto construction = rows_of("axes", "construction");
+  if (!volumes.empty() || !dual.empty() || !construction.empty()) out << '\n';
+  if (!volumes.empty()) WriteWrapped(out, "volumes    ", VolumesText(volumes));
+  std::string text;
+  for (const ReportField& row : dimensions) {
+    text += (text.empty() ? "" : ", ") + Whole(row.At("dimensions")) + "D " +
+            Spread(row.At("simplex_over_fastest_aabb"), 2);
+  }
+  if (!text.empty()) {
+    WriteWrapped(out, "dimensions ",
+                 "time of the simplex over the box's: " + text);
+  }
+  if (!dual.empty()) {
+    WriteWrapped(out, "dual       ",
+                 "the octahedron's second simplex is read for " +
+                     Fixed(100.0 * dual[0].At("second_of_64").Number(), 2) +
+                     " % of 64 objects; so it takes " +
+                     Spread(dual[0].At("staged_over_flat"), 2) +
+                     " of the time");
+  }
+  if (construction.size() > 1) {
+    WriteWrapped(out, "axes       ",
+                 "those of a regular simplex take " +
+                     Spread(construction[1].At("over_standard"), 2) +
+                     " times as long to build, and keep, times the simplex's "
+                     "survivors: " +
+                     AlignmentText(rows_of("axes", "alignment")));
   }
 }
 
@@ -286,6 +389,7 @@ void WritePage(std::ostream& out, std::string_view json) {
   WriteKernels(out, sections);
   WriteCrossover(out, sections);
   WriteModel(out, sections);
+  WriteClaims(out, sections);
   WriteMap(out, sections);
   out << '\n';
   WriteNotReached(out, sections);

@@ -56,9 +56,7 @@ std::vector<Answer> AnswersOf(const SweepCell& own) {
   add("shape", &best,
       FastestOf(own,
                 [&best](const Way& way) { return way.shape != best.shape; }),
-      [](const Way& way) {
-        return way.shape + " (" + way.schedule + ", " + way.precision + ")";
-      });
+      [](const Way& way) { return way.name(); });
   const Way* scan = FastestOf(
       own, [](const Way& way) { return !IsSorted(way) && !IsQuantized(way); });
   // A simplex has one stage, so that its shape has no other schedule.
