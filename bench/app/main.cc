@@ -39,9 +39,26 @@ int Fail(const std::string& what, int code) {
   return code;
 }
 
+// So many that they and their bounds fit the memory: instances in a small file
+// may be any number.
+MeshLimits LimitsOf(std::size_t memory) {
+  MeshLimits limits;
+  if (memory == 0) return limits;
+  const auto most = [memory](std::size_t bytes, std::uint32_t limit) {
+    return static_cast<std::uint32_t>(
+        std::min<std::size_t>(memory / bytes, limit));
+  };
+  constexpr std::size_t kCoordinates = 3 * sizeof(float);
+  constexpr std::size_t kIndices = 3 * sizeof(std::uint32_t);
+  limits.vertices = most(2 * kCoordinates, limits.vertices);
+  limits.triangles = most(2 * (kIndices + sizeof(Aabo3)), limits.triangles);
+  limits.buffer_bytes = memory;
+  return limits;
+}
+
 Workload ReadWorkload(const BenchOptions& options) {
   if (!options.mesh.empty()) {
-    const Mesh mesh = ReadMesh(options.mesh);
+    const Mesh mesh = ReadMesh(options.mesh, LimitsOf(FreeMemory()));
     return WorkloadOfTriangles(options.mesh, mesh.coords, mesh.indices,
                                options.queries);
   }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string_view>
 
+#include "bench/input/input_file.h"
 #include "bench/input/text_lines.h"
 
 namespace halfspace::bench {
@@ -74,7 +75,7 @@ void CheckLength(const TextLines& lines, std::string_view line) {
 }  // namespace
 
 std::vector<Aabb3> ReadBounds(const std::string& path) {
-  TextLines lines(path);
+  TextLines lines(path, ReadText(path));
   std::vector<Aabb3> boxes;
   bool header_allowed = true;
   while (const std::optional<std::string_view> line = lines.Next()) {

@@ -1,12 +1,9 @@
 #include "bench/input/text_lines.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
-#include <memory>
 #include <system_error>
 #include <utility>
 
@@ -14,46 +11,6 @@
 
 namespace halfspace::bench {
 namespace {
-
-struct FileCloser {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, FileCloser>;
-
-[[noreturn]] void FailToRead(const std::string& path, int error) {
-  throw InputError(path,
-                   "cannot be read: " + std::generic_category().message(error),
-                   "give the path of a readable file");
-}
-
-[[noreturn]] void FailOnNul(const std::string& path, std::string_view text,
-                            std::size_t nul) {
-  const auto end = text.begin() + static_cast<std::ptrdiff_t>(nul);
-  const auto line_ends = std::count(text.begin(), end, '\n');
-  throw InputError(path, static_cast<std::size_t>(line_ends) + 1,
-                   "a NUL byte, so this is no text file",
-                   "give a plain text file");
-}
-
-// Grows with what has been read, never by what the file system promises, and
-// stops at the first NUL: a sparse file or a device must not fill the memory.
-std::string ReadText(const std::string& path) {
-  constexpr std::size_t kChunk = std::size_t{1} << 16;
-  const File file(std::fopen(path.c_str(), "rb"));
-  if (file == nullptr) FailToRead(path, errno);
-  std::string text;
-  std::size_t got = 0;
-  do {
-    const std::size_t size = text.size();
-    text.resize(size + kChunk);
-    got = std::fread(text.data() + size, 1, kChunk, file.get());
-    if (std::ferror(file.get()) != 0) FailToRead(path, errno);
-    text.resize(size + got);
-    const std::size_t nul = text.find('\0', size);
-    if (nul != std::string::npos) FailOnNul(path, text, nul);
-  } while (got == kChunk);
-  return text;
-}
 
 // from_chars does not tell a number that is too large from one that is too
 // small; strtof does, and the nearest float to the latter is a zero or the
@@ -64,8 +21,8 @@ float BeyondRange(const char* begin, const char* end) {
 
 }  // namespace
 
-TextLines::TextLines(std::string path)
-    : path_(std::move(path)), text_(ReadText(path_)), rest_(text_) {
+TextLines::TextLines(std::string path, std::string text)
+    : path_(std::move(path)), text_(std::move(text)), rest_(text_) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (rest_.starts_with(kByteOrderMark)) {
     rest_.remove_prefix(kByteOrderMark.size());

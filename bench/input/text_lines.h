@@ -12,9 +12,8 @@ namespace halfspace::bench {
 
 class TextLines {
  public:
-  // Reads the whole file. Throws InputError if it cannot be read, is empty or
-  // is no text.
-  explicit TextLines(std::string path);
+  // Of the file at `path`. Throws InputError if it is empty.
+  TextLines(std::string path, std::string text);
 
   // Lines are views into the text.
   TextLines(const TextLines&) = delete;

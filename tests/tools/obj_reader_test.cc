@@ -1,5 +1,3 @@
-#include "bench/input/mesh_reader.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bench/input/mesh_reader.h"
 #include "tests/tools/bad_file.h"
 #include "tests/tools/mutations.h"
 #include "tests/tools/temp_file.h"
@@ -36,7 +35,7 @@ std::string OnSquare(std::string_view faces) {
   return std::string(kSquare).append(faces);
 }
 
-TEST(MeshReader, ReadsTriangles) {
+TEST(ObjMesh, ReadsTriangles) {
   const Mesh mesh = Read("v 1 2 3\nv -4 5.5 6e1\nv .5 8. +9\nf 1 2 3\n");
   EXPECT_EQ(mesh.coords, (Floats{1, 2, 3, -4, 5.5, 60, .5, 8, 9}));
   EXPECT_EQ(mesh.indices, (Indices{0, 1, 2}));
@@ -44,17 +43,17 @@ TEST(MeshReader, ReadsTriangles) {
   EXPECT_EQ(mesh.triangles(), 1u);
 }
 
-TEST(MeshReader, FansQuads) {
+TEST(ObjMesh, FansQuads) {
   EXPECT_EQ(Read(OnSquare("f 1 2 3 4\n")).indices, (Indices{0, 1, 2, 0, 2, 3}));
 }
 
-TEST(MeshReader, FansMixedPolygonsInOrder) {
+TEST(ObjMesh, FansMixedPolygonsInOrder) {
   EXPECT_EQ(
       Read(OnSquare("v 2 2 2\nf 5 4 3 2 1\nf 1 2 3\nf 2 3 4 5\n")).indices,
       (Indices{4, 3, 2, 4, 2, 1, 4, 1, 0, 0, 1, 2, 1, 2, 3, 1, 3, 4}));
 }
 
-TEST(MeshReader, FansPolygonOf300Corners) {
+TEST(ObjMesh, FansPolygonOf300Corners) {
   constexpr std::uint32_t kCorners = 300;
   std::string text;
   std::string face = "f";
@@ -70,30 +69,30 @@ TEST(MeshReader, FansPolygonOf300Corners) {
   EXPECT_EQ(mesh.indices, expected);
 }
 
-TEST(MeshReader, NegativeIndicesCountBackFromTheFace) {
+TEST(ObjMesh, NegativeIndicesCountBackFromTheFace) {
   EXPECT_EQ(Read("v 0 0 0\nv 1 0 0\nv 2 0 0\nf -3 -2 -1\nv 3 0 0\nf -4 -1 2\n")
                 .indices,
             (Indices{0, 1, 2, 0, 3, 1}));
 }
 
-TEST(MeshReader, FacesMayComeBeforeTheirVertices) {
+TEST(ObjMesh, FacesMayComeBeforeTheirVertices) {
   EXPECT_EQ(Read("f 1 2 3\nf 4 3 1\n" + OnSquare("")).indices,
             (Indices{0, 1, 2, 3, 2, 0}));
 }
 
-TEST(MeshReader, IgnoresTextureAndNormalIndices) {
+TEST(ObjMesh, IgnoresTextureAndNormalIndices) {
   EXPECT_EQ(
       Read(OnSquare("f 1/1 2/2 3/3\nf 1//1 2//-1 4//0\nf 2/1/1 3/9/9 4/-1/2\n"))
           .indices,
       (Indices{0, 1, 2, 0, 1, 3, 1, 2, 3}));
 }
 
-TEST(MeshReader, IgnoresWeightAndColour) {
+TEST(ObjMesh, IgnoresWeightAndColour) {
   EXPECT_EQ(Read("v 1 2 3 0.5\nv 4 5 6 .1 .2 .3\nv 7 8 9\nf 1 2 3\n").coords,
             (Floats{1, 2, 3, 4, 5, 6, 7, 8, 9}));
 }
 
-TEST(MeshReader, SkipsOtherStatements) {
+TEST(ObjMesh, SkipsOtherStatements) {
   const Mesh mesh =
       Read(OnSquare("# a comment with a path, C:\\meshes\\\n"
                     "#v 9 9 9\n"
@@ -108,7 +107,7 @@ TEST(MeshReader, SkipsOtherStatements) {
   EXPECT_EQ(mesh.indices, (Indices{0, 1, 2}));
 }
 
-TEST(MeshReader, ReadsCrLfTabsBlanksByteOrderMarkAndNoLastLineEnd) {
+TEST(ObjMesh, ReadsCrLfTabsBlanksByteOrderMarkAndNoLastLineEnd) {
   const Mesh mesh = Read(
       "\xEF\xBB\xBF"
       "v\t1 \t2  3 \r\n\t v 4 5 6\r\n v 7 8 9\t\r\n\r\nf 1\t2 3");
@@ -116,7 +115,7 @@ TEST(MeshReader, ReadsCrLfTabsBlanksByteOrderMarkAndNoLastLineEnd) {
   EXPECT_EQ(mesh.indices, (Indices{0, 1, 2}));
 }
 
-TEST(MeshReader, BackslashContinuesLine) {
+TEST(ObjMesh, BackslashContinuesLine) {
   const Mesh mesh = Read(
       "v 1 \\\n2 3\nv 4 5 6\\\n\nv 7 8\\\r\n \\\n9\n"
       "g a \\\n b\nf \\\n1 2 \\\n \\\n 3\n");
@@ -124,7 +123,7 @@ TEST(MeshReader, BackslashContinuesLine) {
   EXPECT_EQ(mesh.indices, (Indices{0, 1, 2}));
 }
 
-TEST(MeshReader, RoundsDecimalsToTheNearestFloat) {
+TEST(ObjMesh, RoundsDecimalsToTheNearestFloat) {
   // Just above the midpoint of 1 and its successor: by way of a double it would
   // become 1.
   const Mesh mesh = Read(
@@ -138,16 +137,18 @@ TEST(MeshReader, RoundsDecimalsToTheNearestFloat) {
   EXPECT_TRUE(std::signbit(mesh.coords[4]));
 }
 
-TEST(MeshReader, AcceptsDegenerateFaces) {
+TEST(ObjMesh, AcceptsDegenerateFaces) {
   EXPECT_EQ(Read("v 1 1 1\nf 1 1 1\n").indices, (Indices{0, 0, 0}));
 }
 
-class BadMesh : public testing::TestWithParam<BadFile> {};
+class BadObjMesh : public testing::TestWithParam<BadFile> {};
 
-TEST_P(BadMesh, IsRefusedAtItsLine) { ExpectRejected(ReadDefault, GetParam()); }
+TEST_P(BadObjMesh, IsRefusedAtItsLine) {
+  ExpectRejected(ReadDefault, GetParam());
+}
 
 INSTANTIATE_TEST_SUITE_P(
-    Structure, BadMesh,
+    Structure, BadObjMesh,
     testing::Values(
         BadFile{"Empty", "", 1, "the file is empty"},
         BadFile{"OnlyByteOrderMark", "\xEF\xBB\xBF", 1, "the file is empty"},
@@ -183,7 +184,7 @@ INSTANTIATE_TEST_SUITE_P(
     NameOf);
 
 INSTANTIATE_TEST_SUITE_P(
-    Vertices, BadMesh,
+    Vertices, BadObjMesh,
     testing::Values(
         BadFile{"NoNumbers", "v\nf 1 1 1\n", 1, "a vertex with 0 numbers"},
         BadFile{"TwoNumbers", OnSquare("v 1 2\nf 1 2 3\n"), 5,
@@ -231,7 +232,7 @@ INSTANTIATE_TEST_SUITE_P(
     NameOf);
 
 INSTANTIATE_TEST_SUITE_P(
-    Faces, BadMesh,
+    Faces, BadObjMesh,
     testing::Values(
         BadFile{"NoCorners", OnSquare("f\n"), 5, "a face with 0 corners"},
         BadFile{"OneCorner", OnSquare("f 1\n"), 5, "a face with 1 corners"},
@@ -289,12 +290,12 @@ INSTANTIATE_TEST_SUITE_P(
                 "come before it"}),
     NameOf);
 
-TEST(MeshReader, RefusesWhatIsNoReadableFile) {
+TEST(ObjMesh, RefusesWhatIsNoReadableFile) {
   ExpectUnreadable(ReadDefault, testing::TempDir());
   ExpectUnreadable(ReadDefault, testing::TempDir() + "no/such/file.obj");
 }
 
-TEST(MeshReader, HoldsItsLimits) {
+TEST(ObjMesh, HoldsItsLimits) {
   const TempFile file(OnSquare("f 1 2 3\nf \\\n 1 2 3 4\n"));
   EXPECT_EQ(ReadMesh(file.path(), {.vertices = 4, .triangles = 3}).triangles(),
             3u);
@@ -309,7 +310,7 @@ TEST(MeshReader, HoldsItsLimits) {
                 ":6: more than 2 triangles; split the mesh into several files");
 }
 
-TEST(MeshReader, MutationsAreRefusedOrGiveASoundMesh) {
+TEST(ObjMesh, MutationsAreRefusedOrGiveASoundMesh) {
   ExpectSafeOnMutations(
       "# mesh\r\n"
       "mtllib a.mtl\n"

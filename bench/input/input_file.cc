@@ -1,0 +1,78 @@
+#include "bench/input/input_file.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <memory>
+#include <system_error>
+
+#include "bench/input/input_error.h"
+
+namespace halfspace::bench {
+namespace {
+
+constexpr std::size_t kChunk = std::size_t{1} << 16;
+
+struct FileCloser {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, FileCloser>;
+
+[[noreturn]] void FailToRead(const std::string& path, int error) {
+  throw InputError(path,
+                   "cannot be read: " + std::generic_category().message(error),
+                   "give the path of a readable file");
+}
+
+[[noreturn]] void FailOnNul(const std::string& path, std::string_view text,
+                            std::size_t nul) {
+  const auto end = text.begin() + static_cast<std::ptrdiff_t>(nul);
+  const auto line_ends = std::count(text.begin(), end, '\n');
+  throw InputError(path, static_cast<std::size_t>(line_ends) + 1,
+                   "a NUL byte, so this is no text file",
+                   "give a plain text file");
+}
+
+File Open(const std::string& path) {
+  File file(std::fopen(path.c_str(), "rb"));
+  if (file == nullptr) FailToRead(path, errno);
+  return file;
+}
+
+// Appends at most `most` bytes. False at the end of the file.
+bool Append(const std::string& path, const File& file, std::size_t most,
+            std::string& bytes) {
+  const std::size_t size = bytes.size();
+  bytes.resize(size + most);
+  const std::size_t got = std::fread(bytes.data() + size, 1, most, file.get());
+  if (std::ferror(file.get()) != 0) FailToRead(path, errno);
+  bytes.resize(size + got);
+  return got == most;
+}
+
+}  // namespace
+
+std::string ReadText(const std::string& path, std::string_view binary) {
+  const File file = Open(path);
+  std::string text;
+  bool is_more = true;
+  while (is_more) {
+    const std::size_t size = text.size();
+    is_more = Append(path, file, kChunk, text);
+    if (!binary.empty() && text.starts_with(binary)) continue;
+    const std::size_t nul = text.find('\0', size);
+    if (nul != std::string::npos) FailOnNul(path, text, nul);
+  }
+  return text;
+}
+
+std::string ReadBytes(const std::string& path, std::size_t most) {
+  const File file = Open(path);
+  std::string bytes;
+  while (bytes.size() < most &&
+         Append(path, file, std::min(kChunk, most - bytes.size()), bytes)) {
+  }
+  return bytes;
+}
+
+}  // namespace halfspace::bench

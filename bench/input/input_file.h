@@ -1,0 +1,22 @@
+// The bytes of an untrusted file. Memory grows with what has been read, never
+// by what the file or the file system promises.
+#ifndef HALFSPACE_BENCH_INPUT_INPUT_FILE_H_
+#define HALFSPACE_BENCH_INPUT_INPUT_FILE_H_
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace halfspace::bench {
+
+// A whole text file. Stops at the first NUL, because a sparse file or a device
+// must not fill the memory; one that starts with `binary`, unless that is
+// empty, may hold anything. Throws InputError.
+std::string ReadText(const std::string& path, std::string_view binary = "");
+
+// The first bytes of any file, at most `most`. Throws InputError.
+std::string ReadBytes(const std::string& path, std::size_t most);
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_INPUT_INPUT_FILE_H_
