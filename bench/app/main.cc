@@ -66,11 +66,10 @@ Workload ReadWorkload(const BenchOptions& options) {
                          options.queries);
 }
 
-// The file of --mesh or --bounds; nothing if neither was given.
-std::optional<Workload> ReadInput(const BenchOptions& options) {
-  const std::string& path =
-      options.mesh.empty() ? options.bounds : options.mesh;
-  if (path.empty()) return std::nullopt;
+// What `read` makes of a file, if it fits the memory, and not all objects of
+// what it makes are without bounds.
+template <typename Read>
+Workload ReadFile(const std::string& path, const Read& read) {
   constexpr const char* kSmaller = "give a smaller one";
   const std::size_t available = FreeMemory();
   std::error_code error;
@@ -84,17 +83,41 @@ std::optional<Workload> ReadInput(const BenchOptions& options) {
   }
   std::optional<Workload> workload;
   try {
-    workload = ReadWorkload(options);
+    workload = read();
   } catch (const std::bad_alloc&) {
     throw InputError(path, "the file does not fit the memory", kSmaller);
   }
   for (std::size_t i = 0; i < workload->objects.size(); ++i) {
-    if (workload->objects.Get(i) != Aabo3::Everything()) return workload;
+    if (workload->objects.Get(i) != Aabo3::Everything()) {
+      return *std::move(workload);
+    }
   }
   throw InputError(path,
                    "all bounds are Everything(), which no test rejects, "
                    "because coordinates beyond 2^125 cannot be bounded",
                    "scale the coordinates down");
+}
+
+// The file of --mesh or --bounds, with its queries; nothing if neither was
+// given.
+std::optional<Workload> ReadInput(const BenchOptions& options) {
+  const std::string& path =
+      options.mesh.empty() ? options.bounds : options.mesh;
+  if (path.empty()) return std::nullopt;
+  Workload workload = ReadFile(path, [&] { return ReadWorkload(options); });
+  const std::string& queries = options.query_bounds;
+  if (!queries.empty()) {
+    const Workload source = ReadFile(queries, [&] {
+      return WorkloadOfBoxes(queries, ReadBounds(queries), options.queries);
+    });
+    QueryWith(workload, source.objects, options.queries);
+  } else if (options.query_size != 0) {
+    QueryWith(workload,
+              RandomBoxes(workload, options.query_size, options.queries,
+                          options.seed),
+              options.queries);
+  }
+  return workload;
 }
 
 // The report of --against; nothing if none was given. Before anything is

@@ -66,6 +66,16 @@ CLI::Validator Whole(std::uint64_t least, std::uint64_t most) {
   return CLI::Validator(check, range);
 }
 
+// CLI::Range would let NaN pass.
+std::string CheckPercent(const std::string& text) {
+  const char* const end = text.data() + text.size();
+  double value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  const bool is_percent =
+      error == std::errc() && stop == end && value > 0 && value <= 100;
+  return is_percent ? "" : "\"" + text + "\" is no number above 0 up to 100";
+}
+
 std::string CheckFileName(const std::string& name) {
   return name.empty() ? "an empty file name" : "";
 }
@@ -120,6 +130,18 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
       ->check(CheckFileName)
       ->type_name("FILE.csv")
       ->excludes(mesh);
+  auto* query_bounds =
+      app.add_option("--query-bounds", options.query_bounds,
+                     "Query with these boxes, not with those of --mesh or "
+                     "--bounds")
+          ->check(CheckFileName)
+          ->type_name("FILE.csv");
+  app.add_option("--query-size", options.query_size,
+                 "Query with random boxes whose sides are this much of the "
+                 "box around --mesh or --bounds")
+      ->check(CheckPercent)
+      ->type_name("PERCENT")
+      ->excludes(query_bounds);
   app.add_option("--objects", options.objects,
                  "Objects in the scene (default 4194304)")
       ->transform(Whole(64, kMostObjects))
@@ -129,7 +151,8 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
                  "with a file, and 20000 to time)")
       ->transform(Whole(1, kMostQueries))
       ->type_name("N");
-  app.add_option("--seed", options.seed, "Seed of the scene (default 1)")
+  app.add_option("--seed", options.seed,
+                 "Seed of the scene and of --query-size (default 1)")
       ->transform(Whole(0, std::numeric_limits<std::uint64_t>::max()))
       ->type_name("N");
   app.add_option("--target", options.target,
@@ -187,6 +210,12 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
     }
     app.exit(error);
     return false;
+  }
+  if (options.mesh.empty() && options.bounds.empty() &&
+      (!options.query_bounds.empty() || options.query_size != 0)) {
+    throw UsageError(
+        "--query-bounds and --query-size are for a file; give --mesh or "
+        "--bounds");
   }
   for (int i = 1; i < argc; ++i) {
     options.command += (i == 1 ? "" : " ") + std::string(argv[i]);

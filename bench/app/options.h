@@ -35,6 +35,8 @@ struct BenchOptions {
   std::vector<std::string> details;
   std::string mesh;
   std::string bounds;
+  std::string query_bounds;
+  double query_size = 0;    // percent; 0: none
   std::size_t objects = 0;  // 0: the default of the run
   std::size_t queries = 0;
   std::uint64_t seed = 1;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <new>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -333,6 +334,12 @@ std::string BenchOptions::Scope() const {
   if (is_quick) add("--quick");
   if (!mesh.empty()) add("--mesh " + mesh);
   if (!bounds.empty()) add("--bounds " + bounds);
+  if (!query_bounds.empty()) add("--query-bounds " + query_bounds);
+  if (query_size != 0) {
+    std::ostringstream size;
+    size << query_size;
+    add("--query-size " + size.str());
+  }
   if (objects != 0) add("--objects " + std::to_string(objects));
   if (queries != 0) add("--queries " + std::to_string(queries));
   if (seed != 1) add("--seed " + std::to_string(seed));

@@ -69,7 +69,7 @@ class Sums {
 SegmentsResult RunSegments(const Workload& workload, std::uint64_t seed,
                            bool is_quick, const Context& context) {
   const AaboWorld3 world = Thinned(workload.objects);
-  const Aabb3 box = BoxAround(world.view());
+  const Aabb3 box = BoxAround(world);
   const double extent = LongestSideOf(box);
   SegmentsResult result;
   result.workload = workload.name;

@@ -94,19 +94,6 @@ Aabo3 ObjectOf(const AaboView3& view, std::size_t i) {
 
 }  // namespace
 
-Aabb3 BoxAround(const AaboView3& view) {
-  Aabb3 box = Aabb3::Empty();
-  for (std::size_t i = 0; i < view.size; ++i) {
-    const Aabo3 object = ObjectOf(view, i);
-    if (object == Aabo3::Everything()) continue;
-    for (std::size_t k = 0; k < 3; ++k) {
-      box.min[k] = std::min(box.min[k], object.min[k]);
-      box.max[k] = std::max(box.max[k], object.max[k]);
-    }
-  }
-  return box == Aabb3::Empty() ? Aabb3{} : box;
-}
-
 double LongestSideOf(const Aabb3& box) {
   double longest = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {

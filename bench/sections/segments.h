@@ -33,9 +33,6 @@ inline constexpr std::array<std::size_t, 6> kSegmentPieces = {1, 2,  4,
                                                               8, 16, 32};
 inline constexpr std::size_t kFloorPieces = 1024;
 
-// The box around all objects that can be bounded; around none of them, a point.
-Aabb3 BoxAround(const AaboView3& view);
-
 double LongestSideOf(const Aabb3& box);
 
 // A segment of that length, its middle uniform in the box.

@@ -22,15 +22,31 @@ std::vector<Aabo3> SomeOf(const AaboWorld3& objects, std::size_t count) {
   return some;
 }
 
-void AddQueries(Workload& workload, std::size_t queries) {
+}  // namespace
+
+Aabb3 BoxAround(const AaboWorld3& objects) {
+  Aabb3 box = Aabb3::Empty();
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const Aabo3 object = objects.Get(i);
+    if (object == Aabo3::Everything()) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      box.min[k] = std::min(box.min[k], object.min[k]);
+      box.max[k] = std::max(box.max[k], object.max[k]);
+    }
+  }
+  return box == Aabb3::Empty() ? Aabb3{} : box;
+}
+
+void QueryWith(Workload& workload, const AaboWorld3& source,
+               std::size_t queries) {
   if (queries != 0) {
-    workload.queries = SomeOf(workload.objects, queries);
+    workload.queries = SomeOf(source, queries);
     workload.timed_queries = workload.queries;
     return;
   }
-  workload.queries = SomeOf(workload.objects, kDefaultQueries);
+  workload.queries = SomeOf(source, kDefaultQueries);
   std::vector<Aabo3>& timed = workload.timed_queries;
-  timed = SomeOf(workload.objects, kTimedQueries);
+  timed = SomeOf(source, kTimedQueries);
   // Neighbours in a file are neighbours in space, and have the same path.
   Random random(1);
   for (std::size_t i = timed.size(); i > 1; --i) {
@@ -38,7 +54,26 @@ void AddQueries(Workload& workload, std::size_t queries) {
   }
 }
 
-}  // namespace
+AaboWorld3 RandomBoxes(const Workload& workload, double percent,
+                       std::size_t queries, std::uint64_t seed) {
+  const Aabb3 around = BoxAround(workload.objects);
+  Random random(seed);
+  AaboWorld3 boxes;
+  boxes.Reserve(queries == 0 ? kTimedQueries : queries);
+  while (boxes.size() < (queries == 0 ? kTimedQueries : queries)) {
+    Aabb3 box;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double whole = double{around.max[k]} - around.min[k];
+      const double side = whole * percent / 100;
+      const double low =
+          around.min[k] + (whole - side) * (random.Signed() / 2.0 + 0.5);
+      box.min[k] = static_cast<float>(low);
+      box.max[k] = static_cast<float>(low + side);
+    }
+    boxes.Push(BoundAabb(box));
+  }
+  return boxes;
+}
 
 AaboWorld3 ResizedTo(const AaboWorld3& source, std::size_t objects) {
   AaboWorld3 world;
@@ -66,7 +101,7 @@ Workload WorkloadOfTriangles(std::string name,
     workload.corners.insert(workload.corners.end(), corners.begin(),
                             corners.end());
   }
-  AddQueries(workload, queries);
+  QueryWith(workload, workload.objects, queries);
   return workload;
 }
 
@@ -75,7 +110,7 @@ Workload WorkloadOfBoxes(std::string name, const std::vector<Aabb3>& boxes,
   Workload workload{std::move(name), {}, {}};
   workload.objects.Reserve(boxes.size());
   for (const Aabb3& box : boxes) workload.objects.Push(BoundAabb(box));
-  AddQueries(workload, queries);
+  QueryWith(workload, workload.objects, queries);
   return workload;
 }
 

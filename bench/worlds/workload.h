@@ -35,16 +35,28 @@ struct Workload {
 // if it has fewer.
 AaboWorld3 ResizedTo(const AaboWorld3& source, std::size_t objects);
 
+// The box around all objects that can be bounded; around none of them, a point.
+Aabb3 BoxAround(const AaboWorld3& objects);
+
+// Queries with the bounds of `source`: to count with every (size / 256)-th one,
+// to time every (size / kTimedQueries)-th one, in random order. `queries` other
+// than 0 is taken for 256; those to time are then the same.
+void QueryWith(Workload& workload, const AaboWorld3& source,
+               std::size_t queries);
+
+// kTimedQueries boxes, or `queries` if that is not 0, uniform within the box
+// around all objects. Their sides are `percent` of its.
+AaboWorld3 RandomBoxes(const Workload& workload, double percent,
+                       std::size_t queries, std::uint64_t seed);
+
 // A mesh as a workload: one bound per triangle (3 indices each into xyz
-// triples), and a query of every (triangles / 256)-th one. `queries` other than
-// 0 changes 256. Those to time are of every (triangles / kTimedQueries)-th one,
-// in random order; if `queries` is not 0, they are the same.
+// triples), which are also what is queried with.
 Workload WorkloadOfTriangles(std::string name,
                              const std::vector<float>& coordinates,
                              const std::vector<std::uint32_t>& indices,
                              std::size_t queries);
 
-// Boxes as a workload, with queries by the same rule.
+// Boxes as a workload, and as what is queried with.
 Workload WorkloadOfBoxes(std::string name, const std::vector<Aabb3>& boxes,
                          std::size_t queries);
 

@@ -58,6 +58,14 @@ halfspace_command_line_test(unknown_target CODE 2 ARGUMENTS --target MMX
   STDERR "MMX.*choose one of")
 halfspace_command_line_test(two_inputs CODE 2
   ARGUMENTS --mesh a.obj --bounds b.csv STDERR "excludes")
+halfspace_command_line_test(two_kinds_of_queries CODE 2
+  ARGUMENTS --mesh a.obj --query-bounds b.csv --query-size 1 STDERR "excludes")
+halfspace_command_line_test(queries_without_a_file CODE 2
+  ARGUMENTS --details machine --query-size 1 STDERR "give --mesh or --bounds")
+foreach(size 0 -1 101 nan 1x)
+  halfspace_command_line_test(query_size_${size} CODE 2
+    ARGUMENTS --bounds b.csv --query-size ${size} STDERR "no number above 0")
+endforeach()
 halfspace_command_line_test(zero_repetitions CODE 2
   ARGUMENTS --repetitions 0 STDERR "repetitions")
 halfspace_command_line_test(unwritable_output CODE 2
@@ -77,6 +85,20 @@ halfspace_command_line_test(sorted_far_bounds CODE 0
 halfspace_command_line_test(bounds CODE 0
   ARGUMENTS --details check,quality --bounds "${inputs}/boxes.csv"
   STDOUT "aabb +2 +1.00")
+# Of the two boxes, the first is touched by one of both queries.
+file(WRITE "${inputs}/queries.csv" "0,0,0,1,1,1\n5,5,5,6,6,6\n")
+halfspace_command_line_test(query_bounds CODE 0
+  ARGUMENTS --details quality --bounds "${inputs}/boxes.csv"
+            --query-bounds "${inputs}/queries.csv"
+  STDOUT "2 objects, 2 queries.*aabb +1 +1.00")
+halfspace_command_line_test(query_size CODE 0
+  ARGUMENTS --details quality --bounds "${inputs}/boxes.csv" --query-size 100
+            --queries 3
+  STDOUT "2 objects, 3 queries.*aabb +6 +1.00")
+halfspace_command_line_test(bad_query_bounds CODE 3
+  ARGUMENTS --details quality --bounds "${inputs}/boxes.csv"
+            --query-bounds "${inputs}/bad.csv"
+  STDERR "bad.csv:2: ")
 halfspace_command_line_test(bad_mesh CODE 3
   ARGUMENTS --details quality --mesh "${inputs}/bad.obj" STDERR "bad.obj:3: ")
 halfspace_command_line_test(bad_bounds CODE 3

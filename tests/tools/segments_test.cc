@@ -79,7 +79,7 @@ TEST(SegmentsTest, KeepNothingFarAway) {
 TEST(SegmentsTest, MorePiecesNeverKeepMore) {
   const Workload scene = MakeScene(3000, 1, /*seed=*/5, [](double) {});
   const AaboView3 view = scene.objects.view();
-  const Aabb3 box = BoxAround(view);
+  const Aabb3 box = BoxAround(scene.objects);
   Random random(11);
   for (SegmentDirection direction : kSegmentDirections) {
     for (double length : kSegmentLengths) {
@@ -159,11 +159,11 @@ TEST(SegmentsTest, HaveTheirDirectionAndLength) {
 TEST(SegmentsTest, TheBoxLeavesOutWhatCannotBeBounded) {
   AaboWorld3 world;
   world.Push(Aabo3::Everything());
-  EXPECT_EQ(BoxAround(world.view()), Aabb3{});
+  EXPECT_EQ(BoxAround(world), Aabb3{});
   world.Push(BoundPoint<3>({1, 2, 3}));
   world.Push(BoundPoint<3>({4, 0, 3}));
-  EXPECT_EQ(BoxAround(world.view()), (Aabb3{{1, 0, 3}, {4, 2, 3}}));
-  EXPECT_EQ(LongestSideOf(BoxAround(world.view())), 3.0);
+  EXPECT_EQ(BoxAround(world), (Aabb3{{1, 0, 3}, {4, 2, 3}}));
+  EXPECT_EQ(LongestSideOf(BoxAround(world)), 3.0);
 }
 
 }  // namespace
