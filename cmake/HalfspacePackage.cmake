@@ -12,6 +12,26 @@ if(TARGET cpuinfo-bench)
   # Whoever built the library alone installs it alone.
   install(TARGETS cpuinfo-bench OPTIONAL)
 
+  # What is compiled into it, by a header of each library.
+  set(HALFSPACE_LICENSED_HEADERS
+    "*/include/benchmark/benchmark.h" "*/include/CLI/CLI.hpp"
+    "*/include/nlohmann/json.hpp")
+  if(NOT HALFSPACE_BUNDLES_HIGHWAY)
+    list(APPEND HALFSPACE_LICENSED_HEADERS "*/include/hwy/highway.h")
+  endif()
+  set(header_of_BOOST boost/version.hpp)
+  set(header_of_BULLET bullet/btBulletCollisionCommon.h)
+  set(header_of_CGAL CGAL/box_intersection_d.h)
+  set(header_of_EMBREE embree3/rtcore.h)
+  set(header_of_GEOS geos/index/strtree/TemplateSTRtree.h)
+  set(header_of_NANOFLANN nanoflann.hpp)
+  get_property(competitors GLOBAL PROPERTY HALFSPACE_BENCH_COMPETITORS_BUILT)
+  foreach(name IN LISTS competitors)
+    list(APPEND HALFSPACE_LICENSED_HEADERS "*/include/${header_of_${name}}")
+  endforeach()
+  list(TRANSFORM HALFSPACE_LICENSED_HEADERS REPLACE "(.+)" "\"\\1\"")
+  list(JOIN HALFSPACE_LICENSED_HEADERS " " HALFSPACE_LICENSED_HEADERS)
+
   # Only the tarball carries libraries; an installation uses the system's.
   configure_file("${CMAKE_CURRENT_LIST_DIR}/HalfspaceBundle.cmake.in"
                  HalfspaceBundle.cmake.in @ONLY)

@@ -48,5 +48,29 @@ while read -r library; do
   fi
 done <needed
 
+# With the licence of each library that is in it, of this one, and the texts that
+# they refer to.
+doc=share/doc/halfspace
+licences=$doc/licences
+for file in "$doc/LICENSE" "$licences/libbenchmark-dev" "$licences/libcli11-dev" \
+  "$licences/nlohmann-json3-dev" "$licences/libstdc++6"* "$licences/libgcc-s1"*; do
+  if [ ! -s "$file" ]; then
+    echo "$file is not in the tarball"
+    exit 1
+  fi
+done
+if [ ! -s "$licences/libhwy-dev" ] && [ ! -s "$licences/highway" ]; then
+  echo "the licence of Highway is not in the tarball"
+  exit 1
+fi
+grep -rhoE '/usr/share/common-licenses/[-A-Za-z0-9.]+' "$licences" |
+  sed 's,.*/,,; s/[.]$//' | sort -u >referred
+while read -r licence; do
+  if [ ! -s "$licences/common-licenses/$licence" ]; then
+    echo "the licence $licence is not in the tarball"
+    exit 1
+  fi
+done <referred
+
 "$@" bin/cpuinfo-bench --version
 "$@" bin/cpuinfo-bench --details machine,check --objects 4096 --queries 2
