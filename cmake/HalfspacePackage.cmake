@@ -11,6 +11,10 @@ if(TARGET cpuinfo-bench)
     $<$<PLATFORM_ID:Linux>:LINKER:--disable-new-dtags>)
   # Whoever built the library alone installs it alone.
   install(TARGETS cpuinfo-bench OPTIONAL)
+  install(CODE "if(EXISTS \"$<TARGET_FILE:cpuinfo-bench>\")
+  file(INSTALL \"${PROJECT_SOURCE_DIR}/docs/cpuinfo-bench.1\"
+       DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1\")
+endif()")
 
   # What is compiled into it, by a header of each library.
   set(HALFSPACE_LICENSED_HEADERS

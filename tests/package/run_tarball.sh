@@ -72,5 +72,10 @@ while read -r licence; do
   fi
 done <referred
 
+if [ ! -s share/man/man1/cpuinfo-bench.1 ]; then
+  echo "the manual page is not in the tarball"
+  exit 1
+fi
+
 "$@" bin/cpuinfo-bench --version
 "$@" bin/cpuinfo-bench --details machine,check --objects 4096 --queries 2

@@ -50,6 +50,11 @@ halfspace_command_line_test(version CODE 0 ARGUMENTS --version
 halfspace_command_line_test(list CODE 0 ARGUMENTS --list
   STDOUT "machine\ncheck\ntable1\ncrossover\nkernels\nbuild\nthroughput\nsorted\nquality\nvolumes\ndual\naxes\nsegments\nmodel\nsweep\nthreads\nnoise\nanswers")
 halfspace_command_line_test(help CODE 0 ARGUMENTS --help STDOUT "--mesh")
+add_test(NAME cpuinfo-bench.man_page
+  COMMAND sh "${CMAKE_CURRENT_SOURCE_DIR}/man_page.sh"
+          "${PROJECT_SOURCE_DIR}/docs/cpuinfo-bench.1"
+          ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:cpuinfo-bench>)
+set_tests_properties(cpuinfo-bench.man_page PROPERTIES LABELS tools)
 halfspace_command_line_test(unknown_option CODE 2 ARGUMENTS --fast
   STDERR "--fast")
 halfspace_command_line_test(unknown_section CODE 2 ARGUMENTS --details speed
