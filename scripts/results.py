@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Makes docs/results.md, and README's table of speed, from bench/results/*.json.
 
-    scripts/results.py           writes them
-    scripts/results.py --check   fails if they are not what it would write
+    scripts/results.py           writes them, and README's figure
+    scripts/results.py --check   fails if they are not what it would write, but for the
+                                 figure, which cpuinfo-bench and gnuplot draw
 
 Each file is a run's report on one machine:
 
@@ -15,7 +16,9 @@ between two comments there.
 import json
 import pathlib
 import re
+import subprocess
 import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SHAPES = ("simplex", "aabb", "aabo")
@@ -244,6 +247,26 @@ def speed(path, report):
             table(["", *(f"{NAMES[shape]}, {schedule}" for shape, schedule in columns)], rows))
 
 
+def figure(path):
+    """The first figure of batches in the page of a report, as a file of its own."""
+    tool = ROOT / "build/release/bench/cpuinfo-bench"
+    if not tool.exists():
+        sys.exit(f"{tool.relative_to(ROOT)} is missing, which draws README's figure: "
+                 "run ./bench.sh --list")
+    with tempfile.TemporaryDirectory() as folder:
+        page = pathlib.Path(folder) / "page.html"
+        subprocess.run([tool, "--report", page, "--render", path], check=True)
+        html = page.read_text()
+    drawn = re.search(r'<svg (viewBox="[^"]*") role="img" '
+                      r'aria-label="Time by the width of a batch.*?</svg>', html, re.S)
+    if not drawn:
+        sys.exit("README's figure was not drawn: install gnuplot-nox")
+    colours = re.search(r":root \{.*?\n\}\n@media.*?\n\}\n", html, re.S)
+    style = colours[0] + ":root { background: var(--paper); color: var(--text); }\n"
+    return drawn[0].replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" ', 1).replace(
+        ">", f">\n<style>\n{style}</style>", 1) + "\n"
+
+
 def with_speed(readme, reports):
     if BEGIN not in readme or END not in readme:
         sys.exit(f"README.md has no line {BEGIN.strip()}, or none {END.strip()}")
@@ -265,6 +288,11 @@ def main():
     readme = ROOT / "README.md"
     made = {ROOT / "docs/results.md": page(reports),
             readme: with_speed(readme.read_text(), reports)}
+    if not sys.argv[1:]:
+        drawable = [path for path, report in reports
+                    if report["schema"] >= 3 and not report["context"]["options"]]
+        if drawable:
+            (ROOT / "docs/crossover.svg").write_text(figure(drawable[0]))
     for path, text in made.items():
         if path.read_text() == text:
             continue
