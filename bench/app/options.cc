@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "bench/base/text_table.h"
 #include "bench/report/html_report.h"
 #include "halfspace/targets.h"
 #include "halfspace/version.h"
@@ -67,13 +68,17 @@ CLI::Validator Whole(std::uint64_t least, std::uint64_t most) {
 }
 
 // CLI::Range would let NaN pass.
-std::string CheckPercent(const std::string& text) {
-  const char* const end = text.data() + text.size();
-  double value = 0;
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  const bool is_percent =
-      error == std::errc() && stop == end && value > 0 && value <= 100;
-  return is_percent ? "" : "\"" + text + "\" is no number above 0 up to 100";
+CLI::Validator Above0UpTo(double most) {
+  const std::string range = "above 0 up to " + Fixed(most, 0);
+  const auto check = [=](const std::string& text) -> std::string {
+    const char* const end = text.data() + text.size();
+    double value = 0;
+    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    const bool is_within =
+        error == std::errc() && stop == end && value > 0 && value <= most;
+    return is_within ? "" : "\"" + text + "\" is no number " + range;
+  };
+  return CLI::Validator(check, range);
 }
 
 std::string CheckFileName(const std::string& name) {
@@ -139,7 +144,7 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
   app.add_option("--query-size", options.query_size,
                  "Query with random boxes whose sides are this much of the "
                  "box around --mesh or --bounds")
-      ->check(CheckPercent)
+      ->check(Above0UpTo(100))
       ->type_name("PERCENT")
       ->excludes(query_bounds);
   app.add_option("--objects", options.objects,
@@ -167,7 +172,7 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
   app.add_option("--exact-ns", options.exact_ns,
                  "What your exact test of a survivor takes, in ns (default: "
                  "a triangle pair's, measured)")
-      ->check(CLI::Range(0.0, 1e9))
+      ->check(Above0UpTo(1e9))
       ->type_name("NS");
   app.add_flag("--strict", options.is_strict,
                "Exit with 4 if something disturbed the run");

@@ -59,6 +59,7 @@ struct BenchOptions {
     const auto has = [](const auto& list, std::string_view name) {
       return std::find(list.begin(), list.end(), name) != list.end();
     };
+    if (is_strict && section == "noise") return true;
     return details.empty()
                ? has(kPageSections, section)
                : has(details, section) || has(details, kAllSections);

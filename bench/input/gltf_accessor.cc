@@ -31,8 +31,10 @@ GltfAccessor::GltfAccessor(const GltfDocument& document, GltfBuffers& buffers,
   elements_.count = static_cast<std::size_t>(accessor_.At("count").Whole());
   if (elements_.count == 0) accessor_.Fail("has no elements");
   if (!accessor_.Has("bufferView")) {
-    accessor_.Fail("has no bufferView, as with KHR_draco_mesh_compression",
-                   "export the mesh uncompressed");
+    accessor_.Fail(
+        "has no bufferView: it is compressed, or sparse over zeros, neither of "
+        "which is read",
+        "export the mesh uncompressed, its positions in full");
   }
   Place(document, buffers, accessor_, elements_);
   if (accessor_.Has("sparse")) ReadSparse(document, buffers);

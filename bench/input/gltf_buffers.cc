@@ -134,12 +134,18 @@ std::string_view GltfBuffers::FileBytes(const GltfValue& buffer) {
     uri.Fail("is " + Quoted(uri.Text()) + ", outside the folder of the file",
              "give a glTF whose buffers are beside or below it, or a GLB");
   }
-  const fs::path path = fs::path(document_.path()).parent_path() / name;
   std::error_code error;
-  const fs::path canonical = fs::canonical(path, error);
+  const fs::path folder =
+      fs::canonical(fs::absolute(document_.path()).parent_path(), error);
+  const fs::path canonical = fs::canonical(folder / name, error);
   if (error || !fs::is_regular_file(canonical, error)) {
     uri.Fail("is " + Quoted(uri.Text()) + ", and there is no such file",
              "put the buffer where the file says, or give a GLB");
+  }
+  // A link may lead anywhere.
+  if (canonical.lexically_relative(folder).native().starts_with("..")) {
+    uri.Fail("is " + Quoted(uri.Text()) + ", a link out of the folder",
+             "put the file itself there, or give a GLB");
   }
   const auto [known, is_new] = files_.try_emplace(canonical.string());
   if (!is_new) return known->second;

@@ -21,6 +21,12 @@ Case TestCase(const char* name, const std::vector<std::pair<Shape, Shape>>& all,
                     touching += Touch(pair.first, pair.second) ? 1 : 0;
                   });
   c.group = "exact";
+  c.check = [&all]() -> std::string {
+    for (const auto& [a, b] : all) {
+      if (Touch(a, b) != Touch(b, a)) return "a pair touches one way only";
+    }
+    return {};
+  };
   return c;
 }
 

@@ -101,14 +101,28 @@ constexpr std::array<std::size_t, 4> kCallSizes = {64, 256, 512, 1024};
 
 Case CallCase(WorkingSet& set, const Workload& workload, std::size_t objects,
               Target target) {
-  return InTurn("model/call/" + std::to_string(objects), workload.timed_queries,
-                kTimedQueries, 256,
-                [&set, objects, target](const Aabo3& query) {
-                  RejectMask(set.view().simplex(), query.down(), set.mask(),
-                             {.schedule = Schedule::kFlat,
-                              .target = target,
-                              .range = {0, objects}});
-                });
+  Case c =
+      InTurn("model/call/" + std::to_string(objects), workload.timed_queries,
+             kTimedQueries, 256, [&set, objects, target](const Aabo3& query) {
+               RejectMask(set.view().simplex(), query.down(), set.mask(),
+                          {.schedule = Schedule::kFlat,
+                           .target = target,
+                           .range = {0, objects}});
+             });
+  c.check = [&set, &workload, objects, target]() -> std::string {
+    const auto mask_of = [&](const Options& options) {
+      RejectMask(set.view().simplex(), workload.timed_queries[0].down(),
+                 set.mask(), options);
+      return std::vector<std::uint64_t>(
+          set.mask().begin(),
+          set.mask().begin() + static_cast<std::ptrdiff_t>(objects / 64));
+    };
+    const auto whole = mask_of({.target = target});
+    return mask_of({.target = target, .range = {0, objects}}) == whole
+               ? ""
+               : "the mask of a range is not that of the whole";
+  };
+  return c;
 }
 
 LeadFrom LeadOf(const std::vector<AdvantageRow>& rows,

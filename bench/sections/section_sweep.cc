@@ -172,6 +172,17 @@ class Contestants {
   std::vector<Way> ways_;
 };
 
+// At most so many objects, spread evenly: neighbours in a file are neighbours
+// in space.
+AaboWorld3 SpreadOf(const AaboWorld3& source, std::size_t most) {
+  const std::size_t step = (source.size() + most - 1) / most;
+  AaboWorld3 world;
+  for (std::size_t i = 0; i < source.size(); i += step) {
+    world.Push(source.Get(i));
+  }
+  return world;
+}
+
 std::vector<double> SizesOf(bool is_quick) {
   if (is_quick) return {0.001, 0.01, 0.1};
   return {0.001, 0.003, 0.01, 0.03, 0.1, 0.3};
@@ -236,10 +247,8 @@ SweepResult RunSweep(const Workload& workload, const ExactTest& exact,
   std::size_t part = 0;
   context.progress.BeginPart(part++, parts);
   {
-    const AaboWorld3 own =
-        ResizedTo(workload.objects,
-                  std::min(workload.objects.size(),
-                           is_quick ? kMostOwnObjects / 8 : kMostOwnObjects));
+    const AaboWorld3 own = SpreadOf(
+        workload.objects, is_quick ? kMostOwnObjects / 8 : kMostOwnObjects);
     result.own = Contestants(own, workload.timed_queries, target)
                      .Run("sweep/own", exact.ns, context);
   }

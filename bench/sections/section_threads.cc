@@ -24,7 +24,7 @@ struct Work {
   std::string name;
   std::size_t objects;
   double pairs;
-  std::span<const std::uint64_t> masks;  // that run() writes
+  std::span<std::uint64_t> masks;  // that run() writes
   std::function<void(const Range&)> run;
 };
 
@@ -84,6 +84,7 @@ void RunWork(const Work& work, const std::vector<std::size_t>& counts,
   for (std::size_t round = 0; round < context.effort.repetitions; ++round) {
     for (std::size_t c = 0; c < counts.size(); ++c) {
       Team team(work, counts[c]);
+      std::fill(work.masks.begin(), work.masks.end(), 0x5555555555555555);
       double fastest = SecondsOf([&] { team.Run(); });
       if (!std::equal(expected.begin(), expected.end(), work.masks.begin())) {
         throw WrongAnswer(timings[c].name +

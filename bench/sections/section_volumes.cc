@@ -14,7 +14,7 @@ namespace {
 // The scene's objects take a fraction of a second to bound, and so do those of
 // most files.
 constexpr std::size_t kSceneObjects = std::size_t{1} << 17;
-constexpr std::size_t kMostOfFile = std::size_t{1} << 18;
+constexpr std::size_t kMostOfFile = kMostObjectsWithCorners;
 
 // Survivors are counted on so many pairs, of all different objects.
 constexpr std::size_t kCountedPairs = std::size_t{1} << 27;

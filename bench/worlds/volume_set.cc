@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -37,6 +38,9 @@ bool IsWithinReach(const Sphere<3>& a, const Sphere<3>& b, double factor) {
     square += along * along;
   }
   const double reach = factor * (double{a.radius} + double{b.radius});
+  // As a float such a square is infinite, and rejects nothing.
+  constexpr double kMost = std::numeric_limits<float>::max();
+  if (factor > 1.0 && reach * reach > kMost) return true;
   return square <= reach * reach;
 }
 

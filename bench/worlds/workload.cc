@@ -90,7 +90,8 @@ Workload WorkloadOfTriangles(std::string name,
                              std::size_t queries) {
   Workload workload{std::move(name), {}, {}};
   workload.objects.Reserve(indices.size() / 3);
-  workload.corners.reserve(indices.size() / 3 * 9);
+  workload.corners.reserve(
+      9 * std::min(indices.size() / 3, kMostObjectsWithCorners));
   for (std::size_t t = 0; t + 2 < indices.size(); t += 3) {
     std::array<float, 9> corners;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -98,8 +99,10 @@ Workload WorkloadOfTriangles(std::string name,
                   &corners[3 * c]);
     }
     workload.objects.Push(BoundPoints(Points3{corners.data(), 3}));
-    workload.corners.insert(workload.corners.end(), corners.begin(),
-                            corners.end());
+    if (workload.objects.size() <= kMostObjectsWithCorners) {
+      workload.corners.insert(workload.corners.end(), corners.begin(),
+                              corners.end());
+    }
   }
   QueryWith(workload, workload.objects, queries);
   return workload;

@@ -19,6 +19,9 @@ namespace halfspace::bench {
 inline constexpr std::size_t kTimedQueries = 20000;
 inline constexpr std::size_t kFewQueries = 128;
 
+// So many take 9 MiB, more than they take in any cache but the last.
+inline constexpr std::size_t kMostObjectsWithCorners = std::size_t{1} << 18;
+
 struct Workload {
   std::string name;  // "scene", or the file it was read from
   AaboWorld3 objects;
@@ -27,7 +30,8 @@ struct Workload {
   // To time one after the other.
   std::vector<Aabo3> timed_queries = {};
 
-  // Of a mesh: x y z of the corners of object 0, then of object 1, ...
+  // Of a mesh: x y z of the corners of object 0, then of object 1, ... of at
+  // most kMostObjectsWithCorners.
   std::vector<float> corners = {};
 };
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -168,8 +170,8 @@ INSTANTIATE_TEST_SUITE_P(
                  "accessors[0].bufferView is 2, and bufferViews has 2"},
         BadValue{"/accessors/0",
                  R"({"componentType": 5126, "count": 4, "type": "VEC3"})",
-                 "accessors[0] has no bufferView, as with "
-                 "KHR_draco_mesh_compression"},
+                 "accessors[0] has no bufferView: it is compressed, or sparse "
+                 "over zeros, neither of which is read"},
         BadValue{"/accessors/0/sparse", R"({"count": 0, "indices": {}})",
                  "accessors[0].sparse has a count of 0, where accessors[0] has "
                  "4"},
@@ -342,6 +344,22 @@ TEST(BadGltfFile, HoldsTheLimitOfBuffersInFiles) {
       file.path() +
           ": buffers[0] takes more than the memory that is "
           "free; give a smaller one");
+}
+
+TEST(BadGltfFile, FollowsNoLinkOutOfItsFolder) {
+  const TempFile outside(SquareBytes());
+  const std::string folder = testing::TempDir() + "gltf-links";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directory(folder);
+  std::filesystem::create_symlink(outside.path(), folder + "/link.bin");
+  const std::string path = folder + "/square.gltf";
+  std::ofstream(path)
+      << With(Square(), "/buffers/0/uri", "\"link.bin\"").dump();
+  EXPECT_EQ(ErrorOf([](const std::string& file) { ReadMesh(file); }, path),
+            path +
+                ": buffers[0].uri is \"link.bin\", a link out of the "
+                "folder; put the file itself there, or give a GLB");
+  std::filesystem::remove_all(folder);
 }
 
 // A reader that calls itself for each level would need a larger stack.

@@ -87,6 +87,18 @@ halfspace_command_line_test(sorted_mesh CODE 0
 halfspace_command_line_test(sorted_far_bounds CODE 0
   ARGUMENTS --details sorted --objects 64 --quick --bounds "${inputs}/far_out.csv"
   STDOUT "not reached: threshold 1, the boxes of a file: coordinates")
+file(WRITE "${inputs}/far_apart.csv" "0,0,0,1,1,1\n1e20,1e20,1e20,2e20,2e20,2e20\n")
+halfspace_command_line_test(volumes_of_far_bounds CODE 0
+  ARGUMENTS --details volumes --objects 64 --quick
+            --bounds "${inputs}/far_apart.csv" STDOUT "sphere")
+foreach(ns nan 0 -1 1x)
+  halfspace_command_line_test(exact_ns_${ns} CODE 2
+    ARGUMENTS --details machine --exact-ns ${ns} STDERR "no number above 0")
+endforeach()
+# Whether the run is noisy, nobody knows; that it is asked, the report tells.
+halfspace_command_line_test(strict CODE "[04]"
+  ARGUMENTS --strict --quick --details machine --objects 4096
+  STDOUT "A kernel timed against itself")
 halfspace_command_line_test(bounds CODE 0
   ARGUMENTS --details check,quality --bounds "${inputs}/boxes.csv"
   STDOUT "aabb +2 +1.00")

@@ -1,5 +1,5 @@
 # Runs cpuinfo-bench and checks its exit code and what it printed:
-#   cmake -DCOMMAND=<program and arguments, with |> -DEXPECTED_CODE=N
+#   cmake -DCOMMAND=<program and arguments, with |> -DEXPECTED_CODE=<regex>
 #         [-DSTDOUT=<regex>] [-DSTDERR=<regex>] [-DSTDOUT_FILE=<file>]
 #         [-DOUT=<file of --out>] [-DEXPECTED_OUT=<regex>]
 #         -P command_line_test.cmake
@@ -25,7 +25,7 @@ if(STDOUT_FILE)
 endif()
 cmake_language(EVAL CODE "execute_process(COMMAND ${arguments}
   RESULT_VARIABLE code ERROR_VARIABLE err ${to_stdout})")
-if(NOT code STREQUAL "${EXPECTED_CODE}")
+if(NOT code MATCHES "^(${EXPECTED_CODE})$")
   message(FATAL_ERROR "exit code ${code}, expected ${EXPECTED_CODE}\n"
                       "stdout: ${out}\nstderr: ${err}")
 endif()
