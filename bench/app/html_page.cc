@@ -1,43 +1,13 @@
 #include "bench/app/html_page.h"
 
-#include <fstream>
 #include <iostream>
 #include <sstream>
-#include <stdexcept>
 
-#include "bench/input/input_error.h"
+#include "bench/app/report_file.h"
 #include "bench/report/html_report.h"
 #include "bench/report/report.h"
 
 namespace halfspace::bench {
-namespace {
-
-constexpr const char* kOther =
-    "give a file that --format json --out has written";
-
-// No more of it than a report can have.
-std::string ReadReport(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text;
-  char part[1 << 16];
-  while (text.size() <= kMostReportBytes &&
-         (file.read(part, sizeof(part)) || file.gcount() > 0)) {
-    text.append(part, static_cast<std::size_t>(file.gcount()));
-  }
-  if (!file.is_open() || file.bad()) {
-    throw InputError(path, "cannot be read", kOther);
-  }
-  try {
-    CheckReport(text);
-    std::ostringstream page;
-    WritePage(page, text);
-  } catch (const std::invalid_argument& error) {
-    throw InputError(path, error.what(), kOther);
-  }
-  return text;
-}
-
-}  // namespace
 
 void WriteHtml(OutFile& file, const std::vector<std::string>& reports) {
   const HtmlPage page = HtmlReport(reports);
@@ -52,7 +22,12 @@ void WriteHtml(OutFile& file, const std::vector<std::string>& reports) {
 int Render(const BenchOptions& options) {
   std::vector<std::string> reports;
   for (const std::string& path : options.render) {
-    reports.push_back(ReadReport(path));
+    reports.push_back(ReadReport(path, [](const std::string& text) {
+      CheckReport(text);
+      std::ostringstream page;
+      WritePage(page, text);
+      return text;
+    }));
   }
   if (options.report.empty()) {
     for (const std::string& report : reports) {

@@ -5,12 +5,10 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <new>
 #include <optional>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -20,6 +18,7 @@
 #include "bench/app/html_page.h"
 #include "bench/app/options.h"
 #include "bench/app/out_file.h"
+#include "bench/app/report_file.h"
 #include "bench/app/run.h"
 #include "bench/base/progress.h"
 #include "bench/base/text_table.h"
@@ -125,24 +124,15 @@ std::optional<Workload> ReadInput(const BenchOptions& options) {
 std::optional<StoredRun> ReadStoredRun(const BenchOptions& options) {
   const std::string& path = options.against;
   if (path.empty()) return std::nullopt;
-  constexpr const char* kOther =
-      "give a file that --format json --out has written";
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) throw InputError(path, "cannot be read", kOther);
-  try {
-    StoredRun stored(text.str());
-    const std::string why =
-        stored.WhyIncomparable(RunMachine().machine.cpu, options.Scope());
-    if (!why.empty()) {
-      throw UsageError("--against " + path + ": " + why +
-                       "; compare runs of the same machine and options");
-    }
-    return stored;
-  } catch (const std::invalid_argument& error) {
-    throw InputError(path, error.what(), kOther);
+  StoredRun stored =
+      ReadReport(path, [](const std::string& text) { return StoredRun(text); });
+  const std::string why =
+      stored.WhyIncomparable(RunMachine().machine.cpu, options.Scope());
+  if (!why.empty()) {
+    throw UsageError("--against " + path + ": " + why +
+                     "; compare runs of the same machine and options");
   }
+  return stored;
 }
 
 // Says what is worse than in the stored run, and still is when its sections run

@@ -252,29 +252,10 @@ std::string TargetOf(const ReportField& sections,
 }
 
 std::vector<Figure> MakeBandwidth(const ReportField& sections) {
-  const auto kernels = sections.Find("kernels");
-  if (!kernels) return {};
-  std::vector<ReportField> rows = kernels->At("rows").List();
-  if (rows.empty()) return {};
-  const std::string target = TargetOf(sections, rows);
-  // The fastest of each shape and working set.
-  std::vector<ReportField> fastest;
-  for (const ReportField& row : rows) {
-    if (row.At("target").Text() != target) continue;
-    const auto same = std::find_if(
-        fastest.begin(), fastest.end(), [&row](const ReportField& other) {
-          return other.At("shape").Text() == row.At("shape").Text() &&
-                 other.At("working_set").Text() == row.At("working_set").Text();
-        });
-    if (same == fastest.end()) {
-      fastest.push_back(row);
-    } else if (row.At("ns_per_object").Number() <
-               same->At("ns_per_object").Number()) {
-      *same = row;
-    }
-  }
+  const std::vector<ReportField> fastest = FastestKernels(sections);
+  if (fastest.empty()) return {};
   Figure figure;
-  figure.name = target;
+  figure.name = fastest.front().At("target").Text();
   figure.x = {"bytes of the world", Scale::kBytes};
   figure.y = {"GB/s", Scale::kDecimal};
   figure.table.push_back({"set", "shape", "schedule", "objects", "ns an object",
@@ -409,6 +390,30 @@ const std::array<FigureKind, 5> kFigureKinds = {
                "Time an object with its share of the exact tests of what "
                "survives, by what an exact test costs.",
                MakeBreakEven}};
+
+std::vector<ReportField> FastestKernels(const ReportField& sections) {
+  const auto kernels = sections.Find("kernels");
+  if (!kernels) return {};
+  const std::vector<ReportField> rows = kernels->At("rows").List();
+  if (rows.empty()) return {};
+  const std::string target = TargetOf(sections, rows);
+  std::vector<ReportField> fastest;
+  for (const ReportField& row : rows) {
+    if (row.At("target").Text() != target) continue;
+    const auto same = std::find_if(
+        fastest.begin(), fastest.end(), [&row](const ReportField& other) {
+          return other.At("shape").Text() == row.At("shape").Text() &&
+                 other.At("working_set").Text() == row.At("working_set").Text();
+        });
+    if (same == fastest.end()) {
+      fastest.push_back(row);
+    } else if (row.At("ns_per_object").Number() <
+               same->At("ns_per_object").Number()) {
+      *same = row;
+    }
+  }
+  return fastest;
+}
 
 Tics TicsOf(const Axis& axis) {
   if (!axis.names.empty()) return axis.names;

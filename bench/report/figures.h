@@ -73,6 +73,11 @@ struct FigureKind {
 
 extern const std::array<FigureKind, 5> kFigureKinds;
 
+// Of `kernels`, the fastest schedule of each shape in each working set, of the
+// target that programs get, or else of that which was measured; empty where
+// nothing was. Throws std::invalid_argument.
+std::vector<ReportField> FastestKernels(const ReportField& sections);
+
 // A value in one line: a number with the digits that count, a ratio with its
 // quartiles, a list with commas.
 std::string ValueText(const Json& value);

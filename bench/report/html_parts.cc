@@ -113,6 +113,24 @@ class Map {
   std::map<std::pair<double, double>, std::string> cells_;
 };
 
+// That of a reader whose objects move, and cannot be sorted: the fastest scan,
+// where the winner is none.
+std::string BestScan(const ReportField& cell, const std::string& winner) {
+  std::string name;
+  double least = 0.0;
+  for (const ReportField& way : cell.List("ways")) {
+    const std::string schedule = way.At("schedule").Text();
+    const double ns = way.At("ns_with_exact").Number();
+    if (schedule == "sorted" || (!name.empty() && ns >= least)) continue;
+    name = way.At("shape").Text() + " " + schedule + " " +
+           way.At("precision").Text();
+    least = ns;
+  }
+  if (name.empty() || name == winner) return {};
+  return "<br><small>scan: " + Escaped(name) + ", " + Digits(least) +
+         " ns</small>";
+}
+
 }  // namespace
 
 std::string Escaped(std::string_view text) {
@@ -220,7 +238,7 @@ std::string RatioMap(const ReportField& sweep) {
   return map.Html(sweep, "overlap of slabs", "w, objects in a batch");
 }
 
-std::string WinnerMap(const ReportField& sweep) {
+std::string FastestTable(const ReportField& sweep) {
   Map map;
   std::vector<std::string> families = {"simplex", "aabb", "aabo"};
   const std::size_t known = families.size();
@@ -242,8 +260,8 @@ std::string WinnerMap(const ReportField& sweep) {
     map.Add(size->Number() * 100.0, cell.At("objects").Number(),
             "<td class=\"t3 ink" + std::to_string(ink) + "\">" +
                 Escaped(winner) + (is_tie && is_tie->Flag() ? " (a tie)" : "") +
-                "<br><small>" + Digits(cell.At("ns").Number()) +
-                " ns</small></td>");
+                "<br><small>" + Digits(cell.At("ns").Number()) + " ns</small>" +
+                BestScan(cell, winner) + "</td>");
   }
   return map.Html(sweep, "size, % of the world", "objects");
 }

@@ -27,7 +27,7 @@ std::string HtmlOf(const Json& value);
 // Of `sweep`: the simplex's time over the AABB's by width and overlap, and the
 // fastest by size and number of objects. Empty if there is none.
 std::string RatioMap(const ReportField& sweep);
-std::string WinnerMap(const ReportField& sweep);
+std::string FastestTable(const ReportField& sweep);
 
 }  // namespace halfspace::bench
 

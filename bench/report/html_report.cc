@@ -16,31 +16,7 @@
 namespace halfspace::bench {
 namespace {
 
-constexpr int kMostDepth = 16;
 constexpr std::size_t kMostAnswers = 64;
-
-Json Parse(std::string_view text) {
-  if (text.size() > kMostReportBytes) {
-    throw std::invalid_argument("larger than any report of this program");
-  }
-  const auto check = [](int depth, Json::parse_event_t, Json&) {
-    if (depth > kMostDepth) throw std::invalid_argument("nested too deep");
-    return true;
-  };
-  Json report;
-  try {
-    report = Json::parse(text, check);
-  } catch (const Json::exception&) {
-    throw std::invalid_argument("no JSON report of this program");
-  }
-  const ReportField root(report, "the report");
-  const double schema = root.At("schema").Number();
-  if (schema != kReportSchema) {
-    throw std::invalid_argument("a report of schema " + Digits(schema) +
-                                ", not " + std::to_string(kReportSchema));
-  }
-  return report;
-}
 
 // One machine of the page.
 struct Run {
@@ -80,11 +56,12 @@ std::string NotMeasured(const char* section) {
 std::string AnswerCell(const Run& run, const std::string& question) {
   const auto answers = run.Sections().Find("answers");
   if (!answers) return "<td>not measured</td>";
+  std::string html;
   for (const ReportField& row : answers->List("answers")) {
     if (row.At("question").Text() != question) continue;
-    return "<td>" + Escaped(row.At("answer").Text()) + "</td>";
+    html += (html.empty() ? "" : "<br>") + Escaped(row.At("answer").Text());
   }
-  return "<td>-</td>";
+  return "<td>" + (html.empty() ? "-" : html) + "</td>";
 }
 
 std::string Answers(const std::vector<Run>& runs) {
@@ -302,7 +279,7 @@ std::string Maps(const std::vector<Run>& runs) {
              "faster, and the cell is blue.",
              RatioMap) +
          map("The fastest", "What answers one query fastest, and its time.",
-             WinnerMap);
+             FastestTable);
 }
 
 std::string HowMeasured(const Run& run) {
@@ -398,7 +375,7 @@ HtmlPage MakePage(const std::vector<Run>& runs, bool has_all_numbers) {
 }  // namespace
 
 void CheckReport(std::string_view json) {
-  const Run run(Parse(json));
+  const Run run(ParseReport(json));
   for (const FigureKind& kind : kFigureKinds) kind.make(run.Sections());
   const std::vector<Run> runs = {run};
   Answers(runs);
@@ -410,7 +387,7 @@ void CheckReport(std::string_view json) {
 HtmlPage HtmlReport(const std::vector<std::string>& reports) {
   std::vector<Run> runs;
   for (const std::string& report : reports) {
-    runs.emplace_back(Parse(report));
+    runs.emplace_back(ParseReport(report));
     Run& run = runs.back();
     const auto is_same = [&run](const Run& other) {
       return other.Context().At("cpu").Text() == run.Context().At("cpu").Text();

@@ -12,9 +12,6 @@ namespace halfspace::bench {
 // More machines have no room beside each other.
 inline constexpr std::size_t kMostReports = 8;
 
-// A longer text is no report of this program.
-inline constexpr std::size_t kMostReportBytes = std::size_t{32} << 20;
-
 inline constexpr std::size_t kMostPageBytes = std::size_t{2} << 20;
 
 // Throws std::invalid_argument with what is wrong with a JSON report, whoever

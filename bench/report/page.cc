@@ -1,16 +1,14 @@
 // The page to read, from a report in JSON: of this run, or of anybody's.
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <ostream>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bench/base/text_table.h"
+#include "bench/report/figures.h"
 #include "bench/report/report.h"
 #include "bench/report/report_field.h"
 #include "bench/report/report_parts.h"
@@ -32,6 +30,18 @@ Ratio Spread(const ReportField& field) {
   const std::vector<ReportField> quartiles = field.List();
   if (quartiles.size() != 2) field.Fail("is no pair of quartiles");
   return {0.0, quartiles[0].Number(), quartiles[1].Number()};
+}
+
+std::string Text(const ReportField& median, const ReportField& quartiles,
+                 int digits) {
+  Ratio ratio = Spread(quartiles);
+  ratio.median = median.Number();
+  return RatioText(ratio, digits);
+}
+
+// A ratio, with its quartiles.
+std::string TextOfRatio(const ReportField& ratio) {
+  return Text(ratio.At("median"), ratio.At("quartiles"), 2);
 }
 
 void WriteLine(std::ostream& out, std::string line) {
@@ -118,59 +128,37 @@ void WriteAnswers(std::ostream& out, const ReportField& sections) {
   }
 }
 
-// The fastest schedule of each shape in each working set, as bars.
+// The fastest schedule of each shape, as bars: where all fits a cache of the
+// core, and where it does not.
 void WriteKernels(std::ostream& out, const ReportField& sections) {
   constexpr double kBar = 40.0;
-  const auto kernels = sections.Find("kernels");
-  const auto machine = sections.Find("machine");
-  if (!kernels || !machine) return;
-  const std::string chosen = machine->At("targets").At("chosen").Text();
-  struct Bar {
-    std::string shape;
-    std::string schedule;
-    double ns;
-    Ratio spread;
-  };
-  std::vector<std::pair<std::string, std::vector<Bar>>> sets;
+  std::vector<ReportField> rows = FastestKernels(sections);
+  if (rows.empty()) return;
+  const std::string last = rows.back().At("working_set").Text();
+  std::erase_if(rows, [&last](const ReportField& row) {
+    const std::string set = row.At("working_set").Text();
+    return set != "L2" && set != last;
+  });
   double most = 0.0;
-  for (const ReportField& row : kernels->List("rows")) {
-    if (row.At("target").Text() != chosen) continue;
-    const std::string set = Text(row.At("working_set"));
-    if (sets.empty() || sets.back().first != set) sets.push_back({set, {}});
-    std::vector<Bar>& bars = sets.back().second;
-    const Bar bar = {Text(row.At("shape")), Text(row.At("schedule")),
-                     row.At("ns_per_object").Number(),
-                     Spread(row.At("ns_quartiles"))};
-    const auto same = std::find_if(bars.begin(), bars.end(), [&](const Bar& b) {
-      return b.shape == bar.shape;
-    });
-    if (same == bars.end()) {
-      bars.push_back(bar);
-    } else if (bar.ns < same->ns) {
-      *same = bar;
-    }
-  }
-  for (const auto& [set, bars] : sets) {
-    for (const Bar& bar : bars) most = std::max(most, bar.ns);
+  for (const ReportField& row : rows) {
+    most = std::max(most, row.At("ns_per_object").Number());
   }
   if (most <= 0.0) return;
-  // Where all fits a cache of the core, and where it does not.
-  std::erase_if(sets, [&sets](const auto& set) {
-    return set.first != "L2" && set.first != sets.back().first;
-  });
-  out << "\nA scan of one query, ns an object (" << Printable(chosen)
+  out << "\nA scan of one query, ns an object (" << Text(rows[0].At("target"))
       << ")\n\n";
-  for (const auto& [set, bars] : sets) {
-    for (const Bar& bar : bars) {
-      out << "  " << Padded(&bar == &bars.front() ? set : "", 8)
-          << Padded(bar.shape, 8) << Padded(bar.schedule, 8) << Fixed(bar.ns, 3)
-          << " [" << Fixed(bar.spread.low, 3) << ", "
-          << Fixed(bar.spread.high, 3) << "] "
-          << std::string(static_cast<std::size_t>(std::clamp(
-                             std::ceil(kBar * bar.ns / most), 1.0, kBar)),
-                         '#')
-          << '\n';
-    }
+  std::string before;
+  for (const ReportField& row : rows) {
+    const std::string set = Text(row.At("working_set"));
+    const ReportField ns = row.At("ns_per_object");
+    out << "  " << Padded(set == before ? "" : set, 8)
+        << Padded(Text(row.At("shape")), 8)
+        << Padded(Text(row.At("schedule")), 8)
+        << Text(ns, row.At("ns_quartiles"), 3) << " "
+        << std::string(static_cast<std::size_t>(std::clamp(
+                           std::ceil(kBar * ns.Number() / most), 1.0, kBar)),
+                       '#')
+        << '\n';
+    before = set;
   }
 }
 
@@ -223,10 +211,9 @@ void WriteModel(std::ostream& out, const ReportField& sections) {
   for (const ReportField& each : model->List("break_even")) {
     const auto ns = each.Find("ns");
     if (!ns) continue;
-    const Ratio spread = Spread(each.At("quartiles"));
-    limits += (limits.empty() ? "" : ", or ") + Whole(*ns) + " [" +
-              Fixed(spread.low, 0) + ", " + Fixed(spread.high, 0) +
-              "] ns against the " + Text(each.At("against"));
+    limits += (limits.empty() ? "" : ", or ") +
+              Text(*ns, each.At("quartiles"), 0) + " ns against the " +
+              Text(each.At("against"));
   }
   WriteWrapped(out, "  break-even ",
                limits.empty()
@@ -234,12 +221,6 @@ void WriteModel(std::ostream& out, const ReportField& sections) {
                    : "with an exact test of more than " + limits +
                          ", the simplex's extra candidates cost more than it "
                          "saves");
-}
-
-std::string Spread(const ReportField& ratio, int digits) {
-  const Ratio spread = Spread(ratio.At("quartiles"));
-  return Fixed(ratio.At("median").Number(), digits) + " [" +
-         Fixed(spread.low, digits) + ", " + Fixed(spread.high, digits) + "]";
 }
 
 // The fastest schedule of each volume, where and on what the first row is.
@@ -257,7 +238,7 @@ std::string VolumesText(const std::vector<ReportField>& rows) {
     }
     const Volume volume = {Text(row.At("volume")),
                            row.At("over_simplex").At("median").Number(),
-                           Spread(row.At("over_simplex"), 2) + " and " +
+                           TextOfRatio(row.At("over_simplex")) + " and " +
                                Fixed(row.At("looseness").Number(), 2)};
     const auto same = std::find_if(
         volumes.begin(), volumes.end(),
@@ -304,7 +285,7 @@ void WriteClaims(std::ostream& out, const ReportField& sections) {
   std::string text;
   for (const ReportField& row : dimensions) {
     text += (text.empty() ? "" : ", ") + Whole(row.At("dimensions")) + "D " +
-            Spread(row.At("simplex_over_fastest_aabb"), 2);
+            TextOfRatio(row.At("simplex_over_fastest_aabb"));
   }
   if (!text.empty()) {
     WriteWrapped(out, "dimensions ",
@@ -315,13 +296,13 @@ void WriteClaims(std::ostream& out, const ReportField& sections) {
                  "the octahedron's second simplex is read for " +
                      Fixed(100.0 * dual[0].At("second_of_64").Number(), 2) +
                      " % of 64 objects; so it takes " +
-                     Spread(dual[0].At("staged_over_flat"), 2) +
+                     TextOfRatio(dual[0].At("staged_over_flat")) +
                      " of the time");
   }
   if (construction.size() > 1) {
     WriteWrapped(out, "axes       ",
                  "those of a regular simplex take " +
-                     Spread(construction[1].At("over_standard"), 2) +
+                     TextOfRatio(construction[1].At("over_standard")) +
                      " times as long to build, and keep, times the simplex's "
                      "survivors: " +
                      AlignmentText(rows_of("axes", "alignment")));
@@ -329,7 +310,7 @@ void WriteClaims(std::ostream& out, const ReportField& sections) {
 }
 
 // A line for each size of objects, a column for each number of them.
-void WriteMap(std::ostream& out, const ReportField& sections) {
+void WriteFastest(std::ostream& out, const ReportField& sections) {
   const auto sweep = sections.Find("sweep");
   if (!sweep) return;
   std::vector<double> counts;
@@ -373,16 +354,8 @@ void WriteNotReached(std::ostream& out, const ReportField& sections) {
 }  // namespace
 
 void WritePage(std::ostream& out, std::string_view json) {
-  const Json parsed = Json::parse(json, nullptr, /*allow_exceptions=*/false);
-  if (parsed.is_discarded()) {
-    throw std::invalid_argument("no JSON report of this program");
-  }
+  const Json parsed = ParseReport(json);
   const ReportField report(parsed, "the report");
-  if (report.At("schema").json() != kReportSchema) {
-    throw std::invalid_argument("a report of schema " +
-                                report.At("schema").json().dump() + ", not " +
-                                std::to_string(kReportSchema));
-  }
   const ReportField sections = report.At("sections");
   WriteMachine(out, report);
   WriteAnswers(out, sections);
@@ -390,7 +363,7 @@ void WritePage(std::ostream& out, std::string_view json) {
   WriteCrossover(out, sections);
   WriteModel(out, sections);
   WriteClaims(out, sections);
-  WriteMap(out, sections);
+  WriteFastest(out, sections);
   out << '\n';
   WriteNotReached(out, sections);
   out << "--details SECTION prints the tables of a section (--list), --report "

@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -79,6 +80,13 @@ class ReportField {
   const Json* json_;
   std::string path_;
 };
+
+// A longer text is no report of this program.
+inline constexpr std::size_t kMostReportBytes = std::size_t{32} << 20;
+
+// The text that ToJson() gives, whoever wrote it. Throws std::invalid_argument,
+// with what is wrong, for what is no report of this schema.
+Json ParseReport(std::string_view text);
 
 }  // namespace halfspace::bench
 

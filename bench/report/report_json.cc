@@ -359,15 +359,11 @@ Json ToJson(const NoiseResult& result) {
 Json ToJson(const AnswersResult& result) {
   Json answers = Json::array();
   for (const Answer& answer : result.answers) {
-    answers.push_back(
-        {{"question", answer.question},
-         {"answer", answer.text},
-         {"figure", answer.figure},
-         {"unit", answer.unit},
-         {"quartiles", answer.quartiles ? Json({answer.quartiles->low,
-                                                answer.quartiles->high})
-                                        : Json(nullptr)},
-         {"is_tie", answer.is_tie}});
+    answers.push_back({{"question", answer.question},
+                       {"answer", answer.text},
+                       {"figure", answer.times.median},
+                       {"quartiles", {answer.times.low, answer.times.high}},
+                       {"is_tie", answer.is_tie}});
   }
   return {{"answers", answers}, {"not_reached", result.not_reached}};
 }

@@ -36,6 +36,19 @@ void WriteWays(std::ostream& out, const SweepCell& cell) {
   table.Write(out, 3);
 }
 
+// Up to which exact test the simplex pays.
+std::string BreakEvenText(const BreakEven& break_even) {
+  if (!break_even.ns) {
+    return "Against the " + break_even.against +
+           " the simplex saves no time, or keeps no more.";
+  }
+  return "With an exact test of more than " +
+         RatioText({*break_even.ns, break_even.low, break_even.high}, 0) +
+         " ns the simplex's extra candidates cost more than it saves against "
+         "the " +
+         break_even.against + ".";
+}
+
 }  // namespace
 
 void WriteText(std::ostream& out, const ModelResult& result) {
@@ -88,18 +101,6 @@ void WriteText(std::ostream& out, const ModelResult& result) {
   for (const BreakEven& each : result.break_even) {
     out << "  " << BreakEvenText(each) << '\n';
   }
-}
-
-std::string BreakEvenText(const BreakEven& break_even) {
-  if (!break_even.ns) {
-    return "Against the " + break_even.against +
-           " the simplex saves no time, or keeps no more.";
-  }
-  return "With an exact test of more than " + Fixed(*break_even.ns, 0) + " [" +
-         Fixed(break_even.low, 0) + ", " + Fixed(break_even.high, 0) +
-         "] ns the simplex's extra candidates cost more than it saves against "
-         "the " +
-         break_even.against + ".";
 }
 
 void WriteText(std::ostream& out, const SweepResult& result) {

@@ -16,13 +16,11 @@ inline void Heading(std::ostream& out, const char* name,
   out << '\n' << name << ": " << what << "\n\n";
 }
 
-inline std::string RatioText(const Ratio& ratio) {
-  return Fixed(ratio.median, 2) + " [" + Fixed(ratio.low, 2) + ", " +
-         Fixed(ratio.high, 2) + "]";
+// The median, and the quartiles in brackets.
+inline std::string RatioText(const Ratio& ratio, int digits = 2) {
+  return Fixed(ratio.median, digits) + " [" + Fixed(ratio.low, digits) + ", " +
+         Fixed(ratio.high, digits) + "]";
 }
-
-// For a reader: up to which exact test the simplex pays.
-std::string BreakEvenText(const BreakEven& break_even);
 
 inline void WriteNotReached(std::ostream& out,
                             const std::vector<std::string>& not_reached) {

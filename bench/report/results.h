@@ -1,5 +1,5 @@
 // What each section found out: plain data, from which the text report, the JSON
-// report and the verdict are made.
+// report and the answers are made.
 #ifndef HALFSPACE_BENCH_REPORT_RESULTS_H_
 #define HALFSPACE_BENCH_REPORT_RESULTS_H_
 
@@ -326,7 +326,7 @@ struct SweepCell {
   double slab_overlap = 0.0;  // share of pairs that overlap on X
   std::vector<Way> ways;
   std::size_t best = 0;  // of the ways
-  bool is_tie = false;   // with the fastest way of another family
+  bool is_tie = false;   // another way's quartiles reach the best's
 };
 
 // Time of gated scans, simplex over AABB.
@@ -372,9 +372,7 @@ struct NoiseResult {
 struct Answer {
   std::string question;
   std::string text;
-  double figure = 0.0;
-  std::string unit;
-  std::optional<Ratio> quartiles;
+  Ratio times;  // as fast as the next best
   bool is_tie = false;
 };
 

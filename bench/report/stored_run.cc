@@ -1,16 +1,15 @@
 #include "bench/report/stored_run.h"
 
 #include <initializer_list>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "bench/base/text_table.h"
 #include "bench/report/report.h"
+#include "bench/report/report_field.h"
+#include "bench/report/report_parts.h"
 
 namespace halfspace::bench {
 namespace {
 
-using Json = nlohmann::json;
 using Ratios = std::map<std::string, StoredRatio>;
 
 void Add(Ratios& ratios, const Json& row, const char* section,
@@ -54,11 +53,6 @@ Ratios RatiosOf(const Json& report) {
   return ratios;
 }
 
-std::string Text(const Ratio& ratio) {
-  return Fixed(ratio.median, 2) + " [" + Fixed(ratio.low, 2) + ", " +
-         Fixed(ratio.high, 2) + "]";
-}
-
 }  // namespace
 
 bool IsWorse(const StoredRatio& stored, const Ratio& now) {
@@ -68,13 +62,8 @@ bool IsWorse(const StoredRatio& stored, const Ratio& now) {
 }
 
 StoredRun::StoredRun(std::string_view json) {
+  const Json report = ParseReport(json);
   try {
-    const Json report = Json::parse(json);
-    if (report.at("schema") != kReportSchema) {
-      throw std::invalid_argument("a report of schema " +
-                                  report.at("schema").dump() + ", not " +
-                                  std::to_string(kReportSchema));
-    }
     cpu_ = report.at("context").at("cpu");
     options_ = report.at("context").at("options");
     ratios_ = RatiosOf(report);
@@ -100,14 +89,14 @@ std::vector<Regression> StoredRun::RegressionsIn(const Results& results,
                                                  std::size_t& compared) const {
   std::vector<Regression> regressions;
   compared = 0;
-  for (const auto& [name, now] : RatiosOf(Json::parse(ToJson(results)))) {
+  for (const auto& [name, now] : RatiosOf(ParseReport(ToJson(results)))) {
     const auto stored = ratios_.find(name);
     if (stored == ratios_.end()) continue;
     ++compared;
     if (IsWorse(stored->second, now.ratio)) {
       regressions.push_back({name.substr(0, name.find(',')), name,
-                             name + ": " + Text(now.ratio) + ", was " +
-                                 Text(stored->second.ratio)});
+                             name + ": " + RatioText(now.ratio) + ", was " +
+                                 RatioText(stored->second.ratio)});
     }
   }
   return regressions;

@@ -35,7 +35,7 @@ Answer Better(const char* question, const Way& one, const Way& other,
   const Way& better = is_one ? one : other;
   const Way& worse = is_one ? other : one;
   const Ratio ratio = RatioOf(worse.samples, better.samples);
-  Answer answer{question, "", ratio.median, "times", ratio, ratio.low <= 1.0};
+  Answer answer{question, "", ratio, ratio.low <= 1.0};
   answer.text = answer.is_tie
                     ? "no difference between " + name(better) + " and " +
                           name(worse) + ": " + RatioText(ratio) + " times"
@@ -82,8 +82,7 @@ std::vector<Answer> AnswersOf(const SweepCell& own) {
 }
 
 // The fastest number of threads, of each work.
-Answer ThreadsAnswer(const ThreadsResult& threads) {
-  Answer answer{"threads", "", 1.0, "times", {}, false};
+std::vector<Answer> ThreadsAnswers(const ThreadsResult& threads) {
   std::vector<const ThreadsRow*> best;
   for (const ThreadsRow& row : threads.rows) {
     if (row.threads == 1) {
@@ -92,17 +91,23 @@ Answer ThreadsAnswer(const ThreadsResult& threads) {
       best.back() = &row;
     }
   }
+  std::vector<Answer> answers;
   for (const ThreadsRow* row : best) {
-    answer.text += (answer.text.empty() ? "" : "; ") + row->work + ": ";
-    answer.text += row->threads == 1
-                       ? "one thread, as more are slower"
-                       : std::to_string(row->threads) + " threads, " +
-                             RatioText(row->times) + " times as fast as one";
+    const std::string count = std::to_string(row->threads);
+    const std::string times = RatioText(row->times);
+    Answer answer{"threads", row->work + ": ", row->times,
+                  row->threads != 1 && row->times.low <= 1.0};
+    if (row->threads == 1) {
+      answer.text += "one thread, as more are slower";
+    } else if (answer.is_tie) {
+      answer.text += "no difference between " + count +
+                     " threads and one: " + times + " times";
+    } else {
+      answer.text += count + " threads, " + times + " times as fast as one";
+    }
+    answers.push_back(answer);
   }
-  answer.figure = best.front()->times.median;
-  answer.quartiles = best.front()->times;
-  answer.is_tie = best.front()->threads != 1 && best.front()->times.low <= 1.0;
-  return answer;
+  return answers;
 }
 
 }  // namespace
@@ -116,8 +121,10 @@ AnswersResult MakeAnswers(const Results& results) {
         "shape, schedule, precision, structure: run "
         "the section sweep too");
   }
-  if (results.threads && !results.threads->rows.empty()) {
-    result.answers.push_back(ThreadsAnswer(*results.threads));
+  if (results.threads) {
+    for (Answer& answer : ThreadsAnswers(*results.threads)) {
+      result.answers.push_back(std::move(answer));
+    }
   }
   const auto add = [&result](const std::vector<std::string>& more) {
     result.not_reached.insert(result.not_reached.end(), more.begin(),

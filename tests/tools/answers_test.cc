@@ -41,34 +41,51 @@ Results Measured() {
 
 TEST(AnswersTest, CompareTheBestWithTheBestOfTheOthers) {
   const std::vector<Answer> answers = MakeAnswers(Measured()).answers;
-  ASSERT_EQ(answers.size(), 5u);
+  ASSERT_EQ(answers.size(), 6u);
 
   // 4.9 / 5, 5.1 / 5, 5.1 / 5: the lower quartile is 1.
   EXPECT_EQ(answers[0].question, "shape");
-  EXPECT_DOUBLE_EQ(answers[0].figure, 5.1 / 5);
+  EXPECT_DOUBLE_EQ(answers[0].times.median, 5.1 / 5);
   EXPECT_TRUE(answers[0].is_tie);
   EXPECT_EQ(answers[0].text.find("no difference"), 0u) << answers[0].text;
 
   // Of floats in scans the box is staged, and 60/39, 60/40, 60/41 times as
   // fast as flat.
   EXPECT_EQ(answers[1].question, "schedule");
-  EXPECT_DOUBLE_EQ(answers[1].figure, 1.5);
+  EXPECT_DOUBLE_EQ(answers[1].times.median, 1.5);
   EXPECT_EQ(answers[1].text,
             "staged (aabb), 1.50 [1.48, 1.52] times as fast as flat (aabb)");
 
   // The fastest float scan is the simplex.
   EXPECT_EQ(answers[2].question, "precision");
-  EXPECT_DOUBLE_EQ(answers[2].figure, 2.0);
+  EXPECT_DOUBLE_EQ(answers[2].times.median, 2.0);
   EXPECT_EQ(answers[2].text.find("uint8 (aabo), 2.00"), 0u) << answers[2].text;
 
   EXPECT_EQ(answers[3].question, "structure");
-  EXPECT_DOUBLE_EQ(answers[3].figure, 3.0);
+  EXPECT_DOUBLE_EQ(answers[3].times.median, 3.0);
   EXPECT_EQ(answers[3].text.find("a sorted world (aabo), 3.00"), 0u)
       << answers[3].text;
 
+  EXPECT_EQ(answers[4].question, "threads");
+  EXPECT_DOUBLE_EQ(answers[4].times.median, 2.0);
   EXPECT_EQ(answers[4].text,
-            "cache: 2 threads, 2.00 [1.90, 2.10] times as fast as one; "
-            "memory: one thread, as more are slower");
+            "cache: 2 threads, 2.00 [1.90, 2.10] times as fast as one");
+  EXPECT_EQ(answers[5].question, "threads");
+  EXPECT_DOUBLE_EQ(answers[5].times.median, 1.0);
+  EXPECT_FALSE(answers[5].is_tie);
+  EXPECT_EQ(answers[5].text, "memory: one thread, as more are slower");
+}
+
+TEST(AnswersTest, ThreadsWhoseQuartilesHoldOneAreATie) {
+  Results results;
+  results.threads.emplace().rows = {{"cache", 1, 1.0, {1.0, 1.0, 1.0}},
+                                    {"cache", 2, 0.9, {1.1, 0.9, 1.2}}};
+  const std::vector<Answer> answers = MakeAnswers(results).answers;
+  ASSERT_EQ(answers.size(), 1u);
+  EXPECT_TRUE(answers[0].is_tie);
+  EXPECT_EQ(answers[0].text,
+            "cache: no difference between 2 threads and one: 1.10 [0.90, 1.20] "
+            "times");
 }
 
 TEST(AnswersTest, SayWhatIsMissing) {

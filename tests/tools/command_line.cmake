@@ -14,14 +14,15 @@ file(WRITE "${inputs}/triangle.gltf" "{\"asset\": {\"version\": \"2.0\"}, \"mesh
 file(WRITE "${inputs}/bad.csv" "0,0,0,1,1,1\n0,0,0,nan,1,1\n")
 
 # halfspace_command_line_test(<name> CODE n [STDOUT regex] [STDERR regex]
-#                             [STDOUT_FILE file] [OUT regex] [REPORT regex]
+#                             [MOST_LINES n] [STDOUT_FILE file] [OUT regex]
+#                             [REPORT regex]
 #                             [BEFORE command ...] [ENVIRONMENT variable=value ...]
 #                             ARGUMENTS ...)
 # With OUT, there is a file for --out, which matches afterwards; with REPORT, one
 # for --report. BEFORE is what runs the tool. Among arguments, <EMPTY> is none and
 # <ESC> a control character.
 function(halfspace_command_line_test name)
-  cmake_parse_arguments(arg "" "CODE;STDOUT;STDERR;STDOUT_FILE;OUT;REPORT"
+  cmake_parse_arguments(arg "" "CODE;STDOUT;MOST_LINES;STDERR;STDOUT_FILE;OUT;REPORT"
                         "BEFORE;ENVIRONMENT;ARGUMENTS" ${ARGN})
   set(out "")
   if(arg_OUT)
@@ -38,6 +39,7 @@ function(halfspace_command_line_test name)
   add_test(NAME cpuinfo-bench.${name}
     COMMAND "${CMAKE_COMMAND}" "-DCOMMAND=${command}"
             "-DEXPECTED_CODE=${arg_CODE}" "-DSTDOUT=${arg_STDOUT}"
+            "-DMOST_LINES=${arg_MOST_LINES}"
             "-DSTDERR=${arg_STDERR}" "-DSTDOUT_FILE=${arg_STDOUT_FILE}"
             "-DOUT=${out}" "-DEXPECTED_OUT=${arg_OUT}"
             -P "${CMAKE_CURRENT_SOURCE_DIR}/command_line_test.cmake")
@@ -140,7 +142,7 @@ halfspace_command_line_test(against_no_report CODE 3
   STDERR "boxes.csv: no JSON report of this program; give")
 halfspace_command_line_test(against_no_file CODE 3
   ARGUMENTS --details machine --against "${inputs}/none.json"
-  STDERR "none.json: cannot be read; give")
+  STDERR "none.json: cannot be read: .*; give")
 
 # Of pages, html_report_test tests what is in them.
 set(stored "{\"schema\": 3, \"context\": {\"cpu\": \"a CPU\", \"system\": \"a system\", \"num_cpus\": 1, \"command\": \"\", \"halfspace_version\": \"1\", \"date\": \"today\", \"seed\": 1, \"repetitions\": 1}, \"sections\": {")
@@ -154,7 +156,7 @@ foreach(bad "cut|no JSON report" "old|a report of schema 1" "none|cannot be read
   halfspace_command_line_test(render_${CMAKE_MATCH_1} CODE 3
     ARGUMENTS --report "${inputs}/x.html"
               --render "${inputs}/run.json" "${inputs}/${CMAKE_MATCH_1}.json"
-    STDERR "${CMAKE_MATCH_1}.json: ${CMAKE_MATCH_2}.*; give a file")
+    STDERR "${CMAKE_MATCH_1}.json: ${CMAKE_MATCH_2}.*; give ")
 endforeach()
 halfspace_command_line_test(render CODE 0
   ARGUMENTS --render "${inputs}/run.json" "${inputs}/run.json"
@@ -165,6 +167,10 @@ halfspace_command_line_test(render_without_gnuplot CODE 0
 halfspace_command_line_test(render_as_text CODE 0
   ARGUMENTS --render "${inputs}/run.json" "${inputs}/run.json"
   STDOUT "machine .*--details SECTION.*\n\nmachine ")
+# A page of one target that programs would not get.
+halfspace_command_line_test(page_of_one_target CODE 0
+  ARGUMENTS --quick --objects 4096 --queries 4 --repetitions 1 --target SCALAR
+  STDOUT "A scan of one query, ns an object [(]SCALAR[)]" MOST_LINES 60)
 halfspace_command_line_test(render_and_measure CODE 2
   ARGUMENTS --quick --report x.html --render "${inputs}/run.json"
   STDERR "excludes")

@@ -1,6 +1,7 @@
 # Runs cpuinfo-bench and checks its exit code and what it printed:
 #   cmake -DCOMMAND=<program and arguments, with |> -DEXPECTED_CODE=<regex>
-#         [-DSTDOUT=<regex>] [-DSTDERR=<regex>] [-DSTDOUT_FILE=<file>]
+#         [-DSTDOUT=<regex>] [-DMOST_LINES=N] [-DSTDERR=<regex>]
+#         [-DSTDOUT_FILE=<file>]
 #         [-DOUT=<file of --out>] [-DEXPECTED_OUT=<regex>]
 #         -P command_line_test.cmake
 cmake_policy(VERSION 3.25)
@@ -35,6 +36,11 @@ function(expect_match stream text expected)
   endif()
 endfunction()
 expect_match(stdout "${out}" "${STDOUT}")
+string(REGEX MATCHALL "\n" ends "${out}")
+list(LENGTH ends lines)
+if(MOST_LINES AND lines GREATER MOST_LINES)
+  message(FATAL_ERROR "${lines} lines, more than ${MOST_LINES}:\n${out}")
+endif()
 expect_match(stderr "${err}" "${STDERR}")
 if(OUT)
   file(READ "${OUT}" written)

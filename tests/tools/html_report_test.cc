@@ -25,6 +25,13 @@ Json Ratio(double median) {
   return {{"median", median}, {"quartiles", {median * 0.9, median * 1.1}}};
 }
 
+Json WayOf(const std::string& text, const char* schedule, double ns) {
+  return {{"shape", text},
+          {"schedule", schedule},
+          {"precision", text},
+          {"ns_with_exact", ns}};
+}
+
 // A report with one of everything, in which each text is `text`, where it may
 // be any.
 Json ReportWith(const std::string& text) {
@@ -95,7 +102,10 @@ Json ReportWith(const std::string& text) {
            {"objects", 1000},
            {"winner", text},
            {"ns", 50},
-           {"is_tie", true}}}}}},
+           {"is_tie", true},
+           {"ways",
+            {WayOf(text, "sorted", 50), WayOf(text, "flat", 900),
+             WayOf(text, "staged", 553)}}}}}}},
       {"answers",
        {{"answers", {{{"question", text}, {"answer", text}}}},
         {"not_reached", {text}}}},
@@ -220,6 +230,31 @@ TEST(HtmlReportTest, FiguresHaveTheNumbersOfTheReport) {
   const std::string page = PageOf(report);
   EXPECT_NE(page.find(">0.90</td>"), std::string::npos);
   EXPECT_NE(page.find("plain (a tie)"), std::string::npos);
+  EXPECT_NE(page.find("<small>scan: plain staged plain, 553 ns</small>"),
+            std::string::npos);
+}
+
+TEST(HtmlReportTest, AWinnerThatIsAScanIsNamedOnce) {
+  Json report = ReportWith("plain");
+  report["sections"]["sweep"]["cells"][0]["winner"] = "plain staged plain";
+  EXPECT_EQ(PageOf(report).find("scan: "), std::string::npos);
+}
+
+TEST(HtmlReportTest, AQuestionMayHaveTwoAnswers) {
+  Json report = ReportWith("plain");
+  Json& answers = report["sections"]["answers"]["answers"];
+  answers.push_back({{"question", "plain"}, {"answer", "another"}});
+  EXPECT_NE(PageOf(report).find("<td>plain<br>another</td>"),
+            std::string::npos);
+}
+
+// Of --target: the machine would choose another.
+TEST(HtmlReportTest, ATargetThatWasNotMeasuredIsNotDrawn) {
+  Json report = ReportWith("plain");
+  report["sections"]["machine"]["targets"]["chosen"] = "another";
+  const std::vector<Figure> bandwidth = FiguresOf(report, 3);
+  ASSERT_EQ(bandwidth.size(), 1u);
+  EXPECT_EQ(bandwidth[0].name, "plain");
 }
 
 TEST(HtmlReportTest, ScriptsHaveNamesOfLettersAndDigits) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench/report/report.h"
+#include "bench/report/report_field.h"
 
 namespace halfspace::bench {
 namespace {
@@ -134,10 +135,15 @@ TEST(StoredRunTest, SaysWhatIsNoReport) {
     }
     return "";
   };
-  for (const char* json : {"", "{", "[]", "{}", "0,0,0,1,1,1",
-                           R"({"schema": 3, "context": {"cpu": 3}})"}) {
+  for (const char* json :
+       {"", "{", "0,0,0,1,1,1", R"({"schema": 3, "context": {"cpu": 3}})"}) {
     EXPECT_EQ(problem(json), "no JSON report of this program") << json;
   }
+  EXPECT_EQ(problem("[]"), "the report is no object");
+  EXPECT_EQ(problem("{}"), "the report has no schema");
+  EXPECT_EQ(problem(std::string(100'000, '[')), "nested too deep");
+  EXPECT_EQ(problem(std::string(kMostReportBytes + 1, ' ')),
+            "larger than any report of this program");
   EXPECT_EQ(problem(R"({"schema": 1})"), "a report of schema 1, not 3");
   EXPECT_EQ(problem(ToJson(RunOf({}))), "a report without a ratio to compare");
   EXPECT_EQ(problem(ToJson(RunOf({Row("AVX2", kStored)}))), "");
