@@ -3,7 +3,7 @@
 # that is not installed:
 #   page_test.sh browser PAGE.html         no error in headless Chromium
 #   page_test.sh tidy PAGE.html            valid HTML
-#   page_test.sh schema RUN.json SCHEMA    as its schema says
+#   page_test.sh schema RUN.json... SCHEMA as its schema says
 set -euo pipefail
 
 case $1 in
@@ -25,15 +25,16 @@ case $1 in
   schema)
     python=/usr/bin/python3 # that of the distribution's packages
     $python -c 'import jsonschema' 2>/dev/null || exit 77
-    $python - "$2" "$3" <<'PYTHON'
+    $python - "${@:2}" <<'PYTHON'
 import json
 import sys
 
 import jsonschema
 
-run, schema = (json.load(open(name, encoding="utf-8")) for name in sys.argv[1:])
+*runs, schema = (json.load(open(name, encoding="utf-8")) for name in sys.argv[1:])
 jsonschema.Draft7Validator.check_schema(schema)
-errors = list(jsonschema.Draft7Validator(schema).iter_errors(run))
+validator = jsonschema.Draft7Validator(schema)
+errors = [error for run in runs for error in validator.iter_errors(run)]
 for error in errors:
     print("/".join(map(str, error.absolute_path)) + ":", error.message[:200])
 sys.exit(bool(errors))
