@@ -78,7 +78,7 @@ std::vector<std::uint32_t> Midrs() {
 
 // arm64 kernels give numbers of cores, and the board's name.
 std::string CpuName() {
-  const std::string name = CpuInfo("model name");
+  std::string name = CpuInfo("model name");
   const std::string cores = ArmCoreNames(Midrs());
   const std::string board =
       Printable(FirstLineOf("/sys/firmware/devicetree/base/model"));
