@@ -222,8 +222,8 @@ int Main(int argc, char** argv) {
   if (page) WriteHtml(*page, {ToJson(results)});
   if (options.is_strict && results.noise && results.noise->is_noisy()) {
     return Fail(
-        "--strict: something disturbed the run (the section noise says how "
-        "much); run again when the machine is idle",
+        "--strict: something disturbed the run, which is reported all the same "
+        "(the section noise says how much); run again when the machine is idle",
         kExitFailed);
   }
   return stored ? Compare(results, *stored, options) : kExitOk;

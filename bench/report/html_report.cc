@@ -278,7 +278,9 @@ std::string Maps(const std::vector<Run>& runs) {
              "The simplex's time over the AABB's: below 1 the simplex is "
              "faster, and the cell is blue.",
              RatioMap) +
-         map("The fastest", "What answers one query fastest, and its time.",
+         map("The fastest",
+             "What answers one query fastest, and its time with the exact "
+             "tests of its survivors.",
              FastestTable);
 }
 
@@ -301,7 +303,11 @@ std::string HowMeasured(const Run& run) {
   }
   const auto noise = run.Sections().Find("noise");
   if (noise && noise->At("is_noisy").Flag()) {
-    add("noise", "something disturbed this run; the section says how much");
+    add("noise", "something disturbed this run: the clock changed by " +
+                     Digits(100.0 * noise->At("clock_drift").Number()) +
+                     " %, where " +
+                     Digits(100.0 * noise->At("limit").Number()) +
+                     " % are allowed, or a kernel differs from itself");
   }
   return "<ul>" + html + "</ul>\n";
 }

@@ -99,7 +99,7 @@ void WriteMachine(std::ostream& out, const ReportField& report) {
                    Text(context.At("date")) + ", seed " +
                    Whole(context.At("seed")) + ", medians of " +
                    Whole(context.At("repetitions")) +
-                   " repetitions [quartiles]");
+                   " repetitions [their quartiles; runs differ by more]");
   if (const auto noise = report.At("sections").Find("noise")) {
     const Ratio same = Spread(noise->At("same_over_same").At("quartiles"));
     WriteWrapped(out, "noise      ",
@@ -121,7 +121,7 @@ void WriteAnswers(std::ostream& out, const ReportField& sections) {
         << Whole(sweep->At("exact_ns")) << " ns a survivor ("
         << Text(sweep->At("exact_test")) << ")";
   }
-  out << "\n\n";
+  out << "\n";
   for (const ReportField& answer : answers->List("answers")) {
     WriteWrapped(out, "  " + Padded(Text(answer.At("question")), 11),
                  Text(answer.At("answer")));
@@ -145,7 +145,7 @@ void WriteKernels(std::ostream& out, const ReportField& sections) {
   }
   if (most <= 0.0) return;
   out << "\nA scan of one query, ns an object (" << Text(rows[0].At("target"))
-      << ")\n\n";
+      << ")\n";
   std::string before;
   for (const ReportField& row : rows) {
     const std::string set = Text(row.At("working_set"));
@@ -190,7 +190,7 @@ void WriteCrossover(std::ostream& out, const ReportField& sections) {
     text += " (" + Text(targets[0].At("working_set")) + ")";
   }
   out << "\nEarly-out after every half-space, in batches of w: from w* on the "
-         "simplex leads the box\n\n";
+         "simplex leads the box\n";
   WriteWrapped(out, "  w*         ", text);
 }
 
@@ -202,9 +202,9 @@ void WriteModel(std::ostream& out, const ReportField& sections) {
     return WidthText(lead.Find("w"), lead.At("at_most").Flag());
   };
   WriteWrapped(out, "  predicted  ",
-               "w* by half-spaces expected " + at("expected") + ", counted " +
-                   at("counted") + ", by their time " + at("predicted") +
-                   ", measured " + at("measured") + " (" +
+               "w* by the half-spaces expected " + at("expected") +
+                   ", counted " + at("counted") + ", by their time " +
+                   at("predicted") + ", measured " + at("measured") + " (" +
                    Text(model->At("target")) + ", " +
                    Text(model->At("working_set")) + ")");
   std::string limits;
@@ -254,8 +254,8 @@ std::string VolumesText(const std::vector<ReportField>& rows) {
     if (volume.name == "simplex") continue;
     text += (text.empty() ? "" : "; ") + volume.name + " " + volume.text;
   }
-  return "time of the simplex's, and survivors of the box's: " + text + " (" +
-         Text(rows[0].At("working_set")) + ")";
+  return "time over the simplex's, and survivors over the box's: " + text +
+         " (" + Text(rows[0].At("working_set")) + ")";
 }
 
 // The last axes of each world over its first, by the simplex's survivors.
@@ -293,18 +293,18 @@ void WriteClaims(std::ostream& out, const ReportField& sections) {
   }
   if (!dual.empty()) {
     WriteWrapped(out, "dual       ",
-                 "the octahedron's second simplex is read for " +
+                 "an octahedron's second simplex is read for " +
                      Fixed(100.0 * dual[0].At("second_of_64").Number(), 2) +
-                     " % of 64 objects; so it takes " +
+                     " % of groups of 64 objects; so it takes " +
                      TextOfRatio(dual[0].At("staged_over_flat")) +
-                     " of the time");
+                     " of the time of testing all planes");
   }
   if (construction.size() > 1) {
     WriteWrapped(out, "axes       ",
-                 "those of a regular simplex take " +
+                 "a regular simplex's take " +
                      TextOfRatio(construction[1].At("over_standard")) +
-                     " times as long to build, and keep, times the simplex's "
-                     "survivors: " +
+                     " times as long to build; their simplex keeps, times what "
+                     "the standard one does: " +
                      AlignmentText(rows_of("axes", "alignment")));
   }
 }
@@ -330,7 +330,7 @@ void WriteFastest(std::ostream& out, const ReportField& sections) {
   out << "\nFastest way, and us a query with its exact tests, by size of "
          "objects "
          "(of the world's side)\nand their number; ~ where another is as "
-         "fast\n\n";
+         "fast\n";
   std::vector<std::string> header = {"size"};
   for (double count : counts) header.push_back(Count(count));
   TextTable table(header);

@@ -59,15 +59,12 @@ std::vector<Answer> AnswersOf(const SweepCell& own) {
       [](const Way& way) { return way.name(); });
   const Way* scan = FastestOf(
       own, [](const Way& way) { return !IsSorted(way) && !IsQuantized(way); });
-  // A simplex has one stage, so that its shape has no other schedule.
-  const Way* staged = FastestOf(own, [](const Way& way) {
-    return !IsSorted(way) && !IsQuantized(way) && way.schedule != "flat";
-  });
-  const Way* flat = FastestOf(own, [&](const Way& way) {
-    return way.schedule == "flat" && !IsQuantized(way) && staged != nullptr &&
-           way.shape == staged->shape;
-  });
-  add("schedule", staged, flat,
+  const Way* other =
+      scan == nullptr ? nullptr : FastestOf(own, [scan](const Way& way) {
+        return !IsSorted(way) && !IsQuantized(way) &&
+               way.schedule != scan->schedule;
+      });
+  add("schedule", scan, other,
       [](const Way& way) { return way.schedule + " (" + way.shape + ")"; });
   const Way* quantized = FastestOf(own, IsQuantized);
   add("precision", quantized, scan,
@@ -81,30 +78,28 @@ std::vector<Answer> AnswersOf(const SweepCell& own) {
   return answers;
 }
 
-// The fastest number of threads, of each work.
+// The fastest number of threads above one, of each work.
 std::vector<Answer> ThreadsAnswers(const ThreadsResult& threads) {
-  std::vector<const ThreadsRow*> best;
+  std::vector<const ThreadsRow*> fastest;
   for (const ThreadsRow& row : threads.rows) {
-    if (row.threads == 1) {
-      best.push_back(&row);
-    } else if (row.ns_per_pair < best.back()->ns_per_pair) {
-      best.back() = &row;
+    if (row.threads == 1) continue;
+    if (fastest.empty() || fastest.back()->work != row.work) {
+      fastest.push_back(&row);
+    } else if (row.ns_per_pair < fastest.back()->ns_per_pair) {
+      fastest.back() = &row;
     }
   }
   std::vector<Answer> answers;
-  for (const ThreadsRow* row : best) {
-    const std::string count = std::to_string(row->threads);
-    const std::string times = RatioText(row->times);
+  for (const ThreadsRow* row : fastest) {
+    const std::string times =
+        std::to_string(row->threads) + " threads, " + RatioText(row->times);
     Answer answer{"threads", row->work + ": ", row->times,
-                  row->threads != 1 && row->times.low <= 1.0};
-    if (row->threads == 1) {
-      answer.text += "one thread, as more are slower";
-    } else if (answer.is_tie) {
-      answer.text += "no difference between " + count +
-                     " threads and one: " + times + " times";
-    } else {
-      answer.text += count + " threads, " + times + " times as fast as one";
-    }
+                  row->times.low <= 1.0 && row->times.high >= 1.0};
+    answer.text +=
+        answer.is_tie ? "no difference between one and " + times + " times"
+        : row->times.high < 1.0
+            ? "one, or other programs use the CPUs: " + times + " times as fast"
+            : times + " times as fast as one";
     answers.push_back(answer);
   }
   return answers;

@@ -83,19 +83,6 @@ class ModelCases {
   Timings timings_;
 };
 
-// Time an object over planes of one width, where nothing is rejected: the slope
-// is that of a compare, the intercept that of writing the mask.
-Line LineOverPlanes(const ModelCases& cases,
-                    const std::array<std::size_t, kShapes.size()>& places) {
-  std::array<double, kShapes.size()> planes{};
-  std::array<double, kShapes.size()> ns{};
-  for (std::size_t s = 0; s < kShapes.size(); ++s) {
-    planes[s] = static_cast<double>(PlaneCountOf(kShapes[s]));
-    ns[s] = cases[places[s]].Median();
-  }
-  return FitLine(planes, ns);
-}
-
 // What a call costs by itself: the intercept over sizes.
 constexpr std::array<std::size_t, 4> kCallSizes = {64, 256, 512, 1024};
 
@@ -184,6 +171,17 @@ double CallNanoseconds(const ModelCases& cases, const Places& places) {
   return std::max(0.0, FitLine(sizes, ns).intercept);
 }
 
+// What one more plane costs an object in flat kernels.
+double FlatCompareNanoseconds(const ModelCases& cases, const Places& places) {
+  std::array<double, kShapes.size()> planes{};
+  std::array<double, kShapes.size()> ns{};
+  for (std::size_t s = 0; s < kShapes.size(); ++s) {
+    planes[s] = static_cast<double>(PlaneCountOf(kShapes[s]));
+    ns[s] = cases[places.schedules[s].front()].Median();
+  }
+  return FitLine(planes, ns).slope;
+}
+
 // The fastest schedule, and a row for each width.
 ModelShape ShapeOf(std::size_t s, const std::vector<std::size_t>& widths,
                    const Counts& counts, const ModelCases& cases,
@@ -202,14 +200,14 @@ ModelShape ShapeOf(std::size_t s, const std::vector<std::size_t>& widths,
   }
   for (std::size_t i = 0; i < widths.size(); ++i) {
     const Timing& gated = cases[places.gated[i][s]];
-    const Line line = LineOverPlanes(cases, places.keeping[i]);
     ModelRow row;
     row.w = kWorkWidths[widths[i]];
     row.p = Of(counts.rejects, shape)[widths[i]];
     row.expected = ExpectedHalfSpaces(row.p, model.planes);
     row.counted = Of(counts.half_spaces, shape)[widths[i]];
-    row.compare_ns = line.slope;
-    row.predicted_ns = line.intercept + line.slope * row.counted;
+    row.compare_ns = cases[places.keeping[i][s]].Median() /
+                     static_cast<double>(model.planes);
+    row.predicted_ns = row.compare_ns * row.counted;
     row.measured_ns = gated.Median();
     row.measured_over_predicted = {row.measured_ns / row.predicted_ns,
                                    gated.Quantile(0.25) / row.predicted_ns,
@@ -274,11 +272,7 @@ ModelResult RunModel(const Workload& workload, WorkingSet& set,
   result.target = target.name();
   result.working_set = set.name();
   result.objects = set.objects();
-  ByShape flat{};
-  for (std::size_t s = 0; s < kShapes.size(); ++s) {
-    flat[s] = places.schedules[s].front();
-  }
-  result.compare_ns = LineOverPlanes(cases, flat).slope;
+  result.compare_ns = FlatCompareNanoseconds(cases, places);
   result.call_ns = CallNanoseconds(cases, places);
   const double pairs = static_cast<double>(quality.objects) *
                        static_cast<double>(quality.queries);

@@ -316,7 +316,7 @@ TEST(ReportJsonTest, ThePageIsOfSixtyLinesAtMost) {
   std::ostringstream page;
   WritePage(page, report.dump());
   const std::string text = page.str();
-  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 60);
+  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 60) << text;
   for (const char* part : {"What to use", "w*", "break-even", "noise",
                            "volumes", "dimensions", "dual", "axes"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part;
