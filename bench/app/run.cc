@@ -61,6 +61,13 @@ class Runner {
     results_.seed = options_.seed;
     results_.repetitions = context_.effort.repetitions;
     CheckMemory();
+    if (text_ != nullptr) {
+      *text_ << "cpuinfo-bench " << results_.context.build.version << ' '
+             << Printable(options_.command) << "\n"
+             << results_.context.machine.cpu << ", seed " << options_.seed
+             << ", medians of " << context_.effort.repetitions
+             << " repetitions\n";
+    }
     PlanProgress();
     Section("machine", results_.machine, [&] { return results_.context; });
     Section("check", results_.check,
