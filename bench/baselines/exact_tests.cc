@@ -68,7 +68,7 @@ bool Touch(const Triangle& a, const Triangle& b) {
   return true;
 }
 
-bool Touch(const Ball& a, const Ball& b) {
+bool Touch(const Sphere3& a, const Sphere3& b) {
   const Vector3 between = Minus(a.center, b.center);
   const float reach = a.radius + b.radius;
   return Dot(between, between) <= reach * reach;

@@ -5,15 +5,12 @@
 
 #include <array>
 
+#include "halfspace/shapes.h"
+
 namespace halfspace::bench {
 
 using Vector3 = std::array<float, 3>;
 using Triangle = std::array<Vector3, 3>;
-
-struct Ball {
-  Vector3 center;
-  float radius;
-};
 
 struct OrientedBox {
   Vector3 center;
@@ -23,7 +20,7 @@ struct OrientedBox {
 
 // True if they have a point in common.
 bool Touch(const Triangle& a, const Triangle& b);
-bool Touch(const Ball& a, const Ball& b);
+bool Touch(const Sphere3& a, const Sphere3& b);
 bool Touch(const OrientedBox& a, const OrientedBox& b);
 
 }  // namespace halfspace::bench

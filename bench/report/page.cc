@@ -88,8 +88,9 @@ void WriteMachine(std::ostream& out, const ReportField& report) {
     text += "; best target " + Text(machine->At("targets").At("chosen")) +
             "; built by " + Text(machine->At("compiler"));
     if (machine->At("virtual").Flag()) text += "; a virtual machine";
-    if (machine->At("emulated").Flag())
+    if (machine->At("emulated").Flag()) {
       text += "; emulated: times mean nothing";
+    }
   }
   WriteWrapped(out, "machine    ", text);
   const std::string command = Text(context.At("command"));

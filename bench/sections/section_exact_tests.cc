@@ -51,7 +51,7 @@ std::vector<ExactTest> RunExactTests(std::uint64_t seed,
     return Triangle{moved(vector(0.5f), at), moved(vector(0.5f), at),
                     moved(vector(0.5f), at)};
   };
-  const auto ball = [&] { return Ball{vector(kBetween), 0.5f}; };
+  const auto sphere = [&] { return Sphere3{vector(kBetween), 0.5f}; };
   // Turned about one axis by an angle of a Pythagorean triple: unit vectors.
   const auto box = [&] {
     OrientedBox b{vector(kBetween), {}, {0.5f, 0.3f, 0.2f}};
@@ -65,17 +65,17 @@ std::vector<ExactTest> RunExactTests(std::uint64_t seed,
     return b;
   };
   std::vector<std::pair<Triangle, Triangle>> triangles;
-  std::vector<std::pair<Ball, Ball>> balls;
+  std::vector<std::pair<Sphere3, Sphere3>> spheres;
   std::vector<std::pair<OrientedBox, OrientedBox>> boxes;
   for (std::size_t i = 0; i < kTimedQueries; ++i) {
     triangles.emplace_back(triangle(), triangle());
-    balls.emplace_back(ball(), ball());
+    spheres.emplace_back(sphere(), sphere());
     boxes.emplace_back(box(), box());
   }
   std::size_t touching = 0;
   const std::vector<Case> cases = {
       TestCase("triangle-triangle", triangles, touching),
-      TestCase("sphere-sphere", balls, touching),
+      TestCase("sphere-sphere", spheres, touching),
       TestCase("box-box", boxes, touching)};
   const Timings timings = TimeCases(cases, context.effort, context);
   KeepResult(static_cast<std::uint32_t>(touching));

@@ -11,17 +11,6 @@ constexpr std::size_t kMostObjects = std::size_t{1} << 16;
 constexpr std::size_t kSegments = 32;
 constexpr std::size_t kQuickSegments = 8;
 
-// Every n-th object, so that the whole of the scene remains.
-AaboWorld3 Thinned(const AaboWorld3& source) {
-  const std::size_t step = (source.size() + kMostObjects - 1) / kMostObjects;
-  AaboWorld3 world;
-  world.Reserve(source.size() / step + 1);
-  for (std::size_t i = 0; i < source.size(); i += step) {
-    world.Push(source.Get(i));
-  }
-  return world;
-}
-
 // Sums over segments, one row for each number of pieces.
 class Sums {
  public:
@@ -68,7 +57,7 @@ class Sums {
 
 SegmentsResult RunSegments(const Workload& workload, std::uint64_t seed,
                            bool is_quick, const Context& context) {
-  const AaboWorld3 world = Thinned(workload.objects);
+  const AaboWorld3 world = Thinned(workload.objects, kMostObjects);
   const Aabb3 box = BoxAround(world);
   const double extent = LongestSideOf(box);
   SegmentsResult result;

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -172,17 +171,6 @@ class Contestants {
   std::vector<Way> ways_;
 };
 
-// At most so many objects, spread evenly: neighbours in a file are neighbours
-// in space.
-AaboWorld3 SpreadOf(const AaboWorld3& source, std::size_t most) {
-  const std::size_t step = (source.size() + most - 1) / most;
-  AaboWorld3 world;
-  for (std::size_t i = 0; i < source.size(); i += step) {
-    world.Push(source.Get(i));
-  }
-  return world;
-}
-
 std::vector<double> SizesOf(bool is_quick) {
   if (is_quick) return {0.001, 0.01, 0.1};
   return {0.001, 0.003, 0.01, 0.03, 0.1, 0.3};
@@ -204,16 +192,16 @@ Workload SceneOf(double size, std::size_t objects, std::uint64_t seed) {
 
 void AddMapPoints(double size, std::uint64_t seed, const Context& context,
                   std::vector<MapPoint>& map) {
-  constexpr std::array<std::size_t, 5> kWidths = {16, 64, 256, 1024, 4096};
   constexpr std::size_t kObjects = 4 * kWidestGate;
   const Target target = context.targets.front();
+  std::vector<std::size_t> widths = {16, 64, 256, 1024, kWidestGate};
+  std::erase_if(widths, [&](std::size_t w) { return w < target.lanes(); });
   const Workload scene = SceneOf(size, kObjects, seed);
   WorkingSet set(scene, {"map", kObjects, "", 0});
   const double overlap =
       SlabOverlap(set.view(), std::span(scene.queries).first(kCountedQueries));
   std::vector<Case> cases;
-  for (std::size_t w : kWidths) {
-    if (w < target.lanes()) continue;
+  for (std::size_t w : widths) {
     for (ShapeKind shape : {ShapeKind::kSimplex, ShapeKind::kAabb}) {
       Case c = set.GatedCase("map/" + std::to_string(size) + "/w" +
                                  std::to_string(w) + "/" + NameOf(shape),
@@ -223,11 +211,9 @@ void AddMapPoints(double size, std::uint64_t seed, const Context& context,
     }
   }
   const Timings timings = TimeCases(cases, context.effort, context);
-  std::size_t next = 0;
-  for (std::size_t w : kWidths) {
-    if (w < target.lanes()) continue;
-    map.push_back({w, overlap, RatioOf(timings[next], timings[next + 1])});
-    next += 2;
+  for (std::size_t i = 0; i < widths.size(); ++i) {
+    map.push_back(
+        {widths[i], overlap, RatioOf(timings[2 * i], timings[2 * i + 1])});
   }
 }
 
@@ -247,7 +233,7 @@ SweepResult RunSweep(const Workload& workload, const ExactTest& exact,
   std::size_t part = 0;
   context.progress.BeginPart(part++, parts);
   {
-    const AaboWorld3 own = SpreadOf(
+    const AaboWorld3 own = Thinned(
         workload.objects, is_quick ? kMostOwnObjects / 8 : kMostOwnObjects);
     result.own = Contestants(own, workload.timed_queries, target)
                      .Run("sweep/own", exact.ns, context);

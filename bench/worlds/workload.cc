@@ -84,6 +84,16 @@ AaboWorld3 ResizedTo(const AaboWorld3& source, std::size_t objects) {
   return world;
 }
 
+AaboWorld3 Thinned(const AaboWorld3& source, std::size_t most) {
+  const std::size_t step = (source.size() + most - 1) / most;
+  AaboWorld3 world;
+  world.Reserve(source.size() / step + 1);
+  for (std::size_t i = 0; i < source.size(); i += step) {
+    world.Push(source.Get(i));
+  }
+  return world;
+}
+
 Workload WorkloadOfTriangles(std::string name,
                              const std::vector<float>& coordinates,
                              const std::vector<std::uint32_t>& indices,

@@ -39,6 +39,10 @@ struct Workload {
 // if it has fewer.
 AaboWorld3 ResizedTo(const AaboWorld3& source, std::size_t objects);
 
+// At most so many objects, spread evenly: neighbours in a file are neighbours
+// in space.
+AaboWorld3 Thinned(const AaboWorld3& source, std::size_t most);
+
 // The box around all objects that can be bounded; around none of them, a point.
 Aabb3 BoxAround(const AaboWorld3& objects);
 

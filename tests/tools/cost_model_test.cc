@@ -104,8 +104,8 @@ TEST(ExactTestsTest, KnowWhatTouches) {
   EXPECT_TRUE(Touch(flat, through));
   EXPECT_FALSE(Touch(flat, past));
 
-  EXPECT_TRUE(Touch(Ball{{0, 0, 0}, 1}, Ball{{2, 0, 0}, 1}));
-  EXPECT_FALSE(Touch(Ball{{0, 0, 0}, 1}, Ball{{1.5f, 1.5f, 0}, 1}));
+  EXPECT_TRUE(Touch(Sphere3{{0, 0, 0}, 1}, Sphere3{{2, 0, 0}, 1}));
+  EXPECT_FALSE(Touch(Sphere3{{0, 0, 0}, 1}, Sphere3{{1.5f, 1.5f, 0}, 1}));
 
   const OrientedBox box{
       {0, 0, 0}, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {1, 1, 1}};
