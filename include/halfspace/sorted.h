@@ -88,6 +88,7 @@ template <typename View>
 SortedShape SortedShapeOf() {
   using Bound = typename View::Bound;
   return {SortedKernelsOf<Bound::kAxes>::kTargets,
+          static_cast<std::uint8_t>(Bound::kDimensions),
           static_cast<std::uint8_t>(Bound::kAxes), HasMax<Bound>};
 }
 
@@ -121,19 +122,24 @@ bool CallWithSome(void* function, Span<const Item> items) {
 // world, or what Insert() returned.
 //
 // Memory: one block, from the heap or from a resource of the caller's
-// (memory.h, which says what copies, moves and swap(a, b) use): of boxes in 3
-// dimensions 36 bytes an object, 24 of them floats; 4 more after the first
-// change by id, and 4 more with categories. While it is made, 16 bytes an
-// object more, and while all are sorted anew, up to 112 more.
+// (memory.h, which says what copies, moves and swap(a, b) use). Boxes in 3
+// dimensions take 36 bytes per place, 24 of them floats, 4 more per id after
+// the first change by id, and 4 more per place with categories. Building takes
+// 16 bytes per object more, and sorting all objects again up to 112.
 //
-// Changes are seen by every later call; none may run at the same time as
-// another call on the same world. They run on the chosen target.
+// Places: an object has a place in the order, and an erased object leaves an
+// empty one. There are never more than 2 * size() + 64 places, and the block
+// has room for half as many more. Rebuild() returns the rest of the memory.
+//
+// Changes are seen by every later call. No change may run at the same time as
+// another call on the same world. Changes run on the chosen target.
 //
 // Errors (error.h): a plane of a world that is not empty is null or misaligned;
 // there are 2^31 objects or more; the order is none of the enumerators; an id
 // is not that of an object in the world. A failed allocation throws
-// std::bad_alloc. The world is then as it was. If a function `run` throws, a
-// world that is made is not, and one that is refitted has to be refitted again.
+// std::bad_alloc. The world is then as it was, and what ids() and Blob()
+// returned stays valid. If a function `run` throws in a constructor, there is
+// no world. If it throws in Refit(), call Refit() again before the next query.
 template <typename ViewType>
 class SortedWorld {
  public:
@@ -148,30 +154,25 @@ class SortedWorld {
   explicit SortedWorld(const MemoryResource& memory)
       : tree_(detail::SortedShapeOf<View>(), memory) {}
 
-  // Sorts the bounds of a world, view or list; an owning world converts to its
-  // view. Nothing refers to them afterwards.
-  //   run  if given, run(count, part) calls part(i) once for each i below
-  //        `count`, in any order and on any threads, and returns when all have
-  //        returned
+  // Sorts the bounds of a view, an owning world or a list. The bounds are
+  // copied.
+  //   run  run(count, part) calls part(i) once for each i below `count`, in any
+  //        order and on any threads, and returns when all have returned. By
+  //        default the calling thread calls them in turn.
+  template <typename Run = detail::InTurn>
   explicit SortedWorld(const View& world, Order order = Order::kTight,
-                       const MemoryResource& memory = {})
-      : SortedWorld(world, order, memory, detail::InTurn()) {}
-  explicit SortedWorld(const World<View>& world, Order order = Order::kTight,
-                       const MemoryResource& memory = {})
-      : SortedWorld(world.view(), order, memory) {}
-  explicit SortedWorld(Span<const Bound> bounds, Order order = Order::kTight,
-                       const MemoryResource& memory = {})
-      : SortedWorld(bounds, order, memory, detail::InTurn()) {}
-  template <typename Run>
-  SortedWorld(const View& world, Order order, const MemoryResource& memory,
-              Run&& run)
+                       const MemoryResource& memory = {}, Run&& run = Run())
       : SortedWorld(memory) {
     tree_.Build(detail::ColumnsOf(world), order, Target(),
                 detail::RunnerOf(run));
   }
-  template <typename Run>
-  SortedWorld(Span<const Bound> bounds, Order order,
-              const MemoryResource& memory, Run&& run)
+  template <typename Run = detail::InTurn>
+  explicit SortedWorld(const World<View>& world, Order order = Order::kTight,
+                       const MemoryResource& memory = {}, Run&& run = Run())
+      : SortedWorld(world.view(), order, memory, run) {}
+  template <typename Run = detail::InTurn>
+  explicit SortedWorld(Span<const Bound> bounds, Order order = Order::kTight,
+                       const MemoryResource& memory = {}, Run&& run = Run())
       : SortedWorld(memory) {
     tree_.Build(detail::ColumnsOf(bounds), order, Target(),
                 detail::RunnerOf(run));
@@ -217,16 +218,23 @@ class SortedWorld {
     tree_.Set(id, detail::Planes(bound));
   }
 
-  // Adds an object, of all categories, and returns its id: that of an object
-  // that was erased, or one more than the greatest. It takes the place of an
-  // erased object near it, or is last, and the memory grows by half if that is
-  // full. Costs what Set() costs, and a few microseconds to find a place.
+  // Adds an object with all categories and returns its id: that of an erased
+  // object, or one more than the greatest. The object takes an empty place in a
+  // leaf that it makes grow by a 16th at most, or the last place.
+  //
+  // The world sorts itself as it grows, so a world that was filled by Insert()
+  // answers queries about as fast as one that was built: every 256 insertions
+  // sort the newest objects, and all objects are sorted when as many were
+  // inserted as the world had when it was last sorted. The memory grows by
+  // half. That costs about 1 us per insertion on average, but a single one can
+  // take as long as Rebuild().
   std::uint32_t Insert(const Bound& bound) {
     return tree_.Insert(detail::Planes(bound));
   }
 
-  // Removes an object. Costs what Set() costs. Its place stays empty until an
-  // object is inserted near it or all are sorted anew.
+  // Removes an object. Costs what Set() costs, and on average a few ns more:
+  // when more than half of the places are empty, the objects move together, in
+  // their order. It allocates nothing but what the first change by id does.
   void Erase(std::uint32_t id) { tree_.Erase(id); }
 
   // Gives objects categories, bits that SortedOptions::categories asks for: one
@@ -240,63 +248,84 @@ class SortedWorld {
     tree_.SetCategories(categories);
   }
 
-  // The ids in this world's order; 0xFFFFFFFF where an object was erased. Valid
-  // until the world changes.
+  // The ids in this world's order, one per place; 0xFFFFFFFF in an empty place.
+  // Valid until the world changes.
   Span<const std::uint32_t> ids() const { return tree_.ids(); }
 
-  // Gives all objects new bounds, by id: bound i is that of object i. There is
-  // one at least for each id from 0 to the greatest that was ever in use, so
-  // they may be more than size(); those of erased objects are not read. Fewer
-  // are an error (error.h). The order stays as it is. `run` is as in the
-  // constructor.
+  // Gives all objects new bounds, by id: bounds[i] is that of object i. Bounds
+  // of erased objects are not read. `bounds.size()` must be greater than every
+  // id, including those that were erased since the last Rebuild(). The order
+  // stays as it is. `run` is as in the constructor.
   template <typename Run = detail::InTurn>
   void Refit(const View& bounds, Run&& run = Run()) {
     tree_.Refit(detail::ColumnsOf(bounds), true, detail::RunnerOf(run));
+  }
+  template <typename Run = detail::InTurn>
+  void Refit(const World<View>& bounds, Run&& run = Run()) {
+    Refit(bounds.view(), run);
   }
   template <typename Run = detail::InTurn>
   void Refit(Span<const Bound> bounds, Run&& run = Run()) {
     tree_.Refit(detail::ColumnsOf(bounds), true, detail::RunnerOf(run));
   }
 
-  // The same with bounds in this world's order: bound i is that of object
-  // ids()[i], and there are ids().size(). 2 to 4 times as fast.
+  // The same with bounds in this world's order: bounds[i] is that of object
+  // ids()[i], and `bounds.size()` must be `ids().size()`. 2 to 4 times as fast.
   template <typename Run = detail::InTurn>
   void RefitInOrder(const View& bounds, Run&& run = Run()) {
     tree_.Refit(detail::ColumnsOf(bounds), false, detail::RunnerOf(run));
   }
+  template <typename Run = detail::InTurn>
+  void RefitInOrder(const World<View>& bounds, Run&& run = Run()) {
+    RefitInOrder(bounds.view(), run);
+  }
+  template <typename Run = detail::InTurn>
+  void RefitInOrder(Span<const Bound> bounds, Run&& run = Run()) {
+    tree_.Refit(detail::ColumnsOf(bounds), false, detail::RunnerOf(run));
+  }
 
-  // How much the order has decayed: the surface of all groups of 64 objects
-  // now, divided by what it was when they were sorted. 1 is as sorted; with 2,
-  // queries visit up to twice as many blocks. Infinite if there was no order,
-  // as in a world made by Insert(). O(n / 64).
+  // How much the order has decayed: the surface of all leaves (64 places each),
+  // divided by the surface that as many objects had when they were last sorted.
+  // 1 is as sorted. With 2, queries visit up to twice as many leaves. Erased
+  // objects count: half of the objects in the same leaves is a decay of
+  // about 2. 1 for a world of up to 64 places, which needs no order; infinite
+  // for a larger one that was never sorted, as after fewer than 256 Insert().
+  // O(n / 64).
   double Decay() const { return tree_.Decay(); }
 
-  // Sorts all objects anew, without empty places between them. Ids stay, and so
-  // does room for an object for each id that was ever in use.
+  // Sorts all objects, without empty places between them, and gives memory
+  // back: the block has no more room than the objects need, and 4 bytes for
+  // each id up to the greatest in use. Ids stay. `run` is as in the
+  // constructor.
   template <typename Run = detail::InTurn>
   void Rebuild(Order order = Order::kTight, Run&& run = Run()) {
     tree_.Rebuild(order, detail::RunnerOf(run));
   }
 
-  // Sorts about so many objects anew, those whose groups have grown most:
-  // 4096 that follow each other, and some such groups together if `objects`
-  // allows it. Returns how many were sorted; 0 if none have grown. Takes about
-  // 0.3 us an object.
+  // Sorts the groups of 4096 places whose surface has grown most, about
+  // `objects` objects in total and at least one group. Groups that are sorted
+  // together exchange their objects. Returns the number of objects sorted, and
+  // 0 if no group has grown. Takes about 0.3 us per object.
   std::size_t RebuildWorst(std::size_t objects) {
     return tree_.RebuildWorst(objects);
   }
 
   // The world as bytes, to store or to map: its block of memory itself. Valid
-  // until the world changes.
+  // until the world changes. The first call after a change computes a checksum,
+  // O(n); the others are O(1).
   Span<const std::byte> Blob() const { return tree_.Blob(); }
 
-  // A world of what Blob() gave. FromBlob() copies the bytes. InPlace() refers
-  // to them: they are aligned to 64, as a mapped file is, and stay unchanged
-  // while the world lives; a change of the world copies them first.
-  // Whatever the bytes are, no call reads outside them. What is checked is
-  // O(1): bytes that were altered may give other answers, and any ids. Throws
-  // (error.h) if they are not a world's of this type, this byte order and this
-  // version of the library.
+  // A world of what Blob() returned. FromBlob() copies the bytes. InPlace()
+  // refers to them: they must be aligned to 64 bytes, as a mapped file is, and
+  // stay unchanged while the world lives. A change of the world copies them
+  // first.
+  //
+  // Both check the header in O(1), and throw (error.h) if the blob is one of
+  // another type, byte order or format. The format has its own version, which
+  // changes less often than the library's. An altered body can change results,
+  // but no query and no change reads or writes outside the blob and the world.
+  // The first change checks in O(n) that ids and places belong together, and
+  // throws if they do not. Verify() finds every other alteration.
   static SortedWorld FromBlob(Span<const std::byte> blob,
                               const MemoryResource& memory = {}) {
     SortedWorld world(memory);
@@ -309,6 +338,11 @@ class SortedWorld {
     world.tree_.Load(blob, true);
     return world;
   }
+
+  // Whether the bytes of a blob are those that Blob() returned, by their
+  // checksum: it finds damage, not an attacker. True for a world that was not
+  // made of a blob, and for one that changed since. O(n).
+  [[nodiscard]] bool Verify() const { return tree_.Verify(); }
 
   // Internal.
   const detail::SortedTree& tree() const { return tree_; }
