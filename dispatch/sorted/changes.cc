@@ -268,13 +268,25 @@ std::size_t SortedTree::SlotsDue() const {
   return std::min<std::size_t>(last, header.slots);
 }
 
+// The room that an object at the end needs.
+SortedRoom SortedTree::RoomForOneMore(const char* call) const {
+  const SortedRoom room = Room();
+  if (block_ != nullptr && header().slots < room.slots) return {0, 1, false};
+  if (room.slots + 1 >= kMostObjects) {
+    kernels::ThrowInvalid(call, "world", "less than 2^31 objects",
+                          std::to_string(room.slots));
+  }
+  const std::size_t more = std::max(kBlockObjects, room.slots / 2);
+  return {std::min(kMostObjects - 1, room.slots + more), 1, false};
+}
+
 std::uint32_t SortedTree::Insert(Span<const float> values) {
   constexpr const char* kCall = "SortedWorld::Insert";
   CheckLoaded(kCall);
   if (const std::size_t due = SlotsDue(); due > 0) {
     const std::size_t end = header().slots;
     const SlotRange range = {(end - due) / kBlockObjects * kBlockObjects, end};
-    Resort(kCall, {&range, 1});
+    Resort(kCall, {&range, 1}, RoomForOneMore(kCall));
     if (due == end) {
       header().sorted = header().size;
       header().inserted = 0;
@@ -282,25 +294,14 @@ std::uint32_t SortedTree::Insert(Span<const float> values) {
   }
   std::size_t slot =
       kernels::InDefaultFpMode([&] { return FindSlot(values.data()); });
-  const SortedRoom room = Room();
-  const bool is_full =
-      block_ == nullptr || (slot == header().slots && slot == room.slots);
-  // A quarter of the slots is worth to be won back.
-  const bool has_gaps =
-      is_full && block_ != nullptr && header().size <= room.slots / 4 * 3;
-  if (is_full && !has_gaps) {
-    if (room.slots + 1 >= kMostObjects) {
-      kernels::ThrowInvalid(kCall, "world", "less than 2^31 objects",
-                            std::to_string(room.slots));
-    }
-    Prepare(kCall,
-            {std::min(kMostObjects - 1,
-                      room.slots + std::max(kBlockObjects, room.slots / 2)),
-             1, false});
-  } else {
-    Prepare(kCall, {0, 1, false});
-  }
-  if (has_gaps) {
+  // Else it is worth to win the empty slots back.
+  const auto has_few_gaps = [&] {
+    return block_ == nullptr || header().size > header().capacity / 4 * 3;
+  };
+  const bool is_last = slot == (block_ == nullptr ? 0 : header().slots);
+  Prepare(kCall, is_last && has_few_gaps() ? RoomForOneMore(kCall)
+                                           : SortedRoom{0, 1, false});
+  if (is_last && slot == header().capacity) {
     CloseGaps();
     slot = header().slots;
   }

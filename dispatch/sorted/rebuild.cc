@@ -132,7 +132,8 @@ void SortedTree::Rebuild(Order order, const PartRunner& run) {
   Swap(sorted);
 }
 
-void SortedTree::Resort(const char* call, Span<const SlotRange> ranges) {
+void SortedTree::Resort(const char* call, Span<const SlotRange> ranges,
+                        const SortedRoom& room) {
   const SortedKernels::OfPlanes& kernels = KernelsOf(shape_, Target(), call);
   const Gathered gathered(shape_, memory_, levels_, ranges);
   const FloatColumns& columns = gathered.columns();
@@ -142,7 +143,7 @@ void SortedTree::Resort(const char* call, Span<const SlotRange> ranges) {
   InTurn in_turn;
   kernels::OrderByMedians(columns, kernels, scratch.data(), elements,
                           RunnerOf(in_turn));
-  Prepare(call, {});
+  Prepare(call, room);
   const SortedLevel& level = levels_.level[0];
   std::size_t next = 0;
   for (const SlotRange& range : ranges) {
@@ -261,7 +262,7 @@ std::size_t SortedTree::RebuildWorst(std::size_t objects) {
         std::min<std::size_t>(header().slots, (part + 1) * kPartSlots)};
     sorted += PartAsIs(shape_, levels_, part).objects;
   }
-  Resort(kCall, {ranges, bad});
+  Resort(kCall, {ranges, bad}, {});
   return sorted;
 }
 

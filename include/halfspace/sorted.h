@@ -1,49 +1,42 @@
-// A world that is sorted and answers one query over many objects by a
-// hierarchy: for worlds of thousands of objects and more, also if these move,
-// come and go.
+// SortedWorld: a BVH of 64-wide nodes for one query over many objects, which
+// may move, come and go.
 //
 //   halfspace::SortedAabbWorld3 sorted(world);  // an AabbWorld3, or its view
 //   halfspace::Aabb3 query = {{0, 0, 0}, {1, 1, 1}};
 //   std::vector<std::uint32_t> ids(sorted.size());
 //   ids.resize(Survivors(sorted, query, ids));
 //
-// The answers are those of the calls of reject.h on the world that it was made
-// of, as sets: an id is an object's index there. A flat scan tests every
-// object; here a call tests blocks of 64 objects or nodes, about log64(n)
-// levels of them, and only those whose parent survived. docs/sorted.md has the
-// layout, figures and what to use when.
+// A call returns the same objects as the call of reject.h with the same name.
+// An id is the index of the object in the world that it came from. A flat scan
+// tests every object. A SortedWorld visits a node only if its parent survived:
+// about log64(n) tree levels.
 //
-// Objects are sorted so that 64 that follow each other are near each other, and
-// the same holds for each 64 of these groups, and so on: the order is the
-// hierarchy, and there are no pointers. A block has 8 bits a plane and object.
-// They reject, or prove that an object survives, or leave it to the floats, of
-// which the world has a copy.
+// The BVH has no pointers. Objects are sorted so that 64 consecutive ones are
+// near each other and form a leaf, 64 consecutive leaves form a node, and so
+// on. Nodes and objects are quantized to 8 bits per plane. These reject, or
+// prove that an object survives, or leave the decision to the floats.
 //
-// Other queries of the same worlds: sorted_shapes.h (spheres, segments,
-// half-spaces), sorted_nearest.h (what is nearest, or first along a ray),
-// sorted_pairs.h (all pairs that overlap). None is linked that is not called.
+// Other queries of the same world: sorted_shapes.h (spheres, segments,
+// half-spaces), sorted_nearest.h (k nearest, ray casts), sorted_pairs.h (all
+// overlapping pairs: a broad phase). A program links only the queries it calls.
+// docs/sorted.md has the layout, the proof that no overlap is missed, and
+// measurements.
 //
-// Worlds are of floats, in 2 or 3 dimensions: SortedWorld<SimplexView3>,
-// SortedWorld<AabbView3>, SortedWorld<AaboView3> and the same with 2. Queries
-// are of the view's Query type. NaN, empty, inverted and infinite bounds and
-// queries do what they do in reject.h.
+// Bounds are floats in 2 or 3 dimensions: SortedWorld<SimplexView3>,
+// SortedWorld<AabbView3>, SortedWorld<AaboView3>, or 2. Each call takes a query
+// of the view's Query type. NaN, empty, inverted and infinite values mean the
+// same as in reject.h.
 //
-// Every call takes
-//   world    a SortedWorld
-//   query    of the view's Query type
-//   options  categories and target; the defaults are right
+// Errors (error.h), in every call: an output with room, or a list of queries,
+// is null or misaligned; the target is not supported. Outputs and queries must
+// not overlap in memory, which is not checked.
 //
-// Errors (error.h): no output with room and no list of queries is null or
-// misaligned, offsets are at least one more than the queries, and the target is
-// supported here. That outputs are apart from each other and from the queries
-// is not checked.
+// Floating-point mode: as in reject.h, except that queries may raise inexact,
+// overflow and underflow. Mask these traps around a query. Building and
+// changing a world never trap, in any mode.
 //
-// Floating-point mode: as in reject.h. But calls may raise inexact, overflow
-// and underflow for any values: mask these traps around them. Making a
-// world and changing it never trap, and work in the default mode.
-//
-// Thread safety: calls on the same world may run at the same time. They use up
-// to 32 KiB of stack, allocate nothing, lock nothing and have no state.
+// Thread safety: queries of one world may run at the same time. A query uses up
+// to 32 KiB of stack, allocates nothing, locks nothing and keeps no state.
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (a sort that
 // encodes a hierarchy in array order; the SIMD-batch median layout).
@@ -63,21 +56,21 @@
 
 namespace halfspace {
 
-// How objects are put in order. It changes the cost, never the answer.
+// Build quality. It changes the cost of queries, never their result.
 enum class Order : std::uint8_t {
-  // By medians of the widest axis. Takes O(n log n): about as long as the bulk
+  // Splits at medians of the widest axis. O(n log n), about as long as the bulk
   // load of an R-tree.
   kTight,
-  // Along a space-filling curve. Takes O(n), about a fifth as long; queries
-  // take up to 1.4 times as long as with kTight. The curve has 1024 cells an
-  // axis in 3 dimensions: use kTight where a few objects are so far away that
-  // all others share a few cells.
+  // Sorts along a Hilbert curve. O(n), about a fifth of the time. Queries take
+  // up to 1.4 times as long as with kTight. In 3 dimensions the curve has 1024
+  // cells per axis: if a few objects are very far away, all others share a few
+  // cells, and kTight is better.
   kFast,
 };
 
 struct SortedOptions {
-  // Only objects that have one of these categories, if any have been set
-  // (SortedWorld::SetCategories); all ones stands for all objects.
+  // Finds only objects with at least one of these categories
+  // (SortedWorld::SetCategories). All ones finds all objects.
   std::uint32_t categories = 0xFFFFFFFF;
   Target target = {};  // by default, the chosen one (targets.h)
 };
@@ -100,14 +93,13 @@ const float* ValuesOf(const Query* queries) {
   return reinterpret_cast<const float*>(queries);
 }
 
-// The caller's function of some items at a time, which may return whether to go
-// on, as one that does.
+// Calls the caller's function, and returns true for one that returns nothing.
 template <typename Item, typename Function>
 bool CallWithSome(void* function, Span<const Item> items) {
   auto& call = *static_cast<Function*>(function);
   using Result = decltype(call(items));
   static_assert(std::is_void_v<Result> || std::is_same_v<Result, bool>,
-                "the function returns nothing, or whether to go on");
+                "the function must return void or bool");
   if constexpr (std::is_same_v<Result, bool>) {
     return call(items);
   } else {
@@ -128,8 +120,9 @@ bool CallWithSome(void* function, Span<const Item> items) {
 // 16 bytes per object more, and sorting all objects again up to 112.
 //
 // Places: an object has a place in the order, and an erased object leaves an
-// empty one. There are never more than 2 * size() + 64 places, and the block
-// has room for half as many more. Rebuild() returns the rest of the memory.
+// empty one. There are never more than 2 * size() + 64 places. The block grows
+// by half when all places are taken, and Rebuild() makes it as small as it can
+// be.
 //
 // Changes are seen by every later call. No change may run at the same time as
 // another call on the same world. Changes run on the chosen target.
@@ -145,7 +138,7 @@ class SortedWorld {
  public:
   using View = ViewType;
   using Bound = typename View::Bound;
-  // No type Query: the calls of reject.h are for all that has one.
+  // There is no member Query: with one, the calls of reject.h would match.
   static_assert(std::is_same_v<typename Bound::Scalar, float>,
                 "sorted worlds are of floats");
   static_assert(Bound::kDimensions <= 3, "2 or 3 dimensions");
@@ -178,8 +171,8 @@ class SortedWorld {
                 detail::RunnerOf(run));
   }
 
-  // A world of the `count` bounds that fit(planes) writes, as a builder of
-  // fit_many.h does, in one pass and without a world of the caller's:
+  // Builds a world of the `count` bounds that fit(planes) writes, as a builder
+  // of fit_many.h does:
   //
   //   SortedAabbWorld3::Fitted(spheres.count, [&](const AabbPlanes3& planes) {
   //     BoundSpheres(spheres, planes);
@@ -205,15 +198,16 @@ class SortedWorld {
   std::size_t size() const { return tree_.size(); }
   bool empty() const { return size() == 0; }
 
-  // The size of its block of memory.
+  // The size of the world's block of memory.
   std::size_t bytes() const { return tree_.bytes(); }
 
   // Whether an object has this id. O(1).
   bool Has(std::uint32_t id) const { return tree_.Has(id); }
 
-  // Gives an object a new bound. All levels are at once as tight as they can be
-  // with this order. About half a microsecond, and a copy of the world at the
-  // first change by id.
+  // Changes the bound of an object, and tightens its leaf and the nodes above.
+  // The order stays, so leaves grow as objects move: see Decay(). About half a
+  // microsecond (`./bench.sh --details sorted`). The first change by id of a
+  // world that was built copies it once.
   void Set(std::uint32_t id, const Bound& bound) {
     tree_.Set(id, detail::Planes(bound));
   }
@@ -237,10 +231,10 @@ class SortedWorld {
   // their order. It allocates nothing but what the first change by id does.
   void Erase(std::uint32_t id) { tree_.Erase(id); }
 
-  // Gives objects categories, bits that SortedOptions::categories asks for: one
-  // object, or all, by id. An object has all until it is given others; those
-  // beyond the end of the list get 0, and are found only where all are asked
-  // for.
+  // Sets the categories of one object, or of all: categories[i] is that of
+  // object i. Objects beyond the end of the list get 0. An object whose
+  // categories were never set has all of them. One with 0 is found only with
+  // SortedOptions::categories of all ones.
   void SetCategories(std::uint32_t id, std::uint32_t categories) {
     tree_.SetCategories(id, categories);
   }
@@ -358,9 +352,9 @@ using SortedAabbWorld3 = SortedWorld<AabbView3>;
 using SortedAaboWorld2 = SortedWorld<AaboView2>;
 using SortedAaboWorld3 = SortedWorld<AaboView3>;
 
-// Writes the ids of the survivors, in no particular order, and returns how many
-// there are. A span that is too short is no error: it is filled, and the full
-// count is returned. Elements after the last id may be overwritten.
+// Writes the ids of all survivors to `ids`, in no particular order, and returns
+// their number. If `ids` is shorter than that, it is filled, and the full
+// number is returned. Elements of `ids` behind the last id may be overwritten.
 template <typename View>
 [[nodiscard]] std::size_t Survivors(const SortedWorld<View>& world,
                                     const typename View::Query& query,
@@ -370,9 +364,9 @@ template <typename View>
                                  options);
 }
 
-// Counts the survivors. Nodes that lie inside a box or an octahedron add their
-// number and are not visited, so the cost of a large query grows with its
-// surface and not with its volume.
+// Returns the number of survivors. A node inside a box or an octahedron is
+// counted without a visit, so the cost of a large query grows with its surface
+// and not with its volume.
 template <typename View>
 [[nodiscard]] std::size_t CountSurvivors(const SortedWorld<View>& world,
                                          const typename View::Query& query,
@@ -380,7 +374,8 @@ template <typename View>
   return detail::SortedCount(world.tree(), detail::ValuesOf(&query), options);
 }
 
-// The id of a survivor, if there is one. Stops soon after it has found one.
+// Returns the id of a survivor, or nothing if there is none. Stops soon after
+// it has found one.
 template <typename View>
 [[nodiscard]] std::optional<std::uint32_t> AnySurvivor(
     const SortedWorld<View>& world, const typename View::Query& query,
@@ -393,8 +388,8 @@ template <typename View>
 }
 
 // Calls function(Span<const std::uint32_t> ids) with 1 to 512 survivors at a
-// time. A function that returns a bool ends the call by returning false.
-// Exceptions of the function pass through.
+// time. The function returns void, or bool: false ends the call. Exceptions of
+// the function pass through. The function must not change the world.
 template <typename View, typename Function>
 void ForEachSurvivor(const SortedWorld<View>& world,
                      const typename View::Query& query, Function&& function,
@@ -407,12 +402,15 @@ void ForEachSurvivor(const SortedWorld<View>& world,
                         &call, options);
 }
 
-// Survivors() of several queries, which walk together, 64 at a time: that hides
-// the latency of memory and the cost of a call, and takes 0.6 to 1 times as
-// long. The ids of queries[q] are ids[offsets[q]] ... ids[offsets[q + 1] - 1],
-// and all their number is returned. `offsets` has one element more than there
-// are queries. If `ids` is too short, it receives the first ids; `offsets` are
-// as if it were long enough. Elements after the last id may be overwritten.
+// Survivors() of several queries. The queries walk the tree together, 64 at a
+// time, which hides the latency of memory and the cost of a call: it takes 0.6
+// to 1 times as long as one call per query.
+//   ids      receives the ids of all queries, one query after another
+//   offsets  `offsets.size()` must be at least `queries.size() + 1`. The ids of
+//            queries[q] are ids[offsets[q]] ... ids[offsets[q + 1] - 1].
+// Returns the number of all ids. If `ids` is shorter than that, it is filled,
+// and `offsets` are written as if it were long enough. Elements of `ids` behind
+// the last id may be overwritten.
 template <typename View>
 [[nodiscard]] std::size_t SurvivorsOfEach(
     const SortedWorld<View>& world, Span<const typename View::Query> queries,

@@ -188,13 +188,15 @@ class HALFSPACE_API SortedTree {
   void Reallocate(const char* call, const SortedRoom& room);
   std::size_t PrepareObject(std::uint32_t id, bool has_categories,
                             const char* call);
+  SortedRoom RoomForOneMore(const char* call) const;
   std::size_t SlotsDue() const;
   std::size_t FindSlot(const float* values) const;
   void AppendSlot();
   void EncodePath(std::size_t slot);
-  // Sorts the objects of some slots into the first of these. Ranges ascend and
-  // begin at blocks.
-  void Resort(const char* call, Span<const SlotRange> ranges);
+  // Sorts the objects of some slots into the first of these, after Prepare().
+  // Ranges ascend and begin at blocks.
+  void Resort(const char* call, Span<const SlotRange> ranges,
+              const SortedRoom& room);
   void CloseGaps();
 
   SortedShape shape_;

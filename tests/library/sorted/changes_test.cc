@@ -259,6 +259,7 @@ TEST(SortedChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
             is_in_place ? SortedAabbWorld3::InPlace(blob, memory.resource())
                         : SortedAabbWorld3(first, memory.resource());
         const std::uint32_t* const ids = world.ids().data();
+        const Ids were(world.ids().begin(), world.ids().end());
         memory.left = left;
         try {
           change(world);
@@ -266,6 +267,7 @@ TEST(SortedChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
         } catch (const std::bad_alloc&) {
           memory.left = CountingMemory::kNoLimit;
           ASSERT_EQ(world.ids().data(), ids);
+          ASSERT_TRUE(std::equal(were.begin(), were.end(), ids));
           ExpectIsModel<AabbView3>(world, model, queries, ChosenTarget());
         }
         memory.left = CountingMemory::kNoLimit;
