@@ -30,6 +30,7 @@ namespace halfspace::testing {
 namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 template <typename View>
 typename View::Query QueryOf(const Aabo<View::Bound::kDimensions>& bound) {
@@ -46,9 +47,13 @@ requires std::is_same_v<Shape, Sphere<View::Bound::kDimensions>>
 typename View::Query BoundOf(const Shape& shape) {
   return QueryOf<View>(BoundSphere(shape));
 }
-// Of the others, none.
+// Of the others, none, but of what is taken for Everything().
 template <typename View, typename Shape>
-typename View::Query BoundOf(const Shape& /*shape*/) {
+typename View::Query BoundOf(const Shape& shape) {
+  if constexpr (!std::is_same_v<
+                    Shape, std::vector<HalfSpace<View::Bound::kDimensions>>>) {
+    if (IsEverything<View>(shape)) return View::Query::Everything();
+  }
   typename View::Query query{};
   for (std::size_t p = 0; p < kPlanes<View>; ++p) {
     OpposingValue<View>(query, p) = IsMinPlane<View>(p) ? kInf : -kInf;
@@ -105,6 +110,22 @@ Shapes<kDims> SomeShapes(std::size_t count, Random& random) {
     }
   }
   return shapes;
+}
+
+// Some of them Empty(), Everything(), or with a NaN.
+template <typename View>
+World<View> WithSpecialObjects(std::size_t count) {
+  using Bound = typename View::Bound;
+  World<View> world;
+  Spread<View> spread(1.0f);
+  for (std::size_t i = 0; i < count; ++i) {
+    Bound bound = i % 97 == 0   ? Bound::Empty()
+                  : i % 97 == 1 ? Bound::Everything()
+                                : spread.NextObject();
+    if (i % 97 == 2) StoredValue<View>(bound, i % kPlanes<View>) = kNan;
+    world.Push(bound);
+  }
+  return world;
 }
 
 template <typename View, typename Shape>
@@ -238,6 +259,83 @@ TYPED_TEST(SortedShapesTest, FindWhatTheTestsKeepOfSpecialValues) {
   }
 }
 
+// A shape that a builder cannot bound keeps what a scan with Everything()
+// keeps, whichever of its numbers is the bad one; and so do huge ones that it
+// can.
+TYPED_TEST(SortedShapesTest, AreEverythingIfTheyCannotBeBounded) {
+  using View = typename TypeParam::View;
+  constexpr int kDims = View::Bound::kDimensions;
+  constexpr float kMost = std::numeric_limits<float>::max();
+  constexpr float kTooLarge = 0x1.000002p125f;
+  const World<View> world = WithSpecialObjects<View>(4200);
+  const SortedWorld<View> sorted(world.view());
+  Ids all(world.size());
+  all.resize(Survivors(world, View::Query::Everything(), all));
+  ASSERT_LT(all.size(), world.size());
+  const auto expect_all = [&](const auto& shape) {
+    for (Target target : TargetsUnderTest()) {
+      ExpectFinds(sorted, shape, all, {.target = target});
+      if (::testing::Test::HasFatalFailure()) FAIL() << target.name();
+    }
+  };
+  const auto expect_all_with_bad_numbers = [&](auto shape, std::size_t values,
+                                               bool has_radius) {
+    for (float bad :
+         {kNan, kInf, -kInf, kMost, -kMost, kTooLarge, -kTooLarge}) {
+      for (std::size_t v = 0; v < values; ++v) {
+        if (has_radius && v + 1 == values && !(bad > 0)) continue;
+        auto bad_shape = shape;
+        reinterpret_cast<float*>(&bad_shape)[v] = bad;
+        expect_all(bad_shape);
+        if (::testing::Test::HasFatalFailure()) {
+          FAIL() << values << " numbers, " << bad << " for number " << v;
+        }
+      }
+    }
+  };
+  expect_all_with_bad_numbers(Sphere<kDims>{{}, 1}, kDims + 1, true);
+  expect_all_with_bad_numbers(Segment<kDims>{}, 2 * kDims, false);
+  expect_all_with_bad_numbers(Capsule<kDims>{{}, {}, 1}, 2 * kDims + 1, true);
+  expect_all(Sphere<kDims>{{}, 0x1p120f});
+  expect_all(Capsule<kDims>{{}, {}, 0x1p120f});
+}
+
+// Alone it keeps every object, also those that are Empty().
+TYPED_TEST(SortedShapesTest, KeepWhatTheOtherHalfSpacesKeepIfOneIsUnusable) {
+  using View = typename TypeParam::View;
+  constexpr int kDims = View::Bound::kDimensions;
+  using HalfSpaces = std::vector<HalfSpace<kDims>>;
+  const World<View> world = WithSpecialObjects<View>(4200);
+  const SortedWorld<View> sorted(world.view());
+  Ids all(world.size());
+  for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
+  HalfSpace<kDims> good{{}, 10};
+  good.normal[0] = 1;
+  good.normal[1] = -0.5f;
+  const Ids expected = Expected<View>(world, {}, HalfSpaces{good});
+  ASSERT_LT(expected.size(), all.size());
+  // The same half-space.
+  HalfSpaces huge = {good};
+  for (float& x : huge[0].normal) x *= 0x1p124f;
+  huge[0].offset *= 0x1p124f;
+  for (Target target : TargetsUnderTest()) {
+    const SortedOptions options = {.target = target};
+    ExpectFinds(sorted, HalfSpaces{}, all, options);
+    ExpectFinds(sorted, huge, expected, options);
+    for (float value : {kNan, kInf, -kInf}) {
+      for (std::size_t v = 0; v <= kDims; ++v) {
+        HalfSpace<kDims> bad = good;
+        reinterpret_cast<float*>(&bad)[v] = value;
+        ExpectFinds(sorted, HalfSpaces{bad}, all, options);
+        ExpectFinds(sorted, HalfSpaces{good, bad}, expected, options);
+        if (this->HasFatalFailure()) {
+          FAIL() << value << " for number " << v << ", " << target.name();
+        }
+      }
+    }
+  }
+}
+
 TYPED_TEST(SortedShapesTest, KnowErasedObjectsAndCategories) {
   using View = typename TypeParam::View;
   constexpr int kDims = View::Bound::kDimensions;
@@ -277,7 +375,8 @@ TYPED_TEST(SortedShapesTest, NeverRejectWhatTouches) {
   constexpr int kDims = Bound::kDimensions;
   Random random(4);
   for (std::size_t round = 0; round < Scaled(400); ++round) {
-    const int exponent = static_cast<int>(random() % 230) - 150;
+    // Up to what a builder can bound, and beyond.
+    const int exponent = static_cast<int>(random() % 256) - 150;
     const auto integer = [&](std::uint64_t most) {
       return 16 * (static_cast<double>(random() % (2 * most + 1)) -
                    static_cast<double>(most));
