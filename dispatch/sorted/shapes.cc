@@ -187,13 +187,21 @@ void SortedForEach(const SortedTree& tree, const SortedShapeQuery& query,
 }
 
 std::size_t SortedSurvivorsOfMany(const SortedTree& tree, const void* queries,
-                                  std::size_t query_count, ShapeQueryAt at,
+                                  std::size_t query_count,
+                                  std::size_t alignment, ShapeQueryAt at,
                                   Span<std::uint32_t> ids,
                                   Span<std::size_t> offsets,
                                   const SortedOptions& options) {
   constexpr const char* kCall = "SurvivorsOfEach";
   std::ignore = KernelsOf(tree.shape(), options.target, kCall);
+  kernels::CheckMemory(kCall, "queries", queries, query_count, alignment);
   CheckOfEach(kCall, queries, query_count, ids, offsets);
+  // All of them before the first id is written.
+  kernels::InDefaultFpMode([&] {
+    for (std::size_t q = 0; q < query_count; ++q) {
+      CheckShape(at(queries, q), kCall);
+    }
+  });
   offsets[0] = 0;
   std::size_t total = 0;
   for (std::size_t q = 0; q < query_count; ++q) {

@@ -172,7 +172,7 @@ template <typename View, typename Shapes,
                                           Span<std::size_t> offsets,
                                           const SortedOptions& options = {}) {
   return detail::SortedSurvivorsOfMany(
-      world.tree(), std::data(shapes), std::size(shapes),
+      world.tree(), std::data(shapes), std::size(shapes), alignof(Shape),
       [](const void* queries, std::size_t q) {
         return detail::ShapeQueryFor<View>(
             static_cast<const Shape*>(queries)[q]);

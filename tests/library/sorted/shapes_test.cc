@@ -12,18 +12,22 @@
 #include <limits>
 #include <random>
 #include <span>
+#include <string_view>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "halfspace/halfspace.h"
 #include "tests/library/sorted/shape_reference.h"
 #include "tests/library/sorted/spread.h"
+#include "tests/library/support/canaries.h"
 #include "tests/library/support/cases.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
 #include "tests/library/support/fp_modes.h"
 #include "tests/library/support/inputs.h"
+#include "tests/library/support/misaligned.h"
 #include "tests/library/support/special_values.h"
 
 namespace halfspace::testing {
@@ -537,12 +541,76 @@ TEST(SortedShapesErrorsTest, RefuseWhatIsNoShape) {
   EXPECT_TRUE(Refuses(
       [&] { (void)AnySurvivor(sorted, Span<const HalfSpace3>(nullptr, 1)); },
       {"AnySurvivor", "half-spaces", "null"}));
-  std::vector<std::size_t> offsets(1);
-  EXPECT_TRUE(Refuses(
-      [&] {
-        (void)SurvivorsOfEach(sorted, std::vector<Sphere3>(1), ids, offsets);
-      },
-      {"SurvivorsOfEach", "offsets", "1", "1"}));
+}
+
+// Whatever is wrong, and also where the shapes before it are right.
+TEST(SortedShapesErrorsTest, NothingIsWrittenBeforeAllIsChecked) {
+  const SortedAabbWorld3 sorted(Spread<AabbView3>(4.0f).Objects(100));
+  Canaried<std::uint32_t> canaried_ids;
+  Canaried<std::size_t> canaried_offsets;
+  const Span<std::uint32_t> ids = canaried_ids.Reset(100);
+  const Span<std::size_t> offsets = canaried_offsets.Reset(4);
+  const auto refused = [&](const auto& queries, Span<std::uint32_t> to_ids,
+                           Span<std::size_t> to_offsets,
+                           std::string_view argument, std::string_view given,
+                           const SortedOptions& options = {}) {
+    EXPECT_TRUE(Refuses(
+        [&] {
+          (void)SurvivorsOfEach(sorted, queries, to_ids, to_offsets, options);
+        },
+        {"SurvivorsOfEach: ", argument, "expected", "got", given}));
+    EXPECT_TRUE(canaried_ids.IntactBut(0)) << argument << ", " << given;
+    EXPECT_TRUE(canaried_offsets.IntactBut(0)) << argument << ", " << given;
+  };
+  const auto queries_refused = [&](const auto& queries,
+                                   std::string_view argument,
+                                   std::string_view given) {
+    refused(queries, ids, offsets, argument, given);
+  };
+  const Sphere3 sphere = {{0, 0, 0}, 100};
+  const Capsule3 capsule = {{0, 0, 0}, {1, 1, 1}, 100};
+  for (float radius : {-1.0f, kNan}) {
+    const char* const given = radius < 0 ? "-1" : "nan";
+    queries_refused(std::array{sphere, Sphere3{{}, radius}}, "radius", given);
+    queries_refused(std::array{capsule, capsule, Capsule3{{}, {}, radius}},
+                    "radius", given);
+  }
+  using HalfSpaces = Span<const HalfSpace3>;
+  const std::vector<HalfSpace3> many(65);
+  const HalfSpace3* const none = nullptr;
+  for (const auto& [bad, given] :
+       {std::pair{HalfSpaces(many), "65"},
+        std::pair{HalfSpaces(none, 1), "null"},
+        std::pair{HalfSpaces(Misaligned(many.data()), 1), "misaligned"}}) {
+    queries_refused(std::array{HalfSpaces(), HalfSpaces(many.data(), 1), bad},
+                    "half-spaces", given);
+  }
+  const auto lists_refused = [&](const auto& queries) {
+    using Query = std::decay_t<decltype(queries[0])>;
+    const Span<const Query> good(queries);
+    const Query* const no_queries = nullptr;
+    queries_refused(Span<const Query>(no_queries, 3), "queries", "null");
+    queries_refused(Span<const Query>(Misaligned(queries.data()), 2), "queries",
+                    "misaligned");
+    std::uint32_t* const no_ids = nullptr;
+    refused(good, {no_ids, 9}, offsets, "ids", "null");
+    refused(good, {Misaligned(ids.data()), 9}, offsets, "ids", "misaligned");
+    std::size_t* const no_offsets = nullptr;
+    refused(good, ids, {no_offsets, 4}, "offsets", "null");
+    refused(good, ids, {Misaligned(offsets.data()), 4}, "offsets",
+            "misaligned");
+    refused(good, ids, {offsets.data(), 3}, "offsets", "3");
+    refused(good, ids, offsets, "options.target", "no target",
+            {.target = Target::FromHighwayBit(3)});
+  };
+  lists_refused(std::array{sphere, sphere, sphere});
+  lists_refused(std::array{HalfSpaces(), HalfSpaces(), HalfSpaces()});
+  lists_refused(std::vector<Aabb3>(3, Aabb3::Everything()));
+  // Aligned to its floats is not enough for a list of lists.
+  const std::array<HalfSpaces, 3> lists;
+  const auto* const shifted = reinterpret_cast<const HalfSpaces*>(
+      reinterpret_cast<const float*>(lists.data()) + 1);
+  queries_refused(Span<const HalfSpaces>(shifted, 2), "queries", "misaligned");
 }
 
 }  // namespace
