@@ -307,6 +307,9 @@ void SortedTree::SetCategories(std::uint32_t id, std::uint32_t categories) {
 }
 
 void SortedTree::SetCategories(Span<const std::uint32_t> categories) {
+  kernels::CheckMemory("SortedWorld::SetCategories", "categories",
+                       categories.data(), categories.size(),
+                       alignof(std::uint32_t));
   if (block_ == nullptr) return;
   if (levels_.level[0].categories == nullptr) {
     Reallocate(header().capacity, {header().has_slots != 0, true});
