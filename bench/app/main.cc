@@ -197,6 +197,7 @@ int Main(int argc, char** argv) {
     for (std::string_view section : kSections) std::cout << section << '\n';
     return kExitOk;
   }
+  CheckOutputs(options);
   if (!options.render.empty()) return Render(options);
   if (const TargetChoice choice = DescribeTargetChoice();
       !choice.error.empty()) {
@@ -204,10 +205,6 @@ int Main(int argc, char** argv) {
   }
   const std::optional<StoredRun> stored = ReadStoredRun(options);
   std::optional<Workload> input = ReadInput(options);
-  if (!options.report.empty() && options.report == options.out) {
-    throw UsageError("--out and --report: " + options.out +
-                     " cannot be both; name two files");
-  }
   std::optional<OutFile> page;
   if (!options.report.empty()) page.emplace(options.report);
   Results results;

@@ -176,7 +176,28 @@ halfspace_command_line_test(render_and_measure CODE 2
   STDERR "excludes")
 halfspace_command_line_test(one_file_for_two CODE 2
   ARGUMENTS --details machine --out x.html --report x.html
-  STDERR "two files")
+  STDERR "would overwrite the file of --out .*; name another")
+# Files that are read are not written, whatever they are called.
+file(MAKE_DIRECTORY "${inputs}/folder")
+file(CREATE_LINK "${inputs}/against_link.out" "${inputs}/link.json" SYMBOLIC)
+foreach(pair "mesh|../inputs/mesh_over.out" "bounds|./bounds_over.out"
+             "against|folder/../against_over.out" "render|render_over.out")
+  string(REGEX MATCH "^([a-z]+)[|](.*)" pair "${pair}")
+  halfspace_command_line_test(${CMAKE_MATCH_1}_over CODE 2
+    ARGUMENTS --${CMAKE_MATCH_1} "${inputs}/${CMAKE_MATCH_2}"
+    REPORT "^what was there$"
+    STDERR "--report .* would overwrite the file of --${CMAKE_MATCH_1} .*; name another")
+endforeach()
+halfspace_command_line_test(query_bounds_over CODE 2
+  ARGUMENTS --bounds "${inputs}/boxes.csv"
+            --query-bounds "${inputs}/query_bounds_over.out"
+  OUT "^what was there$" STDERR "would overwrite the file of --query-bounds .*; name another")
+halfspace_command_line_test(against_link CODE 2
+  ARGUMENTS --details machine --against "${inputs}/link.json"
+  OUT "^what was there$" STDERR "would overwrite the file of --against .*link.json; name another")
+halfspace_command_line_test(one_new_file_for_two CODE 2
+  ARGUMENTS --details machine --out "${inputs}/new" --report "${inputs}/./new"
+  STDERR "would overwrite the file of --out .*; name another")
 halfspace_command_line_test(unwritable_report CODE 2
   ARGUMENTS --details machine --report "${inputs}/none/x"
   STDERR "cannot be written")
