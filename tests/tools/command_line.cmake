@@ -52,6 +52,14 @@ halfspace_command_line_test(version CODE 0 ARGUMENTS --version
 halfspace_command_line_test(list CODE 0 ARGUMENTS --list
   STDOUT "machine\ncheck\ntable1\ncrossover\nkernels\nbuild\nthroughput\nsorted\nquality\nvolumes\ndual\naxes\nsegments\nmodel\nsweep\nthreads\nnoise\nanswers")
 halfspace_command_line_test(help CODE 0 ARGUMENTS --help STDOUT "--mesh")
+halfspace_command_line_test(progress CODE 0
+  ARGUMENTS --details machine,quality --objects 4096
+  STDERR "^cpuinfo-bench: machine +0 %\ncpuinfo-bench: scene .*\ncpuinfo-bench: quality +9[0-9] %, [0-9:]+ left\n$")
+add_test(NAME cpuinfo-bench.terminal
+  COMMAND sh "${CMAKE_CURRENT_SOURCE_DIR}/terminal.sh"
+          ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:cpuinfo-bench>)
+set_tests_properties(cpuinfo-bench.terminal PROPERTIES
+  LABELS tools SKIP_RETURN_CODE 77)
 add_test(NAME cpuinfo-bench.man_page
   COMMAND sh "${CMAKE_CURRENT_SOURCE_DIR}/man_page.sh"
           "${PROJECT_SOURCE_DIR}/docs/cpuinfo-bench.1"
