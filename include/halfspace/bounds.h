@@ -139,7 +139,7 @@ constexpr T CornerVolume(T slack, int dims) {
 }  // namespace detail
 
 // All bound types are plain data: copy them, and set their members directly.
-// The operators == and != compare floats: -0 equals 0, and a NaN equals nothing.
+// Operators == and != compare the values: -0 equals 0, a NaN equals nothing.
 //
 // Every type has two special values:
 //   Everything()  minima of -FLT_MAX, maxima of FLT_MAX (of doubles, DBL_MAX).
