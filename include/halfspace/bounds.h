@@ -143,8 +143,8 @@ constexpr T CornerVolume(T slack, int dims) {
 //
 // Every type has two special values:
 //   Everything()  minima of -FLT_MAX, maxima of FLT_MAX (of doubles, DBL_MAX).
-//                 No finite query rejects it, and it is such a query itself.
-//                 Builders return it for a shape that they cannot bound.
+//                 These are finite values. No finite query rejects it. Builders
+//                 return it for a shape that they cannot bound.
 //   Empty()       minima of +infinity, maxima of -infinity. Every finite query,
 //                 also Everything(), rejects it.
 
@@ -271,8 +271,8 @@ struct Aabo {
   }
 };
 
-// Returns whether the bound is empty: all minima are at least FLT_MAX and all
-// maxima are at most -FLT_MAX (of doubles, DBL_MAX).
+// Returns whether the bound is empty: all its minima are at least FLT_MAX and
+// all its maxima are at most -FLT_MAX (of doubles, DBL_MAX).
 //
 // Some engines initialize a box with minima of FLT_MAX and maxima of -FLT_MAX.
 // IsEmpty, Intersection, Volume, HalfArea and every builder (fit.h,
@@ -280,8 +280,8 @@ struct Aabo {
 // bound for it, that bound is Empty(), with infinities.
 //
 // The calls of reject.h treat this value as numbers, both in an object and in a
-// query. A bound with a limit in any plane rejects it. Everything() keeps it.
-// Push Empty() if that matters.
+// query. A bound that is limited on at least one side rejects it. Everything()
+// keeps it. Push Empty() if that matters.
 template <int kDims, typename T>
 constexpr bool IsEmpty(const UpSimplex<kDims, T>& bound) {
   return detail::AreEmptyMinima(bound.min);
@@ -305,9 +305,9 @@ constexpr bool IsEmpty(const Aabo<kDims, T>& bound) {
 //
 // Returns Empty() if one of the bounds is empty, or if a minimum of the result
 // is greater than the maximum of its axis. Planes of different axes can also
-// leave no point between them, for example X, Y and Z that do not reach D. The
-// call does not detect this: the result then encloses no point, but an object
-// with this bound can survive a scan.
+// leave no point between them, for example if the box of X, Y and Z does not
+// reach D. The call does not detect this. The result then encloses no point,
+// but an object with this bound can survive a query.
 template <int kDims, typename T>
 constexpr UpSimplex<kDims, T> Intersection(const UpSimplex<kDims, T>& a,
                                            const UpSimplex<kDims, T>& b) {
