@@ -3,8 +3,8 @@
 // Each header lists the preconditions of its calls under "Errors". Examples of
 // violations are an index past the end, a null pointer and a target that this
 // machine does not have. By default such a call throws std::invalid_argument.
-// Its what() has the name of the call, the argument, and the expected and the
-// actual value.
+// Its what() names the call and the argument, and says what was expected and
+// what was given.
 //
 // Set an error handler if the program is compiled without exceptions, or if
 // errors should do something else, for example what an assertion of the engine
