@@ -5,8 +5,8 @@
 //   halfspace::AaboWorld3 world(halfspace::MemoryFrom(arena));
 //
 // An owner allocates all memory from its resource, also memory that it needs
-// only during a call. The default resource is operator new. On Linux it asks
-// for huge pages for a block of 4 MiB or more.
+// only during a call. The default resource is operator new. On Linux the
+// library requests huge pages for its blocks of 4 MiB or more.
 //
 // The rest of the library allocates only for the text of an error, for the
 // choice of a target and its description (targets.h), and in PairsOf().
@@ -16,7 +16,7 @@
 // - A new owner uses the given resource, or the default.
 // - A copy uses the default, or the given resource, as in World(other, memory).
 // - An owner that is created by a move uses the resource of the source.
-// - An assignment keeps the resource of the target. A move assignment between
+// - An owner that is assigned to keeps its resource. A move assignment between
 //   equal resources takes the block of the source and never throws. Between
 //   different resources it copies, and can throw. If it throws, both owners are
 //   unchanged.
@@ -35,7 +35,7 @@
 namespace halfspace {
 
 // The functions that an owner calls, and their context. Set both functions, or
-// neither for the default resource. Only one of them is an error (error.h).
+// neither for the default resource. To set only one is an error (error.h).
 //
 // Owners copy this struct. The object that `context` points to must outlive the
 // owners, and all owners to which they are moved.
