@@ -54,13 +54,13 @@ namespace halfspace {
 // Requantize trains the quantizer on the given bounds and encodes them. Push
 // and Set use the same quantizer for any values. When the bounds have moved so
 // far that the quantizer no longer separates them well, Fits() returns false.
-// Then call Requantize again. Until then the filter still keeps every object
-// that the floats keep. It only keeps more of the others.
+// Then call Requantize again. Until then the filter is still correct, but more
+// objects survive it.
 //
 // Memory: an object takes `planes * sizeof(ElementType)` bytes (an AABO in 3D
 // takes 8 or 16). The quantizer takes at most 1.4 KiB (uint8) or 257 KiB
 // (uint16) per plane. During Requantize, both exist twice, and a sample takes
-// about 0.5 MiB (uint8) or 2 MiB (uint16) more at most. All of it comes from
+// at most about 0.5 MiB (uint8) or 2 MiB (uint16) more. All of it comes from
 // the heap or from the caller's resource. memory.h says which resource copies,
 // moves and swap(a, b) use.
 //
@@ -82,8 +82,9 @@ class QuantizedBounds {
   using Element = ElementType;
   using View = detail::QuantizedView<FloatView, ElementType>;
 
-  // Creates empty quantized bounds. The quantizer has one level for all values:
-  // until the first Requantize, every object survives every query.
+  // Creates quantized bounds without objects. The quantizer has only one level
+  // (quantized value), so every object survives every query until the first
+  // Requantize.
   QuantizedBounds() : QuantizedBounds(MemoryResource()) {}
   explicit QuantizedBounds(const MemoryResource& memory)
       : planes_(Bound::kAxes, detail::kPlaneCount<Bound> - Bound::kAxes,
@@ -184,17 +185,17 @@ detail::RefinedView<FloatView, ElementType, FloatView> Refined(
 // the floats.
 //
 // Training: a world that is created from bounds trains its quantizer on them. A
-// Push into a world of 64 or more objects trains a new quantizer if it is time
-// for that: when the world has twice as many objects as at the last training,
-// or earlier if the new objects would share too few levels (as objects sorted
-// along an axis do). So Fits() is true from 64 objects on, if objects are only
-// pushed. Set and EraseBySwap do not train, but a later Push may. After many of
-// these calls, check Fits() and call Requantize().
+// Push into a world of at least 64 objects trains a new one if the world has
+// twice as many objects as at the last training. It trains earlier if the new
+// objects would share too few levels, as objects sorted along an axis do. So
+// Fits() is true from 64 objects on if objects are only pushed. Set and
+// EraseBySwap do not train, but a later Push may. After many of these calls,
+// check Fits() and call Requantize().
 //
 // Memory: the floats take as many bytes as in a World, in addition to the
-// memory of QuantizedBounds. They are stored as an array of bounds and not as
-// planes. A call reads the floats of a few objects only. One object is then one
-// or two cache lines, and not one for each plane.
+// memory of QuantizedBounds. They are stored as an array of bounds, not as
+// planes. A query reads the floats of only a few objects. As a bound, an object
+// is in one or two cache lines. As planes, it would be in one for each plane.
 //
 // Errors, floating-point mode: as QuantizedBounds, and as in reject.h for the
 // floats. After an error the world is unchanged.
