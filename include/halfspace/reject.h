@@ -20,13 +20,15 @@
 //            world of quantized bounds (quantized.h); may be empty
 //   query    the world's Query type: DownSimplex, Aabb or Aabo
 //   options  schedule, target and range of objects; the defaults fit most uses
+// RejectMask() documents the errors and the floating-point mode of all calls.
 // reject_many.h has the calls for several queries.
 //
 // Thread safety: all calls are reentrant. They allocate nothing, take no lock
 // and keep no state. A call uses at most 8 KiB of stack (7 KiB on x86).
 //
-// Cost: a load and an indirect call, then one compare per plane and object, as
-// fast as the planes can be read from memory (docs/performance.md has figures).
+// Cost: a call starts with a load and an indirect call. Then it does one
+// compare per plane and object, about as fast as memory delivers the planes
+// (docs/performance.md has figures).
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (the tests,
 // and the early-out in SIMD, which schedules control).
@@ -113,8 +115,8 @@ constexpr std::size_t MaskWords(std::size_t objects) {
 // - `options.range` must not end before it begins.
 // - `options.schedule` must be one of the enumerators.
 // - `options.target` must be supported on this machine.
-// Code that is compiled with -fno-exceptions can link and call the library. It
-// sets an error handler.
+// Code that is compiled with -fno-exceptions can link and call the library if
+// it sets an error handler.
 //
 // Floating-point mode, for all calls in this header: the rounding mode has no
 // effect. If the thread flushes subnormal inputs (DAZ, which a program that is
@@ -123,8 +125,9 @@ constexpr std::size_t MaskWords(std::size_t objects) {
 // that would otherwise survive still survives.
 //
 // If the thread traps floating-point exceptions, a NaN or a subnormal in a
-// plane or a query may trap on some targets. No other value traps. Mask the
-// traps around calls on such values. (Builders never trap: fit.h.)
+// plane or a query may trap on some targets and not on others. No other value
+// traps. Mask the traps around calls on such values. (Builders never trap:
+// fit.h.)
 //
 // Cost: a reject mask takes one more pass over the mask than a survivor mask.
 template <typename AnyWorld>
