@@ -74,8 +74,8 @@ void SurvivorMasks(const AnyWorld& world,
 // Pairs are written tile by tile. The pairs of one query are in ascending order
 // of objects. Pairs of other queries can be between them.
 //
-// The spans may be shorter than the result. The call then fills the shorter
-// span and as much of the other one, and still returns the number of all pairs.
+// The spans may be shorter than the result. The call then writes as many pairs
+// as the shorter span can hold, and still returns the number of all pairs.
 //
 // Errors: as RejectMask(). The world must have at most 2^32 objects, and there
 // must be at most 2^32 queries. The parts of the two spans that the call can
@@ -101,9 +101,9 @@ void SurvivorCounts(const AnyWorld& world,
 
 // The survivors of a few consecutive queries among some consecutive objects.
 struct SurvivorTile {
-  std::size_t first_query = 0;   // an index into `queries`
+  std::size_t first_query = 0;   // the index of the first query
   std::size_t queries = 0;       // the number of queries
-  std::size_t first_object = 0;  // begin of the range + a multiple of 64
+  std::size_t first_object = 0;  // the begin of the range + a multiple of 64
   std::size_t objects = 0;       // the number of objects
 
   // The survivor mask of query `first_query + q`, where q < `queries`. Object
