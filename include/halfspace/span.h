@@ -1,7 +1,7 @@
 // Span: the type of all array parameters, a pointer and a size.
 //
-// Span is C++20's std::span with a dynamic extent, also for C++17. The calls
-// are the same functions in both.
+// Span is C++20's std::span with a dynamic extent, also for C++17. A call is
+// the same function in C++17 and in C++20.
 //
 // Arrays convert to a Span implicitly: C arrays, std::array, std::vector,
 // std::span, another Span, and any class whose data() and size() describe an
