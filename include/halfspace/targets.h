@@ -14,9 +14,9 @@
 // target that HALFSPACE_TARGET names at that time, or else the best compiled
 // target that CPU and operating system support. If the name is unknown or the
 // target is not supported here, every call that uses the chosen target fails
-// with an error (error.h). It never falls back to another target. Names are
-// case-sensitive: "avx2" is unknown, and the error message suggests AVX2. With
-// glibc, set-user-id programs ignore the variable.
+// with an error (error.h). The library never falls back to another target.
+// Names are case-sensitive: "avx2" is unknown, and the error message suggests
+// AVX2. With glibc, set-user-id programs ignore the variable.
 //
 // There is no function that sets the target of the process. One program can use
 // all supported targets, because each call can name its own.
