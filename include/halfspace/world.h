@@ -1,5 +1,5 @@
 // Worlds: stored bounds as a structure of arrays. A view refers to memory of
-// the caller, an owning world allocates its own.
+// the caller. An owning world allocates its memory.
 //
 //   halfspace::AabbWorld3 world;
 //   world.Push({{0, 0, 0}, {1, 1, 1}});
@@ -193,7 +193,7 @@ class World {
 
   // Returns a view of the current objects. A later Push, EraseBySwap, Resize or
   // Clear does not change the size of the view. The view is valid until the
-  // world grows, is assigned to, moved from or destroyed.
+  // world allocates a larger block, or is assigned to, moved from or destroyed.
   View view() const { return detail::ViewOf<View>(planes_); }
 
   // Returns the same planes for writing, for example by the builders of
