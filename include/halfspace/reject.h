@@ -11,9 +11,9 @@
 //             for some k in X, Y, ...
 //   AABO      as AABB, for some k in X, Y, ..., D
 //
-// All other objects survive. Bounds that only touch survive. A NaN in an object
-// or in the query never rejects. The results are bit-identical on every target,
-// schedule and compiler.
+// All other objects survive. Bounds that only touch survive. A compare with a
+// NaN never rejects; the other planes still can. The results are bit-identical
+// on every target, schedule and compiler.
 //
 // Every call takes
 //   world    a view or an owning world of floats or doubles (world.h), or a

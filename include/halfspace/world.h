@@ -18,7 +18,7 @@
 // stored in double precision, for example in a database. A test of doubles
 // takes twice the time, because it reads twice the bytes.
 //
-// Planes may have any values. A NaN in a plane never rejects its object.
+// Planes may have any values. A plane with a NaN never rejects its object.
 //
 // Thread safety: as for any container. Any number of threads may read a world
 // at the same time. A write needs exclusive access.
