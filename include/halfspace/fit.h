@@ -17,7 +17,7 @@
 //
 // Words in the comments below:
 //   Tightest       Each value is the closest float that still encloses.
-//   Within 1 ulp   At most one float looser, after a square root or quotient.
+//   Within 1 ulp   At most one float looser than the tightest.
 //   Everything()   The result if finite floats cannot bound the shape: if an
 //                  input is NaN or infinite, or if the magnitudes of the
 //                  numbers that make up a point (its coordinates, a radius,

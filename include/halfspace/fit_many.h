@@ -8,12 +8,11 @@
 // Every call takes
 //   source   the shapes, in the caller's memory: of floats, or of doubles, as
 //            in Boxes<3, double>
-//   planes   where to write the bounds: the planes() of an owning world, or
-//            planes of floats in the caller's memory. The type says which
-//            planes are computed: SimplexPlanes, AabbPlanes, AaboPlanes, or
-//            DPlanes, which are the D axis alone and turn the planes of an AABB
-//            world into those of an AABO world. `planes.size` must be the
-//            number of shapes. Bounds of doubles: see bounds.h.
+//   planes   where to write the bounds: the planes() of an owning world of
+//            floats, or planes in the caller's memory (planes.h). The type says
+//            which planes are computed: SimplexPlanes, AabbPlanes, AaboPlanes,
+//            or DPlanes, the D axis alone, which completes the planes of boxes
+//            to those of AABOs. `planes.size` must be the number of shapes.
 //   options  tightness, inverted boxes, target; the defaults are right
 //   status   can be null; counts all shapes as results, and those that became
 //            Everything() (fit_status.h)
@@ -25,8 +24,8 @@
 // on every target and compiler.
 //
 // A bad element never throws. It becomes Everything() and is counted: a shape
-// with a NaN, an infinity, a negative radius, an index out of range, min[k] >
-// max[k], or magnitudes that sum to more than 2^125.
+// with a NaN, an infinity, a negative radius, an index out of range, magnitudes
+// that sum to more than 2^125, or, by default, min[k] > max[k].
 //
 // Errors (error.h): sizes do not match, an option is not one of the
 // enumerators, or the target is not supported; and, if there are shapes, a
