@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "bench/app/report_file.h"
+#include "bench/base/write_whole.h"
 #include "bench/report/html_report.h"
 #include "bench/report/report.h"
 
@@ -32,7 +33,7 @@ int Render(const BenchOptions& options) {
   if (options.report.empty()) {
     for (const std::string& report : reports) {
       if (&report != &reports.front()) std::cout << '\n';
-      WritePage(std::cout, report);
+      WriteWhole(std::cout, [&](std::ostream& out) { WritePage(out, report); });
     }
   } else {
     OutFile file(options.report);

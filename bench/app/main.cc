@@ -22,6 +22,7 @@
 #include "bench/app/run.h"
 #include "bench/base/progress.h"
 #include "bench/base/text_table.h"
+#include "bench/base/write_whole.h"
 #include "bench/input/bounds_reader.h"
 #include "bench/input/input_error.h"
 #include "bench/input/mesh_reader.h"
@@ -183,9 +184,10 @@ Results RunTo(std::ostream& out, const BenchOptions& options,
                         is_text && !is_page ? &out : nullptr);
   progress.Clear();
   if (!is_text) {
-    out << ToJson(results) << '\n';
+    out << ToJson(results) + '\n';
   } else if (is_page) {
-    WritePage(out, ToJson(results));
+    WriteWhole(out,
+               [&](std::ostream& page) { WritePage(page, ToJson(results)); });
   }
   return results;
 }
@@ -197,6 +199,7 @@ int Main(int argc, char** argv) {
     for (std::string_view section : kSections) std::cout << section << '\n';
     return kExitOk;
   }
+  CheckOutputs(options);
   if (!options.render.empty()) return Render(options);
   if (const TargetChoice choice = DescribeTargetChoice();
       !choice.error.empty()) {
@@ -204,10 +207,6 @@ int Main(int argc, char** argv) {
   }
   const std::optional<StoredRun> stored = ReadStoredRun(options);
   std::optional<Workload> input = ReadInput(options);
-  if (!options.report.empty() && options.report == options.out) {
-    throw UsageError("--out and --report: " + options.out +
-                     " cannot be both; name two files");
-  }
   std::optional<OutFile> page;
   if (!options.report.empty()) page.emplace(options.report);
   Results results;
@@ -216,6 +215,7 @@ int Main(int argc, char** argv) {
   } else {
     OutFile file(options.out);
     std::ostringstream text;
+    text.exceptions(std::ios::badbit);
     results = RunTo(text, options, std::move(input));
     file.Write(text.str());
   }
@@ -250,7 +250,8 @@ int main(int argc, char** argv) {
     return Fail(error.what(), kExitBadInput);
   } catch (const std::bad_alloc&) {
     return Fail(
-        "out of memory; free some, or choose fewer sections by --details",
+        "not enough memory; free some, or choose --quick, fewer --objects or "
+        "fewer sections by --details",
         kExitFailed);
   } catch (const std::exception& error) {
     return Fail(error.what(), kExitFailed);

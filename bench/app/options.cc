@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -108,6 +110,32 @@ std::string CheckSections(const std::string& list) {
   return {};
 }
 
+// --help in 80 columns. What an option excludes is left out, as most exclude
+// --render.
+class Help : public CLI::Formatter {
+ public:
+  std::string make_option(const CLI::Option* option,
+                          bool is_positional) const override {
+    constexpr std::size_t kIndent = 24;
+    constexpr std::size_t kWidth = 80;
+    std::string text = "  " + make_option_name(option, is_positional);
+    if (option->get_type_size() != 0) text += ' ' + option->get_type_name();
+    std::size_t column = text.size();
+    if (column >= kIndent) column = kWidth;  // begins on a new line
+    std::istringstream words(option->get_description());
+    for (std::string word; words >> word;) {
+      if (column + 1 + word.size() > kWidth) {
+        text += '\n';
+        column = 0;
+      }
+      const std::size_t gap = column < kIndent ? kIndent - column : 1;
+      text.append(gap, ' ') += word;
+      column += gap + word.size();
+    }
+    return text + '\n';
+  }
+};
+
 }  // namespace
 
 bool ParseOptions(int argc, char** argv, BenchOptions& options) {
@@ -115,6 +143,7 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
       "Measures on this machine when a bounding simplex rejects faster than a "
       "box,\nand when it does not."};
   app.name("cpuinfo-bench");
+  app.formatter(std::make_shared<Help>());
   app.set_version_flag("--version",
                        std::string("cpuinfo-bench ") + HALFSPACE_VERSION_STRING,
                        "Print the version and exit");
@@ -177,8 +206,8 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
   app.add_flag("--strict", options.is_strict,
                "Exit with 4 if something disturbed the run");
   std::string format = "text";
-  app.add_option("--format", format, "text (default) or json")
-      ->check(CLI::IsMember({"text", "json"}))
+  app.add_option("--format", format, "The form of the report, text by default")
+      ->check(CLI::IsMember({"text", "json"}).description(""))
       ->type_name("text|json");
   app.add_option("--out", options.out, "Write the results to this file")
       ->check(CheckFileName)
@@ -192,12 +221,14 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
                  "Write a page to look at, with figures, to this file")
       ->check(CheckFileName)
       ->type_name("FILE.html");
-  auto* render = app.add_option("--render", options.render,
-                                "Measure nothing: make the page of --report of "
-                                "these JSON reports, side by side")
-                     ->check(CheckFileName)
-                     ->expected(1, static_cast<int>(kMostReports))
-                     ->type_name("FILE.json");
+  auto* render =
+      app.add_option("--render", options.render,
+                     "Measure nothing: print the pages of these JSON "
+                     "reports; with --report, the only option "
+                     "allowed then, draw them side by side")
+          ->check(CheckFileName)
+          ->expected(1, static_cast<int>(kMostReports))
+          ->type_name("FILE.json");
   for (CLI::Option* option : app.get_options()) {
     const std::string name = option->get_name();
     if (name != "--report" && name != "--render" && name != "--help" &&

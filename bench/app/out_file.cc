@@ -3,12 +3,53 @@
 #include <random>
 #include <stdexcept>
 #include <system_error>
-
-#include "bench/app/options.h"
+#include <utility>
+#include <vector>
 
 namespace halfspace::bench {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// Whether writing `output` replaces `other`. A pipe or a device has nothing to
+// lose. Neither may be there yet.
+bool WouldReplace(const fs::path& output, const fs::path& other) {
+  std::error_code error;
+  const fs::file_status old = fs::status(output, error);
+  if (fs::exists(old)) {
+    return fs::is_regular_file(old) && fs::equivalent(output, other, error);
+  }
+  const auto real = [&error](const fs::path& path) {
+    return fs::weakly_canonical(fs::absolute(path, error), error);
+  };
+  return !fs::exists(other, error) && real(output) == real(other) && !error;
+}
+
+}  // namespace
+
+void CheckOutputs(const BenchOptions& options) {
+  std::vector<std::pair<std::string, std::string>> taken = {
+      {"--mesh", options.mesh},
+      {"--bounds", options.bounds},
+      {"--query-bounds", options.query_bounds},
+      {"--against", options.against}};
+  for (const std::string& path : options.render) {
+    taken.emplace_back("--render", path);
+  }
+  const std::pair<std::string, std::string> outputs[] = {
+      {"--out", options.out}, {"--report", options.report}};
+  for (const auto& [option, path] : outputs) {
+    if (path.empty()) continue;
+    for (const auto& [other, other_path] : taken) {
+      if (!other_path.empty() && WouldReplace(path, other_path)) {
+        throw UsageError(option + " " + path + " would overwrite the file of " +
+                         other + " " + other_path + "; name another file");
+      }
+    }
+    taken.emplace_back(option, path);
+  }
+}
 
 OutFile::OutFile(const std::string& path)
     : path_(path), target_(path), part_(path) {

@@ -8,7 +8,13 @@
 #include <string>
 #include <string_view>
 
+#include "bench/app/options.h"
+
 namespace halfspace::bench {
+
+// Throws UsageError if a file to write is also a file to read, or is to be
+// written twice, under any of its names.
+void CheckOutputs(const BenchOptions& options);
 
 class OutFile {
  public:

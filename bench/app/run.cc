@@ -4,11 +4,13 @@
 #include <memory>
 #include <new>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bench/base/text_table.h"
+#include "bench/base/write_whole.h"
 #include "bench/measure/clock_probe.h"
 #include "bench/report/paper.h"
 #include "bench/report/report.h"
@@ -61,13 +63,6 @@ class Runner {
     results_.seed = options_.seed;
     results_.repetitions = context_.effort.repetitions;
     CheckMemory();
-    if (text_ != nullptr) {
-      *text_ << "cpuinfo-bench " << results_.context.build.version << ' '
-             << Printable(options_.command) << "\n"
-             << results_.context.machine.cpu << ", seed " << options_.seed
-             << ", medians of " << context_.effort.repetitions
-             << " repetitions\n";
-    }
     PlanProgress();
     Section("machine", results_.machine, [&] { return results_.context; });
     Section("check", results_.check,
@@ -183,12 +178,26 @@ class Runner {
     if (scene_.objects.empty() && NeedsScene(name)) Scene();
     progress_.Begin(name, WeightOf(name));
     clock_.Sample();
-    result = make();
-    progress_.Clear();
-    if (text_ != nullptr) {
-      WriteText(*text_, *result);
-      text_->flush();
+    try {
+      result = make();
+      progress_.Clear();
+      if (text_ != nullptr) {
+        WriteWhole(*text_, [&](std::ostream& out) {
+          if (is_first_) WriteHead(out);
+          WriteText(out, *result);
+        });
+        is_first_ = false;
+      }
+    } catch (const std::bad_alloc&) {
+      FailForMemory(std::string("the section ") + name);
     }
+  }
+
+  void WriteHead(std::ostream& out) const {
+    out << "cpuinfo-bench " << results_.context.build.version << ' '
+        << Printable(options_.command) << "\n"
+        << results_.context.machine.cpu << ", seed " << options_.seed
+        << ", medians of " << context_.effort.repetitions << " repetitions\n";
   }
 
   bool NeedsScene(std::string_view section) const {
@@ -202,11 +211,16 @@ class Runner {
     return options_.is_quick ? kQuickObjects : kPaperObjects;
   }
 
-  [[noreturn]] void FailForMemory(const std::string& why) const {
-    throw UsageError("the scene of " + std::to_string(SceneObjects()) +
-                     " objects takes " +
-                     Mebibytes(SceneObjects() * sizeof(Aabo3)) + why +
-                     "; choose fewer --objects");
+  std::string SceneText() const {
+    return "the scene of " + std::to_string(SceneObjects()) +
+           " objects, which takes " + Mebibytes(SceneObjects() * sizeof(Aabo3));
+  }
+
+  [[noreturn]] static void FailForMemory(const std::string& what) {
+    throw std::runtime_error(
+        "not enough memory for " + what +
+        "; free some, or choose --quick, fewer --objects or fewer "
+        "sections by --details");
   }
 
   // Before anything is taken: a system that has promised too much ends the
@@ -219,8 +233,9 @@ class Runner {
     const std::size_t available = results_.context.machine.available_memory;
     if (is_needed && available != 0 &&
         SceneObjects() * sizeof(Aabo3) > available / 8 * 7) {
-      FailForMemory(", too much for the " + Mebibytes(available) +
-                    " that are free");
+      throw UsageError("not enough memory for " + SceneText() + ": " +
+                       Mebibytes(available) +
+                       " are free; choose fewer --objects");
     }
   }
 
@@ -235,7 +250,7 @@ class Runner {
       scene_.timed_queries = scene_.queries;
       if (options_.queries == 0) scene_.queries.resize(kPaperQueries);
     } catch (const std::bad_alloc&) {
-      FailForMemory(", which this program does not get");
+      FailForMemory(SceneText());
     }
     // What the working sets may still take.
     results_.context.machine.available_memory = FreeMemory();
@@ -329,6 +344,7 @@ class Runner {
   std::optional<Workload> input_;
   Progress& progress_;
   std::ostream* text_;
+  bool is_first_ = true;  // nothing is written to it yet
   Results results_;
   Context context_;
   Context best_;  // the target of the answers alone

@@ -1,5 +1,7 @@
-// One line on stderr that says how far a long run is, and how long it still
-// takes. Silent unless stderr is a terminal; plain text with NO_COLOR.
+// Says on stderr how far a long run is, and how long it still takes: on a
+// terminal in one line that is drawn again and again, elsewhere, and on a
+// terminal that has no escape sequences (TERM=dumb), in a line for each
+// section. No colours with NO_COLOR.
 #ifndef HALFSPACE_BENCH_BASE_PROGRESS_H_
 #define HALFSPACE_BENCH_BASE_PROGRESS_H_
 
@@ -30,13 +32,16 @@ class Progress {
   // `fraction` of the current section, or of its part, is done.
   void Update(double fraction);
 
-  // Removes the line, so that other output can follow.
+  // Removes the line of a terminal, so that other output can follow.
   void Clear();
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  bool is_shown_;
+  // The section, between `before` and `after`, and how far the run is.
+  void Print(const char* before, const char* after, double fraction) const;
+
+  bool is_redrawn_;
   bool has_color_;
   bool is_line_drawn_ = false;
   std::string section_;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <thread>
 
@@ -22,12 +23,31 @@
 #include <sys/prctl.h>
 #endif
 #if defined(__unix__) || defined(__APPLE__)
+#include <sys/resource.h>
 #include <sys/utsname.h>
 #include <unistd.h>
 #endif
 
 namespace halfspace::bench {
 namespace {
+
+// The bytes that the limit on addresses (ulimit -v) leaves this process;
+// nothing where there is none.
+std::optional<std::size_t> BytesUpToLimit() {
+#if defined(__linux__)
+  rlimit limit;
+  std::size_t pages = 0;
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY ||
+      !(std::ifstream("/proc/self/statm") >> pages)) {
+    return std::nullopt;
+  }
+  const std::size_t used =
+      pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  return limit.rlim_cur > used ? limit.rlim_cur - used : 0;
+#else
+  return std::nullopt;
+#endif
+}
 
 // The first value of a key in /proc/cpuinfo; empty where there is none.
 std::string CpuInfo(const std::string& key) {
@@ -188,15 +208,20 @@ int UsableCpus() {
 }
 
 std::size_t FreeMemory() {
+  std::size_t bytes = 0;
   std::ifstream file("/proc/meminfo");
   std::string key;
   std::size_t kibibytes = 0;
   std::string unit;
-  while (file >> key >> kibibytes) {
+  while (bytes == 0 && file >> key >> kibibytes) {
     std::getline(file, unit);
-    if (key == "MemAvailable:") return kibibytes * 1024;
+    if (key == "MemAvailable:") bytes = kibibytes * 1024;
   }
-  return 0;
+  if (const std::optional<std::size_t> limit = BytesUpToLimit()) {
+    bytes =
+        std::max<std::size_t>(1, bytes == 0 ? *limit : std::min(bytes, *limit));
+  }
+  return bytes;
 }
 
 Machine DescribeMachine() {

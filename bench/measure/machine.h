@@ -38,7 +38,7 @@ Machine DescribeMachine();
 // Logical CPUs that this thread may use; 0 if unknown.
 int UsableCpus();
 
-// Bytes of memory that can still be taken; 0 if unknown.
+// Bytes of memory that this process can still take; 0 if unknown.
 std::size_t FreeMemory();
 
 // How this program was built.

@@ -58,7 +58,7 @@ std::uint64_t ExistingLanes(const SortedLevel& level, std::size_t block) {
 }  // namespace
 
 void SortedTree::Prepare(const char* call, SortedRoom room) {
-  std::ignore = KernelsOf(shape_, Target(), call);
+  std::ignore = KernelsFor(shape_, Target(), call);
   CheckLoaded(call);
   const SortedRoom old = Room();
   room = {std::max(old.slots, room.slots), std::max(old.ids, room.ids),
@@ -124,7 +124,7 @@ void SortedTree::Reallocate(const char* call, const SortedRoom& room) {
     std::memcpy(grown.levels_.built, levels_.built,
                 PartsOf(to.slots) * sizeof(SortedPart));
     if (grown.levels_.count > old_count) {
-      const auto& kernels = KernelsOf(shape_, Target(), call);
+      const auto& kernels = KernelsFor(shape_, Target(), call);
       kernels::InDefaultFpMode(
           [&] { EncodeLevels(grown.levels_, kernels, old_count - 1); });
       if (room.has_categories) OrAllCategories(grown.levels_);
@@ -169,7 +169,7 @@ std::size_t SortedTree::PrepareObject(std::uint32_t id, bool has_categories,
 // node stays as it was.
 void SortedTree::EncodePath(std::size_t slot) {
   const SortedKernels::OfPlanes& kernels =
-      KernelsOf(shape_, Target(), "SortedWorld");
+      KernelsFor(shape_, Target(), "SortedWorld");
   kernels::InDefaultFpMode([&] {
     std::size_t block = slot;
     for (std::size_t l = 0; l < levels_.count; ++l) {
@@ -390,7 +390,7 @@ void SortedTree::Refit(const FloatColumns& objects, bool is_by_id,
   CheckColumns(shape_, objects, call);
   Prepare(call, {});
   FillSlots(shape_, levels_, objects, is_by_id ? levels_.ids : nullptr,
-            KernelsOf(shape_, Target(), call), run);
+            KernelsFor(shape_, Target(), call), run);
 }
 
 }  // namespace halfspace::detail

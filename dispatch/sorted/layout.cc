@@ -211,6 +211,10 @@ void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
 
 void CheckColumns(const SortedShape& shape, const FloatColumns& objects,
                   const char* call) {
+  if (objects.stride != 1) {
+    kernels::CheckMemory(call, "bounds", objects.planes[0], objects.size,
+                         alignof(float));
+  }
   for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
     kernels::CheckPointer(
         call, objects.planes[p], alignof(float),

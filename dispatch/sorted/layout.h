@@ -67,9 +67,9 @@ inline std::size_t PlanesOf(const SortedShape& shape) {
   return shape.has_max ? 2u * shape.axes : shape.axes;
 }
 
-inline const SortedKernels::OfPlanes& KernelsOf(const SortedShape& shape,
-                                                Target target,
-                                                const char* call) {
+inline const SortedKernels::OfPlanes& KernelsFor(const SortedShape& shape,
+                                                 Target target,
+                                                 const char* call) {
   const SortedKernels& kernels = shape.kernels[dispatch::IndexOf(target, call)];
   return shape.has_max ? kernels.all : kernels.minima;
 }

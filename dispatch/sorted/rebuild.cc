@@ -134,7 +134,7 @@ void SortedTree::Rebuild(Order order, const PartRunner& run) {
 
 void SortedTree::Resort(const char* call, Span<const SlotRange> ranges,
                         const SortedRoom& room) {
-  const SortedKernels::OfPlanes& kernels = KernelsOf(shape_, Target(), call);
+  const SortedKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), call);
   const Gathered gathered(shape_, memory_, levels_, ranges);
   const FloatColumns& columns = gathered.columns();
   const Scratch order(memory_, columns.size * sizeof(std::uint32_t));
@@ -191,7 +191,7 @@ void SortedTree::Resort(const char* call, Span<const SlotRange> ranges,
 
 void SortedTree::CloseGaps() {
   const SortedKernels::OfPlanes& kernels =
-      KernelsOf(shape_, Target(), "SortedWorld");
+      KernelsFor(shape_, Target(), "SortedWorld");
   SortedHeader& header = this->header();
   const double decay = std::max(1.0, Decay());
   const SortedLevel& level = levels_.level[0];

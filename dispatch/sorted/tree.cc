@@ -162,7 +162,7 @@ void SortedTree::Build(const FloatColumns& objects, Order order, Target target,
 void SortedTree::BuildIn(const SortedRoom& room, const FloatColumns& objects,
                          Order order, Target target, const PartRunner& run) {
   constexpr const char* kCall = "SortedWorld";
-  const SortedKernels::OfPlanes& kernels = KernelsOf(shape_, target, kCall);
+  const SortedKernels::OfPlanes& kernels = KernelsFor(shape_, target, kCall);
   if (objects.size >= kMostObjects) {
     kernels::ThrowInvalid(kCall, "world", "less than 2^31 objects",
                           std::to_string(objects.size));

@@ -84,7 +84,7 @@ Boxes<kDims, T> BoxesOfRecords(const Aabb<kDims, T>* boxes, std::size_t count) {
   Boxes<kDims, T> columns;
   columns.count = count;
   columns.stride = 2 * kDims;
-  if (count == 0) return columns;
+  if (boxes == nullptr || count == 0) return columns;
   for (std::size_t k = 0; k < kDims; ++k) {
     columns.min[k] = boxes->min.data() + k;
     columns.max[k] = boxes->max.data() + k;

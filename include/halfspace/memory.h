@@ -1,14 +1,15 @@
 // Where owners get their memory: World (world.h), QuantizedBounds and
 // QuantizedWorld (quantized.h), SortedWorld (sorted.h). Nothing else in the
-// library allocates, but for the text of an error, the choice of a target,
-// once, and PairsOf() (sorted_pairs.h), from the heap.
+// library allocates, but for the text of an error, and the choice of a target,
+// once.
 //
 //   std::pmr::monotonic_buffer_resource arena;
 //   AaboWorld3 world(MemoryFrom(arena));
 //
 // Whatever an owner allocates comes from its resource, that which it needs for
-// the time of a call included. Without one it comes from operator new, in huge
-// pages where there are enough of them.
+// the time of a call included (PairsOf() of sorted_pairs.h is such a call).
+// Without one it comes from operator new, in huge pages where there are enough
+// of them.
 //
 // Which resource an owner uses is as in std::pmr:
 // - Constructed: the one that is given, or the default.
@@ -40,7 +41,7 @@ namespace halfspace {
 // points to must outlive them, and those that they are moved to.
 //
 // Thread safety: the functions are called by the thread that changes, makes or
-// destroys an owner.
+// destroys an owner, or that calls PairsOf() or ForEachPairOf() on it.
 struct MemoryResource {
   // Memory of `bytes` > 0, aligned to `alignment`, which is 64. May throw
   // std::bad_alloc, or return null, which the owner turns into std::bad_alloc:

@@ -65,8 +65,9 @@ namespace halfspace {
 // tells them apart well, Fits() returns false: call Requantize again. Answers
 // are right before and after; only the number of survivors changes.
 //
-// Errors (error.h): an index that is not below size() and a size that no memory
-// can have are violated preconditions; a failed allocation throws
+// Errors (error.h): an index is not below size(), no memory can have the size,
+// or a plane of a view or the pointer of a list of bounds is null or misaligned
+// and the view or the list is not empty. A failed allocation throws
 // std::bad_alloc. The quantized bounds are then as they were.
 template <typename FloatView, typename ElementType = std::uint8_t>
 class QuantizedBounds {
@@ -110,9 +111,7 @@ class QuantizedBounds {
 
   // Replaces the content: trains a new quantizer on `floats` and encodes all of
   // them. Costs about 0.1 us an octahedron (0.3 with uint16), and a sort of at
-  // most 2^16 values a plane (2^18 with uint16). Throws (error.h)
-  // for a null or misaligned plane of a view that is not empty; the quantized
-  // bounds are then as they were.
+  // most 2^16 values a plane (2^18 with uint16).
   void Requantize(const FloatView& floats) {
     planes_.Requantize(detail::ColumnsOf(floats));
   }
@@ -244,8 +243,10 @@ class QuantizedWorld {
   explicit QuantizedWorld(Span<const Bound> bounds,
                           const MemoryResource& memory = {})
       : quantized_(memory),
-        records_(bounds.begin(), bounds.end(), Allocator(memory)) {
-    Requantize();
+        records_(Allocator(memory)),
+        trained_(bounds.size()) {
+    quantized_.Requantize(bounds);
+    records_.assign(bounds.begin(), bounds.end());
   }
 
   const MemoryResource& memory() const { return quantized_.memory(); }

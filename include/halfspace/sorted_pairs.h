@@ -32,7 +32,7 @@
 //
 // Thread safety: calls on the same worlds may run at the same time, and share
 // one join by parts (PairOptions). They use up to 32 KiB of stack and lock
-// nothing. Only PairsOf() and ForEachPairOf() allocate.
+// nothing. Only PairsOf() and ForEachPairOf() allocate: see there.
 //
 // Cost: a query for each 64 objects, and a compare of those that meet the
 // bounds of each other's 64: 12 ns a pair where an object is in 5 pairs, 3 ns
@@ -134,13 +134,18 @@ void ForEachPair(const SortedWorld<View>& a, const SortedWorld<View>& b,
 }
 
 // The pairs of an object of a set, which is IdPair::a, and any other object:
-// what is new when these objects moved. A pair of two objects of the set is
-// there once. An id may be in the list more than once.
+// the pairs that can be new after these objects moved. A pair of two objects of
+// the set is found once. An id may be in the list more than once.
 //
-// Allocates a bit for each object from the world's memory; a failed allocation
-// throws std::bad_alloc. A world that has never changed by id
-// (SortedWorld::Set) takes two bits, and 0.6 ns an object to find where they
-// are.
+// Both calls allocate a bit for each object from the world's MemoryResource
+// (SortedWorld::memory()), in the calling thread, and free it before they
+// return. The world is const, but its resource is used: calls that run at the
+// same time, such as those on different parts, need a resource that is
+// thread-safe. The default resource is. A failed allocation throws
+// std::bad_alloc before a pair is written and before the function is called.
+//
+// A world that has never changed by id (SortedWorld::Set) takes two bits for
+// each object, and 0.6 ns for each object to find their places.
 template <typename View>
 [[nodiscard]] std::size_t PairsOf(const SortedWorld<View>& world,
                                   Span<const std::uint32_t> ids,

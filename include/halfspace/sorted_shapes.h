@@ -29,11 +29,13 @@
 // involved may survive (docs/sorted.md). The answers are the same on every
 // target.
 //
-// NaN and infinities: planes of objects as in reject.h. A shape that a builder
-// cannot bound is Everything(), and a half-space with one of them, or one
-// number of whose normal is less than 2^-96 of another but not 0, rejects
-// nothing. No half-spaces reject nothing. Objects that are Empty() survive only
-// what rejects nothing.
+// NaN and infinities: planes of objects as in reject.h. A sphere, segment or
+// capsule that a builder of fit.h cannot bound is a query of Everything(): one
+// with a NaN, an infinity, or magnitudes that sum to more than 2^125. A
+// half-space with a NaN or an infinity rejects nothing, and neither does one
+// whose normal has a number that is not 0 and is less than 2^-96 of another. An
+// empty list of half-spaces keeps every object. An Empty() object is found only
+// by a list of half-spaces that rejects nothing.
 //
 // Errors (error.h): those of sorted.h; a radius is negative or NaN, there are
 // more than 64 half-spaces, or the pointer to them is null or misaligned.
@@ -170,7 +172,7 @@ template <typename View, typename Shapes,
                                           Span<std::size_t> offsets,
                                           const SortedOptions& options = {}) {
   return detail::SortedSurvivorsOfMany(
-      world.tree(), std::data(shapes), std::size(shapes),
+      world.tree(), std::data(shapes), std::size(shapes), alignof(Shape),
       [](const void* queries, std::size_t q) {
         return detail::ShapeQueryFor<View>(
             static_cast<const Shape*>(queries)[q]);

@@ -112,9 +112,10 @@ using AaboView4 = AaboView<4>;
 // by Set(i, bound). A hole costs what an object costs, in memory and in every
 // scan, and size() counts it. The caller keeps the list of free indices.
 //
-// Errors (error.h): an index that is not below size() and a size that no memory
-// can have are violated preconditions; a failed allocation throws
-// std::bad_alloc. The world is then as it was.
+// Errors (error.h): an index is not below size(), no memory can have the size,
+// or the pointer of a list of bounds is null or misaligned and the list is not
+// empty. A failed allocation throws std::bad_alloc. The world is then as it
+// was.
 //
 // Memory: one block, from the heap or from a resource of the caller's; memory.h
 // says which one copies, moves and swap(a, b) use.
@@ -177,9 +178,7 @@ class World {
   // Replaces the content by the given bounds, in order. They may not be part
   // of this world's memory.
   void Assign(Span<const Bound> bounds) {
-    planes_.Reserve(bounds.size());
-    planes_.Clear();
-    for (const Bound& bound : bounds) Push(bound);
+    planes_.Assign(detail::RecordsOf(bounds), bounds.size());
   }
 
   // A view of the current objects. It does not follow a later Push, EraseBySwap

@@ -52,6 +52,14 @@ halfspace_command_line_test(version CODE 0 ARGUMENTS --version
 halfspace_command_line_test(list CODE 0 ARGUMENTS --list
   STDOUT "machine\ncheck\ntable1\ncrossover\nkernels\nbuild\nthroughput\nsorted\nquality\nvolumes\ndual\naxes\nsegments\nmodel\nsweep\nthreads\nnoise\nanswers")
 halfspace_command_line_test(help CODE 0 ARGUMENTS --help STDOUT "--mesh")
+halfspace_command_line_test(progress CODE 0
+  ARGUMENTS --details machine,quality --objects 4096
+  STDERR "^cpuinfo-bench: machine +0 %\ncpuinfo-bench: scene .*\ncpuinfo-bench: quality +9[0-9] %, [0-9:]+ left\n$")
+add_test(NAME cpuinfo-bench.terminal
+  COMMAND sh "${CMAKE_CURRENT_SOURCE_DIR}/terminal.sh"
+          ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:cpuinfo-bench>)
+set_tests_properties(cpuinfo-bench.terminal PROPERTIES
+  LABELS tools SKIP_RETURN_CODE 77)
 add_test(NAME cpuinfo-bench.man_page
   COMMAND sh "${CMAKE_CURRENT_SOURCE_DIR}/man_page.sh"
           "${PROJECT_SOURCE_DIR}/docs/cpuinfo-bench.1"
@@ -176,7 +184,28 @@ halfspace_command_line_test(render_and_measure CODE 2
   STDERR "excludes")
 halfspace_command_line_test(one_file_for_two CODE 2
   ARGUMENTS --details machine --out x.html --report x.html
-  STDERR "two files")
+  STDERR "would overwrite the file of --out .*; name another")
+# Files that are read are not written, whatever they are called.
+file(MAKE_DIRECTORY "${inputs}/folder")
+file(CREATE_LINK "${inputs}/against_link.out" "${inputs}/link.json" SYMBOLIC)
+foreach(pair "mesh|../inputs/mesh_over.out" "bounds|./bounds_over.out"
+             "against|folder/../against_over.out" "render|render_over.out")
+  string(REGEX MATCH "^([a-z]+)[|](.*)" pair "${pair}")
+  halfspace_command_line_test(${CMAKE_MATCH_1}_over CODE 2
+    ARGUMENTS --${CMAKE_MATCH_1} "${inputs}/${CMAKE_MATCH_2}"
+    REPORT "^what was there$"
+    STDERR "--report .* would overwrite the file of --${CMAKE_MATCH_1} .*; name another")
+endforeach()
+halfspace_command_line_test(query_bounds_over CODE 2
+  ARGUMENTS --bounds "${inputs}/boxes.csv"
+            --query-bounds "${inputs}/query_bounds_over.out"
+  OUT "^what was there$" STDERR "would overwrite the file of --query-bounds .*; name another")
+halfspace_command_line_test(against_link CODE 2
+  ARGUMENTS --details machine --against "${inputs}/link.json"
+  OUT "^what was there$" STDERR "would overwrite the file of --against .*link.json; name another")
+halfspace_command_line_test(one_new_file_for_two CODE 2
+  ARGUMENTS --details machine --out "${inputs}/new" --report "${inputs}/./new"
+  STDERR "would overwrite the file of --out .*; name another")
 halfspace_command_line_test(unwritable_report CODE 2
   ARGUMENTS --details machine --report "${inputs}/none/x"
   STDERR "cannot be written")
@@ -250,7 +279,7 @@ halfspace_command_line_test(objects_that_are_not_needed CODE 0
 if(NOT CMAKE_CROSSCOMPILING AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize=")
   halfspace_command_line_test(no_memory_for_the_scene CODE 2
     BEFORE prlimit --as=200000000 ARGUMENTS --details quality --objects 8388608
-    STDERR "256 MiB.*fewer --objects")
+    STDOUT "^$" STDERR "256 MiB.*fewer --objects")
 endif()
 halfspace_command_line_test(far_mesh CODE 3
   ARGUMENTS --details quality --mesh "${inputs}/far.obj" STDERR "Everything")

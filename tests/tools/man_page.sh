@@ -2,7 +2,8 @@
 # usage: man_page.sh PAGE COMMAND...
 #
 # The manual PAGE has the options that COMMAND --help lists, and no others; groff,
-# where it is installed, has nothing to say of it.
+# where it is installed, has nothing to say of it. --help fits 80 columns, and does not
+# repeat what each option excludes.
 set -eu
 
 page=$1
@@ -10,7 +11,12 @@ shift
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
-"$@" --help | grep -oE '^  [^ ]+' | grep -oE -e '--[a-z-]+' | sort -u >"$scratch/help"
+"$@" --help >"$scratch/text"
+if grep -E '.{81}|Excludes' "$scratch/text"; then
+  echo "these lines of --help are too long, or repeat what an option excludes"
+  exit 1
+fi
+grep -oE '^  [^ ]+' "$scratch/text" | grep -oE -e '--[a-z-]+' | sort -u >"$scratch/help"
 # The line after .TP is the head of a paragraph.
 sed 's/\\-/-/g' "$page" |
   awk 'is_head && /--/ { print } { is_head = /^[.]TP/ }' |

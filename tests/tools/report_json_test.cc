@@ -2,15 +2,27 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <exception>
+#include <fstream>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#if defined(__linux__)
+#include <sys/resource.h>
+#include <unistd.h>
+#endif
+
 #include "bench/app/run.h"
+#include "bench/base/write_whole.h"
+#include "bench/measure/machine.h"
 #include "bench/report/report.h"
 #include "halfspace/targets.h"
+#include "tests/library/support/sanitized.h"
 
 namespace halfspace::bench {
 namespace {
@@ -34,6 +46,52 @@ const Json& Report() {
     return Json::parse(ToJson(Run(options, std::nullopt, progress, nullptr)));
   }();
   return report;
+}
+
+#if defined(__linux__) && !defined(HALFSPACE_SANITIZED)
+TEST(MemoryTest, RunWithoutEnoughPrintsWholeSectionsAndNamesTheNext) {
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  rlimit old;
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &old), 0);
+  rlimit tight = old;
+  tight.rlim_cur = pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE)) +
+                   (std::size_t{24} << 20);
+  BenchOptions options;
+  options.is_quick = true;
+  options.details = {"machine", "volumes"};
+  Progress progress;
+  std::ostringstream text;
+  std::string error;
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &tight), 0);
+  rlimit taken;
+  getrlimit(RLIMIT_AS, &taken);
+  if (taken.rlim_cur != tight.rlim_cur) GTEST_SKIP() << "qemu has no limit";
+  EXPECT_LE(FreeMemory(), std::size_t{24} << 20);
+  try {
+    bench::Run(options, std::nullopt, progress, &text);
+  } catch (const std::exception& caught) {
+    error = caught.what();
+  }
+  setrlimit(RLIMIT_AS, &old);
+  EXPECT_EQ(error.find("not enough memory for the section volumes; "), 0u)
+      << error;
+  EXPECT_NE(text.str().find("\n\nmachine: "), std::string::npos) << text.str();
+  EXPECT_EQ(text.str().find("volumes"), std::string::npos) << text.str();
+}
+#endif
+
+TEST(MemoryTest, WriteWholeWritesAllOrNothing) {
+  std::ostringstream out;
+  EXPECT_THROW(WriteWhole(out,
+                          [](std::ostream& text) {
+                            text << "half a line";
+                            throw std::bad_alloc();
+                          }),
+               std::bad_alloc);
+  EXPECT_EQ(out.str(), "");
+  WriteWhole(out, [](std::ostream& text) { text << "a line\n"; });
+  EXPECT_EQ(out.str(), "a line\n");
 }
 
 TEST(ReportJsonTest, HasSchemaContextBenchmarksAndSections) {
