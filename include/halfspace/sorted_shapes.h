@@ -24,10 +24,9 @@
 //                     that is outside, as near an edge of a frustum, but not
 //                     wholly behind any one plane, may survive
 //
-// What touches the exact shape, taken as real numbers, is never rejected, in
-// any floating-point mode; what is apart by less than about 2^-18 of the sizes
-// involved may survive (docs/sorted.md). The answers are the same on every
-// target.
+// What touches the exact shape, taken as real numbers, is never rejected. An
+// object that is apart by less than about 2^-18 of the sizes involved may
+// survive (docs/sorted.md). The answers are the same on every target.
 //
 // NaN and infinities: planes of objects as in reject.h. A sphere, segment or
 // capsule that a builder of fit.h cannot bound is a query of Everything(): one
@@ -40,7 +39,9 @@
 // Errors (error.h): those of sorted.h; a radius is negative or NaN, there are
 // more than 64 half-spaces, or the pointer to them is null or misaligned.
 //
-// Floating-point mode: as in sorted.h, but a call may also raise invalid.
+// Floating-point mode: as in sorted.h, but a call may also raise invalid. What
+// touches survives in every mode. Of the objects that are apart by less than
+// those 2^-18, another rounding mode may keep others.
 //
 // Thread safety: as in sorted.h; 6 KiB of stack more.
 //
