@@ -12,23 +12,20 @@
 //
 // An object survives unless a test of its bound proves that the shape cannot
 // touch it:
-//   sphere            The bound of the sphere, and the distance of the object's
-//                     box from the center. A simplex has no box: there it is
-//                     the distance of the octant above its minima.
-//   segment, capsule  The slab test: the parts of the segment that are within
-//   the
-//                     radius of the planes of each axis, D included, must
-//                     overlap. Near an edge, an object up to sqrt(d) * radius
-//                     away can survive.
-//   half-spaces       The corner of the bound that is foremost along each
-//   normal.
-//                     For an octahedron it is the corner of its box. An object
-//                     near an edge of a frustum that is behind no single plane
-//                     can survive.
+//   sphere: the bound of the sphere, and the distance of the object's box from
+//     the center. A simplex has no box: there it is the distance of the octant
+//     above its minima.
+//   segment, capsule: the slab test. The parts of the segment that are within
+//     the radius of the planes of each axis, D included, must overlap. Near an
+//     edge, an object up to sqrt(d) * radius away can survive.
+//   half-spaces: the corner of the bound that is foremost along each normal.
+//     For an octahedron it is the corner of its box. An object near an edge of
+//     a frustum that is behind no single plane can survive.
 //
 // No object whose bound touches the exact shape is rejected, in any
 // floating-point mode. Objects closer than about 2^-18 of the sizes involved
-// can survive (docs/sorted.md). All targets return the same objects.
+// can survive (docs/sorted.md), and the mode can change which of these do. All
+// targets return the same objects.
 //
 // NaN and infinities: planes of objects as in reject.h. A sphere, segment or
 // capsule with a NaN, an infinity, or magnitudes that sum to more than 2^125 is
@@ -41,8 +38,10 @@
 // Errors (error.h): those of sorted.h; a radius is negative or NaN; there are
 // more than 64 half-spaces; the pointer to them is null or misaligned.
 //
-// Floating-point mode: as in sorted.h, except that a call may also raise
-// invalid.
+// No object whose bound touches the exact shape is rejected, in any
+// floating-point mode. Objects closer than about 2^-18 of the sizes involved
+// can survive (docs/sorted.md), and the mode can change which of these do. All
+// targets return the same objects.
 //
 // Thread safety: as in sorted.h, with 6 KiB more stack.
 //
