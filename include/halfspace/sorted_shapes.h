@@ -38,10 +38,8 @@
 // Errors (error.h): those of sorted.h; a radius is negative or NaN; there are
 // more than 64 half-spaces; the pointer to them is null or misaligned.
 //
-// No object whose bound touches the exact shape is rejected, in any
-// floating-point mode. Objects closer than about 2^-18 of the sizes involved
-// can survive (docs/sorted.md), and the mode can change which of these do. All
-// targets return the same objects.
+// Floating-point mode: as in sorted.h, except that a call may also raise
+// invalid.
 //
 // Thread safety: as in sorted.h, with 6 KiB more stack.
 //
