@@ -48,8 +48,8 @@ float KeyOf(KeyedSlot keyed) {
   return std::bit_cast<float>(static_cast<std::uint32_t>(keyed >> 32));
 }
 
-const SortedNearestKernels& KernelsOf(const SortedOptions& options,
-                                      const char* call) {
+const SortedNearestKernels& KernelsFor(const SortedOptions& options,
+                                       const char* call) {
   return kSortedNearestKernels[dispatch::IndexOf(options.target, call)];
 }
 
@@ -157,7 +157,7 @@ std::size_t SortedNearest(const SortedTree& tree, std::size_t dims,
                        alignof(std::uint32_t));
   kernels::CheckMemory(kCall, "distances", distances.data(), distances.size(),
                        alignof(float));
-  const auto& kernels = KernelsOf(options, kCall);
+  const auto& kernels = KernelsFor(options, kCall);
   if (tree.size() == 0) return 0;
   NearestSearch search = SearchFrom(tree, dims, point, max_distance, options);
   return kernels::InDefaultFpMode([&] {
@@ -171,7 +171,7 @@ void SortedForEachNearest(const SortedTree& tree, std::size_t dims,
                           const SortedOptions& options) {
   constexpr const char* kCall = "ForEachNearest";
   CheckLimit(kCall, "max_distance", max_distance);
-  const auto& kernels = KernelsOf(options, kCall);
+  const auto& kernels = KernelsFor(options, kCall);
   if (tree.size() == 0) return;
   NearestSearch search = SearchFrom(tree, dims, point, max_distance, options);
   Call(kernels, search, function, context);
@@ -184,7 +184,7 @@ void SortedForEachAlongRay(const SortedTree& tree, std::size_t dims,
   constexpr const char* kCall = "ForEachAlongRay";
   CheckLimit(kCall, "ray.max_t", ray[2 * dims]);
   CheckLimit(kCall, "radius", radius);
-  const auto& kernels = KernelsOf(options, kCall);
+  const auto& kernels = KernelsFor(options, kCall);
   if (tree.size() == 0) return;
   NearestSearch search{};
   Line line;
