@@ -201,10 +201,10 @@ void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
   kernels::CheckMemory(call, "ids", ids.data(), ids.size(),
                        alignof(std::uint32_t));
   if (offsets.size() <= query_count) {
-    kernels::ThrowInvalid(
-        call, "offsets",
-        "at least one more than the queries, " + std::to_string(query_count),
-        std::to_string(offsets.size()));
+    kernels::ThrowInvalid(call, "offsets",
+                          "at least " + std::to_string(query_count + 1) +
+                              " elements, one more than the queries",
+                          std::to_string(offsets.size()));
   }
   kernels::CheckMemory(call, "offsets", offsets.data(), offsets.size(),
                        alignof(std::size_t));

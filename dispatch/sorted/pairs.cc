@@ -74,11 +74,11 @@ void CheckIds(const SortedTree& tree, Span<const std::uint32_t> ids,
   kernels::CheckPointer(
       call, ids.data(), alignof(std::uint32_t), [] { return "ids"; },
       [&] { return std::to_string(ids.size()) + " ids"; });
-  for (std::uint32_t id : ids) {
-    if (!tree.Has(id)) {
-      kernels::ThrowInvalid(call, "ids", "ids of objects in the world",
-                            std::to_string(id));
-    }
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (tree.Has(ids[i])) continue;
+    kernels::ThrowInvalid(call, "ids[" + std::to_string(i) + "]",
+                          "the id of an object in the world",
+                          std::to_string(ids[i]));
   }
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -139,6 +140,10 @@ std::size_t SortedTree::size() const {
   return block_ == nullptr ? 0 : header().size;
 }
 
+std::size_t SortedTree::id_limit() const {
+  return block_ == nullptr ? 0 : header().ids;
+}
+
 void SortedTree::Allocate(const SortedRoom& room) {
   SortedLevels levels;
   const std::size_t bytes = Place(shape_, room, nullptr, false, levels);
@@ -216,10 +221,11 @@ void SortedTree::Load(Span<const std::byte> blob, bool is_in_place) {
                  "another beginning");
   }
   if (header.version != kSortedVersion) {
-    ThrowCorrupt(is_in_place,
-                 "format " + std::to_string(kSortedVersion) +
-                     " in this machine's byte order",
-                 "format " + std::to_string(header.version));
+    ThrowCorrupt(
+        is_in_place,
+        "format " + std::to_string(kSortedVersion) +
+            " in this machine's byte order",
+        "format " + std::to_string(header.version) + "; store the world again");
   }
   const auto type = [](std::size_t dims, std::size_t axes, bool has_max) {
     return std::to_string(dims) + " dimensions, " + std::to_string(axes) +
@@ -246,8 +252,10 @@ void SortedTree::Load(Span<const std::byte> blob, bool is_in_place) {
       header.checksum == 0 ||
       Place(shape_, room, nullptr, false, levels) != header.bytes ||
       header.bytes != blob.size()) {
-    ThrowCorrupt(is_in_place, "the bytes that its header describes",
-                 std::to_string(blob.size()));
+    ThrowCorrupt(is_in_place,
+                 std::to_string(header.bytes) + " bytes, as its header says",
+                 std::to_string(blob.size()) +
+                     " bytes or an altered header; store the world again");
   }
   SortedTree loaded(shape_, memory_);
   if (is_in_place) {
@@ -265,8 +273,9 @@ void SortedTree::Load(Span<const std::byte> blob, bool is_in_place) {
   SetSlots(loaded.levels_, header.slots);
   for (std::size_t l = 0; l < loaded.levels_.count; ++l) {
     if (!IsClosed(shape_, loaded.levels_.level[l])) {
-      ThrowCorrupt(is_in_place, "no objects beyond the last",
-                   "some on level " + std::to_string(l));
+      ThrowCorrupt(
+          is_in_place, "what SortedWorld::Blob() returned",
+          "altered bytes in the unused lanes of level " + std::to_string(l));
     }
   }
   Swap(loaded);

@@ -5,6 +5,7 @@
 //   halfspace::Aabb3 query = {{0, 0, 0}, {1, 1, 1}};
 //   std::vector<std::uint32_t> ids(sorted.size());
 //   ids.resize(Survivors(sorted, query, ids));
+//   sorted.Insert(BoundSphere(sphere).aabb());  // fit.h
 //
 // A call returns the same objects as the call of reject.h with the same name.
 // An id is the index of the object in the world that it came from. A flat scan
@@ -23,16 +24,17 @@
 // measurements.
 //
 // Bounds are floats in 2 or 3 dimensions: SortedWorld<SimplexView3>,
-// SortedWorld<AabbView3>, SortedWorld<AaboView3>, or 2. Each call takes a query
-// of the view's Query type. NaN, empty, inverted and infinite values mean the
-// same as in reject.h.
+// SortedWorld<AabbView3>, SortedWorld<AaboView3>, or the same with 2. Each call
+// takes a query of the view's Query type. NaN, empty, inverted and infinite
+// values mean the same as in reject.h.
 //
-// Errors (error.h), in every call: an output with room, or a list of queries,
+// Errors (error.h), in every call: an output or a list of more than 0 elements
 // is null or misaligned; the target is not supported. Outputs and queries must
 // not overlap in memory, which is not checked.
 //
 // Floating-point mode: as in reject.h, except that queries may raise inexact,
-// overflow and underflow. Mask these traps around a query. Building and
+// overflow and underflow. A program that enables floating-point traps must
+// disable these three during a query. Building and
 // changing a world never trap, in any mode.
 //
 // Thread safety: queries of one world may run at the same time. A query uses up
@@ -116,14 +118,15 @@ bool CallWithSome(void* function, Span<const Item> items) {
 // Memory: one block, from the heap or from a resource of the caller's
 // (memory.h, which says what copies, moves and swap(a, b) use). Boxes in 3
 // dimensions take 36 bytes per place, 24 of them floats, 4 more per id after
-// the first change by id, and 4 more per place with categories. Building takes
-// 16 bytes per object more, and sorting all objects again up to 112.
+// the first change by id, and 4 more per place with categories. During a build
+// there are 16 bytes per object more, and while all objects are sorted again up
+// to 112.
 //
 // Places: an object has a place in the order, and an erased object leaves an
-// empty one. There are never more than 2 * size() + 64 places. When the block
-// has no more places, it grows by half, or, if more than a quarter of the
-// places are empty, the objects move together. Rebuild() frees the memory that
-// is not needed.
+// empty one. There are never more than 2 * size() + 64 places. Objects move
+// together when half of the places are empty, or, if the block is full, when a
+// quarter are. Otherwise a full block grows by half. Rebuild() frees the memory
+// that is not needed.
 //
 // Changes are seen by every later call. No change may run at the same time as
 // another call on the same world. Changes run on the chosen target.
@@ -249,10 +252,13 @@ class SortedWorld {
   // Valid until the world changes.
   Span<const std::uint32_t> ids() const { return tree_.ids(); }
 
+  // One more than the greatest id that was in use since the last Rebuild(): the
+  // size of an array by id.
+  std::size_t id_limit() const { return tree_.id_limit(); }
+
   // Gives all objects new bounds, by id: bounds[i] is that of object i. Bounds
-  // of erased objects are not read. `bounds.size()` must be greater than every
-  // id, including those that were erased since the last Rebuild(). The order
-  // stays as it is. `run` is as in the constructor.
+  // of erased objects are not read. `bounds.size()` must be at least
+  // id_limit(). The order stays as it is. `run` is as in the constructor.
   template <typename Run = detail::InTurn>
   void Refit(const View& bounds, Run&& run = Run()) {
     tree_.Refit(detail::ColumnsOf(bounds), true, detail::RunnerOf(run));
@@ -307,8 +313,8 @@ class SortedWorld {
   }
 
   // The world as bytes, to store or to map: its block of memory itself. Valid
-  // until the world changes. The first call after a change computes a checksum,
-  // O(n); the others are O(1).
+  // until the world changes. A world that never had an object has no bytes. The
+  // first call after a change computes a checksum, O(n); the others are O(1).
   Span<const std::byte> Blob() const { return tree_.Blob(); }
 
   // A world of what Blob() returned. FromBlob() copies the bytes. InPlace()
@@ -316,8 +322,9 @@ class SortedWorld {
   // stay unchanged while the world lives. A change of the world copies them
   // first.
   //
-  // Both check the header in O(1), and throw (error.h) if the blob is one of
-  // another type, byte order or format. The format has its own version, which
+  // Both check the header, the size and the unused lanes of the last block of
+  // each tree level, and throw (error.h) if the blob is one of another type,
+  // byte order or format, or was cut. The format has its own version, which
   // changes less often than the library's. An altered body can change results,
   // but no query and no change reads or writes outside the blob and the world.
   // The first change checks in O(n) that ids and places belong together, and

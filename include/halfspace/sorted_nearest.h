@@ -13,9 +13,9 @@
 //
 // Distances are distances of bounds, not of the objects in them: from the point
 // to the box of the first d axes, or to the octant above the first d minima of
-// a simplex. Inside it is 0. A ray enters a bound where it is between the
-// planes of all axes, D included (a simplex has minima only). If its origin is
-// inside, t is 0.
+// a simplex. Inside the bound the distance is 0. A ray enters a bound where it
+// is between the planes of all axes, D included (a simplex has minima only). If
+// its origin is inside, t is 0.
 //
 // A callback is function(std::uint32_t id, float value), called for one object
 // after another with the distance or t. It returns void, or bool (false ends
@@ -93,8 +93,8 @@ struct NearCall {
 //
 // Cost: for any number of objects at most about the time to compute all
 // distances and sort the least ones (docs/sorted.md). One search finds up to
-// 2048 objects. For k objects more, there are about log2(k / 1024) searches in
-// the memory of `ids`.
+// 2048 objects. A call for more takes about log2(k / 1024) further searches,
+// which use `ids` as scratch memory.
 template <typename View>
 [[nodiscard]] std::size_t NearestObjects(
     const SortedWorld<View>& world,

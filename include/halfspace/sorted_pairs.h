@@ -67,6 +67,8 @@ struct PairOptions {
   // Finds only the pairs of parts begin ... end - 1 of PairParts(). Each pair
   // belongs to one part, so calls with disjoint ranges, on any threads, find
   // each pair once. Parts take unequal times, so use more ranges than threads.
+  // An `end` beyond the last part means the last, and there are no pairs if
+  // `begin` is not below `end`.
   std::size_t begin = 0;
   std::size_t end = static_cast<std::size_t>(-1);
   Target target = {};  // by default, the chosen one (targets.h)
@@ -95,7 +97,8 @@ void CallForPairs(const PairSources& sources, Function& function,
 
 }  // namespace detail
 
-// The number of parts of a join whose first or only world this is.
+// The number of parts of Pairs(world) and of Pairs(world, other). Changes of
+// the world change it.
 template <typename View>
 std::size_t PairParts(const SortedWorld<View>& world) {
   return (world.ids().size() + 63) / 64;

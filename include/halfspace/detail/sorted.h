@@ -142,6 +142,7 @@ class HALFSPACE_API SortedTree {
   const SortedLevels& levels() const { return levels_; }
   std::size_t size() const;
   std::size_t bytes() const { return bytes_; }
+  std::size_t id_limit() const;
   Span<const std::uint32_t> ids() const {
     return {levels_.ids, levels_.level[0].size};
   }

@@ -88,7 +88,7 @@ TYPED_TEST(SortedChangesTest, AnyHistoryIsThatOfTheModel) {
           sorted.Set(id, model.objects[id].bound);
         }
       } else if (what == 6) {
-        std::vector<Bound> bounds(ids_ever, Bound::Everything());
+        std::vector<Bound> bounds(sorted.id_limit(), Bound::Everything());
         for (auto& [id, object] : model.objects) {
           bounds[id] = object.bound = any_bound();
         }
@@ -122,6 +122,7 @@ TYPED_TEST(SortedChangesTest, AnyHistoryIsThatOfTheModel) {
         sorted.SetCategories(categories);
       }
       ASSERT_LE(sorted.ids().size(), 2 * sorted.size() + 64);
+      ASSERT_LE(sorted.id_limit(), ids_ever);
       const auto queries = SomeQueries<View>(random());
       for (std::uint32_t categories : {0xFFFFFFFFu, 1u, 6u}) {
         ExpectIsModel<View>(sorted, model, queries,

@@ -514,7 +514,7 @@ TEST(SortedErrorsTest, RefusesWhatItCannotRead) {
         (void)SurvivorsOfEach(sorted, std::span<const Aabb3>(queries), ids,
                               offsets);
       },
-      {"SurvivorsOfEach", "offsets", "3", "3"}));
+      {"SurvivorsOfEach", "offsets", "4", "3"}));
   AabbView3 view = world.view();
   view.max[1] = nullptr;
   EXPECT_TRUE(Refuses([&] { SortedWorld<AabbView3> bad(view); },
