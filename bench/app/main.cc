@@ -39,8 +39,7 @@ int Fail(const std::string& what, int code) {
   return code;
 }
 
-// So many that they and their bounds fit the memory: instances in a small file
-// may be any number.
+// So many that they and their bounds fit the memory.
 MeshLimits LimitsOf(std::size_t memory) {
   MeshLimits limits;
   if (memory == 0) return limits;
@@ -52,7 +51,6 @@ MeshLimits LimitsOf(std::size_t memory) {
   constexpr std::size_t kIndices = 3 * sizeof(std::uint32_t);
   limits.vertices = most(2 * kCoordinates, limits.vertices);
   limits.triangles = most(2 * (kIndices + sizeof(Aabo3)), limits.triangles);
-  limits.buffer_bytes = memory;
   return limits;
 }
 

@@ -156,9 +156,9 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
       ->check(CheckSections)
       ->type_name("SECTION,...");
   auto* mesh = app.add_option("--mesh", options.mesh,
-                              "Measure on the triangles of an OBJ or glTF file")
+                              "Measure on the triangles of a Wavefront OBJ file")
                    ->check(CheckFileName)
-                   ->type_name("FILE.obj|glb|gltf");
+                   ->type_name("FILE.obj");
   app.add_option("--bounds", options.bounds,
                  "Measure on boxes: rows minx,miny,minz,maxx,maxy,maxz")
       ->check(CheckFileName)

@@ -7,10 +7,6 @@ file(WRITE "${inputs}/boxes.csv" "0,0,0,1,1,1\n2,2,2,3,3,3\n")
 file(WRITE "${inputs}/far.obj" "v 3e38 0 0\nv 0 3e38 0\nv 0 0 3e38\nf 1 2 3\n")
 file(WRITE "${inputs}/far.csv" "2e38,2e38,2e38,3e38,3e38,3e38\n")
 file(WRITE "${inputs}/far_out.csv" "0,0,0,1,1,1\n1e13,1e13,1e13,2e13,2e13,2e13\n")
-file(WRITE "${inputs}/bad.gltf" "{\"asset\": {\"version\": \"2.0\"}, \"extensionsRequired\": [\"KHR_draco_mesh_compression\"]}")
-file(WRITE "${inputs}/bad.glb" "glTF")
-# Three corners of a square.
-file(WRITE "${inputs}/triangle.gltf" "{\"asset\": {\"version\": \"2.0\"}, \"meshes\": [{\"primitives\": [{\"attributes\": {\"POSITION\": 0}}]}], \"accessors\": [{\"bufferView\": 0, \"componentType\": 5126, \"count\": 3, \"type\": \"VEC3\"}], \"bufferViews\": [{\"buffer\": 0, \"byteLength\": 36}], \"buffers\": [{\"byteLength\": 36, \"uri\": \"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}]}")
 file(WRITE "${inputs}/bad.csv" "0,0,0,1,1,1\n0,0,0,nan,1,1\n")
 
 # halfspace_command_line_test(<name> CODE n [STDOUT regex] [STDERR regex]
@@ -130,14 +126,6 @@ halfspace_command_line_test(bad_mesh CODE 3
   ARGUMENTS --details quality --mesh "${inputs}/bad.obj" STDERR "bad.obj:3: ")
 halfspace_command_line_test(bad_bounds CODE 3
   ARGUMENTS --details quality --bounds "${inputs}/bad.csv" STDERR "bad.csv:2: ")
-halfspace_command_line_test(gltf CODE 0
-  ARGUMENTS --details quality --mesh "${inputs}/triangle.gltf"
-  STDOUT "1 objects, 1 queries")
-halfspace_command_line_test(bad_gltf CODE 3
-  ARGUMENTS --details quality --mesh "${inputs}/bad.gltf"
-  STDERR "bad.gltf: .*KHR_draco_mesh_compression.*; export")
-halfspace_command_line_test(bad_glb CODE 3
-  ARGUMENTS --details quality --mesh "${inputs}/bad.glb" STDERR "bad.glb: .*; copy")
 halfspace_command_line_test(missing_mesh CODE 3
   ARGUMENTS --mesh "${inputs}/none.obj" STDERR "none.obj: ")
 # What is compared, stored_run_test tests.
