@@ -7,11 +7,47 @@
 
 include(FetchContent)
 
+set(highway_repository https://github.com/google/highway.git)
 FetchContent_Declare(highway
-  GIT_REPOSITORY https://github.com/google/highway.git
+  GIT_REPOSITORY ${highway_repository}
   GIT_TAG 2607d3b5b0113992fe84d3848859eae13b3b52c1  # 1.4.0
   SOURCE_SUBDIR none  # a folder without CMakeLists.txt, so that nothing is built
   FIND_PACKAGE_ARGS 1.0.3 NAMES hwy CONFIG)
+
+function(halfspace_stop_without_highway why)
+  message(FATAL_ERROR
+    "halfspace needs the headers of Highway 1.0.3 or later.\n"
+    "  ${why}\n"
+    "Do one of these:\n"
+    "  - install it: libhwy-dev on Debian and Ubuntu, highway of brew and vcpkg\n"
+    "  - add -DFETCHCONTENT_SOURCE_DIR_HIGHWAY=<checkout of Highway 1.4.0>")
+endfunction()
+
+# A download that fails ends in errors of CMake's own, which name no package.
+FetchContent_GetProperties(highway)
+if(NOT highway_POPULATED AND NOT FETCHCONTENT_SOURCE_DIR_HIGHWAY AND
+   NOT EXISTS "${FETCHCONTENT_BASE_DIR}/highway-src/hwy/highway.h")
+  find_package(highway 1.0.3 QUIET NAMES hwy CONFIG)
+  if(NOT highway_FOUND)
+    set(found "It is not installed")
+    if(highway_CONSIDERED_VERSIONS)
+      set(found "Only ${highway_CONSIDERED_VERSIONS} is installed")
+    endif()
+    find_package(Git QUIET)
+    if(NOT Git_FOUND)
+      halfspace_stop_without_highway(
+        "${found}, and there is no git to download it with.")
+    endif()
+    execute_process(COMMAND "${GIT_EXECUTABLE}" ls-remote ${highway_repository} HEAD
+                    RESULT_VARIABLE failed OUTPUT_QUIET ERROR_VARIABLE error)
+    if(failed)
+      string(STRIP "${error}" error)
+      halfspace_stop_without_highway(
+        "${found}, and git cannot download it: ${error}")
+    endif()
+  endif()
+endif()
+
 FetchContent_MakeAvailable(highway)
 
 if(highway_SOURCE_DIR)
@@ -25,6 +61,11 @@ else()
   list(GET HALFSPACE_HIGHWAY_INCLUDE 0 HALFSPACE_HIGHWAY_INCLUDE)
   message(STATUS "halfspace: Highway ${highway_VERSION} of the system; "
                  "the bundled release is skipped")
+endif()
+
+if(NOT EXISTS "${HALFSPACE_HIGHWAY_INCLUDE}/hwy/highway.h")
+  halfspace_stop_without_highway(
+    "There is no hwy/highway.h in ${HALFSPACE_HIGHWAY_INCLUDE}.")
 endif()
 
 # Left out: targets whose kernels are no faster than those of the next one below

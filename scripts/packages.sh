@@ -1,8 +1,9 @@
 # shellcheck shell=bash
 # What a build needs, and how to get it. After steps.sh.
 
+# make is for whoever then calls cmake without a preset or -G.
 build_packages=(
-  binutils cmake g++ ninja-build pkg-config
+  binutils cmake g++ make ninja-build pkg-config
   libbenchmark-dev libcli11-dev libgmp-dev libgtest-dev libhwy-dev
   libtinyobjloader-dev nlohmann-json3-dev)
 

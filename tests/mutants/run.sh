@@ -44,8 +44,7 @@ copy_sources() {
 # A shared library, so that a change in it links nothing anew.
 configure() {
   cmake -S "$copy" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=None \
-    -DCMAKE_CXX_FLAGS=-O1 -DHALFSPACE_BUILD_TOOLS=OFF \
-    -DHALFSPACE_BUILD_EXAMPLES=OFF -DHALFSPACE_INSTALL=OFF \
+    -DCMAKE_CXX_FLAGS=-O1 -DHALFSPACE_BUILD_TESTS=ON -DHALFSPACE_INSTALL=OFF \
     -DHALFSPACE_SHARED=ON -DCMAKE_LINK_DEPENDS_NO_SHARED=ON
 }
 

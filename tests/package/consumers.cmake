@@ -94,9 +94,7 @@ set(prefix "${CMAKE_CURRENT_BINARY_DIR}/shared")
 install_command(install . "${prefix}")
 add_nested_build_test(package.install_shared "${PROJECT_SOURCE_DIR}"
   OPTIONS ${nested_library_options} -DHALFSPACE_SHARED=ON
-    -DHALFSPACE_BUILD_TESTS=OFF
     "-DHALFSPACE_BUILD_TOOLS=${HALFSPACE_BUILD_TOOLS}"
-    -DHALFSPACE_BUILD_EXAMPLES=OFF
   TARGET halfspace
   COMMAND ${install})
 set_tests_properties(package.install_shared PROPERTIES
@@ -115,8 +113,30 @@ set_tests_properties(package.shared.exports.control PROPERTIES
 set_tests_properties(package.shared.exports package.shared.exports.control
   PROPERTIES LABELS package FIXTURES_REQUIRED package.shared)
 
-# A project that includes the sources.
+# A project that includes the sources, with one number of dimensions and all examples
+# that need no other.
 add_nested_build_test(package.subproject
   "${CMAKE_CURRENT_SOURCE_DIR}/subproject"
   OPTIONS ${nested_library_options} "-DHALFSPACE_SOURCES=${PROJECT_SOURCE_DIR}"
+    -DHALFSPACE_DIMS=3 -DHALFSPACE_BUILD_EXAMPLES=ON
   COMMAND ${nested_ctest})
+
+# Without an option there is only the library, which needs nothing but Highway.
+set(nothing_else "")
+foreach(package benchmark CLI11 GTest nlohmann_json Threads)
+  list(APPEND nothing_else -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+endforeach()
+add_nested_build_test(package.alone "${PROJECT_SOURCE_DIR}"
+  OPTIONS ${nested_library_options} ${nothing_else}
+  TARGET help
+  COMMAND ${CMAKE_COMMAND} -E true)
+set_tests_properties(package.alone PROPERTIES
+  FAIL_REGULAR_EXPRESSION "cpuinfo-bench|example_quick_start|hash_test")
+
+# Without Highway either, the error says what to install.
+add_nested_build_test(package.without_highway "${PROJECT_SOURCE_DIR}"
+  OPTIONS -DCMAKE_DISABLE_FIND_PACKAGE_highway=ON
+    -DCMAKE_DISABLE_FIND_PACKAGE_Git=ON
+  COMMAND ${CMAKE_COMMAND} -E true)
+set_tests_properties(package.without_highway PROPERTIES
+  PASS_REGULAR_EXPRESSION "not installed, and there is no git.*libhwy-dev")
