@@ -31,12 +31,12 @@ target_include_directories(halfspace PRIVATE "${PROJECT_BINARY_DIR}/kernels")
 # another number adds that here.
 set(HALFSPACE_DIMS "2;3;4" CACHE STRING
     "Dimensions to compile: a list of 2, 3 and 4")
+if(NOT HALFSPACE_DIMS MATCHES "^[234](;[234])*$")
+  message(FATAL_ERROR "halfspace: HALFSPACE_DIMS is a list of 2, 3 and 4, "
+                      "not \"${HALFSPACE_DIMS}\".")
+endif()
 set(all_axes)
 foreach(dims IN LISTS HALFSPACE_DIMS)
-  if(NOT dims MATCHES "^[234]$")
-    message(FATAL_ERROR "halfspace: HALFSPACE_DIMS is a list of 2, 3 and 4, "
-                        "not \"${HALFSPACE_DIMS}\".")
-  endif()
   math(EXPR axes "${dims} + 1")
   list(APPEND all_axes ${dims} ${axes})
 endforeach()
