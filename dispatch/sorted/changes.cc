@@ -1,12 +1,14 @@
 // How a sorted world changes, one object at a time or all bounds at once.
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstring>
 #include <limits>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "dispatch/sorted/layout.h"
-#include "dispatch/sorted/scratch.h"
 #include "halfspace/sorted.h"
 #include "kernels/error.h"
 #include "kernels/exact/default_fp_mode.h"
@@ -15,16 +17,36 @@
 namespace halfspace::detail {
 namespace {
 
-// How much a node would have to grow to enclose a bound.
-float GrowthOf(const SortedShape& shape, const SortedLevel& level,
-               std::size_t node, const float* values) {
-  float growth = 0;
+// Insertions between two times that the last slots are sorted: the blocks that
+// every query visits as they have no order are at most a 64th of these.
+constexpr std::size_t kSortEach = 256;
+
+// How much each node of a block would have to grow to enclose a bound, as a sum
+// over its planes.
+using Growths = std::array<float, kBlockObjects>;
+Growths GrowthsOf(const SortedShape& shape, const SortedLevel& level,
+                  std::size_t first, const float* values) {
+  Growths growths{};
   for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
-    const float beyond = p < shape.axes ? level.planes[p][node] - values[p]
-                                        : values[p] - level.planes[p][node];
-    if (beyond > 0) growth += beyond;
+    const float* const plane = level.planes[p] + first;
+    const float sign = p < shape.axes ? 1.0f : -1.0f;
+    for (std::size_t i = 0; i < kBlockObjects; ++i) {
+      const float beyond = sign * (plane[i] - values[p]);
+      growths[i] += beyond > 0 ? beyond : 0;
+    }
   }
-  return growth;
+  return growths;
+}
+
+// The size of a node by the same measure.
+float ExtentOf(const SortedShape& shape, const SortedLevel& level,
+               std::size_t node) {
+  float extent = 0;
+  for (std::size_t k = 0; k < shape.axes; ++k) {
+    if (shape.has_max) extent += level.planes[shape.axes + k][node];
+    extent -= level.planes[k][node];
+  }
+  return extent;
 }
 
 std::uint64_t ExistingLanes(const SortedLevel& level, std::size_t block) {
@@ -35,10 +57,24 @@ std::uint64_t ExistingLanes(const SortedLevel& level, std::size_t block) {
 
 }  // namespace
 
-// Also when nothing grows: it makes a blob in place its own.
-void SortedTree::Reallocate(std::size_t capacity, const SortedExtras& extras) {
+void SortedTree::Prepare(const char* call, SortedRoom room) {
+  std::ignore = KernelsFor(shape_, Target(), call);
+  CheckLoaded(call);
+  const SortedRoom old = Room();
+  room = {std::max(old.slots, room.slots), std::max(old.ids, room.ids),
+          old.has_categories || room.has_categories};
+  if (room.ids > 0) room.ids = std::max(room.ids, room.slots);
+  if (!is_owned_ || room.slots > old.slots || room.ids > old.ids ||
+      room.has_categories != old.has_categories) {
+    Reallocate(call, room);
+  }
+  if (block_ != nullptr) header().checksum = 0;
+}
+
+void SortedTree::Reallocate(const char* call, const SortedRoom& room) {
+  if (room.slots == 0) return;
   SortedTree grown(shape_, memory_);
-  grown.Allocate(capacity, extras);
+  grown.Allocate(room);
   // What is not used yet is part of a blob.
   std::memset(grown.block_ + sizeof(SortedHeader), 0,
               grown.bytes_ - sizeof(SortedHeader));
@@ -50,6 +86,8 @@ void SortedTree::Reallocate(std::size_t capacity, const SortedExtras& extras) {
     to.size = from.size;
     to.ids = from.ids;
     to.free_id = from.free_id;
+    to.sorted = from.sorted;
+    to.inserted = from.inserted;
   }
   SetSlots(grown.levels_, to.slots);
   for (std::size_t l = 0; l < grown.levels_.count; ++l) {
@@ -77,57 +115,36 @@ void SortedTree::Reallocate(std::size_t capacity, const SortedExtras& extras) {
     if (old.categories != nullptr) {
       copy(level.categories, old.categories, kBlockObjects);
     } else {
-      std::fill_n(level.categories, blocks * kBlockObjects, 0xFFFFFFFF);
+      std::fill_n(level.categories, old.size, 0xFFFFFFFF);
     }
   }
   if (old_count > 0) {
     std::memcpy(grown.levels_.ids, levels_.ids,
                 BlocksOf(to.slots) * kBlockObjects * sizeof(std::uint32_t));
-    if (extras.has_slots && levels_.slots != nullptr) {
-      std::memcpy(grown.levels_.slots, levels_.slots,
-                  to.ids * sizeof(std::uint32_t));
-    }
     std::memcpy(grown.levels_.built, levels_.built,
-                PartsOf(to.slots) * sizeof(double));
+                PartsOf(to.slots) * sizeof(SortedPart));
     if (grown.levels_.count > old_count) {
-      const auto& kernels = KernelsOf(shape_, Target(), "SortedWorld");
+      const auto& kernels = KernelsFor(shape_, Target(), call);
       kernels::InDefaultFpMode(
           [&] { EncodeLevels(grown.levels_, kernels, old_count - 1); });
-      if (extras.has_categories) OrAllCategories(grown.levels_);
+      if (room.has_categories) OrAllCategories(grown.levels_);
+    }
+    if (levels_.slots != nullptr) {
+      std::memcpy(grown.levels_.slots, levels_.slots,
+                  to.ids * sizeof(std::uint32_t));
+    } else if (room.ids > 0) {
+      std::fill_n(grown.levels_.slots, to.ids, kNoId);
+      for (std::size_t s = 0; s < to.slots; ++s) {
+        std::uint32_t& slot = grown.levels_.slots[levels_.ids[s]];
+        if (slot != kNoId) {  // CheckLoaded() has no memory to see it
+          kernels::ThrowInvalid(call, "blob", "each id once",
+                                std::to_string(levels_.ids[s]) + " twice");
+        }
+        slot = static_cast<std::uint32_t>(s);
+      }
     }
   }
   Swap(grown);
-}
-
-// Before a change by id.
-void SortedTree::NeedSlots() {
-  if (block_ == nullptr) return;
-  if (header().has_slots && is_owned_) return;
-  if (header().has_slots) return MakeOwn();
-  CheckIds("SortedWorld");
-  Reallocate(header().capacity, {true, header().has_categories != 0});
-  std::fill_n(levels_.slots, header().ids, kNoId);
-  for (std::size_t s = 0; s < header().slots; ++s) {
-    if (IsPresent(levels_, s)) {
-      levels_.slots[levels_.ids[s]] = static_cast<std::uint32_t>(s);
-    }
-  }
-}
-
-void SortedTree::MakeOwn() {
-  if (is_owned_) return;
-  Reallocate(header().capacity,
-             {header().has_slots != 0, header().has_categories != 0});
-}
-
-void SortedTree::CheckIds(const char* call) const {
-  for (std::size_t s = 0; s < header().slots; ++s) {
-    if (IsPresent(levels_, s) && levels_.ids[s] >= header().ids) {
-      kernels::ThrowInvalid(call, "blob",
-                            "ids below " + std::to_string(header().ids),
-                            std::to_string(levels_.ids[s]));
-    }
-  }
 }
 
 bool SortedTree::Has(std::uint32_t id) const {
@@ -137,13 +154,14 @@ bool SortedTree::Has(std::uint32_t id) const {
   return slot < header().slots && levels_.ids[slot] == id;
 }
 
-std::size_t SortedTree::SlotOf(std::uint32_t id, const char* call) {
-  if (Has(id)) NeedSlots();
-  // Again, as the ids of an altered blob may be twice there.
+// Before a change of one object. Returns its slot.
+std::size_t SortedTree::PrepareObject(std::uint32_t id, bool has_categories,
+                                      const char* call) {
   if (!Has(id)) {
     kernels::ThrowInvalid(call, "id", "the id of an object in the world",
                           std::to_string(id));
   }
+  Prepare(call, {0, 1, has_categories});
   return levels_.slots[id];
 }
 
@@ -151,7 +169,7 @@ std::size_t SortedTree::SlotOf(std::uint32_t id, const char* call) {
 // node stays as it was.
 void SortedTree::EncodePath(std::size_t slot) {
   const SortedKernels::OfPlanes& kernels =
-      KernelsOf(shape_, Target(), "SortedWorld");
+      KernelsFor(shape_, Target(), "SortedWorld");
   kernels::InDefaultFpMode([&] {
     std::size_t block = slot;
     for (std::size_t l = 0; l < levels_.count; ++l) {
@@ -180,89 +198,120 @@ void SortedTree::EncodePath(std::size_t slot) {
 }
 
 void SortedTree::Set(std::uint32_t id, Span<const float> values) {
-  const std::size_t slot = SlotOf(id, "SortedWorld::Set");
+  const std::size_t slot = PrepareObject(id, false, "SortedWorld::Set");
   for (std::size_t p = 0; p < values.size(); ++p) {
     levels_.level[0].planes[p][slot] = values[p];
   }
   EncodePath(slot);
 }
 
-std::size_t SortedTree::AppendSlot() {
-  if (block_ == nullptr) {
-    Reallocate(kBlockObjects, {true, false});
-  } else if (header().slots == header().capacity) {
-    if (header().slots + 1 >= kMostObjects) {
-      kernels::ThrowInvalid("SortedWorld::Insert", "world",
-                            "less than 2^31 objects",
-                            std::to_string(header().slots));
-    }
-    Reallocate(
-        std::min(kMostObjects - 1, std::max(header().capacity + kBlockObjects,
-                                            header().capacity / 2 * 3)),
-        {true, header().has_categories != 0});
-  }
+void SortedTree::AppendSlot() {
   const std::size_t slot = header().slots++;
   SetSlots(levels_, header().slots);
   std::size_t node = slot;
   for (std::size_t l = 0; l < levels_.count; ++l) {
     if (node % kBlockObjects != 0) break;
     ClearSlots(shape_, levels_, l, node);
-    if (l == 0 && slot % kPartSlots == 0) levels_.built[slot / kPartSlots] = 0;
+    if (l == 0 && slot % kPartSlots == 0) levels_.built[slot / kPartSlots] = {};
     node /= kBlockObjects;
   }
-  return slot;
 }
 
-// An empty slot where a bound makes nodes grow little, or a new one at the end.
-std::size_t SortedTree::FindSlot(const float* values) {
-  if (block_ == nullptr || header().size == header().slots) {
-    return AppendSlot();
-  }
+// An empty slot in a leaf that would grow by a 16th at most, or the end: with
+// twice its size, leaves of a world whose objects come and go end up with four
+// times the surface before all are sorted again.
+std::size_t SortedTree::FindSlot(const float* values) const {
+  if (block_ == nullptr) return 0;
+  const std::size_t end = header().slots;
+  if (header().size == end) return end;
   std::size_t block = 0;
   for (std::size_t l = levels_.count; l-- > 1;) {
     const SortedLevel& level = levels_.level[l];
+    const std::size_t first = block * kBlockObjects;
+    const Growths growths = GrowthsOf(shape_, level, first, values);
     std::size_t best = level.size;
-    float least = 0;
-    for (std::size_t n = block * kBlockObjects;
-         n < std::min(level.size, (block + 1) * kBlockObjects); ++n) {
-      if (l == 1 &&
-          levels_.level[0].present[n] == ExistingLanes(levels_.level[0], n)) {
-        continue;
-      }
-      const float growth = GrowthOf(shape_, level, n, values);
-      if (best == level.size || growth < least) {
+    for (std::size_t n = first; n < std::min(level.size, first + kBlockObjects);
+         ++n) {
+      const bool is_empty = (level.present[block] >> (n - first) & 1) == 0;
+      const bool is_full = l == 1 && levels_.level[0].present[n] ==
+                                         ExistingLanes(levels_.level[0], n);
+      if (is_empty || is_full) continue;
+      if (best == level.size || growths[n - first] < growths[best - first]) {
         best = n;
-        least = growth;
       }
     }
-    if (best == level.size) return AppendSlot();
+    if (best == level.size) return end;
+    const float growth = growths[best - first];
+    if (l == 1 && growth > 0 &&
+        !(16 * growth <= ExtentOf(shape_, level, best))) {
+      return end;
+    }
     block = best;
   }
   const std::uint64_t empty =
       ExistingLanes(levels_.level[0], block) & ~levels_.level[0].present[block];
-  if (empty == 0) return AppendSlot();
-  std::size_t lane = 0;
-  while ((empty >> lane & 1) == 0) ++lane;
-  return block * kBlockObjects + lane;
+  if (empty == 0) return end;
+  return block * kBlockObjects +
+         static_cast<std::size_t>(std::countr_zero(empty));
+}
+
+// How many of the last slots to sort before the next insertion. Each object is
+// sorted with the 256 that came with it, these with 1024, and so on; and with
+// all, when as many were inserted as there were when all were sorted.
+std::size_t SortedTree::SlotsDue() const {
+  if (block_ == nullptr) return 0;
+  const SortedHeader& header = this->header();
+  if (header.inserted == 0 || header.inserted % kSortEach != 0) return 0;
+  if (header.inserted >= header.sorted) return header.slots;
+  std::size_t last = kSortEach;
+  while (header.inserted % (4 * last) == 0) last *= 4;
+  return std::min<std::size_t>(last, header.slots);
+}
+
+// The room that an object at the end needs.
+SortedRoom SortedTree::RoomForOneMore(const char* call) const {
+  const SortedRoom room = Room();
+  if (block_ != nullptr && header().slots < room.slots) return {0, 1, false};
+  if (room.slots + 1 >= kMostObjects) {
+    kernels::ThrowInvalid(call, "world", "less than 2^31 objects",
+                          std::to_string(room.slots));
+  }
+  const std::size_t more = std::max(kBlockObjects, room.slots / 2);
+  return {std::min(kMostObjects - 1, room.slots + more), 1, false};
 }
 
 std::uint32_t SortedTree::Insert(Span<const float> values) {
-  NeedSlots();
-  const std::size_t slot =
+  constexpr const char* kCall = "SortedWorld::Insert";
+  CheckLoaded(kCall);
+  if (const std::size_t due = SlotsDue(); due > 0) {
+    const std::size_t end = header().slots;
+    const SlotRange range = {(end - due) / kBlockObjects * kBlockObjects, end};
+    Resort(kCall, {&range, 1}, RoomForOneMore(kCall));
+    if (due == end) {
+      header().sorted = header().size;
+      header().inserted = 0;
+    }
+  }
+  std::size_t slot =
       kernels::InDefaultFpMode([&] { return FindSlot(values.data()); });
-  // Only of a blob that was altered: else there is a free id, or a slot for
-  // each.
-  if (header().free_id == kNoId && header().ids == header().capacity) {
-    Reallocate(header().capacity + kBlockObjects,
-               {true, header().has_categories != 0});
+  // Else it is worth to win the empty slots back.
+  const auto has_few_gaps = [&] {
+    return block_ == nullptr || header().size > header().capacity / 4 * 3;
+  };
+  const bool is_last = slot == (block_ == nullptr ? 0 : header().slots);
+  Prepare(kCall, is_last && has_few_gaps() ? RoomForOneMore(kCall)
+                                           : SortedRoom{0, 1, false});
+  if (is_last && slot == header().capacity) {
+    CloseGaps();
+    slot = header().slots;
   }
   SortedHeader& header = this->header();
+  if (slot == header.slots) AppendSlot();
   std::uint32_t id = header.free_id;
   if (id == kNoId) {
-    id = static_cast<std::uint32_t>(header.ids++);
+    id = header.ids++;
   } else {
-    const std::uint32_t next = levels_.slots[id];
-    header.free_id = next < header.ids ? next : kNoId;
+    header.free_id = levels_.slots[id];
   }
   const SortedLevel& level = levels_.level[0];
   for (std::size_t p = 0; p < values.size(); ++p) {
@@ -274,12 +323,13 @@ std::uint32_t SortedTree::Insert(Span<const float> values) {
   levels_.ids[slot] = id;
   levels_.slots[id] = static_cast<std::uint32_t>(slot);
   ++header.size;
+  ++header.inserted;
   EncodePath(slot);
   return id;
 }
 
 void SortedTree::Erase(std::uint32_t id) {
-  const std::size_t slot = SlotOf(id, "SortedWorld::Erase");
+  const std::size_t slot = PrepareObject(id, false, "SortedWorld::Erase");
   const SortedLevel& level = levels_.level[0];
   constexpr float kInf = std::numeric_limits<float>::infinity();
   for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
@@ -293,25 +343,27 @@ void SortedTree::Erase(std::uint32_t id) {
   levels_.slots[id] = header.free_id;
   header.free_id = id;
   --header.size;
-  EncodePath(slot);
+  if (header.slots > 2 * std::size_t{header.size} + kBlockObjects ||
+      header.size == 0) {
+    CloseGaps();
+  } else {
+    EncodePath(slot);
+  }
 }
 
 void SortedTree::SetCategories(std::uint32_t id, std::uint32_t categories) {
-  const std::size_t slot = SlotOf(id, "SortedWorld::SetCategories");
-  if (levels_.level[0].categories == nullptr) {
-    Reallocate(header().capacity, {true, true});
-    OrAllCategories(levels_);
-  }
+  const std::size_t slot =
+      PrepareObject(id, true, "SortedWorld::SetCategories");
   levels_.level[0].categories[slot] = categories;
   EncodePath(slot);
 }
 
 void SortedTree::SetCategories(Span<const std::uint32_t> categories) {
+  constexpr const char* kCall = "SortedWorld::SetCategories";
+  kernels::CheckMemory(kCall, "categories", categories.data(),
+                       categories.size(), alignof(std::uint32_t));
   if (block_ == nullptr) return;
-  if (levels_.level[0].categories == nullptr) {
-    Reallocate(header().capacity, {header().has_slots != 0, true});
-  }
-  MakeOwn();
+  Prepare(kCall, {0, 0, true});
   for (std::size_t s = 0; s < header().slots; ++s) {
     const std::uint32_t id = levels_.ids[s];
     levels_.level[0].categories[s] =
@@ -336,10 +388,9 @@ void SortedTree::Refit(const FloatColumns& objects, bool is_by_id,
   }
   if (size == 0) return;
   CheckColumns(shape_, objects, call);
-  if (is_by_id) CheckIds(call);
-  MakeOwn();
+  Prepare(call, {});
   FillSlots(shape_, levels_, objects, is_by_id ? levels_.ids : nullptr,
-            KernelsOf(shape_, Target(), call), run);
+            KernelsFor(shape_, Target(), call), run);
 }
 
 }  // namespace halfspace::detail

@@ -83,7 +83,7 @@ std::size_t SortedSurvivors(const SortedTree& tree, const float* query,
                             Span<std::uint32_t> ids,
                             const SortedOptions& options,
                             const WalkShape* shape) {
-  const auto& kernels = KernelsOf(tree.shape(), options.target, "Survivors");
+  const auto& kernels = KernelsFor(tree.shape(), options.target, "Survivors");
   kernels::CheckMemory("Survivors", "ids", ids.data(), ids.size(),
                        alignof(std::uint32_t));
   if (tree.size() == 0) return 0;
@@ -97,7 +97,7 @@ std::size_t SortedSurvivors(const SortedTree& tree, const float* query,
 std::size_t SortedCount(const SortedTree& tree, const float* query,
                         const SortedOptions& options, const WalkShape* shape) {
   const auto& kernels =
-      KernelsOf(tree.shape(), options.target, "CountSurvivors");
+      KernelsFor(tree.shape(), options.target, "CountSurvivors");
   if (tree.size() == 0) return 0;
   std::size_t count = 0;
   kernels.count(
@@ -107,7 +107,7 @@ std::size_t SortedCount(const SortedTree& tree, const float* query,
 
 bool SortedAny(const SortedTree& tree, const float* query, std::uint32_t& id,
                const SortedOptions& options, const WalkShape* shape) {
-  const auto& kernels = KernelsOf(tree.shape(), options.target, "AnySurvivor");
+  const auto& kernels = KernelsFor(tree.shape(), options.target, "AnySurvivor");
   if (tree.size() == 0) return false;
   // Full after the first survivors.
   std::uint32_t buffer[kBlockObjects];
@@ -124,7 +124,7 @@ void SortedForEach(const SortedTree& tree, const float* query,
                    IdsFunction function, void* context,
                    const SortedOptions& options, const WalkShape* shape) {
   const auto& kernels =
-      KernelsOf(tree.shape(), options.target, "ForEachSurvivor");
+      KernelsFor(tree.shape(), options.target, "ForEachSurvivor");
   if (tree.size() == 0) return;
   IdsToFunction to(function, context);
   kernels.find(
@@ -137,7 +137,7 @@ std::size_t SortedSurvivorsOfMany(const SortedTree& tree, const float* queries,
                                   Span<std::size_t> offsets,
                                   const SortedOptions& options) {
   constexpr const char* kCall = "SurvivorsOfEach";
-  const auto& kernels = KernelsOf(tree.shape(), options.target, kCall);
+  const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
   CheckOfEach(kCall, queries, query_count, ids, offsets);
   offsets[0] = 0;
   if (tree.size() == 0) {

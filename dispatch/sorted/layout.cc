@@ -1,6 +1,7 @@
 #include "dispatch/sorted/layout.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <limits>
 #include <string>
@@ -102,16 +103,15 @@ void FillPart(const SortedLevels& levels, std::size_t planes,
 
 }  // namespace
 
-std::size_t Place(const SortedShape& shape, std::size_t capacity,
-                  const SortedExtras& extras, std::byte* begin, bool is_new,
-                  SortedLevels& levels) {
+std::size_t Place(const SortedShape& shape, const SortedRoom& room,
+                  std::byte* begin, bool is_new, SortedLevels& levels) {
   // So that equal places of all planes are not in one set of a cache.
   constexpr std::size_t kStagger = 5 * kLine;
   levels = {};
   const std::size_t planes = PlanesOf(shape);
   Parts parts(begin, is_new);
   parts.Take<SortedHeader>(1);
-  std::size_t size = capacity;
+  std::size_t size = room.slots;
   do {
     SortedLevel& level = levels.level[levels.count++];
     const std::size_t blocks = BlocksOf(size);
@@ -126,14 +126,14 @@ std::size_t Place(const SortedShape& shape, std::size_t capacity,
     if (shape.has_max && levels.count > 1) {
       level.regular = parts.Take<std::uint64_t>(blocks);
     }
-    if (extras.has_categories) {
+    if (room.has_categories) {
       level.categories = parts.Take<std::uint32_t>(blocks * kBlockObjects);
     }
     size = blocks;
   } while (size > 1);
-  levels.ids = parts.Take<std::uint32_t>(BlocksOf(capacity) * kBlockObjects);
-  if (extras.has_slots) levels.slots = parts.Take<std::uint32_t>(capacity);
-  levels.built = parts.Take<double>(PartsOf(capacity));
+  levels.ids = parts.Take<std::uint32_t>(BlocksOf(room.slots) * kBlockObjects);
+  if (room.ids > 0) levels.slots = parts.Take<std::uint32_t>(room.ids);
+  levels.built = parts.Take<SortedPart>(PartsOf(room.slots));
   return parts.bytes();
 }
 
@@ -163,12 +163,34 @@ void ClearSlots(const SortedShape& shape, SortedLevels& levels,
   if (level == 0) std::fill(levels.ids + begin, levels.ids + end, kNoId);
 }
 
+void Truncate(const SortedShape& shape, SortedLevels& levels,
+              std::size_t slots) {
+  SetSlots(levels, slots);
+  for (std::size_t l = 0; l < levels.count; ++l) {
+    const std::size_t size = levels.level[l].size;
+    if (size % kBlockObjects != 0) ClearSlots(shape, levels, l, size);
+  }
+}
+
 void EncodeLevels(const SortedLevels& levels,
                   const SortedKernels::OfPlanes& kernels, std::size_t from) {
   for (std::size_t l = from; l < levels.count; ++l) {
     const bool is_top = l + 1 == levels.count;
     kernels.encode({&levels.level[l], is_top ? nullptr : &levels.level[l + 1],
                     0, BlocksOf(levels.level[l].size)});
+  }
+}
+
+void EncodeSlots(SortedLevels& levels, const SortedKernels::OfPlanes& kernels,
+                 std::size_t begin, std::size_t end) {
+  for (std::size_t l = 0; l < levels.count; ++l) {
+    begin /= kBlockObjects;
+    end = BlocksOf(end);
+    const bool is_top = l + 1 == levels.count;
+    kernels.encode({&levels.level[l], is_top ? nullptr : &levels.level[l + 1],
+                    begin, end});
+    if (is_top || levels.level[l].categories == nullptr) continue;
+    for (std::size_t b = begin; b < end; ++b) OrCategories(levels, l, b);
   }
 }
 
@@ -189,6 +211,10 @@ void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
 
 void CheckColumns(const SortedShape& shape, const FloatColumns& objects,
                   const char* call) {
+  if (objects.stride != 1) {
+    kernels::CheckMemory(call, "bounds", objects.planes[0], objects.size,
+                         alignof(float));
+  }
   for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
     kernels::CheckPointer(
         call, objects.planes[p], alignof(float),
@@ -196,6 +222,14 @@ void CheckColumns(const SortedShape& shape, const FloatColumns& objects,
         [&] {
           return "a plane of " + std::to_string(objects.size) + " floats";
         });
+  }
+}
+
+void FillPresent(const SortedLevel& level, std::size_t slots) {
+  for (std::size_t b = 0; b < BlocksOf(slots); ++b) {
+    level.present[b] =
+        ~std::uint64_t{0} >>
+        (kBlockObjects - std::min(kBlockObjects, slots - b * kBlockObjects));
   }
 }
 
@@ -210,13 +244,17 @@ void FillSlots(const SortedShape& shape, const SortedLevels& levels,
   kernels::InDefaultFpMode([&] { EncodeLevels(levels, kernels, 1); });
 }
 
-double CostOf(const SortedShape& shape, const SortedLevels& levels,
-              std::size_t part) {
-  if (levels.count == 1) return 0;
-  const SortedLevel& nodes = levels.level[1];
-  const std::size_t end = std::min(nodes.size, (part + 1) * kBlockObjects);
-  double cost = 0;
+SortedPart PartAsIs(const SortedShape& shape, const SortedLevels& levels,
+                    std::size_t part) {
+  SortedPart as_is{};
+  const SortedLevel& objects = levels.level[0];
+  const std::size_t end =
+      std::min(BlocksOf(objects.size), (part + 1) * kBlockObjects);
   for (std::size_t n = part * kBlockObjects; n < end; ++n) {
+    as_is.objects +=
+        static_cast<std::size_t>(std::popcount(objects.present[n]));
+    if (levels.count == 1) continue;  // no nodes
+    const SortedLevel& nodes = levels.level[1];
     double extents[4] = {};
     double slack = 0;
     for (std::size_t k = 0; k < shape.axes; ++k) {
@@ -234,10 +272,10 @@ double CostOf(const SortedShape& shape, const SortedLevels& levels,
       surface = slack * slack;
     }
     if (surface > 0 && surface < std::numeric_limits<double>::infinity()) {
-      cost += surface;
+      as_is.cost += surface;
     }
   }
-  return cost;
+  return as_is;
 }
 
 void OrCategories(SortedLevels& levels, std::size_t level, std::size_t block) {

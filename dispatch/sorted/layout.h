@@ -18,33 +18,43 @@ inline constexpr std::size_t kPartSlots = kBlockObjects * kBlockObjects;
 // More than this have no place in a list of blocks to visit.
 inline constexpr std::size_t kMostObjects = std::size_t{1} << 31;
 
-// What a tree has room for beside bounds and ids.
-struct SortedExtras {
-  bool has_slots;  // by id
+// What a tree has room for.
+struct SortedRoom {
+  std::size_t slots;
+  std::size_t ids;  // 0 until a change by id, else at least `slots`
   bool has_categories;
+};
+
+// Slots begin ... end - 1.
+struct SlotRange {
+  std::size_t begin;
+  std::size_t end;
 };
 
 struct alignas(64) SortedHeader {
   char magic[8];
-  std::uint32_t version;
-  std::uint32_t byte_order;
-  std::uint64_t bytes;
-  std::uint64_t capacity;  // slots that there is room for
-  std::uint64_t slots;     // in use or erased: from 0 on
-  std::uint64_t size;      // objects
-  std::uint64_t ids;       // that were ever in use: from 0 on
-  std::uint32_t free_id;   // the first, or kNoId
+  std::uint32_t version;  // other bytes first: another version
+  std::uint8_t dims;
   std::uint8_t axes;
   std::uint8_t has_max;
-  std::uint8_t has_slots;
   std::uint8_t has_categories;
+  std::uint64_t bytes;
+  std::uint64_t checksum;  // of all other bytes; 0 since a change
+  std::uint32_t capacity;  // slots that there is room for
+  std::uint32_t id_room;   // SortedRoom::ids
+  std::uint32_t slots;     // in use or erased: from 0 on
+  std::uint32_t size;      // objects
+  std::uint32_t ids;       // in use or free: from 0 on
+  std::uint32_t free_id;   // the first, or kNoId
+  std::uint32_t sorted;    // objects when all were sorted
+  std::uint32_t inserted;  // since then
 };
 static_assert(sizeof(SortedHeader) == 64);
 
 inline constexpr char kSortedMagic[8] = {'h', 'a', 'l', 'f',
                                          's', 'o', 'r', 't'};
-inline constexpr std::uint32_t kSortedVersion = 1;
-inline constexpr std::uint32_t kSortedByteOrder = 0x01020304;
+// Of the format. A blob of another one is refused.
+inline constexpr std::uint32_t kSortedVersion = 2;
 
 constexpr std::size_t BlocksOf(std::size_t objects) {
   return (objects + kBlockObjects - 1) / kBlockObjects;
@@ -57,9 +67,9 @@ inline std::size_t PlanesOf(const SortedShape& shape) {
   return shape.has_max ? 2u * shape.axes : shape.axes;
 }
 
-inline const SortedKernels::OfPlanes& KernelsOf(const SortedShape& shape,
-                                                Target target,
-                                                const char* call) {
+inline const SortedKernels::OfPlanes& KernelsFor(const SortedShape& shape,
+                                                 Target target,
+                                                 const char* call) {
   const SortedKernels& kernels = shape.kernels[dispatch::IndexOf(target, call)];
   return shape.has_max ? kernels.all : kernels.minima;
 }
@@ -67,17 +77,21 @@ inline const SortedKernels::OfPlanes& KernelsOf(const SortedShape& shape,
 // Finds where the parts of a tree are in memory from `begin` on, or null to
 // measure; returns its bytes. The levels are empty. What is between the parts
 // of new memory becomes 0.
-std::size_t Place(const SortedShape& shape, std::size_t capacity,
-                  const SortedExtras& extras, std::byte* begin, bool is_new,
-                  SortedLevels& levels);
+std::size_t Place(const SortedShape& shape, const SortedRoom& room,
+                  std::byte* begin, bool is_new, SortedLevels& levels);
 
 // Sets the sizes of all levels.
 void SetSlots(SortedLevels& levels, std::size_t slots);
 
 // Writes Empty() and no id to the slots of a level from `begin` to the end of
-// its last block.
+// its block.
 void ClearSlots(const SortedShape& shape, SortedLevels& levels,
                 std::size_t level, std::size_t begin);
+
+// Sets the sizes of all levels, and clears what is beyond them in their last
+// blocks, which have to be encoded then.
+void Truncate(const SortedShape& shape, SortedLevels& levels,
+              std::size_t slots);
 
 // Whether there is an object in a slot.
 inline bool IsPresent(const SortedLevels& levels, std::size_t slot) {
@@ -94,6 +108,9 @@ void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
 void CheckColumns(const SortedShape& shape, const FloatColumns& objects,
                   const char* call);
 
+// Says that there is an object in each slot before `slots`.
+void FillPresent(const SortedLevel& level, std::size_t slots);
+
 // Copies the bounds of the objects that exist and encodes all levels. Slot s
 // has element elements[s], or s without them.
 void FillSlots(const SortedShape& shape, const SortedLevels& levels,
@@ -104,14 +121,18 @@ void FillSlots(const SortedShape& shape, const SortedLevels& levels,
 void EncodeLevels(const SortedLevels& levels,
                   const SortedKernels::OfPlanes& kernels, std::size_t from);
 
+// The same of the blocks of slots begin ... end - 1, and of those above them.
+void EncodeSlots(SortedLevels& levels, const SortedKernels::OfPlanes& kernels,
+                 std::size_t begin, std::size_t end);
+
 // Says of a node, or of all, which categories its objects have.
 void OrCategories(SortedLevels& levels, std::size_t level, std::size_t block);
 void OrAllCategories(SortedLevels& levels);
 
-// About how many blocks queries visit: the sum of the surfaces of the nodes
-// over the 4096 slots of a part.
-double CostOf(const SortedShape& shape, const SortedLevels& levels,
-              std::size_t part);
+// The slots of a part as they are. The cost is the sum of the surfaces of the
+// nodes over them.
+SortedPart PartAsIs(const SortedShape& shape, const SortedLevels& levels,
+                    std::size_t part);
 
 }  // namespace halfspace::detail
 

@@ -67,19 +67,31 @@ struct PairsToFunction : PairSink {
 
 std::uint64_t BitOf(std::size_t i) { return std::uint64_t{1} << (i % 64); }
 
+// Before the set takes memory, and any pair is written.
+void CheckIds(const SortedTree& tree, Span<const std::uint32_t> ids,
+              const char* call) {
+  if (ids.empty()) return;
+  kernels::CheckPointer(
+      call, ids.data(), alignof(std::uint32_t), [] { return "ids"; },
+      [&] { return std::to_string(ids.size()) + " ids"; });
+  const SortedLevels& levels = tree.levels();
+  for (std::uint32_t id : ids) {
+    // Without slots by id, ids are below them, but in a blob that was altered.
+    if (!tree.Has(id) ||
+        (levels.slots == nullptr && id >= levels.level[0].size)) {
+      kernels::ThrowInvalid(call, "ids", "ids of objects in the world",
+                            std::to_string(id));
+    }
+  }
+}
+
 // Of each slot a bit, whether its id is in a list.
 class SlotSet {
  public:
   // The set of all objects has no memory.
-  SlotSet(const SortedTree& tree, const Span<const std::uint32_t>* ids,
-          const char* call)
-      : memory_(MemoryResource(), ids == nullptr ? 0 : Bytes(tree)) {
+  SlotSet(const SortedTree& tree, const Span<const std::uint32_t>* ids)
+      : memory_(tree.memory(), ids == nullptr ? 0 : Bytes(tree)) {
     if (ids == nullptr) return;
-    if (ids->size() != 0) {
-      kernels::CheckPointer(
-          call, ids->data(), alignof(std::uint32_t), [] { return "ids"; },
-          [&] { return std::to_string(ids->size()) + " ids"; });
-    }
     const SortedLevels& levels = tree.levels();
     const std::size_t size = levels.level[0].size;
     std::uint64_t* const by_slot = words();
@@ -87,10 +99,6 @@ class SlotSet {
         levels.slots != nullptr ? nullptr : by_slot + BlocksOf(size);
     std::fill_n(by_slot, Bytes(tree) / sizeof(std::uint64_t), 0);
     for (std::uint32_t id : *ids) {
-      if (!tree.Has(id) || (by_id != nullptr && id >= size)) {
-        kernels::ThrowInvalid(call, "ids", "ids of objects in the world",
-                              std::to_string(id));
-      }
       if (by_id != nullptr) {
         by_id[id / 64] |= BitOf(id);
       } else {
@@ -128,8 +136,9 @@ void Join(const PairSources& sources, const PairOptions& options,
       sources.kernels[dispatch::IndexOf(options.target, call)];
   const SortedTree& a = *sources.a;
   const SortedTree& b = sources.b != nullptr ? *sources.b : a;
-  const SlotSet set(a, sources.ids, call);
+  if (sources.ids != nullptr) CheckIds(a, *sources.ids, call);
   if (a.size() == 0 || b.size() == 0) return;
+  const SlotSet set(a, sources.ids);
   PairJoin join{};
   join.walk.levels = &b.levels();
   join.walk.categories = options.categories;

@@ -1,7 +1,7 @@
 // How far the order of a sorted world has decayed, and new orders for all
 // objects and for the worst parts.
 #include <algorithm>
-#include <cstring>
+#include <bit>
 #include <utility>
 
 #include "dispatch/sorted/layout.h"
@@ -17,20 +17,21 @@ namespace {
 class Gathered {
  public:
   Gathered(const SortedShape& shape, const MemoryResource& memory,
-           const SortedLevels& levels, std::size_t room)
+           const SortedLevels& levels, Span<const SlotRange> ranges)
       : planes_(PlanesOf(shape)),
-        room_(room),
+        room_(Slots(ranges)),
         levels_(levels),
-        floats_(memory, room * planes_ * sizeof(float)),
-        ids_(memory, room * sizeof(std::uint32_t)),
+        floats_(memory, room_ * planes_ * sizeof(float)),
+        ids_(memory, room_ * sizeof(std::uint32_t)),
         categories_(memory, levels.level[0].categories == nullptr
                                 ? 0
-                                : room * sizeof(std::uint32_t)) {
+                                : room_ * sizeof(std::uint32_t)) {
     columns_.size = 0;
     columns_.stride = 1;
     for (std::size_t p = 0; p < planes_; ++p) {
-      columns_.planes[p] = Floats() + p * room;
+      columns_.planes[p] = Floats() + p * room_;
     }
+    for (const SlotRange& range : ranges) Add(range);
   }
 
   const FloatColumns& columns() const { return columns_; }
@@ -41,10 +42,16 @@ class Gathered {
     return reinterpret_cast<std::uint32_t*>(categories_.data());
   }
 
-  // The objects of slots begin ... end - 1.
-  void Add(std::size_t begin, std::size_t end) {
+ private:
+  static std::size_t Slots(Span<const SlotRange> ranges) {
+    std::size_t slots = 0;
+    for (const SlotRange& range : ranges) slots += range.end - range.begin;
+    return slots;
+  }
+
+  void Add(const SlotRange& range) {
     const SortedLevel& level = levels_.level[0];
-    for (std::size_t s = begin; s < end; ++s) {
+    for (std::size_t s = range.begin; s < range.end; ++s) {
       if (!IsPresent(levels_, s)) continue;
       const std::size_t i = columns_.size++;
       for (std::size_t p = 0; p < planes_; ++p) {
@@ -55,7 +62,6 @@ class Gathered {
     }
   }
 
- private:
   float* Floats() const { return reinterpret_cast<float*>(floats_.data()); }
 
   std::size_t planes_;
@@ -67,6 +73,13 @@ class Gathered {
   FloatColumns columns_;
 };
 
+// What `objects` would cost as they were sorted.
+double CostAsBuilt(const SortedPart& built, std::uint64_t objects) {
+  if (built.objects == 0 || built.objects == objects) return built.cost;
+  return built.cost * static_cast<double>(objects) /
+         static_cast<double>(built.objects);
+}
+
 }  // namespace
 
 double SortedTree::Decay() const {
@@ -75,8 +88,9 @@ double SortedTree::Decay() const {
     double built = 0;
     double now = 0;
     for (std::size_t part = 0; part < PartsOf(header().slots); ++part) {
-      built += levels_.built[part];
-      now += CostOf(shape_, levels_, part);
+      const SortedPart as_is = PartAsIs(shape_, levels_, part);
+      built += CostAsBuilt(levels_.built[part], as_is.objects);
+      now += as_is.cost;
     }
     return now == built ? 1 : now / built;
   });
@@ -84,39 +98,140 @@ double SortedTree::Decay() const {
 
 void SortedTree::Rebuild(Order order, const PartRunner& run) {
   if (block_ == nullptr) return;
-  Gathered objects(shape_, memory_, levels_, header().slots);
-  objects.Add(0, header().slots);
+  CheckLoaded("SortedWorld::Rebuild");
+  const SlotRange all = {0, header().slots};
+  const Gathered objects(shape_, memory_, levels_, {&all, 1});
+  const std::size_t size = objects.columns().size;
+  std::uint32_t ids = 0;  // up to the greatest that is in use
+  for (std::size_t i = 0; i < size; ++i) {
+    ids = std::max(ids, objects.ids()[i] + 1);
+  }
+  const bool has_slots = levels_.slots != nullptr;
   SortedTree sorted(shape_, memory_);
-  sorted.Build(objects.columns(), order, Target(), run);
-  if (sorted.block_ == nullptr) return Swap(sorted);
-  const SortedHeader& from = header();
-  if (from.has_slots || from.has_categories) {
-    sorted.Reallocate(std::max<std::size_t>(sorted.size(), from.ids),
-                      {from.has_slots != 0, from.has_categories != 0});
-  }
+  sorted.BuildIn({size, has_slots ? ids : 0, header().has_categories != 0},
+                 objects.columns(), order, Target(), run);
   SortedLevels& levels = sorted.levels_;
-  if (from.has_slots) {
-    std::memcpy(levels.slots, levels_.slots, from.ids * sizeof(std::uint32_t));
-  }
-  for (std::size_t s = 0; s < sorted.size(); ++s) {
+  if (has_slots && size > 0) std::fill_n(levels.slots, ids, kNoId);
+  for (std::size_t s = 0; s < size; ++s) {
     const std::uint32_t element = levels.ids[s];
     const std::uint32_t id = objects.ids()[element];
     levels.ids[s] = id;
-    if (from.has_slots && id < from.ids) {
-      levels.slots[id] = static_cast<std::uint32_t>(s);
-    }
-    if (from.has_categories) {
+    if (has_slots) levels.slots[id] = static_cast<std::uint32_t>(s);
+    if (objects.categories() != nullptr) {
       levels.level[0].categories[s] = objects.categories()[element];
     }
   }
-  if (from.has_categories) OrAllCategories(levels);
-  sorted.header().ids = from.ids;
-  sorted.header().free_id = from.free_id;
+  if (size > 0 && objects.categories() != nullptr) OrAllCategories(levels);
+  if (size > 0) sorted.header().ids = ids;
+  // The least first, so that the greatest come out of use.
+  for (std::uint32_t id = ids; has_slots && id-- > 0;) {
+    if (sorted.Has(id)) continue;
+    levels.slots[id] = sorted.header().free_id;
+    sorted.header().free_id = id;
+  }
   Swap(sorted);
 }
 
+void SortedTree::Resort(const char* call, Span<const SlotRange> ranges,
+                        const SortedRoom& room) {
+  const SortedKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), call);
+  const Gathered gathered(shape_, memory_, levels_, ranges);
+  const FloatColumns& columns = gathered.columns();
+  const Scratch order(memory_, columns.size * sizeof(std::uint32_t));
+  auto* const elements = reinterpret_cast<std::uint32_t*>(order.data());
+  const Scratch scratch(memory_, columns.size * kernels::kOrderScratch);
+  InTurn in_turn;
+  kernels::OrderByMedians(columns, kernels, scratch.data(), elements,
+                          RunnerOf(in_turn));
+  Prepare(call, room);
+  const SortedLevel& level = levels_.level[0];
+  std::size_t next = 0;
+  for (const SlotRange& range : ranges) {
+    for (std::size_t s = range.begin; s < range.end; ++s) {
+      if (s % kBlockObjects == 0) ClearSlots(shape_, levels_, 0, s);
+      if (next == columns.size) continue;
+      const std::uint32_t element = elements[next++];
+      for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
+        level.planes[p][s] = columns.planes[p][element];
+      }
+      level.present[s / kBlockObjects] |= std::uint64_t{1} << s % kBlockObjects;
+      levels_.ids[s] = gathered.ids()[element];
+      if (levels_.slots != nullptr) {
+        levels_.slots[levels_.ids[s]] = static_cast<std::uint32_t>(s);
+      }
+      if (level.categories != nullptr) {
+        level.categories[s] = gathered.categories()[element];
+      }
+    }
+  }
+  kernels::InDefaultFpMode([&] {
+    for (const SlotRange& range : ranges) {
+      EncodeSlots(levels_, kernels, range.begin, range.end);
+    }
+    // The world ends behind its last object.
+    std::size_t blocks = BlocksOf(header().slots);
+    while (blocks > 0 && level.present[blocks - 1] == 0) --blocks;
+    if (blocks > 0) {
+      const std::size_t end =
+          blocks * kBlockObjects -
+          static_cast<std::size_t>(std::countl_zero(level.present[blocks - 1]));
+      header().slots = static_cast<std::uint32_t>(end);
+      Truncate(shape_, levels_, end);
+      EncodeSlots(levels_, kernels, end - 1, end);
+    }
+    for (const SlotRange& range : ranges) {
+      const std::size_t parts =
+          PartsOf(std::min<std::size_t>(range.end, header().slots));
+      for (std::size_t p = range.begin / kPartSlots; p < parts; ++p) {
+        levels_.built[p] = PartAsIs(shape_, levels_, p);
+      }
+    }
+  });
+}
+
+void SortedTree::CloseGaps() {
+  const SortedKernels::OfPlanes& kernels =
+      KernelsFor(shape_, Target(), "SortedWorld");
+  SortedHeader& header = this->header();
+  const double decay = std::max(1.0, Decay());
+  const SortedLevel& level = levels_.level[0];
+  std::size_t to = 0;
+  for (std::size_t s = 0; s < header.slots; ++s) {
+    if (!IsPresent(levels_, s)) continue;
+    for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
+      level.planes[p][to] = level.planes[p][s];
+    }
+    levels_.ids[to] = levels_.ids[s];
+    levels_.slots[levels_.ids[to]] = static_cast<std::uint32_t>(to);
+    if (level.categories != nullptr) {
+      level.categories[to] = level.categories[s];
+    }
+    ++to;
+  }
+  header.slots = static_cast<std::uint32_t>(to);
+  header.sorted = std::min(header.sorted, header.slots);
+  if (to == 0) {
+    header.ids = 0;
+    header.free_id = kNoId;
+    header.inserted = 0;
+  }
+  Truncate(shape_, levels_, to);
+  FillPresent(level, to);
+  kernels::InDefaultFpMode([&] {
+    EncodeLevels(levels_, kernels, 0);
+    if (level.categories != nullptr) OrAllCategories(levels_);
+    // As far from sorted as before.
+    for (std::size_t part = 0; part < PartsOf(to); ++part) {
+      levels_.built[part] = PartAsIs(shape_, levels_, part);
+      levels_.built[part].cost /= decay;
+    }
+  });
+}
+
 std::size_t SortedTree::RebuildWorst(std::size_t objects) {
+  constexpr const char* kCall = "SortedWorld::RebuildWorst";
   if (block_ == nullptr || objects == 0 || levels_.count == 1) return 0;
+  CheckLoaded(kCall);
   const std::size_t parts = PartsOf(header().slots);
   const Scratch memory(memory_, parts * sizeof(std::pair<double, std::size_t>));
   auto* const worst =
@@ -124,70 +239,31 @@ std::size_t SortedTree::RebuildWorst(std::size_t objects) {
   std::size_t bad = 0;
   kernels::InDefaultFpMode([&] {
     for (std::size_t part = 0; part < parts; ++part) {
-      const double excess = CostOf(shape_, levels_, part) - levels_.built[part];
+      const SortedPart as_is = PartAsIs(shape_, levels_, part);
+      const double excess =
+          as_is.cost - CostAsBuilt(levels_.built[part], as_is.objects);
       if (excess > 0) worst[bad++] = {-excess, part};
     }
   });
   std::sort(worst, worst + bad);
   bad = std::min(bad, std::max<std::size_t>(1, objects / kPartSlots));
   if (bad == 0) return 0;
-  MakeOwn();
   // The slots keep their places, and so their nodes: in the order of the parts
   // the objects of a part stay near each other.
   std::sort(worst, worst + bad,
             [](const auto& a, const auto& b) { return a.second < b.second; });
-  Gathered gathered(shape_, memory_, levels_, bad * kPartSlots);
-  const auto end_of = [&](std::size_t part) {
-    return std::min<std::size_t>(header().slots, (part + 1) * kPartSlots);
-  };
+  const Scratch list(memory_, bad * sizeof(SlotRange));
+  auto* const ranges = reinterpret_cast<SlotRange*>(list.data());
+  std::size_t sorted = 0;
   for (std::size_t w = 0; w < bad; ++w) {
-    gathered.Add(worst[w].second * kPartSlots, end_of(worst[w].second));
+    const std::size_t part = worst[w].second;
+    ranges[w] = {
+        part * kPartSlots,
+        std::min<std::size_t>(header().slots, (part + 1) * kPartSlots)};
+    sorted += PartAsIs(shape_, levels_, part).objects;
   }
-  const FloatColumns& columns = gathered.columns();
-  const Scratch order(memory_, columns.size * sizeof(std::uint32_t));
-  auto* const elements = reinterpret_cast<std::uint32_t*>(order.data());
-  const Scratch scratch(memory_, columns.size * kernels::kOrderScratch);
-  const SortedKernels::OfPlanes& kernels =
-      KernelsOf(shape_, Target(), "SortedWorld::RebuildWorst");
-  InTurn in_turn;
-  kernels::OrderByMedians(columns, kernels, scratch.data(), elements,
-                          RunnerOf(in_turn));
-  kernels::InDefaultFpMode([&] {
-    const SortedLevel& level = levels_.level[0];
-    std::size_t next = 0;
-    for (std::size_t w = 0; w < bad; ++w) {
-      const std::size_t begin = worst[w].second * kPartSlots;
-      const std::size_t end = end_of(worst[w].second);
-      for (std::size_t s = begin; s < end; ++s) {
-        if (s % kBlockObjects == 0) ClearSlots(shape_, levels_, 0, s);
-        if (next == columns.size) continue;
-        const std::uint32_t element = elements[next++];
-        for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
-          level.planes[p][s] = columns.planes[p][element];
-        }
-        level.present[s / kBlockObjects] |= std::uint64_t{1}
-                                            << s % kBlockObjects;
-        const std::uint32_t id = gathered.ids()[element];
-        levels_.ids[s] = id;
-        if (levels_.slots != nullptr && id < header().ids) {
-          levels_.slots[id] = static_cast<std::uint32_t>(s);
-        }
-        if (level.categories != nullptr) {
-          level.categories[s] = gathered.categories()[element];
-        }
-      }
-      kernels.encode(
-          {&level, &levels_.level[1], begin / kBlockObjects, BlocksOf(end)});
-    }
-    EncodeLevels(levels_, kernels, 1);
-    if (level.categories != nullptr) OrAllCategories(levels_);
-  });
-  kernels::InDefaultFpMode([&] {
-    for (std::size_t w = 0; w < bad; ++w) {
-      levels_.built[worst[w].second] = CostOf(shape_, levels_, worst[w].second);
-    }
-  });
-  return columns.size;
+  Resort(kCall, {ranges, bad}, {});
+  return sorted;
 }
 
 }  // namespace halfspace::detail

@@ -1,4 +1,4 @@
-// Memory for the time of a build or a change.
+// Memory for the time of a build, a change, or a call.
 #ifndef HALFSPACE_DISPATCH_SORTED_SCRATCH_H_
 #define HALFSPACE_DISPATCH_SORTED_SCRATCH_H_
 

@@ -1,8 +1,8 @@
 // The calls of sorted_shapes.h: a shape becomes a query of planes, and a test
 // of what that keeps.
 #include <array>
-#include <cmath>
-#include <limits>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <tuple>
@@ -14,6 +14,7 @@
 #include "halfspace/sorted_shapes.h"
 #include "kernels/error.h"
 #include "kernels/exact/default_fp_mode.h"
+#include "kernels/exact/exact_bound.h"
 #include "kernels/memory_checks.h"
 #include "kernels/sorted/shape.h"
 
@@ -27,14 +28,40 @@ Point<kDims> PointAt(const float* values) {
   return point;
 }
 
-// The bound of a sphere; the other shapes are tested without one.
-template <int kDims>
-Aabo<kDims> BoundOf(const SortedShapeQuery& query) {
-  if (query.kind == SortedShapeQuery::kSphere) {
-    return BoundSphere(
-        Sphere<kDims>{PointAt<kDims>(query.values), query.values[kDims]});
+bool HasRadius(const SortedShapeQuery& query) {
+  return query.kind == SortedShapeQuery::kSphere ||
+         query.kind == SortedShapeQuery::kCapsule;
+}
+std::size_t PointsOf(const SortedShapeQuery& query) {
+  return query.kind == SortedShapeQuery::kSphere ? 1 : 2;
+}
+float RadiusOf(const SortedShapeQuery& query) {
+  return HasRadius(query) ? query.values[PointsOf(query) * query.dims] : 0;
+}
+
+// Throws unless the query is a shape. O(1). In the default floating-point mode.
+void CheckShape(const SortedShapeQuery& query, const char* call) {
+  if (HasRadius(query)) kernels::CheckLength(call, "radius", RadiusOf(query));
+  if (query.kind != SortedShapeQuery::kHalfSpaces) return;
+  if (query.count > kMostHalfSpaces) {
+    kernels::ThrowInvalid(call, "half-spaces",
+                          "at most " + std::to_string(kMostHalfSpaces),
+                          std::to_string(query.count));
   }
-  return {Filled<kDims + 1>(-kInf<float>), Filled<kDims + 1>(kInf<float>)};
+  kernels::CheckMemory(call, "half-spaces", query.values, query.count,
+                       alignof(float));
+}
+
+// Whether a builder of fit.h can bound the points of a sphere, a segment or a
+// capsule. In the default floating-point mode.
+bool CanBeBounded(const SortedShapeQuery& query) {
+  for (std::size_t p = 0; p < PointsOf(query); ++p) {
+    kernels::MagnitudeGuard<float> guard;
+    guard.AddAll(std::span(query.values + p * query.dims, query.dims));
+    guard.Add(RadiusOf(query));
+    if (!guard.CanBeBounded()) return false;
+  }
+  return true;
 }
 
 // What a walk reads of a shape.
@@ -44,67 +71,36 @@ class Prepared {
            const SortedOptions& options, const char* call) {
     const auto& kernels =
         kSortedShapeKernels[dispatch::IndexOf(options.target, call)];
-    const std::size_t dims = query.dims;
-    if (query.kind == SortedShapeQuery::kHalfSpaces) {
-      if (query.count > kMostHalfSpaces) {
-        kernels::ThrowInvalid(
-            call, "half-spaces",
-            "at most " + std::to_string(kMostHalfSpaces) + " of them",
-            std::to_string(query.count));
+    const SortedShape& shape = tree.shape();
+    kernels::InDefaultFpMode([&] {
+      CheckShape(query, call);
+      SetShape({query.dims, shape.axes, shape.has_max}, query, kernels);
+      if (query.dims == 2) {
+        SetBound(shape, BoundOf<2>(query));
+      } else {
+        SetBound(shape, BoundOf<3>(query));
       }
-      if (query.count > 0) {
-        kernels::CheckPointer(
-            call, query.values, alignof(float),
-            [] { return std::string("half-spaces"); },
-            [] { return std::string("a pointer to them"); });
-      }
-    } else if (query.kind != SortedShapeQuery::kSegment) {
-      const bool is_sphere = query.kind == SortedShapeQuery::kSphere;
-      const float radius = query.values[is_sphere ? dims : 2 * dims];
-      kernels::InDefaultFpMode([&] {
-        if (radius >= 0) return;
-        kernels::ThrowInvalid(call, "radius", "a number that is not negative",
-                              std::to_string(radius));
-      });
-    }
-    if (dims == 2) {
-      SetBound(tree.shape(), BoundOf<2>(query));
-    } else {
-      SetBound(tree.shape(), BoundOf<3>(query));
-    }
-    const ShapePlanes planes{dims, tree.shape().axes, tree.shape().has_max};
-    kernels::InDefaultFpMode([&] { SetShape(planes, query, kernels); });
+    });
   }
 
   const float* bound() const { return bound_.data(); }
-  const WalkShape* shape() const { return &shape_; }
+  const WalkShape* shape() const { return is_everything_ ? nullptr : &shape_; }
 
  private:
-  template <typename Bound>
-  void SetBound(const SortedShape& shape, const Bound& bound) {
-    std::size_t v = 0;
-    if (shape.has_max) {
-      for (std::size_t k = 0; k < shape.axes; ++k) bound_[v++] = bound.min[k];
-    }
-    for (std::size_t k = 0; k < shape.axes; ++k) bound_[v++] = bound.max[k];
-  }
-
   void SetShape(const ShapePlanes& planes, const SortedShapeQuery& query,
                 const SortedShapeKernels& kernels) {
     const float* const v = query.values;
     const std::size_t dims = planes.dims;
+    is_everything_ =
+        query.kind != SortedShapeQuery::kHalfSpaces && !CanBeBounded(query);
+    if (is_everything_) return;
     switch (query.kind) {
-      case SortedShapeQuery::kSphere: {
+      case SortedShapeQuery::kSphere:
         shape_.touching = kernels.ball;
         shape_.instead = nullptr;
         shape_.inside = kernels.in_ball;
-        shape_.ball = MakeBall(planes, v, v[dims]);
-        // What no bound encloses is nowhere.
-        for (std::size_t k = 0; k < dims; ++k) {
-          if (!std::isfinite(v[k])) shape_.ball.limit = kInf<float>;
-        }
+        shape_.ball = MakeBall(planes, v, RadiusOf(query));
         return;
-      }
       case SortedShapeQuery::kSegment:
       case SortedShapeQuery::kCapsule: {
         double origin[3] = {};
@@ -113,12 +109,12 @@ class Prepared {
           origin[k] = v[k];
           direction[k] = double{v[dims + k]} - v[k];
         }
-        const bool is_capsule = query.kind == SortedShapeQuery::kCapsule;
         shape_.touching = kernels.line;
         shape_.instead = kernels.line_codes;
         shape_.inside = nullptr;
-        MakeLine(planes, origin, direction, 1, is_capsule ? v[2 * dims] : 0,
-                 shape_.line);
+        MakeLine(planes, origin, direction, 1, RadiusOf(query), shape_.line);
+        // Too large for all axes: its test would keep Empty() objects.
+        is_everything_ = shape_.line.planes == 0;
         return;
       }
       case SortedShapeQuery::kHalfSpaces:
@@ -133,6 +129,28 @@ class Prepared {
     }
   }
 
+  // Of a sphere its own. The other shapes are tested without one.
+  template <int kDims>
+  Aabo<kDims> BoundOf(const SortedShapeQuery& query) const {
+    if (is_everything_) return Aabo<kDims>::Everything();
+    if (query.kind == SortedShapeQuery::kSphere) {
+      return BoundSphere(
+          Sphere<kDims>{PointAt<kDims>(query.values), RadiusOf(query)});
+    }
+    return {Filled<kDims + 1>(-kInf<float>), Filled<kDims + 1>(kInf<float>)};
+  }
+
+  template <typename Bound>
+  void SetBound(const SortedShape& shape, const Bound& bound) {
+    std::size_t v = 0;
+    if (shape.has_max) {
+      for (std::size_t k = 0; k < shape.axes; ++k) bound_[v++] = bound.min[k];
+    }
+    for (std::size_t k = 0; k < shape.axes; ++k) bound_[v++] = bound.max[k];
+  }
+
+  // Tested as a query of Everything() and nothing else.
+  bool is_everything_;
   std::array<float, 8> bound_;
   WalkShape shape_;
 };
@@ -169,13 +187,21 @@ void SortedForEach(const SortedTree& tree, const SortedShapeQuery& query,
 }
 
 std::size_t SortedSurvivorsOfMany(const SortedTree& tree, const void* queries,
-                                  std::size_t query_count, ShapeQueryAt at,
+                                  std::size_t query_count,
+                                  std::size_t alignment, ShapeQueryAt at,
                                   Span<std::uint32_t> ids,
                                   Span<std::size_t> offsets,
                                   const SortedOptions& options) {
   constexpr const char* kCall = "SurvivorsOfEach";
-  std::ignore = KernelsOf(tree.shape(), options.target, kCall);
+  std::ignore = KernelsFor(tree.shape(), options.target, kCall);
+  kernels::CheckMemory(kCall, "queries", queries, query_count, alignment);
   CheckOfEach(kCall, queries, query_count, ids, offsets);
+  // All of them before the first id is written.
+  kernels::InDefaultFpMode([&] {
+    for (std::size_t q = 0; q < query_count; ++q) {
+      CheckShape(at(queries, q), kCall);
+    }
+  });
   offsets[0] = 0;
   std::size_t total = 0;
   for (std::size_t q = 0; q < query_count; ++q) {

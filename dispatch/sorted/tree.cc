@@ -1,7 +1,8 @@
 // What a sorted world owns: its memory, the build, and its blob.
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cstring>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -16,7 +17,9 @@
 namespace halfspace::detail {
 namespace {
 
-[[noreturn]] void ThrowCorrupt(bool is_in_place, const char* expected,
+constexpr std::size_t kLine = sizeof(SortedHeader);
+
+[[noreturn]] void ThrowCorrupt(bool is_in_place, const std::string& expected,
                                const std::string& given) {
   kernels::ThrowInvalid(
       is_in_place ? "SortedWorld::InPlace" : "SortedWorld::FromBlob", "blob",
@@ -40,6 +43,37 @@ bool IsClosed(const SortedShape& shape, const SortedLevel& level) {
   return true;
 }
 
+// Of all bytes but the checksum's own. A change of one byte always changes it:
+// each step can be undone.
+std::uint64_t ChecksumOf(Span<const std::byte> blob) {
+  constexpr std::size_t kLanes = kLine / sizeof(std::uint64_t);
+  constexpr std::uint64_t kOdd = 0x9E3779B97F4A7C15;
+  const auto mix = [](std::uint64_t sum, std::uint64_t word) {
+    sum = (sum ^ word) * kOdd;
+    return sum ^ sum >> 32;
+  };
+  std::array<std::uint64_t, kLanes> sums{};
+  const auto add = [&](const void* line) {
+    std::array<std::uint64_t, kLanes> words;
+    std::memcpy(&words, line, kLine);
+    for (std::size_t i = 0; i < kLanes; ++i) sums[i] = mix(sums[i], words[i]);
+  };
+  SortedHeader header;
+  std::memcpy(&header, blob.data(), kLine);
+  header.checksum = 0;
+  add(&header);
+  for (std::size_t i = kLine; i < blob.size(); i += kLine) {
+    add(blob.data() + i);
+  }
+  std::uint64_t all = 0;
+  for (std::uint64_t sum : sums) all = mix(all, sum);
+  return all == 0 ? 1 : all;
+}
+
+std::atomic_ref<std::uint64_t> Checksum(SortedHeader& header) {
+  return std::atomic_ref<std::uint64_t>(header.checksum);
+}
+
 }  // namespace
 
 SortedTree::SortedTree(const SortedShape& shape, const MemoryResource& memory)
@@ -48,10 +82,15 @@ SortedTree::SortedTree(const SortedShape& shape, const MemoryResource& memory)
 SortedTree::SortedTree(const SortedTree& other, const MemoryResource& memory)
     : SortedTree(other.shape_, memory) {
   if (other.block_ == nullptr) return;
-  const SortedHeader& from = other.header();
-  Allocate(from.capacity, {from.has_slots != 0, from.has_categories != 0});
-  std::memcpy(block_, other.block_, bytes_);
-  SetSlots(levels_, from.slots);
+  Allocate(other.Room());
+  // Another thread may be in Blob(), which writes the checksum.
+  constexpr std::size_t kBefore = offsetof(SortedHeader, checksum);
+  constexpr std::size_t kAfter = kBefore + sizeof(std::uint64_t);
+  std::memcpy(block_, other.block_, kBefore);
+  std::memcpy(block_ + kAfter, other.block_ + kAfter, bytes_ - kAfter);
+  header().checksum = Checksum(other.header()).load();
+  SetSlots(levels_, header().slots);
+  is_checked_ = other.is_checked_;
 }
 
 SortedTree::SortedTree(SortedTree&& other) noexcept
@@ -67,6 +106,7 @@ void SortedTree::Swap(SortedTree& other) noexcept {
   std::swap(block_, other.block_);
   std::swap(bytes_, other.bytes_);
   std::swap(is_owned_, other.is_owned_);
+  std::swap(is_checked_, other.is_checked_);
   std::swap(levels_, other.levels_);
 }
 
@@ -75,6 +115,7 @@ void SortedTree::Free() {
   block_ = nullptr;
   bytes_ = 0;
   is_owned_ = true;
+  is_checked_ = true;
   levels_ = {};
 }
 
@@ -82,37 +123,46 @@ SortedHeader& SortedTree::header() const {
   return *reinterpret_cast<SortedHeader*>(block_);
 }
 
+SortedRoom SortedTree::Room() const {
+  if (block_ == nullptr) return {};
+  return {header().capacity, header().id_room, header().has_categories != 0};
+}
+
 std::size_t SortedTree::size() const {
   return block_ == nullptr ? 0 : header().size;
 }
 
-void SortedTree::Allocate(std::size_t capacity, const SortedExtras& extras) {
+void SortedTree::Allocate(const SortedRoom& room) {
   SortedLevels levels;
-  const std::size_t bytes =
-      Place(shape_, capacity, extras, nullptr, false, levels);
+  const std::size_t bytes = Place(shape_, room, nullptr, false, levels);
   auto* const block = static_cast<std::byte*>(AllocateBlock(memory_, bytes));
   Free();
   block_ = block;
   bytes_ = bytes;
-  Place(shape_, capacity, extras, block_, true, levels_);
+  Place(shape_, room, block_, true, levels_);
   SortedHeader& header = this->header();
   header = {};
   std::copy(std::begin(kSortedMagic), std::end(kSortedMagic), header.magic);
   header.version = kSortedVersion;
-  header.byte_order = kSortedByteOrder;
-  header.bytes = bytes;
-  header.capacity = capacity;
-  header.free_id = kNoId;
+  header.dims = shape_.dims;
   header.axes = shape_.axes;
   header.has_max = shape_.has_max;
-  header.has_slots = extras.has_slots;
-  header.has_categories = extras.has_categories;
+  header.has_categories = room.has_categories;
+  header.bytes = bytes;
+  header.capacity = static_cast<std::uint32_t>(room.slots);
+  header.id_room = static_cast<std::uint32_t>(room.ids);
+  header.free_id = kNoId;
 }
 
 void SortedTree::Build(const FloatColumns& objects, Order order, Target target,
                        const PartRunner& run) {
+  BuildIn({objects.size, 0, false}, objects, order, target, run);
+}
+
+void SortedTree::BuildIn(const SortedRoom& room, const FloatColumns& objects,
+                         Order order, Target target, const PartRunner& run) {
   constexpr const char* kCall = "SortedWorld";
-  const SortedKernels::OfPlanes& kernels = KernelsOf(shape_, target, kCall);
+  const SortedKernels::OfPlanes& kernels = KernelsFor(shape_, target, kCall);
   if (objects.size >= kMostObjects) {
     kernels::ThrowInvalid(kCall, "world", "less than 2^31 objects",
                           std::to_string(objects.size));
@@ -124,24 +174,19 @@ void SortedTree::Build(const FloatColumns& objects, Order order, Target target,
   if (objects.size == 0) return Free();
   CheckColumns(shape_, objects, kCall);
   const Scratch scratch(memory_, objects.size * kernels::kOrderScratch);
-  Allocate(objects.size, {});
+  Allocate(room);
   const auto put_in_order =
       order == Order::kFast ? kernels::OrderByCurve : kernels::OrderByMedians;
   put_in_order(objects, kernels, scratch.data(), levels_.ids, run);
-  SetSlots(levels_, objects.size);
-  header().slots = header().size = header().ids = objects.size;
-  for (std::size_t l = 0; l < levels_.count; ++l) {
-    const std::size_t size = levels_.level[l].size;
-    std::fill_n(levels_.level[l].present, BlocksOf(size), ~std::uint64_t{0});
-    if (levels_.level[l].regular != nullptr) {
-      std::fill_n(levels_.level[l].regular, BlocksOf(size), 0);
-    }
-    if (size % kBlockObjects != 0) ClearSlots(shape_, levels_, l, size);
-  }
+  Truncate(shape_, levels_, objects.size);
+  SortedHeader& header = this->header();
+  header.slots = header.size = header.ids = header.sorted =
+      static_cast<std::uint32_t>(objects.size);
+  FillPresent(levels_.level[0], objects.size);
   FillSlots(shape_, levels_, objects, levels_.ids, kernels, run);
   kernels::InDefaultFpMode([&] {
     for (std::size_t part = 0; part < PartsOf(objects.size); ++part) {
-      levels_.built[part] = CostOf(shape_, levels_, part);
+      levels_.built[part] = PartAsIs(shape_, levels_, part);
     }
   });
 }
@@ -160,44 +205,54 @@ void SortedTree::Load(Span<const std::byte> blob, bool is_in_place) {
   std::memcpy(&header, blob.data(), sizeof(header));
   if (!std::equal(std::begin(kSortedMagic), std::end(kSortedMagic),
                   header.magic)) {
-    ThrowCorrupt(is_in_place, "what SortedWorld::Blob() gave",
+    ThrowCorrupt(is_in_place, "what SortedWorld::Blob() returned",
                  "another beginning");
   }
-  if (header.version != kSortedVersion ||
-      header.byte_order != kSortedByteOrder) {
-    ThrowCorrupt(is_in_place, "the version and the byte order of this library",
-                 "version " + std::to_string(header.version));
+  if (header.version != kSortedVersion) {
+    ThrowCorrupt(is_in_place,
+                 "format " + std::to_string(kSortedVersion) +
+                     " in this machine's byte order",
+                 "format " + std::to_string(header.version));
   }
-  if (header.axes != shape_.axes || (header.has_max != 0) != shape_.has_max) {
-    ThrowCorrupt(is_in_place, "bounds of this world's kind",
-                 std::to_string(header.axes) + " axes with " +
-                     (header.has_max != 0 ? "" : "no ") + "maxima");
+  const auto type = [](std::size_t dims, std::size_t axes, bool has_max) {
+    return std::to_string(dims) + " dimensions, " + std::to_string(axes) +
+           " axes " + (has_max ? "with" : "without") + " maxima";
+  };
+  if (header.dims != shape_.dims || header.axes != shape_.axes ||
+      header.has_max != (shape_.has_max ? 1 : 0)) {
+    ThrowCorrupt(is_in_place,
+                 "bounds of " + type(shape_.dims, shape_.axes, shape_.has_max),
+                 type(header.dims, header.axes, header.has_max != 0));
   }
-  const SortedExtras extras = {header.has_slots != 0,
-                               header.has_categories != 0};
+  const SortedRoom room = {header.capacity, header.id_room,
+                           header.has_categories != 0};
+  const bool are_ids_right =
+      room.ids == 0
+          ? header.ids == header.slots && header.size == header.slots &&
+                header.free_id == kNoId
+          : room.ids >= room.slots && header.ids <= room.ids &&
+                (header.free_id == kNoId || header.free_id < header.ids);
   SortedLevels levels;
-  if (header.capacity >= kMostObjects || header.slots > header.capacity ||
-      header.size > header.slots || header.slots == 0 ||
-      header.ids > header.capacity ||
-      (header.free_id != kNoId && header.free_id >= header.ids) ||
-      Place(shape_, header.capacity, extras, nullptr, false, levels) !=
-          header.bytes ||
+  if (room.slots >= kMostObjects || header.slots > room.slots ||
+      header.size > header.slots || header.ids < header.size ||
+      !are_ids_right || header.has_categories > 1 || header.checksum == 0 ||
+      Place(shape_, room, nullptr, false, levels) != header.bytes ||
       header.bytes != blob.size()) {
-    ThrowCorrupt(is_in_place, "the bytes that its header tells",
+    ThrowCorrupt(is_in_place, "the bytes that its header describes",
                  std::to_string(blob.size()));
   }
   SortedTree loaded(shape_, memory_);
   if (is_in_place) {
-    // Not written before it has been copied: see MakeOwn().
+    // Not written before it has been copied: see Prepare().
     loaded.block_ = const_cast<std::byte*>(blob.data());
     loaded.bytes_ = blob.size();
     loaded.is_owned_ = false;
-    Place(shape_, header.capacity, extras, loaded.block_, false,
-          loaded.levels_);
+    Place(shape_, room, loaded.block_, false, loaded.levels_);
   } else {
-    loaded.Allocate(header.capacity, extras);
+    loaded.Allocate(room);
     std::memcpy(loaded.block_, blob.data(), blob.size());
   }
+  loaded.is_checked_ = false;
   SetSlots(loaded.levels_, header.slots);
   for (std::size_t l = 0; l < loaded.levels_.count; ++l) {
     if (!IsClosed(shape_, loaded.levels_.level[l])) {
@@ -206,6 +261,50 @@ void SortedTree::Load(Span<const std::byte> blob, bool is_in_place) {
     }
   }
   Swap(loaded);
+}
+
+// Calls may run at the same time, so the checksum is written once after a
+// change, and not again.
+Span<const std::byte> SortedTree::Blob() const {
+  if (block_ == nullptr) return {};
+  if (Checksum(header()).load() == 0) {
+    std::uint64_t none = 0;
+    Checksum(header()).compare_exchange_strong(none,
+                                               ChecksumOf({block_, bytes_}));
+  }
+  return {block_, bytes_};
+}
+
+bool SortedTree::Verify() const {
+  if (block_ == nullptr || is_checked_) return true;
+  return header().checksum == ChecksumOf({block_, bytes_});
+}
+
+void SortedTree::CheckLoaded(const char* call) {
+  if (is_checked_) return;
+  const SortedHeader& header = this->header();
+  const auto check = [&](bool is_right, const char* expected) {
+    if (is_right) return;
+    kernels::ThrowInvalid(call, "blob", expected, "a blob that was altered");
+  };
+  std::size_t size = 0;
+  for (std::size_t s = 0; s < header.slots; ++s) {
+    if (!IsPresent(levels_, s)) continue;
+    ++size;
+    const std::uint32_t id = levels_.ids[s];
+    check(id < header.ids, "ids below their number");
+    if (header.id_room > 0) {
+      check(levels_.slots[id] == s, "each id once");
+    }
+  }
+  check(size == header.size, "as many objects as its header says");
+  std::size_t free = header.ids - size;
+  for (std::uint32_t id = header.free_id; id != kNoId; --free) {
+    check(free > 0 && id < header.ids && !Has(id), "free ids in a list");
+    id = levels_.slots[id];
+  }
+  check(free == 0, "all free ids in a list");
+  is_checked_ = true;
 }
 
 }  // namespace halfspace::detail

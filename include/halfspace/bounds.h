@@ -1,45 +1,31 @@
-// The bounding volumes: simplex, axis-aligned box, axis-aligned octahedron.
+// Bounding volumes: bounding simplex, axis-aligned box (AABB) and axis-aligned
+// bounding octahedron (AABO).
 //
-// All are discrete oriented polytopes (k-DOPs): sets of k half-spaces with
-// fixed normals, stored as the least and greatest projections of an object on a
-// few axes. In kDims dimensions the axes are the kDims coordinate axes and D =
-// -(X + Y + ...). These sum to zero and positively span space, so kDims + 1
-// half-spaces close a finite volume.
+//   halfspace::Aabb3 box = {{0, 0, 0}, {1, 1, 1}};  // minima, maxima
+//
+// All of them are k-DOPs (discrete oriented polytopes): k half-spaces with
+// fixed normals. A k-DOP stores the minimum and the maximum of an object on a
+// few axes. In kDims dimensions these are the coordinate axes and one more, D:
 //
 //   axis index   0 ... kDims - 1   X, Y, Z, W
 //   axis index   kDims             D = -(X + Y + ...)
 //
-//   shape (3D)                 an object stores    compares in one test
+//   bound type (3D)            an object stores    compares in one test
 //   UpSimplex   4-DOP          4 minima            4  against a DownSimplex
 //   Aabb        6-DOP          3 minima, 3 maxima  6
 //   Aabo        8-DOP          4 minima, 4 maxima  8
 //
-// An Aabo is an Aabb with two opposite corners cut off. Its planes contain
-// those of both simplices and of the box; up(), down() and aabb() return them
-// without computing anything.
+// The kDims + 1 axes sum to zero, so the kDims + 1 minima alone close a finite
+// volume: the simplex.
 //
-// Units are the caller's. All values are plain data: copy them, fill them by
-// hand, compare them with == (as floats: -0 equals 0, a NaN equals nothing).
-// Use the builders of fit.h for the D axis: a sum rounds, and a D that is not
-// rounded outward separates objects that touch.
+// Use the builders of fit.h for the D axis. A sum in float rounds, and a D that
+// is not rounded outward can reject objects that touch.
 //
-// Values are floats, or doubles, as in Aabb<3, double>. The two precisions do
-// not mix. Builders return floats; the D axis of a bound of doubles is summed,
-// and rounded outward, by the caller.
+// Values are floats or doubles: Aabb<3>, Aabb<3, double>. One test takes bounds
+// of one precision. Builders return floats. For a bound of doubles, the caller
+// computes D and rounds it outward.
 //
-// Two special values exist for every type:
-//   Everything()  -/+ the largest finite value: never rejected by a finite
-//                 query, nor by another Everything. Builders return it for what
-//                 they cannot bound.
-//   Empty()       +inf / -inf: rejected by every finite query and Everything.
-// A plane with a NaN never rejects.
-//
-// Engines initialise boxes to minima of +FLT_MAX and maxima of -FLT_MAX (of
-// doubles, DBL_MAX). A bound with these on all planes is Empty(), too: to
-// IsEmpty, to Intersection and the measures, and to every builder and bound of
-// bounds, whose results have infinities instead. To a scan they are numbers: an
-// object stored so, or such a query, is rejected by whatever has a limit on any
-// plane, but kept by Everything(). Push Empty() where that matters.
+// Units are the caller's. A plane with a NaN never rejects.
 //
 // Thread safety: plain values. Source: "The Bounding Simplex: A SIMD-Era
 // Rejection Primitive" (simplices, AABO).
@@ -102,7 +88,7 @@ constexpr bool IsNumber(T value) {
   return value <= kInf<T>;
 }
 
-// Of two limits the one that leaves less. A NaN is no limit.
+// The tighter of two limits for every axis. A NaN is no limit.
 template <typename Values>
 constexpr Values TighterMinima(Values a, const Values& b) {
   for (std::size_t k = 0; k < a.size(); ++k) {
@@ -118,7 +104,7 @@ constexpr Values TighterMaxima(Values a, const Values& b) {
   return a;
 }
 
-// `bound`, or Empty() if it has no point for the planes of one axis.
+// `bound`, or Empty() if a minimum is greater than the maximum of its axis.
 template <typename Bound>
 constexpr Bound EmptyIfInverted(const Bound& bound) {
   for (std::size_t k = 0; k < bound.min.size(); ++k) {
@@ -127,7 +113,8 @@ constexpr Bound EmptyIfInverted(const Bound& bound) {
   return bound;
 }
 
-// The product of all lengths but that of axis `skipped`; 0 times anything is 0.
+// The product of all lengths except that of axis `skipped`. 0 times infinity is
+// 0.
 template <typename Lengths>
 constexpr auto ProductWithout(const Lengths& lengths, std::size_t skipped) {
   typename Lengths::value_type product = 1;
@@ -139,8 +126,8 @@ constexpr auto ProductWithout(const Lengths& lengths, std::size_t skipped) {
   return product;
 }
 
-// A simplex whose planes are `slack` apart is the corner of a cube with that
-// edge.
+// A simplex is the corner of a cube with edge `slack`, the sum of its maxima
+// or of its negated minima.
 template <typename T>
 constexpr T CornerVolume(T slack, int dims) {
   if (slack <= 0) return 0;
@@ -151,7 +138,18 @@ constexpr T CornerVolume(T slack, int dims) {
 
 }  // namespace detail
 
-// The object side of the simplex test, S+: { p : p.axis[k] >= min[k] }.
+// All bound types are plain data: copy them, and set their members directly.
+// Operators == and != compare the values: -0 equals 0, a NaN equals nothing.
+//
+// Every type has two special values:
+//   Everything()  minima of -FLT_MAX, maxima of FLT_MAX (of doubles, DBL_MAX).
+//                 These are finite values. No finite query rejects it. Builders
+//                 return it for a shape that they cannot bound.
+//   Empty()       minima of +infinity, maxima of -infinity. Every finite query,
+//                 also Everything(), rejects it.
+
+// A bounding simplex, the object side of the simplex test (S+ in the paper):
+// the points p with p.axis[k] >= min[k] for every axis k.
 template <int kDims, typename T = float>
 struct UpSimplex {
   static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
@@ -176,7 +174,8 @@ struct UpSimplex {
   }
 };
 
-// The query side of the simplex test, S-: { p : p.axis[k] <= max[k] }.
+// A bounding simplex, the query side of the simplex test (S- in the paper): the
+// points p with p.axis[k] <= max[k] for every axis k.
 template <int kDims, typename T = float>
 struct DownSimplex {
   static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
@@ -201,7 +200,8 @@ struct DownSimplex {
   }
 };
 
-// The axis-aligned bounding box; no D axis. Both sides of a test are boxes.
+// The axis-aligned bounding box. It has no D axis. Objects and queries are both
+// boxes.
 template <int kDims, typename T = float>
 struct Aabb {
   static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
@@ -229,7 +229,9 @@ struct Aabb {
   }
 };
 
-// The axis-aligned bounding octahedron: both simplices, hence also the box.
+// The axis-aligned bounding octahedron (AABO), an 8-DOP in 3D: a box with two
+// opposite corners cut off. Its planes are the planes of both simplices, and
+// include those of the box. Objects and queries are both octahedra.
 template <int kDims, typename T = float>
 struct Aabo {
   static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
@@ -241,6 +243,7 @@ struct Aabo {
   std::array<T, kAxes> min;
   std::array<T, kAxes> max;
 
+  // Return the simplices and the box by copying their planes.
   constexpr UpSimplex<kDims, T> up() const { return {min}; }
   constexpr DownSimplex<kDims, T> down() const { return {max}; }
   constexpr Aabb<kDims, T> aabb() const {
@@ -268,7 +271,17 @@ struct Aabo {
   }
 };
 
-// Whether the bound is Empty(), or what engines take for it; see above.
+// Returns whether the bound is empty: all its minima are at least FLT_MAX and
+// all its maxima are at most -FLT_MAX (of doubles, DBL_MAX).
+//
+// Some engines initialize a box with minima of FLT_MAX and maxima of -FLT_MAX.
+// IsEmpty, Intersection, Volume, HalfArea and every builder (fit.h,
+// transform.h, fit_many.h) treat this value as Empty(). Where they return a
+// bound for it, that bound is Empty(), with infinities.
+//
+// The calls of reject.h treat this value as numbers, both in an object and in a
+// query. A bound that is limited on at least one side rejects it. Everything()
+// keeps it. Push Empty() if that matters.
 template <int kDims, typename T>
 constexpr bool IsEmpty(const UpSimplex<kDims, T>& bound) {
   return detail::AreEmptyMinima(bound.min);
@@ -286,12 +299,15 @@ constexpr bool IsEmpty(const Aabo<kDims, T>& bound) {
   return detail::AreEmptyMinima(bound.min) && detail::AreEmptyMaxima(bound.max);
 }
 
-// What is inside both bounds: of each plane the tighter one, so nothing is
-// rounded. Everything() changes nothing, and a NaN is no limit. Empty() if a
-// minimum comes to lie above the maximum of its axis, as if one of the two is
-// Empty(). Planes of different axes that leave no point between them, such as a
-// D that the box does not reach, stay as they are: such a bound encloses
-// nothing, but a scan may keep it.
+// Returns the intersection of two bounds: the tighter of the two values in each
+// plane. Nothing is rounded. Everything() changes nothing, and a NaN is no
+// limit.
+//
+// Returns Empty() if one of the bounds is empty, or if a minimum of the result
+// is greater than the maximum of its axis. Planes of different axes can also
+// leave no point between them, for example if the box of X, Y and Z does not
+// reach D. The call does not detect this. The result then encloses no point,
+// but an object with this bound can survive a query.
 template <int kDims, typename T>
 constexpr UpSimplex<kDims, T> Intersection(const UpSimplex<kDims, T>& a,
                                            const UpSimplex<kDims, T>& b) {
@@ -319,10 +335,15 @@ constexpr Aabo<kDims, T> Intersection(const Aabo<kDims, T>& a,
                      detail::TighterMaxima(a.max, b.max)});
 }
 
-// Measures, to choose between bounds by: computed and rounded as T. 0 if a
-// minimum is above the maximum of its axis, or, of a simplex, if it has no
-// point: so of Empty(). Infinite where they overflow, as of Everything(). NaN
-// with a NaN in a plane that counts. Of an Aabo, take that of its aabb().
+// Volume and HalfArea are for cost heuristics. They are computed and rounded
+// in T. The result is
+// - 0 if a minimum is greater than the maximum of its axis, if a simplex has no
+//   point, and for Empty(),
+// - infinity on overflow, and for Everything(),
+// - NaN if a plane that the result depends on is NaN.
+// There are none for an Aabo: use its aabb().
+//
+// Returns the volume (in 2 dimensions the area).
 template <int kDims, typename T>
 constexpr T Volume(const UpSimplex<kDims, T>& bound) {
   T slack = 0;
@@ -345,8 +366,9 @@ constexpr T Volume(const Aabb<kDims, T>& bound) {
   return detail::ProductWithout(lengths, lengths.size());
 }
 
-// Half the surface, which the surface area heuristic compares: in 2 dimensions
-// half the circumference, in 4 half the volume of the 8 boxes around it.
+// Returns half the surface area, which the surface area heuristic (SAH) of a
+// BVH compares. In 2 dimensions this is half the perimeter. In 4 dimensions it
+// is half the total volume of the 8 boxes that bound it.
 template <int kDims, typename T>
 constexpr T HalfArea(const Aabb<kDims, T>& bound) {
   std::array<T, Aabb<kDims, T>::kAxes> lengths{};

@@ -1,33 +1,26 @@
-// What a violated precondition does.
+// What a call does if a precondition is violated.
 //
-// The headers list under "Errors" what a call must not be given: an index past
-// the end, a null pointer, a target that this machine does not have. By default
-// such a call throws std::invalid_argument, whose what() says which call and
-// which argument, what was expected and what was given. A program that wants
-// something else, what an engine's assert does, or that is compiled without
-// exceptions, sets a handler, which is called with the same text:
+// Each header lists the preconditions of its calls under "Errors". Examples of
+// violations are an index past the end, a null pointer and a target that this
+// machine does not have. By default such a call throws std::invalid_argument.
+// Its what() names the call and the argument, and says what was expected and
+// what was given.
+//
+// Set an error handler if the program is compiled without exceptions, or if
+// errors should do something else, for example what an assertion of the engine
+// does. A call then passes the same text to the handler and does not throw:
 //
 //   halfspace::SetErrorHandler([](const char* message) {
 //     std::fprintf(stderr, "%s\n", message);
 //     std::exit(1);
 //   });
 //
-// The handler must not return; std::abort follows if it does. It may end the
-// program, or throw what it likes, or, where the compiler lets C++ functions be
-// left so (gcc and clang do), call longjmp, past functions of the library whose
-// strings of the message are then never freed.
+// A failed allocation is not a precondition violation. It throws std::bad_alloc
+// and calls no handler.
 //
-// It is called by the thread that made the call and before the call returns.
-// The call has written nothing then, and what it was to change is as it was; no
-// lock is held; the floating-point mode is the caller's. So it may itself call
-// the library, and is called again if that call is wrong too.
-//
-// Where the library itself was compiled without exceptions, a message for which
-// there is no handler goes to stderr, and std::abort follows, as it does where
-// a MemoryResource (memory.h) has no memory.
-//
-// Memory that cannot be had is no violated precondition: std::bad_alloc is
-// thrown, as by any operator new, and no handler is told.
+// If the library itself is compiled without exceptions and no handler is set,
+// it writes the message to stderr and calls std::abort. It also calls
+// std::abort if a MemoryResource (memory.h) returns null.
 #ifndef HALFSPACE_ERROR_H_
 #define HALFSPACE_ERROR_H_
 
@@ -35,16 +28,28 @@
 
 namespace halfspace {
 
-// `message` is valid until the handler is left.
+// The type of an error handler. `message` is valid until the handler ends.
+//
+// A handler must not return. If it returns, the library calls std::abort. A
+// handler can end the program or throw any exception. It can also call longjmp
+// if the compiler allows that in C++ functions, as gcc and clang do. The
+// strings of the message are then never freed.
+//
+// The thread that made the wrong call runs the handler, before the call ends.
+// At that time the call has written nothing, and the objects that it should
+// have changed are unchanged. The library holds no lock. The floating-point
+// mode is the caller's. So a handler may call the library. If that call is
+// wrong too, the library calls the handler again.
 using ErrorHandler = void (*)(const char* message);
 
-// Sets the handler of the process, of all threads (of what shares this copy of
-// the library), and returns the one there was. A null pointer is the default.
+// Sets the error handler and returns the previous one. A null pointer is the
+// default. The handler is used by all threads of the process, and by all of its
+// modules that share this copy of the library.
 //
 // Thread safety: may be called from any thread at any time, and from a signal
-// handler: it is one atomic exchange. A call that goes wrong meanwhile is told
-// to one of the two handlers, and the old one may still be running in another
-// thread afterwards.
+// handler, because it is one atomic exchange. An error that is raised during
+// the exchange is reported to one of the two handlers. After the exchange, the
+// previous handler can still be running in another thread.
 HALFSPACE_API ErrorHandler SetErrorHandler(ErrorHandler handler) noexcept;
 
 }  // namespace halfspace

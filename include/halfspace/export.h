@@ -1,7 +1,8 @@
-// HALFSPACE_API marks what a shared build exports; everything else is hidden.
+// HALFSPACE_API marks the symbols that a shared library exports. All other
+// symbols are hidden.
 //
-// HALFSPACE_SHARED is defined by the package for users of the shared library,
-// HALFSPACE_BUILDING only while the library itself is compiled.
+// The installed package defines HALFSPACE_SHARED for users of a shared library.
+// HALFSPACE_BUILDING is defined only while the library itself is compiled.
 #ifndef HALFSPACE_EXPORT_H_
 #define HALFSPACE_EXPORT_H_
 

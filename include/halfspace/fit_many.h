@@ -1,49 +1,46 @@
-// Builders of many bounds at once: N boxes, spheres, triangles or point sets
-// into the planes of a world, in SIMD, on the same targets as the tests.
+// Builders of many bounds: boxes, spheres, triangles or point sets into the
+// planes of a world, in SIMD, on the same targets as the rejection tests.
 //
-// They keep the contract of fit.h: every bound encloses the exact real shape
-// that its input describes. X, Y, Z are those of fit.h. D is within 1 ulp of
-// the tightest float, or is that float with FitOptions::tightest; for spheres
-// see BoundSpheres. Answers are bit-identical on every target and compiler.
-//
-//   auto world = halfspace::AaboWorld3();
+//   halfspace::AaboWorld3 world;
 //   world.Resize(boxes.count);
 //   halfspace::BoundBoxes(boxes, world.planes());
 //
 // Every call takes
-//   source   the shapes, in the caller's memory (below): of floats, or of
-//            doubles, Boxes<3, double>
-//   planes   where the bounds are written: planes of floats that the caller
-//            owns, or the planes() of an owning world. Their type says which
-//            planes are computed: SimplexPlanes, AabbPlanes, AaboPlanes, or
-//            DPlanes, the D axis alone, which completes the planes of an AABB
-//            world to those of an AABO world. planes.size must be the number of
-//            shapes. (Bounds of doubles are computed by the caller: bounds.h.)
+//   source   the shapes, in the caller's memory: of floats, or of doubles, as
+//            in Boxes<3, double>
+//   planes   where to write the bounds: the planes() of an owning world of
+//            floats, or planes in the caller's memory (planes.h). The type says
+//            which planes are computed: SimplexPlanes, AabbPlanes, AaboPlanes,
+//            or DPlanes, the D axis alone, which completes the planes of boxes
+//            to those of AABOs. `planes.size` must be the number of shapes.
 //   options  tightness, inverted boxes, target; the defaults are right
-//   status   counts, over all calls it is passed to, the shapes that became
-//            Everything(), and records the first
+//   status   can be null; counts all shapes as results, and those that became
+//            Everything() (fit_status.h)
 // and returns the target that ran.
 //
-// Bad elements never throw: a shape with a NaN, an infinity, a negative radius,
-// an index out of range, an inverted box, or a sum of magnitudes beyond 2^125
-// becomes Everything(), which never rejects, and is counted.
+// No overlap is ever missed, as in fit.h. X, Y and Z have the values of fit.h.
+// D is within 1 ulp of the tightest float, or the tightest float with
+// FitOptions::tightest; see BoundSpheres for spheres. Results are bit-identical
+// on every target and compiler.
 //
-// Doubles are bounded one after the other, by the builders of fit.h: all axes
-// are rounded outward, D is as tight as there on every target, and a bound
-// costs what it costs there. The target that is returned is that of the
-// options, as for floats, though all run the same code.
+// A bad element never throws. It becomes Everything() and is counted: a shape
+// with a NaN, an infinity, a negative radius, an index out of range, magnitudes
+// that sum to more than 2^125, or, by default, min[k] > max[k].
 //
-// Errors (error.h), before anything is written: with N > 0, a pointer is null
-// or misaligned, sizes differ or overflow the address space, an output overlaps
-// an input or another output, an option is not one of the enumerators, or the
-// target is not supported here. N = 0 is valid.
+// Errors (error.h): sizes do not match, an option is not one of the
+// enumerators, or the target is not supported; and, if there are shapes, a
+// pointer is null or misaligned, the sizes overflow the address space, or an
+// output overlaps an input or another output. Nothing is written then.
 //
-// Thread safety: reentrant; no allocation, no lock, no state. Two threads may
-// build disjoint parts of one world. The caller's floating-point mode does not
-// matter, as in fit.h. Cost: for data larger than the caches, about that of the
-// memory (docs/results.md has figures).
+// Thread safety: reentrant. No allocation, no lock, no state. Two threads can
+// build disjoint ranges of one world. Floating-point mode: as in fit.h.
 //
-// Source: "The Bounding Simplex", for the axes; docs/exactness.md for the
+// Cost: `./bench.sh --details build` prints it. If the data is larger than the
+// caches, boxes take about as long as a copy of their bytes (AVX-512), other
+// shapes longer. Doubles are bounded one by one, at the cost and with the
+// tightness of fit.h on every target.
+//
+// Source: "The Bounding Simplex", for the axes; docs/exactness.md, for the
 // rounding.
 #ifndef HALFSPACE_FIT_MANY_H_
 #define HALFSPACE_FIT_MANY_H_
@@ -67,17 +64,17 @@
 
 namespace halfspace {
 
-// What a box with min[k] > max[k] becomes. A box with all minima +inf or
-// FLT_MAX and all maxima -inf or -FLT_MAX becomes Empty() in any case.
+// The result for a box with min[k] > max[k] for any k. A box with all minima
+// +inf or FLT_MAX and all maxima -inf or -FLT_MAX always becomes Empty().
 enum class Inverted : std::uint8_t {
-  kEverything,  // a mistake: never rejected, and counted
-  kEmpty,       // a box without points: always rejected, not counted
+  kEverything,  // such a box is a mistake: Everything(), and counted
+  kEmpty,       // such a box contains no point: Empty(), and not counted
 };
 
 struct FitOptions {
-  bool tightest = false;  // D is the tightest float, not just within 1 ulp
+  bool tightest = false;  // makes D the tightest float, not only within 1 ulp
   Inverted inverted = Inverted::kEverything;
-  Target target = {};  // the chosen target
+  Target target = {};  // by default, the chosen one (targets.h)
 };
 
 namespace detail {
@@ -87,7 +84,7 @@ Boxes<kDims, T> BoxesOfRecords(const Aabb<kDims, T>* boxes, std::size_t count) {
   Boxes<kDims, T> columns;
   columns.count = count;
   columns.stride = 2 * kDims;
-  if (count == 0) return columns;
+  if (boxes == nullptr || count == 0) return columns;
   for (std::size_t k = 0; k < kDims; ++k) {
     columns.min[k] = boxes->min.data() + k;
     columns.max[k] = boxes->max.data() + k;
@@ -96,7 +93,7 @@ Boxes<kDims, T> BoxesOfRecords(const Aabb<kDims, T>* boxes, std::size_t count) {
 }
 }  // namespace detail
 
-// The boxes of an array of structures.
+// Returns the boxes of an array of structures. Nothing is copied.
 template <int kDims>
 Boxes<kDims> BoxesOf(Span<const Aabb<kDims>> boxes) {
   return detail::BoxesOfRecords(boxes.data(), boxes.size());
@@ -111,7 +108,8 @@ Boxes<Box::kDimensions, typename Box::Scalar> BoxesOf(const List& boxes) {
   return detail::BoxesOfRecords(std::data(boxes), std::size(boxes));
 }
 
-// The boxes of a world: an AabbWorld or its view, or the aabb() of an AaboView.
+// Returns the boxes of a world: of an AabbWorld, its view, or the aabb() of an
+// AaboView. Nothing is copied.
 template <int kDims, typename T>
 Boxes<kDims, T> BoxesOf(const AabbView<kDims, T>& view) {
   return {view.min, view.max, view.size, 1};
@@ -121,7 +119,7 @@ Boxes<kDims, T> BoxesOf(const World<AabbView<kDims, T>>& world) {
   return BoxesOf(world.view());
 }
 
-// Bounds boxes. X, Y, Z of floats are copied.
+// Bounds boxes. X, Y and Z of floats are copied.
 template <typename Planes, typename Scalar = float,
           typename = detail::IfOfFloats<Planes>>
 Target BoundBoxes(const Boxes<Planes::kDimensions, Scalar>& boxes,
@@ -131,11 +129,12 @@ Target BoundBoxes(const Boxes<Planes::kDimensions, Scalar>& boxes,
                             detail::OutputOf(planes), options, status);
 }
 
-// Bounds spheres. X, Y, Z are tightest. D is the tightest float for a value
+// Bounds spheres. X, Y and Z are tightest. D is the tightest float for a value
 // whose error is less than 2^-49 of |x| + |y| + ... + sqrt(kDims) * radius, or,
-// with `tightest`, less than 2^-100 of the radius. So D is within 1 ulp plus
-// that error of the tightest float; the error is more than an ulp only where D
-// all but cancels. Of doubles as BoundSphere.
+// with `options.tightest`, less than 2^-100 of the radius. So D differs from
+// the tightest float by at most 1 ulp plus that error. The error is more than 1
+// ulp only where D almost cancels. Spheres of doubles are bounded as by
+// BoundSphere.
 template <typename Planes, typename Scalar = float,
           typename = detail::IfOfFloats<Planes>>
 Target BoundSpheres(const Spheres<Planes::kDimensions, Scalar>& spheres,
@@ -145,10 +144,11 @@ Target BoundSpheres(const Spheres<Planes::kDimensions, Scalar>& spheres,
                               detail::OutputOf(planes), options, status);
 }
 
-// Bounds the triangles of a mesh, one bound for each: triangle i has the
-// vertices indices[3 * i], indices[3 * i + 1] and indices[3 * i + 2].
-//   Throws also if indices.size() is not 3 * planes.size. An index that is not
-//   below vertices.count makes its triangle Everything().
+// Bounds each triangle of a mesh. Triangle i has the vertices indices[3 * i],
+// indices[3 * i + 1] and indices[3 * i + 2].
+//   `indices.size()` must be `3 * planes.size`.
+//   A triangle with an index that is not below `vertices.count` becomes
+//   Everything().
 template <typename Planes, typename Scalar = float,
           typename = detail::IfOfFloats<Planes>>
 Target BoundTriangles(const Points<Planes::kDimensions, Scalar>& vertices,
@@ -170,10 +170,11 @@ Target BoundTriangles(const PointsSoa<Planes::kDimensions, Scalar>& vertices,
       detail::OutputOf(planes), options, status);
 }
 
-// Bounds the convex hulls of consecutive parts of a point array: set i holds
-// the points ends[i - 1] .. ends[i] - 1, the first one from point 0.
-//   ends.size() is planes.size. An empty set gives Empty(). A set that ends
-//   before it begins, or past points.count, becomes Everything().
+// Bounds the convex hulls of consecutive ranges of a point array. Set i has the
+// points ends[i - 1] ... ends[i] - 1; set 0 begins at point 0.
+//   `ends.size()` must be `planes.size`.
+//   A set without points becomes Empty(). A set that ends before it begins, or
+//   after `points.count`, becomes Everything().
 template <typename Planes, typename Scalar = float,
           typename = detail::IfOfFloats<Planes>>
 Target BoundPointSets(const Points<Planes::kDimensions, Scalar>& points,

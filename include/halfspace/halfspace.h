@@ -1,25 +1,27 @@
-// halfspace: which of these stored bounds could this query touch?
+// halfspace answers one question: which of these stored bounds could this query
+// touch?
 //
-// Includes every public header. Each is the manual of its calls:
-//   bounds.h       the bounding volumes (k-DOPs)
-//   shapes.h       points, boxes, spheres, ...: the inputs of builders
-//   fit.h          builders: a bound that encloses a shape
-//   transform.h    bounds of bounds: merged, inflated, moved, swept
+// This header includes every public header. Each header documents its own
+// calls:
+//   bounds.h       bounding volumes (k-DOPs)
+//   shapes.h       points, boxes, spheres, ...: the input of builders
+//   fit.h          builders: compute a bound that encloses a shape
+//   transform.h    compute a bound from bounds: merge, inflate, move, sweep
 //   fit_many.h     builders of many bounds at once, in SIMD
-//   fit_status.h   what builders report
-//   planes.h       where builders of many bounds write
-//   span.h         how calls take lists and outputs
+//   fit_status.h   counts the shapes that a builder could not bound
+//   planes.h       the output arrays of fit_many.h
+//   span.h         the type of all array parameters
 //   world.h        stored bounds: views and owning worlds
-//   quantized.h    stored bounds of one or two bytes a plane
-//   memory.h       where owning worlds get their memory
-//   reject.h       the calls for one query: masks, index lists, counts
-//   reject_many.h  the calls for several queries
-//   sorted.h       a hierarchy for large worlds
+//   quantized.h    stored bounds with one or two bytes per plane
+//   memory.h       where owning worlds allocate their memory
+//   reject.h       tests one query: masks, index lists, counts
+//   reject_many.h  tests several queries
+//   sorted.h       a hierarchy (BVH) for large worlds
 //   sorted_shapes.h   its queries by spheres, segments, capsules, half-spaces
-//   sorted_nearest.h  its searches: what is nearest, or first along a ray
+//   sorted_nearest.h  its k nearest and ray cast queries
 //   sorted_pairs.h    all overlapping pairs of such worlds
-//   targets.h      the instruction sets
-//   error.h        what a violated precondition does
+//   targets.h      instruction sets
+//   error.h        how calls report a violated precondition
 //   version.h      the library's version
 #ifndef HALFSPACE_HALFSPACE_H_
 #define HALFSPACE_HALFSPACE_H_

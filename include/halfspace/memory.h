@@ -1,34 +1,31 @@
-// Where owners get their memory: World (world.h), QuantizedBounds and
-// QuantizedWorld (quantized.h), SortedWorld (sorted.h). Nothing else in the
-// library allocates, but for the text of an error, the choice of a target,
-// once, and PairsOf() (sorted_pairs.h), from the heap.
+// Where owners allocate memory. The owners are World (world.h),
+// QuantizedBounds and QuantizedWorld (quantized.h) and SortedWorld (sorted.h).
 //
 //   std::pmr::monotonic_buffer_resource arena;
-//   AaboWorld3 world(MemoryFrom(arena));
+//   halfspace::AaboWorld3 world(halfspace::MemoryFrom(arena));
 //
-// Whatever an owner allocates comes from its resource, that which it needs for
-// the time of a call included. Without one it comes from operator new, in huge
-// pages where there are enough of them.
+// An owner allocates all memory from its resource, also memory that it needs
+// only during a call. The default resource is operator new. On Linux the
+// library requests huge pages for its blocks of 4 MiB or more.
 //
-// Which resource an owner uses is as in std::pmr:
-// - Constructed: the one that is given, or the default.
-// - Copied: the default, unless one is given, as in World(other, memory).
-// - Made by a move: that of the source.
-// - Assigned to: its own, which it keeps. A move from an owner with an equal
-//   resource takes its block and throws nothing; from another it copies, and
-//   may throw, and both are then as they were.
-// - swap(a, b), found by its arguments: each takes the other's resource with
-//   its block, and nothing is thrown. std::swap is made of moves, and leaves
-//   each its own resource if they differ.
-// What was moved from is empty, and keeps its resource.
+// The rest of the library allocates only for the text of an error, for the
+// choice of a target and its description (targets.h).
 //
-// An owner that grows gets the new block before it gives the old one back.
-// Where blocks that are given back are not used again, Reserve() first.
+// Owners choose a resource like containers of std::pmr:
+// - A new owner uses the given resource, or the default.
+// - A copy uses the default, or the given resource, as in World(other, memory).
+// - An owner that is created by a move uses the resource of the source.
+// - An owner that is assigned to keeps its resource. A move assignment between
+//   equal resources takes the block of the source and never throws. Between
+//   different resources it copies, and can throw. If it throws, both owners are
+//   unchanged.
+// - swap(a, b), called without a namespace, exchanges blocks and resources, and
+//   never throws. std::swap consists of moves: each owner keeps its resource if
+//   these differ.
+// A moved-from owner is empty and keeps its resource.
 //
-// Two functions and a context, because engines have those and often no
-// std::pmr: a std::pmr::memory_resource fits into them, and <memory_resource>,
-// 25 000 lines with gcc 12, is left to those who use it. Callers and library
-// see the same type then, whatever their flags and standard libraries.
+// An owner that grows allocates the new block before it frees the old one. If
+// the resource does not reuse freed blocks, call Reserve() first.
 #ifndef HALFSPACE_MEMORY_H_
 #define HALFSPACE_MEMORY_H_
 
@@ -36,19 +33,29 @@
 
 namespace halfspace {
 
-// Both functions, or neither for the default. Owners copy it; what `context`
-// points to must outlive them, and those that they are moved to.
+// The functions that an owner calls, and their context. Set both functions, or
+// neither for the default resource. To set only one is an error (error.h).
 //
-// Thread safety: the functions are called by the thread that changes, makes or
-// destroys an owner.
+// Owners copy this struct. The object that `context` points to must outlive the
+// owners, and all owners to which they are moved.
+//
+// This is not std::pmr::memory_resource, because engines often have none. Also,
+// <memory_resource> is a large header (25 000 lines with gcc 12), which only
+// its users should include. MemoryResource is the same type for callers and
+// library with any compiler flags and any standard library.
+//
+// Thread safety: the functions are called by the thread that creates, changes
+// or destroys an owner, or calls PairsOf() or ForEachPairOf() on it
+// (sorted_pairs.h).
 struct MemoryResource {
-  // Memory of `bytes` > 0, aligned to `alignment`, which is 64. May throw
-  // std::bad_alloc, or return null, which the owner turns into std::bad_alloc:
-  // the owner is then as it was. Misaligned memory is given back, and is a
-  // violated precondition (error.h).
+  // Returns `bytes` > 0 bytes of memory, aligned to `alignment`, which is 64.
+  //
+  // If there is no memory, it throws std::bad_alloc, or returns null, and the
+  // owner throws std::bad_alloc. The owner is then unchanged. If the memory is
+  // misaligned, the owner frees it and reports an error (error.h).
   void* (*allocate)(void* context, std::size_t bytes,
                     std::size_t alignment) = nullptr;
-  // Gives a block back, with the size and alignment that it was allocated with.
+  // Frees a block. `bytes` and `alignment` are the same as at its allocation.
   // Must not throw.
   void (*deallocate)(void* context, void* block, std::size_t bytes,
                      std::size_t alignment) = nullptr;
@@ -65,9 +72,10 @@ struct MemoryResource {
   }
 };
 
-// Anything with allocate(bytes, alignment) and deallocate(block, bytes,
-// alignment): a std::pmr::memory_resource, say. It must outlive the owners.
-// Equal only to one of the same object and type.
+// Returns a MemoryResource that calls resource.allocate(bytes, alignment) and
+// resource.deallocate(block, bytes, alignment), for example of a
+// std::pmr::memory_resource. `resource` must outlive the owners. Two results
+// are equal only if they have the same object and the same type `Resource`.
 template <typename Resource>
 MemoryResource MemoryFrom(Resource& resource) {
   MemoryResource memory;

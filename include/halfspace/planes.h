@@ -1,4 +1,4 @@
-// Planes for writing: where the builders of fit_many.h store bounds.
+// Planes: the output arrays of the builders in fit_many.h.
 //
 //   planes              pointers
 //   SimplexPlanes<D>    min[0 .. D]
@@ -6,11 +6,14 @@
 //   AaboPlanes<D>       min[0 .. D], max[0 .. D]
 //   DPlanes<D>          min and max of the D axis alone
 //
-// Each plane is `size` floats, or doubles, in the caller's memory, with the
-// alignment of its type, and overlaps no other plane. An owning world returns
-// its own by planes() (world.h). Nothing past element size - 1 is written. The
-// read-only counterparts are the views of world.h. DPlanes have no counterpart:
-// they complete the planes of an AABB world to those of an AABO world.
+// Each pointer is the start of an array of `size` floats or `size` doubles in
+// the caller's memory. The array must be aligned for its element type and must
+// not overlap another plane. A builder writes elements 0 ... size - 1 and
+// nothing else. An owning world returns its own planes from planes() (world.h).
+//
+// The views of world.h are the read-only versions of these types. DPlanes have
+// no read-only version: they add the D axis to the planes of an AABB world,
+// which makes the planes of an AABO world.
 //
 // Thread safety: plain values.
 #ifndef HALFSPACE_PLANES_H_

@@ -1,38 +1,30 @@
-// Quantized bounds: one or two bytes a plane instead of four. A test reads a
-// quarter or half of the bytes, and is up to four times as fast.
+// Quantized bounds: one or two bytes per plane instead of four. A test reads a
+// quarter or half of the bytes and is up to four times as fast.
 //
-//   QuantizedBounds  quantized bounds of floats that the caller keeps
-//   Refined          a view of both, quantized bounds and floats: exact answers
-//   QuantizedWorld   a world that owns both and keeps them in step
+//   halfspace::QuantizedWorld<halfspace::AaboView3> world(bounds);
+//   const std::size_t n = halfspace::CountSurvivors(world, query);  // reject.h
 //
-// All of them are worlds to the calls of reject.h and reject_many.h. Queries
-// are those of the floats; a call encodes them.
+//   QuantizedBounds  quantized bounds; the caller keeps the floats
+//   Refined          a view of quantized bounds and their floats: exact results
+//   QuantizedWorld   a world that owns both, and changes both together
 //
-// Filter and refine. QuantizedBounds alone are a filter: they never reject a
-// pair that the floats keep, and keep some that the floats reject (a few times
-// as many survivors with uint8, a few in a thousand more with uint16). Refined
-// and QuantizedWorld test the survivors of the filter on the floats too, so
-// their answer is that of the floats, bit for bit.
+// All three are worlds for the calls of reject.h and reject_many.h. Queries are
+// the same as for floats. Each call encodes its queries.
 //
-// Why it is safe: a float is encoded as its rank among quantiles of its plane.
-// That map is monotone, and a test consists of compares alone, so a pair that
-// the floats keep is kept by the ranks too. Ranks spread the bits evenly over
-// the objects, wherever those are, so outliers cost nothing.
+// QuantizedBounds alone are a filter. They never reject an object that the
+// floats keep. They keep some objects that the floats reject: with uint8 a few
+// times as many objects survive, with uint16 a few in a thousand more. Refined
+// and QuantizedWorld test the survivors of the filter on the floats too. Their
+// results are those of the floats, bit for bit.
 //
-// Memory: planes x sizeof(Element) bytes an object (an AABO in 3D: 8 or 16),
-// and at most 1.4 KiB (uint8) or 257 KiB (uint16) a plane for the quantizer.
-// Requantize needs both twice during the call, and at most 0.5 MiB (uint8) or
-// 2 MiB (uint16) for a sample. All of it comes from the heap or from a resource
-// of the caller's; memory.h says which one copies, moves and swap(a, b) use.
+// Why no overlap is missed: a float is encoded as its rank among quantiles of
+// its plane. This map keeps the order of floats, and a test consists only of
+// compares. So an object that the floats keep is kept by the ranks too. The
+// objects are spread evenly over the ranks, so outliers cost no precision.
 //
-// Special values: a NaN plane never rejects. Infinities and Everything() are
-// values like others. One object, equal objects and constant planes are tested
-// conservatively, like everything else. Subnormals are encoded as 0, so that a
-// caller's DAZ mode changes nothing.
-//
-// Floating-point exceptions: floats are encoded as integers, which traps none.
-// Training and Fits() may raise the inexact exception. Refining is as in
-// reject.h.
+// A NaN in a plane never rejects. Infinities and Everything() are encoded like
+// any other value. Subnormals are encoded as 0, so the DAZ mode of the caller
+// does not change an encoded value.
 //
 // Thread safety: as for any container. Source: quantization by monotone maps is
 // this library's own; docs/performance.md has the figures.
@@ -57,17 +49,28 @@
 namespace halfspace {
 
 // Quantized bounds of a world of floats. FloatView is SimplexView<D>,
-// AabbView<D> or AaboView<D>; Element is std::uint8_t or std::uint16_t.
+// AabbView<D> or AaboView<D>. ElementType is std::uint8_t or std::uint16_t.
 //
-// Requantize trains the quantizer on the bounds it is given and encodes them.
-// The quantizer is kept afterwards: it encodes all bounds that are pushed or
-// set, whatever their values. When these have moved so far that it no longer
-// tells them apart well, Fits() returns false: call Requantize again. Answers
-// are right before and after; only the number of survivors changes.
+// Requantize trains the quantizer on the given bounds and encodes them. Push
+// and Set use the same quantizer for any values. When the bounds have moved so
+// far that the quantizer no longer separates them well, Fits() returns false.
+// Then call Requantize again. Until then the filter is still correct, but more
+// objects survive it.
 //
-// Errors (error.h): an index that is not below size() and a size that no memory
-// can have are violated preconditions; a failed allocation throws
-// std::bad_alloc. The quantized bounds are then as they were.
+// Memory: an object takes `planes * sizeof(ElementType)` bytes (an AABO in 3D
+// takes 8 or 16). The quantizer takes at most 1.4 KiB (uint8) or 257 KiB
+// (uint16) per plane. During Requantize, both exist twice, and a sample takes
+// at most about 0.5 MiB (uint8) or 2 MiB (uint16) more. All of it comes from
+// the heap or from the caller's resource. memory.h says which resource copies,
+// moves and swap(a, b) use.
+//
+// Errors (error.h): an index must be less than size(). A size must fit the
+// address space. The pointer of a list with elements, and of a plane of a view
+// with objects, must not be null or misaligned. A failed allocation throws
+// std::bad_alloc. After an error the quantized bounds are unchanged.
+//
+// Floating-point mode: encoding uses integers only, and never traps. Requantize
+// and Fits can raise the inexact exception.
 template <typename FloatView, typename ElementType = std::uint8_t>
 class QuantizedBounds {
   static_assert(
@@ -80,8 +83,9 @@ class QuantizedBounds {
   using Element = ElementType;
   using View = detail::QuantizedView<FloatView, ElementType>;
 
-  // No bounds, and a quantizer with one level for every value: until
-  // Requantize, what is pushed survives every query that is not empty.
+  // Creates quantized bounds without objects. The quantizer has only one level
+  // (quantized value), so every object survives every query until the first
+  // Requantize.
   QuantizedBounds() : QuantizedBounds(MemoryResource()) {}
   explicit QuantizedBounds(const MemoryResource& memory)
       : planes_(Bound::kAxes, detail::kPlaneCount<Bound> - Bound::kAxes,
@@ -108,27 +112,29 @@ class QuantizedBounds {
   std::size_t size() const { return planes_.size(); }
   bool empty() const { return size() == 0; }
 
-  // Replaces the content: trains a new quantizer on `floats` and encodes all of
-  // them. Costs about 0.1 us an octahedron (0.3 with uint16), and a sort of at
-  // most 2^16 values a plane (2^18 with uint16). Throws (error.h)
-  // for a null or misaligned plane of a view that is not empty; the quantized
-  // bounds are then as they were.
+  // Replaces all objects: trains a new quantizer on `floats` and encodes them.
+  //
+  // Errors: unless `floats` is empty, its planes must not be null or
+  // misaligned.
+  //
+  // Cost: about 0.1 us per octahedron (0.3 us with uint16), and a sort of at
+  // most 2^16 values per plane (2^18 with uint16).
   void Requantize(const FloatView& floats) {
     planes_.Requantize(detail::ColumnsOf(floats));
   }
   void Requantize(const World<FloatView>& floats) { Requantize(floats.view()); }
 
-  // The same for a list of bounds.
+  // The same for an array of bounds.
   void Requantize(Span<const Bound> bounds) {
     planes_.Requantize(detail::ColumnsOf(bounds));
   }
 
-  // Whether the quantizer still tells the bounds apart about as well as when it
-  // was trained, judged by 1024 of them. False if bounds were pushed and it was
-  // never trained. O(1).
+  // Returns whether the quantizer still separates the bounds about as well as
+  // after training. The call looks at a sample of 1024 bounds. Returns false if
+  // bounds were pushed and the quantizer was never trained. O(1).
   bool Fits() const { return planes_.Fits(); }
 
-  // As in World. The caller makes the same change to the floats.
+  // As in World (world.h). The caller makes the same change to the floats.
   std::size_t Push(const Bound& bound) {
     return planes_.Push(detail::Planes(bound));
   }
@@ -138,26 +144,31 @@ class QuantizedBounds {
   void EraseBySwap(std::size_t index) { planes_.EraseBySwap(index); }
   void Reserve(std::size_t objects) { planes_.Reserve(objects); }
 
-  // Removes all objects; keeps the memory and the quantizer.
+  // Removes all objects. Keeps the memory and the quantizer.
   void Clear() { planes_.Clear(); }
 
-  // Throws (error.h), in the name of `call`, unless `index` is
-  // below size().
+  // Throws (error.h) if `index` is not less than size(). The message names
+  // `call` as the call that failed.
   void CheckIndex(std::size_t index, const char* call) const {
     planes_.CheckIndex(index, call);
   }
 
-  // For the calls. Valid until the quantized bounds change.
+  // Returns a view for the calls of reject.h and reject_many.h. Valid until the
+  // quantized bounds change.
   View view() const { return View(planes_); }
 
  private:
   detail::QuantizedPlanes<detail::StoredElement<ElementType>> planes_;
 };
 
-// A world of quantized bounds and of the floats that they were encoded from, in
-// the same order. Its answers are those of the floats. Both must outlive it.
-//   The calls throw (error.h) if the sizes differ. Different floats
-//   cannot be detected: a call may then reject pairs that touch.
+// Returns a view of quantized bounds and of the floats from which they were
+// encoded, in the same order. Its results are those of the floats. Both must
+// outlive the view.
+//
+// Errors: a call on the view throws (error.h) if the sizes differ. No call can
+// detect floats with different values. Overlaps can then be missed.
+//
+// Floating-point mode: as in reject.h for the floats.
 template <typename FloatView, typename ElementType>
 detail::RefinedView<FloatView, ElementType, FloatView> Refined(
     const QuantizedBounds<FloatView, ElementType>& quantized,
@@ -171,25 +182,27 @@ detail::RefinedView<FloatView, ElementType, FloatView> Refined(
   return {quantized.view(), floats.view()};
 }
 
-// A world that owns quantized bounds and their floats. The floats take as many
-// bytes as in a World. Errors are those of QuantizedBounds; the world is then
-// as it was.
+// A world that owns quantized bounds and their floats. Its results are those of
+// the floats.
 //
-// Training: a world that is constructed from bounds trains its quantizer on
-// them. Push trains a new one when the world has twice the objects of the last
-// training, and earlier if the objects pushed since would crowd into a few
-// levels, as objects sorted along an axis do. A world that starts empty, or was
-// cleared, is trained for the first time at 64 objects. So from 64 objects on
-// Fits() is true while objects are only pushed. Set and EraseBySwap do not
-// train; a later Push may. After many of them, check Fits() and call
-// Requantize().
+// Training: a world that is created from bounds trains its quantizer on them. A
+// Push into a world of at least 64 objects trains a new one if the world has
+// twice as many objects as at the last training. It trains earlier if the new
+// objects would share too few levels, as objects sorted along an axis do. So
+// Fits() is true from 64 objects on if objects are only pushed. Set and
+// EraseBySwap do not train, but a later Push may. After many of these calls,
+// check Fits() and call Requantize().
+//
+// Memory: the floats take as many bytes as in a World, in addition to the
+// memory of QuantizedBounds. They are stored as an array of bounds, not as
+// planes. A query reads the floats of only a few objects. As a bound, an object
+// is in one or two cache lines. As planes, it would be in one for each plane.
+//
+// Errors, floating-point mode: as QuantizedBounds, and as in reject.h for the
+// floats. After an error the world is unchanged.
 //
 // Cost: Set takes about 0.1 us. Push takes 0.3 to 1 us on average, most of it
-// training, and three times that for objects sorted along an axis.
-//
-// The floats are stored as records, one after another, and not as planes: few
-// of them are read, and reading a record misses one cache line instead of one
-// for each plane.
+// training, and three times as much for objects sorted along an axis.
 template <typename FloatView, typename ElementType = std::uint8_t>
 class QuantizedWorld {
  public:
@@ -227,7 +240,7 @@ class QuantizedWorld {
     std::swap(a.pushes_left_, b.pushes_left_);
   }
 
-  // Copies the bounds of a world of floats, in order, or of a list.
+  // Copies the bounds of a world of floats or of an array, in order.
   explicit QuantizedWorld(const FloatView& floats,
                           const MemoryResource& memory = {})
       : quantized_(floats, memory),
@@ -244,18 +257,20 @@ class QuantizedWorld {
   explicit QuantizedWorld(Span<const Bound> bounds,
                           const MemoryResource& memory = {})
       : quantized_(memory),
-        records_(bounds.begin(), bounds.end(), Allocator(memory)) {
-    Requantize();
+        records_(Allocator(memory)),
+        trained_(bounds.size()) {
+    quantized_.Requantize(bounds);
+    records_.assign(bounds.begin(), bounds.end());
   }
 
   const MemoryResource& memory() const { return quantized_.memory(); }
   std::size_t size() const { return records_.size(); }
   bool empty() const { return records_.empty(); }
 
-  // Appends and returns the object's index. Amortised O(1).
+  // Appends an object and returns its index. Can train. Amortized O(1).
   std::size_t Push(const Bound& bound) {
     // Allocates before it changes anything, so that quantized bounds and floats
-    // stay in step if that fails.
+    // still match if an allocation fails.
     if (size() == records_.capacity()) Reserve(std::max(kLeast, 2 * size()));
     if (pushes_left_ == 0) TrainIfDue();
     quantized_.Push(bound);
@@ -263,29 +278,32 @@ class QuantizedWorld {
     --pushes_left_;
     return size() - 1;
   }
+  // Replaces the bound of object `index`. O(1).
   void Set(std::size_t index, const Bound& bound) {
     quantized_.CheckIndex(index, "QuantizedWorld::Set");
     quantized_.Set(index, bound);
     records_[index] = bound;
   }
+  // Returns the bound of object `index`. O(1).
   Bound Get(std::size_t index) const {
     quantized_.CheckIndex(index, "QuantizedWorld::Get");
     return records_[index];
   }
-  // Removes object `index`; the last object takes its place. O(1).
+  // Removes object `index` and moves the last object to its place. O(1).
   void EraseBySwap(std::size_t index) {
     quantized_.CheckIndex(index, "QuantizedWorld::EraseBySwap");
     quantized_.EraseBySwap(index);
     records_[index] = records_.back();
     records_.pop_back();
   }
-  // Makes room for `objects` objects in all. Training allocates more memory.
+  // Allocates room for `objects` objects in total. Training allocates more
+  // memory.
   void Reserve(std::size_t objects) {
     quantized_.Reserve(objects);
     records_.reserve(objects);
   }
-  // Removes all objects. Keeps the memory, and the quantizer until there are
-  // enough objects to train a new one.
+  // Removes all objects. Keeps the memory, and keeps the quantizer until Push
+  // trains a new one.
   void Clear() {
     quantized_.Clear();
     records_.clear();
@@ -293,15 +311,16 @@ class QuantizedWorld {
     pushes_left_ = 0;
   }
 
-  // As in QuantizedBounds. Fits() is O(1), Requantize() is O(size).
+  // As QuantizedBounds::Fits(). O(1).
   bool Fits() const { return quantized_.Fits(); }
+  // Trains a new quantizer on the objects and encodes them again. O(size).
   void Requantize() {
     quantized_.Requantize(Span<const Bound>(records_));
     trained_ = size();
     pushes_left_ = 0;
   }
 
-  // The quantized bounds alone, for calls that need no refining.
+  // Returns the quantized bounds alone, for calls that need only the filter.
   const QuantizedBounds<FloatView, ElementType>& quantized() const {
     return quantized_;
   }
@@ -312,8 +331,8 @@ class QuantizedWorld {
   using Allocator = detail::BlockAllocator<Bound>;
   static constexpr std::size_t kLeast = 64;
 
-  // Trains if it is time, and sets when to check again. After training there is
-  // room for an eighth more objects at least, so Push is O(1) on average.
+  // Trains if it is time, and sets when to check again. After training, at
+  // least an eighth as many objects fit, so Push is O(1) on average.
   void TrainIfDue() {
     if (size() < kLeast) {
       pushes_left_ = kLeast - size();

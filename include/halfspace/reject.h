@@ -1,55 +1,37 @@
-// The calls for one query: which of the stored bounds could it touch?
+// One query: which of the stored bounds could it touch?
 //
-// A call tests every object of a world against the query. An object is rejected
-// iff one of its planes proves that it is separated from the query:
+//   std::vector<std::uint32_t> indices(world.size());
+//   indices.resize(halfspace::Survivors(world, query, indices));
 //
-//   simplex   object.min[k] > query.max[k]  for a k in X, Y, ..., D
+// A call tests every object of a world against the query. It rejects an object
+// if one of the planes separates the object from the query:
+//
+//   simplex   object.min[k] > query.max[k]  for some k in X, Y, ..., D
 //   AABB      object.min[k] > query.max[k]  or  object.max[k] < query.min[k]
-//             for a k in X, Y, ...
-//   AABO      the same for a k in X, Y, ..., D
+//             for some k in X, Y, ...
+//   AABO      as AABB, for some k in X, Y, ..., D
 //
-// Otherwise it survives. The compares are strict and ordered: bounds that only
-// touch survive, and a NaN on either side never rejects. The answer is the same
-// on every target, schedule and compiler, bit for bit.
-//
-// Floating-point mode: rounding does not matter. If the thread flushes
-// subnormal inputs (DAZ, which a program linked with fast-math may set), those
-// in planes and queries of floats count as 0. That may keep an object that
-// would be rejected otherwise, and never rejects one that would be kept. If the
-// thread traps floating-point exceptions, a NaN or a subnormal in planes or
-// queries may trap, on some targets and not on others; no other value does.
-// Mask the traps around calls on such values. (Builders never trap: fit.h.)
+// All other objects survive. Bounds that only touch survive. A compare with a
+// NaN never rejects; the other planes still can. The results are bit-identical
+// on every target, schedule and compiler.
 //
 // Every call takes
-//   world    a view or an owning world of world.h (floats or doubles), or a
-//            quantized one of quantized.h
+//   world    a view or an owning world of floats or doubles (world.h), or a
+//            world of quantized bounds (quantized.h); may be empty
 //   query    the world's Query type: DownSimplex, Aabb or Aabo
-//   options  schedule, target, and the range of objects; the defaults are right
+//   options  schedule, target and range of objects; the defaults fit most uses
+// RejectMask() documents the errors and the floating-point mode of all calls.
 // reject_many.h has the calls for several queries.
 //
-// Masks: object i of the world, or of the range in the options, is bit i % 64
-// of word i / 64; a mask of n objects has MaskWords(n) words. Words after those
-// are not touched. Bits after object n - 1 in the last word never show a
-// survivor: they are 1 in a reject mask, 0 in a survivor mask. Indices are
-// always those of the world, also with a range.
+// Thread safety: all calls are reentrant. They allocate nothing, take no lock
+// and keep no state. A call uses at most 8 KiB of stack (7 KiB on x86).
 //
-// Errors (error.h): a violated precondition is found before anything is
-// written. The preconditions: no query, and in a world that is not empty no
-// plane and no output, is null or misaligned; a mask has room for the objects
-// of the range; an output overlaps neither a plane nor a query; with 32-bit
-// indices a world has at most 2^32 objects; a range does not end before it
-// begins; the schedule is one of the enumerators; the target is supported here.
-// An empty world is valid. Code compiled with -fno-exceptions can link and
-// call, and sets a handler.
-//
-// Thread safety: reentrant; no allocation, no lock, no state. Stack: every call
-// here uses at most 8 KiB (7 on x86), over floats or quantized bounds. Cost: a
-// load and an indirect call, then one compare per plane and object, at the
-// speed of the planes' memory (docs/performance.md has figures). A reject mask
-// is made from a survivor mask, by one more pass over the mask.
+// Cost: a call starts with a load and an indirect call. Then it does one
+// compare per plane and object, about as fast as memory delivers the planes
+// (docs/performance.md has figures).
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (the tests,
-// and the early-out under SIMD that schedules are about).
+// and the early-out in SIMD, which schedules control).
 #ifndef HALFSPACE_REJECT_H_
 #define HALFSPACE_REJECT_H_
 
@@ -66,22 +48,34 @@
 
 namespace halfspace {
 
-// When to stop testing a group of objects that have all been rejected. It
-// changes the cost, never the answer. A simplex is always tested flat.
+// The order in which a call tests planes. A staged schedule tests some planes
+// first. It tests the other planes only for groups of objects that have a
+// survivor. The schedule changes the cost, never the result. A simplex is
+// always tested flat.
 enum class Schedule : std::uint8_t {
-  kAuto,          // the shape's measured best: see docs/design.md
-  kFlat,          // every plane of every object, without a branch
-  kStaged,        // AABB: as kStagedByAxis. AABO: up simplex, then down simplex
-  kStagedByAxis,  // after the two planes of each axis of a box or an octahedron
-                  // of floats or doubles; of quantized bounds, as kAuto
+  // The fastest schedule for the bound type, as measured (docs/design.md): flat
+  // for the simplex and the AABB, staged for the AABO.
+  kAuto,
+  // Tests every plane of every object, without a branch.
+  kFlat,
+  // AABO: the minima (the up simplex), then the maxima (the down simplex).
+  // AABB: as kStagedByAxis.
+  kStaged,
+  // AABB and AABO: the two planes of one axis, then those of the next axis.
+  // Quantized bounds: as kAuto.
+  kStagedByAxis,
 };
 
-// Objects begin ... end - 1 of a world, as far as it has them: an end beyond
-// the world is taken as its size, and a range that begins there is empty. A
-// range costs what a world of its objects would: the cells of a grid or the
-// leaves of a tree are ranges of one world. Threads share the work of one call
-// by taking a range each; if these begin at multiples of 64 objects, each
-// thread writes its words of one mask, from word begin / 64 on.
+// Objects begin ... end - 1 of a world. `begin` must not be greater than `end`.
+// Both may be greater than the size of the world: they are then taken as the
+// size.
+//
+// A range costs as much as a world that has only these objects. The cells of a
+// grid or the leaves of a tree can therefore be ranges of one world.
+//
+// Threads can share the work of one call: give each thread a range. If every
+// range begins at a multiple of 64, the threads can write one mask together. A
+// thread then passes the words of the mask from word begin / 64 on.
 struct Range {
   std::size_t begin = 0;
   std::size_t end = std::numeric_limits<std::size_t>::max();
@@ -89,39 +83,73 @@ struct Range {
 
 struct Options {
   Schedule schedule = Schedule::kAuto;
-  Target target = {};     // by default, the chosen one (targets.h)
+  Target target = {};     // by default, the chosen target (targets.h)
   Range range = {};       // by default, the whole world
-  Target* ran = nullptr;  // if not null, receives the target that ran
+  Target* ran = nullptr;  // if not null, the call writes the target it used
 
-  // RejectMasks and SurvivorMasks only: words from one row to the next. 0
-  // stands for the words of a row; with more, a range is a part of larger rows.
+  // RejectMasks and SurvivorMasks (reject_many.h) only: the number of words
+  // from the start of one row to the start of the next. 0 means that rows
+  // follow each other without a gap. Use a larger number to write a range of
+  // objects into the rows of a larger mask.
   std::size_t row_words = 0;
 };
 
-// Words of a mask over n objects.
+// The number of words in a mask of `objects` objects.
 constexpr std::size_t MaskWords(std::size_t objects) {
   return objects / 64 + (objects % 64 != 0 ? 1 : 0);
 }
 
-// Writes the reject mask: 1 = rejected, and 1 past the last object.
-//   mask  at least MaskWords(objects of the range) words
+// Writes the reject mask: 1 = rejected.
+//
+// Masks: a mask has one bit for each of the n objects of `options.range`.
+// Object `begin + i` is bit i % 64 of word i / 64. `mask.size()` must be at
+// least MaskWords(n). The call does not touch any words after these. The bits
+// after the last object are 1 in a reject mask and 0 in a survivor mask.
+//
+// Errors of all calls in this header (error.h). A call checks its arguments
+// before it writes anything.
+// - The query, the planes and the outputs must not be null or misaligned. The
+//   planes of an empty world and an output without elements may be null.
+// - `mask` must have room for the objects of the range.
+// - An output must not overlap the planes or the query.
+// - `options.range` must not end before it begins.
+// - `options.schedule` must be one of the enumerators.
+// - `options.target` must be supported on this machine.
+// Code that is compiled with -fno-exceptions can link and call the library if
+// it sets an error handler.
+//
+// Floating-point mode, for all calls in this header: the rounding mode has no
+// effect. If the thread flushes subnormal inputs (DAZ, which a program that is
+// linked with fast-math may set), a subnormal in a plane or a query counts as
+// 0. An object can then survive that would otherwise be rejected. An object
+// that would otherwise survive still survives.
+//
+// If the thread traps floating-point exceptions, a NaN or a subnormal in a
+// plane or a query may trap on some targets and not on others. No other value
+// traps. Mask the traps around calls on such values. (Builders never trap:
+// fit.h.)
+//
+// Cost: a reject mask takes one more pass over the mask than a survivor mask.
 template <typename AnyWorld>
 void RejectMask(const AnyWorld& world, const typename AnyWorld::Query& query,
                 Span<std::uint64_t> mask, const Options& options = {}) {
   detail::RejectMask(detail::ScanOfOne(world, query), mask, options);
 }
 
-// Writes the survivor mask: 1 = survives, and 0 past the last object.
-//   mask  at least MaskWords(objects of the range) words
+// Writes the survivor mask: 1 = survives. Layout and errors: as RejectMask().
 template <typename AnyWorld>
 void SurvivorMask(const AnyWorld& world, const typename AnyWorld::Query& query,
                   Span<std::uint64_t> mask, const Options& options = {}) {
   detail::SurvivorMask(detail::ScanOfOne(world, query), mask, options);
 }
 
-// Writes the indices of the survivors, ascending, and returns how many there
-// are. A span that is too short is no error: it receives the first indices, and
-// the full count is returned.
+// Writes the indices of the survivors in ascending order and returns the number
+// of survivors. Indices are positions in the world, also with a range.
+//
+// `indices` may be shorter than the result. The call then fills `indices` with
+// the first survivors, and still returns the number of all survivors.
+//
+// Errors: as RejectMask(). The world must have at most 2^32 objects.
 template <typename AnyWorld>
 [[nodiscard]] std::size_t Survivors(const AnyWorld& world,
                                     const typename AnyWorld::Query& query,
@@ -130,7 +158,7 @@ template <typename AnyWorld>
   return detail::Survivors(detail::ScanOfOne(world, query), indices, options);
 }
 
-// Counts the survivors.
+// Returns the number of survivors. Errors: as RejectMask().
 template <typename AnyWorld>
 [[nodiscard]] std::size_t CountSurvivors(const AnyWorld& world,
                                          const typename AnyWorld::Query& query,
@@ -138,8 +166,11 @@ template <typename AnyWorld>
   return detail::CountSurvivors(detail::ScanOfOne(world, query), options);
 }
 
-// The index of the first survivor, if there is one. Tests the first 512
-// objects, then 4096 at a time until one survives.
+// Returns the index of the first survivor, or std::nullopt if no object
+// survives. The index is a position in the world, also with a range. The call
+// tests the first 512 objects, then 4096 at a time until one survives.
+//
+// Errors: as RejectMask().
 template <typename AnyWorld>
 [[nodiscard]] std::optional<std::size_t> AnySurvivor(
     const AnyWorld& world, const typename AnyWorld::Query& query,

@@ -1,25 +1,30 @@
-// The calls for several queries: Q queries against N objects.
+// Several queries: which of the stored bounds could each of them touch?
 //
-// The answers are those of reject.h for each query. The work is done in tiles:
-// a tile of the world is brought into the first-level cache once, and all
-// queries (over quantized bounds, 256 at a time) are tested there. So a world
-// that is larger than the caches is read once for all queries and not once for
-// each. Where there are enough registers, as with AVX-512, several queries also
-// share each load.
+//   std::vector<std::size_t> counts(queries.size());
+//   halfspace::SurvivorCounts(world, queries, counts);
+//
+// The results are those of reject.h for each query. A call loads one tile of
+// the world into the L1 cache and tests all queries there, then it loads the
+// next tile. So it reads a world that is larger than the caches once for all
+// queries, not once per query. (Over quantized bounds it reads the world once
+// per 256 queries.) On targets with enough registers, such as AVX-512, several
+// queries also share each load.
 //
 // Every call takes
-//   world    as in reject.h: floats, doubles or quantized bounds
-//   queries  any number, of the world's Query type; a NaN or an empty query is
-//            treated as in reject.h
-//   options  as in reject.h. Threads share the work by ranges of objects: give
-//            each thread a range, and outputs of its own, or, if these are rows
-//            of masks, its words of the same rows (Options::row_words)
+//   world    as in reject.h: floats, doubles or quantized bounds; may be empty
+//   queries  any number of the world's Query type, also none; NaNs and empty
+//            queries have the same effect as in reject.h
+//   options  as in reject.h
 //
-// Errors, thread safety and the meaning of masks are those of reject.h. Two
-// more preconditions: the two lists of SurvivorPairs do not overlap where they
-// are written, and with 32-bit indices there are at most 2^32 queries. Nothing
-// is allocated: a call uses up to 32 KiB of stack. An empty world and an empty
-// list of queries are valid.
+// Threads share the work of a call by ranges of objects (Options::range). Give
+// each thread a range and outputs of its own. To write rows of masks together,
+// give each thread its words of the same rows (Options::row_words).
+//
+// Errors, floating-point mode and the layout of masks: as RejectMask() in
+// reject.h. The queries must not be null or misaligned, unless there are none.
+//
+// Thread safety: as in reject.h. A call allocates nothing and uses up to 32 KiB
+// of stack.
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (the tests).
 #ifndef HALFSPACE_REJECT_MANY_H_
@@ -36,11 +41,17 @@
 
 namespace halfspace {
 
-// Writes the reject mask of every query. The mask of queries[q] is row q: the
-// MaskWords(objects of the range) words of `rows` from q * stride on. The
-// stride is options.row_words, or, if that is 0, the words of a row. `rows` has
-// room for all rows.
-//   Throws also if options.row_words is neither 0 nor enough for a row.
+// Writes the reject mask of every query.
+//
+// The mask of queries[q] is row q. A row has MaskWords(n) words for the n
+// objects of `options.range`. Row q begins at rows[q * stride], where `stride`
+// is `options.row_words`, or MaskWords(n) if that is 0. `rows.size()` must be
+// at least `(queries.size() - 1) * stride + MaskWords(n)`. Without queries or
+// without objects, `rows` may be empty. The call does not touch the words
+// between two rows.
+//
+// Errors: as RejectMask(). `options.row_words` must be 0 or at least
+// MaskWords(n).
 template <typename AnyWorld>
 void RejectMasks(const AnyWorld& world,
                  Span<const typename AnyWorld::Query> queries,
@@ -48,7 +59,7 @@ void RejectMasks(const AnyWorld& world,
   detail::RejectMasks(detail::ScanOf(world, queries), rows, options);
 }
 
-// The same with survivor masks.
+// Writes the survivor mask of every query. Layout and errors: as RejectMasks().
 template <typename AnyWorld>
 void SurvivorMasks(const AnyWorld& world,
                    Span<const typename AnyWorld::Query> queries,
@@ -56,11 +67,19 @@ void SurvivorMasks(const AnyWorld& world,
   detail::SurvivorMasks(detail::ScanOf(world, queries), rows, options);
 }
 
-// Writes every surviving pair, as query_indices[j] and object_indices[j], and
-// returns the number of pairs. Pairs come tile by tile: those of one query are
-// in ascending order of objects, with pairs of other queries between them. If
-// the shorter span is too short, it is filled and the full number is returned.
-// At most 2^32 objects and queries. The spans must not overlap.
+// Writes every surviving pair and returns the number of pairs. Pair j is the
+// query `query_indices[j]` and the object `object_indices[j]`. Object indices
+// are positions in the world, also with a range.
+//
+// Pairs are written tile by tile. The pairs of one query are in ascending order
+// of objects. Pairs of other queries can be between them.
+//
+// The spans may be shorter than the result. The call then writes as many pairs
+// as the shorter span can hold, and still returns the number of all pairs.
+//
+// Errors: as RejectMask(). The world must have at most 2^32 objects, and there
+// must be at most 2^32 queries. The parts of the two spans that the call can
+// write must not overlap.
 template <typename AnyWorld>
 [[nodiscard]] std::size_t SurvivorPairs(
     const AnyWorld& world, Span<const typename AnyWorld::Query> queries,
@@ -70,8 +89,9 @@ template <typename AnyWorld>
                                object_indices, options);
 }
 
-// Writes to counts[q] how many objects survive queries[q]. `counts` has room
-// for all queries.
+// Writes to counts[q] the number of survivors of queries[q].
+//
+// Errors: as RejectMask(). `counts.size()` must be at least `queries.size()`.
 template <typename AnyWorld>
 void SurvivorCounts(const AnyWorld& world,
                     Span<const typename AnyWorld::Query> queries,
@@ -79,15 +99,16 @@ void SurvivorCounts(const AnyWorld& world,
   detail::SurvivorCounts(detail::ScanOf(world, queries), counts, options);
 }
 
-// The survivors of a few queries among some consecutive objects of the world.
+// The survivors of a few consecutive queries among some consecutive objects.
 struct SurvivorTile {
-  std::size_t first_query = 0;
-  std::size_t queries = 0;
-  std::size_t first_object = 0;  // a multiple of 64 after the range's begin
-  std::size_t objects = 0;
+  std::size_t first_query = 0;   // the index of the first query
+  std::size_t queries = 0;       // the number of queries
+  std::size_t first_object = 0;  // the begin of the range + a multiple of 64
+  std::size_t objects = 0;       // the number of objects
 
-  // The survivor mask of query first_query + q; bit 0 of word 0 is
-  // first_object. Valid until the callback returns.
+  // The survivor mask of query `first_query + q`, where q < `queries`. Object
+  // `first_object + i` is bit i % 64 of word i / 64. The mask is valid until
+  // the callback returns.
   Span<const std::uint64_t> Row(std::size_t q) const {
     return {rows + q * stride, MaskWords(objects)};
   }
@@ -96,15 +117,19 @@ struct SurvivorTile {
   std::size_t stride = 0;  // words from one row to the next
 };
 
-// Calls function(const SurvivorTile&) for every tile; each pair of a query and
-// an object is in exactly one tile. Use it to process survivors while they are
-// in the cache, without storing them. A function that returns a bool ends the
-// call by returning false. Exceptions of the function pass through.
+// Calls function(const SurvivorTile&) for every tile. Each pair of a query and
+// an object is in exactly one tile. Use this call to process survivors while
+// they are in the cache, without storing them.
+//
+// `function` returns nothing or a bool. It can return false to end the call. An
+// exception of `function` ends the call and reaches the caller.
+//
+// Errors: as RejectMask().
 template <typename AnyWorld, typename Function>
 void ForEachTile(const AnyWorld& world,
                  Span<const typename AnyWorld::Query> queries,
                  Function&& function, const Options& options = {}) {
-  // Also of what no pointer to data can name: a function.
+  // A lambda, because a void* cannot point to a function.
   auto call = [&function](const SurvivorTile& tile) {
     if constexpr (std::is_same_v<decltype(function(tile)), bool>) {
       return function(tile);

@@ -1,9 +1,12 @@
-// Shapes: the inputs of the builders of fit.h and fit_many.h.
+// Shapes: the inputs of the builders in fit.h and fit_many.h.
 //
-// All are plain data in the caller's own unit. Structs with pointers own
-// nothing: the memory that they point to must outlive the call. Pointers need
-// the alignment of their element and no more; only the elements described are
-// read. Scalar is float (the default) or double.
+//   const halfspace::Sphere3 sphere = {{0, 0, 0}, 1.5f};
+//   const halfspace::Points3 vertices = {coords, count};  // x y z x y z ...
+//
+// All shapes are plain data, in any unit. Scalar is float (the default) or
+// double. Structs with pointers do not own the memory, which must outlive the
+// call. Pointers must be aligned for their element type. A call reads only the
+// elements that are described here.
 //
 // Thread safety: plain values.
 #ifndef HALFSPACE_SHAPES_H_
@@ -18,8 +21,8 @@ namespace halfspace {
 template <int kDims, typename Scalar = float>
 using Point = std::array<Scalar, static_cast<std::size_t>(kDims)>;
 
-// Points as an array of structures: point i is coords[i * stride + 0 ..
-// kDims - 1].
+// Points as an array of structures. Coordinate k of point i is
+// coords[i * stride + k].
 template <int kDims, typename Scalar = float>
 struct Points {
   const Scalar* coords = nullptr;  // not read if count is 0
@@ -27,14 +30,14 @@ struct Points {
   std::size_t stride = kDims;  // scalars from one point to the next
 };
 
-// Points as a structure of arrays: point i is coords[0][i], coords[1][i], ...
+// Points as a structure of arrays. Coordinate k of point i is coords[k][i].
 template <int kDims, typename Scalar = float>
 struct PointsSoa {
   std::array<const Scalar*, static_cast<std::size_t>(kDims)> coords{};
   std::size_t count = 0;
 };
 
-// An axis-aligned box. Of floats, an Aabb (bounds.h) says the same.
+// An axis-aligned box. A box of floats can be an Aabb (bounds.h) as well.
 template <int kDims, typename Scalar = float>
 struct Box {
   Point<kDims, Scalar> min;
@@ -54,8 +57,8 @@ struct Triangle {
   Point<kDims, Scalar> c;
 };
 
-// The points origin + t * direction for 0 <= t <= max_t. The direction need not
-// have length 1: max_t is a multiple of its length.
+// The points origin + t * direction for 0 <= t <= max_t. The direction can have
+// any length; `max_t` is a multiple of it.
 template <int kDims, typename Scalar = float>
 struct Ray {
   Point<kDims, Scalar> origin;
@@ -63,7 +66,7 @@ struct Ray {
   Scalar max_t;
 };
 
-// The sphere of all points within `radius` of `center`.
+// All points within `radius` of `center`.
 template <int kDims, typename Scalar = float>
 struct Sphere {
   Point<kDims, Scalar> center;
@@ -79,7 +82,7 @@ struct Capsule {
 };
 
 // The points center + sum of s[i] * half_extents[i] * axes[i] for
-// -1 <= s[i] <= 1. The axes need be neither of length 1 nor at right angles.
+// -1 <= s[i] <= 1. The axes can have any lengths, and any angles between them.
 template <int kDims, typename Scalar = float>
 struct OrientedBox {
   Point<kDims, Scalar> center;
@@ -87,16 +90,17 @@ struct OrientedBox {
   Point<kDims, Scalar> half_extents;
 };
 
-// The points p with normal[0] * p[0] + ... + offset >= 0, which lie in front of
-// a plane. The normal need not have length 1.
+// The points in front of a plane: all p with
+// normal[0] * p[0] + ... + offset >= 0. The normal can have any length.
 template <int kDims, typename Scalar = float>
 struct HalfSpace {
   Point<kDims, Scalar> normal;
   Scalar offset;
 };
 
-// N boxes: coordinate k of box i is min[k][i * stride] and max[k][i * stride].
-// Stride 1 is a structure of arrays, which is the fastest to read.
+// Many boxes. Coordinate k of box i is min[k][i * stride] and
+// max[k][i * stride]. Stride 1 is a structure of arrays, the fastest to read.
+// BoxesOf (fit_many.h) makes this from an array of Aabb.
 template <int kDims, typename Scalar = float>
 struct Boxes {
   std::array<const Scalar*, static_cast<std::size_t>(kDims)> min{};
@@ -105,8 +109,8 @@ struct Boxes {
   std::size_t stride = 1;  // scalars from one box to the next
 };
 
-// N spheres: coordinate k of center i is center[k][i * stride], its radius
-// radius[i * stride].
+// Many spheres. Coordinate k of the center of sphere i is
+// center[k][i * stride], and its radius is radius[i * stride].
 template <int kDims, typename Scalar = float>
 struct Spheres {
   std::array<const Scalar*, static_cast<std::size_t>(kDims)> center{};
@@ -115,7 +119,7 @@ struct Spheres {
   std::size_t stride = 1;  // scalars from one sphere to the next
 };
 
-// The map x -> linear * x + translation; linear[i] is row i, so that
+// The affine map x -> linear * x + translation. linear[i] is row i, so
 // coordinate i of the image is linear[i][0] * x[0] + ... + translation[i].
 template <int kDims, typename Scalar = float>
 struct Affine {

@@ -1,49 +1,42 @@
-// A world that is sorted and answers one query over many objects by a
-// hierarchy: for worlds of thousands of objects and more, also if these move,
-// come and go.
+// SortedWorld: a BVH of 64-wide nodes for one query over many objects, which
+// may move, come and go.
 //
 //   halfspace::SortedAabbWorld3 sorted(world);  // an AabbWorld3, or its view
 //   halfspace::Aabb3 query = {{0, 0, 0}, {1, 1, 1}};
 //   std::vector<std::uint32_t> ids(sorted.size());
 //   ids.resize(Survivors(sorted, query, ids));
 //
-// The answers are those of the calls of reject.h on the world that it was made
-// of, as sets: an id is an object's index there. A flat scan tests every
-// object; here a call tests blocks of 64 objects or nodes, about log64(n)
-// levels of them, and only those whose parent survived. docs/sorted.md has the
-// layout, figures and what to use when.
+// A call returns the same objects as the call of reject.h with the same name.
+// An id is the index of the object in the world that it came from. A flat scan
+// tests every object. A SortedWorld visits a node only if its parent survived:
+// about log64(n) tree levels.
 //
-// Objects are sorted so that 64 that follow each other are near each other, and
-// the same holds for each 64 of these groups, and so on: the order is the
-// hierarchy, and there are no pointers. A block has 8 bits a plane and object.
-// They reject, or prove that an object survives, or leave it to the floats, of
-// which the world has a copy.
+// The BVH has no pointers. Objects are sorted so that 64 consecutive ones are
+// near each other and form a leaf, 64 consecutive leaves form a node, and so
+// on. Nodes and objects are quantized to 8 bits per plane. These reject, or
+// prove that an object survives, or leave the decision to the floats.
 //
-// Other queries of the same worlds: sorted_shapes.h (spheres, segments,
-// half-spaces), sorted_nearest.h (what is nearest, or first along a ray),
-// sorted_pairs.h (all pairs that overlap). None is linked that is not called.
+// Other queries of the same world: sorted_shapes.h (spheres, segments,
+// half-spaces), sorted_nearest.h (k nearest, ray casts), sorted_pairs.h (all
+// overlapping pairs: a broad phase). A program links only the queries it calls.
+// docs/sorted.md has the layout, the proof that no overlap is missed, and
+// measurements.
 //
-// Worlds are of floats, in 2 or 3 dimensions: SortedWorld<SimplexView3>,
-// SortedWorld<AabbView3>, SortedWorld<AaboView3> and the same with 2. Queries
-// are of the view's Query type. NaN, empty, inverted and infinite bounds and
-// queries do what they do in reject.h.
+// Bounds are floats in 2 or 3 dimensions: SortedWorld<SimplexView3>,
+// SortedWorld<AabbView3>, SortedWorld<AaboView3>, or 2. Each call takes a query
+// of the view's Query type. NaN, empty, inverted and infinite values mean the
+// same as in reject.h.
 //
-// Every call takes
-//   world    a SortedWorld
-//   query    of the view's Query type
-//   options  categories and target; the defaults are right
+// Errors (error.h), in every call: an output with room, or a list of queries,
+// is null or misaligned; the target is not supported. Outputs and queries must
+// not overlap in memory, which is not checked.
 //
-// Errors (error.h): no output with room and no list of queries is null or
-// misaligned, offsets are at least one more than the queries, and the target is
-// supported here. That outputs are apart from each other and from the queries
-// is not checked.
+// Floating-point mode: as in reject.h, except that queries may raise inexact,
+// overflow and underflow. Mask these traps around a query. Building and
+// changing a world never trap, in any mode.
 //
-// Floating-point mode: as in reject.h. But calls may raise inexact, overflow
-// and underflow for any values: mask these traps around them. Making a
-// world and changing it never trap, and work in the default mode.
-//
-// Thread safety: calls on the same world may run at the same time. They use up
-// to 32 KiB of stack, allocate nothing, lock nothing and have no state.
+// Thread safety: queries of one world may run at the same time. A query uses up
+// to 32 KiB of stack, allocates nothing, locks nothing and keeps no state.
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (a sort that
 // encodes a hierarchy in array order; the SIMD-batch median layout).
@@ -63,21 +56,21 @@
 
 namespace halfspace {
 
-// How objects are put in order. It changes the cost, never the answer.
+// Build quality. It changes the cost of queries, never their result.
 enum class Order : std::uint8_t {
-  // By medians of the widest axis. Takes O(n log n): about as long as the bulk
+  // Splits at medians of the widest axis. O(n log n), about as long as the bulk
   // load of an R-tree.
   kTight,
-  // Along a space-filling curve. Takes O(n), about a fifth as long; queries
-  // take up to 1.4 times as long as with kTight. The curve has 1024 cells an
-  // axis in 3 dimensions: use kTight where a few objects are so far away that
-  // all others share a few cells.
+  // Sorts along a Hilbert curve. O(n), about a fifth of the time. Queries take
+  // up to 1.4 times as long as with kTight. In 3 dimensions the curve has 1024
+  // cells per axis: if a few objects are very far away, all others share a few
+  // cells, and kTight is better.
   kFast,
 };
 
 struct SortedOptions {
-  // Only objects that have one of these categories, if any have been set
-  // (SortedWorld::SetCategories); all ones stands for all objects.
+  // Finds only objects with at least one of these categories
+  // (SortedWorld::SetCategories). All ones finds all objects.
   std::uint32_t categories = 0xFFFFFFFF;
   Target target = {};  // by default, the chosen one (targets.h)
 };
@@ -88,6 +81,7 @@ template <typename View>
 SortedShape SortedShapeOf() {
   using Bound = typename View::Bound;
   return {SortedKernelsOf<Bound::kAxes>::kTargets,
+          static_cast<std::uint8_t>(Bound::kDimensions),
           static_cast<std::uint8_t>(Bound::kAxes), HasMax<Bound>};
 }
 
@@ -99,14 +93,13 @@ const float* ValuesOf(const Query* queries) {
   return reinterpret_cast<const float*>(queries);
 }
 
-// The caller's function of some items at a time, which may return whether to go
-// on, as one that does.
+// Calls the caller's function, and returns true for one that returns nothing.
 template <typename Item, typename Function>
 bool CallWithSome(void* function, Span<const Item> items) {
   auto& call = *static_cast<Function*>(function);
   using Result = decltype(call(items));
   static_assert(std::is_void_v<Result> || std::is_same_v<Result, bool>,
-                "the function returns nothing, or whether to go on");
+                "the function must return void or bool");
   if constexpr (std::is_same_v<Result, bool>) {
     return call(items);
   } else {
@@ -121,25 +114,31 @@ bool CallWithSome(void* function, Span<const Item> items) {
 // world, or what Insert() returned.
 //
 // Memory: one block, from the heap or from a resource of the caller's
-// (memory.h, which says what copies, moves and swap(a, b) use): of boxes in 3
-// dimensions 36 bytes an object, 24 of them floats; 4 more after the first
-// change by id, and 4 more with categories. While it is made, 16 bytes an
-// object more, and while all are sorted anew, up to 112 more.
+// (memory.h, which says what copies, moves and swap(a, b) use). Boxes in 3
+// dimensions take 36 bytes per place, 24 of them floats, 4 more per id after
+// the first change by id, and 4 more per place with categories. Building takes
+// 16 bytes per object more, and sorting all objects again up to 112.
 //
-// Changes are seen by every later call; none may run at the same time as
-// another call on the same world. They run on the chosen target.
+// Places: an object has a place in the order, and an erased object leaves an
+// empty one. There are never more than 2 * size() + 64 places. The block grows
+// by half when all places are taken, and Rebuild() makes it as small as it can
+// be.
+//
+// Changes are seen by every later call. No change may run at the same time as
+// another call on the same world. Changes run on the chosen target.
 //
 // Errors (error.h): a plane of a world that is not empty is null or misaligned;
 // there are 2^31 objects or more; the order is none of the enumerators; an id
 // is not that of an object in the world. A failed allocation throws
-// std::bad_alloc. The world is then as it was. If a function `run` throws, a
-// world that is made is not, and one that is refitted has to be refitted again.
+// std::bad_alloc. The world is then as it was, and what ids() and Blob()
+// returned stays valid. If a function `run` throws in a constructor, there is
+// no world. If it throws in Refit(), call Refit() again before the next query.
 template <typename ViewType>
 class SortedWorld {
  public:
   using View = ViewType;
   using Bound = typename View::Bound;
-  // No type Query: the calls of reject.h are for all that has one.
+  // There is no member Query: with one, the calls of reject.h would match.
   static_assert(std::is_same_v<typename Bound::Scalar, float>,
                 "sorted worlds are of floats");
   static_assert(Bound::kDimensions <= 3, "2 or 3 dimensions");
@@ -148,37 +147,32 @@ class SortedWorld {
   explicit SortedWorld(const MemoryResource& memory)
       : tree_(detail::SortedShapeOf<View>(), memory) {}
 
-  // Sorts the bounds of a world, view or list; an owning world converts to its
-  // view. Nothing refers to them afterwards.
-  //   run  if given, run(count, part) calls part(i) once for each i below
-  //        `count`, in any order and on any threads, and returns when all have
-  //        returned
+  // Sorts the bounds of a view, an owning world or a list. The bounds are
+  // copied.
+  //   run  run(count, part) calls part(i) once for each i below `count`, in any
+  //        order and on any threads, and returns when all have returned. By
+  //        default the calling thread calls them in turn.
+  template <typename Run = detail::InTurn>
   explicit SortedWorld(const View& world, Order order = Order::kTight,
-                       const MemoryResource& memory = {})
-      : SortedWorld(world, order, memory, detail::InTurn()) {}
-  explicit SortedWorld(const World<View>& world, Order order = Order::kTight,
-                       const MemoryResource& memory = {})
-      : SortedWorld(world.view(), order, memory) {}
-  explicit SortedWorld(Span<const Bound> bounds, Order order = Order::kTight,
-                       const MemoryResource& memory = {})
-      : SortedWorld(bounds, order, memory, detail::InTurn()) {}
-  template <typename Run>
-  SortedWorld(const View& world, Order order, const MemoryResource& memory,
-              Run&& run)
+                       const MemoryResource& memory = {}, Run&& run = Run())
       : SortedWorld(memory) {
     tree_.Build(detail::ColumnsOf(world), order, Target(),
                 detail::RunnerOf(run));
   }
-  template <typename Run>
-  SortedWorld(Span<const Bound> bounds, Order order,
-              const MemoryResource& memory, Run&& run)
+  template <typename Run = detail::InTurn>
+  explicit SortedWorld(const World<View>& world, Order order = Order::kTight,
+                       const MemoryResource& memory = {}, Run&& run = Run())
+      : SortedWorld(world.view(), order, memory, run) {}
+  template <typename Run = detail::InTurn>
+  explicit SortedWorld(Span<const Bound> bounds, Order order = Order::kTight,
+                       const MemoryResource& memory = {}, Run&& run = Run())
       : SortedWorld(memory) {
     tree_.Build(detail::ColumnsOf(bounds), order, Target(),
                 detail::RunnerOf(run));
   }
 
-  // A world of the `count` bounds that fit(planes) writes, as a builder of
-  // fit_many.h does, in one pass and without a world of the caller's:
+  // Builds a world of the `count` bounds that fit(planes) writes, as a builder
+  // of fit_many.h does:
   //
   //   SortedAabbWorld3::Fitted(spheres.count, [&](const AabbPlanes3& planes) {
   //     BoundSpheres(spheres, planes);
@@ -204,35 +198,43 @@ class SortedWorld {
   std::size_t size() const { return tree_.size(); }
   bool empty() const { return size() == 0; }
 
-  // The size of its block of memory.
+  // The size of the world's block of memory.
   std::size_t bytes() const { return tree_.bytes(); }
 
   // Whether an object has this id. O(1).
   bool Has(std::uint32_t id) const { return tree_.Has(id); }
 
-  // Gives an object a new bound. All levels are at once as tight as they can be
-  // with this order. About half a microsecond, and a copy of the world at the
-  // first change by id.
+  // Changes the bound of an object, and tightens its leaf and the nodes above.
+  // The order stays, so leaves grow as objects move: see Decay(). About half a
+  // microsecond (`./bench.sh --details sorted`). The first change by id of a
+  // world that was built copies it once.
   void Set(std::uint32_t id, const Bound& bound) {
     tree_.Set(id, detail::Planes(bound));
   }
 
-  // Adds an object, of all categories, and returns its id: that of an object
-  // that was erased, or one more than the greatest. It takes the place of an
-  // erased object near it, or is last, and the memory grows by half if that is
-  // full. Costs what Set() costs, and a few microseconds to find a place.
+  // Adds an object with all categories and returns its id: that of an erased
+  // object, or one more than the greatest. The object takes an empty place in a
+  // leaf that it makes grow by a 16th at most, or the last place.
+  //
+  // The world sorts itself as it grows, so a world that was filled by Insert()
+  // answers queries about as fast as one that was built: every 256 insertions
+  // sort the newest objects, and all objects are sorted when as many were
+  // inserted as the world had when it was last sorted. The memory grows by
+  // half. That costs about 1 us per insertion on average, but a single one can
+  // take as long as Rebuild().
   std::uint32_t Insert(const Bound& bound) {
     return tree_.Insert(detail::Planes(bound));
   }
 
-  // Removes an object. Costs what Set() costs. Its place stays empty until an
-  // object is inserted near it or all are sorted anew.
+  // Removes an object. Costs what Set() costs, and on average a few ns more:
+  // when more than half of the places are empty, the objects move together, in
+  // their order. It allocates nothing but what the first change by id does.
   void Erase(std::uint32_t id) { tree_.Erase(id); }
 
-  // Gives objects categories, bits that SortedOptions::categories asks for: one
-  // object, or all, by id. An object has all until it is given others; those
-  // beyond the end of the list get 0, and are found only where all are asked
-  // for.
+  // Sets the categories of one object, or of all: categories[i] is that of
+  // object i. Objects beyond the end of the list get 0. An object whose
+  // categories were never set has all of them. One with 0 is found only with
+  // SortedOptions::categories of all ones.
   void SetCategories(std::uint32_t id, std::uint32_t categories) {
     tree_.SetCategories(id, categories);
   }
@@ -240,63 +242,84 @@ class SortedWorld {
     tree_.SetCategories(categories);
   }
 
-  // The ids in this world's order; 0xFFFFFFFF where an object was erased. Valid
-  // until the world changes.
+  // The ids in this world's order, one per place; 0xFFFFFFFF in an empty place.
+  // Valid until the world changes.
   Span<const std::uint32_t> ids() const { return tree_.ids(); }
 
-  // Gives all objects new bounds, by id: bound i is that of object i. There is
-  // one at least for each id from 0 to the greatest that was ever in use, so
-  // they may be more than size(); those of erased objects are not read. Fewer
-  // are an error (error.h). The order stays as it is. `run` is as in the
-  // constructor.
+  // Gives all objects new bounds, by id: bounds[i] is that of object i. Bounds
+  // of erased objects are not read. `bounds.size()` must be greater than every
+  // id, including those that were erased since the last Rebuild(). The order
+  // stays as it is. `run` is as in the constructor.
   template <typename Run = detail::InTurn>
   void Refit(const View& bounds, Run&& run = Run()) {
     tree_.Refit(detail::ColumnsOf(bounds), true, detail::RunnerOf(run));
+  }
+  template <typename Run = detail::InTurn>
+  void Refit(const World<View>& bounds, Run&& run = Run()) {
+    Refit(bounds.view(), run);
   }
   template <typename Run = detail::InTurn>
   void Refit(Span<const Bound> bounds, Run&& run = Run()) {
     tree_.Refit(detail::ColumnsOf(bounds), true, detail::RunnerOf(run));
   }
 
-  // The same with bounds in this world's order: bound i is that of object
-  // ids()[i], and there are ids().size(). 2 to 4 times as fast.
+  // The same with bounds in this world's order: bounds[i] is that of object
+  // ids()[i], and `bounds.size()` must be `ids().size()`. 2 to 4 times as fast.
   template <typename Run = detail::InTurn>
   void RefitInOrder(const View& bounds, Run&& run = Run()) {
     tree_.Refit(detail::ColumnsOf(bounds), false, detail::RunnerOf(run));
   }
+  template <typename Run = detail::InTurn>
+  void RefitInOrder(const World<View>& bounds, Run&& run = Run()) {
+    RefitInOrder(bounds.view(), run);
+  }
+  template <typename Run = detail::InTurn>
+  void RefitInOrder(Span<const Bound> bounds, Run&& run = Run()) {
+    tree_.Refit(detail::ColumnsOf(bounds), false, detail::RunnerOf(run));
+  }
 
-  // How much the order has decayed: the surface of all groups of 64 objects
-  // now, divided by what it was when they were sorted. 1 is as sorted; with 2,
-  // queries visit up to twice as many blocks. Infinite if there was no order,
-  // as in a world made by Insert(). O(n / 64).
+  // How much the order has decayed: the surface of all leaves (64 places each),
+  // divided by the surface that as many objects had when they were last sorted.
+  // 1 is as sorted. With 2, queries visit up to twice as many leaves. Erased
+  // objects count: half of the objects in the same leaves is a decay of
+  // about 2. 1 for a world of up to 64 places, which needs no order; infinite
+  // for a larger one that was never sorted, as after fewer than 256 Insert().
+  // O(n / 64).
   double Decay() const { return tree_.Decay(); }
 
-  // Sorts all objects anew, without empty places between them. Ids stay, and so
-  // does room for an object for each id that was ever in use.
+  // Sorts all objects, without empty places between them, and gives memory
+  // back: the block has no more room than the objects need, and 4 bytes for
+  // each id up to the greatest in use. Ids stay. `run` is as in the
+  // constructor.
   template <typename Run = detail::InTurn>
   void Rebuild(Order order = Order::kTight, Run&& run = Run()) {
     tree_.Rebuild(order, detail::RunnerOf(run));
   }
 
-  // Sorts about so many objects anew, those whose groups have grown most:
-  // 4096 that follow each other, and some such groups together if `objects`
-  // allows it. Returns how many were sorted; 0 if none have grown. Takes about
-  // 0.3 us an object.
+  // Sorts the groups of 4096 places whose surface has grown most, about
+  // `objects` objects in total and at least one group. Groups that are sorted
+  // together exchange their objects. Returns the number of objects sorted, and
+  // 0 if no group has grown. Takes about 0.3 us per object.
   std::size_t RebuildWorst(std::size_t objects) {
     return tree_.RebuildWorst(objects);
   }
 
   // The world as bytes, to store or to map: its block of memory itself. Valid
-  // until the world changes.
+  // until the world changes. The first call after a change computes a checksum,
+  // O(n); the others are O(1).
   Span<const std::byte> Blob() const { return tree_.Blob(); }
 
-  // A world of what Blob() gave. FromBlob() copies the bytes. InPlace() refers
-  // to them: they are aligned to 64, as a mapped file is, and stay unchanged
-  // while the world lives; a change of the world copies them first.
-  // Whatever the bytes are, no call reads outside them. What is checked is
-  // O(1): bytes that were altered may give other answers, and any ids. Throws
-  // (error.h) if they are not a world's of this type, this byte order and this
-  // version of the library.
+  // A world of what Blob() returned. FromBlob() copies the bytes. InPlace()
+  // refers to them: they must be aligned to 64 bytes, as a mapped file is, and
+  // stay unchanged while the world lives. A change of the world copies them
+  // first.
+  //
+  // Both check the header in O(1), and throw (error.h) if the blob is one of
+  // another type, byte order or format. The format has its own version, which
+  // changes less often than the library's. An altered body can change results,
+  // but no query and no change reads or writes outside the blob and the world.
+  // The first change checks in O(n) that ids and places belong together, and
+  // throws if they do not. Verify() finds every other alteration.
   static SortedWorld FromBlob(Span<const std::byte> blob,
                               const MemoryResource& memory = {}) {
     SortedWorld world(memory);
@@ -309,6 +332,11 @@ class SortedWorld {
     world.tree_.Load(blob, true);
     return world;
   }
+
+  // Whether the bytes of a blob are those that Blob() returned, by their
+  // checksum: it finds damage, not an attacker. True for a world that was not
+  // made of a blob, and for one that changed since. O(n).
+  [[nodiscard]] bool Verify() const { return tree_.Verify(); }
 
   // Internal.
   const detail::SortedTree& tree() const { return tree_; }
@@ -324,9 +352,9 @@ using SortedAabbWorld3 = SortedWorld<AabbView3>;
 using SortedAaboWorld2 = SortedWorld<AaboView2>;
 using SortedAaboWorld3 = SortedWorld<AaboView3>;
 
-// Writes the ids of the survivors, in no particular order, and returns how many
-// there are. A span that is too short is no error: it is filled, and the full
-// count is returned. Elements after the last id may be overwritten.
+// Writes the ids of all survivors to `ids`, in no particular order, and returns
+// their number. If `ids` is shorter than that, it is filled, and the full
+// number is returned. Elements of `ids` behind the last id may be overwritten.
 template <typename View>
 [[nodiscard]] std::size_t Survivors(const SortedWorld<View>& world,
                                     const typename View::Query& query,
@@ -336,9 +364,9 @@ template <typename View>
                                  options);
 }
 
-// Counts the survivors. Nodes that lie inside a box or an octahedron add their
-// number and are not visited, so the cost of a large query grows with its
-// surface and not with its volume.
+// Returns the number of survivors. A node inside a box or an octahedron is
+// counted without a visit, so the cost of a large query grows with its surface
+// and not with its volume.
 template <typename View>
 [[nodiscard]] std::size_t CountSurvivors(const SortedWorld<View>& world,
                                          const typename View::Query& query,
@@ -346,7 +374,8 @@ template <typename View>
   return detail::SortedCount(world.tree(), detail::ValuesOf(&query), options);
 }
 
-// The id of a survivor, if there is one. Stops soon after it has found one.
+// Returns the id of a survivor, or nothing if there is none. Stops soon after
+// it has found one.
 template <typename View>
 [[nodiscard]] std::optional<std::uint32_t> AnySurvivor(
     const SortedWorld<View>& world, const typename View::Query& query,
@@ -359,8 +388,8 @@ template <typename View>
 }
 
 // Calls function(Span<const std::uint32_t> ids) with 1 to 512 survivors at a
-// time. A function that returns a bool ends the call by returning false.
-// Exceptions of the function pass through.
+// time. The function returns void, or bool: false ends the call. Exceptions of
+// the function pass through. The function must not change the world.
 template <typename View, typename Function>
 void ForEachSurvivor(const SortedWorld<View>& world,
                      const typename View::Query& query, Function&& function,
@@ -373,12 +402,15 @@ void ForEachSurvivor(const SortedWorld<View>& world,
                         &call, options);
 }
 
-// Survivors() of several queries, which walk together, 64 at a time: that hides
-// the latency of memory and the cost of a call, and takes 0.6 to 1 times as
-// long. The ids of queries[q] are ids[offsets[q]] ... ids[offsets[q + 1] - 1],
-// and all their number is returned. `offsets` has one element more than there
-// are queries. If `ids` is too short, it receives the first ids; `offsets` are
-// as if it were long enough. Elements after the last id may be overwritten.
+// Survivors() of several queries. The queries walk the tree together, 64 at a
+// time, which hides the latency of memory and the cost of a call: it takes 0.6
+// to 1 times as long as one call per query.
+//   ids      receives the ids of all queries, one query after another
+//   offsets  `offsets.size()` must be at least `queries.size() + 1`. The ids of
+//            queries[q] are ids[offsets[q]] ... ids[offsets[q + 1] - 1].
+// Returns the number of all ids. If `ids` is shorter than that, it is filled,
+// and `offsets` are written as if it were long enough. Elements of `ids` behind
+// the last id may be overwritten.
 template <typename View>
 [[nodiscard]] std::size_t SurvivorsOfEach(
     const SortedWorld<View>& world, Span<const typename View::Query> queries,

@@ -1,45 +1,39 @@
-// All pairs of objects of sorted worlds whose bounds touch or overlap.
+// All overlapping pairs of objects of a BVH (sorted.h): the broad phase.
 //
 //   std::vector<halfspace::IdPair> pairs(room);
 //   const std::size_t count = Pairs(sorted, pairs);
 //
 // Bounds a and b overlap unless a plane separates them: a.min[k] > b.max[k] or
-// b.min[k] > a.max[k] for an axis k. That is the rule of reject.h, with an
-// object for the query. So bounds that touch overlap, a NaN separates nothing,
-// and of bounds without NaNs and infinities none overlaps Empty(). Erased
-// objects are in no pair.
+// b.min[k] > a.max[k] for an axis k. That is the rule of reject.h. So bounds
+// that touch overlap, and a NaN separates nothing. An Empty() bound overlaps
+// only bounds with NaNs or infinities. Erased objects are in no pair.
 //
-// Worlds are those of sorted.h that have minima and maxima: boxes and
-// octahedra, in 2 or 3 dimensions. No two simplices of a kind have planes that
-// face each other, so nothing tells them apart.
+// Worlds are of boxes or octahedra, in 2 or 3 dimensions. There are no pairs of
+// simplices: two simplices of one kind have no planes that face each other.
 //
-// Every call takes
-//   world    a SortedWorld, or two of one type
-//   options  categories, parts, and target; the defaults are right
-// and gives pairs in no particular order
-//   to a span      and returns how many there are. A span that is too short is
-//                  no error: it is filled, and the full count is returned; an
-//                  empty one counts. Elements after the last pair may be
-//                  overwritten.
-//   to a function  of Span<const IdPair>, 1 to 256 at a time. A function that
-//                  returns a bool ends the call by returning false. Exceptions
-//                  of the function pass through.
+// Pairs() writes to a span and returns the number of pairs. If the span is
+// shorter than that, it is filled, and the full number is returned. An empty
+// span counts. Elements behind the last pair may be overwritten. ForEachPair()
+// calls function(Span<const IdPair>) with 1 to 256 pairs at a time. The
+// function returns void, or bool: false ends the call. Exceptions of the
+// function pass through. The order of the pairs is unspecified.
 //
-// Errors (error.h): no span or list with room is null or misaligned, ids are
-// those of objects in the world, and the target is supported here.
+// Errors (error.h), in every call: an output with room or a list of ids is null
+// or misaligned; an id is not that of an object in the world; the target is not
+// supported.
 //
 // Floating-point mode: as in sorted.h.
 //
-// Thread safety: calls on the same worlds may run at the same time, and share
-// one join by parts (PairOptions). They use up to 32 KiB of stack and lock
-// nothing. Only PairsOf() and ForEachPairOf() allocate.
+// Thread safety: calls on the same worlds may run at the same time, and can
+// share one join (PairOptions::begin). A call uses up to 32 KiB of stack and
+// locks nothing. Only PairsOf() and ForEachPairOf() allocate.
 //
-// Cost: a query for each 64 objects, and a compare of those that meet the
-// bounds of each other's 64: 12 ns a pair where an object is in 5 pairs, 3 ns
-// where it is in 50.
+// Cost: one query per leaf of 64 objects, and a comparison of the objects of
+// leaves that overlap: 12 ns per pair if an object is in 5 pairs, 3 ns if it is
+// in 50 (`./bench.sh --details sorted`).
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (its order as
-// a hierarchy, here met by itself).
+// a hierarchy, which here meets itself).
 #ifndef HALFSPACE_SORTED_PAIRS_H_
 #define HALFSPACE_SORTED_PAIRS_H_
 
@@ -53,7 +47,7 @@
 
 namespace halfspace {
 
-// The ids of two objects; of two worlds, `a` is one of the first.
+// The ids of two objects. With two worlds, `a` is from the first.
 struct IdPair {
   std::uint32_t a;
   std::uint32_t b;
@@ -67,12 +61,12 @@ struct IdPair {
 };
 
 struct PairOptions {
-  // Only pairs of objects that each have one of these categories, not
-  // necessarily the same; all ones stands for all objects, as in SortedOptions.
+  // Finds only pairs of which each object has at least one of these categories,
+  // not necessarily the same one. All ones finds all objects.
   std::uint32_t categories = 0xFFFFFFFF;
-  // Only parts begin ... end - 1 of PairParts(). Each pair belongs to one part,
-  // so calls on parts that are apart, on any threads, give each pair once.
-  // Parts take unequal times: have more ranges than threads.
+  // Finds only the pairs of parts begin ... end - 1 of PairParts(). Each pair
+  // belongs to one part, so calls with disjoint ranges, on any threads, find
+  // each pair once. Parts take unequal times, so use more ranges than threads.
   std::size_t begin = 0;
   std::size_t end = static_cast<std::size_t>(-1);
   Target target = {};  // by default, the chosen one (targets.h)
@@ -101,13 +95,14 @@ void CallForPairs(const PairSources& sources, Function& function,
 
 }  // namespace detail
 
-// How many parts a join has whose first or only world this is.
+// The number of parts of a join whose first or only world this is.
 template <typename View>
 std::size_t PairParts(const SortedWorld<View>& world) {
   return (world.ids().size() + 63) / 64;
 }
 
-// The pairs of objects of one world, each once: {i, j} or {j, i}.
+// The pairs of objects of one world. Each pair is found once, as {i, j} or
+// {j, i}.
 template <typename View>
 [[nodiscard]] std::size_t Pairs(const SortedWorld<View>& world,
                                 Span<IdPair> pairs,
@@ -120,7 +115,7 @@ void ForEachPair(const SortedWorld<View>& world, Function&& function,
   detail::CallForPairs(detail::PairsIn(world), function, options);
 }
 
-// The pairs of an object of `a` and one of `b`.
+// The pairs of an object of `a` and an object of `b`.
 template <typename View>
 [[nodiscard]] std::size_t Pairs(const SortedWorld<View>& a,
                                 const SortedWorld<View>& b, Span<IdPair> pairs,
@@ -134,13 +129,18 @@ void ForEachPair(const SortedWorld<View>& a, const SortedWorld<View>& b,
 }
 
 // The pairs of an object of a set, which is IdPair::a, and any other object:
-// what is new when these objects moved. A pair of two objects of the set is
-// there once. An id may be in the list more than once.
+// the pairs that can be new after these objects moved. A pair of two objects of
+// the set is found once. An id may be in the list more than once.
 //
-// Allocates a bit for each object from the world's memory; a failed allocation
-// throws std::bad_alloc. A world that has never changed by id
-// (SortedWorld::Set) takes two bits, and 0.6 ns an object to find where they
-// are.
+// Both calls allocate a bit for each object from the world's MemoryResource
+// (SortedWorld::memory()), in the calling thread, and free it before they
+// return. The world is const, but its resource is used: calls that run at the
+// same time, such as those on different parts, need a resource that is
+// thread-safe. The default resource is. A failed allocation throws
+// std::bad_alloc before a pair is written and before the function is called.
+//
+// A world that has never changed by id (SortedWorld::Set) takes two bits for
+// each object, and 0.6 ns for each object to find their places.
 template <typename View>
 [[nodiscard]] std::size_t PairsOf(const SortedWorld<View>& world,
                                   Span<const std::uint32_t> ids,

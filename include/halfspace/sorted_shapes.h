@@ -1,54 +1,55 @@
-// The calls of sorted.h with a shape as the query:
+// The queries of sorted.h with a sphere, segment, capsule or half-spaces.
 //
 //   Survivors(sorted, Sphere3{{x, y, z}, radius}, ids)
 //   CountSurvivors(sorted, Segment3{a, b})
 //   ForEachSurvivor(sorted, Capsule3{a, b, radius}, function)
-//   AnySurvivor(sorted, frustum)        a std::array<HalfSpace3, 6>, say
+//   AnySurvivor(sorted, frustum)        e.g. a std::array<HalfSpace3, 6>
 //   SurvivorsOfEach(sorted, spheres, ids, offsets)
 //
-// A shape is a Sphere<d>, Segment<d> or Capsule<d> of floats (shapes.h) in the
-// world's d dimensions, or a list of HalfSpace<d>, up to 64: the points in
-// front of all of them. Everything else is as in sorted.h.
+// A query shape is a Sphere<d>, Segment<d> or Capsule<d> of floats (shapes.h)
+// in the world's d dimensions, or a list of up to 64 HalfSpace<d>: the region
+// in front of all of them. Everything else is as in sorted.h.
 //
 // An object survives unless a test of its bound proves that the shape cannot
 // touch it:
-//   sphere            the test of BoundSphere(), and the distance of the box of
-//                     the first d axes from the center; simplices have minima
-//                     only, so theirs is that of an octant
-//   segment, capsule  the parts of the segment within the radius of the planes
-//                     of each axis, D included, which have to overlap; so near
-//                     an edge what is up to sqrt(d) times the radius away may
-//                     survive
-//   half-spaces       the corner of the bound that is foremost along each
-//                     normal; of an octahedron that of its box. So a bound
-//                     that is outside, as near an edge of a frustum, but not
-//                     wholly behind any one plane, may survive
+//   sphere: the bound of the sphere, and the distance of the object's box from
+//     the center. A simplex has no box: there it is the distance of the octant
+//     above its minima.
+//   segment, capsule: the slab test. The parts of the segment that are within
+//     the radius of the planes of each axis, D included, must overlap. Near an
+//     edge, an object up to sqrt(d) * radius away can survive.
+//   half-spaces: the corner of the bound that is foremost along each normal.
+//     For an octahedron it is the corner of its box. An object near an edge of
+//     a frustum that is behind no single plane can survive.
 //
-// What touches the exact shape, taken as real numbers, is never rejected, in
-// any floating-point mode; what is apart by less than about 2^-18 of the sizes
-// involved may survive (docs/sorted.md). The answers are the same on every
-// target.
+// No object whose bound touches the exact shape is rejected, in any
+// floating-point mode. Objects closer than about 2^-18 of the sizes involved
+// can survive (docs/sorted.md), and the mode can change which of these do. All
+// targets return the same objects.
 //
-// NaN and infinities: planes of objects as in reject.h. A shape that a builder
-// cannot bound is Everything(), and a half-space with one of them, or one
-// number of whose normal is less than 2^-96 of another but not 0, rejects
-// nothing. No half-spaces reject nothing. Objects that are Empty() survive only
-// what rejects nothing.
+// NaN and infinities: planes of objects as in reject.h. A sphere, segment or
+// capsule with a NaN, an infinity, or magnitudes that sum to more than 2^125 is
+// a query of Everything(), like the bound that a builder of fit.h makes of it.
+// A half-space with a NaN or an infinity keeps every object, and so does one
+// whose normal has a component that is not 0 and less than 2^-96 of another. An
+// empty list of half-spaces keeps every object. An Empty() object is found only
+// by a list of half-spaces that keeps every object.
 //
-// Errors (error.h): those of sorted.h; a radius is negative or NaN, there are
-// more than 64 half-spaces, or the pointer to them is null or misaligned.
+// Errors (error.h): those of sorted.h; a radius is negative or NaN; there are
+// more than 64 half-spaces; the pointer to them is null or misaligned.
 //
-// Floating-point mode: as in sorted.h, but a call may also raise invalid.
+// Floating-point mode: as in sorted.h, except that a call may also raise
+// invalid.
 //
-// Thread safety: as in sorted.h; 6 KiB of stack more.
+// Thread safety: as in sorted.h, with 6 KiB more stack.
 //
-// Cost: a block of 64 takes one to three times as long as with a box, and a
-// call 0.1 us more. Counting does not visit nodes inside a sphere or in front
-// of all half-spaces, and the other calls write the ids of their objects
-// without a test (no simplices). Queries of SurvivorsOfEach() run one after
-// another.
+// Cost: a block takes one to three times as long as with a box, and a call
+// about 0.1 us more. Nodes inside a sphere, or in front of all half-spaces, are
+// counted and listed without tests of their objects (not with simplices).
+// SurvivorsOfEach() runs one query after another.
 //
-// Source: the slab method and the support of a box are common knowledge.
+// Source: the slab method and the support function of a box are common
+// knowledge.
 #ifndef HALFSPACE_SORTED_SHAPES_H_
 #define HALFSPACE_SORTED_SHAPES_H_
 
@@ -159,7 +160,8 @@ void ForEachSurvivor(const SortedWorld<View>& world, const Shape& shape,
                         &call, options);
 }
 
-// Of half-spaces, a list of lists: Span<const Span<const HalfSpace3>>.
+// For half-spaces, `shapes` is a list of lists: Span<const Span<const
+// HalfSpace3>>.
 template <typename View, typename Shapes,
           typename Shape =
               std::decay_t<decltype(*std::data(std::declval<const Shapes&>()))>,
@@ -170,7 +172,7 @@ template <typename View, typename Shapes,
                                           Span<std::size_t> offsets,
                                           const SortedOptions& options = {}) {
   return detail::SortedSurvivorsOfMany(
-      world.tree(), std::data(shapes), std::size(shapes),
+      world.tree(), std::data(shapes), std::size(shapes), alignof(Shape),
       [](const void* queries, std::size_t q) {
         return detail::ShapeQueryFor<View>(
             static_cast<const Shape*>(queries)[q]);

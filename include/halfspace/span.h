@@ -1,18 +1,19 @@
-// Where an array of the caller's begins, and how many elements it has: what the
-// calls take lists and outputs as.
+// Span: the type of all array parameters, a pointer and a size.
 //
-// It is C++20's std::span with a length known at run time, for callers in C++17
-// too; the calls are the same functions for both. Whatever has its elements one
-// after another becomes a Span by itself: C arrays, std::array, std::vector,
-// another Span, std::span, any class with data() and size() alike. Or name the
-// pointer and the count: {pointer, count}.
-//   Span<const T>  reads; takes const lists, and temporaries too
-//   Span<T>        is written; takes what is not const
-// A Span becomes a std::span wherever one is expected.
+// Span is C++20's std::span with a dynamic extent, also for C++17. A call is
+// the same function in C++17 and in C++20.
 //
-// It owns nothing: the elements must outlive it. An index is not checked.
+// Arrays convert to a Span implicitly: C arrays, std::array, std::vector,
+// std::span, another Span, and any class whose data() and size() describe an
+// array. A pointer and a count also convert: {pointer, count}.
+//   Span<const T>  input; also converts from const arrays and from temporaries
+//   Span<T>        output; converts only from arrays that are not const
+// A Span converts to a std::span implicitly.
 //
-// Thread safety: a value; none needed.
+// A Span owns nothing: the elements must outlive it. operator[] does not check
+// its index.
+//
+// Thread safety: a plain value.
 #ifndef HALFSPACE_SPAN_H_
 #define HALFSPACE_SPAN_H_
 
@@ -32,8 +33,8 @@ namespace halfspace {
 
 namespace detail {
 
-// A type only if List has pointers to T, or to T without const, at its data();
-// a class derived from T may be of another size.
+// A type only if std::data(list) points to T, or to T without const. A class
+// derived from T does not match, because it can have another size.
 template <typename T, typename List>
 using IfListOf = std::enable_if_t<
     std::is_convertible_v<
@@ -53,10 +54,10 @@ class Span {
   constexpr Span(T* data, std::size_t size) noexcept
       : data_(data), size_(size) {}
 
-  // Of what is const, and of a temporary, std::data() is const too, unless it
-  // points to somebody else's elements.
+  // A const list or a temporary binds to the second constructor. Its
+  // std::data() is a pointer to const, unless it does not own its elements.
   template <typename List, typename = detail::IfListOf<T, List>>
-  // NOLINTNEXTLINE(google-explicit-constructor): lists become spans, as said.
+  // NOLINTNEXTLINE(google-explicit-constructor): lists convert implicitly.
   constexpr Span(List& list) noexcept
       : data_(std::data(list)),
         size_(static_cast<std::size_t>(std::size(list))) {}
@@ -83,7 +84,7 @@ class Span {
 }  // namespace halfspace
 
 #if defined(__cpp_lib_span)
-// The elements outlive it, so that a temporary may become a std::span.
+// A temporary Span can become a std::span, because it owns no elements.
 template <typename T>
 inline constexpr bool std::ranges::enable_borrowed_range<halfspace::Span<T>> =
     true;

@@ -1,30 +1,37 @@
-// Bounds of bounds: merged, inflated, moved, scaled, swept, turned over. What
-// needs no rounding, Intersection and measures, is in bounds.h.
+// Bounds of bounds: merge, inflate, translate, scale, sweep. Intersection and
+// the measures, which need no rounding outward, are in bounds.h.
 //
-// `Bound` is any of UpSimplex, DownSimplex, Aabb and Aabo in 2, 3 or 4
-// dimensions, of floats; no call takes bounds of doubles (bounds.h). If the
-// bounds given enclose their shapes, the result encloses the merged, inflated,
-// moved ... shape, exactly as for the builders of fit.h: no minimum is above
-// and no maximum below the exact value, so touching shapes are never rejected.
+//   // The query for a body that moves by (0, 0, -2) during a time step.
+//   const halfspace::Aabo3 swept = halfspace::Sweep(bound, {0, 0, -2});
 //
-// Every call rounds outward, so a result that is transformed again grows by up
-// to an ulp each time. Move from the local bound each time, not from the last
-// result.
+// `Bound` is any of UpSimplex, DownSimplex, Aabb and Aabo of floats in 2, 3 or
+// 4 dimensions. Bounds of doubles are not supported.
 //
-// Special values: a plane without a bound (-FLT_MAX as a minimum, FLT_MAX as a
-// maximum, as all planes of Everything()) stays so, whatever the other planes
-// are. Empty() gives Empty(), also minima of FLT_MAX with maxima of -FLT_MAX on
-// all planes (IsEmpty of bounds.h). If any other value is NaN, infinite or
-// beyond 2^126, or becomes so, the result is Everything(), and the status
-// counts it.
+// No overlap is ever missed. If the given bounds enclose their shapes, the
+// result encloses the exact merged, inflated or moved shape, as for the
+// builders of fit.h: no minimum is above and no maximum is below the exact
+// value. Merge is exact. All other calls round outward, so a result that is
+// transformed again grows by up to 1 ulp per step. Translate the local bound in
+// every frame, not the result of the last frame.
 //
-// Errors (error.h): only those named below. Thread safety: pure functions. The
-// caller's floating-point mode and compiler flags do not matter, as in fit.h.
-// Cost: tens of ns, and up to twice that where every call has another bound and
-// branches are mispredicted; docs/performance.md has a table.
+// Special values:
+// - A plane without a limit (a minimum of -FLT_MAX, a maximum of FLT_MAX, as in
+//   Everything()) stays so, for all values of the other planes.
+// - Empty() stays Empty(). So does a bound with minima of FLT_MAX and maxima of
+//   -FLT_MAX on all planes (IsEmpty of bounds.h).
+// - If any other value is NaN, infinite or beyond 2^126, or becomes so, the
+//   result is Everything().
+// `status` can be null. It counts all results that are Everything().
 //
-// Source: "The Bounding Simplex", for the axes; docs/exactness.md for the
-// rounding.
+// "Tightest", "within 1 ulp", "throws", the thread safety and the
+// floating-point mode are as in fit.h.
+//
+// Cost: tens of ns, and up to twice that if every call has a different bound,
+// because branches are then mispredicted (`./bench.sh --details build`;
+// docs/performance.md has tables).
+//
+// Source: "The Bounding Simplex", for the axes. The outward rounding is this
+// library's own (docs/exactness.md).
 #ifndef HALFSPACE_TRANSFORM_H_
 #define HALFSPACE_TRANSFORM_H_
 
@@ -35,43 +42,45 @@
 
 namespace halfspace {
 
-// The bound of the union of two shapes, and of its convex hull. Exact: nothing
-// is rounded. Merging with Empty() changes nothing.
+// Returns the bound of the union of two shapes, which also bounds its convex
+// hull. Exact: nothing is rounded. Merging with Empty() changes nothing.
 template <typename Bound>
 HALFSPACE_API Bound Merge(const Bound& a, const Bound& b,
                           FitStatus* status = nullptr);
 
-// Grows a bound by a sphere: the Minkowski sum with a sphere of this radius. D
-// moves by sqrt(kDims) times the radius.
-//   Throws if the radius is negative or NaN. X, Y, Z tightest; D within 1 ulp,
-//   or, where it all but cancels, within 2^-100 of the radius.
+// Inflates a bound by a sphere: the Minkowski sum with a sphere of this radius.
+// D moves by sqrt(kDims) times the radius.
+//   X, Y and Z are tightest. D is within 1 ulp, or within 2^-100 of the radius
+//   where the sum almost cancels.
+//   Throws if `radius` is negative or NaN.
 template <typename Bound>
 HALFSPACE_API Bound Inflate(const Bound& bound, float radius,
                             FitStatus* status = nullptr);
 
-// Grows a bound by a box: every point may move by up to `margin` along each
+// Inflates a bound by a cube: every point may move by up to `margin` along each
 // coordinate axis. D moves by kDims times the margin.
-//   Throws if the margin is negative or NaN. Tightest.
+//   Tightest.
+//   Throws if `margin` is negative or NaN.
 template <typename Bound>
 HALFSPACE_API Bound InflateByBox(const Bound& bound, float margin,
                                  FitStatus* status = nullptr);
 
-// Moves the exact set: every point p becomes the real number p + by, unrounded.
-// Tightest.
-//   Vertices that are rounded to float after they were moved may lie outside:
-//   for them, TranslateVertices.
+// Moves the exact set: every point p becomes p + by, without rounding.
+//   Tightest.
+//   Vertices that your program moves and rounds to float can lie outside the
+//   result. Use TranslateVertices for them.
 template <typename Bound>
 HALFSPACE_API Bound Translate(const Bound& bound,
                               const Point<Bound::kDimensions>& by,
                               FitStatus* status = nullptr);
 
-// Moves vertices as float arithmetic does: encloses the hull of all
-// float(v + by), rounded to nearest in each coordinate, for float vertices v
-// whose hull is inside the bound. X, Y, Z are float(min + by) and
-// float(max + by). D is widened by as much as rounding can move a vertex, at
-// most 2^-24 times the sum of the largest coordinates.
-//   Takes boxes and AABOs only, because simplices bound each coordinate on one
-//   side.
+// Moves vertices as float arithmetic does. For all float vertices v whose hull
+// is inside `bound`, the result encloses the hull of float(v + by), rounded to
+// nearest in each coordinate. X, Y and Z are float(min + by) and float(max +
+// by). D is widened by as much as rounding can move a vertex: at most 2^-24
+// times the sum of the largest coordinates.
+//   There is no overload for simplices, because they bound each coordinate on
+//   one side only.
 template <int kDims>
 HALFSPACE_API Aabb<kDims> TranslateVertices(const Aabb<kDims>& bound,
                                             const Point<kDims>& by,
@@ -82,29 +91,31 @@ HALFSPACE_API Aabo<kDims> TranslateVertices(const Aabo<kDims>& bound,
                                             FitStatus* status = nullptr);
 
 // Scales the exact set about the origin. Tightest.
-//   A negative factor turns the shape over: minima become maxima. A simplex has
-//   only one of them, so there it throws. NaN always throws.
+//   A negative factor mirrors the shape, so minima become maxima.
+//   Throws if `factor` is NaN, and for a simplex, which has only minima or only
+//   maxima, also if it is negative.
 template <typename Bound>
 HALFSPACE_API Bound Scale(const Bound& bound, float factor,
                           FitStatus* status = nullptr);
 
-// The bound of everything that a shape passes while it moves by `motion`, in a
-// straight line and without turning: the hull of the exact start and end.
-// Tightest.
-//   If both poses have bounds of their own, Merge them. That bounds any motion
-//   in which every point stays on the segment between its two places.
+// Returns the bound of a shape that moves by `motion`, in a straight line and
+// without rotation: the hull of the exact start and end. Tightest.
+//   If you have a bound of each of the two poses, Merge them instead. That
+//   bounds any motion in which every point stays on the segment between its two
+//   positions.
 template <typename Bound>
 Bound Sweep(const Bound& bound, const Point<Bound::kDimensions>& motion,
             FitStatus* status = nullptr) {
   return Merge(bound, Translate(bound, motion), status);
 }
 
-// The opposing simplex, circumscribed about the given one: it makes a query
-// from the simplex that a world stores, or an object from a query. It is kDims
-// times as large (3 times in 3D), so use the Aabo of the shape if you have it.
-// Tightest.
-//   Throws if the simplex contains no point (its planes sum to more than 0).
-//   Empty() gives Empty().
+// Returns the opposing simplex, circumscribed about the given one. It makes a
+// query from the simplex that a world stores, or an object from a query. The
+// result is kDims times as large (3 times in 3D), so use the Aabo of the shape
+// if you have it. Tightest.
+//   Throws if the simplex contains no point, but is not Empty(). An UpSimplex
+//   contains no point if its minima sum to more than 0, a DownSimplex if its
+//   maxima sum to less than 0.
 template <int kDims>
 HALFSPACE_API DownSimplex<kDims> Circumscribe(const UpSimplex<kDims>& simplex,
                                               FitStatus* status = nullptr);
@@ -112,7 +123,7 @@ template <int kDims>
 HALFSPACE_API UpSimplex<kDims> Circumscribe(const DownSimplex<kDims>& simplex,
                                             FitStatus* status = nullptr);
 
-// Bounds of doubles are refused by the compiler, not by the linker.
+// Deleted, so that bounds of doubles fail to compile, not to link.
 template <template <int, typename> class Bound, int kDims>
 Bound<kDims, double> Merge(const Bound<kDims, double>& a,
                            const Bound<kDims, double>& b,

@@ -1,7 +1,11 @@
-// Worlds: stored bounds as a structure of arrays, either as a view of the
-// caller's memory or as an owning container.
+// Worlds: stored bounds as a structure of arrays. A view refers to memory of
+// the caller. An owning world allocates its memory.
 //
-// A world of n objects is one array of n floats, or of n doubles, per plane.
+//   halfspace::AabbWorld3 world;
+//   world.Push({{0, 0, 0}, {1, 1, 1}});
+//   const std::size_t n = halfspace::CountSurvivors(world, query);  // reject.h
+//
+// A world of n objects has one array of n floats or n doubles for each plane.
 // Object i is element i of every plane.
 //
 //   view                planes                               queried by
@@ -10,22 +14,14 @@
 //   AaboView<D>         min[0 .. D], max[0 .. D]             Aabo<D>
 //
 // SimplexView<D, double>, AabbView<D, double> and AaboView<D, double> are views
-// of doubles and are queried by bounds of doubles: for data that is stored in
-// double precision, as in a database. A test of doubles takes twice the time,
-// because it reads twice the bytes.
+// of doubles. Their queries are bounds of doubles. Use them for data that is
+// stored in double precision, for example in a database. A test of doubles
+// takes twice the time, because it reads twice the bytes.
 //
-// An AABO world is also a simplex world and an AABB world: simplex() and aabb()
-// of a view select some of its planes, at no cost.
+// Planes may have any values. A plane with a NaN never rejects its object.
 //
-// Views copy nothing. Planes need not be adjacent to each other, nor aligned
-// beyond what their elements need, nor padded; calls read elements 0 .. size -
-// 1 and nothing else. A view owns nothing: the planes must outlive the calls
-// that use it, and must not be written meanwhile. A null plane is allowed only
-// when size is 0. Any value is allowed; a plane with a NaN never rejects its
-// object.
-//
-// Thread safety: as for any container. Concurrent reads are fine; a write needs
-// exclusive access.
+// Thread safety: as for any container. Any number of threads may read a world
+// at the same time. A write needs exclusive access.
 #ifndef HALFSPACE_WORLD_H_
 #define HALFSPACE_WORLD_H_
 
@@ -40,6 +36,12 @@
 
 namespace halfspace {
 
+// A view copies nothing and owns nothing. The planes must outlive every call
+// that uses the view, and must not be written during such a call.
+//
+// Each plane must be aligned for its element type. Planes need not be adjacent,
+// padded or aligned further. A call reads elements 0 ... size - 1 of each plane
+// and nothing else. A plane may be null only if `size` is 0.
 template <int kDims, typename T = float>
 struct SimplexView {
   using Bound = UpSimplex<kDims, T>;
@@ -77,6 +79,8 @@ struct AaboView {
 
   const AaboView& view() const { return *this; }
 
+  // An AABO world is also a simplex world and an AABB world. simplex() and
+  // aabb() return views of the same planes, at no cost.
   SimplexView<kDims, T> simplex() const { return {min, size}; }
   AabbView<kDims, T> aabb() const {
     AabbView<kDims, T> box;
@@ -99,25 +103,28 @@ using AaboView2 = AaboView<2>;
 using AaboView3 = AaboView<3>;
 using AaboView4 = AaboView<4>;
 
-// A world that owns its planes. `World` stands for SimplexWorld, AabbWorld or
-// AaboWorld below.
+// A world that owns its planes. The names to use are SimplexWorld, AabbWorld
+// and AaboWorld below.
 //
-// Every plane starts on a 64-byte boundary and is padded to a multiple of 64
-// objects with Empty() bounds. Indices are positions: EraseBySwap moves the
-// last object, nothing else moves one. Growth doubles the capacity and
-// invalidates views, as std::vector does with pointers.
+// Every plane starts on a 64-byte boundary and is padded with Empty() bounds to
+// a multiple of 64 objects.
 //
-// Where indices must not move, leave a hole instead of erasing: Set(i,
-// Bound::Empty()), which no finite query keeps, and fill it with a later object
-// by Set(i, bound). A hole costs what an object costs, in memory and in every
-// scan, and size() counts it. The caller keeps the list of free indices.
+// The index of an object is its position. EraseBySwap changes the index of the
+// last object. No other call changes an index.
 //
-// Errors (error.h): an index that is not below size() and a size that no memory
-// can have are violated preconditions; a failed allocation throws
-// std::bad_alloc. The world is then as it was.
+// If indices must never change, do not erase. Overwrite the object with
+// Set(i, Bound::Empty()), and later reuse index i for a new object with
+// Set(i, bound). No finite query finds an Empty() object. It takes as much
+// memory and time as any other object, and size() counts it. The caller keeps
+// the list of free indices.
 //
-// Memory: one block, from the heap or from a resource of the caller's; memory.h
-// says which one copies, moves and swap(a, b) use.
+// Errors (error.h): an index must be less than size(). A size must fit the
+// address space. The pointer of a list with elements must not be null or
+// misaligned. A failed allocation throws std::bad_alloc. After an error the
+// world is unchanged.
+//
+// Memory: one block, from the heap or from the caller's resource. memory.h says
+// which resource copies, moves and swap(a, b) use.
 template <typename ViewType>
 class World {
  public:
@@ -130,7 +137,7 @@ class World {
   explicit World(const MemoryResource& memory)
       : planes_(detail::Planes(Bound::Empty()), memory) {}
 
-  // Builds a world of the given bounds, in order.
+  // Creates a world of the given bounds, in order.
   explicit World(Span<const Bound> bounds, const MemoryResource& memory = {})
       : World(memory) {
     Assign(bounds);
@@ -146,48 +153,50 @@ class World {
   std::size_t capacity() const { return planes_.capacity(); }
   bool empty() const { return size() == 0; }
 
-  // Makes room for `objects` objects in all. Never shrinks.
+  // Allocates room for `objects` objects in total. Never shrinks.
   void Reserve(std::size_t objects) { planes_.Reserve(objects); }
 
-  // Appends and returns the object's index. Amortised O(1).
+  // Appends an object and returns its index. Doubles the capacity if the world
+  // is full. Amortized O(1).
   std::size_t Push(const Bound& bound) {
     return planes_.Push(detail::Planes(bound));
   }
 
+  // Replaces the bound of object `index`. O(1).
   void Set(std::size_t index, const Bound& bound) {
     planes_.Set(index, detail::Planes(bound));
   }
 
+  // Returns the bound of object `index`. O(1).
   Bound Get(std::size_t index) const {
     detail::PlaneValues<Bound> values;
     planes_.Get(index, values);
     return detail::BoundOf<Bound>(values);
   }
 
-  // Removes object `index`; the last object takes its place. O(1).
+  // Removes object `index` and moves the last object to its place. O(1).
   void EraseBySwap(std::size_t index) { planes_.EraseBySwap(index); }
 
-  // Sets the number of objects; new ones are Empty().
+  // Changes the number of objects. New objects are Empty().
   void Resize(std::size_t objects) { planes_.Resize(objects); }
 
-  // Removes all objects and keeps the memory. O(size), because it refills the
-  // padding.
+  // Removes all objects and keeps the memory. O(size), because it overwrites
+  // all objects with padding.
   void Clear() { planes_.Clear(); }
 
-  // Replaces the content by the given bounds, in order. They may not be part
-  // of this world's memory.
+  // Replaces all objects by the given bounds, in order. The bounds must not be
+  // in the memory of this world.
   void Assign(Span<const Bound> bounds) {
-    planes_.Reserve(bounds.size());
-    planes_.Clear();
-    for (const Bound& bound : bounds) Push(bound);
+    planes_.Assign(detail::RecordsOf(bounds), bounds.size());
   }
 
-  // A view of the current objects. It does not follow a later Push, EraseBySwap
-  // or Clear. Valid until the world grows, is assigned to, moved from or
-  // destroyed.
+  // Returns a view of the current objects. A later Push, EraseBySwap, Resize or
+  // Clear does not change the size of the view. The view is valid until the
+  // world allocates a larger block, or is assigned to, moved from or destroyed.
   View view() const { return detail::ViewOf<View>(planes_); }
 
-  // The same planes for writing, for example by the builders of fit_many.h.
+  // Returns the same planes for writing, for example by the builders of
+  // fit_many.h. Valid as long as view().
   Planes planes() { return detail::ViewOf<Planes>(planes_); }
 
  private:

@@ -34,10 +34,15 @@ QuantizedPlanes<Stored>::QuantizedPlanes(std::size_t minima, std::size_t maxima,
 
 template <typename Stored>
 void QuantizedPlanes<Stored>::Requantize(const FloatColumns& floats) {
+  constexpr const char* kCall = "QuantizedBounds::Requantize";
   const std::size_t planes = quantizer_.planes();
+  if (floats.stride != 1) {
+    kernels::CheckMemory(kCall, "bounds", floats.planes[0], floats.size,
+                         alignof(float));
+  }
   for (std::size_t p = 0; p < planes && floats.size != 0; ++p) {
     kernels::CheckPointer(
-        "QuantizedBounds::Requantize", floats.planes[p], alignof(float),
+        kCall, floats.planes[p], alignof(float),
         [&] { return "floats, plane " + std::to_string(p); },
         [&] {
           return "a plane of " + std::to_string(floats.size) + " floats";

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "kernels/error.h"
+#include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
 namespace {
@@ -120,6 +121,13 @@ void PlaneArrays<T>::Write(std::size_t index, const T* values) {
   for (std::size_t p = 0; p < planes_; ++p) {
     data_[p * stride_ + index] = values[p];
   }
+}
+
+template <typename T>
+void PlaneArrays<T>::Assign(const T* records, std::size_t count) {
+  kernels::CheckMemory("World::Assign", "bounds", records, count, alignof(T));
+  Resize(count);
+  for (std::size_t i = 0; i < count; ++i) Write(i, records + i * planes_);
 }
 
 template <typename T>

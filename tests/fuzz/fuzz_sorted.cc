@@ -41,7 +41,18 @@ class SortedHistory {
     for (std::size_t i = 0; i < size_; ++i) bounds.push_back(Next(bytes));
     SortedWorld<View> world(bounds,
                             bytes.Below(2) == 0 ? Order::kTight : Order::kFast);
-    if (is_blob_) return CheckBlob(world, bytes);
+    if (is_blob_) {
+      // With empty places and free ids, or without.
+      for (std::size_t i = bytes.Below(4) * bytes.Below(100); i-- > 0;) {
+        const auto id = static_cast<std::uint32_t>(bytes.Below(700));
+        if (world.Has(id)) {
+          world.Erase(id);
+        } else {
+          world.Insert(Next(bytes));
+        }
+      }
+      return CheckBlob(world, bytes);
+    }
     std::vector<std::optional<Bound>> model(bounds.begin(), bounds.end());
     for (int step = 0; step < 4; ++step) {
       for (std::size_t i = bytes.Below(100); i-- > 0;) {
@@ -148,17 +159,39 @@ class SortedHistory {
       altered[at % altered.size()] = static_cast<std::byte>(bytes.Byte());
     }
     try {
-      auto loaded = SortedWorld<View>::InPlace(altered);
+      auto loaded = bytes.Below(2) == 0 ? SortedWorld<View>::InPlace(altered)
+                                        : SortedWorld<View>::FromBlob(altered);
       std::vector<std::uint32_t> ids(bytes.Below(100));
       for (Target target : TargetsUnderTest()) {
         (void)Survivors(loaded, query_, ids, {.target = target});
         (void)CountSurvivors(loaded, View::Query::Everything(),
                              {.categories = 5, .target = target});
       }
-      loaded.Insert(Bound::Everything());
-      loaded.Erase(static_cast<std::uint32_t>(bytes.Below(700)));
-      loaded.RebuildWorst(100);
-      loaded.Rebuild();
+      for (std::size_t i = bytes.Below(200); i-- > 0;) {
+        const auto id = static_cast<std::uint32_t>(bytes.Below(700));
+        switch (bytes.Below(8)) {
+          case 0:
+            if (loaded.Has(id)) loaded.Erase(id);
+            break;
+          case 1:
+            if (loaded.Has(id)) loaded.Set(id, Next(bytes));
+            break;
+          case 2:
+            if (loaded.Has(id)) loaded.SetCategories(id, 1);
+            break;
+          case 3:
+            loaded.SetCategories(ids);
+            break;
+          case 4:
+            loaded.RebuildWorst(100);
+            break;
+          case 5:
+            loaded.Rebuild();
+            break;
+          default:
+            loaded.Insert(Next(bytes));
+        }
+      }
     } catch (const std::invalid_argument&) {
       // Refused.
     }

@@ -86,15 +86,21 @@ FloatColumns ColumnsOf(const View& floats) {
 }
 
 template <typename Bound>
+const typename Bound::Scalar* RecordsOf(Span<const Bound> bounds) {
+  using Scalar = typename Bound::Scalar;
+  static_assert(std::is_standard_layout_v<Bound> &&
+                    sizeof(Bound) == kPlaneCount<Bound> * sizeof(Scalar),
+                "a bound is read as a list of its values");
+  return reinterpret_cast<const Scalar*>(bounds.data());
+}
+
+template <typename Bound>
 FloatColumns ColumnsOf(Span<const Bound> records) {
   constexpr std::size_t kValues = kPlaneCount<Bound>;
-  static_assert(std::is_standard_layout_v<Bound> &&
-                    sizeof(Bound) == kValues * sizeof(float),
-                "a bound is read as a list of its values");
   FloatColumns columns;
   columns.size = records.size();
   columns.stride = kValues;
-  const auto* values = reinterpret_cast<const float*>(records.data());
+  const float* values = RecordsOf(records);
   for (std::size_t p = 0; p < kValues; ++p) {
     columns.planes[p] = values == nullptr ? nullptr : values + p;
   }
@@ -131,6 +137,9 @@ class HALFSPACE_API PlaneArrays {
   const T* plane(std::size_t p) const { return data_ + p * stride_; }
 
   void Reserve(std::size_t objects);
+  // Replaces the content by `count` records, each a value of every plane, which
+  // may not be its own.
+  void Assign(const T* records, std::size_t count);
   std::size_t Push(Span<const T> values);
   void Set(std::size_t index, Span<const T> values);
   void Get(std::size_t index, Span<T> values) const;

@@ -53,19 +53,26 @@ struct SortedLevel {
   bool is_prefetched = false;  // as its blocks are more than a cache holds
 };
 
+// Some slots: about how many blocks queries visit, and their objects.
+struct SortedPart {
+  double cost;
+  std::uint64_t objects;
+};
+
 struct SortedLevels {
   std::size_t count = 0;
   std::array<SortedLevel, kMostLevels> level{};
   std::uint32_t* ids = nullptr;  // of objects, by slot; kNoId of none
   // By id, the slot; of a free id the next that is free. Null until a change.
   std::uint32_t* slots = nullptr;
-  double* built = nullptr;  // the cost of each 4096 slots when they were sorted
+  SortedPart* built = nullptr;  // 4096 slots each, when they were last sorted
 };
 
 inline constexpr std::uint32_t kNoId = 0xFFFFFFFF;
 
 struct SortedShape {
   const SortedKernels* kernels;  // of each target
+  std::uint8_t dims;
   std::uint8_t axes;
   bool has_max;
 };
@@ -109,7 +116,8 @@ struct InTurn {
 };
 
 struct SortedHeader;
-struct SortedExtras;
+struct SortedRoom;
+struct SlotRange;
 
 // A tree in one block of memory: a header, then the parts of all levels
 // (dispatch/sorted/layout.h). The objects are in slots 0, 1, ... of level 0,
@@ -140,9 +148,11 @@ class HALFSPACE_API SortedTree {
   void Build(const FloatColumns& objects, Order order, Target target,
              const PartRunner& run);
 
-  // Replaces the content by what Blob() gave, in place or as a copy.
+  // Replaces the content by what Blob() gave, in place or as a copy. Only the
+  // header is checked: see CheckLoaded().
   void Load(Span<const std::byte> blob, bool is_in_place);
-  Span<const std::byte> Blob() const { return {block_, bytes_}; }
+  Span<const std::byte> Blob() const;
+  bool Verify() const;
 
   // `values` are those of all minima, then of all maxima.
   bool Has(std::uint32_t id) const;
@@ -165,24 +175,36 @@ class HALFSPACE_API SortedTree {
   void Swap(SortedTree& other) noexcept;
   void Free();
   SortedHeader& header() const;
-  // Takes new memory, with room for `capacity` slots and for these extras.
-  void Allocate(std::size_t capacity, const SortedExtras& extras);
-  // The same, with the content kept.
-  void Reallocate(std::size_t capacity, const SortedExtras& extras);
-  void MakeOwn();
-  void NeedSlots();
-  // Throws if an object has an id that was never given, as in an altered blob.
-  void CheckIds(const char* call) const;
-  std::size_t SlotOf(std::uint32_t id, const char* call);
-  std::size_t FindSlot(const float* values);
-  std::size_t AppendSlot();
+  SortedRoom Room() const;
+  void Allocate(const SortedRoom& room);
+  void BuildIn(const SortedRoom& room, const FloatColumns& objects, Order order,
+               Target target, const PartRunner& run);
+  // Throws if ids and slots do not belong together, as in an altered blob:
+  // changes would write anywhere.
+  void CheckLoaded(const char* call);
+  // Before a change: memory of its own with this room at least. Throws before
+  // anything has changed, and is the last thing in a change that may throw.
+  void Prepare(const char* call, SortedRoom room);
+  void Reallocate(const char* call, const SortedRoom& room);
+  std::size_t PrepareObject(std::uint32_t id, bool has_categories,
+                            const char* call);
+  SortedRoom RoomForOneMore(const char* call) const;
+  std::size_t SlotsDue() const;
+  std::size_t FindSlot(const float* values) const;
+  void AppendSlot();
   void EncodePath(std::size_t slot);
+  // Sorts the objects of some slots into the first of these, after Prepare().
+  // Ranges ascend and begin at blocks.
+  void Resort(const char* call, Span<const SlotRange> ranges,
+              const SortedRoom& room);
+  void CloseGaps();
 
   SortedShape shape_;
   MemoryResource memory_;
   std::byte* block_ = nullptr;
   std::size_t bytes_ = 0;
-  bool is_owned_ = true;  // and not that of a blob in place
+  bool is_owned_ = true;    // and not that of a blob in place
+  bool is_checked_ = true;  // and not that of a blob that has not changed since
   SortedLevels levels_;
 };
 

@@ -37,12 +37,12 @@ HALFSPACE_API void SortedForEach(const SortedTree& tree,
                                  IdsFunction function, void* context,
                                  const SortedOptions& options);
 
-// Query q is at(queries, q).
+// Query q is at(queries, q). `queries` must have the alignment.
 using ShapeQueryAt = SortedShapeQuery (*)(const void* queries, std::size_t q);
 HALFSPACE_API std::size_t SortedSurvivorsOfMany(
     const SortedTree& tree, const void* queries, std::size_t query_count,
-    ShapeQueryAt at, Span<std::uint32_t> ids, Span<std::size_t> offsets,
-    const SortedOptions& options);
+    std::size_t alignment, ShapeQueryAt at, Span<std::uint32_t> ids,
+    Span<std::size_t> offsets, const SortedOptions& options);
 
 }  // namespace halfspace::detail
 

@@ -81,6 +81,20 @@ TEST_F(FitManyErrorsTest, NullAndMisalignedPointers) {
   boxes_.max[0] = nullptr;
   ExpectBoxesRefused(
       {"BoundBoxes: boxes.max[0]: expected 3 boxes, got a null"});
+  const std::array<Aabb3, kCount> list{};
+  const auto expect_list_refused = [&](const Aabb3* boxes,
+                                       std::string_view given) {
+    ExpectRefused(
+        [&](FitStatus* status) {
+          BoundBoxes(BoxesOf(Span<const Aabb3>(boxes, kCount)), output_, {},
+                     status);
+        },
+        {"BoundBoxes: boxes.min[0]: expected", given});
+  };
+  expect_list_refused(nullptr, "got a null");
+  expect_list_refused(
+      reinterpret_cast<const Aabb3*>(Misaligned(list[0].min.data())),
+      "got a misaligned");
   boxes_.max[0] = Misaligned(columns_[3].data());
   ExpectBoxesRefused(
       {"BoundBoxes: boxes.max[0]", "aligned to 4", "misaligned"});

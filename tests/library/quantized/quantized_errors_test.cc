@@ -113,6 +113,33 @@ TYPED_TEST(QuantizedErrorsTest, RequantizeRefusesBadPlanesAndChangesNothing) {
   }
 }
 
+TYPED_TEST(QuantizedErrorsTest, ListThatCannotBeReadIsRefused) {
+  using View = typename TypeParam::View;
+  using Bound = typename View::Bound;
+  using AWorld = QuantizedWorld<View, typename TypeParam::Element>;
+  const Bound* const none = nullptr;
+  const auto refused = [&](Span<const Bound> bounds, std::string_view expected,
+                           std::string_view given) {
+    const auto parts = {
+        std::string_view("QuantizedBounds::Requantize: bounds: expected"),
+        expected, std::string_view("got"), given};
+    EXPECT_TRUE(Refuses([&] { AWorld bad(bounds); }, parts));
+    EXPECT_TRUE(Refuses([&] { this->quantized_.Requantize(bounds); }, parts));
+    this->ExpectUnchanged();
+  };
+  refused({none, 3}, "memory for 3 elements", "a null pointer");
+  refused({Misaligned(this->bounds_.data()), 3}, "a pointer aligned to 4",
+          "a misaligned one");
+  EXPECT_TRUE(AWorld(Span<const Bound>(none, 0)).empty());
+  auto view = this->world_.view();
+  PlaneOf(view, 0) = nullptr;
+  EXPECT_TRUE(Refuses(
+      [&] { AWorld bad(view); },
+      {"QuantizedBounds::Requantize: floats, plane 0", "a null pointer"}));
+  this->quantized_.Requantize(Span<const Bound>(none, 0));
+  EXPECT_TRUE(this->quantized_.empty());
+}
+
 TYPED_TEST(QuantizedErrorsTest, SizeThatCannotExistIsRefused) {
   const std::size_t most = std::numeric_limits<std::size_t>::max();
   const std::string given = "got " + std::to_string(most);
@@ -122,6 +149,14 @@ TYPED_TEST(QuantizedErrorsTest, SizeThatCannotExistIsRefused) {
   QuantizedWorld<typename TypeParam::View, typename TypeParam::Element> world;
   EXPECT_TRUE(Refuses([&] { world.Reserve(most); },
                       {"size: expected at most", "objects", given}));
+  const Span<const typename TypeParam::View::Bound> list(this->bounds_.data(),
+                                                         most);
+  EXPECT_TRUE(Refuses(
+      [&] {
+        QuantizedWorld<typename TypeParam::View, typename TypeParam::Element>
+            bad(list);
+      },
+      {"QuantizedBounds", "size: expected at most", "objects", given}));
   auto view = this->world_.view();
   view.size = most;
   EXPECT_TRUE(

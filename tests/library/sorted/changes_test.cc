@@ -1,26 +1,23 @@
 // A sorted world that changes answers as a scan of a list of its objects does,
-// after any history; and its blob is that world, or is refused.
+// after any history, with memory and work in proportion to its objects.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
+#include <deque>
 #include <limits>
 #include <map>
-#include <memory>
 #include <new>
 #include <random>
 #include <span>
-#include <stdexcept>
 #include <thread>
 #include <vector>
 
 #include "halfspace/halfspace.h"
 #include "kernels/sorted/block.h"
+#include "tests/library/sorted/model.h"
 #include "tests/library/sorted/spread.h"
 #include "tests/library/support/counting_memory.h"
 #include "tests/library/support/environment.h"
@@ -29,68 +26,9 @@
 namespace halfspace::testing {
 namespace {
 
-// What a world should have: the bound and the categories of each id.
-template <typename View>
-struct Model {
-  struct Object {
-    typename View::Bound bound;
-    std::uint32_t categories = 0xFFFFFFFF;
-  };
-  std::map<std::uint32_t, Object> objects;
-
-  Ids Expected(const typename View::Query& query,
-               std::uint32_t categories) const {
-    World<View> world;
-    Ids of_world;
-    for (const auto& [id, object] : objects) {
-      world.Push(object.bound);
-      of_world.push_back(id);
-    }
-    Ids ids(world.size());
-    ids.resize(Survivors(world, query, ids));
-    Ids expected;
-    for (std::uint32_t i : ids) {
-      const Object& object = objects.at(of_world[i]);
-      if (~categories == 0 || (object.categories & categories) != 0) {
-        expected.push_back(of_world[i]);
-      }
-    }
-    return expected;
-  }
-};
-
-template <typename View>
-void ExpectIsModel(const SortedWorld<View>& sorted, const Model<View>& model,
-                   std::span<const typename View::Query> queries, Target target,
-                   std::uint32_t categories = 0xFFFFFFFF) {
-  ASSERT_EQ(sorted.size(), model.objects.size());
-  const SortedOptions options = {.categories = categories, .target = target};
-  for (const auto& query : queries) {
-    const Ids expected = model.Expected(query, categories);
-    Ids ids(sorted.size());
-    ASSERT_EQ(Survivors(sorted, query, ids, options), expected.size());
-    ids.resize(expected.size());
-    ASSERT_EQ(Sorted(ids), expected);
-    ASSERT_EQ(CountSurvivors(sorted, query, options), expected.size());
-    ASSERT_EQ(AnySurvivor(sorted, query, options).has_value(),
-              !expected.empty());
-  }
-}
-
 template <typename Case>
 class SortedChangesTest : public ::testing::Test {};
 TYPED_TEST_SUITE(SortedChangesTest, SortedCases, CaseNames);
-
-// Queries small and large, and one around everything, where empty slots and
-// nodes that are counted without a visit would show.
-template <typename View>
-std::vector<typename View::Query> SomeQueries(std::uint64_t seed) {
-  std::vector<typename View::Query> queries = {View::Query::Everything()};
-  for (float radius : {1.0f, 8.0f, 35.0f, 200.0f}) {
-    queries.push_back(Spread<View>(radius, seed).NextQuery());
-  }
-  return queries;
-}
 
 TYPED_TEST(SortedChangesTest, AnyHistoryIsThatOfTheModel) {
   using View = typename TypeParam::View;
@@ -155,13 +93,14 @@ TYPED_TEST(SortedChangesTest, AnyHistoryIsThatOfTheModel) {
           bounds[id] = object.bound = any_bound();
         }
         if (random() % 2 == 0) {
-          sorted.Refit(std::span<const Bound>(bounds));
+          sorted.Refit(bounds);
         } else {
-          World<View> in_order;
+          std::vector<Bound> in_order;
           for (std::uint32_t id : sorted.ids()) {
-            in_order.Push(id == 0xFFFFFFFF ? Bound::Everything() : bounds[id]);
+            in_order.push_back(id == 0xFFFFFFFF ? Bound::Everything()
+                                                : bounds[id]);
           }
-          sorted.RefitInOrder(in_order.view());
+          sorted.RefitInOrder(in_order);
         }
       } else if (what == 7) {
         sorted.RebuildWorst(random() % 9000);
@@ -182,6 +121,7 @@ TYPED_TEST(SortedChangesTest, AnyHistoryIsThatOfTheModel) {
         }
         sorted.SetCategories(categories);
       }
+      ASSERT_LE(sorted.ids().size(), 2 * sorted.size() + 64);
       const auto queries = SomeQueries<View>(random());
       for (std::uint32_t categories : {0xFFFFFFFFu, 1u, 6u}) {
         ExpectIsModel<View>(sorted, model, queries,
@@ -256,7 +196,7 @@ TEST(SortedThreadsTest, ShareRefitsAndBuilds) {
     }
     for (std::thread& thread : threads) thread.join();
   };
-  sorted.Refit(bounds.view(), run);
+  sorted.Refit(bounds, run);
   same.Refit(bounds.view());
   EXPECT_EQ(sorted.Decay(), same.Decay());
   for (const Aabb3& query : SomeQueries<AabbView3>(1)) {
@@ -264,7 +204,7 @@ TEST(SortedThreadsTest, ShareRefitsAndBuilds) {
   }
   // And builds, which are the same then.
   for (Order order : {Order::kTight, Order::kFast}) {
-    const SortedAabbWorld3 built(bounds.view(), order, {}, run);
+    const SortedAabbWorld3 built(bounds, order, {}, run);
     const SortedAabbWorld3 alone(bounds.view(), order);
     EXPECT_TRUE(std::equal(built.ids().begin(), built.ids().end(),
                            alone.ids().begin()));
@@ -285,7 +225,8 @@ TEST(SortedRefitTest, RefusesOtherNumbersOfBounds) {
       Refuses([&] { sorted.Set(100, Aabb3::Empty()); }, {"Set", "id", "100"}));
 }
 
-// Each change, with less memory than it needs.
+// Each change, with less memory than it needs, of a world that owns its block
+// and of a blob in place. What was taken from the world stays valid.
 TEST(SortedChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
   using Change = void (*)(SortedAabbWorld3&);
   constexpr Change kChanges[] = {
@@ -293,6 +234,7 @@ TEST(SortedChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
       [](SortedAabbWorld3& world) { world.Insert(Aabb3::Everything()); },
       [](SortedAabbWorld3& world) { world.Erase(3); },
       [](SortedAabbWorld3& world) { world.SetCategories(3, 1); },
+      [](SortedAabbWorld3& world) { world.SetCategories({}); },
       [](SortedAabbWorld3& world) { world.Rebuild(); },
       [](SortedAabbWorld3& world) { world.RebuildWorst(9000); }};
   CountingMemory memory;
@@ -303,181 +245,153 @@ TEST(SortedChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
   const AabbWorld3 moved = spread.Objects(9000);
   first.Refit(moved.view());  // so that there is something to sort
   for (std::uint32_t i = 0; i < 9000; ++i) model.objects[i] = {moved.Get(i)};
+  // As many insertions as are due to be sorted.
+  for (std::uint32_t i = 0; i < 256; ++i) {
+    model.objects[first.Insert(moved.Get(i))] = {moved.Get(i)};
+  }
   const auto queries = SomeQueries<AabbView3>(1);
-  for (Change change : kChanges) {
-    bool is_done = false;
-    for (std::size_t left = 0; !is_done; ++left) {
-      SortedAabbWorld3 world(first, memory.resource());
-      memory.left = left;
-      try {
-        change(world);
-        is_done = true;
-        EXPECT_GT(left, 0u);
-      } catch (const std::bad_alloc&) {
+  const auto blob = first.Blob();
+  for (bool is_in_place : {false, true}) {
+    for (Change change : kChanges) {
+      bool is_done = false;
+      for (std::size_t left = 0; !is_done; ++left) {
+        SortedAabbWorld3 world =
+            is_in_place ? SortedAabbWorld3::InPlace(blob, memory.resource())
+                        : SortedAabbWorld3(first, memory.resource());
+        const std::uint32_t* const ids = world.ids().data();
+        const Ids were(world.ids().begin(), world.ids().end());
+        memory.left = left;
+        try {
+          change(world);
+          is_done = true;
+        } catch (const std::bad_alloc&) {
+          memory.left = CountingMemory::kNoLimit;
+          ASSERT_EQ(world.ids().data(), ids);
+          ASSERT_TRUE(std::equal(were.begin(), were.end(), ids));
+          ExpectIsModel<AabbView3>(world, model, queries, ChosenTarget());
+        }
         memory.left = CountingMemory::kNoLimit;
-        ExpectIsModel<AabbView3>(world, model, queries, ChosenTarget());
-      }
-      memory.left = CountingMemory::kNoLimit;
-    }
-  }
-}
-
-// 64-byte aligned bytes.
-class AlignedCopy {
- public:
-  explicit AlignedCopy(Span<const std::byte> bytes)
-      : memory_(bytes.size() + 64) {
-    void* begin = memory_.data();
-    std::size_t room = memory_.size();
-    std::align(64, bytes.size(), begin, room);
-    bytes_ = {static_cast<std::byte*>(begin), bytes.size()};
-    std::copy(bytes.begin(), bytes.end(), bytes_.begin());
-  }
-  std::span<std::byte> bytes() const { return bytes_; }
-
- private:
-  std::vector<std::byte> memory_;
-  std::span<std::byte> bytes_;
-};
-
-TYPED_TEST(SortedChangesTest, ABlobIsTheWorld) {
-  using View = typename TypeParam::View;
-  for (std::size_t size : {0u, 1u, 64u, 5000u}) {
-    Spread<View> spread(2.0f);
-    const World<View> world = spread.Objects(size);
-    Model<View> model;
-    for (std::uint32_t i = 0; i < size; ++i) model.objects[i] = {world.Get(i)};
-    SortedWorld<View> sorted(world);
-    if (size == 5000) {
-      sorted.Erase(17);
-      model.objects.erase(17);
-      sorted.SetCategories(5, 4);
-      model.objects[5].categories = 4;
-    }
-    const AlignedCopy blob(sorted.Blob());
-    const AlignedCopy untouched(sorted.Blob());
-    SortedWorld<View> copy = SortedWorld<View>::FromBlob(blob.bytes());
-    SortedWorld<View> in_place = SortedWorld<View>::InPlace(blob.bytes());
-    const auto queries = SomeQueries<View>(size);
-    for (Target target : TargetsUnderTest()) {
-      ExpectIsModel<View>(copy, model, queries, target, 4);
-      ExpectIsModel<View>(in_place, model, queries, target);
-    }
-    // A change leaves the bytes alone.
-    const auto bound = spread.NextObject();
-    const std::uint32_t id = in_place.Insert(bound);
-    EXPECT_EQ(id, size == 5000 ? 17 : size);
-    model.objects[id] = {bound};
-    ExpectIsModel<View>(in_place, model, queries, ChosenTarget());
-    EXPECT_TRUE(std::equal(blob.bytes().begin(), blob.bytes().end(),
-                           untouched.bytes().begin()));
-    EXPECT_EQ(copy.Insert(bound), id);
-    ExpectIsModel<View>(copy, model, queries, ChosenTarget());
-  }
-}
-
-// A blob may leave the process, so nothing of what its memory held before does.
-TYPED_TEST(SortedChangesTest, ABlobHasNothingElseInIt) {
-  using View = typename TypeParam::View;
-  struct Filled {
-    int byte;
-    void* allocate(std::size_t bytes, std::size_t alignment) const {
-      void* block = ::operator new (bytes, std::align_val_t{alignment});
-      std::memset(block, byte, bytes);
-      return block;
-    }
-    void deallocate(void* block, std::size_t, std::size_t alignment) const {
-      ::operator delete (block, std::align_val_t{alignment});
-    }
-  };
-  Filled zeros{0};
-  Filled ones{255};
-  Spread<View> spread(2.0f);
-  const World<View> world = spread.Objects(4500);
-  SortedWorld<View> a(world, Order::kTight, MemoryFrom(zeros));
-  SortedWorld<View> b(world, Order::kTight, MemoryFrom(ones));
-  for (int step = 0; step < 4; ++step) {
-    const auto of_a = a.Blob();
-    EXPECT_TRUE(std::equal(of_a.begin(), of_a.end(), b.Blob().begin())) << step;
-    for (SortedWorld<View>* changed : {&a, &b}) {
-      if (step == 0) changed->Erase(17);
-      if (step == 1) changed->SetCategories(5, 4);
-      if (step == 2) {
-        for (std::uint32_t i = 0; i < 100; ++i) changed->Insert(world.Get(i));
       }
     }
   }
 }
 
-// Any byte of what a blob says of itself, and any number of them: the blob is
-// refused, or calls read nothing beside it, which sanitizers see.
-TYPED_TEST(SortedChangesTest, ACorruptBlobIsRefusedOrHarmless) {
+// Leaves that queries visit, as a count of work.
+template <typename View>
+std::size_t LeavesVisited(const SortedWorld<View>& sorted,
+                          std::span<const typename View::Query> queries) {
+  const detail::SortedLevel& level = sorted.tree().levels().level[1];
+  World<View> leaves;
+  for (std::size_t n = 0; n < level.size; ++n) {
+    typename View::Bound leaf;
+    for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+      StoredValue<View>(leaf, p) = level.planes[p][n];
+    }
+    leaves.Push(leaf);
+  }
+  std::size_t visited = 0;
+  for (const auto& query : queries) visited += CountSurvivors(leaves, query);
+  return visited;
+}
+
+TYPED_TEST(SortedChangesTest, AWorldSortsItselfAsItChanges) {
   using View = typename TypeParam::View;
-  using Sorted = SortedWorld<View>;
-  const World<View> objects = Spread<View>(2.0f).Objects(300);
-  const Sorted fresh(objects);
-  Sorted sorted(fresh);
-  sorted.Erase(5);
-  sorted.SetCategories(6, 2);
-  const auto queries = SomeQueries<View>(1);
+  constexpr std::size_t kSize = 20'000;
+  Spread<View> spread(0.2f);
+  const World<View> bounds = spread.Objects(kSize);
+  const auto queries = spread.Queries(500);
+  const SortedWorld<View> built(bounds);
+  const std::size_t least = LeavesVisited<View>(built, queries);
+  SortedWorld<View> sorted;
+  for (std::size_t i = 0; i < kSize; ++i) sorted.Insert(bounds.Get(i));
+  // Up to four blocks and a few runs have no place in the order yet.
+  EXPECT_LE(LeavesVisited<View>(sorted, queries),
+            3 * least + 8 * queries.size());
   Random random(1);
-  std::size_t refused = 0;
-  for (std::size_t round = 0; round < Scaled(3000); ++round) {
-    const AlignedCopy blob((round % 3 == 0 ? fresh : sorted).Blob());
-    const std::size_t changes = 1 + random() % 64;
-    // The first bytes are the header.
-    const std::size_t most = round % 2 == 0 ? 64 : blob.bytes().size();
-    for (std::size_t c = 0; c < changes; ++c) {
-      blob.bytes()[random() % most] = static_cast<std::byte>(random());
-      if (round % 4 == 0) break;
+  std::vector<std::uint32_t> ids(kSize);
+  for (std::uint32_t i = 0; i < kSize; ++i) ids[i] = i;
+  for (std::size_t i = 0; i < 3 * kSize / 2; ++i) {
+    std::uint32_t& id = ids[random() % kSize];
+    sorted.Erase(id);
+    id = sorted.Insert(spread.NextObject());
+  }
+  EXPECT_LE(LeavesVisited<View>(sorted, queries),
+            3 * least + 8 * queries.size());
+}
+
+// Of a stream, whose oldest object is erased for each that comes further along
+// an axis, and of a world that is emptied and filled.
+TYPED_TEST(SortedChangesTest, MemoryFollowsTheObjects) {
+  using View = typename TypeParam::View;
+  Spread<View> spread(1.0f);
+  const auto bytes_of = [&](std::size_t size) {
+    return SortedWorld<View>(spread.Objects(size)).bytes();
+  };
+  SortedWorld<View> sorted;
+  Model<View> model;
+  std::deque<std::uint32_t> alive;
+  for (std::size_t i = 0; i < 20'000; ++i) {
+    auto bound = spread.NextObject();
+    bound.min[0] += static_cast<float>(i);
+    if constexpr (HasMaxima<View>) bound.max[0] += static_cast<float>(i);
+    alive.push_back(sorted.Insert(bound));
+    model.objects[alive.back()] = {bound};
+    if (alive.size() > 500) {
+      sorted.Erase(alive.front());
+      model.objects.erase(alive.front());
+      alive.pop_front();
     }
-    try {
-      Sorted world = Sorted::InPlace(blob.bytes());
-      Ids ids(10);
-      for (const auto& query : queries) {
-        (void)Survivors(world, query, ids, {.categories = 3});
-        (void)CountSurvivors(world, query);
-      }
-      std::array<std::uint32_t, 3> near;
-      (void)NearestObjects(world, {}, near, {});
-      (void)CountSurvivors(world, Sphere<View::Bound::kDimensions>{{}, 9.0f});
-      (void)CountSurvivors(world, Segment<View::Bound::kDimensions>{{}, {}});
-      if constexpr (HasMaxima<View>) {
-        (void)Pairs(world, {});
-        (void)PairsOf(world, Span<const std::uint32_t>(near), {});
-      }
-    } catch (const std::invalid_argument&) {
-      ++refused;
+    ASSERT_LE(sorted.ids().size(), 2 * sorted.size() + 64);
+  }
+  EXPECT_LE(sorted.bytes(), 2 * bytes_of(1000));
+  EXPECT_LT(sorted.Decay(), 2.0);
+  for (int round = 0; round < 5; ++round) {
+    for (std::uint32_t id : alive) sorted.Erase(id);
+    model.objects.clear();
+    alive.clear();
+    EXPECT_EQ(sorted.ids().size(), 0u);
+    for (std::size_t i = 0; i < 5000; ++i) {
+      const auto bound = spread.NextObject();
+      alive.push_back(sorted.Insert(bound));
+      model.objects[alive.back()] = {bound};
     }
-    try {
-      Sorted world = Sorted::InPlace(blob.bytes());
-      switch (random() % 6) {
-        case 0:
-          world.Refit(objects.view());
-          break;
-        case 1:
-          world.SetCategories(7, 1);
-          break;
-        case 2:
-          world.RebuildWorst(1000);
-          break;
-        default:
-          world.Set(7, View::Bound::Everything());
-          world.Erase(9);
-      }
-      for (int i = 0; i < 5; ++i) world.Insert(View::Bound::Empty());
-      world.RebuildWorst(1000);
-      world.Rebuild();
-    } catch (const std::invalid_argument&) {
-      ++refused;
+    ASSERT_EQ(sorted.ids().size(), 5000u);
+  }
+  EXPECT_LE(sorted.bytes(), 2 * bytes_of(5000));
+  // The first 100 remain, and with them the least ids.
+  while (alive.size() > 100) {
+    sorted.Erase(alive.back());
+    model.objects.erase(alive.back());
+    alive.pop_back();
+  }
+  sorted.Rebuild();
+  EXPECT_LE(sorted.bytes(), bytes_of(100) + 512);
+  ExpectIsModel<View>(sorted, model, SomeQueries<View>(1), ChosenTarget());
+  EXPECT_EQ(sorted.Insert(View::Bound::Everything()), 100u);
+}
+
+TEST(SortedDecayTest, IsInfiniteOnlyBeforeTheFirstOrder) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  SortedAabbWorld3 sorted;
+  Spread<AabbView3> spread(1.0f);
+  for (std::size_t size = 1; size <= 300; ++size) {
+    sorted.Insert(spread.NextObject());
+    const double decay = sorted.Decay();
+    if (size <= 64) {
+      EXPECT_EQ(decay, 1.0);
+    } else if (size <= 256) {
+      EXPECT_EQ(decay, kInf);
+    } else {
+      EXPECT_LT(decay, 3.0);
     }
   }
-  EXPECT_GT(refused, 0u);
-  for (std::size_t size : {1u, 63u, 64u, 1000u}) {
-    const AlignedCopy blob(sorted.Blob());
-    EXPECT_TRUE(Refuses([&] { Sorted::FromBlob(blob.bytes().first(size)); },
-                        {"FromBlob", "blob"}));
-  }
+  // Half of the objects in as many leaves.
+  SortedAabbWorld3 half(spread.Objects(10'000));
+  for (std::uint32_t id = 0; id < 10'000; id += 2) half.Erase(id);
+  EXPECT_NEAR(half.Decay(), 2.0, 0.2);
+  EXPECT_EQ(half.RebuildWorst(12'288), 5000u);
+  EXPECT_EQ(half.Decay(), 1.0);
+  EXPECT_EQ(half.ids().size(), 5000u);
 }
 
 }  // namespace

@@ -18,7 +18,8 @@
 #include <new>
 #include <random>
 #include <span>
-#include <string>
+#include <stdexcept>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -29,6 +30,7 @@
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
 #include "tests/library/support/inputs.h"
+#include "tests/library/support/misaligned.h"
 
 namespace halfspace::testing {
 namespace {
@@ -395,14 +397,38 @@ TYPED_TEST(SortedPairsTest, AreThoseOfTheObjectsThatThereAre) {
   }
 }
 
-// Calls that may run at the same time ask nothing of the world's resource.
-TEST(SortedPairsMemoryTest, NothingIsAskedOfTheWorldsResource) {
-  CountingMemory memory;
-  const SortedAabbWorld3 world(Spread<AabbView3>(4.0f).Objects(1000).view(),
-                               Order::kTight, memory.resource());
-  memory.left = 0;
-  EXPECT_GT(Pairs(world, Span<IdPair>()), 0u);
-  EXPECT_GT(PairsOf(world, Ids{1, 2, 3}, Span<IdPair>()), 0u);
+// The set comes from the world's resource. Without memory nothing is written
+// and no function is called.
+TEST(SortedPairsMemoryTest, OnlyTheSetComesFromTheWorldsResource) {
+  constexpr IdPair kCanary{0xABABABAB, 0xCDCDCDCD};
+  for (Failure failure : {Failure::kThrows, Failure::kReturnsNull}) {
+    CountingMemory memory(failure);
+    SortedAabbWorld3 world(Spread<AabbView3>(4.0f).Objects(1000).view(),
+                           Order::kTight, memory.resource());
+    for (bool is_changed : {false, true}) {
+      if (is_changed) world.Set(5, Aabb3::Everything());
+      const Ids ids = {1, 2, 3};
+      std::vector<IdPair> pairs(1000, kCanary);
+      std::size_t calls = 0;
+      const auto function = [&](Span<const IdPair>) { ++calls; };
+      const std::size_t before = memory.allocations;
+      memory.left = 1;
+      EXPECT_GT(PairsOf(world, ids, Span<IdPair>()), 0u);
+      EXPECT_EQ(memory.allocations, before + 1);
+      EXPECT_EQ(memory.blocks, 1u);
+      EXPECT_THROW((void)PairsOf(world, ids, pairs), std::bad_alloc);
+      EXPECT_THROW(ForEachPairOf(world, ids, function), std::bad_alloc);
+      EXPECT_EQ(std::count(pairs.begin(), pairs.end(), kCanary), 1000);
+      EXPECT_EQ(calls, 0u);
+      // Before anything is allocated.
+      EXPECT_THROW((void)PairsOf(world, Ids{1, 1000}, pairs),
+                   std::invalid_argument);
+      EXPECT_GT(Pairs(world, Span<IdPair>()), 0u);
+      ForEachPair(world, function);
+      EXPECT_GT(calls, 0u);
+      memory.left = CountingMemory::kNoLimit;
+    }
+  }
 }
 
 // Results that are flushed to zero, but not what is read: a bound of a block
@@ -422,22 +448,44 @@ TEST(SortedPairsFpModesTest, SubnormalResultsMayBeFlushed) {
 }
 #endif
 
-TEST(SortedPairsErrorsTest, RefusesWhatItCannotRead) {
-  SortedAabbWorld3 world(Spread<AabbView3>(4.0f).Objects(100));
-  std::vector<IdPair> pairs(10);
-  const auto refuses = [&](std::uint32_t id) {
-    return Refuses(
-        [&] {
-          (void)PairsOf(world, Ids{1, id}, pairs);
-        },
-        {"PairsOf", "ids", "in the world", std::to_string(id)});
+TEST(SortedPairsErrorsTest, RefusesWhatItCannotReadAndWritesNothing) {
+  constexpr IdPair kCanary{0xABABABAB, 0xCDCDCDCD};
+  SortedAabbWorld3 world(Spread<AabbView3>(40.0f).Objects(100));
+  std::vector<IdPair> pairs(10, kCanary);
+  const auto refuses = [&](Span<const std::uint32_t> ids,
+                           std::string_view expected, std::string_view given,
+                           const PairOptions& options = {}) {
+    const auto refused = [&](std::string_view name, const auto& call) {
+      EXPECT_TRUE(Refuses(call, {name, ": ", expected, "got", given}));
+    };
+    refused("PairsOf", [&] { (void)PairsOf(world, ids, pairs, options); });
+    refused("ForEachPairOf", [&] {
+      ForEachPairOf(
+          world, ids, [](Span<const IdPair>) { FAIL(); }, options);
+    });
+    EXPECT_EQ(std::count(pairs.begin(), pairs.end(), kCanary), 10);
   };
-  EXPECT_TRUE(refuses(100));
-  EXPECT_TRUE(refuses(0xFFFFFFFF));
+  const std::string_view in_world = "ids: expected ids of objects in the world";
+  refuses(Ids{1, 100}, in_world, "100");
+  refuses(Ids{1, 0xFFFFFFFF}, in_world, "4294967295");
   world.Erase(7);
-  EXPECT_TRUE(refuses(7));
-  EXPECT_TRUE(Refuses([&] { (void)Pairs(world, Span<IdPair>(nullptr, 10)); },
+  refuses(Ids{1, 7}, in_world, "7");
+  const Ids ids = {1, 2, 3};
+  refuses({static_cast<const std::uint32_t*>(nullptr), 3},
+          "ids: expected 3 ids", "a null pointer");
+  refuses({Misaligned(ids.data()), 2}, "ids: expected a pointer aligned",
+          "a misaligned one");
+  refuses(ids, "options.target", "no target",
+          {.target = Target::FromHighwayBit(3)});
+  IdPair* const none = nullptr;
+  EXPECT_TRUE(Refuses([&] { (void)Pairs(world, Span<IdPair>(none, 10)); },
                       {"Pairs", "pairs", "10 pairs", "null"}));
+  EXPECT_TRUE(Refuses(
+      [&] {
+        (void)PairsOf(world, ids, {Misaligned(pairs.data()), 9});
+      },
+      {"PairsOf", "pairs", "aligned", "misaligned"}));
+  EXPECT_EQ(std::count(pairs.begin(), pairs.end(), kCanary), 10);
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #define HALFSPACE_TESTS_LIBRARY_SORTED_SHAPE_REFERENCE_H_
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <span>
@@ -92,21 +91,36 @@ detail::Line LineOf(const detail::ShapePlanes& planes,
   return line;
 }
 
+// Whether a walk takes a shape for Everything(): a builder cannot bound it, or
+// no axis limits its line.
+template <typename View, int kDims>
+bool IsEverything(const Sphere<kDims>& sphere) {
+  return BoundSphere(sphere) == Aabo<kDims>::Everything();
+}
+template <typename View, int kDims>
+bool IsEverything(const Capsule<kDims>& capsule) {
+  return BoundCapsule(capsule) == Aabo<kDims>::Everything() ||
+         LineOf(kShapePlanes<View>, capsule).planes == 0;
+}
+template <typename View, int kDims>
+bool IsEverything(const Segment<kDims>& segment) {
+  return IsEverything<View>(Capsule<kDims>{segment.a, segment.b, 0});
+}
+
 // Whether the test beside that of the planes keeps a bound.
 template <typename View, int kDims>
 bool IsTouched(const typename View::Bound& bound, const Sphere<kDims>& sphere) {
-  detail::Ball ball =
+  if (IsEverything<View>(sphere)) return true;
+  const detail::Ball ball =
       detail::MakeBall(kShapePlanes<View>, sphere.center.data(), sphere.radius);
-  for (float x : sphere.center) {
-    if (!std::isfinite(x)) return true;
-  }
   return !(SquaredDistanceOf(PlanesOf<View>(bound), ball) > ball.limit);
 }
 template <typename View, int kDims>
 bool IsTouched(const typename View::Bound& bound,
                const Capsule<kDims>& capsule) {
-  return EntryOf(PlanesOf<View>(bound), LineOf(kShapePlanes<View>, capsule)) <=
-         1;
+  return IsEverything<View>(capsule) ||
+         EntryOf(PlanesOf<View>(bound), LineOf(kShapePlanes<View>, capsule)) <=
+             1;
 }
 template <typename View, int kDims>
 bool IsTouched(const typename View::Bound& bound,

@@ -12,24 +12,29 @@
 #include <limits>
 #include <random>
 #include <span>
+#include <string_view>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "halfspace/halfspace.h"
 #include "tests/library/sorted/shape_reference.h"
 #include "tests/library/sorted/spread.h"
+#include "tests/library/support/canaries.h"
 #include "tests/library/support/cases.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
 #include "tests/library/support/fp_modes.h"
 #include "tests/library/support/inputs.h"
+#include "tests/library/support/misaligned.h"
 #include "tests/library/support/special_values.h"
 
 namespace halfspace::testing {
 namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 template <typename View>
 typename View::Query QueryOf(const Aabo<View::Bound::kDimensions>& bound) {
@@ -46,9 +51,13 @@ requires std::is_same_v<Shape, Sphere<View::Bound::kDimensions>>
 typename View::Query BoundOf(const Shape& shape) {
   return QueryOf<View>(BoundSphere(shape));
 }
-// Of the others, none.
+// Of the others, none, but of what is taken for Everything().
 template <typename View, typename Shape>
-typename View::Query BoundOf(const Shape& /*shape*/) {
+typename View::Query BoundOf(const Shape& shape) {
+  if constexpr (!std::is_same_v<
+                    Shape, std::vector<HalfSpace<View::Bound::kDimensions>>>) {
+    if (IsEverything<View>(shape)) return View::Query::Everything();
+  }
   typename View::Query query{};
   for (std::size_t p = 0; p < kPlanes<View>; ++p) {
     OpposingValue<View>(query, p) = IsMinPlane<View>(p) ? kInf : -kInf;
@@ -105,6 +114,22 @@ Shapes<kDims> SomeShapes(std::size_t count, Random& random) {
     }
   }
   return shapes;
+}
+
+// Some of them Empty(), Everything(), or with a NaN.
+template <typename View>
+World<View> WithSpecialObjects(std::size_t count) {
+  using Bound = typename View::Bound;
+  World<View> world;
+  Spread<View> spread(1.0f);
+  for (std::size_t i = 0; i < count; ++i) {
+    Bound bound = i % 97 == 0   ? Bound::Empty()
+                  : i % 97 == 1 ? Bound::Everything()
+                                : spread.NextObject();
+    if (i % 97 == 2) StoredValue<View>(bound, i % kPlanes<View>) = kNan;
+    world.Push(bound);
+  }
+  return world;
 }
 
 template <typename View, typename Shape>
@@ -238,6 +263,83 @@ TYPED_TEST(SortedShapesTest, FindWhatTheTestsKeepOfSpecialValues) {
   }
 }
 
+// A shape that a builder cannot bound keeps what a scan with Everything()
+// keeps, whichever of its numbers is the bad one; and so do huge ones that it
+// can.
+TYPED_TEST(SortedShapesTest, AreEverythingIfTheyCannotBeBounded) {
+  using View = typename TypeParam::View;
+  constexpr int kDims = View::Bound::kDimensions;
+  constexpr float kMost = std::numeric_limits<float>::max();
+  constexpr float kTooLarge = 0x1.000002p125f;
+  const World<View> world = WithSpecialObjects<View>(4200);
+  const SortedWorld<View> sorted(world.view());
+  Ids all(world.size());
+  all.resize(Survivors(world, View::Query::Everything(), all));
+  ASSERT_LT(all.size(), world.size());
+  const auto expect_all = [&](const auto& shape) {
+    for (Target target : TargetsUnderTest()) {
+      ExpectFinds(sorted, shape, all, {.target = target});
+      if (::testing::Test::HasFatalFailure()) FAIL() << target.name();
+    }
+  };
+  const auto expect_all_with_bad_numbers = [&](auto shape, std::size_t values,
+                                               bool has_radius) {
+    for (float bad :
+         {kNan, kInf, -kInf, kMost, -kMost, kTooLarge, -kTooLarge}) {
+      for (std::size_t v = 0; v < values; ++v) {
+        if (has_radius && v + 1 == values && !(bad > 0)) continue;
+        auto bad_shape = shape;
+        reinterpret_cast<float*>(&bad_shape)[v] = bad;
+        expect_all(bad_shape);
+        if (::testing::Test::HasFatalFailure()) {
+          FAIL() << values << " numbers, " << bad << " for number " << v;
+        }
+      }
+    }
+  };
+  expect_all_with_bad_numbers(Sphere<kDims>{{}, 1}, kDims + 1, true);
+  expect_all_with_bad_numbers(Segment<kDims>{}, 2 * kDims, false);
+  expect_all_with_bad_numbers(Capsule<kDims>{{}, {}, 1}, 2 * kDims + 1, true);
+  expect_all(Sphere<kDims>{{}, 0x1p120f});
+  expect_all(Capsule<kDims>{{}, {}, 0x1p120f});
+}
+
+// Alone it keeps every object, also those that are Empty().
+TYPED_TEST(SortedShapesTest, KeepWhatTheOtherHalfSpacesKeepIfOneIsUnusable) {
+  using View = typename TypeParam::View;
+  constexpr int kDims = View::Bound::kDimensions;
+  using HalfSpaces = std::vector<HalfSpace<kDims>>;
+  const World<View> world = WithSpecialObjects<View>(4200);
+  const SortedWorld<View> sorted(world.view());
+  Ids all(world.size());
+  for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
+  HalfSpace<kDims> good{{}, 10};
+  good.normal[0] = 1;
+  good.normal[1] = -0.5f;
+  const Ids expected = Expected<View>(world, {}, HalfSpaces{good});
+  ASSERT_LT(expected.size(), all.size());
+  // The same half-space.
+  HalfSpaces huge = {good};
+  for (float& x : huge[0].normal) x *= 0x1p124f;
+  huge[0].offset *= 0x1p124f;
+  for (Target target : TargetsUnderTest()) {
+    const SortedOptions options = {.target = target};
+    ExpectFinds(sorted, HalfSpaces{}, all, options);
+    ExpectFinds(sorted, huge, expected, options);
+    for (float value : {kNan, kInf, -kInf}) {
+      for (std::size_t v = 0; v <= kDims; ++v) {
+        HalfSpace<kDims> bad = good;
+        reinterpret_cast<float*>(&bad)[v] = value;
+        ExpectFinds(sorted, HalfSpaces{bad}, all, options);
+        ExpectFinds(sorted, HalfSpaces{good, bad}, expected, options);
+        if (this->HasFatalFailure()) {
+          FAIL() << value << " for number " << v << ", " << target.name();
+        }
+      }
+    }
+  }
+}
+
 TYPED_TEST(SortedShapesTest, KnowErasedObjectsAndCategories) {
   using View = typename TypeParam::View;
   constexpr int kDims = View::Bound::kDimensions;
@@ -277,7 +379,8 @@ TYPED_TEST(SortedShapesTest, NeverRejectWhatTouches) {
   constexpr int kDims = Bound::kDimensions;
   Random random(4);
   for (std::size_t round = 0; round < Scaled(400); ++round) {
-    const int exponent = static_cast<int>(random() % 230) - 150;
+    // Up to what a builder can bound, and beyond.
+    const int exponent = static_cast<int>(random() % 256) - 150;
     const auto integer = [&](std::uint64_t most) {
       return 16 * (static_cast<double>(random() % (2 * most + 1)) -
                    static_cast<double>(most));
@@ -438,12 +541,76 @@ TEST(SortedShapesErrorsTest, RefuseWhatIsNoShape) {
   EXPECT_TRUE(Refuses(
       [&] { (void)AnySurvivor(sorted, Span<const HalfSpace3>(nullptr, 1)); },
       {"AnySurvivor", "half-spaces", "null"}));
-  std::vector<std::size_t> offsets(1);
-  EXPECT_TRUE(Refuses(
-      [&] {
-        (void)SurvivorsOfEach(sorted, std::vector<Sphere3>(1), ids, offsets);
-      },
-      {"SurvivorsOfEach", "offsets", "1", "1"}));
+}
+
+// Whatever is wrong, and also where the shapes before it are right.
+TEST(SortedShapesErrorsTest, NothingIsWrittenBeforeAllIsChecked) {
+  const SortedAabbWorld3 sorted(Spread<AabbView3>(4.0f).Objects(100));
+  Canaried<std::uint32_t> canaried_ids;
+  Canaried<std::size_t> canaried_offsets;
+  const Span<std::uint32_t> ids = canaried_ids.Reset(100);
+  const Span<std::size_t> offsets = canaried_offsets.Reset(4);
+  const auto refused = [&](const auto& queries, Span<std::uint32_t> to_ids,
+                           Span<std::size_t> to_offsets,
+                           std::string_view argument, std::string_view given,
+                           const SortedOptions& options = {}) {
+    EXPECT_TRUE(Refuses(
+        [&] {
+          (void)SurvivorsOfEach(sorted, queries, to_ids, to_offsets, options);
+        },
+        {"SurvivorsOfEach: ", argument, "expected", "got", given}));
+    EXPECT_TRUE(canaried_ids.IntactBut(0)) << argument << ", " << given;
+    EXPECT_TRUE(canaried_offsets.IntactBut(0)) << argument << ", " << given;
+  };
+  const auto queries_refused = [&](const auto& queries,
+                                   std::string_view argument,
+                                   std::string_view given) {
+    refused(queries, ids, offsets, argument, given);
+  };
+  const Sphere3 sphere = {{0, 0, 0}, 100};
+  const Capsule3 capsule = {{0, 0, 0}, {1, 1, 1}, 100};
+  for (float radius : {-1.0f, kNan}) {
+    const char* const given = radius < 0 ? "-1" : "nan";
+    queries_refused(std::array{sphere, Sphere3{{}, radius}}, "radius", given);
+    queries_refused(std::array{capsule, capsule, Capsule3{{}, {}, radius}},
+                    "radius", given);
+  }
+  using HalfSpaces = Span<const HalfSpace3>;
+  const std::vector<HalfSpace3> many(65);
+  const HalfSpace3* const none = nullptr;
+  for (const auto& [bad, given] :
+       {std::pair{HalfSpaces(many), "65"},
+        std::pair{HalfSpaces(none, 1), "null"},
+        std::pair{HalfSpaces(Misaligned(many.data()), 1), "misaligned"}}) {
+    queries_refused(std::array{HalfSpaces(), HalfSpaces(many.data(), 1), bad},
+                    "half-spaces", given);
+  }
+  const auto lists_refused = [&](const auto& queries) {
+    using Query = std::decay_t<decltype(queries[0])>;
+    const Span<const Query> good(queries);
+    const Query* const no_queries = nullptr;
+    queries_refused(Span<const Query>(no_queries, 3), "queries", "null");
+    queries_refused(Span<const Query>(Misaligned(queries.data()), 2), "queries",
+                    "misaligned");
+    std::uint32_t* const no_ids = nullptr;
+    refused(good, {no_ids, 9}, offsets, "ids", "null");
+    refused(good, {Misaligned(ids.data()), 9}, offsets, "ids", "misaligned");
+    std::size_t* const no_offsets = nullptr;
+    refused(good, ids, {no_offsets, 4}, "offsets", "null");
+    refused(good, ids, {Misaligned(offsets.data()), 4}, "offsets",
+            "misaligned");
+    refused(good, ids, {offsets.data(), 3}, "offsets", "3");
+    refused(good, ids, offsets, "options.target", "no target",
+            {.target = Target::FromHighwayBit(3)});
+  };
+  lists_refused(std::array{sphere, sphere, sphere});
+  lists_refused(std::array{HalfSpaces(), HalfSpaces(), HalfSpaces()});
+  lists_refused(std::vector<Aabb3>(3, Aabb3::Everything()));
+  // Aligned to its floats is not enough for a list of lists.
+  const std::array<HalfSpaces, 3> lists;
+  const auto* const shifted = reinterpret_cast<const HalfSpaces*>(
+      reinterpret_cast<const float*>(lists.data()) + 1);
+  queries_refused(Span<const HalfSpaces>(shifted, 2), "queries", "misaligned");
 }
 
 }  // namespace

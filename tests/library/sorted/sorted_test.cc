@@ -14,6 +14,7 @@
 #include <random>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "halfspace/halfspace.h"
@@ -26,6 +27,7 @@
 #include "tests/library/support/expect_invalid.h"
 #include "tests/library/support/fp_modes.h"
 #include "tests/library/support/inputs.h"
+#include "tests/library/support/misaligned.h"
 
 namespace halfspace::testing {
 namespace {
@@ -447,6 +449,43 @@ TEST(SortedFpModesTest, MakingAWorldNeverTraps) {
     const SortedAabbWorld3 sorted(world, order);
     EXPECT_TRUE(traps.IsUntouched());
   }
+}
+
+TEST(SortedErrorsTest, RefusesAListThatItCannotRead) {
+  using List = Span<const Aabb3>;
+  const std::vector<Aabb3> bounds(3, Aabb3::Everything());
+  SortedAabbWorld3 sorted((List(bounds)));
+  sorted.SetCategories(Ids{1, 2, 4});
+  const auto refused = [](std::string_view call, std::string_view argument,
+                          const auto& made) {
+    EXPECT_TRUE(Refuses([&] { made(false); },
+                        {call, argument, "expected memory for 3 elements",
+                         "got a null pointer"}));
+    EXPECT_TRUE(Refuses([&] { made(true); },
+                        {call, argument, "expected a pointer aligned to 4",
+                         "got a misaligned one"}));
+  };
+  const Aabb3* const none = nullptr;
+  const auto list = [&](bool is_misaligned) {
+    return List(is_misaligned ? Misaligned(bounds.data()) : none, 3);
+  };
+  refused("SortedWorld: ", "bounds: ", [&](bool is_misaligned) {
+    SortedAabbWorld3 bad(list(is_misaligned));
+  });
+  refused("SortedWorld::Refit: ", "bounds: ", [&](bool is_misaligned) {
+    sorted.Refit(list(is_misaligned));
+  });
+  const Ids categories(4);
+  const std::uint32_t* const no_categories = nullptr;
+  refused(
+      "SortedWorld::SetCategories: ", "categories: ", [&](bool is_misaligned) {
+        sorted.SetCategories(
+            {is_misaligned ? Misaligned(categories.data()) : no_categories, 3});
+      });
+  EXPECT_EQ(CountSurvivors(sorted, Aabb3::Everything(), {.categories = 2}), 1u);
+  EXPECT_TRUE(SortedAabbWorld3(List(none, 0)).empty());
+  sorted.SetCategories({no_categories, 0});
+  EXPECT_EQ(CountSurvivors(sorted, Aabb3::Everything(), {.categories = 2}), 0u);
 }
 
 TEST(SortedErrorsTest, RefusesWhatItCannotRead) {

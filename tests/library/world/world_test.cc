@@ -10,6 +10,7 @@
 #include <new>
 #include <random>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,7 @@
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
 #include "tests/library/support/inputs.h"
+#include "tests/library/support/misaligned.h"
 #include "tests/library/support/sanitized.h"
 
 namespace halfspace::testing {
@@ -211,6 +213,27 @@ TYPED_TEST(WorldTest, IndexPastTheEndIsRefused) {
   this->ExpectHolds(world, model);
 }
 
+TYPED_TEST(WorldTest, ListThatCannotBeReadIsRefused) {
+  using NewWorld = typename TestFixture::AWorld;
+  using List = Span<const typename TestFixture::Bound>;
+  const auto model = this->RandomBounds(70);
+  NewWorld world(model);
+  const auto refused = [&](List bounds, std::string_view expected,
+                           std::string_view given) {
+    const auto parts = {std::string_view("World::Assign: bounds: expected"),
+                        expected, std::string_view("got"), given};
+    EXPECT_TRUE(Refuses([&] { NewWorld bad(bounds); }, parts));
+    EXPECT_TRUE(Refuses([&] { world.Assign(bounds); }, parts));
+    this->ExpectHolds(world, model);
+  };
+  refused({nullptr, 3}, "memory for 3 elements", "a null pointer");
+  refused({Misaligned(model.data()), 3}, "a pointer aligned to",
+          "a misaligned one");
+  this->ExpectHolds(NewWorld(List(nullptr, 0)), {});
+  world.Assign(List(nullptr, 0));
+  this->ExpectHolds(world, {});
+}
+
 TYPED_TEST(WorldTest, SizeThatCannotExistIsRefused) {
   const auto model = this->RandomBounds(70);
   typename TestFixture::AWorld world(model);
@@ -218,6 +241,12 @@ TYPED_TEST(WorldTest, SizeThatCannotExistIsRefused) {
   EXPECT_TRUE(Refuses([&] { world.Reserve(most); },
                       {"World", "size: expected at most", "objects",
                        "got " + std::to_string(most)}));
+  EXPECT_TRUE(Refuses(
+      [&] {
+        world.Assign({model.data(), most});
+      },
+      {"World", "size: expected at most", "objects",
+       "got " + std::to_string(most)}));
   this->ExpectHolds(world, model);
 }
 
