@@ -11,7 +11,7 @@ A run of one machine:
 
 A block in a document, whose lines this replaces with a table of a run:
 
-    <!-- results: <machine> | <table> [| <column>=<value>,...] -->
+    <!-- results: <machine> | <table> [| <column>=<value>,... or notes] -->
     <!-- end of results -->
 
 A single value, which this replaces with the cell of the one row that fits:
@@ -84,6 +84,8 @@ def markdown(table, rows):
 def block(runs, spec):
     machine, name, *conditions = (part.strip() for part in spec.split("|"))
     table = table_of(runs, machine, name)
+    if conditions == ["notes"]:
+        return "".join(f"- {note}\n" for note in table["notes"])
     rows = rows_of(table, conditions[0] if conditions else "")
     text = markdown(table, rows) if rows else ""
     notes = "" if conditions else "".join(f"\n{note}\n" for note in table.get("notes", []))

@@ -48,8 +48,6 @@ inline constexpr Aim kIndicesOverMask = AtMost(1.15);
 // Slowest over fastest size in one cache level; ns of a call by itself.
 inline constexpr Aim kSizes = AtMost(1.15);
 inline constexpr Aim kCall = AtMost(10.0);
-// Objects up to which a scan is faster than a tree.
-inline constexpr Aim kTreeSize = AtLeast(10000.0);
 
 // Section sorted. Box queries: times the fastest competitor, and half of that
 // where structures evict each other from the caches.

@@ -52,7 +52,7 @@ void AddRows(Run& run, const Work& work, const std::vector<std::size_t>& counts,
   const auto rounds =
       static_cast<std::size_t>(std::clamp(kSeconds / once, 1.0, 1e6));
   std::vector<std::vector<double>> ns(counts.size());
-  std::vector<double> best_share(counts.size());
+  std::vector<double> shares(counts.size());
   const std::size_t tries = std::max<std::size_t>(10, run.effort.repetitions);
   for (std::size_t t = 0; t < tries; ++t) {
     for (std::size_t c = 0; c < counts.size(); ++c) {
@@ -65,7 +65,7 @@ void AddRows(Run& run, const Work& work, const std::vector<std::size_t>& counts,
         throw WrongAnswer("threads/" + work.name +
                           ": the masks are not those of one thread");
       }
-      best_share[c] = std::max(best_share[c], time.cpu_share);
+      shares[c] += time.cpu_share / static_cast<double>(tries);
       if (time.cpu_share < kLeastShare) continue;
       ns[c].push_back(1e9 * time.seconds /
                       (work.pairs * static_cast<double>(rounds)));
@@ -84,7 +84,7 @@ void AddRows(Run& run, const Work& work, const std::vector<std::size_t>& counts,
       table.notes.push_back(
           std::to_string(counts[c]) + " threads, " + work.name +
           ": not measurable now, other programs take " +
-          Fixed(100.0 * (1.0 - best_share[c]), 0) + " % of a CPU.");
+          Fixed(100.0 * (1.0 - shares[c]), 0) + " % of a CPU.");
     }
     table.Add(std::move(row));
   }

@@ -67,23 +67,6 @@ void Throughput::AddRowUnder(const Ceiling& ceiling, ThroughputRow row) {
   AddRow(std::move(row));
 }
 
-void Throughput::AddRowsInTurn(const ThroughputRow& row, const Timing& all,
-                               const Timing& few, Few rows) {
-  constexpr double kDifference = 0.03;
-  const Ratio ratio = RatioOf(all, few);
-  const bool differ =
-      ratio.low > 1.0 + kDifference || ratio.high < 1.0 / (1.0 + kDifference);
-  if (!differ && rows == Few::kIfTheyDiffer) return;
-  ThroughputRow added = row;
-  const auto objects = static_cast<double>(row.objects);
-  added.ns_per_pair = all.Median() / objects;
-  AddRow(added);
-  if (!differ) return;
-  added.name += ", " + std::to_string(kFewQueries) + " queries in turn";
-  added.ns_per_pair = few.Median() / objects;
-  AddRow(added);
-}
-
 std::size_t FastestOf(const Timings& timings,
                       const std::vector<std::size_t>& among) {
   std::size_t fastest = among.front();
@@ -152,8 +135,6 @@ Tables RunThroughput(Run& run) {
   AddQuantizedParts(workload, run.machine, run.is_quick(), parts);
   AddOutputParts(workload, parts);
   AddSizeParts(workload, run.machine, parts);
-  AddQueryParts(workload, parts);
-  AddCompetitorParts(seed, parts);
   RunParts(parts, throughput);
   for (const std::string& note : run.NotReached()) throughput.AddNote(note);
   return {throughput.Rows(), throughput.Aims()};

@@ -80,13 +80,6 @@ class Throughput {
   // A row that is measured by a ceiling; by none, if that was not timed.
   void AddRowUnder(const Ceiling& ceiling, ThroughputRow row);
 
-  // The row of what was timed with all queries in turn, per pair, and another
-  // of the same with kFewQueries, if three of four repetitions differ by more
-  // than 3 %.
-  enum class Few { kAlways, kIfTheyDiffer };
-  void AddRowsInTurn(const ThroughputRow& row, const Timing& all,
-                     const Timing& few, Few rows);
-
   // A line below the tables.
   void AddNote(std::string note) { notes_.push_back(std::move(note)); }
   void NotReached(const std::string& reason) {
@@ -143,12 +136,6 @@ void RunAgainstBaselines(const GridWorld& grid, Throughput& throughput);
 void AddOutputParts(const Workload& workload, ThroughputParts& parts);
 void AddSizeParts(const Workload& workload, const Machine& machine,
                   ThroughputParts& parts);
-
-// Rows whose cost depends on branches, with few queries in turn and with many.
-void AddQueryParts(const Workload& workload, ThroughputParts& parts);
-
-// Scans against trees, if this program was built with the competitors.
-void AddCompetitorParts(std::uint64_t seed, ThroughputParts& parts);
 
 }  // namespace halfspace::bench
 
