@@ -44,14 +44,18 @@ Table DensityTable(const Verdict& verdict, std::size_t target,
               "kappa_box / N < 2 w_cmp / ((c - 1) w_full): then the simplex "
               "wins; " +
                   NameOf(verdict.targets()[target]) + ", L2",
-              {Key("size"), Key("exact test"), Value("kappa box", "", 1),
+              {Key("size"), Key("exact test"), Value("kappa box", "", 4),
                Value("c"), Value("kappa/N", "%", 4), Value("limit", "%", 4),
                Value("predicts"), Value("measured"),
                Value("break-even", "ns", 0), Value("kappa/N x that", "ns", 4)}};
   for (const VerdictWorld& world : verdict.worlds()) {
     const auto objects = static_cast<double>(world.objects);
     const double box = world.survivors.aabb / objects;
-    const double c = world.survivors.simplex / world.survivors.aabb;
+    // Of too few survivors nothing can be told.
+    constexpr double kFewest = 30.0 / kTimedQueries;
+    const bool is_counted = world.survivors.aabb >= kFewest;
+    const double c =
+        is_counted ? world.survivors.simplex / world.survivors.aabb : 1.0;
     const double saved = world.cells[target]
                              .Difference(ShapeKind::kAabb, ShapeKind::kSimplex)
                              .median;
@@ -63,7 +67,8 @@ Table DensityTable(const Verdict& verdict, std::size_t target,
       table.Add({world.name(), exact.name, world.survivors.aabb, c, 100.0 * box,
                  100.0 * limit,
                  NameOf(box < limit ? Winner::kSimplex : Winner::kBox),
-                 NameOf(winner), break_even, box * break_even});
+                 NameOf(winner), is_counted ? Cell(break_even) : Cell(),
+                 is_counted ? Cell(box * break_even) : Cell()});
     }
   }
   table.notes = {

@@ -17,15 +17,10 @@ constexpr std::array<double, 6> kPercents = {0.1, 0.3, 1.0, 3.0, 10.0, 30.0};
 
 PerShape<double> SurvivorsOf(const AaboView3& view,
                              const std::vector<Aabo3>& queries) {
-  // Enough for a mean of fractions of an object.
-  constexpr std::size_t kMost = 4096;
-  const std::size_t count = std::min(kMost, queries.size());
   PerShape<double> sums;
-  for (std::size_t q = 0; q < count; ++q) {
-    AddSurvivors(view, queries[q], sums);
-  }
+  for (const Aabo3& query : queries) AddSurvivors(view, query, sums);
   for (double* sum : {&sums.aabb, &sums.simplex, &sums.aabo}) {
-    *sum /= static_cast<double>(count);
+    *sum /= static_cast<double>(queries.size());
   }
   return sums;
 }
