@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstring>
 #include <limits>
+#include <new>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -17,8 +18,10 @@
 namespace halfspace::detail {
 namespace {
 
-// Insertions between two times that the last slots are sorted: the blocks that
-// every query visits as they have no order are at most a 64th of these.
+constexpr SortedRoom kSlotsById = {0, 1, false};
+
+// Insertions between two sorts of the last slots. Up to so many objects, about
+// four leaves, have no order, and almost every query visits these leaves.
 constexpr std::size_t kSortEach = 256;
 
 // How much each node of a block would have to grow to enclose a bound, as a sum
@@ -49,12 +52,6 @@ float ExtentOf(const SortedShape& shape, const SortedLevel& level,
   return extent;
 }
 
-std::uint64_t ExistingLanes(const SortedLevel& level, std::size_t block) {
-  const std::size_t count =
-      std::min(kBlockObjects, level.size - block * kBlockObjects);
-  return ~std::uint64_t{0} >> (kBlockObjects - count);
-}
-
 }  // namespace
 
 void SortedTree::Prepare(const char* call, SortedRoom room) {
@@ -68,6 +65,7 @@ void SortedTree::Prepare(const char* call, SortedRoom room) {
       room.has_categories != old.has_categories) {
     Reallocate(call, room);
   }
+  is_as_loaded_ = false;
   if (block_ != nullptr) header().checksum = 0;
 }
 
@@ -135,12 +133,7 @@ void SortedTree::Reallocate(const char* call, const SortedRoom& room) {
     } else if (room.ids > 0) {
       std::fill_n(grown.levels_.slots, to.ids, kNoId);
       for (std::size_t s = 0; s < to.slots; ++s) {
-        std::uint32_t& slot = grown.levels_.slots[levels_.ids[s]];
-        if (slot != kNoId) {  // CheckLoaded() has no memory to see it
-          kernels::ThrowInvalid(call, "blob", "each id once",
-                                std::to_string(levels_.ids[s]) + " twice");
-        }
-        slot = static_cast<std::uint32_t>(s);
+        grown.levels_.slots[levels_.ids[s]] = static_cast<std::uint32_t>(s);
       }
     }
   }
@@ -217,13 +210,12 @@ void SortedTree::AppendSlot() {
   }
 }
 
-// An empty slot in a leaf that would grow by a 16th at most, or the end: with
-// twice its size, leaves of a world whose objects come and go end up with four
-// times the surface before all are sorted again.
+// An empty slot in a leaf that would grow by a 16th at most, or the end. If a
+// leaf could double its size, the leaves would have four times the surface when
+// all objects have come and gone.
 std::size_t SortedTree::FindSlot(const float* values) const {
-  if (block_ == nullptr) return 0;
-  const std::size_t end = header().slots;
-  if (header().size == end) return end;
+  const std::size_t end = slots();
+  if (size() == end) return end;
   std::size_t block = 0;
   for (std::size_t l = levels_.count; l-- > 1;) {
     const SortedLevel& level = levels_.level[l];
@@ -233,8 +225,8 @@ std::size_t SortedTree::FindSlot(const float* values) const {
     for (std::size_t n = first; n < std::min(level.size, first + kBlockObjects);
          ++n) {
       const bool is_empty = (level.present[block] >> (n - first) & 1) == 0;
-      const bool is_full = l == 1 && levels_.level[0].present[n] ==
-                                         ExistingLanes(levels_.level[0], n);
+      const bool is_full =
+          l == 1 && levels_.level[0].present[n] == LanesOf(end, n);
       if (is_empty || is_full) continue;
       if (best == level.size || growths[n - first] < growths[best - first]) {
         best = n;
@@ -249,7 +241,7 @@ std::size_t SortedTree::FindSlot(const float* values) const {
     block = best;
   }
   const std::uint64_t empty =
-      ExistingLanes(levels_.level[0], block) & ~levels_.level[0].present[block];
+      LanesOf(end, block) & ~levels_.level[0].present[block];
   if (empty == 0) return end;
   return block * kBlockObjects +
          static_cast<std::size_t>(std::countr_zero(empty));
@@ -268,10 +260,14 @@ std::size_t SortedTree::SlotsDue() const {
   return std::min<std::size_t>(last, header.slots);
 }
 
-// The room that an object at the end needs.
+// The room for one more object. If more than a quarter of the slots are empty,
+// CloseGaps() makes room.
 SortedRoom SortedTree::RoomForOneMore(const char* call) const {
   const SortedRoom room = Room();
-  if (block_ != nullptr && header().slots < room.slots) return {0, 1, false};
+  if (slots() < room.slots ||
+      (room.slots > 0 && size() <= room.slots / 4 * 3)) {
+    return kSlotsById;
+  }
   if (room.slots + 1 >= kMostObjects) {
     kernels::ThrowInvalid(call, "world", "less than 2^31 objects",
                           std::to_string(room.slots));
@@ -280,30 +276,39 @@ SortedRoom SortedTree::RoomForOneMore(const char* call) const {
   return {std::min(kMostObjects - 1, room.slots + more), 1, false};
 }
 
+// Sorts the slots that are due. Without memory for that they stay as they are,
+// as the order changes no result.
+void SortedTree::SortDue(const char* call) {
+  const std::size_t due = SlotsDue();
+  if (due == 0) return;
+  const SlotRange range = {(slots() - due) / kBlockObjects * kBlockObjects,
+                           slots()};
+  const bool is_all = due == slots();
+#if defined(__cpp_exceptions)
+  try {
+    Resort(call, {&range, 1}, RoomForOneMore(call));
+  } catch (const std::bad_alloc&) {
+    return;
+  }
+#else
+  Resort(call, {&range, 1}, RoomForOneMore(call));
+#endif
+  if (is_all) {
+    header().sorted = header().size;
+    header().inserted = 0;
+  }
+}
+
 std::uint32_t SortedTree::Insert(Span<const float> values) {
   constexpr const char* kCall = "SortedWorld::Insert";
   CheckLoaded(kCall);
-  if (const std::size_t due = SlotsDue(); due > 0) {
-    const std::size_t end = header().slots;
-    const SlotRange range = {(end - due) / kBlockObjects * kBlockObjects, end};
-    Resort(kCall, {&range, 1}, RoomForOneMore(kCall));
-    if (due == end) {
-      header().sorted = header().size;
-      header().inserted = 0;
-    }
-  }
+  SortDue(kCall);
   std::size_t slot =
       kernels::InDefaultFpMode([&] { return FindSlot(values.data()); });
-  // Else it is worth to win the empty slots back.
-  const auto has_few_gaps = [&] {
-    return block_ == nullptr || header().size > header().capacity / 4 * 3;
-  };
-  const bool is_last = slot == (block_ == nullptr ? 0 : header().slots);
-  Prepare(kCall, is_last && has_few_gaps() ? RoomForOneMore(kCall)
-                                           : SortedRoom{0, 1, false});
-  if (is_last && slot == header().capacity) {
+  Prepare(kCall, slot == slots() ? RoomForOneMore(kCall) : kSlotsById);
+  if (slot == header().capacity) {
     CloseGaps();
-    slot = header().slots;
+    slot = slots();
   }
   SortedHeader& header = this->header();
   if (slot == header.slots) AppendSlot();
@@ -319,9 +324,7 @@ std::uint32_t SortedTree::Insert(Span<const float> values) {
   }
   level.present[slot / kBlockObjects] |= std::uint64_t{1}
                                          << slot % kBlockObjects;
-  if (level.categories != nullptr) level.categories[slot] = 0xFFFFFFFF;
-  levels_.ids[slot] = id;
-  levels_.slots[id] = static_cast<std::uint32_t>(slot);
+  PutId(levels_, slot, id, 0xFFFFFFFF);
   ++header.size;
   ++header.inserted;
   EncodePath(slot);

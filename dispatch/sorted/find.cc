@@ -138,7 +138,7 @@ std::size_t SortedSurvivorsOfMany(const SortedTree& tree, const float* queries,
                                   const SortedOptions& options) {
   constexpr const char* kCall = "SurvivorsOfEach";
   const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
-  CheckOfEach(kCall, queries, query_count, ids, offsets);
+  CheckOfEach(kCall, queries, query_count, alignof(float), ids, offsets);
   offsets[0] = 0;
   if (tree.size() == 0) {
     std::fill_n(offsets.data(), query_count + 1, 0);

@@ -19,9 +19,9 @@ constexpr std::size_t kLine = 64;
 // More than this is not in the second-level cache.
 constexpr std::size_t kInCacheBytes = std::size_t{1} << 20;
 
-// Hands out parts of a block of memory, of whole cache lines; without memory it
-// measures. What is between parts is cleared in new memory, as it is part of a
-// blob.
+// Divides a block of memory into parts of whole cache lines. Without memory it
+// only measures. In new memory it clears the space between parts, because that
+// space belongs to a blob.
 class Parts {
  public:
   Parts(std::byte* begin, bool is_new) : begin_(begin), is_new_(is_new) {}
@@ -195,8 +195,9 @@ void EncodeSlots(SortedLevels& levels, const SortedKernels::OfPlanes& kernels,
 }
 
 void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
-                 Span<std::uint32_t> ids, Span<std::size_t> offsets) {
-  kernels::CheckMemory(call, "queries", queries, query_count, alignof(float));
+                 std::size_t alignment, Span<std::uint32_t> ids,
+                 Span<std::size_t> offsets) {
+  kernels::CheckMemory(call, "queries", queries, query_count, alignment);
   kernels::CheckMemory(call, "ids", ids.data(), ids.size(),
                        alignof(std::uint32_t));
   if (offsets.size() <= query_count) {
@@ -227,9 +228,7 @@ void CheckColumns(const SortedShape& shape, const FloatColumns& objects,
 
 void FillPresent(const SortedLevel& level, std::size_t slots) {
   for (std::size_t b = 0; b < BlocksOf(slots); ++b) {
-    level.present[b] =
-        ~std::uint64_t{0} >>
-        (kBlockObjects - std::min(kBlockObjects, slots - b * kBlockObjects));
+    level.present[b] = LanesOf(slots, b);
   }
 }
 
@@ -244,15 +243,13 @@ void FillSlots(const SortedShape& shape, const SortedLevels& levels,
   kernels::InDefaultFpMode([&] { EncodeLevels(levels, kernels, 1); });
 }
 
-SortedPart PartAsIs(const SortedShape& shape, const SortedLevels& levels,
-                    std::size_t part) {
+SortedPart AsIs(const SortedShape& shape, const SortedLevels& levels,
+                const SlotRange& range) {
   SortedPart as_is{};
-  const SortedLevel& objects = levels.level[0];
-  const std::size_t end =
-      std::min(BlocksOf(objects.size), (part + 1) * kBlockObjects);
-  for (std::size_t n = part * kBlockObjects; n < end; ++n) {
+  for (std::size_t n = range.begin / kBlockObjects; n < BlocksOf(range.end);
+       ++n) {
     as_is.objects +=
-        static_cast<std::size_t>(std::popcount(objects.present[n]));
+        static_cast<std::size_t>(std::popcount(levels.level[0].present[n]));
     if (levels.count == 1) continue;  // no nodes
     const SortedLevel& nodes = levels.level[1];
     double extents[4] = {};

@@ -3,6 +3,7 @@
 #ifndef HALFSPACE_DISPATCH_SORTED_LAYOUT_H_
 #define HALFSPACE_DISPATCH_SORTED_LAYOUT_H_
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -102,11 +103,30 @@ inline bool IsPresent(const SortedLevels& levels, std::size_t slot) {
 
 // Throws unless the memory of a call for several queries is right.
 void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
-                 Span<std::uint32_t> ids, Span<std::size_t> offsets);
+                 std::size_t alignment, Span<std::uint32_t> ids,
+                 Span<std::size_t> offsets);
 
 // Throws unless the planes of objects can be read, in the name of `call`.
 void CheckColumns(const SortedShape& shape, const FloatColumns& objects,
                   const char* call);
+
+// Of the lanes of a block those with a slot.
+inline std::uint64_t LanesOf(std::size_t slots, std::size_t block) {
+  const std::size_t count =
+      std::min(kBlockObjects, slots - block * kBlockObjects);
+  return ~std::uint64_t{0} >> (kBlockObjects - count);
+}
+
+// Writes where an object is, and its categories if they are kept.
+inline void PutId(const SortedLevels& levels, std::size_t slot,
+                  std::uint32_t id, std::uint32_t categories) {
+  levels.ids[slot] = id;
+  if (levels.slots != nullptr) {
+    levels.slots[id] = static_cast<std::uint32_t>(slot);
+  }
+  std::uint32_t* const all = levels.level[0].categories;
+  if (all != nullptr) all[slot] = categories;
+}
 
 // Says that there is an object in each slot before `slots`.
 void FillPresent(const SortedLevel& level, std::size_t slots);
@@ -129,10 +149,16 @@ void EncodeSlots(SortedLevels& levels, const SortedKernels::OfPlanes& kernels,
 void OrCategories(SortedLevels& levels, std::size_t level, std::size_t block);
 void OrAllCategories(SortedLevels& levels);
 
-// The slots of a part as they are. The cost is the sum of the surfaces of the
-// nodes over them.
-SortedPart PartAsIs(const SortedShape& shape, const SortedLevels& levels,
-                    std::size_t part);
+// Some slots as they are, from the beginning of a block on. The cost is the sum
+// of the surfaces of the nodes over them.
+SortedPart AsIs(const SortedShape& shape, const SortedLevels& levels,
+                const SlotRange& range);
+
+// Part `part` of the slots in use.
+inline SlotRange PartAt(const SortedLevels& levels, std::size_t part) {
+  return {part * kPartSlots,
+          std::min(levels.level[0].size, (part + 1) * kPartSlots)};
+}
 
 }  // namespace halfspace::detail
 

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
 #include <string>
-#include <tuple>
 
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/sorted.h"
@@ -20,11 +22,14 @@ namespace halfspace::detail {
 namespace {
 
 // The key up to which objects are found that are within a distance, or not
-// beyond a place on a line: finite, so that what is nowhere is never found.
+// beyond a place on a line. It is finite, so that no infinite key is found. In
+// the default floating-point mode a squared distance errs by less than 2^-21 of
+// it and 3 * 2^-150 (docs/sorted.md).
 float KeyLimit(bool is_line, float value) {
-  const float limit = is_line ? value + kApartOnLine : SquaredLimit(value);
-  // The greatest float is what overflows become in some rounding modes.
-  return std::min(limit, 0x1.fffffcp127f);
+  const double limit = is_line
+                           ? double{value} + kApartOnLine
+                           : double{value} * value * (1 + 0x1p-20) + 0x1p-148;
+  return static_cast<float>(std::min(limit, double{kMax<float>}));
 }
 
 void CheckLimit(const char* call, const char* argument, float value) {
@@ -35,40 +40,24 @@ void CheckLimit(const char* call, const char* argument, float value) {
   });
 }
 
-// So many are found at once at first, and at most.
+// So many are found at once on the stack; at first for a function, and at most.
 constexpr std::size_t kFirstRoom = 8;
-constexpr std::size_t kMostRoom = 256;
+constexpr std::size_t kMostRoom = 2048;
 
-// Calls take(id, key) for the objects in ascending order, `most` of them at
-// most, until it returns false. It may lower search.limit.
-template <typename Take>
-void ForEachFound(NearestSearch& search, const SortedOptions& options,
-                  const char* call, std::size_t first_room, std::size_t most,
-                  const Take& take) {
-  const auto& kernels =
-      kSortedNearestKernels[dispatch::IndexOf(options.target, call)];
-  KeyedSlot found[kMostRoom];
-  search.found = found;
-  search.categories = options.categories;
-  for (std::size_t room = first_room; most > 0;
-       room = std::min(2 * room, kMostRoom)) {
-    search.room = std::min(room, most);
-    const std::size_t count = kernels.find(search);
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto key =
-          std::bit_cast<float>(static_cast<std::uint32_t>(found[i] >> 32));
-      const auto slot = static_cast<std::uint32_t>(found[i]);
-      if (key > search.limit || !take(search.levels->ids[slot], key)) return;
-    }
-    if (count < search.room) return;
-    search.from = found[count - 1] + 1;
-    most -= count;
-  }
+float KeyOf(KeyedSlot keyed) {
+  return std::bit_cast<float>(static_cast<std::uint32_t>(keyed >> 32));
+}
+
+const SortedNearestKernels& KernelsFor(const SortedOptions& options,
+                                       const char* call) {
+  return kSortedNearestKernels[dispatch::IndexOf(options.target, call)];
 }
 
 NearestSearch SearchFrom(const SortedTree& tree, std::size_t dims,
-                         const float* point, float max_distance) {
+                         const float* point, float max_distance,
+                         const SortedOptions& options) {
   NearestSearch search{};
+  search.categories = options.categories;
   search.levels = &tree.levels();
   kernels::InDefaultFpMode([&] {
     search.ball =
@@ -78,24 +67,77 @@ NearestSearch SearchFrom(const SortedTree& tree, std::size_t dims,
   return search;
 }
 
+// Up to kMostRoom objects are found on the stack. More are found in the memory
+// of the ids, where a keyed slot takes the place of two: each search finds half
+// of the rest.
+std::size_t WriteNearest(const SortedNearestKernels& kernels,
+                         NearestSearch& search, Span<std::uint32_t> ids,
+                         Span<float> distances, std::size_t most) {
+  most = std::min(most, ids.size());
+  KeyedSlot on_stack[kMostRoom];
+  std::size_t total = 0;
+  while (total < most) {
+    std::uint32_t* const next_ids = ids.data() + total;
+    search.found = on_stack;
+    search.room = most - total;
+    if (search.room > kMostRoom) {
+      void* place = next_ids;
+      std::size_t bytes = search.room * sizeof(*next_ids);
+      std::align(alignof(KeyedSlot), 0, place, bytes);
+      search.room = bytes / sizeof(KeyedSlot);
+      search.found = new (place) KeyedSlot[search.room];
+    }
+    const std::size_t count = kernels.find(search);
+    if (count > 0) search.from = search.found[count - 1] + 1;
+    // An id is written over keyed slots that were read before.
+    for (std::size_t i = 0; i < count; ++i) {
+      const KeyedSlot keyed = search.found[i];
+      next_ids[i] = search.levels->ids[static_cast<std::uint32_t>(keyed)];
+      if (!distances.empty()) distances[total + i] = std::sqrt(KeyOf(keyed));
+    }
+    total += count;
+    if (count < search.room) break;
+  }
+  return total;
+}
+
 // Calls the function until it ends the search.
-void Call(NearestSearch& search, const SortedOptions& options, const char* call,
+void Call(const SortedNearestKernels& kernels, NearestSearch& search,
           NearFunction function, void* context) {
   const bool is_line = search.line != nullptr;
-  ForEachFound(search, options, call, kFirstRoom,
-               std::numeric_limits<std::size_t>::max(),
-               [&](std::uint32_t id, float key) {
-                 const float limit =
-                     function(context, id, is_line ? key : std::sqrt(key));
-                 return kernels::InDefaultFpMode([&] {
-                   if (limit < 0) return false;
-                   if (limit <= kMax<float>) {
-                     search.limit =
-                         std::min(search.limit, KeyLimit(is_line, limit));
-                   }
-                   return true;
-                 });
-               });
+  KeyedSlot found[kMostRoom];
+  search.found = found;
+  for (search.room = kFirstRoom;;
+       search.room = std::min(2 * search.room, kMostRoom)) {
+    std::size_t i = 0;
+    std::size_t count = 0;
+    float value = 0;
+    const auto has_next = [&] {
+      if (i == count) return false;
+      const float key = KeyOf(found[i]);
+      value = is_line ? key : std::sqrt(key);
+      return key <= search.limit;
+    };
+    bool goes_on = kernels::InDefaultFpMode([&] {
+      count = kernels.find(search);
+      return has_next();
+    });
+    while (goes_on) {
+      const float limit = function(
+          context, search.levels->ids[static_cast<std::uint32_t>(found[i])],
+          value);
+      goes_on = kernels::InDefaultFpMode([&] {
+        if (limit < 0) return false;
+        if (limit <= kMax<float>) {
+          search.limit = std::min(search.limit, KeyLimit(is_line, limit));
+        }
+        ++i;
+        return has_next();
+      });
+    }
+    if (i < search.room) return;
+    search.from = found[i - 1] + 1;
+  }
 }
 
 }  // namespace
@@ -115,18 +157,12 @@ std::size_t SortedNearest(const SortedTree& tree, std::size_t dims,
                        alignof(std::uint32_t));
   kernels::CheckMemory(kCall, "distances", distances.data(), distances.size(),
                        alignof(float));
-  std::ignore = dispatch::IndexOf(options.target, kCall);
+  const auto& kernels = KernelsFor(options, kCall);
   if (tree.size() == 0) return 0;
-  NearestSearch search = SearchFrom(tree, dims, point, max_distance);
-  std::size_t count = 0;
-  ForEachFound(search, options, kCall, kMostRoom, ids.size(),
-               [&](std::uint32_t id, float key) {
-                 ids[count] = id;
-                 if (!distances.empty()) distances[count] = std::sqrt(key);
-                 ++count;
-                 return true;
-               });
-  return count;
+  NearestSearch search = SearchFrom(tree, dims, point, max_distance, options);
+  return kernels::InDefaultFpMode([&] {
+    return WriteNearest(kernels, search, ids, distances, tree.size());
+  });
 }
 
 void SortedForEachNearest(const SortedTree& tree, std::size_t dims,
@@ -135,10 +171,10 @@ void SortedForEachNearest(const SortedTree& tree, std::size_t dims,
                           const SortedOptions& options) {
   constexpr const char* kCall = "ForEachNearest";
   CheckLimit(kCall, "max_distance", max_distance);
-  std::ignore = dispatch::IndexOf(options.target, kCall);
+  const auto& kernels = KernelsFor(options, kCall);
   if (tree.size() == 0) return;
-  NearestSearch search = SearchFrom(tree, dims, point, max_distance);
-  Call(search, options, kCall, function, context);
+  NearestSearch search = SearchFrom(tree, dims, point, max_distance, options);
+  Call(kernels, search, function, context);
 }
 
 void SortedForEachAlongRay(const SortedTree& tree, std::size_t dims,
@@ -148,12 +184,13 @@ void SortedForEachAlongRay(const SortedTree& tree, std::size_t dims,
   constexpr const char* kCall = "ForEachAlongRay";
   CheckLimit(kCall, "ray.max_t", ray[2 * dims]);
   CheckLimit(kCall, "radius", radius);
-  std::ignore = dispatch::IndexOf(options.target, kCall);
+  const auto& kernels = KernelsFor(options, kCall);
   if (tree.size() == 0) return;
   NearestSearch search{};
   Line line;
   search.levels = &tree.levels();
   search.line = &line;
+  search.categories = options.categories;
   kernels::InDefaultFpMode([&] {
     double origin[3] = {};
     double direction[3] = {};
@@ -165,7 +202,7 @@ void SortedForEachAlongRay(const SortedTree& tree, std::size_t dims,
              ray[2 * dims], radius, line);
     search.limit = KeyLimit(true, ray[2 * dims]);
   });
-  Call(search, options, kCall, function, context);
+  Call(kernels, search, function, context);
 }
 
 }  // namespace halfspace::detail

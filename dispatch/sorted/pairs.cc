@@ -74,11 +74,8 @@ void CheckIds(const SortedTree& tree, Span<const std::uint32_t> ids,
   kernels::CheckPointer(
       call, ids.data(), alignof(std::uint32_t), [] { return "ids"; },
       [&] { return std::to_string(ids.size()) + " ids"; });
-  const SortedLevels& levels = tree.levels();
   for (std::uint32_t id : ids) {
-    // Without slots by id, ids are below them, but in a blob that was altered.
-    if (!tree.Has(id) ||
-        (levels.slots == nullptr && id >= levels.level[0].size)) {
+    if (!tree.Has(id)) {
       kernels::ThrowInvalid(call, "ids", "ids of objects in the world",
                             std::to_string(id));
     }

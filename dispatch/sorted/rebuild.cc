@@ -38,8 +38,9 @@ class Gathered {
   std::uint32_t* ids() const {
     return reinterpret_cast<std::uint32_t*>(ids_.data());
   }
-  std::uint32_t* categories() const {
-    return reinterpret_cast<std::uint32_t*>(categories_.data());
+  bool has_categories() const { return categories_.data() != nullptr; }
+  std::uint32_t CategoriesOf(std::uint32_t element) const {
+    return has_categories() ? Categories()[element] : 0;
   }
 
  private:
@@ -58,11 +59,14 @@ class Gathered {
         Floats()[p * room_ + i] = level.planes[p][s];
       }
       ids()[i] = levels_.ids[s];
-      if (categories() != nullptr) categories()[i] = level.categories[s];
+      if (has_categories()) Categories()[i] = level.categories[s];
     }
   }
 
   float* Floats() const { return reinterpret_cast<float*>(floats_.data()); }
+  std::uint32_t* Categories() const {
+    return reinterpret_cast<std::uint32_t*>(categories_.data());
+  }
 
   std::size_t planes_;
   std::size_t room_;
@@ -83,12 +87,12 @@ double CostAsBuilt(const SortedPart& built, std::uint64_t objects) {
 }  // namespace
 
 double SortedTree::Decay() const {
-  if (block_ == nullptr) return 1;
+  if (slots() <= kBlockObjects) return 1;
   return kernels::InDefaultFpMode([&] {
     double built = 0;
     double now = 0;
     for (std::size_t part = 0; part < PartsOf(header().slots); ++part) {
-      const SortedPart as_is = PartAsIs(shape_, levels_, part);
+      const SortedPart as_is = AsIs(shape_, levels_, PartAt(levels_, part));
       built += CostAsBuilt(levels_.built[part], as_is.objects);
       now += as_is.cost;
     }
@@ -115,13 +119,9 @@ void SortedTree::Rebuild(Order order, const PartRunner& run) {
   for (std::size_t s = 0; s < size; ++s) {
     const std::uint32_t element = levels.ids[s];
     const std::uint32_t id = objects.ids()[element];
-    levels.ids[s] = id;
-    if (has_slots) levels.slots[id] = static_cast<std::uint32_t>(s);
-    if (objects.categories() != nullptr) {
-      levels.level[0].categories[s] = objects.categories()[element];
-    }
+    PutId(levels, s, id, objects.CategoriesOf(element));
   }
-  if (size > 0 && objects.categories() != nullptr) OrAllCategories(levels);
+  if (size > 0 && objects.has_categories()) OrAllCategories(levels);
   if (size > 0) sorted.header().ids = ids;
   // The least first, so that the greatest come out of use.
   for (std::uint32_t id = ids; has_slots && id-- > 0;) {
@@ -132,8 +132,8 @@ void SortedTree::Rebuild(Order order, const PartRunner& run) {
   Swap(sorted);
 }
 
-void SortedTree::Resort(const char* call, Span<const SlotRange> ranges,
-                        const SortedRoom& room) {
+std::size_t SortedTree::Resort(const char* call, Span<const SlotRange> ranges,
+                               const SortedRoom& room) {
   const SortedKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), call);
   const Gathered gathered(shape_, memory_, levels_, ranges);
   const FloatColumns& columns = gathered.columns();
@@ -155,13 +155,8 @@ void SortedTree::Resort(const char* call, Span<const SlotRange> ranges,
         level.planes[p][s] = columns.planes[p][element];
       }
       level.present[s / kBlockObjects] |= std::uint64_t{1} << s % kBlockObjects;
-      levels_.ids[s] = gathered.ids()[element];
-      if (levels_.slots != nullptr) {
-        levels_.slots[levels_.ids[s]] = static_cast<std::uint32_t>(s);
-      }
-      if (level.categories != nullptr) {
-        level.categories[s] = gathered.categories()[element];
-      }
+      PutId(levels_, s, gathered.ids()[element],
+            gathered.CategoriesOf(element));
     }
   }
   kernels::InDefaultFpMode([&] {
@@ -180,13 +175,20 @@ void SortedTree::Resort(const char* call, Span<const SlotRange> ranges,
       EncodeSlots(levels_, kernels, end - 1, end);
     }
     for (const SlotRange& range : ranges) {
-      const std::size_t parts =
-          PartsOf(std::min<std::size_t>(range.end, header().slots));
+      const std::size_t parts = PartsOf(std::min(range.end, slots()));
       for (std::size_t p = range.begin / kPartSlots; p < parts; ++p) {
-        levels_.built[p] = PartAsIs(shape_, levels_, p);
+        // What is before the range in its part has the decay that it had.
+        const SlotRange part = PartAt(levels_, p);
+        const std::size_t begin = std::max(part.begin, range.begin);
+        const SortedPart rest = AsIs(shape_, levels_, {part.begin, begin});
+        const SortedPart sorted = AsIs(shape_, levels_, {begin, part.end});
+        levels_.built[p] = {
+            sorted.cost + CostAsBuilt(levels_.built[p], rest.objects),
+            sorted.objects + rest.objects};
       }
     }
   });
+  return columns.size;
 }
 
 void SortedTree::CloseGaps() {
@@ -201,11 +203,8 @@ void SortedTree::CloseGaps() {
     for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
       level.planes[p][to] = level.planes[p][s];
     }
-    levels_.ids[to] = levels_.ids[s];
-    levels_.slots[levels_.ids[to]] = static_cast<std::uint32_t>(to);
-    if (level.categories != nullptr) {
-      level.categories[to] = level.categories[s];
-    }
+    PutId(levels_, to, levels_.ids[s],
+          level.categories == nullptr ? 0 : level.categories[s]);
     ++to;
   }
   header.slots = static_cast<std::uint32_t>(to);
@@ -222,7 +221,7 @@ void SortedTree::CloseGaps() {
     if (level.categories != nullptr) OrAllCategories(levels_);
     // As far from sorted as before.
     for (std::size_t part = 0; part < PartsOf(to); ++part) {
-      levels_.built[part] = PartAsIs(shape_, levels_, part);
+      levels_.built[part] = AsIs(shape_, levels_, PartAt(levels_, part));
       levels_.built[part].cost /= decay;
     }
   });
@@ -239,7 +238,7 @@ std::size_t SortedTree::RebuildWorst(std::size_t objects) {
   std::size_t bad = 0;
   kernels::InDefaultFpMode([&] {
     for (std::size_t part = 0; part < parts; ++part) {
-      const SortedPart as_is = PartAsIs(shape_, levels_, part);
+      const SortedPart as_is = AsIs(shape_, levels_, PartAt(levels_, part));
       const double excess =
           as_is.cost - CostAsBuilt(levels_.built[part], as_is.objects);
       if (excess > 0) worst[bad++] = {-excess, part};
@@ -254,16 +253,10 @@ std::size_t SortedTree::RebuildWorst(std::size_t objects) {
             [](const auto& a, const auto& b) { return a.second < b.second; });
   const Scratch list(memory_, bad * sizeof(SlotRange));
   auto* const ranges = reinterpret_cast<SlotRange*>(list.data());
-  std::size_t sorted = 0;
   for (std::size_t w = 0; w < bad; ++w) {
-    const std::size_t part = worst[w].second;
-    ranges[w] = {
-        part * kPartSlots,
-        std::min<std::size_t>(header().slots, (part + 1) * kPartSlots)};
-    sorted += PartAsIs(shape_, levels_, part).objects;
+    ranges[w] = PartAt(levels_, worst[w].second);
   }
-  Resort(kCall, {ranges, bad}, {});
-  return sorted;
+  return Resort(kCall, {ranges, bad}, {});
 }
 
 }  // namespace halfspace::detail

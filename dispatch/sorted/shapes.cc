@@ -194,8 +194,7 @@ std::size_t SortedSurvivorsOfMany(const SortedTree& tree, const void* queries,
                                   const SortedOptions& options) {
   constexpr const char* kCall = "SurvivorsOfEach";
   std::ignore = KernelsFor(tree.shape(), options.target, kCall);
-  kernels::CheckMemory(kCall, "queries", queries, query_count, alignment);
-  CheckOfEach(kCall, queries, query_count, ids, offsets);
+  CheckOfEach(kCall, queries, query_count, alignment, ids, offsets);
   // All of them before the first id is written.
   kernels::InDefaultFpMode([&] {
     for (std::size_t q = 0; q < query_count; ++q) {

@@ -43,6 +43,15 @@ bool IsClosed(const SortedShape& shape, const SortedLevel& level) {
   return true;
 }
 
+// Another thread may be in Blob(), which writes the checksum.
+void CopyButChecksum(void* to, const std::byte* from, std::size_t bytes) {
+  constexpr std::size_t kBefore = offsetof(SortedHeader, checksum);
+  constexpr std::size_t kAfter = kBefore + sizeof(std::uint64_t);
+  std::memcpy(to, from, kBefore);
+  std::memcpy(static_cast<std::byte*>(to) + kAfter, from + kAfter,
+              bytes - kAfter);
+}
+
 // Of all bytes but the checksum's own. A change of one byte always changes it:
 // each step can be undone.
 std::uint64_t ChecksumOf(Span<const std::byte> blob) {
@@ -58,9 +67,8 @@ std::uint64_t ChecksumOf(Span<const std::byte> blob) {
     std::memcpy(&words, line, kLine);
     for (std::size_t i = 0; i < kLanes; ++i) sums[i] = mix(sums[i], words[i]);
   };
-  SortedHeader header;
-  std::memcpy(&header, blob.data(), kLine);
-  header.checksum = 0;
+  SortedHeader header{};
+  CopyButChecksum(&header, blob.data(), kLine);
   add(&header);
   for (std::size_t i = kLine; i < blob.size(); i += kLine) {
     add(blob.data() + i);
@@ -83,14 +91,11 @@ SortedTree::SortedTree(const SortedTree& other, const MemoryResource& memory)
     : SortedTree(other.shape_, memory) {
   if (other.block_ == nullptr) return;
   Allocate(other.Room());
-  // Another thread may be in Blob(), which writes the checksum.
-  constexpr std::size_t kBefore = offsetof(SortedHeader, checksum);
-  constexpr std::size_t kAfter = kBefore + sizeof(std::uint64_t);
-  std::memcpy(block_, other.block_, kBefore);
-  std::memcpy(block_ + kAfter, other.block_ + kAfter, bytes_ - kAfter);
+  CopyButChecksum(block_, other.block_, bytes_);
   header().checksum = Checksum(other.header()).load();
   SetSlots(levels_, header().slots);
   is_checked_ = other.is_checked_;
+  is_as_loaded_ = other.is_as_loaded_;
 }
 
 SortedTree::SortedTree(SortedTree&& other) noexcept
@@ -107,6 +112,7 @@ void SortedTree::Swap(SortedTree& other) noexcept {
   std::swap(bytes_, other.bytes_);
   std::swap(is_owned_, other.is_owned_);
   std::swap(is_checked_, other.is_checked_);
+  std::swap(is_as_loaded_, other.is_as_loaded_);
   std::swap(levels_, other.levels_);
 }
 
@@ -116,6 +122,7 @@ void SortedTree::Free() {
   bytes_ = 0;
   is_owned_ = true;
   is_checked_ = true;
+  is_as_loaded_ = false;
   levels_ = {};
 }
 
@@ -186,7 +193,7 @@ void SortedTree::BuildIn(const SortedRoom& room, const FloatColumns& objects,
   FillSlots(shape_, levels_, objects, levels_.ids, kernels, run);
   kernels::InDefaultFpMode([&] {
     for (std::size_t part = 0; part < PartsOf(objects.size); ++part) {
-      levels_.built[part] = PartAsIs(shape_, levels_, part);
+      levels_.built[part] = AsIs(shape_, levels_, PartAt(levels_, part));
     }
   });
 }
@@ -233,9 +240,10 @@ void SortedTree::Load(Span<const std::byte> blob, bool is_in_place) {
           : room.ids >= room.slots && header.ids <= room.ids &&
                 (header.free_id == kNoId || header.free_id < header.ids);
   SortedLevels levels;
-  if (room.slots >= kMostObjects || header.slots > room.slots ||
-      header.size > header.slots || header.ids < header.size ||
-      !are_ids_right || header.has_categories > 1 || header.checksum == 0 ||
+  if (room.slots == 0 || room.slots >= kMostObjects ||
+      header.slots > room.slots || header.size > header.slots ||
+      header.ids < header.size || !are_ids_right || header.has_categories > 1 ||
+      header.checksum == 0 ||
       Place(shape_, room, nullptr, false, levels) != header.bytes ||
       header.bytes != blob.size()) {
     ThrowCorrupt(is_in_place, "the bytes that its header describes",
@@ -253,6 +261,7 @@ void SortedTree::Load(Span<const std::byte> blob, bool is_in_place) {
     std::memcpy(loaded.block_, blob.data(), blob.size());
   }
   loaded.is_checked_ = false;
+  loaded.is_as_loaded_ = true;
   SetSlots(loaded.levels_, header.slots);
   for (std::size_t l = 0; l < loaded.levels_.count; ++l) {
     if (!IsClosed(shape_, loaded.levels_.level[l])) {
@@ -276,7 +285,7 @@ Span<const std::byte> SortedTree::Blob() const {
 }
 
 bool SortedTree::Verify() const {
-  if (block_ == nullptr || is_checked_) return true;
+  if (!is_as_loaded_) return true;
   return header().checksum == ChecksumOf({block_, bytes_});
 }
 
@@ -287,6 +296,11 @@ void SortedTree::CheckLoaded(const char* call) {
     if (is_right) return;
     kernels::ThrowInvalid(call, "blob", expected, "a blob that was altered");
   };
+  // A bit for each id, where no slots tell that it is there once.
+  const std::size_t words = header.id_room > 0 ? 0 : BlocksOf(header.ids);
+  const Scratch scratch(memory_, words * sizeof(std::uint64_t));
+  auto* const seen = reinterpret_cast<std::uint64_t*>(scratch.data());
+  std::fill_n(seen, words, 0);
   std::size_t size = 0;
   for (std::size_t s = 0; s < header.slots; ++s) {
     if (!IsPresent(levels_, s)) continue;
@@ -295,6 +309,10 @@ void SortedTree::CheckLoaded(const char* call) {
     check(id < header.ids, "ids below their number");
     if (header.id_room > 0) {
       check(levels_.slots[id] == s, "each id once");
+    } else {
+      const std::uint64_t bit = std::uint64_t{1} << id % 64;
+      check((seen[id / 64] & bit) == 0, "each id once");
+      seen[id / 64] |= bit;
     }
   }
   check(size == header.size, "as many objects as its header says");

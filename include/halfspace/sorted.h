@@ -120,9 +120,10 @@ bool CallWithSome(void* function, Span<const Item> items) {
 // 16 bytes per object more, and sorting all objects again up to 112.
 //
 // Places: an object has a place in the order, and an erased object leaves an
-// empty one. There are never more than 2 * size() + 64 places. The block grows
-// by half when all places are taken, and Rebuild() makes it as small as it can
-// be.
+// empty one. There are never more than 2 * size() + 64 places. When the block
+// has no more places, it grows by half, or, if more than a quarter of the
+// places are empty, the objects move together. Rebuild() frees the memory that
+// is not needed.
 //
 // Changes are seen by every later call. No change may run at the same time as
 // another call on the same world. Changes run on the chosen target.
@@ -214,21 +215,23 @@ class SortedWorld {
 
   // Adds an object with all categories and returns its id: that of an erased
   // object, or one more than the greatest. The object takes an empty place in a
-  // leaf that it makes grow by a 16th at most, or the last place.
+  // leaf that it makes grow by a 16th at most, or a new place at the end.
   //
-  // The world sorts itself as it grows, so a world that was filled by Insert()
-  // answers queries about as fast as one that was built: every 256 insertions
-  // sort the newest objects, and all objects are sorted when as many were
-  // inserted as the world had when it was last sorted. The memory grows by
-  // half. That costs about 1 us per insertion on average, but a single one can
-  // take as long as Rebuild().
+  // The world sorts itself as it grows: the newest objects after every 256
+  // insertions, and all objects when as many were inserted as the world had
+  // when it was last sorted. A query of a world that was filled by Insert()
+  // takes up to twice as long as after Rebuild(). An insertion takes 1 to 2 us
+  // on average, but a single one can take as long as Rebuild(). If there is no
+  // memory to sort with, the objects stay unsorted until the next 256
+  // insertions.
   std::uint32_t Insert(const Bound& bound) {
     return tree_.Insert(detail::Planes(bound));
   }
 
   // Removes an object. Costs what Set() costs, and on average a few ns more:
   // when more than half of the places are empty, the objects move together, in
-  // their order. It allocates nothing but what the first change by id does.
+  // their order. It allocates only if it is the first change by id, or the
+  // first change of a blob in place.
   void Erase(std::uint32_t id) { tree_.Erase(id); }
 
   // Sets the categories of one object, or of all: categories[i] is that of
@@ -280,11 +283,10 @@ class SortedWorld {
 
   // How much the order has decayed: the surface of all leaves (64 places each),
   // divided by the surface that as many objects had when they were last sorted.
-  // 1 is as sorted. With 2, queries visit up to twice as many leaves. Erased
-  // objects count: half of the objects in the same leaves is a decay of
-  // about 2. 1 for a world of up to 64 places, which needs no order; infinite
-  // for a larger one that was never sorted, as after fewer than 256 Insert().
-  // O(n / 64).
+  // 1 is as sorted. With 2, queries visit up to twice as many leaves. If half
+  // of the objects are erased, Decay() is about 2. It is 1 for up to 64 places.
+  // For more it is infinite until more than 64 objects are sorted: in a world
+  // of up to 256 objects that were inserted. O(n / 64).
   double Decay() const { return tree_.Decay(); }
 
   // Sorts all objects, without empty places between them, and gives memory
@@ -333,9 +335,10 @@ class SortedWorld {
     return world;
   }
 
-  // Whether the bytes of a blob are those that Blob() returned, by their
-  // checksum: it finds damage, not an attacker. True for a world that was not
-  // made of a blob, and for one that changed since. O(n).
+  // Returns whether the bytes of a blob are those that Blob() returned, by
+  // their checksum. The checksum detects accidental damage. It does not protect
+  // against an attacker. True for a world that was not loaded from a blob, and
+  // for one that changed since. O(n).
   [[nodiscard]] bool Verify() const { return tree_.Verify(); }
 
   // Internal.

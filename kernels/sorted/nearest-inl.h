@@ -35,10 +35,12 @@ class NearestFinder {
       : search_(search),
         has_categories_(search.levels->level[0].categories != nullptr &&
                         ~search.categories != 0),
+        is_many_(search.room >= detail::kBlockObjects),
         worst_(Keyed(search.limit, ~uint32_t{0})) {}
 
   size_t Find() {
     Visit(search_.levels->count - 1, 0);
+    if (is_many_) SortMany();
     return count_;
   }
 
@@ -54,7 +56,15 @@ class NearestFinder {
 
   void Visit(size_t level, size_t block) {
     HWY_ALIGN float keys[detail::kBlockObjects];
-    if (!ReadKeys(level, block, keys)) return;
+    uint64_t bits = ReadKeys(level, block, keys);
+    if (bits == 0) return;
+    if (level == 0 && is_many_) {
+      for (; bits != 0; bits &= bits - 1) {
+        const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
+        AddToMany(Keyed(keys[lane], block * detail::kBlockObjects + lane));
+      }
+      return;
+    }
     float key;
     size_t lane = TakeLeast(keys, key);
     for (;;) {
@@ -63,7 +73,7 @@ class NearestFinder {
       // Also where none is left, as no limit is infinite.
       if (keyed > worst_) return;
       if (level == 0) {
-        if (keyed >= search_.from) Insert(keyed);
+        if (keyed >= search_.from) AddToFew(keyed);
         lane = TakeLeast(keys, key);
       } else {
         lane = TakeLeast(keys, key);
@@ -97,8 +107,9 @@ class NearestFinder {
   }
 
   // Writes the keys of a block's nodes, or of its objects that were not found
-  // before; +inf of those beyond the limit. Returns whether there are any.
-  HWY_INLINE bool ReadKeys(size_t level, size_t block, float* keys) const {
+  // before; +inf of those beyond the limit. Returns a bit for each of the
+  // others.
+  HWY_INLINE uint64_t ReadKeys(size_t level, size_t block, float* keys) const {
     const detail::SortedLevel& nodes = search_.levels->level[level];
     const size_t first = block * detail::kBlockObjects;
     uint64_t wanted = nodes.present[block];
@@ -108,7 +119,6 @@ class NearestFinder {
     const auto limit = hn::Set(d, KeyOf(worst_));
     const auto from = hn::Set(d, level == 0 ? KeyOf(search_.from) : 0.0f);
     const auto inf = hn::Set(d, kInf);
-    const auto normal = hn::Set(d, std::numeric_limits<float>::min());
     uint64_t bits = 0;
     for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
       auto key = hn::Zero(d);
@@ -119,8 +129,6 @@ class NearestFinder {
       } else {
         key = SquaredDistance(d, nodes, first + i, search_.ball);
       }
-      // Else modes that flush subnormals would change the order.
-      key = hn::IfThenElseZero(hn::Ge(key, normal), key);
       const auto is_found = hn::And(hn::Le(key, limit), hn::Ge(key, from));
       bits |= LaneBits(d, is_found) << i;
       hn::Store(hn::IfThenElse(is_found, key, inf), d, keys + i);
@@ -128,7 +136,7 @@ class NearestFinder {
     for (uint64_t others = bits & ~wanted; others != 0; others &= others - 1) {
       keys[hwy::Num0BitsBelowLS1Bit_Nonzero64(others)] = kInf;
     }
-    return (bits & wanted) != 0;
+    return bits & wanted;
   }
 
   // The least key and its first lane, which is not taken again.
@@ -154,17 +162,94 @@ class NearestFinder {
     return lane;
   }
 
-  void Insert(detail::KeyedSlot keyed) {
+  // Few are a sorted list.
+  void AddToFew(detail::KeyedSlot keyed) {
+    detail::KeyedSlot* const found = search_.found;
     size_t i = count_ < search_.room ? count_++ : count_ - 1;
-    for (; i > 0 && search_.found[i - 1] > keyed; --i) {
-      search_.found[i] = search_.found[i - 1];
+    for (; i > 0 && found[i - 1] > keyed; --i) found[i] = found[i - 1];
+    found[i] = keyed;
+    if (count_ == search_.room) worst_ = found[count_ - 1];
+  }
+
+  // Many are in no order until there is no more room, and then a heap whose
+  // first is the greatest, which the next replaces.
+  void AddToMany(detail::KeyedSlot keyed) {
+    if (keyed < search_.from || keyed > worst_) return;
+    if (count_ < search_.room) {
+      search_.found[count_++] = keyed;
+      if (count_ < search_.room) return;
+      for (size_t i = count_ / kChildren + 1; i-- > 0;) {
+        SiftDown(i, search_.found[i]);
+      }
+    } else {
+      SiftDown(0, keyed);
     }
-    search_.found[i] = keyed;
-    if (count_ == search_.room) worst_ = search_.found[count_ - 1];
+    worst_ = search_.found[0];
+  }
+
+  // Puts it to place i of the heap, or below. Four children halve the levels,
+  // and are neighbours in memory.
+  static constexpr size_t kChildren = 4;
+  void SiftDown(size_t i, detail::KeyedSlot keyed) const {
+    detail::KeyedSlot* const found = search_.found;
+    for (;;) {
+      size_t child = kChildren * i + 1;
+      if (child >= count_) break;
+      const size_t end = HWY_MIN(child + kChildren, count_);
+      size_t most = child;
+      detail::KeyedSlot most_keyed = found[child];
+      while (++child < end) {  // selects, as branches would be mispredicted
+        const bool is_more = found[child] > most_keyed;
+        most = is_more ? child : most;
+        most_keyed = is_more ? found[child] : most_keyed;
+      }
+      if (most_keyed <= keyed) break;
+      found[i] = most_keyed;
+      i = most;
+    }
+    found[i] = keyed;
+  }
+
+  void SortMany() const {
+    detail::KeyedSlot differing = 1;
+    for (size_t i = 1; i < count_; ++i) {
+      differing |= search_.found[i] ^ search_.found[0];
+    }
+    SortMany(
+        0, count_,
+        63 - static_cast<int>(hwy::Num0BitsAboveMS1Bit_Nonzero64(differing)));
+  }
+
+  // By one bit after another, from the highest that is not the same in all.
+  // Each pass is in the order of memory and has no branch to mispredict: a heap
+  // of a million takes two to three times as long to sort.
+  void SortMany(size_t begin, size_t end, int bit) const {
+    detail::KeyedSlot* const found = search_.found;
+    while (end - begin > 16 && bit >= 0) {
+      size_t middle = begin;
+      for (size_t i = begin; i < end; ++i) {
+        const detail::KeyedSlot keyed = found[i];
+        found[i] = found[middle];
+        found[middle] = keyed;
+        middle += (~keyed >> bit) & 1;
+      }
+      --bit;
+      SortMany(begin, middle, bit);
+      begin = middle;
+    }
+    for (size_t i = begin; i < end; ++i) {
+      const detail::KeyedSlot keyed = found[i];
+      size_t to = i;
+      for (; to > begin && found[to - 1] > keyed; --to) {
+        found[to] = found[to - 1];
+      }
+      found[to] = keyed;
+    }
   }
 
   const detail::NearestSearch& search_;
   const bool has_categories_;
+  const bool is_many_;
   size_t count_ = 0;
   detail::KeyedSlot worst_;  // none beyond it is found
 };

@@ -20,13 +20,15 @@ float RoundedUp(double value) {
 
 float RoundedDown(double value) { return -RoundedUp(-value); }
 
-}  // namespace
-
-float SquaredLimit(float distance) {
-  const double padded = double{distance} * (1 + 0x1p-19) + 0x1p-120;
+// At least the squared distance, as computed in any mode, of all points within
+// the radius.
+float SquaredLimit(float radius) {
+  const double padded = double{radius} * (1 + 0x1p-19) + 0x1p-120;
   const double limit = padded * padded + 0x1p-125;
-  return limit < 0x1p126 ? RoundedUp(limit) : kInf;
+  return limit < 0x1.fffffp127 ? RoundedUp(limit) : kInf;
 }
+
+}  // namespace
 
 Ball MakeBall(const ShapePlanes& planes, const float* center, float radius) {
   Ball ball{

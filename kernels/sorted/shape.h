@@ -110,10 +110,6 @@ extern const SortedShapeKernels* const kSortedShapeKernels;
 template <std::int64_t kTarget>
 inline constexpr SortedShapeKernels kSortedShapeKernelsFor{};
 
-// The least squared distance, as computed, that is sure to be beyond that of
-// all points within `distance`.
-float SquaredLimit(float distance);
-
 // All in the default floating-point mode. `direction` is that of t = 1; D moves
 // with the others. A bound is passed if it is within `radius` of the line, on
 // each axis by itself.

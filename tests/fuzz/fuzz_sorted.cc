@@ -14,6 +14,9 @@
 
 #include "halfspace/reject.h"
 #include "halfspace/sorted.h"
+#include "halfspace/sorted_nearest.h"
+#include "halfspace/sorted_pairs.h"
+#include "halfspace/sorted_shapes.h"
 #include "tests/fuzz/bytes.h"
 #include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
@@ -161,41 +164,65 @@ class SortedHistory {
     try {
       auto loaded = bytes.Below(2) == 0 ? SortedWorld<View>::InPlace(altered)
                                         : SortedWorld<View>::FromBlob(altered);
-      std::vector<std::uint32_t> ids(bytes.Below(100));
-      for (Target target : TargetsUnderTest()) {
-        (void)Survivors(loaded, query_, ids, {.target = target});
-        (void)CountSurvivors(loaded, View::Query::Everything(),
-                             {.categories = 5, .target = target});
-      }
+      Query(loaded, bytes);
       for (std::size_t i = bytes.Below(200); i-- > 0;) {
-        const auto id = static_cast<std::uint32_t>(bytes.Below(700));
-        switch (bytes.Below(8)) {
-          case 0:
-            if (loaded.Has(id)) loaded.Erase(id);
-            break;
-          case 1:
-            if (loaded.Has(id)) loaded.Set(id, Next(bytes));
-            break;
-          case 2:
-            if (loaded.Has(id)) loaded.SetCategories(id, 1);
-            break;
-          case 3:
-            loaded.SetCategories(ids);
-            break;
-          case 4:
-            loaded.RebuildWorst(100);
-            break;
-          case 5:
-            loaded.Rebuild();
-            break;
-          default:
-            loaded.Insert(Next(bytes));
+        try {
+          ChangeAltered(loaded, bytes);
+        } catch (const std::invalid_argument&) {
+          // Refused.
         }
+        if (bytes.Below(8) == 0) Query(loaded, bytes);
       }
     } catch (const std::invalid_argument&) {
       // Refused.
     }
     return ::testing::AssertionSuccess();
+  }
+
+  void Query(const SortedWorld<View>& world, Bytes& bytes) const {
+    constexpr int kDims = Bound::kDimensions;
+    std::vector<std::uint32_t> ids(bytes.Below(100));
+    for (Target target : TargetsUnderTest()) {
+      (void)Survivors(world, query_, ids, {.target = target});
+      (void)CountSurvivors(world, View::Query::Everything(),
+                           {.categories = 5, .target = target});
+      (void)CountSurvivors(world, Segment<kDims>{{}, {}}, {.target = target});
+      (void)NearestObjects(world, Point<kDims>{}, ids, {}, 1e9f,
+                           {.target = target});
+      if constexpr (HasMaxima<View>) {
+        (void)Pairs(world, {}, {.target = target});
+        (void)PairsOf(world, Span<const std::uint32_t>(), {});
+      }
+    }
+    (void)world.Decay();
+    (void)world.Verify();
+    (void)world.Blob();
+  }
+
+  void ChangeAltered(SortedWorld<View>& world, Bytes& bytes) const {
+    const auto id = static_cast<std::uint32_t>(bytes.Below(700));
+    switch (bytes.Below(10)) {
+      case 0:
+        return world.Erase(id);
+      case 1:
+        return world.Set(id, Next(bytes));
+      case 2:
+        return world.SetCategories(id, 1);
+      case 3:
+        return world.SetCategories(std::vector<std::uint32_t>(300, 5));
+      case 4:
+        world.RebuildWorst(bytes.Below(9000));
+        return;
+      case 5:
+        return world.Rebuild();
+      case 6:
+        return world.Refit(std::vector<Bound>(1500, Next(bytes)));
+      case 7:
+        return world.RefitInOrder(
+            std::vector<Bound>(world.ids().size(), Next(bytes)));
+      default:
+        world.Insert(Next(bytes));
+    }
   }
 
   struct Free {

@@ -36,21 +36,23 @@ extern template struct SortedKernelsOf<4>;
 // 64 to the power of this is more than 2^32 objects.
 inline constexpr std::size_t kMostLevels = 6;
 
-// Level 0 are the objects. Node i of another level encloses block i of the
-// level below it: 64 objects or nodes that follow each other.
+// Level 0 has the objects. Node i of another level encloses block i of the
+// level below it: 64 consecutive objects or nodes.
 struct SortedLevel {
   std::size_t size = 0;
   std::byte* blocks = nullptr;     // kernels/sorted/block.h
   std::array<float*, 8> planes{};  // all minima, then all maxima
-  // A bit each: it exists. Those that do not, as they were erased, are Empty().
+  // One bit per object or node: whether it exists. Erased objects and nodes
+  // without objects are Empty().
   std::uint64_t* present = nullptr;
-  // Of nodes with maxima, a bit each: all objects in it exist, and have a
-  // minimum and a maximum on each axis, in this order. So those of a node
-  // inside a query survive.
+  // One bit per node with maxima: whether all of its objects exist and have
+  // min <= max on each axis. If such a node is inside a query, all of its
+  // objects survive.
   std::uint64_t* regular = nullptr;
-  // Of an object its own, of a node those of its objects; null without any.
+  // An object's own categories, and the union of them for a node. Null if none
+  // were set.
   std::uint32_t* categories = nullptr;
-  bool is_prefetched = false;  // as its blocks are more than a cache holds
+  bool is_prefetched = false;  // the blocks do not fit the second-level cache
 };
 
 // Some slots: about how many blocks queries visit, and their objects.
@@ -188,15 +190,17 @@ class HALFSPACE_API SortedTree {
   void Reallocate(const char* call, const SortedRoom& room);
   std::size_t PrepareObject(std::uint32_t id, bool has_categories,
                             const char* call);
+  std::size_t slots() const { return levels_.level[0].size; }
   SortedRoom RoomForOneMore(const char* call) const;
   std::size_t SlotsDue() const;
+  void SortDue(const char* call);
   std::size_t FindSlot(const float* values) const;
   void AppendSlot();
   void EncodePath(std::size_t slot);
   // Sorts the objects of some slots into the first of these, after Prepare().
-  // Ranges ascend and begin at blocks.
-  void Resort(const char* call, Span<const SlotRange> ranges,
-              const SortedRoom& room);
+  // Ranges ascend and begin at blocks. Returns the number of objects.
+  std::size_t Resort(const char* call, Span<const SlotRange> ranges,
+                     const SortedRoom& room);
   void CloseGaps();
 
   SortedShape shape_;
@@ -204,7 +208,8 @@ class HALFSPACE_API SortedTree {
   std::byte* block_ = nullptr;
   std::size_t bytes_ = 0;
   bool is_owned_ = true;    // and not that of a blob in place
-  bool is_checked_ = true;  // and not that of a blob that has not changed since
+  bool is_checked_ = true;  // ids and slots belong together
+  bool is_as_loaded_ = false;
   SortedLevels levels_;
 };
 

@@ -127,7 +127,7 @@ void VisitSorted(const Visit& visit) {
     visit("Survivors of a sphere", [&] {
       std::ignore = Survivors(world, sphere, ids, {.target = target});
     });
-    std::array<std::uint32_t, 300> nearest;
+    std::array<std::uint32_t, 4000> nearest;
     visit("NearestObjects", [&] {
       std::ignore = NearestObjects(world, sphere.center, nearest, {}, 1e9f,
                                    {.target = target});

@@ -167,6 +167,13 @@ TYPED_TEST(SortedBlobTest, VerifyFindsWhatWasAltered) {
     }
     blob.bytes()[at] = was;
   }
+  // A change that is refused is none.
+  blob.bytes()[blob.bytes().size() - 1] ^= std::byte{1};
+  Sorted altered = Sorted::FromBlob(blob.bytes());
+  EXPECT_EQ(altered.RebuildWorst(0), 0u);
+  EXPECT_THROW(altered.Erase(3), std::invalid_argument);
+  EXPECT_FALSE(altered.Verify());
+  blob.bytes()[blob.bytes().size() - 1] ^= std::byte{1};
   // After a change there is another blob.
   Sorted changed = Sorted::InPlace(blob.bytes());
   changed.Erase(4);

@@ -385,6 +385,15 @@ TEST(SortedDecayTest, IsInfiniteOnlyBeforeTheFirstOrder) {
       EXPECT_LT(decay, 3.0);
     }
   }
+  for (std::uint32_t id = 0; id < 295; ++id) sorted.Erase(id);
+  EXPECT_EQ(sorted.Decay(), 1.0);
+  // The newest objects are sorted, and the others have moved.
+  SortedAabbWorld3 moved(spread.Objects(3000));
+  for (std::uint32_t id = 0; id < 3000; ++id)
+    moved.Set(id, spread.NextObject());
+  const double decay = moved.Decay();
+  for (int i = 0; i < 257; ++i) moved.Insert(spread.NextObject());
+  EXPECT_GT(moved.Decay(), decay / 2);
   // Half of the objects in as many leaves.
   SortedAabbWorld3 half(spread.Objects(10'000));
   for (std::uint32_t id = 0; id < 10'000; id += 2) half.Erase(id);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cfenv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -20,6 +21,7 @@
 #include "tests/library/support/cases.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
+#include "tests/library/support/fp_modes.h"
 #include "tests/library/support/inputs.h"
 #include "tests/library/support/special_values.h"
 
@@ -43,14 +45,20 @@ std::vector<Found> Expected(const SortedWorld<View>& sorted,
   std::vector<Found> found;
   for (std::uint32_t id : sorted.ids()) {
     if (id == 0xFFFFFFFF) continue;
-    float key = key_of(PlanesOf<View>(bounds[id]));
-    if (key < std::numeric_limits<float>::min()) key = 0;
+    const float key = key_of(PlanesOf<View>(bounds[id]));
     if (key <= std::min(limit, kMost)) found.push_back({id, key});
   }
   std::stable_sort(
       found.begin(), found.end(),
       [](const Found& a, const Found& b) { return a.value < b.value; });
   return found;
+}
+
+// The squared distance up to which objects are found.
+float SquaredLimit(float distance) {
+  const double squared = double{distance} * distance;
+  return static_cast<float>(
+      std::min(squared * (1 + 0x1p-20) + 0x1p-148, double{kMost}));
 }
 
 template <typename View>
@@ -61,9 +69,8 @@ std::vector<Found> ExpectedNearest(const SortedWorld<View>& sorted,
   const detail::Ball ball =
       detail::MakeBall(kShapePlanes<View>, point.data(), 0);
   auto found = Expected(
-      sorted, bounds, detail::SquaredLimit(max_distance),
+      sorted, bounds, SquaredLimit(max_distance),
       [&](const auto& planes) { return SquaredDistanceOf(planes, ball); });
-  for (Found& one : found) one.value = std::sqrt(one.value);
   return found;
 }
 
@@ -90,9 +97,13 @@ void ExpectNearest(const SortedWorld<View>& sorted,
                    std::span<const typename View::Bound> bounds,
                    const Point<View::Bound::kDimensions>& point,
                    float max_distance, Target target) {
-  const auto expected = ExpectedNearest(sorted, bounds, point, max_distance);
+  const auto squared = ExpectedNearest(sorted, bounds, point, max_distance);
+  std::vector<Found> expected = squared;
+  for (Found& one : expected) one.value = std::sqrt(one.value);
   const SortedOptions options = {.target = target};
-  for (std::size_t room : {1u, 8u, 300u, 700u}) {
+  // With and without distances: of more than 2048 ids alone, half are found at
+  // once.
+  for (std::size_t room : {1u, 8u, 63u, 64u, 700u, 3000u, 9000u}) {
     Ids ids(room);
     std::vector<float> distances(room);
     const std::size_t count =
@@ -101,6 +112,10 @@ void ExpectNearest(const SortedWorld<View>& sorted,
     for (std::size_t i = 0; i < count; ++i) {
       ASSERT_EQ((Found{ids[i], distances[i]}), expected[i]) << i;
     }
+    Ids alone(room);
+    ASSERT_EQ(NearestObjects(sorted, point, alone, {}, max_distance, options),
+              count);
+    ASSERT_TRUE(std::equal(ids.begin(), ids.begin() + count, alone.begin()));
   }
   std::vector<Found> found;
   ForEachNearest(
@@ -134,7 +149,7 @@ void ExpectNearest(const SortedWorld<View>& sorted,
     std::size_t count = 0;
     while (count < expected.size()) {
       const float distance = expected[count].value;
-      if (distance > limit * (1 + 0x1p-18f)) break;
+      if (squared[count].value > SquaredLimit(limit)) break;
       ++count;
       limit = std::min(limit, count < some ? 2 * distance + 1 : distance);
     }
@@ -281,7 +296,8 @@ TYPED_TEST(SortedNearestTest, KnowsErasedObjectsAndCategories) {
   for (std::uint32_t i = 0; i < 5000; ++i) categories[i] = 1u << i % 3;
   sorted.SetCategories(categories);
   const Point<Bound::kDimensions> point{};
-  const auto all = ExpectedNearest<View>(sorted, bounds, point, 50.0f);
+  auto all = ExpectedNearest<View>(sorted, bounds, point, 50.0f);
+  for (Found& one : all) one.value = std::sqrt(one.value);
   for (Target target : TargetsUnderTest()) {
     std::vector<Found> found;
     ForEachNearest(sorted, point, 50.0f,
@@ -316,6 +332,103 @@ TEST(SortedNearestKnownTest, Distances) {
   EXPECT_EQ(entries[0], 0.0f);
   EXPECT_NEAR(entries[1], 2.25f, 1e-5f);
   EXPECT_LE(entries[1], 2.25f);
+}
+
+// Points at distances from 2^-76 to beyond 2^64: as near to the exact distances
+// as the header says, found up to a limit that is theirs, and the same in all
+// modes.
+TEST(SortedNearestKnownTest, DistancesOfAllSizesInAllFloatingPointModes) {
+  constexpr std::size_t kPoints = 12;
+  Random random(3);
+  for (int exponent = -76; exponent <= 64; ++exponent) {
+    std::uniform_real_distribution<float> share(0.5f, 1.0f);
+    const auto any = [&] { return std::ldexp(share(random), exponent); };
+    Point3 center{};
+    if (exponent % 3 == 0) center = {any(), any(), -any()};
+    std::vector<Aabb3> bounds;
+    std::vector<double> exact;
+    std::vector<float> limits = {kInf};
+    for (std::size_t i = 0; i < kPoints; ++i) {
+      Point3 p = center;
+      double squared = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (i % 4 != k) p[k] += random() % 2 == 0 ? any() : -any();
+        const double gap = double{p[k]} - center[k];
+        squared += gap * gap;
+      }
+      bounds.push_back({p, p});
+      exact.push_back(std::sqrt(squared));
+      // It is found up to the first, and not up to the second.
+      const double too_near = (exact[i] - 0x1p-73) / (1 + 0x1p-18);
+      limits.push_back(std::nextafter(static_cast<float>(exact[i]), kInf));
+      limits.push_back(
+          std::max(std::nextafter(static_cast<float>(too_near), -kInf), 0.0f));
+    }
+    const SortedAabbWorld3 sorted((std::span<const Aabb3>(bounds)));
+    const Ray3 ray = {center, {any(), -any(), any()}, kInf};
+    const float radius = any();
+    for (Target target : TargetsUnderTest()) {
+      const SortedOptions options = {.target = target};
+      const auto answer = [&] {
+        std::vector<std::vector<Found>> answers;
+        for (float limit : limits) {
+          Ids ids(kPoints);
+          std::vector<float> distances(kPoints);
+          const std::size_t count =
+              NearestObjects(sorted, center, ids, distances, limit, options);
+          auto& found = answers.emplace_back();
+          for (std::size_t i = 0; i < count; ++i) {
+            found.push_back({ids[i], distances[i]});
+          }
+        }
+        const auto append = [&](std::uint32_t id, float value) {
+          answers.back().push_back({id, value});
+          return value;
+        };
+        answers.emplace_back();
+        ForEachNearest(sorted, center, kInf, append, options);
+        answers.emplace_back();
+        ForEachAlongRay(sorted, ray, radius, append, options);
+        return answers;
+      };
+      const auto answers = answer();
+      for (const Found& one : answers[0]) {
+        EXPECT_NEAR(one.value, exact[one.id],
+                    exact[one.id] * 0x1p-20 + 0x1p-73);
+      }
+      for (std::size_t i = 0; i < kPoints; ++i) {
+        const auto is_found = [&](std::size_t a) {
+          return std::any_of(answers[a].begin(), answers[a].end(),
+                             [&](const Found& one) { return one.id == i; });
+        };
+        const bool is_near = exact[i] <= 0x1p64 * (1 - 0x1p-20);
+        if (is_near || exact[i] >= 0x1p64) {
+          EXPECT_EQ(is_found(0), is_near) << exact[i];
+          EXPECT_EQ(is_found(1 + 2 * i), is_near) << exact[i];
+        }
+        const bool is_beyond = exact[i] > 0x1p-73;
+        EXPECT_FALSE(is_beyond && is_found(2 + 2 * i)) << exact[i];
+      }
+      std::vector<decltype(answer())> others;
+      for (int mode : {FE_TONEAREST, FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
+        const RoundingMode rounding(mode);
+        others.push_back(answer());
+        const FlushDenormals flush;
+        others.push_back(answer());
+      }
+      bool is_untouched;
+      {
+        const TrapExceptions traps;
+        others.push_back(answer());
+        is_untouched = traps.IsUntouched();
+      }
+      EXPECT_TRUE(is_untouched);
+      for (const auto& other : others) EXPECT_TRUE(other == answers);
+      if (HasFailure()) {
+        FAIL() << "times 2^" << exponent << ", " << target.name();
+      }
+    }
+  }
 }
 
 TEST(SortedNearestErrorsTest, RefusesWhatIsNoLimit) {

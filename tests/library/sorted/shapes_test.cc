@@ -518,6 +518,12 @@ TEST(SortedShapesKnownTest, RejectWhatTheirBoundsKeep) {
   const HalfSpace3 half_spaces[] = {{{1, 0, 0}, -6}, {{0, -1, 0}, 6}};
   EXPECT_EQ(found(half_spaces), (Ids{1, 3}));
   EXPECT_EQ(found(std::vector<HalfSpace3>()), (Ids{0, 1, 2, 3}));
+  // While the radius has a square.
+  const Point3 corner = {0x1.4p63f, 0x1.4p63f, 0x1.4p63f};
+  const std::vector<Aabb3> bounds = {{corner, corner}, {{}, corner}};
+  const SortedAabbWorld3 large((std::span<const Aabb3>(bounds)));
+  EXPECT_EQ(CountSurvivors(large, Sphere3{{}, 0x1.8p63f}), 1u);
+  EXPECT_EQ(CountSurvivors(large, Sphere3{{}, 0x1.2p64f}), 2u);
 }
 
 TEST(SortedShapesErrorsTest, RefuseWhatIsNoShape) {

@@ -436,7 +436,7 @@ TEST(SortedManyTest, FillsAShortSpan) {
 }
 
 // Planes of one value, no numbers, and all that there is.
-TEST(SortedFpModesTest, MakingAWorldNeverTraps) {
+TEST(SortedFpModesTest, MakingAndChangingAWorldNeverTrap) {
   AabbWorld3 world;
   for (int i = 0; i < 200; ++i) {
     const auto x = static_cast<float>(i);
@@ -446,7 +446,22 @@ TEST(SortedFpModesTest, MakingAWorldNeverTraps) {
   world.Push(Aabb3::Everything());
   for (Order order : kOrders) {
     const TrapExceptions traps;
-    const SortedAabbWorld3 sorted(world, order);
+    SortedAabbWorld3 sorted(world, order);
+    EXPECT_TRUE(traps.IsUntouched());
+    // And changing it neither, to the next sorts of the newest and of all.
+    for (std::uint32_t i = 0; i < 700; ++i) {
+      sorted.Insert(world.Get(i % world.size()));
+      sorted.Set(i % 100, world.Get((i + 1) % world.size()));
+      if (i % 4 == 0 && sorted.Has(100 + i)) sorted.Erase(100 + i);
+    }
+    sorted.RebuildWorst(4096);
+    sorted.Refit(std::vector<Aabb3>(1000, world.Get(7)));
+    sorted.SetCategories(Ids(1000, 3));
+    for (std::uint32_t id = 0; id < 800; ++id) {
+      if (sorted.Has(id)) sorted.Erase(id);
+    }
+    (void)sorted.Decay();
+    sorted.Rebuild(order);
     EXPECT_TRUE(traps.IsUntouched());
   }
 }
