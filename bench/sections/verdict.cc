@@ -148,22 +148,25 @@ Verdict::Verdict(Run& run) : targets_(run.targets), effort_(run.effort) {
   std::reverse(targets_.begin(), targets_.end());
   effort_.repetitions = std::min<std::size_t>(effort_.repetitions, 3);
   effort_.seconds_per_repetition /= 3.0;
-  WorkingSetSize size = WorkingSetSizes(run.machine)[1];
+  size_ = WorkingSetSizes(run.machine)[1];
   const auto add = [&](const Workload& workload, double percent) {
-    sets_.push_back(std::make_unique<WorkingSet>(workload, size));
+    const AaboWorld3 objects = ResizedTo(workload.objects, size_.objects);
     VerdictWorld world;
     world.percent = percent;
-    world.objects = size.objects;
-    world.survivors = SurvivorsOf(sets_.back()->view(), workload.timed_queries);
+    world.objects = size_.objects;
+    world.survivors = SurvivorsOf(objects.view(), workload.timed_queries);
     world.cells.resize(targets_.size());
     worlds_.push_back(std::move(world));
+    workloads_.push_back(&workload);
   };
   if (run.input() != nullptr) {
     add(*run.input(), 0.0);
     return;
   }
   for (double percent : kPercents) {
-    add(SceneOfSize(percent / 100.0, size.objects, run.options.seed), percent);
+    scenes_.push_back(
+        SceneOfSize(percent / 100.0, size_.objects, run.options.seed));
+    add(scenes_.back(), percent);
   }
 }
 
@@ -171,10 +174,11 @@ Verdict::~Verdict() = default;
 
 void Verdict::AddGroup(Run& run) {
   for (std::size_t w = 0; w < worlds_.size(); ++w) {
+    sets_.push_back(std::make_unique<WorkingSet>(*workloads_[w], size_));
     for (std::size_t t = 0; t < targets_.size(); ++t) {
       std::vector<Case> cases;
       for (const Contender& contender : kContenders) {
-        cases.push_back(sets_[w]->LibraryCase(
+        cases.push_back(sets_.back()->LibraryCase(
             "verdict/" + worlds_[w].name() + "/" + NameOf(targets_[t]) + "/" +
                 NameOf(contender.shape) + "/" + contender.schedule,
             contender.shape,

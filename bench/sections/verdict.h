@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
@@ -78,7 +79,12 @@ class Verdict {
   std::size_t groups_ = 0;
   std::vector<Target> targets_;
   std::vector<VerdictWorld> worlds_;
+  std::deque<Workload> scenes_;
+  std::vector<const Workload*> workloads_;  // of each world
+  // New ones for each group, which stay: where a world lies in memory changes
+  // its time by more than a group's repetitions do, and differs between runs.
   std::vector<std::unique_ptr<WorkingSet>> sets_;
+  WorkingSetSize size_;
   Effort effort_;
 };
 
