@@ -78,7 +78,8 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
     if (!options.Wants(section.name)) continue;
     total += section.weight;
     all.emplace_back(section.name, Tables());
-    needs_verdict |= section.name == "verdict" || section.name == "model";
+    needs_verdict |= !run.machine.is_emulated &&
+                     (section.name == "verdict" || section.name == "model");
   }
   progress.Plan(total);
   bool is_first = true;

@@ -41,6 +41,32 @@ std::string RangesOf(const std::vector<std::size_t>& places,
   return text;
 }
 
+std::string LanesOf(Target target) {
+  return target.lanes() <= 1 ? "1 lane"
+                             : std::to_string(target.lanes()) + " lanes";
+}
+
+// From which target on the simplex wins at most sizes.
+std::string Headline(const Verdict& verdict) {
+  std::size_t first = verdict.targets().size();
+  for (std::size_t t = verdict.targets().size(); t-- > 0;) {
+    const auto wins = std::count_if(
+        verdict.worlds().begin(), verdict.worlds().end(),
+        [t](const VerdictWorld& world) {
+          return WinnerOf(world.OverSimplex(ShapeKind::kAabb, t, 0.0)) ==
+                 Winner::kSimplex;
+        });
+    if (2 * static_cast<std::size_t>(wins) <= verdict.worlds().size()) break;
+    first = t;
+  }
+  return first == verdict.targets().size()
+             ? "The simplex wins at most sizes on no target; the paper "
+               "predicts 8 to 16 lanes."
+             : "The simplex wins at most sizes from " +
+                   LanesOf(verdict.targets()[first]) +
+                   " on; the paper predicts 8 to 16.";
+}
+
 // Where each wins on one target, in one line.
 std::string SentenceOf(const Verdict& verdict, std::size_t target,
                        double exact_ns) {
@@ -55,14 +81,12 @@ std::string SentenceOf(const Verdict& verdict, std::size_t target,
     const auto& places = where[static_cast<std::size_t>(winner)];
     if (places.empty()) continue;
     text += text.empty() ? " " : "; ";
-    text += winner == Winner::kNone
-                ? "no difference"
-                : std::string("the ") + NameOf(winner) + " wins";
+    text += winner == Winner::kNone ? "no difference"
+                                    : std::string("the ") + NameOf(winner);
     text += " at " + RangesOf(places, verdict.worlds());
   }
   const Target t = verdict.targets()[target];
-  return std::to_string(std::max<std::size_t>(1, t.lanes())) + " lanes (" +
-         NameOf(t) + "):" + text + ".";
+  return LanesOf(t) + " (" + NameOf(t) + "):" + text + ".";
 }
 
 Table TableOf(const Verdict& verdict, std::string name, std::string title,
@@ -196,6 +220,14 @@ void Verdict::AddGroup(Run& run) {
 }
 
 Tables RunVerdict(Run& run) {
+  if (run.machine.is_emulated) {
+    return {
+        {"verdict",
+         "simplex or box",
+         {},
+         {},
+         {"Not measured: the CPU is emulated, and its times mean nothing."}}};
+  }
   const Verdict& verdict = run.TheVerdict();
   const ExactTest exact = run.TheExactTest();
   const std::string what =
@@ -206,10 +238,11 @@ Tables RunVerdict(Run& run) {
               "the same with an exact test of " + Fixed(exact.ns.median, 0) +
                   " ns (" + exact.name + ") of each survivor",
               exact.ns.median)};
+  tables[0].notes.insert(tables[0].notes.begin(), Headline(verdict));
   tables[0].notes.push_back(
-      "size: of an object, of the world's side. *: the simplex wins, =: no "
-      "difference. [range of " +
-      std::to_string(verdict.groups()) + " groups over the run]");
+      "size: of an object, of the world's side; * the simplex wins, = no "
+      "difference; [range of " +
+      std::to_string(verdict.groups()) + " groups].");
   if (run.is_page()) {
     tables[1].notes.clear();
     return tables;
