@@ -64,8 +64,9 @@ Table DensityTable(const Verdict& verdict, std::size_t target,
       const double limit = DensityLimit(c, compare, exact.ns.median);
       const Winner winner = WinnerOf(
           world.OverSimplex(ShapeKind::kAabb, target, exact.ns.median));
-      table.Add({world.name(), exact.name, world.survivors.aabb, c, 100.0 * box,
-                 100.0 * limit,
+      table.Add({world.name(), exact.name, world.survivors.aabb,
+                 is_counted ? Cell(c) : Cell(), 100.0 * box,
+                 is_counted ? Cell(100.0 * limit) : Cell(),
                  NameOf(box < limit ? Winner::kSimplex : Winner::kBox),
                  NameOf(winner), is_counted ? Cell(break_even) : Cell(),
                  is_counted ? Cell(box * break_even) : Cell()});
