@@ -19,7 +19,20 @@ for argument in "$@"; do
   esac
 done
 
-prepare_machine "${competitor_packages[@]}" "${page_packages[@]}"
-build_preset release cpuinfo-bench
+# CGAL is under the GPL, and so is a tool that was built with it.
+arguments=()
+cgal=OFF
+for argument in "$@"; do
+  case $argument in
+    --with-cgal)
+      cgal=ON
+      competitor_packages+=(libcgal-dev)
+      ;;
+    *) arguments+=("$argument") ;;
+  esac
+done
+
+prepare_machine "${competitor_packages[@]}"
+build_preset release "-DHALFSPACE_BENCH_CGAL=$cgal" cpuinfo-bench
 say "==> run cpuinfo-bench"
-exec "$root/build/release/bench/cpuinfo-bench" "$@"
+exec "$root/build/release/bench/cpuinfo-bench" "${arguments[@]}"

@@ -14,12 +14,15 @@ if(TARGET cpuinfo-bench)
   install(CODE "if(EXISTS \"$<TARGET_FILE:cpuinfo-bench>\")
   file(INSTALL \"${PROJECT_SOURCE_DIR}/docs/cpuinfo-bench.1\"
        DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1\")
+  file(INSTALL \"${PROJECT_SOURCE_DIR}/bench/cpuinfo-bench-report\"
+       DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}\"
+       USE_SOURCE_PERMISSIONS)
 endif()")
 
   # What is compiled into it, by a header of each library.
   set(HALFSPACE_LICENSED_HEADERS
     "*/include/benchmark/benchmark.h" "*/include/CLI/CLI.hpp"
-    "*/include/nlohmann/json.hpp")
+    "*/include/nlohmann/json.hpp" "*/include/tiny_obj_loader.h")
   if(NOT HALFSPACE_BUNDLES_HIGHWAY)
     list(APPEND HALFSPACE_LICENSED_HEADERS "*/include/hwy/highway.h")
   endif()

@@ -10,16 +10,12 @@ build_packages=(
 # What cpuinfo-bench compares the library with, where it is installed.
 # shellcheck disable=SC2034  # for those who source this
 competitor_packages=(
-  libboost-dev libbullet-dev libcgal-dev libembree-dev libgeos++-dev
+  libboost-dev libbullet-dev libembree-dev libgeos++-dev
   libnanoflann-dev)
 
-# What draws the figures of its page.
+# What checks its report.
 # shellcheck disable=SC2034
-page_packages=(gnuplot-nox)
-
-# What checks its page and its report.
-# shellcheck disable=SC2034
-page_test_packages=(gnuplot-nox python3-jsonschema tidy)
+page_test_packages=(python3 python3-jsonschema)
 
 # Runs a command as root; without a terminal it fails rather than asks.
 as_root() {

@@ -15,19 +15,18 @@
 #include <utility>
 #include <vector>
 
-#include "bench/app/html_page.h"
-#include "bench/app/options.h"
 #include "bench/app/out_file.h"
-#include "bench/app/report_file.h"
 #include "bench/app/run.h"
 #include "bench/base/progress.h"
-#include "bench/base/text_table.h"
+#include "bench/base/text.h"
 #include "bench/base/write_whole.h"
 #include "bench/input/bounds_reader.h"
 #include "bench/input/input_error.h"
+#include "bench/input/input_file.h"
 #include "bench/input/mesh_reader.h"
-#include "bench/report/report.h"
-#include "bench/report/stored_run.h"
+#include "bench/measure/machine.h"
+#include "bench/report/table.h"
+#include "bench/sections/options.h"
 #include "bench/sections/sections.h"
 #include "halfspace/targets.h"
 
@@ -39,8 +38,7 @@ int Fail(const std::string& what, int code) {
   return code;
 }
 
-// So many that they and their bounds fit the memory: instances in a small file
-// may be any number.
+// So many that they and their bounds fit the memory.
 MeshLimits LimitsOf(std::size_t memory) {
   MeshLimits limits;
   if (memory == 0) return limits;
@@ -52,7 +50,6 @@ MeshLimits LimitsOf(std::size_t memory) {
   constexpr std::size_t kIndices = 3 * sizeof(std::uint32_t);
   limits.vertices = most(2 * kCoordinates, limits.vertices);
   limits.triangles = most(2 * (kIndices + sizeof(Aabo3)), limits.triangles);
-  limits.buffer_bytes = memory;
   return limits;
 }
 
@@ -122,13 +119,18 @@ std::optional<Workload> ReadInput(const BenchOptions& options) {
 
 // The report of --against; nothing if none was given. Before anything is
 // measured.
-std::optional<StoredRun> ReadStoredRun(const BenchOptions& options) {
+std::optional<Report> ReadStored(const BenchOptions& options) {
   const std::string& path = options.against;
   if (path.empty()) return std::nullopt;
-  StoredRun stored =
-      ReadReport(path, [](const std::string& text) { return StoredRun(text); });
-  const std::string why =
-      stored.WhyIncomparable(RunMachine().machine.cpu, options.Scope());
+  constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+  Report stored;
+  try {
+    stored = ReportFromJson(ReadBytes(path, kMostBytes));
+  } catch (const std::invalid_argument& error) {
+    throw InputError(path, error.what(),
+                     "give a file that --format json --out has written");
+  }
+  const std::string why = WhyIncomparable(stored, options);
   if (!why.empty()) {
     throw UsageError("--against " + path + ": " + why +
                      "; compare runs of the same machine and options");
@@ -136,97 +138,92 @@ std::optional<StoredRun> ReadStoredRun(const BenchOptions& options) {
   return stored;
 }
 
-// Says what is worse than in the stored run, and still is when its sections run
-// again: elsewhere in memory, and beside other neighbours, 4 of 96 ratios of
-// the same program were worse.
-int Compare(const Results& results, const StoredRun& stored,
-            const BenchOptions& options) {
+// Prints what is worse than in the stored run, and still is when its sections
+// run again: elsewhere in memory, and with other neighbours.
+int CompareWith(const Report& stored, const Report& now,
+                const BenchOptions& options) {
   const std::string& path = options.against;
-  std::size_t compared = 0;
-  std::vector<Regression> worse = stored.RegressionsIn(results, compared);
-  if (compared == 0) {
+  Comparison comparison = Compare(stored, now);
+  if (comparison.compared == 0) {
     throw UsageError("--against " + path +
-                     ": no ratio is in both runs; choose sections and targets "
-                     "that it has, of kernels, build, throughput and sorted");
+                     ": no value is in both runs; choose sections and targets "
+                     "that it has");
   }
+  std::vector<std::string>& worse = comparison.worse;
   if (!worse.empty()) {
     BenchOptions again = options;
     again.details.clear();
-    for (const Regression& regression : worse) {
-      again.details.push_back(regression.section);
+    for (const std::string& table : comparison.tables) {
+      again.details.push_back(table.substr(0, table.find(':')));
     }
     Progress progress;
-    const Results second = Run(again, ReadInput(options), progress, nullptr);
+    const Report second =
+        RunSections(again, ReadInput(options), progress, nullptr);
     progress.Clear();
-    std::size_t ignored = 0;
-    const std::vector<Regression> twice = stored.RegressionsIn(second, ignored);
-    std::erase_if(worse, [&twice](const Regression& once) {
-      return std::none_of(twice.begin(), twice.end(),
-                          [&once](const Regression& other) {
-                            return other.ratio == once.ratio;
-                          });
+    const std::vector<std::string> twice = Compare(stored, second).worse;
+    // Without their values, which differ.
+    const auto name = [](const std::string& line) {
+      return line.substr(0, line.rfind(' ', line.rfind(", was ") - 1));
+    };
+    std::erase_if(worse, [&](const std::string& once) {
+      return std::none_of(
+          twice.begin(), twice.end(),
+          [&](const std::string& other) { return name(other) == name(once); });
     });
   }
-  for (const Regression& regression : worse) {
-    std::cerr << "cpuinfo-bench: worse: " << Printable(regression.text) << '\n';
+  for (const std::string& line : worse) {
+    std::cerr << "cpuinfo-bench: worse: " << Printable(line) << '\n';
   }
-  std::cerr << "cpuinfo-bench: " << worse.size() << " of " << compared
-            << " ratios are worse than in " << Printable(path) << '\n';
+  std::cerr << "cpuinfo-bench: " << worse.size() << " of "
+            << comparison.compared << " values are worse than in "
+            << Printable(path) << '\n';
   return worse.empty() ? kExitOk : kExitWorse;
 }
 
-Results RunTo(std::ostream& out, const BenchOptions& options,
-              std::optional<Workload> input) {
+Report RunTo(std::ostream& out, const BenchOptions& options,
+             std::optional<Workload> input) {
   const bool is_text = options.format == Format::kText;
-  const bool is_page = options.details.empty();
   Progress progress;
-  Results results = Run(options, std::move(input), progress,
-                        is_text && !is_page ? &out : nullptr);
+  Report report = RunSections(options, std::move(input), progress,
+                              is_text ? &out : nullptr);
   progress.Clear();
-  if (!is_text) {
-    out << ToJson(results) + '\n';
-  } else if (is_page) {
-    WriteWhole(out,
-               [&](std::ostream& page) { WritePage(page, ToJson(results)); });
-  }
-  return results;
+  if (!is_text) out << ToJson(report);
+  return report;
 }
 
 int Main(int argc, char** argv) {
   BenchOptions options;
   if (!ParseOptions(argc, argv, options)) return kExitOk;
   if (options.is_list) {
-    for (std::string_view section : kSections) std::cout << section << '\n';
+    for (const Section& section : Sections()) {
+      std::cout << section.name << '\n';
+    }
     return kExitOk;
   }
   CheckOutputs(options);
-  if (!options.render.empty()) return Render(options);
   if (const TargetChoice choice = DescribeTargetChoice();
       !choice.error.empty()) {
     return Fail("HALFSPACE_TARGET: " + choice.error, kExitUsage);
   }
-  const std::optional<StoredRun> stored = ReadStoredRun(options);
+  const std::optional<Report> stored = ReadStored(options);
   std::optional<Workload> input = ReadInput(options);
-  std::optional<OutFile> page;
-  if (!options.report.empty()) page.emplace(options.report);
-  Results results;
+  Report report;
   if (options.out.empty()) {
-    results = RunTo(std::cout, options, std::move(input));
+    report = RunTo(std::cout, options, std::move(input));
   } else {
     OutFile file(options.out);
     std::ostringstream text;
     text.exceptions(std::ios::badbit);
-    results = RunTo(text, options, std::move(input));
+    report = RunTo(text, options, std::move(input));
     file.Write(text.str());
   }
-  if (page) WriteHtml(*page, {ToJson(results)});
-  if (options.is_strict && results.noise && results.noise->is_noisy()) {
+  if (options.is_strict && report.ValueOf("noise") == "noisy") {
     return Fail(
         "--strict: something disturbed the run, which is reported all the same "
         "(the section noise says how much); run again when the machine is idle",
         kExitFailed);
   }
-  return stored ? Compare(results, *stored, options) : kExitOk;
+  return stored ? CompareWith(*stored, report, options) : kExitOk;
 }
 
 }  // namespace

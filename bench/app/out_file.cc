@@ -4,7 +4,6 @@
 #include <stdexcept>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 namespace halfspace::bench {
 
@@ -29,25 +28,18 @@ bool WouldReplace(const fs::path& output, const fs::path& other) {
 }  // namespace
 
 void CheckOutputs(const BenchOptions& options) {
-  std::vector<std::pair<std::string, std::string>> taken = {
+  const std::pair<std::string, std::string> inputs[] = {
       {"--mesh", options.mesh},
       {"--bounds", options.bounds},
       {"--query-bounds", options.query_bounds},
       {"--against", options.against}};
-  for (const std::string& path : options.render) {
-    taken.emplace_back("--render", path);
-  }
-  const std::pair<std::string, std::string> outputs[] = {
-      {"--out", options.out}, {"--report", options.report}};
-  for (const auto& [option, path] : outputs) {
-    if (path.empty()) continue;
-    for (const auto& [other, other_path] : taken) {
-      if (!other_path.empty() && WouldReplace(path, other_path)) {
-        throw UsageError(option + " " + path + " would overwrite the file of " +
-                         other + " " + other_path + "; name another file");
-      }
+  for (const auto& [option, path] : inputs) {
+    if (options.out.empty() || path.empty()) continue;
+    if (WouldReplace(options.out, path)) {
+      throw UsageError("--out " + options.out +
+                       " would overwrite the file of " + option + " " + path +
+                       "; name another file");
     }
-    taken.emplace_back(option, path);
   }
 }
 

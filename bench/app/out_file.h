@@ -1,4 +1,4 @@
-// A file of --out or --report: replaced as a whole at the end, so that whatever
+// The file of --out: replaced as a whole at the end, so that whatever
 // ends a run before leaves what was there.
 #ifndef HALFSPACE_BENCH_APP_OUT_FILE_H_
 #define HALFSPACE_BENCH_APP_OUT_FILE_H_
@@ -8,12 +8,12 @@
 #include <string>
 #include <string_view>
 
-#include "bench/app/options.h"
+#include "bench/sections/options.h"
 
 namespace halfspace::bench {
 
-// Throws UsageError if a file to write is also a file to read, or is to be
-// written twice, under any of its names.
+// Throws UsageError if the file to write is also a file to read, under any of
+// its names.
 void CheckOutputs(const BenchOptions& options);
 
 class OutFile {

@@ -1,23 +1,27 @@
-// Runs the selected sections, in order.
+// Runs the selected sections.
 #ifndef HALFSPACE_BENCH_APP_RUN_H_
 #define HALFSPACE_BENCH_APP_RUN_H_
 
 #include <optional>
 #include <ostream>
 
-#include "bench/app/options.h"
 #include "bench/base/progress.h"
-#include "bench/report/results.h"
+#include "bench/report/table.h"
+#include "bench/sections/options.h"
 #include "bench/worlds/workload.h"
 
 namespace halfspace::bench {
 
-// `input` is the workload of a file, if one was given; the paper's scene is
-// made where it is needed. With `text`, each section is written there as soon
-// as it is done. Throws WrongAnswer, and UsageError if the scene does not fit
-// the memory.
-Results Run(const BenchOptions& options, std::optional<Workload> input,
-            Progress& progress, std::ostream* text);
+// `input` is the workload of a file, if one was given. With `text`, the report
+// is written there: the page at the end, the tables of --details as soon as
+// their sections are done. Throws WrongAnswer, and UsageError if the scene does
+// not fit the memory.
+Report RunSections(const BenchOptions& options, std::optional<Workload> input,
+                   Progress& progress, std::ostream* text);
+
+// What a run is compared by: runs of other machines, or with other options,
+// are not. Empty if they can be compared.
+std::string WhyIncomparable(const Report& stored, const BenchOptions& options);
 
 }  // namespace halfspace::bench
 

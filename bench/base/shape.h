@@ -18,8 +18,22 @@ enum class ShapeKind : std::size_t { kAabb, kSimplex, kAabo };
 inline constexpr std::array<ShapeKind, 3> kShapes = {
     ShapeKind::kAabb, ShapeKind::kSimplex, ShapeKind::kAabo};
 
+// One number for each shape.
+template <typename T>
+struct PerShape {
+  T aabb{};
+  T simplex{};
+  T aabo{};
+
+  const T& Of(ShapeKind shape) const {
+    return shape == ShapeKind::kAabb      ? aabb
+           : shape == ShapeKind::kSimplex ? simplex
+                                          : aabo;
+  }
+};
+
 constexpr const char* NameOf(ShapeKind shape) {
-  constexpr const char* kNames[] = {"aabb", "simplex", "aabo"};
+  constexpr const char* kNames[] = {"AABB", "simplex", "AABO"};
   return kNames[static_cast<std::size_t>(shape)];
 }
 

@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <memory>
+#include <string_view>
 #include <system_error>
 
 #include "bench/input/input_error.h"
@@ -52,14 +53,13 @@ bool Append(const std::string& path, const File& file, std::size_t most,
 
 }  // namespace
 
-std::string ReadText(const std::string& path, std::string_view binary) {
+std::string ReadText(const std::string& path) {
   const File file = Open(path);
   std::string text;
   bool is_more = true;
   while (is_more) {
     const std::size_t size = text.size();
     is_more = Append(path, file, kChunk, text);
-    if (!binary.empty() && text.starts_with(binary)) continue;
     const std::size_t nul = text.find('\0', size);
     if (nul != std::string::npos) FailOnNul(path, text, nul);
   }

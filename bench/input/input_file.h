@@ -5,14 +5,12 @@
 
 #include <cstddef>
 #include <string>
-#include <string_view>
 
 namespace halfspace::bench {
 
 // A whole text file. Stops at the first NUL, because a sparse file or a device
-// must not fill the memory; one that starts with `binary`, unless that is
-// empty, may hold anything. Throws InputError.
-std::string ReadText(const std::string& path, std::string_view binary = "");
+// must not fill the memory. Throws InputError.
+std::string ReadText(const std::string& path);
 
 // The first bytes of any file, at most `most`. Throws InputError.
 std::string ReadBytes(const std::string& path, std::size_t most);

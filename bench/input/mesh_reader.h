@@ -1,18 +1,36 @@
-// Reads the triangles of a mesh: a Wavefront OBJ, or a glTF 2.0 as JSON or as
-// GLB. The content tells which, not the file's name.
+// Reads the triangles of a Wavefront OBJ file with tinyobjloader.
+//
+// Polygons become fans: corners (0, i, i + 1). Only `v` and `f` are read. No
+// other file is opened. Other formats are converted first, for example with
+// Debian's assimp-utils: `assimp export a.glb a.obj`.
 #ifndef HALFSPACE_BENCH_INPUT_MESH_READER_H_
 #define HALFSPACE_BENCH_INPUT_MESH_READER_H_
 
+#include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <string>
-
-#include "bench/input/mesh.h"
+#include <vector>
 
 namespace halfspace::bench {
 
-// At least one triangle; all coordinates finite, all indices below vertices().
-// Throws InputError. Takes memory in proportion to the size of the file and to
-// the triangles, which are counted before they are taken where a glTF repeats
-// them, whatever the other numbers in it say.
+struct Mesh {
+  std::vector<float> coords;           // vertex i: x, y, z from 3 * i on
+  std::vector<std::uint32_t> indices;  // triangle t: 3 vertices from 3 * t on
+
+  std::size_t vertices() const { return coords.size() / 3; }
+  std::size_t triangles() const { return indices.size() / 3; }
+};
+
+// The most that a mesh may have. OBJ indices are 32-bit integers with a sign.
+struct MeshLimits {
+  std::uint32_t vertices = std::numeric_limits<std::int32_t>::max();
+  std::uint32_t triangles = std::numeric_limits<std::uint32_t>::max();
+};
+
+// Returns at least one triangle. All coordinates are finite and all indices are
+// below vertices(). Throws InputError. The memory is proportional to the size
+// of the file, whatever the numbers in it are.
 Mesh ReadMesh(const std::string& path, const MeshLimits& limits = {});
 
 }  // namespace halfspace::bench

@@ -1,54 +1,62 @@
-// The paper's model of what a batched test costs (sections 2.4 and 2.5): pure
-// arithmetic.
+// The quantities of sections 2.4 and 2.5 of the paper, as it defines them: pure
+// arithmetic on what was counted and timed.
+//
+//   kappa   survivors of a query
+//   c       survivors of the simplex over those of the box
+//   w_cmp   ns of a compare, w_full ns of an exact test
+//   E[C]    half-spaces that are evaluated per object: the sum of Pr[S_k], the
+//           share of batches that reach half-space k
+//   Adv(w)  ns that the simplex saves per object, with the exact tests
 #ifndef HALFSPACE_BENCH_MEASURE_COST_MODEL_H_
 #define HALFSPACE_BENCH_MEASURE_COST_MODEL_H_
 
 #include <cmath>
 #include <cstddef>
-#include <optional>
+#include <limits>
 #include <span>
+#include <vector>
 
 namespace halfspace::bench {
 
-// E[C]: half-spaces that a batch evaluates of `planes`, if each ends it with
-// probability p: 1 + (1 - p) + (1 - p)^2 + ...
-inline double ExpectedHalfSpaces(double p, std::size_t planes) {
-  double sum = 0.0;
-  double is_reached = 1.0;
-  for (std::size_t k = 0; k < planes; ++k) {
-    sum += is_reached;
-    is_reached *= 1.0 - p;
-  }
-  return sum;
+// The simplex wins in wide batches if kappa_box / objects is less than this.
+inline double DensityLimit(double c, double compare_ns, double exact_ns) {
+  if (c <= 1.0) return std::numeric_limits<double>::infinity();
+  return 2.0 * compare_ns / ((c - 1.0) * exact_ns);
 }
 
-// From which width on one shape leads another for good.
-struct LeadFrom {
-  std::optional<double> w;  // empty: it does not
-  bool is_at_most = false;  // it leads at the narrowest width already
+// What a shape costs per object.
+struct ShapeCost {
+  double half_spaces = 0.0;  // E[C]
+  double survivors = 0.0;    // kappa / objects
 };
-
-// With the ratio of its cost to the other's at ascending widths. Between two
-// widths the ratio is straight over log2 w.
-inline LeadFrom FindLead(std::span<const double> widths,
-                         std::span<const double> ratios) {
-  std::size_t lead = ratios.size();
-  while (lead > 0 && ratios[lead - 1] <= 1.0) --lead;
-  if (lead == ratios.size()) return {};
-  if (lead == 0) return {widths[0], true};
-  const double above = ratios[lead - 1] - 1.0;
-  const double below = 1.0 - ratios[lead];
-  return {widths[lead - 1] * std::pow(widths[lead] / widths[lead - 1],
-                                      above / (above + below)),
-          false};
+inline double Advantage(const ShapeCost& box, const ShapeCost& simplex,
+                        double compare_ns, double exact_ns) {
+  return (box.half_spaces - simplex.half_spaces) * compare_ns +
+         (box.survivors - simplex.survivors) * exact_ns;
 }
 
-// ns of an exact test from which on the faster and looser of two ways to reject
-// costs more: it saves `saved` ns an object, and keeps `more` of all objects.
-// Empty if it saves nothing, or keeps no more.
-inline std::optional<double> BreakEvenNanoseconds(double saved, double more) {
-  if (saved <= 0.0 || more <= 0.0) return std::nullopt;
+// ns of the exact test from which on the box wins: the simplex saves `saved` ns
+// an object, and keeps `more` of all objects. Infinite if it keeps no more; 0
+// if it saves nothing.
+inline double BreakEven(double saved, double more) {
+  if (saved <= 0.0) return 0.0;
+  if (more <= 0.0) return std::numeric_limits<double>::infinity();
   return saved / more;
+}
+
+// Where a ratio at ascending widths passes 1, between two of them straight over
+// the logarithm of the width.
+inline std::vector<double> CrossingsOf(std::span<const double> widths,
+                                       std::span<const double> ratios) {
+  std::vector<double> crossings;
+  for (std::size_t i = 1; i < ratios.size(); ++i) {
+    const double before = ratios[i - 1] - 1.0;
+    const double after = ratios[i] - 1.0;
+    if ((before > 0.0) == (after > 0.0)) continue;
+    crossings.push_back(widths[i - 1] * std::pow(widths[i] / widths[i - 1],
+                                                 before / (before - after)));
+  }
+  return crossings;
 }
 
 }  // namespace halfspace::bench

@@ -10,7 +10,7 @@
 #include <sstream>
 #include <thread>
 
-#include "bench/base/text_table.h"
+#include "bench/base/text.h"
 #include "bench/measure/arm_cpu.h"
 #include "halfspace/version.h"
 #include "hwy/highway.h"
@@ -198,6 +198,20 @@ std::size_t Machine::LastLevelBytes() const {
   return bytes == 0 ? CacheBytes(3) : bytes;
 }
 
+std::string Machine::Model() const {
+  if (vendor.empty() || family.empty()) return cpu;
+  return vendor + " family " + family + " model " + model;
+}
+
+std::string Machine::CachesText() const {
+  std::string text;
+  for (const Cache& cache : caches) {
+    text += (text.empty() ? "L" : ", L") + std::to_string(cache.level) + " " +
+            std::to_string(cache.bytes >> 10) + " KiB";
+  }
+  return text.empty() ? "caches unknown" : text;
+}
+
 int UsableCpus() {
 #if defined(__linux__)
   cpu_set_t set;
@@ -234,6 +248,9 @@ Machine DescribeMachine() {
   }
 #endif
   machine.cpu = CpuName();
+  machine.vendor = CpuInfo("vendor_id");
+  machine.family = CpuInfo("cpu family");
+  machine.model = CpuInfo("model");
   const std::string flags = CpuInfo("flags") + " " + CpuInfo("Features");
   machine.isa = IsaOf(flags);
   machine.is_virtual = HasWord(flags, "hypervisor") || IsArmGuest();

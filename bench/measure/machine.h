@@ -16,6 +16,10 @@ struct Cache {
 
 struct Machine {
   std::string cpu;
+  // x86: that tell CPUs of the same name apart. Empty where they are unknown.
+  std::string vendor;
+  std::string family;
+  std::string model;
   std::string architecture;
   std::string system;
   int cores = 0;                 // logical CPUs
@@ -30,6 +34,10 @@ struct Machine {
   std::size_t CacheBytes(int level) const;
   std::size_t LastLevelBytes() const;
   bool HasCache(int level) const;
+  // "AuthenticAMD family 26 model 2", or the name of the CPU.
+  std::string Model() const;
+  // "L1 48 KiB, L2 1024 KiB, L3 32768 KiB"
+  std::string CachesText() const;
   bool are_caches_known() const { return !caches.empty(); }
 };
 

@@ -125,6 +125,15 @@ Ratio RatioOf(const Timing& numerator, const Timing& denominator) {
   return RatioOf(numerator.samples, denominator.samples);
 }
 
+Ratio SpreadOf(const Timing& timing) {
+  return {timing.Median(), timing.Quantile(0.25), timing.Quantile(0.75)};
+}
+
+Ratio RangeOf(std::vector<double> values) {
+  return {QuantileOf(values, 0.5), QuantileOf(values, 0.0),
+          QuantileOf(values, 1.0)};
+}
+
 void KeepResult(std::uint32_t result) { benchmark::DoNotOptimize(result); }
 
 std::vector<Timing> Measure(const std::vector<Case>& cases,

@@ -62,6 +62,12 @@ Ratio RatioOf(const std::vector<double>& numerator,
               const std::vector<double>& denominator);
 Ratio RatioOf(const Timing& numerator, const Timing& denominator);
 
+// Median and quartiles of a timing.
+Ratio SpreadOf(const Timing& timing);
+
+// Median, least and greatest of some values, at least one.
+Ratio RangeOf(std::vector<double> values);
+
 struct Effort {
   std::size_t repetitions = 5;
   double seconds_per_repetition = 0.01;

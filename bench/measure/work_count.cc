@@ -152,22 +152,4 @@ WorkCount WorkCounter::Average() const {
   return average;
 }
 
-BatchRejects WorkCounter::RejectsPerPlane() const {
-  BatchRejects rejects;
-  for (std::size_t i = 0; i < kWorkWidths.size(); ++i) {
-    const auto share_of = [&](std::size_t shape, std::size_t planes) {
-      const auto& reached = reached_[shape];
-      std::uint64_t before_last = 0;
-      for (std::size_t k = 0; k + 1 < planes; ++k) before_last += reached[k][i];
-      if (before_last == 0) return 0.0;
-      return static_cast<double>(reached[0][i] - reached[planes - 1][i]) /
-             static_cast<double>(before_last);
-    };
-    rejects.aabb[i] = share_of(0, kAabbOrder.size());
-    rejects.simplex[i] = share_of(1, kSimplexOrder.size());
-    rejects.aabo[i] = share_of(2, kAaboOrder.size());
-  }
-  return rejects;
-}
-
 }  // namespace halfspace::bench

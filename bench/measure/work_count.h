@@ -26,11 +26,6 @@ struct WorkCount {
   std::array<double, kWorkWidths.size()> aabo{};
 };
 
-// How likely a half-space is to end a batch that has reached it, on average
-// over all but the last one, after which every batch ends. In the order of
-// kWorkWidths.
-using BatchRejects = WorkCount;
-
 // Adds up the batches in which each half-space was evaluated. Objects past the
 // last full word of 64 are left out.
 class WorkCounter {
@@ -39,7 +34,6 @@ class WorkCounter {
 
   void Add(const Aabo3& query);
   WorkCount Average() const;
-  BatchRejects RejectsPerPlane() const;
 
  private:
   // Batches that reach a half-space: per shape (aabb, simplex, aabo), per

@@ -12,10 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "bench/base/text_table.h"
+#include "bench/base/text.h"
 #include "bench/baselines/box_tree.h"
 #include "bench/measure/queries_in_turn.h"
-#include "bench/sections/throughput.h"
+#include "bench/sections/sorted_parts.h"
 #include "bench/worlds/box_set.h"
 #include "halfspace/quantized.h"
 #include "halfspace/reject.h"
@@ -49,8 +49,6 @@ class Contest {
  public:
   Contest(const BoxSet<kDims>& set, Throughput& throughput)
       : set_(set), throughput_(throughput), boxes_(set.boxes) {
-    workload_.name = set.name;
-    workload_.objects = set.boxes.size();
     all_ = BatchesOf(kTimedQueries);
     turns_ = BatchesOf(kQueriesInTurn);
     one_.resize(set.boxes.size());
@@ -65,7 +63,7 @@ class Contest {
     const Sorted world(boxes_.view(), order);
     if (all_ids_.empty()) MakeRoom(world);
     AddOneByOne(
-        name + kOneByOne, std::string(target.name()),
+        name + kOneByOne, NameOf(target),
         [this, target, own = Copy(world)](const Box& query) {
           return FoundOne(Survivors(*own, query, one_, {.target = target}));
         });
@@ -85,7 +83,7 @@ class Contest {
       }
       return {};
     };
-    AddRow("tight, counts, one query a call", std::string(target.name()), check,
+    AddRow("tight, counts, one query a call", NameOf(target), check,
            [&](std::size_t queries) {
              return CaseOneByOne(queries, [count](const Box& query) {
                std::ignore = count(query);
@@ -94,7 +92,7 @@ class Contest {
   }
 
   void AddFloatScan(Target target) {
-    AddOneByOne("scan, one query a call", std::string(target.name()),
+    AddOneByOne("scan, one query a call", NameOf(target),
                 [this, target](const Box& query) {
                   return FoundOne(Survivors(
                       boxes_.view(), query, one_,
@@ -104,7 +102,7 @@ class Contest {
 
   void AddQuantizedScan(Target target) {
     AddOneByOne(
-        "quantized scan, one query a call", std::string(target.name()),
+        "quantized scan, one query a call", NameOf(target),
         [this, target,
          world = std::make_shared<const QuantizedWorld<View>>(set_.boxes)](
             const Box& query) {
@@ -126,7 +124,7 @@ class Contest {
     } else {
       AddCompetitor("GEOS STRtree", MakeGeosTree(set_.boxes));
     }
-    grid_ = workload_.rows.size();
+    grid_ = rows_.size();
     AddTree("grid", MakeGrid(set_.boxes));
   }
 
@@ -136,30 +134,28 @@ class Contest {
     // So many that each has all queries.
     in_turns_ = throughput_.TimeRuns(std::move(in_turns_cases_),
                                      std::max(repetitions, kTurns));
-    for (std::size_t i = 0; i < workload_.rows.size(); ++i) {
-      SortedRow& row = workload_.rows[i];
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      SortedRow& row = rows_[i];
       row.ns = in_a_row_[i].Median();
-      const double in_turns = in_turns_[i].Median();
-      row.ns_in_turns = in_turns;
+      row.ns_in_turns = in_turns_[i].Median();
       if (competitors_.empty()) continue;
-      row.over_fastest = Fastest(in_a_row_).Median() / row.ns;
-      row.over_fastest_in_turns = Fastest(in_turns_).Median() / in_turns;
+      row.over_fastest = RatioOf(Fastest(in_a_row_), in_a_row_[i]);
+      row.over_fastest_in_turns = RatioOf(Fastest(in_turns_), in_turns_[i]);
     }
   }
 
   // Of the rows of a sorted world with that target: times the fastest
   // competitor, which is asked one query a call in either case.
-  void AddRatios(Threshold threshold, Target target) {
+  void AddRatios(Aim threshold, Target target) {
     if (competitors_.empty()) return;
     for (const char* how : {kOneByOne, kAllAtOnce}) {
       const std::size_t row = RowOf(std::string("tight") + how, target);
-      const std::string name = workload_.name + " " +
-                               Grouped(workload_.objects) + how + ", " +
-                               std::string(target.name());
+      const std::string name = set_.name + " " + Grouped(set_.boxes.size()) +
+                               how + ", " + NameOf(target);
       throughput_.AddRatio(threshold, target,
                            name + ": times the fastest competitor",
                            RatioOf(Fastest(in_a_row_), in_a_row_[row]));
-      throughput_.AddRatio(thresholds::WhereEvicted(threshold), target,
+      throughput_.AddRatio(aims::WhereEvicted(threshold), target,
                            name + ", in turns: times the fastest competitor",
                            RatioOf(Fastest(in_turns_), in_turns_[row]));
     }
@@ -167,33 +163,40 @@ class Contest {
 
   void AddFastOverTight(Target target) {
     throughput_.AddRatio(
-        thresholds::kFastOverTight, target,
-        workload_.name + " " + Grouped(workload_.objects) + kOneByOne +
+        aims::kFastOverTight, target,
+        set_.name + " " + Grouped(set_.boxes.size()) + kOneByOne +
             ": time of the fast order over the tight one's",
         RatioOf(in_a_row_[RowOf(std::string("fast") + kOneByOne, target)],
                 in_a_row_[RowOf(std::string("tight") + kOneByOne, target)]));
   }
 
   // Where the grid wins.
-  void AddRemarks(Target target, std::vector<std::string>& remarks) const {
-    const SortedRow& grid = workload_.rows[grid_];
-    const SortedRow& tight =
-        workload_.rows[RowOf(std::string("tight") + kOneByOne, target)];
+  void AddRemarks(Target target) {
+    const double grid = *rows_[grid_].ns.value;
     const auto add = [&](double share, const char* of) {
-      if (share < 1.0) {
-        remarks.push_back(workload_.name + " " + Grouped(workload_.objects) +
+      if (share >= 1.0) return;
+      throughput_.AddNote(set_.name + " " + Grouped(set_.boxes.size()) +
                           ": our own grid, no competitor here, takes " +
-                          Fixed(share, 2) + " of the time of " + of);
-      }
+                          Fixed(share, 2) + " of the time of " + of + ".");
     };
-    add(grid.ns / tight.ns, "a sorted world, one query a call");
-    if (grid.over_fastest) {
-      add(1.0 / *grid.over_fastest, "the fastest competitor");
+    add(grid / *rows_[RowOf(std::string("tight") + kOneByOne, target)].ns.value,
+        "a sorted world, one query a call");
+    if (!competitors_.empty()) {
+      add(grid / Fastest(in_a_row_).Median(), "the fastest competitor");
     }
   }
 
-  double MedianOf(std::size_t row) const { return workload_.rows[row].ns; }
-  SortedWorkload TakeWorkload() { return std::move(workload_); }
+  double MedianOf(std::size_t row) const { return *rows_[row].ns.value; }
+
+  void AddTo(SortedResult& result) const {
+    for (const SortedRow& row : rows_) {
+      result.AddRow(set_.name, set_.boxes.size(), row);
+    }
+    result.queries.notes.push_back(
+        set_.name + ", " + Grouped(set_.boxes.size()) +
+        " boxes: a query finds " + Fixed(survivors_, 1) + " and visits " +
+        Fixed(blocks_, 1) + " blocks of 64.");
+  }
 
  private:
   using Box = Aabb<kDims>;
@@ -232,7 +235,7 @@ class Contest {
     constexpr std::size_t kPairs = 50'000'000;
     constexpr std::size_t kMost = 1000;
     const std::size_t count =
-        std::clamp<std::size_t>(kPairs / workload_.objects, 20, kMost);
+        std::clamp<std::size_t>(kPairs / set_.boxes.size(), 20, kMost);
     for (std::size_t q = 0; q < count; ++q) {
       const std::size_t kept = Survivors(boxes_.view(), set_.queries[q], one_,
                                          {.schedule = Schedule::kFlat});
@@ -250,8 +253,8 @@ class Contest {
       sum += CountSurvivors(world, query);
       blocks += VisitedBlocks(levels, levels.count - 1, 0, query);
     }
-    workload_.blocks = static_cast<double>(blocks) / kTimedQueries;
-    workload_.survivors = static_cast<double>(sum) / kTimedQueries;
+    blocks_ = static_cast<double>(blocks) / kTimedQueries;
+    survivors_ = static_cast<double>(sum) / kTimedQueries;
     all_ids_.resize(sum + 1);
     offsets_.resize(kTimedQueries + 1);
   }
@@ -287,7 +290,7 @@ class Contest {
   }
   void AddCompetitor(std::string name, std::unique_ptr<BoxTree<kDims>> tree) {
     if (tree == nullptr) return;
-    competitors_.push_back(workload_.rows.size());
+    competitors_.push_back(rows_.size());
     AddTree(std::move(name), std::move(tree));
   }
 
@@ -307,13 +310,12 @@ class Contest {
       }
       return {};
     };
-    AddRow(std::move(name), std::string(target.name()), check,
-           [&](std::size_t queries) {
-             const Batches& batches = queries == kQueriesInTurn ? turns_ : all_;
-             Case c = InTurn("", batches, batches.size(), 1, ask);
-             c.items = static_cast<double>(queries);
-             return c;
-           });
+    AddRow(std::move(name), NameOf(target), check, [&](std::size_t queries) {
+      const Batches& batches = queries == kQueriesInTurn ? turns_ : all_;
+      Case c = InTurn("", batches, batches.size(), 1, ask);
+      c.items = static_cast<double>(queries);
+      return c;
+    });
   }
 
   template <typename Call>
@@ -325,8 +327,8 @@ class Contest {
   template <typename Check, typename CaseOf>
   void AddRow(std::string name, std::string target, const Check& check,
               const CaseOf& case_of) {
-    const std::string place = workload_.name + "/" +
-                              std::to_string(workload_.objects) + "/" + name +
+    const std::string place = set_.name + "/" +
+                              std::to_string(set_.boxes.size()) + "/" + name +
                               (target.empty() ? "" : "/" + target);
     in_a_row_cases_.push_back(case_of(kTimedQueries));
     in_a_row_cases_.back().name = place;
@@ -336,7 +338,7 @@ class Contest {
     SortedRow row;
     row.name = std::move(name);
     row.target = std::move(target);
-    workload_.rows.push_back(std::move(row));
+    rows_.push_back(std::move(row));
   }
 
   std::span<const std::uint32_t> FoundOne(std::size_t count) const {
@@ -348,8 +350,7 @@ class Contest {
   }
   std::size_t RowOf(const std::string& name, Target target) const {
     std::size_t row = 0;
-    while (workload_.rows[row].name != name ||
-           workload_.rows[row].target != target.name()) {
+    while (rows_[row].name != name || rows_[row].target != NameOf(target)) {
       ++row;
     }
     return row;
@@ -358,7 +359,9 @@ class Contest {
   const BoxSet<kDims>& set_;
   Throughput& throughput_;
   World<View> boxes_;
-  SortedWorkload workload_;
+  std::vector<SortedRow> rows_;
+  double survivors_ = 0.0;                // of a query
+  double blocks_ = 0.0;                   // that it visits in tight order
   std::vector<std::size_t> competitors_;  // their rows
   std::size_t grid_ = 0;
   std::vector<Case> in_a_row_cases_;  // of each row

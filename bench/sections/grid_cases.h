@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/measure/measure.h"
-#include "bench/report/results.h"
+#include "bench/sections/throughput.h"
 #include "bench/worlds/grid_world.h"
 
 namespace halfspace::bench {

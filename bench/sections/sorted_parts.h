@@ -1,20 +1,57 @@
-// What else sorted worlds do than find boxes, beside others: parts of the
+// What else sorted worlds do than find boxes, next to others: parts of the
 // section.
 #ifndef HALFSPACE_BENCH_SECTIONS_SORTED_PARTS_H_
 #define HALFSPACE_BENCH_SECTIONS_SORTED_PARTS_H_
 
 #include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "bench/sections/throughput.h"
 #include "bench/worlds/box_set.h"
 
 namespace halfspace::bench {
 
-// What was timed, as jobs on all objects.
-void AddJobs(const Timings& timings, std::size_t objects, SortedResult& result);
+// One way to answer box queries.
+struct SortedRow {
+  std::string name;
+  std::string target = {};  // empty: none of the library's
+  Cell ns = {};             // a query, its queries in a row
+  Cell ns_in_turns = {};    // in turns with all other rows
+  // Times as fast as the fastest competitor; none without competitors.
+  Cell over_fastest = {};
+  Cell over_fastest_in_turns = {};
+};
 
-// Each adds rows or jobs, and ratios: builds and memory (threshold 2), refits
-// (3), pairs (4), searches by distance, along segments and counts (5).
+struct SortedResult {
+  Table queries{"sorted",
+                "us a query; times as fast as the fastest competitor",
+                {Key("world"), Key("objects"), Key("what"), Key("target"),
+                 Value("in a row", "us", 3), Higher("times"),
+                 Value("in turns", "us", 3), Value("times")}};
+  Table jobs{"sorted: jobs",
+             "what is done to all objects at once",
+             {Key("job"), Key("objects"), Value("time", "ms", 1)}};
+
+  void AddRow(const std::string& world, std::size_t objects,
+              const SortedRow& row) {
+    const auto in_us = [](Cell ns) {
+      if (ns.value) *ns.value /= 1e3;
+      return ns;
+    };
+    queries.Add({world, objects, row.name, row.target, in_us(row.ns),
+                 row.over_fastest, in_us(row.ns_in_turns),
+                 row.over_fastest_in_turns});
+  }
+  void AddJob(const std::string& name, std::size_t objects,
+              const Timing& timing) {
+    jobs.Add({name, objects, timing.Median() / 1e6});
+  }
+};
+
+// Each adds rows or jobs, and ratios: builds and memory, refits, pairs,
+// searches by distance, along segments and counts.
 void RunSortedBuilds(const BoxSet<3>& set, Throughput& throughput,
                      SortedResult& result);
 void RunSortedRefits(const BoxSet<3>& set, Throughput& throughput,

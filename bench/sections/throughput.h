@@ -1,25 +1,40 @@
-// The parts of the section `throughput`: each threshold measures what it
-// compares in one group, and adds rows and ratios.
+// The parts of the section `throughput`, which `sorted` is built of too: each
+// measures what it compares in one group, and adds rows and ratios.
 #ifndef HALFSPACE_BENCH_SECTIONS_THROUGHPUT_H_
 #define HALFSPACE_BENCH_SECTIONS_THROUGHPUT_H_
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "bench/base/text.h"
 #include "bench/measure/machine.h"
 #include "bench/measure/measure.h"
-#include "bench/report/results.h"
-#include "bench/report/thresholds.h"
-#include "bench/sections/plan.h"
-#include "bench/sections/sections.h"
+#include "bench/sections/aims.h"
+#include "bench/sections/run.h"
 #include "bench/worlds/in_cache.h"
 #include "bench/worlds/working_set.h"
 
 namespace halfspace::bench {
+
+// The timings of cases, by their place.
+using Timings = std::vector<Timing>;
+
+// One thing timed. A pair is an object and a query.
+struct ThroughputRow {
+  std::string name;
+  std::size_t objects = 0;
+  std::size_t queries = 0;
+  std::string working_set;  // "L1", "L2", "L3", "memory", "grid", ...
+  std::string target;       // empty: none of the library's
+  double ns_per_pair = 0.0;
+  std::optional<std::size_t> ceiling;  // the row that it is measured by
+  std::optional<double> percent_of_ceiling;
+};
 
 // What a row is measured by, if it was timed with other cases.
 struct Ceiling {
@@ -34,17 +49,15 @@ struct Ceiling {
 
 class Throughput {
  public:
-  // Of another section, its name is before those of all cases.
-  Throughput(const Context& context, bool is_quick, ThroughputResult& result,
-             std::string section = "throughput");
+  // The name of the section is the beginning of the names of all cases.
+  Throughput(Run& run, std::string section);
 
-  // The widest measured target of each width that the thresholds speak of: of
-  // x86 the best AVX-512, AVX2 and SSE4; elsewhere, and if it is to be quick,
-  // the best.
+  // The best target of each width that has aims: AVX-512, AVX2 and SSE4.2 on
+  // x86; the best one elsewhere, and if the run is quick.
   const std::vector<Target>& targets() const { return targets_; }
-  bool is_quick() const { return is_quick_; }
-  std::size_t repetitions() const { return context_.effort.repetitions; }
-  Progress& progress() const { return context_.progress; }
+  bool is_quick() const { return run_.is_quick(); }
+  std::size_t repetitions() const { return run_.effort.repetitions; }
+  Progress& progress() const { return run_.progress; }
 
   // Times cases as one group.
   Timings Time(std::vector<Case> cases);
@@ -58,9 +71,6 @@ class Throughput {
   // The same for long runs, each of which is a repetition by itself.
   Timings TimeRuns(std::vector<Case> cases, std::size_t repetitions);
 
-  // Adds what was timed in another way.
-  void AddTimings(const Timings& timings);
-
   // The place of the row, for those that are measured by it.
   std::size_t AddRow(ThroughputRow row);
 
@@ -70,45 +80,33 @@ class Throughput {
   // A row that is measured by a ceiling; by none, if that was not timed.
   void AddRowUnder(const Ceiling& ceiling, ThroughputRow row);
 
-  // The row of what was timed with all queries in turn, per pair, and another
-  // of the same with kFewQueries, if three of four repetitions differ by more
-  // than 3 %.
-  enum class Rows { kAlways, kIfTheyDiffer };
-  void AddRowsInTurn(const ThroughputRow& row, const Timing& all,
-                     const Timing& few, Rows rows);
-
-  void SetSurvivors(const PerShape<std::size_t>& survivors) {
-    result_.survivors = survivors;
-  }
+  // A line below the tables.
+  void AddNote(std::string note) { notes_.push_back(std::move(note)); }
   void NotReached(const std::string& reason) {
-    result_.not_reached.push_back(reason);
+    AddNote("Not measured: " + reason + ".");
   }
 
-  // A value that has a threshold, for that target.
-  void AddRatio(const Threshold& threshold, Target target, std::string name,
-                double value) {
-    result_.ratios.push_back({threshold.threshold, std::move(name), value,
-                              threshold.For(target),
-                              threshold.is_higher_better});
-  }
-  void AddRatio(const Threshold& threshold, Target target, std::string name,
-                const Ratio& ratio) {
-    AddRatio(threshold, target, std::move(name), ratio.median);
-    result_.ratios.back().quartiles = ratio;
-  }
+  // A value that has an aim, for that target.
+  void AddRatio(const Aim& aim, Target target, const std::string& name,
+                const Cell& value);
+
+  // Of the rows and of the aims.
+  Table Rows() const;
+  Table Aims() const;
 
  private:
   Timings TimeWith(const Effort& effort, std::vector<Case> cases);
 
-  const Context& context_;
-  bool is_quick_;
-  ThroughputResult& result_;
+  Run& run_;
   std::string section_;
   std::vector<Target> targets_;
+  std::vector<ThroughputRow> rows_;
+  std::vector<Row> aims_;
+  std::vector<std::string> notes_;
   std::vector<std::pair<Ceiling, std::size_t>> ceilings_;  // and their rows
 };
 
-// Part of a threshold, for the progress line: run one after the other.
+// For the progress line: run one after the other.
 using ThroughputPart = std::function<void(Throughput&)>;
 using ThroughputParts = std::vector<ThroughputPart>;
 void RunParts(ThroughputParts& parts, Throughput& throughput);
@@ -117,33 +115,27 @@ void RunParts(ThroughputParts& parts, Throughput& throughput);
 std::size_t FastestOf(const Timings& timings,
                       const std::vector<std::size_t>& among);
 
-// Thresholds 1 and 2: one query against its ceilings.
+// One query against its ceilings.
 void AddCeilingParts(const Workload& workload, const Machine& machine,
                      const std::vector<WorkingSet*>& sets,
                      ThroughputParts& parts);
 
-// Threshold 4, one query.
+// One query, quantized.
 void AddQuantizedParts(const Workload& workload, const Machine& machine,
                        bool is_quick, ThroughputParts& parts);
 
-// Thresholds 3, 4 and 5: many queries in the scene on a grid.
+// Many queries in the scene on a grid.
 void AddManyParts(const Workload& workload, const Machine& machine,
                   std::uint64_t seed, bool is_quick, ThroughputParts& parts);
 
-// Threshold 5, of the same scene.
+// The same scene against the loops that one would write instead.
 class GridWorld;
 void RunAgainstBaselines(const GridWorld& grid, Throughput& throughput);
 
-// Thresholds 6 and 7: outputs, threads, sizes, and what a call costs.
+// Lists of indices; sizes, and what a call costs.
 void AddOutputParts(const Workload& workload, ThroughputParts& parts);
 void AddSizeParts(const Workload& workload, const Machine& machine,
                   ThroughputParts& parts);
-
-// Rows whose cost depends on branches, with few queries in turn and with many.
-void AddQueryParts(const Workload& workload, ThroughputParts& parts);
-
-// Threshold 8, if this program was built with the competitors.
-void AddCompetitorParts(std::uint64_t seed, ThroughputParts& parts);
 
 }  // namespace halfspace::bench
 

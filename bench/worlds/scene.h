@@ -22,6 +22,10 @@ Workload MakeScene(std::size_t objects, std::size_t queries, std::uint64_t seed,
                    const std::function<void(double)>& progress,
                    float radius = 1.0f);
 
+// A scene whose clouds are that share of the world's side wide. All its queries
+// are timed.
+Workload SceneOfSize(double share, std::size_t objects, std::uint64_t seed);
+
 }  // namespace halfspace::bench
 
 #endif  // HALFSPACE_BENCH_WORLDS_SCENE_H_

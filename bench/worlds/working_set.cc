@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bench/base/text_table.h"
+#include "bench/base/text.h"
 #include "bench/baselines/gated_scan.h"
 #include "tests/reference/reference.h"
 
@@ -132,27 +132,6 @@ Case WorkingSet::GatedCase(std::string name, ShapeKind shape, Target target,
                     scan(shape, width, planes.data(), query.data(), objects(),
                          mask_.data());
                   });
-}
-
-Case WorkingSet::KeepingCase(std::string name, ShapeKind shape, Target target,
-                             std::size_t width) {
-  Case c = GatedCase(std::move(name), shape, target, width);
-  const auto keep_all = [this, scan = GatedScanFor(target), shape, width,
-                         planes = PlanesOf(shape, view_),
-                         query = QueryOf(shape, Aabo3::Everything())] {
-    scan(shape, width, planes.data(), query.data(), objects(), mask_.data());
-  };
-  c.check = [this, keep_all]() -> std::string {
-    keep_all();
-    for (std::uint64_t word : mask_) {
-      if (word != 0) return "a query of everything rejects";
-    }
-    return {};
-  };
-  c.run = [keep_all, runs = c.items / static_cast<double>(objects())] {
-    for (double i = 0; i < runs; ++i) keep_all();
-  };
-  return c;
 }
 
 Case WorkingSet::ReadCase(std::string name, ShapeKind shape, ReadWay way,

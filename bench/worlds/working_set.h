@@ -62,11 +62,6 @@ class WorkingSet {
   Case GatedCase(std::string name, ShapeKind shape, Target target,
                  std::size_t width);
 
-  // The same with a query that rejects nothing, so that every half-space is
-  // evaluated.
-  Case KeepingCase(std::string name, ShapeKind shape, Target target,
-                   std::size_t width);
-
   // Reading the shape's planes, with the vectors of a target.
   Case ReadCase(std::string name, ShapeKind shape, ReadWay way,
                 Target target) const;

@@ -17,7 +17,6 @@ namespace halfspace::bench {
 // first-level cache does not keep their paths through a tree. With 128 in turn
 // a tree takes a half to a fifth of the time.
 inline constexpr std::size_t kTimedQueries = 20000;
-inline constexpr std::size_t kFewQueries = 128;
 
 // So many take 9 MiB, more than they take in any cache but the last.
 inline constexpr std::size_t kMostObjectsWithCorners = std::size_t{1} << 18;

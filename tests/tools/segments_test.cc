@@ -1,7 +1,5 @@
 // Long segments in pieces: against counts by hand, and that more pieces never
 // keep more.
-#include "bench/sections/segments.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "bench/paper/segment_counts.h"
 #include "bench/worlds/scene.h"
 #include "tests/library/support/environment.h"
 

@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "bench/report/paper.h"
-#include "bench/sections/survivors.h"
+#include "bench/measure/survivors.h"
+#include "bench/paper/paper.h"
 #include "bench/worlds/scene.h"
 
 namespace halfspace::bench {
@@ -49,17 +49,10 @@ std::size_t NeededByAabo(const Aabo3& object, const Aabo3& query) {
 }
 
 // A batch needs what its neediest object needs.
-struct Definition {
-  double average = 0.0;
-  double rejects = 0.0;  // a half-space but for the last
-};
 template <typename Needed>
-Definition ByDefinition(const Workload& scene, std::size_t width,
-                        std::size_t planes, Needed needed) {
+double ByDefinition(const Workload& scene, std::size_t width, Needed needed) {
   std::size_t sum = 0;
   std::size_t batches = 0;
-  std::size_t ended = 0;
-  std::size_t before_last = 0;
   for (const Aabo3& query : scene.queries) {
     for (std::size_t i = 0; i < scene.objects.size(); i += width) {
       std::size_t most = 0;
@@ -69,12 +62,9 @@ Definition ByDefinition(const Workload& scene, std::size_t width,
       }
       sum += most;
       ++batches;
-      ended += most < planes ? 1 : 0;
-      before_last += std::min(most, planes - 1);
     }
   }
-  return {static_cast<double>(sum) / static_cast<double>(batches),
-          static_cast<double>(ended) / static_cast<double>(before_last)};
+  return static_cast<double>(sum) / static_cast<double>(batches);
 }
 
 WorkCounter Counted(const Workload& scene) {
@@ -87,18 +77,12 @@ TEST(WorkCountTest, IsTheDefinition) {
   // Neither a multiple of 4096 nor of 1024: the last batches are short.
   const Workload scene = SmallScene(2 * 4096 + 5 * 64, 6);
   const WorkCount work = Counted(scene).Average();
-  const BatchRejects rejects = Counted(scene).RejectsPerPlane();
   for (std::size_t i = 0; i < kWorkWidths.size(); ++i) {
     const std::size_t w = kWorkWidths[i];
-    const Definition aabb = ByDefinition(scene, w, 6, NeededByAabb);
-    const Definition simplex = ByDefinition(scene, w, 4, NeededBySimplex);
-    const Definition aabo = ByDefinition(scene, w, 8, NeededByAabo);
-    EXPECT_DOUBLE_EQ(work.aabb[i], aabb.average) << w;
-    EXPECT_DOUBLE_EQ(work.simplex[i], simplex.average) << w;
-    EXPECT_DOUBLE_EQ(work.aabo[i], aabo.average) << w;
-    EXPECT_DOUBLE_EQ(rejects.aabb[i], aabb.rejects) << w;
-    EXPECT_DOUBLE_EQ(rejects.simplex[i], simplex.rejects) << w;
-    EXPECT_DOUBLE_EQ(rejects.aabo[i], aabo.rejects) << w;
+    EXPECT_DOUBLE_EQ(work.aabb[i], ByDefinition(scene, w, NeededByAabb)) << w;
+    EXPECT_DOUBLE_EQ(work.simplex[i], ByDefinition(scene, w, NeededBySimplex))
+        << w;
+    EXPECT_DOUBLE_EQ(work.aabo[i], ByDefinition(scene, w, NeededByAabo)) << w;
   }
 }
 

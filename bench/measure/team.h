@@ -1,0 +1,94 @@
+// Threads that work at the same time, and how much of a CPU each has had.
+#ifndef HALFSPACE_BENCH_MEASURE_TEAM_H_
+#define HALFSPACE_BENCH_MEASURE_TEAM_H_
+
+#include <algorithm>
+#include <barrier>
+#include <chrono>
+#include <cstddef>
+#include <ctime>
+#include <exception>
+#include <functional>
+#include <thread>
+#include <vector>
+
+namespace halfspace::bench {
+
+struct TeamTime {
+  double seconds = 0.0;    // from the first start to the last end
+  double cpu_share = 1.0;  // of the thread that was on a CPU least of its time
+};
+
+// CPU seconds of this thread; 0 where the system does not tell.
+inline double ThreadSeconds() {
+#if defined(CLOCK_THREAD_CPUTIME_ID)
+  timespec time;
+  if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time) == 0) {
+    return static_cast<double>(time.tv_sec) +
+           1e-9 * static_cast<double>(time.tv_nsec);
+  }
+#endif
+  return 0.0;
+}
+
+// work(i) in each of `threads` threads, of which the caller is thread 0. They
+// wait for each other in the system, and not by spinning: a thread that spins
+// keeps the one that it waits for off the CPU. Throws std::system_error if no
+// thread can be started, and what work() has thrown.
+inline TeamTime RunTeam(std::size_t threads,
+                        const std::function<void(std::size_t)>& work) {
+  using Clock = std::chrono::steady_clock;
+  struct Result {
+    Clock::time_point start;
+    Clock::time_point end;
+    double cpu = 0.0;
+    std::exception_ptr error;
+  };
+  std::vector<Result> results(threads);
+  std::barrier together(static_cast<std::ptrdiff_t>(threads));
+  const auto run = [&](std::size_t i) {
+    Result& result = results[i];
+    together.arrive_and_wait();
+    const double cpu = ThreadSeconds();
+    result.start = Clock::now();
+    try {
+      work(i);
+    } catch (...) {
+      result.error = std::current_exception();
+    }
+    result.end = Clock::now();
+    result.cpu = ThreadSeconds() - cpu;
+  };
+  std::vector<std::thread> others;
+  try {
+    for (std::size_t i = 1; i < threads; ++i) others.emplace_back(run, i);
+  } catch (...) {
+    for (std::size_t i = others.size() + 1; i < threads; ++i) {
+      together.arrive_and_drop();
+    }
+    together.arrive_and_drop();
+    for (std::thread& other : others) other.join();
+    throw;
+  }
+  run(0);
+  for (std::thread& other : others) other.join();
+  TeamTime time;
+  Clock::time_point start = results[0].start;
+  Clock::time_point end = results[0].end;
+  for (const Result& result : results) {
+    if (result.error) std::rethrow_exception(result.error);
+    start = std::min(start, result.start);
+    end = std::max(end, result.end);
+    const double real =
+        std::chrono::duration<double>(result.end - result.start).count();
+    if (real > 0.0 && result.cpu > 0.0) {
+      time.cpu_share = std::min(time.cpu_share, result.cpu / real);
+    }
+  }
+  time.seconds = std::chrono::duration<double>(end - start).count();
+  return time;
+}
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_MEASURE_TEAM_H_

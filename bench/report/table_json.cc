@@ -1,0 +1,189 @@
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "bench/report/table.h"
+
+namespace halfspace::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kSchema = 4;
+constexpr const char* kNoReport = "no JSON report of this version";
+constexpr std::array<const char*, 3> kBetter = {"", "lower", "higher"};
+constexpr std::array<const char*, 5> kFlags = {"", "met", "missed", "winner",
+                                               "tie"};
+
+template <typename Enum, typename Names>
+Enum EnumOf(const Names& names, const std::string& name) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (name == names[i]) return static_cast<Enum>(i);
+  }
+  throw std::invalid_argument(kNoReport);
+}
+
+// Whole numbers are counts, and exact; others keep five digits.
+Json ToJson(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  if (value == std::floor(value) && std::abs(value) < 0x1p53) {
+    return static_cast<std::int64_t>(value);
+  }
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.5g", value);
+  return std::strtod(text, nullptr);
+}
+
+// A text, a number, null, or a list: value, low, high and flag.
+Json ToJson(const Cell& cell) {
+  Json json = cell.value          ? ToJson(*cell.value)
+              : cell.text.empty() ? Json(nullptr)
+                                  : Json(cell.text);
+  if (!cell.spread && cell.flag == Flag::kNone) return json;
+  Json list = Json::array({json, nullptr, nullptr});
+  if (cell.spread) {
+    list[1] = ToJson(cell.spread->first);
+    list[2] = ToJson(cell.spread->second);
+  }
+  if (cell.flag != Flag::kNone) {
+    list.push_back(kFlags[static_cast<std::size_t>(cell.flag)]);
+  }
+  return list;
+}
+
+Cell CellFrom(const Json& json) {
+  if (json.is_array()) {
+    Cell cell = CellFrom(json.at(0));
+    if (json.at(1).is_number()) {
+      cell.spread = {json.at(1).get<double>(), json.at(2).get<double>()};
+    }
+    if (json.size() > 3) cell.flag = EnumOf<Flag>(kFlags, json.at(3));
+    return cell;
+  }
+  if (json.is_null()) return {};
+  if (json.is_number()) return json.get<double>();
+  return json.get<std::string>();
+}
+
+Json ToJson(const Table& table) {
+  Json json = {{"name", table.name}, {"title", table.title}};
+  Json& columns = json["columns"] = Json::array();
+  for (const Column& column : table.columns) {
+    Json each = {{"name", column.name}};
+    if (!column.unit.empty()) each["unit"] = column.unit;
+    if (column.is_key) each["key"] = true;
+    if (column.better != Better::kNeither) {
+      each["better"] = kBetter[static_cast<std::size_t>(column.better)];
+    }
+    each["digits"] = column.digits;
+    columns.push_back(each);
+  }
+  Json& rows = json["rows"] = Json::array();
+  for (const Row& row : table.rows) {
+    Json cells = Json::array();
+    for (const Cell& cell : row) cells.push_back(ToJson(cell));
+    rows.push_back(cells);
+  }
+  if (!table.notes.empty()) json["notes"] = table.notes;
+  if (table.chart) {
+    json["chart"] = {{"x", table.chart->x},
+                     {"y", table.chart->y},
+                     {"series", table.chart->series},
+                     {"x_log", table.chart->is_x_log},
+                     {"y_log", table.chart->is_y_log}};
+  }
+  return json;
+}
+
+Table TableFrom(const Json& json) {
+  Table table{json.at("name"), json.at("title")};
+  for (const Json& column : json.at("columns")) {
+    table.columns.push_back(
+        {column.at("name"), column.value("unit", ""),
+         column.value("key", false),
+         EnumOf<Better>(kBetter, column.value("better", "")),
+         column.value("digits", 2)});
+  }
+  for (const Json& cells : json.at("rows")) {
+    Row row;
+    for (const Json& cell : cells) row.push_back(CellFrom(cell));
+    if (row.size() != table.columns.size()) {
+      throw std::invalid_argument(kNoReport);
+    }
+    table.Add(std::move(row));
+  }
+  if (json.contains("notes")) table.notes = json.at("notes");
+  if (json.contains("chart")) {
+    const Json& chart = json.at("chart");
+    table.chart = Chart{chart.at("x"), chart.at("y"), chart.at("series"),
+                        chart.at("x_log"), chart.at("y_log")};
+  }
+  return table;
+}
+
+// A line for each row, so that versions of a stored run can be compared.
+void AppendLines(std::string& text, const Json& table) {
+  const auto dump = [](const Json& json) {
+    // A file name in another encoding must not stop the report.
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  };
+  Json rest = table;
+  rest.erase("rows");
+  std::string head = dump(rest);
+  head.pop_back();
+  text += head + ",\"rows\":[";
+  const char* before = "\n";
+  for (const Json& row : table.at("rows")) {
+    text += before + dump(row);
+    before = ",\n";
+  }
+  text += "]}";
+}
+
+}  // namespace
+
+std::string Report::ValueOf(std::string_view name) const {
+  for (const auto& [key, value] : context) {
+    if (key == name) return value;
+  }
+  return {};
+}
+
+std::string ToJson(const Report& report) {
+  Json context = Json::object();
+  for (const auto& [key, value] : report.context) context[key] = value;
+  std::string text =
+      "{\"schema\":" + std::to_string(kSchema) + ",\n\"context\":" +
+      context.dump(1, ' ', false, Json::error_handler_t::replace) +
+      ",\n\"tables\":[";
+  const char* before = "\n";
+  for (const Table& table : report.tables) {
+    if (table.is_empty()) continue;
+    text += before;
+    AppendLines(text, ToJson(table));
+    before = ",\n";
+  }
+  return text + "]}\n";
+}
+
+Report ReportFromJson(std::string_view json) {
+  try {
+    const Json root = Json::parse(json);
+    if (root.at("schema") != kSchema) throw std::invalid_argument(kNoReport);
+    Report report;
+    for (const auto& [key, value] : root.at("context").items()) {
+      report.context.emplace_back(key, value.get<std::string>());
+    }
+    for (const Json& table : root.at("tables")) {
+      report.tables.push_back(TableFrom(table));
+    }
+    return report;
+  } catch (const Json::exception&) {
+    throw std::invalid_argument(kNoReport);
+  }
+}
+
+}  // namespace halfspace::bench

@@ -1,0 +1,88 @@
+// The aims that ratios are flagged by, in one place.
+#ifndef HALFSPACE_BENCH_SECTIONS_AIMS_H_
+#define HALFSPACE_BENCH_SECTIONS_AIMS_H_
+
+#include "halfspace/targets.h"
+
+namespace halfspace::bench {
+
+// Of x86; everywhere else what SSE4 must reach.
+inline bool IsAvx512(Target target) {
+  return target.name().starts_with("AVX3");
+}
+inline bool IsAvx2(Target target) { return target.name() == "AVX2"; }
+
+struct Aim {
+  bool is_higher_better;
+  double avx512;
+  double avx2;
+  double others;  // SSE4, and other architectures
+
+  double For(Target target) const {
+    if (IsAvx512(target)) return avx512;
+    return IsAvx2(target) ? avx2 : others;
+  }
+};
+
+constexpr Aim AtLeast(double needed) { return {true, needed, needed, needed}; }
+constexpr Aim AtMost(double needed) { return {false, needed, needed, needed}; }
+
+namespace aims {
+
+// One query out of the caches: % of reading the same planes.
+inline constexpr Aim kReading = {true, 97.0, 97.0, 90.0};
+// In the first-level cache: % of the compares alone, on registers.
+inline constexpr Aim kRegisters = {true, 90.0, 85.0, 85.0};
+// Many queries over the grid: % of the same in the first-level cache.
+inline constexpr Aim kInCache = AtLeast(90.0);
+// Quantized worlds: times the fastest scan of floats with one query, times the
+// simplex of floats with many; % of reading what a scan of them reads.
+inline constexpr Aim kFilterOverFloats = AtLeast(3.5);
+inline constexpr Aim kFilterOverSimplex = AtLeast(3.0);
+inline constexpr Aim kReadingQuantized = AtLeast(90.0);
+// Exact survivors: times the loops that one would write instead.
+inline constexpr Aim kOverScalar = AtLeast(40.0);
+inline constexpr Aim kOverVectorised = AtLeast(2.0);
+// Indices over a mask.
+inline constexpr Aim kIndicesOverMask = AtMost(1.15);
+// Slowest over fastest size in one cache level; ns of a call by itself.
+inline constexpr Aim kSizes = AtMost(1.15);
+inline constexpr Aim kCall = AtMost(10.0);
+
+// Section sorted. Box queries: times the fastest competitor, and half of that
+// where structures evict each other from the caches.
+constexpr Aim TimesFastest(double needed) {
+  return {true, needed, 0.6 * needed, 0.6 * needed};
+}
+constexpr Aim WhereEvicted(const Aim& threshold) {
+  return TimesFastest(0.5 * threshold.avx512);
+}
+inline constexpr Aim kSortedThousand = TimesFastest(2.5);
+inline constexpr Aim kSortedTenThousand = TimesFastest(4.0);
+inline constexpr Aim kSortedMore = TimesFastest(7.0);
+inline constexpr Aim kSortedFile = TimesFastest(5.0);
+inline constexpr Aim kSorted2D = TimesFastest(5.0);
+// Builds: times as fast as the competitor's bulk load. Queries of the fast
+// order over those of the tight one. Bytes beyond the floats over the floats.
+inline constexpr Aim kFastBuild = AtLeast(5.0);
+inline constexpr Aim kTightBuild = AtLeast(1.0);
+inline constexpr Aim kFastOverTight = AtMost(1.5);
+inline constexpr Aim kSortedMemory = AtMost(0.6);
+// Refits: % of copying as many bytes as they read and write.
+inline constexpr Aim kRefitInOrder = AtLeast(40.0);
+inline constexpr Aim kRefitById = AtLeast(20.0);
+// Pairs: times the fastest competitor, with the build and without.
+inline constexpr Aim kPairsAndBuild = AtLeast(3.0);
+inline constexpr Aim kPairs = AtLeast(5.0);
+// Other searches: times Boost, Embree and Boost.
+inline constexpr Aim kNearest = AtLeast(2.0);
+inline constexpr Aim kAlong = AtLeast(1.5);
+inline constexpr Aim kCounts = AtLeast(20.0);
+
+// A bulk build of boxes out of the caches: % of copying the same bytes.
+inline constexpr Aim kBuild = AtLeast(70.0);
+
+}  // namespace aims
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_SECTIONS_AIMS_H_

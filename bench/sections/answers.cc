@@ -1,0 +1,121 @@
+// What to use on this machine.
+#include <cstddef>
+#include <functional>
+#include <string>
+
+#include "bench/base/text.h"
+#include "bench/sections/run.h"
+#include "bench/sections/sections.h"
+
+namespace halfspace::bench {
+namespace {
+
+// The columns of "sweep: own workload".
+enum Column : std::size_t { kShape, kSchedule, kPrecision, kOfBest = 6 };
+
+using IsOneOf = std::function<bool(const Row&)>;
+
+bool IsSorted(const Row& way) { return way[kSchedule].text == "sorted"; }
+bool IsQuantized(const Row& way) { return way[kPrecision].text != "floats"; }
+
+// The first one: ways are in the order of their times.
+const Row* FastestOf(const Table& ways, const IsOneOf& is_one) {
+  for (const Row& way : ways.rows) {
+    if (is_one(way)) return &way;
+  }
+  return nullptr;
+}
+
+// The better of two ways, of their times over the best way's.
+void Add(Table& table, const char* question, const Row* one, const Row* other,
+         const std::function<std::string(const Row&)>& name) {
+  if (one == nullptr || other == nullptr) return;
+  if (*one->at(kOfBest).value > *other->at(kOfBest).value) {
+    std::swap(one, other);
+  }
+  const auto spread = [](const Row* way) {
+    const Cell& cell = way->at(kOfBest);
+    return cell.spread.value_or(std::pair(*cell.value, *cell.value));
+  };
+  const Ratio times{*other->at(kOfBest).value / *one->at(kOfBest).value,
+                    spread(other).first / spread(one).second,
+                    spread(other).second / spread(one).first};
+  const bool is_tie = times.low <= 1.0;
+  table.Add({question,
+             is_tie ? "no difference: " + name(*one) + ", " + name(*other)
+                    : name(*one),
+             Cell(times).With(is_tie ? Flag::kTie : Flag::kNone),
+             is_tie ? Cell() : Cell(name(*other))});
+}
+
+std::string WhatIsMeasured(Run& run, const Table& ways) {
+  const ExactTest exact = run.TheExactTest();
+  return "Measured on " + ways.notes.front() +
+         " Objects of the scene take 2 % "
+         "of its side. The exact test of a survivor takes " +
+         Fixed(exact.ns.median, 0) + " ns (" + exact.name + ").";
+}
+
+void AddThreads(const Table& threads, Table& table) {
+  std::string last;
+  for (const Row& row : threads.rows) {
+    if (!row[3].value || *row[1].value == 1.0) continue;
+    const Ratio times{*row[3].value, row[3].spread->first,
+                      row[3].spread->second};
+    const bool is_tie = times.low <= 1.0 && times.high >= 1.0;
+    table.Add(
+        {"threads",
+         is_tie ? "no difference"
+                : std::to_string(static_cast<int>(*row[1].value)) + " threads",
+         Cell(times).With(is_tie ? Flag::kTie : Flag::kNone),
+         "one thread; " + row[0].text});
+  }
+  for (const std::string& note : threads.notes) table.notes.push_back(note);
+}
+
+}  // namespace
+
+Tables RunAnswers(Run& run) {
+  Table table{"answers",
+              "what to use on this machine",
+              {Key("question"), Key("use"), Value("times as fast as"),
+               Value("the next best")}};
+  if (run.machine.is_emulated) {
+    table.notes = {"The CPU is emulated: there are no answers."};
+    return {table};
+  }
+  if (const Table* ways = run.TableOf("sweep: own workload")) {
+    const Row& best = ways->rows.front();
+    Add(table, "shape", &best,
+        FastestOf(*ways,
+                  [&](const Row& way) {
+                    return way[kShape].text != best[kShape].text;
+                  }),
+        [](const Row& way) {
+          return way[kShape].text + " " + way[kSchedule].text + " " +
+                 way[kPrecision].text;
+        });
+    const Row* scan = FastestOf(
+        *ways, [](const Row& w) { return !IsSorted(w) && !IsQuantized(w); });
+    Add(table, "precision of scans", FastestOf(*ways, IsQuantized), scan,
+        [](const Row& way) {
+          return way[kPrecision].text + " (" + way[kShape].text + ")";
+        });
+    Add(table, "structure", FastestOf(*ways, IsSorted),
+        FastestOf(*ways, [](const Row& way) { return !IsSorted(way); }),
+        [](const Row& way) {
+          return (IsSorted(way) ? "sorted world (" : "scan (") +
+                 way[kShape].text + " " + way[kPrecision].text + ")";
+        });
+    table.notes.push_back(WhatIsMeasured(run, *ways));
+  } else {
+    table.notes.push_back(
+        "Shape, precision and structure: run the section sweep too.");
+  }
+  if (const Table* threads = run.TableOf("threads")) {
+    AddThreads(*threads, table);
+  }
+  return {table};
+}
+
+}  // namespace halfspace::bench

@@ -1,0 +1,285 @@
+#include "bench/sections/options.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <sstream>
+#include <system_error>
+#include <utility>
+
+#include "bench/base/text.h"
+#include "bench/sections/sections.h"
+#include "halfspace/targets.h"
+#include "halfspace/version.h"
+
+namespace halfspace::bench {
+namespace {
+
+// A scene of more would take 32 GiB.
+constexpr std::size_t kMostObjects = std::size_t{1} << 30;
+constexpr std::size_t kMostQueries = std::size_t{1} << 20;
+constexpr std::size_t kMostRepetitions = 1000;
+
+std::string SupportedTargetNames() {
+  std::string names;
+  for (Target target : SupportedTargets()) {
+    if (!names.empty()) names += ", ";
+    names += target.name();
+  }
+  return names;
+}
+
+std::string CheckTarget(const std::string& name) {
+  if (FindTarget(name)) return {};
+  return "\"" + name + "\" is not supported here; choose one of " +
+         SupportedTargetNames();
+}
+
+// Decimal: 010 is ten, and 0x10 nothing. 1e6 is a whole number, too.
+std::optional<std::uint64_t> ParseWhole(std::string_view text) {
+  const char* const end = text.data() + text.size();
+  const auto is_all = [end](const std::from_chars_result& result) {
+    return result.ec == std::errc() && result.ptr == end;
+  };
+  std::uint64_t whole = 0;
+  if (is_all(std::from_chars(text.data(), end, whole))) return whole;
+  double value = 0;
+  if (!is_all(std::from_chars(text.data(), end, value))) return std::nullopt;
+  // Further up, not every whole number is a double.
+  const bool is_exact =
+      value >= 0 && value < 0x1p53 && value == std::floor(value);
+  if (!is_exact) return std::nullopt;
+  return static_cast<std::uint64_t>(value);
+}
+
+// Leaves plain digits for CLI11, which would read others as octal.
+CLI::Validator Whole(std::uint64_t least, std::uint64_t most) {
+  const std::string range =
+      std::to_string(least) + " to " + std::to_string(most);
+  const auto check = [=](std::string& text) -> std::string {
+    const std::optional<std::uint64_t> number = ParseWhole(text);
+    if (!number || *number < least || *number > most) {
+      return "\"" + text + "\" is no whole number from " + range;
+    }
+    text = std::to_string(*number);
+    return {};
+  };
+  return CLI::Validator(check, range);
+}
+
+// CLI::Range would let NaN pass.
+CLI::Validator Above0UpTo(double most) {
+  const std::string range = "above 0 up to " + Fixed(most, 0);
+  const auto check = [=](const std::string& text) -> std::string {
+    const char* const end = text.data() + text.size();
+    double value = 0;
+    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    const bool is_within =
+        error == std::errc() && stop == end && value > 0 && value <= most;
+    return is_within ? "" : "\"" + text + "\" is no number " + range;
+  };
+  return CLI::Validator(check, range);
+}
+
+std::string CheckFileName(const std::string& name) {
+  return name.empty() ? "an empty file name" : "";
+}
+
+// Empty pieces, too, which the delimiters of CLI11 drop.
+std::vector<std::string> SplitAtCommas(const std::string& list) {
+  std::vector<std::string> pieces(1);
+  for (char c : list) {
+    if (c == ',') {
+      pieces.emplace_back();
+    } else {
+      pieces.back() += c;
+    }
+  }
+  return pieces;
+}
+
+std::string CheckSections(const std::string& list) {
+  for (const std::string& name : SplitAtCommas(list)) {
+    const bool is_section =
+        std::any_of(Sections().begin(), Sections().end(),
+                    [&](const Section& each) { return each.name == name; });
+    if (name != kAllSections && !is_section) {
+      return "\"" + name + "\" is no section of --list";
+    }
+  }
+  return {};
+}
+
+// --help in 80 columns.
+class Help : public CLI::Formatter {
+ public:
+  std::string make_option(const CLI::Option* option,
+                          bool is_positional) const override {
+    constexpr std::size_t kIndent = 24;
+    constexpr std::size_t kWidth = 80;
+    std::string text = "  " + make_option_name(option, is_positional);
+    if (option->get_type_size() != 0) text += ' ' + option->get_type_name();
+    std::size_t column = text.size();
+    if (column >= kIndent) column = kWidth;  // begins on a new line
+    std::istringstream words(option->get_description());
+    for (std::string word; words >> word;) {
+      if (column + 1 + word.size() > kWidth) {
+        text += '\n';
+        column = 0;
+      }
+      const std::size_t gap = column < kIndent ? kIndent - column : 1;
+      text.append(gap, ' ') += word;
+      column += gap + word.size();
+    }
+    return text + '\n';
+  }
+};
+
+}  // namespace
+
+std::string BenchOptions::Scope() const {
+  std::string text;
+  const auto add = [&text](const std::string& option) {
+    text += (text.empty() ? "" : " ") + option;
+  };
+  if (is_quick) add("--quick");
+  if (!mesh.empty()) add("--mesh " + mesh);
+  if (!bounds.empty()) add("--bounds " + bounds);
+  if (!query_bounds.empty()) add("--query-bounds " + query_bounds);
+  if (query_size != 0) {
+    std::ostringstream size;
+    size << query_size;
+    add("--query-size " + size.str());
+  }
+  if (objects != 0) add("--objects " + std::to_string(objects));
+  if (queries != 0) add("--queries " + std::to_string(queries));
+  if (seed != 1) add("--seed " + std::to_string(seed));
+  if (exact_ns) add("--exact-ns " + Fixed(*exact_ns, 3));
+  return text;
+}
+
+bool BenchOptions::Wants(std::string_view section) const {
+  if (is_strict && section == "noise") return true;
+  const auto has = [this](std::string_view name) {
+    return std::find(details.begin(), details.end(), name) != details.end();
+  };
+  if (!details.empty()) return has(section) || has(kAllSections);
+  return std::any_of(Sections().begin(), Sections().end(),
+                     [section](const Section& each) {
+                       return each.name == section && (each.flags & kPage) != 0;
+                     });
+}
+
+bool ParseOptions(int argc, char** argv, BenchOptions& options) {
+  CLI::App app{
+      "Measures on this machine when a bounding simplex rejects faster than a "
+      "box,\nand when it does not."};
+  app.name("cpuinfo-bench");
+  app.formatter(std::make_shared<Help>());
+  app.set_version_flag("--version",
+                       std::string("cpuinfo-bench ") + HALFSPACE_VERSION_STRING,
+                       "Print the version and exit");
+  app.add_flag("--quick", options.is_quick,
+               "A smaller scene and fewer repetitions: 20 seconds");
+  std::vector<std::string> lists;
+  app.add_option("--details", lists,
+                 "Measure these sections at length and print their tables; "
+                 "separated by commas, see --list; all takes minutes")
+      ->check(CheckSections)
+      ->type_name("SECTION,...");
+  auto* mesh =
+      app.add_option("--mesh", options.mesh,
+                     "Measure on the triangles of a Wavefront OBJ file")
+          ->check(CheckFileName)
+          ->type_name("FILE.obj");
+  app.add_option("--bounds", options.bounds,
+                 "Measure on boxes: rows minx,miny,minz,maxx,maxy,maxz")
+      ->check(CheckFileName)
+      ->type_name("FILE.csv")
+      ->excludes(mesh);
+  auto* query_bounds =
+      app.add_option("--query-bounds", options.query_bounds,
+                     "Query with these boxes, not with those of --mesh or "
+                     "--bounds")
+          ->check(CheckFileName)
+          ->type_name("FILE.csv");
+  app.add_option("--query-size", options.query_size,
+                 "Query with random boxes whose sides are this much of the "
+                 "box around --mesh or --bounds")
+      ->check(Above0UpTo(100))
+      ->type_name("PERCENT")
+      ->excludes(query_bounds);
+  app.add_option("--objects", options.objects,
+                 "Objects in the scene (default 4194304)")
+      ->transform(Whole(64, kMostObjects))
+      ->type_name("N");
+  app.add_option("--queries", options.queries,
+                 "Queries (default 128 to count with, 256 or a few more "
+                 "with a file, and 20000 to time)")
+      ->transform(Whole(1, kMostQueries))
+      ->type_name("N");
+  app.add_option("--seed", options.seed,
+                 "Seed of the scene and of --query-size (default 1)")
+      ->transform(Whole(0, std::numeric_limits<std::uint64_t>::max()))
+      ->type_name("N");
+  app.add_option("--target", options.target,
+                 "Measure this target only: " + SupportedTargetNames())
+      ->check(CheckTarget)
+      ->type_name("NAME");
+  app.add_option("--repetitions", options.repetitions,
+                 "Repetitions of every measurement (default 5, of --details "
+                 "7, quick 3)")
+      ->transform(Whole(1, kMostRepetitions))
+      ->type_name("N");
+  app.add_option("--exact-ns", options.exact_ns,
+                 "What your exact test of a survivor takes, in ns (default: "
+                 "a triangle pair's, measured)")
+      ->check(Above0UpTo(1e9))
+      ->type_name("NS");
+  app.add_flag("--strict", options.is_strict,
+               "Exit with 4 if something disturbed the run");
+  std::string format = "text";
+  app.add_option("--format", format, "The form of the report, text by default")
+      ->check(CLI::IsMember({"text", "json"}).description(""))
+      ->type_name("text|json");
+  app.add_option("--out", options.out, "Write the results to this file")
+      ->check(CheckFileName)
+      ->type_name("FILE");
+  app.add_option("--against", options.against,
+                 "Compare values with those of this JSON report; exit with 5 "
+                 "if one is worse")
+      ->check(CheckFileName)
+      ->type_name("FILE.json");
+  app.add_flag("--list", options.is_list, "List the sections and exit");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() != 0) {
+      throw UsageError(std::string(error.what()) +
+                       "; --help lists the options");
+    }
+    app.exit(error);
+    return false;
+  }
+  if (options.mesh.empty() && options.bounds.empty() &&
+      (!options.query_bounds.empty() || options.query_size != 0)) {
+    throw UsageError(
+        "--query-bounds and --query-size are for a file; give --mesh or "
+        "--bounds");
+  }
+  for (int i = 1; i < argc; ++i) {
+    options.command += (i == 1 ? "" : " ") + std::string(argv[i]);
+  }
+  for (const std::string& list : lists) {
+    for (std::string& section : SplitAtCommas(list)) {
+      options.details.push_back(std::move(section));
+    }
+  }
+  options.format = format == "json" ? Format::kJson : Format::kText;
+  return true;
+}
+
+}  // namespace halfspace::bench

@@ -1,0 +1,107 @@
+// What a run lends its sections: worlds, timers, targets, and what more than
+// one of them needs. All of it is made when it is first used.
+#ifndef HALFSPACE_BENCH_SECTIONS_RUN_H_
+#define HALFSPACE_BENCH_SECTIONS_RUN_H_
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/base/progress.h"
+#include "bench/measure/clock_probe.h"
+#include "bench/measure/machine.h"
+#include "bench/measure/measure.h"
+#include "bench/report/table.h"
+#include "bench/sections/exact_tests.h"
+#include "bench/sections/options.h"
+#include "bench/sections/verdict.h"
+#include "bench/worlds/working_set.h"
+#include "bench/worlds/workload.h"
+#include "halfspace/targets.h"
+
+namespace halfspace::bench {
+
+inline constexpr std::size_t kPaperObjects = std::size_t{1} << 22;
+inline constexpr std::size_t kPaperQueries = 128;
+
+class Run {
+ public:
+  // `input` is the workload of a file, if one was given.
+  Run(const BenchOptions& options, std::optional<Workload> input,
+      Progress& progress);
+
+  const BenchOptions& options;
+  Progress& progress;
+  Machine machine;
+  std::vector<Target> targets;  // the best first
+  Effort effort;
+
+  bool is_page() const { return options.details.empty(); }
+  bool is_quick() const { return options.is_quick; }
+
+  // The target that programs get, or the best that is measured.
+  Target best() const;
+  // In memory targets hardly differ, and take long: the best alone, and so if
+  // the run is quick.
+  std::vector<Target> TargetsIn(const std::string& set) const {
+    return is_quick() || set == "memory" ? std::vector<Target>{best()}
+                                         : targets;
+  }
+
+  // The workload of a file; null without one.
+  const Workload* input() const { return input_ ? &*input_ : nullptr; }
+  // The paper's scene. Throws UsageError if it does not fit the memory.
+  const Workload& Scene();
+  // The workload of the file, or the scene.
+  const Workload& Measured() { return input_ ? *input_ : Scene(); }
+  std::size_t SceneObjects() const;
+
+  // The working sets of these names, as far as they are reached.
+  std::vector<WorkingSetSize> Reached(
+      const std::vector<std::string>& names) const;
+  std::vector<WorkingSet*> Sets(const std::vector<std::string>& names);
+  // In L2, or of its usual size where there is none.
+  WorkingSet& SmallSet();
+  // A note for each working set that is not reached.
+  std::vector<std::string> NotReached() const;
+
+  std::vector<Timing> Time(const std::vector<Case>& cases) {
+    return Time(cases, effort);
+  }
+  std::vector<Timing> Time(const std::vector<Case>& cases, const Effort& with) {
+    return Measure(cases, with, progress);
+  }
+
+  const std::vector<ExactTest>& ExactTests();
+  // That of --exact-ns, or of a pair of triangles.
+  ExactTest TheExactTest();
+
+  // Simplex against box. The first call measures the groups that are missing.
+  const Verdict& TheVerdict();
+  // One more group of it, unless there are enough.
+  void AddVerdictGroup();
+
+  // A kernel timed against itself, and the clock.
+  ClockProbe& clock() { return clock_; }
+
+  // Tables that a section leaves for the answers.
+  const Table* TableOf(const std::string& name) const;
+  Tables tables;
+
+ private:
+  bool NeedsScene() const;
+  [[noreturn]] void FailForMemory(const std::string& why) const;
+  WorkingSet& Set(const WorkingSetSize& size);
+
+  std::optional<Workload> input_;
+  Workload scene_;
+  ClockProbe clock_;
+  std::vector<ExactTest> exact_tests_;
+  std::vector<std::unique_ptr<WorkingSet>> sets_;
+  std::unique_ptr<Verdict> verdict_;
+};
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_SECTIONS_RUN_H_

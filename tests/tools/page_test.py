@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+"""page_test.py schema|html PROJECT RUN.json...: that reports are as their schema says,
+and that the page of them is well-formed HTML with what is in them. Exits with 77 where a
+package is missing."""
+
+import html.parser
+import json
+import subprocess
+import sys
+
+check, project, runs = sys.argv[1], sys.argv[2], sys.argv[3:]
+reports = [json.load(open(run, encoding="utf-8")) for run in runs]
+
+if check == "schema":
+    try:
+        import jsonschema
+    except ImportError:
+        sys.exit(77)
+    with open(f"{project}/docs/report.schema.json", encoding="utf-8") as file:
+        schema = json.load(file)
+    jsonschema.Draft7Validator.check_schema(schema)
+    errors = [error for report in reports
+              for error in jsonschema.Draft7Validator(schema).iter_errors(report)]
+    for error in errors:
+        print("/".join(map(str, error.absolute_path)) + ":", error.message[:200])
+    sys.exit(bool(errors))
+
+
+class Page(html.parser.HTMLParser):
+    """Checks that elements nest, and collects the text."""
+    VOID = {"meta", "line", "polyline"}
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.text, self.svgs = [], "", 0
+
+    def handle_starttag(self, tag, attrs):
+        self.svgs += tag == "svg"
+        assert not any(name in ("src", "href") for name, _ in attrs), attrs
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        assert tag in self.VOID, tag
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag, (tag, self.getpos())
+
+    def handle_data(self, data):
+        self.text += data
+
+
+tool = [sys.executable, f"{project}/bench/cpuinfo-bench-report"]
+for paths in (runs[:1], runs[1:], runs):
+    page = Page()
+    text = subprocess.run([*tool, *paths], check=True, capture_output=True, text=True).stdout
+    page.feed(text)
+    assert page.open == [], page.open
+    assert "nan" not in text and "inf" not in text.replace("info", "")
+    assert page.text.index("Simplex or box?") < page.text.index("verdict")
+    for report in (r for r, run in zip(reports, runs) if run in paths):
+        assert report["context"]["model"] in page.text
+        for table in report["tables"]:
+            is_shown = table["name"] in page.text
+            assert is_shown or table["name"] == "noise", table["name"]
+assert page.svgs >= 3, page.svgs
+refused = subprocess.run([*tool, f"{project}/docs/report.schema.json"],
+                         capture_output=True, text=True)
+assert refused.returncode == 1 and "; give a file" in refused.stderr, refused

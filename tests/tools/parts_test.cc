@@ -1,0 +1,86 @@
+// Small parts of the tool, each against values by hand.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+#include "bench/base/text.h"
+#include "bench/baselines/register_scan.h"
+#include "bench/measure/crossover_size.h"
+#include "bench/measure/line_fit.h"
+#include "bench/measure/team.h"
+#include "halfspace/targets.h"
+
+namespace halfspace::bench {
+namespace {
+
+TEST(TeamTest, RunsEachThreadOnceAndRethrows) {
+  std::vector<int> runs(3);
+  const TeamTime time = RunTeam(3, [&](std::size_t i) { ++runs[i]; });
+  EXPECT_EQ(runs, (std::vector<int>{1, 1, 1}));
+  EXPECT_GT(time.seconds, 0.0);
+  EXPECT_LE(time.cpu_share, 1.0);
+  EXPECT_THROW(RunTeam(2,
+                       [](std::size_t i) {
+                         if (i == 1) throw std::runtime_error("over there");
+                       }),
+               std::runtime_error);
+}
+
+TEST(PrintableTest, EscapesControlCharactersAndLeavesLetters) {
+  EXPECT_EQ(Printable("a\n\x1b[31m\x7f"), "a\\x0a\\x1b[31m\\x7f");
+  EXPECT_EQ(Printable("\xC3\x9F"), "\xC3\x9F");     // U+00DF
+  EXPECT_EQ(Printable("\xC2\x9Bm"), "\xC2\\x9bm");  // U+009B
+}
+
+TEST(LineFitTest, FindsInterceptAndSlope) {
+  const std::vector<double> x = {64, 128, 1024};
+  const std::vector<double> exact = {7 + 64 * 0.5, 7 + 128 * 0.5,
+                                     7 + 1024 * 0.5};
+  EXPECT_NEAR(FitLine(x, exact).intercept, 7.0, 1e-9);
+  EXPECT_NEAR(FitLine(x, exact).slope, 0.5, 1e-12);
+  // By hand: means 2 and 3, slope (1 * 2 + 0 + 1 * 1) / 2.
+  const std::vector<double> few = {1, 2, 3};
+  const std::vector<double> scattered = {1, 4, 4};
+  EXPECT_NEAR(FitLine(few, scattered).slope, 1.5, 1e-12);
+  EXPECT_NEAR(FitLine(few, scattered).intercept, 0.0, 1e-12);
+}
+
+TEST(CrossoverSizeTest, InterpolatesBetweenLogarithms) {
+  const std::vector<double> sizes = {100, 10000};
+  const std::vector<double> ours = {1, 100};
+  // Half of theirs, then twice as much: in the middle.
+  const std::vector<double> theirs = {2, 50};
+  EXPECT_NEAR(CrossoverSize(sizes, ours, theirs), 1000, 1e-6);
+  const std::vector<double> faster = {0.5, 200};
+  EXPECT_EQ(CrossoverSize(sizes, ours, faster), 0.0);
+  const std::vector<double> slower = {2, 200};
+  EXPECT_EQ(CrossoverSize(sizes, ours, slower), 10000.0);
+}
+
+TEST(RegisterScanTest, WritesTheWordsAndNoMore) {
+  AaboWorld3 world;
+  world.Resize(256);
+  const Aabo3 query = Aabo3::Empty();
+  for (Target target : SupportedTargets()) {
+    const RegisterScans scans = RegisterScansFor(target);
+    for (RegisterScan scan : {scans.one, scans.many}) {
+      if (scan == nullptr) continue;
+      for (ShapeKind shape : kShapes) {
+        constexpr std::uint64_t kUntouched = 0x5555555555555555;
+        std::vector<std::uint64_t> mask(6, kUntouched);
+        scan(shape, PlanesOf(shape, world.view()).data(),
+             QueryOf(shape, query).data(), 256, mask.data());
+        for (std::size_t w = 0; w < 4; ++w) {
+          EXPECT_NE(mask[w], kUntouched) << target.name() << NameOf(shape);
+        }
+        EXPECT_EQ(mask[4], kUntouched);
+        EXPECT_EQ(mask[5], kUntouched);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace halfspace::bench
