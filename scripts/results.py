@@ -63,7 +63,7 @@ def rows_of(table, conditions):
     """The rows whose cells are as `column=value,...` says."""
     names = [column["name"] for column in table["columns"]]
     rows = table["rows"]
-    for condition in filter(None, conditions.split(",")):
+    for condition in filter(None, re.split(r",(?=[^,=]+=)", conditions)):
         name, value = condition.strip().split("=", 1)
         if name not in names:
             sys.exit(f"table \"{table['name']}\" has no column \"{name}\"")
@@ -100,7 +100,9 @@ def single(runs, spec):
     if len(rows) != 1 or column not in names:
         sys.exit(f"{len(rows)} rows fit \"{spec}\", or it has no such column")
     at = names.index(column)
-    return cell(rows[0][at], table["columns"][at]).replace("**", "")
+    value = rows[0][at]
+    without_flag = value[:3] if isinstance(value, list) else value
+    return cell(without_flag, table["columns"][at])
 
 
 def filled(text, runs):
