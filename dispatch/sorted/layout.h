@@ -4,8 +4,10 @@
 #define HALFSPACE_DISPATCH_SORTED_LAYOUT_H_
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/detail/sorted.h"
@@ -51,6 +53,20 @@ struct alignas(64) SortedHeader {
   std::uint32_t inserted;  // since then
 };
 static_assert(sizeof(SortedHeader) == 64);
+
+// Another thread may be in Blob(), which writes the checksum.
+inline void CopyButChecksum(void* to, const std::byte* from,
+                            std::size_t bytes) {
+  constexpr std::size_t kBefore = offsetof(SortedHeader, checksum);
+  constexpr std::size_t kAfter = kBefore + sizeof(std::uint64_t);
+  std::memcpy(to, from, kBefore);
+  std::memcpy(static_cast<std::byte*>(to) + kAfter, from + kAfter,
+              bytes - kAfter);
+}
+
+inline std::atomic_ref<std::uint64_t> Checksum(SortedHeader& header) {
+  return std::atomic_ref<std::uint64_t>(header.checksum);
+}
 
 inline constexpr char kSortedMagic[8] = {'h', 'a', 'l', 'f',
                                          's', 'o', 'r', 't'};
