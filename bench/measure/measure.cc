@@ -129,7 +129,7 @@ Ratio SpreadOf(const Timing& timing) {
   return {timing.Median(), timing.Quantile(0.25), timing.Quantile(0.75)};
 }
 
-Ratio RangeOf(std::vector<double> values) {
+Ratio RangeOf(const std::vector<double>& values) {
   return {QuantileOf(values, 0.5), QuantileOf(values, 0.0),
           QuantileOf(values, 1.0)};
 }

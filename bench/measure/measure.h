@@ -66,7 +66,7 @@ Ratio RatioOf(const Timing& numerator, const Timing& denominator);
 Ratio SpreadOf(const Timing& timing);
 
 // Median, least and greatest of some values, at least one.
-Ratio RangeOf(std::vector<double> values);
+Ratio RangeOf(const std::vector<double>& values);
 
 struct Effort {
   std::size_t repetitions = 5;

@@ -99,6 +99,7 @@ Tables RunAxes(Run& run) {
                Value("over standard"), Value("padding / extent", "", 8)}};
   for (Target target : run.targets) {
     std::vector<Case> cases;
+    cases.reserve(kAllAxes.size());
     for (Axes axes : kAllAxes) {
       cases.push_back(clouds.MakeCase(
           "axes/" + NameOf(target) + "/" + NameOf(axes), axes, target));

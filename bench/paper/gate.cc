@@ -29,6 +29,7 @@ std::vector<std::size_t> WidthsFrom(std::size_t lanes) {
 std::string CrossingsText(const std::vector<double>& widths,
                           const std::vector<Ratio>& box_over_simplex) {
   std::vector<double> ratios;
+  ratios.reserve(box_over_simplex.size());
   for (const Ratio& ratio : box_over_simplex) ratios.push_back(ratio.median);
   const std::vector<double> crossings = CrossingsOf(widths, ratios);
   std::string leader = ratios.front() > 1.0 ? "the simplex" : "the box";
@@ -59,6 +60,7 @@ Tables RunGate(Run& run) {
     std::vector<Ratio> ratios;
     for (std::size_t w : WidthsFrom(target.lanes())) {
       std::vector<Case> cases;
+      cases.reserve(kShapes.size());
       for (ShapeKind shape : kShapes) {
         cases.push_back(set.GatedCase("gate/" + NameOf(target) + "/" +
                                           std::to_string(w) + "/" +

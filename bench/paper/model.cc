@@ -142,7 +142,7 @@ Table AdvantageTable(Run& run, const VerdictWorld& typical,
         saved[s] -= ns[1].samples[s] +
                     (simplex.survivors - box.survivors) * exact.ns.median;
       }
-      row.back() = RangeOf(std::move(saved));
+      row.back() = RangeOf(saved);
     }
     table.Add(std::move(row));
   }

@@ -44,6 +44,7 @@ void AddRows(Run& run, VolumeSet& set, const std::string& name,
   };
   for (Target target : run.TargetsIn(name)) {
     std::vector<Case> cases;
+    cases.reserve(kVolumeTests.size());
     for (const VolumeTest& test : kVolumeTests) {
       cases.push_back(set.MakeCase("volumes/" + name + "/" + NameOf(target) +
                                        "/" + NameOf(test.volume) + "/" +

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include "bench/base/text.h"
@@ -11,11 +12,9 @@ constexpr std::size_t kTableWidth = 100;
 constexpr std::size_t kNoteWidth = 98;
 
 std::string TextOf(double value, int digits) {
-  if (digits == 0) {
-    return value < 0.0 ? Fixed(value, 0)
-                       : Grouped(static_cast<std::size_t>(value + 0.5));
-  }
-  return Fixed(value, digits);
+  const bool is_grouped = digits == 0 && value >= 0.0 && value < 0x1p53;
+  return is_grouped ? Grouped(static_cast<std::size_t>(std::llround(value)))
+                    : Fixed(value, digits);
 }
 
 std::string TextOf(const Cell& cell, int digits) {

@@ -145,7 +145,7 @@ Ratio VerdictCell::Difference(ShapeKind more, ShapeKind less) const {
   for (std::size_t g = 0; g < differences.size(); ++g) {
     differences[g] -= others[g];
   }
-  return RangeOf(std::move(differences));
+  return RangeOf(differences);
 }
 
 std::string VerdictWorld::name() const {
@@ -166,7 +166,7 @@ Ratio VerdictWorld::OverSimplex(ShapeKind shape, std::size_t target,
   const std::vector<double> simplex = costs(ShapeKind::kSimplex);
   std::vector<double> ratios = costs(shape);
   for (std::size_t g = 0; g < ratios.size(); ++g) ratios[g] /= simplex[g];
-  return RangeOf(std::move(ratios));
+  return RangeOf(ratios);
 }
 
 Verdict::Verdict(Run& run) : targets_(run.targets), effort_(run.effort) {
@@ -263,7 +263,7 @@ Tables RunVerdict(Run& run) {
         }
         times.Add({world.name(), NameOf(verdict.targets()[t]),
                    NameOf(kContenders[c].shape), kContenders[c].schedule,
-                   RangeOf(cell.ns[c]), RangeOf(std::move(ratios))});
+                   RangeOf(cell.ns[c]), RangeOf(ratios)});
       }
     }
   }
