@@ -85,9 +85,11 @@ Boxes<kDims, T> BoxesOfRecords(const Aabb<kDims, T>* boxes, std::size_t count) {
   columns.count = count;
   columns.stride = 2 * kDims;
   if (boxes == nullptr || count == 0) return columns;
+  // No member is touched: the builder checks the alignment.
+  const T* const values = reinterpret_cast<const T*>(boxes);
   for (std::size_t k = 0; k < kDims; ++k) {
-    columns.min[k] = boxes->min.data() + k;
-    columns.max[k] = boxes->max.data() + k;
+    columns.min[k] = values + k;
+    columns.max[k] = values + kDims + k;
   }
   return columns;
 }
