@@ -25,19 +25,9 @@ constexpr std::size_t kLine = sizeof(BvhHeader);
 
 // The last block of a level has lanes without an object, which no query may
 // keep: their children would be beyond the level below.
-bool IsClosed(const BvhShape& shape, const BvhLevel& level) {
+bool IsClosed(const BvhLevel& level) {
   const std::size_t count = level.size % kBlockObjects;
-  if (count == 0) return true;
-  const std::size_t last = level.size / kBlockObjects;
-  if (level.present[last] >> count != 0) return false;
-  const auto* codes = reinterpret_cast<const std::int8_t*>(
-      level.blocks + last * BlockBytes(PlanesOf(shape)) + sizeof(BlockScale));
-  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
-    for (std::size_t i = count; i < kBlockObjects; ++i) {
-      if (codes[p * kBlockObjects + i] != kNoCode - kCodeBias) return false;
-    }
-  }
-  return true;
+  return count == 0 || level.present[level.size / kBlockObjects] >> count == 0;
 }
 
 // Of all bytes but the checksum's own. A change of one byte always changes it:
@@ -134,7 +124,7 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
   loaded.is_as_loaded_ = true;
   SetSlots(loaded.levels_, header.slots);
   for (std::size_t l = 0; l < loaded.levels_.count; ++l) {
-    if (!IsClosed(shape_, loaded.levels_.level[l])) {
+    if (!IsClosed(loaded.levels_.level[l])) {
       ThrowCorrupt(
           is_in_place, "what Bvh::Blob() returned",
           "altered bytes in the unused lanes of level " + std::to_string(l));

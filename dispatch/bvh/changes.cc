@@ -28,10 +28,10 @@ constexpr std::size_t kSortEach = 256;
 // over its planes.
 using Growths = std::array<float, kBlockObjects>;
 Growths GrowthsOf(const BvhShape& shape, const BvhLevel& level,
-                  std::size_t first, const float* values) {
+                  std::size_t block, const float* values) {
   Growths growths{};
   for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
-    const float* const plane = level.planes[p] + first;
+    const float* const plane = level.Plane(block, p);
     const float sign = p < shape.axes ? 1.0f : -1.0f;
     for (std::size_t i = 0; i < kBlockObjects; ++i) {
       const float beyond = sign * (plane[i] - values[p]);
@@ -45,8 +45,8 @@ Growths GrowthsOf(const BvhShape& shape, const BvhLevel& level,
 float ExtentOf(const BvhShape& shape, const BvhLevel& level, std::size_t node) {
   float extent = 0;
   for (std::size_t k = 0; k < shape.axes; ++k) {
-    if (shape.has_max) extent += level.planes[shape.axes + k][node];
-    extent -= level.planes[k][node];
+    if (shape.has_max) extent += level.Value(shape.axes + k, node);
+    extent -= level.Value(k, node);
   }
   return extent;
 }
@@ -102,10 +102,7 @@ void BvhTree::Reallocate(const char* call, const BvhRoom& room) {
                                std::size_t of_block) {
       std::memcpy(copied, source, blocks * of_block * sizeof(*copied));
     };
-    copy(level.blocks, old.blocks, BlockBytes(PlanesOf(shape_)));
-    for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
-      copy(level.planes[p], old.planes[p], kBlockObjects);
-    }
+    copy(level.floats, old.floats, PlanesOf(shape_) * kBlockObjects);
     copy(level.present, old.present, 1);
     if (level.regular != nullptr) copy(level.regular, old.regular, 1);
     if (level.masks == nullptr) continue;
@@ -116,6 +113,12 @@ void BvhTree::Reallocate(const char* call, const BvhRoom& room) {
     }
   }
   if (old_count > 0) {
+    *grown.levels_.map = *levels_.map;
+    if (levels_.codes != nullptr) {
+      std::memcpy(grown.levels_.codes, levels_.codes,
+                  BlocksOf(to.slots) * PlanesOf(shape_) * kBlockObjects *
+                      sizeof(std::int16_t));
+    }
     std::memcpy(grown.levels_.ids, levels_.ids,
                 BlocksOf(to.slots) * kBlockObjects * sizeof(std::uint32_t));
     std::memcpy(grown.levels_.built, levels_.built,
@@ -166,14 +169,15 @@ void BvhTree::EncodePath(std::size_t slot) {
     for (std::size_t l = 0; l < levels_.count; ++l) {
       block /= kBlockObjects;
       if (l + 1 == levels_.count) {
-        kernels.encode({&levels_.level[l], nullptr, block, block + 1});
+        kernels.encode(
+            {&levels_.level[l], nullptr, nullptr, nullptr, block, block + 1});
         return;
       }
       const BvhLevel& above = levels_.level[l + 1];
       const auto node = [&] {
         std::array<float, 8> planes{};
         for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
-          planes[p] = above.planes[p][block];
+          planes[p] = above.Value(p, block);
         }
         std::array<std::uint64_t, 3> bits{above.present[block / 64], 0, 0};
         if (above.regular != nullptr) bits[1] = above.regular[block / 64];
@@ -181,7 +185,8 @@ void BvhTree::EncodePath(std::size_t slot) {
         return std::pair(planes, bits);
       };
       const auto before = node();
-      kernels.encode({&levels_.level[l], &above, block, block + 1});
+      kernels.encode({&levels_.level[l], &above, levels_.map,
+                      l == 0 ? levels_.codes : nullptr, block, block + 1});
       if (above.masks != nullptr) OrMasks(levels_, l, block);
       if (node() == before) return;
     }
@@ -191,7 +196,7 @@ void BvhTree::EncodePath(std::size_t slot) {
 void BvhTree::Set(std::uint32_t id, Span<const float> values) {
   const std::size_t slot = PrepareObject(id, false, "Bvh::Set");
   for (std::size_t p = 0; p < values.size(); ++p) {
-    levels_.level[0].planes[p][slot] = values[p];
+    levels_.level[0].Value(p, slot) = values[p];
   }
   EncodePath(slot);
 }
@@ -218,7 +223,7 @@ std::size_t BvhTree::FindSlot(const float* values) const {
   for (std::size_t l = levels_.count; l-- > 1;) {
     const BvhLevel& level = levels_.level[l];
     const std::size_t first = block * kBlockObjects;
-    const Growths growths = GrowthsOf(shape_, level, first, values);
+    const Growths growths = GrowthsOf(shape_, level, block, values);
     std::size_t best = level.size;
     for (std::size_t n = first; n < std::min(level.size, first + kBlockObjects);
          ++n) {
@@ -318,7 +323,7 @@ std::uint32_t BvhTree::Insert(Span<const float> values) {
   }
   const BvhLevel& level = levels_.level[0];
   for (std::size_t p = 0; p < values.size(); ++p) {
-    level.planes[p][slot] = values[p];
+    level.Value(p, slot) = values[p];
   }
   level.present[slot / kBlockObjects] |= std::uint64_t{1}
                                          << slot % kBlockObjects;
@@ -334,7 +339,7 @@ void BvhTree::Erase(std::uint32_t id) {
   const BvhLevel& level = levels_.level[0];
   constexpr float kInf = std::numeric_limits<float>::infinity();
   for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
-    level.planes[p][slot] = p < shape_.axes ? kInf : -kInf;
+    level.Value(p, slot) = p < shape_.axes ? kInf : -kInf;
   }
   level.present[slot / kBlockObjects] &=
       ~(std::uint64_t{1} << slot % kBlockObjects);

@@ -1,9 +1,12 @@
 #include "dispatch/bvh/layout.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <limits>
+#include <span>
 #include <string>
 
 #include "kernels/error.h"
@@ -76,14 +79,14 @@ void FillPart(const BvhLevels& levels, std::size_t planes,
     std::uint64_t present = level.present[b];
     if (~present == 0 && elements != nullptr) {
       for (std::size_t p = 0; p < planes; ++p) {
-        float* const to = level.planes[p] + first;
+        float* const to = level.Plane(b, p);
         for (std::size_t i = 0; i < kBlockObjects; ++i) {
           to[i] = objects.planes[p][elements[first + i] * objects.stride];
         }
       }
     } else if (~present == 0 && objects.stride == 1) {
       for (std::size_t p = 0; p < planes; ++p) {
-        std::memcpy(level.planes[p] + first, objects.planes[p] + first,
+        std::memcpy(level.Plane(b, p), objects.planes[p] + first,
                     kBlockObjects * sizeof(float));
       }
     } else {
@@ -92,11 +95,70 @@ void FillPart(const BvhLevels& levels, std::size_t planes,
         const std::size_t from =
             (elements == nullptr ? s : elements[s]) * objects.stride;
         for (std::size_t p = 0; p < planes; ++p) {
-          level.planes[p][s] = objects.planes[p][from];
+          level.Value(p, s) = objects.planes[p][from];
         }
       }
     }
-    kernels.encode({&level, above, b, b + 1});
+    kernels.encode({&level, above, levels.map, levels.codes, b, b + 1});
+  }
+}
+
+// Some objects say where most values are: codes are 1.5 times as fine if no
+// room is left for the others.
+constexpr std::size_t kMostSamples = 1024;
+
+// Maps a range of an axis onto all codes. The least and the greatest 16th of
+// the samples have no say, so that a few objects that are far away or very long
+// cost the others no codes: their values have the first code or the last, and
+// the floats decide.
+void FitAxis(std::span<float> minima, std::span<float> maxima, std::size_t axis,
+             CodeMap& map) {
+  constexpr float kMostScale = 0x1p100f;
+  float low = 0;
+  float width = 0;
+  if (!minima.empty() && !maxima.empty()) {
+    const auto nth = [](std::span<float> values, std::size_t n) {
+      std::nth_element(values.begin(), values.begin() + n, values.end());
+      return values[n];
+    };
+    low = nth(minima, minima.size() / 16);
+    float high = nth(maxima, maxima.size() - 1 - maxima.size() / 16);
+    if (!(low < high)) {
+      low = *std::min_element(minima.begin(), minima.end());
+      high = *std::max_element(maxima.begin(), maxima.end());
+    }
+    width = std::max(0.0f, high - low);
+    low -= width / 4;
+    width *= 1.5f;
+  }
+  const float scale =
+      std::min(static_cast<float>(kMostCode) / width, kMostScale);
+  map.base[axis] = low;
+  map.scale[axis] = scale;
+  map.base[CodeMap::kMaxLane + axis] = -(low + width);
+  map.scale[CodeMap::kMaxLane + axis] = scale;
+}
+
+// value(p, s) is that of the object in slot s.
+template <typename Value>
+void FitMapTo(const BvhShape& shape, const BvhLevels& levels,
+              const Value& value) {
+  constexpr float kMost = 0x1p100f;
+  const std::size_t slots = levels.level[0].size;
+  const std::size_t step = std::max({std::size_t{1}, slots / kMostSamples,
+                                     std::min<std::size_t>(64, slots / 32)});
+  for (std::size_t k = 0; k < shape.axes; ++k) {
+    std::array<std::array<float, 2 * kMostSamples>, 2> samples;
+    std::array<std::size_t, 2> counts{};
+    for (std::size_t s = 0; s < slots; s += step) {
+      if (!IsPresent(levels, s)) continue;
+      for (std::size_t m = 0; m < 2; ++m) {
+        const float v = value(m == 1 && shape.has_max ? shape.axes + k : k, s);
+        if (std::abs(v) <= kMost) samples[m][counts[m]++] = v;
+      }
+    }
+    FitAxis({samples[0].data(), counts[0]}, {samples[1].data(), counts[1]}, k,
+            *levels.map);
   }
 }
 
@@ -104,23 +166,23 @@ void FillPart(const BvhLevels& levels, std::size_t planes,
 
 std::size_t Place(const BvhShape& shape, const BvhRoom& room, std::byte* begin,
                   bool is_new, BvhLevels& levels) {
-  // So that equal places of all planes are not in one set of a cache.
-  constexpr std::size_t kStagger = 5 * kLine;
   levels = {};
   const std::size_t planes = PlanesOf(shape);
   Parts parts(begin, is_new);
   parts.Take<BvhHeader>(1);
+  levels.map = parts.Take<CodeMap>(1);
   std::size_t size = room.slots;
   do {
     BvhLevel& level = levels.level[levels.count++];
     const std::size_t blocks = BlocksOf(size);
-    const std::size_t bytes = blocks * BlockBytes(planes);
-    level.is_prefetched = bytes > kInCacheBytes;
-    level.blocks = parts.Take<std::byte>(bytes);
-    for (std::size_t p = 0; p < planes; ++p) {
-      level.planes[p] = parts.Take<float>(blocks * kBlockObjects);
-      parts.Skip(kStagger);
-    }
+    const std::size_t values = blocks * planes * kBlockObjects;
+    const bool is_coded = levels.count == 1 && blocks > 1;
+    level.is_prefetched =
+        values * (is_coded ? sizeof(std::int16_t) : sizeof(float)) >
+        kInCacheBytes;
+    level.planes = planes;
+    level.floats = parts.Take<float>(values);
+    if (is_coded) levels.codes = parts.Take<std::int16_t>(values);
     level.present = parts.Take<std::uint64_t>(blocks);
     if (shape.has_max && levels.count > 1) {
       level.regular = parts.Take<std::uint64_t>(blocks);
@@ -150,7 +212,8 @@ void ClearSlots(const BvhShape& shape, BvhLevels& levels, std::size_t level,
   const BvhLevel& cleared = levels.level[level];
   for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
     const float empty = (p < shape.axes ? 1.0f : -1.0f) * kInf;
-    std::fill(cleared.planes[p] + begin, cleared.planes[p] + end, empty);
+    float* const plane = cleared.Plane(begin / kBlockObjects, p);
+    std::fill(plane + begin % kBlockObjects, plane + kBlockObjects, empty);
   }
   const std::uint64_t kept = (std::uint64_t{1} << begin % kBlockObjects) - 1;
   const std::size_t block = begin / kBlockObjects;
@@ -175,7 +238,8 @@ void EncodeLevels(const BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
   for (std::size_t l = from; l < levels.count; ++l) {
     const bool is_top = l + 1 == levels.count;
     kernels.encode({&levels.level[l], is_top ? nullptr : &levels.level[l + 1],
-                    0, BlocksOf(levels.level[l].size)});
+                    levels.map, l == 0 ? levels.codes : nullptr, 0,
+                    BlocksOf(levels.level[l].size)});
   }
 }
 
@@ -186,7 +250,7 @@ void EncodeSlots(BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
     end = BlocksOf(end);
     const bool is_top = l + 1 == levels.count;
     kernels.encode({&levels.level[l], is_top ? nullptr : &levels.level[l + 1],
-                    begin, end});
+                    levels.map, l == 0 ? levels.codes : nullptr, begin, end});
     if (is_top || levels.level[l].masks == nullptr) continue;
     for (std::size_t b = begin; b < end; ++b) OrMasks(levels, l, b);
   }
@@ -230,9 +294,23 @@ void FillPresent(const BvhLevel& level, std::size_t slots) {
   }
 }
 
+void FitMap(const BvhShape& shape, const BvhLevels& levels) {
+  FitMapTo(shape, levels, [&](std::size_t p, std::size_t s) {
+    return levels.level[0].Value(p, s);
+  });
+}
+
 void FillSlots(const BvhShape& shape, const BvhLevels& levels,
                const FloatColumns& objects, const std::uint32_t* elements,
                const BvhKernels::OfPlanes& kernels, const PartRunner& run) {
+  if (levels.codes != nullptr) {
+    kernels::InDefaultFpMode([&] {
+      FitMapTo(shape, levels, [&](std::size_t p, std::size_t s) {
+        return objects.planes[p][(elements == nullptr ? s : elements[s]) *
+                                 objects.stride];
+      });
+    });
+  }
   run(PartsOf(levels.level[0].size), [&](std::size_t part) {
     kernels::InDefaultFpMode([&] {
       FillPart(levels, PlanesOf(shape), objects, elements, kernels, part);
@@ -253,9 +331,9 @@ BvhPart AsIs(const BvhShape& shape, const BvhLevels& levels,
     double extents[4] = {};
     double slack = 0;
     for (std::size_t k = 0; k < shape.axes; ++k) {
-      const double min = nodes.planes[k][n];
+      const double min = nodes.Value(k, n);
       slack -= min;
-      if (shape.has_max) extents[k] = nodes.planes[shape.axes + k][n] - min;
+      if (shape.has_max) extents[k] = nodes.Value(shape.axes + k, n) - min;
     }
     double surface = slack;
     if (shape.has_max) {

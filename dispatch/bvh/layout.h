@@ -70,7 +70,7 @@ inline std::atomic_ref<std::uint64_t> Checksum(BvhHeader& header) {
 
 inline constexpr char kBvhMagic[8] = {'h', 'a', 'l', 'f', 's', 'o', 'r', 't'};
 // Of the format. A blob of another one is refused.
-inline constexpr std::uint32_t kBvhVersion = 2;
+inline constexpr std::uint32_t kBvhVersion = 3;
 
 constexpr std::size_t BlocksOf(std::size_t objects) {
   return (objects + kBlockObjects - 1) / kBlockObjects;
@@ -143,6 +143,9 @@ inline void PutId(const BvhLevels& levels, std::size_t slot, std::uint32_t id,
 
 // Says that there is an object in each slot before `slots`.
 void FillPresent(const BvhLevel& level, std::size_t slots);
+
+// Fits the map of codes to the floats. The leaves have to be encoded then.
+void FitMap(const BvhShape& shape, const BvhLevels& levels);
 
 // Copies the bounds of the objects that exist and encodes all levels. Slot s
 // has element elements[s], or s without them.

@@ -56,7 +56,7 @@ class Gathered {
       if (!IsPresent(levels_, s)) continue;
       const std::size_t i = columns_.size++;
       for (std::size_t p = 0; p < planes_; ++p) {
-        Floats()[p * room_ + i] = level.planes[p][s];
+        Floats()[p * room_ + i] = level.Value(p, s);
       }
       ids()[i] = levels_.ids[s];
       if (has_masks()) Masks()[i] = level.masks[s];
@@ -152,13 +152,14 @@ std::size_t BvhTree::Resort(const char* call, Span<const SlotRange> ranges,
       if (next == columns.size) continue;
       const std::uint32_t element = elements[next++];
       for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
-        level.planes[p][s] = columns.planes[p][element];
+        level.Value(p, s) = columns.planes[p][element];
       }
       level.present[s / kBlockObjects] |= std::uint64_t{1} << s % kBlockObjects;
       PutId(levels_, s, gathered.ids()[element], gathered.MasksOf(element));
     }
   }
   kernels::InDefaultFpMode([&] {
+    if (ranges[0].end - ranges[0].begin == slots()) FitMap(shape_, levels_);
     for (const SlotRange& range : ranges) {
       EncodeSlots(levels_, kernels, range.begin, range.end);
     }
@@ -199,7 +200,7 @@ void BvhTree::CloseGaps() {
   for (std::size_t s = 0; s < header.slots; ++s) {
     if (!IsPresent(levels_, s)) continue;
     for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
-      level.planes[p][to] = level.planes[p][s];
+      level.Value(p, to) = level.Value(p, s);
     }
     PutId(levels_, to, levels_.ids[s],
           level.masks == nullptr ? 0 : level.masks[s]);

@@ -109,8 +109,8 @@ class Prepared {
           origin[k] = v[k];
           direction[k] = double{v[dims + k]} - v[k];
         }
-        shape_.touching = kernels.line;
-        shape_.instead = kernels.line_codes;
+        shape_.instead = kernels.line;
+        shape_.touching = nullptr;
         shape_.inside = nullptr;
         MakeLine(planes, origin, direction, 1, RadiusOf(query), shape_.line);
         // Too large for all axes: its test would keep Empty() objects.

@@ -92,6 +92,8 @@ void BvhTree::Allocate(const BvhRoom& room) {
   header.capacity = static_cast<std::uint32_t>(room.slots);
   header.id_room = static_cast<std::uint32_t>(room.ids);
   header.free_id = kNoId;
+  for (float& base : levels_.map->base) base = 0;
+  for (float& scale : levels_.map->scale) scale = 1;
 }
 
 void BvhTree::Build(const FloatColumns& objects, BuildQuality quality,

@@ -12,8 +12,8 @@
 
 namespace halfspace::detail {
 
-// The codes of the objects in leaves: 16 bits for each plane, less kCodeBias, as
-// x86 compares signed numbers. Value v, or -v of a maximum, has the code
+// The codes of the objects in leaves: 16 bits for each plane, less kCodeBias,
+// as x86 compares signed numbers. Value v, or -v of a maximum, has the code
 //
 //   min(max(floor((v - base) * scale), 0), kMostCode)
 //
@@ -60,8 +60,8 @@ struct Walk {
 };
 
 // Blocks begin ... end - 1 of a level: encodes each, if there are codes, and
-// bounds it by a node of the next level, unless there is none. Threads may share a level at multiples
-// of 64 blocks.
+// bounds it by a node of the next level, unless there is none. Threads may
+// share a level at multiples of 64 blocks.
 struct BlockRange {
   const BvhLevel* level;
   const BvhLevel* above;  // or null

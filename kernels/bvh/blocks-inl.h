@@ -1,4 +1,5 @@
-// Blocks of 64 objects or nodes: their codes, and the test of a query on them.
+// Blocks of 64 objects or nodes: their bounds, the codes of leaves, and the
+// tests of a query on both.
 #if defined(HALFSPACE_KERNELS_BVH_BLOCKS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_BVH_BLOCKS_INL_H_
 #undef HALFSPACE_KERNELS_BVH_BLOCKS_INL_H_
@@ -9,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "hwy/highway.h"
 #include "kernels/bvh/block.h"
@@ -20,11 +22,16 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Numbers beyond this are encoded as the ends of a scale that the others make.
-// It also keeps a scale so small that flushed subnormals change no code.
-inline constexpr float kMostScaled = 0x1p100f;
+template <size_t kAxes, bool kHasMax>
+inline constexpr size_t kBlockPlanes = kHasMax ? 2 * kAxes : kAxes;
 
-// The codes of scaled values that are numbers, less the bias.
+// The lane of plane p in a CodeMap.
+template <size_t kAxes>
+constexpr size_t LaneOf(size_t p) {
+  return p < kAxes ? p : detail::CodeMap::kMaxLane + p - kAxes;
+}
+
+// The codes of values that T (block.h) has scaled, less the bias.
 template <class D>
 HWY_INLINE hn::Vec<hn::Rebind<int32_t, D>> CodesOf(D d, hn::Vec<D> scaled) {
   const hn::Rebind<int32_t, D> di;
@@ -41,240 +48,162 @@ HWY_INLINE hn::Vec<hn::Rebind<int32_t, D>> CodesOf(D d, hn::Vec<D> scaled) {
   return hn::Sub(hn::ConvertTo(di, clamped), hn::Set(di, detail::kCodeBias));
 }
 
-// A query as blocks read it, in the lanes of BlockScale: the maxima, and the
-// negated minima. A NaN, which never rejects, is +inf.
-struct alignas(32) WalkQuery {
-  float lanes[detail::BlockScale::kLanes];
+// A query of planes. Of plane p, `values` has the query's value on the same
+// axis of the other side: a query is rejected by a minimum above its maximum. A
+// NaN, which never rejects, is infinite.
+struct PlaneQuery {
+  float values[detail::kMaxPlanes];
+  // The upper codes, in both halves, so that one load fills a vector.
+  uint32_t codes[detail::kMaxPlanes];
+  // An object whose codes are above these by no more than this, which is
+  // negative, is certain to survive.
+  int16_t certain;
 };
 
 template <size_t kAxes, bool kHasMax>
-inline constexpr size_t kBlockPlanes = kHasMax ? 2 * kAxes : kAxes;
-template <bool kHasMax>
-inline constexpr size_t kQueryLanes =
-    kHasMax ? detail::BlockScale::kLanes : detail::BlockScale::kMaxLane;
-
-// Lanes of one vector are stored by one instruction: a load waits for stores of
-// its parts.
-template <size_t kAxes, bool kHasMax>
-HWY_INLINE void ReadQuery(const float* values, WalkQuery& query) {
-  constexpr size_t kLanes = kQueryLanes<kHasMax>;
-  HWY_ALIGN float lanes[detail::BlockScale::kLanes] = {};
+HWY_INLINE void ReadQuery(const float* values, PlaneQuery& query) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
   const float* const maxima = kHasMax ? values + kAxes : values;
   for (size_t k = 0; k < kAxes; ++k) {
-    lanes[k] = maxima[k];
-    if (kHasMax) lanes[detail::BlockScale::kMaxLane + k] = -values[k];
-  }
-  const hn::CappedTag<float, kLanes> d;
-  const auto inf = hn::Set(d, std::numeric_limits<float>::infinity());
-  for (size_t l = 0; l < kLanes; l += hn::Lanes(d)) {
-#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
-    const auto low =
-        _mm_setr_ps(lanes[l], lanes[l + 1], lanes[l + 2], lanes[l + 3]);
-    hn::Vec<decltype(d)> v;
-#if HWY_TARGET <= HWY_AVX2
-    if constexpr (kLanes == 8) {
-      v.raw = _mm256_set_m128(
-          _mm_setr_ps(lanes[l + 4], lanes[l + 5], lanes[l + 6], lanes[l + 7]),
-          low);
-    } else
-#endif
-      v.raw = low;
-#else
-    const auto v = hn::LoadU(d, lanes + l);
-#endif
-    hn::StoreU(hn::IfThenElse(hn::Eq(v, v), v, inf), d, query.lanes + l);
-  }
-}
-
-// The codes of a query in a block: those above it, in lane order. Where
-// shuffles of bytes spread them over a vector, they are in each of its blocks
-// of 16 bytes.
-#undef HALFSPACE_SHUFFLED_CODES
-#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
-#define HALFSPACE_SHUFFLED_CODES 1
-#else
-#define HALFSPACE_SHUFFLED_CODES 0
-#endif
-struct QueryCodes {
-#if HALFSPACE_SHUFFLED_CODES
-  hn::Vec<WordTag<int8_t>> upper;
-#else
-  int8_t upper[detail::BlockScale::kLanes];
-#endif
-  // A code that is above the upper one by no more than this, which is negative,
-  // is below the lower one.
-  int8_t certain;
-};
-
-#if HALFSPACE_SHUFFLED_CODES
-HWY_INLINE hn::Vec<WordTag<int8_t>> InEachBlock(__m128i bytes) {
-#if HWY_TARGET <= HWY_AVX3
-  return {_mm512_broadcast_i32x4(bytes)};
-#elif HWY_TARGET == HWY_AVX2
-  return {_mm256_broadcastsi128_si256(bytes)};
-#else
-  return {bytes};
-#endif
-}
-#endif
-
-template <size_t kLanes>
-HWY_INLINE QueryCodes EncodeQuery(const detail::BlockScale& scale,
-                                  const float* query) {
-  const hn::CappedTag<float, kLanes> d;
-  const hn::Rebind<int8_t, decltype(d)> d8;
-  const hn::Rebind<int32_t, decltype(d)> di;
-  const auto above = hn::Set(d, 1.0f + detail::kCodeMargin);
-  const auto below = hn::Set(d, 1.0f - detail::kCodeMargin);
-  QueryCodes codes;
-  HWY_ALIGN int8_t bytes[16];
-  bool differ = false;
-  for (size_t l = 0; l < kLanes; l += hn::Lanes(d)) {
-    const auto scaled =
-        hn::Mul(hn::Sub(hn::LoadU(d, query + l), hn::LoadU(d, scale.base + l)),
-                hn::LoadU(d, scale.scale + l));
-    const auto upper = CodesOf(d, hn::Add(scaled, above));
-    const auto lower = CodesOf(d, hn::Add(scaled, below));
-    differ |= !hn::AllTrue(di, hn::Eq(upper, lower));
-    const auto demoted = hn::DemoteTo(d8, upper);
-#if HALFSPACE_SHUFFLED_CODES
-    if constexpr (hn::MaxLanes(d) == kLanes) {
-      codes.upper = InEachBlock(demoted.raw);
-      continue;
+    query.values[k] = maxima[k] == maxima[k] ? maxima[k] : kInf;
+    if constexpr (kHasMax) {
+      query.values[kAxes + k] = values[k] == values[k] ? values[k] : -kInf;
     }
-#endif
-    hn::StoreU(demoted, d8, bytes + l);
   }
-#if HALFSPACE_SHUFFLED_CODES
-  if constexpr (hn::MaxLanes(d) != kLanes) {
-    codes.upper =
-        InEachBlock(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(bytes)));
-  }
-#else
-  hwy::CopyBytes<sizeof(codes.upper)>(bytes, codes.upper);
-#endif
-  codes.certain = static_cast<int8_t>(-1 - static_cast<int>(differ));
-  return codes;
 }
 
-#if HALFSPACE_SHUFFLED_CODES
-// Loaded, as gcc would make each by two instructions in each block.
-#define HALFSPACE_16(lane)                                                  \
-  {                                                                         \
-    lane, lane, lane, lane, lane, lane, lane, lane, lane, lane, lane, lane, \
-        lane, lane, lane, lane                                              \
+// Once for each query and world, as all leaves share a map.
+template <size_t kAxes, bool kHasMax>
+HWY_INLINE void EncodeQuery(const detail::CodeMap& map, PlaneQuery& query) {
+  constexpr size_t kLanes = detail::CodeMap::kLanes;
+  const hn::CappedTag<float, kHasMax ? kLanes : detail::CodeMap::kMaxLane> d;
+  const hn::Rebind<int32_t, decltype(d)> di;
+  HWY_ALIGN float lanes[kLanes] = {};
+  HWY_ALIGN int32_t upper[kLanes];
+  for (size_t k = 0; k < kAxes; ++k) {
+    lanes[k] = query.values[k];
+    if constexpr (kHasMax) {
+      lanes[detail::CodeMap::kMaxLane + k] = -query.values[kAxes + k];
+    }
   }
-alignas(16) inline constexpr int8_t kSameLane[detail::BlockScale::kLanes][16] =
-    {HALFSPACE_16(0), HALFSPACE_16(1), HALFSPACE_16(2), HALFSPACE_16(3),
-     HALFSPACE_16(4), HALFSPACE_16(5), HALFSPACE_16(6), HALFSPACE_16(7)};
-#undef HALFSPACE_16
-#endif
-
-template <class D>
-HWY_INLINE hn::Vec<D> CodeOfLane(D d, const QueryCodes& query, size_t lane) {
-#if HALFSPACE_SHUFFLED_CODES
-  return hn::TableLookupBytes(query.upper, hn::LoadDup128(d, kSameLane[lane]));
-#else
-  return hn::Set(d, query.upper[lane]);
-#endif
+  const auto margin = hn::Set(d, detail::kCodeMargin);
+  auto differ = hn::Zero(di);
+  for (size_t l = 0; l < (kHasMax ? kLanes : detail::CodeMap::kMaxLane);
+       l += hn::Lanes(d)) {
+    const auto scaled =
+        hn::Mul(hn::Sub(hn::Load(d, lanes + l), hn::LoadU(d, map.base + l)),
+                hn::LoadU(d, map.scale + l));
+    const auto codes = CodesOf(d, hn::Add(scaled, margin));
+    differ =
+        hn::Or(differ, hn::Xor(codes, CodesOf(d, hn::Sub(scaled, margin))));
+    const auto low = hn::And(codes, hn::Set(di, 0xFFFF));
+    hn::Store(hn::Or(low, hn::ShiftLeft<16>(low)), di, upper + l);
+  }
+  for (size_t p = 0; p < kBlockPlanes<kAxes, kHasMax>; ++p) {
+    query.codes[p] = static_cast<uint32_t>(upper[LaneOf<kAxes>(p)]);
+  }
+  query.certain = hn::AllTrue(di, hn::Eq(differ, hn::Zero(di))) ? -1 : -2;
 }
 
-// Of a block of objects: bit i of `kept` says that no code rejects object i,
+// Of the objects of a leaf: bit i of `kept` says that no code rejects object i,
 // and of `unsure` that its floats have to tell, though it is kept.
-struct BlockBits {
+struct LeafBits {
   uint64_t kept;
   uint64_t unsure;
 };
 
-// The code of plane p in a query.
-template <size_t kAxes>
-constexpr size_t LaneOf(size_t p) {
-  return p < kAxes ? p : detail::BlockScale::kMaxLane + p - kAxes;
-}
-
-// By how much the code of an object is above that of the query.
-template <size_t kAxes, size_t kPlane, class D>
-HWY_INLINE hn::Vec<D> Above(D d, const int8_t* codes, const QueryCodes& query) {
-  return hn::SaturatedSub(hn::Load(d, codes + kPlane * detail::kBlockObjects),
-                          CodeOfLane(d, query, LaneOf<kAxes>(kPlane)));
-}
-
-struct TakeMost {
-  template <class V>
-  HWY_INLINE V operator()(V a, V b) const {
-    return hn::Max(a, b);
-  }
-};
-struct TakeLeast {
-  template <class V>
-  HWY_INLINE V operator()(V a, V b) const {
-    return hn::Min(a, b);
-  }
-};
-
-// The most of that over kPlanes planes, or the least: where the most is
-// positive, an object is rejected.
-template <size_t kAxes, size_t kPlanes, class Take, class D>
-HWY_INLINE hn::Vec<D> AboveOfPlanes(D d, Take take, const int8_t* codes,
-                                    const QueryCodes& query) {
-  const auto above = Above<kAxes, kPlanes - 1>(d, codes, query);
-  if constexpr (kPlanes == 1) {
+// The greatest of the codes of vector `codes` of a leaf, less the query's. As a
+// chain of arguments, so that each plane is loaded once.
+template <size_t kPlane, class D>
+HWY_INLINE hn::Vec<D> AboveQuery(D d, const int16_t* codes,
+                                 const PlaneQuery& query) {
+  const hn::Repartition<uint32_t, D> d32;
+  const auto above =
+      hn::SaturatedSub(hn::Load(d, codes + kPlane * detail::kBlockObjects),
+                       hn::BitCast(d, hn::Set(d32, query.codes[kPlane])));
+  if constexpr (kPlane == 0) {
     return above;
   } else {
-    return take(above,
-                AboveOfPlanes<kAxes, kPlanes - 1>(d, take, codes, query));
+    return hn::Max(above, AboveQuery<kPlane - 1>(d, codes, query));
   }
 }
 
-template <size_t kAxes, bool kHasMax>
-HWY_INLINE BlockBits
-TestBlock(const detail::Block<kBlockPlanes<kAxes, kHasMax>>& block,
-          const WalkQuery& query) {
-  const QueryCodes codes =
-      EncodeQuery<kQueryLanes<kHasMax>>(block.scale, query.lanes);
-  const WordTag<int8_t> d;
+template <size_t kPlanes>
+HWY_INLINE LeafBits TestCodes(const int16_t* codes, const PlaneQuery& query) {
+  const WordTag<int16_t> d;
   const auto zero = hn::Zero(d);
-  const auto certain = hn::Set(d, codes.certain);
+  const auto certain = hn::Set(d, query.certain);
   uint64_t rejected = 0;
   uint64_t not_certain = 0;
   for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
-    const auto above = AboveOfPlanes<kAxes, kBlockPlanes<kAxes, kHasMax>>(
-        d, TakeMost(), &block.codes[0][i], codes);
+    const auto above = AboveQuery<kPlanes - 1>(d, codes + i, query);
     rejected |= LaneBits(d, hn::Gt(above, zero)) << i;
     not_certain |= LaneBits(d, hn::Gt(above, certain)) << i;
   }
   return {~rejected, not_certain & ~rejected};
 }
 
-// The bits of those of 64 objects or nodes that have one of some masks.
-HWY_NOINLINE inline uint64_t MaskBits(const uint32_t* masks,
-                                      uint32_t wanted_mask) {
+// Tests the planes from `planes` on, 64 floats each, of the first `count`
+// objects or nodes of a block. The first kMins of them reject above the query's
+// value. More bits than `count` may be set.
+template <size_t kMins, size_t... kPlane>
+HWY_INLINE uint64_t TestPlanes(std::index_sequence<kPlane...>,
+                               const float* const* planes, size_t count,
+                               const float* values) {
+  const OneTag<float> d;
+  const size_t lanes = hn::Lanes(d);
+  if (count > detail::kBlockObjects / 2) {
+    return KeptBits<kMins>(d, LoadAll(), planes, 0,
+                           hn::Set(d, values[kPlane])...);
+  }
+  uint64_t bits = 0;
+  for (size_t i = 0; i < count; i += lanes) {
+    uint64_t some = VerdictBits(
+        d,
+        Verdict<kMins>(d, LoadAll(), planes, i, hn::Set(d, values[kPlane])...));
+    if (!kVerdictIsKept<OneTag<float>>) some ^= ~uint64_t{0} >> (64 - lanes);
+    bits |= some << i;
+  }
+  return bits;
+}
+
+// The objects or nodes of a block that the floats do not reject.
+template <size_t kAxes, bool kHasMax>
+HWY_INLINE uint64_t TestFloats(const detail::BvhLevel& level, size_t block,
+                               const PlaneQuery& query) {
+  constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
+  const float* planes[kPlanes];
+  for (size_t p = 0; p < kPlanes; ++p) planes[p] = level.Plane(block, p);
+  return level.present[block] &
+         TestPlanes<kAxes>(std::make_index_sequence<kPlanes>(), planes,
+                           level.size - block * detail::kBlockObjects,
+                           query.values);
+}
+
+// The nodes inside a box or an octahedron: those whose minima and maxima are
+// both between its own.
+template <size_t kAxes>
+HWY_INLINE uint64_t InsideBits(const detail::BvhLevel& level, size_t block,
+                               const PlaneQuery& query) {
+  constexpr size_t kPlanes = 2 * kAxes;
+  const float* planes[kPlanes];
+  for (size_t p = 0; p < kPlanes; ++p) {
+    planes[p] = level.Plane(block, (p + kAxes) % kPlanes);
+  }
+  return TestPlanes<kAxes>(std::make_index_sequence<kPlanes>(), planes,
+                           detail::kBlockObjects, query.values);
+}
+
+// The bits of those of 64 objects or nodes that have a bit of a mask.
+HWY_NOINLINE inline uint64_t MaskBits(const uint32_t* masks, uint32_t mask) {
   const WordTag<uint32_t> d;
-  const auto wanted = hn::Set(d, wanted_mask);
+  const auto wanted = hn::Set(d, mask);
   uint64_t bits = 0;
   for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
     const auto common = hn::And(hn::LoadU(d, masks + i), wanted);
     bits |= LaneBits(d, hn::Ne(common, hn::Zero(d))) << i;
   }
   return bits;
-}
-
-// The bits of the objects or nodes inside a box or an octahedron: those whose
-// minima are above its minima and whose maxima are below its maxima. `inverse`
-// has the query's minima, and its negated maxima, in the lanes of WalkQuery.
-template <size_t kAxes>
-HWY_INLINE uint64_t InsideBits(const detail::Block<2 * kAxes>& block,
-                               const WalkQuery& inverse) {
-  const QueryCodes codes =
-      EncodeQuery<kQueryLanes<true>>(block.scale, inverse.lanes);
-  const WordTag<int8_t> d;
-  uint64_t inside = 0;
-  for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
-    const auto above = AboveOfPlanes<kAxes, 2 * kAxes>(
-        d, TakeLeast(), &block.codes[0][i], codes);
-    inside |= LaneBits(d, hn::Gt(above, hn::Zero(d))) << i;
-  }
-  return inside;
 }
 
 // A plane of a block as the least of what it stores; maxima are negated.
@@ -293,60 +222,35 @@ HWY_INLINE float LeastLane(D d, hn::Vec<D> values) {
   return hn::GetLane(hn::MinOfLanes(d, values));
 }
 
-// Encodes a plane, of which the objects in `present` exist. Returns the least
-// value, which is -inf with a NaN.
+// The least value of a plane, which is -inf with a NaN, and never -0, of which
+// and of 0 targets take one or the other.
 template <bool kIsMax>
-HWY_NOINLINE float EncodePlane(const float* plane, uint64_t present,
-                               float& base, float& scale, int8_t* codes) {
-  const hn::CappedTag<float, 16> d;
-  const hn::Rebind<int8_t, decltype(d)> d8;
+HWY_INLINE float LeastOfPlane(const float* plane) {
   constexpr float kInf = std::numeric_limits<float>::infinity();
-  const auto most = hn::Set(d, kInf);
-  auto least = most;
-  auto negated_greatest = most;
-  bool all_scaled = true;
+  const hn::CappedTag<float, 16> d;
+  auto least = hn::Set(d, kInf);
   for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
     const auto v = LeastOf<kIsMax>(d, plane + i);
-    const auto is_scaled = hn::Le(hn::Abs(v), hn::Set(d, kMostScaled));
-    all_scaled &= hn::AllTrue(d, is_scaled);
-    least = hn::Min(least, hn::IfThenElse(is_scaled, v, most));
-    negated_greatest =
-        hn::Min(negated_greatest, hn::IfThenElse(is_scaled, hn::Neg(v), most));
+    const auto number = hn::IfThenElse(hn::Eq(v, v), v, hn::Set(d, -kInf));
+    least = hn::Min(least, number);
   }
-  // Never -0, of which and of 0 targets take one or the other.
-  base = LeastLane(d, least) + 0.0f;
-  float all_least = base;
-  if (!all_scaled) {
-    auto all = most;
-    for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
-      const auto v = LeastOf<kIsMax>(d, plane + i);
-      all = hn::Min(all, hn::IfThenElse(hn::Eq(v, v), v, hn::Set(d, -kInf)));
-    }
-    all_least = LeastLane(d, all) + 0.0f;
-  }
-  // 0 - 0, and not -0, which would make a negative scale.
-  const float range = 0.0f - LeastLane(d, negated_greatest) - base;
-  scale = detail::kScaledCodes / range;
-  if (!(scale <= kMostScaled)) scale = kMostScaled;
-  if (!(base <= kMostScaled)) {  // nothing to scale
-    base = 0;
-    scale = 1;
-  }
+  return LeastLane(d, least) + 0.0f;
+}
+
+// Writes the codes of a plane. A NaN has the least, which rejects no query.
+template <bool kIsMax>
+HWY_INLINE void EncodePlane(const float* plane, float base, float scale,
+                            int16_t* codes) {
+  const hn::CappedTag<float, 16> d;
+  const hn::Rebind<int16_t, decltype(d)> d16;
   const auto vbase = hn::Set(d, base);
   const auto vscale = hn::Set(d, scale);
   for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
     const auto v = LeastOf<kIsMax>(d, plane + i);
-    const auto scaled =
-        hn::Add(hn::Mul(hn::Sub(v, vbase), vscale), hn::Set(d, 1.0f));
-    // A NaN never rejects.
+    const auto scaled = hn::Mul(hn::Sub(v, vbase), vscale);
     const auto number = hn::IfThenElseZero(hn::Eq(v, v), scaled);
-    hn::StoreU(hn::DemoteTo(d8, CodesOf(d, number)), d8, codes + i);
+    hn::StoreU(hn::DemoteTo(d16, CodesOf(d, number)), d16, codes + i);
   }
-  for (uint64_t absent = ~present; absent != 0; absent &= absent - 1) {
-    codes[hwy::Num0BitsBelowLS1Bit_Nonzero64(absent)] =
-        static_cast<int8_t>(detail::kNoCode - detail::kCodeBias);
-  }
-  return all_least;
 }
 
 template <size_t kAxes>
@@ -361,8 +265,8 @@ HWY_INLINE bool IsRegular(const detail::BvhLevel& level, size_t block) {
   for (size_t k = 0; k < kAxes; ++k) {
     uint64_t ordered = 0;
     for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
-      const auto min = hn::LoadU(d, level.planes[k] + first + i);
-      const auto max = hn::LoadU(d, level.planes[kAxes + k] + first + i);
+      const auto min = hn::LoadU(d, level.Plane(block, k) + i);
+      const auto max = hn::LoadU(d, level.Plane(block, kAxes + k) + i);
       ordered |= LaneBits(d, hn::Le(min, max)) << i;
     }
     is_regular &= (ordered & all) == all;
@@ -377,40 +281,33 @@ HWY_INLINE void AssignBit(uint64_t* words, size_t i, bool value) {
 
 template <size_t kAxes, bool kHasMax>
 void EncodeBlocks(const detail::BlockRange& range) {
-  using Block = detail::Block<kBlockPlanes<kAxes, kHasMax>>;
+  constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
   const detail::BvhLevel& level = *range.level;
-  auto* const blocks = reinterpret_cast<Block*>(level.blocks);
   for (size_t b = range.begin; b < range.end; ++b) {
-    const size_t first = b * detail::kBlockObjects;
-    const uint64_t present = level.present[b];
-    detail::BlockScale scale;
-    for (size_t l = 0; l < detail::BlockScale::kLanes; ++l) {
-      scale.base[l] = -0.5f;  // lanes without an axis: queries have 0
-      scale.scale[l] = 1.0f;
-    }
-    float least[detail::BlockScale::kLanes] = {};
-    for (size_t k = 0; k < kAxes; ++k) {
-      least[k] =
-          EncodePlane<false>(level.planes[k] + first, present, scale.base[k],
-                             scale.scale[k], blocks[b].codes[k]);
-      if constexpr (kHasMax) {
-        const size_t l = detail::BlockScale::kMaxLane + k;
-        least[l] = EncodePlane<true>(level.planes[kAxes + k] + first, present,
-                                     scale.base[l], scale.scale[l],
-                                     blocks[b].codes[kAxes + k]);
+    if (range.codes != nullptr) {
+      const detail::CodeMap& map = *range.map;
+      int16_t* const codes = range.codes + b * kPlanes * detail::kBlockObjects;
+      for (size_t k = 0; k < kAxes; ++k) {
+        EncodePlane<false>(level.Plane(b, k), map.base[k], map.scale[k],
+                           codes + k * detail::kBlockObjects);
+        if constexpr (kHasMax) {
+          constexpr size_t kMaxLane = detail::CodeMap::kMaxLane;
+          EncodePlane<true>(level.Plane(b, kAxes + k), map.base[kMaxLane + k],
+                            map.scale[kMaxLane + k],
+                            codes + (kAxes + k) * detail::kBlockObjects);
+        }
       }
     }
-    blocks[b].scale = scale;
     if (range.above == nullptr) continue;
-    AssignBit(range.above->present, b, present != 0);
-    if constexpr (kHasMax) {
-      AssignBit(range.above->regular, b, IsRegular<kAxes>(level, b));
-    }
+    const detail::BvhLevel& above = *range.above;
+    AssignBit(above.present, b, level.present[b] != 0);
+    if constexpr (kHasMax)
+      AssignBit(above.regular, b, IsRegular<kAxes>(level, b));
     for (size_t k = 0; k < kAxes; ++k) {
-      range.above->planes[k][b] = least[k];
+      above.Value(k, b) = LeastOfPlane<false>(level.Plane(b, k));
       if constexpr (kHasMax) {
-        range.above->planes[kAxes + k][b] =
-            -least[detail::BlockScale::kMaxLane + k];
+        above.Value(kAxes + k, b) =
+            -LeastOfPlane<true>(level.Plane(b, kAxes + k));
       }
     }
   }

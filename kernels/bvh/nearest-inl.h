@@ -86,11 +86,11 @@ class NearestFinder {
 
   // The floats of a block that is visited after the next.
   void Prefetch(size_t level, size_t block) const {
-    const auto& planes = search_.levels->level[level].planes;
     const auto prefetch = [&](size_t p) {
       constexpr size_t kLine = 64 / sizeof(float);
+      const float* const plane = search_.levels->level[level].Plane(block, p);
       for (size_t i = 0; i < detail::kBlockObjects; i += kLine) {
-        kernels::Prefetch(planes[p] + block * detail::kBlockObjects + i);
+        kernels::Prefetch(plane + i);
       }
     };
     if (search_.line != nullptr) {
@@ -122,10 +122,10 @@ class NearestFinder {
       auto key = hn::Zero(d);
       if (search_.line != nullptr) {
         auto exit = key;
-        key = EntryOf(d, nodes, first + i, *search_.line, exit);
+        key = EntryOf(d, nodes, block, i, *search_.line, exit);
         key = hn::IfThenElse(hn::Gt(key, exit), inf, key);
       } else {
-        key = SquaredDistance(d, nodes, first + i, search_.ball);
+        key = SquaredDistance(d, nodes, block, i, search_.ball);
       }
       const auto is_found = hn::And(hn::Le(key, limit), hn::Ge(key, from));
       bits |= LaneBits(d, is_found) << i;

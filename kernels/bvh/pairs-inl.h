@@ -82,25 +82,22 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
 
   // The bound of some objects of a block. A NaN is infinite, which rejects no
   // more.
-  void BoundMembers(size_t block, uint64_t members, WalkQuery& query) const {
+  void BoundMembers(size_t block, uint64_t members, PlaneQuery& query) const {
     const Tag d;
     constexpr float kInf = std::numeric_limits<float>::infinity();
-    const auto& planes = join_.queries->level[0].planes;
-    const size_t first = block * detail::kBlockObjects;
-    query = {};
     for (size_t p = 0; p < kPlanes; ++p) {
       auto least = hn::Set(d, kInf);
       for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
         const uint64_t some = members >> i;
         const auto is_member =
             hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&some));
-        auto v = hn::LoadU(d, planes[p] + first + i);
+        auto v = hn::LoadU(d, join_.queries->level[0].Plane(block, p) + i);
         if (p >= kAxes) v = hn::Neg(v);
         v = hn::IfThenElse(hn::Eq(v, v), v, hn::Set(d, -kInf));
         least = hn::Min(least, hn::IfThenElse(is_member, v, hn::Set(d, kInf)));
       }
-      const size_t l = p < kAxes ? detail::BlockScale::kMaxLane + p : p - kAxes;
-      query.lanes[l] = -LeastLane(d, least);
+      const float value = LeastLane(d, least);
+      query.values[(p + kAxes) % kPlanes] = p < kAxes ? value : -value;
     }
   }
 
@@ -140,11 +137,8 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
     }
     // Found from both blocks.
     if (join_.set != nullptr && block < own) objects &= ~join_.set[block];
-    const WalkQuery& bound = this->queries_[query];
-    objects &= Overlapping(kEachPlane, levels, block, [&](size_t p) {
-      return p < kAxes ? bound.lanes[p]
-                       : -bound.lanes[detail::BlockScale::kMaxLane + p - kAxes];
-    });
+    const PlaneQuery& bound = this->queries_[query];
+    objects &= TestFloats<kAxes, true>(levels.level[0], block, bound);
     if (objects == 0) return true;
     if ((members & (members - 1)) == 0) {
       // The bound is its own, so these are its pairs.
@@ -153,10 +147,11 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
                       objects, levels.ids + block * detail::kBlockObjects);
     }
     if (levels.count > 1) {
-      const auto& planes = levels.level[1].planes;
-      members &= Overlapping(kEachPlane, queries, own, [&](size_t p) {
-        return planes[(p + kAxes) % kPlanes][block];
-      });
+      PlaneQuery node;
+      for (size_t p = 0; p < kPlanes; ++p) {
+        node.values[p] = levels.level[1].Value((p + kAxes) % kPlanes, block);
+      }
+      members &= TestFloats<kAxes, true>(queries.level[0], own, node);
       if (members == 0) return true;
     }
     if (hwy::PopCount(members) <= hwy::PopCount(objects)) {
@@ -167,28 +162,16 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
                                 Gather(queries, own, members, 0));
   }
 
-  // The objects of a block that overlap a bound, which opposes value(p) to
-  // plane p.
-  template <size_t... kPlane, class Value>
-  static HWY_INLINE uint64_t Overlapping(std::index_sequence<kPlane...>,
-                                         const detail::BvhLevels& levels,
-                                         size_t block, const Value& value) {
-    const WordTag<float> d;
-    const float* planes[] = {levels.level[0].planes[kPlane]...};
-    return KeptBits<kAxes>(d, LoadAll(), planes, block * detail::kBlockObjects,
-                           hn::Set(d, value(kPlane))...);
-  }
-
   // Appends some objects of a block to those that are compared; returns how
   // many there are then.
   size_t Gather(const detail::BvhLevels& levels, size_t block, uint64_t objects,
                 size_t count) {
-    const size_t first = block * detail::kBlockObjects;
-    const auto& planes = levels.level[0].planes;
     for (; objects != 0; objects &= objects - 1, ++count) {
-      const size_t i = first + hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);
-      for (size_t p = 0; p < kPlanes; ++p) values_[p][count] = planes[p][i];
-      ids_[count] = levels.ids[i];
+      const size_t i = hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);
+      for (size_t p = 0; p < kPlanes; ++p) {
+        values_[p][count] = levels.level[0].Plane(block, p)[i];
+      }
+      ids_[count] = levels.ids[block * detail::kBlockObjects + i];
     }
     return count;
   }
@@ -232,10 +215,10 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
                                   size_t begin, size_t count, uint64_t wanted,
                                   uint32_t* to) const {
     const Tag d;
-    const auto& planes = levels.level[0].planes;
+    const detail::BvhLevel& level = levels.level[0];
     return CompareWith<kIsSecond>(
         kEachPlane, levels.ids[i], begin, count, wanted, to,
-        hn::Set(d, planes[(kPlane + kAxes) % kPlanes][i])...);
+        hn::Set(d, level.Value((kPlane + kAxes) % kPlanes, i))...);
   }
 
   // The values are arguments, as they would be loaded again after each store.

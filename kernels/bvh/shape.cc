@@ -51,9 +51,7 @@ void MakeLine(const ShapePlanes& planes, const double* origin,
     origin_size += std::abs(origin[k]);
     direction_size += std::abs(direction[k]);
   }
-  line.codes = {};
   line.entering = 0;
-  line.block_bytes = BlockBytes((planes.has_max ? 2 : 1) * planes.axes);
   line.max_t = max_t;
   LinePlane leaving[4];
   std::size_t leaving_count = 0;
@@ -87,16 +85,8 @@ void MakeLine(const ShapePlanes& planes, const double* origin,
     const auto early = static_cast<float>(inverse * (1 - 0x1p-20));
     const auto late = static_cast<float>(inverse * (1 + 0x1p-20));
     const auto add = [&](bool is_max, bool enters) {
-      const LinePlane plane = {
-          is_max ? max : min,
-          static_cast<std::uint32_t>(is_max ? BlockScale::kMaxLane + k : k),
-          is_max ? low : high, enters ? early : late};
-      // What is infinite would be no number where a product with 0 is.
-      const float factor = rise == 0 ? 0x1p60f : plane.inverse;
-      line.codes.factor[plane.lane] = is_max ? -factor : factor;
-      line.codes.offset[plane.lane] = is_max ? -plane.offset : plane.offset;
-      line.codes.outward[plane.lane] = enters ? -0x1p-16f : 0x1p-16f;
-      line.codes.more[plane.lane] = rise == 0 && !enters ? max_t : 0;
+      const LinePlane plane = {is_max ? max : min, is_max ? low : high,
+                               enters ? early : late};
       if (enters) {
         line.plane[line.entering++] = plane;
       } else {

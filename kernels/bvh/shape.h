@@ -33,7 +33,6 @@ struct Ball {
 // Where a line passes a plane: at t = (value - offset) * inverse.
 struct LinePlane {
   std::uint32_t plane;
-  std::uint32_t lane;  // of BlockScale
   float offset;
   float inverse;
 };
@@ -41,18 +40,10 @@ struct LinePlane {
 // The slabs of a bound on a line from t = 0 on: first the planes by which the
 // line enters them, then those by which it leaves.
 struct Line {
-  std::size_t block_bytes;
   std::size_t entering;
   std::size_t planes;
   LinePlane plane[8];
   float max_t;
-  // The same on the scales of a block, in its lanes.
-  struct Codes {
-    alignas(32) float factor[8];
-    alignas(32) float offset[8];
-    alignas(32) float outward[8];  // a small part: negative where it enters
-    alignas(32) float more[8];     // of an axis on which it does not move
-  } codes;
 };
 
 // By how much t must be apart on two planes to count as apart: far above what
@@ -77,12 +68,11 @@ struct Front {
 struct WalkShape {
   using Bits = std::uint64_t (*)(const WalkShape& shape, const BvhLevel& level,
                                  std::size_t first, std::uint64_t candidates);
-  // Of the 64 objects or nodes of a level from `first` on, those of the
-  // candidates that the shape may touch: tested instead of the query of planes,
-  // or null if that is to be tested.
+  // Of the objects or nodes of a block, those of the candidates that the shape
+  // may touch: tested instead of the query of planes, or null if that is to be
+  // tested.
   Bits instead;
-  // The same of what is kept so: of objects, and, unless there is `instead`, of
-  // nodes. Null if `instead` tells all.
+  // The same of what the planes keep, or null with `instead`.
   Bits touching;
   // Those nodes of the candidates all of whose objects the shape is sure to
   // keep; null if there are none. Their minima are below their maxima.
@@ -94,7 +84,6 @@ struct WalkShape {
 };
 
 struct BvhShapeKernels {
-  WalkShape::Bits line_codes;  // keeps all that `line` keeps
   WalkShape::Bits ball;
   WalkShape::Bits in_ball;
   WalkShape::Bits line;

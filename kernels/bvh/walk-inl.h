@@ -60,13 +60,13 @@ HWY_INLINE uint32_t* WriteIds(uint64_t bits, const uint32_t* ids,
 #endif
 }
 
-// Leaves, if given, derives from this and walks with queries of its own: it has
-// VisitLeaves(), which takes what VisitObjects() does, and WantedNodes().
+// Walks from the root to the objects that survive. Leaves, if given, derives
+// from this and has queries of its own: it has VisitLeaves(), which takes what
+// VisitObjects() does, and WantedNodes().
 template <size_t kAxes, bool kHasMax, bool kWrites, class Leaves = void>
 class Walker {
  public:
   static constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
-  using Block = detail::Block<kPlanes>;
 
   explicit Walker(const detail::Walk& walk)
       : walk_(walk),
@@ -81,6 +81,9 @@ class Walker {
       for (size_t q = 0; q < count; ++q) {
         ReadQuery<kAxes, kHasMax>(walk_.queries + (first + q) * kPlanes,
                                   queries_[q]);
+        if (levels_.codes != nullptr) {
+          EncodeQuery<kAxes, kHasMax>(*levels_.map, queries_[q]);
+        }
         roots[q] = static_cast<uint32_t>(q << detail::kQueryShift);
       }
       first_query_ = first;
@@ -98,15 +101,15 @@ class Walker {
   // for: a query that is not larger than its nodes has none.
   static constexpr size_t kManyKept = 8;
 
-  static const Block& BlockOf(const detail::BvhLevel& level, uint32_t place) {
-    return reinterpret_cast<const Block*>(
-        level.blocks)[place & detail::kBlockMask];
+  static size_t BlockOf(uint32_t place) { return place & detail::kBlockMask; }
+  static size_t QueryOf(uint32_t place) { return place >> detail::kQueryShift; }
+  static bool IsInside(uint32_t place) {
+    return (place & detail::kInsideBit) != 0;
   }
   // The first of its objects or nodes.
   static size_t FirstOf(uint32_t place) {
-    return size_t{place & detail::kBlockMask} * detail::kBlockObjects;
+    return BlockOf(place) * detail::kBlockObjects;
   }
-  static size_t QueryOf(uint32_t place) { return place >> detail::kQueryShift; }
 
   bool Visit(size_t level, const uint32_t* places, size_t count) {
     if (level == 0) {
@@ -122,21 +125,22 @@ class Walker {
       uint32_t* to = list;
       for (size_t i = begin; i < end; ++i) {
         const uint32_t place = places[i];
+        const size_t block = BlockOf(place);
         uint64_t kept;
         uint64_t inside = 0;
-        if ((place & detail::kInsideBit) != 0) {
-          kept = levels_.level[level].present[place & detail::kBlockMask];
+        if (IsInside(place)) {
+          kept = levels_.level[level].present[block];
         } else {
-          kept = Filter(level, place, Test(level, place).kept);
+          kept = Filter(level, place, TestNodes(level, place));
           inside = Inside(level, place, kept);
           if constexpr (!kWrites) {
             if (inside != 0) Count(level, place, inside);
             kept &= ~inside;
           }
         }
-        const uint32_t first = (place & ~detail::kBlockMask) |
-                               (place & detail::kBlockMask) *
-                                   static_cast<uint32_t>(detail::kBlockObjects);
+        const uint32_t first =
+            (place & ~detail::kBlockMask) |
+            static_cast<uint32_t>(block * detail::kBlockObjects);
         ForFewBits(kept, [&](size_t n, size_t bit) HWY_ATTR {
           to[n] = first + static_cast<uint32_t>(bit);
         });
@@ -148,9 +152,7 @@ class Walker {
           }
         }
         if (levels_.level[level - 1].is_prefetched) {
-          for (size_t n = 0; n < survivors; ++n) {
-            PrefetchBlock(levels_.level[level - 1], to[n], level == 1);
-          }
+          for (size_t n = 0; n < survivors; ++n) Prefetch(level - 1, to[n]);
         }
         to += survivors;
       }
@@ -159,17 +161,15 @@ class Walker {
     return true;
   }
 
-  // By the codes.
-  HWY_INLINE BlockBits Test(size_t level, uint32_t place) const {
-    const detail::BvhLevel& blocks = levels_.level[level];
+  HWY_INLINE uint64_t TestNodes(size_t level, uint32_t place) const {
+    const detail::BvhLevel& nodes = levels_.level[level];
     const detail::WalkShape* const shape = walk_.shape;
     if (shape != nullptr && shape->instead != nullptr) {
-      return {shape->instead(*shape, blocks, FirstOf(place),
-                             blocks.present[place & detail::kBlockMask]),
-              0};
+      return shape->instead(*shape, nodes, BlockOf(place),
+                            nodes.present[BlockOf(place)]);
     }
-    return TestBlock<kAxes, kHasMax>(BlockOf(blocks, place),
-                                     queries_[QueryOf(place)]);
+    return TestFloats<kAxes, kHasMax>(nodes, BlockOf(place),
+                                      queries_[QueryOf(place)]);
   }
 
   // Those of `kept` that have what a query asks for beside its planes.
@@ -180,10 +180,10 @@ class Walker {
     if (kept != 0 && has_masks_) {
       kept &= MaskBits(levels_.level[level].masks + FirstOf(place), walk_.mask);
     }
-    if (kept != 0 && level != 0 && walk_.shape != nullptr &&
-        walk_.shape->instead == nullptr) {
+    if (kept != 0 && walk_.shape != nullptr &&
+        walk_.shape->touching != nullptr) {
       kept = walk_.shape->touching(*walk_.shape, levels_.level[level],
-                                   FirstOf(place), kept);
+                                   BlockOf(place), kept);
     }
     return kept;
   }
@@ -195,26 +195,18 @@ class Walker {
       if (kWrites && hwy::PopCount(kept) < kManyKept) return 0;
       const detail::WalkShape* const shape = walk_.shape;
       if (shape != nullptr && shape->inside == nullptr) return 0;
-      uint64_t candidates =
-          kept & levels_.level[level].regular[place & detail::kBlockMask];
-      // Without a second encoding of the query where there can be none.
-      if (candidates != 0) candidates &= InsideQuery(level, place);
+      const detail::BvhLevel& nodes = levels_.level[level];
+      const size_t block = BlockOf(place);
+      uint64_t candidates = kept & nodes.regular[block];
+      if (candidates != 0) {
+        candidates &= InsideBits<kAxes>(nodes, block, queries_[QueryOf(place)]);
+      }
       if (candidates != 0 && shape != nullptr) {
-        candidates = shape->inside(*shape, levels_.level[level], FirstOf(place),
-                                   candidates);
+        candidates = shape->inside(*shape, nodes, block, candidates);
       }
       return candidates;
     }
     return 0;
-  }
-
-  uint64_t InsideQuery(size_t level, uint32_t place) const {
-    const WalkQuery& query = queries_[QueryOf(place)];
-    WalkQuery inverse;
-    for (size_t l = 0; l < detail::BlockScale::kLanes; ++l) {
-      inverse.lanes[l] = -query.lanes[l ^ detail::BlockScale::kMaxLane];
-    }
-    return InsideBits<kAxes>(BlockOf(levels_.level[level], place), inverse);
   }
 
   // Adds the objects of the nodes inside the query, without a visit.
@@ -224,28 +216,34 @@ class Walker {
     size_t objects = hwy::PopCount(inside) * objects_of_node;
     // The last node may have fewer.
     const size_t last = nodes.size - 1;
-    if (last / detail::kBlockObjects == (place & detail::kBlockMask) &&
+    if (last / detail::kBlockObjects == BlockOf(place) &&
         (inside >> (last % detail::kBlockObjects) & 1) != 0) {
       objects -= nodes.size * objects_of_node - levels_.level[0].size;
     }
     walk_.counts[first_query_ + QueryOf(place)] += objects;
   }
 
-  void PrefetchBlock(const detail::BvhLevel& level, uint32_t place,
-                     bool has_ids) const {
-    if (kHasLeaves && has_ids) return;
-    if ((place & detail::kInsideBit) == 0) {
-      const auto* block = reinterpret_cast<const char*>(&BlockOf(level, place));
-      for (size_t b = 0; b < sizeof(Block); b += 64) {
-        kernels::Prefetch(block + b);
-      }
+  void Prefetch(size_t level, uint32_t place) const {
+    if (kHasLeaves && level == 0) return;
+    const size_t block = BlockOf(place);
+    if (!IsInside(place)) {
+      const bool is_coded = level == 0 && levels_.codes != nullptr;
+      const auto* from = is_coded ? reinterpret_cast<const char*>(Codes(place))
+                                  : reinterpret_cast<const char*>(
+                                        levels_.level[level].Plane(block, 0));
+      const size_t bytes = kPlanes * detail::kBlockObjects *
+                           (is_coded ? sizeof(int16_t) : sizeof(float));
+      for (size_t b = 0; b < bytes; b += 64) kernels::Prefetch(from + b);
     }
-    if (!kWrites || !has_ids) return;
-    const uint32_t* ids = levels_.ids + size_t{place & detail::kBlockMask} *
-                                            detail::kBlockObjects;
+    if (!kWrites || level != 0) return;
+    const uint32_t* ids = levels_.ids + FirstOf(place);
     for (size_t i = 0; i < detail::kBlockObjects; i += 16) {
       kernels::Prefetch(ids + i);
     }
+  }
+
+  const int16_t* Codes(uint32_t place) const {
+    return levels_.codes + FirstOf(place) * kPlanes;
   }
 
   bool VisitObjects(const uint32_t* places, size_t count) {
@@ -262,20 +260,13 @@ class Walker {
           }
           unsure_count = 0;
         }
-        if ((place & detail::kInsideBit) != 0) {
-          if (!Take(place,
-                    levels_.level[0].present[place & detail::kBlockMask])) {
+        if (IsInside(place)) {
+          if (!Take(place, levels_.level[0].present[BlockOf(place)])) {
             return false;
           }
           continue;
         }
-        BlockBits bits = Test(0, place);
-        bits.kept = Filter(0, place, bits.kept);
-        if (walk_.shape != nullptr && walk_.shape->touching != nullptr) {
-          bits.unsure = bits.kept;
-          PrefetchFloats(place, bits.kept);
-        }
-        bits.unsure &= bits.kept;
+        LeafBits bits = TestLeaf(place);
         unsure[unsure_count] = {place, bits.unsure};
         unsure_count += bits.unsure != 0;
         if (!Take(place, bits.kept & ~bits.unsure)) return false;
@@ -285,15 +276,18 @@ class Walker {
     return true;
   }
 
-  // Shapes have many unsure objects, one of which would wait for the other.
-  void PrefetchFloats(uint32_t place, uint64_t bits) const {
-    constexpr size_t kLine = 64 / sizeof(float);
-    for (size_t i = 0; i < detail::kBlockObjects; i += kLine) {
-      if ((bits >> i & 0xFFFF) == 0) continue;
-      for (size_t p = 0; p < kPlanes; ++p) {
-        kernels::Prefetch(levels_.level[0].planes[p] + FirstOf(place) + i);
-      }
+  // Without codes, and for most shapes, the floats tell at once.
+  HWY_INLINE LeafBits TestLeaf(uint32_t place) {
+    const bool is_instead =
+        walk_.shape != nullptr && walk_.shape->instead != nullptr;
+    if (is_instead || levels_.codes == nullptr) {
+      return {Filter(0, place, TestNodes(0, place)), 0};
     }
+    LeafBits bits = TestCodes<kPlanes>(Codes(place), queries_[QueryOf(place)]);
+    bits.kept &= levels_.level[0].present[BlockOf(place)];
+    bits.kept = Filter(0, place, bits.kept);
+    bits.unsure &= bits.kept;
+    return bits;
   }
 
   bool EndQueries(size_t end) {
@@ -312,10 +306,7 @@ class Walker {
           [[unlikely]] {
         if (!ids.make_room(ids)) return false;
       }
-      ids.next = WriteIds(bits,
-                          levels_.ids + size_t{place & detail::kBlockMask} *
-                                            detail::kBlockObjects,
-                          ids.next);
+      ids.next = WriteIds(bits, levels_.ids + FirstOf(place), ids.next);
     } else {
       walk_.counts[first_query_ + QueryOf(place)] += hwy::PopCount(bits);
     }
@@ -330,7 +321,7 @@ class Walker {
   // The floats say which of the unsure survive.
   bool Resolve(const Unsure* unsure, size_t count) {
     for (size_t u = 0; u < count; ++u) {
-      if (!Take(unsure[u].place, FloatBits(unsure[u].place, unsure[u].bits))) {
+      if (!Take(unsure[u].place, KeptOf(unsure[u].place, unsure[u].bits))) {
         return false;
       }
     }
@@ -339,49 +330,28 @@ class Walker {
 
   // Of `bits`. One object after another, or, from so many on, the block at
   // once: the same time.
-  uint64_t FloatBits(uint32_t place, uint64_t bits) const {
+  uint64_t KeptOf(uint32_t place, uint64_t bits) const {
     constexpr size_t kFew = 6;
-    const WalkQuery& query = queries_[QueryOf(place)];
-    const size_t first = FirstOf(place);
-    if (const detail::WalkShape* const shape = walk_.shape;
-        shape != nullptr && shape->touching != nullptr) {
-      bits = shape->touching(*shape, levels_.level[0], first, bits);
-      if (bits == 0 || shape->instead != nullptr) return bits;
-    }
+    const PlaneQuery& query = queries_[QueryOf(place)];
+    const detail::BvhLevel& objects = levels_.level[0];
+    const size_t block = BlockOf(place);
     if (hwy::PopCount(bits) > kFew) {
-      return bits &
-             BlockFloatBits(std::make_index_sequence<kPlanes>(), first, query);
+      return bits & TestFloats<kAxes, kHasMax>(objects, block, query);
     }
     uint64_t kept = 0;
     for (; bits != 0; bits &= bits - 1) {
       const size_t bit = hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
-      kept |= uint64_t{!FloatsReject(first + bit, query)} << bit;
+      bool rejects = false;
+      for (size_t k = 0; k < kAxes; ++k) {
+        rejects |= objects.Plane(block, k)[bit] > query.values[k];
+        if constexpr (kHasMax) {
+          rejects |=
+              objects.Plane(block, kAxes + k)[bit] < query.values[kAxes + k];
+        }
+      }
+      kept |= uint64_t{!rejects} << bit;
     }
     return kept;
-  }
-
-  bool FloatsReject(size_t i, const WalkQuery& query) const {
-    const auto& planes = levels_.level[0].planes;
-    bool rejects = false;
-    for (size_t k = 0; k < kAxes; ++k) {
-      rejects |= planes[k][i] > query.lanes[k];
-      if constexpr (kHasMax) {
-        rejects |= -planes[kAxes + k][i] >
-                   query.lanes[detail::BlockScale::kMaxLane + k];
-      }
-    }
-    return rejects;
-  }
-
-  template <size_t... kPlane>
-  uint64_t BlockFloatBits(std::index_sequence<kPlane...>, size_t first,
-                          const WalkQuery& query) const {
-    const OneTag<float> d;
-    const float* planes[] = {levels_.level[0].planes[kPlane]...};
-    return KeptBits<kAxes>(
-        d, LoadAll(), planes, first,
-        hn::Set(d, kPlane < kAxes ? query.lanes[LaneOf<kAxes>(kPlane)]
-                                  : -query.lanes[LaneOf<kAxes>(kPlane)])...);
   }
 
   const detail::Walk& walk_;
@@ -389,7 +359,7 @@ class Walker {
   const bool has_masks_;
   size_t first_query_ = 0;
   size_t query_ = 0;  // after the first, whose ids are written
-  WalkQuery queries_[detail::kWalkers];
+  PlaneQuery queries_[detail::kWalkers];
   uint32_t lists_[detail::kMostLevels - 1]
                  [(kChunk + 1) * detail::kBlockObjects];
 };

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cfenv>
 #include <cmath>
 #include <cstddef>
@@ -319,12 +320,18 @@ TYPED_TEST(BvhTest, IsTheSameWhicheverTargetBuildsIt) {
       const detail::BvhLevel& a = first.levels().level[l];
       const detail::BvhLevel& b = other.levels().level[l];
       ASSERT_EQ(a.size, b.size);
-      const auto bytes = (a.size + 63) / 64 * detail::BlockBytes(kPlanes<View>);
-      EXPECT_TRUE(std::equal(a.blocks, a.blocks + bytes, b.blocks))
-          << "level " << l << ", " << target.name();
-      for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-        EXPECT_TRUE(std::equal(a.planes[p], a.planes[p] + a.size, b.planes[p]));
+      const std::size_t values = (a.size + 63) / 64 * 64 * kPlanes<View>;
+      for (std::size_t i = 0; i < values; ++i) {
+        // Objects may have a NaN.
+        ASSERT_EQ(std::bit_cast<std::uint32_t>(a.floats[i]),
+                  std::bit_cast<std::uint32_t>(b.floats[i]))
+            << "level " << l << ", " << target.name();
       }
+      if (l > 0 || first.levels().count == 1) continue;
+      EXPECT_TRUE(std::equal(first.levels().codes,
+                             first.levels().codes + values,
+                             other.levels().codes))
+          << target.name();
     }
   }
 }
@@ -376,7 +383,7 @@ TYPED_TEST(BvhTest, StopsWhenTheFunctionSaysSo) {
 
 // The bytes beyond the planes of floats that a BVH of boxes may have,
 // ids and permutation included.
-TEST(BvhMemoryTest, IsAtMostSixTenthsOfTheFloats) {
+TEST(BvhMemoryTest, IsAtMostThreeQuartersOfTheFloats) {
   const AabbWorld3 world = Spread<AabbView3>(1.0f).Objects(200'000);
   CountingMemory memory;
   std::size_t bytes = 0;
@@ -387,7 +394,7 @@ TEST(BvhMemoryTest, IsAtMostSixTenthsOfTheFloats) {
     EXPECT_EQ(memory.blocks, 1u);
   }
   const double floats = 24.0 * 200'000;
-  EXPECT_LE(static_cast<double>(bytes), 1.6 * floats);
+  EXPECT_LE(static_cast<double>(bytes), 1.75 * floats);
 }
 
 TEST(BvhMemoryTest, CopiesMovesAndSwaps) {

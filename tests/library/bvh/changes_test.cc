@@ -152,10 +152,9 @@ TYPED_TEST(BvhChangesTest, LevelsStayAsTightAsAfterARefit) {
   const auto& b = refitted.tree().levels();
   ASSERT_EQ(a.count, b.count);
   for (std::size_t l = 0; l < a.count; ++l) {
-    const std::size_t bytes =
-        (a.level[l].size + 63) / 64 * detail::BlockBytes(kPlanes<View>);
-    EXPECT_TRUE(std::equal(a.level[l].blocks, a.level[l].blocks + bytes,
-                           b.level[l].blocks))
+    const std::size_t floats = (a.level[l].size + 63) / 64 * 64 * kPlanes<View>;
+    EXPECT_TRUE(std::equal(a.level[l].floats, a.level[l].floats + floats,
+                           b.level[l].floats))
         << l;
   }
 }
@@ -287,7 +286,7 @@ std::size_t LeavesVisited(const Bvh<View>& bvh,
   for (std::size_t n = 0; n < level.size; ++n) {
     typename View::Bound leaf;
     for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-      StoredValue<View>(leaf, p) = level.planes[p][n];
+      StoredValue<View>(leaf, p) = level.Value(p, n);
     }
     leaves.Push(leaf);
   }
