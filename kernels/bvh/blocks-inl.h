@@ -52,9 +52,12 @@ HWY_INLINE hn::Vec<hn::Rebind<int32_t, D>> CodesOf(D d, hn::Vec<D> scaled) {
 // axis of the other side: a query is rejected by a minimum above its maximum. A
 // NaN, which never rejects, is infinite.
 struct PlaneQuery {
-  float values[detail::kMaxPlanes];
+  float values[8];
+};
+
+struct QueryCodes {
   // The upper codes, in both halves, so that one load fills a vector.
-  uint32_t codes[detail::kMaxPlanes];
+  uint32_t upper[8];
   // An object whose codes are above these by no more than this, which is
   // negative, is certain to survive.
   int16_t certain;
@@ -72,37 +75,63 @@ HWY_INLINE void ReadQuery(const float* values, PlaneQuery& query) {
   }
 }
 
+// The values in the lanes of a CodeMap. As arguments of one instruction,
+// because a load waits for stores of its parts.
+template <size_t kAxes, class D>
+HWY_INLINE hn::Vec<D> QueryLanes(D d, const PlaneQuery& query, size_t first) {
+  const auto value = [&](size_t lane) HWY_ATTR {
+    constexpr size_t kMaxLane = detail::CodeMap::kMaxLane;
+    const size_t k = lane % kMaxLane;
+    if (k >= kAxes) return 0.0f;
+    return lane < kMaxLane ? query.values[k] : -query.values[kAxes + k];
+  };
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
+  const auto four = [&](size_t l) HWY_ATTR {
+    return _mm_setr_ps(value(l), value(l + 1), value(l + 2), value(l + 3));
+  };
+  hn::Vec<D> lanes;
+#if HWY_TARGET <= HWY_AVX2
+  if constexpr (hn::MaxLanes(D()) == 8) {
+    lanes.raw = _mm256_set_m128(four(first + 4), four(first));
+    return lanes;
+  } else
+#endif
+  {
+    lanes.raw = four(first);
+    return lanes;
+  }
+#else
+  HWY_ALIGN float lanes[hn::MaxLanes(D())];
+  for (size_t l = 0; l < hn::Lanes(d); ++l) lanes[l] = value(first + l);
+  return hn::Load(d, lanes);
+#endif
+}
+
 // Once for each query and world, as all leaves share a map.
 template <size_t kAxes, bool kHasMax>
-HWY_INLINE void EncodeQuery(const detail::CodeMap& map, PlaneQuery& query) {
+HWY_INLINE void EncodeQuery(const detail::CodeMap& map, const PlaneQuery& query,
+                            QueryCodes& codes) {
   constexpr size_t kLanes = detail::CodeMap::kLanes;
   const hn::CappedTag<float, kHasMax ? kLanes : detail::CodeMap::kMaxLane> d;
   const hn::Rebind<int32_t, decltype(d)> di;
-  HWY_ALIGN float lanes[kLanes] = {};
   HWY_ALIGN int32_t upper[kLanes];
-  for (size_t k = 0; k < kAxes; ++k) {
-    lanes[k] = query.values[k];
-    if constexpr (kHasMax) {
-      lanes[detail::CodeMap::kMaxLane + k] = -query.values[kAxes + k];
-    }
-  }
   const auto margin = hn::Set(d, detail::kCodeMargin);
   auto differ = hn::Zero(di);
   for (size_t l = 0; l < (kHasMax ? kLanes : detail::CodeMap::kMaxLane);
        l += hn::Lanes(d)) {
-    const auto scaled =
-        hn::Mul(hn::Sub(hn::Load(d, lanes + l), hn::LoadU(d, map.base + l)),
-                hn::LoadU(d, map.scale + l));
-    const auto codes = CodesOf(d, hn::Add(scaled, margin));
+    const auto scaled = hn::Mul(
+        hn::Sub(QueryLanes<kAxes>(d, query, l), hn::LoadU(d, map.base + l)),
+        hn::LoadU(d, map.scale + l));
+    const auto above = CodesOf(d, hn::Add(scaled, margin));
     differ =
-        hn::Or(differ, hn::Xor(codes, CodesOf(d, hn::Sub(scaled, margin))));
-    const auto low = hn::And(codes, hn::Set(di, 0xFFFF));
+        hn::Or(differ, hn::Xor(above, CodesOf(d, hn::Sub(scaled, margin))));
+    const auto low = hn::And(above, hn::Set(di, 0xFFFF));
     hn::Store(hn::Or(low, hn::ShiftLeft<16>(low)), di, upper + l);
   }
   for (size_t p = 0; p < kBlockPlanes<kAxes, kHasMax>; ++p) {
-    query.codes[p] = static_cast<uint32_t>(upper[LaneOf<kAxes>(p)]);
+    codes.upper[p] = static_cast<uint32_t>(upper[LaneOf<kAxes>(p)]);
   }
-  query.certain = hn::AllTrue(di, hn::Eq(differ, hn::Zero(di))) ? -1 : -2;
+  codes.certain = hn::AllTrue(di, hn::Eq(differ, hn::Zero(di))) ? -1 : -2;
 }
 
 // Of the objects of a leaf: bit i of `kept` says that no code rejects object i,
@@ -116,11 +145,11 @@ struct LeafBits {
 // chain of arguments, so that each plane is loaded once.
 template <size_t kPlane, class D>
 HWY_INLINE hn::Vec<D> AboveQuery(D d, const int16_t* codes,
-                                 const PlaneQuery& query) {
+                                 const QueryCodes& query) {
   const hn::Repartition<uint32_t, D> d32;
   const auto above =
       hn::SaturatedSub(hn::Load(d, codes + kPlane * detail::kBlockObjects),
-                       hn::BitCast(d, hn::Set(d32, query.codes[kPlane])));
+                       hn::BitCast(d, hn::Set(d32, query.upper[kPlane])));
   if constexpr (kPlane == 0) {
     return above;
   } else {
@@ -129,7 +158,7 @@ HWY_INLINE hn::Vec<D> AboveQuery(D d, const int16_t* codes,
 }
 
 template <size_t kPlanes>
-HWY_INLINE LeafBits TestCodes(const int16_t* codes, const PlaneQuery& query) {
+HWY_INLINE LeafBits TestCodes(const int16_t* codes, const QueryCodes& query) {
   const WordTag<int16_t> d;
   const auto zero = hn::Zero(d);
   const auto certain = hn::Set(d, query.certain);
@@ -150,7 +179,7 @@ template <size_t kMins, size_t... kPlane>
 HWY_INLINE uint64_t TestPlanes(std::index_sequence<kPlane...>,
                                const float* const* planes, size_t count,
                                const float* values) {
-  const OneTag<float> d;
+  const WordTag<float> d;
   const size_t lanes = hn::Lanes(d);
   if (count > detail::kBlockObjects / 2) {
     return KeptBits<kMins>(d, LoadAll(), planes, 0,
@@ -161,7 +190,7 @@ HWY_INLINE uint64_t TestPlanes(std::index_sequence<kPlane...>,
     uint64_t some = VerdictBits(
         d,
         Verdict<kMins>(d, LoadAll(), planes, i, hn::Set(d, values[kPlane])...));
-    if (!kVerdictIsKept<OneTag<float>>) some ^= ~uint64_t{0} >> (64 - lanes);
+    if (!kVerdictIsKept<WordTag<float>>) some ^= ~uint64_t{0} >> (64 - lanes);
     bits |= some << i;
   }
   return bits;

@@ -52,7 +52,6 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
 
   void Run() {
     for (size_t block = join_.begin; block < join_.end;) {
-      uint32_t roots[detail::kWalkers];
       size_t count = 0;
       for (; block < join_.end && count < detail::kWalkers; ++block) {
         uint64_t members = Objects(*join_.queries, block);
@@ -61,10 +60,12 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
         block_[count] = static_cast<uint32_t>(block);
         members_[count] = members;
         BoundMembers(block, members, this->queries_[count]);
-        roots[count] = static_cast<uint32_t>(count << detail::kQueryShift);
         ++count;
       }
-      if (!this->Visit(this->levels_.count - 1, roots, count)) return;
+      for (size_t q = 0; q < count; ++q) {
+        if (!this->Visit(this->levels_.count - 1, this->PlaceOf(q))) return;
+      }
+      if (!this->VisitList()) return;
     }
   }
 

@@ -1,7 +1,4 @@
-// From the root to the objects that survive: level by level, a few blocks at a
-// time. A block's survivors are appended to a list without a branch, because
-// which survive cannot be predicted, and all of them can be prefetched before
-// the first is read.
+// The walk of a query from the root of a BVH to the objects that survive.
 #if defined(HALFSPACE_KERNELS_BVH_WALK_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_BVH_WALK_INL_H_
 #undef HALFSPACE_KERNELS_BVH_WALK_INL_H_
@@ -60,9 +57,11 @@ HWY_INLINE uint32_t* WriteIds(uint64_t bits, const uint32_t* ids,
 #endif
 }
 
-// Walks from the root to the objects that survive. Leaves, if given, derives
-// from this and has queries of its own: it has VisitLeaves(), which takes what
-// VisitObjects() does, and WantedNodes().
+// Walks from the root to the objects that survive, in two steps: nodes are
+// tested depth first, and leaves that survive are put on a list, so that all of
+// them can be prefetched before the first is read. The list has the leaves of
+// several queries. Leaves, if given, derives from this and has queries of its
+// own: it has VisitLeaves(), which takes a list, and WantedNodes().
 template <size_t kAxes, bool kHasMax, bool kWrites, class Leaves = void>
 class Walker {
  public:
@@ -74,33 +73,31 @@ class Walker {
         has_masks_(levels_.level[0].masks != nullptr && ~walk.mask != 0) {}
 
   void Run() {
-    for (size_t first = 0; first < walk_.query_count;
-         first += detail::kWalkers) {
-      const size_t count = HWY_MIN(detail::kWalkers, walk_.query_count - first);
-      uint32_t roots[detail::kWalkers];
-      for (size_t q = 0; q < count; ++q) {
-        ReadQuery<kAxes, kHasMax>(walk_.queries + (first + q) * kPlanes,
-                                  queries_[q]);
-        if (levels_.codes != nullptr) {
-          EncodeQuery<kAxes, kHasMax>(*levels_.map, queries_[q]);
-        }
-        roots[q] = static_cast<uint32_t>(q << detail::kQueryShift);
-      }
-      first_query_ = first;
+    for (size_t q = 0; q < walk_.query_count; ++q) {
+      ReadQuery<kAxes, kHasMax>(walk_.queries + q * kPlanes,
+                                queries_[q - first_query_]);
+      if (!Visit(levels_.count - 1, PlaceOf(q - first_query_))) return;
+      const size_t walkers = q + 1 - first_query_;
+      if (walkers < detail::kWalkers && q + 1 < walk_.query_count) continue;
+      if (!VisitList() || (kWrites && !EndQueries(walkers))) return;
+      first_query_ = q + 1;
       query_ = 0;
-      if (!Visit(levels_.count - 1, roots, count)) return;
-      if (kWrites && !EndQueries(count)) return;
+      encoded_ = kNone;
     }
   }
 
  protected:
   static constexpr bool kHasLeaves = !std::is_void_v<Leaves>;
-  // A chunk of blocks is tested before their survivors are. Leaves need stack.
-  static constexpr size_t kChunk = kHasLeaves ? 8 : 16;
+  // Leaves are read when there are so many on the list, and those of one block
+  // of nodes more.
+  static constexpr size_t kManyLeaves = 64;
   // From so many survivors in a block on, those inside the query are looked
   // for: a query that is not larger than its nodes has none.
   static constexpr size_t kManyKept = 8;
 
+  static uint32_t PlaceOf(size_t query) {
+    return static_cast<uint32_t>(query << detail::kQueryShift);
+  }
   static size_t BlockOf(uint32_t place) { return place & detail::kBlockMask; }
   static size_t QueryOf(uint32_t place) { return place >> detail::kQueryShift; }
   static bool IsInside(uint32_t place) {
@@ -111,64 +108,87 @@ class Walker {
     return BlockOf(place) * detail::kBlockObjects;
   }
 
-  bool Visit(size_t level, const uint32_t* places, size_t count) {
-    if (level == 0) {
-      if constexpr (kHasLeaves) {
-        return static_cast<Leaves*>(this)->VisitLeaves(places, count);
-      } else {
-        return VisitObjects(places, count);
+  // A block of a level, and what survives below it.
+  bool Visit(size_t level, uint32_t place) {
+    if (level == 0) return VisitOnlyLeaf(place);
+    uint64_t kept;
+    uint64_t inside = 0;
+    if (IsInside(place)) {
+      kept = levels_.level[level].present[BlockOf(place)];
+    } else {
+      kept = Filter(level, place, TestFloatsOf(level, place));
+      if (kept == 0) return true;
+      inside = Inside(level, place, kept);
+      if constexpr (!kWrites) {
+        if (inside != 0) Count(level, place, inside);
+        kept &= ~inside;
       }
     }
-    uint32_t* const list = lists_[level - 1];
-    for (size_t begin = 0; begin < count; begin += kChunk) {
-      const size_t end = HWY_MIN(begin + kChunk, count);
-      uint32_t* to = list;
-      for (size_t i = begin; i < end; ++i) {
-        const uint32_t place = places[i];
-        const size_t block = BlockOf(place);
-        uint64_t kept;
-        uint64_t inside = 0;
-        if (IsInside(place)) {
-          kept = levels_.level[level].present[block];
-        } else {
-          kept = Filter(level, place, TestNodes(level, place));
-          inside = Inside(level, place, kept);
-          if constexpr (!kWrites) {
-            if (inside != 0) Count(level, place, inside);
-            kept &= ~inside;
-          }
-        }
-        const uint32_t first =
-            (place & ~detail::kBlockMask) |
-            static_cast<uint32_t>(block * detail::kBlockObjects);
-        ForFewBits(kept, [&](size_t n, size_t bit) HWY_ATTR {
-          to[n] = first + static_cast<uint32_t>(bit);
-        });
-        const size_t survivors = hwy::PopCount(kept);
-        if (kWrites && inside != 0) {
-          for (size_t n = 0; n < survivors; ++n) {
-            const uint64_t bit = inside >> (to[n] % detail::kBlockObjects) & 1;
-            to[n] |= static_cast<uint32_t>(bit) * detail::kInsideBit;
-          }
-        }
-        if (levels_.level[level - 1].is_prefetched) {
-          for (size_t n = 0; n < survivors; ++n) Prefetch(level - 1, to[n]);
-        }
-        to += survivors;
+    const uint32_t first =
+        (place & ~detail::kBlockMask) | static_cast<uint32_t>(FirstOf(place));
+    if (level == 1) return ListLeaves(first, kept, inside);
+    for (; kept != 0; kept &= kept - 1) {
+      const size_t bit = hwy::Num0BitsBelowLS1Bit_Nonzero64(kept);
+      const uint32_t is_inside = inside >> bit & 1;
+      if (!Visit(level - 1, (first + static_cast<uint32_t>(bit)) |
+                                is_inside * detail::kInsideBit)) {
+        return false;
       }
-      if (!Visit(level - 1, list, static_cast<size_t>(to - list))) return false;
     }
     return true;
   }
 
-  HWY_INLINE uint64_t TestNodes(size_t level, uint32_t place) const {
-    const detail::BvhLevel& nodes = levels_.level[level];
+  // Of a world without nodes.
+  HWY_INLINE bool VisitOnlyLeaf(uint32_t place) {
+    if constexpr (kHasLeaves) {
+      list_[list_size_++] = place;
+      return true;
+    } else {
+      if (kWrites && !EndQueries(QueryOf(place))) return false;
+      const uint64_t kept = Filter(0, place, TestFloatsOf(0, place));
+      return kept == 0 || Take(place, kept);
+    }
+  }
+
+  HWY_INLINE bool ListLeaves(uint32_t first, uint64_t kept, uint64_t inside) {
+    uint32_t* const to = list_ + list_size_;
+    ForFewBits(kept, [&](size_t n, size_t bit) HWY_ATTR {
+      to[n] = first + static_cast<uint32_t>(bit);
+    });
+    const size_t leaves = hwy::PopCount(kept);
+    if (kWrites && inside != 0) {
+      for (size_t n = 0; n < leaves; ++n) {
+        const uint64_t bit = inside >> (to[n] % detail::kBlockObjects) & 1;
+        to[n] |= static_cast<uint32_t>(bit) * detail::kInsideBit;
+      }
+    }
+    if (levels_.level[0].is_prefetched) {
+      for (size_t n = 0; n < leaves; ++n) PrefetchLeaf(to[n]);
+    }
+    list_size_ += leaves;
+    return list_size_ < kManyLeaves || VisitList();
+  }
+
+  // Reads the leaves on the list.
+  bool VisitList() {
+    const size_t size = list_size_;
+    if (size == 0) return true;
+    list_size_ = 0;
+    if constexpr (kHasLeaves) {
+      return static_cast<Leaves*>(this)->VisitLeaves(list_, size);
+    } else {
+      return VisitLeaves(size);
+    }
+  }
+
+  HWY_INLINE uint64_t TestFloatsOf(size_t level, uint32_t place) const {
+    const detail::BvhLevel& tested = levels_.level[level];
     const detail::WalkShape* const shape = walk_.shape;
     if (shape != nullptr && shape->instead != nullptr) {
-      return shape->instead(*shape, nodes, BlockOf(place),
-                            nodes.present[BlockOf(place)]);
+      return shape->instead(*shape, tested, BlockOf(place),
+                            tested.present[BlockOf(place)]);
     }
-    return TestFloats<kAxes, kHasMax>(nodes, BlockOf(place),
+    return TestFloats<kAxes, kHasMax>(tested, BlockOf(place),
                                       queries_[QueryOf(place)]);
   }
 
@@ -223,22 +243,19 @@ class Walker {
     walk_.counts[first_query_ + QueryOf(place)] += objects;
   }
 
-  void Prefetch(size_t level, uint32_t place) const {
-    if (kHasLeaves && level == 0) return;
-    const size_t block = BlockOf(place);
+  void PrefetchLeaf(uint32_t place) const {
+    if constexpr (kHasLeaves) return;
     if (!IsInside(place)) {
-      const bool is_coded = level == 0 && levels_.codes != nullptr;
-      const auto* from = is_coded ? reinterpret_cast<const char*>(Codes(place))
-                                  : reinterpret_cast<const char*>(
-                                        levels_.level[level].Plane(block, 0));
-      const size_t bytes = kPlanes * detail::kBlockObjects *
-                           (is_coded ? sizeof(int16_t) : sizeof(float));
-      for (size_t b = 0; b < bytes; b += 64) kernels::Prefetch(from + b);
+      constexpr size_t kLine = 64 / sizeof(int16_t);
+      for (size_t i = 0; i < kPlanes * detail::kBlockObjects; i += kLine) {
+        kernels::Prefetch(Codes(place) + i);
+      }
     }
-    if (!kWrites || level != 0) return;
-    const uint32_t* ids = levels_.ids + FirstOf(place);
-    for (size_t i = 0; i < detail::kBlockObjects; i += 16) {
-      kernels::Prefetch(ids + i);
+    if constexpr (kWrites) {
+      const uint32_t* ids = levels_.ids + FirstOf(place);
+      for (size_t i = 0; i < detail::kBlockObjects; i += 16) {
+        kernels::Prefetch(ids + i);
+      }
     }
   }
 
@@ -246,48 +263,40 @@ class Walker {
     return levels_.codes + FirstOf(place) * kPlanes;
   }
 
-  bool VisitObjects(const uint32_t* places, size_t count) {
-    for (size_t begin = 0; begin < count; begin += kChunk) {
-      const size_t end = HWY_MIN(begin + kChunk, count);
-      Unsure unsure[kChunk];
-      size_t unsure_count = 0;
-      for (size_t i = begin; i < end; ++i) {
-        const uint32_t place = places[i];
-        const size_t query = QueryOf(place);
-        if (kWrites && query != query_) {
-          if (!Resolve(unsure, unsure_count) || !EndQueries(query)) {
-            return false;
-          }
-          unsure_count = 0;
+  bool VisitLeaves(size_t size) {
+    const bool reads_floats =
+        levels_.codes == nullptr ||
+        (walk_.shape != nullptr && walk_.shape->instead != nullptr);
+    Unsure unsure[2 * kManyLeaves];
+    size_t unsure_count = 0;
+    for (size_t i = 0; i < size; ++i) {
+      const uint32_t place = list_[i];
+      const size_t query = QueryOf(place);
+      if (query != encoded_) {
+        if (!Resolve(unsure, unsure_count)) return false;
+        unsure_count = 0;
+        if (kWrites && !EndQueries(query)) return false;
+        encoded_ = query;
+        if (!reads_floats) {
+          EncodeQuery<kAxes, kHasMax>(*levels_.map, queries_[query], codes_);
         }
-        if (IsInside(place)) {
-          if (!Take(place, levels_.level[0].present[BlockOf(place)])) {
-            return false;
-          }
-          continue;
-        }
-        LeafBits bits = TestLeaf(place);
-        unsure[unsure_count] = {place, bits.unsure};
-        unsure_count += bits.unsure != 0;
-        if (!Take(place, bits.kept & ~bits.unsure)) return false;
       }
-      if (unsure_count != 0 && !Resolve(unsure, unsure_count)) return false;
+      uint64_t kept;
+      if (IsInside(place)) {
+        kept = levels_.level[0].present[BlockOf(place)];
+      } else if (reads_floats) {
+        kept = Filter(0, place, TestFloatsOf(0, place));
+      } else {
+        const LeafBits bits = TestCodes<kPlanes>(Codes(place), codes_);
+        kept = bits.kept & levels_.level[0].present[BlockOf(place)];
+        kept = Filter(0, place, kept);
+        unsure[unsure_count] = {place, bits.unsure & kept};
+        unsure_count += (bits.unsure & kept) != 0;
+        kept &= ~bits.unsure;
+      }
+      if (!Take(place, kept)) return false;
     }
-    return true;
-  }
-
-  // Without codes, and for most shapes, the floats tell at once.
-  HWY_INLINE LeafBits TestLeaf(uint32_t place) {
-    const bool is_instead =
-        walk_.shape != nullptr && walk_.shape->instead != nullptr;
-    if (is_instead || levels_.codes == nullptr) {
-      return {Filter(0, place, TestNodes(0, place)), 0};
-    }
-    LeafBits bits = TestCodes<kPlanes>(Codes(place), queries_[QueryOf(place)]);
-    bits.kept &= levels_.level[0].present[BlockOf(place)];
-    bits.kept = Filter(0, place, bits.kept);
-    bits.unsure &= bits.kept;
-    return bits;
+    return Resolve(unsure, unsure_count);
   }
 
   bool EndQueries(size_t end) {
@@ -354,14 +363,18 @@ class Walker {
     return kept;
   }
 
+  static constexpr size_t kNone = ~size_t{0};
+
   const detail::Walk& walk_;
   const detail::BvhLevels& levels_;
   const bool has_masks_;
-  size_t first_query_ = 0;
-  size_t query_ = 0;  // after the first, whose ids are written
+  size_t list_size_ = 0;
+  size_t first_query_ = 0;  // of those that walk together
+  size_t query_ = 0;        // after the first, whose ids are written
+  size_t encoded_ = kNone;  // the query that codes_ is of
+  QueryCodes codes_;
   PlaneQuery queries_[detail::kWalkers];
-  uint32_t lists_[detail::kMostLevels - 1]
-                 [(kChunk + 1) * detail::kBlockObjects];
+  uint32_t list_[2 * kManyLeaves];
 };
 
 template <size_t kAxes, bool kHasMax, bool kWrites>
