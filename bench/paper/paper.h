@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "bench/base/shape.h"
-#include "bench/measure/work_count.h"
+#include "bench/paper/work_count.h"
 
 namespace halfspace::bench {
 

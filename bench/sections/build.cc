@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "bench/base/text.h"
-#include "bench/baselines/stream_copier.h"
+#include "bench/baselines/target_loops.h"
 #include "bench/sections/aims.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
@@ -50,7 +50,7 @@ class BuildGroup {
     for (CopyWay way : kCopyWays) {
       // Stores past the caches only lose in them.
       if (IsStreamed(way) && IsInCache(size)) continue;
-      if (CanCopy(way, source_.copy)) AddCopy(way);
+      AddCopy(way);
     }
     for (Target target : targets) {
       for (const Rounding& rounding : RoundingsOf(kind, IsInCache(size))) {
@@ -102,10 +102,9 @@ class BuildGroup {
   void AddCopy(CopyWay way) {
     Case c = MakeCase("copy/" + working_set_ + "/" + source_.shapes + "-to-" +
                       source_.planes + "/" + NameOf(way));
-    c.run = [this, way] {
+    c.run = [this, way, copy = LoopsFor(SupportedTargets().front()).copy] {
       for (std::size_t i = 0; i < rounds_; ++i) {
-        CopyStreams(way, source_.copy, source_.objects,
-                    SupportedTargets().front());
+        copy(way, source_.copy);
       }
     };
     copies_.push_back(way);

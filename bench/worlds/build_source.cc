@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/base/aligned_vector.h"
-#include "bench/baselines/stream_copier.h"
+#include "bench/baselines/target_loops.h"
 #include "bench/worlds/random.h"
 #include "halfspace/fit.h"
 
@@ -17,10 +17,10 @@ namespace {
 // Vertices lie in rows of this many, two triangles between four of them.
 constexpr std::size_t kRow = 64;
 
-// As many objects as move about `bytes`, in steps that all copiers can do.
-std::size_t ObjectsFor(std::size_t bytes, std::size_t bytes_per_object,
-                       std::size_t step) {
-  return std::max(step, bytes / bytes_per_object / step * step);
+// As many objects as move about `bytes`, in steps that copiers can do.
+std::size_t ObjectsFor(std::size_t bytes, std::size_t bytes_per_object) {
+  return std::max(kCopyObjects,
+                  bytes / bytes_per_object / kCopyObjects * kCopyObjects);
 }
 
 BuildSource SourceOf(std::string shapes, std::size_t objects) {
@@ -29,6 +29,7 @@ BuildSource SourceOf(std::string shapes, std::size_t objects) {
   source.planes = "aabo";
   source.objects = objects;
   source.items = objects;
+  source.copy.objects = objects;
   source.built = std::make_shared<AaboWorld3>();
   source.built->Resize(objects);
   const AaboPlanes3 planes = source.built->planes();
@@ -50,8 +51,7 @@ Point<3> MiddleOf(const Aabb3& box) {
 }
 
 BuildSource MakeBoxes(const Workload& workload, std::size_t bytes) {
-  BuildSource source =
-      SourceOf("boxes", ObjectsFor(bytes, 24 + 32, kMemcpyObjects));
+  BuildSource source = SourceOf("boxes", ObjectsFor(bytes, 24 + 32));
   auto boxes = std::make_shared<AabbWorld3>();
   boxes->Reserve(source.objects);
   for (std::size_t i = 0; i < source.objects; ++i) {
@@ -69,8 +69,7 @@ BuildSource MakeBoxes(const Workload& workload, std::size_t bytes) {
 }
 
 BuildSource MakeBoxRecords(const Workload& workload, std::size_t bytes) {
-  BuildSource source =
-      SourceOf("box-records", ObjectsFor(bytes, 24 + 32, kMemcpyObjects));
+  BuildSource source = SourceOf("box-records", ObjectsFor(bytes, 24 + 32));
   auto boxes = std::make_shared<AlignedVector<Aabb3>>(source.objects);
   for (std::size_t i = 0; i < source.objects; ++i) {
     (*boxes)[i] = BoxOf(workload, i);
@@ -89,7 +88,7 @@ BuildSource MakeBoxesToD(const Workload& workload, std::size_t bytes) {
   BuildSource source;
   source.shapes = "boxes";
   source.planes = "d";
-  source.objects = ObjectsFor(bytes, 24 + 8, kMemcpyObjects);
+  source.objects = ObjectsFor(bytes, 24 + 8);
   source.items = source.objects;
   source.built =
       std::make_shared<AaboWorld3>(ResizedTo(workload.objects, source.objects));
@@ -115,8 +114,7 @@ BuildSource MakeBoxesToD(const Workload& workload, std::size_t bytes) {
 // The spheres within the boxes' longest sides. Their planes, the center's and
 // the radius', are a SimplexWorld's, for its alignment.
 BuildSource MakeSpheres(const Workload& workload, std::size_t bytes) {
-  BuildSource source =
-      SourceOf("spheres", ObjectsFor(bytes, 16 + 32, kMemcpyObjects));
+  BuildSource source = SourceOf("spheres", ObjectsFor(bytes, 16 + 32));
   auto columns = std::make_shared<SimplexWorld3>();
   columns->Reserve(source.objects);
   for (std::size_t i = 0; i < source.objects; ++i) {
@@ -153,8 +151,7 @@ struct Triangles {
 
 // A grid, which has half as many vertices as triangles, as closed meshes do.
 BuildSource MakeTriangles(const Workload& workload, std::size_t bytes) {
-  BuildSource source =
-      SourceOf("triangles", ObjectsFor(bytes, 12 + 6 + 32, kMemcpyObjects));
+  BuildSource source = SourceOf("triangles", ObjectsFor(bytes, 12 + 6 + 32));
   auto mesh = std::make_shared<Triangles>();
   const std::size_t vertices = source.objects / 2;
   for (std::size_t v = 0; v < vertices; ++v) {
@@ -195,8 +192,7 @@ struct PointSets {
 // Points within the boxes.
 BuildSource MakePointSets(const Workload& workload, std::size_t bytes) {
   BuildSource source =
-      SourceOf("point-sets",
-               ObjectsFor(bytes, kPointsOfSet * 12 + 8 + 32, kCopyObjects));
+      SourceOf("point-sets", ObjectsFor(bytes, kPointsOfSet * 12 + 8 + 32));
   source.items = source.objects * kPointsOfSet;
   auto sets = std::make_shared<PointSets>();
   Random random(1);

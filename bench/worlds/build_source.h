@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "bench/baselines/copy_job.h"
+#include "bench/baselines/target_loops.h"
 #include "bench/worlds/workload.h"
 #include "halfspace/fit_many.h"
 

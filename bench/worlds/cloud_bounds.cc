@@ -28,8 +28,8 @@ void CloudBounds::Bound(Axes axes, Target target) {
                                      min_[2].data(), min_[3].data()};
   const std::array<float*, 4> max = {max_[0].data(), max_[1].data(),
                                      max_[2].data(), max_[3].data()};
-  BoundCloudsFor(target)(axes, coordinates.data(), size_, points_, min.data(),
-                         max.data());
+  LoopsFor(target).bound_clouds(axes, coordinates.data(), size_, points_,
+                                min.data(), max.data());
 }
 
 CloudBounds::Extent CloudBounds::ExtentOf(Axes axes, std::size_t axis,

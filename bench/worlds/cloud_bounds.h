@@ -7,7 +7,7 @@
 #include <string>
 
 #include "bench/base/aligned_vector.h"
-#include "bench/baselines/axes_builder.h"
+#include "bench/baselines/target_loops.h"
 #include "bench/measure/measure.h"
 #include "bench/worlds/point_source.h"
 

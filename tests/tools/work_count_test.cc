@@ -1,6 +1,6 @@
 // The paper's work metric: against a count that follows its definition object
 // by object, and against the paper's own figures.
-#include "bench/measure/work_count.h"
+#include "bench/paper/work_count.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "bench/measure/work_count.h"
+#include "bench/paper/work_count.h"
 
 #include <algorithm>
 
@@ -103,7 +103,7 @@ std::array<const float*, kPlaneWordsPlanes> PlanesFrom(const AaboView3& view,
 
 void WorkCounter::Add(const Aabo3& query) {
   constexpr std::size_t kChunk = 64;
-  const PlaneWordsFunction fill = PlaneWordsFor(ChosenTarget());
+  const PlaneWordsFunction fill = LoopsFor(ChosenTarget()).fill_plane_words;
   std::array<float, kPlaneWordsPlanes> values{};
   std::copy(query.min.begin(), query.min.end(), values.begin());
   std::copy(query.max.begin(), query.max.end(), values.begin() + 4);

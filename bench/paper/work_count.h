@@ -1,14 +1,14 @@
 // The paper's work metric: half-spaces evaluated per object when a batch of w
 // objects stops after the first half-space that leaves all of them rejected.
 // It counts, it does not time: the same on every machine.
-#ifndef HALFSPACE_BENCH_MEASURE_WORK_COUNT_H_
-#define HALFSPACE_BENCH_MEASURE_WORK_COUNT_H_
+#ifndef HALFSPACE_BENCH_PAPER_WORK_COUNT_H_
+#define HALFSPACE_BENCH_PAPER_WORK_COUNT_H_
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
-#include "bench/measure/plane_words.h"
+#include "bench/baselines/target_loops.h"
 #include "halfspace/bounds.h"
 #include "halfspace/world.h"
 
@@ -48,4 +48,4 @@ class WorkCounter {
 
 }  // namespace halfspace::bench
 
-#endif  // HALFSPACE_BENCH_MEASURE_WORK_COUNT_H_
+#endif  // HALFSPACE_BENCH_PAPER_WORK_COUNT_H_
