@@ -12,7 +12,6 @@
 #include "bench/sections/sections.h"
 #include "bench/worlds/cloud_bounds.h"
 #include "bench/worlds/point_source.h"
-#include "bench/worlds/regular_bounds.h"
 #include "halfspace/fit.h"
 #include "halfspace/reject.h"
 

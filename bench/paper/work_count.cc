@@ -1,6 +1,7 @@
 #include "bench/paper/work_count.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "halfspace/targets.h"
 
@@ -9,84 +10,17 @@ namespace {
 
 constexpr std::size_t kWordObjects = 64;
 
-// Widths of more than a word, in words.
+// The first widths are parts of a word; of the others, in words.
+constexpr std::size_t kNarrowWidths = 4;
 constexpr std::array<std::size_t, 3> kWideWords = {4, 16, 64};
 
 // The planes of PlaneWords in the paper's order of evaluation.
-constexpr std::array<std::size_t, 6> kAabbOrder = {0, 4, 1, 5, 2, 6};
-constexpr std::array<std::size_t, 4> kSimplexOrder = {0, 1, 2, 3};
-constexpr std::array<std::size_t, 8> kAaboOrder = {0, 1, 2, 3, 4, 5, 6, 7};
+constexpr std::array<std::array<std::size_t, 8>, kShapes.size()> kOrders = {
+    {{0, 4, 1, 5, 2, 6}, {0, 1, 2, 3}, {0, 1, 2, 3, 4, 5, 6, 7}}};
 
-// Set bits among the lowest bits of each 8-bit (or 16-bit) group: a multiply
-// adds the groups up in the top one.
-std::uint64_t SumOfBytes(std::uint64_t bytes) {
-  return (bytes * 0x0101010101010101) >> 56;
+std::uint64_t CountBits(std::uint64_t bits) {
+  return static_cast<std::uint64_t>(std::popcount(bits));
 }
-std::uint64_t SumOf16(std::uint64_t groups) {
-  return (groups * 0x0001000100010001) >> 48;
-}
-
-// Without the popcnt instruction, which the baseline lacks, std::popcount is a
-// call.
-std::uint64_t ObjectsIn(std::uint64_t kept) {
-  std::uint64_t pairs = kept - ((kept >> 1) & 0x5555555555555555);
-  pairs = (pairs & 0x3333333333333333) + ((pairs >> 2) & 0x3333333333333333);
-  return SumOfBytes((pairs + (pairs >> 4)) & 0x0F0F0F0F0F0F0F0F);
-}
-
-using ByWidth = std::array<std::uint64_t, kWorkWidths.size()>;
-using Reached = std::array<ByWidth, kPlaneWordsPlanes>;
-
-// Counts one shape over one query's words.
-template <std::size_t kPlanes>
-class ShapeCounter {
- public:
-  explicit ShapeCounter(const std::array<std::size_t, kPlanes>& order)
-      : order_(order) {}
-
-  void AddWord(const PlaneWords& words) {
-    std::uint64_t kept = ~std::uint64_t{0};
-    for (std::size_t k = 0; k < kPlanes && kept != 0; ++k) {
-      std::uint64_t any = kept;
-      ByWidth& reached = reached_[k];
-      reached[0] += ObjectsIn(kept);
-      for (int shift : {1, 2, 4}) any |= any >> shift;
-      const std::uint64_t any8 = any & 0x0101010101010101;
-      reached[1] += SumOfBytes(any8);
-      reached[2] += SumOf16((any8 | (any8 >> 8)) & 0x0001000100010001);
-      reached[3] += 1;
-      for (std::size_t b = 0; b < kWideWords.size(); ++b) {
-        wide_nonzero_[b][k] = true;
-      }
-      kept &= ~words[order_[k]];
-    }
-  }
-
-  // After word number `words_done`, from 1; or at the end of the world.
-  void CloseBatches(std::size_t words_done, bool is_end) {
-    for (std::size_t b = 0; b < kWideWords.size(); ++b) {
-      if (words_done % kWideWords[b] != 0 && !is_end) continue;
-      for (std::size_t k = 0; k < kPlanes; ++k) {
-        reached_[k][4 + b] += wide_nonzero_[b][k] ? 1 : 0;
-        wide_nonzero_[b][k] = false;
-      }
-    }
-  }
-
-  void AddTo(Reached& sums) const {
-    for (std::size_t k = 0; k < kPlanes; ++k) {
-      for (std::size_t i = 0; i < kWorkWidths.size(); ++i) {
-        sums[k][i] += reached_[k][i];
-      }
-    }
-  }
-
- private:
-  const std::array<std::size_t, kPlanes>& order_;
-  Reached reached_{};
-  std::array<std::array<bool, kPlaneWordsPlanes>, kWideWords.size()>
-      wide_nonzero_{};
-};
 
 // The planes from object `first` on, as the kernels take them.
 std::array<const float*, kPlaneWordsPlanes> PlanesFrom(const AaboView3& view,
@@ -108,28 +42,39 @@ void WorkCounter::Add(const Aabo3& query) {
   std::copy(query.min.begin(), query.min.end(), values.begin());
   std::copy(query.max.begin(), query.max.end(), values.begin() + 4);
 
-  ShapeCounter<6> aabb(kAabbOrder);
-  ShapeCounter<4> simplex(kSimplexOrder);
-  ShapeCounter<8> aabo(kAaboOrder);
+  // Per shape, half-space and wide width: whether the batch reaches it.
+  std::array<std::array<std::array<bool, 3>, kPlaneWordsPlanes>, 3>
+      is_reached{};
   std::array<PlaneWords, kChunk> chunk;
   const std::size_t words = objects_.size / kWordObjects;
-  for (std::size_t begin = 0; begin < words; begin += kChunk) {
-    const std::size_t count = std::min(kChunk, words - begin);
-    fill(PlanesFrom(objects_, begin * kWordObjects).data(), values.data(),
-         count, chunk.data());
-    for (std::size_t w = 0; w < count; ++w) {
-      const bool is_end = begin + w + 1 == words;
-      aabb.AddWord(chunk[w]);
-      simplex.AddWord(chunk[w]);
-      aabo.AddWord(chunk[w]);
-      aabb.CloseBatches(begin + w + 1, is_end);
-      simplex.CloseBatches(begin + w + 1, is_end);
-      aabo.CloseBatches(begin + w + 1, is_end);
+  for (std::size_t w = 0; w < words; ++w) {
+    if (w % kChunk == 0) {
+      fill(PlanesFrom(objects_, w * kWordObjects).data(), values.data(),
+           std::min(kChunk, words - w), chunk.data());
+    }
+    for (std::size_t s = 0; s < kOrders.size(); ++s) {
+      std::uint64_t kept = ~std::uint64_t{0};
+      for (std::size_t k = 0; k < PlaneCountOf(kShapes[s]) && kept != 0; ++k) {
+        // Bit i of `any` says whether one of 8 objects from i on is left.
+        std::uint64_t any = kept;
+        for (int shift : {1, 2, 4}) any |= any >> shift;
+        ByWidth& reached = reached_[s][k];
+        reached[0] += CountBits(kept);
+        reached[1] += CountBits(any & 0x0101010101010101);
+        reached[2] += CountBits((any | any >> 8) & 0x0001000100010001);
+        reached[3] += 1;
+        is_reached[s][k].fill(true);
+        kept &= ~chunk[w % kChunk][kOrders[s][k]];
+      }
+      for (std::size_t b = 0; b < kWideWords.size(); ++b) {
+        if ((w + 1) % kWideWords[b] != 0 && w + 1 != words) continue;
+        for (std::size_t k = 0; k < kPlaneWordsPlanes; ++k) {
+          reached_[s][k][kNarrowWidths + b] += is_reached[s][k][b] ? 1 : 0;
+          is_reached[s][k][b] = false;
+        }
+      }
     }
   }
-  aabb.AddTo(reached_[0]);
-  simplex.AddTo(reached_[1]);
-  aabo.AddTo(reached_[2]);
   ++queries_;
 }
 

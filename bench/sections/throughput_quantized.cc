@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "bench/base/schedules.h"
+#include "bench/base/shape.h"
 #include "bench/baselines/target_loops.h"
 #include "bench/sections/throughput.h"
 #include "halfspace/quantized.h"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -90,6 +91,7 @@ BuildSource MakeBoxesToD(const Workload& workload, std::size_t bytes) {
   source.planes = "d";
   source.objects = ObjectsFor(bytes, 24 + 8);
   source.items = source.objects;
+  source.copy.objects = source.objects;
   source.built =
       std::make_shared<AaboWorld3>(ResizedTo(workload.objects, source.objects));
   const AaboPlanes3 planes = source.built->planes();
@@ -222,6 +224,17 @@ BuildSource MakePointSets(const Workload& workload, std::size_t bytes) {
   return source;
 }
 
+constexpr std::size_t kChecked = 64;
+
+std::string WrongBound(const Aabo3& built, const Aabo3& single) {
+  if (!(built.aabb() == single.aabb())) {
+    return "X, Y or Z is not that of the builder of one shape";
+  }
+  const bool encloses = built.min[kDAxis] <= single.min[kDAxis] &&
+                        built.max[kDAxis] >= single.max[kDAxis];
+  return encloses ? "" : "D does not enclose that of the builder of one shape";
+}
+
 }  // namespace
 
 BuildSource MakeBuildSource(BuildKind kind, const Workload& workload,
@@ -241,6 +254,27 @@ BuildSource MakeBuildSource(BuildKind kind, const Workload& workload,
       break;
   }
   return MakePointSets(workload, bytes);
+}
+
+std::string CheckBuild(const BuildSource& source, const FitOptions& options) {
+  // What is looked at afterwards must have been written.
+  const AaboPlanes3 planes = source.built->planes();
+  const std::size_t step = std::max<std::size_t>(1, source.objects / kChecked);
+  const bool has_axes = source.planes == "aabo";
+  for (std::size_t i = 0; i < source.objects; i += step) {
+    for (std::size_t k = has_axes ? 0 : kDAxis; k <= kDAxis; ++k) {
+      planes.min[k][i] = std::numeric_limits<float>::quiet_NaN();
+      planes.max[k][i] = std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+  const Target ran = source.build(options, nullptr);
+  if (ran != options.target) return "another target ran";
+  for (std::size_t i = 0; i < source.objects; i += step) {
+    const std::string wrong =
+        WrongBound(source.built->Get(i), source.single(i));
+    if (!wrong.empty()) return "object " + std::to_string(i) + ": " + wrong;
+  }
+  return {};
 }
 
 }  // namespace halfspace::bench

@@ -50,6 +50,10 @@ struct BuildSource {
 BuildSource MakeBuildSource(BuildKind kind, const Workload& workload,
                             std::size_t bytes);
 
+// Builds with these options. Empty if the bounds of some objects enclose those
+// of fit.h and are equal to them in X, Y and Z; else what is wrong.
+std::string CheckBuild(const BuildSource& source, const FitOptions& options);
+
 }  // namespace halfspace::bench
 
 #endif  // HALFSPACE_BENCH_WORLDS_BUILD_SOURCE_H_

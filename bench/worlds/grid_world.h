@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/base/shape_queries.h"
+#include "bench/base/shape.h"
 #include "bench/measure/machine.h"
 #include "bench/worlds/workload.h"
 #include "halfspace/quantized.h"

@@ -8,8 +8,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "bench/measure/survivors.h"
-#include "bench/paper/paper.h"
+#include "bench/measure/counts.h"
 #include "bench/worlds/scene.h"
 
 namespace halfspace::bench {
