@@ -50,10 +50,9 @@ Context ContextOf(const Run& run) {
 
 void WriteHead(std::ostream& out, const Report& report) {
   out << "cpuinfo-bench " << report.ValueOf("version") << ' '
-      << Printable(report.ValueOf("command")) << "\n"
-      << report.ValueOf("cpu") << " (" << report.ValueOf("model") << "), "
-      << report.ValueOf("caches") << ", seed " << report.ValueOf("seed")
-      << '\n';
+      << Printable(report.ValueOf("command")) << ", "
+      << report.ValueOf("caches") << ", seed " << report.ValueOf("seed") << "\n"
+      << report.ValueOf("cpu") << " (" << report.ValueOf("model") << ")\n";
 }
 
 // Those of `tables` that belong to a section.
