@@ -246,10 +246,10 @@ std::vector<Case> SingleBuildCases() {
   add(
       "BoundPoints, a point",
       [](const S& s, std::size_t i) {
-        const std::size_t first = i % (kSingles - kPointsOfSet);
-        return BoundPoints(Points3{s.a[first].data(), kPointsOfSet});
+        const std::size_t first = i % (kSingles - kPointsOfSingle);
+        return BoundPoints(Points3{s.a[first].data(), kPointsOfSingle});
       },
-      kPointsOfSet);
+      kPointsOfSingle);
   add("BoundSegment", [](const S& s, std::size_t i) {
     return BoundSegment(Segment3{s.a[i], s.b[i]});
   });

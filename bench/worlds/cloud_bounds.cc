@@ -9,11 +9,11 @@ namespace halfspace::bench {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr double kMost = std::numeric_limits<float>::max();
+constexpr double kMostFloat = std::numeric_limits<float>::max();
 
 float RoundedDown(double value) {
-  if (value < -kMost) return -kInfinity;
-  const auto rounded = static_cast<float>(std::min(value, kMost));
+  if (value < -kMostFloat) return -kInfinity;
+  const auto rounded = static_cast<float>(std::min(value, kMostFloat));
   return rounded > value ? std::nextafter(rounded, -kInfinity) : rounded;
 }
 
