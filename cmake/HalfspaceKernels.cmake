@@ -63,10 +63,10 @@ foreach(source_name Boxes Spheres Triangles PointSets)
   endforeach()
 endforeach()
 
-# Sorted worlds have 2 or 3 dimensions.
+# Bvh worlds have 2 or 3 dimensions.
 foreach(axes IN LISTS all_axes)
   if(axes LESS 5)
-    halfspace_add_kernels(sorted/kernels_of_axes "sorted_${axes}" ${scalar_copies})
-    halfspace_add_kernels(sorted/pairs_of_axes "sorted_pairs_${axes}" ${scalar_copies})
+    halfspace_add_kernels(bvh/kernels_of_axes "sorted_${axes}" ${scalar_copies})
+    halfspace_add_kernels(bvh/pairs_of_axes "bvh_pairs_${axes}" ${scalar_copies})
   endif()
 endforeach()

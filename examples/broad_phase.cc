@@ -46,11 +46,11 @@ int main() {
   std::vector<halfspace::Aabb3> bounds(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i)
     bounds[i] = BoundOf(bodies[i]);
-  halfspace::SortedAabbWorld3 world(bounds, halfspace::Order::kFast);
+  halfspace::AabbBvh3 world(bounds, halfspace::BuildQuality::kFast);
 
   std::vector<halfspace::IdPair> pairs(100'000);
   std::size_t count = 0;
-  std::size_t sorted = 0;
+  std::size_t bvh = 0;
   for (int frame = 0; frame < 60; ++frame) {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       Body& body = bodies[i];
@@ -63,7 +63,7 @@ int main() {
       bounds[i] = BoundOf(body);
     }
     world.Refit(bounds);
-    if (world.Decay() > 1.2) sorted += world.RebuildWorst(bodies.size() / 2);
+    if (world.CostRatio() > 1.2) bvh += world.RebuildPartial(bodies.size() / 2);
     count = Pairs(world, pairs);  // for the narrow phase
   }
 
@@ -80,6 +80,6 @@ int main() {
     }
   }
   std::printf("%zu pairs in the last frame; %zu times a body was sorted anew\n",
-              count, sorted);
+              count, bvh);
   return count == expected && count <= pairs.size() ? 0 : 1;
 }

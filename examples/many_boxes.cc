@@ -1,5 +1,5 @@
 // Which towers could a flight touch? One query after another over a hundred
-// thousand boxes that rest, by a sorted world, which is made once.
+// thousand boxes that rest, by a BVH, which is made once.
 #include <halfspace/halfspace.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ int main() {
     const float height = i % 7 == 0 ? 60.0f : 9.0f;
     houses.push_back({{x, y, 0.0f}, {x + 10.0f, y + 10.0f, height}});
   }
-  const halfspace::SortedAabbWorld3 world(houses);
+  const halfspace::AabbBvh3 world(houses);
 
   // The towers that a flight at a height of 30 could touch.
   std::vector<std::uint32_t> ids(world.size());

@@ -44,7 +44,7 @@ float Hit(const halfspace::Ray3& ray, const halfspace::Sphere3& sphere) {
 
 int main() {
   const std::vector<halfspace::Sphere3> spheres = MakeSpheres();
-  const auto world = halfspace::SortedAabbWorld3::Fitted(
+  const auto world = halfspace::AabbBvh3::Fitted(
       spheres.size(), [&](const halfspace::AabbPlanes3& planes) {
         halfspace::Spheres3 list;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -60,7 +60,7 @@ int main() {
   std::array<std::uint32_t, 8> ids;
   std::array<float, 8> distances;
   const std::size_t found =
-      NearestObjects(world, {20.4f, 30.4f, 10.4f}, ids, distances);
+      KNearest(world, {20.4f, 30.4f, 10.4f}, ids, distances);
   for (std::size_t i = 0; i < found; ++i) {
     std::printf("sphere %u is %.3f away\n", ids[i],
                 static_cast<double>(distances[i]));
@@ -72,7 +72,7 @@ int main() {
   float closest = ray.max_t;
   std::uint32_t hit = 0;
   int tests = 0;
-  ForEachAlongRay(world, ray, [&](std::uint32_t id, float /*enters*/) {
+  RayCast(world, ray, [&](std::uint32_t id, float /*enters*/) {
     ++tests;
     if (const float t = Hit(ray, spheres[id]); t < closest) {
       closest = t;

@@ -54,8 +54,8 @@ int main(int argc, char** argv) {
   Layer second;
   if (!Read(argv[1], first) || !Read(argv[2], second)) return 1;
 
-  const halfspace::SortedAabbWorld2 a(first.boxes);
-  const halfspace::SortedAabbWorld2 b(second.boxes);
+  const halfspace::AabbBvh2 a(first.boxes);
+  const halfspace::AabbBvh2 b(second.boxes);
   ForEachPair(a, b, [&](halfspace::Span<const halfspace::IdPair> pairs) {
     for (const halfspace::IdPair& pair : pairs) {
       std::printf("%s may cross %s\n", first.names[pair.a].c_str(),

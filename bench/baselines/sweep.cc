@@ -77,10 +77,9 @@ class Sweep : public PairFinder {
                         {max_[1].data(), max_[2].data()}};
     for (std::size_t i = 0; i < order_.size(); ++i) {
       const auto first = min_[0].begin();
-      const auto sorted_end =
-          first + static_cast<std::ptrdiff_t>(order_.size());
+      const auto bvh_end = first + static_cast<std::ptrdiff_t>(order_.size());
       const auto end = static_cast<std::size_t>(
-          std::upper_bound(first + static_cast<std::ptrdiff_t>(i), sorted_end,
+          std::upper_bound(first + static_cast<std::ptrdiff_t>(i), bvh_end,
                            max_[0][i]) -
           first);
       for (std::size_t begin = i + 1; begin < end; begin += kBlock) {

@@ -52,17 +52,17 @@ constexpr Aim TimesFastest(double needed) {
 constexpr Aim WhereEvicted(const Aim& threshold) {
   return TimesFastest(0.5 * threshold.avx512);
 }
-inline constexpr Aim kSortedThousand = TimesFastest(2.5);
-inline constexpr Aim kSortedTenThousand = TimesFastest(4.0);
-inline constexpr Aim kSortedMore = TimesFastest(7.0);
-inline constexpr Aim kSortedFile = TimesFastest(5.0);
-inline constexpr Aim kSorted2D = TimesFastest(5.0);
+inline constexpr Aim kBvhThousand = TimesFastest(2.5);
+inline constexpr Aim kBvhTenThousand = TimesFastest(4.0);
+inline constexpr Aim kBvhMore = TimesFastest(7.0);
+inline constexpr Aim kBvhFile = TimesFastest(5.0);
+inline constexpr Aim kBvh2D = TimesFastest(5.0);
 // Builds: times as fast as the competitor's bulk load. Queries of the fast
 // order over those of the tight one. Bytes beyond the floats over the floats.
 inline constexpr Aim kFastBuild = AtLeast(5.0);
 inline constexpr Aim kTightBuild = AtLeast(1.0);
 inline constexpr Aim kFastOverTight = AtMost(1.5);
-inline constexpr Aim kSortedMemory = AtMost(0.6);
+inline constexpr Aim kBvhMemory = AtMost(0.6);
 // Refits: % of copying as many bytes as they read and write.
 inline constexpr Aim kRefitInOrder = AtLeast(40.0);
 inline constexpr Aim kRefitById = AtLeast(20.0);

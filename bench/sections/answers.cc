@@ -15,7 +15,7 @@ enum Column : std::size_t { kShape, kSchedule, kPrecision, kOfBest = 6 };
 
 using IsOneOf = std::function<bool(const Row&)>;
 
-bool IsSorted(const Row& way) { return way[kSchedule].text == "sorted"; }
+bool IsSorted(const Row& way) { return way[kSchedule].text == "bvh"; }
 bool IsQuantized(const Row& way) { return way[kPrecision].text != "floats"; }
 
 // The first one: ways are in the order of their times.
@@ -103,8 +103,8 @@ Tables RunAnswers(Run& run) {
     Add(table, "structure", FastestOf(*ways, IsSorted),
         FastestOf(*ways, [](const Row& way) { return !IsSorted(way); }),
         [](const Row& way) {
-          return (IsSorted(way) ? "sorted world (" : "scan (") +
-                 way[kShape].text + " " + way[kPrecision].text + ")";
+          return (IsSorted(way) ? "BVH (" : "scan (") + way[kShape].text + " " +
+                 way[kPrecision].text + ")";
         });
     table.notes.push_back(WhatIsMeasured(run, *ways));
   } else {

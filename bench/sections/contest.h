@@ -1,4 +1,4 @@
-// Box queries of sorted worlds, of scans and of trees, timed beside each other.
+// Box queries of BVHs, of scans and of trees, timed beside each other.
 #ifndef HALFSPACE_BENCH_SECTIONS_CONTEST_H_
 #define HALFSPACE_BENCH_SECTIONS_CONTEST_H_
 
@@ -15,22 +15,22 @@
 #include "bench/base/text.h"
 #include "bench/baselines/box_tree.h"
 #include "bench/measure/measure.h"
-#include "bench/sections/sorted_parts.h"
+#include "bench/sections/bvh_parts.h"
 #include "bench/worlds/box_set.h"
+#include "halfspace/bvh.h"
 #include "halfspace/quantized.h"
 #include "halfspace/reject.h"
-#include "halfspace/sorted.h"
 
 namespace halfspace::bench {
 
 // The blocks that a query visits below and at one of a level, by the floats of
 // the nodes. Codes keep a few nodes more.
 template <int kDims>
-std::size_t VisitedBlocks(const detail::SortedLevels& levels, std::size_t level,
+std::size_t VisitedBlocks(const detail::BvhLevels& levels, std::size_t level,
                           std::size_t block, const Aabb<kDims>& query) {
   std::size_t visited = 1;
   if (level == 0) return visited;
-  const detail::SortedLevel& nodes = levels.level[level];
+  const detail::BvhLevel& nodes = levels.level[level];
   const std::size_t end = std::min(nodes.size, (block + 1) * 64);
   for (std::size_t n = block * 64; n < end; ++n) {
     bool is_kept = true;
@@ -58,9 +58,9 @@ class Contest {
 
   // Each row has a copy of the world, so that in turns with the others it finds
   // the caches as a tree finds them.
-  void AddSorted(Order order, Target target) {
-    const std::string name = order == Order::kTight ? "tight" : "fast";
-    const Sorted world(boxes_.view(), order);
+  void AddBvh(BuildQuality quality, Target target) {
+    const std::string name = quality == BuildQuality::kHigh ? "tight" : "fast";
+    const Bvh world(boxes_.view(), quality);
     if (all_ids_.empty()) MakeRoom(world);
     AddOneByOne(
         name + kOneByOne, NameOf(target),
@@ -71,7 +71,7 @@ class Contest {
   }
 
   void AddCounts(Target target) {
-    const auto world = std::make_shared<const Sorted>(boxes_.view());
+    const auto world = std::make_shared<const Bvh>(boxes_.view());
     const auto count = [world, target](const Box& query) {
       return CountSurvivors(*world, query, {.target = target});
     };
@@ -135,7 +135,7 @@ class Contest {
     in_turns_ = throughput_.TimeRuns(std::move(in_turns_cases_),
                                      std::max(repetitions, kTurns));
     for (std::size_t i = 0; i < rows_.size(); ++i) {
-      SortedRow& row = rows_[i];
+      BvhRow& row = rows_[i];
       row.ns = in_a_row_[i].Median();
       row.ns_in_turns = in_turns_[i].Median();
       if (competitors_.empty()) continue;
@@ -144,7 +144,7 @@ class Contest {
     }
   }
 
-  // Of the rows of a sorted world with that target: times the fastest
+  // Of the rows of a BVH with that target: times the fastest
   // competitor, which is asked one query a call in either case.
   void AddRatios(Aim threshold, Target target) {
     if (competitors_.empty()) return;
@@ -165,7 +165,7 @@ class Contest {
     throughput_.AddRatio(
         aims::kFastOverTight, target,
         set_.name + " " + Grouped(set_.boxes.size()) + kOneByOne +
-            ": time of the fast order over the tight one's",
+            ": time of the fast quality over the tight one's",
         RatioOf(in_a_row_[RowOf(std::string("fast") + kOneByOne, target)],
                 in_a_row_[RowOf(std::string("tight") + kOneByOne, target)]));
   }
@@ -180,7 +180,7 @@ class Contest {
                           Fixed(share, 2) + " of the time of " + of + ".");
     };
     add(grid / *rows_[RowOf(std::string("tight") + kOneByOne, target)].ns.value,
-        "a sorted world, one query a call");
+        "a BVH, one query a call");
     if (!competitors_.empty()) {
       add(grid / Fastest(in_a_row_).Median(), "the fastest competitor");
     }
@@ -188,8 +188,8 @@ class Contest {
 
   double MedianOf(std::size_t row) const { return *rows_[row].ns.value; }
 
-  void AddTo(SortedResult& result) const {
-    for (const SortedRow& row : rows_) {
+  void AddTo(BvhResult& result) const {
+    for (const BvhRow& row : rows_) {
       result.AddRow(set_.name, set_.boxes.size(), row);
     }
     result.queries.notes.push_back(
@@ -201,7 +201,7 @@ class Contest {
  private:
   using Box = Aabb<kDims>;
   using View = AabbView<kDims>;
-  using Sorted = SortedWorld<View>;
+  using Bvh = Bvh<View>;
   using Batches = std::vector<std::span<const Box>>;
   using Ids = std::vector<std::uint32_t>;
 
@@ -217,8 +217,8 @@ class Contest {
   static constexpr const char* kWrong =
       "the boxes found are not those of a scan";
 
-  static std::shared_ptr<const Sorted> Copy(const Sorted& world) {
-    return std::make_shared<const Sorted>(world);
+  static std::shared_ptr<const Bvh> Copy(const Bvh& world) {
+    return std::make_shared<const Bvh>(world);
   }
 
   Batches BatchesOf(std::size_t size) const {
@@ -245,8 +245,8 @@ class Contest {
   }
 
   // For the ids of all queries.
-  void MakeRoom(const Sorted& world) {
-    const detail::SortedLevels& levels = world.tree().levels();
+  void MakeRoom(const Bvh& world) {
+    const detail::BvhLevels& levels = world.tree().levels();
     std::size_t sum = 0;
     std::size_t blocks = 0;
     for (const Box& query : set_.queries) {
@@ -295,7 +295,7 @@ class Contest {
   }
 
   void AddAllAtOnce(std::string name, Target target,
-                    std::shared_ptr<const Sorted> world) {
+                    std::shared_ptr<const Bvh> world) {
     const auto ask = [this, world, target](std::span<const Box> queries) {
       std::ignore = SurvivorsOfEach(*world, queries, all_ids_, offsets_,
                                     {.target = target});
@@ -335,7 +335,7 @@ class Contest {
     in_a_row_cases_.back().check = check;
     in_turns_cases_.push_back(case_of(kQueriesInTurn));
     in_turns_cases_.back().name = place + "/in turns";
-    SortedRow row;
+    BvhRow row;
     row.name = std::move(name);
     row.target = std::move(target);
     rows_.push_back(std::move(row));
@@ -359,9 +359,9 @@ class Contest {
   const BoxSet<kDims>& set_;
   Throughput& throughput_;
   World<View> boxes_;
-  std::vector<SortedRow> rows_;
+  std::vector<BvhRow> rows_;
   double survivors_ = 0.0;                // of a query
-  double blocks_ = 0.0;                   // that it visits in tight order
+  double blocks_ = 0.0;                   // that it visits in tight quality
   std::vector<std::size_t> competitors_;  // their rows
   std::size_t grid_ = 0;
   std::vector<Case> in_a_row_cases_;  // of each row

@@ -14,9 +14,9 @@
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
 #include "bench/worlds/scene.h"
+#include "halfspace/bvh.h"
 #include "halfspace/quantized.h"
 #include "halfspace/reject.h"
-#include "halfspace/sorted.h"
 
 namespace halfspace::bench {
 namespace {
@@ -36,7 +36,7 @@ std::vector<Query> QueriesAs(std::span<const Aabo3> aabos) {
 // One way to answer a query with a list of survivors.
 struct Way {
   std::string shape;
-  std::string schedule;    // or "sorted"
+  std::string schedule;    // or "bvh"
   std::string precision;   // "floats", "uint8" or "uint16"
   double survivors = 0.0;  // of a query
   Timing timing = {};      // ns of a query
@@ -97,7 +97,7 @@ class Contestants {
     const auto bytes = std::make_shared<const QuantizedWorld<View>>(view);
     const auto words =
         std::make_shared<const QuantizedWorld<View, std::uint16_t>>(view);
-    const auto sorted = std::make_shared<const SortedWorld<View>>(view);
+    const auto sorted = std::make_shared<const Bvh<View>>(view);
     const std::size_t in_a_scan = std::clamp<std::size_t>(
         (std::size_t{1} << 16) / view_.size, 1, kQueriesPerRun);
     const auto add = [&](std::string schedule, std::string precision,
@@ -138,7 +138,7 @@ class Contestants {
             return Survivors(*words, query, indices_, options);
           });
     }
-    add("sorted", "floats", kQueriesPerRun, [this, sorted](const Query& query) {
+    add("bvh", "floats", kQueriesPerRun, [this, sorted](const Query& query) {
       return Survivors(*sorted, query, indices_, {.target = target_});
     });
   }

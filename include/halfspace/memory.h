@@ -1,5 +1,5 @@
 // Where owners allocate memory. The owners are World (world.h),
-// QuantizedBounds and QuantizedWorld (quantized.h) and SortedWorld (sorted.h).
+// QuantizedBounds and QuantizedWorld (quantized.h) and Bvh (bvh.h).
 //
 //   std::pmr::monotonic_buffer_resource arena;
 //   halfspace::AaboWorld3 world(halfspace::MemoryFrom(arena));
@@ -25,7 +25,7 @@
 // A moved-from owner is empty and keeps its resource.
 //
 // An owner that grows allocates the new block before it frees the old one. If
-// the resource does not reuse freed blocks, call Reserve() first. A SortedWorld
+// the resource does not reuse freed blocks, call Reserve() first. A Bvh
 // has no Reserve(): give it a resource that reuses blocks.
 #ifndef HALFSPACE_MEMORY_H_
 #define HALFSPACE_MEMORY_H_
@@ -47,7 +47,7 @@ namespace halfspace {
 //
 // Thread safety: the functions are called by the thread that creates, changes
 // or destroys an owner, or calls PairsOf() or ForEachPairOf() on it
-// (sorted_pairs.h).
+// (bvh_pairs.h).
 struct MemoryResource {
   // Returns `bytes` > 0 bytes of memory, aligned to `alignment`, which is 64.
   //

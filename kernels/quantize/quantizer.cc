@@ -84,8 +84,8 @@ void Sort(std::span<Key> keys, std::span<Key> spare) {
 
 // An evenly spread sample of a plane, sorted, without NaN: a part of `sample`,
 // which has two planes of as many keys as are looked at.
-std::span<const Key> SortedSample(const FloatColumns& floats, std::size_t plane,
-                                  PlaneArrays<Key>& sample) {
+std::span<const Key> BvhSample(const FloatColumns& floats, std::size_t plane,
+                               PlaneArrays<Key>& sample) {
   const std::span<Key> keys(sample.plane(0), sample.size());
   std::size_t count = 0;
   for (std::size_t i = 0; i < keys.size(); ++i) {
@@ -140,7 +140,7 @@ Quantizer Quantizer::Trained(const FloatColumns& floats,
   PlaneArrays<Key> sample = NoThresholds(2, memory());
   sample.Resize(std::min(floats.size, sampled));
   for (std::size_t p = 0; p < planes_; ++p) {
-    Quantiles(SortedSample(floats, p, sample), p < minima_,
+    Quantiles(BvhSample(floats, p, sample), p < minima_,
               {quantizer.thresholds_.plane(p), per_plane});
   }
   return quantizer;

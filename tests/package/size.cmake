@@ -19,7 +19,7 @@ add_size_test(archive halfspace 3000000)
 if(TARGET example_quick_start)
   add_size_test(quick_start example_quick_start 500000)
 endif()
-# Box queries of a sorted world, without its other searches.
+# Box queries of a BVH, without its other searches.
 if(TARGET example_many_boxes)
   add_size_test(many_boxes example_many_boxes 260000)
 endif()

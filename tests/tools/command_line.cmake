@@ -81,11 +81,11 @@ halfspace_command_line_test(mesh CODE 0
 halfspace_command_line_test(axes_mesh CODE 0
   ARGUMENTS --details axes --quick --mesh "${inputs}/quad.obj"
   STDOUT "quad.obj +regular")
-halfspace_command_line_test(sorted_mesh CODE 0
-  ARGUMENTS --details sorted --objects 64 --quick --mesh "${inputs}/quad.obj"
+halfspace_command_line_test(bvh_mesh CODE 0
+  ARGUMENTS --details bvh --objects 64 --quick --mesh "${inputs}/quad.obj"
   STDOUT "file, 2 boxes: a query finds 2.0")
-halfspace_command_line_test(sorted_far_bounds CODE 0
-  ARGUMENTS --details sorted --objects 64 --quick --bounds "${inputs}/far_out.csv"
+halfspace_command_line_test(bvh_far_bounds CODE 0
+  ARGUMENTS --details bvh --objects 64 --quick --bounds "${inputs}/far_out.csv"
   STDOUT "Not measured: the boxes of a file: coordinates")
 file(WRITE "${inputs}/far_apart.csv" "0,0,0,1,1,1\n1e20,1e20,1e20,2e20,2e20,2e20\n")
 halfspace_command_line_test(volumes_of_far_bounds CODE 0

@@ -95,13 +95,13 @@ TYPED_TEST(NoAllocationOfCallsTest, OnFloatsAndQuantized) {
 
 // Of more objects than one level has nodes for.
 template <typename Visit>
-void VisitSorted(const Visit& visit) {
+void VisitBvh(const Visit& visit) {
   AaboWorld3 floats;
   for (int i = 0; i < 5000; ++i) {
     const auto x = static_cast<float>(i);
     floats.Push(BoundSphere(Sphere3{{x, x, x}, 100.0f}));
   }
-  const SortedAaboWorld3 world(floats);
+  const AaboBvh3 world(floats);
   const std::vector<Aabo3> queries(70, floats.Get(2500));
   std::vector<std::uint32_t> ids(100'000);
   std::vector<std::size_t> offsets(queries.size() + 1);
@@ -128,13 +128,13 @@ void VisitSorted(const Visit& visit) {
       std::ignore = Survivors(world, sphere, ids, {.target = target});
     });
     std::array<std::uint32_t, 4000> nearest;
-    visit("NearestObjects", [&] {
-      std::ignore = NearestObjects(world, sphere.center, nearest, {}, 1e9f,
-                                   {.target = target});
+    visit("KNearest", [&] {
+      std::ignore =
+          KNearest(world, sphere.center, nearest, {}, 1e9f, {.target = target});
     });
-    visit("ForEachAlongRay", [&] {
-      ForEachAlongRay(world, Ray3{{}, {1, 1, 1}, 1000},
-                      [](std::uint32_t, float) {}, {.target = target});
+    visit("RayCast", [&] {
+      RayCast(world, Ray3{{}, {1, 1, 1}, 1000}, [](std::uint32_t, float) {},
+              {.target = target});
     });
     std::vector<IdPair> pairs(100);
     visit("Pairs",
@@ -142,13 +142,13 @@ void VisitSorted(const Visit& visit) {
   }
 }
 
-TEST(NoAllocationOfSortedTest, Calls) {
-  VisitSorted([](auto, const auto& call) { kWithoutMemory(call); });
+TEST(NoAllocationOfBvhTest, Calls) {
+  VisitBvh([](auto, const auto& call) { kWithoutMemory(call); });
 }
 
 #if defined(__unix__) && defined(__OPTIMIZE__) && !defined(HALFSPACE_SANITIZED)
-TEST(NoAllocationOfSortedTest, TakeTheStackThatHeadersState) {
-  VisitSorted([](auto name, const auto& call) {
+TEST(NoAllocationOfBvhTest, TakeTheStackThatHeadersState) {
+  VisitBvh([](auto name, const auto& call) {
     EXPECT_LE(StackUse(call), 32u * 1024) << name;
   });
 }

@@ -25,7 +25,7 @@ template <typename Stored>
 class QuantizedMapTest : public ::testing::Test {
  protected:
   // Ascending and of every kind, without NaN.
-  std::vector<float> SortedValues() {
+  std::vector<float> BvhValues() {
     std::vector<float> values;
     for (const float value : kSpecialValues<float>) {
       if (value == value) values.push_back(value);
@@ -78,7 +78,7 @@ struct StoredNames {
 TYPED_TEST_SUITE(QuantizedMapTest, StoredTypes, StoredNames);
 
 TYPED_TEST(QuantizedMapTest, IsMonotoneAndTheSameOnBothSides) {
-  const std::vector<float> values = this->SortedValues();
+  const std::vector<float> values = this->BvhValues();
   for (std::size_t trained : {0u, 1u, 2u, 3u, 100u, 254u, 255u, 256u, 3000u}) {
     std::vector<float> some(std::min(trained, values.size()));
     for (float& value : some) value = values[this->random_() % values.size()];
@@ -101,7 +101,7 @@ TYPED_TEST(QuantizedMapTest, IsMonotoneAndTheSameOnBothSides) {
 // What the kernels rely on: in every plane the lesser stored level rejects.
 TYPED_TEST(QuantizedMapTest, MinimaAreStoredInReverse) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  this->Train(this->SortedValues());
+  this->Train(this->BvhValues());
   std::array<TypeParam, 2> low{};
   std::array<TypeParam, 2> high{};
   this->quantizer_.EncodeObject(std::array{-kInfinity, -kInfinity}.data(),
@@ -113,7 +113,7 @@ TYPED_TEST(QuantizedMapTest, MinimaAreStoredInReverse) {
 }
 
 TYPED_TEST(QuantizedMapTest, NanNeverRejects) {
-  const std::vector<float> values = this->SortedValues();
+  const std::vector<float> values = this->BvhValues();
   this->Train(values);
   for (const float nan : kSpecialValues<float>) {
     if (nan == nan) continue;
@@ -127,7 +127,7 @@ TYPED_TEST(QuantizedMapTest, NanNeverRejects) {
 
 // What one mode of the processor takes for zero is zero in all.
 TYPED_TEST(QuantizedMapTest, SubnormalsAreZero) {
-  this->Train(this->SortedValues());
+  this->Train(this->BvhValues());
   for (const std::uint32_t bits :
        {0x80000000u, 1u, 0x80000001u, 0x007fffffu, 0x807fffffu}) {
     const float value = std::bit_cast<float>(bits);
@@ -161,8 +161,8 @@ TYPED_TEST(QuantizedMapTest, NanTeachesNothing) {
 
 // Every lane of the search, and what is left of eight.
 TYPED_TEST(QuantizedMapTest, ManyAreEncodedAsOneIs) {
-  this->Train(this->SortedValues());
-  std::vector<float> values = this->SortedValues();
+  this->Train(this->BvhValues());
+  std::vector<float> values = this->BvhValues();
   std::shuffle(values.begin(), values.end(), this->random_);
   for (std::size_t count = 0; count <= 40; ++count) {
     for (std::size_t p : {0u, 1u}) {

@@ -1,0 +1,199 @@
+// A BVH as bytes: its blob, and what is checked of one.
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstring>
+#include <string>
+
+#include "dispatch/bvh/layout.h"
+#include "dispatch/bvh/scratch.h"
+#include "halfspace/bvh.h"
+#include "kernels/error.h"
+#include "kernels/memory_checks.h"
+
+namespace halfspace::detail {
+namespace {
+
+constexpr std::size_t kLine = sizeof(BvhHeader);
+
+[[noreturn]] void ThrowCorrupt(bool is_in_place, const std::string& expected,
+                               const std::string& given) {
+  kernels::ThrowInvalid(is_in_place ? "Bvh::InPlace" : "Bvh::FromBlob", "blob",
+                        expected, given);
+}
+
+// The last block of a level has lanes without an object, which no query may
+// keep: their children would be beyond the level below.
+bool IsClosed(const BvhShape& shape, const BvhLevel& level) {
+  const std::size_t count = level.size % kBlockObjects;
+  if (count == 0) return true;
+  const std::size_t last = level.size / kBlockObjects;
+  if (level.present[last] >> count != 0) return false;
+  const auto* codes = reinterpret_cast<const std::int8_t*>(
+      level.blocks + last * BlockBytes(PlanesOf(shape)) + sizeof(BlockScale));
+  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
+    for (std::size_t i = count; i < kBlockObjects; ++i) {
+      if (codes[p * kBlockObjects + i] != kNoCode - kCodeBias) return false;
+    }
+  }
+  return true;
+}
+
+// Of all bytes but the checksum's own. A change of one byte always changes it:
+// each step can be undone.
+std::uint64_t ChecksumOf(Span<const std::byte> blob) {
+  constexpr std::size_t kLanes = kLine / sizeof(std::uint64_t);
+  constexpr std::uint64_t kOdd = 0x9E3779B97F4A7C15;
+  const auto mix = [](std::uint64_t sum, std::uint64_t word) {
+    sum = (sum ^ word) * kOdd;
+    return sum ^ sum >> 32;
+  };
+  std::array<std::uint64_t, kLanes> sums{};
+  const auto add = [&](const void* line) {
+    std::array<std::uint64_t, kLanes> words;
+    std::memcpy(&words, line, kLine);
+    for (std::size_t i = 0; i < kLanes; ++i) sums[i] = mix(sums[i], words[i]);
+  };
+  BvhHeader header{};
+  CopyButChecksum(&header, blob.data(), kLine);
+  add(&header);
+  for (std::size_t i = kLine; i < blob.size(); i += kLine) {
+    add(blob.data() + i);
+  }
+  std::uint64_t all = 0;
+  for (std::uint64_t sum : sums) all = mix(all, sum);
+  return all == 0 ? 1 : all;
+}
+
+}  // namespace
+
+void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
+  if (blob.empty()) return Free();
+  kernels::CheckPointer(
+      is_in_place ? "Bvh::InPlace" : "Bvh::FromBlob", blob.data(),
+      is_in_place ? alignof(BvhHeader) : 1, [] { return "blob"; },
+      [] { return "a blob"; });
+  BvhHeader header;
+  if (blob.size() < sizeof(header)) {
+    ThrowCorrupt(is_in_place, "a header of 64 bytes",
+                 std::to_string(blob.size()));
+  }
+  std::memcpy(&header, blob.data(), sizeof(header));
+  if (!std::equal(std::begin(kBvhMagic), std::end(kBvhMagic), header.magic)) {
+    ThrowCorrupt(is_in_place, "what Bvh::Blob() returned", "another beginning");
+  }
+  if (header.version != kBvhVersion) {
+    ThrowCorrupt(
+        is_in_place,
+        "format " + std::to_string(kBvhVersion) +
+            " in this machine's byte order",
+        "format " + std::to_string(header.version) + "; store the world again");
+  }
+  const auto type = [](std::size_t dims, std::size_t axes, bool has_max) {
+    return std::to_string(dims) + " dimensions, " + std::to_string(axes) +
+           " axes " + (has_max ? "with" : "without") + " maxima";
+  };
+  if (header.dims != shape_.dims || header.axes != shape_.axes ||
+      header.has_max != (shape_.has_max ? 1 : 0)) {
+    ThrowCorrupt(is_in_place,
+                 "bounds of " + type(shape_.dims, shape_.axes, shape_.has_max),
+                 type(header.dims, header.axes, header.has_max != 0));
+  }
+  const BvhRoom room = {header.capacity, header.id_room, header.has_masks != 0};
+  const bool are_ids_right =
+      room.ids == 0
+          ? header.ids == header.slots && header.size == header.slots &&
+                header.free_id == kNoId
+          : room.ids >= room.slots && header.ids <= room.ids &&
+                (header.free_id == kNoId || header.free_id < header.ids);
+  BvhLevels levels;
+  if (room.slots == 0 || room.slots >= kMostObjects ||
+      header.slots > room.slots || header.size > header.slots ||
+      header.ids < header.size || !are_ids_right || header.has_masks > 1 ||
+      header.checksum == 0 ||
+      Place(shape_, room, nullptr, false, levels) != header.bytes ||
+      header.bytes != blob.size()) {
+    ThrowCorrupt(is_in_place,
+                 std::to_string(header.bytes) + " bytes, as its header says",
+                 std::to_string(blob.size()) +
+                     " bytes or an altered header; store the world again");
+  }
+  BvhTree loaded(shape_, memory_);
+  if (is_in_place) {
+    // Not written before it has been copied: see Prepare().
+    loaded.block_ = const_cast<std::byte*>(blob.data());
+    loaded.bytes_ = blob.size();
+    loaded.is_owned_ = false;
+    Place(shape_, room, loaded.block_, false, loaded.levels_);
+  } else {
+    loaded.Allocate(room);
+    std::memcpy(loaded.block_, blob.data(), blob.size());
+  }
+  loaded.is_checked_ = false;
+  loaded.is_as_loaded_ = true;
+  SetSlots(loaded.levels_, header.slots);
+  for (std::size_t l = 0; l < loaded.levels_.count; ++l) {
+    if (!IsClosed(shape_, loaded.levels_.level[l])) {
+      ThrowCorrupt(
+          is_in_place, "what Bvh::Blob() returned",
+          "altered bytes in the unused lanes of level " + std::to_string(l));
+    }
+  }
+  Swap(loaded);
+}
+
+// Calls may run at the same time, so the checksum is written once after a
+// change, and not again.
+Span<const std::byte> BvhTree::Blob() const {
+  if (block_ == nullptr) return {};
+  if (Checksum(header()).load() == 0) {
+    std::uint64_t none = 0;
+    Checksum(header()).compare_exchange_strong(none,
+                                               ChecksumOf({block_, bytes_}));
+  }
+  return {block_, bytes_};
+}
+
+bool BvhTree::Verify() const {
+  if (!is_as_loaded_) return true;
+  return header().checksum == ChecksumOf({block_, bytes_});
+}
+
+void BvhTree::CheckLoaded(const char* call) {
+  if (is_checked_) return;
+  const BvhHeader& header = this->header();
+  const auto check = [&](bool is_right, const char* expected) {
+    if (is_right) return;
+    kernels::ThrowInvalid(call, "blob", expected, "a blob that was altered");
+  };
+  // A bit for each id, where no slots tell that it is there once.
+  const std::size_t words = header.id_room > 0 ? 0 : BlocksOf(header.ids);
+  const Scratch scratch(memory_, words * sizeof(std::uint64_t));
+  auto* const seen = reinterpret_cast<std::uint64_t*>(scratch.data());
+  std::fill_n(seen, words, 0);
+  std::size_t size = 0;
+  for (std::size_t s = 0; s < header.slots; ++s) {
+    if (!IsPresent(levels_, s)) continue;
+    ++size;
+    const std::uint32_t id = levels_.ids[s];
+    check(id < header.ids, "ids below their number");
+    if (header.id_room > 0) {
+      check(levels_.slots[id] == s, "each id once");
+    } else {
+      const std::uint64_t bit = std::uint64_t{1} << id % 64;
+      check((seen[id / 64] & bit) == 0, "each id once");
+      seen[id / 64] |= bit;
+    }
+  }
+  check(size == header.size, "as many objects as its header says");
+  std::size_t free = header.ids - size;
+  for (std::uint32_t id = header.free_id; id != kNoId; --free) {
+    check(free > 0 && id < header.ids && !Has(id), "free ids in a list");
+    id = levels_.slots[id];
+  }
+  check(free == 0, "all free ids in a list");
+  is_checked_ = true;
+}
+
+}  // namespace halfspace::detail

@@ -1,0 +1,394 @@
+// How a BVH changes, one object at a time or all bounds at once.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "dispatch/bvh/layout.h"
+#include "halfspace/bvh.h"
+#include "kernels/error.h"
+#include "kernels/exact/default_fp_mode.h"
+#include "kernels/memory_checks.h"
+
+namespace halfspace::detail {
+namespace {
+
+constexpr BvhRoom kSlotsById = {0, 1, false};
+
+// Insertions between two sorts of the last slots. Up to so many objects, about
+// four leaves, have no order, and almost every query visits these leaves.
+constexpr std::size_t kSortEach = 256;
+
+// How much each node of a block would have to grow to enclose a bound, as a sum
+// over its planes.
+using Growths = std::array<float, kBlockObjects>;
+Growths GrowthsOf(const BvhShape& shape, const BvhLevel& level,
+                  std::size_t first, const float* values) {
+  Growths growths{};
+  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
+    const float* const plane = level.planes[p] + first;
+    const float sign = p < shape.axes ? 1.0f : -1.0f;
+    for (std::size_t i = 0; i < kBlockObjects; ++i) {
+      const float beyond = sign * (plane[i] - values[p]);
+      growths[i] += beyond > 0 ? beyond : 0;
+    }
+  }
+  return growths;
+}
+
+// The size of a node by the same measure.
+float ExtentOf(const BvhShape& shape, const BvhLevel& level, std::size_t node) {
+  float extent = 0;
+  for (std::size_t k = 0; k < shape.axes; ++k) {
+    if (shape.has_max) extent += level.planes[shape.axes + k][node];
+    extent -= level.planes[k][node];
+  }
+  return extent;
+}
+
+}  // namespace
+
+void BvhTree::Prepare(const char* call, BvhRoom room) {
+  std::ignore = KernelsFor(shape_, Target(), call);
+  CheckLoaded(call);
+  const BvhRoom old = Room();
+  room = {std::max(old.slots, room.slots), std::max(old.ids, room.ids),
+          old.has_masks || room.has_masks};
+  if (room.ids > 0) room.ids = std::max(room.ids, room.slots);
+  if (!is_owned_ || room.slots > old.slots || room.ids > old.ids ||
+      room.has_masks != old.has_masks) {
+    Reallocate(call, room);
+  }
+  is_as_loaded_ = false;
+  if (block_ != nullptr) header().checksum = 0;
+}
+
+void BvhTree::Reallocate(const char* call, const BvhRoom& room) {
+  if (room.slots == 0) return;
+  BvhTree grown(shape_, memory_);
+  grown.Allocate(room);
+  // What is not used yet is part of a blob.
+  std::memset(grown.block_ + sizeof(BvhHeader), 0,
+              grown.bytes_ - sizeof(BvhHeader));
+  BvhHeader& to = grown.header();
+  const std::size_t old_count = block_ == nullptr ? 0 : levels_.count;
+  if (block_ != nullptr) {
+    const BvhHeader& from = header();
+    to.slots = from.slots;
+    to.size = from.size;
+    to.ids = from.ids;
+    to.free_id = from.free_id;
+    to.sorted = from.sorted;
+    to.inserted = from.inserted;
+  }
+  SetSlots(grown.levels_, to.slots);
+  for (std::size_t l = 0; l < grown.levels_.count; ++l) {
+    const BvhLevel& level = grown.levels_.level[l];
+    if (l >= old_count) {
+      // Node after node: those of the level below are encoded into it.
+      for (std::size_t n = 0; n < level.size; n += kBlockObjects) {
+        ClearSlots(shape_, grown.levels_, l, n);
+      }
+      continue;
+    }
+    const BvhLevel& old = levels_.level[l];
+    const std::size_t blocks = BlocksOf(old.size);
+    const auto copy = [blocks](auto* copied, const auto* source,
+                               std::size_t of_block) {
+      std::memcpy(copied, source, blocks * of_block * sizeof(*copied));
+    };
+    copy(level.blocks, old.blocks, BlockBytes(PlanesOf(shape_)));
+    for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
+      copy(level.planes[p], old.planes[p], kBlockObjects);
+    }
+    copy(level.present, old.present, 1);
+    if (level.regular != nullptr) copy(level.regular, old.regular, 1);
+    if (level.masks == nullptr) continue;
+    if (old.masks != nullptr) {
+      copy(level.masks, old.masks, kBlockObjects);
+    } else {
+      std::fill_n(level.masks, old.size, 0xFFFFFFFF);
+    }
+  }
+  if (old_count > 0) {
+    std::memcpy(grown.levels_.ids, levels_.ids,
+                BlocksOf(to.slots) * kBlockObjects * sizeof(std::uint32_t));
+    std::memcpy(grown.levels_.built, levels_.built,
+                PartsOf(to.slots) * sizeof(BvhPart));
+    if (grown.levels_.count > old_count) {
+      const auto& kernels = KernelsFor(shape_, Target(), call);
+      kernels::InDefaultFpMode(
+          [&] { EncodeLevels(grown.levels_, kernels, old_count - 1); });
+      if (room.has_masks) OrAllMasks(grown.levels_);
+    }
+    if (levels_.slots != nullptr) {
+      std::memcpy(grown.levels_.slots, levels_.slots,
+                  to.ids * sizeof(std::uint32_t));
+    } else if (room.ids > 0) {
+      std::fill_n(grown.levels_.slots, to.ids, kNoId);
+      for (std::size_t s = 0; s < to.slots; ++s) {
+        grown.levels_.slots[levels_.ids[s]] = static_cast<std::uint32_t>(s);
+      }
+    }
+  }
+  Swap(grown);
+}
+
+bool BvhTree::Has(std::uint32_t id) const {
+  if (block_ == nullptr || id >= header().ids) return false;
+  if (levels_.slots == nullptr) return true;
+  const std::uint32_t slot = levels_.slots[id];
+  return slot < header().slots && levels_.ids[slot] == id;
+}
+
+// Before a change of one object. Returns its slot.
+std::size_t BvhTree::PrepareObject(std::uint32_t id, bool has_masks,
+                                   const char* call) {
+  if (!Has(id)) {
+    kernels::ThrowInvalid(call, "id", "the id of an object in the world",
+                          std::to_string(id));
+  }
+  Prepare(call, {0, 1, has_masks});
+  return levels_.slots[id];
+}
+
+// Encodes the block of a slot and bounds it anew, and so on upwards until a
+// node stays as it was.
+void BvhTree::EncodePath(std::size_t slot) {
+  const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), "Bvh");
+  kernels::InDefaultFpMode([&] {
+    std::size_t block = slot;
+    for (std::size_t l = 0; l < levels_.count; ++l) {
+      block /= kBlockObjects;
+      if (l + 1 == levels_.count) {
+        kernels.encode({&levels_.level[l], nullptr, block, block + 1});
+        return;
+      }
+      const BvhLevel& above = levels_.level[l + 1];
+      const auto node = [&] {
+        std::array<float, 8> planes{};
+        for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
+          planes[p] = above.planes[p][block];
+        }
+        std::array<std::uint64_t, 3> bits{above.present[block / 64], 0, 0};
+        if (above.regular != nullptr) bits[1] = above.regular[block / 64];
+        if (above.masks != nullptr) bits[2] = above.masks[block];
+        return std::pair(planes, bits);
+      };
+      const auto before = node();
+      kernels.encode({&levels_.level[l], &above, block, block + 1});
+      if (above.masks != nullptr) OrMasks(levels_, l, block);
+      if (node() == before) return;
+    }
+  });
+}
+
+void BvhTree::Set(std::uint32_t id, Span<const float> values) {
+  const std::size_t slot = PrepareObject(id, false, "Bvh::Set");
+  for (std::size_t p = 0; p < values.size(); ++p) {
+    levels_.level[0].planes[p][slot] = values[p];
+  }
+  EncodePath(slot);
+}
+
+void BvhTree::AppendSlot() {
+  const std::size_t slot = header().slots++;
+  SetSlots(levels_, header().slots);
+  std::size_t node = slot;
+  for (std::size_t l = 0; l < levels_.count; ++l) {
+    if (node % kBlockObjects != 0) break;
+    ClearSlots(shape_, levels_, l, node);
+    if (l == 0 && slot % kPartSlots == 0) levels_.built[slot / kPartSlots] = {};
+    node /= kBlockObjects;
+  }
+}
+
+// An empty slot in a leaf that would grow by a 16th at most, or the end. If a
+// leaf could double its size, the leaves would have four times the surface when
+// all objects have come and gone.
+std::size_t BvhTree::FindSlot(const float* values) const {
+  const std::size_t end = slots();
+  if (size() == end) return end;
+  std::size_t block = 0;
+  for (std::size_t l = levels_.count; l-- > 1;) {
+    const BvhLevel& level = levels_.level[l];
+    const std::size_t first = block * kBlockObjects;
+    const Growths growths = GrowthsOf(shape_, level, first, values);
+    std::size_t best = level.size;
+    for (std::size_t n = first; n < std::min(level.size, first + kBlockObjects);
+         ++n) {
+      const bool is_empty = (level.present[block] >> (n - first) & 1) == 0;
+      const bool is_full =
+          l == 1 && levels_.level[0].present[n] == LanesOf(end, n);
+      if (is_empty || is_full) continue;
+      if (best == level.size || growths[n - first] < growths[best - first]) {
+        best = n;
+      }
+    }
+    if (best == level.size) return end;
+    const float growth = growths[best - first];
+    if (l == 1 && growth > 0 &&
+        !(16 * growth <= ExtentOf(shape_, level, best))) {
+      return end;
+    }
+    block = best;
+  }
+  const std::uint64_t empty =
+      LanesOf(end, block) & ~levels_.level[0].present[block];
+  if (empty == 0) return end;
+  return block * kBlockObjects +
+         static_cast<std::size_t>(std::countr_zero(empty));
+}
+
+// How many of the last slots to sort before the next insertion. Each object is
+// sorted with the 256 that came with it, these with 1024, and so on; and with
+// all, when as many were inserted as there were when all were sorted.
+std::size_t BvhTree::SlotsDue() const {
+  if (block_ == nullptr) return 0;
+  const BvhHeader& header = this->header();
+  if (header.inserted == 0 || header.inserted % kSortEach != 0) return 0;
+  if (header.inserted >= header.sorted) return header.slots;
+  std::size_t last = kSortEach;
+  while (header.inserted % (4 * last) == 0) last *= 4;
+  return std::min<std::size_t>(last, header.slots);
+}
+
+// The room for one more object. If more than a quarter of the slots are empty,
+// CloseGaps() makes room.
+BvhRoom BvhTree::RoomForOneMore(const char* call) const {
+  const BvhRoom room = Room();
+  if (slots() < room.slots ||
+      (room.slots > 0 && size() <= room.slots / 4 * 3)) {
+    return kSlotsById;
+  }
+  if (room.slots + 1 >= kMostObjects) {
+    kernels::ThrowInvalid(call, "world", "less than 2^31 objects",
+                          std::to_string(room.slots));
+  }
+  const std::size_t more = std::max(kBlockObjects, room.slots / 2);
+  return {std::min(kMostObjects - 1, room.slots + more), 1, false};
+}
+
+// Sorts the slots that are due. Without memory for that they stay as they are,
+// as the order changes no result.
+void BvhTree::SortDue(const char* call) {
+  const std::size_t due = SlotsDue();
+  if (due == 0) return;
+  const SlotRange range = {(slots() - due) / kBlockObjects * kBlockObjects,
+                           slots()};
+  const bool is_all = due == slots();
+#if defined(__cpp_exceptions)
+  try {
+    Resort(call, {&range, 1}, RoomForOneMore(call));
+  } catch (const std::bad_alloc&) {
+    return;
+  }
+#else
+  Resort(call, {&range, 1}, RoomForOneMore(call));
+#endif
+  if (is_all) {
+    header().sorted = header().size;
+    header().inserted = 0;
+  }
+}
+
+std::uint32_t BvhTree::Insert(Span<const float> values) {
+  constexpr const char* kCall = "Bvh::Insert";
+  CheckLoaded(kCall);
+  SortDue(kCall);
+  std::size_t slot =
+      kernels::InDefaultFpMode([&] { return FindSlot(values.data()); });
+  Prepare(kCall, slot == slots() ? RoomForOneMore(kCall) : kSlotsById);
+  if (slot == header().capacity) {
+    CloseGaps();
+    slot = slots();
+  }
+  BvhHeader& header = this->header();
+  if (slot == header.slots) AppendSlot();
+  std::uint32_t id = header.free_id;
+  if (id == kNoId) {
+    id = header.ids++;
+  } else {
+    header.free_id = levels_.slots[id];
+  }
+  const BvhLevel& level = levels_.level[0];
+  for (std::size_t p = 0; p < values.size(); ++p) {
+    level.planes[p][slot] = values[p];
+  }
+  level.present[slot / kBlockObjects] |= std::uint64_t{1}
+                                         << slot % kBlockObjects;
+  PutId(levels_, slot, id, 0xFFFFFFFF);
+  ++header.size;
+  ++header.inserted;
+  EncodePath(slot);
+  return id;
+}
+
+void BvhTree::Erase(std::uint32_t id) {
+  const std::size_t slot = PrepareObject(id, false, "Bvh::Erase");
+  const BvhLevel& level = levels_.level[0];
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
+    level.planes[p][slot] = p < shape_.axes ? kInf : -kInf;
+  }
+  level.present[slot / kBlockObjects] &=
+      ~(std::uint64_t{1} << slot % kBlockObjects);
+  if (level.masks != nullptr) level.masks[slot] = 0;
+  levels_.ids[slot] = kNoId;
+  BvhHeader& header = this->header();
+  levels_.slots[id] = header.free_id;
+  header.free_id = id;
+  --header.size;
+  if (header.slots > 2 * std::size_t{header.size} + kBlockObjects ||
+      header.size == 0) {
+    CloseGaps();
+  } else {
+    EncodePath(slot);
+  }
+}
+
+void BvhTree::SetMasks(std::uint32_t id, std::uint32_t masks) {
+  const std::size_t slot = PrepareObject(id, true, "Bvh::SetMasks");
+  levels_.level[0].masks[slot] = masks;
+  EncodePath(slot);
+}
+
+void BvhTree::SetMasks(Span<const std::uint32_t> masks) {
+  constexpr const char* kCall = "Bvh::SetMasks";
+  kernels::CheckMemory(kCall, "masks", masks.data(), masks.size(),
+                       alignof(std::uint32_t));
+  if (block_ == nullptr) return;
+  Prepare(kCall, {0, 0, true});
+  for (std::size_t s = 0; s < header().slots; ++s) {
+    const std::uint32_t id = levels_.ids[s];
+    levels_.level[0].masks[s] = id < masks.size() ? masks[id] : 0;
+  }
+  OrAllMasks(levels_);
+}
+
+void BvhTree::Refit(const FloatColumns& objects, bool is_by_id,
+                    const PartRunner& run) {
+  const char* const call = is_by_id ? "Bvh::Refit" : "Bvh::RefitInOrder";
+  const std::size_t size = block_ == nullptr ? 0
+                           : is_by_id        ? header().ids
+                                             : header().slots;
+  if (objects.size < size || (!is_by_id && objects.size > size)) {
+    kernels::ThrowInvalid(call, "bounds",
+                          (is_by_id ? "a bound for each id, at least "
+                                    : "a bound for each element of ids(), ") +
+                              std::to_string(size),
+                          std::to_string(objects.size));
+  }
+  if (size == 0) return;
+  CheckColumns(shape_, objects, call);
+  Prepare(call, {});
+  FillSlots(shape_, levels_, objects, is_by_id ? levels_.ids : nullptr,
+            KernelsFor(shape_, Target(), call), run);
+}
+
+}  // namespace halfspace::detail

@@ -1,0 +1,292 @@
+#include "dispatch/bvh/layout.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "kernels/error.h"
+#include "kernels/exact/default_fp_mode.h"
+#include "kernels/memory_checks.h"
+#include "kernels/prefetch.h"
+
+namespace halfspace::detail {
+namespace {
+
+constexpr std::size_t kLine = 64;
+
+// More than this is not in the second-level cache.
+constexpr std::size_t kInCacheBytes = std::size_t{1} << 20;
+
+// Divides a block of memory into parts of whole cache lines. Without memory it
+// only measures. In new memory it clears the space between parts, because that
+// space belongs to a blob.
+class Parts {
+ public:
+  Parts(std::byte* begin, bool is_new) : begin_(begin), is_new_(is_new) {}
+
+  std::size_t bytes() const { return bytes_; }
+
+  template <typename T>
+  T* Take(std::size_t count) {
+    auto* part =
+        begin_ == nullptr ? nullptr : reinterpret_cast<T*>(begin_ + bytes_);
+    bytes_ += count * sizeof(T);
+    Skip((kLine - bytes_ % kLine) % kLine);
+    return part;
+  }
+
+  void Skip(std::size_t bytes) {
+    if (begin_ != nullptr && is_new_) std::memset(begin_ + bytes_, 0, bytes);
+    bytes_ += bytes;
+  }
+
+ private:
+  std::byte* begin_;
+  bool is_new_;
+  std::size_t bytes_ = 0;
+};
+
+// The bounds of the next block, which are anywhere.
+void Prefetch(const FloatColumns& objects, std::size_t planes,
+              const std::uint32_t* elements) {
+  // The values of a record are in one line, or in two.
+  const std::size_t step = objects.stride == 1 ? 1 : planes - 1;
+  for (std::size_t i = 0; i < kBlockObjects; ++i) {
+    if (elements[i] == kNoId) continue;
+    for (std::size_t p = 0; p < planes; p += step) {
+      kernels::PrefetchToL2(objects.planes[p] + elements[i] * objects.stride);
+    }
+  }
+}
+
+void FillPart(const BvhLevels& levels, std::size_t planes,
+              const FloatColumns& objects, const std::uint32_t* elements,
+              const BvhKernels::OfPlanes& kernels, std::size_t part) {
+  const BvhLevel& level = levels.level[0];
+  const BvhLevel* const above = levels.count > 1 ? &levels.level[1] : nullptr;
+  const std::size_t end_block =
+      std::min(BlocksOf(level.size), (part + 1) * kBlockObjects);
+  for (std::size_t b = part * kBlockObjects; b < end_block; ++b) {
+    const std::size_t first = b * kBlockObjects;
+    if (elements != nullptr && b + 1 < end_block) {
+      Prefetch(objects, planes, elements + first + kBlockObjects);
+    }
+    std::uint64_t present = level.present[b];
+    if (~present == 0 && elements != nullptr) {
+      for (std::size_t p = 0; p < planes; ++p) {
+        float* const to = level.planes[p] + first;
+        for (std::size_t i = 0; i < kBlockObjects; ++i) {
+          to[i] = objects.planes[p][elements[first + i] * objects.stride];
+        }
+      }
+    } else if (~present == 0 && objects.stride == 1) {
+      for (std::size_t p = 0; p < planes; ++p) {
+        std::memcpy(level.planes[p] + first, objects.planes[p] + first,
+                    kBlockObjects * sizeof(float));
+      }
+    } else {
+      for (std::size_t s = first; present != 0; present >>= 1, ++s) {
+        if ((present & 1) == 0) continue;
+        const std::size_t from =
+            (elements == nullptr ? s : elements[s]) * objects.stride;
+        for (std::size_t p = 0; p < planes; ++p) {
+          level.planes[p][s] = objects.planes[p][from];
+        }
+      }
+    }
+    kernels.encode({&level, above, b, b + 1});
+  }
+}
+
+}  // namespace
+
+std::size_t Place(const BvhShape& shape, const BvhRoom& room, std::byte* begin,
+                  bool is_new, BvhLevels& levels) {
+  // So that equal places of all planes are not in one set of a cache.
+  constexpr std::size_t kStagger = 5 * kLine;
+  levels = {};
+  const std::size_t planes = PlanesOf(shape);
+  Parts parts(begin, is_new);
+  parts.Take<BvhHeader>(1);
+  std::size_t size = room.slots;
+  do {
+    BvhLevel& level = levels.level[levels.count++];
+    const std::size_t blocks = BlocksOf(size);
+    const std::size_t bytes = blocks * BlockBytes(planes);
+    level.is_prefetched = bytes > kInCacheBytes;
+    level.blocks = parts.Take<std::byte>(bytes);
+    for (std::size_t p = 0; p < planes; ++p) {
+      level.planes[p] = parts.Take<float>(blocks * kBlockObjects);
+      parts.Skip(kStagger);
+    }
+    level.present = parts.Take<std::uint64_t>(blocks);
+    if (shape.has_max && levels.count > 1) {
+      level.regular = parts.Take<std::uint64_t>(blocks);
+    }
+    if (room.has_masks) {
+      level.masks = parts.Take<std::uint32_t>(blocks * kBlockObjects);
+    }
+    size = blocks;
+  } while (size > 1);
+  levels.ids = parts.Take<std::uint32_t>(BlocksOf(room.slots) * kBlockObjects);
+  if (room.ids > 0) levels.slots = parts.Take<std::uint32_t>(room.ids);
+  levels.built = parts.Take<BvhPart>(PartsOf(room.slots));
+  return parts.bytes();
+}
+
+void SetSlots(BvhLevels& levels, std::size_t slots) {
+  for (std::size_t l = 0; l < levels.count; ++l) {
+    levels.level[l].size = slots;
+    slots = BlocksOf(slots);
+  }
+}
+
+void ClearSlots(const BvhShape& shape, BvhLevels& levels, std::size_t level,
+                std::size_t begin) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  const std::size_t end = BlocksOf(begin + 1) * kBlockObjects;
+  const BvhLevel& cleared = levels.level[level];
+  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
+    const float empty = (p < shape.axes ? 1.0f : -1.0f) * kInf;
+    std::fill(cleared.planes[p] + begin, cleared.planes[p] + end, empty);
+  }
+  const std::uint64_t kept = (std::uint64_t{1} << begin % kBlockObjects) - 1;
+  const std::size_t block = begin / kBlockObjects;
+  cleared.present[block] &= kept;
+  if (cleared.regular != nullptr) cleared.regular[block] &= kept;
+  if (cleared.masks != nullptr) {
+    std::fill(cleared.masks + begin, cleared.masks + end, 0);
+  }
+  if (level == 0) std::fill(levels.ids + begin, levels.ids + end, kNoId);
+}
+
+void Truncate(const BvhShape& shape, BvhLevels& levels, std::size_t slots) {
+  SetSlots(levels, slots);
+  for (std::size_t l = 0; l < levels.count; ++l) {
+    const std::size_t size = levels.level[l].size;
+    if (size % kBlockObjects != 0) ClearSlots(shape, levels, l, size);
+  }
+}
+
+void EncodeLevels(const BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
+                  std::size_t from) {
+  for (std::size_t l = from; l < levels.count; ++l) {
+    const bool is_top = l + 1 == levels.count;
+    kernels.encode({&levels.level[l], is_top ? nullptr : &levels.level[l + 1],
+                    0, BlocksOf(levels.level[l].size)});
+  }
+}
+
+void EncodeSlots(BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
+                 std::size_t begin, std::size_t end) {
+  for (std::size_t l = 0; l < levels.count; ++l) {
+    begin /= kBlockObjects;
+    end = BlocksOf(end);
+    const bool is_top = l + 1 == levels.count;
+    kernels.encode({&levels.level[l], is_top ? nullptr : &levels.level[l + 1],
+                    begin, end});
+    if (is_top || levels.level[l].masks == nullptr) continue;
+    for (std::size_t b = begin; b < end; ++b) OrMasks(levels, l, b);
+  }
+}
+
+void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
+                 std::size_t alignment, Span<std::uint32_t> ids,
+                 Span<std::size_t> offsets) {
+  kernels::CheckMemory(call, "queries", queries, query_count, alignment);
+  kernels::CheckMemory(call, "ids", ids.data(), ids.size(),
+                       alignof(std::uint32_t));
+  if (offsets.size() <= query_count) {
+    kernels::ThrowInvalid(call, "offsets",
+                          "at least " + std::to_string(query_count + 1) +
+                              " elements, one more than the queries",
+                          std::to_string(offsets.size()));
+  }
+  kernels::CheckMemory(call, "offsets", offsets.data(), offsets.size(),
+                       alignof(std::size_t));
+}
+
+void CheckColumns(const BvhShape& shape, const FloatColumns& objects,
+                  const char* call) {
+  if (objects.stride != 1) {
+    kernels::CheckMemory(call, "bounds", objects.planes[0], objects.size,
+                         alignof(float));
+  }
+  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
+    kernels::CheckPointer(
+        call, objects.planes[p], alignof(float),
+        [&] { return kernels::PlaneName("world", shape.axes, p); },
+        [&] {
+          return "a plane of " + std::to_string(objects.size) + " floats";
+        });
+  }
+}
+
+void FillPresent(const BvhLevel& level, std::size_t slots) {
+  for (std::size_t b = 0; b < BlocksOf(slots); ++b) {
+    level.present[b] = LanesOf(slots, b);
+  }
+}
+
+void FillSlots(const BvhShape& shape, const BvhLevels& levels,
+               const FloatColumns& objects, const std::uint32_t* elements,
+               const BvhKernels::OfPlanes& kernels, const PartRunner& run) {
+  run(PartsOf(levels.level[0].size), [&](std::size_t part) {
+    kernels::InDefaultFpMode([&] {
+      FillPart(levels, PlanesOf(shape), objects, elements, kernels, part);
+    });
+  });
+  kernels::InDefaultFpMode([&] { EncodeLevels(levels, kernels, 1); });
+}
+
+BvhPart AsIs(const BvhShape& shape, const BvhLevels& levels,
+             const SlotRange& range) {
+  BvhPart as_is{};
+  for (std::size_t n = range.begin / kBlockObjects; n < BlocksOf(range.end);
+       ++n) {
+    as_is.objects +=
+        static_cast<std::size_t>(std::popcount(levels.level[0].present[n]));
+    if (levels.count == 1) continue;  // no nodes
+    const BvhLevel& nodes = levels.level[1];
+    double extents[4] = {};
+    double slack = 0;
+    for (std::size_t k = 0; k < shape.axes; ++k) {
+      const double min = nodes.planes[k][n];
+      slack -= min;
+      if (shape.has_max) extents[k] = nodes.planes[shape.axes + k][n] - min;
+    }
+    double surface = slack;
+    if (shape.has_max) {
+      surface = shape.axes == 2
+                    ? extents[0] + extents[1]
+                    : extents[0] * extents[1] + extents[1] * extents[2] +
+                          extents[2] * extents[0];
+    } else if (shape.axes == 4) {
+      surface = slack * slack;
+    }
+    if (surface > 0 && surface < std::numeric_limits<double>::infinity()) {
+      as_is.cost += surface;
+    }
+  }
+  return as_is;
+}
+
+void OrMasks(BvhLevels& levels, std::size_t level, std::size_t block) {
+  const std::uint32_t* const of_block =
+      levels.level[level].masks + block * kBlockObjects;
+  std::uint32_t all = 0;
+  for (std::size_t i = 0; i < kBlockObjects; ++i) all |= of_block[i];
+  levels.level[level + 1].masks[block] = all;
+}
+
+void OrAllMasks(BvhLevels& levels) {
+  for (std::size_t l = 0; l + 1 < levels.count; ++l) {
+    for (std::size_t b = 0; b < BlocksOf(levels.level[l].size); ++b) {
+      OrMasks(levels, l, b);
+    }
+  }
+}
+
+}  // namespace halfspace::detail

@@ -1,0 +1,178 @@
+// The memory of a BVH. All places in it follow from a few numbers of
+// its header, so a copy of the bytes is a copy of the world.
+#ifndef HALFSPACE_DISPATCH_BVH_LAYOUT_H_
+#define HALFSPACE_DISPATCH_BVH_LAYOUT_H_
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "dispatch/targets/chosen_target.h"
+#include "halfspace/detail/bvh.h"
+#include "kernels/bvh/block.h"
+
+namespace halfspace::detail {
+
+// Changes and rebuilds look at nodes of so many slots.
+inline constexpr std::size_t kPartSlots = kBlockObjects * kBlockObjects;
+
+// More than this have no place in a list of blocks to visit.
+inline constexpr std::size_t kMostObjects = std::size_t{1} << 31;
+
+// What a tree has room for.
+struct BvhRoom {
+  std::size_t slots;
+  std::size_t ids;  // 0 until a change by id, else at least `slots`
+  bool has_masks;
+};
+
+// Slots begin ... end - 1.
+struct SlotRange {
+  std::size_t begin;
+  std::size_t end;
+};
+
+struct alignas(64) BvhHeader {
+  char magic[8];
+  std::uint32_t version;  // other bytes first: another version
+  std::uint8_t dims;
+  std::uint8_t axes;
+  std::uint8_t has_max;
+  std::uint8_t has_masks;
+  std::uint64_t bytes;
+  std::uint64_t checksum;  // of all other bytes; 0 since a change
+  std::uint32_t capacity;  // slots that there is room for
+  std::uint32_t id_room;   // BvhRoom::ids
+  std::uint32_t slots;     // in use or erased: from 0 on
+  std::uint32_t size;      // objects
+  std::uint32_t ids;       // in use or free: from 0 on
+  std::uint32_t free_id;   // the first, or kNoId
+  std::uint32_t sorted;    // objects when all were sorted
+  std::uint32_t inserted;  // since then
+};
+static_assert(sizeof(BvhHeader) == 64);
+
+// Another thread may be in Blob(), which writes the checksum.
+inline void CopyButChecksum(void* to, const std::byte* from,
+                            std::size_t bytes) {
+  constexpr std::size_t kBefore = offsetof(BvhHeader, checksum);
+  constexpr std::size_t kAfter = kBefore + sizeof(std::uint64_t);
+  std::memcpy(to, from, kBefore);
+  std::memcpy(static_cast<std::byte*>(to) + kAfter, from + kAfter,
+              bytes - kAfter);
+}
+
+inline std::atomic_ref<std::uint64_t> Checksum(BvhHeader& header) {
+  return std::atomic_ref<std::uint64_t>(header.checksum);
+}
+
+inline constexpr char kBvhMagic[8] = {'h', 'a', 'l', 'f', 's', 'o', 'r', 't'};
+// Of the format. A blob of another one is refused.
+inline constexpr std::uint32_t kBvhVersion = 2;
+
+constexpr std::size_t BlocksOf(std::size_t objects) {
+  return (objects + kBlockObjects - 1) / kBlockObjects;
+}
+constexpr std::size_t PartsOf(std::size_t slots) {
+  return (slots + kPartSlots - 1) / kPartSlots;
+}
+
+inline std::size_t PlanesOf(const BvhShape& shape) {
+  return shape.has_max ? 2u * shape.axes : shape.axes;
+}
+
+inline const BvhKernels::OfPlanes& KernelsFor(const BvhShape& shape,
+                                              Target target, const char* call) {
+  const BvhKernels& kernels = shape.kernels[dispatch::IndexOf(target, call)];
+  return shape.has_max ? kernels.all : kernels.minima;
+}
+
+// Finds where the parts of a tree are in memory from `begin` on, or null to
+// measure; returns its bytes. The levels are empty. What is between the parts
+// of new memory becomes 0.
+std::size_t Place(const BvhShape& shape, const BvhRoom& room, std::byte* begin,
+                  bool is_new, BvhLevels& levels);
+
+// Sets the sizes of all levels.
+void SetSlots(BvhLevels& levels, std::size_t slots);
+
+// Writes Empty() and no id to the slots of a level from `begin` to the end of
+// its block.
+void ClearSlots(const BvhShape& shape, BvhLevels& levels, std::size_t level,
+                std::size_t begin);
+
+// Sets the sizes of all levels, and clears what is beyond them in their last
+// blocks, which have to be encoded then.
+void Truncate(const BvhShape& shape, BvhLevels& levels, std::size_t slots);
+
+// Whether there is an object in a slot.
+inline bool IsPresent(const BvhLevels& levels, std::size_t slot) {
+  return (levels.level[0].present[slot / kBlockObjects] >>
+              slot % kBlockObjects &
+          1) != 0;
+}
+
+// Throws unless the memory of a call for several queries is right.
+void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
+                 std::size_t alignment, Span<std::uint32_t> ids,
+                 Span<std::size_t> offsets);
+
+// Throws unless the planes of objects can be read, in the name of `call`.
+void CheckColumns(const BvhShape& shape, const FloatColumns& objects,
+                  const char* call);
+
+// Of the lanes of a block those with a slot.
+inline std::uint64_t LanesOf(std::size_t slots, std::size_t block) {
+  const std::size_t count =
+      std::min(kBlockObjects, slots - block * kBlockObjects);
+  return ~std::uint64_t{0} >> (kBlockObjects - count);
+}
+
+// Writes where an object is, and its masks if they are kept.
+inline void PutId(const BvhLevels& levels, std::size_t slot, std::uint32_t id,
+                  std::uint32_t masks) {
+  levels.ids[slot] = id;
+  if (levels.slots != nullptr) {
+    levels.slots[id] = static_cast<std::uint32_t>(slot);
+  }
+  std::uint32_t* const all = levels.level[0].masks;
+  if (all != nullptr) all[slot] = masks;
+}
+
+// Says that there is an object in each slot before `slots`.
+void FillPresent(const BvhLevel& level, std::size_t slots);
+
+// Copies the bounds of the objects that exist and encodes all levels. Slot s
+// has element elements[s], or s without them.
+void FillSlots(const BvhShape& shape, const BvhLevels& levels,
+               const FloatColumns& objects, const std::uint32_t* elements,
+               const BvhKernels::OfPlanes& kernels, const PartRunner& run);
+
+// Encodes all levels from `from` on, whose floats and presence are there.
+void EncodeLevels(const BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
+                  std::size_t from);
+
+// The same of the blocks of slots begin ... end - 1, and of those above them.
+void EncodeSlots(BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
+                 std::size_t begin, std::size_t end);
+
+// Says of a node, or of all, which masks its objects have.
+void OrMasks(BvhLevels& levels, std::size_t level, std::size_t block);
+void OrAllMasks(BvhLevels& levels);
+
+// Some slots as they are, from the beginning of a block on. The cost is the sum
+// of the surfaces of the nodes over them.
+BvhPart AsIs(const BvhShape& shape, const BvhLevels& levels,
+             const SlotRange& range);
+
+// Part `part` of the slots in use.
+inline SlotRange PartAt(const BvhLevels& levels, std::size_t part) {
+  return {part * kPartSlots,
+          std::min(levels.level[0].size, (part + 1) * kPartSlots)};
+}
+
+}  // namespace halfspace::detail
+
+#endif  // HALFSPACE_DISPATCH_BVH_LAYOUT_H_

@@ -1,0 +1,260 @@
+// How far the order of a BVH has decayed, and new orders for all
+// objects and for the worst parts.
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "dispatch/bvh/layout.h"
+#include "dispatch/bvh/scratch.h"
+#include "halfspace/bvh.h"
+#include "kernels/bvh/order.h"
+#include "kernels/exact/default_fp_mode.h"
+
+namespace halfspace::detail {
+namespace {
+
+// The objects of some slots, one after another: what is sorted again.
+class Gathered {
+ public:
+  Gathered(const BvhShape& shape, const MemoryResource& memory,
+           const BvhLevels& levels, Span<const SlotRange> ranges)
+      : planes_(PlanesOf(shape)),
+        room_(Slots(ranges)),
+        levels_(levels),
+        floats_(memory, room_ * planes_ * sizeof(float)),
+        ids_(memory, room_ * sizeof(std::uint32_t)),
+        masks_(memory, levels.level[0].masks == nullptr
+                           ? 0
+                           : room_ * sizeof(std::uint32_t)) {
+    columns_.size = 0;
+    columns_.stride = 1;
+    for (std::size_t p = 0; p < planes_; ++p) {
+      columns_.planes[p] = Floats() + p * room_;
+    }
+    for (const SlotRange& range : ranges) Add(range);
+  }
+
+  const FloatColumns& columns() const { return columns_; }
+  std::uint32_t* ids() const {
+    return reinterpret_cast<std::uint32_t*>(ids_.data());
+  }
+  bool has_masks() const { return masks_.data() != nullptr; }
+  std::uint32_t MasksOf(std::uint32_t element) const {
+    return has_masks() ? Masks()[element] : 0;
+  }
+
+ private:
+  static std::size_t Slots(Span<const SlotRange> ranges) {
+    std::size_t slots = 0;
+    for (const SlotRange& range : ranges) slots += range.end - range.begin;
+    return slots;
+  }
+
+  void Add(const SlotRange& range) {
+    const BvhLevel& level = levels_.level[0];
+    for (std::size_t s = range.begin; s < range.end; ++s) {
+      if (!IsPresent(levels_, s)) continue;
+      const std::size_t i = columns_.size++;
+      for (std::size_t p = 0; p < planes_; ++p) {
+        Floats()[p * room_ + i] = level.planes[p][s];
+      }
+      ids()[i] = levels_.ids[s];
+      if (has_masks()) Masks()[i] = level.masks[s];
+    }
+  }
+
+  float* Floats() const { return reinterpret_cast<float*>(floats_.data()); }
+  std::uint32_t* Masks() const {
+    return reinterpret_cast<std::uint32_t*>(masks_.data());
+  }
+
+  std::size_t planes_;
+  std::size_t room_;
+  const BvhLevels& levels_;
+  Scratch floats_;
+  Scratch ids_;
+  Scratch masks_;
+  FloatColumns columns_;
+};
+
+// What `objects` would cost as they were sorted.
+double CostAsBuilt(const BvhPart& built, std::uint64_t objects) {
+  if (built.objects == 0 || built.objects == objects) return built.cost;
+  return built.cost * static_cast<double>(objects) /
+         static_cast<double>(built.objects);
+}
+
+}  // namespace
+
+double BvhTree::CostRatio() const {
+  if (slots() <= kBlockObjects) return 1;
+  return kernels::InDefaultFpMode([&] {
+    double built = 0;
+    double now = 0;
+    for (std::size_t part = 0; part < PartsOf(header().slots); ++part) {
+      const BvhPart as_is = AsIs(shape_, levels_, PartAt(levels_, part));
+      built += CostAsBuilt(levels_.built[part], as_is.objects);
+      now += as_is.cost;
+    }
+    return now == built ? 1 : now / built;
+  });
+}
+
+void BvhTree::Rebuild(BuildQuality quality, const PartRunner& run) {
+  if (block_ == nullptr) return;
+  CheckLoaded("Bvh::Rebuild");
+  const SlotRange all = {0, header().slots};
+  const Gathered objects(shape_, memory_, levels_, {&all, 1});
+  const std::size_t size = objects.columns().size;
+  std::uint32_t ids = 0;  // up to the greatest that is in use
+  for (std::size_t i = 0; i < size; ++i) {
+    ids = std::max(ids, objects.ids()[i] + 1);
+  }
+  const bool has_slots = levels_.slots != nullptr;
+  BvhTree sorted(shape_, memory_);
+  sorted.BuildIn({size, has_slots ? ids : 0, header().has_masks != 0},
+                 objects.columns(), quality, Target(), run);
+  BvhLevels& levels = sorted.levels_;
+  if (has_slots && size > 0) std::fill_n(levels.slots, ids, kNoId);
+  for (std::size_t s = 0; s < size; ++s) {
+    const std::uint32_t element = levels.ids[s];
+    const std::uint32_t id = objects.ids()[element];
+    PutId(levels, s, id, objects.MasksOf(element));
+  }
+  if (size > 0 && objects.has_masks()) OrAllMasks(levels);
+  if (size > 0) sorted.header().ids = ids;
+  // The least first, so that the greatest come out of use.
+  for (std::uint32_t id = ids; has_slots && id-- > 0;) {
+    if (sorted.Has(id)) continue;
+    levels.slots[id] = sorted.header().free_id;
+    sorted.header().free_id = id;
+  }
+  Swap(sorted);
+}
+
+std::size_t BvhTree::Resort(const char* call, Span<const SlotRange> ranges,
+                            const BvhRoom& room) {
+  const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), call);
+  const Gathered gathered(shape_, memory_, levels_, ranges);
+  const FloatColumns& columns = gathered.columns();
+  const Scratch order(memory_, columns.size * sizeof(std::uint32_t));
+  auto* const elements = reinterpret_cast<std::uint32_t*>(order.data());
+  const Scratch scratch(memory_, columns.size * kernels::kOrderScratch);
+  InTurn in_turn;
+  kernels::OrderByMedians(columns, kernels, scratch.data(), elements,
+                          RunnerOf(in_turn));
+  Prepare(call, room);
+  const BvhLevel& level = levels_.level[0];
+  std::size_t next = 0;
+  for (const SlotRange& range : ranges) {
+    for (std::size_t s = range.begin; s < range.end; ++s) {
+      if (s % kBlockObjects == 0) ClearSlots(shape_, levels_, 0, s);
+      if (next == columns.size) continue;
+      const std::uint32_t element = elements[next++];
+      for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
+        level.planes[p][s] = columns.planes[p][element];
+      }
+      level.present[s / kBlockObjects] |= std::uint64_t{1} << s % kBlockObjects;
+      PutId(levels_, s, gathered.ids()[element], gathered.MasksOf(element));
+    }
+  }
+  kernels::InDefaultFpMode([&] {
+    for (const SlotRange& range : ranges) {
+      EncodeSlots(levels_, kernels, range.begin, range.end);
+    }
+    // The world ends behind its last object.
+    std::size_t blocks = BlocksOf(header().slots);
+    while (blocks > 0 && level.present[blocks - 1] == 0) --blocks;
+    if (blocks > 0) {
+      const std::size_t end =
+          blocks * kBlockObjects -
+          static_cast<std::size_t>(std::countl_zero(level.present[blocks - 1]));
+      header().slots = static_cast<std::uint32_t>(end);
+      Truncate(shape_, levels_, end);
+      EncodeSlots(levels_, kernels, end - 1, end);
+    }
+    for (const SlotRange& range : ranges) {
+      const std::size_t parts = PartsOf(std::min(range.end, slots()));
+      for (std::size_t p = range.begin / kPartSlots; p < parts; ++p) {
+        // What is before the range in its part has the decay that it had.
+        const SlotRange part = PartAt(levels_, p);
+        const std::size_t begin = std::max(part.begin, range.begin);
+        const BvhPart rest = AsIs(shape_, levels_, {part.begin, begin});
+        const BvhPart sorted = AsIs(shape_, levels_, {begin, part.end});
+        levels_.built[p] = {
+            sorted.cost + CostAsBuilt(levels_.built[p], rest.objects),
+            sorted.objects + rest.objects};
+      }
+    }
+  });
+  return columns.size;
+}
+
+void BvhTree::CloseGaps() {
+  const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), "Bvh");
+  BvhHeader& header = this->header();
+  const double decay = std::max(1.0, CostRatio());
+  const BvhLevel& level = levels_.level[0];
+  std::size_t to = 0;
+  for (std::size_t s = 0; s < header.slots; ++s) {
+    if (!IsPresent(levels_, s)) continue;
+    for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
+      level.planes[p][to] = level.planes[p][s];
+    }
+    PutId(levels_, to, levels_.ids[s],
+          level.masks == nullptr ? 0 : level.masks[s]);
+    ++to;
+  }
+  header.slots = static_cast<std::uint32_t>(to);
+  header.sorted = std::min(header.sorted, header.slots);
+  if (to == 0) {
+    header.ids = 0;
+    header.free_id = kNoId;
+    header.inserted = 0;
+  }
+  Truncate(shape_, levels_, to);
+  FillPresent(level, to);
+  kernels::InDefaultFpMode([&] {
+    EncodeLevels(levels_, kernels, 0);
+    if (level.masks != nullptr) OrAllMasks(levels_);
+    // As far from sorted as before.
+    for (std::size_t part = 0; part < PartsOf(to); ++part) {
+      levels_.built[part] = AsIs(shape_, levels_, PartAt(levels_, part));
+      levels_.built[part].cost /= decay;
+    }
+  });
+}
+
+std::size_t BvhTree::RebuildPartial(std::size_t objects) {
+  constexpr const char* kCall = "Bvh::RebuildPartial";
+  if (block_ == nullptr || objects == 0 || levels_.count == 1) return 0;
+  CheckLoaded(kCall);
+  const std::size_t parts = PartsOf(header().slots);
+  const Scratch memory(memory_, parts * sizeof(std::pair<double, std::size_t>));
+  auto* const worst =
+      reinterpret_cast<std::pair<double, std::size_t>*>(memory.data());
+  std::size_t bad = 0;
+  kernels::InDefaultFpMode([&] {
+    for (std::size_t part = 0; part < parts; ++part) {
+      const BvhPart as_is = AsIs(shape_, levels_, PartAt(levels_, part));
+      const double excess =
+          as_is.cost - CostAsBuilt(levels_.built[part], as_is.objects);
+      if (excess > 0) worst[bad++] = {-excess, part};
+    }
+  });
+  std::sort(worst, worst + bad);
+  bad = std::min(bad, std::max<std::size_t>(1, objects / kPartSlots));
+  if (bad == 0) return 0;
+  // The slots keep their places, and so their nodes: in the order of the parts
+  // the objects of a part stay near each other.
+  std::sort(worst, worst + bad,
+            [](const auto& a, const auto& b) { return a.second < b.second; });
+  const Scratch list(memory_, bad * sizeof(SlotRange));
+  auto* const ranges = reinterpret_cast<SlotRange*>(list.data());
+  for (std::size_t w = 0; w < bad; ++w) {
+    ranges[w] = PartAt(levels_, worst[w].second);
+  }
+  return Resort(kCall, {ranges, bad}, {});
+}
+
+}  // namespace halfspace::detail

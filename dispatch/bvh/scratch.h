@@ -1,0 +1,37 @@
+// Memory for the time of a build, a change, or a call.
+#ifndef HALFSPACE_DISPATCH_BVH_SCRATCH_H_
+#define HALFSPACE_DISPATCH_BVH_SCRATCH_H_
+
+#include <cstddef>
+
+#include "halfspace/detail/block_memory.h"
+#include "halfspace/memory.h"
+
+namespace halfspace::detail {
+
+// From a world's own resource. No bytes is no memory.
+class Scratch {
+ public:
+  Scratch(const MemoryResource& memory, std::size_t bytes)
+      : memory_(memory),
+        bytes_(bytes),
+        data_(bytes == 0
+                  ? nullptr
+                  : static_cast<std::byte*>(AllocateBlock(memory, bytes))) {}
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  ~Scratch() {
+    if (data_ != nullptr) FreeBlock(memory_, data_, bytes_);
+  }
+
+  std::byte* data() const { return data_; }
+
+ private:
+  MemoryResource memory_;
+  std::size_t bytes_;
+  std::byte* data_;
+};
+
+}  // namespace halfspace::detail
+
+#endif  // HALFSPACE_DISPATCH_BVH_SCRATCH_H_

@@ -1,0 +1,136 @@
+// What a BVH owns: its memory, and how it is built.
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "dispatch/bvh/layout.h"
+#include "dispatch/bvh/scratch.h"
+#include "halfspace/bvh.h"
+#include "kernels/bvh/order.h"
+#include "kernels/error.h"
+#include "kernels/exact/default_fp_mode.h"
+#include "kernels/memory_checks.h"
+
+namespace halfspace::detail {
+
+BvhTree::BvhTree(const BvhShape& shape, const MemoryResource& memory)
+    : shape_(shape), memory_(memory) {}
+
+BvhTree::BvhTree(const BvhTree& other, const MemoryResource& memory)
+    : BvhTree(other.shape_, memory) {
+  if (other.block_ == nullptr) return;
+  Allocate(other.Room());
+  CopyButChecksum(block_, other.block_, bytes_);
+  header().checksum = Checksum(other.header()).load();
+  SetSlots(levels_, header().slots);
+  is_checked_ = other.is_checked_;
+  is_as_loaded_ = other.is_as_loaded_;
+}
+
+BvhTree::BvhTree(BvhTree&& other) noexcept
+    : BvhTree(other.shape_, other.memory_) {
+  Swap(other);
+}
+
+BvhTree::~BvhTree() { Free(); }
+
+void BvhTree::Swap(BvhTree& other) noexcept {
+  std::swap(shape_, other.shape_);
+  std::swap(memory_, other.memory_);
+  std::swap(block_, other.block_);
+  std::swap(bytes_, other.bytes_);
+  std::swap(is_owned_, other.is_owned_);
+  std::swap(is_checked_, other.is_checked_);
+  std::swap(is_as_loaded_, other.is_as_loaded_);
+  std::swap(levels_, other.levels_);
+}
+
+void BvhTree::Free() {
+  if (block_ != nullptr && is_owned_) FreeBlock(memory_, block_, bytes_);
+  block_ = nullptr;
+  bytes_ = 0;
+  is_owned_ = true;
+  is_checked_ = true;
+  is_as_loaded_ = false;
+  levels_ = {};
+}
+
+BvhHeader& BvhTree::header() const {
+  return *reinterpret_cast<BvhHeader*>(block_);
+}
+
+BvhRoom BvhTree::Room() const {
+  if (block_ == nullptr) return {};
+  return {header().capacity, header().id_room, header().has_masks != 0};
+}
+
+std::size_t BvhTree::size() const {
+  return block_ == nullptr ? 0 : header().size;
+}
+
+std::size_t BvhTree::id_limit() const {
+  return block_ == nullptr ? 0 : header().ids;
+}
+
+void BvhTree::Allocate(const BvhRoom& room) {
+  BvhLevels levels;
+  const std::size_t bytes = Place(shape_, room, nullptr, false, levels);
+  auto* const block = static_cast<std::byte*>(AllocateBlock(memory_, bytes));
+  Free();
+  block_ = block;
+  bytes_ = bytes;
+  Place(shape_, room, block_, true, levels_);
+  BvhHeader& header = this->header();
+  header = {};
+  std::copy(std::begin(kBvhMagic), std::end(kBvhMagic), header.magic);
+  header.version = kBvhVersion;
+  header.dims = shape_.dims;
+  header.axes = shape_.axes;
+  header.has_max = shape_.has_max;
+  header.has_masks = room.has_masks;
+  header.bytes = bytes;
+  header.capacity = static_cast<std::uint32_t>(room.slots);
+  header.id_room = static_cast<std::uint32_t>(room.ids);
+  header.free_id = kNoId;
+}
+
+void BvhTree::Build(const FloatColumns& objects, BuildQuality quality,
+                    Target target, const PartRunner& run) {
+  BuildIn({objects.size, 0, false}, objects, quality, target, run);
+}
+
+void BvhTree::BuildIn(const BvhRoom& room, const FloatColumns& objects,
+                      BuildQuality quality, Target target,
+                      const PartRunner& run) {
+  constexpr const char* kCall = "Bvh";
+  const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, target, kCall);
+  if (objects.size >= kMostObjects) {
+    kernels::ThrowInvalid(kCall, "world", "less than 2^31 objects",
+                          std::to_string(objects.size));
+  }
+  if (quality != BuildQuality::kHigh && quality != BuildQuality::kFast) {
+    kernels::ThrowInvalid(kCall, "quality", "an enumerator of Order",
+                          std::to_string(static_cast<int>(quality)));
+  }
+  if (objects.size == 0) return Free();
+  CheckColumns(shape_, objects, kCall);
+  const Scratch scratch(memory_, objects.size * kernels::kOrderScratch);
+  Allocate(room);
+  const auto put_in_order = quality == BuildQuality::kFast
+                                ? kernels::OrderByCurve
+                                : kernels::OrderByMedians;
+  put_in_order(objects, kernels, scratch.data(), levels_.ids, run);
+  Truncate(shape_, levels_, objects.size);
+  BvhHeader& header = this->header();
+  header.slots = header.size = header.ids = header.sorted =
+      static_cast<std::uint32_t>(objects.size);
+  FillPresent(levels_.level[0], objects.size);
+  FillSlots(shape_, levels_, objects, levels_.ids, kernels, run);
+  kernels::InDefaultFpMode([&] {
+    for (std::size_t part = 0; part < PartsOf(objects.size); ++part) {
+      levels_.built[part] = AsIs(shape_, levels_, PartAt(levels_, part));
+    }
+  });
+}
+
+}  // namespace halfspace::detail

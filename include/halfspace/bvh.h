@@ -1,0 +1,433 @@
+// Bvh: a BVH of 64-wide nodes for one query over many objects, which
+// may move, come and go.
+//
+//   halfspace::AabbBvh3 sorted(world);  // an AabbWorld3, or its view
+//   halfspace::Aabb3 query = {{0, 0, 0}, {1, 1, 1}};
+//   std::vector<std::uint32_t> ids(sorted.size());
+//   ids.resize(Survivors(sorted, query, ids));
+//   sorted.Insert(BoundSphere(sphere).aabb());  // fit.h
+//
+// A call returns the same objects as the call of reject.h with the same name.
+// An id is the index of the object in the world that it came from. A flat scan
+// tests every object. A Bvh visits a node only if its parent survived:
+// about log64(n) tree levels.
+//
+// The BVH has no pointers. Objects are sorted so that 64 consecutive ones are
+// near each other and form a leaf, 64 consecutive leaves form a node, and so
+// on. Nodes and objects are quantized to 8 bits per plane. These reject, or
+// prove that an object survives, or leave the decision to the floats.
+//
+// Other queries of the same world: bvh_shapes.h (spheres, segments,
+// half-spaces), bvh_nearest.h (k nearest, ray casts), bvh_pairs.h (all
+// overlapping pairs: a broad phase). A program links only the queries it calls.
+// docs/bvh.md has the layout, the proof that no overlap is missed, and
+// measurements.
+//
+// Bounds are floats in 2 or 3 dimensions: Bvh<SimplexView3>,
+// Bvh<AabbView3>, Bvh<AaboView3>, or the same with 2. Each call
+// takes a query of the view's Query type. NaN, empty, inverted and infinite
+// values mean the same as in reject.h.
+//
+// Errors (error.h), in every call: an output or a list of more than 0 elements
+// is null or misaligned; the target is not supported. Outputs and queries must
+// not overlap in memory, which is not checked.
+//
+// Floating-point mode: as in reject.h, except that queries may raise inexact,
+// overflow and underflow. A program that enables floating-point traps must
+// disable these three during a query. Building and
+// changing a world never trap, in any mode.
+//
+// Thread safety: queries of one world may run at the same time. A query uses up
+// to 32 KiB of stack, allocates nothing, locks nothing and keeps no state.
+//
+// Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (a sort that
+// encodes a hierarchy in array order; the SIMD-batch median layout).
+#ifndef HALFSPACE_BVH_H_
+#define HALFSPACE_BVH_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <type_traits>
+
+#include "halfspace/detail/bvh.h"
+#include "halfspace/memory.h"
+#include "halfspace/span.h"
+#include "halfspace/targets.h"
+#include "halfspace/world.h"
+
+namespace halfspace {
+
+// Build quality. It changes the cost of queries, never their result.
+enum class BuildQuality : std::uint8_t {
+  // Splits at medians of the widest axis. O(n log n), about as long as the bulk
+  // load of an R-tree.
+  kHigh,
+  // Sorts along a Hilbert curve. O(n), about a fifth of the time. Queries take
+  // up to 1.4 times as long as with kHigh. In 3 dimensions the curve has 1024
+  // cells per axis: if a few objects are very far away, all others share a few
+  // cells, and kHigh is better.
+  kFast,
+};
+
+struct QueryOptions {
+  // Finds only objects with at least one of these masks
+  // (Bvh::SetMasks). All ones finds all objects.
+  std::uint32_t masks = 0xFFFFFFFF;
+  Target target = {};  // by default, the chosen one (targets.h)
+};
+
+namespace detail {
+
+template <typename View>
+BvhShape BvhShapeOf() {
+  using Bound = typename View::Bound;
+  return {BvhKernelsOf<Bound::kAxes>::kTargets,
+          static_cast<std::uint8_t>(Bound::kDimensions),
+          static_cast<std::uint8_t>(Bound::kAxes), HasMax<Bound>};
+}
+
+template <typename Query>
+const float* ValuesOf(const Query* queries) {
+  static_assert(std::is_standard_layout_v<Query> &&
+                    sizeof(Query) == kPlaneCount<Query> * sizeof(float),
+                "a query is read as a list of its values");
+  return reinterpret_cast<const float*>(queries);
+}
+
+// Calls the caller's function, and returns true for one that returns nothing.
+template <typename Item, typename Function>
+bool CallWithSome(void* function, Span<const Item> items) {
+  auto& call = *static_cast<Function*>(function);
+  using Result = decltype(call(items));
+  static_assert(std::is_void_v<Result> || std::is_same_v<Result, bool>,
+                "the function must return void or bool");
+  if constexpr (std::is_same_v<Result, bool>) {
+    return call(items);
+  } else {
+    call(items);
+    return true;
+  }
+}
+
+}  // namespace detail
+
+// A sorted copy of a world's bounds. The id of an object is its index in that
+// world, or what Insert() returned.
+//
+// Memory: one block, from the heap or from a resource of the caller's
+// (memory.h, which says what copies, moves and swap(a, b) use). Boxes in 3
+// dimensions take 36 bytes per place, 24 of them floats, 4 more per id after
+// the first change by id, and 4 more per place with masks. During a build
+// there are 16 bytes per object more, and while all objects are sorted again up
+// to 112.
+//
+// Places: an object has a place in the order, and an erased object leaves an
+// empty one. There are never more than 2 * size() + 64 places. Objects move
+// together when half of the places are empty, or, if the block is full, when a
+// quarter are. Otherwise a full block grows by half. Rebuild() frees the memory
+// that is not needed.
+//
+// Changes are seen by every later call. No change may run at the same time as
+// another call on the same world. Changes run on the chosen target.
+//
+// Errors (error.h): a plane of a world that is not empty is null or misaligned;
+// there are 2^31 objects or more; the order is none of the enumerators; an id
+// is not that of an object in the world. A failed allocation throws
+// std::bad_alloc. The world is then as it was, and what ids() and Blob()
+// returned stays valid. If a function `run` throws in a constructor, there is
+// no world. If it throws in Refit(), call Refit() again before the next query.
+template <typename ViewType>
+class Bvh {
+ public:
+  using View = ViewType;
+  using Bound = typename View::Bound;
+  // There is no member Query: with one, the calls of reject.h would match.
+  static_assert(std::is_same_v<typename Bound::Scalar, float>,
+                "BVHs are of floats");
+  static_assert(Bound::kDimensions <= 3, "2 or 3 dimensions");
+
+  Bvh() : Bvh(MemoryResource()) {}
+  explicit Bvh(const MemoryResource& memory)
+      : tree_(detail::BvhShapeOf<View>(), memory) {}
+
+  // Sorts the bounds of a view, an owning world or a list. The bounds are
+  // copied.
+  //   run  run(count, part) calls part(i) once for each i below `count`, in any
+  //        order and on any threads, and returns when all have returned. By
+  //        default the calling thread calls them in turn.
+  template <typename Run = detail::InTurn>
+  explicit Bvh(const View& world, BuildQuality quality = BuildQuality::kHigh,
+               const MemoryResource& memory = {}, Run&& run = Run())
+      : Bvh(memory) {
+    tree_.Build(detail::ColumnsOf(world), quality, Target(),
+                detail::RunnerOf(run));
+  }
+  template <typename Run = detail::InTurn>
+  explicit Bvh(const World<View>& world,
+               BuildQuality quality = BuildQuality::kHigh,
+               const MemoryResource& memory = {}, Run&& run = Run())
+      : Bvh(world.view(), quality, memory, run) {}
+  template <typename Run = detail::InTurn>
+  explicit Bvh(Span<const Bound> bounds,
+               BuildQuality quality = BuildQuality::kHigh,
+               const MemoryResource& memory = {}, Run&& run = Run())
+      : Bvh(memory) {
+    tree_.Build(detail::ColumnsOf(bounds), quality, Target(),
+                detail::RunnerOf(run));
+  }
+
+  // Builds a world of the `count` bounds that fit(planes) writes, as a builder
+  // of fit_many.h does:
+  //
+  //   AabbBvh3::Fitted(spheres.count, [&](const AabbPlanes3& planes) {
+  //     BoundSpheres(spheres, planes);
+  //   });
+  template <typename Fit>
+  static Bvh Fitted(std::size_t count, Fit&& fit,
+                    BuildQuality quality = BuildQuality::kHigh,
+                    const MemoryResource& memory = {}) {
+    World<View> bounds(memory);
+    bounds.Resize(count);
+    fit(bounds.planes());
+    return Bvh(bounds.view(), quality, memory);
+  }
+
+  Bvh(const Bvh& other, const MemoryResource& memory)
+      : tree_(other.tree_, memory) {}
+
+  friend void swap(Bvh& a, Bvh& b) noexcept { swap(a.tree_, b.tree_); }
+
+  const MemoryResource& memory() const { return tree_.memory(); }
+  std::size_t size() const { return tree_.size(); }
+  bool empty() const { return size() == 0; }
+
+  // The size of the world's block of memory.
+  std::size_t bytes() const { return tree_.bytes(); }
+
+  // Whether an object has this id. O(1).
+  bool Has(std::uint32_t id) const { return tree_.Has(id); }
+
+  // Changes the bound of an object, and tightens its leaf and the nodes above.
+  // The order stays, so leaves grow as objects move: see CostRatio(). About
+  // half a microsecond (`./bench.sh --details bvh`). The first change by id of
+  // a world that was built copies it once.
+  void Set(std::uint32_t id, const Bound& bound) {
+    tree_.Set(id, detail::Planes(bound));
+  }
+
+  // Adds an object with all masks and returns its id: that of an erased
+  // object, or one more than the greatest. The object takes an empty place in a
+  // leaf that it makes grow by a 16th at most, or a new place at the end.
+  //
+  // The world sorts itself as it grows: the newest objects after every 256
+  // insertions, and all objects when as many were inserted as the world had
+  // when it was last sorted. A query of a world that was filled by Insert()
+  // takes up to twice as long as after Rebuild(). An insertion takes 1 to 2 us
+  // on average, but a single one can take as long as Rebuild(). If there is no
+  // memory to sort with, the objects stay unsorted until the next 256
+  // insertions.
+  std::uint32_t Insert(const Bound& bound) {
+    return tree_.Insert(detail::Planes(bound));
+  }
+
+  // Removes an object. Costs what Set() costs, and on average a few ns more:
+  // when more than half of the places are empty, the objects move together, in
+  // their order. It allocates only if it is the first change by id, or the
+  // first change of a blob in place.
+  void Erase(std::uint32_t id) { tree_.Erase(id); }
+
+  // Sets the masks of one object, or of all: masks[i] is that of
+  // object i. Objects beyond the end of the list get 0. An object whose
+  // masks were never set has all of them. One with 0 is found only with
+  // QueryOptions::masks of all ones.
+  void SetMasks(std::uint32_t id, std::uint32_t masks) {
+    tree_.SetMasks(id, masks);
+  }
+  void SetMasks(Span<const std::uint32_t> masks) { tree_.SetMasks(masks); }
+
+  // The ids in this world's order, one per place; 0xFFFFFFFF in an empty place.
+  // Valid until the world changes.
+  Span<const std::uint32_t> ids() const { return tree_.ids(); }
+
+  // One more than the greatest id that was in use since the last Rebuild(): the
+  // size of an array by id.
+  std::size_t id_limit() const { return tree_.id_limit(); }
+
+  // Gives all objects new bounds, by id: bounds[i] is that of object i. Bounds
+  // of erased objects are not read. `bounds.size()` must be at least
+  // id_limit(). The order stays as it is. `run` is as in the constructor.
+  template <typename Run = detail::InTurn>
+  void Refit(const View& bounds, Run&& run = Run()) {
+    tree_.Refit(detail::ColumnsOf(bounds), true, detail::RunnerOf(run));
+  }
+  template <typename Run = detail::InTurn>
+  void Refit(const World<View>& bounds, Run&& run = Run()) {
+    Refit(bounds.view(), run);
+  }
+  template <typename Run = detail::InTurn>
+  void Refit(Span<const Bound> bounds, Run&& run = Run()) {
+    tree_.Refit(detail::ColumnsOf(bounds), true, detail::RunnerOf(run));
+  }
+
+  // The same with bounds in this world's order: bounds[i] is that of object
+  // ids()[i], and `bounds.size()` must be `ids().size()`. 2 to 4 times as fast.
+  template <typename Run = detail::InTurn>
+  void RefitInOrder(const View& bounds, Run&& run = Run()) {
+    tree_.Refit(detail::ColumnsOf(bounds), false, detail::RunnerOf(run));
+  }
+  template <typename Run = detail::InTurn>
+  void RefitInOrder(const World<View>& bounds, Run&& run = Run()) {
+    RefitInOrder(bounds.view(), run);
+  }
+  template <typename Run = detail::InTurn>
+  void RefitInOrder(Span<const Bound> bounds, Run&& run = Run()) {
+    tree_.Refit(detail::ColumnsOf(bounds), false, detail::RunnerOf(run));
+  }
+
+  // How much the order has decayed: the surface of all leaves (64 places each),
+  // divided by the surface that as many objects had when they were last sorted.
+  // 1 is as sorted. With 2, queries visit up to twice as many leaves. If half
+  // of the objects are erased, CostRatio() is about 2. It is 1 for up to 64
+  // places. For more it is infinite until more than 64 objects are sorted: in a
+  // world of up to 256 objects that were inserted. O(n / 64).
+  double CostRatio() const { return tree_.CostRatio(); }
+
+  // Sorts all objects, without empty places between them, and gives memory
+  // back: the block has no more room than the objects need, and 4 bytes for
+  // each id up to the greatest in use. Ids stay. `run` is as in the
+  // constructor.
+  template <typename Run = detail::InTurn>
+  void Rebuild(BuildQuality quality = BuildQuality::kHigh, Run&& run = Run()) {
+    tree_.Rebuild(quality, detail::RunnerOf(run));
+  }
+
+  // Sorts the groups of 4096 places whose surface has grown most, about
+  // `objects` objects in total and at least one group. Groups that are sorted
+  // together exchange their objects. Returns the number of objects sorted, and
+  // 0 if no group has grown. Takes about 0.3 us per object.
+  std::size_t RebuildPartial(std::size_t objects) {
+    return tree_.RebuildPartial(objects);
+  }
+
+  // The world as bytes, to store or to map: its block of memory itself. Valid
+  // until the world changes. A world that never had an object has no bytes. The
+  // first call after a change computes a checksum, O(n); the others are O(1).
+  Span<const std::byte> Blob() const { return tree_.Blob(); }
+
+  // A world of what Blob() returned. FromBlob() copies the bytes. InPlace()
+  // refers to them: they must be aligned to 64 bytes, as a mapped file is, and
+  // stay unchanged while the world lives. A change of the world copies them
+  // first.
+  //
+  // Both check the header, the size and the unused lanes of the last block of
+  // each tree level, and throw (error.h) if the blob is one of another type,
+  // byte order or format, or was cut. The format has its own version, which
+  // changes less often than the library's. An altered body can change results,
+  // but no query and no change reads or writes outside the blob and the world.
+  // The first change checks in O(n) that ids and places belong together, and
+  // throws if they do not. Verify() finds every other alteration.
+  static Bvh FromBlob(Span<const std::byte> blob,
+                      const MemoryResource& memory = {}) {
+    Bvh world(memory);
+    world.tree_.Load(blob, false);
+    return world;
+  }
+  static Bvh InPlace(Span<const std::byte> blob,
+                     const MemoryResource& memory = {}) {
+    Bvh world(memory);
+    world.tree_.Load(blob, true);
+    return world;
+  }
+
+  // Returns whether the bytes of a blob are those that Blob() returned, by
+  // their checksum. The checksum detects accidental damage. It does not protect
+  // against an attacker. True for a world that was not loaded from a blob, and
+  // for one that changed since. O(n).
+  [[nodiscard]] bool Verify() const { return tree_.Verify(); }
+
+  // Internal.
+  const detail::BvhTree& tree() const { return tree_; }
+
+ private:
+  detail::BvhTree tree_;
+};
+
+using SimplexBvh2 = Bvh<SimplexView2>;
+using SimplexBvh3 = Bvh<SimplexView3>;
+using AabbBvh2 = Bvh<AabbView2>;
+using AabbBvh3 = Bvh<AabbView3>;
+using AaboBvh2 = Bvh<AaboView2>;
+using AaboBvh3 = Bvh<AaboView3>;
+
+// Writes the ids of all survivors to `ids`, in no particular order, and returns
+// their number. If `ids` is shorter than that, it is filled, and the full
+// number is returned. Elements of `ids` behind the last id may be overwritten.
+template <typename View>
+[[nodiscard]] std::size_t Survivors(const Bvh<View>& world,
+                                    const typename View::Query& query,
+                                    Span<std::uint32_t> ids,
+                                    const QueryOptions& options = {}) {
+  return detail::BvhSurvivors(world.tree(), detail::ValuesOf(&query), ids,
+                              options);
+}
+
+// Returns the number of survivors. A node inside a box or an octahedron is
+// counted without a visit, so the cost of a large query grows with its surface
+// and not with its volume.
+template <typename View>
+[[nodiscard]] std::size_t CountSurvivors(const Bvh<View>& world,
+                                         const typename View::Query& query,
+                                         const QueryOptions& options = {}) {
+  return detail::BvhCount(world.tree(), detail::ValuesOf(&query), options);
+}
+
+// Returns the id of a survivor, or nothing if there is none. Stops soon after
+// it has found one.
+template <typename View>
+[[nodiscard]] std::optional<std::uint32_t> AnySurvivor(
+    const Bvh<View>& world, const typename View::Query& query,
+    const QueryOptions& options = {}) {
+  std::uint32_t id = 0;
+  if (!detail::BvhAny(world.tree(), detail::ValuesOf(&query), id, options)) {
+    return std::nullopt;
+  }
+  return id;
+}
+
+// Calls function(Span<const std::uint32_t> ids) with 1 to 512 survivors at a
+// time. The function returns void, or bool: false ends the call. Exceptions of
+// the function pass through. The function must not change the world.
+template <typename View, typename Function>
+void ForEachSurvivor(const Bvh<View>& world, const typename View::Query& query,
+                     Function&& function, const QueryOptions& options = {}) {
+  auto call = [&function](Span<const std::uint32_t> ids) {
+    return function(ids);
+  };
+  detail::BvhForEach(world.tree(), detail::ValuesOf(&query),
+                     &detail::CallWithSome<std::uint32_t, decltype(call)>,
+                     &call, options);
+}
+
+// Survivors() of several queries. The queries walk the tree together, 64 at a
+// time, which hides the latency of memory and the cost of a call: it takes 0.6
+// to 1 times as long as one call per query.
+//   ids      receives the ids of all queries, one query after another
+//   offsets  `offsets.size()` must be at least `queries.size() + 1`. The ids of
+//            queries[q] are ids[offsets[q]] ... ids[offsets[q + 1] - 1].
+// Returns the number of all ids. If `ids` is shorter than that, it is filled,
+// and `offsets` are written as if it were long enough. Elements of `ids` behind
+// the last id may be overwritten.
+template <typename View>
+[[nodiscard]] std::size_t SurvivorsOfEach(
+    const Bvh<View>& world, Span<const typename View::Query> queries,
+    Span<std::uint32_t> ids, Span<std::size_t> offsets,
+    const QueryOptions& options = {}) {
+  return detail::BvhSurvivorsOfMany(world.tree(),
+                                    detail::ValuesOf(queries.data()),
+                                    queries.size(), ids, offsets, options);
+}
+
+}  // namespace halfspace
+
+#endif  // HALFSPACE_BVH_H_

@@ -1,0 +1,162 @@
+// All overlapping pairs of objects of a BVH (bvh.h): the broad phase.
+//
+//   std::vector<halfspace::IdPair> pairs(room);
+//   const std::size_t count = Pairs(sorted, pairs);
+//
+// Bounds a and b overlap unless a plane separates them: a.min[k] > b.max[k] or
+// b.min[k] > a.max[k] for an axis k. That is the rule of reject.h. So bounds
+// that touch overlap, and a NaN separates nothing. An Empty() bound overlaps
+// only bounds with NaNs or infinities. Erased objects are in no pair.
+//
+// Worlds are of boxes or octahedra, in 2 or 3 dimensions. There are no pairs of
+// simplices: two simplices of one kind have no planes that face each other.
+//
+// Pairs() writes to a span and returns the number of pairs. If the span is
+// shorter than that, it is filled, and the full number is returned. An empty
+// span counts. Elements behind the last pair may be overwritten. ForEachPair()
+// calls function(Span<const IdPair>) with 1 to 256 pairs at a time. The
+// function returns void, or bool: false ends the call. Exceptions of the
+// function pass through. The order of the pairs is unspecified.
+//
+// Errors (error.h), in every call: an output with room or a list of ids is null
+// or misaligned; an id is not that of an object in the world; the target is not
+// supported.
+//
+// Floating-point mode: as in bvh.h.
+//
+// Thread safety: calls on the same worlds may run at the same time, and can
+// share one join (PairOptions::begin). A call uses up to 32 KiB of stack and
+// locks nothing. Only PairsOf() and ForEachPairOf() allocate.
+//
+// Cost: one query per leaf of 64 objects, and a comparison of the objects of
+// leaves that overlap: 12 ns per pair if an object is in 5 pairs, 3 ns if it is
+// in 50 (`./bench.sh --details bvh`).
+//
+// Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (its order as
+// a hierarchy, which here meets itself).
+#ifndef HALFSPACE_BVH_PAIRS_H_
+#define HALFSPACE_BVH_PAIRS_H_
+
+#include <cstddef>
+#include <cstdint>
+
+#include "halfspace/bvh.h"
+#include "halfspace/detail/bvh_pairs.h"
+#include "halfspace/span.h"
+#include "halfspace/targets.h"
+
+namespace halfspace {
+
+// The ids of two objects. With two worlds, `a` is from the first.
+struct IdPair {
+  std::uint32_t a;
+  std::uint32_t b;
+
+  friend bool operator==(const IdPair& left, const IdPair& right) {
+    return left.a == right.a && left.b == right.b;
+  }
+  friend bool operator!=(const IdPair& left, const IdPair& right) {
+    return !(left == right);
+  }
+};
+
+struct PairOptions {
+  // Finds only pairs of which each object has at least one of these masks,
+  // not necessarily the same one. All ones finds all objects.
+  std::uint32_t masks = 0xFFFFFFFF;
+  // Finds only the pairs of parts begin ... end - 1 of PairParts(). Each pair
+  // belongs to one part, so calls with disjoint ranges, on any threads, find
+  // each pair once. Parts take unequal times, so use more ranges than threads.
+  // An `end` beyond the last part means the last, and there are no pairs if
+  // `begin` is not below `end`.
+  std::size_t begin = 0;
+  std::size_t end = static_cast<std::size_t>(-1);
+  Target target = {};  // by default, the chosen one (targets.h)
+};
+
+namespace detail {
+
+template <typename View>
+PairSources PairsIn(const Bvh<View>& a, const Bvh<View>* b = nullptr,
+                    const Span<const std::uint32_t>* ids = nullptr) {
+  static_assert(HasMax<typename View::Bound>,
+                "pairs are of bounds with minima and maxima: two simplices of "
+                "one kind have no planes that face each other");
+  return {BvhPairKernelsOf<View::Bound::kAxes>::kTargets, &a.tree(),
+          b == nullptr ? nullptr : &b->tree(), ids};
+}
+
+template <typename Function>
+void CallForPairs(const PairSources& sources, Function& function,
+                  const PairOptions& options) {
+  auto call = [&function](Span<const IdPair> pairs) { return function(pairs); };
+  BvhForEachPair(sources, &CallWithSome<IdPair, decltype(call)>, &call,
+                 options);
+}
+
+}  // namespace detail
+
+// The number of parts of Pairs(world) and of Pairs(world, other). Changes of
+// the world change it.
+template <typename View>
+std::size_t PairParts(const Bvh<View>& world) {
+  return (world.ids().size() + 63) / 64;
+}
+
+// The pairs of objects of one world. Each pair is found once, as {i, j} or
+// {j, i}.
+template <typename View>
+[[nodiscard]] std::size_t Pairs(const Bvh<View>& world, Span<IdPair> pairs,
+                                const PairOptions& options = {}) {
+  return detail::BvhPairs(detail::PairsIn(world), pairs, options);
+}
+template <typename View, typename Function>
+void ForEachPair(const Bvh<View>& world, Function&& function,
+                 const PairOptions& options = {}) {
+  detail::CallForPairs(detail::PairsIn(world), function, options);
+}
+
+// The pairs of an object of `a` and an object of `b`.
+template <typename View>
+[[nodiscard]] std::size_t Pairs(const Bvh<View>& a, const Bvh<View>& b,
+                                Span<IdPair> pairs,
+                                const PairOptions& options = {}) {
+  return detail::BvhPairs(detail::PairsIn(a, &b), pairs, options);
+}
+template <typename View, typename Function>
+void ForEachPair(const Bvh<View>& a, const Bvh<View>& b, Function&& function,
+                 const PairOptions& options = {}) {
+  detail::CallForPairs(detail::PairsIn(a, &b), function, options);
+}
+
+// The pairs of an object of a set, which is IdPair::a, and any other object:
+// the pairs that can be new after these objects moved. A pair of two objects of
+// the set is found once. An id may be in the list more than once.
+//
+// Both calls allocate a bit for each object from the world's MemoryResource
+// (Bvh::memory()), in the calling thread, and free it before they
+// return. The world is const, but its resource is used: calls that run at the
+// same time, such as those on different parts, need a resource that is
+// thread-safe. The default resource is. A failed allocation throws
+// std::bad_alloc before a pair is written and before the function is called.
+//
+// A world that has never changed by id (Bvh::Set) takes two bits for
+// each object, and 0.6 ns for each object to find their places.
+template <typename View>
+[[nodiscard]] std::size_t PairsOf(const Bvh<View>& world,
+                                  Span<const std::uint32_t> ids,
+                                  Span<IdPair> pairs,
+                                  const PairOptions& options = {}) {
+  return detail::BvhPairs(detail::PairsIn<View>(world, nullptr, &ids), pairs,
+                          options);
+}
+template <typename View, typename Function>
+void ForEachPairOf(const Bvh<View>& world, Span<const std::uint32_t> ids,
+                   Function&& function, const PairOptions& options = {}) {
+  detail::CallForPairs(detail::PairsIn<View>(world, nullptr, &ids), function,
+                       options);
+}
+
+}  // namespace halfspace
+
+#endif  // HALFSPACE_BVH_PAIRS_H_

@@ -1,0 +1,248 @@
+// Internal. What a Bvh owns, and the calls of bvh.h after the types
+// are gone. Not part of the interface.
+#ifndef HALFSPACE_DETAIL_BVH_H_
+#define HALFSPACE_DETAIL_BVH_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "halfspace/detail/plane_arrays.h"
+#include "halfspace/export.h"
+#include "halfspace/memory.h"
+#include "halfspace/span.h"
+#include "halfspace/targets.h"
+
+namespace halfspace {
+
+enum class BuildQuality : std::uint8_t;
+struct QueryOptions;
+
+namespace detail {
+
+struct BvhKernels;
+
+// The kernels of BVHs with kAxes axes, of each compiled target, best
+// first: an object file of the library for each, as KernelsOf of scan.h.
+template <std::size_t kAxes>
+struct HALFSPACE_API BvhKernelsOf {
+  static const BvhKernels* const kTargets;
+};
+extern template struct BvhKernelsOf<2>;
+extern template struct BvhKernelsOf<3>;
+extern template struct BvhKernelsOf<4>;
+
+// 64 to the power of this is more than 2^32 objects.
+inline constexpr std::size_t kMostLevels = 6;
+
+// Level 0 has the objects. Node i of another level encloses block i of the
+// level below it: 64 consecutive objects or nodes.
+struct BvhLevel {
+  std::size_t size = 0;
+  std::byte* blocks = nullptr;     // kernels/bvh/block.h
+  std::array<float*, 8> planes{};  // all minima, then all maxima
+  // One bit per object or node: whether it exists. Erased objects and nodes
+  // without objects are Empty().
+  std::uint64_t* present = nullptr;
+  // One bit per node with maxima: whether all of its objects exist and have
+  // min <= max on each axis. If such a node is inside a query, all of its
+  // objects survive.
+  std::uint64_t* regular = nullptr;
+  // An object's own masks, and the union of them for a node. Null if none
+  // were set.
+  std::uint32_t* masks = nullptr;
+  bool is_prefetched = false;  // the blocks do not fit the second-level cache
+};
+
+// Some slots: about how many blocks queries visit, and their objects.
+struct BvhPart {
+  double cost;
+  std::uint64_t objects;
+};
+
+struct BvhLevels {
+  std::size_t count = 0;
+  std::array<BvhLevel, kMostLevels> level{};
+  std::uint32_t* ids = nullptr;  // of objects, by slot; kNoId of none
+  // By id, the slot; of a free id the next that is free. Null until a change.
+  std::uint32_t* slots = nullptr;
+  BvhPart* built = nullptr;  // 4096 slots each, when they were last sorted
+};
+
+inline constexpr std::uint32_t kNoId = 0xFFFFFFFF;
+
+struct BvhShape {
+  const BvhKernels* kernels;  // of each target
+  std::uint8_t dims;
+  std::uint8_t axes;
+  bool has_max;
+};
+
+// Calls part(i) for each i below `count`, in any order and on any threads, and
+// returns when all have returned.
+struct PartRunner {
+  void (*run)(void* context, std::size_t count,
+              void (*part)(const void* parts, std::size_t i),
+              const void* parts);
+  void* context;
+
+  template <typename Part>
+  void operator()(std::size_t count, const Part& part) const {
+    run(
+        context, count,
+        [](const void* parts, std::size_t i) {
+          (*static_cast<const Part*>(parts))(i);
+        },
+        &part);
+  }
+};
+
+// `run` is called as run(count, part), and must outlive the result.
+template <typename Run>
+PartRunner RunnerOf(Run& run) {
+  return {
+      [](void* context, std::size_t count,
+         void (*part)(const void* parts, std::size_t i), const void* parts) {
+        (*static_cast<Run*>(context))(
+            count, [part, parts](std::size_t i) { part(parts, i); });
+      },
+      const_cast<std::remove_const_t<Run>*>(&run)};
+}
+
+struct InTurn {
+  template <typename Part>
+  void operator()(std::size_t count, const Part& part) const {
+    for (std::size_t i = 0; i < count; ++i) part(i);
+  }
+};
+
+struct BvhHeader;
+struct BvhRoom;
+struct SlotRange;
+
+// A tree in one block of memory: a header, then the parts of all levels
+// (dispatch/bvh/layout.h). The objects are in slots 0, 1, ... of level 0,
+// some of which may be empty.
+class HALFSPACE_API BvhTree {
+ public:
+  BvhTree(const BvhShape& shape, const MemoryResource& memory);
+  BvhTree(const BvhTree& other, const MemoryResource& memory);
+  BvhTree(const BvhTree& other) : BvhTree(other, MemoryResource()) {}
+  BvhTree(BvhTree&& other) noexcept;
+  BvhTree& operator=(const BvhTree& other) { return AssignCopy(*this, other); }
+  BvhTree& operator=(BvhTree&& other) { return AssignMove(*this, other); }
+  ~BvhTree();
+  friend void swap(BvhTree& a, BvhTree& b) noexcept { a.Swap(b); }
+
+  const MemoryResource& memory() const { return memory_; }
+  const BvhShape& shape() const { return shape_; }
+  const BvhLevels& levels() const { return levels_; }
+  std::size_t size() const;
+  std::size_t bytes() const { return bytes_; }
+  std::size_t id_limit() const;
+  Span<const std::uint32_t> ids() const {
+    return {levels_.ids, levels_.level[0].size};
+  }
+
+  // Replaces the content. The planes may not be its own.
+  void Build(const FloatColumns& objects, BuildQuality quality, Target target,
+             const PartRunner& run);
+
+  // Replaces the content by what Blob() gave, in place or as a copy. Only the
+  // header is checked: see CheckLoaded().
+  void Load(Span<const std::byte> blob, bool is_in_place);
+  Span<const std::byte> Blob() const;
+  bool Verify() const;
+
+  // `values` are those of all minima, then of all maxima.
+  bool Has(std::uint32_t id) const;
+  void Set(std::uint32_t id, Span<const float> values);
+  std::uint32_t Insert(Span<const float> values);
+  void Erase(std::uint32_t id);
+
+  // Of one object; of all objects by id.
+  void SetMasks(std::uint32_t id, std::uint32_t masks);
+  void SetMasks(Span<const std::uint32_t> masks);
+
+  // The bounds of the objects anew, by id or by slot.
+  void Refit(const FloatColumns& objects, bool is_by_id, const PartRunner& run);
+
+  double CostRatio() const;
+  void Rebuild(BuildQuality quality, const PartRunner& run);
+  std::size_t RebuildPartial(std::size_t objects);
+
+ private:
+  void Swap(BvhTree& other) noexcept;
+  void Free();
+  BvhHeader& header() const;
+  BvhRoom Room() const;
+  void Allocate(const BvhRoom& room);
+  void BuildIn(const BvhRoom& room, const FloatColumns& objects,
+               BuildQuality quality, Target target, const PartRunner& run);
+  // Throws if ids and slots do not belong together, as in an altered blob:
+  // changes would write anywhere.
+  void CheckLoaded(const char* call);
+  // Before a change: memory of its own with this room at least. Throws before
+  // anything has changed, and is the last thing in a change that may throw.
+  void Prepare(const char* call, BvhRoom room);
+  void Reallocate(const char* call, const BvhRoom& room);
+  std::size_t PrepareObject(std::uint32_t id, bool has_masks, const char* call);
+  std::size_t slots() const { return levels_.level[0].size; }
+  BvhRoom RoomForOneMore(const char* call) const;
+  std::size_t SlotsDue() const;
+  void SortDue(const char* call);
+  std::size_t FindSlot(const float* values) const;
+  void AppendSlot();
+  void EncodePath(std::size_t slot);
+  // Sorts the objects of some slots into the first of these, after Prepare().
+  // Ranges ascend and begin at blocks. Returns the number of objects.
+  std::size_t Resort(const char* call, Span<const SlotRange> ranges,
+                     const BvhRoom& room);
+  void CloseGaps();
+
+  BvhShape shape_;
+  MemoryResource memory_;
+  std::byte* block_ = nullptr;
+  std::size_t bytes_ = 0;
+  bool is_owned_ = true;    // and not that of a blob in place
+  bool is_checked_ = true;  // ids and slots belong together
+  bool is_as_loaded_ = false;
+  BvhLevels levels_;
+};
+
+// Returns whether to go on.
+using IdsFunction = bool (*)(void* context, Span<const std::uint32_t> ids);
+
+struct WalkShape;
+
+// One query: all its minima, then all its maxima; of simplices only maxima. And
+// a shape that survivors touch too.
+HALFSPACE_API std::size_t BvhSurvivors(const BvhTree& tree, const float* query,
+                                       Span<std::uint32_t> ids,
+                                       const QueryOptions& options,
+                                       const WalkShape* shape = nullptr);
+HALFSPACE_API std::size_t BvhCount(const BvhTree& tree, const float* query,
+                                   const QueryOptions& options,
+                                   const WalkShape* shape = nullptr);
+// Returns whether there is one, and its id.
+HALFSPACE_API bool BvhAny(const BvhTree& tree, const float* query,
+                          std::uint32_t& id, const QueryOptions& options,
+                          const WalkShape* shape = nullptr);
+HALFSPACE_API void BvhForEach(const BvhTree& tree, const float* query,
+                              IdsFunction function, void* context,
+                              const QueryOptions& options,
+                              const WalkShape* shape = nullptr);
+
+// Several, one after another.
+HALFSPACE_API std::size_t BvhSurvivorsOfMany(const BvhTree& tree,
+                                             const float* queries,
+                                             std::size_t query_count,
+                                             Span<std::uint32_t> ids,
+                                             Span<std::size_t> offsets,
+                                             const QueryOptions& options);
+
+}  // namespace detail
+}  // namespace halfspace
+
+#endif  // HALFSPACE_DETAIL_BVH_H_

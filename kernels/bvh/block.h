@@ -1,0 +1,163 @@
+// 64 objects or nodes in 8 bits a plane, and the arguments of the kernels of
+// BVHs. No Highway here.
+#ifndef HALFSPACE_KERNELS_BVH_BLOCK_H_
+#define HALFSPACE_KERNELS_BVH_BLOCK_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "halfspace/detail/bvh.h"
+
+namespace halfspace::detail {
+
+inline constexpr std::size_t kBlockObjects = 64;
+
+// The scale of a plane: value v, or -v of a maximum, has the code
+//
+//   min(max(floor((v - base) * scale + 1), 0), kMostCode)
+//
+// computed in float. A query's value is encoded twice, kCodeMargin above and
+// below that, which is more than all rounding, in any mode: a code above the
+// upper one proves that the value is greater, one below the lower that it is
+// less. That holds for any finite base and any positive scale up to 2^100
+// (docs/bvh.md). They are such that the values of a block have codes 1 to
+// 253, so that a query a code's width beyond them is decided.
+struct alignas(32) BlockScale {
+  // Lane k has the minima of axis k, lane kMaxLane + k the negated maxima.
+  static constexpr std::size_t kMaxLane = 4;
+  static constexpr std::size_t kLanes = 8;
+  float base[kLanes];
+  float scale[kLanes];
+};
+
+// Stored less 128, as x86 compares signed bytes. Objects that do not exist have
+// kNoCode in all planes: every query's code is less, so they are rejected.
+inline constexpr int kMostCode = 254;
+inline constexpr int kNoCode = 255;
+// From the least value of a block, which has code 1, to the greatest, in the
+// middle of code 253.
+inline constexpr float kScaledCodes = 252.5f;
+inline constexpr int kCodeBias = 128;
+inline constexpr float kCodeMargin = 0x1p-10f;
+
+template <std::size_t kPlanes>
+struct alignas(64) Block {
+  BlockScale scale;
+  std::int8_t codes[kPlanes][kBlockObjects];
+};
+
+constexpr std::size_t BlockBytes(std::size_t planes) {
+  return sizeof(BlockScale) + planes * kBlockObjects;
+}
+static_assert(sizeof(Block<6>) == BlockBytes(6));
+
+// The most queries that walk together: a place in a list of blocks to visit is
+// the query above kQueryShift bits of the block. The highest of these says that
+// the block lies inside the query.
+inline constexpr std::size_t kWalkers = 64;
+inline constexpr std::size_t kQueryShift = 26;
+inline constexpr std::uint32_t kInsideBit = std::uint32_t{1}
+                                            << (kQueryShift - 1);
+inline constexpr std::uint32_t kBlockMask = kInsideBit - 1;
+
+// Where ids go: `next` has room for kBlockObjects ids before `end`, or
+// make_room() gives it that. Both functions return whether to go on.
+struct WalkIds {
+  std::uint32_t* next;
+  std::uint32_t* end;
+  bool (*make_room)(WalkIds& ids);
+  // All ids of a query have been written; queries come in order.
+  bool (*end_of_query)(WalkIds& ids, std::size_t query);
+};
+
+struct Walk {
+  const BvhLevels* levels;
+  // One after another: of each all minima, then all maxima; of simplices
+  // maxima.
+  const float* queries;
+  std::size_t query_count;
+  WalkIds* ids;         // to find
+  std::size_t* counts;  // to count: of each query, added to
+  // Objects that have none of them are left out; all ones leave out none.
+  std::uint32_t masks;
+  // Survivors touch it too (kernels/bvh/shape.h); of one query. Or null.
+  const WalkShape* shape = nullptr;
+};
+
+// Blocks begin ... end - 1 of a level: encodes each, and bounds it by a node of
+// the next level, unless there is none. Threads may share a level at multiples
+// of 64 blocks.
+struct BlockRange {
+  const BvhLevel* level;
+  const BvhLevel* above;  // or null
+  std::size_t begin;
+  std::size_t end;
+};
+
+// Of some objects: coordinate k of the center of object i. What has no center,
+// as it is empty or no number, has the last one.
+inline constexpr std::size_t kCenterAxes =
+    3;  // the last is 0 where two are used
+using Centers = std::array<std::array<float, kBlockObjects>, kCenterAxes>;
+inline constexpr float kLastCenter = std::numeric_limits<float>::max() / 4;
+
+// A curve's cells: from the least center on, as a share of all of an axis.
+inline constexpr std::uint32_t kPlaceBits = 30;  // of all axes
+struct Grid {
+  std::array<float, kCenterAxes> least;
+  std::array<float, kCenterAxes> cells_of_unit;
+};
+
+struct BvhKernels {
+  struct OfPlanes {
+    // Of objects first ... first + count - 1, at most 64.
+    void (*centers)(const FloatColumns& objects, std::size_t first,
+                    std::size_t count, Centers& centers);
+    // Where 64 centers are on Hilbert's curve.
+    void (*places)(const Centers& centers, const Grid& grid,
+                   std::uint32_t* places);
+    void (*encode)(const BlockRange& range);
+    void (*find)(const Walk& walk);   // writes ids
+    void (*count)(const Walk& walk);  // adds to counts
+  };
+  OfPlanes minima;  // simplices
+  OfPlanes all;
+};
+
+// Where pairs go, two ids each: `next` has room for kBlockObjects pairs before
+// `end`, or make_room() gives it that, and returns whether to go on.
+struct PairSink {
+  std::uint32_t* next;
+  std::uint32_t* end;
+  bool (*make_room)(PairSink& pairs);
+};
+
+// The objects in blocks begin ... end - 1 of one world, with those of another
+// or of the same world.
+struct PairJoin {
+  Walk walk;  // in the other world: its levels, and masks of both
+  const BvhLevels* queries;
+  bool is_one_world;  // each pair is written once, and no object with itself
+  // Of one world a bit each slot, or null: only objects that have it, with all
+  // objects.
+  const std::uint64_t* set;
+  std::size_t begin;
+  std::size_t end;
+  PairSink* pairs;
+};
+
+struct BvhPairKernels {
+  void (*join)(const PairJoin& join);
+};
+
+// Specialised by each target's pass over the kernels of so many axes.
+template <std::int64_t kTarget, std::size_t kAxes>
+inline constexpr BvhKernels kBvhKernelsFor{};
+template <std::int64_t kTarget, std::size_t kAxes>
+inline constexpr BvhPairKernels kBvhPairKernelsFor{};
+
+}  // namespace halfspace::detail
+
+#endif  // HALFSPACE_KERNELS_BVH_BLOCK_H_

@@ -1,0 +1,202 @@
+#include "kernels/bvh/order.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+#include "kernels/bvh/block.h"
+#include "kernels/exact/default_fp_mode.h"
+
+namespace halfspace::kernels {
+namespace {
+
+using detail::Centers;
+using detail::kBlockObjects;
+using Kernels = detail::BvhKernels::OfPlanes;
+
+constexpr std::size_t kAxes = detail::kCenterAxes;
+
+// Objects that a thread takes at a time.
+constexpr std::size_t kPart = kBlockObjects * kBlockObjects;
+
+// Calls function(first, count, centers) for 64 objects at a time.
+template <typename Function>
+void ForCenters(const detail::FloatColumns& objects, const Kernels& kernels,
+                const detail::PartRunner& run, const Function& function) {
+  run((objects.size + kPart - 1) / kPart, [&](std::size_t part) {
+    const std::size_t end = std::min(objects.size, (part + 1) * kPart);
+    InDefaultFpMode([&] {
+      Centers centers;
+      for (std::size_t first = part * kPart; first < end;
+           first += kBlockObjects) {
+        const std::size_t count = std::min(kBlockObjects, end - first);
+        kernels.centers(objects, first, count, centers);
+        function(first, count, centers);
+      }
+    });
+  });
+}
+
+using Point = std::array<float, kAxes>;
+
+struct Extent {
+  Point least;
+  Point greatest;
+
+  Extent() {
+    least.fill(std::numeric_limits<float>::infinity());
+    greatest.fill(-std::numeric_limits<float>::infinity());
+  }
+  // Without what is placed last: one such object would leave all others a cell.
+  void Add(std::size_t axis, float center) {
+    least[axis] = std::min(least[axis], center);
+    greatest[axis] =
+        std::max(greatest[axis],
+                 center == detail::kLastCenter ? -detail::kLastCenter : center);
+  }
+  float Width(std::size_t k) const { return greatest[k] - least[k]; }
+};
+
+struct Entry {
+  Point center;
+  std::uint32_t id;
+};
+static_assert(sizeof(Entry) == kOrderScratch);
+
+struct Piece {
+  std::size_t begin;
+  std::size_t end;
+};
+
+// Puts the lower half of a piece before the upper one, and returns where that
+// begins, which is at a multiple of the largest full node.
+std::size_t Split(Entry* entries, const Piece& piece) {
+  const std::size_t count = piece.end - piece.begin;
+  std::size_t node = kBlockObjects;
+  while (node * kBlockObjects < count) node *= kBlockObjects;
+  const std::size_t middle = (count + node - 1) / node / 2 * node;
+  Entry* const first = entries + piece.begin;
+  Extent extent;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t k = 0; k < kAxes; ++k) extent.Add(k, first[i].center[k]);
+  }
+  std::size_t widest = 0;
+  for (std::size_t k = 1; k < kAxes; ++k) {
+    if (extent.Width(k) > extent.Width(widest)) widest = k;
+  }
+  std::nth_element(first, first + middle, first + count,
+                   [widest](const Entry& a, const Entry& b) {
+                     return a.center[widest] < b.center[widest];
+                   });
+  return piece.begin + middle;
+}
+
+void SortByMedians(Entry* entries, Piece piece) {
+  while (piece.end - piece.begin > kBlockObjects) {
+    const std::size_t middle = Split(entries, piece);
+    SortByMedians(entries, {piece.begin, middle});
+    piece.begin = middle;
+  }
+}
+
+struct Key {
+  std::uint32_t place;
+  std::uint32_t id;
+};
+static_assert(2 * sizeof(Key) == kOrderScratch);
+
+}  // namespace
+
+void OrderByMedians(const detail::FloatColumns& objects, const Kernels& kernels,
+                    std::byte* scratch, std::uint32_t* ids,
+                    const detail::PartRunner& run) {
+  auto* const entries = reinterpret_cast<Entry*>(scratch);
+  ForCenters(objects, kernels, run,
+             [&](std::size_t first, std::size_t count, const Centers& centers) {
+               for (std::size_t i = 0; i < count; ++i) {
+                 entries[first + i] = {
+                     {centers[0][i], centers[1][i], centers[2][i]},
+                     static_cast<std::uint32_t>(first + i)};
+               }
+             });
+  // Pieces are split until there are enough of them for all threads.
+  constexpr std::size_t kPieces = 64;
+  std::array<Piece, kPieces> pieces;
+  std::size_t count = 1;
+  pieces[0] = {0, objects.size};
+  while (2 * count <= kPieces && objects.size / count > kPart) {
+    std::array<Piece, kPieces> halves;
+    run(count, [&](std::size_t i) {
+      InDefaultFpMode([&] {
+        const std::size_t middle = Split(entries, pieces[i]);
+        halves[2 * i] = {pieces[i].begin, middle};
+        halves[2 * i + 1] = {middle, pieces[i].end};
+      });
+    });
+    pieces = halves;
+    count *= 2;
+  }
+  run(count, [&](std::size_t i) {
+    InDefaultFpMode([&] { SortByMedians(entries, pieces[i]); });
+  });
+  for (std::size_t i = 0; i < objects.size; ++i) ids[i] = entries[i].id;
+}
+
+void OrderByCurve(const detail::FloatColumns& objects, const Kernels& kernels,
+                  std::byte* scratch, std::uint32_t* ids,
+                  const detail::PartRunner& run) {
+  detail::InTurn in_turn;
+  Extent extent;
+  ForCenters(objects, kernels, detail::RunnerOf(in_turn),
+             [&](std::size_t, std::size_t count, const Centers& centers) {
+               for (std::size_t k = 0; k < kAxes; ++k) {
+                 for (std::size_t i = 0; i < count; ++i) {
+                   extent.Add(k, centers[k][i]);
+                 }
+               }
+             });
+  detail::Grid grid;
+  InDefaultFpMode([&] {
+    constexpr float kMost = std::numeric_limits<float>::max() / 0x1p15f;
+    for (std::size_t k = 0; k < kAxes; ++k) {
+      const float width = extent.Width(k);
+      grid.least[k] = extent.least[k];
+      grid.cells_of_unit[k] = width > 0 && 1 / width <= kMost ? 1 / width : 0;
+    }
+  });
+  auto* from = reinterpret_cast<Key*>(scratch);
+  auto* to = from + objects.size;
+  // A radix sort, the lowest digit first.
+  constexpr std::size_t kDigits = 3;
+  constexpr std::uint32_t kDigitBits = detail::kPlaceBits / kDigits;
+  std::array<std::array<std::uint32_t, 1u << kDigitBits>, kDigits> starts{};
+  const auto digit_of = [](const Key& key, std::size_t digit) {
+    return key.place >> digit * kDigitBits & ((1u << kDigitBits) - 1);
+  };
+  ForCenters(
+      objects, kernels, run,
+      [&](std::size_t first, std::size_t count, const Centers& centers) {
+        std::array<std::uint32_t, kBlockObjects> places;
+        kernels.places(centers, grid, places.data());
+        for (std::size_t i = 0; i < count; ++i) {
+          from[first + i] = {places[i], static_cast<std::uint32_t>(first + i)};
+        }
+      });
+  for (std::size_t i = 0; i < objects.size; ++i) {
+    for (std::size_t d = 0; d < kDigits; ++d) ++starts[d][digit_of(from[i], d)];
+  }
+  for (std::size_t d = 0; d < kDigits; ++d) {
+    std::uint32_t start = 0;
+    for (std::uint32_t& bucket : starts[d]) {
+      start += std::exchange(bucket, start);
+    }
+    for (std::size_t i = 0; i < objects.size; ++i) {
+      to[starts[d][digit_of(from[i], d)]++] = from[i];
+    }
+    std::swap(from, to);
+  }
+  for (std::size_t i = 0; i < objects.size; ++i) ids[i] = from[i].id;
+}
+
+}  // namespace halfspace::kernels

@@ -1,0 +1,32 @@
+// The order of the objects of a BVH, which is its hierarchy: 64^k
+// objects from a multiple of 64^k on are a node of level k.
+#ifndef HALFSPACE_KERNELS_BVH_ORDER_H_
+#define HALFSPACE_KERNELS_BVH_ORDER_H_
+
+#include <cstddef>
+#include <cstdint>
+
+#include "kernels/bvh/block.h"
+
+namespace halfspace::kernels {
+
+// Bytes of scratch memory for each object, aligned to 16.
+inline constexpr std::size_t kOrderScratch = 16;
+
+// By medians of the axis on which the centers are spread widest, each rounded
+// to a multiple of the largest full node, until 64 objects are left. ids[p]
+// becomes the object at position p.
+void OrderByMedians(const detail::FloatColumns& objects,
+                    const detail::BvhKernels::OfPlanes& kernels,
+                    std::byte* scratch, std::uint32_t* ids,
+                    const detail::PartRunner& run);
+
+// Along Hilbert's curve through 2^30 cells, in linear time.
+void OrderByCurve(const detail::FloatColumns& objects,
+                  const detail::BvhKernels::OfPlanes& kernels,
+                  std::byte* scratch, std::uint32_t* ids,
+                  const detail::PartRunner& run);
+
+}  // namespace halfspace::kernels
+
+#endif  // HALFSPACE_KERNELS_BVH_ORDER_H_

@@ -1,0 +1,250 @@
+// Bvh worlds of any floats, after any changes, against scans of a list of
+// their objects; and altered blobs, of which calls may read nothing else.
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <optional>
+#include <ostream>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "halfspace/bvh.h"
+#include "halfspace/bvh_nearest.h"
+#include "halfspace/bvh_pairs.h"
+#include "halfspace/bvh_shapes.h"
+#include "halfspace/reject.h"
+#include "tests/fuzz/bytes.h"
+#include "tests/fuzz/print.h"
+#include "tests/fuzz/run_input.h"
+#include "tests/library/support/cases.h"
+#include "tests/library/support/environment.h"
+
+namespace halfspace::testing {
+namespace {
+
+template <typename View>
+class BvhHistory {
+ public:
+  explicit BvhHistory(Bytes& bytes)
+      : size_(bytes.Below(700)), is_blob_(bytes.Below(8) == 0) {
+    for (auto& palette : palettes_) bytes.Fill(palette);
+    for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+      OpposingValue<View>(query_, p) = bytes.Float();
+    }
+    rest_.assign(bytes.Rest().begin(), bytes.Rest().end());
+  }
+
+  ::testing::AssertionResult Check() const {
+    Bytes bytes(rest_.data(), rest_.size());
+    std::vector<Bound> bounds;
+    for (std::size_t i = 0; i < size_; ++i) bounds.push_back(Next(bytes));
+    Bvh<View> world(bounds, bytes.Below(2) == 0 ? BuildQuality::kHigh
+                                                : BuildQuality::kFast);
+    if (is_blob_) {
+      // With empty places and free ids, or without.
+      for (std::size_t i = bytes.Below(4) * bytes.Below(100); i-- > 0;) {
+        const auto id = static_cast<std::uint32_t>(bytes.Below(700));
+        if (world.Has(id)) {
+          world.Erase(id);
+        } else {
+          world.Insert(Next(bytes));
+        }
+      }
+      return CheckBlob(world, bytes);
+    }
+    std::vector<std::optional<Bound>> model(bounds.begin(), bounds.end());
+    for (int step = 0; step < 4; ++step) {
+      for (std::size_t i = bytes.Below(100); i-- > 0;) {
+        Change(bytes, world, model);
+      }
+      if (bytes.Below(4) == 0) world.RebuildPartial(bytes.Below(700));
+      if (bytes.Below(8) == 0) world.Rebuild(BuildQuality::kFast);
+      const auto result = CheckAnswers(world, model);
+      if (!result) return result;
+    }
+    return ::testing::AssertionSuccess();
+  }
+
+  friend std::ostream& operator<<(std::ostream& out,
+                                  const BvhHistory& history) {
+    out << kPlanes<View> << " planes, " << history.size_ << " objects\n";
+    auto query = history.query_;
+    for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+      out << "plane " << p << ": query "
+          << Print(std::array{OpposingValue<View>(query, p)}) << ", of "
+          << Print(history.palettes_[p]) << '\n';
+    }
+    return out;
+  }
+
+ private:
+  using Bound = typename View::Bound;
+
+  // A value of each palette; all ends at once are a bound of few bytes.
+  Bound Next(Bytes& bytes) const {
+    Bound bound{};
+    std::uint32_t choice = bytes.Byte();
+    for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+      if (p == 4) choice = bytes.Byte();
+      StoredValue<View>(bound, p) = palettes_[p][choice & 3];
+      choice >>= 2;
+    }
+    return bound;
+  }
+
+  void Change(Bytes& bytes, Bvh<View>& world,
+              std::vector<std::optional<Bound>>& model) const {
+    const std::size_t what = bytes.Below(4);
+    const std::size_t at =
+        model.empty() ? 0 : bytes.Below(1 << 16) % model.size();
+    if (what == 0 || model.empty() || !model[at]) {
+      const Bound bound = Next(bytes);
+      const std::uint32_t id = world.Insert(bound);
+      if (id >= model.size()) model.resize(id + 1u);
+      model[id] = bound;
+    } else if (what == 1) {
+      world.Erase(static_cast<std::uint32_t>(at));
+      model[at].reset();
+    } else {
+      model[at] = Next(bytes);
+      world.Set(static_cast<std::uint32_t>(at), *model[at]);
+    }
+  }
+
+  ::testing::AssertionResult CheckAnswers(
+      const Bvh<View>& world,
+      const std::vector<std::optional<Bound>>& model) const {
+    World<View> flat;
+    std::vector<std::uint32_t> ids;
+    for (std::size_t id = 0; id < model.size(); ++id) {
+      if (!model[id]) continue;
+      flat.Push(*model[id]);
+      ids.push_back(static_cast<std::uint32_t>(id));
+    }
+    for (const auto& query : {query_, View::Query::Everything()}) {
+      std::vector<bool> expected(model.size());
+      std::vector<std::uint32_t> kept(flat.size());
+      const std::size_t count = Survivors(flat, query, kept);
+      for (std::size_t i = 0; i < count; ++i) expected[ids[kept[i]]] = true;
+      for (Target target : TargetsUnderTest()) {
+        std::vector<std::uint32_t> found(world.size());
+        std::vector<bool> marked(model.size());
+        const std::size_t survivors =
+            Survivors(world, query, found, {.target = target});
+        if (survivors == count) {
+          for (std::size_t i = 0; i < count; ++i) marked.at(found[i]) = true;
+        }
+        if (marked != expected ||
+            CountSurvivors(world, query, {.target = target}) != count) {
+          return ::testing::AssertionFailure()
+                 << target.name() << ": " << survivors << " of " << count;
+        }
+      }
+    }
+    return ::testing::AssertionSuccess();
+  }
+
+  // Nothing to compare: a sanitizer sees what is read.
+  ::testing::AssertionResult CheckBlob(const Bvh<View>& world,
+                                       Bytes& bytes) const {
+    const auto blob = world.Blob();
+    const std::unique_ptr<std::byte, Free> memory(static_cast<std::byte*>(
+        ::operator new (blob.size() + 1, std::align_val_t{64})));
+    const std::span<std::byte> altered(memory.get(), blob.size());
+    std::copy(blob.begin(), blob.end(), altered.begin());
+    for (std::size_t i = bytes.Below(20); i-- > 0 && !altered.empty();) {
+      const std::size_t at =
+          bytes.Below(2) == 0 ? bytes.Below(64) : bytes.Below(1 << 16);
+      altered[at % altered.size()] = static_cast<std::byte>(bytes.Byte());
+    }
+    try {
+      auto loaded = bytes.Below(2) == 0 ? Bvh<View>::InPlace(altered)
+                                        : Bvh<View>::FromBlob(altered);
+      Query(loaded, bytes);
+      for (std::size_t i = bytes.Below(200); i-- > 0;) {
+        try {
+          ChangeAltered(loaded, bytes);
+        } catch (const std::invalid_argument&) {
+          // Refused.
+        }
+        if (bytes.Below(8) == 0) Query(loaded, bytes);
+      }
+    } catch (const std::invalid_argument&) {
+      // Refused.
+    }
+    return ::testing::AssertionSuccess();
+  }
+
+  void Query(const Bvh<View>& world, Bytes& bytes) const {
+    constexpr int kDims = Bound::kDimensions;
+    std::vector<std::uint32_t> ids(bytes.Below(100));
+    for (Target target : TargetsUnderTest()) {
+      (void)Survivors(world, query_, ids, {.target = target});
+      (void)CountSurvivors(world, View::Query::Everything(),
+                           {.mask = 5, .target = target});
+      (void)CountSurvivors(world, Segment<kDims>{{}, {}}, {.target = target});
+      (void)KNearest(world, Point<kDims>{}, ids, {}, 1e9f, {.target = target});
+      if constexpr (HasMaxima<View>) {
+        (void)Pairs(world, {}, {.target = target});
+        (void)PairsOf(world, Span<const std::uint32_t>(), {});
+      }
+    }
+    (void)world.CostRatio();
+    (void)world.Verify();
+    (void)world.Blob();
+  }
+
+  void ChangeAltered(Bvh<View>& world, Bytes& bytes) const {
+    const auto id = static_cast<std::uint32_t>(bytes.Below(700));
+    switch (bytes.Below(10)) {
+      case 0:
+        return world.Erase(id);
+      case 1:
+        return world.Set(id, Next(bytes));
+      case 2:
+        return world.SetMasks(id, 1);
+      case 3:
+        return world.SetMasks(std::vector<std::uint32_t>(300, 5));
+      case 4:
+        world.RebuildPartial(bytes.Below(9000));
+        return;
+      case 5:
+        return world.Rebuild();
+      case 6:
+        return world.Refit(std::vector<Bound>(1500, Next(bytes)));
+      case 7:
+        return world.RefitInOrder(
+            std::vector<Bound>(world.ids().size(), Next(bytes)));
+      default:
+        world.Insert(Next(bytes));
+    }
+  }
+
+  struct Free {
+    void operator()(std::byte* memory) const {
+      ::operator delete (memory, std::align_val_t{64});
+    }
+  };
+
+  std::size_t size_;
+  bool is_blob_;
+  std::array<std::array<float, 4>, kPlanes<View>> palettes_;
+  typename View::Query query_;
+  std::vector<std::uint8_t> rest_;
+};
+
+}  // namespace
+
+void RunInput(Bytes& bytes) {
+  using Histories =
+      ::testing::Types<BvhHistory<SimplexView2>, BvhHistory<SimplexView3>,
+                       BvhHistory<AabbView2>, BvhHistory<AabbView3>,
+                       BvhHistory<AaboView2>, BvhHistory<AaboView3>>;
+  RunOneOf(Histories(), bytes);
+}
+
+}  // namespace halfspace::testing

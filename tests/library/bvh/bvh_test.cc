@@ -1,0 +1,521 @@
+// The ids that a BVH finds are the indices that a scan of the same
+// bounds finds, as sets: of every kind of bounds, order, target and output.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cfenv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <random>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "halfspace/halfspace.h"
+#include "kernels/bvh/block.h"
+#include "tests/library/bvh/spread.h"
+#include "tests/library/support/canaries.h"
+#include "tests/library/support/cases.h"
+#include "tests/library/support/counting_memory.h"
+#include "tests/library/support/environment.h"
+#include "tests/library/support/expect_invalid.h"
+#include "tests/library/support/fp_modes.h"
+#include "tests/library/support/inputs.h"
+#include "tests/library/support/misaligned.h"
+
+namespace halfspace::testing {
+namespace {
+
+constexpr std::array kOrders = {BuildQuality::kHigh, BuildQuality::kFast};
+
+template <typename View>
+Ids Expected(const View& view, const typename View::Query& query) {
+  Ids ids(view.size);
+  ids.resize(Survivors(view, query, ids));
+  return ids;
+}
+
+// Every output, for each query by itself and for all in one call.
+template <typename View>
+void ExpectSame(const Bvh<View>& bvh, const View& view,
+                std::span<const typename View::Query> queries, Target target) {
+  ASSERT_EQ(bvh.size(), view.size);
+  Canaried<std::uint32_t> canaried;
+  Ids all;
+  for (const auto& query : queries) {
+    const Ids expected = Expected(view, query);
+    all.insert(all.end(), expected.begin(), expected.end());
+    const auto ids = canaried.Reset(view.size);
+    ASSERT_EQ(Survivors(bvh, query, ids, {.target = target}), expected.size());
+    ASSERT_EQ(Bvh(ids.first(expected.size())), expected);
+    EXPECT_TRUE(canaried.IntactBut(view.size));
+    EXPECT_EQ(CountSurvivors(bvh, query, {.target = target}), expected.size());
+    const auto any = AnySurvivor(bvh, query, {.target = target});
+    ASSERT_EQ(any.has_value(), !expected.empty());
+    if (any) {
+      EXPECT_TRUE(std::binary_search(expected.begin(), expected.end(), *any));
+    }
+    Ids visited;
+    ForEachSurvivor(bvh, query,
+                    [&](Span<const std::uint32_t> some) {
+                      visited.insert(visited.end(), some.begin(), some.end());
+                    },
+                    {.target = target});
+    EXPECT_EQ(Bvh(visited), expected);
+  }
+  std::vector<std::size_t> offsets(queries.size() + 1);
+  const auto ids = canaried.Reset(all.size());
+  ASSERT_EQ(SurvivorsOfEach(bvh, queries, ids, offsets, {.target = target}),
+            all.size());
+  EXPECT_TRUE(canaried.IntactBut(all.size()));
+  for (std::size_t q = 0; q < queries.size(); ++q) {
+    std::sort(ids.begin() + static_cast<std::ptrdiff_t>(offsets[q]),
+              ids.begin() + static_cast<std::ptrdiff_t>(offsets[q + 1]));
+  }
+  EXPECT_TRUE(std::equal(ids.begin(), ids.end(), all.begin()));
+}
+
+template <typename View>
+void ExpectSameEverywhere(const View& view,
+                          std::span<const typename View::Query> queries) {
+  for (BuildQuality quality : kOrders) {
+    const Bvh<View> bvh(view, quality);
+    for (Target target : TargetsUnderTest()) {
+      ExpectSame<View>(bvh, view, queries, target);
+      if (::testing::Test::HasFatalFailure()) {
+        FAIL() << view.size << " objects, quality " << static_cast<int>(quality)
+               << ", " << target.name();
+      }
+    }
+  }
+}
+
+template <typename Case>
+class BvhTest : public ::testing::Test {};
+TYPED_TEST_SUITE(BvhTest, BvhCases, CaseNames);
+
+TYPED_TEST(BvhTest, FindsWhatAScanFinds) {
+  using View = typename TypeParam::View;
+  std::vector<std::size_t> sizes = {0,   1,   2,    63,   64,   65,  127,
+                                    128, 129, 4032, 4095, 4096, 4097};
+  Random random(7);
+  for (std::size_t i = 0; i < Scaled(20); ++i) sizes.push_back(random() % 9000);
+  for (std::size_t size : sizes) {
+    Spread<View> spread(4.0f, size);
+    const World<View> world = spread.Objects(size);
+    // More than walk together.
+    const auto queries = spread.Queries(70);
+    ExpectSameEverywhere<View>(world.view(), queries);
+    if (this->HasFatalFailure()) return;
+  }
+}
+
+// Three levels above the objects, and queries of all sizes.
+TYPED_TEST(BvhTest, FindsWhatAScanFindsAmongMany) {
+  using View = typename TypeParam::View;
+  const World<View> world =
+      Spread<View>(0.2f).Objects(64 * 4096 + Scaled(40'000));
+  std::vector<typename View::Query> queries;
+  for (float radius : {0.0f, 0.5f, 5.0f, 40.0f}) {
+    queries.push_back(Spread<View>(radius, 2).NextQuery());
+  }
+  ExpectSameEverywhere<View>(world.view(), queries);
+}
+
+// Planes apart from each other and from any geometry: values that touch, one
+// ulp apart, special, inverted.
+TYPED_TEST(BvhTest, FindsWhatAScanFindsAmongSpecialValues) {
+  using View = typename TypeParam::View;
+  Random random(3);
+  for (std::size_t round = 0; round < Scaled(60); ++round) {
+    for (InputKind kind : kInputKinds) {
+      const Input<View> input = MakeInput<View>(kind, 700, random);
+      View view = ViewAt(input, 0, 1 + random() % 690, 8);
+      std::vector<typename View::Query> queries(3, input.query);
+      queries.push_back(MakeInput<View>(kind, 0, random).query);
+      // Around all that is finite, and all that is not huge: whose nodes are
+      // counted without a visit.
+      queries.push_back(View::Query::Everything());
+      for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+        OpposingValue<View>(queries.back(), p) =
+            IsMinPlane<View>(p) ? 300.0f : -300.0f;
+      }
+      queries.push_back(View::Query::Everything());
+      for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+        queries.push_back(input.query);
+        OpposingValue<View>(queries.back(), p) = SpecialValue<float>(random);
+      }
+      ExpectSameEverywhere<View>(view, queries);
+      if (this->HasFatalFailure()) {
+        FAIL() << NameOf(kind) << ", round " << round;
+      }
+    }
+  }
+}
+
+// Worlds without an order, and with one only on some axes.
+TYPED_TEST(BvhTest, FindsWhatAScanFindsInDegenerateWorlds) {
+  using View = typename TypeParam::View;
+  using Bound = typename View::Bound;
+  using Query = typename View::Query;
+  Spread<View> spread(3.0f);
+  const Bound one = spread.NextObject();
+  const std::vector<std::function<Bound(std::size_t)>> worlds = {
+      [&](std::size_t) { return one; },
+      [](std::size_t) { return Bound::Everything(); },
+      [](std::size_t) { return Bound::Empty(); },
+      [&](std::size_t i) { return i % 3 == 0 ? Bound::Empty() : one; },
+      [&](std::size_t i) {
+        return i % 50 == 0 ? Bound::Everything() : spread.NextObject();
+      },
+      [&](std::size_t i) {  // on a line
+        Bound bound = one;
+        for (std::size_t k = 0; k < Bound::kAxes; ++k) {
+          StoredValue<View>(bound, k) = k == 0 ? static_cast<float>(i) : 1.0f;
+        }
+        return bound;
+      },
+      [&](std::size_t i) {  // a lattice, where all faces coincide
+        Bound bound = one;
+        for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+          const std::size_t k = p % Bound::kAxes;
+          StoredValue<View>(bound, p) = static_cast<float>((i >> 4 * k) % 16) +
+                                        (IsMinPlane<View>(p) ? 0.0f : 1.0f);
+        }
+        return bound;
+      },
+  };
+  for (std::size_t w = 0; w < worlds.size(); ++w) {
+    World<View> world;
+    for (std::size_t i = 0; i < 4500; ++i) world.Push(worlds[w](i));
+    std::vector<Query> queries = spread.Queries(20);
+    queries.push_back(Query::Everything());
+    queries.push_back(Query::Empty());
+    Random random(w);
+    for (std::size_t q = 0; q < 20; ++q) {
+      Query query = queries[q];
+      for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+        OpposingValue<View>(query, p) = static_cast<float>(random() % 16) +
+                                        (IsMinPlane<View>(p) ? 1.0f : 0.0f);
+      }
+      queries.push_back(query);
+    }
+    ExpectSameEverywhere<View>(world.view(), queries);
+    if (this->HasFatalFailure()) FAIL() << "world " << w;
+  }
+}
+
+// One block whose values are at every place of their scale, and queries at each
+// of them and one ulp to both sides: a code that decides too much is found. In
+// every rounding mode, and with subnormals flushed.
+TYPED_TEST(BvhTest, CodesDecideOnlyWhatTheyProve) {
+  using View = typename TypeParam::View;
+  using Bound = typename View::Bound;
+  using Query = typename View::Query;
+  const float inf = std::numeric_limits<float>::infinity();
+  // With 252.5 the values are at the ends of codes, where rounding tells.
+  struct Scale {
+    float base;
+    float step;
+    float last = 63.0f;
+  };
+  constexpr std::array<Scale, 12> kScales = {{{0.0f, 1.0f},
+                                              {1.0f, 0x1p-23f},
+                                              {1.0f, 0.1f},
+                                              {-100.0f, 3.1f},
+                                              {0.0f, 0x1p-149f},
+                                              {0x1p-126f, 0x1p-149f},
+                                              {-0x1p127f, 0x1.f8p121f},
+                                              {1.0f, 0.0f},
+                                              {0x1p99f, 0x1p94f},
+                                              {0.0f, 3.1f, 252.5f},
+                                              {0.3f, 0.7f, 252.5f},
+                                              {-40.0f, 0.9f, 252.5f}}};
+  for (const Scale& scale : kScales) {
+    World<View> world;
+    std::vector<float> values;
+    for (std::size_t i = 0; i < 64; ++i) {
+      values.push_back(scale.base +
+                       (i < 63 ? static_cast<float>(i) : scale.last) *
+                           scale.step);
+    }
+    for (std::size_t i = 0; i < 64; ++i) {
+      Bound bound{};
+      for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+        StoredValue<View>(bound, p) = values[(i * 37 + p) % 64];
+      }
+      world.Push(bound);
+    }
+    std::vector<Query> queries;
+    for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+      for (float value : values) {
+        for (float at :
+             {value, std::nextafter(value, inf), std::nextafter(value, -inf)}) {
+          Query query{};
+          for (std::size_t other = 0; other < kPlanes<View>; ++other) {
+            OpposingValue<View>(query, other) =
+                IsMinPlane<View>(other) ? inf : -inf;
+          }
+          OpposingValue<View>(query, p) = at;
+          queries.push_back(query);
+        }
+      }
+    }
+    const View view = world.view();
+    for (int build_mode : {FE_TONEAREST, FE_UPWARD, FE_DOWNWARD}) {
+      std::fesetround(build_mode);
+      const Bvh<View> bvh(view);
+      for (int mode : {FE_TONEAREST, FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
+        std::fesetround(mode);
+        for (Target target : TargetsUnderTest()) {
+          for (const Query& query : queries) {
+            const std::size_t kept =
+                CountSurvivors(bvh, query, {.target = target});
+            const std::size_t expected = CountSurvivors(view, query);
+            if (kept != expected) {
+              std::fesetround(FE_TONEAREST);
+              FAIL() << kept << " of " << expected << ", from " << scale.base
+                     << " by " << scale.step << ", " << target.name();
+            }
+          }
+        }
+      }
+      std::fesetround(FE_TONEAREST);
+    }
+    const Bvh<View> bvh(view);
+    for (Target target : TargetsUnderTest()) {
+      for (const Query& query : queries) {
+        const FlushDenormals flush;
+        ASSERT_EQ(CountSurvivors(bvh, query, {.target = target}),
+                  CountSurvivors(view, query, {.target = target}));
+      }
+    }
+  }
+}
+
+TYPED_TEST(BvhTest, IsTheSameWhicheverTargetBuildsIt) {
+  using View = typename TypeParam::View;
+  World<View> world = Spread<View>(3.0f).Objects(5000);
+  // Blocks without a finite value.
+  for (int i = 0; i < 200; ++i) world.Push(View::Bound::Empty());
+  const auto built = [&](Target target) {
+    detail::BvhTree tree(detail::BvhShapeOf<View>(), MemoryResource());
+    detail::InTurn in_turn;
+    tree.Build(detail::ColumnsOf(world.view()), BuildQuality::kHigh, target,
+               detail::RunnerOf(in_turn));
+    return tree;
+  };
+  const std::vector<Target> targets = TargetsUnderTest();
+  const detail::BvhTree first = built(targets[0]);
+  for (Target target : targets) {
+    const detail::BvhTree other = built(target);
+    for (std::size_t l = 0; l < first.levels().count; ++l) {
+      const detail::BvhLevel& a = first.levels().level[l];
+      const detail::BvhLevel& b = other.levels().level[l];
+      ASSERT_EQ(a.size, b.size);
+      const auto bytes = (a.size + 63) / 64 * detail::BlockBytes(kPlanes<View>);
+      EXPECT_TRUE(std::equal(a.blocks, a.blocks + bytes, b.blocks))
+          << "level " << l << ", " << target.name();
+      for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+        EXPECT_TRUE(std::equal(a.planes[p], a.planes[p] + a.size, b.planes[p]));
+      }
+    }
+  }
+}
+
+TYPED_TEST(BvhTest, FillsAShortSpanAndCountsAll) {
+  using View = typename TypeParam::View;
+  Spread<View> spread(20.0f);
+  const World<View> world = spread.Objects(3000);
+  const Bvh<View> bvh(world.view());
+  const auto queries = spread.Queries(5);
+  Canaried<std::uint32_t> canaried;
+  for (Target target : TargetsUnderTest()) {
+    for (const auto& query : queries) {
+      const Ids expected = Expected(world.view(), query);
+      for (std::size_t room :
+           {std::size_t{0}, std::size_t{1}, std::size_t{63}, std::size_t{200},
+            expected.size() / 2, expected.size()}) {
+        if (room > expected.size()) continue;
+        const auto ids = canaried.Reset(room);
+        ASSERT_EQ(Survivors(bvh, query, ids, {.target = target}),
+                  expected.size());
+        EXPECT_TRUE(canaried.IntactBut(room));
+        const Ids written = Bvh(ids);
+        EXPECT_TRUE(std::includes(expected.begin(), expected.end(),
+                                  written.begin(), written.end()));
+        EXPECT_EQ(std::adjacent_find(written.begin(), written.end()),
+                  written.end());
+      }
+    }
+  }
+}
+
+TYPED_TEST(BvhTest, StopsWhenTheFunctionSaysSo) {
+  using View = typename TypeParam::View;
+  Spread<View> spread(40.0f);
+  const World<View> world = spread.Objects(5000);
+  const Bvh<View> bvh(world.view());
+  for (Target target : TargetsUnderTest()) {
+    std::size_t calls = 0;
+    ForEachSurvivor(bvh, View::Query::Everything(),
+                    [&](Span<const std::uint32_t> ids) {
+                      EXPECT_GT(ids.size(), 0u);
+                      return ++calls < 3;
+                    },
+                    {.target = target});
+    EXPECT_EQ(calls, 3u);
+  }
+}
+
+// The bytes beyond the planes of floats that a BVH of boxes may have,
+// ids and permutation included.
+TEST(BvhMemoryTest, IsAtMostSixTenthsOfTheFloats) {
+  const AabbWorld3 world = Spread<AabbView3>(1.0f).Objects(200'000);
+  CountingMemory memory;
+  std::size_t bytes = 0;
+  {
+    const Bvh<AabbView3> bvh(world.view(), BuildQuality::kHigh,
+                             memory.resource());
+    bytes = bvh.bytes();
+    EXPECT_EQ(memory.blocks, 1u);
+  }
+  const double floats = 24.0 * 200'000;
+  EXPECT_LE(static_cast<double>(bytes), 1.6 * floats);
+}
+
+TEST(BvhMemoryTest, CopiesMovesAndSwaps) {
+  Spread<AabbView3> spread(4.0f);
+  const AabbWorld3 world = spread.Objects(1000);
+  const auto queries = spread.Queries(10);
+  const Target target = ChosenTarget();
+  Bvh<AabbView3> first(world.view());
+  const Bvh<AabbView3> copy(first);
+  ExpectSame<AabbView3>(copy, world.view(), queries, target);
+  Bvh<AabbView3> second;
+  EXPECT_TRUE(second.empty());
+  EXPECT_EQ(CountSurvivors(second, queries[0]), 0u);
+  swap(first, second);
+  EXPECT_TRUE(first.empty());
+  ExpectSame<AabbView3>(second, world.view(), queries, target);
+  first = std::move(second);
+  ExpectSame<AabbView3>(first, world.view(), queries, target);
+  second = first;
+  ExpectSame<AabbView3>(second, world.view(), queries, target);
+}
+
+// Offsets are those of all ids, of which the first are written.
+TEST(BvhManyTest, FillsAShortSpan) {
+  Spread<AabbView3> spread(20.0f);
+  const AabbBvh3 bvh(spread.Objects(3000));
+  const std::vector<Aabb3> queries = spread.Queries(70);
+  std::vector<std::size_t> offsets(71);
+  Ids all(70 * 3000);
+  all.resize(SurvivorsOfEach(bvh, queries, all, offsets));
+  Canaried<std::uint32_t> canaried;
+  std::vector<std::size_t> same(71);
+  for (std::size_t room : {std::size_t{0}, std::size_t{100}, all.size() - 1}) {
+    const auto ids = canaried.Reset(room);
+    EXPECT_EQ(SurvivorsOfEach(bvh, queries, ids, same), all.size());
+    EXPECT_TRUE(canaried.IntactBut(room));
+    EXPECT_EQ(same, offsets);
+    EXPECT_TRUE(std::equal(ids.begin(), ids.end(), all.begin()));
+  }
+  EXPECT_EQ(SurvivorsOfEach(bvh, Span<const Aabb3>(), all, same), 0u);
+  EXPECT_EQ(same[0], 0u);
+  EXPECT_EQ(SurvivorsOfEach(AabbBvh3(), queries, all, same), 0u);
+  EXPECT_EQ(same, std::vector<std::size_t>(71));
+}
+
+// Planes of one value, no numbers, and all that there is.
+TEST(BvhFpModesTest, MakingAndChangingAWorldNeverTrap) {
+  AabbWorld3 world;
+  for (int i = 0; i < 200; ++i) {
+    const auto x = static_cast<float>(i);
+    world.Push({{x, 0.0f, 1e-40f}, {x + 1.0f, 0.0f, 3e38f}});
+  }
+  world.Push(Aabb3::Empty());
+  world.Push(Aabb3::Everything());
+  for (BuildQuality quality : kOrders) {
+    const TrapExceptions traps;
+    AabbBvh3 bvh(world, quality);
+    EXPECT_TRUE(traps.IsUntouched());
+    // And changing it neither, to the next sorts of the newest and of all.
+    for (std::uint32_t i = 0; i < 700; ++i) {
+      bvh.Insert(world.Get(i % world.size()));
+      bvh.Set(i % 100, world.Get((i + 1) % world.size()));
+      if (i % 4 == 0 && bvh.Has(100 + i)) bvh.Erase(100 + i);
+    }
+    bvh.RebuildPartial(4096);
+    bvh.Refit(std::vector<Aabb3>(1000, world.Get(7)));
+    bvh.SetMasks(Ids(1000, 3));
+    for (std::uint32_t id = 0; id < 800; ++id) {
+      if (bvh.Has(id)) bvh.Erase(id);
+    }
+    (void)bvh.CostRatio();
+    bvh.Rebuild(quality);
+    EXPECT_TRUE(traps.IsUntouched());
+  }
+}
+
+TEST(BvhErrorsTest, RefusesAListThatItCannotRead) {
+  using List = Span<const Aabb3>;
+  const std::vector<Aabb3> bounds(3, Aabb3::Everything());
+  AabbBvh3 bvh((List(bounds)));
+  bvh.SetMasks(Ids{1, 2, 4});
+  const auto refused = [](std::string_view call, std::string_view argument,
+                          const auto& made) {
+    EXPECT_TRUE(Refuses([&] { made(false); },
+                        {call, argument, "expected memory for 3 elements",
+                         "got a null pointer"}));
+    EXPECT_TRUE(Refuses([&] { made(true); },
+                        {call, argument, "expected a pointer aligned to 4",
+                         "got a misaligned one"}));
+  };
+  const Aabb3* const none = nullptr;
+  const auto list = [&](bool is_misaligned) {
+    return List(is_misaligned ? Misaligned(bounds.data()) : none, 3);
+  };
+  refused("Bvh: ", "bounds: ", [&](bool is_misaligned) {
+    AabbBvh3 bad(list(is_misaligned));
+  });
+  refused("Bvh::Refit: ", "bounds: ", [&](bool is_misaligned) {
+    bvh.Refit(list(is_misaligned));
+  });
+  const Ids masks(4);
+  const std::uint32_t* const no_masks = nullptr;
+  refused("Bvh::SetMasks: ", "masks: ", [&](bool is_misaligned) {
+    bvh.SetMasks({is_misaligned ? Misaligned(masks.data()) : no_masks, 3});
+  });
+  EXPECT_EQ(CountSurvivors(bvh, Aabb3::Everything(), {.mask = 2}), 1u);
+  EXPECT_TRUE(AabbBvh3(List(none, 0)).empty());
+  bvh.SetMasks({no_masks, 0});
+  EXPECT_EQ(CountSurvivors(bvh, Aabb3::Everything(), {.mask = 2}), 0u);
+}
+
+TEST(BvhErrorsTest, RefusesWhatItCannotRead) {
+  const AabbWorld3 world = Spread<AabbView3>(4.0f).Objects(100);
+  const Bvh<AabbView3> bvh(world.view());
+  Ids ids(100);
+  std::vector<std::size_t> offsets(3);
+  const std::vector<Aabb3> queries(3, Aabb3::Everything());
+  EXPECT_TRUE(Refuses(
+      [&] {
+        (void)SurvivorsOfEach(bvh, std::span<const Aabb3>(queries), ids,
+                              offsets);
+      },
+      {"SurvivorsOfEach", "offsets", "4", "3"}));
+  AabbView3 view = world.view();
+  view.max[1] = nullptr;
+  EXPECT_TRUE(Refuses([&] { Bvh<AabbView3> bad(view); },
+                      {"Bvh", "world.max[1]", "null"}));
+}
+
+}  // namespace
+}  // namespace halfspace::testing

@@ -1,0 +1,407 @@
+// A BVH that changes answers as a scan of a list of its objects does,
+// after any history, with memory and work in proportion to its objects.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <map>
+#include <new>
+#include <random>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "halfspace/halfspace.h"
+#include "kernels/bvh/block.h"
+#include "tests/library/bvh/model.h"
+#include "tests/library/bvh/spread.h"
+#include "tests/library/support/counting_memory.h"
+#include "tests/library/support/environment.h"
+#include "tests/library/support/expect_invalid.h"
+
+namespace halfspace::testing {
+namespace {
+
+template <typename Case>
+class BvhChangesTest : public ::testing::Test {};
+TYPED_TEST_SUITE(BvhChangesTest, BvhCases, CaseNames);
+
+TYPED_TEST(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
+  using View = typename TypeParam::View;
+  using Bound = typename View::Bound;
+  const std::vector<Target> targets = TargetsUnderTest();
+  for (std::size_t round = 0; round < std::max<std::size_t>(2, Scaled(12));
+       ++round) {
+    Random random(round);
+    Spread<View> spread(1.0f, round);
+    Model<View> model;
+    const std::size_t size = round % 3 == 0 ? 0 : random() % 9000;
+    const World<View> world = spread.Objects(size);
+    for (std::uint32_t i = 0; i < size; ++i) {
+      model.objects[i] = {world.Get(i)};
+    }
+    Bvh<View> bvh(world,
+                  round % 2 == 0 ? BuildQuality::kHigh : BuildQuality::kFast);
+    std::size_t ids_ever = size;
+    const auto any_id = [&] {
+      auto it = model.objects.lower_bound(
+          static_cast<std::uint32_t>(random() % (bvh.size() + 1)));
+      return (it == model.objects.end() ? model.objects.begin() : it)->first;
+    };
+    const auto any_bound = [&] {
+      switch (random() % 20) {
+        case 0:
+          return Bound::Everything();
+        case 1:
+          return Bound::Empty();
+        default:
+          return spread.NextObject();
+      }
+    };
+    for (std::size_t step = 0; step < 10 + Scaled(20); ++step) {
+      const std::size_t what = random() % 10;
+      if (what < 4 || model.objects.empty()) {
+        for (std::size_t i = random() % 300; i-- > 0;) {
+          const Bound bound = any_bound();
+          const std::uint32_t id = bvh.Insert(bound);
+          ASSERT_TRUE(
+              model.objects.emplace(id, typename Model<View>::Object{bound})
+                  .second);
+          ASSERT_TRUE(bvh.Has(id));
+          ids_ever = std::max<std::size_t>(ids_ever, id + 1u);
+        }
+      } else if (what == 4) {
+        for (std::size_t i = random() % 400; i-- > 0 && bvh.size() > 0;) {
+          const std::uint32_t id = any_id();
+          bvh.Erase(id);
+          model.objects.erase(id);
+          ASSERT_FALSE(bvh.Has(id));
+        }
+      } else if (what == 5) {
+        for (std::size_t i = random() % 200; i-- > 0;) {
+          const std::uint32_t id = any_id();
+          model.objects[id].bound = any_bound();
+          bvh.Set(id, model.objects[id].bound);
+        }
+      } else if (what == 6) {
+        std::vector<Bound> bounds(bvh.id_limit(), Bound::Everything());
+        for (auto& [id, object] : model.objects) {
+          bounds[id] = object.bound = any_bound();
+        }
+        if (random() % 2 == 0) {
+          bvh.Refit(bounds);
+        } else {
+          std::vector<Bound> in_order;
+          for (std::uint32_t id : bvh.ids()) {
+            in_order.push_back(id == 0xFFFFFFFF ? Bound::Everything()
+                                                : bounds[id]);
+          }
+          bvh.RefitInOrder(in_order);
+        }
+      } else if (what == 7) {
+        bvh.RebuildPartial(random() % 9000);
+      } else if (what == 8) {
+        bvh.Rebuild(random() % 2 == 0 ? BuildQuality::kHigh
+                                      : BuildQuality::kFast);
+      } else if (random() % 2 == 0) {
+        for (std::size_t i = random() % 50; i-- > 0;) {
+          const std::uint32_t id = any_id();
+          model.objects[id].masks = 1u << random() % 3;
+          bvh.SetMasks(id, model.objects[id].masks);
+        }
+      } else {
+        Ids masks;
+        for (auto& [id, object] : model.objects) {
+          masks.resize(id + 1u);
+          object.masks = static_cast<std::uint32_t>(random() % 8);
+          masks[id] = object.masks;
+        }
+        bvh.SetMasks(masks);
+      }
+      ASSERT_LE(bvh.ids().size(), 2 * bvh.size() + 64);
+      ASSERT_LE(bvh.id_limit(), ids_ever);
+      const auto queries = SomeQueries<View>(random());
+      for (std::uint32_t masks : {0xFFFFFFFFu, 1u, 6u}) {
+        ExpectIsModel<View>(bvh, model, queries,
+                            targets[random() % targets.size()], masks);
+        if (this->HasFatalFailure()) {
+          FAIL() << "round " << round << ", step " << step << ", " << what;
+        }
+      }
+    }
+  }
+}
+
+// Nodes are as tight as those of a new world with the same order, whatever
+// changed: the blocks of both are equal.
+TYPED_TEST(BvhChangesTest, LevelsStayAsTightAsAfterARefit) {
+  using View = typename TypeParam::View;
+  Spread<View> spread(1.0f);
+  Bvh<View> changed(spread.Objects(9000));
+  World<View> bounds = spread.Objects(9000);
+  Bvh<View> refitted(changed);
+  for (std::uint32_t i = 0; i < 9000; ++i) changed.Set(i, bounds.Get(i));
+  refitted.Refit(bounds.view());
+  EXPECT_GT(changed.CostRatio(), 2.0);
+  EXPECT_EQ(changed.CostRatio(), refitted.CostRatio());
+  const auto& a = changed.tree().levels();
+  const auto& b = refitted.tree().levels();
+  ASSERT_EQ(a.count, b.count);
+  for (std::size_t l = 0; l < a.count; ++l) {
+    const std::size_t bytes =
+        (a.level[l].size + 63) / 64 * detail::BlockBytes(kPlanes<View>);
+    EXPECT_TRUE(std::equal(a.level[l].blocks, a.level[l].blocks + bytes,
+                           b.level[l].blocks))
+        << l;
+  }
+}
+
+TYPED_TEST(BvhChangesTest, RebuildsMendWhatDecayed) {
+  using View = typename TypeParam::View;
+  using Bound = typename View::Bound;
+  Spread<View> spread(0.2f);
+  const World<View> world = spread.Objects(40'000);
+  Bvh<View> bvh(world);
+  EXPECT_EQ(bvh.CostRatio(), 1.0);
+  EXPECT_EQ(bvh.RebuildPartial(100'000), 0u);
+  // The first tenth in the world's order change places with each other.
+  const Ids first(bvh.ids().begin(), bvh.ids().begin() + 4096);
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const Bound bound = world.Get(first[(i * 1021) % first.size()]);
+    bvh.Set(first[i], bound);
+  }
+  const double decayed = bvh.CostRatio();
+  EXPECT_GT(decayed, 1.2);
+  EXPECT_EQ(bvh.RebuildPartial(4096), 4096u);
+  EXPECT_LT(bvh.CostRatio(), 1.05);
+  bvh.Refit(spread.Objects(40'000).view());
+  EXPECT_GT(bvh.CostRatio(), 5.0);
+  bvh.Rebuild();
+  EXPECT_EQ(bvh.CostRatio(), 1.0);
+}
+
+TEST(BvhThreadsTest, ShareRefitsAndBuilds) {
+  Spread<AabbView3> spread(1.0f);
+  AabbBvh3 bvh(spread.Objects(40'000));
+  AabbBvh3 same(bvh);
+  const AabbWorld3 bounds = spread.Objects(40'000);
+  const auto run = [](std::size_t count, const auto& part) {
+    std::vector<std::thread> threads;
+    for (std::size_t t = 0; t < 3; ++t) {
+      threads.emplace_back([=, &part] {
+        for (std::size_t i = t; i < count; i += 3) part(i);
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+  };
+  bvh.Refit(bounds, run);
+  same.Refit(bounds.view());
+  EXPECT_EQ(bvh.CostRatio(), same.CostRatio());
+  for (const Aabb3& query : SomeQueries<AabbView3>(1)) {
+    EXPECT_EQ(CountSurvivors(bvh, query), CountSurvivors(bounds, query));
+  }
+  // And builds, which are the same then.
+  for (BuildQuality quality : {BuildQuality::kHigh, BuildQuality::kFast}) {
+    const AabbBvh3 built(bounds, quality, {}, run);
+    const AabbBvh3 alone(bounds.view(), quality);
+    EXPECT_TRUE(std::equal(built.ids().begin(), built.ids().end(),
+                           alone.ids().begin()));
+    EXPECT_EQ(built.CostRatio(), 1.0);
+    bvh.Rebuild(quality, run);
+    EXPECT_EQ(CountSurvivors(bvh, Aabb3::Everything()), 40'000u);
+  }
+}
+
+TEST(BvhRefitTest, RefusesOtherNumbersOfBounds) {
+  Spread<AabbView3> spread(1.0f);
+  AabbBvh3 bvh(spread.Objects(100));
+  EXPECT_TRUE(Refuses([&] { bvh.Refit(spread.Objects(99).view()); },
+                      {"Refit", "100", "99"}));
+  bvh.Erase(7);
+  EXPECT_TRUE(Refuses([&] { bvh.Erase(7); }, {"Erase", "id", "7"}));
+  EXPECT_TRUE(
+      Refuses([&] { bvh.Set(100, Aabb3::Empty()); }, {"Set", "id", "100"}));
+}
+
+// Each change, with less memory than it needs, of a world that owns its block
+// and of a blob in place. What was taken from the world stays valid.
+TEST(BvhChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
+  using Change = void (*)(AabbBvh3&);
+  constexpr Change kChanges[] = {
+      [](AabbBvh3& world) { world.Set(3, Aabb3::Everything()); },
+      [](AabbBvh3& world) { world.Insert(Aabb3::Everything()); },
+      [](AabbBvh3& world) { world.Erase(3); },
+      [](AabbBvh3& world) { world.SetMasks(3, 1); },
+      [](AabbBvh3& world) { world.SetMasks({}); },
+      [](AabbBvh3& world) { world.Rebuild(); },
+      [](AabbBvh3& world) { world.RebuildPartial(9000); }};
+  CountingMemory memory;
+  Spread<AabbView3> spread(2.0f);
+  const AabbWorld3 objects = spread.Objects(9000);
+  Model<AabbView3> model;
+  AabbBvh3 first(objects, BuildQuality::kHigh, memory.resource());
+  const AabbWorld3 moved = spread.Objects(9000);
+  first.Refit(moved.view());  // so that there is something to sort
+  for (std::uint32_t i = 0; i < 9000; ++i) model.objects[i] = {moved.Get(i)};
+  // As many insertions as are due to be sorted.
+  for (std::uint32_t i = 0; i < 256; ++i) {
+    model.objects[first.Insert(moved.Get(i))] = {moved.Get(i)};
+  }
+  const auto queries = SomeQueries<AabbView3>(1);
+  const auto blob = first.Blob();
+  for (bool is_in_place : {false, true}) {
+    for (Change change : kChanges) {
+      bool is_done = false;
+      for (std::size_t left = 0; !is_done; ++left) {
+        AabbBvh3 world = is_in_place
+                             ? AabbBvh3::InPlace(blob, memory.resource())
+                             : AabbBvh3(first, memory.resource());
+        const std::uint32_t* const ids = world.ids().data();
+        const Ids were(world.ids().begin(), world.ids().end());
+        memory.left = left;
+        try {
+          change(world);
+          is_done = true;
+        } catch (const std::bad_alloc&) {
+          memory.left = CountingMemory::kNoLimit;
+          ASSERT_EQ(world.ids().data(), ids);
+          ASSERT_TRUE(std::equal(were.begin(), were.end(), ids));
+          ExpectIsModel<AabbView3>(world, model, queries, ChosenTarget());
+        }
+        memory.left = CountingMemory::kNoLimit;
+      }
+    }
+  }
+}
+
+// Leaves that queries visit, as a count of work.
+template <typename View>
+std::size_t LeavesVisited(const Bvh<View>& bvh,
+                          std::span<const typename View::Query> queries) {
+  const detail::BvhLevel& level = bvh.tree().levels().level[1];
+  World<View> leaves;
+  for (std::size_t n = 0; n < level.size; ++n) {
+    typename View::Bound leaf;
+    for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+      StoredValue<View>(leaf, p) = level.planes[p][n];
+    }
+    leaves.Push(leaf);
+  }
+  std::size_t visited = 0;
+  for (const auto& query : queries) visited += CountSurvivors(leaves, query);
+  return visited;
+}
+
+TYPED_TEST(BvhChangesTest, AWorldSortsItselfAsItChanges) {
+  using View = typename TypeParam::View;
+  constexpr std::size_t kSize = 20'000;
+  Spread<View> spread(0.2f);
+  const World<View> bounds = spread.Objects(kSize);
+  const auto queries = spread.Queries(500);
+  const Bvh<View> built(bounds);
+  const std::size_t least = LeavesVisited<View>(built, queries);
+  Bvh<View> bvh;
+  for (std::size_t i = 0; i < kSize; ++i) bvh.Insert(bounds.Get(i));
+  // Up to four blocks and a few runs have no place in the order yet.
+  EXPECT_LE(LeavesVisited<View>(bvh, queries), 3 * least + 8 * queries.size());
+  Random random(1);
+  std::vector<std::uint32_t> ids(kSize);
+  for (std::uint32_t i = 0; i < kSize; ++i) ids[i] = i;
+  for (std::size_t i = 0; i < 3 * kSize / 2; ++i) {
+    std::uint32_t& id = ids[random() % kSize];
+    bvh.Erase(id);
+    id = bvh.Insert(spread.NextObject());
+  }
+  EXPECT_LE(LeavesVisited<View>(bvh, queries), 3 * least + 8 * queries.size());
+}
+
+// Of a stream, whose oldest object is erased for each that comes further along
+// an axis, and of a world that is emptied and filled.
+TYPED_TEST(BvhChangesTest, MemoryFollowsTheObjects) {
+  using View = typename TypeParam::View;
+  Spread<View> spread(1.0f);
+  const auto bytes_of = [&](std::size_t size) {
+    return Bvh<View>(spread.Objects(size)).bytes();
+  };
+  Bvh<View> bvh;
+  Model<View> model;
+  std::deque<std::uint32_t> alive;
+  for (std::size_t i = 0; i < 20'000; ++i) {
+    auto bound = spread.NextObject();
+    bound.min[0] += static_cast<float>(i);
+    if constexpr (HasMaxima<View>) bound.max[0] += static_cast<float>(i);
+    alive.push_back(bvh.Insert(bound));
+    model.objects[alive.back()] = {bound};
+    if (alive.size() > 500) {
+      bvh.Erase(alive.front());
+      model.objects.erase(alive.front());
+      alive.pop_front();
+    }
+    ASSERT_LE(bvh.ids().size(), 2 * bvh.size() + 64);
+  }
+  EXPECT_LE(bvh.bytes(), 2 * bytes_of(1000));
+  EXPECT_LT(bvh.CostRatio(), 2.0);
+  for (int round = 0; round < 5; ++round) {
+    for (std::uint32_t id : alive) bvh.Erase(id);
+    model.objects.clear();
+    alive.clear();
+    EXPECT_EQ(bvh.ids().size(), 0u);
+    for (std::size_t i = 0; i < 5000; ++i) {
+      const auto bound = spread.NextObject();
+      alive.push_back(bvh.Insert(bound));
+      model.objects[alive.back()] = {bound};
+    }
+    ASSERT_EQ(bvh.ids().size(), 5000u);
+  }
+  EXPECT_LE(bvh.bytes(), 2 * bytes_of(5000));
+  // The first 100 remain, and with them the least ids.
+  while (alive.size() > 100) {
+    bvh.Erase(alive.back());
+    model.objects.erase(alive.back());
+    alive.pop_back();
+  }
+  bvh.Rebuild();
+  EXPECT_LE(bvh.bytes(), bytes_of(100) + 512);
+  ExpectIsModel<View>(bvh, model, SomeQueries<View>(1), ChosenTarget());
+  EXPECT_EQ(bvh.Insert(View::Bound::Everything()), 100u);
+}
+
+TEST(BvhDecayTest, IsInfiniteOnlyBeforeTheFirstOrder) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  AabbBvh3 bvh;
+  Spread<AabbView3> spread(1.0f);
+  for (std::size_t size = 1; size <= 300; ++size) {
+    bvh.Insert(spread.NextObject());
+    const double decay = bvh.CostRatio();
+    if (size <= 64) {
+      EXPECT_EQ(decay, 1.0);
+    } else if (size <= 256) {
+      EXPECT_EQ(decay, kInf);
+    } else {
+      EXPECT_LT(decay, 3.0);
+    }
+  }
+  for (std::uint32_t id = 0; id < 295; ++id) bvh.Erase(id);
+  EXPECT_EQ(bvh.CostRatio(), 1.0);
+  // The newest objects are sorted, and the others have moved.
+  AabbBvh3 moved(spread.Objects(3000));
+  for (std::uint32_t id = 0; id < 3000; ++id)
+    moved.Set(id, spread.NextObject());
+  const double decay = moved.CostRatio();
+  for (int i = 0; i < 257; ++i) moved.Insert(spread.NextObject());
+  EXPECT_GT(moved.CostRatio(), decay / 2);
+  // Half of the objects in as many leaves.
+  AabbBvh3 half(spread.Objects(10'000));
+  for (std::uint32_t id = 0; id < 10'000; id += 2) half.Erase(id);
+  EXPECT_NEAR(half.CostRatio(), 2.0, 0.2);
+  EXPECT_EQ(half.RebuildPartial(12'288), 5000u);
+  EXPECT_EQ(half.CostRatio(), 1.0);
+  EXPECT_EQ(half.ids().size(), 5000u);
+}
+
+}  // namespace
+}  // namespace halfspace::testing

@@ -1,0 +1,145 @@
+// What the kernels of shapes compute for one bound, in scalars: the same
+// operations in the same order.
+#ifndef HALFSPACE_TESTS_LIBRARY_BVH_SHAPE_REFERENCE_H_
+#define HALFSPACE_TESTS_LIBRARY_BVH_SHAPE_REFERENCE_H_
+
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "halfspace/halfspace.h"
+#include "kernels/bvh/shape.h"
+#include "tests/library/support/cases.h"
+
+namespace halfspace::testing {
+
+// Plane p of a bound: all minima, then all maxima.
+template <typename View>
+using PlaneValues = std::array<float, kPlanes<View>>;
+
+template <typename View>
+PlaneValues<View> PlanesOf(typename View::Bound bound) {
+  PlaneValues<View> values;
+  for (std::size_t p = 0; p < values.size(); ++p) {
+    values[p] = StoredValue<View>(bound, p);
+  }
+  return values;
+}
+
+template <typename View>
+constexpr detail::ShapePlanes kShapePlanes = {
+    View::Bound::kDimensions, View::Bound::kAxes, HasMaxima<View>};
+
+inline float SquaredDistanceOf(std::span<const float> planes,
+                               const detail::Ball& ball) {
+  float sum = 0;
+  for (std::size_t k = 0; k < ball.dims; ++k) {
+    float gap = planes[k] - ball.center[k];
+    if (!(gap > 0)) gap = 0;
+    if (ball.max_plane != 0) {
+      const float above = ball.center[k] - planes[ball.max_plane + k];
+      if (above > gap) gap = above;
+    }
+    sum = sum + gap * gap;
+  }
+  return sum;
+}
+
+// Infinite if the line does not enter.
+inline float EntryOf(std::span<const float> planes, const detail::Line& line) {
+  float enter = 0;
+  float exit = line.max_t;
+  for (std::size_t p = 0; p < line.planes; ++p) {
+    const float t = (planes[line.plane[p].plane] - line.plane[p].offset) *
+                    line.plane[p].inverse;
+    if (p < line.entering) {
+      if (t > enter) enter = t;
+    } else if (t < exit) {
+      exit = t;
+    }
+  }
+  return enter > exit + detail::kApartOnLine
+             ? std::numeric_limits<float>::infinity()
+             : enter;
+}
+
+inline bool IsBehind(std::span<const float> planes,
+                     const detail::Front& front) {
+  float sum = front.offset;
+  for (std::size_t t = 0; t < front.terms; ++t) {
+    const float value = planes[front.term[t].plane];
+    const float more = value * front.term[t].more;
+    const float less = value * front.term[t].less;
+    sum = sum + (more > less ? more : less);
+  }
+  return sum < 0;
+}
+
+template <int kDims>
+detail::Line LineOf(const detail::ShapePlanes& planes,
+                    const Capsule<kDims>& capsule) {
+  double origin[3] = {};
+  double direction[3] = {};
+  for (std::size_t k = 0; k < kDims; ++k) {
+    origin[k] = capsule.a[k];
+    direction[k] = double{capsule.b[k]} - capsule.a[k];
+  }
+  detail::Line line;
+  detail::MakeLine(planes, origin, direction, 1, capsule.radius, line);
+  return line;
+}
+
+// Whether a walk takes a shape for Everything(): a builder cannot bound it, or
+// no axis limits its line.
+template <typename View, int kDims>
+bool IsEverything(const Sphere<kDims>& sphere) {
+  return BoundSphere(sphere) == Aabo<kDims>::Everything();
+}
+template <typename View, int kDims>
+bool IsEverything(const Capsule<kDims>& capsule) {
+  return BoundCapsule(capsule) == Aabo<kDims>::Everything() ||
+         LineOf(kShapePlanes<View>, capsule).planes == 0;
+}
+template <typename View, int kDims>
+bool IsEverything(const Segment<kDims>& segment) {
+  return IsEverything<View>(Capsule<kDims>{segment.a, segment.b, 0});
+}
+
+// Whether the test beside that of the planes keeps a bound.
+template <typename View, int kDims>
+bool IsTouched(const typename View::Bound& bound, const Sphere<kDims>& sphere) {
+  if (IsEverything<View>(sphere)) return true;
+  const detail::Ball ball =
+      detail::MakeBall(kShapePlanes<View>, sphere.center.data(), sphere.radius);
+  return !(SquaredDistanceOf(PlanesOf<View>(bound), ball) > ball.limit);
+}
+template <typename View, int kDims>
+bool IsTouched(const typename View::Bound& bound,
+               const Capsule<kDims>& capsule) {
+  return IsEverything<View>(capsule) ||
+         EntryOf(PlanesOf<View>(bound), LineOf(kShapePlanes<View>, capsule)) <=
+             1;
+}
+template <typename View, int kDims>
+bool IsTouched(const typename View::Bound& bound,
+               const Segment<kDims>& segment) {
+  return IsTouched<View>(bound, Capsule<kDims>{segment.a, segment.b, 0});
+}
+template <typename View, int kDims>
+bool IsTouched(const typename View::Bound& bound,
+               const std::vector<HalfSpace<kDims>>& half_spaces) {
+  for (const HalfSpace<kDims>& half_space : half_spaces) {
+    if (IsBehind(PlanesOf<View>(bound),
+                 detail::MakeFront(kShapePlanes<View>, half_space.normal.data(),
+                                   half_space.offset))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace halfspace::testing
+
+#endif  // HALFSPACE_TESTS_LIBRARY_BVH_SHAPE_REFERENCE_H_
