@@ -4,8 +4,7 @@
 #
 #   bench/instructions.sh [BUILD_DIRECTORY]       (build/release)
 #
-# Beside each kernel the same on registers alone, which cpuinfo-bench takes as
-# the ceiling. Cycles are llvm-mca's block throughput, then what it simulates.
+# Cycles are llvm-mca's block throughput, then what it simulates.
 # Prints a table in Markdown. x86 only. Kernels are those for one query and a
 # world in cache; those of SSE4 are for aligned planes.
 set -euo pipefail
@@ -14,10 +13,10 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 
 code=$(mktemp -d)
 trap 'rm -rf "$code"' EXIT
-for source in scan_float_3 scan_float_4 register_scan; do
+for source in scan_float_3 scan_float_4; do
   object=$(find "$build" -name "$source.cc.o" | head -n 1)
   if [ -z "$object" ]; then
-    echo "$0: no $source.cc.o in $build; build cpuinfo-bench there first" >&2
+    echo "$0: no $source.cc.o in $build; build the library there first" >&2
     exit 2
   fi
   objdump --disassemble --demangle --no-show-raw-insn "$object" \
@@ -39,10 +38,10 @@ simulate() {
     }'
 }
 
-# row NAME FILE FUNCTION TARGET SHAPE PLANES LANES CPU...
+# row FILE FUNCTION TARGET SHAPE PLANES LANES CPU...
 row() {
-  local name=$1 file=$2 function=$3 target=$4 shape=$5 planes=$6 lanes=$7
-  shift 7
+  local file=$1 function=$2 target=$3 shape=$4 planes=$5 lanes=$6
+  shift 6
   local found
   found=$(awk -v function_name="$function" -v planes="$planes" \
     -v lanes="$lanes" -v loop="$code/loop.s" -f "$root/instructions.awk" \
@@ -52,7 +51,7 @@ row() {
   for cpu in "$@"; do
     cycles+=" $(simulate "$cpu" "$code/loop.s" "$times") |"
   done
-  echo "| $target | $shape | $name | $instructions |$cycles"
+  echo "| $target | $shape | $instructions |$cycles"
 }
 
 # table TARGET LANES LOAD CPU...
@@ -60,19 +59,16 @@ table() {
   local target=$1 lanes=$2 load=$3
   shift 3
   echo
-  printf '| target | shape | operands | instructions |'
+  printf '| target | shape | instructions |'
   printf ' %s |' "$@"
-  printf '\n|---|---|---|---|'
+  printf '\n|---|---|---|'
   printf -- '---|%.0s' "$@"
   echo
   local shape planes axes all
   while read -r shape planes axes; do
     all=$(seq -f ' %.0ful' -s , 0 $((planes - 1)))
-    row loaded "scan_float_$axes" \
+    row "scan_float_$axes" \
       "N_$target::FlatOne<${axes}ul, halfspace::N_$target::$load, float,$all>" \
-      "$target" "$shape" "$planes" "$lanes" "$@"
-    row registers register_scan \
-      "N_$target::ScanRegisters<hwy::N_$target::Simd<float, ${lanes}ul, 0>" \
       "$target" "$shape" "$planes" "$lanes" "$@"
   done <<<$'simplex 4 4\nAABB 6 3\nAABO 8 4'
 }

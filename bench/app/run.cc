@@ -3,12 +3,12 @@
 #include <chrono>
 #include <ctime>
 #include <new>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/base/write_whole.h"
 #include "bench/measure/machine.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
@@ -50,10 +50,9 @@ Context ContextOf(const Run& run) {
 
 void WriteHead(std::ostream& out, const Report& report) {
   out << "cpuinfo-bench " << report.ValueOf("version") << ' '
-      << Printable(report.ValueOf("command")) << "\n"
-      << report.ValueOf("cpu") << " (" << report.ValueOf("model") << "), "
-      << report.ValueOf("caches") << ", seed " << report.ValueOf("seed")
-      << '\n';
+      << Printable(report.ValueOf("command")) << ", "
+      << report.ValueOf("caches") << ", seed " << report.ValueOf("seed") << "\n"
+      << report.ValueOf("cpu") << " (" << report.ValueOf("model") << ")\n";
 }
 
 // Those of `tables` that belong to a section.
@@ -85,10 +84,12 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
   bool is_first = true;
   const auto write = [&](const Tables& tables) {
     if (text == nullptr) return;
-    WriteWhole(*text, [&](std::ostream& out) {
-      if (std::exchange(is_first, false)) WriteHead(out, report);
-      for (const Table& table : tables) WriteText(out, table);
-    });
+    // Whole or not at all. Streams swallow std::bad_alloc unless told not to.
+    std::ostringstream out;
+    out.exceptions(std::ios::badbit);
+    if (std::exchange(is_first, false)) WriteHead(out, report);
+    for (const Table& table : tables) WriteText(out, table);
+    *text << out.str() << std::flush;
   };
   for (unsigned pass : {0u, kLast}) {
     for (const Section& section : Sections()) {

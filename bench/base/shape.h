@@ -5,10 +5,12 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <type_traits>
 #include <vector>
 
 #include "halfspace/bounds.h"
+#include "halfspace/reject.h"
 #include "halfspace/world.h"
 
 namespace halfspace::bench {
@@ -90,6 +92,59 @@ inline std::vector<float> QueryOf(ShapeKind shape, const Aabo3& query) {
   values.insert(values.end(), query.max.begin(), query.max.begin() + axes);
   return values;
 }
+
+// The schedules by name, and those that differ for a shape.
+struct NamedSchedule {
+  const char* name;
+  Schedule schedule;
+};
+
+inline constexpr std::array<NamedSchedule, 3> kSchedules = {
+    {{"flat", Schedule::kFlat},
+     {"staged", Schedule::kStaged},
+     {"by-axis", Schedule::kStagedByAxis}}};
+
+// A simplex has one stage, and the stages of a box are its axes.
+constexpr std::span<const NamedSchedule> SchedulesOf(ShapeKind shape) {
+  constexpr std::array<std::size_t, kShapes.size()> kCounts = {2, 1, 3};
+  return std::span(kSchedules).first(kCounts[static_cast<std::size_t>(shape)]);
+}
+
+// The same queries for all three shapes, as the calls for many queries take
+// them.
+class ShapeQueries {
+ public:
+  explicit ShapeQueries(std::span<const Aabo3> queries)
+      : aabos_(queries.begin(), queries.end()) {
+    for (const Aabo3& query : aabos_) {
+      boxes_.push_back(query.aabb());
+      simplices_.push_back(query.down());
+    }
+  }
+
+  std::size_t size() const { return aabos_.size(); }
+  std::span<const Aabo3> aabos() const { return aabos_; }
+  std::span<const DownSimplex3> simplices() const { return simplices_; }
+
+  // Calls f(view, queries) with the shape's own view of the octahedra.
+  template <typename F>
+  auto With(ShapeKind shape, const AaboView3& view, F&& f) const {
+    switch (shape) {
+      case ShapeKind::kAabb:
+        return f(view.aabb(), std::span<const Aabb3>(boxes_));
+      case ShapeKind::kSimplex:
+        return f(view.simplex(), simplices());
+      case ShapeKind::kAabo:
+        break;
+    }
+    return f(view, aabos());
+  }
+
+ private:
+  std::vector<Aabo3> aabos_;
+  std::vector<Aabb3> boxes_;
+  std::vector<DownSimplex3> simplices_;
+};
 
 }  // namespace halfspace::bench
 

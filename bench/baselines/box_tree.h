@@ -37,8 +37,12 @@ class BoxTree : public Competitor {
   // The indices of the boxes that touch the query, in any order.
   virtual void Find(const Aabb<kDims>& query,
                     std::vector<std::uint32_t>& found) const = 0;
-  // How many these are.
-  virtual std::size_t Count(const Aabb<kDims>& query) const = 0;
+  // How many these are. A library that can count need not list them.
+  virtual std::size_t Count(const Aabb<kDims>& query) const {
+    std::vector<std::uint32_t> found;
+    Find(query, found);
+    return found.size();
+  }
 };
 
 template <int kDims>

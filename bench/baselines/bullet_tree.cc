@@ -20,12 +20,6 @@ struct IndexTaker : btDbvt::ICollide {
   std::vector<std::uint32_t>& found;
 };
 
-struct Counter : btDbvt::ICollide {
-  void Process(const btDbvtNode* /*leaf*/) override { ++count; }
-
-  std::size_t count = 0;
-};
-
 class BulletTree : public BoxTree<3> {
  public:
   explicit BulletTree(std::span<const Aabb3> boxes) {
@@ -41,12 +35,6 @@ class BulletTree : public BoxTree<3> {
     found.clear();
     IndexTaker taker(found);
     tree_.collideTV(tree_.m_root, VolumeOf(query), taker);
-  }
-
-  std::size_t Count(const Aabb3& query) const override {
-    Counter counter;
-    tree_.collideTV(tree_.m_root, VolumeOf(query), counter);
-    return counter.count;
   }
 
  private:

@@ -99,13 +99,11 @@ class EmbreeTree : public BoxTree<3>, public LineTree, public PairFinder {
   void Find(const Aabb3& query,
             std::vector<std::uint32_t>& found) const override {
     found.clear();
-    ForEach(query, [&found](unsigned index) { found.push_back(index); });
-  }
-
-  std::size_t Count(const Aabb3& query) const override {
-    std::size_t count = 0;
-    ForEach(query, [&count](unsigned /*index*/) { ++count; });
-    return count;
+    RTCPointQuery sphere = SphereAround(query);
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    BoxSearch search{boxes_.data(), &query, &found};
+    rtcPointQuery(scene_, &sphere, &context, &EmbreeTree::TakeInBox, &search);
   }
 
   void Along(const Segment<3>& segment,
@@ -125,11 +123,10 @@ class EmbreeTree : public BoxTree<3>, public LineTree, public PairFinder {
   }
 
  private:
-  template <typename Take>
   struct BoxSearch {
     const Aabb3* boxes;
     const Aabb3* query;
-    Take* take;
+    std::vector<std::uint32_t>* found;
   };
   struct LineSearch {
     RTCIntersectContext context;  // first, as Embree hands it on
@@ -160,22 +157,10 @@ class EmbreeTree : public BoxTree<3>, public LineTree, public PairFinder {
     return std::nextafter(value + slack_, std::numeric_limits<float>::max());
   }
 
-  template <typename Take>
-  void ForEach(const Aabb3& query, Take take) const {
-    RTCPointQuery sphere = SphereAround(query);
-    RTCPointQueryContext context;
-    rtcInitPointQueryContext(&context);
-    BoxSearch<Take> search{boxes_.data(), &query, &take};
-    rtcPointQuery(scene_, &sphere, &context, &EmbreeTree::TakeInBox<Take>,
-                  &search);
-  }
-
-  template <typename Take>
   static bool TakeInBox(RTCPointQueryFunctionArguments* arguments) {
-    const auto& search =
-        *static_cast<const BoxSearch<Take>*>(arguments->userPtr);
+    const auto& search = *static_cast<const BoxSearch*>(arguments->userPtr);
     if (Touches(search.boxes[arguments->primID], *search.query)) {
-      (*search.take)(arguments->primID);
+      search.found->push_back(arguments->primID);
     }
     return false;  // the sphere stays as it is
   }

@@ -29,13 +29,6 @@ class GeosTree : public BoxTree<2> {
     tree_.query(EnvelopeOf(query), found);
   }
 
-  std::size_t Count(const Aabb2& query) const override {
-    std::size_t count = 0;
-    tree_.query(EnvelopeOf(query),
-                [&count](std::uint32_t /*index*/) { ++count; });
-    return count;
-  }
-
  private:
   static constexpr std::size_t kNodeSize = 10;  // GEOS's own choice
 

@@ -33,13 +33,15 @@ class Grid : public BoxTree<kDims> {
   void Find(const Aabb<kDims>& query,
             std::vector<std::uint32_t>& found) const override {
     found.clear();
-    ForEach(query, [&found](std::uint32_t index) { found.push_back(index); });
-  }
-
-  std::size_t Count(const Aabb<kDims>& query) const override {
-    std::size_t count = 0;
-    ForEach(query, [&count](std::uint32_t /*index*/) { ++count; });
-    return count;
+    const Cells cells = CellsOf(query);
+    ForEachCell(cells, [&](std::size_t cell, const Cell& at) {
+      for (std::size_t i = begins_[cell]; i < begins_[cell + 1]; ++i) {
+        const Entry& entry = entries_[i];
+        if (Touches(entry.box, query) && IsFirst(at, cells.first, entry.box)) {
+          found.push_back(entry.index);
+        }
+      }
+    });
   }
 
  private:
@@ -127,19 +129,6 @@ class Grid : public BoxTree<kDims> {
       if (k == 0) return;
       ++at[k - 1];
     }
-  }
-
-  template <typename Take>
-  void ForEach(const Aabb<kDims>& query, Take take) const {
-    const Cells cells = CellsOf(query);
-    ForEachCell(cells, [&](std::size_t cell, const Cell& at) {
-      for (std::size_t i = begins_[cell]; i < begins_[cell + 1]; ++i) {
-        const Entry& entry = entries_[i];
-        if (Touches(entry.box, query) && IsFirst(at, cells.first, entry.box)) {
-          take(entry.index);
-        }
-      }
-    });
   }
 
   // Of the cells that a box shares with the query, only one may report it.

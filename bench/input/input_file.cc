@@ -7,8 +7,6 @@
 #include <string_view>
 #include <system_error>
 
-#include "bench/input/input_error.h"
-
 namespace halfspace::bench {
 namespace {
 

@@ -7,7 +7,6 @@
 #include <string_view>
 #include <utility>
 
-#include "bench/input/input_error.h"
 #include "bench/input/input_file.h"
 #include "bench/input/text_lines.h"
 

@@ -7,7 +7,7 @@
 #include <system_error>
 #include <utility>
 
-#include "bench/input/input_error.h"
+#include "bench/input/input_file.h"
 
 namespace halfspace::bench {
 namespace {

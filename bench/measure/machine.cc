@@ -4,23 +4,17 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <fstream>
 #include <optional>
 #include <sstream>
 #include <thread>
 
 #include "bench/base/text.h"
-#include "bench/measure/arm_cpu.h"
 #include "halfspace/version.h"
 #include "hwy/highway.h"
 
 #if defined(__linux__)
 #include <sched.h>
-#endif
-#if defined(__aarch64__) && defined(__linux__)
-#include <sys/auxv.h>
-#include <sys/prctl.h>
 #endif
 #if defined(__unix__) || defined(__APPLE__)
 #include <sys/resource.h>
@@ -74,39 +68,19 @@ std::string FirstLineOf(const char* path) {
   return line.substr(0, line.find('\n'));
 }
 
-// The main ID registers of the CPUs that run, where the kernel is one of arm64.
-std::vector<std::uint32_t> Midrs() {
-  std::vector<std::uint32_t> midrs;
-#if defined(__linux__)
-  const long cpus = sysconf(_SC_NPROCESSORS_CONF);  // without the affinity mask
-#else
-  const long cpus = 0;
-#endif
-  for (long cpu = 0; cpu < cpus; ++cpu) {
-    std::ifstream file("/sys/devices/system/cpu/cpu" + std::to_string(cpu) +
-                       "/regs/identification/midr_el1");
-    std::uint64_t midr = 0;
-    if (!(file >> std::hex >> midr)) continue;
-    midrs.push_back(static_cast<std::uint32_t>(midr));
-  }
-  if (!midrs.empty()) return midrs;
-  std::ifstream file("/proc/cpuinfo");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return MidrsOf(text.str());
-}
-
 // arm64 kernels give numbers of cores, and the board's name.
 std::string CpuName() {
   std::string name = CpuInfo("model name");
-  const std::string cores = ArmCoreNames(Midrs());
+  if (name.empty() && !CpuInfo("CPU part").empty()) {
+    name = "implementer " + CpuInfo("CPU implementer") + ", part " +
+           CpuInfo("CPU part");
+  }
   const std::string board =
       Printable(FirstLineOf("/sys/firmware/devicetree/base/model"));
-  if (cores.empty()) {
-    if (!name.empty()) return name;
-    return board.empty() ? "unknown" : board;
+  if (name.empty() || board.empty()) {
+    return name.empty() && board.empty() ? "unknown" : name + board;
   }
-  return board.empty() ? cores : cores + " (" + board + ")";
+  return name + " (" + board + ")";
 }
 
 // x86 has a flag for this; elsewhere the firmware tells.
@@ -130,30 +104,16 @@ bool HasWord(const std::string& text, const std::string& word) {
 // The kernel lists only what it has enabled for programs (XCR0 included).
 std::vector<std::string> IsaOf(const std::string& flags) {
   constexpr std::array kInteresting = {
-      "sse2",         "ssse3",       "sse4_1",      "sse4_2",
-      "avx",          "avx2",        "fma",         "bmi2",
-      "avx512f",      "avx512dq",    "avx512bw",    "avx512vl",
-      "avx512_vbmi2", "avx512_bf16", "avx512_fp16", "aes"};
+      "sse2",     "ssse3",    "sse4_1",       "sse4_2",      "avx",
+      "avx2",     "fma",      "bmi2",         "avx512f",     "avx512dq",
+      "avx512bw", "avx512vl", "avx512_vbmi2", "avx512_bf16", "avx512_fp16",
+      "aes",      "asimd",    "asimddp",      "sve",         "sve2"};
   std::vector<std::string> isa;
   for (const char* name : kInteresting) {
     if (HasWord(flags, name)) isa.push_back(name);
   }
   return isa;
 }
-
-#if defined(__aarch64__) && defined(__linux__)
-// What this program may use, also of a CPU that is emulated.
-std::vector<std::string> ArmIsa() {
-  int sve_bits = 0;
-#if defined(PR_SVE_GET_VL)
-  constexpr int kLengthMask = 0xFFFF;
-  if (const int length = prctl(PR_SVE_GET_VL); length > 0) {
-    sve_bits = 8 * (length & kLengthMask);
-  }
-#endif
-  return ArmExtensions(getauxval(AT_HWCAP), getauxval(AT_HWCAP2), sve_bits);
-}
-#endif
 
 std::string AffinityOf() {
 #if defined(__linux__)
@@ -258,7 +218,6 @@ Machine DescribeMachine() {
   // arm64 kernels do not write this key: the program runs under an emulator
   // that passes the host's file through.
   machine.is_emulated = !CpuInfo("vendor_id").empty();
-  machine.isa = ArmIsa();
 #endif
   machine.cores = static_cast<int>(std::thread::hardware_concurrency());
   machine.affinity = AffinityOf();

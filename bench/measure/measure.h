@@ -4,11 +4,13 @@
 #ifndef HALFSPACE_BENCH_MEASURE_MEASURE_H_
 #define HALFSPACE_BENCH_MEASURE_MEASURE_H_
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/base/progress.h"
@@ -83,6 +85,24 @@ double SecondsOf(const std::function<void()>& run);
 // the cases. Throws WrongAnswer, naming the case.
 std::vector<Timing> Measure(const std::vector<Case>& cases,
                             const Effort& effort, Progress& progress);
+
+// A case that calls call(query) `per_run` times a run, for queries 0, 1, ... up
+// to `different`, and again. It is timed per call; `queries` must outlive it.
+template <typename Query, typename Call>
+Case InTurn(std::string name, const std::vector<Query>& queries,
+            std::size_t different, std::size_t per_run, Call call) {
+  Case c;
+  c.name = std::move(name) + "/" + std::to_string(different);
+  c.items = static_cast<double>(per_run);
+  c.run = [&queries, most = std::min(different, queries.size()), per_run, call,
+           next = std::size_t{0}]() mutable {
+    for (std::size_t i = 0; i < per_run; ++i) {
+      call(queries[next]);
+      next = next + 1 == most ? 0 : next + 1;
+    }
+  };
+  return c;
+}
 
 }  // namespace halfspace::bench
 

@@ -7,12 +7,11 @@
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/baselines/axes_builder.h"
+#include "bench/baselines/target_loops.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
 #include "bench/worlds/cloud_bounds.h"
 #include "bench/worlds/point_source.h"
-#include "bench/worlds/regular_bounds.h"
 #include "halfspace/fit.h"
 #include "halfspace/reject.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/measure/second_reads.h"
+#include "bench/measure/counts.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
 #include "halfspace/fit.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/baselines/gated_scan.h"
+#include "bench/baselines/target_loops.h"
 #include "bench/measure/cost_model.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"

@@ -9,9 +9,8 @@
 
 #include "bench/base/text.h"
 #include "bench/measure/cost_model.h"
-#include "bench/measure/early_out.h"
-#include "bench/measure/survivors.h"
-#include "bench/measure/work_count.h"
+#include "bench/measure/counts.h"
+#include "bench/paper/work_count.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
 

@@ -2,8 +2,8 @@
 #include <cstddef>
 
 #include "bench/base/text.h"
-#include "bench/measure/survivors.h"
-#include "bench/paper/paper.h"
+#include "bench/measure/counts.h"
+#include "bench/paper/work_count.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
 

@@ -31,8 +31,6 @@ namespace aims {
 
 // One query out of the caches: % of reading the same planes.
 inline constexpr Aim kReading = {true, 97.0, 97.0, 90.0};
-// In the first-level cache: % of the compares alone, on registers.
-inline constexpr Aim kRegisters = {true, 90.0, 85.0, 85.0};
 // Many queries over the grid: % of the same in the first-level cache.
 inline constexpr Aim kInCache = AtLeast(90.0);
 // Quantized worlds: times the fastest scan of floats with one query, times the
@@ -43,10 +41,7 @@ inline constexpr Aim kReadingQuantized = AtLeast(90.0);
 // Exact survivors: times the loops that one would write instead.
 inline constexpr Aim kOverScalar = AtLeast(40.0);
 inline constexpr Aim kOverVectorised = AtLeast(2.0);
-// Indices over a mask.
-inline constexpr Aim kIndicesOverMask = AtMost(1.15);
-// Slowest over fastest size in one cache level; ns of a call by itself.
-inline constexpr Aim kSizes = AtMost(1.15);
+// ns of a call by itself.
 inline constexpr Aim kCall = AtMost(10.0);
 
 // Section sorted. Box queries: times the fastest competitor, and half of that

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/measure/crossover_size.h"
+#include "bench/measure/curves.h"
 #include "bench/measure/machine.h"
 #include "bench/sections/bvh_parts.h"
 #include "bench/sections/contest.h"

@@ -1,7 +1,7 @@
 // Every target, shape and schedule against the scalar reference.
 #include <algorithm>
 
-#include "bench/base/schedules.h"
+#include "bench/base/shape.h"
 #include "bench/base/text.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"

@@ -14,7 +14,7 @@
 
 #include "bench/base/text.h"
 #include "bench/baselines/box_tree.h"
-#include "bench/measure/queries_in_turn.h"
+#include "bench/measure/measure.h"
 #include "bench/sections/bvh_parts.h"
 #include "bench/worlds/box_set.h"
 #include "halfspace/bvh.h"

@@ -1,7 +1,7 @@
 // Every shape, target, schedule and working set, against reading the planes.
 #include <string>
 
-#include "bench/base/schedules.h"
+#include "bench/base/shape.h"
 #include "bench/base/text.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"

@@ -1,6 +1,6 @@
 // Survivors of the three shapes.
 #include "bench/base/text.h"
-#include "bench/measure/survivors.h"
+#include "bench/measure/counts.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
 

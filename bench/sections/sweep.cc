@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "bench/base/schedules.h"
+#include "bench/base/shape.h"
 #include "bench/base/text.h"
-#include "bench/measure/queries_in_turn.h"
+#include "bench/measure/measure.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
 #include "bench/worlds/scene.h"

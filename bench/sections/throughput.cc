@@ -47,26 +47,6 @@ Timings Throughput::TimeRuns(std::vector<Case> cases, std::size_t repetitions) {
   return TimeWith({repetitions, 0.0}, std::move(cases));
 }
 
-std::size_t Throughput::AddRow(ThroughputRow row) {
-  rows_.push_back(std::move(row));
-  return rows_.size() - 1;
-}
-
-std::size_t Throughput::AddCeiling(const Ceiling& ceiling, ThroughputRow row) {
-  const std::size_t place = AddRow(std::move(row));
-  ceilings_.emplace_back(ceiling, place);
-  return place;
-}
-
-void Throughput::AddRowUnder(const Ceiling& ceiling, ThroughputRow row) {
-  for (const auto& [timed, place] : ceilings_) {
-    if (timed != ceiling) continue;
-    row.ceiling = place;
-    row.percent_of_ceiling = 100.0 * rows_[place].ns_per_pair / row.ns_per_pair;
-  }
-  AddRow(std::move(row));
-}
-
 std::size_t FastestOf(const Timings& timings,
                       const std::vector<std::size_t>& among) {
   std::size_t fastest = among.front();
@@ -102,9 +82,7 @@ Table Throughput::Rows() const {
        Value("ns/pair", "", 4), Value("ceiling"), Value("% of it", "", 0)}};
   for (const ThroughputRow& row : rows_) {
     table.Add({row.name, row.working_set, row.target, row.objects, row.queries,
-               row.ns_per_pair,
-               row.ceiling ? Cell(rows_[*row.ceiling].name) : Cell(),
-               row.percent_of_ceiling});
+               row.ns_per_pair, row.ceiling, row.percent_of_ceiling});
   }
   return table;
 }
@@ -130,11 +108,10 @@ Tables RunThroughput(Run& run) {
   const Workload& workload = run.Measured();
   const std::uint64_t seed = run.options.seed;
   ThroughputParts parts;
-  AddCeilingParts(workload, run.machine, run.Sets({"L3", "memory"}), parts);
+  AddCeilingParts(run.Sets({"L3", "memory"}), parts);
   AddManyParts(workload, run.machine, seed, run.is_quick(), parts);
   AddQuantizedParts(workload, run.machine, run.is_quick(), parts);
-  AddOutputParts(workload, parts);
-  AddSizeParts(workload, run.machine, parts);
+  AddCallParts(workload, parts);
   RunParts(parts, throughput);
   for (const std::string& note : run.NotReached()) throughput.AddNote(note);
   return {throughput.Rows(), throughput.Aims()};

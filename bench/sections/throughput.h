@@ -16,7 +16,6 @@
 #include "bench/measure/measure.h"
 #include "bench/sections/aims.h"
 #include "bench/sections/run.h"
-#include "bench/worlds/in_cache.h"
 #include "bench/worlds/working_set.h"
 
 namespace halfspace::bench {
@@ -32,19 +31,8 @@ struct ThroughputRow {
   std::string working_set;  // "L1", "L2", "L3", "memory", "grid", ...
   std::string target;       // empty: none of the library's
   double ns_per_pair = 0.0;
-  std::optional<std::size_t> ceiling;  // the row that it is measured by
-  std::optional<double> percent_of_ceiling;
-};
-
-// What a row is measured by, if it was timed with other cases.
-struct Ceiling {
-  enum class Kind { kRead, kReadQuantized, kRegisters };
-  Kind kind;
-  ShapeKind shape;
-  std::string working_set;
-  Target target;
-
-  bool operator==(const Ceiling&) const = default;
+  std::string ceiling = {};  // the row that it is measured by
+  std::optional<double> percent_of_ceiling = {};
 };
 
 class Throughput {
@@ -71,14 +59,7 @@ class Throughput {
   // The same for long runs, each of which is a repetition by itself.
   Timings TimeRuns(std::vector<Case> cases, std::size_t repetitions);
 
-  // The place of the row, for those that are measured by it.
-  std::size_t AddRow(ThroughputRow row);
-
-  // The same, for rows of later parts.
-  std::size_t AddCeiling(const Ceiling& ceiling, ThroughputRow row);
-
-  // A row that is measured by a ceiling; by none, if that was not timed.
-  void AddRowUnder(const Ceiling& ceiling, ThroughputRow row);
+  void AddRow(ThroughputRow row) { rows_.push_back(std::move(row)); }
 
   // A line below the tables.
   void AddNote(std::string note) { notes_.push_back(std::move(note)); }
@@ -103,7 +84,6 @@ class Throughput {
   std::vector<ThroughputRow> rows_;
   std::vector<Row> aims_;
   std::vector<std::string> notes_;
-  std::vector<std::pair<Ceiling, std::size_t>> ceilings_;  // and their rows
 };
 
 // For the progress line: run one after the other.
@@ -115,27 +95,19 @@ void RunParts(ThroughputParts& parts, Throughput& throughput);
 std::size_t FastestOf(const Timings& timings,
                       const std::vector<std::size_t>& among);
 
-// One query against its ceilings.
-void AddCeilingParts(const Workload& workload, const Machine& machine,
-                     const std::vector<WorkingSet*>& sets,
+// One query against reading its planes, and what a call costs by itself.
+void AddCeilingParts(const std::vector<WorkingSet*>& sets,
                      ThroughputParts& parts);
+void AddCallParts(const Workload& workload, ThroughputParts& parts);
 
 // One query, quantized.
 void AddQuantizedParts(const Workload& workload, const Machine& machine,
                        bool is_quick, ThroughputParts& parts);
 
-// Many queries in the scene on a grid.
+// Many queries in the scene on a grid: against the same in the first-level
+// cache, and against the loops that one would write instead.
 void AddManyParts(const Workload& workload, const Machine& machine,
                   std::uint64_t seed, bool is_quick, ThroughputParts& parts);
-
-// The same scene against the loops that one would write instead.
-class GridWorld;
-void RunAgainstBaselines(const GridWorld& grid, Throughput& throughput);
-
-// Lists of indices; sizes, and what a call costs.
-void AddOutputParts(const Workload& workload, ThroughputParts& parts);
-void AddSizeParts(const Workload& workload, const Machine& machine,
-                  ThroughputParts& parts);
 
 }  // namespace halfspace::bench
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "bench/base/text.h"
-#include "bench/measure/survivors.h"
+#include "bench/measure/counts.h"
 #include "bench/report/table.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"

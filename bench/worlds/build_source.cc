@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "bench/base/aligned_vector.h"
-#include "bench/baselines/stream_copier.h"
+#include "bench/baselines/target_loops.h"
 #include "bench/worlds/random.h"
 #include "halfspace/fit.h"
 
@@ -17,10 +18,10 @@ namespace {
 // Vertices lie in rows of this many, two triangles between four of them.
 constexpr std::size_t kRow = 64;
 
-// As many objects as move about `bytes`, in steps that all copiers can do.
-std::size_t ObjectsFor(std::size_t bytes, std::size_t bytes_per_object,
-                       std::size_t step) {
-  return std::max(step, bytes / bytes_per_object / step * step);
+// As many objects as move about `bytes`, in steps that copiers can do.
+std::size_t ObjectsFor(std::size_t bytes, std::size_t bytes_per_object) {
+  return std::max(kCopyObjects,
+                  bytes / bytes_per_object / kCopyObjects * kCopyObjects);
 }
 
 BuildSource SourceOf(std::string shapes, std::size_t objects) {
@@ -29,6 +30,7 @@ BuildSource SourceOf(std::string shapes, std::size_t objects) {
   source.planes = "aabo";
   source.objects = objects;
   source.items = objects;
+  source.copy.objects = objects;
   source.built = std::make_shared<AaboWorld3>();
   source.built->Resize(objects);
   const AaboPlanes3 planes = source.built->planes();
@@ -50,8 +52,7 @@ Point<3> MiddleOf(const Aabb3& box) {
 }
 
 BuildSource MakeBoxes(const Workload& workload, std::size_t bytes) {
-  BuildSource source =
-      SourceOf("boxes", ObjectsFor(bytes, 24 + 32, kMemcpyObjects));
+  BuildSource source = SourceOf("boxes", ObjectsFor(bytes, 24 + 32));
   auto boxes = std::make_shared<AabbWorld3>();
   boxes->Reserve(source.objects);
   for (std::size_t i = 0; i < source.objects; ++i) {
@@ -69,8 +70,7 @@ BuildSource MakeBoxes(const Workload& workload, std::size_t bytes) {
 }
 
 BuildSource MakeBoxRecords(const Workload& workload, std::size_t bytes) {
-  BuildSource source =
-      SourceOf("box-records", ObjectsFor(bytes, 24 + 32, kMemcpyObjects));
+  BuildSource source = SourceOf("box-records", ObjectsFor(bytes, 24 + 32));
   auto boxes = std::make_shared<AlignedVector<Aabb3>>(source.objects);
   for (std::size_t i = 0; i < source.objects; ++i) {
     (*boxes)[i] = BoxOf(workload, i);
@@ -89,8 +89,9 @@ BuildSource MakeBoxesToD(const Workload& workload, std::size_t bytes) {
   BuildSource source;
   source.shapes = "boxes";
   source.planes = "d";
-  source.objects = ObjectsFor(bytes, 24 + 8, kMemcpyObjects);
+  source.objects = ObjectsFor(bytes, 24 + 8);
   source.items = source.objects;
+  source.copy.objects = source.objects;
   source.built =
       std::make_shared<AaboWorld3>(ResizedTo(workload.objects, source.objects));
   const AaboPlanes3 planes = source.built->planes();
@@ -115,8 +116,7 @@ BuildSource MakeBoxesToD(const Workload& workload, std::size_t bytes) {
 // The spheres within the boxes' longest sides. Their planes, the center's and
 // the radius', are a SimplexWorld's, for its alignment.
 BuildSource MakeSpheres(const Workload& workload, std::size_t bytes) {
-  BuildSource source =
-      SourceOf("spheres", ObjectsFor(bytes, 16 + 32, kMemcpyObjects));
+  BuildSource source = SourceOf("spheres", ObjectsFor(bytes, 16 + 32));
   auto columns = std::make_shared<SimplexWorld3>();
   columns->Reserve(source.objects);
   for (std::size_t i = 0; i < source.objects; ++i) {
@@ -153,8 +153,7 @@ struct Triangles {
 
 // A grid, which has half as many vertices as triangles, as closed meshes do.
 BuildSource MakeTriangles(const Workload& workload, std::size_t bytes) {
-  BuildSource source =
-      SourceOf("triangles", ObjectsFor(bytes, 12 + 6 + 32, kMemcpyObjects));
+  BuildSource source = SourceOf("triangles", ObjectsFor(bytes, 12 + 6 + 32));
   auto mesh = std::make_shared<Triangles>();
   const std::size_t vertices = source.objects / 2;
   for (std::size_t v = 0; v < vertices; ++v) {
@@ -195,8 +194,7 @@ struct PointSets {
 // Points within the boxes.
 BuildSource MakePointSets(const Workload& workload, std::size_t bytes) {
   BuildSource source =
-      SourceOf("point-sets",
-               ObjectsFor(bytes, kPointsOfSet * 12 + 8 + 32, kCopyObjects));
+      SourceOf("point-sets", ObjectsFor(bytes, kPointsOfSet * 12 + 8 + 32));
   source.items = source.objects * kPointsOfSet;
   auto sets = std::make_shared<PointSets>();
   Random random(1);
@@ -226,6 +224,17 @@ BuildSource MakePointSets(const Workload& workload, std::size_t bytes) {
   return source;
 }
 
+constexpr std::size_t kChecked = 64;
+
+std::string WrongBound(const Aabo3& built, const Aabo3& single) {
+  if (!(built.aabb() == single.aabb())) {
+    return "X, Y or Z is not that of the builder of one shape";
+  }
+  const bool encloses = built.min[kDAxis] <= single.min[kDAxis] &&
+                        built.max[kDAxis] >= single.max[kDAxis];
+  return encloses ? "" : "D does not enclose that of the builder of one shape";
+}
+
 }  // namespace
 
 BuildSource MakeBuildSource(BuildKind kind, const Workload& workload,
@@ -245,6 +254,27 @@ BuildSource MakeBuildSource(BuildKind kind, const Workload& workload,
       break;
   }
   return MakePointSets(workload, bytes);
+}
+
+std::string CheckBuild(const BuildSource& source, const FitOptions& options) {
+  // What is looked at afterwards must have been written.
+  const AaboPlanes3 planes = source.built->planes();
+  const std::size_t step = std::max<std::size_t>(1, source.objects / kChecked);
+  const bool has_axes = source.planes == "aabo";
+  for (std::size_t i = 0; i < source.objects; i += step) {
+    for (std::size_t k = has_axes ? 0 : kDAxis; k <= kDAxis; ++k) {
+      planes.min[k][i] = std::numeric_limits<float>::quiet_NaN();
+      planes.max[k][i] = std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+  const Target ran = source.build(options, nullptr);
+  if (ran != options.target) return "another target ran";
+  for (std::size_t i = 0; i < source.objects; i += step) {
+    const std::string wrong =
+        WrongBound(source.built->Get(i), source.single(i));
+    if (!wrong.empty()) return "object " + std::to_string(i) + ": " + wrong;
+  }
+  return {};
 }
 
 }  // namespace halfspace::bench

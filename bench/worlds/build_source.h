@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "bench/baselines/copy_job.h"
+#include "bench/baselines/target_loops.h"
 #include "bench/worlds/workload.h"
 #include "halfspace/fit_many.h"
 
@@ -49,6 +49,10 @@ struct BuildSource {
 // fewer: as many as make about `bytes` read and written.
 BuildSource MakeBuildSource(BuildKind kind, const Workload& workload,
                             std::size_t bytes);
+
+// Builds with these options. Empty if the bounds of some objects enclose those
+// of fit.h and are equal to them in X, Y and Z; else what is wrong.
+std::string CheckBuild(const BuildSource& source, const FitOptions& options);
 
 }  // namespace halfspace::bench
 

@@ -6,6 +6,18 @@
 #include <utility>
 
 namespace halfspace::bench {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr double kMostFloat = std::numeric_limits<float>::max();
+
+float RoundedDown(double value) {
+  if (value < -kMostFloat) return -kInfinity;
+  const auto rounded = static_cast<float>(std::min(value, kMostFloat));
+  return rounded > value ? std::nextafter(rounded, -kInfinity) : rounded;
+}
+
+}  // namespace
 
 CloudBounds::CloudBounds(const PointSource& source) : size_(source.objects) {
   for (std::size_t c = 0; c < size_; ++c) {
@@ -28,8 +40,8 @@ void CloudBounds::Bound(Axes axes, Target target) {
                                      min_[2].data(), min_[3].data()};
   const std::array<float*, 4> max = {max_[0].data(), max_[1].data(),
                                      max_[2].data(), max_[3].data()};
-  BoundCloudsFor(target)(axes, coordinates.data(), size_, points_, min.data(),
-                         max.data());
+  LoopsFor(target).bound_clouds(axes, coordinates.data(), size_, points_,
+                                min.data(), max.data());
 }
 
 CloudBounds::Extent CloudBounds::ExtentOf(Axes axes, std::size_t axis,
@@ -90,6 +102,32 @@ double CloudBounds::MeanPad(Axes axes, Target target) {
     }
   }
   return sum / static_cast<double>(2 * min_.size() * size_);
+}
+
+Aabo3 BoundOnRegularAxes(std::span<const float> points) {
+  std::array<double, Aabo3::kAxes> min;
+  std::array<double, Aabo3::kAxes> max;
+  min.fill(std::numeric_limits<double>::infinity());
+  max.fill(-std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i + 2 < points.size(); i += 3) {
+    const double x = points[i];
+    const double y = points[i + 1];
+    const double z = points[i + 2];
+    const std::array<double, Aabo3::kAxes> along = {x + y + z, x - y - z,
+                                                    y - x - z, z - x - y};
+    // Two sums round, by half of 2^-52 each.
+    const double error = 0x1p-51 * (std::abs(x) + std::abs(y) + std::abs(z));
+    for (std::size_t k = 0; k < Aabo3::kAxes; ++k) {
+      min[k] = std::min(min[k], along[k] - error);
+      max[k] = std::max(max[k], along[k] + error);
+    }
+  }
+  Aabo3 bound;
+  for (std::size_t k = 0; k < Aabo3::kAxes; ++k) {
+    bound.min[k] = RoundedDown(min[k]);
+    bound.max[k] = -RoundedDown(-max[k]);
+  }
+  return bound;
 }
 
 }  // namespace halfspace::bench

@@ -4,12 +4,14 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <string>
 
 #include "bench/base/aligned_vector.h"
-#include "bench/baselines/axes_builder.h"
+#include "bench/baselines/target_loops.h"
 #include "bench/measure/measure.h"
 #include "bench/worlds/point_source.h"
+#include "halfspace/bounds.h"
 
 namespace halfspace::bench {
 
@@ -52,6 +54,12 @@ class CloudBounds {
   std::array<AlignedVector<float>, 4> min_;
   std::array<AlignedVector<float>, 4> max_;
 };
+
+// An octahedron around points, x y z each, at least one, whose axes are
+// (1, 1, 1), (1, -1, -1), (-1, 1, -1) and (-1, -1, 1): four normals of a
+// regular tetrahedron, which sum to zero. The kernels know planes, and no
+// directions.
+Aabo3 BoundOnRegularAxes(std::span<const float> points);
 
 }  // namespace halfspace::bench
 

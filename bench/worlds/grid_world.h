@@ -1,21 +1,47 @@
-// The scene on a grid in every form that is measured: floats, quantized bounds
-// and an array of structures, with the right answers.
+// The scene of the public aabo benchmark, so many copies of 100 clouds of 50
+// points on a grid, in every form that is measured: floats, quantized bounds
+// and an array of structures, with the right answers; and the scalar loop that
+// one would write instead of calling the library.
 #ifndef HALFSPACE_BENCH_WORLDS_GRID_WORLD_H_
 #define HALFSPACE_BENCH_WORLDS_GRID_WORLD_H_
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "bench/base/shape_queries.h"
-#include "bench/baselines/baselines.h"
+#include "bench/base/shape.h"
 #include "bench/measure/machine.h"
 #include "bench/worlds/workload.h"
 #include "halfspace/quantized.h"
 
 namespace halfspace::bench {
+
+// 100 clouds of 50 points, uniform in the unit sphere. Each object is a cloud
+// that has been moved to a place in [-50, 50]^3, uniform on a grid of 10 000
+// steps per axis; queries likewise.
+Workload MakeGridScene(std::size_t objects, std::size_t queries,
+                       std::uint64_t seed);
+
+// Octahedra as an array of structures, in halves of 16 bytes: all up simplices,
+// then all down simplices, so that an object that the first rejects costs 16
+// bytes.
+struct HalvesWorld {
+  struct Half {
+    float x, y, z, d;
+  };
+  std::vector<Half> up;    // minima
+  std::vector<Half> down;  // maxima
+};
+
+HalvesWorld MakeHalves(const AaboView3& view);
+
+// Counts the survivors of each query, object by object, with an early-out after
+// every compare; a tile of objects that stays in the cache for all queries.
+void CountScalar(const HalvesWorld& world, std::span<const Aabo3> queries,
+                 std::span<std::size_t> counts);
 
 class GridWorld {
  public:

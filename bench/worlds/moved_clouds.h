@@ -11,7 +11,6 @@
 
 #include "bench/worlds/random.h"
 #include "bench/worlds/scene.h"
-#include "bench/worlds/unit_sphere.h"
 
 namespace halfspace::bench {
 

@@ -6,7 +6,6 @@
 
 #include "bench/worlds/moved_clouds.h"
 #include "bench/worlds/random.h"
-#include "bench/worlds/unit_sphere.h"
 
 namespace halfspace::bench {
 namespace {

@@ -2,6 +2,7 @@
 #ifndef HALFSPACE_BENCH_WORLDS_RANDOM_H_
 #define HALFSPACE_BENCH_WORLDS_RANDOM_H_
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <random>
@@ -23,6 +24,20 @@ class Random {
  private:
   std::mt19937_64 engine_;
 };
+
+// Uniform in the ball of radius 1.
+template <std::size_t kDims = 3>
+std::array<float, kDims> PointInUnitSphere(Random& random) {
+  for (;;) {
+    std::array<float, kDims> p;
+    double square = 0.0;
+    for (float& coordinate : p) {
+      coordinate = random.Signed();
+      square += double{coordinate} * double{coordinate};
+    }
+    if (square <= 1.0) return p;
+  }
+}
 
 }  // namespace halfspace::bench
 

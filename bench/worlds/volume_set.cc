@@ -6,8 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "bench/baselines/seven_sided_scan.h"
-#include "bench/baselines/sphere_scan.h"
+#include "bench/baselines/target_loops.h"
 #include "bench/worlds/bounding_sphere.h"
 #include "bench/worlds/working_set.h"
 #include "halfspace/fit.h"
@@ -114,14 +113,15 @@ void VolumeSet::Scan(const VolumeTest& test, const VolumeBounds& query,
       const auto& [min, max] = query.of_box;
       const float values[] = {max[0], max[1], max[2], max[3],
                               min[0], min[1], min[2]};
-      return SevenSidedScanFor(target)(seven_planes_.data(), values, size(),
-                                       mask_.data());
+      return LoopsFor(target).scan_seven_sided(seven_planes_.data(), values,
+                                               size(), mask_.data());
     }
     case Volume::kSphere: {
       const auto& [center, radius] = query.sphere;
       const float values[] = {center[0], center[1], center[2], radius};
-      const SphereScans scans = SphereScansFor(target);
-      return (options.schedule == Schedule::kFlat ? scans.flat : scans.by_axis)(
+      const TargetLoops loops = LoopsFor(target);
+      return (options.schedule == Schedule::kFlat ? loops.scan_spheres
+                                                  : loops.scan_spheres_by_axis)(
           sphere_planes_.data(), values, size(), mask_.data());
     }
   }

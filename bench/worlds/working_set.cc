@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "bench/base/text.h"
-#include "bench/baselines/gated_scan.h"
+#include "bench/baselines/target_loops.h"
 #include "tests/reference/reference.h"
 
 namespace halfspace::bench {
@@ -126,7 +126,7 @@ Case WorkingSet::LibraryCase(std::string name, ShapeKind shape,
 Case WorkingSet::GatedCase(std::string name, ShapeKind shape, Target target,
                            std::size_t width) {
   return MakeCase(std::move(name), shape,
-                  [this, scan = GatedScanFor(target), shape, width,
+                  [this, scan = LoopsFor(target).scan_gated, shape, width,
                    planes = PlanesOf(shape, view_)](const Aabo3& aabo) {
                     const std::vector<float> query = QueryOf(shape, aabo);
                     scan(shape, width, planes.data(), query.data(), objects(),
@@ -141,7 +141,7 @@ Case WorkingSet::ReadCase(std::string name, ShapeKind shape, ReadWay way,
   Case c;
   c.name = std::move(name);
   c.items = static_cast<double>(objects() * rounds);
-  c.run = [read = PlaneReaderFor(target), way, rounds,
+  c.run = [read = LoopsFor(target).read, way, rounds,
            planes = BytesOf(PlanesOf(shape, view_)),
            bytes = objects() * sizeof(float)] {
     for (std::size_t i = 0; i < rounds; ++i) {

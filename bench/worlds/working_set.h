@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bench/base/shape.h"
-#include "bench/baselines/plane_reader.h"
+#include "bench/baselines/target_loops.h"
 #include "bench/measure/machine.h"
 #include "bench/measure/measure.h"
 #include "bench/worlds/workload.h"

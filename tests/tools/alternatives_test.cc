@@ -8,10 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "bench/measure/second_reads.h"
+#include "bench/measure/counts.h"
 #include "bench/worlds/cloud_bounds.h"
 #include "bench/worlds/point_source.h"
-#include "bench/worlds/regular_bounds.h"
 #include "bench/worlds/scene.h"
 #include "halfspace/fit.h"
 #include "tests/library/support/environment.h"

@@ -221,7 +221,7 @@ if(EXISTS /dev/full)
     ARGUMENTS --details machine --out /dev/full STDERR "/dev/full: ")
 endif()
 halfspace_command_line_test(out CODE 0 ARGUMENTS --details machine
-  OUT "^cpuinfo-bench [0-9.]+ --details machine.*, seed 1\n\nmachine: ")
+  OUT "^cpuinfo-bench [0-9.]+ --details machine.*, seed 1\n[^\n]+\n\nmachine: ")
 halfspace_command_line_test(out_of_a_failed_run CODE 3
   ARGUMENTS --details machine --mesh "${inputs}/none.obj"
   OUT "^what was there$")

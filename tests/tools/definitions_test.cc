@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "bench/measure/cost_model.h"
-#include "bench/measure/early_out.h"
-#include "bench/measure/survivors.h"
+#include "bench/measure/counts.h"
 #include "bench/sections/verdict.h"
 #include "bench/worlds/scene.h"
 #include "halfspace/fit.h"

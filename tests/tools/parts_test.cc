@@ -1,16 +1,13 @@
 // Small parts of the tool, each against values by hand.
 #include <gtest/gtest.h>
 
-#include <cstdint>
+#include <cstddef>
 #include <stdexcept>
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/baselines/register_scan.h"
-#include "bench/measure/crossover_size.h"
-#include "bench/measure/line_fit.h"
+#include "bench/measure/curves.h"
 #include "bench/measure/team.h"
-#include "halfspace/targets.h"
 
 namespace halfspace::bench {
 namespace {
@@ -57,29 +54,6 @@ TEST(CrossoverSizeTest, InterpolatesBetweenLogarithms) {
   EXPECT_EQ(CrossoverSize(sizes, ours, faster), 0.0);
   const std::vector<double> slower = {2, 200};
   EXPECT_EQ(CrossoverSize(sizes, ours, slower), 10000.0);
-}
-
-TEST(RegisterScanTest, WritesTheWordsAndNoMore) {
-  AaboWorld3 world;
-  world.Resize(256);
-  const Aabo3 query = Aabo3::Empty();
-  for (Target target : SupportedTargets()) {
-    const RegisterScans scans = RegisterScansFor(target);
-    for (RegisterScan scan : {scans.one, scans.many}) {
-      if (scan == nullptr) continue;
-      for (ShapeKind shape : kShapes) {
-        constexpr std::uint64_t kUntouched = 0x5555555555555555;
-        std::vector<std::uint64_t> mask(6, kUntouched);
-        scan(shape, PlanesOf(shape, world.view()).data(),
-             QueryOf(shape, query).data(), 256, mask.data());
-        for (std::size_t w = 0; w < 4; ++w) {
-          EXPECT_NE(mask[w], kUntouched) << target.name() << NameOf(shape);
-        }
-        EXPECT_EQ(mask[4], kUntouched);
-        EXPECT_EQ(mask[5], kUntouched);
-      }
-    }
-  }
 }
 
 }  // namespace

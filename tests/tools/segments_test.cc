@@ -1,5 +1,7 @@
 // Long segments in pieces: against counts by hand, and that more pieces never
 // keep more.
+#include "bench/paper/segments.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,7 +10,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "bench/paper/segment_counts.h"
 #include "bench/worlds/scene.h"
 #include "tests/library/support/environment.h"
 

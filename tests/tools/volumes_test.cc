@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "bench/baselines/sphere_scan.h"
+#include "bench/baselines/target_loops.h"
 #include "bench/worlds/bounding_sphere.h"
 #include "bench/worlds/point_source.h"
 #include "bench/worlds/random.h"
@@ -158,7 +158,7 @@ TEST(SphereScanTest, NeverRejectsSpheresThatTouch) {
       {{{3, 4, 0}, 5}, {{1, 0, 0}, 1}, {{2, -3, 6}, 7}, {{-8, 4, 1}, 9}}};
   Random random(7);
   for (Target target : testing::TargetsUnderTest()) {
-    const SphereScans scans = SphereScansFor(target);
+    const TargetLoops loops = LoopsFor(target);
     for (std::size_t i = 0; i < testing::Scaled(2000); ++i) {
       const Direction& direction = kDirections[i % kDirections.size()];
       const float s =
@@ -185,7 +185,7 @@ TEST(SphereScanTest, NeverRejectsSpheresThatTouch) {
           planes[3].data()};
       const std::array<float, 4> values = {query.center[0], query.center[1],
                                            query.center[2], grown_query};
-      for (SphereScan scan : {scans.flat, scans.by_axis}) {
+      for (VolumeScan scan : {loops.scan_spheres, loops.scan_spheres_by_axis}) {
         std::uint64_t mask = 0;
         scan(pointers.data(), values.data(), 64, &mask);
         // 2^-60 is much for the smallest.

@@ -1,6 +1,6 @@
 // The paper's work metric: against a count that follows its definition object
 // by object, and against the paper's own figures.
-#include "bench/measure/work_count.h"
+#include "bench/paper/work_count.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "bench/measure/survivors.h"
-#include "bench/paper/paper.h"
+#include "bench/measure/counts.h"
 #include "bench/worlds/scene.h"
 
 namespace halfspace::bench {

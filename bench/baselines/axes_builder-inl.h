@@ -1,17 +1,8 @@
-#include "bench/baselines/axes_builder.h"
-
-#include "bench/base/target_function.h"
-
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "bench/baselines/axes_builder.cc"
-#include "hwy/foreach_target.h"  // IWYU pragma: keep
-#include "hwy/highway.h"
+// Bounds of clouds on three kinds of axes: part of target_loops.cc.
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
 namespace HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 // The projections of a vector of points. That on the last axis is negated,
 // which saves an operation.
@@ -163,34 +154,3 @@ void BoundCloudsOn(bench::Axes axes, const float* const* coordinates,
 }  // namespace HWY_NAMESPACE
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
-
-namespace halfspace::bench {
-
-template <std::int64_t kTarget>
-BoundClouds BoundCloudsOf();
-
-template <>
-BoundClouds BoundCloudsOf<HWY_TARGET>() {
-  return &HWY_NAMESPACE::BoundCloudsOn;
-}
-
-}  // namespace halfspace::bench
-
-#if HWY_ONCE
-namespace halfspace::bench {
-
-BoundClouds BoundCloudsFor(Target target) {
-  return FunctionOf<BoundClouds>(target,
-                                 [](auto t) { return BoundCloudsOf<t()>(); });
-}
-
-AxisMatrix MatrixOf(Axes axes) {
-  if (axes == Axes::kStandard) {
-    return {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, -1, -1}}};
-  }
-  const double c = axes == Axes::kRegular ? double{kRootOfThird} : 1.0;
-  return {{{c, c, c}, {c, -c, -c}, {-c, c, -c}, {-c, -c, c}}};
-}
-
-}  // namespace halfspace::bench
-#endif  // HWY_ONCE

@@ -1,14 +1,15 @@
 // The paper's work metric: half-spaces evaluated per object when a batch of w
 // objects stops after the first half-space that leaves all of them rejected.
 // It counts, it does not time: the same on every machine.
-#ifndef HALFSPACE_BENCH_MEASURE_WORK_COUNT_H_
-#define HALFSPACE_BENCH_MEASURE_WORK_COUNT_H_
+#ifndef HALFSPACE_BENCH_PAPER_WORK_COUNT_H_
+#define HALFSPACE_BENCH_PAPER_WORK_COUNT_H_
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
-#include "bench/measure/plane_words.h"
+#include "bench/base/shape.h"
+#include "bench/baselines/target_loops.h"
 #include "halfspace/bounds.h"
 #include "halfspace/world.h"
 
@@ -46,6 +47,15 @@ class WorkCounter {
   Sums reached_{};
 };
 
+// Table 1 of "The Bounding Simplex: A SIMD-Era Rejection Primitive".
+inline constexpr WorkCount kPaperWork = {
+    .aabb = {1.56, 2.29, 2.64, 3.58, 4.27, 5.07, 5.77},
+    .simplex = {1.87, 3.09, 3.39, 3.79, 3.93, 3.98, 4.00},
+    .aabo = {1.87, 3.09, 3.40, 3.80, 4.00, 4.23, 4.90}};
+
+inline constexpr PerShape<std::size_t> kPaperSurvivors = {21'814, 47'559,
+                                                          20'039};
+
 }  // namespace halfspace::bench
 
-#endif  // HALFSPACE_BENCH_MEASURE_WORK_COUNT_H_
+#endif  // HALFSPACE_BENCH_PAPER_WORK_COUNT_H_

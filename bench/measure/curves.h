@@ -1,6 +1,6 @@
-// Up to which size one thing is faster than another.
-#ifndef HALFSPACE_BENCH_MEASURE_CROSSOVER_SIZE_H_
-#define HALFSPACE_BENCH_MEASURE_CROSSOVER_SIZE_H_
+// Lines through measured points.
+#ifndef HALFSPACE_BENCH_MEASURE_CURVES_H_
+#define HALFSPACE_BENCH_MEASURE_CURVES_H_
 
 #include <cmath>
 #include <cstddef>
@@ -28,6 +28,31 @@ inline double CrossoverSize(std::span<const double> sizes,
   return sizes.back();
 }
 
+// The straight line through some points, by least squares.
+struct Line {
+  double intercept = 0.0;
+  double slope = 0.0;
+};
+
+// As many y as x, at least two different x.
+inline Line FitLine(std::span<const double> x, std::span<const double> y) {
+  const auto count = static_cast<double>(x.size());
+  double mean_x = 0.0;
+  double mean_y = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    mean_x += x[i] / count;
+    mean_y += y[i] / count;
+  }
+  double xx = 0.0;
+  double xy = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    xx += (x[i] - mean_x) * (x[i] - mean_x);
+    xy += (x[i] - mean_x) * (y[i] - mean_y);
+  }
+  const double slope = xy / xx;
+  return {mean_y - slope * mean_x, slope};
+}
+
 }  // namespace halfspace::bench
 
-#endif  // HALFSPACE_BENCH_MEASURE_CROSSOVER_SIZE_H_
+#endif  // HALFSPACE_BENCH_MEASURE_CURVES_H_

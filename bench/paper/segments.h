@@ -1,7 +1,7 @@
 // Long segments as queries: how many objects one bound of a segment keeps, and
 // how many its bounds in pieces do.
-#ifndef HALFSPACE_BENCH_PAPER_SEGMENT_COUNTS_H_
-#define HALFSPACE_BENCH_PAPER_SEGMENT_COUNTS_H_
+#ifndef HALFSPACE_BENCH_PAPER_SEGMENTS_H_
+#define HALFSPACE_BENCH_PAPER_SEGMENTS_H_
 
 #include <array>
 #include <cstddef>
@@ -49,4 +49,4 @@ std::size_t CountFloor(const AaboView3& view, const Segment3& segment);
 
 }  // namespace halfspace::bench
 
-#endif  // HALFSPACE_BENCH_PAPER_SEGMENT_COUNTS_H_
+#endif  // HALFSPACE_BENCH_PAPER_SEGMENTS_H_

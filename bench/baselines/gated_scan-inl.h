@@ -1,15 +1,5 @@
-#include "bench/baselines/gated_scan.h"
-
-#include "bench/base/target_function.h"
-#include "bench/baselines/plane_order.h"
-
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "bench/baselines/gated_scan.cc"
-#include "hwy/foreach_target.h"  // IWYU pragma: keep
-#include "hwy/highway.h"
-
-// After foreach_target.h, which decides what it is compiled for.
-#include "kernels/scan/words-inl.h"
+// The paper's schedule and what its work is counted in: part of
+// target_loops.cc.
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
@@ -88,29 +78,26 @@ void ScanGated(bench::ShapeKind shape, size_t width, const float* const* planes,
   }
 }
 
+template <size_t... kPlane>
+HWY_INLINE void FillWord(std::index_sequence<kPlane...>,
+                         const float* const* planes, const float* query,
+                         size_t i, bench::PlaneWords& out) {
+  const WordTag<float> d;
+  constexpr size_t kMinima = sizeof...(kPlane) / 2;
+  ((out[kPlane] = ~KeptBits<(kPlane < kMinima ? 1 : 0)>(
+        d, LoadAll(), planes + kPlane, i,
+        hn::Set(d, query[(kPlane + kMinima) % sizeof...(kPlane)]))),
+   ...);
+}
+
+void FillPlaneWords(const float* const* planes, const float* query,
+                    size_t words, bench::PlaneWords* out) {
+  constexpr std::make_index_sequence<bench::kPlaneWordsPlanes> kPlanes{};
+  for (size_t w = 0; w < words; ++w) {
+    FillWord(kPlanes, planes, query, w * kWordObjects, out[w]);
+  }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
-
-namespace halfspace::bench {
-
-template <std::int64_t kTarget>
-GatedScan GatedScanOf();
-
-template <>
-GatedScan GatedScanOf<HWY_TARGET>() {
-  return &HWY_NAMESPACE::ScanGated;
-}
-
-}  // namespace halfspace::bench
-
-#if HWY_ONCE
-namespace halfspace::bench {
-
-GatedScan GatedScanFor(Target target) {
-  return FunctionOf<GatedScan>(target,
-                               [](auto t) { return GatedScanOf<t()>(); });
-}
-
-}  // namespace halfspace::bench
-#endif  // HWY_ONCE

@@ -1,15 +1,20 @@
-// How often the first half-space rejects a whole batch of w objects: the
-// paper's p^w, three ways.
-#ifndef HALFSPACE_BENCH_MEASURE_EARLY_OUT_H_
-#define HALFSPACE_BENCH_MEASURE_EARLY_OUT_H_
+// What is counted and not timed: survivors, and how often whole batches are
+// rejected.
+#ifndef HALFSPACE_BENCH_MEASURE_COUNTS_H_
+#define HALFSPACE_BENCH_MEASURE_COUNTS_H_
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
+
+#include "bench/base/shape.h"
+#include "halfspace/reject.h"
 
 namespace halfspace::bench {
 
-// p is the share of objects that the half-space rejects. It differs between
+// How often the first half-space rejects a whole batch of w objects: the
+// paper's p^w. p is the share of objects that it rejects. It differs between
 // queries.
 struct EarlyOut {
   double of_mean_p = 0.0;    // (mean of p)^w, the paper's
@@ -48,6 +53,30 @@ inline EarlyOut EarlyOutOf(std::span<const float> minima,
   return result;
 }
 
+// The batches of `width` objects, a power of two up to 64, of whose bits one is
+// set; of all batches of whole words.
+inline std::size_t BatchesWithSurvivor(std::span<const std::uint64_t> mask,
+                                       std::size_t width) {
+  const std::uint64_t batch = ~std::uint64_t{0} >> (64 - width);
+  std::size_t count = 0;
+  for (std::uint64_t word : mask) {
+    if (word == 0) continue;
+    for (std::size_t l = 0; l < 64; l += width) {
+      count += (word >> l & batch) != 0 ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+// Adds the survivors of one query.
+template <typename T>
+void AddSurvivors(const AaboView3& view, const Aabo3& query,
+                  PerShape<T>& sums) {
+  sums.aabb += static_cast<T>(CountSurvivors(view.aabb(), query.aabb()));
+  sums.simplex += static_cast<T>(CountSurvivors(view.simplex(), query.down()));
+  sums.aabo += static_cast<T>(CountSurvivors(view, query));
+}
+
 }  // namespace halfspace::bench
 
-#endif  // HALFSPACE_BENCH_MEASURE_EARLY_OUT_H_
+#endif  // HALFSPACE_BENCH_MEASURE_COUNTS_H_

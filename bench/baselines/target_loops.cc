@@ -1,0 +1,61 @@
+#include "bench/baselines/target_loops.h"
+
+#include <utility>
+
+#include "bench/base/target_function.h"
+#include "bench/baselines/plane_order.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "bench/baselines/target_loops.cc"
+#include "hwy/cache_control.h"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+#include "hwy/highway.h"
+
+// After foreach_target.h, which decides what they are compiled for.
+#include "kernels/scan/stages-inl.h"
+
+// After the kernels, whose parts they use.
+#include "bench/baselines/axes_builder-inl.h"
+#include "bench/baselines/gated_scan-inl.h"
+#include "bench/baselines/memory_loops-inl.h"
+#include "bench/baselines/vectorised-inl.h"
+#include "bench/baselines/volume_scans-inl.h"
+
+namespace halfspace::bench {
+
+template <std::int64_t kTarget>
+TargetLoops LoopsOf();
+
+template <>
+TargetLoops LoopsOf<HWY_TARGET>() {
+  return {.read = &HWY_NAMESPACE::ReadPlanes,
+          .copy = &HWY_NAMESPACE::CopyStreams,
+          .scan_gated = &HWY_NAMESPACE::ScanGated,
+          .fill_plane_words = &HWY_NAMESPACE::FillPlaneWords,
+          .bound_clouds = &HWY_NAMESPACE::BoundCloudsOn,
+          .scan_seven_sided = &HWY_NAMESPACE::ScanSevenSided,
+          .scan_spheres = &HWY_NAMESPACE::ScanSpheres,
+          .scan_spheres_by_axis = &HWY_NAMESPACE::ScanSpheresByAxis,
+          .count_by_or = &HWY_NAMESPACE::CountSimplices<true>,
+          .count_by_and = &HWY_NAMESPACE::CountSimplices<false>};
+}
+
+}  // namespace halfspace::bench
+
+#if HWY_ONCE
+namespace halfspace::bench {
+
+TargetLoops LoopsFor(Target target) {
+  return FunctionOf<TargetLoops>(target, [](auto t) { return LoopsOf<t()>(); });
+}
+
+AxisMatrix MatrixOf(Axes axes) {
+  if (axes == Axes::kStandard) {
+    return {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, -1, -1}}};
+  }
+  const double c = axes == Axes::kRegular ? double{kRootOfThird} : 1.0;
+  return {{{c, c, c}, {c, -c, -c}, {-c, c, -c}, {-c, -c, c}}};
+}
+
+}  // namespace halfspace::bench
+#endif  // HWY_ONCE

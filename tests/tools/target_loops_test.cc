@@ -1,0 +1,121 @@
+// The ceilings: each must move every byte.
+#include "bench/baselines/target_loops.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bench/base/aligned_vector.h"
+#include "halfspace/targets.h"
+
+namespace halfspace::bench {
+namespace {
+
+// Halves that differ in length.
+constexpr std::size_t kBytes = 2 * 8192 + 3 * kReadBytes;
+
+class Planes {
+ public:
+  explicit Planes(std::size_t count)
+      : planes_(count, AlignedVector<unsigned char>(kBytes, 0)) {}
+
+  unsigned char& at(std::size_t plane, std::size_t byte) {
+    return planes_[plane][byte];
+  }
+  std::size_t count() const { return planes_.size(); }
+
+  std::uint32_t Read(ReadWay way, Target target) const {
+    BytePlanes list;
+    for (const auto& plane : planes_) list.push_back(plane.data());
+    return LoopsFor(target).read(way, list.data(), list.size(), kBytes);
+  }
+
+ private:
+  std::vector<AlignedVector<unsigned char>> planes_;
+};
+
+template <typename Ways, typename F>
+void ForEvery(const Ways& ways, const F& f) {
+  for (Target target : SupportedTargets()) {
+    for (auto way : ways) {
+      SCOPED_TRACE(std::string(target.name()) + ", " + NameOf(way));
+      f(way, target);
+    }
+  }
+}
+
+TEST(PlaneReaderTest, EveryByteCounts) {
+  for (std::size_t count : {4u, 6u, 8u}) {
+    Planes planes(count);
+    ForEvery(kReadWays, [&](ReadWay way, Target target) {
+      EXPECT_EQ(planes.Read(way, target), 0u);
+      for (std::size_t p = 0; p < count; ++p) {
+        // A byte of each chunk, another one each time.
+        for (std::size_t i = p; i < kBytes; i += kReadBytes - 1) {
+          planes.at(p, i) = 1;
+          EXPECT_NE(planes.Read(way, target), 0u) << p << ", " << i;
+          planes.at(p, i) = 0;
+        }
+      }
+    });
+  }
+}
+
+// A part of 1024 objects, and a shorter one.
+constexpr std::size_t kObjects = 1024 + 3 * kCopyObjects;
+constexpr unsigned char kUntouched = 0xFF;
+
+// What is written, and 256 bytes after each of the planes.
+std::vector<AlignedVector<unsigned char>> Copied(CopyWay way, Target target,
+                                                 CopyJob job) {
+  std::vector<AlignedVector<unsigned char>> written(
+      2, AlignedVector<unsigned char>(4 * kObjects + 256, kUntouched));
+  for (auto& plane : written) job.writes.push_back({plane.data(), 4});
+  LoopsFor(target).copy(way, job);
+  return written;
+}
+
+TEST(StreamCopierTest, ReadsAndWritesEveryByte) {
+  // Triangles: three indices and half of three coordinates.
+  AlignedVector<unsigned char> indices(12 * kObjects, 0);
+  AlignedVector<unsigned char> coordinates(6 * kObjects, 0);
+  CopyJob job;
+  job.objects = kObjects;
+  job.reads = {{indices.data(), 12}, {coordinates.data(), 6}};
+  ForEvery(kCopyWays, [&](CopyWay way, Target target) {
+    for (const auto& plane : Copied(way, target, job)) {
+      for (std::size_t i = 0; i < plane.size(); ++i) {
+        ASSERT_EQ(plane[i], i < 4 * kObjects ? 0 : kUntouched) << i;
+      }
+    }
+    for (auto* stream : {&indices, &coordinates}) {
+      for (std::size_t i = 0; i < stream->size(); i += kReadBytes - 1) {
+        (*stream)[i] = 1;
+        // Seen by the last objects at the latest.
+        const auto written = Copied(way, target, job);
+        EXPECT_TRUE(std::any_of(written[1].begin() + 4 * kObjects - 64,
+                                written[1].begin() + 4 * kObjects,
+                                [](unsigned char byte) { return byte == 1; }))
+            << i;
+        (*stream)[i] = 0;
+      }
+    }
+  });
+}
+
+TEST(StreamCopierTest, CountsTheBytesOfAJob) {
+  const std::vector<std::uint32_t> indices(3 * kObjects);
+  std::vector<float> plane(kObjects);
+  CopyJob job;
+  job.objects = kObjects;
+  job.Read(indices.data(), indices.size());
+  job.Write(plane.data(), plane.size());
+  EXPECT_EQ(job.bytes(), 16 * kObjects);
+}
+
+}  // namespace
+}  // namespace halfspace::bench
