@@ -1,5 +1,6 @@
-# What `cmake --install` leaves behind: library, headers, the packages for CMake
-# and pkg-config, and cpuinfo-bench if it was built. The tree can be moved.
+# What `cmake --install` installs: the library, its headers and pages, the packages
+# for CMake and pkg-config, and cpuinfo-bench if it was built. The tree can be
+# moved.
 
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
@@ -35,7 +36,10 @@ configure_file("${CMAKE_CURRENT_LIST_DIR}/halfspace.pc.in" halfspace.pc @ONLY)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/halfspace.pc"
         DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
 
+# The headers name pages of docs/.
 install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(DIRECTORY docs/ DESTINATION "${CMAKE_INSTALL_DOCDIR}"
+        FILES_MATCHING PATTERN "*.md")
 
 if(PROJECT_IS_TOP_LEVEL)
   include(HalfspacePackage)

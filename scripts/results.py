@@ -46,7 +46,7 @@ def cell(value, column):
     if low is not None and high is not None:
         text += f" [{number(low, digits)}, {number(high, digits)}]"
     if flag == "winner":
-        return f"**{text}**"
+        return f"**{text}** *"
     return text + {"tie": " =", "met": " met", "missed": " missed"}.get(flag, "")
 
 

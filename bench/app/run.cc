@@ -50,8 +50,8 @@ Context ContextOf(const Run& run) {
 
 void WriteHead(std::ostream& out, const Report& report) {
   out << "cpuinfo-bench " << report.ValueOf("version") << ' '
-      << Printable(report.ValueOf("command")) << ", "
-      << report.ValueOf("caches") << ", seed " << report.ValueOf("seed") << "\n"
+      << Printable(report.ValueOf("command")) << "; seed "
+      << report.ValueOf("seed") << "; " << report.ValueOf("caches") << '\n'
       << report.ValueOf("cpu") << " (" << report.ValueOf("model") << ")\n";
 }
 

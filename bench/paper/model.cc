@@ -73,12 +73,13 @@ Table DensityTable(const Verdict& verdict, std::size_t target,
   }
   table.notes = {
       "kappa: survivors of a query of " + Grouped(TypicalOf(verdict).objects) +
-          " objects; c: those of the simplex over those of the box; w_cmp: " +
+          " objects. c: those of the simplex over those of the box. w_cmp: " +
           Fixed(compare, 4) +
-          " ns, half of what six planes take more than "
-          "four; break-even: the exact test from which on the box wins.",
+          " ns, half of the time that six planes take longer than four. "
+          "break-even: with a longer exact test the box wins.",
       "The limit holds for wide batches, where the box evaluates all six "
-      "half-spaces. A box by axis does not, so the limit is too high.",
+      "half-spaces. The box that is tested by axis skips some, so the limit "
+      "is too high for it.",
       "A cube has c = 4.50 for boxes, by volume, and 3.55 for rays, by "
       "surface: computed from its bounding simplex."};
   return table;
@@ -86,7 +87,7 @@ Table DensityTable(const Verdict& verdict, std::size_t target,
 
 Table EarlyOutTable(const WorkingSet& set, const Workload& workload) {
   Table table{"model: early-out",
-              "share of batches of w that the first half-space rejects whole",
+              "share of batches of w objects that the first half-space rejects",
               {Key("w"), Value("(mean p)^w", "", 6),
                Value("mean of p_q^w", "", 6), Value("counted", "", 6)}};
   table.chart =
@@ -99,9 +100,9 @@ Table EarlyOutTable(const WorkingSet& set, const Workload& workload) {
     table.Add({w, shares.of_mean_p, shares.mean_of_p_w, shares.counted});
   }
   table.notes = {
-      "p differs between queries, from 0 to 1 with the place of the query, so "
-      "early-out fades far more slowly with w than (mean p)^w, the paper's "
-      "model."};
+      "p, the share of objects that the first half-space rejects, is between 0 "
+      "and 1, depending on where the query is. So early-out fades far more "
+      "slowly with w than (mean p)^w, the paper's model."};
   return table;
 }
 
@@ -147,10 +148,10 @@ Table AdvantageTable(Run& run, const VerdictWorld& typical,
   }
   table.notes = {
       "E[C]: half-spaces evaluated per object, the sum of Pr[S_k], counted. "
-      "Adv(w): E[C] box - E[C] simplex, times w_cmp of " +
+      "Adv(w): (E[C] box - E[C] simplex) times w_cmp, " +
           Fixed(compare, 4) +
-          " ns, minus the exact tests of the simplex's "
-          "further survivors.",
+          " ns, minus the exact tests of the objects that only the simplex "
+          "keeps. measured: the same with measured times.",
       "The paper says Adv(1) < 0. Its own times at w = 1, 2.31 and 3.28 ns, "
       "give a positive Adv(1)."};
   return table;
@@ -170,7 +171,7 @@ Tables RunModel(Run& run) {
   std::vector<ExactTest> exact_tests = run.ExactTests();
   if (run.options.exact_ns) exact_tests.push_back(run.TheExactTest());
   Table exact{"model: exact tests",
-              "ns of one test of a pair whose bounds are around each other",
+              "ns of one exact test of two shapes near each other",
               {Key("test"), Value("time", "ns", 1)}};
   for (const ExactTest& test : exact_tests) exact.Add({test.name, test.ns});
   return {DensityTable(verdict, target, exact_tests),

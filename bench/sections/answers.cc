@@ -64,7 +64,7 @@ void AddThreads(const Table& threads, Table& table) {
                       row[3].spread->second};
     const bool is_tie = times.low <= 1.0 && times.high >= 1.0;
     table.Add(
-        {"threads, " + row[0].text,
+        {"threads: " + row[0].text,
          is_tie ? "no difference"
                 : std::to_string(static_cast<int>(*row[1].value)) + " threads",
          Cell(times).With(is_tie ? Flag::kTie : Flag::kNone), "one thread"});

@@ -49,8 +49,9 @@ Tables RunMachine(Run& run) {
   }
   if (machine.is_virtual) {
     table.notes.push_back(
-        "A virtual machine. Its neighbours disturb it: trust counts, and "
-        "ratios as far as their ranges say, but no times.");
+        "This is a virtual machine. Others share its hardware, so trust "
+        "counts, "
+        "and ratios within their ranges, but not times.");
   }
   if (machine.is_emulated) {
     table.notes.push_back(

@@ -37,13 +37,15 @@ Tables RunNoise(Run& run) {
   // Ranges between groups say how far the verdict is to be trusted; other
   // ratios have the quartiles of one group alone.
   table.notes = {
-      "Trust counts always; the verdict within its ranges; other ratios to " +
+      "Trust counts always, the verdict within its ranges, and other ratios "
+      "to " +
       std::string(std::max(off, drift) > 0.1 ? "one digit"
                   : is_noisy                 ? "a tenth"
                                              : "a twentieth") +
-      (is_noisy || run.machine.is_virtual
-           ? "; times not, as something disturbed the run or may have."
-           : "; times as well.")};
+      (is_noisy ? ". Do not trust times: something disturbed the run."
+       : run.machine.is_virtual
+           ? ". Do not trust times: other virtual machines share the hardware."
+           : ". Times can be trusted too.")};
   // --strict and the page need no more.
   if (run.is_page()) table.rows.erase(table.rows.begin(), table.rows.end() - 1);
   return {table};

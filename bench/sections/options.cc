@@ -62,7 +62,7 @@ CLI::Validator Whole(std::uint64_t least, std::uint64_t most) {
   const auto check = [=](std::string& text) -> std::string {
     const std::optional<std::uint64_t> number = ParseWhole(text);
     if (!number || *number < least || *number > most) {
-      return "\"" + text + "\" is no whole number from " + range;
+      return "\"" + text + "\" is not a whole number from " + range;
     }
     text = std::to_string(*number);
     return {};
@@ -79,7 +79,7 @@ CLI::Validator Above0UpTo(double most) {
     const auto [stop, error] = std::from_chars(text.data(), end, value);
     const bool is_within =
         error == std::errc() && stop == end && value > 0 && value <= most;
-    return is_within ? "" : "\"" + text + "\" is no number " + range;
+    return is_within ? "" : "\"" + text + "\" is not a number " + range;
   };
   return CLI::Validator(check, range);
 }
@@ -107,7 +107,7 @@ std::string CheckSections(const std::string& list) {
         std::any_of(Sections().begin(), Sections().end(),
                     [&](const Section& each) { return each.name == name; });
     if (name != kAllSections && !is_section) {
-      return "\"" + name + "\" is no section of --list";
+      return "\"" + name + "\" is not a section; --list prints them";
     }
   }
   return {};
@@ -183,11 +183,12 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
                        std::string("cpuinfo-bench ") + HALFSPACE_VERSION_STRING,
                        "Print the version and exit");
   app.add_flag("--quick", options.is_quick,
-               "A smaller scene and fewer repetitions: 20 seconds");
+               "Use a smaller scene and fewer repetitions: about 20 seconds");
   std::vector<std::string> lists;
-  app.add_option("--details", lists,
-                 "Measure these sections at length and print their tables; "
-                 "separated by commas, see --list; all takes minutes")
+  app.add_option(
+         "--details", lists,
+         "Measure these sections at length and print their tables; "
+         "separated by commas; see --list. \"all\" takes 5 to 15 minutes")
       ->check(CheckSections)
       ->type_name("SECTION,...");
   auto* mesh =
@@ -207,8 +208,8 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
           ->check(CheckFileName)
           ->type_name("FILE.csv");
   app.add_option("--query-size", options.query_size,
-                 "Query with random boxes whose sides are this much of the "
-                 "box around --mesh or --bounds")
+                 "Query with random boxes whose sides are this percentage of "
+                 "the sides of the box around --mesh or --bounds")
       ->check(Above0UpTo(100))
       ->type_name("PERCENT")
       ->excludes(query_bounds);
@@ -217,8 +218,8 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
       ->transform(Whole(64, kMostObjects))
       ->type_name("N");
   app.add_option("--queries", options.queries,
-                 "Queries (default 128 to count with, 256 or a few more "
-                 "with a file, and 20000 to time)")
+                 "Queries (default 20000 to time; 128 to count survivors, with "
+                 "a file 256 or a few more)")
       ->transform(Whole(1, kMostQueries))
       ->type_name("N");
   app.add_option("--seed", options.seed,
@@ -230,13 +231,13 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
       ->check(CheckTarget)
       ->type_name("NAME");
   app.add_option("--repetitions", options.repetitions,
-                 "Repetitions of every measurement (default 5, of --details "
-                 "7, quick 3)")
+                 "Repetitions of every measurement (default 5, with --details "
+                 "7, with --quick 3)")
       ->transform(Whole(1, kMostRepetitions))
       ->type_name("N");
   app.add_option("--exact-ns", options.exact_ns,
-                 "What your exact test of a survivor takes, in ns (default: "
-                 "a triangle pair's, measured)")
+                 "Time of your exact test of one survivor (default: measured, "
+                 "of two triangles)")
       ->check(Above0UpTo(1e9))
       ->type_name("NS");
   app.add_flag("--strict", options.is_strict,
@@ -245,7 +246,7 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
   app.add_option("--format", format, "The form of the report, text by default")
       ->check(CLI::IsMember({"text", "json"}).description(""))
       ->type_name("text|json");
-  app.add_option("--out", options.out, "Write the results to this file")
+  app.add_option("--out", options.out, "Write the report to this file")
       ->check(CheckFileName)
       ->type_name("FILE");
   app.add_option("--against", options.against,

@@ -46,6 +46,10 @@ std::string LanesOf(Target target) {
                              : std::to_string(target.lanes()) + " lanes";
 }
 
+bool IsOfFile(const Verdict& verdict) {
+  return verdict.worlds().front().percent == 0.0;
+}
+
 // From which target on the simplex wins at more sizes than the box.
 std::string Headline(const Verdict& verdict) {
   std::size_t first = verdict.targets().size();
@@ -61,12 +65,12 @@ std::string Headline(const Verdict& verdict) {
     if (simplex <= box) break;
     first = t;
   }
-  return first == verdict.targets().size()
-             ? "The simplex wins at more sizes than the box on no target; the "
-               "paper predicts 8 to 16 lanes."
-             : "The simplex wins at more sizes than the box from " +
-                   LanesOf(verdict.targets()[first]) +
-                   " on; the paper predicts 8 to 16.";
+  return std::string("The simplex wins ") +
+         (IsOfFile(verdict) ? "" : "at more sizes than the box ") +
+         (first == verdict.targets().size()
+              ? "on no target"
+              : "from " + LanesOf(verdict.targets()[first]) + " on") +
+         ". The paper predicts 8 to 16 lanes.";
 }
 
 // Where each wins on one target, in one line.
@@ -82,13 +86,17 @@ std::string SentenceOf(const Verdict& verdict, std::size_t target,
   for (Winner winner : {Winner::kSimplex, Winner::kBox, Winner::kNone}) {
     const auto& places = where[static_cast<std::size_t>(winner)];
     if (places.empty()) continue;
-    text += text.empty() ? " " : "; ";
-    text += winner == Winner::kNone ? "no difference"
-                                    : std::string("the ") + NameOf(winner);
-    text += " at " + RangesOf(places, verdict.worlds());
+    const bool is_first = text.empty();
+    text += is_first ? " " : "; ";
+    text +=
+        (winner == Winner::kNone ? "" : "the ") + std::string(NameOf(winner));
+    if (is_first) text += " wins";
+    if (!IsOfFile(verdict)) {
+      text += " at " + RangesOf(places, verdict.worlds());
+    }
   }
   const Target t = verdict.targets()[target];
-  return LanesOf(t) + " (" + NameOf(t) + "):" + text + ".";
+  return NameOf(t) + ", " + LanesOf(t) + ":" + text + ".";
 }
 
 Table TableOf(const Verdict& verdict, std::string name, std::string title,
@@ -242,15 +250,18 @@ Tables RunVerdict(Run& run) {
               exact.ns.median)};
   tables[0].notes.insert(tables[0].notes.begin(), Headline(verdict));
   tables[0].notes.push_back(
-      "size: of an object, of the world's side; * the simplex wins, = no "
-      "difference; [range of " +
-      std::to_string(verdict.groups()) + " groups].");
+      std::string(IsOfFile(verdict)
+                      ? ""
+                      : "size: of an object, as a share of the world's "
+                        "side. ") +
+      "*: the simplex wins. =: no difference. [ ]: the range of " +
+      std::to_string(verdict.groups()) + " groups.");
   if (run.is_page()) {
     tables[1].notes.clear();
     return tables;
   }
   Table times{"verdict: times",
-              "ns of an object, and the range between groups",
+              "ns per object, and the range of the groups",
               {Key("size"), Key("target"), Key("shape"), Key("schedule"),
                Value("time", "ns", 4), Value("over the simplex", "", 3)}};
   for (const VerdictWorld& world : verdict.worlds()) {
@@ -268,6 +279,7 @@ Tables RunVerdict(Run& run) {
     }
   }
   tables.push_back(std::move(times));
+  if (IsOfFile(verdict)) return tables;
   Table chart{"verdict: by size",
               what + ", by the size of objects",
               {Key("target"), Key("size", "%"), Higher("box / simplex")}};

@@ -9,13 +9,14 @@
 //
 // A call returns the same objects as the call of reject.h with the same name.
 // An id is the index of the object in the world that it came from. A flat scan
-// tests every object. A Bvh visits a node only if its parent survived:
-// about log64(n) tree levels.
+// tests every object. A query of a Bvh visits a node only if the parent
+// of the node survived. There are about log64(n) tree levels.
 //
 // The BVH has no pointers. Objects are sorted so that 64 consecutive ones are
 // near each other and form a leaf, 64 consecutive leaves form a node, and so
-// on. Nodes and objects are quantized to 8 bits per plane. These reject, or
-// prove that an object survives, or leave the decision to the floats.
+// on. Nodes and objects are quantized to 8 bits per plane. The quantized values
+// reject an object, prove that it survives, or leave the decision to the
+// floats.
 //
 // Other queries of the same world: bvh_shapes.h (spheres, segments,
 // half-spaces), bvh_nearest.h (k nearest, ray casts), bvh_pairs.h (all
@@ -209,8 +210,8 @@ class Bvh {
   bool Has(std::uint32_t id) const { return tree_.Has(id); }
 
   // Changes the bound of an object, and tightens its leaf and the nodes above.
-  // The order stays, so leaves grow as objects move: see CostRatio(). About
-  // half a microsecond (`./bench.sh --details bvh`). The first change by id of
+  // The order stays, so leaves grow as objects move: see CostRatio(). About 1
+  // us in a world of a million objects (docs/bvh.md). The first change by id of
   // a world that was built copies it once.
   void Set(std::uint32_t id, const Bound& bound) {
     tree_.Set(id, detail::Planes(bound));
@@ -223,7 +224,7 @@ class Bvh {
   // The world sorts itself as it grows: the newest objects after every 256
   // insertions, and all objects when as many were inserted as the world had
   // when it was last sorted. A query of a world that was filled by Insert()
-  // takes up to twice as long as after Rebuild(). An insertion takes 1 to 2 us
+  // takes about twice as long as after Rebuild(). An insertion takes 1 to 2 us
   // on average, but a single one can take as long as Rebuild(). If there is no
   // memory to sort with, the objects stay unsorted until the next 256
   // insertions.
@@ -305,7 +306,7 @@ class Bvh {
   // Sorts the groups of 4096 places whose surface has grown most, about
   // `objects` objects in total and at least one group. Groups that are sorted
   // together exchange their objects. Returns the number of objects sorted, and
-  // 0 if no group has grown. Takes about 0.3 us per object.
+  // 0 if no group has grown. Takes 0.1 to 0.3 us per object.
   std::size_t RebuildPartial(std::size_t objects) {
     return tree_.RebuildPartial(objects);
   }
@@ -361,8 +362,9 @@ using AaboBvh2 = Bvh<AaboView2>;
 using AaboBvh3 = Bvh<AaboView3>;
 
 // Writes the ids of all survivors to `ids`, in no particular order, and returns
-// their number. If `ids` is shorter than that, it is filled, and the full
-// number is returned. Elements of `ids` behind the last id may be overwritten.
+// their number. If `ids` is shorter than that, the call fills it and still
+// returns the full number. Elements of `ids` behind the last id may be
+// overwritten.
 template <typename View>
 [[nodiscard]] std::size_t Survivors(const Bvh<View>& world,
                                     const typename View::Query& query,

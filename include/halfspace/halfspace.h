@@ -23,6 +23,9 @@
 //   targets.h      instruction sets
 //   error.h        how calls report a violated precondition
 //   version.h      the library's version
+//
+// The pages of docs/ that headers name are installed with the headers, in
+// share/doc/halfspace.
 #ifndef HALFSPACE_HALFSPACE_H_
 #define HALFSPACE_HALFSPACE_H_
 

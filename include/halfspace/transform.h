@@ -26,9 +26,8 @@
 // "Tightest", "within 1 ulp", "throws", the thread safety and the
 // floating-point mode are as in fit.h.
 //
-// Cost: tens of ns, and up to twice that if every call has a different bound,
-// because branches are then mispredicted (`./bench.sh --details build`;
-// docs/performance.md has tables).
+// Cost: tens of ns, and about 100 ns for BoundTransformed
+// (`./bench.sh --details build`; docs/exactness.md has tables).
 //
 // Source: "The Bounding Simplex", for the axes. The outward rounding is this
 // library's own (docs/exactness.md).

@@ -77,7 +77,7 @@ endfunction()
 function(install_command result build prefix)
   set(${result}
     ${CMAKE_COMMAND} "-DBUILD=${build}" "-DPREFIX=${prefix}"
-    "-DHEADERS=${PROJECT_SOURCE_DIR}/include"
+    "-DHEADERS=${PROJECT_SOURCE_DIR}/include" "-DPAGES=${CMAKE_INSTALL_DOCDIR}"
     -P "${CMAKE_CURRENT_SOURCE_DIR}/install_and_move.cmake" PARENT_SCOPE)
 endfunction()
 

@@ -15,6 +15,23 @@ if(NOT headers STREQUAL expected)
                       "Installed: ${headers}\nExpected: ${expected}")
 endif()
 
+# Every page that a header names is there.
+foreach(header IN LISTS headers)
+  file(READ "${PREFIX}/include/${header}" text)
+  string(REGEX MATCHALL "docs/[A-Za-z0-9_-]+\\.md" pages "${text}")
+  foreach(page IN LISTS pages)
+    get_filename_component(name "${page}" NAME)
+    if(NOT EXISTS "${PREFIX}/${PAGES}/${name}")
+      message(FATAL_ERROR "${header} names ${page}, which is not installed in "
+                          "${PREFIX}/${PAGES}: see cmake/HalfspaceInstall.cmake")
+    endif()
+    set(named TRUE)
+  endforeach()
+endforeach()
+if(NOT named)
+  message(FATAL_ERROR "No header names a page of docs/: nothing was checked")
+endif()
+
 file(GLOB_RECURSE packages
      "${PREFIX}/*/halfspace*.cmake" "${PREFIX}/*/halfspace.pc")
 if(NOT packages)

@@ -7,6 +7,7 @@ import html.parser
 import json
 import subprocess
 import sys
+import tempfile
 
 check, project, runs = sys.argv[1], sys.argv[2], sys.argv[3:]
 reports = [json.load(open(run, encoding="utf-8")) for run in runs]
@@ -64,6 +65,15 @@ for paths in (runs[:1], runs[1:], runs):
             is_shown = table["name"] in page.text
             assert is_shown or table["name"] == "noise", table["name"]
 assert page.svgs >= 3, page.svgs
-refused = subprocess.run([*tool, f"{project}/docs/report.schema.json"],
-                         capture_output=True, text=True)
-assert refused.returncode == 1 and "; give a file" in refused.stderr, refused
+
+# A page that refuses a file says which one, what is wrong with it and what to give.
+damaged = dict(reports[0], tables=[{"name": "verdict"}])
+for what, text in (("schema", '{"schema": 3}'), ("schema", "[]"), ("title", json.dumps(damaged)),
+                   ("line 1", "no JSON")):
+    with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+        file.write(text)
+        file.flush()
+        refused = subprocess.run([*tool, file.name], capture_output=True, text=True)
+        assert refused.returncode == 1, refused
+        for part in (file.name, what, "; give a file"):
+            assert part in refused.stderr, refused
