@@ -70,7 +70,7 @@ void ScanSevenSided(const float* const* planes, const float* query, size_t size,
     const detail::Part tile =
         PartFrom(all, begin, (begin + count) * kWordObjects);
     if (is_streaming && kPagesPay) {
-      StreamPages<false, float>(minima, tile);
+      StreamPages<false, float>(LoadAll(), minima, tile);
     } else {
       TestMinimaOfBoxes(local, query, begin, count, mask);
     }

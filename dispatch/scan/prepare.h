@@ -8,13 +8,15 @@
 #include <limits>
 
 #include "dispatch/targets/chosen_target.h"
+#include "dispatch/targets/detect_targets.h"
 #include "halfspace/detail/scan.h"
 #include "halfspace/reject.h"
 #include "kernels/scan/kernel_table.h"
 
 namespace halfspace::dispatch {
 
-// Up to this many bytes of planes are taken to be in cache; more are streamed.
+// Up to this many bytes of planes are taken to be in cache; more are streamed
+// where that pays.
 inline constexpr std::size_t kInCacheBytes = 128 * 1024;
 
 // Planes of no more values fit the address space whatever they store.
@@ -96,7 +98,8 @@ inline void Prepare(detail::Scan& scan, const Options& options,
       (scan.addresses.bits | scan.begin * scan.element_bytes) % 64 == 0;
   scan.is_streaming =
       scan.query_count == 1 &&
-      (scan.end - scan.begin) * scan.record_bytes > kInCacheBytes;
+      (scan.end - scan.begin) * scan.record_bytes > kInCacheBytes &&
+      StreamingPays();
   const auto shape = static_cast<std::size_t>(scan.shape);
   scan.way = scan.quantizer == nullptr ? kWayOf[shape][schedule]
                                        : kWayOfQuantized[shape][schedule];

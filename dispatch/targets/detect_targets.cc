@@ -27,6 +27,11 @@ Registers Cpuid(std::uint32_t leaf, std::uint32_t subleaf = 0) {
   return result;
 }
 
+bool IsAmd(const Registers& leaf0) {
+  return leaf0.ebx == signature_AMD_ebx && leaf0.ecx == signature_AMD_ecx &&
+         leaf0.edx == signature_AMD_edx;
+}
+
 std::int64_t AskMachine() {
   const Registers leaf0 = Cpuid(0);  // in eax the highest leaf
   const Registers leaf1 = Cpuid(1);
@@ -46,9 +51,7 @@ std::int64_t AskMachine() {
     std::uint32_t upper_half;
     asm volatile("xgetbv" : "=a"(machine.xcr0), "=d"(upper_half) : "c"(0));
   }
-  machine.is_amd = leaf0.ebx == signature_AMD_ebx &&
-                   leaf0.ecx == signature_AMD_ecx &&
-                   leaf0.edx == signature_AMD_edx;
+  machine.is_amd = IsAmd(leaf0);
   return TargetsOf(machine);
 }
 
@@ -75,6 +78,15 @@ std::int64_t AskMachine() { return 0; }
 std::int64_t DetectTargets() {
   return (AskMachine() | HWY_ENABLED_BASELINE | HWY_SCALAR | HWY_EMU128) &
          HWY_TARGETS;
+}
+
+bool StreamingPays() {
+#if HWY_ARCH_X86 && __has_include(<cpuid.h>)
+  static const bool pays = IsAmd(Cpuid(0));
+  return pays;
+#else
+  return true;
+#endif
 }
 
 }  // namespace halfspace::dispatch

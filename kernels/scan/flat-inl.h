@@ -25,6 +25,15 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+// Returns run(load), with aligned loads where planes are aligned and it pays.
+template <typename T, class Run>
+HWY_INLINE auto WithLoad(const detail::Scan& scan, const Run& run) {
+  if constexpr (kAlignedLoadsPay && std::is_same_v<T, float>) {
+    if (scan.is_aligned) return run(LoadAligned());
+  }
+  return run(LoadAll());
+}
+
 // The value of a query that plane kPlane is compared with. A minimum is
 // compared with the query's maximum; a query's maxima come after its minima, if
 // it has minima.
@@ -213,12 +222,9 @@ HWY_INLINE int64_t FlatAll(Planes all_planes, Load load,
 template <size_t kMins, size_t kMaxs, typename T>
 int64_t Flat(const detail::Scan& scan, const detail::Part& part) {
   constexpr std::make_index_sequence<kMins + kMaxs> kPlanes{};
-  if constexpr (kAlignedLoadsPay && std::is_same_v<T, float>) {
-    if (scan.is_aligned) {
-      return FlatAll<kMins, T>(kPlanes, LoadAligned(), scan, part);
-    }
-  }
-  return FlatAll<kMins, T>(kPlanes, LoadAll(), scan, part);
+  return WithLoad<T>(scan, [&](auto load) HWY_ATTR {
+    return FlatAll<kMins, T>(kPlanes, load, scan, part);
+  });
 }
 
 }  // namespace HWY_NAMESPACE

@@ -1,0 +1,117 @@
+// The streaming kernels against the flat ones. Calls use them only where
+// StreamingPays(), so they are tested here on every machine.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "dispatch/targets/chosen_target.h"
+#include "halfspace/halfspace.h"
+#include "kernels/scan/kernel_table.h"
+#include "tests/library/support/environment.h"
+
+namespace halfspace::testing {
+namespace {
+
+using detail::Way;
+
+template <typename Bound>
+Bound RandomBound(std::mt19937& random, float half_size) {
+  std::uniform_real_distribution<float> place(0, 1);
+  using Scalar = typename Bound::Scalar;
+  Bound bound{};
+  for (std::size_t k = 0; k < Bound::kAxes; ++k) {
+    const float center = place(random);
+    bound.min[k] = Scalar{center - half_size};
+    if constexpr (detail::HasMax<Bound>)
+      bound.max[k] = Scalar{center + half_size};
+  }
+  return bound;
+}
+
+std::vector<std::uint64_t> WordsOf(const detail::Scan& scan, Way way,
+                                   std::size_t size) {
+  // One word more, which no kernel may touch.
+  std::vector<std::uint64_t> words(MaskWords(size) + 1, 0x5555);
+  const detail::Part part{.first_query = 0,
+                          .query_count = 1,
+                          .queries = scan.queries,
+                          .begin = scan.begin,
+                          .end = scan.begin + size,
+                          .rows = words.data(),
+                          .stride = 0};
+  scan.kernels->run[way](scan, part);
+  return words;
+}
+
+// Objects from `begin` on, so that planes are aligned or not.
+template <typename View>
+void Compare(Way flat, Way streaming, std::size_t begin, std::size_t size,
+             float half_size) {
+  using Bound = typename View::Bound;
+  std::mt19937 random(static_cast<unsigned>(size));
+  World<View> world;
+  for (std::size_t i = 0; i < begin + size; ++i) {
+    world.Push(RandomBound<Bound>(random, half_size));
+  }
+  typename View::Query query{};
+  for (std::size_t k = 0; k < Bound::kAxes; ++k) {
+    query.max[k] = 0.5f + half_size;
+    if constexpr (detail::HasMin<typename View::Query>) {
+      query.min[k] = 0.5f - half_size;
+    }
+  }
+  detail::Scan scan = detail::ScanOfOne(world, query);
+  scan.begin = begin;
+  scan.end = begin + size;
+  scan.is_aligned =
+      (scan.addresses.bits | begin * scan.element_bytes) % 64 == 0;
+  for (Target target : TargetsUnderTest()) {
+    scan.kernels =
+        scan.all_kernels + dispatch::IndexOf(target, "streaming_test");
+    scan.is_streaming = false;
+    const auto expected = WordsOf(scan, flat, size);
+    scan.is_streaming = true;
+    EXPECT_EQ(WordsOf(scan, streaming, size), expected)
+        << target.name() << ": " << size << " objects from " << begin << ", "
+        << half_size;
+  }
+}
+
+template <typename View>
+void CompareAll(Way flat, Way streaming) {
+  // Whole pages, parts of one, and tiles of 4096 objects; with and without
+  // tail.
+  for (std::size_t size : {1u, 64u, 1024u, 1088u, 4096u, 9000u}) {
+    for (std::size_t begin : {0u, 1u}) {
+      // Of the words of a tile few survive, and almost all.
+      for (float half_size : {0.02f, 0.2f}) {
+        Compare<View>(flat, streaming, begin, size, half_size);
+      }
+    }
+  }
+}
+
+TEST(Streaming, TestsMinimaLikeTheFlatKernel) {
+  CompareAll<SimplexView2>(Way::kMinima, Way::kMinimaStreaming);
+  CompareAll<SimplexView3>(Way::kMinima, Way::kMinimaStreaming);
+  CompareAll<SimplexView<3, double>>(Way::kMinima, Way::kMinimaStreaming);
+}
+
+TEST(Streaming, TestsAllPlanesLikeTheFlatKernel) {
+  CompareAll<AabbView2>(Way::kAll, Way::kAllStreaming);
+  CompareAll<AabbView3>(Way::kAll, Way::kAllStreaming);
+  CompareAll<AabbView<3, double>>(Way::kAll, Way::kAllStreaming);
+}
+
+TEST(Streaming, TestsBySimplexLikeTheFlatKernel) {
+  CompareAll<AaboView2>(Way::kAll, Way::kBySimplex);
+  CompareAll<AaboView3>(Way::kAll, Way::kBySimplex);
+  CompareAll<AaboView<3, double>>(Way::kAll, Way::kBySimplex);
+}
+
+}  // namespace
+}  // namespace halfspace::testing
