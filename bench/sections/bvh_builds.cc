@@ -145,7 +145,7 @@ void RunBvhRefits(const BoxSet<3>& set, Throughput& throughput,
     result.AddJob(cases[c].name, objects, timings[c]);
   }
   throughput.AddRatio(aims::kRefitInOrder, target,
-                      "refit of " + size + " in quality: % of copying as much",
+                      "refit of " + size + " in order: % of copying as much",
                       RatioOf(timings[2], timings[0]).Percent());
   throughput.AddRatio(aims::kRefitById, target,
                       "refit of " + size + " by id: % of copying as much",

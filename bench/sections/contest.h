@@ -165,7 +165,7 @@ class Contest {
     throughput_.AddRatio(
         aims::kFastOverTight, target,
         set_.name + " " + Grouped(set_.boxes.size()) + kOneByOne +
-            ": time of the fast quality over the tight one's",
+            ": time of the fast order over the tight one's",
         RatioOf(in_a_row_[RowOf(std::string("fast") + kOneByOne, target)],
                 in_a_row_[RowOf(std::string("tight") + kOneByOne, target)]));
   }

@@ -273,7 +273,7 @@ class Walker {
       const uint32_t place = list_[i];
       const size_t query = QueryOf(place);
       if (query != encoded_) {
-        if (!Resolve(unsure, unsure_count)) return false;
+        if (unsure_count != 0 && !Resolve(unsure, unsure_count)) return false;
         unsure_count = 0;
         if (kWrites && !EndQueries(query)) return false;
         encoded_ = query;
@@ -294,9 +294,9 @@ class Walker {
         unsure_count += (bits.unsure & kept) != 0;
         kept &= ~bits.unsure;
       }
-      if (!Take(place, kept)) return false;
+      if (kept != 0 && !Take(place, kept)) return false;
     }
-    return Resolve(unsure, unsure_count);
+    return unsure_count == 0 || Resolve(unsure, unsure_count);
   }
 
   bool EndQueries(size_t end) {
