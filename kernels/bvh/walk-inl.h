@@ -192,6 +192,10 @@ class Walker {
                                       queries_[QueryOf(place)]);
   }
 
+  HWY_NOINLINE uint64_t TestObjects(uint32_t place) const {
+    return TestFloatsOf(0, place);
+  }
+
   // Those of `kept` that have what a query asks for beside its planes.
   HWY_INLINE uint64_t Filter(size_t level, uint32_t place, uint64_t kept) {
     if constexpr (kHasLeaves) {
@@ -285,7 +289,7 @@ class Walker {
       if (IsInside(place)) {
         kept = levels_.level[0].present[BlockOf(place)];
       } else if (reads_floats) {
-        kept = Filter(0, place, TestFloatsOf(0, place));
+        kept = Filter(0, place, TestObjects(place));
       } else {
         const LeafBits bits = TestCodes<kPlanes>(Codes(place), codes_);
         kept = bits.kept & levels_.level[0].present[BlockOf(place)];
@@ -345,7 +349,7 @@ class Walker {
     const detail::BvhLevel& objects = levels_.level[0];
     const size_t block = BlockOf(place);
     if (hwy::PopCount(bits) > kFew) {
-      return bits & TestFloats<kAxes, kHasMax>(objects, block, query);
+      return bits & TestObjects(place);
     }
     uint64_t kept = 0;
     for (; bits != 0; bits &= bits - 1) {
