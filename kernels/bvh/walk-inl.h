@@ -70,7 +70,10 @@ class Walker {
   explicit Walker(const detail::Walk& walk)
       : walk_(walk),
         levels_(*walk.levels),
-        has_masks_(levels_.level[0].masks != nullptr && ~walk.mask != 0) {}
+        has_masks_(levels_.level[0].masks != nullptr && ~walk.mask != 0),
+        reads_codes_(
+            levels_.codes != nullptr &&
+            (walk.shape == nullptr || walk.shape->instead == nullptr)) {}
 
   void Run() {
     for (size_t q = 0; q < walk_.query_count; ++q) {
@@ -247,19 +250,25 @@ class Walker {
     walk_.counts[first_query_ + QueryOf(place)] += objects;
   }
 
+  template <size_t kCount, typename T>
+  static HWY_INLINE void PrefetchAll(const T* values) {
+    for (size_t i = 0; i < kCount; i += 64 / sizeof(T)) {
+      kernels::Prefetch(values + i);
+    }
+  }
+
   void PrefetchLeaf(uint32_t place) const {
     if constexpr (kHasLeaves) return;
     if (!IsInside(place)) {
-      constexpr size_t kLine = 64 / sizeof(int16_t);
-      for (size_t i = 0; i < kPlanes * detail::kBlockObjects; i += kLine) {
-        kernels::Prefetch(Codes(place) + i);
+      constexpr size_t kValues = kPlanes * detail::kBlockObjects;
+      if (reads_codes_) {
+        PrefetchAll<kValues>(Codes(place));
+      } else {
+        PrefetchAll<kValues>(levels_.level[0].Plane(BlockOf(place), 0));
       }
     }
     if constexpr (kWrites) {
-      const uint32_t* ids = levels_.ids + FirstOf(place);
-      for (size_t i = 0; i < detail::kBlockObjects; i += 16) {
-        kernels::Prefetch(ids + i);
-      }
+      PrefetchAll<detail::kBlockObjects>(levels_.ids + FirstOf(place));
     }
   }
 
@@ -268,9 +277,6 @@ class Walker {
   }
 
   bool VisitLeaves(size_t size) {
-    const bool reads_floats =
-        levels_.codes == nullptr ||
-        (walk_.shape != nullptr && walk_.shape->instead != nullptr);
     Unsure unsure[2 * kManyLeaves];
     size_t unsure_count = 0;
     for (size_t i = 0; i < size; ++i) {
@@ -281,14 +287,14 @@ class Walker {
         unsure_count = 0;
         if (kWrites && !EndQueries(query)) return false;
         encoded_ = query;
-        if (!reads_floats) {
+        if (reads_codes_) {
           EncodeQuery<kAxes, kHasMax>(*levels_.map, queries_[query], codes_);
         }
       }
       uint64_t kept;
       if (IsInside(place)) {
         kept = levels_.level[0].present[BlockOf(place)];
-      } else if (reads_floats) {
+      } else if (!reads_codes_) {
         kept = Filter(0, place, TestObjects(place));
       } else {
         const LeafBits bits = TestCodes<kPlanes>(Codes(place), codes_);
@@ -372,6 +378,7 @@ class Walker {
   const detail::Walk& walk_;
   const detail::BvhLevels& levels_;
   const bool has_masks_;
+  const bool reads_codes_;
   size_t list_size_ = 0;
   size_t first_query_ = 0;  // of those that walk together
   size_t query_ = 0;        // after the first, whose ids are written
