@@ -267,9 +267,6 @@ class Walker {
         PrefetchAll<kValues>(levels_.level[0].Plane(BlockOf(place), 0));
       }
     }
-    if constexpr (kWrites) {
-      PrefetchAll<detail::kBlockObjects>(levels_.ids + FirstOf(place));
-    }
   }
 
   const int16_t* Codes(uint32_t place) const {
