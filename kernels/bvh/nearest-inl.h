@@ -72,7 +72,10 @@ class NearestFinder {
       // Also where none is left, as no limit is infinite.
       if (keyed > worst_) return;
       if (level == 0) {
-        if (keyed >= search_.from) AddToFew(keyed);
+        if (keyed >= search_.from) {
+          AddToFew(keyed);
+          if (search_.room == 1) return;
+        }
         lane = TakeLeast(keys, key);
       } else {
         lane = TakeLeast(keys, key);
