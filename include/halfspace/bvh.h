@@ -65,9 +65,9 @@ enum class BuildQuality : std::uint8_t {
   // load of an R-tree.
   kHigh,
   // Sorts along a Hilbert curve. O(n), about a fifth of the time. Queries take
-  // up to 1.4 times as long as with kHigh. In 3 dimensions the curve has 1024
-  // cells per axis: if a few objects are very far away, all others share a few
-  // cells, and kHigh is better.
+  // up to 1.4 times as long as with kHigh. The curve's cells, 1024 for each of
+  // 3 axes, are where most objects are: objects far away share the cells at the
+  // end.
   kFast,
 };
 
