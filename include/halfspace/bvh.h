@@ -72,8 +72,8 @@ enum class BuildQuality : std::uint8_t {
 };
 
 struct QueryOptions {
-  // Finds only objects with at least one of these masks
-  // (Bvh::SetMasks). All ones finds all objects.
+  // Finds only objects whose mask (Bvh::SetMasks) has at least one of these
+  // bits. All ones finds all objects.
   std::uint32_t mask = 0xFFFFFFFF;
   Target target = {};  // by default, the chosen one (targets.h)
 };
@@ -217,7 +217,7 @@ class Bvh {
     tree_.Set(id, detail::Planes(bound));
   }
 
-  // Adds an object with all masks and returns its id: that of an erased
+  // Adds an object whose mask is all ones, and returns its id: that of an erased
   // object, or one more than the greatest. The object takes an empty place in a
   // leaf that it makes grow by a 16th at most, or a new place at the end.
   //
@@ -238,10 +238,10 @@ class Bvh {
   // first change of a blob in place.
   void Erase(std::uint32_t id) { tree_.Erase(id); }
 
-  // Sets the masks of one object, or of all: masks[i] is that of
-  // object i. Objects beyond the end of the list get 0. An object whose
-  // masks were never set has all of them. One with 0 is found only with
-  // QueryOptions::masks of all ones.
+  // Sets the mask of one object, or of all: masks[i] is that of object i. The
+  // mask of objects beyond the end of the list becomes 0. An object whose mask
+  // was never set has all ones. One with 0 is found only with a
+  // QueryOptions::mask of all ones.
   void SetMasks(std::uint32_t id, std::uint32_t mask) {
     tree_.SetMasks(id, mask);
   }
