@@ -217,9 +217,10 @@ class Bvh {
     tree_.Set(id, detail::Planes(bound));
   }
 
-  // Adds an object whose mask is all ones, and returns its id: that of an erased
-  // object, or one more than the greatest. The object takes an empty place in a
-  // leaf that it makes grow by a 16th at most, or a new place at the end.
+  // Adds an object whose mask is all ones, and returns its id: that of an
+  // erased object, or one more than the greatest. The object takes an empty
+  // place in a leaf that it makes grow by a 16th at most, or a new place at the
+  // end.
   //
   // The world sorts itself as it grows: the newest objects after every 256
   // insertions, and all objects when as many were inserted as the world had
