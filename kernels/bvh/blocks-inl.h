@@ -56,8 +56,9 @@ struct PlaneQuery {
 };
 
 struct QueryCodes {
-  // The upper codes, in both halves, so that one load fills a vector.
-  uint32_t upper[8];
+  // The upper codes in the lanes of a CodeMap, each in both halves, so that one
+  // load fills a vector.
+  alignas(32) int32_t upper[detail::CodeMap::kLanes];
   // An object whose codes are above these by no more than this, which is
   // negative, is certain to survive.
   int16_t certain;
@@ -114,7 +115,6 @@ HWY_INLINE void EncodeQuery(const detail::CodeMap& map, const PlaneQuery& query,
   constexpr size_t kLanes = detail::CodeMap::kLanes;
   const hn::CappedTag<float, kHasMax ? kLanes : detail::CodeMap::kMaxLane> d;
   const hn::Rebind<int32_t, decltype(d)> di;
-  HWY_ALIGN int32_t upper[kLanes];
   const auto margin = hn::Set(d, detail::kCodeMargin);
   auto differ = hn::Zero(di);
   for (size_t l = 0; l < (kHasMax ? kLanes : detail::CodeMap::kMaxLane);
@@ -126,10 +126,7 @@ HWY_INLINE void EncodeQuery(const detail::CodeMap& map, const PlaneQuery& query,
     differ =
         hn::Or(differ, hn::Xor(above, CodesOf(d, hn::Sub(scaled, margin))));
     const auto low = hn::And(above, hn::Set(di, 0xFFFF));
-    hn::Store(hn::Or(low, hn::ShiftLeft<16>(low)), di, upper + l);
-  }
-  for (size_t p = 0; p < kBlockPlanes<kAxes, kHasMax>; ++p) {
-    codes.upper[p] = static_cast<uint32_t>(upper[LaneOf<kAxes>(p)]);
+    hn::Store(hn::Or(low, hn::ShiftLeft<16>(low)), di, codes.upper + l);
   }
   codes.certain = hn::AllTrue(di, hn::Eq(differ, hn::Zero(di))) ? -1 : -2;
 }
@@ -143,21 +140,21 @@ struct LeafBits {
 
 // The greatest of the codes of vector `codes` of a leaf, less the query's. As a
 // chain of arguments, so that each plane is loaded once.
-template <size_t kPlane, class D>
+template <size_t kAxes, size_t kPlane, class D>
 HWY_INLINE hn::Vec<D> AboveQuery(D d, const int16_t* codes,
                                  const QueryCodes& query) {
-  const hn::Repartition<uint32_t, D> d32;
-  const auto above =
-      hn::SaturatedSub(hn::Load(d, codes + kPlane * detail::kBlockObjects),
-                       hn::BitCast(d, hn::Set(d32, query.upper[kPlane])));
+  const hn::Repartition<int32_t, D> d32;
+  const auto above = hn::SaturatedSub(
+      hn::Load(d, codes + kPlane * detail::kBlockObjects),
+      hn::BitCast(d, hn::Set(d32, query.upper[LaneOf<kAxes>(kPlane)])));
   if constexpr (kPlane == 0) {
     return above;
   } else {
-    return hn::Max(above, AboveQuery<kPlane - 1>(d, codes, query));
+    return hn::Max(above, AboveQuery<kAxes, kPlane - 1>(d, codes, query));
   }
 }
 
-template <size_t kPlanes>
+template <size_t kAxes, size_t kPlanes>
 HWY_INLINE LeafBits TestCodes(const int16_t* codes, const QueryCodes& query) {
   const WordTag<int16_t> d;
   const auto zero = hn::Zero(d);
@@ -165,7 +162,7 @@ HWY_INLINE LeafBits TestCodes(const int16_t* codes, const QueryCodes& query) {
   uint64_t rejected = 0;
   uint64_t not_certain = 0;
   for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
-    const auto above = AboveQuery<kPlanes - 1>(d, codes + i, query);
+    const auto above = AboveQuery<kAxes, kPlanes - 1>(d, codes + i, query);
     rejected |= LaneBits(d, hn::Gt(above, zero)) << i;
     not_certain |= LaneBits(d, hn::Gt(above, certain)) << i;
   }

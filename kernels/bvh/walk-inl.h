@@ -294,7 +294,7 @@ class Walker {
       } else if (!reads_codes_) {
         kept = Filter(0, place, TestObjects(place));
       } else {
-        const LeafBits bits = TestCodes<kPlanes>(Codes(place), codes_);
+        const LeafBits bits = TestCodes<kAxes, kPlanes>(Codes(place), codes_);
         kept = bits.kept & levels_.level[0].present[BlockOf(place)];
         kept = Filter(0, place, kept);
         unsure[unsure_count] = {place, bits.unsure & kept};
