@@ -149,13 +149,33 @@ bool BvhTree::Has(std::uint32_t id) const {
   return slot < header().slots && levels_.ids[slot] == id;
 }
 
+void BvhTree::CheckId(std::uint32_t id, const char* call) const {
+  if (Has(id)) return;
+  kernels::ThrowInvalid(call, "id", "the id of an object in the world",
+                        std::to_string(id));
+}
+
+void BvhTree::Get(std::uint32_t id, Span<float> values) const {
+  constexpr const char* kCall = "Bvh::Get";
+  CheckId(id, kCall);
+  const std::uint32_t* const ids = levels_.ids;
+  const std::size_t slot =
+      levels_.slots != nullptr
+          ? levels_.slots[id]
+          : static_cast<std::size_t>(std::find(ids, ids + slots(), id) - ids);
+  if (slot == slots()) {  // in an altered blob
+    kernels::ThrowInvalid(kCall, "id", "an element of ids()",
+                          std::to_string(id));
+  }
+  for (std::size_t p = 0; p < values.size(); ++p) {
+    values[p] = levels_.level[0].Value(p, slot);
+  }
+}
+
 // Before a change of one object. Returns its slot.
 std::size_t BvhTree::PrepareObject(std::uint32_t id, bool has_masks,
                                    const char* call) {
-  if (!Has(id)) {
-    kernels::ThrowInvalid(call, "id", "the id of an object in the world",
-                          std::to_string(id));
-  }
+  CheckId(id, call);
   Prepare(call, {0, 1, has_masks});
   return levels_.slots[id];
 }
@@ -355,6 +375,32 @@ void BvhTree::Erase(std::uint32_t id) {
   } else {
     EncodePath(slot);
   }
+}
+
+void BvhTree::Clear() {
+  if (!is_owned_) return Free();
+  if (block_ == nullptr) return;
+  BvhHeader& header = this->header();
+  header.checksum = 0;
+  header.slots = header.size = header.ids = 0;
+  header.sorted = header.inserted = 0;
+  header.free_id = kNoId;
+  SetSlots(levels_, 0);
+  is_checked_ = true;
+  is_as_loaded_ = false;
+}
+
+// Slots that are empty now do not count as room, because insertions may find
+// none of them near enough.
+void BvhTree::Reserve(std::size_t objects) {
+  constexpr const char* kCall = "Bvh::Reserve";
+  const std::size_t room =
+      objects <= size() ? slots() : slots() + (objects - size());
+  if (objects >= kMostObjects || room >= kMostObjects) {
+    kernels::ThrowInvalid(kCall, "objects", "less than 2^31 objects",
+                          std::to_string(objects));
+  }
+  Prepare(kCall, {room, 1, false});
 }
 
 void BvhTree::SetMasks(std::uint32_t id, std::uint32_t masks) {

@@ -209,6 +209,29 @@ class Bvh {
   // Whether an object has this id. O(1).
   bool Has(std::uint32_t id) const { return tree_.Has(id); }
 
+  // Returns the bound of an object. O(1). In a world that was built, the call
+  // searches ids() until the first change by id or Reserve(): O(n).
+  Bound Get(std::uint32_t id) const {
+    detail::PlaneValues<Bound> values;
+    tree_.Get(id, values);
+    return detail::BoundOf<Bound>(values);
+  }
+
+  // Returns the bound of all objects: on each plane the outermost value, which
+  // is infinite if an object has a NaN there. Empty() for an empty world. O(1),
+  // about 0.1 us.
+  Bound Bounds() const {
+    detail::PlaneValues<Bound> values;
+    tree_.Bounds(values);
+    return detail::BoundOf<Bound>(values);
+  }
+
+  // Allocates room for `objects` objects in total. Until there are more, or one
+  // is erased, insertions do not grow the block; they still allocate memory to
+  // sort with, and free it. Never shrinks. Counts as a change by id. Throws if
+  // `objects` is 2^31 or more.
+  void Reserve(std::size_t objects) { tree_.Reserve(objects); }
+
   // Changes the bound of an object, and tightens its leaf and the nodes above.
   // The order stays, so leaves grow as objects move: see CostRatio(). About 1
   // us in a world of a million objects (docs/bvh.md). The first change by id of
@@ -237,6 +260,11 @@ class Bvh {
   // their order. It allocates only if it is the first change by id, or the
   // first change of a blob in place.
   void Erase(std::uint32_t id) { tree_.Erase(id); }
+
+  // Removes all objects and keeps the block of memory. A blob in place is
+  // released instead. Ids begin at 0 again, and new objects have all masks, as
+  // in a new world. O(1). Never throws.
+  void Clear() { tree_.Clear(); }
 
   // Sets the masks of one object, or of all: masks[i] is that of
   // object i. Objects beyond the end of the list get 0. An object whose

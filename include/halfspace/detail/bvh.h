@@ -182,9 +182,13 @@ class HALFSPACE_API BvhTree {
 
   // `values` are those of all minima, then of all maxima.
   bool Has(std::uint32_t id) const;
+  void Get(std::uint32_t id, Span<float> values) const;
+  void Bounds(Span<float> values) const;
   void Set(std::uint32_t id, Span<const float> values);
   std::uint32_t Insert(Span<const float> values);
   void Erase(std::uint32_t id);
+  void Clear();
+  void Reserve(std::size_t objects);
 
   // Of one object; of all objects by id.
   void SetMasks(std::uint32_t id, std::uint32_t mask);
@@ -212,6 +216,7 @@ class HALFSPACE_API BvhTree {
   // anything has changed, and is the last thing in a change that may throw.
   void Prepare(const char* call, BvhRoom room);
   void Reallocate(const char* call, const BvhRoom& room);
+  void CheckId(std::uint32_t id, const char* call) const;
   std::size_t PrepareObject(std::uint32_t id, bool has_masks, const char* call);
   std::size_t slots() const { return levels_.level[0].size; }
   BvhRoom RoomForOneMore(const char* call) const;

@@ -13,6 +13,7 @@
 #include <random>
 #include <span>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include "halfspace/halfspace.h"
@@ -29,6 +30,24 @@ namespace {
 template <typename Case>
 class BvhChangesTest : public ::testing::Test {};
 TYPED_TEST_SUITE(BvhChangesTest, BvhCases, CaseNames);
+
+// The bound of each object, and of all.
+template <typename View>
+void ExpectSameBounds(const Bvh<View>& bvh, const Model<View>& model) {
+  using Bound = typename View::Bound;
+  auto all = detail::Planes(Bound::Empty());
+  for (const auto& [id, object] : model.objects) {
+    const auto values = detail::Planes(object.bound);
+    for (std::size_t p = 0; p < values.size(); ++p) {
+      all[p] = p < Bound::kAxes ? std::min(all[p], values[p])
+                                : std::max(all[p], values[p]);
+    }
+    if (id % 97 == 0) {
+      ASSERT_EQ(detail::Planes(bvh.Get(id)), values) << id;
+    }
+  }
+  ASSERT_EQ(detail::Planes(bvh.Bounds()), all);
+}
 
 TYPED_TEST(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
   using View = typename TypeParam::View;
@@ -63,7 +82,7 @@ TYPED_TEST(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
       }
     };
     for (std::size_t step = 0; step < 10 + Scaled(20); ++step) {
-      const std::size_t what = random() % 10;
+      const std::size_t what = random() % 11;
       if (what < 4 || model.objects.empty()) {
         for (std::size_t i = random() % 300; i-- > 0;) {
           const Bound bound = any_bound();
@@ -107,6 +126,24 @@ TYPED_TEST(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
       } else if (what == 8) {
         bvh.Rebuild(random() % 2 == 0 ? BuildQuality::kHigh
                                       : BuildQuality::kFast);
+      } else if (what == 10) {
+        if (random() % 3 == 0) {
+          bvh.Clear();
+          model.objects.clear();
+          ASSERT_EQ(bvh.id_limit(), 0u);
+        }
+        const std::size_t more = random() % 2000;
+        bvh.Reserve(bvh.size() + more);
+        const std::size_t bytes = bvh.bytes();
+        for (std::size_t i = more; i-- > 0;) {
+          const Bound bound = any_bound();
+          ASSERT_TRUE(model.objects
+                          .emplace(bvh.Insert(bound),
+                                   typename Model<View>::Object{bound})
+                          .second);
+        }
+        ASSERT_EQ(bvh.bytes(), bytes);
+        ids_ever = std::max(ids_ever, bvh.id_limit());
       } else if (random() % 2 == 0) {
         for (std::size_t i = random() % 50; i-- > 0;) {
           const std::uint32_t id = any_id();
@@ -124,6 +161,7 @@ TYPED_TEST(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
       }
       ASSERT_LE(bvh.ids().size(), 2 * bvh.size() + 64);
       ASSERT_LE(bvh.id_limit(), ids_ever);
+      ExpectSameBounds<View>(bvh, model);
       const auto queries = SomeQueries<View>(random());
       for (std::uint32_t masks : {0xFFFFFFFFu, 1u, 6u}) {
         ExpectIsModel<View>(bvh, model, queries,
@@ -183,6 +221,28 @@ TYPED_TEST(BvhChangesTest, RebuildsMendWhatDecayed) {
   EXPECT_EQ(bvh.CostRatio(), 1.0);
 }
 
+// With and without nodes, by the object's own floats and by those of a node.
+TYPED_TEST(BvhChangesTest, BoundsOfANaNAreInfinite) {
+  using Bound = typename TypeParam::View::Bound;
+  for (std::size_t size : {1, 64, 65, 5000}) {
+    Bvh<typename TypeParam::View> bvh;
+    EXPECT_EQ(detail::Planes(bvh.Bounds()), detail::Planes(Bound::Empty()));
+    for (std::size_t i = 0; i < size; ++i) {
+      bvh.Insert(Spread<typename TypeParam::View>(1.0f, i).NextObject());
+    }
+    auto planes = detail::Planes(bvh.Bounds());
+    auto values = planes;
+    for (std::size_t p = 0; p < values.size(); ++p) {
+      values[p] = std::numeric_limits<float>::quiet_NaN();
+      planes[p] = (p < Bound::kAxes ? -1.0f : 1.0f) *
+                  std::numeric_limits<float>::infinity();
+      if (p == 1) break;  // The other planes stay as they are.
+    }
+    bvh.Insert(detail::BoundOf<Bound>(values));
+    EXPECT_EQ(detail::Planes(bvh.Bounds()), planes) << size;
+  }
+}
+
 TEST(BvhThreadsTest, ShareRefitsAndBuilds) {
   Spread<AabbView3> spread(1.0f);
   AabbBvh3 bvh(spread.Objects(40'000));
@@ -224,6 +284,9 @@ TEST(BvhRefitTest, RefusesOtherNumbersOfBounds) {
   EXPECT_TRUE(Refuses([&] { bvh.Erase(7); }, {"Erase", "id", "7"}));
   EXPECT_TRUE(
       Refuses([&] { bvh.Set(100, Aabb3::Empty()); }, {"Set", "id", "100"}));
+  EXPECT_TRUE(Refuses([&] { std::ignore = bvh.Get(7); }, {"Get", "id", "7"}));
+  EXPECT_TRUE(Refuses([&] { bvh.Reserve(std::size_t{1} << 31); },
+                      {"Reserve", "objects", "2147483648"}));
 }
 
 // Each change, with less memory than it needs, of a world that owns its block
@@ -234,6 +297,7 @@ TEST(BvhChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
       [](AabbBvh3& world) { world.Set(3, Aabb3::Everything()); },
       [](AabbBvh3& world) { world.Insert(Aabb3::Everything()); },
       [](AabbBvh3& world) { world.Erase(3); },
+      [](AabbBvh3& world) { world.Reserve(20'000); },
       [](AabbBvh3& world) { world.SetMasks(3, 1); },
       [](AabbBvh3& world) { world.SetMasks({}); },
       [](AabbBvh3& world) { world.Rebuild(); },
