@@ -96,6 +96,11 @@ const float* ValuesOf(const Query* queries) {
   return reinterpret_cast<const float*>(queries);
 }
 
+template <typename Bound>
+Span<const float> ValuesOfAll(Span<const Bound> bounds) {
+  return {RecordsOf(bounds), bounds.size() * kPlaneCount<Bound>};
+}
+
 // Calls the caller's function, and returns true for one that returns nothing.
 template <typename Item, typename Function>
 bool CallWithSome(void* function, Span<const Item> items) {
@@ -240,6 +245,16 @@ class Bvh {
     tree_.Set(id, detail::Planes(bound));
   }
 
+  // Sets several bounds: bounds[i] is that of object ids[i]. If an id is given
+  // twice, the last bound wins. `bounds.size()` must be `ids.size()`. Checks
+  // all ids before it changes anything. `ids` must not be ids(). Encodes each
+  // leaf and each node once, so it takes less time than one call per object
+  // (docs/bvh.md), and allocates and frees a bit per leaf. For all objects,
+  // use Refit().
+  void Set(Span<const std::uint32_t> ids, Span<const Bound> bounds) {
+    tree_.Set(ids, detail::ValuesOfAll(bounds));
+  }
+
   // Adds an object with all masks and returns its id: that of an erased
   // object, or one more than the greatest. The object takes an empty place in a
   // leaf that it makes grow by a 16th at most, or a new place at the end.
@@ -255,11 +270,25 @@ class Bvh {
     return tree_.Insert(detail::Planes(bound));
   }
 
+  // Adds several objects and writes their ids: ids[i] is that of bounds[i].
+  // `ids.size()` must be at least `bounds.size()`. The objects take new places
+  // at the end and are sorted together, with others if as many single
+  // insertions would sort them. Grows the block at most once. If there is no
+  // memory to sort with, the objects stay unsorted.
+  void Insert(Span<const Bound> bounds, Span<std::uint32_t> ids) {
+    tree_.Insert(detail::ValuesOfAll(bounds), ids);
+  }
+
   // Removes an object. Costs what Set() costs, and on average a few ns more:
   // when more than half of the places are empty, the objects move together, in
   // their order. It allocates only if it is the first change by id, or the
   // first change of a blob in place.
   void Erase(std::uint32_t id) { tree_.Erase(id); }
+
+  // Removes several objects. An id that is given twice is removed once. Checks
+  // and allocates as Set() of several does. `ids` must not be ids(): to remove
+  // all objects, use Clear().
+  void Erase(Span<const std::uint32_t> ids) { tree_.Erase(ids); }
 
   // Removes all objects and keeps the block of memory. A blob in place is
   // released instead. Ids begin at 0 again, and new objects have all masks, as
