@@ -14,7 +14,9 @@
 //
 // The BVH has no pointers. Objects are sorted so that 64 consecutive ones are
 // near each other and form a leaf, 64 consecutive leaves form a node, and so
-// on. Nodes and objects are quantized to 8 bits per plane. The quantized values
+// on. A block of 64 objects or nodes holds its planes together. Nodes are
+// floats. In leaves, objects are also quantized to 16 bits per plane, on one
+// map for the whole world, so a query is quantized once. The quantized values
 // reject an object, prove that it survives, or leave the decision to the
 // floats.
 //
@@ -39,7 +41,7 @@
 // changing a world never trap, in any mode.
 //
 // Thread safety: queries of one world may run at the same time. A query uses up
-// to 32 KiB of stack, allocates nothing, locks nothing and keeps no state.
+// to 8 KiB of stack, allocates nothing, locks nothing and keeps no state.
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (a sort that
 // encodes a hierarchy in array order; the SIMD-batch median layout).
@@ -123,7 +125,7 @@ bool CallWithSome(void* function, Span<const Item> items) {
 //
 // Memory: one block, from the heap or from a resource of the caller's
 // (memory.h, which says what copies, moves and swap(a, b) use). Boxes in 3
-// dimensions take 36 bytes per place, 24 of them floats, 4 more per id after
+// dimensions take 41 bytes per place, 24 of them floats, 4 more per id after
 // the first change by id, and 4 more per place with masks. During a build
 // there are 16 bytes per object more, and while all objects are sorted again up
 // to 112.
@@ -223,8 +225,8 @@ class Bvh {
   }
 
   // Returns the bound of all objects: on each plane the outermost value, which
-  // is infinite if an object has a NaN there. Empty() for an empty world. O(1),
-  // about 0.1 us.
+  // is infinite if an object has a NaN there. Empty() for an empty world. O(1):
+  // reads one block.
   Bound Bounds() const {
     detail::PlaneValues<Bound> values;
     tree_.Bounds(values);
