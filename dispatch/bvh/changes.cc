@@ -167,40 +167,10 @@ void BvhTree::Reallocate(const char* call, const BvhRoom& room) {
   Swap(grown);
 }
 
-bool BvhTree::Has(std::uint32_t id) const {
-  if (block_ == nullptr || id >= header().ids) return false;
-  if (levels_.slots == nullptr) return true;
-  const std::uint32_t slot = levels_.slots[id];
-  return slot < header().slots && levels_.ids[slot] == id;
-}
-
-void BvhTree::CheckId(std::uint32_t id, const char* call) const {
-  if (Has(id)) return;
-  kernels::ThrowInvalid(call, "id", "the id of an object in the world",
-                        std::to_string(id));
-}
-
 void BvhTree::CheckIds(Span<const std::uint32_t> ids, const char* call) const {
   kernels::CheckMemory(call, "ids", ids.data(), ids.size(),
                        alignof(std::uint32_t));
   for (const std::uint32_t id : ids) CheckId(id, call);
-}
-
-void BvhTree::Get(std::uint32_t id, Span<float> values) const {
-  constexpr const char* kCall = "Bvh::Get";
-  CheckId(id, kCall);
-  const std::uint32_t* const ids = levels_.ids;
-  const std::size_t slot =
-      levels_.slots != nullptr
-          ? levels_.slots[id]
-          : static_cast<std::size_t>(std::find(ids, ids + slots(), id) - ids);
-  if (slot == slots()) {  // in an altered blob
-    kernels::ThrowInvalid(kCall, "id", "an element of ids()",
-                          std::to_string(id));
-  }
-  for (std::size_t p = 0; p < values.size(); ++p) {
-    values[p] = levels_.level[0].Value(p, slot);
-  }
 }
 
 // Before a change of one object. Returns its slot.

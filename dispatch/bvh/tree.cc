@@ -1,6 +1,5 @@
 // What a BVH owns: its memory, and how it is built.
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -71,21 +70,6 @@ std::size_t BvhTree::size() const {
 
 std::size_t BvhTree::id_limit() const {
   return block_ == nullptr ? 0 : header().ids;
-}
-
-void BvhTree::Bounds(Span<float> values) const {
-  constexpr float kInf = std::numeric_limits<float>::infinity();
-  const BvhLevel* const top =
-      block_ == nullptr ? nullptr : &levels_.level[levels_.count - 1];
-  for (std::size_t p = 0; p < values.size(); ++p) {
-    const float sign = p < shape_.axes ? 1.0f : -1.0f;
-    float least = kInf;
-    for (std::size_t i = 0; top != nullptr && i < top->size; ++i) {
-      const float v = sign * top->Value(p, i);
-      least = v == v ? std::min(least, v) : -kInf;
-    }
-    values[p] = sign * least;
-  }
 }
 
 void BvhTree::Allocate(const BvhRoom& room) {
