@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "dispatch/bvh/layout.h"
+#include "dispatch/bvh/scratch.h"
 #include "halfspace/bvh.h"
 #include "kernels/error.h"
 #include "kernels/exact/default_fp_mode.h"
@@ -50,6 +51,30 @@ float ExtentOf(const BvhShape& shape, const BvhLevel& level, std::size_t node) {
   }
   return extent;
 }
+
+// A bit for each block of the slots.
+class Touched {
+ public:
+  Touched(const MemoryResource& memory, std::size_t slots)
+      : memory_(memory, Bytes(slots)) {
+    std::memset(memory_.data(), 0, Bytes(slots));
+  }
+
+  std::uint64_t* words() const {
+    return reinterpret_cast<std::uint64_t*>(memory_.data());
+  }
+  void Add(std::size_t slot) const {
+    const std::size_t block = slot / kBlockObjects;
+    words()[block / 64] |= std::uint64_t{1} << block % 64;
+  }
+
+ private:
+  static std::size_t Bytes(std::size_t slots) {
+    return BlocksOf(BlocksOf(slots)) * sizeof(std::uint64_t);
+  }
+
+  Scratch memory_;
+};
 
 }  // namespace
 
@@ -142,20 +167,16 @@ void BvhTree::Reallocate(const char* call, const BvhRoom& room) {
   Swap(grown);
 }
 
-bool BvhTree::Has(std::uint32_t id) const {
-  if (block_ == nullptr || id >= header().ids) return false;
-  if (levels_.slots == nullptr) return true;
-  const std::uint32_t slot = levels_.slots[id];
-  return slot < header().slots && levels_.ids[slot] == id;
+void BvhTree::CheckIds(Span<const std::uint32_t> ids, const char* call) const {
+  kernels::CheckMemory(call, "ids", ids.data(), ids.size(),
+                       alignof(std::uint32_t));
+  for (const std::uint32_t id : ids) CheckId(id, call);
 }
 
 // Before a change of one object. Returns its slot.
 std::size_t BvhTree::PrepareObject(std::uint32_t id, bool has_masks,
                                    const char* call) {
-  if (!Has(id)) {
-    kernels::ThrowInvalid(call, "id", "the id of an object in the world",
-                          std::to_string(id));
-  }
+  CheckId(id, call);
   Prepare(call, {0, 1, has_masks});
   return levels_.slots[id];
 }
@@ -199,6 +220,62 @@ void BvhTree::Set(std::uint32_t id, Span<const float> values) {
     levels_.level[0].Value(p, slot) = values[p];
   }
   EncodePath(slot);
+}
+
+// Encodes the blocks of level 0 whose bits are set, and each node above them
+// once. Word w has the blocks of node block w, so a word that is not 0 is a bit
+// of the next level.
+void BvhTree::EncodeTouched(std::uint64_t* touched) {
+  const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), "Bvh");
+  kernels::InDefaultFpMode([&] {
+    for (std::size_t l = 0; l < levels_.count; ++l) {
+      const BvhLevel& level = levels_.level[l];
+      const BvhLevel* const above =
+          l + 1 == levels_.count ? nullptr : &levels_.level[l + 1];
+      const std::size_t words = BlocksOf(BlocksOf(level.size));
+      std::uint64_t next = 0;
+      for (std::size_t w = 0; w < words; ++w) {
+        for (std::uint64_t bits = touched[w]; bits != 0; bits &= bits - 1) {
+          const std::size_t block =
+              w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
+          kernels.encode({&level, above, levels_.map,
+                          l == 0 ? levels_.codes : nullptr, block, block + 1});
+          if (above != nullptr && above->masks != nullptr) {
+            OrMasks(levels_, l, block);
+          }
+        }
+        next |= std::uint64_t{touched[w] != 0} << w % 64;
+        if (w % 64 == 63 || w + 1 == words) {
+          touched[w / 64] = next;
+          next = 0;
+        }
+      }
+    }
+  });
+}
+
+void BvhTree::Set(Span<const std::uint32_t> ids, Span<const float> values) {
+  constexpr const char* kCall = "Bvh::Set";
+  const std::size_t planes = PlanesOf(shape_);
+  if (values.size() != ids.size() * planes) {
+    kernels::ThrowInvalid(kCall, "bounds",
+                          "a bound for each id, " + std::to_string(ids.size()),
+                          std::to_string(values.size() / planes));
+  }
+  kernels::CheckMemory(kCall, "bounds", values.data(), values.size(),
+                       alignof(float));
+  CheckIds(ids, kCall);
+  if (ids.empty()) return;
+  const Touched touched(memory_, slots());
+  Prepare(kCall, kSlotsById);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const std::size_t slot = levels_.slots[ids[i]];
+    for (std::size_t p = 0; p < planes; ++p) {
+      levels_.level[0].Value(p, slot) = values[i * planes + p];
+    }
+    touched.Add(slot);
+  }
+  EncodeTouched(touched.words());
 }
 
 void BvhTree::AppendSlot() {
@@ -250,69 +327,67 @@ std::size_t BvhTree::FindSlot(const float* values) const {
          static_cast<std::size_t>(std::countr_zero(empty));
 }
 
-// How many of the last slots to sort before the next insertion. Each object is
-// sorted with the 256 that came with it, these with 1024, and so on; and with
-// all, when as many were inserted as there were when all were sorted.
-std::size_t BvhTree::SlotsDue() const {
-  if (block_ == nullptr) return 0;
-  const BvhHeader& header = this->header();
-  if (header.inserted == 0 || header.inserted % kSortEach != 0) return 0;
-  if (header.inserted >= header.sorted) return header.slots;
+// The first of the last slots that have to be sorted, after `added` insertions,
+// or the end. Each object is sorted with the 256 that came with it, these with
+// 1024, and so on; and with all, when as many were inserted as there were when
+// all were sorted.
+std::size_t BvhTree::FirstDue(std::size_t added) const {
+  const std::size_t end = slots();
+  if (block_ == nullptr || header().inserted < added) return end;
+  const std::size_t after = header().inserted;
+  const std::size_t before = after - added;
   std::size_t last = kSortEach;
-  while (header.inserted % (4 * last) == 0) last *= 4;
-  return std::min<std::size_t>(last, header.slots);
+  if (after / last == before / last) return end;
+  if (after >= header().sorted) return 0;
+  while (after / (4 * last) != before / (4 * last)) last *= 4;
+  return end - std::min(end, added + before % last);
 }
 
-// The room for one more object. If more than a quarter of the slots are empty,
+// The room for `more` objects. If more than a quarter of the slots are empty,
 // CloseGaps() makes room.
-BvhRoom BvhTree::RoomForOneMore(const char* call) const {
+BvhRoom BvhTree::RoomFor(std::size_t more, const char* call) const {
   const BvhRoom room = Room();
-  if (slots() < room.slots ||
-      (room.slots > 0 && size() <= room.slots / 4 * 3)) {
+  if (slots() + more <= room.slots ||
+      (room.slots > 0 && size() + more <= room.slots / 4 * 3 + 1)) {
     return kSlotsById;
   }
-  if (room.slots + 1 >= kMostObjects) {
+  if (slots() + more >= kMostObjects) {
     kernels::ThrowInvalid(call, "world", "less than 2^31 objects",
-                          std::to_string(room.slots));
+                          std::to_string(slots() + more));
   }
-  const std::size_t more = std::max(kBlockObjects, room.slots / 2);
-  return {std::min(kMostObjects - 1, room.slots + more), 1, false};
+  const std::size_t half_more =
+      room.slots + std::max(kBlockObjects, room.slots / 2);
+  return {std::max(slots() + more, std::min(kMostObjects - 1, half_more)), 1,
+          false};
 }
 
 // Sorts the slots that are due. Without memory for that they stay as they are,
-// as the order changes no result.
-void BvhTree::SortDue(const char* call) {
-  const std::size_t due = SlotsDue();
-  if (due == 0) return;
-  const SlotRange range = {(slots() - due) / kBlockObjects * kBlockObjects,
-                           slots()};
-  const bool is_all = due == slots();
+// as the order changes no result. Returns whether slots were sorted.
+bool BvhTree::SortDue(std::size_t added, const BvhRoom& room,
+                      const char* call) {
+  const std::size_t first = FirstDue(added);
+  if (first == slots()) return false;
+  const SlotRange range = {first / kBlockObjects * kBlockObjects, slots()};
+  const bool is_all = first == 0;
 #if defined(__cpp_exceptions)
   try {
-    Resort(call, {&range, 1}, RoomForOneMore(call));
+    Resort(call, {&range, 1}, room);
   } catch (const std::bad_alloc&) {
-    return;
+    return false;
   }
 #else
-  Resort(call, {&range, 1}, RoomForOneMore(call));
+  Resort(call, {&range, 1}, room);
 #endif
   if (is_all) {
     header().sorted = header().size;
     header().inserted = 0;
   }
+  return true;
 }
 
-std::uint32_t BvhTree::Insert(Span<const float> values) {
-  constexpr const char* kCall = "Bvh::Insert";
-  CheckLoaded(kCall);
-  SortDue(kCall);
-  std::size_t slot =
-      kernels::InDefaultFpMode([&] { return FindSlot(values.data()); });
-  Prepare(kCall, slot == slots() ? RoomForOneMore(kCall) : kSlotsById);
-  if (slot == header().capacity) {
-    CloseGaps();
-    slot = slots();
-  }
+// Writes a new object to an empty slot, whose block has to be encoded then.
+// Returns its id.
+std::uint32_t BvhTree::Put(std::size_t slot, const float* values) {
   BvhHeader& header = this->header();
   if (slot == header.slots) AppendSlot();
   std::uint32_t id = header.free_id;
@@ -322,7 +397,7 @@ std::uint32_t BvhTree::Insert(Span<const float> values) {
     header.free_id = levels_.slots[id];
   }
   const BvhLevel& level = levels_.level[0];
-  for (std::size_t p = 0; p < values.size(); ++p) {
+  for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
     level.Value(p, slot) = values[p];
   }
   level.present[slot / kBlockObjects] |= std::uint64_t{1}
@@ -330,12 +405,57 @@ std::uint32_t BvhTree::Insert(Span<const float> values) {
   PutId(levels_, slot, id, 0xFFFFFFFF);
   ++header.size;
   ++header.inserted;
+  return id;
+}
+
+std::uint32_t BvhTree::Insert(Span<const float> values) {
+  constexpr const char* kCall = "Bvh::Insert";
+  CheckLoaded(kCall);
+  if (FirstDue(1) != slots()) SortDue(1, RoomFor(1, kCall), kCall);
+  std::size_t slot =
+      kernels::InDefaultFpMode([&] { return FindSlot(values.data()); });
+  Prepare(kCall, slot == slots() ? RoomFor(1, kCall) : kSlotsById);
+  if (slot == header().capacity) {
+    CloseGaps();
+    slot = slots();
+  }
+  const std::uint32_t id = Put(slot, values.data());
   EncodePath(slot);
   return id;
 }
 
-void BvhTree::Erase(std::uint32_t id) {
-  const std::size_t slot = PrepareObject(id, false, "Bvh::Erase");
+// At the end, and sorted there, as it takes longer to find an empty slot.
+void BvhTree::Insert(Span<const float> values, Span<std::uint32_t> ids) {
+  constexpr const char* kCall = "Bvh::Insert";
+  const std::size_t planes = PlanesOf(shape_);
+  const std::size_t count = values.size() / planes;
+  kernels::CheckMemory(kCall, "bounds", values.data(), values.size(),
+                       alignof(float));
+  kernels::CheckMemory(kCall, "ids", ids.data(), ids.size(),
+                       alignof(std::uint32_t));
+  if (ids.size() < count) {
+    kernels::ThrowInvalid(
+        kCall, "ids",
+        "an element for each bound, at least " + std::to_string(count),
+        std::to_string(ids.size()));
+  }
+  if (count == 0) return;
+  CheckLoaded(kCall);
+  Prepare(kCall, RoomFor(count, kCall));
+  if (slots() + count > header().capacity) CloseGaps();
+  const std::size_t begin = slots();
+  for (std::size_t i = 0; i < count; ++i) {
+    ids[i] = Put(slots(), values.data() + i * planes);
+  }
+  if (SortDue(count, {}, kCall)) return;
+  const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), kCall);
+  kernels::InDefaultFpMode(
+      [&] { EncodeSlots(levels_, kernels, begin, slots()); });
+}
+
+// Without its block, which has to be encoded then.
+void BvhTree::Remove(std::uint32_t id) {
+  const std::size_t slot = levels_.slots[id];
   const BvhLevel& level = levels_.level[0];
   constexpr float kInf = std::numeric_limits<float>::infinity();
   for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
@@ -349,12 +469,61 @@ void BvhTree::Erase(std::uint32_t id) {
   levels_.slots[id] = header.free_id;
   header.free_id = id;
   --header.size;
-  if (header.slots > 2 * std::size_t{header.size} + kBlockObjects ||
-      header.size == 0) {
+}
+
+bool BvhTree::HasManyGaps() const {
+  return slots() > 2 * size() + kBlockObjects || size() == 0;
+}
+
+void BvhTree::Erase(std::uint32_t id) {
+  const std::size_t slot = PrepareObject(id, false, "Bvh::Erase");
+  Remove(id);
+  if (HasManyGaps()) {
     CloseGaps();
   } else {
     EncodePath(slot);
   }
+}
+
+void BvhTree::Erase(Span<const std::uint32_t> ids) {
+  constexpr const char* kCall = "Bvh::Erase";
+  CheckIds(ids, kCall);
+  if (ids.empty()) return;
+  const Touched touched(memory_, slots());
+  Prepare(kCall, kSlotsById);
+  for (const std::uint32_t id : ids) {
+    if (!Has(id)) continue;  // a second time in the list
+    touched.Add(levels_.slots[id]);
+    Remove(id);
+  }
+  EncodeTouched(touched.words());
+  if (HasManyGaps()) CloseGaps();
+}
+
+void BvhTree::Clear() {
+  if (!is_owned_) return Free();
+  if (block_ == nullptr) return;
+  BvhHeader& header = this->header();
+  header.checksum = 0;
+  header.slots = header.size = header.ids = 0;
+  header.sorted = header.inserted = 0;
+  header.free_id = kNoId;
+  SetSlots(levels_, 0);
+  is_checked_ = true;
+  is_as_loaded_ = false;
+}
+
+// Slots that are empty now do not count as room, because insertions may find
+// none of them near enough.
+void BvhTree::Reserve(std::size_t objects) {
+  constexpr const char* kCall = "Bvh::Reserve";
+  const std::size_t room =
+      objects <= size() ? slots() : slots() + (objects - size());
+  if (objects >= kMostObjects || room >= kMostObjects) {
+    kernels::ThrowInvalid(kCall, "objects", "less than 2^31 objects",
+                          std::to_string(objects));
+  }
+  Prepare(kCall, {room, 1, false});
 }
 
 void BvhTree::SetMasks(std::uint32_t id, std::uint32_t masks) {

@@ -1,11 +1,11 @@
 // Bvh: a BVH of 64-wide nodes for one query over many objects, which
 // may move, come and go.
 //
-//   halfspace::AabbBvh3 sorted(world);  // an AabbWorld3, or its view
+//   halfspace::AabbBvh3 bvh(world);  // an AabbWorld3, or its view
 //   halfspace::Aabb3 query = {{0, 0, 0}, {1, 1, 1}};
-//   std::vector<std::uint32_t> ids(sorted.size());
-//   ids.resize(Survivors(sorted, query, ids));
-//   sorted.Insert(BoundSphere(sphere).aabb());  // fit.h
+//   std::vector<std::uint32_t> ids(bvh.size());
+//   ids.resize(Survivors(bvh, query, ids));
+//   bvh.Insert(BoundSphere(sphere).aabb());  // fit.h
 //
 // A call returns the same objects as the call of reject.h with the same name.
 // An id is the index of the object in the world that it came from. A flat scan
@@ -14,7 +14,9 @@
 //
 // The BVH has no pointers. Objects are sorted so that 64 consecutive ones are
 // near each other and form a leaf, 64 consecutive leaves form a node, and so
-// on. Nodes and objects are quantized to 8 bits per plane. The quantized values
+// on. A block of 64 objects or nodes holds its planes together. Nodes are
+// floats. In leaves, objects are also quantized to 16 bits per plane, on one
+// map for the whole world, so a query is quantized once. The quantized values
 // reject an object, prove that it survives, or leave the decision to the
 // floats.
 //
@@ -39,7 +41,7 @@
 // changing a world never trap, in any mode.
 //
 // Thread safety: queries of one world may run at the same time. A query uses up
-// to 32 KiB of stack, allocates nothing, locks nothing and keeps no state.
+// to 8 KiB of stack, allocates nothing, locks nothing and keeps no state.
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (a sort that
 // encodes a hierarchy in array order; the SIMD-batch median layout).
@@ -96,6 +98,11 @@ const float* ValuesOf(const Query* queries) {
   return reinterpret_cast<const float*>(queries);
 }
 
+template <typename Bound>
+Span<const float> ValuesOfAll(Span<const Bound> bounds) {
+  return {RecordsOf(bounds), bounds.size() * kPlaneCount<Bound>};
+}
+
 // Calls the caller's function, and returns true for one that returns nothing.
 template <typename Item, typename Function>
 bool CallWithSome(void* function, Span<const Item> items) {
@@ -118,7 +125,7 @@ bool CallWithSome(void* function, Span<const Item> items) {
 //
 // Memory: one block, from the heap or from a resource of the caller's
 // (memory.h, which says what copies, moves and swap(a, b) use). Boxes in 3
-// dimensions take 36 bytes per place, 24 of them floats, 4 more per id after
+// dimensions take 41 bytes per place, 24 of them floats, 4 more per id after
 // the first change by id, and 4 more per place with masks. During a build
 // there are 16 bytes per object more, and while all objects are sorted again up
 // to 112.
@@ -209,12 +216,45 @@ class Bvh {
   // Whether an object has this id. O(1).
   bool Has(std::uint32_t id) const { return tree_.Has(id); }
 
+  // Returns the bound of an object. O(1). In a world that was built, the call
+  // searches ids() until the first change by id or Reserve(): O(n).
+  Bound Get(std::uint32_t id) const {
+    detail::PlaneValues<Bound> values;
+    tree_.Get(id, values);
+    return detail::BoundOf<Bound>(values);
+  }
+
+  // Returns the bound of all objects: on each plane the outermost value, which
+  // is infinite if an object has a NaN there. Empty() for an empty world. O(1):
+  // reads one block.
+  Bound Bounds() const {
+    detail::PlaneValues<Bound> values;
+    tree_.Bounds(values);
+    return detail::BoundOf<Bound>(values);
+  }
+
+  // Allocates room for `objects` objects in total. Until there are more, or one
+  // is erased, insertions do not grow the block; they still allocate memory to
+  // sort with, and free it. Never shrinks. Counts as a change by id. Throws if
+  // `objects` is 2^31 or more.
+  void Reserve(std::size_t objects) { tree_.Reserve(objects); }
+
   // Changes the bound of an object, and tightens its leaf and the nodes above.
   // The order stays, so leaves grow as objects move: see CostRatio(). About 1
   // us in a world of a million objects (docs/bvh.md). The first change by id of
   // a world that was built copies it once.
   void Set(std::uint32_t id, const Bound& bound) {
     tree_.Set(id, detail::Planes(bound));
+  }
+
+  // Sets several bounds: bounds[i] is that of object ids[i]. If an id is given
+  // twice, the last bound wins. `bounds.size()` must be `ids.size()`. Checks
+  // all ids before it changes anything. `ids` must not be ids(). Encodes each
+  // leaf and each node once, so it takes less time than one call per object
+  // (docs/bvh.md), and allocates and frees a bit per leaf. For all objects,
+  // use Refit().
+  void Set(Span<const std::uint32_t> ids, Span<const Bound> bounds) {
+    tree_.Set(ids, detail::ValuesOfAll(bounds));
   }
 
   // Adds an object whose mask is all ones, and returns its id: that of an
@@ -233,11 +273,30 @@ class Bvh {
     return tree_.Insert(detail::Planes(bound));
   }
 
+  // Adds several objects and writes their ids: ids[i] is that of bounds[i].
+  // `ids.size()` must be at least `bounds.size()`. The objects take new places
+  // at the end and are sorted together, with others if as many single
+  // insertions would sort them. Grows the block at most once. If there is no
+  // memory to sort with, the objects stay unsorted.
+  void Insert(Span<const Bound> bounds, Span<std::uint32_t> ids) {
+    tree_.Insert(detail::ValuesOfAll(bounds), ids);
+  }
+
   // Removes an object. Costs what Set() costs, and on average a few ns more:
   // when more than half of the places are empty, the objects move together, in
   // their order. It allocates only if it is the first change by id, or the
   // first change of a blob in place.
   void Erase(std::uint32_t id) { tree_.Erase(id); }
+
+  // Removes several objects. An id that is given twice is removed once. Checks
+  // and allocates as Set() of several does. `ids` must not be ids(): to remove
+  // all objects, use Clear().
+  void Erase(Span<const std::uint32_t> ids) { tree_.Erase(ids); }
+
+  // Removes all objects and keeps the block of memory. A blob in place is
+  // released instead. Ids begin at 0 again, and the mask of new objects is all
+  // ones, as in a new BVH. O(1). Never throws.
+  void Clear() { tree_.Clear(); }
 
   // Sets the mask of one object, or of all: masks[i] is that of object i. The
   // mask of objects beyond the end of the list becomes 0. An object whose mask

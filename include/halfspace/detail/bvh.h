@@ -182,9 +182,17 @@ class HALFSPACE_API BvhTree {
 
   // `values` are those of all minima, then of all maxima.
   bool Has(std::uint32_t id) const;
+  void Get(std::uint32_t id, Span<float> values) const;
+  void Bounds(Span<float> values) const;
   void Set(std::uint32_t id, Span<const float> values);
   std::uint32_t Insert(Span<const float> values);
   void Erase(std::uint32_t id);
+  // Values of bound i from values[i * planes] on.
+  void Set(Span<const std::uint32_t> ids, Span<const float> values);
+  void Insert(Span<const float> values, Span<std::uint32_t> ids);
+  void Erase(Span<const std::uint32_t> ids);
+  void Clear();
+  void Reserve(std::size_t objects);
 
   // Of one object; of all objects by id.
   void SetMasks(std::uint32_t id, std::uint32_t mask);
@@ -212,14 +220,20 @@ class HALFSPACE_API BvhTree {
   // anything has changed, and is the last thing in a change that may throw.
   void Prepare(const char* call, BvhRoom room);
   void Reallocate(const char* call, const BvhRoom& room);
+  void CheckId(std::uint32_t id, const char* call) const;
+  void CheckIds(Span<const std::uint32_t> ids, const char* call) const;
   std::size_t PrepareObject(std::uint32_t id, bool has_masks, const char* call);
   std::size_t slots() const { return levels_.level[0].size; }
-  BvhRoom RoomForOneMore(const char* call) const;
-  std::size_t SlotsDue() const;
-  void SortDue(const char* call);
+  BvhRoom RoomFor(std::size_t more, const char* call) const;
+  std::size_t FirstDue(std::size_t added) const;
+  bool SortDue(std::size_t added, const BvhRoom& room, const char* call);
   std::size_t FindSlot(const float* values) const;
+  std::uint32_t Put(std::size_t slot, const float* values);
+  void Remove(std::uint32_t id);
+  bool HasManyGaps() const;
   void AppendSlot();
   void EncodePath(std::size_t slot);
+  void EncodeTouched(std::uint64_t* touched);
   // Sorts the objects of some slots into the first of these, after Prepare().
   // Ranges ascend and begin at blocks. Returns the number of objects.
   std::size_t Resort(const char* call, Span<const SlotRange> ranges,

@@ -13,6 +13,7 @@
 #include <random>
 #include <span>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include "halfspace/halfspace.h"
@@ -29,6 +30,24 @@ namespace {
 template <typename Case>
 class BvhChangesTest : public ::testing::Test {};
 TYPED_TEST_SUITE(BvhChangesTest, BvhCases, CaseNames);
+
+// The bound of each object, and of all.
+template <typename View>
+void ExpectSameBounds(const Bvh<View>& bvh, const Model<View>& model) {
+  using Bound = typename View::Bound;
+  auto all = detail::Planes(Bound::Empty());
+  for (const auto& [id, object] : model.objects) {
+    const auto values = detail::Planes(object.bound);
+    for (std::size_t p = 0; p < values.size(); ++p) {
+      all[p] = p < Bound::kAxes ? std::min(all[p], values[p])
+                                : std::max(all[p], values[p]);
+    }
+    if (id % 97 == 0) {
+      ASSERT_EQ(detail::Planes(bvh.Get(id)), values) << id;
+    }
+  }
+  ASSERT_EQ(detail::Planes(bvh.Bounds()), all);
+}
 
 TYPED_TEST(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
   using View = typename TypeParam::View;
@@ -63,7 +82,7 @@ TYPED_TEST(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
       }
     };
     for (std::size_t step = 0; step < 10 + Scaled(20); ++step) {
-      const std::size_t what = random() % 10;
+      const std::size_t what = random() % 14;
       if (what < 4 || model.objects.empty()) {
         for (std::size_t i = random() % 300; i-- > 0;) {
           const Bound bound = any_bound();
@@ -107,6 +126,58 @@ TYPED_TEST(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
       } else if (what == 8) {
         bvh.Rebuild(random() % 2 == 0 ? BuildQuality::kHigh
                                       : BuildQuality::kFast);
+      } else if (what == 11) {
+        // Ids that come twice, the last bound of which wins.
+        Ids ids;
+        std::vector<Bound> bounds;
+        for (std::size_t i = random() % 3000; i-- > 0;) {
+          ids.push_back(any_id());
+          bounds.push_back(any_bound());
+          model.objects[ids.back()].bound = bounds.back();
+        }
+        bvh.Set(ids, bounds);
+      } else if (what == 12) {
+        Ids ids;
+        for (std::size_t i = random() % (2 * bvh.size()); i-- > 0;) {
+          ids.push_back(any_id());
+        }
+        if (random() % 8 == 0) {
+          ids.assign(bvh.ids().begin(), bvh.ids().end());
+          std::erase(ids, 0xFFFFFFFF);
+        }
+        bvh.Erase(ids);
+        for (const std::uint32_t id : ids) model.objects.erase(id);
+      } else if (what == 13) {
+        std::vector<Bound> bounds(random() % 3 == 0 ? random() % 9000
+                                                    : random() % 300);
+        for (Bound& bound : bounds) bound = any_bound();
+        Ids ids(bounds.size());
+        bvh.Insert(bounds, ids);
+        for (std::size_t i = 0; i < ids.size(); ++i) {
+          ASSERT_TRUE(
+              model.objects
+                  .emplace(ids[i], typename Model<View>::Object{bounds[i]})
+                  .second);
+        }
+        ids_ever = std::max(ids_ever, bvh.id_limit());
+      } else if (what == 10) {
+        if (random() % 3 == 0) {
+          bvh.Clear();
+          model.objects.clear();
+          ASSERT_EQ(bvh.id_limit(), 0u);
+        }
+        const std::size_t more = random() % 2000;
+        bvh.Reserve(bvh.size() + more);
+        const std::size_t bytes = bvh.bytes();
+        for (std::size_t i = more; i-- > 0;) {
+          const Bound bound = any_bound();
+          ASSERT_TRUE(model.objects
+                          .emplace(bvh.Insert(bound),
+                                   typename Model<View>::Object{bound})
+                          .second);
+        }
+        ASSERT_EQ(bvh.bytes(), bytes);
+        ids_ever = std::max(ids_ever, bvh.id_limit());
       } else if (random() % 2 == 0) {
         for (std::size_t i = random() % 50; i-- > 0;) {
           const std::uint32_t id = any_id();
@@ -124,6 +195,7 @@ TYPED_TEST(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
       }
       ASSERT_LE(bvh.ids().size(), 2 * bvh.size() + 64);
       ASSERT_LE(bvh.id_limit(), ids_ever);
+      ExpectSameBounds<View>(bvh, model);
       const auto queries = SomeQueries<View>(random());
       for (std::uint32_t masks : {0xFFFFFFFFu, 1u, 6u}) {
         ExpectIsModel<View>(bvh, model, queries,
@@ -144,16 +216,28 @@ TYPED_TEST(BvhChangesTest, LevelsStayAsTightAsAfterARefit) {
   Bvh<View> changed(spread.Objects(9000));
   World<View> bounds = spread.Objects(9000);
   Bvh<View> refitted(changed);
-  for (std::uint32_t i = 0; i < 9000; ++i) changed.Set(i, bounds.Get(i));
+  Bvh<View> batched(changed);
+  Ids ids;
+  std::vector<typename View::Bound> list;
+  for (std::uint32_t i = 0; i < 9000; ++i) {
+    changed.Set(i, bounds.Get(i));
+    ids.push_back(i);
+    list.push_back(bounds.Get(i));
+  }
+  batched.Set(ids, list);
   refitted.Refit(bounds.view());
   EXPECT_GT(changed.CostRatio(), 2.0);
   EXPECT_EQ(changed.CostRatio(), refitted.CostRatio());
   const auto& a = changed.tree().levels();
   const auto& b = refitted.tree().levels();
+  const auto& c = batched.tree().levels();
   ASSERT_EQ(a.count, b.count);
   for (std::size_t l = 0; l < a.count; ++l) {
     const std::size_t floats = (a.level[l].size + 63) / 64 * 64 * kPlanes<View>;
     EXPECT_TRUE(std::equal(a.level[l].floats, a.level[l].floats + floats,
+                           b.level[l].floats))
+        << l;
+    EXPECT_TRUE(std::equal(c.level[l].floats, c.level[l].floats + floats,
                            b.level[l].floats))
         << l;
   }
@@ -181,6 +265,28 @@ TYPED_TEST(BvhChangesTest, RebuildsMendWhatDecayed) {
   EXPECT_GT(bvh.CostRatio(), 5.0);
   bvh.Rebuild();
   EXPECT_EQ(bvh.CostRatio(), 1.0);
+}
+
+// With and without nodes, by the object's own floats and by those of a node.
+TYPED_TEST(BvhChangesTest, BoundsOfANaNAreInfinite) {
+  using Bound = typename TypeParam::View::Bound;
+  for (std::size_t size : {1, 64, 65, 5000}) {
+    Bvh<typename TypeParam::View> bvh;
+    EXPECT_EQ(detail::Planes(bvh.Bounds()), detail::Planes(Bound::Empty()));
+    for (std::size_t i = 0; i < size; ++i) {
+      bvh.Insert(Spread<typename TypeParam::View>(1.0f, i).NextObject());
+    }
+    auto planes = detail::Planes(bvh.Bounds());
+    auto values = planes;
+    for (std::size_t p = 0; p < values.size(); ++p) {
+      values[p] = std::numeric_limits<float>::quiet_NaN();
+      planes[p] = (p < Bound::kAxes ? -1.0f : 1.0f) *
+                  std::numeric_limits<float>::infinity();
+      if (p == 1) break;  // The other planes stay as they are.
+    }
+    bvh.Insert(detail::BoundOf<Bound>(values));
+    EXPECT_EQ(detail::Planes(bvh.Bounds()), planes) << size;
+  }
 }
 
 TEST(BvhThreadsTest, ShareRefitsAndBuilds) {
@@ -224,6 +330,18 @@ TEST(BvhRefitTest, RefusesOtherNumbersOfBounds) {
   EXPECT_TRUE(Refuses([&] { bvh.Erase(7); }, {"Erase", "id", "7"}));
   EXPECT_TRUE(
       Refuses([&] { bvh.Set(100, Aabb3::Empty()); }, {"Set", "id", "100"}));
+  Ids ids(1);
+  const std::vector<Aabb3> two(2, Aabb3::Empty());
+  EXPECT_TRUE(Refuses([&] { bvh.Insert(two, ids); }, {"Insert", "ids", "2"}));
+  EXPECT_TRUE(Refuses([&] { bvh.Set(ids, two); }, {"Set", "bounds", "1", "2"}));
+  // Nothing has changed.
+  const Aabb3 before = bvh.Get(3);
+  EXPECT_TRUE(Refuses([&] { bvh.Set(Ids{3, 7}, two); }, {"Set", "id", "7"}));
+  EXPECT_TRUE(Refuses([&] { bvh.Erase(Ids{3, 7}); }, {"Erase", "id", "7"}));
+  EXPECT_EQ(bvh.Get(3), before);
+  EXPECT_TRUE(Refuses([&] { std::ignore = bvh.Get(7); }, {"Get", "id", "7"}));
+  EXPECT_TRUE(Refuses([&] { bvh.Reserve(std::size_t{1} << 31); },
+                      {"Reserve", "objects", "2147483648"}));
 }
 
 // Each change, with less memory than it needs, of a world that owns its block
@@ -234,6 +352,17 @@ TEST(BvhChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
       [](AabbBvh3& world) { world.Set(3, Aabb3::Everything()); },
       [](AabbBvh3& world) { world.Insert(Aabb3::Everything()); },
       [](AabbBvh3& world) { world.Erase(3); },
+      [](AabbBvh3& world) { world.Reserve(20'000); },
+      [](AabbBvh3& world) {
+        world.Set(Ids{3, 5}, std::vector(2, Aabb3::Everything()));
+      },
+      [](AabbBvh3& world) {
+        world.Erase(Ids{3, 5});
+      },
+      [](AabbBvh3& world) {
+        Ids ids(300);
+        world.Insert(std::vector(300, Aabb3::Everything()), ids);
+      },
       [](AabbBvh3& world) { world.SetMasks(3, 1); },
       [](AabbBvh3& world) { world.SetMasks({}); },
       [](AabbBvh3& world) { world.Rebuild(); },
@@ -305,6 +434,18 @@ TYPED_TEST(BvhChangesTest, AWorldSortsItselfAsItChanges) {
   const std::size_t least = LeavesVisited<View>(built, queries);
   Bvh<View> bvh;
   for (std::size_t i = 0; i < kSize; ++i) bvh.Insert(bounds.Get(i));
+  // The same objects in batches, none of them a multiple of what is sorted.
+  Bvh<View> batched;
+  for (std::size_t i = 0; i < kSize;) {
+    std::vector<typename View::Bound> batch;
+    for (; batch.size() < 1 + i / 7 && i < kSize; ++i) {
+      batch.push_back(bounds.Get(i));
+    }
+    Ids of_batch(batch.size());
+    batched.Insert(batch, of_batch);
+  }
+  EXPECT_LE(LeavesVisited<View>(batched, queries),
+            3 * least + 8 * queries.size());
   // Up to four blocks and a few runs have no place in the order yet.
   EXPECT_LE(LeavesVisited<View>(bvh, queries), 3 * least + 8 * queries.size());
   Random random(1);

@@ -101,55 +101,60 @@ void VisitBvh(const Visit& visit) {
     const auto x = static_cast<float>(i);
     floats.Push(BoundSphere(Sphere3{{x, x, x}, 100.0f}));
   }
+  // Bytes of stack.
+  constexpr std::size_t kQuery = 8 * 1024;
+  constexpr std::size_t kShape = kQuery + 6 * 1024;
+  constexpr std::size_t kNearest = 24 * 1024;
+  constexpr std::size_t kPairs = 32 * 1024;
   const AaboBvh3 world(floats);
   const std::vector<Aabo3> queries(70, floats.Get(2500));
   std::vector<std::uint32_t> ids(100'000);
   std::vector<std::size_t> offsets(queries.size() + 1);
   for (Target target : TargetsUnderTest()) {
-    visit("Survivors", [&] {
+    visit("Survivors", kQuery, [&] {
       std::ignore = Survivors(world, queries[0], ids, {.target = target});
     });
-    visit("CountSurvivors", [&] {
+    visit("CountSurvivors", kQuery, [&] {
       std::ignore = CountSurvivors(world, queries[0], {.target = target});
     });
-    visit("AnySurvivor", [&] {
+    visit("AnySurvivor", kQuery, [&] {
       std::ignore = AnySurvivor(world, queries[0], {.target = target});
     });
-    visit("ForEachSurvivor", [&] {
+    visit("ForEachSurvivor", kQuery, [&] {
       ForEachSurvivor(world, queries[0], [](Span<const std::uint32_t>) {},
                       {.target = target});
     });
-    visit("SurvivorsOfEach", [&] {
+    visit("SurvivorsOfEach", kQuery, [&] {
       std::ignore = SurvivorsOfEach(world, Span<const Aabo3>(queries), ids,
                                     offsets, {.target = target});
     });
     const Sphere3 sphere{{2500, 2500, 2500}, 50};
-    visit("Survivors of a sphere", [&] {
+    visit("Survivors of a sphere", kShape, [&] {
       std::ignore = Survivors(world, sphere, ids, {.target = target});
     });
     std::array<std::uint32_t, 4000> nearest;
-    visit("KNearest", [&] {
+    visit("KNearest", kNearest, [&] {
       std::ignore =
           KNearest(world, sphere.center, nearest, {}, 1e9f, {.target = target});
     });
-    visit("RayCast", [&] {
+    visit("RayCast", kNearest, [&] {
       RayCast(world, Ray3{{}, {1, 1, 1}, 1000}, [](std::uint32_t, float) {},
               {.target = target});
     });
     std::vector<IdPair> pairs(100);
-    visit("Pairs",
+    visit("Pairs", kPairs,
           [&] { std::ignore = Pairs(world, pairs, {.target = target}); });
   }
 }
 
 TEST(NoAllocationOfBvhTest, Calls) {
-  VisitBvh([](auto, const auto& call) { kWithoutMemory(call); });
+  VisitBvh([](auto, std::size_t, const auto& call) { kWithoutMemory(call); });
 }
 
 #if defined(__unix__) && defined(__OPTIMIZE__) && !defined(HALFSPACE_SANITIZED)
 TEST(NoAllocationOfBvhTest, TakeTheStackThatHeadersState) {
-  VisitBvh([](auto name, const auto& call) {
-    EXPECT_LE(StackUse(call), 32u * 1024) << name;
+  VisitBvh([](auto name, std::size_t most, const auto& call) {
+    EXPECT_LE(StackUse(call), most) << name;
   });
 }
 
