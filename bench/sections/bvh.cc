@@ -58,7 +58,8 @@ void RunContest(const BoxSet<kDims>& set, const Aims& aims,
   }
   contest.AddCounts(best);
   if (set.boxes.size() <= kMostScanned) contest.AddQuantizedScan(best);
-  contest.AddTrees();
+  contest.AddCompetitors();
+  contest.AddGrid();
   constexpr std::size_t kMostRepetitions = 5;
   contest.Run(set.boxes.size() < 1'000'000
                   ? throughput.repetitions()
@@ -68,6 +69,27 @@ void RunContest(const BoxSet<kDims>& set, const Aims& aims,
   }
   if (aims.is_order_compared) contest.AddFastOverTight(best);
   contest.AddRemarks(best);
+  contest.AddTo(result);
+}
+
+void RunSkewed(const SkewedWorld& world, std::size_t objects,
+               std::uint64_t seed, const std::vector<Target>& targets,
+               Throughput& throughput, BvhResult& result) {
+  const BoxSet<3> set = world.make(world.name, objects, kSide3D, seed);
+  const BoxSet<3> uniform =
+      MakeUniformBoxes<3>("uniform", objects, kSide3D, seed);
+  Contest<3> contest(set, throughput);
+  for (Target target : targets) {
+    contest.AddBvhOneByOne(BuildQuality::kHigh, target);
+    contest.AddUniform(uniform, target);
+  }
+  contest.AddCompetitors();
+  contest.Run(throughput.repetitions());
+  for (Target target : targets) {
+    contest.AddSkewedRatios(
+        objects < 100'000 ? aims::kBvhSkewedTenThousand : aims::kBvhSkewedMore,
+        target);
+  }
   contest.AddTo(result);
 }
 
@@ -138,7 +160,8 @@ std::string WhyNot(const Workload* input) {
 Aim ThresholdFor(std::size_t objects) {
   if (objects < 10'000) return aims::kBvhThousand;
   if (objects < 100'000) return aims::kBvhTenThousand;
-  return aims::kBvhMore;
+  if (objects < 1'000'000) return aims::kBvhHundredThousand;
+  return aims::kBvhMillion;
 }
 
 }  // namespace
@@ -157,14 +180,16 @@ Tables RunBvh(Run& run) {
                           " boxes, which do not fit the free memory");
   }
 
+  std::vector<Target> targets = {best};
+  for (Target target : throughput.targets()) {
+    if (IsAvx2(target) && target != best) targets.push_back(target);
+  }
+
   ThroughputParts parts;
   const std::vector<std::size_t> sizes =
       UpTo(most, {1000, 10'000, 100'000, 1'000'000});
   for (std::size_t objects : sizes) {
-    Aims aims{ThresholdFor(objects), {best}, objects == sizes.back()};
-    for (Target target : throughput.targets()) {
-      if (IsAvx2(target) && target != best) aims.targets.push_back(target);
-    }
+    const Aims aims{ThresholdFor(objects), targets, objects == sizes.back()};
     parts.push_back([=, &result](Throughput& to) {
       RunContest(MakeUniformBoxes<3>("a", objects, kSide3D, seed), aims, to,
                  result);
@@ -173,8 +198,20 @@ Tables RunBvh(Run& run) {
   for (std::size_t objects : UpTo(most, {100'000, 1'000'000})) {
     parts.push_back([=, &result](Throughput& to) {
       RunContest(MakeClusters("clusters", objects, seed),
-                 {aims::kBvhMore, {best}}, to, result);
+                 {aims::kBvhClusters, {best}}, to, result);
     });
+  }
+  // Of a quick run, the first two with few objects.
+  const std::vector<std::size_t> skewed_sizes =
+      UpTo(run.is_quick() ? std::min<std::size_t>(most, 10'000) : most,
+           {10'000, 100'000});
+  for (const SkewedWorld& world :
+       SkewedWorlds().first(run.is_quick() ? 2 : SkewedWorlds().size())) {
+    for (std::size_t objects : skewed_sizes) {
+      parts.push_back([=, &result](Throughput& to) {
+        RunSkewed(world, objects, seed, targets, to, result);
+      });
+    }
   }
   if (const std::string why = WhyNot(input); why.empty()) {
     parts.push_back([=, &result](Throughput& to) {

@@ -1,6 +1,7 @@
 #include "bench/worlds/box_set.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -78,7 +79,106 @@ BoxSet<kDims> Make(std::string name, std::size_t count, const Next& next) {
   return set;
 }
 
+// Uniform boxes, of which the first `few` are skewed by skew(i, box).
+template <typename Skew>
+BoxSet<3> MakeWithFew(std::string name, std::size_t count, float side,
+                      std::uint64_t seed, std::size_t few, Skew skew) {
+  BoxSet<3> set = MakeUniformBoxes<3>(std::move(name), count, side, seed);
+  for (std::size_t i = 0; i < std::min(few, count); ++i) {
+    skew(i, set.boxes[i]);
+  }
+  return set;
+}
+
+template <int kExponent>
+BoxSet<3> MakeOutliers(std::string name, std::size_t count, float side,
+                       std::uint64_t seed) {
+  return MakeWithFew(std::move(name), count, side, seed, 10,
+                     [factor = std::pow(10.0f, static_cast<float>(kExponent))](
+                         std::size_t, Aabb3& box) {
+                       for (float& x : box.min) x *= factor;
+                       for (float& x : box.max) x *= factor;
+                     });
+}
+
+BoxSet<3> MakeTeapotInStadium(std::string name, std::size_t count, float side,
+                              std::uint64_t seed) {
+  constexpr std::size_t kTeapots = 20;
+  constexpr float kScale = 1e-3f;
+  // A teapot has 0.9 / 20 of the boxes, which are as much larger in it.
+  const float side_in_teapot = side * std::cbrt(kTeapots / 0.9f);
+  Random random(seed);
+  std::vector<Aabb3> centers;
+  for (std::size_t i = 0; i < kTeapots; ++i) {
+    centers.push_back(UniformBox<3>(0, random));
+  }
+  return Make<3>(std::move(name), count, [&] {
+    if (random.Below(10) == 0) return UniformBox<3>(side, random);
+    const Aabb3& center = centers[random.Below(kTeapots)];
+    Aabb3 box = UniformBox<3>(side_in_teapot, random);
+    for (std::size_t k = 0; k < 3; ++k) {
+      box.min[k] = center.min[k] + kScale * box.min[k];
+      box.max[k] = center.min[k] + kScale * box.max[k];
+    }
+    return box;
+  });
+}
+
+BoxSet<3> MakeGroundPlanes(std::string name, std::size_t count, float side,
+                           std::uint64_t seed) {
+  return MakeWithFew(
+      std::move(name), count, side, seed, 5, [](std::size_t i, Aabb3& box) {
+        const float z = 20.0f * static_cast<float>(i) - 40.0f;
+        box = {{-kHalfCube, -kHalfCube, z}, {kHalfCube, kHalfCube, z + 0.1f}};
+      });
+}
+
+// The largest boxes are cubes of five times the side, which gives as many
+// survivors: for sides s and t that are log-uniform over many decades below 5,
+// the mean of (s + t)^3 is 8.
+BoxSet<3> MakeSixDecades(std::string name, std::size_t count, float side,
+                         std::uint64_t seed) {
+  Random random(seed);
+  return Make<3>(std::move(name), count, [&] {
+    const float decades = 3.0f * (random.Signed() - 1.0f);
+    return UniformBox<3>(5.0f * side * std::pow(10.0f, decades), random);
+  });
+}
+
+BoxSet<3> MakeOnePlane(std::string name, std::size_t count, float side,
+                       std::uint64_t seed) {
+  // In the unit of the world, its square is the cube of the uniform side.
+  const float side_on_plane = side * std::sqrt(side / kHalfCube);
+  Random random(seed);
+  return Make<3>(std::move(name), count, [&] {
+    Aabb3 box = UniformBox<3>(side_on_plane, random);
+    box.min[2] = 0.0f;
+    box.max[2] = side_on_plane;
+    return box;
+  });
+}
+
+BoxSet<3> MakeLongObject(std::string name, std::size_t count, float side,
+                         std::uint64_t seed) {
+  return MakeWithFew(std::move(name), count, side, seed, 1,
+                     [](std::size_t, Aabb3& box) {
+                       box.min[0] = -1e4f * kHalfCube;
+                       box.max[0] = 1e4f * kHalfCube;
+                     });
+}
+
+constexpr std::array kSkewedWorlds = {
+    SkewedWorld{"10 outliers at 10^4", MakeOutliers<4>},
+    SkewedWorld{"teapot in a stadium", MakeTeapotInStadium},
+    SkewedWorld{"10 outliers at 10^7", MakeOutliers<7>},
+    SkewedWorld{"5 ground planes", MakeGroundPlanes},
+    SkewedWorld{"six decades of sizes", MakeSixDecades},
+    SkewedWorld{"all on one plane", MakeOnePlane},
+    SkewedWorld{"one long object", MakeLongObject}};
+
 }  // namespace
+
+std::span<const SkewedWorld> SkewedWorlds() { return kSkewedWorlds; }
 
 template <int kDims>
 BoxSet<kDims> MakeUniformBoxes(std::string name, std::size_t count, float side,

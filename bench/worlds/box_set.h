@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,16 @@ BoxSet<kDims> MakeUniformBoxes(std::string name, std::size_t count, float side,
 // has, and how long a box is, are log-normal; centers are spread around those
 // of the clusters, which are uniform in [-50, 50]^3.
 BoxSet<3> MakeClusters(std::string name, std::size_t count, std::uint64_t seed);
+
+// A uniform world with a skew. Queries are of the same kind as the boxes,
+// without the few that skew the world. A query finds about as many boxes as in
+// the uniform world of boxes of side `side`.
+struct SkewedWorld {
+  const char* name;
+  BoxSet<3> (*make)(std::string name, std::size_t count, float side,
+                    std::uint64_t seed);
+};
+std::span<const SkewedWorld> SkewedWorlds();
 
 // The boxes of a workload, and those of its queries to time; these again and
 // again if they are fewer than kTimedQueries.

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "bench/baselines/box_tree.h"
+#include "bench/worlds/box_set.h"
 #include "bench/worlds/random.h"
 
 namespace halfspace::bench {
@@ -155,8 +156,8 @@ std::vector<Named<BoxTree<3>>> BoxTrees(const std::vector<Aabb3>& boxes) {
 }
 
 template <int kDims>
-void TestBoxTrees() {
-  for (const auto& world : Worlds<kDims>()) {
+void TestBoxTrees(const std::vector<World<kDims>>& worlds) {
+  for (const auto& world : worlds) {
     for (const auto& [name, tree] : BoxTrees(world.boxes)) {
       SCOPED_TRACE(name + ", " + world.name);
       std::vector<std::uint32_t> found = {99};
@@ -171,8 +172,23 @@ void TestBoxTrees() {
   }
 }
 
-TEST(CompetitorsTest, FindAndCountTheBoxesThatTouchIn2D) { TestBoxTrees<2>(); }
-TEST(CompetitorsTest, FindAndCountTheBoxesThatTouchIn3D) { TestBoxTrees<3>(); }
+TEST(CompetitorsTest, FindAndCountTheBoxesThatTouchIn2D) {
+  TestBoxTrees(Worlds<2>());
+}
+TEST(CompetitorsTest, FindAndCountTheBoxesThatTouchIn3D) {
+  TestBoxTrees(Worlds<3>());
+}
+
+// Fewer boxes, but each query finds some.
+TEST(CompetitorsTest, FindAndCountTheBoxesThatTouchInSkewedWorlds) {
+  std::vector<World<3>> worlds;
+  for (const SkewedWorld& skewed : SkewedWorlds()) {
+    BoxSet<3> set = skewed.make(skewed.name, 1000, 8.0f, 1);
+    set.queries.resize(200);
+    worlds.push_back({set.name, set.boxes, set.queries});
+  }
+  TestBoxTrees(worlds);
+}
 
 TEST(CompetitorsTest, FindEachPairOnce) {
   using Finder = Named<PairFinder>;

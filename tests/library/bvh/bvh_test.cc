@@ -160,13 +160,32 @@ TYPED_TEST(BvhTest, FindsWhatAScanFindsAmongSpecialValues) {
   }
 }
 
-// Worlds without an order, and with one only on some axes.
+// Worlds without an order, with one only on some axes, and skewed by a few
+// objects far away or far larger than the others.
 TYPED_TEST(BvhTest, FindsWhatAScanFindsInDegenerateWorlds) {
   using View = typename TypeParam::View;
   using Bound = typename View::Bound;
   using Query = typename View::Query;
   Spread<View> spread(3.0f);
   const Bound one = spread.NextObject();
+  const auto few_at = [&](float factor) {
+    return [&, factor](std::size_t i) {
+      Bound bound = spread.NextObject();
+      for (std::size_t p = 0; i < 10 && p < kPlanes<View>; ++p) {
+        StoredValue<View>(bound, p) *= factor;
+      }
+      return bound;
+    };
+  };
+  // As long as that on some axes.
+  const auto stretched = [&](float half, auto is_long) {
+    Bound bound = spread.NextObject();
+    for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+      if (!is_long(p % Bound::kAxes)) continue;
+      StoredValue<View>(bound, p) = IsMinPlane<View>(p) ? -half : half;
+    }
+    return bound;
+  };
   const std::vector<std::function<Bound(std::size_t)>> worlds = {
       [&](std::size_t) { return one; },
       [](std::size_t) { return Bound::Everything(); },
@@ -191,6 +210,33 @@ TYPED_TEST(BvhTest, FindsWhatAScanFindsInDegenerateWorlds) {
         }
         return bound;
       },
+      few_at(1e4f),
+      few_at(1e7f),
+      few_at(1e30f),
+      [&](std::size_t i) {  // a teapot in a stadium
+        Bound bound = spread.NextObject();
+        for (std::size_t p = 0; i % 10 != 0 && p < kPlanes<View>; ++p) {
+          const std::size_t place = i % 20 * (p % Bound::kAxes + 1) % 20;
+          StoredValue<View>(bound, p) *= 1e-3f;
+          StoredValue<View>(bound, p) += 5.0f * static_cast<float>(place);
+        }
+        return bound;
+      },
+      [&](std::size_t i) {  // ground planes
+        return i < 5 ? stretched(50.0f, [](std::size_t k) { return k != 1; })
+                     : spread.NextObject();
+      },
+      [&](std::size_t i) {  // sizes over six decades
+        const float decades = static_cast<float>(i % 61) / 10.0f - 4.0f;
+        return Spread<View>(std::pow(10.0f, decades), i).NextObject();
+      },
+      [&](std::size_t) {  // all on one plane
+        return stretched(0.0f, [](std::size_t k) { return k == 0; });
+      },
+      [&](std::size_t i) {  // one long object
+        return i == 0 ? stretched(1e6f, [](std::size_t k) { return k == 0; })
+                      : spread.NextObject();
+      },
   };
   for (std::size_t w = 0; w < worlds.size(); ++w) {
     World<View> world;
@@ -206,6 +252,13 @@ TYPED_TEST(BvhTest, FindsWhatAScanFindsInDegenerateWorlds) {
                                         (IsMinPlane<View>(p) ? 1.0f : 0.0f);
       }
       queries.push_back(query);
+    }
+    // Those that an object just touches, the first ones among them.
+    for (std::size_t i : {0, 1, 9, 11, 450, 2222}) {
+      Bound object = world.Get(i);
+      for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+        OpposingValue<View>(queries[i % 20], p) = StoredValue<View>(object, p);
+      }
     }
     ExpectSameEverywhere<View>(world.view(), queries);
     if (this->HasFatalFailure()) FAIL() << "world " << w;
