@@ -24,7 +24,7 @@
 namespace halfspace::bench {
 
 // The blocks that a query visits below and at one of a level, by the floats of
-// the nodes. Codes keep a few nodes more.
+// the nodes.
 template <int kDims>
 std::size_t VisitedBlocks(const detail::BvhLevels& levels, std::size_t level,
                           std::size_t block, const Aabb<kDims>& query) {
@@ -35,8 +35,8 @@ std::size_t VisitedBlocks(const detail::BvhLevels& levels, std::size_t level,
   for (std::size_t n = block * 64; n < end; ++n) {
     bool is_kept = true;
     for (std::size_t k = 0; k < kDims; ++k) {
-      is_kept &= nodes.planes[k][n] <= query.max[k] &&
-                 nodes.planes[kDims + k][n] >= query.min[k];
+      is_kept &= nodes.Value(k, n) <= query.max[k] &&
+                 nodes.Value(kDims + k, n) >= query.min[k];
     }
     if (is_kept) visited += VisitedBlocks(levels, level - 1, n, query);
   }
@@ -165,7 +165,7 @@ class Contest {
     throughput_.AddRatio(
         aims::kFastOverTight, target,
         set_.name + " " + Grouped(set_.boxes.size()) + kOneByOne +
-            ": time of the fast quality over the tight one's",
+            ": time of the fast order over the tight one's",
         RatioOf(in_a_row_[RowOf(std::string("fast") + kOneByOne, target)],
                 in_a_row_[RowOf(std::string("tight") + kOneByOne, target)]));
   }

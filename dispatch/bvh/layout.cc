@@ -117,12 +117,15 @@ void FitAxis(std::span<float> minima, std::span<float> maxima, std::size_t axis,
   float low = 0;
   float width = 0;
   if (!minima.empty() && !maxima.empty()) {
-    const auto nth = [](std::span<float> values, std::size_t n) {
-      std::nth_element(values.begin(), values.begin() + n, values.end());
-      return values[n];
-    };
-    low = nth(minima, minima.size() / 16);
-    float high = nth(maxima, maxima.size() - 1 - maxima.size() / 16);
+    float* const nth[] = {
+        minima.data() + minima.size() / 16,
+        maxima.data() + maxima.size() - 1 - maxima.size() / 16};
+    for (std::size_t m = 0; m < 2; ++m) {
+      const std::span<float> values = m == 0 ? minima : maxima;
+      std::nth_element(values.data(), nth[m], values.data() + values.size());
+    }
+    low = *nth[0];
+    float high = *nth[1];
     if (!(low < high)) {
       low = *std::min_element(minima.begin(), minima.end());
       high = *std::max_element(maxima.begin(), maxima.end());

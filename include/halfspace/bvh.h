@@ -67,15 +67,15 @@ enum class BuildQuality : std::uint8_t {
   // load of an R-tree.
   kHigh,
   // Sorts along a Hilbert curve. O(n), about a fifth of the time. Queries take
-  // up to 1.4 times as long as with kHigh. In 3 dimensions the curve has 1024
-  // cells per axis: if a few objects are very far away, all others share a few
-  // cells, and kHigh is better.
+  // up to 1.4 times as long as with kHigh. The curve's cells, 1024 for each of
+  // 3 axes, are where most objects are: objects far away share the cells at the
+  // end.
   kFast,
 };
 
 struct QueryOptions {
-  // Finds only objects with at least one of these masks
-  // (Bvh::SetMasks). All ones finds all objects.
+  // Finds only objects whose mask (Bvh::SetMasks) has at least one of these
+  // bits. All ones finds all objects.
   std::uint32_t mask = 0xFFFFFFFF;
   Target target = {};  // by default, the chosen one (targets.h)
 };
@@ -257,9 +257,10 @@ class Bvh {
     tree_.Set(ids, detail::ValuesOfAll(bounds));
   }
 
-  // Adds an object with all masks and returns its id: that of an erased
-  // object, or one more than the greatest. The object takes an empty place in a
-  // leaf that it makes grow by a 16th at most, or a new place at the end.
+  // Adds an object whose mask is all ones, and returns its id: that of an
+  // erased object, or one more than the greatest. The object takes an empty
+  // place in a leaf that it makes grow by a 16th at most, or a new place at the
+  // end.
   //
   // The world sorts itself as it grows: the newest objects after every 256
   // insertions, and all objects when as many were inserted as the world had
@@ -274,8 +275,8 @@ class Bvh {
 
   // Adds several objects and writes their ids: ids[i] is that of bounds[i].
   // `ids.size()` must be at least `bounds.size()`. The objects take new places
-  // at the end and are sorted together, with others if as many single
-  // insertions would sort them. Grows the block at most once. If there is no
+  // at the end. They are sorted where the same number of single insertions
+  // would sort, but all at once. Grows the block at most once. If there is no
   // memory to sort with, the objects stay unsorted.
   void Insert(Span<const Bound> bounds, Span<std::uint32_t> ids) {
     tree_.Insert(detail::ValuesOfAll(bounds), ids);
@@ -293,14 +294,14 @@ class Bvh {
   void Erase(Span<const std::uint32_t> ids) { tree_.Erase(ids); }
 
   // Removes all objects and keeps the block of memory. A blob in place is
-  // released instead. Ids begin at 0 again, and new objects have all masks, as
-  // in a new world. O(1). Never throws.
+  // released instead. Ids begin at 0 again, and the mask of a new object is
+  // all ones. O(1). Never throws.
   void Clear() { tree_.Clear(); }
 
-  // Sets the masks of one object, or of all: masks[i] is that of
-  // object i. Objects beyond the end of the list get 0. An object whose
-  // masks were never set has all of them. One with 0 is found only with
-  // QueryOptions::masks of all ones.
+  // Sets the mask of one object, or of all: masks[i] is that of object i. The
+  // mask of objects beyond the end of the list becomes 0. An object whose mask
+  // was never set has all ones. One with 0 is found only with a
+  // QueryOptions::mask of all ones.
   void SetMasks(std::uint32_t id, std::uint32_t mask) {
     tree_.SetMasks(id, mask);
   }

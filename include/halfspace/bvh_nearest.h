@@ -3,10 +3,10 @@
 //
 //   std::array<std::uint32_t, 8> ids;
 //   std::array<float, 8> distances;
-//   std::size_t found = KNearest(sorted, {x, y, z}, ids, distances);
+//   std::size_t found = KNearest(bvh, {x, y, z}, ids, distances);
 //
 //   float closest = ray.max_t;
-//   RayCast(sorted, ray, [&](std::uint32_t id, float) {
+//   RayCast(bvh, ray, [&](std::uint32_t id, float) {
 //     // HitTriangle() is infinite for a miss.
 //     return closest = std::min(closest, HitTriangle(ray, id));
 //   });

@@ -1,7 +1,7 @@
 // All overlapping pairs of objects of a BVH (bvh.h): the broad phase.
 //
 //   std::vector<halfspace::IdPair> pairs(room);
-//   const std::size_t count = Pairs(sorted, pairs);
+//   const std::size_t count = Pairs(bvh, pairs);
 //
 // Bounds a and b overlap unless a plane separates them: a.min[k] > b.max[k] or
 // b.min[k] > a.max[k] for an axis k. That is the rule of reject.h. So bounds
@@ -61,8 +61,8 @@ struct IdPair {
 };
 
 struct PairOptions {
-  // Finds only pairs of which each object has at least one of these masks,
-  // not necessarily the same one. All ones finds all objects.
+  // Finds only pairs in which the mask of each object has at least one of these
+  // bits, not necessarily the same one. All ones finds all objects.
   std::uint32_t mask = 0xFFFFFFFF;
   // Finds only the pairs of parts begin ... end - 1 of PairParts(). Each pair
   // belongs to one part, so calls with disjoint ranges, on any threads, find

@@ -1,10 +1,10 @@
 // The queries of bvh.h with a sphere, segment, capsule or half-spaces.
 //
-//   Survivors(sorted, Sphere3{{x, y, z}, radius}, ids)
-//   CountSurvivors(sorted, Segment3{a, b})
-//   ForEachSurvivor(sorted, Capsule3{a, b, radius}, function)
-//   AnySurvivor(sorted, frustum)        e.g. a std::array<HalfSpace3, 6>
-//   SurvivorsOfEach(sorted, spheres, ids, offsets)
+//   Survivors(bvh, Sphere3{{x, y, z}, radius}, ids)
+//   CountSurvivors(bvh, Segment3{a, b})
+//   ForEachSurvivor(bvh, Capsule3{a, b, radius}, function)
+//   AnySurvivor(bvh, frustum)        e.g. a std::array<HalfSpace3, 6>
+//   SurvivorsOfEach(bvh, spheres, ids, offsets)
 //
 // A query shape is a Sphere<d>, Segment<d> or Capsule<d> of floats (shapes.h)
 // in the world's d dimensions, or a list of up to 64 HalfSpace<d>: the region

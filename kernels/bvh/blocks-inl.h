@@ -254,7 +254,7 @@ HWY_INLINE float LeastLane(D d, hn::Vec<D> values) {
 // The least value of a plane, which is -inf with a NaN, and never -0, of which
 // and of 0 targets take one or the other.
 template <bool kIsMax>
-HWY_INLINE float LeastOfPlane(const float* plane) {
+HWY_NOINLINE float LeastOfPlane(const float* plane) {
   constexpr float kInf = std::numeric_limits<float>::infinity();
   const hn::CappedTag<float, 16> d;
   auto least = hn::Set(d, kInf);
@@ -268,8 +268,8 @@ HWY_INLINE float LeastOfPlane(const float* plane) {
 
 // Writes the codes of a plane. A NaN has the least, which rejects no query.
 template <bool kIsMax>
-HWY_INLINE void EncodePlane(const float* plane, float base, float scale,
-                            int16_t* codes) {
+HWY_NOINLINE void EncodePlane(const float* plane, float base, float scale,
+                              int16_t* codes) {
   const hn::CappedTag<float, 16> d;
   const hn::Rebind<int16_t, decltype(d)> d16;
   const auto vbase = hn::Set(d, base);

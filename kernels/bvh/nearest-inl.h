@@ -55,7 +55,13 @@ class NearestFinder {
 
   void Visit(size_t level, size_t block) {
     HWY_ALIGN float keys[detail::kBlockObjects];
-    uint64_t bits = ReadKeys(level, block, keys);
+    // Of the vectors with nodes or objects: the others are not read.
+    const size_t lanes = hn::Lanes(WordTag<float>());
+    const size_t size =
+        search_.levels->level[level].size - block * detail::kBlockObjects;
+    const size_t end =
+        HWY_MIN(detail::kBlockObjects, (size + lanes - 1) / lanes * lanes);
+    uint64_t bits = ReadKeys(level, block, end, keys);
     if (bits == 0) return;
     if (level == 0 && is_many_) {
       for (; bits != 0; bits &= bits - 1) {
@@ -65,17 +71,20 @@ class NearestFinder {
       return;
     }
     float key;
-    size_t lane = TakeLeast(keys, key);
+    size_t lane = TakeLeast(keys, end, key);
     for (;;) {
       const size_t place = block * detail::kBlockObjects + lane;
       const detail::KeyedSlot keyed = Keyed(key, place << (6 * level));
       // Also where none is left, as no limit is infinite.
       if (keyed > worst_) return;
       if (level == 0) {
-        if (keyed >= search_.from) AddToFew(keyed);
-        lane = TakeLeast(keys, key);
+        if (keyed >= search_.from) {
+          AddToFew(keyed);
+          if (search_.room == 1) return;
+        }
+        lane = TakeLeast(keys, end, key);
       } else {
-        lane = TakeLeast(keys, key);
+        lane = TakeLeast(keys, end, key);
         if (key <= KeyOf(worst_)) {
           Prefetch(level - 1, block * detail::kBlockObjects + lane);
         }
@@ -108,7 +117,8 @@ class NearestFinder {
   // Writes the keys of a block's nodes, or of its objects that were not found
   // before; +inf of those beyond the limit. Returns a bit for each of the
   // others.
-  HWY_INLINE uint64_t ReadKeys(size_t level, size_t block, float* keys) const {
+  HWY_INLINE uint64_t ReadKeys(size_t level, size_t block, size_t end,
+                               float* keys) const {
     const detail::BvhLevel& nodes = search_.levels->level[level];
     const size_t first = block * detail::kBlockObjects;
     uint64_t wanted = nodes.present[block];
@@ -118,7 +128,7 @@ class NearestFinder {
     const auto from = hn::Set(d, level == 0 ? KeyOf(search_.from) : 0.0f);
     const auto inf = hn::Set(d, kInf);
     uint64_t bits = 0;
-    for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+    for (size_t i = 0; i < end; i += hn::Lanes(d)) {
       auto key = hn::Zero(d);
       if (search_.line != nullptr) {
         auto exit = key;
@@ -138,17 +148,16 @@ class NearestFinder {
   }
 
   // The least key and its first lane, which is not taken again.
-  static HWY_INLINE size_t TakeLeast(float* keys, float& key) {
+  static HWY_INLINE size_t TakeLeast(float* keys, size_t end, float& key) {
     const WordTag<float> d;
     auto least = hn::Load(d, keys);
-    for (size_t i = hn::Lanes(d); i < detail::kBlockObjects;
-         i += hn::Lanes(d)) {
+    for (size_t i = hn::Lanes(d); i < end; i += hn::Lanes(d)) {
       least = hn::Min(least, hn::Load(d, keys + i));
     }
     least = hn::MinOfLanes(d, least);
     key = hn::GetLane(least);
     uint64_t bits = 0;
-    for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+    for (size_t i = 0; i < end; i += hn::Lanes(d)) {
       bits |= LaneBits(d, hn::Eq(hn::Load(d, keys + i), least)) << i;
     }
     if (bits == 0) {  // as Highway's plain target starts from the largest float

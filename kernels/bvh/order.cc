@@ -106,6 +106,49 @@ struct Key {
 };
 static_assert(2 * sizeof(Key) == kOrderScratch);
 
+// Where most centers are, by a sample of them, in runs. The outermost 16ths may
+// add a quarter of the range of the others: objects farther away share the
+// cells at the end, and would leave the others few cells.
+detail::Grid GridOf(const detail::FloatColumns& objects,
+                    const Kernels& kernels) {
+  constexpr std::size_t kRuns = 32;
+  constexpr std::size_t kRun = 4;
+  constexpr float kMostCells = std::numeric_limits<float>::max() / 0x1p15f;
+  std::array<std::array<float, kRuns * kRun>, kAxes> samples;
+  std::array<std::size_t, kAxes> counts{};
+  const std::size_t step = std::max(kRun, objects.size / kRuns);
+  for (std::size_t r = 0; r < kRuns && r * step < objects.size; ++r) {
+    const std::size_t count = std::min(kRun, objects.size - r * step);
+    Centers centers;
+    kernels.centers(objects, r * step, count, centers);
+    for (std::size_t k = 0; k < kAxes; ++k) {
+      for (std::size_t i = 0; i < count; ++i) {
+        if (centers[k][i] == detail::kLastCenter) continue;
+        samples[k][counts[k]++] = centers[k][i];
+      }
+    }
+  }
+  detail::Grid grid{};
+  for (std::size_t k = 0; k < kAxes; ++k) {
+    const std::size_t count = counts[k];
+    if (count == 0) continue;
+    float* const sample = samples[k].data();
+    std::sort(sample, sample + count);
+    const float low = sample[count / 16];
+    const float high = sample[count - 1 - count / 16];
+    const float more = (high - low) / 4;
+    const bool is_narrow = !(low < high);
+    grid.least[k] = is_narrow ? sample[0] : std::max(sample[0], low - more);
+    const float width = (is_narrow ? sample[count - 1]
+                                   : std::min(sample[count - 1], high + more)) -
+                        grid.least[k];
+    if (width > 0 && 1 / width <= kMostCells) {
+      grid.cells_of_unit[k] = 1 / width;
+    }
+  }
+  return grid;
+}
+
 }  // namespace
 
 void OrderByMedians(const detail::FloatColumns& objects, const Kernels& kernels,
@@ -146,25 +189,8 @@ void OrderByMedians(const detail::FloatColumns& objects, const Kernels& kernels,
 void OrderByCurve(const detail::FloatColumns& objects, const Kernels& kernels,
                   std::byte* scratch, std::uint32_t* ids,
                   const detail::PartRunner& run) {
-  detail::InTurn in_turn;
-  Extent extent;
-  ForCenters(objects, kernels, detail::RunnerOf(in_turn),
-             [&](std::size_t, std::size_t count, const Centers& centers) {
-               for (std::size_t k = 0; k < kAxes; ++k) {
-                 for (std::size_t i = 0; i < count; ++i) {
-                   extent.Add(k, centers[k][i]);
-                 }
-               }
-             });
-  detail::Grid grid;
-  InDefaultFpMode([&] {
-    constexpr float kMost = std::numeric_limits<float>::max() / 0x1p15f;
-    for (std::size_t k = 0; k < kAxes; ++k) {
-      const float width = extent.Width(k);
-      grid.least[k] = extent.least[k];
-      grid.cells_of_unit[k] = width > 0 && 1 / width <= kMost ? 1 / width : 0;
-    }
-  });
+  const detail::Grid grid =
+      InDefaultFpMode([&] { return GridOf(objects, kernels); });
   auto* from = reinterpret_cast<Key*>(scratch);
   auto* to = from + objects.size;
   // A radix sort, the lowest digit first.

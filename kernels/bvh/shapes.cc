@@ -19,8 +19,8 @@ namespace halfspace::detail {
 template <>
 inline constexpr BvhShapeKernels kBvhShapeKernelsFor<HWY_TARGET> = {
     &HWY_NAMESPACE::BallBits, &HWY_NAMESPACE::InBallBits,
-    &HWY_NAMESPACE::LineBits,
-    &HWY_NAMESPACE::FrontBits<false>, &HWY_NAMESPACE::FrontBits<true>};
+    &HWY_NAMESPACE::LineBits, &HWY_NAMESPACE::FrontBits<false>,
+    &HWY_NAMESPACE::FrontBits<true>};
 
 }  // namespace halfspace::detail
 HWY_AFTER_NAMESPACE();

@@ -70,7 +70,10 @@ class Walker {
   explicit Walker(const detail::Walk& walk)
       : walk_(walk),
         levels_(*walk.levels),
-        has_masks_(levels_.level[0].masks != nullptr && ~walk.mask != 0) {}
+        has_masks_(levels_.level[0].masks != nullptr && ~walk.mask != 0),
+        reads_codes_(
+            levels_.codes != nullptr &&
+            (walk.shape == nullptr || walk.shape->instead == nullptr)) {}
 
   void Run() {
     for (size_t q = 0; q < walk_.query_count; ++q) {
@@ -192,6 +195,10 @@ class Walker {
                                       queries_[QueryOf(place)]);
   }
 
+  HWY_NOINLINE uint64_t TestObjects(uint32_t place) const {
+    return TestFloatsOf(0, place);
+  }
+
   // Those of `kept` that have what a query asks for beside its planes.
   HWY_INLINE uint64_t Filter(size_t level, uint32_t place, uint64_t kept) {
     if constexpr (kHasLeaves) {
@@ -243,18 +250,21 @@ class Walker {
     walk_.counts[first_query_ + QueryOf(place)] += objects;
   }
 
+  template <size_t kCount, typename T>
+  static HWY_INLINE void PrefetchAll(const T* values) {
+    for (size_t i = 0; i < kCount; i += 64 / sizeof(T)) {
+      kernels::Prefetch(values + i);
+    }
+  }
+
   void PrefetchLeaf(uint32_t place) const {
     if constexpr (kHasLeaves) return;
     if (!IsInside(place)) {
-      constexpr size_t kLine = 64 / sizeof(int16_t);
-      for (size_t i = 0; i < kPlanes * detail::kBlockObjects; i += kLine) {
-        kernels::Prefetch(Codes(place) + i);
-      }
-    }
-    if constexpr (kWrites) {
-      const uint32_t* ids = levels_.ids + FirstOf(place);
-      for (size_t i = 0; i < detail::kBlockObjects; i += 16) {
-        kernels::Prefetch(ids + i);
+      constexpr size_t kValues = kPlanes * detail::kBlockObjects;
+      if (reads_codes_) {
+        PrefetchAll<kValues>(Codes(place));
+      } else {
+        PrefetchAll<kValues>(levels_.level[0].Plane(BlockOf(place), 0));
       }
     }
   }
@@ -264,28 +274,25 @@ class Walker {
   }
 
   bool VisitLeaves(size_t size) {
-    const bool reads_floats =
-        levels_.codes == nullptr ||
-        (walk_.shape != nullptr && walk_.shape->instead != nullptr);
     Unsure unsure[2 * kManyLeaves];
     size_t unsure_count = 0;
     for (size_t i = 0; i < size; ++i) {
       const uint32_t place = list_[i];
       const size_t query = QueryOf(place);
       if (query != encoded_) {
-        if (!Resolve(unsure, unsure_count)) return false;
+        if (unsure_count != 0 && !Resolve(unsure, unsure_count)) return false;
         unsure_count = 0;
         if (kWrites && !EndQueries(query)) return false;
         encoded_ = query;
-        if (!reads_floats) {
+        if (reads_codes_) {
           EncodeQuery<kAxes, kHasMax>(*levels_.map, queries_[query], codes_);
         }
       }
       uint64_t kept;
       if (IsInside(place)) {
         kept = levels_.level[0].present[BlockOf(place)];
-      } else if (reads_floats) {
-        kept = Filter(0, place, TestFloatsOf(0, place));
+      } else if (!reads_codes_) {
+        kept = Filter(0, place, TestObjects(place));
       } else {
         const LeafBits bits = TestCodes<kPlanes>(Codes(place), codes_);
         kept = bits.kept & levels_.level[0].present[BlockOf(place)];
@@ -294,9 +301,9 @@ class Walker {
         unsure_count += (bits.unsure & kept) != 0;
         kept &= ~bits.unsure;
       }
-      if (!Take(place, kept)) return false;
+      if (kept != 0 && !Take(place, kept)) return false;
     }
-    return Resolve(unsure, unsure_count);
+    return unsure_count == 0 || Resolve(unsure, unsure_count);
   }
 
   bool EndQueries(size_t end) {
@@ -345,7 +352,7 @@ class Walker {
     const detail::BvhLevel& objects = levels_.level[0];
     const size_t block = BlockOf(place);
     if (hwy::PopCount(bits) > kFew) {
-      return bits & TestFloats<kAxes, kHasMax>(objects, block, query);
+      return bits & TestObjects(place);
     }
     uint64_t kept = 0;
     for (; bits != 0; bits &= bits - 1) {
@@ -368,6 +375,7 @@ class Walker {
   const detail::Walk& walk_;
   const detail::BvhLevels& levels_;
   const bool has_masks_;
+  const bool reads_codes_;
   size_t list_size_ = 0;
   size_t first_query_ = 0;  // of those that walk together
   size_t query_ = 0;        // after the first, whose ids are written

@@ -1,4 +1,4 @@
-// Bvh worlds of any floats, after any changes, against scans of a list of
+// BVHs of any floats, after any changes, against scans of a list of
 // their objects; and altered blobs, of which calls may read nothing else.
 #include <algorithm>
 #include <array>

@@ -459,6 +459,26 @@ TYPED_TEST(BvhChangesTest, AWorldSortsItselfAsItChanges) {
   EXPECT_LE(LeavesVisited<View>(bvh, queries), 3 * least + 8 * queries.size());
 }
 
+// An object that is very far away costs the others none of their order.
+TYPED_TEST(BvhChangesTest, OneFarObjectLeavesTheOrder) {
+  using View = typename TypeParam::View;
+  Spread<View> spread(0.2f);
+  World<View> bounds = spread.Objects(20'000);
+  const auto queries = spread.Queries(500);
+  for (BuildQuality quality : {BuildQuality::kHigh, BuildQuality::kFast}) {
+    const std::size_t near =
+        LeavesVisited<View>(Bvh<View>(bounds, quality), queries);
+    World<View> with_far(bounds);
+    auto far = bounds.Get(7);
+    far.min[0] += 1e30f;
+    if constexpr (HasMaxima<View>) far.max[0] += 1e30f;
+    with_far.Set(7, far);
+    EXPECT_LE(LeavesVisited<View>(Bvh<View>(with_far, quality), queries),
+              near + near / 5)
+        << static_cast<int>(quality);
+  }
+}
+
 // Of a stream, whose oldest object is erased for each that comes further along
 // an axis, and of a world that is emptied and filled.
 TYPED_TEST(BvhChangesTest, MemoryFollowsTheObjects) {
