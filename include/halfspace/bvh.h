@@ -275,8 +275,8 @@ class Bvh {
 
   // Adds several objects and writes their ids: ids[i] is that of bounds[i].
   // `ids.size()` must be at least `bounds.size()`. The objects take new places
-  // at the end and are sorted together, with others if as many single
-  // insertions would sort them. Grows the block at most once. If there is no
+  // at the end. They are sorted where the same number of single insertions
+  // would sort, but all at once. Grows the block at most once. If there is no
   // memory to sort with, the objects stay unsorted.
   void Insert(Span<const Bound> bounds, Span<std::uint32_t> ids) {
     tree_.Insert(detail::ValuesOfAll(bounds), ids);
@@ -294,8 +294,8 @@ class Bvh {
   void Erase(Span<const std::uint32_t> ids) { tree_.Erase(ids); }
 
   // Removes all objects and keeps the block of memory. A blob in place is
-  // released instead. Ids begin at 0 again, and the mask of new objects is all
-  // ones, as in a new BVH. O(1). Never throws.
+  // released instead. Ids begin at 0 again, and the mask of a new object is
+  // all ones. O(1). Never throws.
   void Clear() { tree_.Clear(); }
 
   // Sets the mask of one object, or of all: masks[i] is that of object i. The
