@@ -72,7 +72,7 @@ inline constexpr Aim kSkewedOverUniform = AtMost(1.5);
 inline constexpr Aim kFastBuild = AtLeast(5.0);
 inline constexpr Aim kTightBuild = AtLeast(1.0);
 inline constexpr Aim kFastOverTight = AtMost(1.5);
-inline constexpr Aim kBvhMemory = AtMost(0.6);
+inline constexpr Aim kBvhMemory = AtMost(0.75);
 // Refits: % of copying as many bytes as they read and write.
 inline constexpr Aim kRefitInOrder = AtLeast(40.0);
 inline constexpr Aim kRefitById = AtLeast(20.0);

@@ -25,7 +25,7 @@
 // Floating-point mode: as in bvh.h.
 //
 // Thread safety: calls on the same worlds may run at the same time, and can
-// share one join (PairOptions::begin). A call uses up to 32 KiB of stack and
+// share one join (PairOptions::begin). A call uses up to 16 KiB of stack and
 // locks nothing. Only PairsOf() and ForEachPairOf() allocate.
 //
 // Cost: one query per leaf of 64 objects, and a comparison of the objects of
