@@ -36,7 +36,7 @@ std::vector<Query> QueriesAs(std::span<const Aabo3> aabos) {
 // One way to answer a query with a list of survivors.
 struct Way {
   std::string shape;
-  std::string schedule;    // or "bvh"
+  std::string schedule;    // or "BVH"
   std::string precision;   // "floats", "uint8" or "uint16"
   double survivors = 0.0;  // of a query
   Timing timing = {};      // ns of a query
@@ -138,7 +138,7 @@ class Contestants {
             return Survivors(*words, query, indices_, options);
           });
     }
-    add("bvh", "floats", kQueriesPerRun, [this, sorted](const Query& query) {
+    add("BVH", "floats", kQueriesPerRun, [this, sorted](const Query& query) {
       return Survivors(*sorted, query, indices_, {.target = target_});
     });
   }
