@@ -101,6 +101,7 @@ void AddCallParts(const Workload& workload, ThroughputParts& parts) {
       for (ShapeKind shape : kShapes) {
         const std::string name = NameOf(target) + "/" + NameOf(shape);
         std::vector<Case> cases;
+        cases.reserve(kSizes.size());
         for (std::size_t objects : kSizes) {
           cases.push_back(
               CallCase("call/" + name + "/" + std::to_string(objects), workload,
