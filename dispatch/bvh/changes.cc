@@ -187,13 +187,8 @@ void BvhTree::EncodePath(std::size_t slot) {
   const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), "Bvh");
   kernels::InDefaultFpMode([&] {
     std::size_t block = slot;
-    for (std::size_t l = 0; l < levels_.count; ++l) {
+    for (std::size_t l = 0; l + 1 < levels_.count; ++l) {
       block /= kBlockObjects;
-      if (l + 1 == levels_.count) {
-        kernels.encode(
-            {&levels_.level[l], nullptr, nullptr, nullptr, block, block + 1});
-        return;
-      }
       const BvhLevel& above = levels_.level[l + 1];
       const auto node = [&] {
         std::array<float, 8> planes{};
@@ -206,8 +201,7 @@ void BvhTree::EncodePath(std::size_t slot) {
         return std::pair(planes, bits);
       };
       const auto before = node();
-      kernels.encode({&levels_.level[l], &above, levels_.map,
-                      l == 0 ? levels_.codes : nullptr, block, block + 1});
+      kernels.encode(RangeOf(levels_, l, block, block + 1));
       if (above.masks != nullptr) OrMasks(levels_, l, block);
       if (node() == before) return;
     }
@@ -228,21 +222,16 @@ void BvhTree::Set(std::uint32_t id, Span<const float> values) {
 void BvhTree::EncodeTouched(std::uint64_t* touched) {
   const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), "Bvh");
   kernels::InDefaultFpMode([&] {
-    for (std::size_t l = 0; l < levels_.count; ++l) {
+    for (std::size_t l = 0; l + 1 < levels_.count; ++l) {
       const BvhLevel& level = levels_.level[l];
-      const BvhLevel* const above =
-          l + 1 == levels_.count ? nullptr : &levels_.level[l + 1];
       const std::size_t words = BlocksOf(BlocksOf(level.size));
       std::uint64_t next = 0;
       for (std::size_t w = 0; w < words; ++w) {
         for (std::uint64_t bits = touched[w]; bits != 0; bits &= bits - 1) {
           const std::size_t block =
               w * 64 + static_cast<std::size_t>(std::countr_zero(bits));
-          kernels.encode({&level, above, levels_.map,
-                          l == 0 ? levels_.codes : nullptr, block, block + 1});
-          if (above != nullptr && above->masks != nullptr) {
-            OrMasks(levels_, l, block);
-          }
+          kernels.encode(RangeOf(levels_, l, block, block + 1));
+          if (level.masks != nullptr) OrMasks(levels_, l, block);
         }
         next |= std::uint64_t{touched[w] != 0} << w % 64;
         if (w % 64 == 63 || w + 1 == words) {

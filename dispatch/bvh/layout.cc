@@ -68,7 +68,6 @@ void FillPart(const BvhLevels& levels, std::size_t planes,
               const FloatColumns& objects, const std::uint32_t* elements,
               const BvhKernels::OfPlanes& kernels, std::size_t part) {
   const BvhLevel& level = levels.level[0];
-  const BvhLevel* const above = levels.count > 1 ? &levels.level[1] : nullptr;
   const std::size_t end_block =
       std::min(BlocksOf(level.size), (part + 1) * kBlockObjects);
   for (std::size_t b = part * kBlockObjects; b < end_block; ++b) {
@@ -99,7 +98,7 @@ void FillPart(const BvhLevels& levels, std::size_t planes,
         }
       }
     }
-    kernels.encode({&level, above, levels.map, levels.codes, b, b + 1});
+    kernels.encode(RangeOf(levels, 0, b, b + 1));
   }
 }
 
@@ -239,10 +238,7 @@ void Truncate(const BvhShape& shape, BvhLevels& levels, std::size_t slots) {
 void EncodeLevels(const BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
                   std::size_t from) {
   for (std::size_t l = from; l < levels.count; ++l) {
-    const bool is_top = l + 1 == levels.count;
-    kernels.encode({&levels.level[l], is_top ? nullptr : &levels.level[l + 1],
-                    levels.map, l == 0 ? levels.codes : nullptr, 0,
-                    BlocksOf(levels.level[l].size)});
+    kernels.encode(RangeOf(levels, l, 0, BlocksOf(levels.level[l].size)));
   }
 }
 
@@ -252,8 +248,7 @@ void EncodeSlots(BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
     begin /= kBlockObjects;
     end = BlocksOf(end);
     const bool is_top = l + 1 == levels.count;
-    kernels.encode({&levels.level[l], is_top ? nullptr : &levels.level[l + 1],
-                    levels.map, l == 0 ? levels.codes : nullptr, begin, end});
+    kernels.encode(RangeOf(levels, l, begin, end));
     if (is_top || levels.level[l].masks == nullptr) continue;
     for (std::size_t b = begin; b < end; ++b) OrMasks(levels, l, b);
   }

@@ -153,6 +153,18 @@ void FillSlots(const BvhShape& shape, const BvhLevels& levels,
                const FloatColumns& objects, const std::uint32_t* elements,
                const BvhKernels::OfPlanes& kernels, const PartRunner& run);
 
+// Blocks begin ... end - 1 of a level, as the kernels encode them.
+inline BlockRange RangeOf(const BvhLevels& levels, std::size_t level,
+                          std::size_t begin, std::size_t end) {
+  const bool is_top = level + 1 == levels.count;
+  return {&levels.level[level],
+          is_top ? nullptr : &levels.level[level + 1],
+          levels.map,
+          level == 0 ? levels.codes : nullptr,
+          begin,
+          end};
+}
+
 // Encodes all levels from `from` on, whose floats and presence are there.
 void EncodeLevels(const BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
                   std::size_t from);
