@@ -34,9 +34,10 @@ std::string CrossingsText(const std::vector<double>& widths,
   const std::vector<double> crossings = CrossingsOf(widths, ratios);
   std::string leader = ratios.front() > 1.0 ? "the simplex" : "the box";
   std::string text = leader + " is faster";
-  for (double crossing : crossings) {
+  for (std::size_t i = 0; i < crossings.size(); ++i) {
     leader = leader == "the box" ? "the simplex" : "the box";
-    text += "; from w = " + Fixed(crossing, 0) + " on " + leader;
+    text += (i == 0 ? "; from w = " : "; from ") + Fixed(crossings[i], 0) +
+            " on " + leader;
   }
   return text;
 }
@@ -77,8 +78,8 @@ Tables RunGate(Run& run) {
                     ".");
   }
   notes.push_back(
-      "The paper, on another machine and without intrinsics: 2.31 and 3.28 ns "
-      "at w = 1, and one crossing, at w of about 8.");
+      "The paper, on another machine: 2.31 and 3.28 ns at w = 1, and one "
+      "crossing, at w of about 8.");
   if (run.is_page()) {
     return {Table{"gate",
                   "the paper's rule, early-out after every half-space "

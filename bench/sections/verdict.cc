@@ -252,9 +252,8 @@ Tables RunVerdict(Run& run) {
   tables[0].notes.push_back(
       std::string(IsOfFile(verdict)
                       ? ""
-                      : "size: of an object, as a share of the world's "
-                        "side. ") +
-      "*: the simplex wins. =: no difference. [ ]: the range of " +
+                      : "size: an object's side over the world's. ") +
+      "*: the simplex wins. =: neither. [ ]: range of " +
       std::to_string(verdict.groups()) + " groups.");
   if (run.is_page()) {
     tables[1].notes.clear();
