@@ -11,6 +11,7 @@
 //   fit_status.h   counts the shapes that a builder could not bound
 //   planes.h       the output arrays of fit_many.h
 //   span.h         the type of all array parameters
+//   visit.h        what callbacks return
 //   world.h        stored bounds: views and owning worlds
 //   quantized.h    stored bounds with one or two bytes per plane
 //   memory.h       where owning worlds allocate their memory
@@ -48,6 +49,7 @@
 #include "halfspace/targets.h"      // IWYU pragma: export
 #include "halfspace/transform.h"    // IWYU pragma: export
 #include "halfspace/version.h"      // IWYU pragma: export
+#include "halfspace/visit.h"        // IWYU pragma: export
 #include "halfspace/world.h"        // IWYU pragma: export
 
 #endif  // HALFSPACE_HALFSPACE_H_
