@@ -38,8 +38,9 @@ HWY_INLINE void StorePairs(__m512i a, __m512i b, uint32_t* to) {
 #endif
 
 template <size_t kAxes>
-class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
-  using Base = Walker<kAxes, true, true, PairWalker<kAxes>>;
+class PairWalker
+    : public Walker<PlaneQueries<kAxes, true>, true, PairWalker<kAxes>> {
+  using Base = Walker<PlaneQueries<kAxes, true>, true, PairWalker<kAxes>>;
   friend Base;
   static constexpr size_t kPlanes = 2 * kAxes;
   static constexpr std::make_index_sequence<kPlanes> kEachPlane{};
@@ -48,7 +49,9 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
 
  public:
   explicit PairWalker(const detail::PairJoin& join)
-      : Base(join.walk), join_(join) {}
+      : Base(join.walk), join_(join) {
+    this->query_ = PlaneQueries<kAxes, true>(bounds_);
+  }
 
   void Run() {
     for (size_t block = join_.begin; block < join_.end;) {
@@ -59,11 +62,11 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
         if (members == 0) continue;
         block_[count] = static_cast<uint32_t>(block);
         members_[count] = members;
-        BoundMembers(block, members, this->queries_[count]);
+        BoundMembers(block, members, bounds_[count]);
         ++count;
       }
       for (size_t q = 0; q < count; ++q) {
-        if (!this->Visit(this->levels_.count - 1, this->PlaceOf(q))) return;
+        if (!this->WalkNodes(q)) return;
       }
       if (!this->VisitList()) return;
     }
@@ -83,7 +86,7 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
 
   // The bound of some objects of a block. A NaN is infinite, which rejects no
   // more.
-  void BoundMembers(size_t block, uint64_t members, PlaneQuery& query) const {
+  void BoundMembers(size_t block, uint64_t members, float* bound) const {
     const Tag d;
     constexpr float kInf = std::numeric_limits<float>::infinity();
     for (size_t p = 0; p < kPlanes; ++p) {
@@ -98,17 +101,17 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
         least = hn::Min(least, hn::IfThenElse(is_member, v, hn::Set(d, kInf)));
       }
       const float value = LeastLane(d, least);
-      query.values[(p + kAxes) % kPlanes] = p < kAxes ? value : -value;
+      bound[p] = p < kAxes ? value : -value;
     }
   }
 
   // The nodes whose blocks follow the query's: each pair of blocks is found
   // from the first of both.
-  HWY_INLINE uint64_t WantedNodes(size_t level, uint32_t place) const {
+  HWY_INLINE uint64_t WantedNodes(size_t query, size_t level,
+                                  size_t block) const {
     if (!join_.is_one_world || join_.set != nullptr) return ~uint64_t{0};
-    const size_t first = block_[this->QueryOf(place)] >> (6 * (level - 1));
-    const size_t begin =
-        size_t{place & detail::kBlockMask} * detail::kBlockObjects;
+    const size_t first = block_[query] >> (6 * (level - 1));
+    const size_t begin = block * detail::kBlockObjects;
     if (first <= begin) return ~uint64_t{0};
     const size_t before = first - begin;
     return before < detail::kBlockObjects ? ~uint64_t{0} << before : 0;
@@ -116,7 +119,7 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
 
   bool VisitLeaves(const uint32_t* places, size_t count) {
     for (size_t i = 0; i < count; ++i) {
-      if (!Join(this->QueryOf(places[i]), places[i] & detail::kBlockMask)) {
+      if (!Join(this->QueryOf(places[i]), this->BlockOf(places[i]))) {
         return false;
       }
     }
@@ -138,8 +141,7 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
     }
     // Found from both blocks.
     if (join_.set != nullptr && block < own) objects &= ~join_.set[block];
-    const PlaneQuery& bound = this->queries_[query];
-    objects &= TestFloats<kAxes, true>(levels.level[0], block, bound);
+    objects &= TestFloats<kAxes, true>(levels.level[0], block, bounds_[query]);
     if (objects == 0) return true;
     if ((members & (members - 1)) == 0) {
       // The bound is its own, so these are its pairs.
@@ -148,9 +150,9 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
                       objects, levels.ids + block * detail::kBlockObjects);
     }
     if (levels.count > 1) {
-      PlaneQuery node;
+      float node[kPlanes];
       for (size_t p = 0; p < kPlanes; ++p) {
-        node.values[p] = levels.level[1].Value((p + kAxes) % kPlanes, block);
+        node[p] = levels.level[1].Value(p, block);
       }
       members &= TestFloats<kAxes, true>(queries.level[0], own, node);
       if (members == 0) return true;
@@ -288,6 +290,7 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
   const detail::PairJoin& join_;
   uint32_t block_[detail::kWalkers];
   uint64_t members_[detail::kWalkers];
+  float bounds_[detail::kWalkers][kPlanes];
   HWY_ALIGN float values_[kPlanes][kRoom] = {};
   HWY_ALIGN uint32_t ids_[kRoom] = {};
 };

@@ -427,7 +427,7 @@ TYPED_TEST(BvhTest, StopsWhenTheFunctionSaysSo) {
     ForEachSurvivor(bvh, View::Query::Everything(),
                     [&](Span<const std::uint32_t> ids) {
                       EXPECT_GT(ids.size(), 0u);
-                      return ++calls < 3;
+                      return ++calls < 3 ? Visit::kContinue : Visit::kStop;
                     },
                     {.target = target});
     EXPECT_EQ(calls, 3u);

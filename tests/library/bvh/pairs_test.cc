@@ -151,7 +151,11 @@ void ExpectPairs(const PairList& expected, bool is_one_world, std::size_t parts,
   options.begin = 0;
   options.end = parts;
   std::size_t calls = 0;
-  for_each([&](Span<const IdPair>) { return ++calls < 2; }, options);
+  for_each(
+      [&](Span<const IdPair>) {
+        return ++calls < 2 ? Visit::kContinue : Visit::kStop;
+      },
+      options);
   ASSERT_EQ(calls == 0, expected.empty());
   ASSERT_LE(calls, 2u);
   ASSERT_TRUE(calls == 2 || expected.size() <= 256);
