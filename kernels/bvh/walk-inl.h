@@ -247,9 +247,10 @@ class Walker {
     leaves_ += size;
     if constexpr (kHasLeaves) {
       return static_cast<Leaves*>(this)->VisitLeaves(list_, size);
-    } else if constexpr (Query::kHasCodes) {
-      return VisitCodes(size);
     } else {
+      if constexpr (Query::kHasCodes) {
+        if (levels_.codes != nullptr) return VisitCodes(size);
+      }
       return VisitFloats(size);
     }
   }
@@ -305,6 +306,7 @@ class Walker {
   void PrefetchLeaf(uint32_t place) const {
     if (kHasLeaves || IsInside(place)) return;
     if constexpr (Query::kHasCodes) {
+      // Leaves without codes are in the cache.
       PrefetchAll<Query::kPlanes * detail::kBlockObjects>(CodesOf(place));
     } else {
       const detail::BvhLevel& objects = levels_.level[0];
@@ -319,8 +321,8 @@ class Walker {
            BlockOf(place) * detail::kBlockObjects * Query::kPlanes;
   }
 
-  // Leaves of a world with nodes, which has codes, by these; the floats say
-  // which of those that they leave unsure survive, when all have been read.
+  // Leaves by their codes; the floats say which of those that these leave
+  // unsure survive, when all have been read.
   bool VisitCodes(size_t size) {
     Unsure unsure[kManyLeaves + detail::kBlockObjects];
     size_t unsure_count = 0;
@@ -352,16 +354,18 @@ class Walker {
     return unsure_count == 0 || Resolve(encoded, unsure, unsure_count);
   }
 
-  // The same by their floats.
+  // Leaves by their floats.
   bool VisitFloats(size_t size) {
     for (size_t i = 0; i < size; ++i) {
       const uint32_t place = list_[i];
       const size_t block = BlockOf(place);
+      const size_t query = QueryOf(place);
+      EndQueries(query);
       uint64_t kept = levels_.level[0].present[block];
       if (!IsInside(place)) {
-        kept = Filter(0, 0, block, query_.Test(0, levels_.level[0], block));
+        kept = Filter(query, 0, block, TestObjects(query, block));
       }
-      if (kept != 0 && !Take(0, block, kept)) return false;
+      if (kept != 0 && !Take(query, block, kept)) return false;
     }
     return true;
   }

@@ -86,8 +86,8 @@ struct BvhLevels {
   std::size_t count = 0;
   std::array<BvhLevel, kMostLevels> level{};
   CodeMap* map = nullptr;
-  // Block after block as the floats of level 0. Null without nodes: a query
-  // then reads the floats.
+  // Block after block as the floats of level 0. Null with room for up to 4096
+  // objects: a query then reads the floats.
   std::int16_t* codes = nullptr;
   std::uint32_t* ids = nullptr;  // of objects, by slot; kNoId of none
   // By id, the slot; of a free id the next that is free. Null until a change.
