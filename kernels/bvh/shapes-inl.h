@@ -107,8 +107,15 @@ class BallQuery {
   explicit BallQuery(const void* ball)
       : ball_(*static_cast<const detail::Ball*>(ball)) {}
 
-  HWY_NOINLINE uint64_t Test(size_t, const detail::BvhLevel& level,
-                             size_t block) const {
+  uint64_t Test(size_t query, const detail::BvhLevel& level,
+                size_t block) const {
+    return TestApart(query, level, block);
+  }
+  uint64_t TestOnlyLeaf(size_t query, const detail::BvhLevel& level) const {
+    return TestApart(query, level, 0);
+  }
+  HWY_NOINLINE uint64_t TestApart(size_t, const detail::BvhLevel& level,
+                                  size_t block) const {
     return NotRejected(level.present[block], [&](auto d, size_t i) HWY_ATTR {
       auto rejects = hn::Gt(SquaredDistance(d, level, block, i, ball_),
                             hn::Set(d, ball_.limit));
@@ -166,8 +173,15 @@ class LineQuery {
   explicit LineQuery(const void* line)
       : line_(*static_cast<const detail::Line*>(line)) {}
 
-  HWY_NOINLINE uint64_t Test(size_t, const detail::BvhLevel& level,
-                             size_t block) const {
+  uint64_t Test(size_t query, const detail::BvhLevel& level,
+                size_t block) const {
+    return TestApart(query, level, block);
+  }
+  uint64_t TestOnlyLeaf(size_t query, const detail::BvhLevel& level) const {
+    return TestApart(query, level, 0);
+  }
+  HWY_NOINLINE uint64_t TestApart(size_t, const detail::BvhLevel& level,
+                                  size_t block) const {
     return NotRejected(level.present[block], [&](auto d, size_t i) HWY_ATTR {
       auto exit = hn::Zero(d);
       const auto enter = EntryOf(d, level, block, i, line_, exit);
@@ -188,8 +202,15 @@ class FrontsQuery {
   explicit FrontsQuery(const void* fronts)
       : fronts_(*static_cast<const detail::Fronts*>(fronts)) {}
 
-  HWY_NOINLINE uint64_t Test(size_t, const detail::BvhLevel& level,
-                             size_t block) const {
+  uint64_t Test(size_t query, const detail::BvhLevel& level,
+                size_t block) const {
+    return TestApart(query, level, block);
+  }
+  uint64_t TestOnlyLeaf(size_t query, const detail::BvhLevel& level) const {
+    return TestApart(query, level, 0);
+  }
+  HWY_NOINLINE uint64_t TestApart(size_t, const detail::BvhLevel& level,
+                                  size_t block) const {
     return Bits<false>(level, block, level.present[block]);
   }
   HWY_NOINLINE uint64_t Inside(size_t, const detail::BvhLevel& level,
