@@ -249,7 +249,6 @@ class Walker {
     const size_t size = list_size_;
     if (size == 0) return true;
     list_size_ = 0;
-    leaves_ += size;
     if constexpr (kHasLeaves) {
       return static_cast<Leaves*>(this)->VisitLeaves(list_, size);
     } else {
@@ -337,6 +336,7 @@ class Walker {
       const uint32_t place = list_[i];
       const size_t block = BlockOf(place);
       const size_t query = QueryOf(place);
+      ++leaves_;
       if (query != encoded) {
         if (unsure_count != 0 && !Resolve(encoded, unsure, unsure_count)) {
           return false;
@@ -365,6 +365,7 @@ class Walker {
       const uint32_t place = list_[i];
       const size_t block = BlockOf(place);
       const size_t query = QueryOf(place);
+      ++leaves_;
       EndQueries(query);
       uint64_t kept = levels_.level[0].present[block];
       if (!IsInside(place)) {
