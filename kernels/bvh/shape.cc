@@ -23,7 +23,8 @@ float RoundedDown(double value) { return -RoundedUp(-value); }
 // At least the squared distance, as computed in any mode, of all points within
 // the radius: of r (1 + 2^-19) + 2^-120, whatever of this is rounded off.
 float SquaredLimit(float radius) {
-  return radius * radius * (1 + 0x1.2p-18f) + 0x1p-124f;
+  const float limit = radius * radius * (1 + 0x1.2p-18f) + 0x1p-124f;
+  return limit < 0x1.fffffp127f ? limit : kInf;
 }
 
 }  // namespace
