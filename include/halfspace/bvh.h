@@ -57,6 +57,7 @@
 #include "halfspace/memory.h"
 #include "halfspace/span.h"
 #include "halfspace/targets.h"
+#include "halfspace/visit.h"
 #include "halfspace/world.h"
 
 namespace halfspace {
@@ -108,9 +109,12 @@ template <typename Item, typename Function>
 bool CallWithSome(void* function, Span<const Item> items) {
   auto& call = *static_cast<Function*>(function);
   using Result = decltype(call(items));
-  static_assert(std::is_void_v<Result> || std::is_same_v<Result, bool>,
-                "the function must return void or bool");
-  if constexpr (std::is_same_v<Result, bool>) {
+  static_assert(std::is_void_v<Result> || std::is_same_v<Result, Visit> ||
+                    std::is_same_v<Result, bool>,
+                "the function must return void or Visit");
+  if constexpr (std::is_same_v<Result, Visit>) {
+    return call(items) == Visit::kContinue;
+  } else if constexpr (std::is_same_v<Result, bool>) {
     return call(items);
   } else {
     call(items);
