@@ -206,9 +206,11 @@ class ObjectSet {
     }
   }
 
-  // In a world that has never changed by id.
-  void Search(const MemoryResource& memory, Span<const std::uint32_t> ids,
-              Span<const std::uint32_t> wanted) {
+  // In a world that has never changed by id. A function of its own, because its
+  // tables take stack, too.
+  [[gnu::noinline]] void Search(const MemoryResource& memory,
+                                Span<const std::uint32_t> ids,
+                                Span<const std::uint32_t> wanted) {
     const std::size_t size = levels_.level[0].size;
     const Scratch bits(memory, BlocksOf(size) * sizeof(std::uint64_t));
     const std::uint32_t* const id_of = levels_.ids;
@@ -263,6 +265,16 @@ std::array<float, 4> MarginsOf(const BvhShape& shape, float margin) {
   return margins;
 }
 
+// A function of its own, as Search().
+[[gnu::noinline]] void JoinSet(const BvhPairKernels& kernels, PairJoin& join,
+                               const BvhTree& tree,
+                               Span<const std::uint32_t> ids,
+                               Span<const std::uint32_t> wanted) {
+  const ObjectSet set(tree, ids, wanted);
+  join.set = &set.slots();
+  kernels.join(join);
+}
+
 void Join(const PairSources& sources, const PairOptions& options,
           const char* call, PairSink& pairs) {
   const BvhPairKernels& kernels =
@@ -293,9 +305,7 @@ void Join(const PairSources& sources, const PairOptions& options,
   join.end = std::min(options.end, BlocksOf(a.levels().level[0].size));
   join.pairs = &pairs;
   if (sources.ids == nullptr) return kernels.join(join);
-  const ObjectSet set(a, *sources.ids, options.wanted);
-  join.set = &set.slots();
-  kernels.join(join);
+  JoinSet(kernels, join, a, *sources.ids, options.wanted);
 }
 
 }  // namespace

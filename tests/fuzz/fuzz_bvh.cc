@@ -2,14 +2,18 @@
 // their objects; and altered blobs, of which calls may read nothing else.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <new>
 #include <optional>
 #include <ostream>
+#include <set>
 #include <span>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "halfspace/bvh.h"
@@ -63,7 +67,10 @@ class BvhHistory {
       }
       if (bytes.Below(4) == 0) world.RebuildPartial(bytes.Below(700));
       if (bytes.Below(8) == 0) world.Rebuild(BuildQuality::kFast);
-      const auto result = CheckAnswers(world, model);
+      auto result = CheckAnswers(world, model);
+      if constexpr (HasMaxima<View>) {
+        if (result) result = CheckPairs(world, model);
+      }
       if (!result) return result;
     }
     return ::testing::AssertionSuccess();
@@ -148,6 +155,81 @@ class BvhHistory {
     return ::testing::AssertionSuccess();
   }
 
+  // Whether bounds are farther apart than a margin, or by some rounding more.
+  static bool AreApart(const Bound& a, const Bound& b, float margin,
+                       double rounding) {
+    const auto size = [](float v) {
+      return std::isfinite(v) ? std::fabs(static_cast<double>(v)) : 0.0;
+    };
+    for (std::size_t k = 0; k < Bound::kAxes; ++k) {
+      const double most =
+          (k < Bound::kDimensions ? 1.0 : Bound::kDimensions) * margin;
+      for (const auto& [x, y] :
+           {std::pair(a.min[k], b.max[k]), std::pair(b.min[k], a.max[k])}) {
+        double slack = 0;
+        if (margin > 0 && rounding > 0) {
+          slack = (size(x) + size(y) + most) * rounding + 0x1p-125;
+          // What grows beyond the greatest float is infinite.
+          if (std::isinf(x - y) && size(x) + size(y) + most + slack >
+                                       std::numeric_limits<float>::max()) {
+            continue;
+          }
+        }
+        if (static_cast<double>(x) - static_cast<double>(y) > most + slack) {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  // The pairs of a set of each 16th id, a third of which want no others.
+  ::testing::AssertionResult CheckPairs(
+      const Bvh<View>& world,
+      const std::vector<std::optional<Bound>>& model) const {
+    auto query = query_;
+    const float size = std::fabs(OpposingValue<View>(query, 0));
+    std::vector<std::uint32_t> set;
+    std::vector<std::uint32_t> wanted;
+    const auto is_in = [](std::size_t id) { return id % 16 == 5; };
+    const auto wants = [&](std::size_t id) { return is_in(id) && id % 3 != 0; };
+    for (std::uint32_t id = 0; id < model.size(); ++id) {
+      if (!model[id] || !is_in(id)) continue;
+      set.push_back(id);
+      wanted.push_back(wants(id) ? 1 : 0);
+    }
+    for (float margin : {0.0f, std::isfinite(size) ? size : 1.0f}) {
+      for (Target target : TargetsUnderTest()) {
+        const PairOptions options{
+            .wanted = wanted, .margin = margin, .target = target};
+        std::vector<IdPair> pairs(PairsOf(world, set, {}, options));
+        std::set<std::pair<std::uint32_t, std::uint32_t>> found;
+        if (PairsOf(world, set, pairs, options) == pairs.size()) {
+          for (const auto& [a, b] : pairs) found.emplace(a, b);
+        }
+        bool is_right = found.size() == pairs.size();
+        std::size_t expected = 0;
+        for (std::uint32_t a : set) {
+          for (std::uint32_t b = 0; b < model.size(); ++b) {
+            if (a == b || !model[b] || !wants(a)) continue;
+            const bool is_found =
+                found.count({a, b}) + (wants(b) ? found.count({b, a}) : 0) == 1;
+            expected += is_found && !(wants(b) && b < a) ? 1 : 0;
+            is_right &= is_found
+                            ? !AreApart(*model[a], *model[b], margin, 0x1p-21)
+                            : AreApart(*model[a], *model[b], margin, 0);
+          }
+        }
+        if (!is_right || expected != pairs.size()) {
+          return ::testing::AssertionFailure()
+                 << target.name() << ": " << pairs.size()
+                 << " pairs with margin " << margin;
+        }
+      }
+    }
+    return ::testing::AssertionSuccess();
+  }
+
   // Nothing to compare: a sanitizer sees what is read.
   ::testing::AssertionResult CheckBlob(const Bvh<View>& world,
                                        Bytes& bytes) const {
@@ -190,7 +272,12 @@ class BvhHistory {
       (void)KNearest(world, Point<kDims>{}, ids, {}, 1e9f, {.target = target});
       if constexpr (HasMaxima<View>) {
         (void)Pairs(world, {}, {.target = target});
-        (void)PairsOf(world, Span<const std::uint32_t>(), {});
+        std::vector<std::uint32_t> set;
+        for (std::uint32_t id = 0; id < 700; id += 7) {
+          if (world.Has(id)) set.push_back(id);
+        }
+        (void)PairsOf(world, set, {}, {.margin = 1, .target = target});
+        (void)PairsOf(world, set, world, {}, {.wanted = set, .target = target});
       }
     }
     (void)world.CostRatio();
