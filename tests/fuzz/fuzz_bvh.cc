@@ -5,12 +5,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <new>
 #include <optional>
 #include <ostream>
-#include <set>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -24,6 +22,7 @@
 #include "tests/fuzz/bytes.h"
 #include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
+#include "tests/library/bvh/separated.h"
 #include "tests/library/support/cases.h"
 #include "tests/library/support/environment.h"
 
@@ -155,72 +154,55 @@ class BvhHistory {
     return ::testing::AssertionSuccess();
   }
 
-  // Whether bounds are farther apart than a margin, or by some rounding more.
-  static bool AreApart(const Bound& a, const Bound& b, float margin,
-                       double rounding) {
-    const auto size = [](float v) {
-      return std::isfinite(v) ? std::fabs(static_cast<double>(v)) : 0.0;
-    };
-    for (std::size_t k = 0; k < Bound::kAxes; ++k) {
-      const double most =
-          (k < Bound::kDimensions ? 1.0 : Bound::kDimensions) * margin;
-      for (const auto& [x, y] :
-           {std::pair(a.min[k], b.max[k]), std::pair(b.min[k], a.max[k])}) {
-        double slack = 0;
-        if (margin > 0 && rounding > 0) {
-          slack = (size(x) + size(y) + most) * rounding + 0x1p-125;
-          // What grows beyond the greatest float is infinite.
-          if (std::isinf(x - y) && size(x) + size(y) + most + slack >
-                                       std::numeric_limits<float>::max()) {
-            continue;
-          }
-        }
-        if (static_cast<double>(x) - static_cast<double>(y) > most + slack) {
-          return true;
-        }
-      }
-    }
-    return false;
-  }
-
-  // The pairs of a set of each 16th id, a third of which want no others.
+  // The pairs of a set of some ids, a third of which want no others.
   ::testing::AssertionResult CheckPairs(
       const Bvh<View>& world,
       const std::vector<std::optional<Bound>>& model) const {
+    using PairList = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
     auto query = query_;
     const float size = std::fabs(OpposingValue<View>(query, 0));
     std::vector<std::uint32_t> set;
     std::vector<std::uint32_t> wanted;
-    const auto is_in = [](std::size_t id) { return id % 16 == 5; };
-    const auto wants = [&](std::size_t id) { return is_in(id) && id % 3 != 0; };
-    for (std::uint32_t id = 0; id < model.size(); ++id) {
-      if (!model[id] || !is_in(id)) continue;
+    const auto wants = [&](std::size_t id) {
+      return id % 32 == 5 && id % 3 != 0;
+    };
+    for (std::uint32_t id = 5; id < model.size(); id += 32) {
+      if (!model[id]) continue;
       set.push_back(id);
       wanted.push_back(wants(id) ? 1 : 0);
     }
     for (float margin : {0.0f, std::isfinite(size) ? size : 1.0f}) {
+      std::optional<PairList> first;
       for (Target target : TargetsUnderTest()) {
         const PairOptions options{
             .wanted = wanted, .margin = margin, .target = target};
         std::vector<IdPair> pairs(PairsOf(world, set, {}, options));
-        std::set<std::pair<std::uint32_t, std::uint32_t>> found;
-        if (PairsOf(world, set, pairs, options) == pairs.size()) {
-          for (const auto& [a, b] : pairs) found.emplace(a, b);
+        bool is_right = PairsOf(world, set, pairs, options) == pairs.size();
+        PairList found;
+        for (const auto& [a, b] : pairs) {
+          found.emplace_back(a, b);
+          if (wants(b) && b < a)
+            std::swap(found.back().first, found.back().second);
         }
-        bool is_right = found.size() == pairs.size();
-        std::size_t expected = 0;
-        for (std::uint32_t a : set) {
-          for (std::uint32_t b = 0; b < model.size(); ++b) {
-            if (a == b || !model[b] || !wants(a)) continue;
-            const bool is_found =
-                found.count({a, b}) + (wants(b) ? found.count({b, a}) : 0) == 1;
-            expected += is_found && !(wants(b) && b < a) ? 1 : 0;
-            is_right &= is_found
-                            ? !AreApart(*model[a], *model[b], margin, 0x1p-21)
-                            : AreApart(*model[a], *model[b], margin, 0);
+        std::sort(found.begin(), found.end());
+        if (first) {
+          is_right &= found == *first;
+        } else {
+          first = found;
+          auto next = found.begin();
+          for (std::uint32_t a : set) {
+            for (std::uint32_t b = 0; b < model.size() && wants(a); ++b) {
+              if (!model[b] || (wants(b) && b <= a)) continue;
+              const bool is_found =
+                  next != found.end() && *next == std::pair(a, b);
+              if (is_found) ++next;
+              is_right &= AreSeparated(*model[a], *model[b], margin,
+                                       is_found ? 0x1p-21 : 0) == !is_found;
+            }
           }
+          is_right &= next == found.end();
         }
-        if (!is_right || expected != pairs.size()) {
+        if (!is_right) {
           return ::testing::AssertionFailure()
                  << target.name() << ": " << pairs.size()
                  << " pairs with margin " << margin;

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -25,6 +24,7 @@
 #include <vector>
 
 #include "halfspace/halfspace.h"
+#include "tests/library/bvh/separated.h"
 #include "tests/library/bvh/spread.h"
 #include "tests/library/support/cases.h"
 #include "tests/library/support/counting_memory.h"
@@ -37,37 +37,6 @@ namespace halfspace::testing {
 namespace {
 
 using PairList = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-
-// Whether x is above y by more than a margin, or by some rounding more.
-bool IsAbove(float x, float y, double margin, double rounding) {
-  const auto size = [](float v) {
-    return std::isfinite(v) ? std::fabs(static_cast<double>(v)) : 0.0;
-  };
-  const double slack = margin == 0 ? 0
-                                   : (size(x) + size(y) + margin) * rounding +
-                                         (rounding > 0 ? 0x1p-125 : 0);
-  // What grows beyond the greatest float is infinite.
-  constexpr double kMost = std::numeric_limits<float>::max();
-  if (rounding > 0 && size(x) + size(y) + margin + slack > kMost &&
-      std::isinf(x - y)) {
-    return false;
-  }
-  return static_cast<double>(x) - static_cast<double>(y) > margin + slack;
-}
-
-template <typename Bound>
-bool AreSeparated(const Bound& a, const Bound& b, float margin = 0,
-                  double rounding = 0) {
-  for (std::size_t k = 0; k < Bound::kAxes; ++k) {
-    const double most =
-        (k < Bound::kDimensions ? 1.0 : Bound::kDimensions) * margin;
-    if (IsAbove(a.min[k], b.max[k], most, rounding) ||
-        IsAbove(b.min[k], a.max[k], most, rounding)) {
-      return true;
-    }
-  }
-  return false;
-}
 
 // What a world has: the bound and the masks of each id.
 template <typename Bound>
