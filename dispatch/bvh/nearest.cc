@@ -60,8 +60,8 @@ NearestSearch SearchFrom(const BvhTree& tree, std::size_t dims,
   search.mask = options.mask;
   search.levels = &tree.levels();
   kernels::InDefaultFpMode([&] {
-    search.ball =
-        MakeBall({dims, tree.shape().axes, tree.shape().has_max}, point, 0);
+    MakeBall({dims, tree.shape().axes, tree.shape().has_max}, point, 0,
+             search.ball);
     search.limit = KeyLimit(false, max_distance);
   });
   return search;

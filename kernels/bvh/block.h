@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "halfspace/detail/bvh.h"
+#include "halfspace/bvh.h"
 
 namespace halfspace::detail {
 
@@ -36,29 +36,37 @@ inline constexpr std::uint32_t kInsideBit = std::uint32_t{1}
                                             << (kQueryShift - 1);
 inline constexpr std::uint32_t kBlockMask = kInsideBit - 1;
 
-// Where ids go: `next` has room for kBlockObjects ids before `end`, or
-// make_room() gives it that. Both functions return whether to go on.
+// Where ids go: `next` has room for kBlockObjects ids.
 struct WalkIds {
+  std::uint32_t* begin;  // of those since the last flush()
   std::uint32_t* next;
-  std::uint32_t* end;
-  bool (*make_room)(WalkIds& ids);
-  // All ids of a query have been written; queries come in order.
-  bool (*end_of_query)(WalkIds& ids, std::size_t query);
+  std::uint32_t* full;  // flush() is due when `next` is not below it
+  // Returns whether to go on.
+  bool (*flush)(WalkIds& ids);
+  std::size_t flushed;   // ids
+  std::size_t* offsets;  // of several queries: where the last one begins
+
+  std::size_t Total() const {
+    return flushed + static_cast<std::size_t>(next - begin);
+  }
 };
 
 struct Walk {
   const BvhLevels* levels;
-  // One after another: of each all minima, then all maxima; of simplices
-  // maxima.
-  const float* queries;
+  // Bounds, one after another: of each all minima, then all maxima; of
+  // simplices maxima. Or one shape, as its kernel reads it.
+  const void* queries;
   std::size_t query_count;
   WalkIds* ids;         // to find
   std::size_t* counts;  // to count: of each query, added to
   // Objects that have none of them are left out; all ones leave out none.
   std::uint32_t mask;
-  // Survivors touch it too (kernels/bvh/shape.h); of one query. Or null.
-  const WalkShape* shape = nullptr;
+  QueryStatistics* statistics;  // added to, or null
+  // The first survivor is wanted soon: leaves are read when they are found, and
+  // not several at a time, until the first flush().
+  bool is_urgent;
 };
+using WalkFunction = void (*)(const Walk& walk);
 
 // Blocks begin ... end - 1 of a level: encodes each, if there are codes, and
 // bounds it by a node of the next level, unless there is none. Threads may
@@ -95,8 +103,8 @@ struct BvhKernels {
     void (*places)(const Centers& centers, const Grid& grid,
                    std::uint32_t* places);
     void (*encode)(const BlockRange& range);
-    void (*find)(const Walk& walk);   // writes ids
-    void (*count)(const Walk& walk);  // adds to counts
+    WalkFunction find;
+    WalkFunction count;
   };
   OfPlanes minima;  // simplices
   OfPlanes all;

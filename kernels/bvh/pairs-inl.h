@@ -38,8 +38,9 @@ HWY_INLINE void StorePairs(__m512i a, __m512i b, uint32_t* to) {
 #endif
 
 template <size_t kAxes>
-class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
-  using Base = Walker<kAxes, true, true, PairWalker<kAxes>>;
+class PairWalker
+    : public Walker<PlaneQueries<kAxes, true>, true, PairWalker<kAxes>> {
+  using Base = Walker<PlaneQueries<kAxes, true>, true, PairWalker<kAxes>>;
   friend Base;
   static constexpr size_t kPlanes = 2 * kAxes;
   static constexpr std::make_index_sequence<kPlanes> kEachPlane{};
@@ -48,7 +49,9 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
 
  public:
   explicit PairWalker(const detail::PairJoin& join)
-      : Base(join.walk), join_(join) {}
+      : Base(join.walk), join_(join) {
+    this->query_ = PlaneQueries<kAxes, true>(bounds_);
+  }
 
   void Run() {
     const detail::SlotSet* const set = join_.set;
@@ -114,22 +117,20 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
     block_[count_] = static_cast<uint32_t>(block);
     members_[count_] = members;
     wanted_[count_] = ~uint32_t{0};
-    PlaneQuery& query = this->queries_[count_];
+    float* const bound = bounds_[count_];
     if (IsOne(members)) {
       const size_t slot = SlotOf(block, members);
       wanted_[count_] = WantedOf(slot);
       for (size_t p = 0; p < kPlanes; ++p) {
         constexpr float kInf = std::numeric_limits<float>::infinity();
         const float value = join_.queries->level[0].Value(p, slot);
-        query.values[(p + kAxes) % kPlanes] = value == value ? value
-                                              : p < kAxes    ? -kInf
-                                                             : kInf;
+        bound[p] = value == value ? value : p < kAxes ? -kInf : kInf;
       }
     } else {
-      BoundMembers(block, members, query);
+      BoundMembers(block, members, bound);
       ClearRoom();
     }
-    if (join_.has_margin) Grow(query);
+    if (join_.has_margin) Grow(bound);
     return ++count_ < detail::kWalkers || Walk();
   }
 
@@ -138,7 +139,7 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
     count_ = 0;
     encoded_ = detail::kWalkers;
     for (size_t q = 0; q < count; ++q) {
-      if (!this->Visit(this->levels_.count - 1, this->PlaceOf(q))) return false;
+      if (!this->WalkNodes(q)) return false;
     }
     return this->VisitList();
   }
@@ -173,18 +174,17 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
     return plane < kAxes ? hn::Neg(Above(d, hn::Neg(value), margins[plane]))
                          : Above(d, value, margins[plane - kAxes]);
   }
-  void Grow(PlaneQuery& query) const {
+  void Grow(float* bound) const {
     const hn::CappedTag<float, 1> d;
     for (size_t p = 0; p < kPlanes; ++p) {
-      float& value = query.values[(p + kAxes) % kPlanes];
-      value =
-          hn::GetLane(Outward(d, p, hn::Set(d, value), join_.margins.data()));
+      bound[p] = hn::GetLane(
+          Outward(d, p, hn::Set(d, bound[p]), join_.margins.data()));
     }
   }
 
   // The bound of some objects of a block. A NaN is infinite, which rejects no
   // more.
-  void BoundMembers(size_t block, uint64_t members, PlaneQuery& query) const {
+  void BoundMembers(size_t block, uint64_t members, float* bound) const {
     const Tag d;
     constexpr float kInf = std::numeric_limits<float>::infinity();
     for (size_t p = 0; p < kPlanes; ++p) {
@@ -199,16 +199,15 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
         least = hn::Min(least, hn::IfThenElse(is_member, v, hn::Set(d, kInf)));
       }
       const float value = LeastLane(d, least);
-      query.values[(p + kAxes) % kPlanes] = p < kAxes ? value : -value;
+      bound[p] = p < kAxes ? value : -value;
     }
   }
 
   // Of the whole world, the nodes whose blocks follow the query's: each pair of
   // blocks is found from the first of both. Of a set, those with a mask that
   // the query wants.
-  HWY_INLINE uint64_t WantedNodes(size_t level, uint32_t place) const {
-    const size_t query = this->QueryOf(place);
-    const size_t block = place & detail::kBlockMask;
+  HWY_INLINE uint64_t WantedNodes(size_t query, size_t level,
+                                  size_t block) const {
     if (join_.set != nullptr || !join_.is_one_world) {
       return WithMask(this->levels_.level[level], block, wanted_[query]);
     }
@@ -223,8 +222,8 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
     for (size_t i = 0; i < count; ++i) {
       const size_t query = this->QueryOf(places[i]);
       const bool goes_on = IsOne(members_[query])
-                               ? JoinOne(query, places[i])
-                               : Join(query, places[i] & detail::kBlockMask);
+                               ? JoinOne(query, this->BlockOf(places[i]))
+                               : Join(query, this->BlockOf(places[i]));
       if (!goes_on) return false;
     }
     return true;
@@ -236,28 +235,25 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
   }
 
   // The pairs of one object and the objects of a block, by the codes.
-  HWY_INLINE bool JoinOne(size_t query, uint32_t place) {
+  HWY_INLINE bool JoinOne(size_t query, size_t block) {
     const detail::BvhLevels& levels = this->levels_;
-    const size_t block = place & detail::kBlockMask;
     const size_t own = block_[query];
     const size_t slot = SlotOf(own, members_[query]);
     uint64_t objects = Objects(levels, block) &
                        WithMask(levels.level[0], block, wanted_[query]);
-    const PlaneQuery& bound = this->queries_[query];
     if (levels.codes == nullptr) {
-      objects &= TestFloats<kAxes, true>(levels.level[0], block, bound);
+      objects &= this->query_.Test(query, levels.level[0], block);
     } else {
       if (encoded_ != query) {
         encoded_ = query;
-        EncodeQuery<kAxes, true>(*levels.map, bound, code_);
+        this->query_.Encode(query, *levels.map, code_);
       }
       const LeafBits bits = TestCodes<kAxes, kPlanes>(
           levels.codes + block * detail::kBlockObjects * kPlanes, code_);
       objects &= bits.kept;
-      for (uint64_t left = objects & bits.unsure; left != 0; left &= left - 1) {
-        if (Rejects(bound, levels, SlotOf(block, left))) {
-          objects ^= left & (~left + 1);
-        }
+      const uint64_t unsure = objects & bits.unsure;
+      if (unsure != 0) {
+        objects = (objects & ~unsure) | this->KeptOf(query, block, unsure);
       }
     }
     if (join_.is_one_world && block <= own && objects != 0) {
@@ -270,16 +266,6 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
     }
     return objects == 0 || WriteAll(join_.queries->ids[slot], objects,
                                     levels.ids + block * detail::kBlockObjects);
-  }
-
-  static bool Rejects(const PlaneQuery& bound, const detail::BvhLevels& levels,
-                      size_t slot) {
-    bool rejects = false;
-    for (size_t p = 0; p < kPlanes; ++p) {
-      const float value = levels.level[0].Value(p, slot);
-      rejects |= p < kAxes ? value > bound.values[p] : value < bound.values[p];
-    }
-    return rejects;
   }
 
   // The members of a block that want an object.
@@ -312,13 +298,12 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
     }
     // Found from both blocks.
     if (join_.is_one_world && block < own) objects &= ~MembersOf(block);
-    const PlaneQuery& bound = this->queries_[query];
-    objects &= TestFloats<kAxes, true>(levels.level[0], block, bound);
+    objects &= this->query_.Test(query, levels.level[0], block);
     if (objects == 0) return true;
     if (levels.count > 1) {
-      PlaneQuery node;
+      float node[kPlanes];
       for (size_t p = 0; p < kPlanes; ++p) {
-        node.values[p] = levels.level[1].Value((p + kAxes) % kPlanes, block);
+        node[p] = levels.level[1].Value(p, block);
       }
       if (join_.has_margin) Grow(node);
       members &= TestFloats<kAxes, true>(queries.level[0], own, node);
@@ -479,6 +464,7 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
   uint32_t block_[detail::kWalkers];
   uint64_t members_[detail::kWalkers];
   uint32_t wanted_[detail::kWalkers];
+  float bounds_[detail::kWalkers][kPlanes];
   size_t count_ = 0;
   size_t encoded_ = detail::kWalkers;  // the query that code_ is of, or none
   QueryCodes code_;

@@ -9,32 +9,43 @@
 #include "kernels/bvh/block.h"
 
 namespace halfspace::detail {
-namespace {
 
-constexpr float kInf = std::numeric_limits<float>::infinity();
-
-// By up to two ulps.
 float RoundedUp(double value) {
   return static_cast<float>(value + std::abs(value) * 0x1p-23 + 0x1p-149);
 }
 
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
 float RoundedDown(double value) { return -RoundedUp(-value); }
 
 // At least the squared distance, as computed in any mode, of all points within
-// the radius.
+// the radius: of r (1 + 2^-19) + 2^-120, whatever of this is rounded off.
 float SquaredLimit(float radius) {
-  const double padded = double{radius} * (1 + 0x1p-19) + 0x1p-120;
-  const double limit = padded * padded + 0x1p-125;
-  return limit < 0x1.fffffp127 ? RoundedUp(limit) : kInf;
+  return radius * radius * (1 + 0x1.2p-18f) + 0x1p-124f;
 }
 
 }  // namespace
 
-Ball MakeBall(const ShapePlanes& planes, const float* center, float radius) {
-  Ball ball{
-      planes.dims, planes.has_max ? planes.axes : 0, {}, SquaredLimit(radius)};
+void MakeBall(const ShapePlanes& planes, const float* center, float radius,
+              Ball& ball) {
+  ball.dims = planes.dims;
+  ball.max_plane = planes.has_max ? planes.axes : 0;
+  ball.limit = SquaredLimit(radius);
   for (std::size_t k = 0; k < planes.dims; ++k) ball.center[k] = center[k];
-  return ball;
+  ball.d_axis = planes.axes > planes.dims ? planes.dims : 0;
+  if (ball.d_axis == 0) return;
+  // The sum of three floats errs by less than 2^-50 of their magnitudes.
+  double width =
+      std::sqrt(static_cast<double>(planes.dims)) * (1 + 0x1p-50) * radius;
+  double d = 0;
+  for (std::size_t k = 0; k < planes.dims; ++k) {
+    d -= center[k];
+    width += 0x1p-50 * std::abs(double{center[k]});
+  }
+  ball.d_min = RoundedDown(d - width);
+  ball.d_max = RoundedUp(d + width);
 }
 
 void MakeLine(const ShapePlanes& planes, const double* origin,

@@ -66,8 +66,8 @@ std::vector<Found> ExpectedNearest(const Bvh<View>& bvh,
                                    std::span<const typename View::Bound> bounds,
                                    const Point<View::Bound::kDimensions>& point,
                                    float max_distance) {
-  const detail::Ball ball =
-      detail::MakeBall(kShapePlanes<View>, point.data(), 0);
+  detail::Ball ball;
+  detail::MakeBall(kShapePlanes<View>, point.data(), 0, ball);
   auto found = Expected(
       bvh, bounds, SquaredLimit(max_distance),
       [&](const auto& planes) { return SquaredDistanceOf(planes, ball); });

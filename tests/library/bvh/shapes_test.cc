@@ -46,17 +46,17 @@ typename View::Query QueryOf(const Aabo<View::Bound::kDimensions>& bound) {
     return bound;
   }
 }
-template <typename View, typename Shape>
-requires std::is_same_v<Shape, Sphere<View::Bound::kDimensions>>
-typename View::Query BoundOf(const Shape& shape) {
-  return QueryOf<View>(BoundSphere(shape));
-}
-// Of the others, none, but of what is taken for Everything().
+// What else is tested of a shape: nothing, but of what is taken for its bound.
 template <typename View, typename Shape>
 typename View::Query BoundOf(const Shape& shape) {
-  if constexpr (!std::is_same_v<
-                    Shape, std::vector<HalfSpace<View::Bound::kDimensions>>>) {
-    if (IsEverything<View>(shape)) return View::Query::Everything();
+  constexpr int kDims = View::Bound::kDimensions;
+  if constexpr (!std::is_same_v<Shape, std::vector<HalfSpace<kDims>>>) {
+    if (IsBound<View>(shape)) {
+      if constexpr (std::is_same_v<Shape, Sphere<kDims>>) {
+        return QueryOf<View>(BoundSphere(shape));
+      }
+      return View::Query::Everything();
+    }
   }
   typename View::Query query{};
   for (std::size_t p = 0; p < kPlanes<View>; ++p) {
