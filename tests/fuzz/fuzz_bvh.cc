@@ -2,6 +2,7 @@
 // their objects; and altered blobs, of which calls may read nothing else.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -10,6 +11,7 @@
 #include <ostream>
 #include <span>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "halfspace/bvh.h"
@@ -20,6 +22,7 @@
 #include "tests/fuzz/bytes.h"
 #include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
+#include "tests/library/bvh/separated.h"
 #include "tests/library/support/cases.h"
 #include "tests/library/support/environment.h"
 
@@ -63,7 +66,10 @@ class BvhHistory {
       }
       if (bytes.Below(4) == 0) world.RebuildPartial(bytes.Below(700));
       if (bytes.Below(8) == 0) world.Rebuild(BuildQuality::kFast);
-      const auto result = CheckAnswers(world, model);
+      auto result = CheckAnswers(world, model);
+      if constexpr (HasMaxima<View>) {
+        if (result) result = CheckPairs(world, model);
+      }
       if (!result) return result;
     }
     return ::testing::AssertionSuccess();
@@ -148,6 +154,64 @@ class BvhHistory {
     return ::testing::AssertionSuccess();
   }
 
+  // The pairs of a set of some ids, a third of which want no others.
+  ::testing::AssertionResult CheckPairs(
+      const Bvh<View>& world,
+      const std::vector<std::optional<Bound>>& model) const {
+    using PairList = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+    auto query = query_;
+    const float size = std::fabs(OpposingValue<View>(query, 0));
+    std::vector<std::uint32_t> set;
+    std::vector<std::uint32_t> wanted;
+    const auto wants = [&](std::size_t id) {
+      return id % 32 == 5 && id % 3 != 0;
+    };
+    for (std::uint32_t id = 5; id < model.size(); id += 32) {
+      if (!model[id]) continue;
+      set.push_back(id);
+      wanted.push_back(wants(id) ? 1 : 0);
+    }
+    for (float margin : {0.0f, std::isfinite(size) ? size : 1.0f}) {
+      std::optional<PairList> first;
+      for (Target target : TargetsUnderTest()) {
+        const PairOptions options{
+            .wanted = wanted, .margin = margin, .target = target};
+        std::vector<IdPair> pairs(PairsOf(world, set, {}, options));
+        bool is_right = PairsOf(world, set, pairs, options) == pairs.size();
+        PairList found;
+        for (const auto& [a, b] : pairs) {
+          found.emplace_back(a, b);
+          if (wants(b) && b < a)
+            std::swap(found.back().first, found.back().second);
+        }
+        std::sort(found.begin(), found.end());
+        if (first) {
+          is_right &= found == *first;
+        } else {
+          first = found;
+          auto next = found.begin();
+          for (std::uint32_t a : set) {
+            for (std::uint32_t b = 0; b < model.size() && wants(a); ++b) {
+              if (!model[b] || (wants(b) && b <= a)) continue;
+              const bool is_found =
+                  next != found.end() && *next == std::pair(a, b);
+              if (is_found) ++next;
+              is_right &= AreSeparated(*model[a], *model[b], margin,
+                                       is_found ? 0x1p-21 : 0) == !is_found;
+            }
+          }
+          is_right &= next == found.end();
+        }
+        if (!is_right) {
+          return ::testing::AssertionFailure()
+                 << target.name() << ": " << pairs.size()
+                 << " pairs with margin " << margin;
+        }
+      }
+    }
+    return ::testing::AssertionSuccess();
+  }
+
   // Nothing to compare: a sanitizer sees what is read.
   ::testing::AssertionResult CheckBlob(const Bvh<View>& world,
                                        Bytes& bytes) const {
@@ -190,7 +254,12 @@ class BvhHistory {
       (void)KNearest(world, Point<kDims>{}, ids, {}, 1e9f, {.target = target});
       if constexpr (HasMaxima<View>) {
         (void)Pairs(world, {}, {.target = target});
-        (void)PairsOf(world, Span<const std::uint32_t>(), {});
+        std::vector<std::uint32_t> set;
+        for (std::uint32_t id = 0; id < 700; id += 7) {
+          if (world.Has(id)) set.push_back(id);
+        }
+        (void)PairsOf(world, set, {}, {.margin = 1, .target = target});
+        (void)PairsOf(world, set, world, {}, {.wanted = set, .target = target});
       }
     }
     (void)world.CostRatio();

@@ -105,8 +105,9 @@ void VisitBvh(const Visit& visit) {
   constexpr std::size_t kQuery = 8 * 1024;
   constexpr std::size_t kShape = kQuery + 6 * 1024;
   constexpr std::size_t kNearest = 24 * 1024;
-  constexpr std::size_t kPairs = 32 * 1024;
-  const AaboBvh3 world(floats);
+  constexpr std::size_t kPairs = 16 * 1024;
+  AaboBvh3 world(floats);
+  world.Reserve(world.size());
   const std::vector<Aabo3> queries(70, floats.Get(2500));
   std::vector<std::uint32_t> ids(100'000);
   std::vector<std::size_t> offsets(queries.size() + 1);
@@ -144,6 +145,11 @@ void VisitBvh(const Visit& visit) {
     std::vector<IdPair> pairs(100);
     visit("Pairs", kPairs,
           [&] { std::ignore = Pairs(world, pairs, {.target = target}); });
+    const std::vector<std::uint32_t> set(63, 2500);
+    visit("PairsOf", kPairs, [&] {
+      std::ignore =
+          PairsOf(world, set, pairs, {.wanted = set, .target = target});
+    });
   }
 }
 
