@@ -19,7 +19,7 @@
 #include "kernels/bvh/blocks-inl.h"
 #include "kernels/bvh/nearest.h"
 #include "kernels/bvh/shapes-inl.h"
-#include "kernels/prefetch.h"
+#include "kernels/bvh/sorted-inl.h"
 #include "kernels/scan/words-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -86,32 +86,32 @@ class NearestFinder {
       } else {
         lane = TakeLeast(keys, end, key);
         if (key <= KeyOf(worst_)) {
-          Prefetch(level - 1, block * detail::kBlockObjects + lane);
+          PrefetchPlanes(search_.levels->level[level - 1],
+                         block * detail::kBlockObjects + lane);
         }
         Visit(level - 1, place);
       }
     }
   }
 
-  // The floats of a block that is visited after the next.
-  void Prefetch(size_t level, size_t block) const {
-    const auto prefetch = [&](size_t p) {
-      constexpr size_t kLine = 64 / sizeof(float);
-      const float* const plane = search_.levels->level[level].Plane(block, p);
-      for (size_t i = 0; i < detail::kBlockObjects; i += kLine) {
-        kernels::Prefetch(plane + i);
+  // From i on: never a NaN, and never -0.
+  template <class D>
+  HWY_INLINE hn::Vec<D> SquaredDistanceOf(D d, const detail::BvhLevel& nodes,
+                                          size_t block, size_t i) const {
+    const detail::NearBox& box = search_.box;
+    auto sum = hn::Zero(d);
+    for (size_t k = 0; k < box.dims; ++k) {
+      auto gap = GreaterOf(hn::Sub(hn::LoadU(d, nodes.Plane(block, k) + i),
+                                   hn::Set(d, box.high[k])),
+                           hn::Zero(d));
+      if (box.max_plane != 0) {
+        const float* const maxima = nodes.Plane(block, box.max_plane + k);
+        gap = GreaterOf(
+            hn::Sub(hn::Set(d, box.low[k]), hn::LoadU(d, maxima + i)), gap);
       }
-    };
-    if (search_.line != nullptr) {
-      const detail::Line& line = *search_.line;
-      for (size_t p = 0; p < line.planes; ++p) prefetch(line.plane[p].plane);
-      return;
+      sum = hn::Add(sum, hn::Mul(gap, gap));
     }
-    const detail::Ball& ball = search_.ball;
-    for (size_t k = 0; k < ball.dims; ++k) {
-      prefetch(k);
-      if (ball.max_plane != 0) prefetch(ball.max_plane + k);
-    }
+    return sum;
   }
 
   // Writes the keys of a block's nodes, or of its objects that were not found
@@ -129,14 +129,7 @@ class NearestFinder {
     const auto inf = hn::Set(d, kInf);
     uint64_t bits = 0;
     for (size_t i = 0; i < end; i += hn::Lanes(d)) {
-      auto key = hn::Zero(d);
-      if (search_.line != nullptr) {
-        auto exit = key;
-        key = EntryOf(d, nodes, block, i, *search_.line, exit);
-        key = hn::IfThenElse(hn::Gt(key, exit), inf, key);
-      } else {
-        key = SquaredDistance(d, nodes, block, i, search_.ball);
-      }
+      const auto key = SquaredDistanceOf(d, nodes, block, i);
       const auto is_found = hn::And(hn::Le(key, limit), hn::Ge(key, from));
       bits |= LaneBits(d, is_found) << i;
       hn::Store(hn::IfThenElse(is_found, key, inf), d, keys + i);

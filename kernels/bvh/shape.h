@@ -99,7 +99,7 @@ float RoundedUp(double value);
 // each axis by itself.
 void MakeBall(const ShapePlanes& planes, const float* center, float radius,
               Ball& ball);
-void MakeLine(const ShapePlanes& planes, const double* origin,
+void MakeLine(const ShapePlanes& planes, const double* low, const double* high,
               const double* direction, float max_t, float radius, Line& line);
 Front MakeFront(const ShapePlanes& planes, const float* normal, float offset);
 
