@@ -30,12 +30,15 @@ float KeyLimit(float value) {
   return static_cast<float>(std::min(limit, double{kMax<float>}));
 }
 
+// By bits, as a compare with a NaN may trap.
 void CheckLimit(const char* call, const char* argument, float value) {
-  kernels::InDefaultFpMode([&] {
-    if (value >= 0) return;
-    kernels::ThrowInvalid(call, argument, "a number that is not negative",
-                          std::to_string(value));
-  });
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  const bool is_negative_zero = bits == 0x80000000;
+  if (bits <= std::bit_cast<std::uint32_t>(kInf<float>) || is_negative_zero) {
+    return;
+  }
+  kernels::ThrowInvalid(call, argument, "a number that is not negative",
+                        std::to_string(value));
 }
 
 // So many are found at once on the stack; at first for a function, and at most.
@@ -79,7 +82,7 @@ const BvhNearestKernels& KernelsFor(const QueryOptions& options,
 }
 
 NearestSearch MakeSearch(const BvhTree& tree, const QueryOptions& options) {
-  NearestSearch search{};
+  NearestSearch search;
   search.levels = &tree.levels();
   search.box.dims = tree.shape().dims;
   search.box.max_plane = tree.shape().has_max ? tree.shape().axes : 0;
@@ -104,8 +107,8 @@ void SetQuery(const NearQueries& queries, std::size_t q, float limit,
 // of the rest.
 std::size_t WriteNearest(const BvhNearestKernels& kernels,
                          NearestSearch& search, Span<std::uint32_t> ids,
-                         Span<float> distances, std::size_t most) {
-  most = std::min(most, ids.size());
+                         Span<float> distances) {
+  const std::size_t most = std::min(search.levels->level[0].size, ids.size());
   KeyedSlot on_stack[kMostRoom];
   std::size_t total = 0;
   while (total < most) {
@@ -180,11 +183,11 @@ std::size_t BvhNearest(const BvhTree& tree, const NearQueries& query,
   constexpr const char* kCall = "KNearest";
   CheckOutputs(kCall, max_distance, ids, distances);
   const auto& kernels = KernelsFor(options, kCall);
-  if (tree.size() == 0) return 0;
+  if (tree.ids().empty()) return 0;
   NearestSearch search = MakeSearch(tree, options);
   return kernels::InDefaultFpMode([&] {
     SetQuery(query, 0, KeyLimit(max_distance), search);
-    return WriteNearest(kernels, search, ids, distances, tree.size());
+    return WriteNearest(kernels, search, ids, distances);
   });
 }
 
@@ -212,10 +215,9 @@ void BvhNearestOfEach(const BvhTree& tree, const NearQueries& queries,
       const Span<float> row_distances(distances.data() + row,
                                       distances.empty() ? 0 : k);
       std::size_t found = 0;
-      if (tree.size() != 0) {
+      if (!tree.ids().empty()) {
         SetQuery(queries, row / k, limit, search);
-        found =
-            WriteNearest(kernels, search, row_ids, row_distances, tree.size());
+        found = WriteNearest(kernels, search, row_ids, row_distances);
       }
       std::fill(row_ids.begin() + found, row_ids.end(), kNoId);
       if (distances.empty()) continue;
@@ -231,7 +233,7 @@ void BvhForEachNearest(const BvhTree& tree, const NearQueries& query,
   constexpr const char* kCall = "ForEachNearest";
   CheckLimit(kCall, "max_distance", max_distance);
   const auto& kernels = KernelsFor(options, kCall);
-  if (tree.size() == 0) return;
+  if (tree.ids().empty()) return;
   NearestSearch search = MakeSearch(tree, options);
   kernels::InDefaultFpMode(
       [&] { SetQuery(query, 0, KeyLimit(max_distance), search); });
@@ -243,7 +245,7 @@ void BvhCast(const BvhTree& tree, const LineCast& cast, NearFunction function,
   CheckLimit(cast.call, "max_t", cast.max_t);
   CheckLimit(cast.call, "radius", cast.radius);
   const auto& kernels = KernelsFor(options, cast.call);
-  if (tree.size() == 0) return;
+  if (tree.ids().empty()) return;
   const BvhShape& shape = tree.shape();
   LineSearch search;
   search.levels = &tree.levels();

@@ -26,8 +26,6 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// kAxes as of EntryOf.
-template <size_t kAxes>
 class Caster {
  public:
   explicit Caster(const detail::LineSearch& search)
@@ -39,7 +37,7 @@ class Caster {
   void Cast() { Visit(levels_.count - 1, 0); }
 
  private:
-  bool Visit(size_t level, size_t block) {
+  HWY_NOINLINE bool Visit(size_t level, size_t block) {
     HWY_ALIGN float keys[detail::kBlockObjects];
     const uint64_t bits = ReadKeys(level, block, keys);
     if (bits == 0) return true;
@@ -72,7 +70,10 @@ class Caster {
 
   // Writes where the line enters the nodes or objects of a block. Returns a bit
   // for each that it enters up to the limit.
-  HWY_INLINE uint64_t ReadKeys(size_t level, size_t block, float* keys) const {
+  // kAxes as of EntryOf.
+  template <size_t kAxes>
+  HWY_NOINLINE uint64_t ReadKeysOf(size_t level, size_t block,
+                                   float* keys) const {
     const detail::BvhLevel& nodes = levels_.level[level];
     const size_t first = block * detail::kBlockObjects;
     const WordTag<float> d;
@@ -91,6 +92,20 @@ class Caster {
     return bits;
   }
 
+  HWY_INLINE uint64_t ReadKeys(size_t level, size_t block, float* keys) const {
+    const bool has_pairs = search_.line.planes == 2 * search_.line.entering;
+    switch (has_pairs ? search_.line.entering : 0) {
+      case 2:
+        return ReadKeysOf<2>(level, block, keys);
+      case 3:
+        return ReadKeysOf<3>(level, block, keys);
+      case 4:
+        return ReadKeysOf<4>(level, block, keys);
+      default:
+        return ReadKeysOf<0>(level, block, keys);
+    }
+  }
+
   const detail::LineSearch& search_;
   const detail::BvhLevels& levels_;
   const bool has_masks_;
@@ -98,17 +113,7 @@ class Caster {
 };
 
 inline void CastLine(const detail::LineSearch& search) {
-  switch (search.line.entering == search.line.planes / 2 ? search.line.planes
-                                                         : 0) {
-    case 4:
-      return Caster<2>(search).Cast();
-    case 6:
-      return Caster<3>(search).Cast();
-    case 8:
-      return Caster<4>(search).Cast();
-    default:
-      return Caster<0>(search).Cast();
-  }
+  Caster(search).Cast();
 }
 
 }  // namespace HWY_NAMESPACE

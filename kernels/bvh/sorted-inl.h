@@ -30,15 +30,19 @@ struct SortedLanes {
     return keyed[i] % detail::kBlockObjects;
   }
 
-  HWY_INLINE void Sort(uint64_t bits, const float* keys) {
+  HWY_NOINLINE void Sort(uint64_t bits, const float* keys) {
+    uint64_t in_order[detail::kBlockObjects];
     count = 0;
     for (; bits != 0; bits &= bits - 1) {
       const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
-      const uint64_t next =
+      in_order[count++] =
           uint64_t{std::bit_cast<uint32_t>(keys[lane])} << 32 | lane;
-      size_t i = count++;
-      for (; i > 0 && keyed[i - 1] > next; --i) keyed[i] = keyed[i - 1];
-      keyed[i] = next;
+    }
+    // By counting what is less: without branches, which would be mispredicted.
+    for (size_t i = 0; i < count; ++i) {
+      size_t less = 0;
+      for (size_t j = 0; j < count; ++j) less += in_order[j] < in_order[i];
+      keyed[less] = in_order[i];
     }
   }
 };
