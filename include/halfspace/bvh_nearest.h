@@ -215,8 +215,7 @@ void ForEachNearest(const Bvh<View>& world,
 // Ray cast: calls the function for the objects that the ray enters. t is from 0
 // to `ray.max_t`, in multiples of the direction. With a `radius`, the planes of
 // the objects are moved outward by it, so an object near an edge up to
-// sqrt(d) * radius away can be found. `ray.max_t` may be infinite, but then the
-// D axis rejects nothing.
+// sqrt(d) * radius away can be found. `ray.max_t` may be infinite.
 //
 // Order: near to far, but not sorted. The leaf of the BVH that the ray enters
 // first comes first, and the objects of a leaf come by ascending t. No object

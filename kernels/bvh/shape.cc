@@ -101,13 +101,17 @@ void MakeLine(const ShapePlanes& planes, const double* low, const double* high,
     double most = 0;
     double rise = 0;
     double size = 0;
+    double reach = 0;
     for (std::size_t k = 0; k < planes.dims; ++k) {
       least -= high[k];
       most -= low[k];
       rise -= direction[k];
-      size += std::max(std::abs(low[k]), std::abs(high[k])) +
-              std::abs(direction[k]) * double{max_t};
+      size += std::max(std::abs(low[k]), std::abs(high[k]));
+      reach += std::abs(direction[k]);
     }
+    // What a direction that nearly cancels out has lost counts at most at
+    // max_t. What another one has lost is within the margins of t.
+    if (std::abs(rise) < 0x1p-24 * reach) size += reach * double{max_t};
     const double root = std::sqrt(static_cast<double>(planes.dims));
     add_axis(planes.dims, least, most, rise,
              radius * root * (1 + 0x1p-50) + 0x1p-50 * size);
