@@ -53,8 +53,9 @@ struct Callback {
 
   static float Run(void* callback, std::uint32_t id, float value,
                    const float* planes) {
-    const auto& [function, context, mode] = *static_cast<Callback*>(callback);
-    return mode.Outside([&] { return function(context, id, value, planes); });
+    const auto& call = *static_cast<Callback*>(callback);
+    return call.mode.Outside(
+        [&] { return call.function(call.context, id, value, planes); });
   }
 };
 
