@@ -155,6 +155,7 @@ class NearestFinder {
   // are left.
   static constexpr size_t kFew = 4;
   static constexpr size_t kGroups = 16;
+  static constexpr uint32_t kLanes = detail::kBlockObjects - 1;
 
   static detail::KeyedSlot Keyed(float key, size_t slot) {
     return NearestList::Keyed(key, slot);
@@ -178,10 +179,10 @@ class NearestFinder {
       return;
     }
     if (hwy::PopCount(bits) > kFew) {
-      float key;
-      const size_t lane = TakeLeast(keys, end, key);
+      const size_t lane = AboutLeast(keys, end);
       Visit(level - 1, first + lane);
       bits &= LanesUpTo(KeyOf(list_.worst()), keys, end);
+      bits &= ~(uint64_t{1} << lane);
     }
     SortedLanes sorted;
     sorted.Sort(bits, keys);
@@ -199,29 +200,17 @@ class NearestFinder {
 
   // The objects of a leaf that the bits name.
   HWY_INLINE void TakeObjects(size_t first, uint64_t bits, size_t end,
-                              float* keys) {
-    size_t count = hwy::PopCount(bits);
-    if (!is_many_ && count > kFew && search_.from == 0) {
+                              const float* keys) {
+    if (!is_many_ && hwy::PopCount(bits) > kFew && search_.from == 0) {
       if (search_.room == 1) {
-        float key;
-        const size_t lane = TakeLeast(keys, end, key);
-        const detail::KeyedSlot keyed = Keyed(key, first + lane);
-        if (keyed < list_.worst()) list_.AddSorted(keyed);
+        const float least = keys[AboutLeast(keys, end)];
+        bits &= LanesUpTo(
+            std::bit_cast<float>(std::bit_cast<uint32_t>(least) | kLanes), keys,
+            end);
+      } else {
+        TakeSorted(first, bits, end, keys);
         return;
       }
-      if (count > kGroups && search_.room <= kGroups) {
-        bits &= OfLeastGroups(keys, end);
-        count = hwy::PopCount(bits);
-      }
-      SortedLanes sorted;
-      sorted.Sort(bits, keys);
-      for (size_t i = 0; i < count; ++i) {
-        const size_t lane = sorted.LaneOf(i);
-        const detail::KeyedSlot keyed = Keyed(keys[lane], first + lane);
-        if (keyed > list_.worst()) return;
-        list_.AddSorted(keyed);
-      }
-      return;
     }
     for (; bits != 0; bits &= bits - 1) {
       const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
@@ -232,6 +221,21 @@ class NearestFinder {
       } else {
         list_.AddSorted(keyed);
       }
+    }
+  }
+
+  HWY_INLINE void TakeSorted(size_t first, uint64_t bits, size_t end,
+                             const float* keys) {
+    if (hwy::PopCount(bits) > kGroups && search_.room <= kGroups) {
+      bits &= OfLeastGroups(keys, end);
+    }
+    SortedLanes sorted;
+    sorted.Sort(bits, keys);
+    for (size_t i = 0; i < sorted.count; ++i) {
+      const size_t lane = sorted.LaneOf(i);
+      const detail::KeyedSlot keyed = Keyed(keys[lane], first + lane);
+      if (keyed > list_.worst()) return;
+      list_.AddSorted(keyed);
     }
   }
 
@@ -330,26 +334,19 @@ class NearestFinder {
                                  : ReadKeysOf<3>(level, block, end, keys);
   }
 
-  // The least key and its first lane, which is not taken again.
-  static HWY_INLINE size_t TakeLeast(float* keys, size_t end, float& key) {
+  // The lane of a least key, but for the lowest bits of keys, which the lane
+  // replaces: a minimum of integers takes a third of the time of one of floats.
+  static HWY_INLINE size_t AboutLeast(const float* keys, size_t end) {
     const WordTag<float> d;
-    auto least = hn::Load(d, keys);
-    for (size_t i = hn::Lanes(d); i < end; i += hn::Lanes(d)) {
-      least = hn::Min(least, hn::Load(d, keys + i));
-    }
-    least = hn::MinOfLanes(d, least);
-    key = hn::GetLane(least);
-    uint64_t bits = 0;
+    const hn::RebindToUnsigned<decltype(d)> du;
+    const auto lanes = hn::Set(du, kLanes);
+    auto least = hn::Set(du, ~uint32_t{0});
     for (size_t i = 0; i < end; i += hn::Lanes(d)) {
-      bits |= LaneBits(d, hn::Eq(hn::Load(d, keys + i), least)) << i;
+      const auto key = hn::BitCast(du, hn::Load(d, keys + i));
+      const auto lane = hn::Iota(du, static_cast<uint32_t>(i));
+      least = hn::Min(least, hn::Or(hn::AndNot(lanes, key), lane));
     }
-    if (bits == 0) {  // as Highway's plain target starts from the largest float
-      key = kInf;
-      return 0;
-    }
-    const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
-    keys[lane] = kInf;
-    return lane;
+    return hn::GetLane(hn::MinOfLanes(du, least)) & kLanes;
   }
 
   const detail::NearestSearch& search_;
