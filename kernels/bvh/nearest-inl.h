@@ -57,7 +57,7 @@ class NearestList {
 
   // In no order until there is no more room, and then a heap whose first is the
   // greatest, which the next replaces.
-  void AddToHeap(detail::KeyedSlot keyed) {
+  HWY_NOINLINE void AddToHeap(detail::KeyedSlot keyed) {
     if (count_ < room_) {
       found_[count_++] = keyed;
       if (count_ < room_) return;
@@ -105,7 +105,7 @@ class NearestList {
   // By one bit after another, from the highest that is not the same in all.
   // Each pass is in the order of memory and has no branch to mispredict: a heap
   // of a million takes two to three times as long to sort.
-  void Sort(size_t begin, size_t end, int bit) const {
+  HWY_NOINLINE void Sort(size_t begin, size_t end, int bit) const {
     while (end - begin > 16 && bit >= 0) {
       size_t middle = begin;
       for (size_t i = begin; i < end; ++i) {
