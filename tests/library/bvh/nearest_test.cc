@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <random>
 #include <span>
@@ -475,11 +476,24 @@ TYPED_TEST(BvhNearestTest, KnowsErasedObjectsAndMasks) {
                      found.push_back({id, distance});
                    },
                    {.mask = 2, .target = target});
-    std::vector<Found> expected;
-    for (const Found& one : all) {
-      if (one.id % 3 == 1) expected.push_back(one);
-    }
-    EXPECT_EQ(found, expected);
+    const auto of_mask = [](const std::vector<Found>& any) {
+      std::vector<Found> wanted;
+      std::copy_if(any.begin(), any.end(), std::back_inserter(wanted),
+                   [](const Found& one) { return one.id % 3 == 1; });
+      return wanted;
+    };
+    EXPECT_EQ(found, of_mask(all));
+    Ray<Bound::kDimensions> ray = {{}, {}, 50};
+    for (float& x : ray.direction) x = 1;
+    found.clear();
+    RayCast(bvh, ray, 5.0f,
+            [&](std::uint32_t id, float t) {
+              found.push_back({id, t});
+            },
+            {.mask = 2, .target = target});
+    EXPECT_EQ(found, of_mask(ExpectedAlong<View>(bvh, bounds, {point, point},
+                                                 ray.direction, 50, 5)));
+    EXPECT_FALSE(found.empty());
   }
 }
 
@@ -624,6 +638,15 @@ TEST(BvhNearestErrorsTest, RefusesWhatIsNoLimit) {
   }
   EXPECT_TRUE(Refuses([&] { (void)KNearest(bvh, {}, ids, distances); },
                       {"KNearest", "distances", "10", "9"}));
+  const std::vector<Point3> points(3);
+  for (std::size_t k : {0u, 3u, 4u, 10u}) {
+    EXPECT_TRUE(Refuses([&] { KNearestOfEach(bvh, points, k, ids, {}); },
+                        {"KNearestOfEach: ids", "3 queries", "10"}))
+        << k;
+  }
+  EXPECT_TRUE(Refuses(
+      [&] { KNearestOfEach(bvh, Span<const Point3>(nullptr, 3), 0, {}, {}); },
+      {"KNearestOfEach: queries", "null"}));
   EXPECT_TRUE(Refuses(
       [&] {
         (void)KNearest(bvh, {},
