@@ -228,8 +228,9 @@ void ForEachNearest(const Bvh<View>& world,
 // limit counts as at the limit.
 //
 // NaN and infinities: a plane with a NaN limits nothing, and neither does an
-// axis on which the origin is not finite, or the direction is not finite or
-// beyond 2^120. An Empty() object is found only by a ray that no axis limits.
+// axis on which the origin or the direction is a NaN, the origin is beyond 2^99,
+// or the direction is beyond 2^120. An Empty() object is found only by a ray
+// that no axis limits.
 //
 // Cost: one pass, which visits only nodes that the ray enters up to the current
 // limit.
