@@ -95,7 +95,7 @@ detail::Line LineOf(const detail::ShapePlanes& planes,
     direction[k] = double{capsule.b[k]} - capsule.a[k];
   }
   detail::Line line;
-  detail::MakeLine(planes, origin, direction, 1, capsule.radius, line);
+  detail::MakeLine(planes, origin, origin, direction, 1, capsule.radius, line);
   return line;
 }
 
