@@ -133,14 +133,14 @@ constexpr std::size_t MaskWords(std::size_t objects) {
 template <typename AnyWorld>
 void RejectMask(const AnyWorld& world, const typename AnyWorld::Query& query,
                 Span<std::uint64_t> mask, const Options& options = {}) {
-  detail::RejectMask(detail::ScanOfOne(world, query), mask, options);
+  detail::RejectMask(detail::ScanOf(world.view(), &query, 1), mask, options);
 }
 
 // Writes the survivor mask: 1 = survives. Layout and errors: as RejectMask().
 template <typename AnyWorld>
 void SurvivorMask(const AnyWorld& world, const typename AnyWorld::Query& query,
                   Span<std::uint64_t> mask, const Options& options = {}) {
-  detail::SurvivorMask(detail::ScanOfOne(world, query), mask, options);
+  detail::SurvivorMask(detail::ScanOf(world.view(), &query, 1), mask, options);
 }
 
 // Writes the indices of the survivors in ascending order and returns the number
@@ -155,7 +155,8 @@ template <typename AnyWorld>
                                     const typename AnyWorld::Query& query,
                                     Span<std::uint32_t> indices,
                                     const Options& options = {}) {
-  return detail::Survivors(detail::ScanOfOne(world, query), indices, options);
+  return detail::Survivors(detail::ScanOf(world.view(), &query, 1), indices,
+                           options);
 }
 
 // Returns the number of survivors. Errors: as RejectMask().
@@ -163,7 +164,8 @@ template <typename AnyWorld>
 [[nodiscard]] std::size_t CountSurvivors(const AnyWorld& world,
                                          const typename AnyWorld::Query& query,
                                          const Options& options = {}) {
-  return detail::CountSurvivors(detail::ScanOfOne(world, query), options);
+  return detail::CountSurvivors(detail::ScanOf(world.view(), &query, 1),
+                                options);
 }
 
 // Returns the index of the first survivor, or std::nullopt if no object
@@ -176,7 +178,7 @@ template <typename AnyWorld>
     const AnyWorld& world, const typename AnyWorld::Query& query,
     const Options& options = {}) {
   const std::size_t first =
-      detail::AnySurvivor(detail::ScanOfOne(world, query), options);
+      detail::AnySurvivor(detail::ScanOf(world.view(), &query, 1), options);
   if (first == detail::kNoSurvivor) return std::nullopt;
   return first;
 }

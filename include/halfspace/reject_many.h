@@ -56,7 +56,9 @@ template <typename AnyWorld>
 void RejectMasks(const AnyWorld& world,
                  Span<const typename AnyWorld::Query> queries,
                  Span<std::uint64_t> rows, const Options& options = {}) {
-  detail::RejectMasks(detail::ScanOf(world, queries), rows, options);
+  detail::RejectMasks(
+      detail::ScanOf(world.view(), queries.data(), queries.size()), rows,
+      options);
 }
 
 // Writes the survivor mask of every query. Layout and errors: as RejectMasks().
@@ -64,7 +66,9 @@ template <typename AnyWorld>
 void SurvivorMasks(const AnyWorld& world,
                    Span<const typename AnyWorld::Query> queries,
                    Span<std::uint64_t> rows, const Options& options = {}) {
-  detail::SurvivorMasks(detail::ScanOf(world, queries), rows, options);
+  detail::SurvivorMasks(
+      detail::ScanOf(world.view(), queries.data(), queries.size()), rows,
+      options);
 }
 
 // Writes every surviving pair and returns the number of pairs. Pair j is the
@@ -85,8 +89,9 @@ template <typename AnyWorld>
     const AnyWorld& world, Span<const typename AnyWorld::Query> queries,
     Span<std::uint32_t> query_indices, Span<std::uint32_t> object_indices,
     const Options& options = {}) {
-  return detail::SurvivorPairs(detail::ScanOf(world, queries), query_indices,
-                               object_indices, options);
+  return detail::SurvivorPairs(
+      detail::ScanOf(world.view(), queries.data(), queries.size()),
+      query_indices, object_indices, options);
 }
 
 // Writes to counts[q] the number of survivors of queries[q].
@@ -96,7 +101,9 @@ template <typename AnyWorld>
 void SurvivorCounts(const AnyWorld& world,
                     Span<const typename AnyWorld::Query> queries,
                     Span<std::size_t> counts, const Options& options = {}) {
-  detail::SurvivorCounts(detail::ScanOf(world, queries), counts, options);
+  detail::SurvivorCounts(
+      detail::ScanOf(world.view(), queries.data(), queries.size()), counts,
+      options);
 }
 
 // The survivors of a few consecutive queries among some consecutive objects.
@@ -139,7 +146,7 @@ void ForEachTile(const AnyWorld& world,
     }
   };
   detail::ForEachTile(
-      detail::ScanOf(world, queries),
+      detail::ScanOf(world.view(), queries.data(), queries.size()),
       [](void* context, const SurvivorTile& tile) {
         return (*static_cast<decltype(call)*>(context))(tile);
       },

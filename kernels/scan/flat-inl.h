@@ -27,9 +27,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // Returns run(load), with aligned loads where planes are aligned and it pays.
 template <typename T, class Run>
-HWY_INLINE auto WithLoad(const detail::Scan& scan, const Run& run) {
+HWY_INLINE auto WithLoad(const detail::Scan& scan, size_t begin,
+                         const Run& run) {
   if constexpr (kAlignedLoadsPay && std::is_same_v<T, float>) {
-    if (scan.is_aligned) return run(LoadAligned());
+    if ((scan.addresses.bits | begin * sizeof(T)) % 64 == 0) {
+      return run(LoadAligned());
+    }
   }
   return run(LoadAll());
 }
@@ -46,17 +49,24 @@ HWY_INLINE T QueryValue(const T* values, size_t first_max) {
   }
 }
 
-// The last, partial word, from object i on. Not inlined, so that there is one
-// copy for one query and for several.
 template <size_t kMins, typename T, size_t... kPlane>
-HWY_NOINLINE uint64_t FlatTail(std::index_sequence<kPlane...>,
-                               const detail::Scan& scan, const T* values,
-                               size_t i, size_t count) {
-  const T* planes[] = {static_cast<const T*>(scan.planes[kPlane])...};
+HWY_INLINE uint64_t WordOf(std::index_sequence<kPlane...>,
+                           const detail::Scan& scan, const T* values, size_t i,
+                           size_t count) {
+  const T* planes[] = {scan.Plane<T>(kPlane)...};
   const WordTag<T> d;
   return KeptTail<kMins>(
       d, planes, i, count,
-      hn::Set(d, QueryValue<kMins, kPlane>(values, scan.first_max))...);
+      hn::Set(d, QueryValue<kMins, kPlane>(values, scan.type->first_max))...);
+}
+
+// The last, partial word, from object i on. A function of its own, because
+// calls on short ranges need no other.
+template <size_t kMins, size_t kMaxs, typename T>
+HWY_NOINLINE uint64_t FlatTail(const detail::Scan& scan, const void* query,
+                               size_t i, size_t count) {
+  return WordOf<kMins>(std::make_index_sequence<kMins + kMaxs>(), scan,
+                       static_cast<const T*>(query), i, count);
 }
 
 template <size_t kMins, class D, class Load, typename T, class... V>
@@ -72,21 +82,21 @@ HWY_INLINE void FlatWords(D d, Load load, const T* const* planes, size_t first,
 // row. Not inlined: in one function with the code for several queries, which
 // needs many registers, a short call would spend nanoseconds on saving them.
 template <size_t kMins, class Load, typename T, size_t... kPlane>
-HWY_NOINLINE int64_t FlatOne(std::index_sequence<kPlane...> all_planes,
-                             Load load, const detail::Scan& scan,
-                             const detail::Part& part, const T* values,
-                             uint64_t* row) {
+HWY_NOINLINE int64_t FlatOne(std::index_sequence<kPlane...>, Load load,
+                             const detail::Scan& scan, const detail::Part& part,
+                             const T* values, uint64_t* row) {
   // A local copy, because the compiler would reload the pointers after every
   // store of a word.
-  const T* planes[] = {static_cast<const T*>(scan.planes[kPlane])...};
+  const T* planes[] = {scan.Plane<T>(kPlane)...};
   const size_t words = (part.end - part.begin) / kWordObjects;
   const OneTag<T> d;
   FlatWords<kMins>(
       d, load, planes, part.begin, words, row,
-      hn::Set(d, QueryValue<kMins, kPlane>(values, scan.first_max))...);
+      hn::Set(d, QueryValue<kMins, kPlane>(values, scan.type->first_max))...);
   const size_t i = part.begin + words * kWordObjects;
   if (i != part.end) {
-    row[words] = FlatTail<kMins>(all_planes, scan, values, i, part.end - i);
+    row[words] = FlatTail<kMins, sizeof...(kPlane) - kMins, T>(scan, values, i,
+                                                               part.end - i);
   }
   return HWY_TARGET;
 }
@@ -159,22 +169,23 @@ HWY_INLINE void WordOfSeveral(
 
 // Tests queries q, q + 1, ... of the part, which share each load.
 template <size_t kMins, typename T, size_t... kPlane, size_t... kQuery>
-HWY_NOINLINE void FlatSeveral(std::index_sequence<kPlane...> all_planes,
+HWY_NOINLINE void FlatSeveral(std::index_sequence<kPlane...>,
                               std::index_sequence<kQuery...> all_queries,
                               const detail::Scan& scan,
                               const detail::Part& part, size_t q) {
   const WordTag<T> d;
   constexpr std::make_index_sequence<kWordObjects / hn::MaxLanes(WordTag<T>())>
       kVectors{};
-  const T* planes[] = {static_cast<const T*>(scan.planes[kPlane])...};
-  const T* values = static_cast<const T*>(part.queries) + q * scan.plane_count;
+  const T* planes[] = {scan.Plane<T>(kPlane)...};
+  const T* values =
+      static_cast<const T*>(part.queries) + q * scan.type->plane_count;
   const size_t words = (part.end - part.begin) / kWordObjects;
   uint64_t* row = part.rows + q * part.stride;
   QueryVectors<sizeof...(kPlane), sizeof...(kQuery), WordTag<T>> queries;
   const auto set_query = [&](size_t query) HWY_ATTR {
-    const T* of_query = values + query * scan.plane_count;
-    ((queries.planes[kPlane][query] =
-          hn::Set(d, QueryValue<kMins, kPlane>(of_query, scan.first_max))),
+    const T* of_query = values + query * scan.type->plane_count;
+    ((queries.planes[kPlane][query] = hn::Set(
+          d, QueryValue<kMins, kPlane>(of_query, scan.type->first_max))),
      ...);
   };
   (set_query(kQuery), ...);
@@ -186,8 +197,9 @@ HWY_NOINLINE void FlatSeveral(std::index_sequence<kPlane...> all_planes,
   const size_t i = part.begin + words * kWordObjects;
   if (i == part.end) return;
   for (size_t query = 0; query < sizeof...(kQuery); ++query) {
-    row[query * part.stride + words] = FlatTail<kMins>(
-        all_planes, scan, values + query * scan.plane_count, i, part.end - i);
+    row[query * part.stride + words] =
+        FlatTail<kMins, sizeof...(kPlane) - kMins, T>(
+            scan, values + query * scan.type->plane_count, i, part.end - i);
   }
 }
 
@@ -211,9 +223,10 @@ HWY_INLINE int64_t FlatAll(Planes all_planes, Load load,
   }
 #endif
   for (; q < part.query_count; ++q) {
-    FlatOne<kMins>(all_planes, load, scan, part,
-                   static_cast<const T*>(part.queries) + q * scan.plane_count,
-                   part.rows + q * part.stride);
+    FlatOne<kMins>(
+        all_planes, load, scan, part,
+        static_cast<const T*>(part.queries) + q * scan.type->plane_count,
+        part.rows + q * part.stride);
   }
   return HWY_TARGET;
 }
@@ -222,7 +235,7 @@ HWY_INLINE int64_t FlatAll(Planes all_planes, Load load,
 template <size_t kMins, size_t kMaxs, typename T>
 int64_t Flat(const detail::Scan& scan, const detail::Part& part) {
   constexpr std::make_index_sequence<kMins + kMaxs> kPlanes{};
-  return WithLoad<T>(scan, [&](auto load) HWY_ATTR {
+  return WithLoad<T>(scan, part.begin, [&](auto load) HWY_ATTR {
     return FlatAll<kMins, T>(kPlanes, load, scan, part);
   });
 }

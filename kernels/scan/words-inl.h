@@ -144,7 +144,13 @@ HWY_INLINE uint64_t KeptTail(D d, const T* const* planes, size_t i,
         VerdictBits(d, Verdict<kMins>(d, LoadAll(), planes, i + l, query...))
         << l;
   }
-  if (l < count) {
+  if (HWY_MEM_OPS_MIGHT_FAULT && l != 0 && l < count) {
+    // Again some objects of the last vector: a copy of each plane takes longer.
+    l = count - lanes;
+    bits |=
+        VerdictBits(d, Verdict<kMins>(d, LoadAll(), planes, i + l, query...))
+        << l;
+  } else if (l < count) {
     const LoadFirst load{count - l};
     bits |= VerdictBits(d, Verdict<kMins>(d, load, planes, i + l, query...))
             << l;
