@@ -71,10 +71,10 @@ std::size_t Survivors(Scan&& scan, Span<std::uint32_t> indices,
   dispatch::ReportTarget(scan, options);
   std::size_t count = 0;
   const auto add = [&](std::size_t object) {
-    if (count < indices.size()) {
-      indices[count] = static_cast<std::uint32_t>(object);
+    const std::size_t place = count++;
+    if (place >= options.skip && place - options.skip < indices.size()) {
+      indices[place - options.skip] = static_cast<std::uint32_t>(object);
     }
-    ++count;
   };
   if (dispatch::IsShort(scan)) {
     for (std::uint64_t left = dispatch::ShortWord(scan); left != 0;

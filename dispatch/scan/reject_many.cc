@@ -93,11 +93,13 @@ std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
   dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
     dispatch::ForEachSurvivor(
         scan, tested, [&](std::size_t query, std::size_t object) {
-          if (count < capacity) {
-            query_indices[count] = static_cast<std::uint32_t>(query);
-            object_indices[count] = static_cast<std::uint32_t>(object);
+          const std::size_t place = count++;
+          if (place >= options.skip && place - options.skip < capacity) {
+            query_indices[place - options.skip] =
+                static_cast<std::uint32_t>(query);
+            object_indices[place - options.skip] =
+                static_cast<std::uint32_t>(object);
           }
-          ++count;
         });
   });
   return count;
@@ -137,7 +139,7 @@ void ForEachTile(Scan&& scan, TileFunction function, void* context,
                               .first_object = part.begin,
                               .objects = part.end - part.begin,
                               .rows = part.rows,
-                              .stride = part.stride});
+                              .stride = part.stride}) == Visit::kContinue;
   });
 }
 

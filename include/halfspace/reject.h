@@ -92,6 +92,11 @@ struct Options {
   // follow each other without a gap. Use a larger number to write a range of
   // objects into the rows of a larger mask.
   std::size_t row_words = 0;
+
+  // Survivors and SurvivorPairs (reject_many.h) only: the number of results, in
+  // the order of the call, that are not written. The call returns the number of
+  // all results. Use it to fetch a long result in pieces.
+  std::size_t skip = 0;
 };
 
 // The number of words in a mask of `objects` objects.
@@ -147,7 +152,8 @@ void SurvivorMask(const AnyWorld& world, const typename AnyWorld::Query& query,
 // of survivors. Indices are positions in the world, also with a range.
 //
 // `indices` may be shorter than the result. The call then fills `indices` with
-// the first survivors, and still returns the number of all survivors.
+// the first survivors after `options.skip`, and still returns the number of all
+// survivors.
 //
 // Errors: as RejectMask(). The world must have at most 2^32 objects.
 template <typename AnyWorld>

@@ -14,6 +14,7 @@
 #include "halfspace/export.h"
 #include "halfspace/span.h"
 #include "halfspace/targets.h"
+#include "halfspace/visit.h"
 #include "halfspace/world.h"
 
 namespace halfspace {
@@ -229,8 +230,7 @@ HALFSPACE_API std::size_t SurvivorPairs(Scan&& scan,
 HALFSPACE_API void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
                                   const Options& options);
 
-// Returns whether to go on.
-using TileFunction = bool (*)(void* context, const SurvivorTile& tile);
+using TileFunction = Visit (*)(void* context, const SurvivorTile& tile);
 HALFSPACE_API void ForEachTile(Scan&& scan, TileFunction function,
                                void* context, const Options& options);
 
