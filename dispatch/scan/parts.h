@@ -297,13 +297,7 @@ inline bool TestOneRun(const Scan& scan, OneRun& run) {
   if (scan.end - scan.begin > kRunObjects || scan.type->encode != nullptr) {
     return false;
   }
-  Run(scan, {.first_query = 0,
-             .query_count = 1,
-             .queries = scan.queries,
-             .begin = scan.begin,
-             .end = scan.end,
-             .rows = run.words,
-             .stride = 0});
+  Run(scan, WholeRange(scan, run.words));
   run.nonzero =
       scan.kernels->nonzero_words(run.words, MaskWords(scan.end - scan.begin));
   return true;

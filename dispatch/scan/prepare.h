@@ -74,6 +74,17 @@ inline constexpr detail::Way kStreamingWayOf[detail::kWays] = {
     detail::kAllStreaming,    detail::kByAxis,          detail::kBySimplex,
 };
 
+// All objects of a scan for one query, unless its bounds are quantized.
+inline detail::Part WholeRange(const detail::Scan& scan, std::uint64_t* words) {
+  return {.first_query = 0,
+          .query_count = 1,
+          .queries = scan.queries,
+          .begin = scan.begin,
+          .end = scan.end,
+          .rows = words,
+          .stride = 0};
+}
+
 // Writes the words of a part. Returns the bit of the target.
 inline std::int64_t Run(const detail::Scan& scan, const detail::Part& part) {
   return scan.kernels->run[scan.way](scan, part);

@@ -38,13 +38,7 @@ inline void WriteMask(Scan& scan, Span<std::uint64_t> mask,
     WriteQuantizedMask(scan, mask.data());
   } else {
     // Without parts: a small call costs little more than its kernel.
-    dispatch::Run(scan, {.first_query = 0,
-                         .query_count = 1,
-                         .queries = scan.queries,
-                         .begin = scan.begin,
-                         .end = scan.end,
-                         .rows = mask.data(),
-                         .stride = 0});
+    dispatch::Run(scan, dispatch::WholeRange(scan, mask.data()));
   }
   if (flip != 0) dispatch::Flip(mask.data(), MaskWords(scan.end - scan.begin));
 }
@@ -129,13 +123,9 @@ std::size_t AnySurvivor(Scan&& scan, const Options& options) {
   std::uint64_t words[dispatch::kRunWords];
   Tested tested;
   Part& part = tested.part;
-  part = {.first_query = 0,
-          .query_count = 1,
-          .queries = dispatch::ReadableQueries(scan, 0, 1, quantized),
-          .begin = scan.begin,
-          .end = scan.begin,
-          .rows = words,
-          .stride = 0};
+  part = dispatch::WholeRange(scan, words);
+  part.queries = dispatch::ReadableQueries(scan, 0, 1, quantized);
+  part.end = scan.begin;
   // A survivor is often among the first.
   std::size_t objects = 512;
   while (part.end < scan.end) {

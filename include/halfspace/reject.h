@@ -53,8 +53,8 @@ namespace halfspace {
 // survivor. The schedule changes the cost, never the result. A simplex is
 // always tested flat.
 enum class Schedule : std::uint8_t {
-  // The fastest schedule for the bound type, as measured (docs/design.md): flat
-  // for the simplex and the AABB, staged for the AABO.
+  // The fastest schedule, as measured (docs/design.md): flat for the simplex,
+  // the AABB and fewer than 128 objects, staged for the AABO.
   kAuto,
   // Tests every plane of every object, without a branch.
   kFlat,

@@ -100,7 +100,6 @@ struct Scan {
   std::size_t query_count;
 
   const Quantizer* quantizer;  // of quantized bounds
-  FloatColumns floats;         // that refine them
 
   // Set by the library.
   Way way;
@@ -109,6 +108,8 @@ struct Scan {
   const char* call;              // its name, for messages
   std::size_t begin;             // the range of objects
   std::size_t end;
+
+  FloatColumns floats;  // that refine quantized bounds
 
   template <typename T>
   const T* Plane(std::size_t p) const {
