@@ -535,7 +535,7 @@ void BvhTree::SetMasks(Span<const std::uint32_t> masks) {
 }
 
 void BvhTree::Refit(const FloatColumns& objects, bool is_by_id,
-                    const PartRunner& run) {
+                    const Runner& run) {
   const char* const call = is_by_id ? "Bvh::Refit" : "Bvh::RefitInOrder";
   const std::size_t size = block_ == nullptr ? 0
                            : is_by_id        ? header().ids

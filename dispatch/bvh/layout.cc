@@ -300,7 +300,7 @@ void FitMap(const BvhShape& shape, const BvhLevels& levels) {
 
 void FillSlots(const BvhShape& shape, const BvhLevels& levels,
                const FloatColumns& objects, const std::uint32_t* elements,
-               const BvhKernels::OfPlanes& kernels, const PartRunner& run) {
+               const BvhKernels::OfPlanes& kernels, const Runner& run) {
   if (levels.codes != nullptr) {
     kernels::InDefaultFpMode([&] {
       FitMapTo(shape, levels, [&](std::size_t p, std::size_t s) {

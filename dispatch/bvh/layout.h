@@ -151,7 +151,7 @@ void FitMap(const BvhShape& shape, const BvhLevels& levels);
 // has element elements[s], or s without them.
 void FillSlots(const BvhShape& shape, const BvhLevels& levels,
                const FloatColumns& objects, const std::uint32_t* elements,
-               const BvhKernels::OfPlanes& kernels, const PartRunner& run);
+               const BvhKernels::OfPlanes& kernels, const Runner& run);
 
 // Blocks begin ... end - 1 of a level, as the kernels encode them.
 inline BlockRange RangeOf(const BvhLevels& levels, std::size_t level,

@@ -96,20 +96,20 @@ void BvhTree::Allocate(const BvhRoom& room) {
   for (float& scale : levels_.map->scale) scale = 1;
 }
 
-void BvhTree::Build(const FloatColumns& objects, BuildQuality quality,
-                    Target target, const PartRunner& run) {
-  BuildIn({objects.size, 0, false}, objects, quality, target, run);
+void BvhTree::Build(const FloatColumns& objects, const BuildOptions& options) {
+  BuildIn({objects.size, 0, false}, objects, options);
 }
 
 void BvhTree::BuildIn(const BvhRoom& room, const FloatColumns& objects,
-                      BuildQuality quality, Target target,
-                      const PartRunner& run) {
+                      const BuildOptions& options) {
   constexpr const char* kCall = "Bvh";
-  const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, target, kCall);
+  const BvhKernels::OfPlanes& kernels =
+      KernelsFor(shape_, options.target, kCall);
   if (objects.size >= kMostObjects) {
     kernels::ThrowInvalid(kCall, "world", "less than 2^31 objects",
                           std::to_string(objects.size));
   }
+  const BuildQuality quality = options.quality;
   if (quality != BuildQuality::kHigh && quality != BuildQuality::kFast) {
     kernels::ThrowInvalid(kCall, "quality", "an enumerator of BuildQuality",
                           std::to_string(static_cast<int>(quality)));
@@ -121,13 +121,13 @@ void BvhTree::BuildIn(const BvhRoom& room, const FloatColumns& objects,
   const auto put_in_order = quality == BuildQuality::kFast
                                 ? kernels::OrderByCurve
                                 : kernels::OrderByMedians;
-  put_in_order(objects, kernels, scratch.data(), levels_.ids, run);
+  put_in_order(objects, kernels, scratch.data(), levels_.ids, options.run);
   Truncate(shape_, levels_, objects.size);
   BvhHeader& header = this->header();
   header.slots = header.size = header.ids = header.sorted =
       static_cast<std::uint32_t>(objects.size);
   FillPresent(levels_.level[0], objects.size);
-  FillSlots(shape_, levels_, objects, levels_.ids, kernels, run);
+  FillSlots(shape_, levels_, objects, levels_.ids, kernels, options.run);
   kernels::InDefaultFpMode([&] {
     for (std::size_t part = 0; part < PartsOf(objects.size); ++part) {
       levels_.built[part] = AsIs(shape_, levels_, PartAt(levels_, part));

@@ -1,7 +1,7 @@
 // Bvh: a BVH of 64-wide nodes for one query over many objects, which
 // may move, come and go.
 //
-//   halfspace::AabbBvh3 bvh(world);  // an AabbWorld3, or its view
+//   halfspace::AabbBvh3 bvh(world);  // an AabbWorld3, its view, or a list
 //   halfspace::Aabb3 query = {{0, 0, 0}, {1, 1, 1}};
 //   std::vector<std::uint32_t> ids(bvh.size());
 //   ids.resize(Survivors(bvh, query, ids));
@@ -55,6 +55,7 @@
 
 #include "halfspace/detail/bvh.h"
 #include "halfspace/memory.h"
+#include "halfspace/runner.h"
 #include "halfspace/span.h"
 #include "halfspace/targets.h"
 #include "halfspace/world.h"
@@ -71,6 +72,17 @@ enum class BuildQuality : std::uint8_t {
   // 3 axes, are where most objects are: objects far away share the cells at the
   // end.
   kFast,
+};
+
+struct BuildOptions {
+  BuildQuality quality = BuildQuality::kHigh;
+  // The resource of a new world (memory.h). Rebuild() does not read it: a world
+  // keeps its resource.
+  MemoryResource memory = {};
+  // Calls the parts of the work, for example on several threads (runner.h). By
+  // default the calling thread does all of it.
+  Runner run = {};
+  Target target = {};  // by default, the chosen one (targets.h)
 };
 
 struct QueryOptions {
@@ -137,14 +149,15 @@ bool CallWithSome(void* function, Span<const Item> items) {
 // that is not needed.
 //
 // Changes are seen by every later call. No change may run at the same time as
-// another call on the same world. Changes run on the chosen target.
+// another call on the same world. Changes run on the chosen target, except
+// Rebuild().
 //
 // Errors (error.h): a plane of a world that is not empty is null or misaligned;
-// there are 2^31 objects or more; the order is none of the enumerators; an id
+// there are 2^31 objects or more; the quality is none of the enumerators; an id
 // is not that of an object in the world. A failed allocation throws
 // std::bad_alloc. The world is then as it was, and what ids() and Blob()
-// returned stays valid. If a function `run` throws in a constructor, there is
-// no world. If it throws in Refit(), call Refit() again before the next query.
+// returned stays valid. If `run` throws in a constructor, there is no world. If
+// it throws in Refit(), call Refit() again before the next query.
 template <typename ViewType>
 class Bvh {
  public:
@@ -161,28 +174,15 @@ class Bvh {
 
   // Sorts the bounds of a view, an owning world or a list. The bounds are
   // copied.
-  //   run  run(count, part) calls part(i) once for each i below `count`, in any
-  //        order and on any threads, and returns when all have returned. By
-  //        default the calling thread calls them in turn.
-  template <typename Run = detail::InTurn>
-  explicit Bvh(const View& world, BuildQuality quality = BuildQuality::kHigh,
-               const MemoryResource& memory = {}, Run&& run = Run())
-      : Bvh(memory) {
-    tree_.Build(detail::ColumnsOf(world), quality, Target(),
-                detail::RunnerOf(run));
+  explicit Bvh(const View& world, const BuildOptions& options = {})
+      : Bvh(options.memory) {
+    tree_.Build(detail::ColumnsOf(world), options);
   }
-  template <typename Run = detail::InTurn>
-  explicit Bvh(const World<View>& world,
-               BuildQuality quality = BuildQuality::kHigh,
-               const MemoryResource& memory = {}, Run&& run = Run())
-      : Bvh(world.view(), quality, memory, run) {}
-  template <typename Run = detail::InTurn>
-  explicit Bvh(Span<const Bound> bounds,
-               BuildQuality quality = BuildQuality::kHigh,
-               const MemoryResource& memory = {}, Run&& run = Run())
-      : Bvh(memory) {
-    tree_.Build(detail::ColumnsOf(bounds), quality, Target(),
-                detail::RunnerOf(run));
+  explicit Bvh(const World<View>& world, const BuildOptions& options = {})
+      : Bvh(world.view(), options) {}
+  explicit Bvh(Span<const Bound> bounds, const BuildOptions& options = {})
+      : Bvh(options.memory) {
+    tree_.Build(detail::ColumnsOf(bounds), options);
   }
 
   // Builds a world of the `count` bounds that fit(planes) writes, as a builder
@@ -193,12 +193,11 @@ class Bvh {
   //   });
   template <typename Fit>
   static Bvh Fitted(std::size_t count, Fit&& fit,
-                    BuildQuality quality = BuildQuality::kHigh,
-                    const MemoryResource& memory = {}) {
-    World<View> bounds(memory);
+                    const BuildOptions& options = {}) {
+    World<View> bounds(options.memory);
     bounds.Resize(count);
     fit(bounds.planes());
-    return Bvh(bounds.view(), quality, memory);
+    return Bvh(bounds.view(), options);
   }
 
   Bvh(const Bvh& other, const MemoryResource& memory)
@@ -317,33 +316,27 @@ class Bvh {
 
   // Gives all objects new bounds, by id: bounds[i] is that of object i. Bounds
   // of erased objects are not read. `bounds.size()` must be at least
-  // id_limit(). The order stays as it is. `run` is as in the constructor.
-  template <typename Run = detail::InTurn>
-  void Refit(const View& bounds, Run&& run = Run()) {
-    tree_.Refit(detail::ColumnsOf(bounds), true, detail::RunnerOf(run));
+  // id_limit(). The order stays as it is. `run` is BuildOptions::run.
+  void Refit(const View& bounds, const Runner& run = {}) {
+    tree_.Refit(detail::ColumnsOf(bounds), true, run);
   }
-  template <typename Run = detail::InTurn>
-  void Refit(const World<View>& bounds, Run&& run = Run()) {
+  void Refit(const World<View>& bounds, const Runner& run = {}) {
     Refit(bounds.view(), run);
   }
-  template <typename Run = detail::InTurn>
-  void Refit(Span<const Bound> bounds, Run&& run = Run()) {
-    tree_.Refit(detail::ColumnsOf(bounds), true, detail::RunnerOf(run));
+  void Refit(Span<const Bound> bounds, const Runner& run = {}) {
+    tree_.Refit(detail::ColumnsOf(bounds), true, run);
   }
 
   // The same with bounds in this world's order: bounds[i] is that of object
   // ids()[i], and `bounds.size()` must be `ids().size()`. 2 to 4 times as fast.
-  template <typename Run = detail::InTurn>
-  void RefitInOrder(const View& bounds, Run&& run = Run()) {
-    tree_.Refit(detail::ColumnsOf(bounds), false, detail::RunnerOf(run));
+  void RefitInOrder(const View& bounds, const Runner& run = {}) {
+    tree_.Refit(detail::ColumnsOf(bounds), false, run);
   }
-  template <typename Run = detail::InTurn>
-  void RefitInOrder(const World<View>& bounds, Run&& run = Run()) {
+  void RefitInOrder(const World<View>& bounds, const Runner& run = {}) {
     RefitInOrder(bounds.view(), run);
   }
-  template <typename Run = detail::InTurn>
-  void RefitInOrder(Span<const Bound> bounds, Run&& run = Run()) {
-    tree_.Refit(detail::ColumnsOf(bounds), false, detail::RunnerOf(run));
+  void RefitInOrder(Span<const Bound> bounds, const Runner& run = {}) {
+    tree_.Refit(detail::ColumnsOf(bounds), false, run);
   }
 
   // How much the order has decayed: the surface of all leaves (64 places each),
@@ -356,12 +349,8 @@ class Bvh {
 
   // Sorts all objects, without empty places between them, and gives memory
   // back: the block has no more room than the objects need, and 4 bytes for
-  // each id up to the greatest in use. Ids stay. `run` is as in the
-  // constructor.
-  template <typename Run = detail::InTurn>
-  void Rebuild(BuildQuality quality = BuildQuality::kHigh, Run&& run = Run()) {
-    tree_.Rebuild(quality, detail::RunnerOf(run));
-  }
+  // each id up to the greatest in use. Ids stay.
+  void Rebuild(const BuildOptions& options = {}) { tree_.Rebuild(options); }
 
   // Sorts the groups of 4096 places whose surface has grown most, about
   // `objects` objects in total and at least one group. Groups that are sorted
@@ -407,10 +396,9 @@ class Bvh {
   // for one that changed since. O(n).
   [[nodiscard]] bool Verify() const { return tree_.Verify(); }
 
-  // Internal.
-  const detail::BvhTree& tree() const { return tree_; }
-
  private:
+  friend const detail::BvhTree& detail::TreeOf<View>(const Bvh& world);
+
   detail::BvhTree tree_;
 };
 
@@ -430,8 +418,8 @@ template <typename View>
                                     const typename View::Query& query,
                                     Span<std::uint32_t> ids,
                                     const QueryOptions& options = {}) {
-  return detail::BvhSurvivors(world.tree(), detail::ValuesOf(&query), ids,
-                              options);
+  return detail::BvhSurvivors(detail::TreeOf(world), detail::ValuesOf(&query),
+                              ids, options);
 }
 
 // Returns the number of survivors. A node inside a box or an octahedron is
@@ -441,7 +429,8 @@ template <typename View>
 [[nodiscard]] std::size_t CountSurvivors(const Bvh<View>& world,
                                          const typename View::Query& query,
                                          const QueryOptions& options = {}) {
-  return detail::BvhCount(world.tree(), detail::ValuesOf(&query), options);
+  return detail::BvhCount(detail::TreeOf(world), detail::ValuesOf(&query),
+                          options);
 }
 
 // Returns the id of a survivor, or nothing if there is none. Stops soon after
@@ -451,7 +440,8 @@ template <typename View>
     const Bvh<View>& world, const typename View::Query& query,
     const QueryOptions& options = {}) {
   std::uint32_t id = 0;
-  if (!detail::BvhAny(world.tree(), detail::ValuesOf(&query), id, options)) {
+  if (!detail::BvhAny(detail::TreeOf(world), detail::ValuesOf(&query), id,
+                      options)) {
     return std::nullopt;
   }
   return id;
@@ -466,7 +456,7 @@ void ForEachSurvivor(const Bvh<View>& world, const typename View::Query& query,
   auto call = [&function](Span<const std::uint32_t> ids) {
     return function(ids);
   };
-  detail::BvhForEach(world.tree(), detail::ValuesOf(&query),
+  detail::BvhForEach(detail::TreeOf(world), detail::ValuesOf(&query),
                      &detail::CallWithSome<std::uint32_t, decltype(call)>,
                      &call, options);
 }
@@ -485,7 +475,7 @@ template <typename View>
     const Bvh<View>& world, Span<const typename View::Query> queries,
     Span<std::uint32_t> ids, Span<std::size_t> offsets,
     const QueryOptions& options = {}) {
-  return detail::BvhSurvivorsOfMany(world.tree(),
+  return detail::BvhSurvivorsOfMany(detail::TreeOf(world),
                                     detail::ValuesOf(queries.data()),
                                     queries.size(), ids, offsets, options);
 }

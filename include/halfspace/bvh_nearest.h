@@ -101,7 +101,7 @@ template <typename View>
     Span<std::uint32_t> ids, Span<float> distances,
     float max_distance = std::numeric_limits<float>::infinity(),
     const QueryOptions& options = {}) {
-  return detail::BvhNearest(world.tree(), point.size(), point.data(),
+  return detail::BvhNearest(detail::TreeOf(world), point.size(), point.data(),
                             max_distance, ids, distances, options);
 }
 
@@ -119,7 +119,7 @@ void ForEachNearest(const Bvh<View>& world,
                     float max_distance, Function&& function,
                     const QueryOptions& options = {}) {
   detail::NearCall<Function> call{function};
-  detail::BvhForEachNearest(world.tree(), point.size(), point.data(),
+  detail::BvhForEachNearest(detail::TreeOf(world), point.size(), point.data(),
                             max_distance, &detail::NearCall<Function>::Run,
                             &call, options);
 }
@@ -147,7 +147,7 @@ void RayCast(const Bvh<View>& world, const Ray<View::Bound::kDimensions>& ray,
           sizeof(Values) == (2 * View::Bound::kDimensions + 1) * sizeof(float),
       "a ray is read as a list of its values");
   detail::NearCall<Function> call{function};
-  detail::BvhRayCast(world.tree(), ray.origin.size(),
+  detail::BvhRayCast(detail::TreeOf(world), ray.origin.size(),
                      reinterpret_cast<const float*>(&ray), radius,
                      &detail::NearCall<Function>::Run, &call, options);
 }

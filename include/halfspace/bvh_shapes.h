@@ -123,8 +123,8 @@ template <typename View, typename Shape,
 [[nodiscard]] std::size_t Survivors(const Bvh<View>& world, const Shape& shape,
                                     Span<std::uint32_t> ids,
                                     const QueryOptions& options = {}) {
-  return detail::BvhSurvivors(world.tree(), detail::ShapeQueryFor<View>(shape),
-                              ids, options);
+  return detail::BvhSurvivors(detail::TreeOf(world),
+                              detail::ShapeQueryFor<View>(shape), ids, options);
 }
 
 template <typename View, typename Shape,
@@ -132,8 +132,8 @@ template <typename View, typename Shape,
 [[nodiscard]] std::size_t CountSurvivors(const Bvh<View>& world,
                                          const Shape& shape,
                                          const QueryOptions& options = {}) {
-  return detail::BvhCount(world.tree(), detail::ShapeQueryFor<View>(shape),
-                          options);
+  return detail::BvhCount(detail::TreeOf(world),
+                          detail::ShapeQueryFor<View>(shape), options);
 }
 
 template <typename View, typename Shape,
@@ -142,8 +142,8 @@ template <typename View, typename Shape,
     const Bvh<View>& world, const Shape& shape,
     const QueryOptions& options = {}) {
   std::uint32_t id = 0;
-  if (!detail::BvhAny(world.tree(), detail::ShapeQueryFor<View>(shape), id,
-                      options)) {
+  if (!detail::BvhAny(detail::TreeOf(world), detail::ShapeQueryFor<View>(shape),
+                      id, options)) {
     return std::nullopt;
   }
   return id;
@@ -156,7 +156,7 @@ void ForEachSurvivor(const Bvh<View>& world, const Shape& shape,
   auto call = [&function](Span<const std::uint32_t> ids) {
     return function(ids);
   };
-  detail::BvhForEach(world.tree(), detail::ShapeQueryFor<View>(shape),
+  detail::BvhForEach(detail::TreeOf(world), detail::ShapeQueryFor<View>(shape),
                      &detail::CallWithSome<std::uint32_t, decltype(call)>,
                      &call, options);
 }
@@ -173,7 +173,8 @@ template <typename View, typename Shapes,
                                           Span<std::size_t> offsets,
                                           const QueryOptions& options = {}) {
   return detail::BvhSurvivorsOfMany(
-      world.tree(), std::data(shapes), std::size(shapes), alignof(Shape),
+      detail::TreeOf(world), std::data(shapes), std::size(shapes),
+      alignof(Shape),
       [](const void* queries, std::size_t q) {
         return detail::ShapeQueryFor<View>(
             static_cast<const Shape*>(queries)[q]);

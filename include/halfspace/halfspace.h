@@ -17,7 +17,8 @@
 //   memory.h       where owning worlds allocate their memory
 //   reject.h       tests one query: masks, index lists, counts
 //   reject_many.h  tests several queries
-//   bvh.h       a hierarchy (BVH) for large worlds
+//   bvh.h          a hierarchy (BVH) for large worlds
+//   runner.h       the caller's threads, for its builds
 //   bvh_shapes.h   its queries by spheres, segments, capsules, half-spaces
 //   bvh_nearest.h  its k nearest and ray cast queries
 //   bvh_pairs.h    all overlapping pairs of such worlds
@@ -44,6 +45,7 @@
 #include "halfspace/quantized.h"    // IWYU pragma: export
 #include "halfspace/reject.h"       // IWYU pragma: export
 #include "halfspace/reject_many.h"  // IWYU pragma: export
+#include "halfspace/runner.h"       // IWYU pragma: export
 #include "halfspace/shapes.h"       // IWYU pragma: export
 #include "halfspace/span.h"         // IWYU pragma: export
 #include "halfspace/targets.h"      // IWYU pragma: export

@@ -42,8 +42,9 @@ class BvhHistory {
     Bytes bytes(rest_.data(), rest_.size());
     std::vector<Bound> bounds;
     for (std::size_t i = 0; i < size_; ++i) bounds.push_back(Next(bytes));
-    Bvh<View> world(bounds, bytes.Below(2) == 0 ? BuildQuality::kHigh
-                                                : BuildQuality::kFast);
+    Bvh<View> world(bounds,
+                    {.quality = bytes.Below(2) == 0 ? BuildQuality::kHigh
+                                                    : BuildQuality::kFast});
     if (is_blob_) {
       // With empty places and free ids, or without.
       for (std::size_t i = bytes.Below(4) * bytes.Below(100); i-- > 0;) {
@@ -62,7 +63,7 @@ class BvhHistory {
         Change(bytes, world, model);
       }
       if (bytes.Below(4) == 0) world.RebuildPartial(bytes.Below(700));
-      if (bytes.Below(8) == 0) world.Rebuild(BuildQuality::kFast);
+      if (bytes.Below(8) == 0) world.Rebuild({.quality = BuildQuality::kFast});
       const auto result = CheckAnswers(world, model);
       if (!result) return result;
     }

@@ -11,13 +11,17 @@
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/export.h"
 #include "halfspace/memory.h"
+#include "halfspace/runner.h"
 #include "halfspace/span.h"
 #include "halfspace/targets.h"
 
 namespace halfspace {
 
-enum class BuildQuality : std::uint8_t;
+struct BuildOptions;
 struct QueryOptions;
+
+template <typename View>
+class Bvh;
 
 namespace detail {
 
@@ -104,44 +108,6 @@ struct BvhShape {
   bool has_max;
 };
 
-// Calls part(i) for each i below `count`, in any order and on any threads, and
-// returns when all have returned.
-struct PartRunner {
-  void (*run)(void* context, std::size_t count,
-              void (*part)(const void* parts, std::size_t i),
-              const void* parts);
-  void* context;
-
-  template <typename Part>
-  void operator()(std::size_t count, const Part& part) const {
-    run(
-        context, count,
-        [](const void* parts, std::size_t i) {
-          (*static_cast<const Part*>(parts))(i);
-        },
-        &part);
-  }
-};
-
-// `run` is called as run(count, part), and must outlive the result.
-template <typename Run>
-PartRunner RunnerOf(Run& run) {
-  return {
-      [](void* context, std::size_t count,
-         void (*part)(const void* parts, std::size_t i), const void* parts) {
-        (*static_cast<Run*>(context))(
-            count, [part, parts](std::size_t i) { part(parts, i); });
-      },
-      const_cast<std::remove_const_t<Run>*>(&run)};
-}
-
-struct InTurn {
-  template <typename Part>
-  void operator()(std::size_t count, const Part& part) const {
-    for (std::size_t i = 0; i < count; ++i) part(i);
-  }
-};
-
 struct BvhHeader;
 struct BvhRoom;
 struct SlotRange;
@@ -171,8 +137,7 @@ class HALFSPACE_API BvhTree {
   }
 
   // Replaces the content. The planes may not be its own.
-  void Build(const FloatColumns& objects, BuildQuality quality, Target target,
-             const PartRunner& run);
+  void Build(const FloatColumns& objects, const BuildOptions& options);
 
   // Replaces the content by what Blob() gave, in place or as a copy. Only the
   // header is checked: see CheckLoaded().
@@ -199,10 +164,10 @@ class HALFSPACE_API BvhTree {
   void SetMasks(Span<const std::uint32_t> masks);
 
   // The bounds of the objects anew, by id or by slot.
-  void Refit(const FloatColumns& objects, bool is_by_id, const PartRunner& run);
+  void Refit(const FloatColumns& objects, bool is_by_id, const Runner& run);
 
   double CostRatio() const;
-  void Rebuild(BuildQuality quality, const PartRunner& run);
+  void Rebuild(const BuildOptions& options);
   std::size_t RebuildPartial(std::size_t objects);
 
  private:
@@ -212,7 +177,7 @@ class HALFSPACE_API BvhTree {
   BvhRoom Room() const;
   void Allocate(const BvhRoom& room);
   void BuildIn(const BvhRoom& room, const FloatColumns& objects,
-               BuildQuality quality, Target target, const PartRunner& run);
+               const BuildOptions& options);
   // Throws if ids and slots do not belong together, as in an altered blob:
   // changes would write anywhere.
   void CheckLoaded(const char* call);
@@ -249,6 +214,11 @@ class HALFSPACE_API BvhTree {
   bool is_as_loaded_ = false;
   BvhLevels levels_;
 };
+
+template <typename View>
+const BvhTree& TreeOf(const Bvh<View>& world) {
+  return world.tree_;
+}
 
 // Returns whether to go on.
 using IdsFunction = bool (*)(void* context, Span<const std::uint32_t> ids);

@@ -229,8 +229,8 @@ void ExpectPairsEverywhere(const World<View>& world, const World<View>& other) {
   const auto others = ObjectsOf(other);
   for (BuildQuality quality : {BuildQuality::kHigh, BuildQuality::kFast}) {
     if (Scaled(10) == 1 && quality == BuildQuality::kFast) continue;
-    const Bvh<View> a(world, quality);
-    const Bvh<View> b(other, quality);
+    const Bvh<View> a(world, {.quality = quality});
+    const Bvh<View> b(other, {.quality = quality});
     for (Target target : TargetsUnderTest()) {
       ExpectPairsOf(a, objects, {.target = target});
       ExpectPairsOf(a, objects, b, others, {.target = target});
@@ -402,7 +402,7 @@ TEST(BvhPairsMemoryTest, OnlyTheSetComesFromTheWorldsResource) {
   for (Failure failure : {Failure::kThrows, Failure::kReturnsNull}) {
     CountingMemory memory(failure);
     AabbBvh3 world(Spread<AabbView3>(4.0f).Objects(1000).view(),
-                   BuildQuality::kHigh, memory.resource());
+                   {.memory = memory.resource()});
     for (bool is_changed : {false, true}) {
       if (is_changed) world.Set(5, Aabb3::Everything());
       const Ids ids = {1, 2, 3};
