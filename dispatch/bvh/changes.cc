@@ -534,20 +534,26 @@ void BvhTree::SetMasks(Span<const std::uint32_t> masks) {
   OrAllMasks(levels_);
 }
 
-void BvhTree::Refit(const FloatColumns& objects, bool is_by_id,
-                    const Runner& run) {
-  const char* const call = is_by_id ? "Bvh::Refit" : "Bvh::RefitInOrder";
+// Returns whether there are objects to refit.
+bool BvhTree::CheckRefit(std::size_t objects, bool is_by_id) const {
   const std::size_t size = block_ == nullptr ? 0
                            : is_by_id        ? header().ids
                                              : header().slots;
-  if (objects.size < size || (!is_by_id && objects.size > size)) {
-    kernels::ThrowInvalid(call, "bounds",
+  if (objects < size || (!is_by_id && objects > size)) {
+    kernels::ThrowInvalid(is_by_id ? "Bvh::Refit" : "Bvh::RefitInOrder",
+                          "bounds",
                           (is_by_id ? "a bound for each id, at least "
                                     : "a bound for each element of ids(), ") +
                               std::to_string(size),
-                          std::to_string(objects.size));
+                          std::to_string(objects));
   }
-  if (size == 0) return;
+  return size > 0;
+}
+
+void BvhTree::Refit(const FloatColumns& objects, bool is_by_id,
+                    const Runner& run) {
+  const char* const call = is_by_id ? "Bvh::Refit" : "Bvh::RefitInOrder";
+  if (!CheckRefit(objects.size, is_by_id)) return;
   CheckColumns(shape_, objects, call);
   Prepare(call, {});
   FillSlots(shape_, levels_, objects, is_by_id ? levels_.ids : nullptr,

@@ -29,7 +29,8 @@
 // Bounds are floats in 2 or 3 dimensions: Bvh<SimplexView3>,
 // Bvh<AabbView3>, Bvh<AaboView3>, or the same with 2. Each call
 // takes a query of the view's Query type. NaN, empty, inverted and infinite
-// values mean the same as in reject.h.
+// values mean the same as in reject.h. Bounds of doubles become floats that
+// enclose them. For a query of doubles, call RoundOutward (transform.h).
 //
 // Errors (error.h), in every call: an output or a list of more than 0 elements
 // is null or misaligned; the target is not supported. Outputs and queries must
@@ -58,6 +59,7 @@
 #include "halfspace/runner.h"
 #include "halfspace/span.h"
 #include "halfspace/targets.h"
+#include "halfspace/transform.h"
 #include "halfspace/world.h"
 
 namespace halfspace {
@@ -111,7 +113,7 @@ const float* ValuesOf(const Query* queries) {
 }
 
 template <typename Bound>
-Span<const float> ValuesOfAll(Span<const Bound> bounds) {
+Span<const typename Bound::Scalar> ValuesOfAll(Span<const Bound> bounds) {
   return {RecordsOf(bounds), bounds.size() * kPlaneCount<Bound>};
 }
 
@@ -339,6 +341,50 @@ class Bvh {
     tree_.Refit(detail::ColumnsOf(bounds), false, run);
   }
 
+  // The same calls for bounds of doubles, which are rounded outward
+  // (RoundOutward of transform.h), so no overlap of the exact doubles is
+  // missed. A double that is a float stays equal.
+  //
+  // `Objects` is a view, an owning world or a list of the bound type with
+  // doubles, for example an AabbWorld<3, double> or a vector of
+  // Aabb<3, double>. For a Bvh of boxes it can also be Boxes of floats or of
+  // doubles (shapes.h). For other Bvhs, and for other shapes of doubles, use
+  // Fitted() with a builder of fit_many.h.
+  //
+  // A list, a build and a refit of doubles allocate 4 bytes per plane and
+  // object more, and free them.
+  template <typename Objects, typename = detail::IfOther<View, Objects>>
+  explicit Bvh(const Objects& objects, const BuildOptions& options = {})
+      : Bvh(options.memory) {
+    tree_.Build(detail::OtherColumns<View>(objects), options);
+  }
+  template <typename Objects, typename = detail::IfOther<View, Objects>>
+  void Refit(const Objects& bounds, const Runner& run = {}) {
+    tree_.Refit(detail::OtherColumns<View>(bounds), true, run);
+  }
+  template <typename Objects, typename = detail::IfOther<View, Objects>>
+  void RefitInOrder(const Objects& bounds, const Runner& run = {}) {
+    tree_.Refit(detail::OtherColumns<View>(bounds), false, run);
+  }
+  template <typename Box, typename = detail::IfDoubleBound<View, Box>>
+  void Set(std::uint32_t id, const Box& bound) {
+    Set(id, RoundOutward(bound));
+  }
+  template <typename List,
+            typename = detail::IfListOf<const detail::DoubleBound<View>, List>>
+  void Set(Span<const std::uint32_t> ids, const List& bounds) {
+    tree_.Set(ids, detail::ValuesOfAll(Doubles(bounds)));
+  }
+  template <typename Box, typename = detail::IfDoubleBound<View, Box>>
+  std::uint32_t Insert(const Box& bound) {
+    return Insert(RoundOutward(bound));
+  }
+  template <typename List,
+            typename = detail::IfListOf<const detail::DoubleBound<View>, List>>
+  void Insert(const List& bounds, Span<std::uint32_t> ids) {
+    tree_.Insert(detail::ValuesOfAll(Doubles(bounds)), ids);
+  }
+
   // How much the order has decayed: the surface of all leaves (64 places each),
   // divided by the surface that as many objects had when they were last sorted.
   // 1 is as sorted. With 2, queries visit up to twice as many leaves. If half
@@ -397,6 +443,7 @@ class Bvh {
   [[nodiscard]] bool Verify() const { return tree_.Verify(); }
 
  private:
+  using Doubles = Span<const detail::DoubleBound<View>>;
   friend const detail::BvhTree& detail::TreeOf<View>(const Bvh& world);
 
   detail::BvhTree tree_;

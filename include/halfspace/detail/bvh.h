@@ -7,13 +7,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
+#include <utility>
 
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/export.h"
 #include "halfspace/memory.h"
 #include "halfspace/runner.h"
+#include "halfspace/shapes.h"
 #include "halfspace/span.h"
 #include "halfspace/targets.h"
+#include "halfspace/world.h"
 
 namespace halfspace {
 
@@ -108,6 +111,51 @@ struct BvhShape {
   bool has_max;
 };
 
+// View<3, float> with doubles: View<3, double>.
+template <typename View>
+struct InDouble;
+template <template <int, typename> class View, int kDims>
+struct InDouble<View<kDims, float>> {
+  using Type = View<kDims, double>;
+};
+template <typename View>
+using DoubleView = typename InDouble<View>::Type;
+template <typename View>
+using DoubleBound = typename DoubleView<View>::Bound;
+
+// What a Bvh<View> is built of besides its own types.
+template <typename View>
+Columns<double> OtherColumns(const DoubleView<View>& view) {
+  return ColumnsOf(view);
+}
+template <typename View>
+Columns<double> OtherColumns(const World<DoubleView<View>>& world) {
+  return ColumnsOf(world.view());
+}
+template <typename View>
+Columns<double> OtherColumns(Span<const DoubleBound<View>> bounds) {
+  return ColumnsOf(bounds);
+}
+template <typename View, typename Scalar,
+          typename = std::enable_if_t<
+              std::is_same_v<View, AabbView<View::Bound::kDimensions, float>>>>
+Columns<Scalar> OtherColumns(
+    const Boxes<View::Bound::kDimensions, Scalar>& boxes) {
+  Columns<Scalar> columns;
+  columns.size = boxes.count;
+  columns.stride = boxes.stride;
+  ListPlanes(boxes, columns.planes);
+  return columns;
+}
+
+// Types if Objects can be one of these, and if Bound is of doubles.
+template <typename View, typename Objects>
+using IfOther =
+    decltype(OtherColumns<View>(std::declval<const Objects&>()).size);
+template <typename View, typename Bound>
+using IfDoubleBound =
+    std::enable_if_t<std::is_same_v<Bound, DoubleBound<View>>>;
+
 struct BvhHeader;
 struct BvhRoom;
 struct SlotRange;
@@ -138,6 +186,7 @@ class HALFSPACE_API BvhTree {
 
   // Replaces the content. The planes may not be its own.
   void Build(const FloatColumns& objects, const BuildOptions& options);
+  void Build(const Columns<double>& objects, const BuildOptions& options);
 
   // Replaces the content by what Blob() gave, in place or as a copy. Only the
   // header is checked: see CheckLoaded().
@@ -154,7 +203,9 @@ class HALFSPACE_API BvhTree {
   void Erase(std::uint32_t id);
   // Values of bound i from values[i * planes] on.
   void Set(Span<const std::uint32_t> ids, Span<const float> values);
+  void Set(Span<const std::uint32_t> ids, Span<const double> values);
   void Insert(Span<const float> values, Span<std::uint32_t> ids);
+  void Insert(Span<const double> values, Span<std::uint32_t> ids);
   void Erase(Span<const std::uint32_t> ids);
   void Clear();
   void Reserve(std::size_t objects);
@@ -165,6 +216,7 @@ class HALFSPACE_API BvhTree {
 
   // The bounds of the objects anew, by id or by slot.
   void Refit(const FloatColumns& objects, bool is_by_id, const Runner& run);
+  void Refit(const Columns<double>& objects, bool is_by_id, const Runner& run);
 
   double CostRatio() const;
   void Rebuild(const BuildOptions& options);
@@ -176,6 +228,9 @@ class HALFSPACE_API BvhTree {
   BvhHeader& header() const;
   BvhRoom Room() const;
   void Allocate(const BvhRoom& room);
+  // Throws unless so many objects can be built, or refitted.
+  void CheckBuild(std::size_t objects, const BuildOptions& options) const;
+  bool CheckRefit(std::size_t objects, bool is_by_id) const;
   void BuildIn(const BvhRoom& room, const FloatColumns& objects,
                const BuildOptions& options);
   // Throws if ids and slots do not belong together, as in an altered blob:

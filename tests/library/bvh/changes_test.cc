@@ -410,6 +410,16 @@ TEST(BvhChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
         Ids ids(300);
         world.Insert(std::vector(300, Aabb3::Everything()), ids);
       },
+      [](AabbBvh3& world) {
+        world.Set(Ids{3, 5}, std::vector(2, Aabb<3, double>::Everything()));
+      },
+      [](AabbBvh3& world) {
+        Ids ids(300);
+        world.Insert(std::vector(300, Aabb<3, double>::Everything()), ids);
+      },
+      [](AabbBvh3& world) {
+        world.Refit(std::vector(9256, Aabb<3, double>::Everything()));
+      },
       [](AabbBvh3& world) { world.SetMasks(3, 1); },
       [](AabbBvh3& world) { world.SetMasks({}); },
       [](AabbBvh3& world) { world.Rebuild(); },
