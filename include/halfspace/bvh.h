@@ -251,9 +251,9 @@ class Bvh {
   // Sets several bounds: bounds[i] is that of object ids[i]. If an id is given
   // twice, the last bound wins. `bounds.size()` must be `ids.size()`. Checks
   // all ids before it changes anything. `ids` must not be ids(). Encodes each
-  // leaf and each node once, so it takes less time than one call per object
-  // (docs/bvh.md), and allocates and frees a bit per leaf. For all objects,
-  // use Refit().
+  // leaf and each node once, so many objects take less time than with one call
+  // per object, and a few take as long (docs/bvh.md). Allocates and frees up to
+  // a bit per leaf. For all objects, use Refit().
   void Set(Span<const std::uint32_t> ids, Span<const Bound> bounds) {
     tree_.Set(ids, detail::ValuesOfAll(bounds));
   }

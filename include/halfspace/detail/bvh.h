@@ -253,6 +253,7 @@ class HALFSPACE_API BvhTree {
   bool HasManyGaps() const;
   void AppendSlot();
   void EncodePath(std::size_t slot);
+  void Touch(std::size_t slot, std::uint64_t* touched);
   void EncodeTouched(std::uint64_t* touched);
   // Sorts the objects of some slots into the first of these, after Prepare().
   // Ranges ascend and begin at blocks. Returns the number of objects.

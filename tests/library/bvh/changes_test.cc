@@ -12,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <new>
+#include <numeric>
 #include <random>
 #include <span>
 #include <thread>
@@ -226,7 +227,12 @@ TYPED_TEST(BvhChangesTest, LevelsStayAsTightAsAfterARefit) {
     ids.push_back(i);
     list.push_back(bounds.Get(i));
   }
-  batched.Set(ids, list);
+  std::size_t count = 3;
+  for (std::size_t i = 0; i < ids.size(); i += count, count = 703 - count) {
+    count = std::min(count, ids.size() - i);
+    batched.Set(std::span(ids).subspan(i, count),
+                std::span(list).subspan(i, count));
+  }
   refitted.Refit(bounds.view());
   EXPECT_GT(changed.CostRatio(), 2.0);
   EXPECT_EQ(changed.CostRatio(), refitted.CostRatio());
@@ -391,6 +397,13 @@ TEST(BvhRefitTest, RefusesOtherNumbersOfBounds) {
                       {"Reserve", "objects", "2147483648"}));
 }
 
+// More than are changed one by one.
+Ids TenIds() {
+  Ids ids(10);
+  std::iota(ids.begin(), ids.end(), 3);
+  return ids;
+}
+
 // Each change, with less memory than it needs, of a world that owns its block
 // and of a blob in place. What was taken from the world stays valid.
 TEST(BvhChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
@@ -401,17 +414,15 @@ TEST(BvhChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
       [](AabbBvh3& world) { world.Erase(3); },
       [](AabbBvh3& world) { world.Reserve(20'000); },
       [](AabbBvh3& world) {
-        world.Set(Ids{3, 5}, std::vector(2, Aabb3::Everything()));
+        world.Set(TenIds(), std::vector(10, Aabb3::Everything()));
       },
-      [](AabbBvh3& world) {
-        world.Erase(Ids{3, 5});
-      },
+      [](AabbBvh3& world) { world.Erase(TenIds()); },
       [](AabbBvh3& world) {
         Ids ids(300);
         world.Insert(std::vector(300, Aabb3::Everything()), ids);
       },
       [](AabbBvh3& world) {
-        world.Set(Ids{3, 5}, std::vector(2, Aabb<3, double>::Everything()));
+        world.Set(TenIds(), std::vector(10, Aabb<3, double>::Everything()));
       },
       [](AabbBvh3& world) {
         Ids ids(300);
