@@ -13,6 +13,11 @@
 
 namespace halfspace::kernels {
 
+inline bool IsAligned(const void* pointer, std::size_t alignment) {
+  const auto address = reinterpret_cast<std::uintptr_t>(pointer);
+  return address != 0 && (address & (alignment - 1)) == 0;
+}
+
 // Throws unless `pointer` is neither null nor misaligned. name() and expected()
 // return strings for the message. `alignment` is a power of two: a division
 // would take longer than the other checks of a call.
@@ -20,10 +25,8 @@ template <typename Name, typename Expected>
 inline void CheckPointer(std::string_view call, const void* pointer,
                          std::size_t alignment, const Name& name,
                          const Expected& expected) {
-  const auto address = reinterpret_cast<std::uintptr_t>(pointer);
-  if (address != 0 && (address & (alignment - 1)) == 0) [[likely]] {
+  if (IsAligned(pointer, alignment)) [[likely]]
     return;
-  }
   if (pointer == nullptr) {
     ThrowInvalid(call, name(), expected(), "a null pointer");
   }
@@ -36,7 +39,8 @@ inline void CheckPointer(std::string_view call, const void* pointer,
 inline void CheckMemory(std::string_view call, std::string_view argument,
                         const void* memory, std::size_t size,
                         std::size_t alignment) {
-  if (size == 0) return;
+  if (size == 0 || IsAligned(memory, alignment)) [[likely]]
+    return;
   CheckPointer(
       call, memory, alignment, [&] { return std::string(argument); },
       [&] { return "memory for " + std::to_string(size) + " elements"; });

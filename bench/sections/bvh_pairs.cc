@@ -51,6 +51,7 @@ class PairContest {
       return Pairs(Bvh(set_.boxes, {.quality = BuildQuality::kFast}), pairs_,
                    {.target = target_});
     });
+    AddSet();
     AddEmbree();
     if (set_.boxes.size() <= kMostOfSlow) {
       AddCgal();
@@ -91,17 +92,59 @@ class PairContest {
   // run() returns how many pairs there are. The place of the case.
   template <typename Run>
   std::size_t Add(std::string name, Run run) {
+    return Add(std::move(name), run, expected_);
+  }
+  template <typename Run>
+  std::size_t Add(std::string name, Run run, std::size_t expected) {
     Case c;
     c.name = std::move(name);
     c.run = [run] { std::ignore = run(); };
-    c.check = [this, run]() -> std::string {
+    c.check = [expected, run]() -> std::string {
       const std::size_t count = run();
-      if (count == expected_) return {};
+      if (count == expected) return {};
       return std::to_string(count) + " pairs, and not " +
-             std::to_string(expected_);
+             std::to_string(expected);
     };
     cases_.push_back(std::move(c));
     return cases_.size() - 1;
+  }
+
+  // The pairs of a few objects, and a query for each.
+  void AddSet() {
+    constexpr std::size_t kObjects = 256;
+    const std::size_t step =
+        std::max<std::size_t>(1, set_.boxes.size() / kObjects);
+    for (std::size_t i = 0; i < set_.boxes.size(); i += step) {
+      moved_.push_back(static_cast<std::uint32_t>(i));
+    }
+    world_.Reserve(world_.size());  // as if they had been moved by id
+    std::vector<bool> is_moved(set_.boxes.size());
+    for (std::uint32_t id : moved_) is_moved[id] = true;
+    std::ignore = Pairs(world_, pairs_, {.target = target_});
+    std::size_t of_set = 0;
+    std::size_t survivors = moved_.size();  // themselves
+    for (const IdPair& pair : pairs_) {
+      of_set += is_moved[pair.a] || is_moved[pair.b] ? 1 : 0;
+      survivors += is_moved[pair.a] ? 1 : 0;
+      survivors += is_moved[pair.b] ? 1 : 0;
+    }
+    const std::string objects = std::to_string(moved_.size());
+    Add(
+        "pairs of " + objects + " objects",
+        [this] { return PairsOf(world_, moved_, pairs_, {.target = target_}); },
+        of_set);
+    found_ids_.resize(set_.boxes.size());
+    Add(
+        objects + " queries",
+        [this] {
+          std::size_t count = 0;
+          for (std::uint32_t id : moved_) {
+            count += Survivors(world_, set_.boxes[id], found_ids_,
+                               {.target = target_});
+          }
+          return count;
+        },
+        survivors);
   }
 
   void AddEmbree() {
@@ -137,6 +180,8 @@ class PairContest {
   std::size_t expected_;
   std::vector<IdPair> pairs_;
   std::vector<IndexPair> found_;
+  std::vector<std::uint32_t> moved_;
+  std::vector<std::uint32_t> found_ids_;
   std::unique_ptr<PairFinder> embree_;
   std::vector<Case> cases_;
   std::size_t ours_ = 0;

@@ -173,8 +173,12 @@ void BvhTree::Reallocate(const char* call, const BvhRoom& room) {
                 PartsOf(to.slots) * sizeof(BvhPart));
     if (grown.levels_.count > old_count) {
       const auto& kernels = KernelsFor(shape_, Target(), call);
-      kernels::InDefaultFpMode(
-          [&] { EncodeLevels(grown.levels_, kernels, old_count - 1); });
+      const bool is_coded_now =
+          levels_.codes == nullptr && grown.levels_.codes != nullptr;
+      kernels::InDefaultFpMode([&] {
+        if (is_coded_now) FitMap(shape_, grown.levels_);
+        EncodeLevels(grown.levels_, kernels, is_coded_now ? 0 : old_count - 1);
+      });
       if (room.has_masks) OrAllMasks(grown.levels_);
     }
     if (levels_.slots != nullptr) {

@@ -10,65 +10,77 @@ namespace halfspace::detail {
 namespace {
 
 // Ids that go to the caller's memory while that has room for a block, and to a
-// buffer then.
+// buffer then, or if some are skipped.
 struct IdsToSpan : WalkIds {
-  explicit IdsToSpan(Span<std::uint32_t> to) : span(to) {
-    next = span.data();
-    end = next + span.size();
-    make_room = [](WalkIds& ids) {
+  IdsToSpan(Span<std::uint32_t> to, std::size_t skipped,
+            std::size_t* first_offset = nullptr)
+      : span(to), skip(skipped) {
+    flushed = 0;
+    offsets = first_offset;
+    flush = [](WalkIds& ids) {
       static_cast<IdsToSpan&>(ids).Flush();
       return true;
     };
-    end_of_query = [](WalkIds& ids, std::size_t query) {
-      auto& all = static_cast<IdsToSpan&>(ids);
-      if (all.offsets != nullptr) all.offsets[query + 1] = all.Total();
-      return true;
-    };
+    if (skip != 0 || span.size() < kBlockObjects) {
+      UseBuffer();
+    } else {
+      Use(span.data(), span.size());
+    }
   }
 
-  std::size_t Total() const {
-    return total + static_cast<std::size_t>(
-                       next - (is_buffered ? buffer : span.data()));
+  void UseBuffer() { Use(buffer, kRoom); }
+  void Use(std::uint32_t* memory, std::size_t room) {
+    begin = next = memory;
+    full = memory + (room - kBlockObjects + 1);
   }
 
   void Flush() {
-    if (is_buffered && total < span.size()) {
-      std::copy_n(buffer,
-                  std::min<std::size_t>(next - buffer, span.size() - total),
-                  span.data() + total);
+    const std::size_t end = Total();
+    if (begin == buffer && end > skip) {
+      const std::size_t first = std::max(flushed, skip);
+      const std::size_t written = first - skip;
+      if (written < span.size()) {
+        std::copy_n(buffer + (first - flushed),
+                    std::min(end - first, span.size() - written),
+                    span.data() + written);
+      }
     }
-    total = Total();
-    is_buffered = true;
-    next = buffer;
-    end = buffer + kRoom;
+    flushed = end;
+    UseBuffer();
+  }
+
+  // Writes what is in the buffer, and returns the number of all ids.
+  std::size_t End() {
+    if (begin == buffer) Flush();
+    return Total();
   }
 
   static constexpr std::size_t kRoom = 4 * kBlockObjects;
   Span<std::uint32_t> span;
-  std::size_t* offsets = nullptr;  // of the queries that walk
-  std::size_t total = 0;           // before `next` began
-  bool is_buffered = false;
+  std::size_t skip;
   std::uint32_t buffer[kRoom];
 };
 
-// Ids that a function takes, some at a time.
+// Ids that a function takes, some at a time: those of the first leaf at once.
 struct IdsToFunction : WalkIds {
   IdsToFunction(IdsFunction to, void* its_context)
-      : function(to), context(its_context) {
-    next = buffer;
-    end = buffer + kRoom;
-    make_room = [](WalkIds& ids) {
-      return static_cast<IdsToFunction&>(ids).Flush();
-    };
-    end_of_query = [](WalkIds& ids, std::size_t) {
-      return static_cast<IdsToFunction&>(ids).Flush();
-    };
-  }
+      : WalkIds{buffer,
+                buffer,
+                buffer + 1,
+                [](WalkIds& ids) {
+                  return static_cast<IdsToFunction&>(ids).Flush();
+                },
+                0,
+                nullptr},
+        function(to),
+        context(its_context) {}
 
   bool Flush() {
-    const auto count = static_cast<std::size_t>(next - buffer);
+    const Span<const std::uint32_t> ids(
+        buffer, static_cast<std::size_t>(next - buffer));
     next = buffer;
-    return count == 0 || function(context, {buffer, count});
+    full = buffer + kRoom - kBlockObjects + 1;
+    return ids.empty() || function(context, ids);
   }
 
   static constexpr std::size_t kRoom = 512;
@@ -77,75 +89,82 @@ struct IdsToFunction : WalkIds {
   std::uint32_t buffer[kRoom];
 };
 
-}  // namespace
-
-std::size_t BvhSurvivors(const BvhTree& tree, const float* query,
-                         Span<std::uint32_t> ids, const QueryOptions& options,
-                         const WalkShape* shape) {
-  const auto& kernels = KernelsFor(tree.shape(), options.target, "Survivors");
-  kernels::CheckMemory("Survivors", "ids", ids.data(), ids.size(),
-                       alignof(std::uint32_t));
-  if (tree.size() == 0) return 0;
-  IdsToSpan to(ids);
-  kernels.find({&tree.levels(), query, 1, &to, nullptr, options.mask, shape});
-  if (to.is_buffered) to.Flush();
-  return to.Total();
+// The walks of all queries: to find with `ids`, and else to count.
+void RunWalks(const BvhTree& tree, const BvhQueries& queries,
+              const QueryOptions& options, const char* call,
+              const BvhKernels::OfPlanes& kernels, WalkIds* ids,
+              std::size_t* counts, bool is_urgent = false) {
+  const Walk walk = {
+      &tree.levels(), queries.first, queries.count,      ids,
+      counts,         options.mask,  options.statistics, is_urgent};
+  if (queries.kind != nullptr) {
+    queries.kind->walk(tree, queries, options, call, walk);
+  } else if (!tree.ids().empty()) {
+    (ids != nullptr ? kernels.find : kernels.count)(walk);
+  }
 }
 
-std::size_t BvhCount(const BvhTree& tree, const float* query,
-                     const QueryOptions& options, const WalkShape* shape) {
-  const auto& kernels =
-      KernelsFor(tree.shape(), options.target, "CountSurvivors");
-  if (tree.size() == 0) return 0;
+}  // namespace
+
+std::size_t BvhSurvivors(const BvhTree& tree, const BvhQueries& query,
+                         Span<std::uint32_t> ids, const QueryOptions& options) {
+  constexpr const char* kCall = "Survivors";
+  const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
+  kernels::CheckMemory(kCall, "ids", ids.data(), ids.size(),
+                       alignof(std::uint32_t));
+  IdsToSpan to(ids, options.skip);
+  RunWalks(tree, query, options, kCall, kernels, &to, nullptr);
+  return to.End();
+}
+
+std::size_t BvhCount(const BvhTree& tree, const BvhQueries& query,
+                     const QueryOptions& options) {
+  constexpr const char* kCall = "CountSurvivors";
+  const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
   std::size_t count = 0;
-  kernels.count(
-      {&tree.levels(), query, 1, nullptr, &count, options.mask, shape});
+  RunWalks(tree, query, options, kCall, kernels, nullptr, &count);
   return count;
 }
 
-bool BvhAny(const BvhTree& tree, const float* query, std::uint32_t& id,
-            const QueryOptions& options, const WalkShape* shape) {
-  const auto& kernels = KernelsFor(tree.shape(), options.target, "AnySurvivor");
-  if (tree.size() == 0) return false;
-  // Full after the first survivors.
+bool BvhAny(const BvhTree& tree, const BvhQueries& query, std::uint32_t& id,
+            const QueryOptions& options) {
+  constexpr const char* kCall = "AnySurvivor";
+  const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
   std::uint32_t buffer[kBlockObjects];
-  WalkIds first{buffer, buffer + kBlockObjects, [](WalkIds&) { return false; },
-                [](WalkIds&, std::size_t) { return true; }};
-  kernels.find(
-      {&tree.levels(), query, 1, &first, nullptr, options.mask, shape});
+  WalkIds first{buffer, buffer, buffer + 1, [](WalkIds&) { return false; },
+                0,      nullptr};
+  RunWalks(tree, query, options, kCall, kernels, &first, nullptr, true);
   if (first.next == buffer) return false;
   id = buffer[0];
   return true;
 }
 
-void BvhForEach(const BvhTree& tree, const float* query, IdsFunction function,
-                void* context, const QueryOptions& options,
-                const WalkShape* shape) {
-  const auto& kernels =
-      KernelsFor(tree.shape(), options.target, "ForEachSurvivor");
-  if (tree.size() == 0) return;
+void BvhForEach(const BvhTree& tree, const BvhQueries& query,
+                IdsFunction function, void* context,
+                const QueryOptions& options) {
+  constexpr const char* kCall = "ForEachSurvivor";
+  const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
   IdsToFunction to(function, context);
-  kernels.find({&tree.levels(), query, 1, &to, nullptr, options.mask, shape});
+  RunWalks(tree, query, options, kCall, kernels, &to, nullptr, true);
+  to.Flush();
 }
 
-std::size_t BvhSurvivorsOfMany(const BvhTree& tree, const float* queries,
-                               std::size_t query_count, Span<std::uint32_t> ids,
+std::size_t BvhSurvivorsOfEach(const BvhTree& tree, const BvhQueries& queries,
+                               Span<std::uint32_t> ids,
                                Span<std::size_t> offsets,
                                const QueryOptions& options) {
   constexpr const char* kCall = "SurvivorsOfEach";
   const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
-  CheckOfEach(kCall, queries, query_count, alignof(float), ids, offsets);
+  CheckOfEach(
+      kCall, queries.first, queries.count,
+      queries.kind != nullptr ? queries.kind->alignment : alignof(float), ids,
+      offsets);
+  IdsToSpan to(ids, options.skip, offsets.data());
+  RunWalks(tree, queries, options, kCall, kernels, &to, nullptr);
   offsets[0] = 0;
-  if (tree.size() == 0) {
-    std::fill_n(offsets.data(), query_count + 1, 0);
-    return 0;
-  }
-  IdsToSpan to(ids);
-  to.offsets = offsets.data();
-  kernels.find(
-      {&tree.levels(), queries, query_count, &to, nullptr, options.mask});
-  if (to.is_buffered) to.Flush();
-  return to.Total();
+  // No query has walked.
+  if (tree.ids().empty()) std::fill_n(offsets.data(), queries.count + 1, 0);
+  return to.End();
 }
 
 }  // namespace halfspace::detail

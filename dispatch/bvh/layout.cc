@@ -19,8 +19,9 @@ namespace {
 
 constexpr std::size_t kLine = 64;
 
-// More than this is not in the second-level cache.
-constexpr std::size_t kInCacheBytes = std::size_t{1} << 20;
+// Leaves of more than this are prefetched. With less, in the second-level cache
+// or near it, a query of 100 000 boxes takes 8 % longer with prefetches.
+constexpr std::size_t kInCacheBytes = std::size_t{1} << 21;
 
 // Divides a block of memory into parts of whole cache lines. Without memory it
 // only measures. In new memory it clears the space between parts, because that
@@ -178,7 +179,9 @@ std::size_t Place(const BvhShape& shape, const BvhRoom& room, std::byte* begin,
     BvhLevel& level = levels.level[levels.count++];
     const std::size_t blocks = BlocksOf(size);
     const std::size_t values = blocks * planes * kBlockObjects;
-    const bool is_coded = levels.count == 1 && blocks > 1;
+    // With fewer objects codes save less than what a query takes to encode: of
+    // 1000 boxes a query takes 34 ns by floats and 38 by codes.
+    const bool is_coded = levels.count == 1 && room.slots > kPartSlots;
     level.is_prefetched =
         values * (is_coded ? sizeof(std::int16_t) : sizeof(float)) >
         kInCacheBytes;

@@ -1,6 +1,10 @@
 // The calls of bvh_pairs.h: checks, the set, and what becomes of the pairs.
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <string>
 
 #include "dispatch/bvh/layout.h"
@@ -14,29 +18,45 @@ namespace halfspace::detail {
 namespace {
 
 // Pairs that go to the caller's memory while that has room for those of a
-// block, and to a buffer then.
+// block, and else to a buffer.
 struct PairsToSpan : PairSink {
-  explicit PairsToSpan(Span<IdPair> to) : span(to) {
-    begin = next = reinterpret_cast<std::uint32_t*>(span.data());
-    end = begin + 2 * span.size();
+  PairsToSpan(Span<IdPair> to, std::size_t skipped) : span(to), skip(skipped) {
     make_room = [](PairSink& pairs) {
       static_cast<PairsToSpan&>(pairs).Flush();
       return true;
     };
+    Place();
+  }
+
+  void Place() {
+    const std::size_t at = total - skip;
+    if (total >= skip && at <= span.size() &&
+        span.size() - at >= kBlockObjects) {
+      next = reinterpret_cast<std::uint32_t*>(span.data() + at);
+      end = next + 2 * (span.size() - at);
+    } else {
+      next = buffer;
+      end = std::end(buffer);
+    }
+    begin = next;
   }
 
   void Flush() {
     const auto count = static_cast<std::size_t>(next - begin) / 2;
-    if (begin == buffer && total < span.size()) {
-      std::memcpy(span.data() + total, buffer,
-                  std::min(count, span.size() - total) * sizeof(IdPair));
+    if (begin == buffer) {
+      const std::size_t first = skip - std::min(total, skip);
+      const std::size_t at = total + first - skip;
+      if (first < count && at < span.size()) {
+        std::memcpy(span.data() + at, buffer + 2 * first,
+                    std::min(count - first, span.size() - at) * sizeof(IdPair));
+      }
     }
     total += count;
-    begin = next = buffer;
-    end = std::end(buffer);
+    Place();
   }
 
   Span<IdPair> span;
+  std::size_t skip;
   std::uint32_t* begin;
   std::size_t total = 0;  // before `begin`
   std::uint32_t buffer[4 * kBlockObjects];
@@ -44,8 +64,8 @@ struct PairsToSpan : PairSink {
 
 // Pairs that a function takes, some at a time.
 struct PairsToFunction : PairSink {
-  PairsToFunction(PairsFunction to, void* its_context)
-      : function(to), context(its_context) {
+  PairsToFunction(PairsFunction to, void* its_context, std::size_t skipped)
+      : function(to), context(its_context), skip(skipped) {
     next = &buffer[0].a;
     end = next + 2 * kRoom;
     make_room = [](PairSink& pairs) {
@@ -55,21 +75,37 @@ struct PairsToFunction : PairSink {
 
   bool Flush() {
     const auto count = static_cast<std::size_t>(next - &buffer[0].a) / 2;
+    const std::size_t first = std::min(skip, count);
+    skip -= first;
     next = &buffer[0].a;
-    return count == 0 || function(context, {buffer, count});
+    return count == first || function(context, {buffer + first, count - first});
   }
 
   static constexpr std::size_t kRoom = 256;
   PairsFunction function;
   void* context;
+  std::size_t skip;
   IdPair buffer[kRoom];
 };
 
-std::uint64_t BitOf(std::size_t i) { return std::uint64_t{1} << (i % 64); }
+std::uint64_t BitOf(std::size_t i) {
+  return std::uint64_t{1} << i % kBlockObjects;
+}
 
 // Before the set takes memory, and any pair is written.
-void CheckIds(const BvhTree& tree, Span<const std::uint32_t> ids,
-              const char* call) {
+void CheckSet(const BvhTree& tree, Span<const std::uint32_t> ids,
+              Span<const std::uint32_t> wanted, const char* call) {
+  if (!wanted.empty()) {
+    if (wanted.size() != ids.size()) {
+      kernels::ThrowInvalid(call, "options.wanted",
+                            std::to_string(ids.size()) + " masks, or none",
+                            std::to_string(wanted.size()));
+    }
+    kernels::CheckPointer(
+        call, wanted.data(), alignof(std::uint32_t),
+        [] { return "options.wanted"; },
+        [&] { return std::to_string(wanted.size()) + " masks"; });
+  }
   if (ids.empty()) return;
   kernels::CheckPointer(
       call, ids.data(), alignof(std::uint32_t), [] { return "ids"; },
@@ -82,50 +118,162 @@ void CheckIds(const BvhTree& tree, Span<const std::uint32_t> ids,
   }
 }
 
-// Of each slot a bit, whether its id is in a list.
-class SlotSet {
+// A SlotSet of `count` of `limit` numbers, slots or ids. A few are without
+// memory of the world's.
+class SetOf : public SlotSet {
  public:
-  // The set of all objects has no memory.
-  SlotSet(const BvhTree& tree, const Span<const std::uint32_t>* ids)
-      : memory_(tree.memory(), ids == nullptr ? 0 : Bytes(tree)) {
-    if (ids == nullptr) return;
-    const BvhLevels& levels = tree.levels();
-    const std::size_t size = levels.level[0].size;
-    std::uint64_t* const by_slot = words();
-    std::uint64_t* const by_id =
-        levels.slots != nullptr ? nullptr : by_slot + BlocksOf(size);
-    std::fill_n(by_slot, Bytes(tree) / sizeof(std::uint64_t), 0);
-    for (std::uint32_t id : *ids) {
-      if (by_id != nullptr) {
-        by_id[id / 64] |= BitOf(id);
-      } else {
-        by_slot[levels.slots[id] / 64] |= BitOf(levels.slots[id]);
-      }
-    }
-    if (by_id == nullptr) return;
-    for (std::size_t s = 0; s < size; ++s) {
-      const std::uint32_t id = levels.ids[s];
-      // Any number, in a blob that was altered.
-      if (id < size && (by_id[id / 64] & BitOf(id)) != 0) {
-        by_slot[s / 64] |= BitOf(s);
-      }
-    }
+  SetOf(const MemoryResource& memory, std::size_t count, std::size_t limit)
+      : SlotSet(TableFor(count, limit)),
+        memory_(memory, size <= kFewEntries ? 0 : size * sizeof(Block)) {
+    blocks =
+        size <= kFewEntries ? few_ : reinterpret_cast<Block*>(memory_.data());
+    std::fill_n(blocks, size, Block{});
   }
 
-  std::uint64_t* words() const {
-    return reinterpret_cast<std::uint64_t*>(memory_.data());
+  void Add(std::size_t number) {
+    Block& entry = blocks[EntryOf(number / kBlockObjects)];
+    entry.block = static_cast<std::uint32_t>(number / kBlockObjects);
+    entry.slots |= BitOf(number);
+  }
+  // After the last Add().
+  void Rank() {
+    std::uint32_t first = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      blocks[i].first = first;
+      first += static_cast<std::uint32_t>(std::popcount(blocks[i].slots));
+    }
   }
 
  private:
-  // Without slots by id, also the set by id: its ids are below the slots.
-  static std::size_t Bytes(const BvhTree& tree) {
-    const std::size_t words = BlocksOf(tree.levels().level[0].size);
-    return (tree.levels().slots != nullptr ? words : 2 * words) *
-           sizeof(std::uint64_t);
+  static constexpr std::size_t kFewEntries = 256;
+  // At most a quarter of the entries are used, or each block has its own.
+  static SlotSet TableFor(std::size_t count, std::size_t limit) {
+    const std::size_t blocks = BlocksOf(limit);
+    const std::size_t most = std::min(4 * count, blocks);
+    const auto bits = static_cast<std::uint32_t>(std::bit_width(most));
+    return {nullptr, std::min(std::size_t{1} << bits, blocks), bits, nullptr};
   }
 
+  Block few_[kFewEntries];
   Scratch memory_;
 };
+
+constexpr std::size_t kFewIds = 64;
+
+// Masks of the ids of a list, in the call's frame if they are few.
+class Masks {
+ public:
+  Masks(const MemoryResource& memory, std::size_t count)
+      : memory_(memory, count <= kFewIds ? 0 : count * sizeof(std::uint32_t)) {
+    std::fill_n(data(), count, 0);
+  }
+  std::uint32_t* data() {
+    return memory_.data() == nullptr
+               ? few_
+               : reinterpret_cast<std::uint32_t*>(memory_.data());
+  }
+
+ private:
+  Scratch memory_;
+  std::uint32_t few_[kFewIds];
+};
+
+// The set of a call, and what its objects want.
+class ObjectSet {
+ public:
+  ObjectSet(const BvhTree& tree, Span<const std::uint32_t> ids,
+            Span<const std::uint32_t> wanted)
+      : levels_(tree.levels()),
+        slots_(tree.memory(), ids.size(), levels_.level[0].size),
+        wanted_(tree.memory(), wanted.size()) {
+    if (levels_.slots != nullptr) {
+      Fill(ids, wanted);
+    } else if (!ids.empty()) {
+      Search(tree.memory(), ids, wanted);
+    }
+    if (!wanted.empty()) slots_.wanted = wanted_.data();
+  }
+
+  const SlotSet& slots() const { return slots_; }
+
+ private:
+  void Fill(Span<const std::uint32_t> ids, Span<const std::uint32_t> wanted) {
+    for (std::uint32_t id : ids) slots_.Add(levels_.slots[id]);
+    if (wanted.empty()) return;
+    slots_.Rank();
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      wanted_.data()[slots_.RankOf(levels_.slots[ids[i]])] |= wanted[i];
+    }
+  }
+
+  // In a world that has never changed by id. A function of its own, because its
+  // tables take stack, too.
+  [[gnu::noinline]] void Search(const MemoryResource& memory,
+                                Span<const std::uint32_t> ids,
+                                Span<const std::uint32_t> wanted) {
+    const std::size_t size = levels_.level[0].size;
+    const Scratch bits(memory, BlocksOf(size) * sizeof(std::uint64_t));
+    const std::uint32_t* const id_of = levels_.ids;
+    auto* const is_in = reinterpret_cast<std::uint64_t*>(bits.data());
+    std::fill_n(is_in, BlocksOf(size), 0);
+    for (std::uint32_t id : ids) is_in[id / kBlockObjects] |= BitOf(id);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < BlocksOf(size); ++i) {
+      count += static_cast<std::size_t>(std::popcount(is_in[i]));
+    }
+    // Until all are found. An altered blob can have any ids.
+    const auto for_each = [&](const auto& visit) {
+      std::size_t left = count;
+      for (std::uint32_t s = 0; s < size && left > 0; ++s) {
+        const std::uint32_t id = id_of[s];
+        if (id < size &&
+            (is_in[id / kBlockObjects] >> id % kBlockObjects & 1) != 0) {
+          visit(s, id);
+          --left;
+        }
+      }
+    };
+    for_each([this](std::uint32_t s, std::uint32_t) { slots_.Add(s); });
+    if (wanted.empty()) return;
+    slots_.Rank();
+    SetOf set(memory, ids.size(), size);
+    for (std::uint32_t id : ids) set.Add(id);
+    set.Rank();
+    Masks by_id(memory, ids.size());
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      by_id.data()[set.RankOf(ids[i])] |= wanted[i];
+    }
+    for_each([&](std::uint32_t s, std::uint32_t id) {
+      wanted_.data()[slots_.RankOf(s)] = by_id.data()[set.RankOf(id)];
+    });
+  }
+
+  const BvhLevels& levels_;
+  SetOf slots_;
+  Masks wanted_;
+};
+
+// The margins of the axes: D is less the sum of the others.
+std::array<float, 4> MarginsOf(const BvhShape& shape, float margin) {
+  std::array<float, 4> margins{};
+  for (std::size_t k = 0; k < shape.axes; ++k) {
+    margins[k] = k < shape.dims
+                     ? margin
+                     : std::nextafter(static_cast<float>(shape.dims) * margin,
+                                      std::numeric_limits<float>::max());
+  }
+  return margins;
+}
+
+// A function of its own, as Search().
+[[gnu::noinline]] void JoinSet(const BvhPairKernels& kernels, PairJoin& join,
+                               const BvhTree& tree,
+                               Span<const std::uint32_t> ids,
+                               Span<const std::uint32_t> wanted) {
+  const ObjectSet set(tree, ids, wanted);
+  join.set = &set.slots();
+  kernels.join(join);
+}
 
 void Join(const PairSources& sources, const PairOptions& options,
           const char* call, PairSink& pairs) {
@@ -133,19 +281,31 @@ void Join(const PairSources& sources, const PairOptions& options,
       sources.kernels[dispatch::IndexOf(options.target, call)];
   const BvhTree& a = *sources.a;
   const BvhTree& b = sources.b != nullptr ? *sources.b : a;
-  if (sources.ids != nullptr) CheckIds(a, *sources.ids, call);
+  if (!(options.margin >= 0 &&
+        options.margin <= std::numeric_limits<float>::max())) {
+    kernels::ThrowInvalid(call, "options.margin",
+                          "a finite number that is not negative",
+                          std::to_string(options.margin));
+  }
+  if (sources.ids != nullptr) {
+    CheckSet(a, *sources.ids, options.wanted, call);
+  } else if (!options.wanted.empty()) {
+    kernels::ThrowInvalid(call, "options.wanted", "no masks without a set",
+                          std::to_string(options.wanted.size()));
+  }
   if (a.size() == 0 || b.size() == 0) return;
-  const SlotSet set(a, sources.ids);
   PairJoin join{};
   join.walk.levels = &b.levels();
   join.walk.mask = options.mask;
   join.queries = &a.levels();
   join.is_one_world = sources.b == nullptr;
-  join.set = set.words();
+  join.has_margin = options.margin > 0;
+  if (join.has_margin) join.margins = MarginsOf(a.shape(), options.margin);
   join.begin = options.begin;
   join.end = std::min(options.end, BlocksOf(a.levels().level[0].size));
   join.pairs = &pairs;
-  kernels.join(join);
+  if (sources.ids == nullptr) return kernels.join(join);
+  JoinSet(kernels, join, a, *sources.ids, options.wanted);
 }
 
 }  // namespace
@@ -161,7 +321,7 @@ std::size_t BvhPairs(const PairSources& sources, Span<IdPair> pairs,
           return "memory for " + std::to_string(pairs.size()) + " pairs";
         });
   }
-  PairsToSpan to(pairs);
+  PairsToSpan to(pairs, options.skip);
   Join(sources, options, call, to);
   to.Flush();
   return to.total;
@@ -169,7 +329,7 @@ std::size_t BvhPairs(const PairSources& sources, Span<IdPair> pairs,
 
 void BvhForEachPair(const PairSources& sources, PairsFunction function,
                     void* context, const PairOptions& options) {
-  PairsToFunction to(function, context);
+  PairsToFunction to(function, context, options.skip);
   // After a function that ended the call there are none.
   Join(sources, options,
        sources.ids != nullptr ? "ForEachPairOf" : "ForEachPair", to);

@@ -34,7 +34,10 @@ bool HasRadius(const BvhShapeQuery& query) {
          query.kind == BvhShapeQuery::kCapsule;
 }
 std::size_t PointsOf(const BvhShapeQuery& query) {
-  return query.kind == BvhShapeQuery::kSphere ? 1 : 2;
+  return query.kind == BvhShapeQuery::kPoint ||
+                 query.kind == BvhShapeQuery::kSphere
+             ? 1
+             : 2;
 }
 float RadiusOf(const BvhShapeQuery& query) {
   return HasRadius(query) ? query.values[PointsOf(query) * query.dims] : 0;
@@ -42,7 +45,9 @@ float RadiusOf(const BvhShapeQuery& query) {
 
 // Throws unless the query is a shape. O(1). In the default floating-point mode.
 void CheckShape(const BvhShapeQuery& query, const char* call) {
-  if (HasRadius(query)) kernels::CheckLength(call, "radius", RadiusOf(query));
+  if (!(RadiusOf(query) >= 0)) {
+    kernels::CheckLength(call, "radius", RadiusOf(query));
+  }
   if (query.kind != BvhShapeQuery::kHalfSpaces) return;
   if (query.count > kMostHalfSpaces) {
     kernels::ThrowInvalid(call, "half-spaces",
@@ -53,7 +58,7 @@ void CheckShape(const BvhShapeQuery& query, const char* call) {
                        alignof(float));
 }
 
-// Whether a builder of fit.h can bound the points of a sphere, a segment or a
+// Whether a builder of fit.h can bound a point, a sphere, a segment or a
 // capsule. In the default floating-point mode.
 bool CanBeBounded(const BvhShapeQuery& query) {
   for (std::size_t p = 0; p < PointsOf(query); ++p) {
@@ -65,176 +70,209 @@ bool CanBeBounded(const BvhShapeQuery& query) {
   return true;
 }
 
-// The greatest float that is at most a - b, which is no overflow.
-float DifferenceDown(float a, float b) {
-  const double x = a;
-  const double y = -double{b};
-  const double sum = x + y;
-  const double rest = sum - x;
-  const double error = (x - (sum - rest)) + (y - rest);
-  const auto rounded = static_cast<float>(sum);
-  const bool is_above = rounded > sum || (rounded == sum && error < 0);
-  return is_above ? std::nextafter(rounded, -kInf<float>) : rounded;
-}
-
-// What a walk reads of a shape.
+// Makes what the kernels read of one shape.
 class Prepared {
  public:
-  Prepared(const BvhTree& tree, const BvhShapeQuery& query,
-           const QueryOptions& options, const char* call) {
-    const auto& kernels =
-        kBvhShapeKernels[dispatch::IndexOf(options.target, call)];
-    const BvhShape& shape = tree.shape();
-    kernels::InDefaultFpMode([&] {
-      CheckShape(query, call);
-      SetShape({query.dims, shape.axes, shape.has_max}, query, kernels);
-      if (query.kind == BvhShapeQuery::kSphere && !is_everything_ &&
-          shape.has_max && shape.axes == query.dims) {
-        SetBox(query);
-      } else if (query.dims == 2) {
-        SetBound(shape, BoundOf<2>(query));
-      } else {
-        SetBound(shape, BoundOf<3>(query));
-      }
-    });
-  }
-
-  const float* bound() const { return bound_.data(); }
-  const WalkShape* shape() const { return is_everything_ ? nullptr : &shape_; }
-
- private:
-  void SetShape(const ShapePlanes& planes, const BvhShapeQuery& query,
-                const BvhShapeKernels& kernels) {
-    const float* const v = query.values;
-    const std::size_t dims = planes.dims;
-    is_everything_ =
-        query.kind != BvhShapeQuery::kHalfSpaces && !CanBeBounded(query);
-    if (is_everything_) return;
+  // In the default floating-point mode.
+  Prepared(const BvhShape& world, const BvhShapeQuery& query)
+      : world_(world),
+        query_(query),
+        planes_{query.dims, world.axes, world.has_max} {
     switch (query.kind) {
+      case BvhShapeQuery::kPoint:
+        SetBounds();
+        return;
       case BvhShapeQuery::kSphere:
-        shape_.touching = kernels.ball;
-        shape_.instead = nullptr;
-        shape_.inside = kernels.in_ball;
-        shape_.ball = MakeBall(planes, v, RadiusOf(query));
+        SetBall();
         return;
       case BvhShapeQuery::kSegment:
-      case BvhShapeQuery::kCapsule: {
-        double origin[3] = {};
-        double direction[3] = {};
-        for (std::size_t k = 0; k < dims; ++k) {
-          origin[k] = v[k];
-          direction[k] = double{v[dims + k]} - v[k];
-        }
-        shape_.instead = kernels.line;
-        shape_.touching = nullptr;
-        shape_.inside = nullptr;
-        MakeLine(planes, origin, direction, 1, RadiusOf(query), shape_.line);
-        // Too large for all axes: its test would keep Empty() objects.
-        is_everything_ = shape_.line.planes == 0;
+      case BvhShapeQuery::kCapsule:
+        SetLine();
         return;
-      }
+      case BvhShapeQuery::kOrientedBox:
+        SetSides();
+        return;
       case BvhShapeQuery::kHalfSpaces:
-        shape_.instead = kernels.fronts;
-        shape_.touching = nullptr;
-        shape_.inside = kernels.in_fronts;
-        shape_.front_count = query.count;
-        for (std::size_t f = 0; f < query.count; ++f) {
-          const float* const plane = v + f * (dims + 1);
-          shape_.fronts[f] = MakeFront(planes, plane, plane[dims]);
+        SetFronts();
+    }
+  }
+
+  // Walks with it instead of the queries of `walk`.
+  void Run(Walk walk, std::size_t target) const {
+    const auto run = [&](const void* query, WalkFunction find,
+                         WalkFunction count) {
+      walk.queries = query;
+      walk.query_count = 1;
+      (walk.ids != nullptr ? find : count)(walk);
+    };
+    const BvhShapeKernels& shapes = kBvhShapeKernels[target];
+    const BvhKernels& bounds = world_.kernels[target];
+    const auto& planes = world_.has_max ? bounds.all : bounds.minima;
+    switch (is_) {
+      case kBounds:
+        return run(bounds_.data(), planes.find, planes.count);
+      case kBall:
+        return run(&ball_, shapes.ball.find, shapes.ball.count);
+      case kLine:
+        return run(&line_, shapes.line.find, shapes.line.count);
+      case kFronts:
+        return run(&fronts_, shapes.fronts.find, shapes.fronts.count);
+    }
+  }
+
+ private:
+  void SetBall() {
+    MakeBall(planes_, query_.values, RadiusOf(query_), ball_);
+    is_ = kBall;
+    // Of a radius whose square overflows the bound tells more.
+    if (!CanBeBounded(query_) || !(ball_.limit <= kMax<float>)) SetBounds();
+  }
+
+  void SetLine() {
+    if (!CanBeBounded(query_)) return SetBounds();
+    double origin[3] = {};
+    double direction[3] = {};
+    for (std::size_t k = 0; k < query_.dims; ++k) {
+      origin[k] = query_.values[k];
+      direction[k] = double{query_.values[query_.dims + k]} - origin[k];
+    }
+    MakeLine(planes_, origin, origin, direction, 1, RadiusOf(query_), line_);
+    is_ = kLine;
+    // Too large for all axes: its test would keep Empty() objects.
+    if (line_.planes == 0) SetBounds(true);
+  }
+
+  void SetFronts() {
+    fronts_.count = query_.count;
+    for (std::size_t f = 0; f < query_.count; ++f) {
+      const float* const half_space = query_.values + f * (query_.dims + 1);
+      fronts_.front[f] =
+          MakeFront(planes_, half_space, half_space[query_.dims]);
+    }
+    is_ = kFronts;
+  }
+
+  // The sides of an oriented box, and those of the axis-aligned box around it.
+  void SetSides() {
+    const std::size_t dims = query_.dims;
+    const float* const axes = query_.values + dims;
+    fronts_.count = 0;
+    for (std::size_t k = 0; k < dims; ++k) {
+      double normal[3] = {};
+      normal[k] = 1;
+      AddSides(normal);
+      // What is at right angles to the other axes.
+      const float* const a = axes + (k + 1) % dims * dims;
+      const float* const b = axes + (k + 2) % dims * dims;
+      if (dims == 2) {
+        normal[0] = -a[1];
+        normal[1] = a[0];
+      } else {
+        for (std::size_t i = 0; i < 3; ++i) {
+          const std::size_t j = (i + 1) % 3;
+          const std::size_t l = (i + 2) % 3;
+          normal[i] = double{a[j]} * b[l] - double{a[l]} * b[j];
         }
+      }
+      AddSides(normal);
+    }
+    is_ = kFronts;
+  }
+
+  // The half-spaces with this normal and its opposite that just hold an
+  // oriented box. Right for any normal, as rounded to floats too.
+  void AddSides(const double* normal) {
+    const std::size_t dims = query_.dims;
+    const float* const center = query_.values;
+    const float* const half_extents = center + dims * (dims + 1);
+    double largest = 0;
+    for (std::size_t k = 0; k < dims; ++k) {
+      largest = std::max(largest, std::abs(normal[k]));
+    }
+    float up[3] = {};
+    float down[3] = {};
+    double middle = 0;
+    double size = 0;
+    for (std::size_t k = 0; k < dims; ++k) {
+      up[k] = static_cast<float>(normal[k] / largest);
+      down[k] = -up[k];
+      middle += double{up[k]} * center[k];
+      size += std::abs(double{up[k]} * center[k]);
+    }
+    double reach = 0;
+    for (std::size_t a = 0; a < dims; ++a) {
+      const float* const axis = center + dims * (a + 1);
+      double along = 0;
+      for (std::size_t k = 0; k < dims; ++k) {
+        along += double{up[k]} * axis[k];
+        size += std::abs(double{up[k]} * axis[k] * half_extents[a]);
+      }
+      reach += std::abs(along * half_extents[a]);
+    }
+    reach += size * 0x1p-48;
+    fronts_.front[fronts_.count++] =
+        MakeFront(planes_, up, RoundedUp(reach - middle));
+    fronts_.front[fronts_.count++] =
+        MakeFront(planes_, down, RoundedUp(reach + middle));
+  }
+
+  // The bound of a point or a sphere, and of others Everything().
+  void SetBounds(bool is_everything = false) {
+    is_everything |= !CanBeBounded(query_);
+    is_ = kBounds;
+    if (query_.dims == 2) {
+      SetBoundsOf<2>(is_everything);
+    } else {
+      SetBoundsOf<3>(is_everything);
     }
   }
 
-  // Of a sphere its own. The other shapes are tested without one.
   template <int kDims>
-  Aabo<kDims> BoundOf(const BvhShapeQuery& query) const {
-    if (is_everything_) return Aabo<kDims>::Everything();
-    if (query.kind == BvhShapeQuery::kSphere) {
-      return BoundSphere(
-          Sphere<kDims>{PointAt<kDims>(query.values), RadiusOf(query)});
-    }
-    return {Filled<kDims + 1>(-kInf<float>), Filled<kDims + 1>(kInf<float>)};
-  }
-
-  // The box of a sphere. The builder's octahedron takes 0.1 us longer.
-  void SetBox(const BvhShapeQuery& query) {
-    for (std::size_t k = 0; k < query.dims; ++k) {
-      const float center = query.values[k];
-      bound_[k] = DifferenceDown(center, RadiusOf(query));
-      bound_[query.dims + k] = -DifferenceDown(-center, RadiusOf(query));
-    }
-  }
-
-  template <typename Bound>
-  void SetBound(const BvhShape& shape, const Bound& bound) {
+  void SetBoundsOf(bool is_everything) {
+    const auto bound =
+        is_everything ? Aabo<kDims>::Everything()
+                      : BoundSphere(Sphere<kDims>{PointAt<kDims>(query_.values),
+                                                  RadiusOf(query_)});
     std::size_t v = 0;
-    if (shape.has_max) {
-      for (std::size_t k = 0; k < shape.axes; ++k) bound_[v++] = bound.min[k];
+    if (world_.has_max) {
+      for (std::size_t k = 0; k < world_.axes; ++k) bounds_[v++] = bound.min[k];
     }
-    for (std::size_t k = 0; k < shape.axes; ++k) bound_[v++] = bound.max[k];
+    for (std::size_t k = 0; k < world_.axes; ++k) bounds_[v++] = bound.max[k];
   }
 
-  // Tested as a query of Everything() and nothing else.
-  bool is_everything_;
-  std::array<float, 8> bound_;
-  WalkShape shape_;
+  const BvhShape& world_;
+  const BvhShapeQuery& query_;
+  const ShapePlanes planes_;
+  enum { kBounds, kBall, kLine, kFronts } is_;
+  std::array<float, 8> bounds_;
+  Ball ball_;
+  Line line_;
+  Fronts fronts_;
 };
 
 }  // namespace
 
-std::size_t BvhSurvivors(const BvhTree& tree, const BvhShapeQuery& query,
-                         Span<std::uint32_t> ids, const QueryOptions& options) {
-  const Prepared prepared(tree, query, options, "Survivors");
-  return BvhSurvivors(tree, prepared.bound(), ids, options, prepared.shape());
-}
-
-std::size_t BvhCount(const BvhTree& tree, const BvhShapeQuery& query,
-                     const QueryOptions& options) {
-  const Prepared prepared(tree, query, options, "CountSurvivors");
-  return BvhCount(tree, prepared.bound(), options, prepared.shape());
-}
-
-bool BvhAny(const BvhTree& tree, const BvhShapeQuery& query, std::uint32_t& id,
-            const QueryOptions& options) {
-  const Prepared prepared(tree, query, options, "AnySurvivor");
-  return BvhAny(tree, prepared.bound(), id, options, prepared.shape());
-}
-
-void BvhForEach(const BvhTree& tree, const BvhShapeQuery& query,
-                IdsFunction function, void* context,
-                const QueryOptions& options) {
-  const Prepared prepared(tree, query, options, "ForEachSurvivor");
-  BvhForEach(tree, prepared.bound(), function, context, options,
-             prepared.shape());
-}
-
-std::size_t BvhSurvivorsOfMany(const BvhTree& tree, const void* queries,
-                               std::size_t query_count, std::size_t alignment,
-                               ShapeQueryAt at, Span<std::uint32_t> ids,
-                               Span<std::size_t> offsets,
-                               const QueryOptions& options) {
-  constexpr const char* kCall = "SurvivorsOfEach";
-  std::ignore = KernelsFor(tree.shape(), options.target, kCall);
-  CheckOfEach(kCall, queries, query_count, alignment, ids, offsets);
-  // All of them before the first id is written.
-  kernels::InDefaultFpMode([&] {
-    for (std::size_t q = 0; q < query_count; ++q) {
-      CheckShape(at(queries, q), kCall);
-    }
-  });
-  offsets[0] = 0;
-  std::size_t total = 0;
-  for (std::size_t q = 0; q < query_count; ++q) {
-    const Prepared prepared(tree, at(queries, q), options, kCall);
-    const Span<std::uint32_t> rest =
-        total < ids.size()
-            ? Span<std::uint32_t>(ids.data() + total, ids.size() - total)
-            : Span<std::uint32_t>();
-    total +=
-        BvhSurvivors(tree, prepared.bound(), rest, options, prepared.shape());
-    offsets[q + 1] = total;
+void BvhWalkShapes(const BvhTree& tree, const BvhQueries& queries,
+                   const QueryOptions& options, const char* call,
+                   const Walk& walk) {
+  const std::size_t target = dispatch::IndexOf(options.target, call);
+  const auto at = [&](std::size_t q) {
+    return queries.kind->at(queries.first, q);
+  };
+  const bool is_empty = tree.ids().empty();
+  if (queries.count != 1 || is_empty) {
+    kernels::InDefaultFpMode([&] {
+      for (std::size_t q = 0; q < queries.count; ++q) CheckShape(at(q), call);
+    });
   }
-  return total;
+  if (is_empty) return;
+  for (std::size_t q = 0; q < queries.count; ++q) {
+    const BvhShapeQuery query = at(q);
+    kernels::InDefaultFpMode([&] {
+      CheckShape(query, call);
+      return Prepared(tree.shape(), query);
+    }).Run(walk, target);
+  }
 }
 
 }  // namespace halfspace::detail

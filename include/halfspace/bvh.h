@@ -60,6 +60,7 @@
 #include "halfspace/span.h"
 #include "halfspace/targets.h"
 #include "halfspace/transform.h"
+#include "halfspace/visit.h"
 #include "halfspace/world.h"
 
 namespace halfspace {
@@ -87,11 +88,23 @@ struct BuildOptions {
   Target target = {};  // by default, the chosen one (targets.h)
 };
 
+// What queries read of a world. A query adds to it.
+struct QueryStatistics {
+  std::size_t node_blocks = 0;  // blocks of 64 nodes
+  std::size_t leaves = 0;       // blocks of 64 objects
+};
+
 struct QueryOptions {
   // Finds only objects whose mask (Bvh::SetMasks) has at least one of these
   // bits. All ones finds all objects.
   std::uint32_t mask = 0xFFFFFFFF;
   Target target = {};  // by default, the chosen one (targets.h)
+  // Survivors() and SurvivorsOfEach(): does not write the first `skip` ids, so
+  // that a call whose `ids` were too short can be continued. The order of the
+  // ids is the same in each call with the same arguments and target, until the
+  // world changes. What is returned, and offsets, are as without it.
+  std::size_t skip = 0;
+  QueryStatistics* statistics = nullptr;  // added to, if not null
 };
 
 namespace detail {
@@ -105,11 +118,11 @@ BvhShape BvhShapeOf() {
 }
 
 template <typename Query>
-const float* ValuesOf(const Query* queries) {
+BvhQueries QueriesOf(const Query* queries, std::size_t count) {
   static_assert(std::is_standard_layout_v<Query> &&
                     sizeof(Query) == kPlaneCount<Query> * sizeof(float),
                 "a query is read as a list of its values");
-  return reinterpret_cast<const float*>(queries);
+  return {queries, count};
 }
 
 template <typename Bound>
@@ -117,15 +130,15 @@ Span<const typename Bound::Scalar> ValuesOfAll(Span<const Bound> bounds) {
   return {RecordsOf(bounds), bounds.size() * kPlaneCount<Bound>};
 }
 
-// Calls the caller's function, and returns true for one that returns nothing.
+// Calls the caller's function; returns whether to go on.
 template <typename Item, typename Function>
 bool CallWithSome(void* function, Span<const Item> items) {
   auto& call = *static_cast<Function*>(function);
   using Result = decltype(call(items));
-  static_assert(std::is_void_v<Result> || std::is_same_v<Result, bool>,
-                "the function must return void or bool");
-  if constexpr (std::is_same_v<Result, bool>) {
-    return call(items);
+  static_assert(std::is_void_v<Result> || std::is_same_v<Result, Visit>,
+                "the function must return void or Visit (visit.h)");
+  if constexpr (std::is_same_v<Result, Visit>) {
+    return call(items) == Visit::kContinue;
   } else {
     call(items);
     return true;
@@ -465,8 +478,8 @@ template <typename View>
                                     const typename View::Query& query,
                                     Span<std::uint32_t> ids,
                                     const QueryOptions& options = {}) {
-  return detail::BvhSurvivors(detail::TreeOf(world), detail::ValuesOf(&query),
-                              ids, options);
+  return detail::BvhSurvivors(detail::TreeOf(world),
+                              detail::QueriesOf(&query, 1), ids, options);
 }
 
 // Returns the number of survivors. A node inside a box or an octahedron is
@@ -476,18 +489,18 @@ template <typename View>
 [[nodiscard]] std::size_t CountSurvivors(const Bvh<View>& world,
                                          const typename View::Query& query,
                                          const QueryOptions& options = {}) {
-  return detail::BvhCount(detail::TreeOf(world), detail::ValuesOf(&query),
+  return detail::BvhCount(detail::TreeOf(world), detail::QueriesOf(&query, 1),
                           options);
 }
 
-// Returns the id of a survivor, or nothing if there is none. Stops soon after
-// it has found one.
+// Returns the id of a survivor, or nothing if there is none. Reads no leaf
+// after the first that has one.
 template <typename View>
 [[nodiscard]] std::optional<std::uint32_t> AnySurvivor(
     const Bvh<View>& world, const typename View::Query& query,
     const QueryOptions& options = {}) {
   std::uint32_t id = 0;
-  if (!detail::BvhAny(detail::TreeOf(world), detail::ValuesOf(&query), id,
+  if (!detail::BvhAny(detail::TreeOf(world), detail::QueriesOf(&query, 1), id,
                       options)) {
     return std::nullopt;
   }
@@ -495,15 +508,16 @@ template <typename View>
 }
 
 // Calls function(Span<const std::uint32_t> ids) with 1 to 512 survivors at a
-// time. The function returns void, or bool: false ends the call. Exceptions of
-// the function pass through. The function must not change the world.
+// time: first with those of the first leaf that has any, as soon as it was
+// read. The function returns void or Visit (visit.h). Exceptions of the
+// function pass through. The function must not change the world.
 template <typename View, typename Function>
 void ForEachSurvivor(const Bvh<View>& world, const typename View::Query& query,
                      Function&& function, const QueryOptions& options = {}) {
   auto call = [&function](Span<const std::uint32_t> ids) {
     return function(ids);
   };
-  detail::BvhForEach(detail::TreeOf(world), detail::ValuesOf(&query),
+  detail::BvhForEach(detail::TreeOf(world), detail::QueriesOf(&query, 1),
                      &detail::CallWithSome<std::uint32_t, decltype(call)>,
                      &call, options);
 }
@@ -522,9 +536,9 @@ template <typename View>
     const Bvh<View>& world, Span<const typename View::Query> queries,
     Span<std::uint32_t> ids, Span<std::size_t> offsets,
     const QueryOptions& options = {}) {
-  return detail::BvhSurvivorsOfMany(detail::TreeOf(world),
-                                    detail::ValuesOf(queries.data()),
-                                    queries.size(), ids, offsets, options);
+  return detail::BvhSurvivorsOfEach(
+      detail::TreeOf(world), detail::QueriesOf(queries.data(), queries.size()),
+      ids, offsets, options);
 }
 
 }  // namespace halfspace

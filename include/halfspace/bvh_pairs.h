@@ -15,18 +15,20 @@
 // shorter than that, it is filled, and the full number is returned. An empty
 // span counts. Elements behind the last pair may be overwritten. ForEachPair()
 // calls function(Span<const IdPair>) with 1 to 256 pairs at a time. The
-// function returns void, or bool: false ends the call. Exceptions of the
-// function pass through. The order of the pairs is unspecified.
+// function returns nothing, or Visit (visit.h): kStop ends the call. Exceptions
+// of the function pass through. The order of the pairs is unspecified, but
+// equal calls on an unchanged world find them in the same order.
 //
 // Errors (error.h), in every call: an output with room or a list of ids is null
-// or misaligned; an id is not that of an object in the world; the target is not
-// supported.
+// or misaligned; an id is not that of an object in the world; the margin is
+// negative or not finite; the masks of a set are not as many as its ids; the
+// target is not supported.
 //
 // Floating-point mode: as in bvh.h.
 //
 // Thread safety: calls on the same worlds may run at the same time, and can
 // share one join (PairOptions::begin). A call uses up to 16 KiB of stack and
-// locks nothing. Only PairsOf() and ForEachPairOf() allocate.
+// locks nothing. Only PairsOf() and ForEachPairOf() can allocate.
 //
 // Cost: one query per leaf of 64 objects, and a comparison of the objects of
 // leaves that overlap: 12 ns per pair if an object is in 5 pairs, 3 ns if it is
@@ -44,6 +46,7 @@
 #include "halfspace/detail/bvh_pairs.h"
 #include "halfspace/span.h"
 #include "halfspace/targets.h"
+#include "halfspace/visit.h"
 
 namespace halfspace {
 
@@ -64,6 +67,24 @@ struct PairOptions {
   // Finds only pairs in which the mask of each object has at least one of these
   // bits, not necessarily the same one. All ones finds all objects.
   std::uint32_t mask = 0xFFFFFFFF;
+  // Only of PairsOf() and ForEachPairOf(): empty, or one mask for each id.
+  // Object ids[i] wants the objects whose mask (Bvh::SetMasks) has at least one
+  // bit of wanted[i]. All ones wants all objects. A pair with an object outside
+  // the set is found if the object of the set wants the other one. A pair of
+  // two objects of the set is found if at least one wants the other; the
+  // pair's `a` does. If an id is given twice, it wants what either mask wants.
+  Span<const std::uint32_t> wanted = {};
+  // Also finds pairs of objects that are at most this far apart on each of the
+  // axes X, Y and Z, and on D 2 or 3 times as far, in as many dimensions: the
+  // bound of one of them, grown on all sides, overlaps the other. Values are
+  // rounded outward, so a pair can be found that is farther apart by up to
+  // 2^-21 of its coordinates. Must be finite and not negative.
+  float margin = 0;
+  // The first `skip` pairs are not written, and no function is called for them.
+  // A call that had no room for all pairs can so be continued: equal calls on
+  // the same world find the pairs in the same order. The number that is
+  // returned is the full number.
+  std::size_t skip = 0;
   // Finds only the pairs of parts begin ... end - 1 of PairParts(). Each pair
   // belongs to one part, so calls with disjoint ranges, on any threads, find
   // each pair once. Parts take unequal times, so use more ranges than threads.
@@ -133,15 +154,20 @@ void ForEachPair(const Bvh<View>& a, const Bvh<View>& b, Function&& function,
 // the pairs that can be new after these objects moved. A pair of two objects of
 // the set is found once. An id may be in the list more than once.
 //
-// Both calls allocate a bit for each object from the world's MemoryResource
-// (Bvh::memory()), in the calling thread, and free it before they
-// return. The world is const, but its resource is used: calls that run at the
-// same time, such as those on different parts, need a resource that is
-// thread-safe. The default resource is. A failed allocation throws
-// std::bad_alloc before a pair is written and before the function is called.
+// The cost grows with the set and not with the world: up to 1.5 times that of a
+// Survivors() call for each object of a small set, and less for a large one.
+// The exception is a world that has never changed by id, in which each call
+// searches ids() for the objects, O(n). Reserve(size()) prevents that.
 //
-// A world that has never changed by id (Bvh::Set) takes two bits for
-// each object, and 0.6 ns for each object to find their places.
+// Both calls can allocate from the world's MemoryResource (Bvh::memory()), in
+// the calling thread, and free it before they return: up to 136 bytes for each
+// id, but not more than a quarter of a byte for each object and 4 bytes for
+// each id with `wanted`. They allocate nothing for up to 63 ids, unless they
+// search. A search takes a bit for each object more. The world is const, but
+// its resource is used: calls that run at the same time, such as those on
+// different parts, need a resource that is thread-safe. The default resource
+// is. A failed allocation throws std::bad_alloc before a pair is written and
+// before the function is called.
 template <typename View>
 [[nodiscard]] std::size_t PairsOf(const Bvh<View>& world,
                                   Span<const std::uint32_t> ids,
@@ -155,6 +181,21 @@ void ForEachPairOf(const Bvh<View>& world, Span<const std::uint32_t> ids,
                    Function&& function, const PairOptions& options = {}) {
   detail::CallForPairs(detail::PairsIn<View>(world, nullptr, &ids), function,
                        options);
+}
+
+// The pairs of an object of a set of `world` and an object of `other`.
+template <typename View>
+[[nodiscard]] std::size_t PairsOf(const Bvh<View>& world,
+                                  Span<const std::uint32_t> ids,
+                                  const Bvh<View>& other, Span<IdPair> pairs,
+                                  const PairOptions& options = {}) {
+  return detail::BvhPairs(detail::PairsIn(world, &other, &ids), pairs, options);
+}
+template <typename View, typename Function>
+void ForEachPairOf(const Bvh<View>& world, Span<const std::uint32_t> ids,
+                   const Bvh<View>& other, Function&& function,
+                   const PairOptions& options = {}) {
+  detail::CallForPairs(detail::PairsIn(world, &other, &ids), function, options);
 }
 
 }  // namespace halfspace

@@ -1,40 +1,48 @@
-// The queries of bvh.h with a sphere, segment, capsule or half-spaces.
+// The queries of bvh.h with a point, sphere, segment, capsule, oriented box or
+// half-spaces.
 //
 //   Survivors(bvh, Sphere3{{x, y, z}, radius}, ids)
 //   CountSurvivors(bvh, Segment3{a, b})
 //   ForEachSurvivor(bvh, Capsule3{a, b, radius}, function)
+//   Survivors(bvh, OrientedBox3{center, {right, up, back}, half_extents}, ids)
 //   AnySurvivor(bvh, frustum)        e.g. a std::array<HalfSpace3, 6>
 //   SurvivorsOfEach(bvh, spheres, ids, offsets)
 //
-// A query shape is a Sphere<d>, Segment<d> or Capsule<d> of floats (shapes.h)
-// in the world's d dimensions, or a list of up to 64 HalfSpace<d>: the region
-// in front of all of them. Everything else is as in bvh.h.
+// A query shape is a Point<d>, Sphere<d>, Segment<d>, Capsule<d> or
+// OrientedBox<d> of floats (shapes.h) in the world's d dimensions, or a list of
+// up to 64 HalfSpace<d>: the region in front of all of them. Everything else is
+// as in bvh.h.
 //
 // An object survives unless a test of its bound proves that the shape cannot
 // touch it:
-//   sphere: the bound of the sphere, and the distance of the object's box from
-//     the center. A simplex has no box: there it is the distance of the octant
-//     above its minima.
+//   point: the query by its bound, which is exact.
+//   sphere: the distance of the object's box from the center, and the range of
+//     D. A simplex has no box: there it is the distance of the octant above its
+//     minima.
 //   segment, capsule: the slab test. The parts of the segment that are within
 //     the radius of the planes of each axis, D included, must overlap. Near an
 //     edge, an object up to sqrt(d) * radius away can survive.
 //   half-spaces: the corner of the bound that is foremost along each normal.
 //     For an octahedron it is the corner of its box. An object near an edge of
 //     a frustum that is behind no single plane can survive.
+//   oriented box: the half-spaces of its sides, and of the sides of the
+//     axis-aligned box around it. An object near an edge can survive: the
+//     products of two edges are not tested.
 //
 // No object whose bound touches the exact shape is rejected, in any
 // floating-point mode. Objects closer than about 2^-18 of the sizes involved
 // can survive (docs/bvh.md), and the mode can change which of these do. All
 // targets return the same objects.
 //
-// NaN and infinities: planes of objects as in reject.h. A sphere, segment or
-// capsule with a NaN in a point, with an infinity, or with magnitudes that sum
-// to more than 2^125 is a query of Everything(), like the bound that a builder
-// of fit.h makes of it. A NaN radius is an error. A half-space with a NaN or an
-// infinity keeps every object, and so does one whose normal has a component
-// that is not 0 and less than 2^-96 of another. An empty list of half-spaces
-// keeps every object. An Empty() object is found only by a list of half-spaces
-// that keeps every object.
+// NaN and infinities: planes of objects as in reject.h. A point, sphere,
+// segment or capsule with a NaN in a point, with an infinity, or with
+// magnitudes that sum to more than 2^125 is a query of Everything(), like the
+// bound that a builder of fit.h makes of it. An oriented box with a NaN or
+// an infinity keeps every object. A NaN radius is an
+// error. A half-space with a NaN or an infinity keeps every object, and so does
+// one whose normal has a component that is not 0 and less than 2^-96 of
+// another. An empty list of half-spaces keeps every object. An Empty() object
+// is found only by a list of half-spaces that keeps every object.
 //
 // Errors (error.h): those of bvh.h; a radius is negative or NaN; there are
 // more than 64 half-spaces; the pointer to them is null or misaligned.
@@ -80,6 +88,10 @@ BvhShapeQuery ShapeQuery(BvhShapeQuery::Kind kind, int dims,
 }
 
 template <int kDims>
+BvhShapeQuery ShapeQueryOf(const Point<kDims>& point) {
+  return ShapeQuery(BvhShapeQuery::kPoint, kDims, &point, 1);
+}
+template <int kDims>
 BvhShapeQuery ShapeQueryOf(const Sphere<kDims>& sphere) {
   return ShapeQuery(BvhShapeQuery::kSphere, kDims, &sphere, 1);
 }
@@ -92,6 +104,10 @@ BvhShapeQuery ShapeQueryOf(const Capsule<kDims>& capsule) {
   return ShapeQuery(BvhShapeQuery::kCapsule, kDims, &capsule, 1);
 }
 template <int kDims>
+BvhShapeQuery ShapeQueryOf(const OrientedBox<kDims>& box) {
+  return ShapeQuery(BvhShapeQuery::kOrientedBox, kDims, &box, 1);
+}
+template <int kDims>
 BvhShapeQuery ShapeQueryOf(Span<const HalfSpace<kDims>> half_spaces) {
   return ShapeQuery(BvhShapeQuery::kHalfSpaces, kDims, half_spaces.data(),
                     half_spaces.size());
@@ -100,20 +116,32 @@ BvhShapeQuery ShapeQueryOf(Span<const HalfSpace<kDims>> half_spaces) {
 // A type only if a Shape is one for worlds of this view.
 template <typename View, typename Shape, int kDims = View::Bound::kDimensions>
 using IfShapeOf = std::enable_if_t<
+    std::is_same_v<Shape, Point<kDims>> ||
     std::is_same_v<Shape, Sphere<kDims>> ||
     std::is_same_v<Shape, Segment<kDims>> ||
     std::is_same_v<Shape, Capsule<kDims>> ||
+    std::is_same_v<Shape, OrientedBox<kDims>> ||
     std::is_convertible_v<const Shape&, Span<const HalfSpace<kDims>>>>;
 
 template <typename View, typename Shape>
-BvhShapeQuery ShapeQueryFor(const Shape& shape) {
+BvhShapeQuery ShapeQueryAt(const void* shapes, std::size_t i) {
   constexpr int kDims = View::Bound::kDimensions;
   using HalfSpaces = Span<const HalfSpace<kDims>>;
+  const Shape& shape = static_cast<const Shape*>(shapes)[i];
   if constexpr (std::is_convertible_v<const Shape&, HalfSpaces>) {
     return ShapeQueryOf<kDims>(HalfSpaces(shape));
   } else {
     return ShapeQueryOf<kDims>(shape);
   }
+}
+
+template <typename View, typename Shape>
+inline constexpr BvhShapeKind kShapeKind = {
+    alignof(Shape), &ShapeQueryAt<View, Shape>, &BvhWalkShapes};
+
+template <typename View, typename Shape>
+BvhQueries ShapeQueries(const Shape* shapes, std::size_t count) {
+  return {shapes, count, &kShapeKind<View, Shape>};
 }
 
 }  // namespace detail
@@ -124,7 +152,8 @@ template <typename View, typename Shape,
                                     Span<std::uint32_t> ids,
                                     const QueryOptions& options = {}) {
   return detail::BvhSurvivors(detail::TreeOf(world),
-                              detail::ShapeQueryFor<View>(shape), ids, options);
+                              detail::ShapeQueries<View>(&shape, 1), ids,
+                              options);
 }
 
 template <typename View, typename Shape,
@@ -133,7 +162,7 @@ template <typename View, typename Shape,
                                          const Shape& shape,
                                          const QueryOptions& options = {}) {
   return detail::BvhCount(detail::TreeOf(world),
-                          detail::ShapeQueryFor<View>(shape), options);
+                          detail::ShapeQueries<View>(&shape, 1), options);
 }
 
 template <typename View, typename Shape,
@@ -142,8 +171,8 @@ template <typename View, typename Shape,
     const Bvh<View>& world, const Shape& shape,
     const QueryOptions& options = {}) {
   std::uint32_t id = 0;
-  if (!detail::BvhAny(detail::TreeOf(world), detail::ShapeQueryFor<View>(shape),
-                      id, options)) {
+  if (!detail::BvhAny(detail::TreeOf(world),
+                      detail::ShapeQueries<View>(&shape, 1), id, options)) {
     return std::nullopt;
   }
   return id;
@@ -156,9 +185,9 @@ void ForEachSurvivor(const Bvh<View>& world, const Shape& shape,
   auto call = [&function](Span<const std::uint32_t> ids) {
     return function(ids);
   };
-  detail::BvhForEach(detail::TreeOf(world), detail::ShapeQueryFor<View>(shape),
-                     &detail::CallWithSome<std::uint32_t, decltype(call)>,
-                     &call, options);
+  detail::BvhForEach(
+      detail::TreeOf(world), detail::ShapeQueries<View>(&shape, 1),
+      &detail::CallWithSome<std::uint32_t, decltype(call)>, &call, options);
 }
 
 // For half-spaces, `shapes` is a list of lists: Span<const Span<const
@@ -172,14 +201,10 @@ template <typename View, typename Shapes,
                                           Span<std::uint32_t> ids,
                                           Span<std::size_t> offsets,
                                           const QueryOptions& options = {}) {
-  return detail::BvhSurvivorsOfMany(
-      detail::TreeOf(world), std::data(shapes), std::size(shapes),
-      alignof(Shape),
-      [](const void* queries, std::size_t q) {
-        return detail::ShapeQueryFor<View>(
-            static_cast<const Shape*>(queries)[q]);
-      },
-      ids, offsets, options);
+  return detail::BvhSurvivorsOfEach(
+      detail::TreeOf(world),
+      detail::ShapeQueries<View>(std::data(shapes), std::size(shapes)), ids,
+      offsets, options);
 }
 
 }  // namespace halfspace

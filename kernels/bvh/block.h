@@ -4,11 +4,12 @@
 #define HALFSPACE_KERNELS_BVH_BLOCK_H_
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 
-#include "halfspace/detail/bvh.h"
+#include "halfspace/bvh.h"
 
 namespace halfspace::detail {
 
@@ -35,29 +36,37 @@ inline constexpr std::uint32_t kInsideBit = std::uint32_t{1}
                                             << (kQueryShift - 1);
 inline constexpr std::uint32_t kBlockMask = kInsideBit - 1;
 
-// Where ids go: `next` has room for kBlockObjects ids before `end`, or
-// make_room() gives it that. Both functions return whether to go on.
+// Where ids go: `next` has room for kBlockObjects ids.
 struct WalkIds {
+  std::uint32_t* begin;  // of those since the last flush()
   std::uint32_t* next;
-  std::uint32_t* end;
-  bool (*make_room)(WalkIds& ids);
-  // All ids of a query have been written; queries come in order.
-  bool (*end_of_query)(WalkIds& ids, std::size_t query);
+  std::uint32_t* full;  // flush() is due when `next` is not below it
+  // Returns whether to go on.
+  bool (*flush)(WalkIds& ids);
+  std::size_t flushed;   // ids
+  std::size_t* offsets;  // of several queries: where the last one begins
+
+  std::size_t Total() const {
+    return flushed + static_cast<std::size_t>(next - begin);
+  }
 };
 
 struct Walk {
   const BvhLevels* levels;
-  // One after another: of each all minima, then all maxima; of simplices
-  // maxima.
-  const float* queries;
+  // Bounds, one after another: of each all minima, then all maxima; of
+  // simplices maxima. Or one shape, as its kernel reads it.
+  const void* queries;
   std::size_t query_count;
   WalkIds* ids;         // to find
   std::size_t* counts;  // to count: of each query, added to
   // Objects that have none of them are left out; all ones leave out none.
   std::uint32_t mask;
-  // Survivors touch it too (kernels/bvh/shape.h); of one query. Or null.
-  const WalkShape* shape = nullptr;
+  QueryStatistics* statistics;  // added to, or null
+  // The first survivor is wanted soon: leaves are read when they are found, and
+  // not several at a time, until the first flush().
+  bool is_urgent;
 };
+using WalkFunction = void (*)(const Walk& walk);
 
 // Blocks begin ... end - 1 of a level: encodes each, if there are codes, and
 // bounds it by a node of the next level, unless there is none. Threads may
@@ -94,8 +103,8 @@ struct BvhKernels {
     void (*places)(const Centers& centers, const Grid& grid,
                    std::uint32_t* places);
     void (*encode)(const BlockRange& range);
-    void (*find)(const Walk& walk);   // writes ids
-    void (*count)(const Walk& walk);  // adds to counts
+    WalkFunction find;
+    WalkFunction count;
   };
   OfPlanes minima;  // simplices
   OfPlanes all;
@@ -109,15 +118,55 @@ struct PairSink {
   bool (*make_room)(PairSink& pairs);
 };
 
+// A set of slots, in a hash table of blocks: its size follows from that of the
+// set. With an entry for each block of the world, all are in order.
+struct SlotSet {
+  struct Block {
+    std::uint64_t slots;  // 0: an unused entry
+    std::uint32_t block;
+    std::uint32_t first;  // slots of the set in the entries before
+  };
+
+  // The entry of a block, or the unused one where it would be. A table with
+  // fewer entries than blocks has unused ones.
+  std::size_t EntryOf(std::size_t block) const {
+    std::size_t i = (block + (block >> bits) * kSpread) & ((1u << bits) - 1);
+    while (blocks[i].slots != 0 && blocks[i].block != block) {
+      i = i + 1 == size ? 0 : i + 1;
+    }
+    return i;
+  }
+  std::uint64_t SlotsOf(std::size_t block) const {
+    return blocks[EntryOf(block)].slots;
+  }
+  // The number of the set's slots before one of them.
+  std::size_t RankOf(std::size_t slot) const {
+    const Block& entry = blocks[EntryOf(slot / kBlockObjects)];
+    const std::uint64_t bit = std::uint64_t{1} << slot % kBlockObjects;
+    return entry.first +
+           static_cast<std::size_t>(std::popcount(entry.slots & (bit - 1)));
+  }
+
+  // Odd, so that blocks at any distance from each other have other entries.
+  static constexpr std::size_t kSpread = 0x9E3779B1;
+  Block* blocks;
+  std::size_t size;
+  std::uint32_t bits;
+  // What each slot of the set, by its rank, wants of the masks of others, or
+  // null.
+  const std::uint32_t* wanted;
+};
+
 // The objects in blocks begin ... end - 1 of one world, with those of another
 // or of the same world.
 struct PairJoin {
   Walk walk;  // in the other world: its levels, and masks of both
   const BvhLevels* queries;
-  bool is_one_world;  // each pair is written once, and no object with itself
-  // Of one world a bit each slot, or null: only objects that have it, with all
-  // objects.
-  const std::uint64_t* set;
+  bool is_one_world;   // each pair is written once, and no object with itself
+  const SlotSet* set;  // only these objects, with all objects; or null
+  bool has_margin;
+  // Bounds this far apart on each axis are a pair.
+  std::array<float, 4> margins;
   std::size_t begin;
   std::size_t end;
   PairSink* pairs;

@@ -48,12 +48,12 @@ HWY_INLINE hn::Vec<hn::Rebind<int32_t, D>> CodesOf(D d, hn::Vec<D> scaled) {
   return hn::Sub(hn::ConvertTo(di, clamped), hn::Set(di, detail::kCodeBias));
 }
 
-// A query of planes. Of plane p, `values` has the query's value on the same
-// axis of the other side: a query is rejected by a minimum above its maximum. A
-// NaN, which never rejects, is infinite.
-struct PlaneQuery {
-  float values[8];
-};
+// The value of a query that plane p is compared with: that of the other side on
+// the same axis. A query has all minima, then all maxima; of simplices maxima.
+template <size_t kAxes, size_t kPlanes>
+constexpr size_t OpposingPlane(size_t p) {
+  return (p + kAxes) % kPlanes;
+}
 
 struct QueryCodes {
   // The upper codes in the lanes of a CodeMap, each in both halves, so that one
@@ -64,27 +64,15 @@ struct QueryCodes {
   int16_t certain;
 };
 
-template <size_t kAxes, bool kHasMax>
-HWY_INLINE void ReadQuery(const float* values, PlaneQuery& query) {
-  constexpr float kInf = std::numeric_limits<float>::infinity();
-  const float* const maxima = kHasMax ? values + kAxes : values;
-  for (size_t k = 0; k < kAxes; ++k) {
-    query.values[k] = maxima[k] == maxima[k] ? maxima[k] : kInf;
-    if constexpr (kHasMax) {
-      query.values[kAxes + k] = values[k] == values[k] ? values[k] : -kInf;
-    }
-  }
-}
-
 // The values in the lanes of a CodeMap. As arguments of one instruction,
 // because a load waits for stores of its parts.
-template <size_t kAxes, class D>
-HWY_INLINE hn::Vec<D> QueryLanes(D d, const PlaneQuery& query, size_t first) {
+template <size_t kAxes, bool kHasMax, class D>
+HWY_INLINE hn::Vec<D> QueryLanes(D d, const float* query, size_t first) {
   const auto value = [&](size_t lane) HWY_ATTR {
     constexpr size_t kMaxLane = detail::CodeMap::kMaxLane;
     const size_t k = lane % kMaxLane;
     if (k >= kAxes) return 0.0f;
-    return lane < kMaxLane ? query.values[k] : -query.values[kAxes + k];
+    return lane < kMaxLane ? query[kHasMax ? kAxes + k : k] : -query[k];
   };
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSSE3
   const auto four = [&](size_t l) HWY_ATTR {
@@ -110,7 +98,7 @@ HWY_INLINE hn::Vec<D> QueryLanes(D d, const PlaneQuery& query, size_t first) {
 
 // Once for each query and world, as all leaves share a map.
 template <size_t kAxes, bool kHasMax>
-HWY_INLINE void EncodeQuery(const detail::CodeMap& map, const PlaneQuery& query,
+HWY_INLINE void EncodeQuery(const detail::CodeMap& map, const float* query,
                             QueryCodes& codes) {
   constexpr size_t kLanes = detail::CodeMap::kLanes;
   const hn::CappedTag<float, kHasMax ? kLanes : detail::CodeMap::kMaxLane> d;
@@ -119,9 +107,12 @@ HWY_INLINE void EncodeQuery(const detail::CodeMap& map, const PlaneQuery& query,
   auto differ = hn::Zero(di);
   for (size_t l = 0; l < (kHasMax ? kLanes : detail::CodeMap::kMaxLane);
        l += hn::Lanes(d)) {
-    const auto scaled = hn::Mul(
-        hn::Sub(QueryLanes<kAxes>(d, query, l), hn::LoadU(d, map.base + l)),
-        hn::LoadU(d, map.scale + l));
+    const auto values = QueryLanes<kAxes, kHasMax>(d, query, l);
+    // A NaN never rejects, as if it were infinite.
+    const auto numbers =
+        hn::IfThenElse(hn::Eq(values, values), values, hn::Inf(d));
+    const auto scaled = hn::Mul(hn::Sub(numbers, hn::LoadU(d, map.base + l)),
+                                hn::LoadU(d, map.scale + l));
     const auto above = CodesOf(d, hn::Add(scaled, margin));
     differ =
         hn::Or(differ, hn::Xor(above, CodesOf(d, hn::Sub(scaled, margin))));
@@ -169,55 +160,82 @@ HWY_INLINE LeafBits TestCodes(const int16_t* codes, const QueryCodes& query) {
   return {~rejected, not_certain & ~rejected};
 }
 
-// Tests the planes from `planes` on, 64 floats each, of the first `count`
-// objects or nodes of a block. The first kMins of them reject above the query's
-// value. More bits than `count` may be set.
-template <size_t kMins, size_t... kPlane>
+// The verdict bits of planes kFirst, kFirst + 1, ... on the vector from object
+// i on.
+template <size_t kMins, size_t kFirst, size_t kPlanes, size_t... kPlane>
+HWY_INLINE uint64_t TestVector(std::index_sequence<kPlane...>,
+                               const float* const* planes, size_t i,
+                               const float* query) {
+  const WordTag<float> d;
+  return VerdictBits(
+      d, Verdict<kMins>(d, LoadAll(), planes + kFirst, i,
+                        hn::Set(d, query[OpposingPlane<kMins + kFirst, kPlanes>(
+                                       kFirst + kPlane)])...));
+}
+
+// Tests plane after plane of the first `count` objects or nodes of a block, 64
+// floats each. The first kMins of them reject above the query's value. More
+// bits than `count` may be set. With kIsSmall in less code, which pays where
+// there are few.
+template <size_t kMins, bool kIsSmall, size_t... kPlane>
 HWY_INLINE uint64_t TestPlanes(std::index_sequence<kPlane...>,
                                const float* const* planes, size_t count,
-                               const float* values) {
+                               const float* query) {
+  constexpr size_t kPlanes = sizeof...(kPlane);
   const WordTag<float> d;
-  const size_t lanes = hn::Lanes(d);
-  if (count > detail::kBlockObjects / 2) {
-    return KeptBits<kMins>(d, LoadAll(), planes, 0,
-                           hn::Set(d, values[kPlane])...);
+  if (!kIsSmall && count > detail::kBlockObjects / 2) {
+    return KeptBits<kMins>(
+        d, LoadAll(), planes, 0,
+        hn::Set(d, query[OpposingPlane<kMins, kPlanes>(kPlane)])...);
   }
+  // Minima and maxima by themselves: with few vectors the latency of one chain
+  // of compares is what a query waits for.
+  constexpr size_t kMaxs = kPlanes - kMins;
+  const size_t lanes = hn::Lanes(d);
   uint64_t bits = 0;
   for (size_t i = 0; i < count; i += lanes) {
-    uint64_t some = VerdictBits(
-        d,
-        Verdict<kMins>(d, LoadAll(), planes, i, hn::Set(d, values[kPlane])...));
+    uint64_t some = TestVector<kMins, 0, kPlanes>(
+        std::make_index_sequence<kMins>(), planes, i, query);
+    if constexpr (kMaxs != 0) {
+      const uint64_t others = TestVector<0, kMins, kPlanes>(
+          std::make_index_sequence<kMaxs>(), planes, i, query);
+      some = kVerdictIsKept<WordTag<float>> ? some & others : some | others;
+    }
     if (!kVerdictIsKept<WordTag<float>>) some ^= ~uint64_t{0} >> (64 - lanes);
     bits |= some << i;
   }
   return bits;
 }
 
-// The objects or nodes of a block that the floats do not reject.
-template <size_t kAxes, bool kHasMax>
-HWY_INLINE uint64_t TestFloats(const detail::BvhLevel& level, size_t block,
-                               const PlaneQuery& query) {
-  constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
+template <size_t kAxes, size_t kPlanes, bool kIsSmall>
+HWY_INLINE uint64_t TestBlock(const detail::BvhLevel& level, size_t block,
+                              size_t first_plane, size_t count,
+                              const float* query) {
   const float* planes[kPlanes];
-  for (size_t p = 0; p < kPlanes; ++p) planes[p] = level.Plane(block, p);
+  for (size_t p = 0; p < kPlanes; ++p) {
+    planes[p] = level.Plane(block, (p + first_plane) % kPlanes);
+  }
+  return TestPlanes<kAxes, kIsSmall>(std::make_index_sequence<kPlanes>(),
+                                     planes, count, query);
+}
+
+// The objects or nodes of a block that the floats do not reject.
+template <size_t kAxes, bool kHasMax, bool kIsSmall = false>
+HWY_INLINE uint64_t TestFloats(const detail::BvhLevel& level, size_t block,
+                               const float* query) {
   return level.present[block] &
-         TestPlanes<kAxes>(std::make_index_sequence<kPlanes>(), planes,
-                           level.size - block * detail::kBlockObjects,
-                           query.values);
+         TestBlock<kAxes, kBlockPlanes<kAxes, kHasMax>, kIsSmall>(
+             level, block, 0, level.size - block * detail::kBlockObjects,
+             query);
 }
 
 // The nodes inside a box or an octahedron: those whose minima and maxima are
 // both between its own.
 template <size_t kAxes>
 HWY_INLINE uint64_t InsideBits(const detail::BvhLevel& level, size_t block,
-                               const PlaneQuery& query) {
-  constexpr size_t kPlanes = 2 * kAxes;
-  const float* planes[kPlanes];
-  for (size_t p = 0; p < kPlanes; ++p) {
-    planes[p] = level.Plane(block, (p + kAxes) % kPlanes);
-  }
-  return TestPlanes<kAxes>(std::make_index_sequence<kPlanes>(), planes,
-                           detail::kBlockObjects, query.values);
+                               const float* query) {
+  return TestBlock<kAxes, 2 * kAxes, false>(level, block, kAxes,
+                                            detail::kBlockObjects, query);
 }
 
 // The bits of those of 64 objects or nodes that have a bit of a mask.

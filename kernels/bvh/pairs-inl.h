@@ -38,8 +38,9 @@ HWY_INLINE void StorePairs(__m512i a, __m512i b, uint32_t* to) {
 #endif
 
 template <size_t kAxes>
-class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
-  using Base = Walker<kAxes, true, true, PairWalker<kAxes>>;
+class PairWalker
+    : public Walker<PlaneQueries<kAxes, true>, true, PairWalker<kAxes>> {
+  using Base = Walker<PlaneQueries<kAxes, true>, true, PairWalker<kAxes>>;
   friend Base;
   static constexpr size_t kPlanes = 2 * kAxes;
   static constexpr std::make_index_sequence<kPlanes> kEachPlane{};
@@ -48,42 +49,142 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
 
  public:
   explicit PairWalker(const detail::PairJoin& join)
-      : Base(join.walk), join_(join) {}
+      : Base(join.walk), join_(join) {
+    this->query_ = PlaneQueries<kAxes, true>(bounds_);
+  }
 
   void Run() {
-    for (size_t block = join_.begin; block < join_.end;) {
-      size_t count = 0;
-      for (; block < join_.end && count < detail::kWalkers; ++block) {
-        uint64_t members = Objects(*join_.queries, block);
-        if (join_.set != nullptr) members &= join_.set[block];
-        if (members == 0) continue;
-        block_[count] = static_cast<uint32_t>(block);
-        members_[count] = members;
-        BoundMembers(block, members, this->queries_[count]);
-        ++count;
+    const detail::SlotSet* const set = join_.set;
+    if (set == nullptr) {
+      for (size_t block = join_.begin; block < join_.end; ++block) {
+        if (!AddMembers(block, ~uint64_t{0})) return;
       }
-      for (size_t q = 0; q < count; ++q) {
-        if (!this->Visit(this->levels_.count - 1, this->PlaceOf(q))) return;
+    } else {
+      for (size_t i = 0; i < set->size; i += 64) {
+        for (uint64_t used = UsedEntries(i); used != 0; used &= used - 1) {
+          const detail::SlotSet::Block& entry =
+              set->blocks[i + hwy::Num0BitsBelowLS1Bit_Nonzero64(used)];
+          if (entry.block < join_.begin || entry.block >= join_.end) continue;
+          if (!AddMembers(entry.block, entry.slots)) return;
+        }
       }
-      if (!this->VisitList()) return;
     }
+    Walk();
   }
 
  private:
+  // So many objects of a block walk one by one: the bound of all of them
+  // touches more leaves, and a leaf takes longer.
+  static constexpr size_t kFewMembers = 8;
+
+  bool HasWanted() const {
+    return join_.set != nullptr && join_.set->wanted != nullptr;
+  }
+  // Of a member by itself, the bits of masks that it wants.
+  uint32_t WantedOf(size_t slot) const {
+    return HasWanted() ? join_.set->wanted[join_.set->RankOf(slot)]
+                       : ~uint32_t{0};
+  }
+  static bool IsOne(uint64_t members) { return (members & (members - 1)) == 0; }
+  static size_t SlotOf(size_t block, uint64_t members) {
+    return block * detail::kBlockObjects +
+           hwy::Num0BitsBelowLS1Bit_Nonzero64(members);
+  }
+
+  // Bits of up to 64 entries of the set: nothing predicts which are used.
+  uint64_t UsedEntries(size_t first) const {
+    const size_t count = HWY_MIN(join_.set->size - first, size_t{64});
+    uint64_t used = 0;
+    for (size_t i = 0; i < count; ++i) {
+      used |= uint64_t{join_.set->blocks[first + i].slots != 0} << i;
+    }
+    return used;
+  }
+
+  bool AddMembers(size_t block, uint64_t members) {
+    members &= Objects(*join_.queries, block);
+    if (hwy::PopCount(members) > kFewMembers && !HasWanted()) {
+      return AddQuery(block, members);
+    }
+    for (; members != 0; members &= members - 1) {
+      if (!AddQuery(block, members & (~members + 1))) return false;
+    }
+    return true;
+  }
+
+  // Queries walk when there are as many as can.
+  bool AddQuery(size_t block, uint64_t members) {
+    block_[count_] = static_cast<uint32_t>(block);
+    members_[count_] = members;
+    wanted_[count_] = ~uint32_t{0};
+    float* const bound = bounds_[count_];
+    if (IsOne(members)) {
+      const size_t slot = SlotOf(block, members);
+      wanted_[count_] = WantedOf(slot);
+      for (size_t p = 0; p < kPlanes; ++p) {
+        constexpr float kInf = std::numeric_limits<float>::infinity();
+        const float value = join_.queries->level[0].Value(p, slot);
+        bound[p] = value == value ? value : p < kAxes ? -kInf : kInf;
+      }
+    } else {
+      BoundMembers(block, members, bound);
+      ClearRoom();
+    }
+    if (join_.has_margin) Grow(bound);
+    return ++count_ < detail::kWalkers || Walk();
+  }
+
+  bool Walk() {
+    const size_t count = count_;
+    count_ = 0;
+    encoded_ = detail::kWalkers;
+    for (size_t q = 0; q < count; ++q) {
+      if (!this->WalkNodes(q)) return false;
+    }
+    return this->VisitList();
+  }
+
   // The objects of a block that exist and have one of the masks.
   uint64_t Objects(const detail::BvhLevels& levels, size_t block) const {
-    const detail::BvhLevel& level = levels.level[0];
-    uint64_t objects = level.present[block];
-    if (level.masks != nullptr && ~this->walk_.mask != 0) {
-      objects &= MaskBits(level.masks + block * detail::kBlockObjects,
-                          this->walk_.mask);
+    return levels.level[0].present[block] &
+           WithMask(levels.level[0], block, this->walk_.mask);
+  }
+  // Those of a block that have one of the bits of a mask.
+  static uint64_t WithMask(const detail::BvhLevel& level, size_t block,
+                           uint32_t mask) {
+    if (~mask == 0) return ~uint64_t{0};
+    if (level.masks == nullptr) return mask == 0 ? 0 : ~uint64_t{0};
+    return MaskBits(level.masks + block * detail::kBlockObjects, mask);
+  }
+
+  // A value moved outward by a margin, or more by some rounding, in any mode.
+  template <class D>
+  static HWY_INLINE hn::Vec<D> Above(D d, hn::Vec<D> value, float margin) {
+    constexpr float kMost = std::numeric_limits<float>::max();
+    constexpr float kLeast = std::numeric_limits<float>::min();
+    const auto sum = hn::Add(value, hn::Set(d, margin));
+    const auto size = hn::Min(hn::Abs(sum), hn::Set(d, kMost));
+    const auto error =
+        hn::Add(hn::Mul(size, hn::Set(d, 0x1p-22f)), hn::Set(d, kLeast));
+    return hn::Add(sum, error);
+  }
+  template <class D>
+  static HWY_INLINE hn::Vec<D> Outward(D d, size_t plane, hn::Vec<D> value,
+                                       const float* margins) {
+    return plane < kAxes ? hn::Neg(Above(d, hn::Neg(value), margins[plane]))
+                         : Above(d, value, margins[plane - kAxes]);
+  }
+  void Grow(float* bound) const {
+    const hn::CappedTag<float, 1> d;
+    for (size_t p = 0; p < kPlanes; ++p) {
+      bound[p] = hn::GetLane(
+          Outward(d, p, hn::Set(d, bound[p]), join_.margins.data()));
     }
-    return objects;
   }
 
   // The bound of some objects of a block. A NaN is infinite, which rejects no
   // more.
-  void BoundMembers(size_t block, uint64_t members, PlaneQuery& query) const {
+  void BoundMembers(size_t block, uint64_t members, float* bound) const {
     const Tag d;
     constexpr float kInf = std::numeric_limits<float>::infinity();
     for (size_t p = 0; p < kPlanes; ++p) {
@@ -98,17 +199,20 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
         least = hn::Min(least, hn::IfThenElse(is_member, v, hn::Set(d, kInf)));
       }
       const float value = LeastLane(d, least);
-      query.values[(p + kAxes) % kPlanes] = p < kAxes ? value : -value;
+      bound[p] = p < kAxes ? value : -value;
     }
   }
 
-  // The nodes whose blocks follow the query's: each pair of blocks is found
-  // from the first of both.
-  HWY_INLINE uint64_t WantedNodes(size_t level, uint32_t place) const {
-    if (!join_.is_one_world || join_.set != nullptr) return ~uint64_t{0};
-    const size_t first = block_[this->QueryOf(place)] >> (6 * (level - 1));
-    const size_t begin =
-        size_t{place & detail::kBlockMask} * detail::kBlockObjects;
+  // Of the whole world, the nodes whose blocks follow the query's: each pair of
+  // blocks is found from the first of both. Of a set, those with a mask that
+  // the query wants.
+  HWY_INLINE uint64_t WantedNodes(size_t query, size_t level,
+                                  size_t block) const {
+    if (join_.set != nullptr || !join_.is_one_world) {
+      return WithMask(this->levels_.level[level], block, wanted_[query]);
+    }
+    const size_t first = block_[query] >> (6 * (level - 1));
+    const size_t begin = block * detail::kBlockObjects;
     if (first <= begin) return ~uint64_t{0};
     const size_t before = first - begin;
     return before < detail::kBlockObjects ? ~uint64_t{0} << before : 0;
@@ -116,15 +220,71 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
 
   bool VisitLeaves(const uint32_t* places, size_t count) {
     for (size_t i = 0; i < count; ++i) {
-      if (!Join(this->QueryOf(places[i]), places[i] & detail::kBlockMask)) {
-        return false;
-      }
+      const size_t query = this->QueryOf(places[i]);
+      const bool goes_on = IsOne(members_[query])
+                               ? JoinOne(query, this->BlockOf(places[i]))
+                               : Join(query, this->BlockOf(places[i]));
+      if (!goes_on) return false;
     }
     return true;
   }
 
+  // Those of a block that are queries too.
+  uint64_t MembersOf(size_t block) const {
+    return join_.set == nullptr ? ~uint64_t{0} : join_.set->SlotsOf(block);
+  }
+
+  // The pairs of one object and the objects of a block, by the codes.
+  HWY_INLINE bool JoinOne(size_t query, size_t block) {
+    const detail::BvhLevels& levels = this->levels_;
+    const size_t own = block_[query];
+    const size_t slot = SlotOf(own, members_[query]);
+    uint64_t objects = Objects(levels, block) &
+                       WithMask(levels.level[0], block, wanted_[query]);
+    if (levels.codes == nullptr) {
+      objects &= this->query_.Test(query, levels.level[0], block);
+    } else {
+      if (encoded_ != query) {
+        encoded_ = query;
+        this->query_.Encode(query, *levels.map, code_);
+      }
+      const LeafBits bits = TestCodes<kAxes, kPlanes>(
+          levels.codes + block * detail::kBlockObjects * kPlanes, code_);
+      objects &= bits.kept;
+      const uint64_t unsure = objects & bits.unsure;
+      if (unsure != 0) {
+        objects = (objects & ~unsure) | this->KeptOf(query, block, unsure);
+      }
+    }
+    if (join_.is_one_world && block <= own && objects != 0) {
+      uint64_t before = objects & MembersOf(block);
+      if (block == own) {
+        objects &= ~members_[query];
+        before &= members_[query] - 1;
+      }
+      objects &= ~(HasWanted() ? FindersOf(slot, block, before) : before);
+    }
+    return objects == 0 || WriteAll(join_.queries->ids[slot], objects,
+                                    levels.ids + block * detail::kBlockObjects);
+  }
+
+  // The members of a block that want an object.
+  HWY_NOINLINE uint64_t FindersOf(size_t slot, size_t block,
+                                  uint64_t members) const {
+    const uint32_t* const masks = this->levels_.level[0].masks;
+    const uint32_t mask = masks == nullptr ? ~uint32_t{0} : masks[slot];
+    uint64_t finders = 0;
+    for (; members != 0; members &= members - 1) {
+      const uint32_t wanted = WantedOf(SlotOf(block, members));
+      if (~wanted == 0 || (wanted & mask) != 0) {
+        finders |= members & (~members + 1);
+      }
+    }
+    return finders;
+  }
+
   // The pairs of a query's members and the objects of a block.
-  bool Join(size_t query, size_t block) {
+  HWY_NOINLINE bool Join(size_t query, size_t block) {
     const detail::BvhLevels& levels = this->levels_;
     const detail::BvhLevels& queries = *join_.queries;
     const size_t own = block_[query];
@@ -137,21 +297,15 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
           Gather(levels, own, objects & ~members, count));
     }
     // Found from both blocks.
-    if (join_.set != nullptr && block < own) objects &= ~join_.set[block];
-    const PlaneQuery& bound = this->queries_[query];
-    objects &= TestFloats<kAxes, true>(levels.level[0], block, bound);
+    if (join_.is_one_world && block < own) objects &= ~MembersOf(block);
+    objects &= this->query_.Test(query, levels.level[0], block);
     if (objects == 0) return true;
-    if ((members & (members - 1)) == 0) {
-      // The bound is its own, so these are its pairs.
-      return WriteAll(queries.ids[own * detail::kBlockObjects +
-                                  hwy::Num0BitsBelowLS1Bit_Nonzero64(members)],
-                      objects, levels.ids + block * detail::kBlockObjects);
-    }
     if (levels.count > 1) {
-      PlaneQuery node;
+      float node[kPlanes];
       for (size_t p = 0; p < kPlanes; ++p) {
-        node.values[p] = levels.level[1].Value((p + kAxes) % kPlanes, block);
+        node[p] = levels.level[1].Value(p, block);
       }
+      if (join_.has_margin) Grow(node);
       members &= TestFloats<kAxes, true>(queries.level[0], own, node);
       if (members == 0) return true;
     }
@@ -163,10 +317,20 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
                                 Gather(queries, own, members, 0));
   }
 
-  // Appends some objects of a block to those that are compared; returns how
-  // many there are then.
+  // Once, as a vector of the gathered ones may end beyond the last. Objects
+  // that walk one by one do not wait for it.
+  void ClearRoom() {
+    if (is_room_clear_) return;
+    is_room_clear_ = true;
+    std::memset(values_, 0, sizeof(values_));
+    std::memset(ids_, 0, sizeof(ids_));
+  }
+
+  // Appends some objects of a block, grown by the margin, to those that are
+  // compared; returns how many there are then.
   size_t Gather(const detail::BvhLevels& levels, size_t block, uint64_t objects,
                 size_t count) {
+    const size_t begin = count;
     for (; objects != 0; objects &= objects - 1, ++count) {
       const size_t i = hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);
       for (size_t p = 0; p < kPlanes; ++p) {
@@ -174,7 +338,19 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
       }
       ids_[count] = levels.ids[block * detail::kBlockObjects + i];
     }
+    if (join_.has_margin) GrowGathered(begin, count);
     return count;
+  }
+
+  HWY_NOINLINE void GrowGathered(size_t begin, size_t end) {
+    const Tag d;
+    for (size_t p = 0; p < kPlanes; ++p) {
+      for (size_t j = begin; j < end; j += hn::Lanes(d)) {
+        float* const values = values_[p] + j;
+        hn::StoreU(Outward(d, p, hn::LoadU(d, values), join_.margins.data()), d,
+                   values);
+      }
+    }
   }
 
   static uint64_t LowBits(size_t count) { return ~uint64_t{0} >> (64 - count); }
@@ -282,14 +458,19 @@ class PairWalker : public Walker<kAxes, true, true, PairWalker<kAxes>> {
     return to + 2 * hwy::PopCount(objects);
   }
 
-  // A vector of the gathered ones may end beyond the last.
   static constexpr size_t kRoom = detail::kBlockObjects + hn::MaxLanes(Tag());
 
   const detail::PairJoin& join_;
   uint32_t block_[detail::kWalkers];
   uint64_t members_[detail::kWalkers];
-  HWY_ALIGN float values_[kPlanes][kRoom] = {};
-  HWY_ALIGN uint32_t ids_[kRoom] = {};
+  uint32_t wanted_[detail::kWalkers];
+  float bounds_[detail::kWalkers][kPlanes];
+  size_t count_ = 0;
+  size_t encoded_ = detail::kWalkers;  // the query that code_ is of, or none
+  QueryCodes code_;
+  bool is_room_clear_ = false;
+  HWY_ALIGN float values_[kPlanes][kRoom];
+  HWY_ALIGN uint32_t ids_[kRoom];
 };
 
 template <size_t kAxes>

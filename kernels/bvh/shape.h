@@ -11,6 +11,7 @@
 
 #include "halfspace/detail/bvh.h"
 #include "halfspace/detail/bvh_shapes.h"
+#include "kernels/bvh/block.h"
 
 namespace halfspace::detail {
 
@@ -28,6 +29,9 @@ struct Ball {
   std::size_t max_plane;  // the first maximum, or 0 without
   float center[3];
   float limit;
+  std::size_t d_axis;  // or 0 without
+  float d_min;
+  float d_max;
 };
 
 // Where a line passes a plane: at t = (value - offset) * inverse.
@@ -64,31 +68,20 @@ struct Front {
   Term term[4];
 };
 
-// What a walk tests beside the query of its planes.
-struct WalkShape {
-  using Bits = std::uint64_t (*)(const WalkShape& shape, const BvhLevel& level,
-                                 std::size_t first, std::uint64_t candidates);
-  // Of the objects or nodes of a block, those of the candidates that the shape
-  // may touch: tested instead of the query of planes, or null if that is to be
-  // tested.
-  Bits instead;
-  // The same of what the planes keep, or null with `instead`.
-  Bits touching;
-  // Those nodes of the candidates all of whose objects the shape is sure to
-  // keep; null if there are none. Their minima are below their maxima.
-  Bits inside;
-  Ball ball;
-  Line line;
-  std::size_t front_count;
-  Front fronts[kMostHalfSpaces];
+struct Fronts {
+  std::size_t count;
+  Front front[kMostHalfSpaces];
 };
 
+// Walks whose query is a Ball, a Line or Fronts.
 struct BvhShapeKernels {
-  WalkShape::Bits ball;
-  WalkShape::Bits in_ball;
-  WalkShape::Bits line;
-  WalkShape::Bits fronts;
-  WalkShape::Bits in_fronts;
+  struct OfShape {
+    WalkFunction find;
+    WalkFunction count;
+  };
+  OfShape ball;
+  OfShape line;
+  OfShape fronts;
 };
 
 // Of each compiled target, best first.
@@ -98,11 +91,16 @@ extern const BvhShapeKernels* const kBvhShapeKernels;
 template <std::int64_t kTarget>
 inline constexpr BvhShapeKernels kBvhShapeKernelsFor{};
 
-// All in the default floating-point mode. `direction` is that of t = 1; D moves
-// with the others. A bound is passed if it is within `radius` of the line, on
-// each axis by itself.
-Ball MakeBall(const ShapePlanes& planes, const float* center, float radius);
-void MakeLine(const ShapePlanes& planes, const double* origin,
+// At least the value, by up to two ulps.
+float RoundedUp(double value);
+
+// All in the default floating-point mode.
+void MakeBall(const ShapePlanes& planes, const float* center, float radius,
+              Ball& ball);
+// Of a box from `low` to `high`, `radius` larger on each side, that moves by
+// t * `direction`. A point has low == high. A bound is passed if the box
+// touches it on each axis by itself, D included.
+void MakeLine(const ShapePlanes& planes, const double* low, const double* high,
               const double* direction, float max_t, float radius, Line& line);
 Front MakeFront(const ShapePlanes& planes, const float* normal, float offset);
 

@@ -64,22 +64,26 @@ HWY_INLINE hn::Vec<D> SquaredDistance(D d, const detail::BvhLevel& level,
   return sum;
 }
 
-// Where the line enters bounds from i on: 0 or more. Beyond exit, it does not.
-template <class D>
+// Where the line enters bounds from i on: 0 or more. Beyond `exit`, which has
+// the limit of t before, it does not enter. kAxes is the number of axes of a
+// line with maxima, or 0.
+template <size_t kAxes = 0, class D>
 HWY_INLINE hn::Vec<D> EntryOf(D d, const detail::BvhLevel& level, size_t block,
                               size_t i, const detail::Line& line,
                               hn::Vec<D>& exit) {
+  const float* const floats = level.Plane(block, 0) + i;
   const auto at = [&](size_t p) HWY_ATTR {
     const detail::LinePlane& plane = line.plane[p];
-    return hn::Mul(hn::Sub(hn::LoadU(d, level.Plane(block, plane.plane) + i),
-                           hn::Set(d, plane.offset)),
+    const float* const values = floats + plane.plane * detail::kBlockObjects;
+    return hn::Mul(hn::Sub(hn::LoadU(d, values), hn::Set(d, plane.offset)),
                    hn::Set(d, plane.inverse));
   };
+  const size_t entering = kAxes == 0 ? line.entering : kAxes;
+  const size_t planes = kAxes == 0 ? line.planes : 2 * kAxes;
   auto enter = hn::Zero(d);
-  exit = hn::Set(d, line.max_t);
   size_t p = 0;
-  for (; p < line.entering; ++p) enter = GreaterOf(at(p), enter);
-  for (; p < line.planes; ++p) exit = LesserOf(at(p), exit);
+  for (; p < entering; ++p) enter = GreaterOf(at(p), enter);
+  for (; p < planes; ++p) exit = LesserOf(at(p), exit);
   exit = hn::Add(exit, hn::Set(d, detail::kApartOnLine));
   return enter;
 }
@@ -98,67 +102,152 @@ HWY_INLINE uint64_t NotRejected(uint64_t candidates, const Rejects& rejects) {
   return candidates;
 }
 
-inline uint64_t BallBits(const detail::WalkShape& shape,
-                         const detail::BvhLevel& level, size_t block,
-                         uint64_t candidates) {
-  return NotRejected(candidates, [&](auto d, size_t i) HWY_ATTR {
-    return hn::Gt(SquaredDistance(d, level, block, i, shape.ball),
-                  hn::Set(d, shape.ball.limit));
-  });
-}
+// The bounds that a ball may touch.
+class BallQuery {
+ public:
+  static constexpr bool kHasCodes = false;
+  static constexpr bool kFindsInside = true;
 
-// By their farthest corners. The squares of their objects' distances, as
-// computed, are no greater.
-inline uint64_t InBallBits(const detail::WalkShape& shape,
-                           const detail::BvhLevel& level, size_t block,
-                           uint64_t candidates) {
-  return NotRejected(candidates, [&](auto d, size_t i) HWY_ATTR {
-    auto sum = hn::Zero(d);
-    for (size_t k = 0; k < shape.ball.dims; ++k) {
-      const auto c = hn::Set(d, shape.ball.center[k]);
-      const float* const minima = level.Plane(block, k);
-      const float* const maxima = level.Plane(block, shape.ball.max_plane + k);
-      const auto gap = GreaterOf(hn::Sub(hn::LoadU(d, maxima + i), c),
-                                 hn::Sub(c, hn::LoadU(d, minima + i)));
-      sum = hn::Add(sum, hn::Mul(gap, gap));
-    }
-    return hn::Not(hn::Le(sum, hn::Set(d, shape.ball.limit)));
-  });
-}
+  explicit BallQuery(const void* ball)
+      : ball_(*static_cast<const detail::Ball*>(ball)) {}
 
-inline uint64_t LineBits(const detail::WalkShape& shape,
-                         const detail::BvhLevel& level, size_t block,
-                         uint64_t candidates) {
-  return NotRejected(candidates, [&](auto d, size_t i) HWY_ATTR {
-    auto exit = hn::Zero(d);
-    const auto enter = EntryOf(d, level, block, i, shape.line, exit);
-    return hn::Gt(enter, exit);
-  });
-}
-
-// Those whose farthest corners, or nearest, are in front of all.
-template <bool kIsNearest>
-uint64_t FrontBits(const detail::WalkShape& shape,
-                   const detail::BvhLevel& level, size_t block,
-                   uint64_t candidates) {
-  for (size_t f = 0; f < shape.front_count && candidates != 0; ++f) {
-    const detail::Front& front = shape.fronts[f];
-    candidates = NotRejected(candidates, [&](auto d, size_t i) HWY_ATTR {
-      auto sum = hn::Set(d, front.offset);
-      for (size_t t = 0; t < front.terms; ++t) {
-        const detail::Front::Term& term = front.term[t];
-        const float* const plane =
-            level.Plane(block, kIsNearest ? term.opposite : term.plane);
-        const auto value = hn::LoadU(d, plane + i);
-        sum = hn::Add(sum, GreaterOf(hn::Mul(value, hn::Set(d, term.more)),
-                                     hn::Mul(value, hn::Set(d, term.less))));
+  uint64_t Test(size_t query, const detail::BvhLevel& level,
+                size_t block) const {
+    return TestApart(query, level, block);
+  }
+  uint64_t TestOnlyLeaf(size_t query, const detail::BvhLevel& level) const {
+    return TestApart(query, level, 0);
+  }
+  HWY_NOINLINE uint64_t TestApart(size_t, const detail::BvhLevel& level,
+                                  size_t block) const {
+    return NotRejected(level.present[block], [&](auto d, size_t i) HWY_ATTR {
+      auto rejects = hn::Gt(SquaredDistance(d, level, block, i, ball_),
+                            hn::Set(d, ball_.limit));
+      if (ball_.d_axis != 0) {
+        const auto min = hn::LoadU(d, level.Plane(block, ball_.d_axis) + i);
+        rejects = hn::Or(rejects, hn::Gt(min, hn::Set(d, ball_.d_max)));
+        if (ball_.max_plane != 0) {
+          const auto max = hn::LoadU(
+              d, level.Plane(block, ball_.max_plane + ball_.d_axis) + i);
+          rejects = hn::Or(rejects, hn::Lt(max, hn::Set(d, ball_.d_min)));
+        }
       }
-      const auto is_behind = hn::Lt(sum, hn::Zero(d));
-      return kIsNearest ? hn::Or(is_behind, hn::Ne(sum, sum)) : is_behind;
+      return rejects;
     });
   }
-  return candidates;
-}
+
+  // By their farthest corners. The squares of their objects' distances, as
+  // computed, are no greater.
+  HWY_NOINLINE uint64_t Inside(size_t, const detail::BvhLevel& level,
+                               size_t block, uint64_t kept) const {
+    return NotRejected(kept, [&](auto d, size_t i) HWY_ATTR {
+      const auto min = [&](size_t k) HWY_ATTR {
+        return hn::LoadU(d, level.Plane(block, k) + i);
+      };
+      const auto max = [&](size_t k) HWY_ATTR {
+        return hn::LoadU(d, level.Plane(block, ball_.max_plane + k) + i);
+      };
+      auto sum = hn::Zero(d);
+      for (size_t k = 0; k < ball_.dims; ++k) {
+        const auto c = hn::Set(d, ball_.center[k]);
+        const auto gap = GreaterOf(hn::Sub(max(k), c), hn::Sub(c, min(k)));
+        sum = hn::Add(sum, hn::Mul(gap, gap));
+      }
+      auto is_inside = hn::Le(sum, hn::Set(d, ball_.limit));
+      if (ball_.d_axis != 0) {
+        is_inside = hn::And(
+            is_inside,
+            hn::And(hn::Le(max(ball_.d_axis), hn::Set(d, ball_.d_max)),
+                    hn::Ge(min(ball_.d_axis), hn::Set(d, ball_.d_min))));
+      }
+      return hn::Not(is_inside);
+    });
+  }
+
+ private:
+  const detail::Ball& ball_;
+};
+
+// The bounds that a line enters.
+class LineQuery {
+ public:
+  static constexpr bool kHasCodes = false;
+  static constexpr bool kFindsInside = false;
+
+  explicit LineQuery(const void* line)
+      : line_(*static_cast<const detail::Line*>(line)) {}
+
+  uint64_t Test(size_t query, const detail::BvhLevel& level,
+                size_t block) const {
+    return TestApart(query, level, block);
+  }
+  uint64_t TestOnlyLeaf(size_t query, const detail::BvhLevel& level) const {
+    return TestApart(query, level, 0);
+  }
+  HWY_NOINLINE uint64_t TestApart(size_t, const detail::BvhLevel& level,
+                                  size_t block) const {
+    return NotRejected(level.present[block], [&](auto d, size_t i) HWY_ATTR {
+      auto exit = hn::Set(d, line_.max_t);
+      const auto enter = EntryOf(d, level, block, i, line_, exit);
+      return hn::Gt(enter, exit);
+    });
+  }
+
+ private:
+  const detail::Line& line_;
+};
+
+// The bounds that are not behind a half-space.
+class FrontsQuery {
+ public:
+  static constexpr bool kHasCodes = false;
+  static constexpr bool kFindsInside = true;
+
+  explicit FrontsQuery(const void* fronts)
+      : fronts_(*static_cast<const detail::Fronts*>(fronts)) {}
+
+  uint64_t Test(size_t query, const detail::BvhLevel& level,
+                size_t block) const {
+    return TestApart(query, level, block);
+  }
+  uint64_t TestOnlyLeaf(size_t query, const detail::BvhLevel& level) const {
+    return TestApart(query, level, 0);
+  }
+  HWY_NOINLINE uint64_t TestApart(size_t, const detail::BvhLevel& level,
+                                  size_t block) const {
+    return Bits<false>(level, block, level.present[block]);
+  }
+  HWY_NOINLINE uint64_t Inside(size_t, const detail::BvhLevel& level,
+                               size_t block, uint64_t kept) const {
+    return Bits<true>(level, block, kept);
+  }
+
+ private:
+  // Those whose farthest corners, or nearest, are in front of all.
+  template <bool kIsNearest>
+  uint64_t Bits(const detail::BvhLevel& level, size_t block,
+                uint64_t candidates) const {
+    for (size_t f = 0; f < fronts_.count && candidates != 0; ++f) {
+      const detail::Front& front = fronts_.front[f];
+      candidates = NotRejected(candidates, [&](auto d, size_t i) HWY_ATTR {
+        auto sum = hn::Set(d, front.offset);
+        for (size_t t = 0; t < front.terms; ++t) {
+          const detail::Front::Term& term = front.term[t];
+          const float* const plane =
+              level.Plane(block, kIsNearest ? term.opposite : term.plane);
+          const auto value = hn::LoadU(d, plane + i);
+          sum = hn::Add(sum, GreaterOf(hn::Mul(value, hn::Set(d, term.more)),
+                                       hn::Mul(value, hn::Set(d, term.less))));
+        }
+        const auto is_behind = hn::Lt(sum, hn::Zero(d));
+        return kIsNearest ? hn::Or(is_behind, hn::Ne(sum, sum)) : is_behind;
+      });
+    }
+    return candidates;
+  }
+
+  const detail::Fronts& fronts_;
+};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace halfspace

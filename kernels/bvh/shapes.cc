@@ -12,15 +12,19 @@
 
 // After foreach_target.h, which decides what they are compiled for.
 #include "kernels/bvh/shapes-inl.h"
+#include "kernels/bvh/walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace::detail {
 
 template <>
 inline constexpr BvhShapeKernels kBvhShapeKernelsFor<HWY_TARGET> = {
-    &HWY_NAMESPACE::BallBits, &HWY_NAMESPACE::InBallBits,
-    &HWY_NAMESPACE::LineBits, &HWY_NAMESPACE::FrontBits<false>,
-    &HWY_NAMESPACE::FrontBits<true>};
+    {&HWY_NAMESPACE::RunWalk<HWY_NAMESPACE::BallQuery, true>,
+     &HWY_NAMESPACE::RunWalk<HWY_NAMESPACE::BallQuery, false>},
+    {&HWY_NAMESPACE::RunWalk<HWY_NAMESPACE::LineQuery, true>,
+     &HWY_NAMESPACE::RunWalk<HWY_NAMESPACE::LineQuery, false>},
+    {&HWY_NAMESPACE::RunWalk<HWY_NAMESPACE::FrontsQuery, true>,
+     &HWY_NAMESPACE::RunWalk<HWY_NAMESPACE::FrontsQuery, false>}};
 
 }  // namespace halfspace::detail
 HWY_AFTER_NAMESPACE();

@@ -15,7 +15,6 @@
 #include "kernels/bvh/block.h"
 #include "kernels/bvh/blocks-inl.h"
 #include "kernels/bvh/curve-inl.h"
-#include "kernels/bvh/shape.h"
 #include "kernels/prefetch.h"
 #include "kernels/scan/words-inl.h"
 
@@ -39,12 +38,12 @@ HWY_INLINE void ForFewBits(uint64_t bits, const Write& write) {
   }
 }
 
-// Writes ids[i] for every bit i. There is room for 64.
-HWY_INLINE uint32_t* WriteIds(uint64_t bits, const uint32_t* ids,
+// Writes ids[i] for every bit i, which is below `count`. There is room for 64.
+HWY_INLINE uint32_t* WriteIds(uint64_t bits, const uint32_t* ids, size_t count,
                               uint32_t* to) {
 #if HALFSPACE_MASKED_COMPARES
   const hn::CappedTag<uint32_t, 16> d;
-  for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+  for (size_t i = 0; i < count; i += hn::Lanes(d)) {
     const auto some = static_cast<uint16_t>(bits >> i);
     hn::StoreU(hn::Compress(hn::LoadU(d, ids + i), hn::Mask<decltype(d)>{some}),
                d, to);
@@ -52,40 +51,97 @@ HWY_INLINE uint32_t* WriteIds(uint64_t bits, const uint32_t* ids,
   }
   return to;
 #else
+  (void)count;
   ForFewBits(bits, [&](size_t i, size_t bit) HWY_ATTR { to[i] = ids[bit]; });
   return to + hwy::PopCount(bits);
 #endif
 }
 
+// Queries by bounds: a plane of an object or node is compared with the opposing
+// plane of the query.
+template <size_t kAxes, bool kHasMax>
+class PlaneQueries {
+ public:
+  static constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
+  static constexpr bool kHasCodes = true;
+  static constexpr bool kFindsInside = kHasMax;
+
+  explicit PlaneQueries(const void* queries)
+      : queries_(static_cast<const float*>(queries)) {}
+
+  HWY_INLINE uint64_t Test(size_t query, const detail::BvhLevel& level,
+                           size_t block) const {
+    return TestFloats<kAxes, kHasMax>(level, block, At(query));
+  }
+  HWY_NOINLINE uint64_t TestApart(size_t query, const detail::BvhLevel& level,
+                                  size_t block) const {
+    return Test(query, level, block);
+  }
+  HWY_INLINE uint64_t TestOnlyLeaf(size_t query,
+                                   const detail::BvhLevel& level) const {
+    return TestFloats<kAxes, kHasMax, true>(level, 0, At(query));
+  }
+  // The nodes of `kept` all of whose objects survive.
+  HWY_INLINE uint64_t Inside(size_t query, const detail::BvhLevel& level,
+                             size_t block, uint64_t kept) const {
+    return kept & InsideBits<kAxes>(level, block, At(query));
+  }
+
+  // The same of objects by their codes.
+  HWY_INLINE void Encode(size_t query, const detail::CodeMap& map,
+                         QueryCodes& codes) const {
+    EncodeQuery<kAxes, kHasMax>(map, At(query), codes);
+  }
+  static HWY_INLINE LeafBits Test(const QueryCodes& query,
+                                  const int16_t* codes) {
+    return TestCodes<kAxes, kPlanes>(codes, query);
+  }
+  bool Rejects(size_t query, const detail::BvhLevel& level, size_t block,
+               size_t lane) const {
+    const float* const values = At(query);
+    bool rejects = false;
+    for (size_t p = 0; p < kPlanes; ++p) {
+      const float own = level.Plane(block, p)[lane];
+      const float opposing = values[OpposingPlane<kAxes, kPlanes>(p)];
+      rejects |= p < kAxes ? own > opposing : own < opposing;
+    }
+    return rejects;
+  }
+
+ private:
+  const float* At(size_t query) const { return queries_ + query * kPlanes; }
+
+  const float* queries_;
+};
+
 // Walks from the root to the objects that survive, in two steps: nodes are
 // tested depth first, and leaves that survive are put on a list, so that all of
 // them can be prefetched before the first is read. The list has the leaves of
-// several queries. Leaves, if given, derives from this and has queries of its
-// own: it has VisitLeaves(), which takes a list, and WantedNodes().
-template <size_t kAxes, bool kHasMax, bool kWrites, class Leaves = void>
+// several queries. Query is PlaneQueries or a shape (shapes-inl.h). Leaves, if
+// given, derives from this: it has VisitLeaves(), which takes a list, and
+// WantedNodes().
+template <class Query, bool kWrites, class Leaves = void>
 class Walker {
  public:
-  static constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
-
   explicit Walker(const detail::Walk& walk)
       : walk_(walk),
         levels_(*walk.levels),
+        query_(walk.queries),
         has_masks_(levels_.level[0].masks != nullptr && ~walk.mask != 0),
-        reads_codes_(
-            levels_.codes != nullptr &&
-            (walk.shape == nullptr || walk.shape->instead == nullptr)) {}
+        many_leaves_(walk.is_urgent ? 1 : kManyLeaves) {}
 
   void Run() {
     for (size_t q = 0; q < walk_.query_count; ++q) {
-      ReadQuery<kAxes, kHasMax>(walk_.queries + q * kPlanes,
-                                queries_[q - first_query_]);
-      if (!Visit(levels_.count - 1, PlaceOf(q - first_query_))) return;
-      const size_t walkers = q + 1 - first_query_;
-      if (walkers < detail::kWalkers && q + 1 < walk_.query_count) continue;
-      if (!VisitList() || (kWrites && !EndQueries(walkers))) return;
+      if (!WalkNodes(q)) break;
+      const bool is_last = q + 1 == walk_.query_count;
+      if (q + 1 - first_query_ < detail::kWalkers && !is_last) continue;
+      if (!VisitList()) break;
+      EndQueries(q + 1);
       first_query_ = q + 1;
-      query_ = 0;
-      encoded_ = kNone;
+    }
+    if (walk_.statistics != nullptr) {
+      walk_.statistics->node_blocks += node_blocks_;
+      walk_.statistics->leaves += leaves_;
     }
   }
 
@@ -99,65 +155,80 @@ class Walker {
   // for: a query that is not larger than its nodes has none.
   static constexpr size_t kManyKept = 8;
 
-  static uint32_t PlaceOf(size_t query) {
-    return static_cast<uint32_t>(query << detail::kQueryShift);
-  }
+  // A place on the list: a block, whether it is inside the query, and the
+  // query's number after the first that walks.
   static size_t BlockOf(uint32_t place) { return place & detail::kBlockMask; }
-  static size_t QueryOf(uint32_t place) { return place >> detail::kQueryShift; }
   static bool IsInside(uint32_t place) {
     return (place & detail::kInsideBit) != 0;
   }
-  // The first of its objects or nodes.
-  static size_t FirstOf(uint32_t place) {
-    return BlockOf(place) * detail::kBlockObjects;
+  size_t QueryOf(uint32_t place) const {
+    return first_query_ + (place >> detail::kQueryShift);
   }
 
-  // A block of a level, and what survives below it.
-  bool Visit(size_t level, uint32_t place) {
-    if (level == 0) return VisitOnlyLeaf(place);
-    uint64_t kept;
-    uint64_t inside = 0;
-    if (IsInside(place)) {
-      kept = levels_.level[level].present[BlockOf(place)];
-    } else {
-      kept = Filter(level, place, TestFloatsOf(level, place));
-      if (kept == 0) return true;
-      inside = Inside(level, place, kept);
-      if constexpr (!kWrites) {
-        if (inside != 0) Count(level, place, inside);
-        kept &= ~inside;
+  // From the root to the leaves that the query may touch.
+  HWY_INLINE bool WalkNodes(size_t query) {
+    struct Children {  // that are still to visit
+      uint64_t kept;
+      uint64_t inside;
+      size_t first;
+    };
+    Children children[detail::kMostLevels];
+    size_t level = levels_.count - 1;
+    size_t block = 0;
+    bool is_inside = false;
+    if (level == 0) return VisitOnlyLeaf(query);
+    for (;;) {
+      const detail::BvhLevel& nodes = levels_.level[level];
+      Children& own = children[level];
+      own.first = block * detail::kBlockObjects;
+      ++node_blocks_;
+      if (is_inside) {
+        own.inside = own.kept = nodes.present[block];
+      } else {
+        own.kept =
+            Filter(query, level, block, query_.Test(query, nodes, block));
+        own.inside = Inside(query, level, block, own.kept);
+        if constexpr (!kWrites) {
+          if (own.inside != 0) Count(query, level, block, own.inside);
+          own.kept &= ~own.inside;
+        }
       }
-    }
-    const uint32_t first =
-        (place & ~detail::kBlockMask) | static_cast<uint32_t>(FirstOf(place));
-    if (level == 1) return ListLeaves(first, kept, inside);
-    for (; kept != 0; kept &= kept - 1) {
-      const size_t bit = hwy::Num0BitsBelowLS1Bit_Nonzero64(kept);
-      const uint32_t is_inside = inside >> bit & 1;
-      if (!Visit(level - 1, (first + static_cast<uint32_t>(bit)) |
-                                is_inside * detail::kInsideBit)) {
-        return false;
+      if (level == 1) {
+        if (own.kept != 0 &&
+            !ListLeaves(query, own.first, own.kept, own.inside)) {
+          return false;
+        }
+        own.kept = 0;
       }
+      while (children[level].kept == 0) {
+        if (++level == levels_.count) return true;
+      }
+      Children& next = children[level];
+      const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(next.kept);
+      next.kept &= next.kept - 1;
+      is_inside = (next.inside >> lane & 1) != 0;
+      block = next.first + lane;
+      --level;
     }
-    return true;
   }
 
   // Of a world without nodes.
-  HWY_INLINE bool VisitOnlyLeaf(uint32_t place) {
-    if constexpr (kHasLeaves) {
-      list_[list_size_++] = place;
-      return true;
-    } else {
-      if (kWrites && !EndQueries(QueryOf(place))) return false;
-      const uint64_t kept = Filter(0, place, TestFloatsOf(0, place));
-      return kept == 0 || Take(place, kept);
-    }
+  HWY_INLINE bool VisitOnlyLeaf(size_t query) {
+    if constexpr (kHasLeaves) return ListLeaves(query, 0, 1, 0);
+    EndQueries(query);
+    ++leaves_;
+    const uint64_t kept =
+        Filter(query, 0, 0, query_.TestOnlyLeaf(query, levels_.level[0]));
+    return kept == 0 || Take(query, 0, kept);
   }
 
-  HWY_INLINE bool ListLeaves(uint32_t first, uint64_t kept, uint64_t inside) {
+  HWY_INLINE bool ListLeaves(size_t query, size_t first, uint64_t kept,
+                             uint64_t inside) {
+    const auto place = static_cast<uint32_t>(
+        (query - first_query_) << detail::kQueryShift | first);
     uint32_t* const to = list_ + list_size_;
     ForFewBits(kept, [&](size_t n, size_t bit) HWY_ATTR {
-      to[n] = first + static_cast<uint32_t>(bit);
+      to[n] = place + static_cast<uint32_t>(bit);
     });
     const size_t leaves = hwy::PopCount(kept);
     if (kWrites && inside != 0) {
@@ -166,89 +237,67 @@ class Walker {
         to[n] |= static_cast<uint32_t>(bit) * detail::kInsideBit;
       }
     }
-    if (levels_.level[0].is_prefetched) {
+    if (levels_.level[0].is_prefetched && many_leaves_ > 1) {
       for (size_t n = 0; n < leaves; ++n) PrefetchLeaf(to[n]);
     }
     list_size_ += leaves;
-    return list_size_ < kManyLeaves || VisitList();
+    return list_size_ < many_leaves_ || VisitList();
   }
 
   // Reads the leaves on the list.
-  bool VisitList() {
+  HWY_NOINLINE bool VisitList() {
     const size_t size = list_size_;
     if (size == 0) return true;
     list_size_ = 0;
     if constexpr (kHasLeaves) {
       return static_cast<Leaves*>(this)->VisitLeaves(list_, size);
     } else {
-      return VisitLeaves(size);
+      if constexpr (Query::kHasCodes) {
+        if (levels_.codes != nullptr) return VisitCodes(size);
+      }
+      return VisitFloats(size);
     }
-  }
-
-  HWY_INLINE uint64_t TestFloatsOf(size_t level, uint32_t place) const {
-    const detail::BvhLevel& tested = levels_.level[level];
-    const detail::WalkShape* const shape = walk_.shape;
-    if (shape != nullptr && shape->instead != nullptr) {
-      return shape->instead(*shape, tested, BlockOf(place),
-                            tested.present[BlockOf(place)]);
-    }
-    return TestFloats<kAxes, kHasMax>(tested, BlockOf(place),
-                                      queries_[QueryOf(place)]);
-  }
-
-  HWY_NOINLINE uint64_t TestObjects(uint32_t place) const {
-    return TestFloatsOf(0, place);
   }
 
   // Those of `kept` that have what a query asks for beside its planes.
-  HWY_INLINE uint64_t Filter(size_t level, uint32_t place, uint64_t kept) {
+  HWY_INLINE uint64_t Filter(size_t query, size_t level, size_t block,
+                             uint64_t kept) {
     if constexpr (kHasLeaves) {
-      kept &= static_cast<Leaves*>(this)->WantedNodes(level, place);
+      kept &= static_cast<Leaves*>(this)->WantedNodes(query, level, block);
     }
     if (kept != 0 && has_masks_) {
-      kept &= MaskBits(levels_.level[level].masks + FirstOf(place), walk_.mask);
-    }
-    if (kept != 0 && walk_.shape != nullptr &&
-        walk_.shape->touching != nullptr) {
-      kept = walk_.shape->touching(*walk_.shape, levels_.level[level],
-                                   BlockOf(place), kept);
+      kept &=
+          MaskBits(levels_.level[level].masks + block * detail::kBlockObjects,
+                   walk_.mask);
     }
     return kept;
   }
 
   // The nodes of `kept` all of whose objects survive.
-  HWY_INLINE uint64_t Inside(size_t level, uint32_t place, uint64_t kept) {
-    if constexpr (kHasMax && !kHasLeaves) {
-      if (has_masks_) return 0;
+  HWY_INLINE uint64_t Inside(size_t query, size_t level, size_t block,
+                             uint64_t kept) {
+    if constexpr (Query::kFindsInside && !kHasLeaves) {
+      if (has_masks_ || levels_.level[level].regular == nullptr) return 0;
       if (kWrites && hwy::PopCount(kept) < kManyKept) return 0;
-      const detail::WalkShape* const shape = walk_.shape;
-      if (shape != nullptr && shape->inside == nullptr) return 0;
       const detail::BvhLevel& nodes = levels_.level[level];
-      const size_t block = BlockOf(place);
-      uint64_t candidates = kept & nodes.regular[block];
-      if (candidates != 0) {
-        candidates &= InsideBits<kAxes>(nodes, block, queries_[QueryOf(place)]);
-      }
-      if (candidates != 0 && shape != nullptr) {
-        candidates = shape->inside(*shape, nodes, block, candidates);
-      }
-      return candidates;
+      kept &= nodes.regular[block];
+      return kept == 0 ? 0 : query_.Inside(query, nodes, block, kept);
     }
     return 0;
   }
 
   // Adds the objects of the nodes inside the query, without a visit.
-  void Count(size_t level, uint32_t place, uint64_t inside) {
+  void Count(size_t query, size_t level, size_t block, uint64_t inside) {
     const detail::BvhLevel& nodes = levels_.level[level];
     const size_t objects_of_node = size_t{1} << (6 * level);
     size_t objects = hwy::PopCount(inside) * objects_of_node;
     // The last node may have fewer.
     const size_t last = nodes.size - 1;
-    if (last / detail::kBlockObjects == BlockOf(place) &&
+    if (last / detail::kBlockObjects == block &&
         (inside >> (last % detail::kBlockObjects) & 1) != 0) {
       objects -= nodes.size * objects_of_node - levels_.level[0].size;
     }
-    walk_.counts[first_query_ + QueryOf(place)] += objects;
+    walk_.counts[query] += objects;
   }
 
   template <size_t kCount, typename T>
@@ -259,114 +308,126 @@ class Walker {
   }
 
   void PrefetchLeaf(uint32_t place) const {
-    if constexpr (kHasLeaves) return;
-    if (!IsInside(place)) {
-      constexpr size_t kValues = kPlanes * detail::kBlockObjects;
-      if (reads_codes_) {
-        PrefetchAll<kValues>(Codes(place));
-      } else {
-        PrefetchAll<kValues>(levels_.level[0].Plane(BlockOf(place), 0));
+    if (kHasLeaves || IsInside(place)) return;
+    if constexpr (Query::kHasCodes) {
+      // Leaves without codes are in the cache.
+      PrefetchAll<Query::kPlanes * detail::kBlockObjects>(CodesOf(place));
+    } else {
+      const detail::BvhLevel& objects = levels_.level[0];
+      for (size_t p = 0; p < objects.planes; ++p) {
+        PrefetchAll<detail::kBlockObjects>(objects.Plane(BlockOf(place), p));
       }
     }
   }
 
-  const int16_t* Codes(uint32_t place) const {
-    return levels_.codes + FirstOf(place) * kPlanes;
+  const int16_t* CodesOf(uint32_t place) const {
+    return levels_.codes +
+           BlockOf(place) * detail::kBlockObjects * Query::kPlanes;
   }
 
-  bool VisitLeaves(size_t size) {
+  // Leaves by their codes; the floats say which of those that these leave
+  // unsure survive, when all have been read.
+  HWY_NOINLINE bool VisitCodes(size_t size) {
     Unsure unsure[kManyLeaves + detail::kBlockObjects];
     size_t unsure_count = 0;
+    size_t encoded = kNone;
+    QueryCodes codes;
     for (size_t i = 0; i < size; ++i) {
       const uint32_t place = list_[i];
+      const size_t block = BlockOf(place);
       const size_t query = QueryOf(place);
-      if (query != encoded_) {
-        if (unsure_count != 0 && !Resolve(unsure, unsure_count)) return false;
-        unsure_count = 0;
-        if (kWrites && !EndQueries(query)) return false;
-        encoded_ = query;
-        if (reads_codes_) {
-          EncodeQuery<kAxes, kHasMax>(*levels_.map, queries_[query], codes_);
+      ++leaves_;
+      if (query != encoded) {
+        if (unsure_count != 0 && !Resolve(encoded, unsure, unsure_count)) {
+          return false;
         }
+        unsure_count = 0;
+        EndQueries(query);
+        encoded = query;
+        query_.Encode(query, *levels_.map, codes);
       }
-      uint64_t kept;
-      if (IsInside(place)) {
-        kept = levels_.level[0].present[BlockOf(place)];
-      } else if (!reads_codes_) {
-        kept = Filter(0, place, TestObjects(place));
-      } else {
-        const LeafBits bits = TestCodes<kAxes, kPlanes>(Codes(place), codes_);
-        kept = bits.kept & levels_.level[0].present[BlockOf(place)];
-        kept = Filter(0, place, kept);
-        unsure[unsure_count] = {place, bits.unsure & kept};
+      uint64_t kept = levels_.level[0].present[block];
+      if (!IsInside(place)) {
+        const LeafBits bits = Query::Test(codes, CodesOf(place));
+        kept = Filter(query, 0, block, kept & bits.kept);
+        unsure[unsure_count] = {block, bits.unsure & kept};
         unsure_count += (bits.unsure & kept) != 0;
         kept &= ~bits.unsure;
       }
-      if (kept != 0 && !Take(place, kept)) return false;
+      if (kept != 0 && !Take(query, block, kept)) return false;
     }
-    return unsure_count == 0 || Resolve(unsure, unsure_count);
+    return unsure_count == 0 || Resolve(encoded, unsure, unsure_count);
   }
 
-  bool EndQueries(size_t end) {
-    for (; query_ < end; ++query_) {
-      if (!walk_.ids->end_of_query(*walk_.ids, first_query_ + query_)) {
-        return false;
+  // Leaves by their floats.
+  bool VisitFloats(size_t size) {
+    for (size_t i = 0; i < size; ++i) {
+      const uint32_t place = list_[i];
+      const size_t block = BlockOf(place);
+      const size_t query = QueryOf(place);
+      ++leaves_;
+      EndQueries(query);
+      uint64_t kept = levels_.level[0].present[block];
+      if (!IsInside(place)) {
+        kept = Filter(query, 0, block,
+                      query_.TestApart(query, levels_.level[0], block));
       }
+      if (kept != 0 && !Take(query, block, kept)) return false;
     }
     return true;
   }
 
-  HWY_INLINE bool Take(uint32_t place, uint64_t bits) {
+  HWY_INLINE void EndQueries(size_t end) {
+    if constexpr (kWrites && !kHasLeaves) {
+      detail::WalkIds& ids = *walk_.ids;
+      if (ids.offsets == nullptr) return;
+      for (; ended_ < end; ++ended_) *++ids.offsets = ids.Total();
+    }
+  }
+
+  HWY_INLINE bool Take(size_t query, size_t block, uint64_t bits) {
     if constexpr (kWrites) {
       detail::WalkIds& ids = *walk_.ids;
-      if (static_cast<size_t>(ids.end - ids.next) < detail::kBlockObjects)
-          [[unlikely]] {
-        if (!ids.make_room(ids)) return false;
+      const size_t first = block * detail::kBlockObjects;
+      ids.next = WriteIds(
+          bits, levels_.ids + first,
+          HWY_MIN(levels_.level[0].size - first, detail::kBlockObjects),
+          ids.next);
+      if (ids.next >= ids.full) [[unlikely]] {
+        many_leaves_ = kManyLeaves;
+        return ids.flush(ids);
       }
-      ids.next = WriteIds(bits, levels_.ids + FirstOf(place), ids.next);
     } else {
-      walk_.counts[first_query_ + QueryOf(place)] += hwy::PopCount(bits);
+      walk_.counts[query] += hwy::PopCount(bits);
     }
     return true;
   }
 
   struct Unsure {
-    uint32_t place;
+    size_t block;
     uint64_t bits;
   };
 
-  // The floats say which of the unsure survive.
-  bool Resolve(const Unsure* unsure, size_t count) {
+  bool Resolve(size_t query, const Unsure* unsure, size_t count) {
     for (size_t u = 0; u < count; ++u) {
-      if (!Take(unsure[u].place, KeptOf(unsure[u].place, unsure[u].bits))) {
-        return false;
-      }
+      const uint64_t kept = KeptOf(query, unsure[u].block, unsure[u].bits);
+      if (kept != 0 && !Take(query, unsure[u].block, kept)) return false;
     }
     return true;
   }
 
   // Of `bits`. One object after another, or, from so many on, the block at
   // once: the same time.
-  uint64_t KeptOf(uint32_t place, uint64_t bits) const {
+  uint64_t KeptOf(size_t query, size_t block, uint64_t bits) const {
     constexpr size_t kFew = 6;
-    const PlaneQuery& query = queries_[QueryOf(place)];
     const detail::BvhLevel& objects = levels_.level[0];
-    const size_t block = BlockOf(place);
     if (hwy::PopCount(bits) > kFew) {
-      return bits & TestObjects(place);
+      return bits & query_.TestApart(query, objects, block);
     }
     uint64_t kept = 0;
     for (; bits != 0; bits &= bits - 1) {
-      const size_t bit = hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
-      bool rejects = false;
-      for (size_t k = 0; k < kAxes; ++k) {
-        rejects |= objects.Plane(block, k)[bit] > query.values[k];
-        if constexpr (kHasMax) {
-          rejects |=
-              objects.Plane(block, kAxes + k)[bit] < query.values[kAxes + k];
-        }
-      }
-      kept |= uint64_t{!rejects} << bit;
+      const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
+      kept |= uint64_t{!query_.Rejects(query, objects, block, lane)} << lane;
     }
     return kept;
   }
@@ -375,27 +436,29 @@ class Walker {
 
   const detail::Walk& walk_;
   const detail::BvhLevels& levels_;
+  Query query_;
   const bool has_masks_;
-  const bool reads_codes_;
+  size_t many_leaves_;
   size_t list_size_ = 0;
   size_t first_query_ = 0;  // of those that walk together
-  size_t query_ = 0;        // after the first, whose ids are written
-  size_t encoded_ = kNone;  // the query that codes_ is of
-  QueryCodes codes_;
-  PlaneQuery queries_[detail::kWalkers];
+  size_t ended_ = 0;        // queries whose ids are written
+  size_t node_blocks_ = 0;
+  size_t leaves_ = 0;
   uint32_t list_[kManyLeaves + detail::kBlockObjects];
 };
 
-template <size_t kAxes, bool kHasMax, bool kWrites>
+template <class Query, bool kWrites>
 void RunWalk(const detail::Walk& walk) {
-  Walker<kAxes, kHasMax, kWrites>(walk).Run();
+  Walker<Query, kWrites>(walk).Run();
 }
 
 template <size_t kAxes, bool kHasMax>
 constexpr detail::BvhKernels::OfPlanes MakeBvhKernelsOf() {
-  return {&FindCenters<kAxes, kHasMax>, &FindPlaces<kAxes, kHasMax>,
-          &EncodeBlocks<kAxes, kHasMax>, &RunWalk<kAxes, kHasMax, true>,
-          &RunWalk<kAxes, kHasMax, false>};
+  using Queries = PlaneQueries<kAxes, kHasMax>;
+  return {&FindCenters<kAxes, kHasMax>,
+          &FindPlaces<kCenterAxes<kAxes, kHasMax>>,
+          &EncodeBlocks<kAxes, kHasMax>, &RunWalk<Queries, true>,
+          &RunWalk<Queries, false>};
 }
 
 // A simplex has three axes or more.

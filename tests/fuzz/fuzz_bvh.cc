@@ -2,6 +2,7 @@
 // their objects; and altered blobs, of which calls may read nothing else.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -11,6 +12,7 @@
 #include <ostream>
 #include <span>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "halfspace/bvh.h"
@@ -21,6 +23,7 @@
 #include "tests/fuzz/bytes.h"
 #include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
+#include "tests/library/bvh/separated.h"
 #include "tests/library/support/cases.h"
 #include "tests/library/support/environment.h"
 
@@ -66,10 +69,12 @@ class BvhHistory {
       }
       if (bytes.Below(4) == 0) world.RebuildPartial(bytes.Below(700));
       if (bytes.Below(8) == 0) world.Rebuild({.quality = BuildQuality::kFast});
-      for (const auto& result :
-           {CheckObjects(world, model), CheckAnswers(world, model)}) {
-        if (!result) return result;
+      auto result = CheckObjects(world, model);
+      if (result) result = CheckAnswers(world, model);
+      if constexpr (HasMaxima<View>) {
+        if (result) result = CheckPairs(world, model);
       }
+      if (!result) return result;
     }
     return ::testing::AssertionSuccess();
   }
@@ -293,7 +298,142 @@ class BvhHistory {
         }
       }
     }
+    return CheckCasts(world, model);
+  }
+
+  // The same on all targets; and what the box overlaps is touched at once, and
+  // 0 away.
+  ::testing::AssertionResult CheckCasts(
+      const Bvh<View>& world,
+      const std::vector<std::optional<Bound>>& model) const {
+    constexpr int kDims = Bound::kDimensions;
+    Aabb<kDims> box;
+    Point<kDims> direction;
+    bool is_finite = true;
+    for (std::size_t k = 0; k < kDims; ++k) {
+      box.min[k] = palettes_[k][0];
+      box.max[k] = palettes_[k][1];
+      direction[k] = palettes_[k][2];
+      is_finite = is_finite && std::abs(box.min[k]) < 0x1p90f &&
+                  std::abs(box.max[k]) < 0x1p90f && box.min[k] <= box.max[k];
+    }
+    const float max_t =
+        palettes_[0][3] == palettes_[0][3] ? std::abs(palettes_[0][3]) : 0.0f;
+    std::vector<std::pair<std::uint32_t, float>> expected;
+    std::vector<std::uint32_t> expected_nearest;
+    for (Target target : TargetsUnderTest()) {
+      const QueryOptions options = {.target = target};
+      std::vector<std::pair<std::uint32_t, float>> found;
+      BoxCast(
+          world, box, direction, max_t,
+          [&](std::uint32_t id, float t) { found.emplace_back(id, t); },
+          options);
+      std::vector<std::uint32_t> nearest(world.size() + 1);
+      std::vector<float> distances(nearest.size());
+      KNearestOfEach(world, Span<const Aabb<kDims>>(&box, 1), nearest.size(),
+                     nearest, distances, std::numeric_limits<float>::infinity(),
+                     options);
+      if (target == TargetsUnderTest().front()) {
+        expected = found;
+        expected_nearest = nearest;
+      }
+      if (found != expected || nearest != expected_nearest) {
+        return ::testing::AssertionFailure()
+               << target.name() << ": another cast, or other distances";
+      }
+      std::vector<bool> at_once(model.size());
+      for (const auto& [id, t] : found) at_once.at(id) = t == 0;
+      std::vector<bool> touching(model.size());
+      for (std::size_t i = 0; i < world.size(); ++i) {
+        if (nearest[i] != kNoId) touching.at(nearest[i]) = distances[i] == 0;
+      }
+      for (std::size_t id = 0; id < model.size() && is_finite; ++id) {
+        if (model[id] && Overlaps(*model[id], box) &&
+            !(at_once[id] && touching[id])) {
+          return ::testing::AssertionFailure()
+                 << target.name() << ": " << id << " touches the box";
+        }
+      }
+    }
     return ::testing::AssertionSuccess();
+  }
+
+  // The pairs of a set of some ids, a third of which want no others.
+  ::testing::AssertionResult CheckPairs(
+      const Bvh<View>& world,
+      const std::vector<std::optional<Bound>>& model) const {
+    using PairList = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+    auto query = query_;
+    const float size = std::fabs(OpposingValue<View>(query, 0));
+    std::vector<std::uint32_t> set;
+    std::vector<std::uint32_t> wanted;
+    const auto wants = [&](std::size_t id) {
+      return id % 32 == 5 && id % 3 != 0;
+    };
+    for (std::uint32_t id = 5; id < model.size(); id += 32) {
+      if (!model[id]) continue;
+      set.push_back(id);
+      wanted.push_back(wants(id) ? 1 : 0);
+    }
+    for (float margin : {0.0f, std::isfinite(size) ? size : 1.0f}) {
+      std::optional<PairList> first;
+      for (Target target : TargetsUnderTest()) {
+        const PairOptions options{
+            .wanted = wanted, .margin = margin, .target = target};
+        std::vector<IdPair> pairs(PairsOf(world, set, {}, options));
+        bool is_right = PairsOf(world, set, pairs, options) == pairs.size();
+        PairList found;
+        for (const auto& [a, b] : pairs) {
+          found.emplace_back(a, b);
+          if (wants(b) && b < a)
+            std::swap(found.back().first, found.back().second);
+        }
+        std::sort(found.begin(), found.end());
+        if (first) {
+          is_right &= found == *first;
+        } else {
+          first = found;
+          auto next = found.begin();
+          for (std::uint32_t a : set) {
+            for (std::uint32_t b = 0; b < model.size() && wants(a); ++b) {
+              if (!model[b] || (wants(b) && b <= a)) continue;
+              const bool is_found =
+                  next != found.end() && *next == std::pair(a, b);
+              if (is_found) ++next;
+              is_right &= AreSeparated(*model[a], *model[b], margin,
+                                       is_found ? 0x1p-21 : 0) == !is_found;
+            }
+          }
+          is_right &= next == found.end();
+        }
+        if (!is_right) {
+          return ::testing::AssertionFailure()
+                 << target.name() << ": " << pairs.size()
+                 << " pairs with margin " << margin;
+        }
+      }
+    }
+    return ::testing::AssertionSuccess();
+  }
+
+  // On all axes but D, and on D by all that it can have.
+  static bool Overlaps(Bound bound, const Aabb<Bound::kDimensions>& box) {
+    double least = 0;
+    double most = 0;
+    for (std::size_t k = 0; k < box.min.size(); ++k) {
+      least -= box.max[k];
+      most -= box.min[k];
+    }
+    for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+      const std::size_t k = p % Bound::kAxes;
+      const double plane = StoredValue<View>(bound, p);
+      const bool is_d = k == box.min.size();
+      if (IsMinPlane<View>(p) ? plane > (is_d ? most : box.max[k])
+                              : plane < (is_d ? least : box.min[k])) {
+        return false;
+      }
+    }
+    return true;
   }
 
   // Nothing to compare: a sanitizer sees what is read.
@@ -336,9 +476,18 @@ class BvhHistory {
                            {.mask = 5, .target = target});
       (void)CountSurvivors(world, Segment<kDims>{{}, {}}, {.target = target});
       (void)KNearest(world, Point<kDims>{}, ids, {}, 1e9f, {.target = target});
+      Point<kDims> direction{};
+      direction[0] = 1;
+      RayCast(world, Ray<kDims>{{}, direction, 1e9f},
+              [](std::uint32_t, float) {}, {.target = target});
       if constexpr (HasMaxima<View>) {
         (void)Pairs(world, {}, {.target = target});
-        (void)PairsOf(world, Span<const std::uint32_t>(), {});
+        std::vector<std::uint32_t> set;
+        for (std::uint32_t id = 0; id < 700; id += 7) {
+          if (world.Has(id)) set.push_back(id);
+        }
+        (void)PairsOf(world, set, {}, {.margin = 1, .target = target});
+        (void)PairsOf(world, set, world, {}, {.wanted = set, .target = target});
       }
     }
     (void)world.Bounds();

@@ -63,7 +63,7 @@ struct BvhLevel {
   // An object's own masks, and the union of them for a node. Null if none
   // were set.
   std::uint32_t* masks = nullptr;
-  // What a query reads of the level does not fit the second-level cache.
+  // What a query reads of the level is far from the first caches.
   bool is_prefetched = false;
 
   float* Plane(std::size_t block, std::size_t plane) const {
@@ -93,8 +93,8 @@ struct BvhLevels {
   std::size_t count = 0;
   std::array<BvhLevel, kMostLevels> level{};
   CodeMap* map = nullptr;
-  // Block after block as the floats of level 0. Null without nodes: a query
-  // then reads the floats.
+  // Block after block as the floats of level 0. Null with room for up to 4096
+  // objects: a query then reads the floats.
   std::int16_t* codes = nullptr;
   std::uint32_t* ids = nullptr;  // of objects, by slot; kNoId of none
   // By id, the slot; of a free id the next that is free. Null until a change.
@@ -279,30 +279,44 @@ const BvhTree& TreeOf(const Bvh<View>& world) {
 // Returns whether to go on.
 using IdsFunction = bool (*)(void* context, Span<const std::uint32_t> ids);
 
-struct WalkShape;
+struct BvhQueries;
+struct BvhShapeQuery;
+struct Walk;
 
-// One query: all its minima, then all its maxima; of simplices only maxima. And
-// a shape that survivors touch too.
-HALFSPACE_API std::size_t BvhSurvivors(const BvhTree& tree, const float* query,
+// Queries by shapes of one type.
+struct BvhShapeKind {
+  std::size_t alignment;
+  BvhShapeQuery (*at)(const void* shapes, std::size_t i);
+  // BvhWalkShapes(), which a program links only if it has shapes.
+  void (*walk)(const BvhTree& tree, const BvhQueries& queries,
+               const QueryOptions& options, const char* call, const Walk& walk);
+};
+
+// Queries, one after another: bounds, of which each has all minima, then all
+// maxima, and of simplices only maxima; or shapes.
+struct BvhQueries {
+  const void* first;
+  std::size_t count;
+  const BvhShapeKind* kind = nullptr;  // of shapes
+};
+
+// One query.
+HALFSPACE_API std::size_t BvhSurvivors(const BvhTree& tree,
+                                       const BvhQueries& query,
                                        Span<std::uint32_t> ids,
-                                       const QueryOptions& options,
-                                       const WalkShape* shape = nullptr);
-HALFSPACE_API std::size_t BvhCount(const BvhTree& tree, const float* query,
-                                   const QueryOptions& options,
-                                   const WalkShape* shape = nullptr);
+                                       const QueryOptions& options);
+HALFSPACE_API std::size_t BvhCount(const BvhTree& tree, const BvhQueries& query,
+                                   const QueryOptions& options);
 // Returns whether there is one, and its id.
-HALFSPACE_API bool BvhAny(const BvhTree& tree, const float* query,
-                          std::uint32_t& id, const QueryOptions& options,
-                          const WalkShape* shape = nullptr);
-HALFSPACE_API void BvhForEach(const BvhTree& tree, const float* query,
+HALFSPACE_API bool BvhAny(const BvhTree& tree, const BvhQueries& query,
+                          std::uint32_t& id, const QueryOptions& options);
+HALFSPACE_API void BvhForEach(const BvhTree& tree, const BvhQueries& query,
                               IdsFunction function, void* context,
-                              const QueryOptions& options,
-                              const WalkShape* shape = nullptr);
+                              const QueryOptions& options);
 
-// Several, one after another.
-HALFSPACE_API std::size_t BvhSurvivorsOfMany(const BvhTree& tree,
-                                             const float* queries,
-                                             std::size_t query_count,
+// Several.
+HALFSPACE_API std::size_t BvhSurvivorsOfEach(const BvhTree& tree,
+                                             const BvhQueries& queries,
                                              Span<std::uint32_t> ids,
                                              Span<std::size_t> offsets,
                                              const QueryOptions& options);

@@ -255,6 +255,8 @@ TYPED_TEST(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
       if constexpr (HasMaxima<View>) {
         (void)Pairs(world, {});
         (void)PairsOf(world, Span<const std::uint32_t>(near), {});
+        (void)PairsOf(world, Span<const std::uint32_t>(near), world, {},
+                      {.wanted = near});
       }
     } catch (const std::invalid_argument&) {
       ++refused;

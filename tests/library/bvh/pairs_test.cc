@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "halfspace/halfspace.h"
+#include "tests/library/bvh/separated.h"
 #include "tests/library/bvh/spread.h"
 #include "tests/library/support/cases.h"
 #include "tests/library/support/counting_memory.h"
@@ -36,14 +37,6 @@ namespace halfspace::testing {
 namespace {
 
 using PairList = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-
-template <typename Bound>
-bool AreSeparated(const Bound& a, const Bound& b) {
-  for (std::size_t k = 0; k < Bound::kAxes; ++k) {
-    if (a.min[k] > b.max[k] || b.min[k] > a.max[k]) return true;
-  }
-  return false;
-}
 
 // What a world has: the bound and the masks of each id.
 template <typename Bound>
@@ -97,6 +90,14 @@ PairList ExpectedPairs(const Objects<Bound>& as, const Objects<Bound>& bs,
   return pairs;
 }
 
+// What the objects of a set want of the masks of others, by id.
+using Wanted = std::map<std::uint32_t, std::uint32_t>;
+
+bool Wants(const Wanted& wanted, std::uint32_t id, std::uint32_t mask) {
+  const auto it = wanted.find(id);
+  return it != wanted.end() && (~it->second == 0 || (it->second & mask) != 0);
+}
+
 PairList InOrder(std::span<const IdPair> pairs, bool is_one_world) {
   PairList sorted;
   for (const IdPair& pair : pairs) {
@@ -136,6 +137,25 @@ void ExpectPairs(const PairList& expected, bool is_one_world, std::size_t parts,
       ASSERT_EQ(pairs[64 + room + i], kCanary);
     }
   }
+  // Continued where there was no room for more.
+  std::vector<IdPair> continued;
+  const std::size_t room = expected.size() / 3 + 1;
+  for (options.skip = 0; options.skip < expected.size(); options.skip += room) {
+    std::vector<IdPair> pairs(room + 1, kCanary);
+    ASSERT_EQ(find(std::span(pairs).first(room), options), expected.size());
+    ASSERT_EQ(pairs.back(), kCanary);
+    pairs.resize(std::min(room, expected.size() - options.skip));
+    continued.insert(continued.end(), pairs.begin(), pairs.end());
+    if (options.skip == room) {
+      std::size_t left = 0;
+      for_each([&](Span<const IdPair> some) { left += some.size(); }, options);
+      ASSERT_EQ(left, expected.size() - room);
+    }
+  }
+  ASSERT_EQ(InOrder(continued, is_one_world), expected);
+  options.skip = expected.size() + 1;
+  for_each([&](Span<const IdPair>) { FAIL(); }, options);
+  options.skip = 0;
   std::vector<IdPair> visited;
   for (options.begin = 0; options.begin < parts; options.begin = options.end) {
     options.end = options.begin + 1 + parts / 3;
@@ -151,10 +171,75 @@ void ExpectPairs(const PairList& expected, bool is_one_world, std::size_t parts,
   options.begin = 0;
   options.end = parts;
   std::size_t calls = 0;
-  for_each([&](Span<const IdPair>) { return ++calls < 2; }, options);
+  for_each(
+      [&](Span<const IdPair>) {
+        return ++calls < 2 ? Visit::kContinue : Visit::kStop;
+      },
+      options);
   ASSERT_EQ(calls == 0, expected.empty());
   ASSERT_LE(calls, 2u);
   ASSERT_TRUE(calls == 2 || expected.size() <= 256);
+}
+
+// Sets of a few, which want all or only some, and of none, one, most and all.
+template <typename Bound>
+std::vector<Wanted> SetsIn(const Objects<Bound>& objects, bool is_brief) {
+  std::vector<Wanted> sets;
+  for (std::uint32_t share : {0u, 1u, 7u, 60u, 64u}) {
+    if ((is_brief || Scaled(10) == 1) && share != 7) continue;
+    Wanted set;
+    for (const auto& [id, object] : objects) {
+      if (share == 1 ? set.empty() : id * 37 % 64 < share) {
+        set[id] = 0xFFFFFFFF;
+      }
+    }
+    sets.push_back(set);
+    for (auto& [id, wanted] : set) {
+      wanted = id % 5 == 0 ? 0xFFFFFFFF : id % 5 == 1 ? 0 : 1 + id % 7;
+    }
+    sets.push_back(std::move(set));
+  }
+  return sets;
+}
+
+// The pairs of a set, each id twice, with others: of the same world or of
+// another.
+template <typename View>
+void ExpectPairsOfSet(const PairList& expected, const Bvh<View>& world,
+                      const Wanted& set, const Bvh<View>* other,
+                      const Objects<typename View::Bound>& others,
+                      PairOptions options) {
+  Ids ids;
+  std::vector<std::uint32_t> wanted;
+  bool wants_all = true;
+  for (std::uint32_t some : {2u, ~2u}) {
+    for (auto it = set.rbegin(); it != set.rend(); ++it) {
+      const bool is_all = ~it->second == 0;
+      ids.push_back(it->first);
+      wanted.push_back(is_all ? it->second : it->second & some);
+      wants_all &= is_all;
+    }
+  }
+  if (!wants_all) options.wanted = wanted;
+  ExpectPairs(
+      expected, other == nullptr, PairParts(world), options,
+      [&](Span<IdPair> pairs, const PairOptions& asked) {
+        return other == nullptr ? PairsOf(world, ids, pairs, asked)
+                                : PairsOf(world, ids, *other, pairs, asked);
+      },
+      [&](auto function, const PairOptions& asked) {
+        const auto visit = [&](Span<const IdPair> some) {
+          for (const IdPair& pair : some) {
+            EXPECT_TRUE(Wants(set, pair.a, others.at(pair.b).masks));
+          }
+          return function(some);
+        };
+        if (other == nullptr) {
+          ForEachPairOf(world, ids, visit, asked);
+        } else {
+          ForEachPairOf(world, ids, *other, visit, asked);
+        }
+      });
 }
 
 template <typename View>
@@ -171,38 +256,16 @@ void ExpectPairsOf(const Bvh<View>& world,
       [&](auto function, const PairOptions& asked) {
         ForEachPair(world, function, asked);
       });
-  if (::testing::Test::HasFatalFailure()) return;
-  // Sets of none, one, a few, most and all, each id twice.
-  for (std::uint32_t share : {0u, 1u, 7u, 60u, 64u}) {
-    if (Scaled(10) == 1 && share != 7) continue;
-    Ids ids;
-    for (const auto& [id, object] : objects) {
-      if (share == 1 ? ids.empty() : id * 37 % 64 < share) ids.push_back(id);
-    }
-    const auto is_in = [&](std::uint32_t id) {
-      return std::binary_search(ids.begin(), ids.end(), id);
-    };
+  for (const Wanted& set : SetsIn(objects, false)) {
+    if (::testing::Test::HasFatalFailure()) return;
     PairList of_set;
-    for (const auto& pair : expected) {
-      if (is_in(pair.first) || is_in(pair.second)) of_set.push_back(pair);
+    for (const auto& [a, b] : expected) {
+      if (Wants(set, a, objects.at(b).masks) ||
+          Wants(set, b, objects.at(a).masks)) {
+        of_set.emplace_back(a, b);
+      }
     }
-    Ids twice(ids.rbegin(), ids.rend());
-    twice.insert(twice.end(), ids.begin(), ids.end());
-    ExpectPairs(
-        of_set, true, PairParts(world), options,
-        [&](Span<IdPair> pairs, const PairOptions& asked) {
-          return PairsOf(world, twice, pairs, asked);
-        },
-        [&](auto function, const PairOptions& asked) {
-          ForEachPairOf(
-              world, twice,
-              [&](Span<const IdPair> some) {
-                for (const IdPair& pair : some) EXPECT_TRUE(is_in(pair.a));
-                return function(some);
-              },
-              asked);
-        });
-    if (::testing::Test::HasFatalFailure()) FAIL() << ids.size() << " ids";
+    ExpectPairsOfSet<View>(of_set, world, set, nullptr, objects, options);
   }
 }
 
@@ -212,14 +275,23 @@ void ExpectPairsOf(const Bvh<View>& a,
                    const Bvh<View>& b,
                    const Objects<typename View::Bound>& of_b,
                    const PairOptions& options) {
+  const PairList expected = ExpectedPairs(of_a, of_b, options.mask);
   ExpectPairs(
-      ExpectedPairs(of_a, of_b, options.mask), false, PairParts(a), options,
+      expected, false, PairParts(a), options,
       [&](Span<IdPair> pairs, const PairOptions& asked) {
         return Pairs(a, b, pairs, asked);
       },
       [&](auto function, const PairOptions& asked) {
         ForEachPair(a, b, function, asked);
       });
+  for (const Wanted& set : SetsIn(of_a, true)) {
+    if (::testing::Test::HasFatalFailure()) return;
+    PairList of_set;
+    for (const auto& [i, j] : expected) {
+      if (Wants(set, i, of_b.at(j).masks)) of_set.emplace_back(i, j);
+    }
+    ExpectPairsOfSet<View>(of_set, a, set, &b, of_b, options);
+  }
 }
 
 // The pairs in a world, and of it and another, in all orders, on all targets.
@@ -395,36 +467,166 @@ TYPED_TEST(BvhPairsTest, AreThoseOfTheObjectsThatThereAre) {
   }
 }
 
-// The set comes from the world's resource. Without memory nothing is written
-// and no function is called.
-TEST(BvhPairsMemoryTest, OnlyTheSetComesFromTheWorldsResource) {
+// What is nearer than the margin is found, and nothing that is farther away by
+// more than rounding: by all calls.
+template <typename View>
+void ExpectNearPairs(const World<View>& world, const World<View>& other,
+                     float margin) {
+  const auto objects = ObjectsOf(world);
+  const auto others = ObjectsOf(other);
+  const Bvh<View> a(world);
+  const Bvh<View> b(other);
+  Ids few;
+  for (std::uint32_t id = 0; id < world.size(); id += 9) few.push_back(id);
+  for (Target target : TargetsUnderTest()) {
+    const PairOptions options{.margin = margin, .target = target};
+    const auto expect = [&](bool is_one_world, bool is_of_few,
+                            const auto& find) {
+      std::vector<IdPair> pairs(find(Span<IdPair>()));
+      ASSERT_EQ(find(pairs), pairs.size());
+      const PairList got = InOrder(pairs, is_one_world);
+      ASSERT_EQ(std::adjacent_find(got.begin(), got.end()), got.end());
+      for (const auto& [i, a_of_pair] : objects) {
+        for (const auto& [j, b_of_pair] : is_one_world ? objects : others) {
+          if (is_one_world && j <= i) continue;
+          if (is_of_few && i % 9 != 0 && (!is_one_world || j % 9 != 0)) {
+            continue;
+          }
+          const bool is_found =
+              std::binary_search(got.begin(), got.end(), std::pair(i, j));
+          if (is_found) {
+            ASSERT_FALSE(AreSeparated(a_of_pair.bound, b_of_pair.bound, margin,
+                                      0x1p-21));
+          } else {
+            ASSERT_TRUE(AreSeparated(a_of_pair.bound, b_of_pair.bound, margin));
+          }
+        }
+      }
+    };
+    expect(true, false,
+           [&](Span<IdPair> pairs) { return Pairs(a, pairs, options); });
+    expect(false, false,
+           [&](Span<IdPair> pairs) { return Pairs(a, b, pairs, options); });
+    expect(true, true,
+           [&](Span<IdPair> pairs) { return PairsOf(a, few, pairs, options); });
+    expect(false, true, [&](Span<IdPair> pairs) {
+      return PairsOf(a, few, b, pairs, options);
+    });
+    if (::testing::Test::HasFatalFailure()) {
+      FAIL() << world.size() << " objects, margin " << margin << ", "
+             << target.name();
+    }
+  }
+}
+
+TYPED_TEST(BvhPairsTest, WithAMarginAreThoseThatAreNear) {
+  using View = typename TypeParam::View;
+  for (float margin : {0.5f, 7.0f, 1e-30f, 1e-42f, 3e38f}) {
+    for (std::size_t size : {50u, 500u}) {
+      Spread<View> spread(3.0f, size);
+      ExpectNearPairs(spread.Objects(size), spread.Objects(90), margin);
+      if (this->HasFatalFailure()) return;
+    }
+  }
+  Random random(8);
+  for (InputKind kind : kInputKinds) {
+    const Input<View> input = MakeInput<View>(kind, 200, random);
+    View view = ViewAt(input, 0, 190, 8);
+    World<View> world;
+    World<View> other;
+    for (std::size_t i = 0; i < view.size; ++i) {
+      typename View::Bound bound{};
+      for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+        StoredValue<View>(bound, p) = PlaneOf(view, p)[i];
+      }
+      (i % 3 == 0 ? other : world).Push(bound);
+    }
+    world.Push(View::Bound::Empty());
+    for (float margin : {1e-3f, 1.0f, 1e30f}) {
+      ExpectNearPairs(world, other, margin);
+      if (this->HasFatalFailure()) FAIL() << NameOf(kind);
+    }
+  }
+}
+
+// Sets in a world of more blocks than the sets have room for: near each other,
+// far apart, and at distances that are powers of two.
+TEST(BvhPairsOfManyTest, AreThoseOfAllPairsThatTouchTheSet) {
+  using View = AabbView3;
+  const World<View> world = Spread<View>(1.5f).Objects(64 * 1024);
+  Bvh<View> bvh(world, {.quality = BuildQuality::kFast});
+  std::vector<IdPair> all(Pairs(bvh, Span<IdPair>()));
+  ASSERT_EQ(Pairs(bvh, all), all.size());
+  for (bool has_slots : {false, true}) {
+    if (has_slots) bvh.Set(0, bvh.Get(0));
+    for (std::size_t step : {std::size_t{1}, std::size_t{64}, std::size_t{4160},
+                             std::size_t{8192}, std::size_t{16384}}) {
+      for (std::size_t size : {2u, 5u, 63u, 64u, 200u}) {
+        Ids ids;
+        for (std::size_t s = 0; s < bvh.ids().size() && ids.size() < size;
+             s += step) {
+          ids.push_back(bvh.ids()[s]);
+        }
+        std::vector<bool> is_in(world.size());
+        for (std::uint32_t id : ids) is_in[id] = true;
+        std::vector<IdPair> expected;
+        for (const IdPair& pair : all) {
+          if (is_in[pair.a] || is_in[pair.b]) expected.push_back(pair);
+        }
+        std::vector<IdPair> got(expected.size());
+        ASSERT_EQ(PairsOf(bvh, ids, got), got.size()) << step << ' ' << size;
+        ASSERT_EQ(InOrder(got, true), InOrder(expected, true));
+      }
+    }
+  }
+}
+
+// What a set takes comes from the world's resource. Without memory nothing is
+// written and no function is called.
+TEST(BvhPairsMemoryTest, OnlySetsThatAreSearchedOrLargeTakeMemory) {
   constexpr IdPair kCanary{0xABABABAB, 0xCDCDCDCD};
   for (Failure failure : {Failure::kThrows, Failure::kReturnsNull}) {
     CountingMemory memory(failure);
-    AabbBvh3 world(Spread<AabbView3>(4.0f).Objects(1000).view(),
+    AabbBvh3 world(Spread<AabbView3>(4.0f).Objects(30000).view(),
                    {.memory = memory.resource()});
     for (bool is_changed : {false, true}) {
       if (is_changed) world.Set(5, Aabb3::Everything());
-      const Ids ids = {1, 2, 3};
-      std::vector<IdPair> pairs(1000, kCanary);
-      std::size_t calls = 0;
-      const auto function = [&](Span<const IdPair>) { ++calls; };
-      const std::size_t before = memory.allocations;
-      memory.left = 1;
-      EXPECT_GT(PairsOf(world, ids, Span<IdPair>()), 0u);
-      EXPECT_EQ(memory.allocations, before + 1);
-      EXPECT_EQ(memory.blocks, 1u);
-      EXPECT_THROW((void)PairsOf(world, ids, pairs), std::bad_alloc);
-      EXPECT_THROW(ForEachPairOf(world, ids, function), std::bad_alloc);
-      EXPECT_EQ(std::count(pairs.begin(), pairs.end(), kCanary), 1000);
-      EXPECT_EQ(calls, 0u);
-      // Before anything is allocated.
-      EXPECT_THROW((void)PairsOf(world, Ids{1, 1000}, pairs),
-                   std::invalid_argument);
-      EXPECT_GT(Pairs(world, Span<IdPair>()), 0u);
-      ForEachPair(world, function);
-      EXPECT_GT(calls, 0u);
-      memory.left = CountingMemory::kNoLimit;
+      for (std::uint32_t count : {3u, 63u, 200u}) {
+        Ids ids;
+        for (std::uint32_t i = 0; i < count; ++i) ids.push_back(i);
+        const std::vector<std::uint32_t> wanted(count, 1);
+        std::vector<IdPair> pairs(1000, kCanary);
+        std::size_t calls = 0;
+        const auto function = [&](Span<const IdPair>) { ++calls; };
+        for (const PairOptions& options :
+             {PairOptions(), PairOptions{.wanted = wanted}}) {
+          const std::size_t before = memory.allocations;
+          EXPECT_GT(PairsOf(world, ids, Span<IdPair>(), options), 0u);
+          const std::size_t taken = memory.allocations - before;
+          EXPECT_EQ(taken == 0, is_changed && count < 64) << count;
+          EXPECT_EQ(memory.blocks, 1u);
+          for (memory.left = 0; memory.left < taken;) {
+            const std::size_t left = memory.left;
+            EXPECT_THROW((void)PairsOf(world, ids, pairs, options),
+                         std::bad_alloc);
+            memory.left = left;
+            EXPECT_THROW(ForEachPairOf(world, ids, function, options),
+                         std::bad_alloc);
+            memory.left = left + 1;
+          }
+          EXPECT_EQ(std::count(pairs.begin(), pairs.end(), kCanary), 1000);
+          EXPECT_EQ(calls, 0u);
+          // Before anything is allocated.
+          memory.left = 0;
+          EXPECT_THROW((void)PairsOf(world, Ids{1, 30000}, pairs),
+                       std::invalid_argument);
+          memory.left = CountingMemory::kNoLimit;
+        }
+        memory.left = 0;
+        ForEachPair(world, function);
+        EXPECT_GT(calls, 0u);
+        memory.left = CountingMemory::kNoLimit;
+      }
     }
   }
 }
@@ -435,13 +637,17 @@ TEST(BvhPairsMemoryTest, OnlyTheSetComesFromTheWorldsResource) {
 TEST(BvhPairsFpModesTest, SubnormalResultsMayBeFlushed) {
   const AabbBvh2 a(std::vector<Aabb2>{{{-1e-40f, 0}, {1, 1}}});
   const AabbBvh2 b(std::vector<Aabb2>{{{-2, 0}, {-0.5e-40f, 1}}});
+  const AabbBvh2 c(std::vector<Aabb2>{{{-2, 0}, {-1.7e-40f, 1}}});
   constexpr unsigned kFlushToZero = 0x8000;
   for (Target target : TargetsUnderTest()) {
     const unsigned mode = _mm_getcsr();
     _mm_setcsr(mode | kFlushToZero);
     const std::size_t count = Pairs(a, b, Span<IdPair>(), {.target = target});
+    const std::size_t near =
+        Pairs(a, c, Span<IdPair>(), {.margin = 0.8e-40f, .target = target});
     _mm_setcsr(mode);
     EXPECT_EQ(count, 1u) << target.name();
+    EXPECT_EQ(near, 1u) << target.name();
   }
 }
 #endif
@@ -476,6 +682,20 @@ TEST(BvhPairsErrorsTest, RefusesWhatItCannotReadAndWritesNothing) {
           "a misaligned one");
   refuses(ids, "options.target", "no target",
           {.target = Target::FromHighwayBit(3)});
+  for (float margin : {-1.0f, std::numeric_limits<float>::infinity(),
+                       std::numeric_limits<float>::quiet_NaN()}) {
+    refuses(ids, "options.margin: expected a finite number", "",
+            {.margin = margin});
+  }
+  const std::vector<std::uint32_t> masks(4, 1);
+  refuses(ids, "options.wanted: expected 3 masks", "4", {.wanted = masks});
+  refuses(ids, "options.wanted: expected 3 masks", "a null pointer",
+          {.wanted = {static_cast<const std::uint32_t*>(nullptr), 3}});
+  refuses(ids, "options.wanted: expected a pointer aligned", "a misaligned one",
+          {.wanted = {Misaligned(masks.data()), 3}});
+  EXPECT_TRUE(
+      Refuses([&] { (void)Pairs(world, pairs, {.wanted = masks}); },
+              {"Pairs", "options.wanted: expected no masks", "got", "4"}));
   IdPair* const none = nullptr;
   EXPECT_TRUE(Refuses([&] { (void)Pairs(world, Span<IdPair>(none, 10)); },
                       {"Pairs", "pairs", "10 pairs", "null"}));

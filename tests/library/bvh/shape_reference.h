@@ -47,6 +47,14 @@ inline float SquaredDistanceOf(std::span<const float> planes,
   return sum;
 }
 
+inline bool IsInReach(std::span<const float> planes, const detail::Ball& ball) {
+  if (SquaredDistanceOf(planes, ball) > ball.limit) return false;
+  return ball.d_axis == 0 ||
+         !(planes[ball.d_axis] > ball.d_max ||
+           (ball.max_plane != 0 &&
+            planes[ball.max_plane + ball.d_axis] < ball.d_min));
+}
+
 // Infinite if the line does not enter.
 inline float EntryOf(std::span<const float> planes, const detail::Line& line) {
   float enter = 0;
@@ -87,38 +95,53 @@ detail::Line LineOf(const detail::ShapePlanes& planes,
     direction[k] = double{capsule.b[k]} - capsule.a[k];
   }
   detail::Line line;
-  detail::MakeLine(planes, origin, direction, 1, capsule.radius, line);
+  detail::MakeLine(planes, origin, origin, direction, 1, capsule.radius, line);
   return line;
 }
 
-// Whether a walk takes a shape for Everything(): a builder cannot bound it, or
-// no axis limits its line.
 template <typename View, int kDims>
-bool IsEverything(const Sphere<kDims>& sphere) {
-  return BoundSphere(sphere) == Aabo<kDims>::Everything();
+detail::Ball BallOf(const Sphere<kDims>& sphere) {
+  detail::Ball ball;
+  detail::MakeBall(kShapePlanes<View>, sphere.center.data(), sphere.radius,
+                   ball);
+  return ball;
+}
+
+// Whether a walk takes a shape for its bound: a builder cannot bound it, or its
+// radius is too large to be squared, or no axis limits its line.
+template <typename View, std::size_t kDims>
+bool IsBound(const std::array<float, kDims>&) {
+  return true;
 }
 template <typename View, int kDims>
-bool IsEverything(const Capsule<kDims>& capsule) {
+bool IsBound(const Sphere<kDims>& sphere) {
+  return BoundSphere(sphere) == Aabo<kDims>::Everything() ||
+         BallOf<View>(sphere).limit == std::numeric_limits<float>::infinity();
+}
+template <typename View, int kDims>
+bool IsBound(const Capsule<kDims>& capsule) {
   return BoundCapsule(capsule) == Aabo<kDims>::Everything() ||
          LineOf(kShapePlanes<View>, capsule).planes == 0;
 }
 template <typename View, int kDims>
-bool IsEverything(const Segment<kDims>& segment) {
-  return IsEverything<View>(Capsule<kDims>{segment.a, segment.b, 0});
+bool IsBound(const Segment<kDims>& segment) {
+  return IsBound<View>(Capsule<kDims>{segment.a, segment.b, 0});
 }
 
-// Whether the test beside that of the planes keeps a bound.
+// Whether the test of the shape keeps a bound.
+template <typename View, std::size_t kDims>
+bool IsTouched(const typename View::Bound&, const std::array<float, kDims>&) {
+  return true;
+}
 template <typename View, int kDims>
 bool IsTouched(const typename View::Bound& bound, const Sphere<kDims>& sphere) {
-  if (IsEverything<View>(sphere)) return true;
-  const detail::Ball ball =
-      detail::MakeBall(kShapePlanes<View>, sphere.center.data(), sphere.radius);
-  return !(SquaredDistanceOf(PlanesOf<View>(bound), ball) > ball.limit);
+  return IsBound<View>(sphere) ||
+         IsInReach(PlanesOf<View>(bound), BallOf<View>(sphere));
 }
 template <typename View, int kDims>
 bool IsTouched(const typename View::Bound& bound,
                const Capsule<kDims>& capsule) {
-  return IsEverything<View>(capsule) ||
+  return IsBound<View>(capsule) ||
          EntryOf(PlanesOf<View>(bound), LineOf(kShapePlanes<View>, capsule)) <=
              1;
 }

@@ -105,8 +105,9 @@ void VisitBvh(const Visit& visit) {
   constexpr std::size_t kQuery = 8 * 1024;
   constexpr std::size_t kShape = kQuery + 6 * 1024;
   constexpr std::size_t kNearest = 24 * 1024;
-  constexpr std::size_t kPairs = 32 * 1024;
-  const AaboBvh3 world(floats);
+  constexpr std::size_t kPairs = 16 * 1024;
+  AaboBvh3 world(floats);
+  world.Reserve(world.size());
   const std::vector<Aabo3> queries(70, floats.Get(2500));
   std::vector<std::uint32_t> ids(100'000);
   std::vector<std::size_t> offsets(queries.size() + 1);
@@ -141,9 +142,23 @@ void VisitBvh(const Visit& visit) {
       RayCast(world, Ray3{{}, {1, 1, 1}, 1000}, [](std::uint32_t, float) {},
               {.target = target});
     });
+    visit("BoxCast", kNearest, [&] {
+      BoxCast(world, Aabb3{{}, {1, 1, 1}}, {1, 1, 1}, 1000,
+              [](std::uint32_t, float) {}, {.target = target});
+    });
+    const std::vector<Point3> points(4, sphere.center);
+    visit("KNearestOfEach", kNearest, [&] {
+      KNearestOfEach(world, Span<const Point3>(points), nearest.size() / 4,
+                     nearest, {}, 1e9f, {.target = target});
+    });
     std::vector<IdPair> pairs(100);
     visit("Pairs", kPairs,
           [&] { std::ignore = Pairs(world, pairs, {.target = target}); });
+    const std::vector<std::uint32_t> set(63, 2500);
+    visit("PairsOf", kPairs, [&] {
+      std::ignore =
+          PairsOf(world, set, pairs, {.wanted = set, .target = target});
+    });
   }
 }
 
