@@ -69,7 +69,8 @@ int main() {
   std::vector<halfspace::Aabb3> bounds(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i)
     bounds[i] = BoundOf(bodies[i]);
-  halfspace::AabbBvh3 world(bounds, halfspace::BuildQuality::kFast);
+  halfspace::AabbBvh3 world(bounds,
+                            {.quality = halfspace::BuildQuality::kFast});
 
   std::vector<halfspace::IdPair> pairs(100'000);
   std::size_t near = 0;

@@ -65,11 +65,10 @@ void RunBvhBuilds(const BoxSet<3>& set, Throughput& throughput,
   const std::array<const char*, 3> names = {"tight", "fast",
                                             "Boost R-tree, 16 a node"};
   Builds builds;
-  builds.Add(names[0], [&] {
-    return std::make_shared<const Bvh>(set.boxes, BuildQuality::kHigh);
-  });
+  builds.Add(names[0], [&] { return std::make_shared<const Bvh>(set.boxes); });
   builds.Add(names[1], [&] {
-    return std::make_shared<const Bvh>(set.boxes, BuildQuality::kFast);
+    return std::make_shared<const Bvh>(
+        set.boxes, BuildOptions{.quality = BuildQuality::kFast});
   });
   const bool has_competitor =
       MakeBoostTree(std::span(set.boxes).first(1)) != nullptr;

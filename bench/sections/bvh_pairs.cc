@@ -48,7 +48,7 @@ class PairContest {
     ours_built_ = Add(
         "pairs", [this] { return Pairs(world_, pairs_, {.target = target_}); });
     ours_ = Add("fast build and pairs", [this] {
-      return Pairs(Bvh(set_.boxes, BuildQuality::kFast), pairs_,
+      return Pairs(Bvh(set_.boxes, {.quality = BuildQuality::kFast}), pairs_,
                    {.target = target_});
     });
     AddSet();

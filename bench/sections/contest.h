@@ -66,7 +66,7 @@ class Contest {
   // Returns a copy of the world.
   std::shared_ptr<const Bvh<AabbView<kDims>>> AddBvhOneByOne(
       BuildQuality quality, Target target) {
-    const Tree world(boxes_.view(), quality);
+    const Tree world(boxes_.view(), {.quality = quality});
     if (all_ids_.empty()) MakeRoom(world);
     AddOneByOne(
         QualityName(quality) + kOneByOne, NameOf(target),
@@ -318,7 +318,7 @@ class Contest {
 
   // For the ids of all queries.
   void MakeRoom(const Tree& world) {
-    const detail::BvhLevels& levels = world.tree().levels();
+    const detail::BvhLevels& levels = detail::TreeOf(world).levels();
     std::size_t sum = 0;
     std::size_t blocks = 0;
     for (const Box& query : set_.queries) {

@@ -273,19 +273,27 @@ void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
                        alignof(std::size_t));
 }
 
-void CheckColumns(const BvhShape& shape, const FloatColumns& objects,
-                  const char* call) {
-  if (objects.stride != 1) {
-    kernels::CheckMemory(call, "bounds", objects.planes[0], objects.size,
-                         alignof(float));
-  }
+// Cold, as the code that makes the text of an error is large otherwise.
+[[gnu::cold]] void CheckColumns(const BvhShape& shape,
+                                const Columns<void>& objects,
+                                std::size_t scalar_bytes, const char* call) {
   for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
     kernels::CheckPointer(
-        call, objects.planes[p], alignof(float),
-        [&] { return kernels::PlaneName("world", shape.axes, p); },
+        call, objects.planes[p], scalar_bytes,
         [&] {
-          return "a plane of " + std::to_string(objects.size) + " floats";
+          return objects.stride == 1
+                     ? kernels::PlaneName("world", shape.axes, p)
+                     : "bounds";
+        },
+        [&] {
+          return "memory for " + std::to_string(objects.size) + " elements";
         });
+  }
+  constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
+  if (objects.stride > kMost / scalar_bytes / objects.size) {
+    kernels::ThrowInvalid(call, "bounds.stride",
+                          "bounds that fit the address space",
+                          std::to_string(objects.stride));
   }
 }
 
@@ -303,7 +311,7 @@ void FitMap(const BvhShape& shape, const BvhLevels& levels) {
 
 void FillSlots(const BvhShape& shape, const BvhLevels& levels,
                const FloatColumns& objects, const std::uint32_t* elements,
-               const BvhKernels::OfPlanes& kernels, const PartRunner& run) {
+               const BvhKernels::OfPlanes& kernels, const Runner& run) {
   if (levels.codes != nullptr) {
     kernels::InDefaultFpMode([&] {
       FitMapTo(shape, levels, [&](std::size_t p, std::size_t s) {

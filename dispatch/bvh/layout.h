@@ -119,9 +119,17 @@ void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
                  std::size_t alignment, Span<std::uint32_t> ids,
                  Span<std::size_t> offsets);
 
-// Throws unless the planes of objects can be read, in the name of `call`.
-void CheckColumns(const BvhShape& shape, const FloatColumns& objects,
-                  const char* call);
+// Throws unless the planes of the objects, more than 0, can be read, in the
+// name of `call`.
+void CheckColumns(const BvhShape& shape, const Columns<void>& objects,
+                  std::size_t scalar_bytes, const char* call);
+template <typename T>
+void CheckColumns(const BvhShape& shape, const Columns<T>& objects,
+                  const char* call) {
+  Columns<void> columns{{}, objects.size, objects.stride};
+  std::copy_n(objects.planes.begin(), PlanesOf(shape), columns.planes.begin());
+  CheckColumns(shape, columns, sizeof(T), call);
+}
 
 // Of the lanes of a block those with a slot.
 inline std::uint64_t LanesOf(std::size_t slots, std::size_t block) {
@@ -151,7 +159,7 @@ void FitMap(const BvhShape& shape, const BvhLevels& levels);
 // has element elements[s], or s without them.
 void FillSlots(const BvhShape& shape, const BvhLevels& levels,
                const FloatColumns& objects, const std::uint32_t* elements,
-               const BvhKernels::OfPlanes& kernels, const PartRunner& run);
+               const BvhKernels::OfPlanes& kernels, const Runner& run);
 
 // Blocks begin ... end - 1 of a level, as the kernels encode them.
 inline BlockRange RangeOf(const BvhLevels& levels, std::size_t level,

@@ -100,7 +100,7 @@ double BvhTree::CostRatio() const {
   });
 }
 
-void BvhTree::Rebuild(BuildQuality quality, const PartRunner& run) {
+void BvhTree::Rebuild(const BuildOptions& options) {
   if (block_ == nullptr) return;
   CheckLoaded("Bvh::Rebuild");
   const SlotRange all = {0, header().slots};
@@ -113,7 +113,7 @@ void BvhTree::Rebuild(BuildQuality quality, const PartRunner& run) {
   const bool has_slots = levels_.slots != nullptr;
   BvhTree sorted(shape_, memory_);
   sorted.BuildIn({size, has_slots ? ids : 0, header().has_masks != 0},
-                 objects.columns(), quality, Target(), run);
+                 objects.columns(), options);
   BvhLevels& levels = sorted.levels_;
   if (has_slots && size > 0) std::fill_n(levels.slots, ids, kNoId);
   for (std::size_t s = 0; s < size; ++s) {
@@ -140,9 +140,7 @@ std::size_t BvhTree::Resort(const char* call, Span<const SlotRange> ranges,
   const Scratch order(memory_, columns.size * sizeof(std::uint32_t));
   auto* const elements = reinterpret_cast<std::uint32_t*>(order.data());
   const Scratch scratch(memory_, columns.size * kernels::kOrderScratch);
-  InTurn in_turn;
-  kernels::OrderByMedians(columns, kernels, scratch.data(), elements,
-                          RunnerOf(in_turn));
+  kernels::OrderByMedians(columns, kernels, scratch.data(), elements, Runner());
   Prepare(call, room);
   const BvhLevel& level = levels_.level[0];
   std::size_t next = 0;

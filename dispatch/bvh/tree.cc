@@ -1,6 +1,7 @@
 // What a BVH owns: its memory, and how it is built.
 #include <algorithm>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "dispatch/bvh/layout.h"
@@ -96,38 +97,45 @@ void BvhTree::Allocate(const BvhRoom& room) {
   for (float& scale : levels_.map->scale) scale = 1;
 }
 
-void BvhTree::Build(const FloatColumns& objects, BuildQuality quality,
-                    Target target, const PartRunner& run) {
-  BuildIn({objects.size, 0, false}, objects, quality, target, run);
+void BvhTree::Build(const FloatColumns& objects, const BuildOptions& options) {
+  BuildIn({objects.size, 0, false}, objects, options);
 }
 
-void BvhTree::BuildIn(const BvhRoom& room, const FloatColumns& objects,
-                      BuildQuality quality, Target target,
-                      const PartRunner& run) {
+void BvhTree::CheckBuild(std::size_t objects,
+                         const BuildOptions& options) const {
   constexpr const char* kCall = "Bvh";
-  const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, target, kCall);
-  if (objects.size >= kMostObjects) {
+  std::ignore = KernelsFor(shape_, options.target, kCall);
+  if (objects >= kMostObjects) {
     kernels::ThrowInvalid(kCall, "world", "less than 2^31 objects",
-                          std::to_string(objects.size));
+                          std::to_string(objects));
   }
+  const BuildQuality quality = options.quality;
   if (quality != BuildQuality::kHigh && quality != BuildQuality::kFast) {
     kernels::ThrowInvalid(kCall, "quality", "an enumerator of BuildQuality",
                           std::to_string(static_cast<int>(quality)));
   }
+}
+
+void BvhTree::BuildIn(const BvhRoom& room, const FloatColumns& objects,
+                      const BuildOptions& options) {
+  constexpr const char* kCall = "Bvh";
+  CheckBuild(objects.size, options);
+  const BvhKernels::OfPlanes& kernels =
+      KernelsFor(shape_, options.target, kCall);
   if (objects.size == 0) return Free();
   CheckColumns(shape_, objects, kCall);
   const Scratch scratch(memory_, objects.size * kernels::kOrderScratch);
   Allocate(room);
-  const auto put_in_order = quality == BuildQuality::kFast
+  const auto put_in_order = options.quality == BuildQuality::kFast
                                 ? kernels::OrderByCurve
                                 : kernels::OrderByMedians;
-  put_in_order(objects, kernels, scratch.data(), levels_.ids, run);
+  put_in_order(objects, kernels, scratch.data(), levels_.ids, options.run);
   Truncate(shape_, levels_, objects.size);
   BvhHeader& header = this->header();
   header.slots = header.size = header.ids = header.sorted =
       static_cast<std::uint32_t>(objects.size);
   FillPresent(levels_.level[0], objects.size);
-  FillSlots(shape_, levels_, objects, levels_.ids, kernels, run);
+  FillSlots(shape_, levels_, objects, levels_.ids, kernels, options.run);
   kernels::InDefaultFpMode([&] {
     for (std::size_t part = 0; part < PartsOf(objects.size); ++part) {
       levels_.built[part] = AsIs(shape_, levels_, PartAt(levels_, part));

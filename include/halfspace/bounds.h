@@ -23,7 +23,8 @@
 //
 // Values are floats or doubles: Aabb<3>, Aabb<3, double>. One test takes bounds
 // of one precision. Builders return floats. For a bound of doubles, the caller
-// computes D and rounds it outward.
+// computes D and rounds it outward. RoundOutward (transform.h) makes a bound of
+// floats from it.
 //
 // Units are the caller's. A plane with a NaN never rejects.
 //

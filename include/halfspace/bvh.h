@@ -1,7 +1,7 @@
 // Bvh: a BVH of 64-wide nodes for one query over many objects, which
 // may move, come and go.
 //
-//   halfspace::AabbBvh3 bvh(world);  // an AabbWorld3, or its view
+//   halfspace::AabbBvh3 bvh(world);  // an AabbWorld3, its view, or a list
 //   halfspace::Aabb3 query = {{0, 0, 0}, {1, 1, 1}};
 //   std::vector<std::uint32_t> ids(bvh.size());
 //   ids.resize(Survivors(bvh, query, ids));
@@ -29,7 +29,8 @@
 // Bounds are floats in 2 or 3 dimensions: Bvh<SimplexView3>,
 // Bvh<AabbView3>, Bvh<AaboView3>, or the same with 2. Each call
 // takes a query of the view's Query type. NaN, empty, inverted and infinite
-// values mean the same as in reject.h.
+// values mean the same as in reject.h. Bounds of doubles become floats that
+// enclose them. For a query of doubles, call RoundOutward (transform.h).
 //
 // Errors (error.h), in every call: an output or a list of more than 0 elements
 // is null or misaligned; the target is not supported. Outputs and queries must
@@ -55,8 +56,10 @@
 
 #include "halfspace/detail/bvh.h"
 #include "halfspace/memory.h"
+#include "halfspace/runner.h"
 #include "halfspace/span.h"
 #include "halfspace/targets.h"
+#include "halfspace/transform.h"
 #include "halfspace/visit.h"
 #include "halfspace/world.h"
 
@@ -72,6 +75,17 @@ enum class BuildQuality : std::uint8_t {
   // 3 axes, are where most objects are: objects far away share the cells at the
   // end.
   kFast,
+};
+
+struct BuildOptions {
+  BuildQuality quality = BuildQuality::kHigh;
+  // The resource of a new world (memory.h). Rebuild() does not read it: a world
+  // keeps its resource.
+  MemoryResource memory = {};
+  // Calls the parts of the work, for example on several threads (runner.h). By
+  // default the calling thread does all of it.
+  Runner run = {};
+  Target target = {};  // by default, the chosen one (targets.h)
 };
 
 // What queries read of a world. A query adds to it.
@@ -112,7 +126,7 @@ BvhQueries QueriesOf(const Query* queries, std::size_t count) {
 }
 
 template <typename Bound>
-Span<const float> ValuesOfAll(Span<const Bound> bounds) {
+Span<const typename Bound::Scalar> ValuesOfAll(Span<const Bound> bounds) {
   return {RecordsOf(bounds), bounds.size() * kPlaneCount<Bound>};
 }
 
@@ -150,14 +164,15 @@ bool CallWithSome(void* function, Span<const Item> items) {
 // that is not needed.
 //
 // Changes are seen by every later call. No change may run at the same time as
-// another call on the same world. Changes run on the chosen target.
+// another call on the same world. Changes run on the chosen target, except
+// Rebuild().
 //
 // Errors (error.h): a plane of a world that is not empty is null or misaligned;
-// there are 2^31 objects or more; the order is none of the enumerators; an id
+// there are 2^31 objects or more; the quality is none of the enumerators; an id
 // is not that of an object in the world. A failed allocation throws
 // std::bad_alloc. The world is then as it was, and what ids() and Blob()
-// returned stays valid. If a function `run` throws in a constructor, there is
-// no world. If it throws in Refit(), call Refit() again before the next query.
+// returned stays valid. If `run` throws in a constructor, there is no world. If
+// it throws in Refit(), call Refit() again before the next query.
 template <typename ViewType>
 class Bvh {
  public:
@@ -174,28 +189,15 @@ class Bvh {
 
   // Sorts the bounds of a view, an owning world or a list. The bounds are
   // copied.
-  //   run  run(count, part) calls part(i) once for each i below `count`, in any
-  //        order and on any threads, and returns when all have returned. By
-  //        default the calling thread calls them in turn.
-  template <typename Run = detail::InTurn>
-  explicit Bvh(const View& world, BuildQuality quality = BuildQuality::kHigh,
-               const MemoryResource& memory = {}, Run&& run = Run())
-      : Bvh(memory) {
-    tree_.Build(detail::ColumnsOf(world), quality, Target(),
-                detail::RunnerOf(run));
+  explicit Bvh(const View& world, const BuildOptions& options = {})
+      : Bvh(options.memory) {
+    tree_.Build(detail::ColumnsOf(world), options);
   }
-  template <typename Run = detail::InTurn>
-  explicit Bvh(const World<View>& world,
-               BuildQuality quality = BuildQuality::kHigh,
-               const MemoryResource& memory = {}, Run&& run = Run())
-      : Bvh(world.view(), quality, memory, run) {}
-  template <typename Run = detail::InTurn>
-  explicit Bvh(Span<const Bound> bounds,
-               BuildQuality quality = BuildQuality::kHigh,
-               const MemoryResource& memory = {}, Run&& run = Run())
-      : Bvh(memory) {
-    tree_.Build(detail::ColumnsOf(bounds), quality, Target(),
-                detail::RunnerOf(run));
+  explicit Bvh(const World<View>& world, const BuildOptions& options = {})
+      : Bvh(world.view(), options) {}
+  explicit Bvh(Span<const Bound> bounds, const BuildOptions& options = {})
+      : Bvh(options.memory) {
+    tree_.Build(detail::ColumnsOf(bounds), options);
   }
 
   // Builds a world of the `count` bounds that fit(planes) writes, as a builder
@@ -206,12 +208,11 @@ class Bvh {
   //   });
   template <typename Fit>
   static Bvh Fitted(std::size_t count, Fit&& fit,
-                    BuildQuality quality = BuildQuality::kHigh,
-                    const MemoryResource& memory = {}) {
-    World<View> bounds(memory);
+                    const BuildOptions& options = {}) {
+    World<View> bounds(options.memory);
     bounds.Resize(count);
     fit(bounds.planes());
-    return Bvh(bounds.view(), quality, memory);
+    return Bvh(bounds.view(), options);
   }
 
   Bvh(const Bvh& other, const MemoryResource& memory)
@@ -263,9 +264,9 @@ class Bvh {
   // Sets several bounds: bounds[i] is that of object ids[i]. If an id is given
   // twice, the last bound wins. `bounds.size()` must be `ids.size()`. Checks
   // all ids before it changes anything. `ids` must not be ids(). Encodes each
-  // leaf and each node once, so it takes less time than one call per object
-  // (docs/bvh.md), and allocates and frees a bit per leaf. For all objects,
-  // use Refit().
+  // leaf and each node once, so many objects take less time than with one call
+  // per object, and a few take as long (docs/bvh.md). Allocates and frees up to
+  // a bit per leaf. For all objects, use Refit().
   void Set(Span<const std::uint32_t> ids, Span<const Bound> bounds) {
     tree_.Set(ids, detail::ValuesOfAll(bounds));
   }
@@ -330,33 +331,71 @@ class Bvh {
 
   // Gives all objects new bounds, by id: bounds[i] is that of object i. Bounds
   // of erased objects are not read. `bounds.size()` must be at least
-  // id_limit(). The order stays as it is. `run` is as in the constructor.
-  template <typename Run = detail::InTurn>
-  void Refit(const View& bounds, Run&& run = Run()) {
-    tree_.Refit(detail::ColumnsOf(bounds), true, detail::RunnerOf(run));
+  // id_limit(). The order stays as it is. `run` is BuildOptions::run.
+  void Refit(const View& bounds, const Runner& run = {}) {
+    tree_.Refit(detail::ColumnsOf(bounds), true, run);
   }
-  template <typename Run = detail::InTurn>
-  void Refit(const World<View>& bounds, Run&& run = Run()) {
+  void Refit(const World<View>& bounds, const Runner& run = {}) {
     Refit(bounds.view(), run);
   }
-  template <typename Run = detail::InTurn>
-  void Refit(Span<const Bound> bounds, Run&& run = Run()) {
-    tree_.Refit(detail::ColumnsOf(bounds), true, detail::RunnerOf(run));
+  void Refit(Span<const Bound> bounds, const Runner& run = {}) {
+    tree_.Refit(detail::ColumnsOf(bounds), true, run);
   }
 
   // The same with bounds in this world's order: bounds[i] is that of object
   // ids()[i], and `bounds.size()` must be `ids().size()`. 2 to 4 times as fast.
-  template <typename Run = detail::InTurn>
-  void RefitInOrder(const View& bounds, Run&& run = Run()) {
-    tree_.Refit(detail::ColumnsOf(bounds), false, detail::RunnerOf(run));
+  void RefitInOrder(const View& bounds, const Runner& run = {}) {
+    tree_.Refit(detail::ColumnsOf(bounds), false, run);
   }
-  template <typename Run = detail::InTurn>
-  void RefitInOrder(const World<View>& bounds, Run&& run = Run()) {
+  void RefitInOrder(const World<View>& bounds, const Runner& run = {}) {
     RefitInOrder(bounds.view(), run);
   }
-  template <typename Run = detail::InTurn>
-  void RefitInOrder(Span<const Bound> bounds, Run&& run = Run()) {
-    tree_.Refit(detail::ColumnsOf(bounds), false, detail::RunnerOf(run));
+  void RefitInOrder(Span<const Bound> bounds, const Runner& run = {}) {
+    tree_.Refit(detail::ColumnsOf(bounds), false, run);
+  }
+
+  // The same calls for bounds of doubles, which are rounded outward
+  // (RoundOutward of transform.h), so no overlap of the exact doubles is
+  // missed. A double that is a float stays equal.
+  //
+  // `Objects` is a view, an owning world or a list of the bound type with
+  // doubles, for example an AabbWorld<3, double> or a vector of
+  // Aabb<3, double>. For a Bvh of boxes it can also be Boxes of floats or of
+  // doubles (shapes.h). For other Bvhs, and for other shapes of doubles, use
+  // Fitted() with a builder of fit_many.h.
+  //
+  // A list, a build and a refit of doubles allocate 4 bytes per plane and
+  // object more, and free them.
+  template <typename Objects, typename = detail::IfOther<View, Objects>>
+  explicit Bvh(const Objects& objects, const BuildOptions& options = {})
+      : Bvh(options.memory) {
+    tree_.Build(detail::OtherColumns<View>(objects), options);
+  }
+  template <typename Objects, typename = detail::IfOther<View, Objects>>
+  void Refit(const Objects& bounds, const Runner& run = {}) {
+    tree_.Refit(detail::OtherColumns<View>(bounds), true, run);
+  }
+  template <typename Objects, typename = detail::IfOther<View, Objects>>
+  void RefitInOrder(const Objects& bounds, const Runner& run = {}) {
+    tree_.Refit(detail::OtherColumns<View>(bounds), false, run);
+  }
+  template <typename Box, typename = detail::IfDoubleBound<View, Box>>
+  void Set(std::uint32_t id, const Box& bound) {
+    Set(id, RoundOutward(bound));
+  }
+  template <typename List,
+            typename = detail::IfListOf<const detail::DoubleBound<View>, List>>
+  void Set(Span<const std::uint32_t> ids, const List& bounds) {
+    tree_.Set(ids, detail::ValuesOfAll(Doubles(bounds)));
+  }
+  template <typename Box, typename = detail::IfDoubleBound<View, Box>>
+  std::uint32_t Insert(const Box& bound) {
+    return Insert(RoundOutward(bound));
+  }
+  template <typename List,
+            typename = detail::IfListOf<const detail::DoubleBound<View>, List>>
+  void Insert(const List& bounds, Span<std::uint32_t> ids) {
+    tree_.Insert(detail::ValuesOfAll(Doubles(bounds)), ids);
   }
 
   // How much the order has decayed: the surface of all leaves (64 places each),
@@ -369,12 +408,8 @@ class Bvh {
 
   // Sorts all objects, without empty places between them, and gives memory
   // back: the block has no more room than the objects need, and 4 bytes for
-  // each id up to the greatest in use. Ids stay. `run` is as in the
-  // constructor.
-  template <typename Run = detail::InTurn>
-  void Rebuild(BuildQuality quality = BuildQuality::kHigh, Run&& run = Run()) {
-    tree_.Rebuild(quality, detail::RunnerOf(run));
-  }
+  // each id up to the greatest in use. Ids stay.
+  void Rebuild(const BuildOptions& options = {}) { tree_.Rebuild(options); }
 
   // Sorts the groups of 4096 places whose surface has grown most, about
   // `objects` objects in total and at least one group. Groups that are sorted
@@ -420,10 +455,10 @@ class Bvh {
   // for one that changed since. O(n).
   [[nodiscard]] bool Verify() const { return tree_.Verify(); }
 
-  // Internal.
-  const detail::BvhTree& tree() const { return tree_; }
-
  private:
+  using Doubles = Span<const detail::DoubleBound<View>>;
+  friend const detail::BvhTree& detail::TreeOf<View>(const Bvh& world);
+
   detail::BvhTree tree_;
 };
 
@@ -443,8 +478,8 @@ template <typename View>
                                     const typename View::Query& query,
                                     Span<std::uint32_t> ids,
                                     const QueryOptions& options = {}) {
-  return detail::BvhSurvivors(world.tree(), detail::QueriesOf(&query, 1), ids,
-                              options);
+  return detail::BvhSurvivors(detail::TreeOf(world),
+                              detail::QueriesOf(&query, 1), ids, options);
 }
 
 // Returns the number of survivors. A node inside a box or an octahedron is
@@ -454,7 +489,8 @@ template <typename View>
 [[nodiscard]] std::size_t CountSurvivors(const Bvh<View>& world,
                                          const typename View::Query& query,
                                          const QueryOptions& options = {}) {
-  return detail::BvhCount(world.tree(), detail::QueriesOf(&query, 1), options);
+  return detail::BvhCount(detail::TreeOf(world), detail::QueriesOf(&query, 1),
+                          options);
 }
 
 // Returns the id of a survivor, or nothing if there is none. Reads no leaf
@@ -464,7 +500,7 @@ template <typename View>
     const Bvh<View>& world, const typename View::Query& query,
     const QueryOptions& options = {}) {
   std::uint32_t id = 0;
-  if (!detail::BvhAny(world.tree(), detail::QueriesOf(&query, 1), id,
+  if (!detail::BvhAny(detail::TreeOf(world), detail::QueriesOf(&query, 1), id,
                       options)) {
     return std::nullopt;
   }
@@ -481,7 +517,7 @@ void ForEachSurvivor(const Bvh<View>& world, const typename View::Query& query,
   auto call = [&function](Span<const std::uint32_t> ids) {
     return function(ids);
   };
-  detail::BvhForEach(world.tree(), detail::QueriesOf(&query, 1),
+  detail::BvhForEach(detail::TreeOf(world), detail::QueriesOf(&query, 1),
                      &detail::CallWithSome<std::uint32_t, decltype(call)>,
                      &call, options);
 }
@@ -501,8 +537,8 @@ template <typename View>
     Span<std::uint32_t> ids, Span<std::size_t> offsets,
     const QueryOptions& options = {}) {
   return detail::BvhSurvivorsOfEach(
-      world.tree(), detail::QueriesOf(queries.data(), queries.size()), ids,
-      offsets, options);
+      detail::TreeOf(world), detail::QueriesOf(queries.data(), queries.size()),
+      ids, offsets, options);
 }
 
 }  // namespace halfspace

@@ -111,7 +111,7 @@ void CastLine(const Bvh<View>& world, const LineCast& cast, Function& function,
               const QueryOptions& options) {
   using Call = NearCall<typename View::Bound, Function>;
   Call call{function};
-  BvhCast(world.tree(), cast, &Call::Run, &call, options);
+  BvhCast(detail::TreeOf(world), cast, &Call::Run, &call, options);
 }
 
 }  // namespace detail
@@ -147,8 +147,8 @@ template <typename View>
     Span<std::uint32_t> ids, Span<float> distances,
     float max_distance = std::numeric_limits<float>::infinity(),
     const QueryOptions& options = {}) {
-  return detail::BvhNearest(world.tree(), {point.data(), 0, 0, 1}, max_distance,
-                            ids, distances, options);
+  return detail::BvhNearest(detail::TreeOf(world), {point.data(), 0, 0, 1},
+                            max_distance, ids, distances, options);
 }
 
 // The same for an Aabb. The distance between two boxes that overlap is 0. An
@@ -161,7 +161,7 @@ template <typename View, typename Box,
     Span<float> distances,
     float max_distance = std::numeric_limits<float>::infinity(),
     const QueryOptions& options = {}) {
-  return detail::BvhNearest(world.tree(),
+  return detail::BvhNearest(detail::TreeOf(world),
                             detail::NearQueriesOf(Span<const Box>(&box, 1)),
                             max_distance, ids, distances, options);
 }
@@ -179,8 +179,8 @@ void KNearestOfEach(const Bvh<View>& world,
                     Span<float> distances,
                     float max_distance = std::numeric_limits<float>::infinity(),
                     const QueryOptions& options = {}) {
-  detail::BvhNearestOfEach(world.tree(), detail::NearQueriesOf(points), k,
-                           max_distance, ids, distances, options);
+  detail::BvhNearestOfEach(detail::TreeOf(world), detail::NearQueriesOf(points),
+                           k, max_distance, ids, distances, options);
 }
 template <typename View>
 void KNearestOfEach(const Bvh<View>& world,
@@ -189,8 +189,8 @@ void KNearestOfEach(const Bvh<View>& world,
                     Span<float> distances,
                     float max_distance = std::numeric_limits<float>::infinity(),
                     const QueryOptions& options = {}) {
-  detail::BvhNearestOfEach(world.tree(), detail::NearQueriesOf(boxes), k,
-                           max_distance, ids, distances, options);
+  detail::BvhNearestOfEach(detail::TreeOf(world), detail::NearQueriesOf(boxes),
+                           k, max_distance, ids, distances, options);
 }
 
 // Calls the function for the objects within `max_distance`, nearest first.
@@ -208,8 +208,8 @@ void ForEachNearest(const Bvh<View>& world,
                     const QueryOptions& options = {}) {
   using Call = detail::NearCall<typename View::Bound, Function>;
   Call call{function};
-  detail::BvhForEachNearest(world.tree(), {point.data(), 0, 0, 1}, max_distance,
-                            &Call::Run, &call, options);
+  detail::BvhForEachNearest(detail::TreeOf(world), {point.data(), 0, 0, 1},
+                            max_distance, &Call::Run, &call, options);
 }
 
 // Ray cast: calls the function for the objects that the ray enters. t is from 0
@@ -228,9 +228,9 @@ void ForEachNearest(const Bvh<View>& world,
 // limit counts as at the limit.
 //
 // NaN and infinities: a plane with a NaN limits nothing, and neither does an
-// axis on which the origin or the direction is a NaN, the origin is beyond 2^99,
-// or the direction is beyond 2^120. An Empty() object is found only by a ray
-// that no axis limits.
+// axis on which the origin or the direction is a NaN, the origin is beyond
+// 2^99, or the direction is beyond 2^120. An Empty() object is found only by a
+// ray that no axis limits.
 //
 // Cost: one pass, which visits only nodes that the ray enters up to the current
 // limit.

@@ -103,8 +103,8 @@ PairSources PairsIn(const Bvh<View>& a, const Bvh<View>* b = nullptr,
   static_assert(HasMax<typename View::Bound>,
                 "pairs are of bounds with minima and maxima: two simplices of "
                 "one kind have no planes that face each other");
-  return {BvhPairKernelsOf<View::Bound::kAxes>::kTargets, &a.tree(),
-          b == nullptr ? nullptr : &b->tree(), ids};
+  return {BvhPairKernelsOf<View::Bound::kAxes>::kTargets, &TreeOf(a),
+          b == nullptr ? nullptr : &TreeOf(*b), ids};
 }
 
 template <typename Function>

@@ -151,8 +151,9 @@ template <typename View, typename Shape,
 [[nodiscard]] std::size_t Survivors(const Bvh<View>& world, const Shape& shape,
                                     Span<std::uint32_t> ids,
                                     const QueryOptions& options = {}) {
-  return detail::BvhSurvivors(
-      world.tree(), detail::ShapeQueries<View>(&shape, 1), ids, options);
+  return detail::BvhSurvivors(detail::TreeOf(world),
+                              detail::ShapeQueries<View>(&shape, 1), ids,
+                              options);
 }
 
 template <typename View, typename Shape,
@@ -160,8 +161,8 @@ template <typename View, typename Shape,
 [[nodiscard]] std::size_t CountSurvivors(const Bvh<View>& world,
                                          const Shape& shape,
                                          const QueryOptions& options = {}) {
-  return detail::BvhCount(world.tree(), detail::ShapeQueries<View>(&shape, 1),
-                          options);
+  return detail::BvhCount(detail::TreeOf(world),
+                          detail::ShapeQueries<View>(&shape, 1), options);
 }
 
 template <typename View, typename Shape,
@@ -170,8 +171,8 @@ template <typename View, typename Shape,
     const Bvh<View>& world, const Shape& shape,
     const QueryOptions& options = {}) {
   std::uint32_t id = 0;
-  if (!detail::BvhAny(world.tree(), detail::ShapeQueries<View>(&shape, 1), id,
-                      options)) {
+  if (!detail::BvhAny(detail::TreeOf(world),
+                      detail::ShapeQueries<View>(&shape, 1), id, options)) {
     return std::nullopt;
   }
   return id;
@@ -184,9 +185,9 @@ void ForEachSurvivor(const Bvh<View>& world, const Shape& shape,
   auto call = [&function](Span<const std::uint32_t> ids) {
     return function(ids);
   };
-  detail::BvhForEach(world.tree(), detail::ShapeQueries<View>(&shape, 1),
-                     &detail::CallWithSome<std::uint32_t, decltype(call)>,
-                     &call, options);
+  detail::BvhForEach(
+      detail::TreeOf(world), detail::ShapeQueries<View>(&shape, 1),
+      &detail::CallWithSome<std::uint32_t, decltype(call)>, &call, options);
 }
 
 // For half-spaces, `shapes` is a list of lists: Span<const Span<const
@@ -201,7 +202,7 @@ template <typename View, typename Shapes,
                                           Span<std::size_t> offsets,
                                           const QueryOptions& options = {}) {
   return detail::BvhSurvivorsOfEach(
-      world.tree(),
+      detail::TreeOf(world),
       detail::ShapeQueries<View>(std::data(shapes), std::size(shapes)), ids,
       offsets, options);
 }

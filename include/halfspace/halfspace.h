@@ -18,13 +18,13 @@
 //   reject.h       tests one query: masks, index lists, counts
 //   reject_many.h  tests several queries
 //   reject_shapes.h  tests half-spaces
-//   bvh.h       a hierarchy (BVH) for large worlds
-//   bvh_shapes.h   its queries by spheres, segments, capsules, half-spaces
-//   bvh_nearest.h  its k nearest, ray casts and box casts
-//   bvh_pairs.h    all overlapping pairs of such worlds
-//   targets.h      instruction sets
-//   error.h        how calls report a violated precondition
-//   version.h      the library's version
+//   bvh.h          a hierarchy (BVH) for large worlds
+//   runner.h       the caller's threads, for its builds
+//   bvh_shapes.h   its queries by points, spheres, segments, oriented boxes,
+//   ... bvh_nearest.h  its k nearest, ray casts and box casts bvh_pairs.h all
+//   overlapping pairs of such worlds targets.h      instruction sets error.h
+//   how calls report a violated precondition version.h      the library's
+//   version
 //
 // The pages of docs/ that headers name are installed with the headers, in
 // share/doc/halfspace.
@@ -46,6 +46,7 @@
 #include "halfspace/reject.h"         // IWYU pragma: export
 #include "halfspace/reject_many.h"    // IWYU pragma: export
 #include "halfspace/reject_shapes.h"  // IWYU pragma: export
+#include "halfspace/runner.h"         // IWYU pragma: export
 #include "halfspace/shapes.h"         // IWYU pragma: export
 #include "halfspace/span.h"           // IWYU pragma: export
 #include "halfspace/targets.h"        // IWYU pragma: export

@@ -25,8 +25,8 @@
 // A moved-from owner is empty and keeps its resource.
 //
 // An owner that grows allocates the new block before it frees the old one. If
-// the resource does not reuse freed blocks, call Reserve() first. A Bvh
-// has no Reserve(): give it a resource that reuses blocks.
+// the resource does not reuse freed blocks, call Reserve() first. A Bvh also
+// allocates memory to sort with: give it a resource that reuses blocks.
 #ifndef HALFSPACE_MEMORY_H_
 #define HALFSPACE_MEMORY_H_
 

@@ -5,7 +5,7 @@
 //   const halfspace::Aabo3 swept = halfspace::Sweep(bound, {0, 0, -2});
 //
 // `Bound` is any of UpSimplex, DownSimplex, Aabb and Aabo of floats in 2, 3 or
-// 4 dimensions. Bounds of doubles are not supported.
+// 4 dimensions. Only RoundOutward takes bounds of doubles.
 //
 // No overlap is ever missed. If the given bounds enclose their shapes, the
 // result encloses the exact merged, inflated or moved shape, as for the
@@ -14,7 +14,7 @@
 // transformed again grows by up to 1 ulp per step. Translate the local bound in
 // every frame, not the result of the last frame.
 //
-// Special values:
+// Special values, except of RoundOutward:
 // - A plane without a limit (a minimum of -FLT_MAX, a maximum of FLT_MAX, as in
 //   Everything()) stays so, for all values of the other planes.
 // - Empty() stays Empty(). So does a bound with minima of FLT_MAX and maxima of
@@ -34,12 +34,24 @@
 #ifndef HALFSPACE_TRANSFORM_H_
 #define HALFSPACE_TRANSFORM_H_
 
+#include <cstddef>
+
 #include "halfspace/bounds.h"
+#include "halfspace/detail/plane_arrays.h"
 #include "halfspace/export.h"
 #include "halfspace/fit_status.h"
 #include "halfspace/shapes.h"
+#include "halfspace/span.h"
 
 namespace halfspace {
+
+namespace detail {
+
+// Of every `planes` values the first `minima` are rounded down, the others up.
+HALFSPACE_API void RoundOutward(Span<const double> values, std::size_t minima,
+                                std::size_t planes, float* rounded);
+
+}  // namespace detail
 
 // Returns the bound of the union of two shapes, which also bounds its convex
 // hull. Exact: nothing is rounded. Merging with Empty() changes nothing.
@@ -106,6 +118,21 @@ template <typename Bound>
 Bound Sweep(const Bound& bound, const Point<Bound::kDimensions>& motion,
             FitStatus* status = nullptr) {
   return Merge(bound, Translate(bound, motion), status);
+}
+
+// Returns the bound of floats for a bound of doubles: each minimum is rounded
+// down and each maximum up. Tightest.
+//   A double that is a float stays equal. NaN and infinities stay. A minimum
+//   below -FLT_MAX becomes -infinity, a maximum above FLT_MAX becomes infinity,
+//   so Everything() becomes a bound without limits. An empty bound stays empty.
+template <template <int, typename> class Bound, int kDims>
+Bound<kDims, float> RoundOutward(const Bound<kDims, double>& bound) {
+  using Rounded = Bound<kDims, float>;
+  detail::PlaneValues<Rounded> values;
+  detail::RoundOutward(detail::Planes(bound),
+                       detail::HasMin<Rounded> ? Rounded::kAxes : 0,
+                       values.size(), values.data());
+  return detail::BoundOf<Rounded>(values);
 }
 
 // Returns the opposing simplex, circumscribed about the given one. It makes a

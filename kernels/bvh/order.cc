@@ -23,7 +23,7 @@ constexpr std::size_t kPart = kBlockObjects * kBlockObjects;
 // Calls function(first, count, centers) for 64 objects at a time.
 template <typename Function>
 void ForCenters(const detail::FloatColumns& objects, const Kernels& kernels,
-                const detail::PartRunner& run, const Function& function) {
+                const Runner& run, const Function& function) {
   run((objects.size + kPart - 1) / kPart, [&](std::size_t part) {
     const std::size_t end = std::min(objects.size, (part + 1) * kPart);
     InDefaultFpMode([&] {
@@ -152,8 +152,7 @@ detail::Grid GridOf(const detail::FloatColumns& objects,
 }  // namespace
 
 void OrderByMedians(const detail::FloatColumns& objects, const Kernels& kernels,
-                    std::byte* scratch, std::uint32_t* ids,
-                    const detail::PartRunner& run) {
+                    std::byte* scratch, std::uint32_t* ids, const Runner& run) {
   auto* const entries = reinterpret_cast<Entry*>(scratch);
   ForCenters(objects, kernels, run,
              [&](std::size_t first, std::size_t count, const Centers& centers) {
@@ -187,8 +186,7 @@ void OrderByMedians(const detail::FloatColumns& objects, const Kernels& kernels,
 }
 
 void OrderByCurve(const detail::FloatColumns& objects, const Kernels& kernels,
-                  std::byte* scratch, std::uint32_t* ids,
-                  const detail::PartRunner& run) {
+                  std::byte* scratch, std::uint32_t* ids, const Runner& run) {
   const detail::Grid grid =
       InDefaultFpMode([&] { return GridOf(objects, kernels); });
   auto* from = reinterpret_cast<Key*>(scratch);

@@ -18,14 +18,12 @@ inline constexpr std::size_t kOrderScratch = 16;
 // becomes the object at position p.
 void OrderByMedians(const detail::FloatColumns& objects,
                     const detail::BvhKernels::OfPlanes& kernels,
-                    std::byte* scratch, std::uint32_t* ids,
-                    const detail::PartRunner& run);
+                    std::byte* scratch, std::uint32_t* ids, const Runner& run);
 
 // Along Hilbert's curve through 2^30 cells, in linear time.
 void OrderByCurve(const detail::FloatColumns& objects,
                   const detail::BvhKernels::OfPlanes& kernels,
-                  std::byte* scratch, std::uint32_t* ids,
-                  const detail::PartRunner& run);
+                  std::byte* scratch, std::uint32_t* ids, const Runner& run);
 
 }  // namespace halfspace::kernels
 

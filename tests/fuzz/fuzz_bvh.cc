@@ -46,8 +46,9 @@ class BvhHistory {
     Bytes bytes(rest_.data(), rest_.size());
     std::vector<Bound> bounds;
     for (std::size_t i = 0; i < size_; ++i) bounds.push_back(Next(bytes));
-    Bvh<View> world(bounds, bytes.Below(2) == 0 ? BuildQuality::kHigh
-                                                : BuildQuality::kFast);
+    Bvh<View> world(bounds,
+                    {.quality = bytes.Below(2) == 0 ? BuildQuality::kHigh
+                                                    : BuildQuality::kFast});
     if (is_blob_) {
       // With empty places and free ids, or without.
       for (std::size_t i = bytes.Below(4) * bytes.Below(100); i-- > 0;) {
@@ -60,14 +61,16 @@ class BvhHistory {
       }
       return CheckBlob(world, bytes);
     }
-    std::vector<std::optional<Bound>> model(bounds.begin(), bounds.end());
+    Model model(bounds.begin(), bounds.end());
     for (int step = 0; step < 4; ++step) {
       for (std::size_t i = bytes.Below(100); i-- > 0;) {
-        Change(bytes, world, model);
+        const auto result = Change(bytes, world, model);
+        if (!result) return result;
       }
       if (bytes.Below(4) == 0) world.RebuildPartial(bytes.Below(700));
-      if (bytes.Below(8) == 0) world.Rebuild(BuildQuality::kFast);
-      auto result = CheckAnswers(world, model);
+      if (bytes.Below(8) == 0) world.Rebuild({.quality = BuildQuality::kFast});
+      auto result = CheckObjects(world, model);
+      if (result) result = CheckAnswers(world, model);
       if constexpr (HasMaxima<View>) {
         if (result) result = CheckPairs(world, model);
       }
@@ -90,6 +93,8 @@ class BvhHistory {
 
  private:
   using Bound = typename View::Bound;
+  using DoubleView = detail::DoubleView<View>;
+  using Model = std::vector<std::optional<Bound>>;  // by id
 
   // A value of each palette; all ends at once are a bound of few bytes.
   Bound Next(Bytes& bytes) const {
@@ -103,28 +108,169 @@ class BvhHistory {
     return bound;
   }
 
-  void Change(Bytes& bytes, Bvh<View>& world,
-              std::vector<std::optional<Bound>>& model) const {
-    const std::size_t what = bytes.Below(4);
+  // Changes both, by one object or by a list, of floats or of the same doubles.
+  ::testing::AssertionResult Change(Bytes& bytes, Bvh<View>& world,
+                                    Model& model) const {
+    const std::size_t what = bytes.Below(12);
     const std::size_t at =
         model.empty() ? 0 : bytes.Below(1 << 16) % model.size();
-    if (what == 0 || model.empty() || !model[at]) {
+    const auto id = static_cast<std::uint32_t>(at);
+    if (what >= 9) return ChangeAList(bytes, world, model);
+    if (what == 8) return ReserveOrClear(bytes, world, model);
+    if (what < 3 || model.empty() || !model[at]) {
       const Bound bound = Next(bytes);
-      const std::uint32_t id = world.Insert(bound);
-      if (id >= model.size()) model.resize(id + 1u);
-      model[id] = bound;
-    } else if (what == 1) {
-      world.Erase(static_cast<std::uint32_t>(at));
+      return Add(
+          what == 0 ? world.Insert(InDoubles(bound)) : world.Insert(bound),
+          bound, model);
+    }
+    if (what == 3) {
+      world.Erase(id);
       model[at].reset();
     } else {
       model[at] = Next(bytes);
-      world.Set(static_cast<std::uint32_t>(at), *model[at]);
+      if (what == 4) {
+        world.Set(id, InDoubles(*model[at]));
+      } else {
+        world.Set(id, *model[at]);
+      }
     }
+    return ::testing::AssertionSuccess();
   }
 
-  ::testing::AssertionResult CheckAnswers(
-      const Bvh<View>& world,
-      const std::vector<std::optional<Bound>>& model) const {
+  static ::testing::AssertionResult Add(std::uint32_t id, const Bound& bound,
+                                        Model& model) {
+    if (id >= model.size()) model.resize(id + 1u);
+    if (model[id]) {
+      return ::testing::AssertionFailure() << "id " << id << " is in use";
+    }
+    model[id] = bound;
+    return ::testing::AssertionSuccess();
+  }
+
+  ::testing::AssertionResult ChangeAList(Bytes& bytes, Bvh<View>& world,
+                                         Model& model) const {
+    const std::size_t what = bytes.Below(3);
+    const bool is_of_doubles = bytes.Below(4) == 0;
+    const bool may_miss = bytes.Below(16) == 0;  // ids, which are refused then
+    std::vector<Bound> bounds(bytes.Below(bytes.Below(16) == 1 ? 600 : 12));
+    std::vector<typename DoubleView::Bound> doubles;
+    std::vector<std::uint32_t> ids;
+    bool are_all_there = true;
+    for (Bound& bound : bounds) {
+      bound = Next(bytes);
+      doubles.push_back(InDoubles(bound));
+      ids.push_back(static_cast<std::uint32_t>(bytes.Below(1 << 16) %
+                                               (model.size() + 1)));
+      for (std::size_t i = 0; i < model.size() && !may_miss; ++i) {
+        if (Has(model, ids.back())) break;
+        ids.back() =
+            (ids.back() + 1u) % static_cast<std::uint32_t>(model.size());
+      }
+      are_all_there &= Has(model, ids.back());
+    }
+    try {
+      if (what == 0) {
+        if (is_of_doubles) {
+          world.Insert(doubles, ids);
+        } else {
+          world.Insert(bounds, ids);
+        }
+        for (std::size_t i = 0; i < ids.size(); ++i) {
+          const auto result = Add(ids[i], bounds[i], model);
+          if (!result) return result;
+        }
+        return ::testing::AssertionSuccess();
+      }
+      if (what == 1) {
+        world.Erase(ids);
+      } else if (is_of_doubles) {
+        world.Set(ids, doubles);
+      } else {
+        world.Set(ids, bounds);
+      }
+    } catch (const std::invalid_argument&) {
+      if (!are_all_there) return ::testing::AssertionSuccess();
+      throw;
+    }
+    if (!are_all_there) {
+      return ::testing::AssertionFailure() << "a list with a missing id";
+    }
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      if (what == 1) {
+        model[ids[i]].reset();
+      } else {
+        model[ids[i]] = bounds[i];
+      }
+    }
+    return ::testing::AssertionSuccess();
+  }
+
+  ::testing::AssertionResult ReserveOrClear(Bytes& bytes, Bvh<View>& world,
+                                            Model& model) const {
+    if (bytes.Below(16) == 0) {
+      world.Clear();
+      model.clear();
+    }
+    const std::size_t more = bytes.Below(200);
+    world.Reserve(world.size() + more);
+    const std::size_t room = world.bytes();
+    for (std::size_t i = bytes.Below(200); i < more; ++i) {
+      const Bound bound = Next(bytes);
+      const auto result = Add(world.Insert(bound), bound, model);
+      if (!result) return result;
+    }
+    if (world.bytes() != room) {
+      return ::testing::AssertionFailure() << "reserved too little";
+    }
+    return ::testing::AssertionSuccess();
+  }
+
+  static bool Has(const Model& model, std::size_t id) {
+    return id < model.size() && model[id].has_value();
+  }
+
+  static typename DoubleView::Bound InDoubles(const Bound& bound) {
+    const auto floats = detail::Planes(bound);
+    detail::PlaneValues<typename DoubleView::Bound> doubles;
+    std::copy(floats.begin(), floats.end(), doubles.begin());
+    return detail::BoundOf<typename DoubleView::Bound>(doubles);
+  }
+
+  // The bound of each object, and that of all.
+  ::testing::AssertionResult CheckObjects(const Bvh<View>& world,
+                                          const Model& model) const {
+    std::size_t size = 0;
+    Bound all = Bound::Empty();
+    for (std::uint32_t id = 0; id < model.size() + 3; ++id) {
+      if (world.Has(id) != Has(model, id)) {
+        return ::testing::AssertionFailure() << "Has(" << id << ")";
+      }
+      if (!Has(model, id)) continue;
+      ++size;
+      Bound bound = world.Get(id);
+      Bound expected = *model[id];
+      for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+        const float v = StoredValue<View>(expected, p);
+        const float got = StoredValue<View>(bound, p);
+        if (got != v && (got == got || v == v)) {
+          return ::testing::AssertionFailure() << "Get(" << id << ")";
+        }
+        const float sign = IsMinPlane<View>(p) ? 1.0f : -1.0f;
+        float& outermost = StoredValue<View>(all, p);
+        if (!(sign * outermost <= sign * v)) {
+          outermost =
+              v == v ? v : -sign * std::numeric_limits<float>::infinity();
+        }
+      }
+    }
+    if (world.size() != size || world.Bounds() != all) {
+      return ::testing::AssertionFailure() << size << " objects, or Bounds()";
+    }
+    return ::testing::AssertionSuccess();
+  }
+
+  ::testing::AssertionResult CheckAnswers(const Bvh<View>& world,
+                                          const Model& model) const {
     World<View> flat;
     std::vector<std::uint32_t> ids;
     for (std::size_t id = 0; id < model.size(); ++id) {
@@ -344,6 +490,7 @@ class BvhHistory {
         (void)PairsOf(world, set, world, {}, {.wanted = set, .target = target});
       }
     }
+    (void)world.Bounds();
     (void)world.CostRatio();
     (void)world.Verify();
     (void)world.Blob();
@@ -351,7 +498,21 @@ class BvhHistory {
 
   void ChangeAltered(Bvh<View>& world, Bytes& bytes) const {
     const auto id = static_cast<std::uint32_t>(bytes.Below(700));
-    switch (bytes.Below(10)) {
+    switch (bytes.Below(16)) {
+      case 10:
+        (void)world.Get(id);
+        return;
+      case 11:
+        return bytes.Below(16) == 0 ? world.Clear() : world.Reserve(id);
+      case 12:
+        return world.Erase(std::vector<std::uint32_t>{id, id / 2});
+      case 13:
+        return world.Set(std::vector<std::uint32_t>{id, id / 2},
+                         std::vector<Bound>(2, Next(bytes)));
+      case 14: {
+        std::vector<std::uint32_t> ids(id % 16);
+        return world.Insert(std::vector<Bound>(ids.size(), Next(bytes)), ids);
+      }
       case 0:
         return world.Erase(id);
       case 1:

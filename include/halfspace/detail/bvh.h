@@ -7,17 +7,24 @@
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
+#include <utility>
 
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/export.h"
 #include "halfspace/memory.h"
+#include "halfspace/runner.h"
+#include "halfspace/shapes.h"
 #include "halfspace/span.h"
 #include "halfspace/targets.h"
+#include "halfspace/world.h"
 
 namespace halfspace {
 
-enum class BuildQuality : std::uint8_t;
+struct BuildOptions;
 struct QueryOptions;
+
+template <typename View>
+class Bvh;
 
 namespace detail {
 
@@ -104,43 +111,50 @@ struct BvhShape {
   bool has_max;
 };
 
-// Calls part(i) for each i below `count`, in any order and on any threads, and
-// returns when all have returned.
-struct PartRunner {
-  void (*run)(void* context, std::size_t count,
-              void (*part)(const void* parts, std::size_t i),
-              const void* parts);
-  void* context;
-
-  template <typename Part>
-  void operator()(std::size_t count, const Part& part) const {
-    run(
-        context, count,
-        [](const void* parts, std::size_t i) {
-          (*static_cast<const Part*>(parts))(i);
-        },
-        &part);
-  }
+// View<3, float> with doubles: View<3, double>.
+template <typename View>
+struct InDouble;
+template <template <int, typename> class View, int kDims>
+struct InDouble<View<kDims, float>> {
+  using Type = View<kDims, double>;
 };
+template <typename View>
+using DoubleView = typename InDouble<View>::Type;
+template <typename View>
+using DoubleBound = typename DoubleView<View>::Bound;
 
-// `run` is called as run(count, part), and must outlive the result.
-template <typename Run>
-PartRunner RunnerOf(Run& run) {
-  return {
-      [](void* context, std::size_t count,
-         void (*part)(const void* parts, std::size_t i), const void* parts) {
-        (*static_cast<Run*>(context))(
-            count, [part, parts](std::size_t i) { part(parts, i); });
-      },
-      const_cast<std::remove_const_t<Run>*>(&run)};
+// What a Bvh<View> is built of besides its own types.
+template <typename View>
+Columns<double> OtherColumns(const DoubleView<View>& view) {
+  return ColumnsOf(view);
+}
+template <typename View>
+Columns<double> OtherColumns(const World<DoubleView<View>>& world) {
+  return ColumnsOf(world.view());
+}
+template <typename View>
+Columns<double> OtherColumns(Span<const DoubleBound<View>> bounds) {
+  return ColumnsOf(bounds);
+}
+template <typename View, typename Scalar,
+          typename = std::enable_if_t<
+              std::is_same_v<View, AabbView<View::Bound::kDimensions, float>>>>
+Columns<Scalar> OtherColumns(
+    const Boxes<View::Bound::kDimensions, Scalar>& boxes) {
+  Columns<Scalar> columns;
+  columns.size = boxes.count;
+  columns.stride = boxes.stride;
+  ListPlanes(boxes, columns.planes);
+  return columns;
 }
 
-struct InTurn {
-  template <typename Part>
-  void operator()(std::size_t count, const Part& part) const {
-    for (std::size_t i = 0; i < count; ++i) part(i);
-  }
-};
+// Types if Objects can be one of these, and if Bound is of doubles.
+template <typename View, typename Objects>
+using IfOther =
+    decltype(OtherColumns<View>(std::declval<const Objects&>()).size);
+template <typename View, typename Bound>
+using IfDoubleBound =
+    std::enable_if_t<std::is_same_v<Bound, DoubleBound<View>>>;
 
 struct BvhHeader;
 struct BvhRoom;
@@ -171,8 +185,8 @@ class HALFSPACE_API BvhTree {
   }
 
   // Replaces the content. The planes may not be its own.
-  void Build(const FloatColumns& objects, BuildQuality quality, Target target,
-             const PartRunner& run);
+  void Build(const FloatColumns& objects, const BuildOptions& options);
+  void Build(const Columns<double>& objects, const BuildOptions& options);
 
   // Replaces the content by what Blob() gave, in place or as a copy. Only the
   // header is checked: see CheckLoaded().
@@ -189,7 +203,9 @@ class HALFSPACE_API BvhTree {
   void Erase(std::uint32_t id);
   // Values of bound i from values[i * planes] on.
   void Set(Span<const std::uint32_t> ids, Span<const float> values);
+  void Set(Span<const std::uint32_t> ids, Span<const double> values);
   void Insert(Span<const float> values, Span<std::uint32_t> ids);
+  void Insert(Span<const double> values, Span<std::uint32_t> ids);
   void Erase(Span<const std::uint32_t> ids);
   void Clear();
   void Reserve(std::size_t objects);
@@ -199,10 +215,11 @@ class HALFSPACE_API BvhTree {
   void SetMasks(Span<const std::uint32_t> masks);
 
   // The bounds of the objects anew, by id or by slot.
-  void Refit(const FloatColumns& objects, bool is_by_id, const PartRunner& run);
+  void Refit(const FloatColumns& objects, bool is_by_id, const Runner& run);
+  void Refit(const Columns<double>& objects, bool is_by_id, const Runner& run);
 
   double CostRatio() const;
-  void Rebuild(BuildQuality quality, const PartRunner& run);
+  void Rebuild(const BuildOptions& options);
   std::size_t RebuildPartial(std::size_t objects);
 
  private:
@@ -211,8 +228,11 @@ class HALFSPACE_API BvhTree {
   BvhHeader& header() const;
   BvhRoom Room() const;
   void Allocate(const BvhRoom& room);
+  // Throws unless so many objects can be built, or refitted.
+  void CheckBuild(std::size_t objects, const BuildOptions& options) const;
+  bool CheckRefit(std::size_t objects, bool is_by_id) const;
   void BuildIn(const BvhRoom& room, const FloatColumns& objects,
-               BuildQuality quality, Target target, const PartRunner& run);
+               const BuildOptions& options);
   // Throws if ids and slots do not belong together, as in an altered blob:
   // changes would write anywhere.
   void CheckLoaded(const char* call);
@@ -233,6 +253,7 @@ class HALFSPACE_API BvhTree {
   bool HasManyGaps() const;
   void AppendSlot();
   void EncodePath(std::size_t slot);
+  void Touch(std::size_t slot, std::uint64_t* touched);
   void EncodeTouched(std::uint64_t* touched);
   // Sorts the objects of some slots into the first of these, after Prepare().
   // Ranges ascend and begin at blocks. Returns the number of objects.
@@ -250,6 +271,11 @@ class HALFSPACE_API BvhTree {
   BvhLevels levels_;
 };
 
+template <typename View>
+const BvhTree& TreeOf(const Bvh<View>& world) {
+  return world.tree_;
+}
+
 // Returns whether to go on.
 using IdsFunction = bool (*)(void* context, Span<const std::uint32_t> ids);
 
@@ -263,8 +289,7 @@ struct BvhShapeKind {
   BvhShapeQuery (*at)(const void* shapes, std::size_t i);
   // BvhWalkShapes(), which a program links only if it has shapes.
   void (*walk)(const BvhTree& tree, const BvhQueries& queries,
-               const QueryOptions& options, const char* call,
-               const Walk& walk);
+               const QueryOptions& options, const char* call, const Walk& walk);
 };
 
 // Queries, one after another: bounds, of which each has all minima, then all

@@ -61,11 +61,14 @@ constexpr Bound BoundOf(const PlaneValues<Bound>& values) {
 
 // Value i of plane p is planes[p][i * stride]: planes, with a stride of 1, or
 // the values of records.
-struct FloatColumns {
-  std::array<const float*, kMaxPlanes> planes;
+template <typename T>
+struct Columns {
+  std::array<const T*, kMaxPlanes> planes;
   std::size_t size;
   std::size_t stride;
 };
+
+using FloatColumns = Columns<float>;
 
 template <typename View, typename Pointers>
 void ListPlanes(const View& view, Pointers& planes) {
@@ -77,11 +80,11 @@ void ListPlanes(const View& view, Pointers& planes) {
 }
 
 template <typename View>
-FloatColumns ColumnsOf(const View& floats) {
-  FloatColumns columns;
-  columns.size = floats.size;
+Columns<typename View::Bound::Scalar> ColumnsOf(const View& view) {
+  Columns<typename View::Bound::Scalar> columns;
+  columns.size = view.size;
   columns.stride = 1;
-  ListPlanes(floats, columns.planes);
+  ListPlanes(view, columns.planes);
   return columns;
 }
 
@@ -95,12 +98,12 @@ const typename Bound::Scalar* RecordsOf(Span<const Bound> bounds) {
 }
 
 template <typename Bound>
-FloatColumns ColumnsOf(Span<const Bound> records) {
+Columns<typename Bound::Scalar> ColumnsOf(Span<const Bound> records) {
   constexpr std::size_t kValues = kPlaneCount<Bound>;
-  FloatColumns columns;
+  Columns<typename Bound::Scalar> columns;
   columns.size = records.size();
   columns.stride = kValues;
-  const float* values = RecordsOf(records);
+  const auto* values = RecordsOf(records);
   for (std::size_t p = 0; p < kValues; ++p) {
     columns.planes[p] = values == nullptr ? nullptr : values + p;
   }

@@ -104,8 +104,8 @@ TYPED_TEST(BvhBlobTest, ABlobHasNothingElseInIt) {
   Filled ones{255};
   Spread<View> spread(2.0f);
   const World<View> world = spread.Objects(4500);
-  Bvh<View> a(world, BuildQuality::kHigh, MemoryFrom(zeros));
-  Bvh<View> b(world, BuildQuality::kHigh, MemoryFrom(ones));
+  Bvh<View> a(world, {.memory = MemoryFrom(zeros)});
+  Bvh<View> b(world, {.memory = MemoryFrom(ones)});
   for (int step = 0; step < 4; ++step) {
     const auto of_a = a.Blob();
     EXPECT_TRUE(std::equal(of_a.begin(), of_a.end(), b.Blob().begin())) << step;

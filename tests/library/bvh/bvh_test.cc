@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <random>
 #include <span>
@@ -86,7 +87,7 @@ template <typename View>
 void ExpectSameEverywhere(const View& view,
                           std::span<const typename View::Query> queries) {
   for (BuildQuality quality : kOrders) {
-    const Bvh<View> bvh(view, quality);
+    const Bvh<View> bvh(view, {.quality = quality});
     for (Target target : TargetsUnderTest()) {
       ExpectSame<View>(bvh, view, queries, target);
       if (::testing::Test::HasFatalFailure()) {
@@ -326,7 +327,7 @@ TYPED_TEST(BvhTest, CodesDecideOnlyWhatTheyProve) {
       std::fesetround(build_mode);
       Bvh<View> bvh(view);
       bvh.Reserve(4097);  // a smaller world has no codes
-      ASSERT_NE(bvh.tree().levels().codes, nullptr);
+      ASSERT_NE(detail::TreeOf(bvh).levels().codes, nullptr);
       for (int mode : {FE_TONEAREST, FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
         std::fesetround(mode);
         for (Target target : TargetsUnderTest()) {
@@ -360,20 +361,15 @@ TYPED_TEST(BvhTest, IsTheSameWhicheverTargetBuildsIt) {
   World<View> world = Spread<View>(3.0f).Objects(5000);
   // Blocks without a finite value.
   for (int i = 0; i < 200; ++i) world.Push(View::Bound::Empty());
-  const auto built = [&](Target target) {
-    detail::BvhTree tree(detail::BvhShapeOf<View>(), MemoryResource());
-    detail::InTurn in_turn;
-    tree.Build(detail::ColumnsOf(world.view()), BuildQuality::kHigh, target,
-               detail::RunnerOf(in_turn));
-    return tree;
-  };
   const std::vector<Target> targets = TargetsUnderTest();
-  const detail::BvhTree first = built(targets[0]);
+  const Bvh<View> of_first(world, {.target = targets[0]});
+  const detail::BvhLevels& first = detail::TreeOf(of_first).levels();
   for (Target target : targets) {
-    const detail::BvhTree other = built(target);
-    for (std::size_t l = 0; l < first.levels().count; ++l) {
-      const detail::BvhLevel& a = first.levels().level[l];
-      const detail::BvhLevel& b = other.levels().level[l];
+    const Bvh<View> of_other(world, {.target = target});
+    const detail::BvhLevels& other = detail::TreeOf(of_other).levels();
+    for (std::size_t l = 0; l < first.count; ++l) {
+      const detail::BvhLevel& a = first.level[l];
+      const detail::BvhLevel& b = other.level[l];
       ASSERT_EQ(a.size, b.size);
       const std::size_t values = (a.size + 63) / 64 * 64 * kPlanes<View>;
       for (std::size_t i = 0; i < values; ++i) {
@@ -382,10 +378,8 @@ TYPED_TEST(BvhTest, IsTheSameWhicheverTargetBuildsIt) {
                   std::bit_cast<std::uint32_t>(b.floats[i]))
             << "level " << l << ", " << target.name();
       }
-      if (l > 0 || first.levels().count == 1) continue;
-      EXPECT_TRUE(std::equal(first.levels().codes,
-                             first.levels().codes + values,
-                             other.levels().codes))
+      if (l > 0 || first.count == 1) continue;
+      EXPECT_TRUE(std::equal(first.codes, first.codes + values, other.codes))
           << target.name();
     }
   }
@@ -524,8 +518,7 @@ TEST(BvhMemoryTest, IsAtMostThreeQuartersOfTheFloats) {
   CountingMemory memory;
   std::size_t bytes = 0;
   {
-    const Bvh<AabbView3> bvh(world.view(), BuildQuality::kHigh,
-                             memory.resource());
+    const Bvh<AabbView3> bvh(world.view(), {.memory = memory.resource()});
     bytes = bvh.bytes();
     EXPECT_EQ(memory.blocks, 1u);
   }
@@ -587,7 +580,10 @@ TEST(BvhFpModesTest, MakingAndChangingAWorldNeverTrap) {
   world.Push(Aabb3::Everything());
   for (BuildQuality quality : kOrders) {
     const TrapExceptions traps;
-    AabbBvh3 bvh(world, quality);
+    AabbBvh3 bvh(world, {.quality = quality});
+    AabbBvh3 of_doubles(AabbWorld<3, double>(
+        std::vector<Aabb<3, double>>(200, {{1e-310, -1e300, 0.1}, {}})));
+    of_doubles.Insert(Aabb<3, double>::Everything());
     EXPECT_TRUE(traps.IsUntouched());
     // And changing it neither, to the next sorts of the newest and of all.
     for (std::uint32_t i = 0; i < 700; ++i) {
@@ -602,9 +598,23 @@ TEST(BvhFpModesTest, MakingAndChangingAWorldNeverTrap) {
       if (bvh.Has(id)) bvh.Erase(id);
     }
     (void)bvh.CostRatio();
-    bvh.Rebuild(quality);
+    bvh.Rebuild({.quality = quality});
     EXPECT_TRUE(traps.IsUntouched());
   }
+}
+
+TEST(BvhErrorsTest, RefusesOptionsThatAreNone) {
+  const AabbWorld3 world = Spread<AabbView3>(1.0f).Objects(100);
+  AabbBvh3 bvh(world);
+  const auto refused = [&](const BuildOptions& options,
+                           std::initializer_list<std::string_view> parts) {
+    EXPECT_TRUE(Refuses([&] { AabbBvh3 bad(world, options); }, parts));
+    EXPECT_TRUE(Refuses([&] { bvh.Rebuild(options); }, parts));
+  };
+  refused({.quality = static_cast<BuildQuality>(2)},
+          {"Bvh: ", "quality", "BuildQuality", "2"});
+  refused({.target = Target::FromHighwayBit(3)}, {"Bvh: ", "target"});
+  EXPECT_EQ(bvh.size(), 100u);
 }
 
 TEST(BvhErrorsTest, RefusesAListThatItCannotRead) {

@@ -7,9 +7,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <map>
+#include <memory>
 #include <new>
+#include <numeric>
 #include <random>
 #include <span>
 #include <thread>
@@ -63,8 +66,8 @@ TYPED_TEST(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
     for (std::uint32_t i = 0; i < size; ++i) {
       model.objects[i] = {world.Get(i)};
     }
-    Bvh<View> bvh(world,
-                  round % 2 == 0 ? BuildQuality::kHigh : BuildQuality::kFast);
+    Bvh<View> bvh(world, {.quality = round % 2 == 0 ? BuildQuality::kHigh
+                                                    : BuildQuality::kFast});
     std::size_t ids_ever = size;
     const auto any_id = [&] {
       auto it = model.objects.lower_bound(
@@ -124,8 +127,8 @@ TYPED_TEST(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
       } else if (what == 7) {
         bvh.RebuildPartial(random() % 9000);
       } else if (what == 8) {
-        bvh.Rebuild(random() % 2 == 0 ? BuildQuality::kHigh
-                                      : BuildQuality::kFast);
+        bvh.Rebuild({.quality = random() % 2 == 0 ? BuildQuality::kHigh
+                                                  : BuildQuality::kFast});
       } else if (what == 11) {
         // Ids that come twice, the last bound of which wins.
         Ids ids;
@@ -224,13 +227,18 @@ TYPED_TEST(BvhChangesTest, LevelsStayAsTightAsAfterARefit) {
     ids.push_back(i);
     list.push_back(bounds.Get(i));
   }
-  batched.Set(ids, list);
+  std::size_t count = 3;
+  for (std::size_t i = 0; i < ids.size(); i += count, count = 703 - count) {
+    count = std::min(count, ids.size() - i);
+    batched.Set(std::span(ids).subspan(i, count),
+                std::span(list).subspan(i, count));
+  }
   refitted.Refit(bounds.view());
   EXPECT_GT(changed.CostRatio(), 2.0);
   EXPECT_EQ(changed.CostRatio(), refitted.CostRatio());
-  const auto& a = changed.tree().levels();
-  const auto& b = refitted.tree().levels();
-  const auto& c = batched.tree().levels();
+  const auto& a = detail::TreeOf(changed).levels();
+  const auto& b = detail::TreeOf(refitted).levels();
+  const auto& c = detail::TreeOf(batched).levels();
   ASSERT_EQ(a.count, b.count);
   for (std::size_t l = 0; l < a.count; ++l) {
     const std::size_t floats = (a.level[l].size + 63) / 64 * 64 * kPlanes<View>;
@@ -311,14 +319,59 @@ TEST(BvhThreadsTest, ShareRefitsAndBuilds) {
   }
   // And builds, which are the same then.
   for (BuildQuality quality : {BuildQuality::kHigh, BuildQuality::kFast}) {
-    const AabbBvh3 built(bounds, quality, {}, run);
-    const AabbBvh3 alone(bounds.view(), quality);
+    const AabbBvh3 built(bounds, {.quality = quality, .run = run});
+    const AabbBvh3 alone(bounds.view(), {.quality = quality});
     EXPECT_TRUE(std::equal(built.ids().begin(), built.ids().end(),
                            alone.ids().begin()));
     EXPECT_EQ(built.CostRatio(), 1.0);
-    bvh.Rebuild(quality, run);
+    bvh.Rebuild({.quality = quality, .run = run});
     EXPECT_EQ(CountSurvivors(bvh, Aabb3::Everything()), 40'000u);
   }
+}
+
+void RunBackwards(std::size_t count, Runner::Part part) {
+  while (count-- > 0) part(count);
+}
+
+TEST(RunnerTest, CallsAnyFunctionObject) {
+  std::vector<int> calls(5);
+  const auto count_all = [&](const Runner& run) {
+    run(calls.size(), [&](std::size_t i) { ++calls[i]; });
+  };
+  int runs = 0;
+  auto own = [&runs, state = std::make_unique<int>()](std::size_t count,
+                                                      auto part) mutable {
+    *state = ++runs;
+    for (std::size_t i = 0; i < count; ++i) part(i);
+  };
+  const std::function<void(std::size_t, const Runner::Part&)> general =
+      std::ref(own);
+  count_all({});
+  count_all(own);
+  count_all(general);
+  count_all(&RunBackwards);
+  count_all([&runs](std::size_t count, const Runner::Part& part) {
+    ++runs;
+    RunBackwards(count, part);
+  });
+  EXPECT_EQ(calls, std::vector<int>(5, 5));
+  EXPECT_EQ(runs, 3);
+}
+
+// A temporary in the options lives until the constructor returns.
+TEST(RunnerTest, CanBeATemporaryOfTheCall) {
+  const AabbWorld3 world = Spread<AabbView3>(1.0f).Objects(10'000);
+  std::size_t parts = 0;
+  const AabbBvh3 bvh(world,
+                     {.run = [&parts, in_turn = std::function(RunBackwards)](
+                                 std::size_t count, const auto& part) {
+                       parts += count;
+                       in_turn(count, part);
+                     }});
+  EXPECT_GE(parts, 3u);
+  const AabbBvh3 alone(world);
+  EXPECT_TRUE(
+      std::equal(bvh.ids().begin(), bvh.ids().end(), alone.ids().begin()));
 }
 
 TEST(BvhRefitTest, RefusesOtherNumbersOfBounds) {
@@ -344,6 +397,13 @@ TEST(BvhRefitTest, RefusesOtherNumbersOfBounds) {
                       {"Reserve", "objects", "2147483648"}));
 }
 
+// More than are changed one by one.
+Ids TenIds() {
+  Ids ids(10);
+  std::iota(ids.begin(), ids.end(), 3);
+  return ids;
+}
+
 // Each change, with less memory than it needs, of a world that owns its block
 // and of a blob in place. What was taken from the world stays valid.
 TEST(BvhChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
@@ -354,14 +414,22 @@ TEST(BvhChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
       [](AabbBvh3& world) { world.Erase(3); },
       [](AabbBvh3& world) { world.Reserve(20'000); },
       [](AabbBvh3& world) {
-        world.Set(Ids{3, 5}, std::vector(2, Aabb3::Everything()));
+        world.Set(TenIds(), std::vector(10, Aabb3::Everything()));
       },
-      [](AabbBvh3& world) {
-        world.Erase(Ids{3, 5});
-      },
+      [](AabbBvh3& world) { world.Erase(TenIds()); },
       [](AabbBvh3& world) {
         Ids ids(300);
         world.Insert(std::vector(300, Aabb3::Everything()), ids);
+      },
+      [](AabbBvh3& world) {
+        world.Set(TenIds(), std::vector(10, Aabb<3, double>::Everything()));
+      },
+      [](AabbBvh3& world) {
+        Ids ids(300);
+        world.Insert(std::vector(300, Aabb<3, double>::Everything()), ids);
+      },
+      [](AabbBvh3& world) {
+        world.Refit(std::vector(9256, Aabb<3, double>::Everything()));
       },
       [](AabbBvh3& world) { world.SetMasks(3, 1); },
       [](AabbBvh3& world) { world.SetMasks({}); },
@@ -371,7 +439,7 @@ TEST(BvhChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
   Spread<AabbView3> spread(2.0f);
   const AabbWorld3 objects = spread.Objects(9000);
   Model<AabbView3> model;
-  AabbBvh3 first(objects, BuildQuality::kHigh, memory.resource());
+  AabbBvh3 first(objects, {.memory = memory.resource()});
   const AabbWorld3 moved = spread.Objects(9000);
   first.Refit(moved.view());  // so that there is something to sort
   for (std::uint32_t i = 0; i < 9000; ++i) model.objects[i] = {moved.Get(i)};
@@ -410,7 +478,7 @@ TEST(BvhChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
 template <typename View>
 std::size_t LeavesVisited(const Bvh<View>& bvh,
                           std::span<const typename View::Query> queries) {
-  const detail::BvhLevel& level = bvh.tree().levels().level[1];
+  const detail::BvhLevel& level = detail::TreeOf(bvh).levels().level[1];
   World<View> leaves;
   for (std::size_t n = 0; n < level.size; ++n) {
     typename View::Bound leaf;
@@ -467,14 +535,15 @@ TYPED_TEST(BvhChangesTest, OneFarObjectLeavesTheOrder) {
   const auto queries = spread.Queries(500);
   for (BuildQuality quality : {BuildQuality::kHigh, BuildQuality::kFast}) {
     const std::size_t near =
-        LeavesVisited<View>(Bvh<View>(bounds, quality), queries);
+        LeavesVisited<View>(Bvh<View>(bounds, {.quality = quality}), queries);
     World<View> with_far(bounds);
     auto far = bounds.Get(7);
     far.min[0] += 1e30f;
     if constexpr (HasMaxima<View>) far.max[0] += 1e30f;
     with_far.Set(7, far);
-    EXPECT_LE(LeavesVisited<View>(Bvh<View>(with_far, quality), queries),
-              near + near / 5)
+    EXPECT_LE(
+        LeavesVisited<View>(Bvh<View>(with_far, {.quality = quality}), queries),
+        near + near / 5)
         << static_cast<int>(quality);
   }
 }

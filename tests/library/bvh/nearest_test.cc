@@ -442,7 +442,7 @@ TYPED_TEST(BvhNearestTest, IsASortedList) {
       bounds.push_back(one_case.next(i));
     }
     for (BuildQuality quality : {BuildQuality::kHigh, BuildQuality::kFast}) {
-      const Bvh<View> bvh(std::span<const Bound>(bounds), quality);
+      const Bvh<View> bvh(std::span<const Bound>(bounds), {.quality = quality});
       ExpectAll<View>(bvh, bounds, random, one_case.size == 900);
       if (this->HasFatalFailure()) return;
     }

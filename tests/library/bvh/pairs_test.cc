@@ -301,8 +301,8 @@ void ExpectPairsEverywhere(const World<View>& world, const World<View>& other) {
   const auto others = ObjectsOf(other);
   for (BuildQuality quality : {BuildQuality::kHigh, BuildQuality::kFast}) {
     if (Scaled(10) == 1 && quality == BuildQuality::kFast) continue;
-    const Bvh<View> a(world, quality);
-    const Bvh<View> b(other, quality);
+    const Bvh<View> a(world, {.quality = quality});
+    const Bvh<View> b(other, {.quality = quality});
     for (Target target : TargetsUnderTest()) {
       ExpectPairsOf(a, objects, {.target = target});
       ExpectPairsOf(a, objects, b, others, {.target = target});
@@ -554,7 +554,7 @@ TYPED_TEST(BvhPairsTest, WithAMarginAreThoseThatAreNear) {
 TEST(BvhPairsOfManyTest, AreThoseOfAllPairsThatTouchTheSet) {
   using View = AabbView3;
   const World<View> world = Spread<View>(1.5f).Objects(64 * 1024);
-  Bvh<View> bvh(world, BuildQuality::kFast);
+  Bvh<View> bvh(world, {.quality = BuildQuality::kFast});
   std::vector<IdPair> all(Pairs(bvh, Span<IdPair>()));
   ASSERT_EQ(Pairs(bvh, all), all.size());
   for (bool has_slots : {false, true}) {
@@ -588,7 +588,7 @@ TEST(BvhPairsMemoryTest, OnlySetsThatAreSearchedOrLargeTakeMemory) {
   for (Failure failure : {Failure::kThrows, Failure::kReturnsNull}) {
     CountingMemory memory(failure);
     AabbBvh3 world(Spread<AabbView3>(4.0f).Objects(30000).view(),
-                   BuildQuality::kHigh, memory.resource());
+                   {.memory = memory.resource()});
     for (bool is_changed : {false, true}) {
       if (is_changed) world.Set(5, Aabb3::Everything());
       for (std::uint32_t count : {3u, 63u, 200u}) {

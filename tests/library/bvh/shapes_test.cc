@@ -221,8 +221,8 @@ Ids Expected(const World<View>& world, std::span<const std::uint32_t> ids,
 template <typename View>
 void ExpectSameEverywhere(const World<View>& world,
                           const Shapes<View::Bound::kDimensions>& shapes) {
-  const Bvh<View> tight(world.view(), BuildQuality::kHigh);
-  const Bvh<View> fast(world.view(), BuildQuality::kFast);
+  const Bvh<View> tight(world.view());
+  const Bvh<View> fast(world.view(), {.quality = BuildQuality::kFast});
   ForEachShape(shapes, [&](const auto& shape) {
     const Ids expected = Expected<View>(world, {}, shape);
     for (Target target : TargetsUnderTest()) {
