@@ -219,9 +219,8 @@ void ForEachNearest(const Bvh<View>& world,
 //
 // Order: near to far, but not sorted. The leaf of the BVH that the ray enters
 // first comes first, and the objects of a leaf come by ascending t. No object
-// that the ray enters up to the current limit is left out, and none is found
-// that it enters beyond: so the first hit is the least t that the function
-// finds, as in the example above.
+// that the ray enters up to the current limit is left out, and no object beyond
+// it is found. The example above finds the first hit.
 //
 // Rounding: t is at most the exact value, and within 2^-18 of it, or of what
 // the rounding of the origin and the planes amounts to. Up to 2^-100 beyond a
