@@ -218,6 +218,9 @@ class PairWalker
     return before < detail::kBlockObjects ? ~uint64_t{0} << before : 0;
   }
 
+  // Leaves of several members stay in the cache.
+  bool ReadsCodes(size_t query) const { return IsOne(members_[query]); }
+
   bool VisitLeaves(const uint32_t* places, size_t count) {
     for (size_t i = 0; i < count; ++i) {
       const size_t query = this->QueryOf(places[i]);
