@@ -78,7 +78,7 @@ int main() {
       closest = t;
       hit = id;
     }
-    return closest;
+    return halfspace::Limit{closest};
   });
   std::printf("the ray meets sphere %u at %.3f, after %d tests\n", hit,
               static_cast<double>(closest), tests);

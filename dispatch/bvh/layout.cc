@@ -19,8 +19,9 @@ namespace {
 
 constexpr std::size_t kLine = 64;
 
-// More than this is not in the second-level cache.
-constexpr std::size_t kInCacheBytes = std::size_t{1} << 20;
+// Leaves of more than this are prefetched. With less, in the second-level cache
+// or near it, a query of 100 000 boxes takes 8 % longer with prefetches.
+constexpr std::size_t kInCacheBytes = std::size_t{1} << 21;
 
 // Divides a block of memory into parts of whole cache lines. Without memory it
 // only measures. In new memory it clears the space between parts, because that

@@ -1,5 +1,5 @@
 // The calls of bvh_nearest.h: checks, and one search after another for what
-// comes next.
+// is next nearest.
 #include "kernels/bvh/nearest.h"
 
 #include <algorithm>
@@ -21,31 +21,60 @@
 namespace halfspace::detail {
 namespace {
 
-// The key up to which objects are found that are within a distance, or not
-// beyond a place on a line. It is finite, so that no infinite key is found. In
-// the default floating-point mode a squared distance errs by less than 2^-21 of
-// it and 3 * 2^-150 (docs/bvh.md).
-float KeyLimit(bool is_line, float value) {
-  const double limit = is_line
-                           ? double{value} + kApartOnLine
-                           : double{value} * value * (1 + 0x1p-20) + 0x1p-148;
+// The key up to which objects are found that are within a distance. It is
+// finite, so that no infinite key is found. In the default floating-point mode
+// a squared distance errs by less than 2^-21 of it and 3 * 2^-150
+// (docs/bvh.md).
+float KeyLimit(float value) {
+  const double limit = double{value} * value * (1 + 0x1p-20) + 0x1p-148;
   return static_cast<float>(std::min(limit, double{kMax<float>}));
 }
 
+// By bits, as a compare with a NaN may trap.
 void CheckLimit(const char* call, const char* argument, float value) {
-  kernels::InDefaultFpMode([&] {
-    if (value >= 0) return;
-    kernels::ThrowInvalid(call, argument, "a number that is not negative",
-                          std::to_string(value));
-  });
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  const bool is_negative_zero = bits == 0x80000000;
+  if (bits <= std::bit_cast<std::uint32_t>(kInf<float>) || is_negative_zero) {
+    return;
+  }
+  kernels::ThrowInvalid(call, argument, "a number that is not negative",
+                        std::to_string(value));
 }
 
 // So many are found at once on the stack; at first for a function, and at most.
 constexpr std::size_t kFirstRoom = 8;
 constexpr std::size_t kMostRoom = 2048;
 
+// A function of the caller's, which runs in the caller's floating-point mode.
+struct Callback {
+  NearFunction function;
+  void* context;
+  kernels::DefaultFpMode& mode;
+
+  static float Run(void* callback, std::uint32_t id, float value,
+                   const float* planes) {
+    const auto& call = *static_cast<Callback*>(callback);
+    return call.mode.Outside(
+        [&] { return call.function(call.context, id, value, planes); });
+  }
+};
+
 float KeyOf(KeyedSlot keyed) {
   return std::bit_cast<float>(static_cast<std::uint32_t>(keyed >> 32));
+}
+
+void CheckOutputs(const char* call, float max_distance, Span<std::uint32_t> ids,
+                  Span<float> distances) {
+  CheckLimit(call, "max_distance", max_distance);
+  if (!distances.empty() && distances.size() != ids.size()) {
+    kernels::ThrowInvalid(call, "distances",
+                          "as many as ids, " + std::to_string(ids.size()),
+                          std::to_string(distances.size()));
+  }
+  kernels::CheckMemory(call, "ids", ids.data(), ids.size(),
+                       alignof(std::uint32_t));
+  kernels::CheckMemory(call, "distances", distances.data(), distances.size(),
+                       alignof(float));
 }
 
 const BvhNearestKernels& KernelsFor(const QueryOptions& options,
@@ -53,18 +82,25 @@ const BvhNearestKernels& KernelsFor(const QueryOptions& options,
   return kBvhNearestKernels[dispatch::IndexOf(options.target, call)];
 }
 
-NearestSearch SearchFrom(const BvhTree& tree, std::size_t dims,
-                         const float* point, float max_distance,
-                         const QueryOptions& options) {
-  NearestSearch search{};
-  search.mask = options.mask;
+NearestSearch MakeSearch(const BvhTree& tree, const QueryOptions& options) {
+  NearestSearch search;
   search.levels = &tree.levels();
-  kernels::InDefaultFpMode([&] {
-    MakeBall({dims, tree.shape().axes, tree.shape().has_max}, point, 0,
-             search.ball);
-    search.limit = KeyLimit(false, max_distance);
-  });
+  search.box.dims = tree.shape().dims;
+  search.box.max_plane = tree.shape().has_max ? tree.shape().axes : 0;
+  search.mask = options.mask;
   return search;
+}
+
+// Starts a search.
+void SetQuery(const NearQueries& queries, std::size_t q, float limit,
+              NearestSearch& search) {
+  const float* const low = queries.values + q * queries.stride;
+  for (std::size_t k = 0; k < search.box.dims; ++k) {
+    search.box.low[k] = low[k];
+    search.box.high[k] = low[queries.upper + k];
+  }
+  search.from = 0;
+  search.limit = limit;
 }
 
 // Up to kMostRoom objects are found on the stack. More are found in the memory
@@ -72,8 +108,8 @@ NearestSearch SearchFrom(const BvhTree& tree, std::size_t dims,
 // of the rest.
 std::size_t WriteNearest(const BvhNearestKernels& kernels,
                          NearestSearch& search, Span<std::uint32_t> ids,
-                         Span<float> distances, std::size_t most) {
-  most = std::min(most, ids.size());
+                         Span<float> distances) {
+  const std::size_t most = std::min(search.levels->level[0].size, ids.size());
   KeyedSlot on_stack[kMostRoom];
   std::size_t total = 0;
   while (total < most) {
@@ -104,18 +140,18 @@ std::size_t WriteNearest(const BvhNearestKernels& kernels,
 // Calls the function until it ends the search.
 void Call(const BvhNearestKernels& kernels, NearestSearch& search,
           NearFunction function, void* context) {
-  const bool is_line = search.line != nullptr;
+  const BvhLevel& objects = search.levels->level[0];
   KeyedSlot found[kMostRoom];
   search.found = found;
   for (search.room = kFirstRoom;;
        search.room = std::min(2 * search.room, kMostRoom)) {
     std::size_t i = 0;
     std::size_t count = 0;
-    float value = 0;
+    float distance = 0;
     const auto has_next = [&] {
       if (i == count) return false;
       const float key = KeyOf(found[i]);
-      value = is_line ? key : std::sqrt(key);
+      distance = std::sqrt(key);
       return key <= search.limit;
     };
     bool goes_on = kernels::InDefaultFpMode([&] {
@@ -123,13 +159,13 @@ void Call(const BvhNearestKernels& kernels, NearestSearch& search,
       return has_next();
     });
     while (goes_on) {
-      const float limit = function(
-          context, search.levels->ids[static_cast<std::uint32_t>(found[i])],
-          value);
+      const auto slot = static_cast<std::uint32_t>(found[i]);
+      const float limit = function(context, search.levels->ids[slot], distance,
+                                   &objects.Value(0, slot));
       goes_on = kernels::InDefaultFpMode([&] {
         if (limit < 0) return false;
         if (limit <= kMax<float>) {
-          search.limit = std::min(search.limit, KeyLimit(is_line, limit));
+          search.limit = std::min(search.limit, KeyLimit(limit));
         }
         ++i;
         return has_next();
@@ -142,66 +178,100 @@ void Call(const BvhNearestKernels& kernels, NearestSearch& search,
 
 }  // namespace
 
-std::size_t BvhNearest(const BvhTree& tree, std::size_t dims,
-                       const float* point, float max_distance,
-                       Span<std::uint32_t> ids, Span<float> distances,
-                       const QueryOptions& options) {
+std::size_t BvhNearest(const BvhTree& tree, const NearQueries& query,
+                       float max_distance, Span<std::uint32_t> ids,
+                       Span<float> distances, const QueryOptions& options) {
   constexpr const char* kCall = "KNearest";
-  CheckLimit(kCall, "max_distance", max_distance);
-  if (!distances.empty() && distances.size() != ids.size()) {
-    kernels::ThrowInvalid(kCall, "distances",
-                          "as many as ids, " + std::to_string(ids.size()),
-                          std::to_string(distances.size()));
-  }
-  kernels::CheckMemory(kCall, "ids", ids.data(), ids.size(),
-                       alignof(std::uint32_t));
-  kernels::CheckMemory(kCall, "distances", distances.data(), distances.size(),
-                       alignof(float));
+  CheckOutputs(kCall, max_distance, ids, distances);
   const auto& kernels = KernelsFor(options, kCall);
-  if (tree.size() == 0) return 0;
-  NearestSearch search = SearchFrom(tree, dims, point, max_distance, options);
+  if (tree.ids().empty()) return 0;
+  NearestSearch search = MakeSearch(tree, options);
   return kernels::InDefaultFpMode([&] {
-    return WriteNearest(kernels, search, ids, distances, tree.size());
+    SetQuery(query, 0, KeyLimit(max_distance), search);
+    return WriteNearest(kernels, search, ids, distances);
   });
 }
 
-void BvhForEachNearest(const BvhTree& tree, std::size_t dims,
-                       const float* point, float max_distance,
-                       NearFunction function, void* context,
+void BvhNearestOfEach(const BvhTree& tree, const NearQueries& queries,
+                      std::size_t k, float max_distance,
+                      Span<std::uint32_t> ids, Span<float> distances,
+                      const QueryOptions& options) {
+  constexpr const char* kCall = "KNearestOfEach";
+  kernels::CheckMemory(kCall, "queries", queries.values, queries.count,
+                       alignof(float));
+  CheckOutputs(kCall, max_distance, ids, distances);
+  if (k == 0 ? !ids.empty()
+             : ids.size() % k != 0 || ids.size() / k != queries.count) {
+    kernels::ThrowInvalid(kCall, "ids",
+                          std::to_string(k) + " elements for each of " +
+                              std::to_string(queries.count) + " queries",
+                          std::to_string(ids.size()));
+  }
+  const auto& kernels = KernelsFor(options, kCall);
+  NearestSearch search = MakeSearch(tree, options);
+  kernels::InDefaultFpMode([&] {
+    const float limit = KeyLimit(max_distance);
+    for (std::size_t row = 0; row < ids.size(); row += k) {
+      const Span<std::uint32_t> row_ids(ids.data() + row, k);
+      const Span<float> row_distances(distances.data() + row,
+                                      distances.empty() ? 0 : k);
+      std::size_t found = 0;
+      if (!tree.ids().empty()) {
+        SetQuery(queries, row / k, limit, search);
+        found = WriteNearest(kernels, search, row_ids, row_distances);
+      }
+      std::fill(row_ids.begin() + found, row_ids.end(), kNoId);
+      if (distances.empty()) continue;
+      std::fill(row_distances.begin() + found, row_distances.end(),
+                kInf<float>);
+    }
+  });
+}
+
+void BvhForEachNearest(const BvhTree& tree, const NearQueries& query,
+                       float max_distance, NearFunction function, void* context,
                        const QueryOptions& options) {
   constexpr const char* kCall = "ForEachNearest";
   CheckLimit(kCall, "max_distance", max_distance);
   const auto& kernels = KernelsFor(options, kCall);
-  if (tree.size() == 0) return;
-  NearestSearch search = SearchFrom(tree, dims, point, max_distance, options);
+  if (tree.ids().empty()) return;
+  NearestSearch search = MakeSearch(tree, options);
+  kernels::InDefaultFpMode(
+      [&] { SetQuery(query, 0, KeyLimit(max_distance), search); });
   Call(kernels, search, function, context);
 }
 
-void BvhRayCast(const BvhTree& tree, std::size_t dims, const float* ray,
-                float radius, NearFunction function, void* context,
-                const QueryOptions& options) {
-  constexpr const char* kCall = "RayCast";
-  CheckLimit(kCall, "ray.max_t", ray[2 * dims]);
-  CheckLimit(kCall, "radius", radius);
-  const auto& kernels = KernelsFor(options, kCall);
-  if (tree.size() == 0) return;
-  NearestSearch search{};
-  Line line;
+void BvhCast(const BvhTree& tree, const LineCast& cast, NearFunction function,
+             void* context, const QueryOptions& options) {
+  CheckLimit(cast.call, "max_t", cast.max_t);
+  CheckLimit(cast.call, "radius", cast.radius);
+  const auto& kernels = KernelsFor(options, cast.call);
+  if (tree.ids().empty()) return;
+  const BvhShape& shape = tree.shape();
+  LineSearch search;
   search.levels = &tree.levels();
-  search.line = &line;
   search.mask = options.mask;
-  kernels::InDefaultFpMode([&] {
-    double origin[3] = {};
-    double direction[3] = {};
-    for (std::size_t k = 0; k < dims; ++k) {
-      origin[k] = ray[k];
-      direction[k] = ray[dims + k];
+  kernels::DefaultFpMode mode;
+  Callback callback = {function, context, mode};
+  search.function = &Callback::Run;
+  search.context = &callback;
+  kernels::CallApart([&] {
+    for (std::size_t k = 0; k < shape.dims; ++k) {
+      if (cast.low[k] > cast.high[k]) return;
     }
-    MakeLine({dims, tree.shape().axes, tree.shape().has_max}, origin, direction,
-             ray[2 * dims], radius, line);
-    search.limit = KeyLimit(true, ray[2 * dims]);
+    double low[3];
+    double high[3];
+    double direction[3];
+    for (std::size_t k = 0; k < shape.dims; ++k) {
+      low[k] = cast.low[k];
+      high[k] = cast.high[k];
+      direction[k] = cast.direction[k];
+    }
+    MakeLine({shape.dims, shape.axes, shape.has_max}, low, high, direction,
+             cast.max_t, cast.radius, search.line);
+    search.line.max_t = std::min(cast.max_t, kMax<float>);
+    kernels.cast(search);
   });
-  Call(kernels, search, function, context);
 }
 
 }  // namespace halfspace::detail

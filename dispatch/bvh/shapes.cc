@@ -136,7 +136,7 @@ class Prepared {
       origin[k] = query_.values[k];
       direction[k] = double{query_.values[query_.dims + k]} - origin[k];
     }
-    MakeLine(planes_, origin, direction, 1, RadiusOf(query_), line_);
+    MakeLine(planes_, origin, origin, direction, 1, RadiusOf(query_), line_);
     is_ = kLine;
     // Too large for all axes: its test would keep Empty() objects.
     if (line_.planes == 0) SetBounds(true);

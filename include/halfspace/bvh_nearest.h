@@ -1,5 +1,4 @@
-// k nearest and ray casts on the BVH of bvh.h: the objects nearest to a
-// point, or first along a ray, in ascending order.
+// k nearest, ray casts and box casts on the BVH of bvh.h.
 //
 //   std::array<std::uint32_t, 8> ids;
 //   std::array<float, 8> distances;
@@ -8,24 +7,25 @@
 //   float closest = ray.max_t;
 //   RayCast(bvh, ray, [&](std::uint32_t id, float) {
 //     // HitTriangle() is infinite for a miss.
-//     return closest = std::min(closest, HitTriangle(ray, id));
+//     closest = std::min(closest, HitTriangle(ray, id));
+//     return Limit{closest};
 //   });
 //
 // Distances are distances of bounds, not of the objects in them: from the point
-// to the box of the first d axes, or to the octant above the first d minima of
-// a simplex. Inside the bound the distance is 0. A ray enters a bound where it
-// is between the planes of all axes, D included (a simplex has minima only). If
-// its origin is inside, t is 0.
+// or box of the query to the box of the first d axes, or to the octant above
+// the first d minima of a simplex. If the two touch, the distance is 0. A ray
+// enters a bound where it is between the planes of all axes, D included (a
+// simplex has minima only). If its origin is inside, t is 0.
 //
-// A callback is function(std::uint32_t id, float value), called for one object
-// after another with the distance or t. It returns void, or bool (false ends
-// the search), or float: a new limit of the distance or t. A limit greater than
-// the last one changes nothing, and a negative one ends the search. The
-// callback must not change the world. Its exceptions pass through.
+// A callback is function(std::uint32_t id, float value), or function(id, value,
+// const Bound&) to get the bound of the object too. It is called for one object
+// after another with the distance or t, and returns nothing, a Visit, or a
+// Limit of the distance or t (visit.h). A negative limit ends the search. The
+// callback must not change the world. Its exceptions pass through. It runs in
+// the caller's floating-point mode.
 //
-// Order: by the squared distance, or t, as computed in float. Equal ones come
-// in the world's order (Bvh::ids()). Order and values are the same on
-// every target and in every floating-point mode. No call traps.
+// Results are the same on every target and in every floating-point mode. No
+// call traps.
 //
 // Errors (error.h): the target is not supported; a limit or radius is negative
 // or NaN; an output with room is null or misaligned; `distances` is not empty
@@ -33,54 +33,99 @@
 //
 // Thread safety: as in bvh.h, with 24 KiB of stack. No call allocates.
 //
-// Cost: a search for k objects visits about 4 + k / 16 blocks, nearest first.
-//
 // Source: branch and bound (Roussopoulos, Kelley and Vincent, "Nearest Neighbor
 // Queries", 1995).
 #ifndef HALFSPACE_BVH_NEAREST_H_
 #define HALFSPACE_BVH_NEAREST_H_
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <type_traits>
 
+#include "halfspace/bounds.h"
 #include "halfspace/bvh.h"
 #include "halfspace/detail/bvh_nearest.h"
 #include "halfspace/shapes.h"
+#include "halfspace/span.h"
+#include "halfspace/visit.h"
 
 namespace halfspace {
 
 namespace detail {
 
+inline float LimitOf(Visit visit) {
+  return visit == Visit::kStop ? -kInf<float> : kInf<float>;
+}
+inline float LimitOf(Limit limit) { return limit.value; }
+
 // A function of the caller's as a NearFunction.
-template <typename Function>
+template <typename Bound, typename Function>
 struct NearCall {
   Function& function;
 
-  static float Run(void* context, std::uint32_t id, float value) {
+  static float Run(void* context, std::uint32_t id, float value,
+                   const float* planes) {
     auto& function = static_cast<NearCall*>(context)->function;
-    using Result = decltype(function(id, value));
-    static_assert(std::is_void_v<Result> || std::is_same_v<Result, bool> ||
-                      std::is_same_v<Result, float>,
-                  "the function returns nothing, whether to go on, or a limit");
-    if constexpr (std::is_void_v<Result>) {
-      function(id, value);
-      return kInf<float>;
-    } else if constexpr (std::is_same_v<Result, bool>) {
-      return function(id, value) ? kInf<float> : -1.0f;
+    if constexpr (std::is_invocable_v<decltype(function), std::uint32_t, float,
+                                      const Bound&>) {
+      PlaneValues<Bound> values;
+      for (std::size_t p = 0; p < values.size(); ++p) {
+        values[p] = planes[p * kBlockObjects];
+      }
+      const Bound bound = BoundOf<Bound>(values);
+      return Call([&] { return function(id, value, bound); });
     } else {
-      return function(id, value);
+      return Call([&] { return function(id, value); });
+    }
+  }
+
+  template <typename Bare>
+  static float Call(const Bare& bare) {
+    using Result = decltype(bare());
+    static_assert(std::is_void_v<Result> || std::is_same_v<Result, Visit> ||
+                      std::is_same_v<Result, Limit>,
+                  "the function must return nothing, a Visit or a Limit");
+    if constexpr (std::is_void_v<Result>) {
+      bare();
+      return kInf<float>;
+    } else {
+      return LimitOf(bare());
     }
   }
 };
 
+template <std::size_t kDims>
+NearQueries NearQueriesOf(Span<const std::array<float, kDims>> points) {
+  return {reinterpret_cast<const float*>(points.data()), 0, kDims,
+          points.size()};
+}
+template <int kDims>
+NearQueries NearQueriesOf(Span<const Aabb<kDims>> boxes) {
+  return {RecordsOf(boxes), kDims, 2 * kDims, boxes.size()};
+}
+
+template <typename View, typename Function>
+void CastLine(const Bvh<View>& world, const LineCast& cast, Function& function,
+              const QueryOptions& options) {
+  using Call = NearCall<typename View::Bound, Function>;
+  Call call{function};
+  BvhCast(world.tree(), cast, &Call::Run, &call, options);
+}
+
 }  // namespace detail
+
+// The id of no object.
+inline constexpr std::uint32_t kNoId = detail::kNoId;
 
 // Writes the ids of the `ids.size()` objects that are nearest to the point and
 // within `max_distance`, and their distances, in ascending order. Returns their
 // number. `distances` may be empty. Elements of `ids` behind the last id may be
 // overwritten.
+//
+// Order: by the squared distance as computed in float. Equal ones come in the
+// world's order (Bvh::ids()).
 //
 // Rounding: a distance is within 2^-20 (relative) or 2^-73 of the exact one,
 // whichever is more. An object exactly at the limit is found. Objects up to
@@ -91,7 +136,8 @@ struct NearCall {
 // a NaN, limits nothing. An object infinitely far from an infinite coordinate
 // is not found. An Empty() object is found only if all coordinates are NaN.
 //
-// Cost: for any number of objects at most about the time to compute all
+// Cost: a search for k objects visits about 4 + k / 16 blocks, nearest first.
+// For any number of objects it takes at most about the time to compute all
 // distances and sort the least ones (docs/bvh.md). One search finds up to
 // 2048 objects. A call for more takes about log2(k / 1024) further searches,
 // which use `ids` as scratch memory.
@@ -101,60 +147,120 @@ template <typename View>
     Span<std::uint32_t> ids, Span<float> distances,
     float max_distance = std::numeric_limits<float>::infinity(),
     const QueryOptions& options = {}) {
-  return detail::BvhNearest(world.tree(), point.size(), point.data(),
+  return detail::BvhNearest(world.tree(), {point.data(), 0, 0, 1}, max_distance,
+                            ids, distances, options);
+}
+
+// The same for an Aabb. The distance between two boxes that overlap is 0. An
+// Empty() box finds nothing.
+template <typename View, typename Box,
+          typename = std::enable_if_t<
+              std::is_same_v<Box, Aabb<View::Bound::kDimensions>>>>
+[[nodiscard]] std::size_t KNearest(
+    const Bvh<View>& world, const Box& box, Span<std::uint32_t> ids,
+    Span<float> distances,
+    float max_distance = std::numeric_limits<float>::infinity(),
+    const QueryOptions& options = {}) {
+  return detail::BvhNearest(world.tree(),
+                            detail::NearQueriesOf(Span<const Box>(&box, 1)),
                             max_distance, ids, distances, options);
 }
 
-// Calls function(id, distance) for the objects within `max_distance`, nearest
-// first. Rounding, NaN and infinities as in KNearest().
+// KNearest() of many points: row i of `ids` and `distances` is elements
+// i * k ... i * k + k - 1, and has the objects nearest to point i. If there are
+// fewer than k, the rest of the row is kNoId and infinity.
+//   ids        `ids.size()` must be `points.size() * k`
+//   distances  may be empty
+// `ids` and `distances` must not overlap the points.
+template <typename View>
+void KNearestOfEach(const Bvh<View>& world,
+                    Span<const Point<View::Bound::kDimensions>> points,
+                    std::size_t k, Span<std::uint32_t> ids,
+                    Span<float> distances,
+                    float max_distance = std::numeric_limits<float>::infinity(),
+                    const QueryOptions& options = {}) {
+  detail::BvhNearestOfEach(world.tree(), detail::NearQueriesOf(points), k,
+                           max_distance, ids, distances, options);
+}
+template <typename View>
+void KNearestOfEach(const Bvh<View>& world,
+                    Span<const Aabb<View::Bound::kDimensions>> boxes,
+                    std::size_t k, Span<std::uint32_t> ids,
+                    Span<float> distances,
+                    float max_distance = std::numeric_limits<float>::infinity(),
+                    const QueryOptions& options = {}) {
+  detail::BvhNearestOfEach(world.tree(), detail::NearQueriesOf(boxes), k,
+                           max_distance, ids, distances, options);
+}
+
+// Calls the function for the objects within `max_distance`, nearest first.
+// Order, rounding, NaN and infinities as in KNearest().
 //
 // Cost: objects are searched for 8 at a time, then 16, and so on up to 2048.
 // Each search passes over all objects that were found before, so the cost grows
 // with the square of their number. Of a million objects, a call for 10 000
 // takes about 1.3 times as long as KNearest(), for 100 000 1.5 to 2
-// times, and for all 5 to 8 times. The same holds for RayCast().
+// times, and for all 5 to 8 times.
 template <typename View, typename Function>
 void ForEachNearest(const Bvh<View>& world,
                     const Point<View::Bound::kDimensions>& point,
                     float max_distance, Function&& function,
                     const QueryOptions& options = {}) {
-  detail::NearCall<Function> call{function};
-  detail::BvhForEachNearest(world.tree(), point.size(), point.data(),
-                            max_distance, &detail::NearCall<Function>::Run,
-                            &call, options);
+  using Call = detail::NearCall<typename View::Bound, Function>;
+  Call call{function};
+  detail::BvhForEachNearest(world.tree(), {point.data(), 0, 0, 1}, max_distance,
+                            &Call::Run, &call, options);
 }
 
-// Ray cast: calls function(id, t) for the objects that the ray enters, in the
-// order in which it enters them. t is from 0 to `ray.max_t`, in multiples of
-// the direction. With a `radius`, the planes of the objects are moved outward
-// by it, so an object near an edge up to sqrt(d) * radius away can be found.
-// `ray.max_t` may be infinite, but then the D axis rejects nothing.
+// Ray cast: calls the function for the objects that the ray enters. t is from 0
+// to `ray.max_t`, in multiples of the direction. With a `radius`, the planes of
+// the objects are moved outward by it, so an object near an edge up to
+// sqrt(d) * radius away can be found. `ray.max_t` may be infinite.
+//
+// Order: near to far, but not sorted. The leaf of the BVH that the ray enters
+// first comes first, and the objects of a leaf come by ascending t. No object
+// that the ray enters up to the current limit is left out, and none is found
+// that it enters beyond: so the first hit is the least t that the function
+// finds, as in the example above.
 //
 // Rounding: t is at most the exact value, and within 2^-18 of it, or of what
-// the rounding of the origin and the planes amounts to. No object that the ray
-// enters up to the limit is left out.
+// the rounding of the origin and the planes amounts to. Up to 2^-100 beyond a
+// limit counts as at the limit.
 //
 // NaN and infinities: a plane with a NaN limits nothing, and neither does an
-// axis on which the origin is not finite, or the direction is not finite or
-// beyond 2^120. An Empty() object is found only by a ray that no axis limits.
+// axis on which the origin or the direction is a NaN, the origin is beyond 2^99,
+// or the direction is beyond 2^120. An Empty() object is found only by a ray
+// that no axis limits.
+//
+// Cost: one pass, which visits only nodes that the ray enters up to the current
+// limit.
 template <typename View, typename Function>
 void RayCast(const Bvh<View>& world, const Ray<View::Bound::kDimensions>& ray,
              float radius, Function&& function,
              const QueryOptions& options = {}) {
-  using Values = Ray<View::Bound::kDimensions>;
-  static_assert(
-      std::is_standard_layout_v<Values> &&
-          sizeof(Values) == (2 * View::Bound::kDimensions + 1) * sizeof(float),
-      "a ray is read as a list of its values");
-  detail::NearCall<Function> call{function};
-  detail::BvhRayCast(world.tree(), ray.origin.size(),
-                     reinterpret_cast<const float*>(&ray), radius,
-                     &detail::NearCall<Function>::Run, &call, options);
+  detail::CastLine(world,
+                   {"RayCast", ray.origin.data(), ray.origin.data(),
+                    ray.direction.data(), ray.max_t, radius},
+                   function, options);
 }
 template <typename View, typename Function>
 void RayCast(const Bvh<View>& world, const Ray<View::Bound::kDimensions>& ray,
              Function&& function, const QueryOptions& options = {}) {
   RayCast(world, ray, 0.0f, function, options);
+}
+
+// Box cast, or sweep: calls the function for the objects that the box touches
+// on its way from `box` to `box` + max_t * `direction`. t is where it first
+// touches the bound on all axes, D included. Everything else is as in
+// RayCast(). An Empty() box, or one with min > max on an axis, finds nothing.
+template <typename View, typename Function>
+void BoxCast(const Bvh<View>& world, const Aabb<View::Bound::kDimensions>& box,
+             const Point<View::Bound::kDimensions>& direction, float max_t,
+             Function&& function, const QueryOptions& options = {}) {
+  detail::CastLine(world,
+                   {"BoxCast", box.min.data(), box.max.data(), direction.data(),
+                    max_t, 0.0f},
+                   function, options);
 }
 
 }  // namespace halfspace

@@ -19,7 +19,7 @@
 //   reject_many.h  tests several queries
 //   bvh.h       a hierarchy (BVH) for large worlds
 //   bvh_shapes.h   its queries by spheres, segments, capsules, half-spaces
-//   bvh_nearest.h  its k nearest and ray cast queries
+//   bvh_nearest.h  its k nearest, ray casts and box casts
 //   bvh_pairs.h    all overlapping pairs of such worlds
 //   targets.h      instruction sets
 //   error.h        how calls report a violated precondition

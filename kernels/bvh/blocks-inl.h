@@ -175,14 +175,15 @@ HWY_INLINE uint64_t TestVector(std::index_sequence<kPlane...>,
 
 // Tests plane after plane of the first `count` objects or nodes of a block, 64
 // floats each. The first kMins of them reject above the query's value. More
-// bits than `count` may be set.
-template <size_t kMins, size_t... kPlane>
+// bits than `count` may be set. With kIsSmall in less code, which pays where
+// there are few.
+template <size_t kMins, bool kIsSmall, size_t... kPlane>
 HWY_INLINE uint64_t TestPlanes(std::index_sequence<kPlane...>,
                                const float* const* planes, size_t count,
                                const float* query) {
   constexpr size_t kPlanes = sizeof...(kPlane);
   const WordTag<float> d;
-  if (count > detail::kBlockObjects / 2) {
+  if (!kIsSmall && count > detail::kBlockObjects / 2) {
     return KeptBits<kMins>(
         d, LoadAll(), planes, 0,
         hn::Set(d, query[OpposingPlane<kMins, kPlanes>(kPlane)])...);
@@ -206,7 +207,7 @@ HWY_INLINE uint64_t TestPlanes(std::index_sequence<kPlane...>,
   return bits;
 }
 
-template <size_t kAxes, size_t kPlanes>
+template <size_t kAxes, size_t kPlanes, bool kIsSmall>
 HWY_INLINE uint64_t TestBlock(const detail::BvhLevel& level, size_t block,
                               size_t first_plane, size_t count,
                               const float* query) {
@@ -214,18 +215,18 @@ HWY_INLINE uint64_t TestBlock(const detail::BvhLevel& level, size_t block,
   for (size_t p = 0; p < kPlanes; ++p) {
     planes[p] = level.Plane(block, (p + first_plane) % kPlanes);
   }
-  return TestPlanes<kAxes>(std::make_index_sequence<kPlanes>(), planes, count,
-                           query);
+  return TestPlanes<kAxes, kIsSmall>(std::make_index_sequence<kPlanes>(),
+                                     planes, count, query);
 }
 
 // The objects or nodes of a block that the floats do not reject.
-template <size_t kAxes, bool kHasMax>
+template <size_t kAxes, bool kHasMax, bool kIsSmall = false>
 HWY_INLINE uint64_t TestFloats(const detail::BvhLevel& level, size_t block,
                                const float* query) {
-  return level.present[block] & TestBlock<kAxes, kBlockPlanes<kAxes, kHasMax>>(
-                                    level, block, 0,
-                                    level.size - block * detail::kBlockObjects,
-                                    query);
+  return level.present[block] &
+         TestBlock<kAxes, kBlockPlanes<kAxes, kHasMax>, kIsSmall>(
+             level, block, 0, level.size - block * detail::kBlockObjects,
+             query);
 }
 
 // The nodes inside a box or an octahedron: those whose minima and maxima are
@@ -233,8 +234,8 @@ HWY_INLINE uint64_t TestFloats(const detail::BvhLevel& level, size_t block,
 template <size_t kAxes>
 HWY_INLINE uint64_t InsideBits(const detail::BvhLevel& level, size_t block,
                                const float* query) {
-  return TestBlock<kAxes, 2 * kAxes>(level, block, kAxes, detail::kBlockObjects,
-                                     query);
+  return TestBlock<kAxes, 2 * kAxes, false>(level, block, kAxes,
+                                            detail::kBlockObjects, query);
 }
 
 // The bits of those of 64 objects or nodes that have a bit of a mask.

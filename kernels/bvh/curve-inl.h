@@ -107,10 +107,9 @@ HWY_INLINE V WithBit(V place, V axis, int bit) {
 
 // J. Skilling, "Programming the Hilbert curve" (2004), without branches on the
 // bits.
-template <size_t kAxes, bool kHasMax>
+template <size_t kUsed>
 void FindPlaces(const detail::Centers& centers, const detail::Grid& grid,
                 uint32_t* places) {
-  constexpr size_t kUsed = kCenterAxes<kAxes, kHasMax>;
   static_assert(kUsed == 2 || kUsed == 3);
   constexpr int kBits = static_cast<int>(detail::kPlaceBits / kUsed);
   constexpr uint32_t kCells = uint32_t{1} << kBits;

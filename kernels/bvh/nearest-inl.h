@@ -19,7 +19,7 @@
 #include "kernels/bvh/blocks-inl.h"
 #include "kernels/bvh/nearest.h"
 #include "kernels/bvh/shapes-inl.h"
-#include "kernels/prefetch.h"
+#include "kernels/bvh/sorted-inl.h"
 #include "kernels/scan/words-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -28,23 +28,13 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-class NearestFinder {
+// The least keys found so far.
+class NearestList {
  public:
-  explicit NearestFinder(const detail::NearestSearch& search)
-      : search_(search),
-        has_masks_(search.levels->level[0].masks != nullptr &&
-                   ~search.mask != 0),
-        is_many_(search.room >= detail::kBlockObjects),
+  explicit NearestList(const detail::NearestSearch& search)
+      : found_(search.found),
+        room_(search.room),
         worst_(Keyed(search.limit, ~uint32_t{0})) {}
-
-  size_t Find() {
-    Visit(search_.levels->count - 1, 0);
-    if (is_many_) SortMany();
-    return count_;
-  }
-
- private:
-  static constexpr float kInf = std::numeric_limits<float>::infinity();
 
   static detail::KeyedSlot Keyed(float key, size_t slot) {
     return uint64_t{std::bit_cast<uint32_t>(key)} << 32 | slot;
@@ -53,7 +43,128 @@ class NearestFinder {
     return std::bit_cast<float>(static_cast<uint32_t>(keyed >> 32));
   }
 
-  void Visit(size_t level, size_t block) {
+  size_t count() const { return count_; }
+  // None beyond it is found.
+  detail::KeyedSlot worst() const { return worst_; }
+
+  // To a sorted list.
+  void AddSorted(detail::KeyedSlot keyed) {
+    size_t i = count_ < room_ ? count_++ : count_ - 1;
+    for (; i > 0 && found_[i - 1] > keyed; --i) found_[i] = found_[i - 1];
+    found_[i] = keyed;
+    if (count_ == room_) worst_ = found_[count_ - 1];
+  }
+
+  // In no order until there is no more room, and then a heap whose first is the
+  // greatest, which the next replaces.
+  HWY_NOINLINE void AddToHeap(detail::KeyedSlot keyed) {
+    if (count_ < room_) {
+      found_[count_++] = keyed;
+      if (count_ < room_) return;
+      for (size_t i = count_ / kChildren + 1; i-- > 0;) {
+        SiftDown(i, found_[i]);
+      }
+    } else {
+      SiftDown(0, keyed);
+    }
+    worst_ = found_[0];
+  }
+
+  void Sort() const {
+    detail::KeyedSlot differing = 1;
+    for (size_t i = 1; i < count_; ++i) {
+      differing |= found_[i] ^ found_[0];
+    }
+    Sort(0, count_,
+         63 - static_cast<int>(hwy::Num0BitsAboveMS1Bit_Nonzero64(differing)));
+  }
+
+ private:
+  // Puts it to place i of the heap, or below. Four children halve the levels,
+  // and are neighbours in memory.
+  static constexpr size_t kChildren = 4;
+  void SiftDown(size_t i, detail::KeyedSlot keyed) const {
+    for (;;) {
+      size_t child = kChildren * i + 1;
+      if (child >= count_) break;
+      const size_t end = HWY_MIN(child + kChildren, count_);
+      size_t most = child;
+      detail::KeyedSlot most_keyed = found_[child];
+      while (++child < end) {  // selects, as branches would be mispredicted
+        const bool is_more = found_[child] > most_keyed;
+        most = is_more ? child : most;
+        most_keyed = is_more ? found_[child] : most_keyed;
+      }
+      if (most_keyed <= keyed) break;
+      found_[i] = most_keyed;
+      i = most;
+    }
+    found_[i] = keyed;
+  }
+
+  // By one bit after another, from the highest that is not the same in all.
+  // Each pass is in the order of memory and has no branch to mispredict: a heap
+  // of a million takes two to three times as long to sort.
+  HWY_NOINLINE void Sort(size_t begin, size_t end, int bit) const {
+    while (end - begin > 16 && bit >= 0) {
+      size_t middle = begin;
+      for (size_t i = begin; i < end; ++i) {
+        const detail::KeyedSlot keyed = found_[i];
+        found_[i] = found_[middle];
+        found_[middle] = keyed;
+        middle += (~keyed >> bit) & 1;
+      }
+      --bit;
+      Sort(begin, middle, bit);
+      begin = middle;
+    }
+    for (size_t i = begin; i < end; ++i) {
+      const detail::KeyedSlot keyed = found_[i];
+      size_t to = i;
+      for (; to > begin && found_[to - 1] > keyed; --to) {
+        found_[to] = found_[to - 1];
+      }
+      found_[to] = keyed;
+    }
+  }
+
+  detail::KeyedSlot* const found_;
+  const size_t room_;
+  size_t count_ = 0;
+  detail::KeyedSlot worst_;
+};
+
+class NearestFinder {
+ public:
+  explicit NearestFinder(const detail::NearestSearch& search)
+      : search_(search),
+        has_masks_(search.levels->level[0].masks != nullptr &&
+                   ~search.mask != 0),
+        is_many_(search.room >= detail::kBlockObjects),
+        list_(search) {}
+
+  size_t Find() {
+    Visit(search_.levels->count - 1, 0);
+    if (is_many_) list_.Sort();
+    return list_.count();
+  }
+
+ private:
+  static constexpr float kInf = std::numeric_limits<float>::infinity();
+  // More than these are not sorted: the least comes first, and after that few
+  // are left.
+  static constexpr size_t kFew = 4;
+  static constexpr size_t kGroups = 16;
+  static constexpr uint32_t kLanes = detail::kBlockObjects - 1;
+
+  static detail::KeyedSlot Keyed(float key, size_t slot) {
+    return NearestList::Keyed(key, slot);
+  }
+  static float KeyOf(detail::KeyedSlot keyed) {
+    return NearestList::KeyOf(keyed);
+  }
+
+  HWY_NOINLINE void Visit(size_t level, size_t block) {
     HWY_ALIGN float keys[detail::kBlockObjects];
     // Of the vectors with nodes or objects: the others are not read.
     const size_t lanes = hn::Lanes(WordTag<float>());
@@ -62,84 +173,151 @@ class NearestFinder {
     const size_t end =
         HWY_MIN(detail::kBlockObjects, (size + lanes - 1) / lanes * lanes);
     uint64_t bits = ReadKeys(level, block, end, keys);
-    if (bits == 0) return;
-    if (level == 0 && is_many_) {
-      for (; bits != 0; bits &= bits - 1) {
-        const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
-        AddToMany(Keyed(keys[lane], block * detail::kBlockObjects + lane));
-      }
+    const size_t first = block * detail::kBlockObjects;
+    if (level == 0) {
+      TakeObjects(first, bits, end, keys);
       return;
     }
-    float key;
-    size_t lane = TakeLeast(keys, end, key);
-    for (;;) {
-      const size_t place = block * detail::kBlockObjects + lane;
-      const detail::KeyedSlot keyed = Keyed(key, place << (6 * level));
-      // Also where none is left, as no limit is infinite.
-      if (keyed > worst_) return;
-      if (level == 0) {
-        if (keyed >= search_.from) {
-          AddToFew(keyed);
-          if (search_.room == 1) return;
-        }
-        lane = TakeLeast(keys, end, key);
+    if (hwy::PopCount(bits) > kFew) {
+      const size_t lane = AboutLeast(keys, end);
+      Visit(level - 1, first + lane);
+      bits &= LanesUpTo(KeyOf(list_.worst()), keys, end);
+      bits &= ~(uint64_t{1} << lane);
+    }
+    SortedLanes sorted;
+    sorted.Sort(bits, keys);
+    const detail::BvhLevel& below = search_.levels->level[level - 1];
+    for (size_t i = 0; i < sorted.count; ++i) {
+      const size_t place = first + sorted.LaneOf(i);
+      if (Keyed(keys[sorted.LaneOf(i)], place << (6 * level)) > list_.worst())
+        return;
+      if (below.is_prefetched && i + 1 < sorted.count) {
+        PrefetchPlanes(below, first + sorted.LaneOf(i + 1));
+      }
+      Visit(level - 1, place);
+    }
+  }
+
+  // The objects of a leaf that the bits name.
+  HWY_INLINE void TakeObjects(size_t first, uint64_t bits, size_t end,
+                              const float* keys) {
+    if (!is_many_ && hwy::PopCount(bits) > kFew && search_.from == 0) {
+      if (search_.room == 1) {
+        const float least = keys[AboutLeast(keys, end)];
+        bits &= LanesUpTo(
+            std::bit_cast<float>(std::bit_cast<uint32_t>(least) | kLanes), keys,
+            end);
       } else {
-        lane = TakeLeast(keys, end, key);
-        if (key <= KeyOf(worst_)) {
-          Prefetch(level - 1, block * detail::kBlockObjects + lane);
-        }
-        Visit(level - 1, place);
+        TakeSorted(first, bits, end, keys);
+        return;
+      }
+    }
+    for (; bits != 0; bits &= bits - 1) {
+      const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
+      const detail::KeyedSlot keyed = Keyed(keys[lane], first + lane);
+      if (keyed < search_.from || keyed > list_.worst()) continue;
+      if (is_many_) {
+        list_.AddToHeap(keyed);
+      } else {
+        list_.AddSorted(keyed);
       }
     }
   }
 
-  // The floats of a block that is visited after the next.
-  void Prefetch(size_t level, size_t block) const {
-    const auto prefetch = [&](size_t p) {
-      constexpr size_t kLine = 64 / sizeof(float);
-      const float* const plane = search_.levels->level[level].Plane(block, p);
-      for (size_t i = 0; i < detail::kBlockObjects; i += kLine) {
-        kernels::Prefetch(plane + i);
-      }
-    };
-    if (search_.line != nullptr) {
-      const detail::Line& line = *search_.line;
-      for (size_t p = 0; p < line.planes; ++p) prefetch(line.plane[p].plane);
-      return;
+  HWY_INLINE void TakeSorted(size_t first, uint64_t bits, size_t end,
+                             const float* keys) {
+    if (hwy::PopCount(bits) > kGroups && search_.room <= kGroups) {
+      bits &= OfLeastGroups(keys, end);
     }
-    const detail::Ball& ball = search_.ball;
-    for (size_t k = 0; k < ball.dims; ++k) {
-      prefetch(k);
-      if (ball.max_plane != 0) prefetch(ball.max_plane + k);
+    SortedLanes sorted;
+    sorted.Sort(bits, keys);
+    for (size_t i = 0; i < sorted.count; ++i) {
+      const size_t lane = sorted.LaneOf(i);
+      const detail::KeyedSlot keyed = Keyed(keys[lane], first + lane);
+      if (keyed > list_.worst()) return;
+      list_.AddSorted(keyed);
     }
   }
 
-  // Writes the keys of a block's nodes, or of its objects that were not found
-  // before; +inf of those beyond the limit. Returns a bit for each of the
-  // others.
-  HWY_INLINE uint64_t ReadKeys(size_t level, size_t block, size_t end,
-                               float* keys) const {
+  // The lanes whose keys are not above the room-th least of the least keys of
+  // groups: no other lane has one of the `room` least keys.
+  HWY_INLINE uint64_t OfLeastGroups(const float* keys, size_t end) const {
+    const hn::CappedTag<float, kGroups> d;
+    HWY_ALIGN float least[kGroups];
+    for (size_t g = 0; g < kGroups; g += hn::Lanes(d)) {
+      auto of_group = hn::Load(d, keys + g);
+      for (size_t i = kGroups + g; i < end; i += kGroups) {
+        of_group = hn::Min(of_group, hn::Load(d, keys + i));
+      }
+      hn::Store(of_group, d, least + g);
+    }
+    float limit = kInf;
+    for (float one : least) {
+      const auto from = hn::Set(d, one);
+      size_t not_above = 0;
+      for (size_t g = 0; g < kGroups; g += hn::Lanes(d)) {
+        not_above +=
+            hwy::PopCount(LaneBits(d, hn::Le(hn::Load(d, least + g), from)));
+      }
+      if (not_above >= search_.room) limit = HWY_MIN(limit, one);
+    }
+    return LanesUpTo(limit, keys, end);
+  }
+
+  HWY_INLINE uint64_t LanesUpTo(float limit, const float* keys,
+                                size_t end) const {
+    const WordTag<float> d;
+    uint64_t bits = 0;
+    for (size_t i = 0; i < end; i += hn::Lanes(d)) {
+      const auto key = hn::Load(d, keys + i);
+      bits |= LaneBits(d, hn::Le(key, hn::Set(d, limit))) << i;
+    }
+    return bits;
+  }
+
+  // From i on: never a NaN, and never -0. kDims is the number of dimensions of
+  // a world with maxima, or 0.
+  template <size_t kDims, class D>
+  HWY_INLINE hn::Vec<D> SquaredDistanceOf(D d, const float* floats,
+                                          size_t i) const {
+    const detail::NearBox& box = search_.box;
+    const float* const values = floats + i;
+    const float* const maxima = values + box.max_plane * detail::kBlockObjects;
+    auto sum = hn::Zero(d);
+    for (size_t k = 0; k < (kDims == 0 ? box.dims : kDims); ++k) {
+      const size_t plane = k * detail::kBlockObjects;
+      auto gap = GreaterOf(
+          hn::Sub(hn::LoadU(d, values + plane), hn::Set(d, box.high[k])),
+          hn::Zero(d));
+      if constexpr (kDims != 0) {
+        gap = GreaterOf(
+            hn::Sub(hn::Set(d, box.low[k]), hn::LoadU(d, maxima + plane)), gap);
+      }
+      sum = hn::Add(sum, hn::Mul(gap, gap));
+    }
+    return sum;
+  }
+
+  // Writes the keys of a block's nodes or objects. Returns a bit for each that
+  // is wanted, up to the limit and not found before. Keys that are not wanted
+  // are +inf if they are up to the limit.
+  template <size_t kDims>
+  HWY_NOINLINE uint64_t ReadKeysOf(size_t level, size_t block, size_t end,
+                                   float* keys) const {
     const detail::BvhLevel& nodes = search_.levels->level[level];
     const size_t first = block * detail::kBlockObjects;
     uint64_t wanted = nodes.present[block];
     if (has_masks_) wanted &= MaskBits(nodes.masks + first, search_.mask);
     const WordTag<float> d;
-    const auto limit = hn::Set(d, KeyOf(worst_));
+    const auto limit = hn::Set(d, KeyOf(list_.worst()));
     const auto from = hn::Set(d, level == 0 ? KeyOf(search_.from) : 0.0f);
-    const auto inf = hn::Set(d, kInf);
+    const float* const floats = nodes.Plane(block, 0);
     uint64_t bits = 0;
     for (size_t i = 0; i < end; i += hn::Lanes(d)) {
-      auto key = hn::Zero(d);
-      if (search_.line != nullptr) {
-        auto exit = key;
-        key = EntryOf(d, nodes, block, i, *search_.line, exit);
-        key = hn::IfThenElse(hn::Gt(key, exit), inf, key);
-      } else {
-        key = SquaredDistance(d, nodes, block, i, search_.ball);
-      }
+      const auto key = SquaredDistanceOf<kDims>(d, floats, i);
       const auto is_found = hn::And(hn::Le(key, limit), hn::Ge(key, from));
       bits |= LaneBits(d, is_found) << i;
-      hn::Store(hn::IfThenElse(is_found, key, inf), d, keys + i);
+      hn::Store(key, d, keys + i);
     }
     for (uint64_t others = bits & ~wanted; others != 0; others &= others - 1) {
       keys[hwy::Num0BitsBelowLS1Bit_Nonzero64(others)] = kInf;
@@ -147,118 +325,34 @@ class NearestFinder {
     return bits & wanted;
   }
 
-  // The least key and its first lane, which is not taken again.
-  static HWY_INLINE size_t TakeLeast(float* keys, size_t end, float& key) {
+  HWY_INLINE uint64_t ReadKeys(size_t level, size_t block, size_t end,
+                               float* keys) const {
+    if (search_.box.max_plane == 0) {
+      return ReadKeysOf<0>(level, block, end, keys);
+    }
+    return search_.box.dims == 2 ? ReadKeysOf<2>(level, block, end, keys)
+                                 : ReadKeysOf<3>(level, block, end, keys);
+  }
+
+  // The lane of a least key, but for the lowest bits of keys, which the lane
+  // replaces: a minimum of integers takes a third of the time of one of floats.
+  static HWY_INLINE size_t AboutLeast(const float* keys, size_t end) {
     const WordTag<float> d;
-    auto least = hn::Load(d, keys);
-    for (size_t i = hn::Lanes(d); i < end; i += hn::Lanes(d)) {
-      least = hn::Min(least, hn::Load(d, keys + i));
-    }
-    least = hn::MinOfLanes(d, least);
-    key = hn::GetLane(least);
-    uint64_t bits = 0;
+    const hn::RebindToUnsigned<decltype(d)> du;
+    const auto lanes = hn::Set(du, kLanes);
+    auto least = hn::Set(du, ~uint32_t{0});
     for (size_t i = 0; i < end; i += hn::Lanes(d)) {
-      bits |= LaneBits(d, hn::Eq(hn::Load(d, keys + i), least)) << i;
+      const auto key = hn::BitCast(du, hn::Load(d, keys + i));
+      const auto lane = hn::Iota(du, static_cast<uint32_t>(i));
+      least = hn::Min(least, hn::Or(hn::AndNot(lanes, key), lane));
     }
-    if (bits == 0) {  // as Highway's plain target starts from the largest float
-      key = kInf;
-      return 0;
-    }
-    const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
-    keys[lane] = kInf;
-    return lane;
-  }
-
-  // Few are a sorted list.
-  void AddToFew(detail::KeyedSlot keyed) {
-    detail::KeyedSlot* const found = search_.found;
-    size_t i = count_ < search_.room ? count_++ : count_ - 1;
-    for (; i > 0 && found[i - 1] > keyed; --i) found[i] = found[i - 1];
-    found[i] = keyed;
-    if (count_ == search_.room) worst_ = found[count_ - 1];
-  }
-
-  // Many are in no order until there is no more room, and then a heap whose
-  // first is the greatest, which the next replaces.
-  void AddToMany(detail::KeyedSlot keyed) {
-    if (keyed < search_.from || keyed > worst_) return;
-    if (count_ < search_.room) {
-      search_.found[count_++] = keyed;
-      if (count_ < search_.room) return;
-      for (size_t i = count_ / kChildren + 1; i-- > 0;) {
-        SiftDown(i, search_.found[i]);
-      }
-    } else {
-      SiftDown(0, keyed);
-    }
-    worst_ = search_.found[0];
-  }
-
-  // Puts it to place i of the heap, or below. Four children halve the levels,
-  // and are neighbours in memory.
-  static constexpr size_t kChildren = 4;
-  void SiftDown(size_t i, detail::KeyedSlot keyed) const {
-    detail::KeyedSlot* const found = search_.found;
-    for (;;) {
-      size_t child = kChildren * i + 1;
-      if (child >= count_) break;
-      const size_t end = HWY_MIN(child + kChildren, count_);
-      size_t most = child;
-      detail::KeyedSlot most_keyed = found[child];
-      while (++child < end) {  // selects, as branches would be mispredicted
-        const bool is_more = found[child] > most_keyed;
-        most = is_more ? child : most;
-        most_keyed = is_more ? found[child] : most_keyed;
-      }
-      if (most_keyed <= keyed) break;
-      found[i] = most_keyed;
-      i = most;
-    }
-    found[i] = keyed;
-  }
-
-  void SortMany() const {
-    detail::KeyedSlot differing = 1;
-    for (size_t i = 1; i < count_; ++i) {
-      differing |= search_.found[i] ^ search_.found[0];
-    }
-    SortMany(
-        0, count_,
-        63 - static_cast<int>(hwy::Num0BitsAboveMS1Bit_Nonzero64(differing)));
-  }
-
-  // By one bit after another, from the highest that is not the same in all.
-  // Each pass is in the order of memory and has no branch to mispredict: a heap
-  // of a million takes two to three times as long to sort.
-  void SortMany(size_t begin, size_t end, int bit) const {
-    detail::KeyedSlot* const found = search_.found;
-    while (end - begin > 16 && bit >= 0) {
-      size_t middle = begin;
-      for (size_t i = begin; i < end; ++i) {
-        const detail::KeyedSlot keyed = found[i];
-        found[i] = found[middle];
-        found[middle] = keyed;
-        middle += (~keyed >> bit) & 1;
-      }
-      --bit;
-      SortMany(begin, middle, bit);
-      begin = middle;
-    }
-    for (size_t i = begin; i < end; ++i) {
-      const detail::KeyedSlot keyed = found[i];
-      size_t to = i;
-      for (; to > begin && found[to - 1] > keyed; --to) {
-        found[to] = found[to - 1];
-      }
-      found[to] = keyed;
-    }
+    return hn::GetLane(hn::MinOfLanes(du, least)) & kLanes;
   }
 
   const detail::NearestSearch& search_;
   const bool has_masks_;
   const bool is_many_;
-  size_t count_ = 0;
-  detail::KeyedSlot worst_;  // none beyond it is found
+  NearestList list_;
 };
 
 inline size_t FindNearest(const detail::NearestSearch& search) {

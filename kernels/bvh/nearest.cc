@@ -12,6 +12,7 @@
 #include "hwy/highway.h"
 
 // After foreach_target.h, which decides what they are compiled for.
+#include "kernels/bvh/cast-inl.h"
 #include "kernels/bvh/nearest-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -19,7 +20,7 @@ namespace halfspace::detail {
 
 template <>
 inline constexpr BvhNearestKernels kBvhNearestKernelsFor<HWY_TARGET> = {
-    &HWY_NAMESPACE::FindNearest};
+    &HWY_NAMESPACE::FindNearest, &HWY_NAMESPACE::CastLine};
 
 }  // namespace halfspace::detail
 HWY_AFTER_NAMESPACE();

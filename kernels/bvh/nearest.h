@@ -1,4 +1,5 @@
-// The arguments of the kernels that search BVHs for what is nearest.
+// The arguments of the kernels that search BVHs for what is nearest, or first
+// along a line.
 // No Highway here.
 #ifndef HALFSPACE_KERNELS_BVH_NEAREST_H_
 #define HALFSPACE_KERNELS_BVH_NEAREST_H_
@@ -11,16 +12,21 @@
 
 namespace halfspace::detail {
 
-// An object's key, which is a squared distance or a place on a line, above its
-// slot: as keys are not negative, these are in the order of the objects.
+// An object's key, its squared distance, above its slot: as keys are not
+// negative, these are in the order of the objects.
 using KeyedSlot = std::uint64_t;
+
+// A point, or a box.
+struct NearBox {
+  std::size_t dims;
+  std::size_t max_plane;  // the first maximum of bounds, or 0 without
+  float low[3];
+  float high[3];
+};
 
 struct NearestSearch {
   const BvhLevels* levels;
-  // The key is the squared distance from the ball's center, whose limit is not
-  // read, or, if there is a line, where that enters.
-  Ball ball;
-  const Line* line;
+  NearBox box;
   std::uint32_t mask;
   KeyedSlot from;    // what is less was found before
   float limit;       // keys up to this are found; finite
@@ -28,9 +34,23 @@ struct NearestSearch {
   std::size_t room;  // for so many, at least one
 };
 
+// Returns the new limit of t; a negative one ends the search. `planes` has the
+// object's value on plane p at p * kBlockObjects.
+using LineFunction = float (*)(void* context, std::uint32_t id, float t,
+                               const float* planes);
+
+struct LineSearch {
+  const BvhLevels* levels;
+  Line line;  // up to its max_t, which is finite
+  std::uint32_t mask;
+  LineFunction function;
+  void* context;
+};
+
 struct BvhNearestKernels {
   // Returns how many were found.
   std::size_t (*find)(const NearestSearch& search);
+  void (*cast)(const LineSearch& search);
 };
 
 // Of each compiled target, best first.

@@ -23,7 +23,8 @@ float RoundedDown(double value) { return -RoundedUp(-value); }
 // At least the squared distance, as computed in any mode, of all points within
 // the radius: of r (1 + 2^-19) + 2^-120, whatever of this is rounded off.
 float SquaredLimit(float radius) {
-  return radius * radius * (1 + 0x1.2p-18f) + 0x1p-124f;
+  const float limit = radius * radius * (1 + 0x1.2p-18f) + 0x1p-124f;
+  return limit < 0x1.fffffp127f ? limit : kInf;
 }
 
 }  // namespace
@@ -48,67 +49,74 @@ void MakeBall(const ShapePlanes& planes, const float* center, float radius,
   ball.d_max = RoundedUp(d + width);
 }
 
-void MakeLine(const ShapePlanes& planes, const double* origin,
+void MakeLine(const ShapePlanes& planes, const double* low, const double* high,
               const double* direction, float max_t, float radius, Line& line) {
-  double origins[4] = {};
-  double directions[4] = {};
-  double origin_size = 0;
-  double direction_size = 0;
-  for (std::size_t k = 0; k < planes.dims; ++k) {
-    origins[k] = origin[k];
-    directions[k] = direction[k];
-    origins[planes.dims] -= origin[k];
-    directions[planes.dims] -= direction[k];
-    origin_size += std::abs(origin[k]);
-    direction_size += std::abs(direction[k]);
-  }
-  line.entering = 0;
   line.max_t = max_t;
-  LinePlane leaving[4];
-  std::size_t leaving_count = 0;
-  for (std::size_t k = 0; k < planes.axes; ++k) {
-    const bool is_d = k == planes.dims;
-    double width = radius;
-    double rise = directions[k];
-    double inverse = 1 / rise;
-    if (is_d) {
-      width *= std::sqrt(static_cast<double>(planes.dims)) * (1 + 0x1p-50);
-      width += 0x1p-50 * (origin_size + direction_size * double{max_t});
-    }
-    if (std::abs(rise) < 0x1p-100) {
+  line.entering = planes.has_max ? planes.axes : 0;
+  line.planes = planes.has_max ? 2 * planes.axes : planes.axes;
+  std::size_t leaving = line.planes;
+  std::size_t limiting = 0;
+  const auto add_axis = [&](std::size_t k, double least, double most,
+                            double rise, double width) {
+    double speed = std::abs(rise);
+    if (speed < 0x1p-100) {
       // As if it did not move at all.
-      if (rise != 0) width += std::abs(rise) * double{max_t};
+      if (speed != 0) width += speed * double{max_t};
       rise = 0;
-      inverse = std::numeric_limits<double>::infinity();
+      speed = 0;
     }
-    width += 0x1p-50 * (std::abs(origins[k]) + width) + 0x1p-124;
-    const float high = RoundedUp(origins[k] + width);
-    const float low = RoundedDown(origins[k] - width);
+    const double size = std::max(std::abs(least), std::abs(most)) + width;
+    float inverse = 1 / static_cast<float>(rise);
     // What is no number tells nothing on this axis; neither does what a plane
-    // could overflow with.
-    if (!(std::abs(rise) < 0x1p120 && std::abs(high) < 0x1p100f &&
-          std::abs(low) < 0x1p100f)) {
-      continue;
+    // could overflow with. The t of its planes is a NaN.
+    if (speed < 0x1p120 && size < 0x1p99) {
+      ++limiting;
+    } else {
+      inverse = std::numeric_limits<float>::quiet_NaN();
     }
-    const bool is_up = rise >= 0;
-    const auto max = static_cast<std::uint32_t>(planes.axes + k);
-    const auto min = static_cast<std::uint32_t>(k);
-    const auto early = static_cast<float>(inverse * (1 - 0x1p-20));
-    const auto late = static_cast<float>(inverse * (1 + 0x1p-20));
-    const auto add = [&](bool is_max, bool enters) {
-      const LinePlane plane = {is_max ? max : min, is_max ? low : high,
-                               enters ? early : late};
-      if (enters) {
-        line.plane[line.entering++] = plane;
-      } else {
-        leaving[leaving_count++] = plane;
-      }
-    };
-    add(false, is_up);
-    if (planes.has_max) add(true, !is_up);
+    width += size * 0x1p-23 + 0x1p-124;
+    const auto above = static_cast<float>(most + width);
+    const auto below = static_cast<float>(least - width);
+    // No branch on the direction, which nothing predicts.
+    const std::size_t is_down = std::signbit(rise) ? 1 : 0;
+    const float margin = std::copysign(0x1p-20f, inverse);
+    const LinePlane at_min = {static_cast<std::uint32_t>(k), above,
+                              inverse * (1 - margin)};
+    if (planes.has_max) {
+      line.plane[k + is_down * planes.axes] = at_min;
+      line.plane[k + (1 - is_down) * planes.axes] = {
+          static_cast<std::uint32_t>(planes.axes + k), below,
+          inverse * (1 + margin)};
+    } else {
+      leaving -= is_down;
+      line.plane[is_down != 0 ? leaving : line.entering] = at_min;
+      line.entering += 1 - is_down;
+    }
+  };
+  for (std::size_t k = 0; k < planes.dims; ++k) {
+    add_axis(k, low[k], high[k], direction[k], radius);
   }
-  std::copy_n(leaving, leaving_count, line.plane + line.entering);
-  line.planes = line.entering + leaving_count;
+  if (planes.axes > planes.dims) {
+    double least = 0;
+    double most = 0;
+    double rise = 0;
+    double size = 0;
+    double reach = 0;
+    for (std::size_t k = 0; k < planes.dims; ++k) {
+      least -= high[k];
+      most -= low[k];
+      rise -= direction[k];
+      size += std::max(std::abs(low[k]), std::abs(high[k]));
+      reach += std::abs(direction[k]);
+    }
+    // What a direction that nearly cancels out has lost counts at most at
+    // max_t. What another one has lost is within the margins of t.
+    if (std::abs(rise) < 0x1p-24 * reach) size += reach * double{max_t};
+    const double root = std::sqrt(static_cast<double>(planes.dims));
+    add_axis(planes.dims, least, most, rise,
+             radius * root * (1 + 0x1p-50) + 0x1p-50 * size);
+  }
+  if (limiting == 0) line.entering = line.planes = 0;
 }
 
 Front MakeFront(const ShapePlanes& planes, const float* normal, float offset) {

@@ -94,12 +94,13 @@ inline constexpr BvhShapeKernels kBvhShapeKernelsFor{};
 // At least the value, by up to two ulps.
 float RoundedUp(double value);
 
-// All in the default floating-point mode. `direction` is that of t = 1; D moves
-// with the others. A bound is passed if it is within `radius` of the line, on
-// each axis by itself.
+// All in the default floating-point mode.
 void MakeBall(const ShapePlanes& planes, const float* center, float radius,
               Ball& ball);
-void MakeLine(const ShapePlanes& planes, const double* origin,
+// Of a box from `low` to `high`, `radius` larger on each side, that moves by
+// t * `direction`. A point has low == high. A bound is passed if the box
+// touches it on each axis by itself, D included.
+void MakeLine(const ShapePlanes& planes, const double* low, const double* high,
               const double* direction, float max_t, float radius, Line& line);
 Front MakeFront(const ShapePlanes& planes, const float* normal, float offset);
 

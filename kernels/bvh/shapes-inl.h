@@ -64,22 +64,26 @@ HWY_INLINE hn::Vec<D> SquaredDistance(D d, const detail::BvhLevel& level,
   return sum;
 }
 
-// Where the line enters bounds from i on: 0 or more. Beyond exit, it does not.
-template <class D>
+// Where the line enters bounds from i on: 0 or more. Beyond `exit`, which has
+// the limit of t before, it does not enter. kAxes is the number of axes of a
+// line with maxima, or 0.
+template <size_t kAxes = 0, class D>
 HWY_INLINE hn::Vec<D> EntryOf(D d, const detail::BvhLevel& level, size_t block,
                               size_t i, const detail::Line& line,
                               hn::Vec<D>& exit) {
+  const float* const floats = level.Plane(block, 0) + i;
   const auto at = [&](size_t p) HWY_ATTR {
     const detail::LinePlane& plane = line.plane[p];
-    return hn::Mul(hn::Sub(hn::LoadU(d, level.Plane(block, plane.plane) + i),
-                           hn::Set(d, plane.offset)),
+    const float* const values = floats + plane.plane * detail::kBlockObjects;
+    return hn::Mul(hn::Sub(hn::LoadU(d, values), hn::Set(d, plane.offset)),
                    hn::Set(d, plane.inverse));
   };
+  const size_t entering = kAxes == 0 ? line.entering : kAxes;
+  const size_t planes = kAxes == 0 ? line.planes : 2 * kAxes;
   auto enter = hn::Zero(d);
-  exit = hn::Set(d, line.max_t);
   size_t p = 0;
-  for (; p < line.entering; ++p) enter = GreaterOf(at(p), enter);
-  for (; p < line.planes; ++p) exit = LesserOf(at(p), exit);
+  for (; p < entering; ++p) enter = GreaterOf(at(p), enter);
+  for (; p < planes; ++p) exit = LesserOf(at(p), exit);
   exit = hn::Add(exit, hn::Set(d, detail::kApartOnLine));
   return enter;
 }
@@ -107,8 +111,15 @@ class BallQuery {
   explicit BallQuery(const void* ball)
       : ball_(*static_cast<const detail::Ball*>(ball)) {}
 
-  HWY_NOINLINE uint64_t Test(size_t, const detail::BvhLevel& level,
-                             size_t block) const {
+  uint64_t Test(size_t query, const detail::BvhLevel& level,
+                size_t block) const {
+    return TestApart(query, level, block);
+  }
+  uint64_t TestOnlyLeaf(size_t query, const detail::BvhLevel& level) const {
+    return TestApart(query, level, 0);
+  }
+  HWY_NOINLINE uint64_t TestApart(size_t, const detail::BvhLevel& level,
+                                  size_t block) const {
     return NotRejected(level.present[block], [&](auto d, size_t i) HWY_ATTR {
       auto rejects = hn::Gt(SquaredDistance(d, level, block, i, ball_),
                             hn::Set(d, ball_.limit));
@@ -166,10 +177,17 @@ class LineQuery {
   explicit LineQuery(const void* line)
       : line_(*static_cast<const detail::Line*>(line)) {}
 
-  HWY_NOINLINE uint64_t Test(size_t, const detail::BvhLevel& level,
-                             size_t block) const {
+  uint64_t Test(size_t query, const detail::BvhLevel& level,
+                size_t block) const {
+    return TestApart(query, level, block);
+  }
+  uint64_t TestOnlyLeaf(size_t query, const detail::BvhLevel& level) const {
+    return TestApart(query, level, 0);
+  }
+  HWY_NOINLINE uint64_t TestApart(size_t, const detail::BvhLevel& level,
+                                  size_t block) const {
     return NotRejected(level.present[block], [&](auto d, size_t i) HWY_ATTR {
-      auto exit = hn::Zero(d);
+      auto exit = hn::Set(d, line_.max_t);
       const auto enter = EntryOf(d, level, block, i, line_, exit);
       return hn::Gt(enter, exit);
     });
@@ -188,8 +206,15 @@ class FrontsQuery {
   explicit FrontsQuery(const void* fronts)
       : fronts_(*static_cast<const detail::Fronts*>(fronts)) {}
 
-  HWY_NOINLINE uint64_t Test(size_t, const detail::BvhLevel& level,
-                             size_t block) const {
+  uint64_t Test(size_t query, const detail::BvhLevel& level,
+                size_t block) const {
+    return TestApart(query, level, block);
+  }
+  uint64_t TestOnlyLeaf(size_t query, const detail::BvhLevel& level) const {
+    return TestApart(query, level, 0);
+  }
+  HWY_NOINLINE uint64_t TestApart(size_t, const detail::BvhLevel& level,
+                                  size_t block) const {
     return Bits<false>(level, block, level.present[block]);
   }
   HWY_NOINLINE uint64_t Inside(size_t, const detail::BvhLevel& level,

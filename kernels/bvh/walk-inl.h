@@ -73,6 +73,14 @@ class PlaneQueries {
                            size_t block) const {
     return TestFloats<kAxes, kHasMax>(level, block, At(query));
   }
+  HWY_NOINLINE uint64_t TestApart(size_t query, const detail::BvhLevel& level,
+                                  size_t block) const {
+    return Test(query, level, block);
+  }
+  HWY_INLINE uint64_t TestOnlyLeaf(size_t query,
+                                   const detail::BvhLevel& level) const {
+    return TestFloats<kAxes, kHasMax, true>(level, 0, At(query));
+  }
   // The nodes of `kept` all of whose objects survive.
   HWY_INLINE uint64_t Inside(size_t query, const detail::BvhLevel& level,
                              size_t block, uint64_t kept) const {
@@ -206,15 +214,12 @@ class Walker {
 
   // Of a world without nodes.
   HWY_INLINE bool VisitOnlyLeaf(size_t query) {
-    if constexpr (kHasLeaves) {
-      return ListLeaves(query, 0, 1, 0);
-    } else {
-      EndQueries(query);
-      ++leaves_;
-      const uint64_t kept =
-          Filter(query, 0, 0, query_.Test(query, levels_.level[0], 0));
-      return kept == 0 || Take(query, 0, kept);
-    }
+    if constexpr (kHasLeaves) return ListLeaves(query, 0, 1, 0);
+    EndQueries(query);
+    ++leaves_;
+    const uint64_t kept =
+        Filter(query, 0, 0, query_.TestOnlyLeaf(query, levels_.level[0]));
+    return kept == 0 || Take(query, 0, kept);
   }
 
   HWY_INLINE bool ListLeaves(size_t query, size_t first, uint64_t kept,
@@ -240,11 +245,10 @@ class Walker {
   }
 
   // Reads the leaves on the list.
-  bool VisitList() {
+  HWY_NOINLINE bool VisitList() {
     const size_t size = list_size_;
     if (size == 0) return true;
     list_size_ = 0;
-    leaves_ += size;
     if constexpr (kHasLeaves) {
       return static_cast<Leaves*>(this)->VisitLeaves(list_, size);
     } else {
@@ -326,7 +330,7 @@ class Walker {
 
   // Leaves by their codes; the floats say which of those that these leave
   // unsure survive, when all have been read.
-  bool VisitCodes(size_t size) {
+  HWY_NOINLINE bool VisitCodes(size_t size) {
     Unsure unsure[kManyLeaves + detail::kBlockObjects];
     size_t unsure_count = 0;
     size_t encoded = kNone;
@@ -335,6 +339,7 @@ class Walker {
       const uint32_t place = list_[i];
       const size_t block = BlockOf(place);
       const size_t query = QueryOf(place);
+      ++leaves_;
       if (query != encoded) {
         if (unsure_count != 0 && !Resolve(encoded, unsure, unsure_count)) {
           return false;
@@ -363,10 +368,12 @@ class Walker {
       const uint32_t place = list_[i];
       const size_t block = BlockOf(place);
       const size_t query = QueryOf(place);
+      ++leaves_;
       EndQueries(query);
       uint64_t kept = levels_.level[0].present[block];
       if (!IsInside(place)) {
-        kept = Filter(query, 0, block, TestObjects(query, block));
+        kept = Filter(query, 0, block,
+                      query_.TestApart(query, levels_.level[0], block));
       }
       if (kept != 0 && !Take(query, block, kept)) return false;
     }
@@ -418,7 +425,7 @@ class Walker {
     constexpr size_t kFew = 6;
     const detail::BvhLevel& objects = levels_.level[0];
     if (hwy::PopCount(bits) > kFew) {
-      return bits & TestObjects(query, block);
+      return bits & query_.TestApart(query, objects, block);
     }
     uint64_t kept = 0;
     for (; bits != 0; bits &= bits - 1) {
@@ -426,10 +433,6 @@ class Walker {
       kept |= uint64_t{!query_.Rejects(query, objects, block, lane)} << lane;
     }
     return kept;
-  }
-
-  HWY_NOINLINE uint64_t TestObjects(size_t query, size_t block) const {
-    return query_.Test(query, levels_.level[0], block);
   }
 
   static constexpr size_t kNone = ~size_t{0};
@@ -455,7 +458,8 @@ void RunWalk(const detail::Walk& walk) {
 template <size_t kAxes, bool kHasMax>
 constexpr detail::BvhKernels::OfPlanes MakeBvhKernelsOf() {
   using Queries = PlaneQueries<kAxes, kHasMax>;
-  return {&FindCenters<kAxes, kHasMax>, &FindPlaces<kAxes, kHasMax>,
+  return {&FindCenters<kAxes, kHasMax>,
+          &FindPlaces<kCenterAxes<kAxes, kHasMax>>,
           &EncodeBlocks<kAxes, kHasMax>, &RunWalk<Queries, true>,
           &RunWalk<Queries, false>};
 }

@@ -27,18 +27,21 @@ namespace halfspace::kernels {
 
 class DefaultFpMode {
  public:
-  DefaultFpMode() : saved_(Read()) {
-    if (IsDefault()) return;
-    Write((saved_ & ~kMode) | kDefault);
-    active_ = this;
-  }
-  ~DefaultFpMode() {
-    if (IsDefault()) return;
-    Write(saved_);
-    active_ = nullptr;
-  }
+  DefaultFpMode() : saved_(Read()) { Enter(); }
+  ~DefaultFpMode() { Exit(); }
   DefaultFpMode(const DefaultFpMode&) = delete;
   DefaultFpMode& operator=(const DefaultFpMode&) = delete;
+
+  // Calls function() in the mode that the thread had. The mode that it returns
+  // in is the thread's from then on.
+  template <typename Function>
+  auto Outside(const Function& function) {
+    Exit();
+    const auto result = function();
+    saved_ = Read();
+    Enter();
+    return result;
+  }
 
   // What the destructor does, for a way out that passes by it: this thread has
   // the mode again that it had.
@@ -78,12 +81,22 @@ class DefaultFpMode {
   static void Write(Register /*value*/) {}
 #endif
 
+  void Enter() {
+    if (IsDefault()) return;
+    Write((saved_ & ~kMode) | kDefault);
+    active_ = this;
+  }
+  void Exit() const {
+    if (IsDefault()) return;
+    Write(saved_);
+    active_ = nullptr;
+  }
   bool IsDefault() const { return (saved_ & kMode) == kDefault; }
 
   // This thread's, if it has changed anything.
   static constinit inline thread_local const DefaultFpMode* active_ = nullptr;
 
-  const Register saved_;
+  Register saved_;
 };
 
 // Calls function() where nothing of it can move out.

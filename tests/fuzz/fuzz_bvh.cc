@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <new>
 #include <optional>
@@ -151,6 +152,63 @@ class BvhHistory {
         }
       }
     }
+    return CheckCasts(world, model);
+  }
+
+  // The same on all targets; and what the box overlaps is touched at once, and
+  // 0 away.
+  ::testing::AssertionResult CheckCasts(
+      const Bvh<View>& world,
+      const std::vector<std::optional<Bound>>& model) const {
+    constexpr int kDims = Bound::kDimensions;
+    Aabb<kDims> box;
+    Point<kDims> direction;
+    bool is_finite = true;
+    for (std::size_t k = 0; k < kDims; ++k) {
+      box.min[k] = palettes_[k][0];
+      box.max[k] = palettes_[k][1];
+      direction[k] = palettes_[k][2];
+      is_finite = is_finite && std::abs(box.min[k]) < 0x1p90f &&
+                  std::abs(box.max[k]) < 0x1p90f && box.min[k] <= box.max[k];
+    }
+    const float max_t =
+        palettes_[0][3] == palettes_[0][3] ? std::abs(palettes_[0][3]) : 0.0f;
+    std::vector<std::pair<std::uint32_t, float>> expected;
+    std::vector<std::uint32_t> expected_nearest;
+    for (Target target : TargetsUnderTest()) {
+      const QueryOptions options = {.target = target};
+      std::vector<std::pair<std::uint32_t, float>> found;
+      BoxCast(
+          world, box, direction, max_t,
+          [&](std::uint32_t id, float t) { found.emplace_back(id, t); },
+          options);
+      std::vector<std::uint32_t> nearest(world.size() + 1);
+      std::vector<float> distances(nearest.size());
+      KNearestOfEach(world, Span<const Aabb<kDims>>(&box, 1), nearest.size(),
+                     nearest, distances, std::numeric_limits<float>::infinity(),
+                     options);
+      if (target == TargetsUnderTest().front()) {
+        expected = found;
+        expected_nearest = nearest;
+      }
+      if (found != expected || nearest != expected_nearest) {
+        return ::testing::AssertionFailure()
+               << target.name() << ": another cast, or other distances";
+      }
+      std::vector<bool> at_once(model.size());
+      for (const auto& [id, t] : found) at_once.at(id) = t == 0;
+      std::vector<bool> touching(model.size());
+      for (std::size_t i = 0; i < world.size(); ++i) {
+        if (nearest[i] != kNoId) touching.at(nearest[i]) = distances[i] == 0;
+      }
+      for (std::size_t id = 0; id < model.size() && is_finite; ++id) {
+        if (model[id] && Overlaps(*model[id], box) &&
+            !(at_once[id] && touching[id])) {
+          return ::testing::AssertionFailure()
+                 << target.name() << ": " << id << " touches the box";
+        }
+      }
+    }
     return ::testing::AssertionSuccess();
   }
 
@@ -212,6 +270,26 @@ class BvhHistory {
     return ::testing::AssertionSuccess();
   }
 
+  // On all axes but D, and on D by all that it can have.
+  static bool Overlaps(Bound bound, const Aabb<Bound::kDimensions>& box) {
+    double least = 0;
+    double most = 0;
+    for (std::size_t k = 0; k < box.min.size(); ++k) {
+      least -= box.max[k];
+      most -= box.min[k];
+    }
+    for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+      const std::size_t k = p % Bound::kAxes;
+      const double plane = StoredValue<View>(bound, p);
+      const bool is_d = k == box.min.size();
+      if (IsMinPlane<View>(p) ? plane > (is_d ? most : box.max[k])
+                              : plane < (is_d ? least : box.min[k])) {
+        return false;
+      }
+    }
+    return true;
+  }
+
   // Nothing to compare: a sanitizer sees what is read.
   ::testing::AssertionResult CheckBlob(const Bvh<View>& world,
                                        Bytes& bytes) const {
@@ -252,6 +330,10 @@ class BvhHistory {
                            {.mask = 5, .target = target});
       (void)CountSurvivors(world, Segment<kDims>{{}, {}}, {.target = target});
       (void)KNearest(world, Point<kDims>{}, ids, {}, 1e9f, {.target = target});
+      Point<kDims> direction{};
+      direction[0] = 1;
+      RayCast(world, Ray<kDims>{{}, direction, 1e9f},
+              [](std::uint32_t, float) {}, {.target = target});
       if constexpr (HasMaxima<View>) {
         (void)Pairs(world, {}, {.target = target});
         std::vector<std::uint32_t> set;

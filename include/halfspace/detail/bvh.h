@@ -56,7 +56,7 @@ struct BvhLevel {
   // An object's own masks, and the union of them for a node. Null if none
   // were set.
   std::uint32_t* masks = nullptr;
-  // What a query reads of the level does not fit the second-level cache.
+  // What a query reads of the level is far from the first caches.
   bool is_prefetched = false;
 
   float* Plane(std::size_t block, std::size_t plane) const {

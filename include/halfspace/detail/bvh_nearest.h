@@ -12,23 +12,50 @@
 
 namespace halfspace::detail {
 
-// Returns the new limit; a negative one ends the search.
-using NearFunction = float (*)(void* context, std::uint32_t id, float value);
+// Returns the new limit; a negative one ends the search. `planes` has the
+// object's value on plane p at p * kBlockObjects.
+using NearFunction = float (*)(void* context, std::uint32_t id, float value,
+                               const float* planes);
 
-HALFSPACE_API std::size_t BvhNearest(const BvhTree& tree, std::size_t dims,
-                                     const float* point, float max_distance,
+// Boxes, or points, whose corners are equal. The lower corner of box i is at
+// values[i * stride], and the upper one is `upper` values behind it.
+struct NearQueries {
+  const float* values;
+  std::size_t upper;
+  std::size_t stride;
+  std::size_t count;
+};
+
+HALFSPACE_API std::size_t BvhNearest(const BvhTree& tree,
+                                     const NearQueries& query,
+                                     float max_distance,
                                      Span<std::uint32_t> ids,
                                      Span<float> distances,
                                      const QueryOptions& options);
-HALFSPACE_API void BvhForEachNearest(const BvhTree& tree, std::size_t dims,
-                                     const float* point, float max_distance,
-                                     NearFunction function, void* context,
+HALFSPACE_API void BvhNearestOfEach(const BvhTree& tree,
+                                    const NearQueries& queries, std::size_t k,
+                                    float max_distance, Span<std::uint32_t> ids,
+                                    Span<float> distances,
+                                    const QueryOptions& options);
+HALFSPACE_API void BvhForEachNearest(const BvhTree& tree,
+                                     const NearQueries& query,
+                                     float max_distance, NearFunction function,
+                                     void* context,
                                      const QueryOptions& options);
-// `ray` has the origin, the direction and max_t.
-HALFSPACE_API void BvhRayCast(const BvhTree& tree, std::size_t dims,
-                              const float* ray, float radius,
-                              NearFunction function, void* context,
-                              const QueryOptions& options);
+
+// A box from `low` to `high`, `radius` larger on each side, on its way.
+struct LineCast {
+  const char* call;
+  const float* low;
+  const float* high;
+  const float* direction;
+  float max_t;
+  float radius;
+};
+
+HALFSPACE_API void BvhCast(const BvhTree& tree, const LineCast& cast,
+                           NearFunction function, void* context,
+                           const QueryOptions& options);
 
 }  // namespace halfspace::detail
 

@@ -419,6 +419,56 @@ TYPED_TEST(BvhTest, FillsAShortSpanAndCountsAll) {
   }
 }
 
+// A short span at a time, until all is written.
+TYPED_TEST(BvhTest, GoesOnWhereASpanWasTooShort) {
+  using View = typename TypeParam::View;
+  using Query = typename View::Query;
+  Spread<View> spread(20.0f);
+  const World<View> world = spread.Objects(5000);
+  const Bvh<View> bvh(world.view());
+  const auto queries = spread.Queries(5);
+  Canaried<std::uint32_t> canaried;
+  for (Target target : TargetsUnderTest()) {
+    QueryOptions options = {.target = target};
+    std::vector<std::size_t> offsets(queries.size() + 1);
+    for (std::size_t room : {7u, 64u, 100u, 1000u}) {
+      const auto expect_all = [&](const auto& find, const Ids& expected) {
+        Ids found;
+        for (options.skip = 0; found.size() < expected.size();
+             options.skip += room) {
+          const auto ids = canaried.Reset(room);
+          ASSERT_EQ(find(ids), expected.size());
+          const std::size_t left = expected.size() - options.skip;
+          EXPECT_TRUE(canaried.IntactBut(room));
+          found.insert(found.end(), ids.begin(),
+                       ids.begin() + std::min(room, left));
+        }
+        EXPECT_EQ(InOrder(found), InOrder(expected));
+        options.skip = std::numeric_limits<std::size_t>::max();
+        ASSERT_EQ(find(canaried.Reset(room)), expected.size());
+        EXPECT_TRUE(canaried.IntactBut(0));
+      };
+      Ids all;
+      for (const Query& query : queries) {
+        const Ids expected = Expected(world.view(), query);
+        expect_all(
+            [&](Span<std::uint32_t> ids) {
+              return Survivors(bvh, query, ids, options);
+            },
+            expected);
+        all.insert(all.end(), expected.begin(), expected.end());
+      }
+      expect_all(
+          [&](Span<std::uint32_t> ids) {
+            return SurvivorsOfEach(bvh, Span<const Query>(queries), ids,
+                                   offsets, options);
+          },
+          all);
+      EXPECT_EQ(offsets.back(), all.size());
+    }
+  }
+}
+
 TYPED_TEST(BvhTest, StopsWhenTheFunctionSaysSo) {
   using View = typename TypeParam::View;
   Spread<View> spread(40.0f);
@@ -433,6 +483,37 @@ TYPED_TEST(BvhTest, StopsWhenTheFunctionSaysSo) {
                     },
                     {.target = target});
     EXPECT_EQ(calls, 3u);
+  }
+}
+
+// The first survivors are told before a second leaf is read, and statistics say
+// so. One query adds to what another one counted.
+TYPED_TEST(BvhTest, TellsTheFirstLeafAtOnce) {
+  using View = typename TypeParam::View;
+  const auto all = View::Query::Everything();
+  for (std::size_t size : {64u, 4000u, 20'000u}) {
+    const Bvh<View> bvh(Spread<View>(1.0f).Objects(size));
+    const std::size_t leaves = (size + 63) / 64;
+    for (Target target : TargetsUnderTest()) {
+      QueryStatistics read;
+      const QueryOptions options = {.target = target, .statistics = &read};
+      EXPECT_TRUE(AnySurvivor(bvh, all, options).has_value());
+      EXPECT_EQ(read.leaves, 1u);
+      ForEachSurvivor(
+          bvh, all,
+          [](Span<const std::uint32_t> ids) {
+            EXPECT_LE(ids.size(), 64u);
+            return Visit::kStop;
+          },
+          options);
+      EXPECT_EQ(read.leaves, 2u);
+      Ids ids(size);
+      EXPECT_EQ(Survivors(bvh, all, ids, options), size);
+      EXPECT_EQ(read.leaves, 2 + leaves);
+      read = {};
+      EXPECT_EQ(Survivors(bvh, View::Query::Empty(), ids, options), 0u);
+      EXPECT_EQ(read.node_blocks + read.leaves, 1u);
+    }
   }
 }
 

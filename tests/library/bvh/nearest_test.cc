@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <random>
 #include <span>
@@ -44,7 +45,7 @@ std::vector<Found> Expected(const Bvh<View>& bvh,
                             float limit, const KeyOf& key_of) {
   std::vector<Found> found;
   for (std::uint32_t id : bvh.ids()) {
-    if (id == 0xFFFFFFFF) continue;
+    if (id == kNoId) continue;
     const float key = key_of(PlanesOf<View>(bounds[id]));
     if (key <= std::min(limit, kMost)) found.push_back({id, key});
   }
@@ -62,34 +63,121 @@ float SquaredLimit(float distance) {
 }
 
 template <typename View>
-std::vector<Found> ExpectedNearest(const Bvh<View>& bvh,
-                                   std::span<const typename View::Bound> bounds,
-                                   const Point<View::Bound::kDimensions>& point,
-                                   float max_distance) {
-  detail::Ball ball;
-  detail::MakeBall(kShapePlanes<View>, point.data(), 0, ball);
-  auto found = Expected(
-      bvh, bounds, SquaredLimit(max_distance),
-      [&](const auto& planes) { return SquaredDistanceOf(planes, ball); });
-  return found;
+float SquaredDistanceOf(const PlaneValues<View>& planes,
+                        const Aabb<View::Bound::kDimensions>& query) {
+  float sum = 0;
+  for (std::size_t k = 0; k < query.min.size(); ++k) {
+    float gap = planes[k] - query.max[k];
+    if (!(gap > 0)) gap = 0;
+    if constexpr (HasMaxima<View>) {
+      const float above = query.min[k] - planes[View::Bound::kAxes + k];
+      if (above > gap) gap = above;
+    }
+    sum = sum + gap * gap;
+  }
+  return sum;
 }
 
+// Of a point, both corners of the query are the point.
 template <typename View>
-std::vector<Found> ExpectedAlong(const Bvh<View>& bvh,
-                                 std::span<const typename View::Bound> bounds,
-                                 const Ray<View::Bound::kDimensions>& ray,
-                                 float radius) {
-  double origin[3] = {};
-  double direction[3] = {};
-  for (std::size_t k = 0; k < ray.origin.size(); ++k) {
-    origin[k] = ray.origin[k];
-    direction[k] = ray.direction[k];
+std::vector<Found> ExpectedNearest(const Bvh<View>& bvh,
+                                   std::span<const typename View::Bound> bounds,
+                                   const Aabb<View::Bound::kDimensions>& query,
+                                   float max_distance) {
+  return Expected(bvh, bounds, SquaredLimit(max_distance),
+                  [&](const PlaneValues<View>& planes) {
+                    return SquaredDistanceOf<View>(planes, query);
+                  });
+}
+
+// A line's objects in the order of a search: of the children of a node those
+// that the line enters first, and then in the world's order.
+template <typename View>
+class NearFirst {
+ public:
+  NearFirst(const Bvh<View>& bvh, std::span<const typename View::Bound> bounds,
+            const detail::Line& line)
+      : ids_(bvh.ids()), bounds_(bounds), line_(line) {
+    std::size_t objects = 64;
+    while (objects < ids_.size()) objects *= 64;
+    if (!ids_.empty()) Visit(0, objects);
+  }
+
+  const std::vector<Found>& found() const { return found_; }
+
+ private:
+  struct Child {
+    float enters;
+    std::size_t slot;
+  };
+
+  // The slots from `first` on, of a node of so many.
+  void Visit(std::size_t first, std::size_t objects) {
+    const std::size_t step = objects / 64;
+    std::vector<Child> children;
+    for (std::size_t i = 0; i < 64 && first + i * step < ids_.size(); ++i) {
+      const std::size_t slot = first + i * step;
+      const float enters = EntryOf(PlanesOfSlots(slot, step), line_);
+      if (enters <= kMost) children.push_back({enters, slot});
+    }
+    std::stable_sort(
+        children.begin(), children.end(),
+        [](const Child& a, const Child& b) { return a.enters < b.enters; });
+    for (const Child& child : children) {
+      if (step > 1) {
+        Visit(child.slot, step);
+      } else if (ids_[child.slot] != kNoId) {
+        found_.push_back({ids_[child.slot], child.enters});
+      }
+    }
+  }
+
+  PlaneValues<View> PlanesOfSlots(std::size_t first, std::size_t count) const {
+    PlaneValues<View> of_all;
+    for (std::size_t p = 0; p < of_all.size(); ++p) {
+      of_all[p] = IsMinPlane<View>(p) ? kInf : -kInf;
+    }
+    for (std::size_t s = first; s < std::min(first + count, ids_.size()); ++s) {
+      if (ids_[s] == kNoId) continue;
+      const auto values = PlanesOf<View>(bounds_[ids_[s]]);
+      if (count == 1) return values;
+      for (std::size_t p = 0; p < values.size(); ++p) {
+        // What is no number limits nothing.
+        const float outermost = IsMinPlane<View>(p) ? -kInf : kInf;
+        const float value = std::isnan(values[p]) ? outermost : values[p];
+        of_all[p] = IsMinPlane<View>(p) ? std::min(of_all[p], value)
+                                        : std::max(of_all[p], value);
+      }
+    }
+    return of_all;
+  }
+
+  Span<const std::uint32_t> ids_;
+  std::span<const typename View::Bound> bounds_;
+  detail::Line line_;
+  std::vector<Found> found_;
+};
+
+template <typename View>
+std::vector<Found> ExpectedAlong(
+    const Bvh<View>& bvh, std::span<const typename View::Bound> bounds,
+    const Aabb<View::Bound::kDimensions>& box,
+    const Point<View::Bound::kDimensions>& direction, float max_t,
+    float radius) {
+  double low[3] = {};
+  double high[3] = {};
+  double directions[3] = {};
+  for (std::size_t k = 0; k < direction.size(); ++k) {
+    if (box.min[k] > box.max[k]) return {};
+    low[k] = box.min[k];
+    high[k] = box.max[k];
+    directions[k] = direction[k];
   }
   detail::Line line;
-  detail::MakeLine(kShapePlanes<View>, origin, direction, ray.max_t, radius,
+  detail::MakeLine(kShapePlanes<View>, low, high, directions, max_t, radius,
                    line);
-  return Expected(bvh, bounds, ray.max_t + detail::kApartOnLine,
-                  [&](const auto& planes) { return EntryOf(planes, line); });
+  line.max_t = std::min(line.max_t, kMost);
+  return NearFirst<View>(bvh, bounds, line).found();
 }
 
 template <typename View>
@@ -97,7 +185,8 @@ void ExpectNearest(const Bvh<View>& bvh,
                    std::span<const typename View::Bound> bounds,
                    const Point<View::Bound::kDimensions>& point,
                    float max_distance, Target target) {
-  const auto squared = ExpectedNearest(bvh, bounds, point, max_distance);
+  const auto squared =
+      ExpectedNearest(bvh, bounds, {point, point}, max_distance);
   std::vector<Found> expected = squared;
   for (Found& one : expected) one.value = std::sqrt(one.value);
   const QueryOptions options = {.target = target};
@@ -131,7 +220,7 @@ void ExpectNearest(const Bvh<View>& bvh,
         bvh, point, max_distance,
         [&](std::uint32_t id, float distance) {
           found.push_back({id, distance});
-          return found.size() < some;
+          return found.size() < some ? Visit::kContinue : Visit::kStop;
         },
         options);
     ASSERT_EQ(found.size(), std::min(some, expected.size()));
@@ -141,7 +230,7 @@ void ExpectNearest(const Bvh<View>& bvh,
         bvh, point, max_distance,
         [&](std::uint32_t id, float distance) {
           found.push_back({id, distance});
-          return found.size() < some ? 2 * distance + 1 : distance;
+          return Limit{found.size() < some ? 2 * distance + 1 : distance};
         },
         options);
     float limit = kInf;
@@ -157,33 +246,113 @@ void ExpectNearest(const Bvh<View>& bvh,
   }
 }
 
+// Boxes, and several points or boxes in one call.
+template <typename View>
+void ExpectNearestToBoxes(const Bvh<View>& bvh,
+                          std::span<const typename View::Bound> bounds,
+                          const Aabb<View::Bound::kDimensions>& box,
+                          float max_distance, Target target) {
+  constexpr int kDims = View::Bound::kDimensions;
+  const QueryOptions options = {.target = target};
+  const std::vector<Aabb<kDims>> boxes = {
+      box, {box.min, box.min}, Aabb<kDims>::Empty(), box};
+  const std::vector<Point<kDims>> points = {box.max, box.min, box.max};
+  const auto expect_row = [&](const Aabb<kDims>& query, std::size_t k,
+                              const std::uint32_t* ids,
+                              const float* distances) {
+    const auto expected =
+        ExpectedNearest<View>(bvh, bounds, query, max_distance);
+    for (std::size_t i = 0; i < k; ++i) {
+      const Found one =
+          i < expected.size()
+              ? Found{expected[i].id, std::sqrt(expected[i].value)}
+              : Found{kNoId, kInf};
+      ASSERT_EQ((Found{ids[i], distances[i]}), one) << i;
+    }
+  };
+  for (std::size_t k : {0u, 1u, 9u, 2100u}) {
+    Ids ids(boxes.size() * k);
+    std::vector<float> distances(ids.size());
+    KNearestOfEach(bvh, Span<const Aabb<kDims>>(boxes), k, ids, distances,
+                   max_distance, options);
+    for (std::size_t q = 0; q < boxes.size(); ++q) {
+      expect_row(boxes[q], k, ids.data() + q * k, distances.data() + q * k);
+    }
+    Ids alone(ids.size());
+    KNearestOfEach(bvh, boxes, k, alone, {}, max_distance, options);
+    ASSERT_EQ(alone, ids);
+    ids.resize(k);
+    distances.resize(k);
+    const std::size_t count =
+        KNearest(bvh, box, ids, distances, max_distance, options);
+    std::fill(ids.begin() + count, ids.end(), kNoId);
+    std::fill(distances.begin() + count, distances.end(), kInf);
+    expect_row(box, k, ids.data(), distances.data());
+    ids.resize(points.size() * k);
+    distances.resize(points.size() * k);
+    KNearestOfEach(bvh, points, k, ids, distances, max_distance, options);
+    for (std::size_t q = 0; q < points.size(); ++q) {
+      expect_row({points[q], points[q]}, k, ids.data() + q * k,
+                 distances.data() + q * k);
+    }
+    if (::testing::Test::HasFatalFailure()) FAIL() << k << " of each";
+  }
+}
+
+// call(function) casts.
+template <typename Call>
+void ExpectFound(const Call& call, const std::vector<Found>& expected) {
+  std::vector<Found> found;
+  call([&](std::uint32_t id, float t) { found.push_back({id, t}); });
+  ASSERT_EQ(found, expected);
+  for (std::size_t some : {1u, 5u}) {
+    found.clear();
+    call([&](std::uint32_t id, float t) {
+      found.push_back({id, t});
+      return found.size() < some ? Visit::kContinue : Visit::kStop;
+    });
+    ASSERT_EQ(found.size(), std::min(some, expected.size()));
+    ASSERT_TRUE(std::equal(found.begin(), found.end(), expected.begin()));
+  }
+  // The closest, by limits of which some are farther than the last.
+  float limit = kInf;
+  std::vector<Found> within;
+  const auto next_limit = [&](float t) {
+    return within.size() % 3 == 2 ? kInf : within.size() % 3 == 1 ? t : 2 * t;
+  };
+  for (const Found& one : expected) {
+    if (one.value > limit + detail::kApartOnLine) continue;
+    within.push_back(one);
+    limit = std::min(limit, next_limit(one.value));
+  }
+  const std::vector<Found> expected_within = std::move(within);
+  within.clear();
+  call([&](std::uint32_t id, float t) {
+    within.push_back({id, t});
+    return Limit{next_limit(t)};
+  });
+  ASSERT_EQ(within, expected_within);
+}
+
 template <typename View>
 void ExpectAlong(const Bvh<View>& bvh,
                  std::span<const typename View::Bound> bounds,
                  const Ray<View::Bound::kDimensions>& ray, float radius,
                  Target target) {
-  const auto expected = ExpectedAlong(bvh, bounds, ray, radius);
-  std::vector<Found> found;
-  RayCast(bvh, ray, radius,
-          [&](std::uint32_t id, float t) {
-            found.push_back({id, t});
-          },
-          {.target = target});
-  ASSERT_EQ(found, expected);
-  // The closest hit: in the middle of what is entered.
-  if (expected.empty()) return;
-  const float hit = expected[expected.size() / 2].value;
-  found.clear();
-  RayCast(bvh, ray, radius,
-          [&](std::uint32_t id, float t) {
-            found.push_back({id, t});
-            return hit;
-          },
-          {.target = target});
-  std::size_t count = 0;
-  while (count < expected.size() && expected[count].value <= hit) ++count;
-  ASSERT_EQ(found.size(), std::max<std::size_t>(count, 1));
-  ASSERT_TRUE(std::equal(found.begin(), found.end(), expected.begin()));
+  const QueryOptions options = {.target = target};
+  ExpectFound(
+      [&](auto&& function) { RayCast(bvh, ray, radius, function, options); },
+      ExpectedAlong(bvh, bounds, {ray.origin, ray.origin}, ray.direction,
+                    ray.max_t, radius));
+  Aabb<View::Bound::kDimensions> box = {ray.origin, ray.origin};
+  for (std::size_t k = 0; k < box.min.size(); ++k) {
+    box.max[k] += static_cast<float>(k) * radius;
+  }
+  ExpectFound(
+      [&](auto&& function) {
+        BoxCast(bvh, box, ray.direction, ray.max_t, function, options);
+      },
+      ExpectedAlong(bvh, bounds, box, ray.direction, ray.max_t, 0));
 }
 
 template <typename View>
@@ -207,6 +376,9 @@ void ExpectAll(const Bvh<View>& bvh,
       }
       ray.max_t = limit == 30.0f ? 0.5f : limit;
       ExpectNearest<View>(bvh, bounds, point, limit, target);
+      Aabb<kDims> box = {point, point};
+      for (float& x : box.max) x += 10 * std::abs(any());
+      ExpectNearestToBoxes<View>(bvh, bounds, box, limit, target);
       ExpectAlong<View>(bvh, bounds, ray, random() % 2 == 0 ? 0.0f : 2.0f,
                         target);
       if (::testing::Test::HasFatalFailure()) {
@@ -295,7 +467,7 @@ TYPED_TEST(BvhNearestTest, KnowsErasedObjectsAndMasks) {
   for (std::uint32_t i = 0; i < 5000; ++i) masks[i] = 1u << i % 3;
   bvh.SetMasks(masks);
   const Point<Bound::kDimensions> point{};
-  auto all = ExpectedNearest<View>(bvh, bounds, point, 50.0f);
+  auto all = ExpectedNearest<View>(bvh, bounds, {point, point}, 50.0f);
   for (Found& one : all) one.value = std::sqrt(one.value);
   for (Target target : TargetsUnderTest()) {
     std::vector<Found> found;
@@ -304,11 +476,24 @@ TYPED_TEST(BvhNearestTest, KnowsErasedObjectsAndMasks) {
                      found.push_back({id, distance});
                    },
                    {.mask = 2, .target = target});
-    std::vector<Found> expected;
-    for (const Found& one : all) {
-      if (one.id % 3 == 1) expected.push_back(one);
-    }
-    EXPECT_EQ(found, expected);
+    const auto of_mask = [](const std::vector<Found>& any) {
+      std::vector<Found> wanted;
+      std::copy_if(any.begin(), any.end(), std::back_inserter(wanted),
+                   [](const Found& one) { return one.id % 3 == 1; });
+      return wanted;
+    };
+    EXPECT_EQ(found, of_mask(all));
+    Ray<Bound::kDimensions> ray = {{}, {}, 50};
+    for (float& x : ray.direction) x = 1;
+    found.clear();
+    RayCast(bvh, ray, 5.0f,
+            [&](std::uint32_t id, float t) {
+              found.push_back({id, t});
+            },
+            {.mask = 2, .target = target});
+    EXPECT_EQ(found, of_mask(ExpectedAlong<View>(bvh, bounds, {point, point},
+                                                 ray.direction, 50, 5)));
+    EXPECT_FALSE(found.empty());
   }
 }
 
@@ -382,7 +567,7 @@ TEST(BvhNearestKnownTest, DistancesOfAllSizesInAllFloatingPointModes) {
         }
         const auto append = [&](std::uint32_t id, float value) {
           answers.back().push_back({id, value});
-          return value;
+          return Limit{value};
         };
         answers.emplace_back();
         ForEachNearest(bvh, center, kInf, append, options);
@@ -453,6 +638,15 @@ TEST(BvhNearestErrorsTest, RefusesWhatIsNoLimit) {
   }
   EXPECT_TRUE(Refuses([&] { (void)KNearest(bvh, {}, ids, distances); },
                       {"KNearest", "distances", "10", "9"}));
+  const std::vector<Point3> points(3);
+  for (std::size_t k : {0u, 3u, 4u, 10u}) {
+    EXPECT_TRUE(Refuses([&] { KNearestOfEach(bvh, points, k, ids, {}); },
+                        {"KNearestOfEach: ids", "3 queries", "10"}))
+        << k;
+  }
+  EXPECT_TRUE(Refuses(
+      [&] { KNearestOfEach(bvh, Span<const Point3>(nullptr, 3), 0, {}, {}); },
+      {"KNearestOfEach: queries", "null"}));
   EXPECT_TRUE(Refuses(
       [&] {
         (void)KNearest(bvh, {},

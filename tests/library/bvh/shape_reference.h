@@ -95,7 +95,7 @@ detail::Line LineOf(const detail::ShapePlanes& planes,
     direction[k] = double{capsule.b[k]} - capsule.a[k];
   }
   detail::Line line;
-  detail::MakeLine(planes, origin, direction, 1, capsule.radius, line);
+  detail::MakeLine(planes, origin, origin, direction, 1, capsule.radius, line);
   return line;
 }
 
@@ -109,6 +109,10 @@ detail::Ball BallOf(const Sphere<kDims>& sphere) {
 
 // Whether a walk takes a shape for its bound: a builder cannot bound it, or its
 // radius is too large to be squared, or no axis limits its line.
+template <typename View, std::size_t kDims>
+bool IsBound(const std::array<float, kDims>&) {
+  return true;
+}
 template <typename View, int kDims>
 bool IsBound(const Sphere<kDims>& sphere) {
   return BoundSphere(sphere) == Aabo<kDims>::Everything() ||
@@ -125,6 +129,10 @@ bool IsBound(const Segment<kDims>& segment) {
 }
 
 // Whether the test of the shape keeps a bound.
+template <typename View, std::size_t kDims>
+bool IsTouched(const typename View::Bound&, const std::array<float, kDims>&) {
+  return true;
+}
 template <typename View, int kDims>
 bool IsTouched(const typename View::Bound& bound, const Sphere<kDims>& sphere) {
   return IsBound<View>(sphere) ||

@@ -52,6 +52,9 @@ typename View::Query BoundOf(const Shape& shape) {
   constexpr int kDims = View::Bound::kDimensions;
   if constexpr (!std::is_same_v<Shape, std::vector<HalfSpace<kDims>>>) {
     if (IsBound<View>(shape)) {
+      if constexpr (std::is_same_v<Shape, Point<kDims>>) {
+        return QueryOf<View>(BoundSphere(Sphere<kDims>{shape, 0}));
+      }
       if constexpr (std::is_same_v<Shape, Sphere<kDims>>) {
         return QueryOf<View>(BoundSphere(shape));
       }
@@ -68,8 +71,8 @@ typename View::Query BoundOf(const Shape& shape) {
 // A few shapes of each kind.
 template <int kDims>
 using Shapes =
-    std::tuple<std::vector<Sphere<kDims>>, std::vector<Segment<kDims>>,
-               std::vector<Capsule<kDims>>,
+    std::tuple<std::vector<Point<kDims>>, std::vector<Sphere<kDims>>,
+               std::vector<Segment<kDims>>, std::vector<Capsule<kDims>>,
                std::vector<std::vector<HalfSpace<kDims>>>>;
 
 // Calls visit(shape) for each.
@@ -94,9 +97,10 @@ Shapes<kDims> SomeShapes(std::size_t count, Random& random) {
     return p;
   };
   Shapes<kDims> shapes;
-  auto& [spheres, segments, capsules, fronts] = shapes;
+  auto& [points, spheres, segments, capsules, fronts] = shapes;
   for (std::size_t i = 0; i < count; ++i) {
     const float radius = std::ldexp(1.0f, static_cast<int>(i % 9) - 2);
+    points.push_back(point());
     spheres.push_back({point(), i == 0 ? 0.0f : radius});
     segments.push_back({point(), point()});
     if (i % 4 == 1) segments.back().b[0] = segments.back().a[0];
@@ -236,7 +240,10 @@ TYPED_TEST(BvhShapesTest, FindWhatTheTestsKeepOfSpecialValues) {
       world.Push(bound);
     }
     Shapes<kDims> shapes = SomeShapes<kDims>(6, random);
-    auto& [spheres, segments, capsules, fronts] = shapes;
+    auto& [points, spheres, segments, capsules, fronts] = shapes;
+    for (auto& point : points) {
+      for (float& x : point) x = any(x);
+    }
     for (auto& sphere : spheres) {
       for (float& x : sphere.center) x = any(x);
       sphere.radius = any(sphere.radius);
@@ -400,6 +407,7 @@ TYPED_TEST(BvhShapesTest, NeverRejectWhatTouches) {
     Capsule<kDims> capsule;
     Sphere<kDims> sphere;
     sphere.radius = capsule.radius = scaled(radius);
+    World<View> on_box;
     World<View> on_segment;
     World<View> on_capsule;
     World<View> on_sphere;
@@ -438,11 +446,29 @@ TYPED_TEST(BvhShapesTest, NeverRejectWhatTouches) {
     if (!is_exact) continue;
     std::vector<std::vector<HalfSpace<kDims>>> fronts;
     World<View> on_fronts;
+    OrientedBox<kDims> box;
+    std::array<std::array<double, kDims>, kDims> box_axes;
+    box.center = sphere.center;
+    for (std::size_t axis = 0; axis < kDims; ++axis) {
+      for (std::size_t k = 0; k < kDims; ++k) {
+        box_axes[axis][k] = round % 5 == 0 && k != axis ? 0 : integer(100);
+        box.axes[axis][k] = static_cast<float>(box_axes[axis][k]);
+      }
+      box.half_extents[axis] = scaled(2);
+    }
     for (std::size_t i = 0; i < 150; ++i) {
       const double t = static_cast<double>(random() % 17) / 16;
       std::array<double, kDims> p;
       std::array<double, kDims> beside;
       std::array<double, kDims> corner;
+      // A corner of a box with axes at any angles.
+      std::array<double, kDims> in_box = a;
+      for (std::size_t axis = 0; axis < kDims; ++axis) {
+        const double side = random() % 2 == 0 ? 2 : -2;
+        for (std::size_t k = 0; k < kDims; ++k) {
+          in_box[k] += side * box_axes[axis][k];
+        }
+      }
       for (std::size_t k = 0; k < kDims; ++k) {
         const double away =
             (random() % 2 == 0 ? size : -size) * kCorner[(k + i) % kDims];
@@ -450,6 +476,7 @@ TYPED_TEST(BvhShapesTest, NeverRejectWhatTouches) {
         beside[k] = p[k] + away;
         corner[k] = a[k] + away;
       }
+      on_box.Push(bound_of(in_box));
       on_segment.Push(bound_of(p));
       on_capsule.Push(bound_of(beside));
       on_sphere.Push(bound_of(corner));
@@ -487,6 +514,7 @@ TYPED_TEST(BvhShapesTest, NeverRejectWhatTouches) {
         ASSERT_EQ(kept, world.size()) << "flushed, times 2^" << exponent;
       }
     };
+    expect_all(on_box, box);
     expect_all(on_segment, segment);
     expect_all(on_segment, capsule);
     expect_all(on_capsule, capsule);
@@ -517,6 +545,17 @@ TEST(BvhShapesKnownTest, RejectWhatTheirBoundsKeep) {
   const HalfSpace3 half_spaces[] = {{{1, 0, 0}, -6}, {{0, -1, 0}, 6}};
   EXPECT_EQ(found(half_spaces), (Ids{1, 3}));
   EXPECT_EQ(found(std::vector<HalfSpace3>()), (Ids{0, 1, 2, 3}));
+  EXPECT_EQ(found(Point3{10, 1, 0.5f}), Ids{1});
+  EXPECT_EQ(found(Point3{10, 1.0001f, 0.5f}), Ids{});
+  // Turned by 45 degrees about z; its corner (9.9, 5) is beside object 3.
+  const float h = 3.5f;
+  OrientedBox3 box = {{4.9f, 5, 5}, {{{1, 1, 0}, {-1, 1, 0}, {0, 0, 1}}}, {}};
+  box.half_extents = {h, h, 1};
+  EXPECT_EQ(found(box), Ids{3});
+  box.center = {0, 10, 5};
+  EXPECT_EQ(found(box), Ids{});  // though object 3 is in its bound
+  box.half_extents = {h, h, kNan};
+  EXPECT_EQ(found(box), (Ids{0, 1, 2, 3}));
   // While the radius has a square.
   const Point3 corner = {0x1.4p63f, 0x1.4p63f, 0x1.4p63f};
   const std::vector<Aabb3> bounds = {{corner, corner}, {{}, corner}};

@@ -142,6 +142,15 @@ void VisitBvh(const Visit& visit) {
       RayCast(world, Ray3{{}, {1, 1, 1}, 1000}, [](std::uint32_t, float) {},
               {.target = target});
     });
+    visit("BoxCast", kNearest, [&] {
+      BoxCast(world, Aabb3{{}, {1, 1, 1}}, {1, 1, 1}, 1000,
+              [](std::uint32_t, float) {}, {.target = target});
+    });
+    const std::vector<Point3> points(4, sphere.center);
+    visit("KNearestOfEach", kNearest, [&] {
+      KNearestOfEach(world, Span<const Point3>(points), nearest.size() / 4,
+                     nearest, {}, 1e9f, {.target = target});
+    });
     std::vector<IdPair> pairs(100);
     visit("Pairs", kPairs,
           [&] { std::ignore = Pairs(world, pairs, {.target = target}); });
