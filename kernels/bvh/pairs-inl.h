@@ -238,6 +238,10 @@ class PairWalker
     return join_.set == nullptr ? ~uint64_t{0} : join_.set->SlotsOf(block);
   }
 
+  HWY_NOINLINE uint64_t TestObjects(size_t query, size_t block) const {
+    return this->query_.Test(query, this->levels_.level[0], block);
+  }
+
   // The pairs of one object and the objects of a block, by the codes.
   HWY_INLINE bool JoinOne(size_t query, size_t block) {
     const detail::BvhLevels& levels = this->levels_;
@@ -246,7 +250,7 @@ class PairWalker
     uint64_t objects = Objects(levels, block) &
                        WithMask(levels.level[0], block, wanted_[query]);
     if (levels.codes == nullptr) {
-      objects &= this->TestObjects(query, block);
+      objects &= TestObjects(query, block);
     } else {
       if (encoded_ != query) {
         encoded_ = query;
@@ -302,7 +306,7 @@ class PairWalker
     }
     // Found from both blocks.
     if (join_.is_one_world && block < own) objects &= ~MembersOf(block);
-    objects &= this->TestObjects(query, block);
+    objects &= TestObjects(query, block);
     if (objects == 0) return true;
     if (levels.count > 1) {
       float node[kPlanes];
