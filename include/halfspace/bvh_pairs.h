@@ -78,12 +78,12 @@ struct PairOptions {
   // axes X, Y and Z, and on D 2 or 3 times as far, in as many dimensions: the
   // bound of one of them, grown on all sides, overlaps the other. Values are
   // rounded outward, so a pair can be found that is farther apart by up to
-  // 2^-21 of its coordinates. Must be finite and not negative.
+  // 2^-21 of its coordinates and of the margin. Must be finite and not
+  // negative.
   float margin = 0;
   // The first `skip` pairs are not written, and no function is called for them.
-  // A call that had no room for all pairs can so be continued: equal calls on
-  // the same world find the pairs in the same order. The number that is
-  // returned is the full number.
+  // So a call that had no room for all pairs can be continued. The number that
+  // is returned is the full number.
   std::size_t skip = 0;
   // Finds only the pairs of parts begin ... end - 1 of PairParts(). Each pair
   // belongs to one part, so calls with disjoint ranges, on any threads, find
@@ -159,15 +159,16 @@ void ForEachPair(const Bvh<View>& a, const Bvh<View>& b, Function&& function,
 // The exception is a world that has never changed by id, in which each call
 // searches ids() for the objects, O(n). Reserve(size()) prevents that.
 //
-// Both calls can allocate from the world's MemoryResource (Bvh::memory()), in
-// the calling thread, and free it before they return: up to 136 bytes for each
-// id, but not more than a quarter of a byte for each object and 4 bytes for
-// each id with `wanted`. They allocate nothing for up to 63 ids, unless they
-// search. A search takes a bit for each object more. The world is const, but
-// its resource is used: calls that run at the same time, such as those on
-// different parts, need a resource that is thread-safe. The default resource
-// is. A failed allocation throws std::bad_alloc before a pair is written and
-// before the function is called.
+// Both calls allocate nothing for up to 63 ids in a world that has changed by
+// id. Otherwise they can allocate from the world's MemoryResource
+// (Bvh::memory()), in the calling thread, and free it before they return: up to
+// 128 bytes for each id, but not more than a quarter of a byte for each object,
+// and 4 bytes for each id with `wanted`. A search takes a bit for each object
+// more, and with `wanted` twice the rest. The world is const, but its resource
+// is used: calls that run at the same time, such as those on different parts,
+// need a resource that is thread-safe. The default resource is. A failed
+// allocation throws std::bad_alloc before a pair is written and before the
+// function is called.
 template <typename View>
 [[nodiscard]] std::size_t PairsOf(const Bvh<View>& world,
                                   Span<const std::uint32_t> ids,

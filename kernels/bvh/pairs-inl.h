@@ -92,7 +92,7 @@ class PairWalker
   }
 
   // Bits of up to 64 entries of the set: nothing predicts which are used.
-  uint64_t UsedEntries(size_t first) const {
+  HWY_NOINLINE uint64_t UsedEntries(size_t first) const {
     const size_t count = HWY_MIN(join_.set->size - first, size_t{64});
     uint64_t used = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -101,7 +101,7 @@ class PairWalker
     return used;
   }
 
-  bool AddMembers(size_t block, uint64_t members) {
+  HWY_NOINLINE bool AddMembers(size_t block, uint64_t members) {
     members &= Objects(*join_.queries, block);
     if (hwy::PopCount(members) > kFewMembers && !HasWanted()) {
       return AddQuery(block, members);
@@ -113,7 +113,7 @@ class PairWalker
   }
 
   // Queries walk when there are as many as can.
-  bool AddQuery(size_t block, uint64_t members) {
+  HWY_NOINLINE bool AddQuery(size_t block, uint64_t members) {
     block_[count_] = static_cast<uint32_t>(block);
     members_[count_] = members;
     wanted_[count_] = ~uint32_t{0};
@@ -134,7 +134,7 @@ class PairWalker
     return ++count_ < detail::kWalkers || Walk();
   }
 
-  bool Walk() {
+  HWY_NOINLINE bool Walk() {
     const size_t count = count_;
     count_ = 0;
     encoded_ = detail::kWalkers;
@@ -174,7 +174,7 @@ class PairWalker
     return plane < kAxes ? hn::Neg(Above(d, hn::Neg(value), margins[plane]))
                          : Above(d, value, margins[plane - kAxes]);
   }
-  void Grow(float* bound) const {
+  HWY_NOINLINE void Grow(float* bound) const {
     const hn::CappedTag<float, 1> d;
     for (size_t p = 0; p < kPlanes; ++p) {
       bound[p] = hn::GetLane(
@@ -184,7 +184,8 @@ class PairWalker
 
   // The bound of some objects of a block. A NaN is infinite, which rejects no
   // more.
-  void BoundMembers(size_t block, uint64_t members, float* bound) const {
+  HWY_NOINLINE void BoundMembers(size_t block, uint64_t members,
+                                 float* bound) const {
     const Tag d;
     constexpr float kInf = std::numeric_limits<float>::infinity();
     for (size_t p = 0; p < kPlanes; ++p) {
@@ -218,7 +219,10 @@ class PairWalker
     return before < detail::kBlockObjects ? ~uint64_t{0} << before : 0;
   }
 
-  bool VisitLeaves(const uint32_t* places, size_t count) {
+  // Leaves of several members stay in the cache.
+  bool ReadsCodes(size_t query) const { return IsOne(members_[query]); }
+
+  HWY_NOINLINE bool VisitLeaves(const uint32_t* places, size_t count) {
     for (size_t i = 0; i < count; ++i) {
       const size_t query = this->QueryOf(places[i]);
       const bool goes_on = IsOne(members_[query])
@@ -234,6 +238,10 @@ class PairWalker
     return join_.set == nullptr ? ~uint64_t{0} : join_.set->SlotsOf(block);
   }
 
+  HWY_NOINLINE uint64_t TestObjects(size_t query, size_t block) const {
+    return this->query_.Test(query, this->levels_.level[0], block);
+  }
+
   // The pairs of one object and the objects of a block, by the codes.
   HWY_INLINE bool JoinOne(size_t query, size_t block) {
     const detail::BvhLevels& levels = this->levels_;
@@ -242,7 +250,7 @@ class PairWalker
     uint64_t objects = Objects(levels, block) &
                        WithMask(levels.level[0], block, wanted_[query]);
     if (levels.codes == nullptr) {
-      objects &= this->query_.Test(query, levels.level[0], block);
+      objects &= TestObjects(query, block);
     } else {
       if (encoded_ != query) {
         encoded_ = query;
@@ -298,7 +306,7 @@ class PairWalker
     }
     // Found from both blocks.
     if (join_.is_one_world && block < own) objects &= ~MembersOf(block);
-    objects &= this->query_.Test(query, levels.level[0], block);
+    objects &= TestObjects(query, block);
     if (objects == 0) return true;
     if (levels.count > 1) {
       float node[kPlanes];
@@ -328,8 +336,8 @@ class PairWalker
 
   // Appends some objects of a block, grown by the margin, to those that are
   // compared; returns how many there are then.
-  size_t Gather(const detail::BvhLevels& levels, size_t block, uint64_t objects,
-                size_t count) {
+  HWY_NOINLINE size_t Gather(const detail::BvhLevels& levels, size_t block,
+                             uint64_t objects, size_t count) {
     const size_t begin = count;
     for (; objects != 0; objects &= objects - 1, ++count) {
       const size_t i = hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);

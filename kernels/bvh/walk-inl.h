@@ -308,7 +308,10 @@ class Walker {
   }
 
   void PrefetchLeaf(uint32_t place) const {
-    if (kHasLeaves || IsInside(place)) return;
+    if constexpr (kHasLeaves) {
+      if (!static_cast<const Leaves*>(this)->ReadsCodes(QueryOf(place))) return;
+    }
+    if (IsInside(place)) return;
     if constexpr (Query::kHasCodes) {
       // Leaves without codes are in the cache.
       PrefetchAll<Query::kPlanes * detail::kBlockObjects>(CodesOf(place));

@@ -194,6 +194,7 @@ std::vector<Wanted> SetsIn(const Objects<Bound>& objects, bool is_brief) {
       }
     }
     sets.push_back(set);
+    if (share < 7) continue;
     for (auto& [id, wanted] : set) {
       wanted = id % 5 == 0 ? 0xFFFFFFFF : id % 5 == 1 ? 0 : 1 + id % 7;
     }
