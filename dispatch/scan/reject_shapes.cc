@@ -18,7 +18,8 @@ namespace {
 // Points a scan to half-spaces. Both must have the same life.
 class Fronts {
  public:
-  Fronts(Scan& scan, const HalfSpaceList& half_spaces, const char* call)
+  [[gnu::noinline]] Fronts(Scan& scan, const HalfSpaceList& half_spaces,
+                           const char* call)
       : type_(*scan.type) {
     if (half_spaces.count > kMostHalfSpaces) {
       kernels::ThrowInvalid(call, "half-spaces",
