@@ -34,8 +34,7 @@ class QuantizedSet {
     const auto view = world_.quantized().view();
     BytePlanes planes;
     for (std::size_t p = 0; p < count; ++p) {
-      planes.push_back(reinterpret_cast<const unsigned char*>(
-          view.planes().planes().plane(p)));
+      planes.push_back(reinterpret_cast<const unsigned char*>(view.planes[p]));
     }
     return planes;
   }

@@ -71,6 +71,19 @@ void CheckWorld(const detail::Scan& scan) {
   }
 }
 
+void CheckIndicesFit(const detail::Scan& scan) {
+  if (scan.size > kMostIndices) {
+    ThrowInvalid(scan.call, "world.size",
+                 "at most 2^32 objects for 32-bit indices",
+                 std::to_string(scan.size));
+  }
+  if (scan.query_count > kMostIndices) {
+    ThrowInvalid(scan.call, "queries",
+                 "at most 2^32 queries for 32-bit indices",
+                 std::to_string(scan.query_count));
+  }
+}
+
 }  // namespace
 
 std::size_t CheckEach(const detail::Scan& scan, const Options& options,
@@ -92,6 +105,7 @@ std::size_t CheckEach(const detail::Scan& scan, const Options& options,
 }
 
 void CheckOutput(const detail::Scan& scan, const Output& output) {
+  if (output.are_indices) CheckIndicesFit(scan);
   if (output.size < output.used) {
     const std::size_t objects = scan.end - scan.begin;
     ThrowInvalid(scan.call, output.argument,
@@ -118,20 +132,6 @@ void CheckOutput(const detail::Scan& scan, const Output& output) {
               output.begin, bytes)) {
     kernels::ThrowOverlap(scan.call, output.argument, "the queries",
                           "an overlap with them");
-  }
-}
-
-void CheckIndicesFit(const detail::Scan& scan) {
-  constexpr std::uint64_t kMost = std::uint64_t{1} << 32;
-  if (scan.size > kMost) {
-    ThrowInvalid(scan.call, "world.size",
-                 "at most 2^32 objects for 32-bit indices",
-                 std::to_string(scan.size));
-  }
-  if (scan.query_count > kMost) {
-    ThrowInvalid(scan.call, "queries",
-                 "at most 2^32 queries for 32-bit indices",
-                 std::to_string(scan.query_count));
   }
 }
 

@@ -27,13 +27,17 @@ inline constexpr std::size_t kInCacheBytes = 128 * 1024;
 inline constexpr std::size_t kMostObjects =
     std::numeric_limits<std::size_t>::max() / 16;
 
+// Objects and queries that 32-bit indices can name.
+inline constexpr std::uint64_t kMostIndices = std::uint64_t{1} << 32;
+
 // What a call writes: `used` elements of `bytes` each. None need no check.
 struct Output {
   const char* argument;
   const void* begin;
   std::size_t size;
   std::size_t used;
-  std::size_t bytes;  // also their alignment
+  std::size_t bytes;         // also their alignment
+  bool are_indices = false;  // 32 bits
 };
 
 inline const void* PlaneAt(const detail::Scan& scan, std::size_t p) {
@@ -48,9 +52,6 @@ inline const void* PlaneAt(const detail::Scan& scan, std::size_t p) {
 std::size_t CheckEach(const detail::Scan& scan, const Options& options,
                       const Output& output);
 void CheckOutput(const detail::Scan& scan, const Output& output);
-
-// Throws if there are more than 2^32 objects or queries.
-void CheckIndicesFit(const detail::Scan& scan);
 
 // The way through all planes, by shape and schedule; docs/design.md says why
 // the defaults are what they are.
@@ -97,6 +98,7 @@ inline bool IsSuspect(const detail::Scan& scan, const Output& output) {
   const std::size_t bytes = output.used * output.bytes;
   const auto begin = reinterpret_cast<std::uintptr_t>(output.begin);
   const auto queries = reinterpret_cast<std::uintptr_t>(scan.queries);
+  if (output.are_indices && scan.size > kMostIndices) return true;
   return bytes != 0 &&
          (output.size < output.used || begin == 0 ||
           (begin & (output.bytes - 1)) != 0 ||

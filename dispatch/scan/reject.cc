@@ -58,10 +58,13 @@ std::size_t Survivors(Scan&& scan, Span<std::uint32_t> indices,
                       const Options& options) {
   // No more than one index for each object of the range is ever written.
   dispatch::Prepare(scan, options, "Survivors", [=](std::size_t objects) {
-    return Output{"indices", indices.data(), indices.size(),
-                  std::min(indices.size(), objects), sizeof(std::uint32_t)};
+    return Output{"indices",
+                  indices.data(),
+                  indices.size(),
+                  std::min(indices.size(), objects),
+                  sizeof(std::uint32_t),
+                  true};
   });
-  dispatch::CheckIndicesFit(scan);
   dispatch::ReportTarget(scan, options);
   std::size_t count = 0;
   const auto add = [&](std::size_t object) {

@@ -68,7 +68,6 @@ std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
                           const Options& options) {
   dispatch::Prepare(scan, options, "SurvivorPairs");
   dispatch::ChooseWay(scan, options);
-  dispatch::CheckIndicesFit(scan);
   const std::size_t capacity =
       std::min(query_indices.size(), object_indices.size());
   // No more than one pair for each query and object of the range is ever
@@ -80,7 +79,7 @@ std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
   const std::size_t bytes = used * sizeof(std::uint32_t);
   const auto check = [&](const char* name, Span<std::uint32_t> indices) {
     dispatch::CheckOutput(scan, {name, indices.data(), indices.size(), used,
-                                 sizeof(std::uint32_t)});
+                                 sizeof(std::uint32_t), true});
   };
   check("query_indices", query_indices);
   check("object_indices", object_indices);

@@ -18,7 +18,8 @@ namespace {
 // Points a scan to half-spaces. Both must have the same life.
 class FrontScan {
  public:
-  FrontScan(Scan& scan, const HalfSpaceList& half_spaces, const char* call)
+  [[gnu::noinline]] FrontScan(Scan& scan, const HalfSpaceList& half_spaces,
+                              const char* call)
       : type_(*scan.type) {
     if (half_spaces.count > kMostHalfSpaces) {
       kernels::ThrowInvalid(call, "half-spaces",

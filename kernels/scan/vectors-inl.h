@@ -47,6 +47,16 @@ struct LoadAligned {
   }
 };
 
+#if HWY_MEM_OPS_MIGHT_FAULT
+// Copies the first `count` of some lanes, and clears the others. Not inlined: a
+// kernel would have a copy for each plane.
+template <typename T>
+HWY_NOINLINE void CopyFirst(const T* from, size_t count, size_t lanes, T* to) {
+  for (size_t i = 0; i < count; ++i) to[i] = from[i];
+  for (size_t i = count; i < lanes; ++i) to[i] = T{};
+}
+#endif
+
 // Loads the first `count` lanes and reads nothing past them; the others are
 // unspecified. 0 < count < lanes.
 struct LoadFirst {
@@ -56,8 +66,7 @@ struct LoadFirst {
   HWY_INLINE hn::Vec<D> operator()(D d, const T* from) const {
 #if HWY_MEM_OPS_MIGHT_FAULT
     HWY_ALIGN T copy[HWY_MAX_BYTES / sizeof(T)];
-    for (size_t i = 0; i < count; ++i) copy[i] = from[i];
-    for (size_t i = count; i < hn::Lanes(d); ++i) copy[i] = T{};
+    CopyFirst(from, count, hn::Lanes(d), copy);
     return hn::Load(d, copy);
 #else
     return hn::MaskedLoad(hn::FirstN(d, count), d, from);
@@ -212,25 +221,33 @@ HWY_INLINE hn::Mask<D> NextVerdict(D d, hn::Mask<D> rejected, V object,
 
 #endif  // HALFSPACE_MASKED_COMPARES
 
-// The verdict of planes[0], planes[1], ... on objects i, i + 1, ..., one plane
-// for each query vector; the first kMins planes are minima.
+// Adds the verdict of planes[0], planes[1], ... on objects i, i + 1, ..., one
+// plane for each query vector; the first kMins planes are minima.
+template <size_t kMins, class D, class Load, typename T, class V, class... Rest>
+HWY_INLINE VerdictOf<D> AddVerdicts(D d, VerdictOf<D> before, Load load,
+                                    const T* const* planes, size_t i, V query,
+                                    Rest... rest) {
+  const VerdictOf<D> verdict =
+      NextVerdict<(kMins > 0)>(d, before, load(d, planes[0] + i), query);
+  if constexpr (sizeof...(Rest) == 0) {
+    return verdict;
+  } else {
+    constexpr size_t kLeft = kMins > 0 ? kMins - 1 : 0;
+    return AddVerdicts<kLeft>(d, verdict, load, planes + 1, i, rest...);
+  }
+}
+
 template <size_t kMins, class D, class Load, typename T, class V, class... Rest>
 HWY_INLINE VerdictOf<D> Verdict(D d, Load load, const T* const* planes,
                                 size_t i, V query, Rest... rest) {
-  VerdictOf<D> verdict =
+  const VerdictOf<D> first =
       FirstVerdict<(kMins > 0)>(d, load(d, planes[0] + i), query);
-  // A constant wherever it is read: a pack has no index.
-  size_t p = 0;
-  [[maybe_unused]] const auto add = [&](V next) HWY_ATTR {
-    const V object = load(d, planes[++p] + i);
-    if (p < kMins) {
-      verdict = NextVerdict<true>(d, verdict, object, next);
-    } else {
-      verdict = NextVerdict<false>(d, verdict, object, next);
-    }
-  };
-  (add(rest), ...);
-  return verdict;
+  if constexpr (sizeof...(Rest) == 0) {
+    return first;
+  } else {
+    constexpr size_t kLeft = kMins > 0 ? kMins - 1 : 0;
+    return AddVerdicts<kLeft>(d, first, load, planes + 1, i, rest...);
+  }
 }
 
 }  // namespace HWY_NAMESPACE

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <utility>
 
 #include "halfspace/detail/quantizer.h"
 #include "halfspace/detail/scan.h"
@@ -19,17 +20,23 @@ struct QuantizedView {
   using Stored = StoredElement<Element>;
 
   explicit QuantizedView(const QuantizedPlanes<Stored>& quantized)
-      : size(quantized.size()), quantizer(&quantized.quantizer()) {
-    for (std::size_t p = 0; p < planes.size(); ++p) {
-      planes[p] = quantized.planes().plane(p);
-    }
-  }
+      : QuantizedView(quantized,
+                      std::make_index_sequence<kPlaneCount<Bound>>()) {}
 
   const QuantizedView& view() const { return *this; }
 
   std::array<const Stored*, kPlaneCount<Bound>> planes;
   std::size_t size;
   const Quantizer* quantizer;
+
+ private:
+  // Without a loop, so that compilers copy no array.
+  template <std::size_t... kPlane>
+  QuantizedView(const QuantizedPlanes<Stored>& quantized,
+                std::index_sequence<kPlane...>)
+      : planes{quantized.planes().plane(kPlane)...},
+        size(quantized.size()),
+        quantizer(&quantized.quantizer()) {}
 };
 
 // Floats is a view of planes, or a list of records.
