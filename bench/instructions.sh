@@ -64,11 +64,10 @@ table() {
   printf '\n|---|---|---|'
   printf -- '---|%.0s' "$@"
   echo
-  local shape planes axes all
+  local shape planes axes
   while read -r shape planes axes; do
-    all=$(seq -f ' %.0ful' -s , 0 $((planes - 1)))
     row "scan_float_$axes" \
-      "N_$target::FlatOne<${axes}ul, halfspace::N_$target::$load, float,$all>" \
+      "N_$target::FlatOne<${axes}ul, $((planes - axes))ul, halfspace::N_$target::$load, float>" \
       "$target" "$shape" "$planes" "$lanes" "$@"
   done <<<$'simplex 4 4\nAABB 6 3\nAABO 8 4'
 }

@@ -49,9 +49,11 @@ void ScanSevenSided(const float* const* planes, const float* query, size_t size,
   // of three axes from plane 3 on.
   detail::Scan minima{};
   detail::Scan maxima{};
-  for (size_t k = 0; k < 4; ++k) minima.planes[k] = planes[k];
-  for (size_t k = 0; k < 3; ++k) maxima.planes[3 + k] = planes[4 + k];
-  minima.axes = 4;
+  detail::ScanType four_axes{};
+  four_axes.axes = 4;
+  minima.type = &four_axes;
+  minima.planes = local;
+  maxima.planes = local + 1;
   const bool is_streaming = size * kRecordBytes > kInCacheBytes;
   const size_t words = size / kWordObjects;
   const detail::Part all = {.first_query = 0,

@@ -75,22 +75,28 @@ inline std::size_t PartObjects(const Scan& scan) {
   constexpr std::size_t kQuantizedTileBytes = 32 * 1024;
   if (scan.query_count == 1) return kRunsOfOne * kRunObjects;
   const std::size_t bytes =
-      scan.quantizer != nullptr ? kQuantizedTileBytes : kTileBytes;
-  return std::min(kRunObjects, bytes / scan.record_bytes / 64 * 64);
+      scan.type->encode != nullptr ? kQuantizedTileBytes : kTileBytes;
+  return std::min(kRunObjects, bytes / scan.type->record_bytes / 64 * 64);
+}
+
+// Calls visit(object) for every bit of the words that `nonzero` names.
+template <typename Visit>
+void ForEachBit(const std::uint64_t* words, std::uint64_t nonzero,
+                const Visit& visit) {
+  for (; nonzero != 0; nonzero &= nonzero - 1) {
+    const auto w = static_cast<std::size_t>(std::countr_zero(nonzero));
+    for (std::uint64_t left = words[w]; left != 0; left &= left - 1) {
+      visit(64 * w + static_cast<std::size_t>(std::countr_zero(left)));
+    }
+  }
 }
 
 // Calls visit(run, object of the run) for every bit of the words.
 template <typename Visit>
 void ForEachBit(const Tested& tested, const Visit& visit) {
   for (std::size_t run = 0; run < tested.runs; ++run) {
-    const std::uint64_t* words = tested.RowOfRun(run);
-    for (std::uint64_t nonzero = tested.nonzero[run]; nonzero != 0;
-         nonzero &= nonzero - 1) {
-      const auto w = static_cast<std::size_t>(std::countr_zero(nonzero));
-      for (std::uint64_t left = words[w]; left != 0; left &= left - 1) {
-        visit(run, 64 * w + static_cast<std::size_t>(std::countr_zero(left)));
-      }
-    }
+    ForEachBit(tested.RowOfRun(run), tested.nonzero[run],
+               [&](std::size_t object) { visit(run, object); });
   }
 }
 
@@ -120,7 +126,7 @@ inline void FindNonzero(const Scan& scan, Tested& tested) {
 // each word. The maxima are tested too if more than a quarter of the words are
 // nonzero.
 inline void TestPart(const Scan& scan, Tested& tested) {
-  if (scan.is_refined && scan.way == detail::kBySimplex) {
+  if (scan.type->is_refined && scan.way == detail::kBySimplex) {
     const detail::Way minima =
         scan.is_streaming ? detail::kMinimaStreaming : detail::kMinima;
     scan.kernels->run[minima](scan, tested.part);
@@ -185,11 +191,11 @@ template <std::size_t kQueries>
 const std::byte* ReadableQueries(const Scan& scan, std::size_t first,
                                  std::size_t count,
                                  EncodedQueries<kQueries>& quantized) {
-  if (scan.quantizer == nullptr) {
+  if (scan.type->encode == nullptr) {
     return static_cast<const std::byte*>(scan.queries) +
-           first * scan.record_bytes;
+           first * scan.type->record_bytes;
   }
-  scan.encode(scan, first, count, quantized.bytes);
+  scan.type->encode(scan, first, count, quantized.bytes);
   return quantized.bytes;
 }
 
@@ -212,7 +218,7 @@ bool GoesOn(const Visit& visit, const Argument& argument) {
 template <std::size_t kBlock, typename Visit>
 void ForEachBatch(const Scan& scan, std::size_t objects, const Visit& visit) {
   EncodedQueries<kBlock> quantized;
-  const std::size_t most = scan.quantizer != nullptr
+  const std::size_t most = scan.type->encode != nullptr
                                ? kBlock
                                : std::max<std::size_t>(1, scan.query_count);
   for (std::size_t first = 0; first < scan.query_count; first += most) {
@@ -226,7 +232,7 @@ void ForEachBatch(const Scan& scan, std::size_t objects, const Visit& visit) {
         const std::size_t q = b * kMostQueries;
         const Part part{.first_query = first + q,
                         .query_count = std::min(kMostQueries, block - q),
-                        .queries = queries + q * scan.record_bytes,
+                        .queries = queries + q * scan.type->record_bytes,
                         .begin = begin,
                         .end = end,
                         .rows = nullptr,
@@ -256,7 +262,7 @@ void ForEachPlacedPart(const Scan& scan, const Place& place,
     tested.part = part;
     place(tested.part, turn);
     TestPart(scan, tested);
-    if (!scan.is_refined) return GoesOn(visit, tested);
+    if (!scan.type->is_refined) return GoesOn(visit, tested);
     PrefetchCandidates(scan, tested);
     turn ^= 1;
     const bool goes_on = !is_waiting || finish(parts[turn]);
@@ -279,6 +285,24 @@ void ForEachPart(const Scan& scan, const Visit& visit) {
       visit);
 }
 
+// The words of a range of one run, unless bounds are quantized.
+struct OneRun {
+  std::uint64_t nonzero;
+  std::uint64_t words[kRunWords];
+};
+
+// Tests such a range, and returns whether it is one. It takes a fraction of
+// what parts take.
+inline bool TestOneRun(const Scan& scan, OneRun& run) {
+  if (scan.end - scan.begin > kRunObjects || scan.type->encode != nullptr) {
+    return false;
+  }
+  Run(scan, WholeRange(scan, run.words));
+  run.nonzero =
+      scan.kernels->nonzero_words(run.words, MaskWords(scan.end - scan.begin));
+  return true;
+}
+
 // Calls visit(query, object) for every survivor: those of a query in a part in
 // ascending order.
 template <typename Visit>
@@ -287,7 +311,7 @@ void ForEachSurvivor(const Scan& scan, const Tested& tested,
   const auto survivor = [&](std::size_t run, std::size_t object) {
     visit(tested.QueryOfRun(run), tested.ObjectOfRun(run) + object);
   };
-  if (!scan.is_refined) return ForEachBit(tested, survivor);
+  if (!scan.type->is_refined) return ForEachBit(tested, survivor);
   ForEachCandidate(tested, [&](std::size_t run, std::size_t object) {
     if ((tested.RowOfRun(run)[object / 64] >> object % 64 & 1) != 0) {
       survivor(run, object);
@@ -326,7 +350,7 @@ void WriteRows(const Scan& scan, std::uint64_t* rows, std::size_t stride,
       Flip(part.rows + q * stride, words);
     }
   };
-  if (scan.is_refined) {
+  if (scan.type->is_refined) {
     return ForEachPlacedPart<Queries::kBlock>(
         scan, place, [&](const Tested& tested) { finish(tested.part); });
   }

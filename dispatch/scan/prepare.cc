@@ -13,15 +13,16 @@ using kernels::Overlap;
 using kernels::ThrowInvalid;
 
 std::string PlaneName(const detail::Scan& scan, std::size_t p) {
-  return kernels::PlaneName("world", scan.axes, p);
+  return kernels::PlaneName("world", scan.type->axes, p);
 }
 
-template <typename Pointers>
-void CheckPlanes(const detail::Scan& scan, const Pointers& planes,
+// plane_at(p) is the address of a plane.
+template <typename PlaneAt>
+void CheckPlanes(const detail::Scan& scan, const PlaneAt& plane_at,
                  std::size_t bytes) {
-  for (std::size_t p = 0; p < scan.plane_count; ++p) {
+  for (std::size_t p = 0; p < scan.type->plane_count; ++p) {
     CheckPointer(
-        scan.call, planes[p], bytes, [&] { return PlaneName(scan, p); },
+        scan.call, plane_at(p), bytes, [&] { return PlaneName(scan, p); },
         [&] {
           return "a plane of " + std::to_string(scan.size) +
                  (bytes == sizeof(double) ? " doubles" : " floats");
@@ -29,21 +30,21 @@ void CheckPlanes(const detail::Scan& scan, const Pointers& planes,
   }
 }
 
-template <typename Pointers>
-void CheckApart(const detail::Scan& scan, const Pointers& planes,
+template <typename PlaneAt>
+void CheckApart(const detail::Scan& scan, const PlaneAt& plane_at,
                 std::size_t plane_bytes, const Output& output) {
-  for (std::size_t p = 0; p < scan.plane_count; ++p) {
-    if (Overlap(planes[p], plane_bytes, output.begin, output.bytes)) {
+  for (std::size_t p = 0; p < scan.type->plane_count; ++p) {
+    if (Overlap(plane_at(p), plane_bytes, output.begin,
+                output.used * output.bytes)) {
       kernels::ThrowOverlap(scan.call, output.argument, "the world's planes",
                             "an overlap with " + PlaneName(scan, p));
     }
   }
 }
 
-}  // namespace
-
-void RefuseBadWorld(const detail::Scan& scan) {
-  if (scan.is_refined && scan.floats.size != scan.size) {
+void CheckWorld(const detail::Scan& scan) {
+  const detail::ScanType& type = *scan.type;
+  if (type.is_refined && scan.floats.size != scan.size) {
     ThrowInvalid(
         scan.call, "world",
         "as many floats as quantized bounds, " + std::to_string(scan.size),
@@ -51,42 +52,70 @@ void RefuseBadWorld(const detail::Scan& scan) {
   }
   if (scan.query_count != 0) {
     CheckPointer(
-        scan.call, scan.queries, scan.query_bytes,
+        scan.call, scan.queries, type.query_bytes,
         [] { return std::string("queries"); },
         [&] { return std::to_string(scan.query_count) + " queries"; });
   }
   if (scan.size == 0) return;
-  const std::size_t bytes = scan.element_bytes;
+  const std::size_t bytes = type.element_bytes;
   kernels::CheckAddressable(scan.call, "world.size", scan.size, bytes);
   // Quantized bounds are always the library's own.
-  if (scan.quantizer == nullptr) CheckPlanes(scan, scan.planes, bytes);
-  if (scan.is_refined) CheckPlanes(scan, scan.floats.planes, sizeof(float));
-}
-
-void RefuseBadRange(const detail::Scan& scan, const Range& range) {
-  ThrowInvalid(scan.call, "options.range.end",
-               "not less than its begin, " + std::to_string(range.begin),
-               std::to_string(range.end));
-}
-
-void RefuseSchedule(const detail::Scan& scan, Schedule schedule) {
-  ThrowInvalid(scan.call, "options.schedule", "one of the enumerators",
-               std::to_string(static_cast<int>(schedule)));
-}
-
-void RefuseBadOutput(const detail::Scan& scan, const Output& output) {
-  CheckPointer(
-      scan.call, output.begin, output.alignment,
-      [&] { return output.argument; }, [] { return "room for the output"; });
-  CheckApart(scan, scan.planes, scan.size * scan.element_bytes, output);
-  if (scan.is_refined) {
-    CheckApart(scan, scan.floats.planes,
-               kernels::ColumnBytes(scan.floats.size, scan.floats.stride,
-                                    sizeof(float)),
-               output);
+  if (type.encode == nullptr) {
+    CheckPlanes(
+        scan, [&](std::size_t p) { return PlaneAt(scan, p); }, bytes);
   }
-  if (Overlap(scan.queries, scan.query_count * scan.query_record_bytes,
-              output.begin, output.bytes)) {
+  if (type.is_refined) {
+    CheckPlanes(
+        scan, [&](std::size_t p) { return scan.floats.planes[p]; },
+        sizeof(float));
+  }
+}
+
+}  // namespace
+
+std::size_t CheckEach(const detail::Scan& scan, const Options& options,
+                      const Output& output) {
+  CheckWorld(scan);
+  const Range& range = options.range;
+  if (range.begin > range.end) {
+    ThrowInvalid(scan.call, "options.range.end",
+                 "not less than its begin, " + std::to_string(range.begin),
+                 std::to_string(range.end));
+  }
+  if (static_cast<std::size_t>(options.schedule) > kLastSchedule) {
+    ThrowInvalid(scan.call, "options.schedule", "one of the enumerators",
+                 std::to_string(static_cast<int>(options.schedule)));
+  }
+  const std::size_t target = IndexOf(options.target, scan.call);
+  CheckOutput(scan, output);
+  return target;
+}
+
+void CheckOutput(const detail::Scan& scan, const Output& output) {
+  if (output.size < output.used) {
+    const std::size_t objects = scan.end - scan.begin;
+    ThrowInvalid(scan.call, output.argument,
+                 "at least " + std::to_string(output.used) + " words for " +
+                     std::to_string(objects) + " objects",
+                 std::to_string(output.size));
+  }
+  const std::size_t bytes = output.used * output.bytes;
+  if (bytes == 0) return;
+  CheckPointer(
+      scan.call, output.begin, output.bytes, [&] { return output.argument; },
+      [] { return "room for the output"; });
+  CheckApart(
+      scan, [&](std::size_t p) { return PlaneAt(scan, p); },
+      scan.size * scan.type->element_bytes, output);
+  if (scan.type->is_refined) {
+    CheckApart(
+        scan, [&](std::size_t p) { return scan.floats.planes[p]; },
+        kernels::ColumnBytes(scan.floats.size, scan.floats.stride,
+                             sizeof(float)),
+        output);
+  }
+  if (Overlap(scan.queries, scan.query_count * scan.type->query_record_bytes,
+              output.begin, bytes)) {
     kernels::ThrowOverlap(scan.call, output.argument, "the queries",
                           "an overlap with them");
   }

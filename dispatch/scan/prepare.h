@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include "dispatch/targets/chosen_target.h"
@@ -15,6 +16,9 @@
 
 namespace halfspace::dispatch {
 
+inline constexpr auto kLastSchedule =
+    static_cast<std::size_t>(Schedule::kStagedByAxis);
+
 // Up to this many bytes of planes are taken to be in cache; more are streamed
 // where that pays.
 inline constexpr std::size_t kInCacheBytes = 128 * 1024;
@@ -23,20 +27,27 @@ inline constexpr std::size_t kInCacheBytes = 128 * 1024;
 inline constexpr std::size_t kMostObjects =
     std::numeric_limits<std::size_t>::max() / 16;
 
-// What a call writes.
+// What a call writes: `used` elements of `bytes` each. None need no check.
 struct Output {
   const char* argument;
   const void* begin;
-  std::size_t bytes;  // 0 needs no check
-  std::size_t alignment;
+  std::size_t size;
+  std::size_t used;
+  std::size_t bytes;  // also their alignment
 };
 
-// Each throws (error.h), in the name of scan.call, if something is
-// wrong.
-void RefuseBadWorld(const detail::Scan& scan);
-[[noreturn]] void RefuseBadRange(const detail::Scan& scan, const Range& range);
-void RefuseBadOutput(const detail::Scan& scan, const Output& output);
-[[noreturn]] void RefuseSchedule(const detail::Scan& scan, Schedule schedule);
+inline const void* PlaneAt(const detail::Scan& scan, std::size_t p) {
+  const void* plane;
+  std::memcpy(&plane, static_cast<const char*>(scan.planes) + p * sizeof(plane),
+              sizeof(plane));
+  return plane;
+}
+
+// The index of the target that runs. Throws (error.h), in the name of
+// scan.call, if something is wrong.
+std::size_t CheckEach(const detail::Scan& scan, const Options& options,
+                      const Output& output);
+void CheckOutput(const detail::Scan& scan, const Output& output);
 
 // Throws if there are more than 2^32 objects or queries.
 void CheckIndicesFit(const detail::Scan& scan);
@@ -63,47 +74,99 @@ inline constexpr detail::Way kStreamingWayOf[detail::kWays] = {
     detail::kAllStreaming,    detail::kByAxis,          detail::kBySimplex,
 };
 
+// All objects of a scan for one query, unless its bounds are quantized.
+inline detail::Part WholeRange(const detail::Scan& scan, std::uint64_t* words) {
+  return {.first_query = 0,
+          .query_count = 1,
+          .queries = scan.queries,
+          .begin = scan.begin,
+          .end = scan.end,
+          .rows = words,
+          .stride = 0};
+}
+
 // Writes the words of a part. Returns the bit of the target.
 inline std::int64_t Run(const detail::Scan& scan, const detail::Part& part) {
   return scan.kernels->run[scan.way](scan, part);
 }
 
-// Throws (error.h) in the name of `call`. An empty world resolves
-// its target too, so that a bad target is always an error.
+// Whether an output may overlap a plane or a query, or is null or misaligned.
+// Usually all planes are in one block of memory and the output is outside it,
+// which one compare finds. Differences wrap.
+inline bool IsSuspect(const detail::Scan& scan, const Output& output) {
+  const std::size_t bytes = output.used * output.bytes;
+  const auto begin = reinterpret_cast<std::uintptr_t>(output.begin);
+  const auto queries = reinterpret_cast<std::uintptr_t>(scan.queries);
+  return bytes != 0 &&
+         (output.size < output.used || begin == 0 ||
+          (begin & (output.bytes - 1)) != 0 ||
+          begin - scan.addresses.lowest <
+              scan.addresses.highest - scan.addresses.lowest +
+                  scan.size * scan.type->element_bytes ||
+          scan.addresses.lowest - begin < bytes ||
+          begin - queries < scan.query_count * scan.type->query_record_bytes ||
+          queries - begin < bytes);
+}
+
+// Throws (error.h) in the name of `call`. output(objects) is what the call
+// writes for a range of so many. An empty world resolves its target too, so
+// that a bad target is always an error.
+template <typename OutputOf>
 inline void Prepare(detail::Scan& scan, const Options& options,
-                    const char* call) {
+                    const char* call, const OutputOf& output_of) {
+  const detail::ScanType& type = *scan.type;
   const Range& range = options.range;
   scan.call = call;
   scan.begin = std::min(range.begin, scan.size);
   scan.end = std::min(range.end, scan.size);
-  // A quick check of a few cycles that finds whether anything may be wrong;
-  // only then is each plane checked. Refined scans have planes of floats
-  // too, and are always checked.
+  const Output output = output_of(scan.end - scan.begin);
   const auto queries = reinterpret_cast<std::uintptr_t>(scan.queries);
-  if (queries == 0 || (queries & (scan.query_bytes - 1u)) != 0 ||
-      scan.addresses.lowest == 0 ||
-      (scan.addresses.bits & (scan.element_bytes - 1u)) != 0 ||
-      scan.size > kMostObjects || scan.is_refined) [[unlikely]] {
-    RefuseBadWorld(scan);
-  }
-  if (range.begin > range.end) [[unlikely]]
-    RefuseBadRange(scan, range);
   const auto schedule = static_cast<std::size_t>(options.schedule);
-  if (schedule > static_cast<std::size_t>(Schedule::kStagedByAxis))
-      [[unlikely]] {
-    RefuseSchedule(scan, options.schedule);
+  std::size_t target = KnownIndexOf(options.target);
+  // A quick check of a few cycles that finds whether anything may be wrong;
+  // only then is each plane checked. Refined scans have planes of floats too,
+  // and are always checked.
+  if (queries == 0 || (queries & (type.query_bytes - 1u)) != 0 ||
+      scan.addresses.lowest == 0 ||
+      (scan.addresses.bits & (type.element_bytes - 1u)) != 0 ||
+      scan.size > kMostObjects || type.is_refined || range.begin > range.end ||
+      schedule > kLastSchedule || target == kUnknownTarget ||
+      IsSuspect(scan, output)) [[unlikely]] {
+    target = CheckEach(scan, options, output);
   }
-  scan.kernels = scan.all_kernels + IndexOf(options.target, call);
-  scan.is_aligned =
-      (scan.addresses.bits | scan.begin * scan.element_bytes) % 64 == 0;
-  scan.is_streaming =
-      scan.query_count == 1 &&
-      (scan.end - scan.begin) * scan.record_bytes > kInCacheBytes &&
-      StreamingPays();
-  const auto shape = static_cast<std::size_t>(scan.shape);
-  scan.way = scan.quantizer == nullptr ? kWayOf[shape][schedule]
-                                       : kWayOfQuantized[shape][schedule];
+  scan.kernels = *type.all_kernels + target;
+}
+inline void Prepare(detail::Scan& scan, const Options& options,
+                    const char* call) {
+  Prepare(scan, options, call, [](std::size_t) { return Output{}; });
+}
+
+// Chooses how a prepared scan that is not short goes through its planes. Stages
+// gain nothing below two words.
+inline void ChooseWay(detail::Scan& scan, const Options& options) {
+  constexpr std::size_t kFewObjects = 128;
+  const detail::ScanType& type = *scan.type;
+  const std::size_t objects = scan.end - scan.begin;
+  const Schedule schedule =
+      options.schedule == Schedule::kAuto && objects < kFewObjects
+          ? Schedule::kFlat
+          : options.schedule;
+  scan.way = (type.encode == nullptr
+                  ? kWayOf
+                  : kWayOfQuantized)[static_cast<std::size_t>(type.shape)]
+                                    [static_cast<std::size_t>(schedule)];
+  scan.is_streaming = objects * type.record_bytes > kInCacheBytes &&
+                      scan.query_count == 1 && StreamingPays();
   if (scan.is_streaming) scan.way = kStreamingWayOf[scan.way];
+}
+
+// A range of fewer than 64 floats or doubles is one call of a kernel.
+inline bool IsShort(const detail::Scan& scan) {
+  return scan.end - scan.begin - 1 < 63 && scan.type->encode == nullptr;
+}
+inline std::uint64_t ShortWord(const detail::Scan& scan) {
+  return scan.kernels->word[scan.type->flat](scan, scan.queries, scan.begin,
+                                             scan.end - scan.begin);
 }
 
 // Only after the last check, because a call that is refused writes nothing.
@@ -113,27 +176,8 @@ inline void ReportTarget(const detail::Scan& scan, const Options& options) {
   // The kernel says which target it is of: no queries, no objects.
   detail::Part nothing{};
   nothing.queries = scan.queries;
-  *options.ran = Target::FromHighwayBit(Run(scan, nothing));
-}
-
-// Throws unless the output lies outside every plane and query, and is aligned.
-inline void CheckOutput(const detail::Scan& scan, const Output& output) {
-  if (output.bytes == 0) return;
-  const auto begin = reinterpret_cast<std::uintptr_t>(output.begin);
-  const auto queries = reinterpret_cast<std::uintptr_t>(scan.queries);
-  const std::size_t query_bytes = scan.query_count * scan.query_record_bytes;
-  // Usually all planes are in one block of memory and the output is outside it,
-  // which one compare finds. Differences wrap.
-  const std::size_t world_bytes = scan.addresses.highest -
-                                  scan.addresses.lowest +
-                                  scan.size * scan.element_bytes;
-  if (begin == 0 || (begin & (output.alignment - 1)) != 0 ||
-      begin - scan.addresses.lowest < world_bytes ||
-      scan.addresses.lowest - begin < output.bytes ||
-      begin - queries < query_bytes || queries - begin < output.bytes ||
-      scan.is_refined) [[unlikely]] {
-    RefuseBadOutput(scan, output);
-  }
+  *options.ran =
+      Target::FromHighwayBit(scan.kernels->run[scan.type->flat](scan, nothing));
 }
 
 }  // namespace halfspace::dispatch

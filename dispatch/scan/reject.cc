@@ -3,28 +3,16 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <string>
 
 #include "dispatch/scan/parts.h"
 #include "dispatch/scan/prepare.h"
-#include "kernels/error.h"
 
 namespace halfspace::detail {
 namespace {
 
 using dispatch::OneQuery;
+using dispatch::Output;
 using dispatch::Tested;
-
-// A function of its own, because its strings take stack that every call would
-// have to reserve.
-[[noreturn]] void ThrowShortMask(const Scan& scan, std::size_t words) {
-  const std::size_t objects = scan.end - scan.begin;
-  kernels::ThrowInvalid(scan.call, "mask",
-                        "at least " + std::to_string(MaskWords(objects)) +
-                            " words for " + std::to_string(objects) +
-                            " objects",
-                        std::to_string(words));
-}
 
 // A function of its own, because its buffers take stack, too.
 [[gnu::noinline]] void WriteQuantizedMask(const Scan& scan,
@@ -32,59 +20,72 @@ using dispatch::Tested;
   dispatch::WriteRows<OneQuery>(scan, mask, 0, false);
 }
 
+// `flip` is 0, or all ones for a reject mask.
 inline void WriteMask(Scan& scan, Span<std::uint64_t> mask,
-                      const Options& options, const char* call) {
-  dispatch::Prepare(scan, options, call);
-  const std::size_t words = MaskWords(scan.end - scan.begin);
-  if (mask.size() < words) [[unlikely]] {
-    ThrowShortMask(scan, mask.size());
-  }
-  dispatch::CheckOutput(scan,
-                        {"mask", mask.data(), words * sizeof(std::uint64_t),
-                         alignof(std::uint64_t)});
+                      const Options& options, const char* call,
+                      std::uint64_t flip) {
+  dispatch::Prepare(scan, options, call, [mask](std::size_t objects) {
+    return Output{"mask", mask.data(), mask.size(), MaskWords(objects),
+                  sizeof(std::uint64_t)};
+  });
   dispatch::ReportTarget(scan, options);
-  if (scan.quantizer != nullptr) return WriteQuantizedMask(scan, mask.data());
-  // Without parts: a small call costs little more than its kernel.
-  dispatch::Run(scan, {.first_query = 0,
-                       .query_count = 1,
-                       .queries = scan.queries,
-                       .begin = scan.begin,
-                       .end = scan.end,
-                       .rows = mask.data(),
-                       .stride = 0});
+  if (dispatch::IsShort(scan)) {
+    mask[0] = dispatch::ShortWord(scan) ^ flip;
+    return;
+  }
+  dispatch::ChooseWay(scan, options);
+  if (scan.type->encode != nullptr) {
+    WriteQuantizedMask(scan, mask.data());
+  } else {
+    // Without parts: a small call costs little more than its kernel.
+    dispatch::Run(scan, dispatch::WholeRange(scan, mask.data()));
+  }
+  if (flip != 0) dispatch::Flip(mask.data(), MaskWords(scan.end - scan.begin));
 }
 
 }  // namespace
 
 void SurvivorMask(Scan&& scan, Span<std::uint64_t> mask,
                   const Options& options) {
-  WriteMask(scan, mask, options, "SurvivorMask");
+  WriteMask(scan, mask, options, "SurvivorMask", 0);
 }
 
 void RejectMask(Scan&& scan, Span<std::uint64_t> mask, const Options& options) {
-  WriteMask(scan, mask, options, "RejectMask");
-  dispatch::Flip(mask.data(), MaskWords(scan.end - scan.begin));
+  WriteMask(scan, mask, options, "RejectMask", ~std::uint64_t{0});
 }
 
 std::size_t Survivors(Scan&& scan, Span<std::uint32_t> indices,
                       const Options& options) {
-  dispatch::Prepare(scan, options, "Survivors");
-  dispatch::CheckIndicesFit(scan);
   // No more than one index for each object of the range is ever written.
-  dispatch::CheckOutput(scan, {"indices", indices.data(),
-                               std::min(indices.size(), scan.end - scan.begin) *
-                                   sizeof(std::uint32_t),
-                               alignof(std::uint32_t)});
+  dispatch::Prepare(scan, options, "Survivors", [=](std::size_t objects) {
+    return Output{"indices", indices.data(), indices.size(),
+                  std::min(indices.size(), objects), sizeof(std::uint32_t)};
+  });
+  dispatch::CheckIndicesFit(scan);
   dispatch::ReportTarget(scan, options);
   std::size_t count = 0;
+  const auto add = [&](std::size_t object) {
+    const std::size_t place = count++;
+    if (place >= options.skip && place - options.skip < indices.size()) {
+      indices[place - options.skip] = static_cast<std::uint32_t>(object);
+    }
+  };
+  if (dispatch::IsShort(scan)) {
+    for (std::uint64_t left = dispatch::ShortWord(scan); left != 0;
+         left &= left - 1) {
+      add(scan.begin + static_cast<std::size_t>(std::countr_zero(left)));
+    }
+    return count;
+  }
+  dispatch::ChooseWay(scan, options);
+  if (dispatch::OneRun run; dispatch::TestOneRun(scan, run)) {
+    dispatch::ForEachBit(run.words, run.nonzero,
+                         [&](std::size_t object) { add(scan.begin + object); });
+    return count;
+  }
   dispatch::ForEachPart<OneQuery>(scan, [&](const Tested& tested) {
     dispatch::ForEachSurvivor(
-        scan, tested, [&](std::size_t, std::size_t object) {
-          if (count < indices.size()) {
-            indices[count] = static_cast<std::uint32_t>(object);
-          }
-          ++count;
-        });
+        scan, tested, [&](std::size_t, std::size_t object) { add(object); });
   });
   return count;
 }
@@ -92,6 +93,14 @@ std::size_t Survivors(Scan&& scan, Span<std::uint32_t> indices,
 std::size_t CountSurvivors(Scan&& scan, const Options& options) {
   dispatch::Prepare(scan, options, "CountSurvivors");
   dispatch::ReportTarget(scan, options);
+  if (dispatch::IsShort(scan)) {
+    const std::uint64_t word = dispatch::ShortWord(scan);
+    return scan.kernels->count_bits(&word, 1);
+  }
+  dispatch::ChooseWay(scan, options);
+  if (dispatch::OneRun run; dispatch::TestOneRun(scan, run)) {
+    return scan.kernels->count_bits(run.words, run.nonzero);
+  }
   std::size_t count = 0;
   dispatch::ForEachPart<OneQuery>(scan, [&](const Tested& tested) {
     dispatch::ForEachCount(
@@ -104,24 +113,26 @@ std::size_t CountSurvivors(Scan&& scan, const Options& options) {
 std::size_t AnySurvivor(Scan&& scan, const Options& options) {
   dispatch::Prepare(scan, options, "AnySurvivor");
   dispatch::ReportTarget(scan, options);
+  if (dispatch::IsShort(scan)) {
+    const std::uint64_t word = dispatch::ShortWord(scan);
+    if (word == 0) return kNoSurvivor;
+    return scan.begin + static_cast<std::size_t>(std::countr_zero(word));
+  }
+  dispatch::ChooseWay(scan, options);
   dispatch::EncodedQueries<1> quantized;
   std::uint64_t words[dispatch::kRunWords];
   Tested tested;
   Part& part = tested.part;
-  part = {.first_query = 0,
-          .query_count = 1,
-          .queries = dispatch::ReadableQueries(scan, 0, 1, quantized),
-          .begin = scan.begin,
-          .end = scan.begin,
-          .rows = words,
-          .stride = 0};
+  part = dispatch::WholeRange(scan, words);
+  part.queries = dispatch::ReadableQueries(scan, 0, 1, quantized);
+  part.end = scan.begin;
   // A survivor is often among the first.
   std::size_t objects = 512;
   while (part.end < scan.end) {
     part.begin = part.end;
     part.end += std::min(scan.end - part.begin, objects);
     dispatch::TestPart(scan, tested);
-    if (scan.is_refined) {
+    if (scan.type->is_refined) {
       dispatch::PrefetchCandidates(scan, tested);
       dispatch::Refine(scan, tested);
     }

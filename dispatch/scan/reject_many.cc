@@ -18,6 +18,7 @@ using dispatch::Tested;
 void WriteMasks(Scan& scan, Span<std::uint64_t> rows, const Options& options,
                 const char* call, bool rejects) {
   dispatch::Prepare(scan, options, call);
+  dispatch::ChooseWay(scan, options);
   const std::size_t words = MaskWords(scan.end - scan.begin);
   const std::size_t stride = options.row_words != 0 ? options.row_words : words;
   if (stride < words) {
@@ -44,9 +45,8 @@ void WriteMasks(Scan& scan, Span<std::uint64_t> rows, const Options& options,
     used = (scan.query_count - 1) * stride + words;
     kernels::CheckAddressable(call, "rows", used, sizeof(std::uint64_t));
   }
-  dispatch::CheckOutput(scan,
-                        {"rows", rows.data(), used * sizeof(std::uint64_t),
-                         alignof(std::uint64_t)});
+  dispatch::CheckOutput(
+      scan, {"rows", rows.data(), used, used, sizeof(std::uint64_t)});
   dispatch::ReportTarget(scan, options);
   dispatch::WriteRows<ManyQueries>(scan, rows.data(), stride, rejects);
 }
@@ -67,6 +67,7 @@ std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
                           Span<std::uint32_t> object_indices,
                           const Options& options) {
   dispatch::Prepare(scan, options, "SurvivorPairs");
+  dispatch::ChooseWay(scan, options);
   dispatch::CheckIndicesFit(scan);
   const std::size_t capacity =
       std::min(query_indices.size(), object_indices.size());
@@ -75,11 +76,11 @@ std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
   const std::size_t objects = scan.end - scan.begin;
   const bool all_fit =
       scan.query_count == 0 || capacity / scan.query_count >= objects;
-  const std::size_t bytes =
-      (all_fit ? objects * scan.query_count : capacity) * sizeof(std::uint32_t);
+  const std::size_t used = all_fit ? objects * scan.query_count : capacity;
+  const std::size_t bytes = used * sizeof(std::uint32_t);
   const auto check = [&](const char* name, Span<std::uint32_t> indices) {
-    dispatch::CheckOutput(
-        scan, {name, indices.data(), bytes, alignof(std::uint32_t)});
+    dispatch::CheckOutput(scan, {name, indices.data(), indices.size(), used,
+                                 sizeof(std::uint32_t)});
   };
   check("query_indices", query_indices);
   check("object_indices", object_indices);
@@ -92,11 +93,13 @@ std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
   dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
     dispatch::ForEachSurvivor(
         scan, tested, [&](std::size_t query, std::size_t object) {
-          if (count < capacity) {
-            query_indices[count] = static_cast<std::uint32_t>(query);
-            object_indices[count] = static_cast<std::uint32_t>(object);
+          const std::size_t place = count++;
+          if (place >= options.skip && place - options.skip < capacity) {
+            query_indices[place - options.skip] =
+                static_cast<std::uint32_t>(query);
+            object_indices[place - options.skip] =
+                static_cast<std::uint32_t>(object);
           }
-          ++count;
         });
   });
   return count;
@@ -105,15 +108,15 @@ std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
 void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
                     const Options& options) {
   dispatch::Prepare(scan, options, "SurvivorCounts");
+  dispatch::ChooseWay(scan, options);
   if (counts.size() < scan.query_count) {
     kernels::ThrowInvalid(
         "SurvivorCounts", "counts",
         "at least " + std::to_string(scan.query_count) + ", one for each query",
         std::to_string(counts.size()));
   }
-  dispatch::CheckOutput(
-      scan, {"counts", counts.data(), scan.query_count * sizeof(std::size_t),
-             alignof(std::size_t)});
+  dispatch::CheckOutput(scan, {"counts", counts.data(), counts.size(),
+                               scan.query_count, sizeof(std::size_t)});
   dispatch::ReportTarget(scan, options);
   std::fill_n(counts.begin(), scan.query_count, std::size_t{0});
   dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
@@ -127,6 +130,7 @@ void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
 void ForEachTile(Scan&& scan, TileFunction function, void* context,
                  const Options& options) {
   dispatch::Prepare(scan, options, "ForEachTile");
+  dispatch::ChooseWay(scan, options);
   dispatch::ReportTarget(scan, options);
   dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
     const Part& part = tested.part;
@@ -135,7 +139,7 @@ void ForEachTile(Scan&& scan, TileFunction function, void* context,
                               .first_object = part.begin,
                               .objects = part.end - part.begin,
                               .rows = part.rows,
-                              .stride = part.stride});
+                              .stride = part.stride}) == Visit::kContinue;
   });
 }
 

@@ -21,18 +21,24 @@ std::size_t ResolveIndex(Target target, const char* call);
 // default handle last; else 0.
 extern std::array<std::atomic<std::uint8_t>, 65> resolved_indices;
 
-// The same as ResolveIndex, without a call.
-inline std::size_t IndexOf(Target target, const char* call) {
+inline constexpr std::size_t kUnknownTarget = ~std::size_t{0};
+
+// The same if it has been resolved before, else kUnknownTarget.
+inline std::size_t KnownIndexOf(Target target) {
   const auto bit = static_cast<std::uint64_t>(target.highway_bit());
   // No std::has_single_bit: the baseline of x86 has no popcnt.
-  if ((bit & (bit - 1)) == 0) [[likely]] {
-    const std::size_t known =
-        resolved_indices[static_cast<std::size_t>(std::countr_zero(bit))].load(
-            std::memory_order_relaxed);
-    if (known != 0) [[likely]]
-      return known - 1;
-  }
-  return ResolveIndex(target, call);
+  if ((bit & (bit - 1)) != 0) [[unlikely]]
+    return kUnknownTarget;
+  return std::size_t{
+             resolved_indices[static_cast<std::size_t>(std::countr_zero(bit))]
+                 .load(std::memory_order_relaxed)} -
+         1;
+}
+
+// The same as ResolveIndex, without a call if it has been resolved before.
+inline std::size_t IndexOf(Target target, const char* call) {
+  const std::size_t known = KnownIndexOf(target);
+  return known != kUnknownTarget ? known : ResolveIndex(target, call);
 }
 
 }  // namespace halfspace::dispatch

@@ -17,6 +17,7 @@
 //   memory.h       where owning worlds allocate their memory
 //   reject.h       tests one query: masks, index lists, counts
 //   reject_many.h  tests several queries
+//   reject_shapes.h  tests half-spaces
 //   bvh.h          a hierarchy (BVH) for large worlds
 //   runner.h       the caller's threads, for its builds
 //   bvh_shapes.h   its queries by spheres, segments, capsules, half-spaces
@@ -31,27 +32,28 @@
 #ifndef HALFSPACE_HALFSPACE_H_
 #define HALFSPACE_HALFSPACE_H_
 
-#include "halfspace/bounds.h"       // IWYU pragma: export
-#include "halfspace/bvh.h"          // IWYU pragma: export
-#include "halfspace/bvh_nearest.h"  // IWYU pragma: export
-#include "halfspace/bvh_pairs.h"    // IWYU pragma: export
-#include "halfspace/bvh_shapes.h"   // IWYU pragma: export
-#include "halfspace/error.h"        // IWYU pragma: export
-#include "halfspace/fit.h"          // IWYU pragma: export
-#include "halfspace/fit_many.h"     // IWYU pragma: export
-#include "halfspace/fit_status.h"   // IWYU pragma: export
-#include "halfspace/memory.h"       // IWYU pragma: export
-#include "halfspace/planes.h"       // IWYU pragma: export
-#include "halfspace/quantized.h"    // IWYU pragma: export
-#include "halfspace/reject.h"       // IWYU pragma: export
-#include "halfspace/reject_many.h"  // IWYU pragma: export
-#include "halfspace/runner.h"       // IWYU pragma: export
-#include "halfspace/shapes.h"       // IWYU pragma: export
-#include "halfspace/span.h"         // IWYU pragma: export
-#include "halfspace/targets.h"      // IWYU pragma: export
-#include "halfspace/transform.h"    // IWYU pragma: export
-#include "halfspace/version.h"      // IWYU pragma: export
-#include "halfspace/visit.h"        // IWYU pragma: export
-#include "halfspace/world.h"        // IWYU pragma: export
+#include "halfspace/bounds.h"         // IWYU pragma: export
+#include "halfspace/bvh.h"            // IWYU pragma: export
+#include "halfspace/bvh_nearest.h"    // IWYU pragma: export
+#include "halfspace/bvh_pairs.h"      // IWYU pragma: export
+#include "halfspace/bvh_shapes.h"     // IWYU pragma: export
+#include "halfspace/error.h"          // IWYU pragma: export
+#include "halfspace/fit.h"            // IWYU pragma: export
+#include "halfspace/fit_many.h"       // IWYU pragma: export
+#include "halfspace/fit_status.h"     // IWYU pragma: export
+#include "halfspace/memory.h"         // IWYU pragma: export
+#include "halfspace/planes.h"         // IWYU pragma: export
+#include "halfspace/quantized.h"      // IWYU pragma: export
+#include "halfspace/reject.h"         // IWYU pragma: export
+#include "halfspace/reject_many.h"    // IWYU pragma: export
+#include "halfspace/reject_shapes.h"  // IWYU pragma: export
+#include "halfspace/runner.h"         // IWYU pragma: export
+#include "halfspace/shapes.h"         // IWYU pragma: export
+#include "halfspace/span.h"           // IWYU pragma: export
+#include "halfspace/targets.h"        // IWYU pragma: export
+#include "halfspace/transform.h"      // IWYU pragma: export
+#include "halfspace/version.h"        // IWYU pragma: export
+#include "halfspace/visit.h"          // IWYU pragma: export
+#include "halfspace/world.h"          // IWYU pragma: export
 
 #endif  // HALFSPACE_HALFSPACE_H_

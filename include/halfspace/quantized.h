@@ -158,6 +158,9 @@ class QuantizedBounds {
   View view() const { return View(planes_); }
 
  private:
+  template <typename, typename>
+  friend class QuantizedWorld;
+
   detail::QuantizedPlanes<detail::StoredElement<ElementType>> planes_;
 };
 
@@ -339,11 +342,10 @@ class QuantizedWorld {
       pushes_left_ = kLeast - size();
       return;
     }
-    std::size_t room =
-        size() < 2 * trained_ ? quantized_.view().planes().Room() : 0;
+    std::size_t room = size() < 2 * trained_ ? quantized_.planes_.Room() : 0;
     if (room < size() / 16) {
       Requantize();
-      room = quantized_.view().planes().Room();
+      room = quantized_.planes_.Room();
     }
     pushes_left_ = std::min(room, 2 * trained_ - size());
   }

@@ -53,8 +53,8 @@ namespace halfspace {
 // survivor. The schedule changes the cost, never the result. A simplex is
 // always tested flat.
 enum class Schedule : std::uint8_t {
-  // The fastest schedule for the bound type, as measured (docs/design.md): flat
-  // for the simplex and the AABB, staged for the AABO.
+  // The fastest schedule, as measured (docs/design.md): flat for the simplex,
+  // the AABB and fewer than 128 objects, staged for the AABO.
   kAuto,
   // Tests every plane of every object, without a branch.
   kFlat,
@@ -92,6 +92,11 @@ struct Options {
   // follow each other without a gap. Use a larger number to write a range of
   // objects into the rows of a larger mask.
   std::size_t row_words = 0;
+
+  // Survivors and SurvivorPairs (reject_many.h) only: the number of results, in
+  // the order of the call, that are not written. The call returns the number of
+  // all results. Use it to fetch a long result in pieces.
+  std::size_t skip = 0;
 };
 
 // The number of words in a mask of `objects` objects.
@@ -133,21 +138,22 @@ constexpr std::size_t MaskWords(std::size_t objects) {
 template <typename AnyWorld>
 void RejectMask(const AnyWorld& world, const typename AnyWorld::Query& query,
                 Span<std::uint64_t> mask, const Options& options = {}) {
-  detail::RejectMask(detail::ScanOfOne(world, query), mask, options);
+  detail::RejectMask(detail::ScanOf(world.view(), &query, 1), mask, options);
 }
 
 // Writes the survivor mask: 1 = survives. Layout and errors: as RejectMask().
 template <typename AnyWorld>
 void SurvivorMask(const AnyWorld& world, const typename AnyWorld::Query& query,
                   Span<std::uint64_t> mask, const Options& options = {}) {
-  detail::SurvivorMask(detail::ScanOfOne(world, query), mask, options);
+  detail::SurvivorMask(detail::ScanOf(world.view(), &query, 1), mask, options);
 }
 
 // Writes the indices of the survivors in ascending order and returns the number
 // of survivors. Indices are positions in the world, also with a range.
 //
 // `indices` may be shorter than the result. The call then fills `indices` with
-// the first survivors, and still returns the number of all survivors.
+// the first survivors after `options.skip`, and still returns the number of all
+// survivors.
 //
 // Errors: as RejectMask(). The world must have at most 2^32 objects.
 template <typename AnyWorld>
@@ -155,7 +161,8 @@ template <typename AnyWorld>
                                     const typename AnyWorld::Query& query,
                                     Span<std::uint32_t> indices,
                                     const Options& options = {}) {
-  return detail::Survivors(detail::ScanOfOne(world, query), indices, options);
+  return detail::Survivors(detail::ScanOf(world.view(), &query, 1), indices,
+                           options);
 }
 
 // Returns the number of survivors. Errors: as RejectMask().
@@ -163,7 +170,8 @@ template <typename AnyWorld>
 [[nodiscard]] std::size_t CountSurvivors(const AnyWorld& world,
                                          const typename AnyWorld::Query& query,
                                          const Options& options = {}) {
-  return detail::CountSurvivors(detail::ScanOfOne(world, query), options);
+  return detail::CountSurvivors(detail::ScanOf(world.view(), &query, 1),
+                                options);
 }
 
 // Returns the index of the first survivor, or std::nullopt if no object
@@ -176,7 +184,7 @@ template <typename AnyWorld>
     const AnyWorld& world, const typename AnyWorld::Query& query,
     const Options& options = {}) {
   const std::size_t first =
-      detail::AnySurvivor(detail::ScanOfOne(world, query), options);
+      detail::AnySurvivor(detail::ScanOf(world.view(), &query, 1), options);
   if (first == detail::kNoSurvivor) return std::nullopt;
   return first;
 }

@@ -38,6 +38,7 @@
 #include "halfspace/reject.h"
 #include "halfspace/span.h"
 #include "halfspace/targets.h"
+#include "halfspace/visit.h"
 
 namespace halfspace {
 
@@ -56,7 +57,9 @@ template <typename AnyWorld>
 void RejectMasks(const AnyWorld& world,
                  Span<const typename AnyWorld::Query> queries,
                  Span<std::uint64_t> rows, const Options& options = {}) {
-  detail::RejectMasks(detail::ScanOf(world, queries), rows, options);
+  detail::RejectMasks(
+      detail::ScanOf(world.view(), queries.data(), queries.size()), rows,
+      options);
 }
 
 // Writes the survivor mask of every query. Layout and errors: as RejectMasks().
@@ -64,7 +67,9 @@ template <typename AnyWorld>
 void SurvivorMasks(const AnyWorld& world,
                    Span<const typename AnyWorld::Query> queries,
                    Span<std::uint64_t> rows, const Options& options = {}) {
-  detail::SurvivorMasks(detail::ScanOf(world, queries), rows, options);
+  detail::SurvivorMasks(
+      detail::ScanOf(world.view(), queries.data(), queries.size()), rows,
+      options);
 }
 
 // Writes every surviving pair and returns the number of pairs. Pair j is the
@@ -75,7 +80,9 @@ void SurvivorMasks(const AnyWorld& world,
 // of objects. Pairs of other queries can be between them.
 //
 // The spans may be shorter than the result. The call then writes as many pairs
-// as the shorter span can hold, and still returns the number of all pairs.
+// as the shorter span can hold, and still returns the number of all pairs. A
+// call with `options.skip` writes the pairs after these. The order of pairs
+// depends on the world, the queries and the range alone.
 //
 // Errors: as RejectMask(). The world must have at most 2^32 objects, and there
 // must be at most 2^32 queries. The parts of the two spans that the call can
@@ -85,8 +92,9 @@ template <typename AnyWorld>
     const AnyWorld& world, Span<const typename AnyWorld::Query> queries,
     Span<std::uint32_t> query_indices, Span<std::uint32_t> object_indices,
     const Options& options = {}) {
-  return detail::SurvivorPairs(detail::ScanOf(world, queries), query_indices,
-                               object_indices, options);
+  return detail::SurvivorPairs(
+      detail::ScanOf(world.view(), queries.data(), queries.size()),
+      query_indices, object_indices, options);
 }
 
 // Writes to counts[q] the number of survivors of queries[q].
@@ -96,7 +104,9 @@ template <typename AnyWorld>
 void SurvivorCounts(const AnyWorld& world,
                     Span<const typename AnyWorld::Query> queries,
                     Span<std::size_t> counts, const Options& options = {}) {
-  detail::SurvivorCounts(detail::ScanOf(world, queries), counts, options);
+  detail::SurvivorCounts(
+      detail::ScanOf(world.view(), queries.data(), queries.size()), counts,
+      options);
 }
 
 // The survivors of a few consecutive queries among some consecutive objects.
@@ -121,8 +131,8 @@ struct SurvivorTile {
 // an object is in exactly one tile. Use this call to process survivors while
 // they are in the cache, without storing them.
 //
-// `function` returns nothing or a bool. It can return false to end the call. An
-// exception of `function` ends the call and reaches the caller.
+// `function` returns nothing or a Visit (visit.h). Visit::kStop ends the call.
+// An exception of `function` ends the call and reaches the caller.
 //
 // Errors: as RejectMask().
 template <typename AnyWorld, typename Function>
@@ -131,15 +141,18 @@ void ForEachTile(const AnyWorld& world,
                  Function&& function, const Options& options = {}) {
   // A lambda, because a void* cannot point to a function.
   auto call = [&function](const SurvivorTile& tile) {
-    if constexpr (std::is_same_v<decltype(function(tile)), bool>) {
-      return function(tile);
-    } else {
+    using Returned = decltype(function(tile));
+    static_assert(std::is_void_v<Returned> || std::is_same_v<Returned, Visit>,
+                  "the function returns nothing or a Visit");
+    if constexpr (std::is_void_v<Returned>) {
       function(tile);
-      return true;
+      return Visit::kContinue;
+    } else {
+      return function(tile);
     }
   };
   detail::ForEachTile(
-      detail::ScanOf(world, queries),
+      detail::ScanOf(world.view(), queries.data(), queries.size()),
       [](void* context, const SurvivorTile& tile) {
         return (*static_cast<decltype(call)*>(context))(tile);
       },

@@ -17,6 +17,7 @@
 
 #include "hwy/highway.h"
 #include "kernels/bvh/block.h"
+#include "kernels/bvh/front-inl.h"
 #include "kernels/bvh/shape.h"
 #include "kernels/scan/words-inl.h"
 
@@ -26,15 +27,7 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// a > b ? a : b, and a < b ? a : b: b if one is no number.
-template <class V>
-HWY_INLINE V GreaterOf(V a, V b) {
-#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
-  return hn::Max(a, b);
-#else
-  return hn::IfThenElse(hn::Gt(a, b), a, b);
-#endif
-}
+// a < b ? a : b: b if one is no number.
 template <class V>
 HWY_INLINE V LesserOf(V a, V b) {
 #if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
@@ -230,15 +223,11 @@ class FrontsQuery {
     for (size_t f = 0; f < fronts_.count && candidates != 0; ++f) {
       const detail::Front& front = fronts_.front[f];
       candidates = NotRejected(candidates, [&](auto d, size_t i) HWY_ATTR {
-        auto sum = hn::Set(d, front.offset);
-        for (size_t t = 0; t < front.terms; ++t) {
-          const detail::Front::Term& term = front.term[t];
-          const float* const plane =
-              level.Plane(block, kIsNearest ? term.opposite : term.plane);
-          const auto value = hn::LoadU(d, plane + i);
-          sum = hn::Add(sum, GreaterOf(hn::Mul(value, hn::Set(d, term.more)),
-                                       hn::Mul(value, hn::Set(d, term.less))));
-        }
+        const auto sum =
+            FrontSum(d, front, [&](const detail::Front::Term& term) HWY_ATTR {
+              const size_t plane = kIsNearest ? term.opposite : term.plane;
+              return hn::LoadU(d, level.Plane(block, plane) + i);
+            });
         const auto is_behind = hn::Lt(sum, hn::Zero(d));
         return kIsNearest ? hn::Or(is_behind, hn::Ne(sum, sum)) : is_behind;
       });

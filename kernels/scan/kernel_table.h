@@ -33,8 +33,14 @@ struct Part {
 // call can report which target ran.
 using Kernel = std::int64_t (*)(const Scan& scan, const Part& part);
 
+// Returns the word of survivors of `count` objects from `begin` on, 0 < count <
+// 64.
+using WordKernel = std::uint64_t (*)(const Scan& scan, const void* query,
+                                     std::size_t begin, std::size_t count);
+
 struct TargetKernels {
   Kernel run[kWays];
+  WordKernel word[kWays];  // kMinima and kAll
 
   // Of at most 64 words: which are not 0, and the bits in those.
   std::uint64_t (*nonzero_words)(const std::uint64_t* words, std::size_t count);

@@ -123,12 +123,10 @@ HWY_INLINE void TestPage(Load load, const PlaneGroup<T, kPlanes>& group,
 template <bool kWithMaxima, typename T, class Load>
 HWY_INLINE void StreamPages(Load load, const detail::Scan& scan,
                             const detail::Part& part) {
-  const size_t axes = scan.axes;
+  const size_t axes = scan.type->axes;
   const T* min_values = static_cast<const T*>(part.queries);
-  const T* max_values = min_values + scan.first_max;
-  const auto plane = [&](size_t p) {
-    return static_cast<const T*>(scan.planes[p]);
-  };
+  const T* max_values = min_values + scan.type->first_max;
+  const auto plane = [&](size_t p) { return scan.Plane<T>(p); };
   // The second plane of a pair that begins with plane k.
   const auto partner = [&](size_t k) {
     return plane(kWithMaxima ? axes + k : HWY_MIN(k + 1, axes - 1));
@@ -167,13 +165,9 @@ template <typename T>
 int64_t ElementKernels<T>::StreamMinima(const detail::Scan& scan,
                                         const detail::Part& part) {
   if constexpr (kPagesPay) {
-    if constexpr (kAlignedLoadsPay && std::is_same_v<T, float>) {
-      if (scan.is_aligned) {
-        StreamPages<false, T>(LoadAligned(), scan, part);
-        return FinishPart(scan, part, detail::kMinima);
-      }
-    }
-    StreamPages<false, T>(LoadAll(), scan, part);
+    WithLoad<T>(scan, part.begin, [&](auto load) HWY_ATTR {
+      StreamPages<false, T>(load, scan, part);
+    });
     return FinishPart(scan, part, detail::kMinima);
   } else {
     return scan.kernels->run[detail::kMinima](scan, part);
@@ -184,13 +178,9 @@ template <typename T>
 int64_t ElementKernels<T>::StreamAll(const detail::Scan& scan,
                                      const detail::Part& part) {
   if constexpr (kPagesPay) {
-    if constexpr (kAlignedLoadsPay && std::is_same_v<T, float>) {
-      if (scan.is_aligned) {
-        StreamPages<true, T>(LoadAligned(), scan, part);
-        return FinishPart(scan, part, detail::kAll);
-      }
-    }
-    StreamPages<true, T>(LoadAll(), scan, part);
+    WithLoad<T>(scan, part.begin, [&](auto load) HWY_ATTR {
+      StreamPages<true, T>(load, scan, part);
+    });
     return FinishPart(scan, part, detail::kAll);
   } else {
     return scan.kernels->run[detail::kAll](scan, part);
@@ -236,11 +226,10 @@ HWY_INLINE void TileByAxis(const detail::Scan& scan, const T* values,
 #endif
   GroupList list;
   size_t left = 0;
-  for (size_t k = 0; k < scan.axes; ++k) {
-    const T* planes[] = {
-        static_cast<const T*>(scan.planes[k]) + first,
-        static_cast<const T*>(scan.planes[scan.axes + k]) + first};
-    const auto max = hn::Set(d, values[scan.first_max + k]);
+  for (size_t k = 0; k < scan.type->axes; ++k) {
+    const T* planes[] = {scan.Plane<T>(k) + first,
+                         scan.Plane<T>(scan.type->axes + k) + first};
+    const auto max = hn::Set(d, values[scan.type->first_max + k]);
     const auto min = hn::Set(d, values[k]);
     if (k == 0) {
       for (size_t w = 0; w < words; ++w) {
@@ -277,7 +266,7 @@ int64_t ElementKernels<T>::ByAxis(const detail::Scan& scan,
     const size_t words = (part.end - part.begin) / kWordObjects;
     for (size_t q = 0; q < part.query_count; ++q) {
       const T* values =
-          static_cast<const T*>(part.queries) + q * scan.plane_count;
+          static_cast<const T*>(part.queries) + q * scan.type->plane_count;
       for (size_t begin = 0; begin < words; begin += kTileWords) {
         TileByAxis(scan, values, part.begin + begin * kWordObjects,
                    HWY_MIN(kTileWords, words - begin),
@@ -311,8 +300,7 @@ HWY_INLINE void PrefetchMaxima(const detail::Scan& scan, size_t first,
     const size_t i = first + w * kWordObjects;
     for (size_t line = 0; line < kWordObjects; line += kLine) {
       for (size_t k = 0; k < kAxes; ++k) {
-        kernels::Prefetch(static_cast<const T*>(scan.planes[kAxes + k]) + i +
-                          line);
+        kernels::Prefetch(scan.Plane<T>(kAxes + k) + i + line);
       }
     }
   }
@@ -324,8 +312,7 @@ HWY_NOINLINE void TestMaxima(std::index_sequence<kPlane...>, Load load,
                              const detail::Scan& scan, const T* values,
                              size_t first, uint64_t nonzero, uint64_t* row) {
   const OneTag<T> d;
-  const T* planes[] = {
-      static_cast<const T*>(scan.planes[sizeof...(kPlane) + kPlane])...};
+  const T* planes[] = {scan.Plane<T>(sizeof...(kPlane) + kPlane)...};
   for (; nonzero != 0; nonzero &= nonzero - 1) {
     const size_t w = hwy::Num0BitsBelowLS1Bit_Nonzero64(nonzero);
     row[w] &= KeptBits<0>(d, load, planes, first + w * kWordObjects,
@@ -344,11 +331,12 @@ HWY_INLINE void FinishTile(const detail::Scan& scan, const detail::Part& part,
                            const WordTile& tile) {
   for (size_t q = 0; q < part.query_count; ++q) {
     if (tile.nonzero[q] == 0) continue;
-    WithLoad<T>(scan, [&](auto load) HWY_ATTR {
-      TestMaxima<T>(std::make_index_sequence<kAxes>(), load, scan,
-                    static_cast<const T*>(part.queries) + q * scan.plane_count,
-                    part.begin + tile.word * kWordObjects, tile.nonzero[q],
-                    part.rows + q * part.stride + tile.word);
+    WithLoad<T>(scan, part.begin, [&](auto load) HWY_ATTR {
+      TestMaxima<T>(
+          std::make_index_sequence<kAxes>(), load, scan,
+          static_cast<const T*>(part.queries) + q * scan.type->plane_count,
+          part.begin + tile.word * kWordObjects, tile.nonzero[q],
+          part.rows + q * part.stride + tile.word);
     });
   }
 }
@@ -390,12 +378,14 @@ constexpr detail::TargetKernels MakeKernels() {
   kernels.nonzero_words = &FindNonzeroWords;
   kernels.count_bits = &CountBits;
   kernels.run[detail::kAll] = &Flat<kAxes, kAxes, T>;
+  kernels.word[detail::kAll] = &FlatTail<kAxes, kAxes, T>;
   kernels.run[detail::kAllStreaming] = &ElementKernels<T>::StreamAll;
   if constexpr (std::is_floating_point_v<T>) {
     kernels.run[detail::kByAxis] = &ElementKernels<T>::ByAxis;
   }
   if constexpr (kAxes > 2) {
     kernels.run[detail::kMinima] = &Flat<kAxes, 0, T>;
+    kernels.word[detail::kMinima] = &FlatTail<kAxes, 0, T>;
     kernels.run[detail::kMinimaStreaming] = &ElementKernels<T>::StreamMinima;
     kernels.run[detail::kBySimplex] = &BySimplex<kAxes, T>;
   }

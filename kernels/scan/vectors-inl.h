@@ -212,33 +212,25 @@ HWY_INLINE hn::Mask<D> NextVerdict(D d, hn::Mask<D> rejected, V object,
 
 #endif  // HALFSPACE_MASKED_COMPARES
 
-// Adds the verdict of planes[0], planes[1], ... on objects i, i + 1, ..., one
-// plane for each query vector; the first kMins planes are minima.
-template <size_t kMins, class D, class Load, typename T, class V, class... Rest>
-HWY_INLINE VerdictOf<D> AddVerdicts(D d, VerdictOf<D> before, Load load,
-                                    const T* const* planes, size_t i, V query,
-                                    Rest... rest) {
-  const VerdictOf<D> verdict =
-      NextVerdict<(kMins > 0)>(d, before, load(d, planes[0] + i), query);
-  if constexpr (sizeof...(Rest) == 0) {
-    return verdict;
-  } else {
-    constexpr size_t kLeft = kMins > 0 ? kMins - 1 : 0;
-    return AddVerdicts<kLeft>(d, verdict, load, planes + 1, i, rest...);
-  }
-}
-
+// The verdict of planes[0], planes[1], ... on objects i, i + 1, ..., one plane
+// for each query vector; the first kMins planes are minima.
 template <size_t kMins, class D, class Load, typename T, class V, class... Rest>
 HWY_INLINE VerdictOf<D> Verdict(D d, Load load, const T* const* planes,
                                 size_t i, V query, Rest... rest) {
-  const VerdictOf<D> first =
+  VerdictOf<D> verdict =
       FirstVerdict<(kMins > 0)>(d, load(d, planes[0] + i), query);
-  if constexpr (sizeof...(Rest) == 0) {
-    return first;
-  } else {
-    constexpr size_t kLeft = kMins > 0 ? kMins - 1 : 0;
-    return AddVerdicts<kLeft>(d, first, load, planes + 1, i, rest...);
-  }
+  // A constant wherever it is read: a pack has no index.
+  size_t p = 0;
+  [[maybe_unused]] const auto add = [&](V next) HWY_ATTR {
+    const V object = load(d, planes[++p] + i);
+    if (p < kMins) {
+      verdict = NextVerdict<true>(d, verdict, object, next);
+    } else {
+      verdict = NextVerdict<false>(d, verdict, object, next);
+    }
+  };
+  (add(rest), ...);
+  return verdict;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <utility>
 
 #include "hwy/highway.h"
 #include "kernels/scan/narrow-inl.h"
@@ -89,17 +88,6 @@ HWY_INLINE uint64_t VerdictBits(D d, VerdictOf<D> verdict) {
     return LaneBits(d, verdict);
 }
 
-// The verdicts of vectors 0, 1, ... after object i.
-template <size_t kMins, size_t... kVector, class D, class Load, typename T,
-          class... V>
-HWY_INLINE uint64_t VectorBits(std::index_sequence<kVector...>, D d, Load load,
-                               const T* const* planes, size_t i, V... query) {
-  const size_t lanes = hn::Lanes(d);
-  return (... | (VerdictBits(d, Verdict<kMins>(d, load, planes,
-                                               i + kVector * lanes, query...))
-                 << (kVector * lanes)));
-}
-
 // The bits of those of objects i ... i + kObjects - 1 that survive planes[0],
 // planes[1], ..., each loaded by `load` and compared with its query vector. The
 // first kMins planes are minima.
@@ -121,12 +109,16 @@ HWY_INLINE uint64_t KeptBits(D d, Load load, const T* const* planes, size_t i,
   // four vectors only grow the code.
   constexpr size_t kUnroll = HWY_MIN(size_t{4}, kObjects / hn::MaxLanes(D()));
 #endif
-  const size_t step = kUnroll * hn::Lanes(d);
+  const size_t lanes = hn::Lanes(d);
   uint64_t bits = 0;
-  for (size_t l = 0; l < kObjects; l += step) {
-    bits |= VectorBits<kMins>(std::make_index_sequence<kUnroll>(), d, load,
-                              planes, i + l, query...)
-            << l;
+  for (size_t l = 0; l < kObjects; l += kUnroll * lanes) {
+    uint64_t some = 0;
+    for (size_t u = 0; u < kUnroll; ++u) {
+      const size_t first = i + l + u * lanes;
+      some |= VerdictBits(d, Verdict<kMins>(d, load, planes, first, query...))
+              << (u * lanes);
+    }
+    bits |= some << l;
   }
   return kVerdictIsKept<D> ? bits : bits ^ kLowBits<kObjects>;
 }
@@ -144,7 +136,13 @@ HWY_INLINE uint64_t KeptTail(D d, const T* const* planes, size_t i,
         VerdictBits(d, Verdict<kMins>(d, LoadAll(), planes, i + l, query...))
         << l;
   }
-  if (l < count) {
+  if (HWY_MEM_OPS_MIGHT_FAULT && l != 0 && l < count) {
+    // Again some objects of the last vector: a copy of each plane takes longer.
+    l = count - lanes;
+    bits |=
+        VerdictBits(d, Verdict<kMins>(d, LoadAll(), planes, i + l, query...))
+        << l;
+  } else if (l < count) {
     const LoadFirst load{count - l};
     bits |= VerdictBits(d, Verdict<kMins>(d, load, planes, i + l, query...))
             << l;

@@ -3,8 +3,8 @@
 #ifndef HALFSPACE_DETAIL_QUANTIZED_SCAN_H_
 #define HALFSPACE_DETAIL_QUANTIZED_SCAN_H_
 
+#include <array>
 #include <cstddef>
-#include <type_traits>
 
 #include "halfspace/detail/quantizer.h"
 #include "halfspace/detail/scan.h"
@@ -13,74 +13,48 @@
 namespace halfspace::detail {
 
 template <typename FloatView, typename Element>
-class QuantizedView {
- public:
+struct QuantizedView {
   using Bound = typename FloatView::Bound;
   using Query = typename FloatView::Query;
+  using Stored = StoredElement<Element>;
 
-  explicit QuantizedView(const QuantizedPlanes<StoredElement<Element>>& planes)
-      : planes_(&planes) {}
-
-  const QuantizedView& view() const { return *this; }
-  const QuantizedPlanes<StoredElement<Element>>& planes() const {
-    return *planes_;
+  explicit QuantizedView(const QuantizedPlanes<Stored>& quantized)
+      : size(quantized.size()), quantizer(&quantized.quantizer()) {
+    for (std::size_t p = 0; p < planes.size(); ++p) {
+      planes[p] = quantized.planes().plane(p);
+    }
   }
 
- private:
-  const QuantizedPlanes<StoredElement<Element>>* planes_;
+  const QuantizedView& view() const { return *this; }
+
+  std::array<const Stored*, kPlaneCount<Bound>> planes;
+  std::size_t size;
+  const Quantizer* quantizer;
 };
 
 // Floats is a view of planes, or a list of records.
 template <typename FloatView, typename Element, typename Floats>
-struct RefinedView {
-  using Bound = typename FloatView::Bound;
-  using Query = typename FloatView::Query;
-
-  QuantizedView<FloatView, Element> quantized;
-  Floats floats;
+struct RefinedView : QuantizedView<FloatView, Element> {
+  RefinedView(const QuantizedView<FloatView, Element>& quantized,
+              const Floats& of_floats)
+      : QuantizedView<FloatView, Element>(quantized), floats(of_floats) {}
 
   const RefinedView& view() const { return *this; }
+
+  Floats floats;
 };
 
 template <typename Stored>
 void EncodeQueries(const Scan& scan, std::size_t first, std::size_t count,
                    void* quantized) {
-  const float* values =
-      static_cast<const float*>(scan.queries) + first * scan.plane_count;
+  const std::size_t values = scan.type->plane_count;
+  const float* from = static_cast<const float*>(scan.queries) + first * values;
   auto* to = static_cast<Stored*>(quantized);
   for (std::size_t q = 0; q < count; ++q) {
-    scan.quantizer->EncodeQuery(values, to);
-    values += scan.plane_count;
-    to += scan.plane_count;
+    scan.quantizer->EncodeQuery(from, to);
+    from += values;
+    to += values;
   }
-}
-
-template <typename FloatView, typename Element>
-Scan MakeScan(const QuantizedView<FloatView, Element>& view,
-              Span<const typename FloatView::Query> queries) {
-  using Bound = typename FloatView::Bound;
-  Scan scan = ScanOfQueries<FloatView>(queries);
-  const auto& quantized = view.planes();
-  scan.all_kernels = KernelsOf<Bound::kAxes, StoredElement<Element>>::kTargets;
-  scan.element_bytes = sizeof(Element);
-  scan.record_bytes = kPlaneCount<Bound> * sizeof(Element);
-  scan.size = quantized.size();
-  AddPlanes(
-      std::make_index_sequence<kPlaneCount<Bound>>(),
-      [&quantized](auto plane) { return quantized.planes().plane(plane()); },
-      scan);
-  scan.quantizer = &quantized.quantizer();
-  scan.encode = &EncodeQueries<StoredElement<Element>>;
-  return scan;
-}
-
-template <typename FloatView, typename Element, typename Floats>
-Scan MakeScan(const RefinedView<FloatView, Element, Floats>& view,
-              Span<const typename FloatView::Query> queries) {
-  Scan scan = MakeScan(view.quantized, queries);
-  scan.is_refined = true;
-  scan.floats = ColumnsOf(view.floats);
-  return scan;
 }
 
 }  // namespace halfspace::detail

@@ -14,6 +14,7 @@
 #include "halfspace/export.h"
 #include "halfspace/span.h"
 #include "halfspace/targets.h"
+#include "halfspace/visit.h"
 #include "halfspace/world.h"
 
 namespace halfspace {
@@ -58,8 +59,27 @@ HALFSPACE_DECLARE_KERNELS(std::int8_t);
 HALFSPACE_DECLARE_KERNELS(std::int16_t);
 #undef HALFSPACE_DECLARE_KERNELS
 
-// All minima, then all maxima; a simplex world has only minima.
-using PlanePointers = std::array<const void*, kMaxPlanes>;
+struct Scan;
+
+// A type of world, and how its queries are stored: one after another, each with
+// all minima, then all maxima. A query of simplices has only maxima.
+struct ScanType {
+  const TargetKernels* const* all_kernels;  // of each target
+  // If it is not null, planes are quantized bounds, and encode() encodes
+  // queries, which are floats: `count` of them from number `first` on.
+  void (*encode)(const Scan& scan, std::size_t first, std::size_t count,
+                 void* quantized);
+  bool is_refined;  // by floats
+  Shape shape;
+  Way flat;           // through all planes at once
+  std::uint8_t axes;  // minima; as many maxima, unless it is a simplex
+  std::uint8_t plane_count;
+  std::uint8_t first_max;  // of a query's values, of which there are as many
+  std::uint8_t element_bytes;       // of a value of a plane
+  std::uint8_t record_bytes;        // of an object's values in the planes
+  std::uint8_t query_bytes;         // of a value of a query
+  std::uint8_t query_record_bytes;  // of a query
+};
 
 // Where the planes begin. Computed where their number is a constant, so that a
 // valid call is checked in a few cycles.
@@ -70,135 +90,120 @@ struct AddressRange {
 };
 
 // One call: a world and its queries, and what the library computes from them.
-// The queries are stored one after another, each with all minima, then all
-// maxima; a query of simplices has only maxima.
-//
-// Pointers after the planes of the shape are left uninitialised, because
-// clearing them costs a tenth of a call.
+// Fields that a type of world does not need are left uninitialised.
 struct Scan {
-  PlanePointers planes;
+  const ScanType* type;
+  const void* planes;  // the pointers of a view: all minima, then all maxima
   AddressRange addresses;
   std::size_t size;
-  const TargetKernels* all_kernels;  // of each target
-  Shape shape;
-  std::uint8_t axes;  // minima; as many maxima, unless it is a simplex
-  std::uint8_t plane_count;
-  std::uint8_t first_max;  // of a query's values, of which there are as many
-  std::uint8_t element_bytes;       // of a value of `planes`
-  std::uint8_t record_bytes;        // of an object's values in `planes`
-  std::uint8_t query_bytes;         // of a value of `queries`
-  std::uint8_t query_record_bytes;  // of a query
-
-  // If it is not null, `planes` are quantized bounds, and encode() encodes
-  // queries, which are floats: `count` of them from number `first` on.
-  const Quantizer* quantizer;
-  void (*encode)(const Scan& scan, std::size_t first, std::size_t count,
-                 void* quantized);
-
   const void* queries;
   std::size_t query_count;
 
-  // Survivors of the quantized bounds are refined by these floats.
-  bool is_refined;
-  FloatColumns floats;
+  const Quantizer* quantizer;  // of quantized bounds
 
   // Set by the library.
   Way way;
   bool is_streaming;
-  bool is_aligned;  // the range begins at a multiple of 64 bytes in each plane
   const TargetKernels* kernels;  // of the target that runs
   const char* call;              // its name, for messages
   std::size_t begin;             // the range of objects
   std::size_t end;
+
+  FloatColumns floats;  // that refine quantized bounds
+
+  template <typename T>
+  const T* Plane(std::size_t p) const {
+    return static_cast<const T* const*>(planes)[p];
+  }
 };
 
-template <int kDims, typename T>
-constexpr Shape ShapeOf(const SimplexView<kDims, T>&) {
-  return Shape::kSimplex;
-}
-template <int kDims, typename T>
-constexpr Shape ShapeOf(const AabbView<kDims, T>&) {
-  return Shape::kAabb;
-}
-template <int kDims, typename T>
-constexpr Shape ShapeOf(const AaboView<kDims, T>&) {
-  return Shape::kAabo;
-}
-
-template <std::size_t kPlane, typename View>
-const void* PlaneOf(const View& view) {
-  if constexpr (kPlane < View::Bound::kAxes) {
-    return view.min[kPlane];
+template <typename View>
+auto PlaneList(const View& view) {
+  if constexpr (HasMin<View>) {
+    static_assert(
+        std::is_standard_layout_v<View> &&
+            offsetof(View, size) ==
+                kPlaneCount<typename View::Bound> * sizeof(view.min[0]),
+        "the planes of a view are read as one list");
+    return view.min.data();
   } else {
-    return view.max[kPlane - View::Bound::kAxes];
+    return view.planes.data();
   }
 }
 
-// plane_at(number) is a plane. Each is read once, by itself: a copy in vectors
-// waits for the stores that made the view, which took a call 5 ns more.
-template <std::size_t... kPlane, typename PlaneAt>
-void AddPlanes(std::index_sequence<kPlane...>, const PlaneAt& plane_at,
-               Scan& scan) {
-  AddressRange range{~std::uintptr_t{0}, 0, 0};
-  const auto add = [&](std::size_t p, const void* plane) {
-    scan.planes[p] = plane;
-    const auto address = reinterpret_cast<std::uintptr_t>(plane);
-    range.lowest = address < range.lowest ? address : range.lowest;
-    range.highest = address > range.highest ? address : range.highest;
-    range.bits |= address;
-  };
-  (add(kPlane, plane_at(std::integral_constant<std::size_t, kPlane>())), ...);
-  scan.addresses = range;
-}
+template <typename Stored>
+void EncodeQueries(const Scan& scan, std::size_t first, std::size_t count,
+                   void* quantized);
 
-// A scan of a View's bounds without its planes.
+template <typename View, typename = void>
+inline constexpr bool kIsRefined = false;
 template <typename View>
-Scan ScanOfQueries(Span<const typename View::Query> queries) {
+inline constexpr bool kIsRefined<View, std::void_t<decltype(View::floats)>> =
+    true;
+
+template <typename View, typename T>
+constexpr ScanType MakeScanType() {
   using Bound = typename View::Bound;
   using Query = typename View::Query;
   using Scalar = typename Query::Scalar;
   static_assert(std::is_standard_layout_v<Query> &&
                     sizeof(Query) == kPlaneCount<Query> * sizeof(Scalar),
                 "a query is read as a list of its values");
-  Scan scan;
-  scan.shape = ShapeOf(View());
-  scan.axes = Bound::kAxes;
-  scan.plane_count = kPlaneCount<Bound>;
-  scan.first_max = HasMin<Query> ? Bound::kAxes : 0;
-  scan.query_bytes = sizeof(Scalar);
-  scan.query_record_bytes = sizeof(Query);
-  scan.queries = queries.data();
-  scan.query_count = queries.size();
-  scan.quantizer = nullptr;
-  scan.is_refined = false;
-  return scan;
+  ScanType type{};
+  type.all_kernels = &KernelsOf<Bound::kAxes, T>::kTargets;
+  if constexpr (std::is_integral_v<T>) type.encode = &EncodeQueries<T>;
+  type.is_refined = kIsRefined<View>;
+  type.shape = !HasMax<Bound>                       ? Shape::kSimplex
+               : Bound::kAxes == Bound::kDimensions ? Shape::kAabb
+                                                    : Shape::kAabo;
+  type.flat = HasMax<Bound> ? kAll : kMinima;
+  type.axes = Bound::kAxes;
+  type.plane_count = kPlaneCount<Bound>;
+  type.first_max = HasMin<Query> ? Bound::kAxes : 0;
+  type.element_bytes = sizeof(T);
+  type.record_bytes = kPlaneCount<Bound> * sizeof(T);
+  type.query_bytes = sizeof(Scalar);
+  type.query_record_bytes = sizeof(Query);
+  return type;
 }
 
+template <typename View, typename T>
+inline constexpr ScanType kScanType = MakeScanType<View, T>();
+
+// Each pointer is read once, by itself: a copy in vectors waits for the stores
+// that made the view, which took a call 5 ns more.
+template <typename T, std::size_t... kPlane>
+AddressRange AddressesOf(const T* const* planes,
+                         std::index_sequence<kPlane...>) {
+  AddressRange range{~std::uintptr_t{0}, 0, 0};
+  const auto add = [&range](const T* plane) {
+    const auto address = reinterpret_cast<std::uintptr_t>(plane);
+    range.lowest = address < range.lowest ? address : range.lowest;
+    range.highest = address > range.highest ? address : range.highest;
+    range.bits |= address;
+  };
+  (add(planes[kPlane]), ...);
+  return range;
+}
+
+// View and queries must outlive the result.
 template <typename View>
-Scan MakeScan(const View& view, Span<const typename View::Query> queries) {
-  using Bound = typename View::Bound;
-  Scan scan = ScanOfQueries<View>(queries);
-  scan.all_kernels = KernelsOf<Bound::kAxes, typename Bound::Scalar>::kTargets;
-  scan.element_bytes = sizeof(typename Bound::Scalar);
-  scan.record_bytes = sizeof(Bound);
+Scan ScanOf(const View& view, const typename View::Query* queries,
+            std::size_t query_count) {
+  const auto* const planes = PlaneList(view);
+  using T = std::remove_const_t<
+      std::remove_pointer_t<std::remove_reference_t<decltype(planes[0])>>>;
+  Scan scan;
+  scan.type = &kScanType<View, std::remove_const_t<T>>;
+  scan.planes = planes;
+  scan.addresses = AddressesOf(
+      planes, std::make_index_sequence<kPlaneCount<typename View::Bound>>());
   scan.size = view.size;
-  AddPlanes(
-      std::make_index_sequence<kPlaneCount<Bound>>(),
-      [&view](auto plane) { return PlaneOf<plane()>(view); }, scan);
+  scan.queries = queries;
+  scan.query_count = query_count;
+  if constexpr (std::is_integral_v<T>) scan.quantizer = view.quantizer;
+  if constexpr (kIsRefined<View>) scan.floats = ColumnsOf(view.floats);
   return scan;
-}
-
-// The queries must outlive the result. MakeScan of quantized views is found by
-// argument-dependent lookup.
-template <typename AnyWorld>
-Scan ScanOf(const AnyWorld& world,
-            Span<const typename AnyWorld::Query> queries) {
-  return MakeScan(world.view(), queries);
-}
-template <typename AnyWorld>
-Scan ScanOfOne(const AnyWorld& world, const typename AnyWorld::Query& query) {
-  return MakeScan(world.view(),
-                  Span<const typename AnyWorld::Query>(&query, 1));
 }
 
 // What AnySurvivor returns if there is none.
@@ -226,8 +231,7 @@ HALFSPACE_API std::size_t SurvivorPairs(Scan&& scan,
 HALFSPACE_API void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
                                   const Options& options);
 
-// Returns whether to go on.
-using TileFunction = bool (*)(void* context, const SurvivorTile& tile);
+using TileFunction = Visit (*)(void* context, const SurvivorTile& tile);
 HALFSPACE_API void ForEachTile(Scan&& scan, TileFunction function,
                                void* context, const Options& options);
 

@@ -169,6 +169,41 @@ void ExpectFinds(const Bvh<View>& bvh, const Shape& shape, const Ids& expected,
   ASSERT_EQ(InOrder(ids), expected);
 }
 
+// Flat scans find the same.
+template <typename View>
+void ExpectScansFind(
+    const World<View>& world,
+    const std::vector<HalfSpace<View::Bound::kDimensions>>& half_spaces,
+    const Ids& expected, Target target) {
+  Target ran;
+  const Options options = {.target = target, .ran = &ran};
+  Ids ids(world.size());
+  ASSERT_EQ(Survivors(world, half_spaces, ids, options), expected.size());
+  ASSERT_EQ(ran, target);
+  ids.resize(expected.size());
+  ASSERT_EQ(ids, expected);
+  ASSERT_EQ(CountSurvivors(world.view(), half_spaces, options),
+            expected.size());
+  const auto any = AnySurvivor(world, half_spaces, options);
+  ASSERT_EQ(any.has_value(), !expected.empty());
+  if (any) {
+    ASSERT_EQ(*any, expected.front());
+  }
+  // Any range, with bits past its end.
+  const std::size_t begin = world.size() / 3;
+  std::vector<std::uint64_t> mask(MaskWords(world.size() - begin), 0x5555);
+  SurvivorMask(world, half_spaces, mask,
+               {.target = target, .range = {.begin = begin}});
+  std::vector<std::uint64_t> expected_mask(mask.size());
+  for (std::uint32_t i : expected) {
+    if (i < begin) continue;
+    expected_mask[(i - begin) / 64] |= std::uint64_t{1} << (i - begin) % 64;
+  }
+  ASSERT_EQ(mask, expected_mask);
+}
+template <typename View, typename Shape>
+void ExpectScansFind(const World<View>&, const Shape&, const Ids&, Target) {}
+
 template <typename View>
 Ids Expected(const World<View>& world, std::span<const std::uint32_t> ids,
              const auto& shape) {
@@ -191,6 +226,7 @@ void ExpectSameEverywhere(const World<View>& world,
   ForEachShape(shapes, [&](const auto& shape) {
     const Ids expected = Expected<View>(world, {}, shape);
     for (Target target : TargetsUnderTest()) {
+      ExpectScansFind(world, shape, expected, target);
       for (const auto* bvh : {&tight, &fast}) {
         ExpectFinds(*bvh, shape, expected, {.target = target});
         if (::testing::Test::HasFatalFailure()) {
@@ -332,6 +368,7 @@ TYPED_TEST(BvhShapesTest, KeepWhatTheOtherHalfSpacesKeepIfOneIsUnusable) {
   for (Target target : TargetsUnderTest()) {
     const QueryOptions options = {.target = target};
     ExpectFinds(bvh, HalfSpaces{}, all, options);
+    ExpectScansFind(world, HalfSpaces{}, all, target);
     ExpectFinds(bvh, huge, expected, options);
     for (float value : {kNan, kInf, -kInf}) {
       for (std::size_t v = 0; v <= kDims; ++v) {
@@ -585,6 +622,49 @@ TEST(BvhShapesErrorsTest, RefuseWhatIsNoShape) {
   EXPECT_TRUE(Refuses(
       [&] { (void)AnySurvivor(bvh, Span<const HalfSpace3>(nullptr, 1)); },
       {"AnySurvivor", "half-spaces", "null"}));
+}
+
+TEST(RejectShapesErrorsTest, RefuseWhatIsWrong) {
+  const AabbWorld3 world = Spread<AabbView3>(4.0f).Objects(100);
+  using HalfSpaces = Span<const HalfSpace3>;
+  const std::vector<HalfSpace3> many(65);
+  Canaried<std::uint32_t> canaried_ids;
+  Canaried<std::uint64_t> canaried_mask;
+  const Span<std::uint32_t> ids = canaried_ids.Reset(100);
+  const Span<std::uint64_t> mask = canaried_mask.Reset(2);
+  for (const auto& wrong :
+       {std::pair{HalfSpaces(many), "65"},
+        std::pair{HalfSpaces(nullptr, 1), "null"},
+        std::pair{HalfSpaces(Misaligned(many.data()), 1), "misaligned"}}) {
+    const HalfSpaces bad = wrong.first;
+    const char* const given = wrong.second;
+    EXPECT_TRUE(Refuses([&] { (void)Survivors(world, bad, ids); },
+                        {"Survivors", "half-spaces", given}));
+    EXPECT_TRUE(Refuses([&] { (void)CountSurvivors(world, bad); },
+                        {"CountSurvivors", "half-spaces", given}));
+    EXPECT_TRUE(Refuses([&] { (void)AnySurvivor(world, bad); },
+                        {"AnySurvivor", "half-spaces", given}));
+    EXPECT_TRUE(Refuses([&] { SurvivorMask(world, bad, mask); },
+                        {"SurvivorMask", "half-spaces", given}));
+  }
+  // What all calls of reject.h refuse.
+  const HalfSpaces one(many.data(), 1);
+  EXPECT_TRUE(Refuses(
+      [&] {
+        SurvivorMask(world, one, {mask.data(), 1});
+      },
+      {"SurvivorMask", "mask", "at least 2 words", "got 1"}));
+  EXPECT_TRUE(Refuses(
+      [&] {
+        (void)Survivors(world, one, ids, {.range = {2, 1}});
+      },
+      {"Survivors", "options.range.end"}));
+  AabbView3 no_planes = world.view();
+  no_planes.max[1] = nullptr;
+  EXPECT_TRUE(Refuses([&] { (void)CountSurvivors(no_planes, one); },
+                      {"CountSurvivors", "world.max[1]", "null"}));
+  EXPECT_TRUE(canaried_ids.IntactBut(0));
+  EXPECT_TRUE(canaried_mask.IntactBut(0));
 }
 
 // Whatever is wrong, and also where the shapes before it are right.

@@ -133,6 +133,11 @@ void VisitBvh(const Visit& visit) {
     visit("Survivors of a sphere", kShape, [&] {
       std::ignore = Survivors(world, sphere, ids, {.target = target});
     });
+    const HalfSpace3 half_space = {{1, 0, 0}, -2500};
+    visit("Survivors of a half-space in a scan", kShape, [&] {
+      std::ignore = Survivors(floats, Span<const HalfSpace3>(&half_space, 1),
+                              ids, {.target = target});
+    });
     std::array<std::uint32_t, 4000> nearest;
     visit("KNearest", kNearest, [&] {
       std::ignore =

@@ -85,6 +85,35 @@ TEST(ManyOutputsTest, PairsThatFitAreWrittenAndAllAreCounted) {
   }
 }
 
+TEST(ManyOutputsTest, SkippedPairsAreCountedAndNotWritten) {
+  const AabbWorld3 world = PointsOnX(5000);
+  const std::vector<Aabb3> queries = LongerAndLonger(20);
+  Canaried<std::uint32_t> query_indices;
+  Canaried<std::uint32_t> object_indices;
+  for (Target target : TargetsUnderTest()) {
+    const std::vector<Pair> all = AllPairs(world, queries, {.target = target});
+    for (std::size_t skip :
+         {std::size_t{1}, all.size() / 2, all.size(), ~std::size_t{0}}) {
+      const std::size_t left = all.size() - std::min(skip, all.size());
+      for (std::size_t capacity : {left / 2, left, left + 70}) {
+        const auto out_queries = query_indices.Reset(capacity);
+        const auto out_objects = object_indices.Reset(capacity);
+        EXPECT_EQ(SurvivorPairs(world, queries, out_queries, out_objects,
+                                {.target = target, .skip = skip}),
+                  all.size());
+        const std::size_t written = std::min(capacity, left);
+        for (std::size_t j = 0; j < written; ++j) {
+          const Pair& pair = all[all.size() - left + j];
+          EXPECT_EQ(out_queries[j], pair.first) << skip << ", " << j;
+          EXPECT_EQ(out_objects[j], pair.second) << skip << ", " << j;
+        }
+        EXPECT_TRUE(query_indices.IntactBut(written)) << skip;
+        EXPECT_TRUE(object_indices.IntactBut(written)) << skip;
+      }
+    }
+  }
+}
+
 // What is too long by far is no error, though its bytes have no number.
 TEST(ManyOutputsTest, PairsTakeNoMoreRoomThanThereArePairs) {
   const AabbWorld3 world = PointsOnX(70);
@@ -186,11 +215,14 @@ TEST(ForEachTileTest, TakesAnythingThatTakesATile) {
   ForEachTile(world, queries, std::function<void(SurvivorTile)>(add));
   EXPECT_EQ(seen, 6u);
   // With a state of its own, which is not copied.
-  auto counter = [count = std::size_t{0}](const SurvivorTile& tile) mutable {
-    return count += tile.queries;
+  auto counter = [&seen,
+                  count = std::size_t{0}](const SurvivorTile& tile) mutable {
+    count += tile.queries;
+    seen = count;
   };
   ForEachTile(world, queries, counter);
-  EXPECT_EQ(counter(SurvivorTile{}), 3u);
+  counter(SurvivorTile{});
+  EXPECT_EQ(seen, 3u);
   auto owner = [p = std::make_unique<int>(3)](const SurvivorTile& tile) {
     EXPECT_EQ(tile.queries, static_cast<std::size_t>(*p));
   };
@@ -211,7 +243,7 @@ TEST(ForEachTileTest, WhatTheFunctionThrowsPassesThrough) {
   }
 }
 
-TEST(ForEachTileTest, FalseEndsTheCall) {
+TEST(ForEachTileTest, StopEndsTheCall) {
   const AabbWorld3 world = PointsOnX(10000);
   const std::vector<Aabb3> queries = LongerAndLonger(40);
   const QuantizedBounds<AabbView3, std::uint8_t> quantized(world);
@@ -219,7 +251,9 @@ TEST(ForEachTileTest, FalseEndsTheCall) {
     const auto tiles_until = [&](std::size_t last) {
       std::size_t tiles = 0;
       ForEachTile(any_world, queries,
-                  [&](const SurvivorTile&) { return ++tiles != last; },
+                  [&](const SurvivorTile&) {
+                    return ++tiles == last ? Visit::kStop : Visit::kContinue;
+                  },
                   {.target = target});
       return tiles;
     };

@@ -213,7 +213,7 @@ TYPED_TEST(QuantizedErrorsTest, OutputOverRefiningPlanesIsRefused) {
         [&] { RejectMask(Refined(this->quantized_, view), query, mask); },
         {"RejectMask: mask: expected", "apart", "an overlap with world."}));
   }
-  const auto* quantized = this->quantized_.view().planes().planes().plane(0);
+  const auto* quantized = this->quantized_.view().planes[0];
   const std::span<std::uint64_t> mask(
       reinterpret_cast<std::uint64_t*>(
           const_cast<std::remove_const_t<

@@ -6,9 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 #include "halfspace/fit.h"
+#include "halfspace/reject_shapes.h"
 #include "tests/library/support/answers.h"
 #include "tests/library/support/cases.h"
 #include "tests/library/support/environment.h"
@@ -67,6 +69,30 @@ class GuardPagesTest : public ::testing::Test {
                             {.schedule = schedule, .target = target}, outputs))
             << size << " objects";
       }
+    }
+    using View = std::remove_cvref_t<decltype(view.view())>;
+    constexpr int kDims = View::Bound::kDimensions;
+    if constexpr (std::is_same_v<Scalar, float> && kDims <= 3) {
+      CheckHalfSpaces<kDims>(view, side);
+    }
+  }
+
+  // Each target keeps the same objects.
+  template <int kDims, typename View>
+  void CheckHalfSpaces(const View& view, GuardedSide side) {
+    HalfSpace<kDims> half_spaces[2] = {};
+    half_spaces[0].normal[0] = 1;
+    half_spaces[1].normal[1] = -1;
+    half_spaces[1].normal[0] = 0.5f;
+    half_spaces[1].offset = 1;
+    const std::size_t words = MaskWords(view.size);
+    std::vector<std::uint64_t> expected(words);
+    SurvivorMask(view, half_spaces, expected, {.target = targets_.back()});
+    const auto mask = mask_.Get<std::uint64_t>(words, side);
+    for (Target target : targets_) {
+      SurvivorMask(view, half_spaces, mask, {.target = target});
+      ASSERT_TRUE(std::equal(expected.begin(), expected.end(), mask.begin()))
+          << view.size << " objects, " << target.name();
     }
   }
 

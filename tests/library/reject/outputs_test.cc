@@ -90,6 +90,36 @@ TEST_P(OutputsTest, WhatFitsIsWrittenAndAllAreCounted) {
   });
 }
 
+// Pieces of any length make the whole list.
+TEST_P(OutputsTest, SkippedSurvivorsAreCountedAndNotWritten) {
+  const AaboWorld2 world = TwoOfThree(GetParam());
+  const QuantizedWorld<AaboView2> quantized(world);
+  std::vector<std::uint32_t> all(world.size());
+  all.resize(Survivors(world, kAll, all));
+  Canaried<std::uint32_t> indices;
+  const auto check = [&](const auto& any_world, Options options) {
+    for (std::size_t skip :
+         {std::size_t{1}, all.size() / 2, all.size(), ~std::size_t{0}}) {
+      options.skip = skip;
+      const std::size_t left = all.size() - std::min(skip, all.size());
+      for (std::size_t capacity : {left / 2, left, left + 70}) {
+        const auto out = indices.Reset(capacity);
+        EXPECT_EQ(Survivors(any_world, kAll, out, options), all.size());
+        const std::size_t written = std::min(capacity, left);
+        EXPECT_TRUE(std::equal(
+            out.begin(), out.begin() + static_cast<std::ptrdiff_t>(written),
+            all.end() - static_cast<std::ptrdiff_t>(left)))
+            << skip << ", " << capacity;
+        EXPECT_TRUE(indices.IntactBut(written)) << skip << ", " << capacity;
+      }
+    }
+  };
+  Everywhere([&](const Options& options) {
+    check(world, options);
+    check(quantized, options);
+  });
+}
+
 INSTANTIATE_TEST_SUITE_P(Sizes, OutputsTest,
                          ::testing::Values(0, 1, 2, 63, 64, 65, 127, 128, 200,
                                            4096, 4161));

@@ -64,14 +64,13 @@ void Compare(Way flat, Way streaming, std::size_t begin, std::size_t size,
       query.min[k] = 0.5f - half_size;
     }
   }
-  detail::Scan scan = detail::ScanOfOne(world, query);
+  const View view = world.view();
+  detail::Scan scan = detail::ScanOf(view, &query, 1);
   scan.begin = begin;
   scan.end = begin + size;
-  scan.is_aligned =
-      (scan.addresses.bits | begin * scan.element_bytes) % 64 == 0;
   for (Target target : TargetsUnderTest()) {
     scan.kernels =
-        scan.all_kernels + dispatch::IndexOf(target, "streaming_test");
+        *scan.type->all_kernels + dispatch::IndexOf(target, "streaming_test");
     scan.is_streaming = false;
     const auto expected = WordsOf(scan, flat, size);
     scan.is_streaming = true;

@@ -1,0 +1,54 @@
+// The test of a half-space on one vector of bounds, for BVHs and for flat
+// scans: both find the same objects.
+//
+// Answers are the same on every target: each result is that of one operation in
+// IEEE's arithmetic, in one order, and a NaN is passed over by a compare, as
+// minima and maxima of it differ between targets.
+#if defined(HALFSPACE_KERNELS_BVH_FRONT_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_BVH_FRONT_INL_H_
+#undef HALFSPACE_KERNELS_BVH_FRONT_INL_H_
+#else
+#define HALFSPACE_KERNELS_BVH_FRONT_INL_H_
+#endif
+
+#include <cstddef>
+
+#include "hwy/highway.h"
+#include "kernels/bvh/shape.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// a > b ? a : b: b if one is no number.
+template <class V>
+HWY_INLINE V GreaterOf(V a, V b) {
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
+  return hn::Max(a, b);
+#else
+  return hn::IfThenElse(hn::Gt(a, b), a, b);
+#endif
+}
+
+// Negative for bounds behind the half-space. plane_of(term) is a vector of the
+// plane that a term reads.
+template <class D, class PlaneOf>
+HWY_INLINE hn::Vec<D> FrontSum(D d, const detail::Front& front,
+                               const PlaneOf& plane_of) {
+  auto sum = hn::Set(d, front.offset);
+  for (size_t t = 0; t < front.terms; ++t) {
+    const detail::Front::Term& term = front.term[t];
+    const auto value = plane_of(term);
+    sum = hn::Add(sum, GreaterOf(hn::Mul(value, hn::Set(d, term.more)),
+                                 hn::Mul(value, hn::Set(d, term.less))));
+  }
+  return sum;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
+
+#endif  // HALFSPACE_KERNELS_BVH_FRONT_INL_H_

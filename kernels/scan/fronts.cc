@@ -1,0 +1,113 @@
+// The kernels of flat scans for half-spaces, of every target. They read a list
+// of planes, so that there is one for all worlds of floats.
+#include "kernels/scan/fronts.h"
+
+#include <cstddef>
+#include <cstdint>
+
+#include "kernels/compiled_targets.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/scan/fronts.cc"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+#include "hwy/highway.h"
+
+// After foreach_target.h, which decides what they are compiled for.
+#include "kernels/bvh/front-inl.h"
+#include "kernels/scan/words-inl.h"
+
+#ifndef HALFSPACE_KERNELS_SCAN_FRONTS_CC_
+#define HALFSPACE_KERNELS_SCAN_FRONTS_CC_
+
+namespace halfspace::detail {
+
+template <std::int64_t kTarget>
+inline constexpr TargetKernels kFrontKernelsFor{};
+
+}  // namespace halfspace::detail
+
+#endif  // HALFSPACE_KERNELS_SCAN_FRONTS_CC_
+
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// A vector of objects at a time, so that the first half-space that has all of
+// them behind it ends their test.
+template <class D, class Load>
+HWY_INLINE uint64_t FrontBits(D d, Load load, const detail::Scan& scan,
+                              const detail::Fronts& query, size_t i) {
+  uint64_t kept = ~uint64_t{0} >> (kWordObjects - hn::Lanes(d));
+  for (size_t f = 0; f < query.count && kept != 0; ++f) {
+    const auto sum = FrontSum(
+        d, query.front[f], [&](const detail::Front::Term& term) HWY_ATTR {
+          return load(d, scan.Plane<float>(term.plane) + i);
+        });
+    kept &= ~LaneBits(d, hn::Lt(sum, hn::Zero(d)));
+  }
+  return kept;
+}
+
+uint64_t FrontWord(const detail::Scan& scan, const void* query, size_t begin,
+                   size_t count) {
+  const auto& fronts = *static_cast<const detail::Fronts*>(query);
+  const WordTag<float> d;
+  const size_t lanes = hn::Lanes(d);
+  uint64_t bits = 0;
+  size_t l = 0;
+  for (; l + lanes <= count; l += lanes) {
+    bits |= FrontBits(d, LoadAll(), scan, fronts, begin + l) << l;
+  }
+  if (l == count) return bits;
+  const LoadFirst load{count - l};
+  bits |= FrontBits(d, load, scan, fronts, begin + l) << l;
+  return bits & ~(~uint64_t{0} << count);
+}
+
+int64_t FrontRow(const detail::Scan& scan, const detail::Part& part) {
+  uint64_t* row = part.rows;
+  for (size_t i = part.begin; i < part.end; i += kWordObjects) {
+    *row++ =
+        FrontWord(scan, part.queries, i, HWY_MIN(kWordObjects, part.end - i));
+  }
+  return HWY_TARGET;
+}
+
+constexpr detail::TargetKernels MakeFrontKernels() {
+  detail::TargetKernels kernels{};
+  kernels.nonzero_words = &FindNonzeroWords;
+  kernels.count_bits = &CountBits;
+  for (size_t way = 0; way < detail::kWays; ++way) {
+    kernels.run[way] = &FrontRow;
+    kernels.word[way] = &FrontWord;
+  }
+  return kernels;
+}
+
+}  // namespace HWY_NAMESPACE
+
+namespace detail {
+
+template <>
+inline constexpr TargetKernels kFrontKernelsFor<HWY_TARGET> =
+    HWY_NAMESPACE::MakeFrontKernels();
+
+}  // namespace detail
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace halfspace::detail {
+namespace {
+
+constexpr auto kOfEachTarget = kernels::OfEachTarget<TargetKernels>(
+    [](auto target) { return kFrontKernelsFor<target()>; });
+
+}  // namespace
+
+const TargetKernels* const kFrontKernels = kOfEachTarget.data();
+
+}  // namespace halfspace::detail
+#endif  // HWY_ONCE

@@ -1,0 +1,16 @@
+// Half-spaces as the query of a flat scan. No Highway here.
+#ifndef HALFSPACE_KERNELS_SCAN_FRONTS_H_
+#define HALFSPACE_KERNELS_SCAN_FRONTS_H_
+
+#include "kernels/bvh/shape.h"
+#include "kernels/scan/kernel_table.h"
+
+namespace halfspace::detail {
+
+// Of each compiled target, best first: one kernel for any planes of floats, and
+// for every way. Its queries are Fronts.
+extern const TargetKernels* const kFrontKernels;
+
+}  // namespace halfspace::detail
+
+#endif  // HALFSPACE_KERNELS_SCAN_FRONTS_H_
