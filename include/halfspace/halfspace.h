@@ -20,11 +20,12 @@
 //   reject_shapes.h  tests half-spaces
 //   bvh.h          a hierarchy (BVH) for large worlds
 //   runner.h       the caller's threads, for its builds
-//   bvh_shapes.h   its queries by points, spheres, segments, oriented boxes,
-//   ... bvh_nearest.h  its k nearest, ray casts and box casts bvh_pairs.h all
-//   overlapping pairs of such worlds targets.h      instruction sets error.h
-//   how calls report a violated precondition version.h      the library's
-//   version
+//   bvh_shapes.h   its queries by points, spheres, segments, oriented boxes
+//   bvh_nearest.h  its k nearest, ray casts and box casts
+//   bvh_pairs.h    all overlapping pairs of such worlds
+//   targets.h      instruction sets
+//   error.h        how calls report a violated precondition
+//   version.h      the library's version
 //
 // The pages of docs/ that headers name are installed with the headers, in
 // share/doc/halfspace.
