@@ -63,6 +63,12 @@ foreach(source_name Boxes Spheres Triangles PointSets)
   endforeach()
 endforeach()
 
+# As fast as with -O3, in two thirds of the code.
+if(NOT MSVC)
+  set_property(SOURCE kernels/bvh/shapes.cc APPEND PROPERTY COMPILE_OPTIONS
+    $<$<CONFIG:Release>:-O2>)
+endif()
+
 # Bvh worlds have 2 or 3 dimensions.
 foreach(axes IN LISTS all_axes)
   if(axes LESS 5)

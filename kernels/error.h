@@ -10,9 +10,10 @@ namespace halfspace::kernels {
 // Throws std::invalid_argument("halfspace: CALL: ARGUMENT: expected EXPECTED,
 // got GIVEN"), or tells that to the program's handler (halfspace/error.h),
 // which may leave without a destructor being called.
-[[noreturn]] void ThrowInvalid(std::string_view call, std::string_view argument,
-                               std::string_view expected,
-                               std::string_view given);
+[[noreturn, gnu::cold]] void ThrowInvalid(std::string_view call,
+                                          std::string_view argument,
+                                          std::string_view expected,
+                                          std::string_view given);
 
 }  // namespace halfspace::kernels
 

@@ -18,6 +18,17 @@ inline bool IsAligned(const void* pointer, std::size_t alignment) {
   return address != 0 && (address & (alignment - 1)) == 0;
 }
 
+[[noreturn, gnu::cold, gnu::noinline]] inline void ThrowPointer(
+    std::string_view call, const void* pointer, std::size_t alignment,
+    std::string_view name, std::string_view expected) {
+  if (pointer == nullptr) {
+    ThrowInvalid(call, name, expected, "a null pointer");
+  }
+  ThrowInvalid(call, name,
+               "a pointer aligned to " + std::to_string(alignment) + " bytes",
+               "a misaligned one");
+}
+
 // Throws unless `pointer` is neither null nor misaligned. name() and expected()
 // return strings for the message. `alignment` is a power of two: a division
 // would take longer than the other checks of a call.
@@ -35,27 +46,26 @@ inline void CheckPointer(std::string_view call, const void* pointer,
                "a misaligned one");
 }
 
+// Apart, as its text is many times the check.
+[[noreturn, gnu::cold, gnu::noinline]] inline void ThrowMemory(
+    std::string_view call, std::string_view argument, const void* memory,
+    std::size_t size, std::size_t alignment) {
+  ThrowPointer(call, memory, alignment, argument,
+               "memory for " + std::to_string(size) + " elements");
+}
+
 // The same for memory of `size` elements; any will do for none.
 inline void CheckMemory(std::string_view call, std::string_view argument,
                         const void* memory, std::size_t size,
                         std::size_t alignment) {
   if (size == 0 || IsAligned(memory, alignment)) [[likely]]
     return;
-  CheckPointer(
-      call, memory, alignment, [&] { return std::string(argument); },
-      [&] { return "memory for " + std::to_string(size) + " elements"; });
+  ThrowMemory(call, argument, memory, size, alignment);
 }
 
-// Throws unless the scalars of `count` > 0 elements fit the address space: one
-// begins `stride` scalars after another, and the last has `last`. The message
-// names the larger of stride and count; `argument` is also the name of the
-// elements.
-inline void CheckExtent(std::string_view call, std::string_view argument,
-                        std::size_t scalar_bytes, std::size_t count,
-                        std::size_t stride, std::size_t last) {
-  const std::size_t most =
-      std::numeric_limits<std::size_t>::max() / scalar_bytes;
-  if (stride == 0 || count - 1 <= (most - last) / stride) return;
+[[noreturn, gnu::cold, gnu::noinline]] inline void ThrowExtent(
+    std::string_view call, std::string_view argument, std::size_t count,
+    std::size_t stride) {
   const std::string name(argument);
   if (stride > count) {
     ThrowInvalid(call, name + ".stride",
@@ -69,6 +79,19 @@ inline void CheckExtent(std::string_view call, std::string_view argument,
                std::to_string(count));
 }
 
+// Throws unless the scalars of `count` > 0 elements fit the address space: one
+// begins `stride` scalars after another, and the last has `last`. The message
+// names the larger of stride and count; `argument` is also the name of the
+// elements.
+inline void CheckExtent(std::string_view call, std::string_view argument,
+                        std::size_t scalar_bytes, std::size_t count,
+                        std::size_t stride, std::size_t last) {
+  const std::size_t most =
+      std::numeric_limits<std::size_t>::max() / scalar_bytes;
+  if (stride == 0 || count - 1 <= (most - last) / stride) return;
+  ThrowExtent(call, argument, count, stride);
+}
+
 // Throws unless `count` elements of `bytes` each fit the address space.
 inline void CheckAddressable(std::string_view call, std::string_view argument,
                              std::size_t count, std::size_t bytes) {
@@ -78,8 +101,8 @@ inline void CheckAddressable(std::string_view call, std::string_view argument,
 }
 
 // Plane `p` of all minima, then all maxima.
-inline std::string PlaneName(std::string_view planes, std::size_t axes,
-                             std::size_t p) {
+[[gnu::cold]] inline std::string PlaneName(std::string_view planes,
+                                           std::size_t axes, std::size_t p) {
   std::string name(planes);
   name += p < axes ? ".min[" : ".max[";
   return name + std::to_string(p % axes) + "]";
