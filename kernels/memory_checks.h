@@ -13,11 +13,13 @@
 
 namespace halfspace::kernels {
 
+// Whether it is neither null nor misaligned.
 inline bool IsAligned(const void* pointer, std::size_t alignment) {
   const auto address = reinterpret_cast<std::uintptr_t>(pointer);
   return address != 0 && (address & (alignment - 1)) == 0;
 }
 
+// What throws is apart from the checks, as it is many times their code.
 [[noreturn, gnu::cold, gnu::noinline]] inline void ThrowPointer(
     std::string_view call, const void* pointer, std::size_t alignment,
     std::string_view name, std::string_view expected) {
@@ -36,17 +38,11 @@ template <typename Name, typename Expected>
 inline void CheckPointer(std::string_view call, const void* pointer,
                          std::size_t alignment, const Name& name,
                          const Expected& expected) {
-  if (IsAligned(pointer, alignment)) [[likely]]
-    return;
-  if (pointer == nullptr) {
-    ThrowInvalid(call, name(), expected(), "a null pointer");
+  if (!IsAligned(pointer, alignment)) {
+    ThrowPointer(call, pointer, alignment, name(), expected());
   }
-  ThrowInvalid(call, name(),
-               "a pointer aligned to " + std::to_string(alignment) + " bytes",
-               "a misaligned one");
 }
 
-// Apart, as its text is many times the check.
 [[noreturn, gnu::cold, gnu::noinline]] inline void ThrowMemory(
     std::string_view call, std::string_view argument, const void* memory,
     std::size_t size, std::size_t alignment) {
@@ -58,9 +54,9 @@ inline void CheckPointer(std::string_view call, const void* pointer,
 inline void CheckMemory(std::string_view call, std::string_view argument,
                         const void* memory, std::size_t size,
                         std::size_t alignment) {
-  if (size == 0 || IsAligned(memory, alignment)) [[likely]]
-    return;
-  ThrowMemory(call, argument, memory, size, alignment);
+  if (size != 0 && !IsAligned(memory, alignment)) {
+    ThrowMemory(call, argument, memory, size, alignment);
+  }
 }
 
 [[noreturn, gnu::cold, gnu::noinline]] inline void ThrowExtent(
