@@ -23,26 +23,6 @@
 
 namespace halfspace::bench {
 
-// The blocks that a query visits below and at one of a level, by the floats of
-// the nodes.
-template <int kDims>
-std::size_t VisitedBlocks(const detail::BvhLevels& levels, std::size_t level,
-                          std::size_t block, const Aabb<kDims>& query) {
-  std::size_t visited = 1;
-  if (level == 0) return visited;
-  const detail::BvhLevel& nodes = levels.level[level];
-  const std::size_t end = std::min(nodes.size, (block + 1) * 64);
-  for (std::size_t n = block * 64; n < end; ++n) {
-    bool is_kept = true;
-    for (std::size_t k = 0; k < kDims; ++k) {
-      is_kept &= nodes.Value(k, n) <= query.max[k] &&
-                 nodes.Value(kDims + k, n) >= query.min[k];
-    }
-    if (is_kept) visited += VisitedBlocks(levels, level - 1, n, query);
-  }
-  return visited;
-}
-
 // All that can answer the queries of a set, beside each other.
 template <int kDims>
 class Contest {
@@ -318,14 +298,14 @@ class Contest {
 
   // For the ids of all queries.
   void MakeRoom(const Tree& world) {
-    const detail::BvhLevels& levels = detail::TreeOf(world).levels();
     std::size_t sum = 0;
-    std::size_t blocks = 0;
+    QueryStatistics read;
     for (const Box& query : set_.queries) {
-      sum += CountSurvivors(world, query);
-      blocks += VisitedBlocks(levels, levels.count - 1, 0, query);
+      // By ids: a count does not visit what is inside a query.
+      sum += Survivors(world, query, {}, {.statistics = &read});
     }
-    blocks_ = static_cast<double>(blocks) / kTimedQueries;
+    blocks_ =
+        static_cast<double>(read.node_blocks + read.leaves) / kTimedQueries;
     survivors_ = static_cast<double>(sum) / kTimedQueries;
     all_ids_.resize(sum + 1);
     offsets_.resize(kTimedQueries + 1);
