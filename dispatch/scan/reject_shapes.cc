@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <utility>
 
 #include "kernels/error.h"
 #include "kernels/exact/default_fp_mode.h"
@@ -55,26 +54,26 @@ class FrontScan {
 void FrontMask(Scan&& scan, const HalfSpaceList& half_spaces,
                Span<std::uint64_t> mask, const Options& options) {
   const FrontScan fronts(scan, half_spaces, "SurvivorMask");
-  SurvivorMask(std::move(scan), mask, options);
+  SurvivorMask(Scan(scan), mask, options);
 }
 
 std::size_t FrontSurvivors(Scan&& scan, const HalfSpaceList& half_spaces,
                            Span<std::uint32_t> indices,
                            const Options& options) {
   const FrontScan fronts(scan, half_spaces, "Survivors");
-  return Survivors(std::move(scan), indices, options);
+  return Survivors(Scan(scan), indices, options);
 }
 
 std::size_t FrontCount(Scan&& scan, const HalfSpaceList& half_spaces,
                        const Options& options) {
   const FrontScan fronts(scan, half_spaces, "CountSurvivors");
-  return CountSurvivors(std::move(scan), options);
+  return CountSurvivors(Scan(scan), options);
 }
 
 std::size_t FrontAny(Scan&& scan, const HalfSpaceList& half_spaces,
                      const Options& options) {
   const FrontScan fronts(scan, half_spaces, "AnySurvivor");
-  return AnySurvivor(std::move(scan), options);
+  return AnySurvivor(Scan(scan), options);
 }
 
 }  // namespace halfspace::detail

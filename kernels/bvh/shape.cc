@@ -24,7 +24,8 @@ float RoundedDown(double value) { return -RoundedUp(-value); }
 // the radius: of r (1 + 2^-19) + 2^-120, whatever of this is rounded off.
 float SquaredLimit(float radius) {
   const float limit = radius * radius * (1 + 0x1.2p-18f) + 0x1p-124f;
-  return limit < 0x1.fffffp127f ? limit : kInf;
+  if (limit >= 0x1.fffffp127f) return kInf;
+  return limit;
 }
 
 }  // namespace
