@@ -1,5 +1,5 @@
 // Which spheres are nearest to a place, and which one does a ray hit first?
-// Both searches go from near to far, and stop where nothing nearer can be left.
+// Both searches go from near to far and stop when no nearer object is left.
 #include <halfspace/halfspace.h>
 
 #include <algorithm>

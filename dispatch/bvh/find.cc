@@ -99,7 +99,7 @@ void RunWalks(const BvhTree& tree, const BvhQueries& queries,
       counts,         options.mask,  options.statistics, is_urgent};
   if (queries.kind != nullptr) {
     queries.kind->walk(tree, queries, options, call, walk);
-  } else if (!tree.ids().empty()) {
+  } else if (!FindsNothing(tree, options)) {
     (ids != nullptr ? kernels.find : kernels.count)(walk);
   }
 }
@@ -163,7 +163,9 @@ std::size_t BvhSurvivorsOfEach(const BvhTree& tree, const BvhQueries& queries,
   RunWalks(tree, queries, options, kCall, kernels, &to, nullptr);
   offsets[0] = 0;
   // No query has walked.
-  if (tree.ids().empty()) std::fill_n(offsets.data(), queries.count + 1, 0);
+  if (FindsNothing(tree, options)) {
+    std::fill_n(offsets.data(), queries.count + 1, 0);
+  }
   return to.End();
 }
 

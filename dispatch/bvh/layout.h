@@ -10,7 +10,7 @@
 #include <cstring>
 
 #include "dispatch/targets/chosen_target.h"
-#include "halfspace/detail/bvh.h"
+#include "halfspace/bvh.h"
 #include "kernels/bvh/block.h"
 
 namespace halfspace::detail {
@@ -81,6 +81,11 @@ constexpr std::size_t PartsOf(std::size_t slots) {
 
 inline std::size_t PlanesOf(const BvhShape& shape) {
   return shape.has_max ? 2u * shape.axes : shape.axes;
+}
+
+// No object is there, or has a mask with one of the wanted bits.
+inline bool FindsNothing(const BvhTree& tree, const QueryOptions& options) {
+  return tree.ids().empty() || options.mask == 0;
 }
 
 inline const BvhKernels::OfPlanes& KernelsFor(const BvhShape& shape,

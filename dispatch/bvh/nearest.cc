@@ -11,6 +11,7 @@
 #include <new>
 #include <string>
 
+#include "dispatch/bvh/layout.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/bvh.h"
 #include "halfspace/bvh_nearest.h"
@@ -184,7 +185,7 @@ std::size_t BvhNearest(const BvhTree& tree, const NearQueries& query,
   constexpr const char* kCall = "KNearest";
   CheckOutputs(kCall, max_distance, ids, distances);
   const auto& kernels = KernelsFor(options, kCall);
-  if (tree.ids().empty()) return 0;
+  if (FindsNothing(tree, options)) return 0;
   NearestSearch search = MakeSearch(tree, options);
   return kernels::InDefaultFpMode([&] {
     SetQuery(query, 0, KeyLimit(max_distance), search);
@@ -216,7 +217,7 @@ void BvhNearestOfEach(const BvhTree& tree, const NearQueries& queries,
       const Span<float> row_distances(distances.data() + row,
                                       distances.empty() ? 0 : k);
       std::size_t found = 0;
-      if (!tree.ids().empty()) {
+      if (!FindsNothing(tree, options)) {
         SetQuery(queries, row / k, limit, search);
         found = WriteNearest(kernels, search, row_ids, row_distances);
       }
@@ -234,7 +235,7 @@ void BvhForEachNearest(const BvhTree& tree, const NearQueries& query,
   constexpr const char* kCall = "ForEachNearest";
   CheckLimit(kCall, "max_distance", max_distance);
   const auto& kernels = KernelsFor(options, kCall);
-  if (tree.ids().empty()) return;
+  if (FindsNothing(tree, options)) return;
   NearestSearch search = MakeSearch(tree, options);
   kernels::InDefaultFpMode(
       [&] { SetQuery(query, 0, KeyLimit(max_distance), search); });
@@ -246,7 +247,7 @@ void BvhCast(const BvhTree& tree, const LineCast& cast, NearFunction function,
   CheckLimit(cast.call, "max_t", cast.max_t);
   CheckLimit(cast.call, "radius", cast.radius);
   const auto& kernels = KernelsFor(options, cast.call);
-  if (tree.ids().empty()) return;
+  if (FindsNothing(tree, options)) return;
   const BvhShape& shape = tree.shape();
   LineSearch search;
   search.levels = &tree.levels();

@@ -259,13 +259,13 @@ void BvhWalkShapes(const BvhTree& tree, const BvhQueries& queries,
   const auto at = [&](std::size_t q) {
     return queries.kind->at(queries.first, q);
   };
-  const bool is_empty = tree.ids().empty();
-  if (queries.count != 1 || is_empty) {
+  const bool finds_nothing = FindsNothing(tree, options);
+  if (queries.count != 1 || finds_nothing) {
     kernels::InDefaultFpMode([&] {
       for (std::size_t q = 0; q < queries.count; ++q) CheckShape(at(q), call);
     });
   }
-  if (is_empty) return;
+  if (finds_nothing) return;
   for (std::size_t q = 0; q < queries.count; ++q) {
     const BvhShapeQuery query = at(q);
     kernels::InDefaultFpMode([&] {

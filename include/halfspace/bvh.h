@@ -20,17 +20,18 @@
 // reject an object, prove that it survives, or leave the decision to the
 // floats.
 //
-// Other queries of the same world: bvh_shapes.h (spheres, segments,
-// half-spaces), bvh_nearest.h (k nearest, ray casts), bvh_pairs.h (all
-// overlapping pairs: a broad phase). A program links only the queries it calls.
-// docs/bvh.md has the layout, the proof that no overlap is missed, and
-// measurements.
+// Other queries of the same world: bvh_shapes.h (points, spheres, segments,
+// capsules, oriented boxes, half-spaces), bvh_nearest.h (k nearest, ray casts,
+// box casts), bvh_pairs.h (all overlapping pairs: a broad phase). A program
+// links only the queries it calls. docs/bvh.md has the layout, the proof that
+// no overlap is missed, and measurements.
 //
 // Bounds are floats in 2 or 3 dimensions: Bvh<SimplexView3>,
 // Bvh<AabbView3>, Bvh<AaboView3>, or the same with 2. Each call
 // takes a query of the view's Query type. NaN, empty, inverted and infinite
 // values mean the same as in reject.h. Bounds of doubles become floats that
-// enclose them. For a query of doubles, call RoundOutward (transform.h).
+// enclose them. For a query of doubles, call RoundOutward (transform.h), and
+// for a sphere or another shape of doubles use its bound (fit.h).
 //
 // Errors (error.h), in every call: an output or a list of more than 0 elements
 // is null or misaligned; the target is not supported. Outputs and queries must
@@ -71,9 +72,10 @@ enum class BuildQuality : std::uint8_t {
   // load of an R-tree.
   kHigh,
   // Sorts along a Hilbert curve. O(n), about a fifth of the time. Queries take
-  // up to 1.4 times as long as with kHigh. The curve's cells, 1024 for each of
-  // 3 axes, are where most objects are: objects far away share the cells at the
-  // end.
+  // up to 1.4 times as long as with kHigh. The curve has 1024 cells for each of
+  // 3
+  // axes. They cover the region of most objects, and objects outside it share
+  // the outermost cells.
   kFast,
 };
 
@@ -96,15 +98,19 @@ struct QueryStatistics {
 
 struct QueryOptions {
   // Finds only objects whose mask (Bvh::SetMasks) has at least one of these
-  // bits. All ones finds all objects.
+  // bits: all ones finds all objects, and 0 none.
   std::uint32_t mask = 0xFFFFFFFF;
   Target target = {};  // by default, the chosen one (targets.h)
   // Survivors() and SurvivorsOfEach(): does not write the first `skip` ids, so
   // that a call whose `ids` were too short can be continued. The order of the
   // ids is the same in each call with the same arguments and target, until the
-  // world changes. What is returned, and offsets, are as without it.
+  // world changes. The return value and `offsets` do not depend on `skip`.
   std::size_t skip = 0;
-  QueryStatistics* statistics = nullptr;  // added to, if not null
+  // If it is not null, Survivors(), CountSurvivors(), AnySurvivor(),
+  // ForEachSurvivor() and SurvivorsOfEach() add what they read. Searches and
+  // casts (bvh_nearest.h) do not. Calls that run at the same time need one
+  // each.
+  QueryStatistics* statistics = nullptr;
 };
 
 namespace detail {
@@ -153,9 +159,8 @@ bool CallWithSome(void* function, Span<const Item> items) {
 // Memory: one block, from the heap or from a resource of the caller's
 // (memory.h, which says what copies, moves and swap(a, b) use). Boxes in 3
 // dimensions take 41 bytes per place, 24 of them floats, 4 more per id after
-// the first change by id, and 4 more per place with masks. During a build
-// there are 16 bytes per object more, and while all objects are sorted again up
-// to 112.
+// the first change by id, and 4 more per place with masks. A build needs
+// 16 more bytes per object. Sorting all objects again needs up to 112.
 //
 // Places: an object has a place in the order, and an erased object leaves an
 // empty one. There are never more than 2 * size() + 64 places. Objects move
@@ -171,8 +176,9 @@ bool CallWithSome(void* function, Span<const Item> items) {
 // there are 2^31 objects or more; the quality is none of the enumerators; an id
 // is not that of an object in the world. A failed allocation throws
 // std::bad_alloc. The world is then as it was, and what ids() and Blob()
-// returned stays valid. If `run` throws in a constructor, there is no world. If
-// it throws in Refit(), call Refit() again before the next query.
+// returned stays valid. If `run` throws in a constructor, no world is
+// created. In Rebuild(), the world is unchanged. In Refit(), call Refit() again
+// before the next query.
 template <typename ViewType>
 class Bvh {
  public:
@@ -364,8 +370,8 @@ class Bvh {
   // doubles (shapes.h). For other Bvhs, and for other shapes of doubles, use
   // Fitted() with a builder of fit_many.h.
   //
-  // A list, a build and a refit of doubles allocate 4 bytes per plane and
-  // object more, and free them.
+  // Set() and Insert() of a list, a build and a refit of doubles allocate 4
+  // more bytes per plane and object, and free them.
   template <typename Objects, typename = detail::IfOther<View, Objects>>
   explicit Bvh(const Objects& objects, const BuildOptions& options = {})
       : Bvh(options.memory) {
@@ -484,7 +490,7 @@ template <typename View>
 
 // Returns the number of survivors. A node inside a box or an octahedron is
 // counted without a visit, so the cost of a large query grows with its surface
-// and not with its volume.
+// and not with its volume. A query with a mask visits it, if masks were set.
 template <typename View>
 [[nodiscard]] std::size_t CountSurvivors(const Bvh<View>& world,
                                          const typename View::Query& query,

@@ -20,16 +20,17 @@
 // A callback is function(std::uint32_t id, float value), or function(id, value,
 // const Bound&) to get the bound of the object too. It is called for one object
 // after another with the distance or t, and returns nothing, a Visit, or a
-// Limit of the distance or t (visit.h). A negative limit ends the search. The
-// callback must not change the world. Its exceptions pass through. It runs in
-// the caller's floating-point mode.
+// Limit of the distance or t (visit.h). A negative limit ends the search, and a
+// NaN changes nothing. The callback must not change the world. Its exceptions
+// pass through. It runs in the caller's floating-point mode.
 //
 // Results are the same on every target and in every floating-point mode. No
 // call traps.
 //
-// Errors (error.h): the target is not supported; a limit or radius is negative
-// or NaN; an output with room is null or misaligned; `distances` is not empty
-// and has another size than `ids`.
+// Errors (error.h): the target is not supported; `max_distance`, `max_t` or
+// `radius` is negative or NaN; an output with room or a list of queries is null
+// or misaligned; `distances` is not empty and has another size than `ids`; in
+// KNearestOfEach(), `ids.size()` is not the number of queries times `k`.
 //
 // Thread safety: as in bvh.h, with 24 KiB of stack. No call allocates.
 //
@@ -134,12 +135,13 @@ inline constexpr std::uint32_t kNoId = detail::kNoId;
 //
 // NaN and infinities: a plane with a NaN, and the axis of a coordinate that is
 // a NaN, limits nothing. An object infinitely far from an infinite coordinate
-// is not found. An Empty() object is found only if all coordinates are NaN.
+// is not found. An Empty() object is found only if every axis of the query is a
+// NaN or, for a box, reaches from -infinity to infinity.
 //
 // Cost: a search for k objects visits about 4 + k / 16 blocks, nearest first.
 // For any number of objects it takes at most about the time to compute all
 // distances and sort the least ones (docs/bvh.md). One search finds up to
-// 2048 objects. A call for more takes about log2(k / 1024) further searches,
+// 2048 objects. A call for more takes about log2(k / 2048) further searches,
 // which use `ids` as scratch memory.
 template <typename View>
 [[nodiscard]] std::size_t KNearest(
@@ -152,7 +154,8 @@ template <typename View>
 }
 
 // The same for an Aabb. The distance between two boxes that overlap is 0. An
-// Empty() box finds nothing.
+// Empty() box finds nothing. `box.min` must not be greater than `box.max` on
+// any other box: the distances would have no meaning.
 template <typename View, typename Box,
           typename = std::enable_if_t<
               std::is_same_v<Box, Aabb<View::Bound::kDimensions>>>>
@@ -222,9 +225,9 @@ void ForEachNearest(const Bvh<View>& world,
 // that the ray enters up to the current limit is left out, and no object beyond
 // it is found. The example above finds the first hit.
 //
-// Rounding: t is at most the exact value, and within 2^-18 of it, or of what
-// the rounding of the origin and the planes amounts to. Up to 2^-100 beyond a
-// limit counts as at the limit.
+// Rounding: t is at most the exact value. It is less by at most 2^-18
+// (relative), or by the error from rounding the origin and the planes. Up to
+// 2^-100 beyond a limit counts as at the limit.
 //
 // NaN and infinities: a plane with a NaN limits nothing, and neither does an
 // axis on which the origin or the direction is a NaN, the origin is beyond

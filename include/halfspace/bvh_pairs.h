@@ -21,7 +21,8 @@
 //
 // Errors (error.h), in every call: an output with room or a list of ids is null
 // or misaligned; an id is not that of an object in the world; the margin is
-// negative or not finite; the masks of a set are not as many as its ids; the
+// negative or not finite; `wanted` is not empty and has another size than
+// `ids`, or the call has no set; the
 // target is not supported.
 //
 // Floating-point mode: as in bvh.h.
@@ -74,12 +75,11 @@ struct PairOptions {
   // two objects of the set is found if at least one wants the other; the
   // pair's `a` does. If an id is given twice, it wants what either mask wants.
   Span<const std::uint32_t> wanted = {};
-  // Also finds pairs of objects that are at most this far apart on each of the
-  // axes X, Y and Z, and on D 2 or 3 times as far, in as many dimensions: the
-  // bound of one of them, grown on all sides, overlaps the other. Values are
-  // rounded outward, so a pair can be found that is farther apart by up to
-  // 2^-21 of its coordinates and of the margin. Must be finite and not
-  // negative.
+  // Also finds pairs that are at most this far apart on each of X, Y and Z. On
+  // D they may be as many times as far apart as there are dimensions. The bound
+  // of one of them, grown on all sides, overlaps the other. Values are rounded
+  // outward, so a pair can be found that is farther apart by up to 2^-21 of its
+  // coordinates and of the margin. Must be finite and not negative.
   float margin = 0;
   // The first `skip` pairs are not written, and no function is called for them.
   // So a call that had no room for all pairs can be continued. The number that
@@ -159,16 +159,16 @@ void ForEachPair(const Bvh<View>& a, const Bvh<View>& b, Function&& function,
 // The exception is a world that has never changed by id, in which each call
 // searches ids() for the objects, O(n). Reserve(size()) prevents that.
 //
-// Both calls allocate nothing for up to 63 ids in a world that has changed by
-// id. Otherwise they can allocate from the world's MemoryResource
-// (Bvh::memory()), in the calling thread, and free it before they return: up to
-// 128 bytes for each id, but not more than a quarter of a byte for each object,
-// and 4 bytes for each id with `wanted`. A search takes a bit for each object
-// more, and with `wanted` twice the rest. The world is const, but its resource
-// is used: calls that run at the same time, such as those on different parts,
-// need a resource that is thread-safe. The default resource is. A failed
-// allocation throws std::bad_alloc before a pair is written and before the
-// function is called.
+// PairsOf() and ForEachPairOf() allocate nothing for up to 63 ids in a world
+// that has changed by id. Otherwise they can allocate from the world's
+// MemoryResource (Bvh::memory()), in the calling thread, and free it before
+// they return: up to 128 bytes for each id, but not more than a quarter of a
+// byte for each object, and 4 bytes for each id with `wanted`. The search needs
+// one bit more for each object. With `wanted` the set takes twice the memory.
+// The world is const, but its resource is used: calls that run at the same
+// time, such as those on different parts, need a resource that is thread-safe.
+// The default resource is. A failed allocation throws std::bad_alloc before a
+// pair is written and before the function is called.
 template <typename View>
 [[nodiscard]] std::size_t PairsOf(const Bvh<View>& world,
                                   Span<const std::uint32_t> ids,

@@ -17,11 +17,11 @@
 //   memory.h       where owning worlds allocate their memory
 //   reject.h       tests one query: masks, index lists, counts
 //   reject_many.h  tests several queries
-//   reject_shapes.h  tests half-spaces
+//   reject_shapes.h  tests half-spaces, for example a frustum
 //   bvh.h          a hierarchy (BVH) for large worlds
-//   runner.h       the caller's threads, for its builds
-//   bvh_shapes.h   its queries by points, spheres, segments, oriented boxes
-//   bvh_nearest.h  its k nearest, ray casts and box casts
+//   runner.h       the caller's threads, for builds and refits of a BVH
+//   bvh_shapes.h   BVH queries by points, spheres, oriented boxes and others
+//   bvh_nearest.h  k nearest, ray casts and box casts on a BVH
 //   bvh_pairs.h    all overlapping pairs of such worlds
 //   targets.h      instruction sets
 //   error.h        how calls report a violated precondition

@@ -27,7 +27,7 @@
 //
 // Cost: with six half-spaces about 1 ns per object with AVX-512 and 3 ns with
 // SSE4, which is five to eleven times the cost of a box query (a Xeon, family
-// 6, model 167). From a few thousand objects on, a BVH is faster.
+// 6, model 167). From about 500 objects on, a BVH is faster.
 //
 // Source: the support function of a box is common knowledge.
 #ifndef HALFSPACE_REJECT_SHAPES_H_

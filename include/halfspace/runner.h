@@ -3,7 +3,7 @@
 //   auto run = [&](std::size_t count, const halfspace::Runner::Part& part) {
 //     pool.ParallelFor(count, part);
 //   };
-//   halfspace::AabbBvh3 bvh(world, {.run = run});
+//   halfspace::AabbBvh3 bvh(world, {.run = run});  // C++20
 //   bvh.Refit(bounds, run);
 //
 // Thread safety: a plain value. The library calls `run` in the calling thread,

@@ -154,6 +154,7 @@ using Capsule4 = Capsule<4>;
 using OrientedBox2 = OrientedBox<2>;
 using OrientedBox3 = OrientedBox<3>;
 using OrientedBox4 = OrientedBox<4>;
+using HalfSpace2 = HalfSpace<2>;
 using HalfSpace3 = HalfSpace<3>;
 using Boxes2 = Boxes<2>;
 using Boxes3 = Boxes<3>;

@@ -1,4 +1,4 @@
-// What the functions return that a search calls for what it found.
+// What a callback returns: whether the search continues, or its new limit.
 //
 //   ForEachSurvivor(bvh, query, [&](Span<const std::uint32_t> ids) {
 //     return ids[0] == wanted ? Visit::kStop : Visit::kContinue;
@@ -16,8 +16,8 @@ namespace halfspace {
 
 enum class Visit : std::uint8_t { kContinue, kStop };
 
-// The new limit of a search along a line or by distance: nothing beyond it is
-// found from then on. A limit greater than the last one changes nothing.
+// The new limit of a cast or of a search by distance. Objects beyond it are not
+// found from then on. A greater limit than the last one changes nothing.
 struct Limit {
   float value;
 };

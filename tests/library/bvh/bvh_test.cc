@@ -511,6 +511,31 @@ TYPED_TEST(BvhTest, TellsTheFirstLeafAtOnce) {
   }
 }
 
+TYPED_TEST(BvhTest, AMaskOfNothingFindsNothing) {
+  using View = typename TypeParam::View;
+  constexpr int kDims = View::Bound::kDimensions;
+  Bvh<View> bvh(Spread<View>(40.0f).Objects(5000));
+  const auto all = View::Query::Everything();
+  const QueryOptions options = {.mask = 0};
+  for (bool has_masks : {false, true}) {
+    if (has_masks) bvh.SetMasks(3, 5);
+    Ids ids(bvh.size());
+    std::vector<std::size_t> offsets(2, 7);
+    EXPECT_EQ(Survivors(bvh, all, ids, options), 0u);
+    EXPECT_EQ(CountSurvivors(bvh, all, options), 0u);
+    EXPECT_FALSE(AnySurvivor(bvh, all, options).has_value());
+    EXPECT_EQ(SurvivorsOfEach(bvh, Span<const typename View::Query>(&all, 1),
+                              ids, offsets, options),
+              0u);
+    EXPECT_EQ(offsets, (std::vector<std::size_t>{0, 0}));
+    EXPECT_EQ(CountSurvivors(bvh, Sphere<kDims>{{}, 100}, options), 0u);
+    EXPECT_EQ(KNearest(bvh, Point<kDims>{}, ids, {}, 1e9f, options), 0u);
+    RayCast(
+        bvh, Ray<kDims>{{}, {1}, 100},
+        [](std::uint32_t id, float) { ADD_FAILURE() << id; }, options);
+  }
+}
+
 // The bytes beyond the planes of floats that a BVH of boxes may have,
 // ids and permutation included.
 TEST(BvhMemoryTest, IsAtMostThreeQuartersOfTheFloats) {

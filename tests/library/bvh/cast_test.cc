@@ -209,7 +209,7 @@ TYPED_TEST(BvhCastTest, FindsWhatIsTouchedWhereItIsTouched) {
       }
     }
   }
-  EXPECT_GT(touched, 1000u);
+  EXPECT_GT(touched, Scaled(1000));
 }
 
 TYPED_TEST(BvhCastTest, TheFunctionGetsTheBound) {
