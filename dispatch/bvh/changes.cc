@@ -171,10 +171,10 @@ void BvhTree::Reallocate(const char* call, const BvhRoom& room) {
                 BlocksOf(to.slots) * kBlockObjects * sizeof(std::uint32_t));
     std::memcpy(grown.levels_.built, levels_.built,
                 PartsOf(to.slots) * sizeof(BvhPart));
-    if (grown.levels_.count > old_count) {
+    const bool is_coded_now =
+        levels_.codes == nullptr && grown.levels_.codes != nullptr;
+    if (is_coded_now || grown.levels_.count > old_count) {
       const auto& kernels = KernelsFor(shape_, Target(), call);
-      const bool is_coded_now =
-          levels_.codes == nullptr && grown.levels_.codes != nullptr;
       kernels::InDefaultFpMode([&] {
         if (is_coded_now) FitMap(shape_, grown.levels_);
         EncodeLevels(grown.levels_, kernels, is_coded_now ? 0 : old_count - 1);

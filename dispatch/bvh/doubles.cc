@@ -106,12 +106,14 @@ void BvhTree::Build(const Columns<double>& objects,
 void BvhTree::Refit(const Columns<double>& objects, bool is_by_id,
                     const Runner& run) {
   if (!CheckRefit(objects.size, is_by_id)) return;
-  CheckColumns(shape_, objects, is_by_id ? "Bvh::Refit" : "Bvh::RefitInOrder");
-  const std::uint32_t* const ids = levels_.ids;
+  const char* const call = is_by_id ? "Bvh::Refit" : "Bvh::RefitInOrder";
+  CheckColumns(shape_, objects, call);
+  CheckLoaded(call);
   const Rounded rounded(shape_, memory_, slots());
   const FloatColumns in_order =
       rounded.Round(objects, run, [&](std::size_t s) -> std::size_t {
-        return is_by_id || ids[s] == kNoId ? ids[s] : s;
+        if (!IsPresent(levels_, s)) return kNoId;
+        return is_by_id ? levels_.ids[s] : s;
       });
   Refit(in_order, false, run);
 }

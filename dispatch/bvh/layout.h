@@ -18,6 +18,9 @@ namespace halfspace::detail {
 // Changes and rebuilds look at nodes of so many slots.
 inline constexpr std::size_t kPartSlots = kBlockObjects * kBlockObjects;
 
+// Leaves have codes in a tree with room for more slots.
+inline constexpr std::size_t kMostWithoutCodes = 4096;
+
 // More than this have no place in a list of blocks to visit.
 inline constexpr std::size_t kMostObjects = std::size_t{1} << 31;
 
@@ -70,7 +73,7 @@ inline std::atomic_ref<std::uint64_t> Checksum(BvhHeader& header) {
 
 inline constexpr char kBvhMagic[8] = {'h', 'a', 'l', 'f', 's', 'o', 'r', 't'};
 // Of the format. A blob of another one is refused.
-inline constexpr std::uint32_t kBvhVersion = 3;
+inline constexpr std::uint32_t kBvhVersion = 4;
 
 constexpr std::size_t BlocksOf(std::size_t objects) {
   return (objects + kBlockObjects - 1) / kBlockObjects;

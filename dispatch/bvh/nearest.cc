@@ -214,8 +214,9 @@ void BvhNearestOfEach(const BvhTree& tree, const NearQueries& queries,
     const float limit = KeyLimit(max_distance);
     for (std::size_t row = 0; row < ids.size(); row += k) {
       const Span<std::uint32_t> row_ids(ids.data() + row, k);
-      const Span<float> row_distances(distances.data() + row,
-                                      distances.empty() ? 0 : k);
+      const Span<float> row_distances =
+          distances.empty() ? Span<float>()
+                            : Span<float>(distances.data() + row, k);
       std::size_t found = 0;
       if (!FindsNothing(tree, options)) {
         SetQuery(queries, row / k, limit, search);

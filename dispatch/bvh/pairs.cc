@@ -260,7 +260,7 @@ std::array<float, 4> MarginsOf(const BvhShape& shape, float margin) {
     margins[k] = k < shape.dims
                      ? margin
                      : std::nextafter(static_cast<float>(shape.dims) * margin,
-                                      std::numeric_limits<float>::max());
+                                      std::numeric_limits<float>::infinity());
   }
   return margins;
 }
@@ -281,8 +281,11 @@ void Join(const PairSources& sources, const PairOptions& options,
       sources.kernels[dispatch::IndexOf(options.target, call)];
   const BvhTree& a = *sources.a;
   const BvhTree& b = sources.b != nullptr ? *sources.b : a;
-  if (!(options.margin >= 0 &&
-        options.margin <= std::numeric_limits<float>::max())) {
+  // By its bits: a compare raises invalid for a NaN, and flushes subnormals.
+  const auto margin = std::bit_cast<std::uint32_t>(options.margin);
+  const bool has_margin = margin << 1 != 0;
+  if (has_margin && margin >= std::bit_cast<std::uint32_t>(
+                                  std::numeric_limits<float>::infinity())) {
     kernels::ThrowInvalid(call, "options.margin",
                           "a finite number that is not negative",
                           std::to_string(options.margin));
@@ -299,7 +302,7 @@ void Join(const PairSources& sources, const PairOptions& options,
   join.walk.mask = options.mask;
   join.queries = &a.levels();
   join.is_one_world = sources.b == nullptr;
-  join.has_margin = options.margin > 0;
+  join.has_margin = has_margin;
   if (join.has_margin) join.margins = MarginsOf(a.shape(), options.margin);
   join.begin = options.begin;
   join.end = std::min(options.end, BlocksOf(a.levels().level[0].size));

@@ -1,12 +1,12 @@
 // The calls of bvh_shapes.h: a shape becomes a query of planes, and a test
 // of what that keeps.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
-#include <tuple>
 
 #include "dispatch/bvh/layout.h"
 #include "dispatch/targets/chosen_target.h"

@@ -158,7 +158,8 @@ bool CallWithSome(void* function, Span<const Item> items) {
 //
 // Memory: one block, from the heap or from a resource of the caller's
 // (memory.h, which says what copies, moves and swap(a, b) use). Boxes in 3
-// dimensions take 41 bytes per place, 24 of them floats, 4 more per id after
+// dimensions take 41 bytes per place, 24 of them floats, or 29 with room for up
+// to 4096. They take 4 more per id after
 // the first change by id, and 4 more per place with masks. A build needs
 // 16 more bytes per object. Sorting all objects again needs up to 112.
 //

@@ -31,7 +31,7 @@ constexpr size_t LaneOf(size_t p) {
   return p < kAxes ? p : detail::CodeMap::kMaxLane + p - kAxes;
 }
 
-// The codes of values that T (block.h) has scaled, less the bias.
+// The codes of scaled values, less the bias.
 template <class D>
 HWY_INLINE hn::Vec<hn::Rebind<int32_t, D>> CodesOf(D d, hn::Vec<D> scaled) {
   const hn::Rebind<int32_t, D> di;

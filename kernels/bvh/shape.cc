@@ -70,7 +70,7 @@ void MakeLine(const ShapePlanes& planes, const double* low, const double* high,
     float inverse = 1 / static_cast<float>(rise);
     // What is no number tells nothing on this axis; neither does what a plane
     // could overflow with. The t of its planes is a NaN.
-    if (speed < 0x1p120 && size < 0x1p99) {
+    if (speed < 0x1p120 && size < 0x1p99 && least <= most) {
       ++limiting;
     } else {
       inverse = std::numeric_limits<float>::quiet_NaN();

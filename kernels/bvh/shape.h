@@ -4,10 +4,8 @@
 #ifndef HALFSPACE_KERNELS_BVH_SHAPE_H_
 #define HALFSPACE_KERNELS_BVH_SHAPE_H_
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include "halfspace/detail/bvh.h"
 #include "halfspace/detail/bvh_shapes.h"

@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
-#include <utility>
 
 #include "hwy/highway.h"
 #include "kernels/bvh/block.h"
@@ -358,6 +357,10 @@ class Walker {
         kept &= ~bits.unsure;
       }
       if (kept != 0 && !Take(query, block, kept)) return false;
+      if (many_leaves_ == 1 && unsure_count != 0) {  // nothing found yet
+        if (!Resolve(query, unsure, unsure_count)) return false;
+        unsure_count = 0;
+      }
     }
     return unsure_count == 0 || Resolve(encoded, unsure, unsure_count);
   }

@@ -511,6 +511,19 @@ TYPED_TEST(BvhTest, TellsTheFirstLeafAtOnce) {
   }
 }
 
+// Also where the codes of all objects are the query's and floats tell.
+TEST(BvhKnownTest, TheFirstLeafIsReadAloneIfItsCodesAreUnsure) {
+  const std::vector<Aabb3> boxes(10'000, Aabb3{{1, 1, 1}, {1, 1, 1}});
+  const AabbBvh3 bvh((Span<const Aabb3>(boxes)));
+  for (Target target : TargetsUnderTest()) {
+    QueryStatistics read;
+    EXPECT_TRUE(
+        AnySurvivor(bvh, boxes[0], {.target = target, .statistics = &read})
+            .has_value());
+    EXPECT_EQ(read.leaves, 1u) << target.name();
+  }
+}
+
 TYPED_TEST(BvhTest, AMaskOfNothingFindsNothing) {
   using View = typename TypeParam::View;
   constexpr int kDims = View::Bound::kDimensions;

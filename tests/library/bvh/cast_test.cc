@@ -212,6 +212,40 @@ TYPED_TEST(BvhCastTest, FindsWhatIsTouchedWhereItIsTouched) {
   EXPECT_GT(touched, Scaled(1000));
 }
 
+// A NaN in a corner of a cast box limits nothing on its axis.
+TYPED_TEST(BvhCastTest, ANanOfABoxLimitsNothingOnItsAxis) {
+  using View = typename TypeParam::View;
+  constexpr int kDims = View::Bound::kDimensions;
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  World<View> world;
+  for (float x : {-100.0f, 100.0f}) {
+    Aabb<kDims> box{};
+    box.min[0] = box.max[0] = x;
+    world.Push([&] {
+      if constexpr (HasMaxima<View>) {
+        return typename View::Bound([&] {
+          if constexpr (View::Bound::kAxes == kDims) {
+            return box;
+          } else {
+            return BoundAabb(box);
+          }
+        }());
+      } else {
+        return BoundAabb(box).up();
+      }
+    }());
+  }
+  const Bvh<View> bvh(world.view());
+  for (bool is_min : {false, true}) {
+    Aabb<kDims> box{};
+    (is_min ? box.min : box.max)[0] = kNan;
+    std::size_t found = 0;
+    BoxCast(bvh, box, Point<kDims>{}, 1.0f,
+            [&](std::uint32_t, float) { ++found; });
+    EXPECT_EQ(found, 2u) << is_min;
+  }
+}
+
 TYPED_TEST(BvhCastTest, TheFunctionGetsTheBound) {
   using View = typename TypeParam::View;
   using Bound = typename View::Bound;

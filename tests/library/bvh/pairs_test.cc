@@ -30,6 +30,7 @@
 #include "tests/library/support/counting_memory.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
+#include "tests/library/support/fp_modes.h"
 #include "tests/library/support/inputs.h"
 #include "tests/library/support/misaligned.h"
 
@@ -706,6 +707,29 @@ TEST(BvhPairsErrorsTest, RefusesWhatItCannotReadAndWritesNothing) {
       },
       {"PairsOf", "pairs", "aligned", "misaligned"}));
   EXPECT_EQ(std::count(pairs.begin(), pairs.end(), kCanary), 10);
+}
+
+// On D three times the margin, which is no float here.
+TEST(BvhPairsKnownTest, AMarginThatOverflowsOnDMissesNothing) {
+  constexpr float kMost = std::numeric_limits<float>::max();
+  AaboWorld3 world;
+  for (float d : {0.65f * kMost, -0.65f * kMost}) {
+    world.Push({{0, 0, 0, d}, {0, 0, 0, d}});
+  }
+  const AaboBvh3 bvh(world);
+  EXPECT_EQ(Pairs(bvh, {}, {.margin = kMost / 2}), 1u);
+  EXPECT_EQ(Pairs(bvh, {}, {.margin = kMost / 4}), 0u);
+}
+
+TEST(BvhPairsKnownTest, ASubnormalMarginIsOneThoughSubnormalsAreFlushed) {
+  constexpr float kLeast = std::numeric_limits<float>::min();
+  const float next = std::nextafter(kLeast, 1.0f);
+  AabbWorld3 world;
+  world.Push({{0, 0, 0}, {kLeast, 0, 0}});
+  world.Push({{next, 0, 0}, {1, 0, 0}});
+  const AabbBvh3 bvh(world);
+  const FlushDenormals flush;
+  EXPECT_EQ(Pairs(bvh, {}, {.margin = 0x1p-149f}), 1u);
 }
 
 }  // namespace
