@@ -1,5 +1,7 @@
-// Which spheres are nearest to a place, and which one does a ray hit first?
-// Both searches go from near to far and stop when no nearer object is left.
+// Which spheres are nearest to a place, which one does a ray hit first, which
+// bound does a moving box touch first, and which are in a turned box?
+// Searches and casts go from near to far and stop when no nearer object is
+// left.
 #include <halfspace/halfspace.h>
 
 #include <algorithm>
@@ -83,13 +85,38 @@ int main() {
   std::printf("the ray meets sphere %u at %.3f, after %d tests\n", hit,
               static_cast<double>(closest), tests);
 
+  // How far a box can move along x until it touches a bound.
+  const halfspace::Aabb3 box = {{-3, 4.1f, 8.1f}, {-2, 4.4f, 8.4f}};
+  float free = 100.0f;
+  BoxCast(world, box, {1, 0, 0}, free, [&](std::uint32_t /*id*/, float t) {
+    free = std::min(free, t);
+    return halfspace::Limit{free};
+  });
+  std::printf("the box can move by %.3f\n", static_cast<double>(free));
+
+  // A selection box that is turned by 45 degrees about z, 4 ids at a time.
+  const halfspace::OrientedBox3 turned = {
+      {10, 10, 10}, {{{1, 1, 0}, {-1, 1, 0}, {0, 0, 1}}}, {1, 1, 0.5f}};
+  std::array<std::uint32_t, 4> some;
+  halfspace::QueryOptions options;
+  std::size_t selected = 0;
+  do {
+    selected = Survivors(world, turned, some, options);
+    for (std::size_t i = options.skip;
+         i < std::min(options.skip + some.size(), selected); ++i) {
+      std::printf("sphere %u may be selected\n", some[i - options.skip]);
+    }
+    options.skip += some.size();
+  } while (options.skip < selected);
+
   // The same by a test of each sphere.
   float expected = ray.max_t;
   for (const halfspace::Sphere3& sphere : spheres) {
     expected = std::min(expected, Hit(ray, sphere));
   }
   return found == 8 && std::is_sorted(distances.begin(), distances.end()) &&
-                 closest == expected && expected < ray.max_t && tests < 100
+                 closest == expected && expected < ray.max_t && tests < 100 &&
+                 free > 1.5f && free < 2.5f && selected >= 5
              ? 0
              : 1;
 }
