@@ -60,10 +60,6 @@ struct Callback {
   }
 };
 
-float KeyOf(KeyedSlot keyed) {
-  return std::bit_cast<float>(static_cast<std::uint32_t>(keyed >> 32));
-}
-
 void CheckOutputs(const char* call, float max_distance, Span<std::uint32_t> ids,
                   Span<float> distances) {
   CheckLimit(call, "max_distance", max_distance);

@@ -34,14 +34,7 @@ class NearestList {
   explicit NearestList(const detail::NearestSearch& search)
       : found_(search.found),
         room_(search.room),
-        worst_(Keyed(search.limit, ~uint32_t{0})) {}
-
-  static detail::KeyedSlot Keyed(float key, size_t slot) {
-    return uint64_t{std::bit_cast<uint32_t>(key)} << 32 | slot;
-  }
-  static float KeyOf(detail::KeyedSlot keyed) {
-    return std::bit_cast<float>(static_cast<uint32_t>(keyed >> 32));
-  }
+        worst_(detail::Keyed(search.limit, ~uint32_t{0})) {}
 
   size_t count() const { return count_; }
   // None beyond it is found.
@@ -157,13 +150,6 @@ class NearestFinder {
   static constexpr size_t kGroups = 16;
   static constexpr uint32_t kLanes = detail::kBlockObjects - 1;
 
-  static detail::KeyedSlot Keyed(float key, size_t slot) {
-    return NearestList::Keyed(key, slot);
-  }
-  static float KeyOf(detail::KeyedSlot keyed) {
-    return NearestList::KeyOf(keyed);
-  }
-
   HWY_NOINLINE void Visit(size_t level, size_t block) {
     HWY_ALIGN float keys[detail::kBlockObjects];
     // Of the vectors with nodes or objects: the others are not read.
@@ -181,7 +167,7 @@ class NearestFinder {
     if (hwy::PopCount(bits) > kFew) {
       const size_t lane = AboutLeast(keys, end);
       Visit(level - 1, first + lane);
-      bits &= LanesUpTo(KeyOf(list_.worst()), keys, end);
+      bits &= LanesUpTo(detail::KeyOf(list_.worst()), keys, end);
       bits &= ~(uint64_t{1} << lane);
     }
     SortedLanes sorted;
@@ -189,7 +175,8 @@ class NearestFinder {
     const detail::BvhLevel& below = search_.levels->level[level - 1];
     for (size_t i = 0; i < sorted.count; ++i) {
       const size_t place = first + sorted.LaneOf(i);
-      if (Keyed(keys[sorted.LaneOf(i)], place << (6 * level)) > list_.worst())
+      if (detail::Keyed(keys[sorted.LaneOf(i)], place << (6 * level)) >
+          list_.worst())
         return;
       if (below.is_prefetched && i + 1 < sorted.count) {
         PrefetchPlanes(below, first + sorted.LaneOf(i + 1));
@@ -214,7 +201,7 @@ class NearestFinder {
     }
     for (; bits != 0; bits &= bits - 1) {
       const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
-      const detail::KeyedSlot keyed = Keyed(keys[lane], first + lane);
+      const detail::KeyedSlot keyed = detail::Keyed(keys[lane], first + lane);
       if (keyed < search_.from || keyed > list_.worst()) continue;
       if (is_many_) {
         list_.AddToHeap(keyed);
@@ -233,7 +220,7 @@ class NearestFinder {
     sorted.Sort(bits, keys);
     for (size_t i = 0; i < sorted.count; ++i) {
       const size_t lane = sorted.LaneOf(i);
-      const detail::KeyedSlot keyed = Keyed(keys[lane], first + lane);
+      const detail::KeyedSlot keyed = detail::Keyed(keys[lane], first + lane);
       if (keyed > list_.worst()) return;
       list_.AddSorted(keyed);
     }
@@ -309,8 +296,9 @@ class NearestFinder {
     uint64_t wanted = nodes.present[block];
     if (has_masks_) wanted &= MaskBits(nodes.masks + first, search_.mask);
     const WordTag<float> d;
-    const auto limit = hn::Set(d, KeyOf(list_.worst()));
-    const auto from = hn::Set(d, level == 0 ? KeyOf(search_.from) : 0.0f);
+    const auto limit = hn::Set(d, detail::KeyOf(list_.worst()));
+    const auto from =
+        hn::Set(d, level == 0 ? detail::KeyOf(search_.from) : 0.0f);
     const float* const floats = nodes.Plane(block, 0);
     uint64_t bits = 0;
     for (size_t i = 0; i < end; i += hn::Lanes(d)) {

@@ -4,6 +4,7 @@
 #ifndef HALFSPACE_KERNELS_BVH_NEAREST_H_
 #define HALFSPACE_KERNELS_BVH_NEAREST_H_
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -15,6 +16,12 @@ namespace halfspace::detail {
 // An object's key, its squared distance, above its slot: as keys are not
 // negative, these are in the order of the objects.
 using KeyedSlot = std::uint64_t;
+inline KeyedSlot Keyed(float key, std::size_t slot) {
+  return std::uint64_t{std::bit_cast<std::uint32_t>(key)} << 32 | slot;
+}
+inline float KeyOf(KeyedSlot keyed) {
+  return std::bit_cast<float>(static_cast<std::uint32_t>(keyed >> 32));
+}
 
 // A point, or a box.
 struct NearBox {

@@ -95,22 +95,29 @@ HWY_INLINE uint64_t NotRejected(uint64_t candidates, const Rejects& rejects) {
   return candidates;
 }
 
-// The bounds that a ball may touch.
-class BallQuery {
+// A test of a block that is called wherever the walk has one.
+template <class Shape>
+class ShapeQuery {
  public:
   static constexpr bool kHasCodes = false;
+
+  uint64_t Test(size_t query, const detail::BvhLevel& level,
+                size_t block) const {
+    return static_cast<const Shape*>(this)->TestApart(query, level, block);
+  }
+  uint64_t TestOnlyLeaf(size_t query, const detail::BvhLevel& level) const {
+    return Test(query, level, 0);
+  }
+};
+
+// The bounds that a ball may touch.
+class BallQuery : public ShapeQuery<BallQuery> {
+ public:
   static constexpr bool kFindsInside = true;
 
   explicit BallQuery(const void* ball)
       : ball_(*static_cast<const detail::Ball*>(ball)) {}
 
-  uint64_t Test(size_t query, const detail::BvhLevel& level,
-                size_t block) const {
-    return TestApart(query, level, block);
-  }
-  uint64_t TestOnlyLeaf(size_t query, const detail::BvhLevel& level) const {
-    return TestApart(query, level, 0);
-  }
   HWY_NOINLINE uint64_t TestApart(size_t, const detail::BvhLevel& level,
                                   size_t block) const {
     return NotRejected(level.present[block], [&](auto d, size_t i) HWY_ATTR {
@@ -162,21 +169,13 @@ class BallQuery {
 };
 
 // The bounds that a line enters.
-class LineQuery {
+class LineQuery : public ShapeQuery<LineQuery> {
  public:
-  static constexpr bool kHasCodes = false;
   static constexpr bool kFindsInside = false;
 
   explicit LineQuery(const void* line)
       : line_(*static_cast<const detail::Line*>(line)) {}
 
-  uint64_t Test(size_t query, const detail::BvhLevel& level,
-                size_t block) const {
-    return TestApart(query, level, block);
-  }
-  uint64_t TestOnlyLeaf(size_t query, const detail::BvhLevel& level) const {
-    return TestApart(query, level, 0);
-  }
   HWY_NOINLINE uint64_t TestApart(size_t, const detail::BvhLevel& level,
                                   size_t block) const {
     return NotRejected(level.present[block], [&](auto d, size_t i) HWY_ATTR {
@@ -191,21 +190,13 @@ class LineQuery {
 };
 
 // The bounds that are not behind a half-space.
-class FrontsQuery {
+class FrontsQuery : public ShapeQuery<FrontsQuery> {
  public:
-  static constexpr bool kHasCodes = false;
   static constexpr bool kFindsInside = true;
 
   explicit FrontsQuery(const void* fronts)
       : fronts_(*static_cast<const detail::Fronts*>(fronts)) {}
 
-  uint64_t Test(size_t query, const detail::BvhLevel& level,
-                size_t block) const {
-    return TestApart(query, level, block);
-  }
-  uint64_t TestOnlyLeaf(size_t query, const detail::BvhLevel& level) const {
-    return TestApart(query, level, 0);
-  }
   HWY_NOINLINE uint64_t TestApart(size_t, const detail::BvhLevel& level,
                                   size_t block) const {
     return Bits<false>(level, block, level.present[block]);

@@ -414,7 +414,7 @@ class Walker {
     uint64_t bits;
   };
 
-  bool Resolve(size_t query, const Unsure* unsure, size_t count) {
+  HWY_NOINLINE bool Resolve(size_t query, const Unsure* unsure, size_t count) {
     for (size_t u = 0; u < count; ++u) {
       const uint64_t kept = KeptOf(query, unsure[u].block, unsure[u].bits);
       if (kept != 0 && !Take(query, unsure[u].block, kept)) return false;
