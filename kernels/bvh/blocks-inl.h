@@ -67,7 +67,8 @@ struct QueryCodes {
 // The values in the lanes of a CodeMap. As arguments of one instruction,
 // because a load waits for stores of its parts.
 template <size_t kAxes, bool kHasMax, class D>
-HWY_INLINE hn::Vec<D> QueryLanes(D d, const float* query, size_t first) {
+HWY_INLINE hn::Vec<D> QueryLanes([[maybe_unused]] D d, const float* query,
+                                 size_t first) {
   const auto value = [&](size_t lane) HWY_ATTR {
     constexpr size_t kMaxLane = detail::CodeMap::kMaxLane;
     const size_t k = lane % kMaxLane;
