@@ -61,7 +61,7 @@ struct QueryCodes {
   alignas(32) int32_t upper[detail::CodeMap::kLanes];
   // An object whose codes are above these by no more than this, which is
   // negative, is certain to survive.
-  int16_t certain;
+  int16_t certain = -2;
 };
 
 // The values in the lanes of a CodeMap. As arguments of one instruction,
