@@ -78,7 +78,7 @@ class Touched {
   Scratch memory_;
 };
 
-// Encodes a block and bounds it anew. Returns whether its node has changed.
+// Encodes a block and computes its node. Returns whether the node has changed.
 bool EncodeBlock(const BvhShape& shape, BvhLevels& levels,
                  const BvhKernels::OfPlanes& kernels, std::size_t level,
                  std::size_t block) {

@@ -61,7 +61,8 @@ struct IdsToSpan : WalkIds {
   std::uint32_t buffer[kRoom];
 };
 
-// Ids that a function takes, some at a time: those of the first leaf at once.
+// Ids that a function takes: first those of one leaf, then up to kRoom at a
+// time.
 struct IdsToFunction : WalkIds {
   IdsToFunction(IdsFunction to, void* its_context)
       : WalkIds{buffer,

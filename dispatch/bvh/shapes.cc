@@ -124,7 +124,7 @@ class Prepared {
   void SetBall() {
     MakeBall(planes_, query_.values, RadiusOf(query_), ball_);
     is_ = kBall;
-    // Of a radius whose square overflows the bound tells more.
+    // A radius whose square overflows limits nothing, but its bound does.
     if (!CanBeBounded(query_) || !(ball_.limit <= kMax<float>)) SetBounds();
   }
 

@@ -32,6 +32,16 @@ HWY_INLINE V GreaterOf(V a, V b) {
 #endif
 }
 
+// a < b ? a : b: b if one is no number.
+template <class V>
+HWY_INLINE V LesserOf(V a, V b) {
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
+  return hn::Min(a, b);
+#else
+  return hn::IfThenElse(hn::Lt(a, b), a, b);
+#endif
+}
+
 // Negative for bounds behind the half-space. plane_of(term) is a vector of the
 // plane that a term reads.
 template <class D, class PlaneOf>

@@ -1,8 +1,6 @@
 // The tests of shapes on the floats of 64 objects or nodes.
 //
-// Answers are the same on every target: each result is that of one operation in
-// IEEE's arithmetic, in one order, and a NaN is passed over by a compare, as
-// minima and maxima of it differ between targets. All results grow with the
+// Answers are the same on every target (front-inl.h). All results grow with the
 // planes of a bound, or fall, so what rejects a node rejects its objects.
 #if defined(HALFSPACE_KERNELS_BVH_SHAPES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_BVH_SHAPES_INL_H_
@@ -26,16 +24,6 @@ namespace halfspace {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-// a < b ? a : b: b if one is no number.
-template <class V>
-HWY_INLINE V LesserOf(V a, V b) {
-#if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
-  return hn::Min(a, b);
-#else
-  return hn::IfThenElse(hn::Lt(a, b), a, b);
-#endif
-}
 
 // The squared distances of the bounds of a block from i on: never a NaN, and
 // never -0.
