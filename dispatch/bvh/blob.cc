@@ -23,6 +23,30 @@ constexpr std::size_t kLine = sizeof(BvhHeader);
                         expected, given);
 }
 
+void CheckVersion(bool is_in_place, std::uint32_t version) {
+  if (version >= kOldestBvhVersion && version <= kBvhVersion) return;
+  std::string given = "format " + std::to_string(version);
+  if (version >> 24 != 0) {
+    given = "a blob in the other byte order; build the world again here";
+  } else if (version > kBvhVersion) {
+    given += ", which is newer; use a newer version of halfspace";
+  } else {
+    given += ", which is older; build the world again";
+  }
+  ThrowCorrupt(is_in_place,
+               "a format from " + std::to_string(kOldestBvhVersion) + " to " +
+                   std::to_string(kBvhVersion),
+               given);
+}
+
+// In format 3 all trees with nodes had codes, behind the floats of level 0.
+// Returns the bytes of those that there are no longer.
+std::size_t BytesOfFormat3(const BvhShape& shape, const BvhRoom& room) {
+  if (room.slots <= kBlockObjects || room.slots > kMostWithoutCodes) return 0;
+  return BlocksOf(room.slots) * PlanesOf(shape) * kBlockObjects *
+         sizeof(std::int16_t);
+}
+
 // The last block of a level has lanes without an object, which no query may
 // keep: their children would be beyond the level below.
 bool IsClosed(const BvhLevel& level) {
@@ -73,13 +97,7 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
   if (!std::equal(std::begin(kBvhMagic), std::end(kBvhMagic), header.magic)) {
     ThrowCorrupt(is_in_place, "what Bvh::Blob() returned", "another beginning");
   }
-  if (header.version != kBvhVersion) {
-    ThrowCorrupt(
-        is_in_place,
-        "format " + std::to_string(kBvhVersion) +
-            " in this machine's byte order",
-        "format " + std::to_string(header.version) + "; store the world again");
-  }
+  CheckVersion(is_in_place, header.version);
   const auto type = [](std::size_t dims, std::size_t axes, bool has_max) {
     return std::to_string(dims) + " dimensions, " + std::to_string(axes) +
            " axes " + (has_max ? "with" : "without") + " maxima";
@@ -97,20 +115,26 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
                 header.free_id == kNoId
           : room.ids >= room.slots && header.ids <= room.ids &&
                 (header.free_id == kNoId || header.free_id < header.ids);
+  const bool is_room_right = room.slots > 0 && room.slots < kMostObjects;
   BvhLevels levels;
-  if (room.slots == 0 || room.slots >= kMostObjects ||
-      header.slots > room.slots || header.size > header.slots ||
-      header.ids < header.size || !are_ids_right || header.has_masks > 1 ||
-      header.checksum == 0 ||
-      Place(shape_, room, nullptr, false, levels) != header.bytes ||
-      header.bytes != blob.size()) {
+  const std::size_t bytes =
+      is_room_right ? Place(shape_, room, nullptr, false, levels) : 0;
+  // Bytes of an older format behind the floats of level 0. The last builds with
+  // format 3 did not write them.
+  const std::size_t dropped = header.version == 3 && header.bytes != bytes
+                                  ? BytesOfFormat3(shape_, room)
+                                  : 0;
+  if (!is_room_right || header.slots > room.slots ||
+      header.size > header.slots || header.ids < header.size ||
+      !are_ids_right || header.has_masks > 1 || header.checksum == 0 ||
+      header.bytes != bytes + dropped || header.bytes != blob.size()) {
     ThrowCorrupt(is_in_place,
                  std::to_string(header.bytes) + " bytes, as its header says",
                  std::to_string(blob.size()) +
                      " bytes or an altered header; store the world again");
   }
   BvhTree loaded(shape_, memory_);
-  if (is_in_place) {
+  if (is_in_place && dropped == 0) {
     // Not written before it has been copied: see Prepare().
     loaded.block_ = const_cast<std::byte*>(blob.data());
     loaded.bytes_ = blob.size();
@@ -118,7 +142,21 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
     Place(shape_, room, loaded.block_, false, loaded.levels_);
   } else {
     loaded.Allocate(room);
-    std::memcpy(loaded.block_, blob.data(), blob.size());
+    const auto* const behind =
+        reinterpret_cast<const std::byte*>(loaded.levels_.level[0].present);
+    const auto before = static_cast<std::size_t>(behind - loaded.block_);
+    std::memcpy(loaded.block_, blob.data(), before);
+    std::memcpy(loaded.block_ + before, blob.data() + before + dropped,
+                bytes - before);
+  }
+  if (dropped > 0) {
+    BvhHeader& today = loaded.header();
+    today.version = kBvhVersion;
+    today.bytes = bytes;
+    // Otherwise the one of the blob stays, which Verify() finds to be wrong.
+    if (header.checksum == ChecksumOf(blob)) {
+      today.checksum = ChecksumOf({loaded.block_, bytes});
+    }
   }
   loaded.is_checked_ = false;
   loaded.is_as_loaded_ = true;

@@ -113,7 +113,9 @@ void BvhTree::Prepare(const char* call, BvhRoom room) {
     Reallocate(call, room);
   }
   is_as_loaded_ = false;
-  if (block_ != nullptr) header().checksum = 0;
+  if (block_ == nullptr) return;
+  header().version = kBvhVersion;
+  header().checksum = 0;
 }
 
 void BvhTree::Reallocate(const char* call, const BvhRoom& room) {
@@ -513,6 +515,7 @@ void BvhTree::Clear() {
   if (!is_owned_) return Free();
   if (block_ == nullptr) return;
   BvhHeader& header = this->header();
+  header.version = kBvhVersion;
   header.checksum = 0;
   header.slots = header.size = header.ids = 0;
   header.sorted = header.inserted = 0;

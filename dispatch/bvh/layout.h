@@ -72,8 +72,10 @@ inline std::atomic_ref<std::uint64_t> Checksum(BvhHeader& header) {
 }
 
 inline constexpr char kBvhMagic[8] = {'h', 'a', 'l', 'f', 's', 'o', 'r', 't'};
-// Of the format. A blob of another one is refused.
+// The format that is written, and the oldest that is read. A change of what the
+// bytes mean, or of where they are, is a new format: docs/bvh.md.
 inline constexpr std::uint32_t kBvhVersion = 4;
+inline constexpr std::uint32_t kOldestBvhVersion = 3;
 
 constexpr std::size_t BlocksOf(std::size_t objects) {
   return (objects + kBlockObjects - 1) / kBlockObjects;

@@ -35,7 +35,8 @@ float KeyLimit(float value) {
 void CheckLimit(const char* call, const char* argument, float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   const bool is_negative_zero = bits == 0x80000000;
-  if (bits <= std::bit_cast<std::uint32_t>(kInf<float>) || is_negative_zero) {
+  if (bits <= std::bit_cast<std::uint32_t>(float{kInf<float>}) ||
+      is_negative_zero) {
     return;
   }
   kernels::ThrowInvalid(call, argument, "a number that is not negative",
@@ -221,7 +222,7 @@ void BvhNearestOfEach(const BvhTree& tree, const NearQueries& queries,
       std::fill(row_ids.begin() + found, row_ids.end(), kNoId);
       if (distances.empty()) continue;
       std::fill(row_distances.begin() + found, row_distances.end(),
-                kInf<float>);
+                float{kInf<float>});
     }
   });
 }
@@ -267,7 +268,7 @@ void BvhCast(const BvhTree& tree, const LineCast& cast, NearFunction function,
     }
     MakeLine({shape.dims, shape.axes, shape.has_max}, low, high, direction,
              cast.max_t, cast.radius, search.line);
-    search.line.max_t = std::min(cast.max_t, kMax<float>);
+    search.line.max_t = std::min(cast.max_t, float{kMax<float>});
     kernels.cast(search);
   });
 }

@@ -436,13 +436,17 @@ class Bvh {
   // stay unchanged while the world lives. A change of the world copies them
   // first.
   //
+  // The format has its own version, which changes less often than the
+  // library's (docs/bvh.md). Every 0.x and 1.x library writes its own format,
+  // and reads it and all older ones since format 3. InPlace() copies a blob of
+  // an older format if its layout was different. A newer format is an error.
+  //
   // Both check the header, the size and the unused lanes of the last block of
-  // each tree level, and throw (error.h) if the blob is one of another type,
-  // byte order or format, or was cut. The format has its own version, which
-  // changes less often than the library's. An altered body can change results,
-  // but no query and no change reads or writes outside the blob and the world.
-  // The first change checks in O(n) that ids and places belong together, and
-  // throws if they do not. Verify() finds every other alteration.
+  // each tree level, and throw (error.h) if the blob is one of another type or
+  // byte order, has a format that is not read, or was cut. An altered body can
+  // change results, but no query and no change reads or writes outside the blob
+  // and the world. The first change checks in O(n) that ids and places belong
+  // together, and throws if they do not. Verify() finds every other alteration.
   static Bvh FromBlob(Span<const std::byte> blob,
                       const MemoryResource& memory = {}) {
     Bvh world(memory);

@@ -120,6 +120,53 @@ PlaneArrays<Key> NoThresholds(std::size_t planes,
   return {std::span(padding).first(planes), memory};
 }
 
+// What a Quantizer has. The calls below are no members of it, because a shared
+// library would export these.
+struct AllThresholds {
+  const PlaneArrays<Key>& of_planes;
+  std::size_t minima;
+  std::size_t planes;
+};
+
+// Ranks one value for each plane, interleaved: for plane p value at(p) of the
+// list.
+template <std::size_t kLanes, typename At>
+void RankEach(const AllThresholds& all, const float* values, bool is_query,
+              const At& at, std::uint32_t* ranks) {
+  std::array<const Key*, kLanes> tables;
+  std::array<Key, kLanes> keys;
+  std::array<std::uint32_t, kLanes> counts;
+  for (std::size_t p = 0; p < kLanes; ++p) {
+    const std::size_t plane = std::min(p, all.planes - 1);
+    const bool is_min = plane < all.minima;
+    tables[p] = all.of_planes.plane(plane);
+    // A NaN never rejects: an object's minimum is then below all, the query's
+    // maximum, which it is compared with, above.
+    const Key key_of_nan = is_min == is_query ? kAboveAll : kBelowAll;
+    keys[p] = KeyOf(values[at(plane)], key_of_nan) + (is_min ? 1 : 0);
+  }
+  CountBelow(tables, all.of_planes.size(), keys, counts);
+  for (std::size_t p = 0; p < all.planes; ++p) ranks[p] = counts[p];
+}
+
+template <typename Stored, typename At>
+void EncodeEach(const AllThresholds& all, const float* values, bool is_query,
+                const At& at, Stored* levels) {
+  std::array<std::uint32_t, kMaxPlanes> ranks;
+  if (all.planes <= 4) {
+    RankEach<4>(all, values, is_query, at, ranks.data());
+  } else if (all.planes <= 6) {
+    RankEach<6>(all, values, is_query, at, ranks.data());
+  } else if (all.planes <= 8) {
+    RankEach<8>(all, values, is_query, at, ranks.data());
+  } else {
+    RankEach<kMaxPlanes>(all, values, is_query, at, ranks.data());
+  }
+  for (std::size_t p = 0; p < all.planes; ++p) {
+    levels[at(p)] = Stow<Stored>(ranks[p], p < all.minima);
+  }
+}
+
 }  // namespace
 
 Quantizer::Quantizer(std::size_t minima, std::size_t maxima,
@@ -174,49 +221,11 @@ void Quantizer::EncodeObjects(std::size_t p, const float* values,
   }
 }
 
-// Ranks one value for each plane, interleaved: for plane p value at(p) of the
-// list.
-template <std::size_t kLanes, typename At>
-void Quantizer::RankEach(const float* values, bool is_query, const At& at,
-                         std::uint32_t* ranks) const {
-  std::array<const Key*, kLanes> tables;
-  std::array<Key, kLanes> keys;
-  std::array<std::uint32_t, kLanes> counts;
-  for (std::size_t p = 0; p < kLanes; ++p) {
-    const std::size_t plane = std::min(p, planes_ - 1);
-    const bool is_min = plane < minima_;
-    tables[p] = thresholds_.plane(plane);
-    // A NaN never rejects: an object's minimum is then below all, the query's
-    // maximum, which it is compared with, above.
-    const Key key_of_nan = is_min == is_query ? kAboveAll : kBelowAll;
-    keys[p] = KeyOf(values[at(plane)], key_of_nan) + (is_min ? 1 : 0);
-  }
-  CountBelow(tables, thresholds_.size(), keys, counts);
-  for (std::size_t p = 0; p < planes_; ++p) ranks[p] = counts[p];
-}
-
-template <typename Stored, typename At>
-void Quantizer::EncodeEach(const float* values, bool is_query, const At& at,
-                           Stored* levels) const {
-  std::array<std::uint32_t, kMaxPlanes> ranks;
-  if (planes_ <= 4) {
-    RankEach<4>(values, is_query, at, ranks.data());
-  } else if (planes_ <= 6) {
-    RankEach<6>(values, is_query, at, ranks.data());
-  } else if (planes_ <= 8) {
-    RankEach<8>(values, is_query, at, ranks.data());
-  } else {
-    RankEach<kMaxPlanes>(values, is_query, at, ranks.data());
-  }
-  for (std::size_t p = 0; p < planes_; ++p) {
-    levels[at(p)] = Stow<Stored>(ranks[p], p < minima_);
-  }
-}
-
 template <typename Stored>
 void Quantizer::EncodeObject(const float* values, Stored* levels) const {
   EncodeEach(
-      values, false, [](std::size_t p) { return p; }, levels);
+      AllThresholds{thresholds_, minima_, planes_}, values, false,
+      [](std::size_t p) { return p; }, levels);
 }
 
 template <typename Stored>
@@ -225,7 +234,7 @@ void Quantizer::EncodeQuery(const float* values, Stored* levels) const {
   // objects' minima.
   const std::size_t maxima = planes_ - minima_;
   EncodeEach(
-      values, true,
+      AllThresholds{thresholds_, minima_, planes_}, values, true,
       [this, maxima](std::size_t p) {
         return p < minima_ ? maxima + p : p - minima_;
       },

@@ -94,6 +94,7 @@ set(prefix "${CMAKE_CURRENT_BINARY_DIR}/shared")
 install_command(install . "${prefix}")
 add_nested_build_test(package.install_shared "${PROJECT_SOURCE_DIR}"
   OPTIONS ${nested_library_options} -DHALFSPACE_SHARED=ON
+    "-DHALFSPACE_C=${HALFSPACE_C}"
     "-DHALFSPACE_BUILD_TOOLS=${HALFSPACE_BUILD_TOOLS}"
   TARGET halfspace
   COMMAND ${install})
@@ -110,7 +111,37 @@ add_test(NAME package.shared.exports.control
          COMMAND ${check_exports} everything)
 set_tests_properties(package.shared.exports.control PROPERTIES
   PASS_REGULAR_EXPRESSION "exported, but no part of the interface: halfspace::kernels::ThrowInvalid")
+# And nothing but what is listed. Another compiler, or one for another machine, may
+# export more, such as destructors that gcc inlines.
+find_program(HALFSPACE_CXXFILT c++filt REQUIRED)
+set(more accept_more)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND
+   CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+  set(more refuse_more)
+endif()
+set(c_header "")
+if(HALFSPACE_C)
+  set(c_header "${PROJECT_SOURCE_DIR}/include/halfspace/c/halfspace.h")
+endif()
+function(add_symbols_test name list)
+  add_test(NAME ${name}
+    COMMAND sh "${CMAKE_CURRENT_SOURCE_DIR}/check_symbols.sh" "${CMAKE_NM}"
+            "${HALFSPACE_CXXFILT}" "${CMAKE_READELF}" "${shared_library}" "${list}"
+            ${more} ${c_header})
+endfunction()
+add_symbols_test(package.shared.symbols "${CMAKE_CURRENT_SOURCE_DIR}/symbols.txt")
+# The check must notice a symbol that is gone, and one that is new.
+set(other_list "${CMAKE_CURRENT_BINARY_DIR}/other_symbols.txt")
+file(WRITE "${other_list}" "halfspace::Gone()\n")
+add_symbols_test(package.shared.symbols.control "${other_list}")
+set(noticed "not exported: halfspace::Gone")
+if(more STREQUAL "refuse_more")
+  string(APPEND noticed ".*not listed: SONAME libhalfspace.*not listed: halfspace::")
+endif()
+set_tests_properties(package.shared.symbols.control PROPERTIES
+  PASS_REGULAR_EXPRESSION "${noticed}")
 set_tests_properties(package.shared.exports package.shared.exports.control
+  package.shared.symbols package.shared.symbols.control
   PROPERTIES LABELS package FIXTURES_REQUIRED package.shared)
 
 # A project that includes the sources, with one number of dimensions and all examples

@@ -29,8 +29,9 @@ enum FitSource { kFitBoxes, kFitSpheres, kFitTriangles, kFitPointSets };
 
 // The builders of one source in kDims dimensions, of each compiled target, best
 // first: an object file of the library for each, as KernelsOf of scan.h. Of
-// doubles there is one, for every target.
-template <FitSource kSource, int kDims, typename Scalar>
+// doubles there is one, for every target. The source is an int, because clang
+// exports no template whose arguments have a type that is not exported.
+template <int kSource, int kDims, typename Scalar>
 struct HALFSPACE_API FitKernelsOf {
   static const FitKernels* const kTargets;
 };

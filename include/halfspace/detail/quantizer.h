@@ -87,12 +87,6 @@ class HALFSPACE_API Quantizer {
   }
 
  private:
-  template <std::size_t kLanes, typename At>
-  void RankEach(const float* values, bool is_query, const At& at,
-                std::uint32_t* ranks) const;
-  template <typename Stored, typename At>
-  void EncodeEach(const float* values, bool is_query, const At& at,
-                  Stored* levels) const;
   friend void swap(Quantizer& a, Quantizer& b) noexcept {
     std::swap(a.minima_, b.minima_);
     std::swap(a.planes_, b.planes_);

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "halfspace/halfspace.h"
+#include "tests/library/bvh/aligned_copy.h"
 #include "tests/library/bvh/model.h"
 #include "tests/library/bvh/spread.h"
 #include "tests/library/support/environment.h"
@@ -38,24 +39,6 @@ struct OfDoubles<View<kDims, float>> {
 template <typename Case>
 class BvhBlobTest : public ::testing::Test {};
 TYPED_TEST_SUITE(BvhBlobTest, BvhCases, CaseNames);
-
-// 64-byte aligned bytes.
-class AlignedCopy {
- public:
-  explicit AlignedCopy(Span<const std::byte> bytes)
-      : memory_(bytes.size() + 64) {
-    void* begin = memory_.data();
-    std::size_t room = memory_.size();
-    std::align(64, bytes.size(), begin, room);
-    bytes_ = {static_cast<std::byte*>(begin), bytes.size()};
-    std::copy(bytes.begin(), bytes.end(), bytes_.begin());
-  }
-  std::span<std::byte> bytes() const { return bytes_; }
-
- private:
-  std::vector<std::byte> memory_;
-  std::span<std::byte> bytes_;
-};
 
 TYPED_TEST(BvhBlobTest, ABlobIsTheWorld) {
   using View = typename TypeParam::View;
@@ -190,6 +173,25 @@ TYPED_TEST(BvhBlobTest, VerifyFindsWhatWasAltered) {
                           changed.Blob().begin()));
 }
 
+// The bytes as format 3, which has codes behind the floats of the objects. Here
+// they are 0, and the checksum is that of the blob.
+template <typename View>
+std::vector<std::byte> AsFormat3(Span<const std::byte> blob) {
+  constexpr std::size_t kPlanes =
+      (HasMaxima<View> ? 2 : 1) * View::Bound::kAxes;
+  std::vector<std::byte> bytes(blob.begin(), blob.end());
+  std::uint32_t room = 0;
+  std::memcpy(&room, &bytes[32], sizeof(room));
+  const std::size_t values = (room + 63) / 64 * 64 * kPlanes;
+  bytes.insert(bytes.begin() + 128 + values * sizeof(float),
+               values * sizeof(std::int16_t), std::byte{0});
+  const std::uint32_t version = 3;
+  std::memcpy(&bytes[8], &version, sizeof(version));
+  const std::uint64_t size = bytes.size();
+  std::memcpy(&bytes[16], &size, sizeof(size));
+  return bytes;
+}
+
 // Blocks between pages that fault, and the last of each touches one.
 struct GuardedBlocks {
   std::map<void*, std::unique_ptr<GuardedMemory>> blocks;
@@ -223,13 +225,19 @@ TYPED_TEST(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
   Bvh with_masks(bvh);
   with_masks.SetMasks(6, 2);
   const Bvh* const worlds[] = {&fresh, &bvh, &with_masks};
+  std::vector<std::vector<std::byte>> blobs;
+  for (const Bvh* world : worlds) {
+    blobs.emplace_back(world->Blob().begin(), world->Blob().end());
+    blobs.push_back(AsFormat3<View>(world->Blob()));
+    EXPECT_EQ(Bvh::FromBlob(blobs.back()).size(), world->size());
+  }
   const auto queries = SomeQueries<View>(1);
   Random random(1);
   std::size_t refused = 0;
   std::size_t changed = 0;
   GuardedBlocks guarded;
   for (std::size_t round = 0; round < Scaled(1000); ++round) {
-    const auto blob = worlds[round % 3]->Blob();
+    const std::vector<std::byte>& blob = blobs[random() % blobs.size()];
     const GuardedMemory memory(blob.size());
     const auto altered =
         memory.Get<std::byte>(blob.size(), GuardedSide::kAfter);
@@ -317,10 +325,14 @@ TYPED_TEST(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
   }
   EXPECT_GT(refused, 0u);
   EXPECT_GT(changed, 0u);
-  for (std::size_t size : {1u, 63u, 64u, 1000u}) {
-    const AlignedCopy blob(bvh.Blob());
-    EXPECT_TRUE(Refuses([&] { Bvh::FromBlob(blob.bytes().first(size)); },
-                        {"FromBlob", "blob"}));
+  for (const auto& blob : blobs) {
+    for (std::size_t size : {1u, 63u, 64u, 1000u}) {
+      EXPECT_TRUE(Refuses(
+          [&] {
+            Bvh::FromBlob({blob.data(), size});
+          },
+          {"FromBlob", "blob"}));
+    }
   }
 }
 

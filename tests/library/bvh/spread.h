@@ -29,6 +29,26 @@ using BvhCases = Tested<
     ::testing::Types<Whole<SimplexView2>, Whole<SimplexView3>, Whole<AabbView2>,
                      Whole<AabbView3>, Whole<AaboView2>, Whole<AaboView3>>>;
 
+// An octahedron as an object of the view, and as a query.
+template <typename View>
+typename View::Bound ObjectOf(const Aabo<View::Bound::kDimensions>& bound) {
+  if constexpr (!HasMaxima<View>) {
+    return bound.up();
+  } else if constexpr (View::Bound::kAxes == View::Bound::kDimensions) {
+    return bound.aabb();
+  } else {
+    return bound;
+  }
+}
+template <typename View>
+typename View::Query QueryOf(const Aabo<View::Bound::kDimensions>& bound) {
+  if constexpr (!HasMaxima<View>) {
+    return bound.down();
+  } else {
+    return ObjectOf<View>(bound);
+  }
+}
+
 // Spheres in a cube of side 100, seen as bounds of the view.
 template <typename View>
 class Spread {
@@ -39,26 +59,8 @@ class Spread {
   explicit Spread(float radius, std::uint64_t seed = 1)
       : random_(seed), radius_(radius) {}
 
-  Bound NextObject() {
-    const auto bound = Next();
-    if constexpr (!HasMaxima<View>) {
-      return bound.up();
-    } else if constexpr (Bound::kAxes == Bound::kDimensions) {
-      return bound.aabb();
-    } else {
-      return bound;
-    }
-  }
-  Query NextQuery() {
-    const auto bound = Next();
-    if constexpr (!HasMaxima<View>) {
-      return bound.down();
-    } else if constexpr (Bound::kAxes == Bound::kDimensions) {
-      return bound.aabb();
-    } else {
-      return bound;
-    }
-  }
+  Bound NextObject() { return ObjectOf<View>(Next()); }
+  Query NextQuery() { return QueryOf<View>(Next()); }
   std::vector<Query> Queries(std::size_t count) {
     std::vector<Query> queries;
     for (std::size_t q = 0; q < count; ++q) queries.push_back(NextQuery());
