@@ -19,6 +19,12 @@ target_sources(halfspace
   PUBLIC
     FILE_SET HEADERS FILES
     include/halfspace/c/halfspace.h)
+# As fast as with -O3, in four fifths of the code.
+if(NOT MSVC)
+  set_property(SOURCE c/bounds.cc c/bvh.cc c/bvh_files.cc c/bvh_queries.cc c/call.cc
+    c/columns.cc c/scan.cc
+    APPEND PROPERTY COMPILE_OPTIONS $<$<CONFIG:Release>:-O2>)
+endif()
 # Programs in C call it: its tests and its example.
 if(HALFSPACE_BUILD_TESTS OR HALFSPACE_BUILD_EXAMPLES)
   enable_language(C)
