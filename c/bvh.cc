@@ -11,7 +11,6 @@ using halfspace::c::Call;
 using halfspace::c::CheckColumns;
 using halfspace::c::ColumnsOf;
 using halfspace::c::Kind;
-using halfspace::c::NewBvh;
 using halfspace::c::Run;
 using halfspace::c::Values;
 

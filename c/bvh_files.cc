@@ -77,6 +77,14 @@ void Save(const Call& call, const char* path, Span<const std::byte> bytes) {
   FailFile(call, path, "written", error);
 }
 
+// A file that was never written to its end.
+[[noreturn]] void FailEmpty(const Call& call, const char* path) {
+  call.Fail(HS_CORRUPT,
+            "path: expected a stored BVH, got the empty file "
+            "\"%.256s\"",
+            path);
+}
+
 // The bytes of a file, in memory of its own.
 class FileBytes {
  public:
@@ -89,7 +97,7 @@ class FileBytes {
     if (error) FailFile(call, path, "read", error.value());
     if (size > PTRDIFF_MAX) throw std::bad_alloc();
     size_ = static_cast<std::size_t>(size);
-    if (size_ == 0) return;
+    if (size_ == 0) FailEmpty(call, path);
     bytes_ = detail::AllocateBlock(memory_, size_);
     if (std::fread(bytes_, 1, size_, file.get()) != size_) {
       const int read_error = std::ferror(file.get()) != 0 ? errno : EIO;
@@ -99,9 +107,7 @@ class FileBytes {
   }
   FileBytes(const FileBytes&) = delete;
   FileBytes& operator=(const FileBytes&) = delete;
-  ~FileBytes() {
-    if (bytes_ != nullptr) detail::FreeBlock(memory_, bytes_, size_);
-  }
+  ~FileBytes() { detail::FreeBlock(memory_, bytes_, size_); }
 
   Span<const std::byte> span() const {
     return {static_cast<const std::byte*>(bytes_), size_};
@@ -150,10 +156,11 @@ void Map(const Call& call, const char* path, hs_bvh& bvh) {
   if (file.get() < 0) FailFile(call, path, "opened", errno);
   struct stat status;
   if (fstat(file.get(), &status) != 0) FailFile(call, path, "read", errno);
-  if (S_ISDIR(status.st_mode)) FailFile(call, path, "mapped", EISDIR);
+  if (!S_ISREG(status.st_mode)) {
+    FailFile(call, path, "mapped", S_ISDIR(status.st_mode) ? EISDIR : ENODEV);
+  }
   const auto size = static_cast<std::size_t>(status.st_size);
-  // An empty file is a BVH that never had an object, and cannot be mapped.
-  if (size == 0) return;
+  if (size == 0) FailEmpty(call, path);
   void* const bytes =
       mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.get(), 0);
   if (bytes == MAP_FAILED) FailFile(call, path, "mapped", errno);
@@ -212,7 +219,13 @@ hs_status hs_bvh_save(const hs_bvh* bvh, const char* path) {
   return Run("hs_bvh_save", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
     call.CheckPointer("path", path);
-    halfspace::c::Save(call, path, bvh->tree.Blob());
+    const Span<const std::byte> blob = bvh->tree.Blob();
+    if (!blob.empty()) return halfspace::c::Save(call, path, blob);
+    // A file of a BVH that never had an object has a header as well: an empty
+    // file is one that was lost.
+    halfspace::detail::BvhTree empty(bvh->tree.shape(), bvh->tree.memory());
+    empty.Reserve(1);
+    halfspace::c::Save(call, path, empty.Blob());
   });
 }
 

@@ -27,6 +27,7 @@ constexpr hs_pair_options kPairDefaults = {
     std::numeric_limits<std::size_t>::max(),
     nullptr};
 
+// NOLINTNEXTLINE(misc-redundant-expression): that is what is asserted.
 static_assert(HS_NO_ID == detail::kNoId);
 static_assert(sizeof(hs_id_pair) == sizeof(IdPair) &&
               alignof(hs_id_pair) == alignof(IdPair) &&

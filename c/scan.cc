@@ -150,7 +150,6 @@ struct ScanCall {
 }  // namespace
 }  // namespace halfspace::c
 
-using halfspace::Span;
 using halfspace::c::Call;
 using halfspace::c::ForEachRows;
 using halfspace::c::Results;

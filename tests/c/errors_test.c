@@ -59,6 +59,7 @@ static void test_columns(void) {
   const hs_bvh_config config = bvh_config_of(HS_BOX3);
   hs_columns columns = hs_float_rows(kBoxes, 2, 6);
   hs_bvh* bvh = NULL;
+  size_t size = 0;
   CHECK_INVALID(hs_bvh_create(&config, NULL, &bvh),
                 "hs_bvh_create: objects: expected a pointer, got null");
   columns.column[4] = NULL;
@@ -80,6 +81,13 @@ static void test_columns(void) {
         hs_last_error());
   columns.stride = 0;
   CHECK(hs_bvh_create(&config, &columns, &bvh) == HS_INVALID_ARGUMENT);
+  // Copies of one record.
+  columns.count = 1000;
+  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
+  CHECK_OK(hs_bvh_size(bvh, &size));
+  CHECK(size == 1000);
+  hs_bvh_destroy(bvh);
+  bvh = NULL;
   // So many fit the address space, if all are one record.
   columns.count = (size_t)1 << 31;
   CHECK(hs_bvh_create(&config, &columns, &bvh) == HS_INVALID_ARGUMENT);

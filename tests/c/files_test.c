@@ -72,6 +72,8 @@ static void test_bad_files(const void* blob, size_t size) {
     check_refused(&config, "blob: expected ");
     CHECK(hs_bvh_from_blob(&config, blob, cuts[i], &bvh) == HS_CORRUPT);
   }
+  write_file("", 0);
+  check_refused(&config, "path: expected a stored BVH, got the empty file");
   write_file(
       "a text of more than 64 bytes, which is no hierarchy, but was "
       "given as one",
@@ -153,16 +155,24 @@ static void test_whole_files(hs_bvh* bvh, const void* blob, size_t size) {
 static void test_no_objects(void) {
   const hs_bvh_config config = bvh_config_of(HS_BOX3);
   const hs_columns none = hs_float_rows(NULL, 0, 6);
+  const hs_columns columns = hs_float_rows(objects, 2, 6);
   hs_bvh* bvh = NULL;
+  hs_bvh* copy = NULL;
+  uint32_t ids[2];
   const void* data = &bvh;
   size_t size = 1;
   CHECK_OK(hs_bvh_create(&config, &none, &bvh));
   CHECK_OK(hs_bvh_blob(bvh, &data, &size));
   CHECK(data == NULL && size == 0);
+  CHECK_OK(hs_bvh_from_blob(&config, data, size, &copy));
+  CHECK(count_all(copy) == 0);
+  hs_bvh_destroy(copy);
   CHECK_OK(hs_bvh_save(bvh, kPath));
   hs_bvh_destroy(bvh);
   CHECK_OK(hs_bvh_load(&config, kPath, &bvh));
   CHECK(count_all(bvh) == 0);
+  CHECK_OK(hs_bvh_insert(bvh, &columns, ids));
+  CHECK(count_all(bvh) == 2 && ids[0] == 0 && ids[1] == 1);
   hs_bvh_destroy(bvh);
   CHECK_OK(hs_bvh_map(&config, kPath, &bvh));
   CHECK(count_all(bvh) == 0);

@@ -126,7 +126,8 @@ HALFSPACE_API hs_status hs_chosen_target(const char** name);
 
 // The functions that an object allocates its memory with. Set both, or neither
 // for the default, operator new. The struct is copied. What `context` points to
-// must outlive the object.
+// must outlive the object. Strings for the path of a file, and what the C++
+// runtime needs while a call fails, do not come from these functions.
 typedef struct hs_allocator {
   // Returns memory that is aligned to `alignment`, which is 64, or null.
   void* (*allocate)(void* context, size_t bytes, size_t alignment);
@@ -604,8 +605,9 @@ HALFSPACE_API hs_status hs_bvh_pair_parts(const hs_bvh* bvh, size_t* parts);
 // The hierarchy: bytes and files ----------------------------------------------
 
 // The BVH as bytes, valid until it changes or is destroyed: null and 0 if it
-// never had an object. O(n) for the first call after a change, then O(1). The
-// bytes depend on the machine's byte order and have a version of their own.
+// never had an object, of which hs_bvh_from_blob() makes such a BVH. O(n) for
+// the first call after a change, then O(1). The bytes depend on the machine's
+// byte order and have a version of their own.
 HALFSPACE_API hs_status hs_bvh_blob(const hs_bvh* bvh, const void** data,
                                     size_t* size);
 
