@@ -27,11 +27,10 @@ constexpr hs_pair_options kPairDefaults = {
     std::numeric_limits<std::size_t>::max(),
     nullptr};
 
-// NOLINTNEXTLINE(misc-redundant-expression): that is what is asserted.
 static_assert(HS_NO_ID == detail::kNoId);
-static_assert(sizeof(hs_id_pair) == sizeof(IdPair) &&
-              alignof(hs_id_pair) == alignof(IdPair) &&
-              offsetof(hs_id_pair, b) == offsetof(IdPair, b));
+static_assert(sizeof(hs_id_pair) == sizeof(IdPair));
+static_assert(alignof(hs_id_pair) == alignof(IdPair));
+static_assert(offsetof(hs_id_pair, b) == offsetof(IdPair, b));
 
 QueryOptions ReadQuery(const Call& call, const hs_query_options* options) {
   if (options == nullptr) return {};

@@ -1,6 +1,6 @@
 #include "c/columns.h"
 
-#include <cstdio>
+#include <cstdint>
 
 #include "halfspace/transform.h"
 
@@ -80,9 +80,10 @@ void CheckColumns(const Call& call, const char* argument,
   if (columns->count == 0) return;
   const std::size_t bytes =
       columns->type == HS_FLOAT64 ? sizeof(double) : sizeof(float);
-  // A copy of the records must fit, too: with a stride of 0 they are many.
+  // A copy of the records must fit, too: with a stride of 0 they are many. One
+  // record has no stride, and takes no division: it may be a whole call.
   if (columns->count > PTRDIFF_MAX / (kMostValues * sizeof(float)) ||
-      (columns->stride != 0 &&
+      (columns->count > 1 && columns->stride != 0 &&
        columns->count - 1 > (PTRDIFF_MAX / bytes - 1) / columns->stride)) {
     call.Fail(HS_INVALID_ARGUMENT,
               "%s->count: expected records that fit the address space, got %zu "
@@ -90,12 +91,16 @@ void CheckColumns(const Call& call, const char* argument,
               argument, columns->count, columns->stride);
   }
   for (std::size_t v = first; v < first + count; ++v) {
-    char name[64];
-    std::snprintf(name, sizeof(name), "%s->column[%zu]", argument, v);
-    if (columns->type == HS_FLOAT64) {
-      call.CheckPointer(name, static_cast<const double*>(columns->column[v]));
-    } else {
-      call.CheckPointer(name, static_cast<const float*>(columns->column[v]));
+    const void* const column = columns->column[v];
+    if (column == nullptr) {
+      call.Fail(HS_INVALID_ARGUMENT,
+                "%s->column[%zu]: expected a pointer, got null", argument, v);
+    }
+    if ((reinterpret_cast<std::uintptr_t>(column) & (bytes - 1)) != 0) {
+      call.Fail(HS_INVALID_ARGUMENT,
+                "%s->column[%zu]: expected memory aligned to %zu bytes, got a "
+                "misaligned pointer",
+                argument, v, bytes);
     }
   }
 }

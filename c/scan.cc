@@ -214,10 +214,11 @@ hs_status hs_scan_masks(const hs_scan* scan, const hs_columns* queries,
     call.CheckArray("masks", masks, row * queries->count);
     ForEachRows(*queries, scan->queries,
                 [&](const float* rows, size_t begin, size_t count) {
-                  detail::SurvivorMasks(
-                      scan->ScanOf(rows, count),
-                      {row == 0 ? masks : masks + begin * row, count * row},
-                      scans.its_options);
+                  const auto call_for =
+                      count == 1 ? detail::SurvivorMask : detail::SurvivorMasks;
+                  call_for(scan->ScanOf(rows, count),
+                           {masks + begin * row, count * row},
+                           scans.its_options);
                 });
   });
 }
@@ -257,6 +258,11 @@ hs_status hs_scan_counts(const hs_scan* scan, const hs_columns* queries,
     call.CheckArray("counts", counts, queries->count);
     ForEachRows(*queries, scan->queries,
                 [&](const float* rows, size_t begin, size_t count) {
+                  if (count == 1) {
+                    counts[begin] = detail::CountSurvivors(
+                        scan->ScanOf(rows, 1), scans.its_options);
+                    return;
+                  }
                   detail::SurvivorCounts(scan->ScanOf(rows, count),
                                          {counts + begin, count},
                                          scans.its_options);
