@@ -13,6 +13,14 @@ if(library_type STREQUAL "SHARED_LIBRARY")
   set(HALFSPACE_PC_DEFINITIONS " -DHALFSPACE_SHARED")
 endif()
 
+# What a C compiler does not link by itself, and the static library needs.
+set(HALFSPACE_PC_PRIVATE_LIBS "")
+foreach(library IN LISTS CMAKE_CXX_IMPLICIT_LINK_LIBRARIES)
+  if(library MATCHES "^(stdc\\+\\+|c\\+\\+|c\\+\\+abi|m)$")
+    string(APPEND HALFSPACE_PC_PRIVATE_LIBS " -l${library}")
+  endif()
+endforeach()
+
 install(TARGETS halfspace EXPORT halfspaceTargets FILE_SET HEADERS)
 install(EXPORT halfspaceTargets NAMESPACE halfspace::
         DESTINATION "${package_dir}")

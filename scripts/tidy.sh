@@ -17,7 +17,7 @@ if [ "${#files[@]}" -eq 0 ]; then
   mapfile -t files < <(
     sed -n "s|^ *\"file\": \"$root/\(.*\)\",\{0,1\}\$|\1|p" \
       "$build/compile_commands.json" |
-      grep -E '^(bench|dispatch|kernels)/' | sort -u |
+      grep -E '^(bench|c|dispatch|kernels)/' | sort -u |
       xargs grep -L 'hwy/foreach_target.h')
 fi
 printf '%s\0' "${files[@]}" |

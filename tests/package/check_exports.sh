@@ -13,6 +13,7 @@ if [ "${3:-}" = everything ]; then symbols=--debug-syms; fi
       name = $0
       sub(/^[0-9a-f]+ . /, "", name)
       sub(/^void /, "", name)
+      if (name ~ /^hs_[a-z0-9_]+$/) next  # in C
       if (name !~ /^halfspace::/ ||
           name ~ /^halfspace::(dispatch|kernels|N_[A-Z0-9_]+)::/) {
         print "exported, but no part of the interface: " name

@@ -7,9 +7,9 @@ set(dependencies "${OUTPUT}.d")
 file(WRITE "${source}" "#include \"${HEADER}\"\n#include \"${HEADER}\"\n")
 list(REMOVE_ITEM INCLUDES "")
 list(TRANSFORM INCLUDES PREPEND "-I")
-set(compile ${COMPILER} ${INCLUDES} "${source}")
 
-execute_process(COMMAND ${compile} -std=c++17 -M -MF "${dependencies}"
+execute_process(COMMAND ${COMPILER} ${INCLUDES} "${source}" -std=c++17
+                        -M -MF "${dependencies}"
                 COMMAND_ERROR_IS_FATAL ANY)
 file(READ "${dependencies}" files)
 string(FIND "${files}" "${HEADER}" found)
@@ -20,10 +20,19 @@ if(files MATCHES "[^ \n]*/hwy/[^ \n]*")
   message(FATAL_ERROR "${HEADER} includes Highway: ${CMAKE_MATCH_0}")
 endif()
 
-foreach(standard c++17 c++20)
+set(standards c++17 c++20)
+if(HEADER MATCHES "^halfspace/c/")
+  list(PREPEND standards c11 c++11)
+endif()
+foreach(standard IN LISTS standards)
+  set(language c++)
+  if(standard STREQUAL "c11")
+    set(language c)
+  endif()
   execute_process(
-    COMMAND ${compile} -std=${standard} -Wall -Wextra -Wpedantic -Wshadow
-            -Wconversion -Wsign-conversion -Werror -c -o "${OUTPUT}.o"
+    COMMAND ${COMPILER} ${INCLUDES} -x ${language} "${source}" -std=${standard}
+            -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Werror
+            -c -o "${OUTPUT}.o"
     RESULT_VARIABLE result)
   if(result)
     message(FATAL_ERROR "${HEADER} does not compile alone as ${standard}")

@@ -60,6 +60,7 @@ function(add_consumer_tests tree prefix)
   add_nested_build_test(${tree}.find_package
     "${CMAKE_CURRENT_SOURCE_DIR}/consumer"
     OPTIONS "-DCMAKE_PREFIX_PATH=${prefix}" -DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON
+      "-DCONSUMER_C=${HALFSPACE_C}"
     COMMAND ${nested_ctest})
   set_tests_properties(${tree}.find_package PROPERTIES
     FIXTURES_REQUIRED ${tree})
@@ -67,6 +68,7 @@ function(add_consumer_tests tree prefix)
     add_nested_build_test(${tree}.pkg_config
       "${CMAKE_CURRENT_SOURCE_DIR}/consumer"
       OPTIONS "-DCONSUMER_PKG_CONFIG=${prefix}/${CMAKE_INSTALL_LIBDIR}/pkgconfig"
+        "-DCONSUMER_C=${HALFSPACE_C}"
       COMMAND ${nested_ctest})
     set_tests_properties(${tree}.pkg_config PROPERTIES
       FIXTURES_REQUIRED ${tree})
@@ -78,6 +80,7 @@ function(install_command result build prefix)
   set(${result}
     ${CMAKE_COMMAND} "-DBUILD=${build}" "-DPREFIX=${prefix}"
     "-DHEADERS=${PROJECT_SOURCE_DIR}/include" "-DPAGES=${CMAKE_INSTALL_DOCDIR}"
+    "-DHAS_C=${HALFSPACE_C}"
     -P "${CMAKE_CURRENT_SOURCE_DIR}/install_and_move.cmake" PARENT_SCOPE)
 endfunction()
 

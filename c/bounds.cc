@@ -1,0 +1,361 @@
+// hs_bound_...(): bounds of shapes, as records.
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "c/call.h"
+#include "c/columns.h"
+#include "halfspace/fit_many.h"
+
+namespace halfspace::c {
+namespace {
+
+constexpr hs_bound_options kDefaults = {sizeof(hs_bound_options), 0, 0,
+                                        nullptr};
+
+// What is bounded at a time: its planes stay in the cache.
+constexpr std::size_t kMostShapes = 256;
+
+template <detail::FitSource kSource, typename Scalar>
+detail::Source SourceOf(std::size_t dims, std::size_t count,
+                        std::size_t stride) {
+  return dims == 2 ? detail::SourceOfShapes<kSource, 2, Scalar>(count, stride)
+                   : detail::SourceOfShapes<kSource, 3, Scalar>(count, stride);
+}
+
+// Records begin ... begin + count - 1 of some columns.
+template <detail::FitSource kSource>
+detail::Source SourceOf(std::size_t dims, const hs_columns& columns,
+                        const Values& values, std::size_t begin,
+                        std::size_t count) {
+  const bool is_double = columns.type == HS_FLOAT64;
+  detail::Source source =
+      is_double ? SourceOf<kSource, double>(dims, count, columns.stride)
+                : SourceOf<kSource, float>(dims, count, columns.stride);
+  for (std::size_t v = 0; v < values.count; ++v) {
+    const void* const column = columns.column[values.column[v]];
+    const std::size_t first = begin * columns.stride;
+    source.columns[source.column_count++] =
+        is_double ? static_cast<const void*>(
+                        static_cast<const double*>(column) + first)
+                  : static_cast<const void*>(static_cast<const float*>(column) +
+                                             first);
+  }
+  return source;
+}
+
+Values FirstColumns(std::size_t count) {
+  Values values{{}, count, count};
+  for (std::size_t v = 0; v < count; ++v) {
+    values.column[v] = static_cast<std::uint8_t>(v);
+  }
+  return values;
+}
+
+// One call: its arguments, and the records that it writes.
+class Bounder {
+ public:
+  Bounder(const Call& call, hs_kind kind, const hs_bound_options* options,
+          float* bounds, std::size_t count)
+      : kind_(KindOf(call, kind)), bounds_(bounds), count_(count) {
+    const hs_bound_options read =
+        ReadOptions(call, "options", options, kDefaults);
+    options_.tightest = read.tightest != 0;
+    options_.inverted =
+        read.empty_if_inverted != 0 ? Inverted::kEmpty : Inverted::kEverything;
+    options_.target = ReadTarget(call, "options", read.target);
+    call.CheckArray("bounds", bounds, count);
+    if (count > PTRDIFF_MAX / (kMostValues * sizeof(float))) {
+      call.Fail(HS_INVALID_ARGUMENT,
+                "bounds: expected records that fit the address space, got %zu",
+                count);
+    }
+  }
+
+  std::size_t dims() const { return kind_.dims; }
+
+  // Calls fit(begin, count, output, options, status) for some shapes at a time,
+  // and writes the bounds that are in `output` then.
+  template <typename Fit>
+  void Run(const Fit& fit, std::size_t* everything) const {
+    FitStatus status;
+    std::array<float, kMostShapes * kMostValues> planes;
+    for (std::size_t begin = 0; begin < count_; begin += kMostShapes) {
+      const std::size_t count = std::min(count_ - begin, kMostShapes);
+      detail::Output output;
+      output.dims = static_cast<int>(dims());
+      output.size = count;
+      for (std::size_t v = 0; v < kind_.values(); ++v) {
+        const std::size_t plane =
+            v < kind_.axes ? v : v - kind_.axes + dims() + 1;
+        output.Want(plane, planes.data() + v * kMostShapes);
+      }
+      fit(begin, count, output, options_, status);
+      float* to = bounds_ + begin * kind_.values();
+      for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t v = 0; v < kind_.values(); ++v) {
+          *to++ = planes[v * kMostShapes + i];
+        }
+      }
+    }
+    if (everything != nullptr) *everything = status.everything;
+  }
+
+ private:
+  Kind kind_;
+  float* bounds_;
+  std::size_t count_;
+  FitOptions options_;
+};
+
+// The points of some shapes of `kPoints` each, as the caller's scalars.
+constexpr std::size_t kCorners = 3;
+template <typename Scalar>
+class CornerBuffer {
+ public:
+  explicit CornerBuffer(std::size_t dims) : dims_(dims) {
+    for (std::size_t i = 0; i < kMostShapes; ++i) ends_[i] = (i + 1) * kCorners;
+  }
+
+  // corner(i, c) is where coordinate k of corner c of shape i is: a function
+  // of k, or one that returns NaNs.
+  template <typename Coordinate>
+  void Fit(std::size_t count, const Coordinate& coordinate,
+           const detail::Output& output, const FitOptions& options,
+           FitStatus& status) {
+    Scalar* to = values_.data();
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t c = 0; c < kCorners; ++c) {
+        for (std::size_t k = 0; k < dims_; ++k) *to++ = coordinate(i, c, k);
+      }
+    }
+    detail::Source source =
+        SourceOf<detail::kFitPointSets, Scalar>(dims_, count * kCorners, dims_);
+    source.has_one_pointer = true;
+    for (std::size_t k = 0; k < dims_; ++k) {
+      source.columns[source.column_count++] = values_.data() + k;
+    }
+    detail::BoundPointSets(source, {ends_.data(), count}, output, options,
+                           &status);
+  }
+
+ private:
+  std::size_t dims_;
+  std::array<std::size_t, kMostShapes> ends_;
+  std::array<Scalar, kMostShapes * kCorners * 3> values_;
+};
+
+template <typename Scalar>
+const Scalar* Column(const hs_columns& columns, std::size_t v) {
+  return static_cast<const Scalar*>(columns.column[v]);
+}
+
+template <typename Scalar>
+void BoundTriangles(const Bounder& bounder, const hs_columns& triangles,
+                    std::size_t* everything) {
+  CornerBuffer<Scalar> corners(bounder.dims());
+  bounder.Run(
+      [&](std::size_t begin, std::size_t count, const detail::Output& output,
+          const FitOptions& options, FitStatus& status) {
+        corners.Fit(
+            count,
+            [&](std::size_t i, std::size_t c, std::size_t k) {
+              return Column<Scalar>(
+                  triangles,
+                  c * bounder.dims() + k)[(begin + i) * triangles.stride];
+            },
+            output, options, status);
+      },
+      everything);
+}
+
+template <typename Scalar>
+void BoundFaces(const Bounder& bounder, const hs_columns& vertices,
+                const std::uint32_t* indices, std::size_t* everything) {
+  CornerBuffer<Scalar> corners(bounder.dims());
+  bounder.Run(
+      [&](std::size_t begin, std::size_t count, const detail::Output& output,
+          const FitOptions& options, FitStatus& status) {
+        corners.Fit(
+            count,
+            [&](std::size_t i, std::size_t c, std::size_t k) {
+              const std::size_t index = indices[(begin + i) * kCorners + c];
+              if (index >= vertices.count) {
+                return std::numeric_limits<Scalar>::quiet_NaN();
+              }
+              return Column<Scalar>(vertices, k)[index * vertices.stride];
+            },
+            output, options, status);
+      },
+      everything);
+}
+
+}  // namespace
+}  // namespace halfspace::c
+
+using halfspace::FitOptions;
+using halfspace::FitStatus;
+using halfspace::c::Bounder;
+using halfspace::c::Call;
+using halfspace::c::CheckColumns;
+using halfspace::c::FirstColumns;
+using halfspace::c::KindOf;
+using halfspace::c::Run;
+using halfspace::c::SourceOf;
+using halfspace::c::Values;
+namespace detail = halfspace::detail;
+
+hs_status hs_bound_options_default(hs_bound_options* options,
+                                   size_t struct_size) {
+  return halfspace::c::WriteDefaults(
+      "hs_bound_options_default", &halfspace::c::kDefaults,
+      sizeof(hs_bound_options), options, struct_size);
+}
+
+hs_status hs_bound_boxes(hs_kind kind, const hs_columns* boxes,
+                         const hs_bound_options* options, float* bounds,
+                         size_t* everything) {
+  return Run("hs_bound_boxes", [&](const Call& call) {
+    const Values values = FirstColumns(2 * KindOf(call, kind).dims);
+    CheckColumns(call, "boxes", boxes, values);
+    const Bounder bounder(call, kind, options, bounds, boxes->count);
+    bounder.Run(
+        [&](size_t begin, size_t count, const detail::Output& output,
+            const FitOptions& fit, FitStatus& status) {
+          detail::BoundBoxes(SourceOf<detail::kFitBoxes>(bounder.dims(), *boxes,
+                                                         values, begin, count),
+                             output, fit, &status);
+        },
+        everything);
+  });
+}
+
+hs_status hs_bound_spheres(hs_kind kind, const hs_columns* spheres,
+                           const hs_bound_options* options, float* bounds,
+                           size_t* everything) {
+  return Run("hs_bound_spheres", [&](const Call& call) {
+    const Values values = FirstColumns(KindOf(call, kind).dims + 1);
+    CheckColumns(call, "spheres", spheres, values);
+    const Bounder bounder(call, kind, options, bounds, spheres->count);
+    bounder.Run(
+        [&](size_t begin, size_t count, const detail::Output& output,
+            const FitOptions& fit, FitStatus& status) {
+          detail::BoundSpheres(
+              SourceOf<detail::kFitSpheres>(bounder.dims(), *spheres, values,
+                                            begin, count),
+              output, fit, &status);
+        },
+        everything);
+  });
+}
+
+hs_status hs_bound_points(hs_kind kind, const hs_columns* points,
+                          const hs_bound_options* options, float* bounds,
+                          size_t* everything) {
+  return Run("hs_bound_points", [&](const Call& call) {
+    const size_t dims = KindOf(call, kind).dims;
+    CheckColumns(call, "points", points, 0, dims);
+    const Values values = Values::OfPoints(dims);
+    const Bounder bounder(call, kind, options, bounds, points->count);
+    bounder.Run(
+        [&](size_t begin, size_t count, const detail::Output& output,
+            const FitOptions& fit, FitStatus& status) {
+          detail::BoundBoxes(
+              SourceOf<detail::kFitBoxes>(dims, *points, values, begin, count),
+              output, fit, &status);
+        },
+        everything);
+  });
+}
+
+hs_status hs_bound_point_sets(hs_kind kind, const hs_columns* points,
+                              const size_t* ends, size_t sets,
+                              const hs_bound_options* options, float* bounds,
+                              size_t* everything) {
+  return Run("hs_bound_point_sets", [&](const Call& call) {
+    const size_t dims = KindOf(call, kind).dims;
+    CheckColumns(call, "points", points, 0, dims);
+    call.CheckArray("ends", ends, sets);
+    const Bounder bounder(call, kind, options, bounds, sets);
+    const size_t bytes =
+        points->type == HS_FLOAT64 ? sizeof(double) : sizeof(float);
+    bool is_adjacent = true;
+    for (size_t k = 1; k < dims && points->count != 0; ++k) {
+      is_adjacent &= points->column[k] ==
+                     static_cast<const char*>(points->column[0]) + k * bytes;
+    }
+    if (!is_adjacent && points->stride != 1) {
+      call.Fail(HS_UNSUPPORTED,
+                "points: expected adjacent coordinates or a stride of 1, got "
+                "columns apart with a stride of %zu: copy the points",
+                points->stride);
+    }
+    const Values values = FirstColumns(dims);
+    bounder.Run(
+        [&](size_t begin, size_t count, const detail::Output& output,
+            const FitOptions& fit, FitStatus& status) {
+          std::array<size_t, halfspace::c::kMostShapes> its_ends;
+          for (size_t i = 0, j = 0; i < count; i = j) {
+            // Sets i ... j - 1 are bounded at once: those that follow each
+            // other, or a bad one alone.
+            const size_t first = begin + i == 0 ? 0 : ends[begin + i - 1];
+            size_t end = first;
+            for (; j < count; ++j) {
+              const size_t next = ends[begin + j];
+              if (next < end || next > points->count) break;
+              its_ends[j - i] = next - first;
+              end = next;
+            }
+            const bool is_bad = j == i;
+            if (is_bad) its_ends[j++ - i] = SIZE_MAX;
+            const size_t skipped = is_bad ? 0 : first;
+            detail::Source source = SourceOf<detail::kFitPointSets>(
+                dims, *points, values, skipped, points->count - skipped);
+            source.has_one_pointer = is_adjacent;
+            detail::Output some = output;
+            some.size = j - i;
+            for (float*& plane : some.planes) {
+              if (plane != nullptr) plane += i;
+            }
+            detail::BoundPointSets(source, {its_ends.data(), some.size}, some,
+                                   fit, &status);
+          }
+        },
+        everything);
+  });
+}
+
+hs_status hs_bound_triangles(hs_kind kind, const hs_columns* triangles,
+                             const hs_bound_options* options, float* bounds,
+                             size_t* everything) {
+  return Run("hs_bound_triangles", [&](const Call& call) {
+    const size_t dims = KindOf(call, kind).dims;
+    CheckColumns(call, "triangles", triangles, 0,
+                 halfspace::c::kCorners * dims);
+    const Bounder bounder(call, kind, options, bounds, triangles->count);
+    if (triangles->type == HS_FLOAT64) {
+      halfspace::c::BoundTriangles<double>(bounder, *triangles, everything);
+    } else {
+      halfspace::c::BoundTriangles<float>(bounder, *triangles, everything);
+    }
+  });
+}
+
+hs_status hs_bound_faces(hs_kind kind, const hs_columns* vertices,
+                         const uint32_t* indices, size_t faces,
+                         const hs_bound_options* options, float* bounds,
+                         size_t* everything) {
+  return Run("hs_bound_faces", [&](const Call& call) {
+    const size_t dims = KindOf(call, kind).dims;
+    CheckColumns(call, "vertices", vertices, 0, dims);
+    const Bounder bounder(call, kind, options, bounds, faces);
+    call.CheckArray("indices", indices, halfspace::c::kCorners * faces);
+    if (vertices->type == HS_FLOAT64) {
+      halfspace::c::BoundFaces<double>(bounder, *vertices, indices, everything);
+    } else {
+      halfspace::c::BoundFaces<float>(bounder, *vertices, indices, everything);
+    }
+  });
+}

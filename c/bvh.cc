@@ -1,0 +1,340 @@
+// hs_bvh_...() and hs_builder_...() that create and change a hierarchy.
+#include "c/bvh.h"
+
+#include <atomic>
+#include <cmath>
+#include <exception>
+
+using halfspace::c::AllRows;
+using halfspace::c::BvhConfig;
+using halfspace::c::Call;
+using halfspace::c::CheckColumns;
+using halfspace::c::ColumnsOf;
+using halfspace::c::Kind;
+using halfspace::c::Run;
+using halfspace::c::Values;
+
+namespace halfspace::c {
+namespace {
+
+constexpr hs_bvh_config kDefaults = {sizeof(hs_bvh_config),
+                                     static_cast<hs_kind>(0),
+                                     HS_QUALITY_HIGH,
+                                     nullptr,
+                                     nullptr,
+                                     nullptr,
+                                     {}};
+
+detail::BvhShape ShapeOf(const Kind& kind) {
+  if (kind.is_simplex) {
+    return kind.dims == 2 ? detail::BvhShapeOf<SimplexView2>()
+                          : detail::BvhShapeOf<SimplexView3>();
+  }
+  if (kind.axes == kind.dims) {
+    return kind.dims == 2 ? detail::BvhShapeOf<AabbView2>()
+                          : detail::BvhShapeOf<AabbView3>();
+  }
+  return kind.dims == 2 ? detail::BvhShapeOf<AaboView2>()
+                        : detail::BvhShapeOf<AaboView3>();
+}
+
+// What the part functions of one call of `run` share. They can run at the same
+// time, and must not throw through the caller's function.
+struct Parts {
+  explicit Parts(const Runner::Part& its_part) : part(its_part) {}
+
+  const Runner::Part& part;
+  std::atomic<std::size_t> done{0};
+  std::atomic_flag has_failed;
+  std::exception_ptr error;
+
+  static void RunPart(void* work, std::size_t i) noexcept {
+    auto& parts = *static_cast<Parts*>(work);
+    try {
+      parts.part(i);
+    } catch (...) {
+      if (!parts.has_failed.test_and_set()) {
+        parts.error = std::current_exception();
+      }
+    }
+    parts.done.fetch_add(1);
+  }
+};
+
+BuildQuality ReadQuality(const Call& call, hs_quality quality) {
+  if (quality == HS_QUALITY_HIGH) return BuildQuality::kHigh;
+  if (quality == HS_QUALITY_FAST) return BuildQuality::kFast;
+  call.Fail(HS_INVALID_ARGUMENT,
+            "config->quality: expected an enumerator of hs_quality, got %d",
+            static_cast<int>(quality));
+}
+
+template <typename Scalar>
+hs_bvh* Build(const Call& call, const BvhConfig& config,
+              const detail::Columns<Scalar>& objects) {
+  CallerThreads threads(call, config.run, config.run_context);
+  BuildOptions options = config.options;
+  options.run = threads.runner();
+  NewBvh bvh(config.kind, options.memory);
+  bvh->tree.Build(objects, options);
+  return bvh.Release();
+}
+
+// The library checks ids, too, but not in words of this interface.
+void CheckIds(const Call& call, const hs_bvh& bvh, const std::uint32_t* ids,
+              std::size_t count) {
+  call.CheckArray("ids", ids, count);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (bvh.tree.Has(ids[i])) continue;
+    call.Fail(HS_INVALID_ARGUMENT,
+              "ids[%zu]: expected the id of an object, got %u", i, ids[i]);
+  }
+}
+
+// Minima of simplices become a record with maxima.
+void WriteRecord(const hs_bvh& bvh, const float* values, float* record) {
+  for (std::size_t v = 0; v < bvh.kind.values(); ++v) {
+    record[v] = v < bvh.objects.count ? values[v] : INFINITY;
+  }
+}
+
+}  // namespace
+
+BvhConfig::BvhConfig(const Call& call, const hs_bvh_config* config) {
+  const hs_bvh_config read = ReadConfig(call, config, kDefaults);
+  kind = KindOf(call, read.kind);
+  run = read.run;
+  run_context = read.run_context;
+  options.quality = ReadQuality(call, read.quality);
+  options.target = ReadTarget(call, "config", read.target);
+  options.memory = ReadAllocator(call, read.allocator);
+}
+
+void CallerThreads::operator()(std::size_t count,
+                               const Runner::Part& part) const {
+  Parts parts(part);
+  run_(context_, count, &Parts::RunPart, &parts);
+  if (parts.error != nullptr) std::rethrow_exception(parts.error);
+  if (const std::size_t done = parts.done.load(); done != count) {
+    call_.Fail(HS_INVALID_ARGUMENT,
+               "config->run: expected a call of each of %zu parts, got %zu "
+               "calls",
+               count, done);
+  }
+}
+
+}  // namespace halfspace::c
+
+hs_bvh::hs_bvh(const Kind& its_kind, const halfspace::MemoryResource& memory)
+    : kind(its_kind),
+      objects(Values::OfObjects(its_kind)),
+      queries(Values::OfQueries(its_kind)),
+      tree(halfspace::c::ShapeOf(its_kind), memory) {}
+
+struct hs_builder {
+  explicit hs_builder(const BvhConfig& its_config)
+      : config(its_config),
+        objects(Values::OfObjects(its_config.kind)),
+        rows(halfspace::detail::BlockAllocator<float>(
+            its_config.options.memory)) {}
+
+  const BvhConfig config;
+  const Values objects;
+  halfspace::c::FloatVector rows;
+};
+
+hs_status hs_bvh_config_default(hs_bvh_config* config, size_t struct_size) {
+  return halfspace::c::WriteDefaults(
+      "hs_bvh_config_default", &halfspace::c::kDefaults, sizeof(hs_bvh_config),
+      config, struct_size);
+}
+
+hs_status hs_bvh_create(const hs_bvh_config* config, const hs_columns* objects,
+                        hs_bvh** bvh) {
+  return Run("hs_bvh_create", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    const BvhConfig read(call, config);
+    const Values values = Values::OfObjects(read.kind);
+    CheckColumns(call, "objects", objects, values);
+    *bvh = objects->type == HS_FLOAT64
+               ? halfspace::c::Build(call, read,
+                                     ColumnsOf<double>(*objects, values))
+               : halfspace::c::Build(call, read,
+                                     ColumnsOf<float>(*objects, values));
+  });
+}
+
+void hs_bvh_destroy(hs_bvh* bvh) {
+  if (bvh != nullptr) halfspace::c::Delete(bvh->tree.memory(), bvh);
+}
+
+hs_status hs_builder_create(const hs_bvh_config* config, hs_builder** builder) {
+  return Run("hs_builder_create", [&](const Call& call) {
+    call.CheckPointer("builder", builder);
+    const BvhConfig read(call, config);
+    *builder = halfspace::c::New<hs_builder>(read.options.memory, read);
+  });
+}
+
+hs_status hs_builder_push(hs_builder* builder, const hs_columns* objects) {
+  return Run("hs_builder_push", [&](const Call& call) {
+    call.CheckPointer("builder", builder);
+    CheckColumns(call, "objects", objects, builder->objects);
+    auto& rows = builder->rows;
+    const size_t size = rows.size();
+    rows.resize(size + objects->count * builder->objects.count);
+    halfspace::c::WriteRows(*objects, builder->objects, 0, objects->count,
+                            rows.data() + size);
+  });
+}
+
+hs_status hs_builder_finish(const hs_builder* builder, hs_bvh** bvh) {
+  return Run("hs_builder_finish", [&](const Call& call) {
+    call.CheckPointer("builder", builder);
+    call.CheckPointer("bvh", bvh);
+    const size_t values = builder->objects.count;
+    halfspace::detail::FloatColumns columns{};
+    columns.size = builder->rows.size() / values;
+    columns.stride = values;
+    for (size_t v = 0; v < values && columns.size != 0; ++v) {
+      columns.planes[v] = builder->rows.data() + v;
+    }
+    *bvh = halfspace::c::Build(call, builder->config, columns);
+  });
+}
+
+void hs_builder_destroy(hs_builder* builder) {
+  if (builder == nullptr) return;
+  halfspace::c::Delete(builder->config.options.memory, builder);
+}
+
+hs_status hs_bvh_size(const hs_bvh* bvh, size_t* size) {
+  return Run("hs_bvh_size", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    call.CheckPointer("size", size);
+    *size = bvh->tree.size();
+  });
+}
+
+hs_status hs_bvh_id_limit(const hs_bvh* bvh, size_t* limit) {
+  return Run("hs_bvh_id_limit", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    call.CheckPointer("limit", limit);
+    *limit = bvh->tree.id_limit();
+  });
+}
+
+hs_status hs_bvh_bounds(const hs_bvh* bvh, float* record) {
+  return Run("hs_bvh_bounds", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    call.CheckPointer("record", record);
+    std::array<float, halfspace::c::kMostValues> values;
+    bvh->tree.Bounds({values.data(), bvh->objects.count});
+    halfspace::c::WriteRecord(*bvh, values.data(), record);
+  });
+}
+
+hs_status hs_bvh_get(const hs_bvh* bvh, const uint32_t* ids, size_t count,
+                     float* records) {
+  return Run("hs_bvh_get", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    halfspace::c::CheckIds(call, *bvh, ids, count);
+    call.CheckArray("records", records, count);
+    std::array<float, halfspace::c::kMostValues> values;
+    for (size_t i = 0; i < count; ++i) {
+      bvh->tree.Get(ids[i], {values.data(), bvh->objects.count});
+      halfspace::c::WriteRecord(*bvh, values.data(),
+                                records + i * bvh->kind.values());
+    }
+  });
+}
+
+hs_status hs_bvh_insert(hs_bvh* bvh, const hs_columns* objects, uint32_t* ids) {
+  return Run("hs_bvh_insert", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    CheckColumns(call, "objects", objects, bvh->objects);
+    call.CheckArray("ids", ids, objects->count);
+    const AllRows rows(*objects, bvh->objects, bvh->tree.memory());
+    bvh->tree.Insert(rows.floats(), {ids, objects->count});
+  });
+}
+
+hs_status hs_bvh_set(hs_bvh* bvh, const uint32_t* ids,
+                     const hs_columns* objects) {
+  return Run("hs_bvh_set", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    CheckColumns(call, "objects", objects, bvh->objects);
+    halfspace::c::CheckIds(call, *bvh, ids, objects->count);
+    const AllRows rows(*objects, bvh->objects, bvh->tree.memory());
+    bvh->tree.Set({ids, objects->count}, rows.floats());
+  });
+}
+
+hs_status hs_bvh_erase(hs_bvh* bvh, const uint32_t* ids, size_t count) {
+  return Run("hs_bvh_erase", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    halfspace::c::CheckIds(call, *bvh, ids, count);
+    bvh->tree.Erase({ids, count});
+  });
+}
+
+hs_status hs_bvh_set_masks(hs_bvh* bvh, const uint32_t* ids,
+                           const uint32_t* masks, size_t count) {
+  return Run("hs_bvh_set_masks", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    call.CheckArray("masks", masks, count);
+    if (ids == nullptr) {
+      bvh->tree.SetMasks({masks, count});
+      return;
+    }
+    halfspace::c::CheckIds(call, *bvh, ids, count);
+    // Only the first allocates.
+    for (size_t i = 0; i < count; ++i) bvh->tree.SetMasks(ids[i], masks[i]);
+  });
+}
+
+hs_status hs_bvh_refit(hs_bvh* bvh, const hs_columns* objects,
+                       const hs_bvh_config* config) {
+  return Run("hs_bvh_refit", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    CheckColumns(call, "objects", objects, bvh->objects);
+    if (objects->count < bvh->tree.id_limit()) {
+      call.Fail(HS_INVALID_ARGUMENT,
+                "objects->count: expected at least hs_bvh_id_limit(), %zu, got "
+                "%zu",
+                bvh->tree.id_limit(), objects->count);
+    }
+    const hs_bvh_config read = halfspace::c::ReadOptions(
+        call, "config", config, halfspace::c::kDefaults);
+    halfspace::c::CallerThreads threads(call, read.run, read.run_context);
+    if (objects->type == HS_FLOAT64) {
+      bvh->tree.Refit(ColumnsOf<double>(*objects, bvh->objects), true,
+                      threads.runner());
+    } else {
+      bvh->tree.Refit(ColumnsOf<float>(*objects, bvh->objects), true,
+                      threads.runner());
+    }
+  });
+}
+
+hs_status hs_bvh_rebuild(hs_bvh* bvh, const hs_bvh_config* config) {
+  return Run("hs_bvh_rebuild", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    const hs_bvh_config read = halfspace::c::ReadOptions(
+        call, "config", config, halfspace::c::kDefaults);
+    halfspace::c::CallerThreads threads(call, read.run, read.run_context);
+    halfspace::BuildOptions options;
+    options.quality = halfspace::c::ReadQuality(call, read.quality);
+    options.target = halfspace::c::ReadTarget(call, "config", read.target);
+    options.run = threads.runner();
+    bvh->tree.Rebuild(options);
+  });
+}
+
+hs_status hs_bvh_cost_ratio(const hs_bvh* bvh, double* ratio) {
+  return Run("hs_bvh_cost_ratio", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    call.CheckPointer("ratio", ratio);
+    *ratio = bvh->tree.CostRatio();
+  });
+}

@@ -1,0 +1,77 @@
+// What the functions of hierarchies share.
+#ifndef HALFSPACE_C_BVH_H_
+#define HALFSPACE_C_BVH_H_
+
+#include <cstddef>
+
+#include "c/call.h"
+#include "c/columns.h"
+#include "halfspace/bvh.h"
+#include "halfspace/memory.h"
+
+// Below the templates of bvh.h, so that there is one for all kinds.
+struct hs_bvh {
+  hs_bvh(const halfspace::c::Kind& its_kind,
+         const halfspace::MemoryResource& memory);
+  hs_bvh(const hs_bvh&) = delete;
+  hs_bvh& operator=(const hs_bvh&) = delete;
+  ~hs_bvh();
+
+  const halfspace::c::Kind kind;
+  const halfspace::c::Values objects;
+  const halfspace::c::Values queries;
+  halfspace::detail::BvhTree tree;
+  // The file that the tree is in until it changes, if it was mapped.
+  void* mapped = nullptr;
+  std::size_t mapped_bytes = 0;
+};
+
+namespace halfspace::c {
+
+// A configuration after its checks.
+struct BvhConfig {
+  BvhConfig(const Call& call, const hs_bvh_config* config);
+
+  Kind kind;
+  hs_run_function run = nullptr;
+  void* run_context = nullptr;
+  BuildOptions options;
+};
+
+// Calls `run` of the caller's for the parts of a build.
+class CallerThreads {
+ public:
+  CallerThreads(const Call& call, hs_run_function run, void* context)
+      : call_(call), run_(run), context_(context) {}
+
+  // Empty without a function. Must not outlive this.
+  Runner runner() { return run_ != nullptr ? Runner(*this) : Runner(); }
+
+  void operator()(std::size_t count, const Runner::Part& part) const;
+
+ private:
+  Call call_;
+  hs_run_function run_;
+  void* context_;
+};
+
+// Frees the BVH, unless it has been released.
+class NewBvh {
+ public:
+  NewBvh(const Kind& kind, const MemoryResource& memory)
+      : bvh_(New<hs_bvh>(memory, kind, memory)) {}
+  NewBvh(const NewBvh&) = delete;
+  NewBvh& operator=(const NewBvh&) = delete;
+  ~NewBvh() { hs_bvh_destroy(bvh_); }
+
+  hs_bvh* get() const { return bvh_; }
+  hs_bvh* operator->() const { return bvh_; }
+  hs_bvh* Release() { return std::exchange(bvh_, nullptr); }
+
+ private:
+  hs_bvh* bvh_;
+};
+
+}  // namespace halfspace::c
+
+#endif  // HALFSPACE_C_BVH_H_

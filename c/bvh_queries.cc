@@ -1,0 +1,434 @@
+// hs_bvh_...() that find objects: queries, nearest, rays, pairs.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "c/bvh.h"
+#include "c/call.h"
+#include "c/columns.h"
+#include "halfspace/bvh.h"
+#include "halfspace/bvh_nearest.h"
+#include "halfspace/bvh_pairs.h"
+
+namespace halfspace::c {
+namespace {
+
+constexpr hs_query_options kDefaults = {sizeof(hs_query_options), 0xFFFFFFFF, 0,
+                                        nullptr};
+constexpr hs_pair_options kPairDefaults = {
+    sizeof(hs_pair_options),
+    0xFFFFFFFF,
+    0.0f,
+    0,
+    0,
+    std::numeric_limits<std::size_t>::max(),
+    nullptr};
+
+static_assert(HS_NO_ID == detail::kNoId);
+static_assert(sizeof(hs_id_pair) == sizeof(IdPair));
+static_assert(alignof(hs_id_pair) == alignof(IdPair));
+static_assert(offsetof(hs_id_pair, b) == offsetof(IdPair, b));
+
+QueryOptions ReadQuery(const Call& call, const hs_query_options* options) {
+  if (options == nullptr) return {};
+  const hs_query_options read =
+      ReadOptions(call, "options", options, kDefaults);
+  QueryOptions query;
+  query.mask = read.mask;
+  query.skip = read.skip;
+  query.target = ReadTarget(call, "options", read.target);
+  return query;
+}
+
+PairOptions ReadPairs(const Call& call, const hs_pair_options* options) {
+  const hs_pair_options read =
+      ReadOptions(call, "options", options, kPairDefaults);
+  if (!(read.margin >= 0) || read.margin > std::numeric_limits<float>::max()) {
+    call.Fail(HS_INVALID_ARGUMENT,
+              "options->margin: expected a finite number that is not negative, "
+              "got %g",
+              static_cast<double>(read.margin));
+  }
+  PairOptions pairs;
+  pairs.mask = read.mask;
+  pairs.margin = read.margin;
+  pairs.skip = read.skip;
+  pairs.begin = read.begin;
+  pairs.end = read.end;
+  pairs.target = ReadTarget(call, "options", read.target);
+  return pairs;
+}
+
+void CheckLength(const Call& call, const char* argument, float length) {
+  if (length >= 0) return;
+  call.Fail(HS_INVALID_ARGUMENT,
+            "%s: expected a number that is not negative, got %g", argument,
+            static_cast<double>(length));
+}
+
+// Writes row after row of the nearest objects. `values` has the corners.
+void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
+             const Values& values, std::size_t k, float max_distance,
+             const hs_query_options* options, std::uint32_t* ids,
+             float* distances) {
+  CheckLength(call, "max_distance", max_distance);
+  const QueryOptions query = ReadQuery(call, options);
+  if (k == 0 || columns.count == 0) return;
+  if (columns.count > PTRDIFF_MAX / sizeof(std::uint32_t) / k) {
+    call.Fail(HS_INVALID_ARGUMENT,
+              "k: expected rows that fit the address space, got %zu for each "
+              "of %zu queries",
+              k, columns.count);
+  }
+  call.CheckArray("ids", ids, columns.count * k);
+  if (distances != nullptr) call.CheckPointer("distances", distances);
+  ForEachRows(columns, values,
+              [&](const float* rows, std::size_t begin, std::size_t count) {
+                detail::BvhNearestOfEach(
+                    bvh->tree, {rows, values.minima, values.count, count}, k,
+                    max_distance, {ids + begin * k, count * k},
+                    distances == nullptr
+                        ? Span<float>()
+                        : Span<float>(distances + begin * k, count * k),
+                    query);
+              });
+}
+
+// Calls function(ray, id, t) for the objects of each ray. `begin_ray` and
+// `end_ray` are called before and after.
+template <typename Begin, typename Hit>
+void CastRays(const Call& call, const hs_bvh* bvh, const hs_columns* rays,
+              float radius, const hs_query_options* options, const Begin& begin,
+              Hit& hit) {
+  call.CheckPointer("bvh", bvh);
+  const std::size_t dims = bvh->kind.dims;
+  CheckColumns(call, "rays", rays, 0, 2 * dims + 1);
+  if (rays->type != HS_FLOAT32) {
+    call.Fail(HS_INVALID_ARGUMENT,
+              "rays->type: expected HS_FLOAT32, as a direction cannot be "
+              "rounded outward, got HS_FLOAT64");
+  }
+  CheckLength(call, "radius", radius);
+  const QueryOptions query = ReadQuery(call, options);
+  Values values{{}, 2 * dims + 1, 0};
+  for (std::size_t v = 0; v < values.count; ++v) {
+    values.column[v] = static_cast<std::uint8_t>(v);
+  }
+  const auto function = [](void* context, std::uint32_t id, float t,
+                           const float*) {
+    return (*static_cast<Hit*>(context))(id, t);
+  };
+  for (std::size_t i = 0; i < rays->count; ++i) {
+    std::array<float, kMostValues> ray;
+    WriteRows(*rays, values, i, 1, ray.data());
+    const float limit = ray[2 * dims];
+    if (!(limit >= 0)) {
+      call.Fail(HS_INVALID_ARGUMENT,
+                "rays->column[%zu]: expected limits of t that are not "
+                "negative, got %g of ray %zu",
+                2 * dims, static_cast<double>(limit), i);
+    }
+    begin(i);
+    detail::BvhCast(
+        bvh->tree,
+        {call.name(), ray.data(), ray.data(), ray.data() + dims, limit, radius},
+        function, &hit, query);
+  }
+}
+
+detail::PairSources SourcesOf(const Call& call, const hs_bvh* a,
+                              const hs_bvh* b) {
+  if (a->kind.is_simplex) {
+    call.Fail(HS_INVALID_ARGUMENT,
+              "expected BVHs of boxes or octahedra, got simplices, which have "
+              "no planes that face each other");
+  }
+  if (b != nullptr && (b->kind.dims != a->kind.dims ||
+                       b->kind.axes != a->kind.axes || b->kind.is_simplex)) {
+    call.Fail(HS_INVALID_ARGUMENT,
+              "b: expected a BVH of the kind of `a`, got another kind");
+  }
+  const detail::BvhPairKernels* kernels = nullptr;
+  if (a->kind.axes == 2) kernels = detail::BvhPairKernelsOf<2>::kTargets;
+  if (a->kind.axes == 3) kernels = detail::BvhPairKernelsOf<3>::kTargets;
+  if (a->kind.axes == 4) kernels = detail::BvhPairKernelsOf<4>::kTargets;
+  return {kernels, &a->tree, b == nullptr ? nullptr : &b->tree, nullptr};
+}
+
+void WritePairs(const Call& call, const hs_bvh* a, const hs_bvh* b,
+                const hs_pair_options* options, hs_id_pair* pairs,
+                std::size_t room, std::size_t* total) {
+  call.CheckArray("pairs", pairs, room);
+  call.CheckPointer("total", total);
+  *total = detail::BvhPairs(SourcesOf(call, a, b),
+                            {reinterpret_cast<IdPair*>(pairs), room},
+                            ReadPairs(call, options));
+}
+
+void CallForPairs(const Call& call, const hs_bvh* a, const hs_bvh* b,
+                  const hs_pair_options* options, hs_pairs_function function,
+                  void* context) {
+  call.CheckFunction("function", function);
+  const auto some = [&](Span<const IdPair> pairs) {
+    return function(context, reinterpret_cast<const hs_id_pair*>(pairs.data()),
+                    pairs.size()) == HS_CONTINUE;
+  };
+  using Some = decltype(some);
+  detail::BvhForEachPair(
+      SourcesOf(call, a, b),
+      [](void* of_call, Span<const IdPair> pairs) {
+        return (*static_cast<Some*>(of_call))(pairs);
+      },
+      const_cast<void*>(static_cast<const void*>(&some)),
+      ReadPairs(call, options));
+}
+
+}  // namespace
+}  // namespace halfspace::c
+
+using halfspace::QueryOptions;
+using halfspace::Span;
+using halfspace::c::Call;
+using halfspace::c::CheckColumns;
+using halfspace::c::ForEachRows;
+using halfspace::c::ReadQuery;
+using halfspace::c::Results;
+using halfspace::c::Run;
+namespace detail = halfspace::detail;
+
+hs_status hs_query_options_default(hs_query_options* options,
+                                   size_t struct_size) {
+  return halfspace::c::WriteDefaults(
+      "hs_query_options_default", &halfspace::c::kDefaults,
+      sizeof(hs_query_options), options, struct_size);
+}
+
+hs_status hs_pair_options_default(hs_pair_options* options,
+                                  size_t struct_size) {
+  return halfspace::c::WriteDefaults(
+      "hs_pair_options_default", &halfspace::c::kPairDefaults,
+      sizeof(hs_pair_options), options, struct_size);
+}
+
+hs_status hs_bvh_query(const hs_bvh* bvh, const hs_columns* queries,
+                       const hs_query_options* options, uint32_t* ids,
+                       size_t room, size_t* offsets, size_t* total) {
+  return Run("hs_bvh_query", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    CheckColumns(call, "queries", queries, bvh->queries);
+    QueryOptions query = ReadQuery(call, options);
+    call.CheckArray("ids", ids, room);
+    call.CheckPointer("total", total);
+    size_t own_offsets[halfspace::c::kMostRows + 1];
+    if (offsets != nullptr) {
+      call.CheckPointer("offsets", offsets);
+      offsets[0] = 0;
+    }
+    Results<uint32_t> results(ids, room, query.skip);
+    ForEachRows(*queries, bvh->queries,
+                [&](const float* rows, size_t begin, size_t count) {
+                  query.skip = results.skip();
+                  if (count == 1) {
+                    results.Add(detail::BvhSurvivors(bvh->tree, {rows, 1},
+                                                     results.span(), query));
+                    if (offsets != nullptr)
+                      offsets[begin + 1] = results.total();
+                    return;
+                  }
+                  size_t* const to =
+                      offsets != nullptr ? offsets + begin : own_offsets;
+                  const size_t before = results.total();
+                  results.Add(detail::BvhSurvivorsOfEach(
+                      bvh->tree, {rows, count}, results.span(), {to, count + 1},
+                      query));
+                  for (size_t i = 0; i <= count; ++i) to[i] += before;
+                });
+    *total = results.total();
+  });
+}
+
+hs_status hs_bvh_count(const hs_bvh* bvh, const hs_columns* queries,
+                       const hs_query_options* options, size_t* counts) {
+  return Run("hs_bvh_count", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    CheckColumns(call, "queries", queries, bvh->queries);
+    const QueryOptions query = ReadQuery(call, options);
+    call.CheckArray("counts", counts, queries->count);
+    ForEachRows(*queries, bvh->queries,
+                [&](const float* rows, size_t begin, size_t count) {
+                  for (size_t q = 0; q < count; ++q) {
+                    counts[begin + q] = detail::BvhCount(
+                        bvh->tree, {rows + q * bvh->queries.count, 1}, query);
+                  }
+                });
+  });
+}
+
+hs_status hs_bvh_any(const hs_bvh* bvh, const hs_columns* queries,
+                     const hs_query_options* options, uint32_t* ids) {
+  return Run("hs_bvh_any", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    CheckColumns(call, "queries", queries, bvh->queries);
+    const QueryOptions query = ReadQuery(call, options);
+    call.CheckArray("ids", ids, queries->count);
+    ForEachRows(*queries, bvh->queries,
+                [&](const float* rows, size_t begin, size_t count) {
+                  for (size_t q = 0; q < count; ++q) {
+                    uint32_t id = HS_NO_ID;
+                    const bool has_one = detail::BvhAny(
+                        bvh->tree, {rows + q * bvh->queries.count, 1}, id,
+                        query);
+                    ids[begin + q] = has_one ? id : HS_NO_ID;
+                  }
+                });
+  });
+}
+
+hs_status hs_bvh_probe(const hs_bvh* bvh, const hs_columns* queries,
+                       const hs_query_options* options,
+                       hs_ids_function function, void* context) {
+  return Run("hs_bvh_probe", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    CheckColumns(call, "queries", queries, bvh->queries);
+    const QueryOptions query = ReadQuery(call, options);
+    call.CheckFunction("function", function);
+    struct Probe {
+      hs_ids_function function;
+      void* context;
+      size_t query;
+      bool is_stopped;
+    } probe = {function, context, 0, false};
+    const auto some = [](void* of_probe, Span<const uint32_t> ids) {
+      auto& its = *static_cast<Probe*>(of_probe);
+      its.is_stopped = its.function(its.context, its.query, ids.data(),
+                                    ids.size()) != HS_CONTINUE;
+      return !its.is_stopped;
+    };
+    ForEachRows(*queries, bvh->queries,
+                [&](const float* rows, size_t begin, size_t count) {
+                  for (size_t q = 0; q < count && !probe.is_stopped; ++q) {
+                    probe.query = begin + q;
+                    detail::BvhForEach(bvh->tree,
+                                       {rows + q * bvh->queries.count, 1}, some,
+                                       &probe, query);
+                  }
+                });
+  });
+}
+
+hs_status hs_bvh_nearest_to_points(const hs_bvh* bvh, const hs_columns* points,
+                                   size_t k, float max_distance,
+                                   const hs_query_options* options,
+                                   uint32_t* ids, float* distances) {
+  return Run("hs_bvh_nearest_to_points", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    const size_t dims = bvh->kind.dims;
+    CheckColumns(call, "points", points, 0, dims);
+    halfspace::c::Nearest(call, bvh, *points,
+                          halfspace::c::Values::OfPoints(dims), k, max_distance,
+                          options, ids, distances);
+  });
+}
+
+hs_status hs_bvh_nearest_to_boxes(const hs_bvh* bvh, const hs_columns* boxes,
+                                  size_t k, float max_distance,
+                                  const hs_query_options* options,
+                                  uint32_t* ids, float* distances) {
+  return Run("hs_bvh_nearest_to_boxes", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    const size_t dims = bvh->kind.dims;
+    const auto values =
+        halfspace::c::Values::OfObjects({dims, dims, /*is_simplex=*/false});
+    CheckColumns(call, "boxes", boxes, values);
+    halfspace::c::Nearest(call, bvh, *boxes, values, k, max_distance, options,
+                          ids, distances);
+  });
+}
+
+hs_status hs_bvh_raycast(const hs_bvh* bvh, const hs_columns* rays,
+                         float radius, const hs_query_options* options,
+                         uint32_t* ids, float* ts) {
+  return Run("hs_bvh_raycast", [&](const Call& call) {
+    call.CheckPointer("rays", rays);
+    call.CheckArray("ids", ids, rays->count);
+    if (ts != nullptr) call.CheckPointer("ts", ts);
+    uint32_t* closest = nullptr;
+    float own_t = 0;
+    float* closest_t = &own_t;
+    const auto begin = [&](size_t ray) {
+      closest = ids + ray;
+      *closest = HS_NO_ID;
+      if (ts != nullptr) closest_t = ts + ray;
+      *closest_t = INFINITY;
+    };
+    auto hit = [&](uint32_t id, float t) {
+      if (t < *closest_t || (t == *closest_t && id < *closest)) {
+        *closest = id;
+        *closest_t = t;
+      }
+      return *closest_t;
+    };
+    halfspace::c::CastRays(call, bvh, rays, radius, options, begin, hit);
+  });
+}
+
+hs_status hs_bvh_raycast_each(const hs_bvh* bvh, const hs_columns* rays,
+                              float radius, const hs_query_options* options,
+                              hs_hit_function function, void* context) {
+  return Run("hs_bvh_raycast_each", [&](const Call& call) {
+    call.CheckFunction("function", function);
+    size_t ray = 0;
+    const auto begin = [&](size_t i) { ray = i; };
+    auto hit = [&](uint32_t id, float t) {
+      return function(context, ray, id, t);
+    };
+    halfspace::c::CastRays(call, bvh, rays, radius, options, begin, hit);
+  });
+}
+
+hs_status hs_bvh_pairs(const hs_bvh* bvh, const hs_pair_options* options,
+                       hs_id_pair* pairs, size_t room, size_t* total) {
+  return Run("hs_bvh_pairs", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    halfspace::c::WritePairs(call, bvh, nullptr, options, pairs, room, total);
+  });
+}
+
+hs_status hs_bvh_join(const hs_bvh* a, const hs_bvh* b,
+                      const hs_pair_options* options, hs_id_pair* pairs,
+                      size_t room, size_t* total) {
+  return Run("hs_bvh_join", [&](const Call& call) {
+    call.CheckPointer("a", a);
+    call.CheckPointer("b", b);
+    halfspace::c::WritePairs(call, a, b, options, pairs, room, total);
+  });
+}
+
+hs_status hs_bvh_pairs_each(const hs_bvh* bvh, const hs_pair_options* options,
+                            hs_pairs_function function, void* context) {
+  return Run("hs_bvh_pairs_each", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    halfspace::c::CallForPairs(call, bvh, nullptr, options, function, context);
+  });
+}
+
+hs_status hs_bvh_join_each(const hs_bvh* a, const hs_bvh* b,
+                           const hs_pair_options* options,
+                           hs_pairs_function function, void* context) {
+  return Run("hs_bvh_join_each", [&](const Call& call) {
+    call.CheckPointer("a", a);
+    call.CheckPointer("b", b);
+    halfspace::c::CallForPairs(call, a, b, options, function, context);
+  });
+}
+
+hs_status hs_bvh_pair_parts(const hs_bvh* bvh, size_t* parts) {
+  return Run("hs_bvh_pair_parts", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    call.CheckPointer("parts", parts);
+    *parts = (bvh->tree.ids().size() + 63) / 64;
+  });
+}

@@ -1,0 +1,134 @@
+// What every function of the C API shares: a call ends with a status, whatever
+// happens in it.
+#ifndef HALFSPACE_C_CALL_H_
+#define HALFSPACE_C_CALL_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <utility>
+
+#include "halfspace/c/halfspace.h"
+#include "halfspace/detail/block_memory.h"
+#include "halfspace/memory.h"
+#include "halfspace/targets.h"
+
+namespace halfspace::c {
+
+// Thrown by Call::Fail(), which has written the message.
+struct Failure {
+  hs_status status;
+};
+
+// The function that runs.
+class Call {
+ public:
+  explicit constexpr Call(const char* name) : name_(name) {}
+
+  const char* name() const { return name_; }
+
+  // Writes the message "NAME: FORMAT..." and throws.
+  [[noreturn, gnu::cold, gnu::format(printf, 3, 4)]] void Fail(
+      hs_status status, const char* format, ...) const;
+
+  // Fails if the pointer is null, or is not aligned for its type.
+  template <typename T>
+  void CheckPointer(const char* argument, const T* pointer) const {
+    if (pointer == nullptr) FailNull(argument);
+    if constexpr (!std::is_function_v<T>) {
+      if (reinterpret_cast<std::uintptr_t>(pointer) % alignof(T) != 0) {
+        FailMisaligned(argument, alignof(T));
+      }
+    }
+  }
+  // The same for an array, which may be null if it has no elements.
+  template <typename T>
+  void CheckArray(const char* argument, const T* array,
+                  std::size_t count) const {
+    if (count == 0) return;
+    CheckPointer(argument, array);
+    if (count > PTRDIFF_MAX / sizeof(T)) FailTooMany(argument, count);
+  }
+  template <typename T>
+  void CheckFunction(const char* argument, T* function) const {
+    if (function == nullptr) FailNull(argument);
+  }
+
+ private:
+  [[noreturn, gnu::cold]] void FailNull(const char* argument) const;
+  [[noreturn, gnu::cold]] void FailMisaligned(const char* argument,
+                                              std::size_t alignment) const;
+  [[noreturn, gnu::cold]] void FailTooMany(const char* argument,
+                                           std::size_t count) const;
+
+  const char* name_;
+};
+
+// The status of the exception that is being handled, and its message.
+// `of_invalid` is the status of a violated precondition of the C++ library.
+hs_status StatusOfException(const Call& call, hs_status of_invalid) noexcept;
+
+// Runs body(call), and returns how it ended.
+template <typename Body>
+hs_status Run(const char* name, const Body& body,
+              hs_status of_invalid = HS_INVALID_ARGUMENT) noexcept {
+  const Call call(name);
+  try {
+    body(call);
+    return HS_OK;
+  } catch (...) {
+    return StatusOfException(call, of_invalid);
+  }
+}
+
+// Copies the fields that the caller's struct has over those of `options`, which
+// has the defaults. Each struct begins with its size.
+void ReadStruct(const Call& call, const char* argument, const void* given,
+                void* options, std::size_t size);
+hs_status WriteDefaults(const char* name, const void* defaults,
+                        std::size_t size, void* options,
+                        std::size_t struct_size);
+
+template <typename Options>
+Options ReadOptions(const Call& call, const char* argument,
+                    const Options* given, const Options& defaults) {
+  Options options = defaults;
+  if (given != nullptr) {
+    ReadStruct(call, argument, given, &options, sizeof(options));
+  }
+  return options;
+}
+// As ReadOptions(), but null is an error.
+template <typename Config>
+Config ReadConfig(const Call& call, const Config* given,
+                  const Config& defaults) {
+  call.CheckPointer("config", given);
+  return ReadOptions(call, "config", given, defaults);
+}
+
+// Null is the chosen target.
+Target ReadTarget(const Call& call, const char* argument, const char* name);
+MemoryResource ReadAllocator(const Call& call, const hs_allocator& allocator);
+
+// An object in memory of its own resource.
+template <typename T, typename... Arguments>
+T* New(const MemoryResource& memory, Arguments&&... arguments) {
+  static_assert(alignof(T) <= 64);
+  void* const block = detail::AllocateBlock(memory, sizeof(T));
+  try {
+    return new (block) T(std::forward<Arguments>(arguments)...);
+  } catch (...) {
+    detail::FreeBlock(memory, block, sizeof(T));
+    throw;
+  }
+}
+// `memory` is a copy, as the object has the other.
+template <typename T>
+void Delete(MemoryResource memory, T* object) noexcept {
+  object->~T();
+  detail::FreeBlock(memory, object, sizeof(T));
+}
+
+}  // namespace halfspace::c
+
+#endif  // HALFSPACE_C_CALL_H_

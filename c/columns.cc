@@ -1,0 +1,168 @@
+#include "c/columns.h"
+
+#include <cstdint>
+
+#include "halfspace/transform.h"
+
+namespace halfspace::c {
+
+Kind KindOf(const Call& call, hs_kind kind) {
+  switch (kind) {
+    case HS_BOX2:
+      return {2, 2, false};
+    case HS_BOX3:
+      return {3, 3, false};
+    case HS_OCTAHEDRON2:
+      return {2, 3, false};
+    case HS_OCTAHEDRON3:
+      return {3, 4, false};
+    case HS_SIMPLEX2:
+      return {2, 3, true};
+    case HS_SIMPLEX3:
+      return {3, 4, true};
+  }
+  call.Fail(HS_INVALID_ARGUMENT,
+            "kind: expected an enumerator of hs_kind, got %d",
+            static_cast<int>(kind));
+}
+
+namespace {
+
+Values Consecutive(std::size_t first, std::size_t count, std::size_t minima) {
+  Values values{{}, count, minima};
+  for (std::size_t v = 0; v < count; ++v) {
+    values.column[v] = static_cast<std::uint8_t>(first + v);
+  }
+  return values;
+}
+
+template <typename Scalar>
+void CopyRows(const hs_columns& columns, const Values& values,
+              std::size_t begin, std::size_t count, Scalar* rows) {
+  for (std::size_t v = 0; v < values.count; ++v) {
+    const Scalar* const column =
+        static_cast<const Scalar*>(columns.column[values.column[v]]) +
+        begin * columns.stride;
+    for (std::size_t i = 0; i < count; ++i) {
+      rows[i * values.count + v] = column[i * columns.stride];
+    }
+  }
+}
+
+}  // namespace
+
+Values Values::OfObjects(const Kind& kind) {
+  return Consecutive(0, kind.is_simplex ? kind.axes : kind.values(), kind.axes);
+}
+
+Values Values::OfQueries(const Kind& kind) {
+  return kind.is_simplex ? Consecutive(kind.axes, kind.axes, 0)
+                         : Consecutive(0, kind.values(), kind.axes);
+}
+
+Values Values::OfPoints(std::size_t dims) {
+  Values values{{}, 2 * dims, dims};
+  for (std::size_t v = 0; v < values.count; ++v) {
+    values.column[v] = static_cast<std::uint8_t>(v % dims);
+  }
+  return values;
+}
+
+void CheckColumns(const Call& call, const char* argument,
+                  const hs_columns* columns, std::size_t first,
+                  std::size_t count) {
+  call.CheckPointer(argument, columns);
+  if (columns->type != HS_FLOAT32 && columns->type != HS_FLOAT64) {
+    call.Fail(HS_INVALID_ARGUMENT,
+              "%s->type: expected an enumerator of hs_scalar, got %d", argument,
+              static_cast<int>(columns->type));
+  }
+  if (columns->count == 0) return;
+  const std::size_t bytes =
+      columns->type == HS_FLOAT64 ? sizeof(double) : sizeof(float);
+  // A copy of the records must fit, too: with a stride of 0 they are many. One
+  // record has no stride, and takes no division: it may be a whole call.
+  if (columns->count > PTRDIFF_MAX / (kMostValues * sizeof(float)) ||
+      (columns->count > 1 && columns->stride != 0 &&
+       columns->count - 1 > (PTRDIFF_MAX / bytes - 1) / columns->stride)) {
+    call.Fail(HS_INVALID_ARGUMENT,
+              "%s->count: expected records that fit the address space, got %zu "
+              "with a stride of %zu",
+              argument, columns->count, columns->stride);
+  }
+  for (std::size_t v = first; v < first + count; ++v) {
+    const void* const column = columns->column[v];
+    if (column == nullptr) {
+      call.Fail(HS_INVALID_ARGUMENT,
+                "%s->column[%zu]: expected a pointer, got null", argument, v);
+    }
+    if ((reinterpret_cast<std::uintptr_t>(column) & (bytes - 1)) != 0) {
+      call.Fail(HS_INVALID_ARGUMENT,
+                "%s->column[%zu]: expected memory aligned to %zu bytes, got a "
+                "misaligned pointer",
+                argument, v, bytes);
+    }
+  }
+}
+
+void CheckColumns(const Call& call, const char* argument,
+                  const hs_columns* columns, const Values& values) {
+  CheckColumns(call, argument, columns, values.column[0], values.count);
+}
+
+const float* RowsInPlace(const hs_columns& columns, const Values& values) {
+  if (columns.type != HS_FLOAT32 || columns.count == 0) return nullptr;
+  if (columns.count > 1 && columns.stride != values.count) return nullptr;
+  const auto* const first =
+      static_cast<const float*>(columns.column[values.column[0]]);
+  for (std::size_t v = 1; v < values.count; ++v) {
+    if (columns.column[values.column[v]] != first + v) return nullptr;
+  }
+  return first;
+}
+
+void WriteRows(const hs_columns& columns, const Values& values,
+               std::size_t begin, std::size_t count, float* rows) {
+  if (columns.type == HS_FLOAT32) {
+    CopyRows(columns, values, begin, count, rows);
+    return;
+  }
+  constexpr std::size_t kMost = 64;
+  std::array<double, kMost * kMostValues> doubles;
+  for (std::size_t i = 0; i < count; i += kMost) {
+    const std::size_t some = std::min(count - i, kMost);
+    CopyRows(columns, values, begin + i, some, doubles.data());
+    detail::RoundOutward(
+        Span<const double>(doubles.data(), some * values.count), values.minima,
+        values.count, rows + i * values.count);
+  }
+}
+
+AllRows::AllRows(const hs_columns& columns, const Values& values,
+                 const MemoryResource& memory)
+    : copy_(detail::BlockAllocator<float>(memory)) {
+  const float* rows = RowsInPlace(columns, values);
+  if (rows == nullptr && columns.count != 0) {
+    copy_.resize(columns.count * values.count);
+    WriteRows(columns, values, 0, columns.count, copy_.data());
+    rows = copy_.data();
+  }
+  floats_ = {rows, columns.count * values.count};
+}
+
+}  // namespace halfspace::c
+
+size_t hs_bound_values(hs_kind kind) {
+  switch (kind) {
+    case HS_BOX2:
+      return 4;
+    case HS_BOX3:
+    case HS_OCTAHEDRON2:
+    case HS_SIMPLEX2:
+      return 6;
+    case HS_OCTAHEDRON3:
+    case HS_SIMPLEX3:
+      return 8;
+  }
+  return 0;
+}

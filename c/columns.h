@@ -1,0 +1,136 @@
+// Records of the caller's, checked, and as rows of floats.
+#ifndef HALFSPACE_C_COLUMNS_H_
+#define HALFSPACE_C_COLUMNS_H_
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "c/call.h"
+#include "halfspace/detail/block_memory.h"
+#include "halfspace/detail/plane_arrays.h"
+#include "halfspace/memory.h"
+
+namespace halfspace::c {
+
+inline constexpr std::size_t kMostValues = 8;  // of a record of bounds
+
+struct Kind {
+  std::size_t dims;
+  std::size_t axes;
+  bool is_simplex;
+
+  std::size_t values() const { return 2 * axes; }  // of a record
+};
+
+// Fails unless it is one of the enumerators.
+Kind KindOf(const Call& call, hs_kind kind);
+
+// Which values of a record are read. They become the values of a row: first
+// the minima, which are rounded down, then the others, which are rounded up.
+struct Values {
+  std::array<std::uint8_t, kMostValues> column;
+  std::size_t count;
+  std::size_t minima;
+
+  static Values OfObjects(const Kind& kind);
+  static Values OfQueries(const Kind& kind);
+  // Points as boxes, whose corners are the same point.
+  static Values OfPoints(std::size_t dims);
+};
+
+// Fails unless columns first ... first + count - 1 can be read.
+void CheckColumns(const Call& call, const char* argument,
+                  const hs_columns* columns, std::size_t first,
+                  std::size_t count);
+void CheckColumns(const Call& call, const char* argument,
+                  const hs_columns* columns, const Values& values);
+
+// The rows in the caller's memory, or null if they are stored in another way.
+const float* RowsInPlace(const hs_columns& columns, const Values& values);
+
+// Writes the rows of `count` records from record `begin` on.
+void WriteRows(const hs_columns& columns, const Values& values,
+               std::size_t begin, std::size_t count, float* rows);
+
+// Calls run(rows, begin, count) for up to 256 records at a time.
+inline constexpr std::size_t kMostRows = 256;
+template <typename Function>
+void ForEachRows(const hs_columns& columns, const Values& values,
+                 const Function& run) {
+  const float* const in_place = RowsInPlace(columns, values);
+  std::array<float, kMostRows * kMostValues> buffer;
+  for (std::size_t begin = 0; begin < columns.count; begin += kMostRows) {
+    const std::size_t count = std::min(columns.count - begin, kMostRows);
+    const float* rows = buffer.data();
+    if (in_place != nullptr) {
+      rows = in_place + begin * values.count;
+    } else {
+      WriteRows(columns, values, begin, count, buffer.data());
+    }
+    run(rows, begin, count);
+  }
+}
+
+using FloatVector = std::vector<float, detail::BlockAllocator<float>>;
+
+// All rows, in place or as a copy.
+class AllRows {
+ public:
+  AllRows(const hs_columns& columns, const Values& values,
+          const MemoryResource& memory);
+
+  Span<const float> floats() const { return floats_; }
+
+ private:
+  FloatVector copy_;
+  Span<const float> floats_;
+};
+
+// The columns themselves.
+template <typename Scalar>
+detail::Columns<Scalar> ColumnsOf(const hs_columns& columns,
+                                  const Values& values) {
+  detail::Columns<Scalar> result{};
+  result.size = columns.count;
+  result.stride = columns.stride;
+  for (std::size_t v = 0; v < values.count; ++v) {
+    result.planes[v] =
+        static_cast<const Scalar*>(columns.column[values.column[v]]);
+  }
+  return result;
+}
+
+// The results behind those that are skipped, which go to an array with room for
+// some of them.
+template <typename Result>
+class Results {
+ public:
+  Results(Result* results, std::size_t room, std::size_t skip)
+      : results_(results), room_(room), skip_(skip) {}
+
+  std::size_t total() const { return total_; }
+
+  // Of the next results: how many are skipped, and where the others go.
+  std::size_t skip() const { return skip_ > total_ ? skip_ - total_ : 0; }
+  std::size_t written() const {
+    return std::min(total_ > skip_ ? total_ - skip_ : 0, room_);
+  }
+  Span<Result> span() const {
+    if (written() == room_) return {};
+    return {results_ + written(), room_ - written()};
+  }
+  void Add(std::size_t count) { total_ += count; }
+
+ private:
+  Result* results_;
+  std::size_t room_;
+  std::size_t skip_;
+  std::size_t total_ = 0;
+};
+
+}  // namespace halfspace::c
+
+#endif  // HALFSPACE_C_COLUMNS_H_

@@ -1,0 +1,651 @@
+// halfspace for C: bounds, flat scans and a BVH. C11, and C++11 or later.
+//
+//   float boxes[] = {0, 0, 0, 1, 1, 1, /* min x y z, max x y z */
+//                    5, 5, 5, 6, 6, 6};
+//   hs_bvh_config config;
+//   hs_bvh_config_default(&config, sizeof config);
+//   config.kind = HS_BOX3;
+//   hs_columns objects = hs_float_rows(boxes, 2, 6);
+//   hs_bvh* bvh = NULL;
+//   if (hs_bvh_create(&config, &objects, &bvh) != HS_OK) {
+//     fprintf(stderr, "%s\n", hs_last_error());
+//     return 1;
+//   }
+//   float query[] = {0.5f, 0.5f, 0.5f, 2, 2, 2};
+//   hs_columns queries = hs_float_rows(query, 1, 6);
+//   uint32_t ids[8];
+//   size_t total;
+//   hs_bvh_query(bvh, &queries, NULL, ids, 8, NULL, &total);
+//   hs_bvh_destroy(bvh);
+//
+// A query returns all objects whose bounds it could touch: an object is left
+// out only if a plane separates the two bounds. Bounds that only touch survive,
+// and no overlap is missed. Bounds are floats. Doubles are rounded outward.
+//
+// To link the static library, a C program needs the C++ runtime as well:
+//   cc app.c $(pkg-config --cflags --libs --static halfspace)
+// The library contains these functions if it was built with HALFSPACE_C=ON.
+//
+// Status: functions return HS_OK or the reason of the failure, and
+// hs_last_error() has the message. A function that fails changes no object and
+// stores no handle, except where it says so. Output arrays can then have been
+// written in part. No C++ exception leaves a function.
+//
+// Pointers must not be null, except where a function says so. An array may be
+// null if the call reads or writes no element of it. Arrays must be aligned for
+// their type. An output array must not overlap another argument. This is not
+// checked.
+//
+// Configurations and options begin with `struct_size`. Fill them by their
+// function hs_..._default(), then change fields. The size lets a program that
+// was compiled with an older header use a newer library: fields that the
+// program does not know have their defaults. If the program's struct is larger
+// than the library's, the additional bytes must be 0. `options` may be null:
+// all fields then have their defaults.
+//
+// Results that do not fit: the function fills the array and sets `total` to the
+// number of all results. To get the others, call it again with `skip` increased
+// by the size of the array. It then searches again. The order of the results is
+// the same in every call with the same arguments on an unchanged object. The
+// functions with a callback need no array.
+//
+// NaN and special values: a NaN in a plane never separates, so an object with
+// NaNs alone is found by every query. {INFINITY, ..., -INFINITY, ...}, all
+// minima and then all maxima, is the empty bound: no finite query finds it. An
+// object with a minimum above a maximum is tested as it is.
+//
+// Thread safety: functions that take a const handle can run at the same time.
+// A function that takes another handle needs exclusive access. Queries allocate
+// nothing, take no lock and use up to 64 KiB of stack. The floating-point mode
+// of the calling thread has the effects that reject.h and bvh.h describe.
+//
+// C++ programs: if halfspace::SetErrorHandler (error.h) has set a handler, the
+// library calls it for the errors that it finds below this interface. If the
+// handler throws, the call returns a status as for any exception. If a callback
+// or an allocator throws, the call ends and returns HS_INTERNAL, or
+// HS_OUT_OF_MEMORY for std::bad_alloc. A callback must not leave a call by
+// longjmp.
+//
+// The C++ headers describe each operation in more detail: fit_many.h, reject.h,
+// reject_many.h, quantized.h, bvh.h, bvh_nearest.h and bvh_pairs.h.
+#ifndef HALFSPACE_C_HALFSPACE_H_
+#define HALFSPACE_C_HALFSPACE_H_
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "halfspace/export.h"
+#include "halfspace/version.h"
+
+// An enum can have any value of an int: functions check it.
+#ifdef __cplusplus
+#define HALFSPACE_INT : int
+extern "C" {
+#else
+#define HALFSPACE_INT
+#endif
+
+// Status, version, targets ----------------------------------------------------
+
+typedef enum hs_status HALFSPACE_INT {
+  HS_OK = 0,
+  HS_INVALID_ARGUMENT = 1,  // an argument violates what the function requires
+  HS_OUT_OF_MEMORY = 2,     // an allocation failed
+  HS_IO_ERROR = 3,          // a file cannot be read or written
+  HS_CORRUPT = 4,           // a file or blob is none, was altered, or has
+                            // another kind of bounds
+  HS_UNSUPPORTED = 5,       // not available on this system
+  HS_INTERNAL = 6           // an exception of a callback, or an error of the
+                            // library
+} hs_status;
+
+// Returns the version of the library, for example "0.1.0".
+// HALFSPACE_VERSION_STRING (version.h) is that of the header.
+HALFSPACE_API const char* hs_version(void);
+
+// Returns the message of the last call of this thread that failed: which
+// function and argument, what was expected and what was given. Returns "" if no
+// call failed. The text is valid until another call of this thread fails. Calls
+// that succeed do not change it.
+HALFSPACE_API const char* hs_last_error(void);
+
+// Returns the name of a status, for example "HS_OK", or "unknown status".
+HALFSPACE_API const char* hs_status_name(hs_status status);
+
+// The targets (instruction sets) that this machine supports, best first. The
+// name of target i, or null if `i` is not below the count. Names are static.
+HALFSPACE_API size_t hs_target_count(void);
+HALFSPACE_API const char* hs_target_name(size_t i);
+
+// Writes the name of the target of calls that name none: the best one, or the
+// value of the environment variable HALFSPACE_TARGET. Fails if that value is
+// not the name of a supported target, as every call does then.
+HALFSPACE_API hs_status hs_chosen_target(const char** name);
+
+// Memory ----------------------------------------------------------------------
+
+// The functions that an object allocates its memory with. Set both, or neither
+// for the default, operator new. The struct is copied. What `context` points to
+// must outlive the object. Strings for the path of a file, and what the C++
+// runtime needs while a call fails, do not come from these functions.
+typedef struct hs_allocator {
+  // Returns memory that is aligned to `alignment`, which is 64, or null.
+  void* (*allocate)(void* context, size_t bytes, size_t alignment);
+  // `bytes` and `alignment` are those of the allocation.
+  void (*deallocate)(void* context, void* block, size_t bytes,
+                     size_t alignment);
+  void* context;
+} hs_allocator;
+
+// Arrays of records -----------------------------------------------------------
+
+typedef enum hs_scalar HALFSPACE_INT {
+  HS_FLOAT32 = 0,
+  HS_FLOAT64 = 1
+} hs_scalar;
+
+enum { HS_MAX_COLUMNS = 9 };
+
+// The type of all input arrays of bounds, shapes and queries. Value v of record
+// i is element i * stride of column[v], which has the type `type`. So this can
+// be an array of structs, a structure of arrays, or columns of a database. A
+// function reads as many columns as it says and ignores the others. With a
+// stride of 0, all records are the same. Columns are not copied, unless the
+// function says so, and are not needed after the call.
+typedef struct hs_columns {
+  hs_scalar type;
+  size_t count;   // records
+  size_t stride;  // scalars from one record to the next
+  const void* column[HS_MAX_COLUMNS];
+} hs_columns;
+
+// Returns the columns of `count` records of `values` consecutive scalars each.
+static inline hs_columns hs_float_rows(const float* data, size_t count,
+                                       size_t values) {
+  hs_columns columns;
+  size_t v;
+  columns.type = HS_FLOAT32;
+  columns.count = count;
+  columns.stride = values;
+  for (v = 0; v < HS_MAX_COLUMNS; ++v) {
+    columns.column[v] = data != NULL && v < values ? data + v : NULL;
+  }
+  return columns;
+}
+static inline hs_columns hs_double_rows(const double* data, size_t count,
+                                        size_t values) {
+  hs_columns columns;
+  size_t v;
+  columns.type = HS_FLOAT64;
+  columns.count = count;
+  columns.stride = values;
+  for (v = 0; v < HS_MAX_COLUMNS; ++v) {
+    columns.column[v] = data != NULL && v < values ? data + v : NULL;
+  }
+  return columns;
+}
+
+// Bounds ----------------------------------------------------------------------
+
+// The kind of bounds of an object. Bounds are records of floats or doubles, all
+// minima and then all maxima, in any unit.
+//
+// The octahedron (a k-DOP) has one more axis than the box, D = -(x + y + z): a
+// box with two opposite corners cut off. Make its records by hs_bound_...(),
+// which round D outward.
+//
+// An object of a simplex kind stores the minima of the octahedron alone, and
+// its query is the maxima. Its records are those of octahedra: the minima of a
+// query and the maxima of an object are not read, and these columns may be
+// null.
+typedef enum hs_kind HALFSPACE_INT {
+  HS_BOX2 = 1,         // min x y, max x y
+  HS_BOX3 = 2,         // min x y z, max x y z
+  HS_OCTAHEDRON2 = 3,  // min x y D, max x y D
+  HS_OCTAHEDRON3 = 4,  // min x y z D, max x y z D
+  HS_SIMPLEX2 = 5,     // as HS_OCTAHEDRON2
+  HS_SIMPLEX3 = 6      // as HS_OCTAHEDRON3
+} hs_kind;
+
+// Returns the number of values of a record: 4, 6, 6, 8, 6 or 8. Returns 0 if
+// `kind` is none of the enumerators.
+HALFSPACE_API size_t hs_bound_values(hs_kind kind);
+
+typedef struct hs_bound_options {
+  size_t struct_size;
+  int tightest;           // 1: D is the tightest float, not only within 1 ulp
+  int empty_if_inverted;  // 1: a box with a minimum above a maximum becomes the
+                          // empty bound. 0: it is a mistake
+  const char* target;     // null: the chosen target
+} hs_bound_options;
+
+HALFSPACE_API hs_status hs_bound_options_default(hs_bound_options* options,
+                                                 size_t struct_size);
+
+// Write the bounds of shapes in 2 or 3 dimensions, d, as `kind` has them. The
+// record of shape i is bounds[i * values] ... bounds[i * values + values - 1],
+// where `values` is hs_bound_values(kind).
+//
+// The bounds enclose the exact shapes, rounding included. A shape that cannot
+// be bounded becomes everything: minima of -FLT_MAX and maxima of FLT_MAX,
+// which every finite query finds. These are shapes with a NaN, an infinity, a
+// negative radius, a vertex that does not exist, magnitudes that sum to more
+// than 2^125, and, by default, inverted boxes. `everything` receives their
+// number and may be null. A box of {INFINITY, ..., -INFINITY, ...} or {FLT_MAX,
+// ..., -FLT_MAX, ...} becomes the empty bound and is not counted.
+//
+// Cost: about that of a copy for floats, and tens of ns per shape of doubles.
+//
+// Boxes: 2 d columns, the minima and the maxima.
+HALFSPACE_API hs_status hs_bound_boxes(hs_kind kind, const hs_columns* boxes,
+                                       const hs_bound_options* options,
+                                       float* bounds, size_t* everything);
+// Spheres: d + 1 columns, the center and the radius.
+HALFSPACE_API hs_status hs_bound_spheres(hs_kind kind,
+                                         const hs_columns* spheres,
+                                         const hs_bound_options* options,
+                                         float* bounds, size_t* everything);
+// Points: d columns. Each point has a bound of its own.
+HALFSPACE_API hs_status hs_bound_points(hs_kind kind, const hs_columns* points,
+                                        const hs_bound_options* options,
+                                        float* bounds, size_t* everything);
+// The convex hulls of `sets` ranges of points: set i has the points ends[i - 1]
+// ... ends[i] - 1, and set 0 begins at point 0. A set without points becomes
+// the empty bound. A set that ends before it begins or after the last point
+// becomes everything. The coordinates of a point must be adjacent in memory, or
+// the stride must be 1. Otherwise the status is HS_UNSUPPORTED.
+HALFSPACE_API hs_status hs_bound_point_sets(hs_kind kind,
+                                            const hs_columns* points,
+                                            const size_t* ends, size_t sets,
+                                            const hs_bound_options* options,
+                                            float* bounds, size_t* everything);
+// Triangles: 3 d columns, the coordinates of the three corners one after
+// another.
+HALFSPACE_API hs_status hs_bound_triangles(hs_kind kind,
+                                           const hs_columns* triangles,
+                                           const hs_bound_options* options,
+                                           float* bounds, size_t* everything);
+// The `faces` triangles of a mesh. Its vertices have d columns, and triangle i
+// has the vertices indices[3 * i], indices[3 * i + 1] and indices[3 * i + 2].
+HALFSPACE_API hs_status hs_bound_faces(hs_kind kind, const hs_columns* vertices,
+                                       const uint32_t* indices, size_t faces,
+                                       const hs_bound_options* options,
+                                       float* bounds, size_t* everything);
+
+// Flat scans ------------------------------------------------------------------
+
+// A copy of bounds. A query tests every object in SIMD. For one query over a
+// thousand objects or more, a BVH is faster.
+typedef struct hs_scan hs_scan;
+
+typedef struct hs_scan_config {
+  size_t struct_size;
+  hs_kind kind;  // must be set
+  int bits;      // 0: floats. 8 or 16: floats and quantized values, which are
+                 // tested first. The results are the same.
+  hs_allocator allocator;
+} hs_scan_config;
+
+HALFSPACE_API hs_status hs_scan_config_default(hs_scan_config* config,
+                                               size_t struct_size);
+
+// Copies the bounds. The index of an object is that of its record.
+HALFSPACE_API hs_status hs_scan_create(const hs_scan_config* config,
+                                       const hs_columns* objects,
+                                       hs_scan** scan);
+// `scan` may be null.
+HALFSPACE_API void hs_scan_destroy(hs_scan* scan);
+HALFSPACE_API hs_status hs_scan_size(const hs_scan* scan, size_t* size);
+
+typedef struct hs_scan_options {
+  size_t struct_size;
+  size_t begin;  // tests the objects begin ... end - 1 alone. `end` may be
+  size_t end;    // beyond the last object; by default it is SIZE_MAX
+  size_t skip;   // results that are not written, in hs_scan_indices() and
+                 // hs_scan_pairs()
+  const char* target;  // null: the chosen target
+} hs_scan_options;
+
+HALFSPACE_API hs_status hs_scan_options_default(hs_scan_options* options,
+                                                size_t struct_size);
+
+// The number of words in a mask of so many objects.
+static inline size_t hs_mask_words(size_t objects) {
+  return objects / 64 + (objects % 64 != 0 ? 1 : 0);
+}
+
+// Writes a mask per query, one after another. Object `begin` + i is bit i % 64
+// of word i / 64. A bit is 1 if the object survives, and 0 behind the last
+// object. `words` is the size of `masks`, and must be at least queries->count *
+// hs_mask_words(n) for n objects in the range.
+HALFSPACE_API hs_status hs_scan_masks(const hs_scan* scan,
+                                      const hs_columns* queries,
+                                      const hs_scan_options* options,
+                                      uint64_t* masks, size_t words);
+
+// Writes the indices of the survivors, query after query, ascending in each.
+//   indices  has room for `room` indices
+//   offsets  may be null, or has queries->count + 1 elements: the indices of
+//            query q are results offsets[q] ... offsets[q + 1] - 1, also if
+//            `room` is too small
+//   total    receives the number of all results
+HALFSPACE_API hs_status hs_scan_indices(const hs_scan* scan,
+                                        const hs_columns* queries,
+                                        const hs_scan_options* options,
+                                        uint32_t* indices, size_t room,
+                                        size_t* offsets, size_t* total);
+
+// Writes the number of survivors of each query.
+HALFSPACE_API hs_status hs_scan_counts(const hs_scan* scan,
+                                       const hs_columns* queries,
+                                       const hs_scan_options* options,
+                                       size_t* counts);
+
+// Writes the pairs of a query and an object that survives it. Result i is query
+// query_indices[i] and object object_indices[i]. Both arrays have room for
+// `room` elements. The order is not that of the queries. For many queries this
+// is faster than hs_scan_indices(), because a part of the objects is tested
+// against up to 256 queries while it is in the cache.
+HALFSPACE_API hs_status hs_scan_pairs(const hs_scan* scan,
+                                      const hs_columns* queries,
+                                      const hs_scan_options* options,
+                                      uint32_t* query_indices,
+                                      uint32_t* object_indices, size_t room,
+                                      size_t* total);
+
+// The hierarchy: create, change -----------------------------------------------
+
+// A BVH with 64 children per node, over a copy of the bounds of up to 2^31 - 1
+// objects. An object has an id: the index of its record, or what
+// hs_bvh_insert() wrote.
+typedef struct hs_bvh hs_bvh;
+
+// Build quality. It changes the cost of queries, never their results.
+typedef enum hs_quality HALFSPACE_INT {
+  HS_QUALITY_HIGH = 0,  // about as long as the bulk load of an R-tree
+  HS_QUALITY_FAST = 1   // about a fifth of the time. Queries take up to 1.4
+                        // times as long.
+} hs_quality;
+
+// Runs the parts of a build on threads of the caller: calls part(work, i) once
+// for each i below `count`, in any order and on any threads, and returns when
+// all these calls have returned. Otherwise the build fails.
+typedef void (*hs_part_function)(void* work, size_t i);
+typedef void (*hs_run_function)(void* context, size_t count,
+                                hs_part_function part, void* work);
+
+typedef struct hs_bvh_config {
+  size_t struct_size;
+  hs_kind kind;  // must be set
+  hs_quality quality;
+  const char* target;   // null: the chosen target
+  hs_run_function run;  // null: the calling thread does all work
+  void* run_context;
+  hs_allocator allocator;
+} hs_bvh_config;
+
+HALFSPACE_API hs_status hs_bvh_config_default(hs_bvh_config* config,
+                                              size_t struct_size);
+
+// Builds a BVH. The columns are read in place, also doubles and columns with a
+// stride. O(n log n).
+HALFSPACE_API hs_status hs_bvh_create(const hs_bvh_config* config,
+                                      const hs_columns* objects, hs_bvh** bvh);
+// `bvh` may be null.
+HALFSPACE_API void hs_bvh_destroy(hs_bvh* bvh);
+
+// Collects objects in batches. hs_builder_push() appends a copy of the records,
+// as floats. So ids are in the order of the pushes. hs_builder_finish() builds
+// a BVH of all objects that were pushed. The builder is unchanged then, and
+// can be continued or destroyed. `builder` of hs_builder_destroy() may be null.
+typedef struct hs_builder hs_builder;
+HALFSPACE_API hs_status hs_builder_create(const hs_bvh_config* config,
+                                          hs_builder** builder);
+HALFSPACE_API hs_status hs_builder_push(hs_builder* builder,
+                                        const hs_columns* objects);
+HALFSPACE_API hs_status hs_builder_finish(const hs_builder* builder,
+                                          hs_bvh** bvh);
+HALFSPACE_API void hs_builder_destroy(hs_builder* builder);
+
+// The number of objects; one more than the greatest id in use since the last
+// rebuild, which is the size of an array by id; the bound of all objects, as a
+// record; the bounds of objects by id, one record after another. The maxima of
+// a simplex are INFINITY. Before the first change by id, hs_bvh_get() takes
+// O(n) per object, and O(1) after it.
+HALFSPACE_API hs_status hs_bvh_size(const hs_bvh* bvh, size_t* size);
+HALFSPACE_API hs_status hs_bvh_id_limit(const hs_bvh* bvh, size_t* limit);
+HALFSPACE_API hs_status hs_bvh_bounds(const hs_bvh* bvh, float* record);
+HALFSPACE_API hs_status hs_bvh_get(const hs_bvh* bvh, const uint32_t* ids,
+                                   size_t count, float* records);
+
+// Adds objects and writes their ids: those of erased objects, or the next ones.
+// `ids` must have objects->count elements.
+HALFSPACE_API hs_status hs_bvh_insert(hs_bvh* bvh, const hs_columns* objects,
+                                      uint32_t* ids);
+
+// Sets the bounds of objects: record i is that of object ids[i]. `ids` has
+// objects->count elements. If an id is given twice, the last record counts.
+HALFSPACE_API hs_status hs_bvh_set(hs_bvh* bvh, const uint32_t* ids,
+                                   const hs_columns* objects);
+
+// Removes objects. An id that is given twice is removed once.
+HALFSPACE_API hs_status hs_bvh_erase(hs_bvh* bvh, const uint32_t* ids,
+                                     size_t count);
+
+// Sets the masks of `count` objects: masks[i] is that of object ids[i], or of
+// object i if `ids` is null. In this case the masks of all other objects become
+// 0. An object whose mask was never set has all bits. An object whose mask is 0
+// is found only by a query whose mask is all ones.
+HALFSPACE_API hs_status hs_bvh_set_masks(hs_bvh* bvh, const uint32_t* ids,
+                                         const uint32_t* masks, size_t count);
+
+// Gives all objects new bounds by id: record i is that of object i. Records of
+// erased objects are not read. objects->count must be at least
+// hs_bvh_id_limit(). The tree keeps its order, so it becomes slower as objects
+// move: see hs_bvh_cost_ratio(). `config` may be null; of its fields only `run`
+// and `run_context` are read. If `run` fails, refit again before the next
+// query.
+HALFSPACE_API hs_status hs_bvh_refit(hs_bvh* bvh, const hs_columns* objects,
+                                     const hs_bvh_config* config);
+
+// Sorts all objects again and frees memory that is not needed. Ids stay.
+// `config` may be null; its `quality`, `target`, `run` and `run_context` are
+// read.
+HALFSPACE_API hs_status hs_bvh_rebuild(hs_bvh* bvh,
+                                       const hs_bvh_config* config);
+
+// How much the order has decayed: 1 as sorted, 2 if queries visit up to twice
+// as many leaves. INFINITY if more than 64 objects were never sorted.
+// O(n / 64).
+HALFSPACE_API hs_status hs_bvh_cost_ratio(const hs_bvh* bvh, double* ratio);
+
+// The hierarchy: queries ------------------------------------------------------
+
+// The id of no object.
+#define HS_NO_ID UINT32_C(0xFFFFFFFF)
+
+typedef struct hs_query_options {
+  size_t struct_size;
+  uint32_t mask;  // finds the objects whose mask has one of these bits; by
+                  // default all ones, which finds all objects. 0 finds none.
+  size_t skip;    // results that are not written, in hs_bvh_query()
+  const char* target;  // null: the chosen target
+} hs_query_options;
+
+HALFSPACE_API hs_status hs_query_options_default(hs_query_options* options,
+                                                 size_t struct_size);
+
+// What a callback returns. HS_STOP, or any other value, ends the call, which
+// then returns HS_OK. The callback must not change the BVH.
+typedef enum hs_visit HALFSPACE_INT { HS_CONTINUE = 0, HS_STOP = 1 } hs_visit;
+
+// Writes the ids of the survivors, query after query, in no particular order in
+// each. `ids`, `room`, `offsets` and `total` as in hs_scan_indices().
+HALFSPACE_API hs_status hs_bvh_query(const hs_bvh* bvh,
+                                     const hs_columns* queries,
+                                     const hs_query_options* options,
+                                     uint32_t* ids, size_t room,
+                                     size_t* offsets, size_t* total);
+
+// Writes the number of survivors of each query.
+HALFSPACE_API hs_status hs_bvh_count(const hs_bvh* bvh,
+                                     const hs_columns* queries,
+                                     const hs_query_options* options,
+                                     size_t* counts);
+
+// Writes one survivor of each query, or HS_NO_ID if there is none.
+HALFSPACE_API hs_status hs_bvh_any(const hs_bvh* bvh, const hs_columns* queries,
+                                   const hs_query_options* options,
+                                   uint32_t* ids);
+
+// Calls the function with 1 to 512 survivors of one query at a time, query
+// after query.
+typedef hs_visit (*hs_ids_function)(void* context, size_t query,
+                                    const uint32_t* ids, size_t count);
+HALFSPACE_API hs_status hs_bvh_probe(const hs_bvh* bvh,
+                                     const hs_columns* queries,
+                                     const hs_query_options* options,
+                                     hs_ids_function function, void* context);
+
+// Writes the `k` objects nearest to each point (d columns) or box (2 d columns)
+// that are within `max_distance`, which may be INFINITY, in ascending order.
+// Row i is elements i * k ... i * k + k - 1 of `ids` and `distances`. If there
+// are fewer than k, the rest of the row is HS_NO_ID and INFINITY. `distances`
+// may be null.
+//
+// Distances are those of the boxes of the bounds, not of the objects in them,
+// within 2^-20 (relative). 0 if the two touch. A point of doubles is the
+// smallest box of floats that contains it. No minimum of a box may be above its
+// maximum, except in an empty box, which finds nothing.
+HALFSPACE_API hs_status hs_bvh_nearest_to_points(
+    const hs_bvh* bvh, const hs_columns* points, size_t k, float max_distance,
+    const hs_query_options* options, uint32_t* ids, float* distances);
+HALFSPACE_API hs_status hs_bvh_nearest_to_boxes(
+    const hs_bvh* bvh, const hs_columns* boxes, size_t k, float max_distance,
+    const hs_query_options* options, uint32_t* ids, float* distances);
+
+// Ray casts. Rays have 2 d + 1 columns of floats: the origin, the direction,
+// which may have any length, and the limit of t. t is from 0 to the limit, in
+// multiples of the direction, and the limit may be INFINITY. `radius` makes the
+// rays thick: bounds grow by it on each side. Doubles are HS_INVALID_ARGUMENT,
+// because a direction cannot be rounded outward.
+//
+// Writes the object whose bound each ray enters first, and where; HS_NO_ID and
+// INFINITY if there is none. Of objects with the same t, the one with the least
+// id. `ts` may be null.
+HALFSPACE_API hs_status hs_bvh_raycast(const hs_bvh* bvh,
+                                       const hs_columns* rays, float radius,
+                                       const hs_query_options* options,
+                                       uint32_t* ids, float* ts);
+
+// Calls the function for the objects whose bounds a ray enters, ray after ray,
+// and in each about from near to far, but not sorted. The function returns the
+// new limit of t: objects beyond it are not found. A greater limit than the
+// last one changes nothing, and neither does a NaN. A negative limit ends the
+// ray. For the closest hit of the objects themselves, return the least t of an
+// exact hit so far.
+typedef float (*hs_hit_function)(void* context, size_t ray, uint32_t id,
+                                 float t);
+HALFSPACE_API hs_status hs_bvh_raycast_each(
+    const hs_bvh* bvh, const hs_columns* rays, float radius,
+    const hs_query_options* options, hs_hit_function function, void* context);
+
+// The ids of two objects. In a join, `a` is of the first BVH.
+typedef struct hs_id_pair {
+  uint32_t a;
+  uint32_t b;
+} hs_id_pair;
+
+typedef struct hs_pair_options {
+  size_t struct_size;
+  uint32_t mask;  // the masks of both objects must have one of these bits
+  float margin;   // also finds pairs that are at most this far apart on each
+                  // axis. Must be finite and not negative.
+  size_t skip;    // pairs that are not written and not given to a function
+  size_t begin;   // finds the pairs of the parts begin ... end - 1 alone
+  size_t end;     // (hs_bvh_pair_parts()); by default it is SIZE_MAX
+  const char* target;  // null: the chosen target
+} hs_pair_options;
+
+HALFSPACE_API hs_status hs_pair_options_default(hs_pair_options* options,
+                                                size_t struct_size);
+
+// All overlapping pairs of objects of a BVH, each once, and those of an object
+// of `a` and one of `b`, which must be of the same kind. BVHs are of boxes or
+// octahedra. Simplices of one kind have no planes that face each other:
+// HS_INVALID_ARGUMENT.
+//
+// `pairs` has room for `room` pairs, and `total` receives the number of all.
+HALFSPACE_API hs_status hs_bvh_pairs(const hs_bvh* bvh,
+                                     const hs_pair_options* options,
+                                     hs_id_pair* pairs, size_t room,
+                                     size_t* total);
+HALFSPACE_API hs_status hs_bvh_join(const hs_bvh* a, const hs_bvh* b,
+                                    const hs_pair_options* options,
+                                    hs_id_pair* pairs, size_t room,
+                                    size_t* total);
+
+// The same with a function, which is called with 1 to 256 pairs at a time.
+typedef hs_visit (*hs_pairs_function)(void* context, const hs_id_pair* pairs,
+                                      size_t count);
+HALFSPACE_API hs_status hs_bvh_pairs_each(const hs_bvh* bvh,
+                                          const hs_pair_options* options,
+                                          hs_pairs_function function,
+                                          void* context);
+HALFSPACE_API hs_status hs_bvh_join_each(const hs_bvh* a, const hs_bvh* b,
+                                         const hs_pair_options* options,
+                                         hs_pairs_function function,
+                                         void* context);
+
+// Writes the number of parts of hs_bvh_pairs(bvh), and of hs_bvh_join(bvh, b)
+// for any b. Each pair belongs to one part, so threads can share the work. The
+// parts take unequal times: use more ranges than threads.
+HALFSPACE_API hs_status hs_bvh_pair_parts(const hs_bvh* bvh, size_t* parts);
+
+// The hierarchy: bytes and files ----------------------------------------------
+
+// The BVH as bytes, valid until it changes or is destroyed: null and 0 if it
+// never had an object, of which hs_bvh_from_blob() makes such a BVH. O(n) for
+// the first call after a change, then O(1). The bytes depend on the machine's
+// byte order and have a version of their own.
+HALFSPACE_API hs_status hs_bvh_blob(const hs_bvh* bvh, const void** data,
+                                    size_t* size);
+
+// Creates a BVH of a copy of these bytes. Of `config`, the kind and the
+// allocator are read. The kind must be that of the blob. Checks the bytes by
+// their checksum, which finds damage, but no attack. Bytes that were altered
+// with a new checksum can give wrong results, and never an access outside the
+// BVH. O(n).
+HALFSPACE_API hs_status hs_bvh_from_blob(const hs_bvh_config* config,
+                                         const void* data, size_t size,
+                                         hs_bvh** bvh);
+
+// Writes the blob to a file. An existing file is replaced when the new one is
+// complete: the blob is first written to a new file next to it, with ".tmp" at
+// the end of its name, which is removed if the call fails.
+HALFSPACE_API hs_status hs_bvh_save(const hs_bvh* bvh, const char* path);
+
+// Reads a file of hs_bvh_save(), as hs_bvh_from_blob() does.
+HALFSPACE_API hs_status hs_bvh_load(const hs_bvh_config* config,
+                                    const char* path, hs_bvh** bvh);
+
+// Maps such a file. The BVH can be used at once, and pages are read when a
+// query needs them. Only the header is checked: see hs_bvh_verify(). Altered
+// bytes can give wrong results, and never an access outside the BVH. The file
+// must not be made shorter while the BVH lives; hs_bvh_save() to the same path
+// does not do that. The first change copies the bytes and checks them in part:
+// it can fail with HS_INVALID_ARGUMENT if they were altered. HS_UNSUPPORTED on
+// systems without mmap.
+HALFSPACE_API hs_status hs_bvh_map(const hs_bvh_config* config,
+                                   const char* path, hs_bvh** bvh);
+
+// Returns HS_CORRUPT if the BVH was mapped, has not changed since, and its
+// bytes do not match their checksum. O(n).
+HALFSPACE_API hs_status hs_bvh_verify(const hs_bvh* bvh);
+
+#undef HALFSPACE_INT
+#ifdef __cplusplus
+}
+#endif
+
+#endif  // HALFSPACE_C_HALFSPACE_H_

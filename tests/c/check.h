@@ -1,0 +1,101 @@
+// What the tests of the C API share: checks that go on after a failure, random
+// numbers, and the test of two bounds as reject.h describes it.
+#ifndef TESTS_C_CHECK_H_
+#define TESTS_C_CHECK_H_
+
+#include <halfspace/c/halfspace.h>
+#include <stdio.h>
+#include <string.h>
+
+extern int failures;
+
+#define CHECK(condition)                                              \
+  do {                                                                \
+    if (!(condition)) {                                               \
+      ++failures;                                                     \
+      fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition); \
+    }                                                                 \
+  } while (0)
+
+#define CHECK_OK(call)                                                  \
+  do {                                                                  \
+    const hs_status status_ = (call);                                   \
+    if (status_ != HS_OK) {                                             \
+      ++failures;                                                       \
+      fprintf(stderr, "%s:%d: %s: %s: %s\n", __FILE__, __LINE__, #call, \
+              hs_status_name(status_), hs_last_error());                \
+    }                                                                   \
+  } while (0)
+
+// The call fails with this status, and its message is this text.
+#define CHECK_FAILS(call, expected, text)                               \
+  do {                                                                  \
+    const hs_status status_ = (call);                                   \
+    if (status_ != (expected) || strcmp(hs_last_error(), text) != 0) {  \
+      ++failures;                                                       \
+      fprintf(stderr, "%s:%d: %s: %s: %s\n", __FILE__, __LINE__, #call, \
+              hs_status_name(status_), hs_last_error());                \
+    }                                                                   \
+  } while (0)
+
+#define CHECK_INVALID(call, text) CHECK_FAILS(call, HS_INVALID_ARGUMENT, text)
+
+enum { KINDS = 6 };
+
+static inline hs_kind kind_of(int i) { return (hs_kind)(i + 1); }
+static inline int is_simplex(hs_kind kind) {
+  return kind == HS_SIMPLEX2 || kind == HS_SIMPLEX3;
+}
+static inline size_t dims_of(hs_kind kind) {
+  return kind == HS_BOX2 || kind == HS_OCTAHEDRON2 || kind == HS_SIMPLEX2 ? 2
+                                                                          : 3;
+}
+
+// From 0 to 1.
+static inline float random_float(uint32_t* state) {
+  *state = *state * 1664525u + 1013904223u;
+  return (float)(*state >> 8) / 16777216.0f;
+}
+
+// Writes the bounds of `count` random boxes.
+void random_bounds(hs_kind kind, size_t count, float side, uint32_t seed,
+                   float* bounds);
+
+// Whether no plane separates an object and a query, which are records.
+static inline int survives(hs_kind kind, const float* object,
+                           const float* query) {
+  const size_t axes = hs_bound_values(kind) / 2;
+  size_t k;
+  for (k = 0; k < axes; ++k) {
+    if (object[k] > query[axes + k]) return 0;
+    if (!is_simplex(kind) && object[axes + k] < query[k]) return 0;
+  }
+  return 1;
+}
+
+static inline hs_bvh_config bvh_config_of(hs_kind kind) {
+  hs_bvh_config config;
+  CHECK_OK(hs_bvh_config_default(&config, sizeof(config)));
+  config.kind = kind;
+  return config;
+}
+static inline hs_scan_config scan_config_of(hs_kind kind, int bits) {
+  hs_scan_config config;
+  CHECK_OK(hs_scan_config_default(&config, sizeof(config)));
+  config.kind = kind;
+  config.bits = bits;
+  return config;
+}
+
+void test_bounds(void);
+void test_scans(void);
+void test_queries(void);
+void test_nearest_and_rays(void);
+void test_pairs(void);
+void test_changes(void);
+void test_files(void);
+void test_errors(void);
+void test_memory(void);
+void test_exceptions(void);  // in C++
+
+#endif  // TESTS_C_CHECK_H_

@@ -1,0 +1,63 @@
+// The C API in a program that has C++ as well: exceptions of callbacks, and an
+// error handler. No exception leaves a call.
+#include <cstdlib>
+#include <new>
+#include <stdexcept>
+#include <string>
+
+#include "halfspace/error.h"
+
+extern "C" {
+#include "check.h"
+}
+
+namespace {
+
+std::string told;
+
+void* ThrowAnother(void*, size_t, size_t) { throw 7; }
+void Free(void*, void* block, size_t, size_t) { std::free(block); }
+
+hs_visit ThrowAtIds(void*, size_t, const uint32_t*, size_t) {
+  throw std::runtime_error("a callback's own error");
+}
+float ThrowAtHit(void*, size_t, uint32_t, float) { throw std::bad_alloc(); }
+hs_visit ThrowAtPairs(void*, const hs_id_pair*, size_t) { throw 7; }
+
+}  // namespace
+
+extern "C" void test_exceptions(void) {
+  const float boxes[] = {0, 0, 1, 1, 0, 0, 1, 1};
+  const float ray[] = {0, 0, 1, 0, 1};
+  hs_bvh_config config = bvh_config_of(HS_BOX2);
+  const hs_columns columns = hs_float_rows(boxes, 2, 4);
+  const hs_columns rays = hs_float_rows(ray, 1, 5);
+  hs_bvh* bvh = nullptr;
+  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
+  CHECK_FAILS(
+      hs_bvh_probe(bvh, &columns, nullptr, &ThrowAtIds, nullptr), HS_INTERNAL,
+      "hs_bvh_probe: an exception ended the call: a callback's own error");
+  CHECK_FAILS(hs_bvh_raycast_each(bvh, &rays, 0, nullptr, &ThrowAtHit, nullptr),
+              HS_OUT_OF_MEMORY, "hs_bvh_raycast_each: an allocation failed");
+  CHECK_FAILS(hs_bvh_pairs_each(bvh, nullptr, &ThrowAtPairs, nullptr),
+              HS_INTERNAL,
+              "hs_bvh_pairs_each: an exception of a callback, an allocator or "
+              "an error handler ended the call");
+
+  // A handler is told what the C++ library finds.
+  halfspace::SetErrorHandler([](const char* message) {
+    told = message;
+    throw std::invalid_argument("from the handler");
+  });
+  hs_bvh* none = nullptr;
+  CHECK_FAILS(hs_bvh_from_blob(&config, boxes, sizeof(boxes), &none),
+              HS_CORRUPT, "hs_bvh_from_blob: from the handler");
+  CHECK(told.find("halfspace: Bvh::FromBlob: blob: expected") == 0);
+  halfspace::SetErrorHandler(nullptr);
+
+  config.allocator.allocate = &ThrowAnother;
+  config.allocator.deallocate = &Free;
+  CHECK(hs_bvh_create(&config, &columns, &none) == HS_INTERNAL);
+  CHECK(none == nullptr);
+  hs_bvh_destroy(bvh);
+}

@@ -1,0 +1,222 @@
+// Hierarchies as bytes and files, also those that are none.
+#include <math.h>
+#include <stdlib.h>
+
+#include "check.h"
+
+#if defined(__unix__) || defined(__APPLE__)
+#include <dirent.h>
+#include <sys/stat.h>
+#define HAS_POSIX
+#endif
+
+enum { OBJECTS = 6000, VALUES = 6 };
+
+static float objects[OBJECTS * VALUES];
+static const char kPath[] = "c_test.bvh";
+
+static void write_file(const void* data, size_t size) {
+  FILE* const file = fopen(kPath, "wb");
+  CHECK(file != NULL);
+  if (file == NULL) return;
+  CHECK(fwrite(data, 1, size, file) == size);
+  CHECK(fclose(file) == 0);
+}
+
+static size_t count_all(const hs_bvh* bvh) {
+  const float everywhere[] = {-9, -9, -9, 9, 9, 9};
+  const hs_columns asked = hs_float_rows(everywhere, 1, VALUES);
+  size_t count = 0;
+  CHECK_OK(hs_bvh_count(bvh, &asked, NULL, &count));
+  return count;
+}
+
+// hs_bvh_save() leaves no other file.
+static void check_no_remains(void) {
+#if defined(HAS_POSIX)
+  DIR* const folder = opendir(".");
+  const struct dirent* entry;
+  CHECK(folder != NULL);
+  while (folder != NULL && (entry = readdir(folder)) != NULL) {
+    if (strncmp(entry->d_name, "c_test", 6) != 0) continue;
+    CHECK(strstr(entry->d_name, ".tmp") == NULL);
+  }
+  if (folder != NULL) closedir(folder);
+#endif
+}
+
+// The file has another kind, is cut, was altered, or is something else. No call
+// makes a BVH of it.
+static void check_refused(const hs_bvh_config* config, const char* text) {
+  hs_bvh* bvh = NULL;
+  CHECK(hs_bvh_load(config, kPath, &bvh) == HS_CORRUPT);
+  CHECK(strstr(hs_last_error(), text) != NULL);
+  CHECK(hs_bvh_map(config, kPath, &bvh) == HS_CORRUPT);
+  CHECK(strstr(hs_last_error(), text) != NULL);
+  CHECK(bvh == NULL);
+}
+
+static void test_bad_files(const void* blob, size_t size) {
+  const hs_bvh_config config = bvh_config_of(HS_BOX3);
+  const hs_bvh_config other = bvh_config_of(HS_OCTAHEDRON2);
+  unsigned char* const altered = malloc(size);
+  const size_t cuts[] = {1, 63, 64, 65, size / 2, size - 1};
+  hs_bvh* bvh = NULL;
+  uint32_t id = 1;
+  size_t i;
+  memcpy(altered, blob, size);
+  write_file(blob, size);
+  check_refused(&other, "blob: expected bounds of 2 dimensions, 3 axes");
+  for (i = 0; i < sizeof(cuts) / sizeof(cuts[0]); ++i) {
+    write_file(blob, cuts[i]);
+    check_refused(&config, "blob: expected ");
+    CHECK(hs_bvh_from_blob(&config, blob, cuts[i], &bvh) == HS_CORRUPT);
+  }
+  write_file("", 0);
+  check_refused(&config, "path: expected a stored BVH, got the empty file");
+  write_file(
+      "a text of more than 64 bytes, which is no hierarchy, but was "
+      "given as one",
+      72);
+  check_refused(&config, "another beginning");
+
+  // One byte in the body: found by the checksum. A map has not read it yet.
+  altered[size / 2] ^= 1;
+  write_file(altered, size);
+  CHECK(hs_bvh_from_blob(&config, altered, size, &bvh) == HS_CORRUPT);
+  CHECK_FAILS(hs_bvh_load(&config, kPath, &bvh), HS_CORRUPT,
+              "hs_bvh_load: expected the bytes that hs_bvh_blob() returned, "
+              "got altered ones: store the BVH again");
+  CHECK(bvh == NULL);
+  CHECK_OK(hs_bvh_map(&config, kPath, &bvh));
+  (void)count_all(bvh);
+  CHECK(hs_bvh_verify(bvh) == HS_CORRUPT);
+  hs_bvh_destroy(bvh);
+
+  // Every part of the header and the body: no access outside, whatever a call
+  // returns.
+  for (i = 0; i < size; i += i < 256 ? 1 : 997) {
+    bvh = NULL;
+    memcpy(altered, blob, size);
+    altered[i] ^= 0x55;
+    write_file(altered, size);
+    if (hs_bvh_map(&config, kPath, &bvh) != HS_OK) {
+      CHECK(bvh == NULL);
+      continue;
+    }
+    (void)count_all(bvh);
+    CHECK(hs_bvh_verify(bvh) == HS_CORRUPT);
+    id = 1;
+    (void)hs_bvh_erase(bvh, &id, 1);
+    (void)count_all(bvh);
+    hs_bvh_destroy(bvh);
+  }
+  free(altered);
+}
+
+static void test_whole_files(hs_bvh* bvh, const void* blob, size_t size) {
+  const hs_bvh_config config = bvh_config_of(HS_BOX3);
+  hs_bvh* copy = NULL;
+  const void* data = NULL;
+  size_t bytes = 0;
+  uint32_t id = 1;
+  CHECK_OK(hs_bvh_save(bvh, kPath));
+  CHECK_OK(hs_bvh_save(bvh, kPath));
+  check_no_remains();
+  CHECK_OK(hs_bvh_load(&config, kPath, &copy));
+  CHECK_OK(hs_bvh_blob(copy, &data, &bytes));
+  CHECK(bytes == size && memcmp(data, blob, size) == 0);
+  CHECK_OK(hs_bvh_verify(copy));
+  hs_bvh_destroy(copy);
+  CHECK_OK(hs_bvh_from_blob(&config, blob, size, &copy));
+  CHECK(count_all(copy) == OBJECTS);
+  hs_bvh_destroy(copy);
+
+#if defined(HAS_POSIX)
+  // A map changes as any other, and the file does not. The file can be replaced
+  // meanwhile.
+  CHECK_OK(hs_bvh_map(&config, kPath, &copy));
+  CHECK(count_all(copy) == OBJECTS);
+  CHECK_OK(hs_bvh_verify(copy));
+  CHECK_OK(hs_bvh_save(copy, kPath));
+  CHECK_OK(hs_bvh_erase(copy, &id, 1));
+  CHECK(count_all(copy) == OBJECTS - 1);
+  CHECK_OK(hs_bvh_verify(copy));
+  CHECK_OK(hs_bvh_save(copy, kPath));
+  hs_bvh_destroy(copy);
+  CHECK_OK(hs_bvh_load(&config, kPath, &copy));
+  CHECK(count_all(copy) == OBJECTS - 1);
+  hs_bvh_destroy(copy);
+#else
+  CHECK(hs_bvh_map(&config, kPath, &copy) == HS_UNSUPPORTED);
+#endif
+}
+
+static void test_no_objects(void) {
+  const hs_bvh_config config = bvh_config_of(HS_BOX3);
+  const hs_columns none = hs_float_rows(NULL, 0, 6);
+  const hs_columns columns = hs_float_rows(objects, 2, 6);
+  hs_bvh* bvh = NULL;
+  hs_bvh* copy = NULL;
+  uint32_t ids[2];
+  const void* data = &bvh;
+  size_t size = 1;
+  CHECK_OK(hs_bvh_create(&config, &none, &bvh));
+  CHECK_OK(hs_bvh_blob(bvh, &data, &size));
+  CHECK(data == NULL && size == 0);
+  CHECK_OK(hs_bvh_from_blob(&config, data, size, &copy));
+  CHECK(count_all(copy) == 0);
+  hs_bvh_destroy(copy);
+  CHECK_OK(hs_bvh_save(bvh, kPath));
+  hs_bvh_destroy(bvh);
+  CHECK_OK(hs_bvh_load(&config, kPath, &bvh));
+  CHECK(count_all(bvh) == 0);
+  CHECK_OK(hs_bvh_insert(bvh, &columns, ids));
+  CHECK(count_all(bvh) == 2 && ids[0] == 0 && ids[1] == 1);
+  hs_bvh_destroy(bvh);
+  CHECK_OK(hs_bvh_map(&config, kPath, &bvh));
+  CHECK(count_all(bvh) == 0);
+  hs_bvh_destroy(bvh);
+}
+
+static void test_paths(const hs_bvh* bvh) {
+  const hs_bvh_config config = bvh_config_of(HS_BOX3);
+  hs_bvh* none = NULL;
+  CHECK(hs_bvh_save(bvh, "c_test_none/file") == HS_IO_ERROR);
+  CHECK(strstr(hs_last_error(), "hs_bvh_save: path: \"c_test_none/file.") ==
+        hs_last_error());
+  CHECK_FAILS(hs_bvh_load(&config, "c_test_none", &none), HS_IO_ERROR,
+              "hs_bvh_load: path: \"c_test_none\" cannot be opened: No such "
+              "file or directory");
+  CHECK_FAILS(hs_bvh_map(&config, "c_test_none", &none), HS_IO_ERROR,
+              "hs_bvh_map: path: \"c_test_none\" cannot be opened: No such "
+              "file or directory");
+#if defined(HAS_POSIX)
+  (void)mkdir("c_test_folder", 0700);
+  CHECK_FAILS(hs_bvh_save(bvh, "c_test_folder"), HS_IO_ERROR,
+              "hs_bvh_save: path: \"c_test_folder\" cannot be written: Is a "
+              "directory");
+  check_no_remains();
+  CHECK(hs_bvh_load(&config, "c_test_folder", &none) == HS_IO_ERROR);
+  CHECK(hs_bvh_map(&config, "c_test_folder", &none) == HS_IO_ERROR);
+  (void)remove("c_test_folder");
+#endif
+  CHECK(none == NULL);
+}
+
+void test_files(void) {
+  const hs_bvh_config config = bvh_config_of(HS_BOX3);
+  const hs_columns columns = hs_float_rows(objects, OBJECTS, VALUES);
+  hs_bvh* bvh = NULL;
+  const void* blob = NULL;
+  size_t size = 0;
+  random_bounds(HS_BOX3, OBJECTS, 0.01f, 12, objects);
+  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
+  CHECK_OK(hs_bvh_blob(bvh, &blob, &size));
+  test_whole_files(bvh, blob, size);
+  test_bad_files(blob, size);
+  test_no_objects();
+  test_paths(bvh);
+  hs_bvh_destroy(bvh);
+  (void)remove(kPath);
+}

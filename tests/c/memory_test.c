@@ -1,0 +1,174 @@
+// Allocations that fail: the n-th, for each n, until one call needs no more.
+#include <stdlib.h>
+
+#include "check.h"
+
+enum { OBJECTS = 3000, VALUES = 8 };
+
+static float objects[OBJECTS * VALUES];
+
+typedef struct memory {
+  size_t left;   // allocations until one fails
+  size_t live;   // blocks that are not freed
+  size_t bytes;  // in them
+  int has_failed;
+} memory;
+
+static void* allocate(void* context, size_t bytes, size_t alignment) {
+  memory* const its = context;
+  // Rounded up, as C11's function requires.
+  const size_t size = (bytes + alignment - 1) / alignment * alignment;
+  void* block = NULL;
+  CHECK(alignment == 64 && bytes > 0);
+  if (its->left == 0) {
+    its->has_failed = 1;
+    return NULL;
+  }
+  --its->left;
+  block = aligned_alloc(alignment, size);
+  ++its->live;
+  its->bytes += bytes;
+  return block;
+}
+static void deallocate(void* context, void* block, size_t bytes,
+                       size_t alignment) {
+  memory* const its = context;
+  CHECK(alignment == 64);
+  --its->live;
+  its->bytes -= bytes;
+  free(block);
+}
+static hs_allocator allocator_of(memory* its) {
+  hs_allocator allocator;
+  allocator.allocate = allocate;
+  allocator.deallocate = deallocate;
+  allocator.context = its;
+  return allocator;
+}
+
+// Whether the call has done what it should: otherwise there was no memory.
+static int has_done(memory* its, hs_status status) {
+  if (status == HS_OK) return 1;
+  CHECK(status == HS_OUT_OF_MEMORY && its->has_failed);
+  return 0;
+}
+
+static void use_scan(hs_kind kind, int bits, memory* its) {
+  hs_scan_config config = scan_config_of(kind, bits);
+  const hs_columns columns =
+      hs_float_rows(objects, OBJECTS, hs_bound_values(kind));
+  hs_scan* scan = NULL;
+  size_t count = 0;
+  config.allocator = allocator_of(its);
+  if (!has_done(its, hs_scan_create(&config, &columns, &scan))) {
+    CHECK(scan == NULL);
+    return;
+  }
+  // Queries need no memory.
+  {
+    const hs_columns query = hs_float_rows(objects, 1, hs_bound_values(kind));
+    const size_t left = its->left;
+    CHECK_OK(hs_scan_counts(scan, &query, NULL, &count));
+    CHECK(its->left == left && count > 0);
+  }
+  hs_scan_destroy(scan);
+}
+
+static size_t size_of(const hs_bvh* bvh) {
+  size_t size = 0;
+  CHECK_OK(hs_bvh_size(bvh, &size));
+  return size;
+}
+
+static void use_bvh(hs_kind kind, memory* its) {
+  static uint32_t ids[OBJECTS];
+  static double doubles[OBJECTS * VALUES];
+  const size_t values = hs_bound_values(kind);
+  hs_bvh_config config = bvh_config_of(kind);
+  hs_columns columns = hs_float_rows(objects, OBJECTS / 2, values);
+  hs_builder* builder = NULL;
+  hs_bvh* bvh = NULL;
+  const void* blob = NULL;
+  size_t size = 0;
+  size_t i;
+  for (i = 0; i < OBJECTS * values; ++i) doubles[i] = (double)objects[i];
+  config.allocator = allocator_of(its);
+  if (has_done(its, hs_builder_create(&config, &builder))) {
+    // A batch that does not fit changes nothing.
+    size_t pushed = 0;
+    pushed += (size_t)has_done(its, hs_builder_push(builder, &columns));
+    columns = hs_double_rows(doubles, OBJECTS / 2, values);
+    pushed += (size_t)has_done(its, hs_builder_push(builder, &columns));
+    if (has_done(its, hs_builder_finish(builder, &bvh))) {
+      CHECK(size_of(bvh) == pushed * (OBJECTS / 2));
+      hs_bvh_destroy(bvh);
+      bvh = NULL;
+    }
+    CHECK(bvh == NULL);
+    hs_builder_destroy(builder);
+  }
+  if (!has_done(its, hs_bvh_create(&config, &columns, &bvh))) return;
+  size = size_of(bvh);
+  if (has_done(its, hs_bvh_insert(bvh, &columns, ids))) {
+    size += OBJECTS / 2;
+  }
+  CHECK(size_of(bvh) == size);
+  for (i = 0; i < OBJECTS / 2; ++i) ids[i] = (uint32_t)i;
+  (void)has_done(its, hs_bvh_set(bvh, ids, &columns));
+  (void)has_done(its, hs_bvh_set_masks(bvh, ids, ids, OBJECTS / 2));
+  if (has_done(its, hs_bvh_erase(bvh, ids, 100))) size -= 100;
+  CHECK(size_of(bvh) == size);
+  columns = hs_double_rows(doubles, OBJECTS, values);
+  (void)has_done(its, hs_bvh_refit(bvh, &columns, NULL));
+  (void)has_done(its, hs_bvh_rebuild(bvh, NULL));
+  CHECK(size_of(bvh) == size);
+  {
+    hs_bvh* copy = NULL;
+    size_t bytes = 0;
+    CHECK_OK(hs_bvh_blob(bvh, &blob, &bytes));
+    if (has_done(its, hs_bvh_from_blob(&config, blob, bytes, &copy))) {
+      CHECK(size_of(copy) == size);
+      hs_bvh_destroy(copy);
+    }
+    CHECK_OK(hs_bvh_save(bvh, "c_test_memory.bvh"));
+    copy = NULL;
+    if (has_done(its, hs_bvh_load(&config, "c_test_memory.bvh", &copy))) {
+      CHECK(size_of(copy) == size);
+      hs_bvh_destroy(copy);
+    }
+    copy = NULL;
+    if (has_done(its, hs_bvh_map(&config, "c_test_memory.bvh", &copy))) {
+      if (has_done(its, hs_bvh_erase(copy, ids + 200, 1))) --size;
+      CHECK(size_of(copy) == size);
+      hs_bvh_destroy(copy);
+    }
+  }
+  hs_bvh_destroy(bvh);
+}
+
+void test_memory(void) {
+  size_t n;
+  int kind;
+  int bits;
+  memory its = {0, 0, 0, 1};
+  for (kind = 0; kind < KINDS; kind += 5) {
+    random_bounds(kind_of(kind), OBJECTS, 0.1f, 13, objects);
+    for (n = 0, its.has_failed = 1; its.has_failed; ++n) {
+      its.has_failed = 0;
+      its.left = n;
+      use_bvh(kind_of(kind), &its);
+      CHECK(its.live == 0 && its.bytes == 0);
+    }
+    CHECK(n > 10);
+    for (bits = 0; bits <= 16; bits += 8) {
+      for (n = 0, its.has_failed = 1; its.has_failed; ++n) {
+        its.has_failed = 0;
+        its.left = n;
+        use_scan(kind_of(kind), bits, &its);
+        CHECK(its.live == 0 && its.bytes == 0);
+      }
+      CHECK(n > 2);
+    }
+  }
+  (void)remove("c_test_memory.bvh");
+}

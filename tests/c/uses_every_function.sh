@@ -1,0 +1,18 @@
+#!/bin/sh
+# uses_every_function.sh HEADER FILE...: fails if the header declares a function
+# that no file calls.
+set -eu
+header=$1
+shift
+functions=$(sed -n 's/^HALFSPACE_API .*[ *]\(hs_[a-z0-9_]*\)(.*/\1/p' "$header")
+[ -n "$functions" ] || { echo "no functions in $header"; exit 1; }
+functions="$functions
+$(sed -n 's/^static inline .*[ *]\(hs_[a-z0-9_]*\)(.*/\1/p' "$header")"
+bad=0
+for function in $functions; do
+  if ! cat "$@" | grep -q "[^a-z0-9_]$function("; then
+    echo "not called by a test: $function"
+    bad=1
+  fi
+done
+exit $bad
