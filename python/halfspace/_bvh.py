@@ -475,6 +475,16 @@ class BVH:
         """The box around all objects: float32, shape (2 d,)."""
         return self._tree.bounds()
 
+    def boxes(self, ids: Any = None) -> np.ndarray:
+        """Returns the stored boxes of all ids, or of some: float32, shape (n, 2 d).
+
+        Boxes of float64 were rounded outward. Row i is the box of object i, or of
+        object `ids[i]`. The box of an id without an object is empty: minima of inf,
+        maxima of -inf. Takes a pass over all objects.
+        """
+        boxes = self._tree.boxes()
+        return boxes if ids is None else boxes[_arrays.ids(ids, "ids")]
+
     def __repr__(self) -> str:
         return f"<halfspace.BVH: {len(self)} boxes in {self.dims} dimensions>"
 

@@ -580,6 +580,31 @@ py::array_t<float> BoundsOf(Tree& tree) {
   });
 }
 
+// The boxes by id, one after another; that of no object is empty.
+py::array_t<float> Boxes(Tree& tree) {
+  const std::size_t dims = tree.bvh.index() == 0 ? 2 : 3;
+  const std::size_t n =
+      Ask(tree, [](const auto& bvh) { return bvh.id_limit(); });
+  py::array_t<float> values(std::vector<std::size_t>{n, 2 * dims});
+  float* const to = values.mutable_data();
+  Read(tree, [to, n](const auto& bvh) {
+    using Box = typename std::decay_t<decltype(bvh)>::Bound;
+    const auto put = [to](std::uint32_t id, const Box& box) {
+      constexpr std::size_t kAxes = Box::kAxes;
+      float* const row = to + id * 2 * kAxes;
+      std::copy(box.min.begin(), box.min.end(), row);
+      std::copy(box.max.begin(), box.max.end(), row + kAxes);
+    };
+    for (std::uint32_t id = 0; id < n; ++id) put(id, Box::Empty());
+    // Nothing limits this box, so its cast finds all objects, in one pass.
+    Box all = Box::Empty();
+    std::swap(all.min, all.max);
+    BoxCast(bvh, all, {}, 0.0f,
+            [&put](std::uint32_t id, float, const Box& box) { put(id, box); });
+  });
+  return values;
+}
+
 }  // namespace
 
 Buffer::Buffer(const py::object& object) {
@@ -629,6 +654,7 @@ void DefineTree(py::module_& module) {
       .def("refit", &Refit)
       .def("refit_some", &RefitSome)
       .def("bounds", &BoundsOf)
+      .def("boxes", &Boxes)
       .def("size",
            [](Tree& tree) {
              return Ask(tree, [](const auto& bvh) { return bvh.size(); });

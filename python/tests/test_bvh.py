@@ -219,3 +219,16 @@ def test_changes(rng, dims, boxes, queries):
     exact = overlaps(queries.astype(float), boxes)
     exact[:, [5, 7]] = False
     assert (check_superset >= exact).all()
+
+
+def test_boxes_by_id(boxes):
+    dims = boxes.shape[1] // 2
+    boxes[5] = [np.inf] * dims + [-np.inf] * dims
+    boxes[6] = [-np.inf] * dims + [np.inf] * dims
+    tree = hs.BVH(boxes)
+    np.testing.assert_array_equal(tree.boxes(), boxes)
+    np.testing.assert_array_equal(tree.boxes([7, 5, 7]), boxes[[7, 5, 7]])
+    tree.erase([7])
+    boxes[7] = boxes[5]
+    np.testing.assert_array_equal(tree.boxes(), boxes)
+    assert hs.BVH(boxes[:0]).boxes().shape == (0, 2 * dims)
