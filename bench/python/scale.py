@@ -22,7 +22,7 @@ import halfspace.dask as hd
 import report
 
 WORKERS = 2
-PARTITIONS = 8
+PARTITIONS = 2 * WORKERS
 CHUNKS = 8
 ROW_BYTES = 6 * 4 + 8  # a box and its row
 TREE_BYTES = 41
@@ -227,7 +227,7 @@ def measure(client, name, world, objects, probes, side, repetitions):
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--objects", type=int, default=4_000_000)
+    parser.add_argument("--objects", type=int, default=8_000_000)
     parser.add_argument("--repetitions", type=int, default=5)
     parser.add_argument("--out", help="also write the tables here, as JSON")
     arguments = parser.parse_args()
@@ -251,8 +251,8 @@ def main():
 
     column = report.column
     measured = report.table(
-        "scale", f"{objects:,} boxes joined with {probes:,}, on {WORKERS} workers and in one "
-        "process".replace(",", " "),
+        "scale", f"{objects:,} boxes joined with {probes:,}".replace(",", " ")
+        + f", on {WORKERS} workers and in one process",
         [column("world", key=True), column("step", key=True), column("one process", "s", 3),
          column("cluster", "s", 3), column("efficiency", digits=2, better="higher"),
          column("moved", "MB", 0)],

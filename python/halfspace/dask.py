@@ -514,8 +514,9 @@ class BVH:
     `halfspace.BVH`.
 
     boxes       (n, 6) or (n, 4): a dask array, an array, or a list of .npy paths
-    partitions  their number; by default 4 for each thread of the cluster. Each must fit
-                into the memory of its worker
+    partitions  their number; by default 2 for each thread of the cluster. Each must fit
+                into the memory of its worker. More partitions share uneven work better,
+                and take more tasks: one for each partition and chunk of `boxes`
     balance     "pairs": partitions have about equal numbers of objects, and of pairs
                 that these are in, as a sample tells; or "objects"
     mapped      whether workers keep trees in files that they map: True, False, or by
@@ -533,7 +534,7 @@ class BVH:
             raise ValueError(f"balance must be 'pairs' or 'objects', not {balance!r}")
         self._run = run = _Runner(client)
         if partitions is None:
-            partitions = 4 * run.threads
+            partitions = 2 * run.threads
         if partitions < 1:
             raise ValueError(f"partitions must be at least 1, not {partitions}")
         chunks, self._width = _chunks(boxes, "boxes", (4, 6))
