@@ -79,12 +79,12 @@ def _read(path: str, begin: int, end: int) -> np.ndarray:
 def _chunks(source, name: str, widths: tuple[int, ...]) -> tuple[list[_Chunk], int]:
     """Returns the chunks of a collection, and the width of its rows."""
     wanted = " or ".join(f"(n, {width})" for width in widths)
-    parts: list = []  # (rows, Delayed)
-    width = None
+    parts: list[tuple[int, typing.Any]] = []  # rows, and their Delayed
+    width = 0
 
-    def check(shape, what: str):
+    def check(shape, what: str) -> None:
         nonlocal width
-        if len(shape) != 2 or shape[1] not in ([width] if width else widths):
+        if len(shape) != 2 or shape[1] not in ((width,) if width else widths):
             raise ValueError(f"{name} must have the shape {wanted}, and {what} has "
                              f"{tuple(shape)}")
         width = shape[1]
