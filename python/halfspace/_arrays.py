@@ -1,0 +1,324 @@
+"""Reads boxes, points and ids from the objects that callers pass."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
+
+import numpy as np
+
+from . import _halfspace
+
+# A BVH has fewer objects than this.
+MOST_OBJECTS = 2**31
+MOST_THREADS = 4096
+
+
+class Table(NamedTuple):
+    """Rows of numbers, as the compiled part reads them.
+
+    `arrays` are two-dimensional arrays of one type (float32 or float64), one
+    length and one stride, whose columns follow each other. `single` says that
+    the caller passed one row and not a list of rows.
+    """
+
+    arrays: Tuple[np.ndarray, ...]
+    length: int
+    single: bool
+
+    @property
+    def columns(self) -> int:
+        return sum(a.shape[1] for a in self.arrays)
+
+    def rows(self, begin: int, end: int) -> "Table":
+        arrays = tuple(a[begin:end] for a in self.arrays)
+        return Table(arrays, arrays[0].shape[0], False)
+
+
+def boxes(
+    value: Any, name: str, dims: Optional[int] = None, most: Optional[int] = None
+) -> Table:
+    """Boxes as 2 * d columns: the minima, then the maxima."""
+    expected = _expected_boxes(dims)
+    arrays, single = _box_arrays(value, name, expected)
+    columns = sum(a.shape[1] for a in arrays)
+    if columns not in ((4, 6) if dims is None else (2 * dims,)):
+        raise ValueError(f"{name}: expected {expected}, got {_shapes(value, arrays)}")
+    table = _table(arrays, single, name, most)
+    bad = _halfspace.first_bad_box(table.arrays)
+    if bad >= 0:
+        _raise_bad_box(table, name, bad)
+    return table
+
+
+def points(value: Any, name: str, dims: int) -> Table:
+    """Points, or directions, as d columns."""
+    array = _numbers(value, name)
+    if array.ndim not in (1, 2) or array.shape[-1] != dims:
+        raise ValueError(
+            f"{name}: expected points of shape (n, {dims}) or ({dims},), "
+            f"got shape {array.shape}"
+        )
+    return _without_nan(array, name)
+
+
+def points_or_boxes(value: Any, name: str, dims: int) -> Table:
+    if _pair_of_tables(value) or _columns_of(value):
+        return boxes(value, name, dims)
+    array = _numbers(value, name)
+    if array.ndim not in (1, 2) or array.shape[-1] not in (dims, 2 * dims):
+        raise ValueError(
+            f"{name}: expected points of shape (n, {dims}) or ({dims},), or boxes "
+            f"of shape (n, {2 * dims}) or ({2 * dims},), got shape {array.shape}"
+        )
+    if array.shape[-1] == 2 * dims:
+        return boxes(array, name, dims)
+    return _without_nan(array, name)
+
+
+def per_row(value: Any, name: str, count: int) -> Table:
+    """One number for each row, or the same number for all rows."""
+    array = _numbers(value, name)
+    if array.shape not in ((), (count,)):
+        raise ValueError(
+            f"{name}: expected one number or an array of shape ({count},), "
+            f"got shape {array.shape}"
+        )
+    column: np.ndarray = np.empty(count, _float_type(array, name))
+    column[:] = array
+    if count and not (column.min() >= 0):
+        raise ValueError(f"{name}: expected numbers that are not negative and not NaN")
+    return _table([column.reshape(count, 1)], False, name, None)
+
+
+def ids(value: Any, name: str) -> np.ndarray:
+    """Ids of objects as uint32."""
+    array = np.asarray(value)
+    if array.size == 0:
+        return np.empty(0, np.uint32)
+    if array.dtype.kind not in "iu" or array.ndim > 1:
+        raise TypeError(
+            f"{name}: expected an integer or a one-dimensional array of integers, "
+            f"got {array.dtype} of shape {array.shape}"
+        )
+    array = np.atleast_1d(array)
+    bad = (array < 0) | (array >= MOST_OBJECTS)
+    if bad.any():
+        i = int(bad.argmax())
+        raise ValueError(f"{name}[{i}] = {array[i]} is not the id of an object")
+    return np.ascontiguousarray(array, np.uint32)
+
+
+def vertices(value: Any, name: str) -> np.ndarray:
+    """A contiguous array of points without NaN, in 2 or 3 dimensions."""
+    array = _numbers(value, name)
+    if array.ndim != 2 or array.shape[1] not in (2, 3):
+        raise ValueError(
+            f"{name}: expected points of shape (n, 3) or (n, 2), got shape "
+            f"{array.shape}"
+        )
+    table = _without_nan(np.require(array, _float_type(array, name), ["C", "A"]), name)
+    return table.arrays[0]
+
+
+def faces(value: Any, name: str, count: int) -> np.ndarray:
+    """Triples of indices below `count`, as a contiguous array of uint32."""
+    array = np.asarray(value)
+    if array.shape == (0,):
+        array = array.reshape(0, 3)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"{name}: expected shape (n, 3), got shape {array.shape}")
+    if array.size and array.dtype.kind not in "iu":
+        raise TypeError(f"{name}: expected integers, got {array.dtype}")
+    bad = ((array < 0) | (array >= count)).any(axis=1)
+    if bad.any():
+        i = int(bad.argmax())
+        raise ValueError(
+            f"{name}[{i}]: expected indices from 0 to {count - 1}, got "
+            f"{array[i].tolist()}"
+        )
+    return np.require(array, np.uint32, ["C", "A"])
+
+
+def threads(value: Optional[int]) -> int:
+    """The number of threads. None means all CPUs of this process."""
+    if value is None:
+        return len(os.sched_getaffinity(0))
+    return positive(value, "threads", MOST_THREADS)
+
+
+def positive(value: Any, name: str, most: int = 2**31 - 1) -> int:
+    """An integer from 1 to `most`."""
+    try:
+        number = value.__index__()
+    except AttributeError:
+        raise TypeError(
+            f"{name}: expected an integer, got {type(value).__name__}"
+        ) from None
+    if not 1 <= number <= most:
+        raise ValueError(f"{name}: expected an integer from 1 to {most}, got {number}")
+    return int(number)
+
+
+def _expected_boxes(dims: Optional[int]) -> str:
+    if dims is None:
+        return (
+            "boxes of shape (n, 6), (n, 4), (6,) or (4,), or two arrays (minima, "
+            "maxima) of shape (n, 3) or (n, 2)"
+        )
+    return (
+        f"boxes of shape (n, {2 * dims}) or ({2 * dims},), or two arrays (minima, "
+        f"maxima) of shape (n, {dims}), for a tree of {dims} dimensions"
+    )
+
+
+def _box_arrays(
+    value: Any, name: str, expected: str
+) -> Tuple[List[np.ndarray], bool]:
+    pair = _pair_of_tables(value)
+    if pair:
+        if pair[0].shape != pair[1].shape:
+            raise ValueError(
+                f"{name}: expected minima and maxima of the same shape, got "
+                f"{pair[0].shape} and {pair[1].shape}"
+            )
+        return pair, False
+    columns = _columns_of(value)
+    if columns:
+        arrays = [_column(c, f"{name}[{i}]") for i, c in enumerate(columns)]
+        lengths = [a.shape[0] for a in arrays]
+        if len(set(lengths)) != 1:
+            raise ValueError(
+                f"{name}: expected columns of the same length, got lengths {lengths}"
+            )
+        return arrays, False
+    array = _numbers(value, name)
+    if array.ndim == 1:
+        return [array.reshape(1, -1)], True
+    if array.ndim != 2:
+        raise ValueError(f"{name}: expected {expected}, got shape {array.shape}")
+    return [array], False
+
+
+def _pair_of_tables(value: Any) -> List[np.ndarray]:
+    """The minima and the maxima, if `value` is a pair of two-dimensional arrays."""
+    if not isinstance(value, (tuple, list)) or len(value) != 2:
+        return []
+    if not all(getattr(v, "ndim", None) == 2 for v in value):
+        return []
+    return [np.asarray(v) for v in value]
+
+
+def _columns_of(value: Any) -> Sequence[Any]:
+    """The columns, if `value` is a tuple of 4 or 6 one-dimensional arrays."""
+    if not isinstance(value, (tuple, list)) or len(value) not in (4, 6):
+        return []
+    if all(hasattr(v, "__arrow_c_array__") for v in value):
+        return value
+    if isinstance(value, tuple) and all(getattr(v, "ndim", 0) == 1 for v in value):
+        return value
+    return []
+
+
+def _column(value: Any, name: str) -> np.ndarray:
+    if hasattr(value, "__arrow_c_array__") and not hasattr(value, "__array_interface__"):
+        return _halfspace.arrow_column(value, name).reshape(-1, 1)
+    return _numbers(value, name).reshape(-1, 1)
+
+
+def _numbers(value: Any, name: str) -> np.ndarray:
+    try:
+        array = np.asarray(value)
+    except ValueError as error:
+        raise ValueError(f"{name}: expected an array of numbers: {error}") from None
+    if array.dtype.kind == "O":
+        raise TypeError(
+            f"{name}: expected an array of numbers, got {type(value).__name__} that "
+            "NumPy reads as an array of objects"
+        )
+    return array
+
+
+def _float_type(array: np.ndarray, name: str) -> type:
+    """The type to read an array as: float32 or float64, without a loss."""
+    kind, size = array.dtype.kind, array.dtype.itemsize
+    if kind == "f" and size <= 8:
+        return np.float64 if size == 8 else np.float32
+    if kind in "iu":
+        if size == 8 and array.size and not _is_exact(array):
+            raise ValueError(
+                f"{name}: expected integers between -2^53 and 2^53, which float64 "
+                f"represents exactly, got {array.min()} to {array.max()}"
+            )
+        return np.float64
+    raise TypeError(
+        f"{name}: expected float32, float64 or integers, got {array.dtype}"
+    )
+
+
+def _is_exact(array: np.ndarray) -> bool:
+    return -(2**53) <= int(array.min()) and int(array.max()) <= 2**53
+
+
+def _table(
+    arrays: Sequence[np.ndarray], single: bool, name: str, most: Optional[int]
+) -> Table:
+    count = arrays[0].shape[0]
+    # First of all, because a copy of so many objects can take all memory.
+    if most is not None and count >= most:
+        raise ValueError(
+            f"{name}: expected fewer than 2^31 boxes, got {count}: build several trees"
+        )
+    types = {_float_type(a, name) for a in arrays}
+    dtype = np.dtype(np.float32 if types == {np.float32} else np.float64)
+    if not _is_readable(arrays, dtype):
+        arrays = [np.concatenate([a.astype(dtype) for a in arrays], axis=1)]
+    return Table(tuple(arrays), count, single)
+
+
+def _is_readable(arrays: Sequence[np.ndarray], dtype: np.dtype) -> bool:
+    """Whether the compiled part can read the arrays without a copy."""
+    for a in arrays:
+        if a.dtype != dtype or not a.flags.aligned:
+            return False
+        if a.shape[0] > 1 and (
+            a.strides[0] != arrays[0].strides[0]
+            or a.strides[0] <= 0
+            or a.strides[0] % dtype.itemsize
+        ):
+            return False
+    return True
+
+
+def _without_nan(array: np.ndarray, name: str) -> Table:
+    single = array.ndim == 1
+    table = _table([array.reshape(1, -1) if single else array], single, name, None)
+    bad = _halfspace.first_nan(table.arrays)
+    if bad >= 0:
+        where = name if single else f"{name}[{bad}]"
+        raise ValueError(f"{where}: expected numbers, got NaN")
+    return table
+
+
+def _raise_bad_box(table: Table, name: str, row: int) -> None:
+    box = np.concatenate([a[row] for a in table.arrays])
+    where = name if table.single else f"{name}[{row}]"
+    values = "[" + ", ".join(repr(float(v)) for v in box) + "]"
+    if np.isnan(box).any():
+        raise ValueError(
+            f"{where}: expected numbers, got NaN in {values}. An object without an "
+            "extent is the empty box, with minima of inf and maxima of -inf"
+        )
+    half = len(box) // 2
+    axis = int((box[:half] > box[half:]).argmax())
+    raise ValueError(
+        f"{where}: expected min <= max, got min {float(box[axis])!r} > max "
+        f"{float(box[half + axis])!r} on axis {axis} of {values}. The columns are "
+        "the minima of all axes, then the maxima"
+    )
+
+
+def _shapes(value: Any, arrays: Sequence[np.ndarray]) -> str:
+    if len(arrays) == 1:
+        return f"shape {np.shape(value)}"
+    return "shapes " + " and ".join(str(a.shape) for a in arrays)

@@ -1,0 +1,543 @@
+"""The BVH."""
+
+from __future__ import annotations
+
+import mmap
+import os
+import pickle
+from typing import Any, Callable, Iterator, Optional, Tuple, Type, Union
+
+import numpy as np
+
+from . import _arrays, _halfspace
+
+Progress = Callable[[int, int], object]
+Path = Union[str, "os.PathLike[str]"]
+
+
+class BVH:
+    """A bounding volume hierarchy of axis-aligned boxes in 2 or 3 dimensions.
+
+    The id of a box is its row in `boxes`. Boxes that touch overlap. The tree is
+    built at once, and changes only by `insert`, `erase` and `refit`.
+
+    Parameters
+    ----------
+    boxes : array_like, shape (n, 6) or (n, 4)
+        The minima of all axes, then the maxima: `x_min, y_min, z_min, x_max,
+        y_max, z_max`. It can also be a pair `(minima, maxima)` of arrays of
+        shape (n, 3) or (n, 2), or a tuple of 6 or 4 columns. A column is a
+        one-dimensional array, or an object with `__arrow_c_array__`. One box
+        has the shape (6,) or (4,).
+    quality : "high" or "fast"
+        "fast" builds in about a fifth of the time. Queries then take up to 1.4
+        times as long. Results are the same.
+    threads : int or None
+        The number of threads, or None for all CPUs of this process. Results do
+        not depend on it.
+    progress : callable, optional
+        `progress(done, total)` is called up to 20 times a second by the calling
+        thread, and once at the end. The two are numbers of boxes or queries. An
+        exception in it ends the call.
+
+    Notes
+    -----
+    The tree stores float32. Columns of float32 are read in place, and so are
+    columns of float64, whose values are rounded outward: minima down, maxima
+    up. So no overlap is missed, and boxes that are less than one float32 step
+    apart can be reported as overlapping. To get the exact pairs of float64
+    boxes, test the candidates again:
+
+    >>> import numpy as np, halfspace as hs
+    >>> a = np.array([[0, 0, 1, 1], [2, 2, 3, 3]], float)
+    >>> b = np.array([[1, 1, 2 - 1e-12, 2 - 1e-12]])
+    >>> rows, ids = hs.BVH(a).query(b)
+    >>> sorted(ids.tolist())
+    [0, 1]
+    >>> exact = ((b[rows, :2] <= a[ids, 2:]) & (a[ids, :2] <= b[rows, 2:])).all(axis=1)
+    >>> rows[exact], ids[exact]
+    (array([0]), array([0]))
+
+    A NaN, or a box with min > max, raises ValueError. The exception is the empty
+    box, with minima of inf and maxima of -inf: only a query without limits can
+    find it. Infinite boxes are allowed.
+
+    Every call releases the interpreter's lock, so threads can query one tree at
+    the same time. A change while another thread uses the tree raises
+    RuntimeError. Ctrl-C ends a long call.
+    """
+
+    __slots__ = ("_tree", "__weakref__")
+
+    def __init__(
+        self,
+        boxes: Any,
+        *,
+        quality: str = "high",
+        threads: Optional[int] = 1,
+        progress: Optional[Progress] = None,
+    ) -> None:
+        if quality not in ("high", "fast"):
+            raise ValueError(f'quality: expected "high" or "fast", got {quality!r}')
+        table = _arrays.boxes(boxes, "boxes", most=_arrays.MOST_OBJECTS)
+        self._tree = _halfspace.Tree(
+            table.arrays, quality == "fast", _arrays.threads(threads), progress
+        )
+
+    @classmethod
+    def from_blob(cls, blob: Any, *, verify: bool = False) -> "BVH":
+        """Returns the tree of a blob: bytes, a memoryview, or another buffer.
+
+        The tree refers to the buffer and keeps it alive. It copies the bytes
+        only if they are not aligned to 64 bytes. Do not change the bytes while
+        the tree lives.
+
+        Raises ValueError if the blob was cut, or has another format. An altered
+        blob can change results, but no call reads or writes outside of it.
+        `verify=True` compares the checksum, which takes a pass over the bytes.
+        """
+        return cls._of(_load(blob, "blob", verify))
+
+    @classmethod
+    def map(cls, path: Path, *, verify: bool = False) -> "BVH":
+        """Returns the tree of a file that `save` wrote, without reading it.
+
+        The file is mapped into memory, so the tree can be used at once, and
+        processes that map the same file share its memory. Do not change the
+        file while the tree lives. Replace it by `save`, which writes another
+        file and renames it.
+
+        Errors and `verify` are those of `from_blob`.
+        """
+        with open(path, "rb") as file:
+            if os.fstat(file.fileno()).st_size == 0:
+                raise ValueError(f"{os.fspath(path)}: the file is empty")
+            mapped = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+        return cls._of(_load(mapped, os.fspath(path), verify))
+
+    @classmethod
+    def _of(cls, tree: _halfspace.Tree) -> "BVH":
+        bvh = cls.__new__(cls)
+        bvh._tree = tree
+        return bvh
+
+    def blob(self) -> memoryview:
+        """Returns the tree as bytes, without a copy, to store or to send.
+
+        The tree cannot change while the memoryview exists. The first call after
+        a change computes a checksum.
+        """
+        blob: Any = _halfspace.Blob(self._tree)  # a buffer
+        return memoryview(blob)
+
+    def save(self, path: Path) -> None:
+        """Writes the tree to a file for `map`.
+
+        The file appears at `path` when it is complete: a failure leaves an
+        older file as it was.
+        """
+        path = os.fspath(path)
+        temporary = f"{path}.{os.getpid()}.part"
+        try:
+            with open(temporary, "wb") as file:
+                file.write(self.blob())
+            os.replace(temporary, path)
+        except BaseException:
+            if os.path.exists(temporary):
+                os.unlink(temporary)
+            raise
+
+    def __reduce_ex__(self, protocol: Any) -> Tuple[Any, ...]:
+        # Out of band if the pickler has a buffer_callback, and in band if not.
+        blob = self.blob()
+        data = pickle.PickleBuffer(blob) if protocol >= 5 else bytes(blob)
+        return _unpickle, (type(self), data)
+
+    def query(
+        self,
+        boxes: Any,
+        *,
+        threads: Optional[int] = 1,
+        progress: Optional[Progress] = None,
+    ) -> np.ndarray:
+        """Finds the objects that overlap boxes.
+
+        Parameters
+        ----------
+        boxes : array_like, shape (m, 2 d) or (2 d,)
+            As in `BVH`, in the dimensions of the tree.
+        threads, progress
+            As in `BVH`.
+
+        Returns
+        -------
+        ndarray of int64, shape (2, n) or (n,)
+            `rows, ids`: object `ids[i]` overlaps box `rows[i]`. `rows` ascend.
+            The ids of one row are in no particular order, but equal calls
+            return the same order. For one box of shape (2 d,) only the ids, of
+            shape (n,).
+
+        Examples
+        --------
+        >>> import halfspace as hs
+        >>> tree = hs.BVH([[0, 0, 1, 1], [2, 2, 3, 3]])
+        >>> rows, ids = tree.query([[0, 0, 2, 2], [5, 5, 6, 6], [1, 0, 2, 1]])
+        >>> rows
+        array([0, 0, 2])
+        >>> tree.query([3, 3, 4, 4])
+        array([1])
+        """
+        table = self._boxes(boxes)
+        return self._tree.query(
+            table.arrays, not table.single, _arrays.threads(threads), progress
+        )
+
+    def query_batches(
+        self,
+        boxes: Any,
+        max_results: int = 10_000_000,
+        *,
+        threads: Optional[int] = 1,
+    ) -> Iterator[np.ndarray]:
+        """Yields the results of `query` in batches of at most `max_results`.
+
+        A batch is `rows, ids`, an array of int64 with the shape (2, n). All
+        batches together are the result of `query`, except that the ids of one
+        row can be in another order. A row with more results than `max_results`
+        continues in the next batch. Raises RuntimeError if the tree changes
+        between two batches.
+        """
+        table = self._boxes(boxes)
+        most = _arrays.positive(max_results, "max_results")
+        return self._batches(table, most, _arrays.threads(threads))
+
+    def _batches(
+        self, table: _arrays.Table, most: int, threads: int
+    ) -> Iterator[np.ndarray]:
+        changes = self._tree.changes
+        step = 1 << 16  # boxes that are counted at a time
+        for first in range(0, table.length, step):
+            block = table.rows(first, min(first + step, table.length))
+            ends = np.cumsum(self._tree.count(block.arrays, threads, None))
+            begin, found = 0, 0
+            while begin < block.length:
+                # As many rows as have at most so many results, or one.
+                end = int(np.searchsorted(ends, found + most, "right"))
+                for batch in self._batch(block, begin, end, most, threads):
+                    if self._tree.changes != changes:
+                        raise RuntimeError("the tree changed during query_batches")
+                    batch[0] += first
+                    yield batch
+                begin = max(end, begin + 1)
+                found = int(ends[begin - 1])
+
+    def _batch(
+        self, block: _arrays.Table, begin: int, end: int, most: int, threads: int
+    ) -> Iterator[np.ndarray]:
+        if end > begin:
+            arrays = block.rows(begin, end).arrays
+            batch = self._tree.query(arrays, True, threads, None)
+            batch[0] += begin
+            if batch.shape[1]:
+                yield batch
+            return
+        arrays = block.rows(begin, begin + 1).arrays
+        skip = 0
+        while True:
+            ids = self._tree.query_some(arrays, skip, most)
+            if not len(ids):
+                return
+            skip += len(ids)
+            yield np.stack([np.full(len(ids), begin, np.int64), ids])
+
+    def count(
+        self,
+        boxes: Any,
+        *,
+        threads: Optional[int] = 1,
+        progress: Optional[Progress] = None,
+    ) -> Union[np.ndarray, int]:
+        """Counts the objects that overlap each box.
+
+        Returns an array of int64 with the shape (m,), or an int for one box.
+        Arguments are those of `query`.
+        """
+        table = self._boxes(boxes)
+        counts = self._tree.count(table.arrays, _arrays.threads(threads), progress)
+        return int(counts[0]) if table.single else counts
+
+    def any(
+        self,
+        boxes: Any,
+        *,
+        threads: Optional[int] = 1,
+        progress: Optional[Progress] = None,
+    ) -> Union[np.ndarray, bool]:
+        """Tells for each box whether an object overlaps it.
+
+        Returns an array of bool with the shape (m,), or a bool for one box.
+        Arguments are those of `query`.
+        """
+        table = self._boxes(boxes)
+        found = self._tree.any(table.arrays, _arrays.threads(threads), progress)
+        return bool(found[0]) if table.single else found
+
+    def nearest(
+        self,
+        points: Any,
+        k: int = 1,
+        *,
+        max_distance: float = float("inf"),
+        exclusive: bool = False,
+        threads: Optional[int] = 1,
+        progress: Optional[Progress] = None,
+    ) -> Tuple[np.ndarray, np.ndarray]:
+        """Finds the k objects that are nearest to each point or box.
+
+        Parameters
+        ----------
+        points : array_like, shape (m, d), (d,), (m, 2 d) or (2 d,)
+            Points, or boxes as in `query`.
+        k : int
+            At least 1.
+        max_distance : float
+            Objects that are farther away are not found.
+        exclusive : bool
+            Leaves out the objects whose box is equal to the query, such as the
+            query itself if the tree has it.
+        threads, progress
+            As in `BVH`.
+
+        Returns
+        -------
+        ids : ndarray of int64, shape (m, k) or (k,)
+            The nearest object first. -1 if there are fewer than k.
+        distances : ndarray of float32, shape (m, k) or (k,)
+            The Euclidean distances of the boxes, within 2^-20 (relative), and 0
+            for boxes that touch. inf if there are fewer than k. For a point of
+            float64 it is the distance of the box of floats around the point.
+
+        Examples
+        --------
+        >>> import halfspace as hs
+        >>> tree = hs.BVH([[0, 0, 1, 1], [4, 0, 5, 1]])
+        >>> tree.nearest([2, 0], k=3)
+        (array([ 0,  1, -1]), array([ 1.,  2., inf], dtype=float32))
+        """
+        table = _arrays.points_or_boxes(points, "points", self.dims)
+        count = _arrays.positive(k, "k")
+        limit = float(max_distance)
+        if not limit >= 0:
+            raise ValueError(
+                f"max_distance: expected a number that is not negative, got {limit}"
+            )
+        ids, distances = self._tree.nearest(
+            table.arrays, count, limit, bool(exclusive), _arrays.threads(threads), progress
+        )
+        return (ids[0], distances[0]) if table.single else (ids, distances)
+
+    def raycast(
+        self,
+        origins: Any,
+        directions: Any,
+        max_t: Any = float("inf"),
+        *,
+        threads: Optional[int] = 1,
+        progress: Optional[Progress] = None,
+    ) -> Tuple[Any, Any]:
+        """Finds the first box that each ray enters.
+
+        A ray has the points `origin + t * direction` with `0 <= t <= max_t`.
+
+        Parameters
+        ----------
+        origins, directions : array_like, shape (m, d) or (d,)
+            One of the two can have the shape (d,) for all rays. float64 is
+            rounded to the nearest float32, so a ray can miss a box that it
+            only touches.
+        max_t : float or array_like of shape (m,)
+            In multiples of the direction.
+        threads, progress
+            As in `BVH`.
+
+        Returns
+        -------
+        ids : ndarray of int64, shape (m,)
+            -1 if the ray enters no box. Of boxes with equal t, the least id.
+        t : ndarray of float32, shape (m,)
+            At most the exact value, and less by at most 2^-18 (relative) plus
+            the rounding of the ray. 0 if the origin is inside, and inf if the
+            ray enters no box.
+
+        For one ray `ids` and `t` are numbers.
+
+        Examples
+        --------
+        >>> import halfspace as hs
+        >>> tree = hs.BVH([[1, 0, 2, 1], [4, 0, 5, 1]])
+        >>> ids, t = tree.raycast([[0, 0.5], [3, 0.5]], [1, 0])
+        >>> ids
+        array([0, 1])
+        """
+        starts = _arrays.points(origins, "origins", self.dims)
+        ways = _arrays.points(directions, "directions", self.dims)
+        single = starts.single and ways.single
+        rays = ways.length if starts.single else starts.length
+        starts, ways = _repeat(starts, rays), _repeat(ways, rays)
+        if starts.length != ways.length:
+            raise ValueError(
+                "directions: expected as many rows as origins, got "
+                f"{ways.length} and {starts.length}"
+            )
+        limits = _arrays.per_row(max_t, "max_t", rays)
+        ids, t = self._tree.raycast(
+            starts.arrays, ways.arrays, limits.arrays, _arrays.threads(threads), progress
+        )
+        return (int(ids[0]), float(t[0])) if single else (ids, t)
+
+    def pairs(
+        self, *, threads: Optional[int] = 1, progress: Optional[Progress] = None
+    ) -> np.ndarray:
+        """Finds all pairs of objects that overlap each other.
+
+        Returns `i, j`, an array of int64 with the shape (2, n), with `i < j`.
+        Each pair is found once. The order of the pairs is unspecified, but
+        equal calls return the same order.
+        """
+        return self._tree.pairs(_arrays.threads(threads), progress)
+
+    def insert(self, boxes: Any) -> Union[np.ndarray, int]:
+        """Adds objects and returns their ids.
+
+        Ids are those of erased objects, or follow the greatest id. Returns an
+        array of int64 with the shape (m,), or an int for one box.
+        """
+        table = _arrays.boxes(boxes, "boxes", self.dims, _arrays.MOST_OBJECTS)
+        ids = self._tree.insert(table.arrays)
+        return int(ids[0]) if table.single else ids
+
+    def erase(self, ids: Any) -> None:
+        """Removes objects. The ids of the other objects stay.
+
+        Raises ValueError, and changes nothing, if an id is not that of an
+        object.
+        """
+        self._tree.erase(_arrays.ids(ids, "ids"))
+
+    def refit(
+        self,
+        boxes: Any,
+        ids: Any = None,
+        *,
+        threads: Optional[int] = 1,
+        progress: Optional[Progress] = None,
+    ) -> None:
+        """Moves objects: gives them new boxes.
+
+        Without `ids`, row i of `boxes` is the new box of object i, and there
+        must be a row for every id up to the greatest. With `ids`, row i is the
+        new box of object `ids[i]`. The tree keeps its order, so queries become
+        slower when objects have moved far. Then build a new tree.
+
+        If an exception of `progress` or Ctrl-C ends the call, call `refit`
+        again before the next query.
+        """
+        table = self._boxes(boxes)
+        if ids is not None:
+            wanted = _arrays.ids(ids, "ids")
+            if len(wanted) != table.length:
+                raise ValueError(
+                    f"ids: expected one id for each of {table.length} boxes, got "
+                    f"{len(wanted)}"
+                )
+            self._tree.refit_some(table.arrays, wanted)
+            return
+        if table.length != self._tree.id_limit():
+            raise ValueError(
+                f"boxes: expected {self._tree.id_limit()} boxes, one for each id of "
+                f"the tree, got {table.length}"
+            )
+        self._tree.refit(table.arrays, _arrays.threads(threads), progress)
+
+    def __len__(self) -> int:
+        """The number of objects."""
+        return self._tree.size()
+
+    @property
+    def dims(self) -> int:
+        """The number of dimensions, 2 or 3."""
+        return self._tree.dims
+
+    @property
+    def nbytes(self) -> int:
+        """The size of the tree in memory, and of a file that `save` writes."""
+        return self._tree.nbytes()
+
+    @property
+    def bounds(self) -> np.ndarray:
+        """The box around all objects: float32, shape (2 d,)."""
+        return self._tree.bounds()
+
+    def boxes(self, ids: Any = None) -> np.ndarray:
+        """Returns the stored boxes of all ids, or of some: float32, shape (n, 2 d).
+
+        Boxes of float64 were rounded outward. Row i is the box of object i, or of
+        object `ids[i]`. The box of an id without an object is empty: minima of inf,
+        maxima of -inf. Takes a pass over all objects.
+        """
+        boxes = self._tree.boxes()
+        return boxes if ids is None else boxes[_arrays.ids(ids, "ids")]
+
+    def __repr__(self) -> str:
+        return f"<halfspace.BVH: {len(self)} boxes in {self.dims} dimensions>"
+
+    def _boxes(self, value: Any) -> _arrays.Table:
+        return _arrays.boxes(value, "boxes", self.dims)
+
+
+def join(
+    a: BVH,
+    b: BVH,
+    *,
+    threads: Optional[int] = 1,
+    progress: Optional[Progress] = None,
+) -> np.ndarray:
+    """Finds all pairs of an object of `a` and an object of `b` that overlap.
+
+    Returns `i, j`, an array of int64 with the shape (2, n): object `i[k]` of `a`
+    overlaps object `j[k]` of `b`. The order of the pairs is unspecified, but
+    equal calls return the same order. `threads` and `progress` are those of
+    `BVH`. To group the pairs by `i`, call `b.query` with the boxes of `a`.
+
+    >>> import halfspace as hs
+    >>> a = hs.BVH([[0, 0, 1, 1], [2, 2, 3, 3]])
+    >>> i, j = hs.join(a, hs.BVH([[1, 1, 2, 2]]))
+    >>> sorted(zip(i.tolist(), j.tolist()))
+    [(0, 0), (1, 0)]
+    """
+    for name, tree in (("a", a), ("b", b)):
+        if not isinstance(tree, BVH):
+            raise TypeError(f"{name}: expected a BVH, got {type(tree).__name__}")
+    if a.dims != b.dims:
+        raise ValueError(
+            f"b: expected a BVH of {a.dims} dimensions, as a, got {b.dims} dimensions"
+        )
+    return _halfspace.join(a._tree, b._tree, _arrays.threads(threads), progress)
+
+
+def _repeat(table: _arrays.Table, count: int) -> _arrays.Table:
+    if not table.single or count == 1:
+        return table
+    arrays = tuple(np.repeat(a, count, axis=0) for a in table.arrays)
+    return _arrays.Table(arrays, count, False)
+
+
+def _load(blob: Any, name: str, verify: bool) -> _halfspace.Tree:
+    try:
+        return _halfspace.Tree.from_blob(blob, bool(verify))
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+
+
+def _unpickle(cls: Type[BVH], blob: Any) -> BVH:
+    return cls._of(_load(blob, "pickle of a halfspace.BVH", False))

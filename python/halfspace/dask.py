@@ -1,0 +1,711 @@
+"""Joins, box queries and k nearest on Dask, over more boxes than one machine holds.
+
+    from distributed import Client
+    import halfspace.dask as hd
+
+    client = Client("scheduler:8786")
+    tree = hd.BVH(boxes)                         # a dask array (n, 6) or (n, 4)
+    for rows, ids in tree.query(probes): ...     # pairs, one batch after another
+    paths = tree.query(probes, to="out")         # or files, written by the workers
+    for i, j in tree.pairs(): ...
+    for rows, ids, distances in tree.nearest(points, k=8): ...
+
+Boxes and points are a dask array of rows, a numpy array, or a list of paths of `.npy`
+files that every worker can read. The id of an object is its row in the whole
+collection, an int64. Boxes mean what they mean in `halfspace.BVH`: boxes that touch
+overlap, and boxes of doubles are rounded outward to floats.
+
+How it works: a sample of the boxes is split at medians, one split for each further
+partition. Each object belongs to the one partition that has its center, so no pair is
+found twice. A partition is a `halfspace.BVH` in the memory of one worker. The bounds of
+the partitions form one more BVH, which every task gets. A probe goes to each partition
+that it overlaps. docs/scale.md has a picture, measurements and a model of the cost.
+
+A lost worker costs time only: Dask makes its partitions again from the source. So the
+source must stay readable, and must return the same boxes when it is read again.
+
+Thread safety: calls may run at the same time.
+"""
+
+from __future__ import annotations
+
+import collections
+import dataclasses
+import functools
+import itertools
+import math
+import os
+import tempfile
+import typing
+
+import dask
+import dask.array
+import dask.sizeof
+import distributed
+import numpy as np
+
+import halfspace as hs
+
+__all__ = ["BVH", "join", "scan"]
+
+MAX_RESULTS = 10_000_000
+
+# Rows of one task, where the source has no chunks of its own.
+_CHUNK_ROWS = 1_000_000
+# Boxes in the sample for each partition: the number of objects of a partition is then
+# right within about a tenth.
+_SAMPLE_PER_PARTITION = 100
+# A tree of boxes in 3 dimensions, and the row of each object.
+_BYTES_PER_OBJECT = 56
+# More than the rounding of distances (halfspace/bvh_nearest.h: 2^-20 and 2^-73).
+_FAR = 1 + 2.0**-18
+_FARTHER = 2.0**-70
+
+
+# The source: rows in chunks.
+
+
+@dataclasses.dataclass(frozen=True)
+class _Chunk:
+    first: int  # the row where it begins
+    rows: int
+    data: typing.Any  # a Delayed of the rows
+
+
+def _read(path: str, begin: int, end: int) -> np.ndarray:
+    return np.array(np.load(path, mmap_mode="r")[begin:end])
+
+
+def _chunks(source, name: str, widths: tuple[int, ...]) -> tuple[list[_Chunk], int]:
+    """Returns the chunks of a collection, and the width of its rows."""
+    wanted = " or ".join(f"(n, {width})" for width in widths)
+    parts: list[tuple[int, typing.Any]] = []  # rows, and their Delayed
+    width = 0
+
+    def check(shape, what: str) -> None:
+        nonlocal width
+        if len(shape) != 2 or shape[1] not in ((width,) if width else widths):
+            raise ValueError(f"{name} must have the shape {wanted}, and {what} has "
+                             f"{tuple(shape)}")
+        width = shape[1]
+
+    if isinstance(source, dask.array.Array):
+        check(source.shape, "the dask array")
+        if any(math.isnan(rows) for rows in source.chunks[0]):
+            raise ValueError(f"{name} must have chunks of known sizes: call its "
+                             "compute_chunk_sizes() first")
+        source = source.rechunk({1: -1})
+        parts = list(zip(source.chunks[0], source.to_delayed()[:, 0]))
+    elif isinstance(source, (list, tuple)) and source and all(
+            isinstance(path, (str, os.PathLike)) for path in source):
+        for path in map(os.fspath, source):
+            shape = np.load(path, mmap_mode="r").shape
+            check(shape, path)
+            for begin in range(0, shape[0], _CHUNK_ROWS):
+                end = min(begin + _CHUNK_ROWS, shape[0])
+                parts.append((end - begin, dask.delayed(_read)(path, begin, end)))
+    else:
+        array = np.asarray(source)
+        check(array.shape, "the array")
+        for begin in range(0, len(array), _CHUNK_ROWS):
+            rows = array[begin:begin + _CHUNK_ROWS]
+            parts.append((len(rows), dask.delayed(rows)))
+    firsts = itertools.accumulate((rows for rows, _ in parts), initial=0)
+    return [_Chunk(first, rows, data)
+            for first, (rows, data) in zip(firsts, parts) if rows > 0], width
+
+
+def _in_chunk(first: int, call):
+    """Returns call(). An error of it says where the chunk begins."""
+    try:
+        return call()
+    except (ValueError, TypeError) as error:
+        raise type(error)(f"in the chunk that begins at row {first}: {error}") from None
+
+
+# Partitions.
+
+
+@dataclasses.dataclass(frozen=True)
+class _Splits:
+    """A k-d tree. Points below `value` on `axis` go to `low`, the others to `high`: a
+    node, or if it is negative the partition -1 - child."""
+
+    nodes: list
+
+    def partitions_of(self, points: np.ndarray) -> np.ndarray:
+        partitions = np.zeros(len(points), np.int64)
+        work = [(0, np.arange(len(points)))] if self.nodes else []
+        while work:
+            node, rows = work.pop()
+            axis, value, low, high = self.nodes[node]
+            is_low = points[rows, axis] < value
+            for child, some in ((low, rows[is_low]), (high, rows[~is_low])):
+                if child < 0:
+                    partitions[some] = -1 - child
+                elif len(some):
+                    work.append((child, some))
+        return partitions
+
+
+def _centers(boxes: np.ndarray) -> np.ndarray:
+    """Centers in double. That of an infinite box may be a NaN, which has a partition,
+    too."""
+    boxes = np.asarray(boxes, np.float64)
+    dims = boxes.shape[1] // 2
+    with np.errstate(invalid="ignore"):
+        return boxes[:, :dims] / 2 + boxes[:, dims:] / 2
+
+
+def _split_sample(boxes, stands_for, partitions: int, by_pairs: bool) -> _Splits:
+    """Splits a sample into partitions of about equal work. By pairs, half of the weight
+    of a box is for the objects that it stands for, and half for their pairs. So no
+    partition has more than twice its share of either, as far as the sample tells."""
+    dims = boxes.shape[1] // 2
+    # Not empty boxes. Those with a NaN are errors, which the build reports.
+    some = (boxes[:, :dims] <= boxes[:, dims:]).all(axis=1)
+    boxes, stands_for = boxes[some], stands_for[some]
+    weights = stands_for / max(1, stands_for.sum())
+    if by_pairs:
+        pairs = (hs.BVH(boxes).count(boxes) - 1) * stands_for
+        weights = weights / 2 + pairs / max(1, pairs.sum()) / 2
+    return _split_at_medians(_centers(boxes), weights, partitions)
+
+
+def _split_at_medians(points, weights, partitions: int) -> _Splits:
+    """Splits points into partitions of about equal weight, at the weighted median of
+    the widest axis. Its width is that between the 5th and the 95th percentile: a few
+    objects far away choose no axis."""
+    nodes: list = []
+    numbers = itertools.count()
+
+    def split(rows: np.ndarray, count: int) -> int:
+        if count == 1:
+            return -1 - next(numbers)
+        node = len(nodes)
+        nodes.append(None)
+        axis, value = 0, 0.0
+        if len(rows):
+            low, high = np.percentile(points[rows], (5, 95), axis=0)
+            axis = int(np.argmax(high - low))
+            rows = rows[np.argsort(points[rows, axis], kind="stable")]
+            sums = np.cumsum(weights[rows])
+            middle = np.searchsorted(sums, sums[-1] * (count // 2) / count)
+            value = float(points[rows[min(middle + 1, len(rows) - 1)], axis])
+        is_low = points[rows, axis] < value
+        low_child = split(rows[is_low], count // 2)
+        nodes[node] = (axis, value, low_child, split(rows[~is_low], count - count // 2))
+        return node
+
+    split(np.flatnonzero(np.isfinite(points).all(axis=1)), partitions)
+    return _Splits(nodes)
+
+
+@dataclasses.dataclass(frozen=True)
+class _Partition:
+    tree: hs.BVH
+    rows: np.ndarray  # of the objects, by id of the tree
+
+
+@dataclasses.dataclass(frozen=True)
+class _Routed:
+    """Rows of a chunk, grouped by the partition that they go to."""
+
+    data: np.ndarray
+    rows: np.ndarray
+    partitions: np.ndarray  # ascending
+    begins: np.ndarray  # of each group, and the end
+
+    @staticmethod
+    def to(partitions, data, rows) -> _Routed:
+        order = np.argsort(partitions, kind="stable")
+        numbers, begins = np.unique(partitions[order], return_index=True)
+        return _Routed(data[order], rows[order], numbers, np.append(begins, len(order)))
+
+
+@dask.sizeof.sizeof.register(hs.BVH)
+def _size_of_tree(tree: hs.BVH) -> int:
+    return tree.nbytes
+
+
+@dask.sizeof.sizeof.register(_Partition)
+def _size_of_partition(partition: _Partition) -> int:
+    return partition.tree.nbytes + partition.rows.nbytes
+
+
+@dask.sizeof.sizeof.register(_Routed)
+def _size_of_routed(routed: _Routed) -> int:
+    return routed.data.nbytes + routed.rows.nbytes
+
+
+def _targets(routed: _Routed) -> np.ndarray:
+    return routed.partitions
+
+
+def _piece(routed: _Routed, partition: int):
+    """The rows that go to one partition: what is sent to its worker."""
+    at = np.searchsorted(routed.partitions, partition)
+    if at == len(routed.partitions) or routed.partitions[at] != partition:
+        return routed.data[:0], routed.rows[:0]
+    some = slice(routed.begins[at], routed.begins[at + 1])
+    return routed.data[some].copy(), routed.rows[some].copy()
+
+
+# Tasks of a build.
+
+
+def _sample(boxes, first: int, share: float):
+    """Returns random boxes, and for each how many objects it stands for."""
+    count = max(1, math.ceil(len(boxes) * share))
+    rows = np.random.default_rng(first).choice(len(boxes), count, replace=False)
+    return np.asarray(boxes)[np.sort(rows)], np.full(count, len(boxes) / count)
+
+
+def _distribute(boxes, first: int, splits: _Splits) -> _Routed:
+    boxes = np.asarray(boxes)
+    rows = np.arange(first, first + len(boxes))
+    return _Routed.to(splits.partitions_of(_centers(boxes)), boxes, rows)
+
+
+def _build(pieces, mapped: bool) -> _Partition:
+    boxes = np.concatenate([boxes for boxes, _ in pieces])
+    rows = np.concatenate([rows for _, rows in pieces])
+    try:
+        tree = hs.BVH(boxes)
+    except ValueError as error:
+        raise _error_of_row(boxes, rows) or error from None
+    if mapped:
+        directory = distributed.get_worker().local_directory
+        with tempfile.TemporaryDirectory(dir=directory) as scratch:
+            path = os.path.join(scratch, "tree")
+            tree.save(path)
+            tree = hs.BVH.map(path)  # keeps the file's content
+    return _Partition(tree, rows)
+
+
+def _error_of_row(boxes, rows) -> ValueError | None:
+    """The error of one box, by its row in the source and not in its partition."""
+    for box, row in zip(boxes, rows):
+        try:
+            hs.BVH(box[None])
+        except ValueError as error:
+            return ValueError(f"row {row} of boxes: {error}")
+    return None
+
+
+def _about(partition: _Partition):
+    return partition.tree.bounds, len(partition.tree), partition.tree.nbytes
+
+
+# Tasks of pairs. Functions of kind `_pairs_in` return the pairs of some rows of a piece
+# and the objects of a partition.
+
+
+def _route(boxes, first: int, top: hs.BVH) -> _Routed:
+    boxes = np.asarray(boxes)
+    rows, partitions = _in_chunk(first, lambda: top.query(boxes))
+    return _Routed.to(partitions, boxes[rows], rows + first)
+
+
+def _border(partition: _Partition, bounds: np.ndarray):
+    """The objects of a partition that overlap the bounds of another."""
+    ids = partition.tree.query(bounds)
+    return partition.tree.boxes(ids), partition.rows[ids]
+
+
+def _pairs_in(partition: _Partition, piece, begin: int, end: int):
+    boxes, rows = piece
+    some, ids = partition.tree.query(boxes[begin:end])
+    return rows[begin + some], partition.rows[ids]
+
+
+def _own_pairs_in(partition: _Partition, piece, begin: int, end: int):
+    i, j = _pairs_in(partition, piece, begin, end)
+    return i[i < j], j[i < j]
+
+
+def _border_pairs_in(partition: _Partition, piece, begin: int, end: int):
+    i, j = _pairs_in(partition, piece, begin, end)
+    return np.minimum(i, j), np.maximum(i, j)
+
+
+def _join_in(partition: _Partition, piece, begin: int, end: int):
+    return _pairs_in(partition, piece, begin, end)[::-1]
+
+
+def _ranges(partition: _Partition, piece, most: int) -> list[tuple[int, int]]:
+    """Ranges of rows with at most `most` pairs, or of one row with more."""
+    sums = np.cumsum(partition.tree.count(piece[0]))
+    ranges = []
+    begin = done = 0
+    while begin < len(sums):
+        end = max(begin + 1, int(np.searchsorted(sums, done + most, "right")))
+        ranges.append((begin, end))
+        begin, done = end, sums[end - 1]
+    return ranges
+
+
+def _of(partition: _Partition, piece):
+    """A piece, or all objects of the partition itself."""
+    return (partition.tree.boxes(), partition.rows) if piece is None else piece
+
+
+def _some_pairs(pairs_in, partition: _Partition, piece, most: int, some=None):
+    """Returns the pairs of a range of rows, and the ranges that are left. Without a
+    range, it is the first."""
+    piece = _of(partition, piece)
+    left: list = []
+    if some is None:
+        some, *left = _ranges(partition, piece, most) or [(0, 0)]
+    return pairs_in(partition, piece, *some), left
+
+
+def _write_pairs(pairs_in, partition: _Partition, piece, most: int, prefix: str):
+    """Writes all pairs, a file for each range, and returns the paths. If the task runs
+    again, it writes the same files."""
+    piece = _of(partition, piece)
+    paths = []
+    for begin, end in _ranges(partition, piece, most):
+        pairs = pairs_in(partition, piece, begin, end)
+        if len(pairs[0]) == 0:
+            continue
+        path = f"{prefix}-{begin:09}.npy"
+        with tempfile.NamedTemporaryFile(dir=os.path.dirname(path), delete=False) as file:
+            np.save(file, np.stack(pairs))
+        os.replace(file.name, path)
+        paths.append(path)
+    return paths
+
+
+# Tasks of k nearest. Where fewer are found, an id is -1 and a distance infinite.
+
+
+def _nearest_in(partition: _Partition, piece, k: int, max_distance: float):
+    points, rows = piece
+    ids, distances = partition.tree.nearest(points, k=k, max_distance=max_distance)
+    ids, distances = ids.reshape(-1, k), distances.reshape(-1, k)
+    return rows, np.where(ids < 0, -1, partition.rows[ids]), distances
+
+
+def _send_home(points, first: int, homes: hs.BVH, numbers: np.ndarray) -> _Routed:
+    """Sends each point to the nearest of some partitions."""
+    points = np.asarray(points)
+    nearest, _ = _in_chunk(first, lambda: homes.nearest(points, k=1))
+    rows = np.arange(first, first + len(points))
+    return _Routed.to(numbers[np.maximum(nearest.reshape(-1), 0)], points, rows)
+
+
+def _send_on(points, first: int, home: _Routed, found: list, top: hs.BVH,
+             max_distance: float) -> _Routed:
+    """Sends each point to the other partitions within the distance of its k-th."""
+    points = np.asarray(points, np.float64)
+    radius = np.full((len(points), 1), float(max_distance))
+    home_of = np.empty(len(points), np.int64)
+    home_of[home.rows - first] = np.repeat(home.partitions, np.diff(home.begins))
+    for rows, _, distances in found:
+        radius[rows - first] = np.minimum(max_distance, distances[:, -1:])
+    radius = radius * _FAR + _FARTHER
+    rows, partitions = top.query(np.hstack([points - radius, points + radius]))
+    is_other = partitions != home_of[rows]
+    rows = rows[is_other]
+    return _Routed.to(partitions[is_other], points[rows], rows + first)
+
+
+def _merge(first: int, count: int, k: int, found: list):
+    """The k nearest to each point of a chunk, of all that partitions found."""
+    rows = np.concatenate([np.repeat(rows - first, k) for rows, _, _ in found])
+    ids = np.concatenate([ids.reshape(-1) for _, ids, _ in found])
+    distances = np.concatenate([distances.reshape(-1) for _, _, distances in found])
+    order = np.lexsort((ids, distances, rows))
+    rows, ids, distances = rows[order], ids[order], distances[order]
+    rank = np.arange(len(rows)) - np.searchsorted(rows, rows)
+    some = (rank < k) & (ids >= 0)
+    all_ids = np.full((count, k), -1, np.int64)
+    all_distances = np.full((count, k), np.inf, np.float32)
+    all_ids[rows[some], rank[some]] = ids[some]
+    all_distances[rows[some], rank[some]] = distances[some]
+    return np.arange(first, first + count), all_ids, all_distances
+
+
+# Running tasks.
+
+
+class _Runner:
+    """Submits tasks, and yields their results with a bound on how many wait."""
+
+    def __init__(self, client: distributed.Client | None):
+        self.client = client or distributed.get_client()
+        workers = self.client.scheduler_info()["workers"].values()
+        if not workers:
+            raise RuntimeError("the cluster has no workers: wait for one with "
+                               "client.wait_for_workers(1)")
+        self.threads = sum(worker["nthreads"] for worker in workers)
+        self.memory = sum(worker["memory_limit"] or 0 for worker in workers)
+
+    def submit(self, function, *arguments) -> distributed.Future:
+        # Not pure: a file that changed between two calls must be read again.
+        return self.client.submit(function, *arguments, pure=False)
+
+    def source(self, chunk: _Chunk) -> distributed.Future:
+        return self.client.compute(chunk.data)
+
+    def ahead(self, items, start):
+        """Yields start(item) of each item, of which a few were started before."""
+        window: collections.deque = collections.deque()
+        for item in items:
+            window.append(start(item))
+            if len(window) > 2 * self.threads:
+                yield window.popleft()
+        yield from window
+
+    def stream(self, jobs):
+        """Yields the results of jobs as they arrive. A job is a future, and None or a
+        function of the result that returns what to yield and a list of more jobs."""
+        jobs = iter(jobs)
+        running = distributed.as_completed()
+        follow: dict = {}
+        while True:
+            room = 2 * self.threads - len(follow)
+            for future, function in itertools.islice(jobs, room):
+                follow[future] = function
+                running.add(future)
+            if not follow:
+                return
+            future = next(running)
+            function = follow.pop(future)
+            result = future.result()
+            del future  # its result may leave the workers
+            if function is not None:
+                result, more = function(result)
+                jobs = itertools.chain(more, jobs)
+            yield result
+
+    def pairs(self, joins, most: int, to):
+        """Streams the pairs of (pairs_in, partition, piece), or writes them."""
+        if most < 1:
+            raise ValueError(f"max_results must be at least 1, not {most}")
+        if to is None:
+            return self._stream_pairs(joins, most)
+        to = os.path.abspath(to)
+        os.makedirs(to, exist_ok=True)
+        jobs = ((self.submit(_write_pairs, *join, most, os.path.join(to, f"{n:09}")), None)
+                for n, join in enumerate(joins))
+        return sorted(itertools.chain.from_iterable(self.stream(jobs)))
+
+    def _stream_pairs(self, joins, most: int):
+        def rest(join, result):
+            pairs, left = result
+            return pairs, [(self.submit(_some_pairs, *join, most, some), rest_is_known)
+                           for some in left]
+
+        def rest_is_known(result):
+            return result[0], []
+
+        jobs = ((self.submit(_some_pairs, *join, most), functools.partial(rest, join))
+                for join in joins)
+        return (pairs for pairs in self.stream(jobs) if len(pairs[0]))
+
+
+# The interface.
+
+
+class BVH:
+    """A BVH over the workers of a Dask cluster: partitions of the objects, each a
+    `halfspace.BVH`.
+
+    boxes       (n, 6) or (n, 4): a dask array, an array, or a list of .npy paths
+    partitions  their number; by default 2 for each thread of the cluster. Each must fit
+                into the memory of its worker. More partitions share uneven work better,
+                and take more tasks: one for each partition and chunk of `boxes`
+    balance     "pairs": partitions have about equal numbers of objects, and of pairs
+                that these are in, as a sample tells; or "objects"
+    mapped      whether workers keep trees in files that they map: True, False, or by
+                default None: if all trees need more than half of the workers' memory
+    client      a `distributed.Client`; by default the current one
+
+    The constructor returns when all partitions exist: building is not lazy. It reads
+    `boxes` twice.
+    """
+
+    def __init__(self, boxes, partitions: int | None = None, *, balance: str = "pairs",
+                 mapped: bool | None = None,
+                 client: distributed.Client | None = None):
+        if balance not in ("pairs", "objects"):
+            raise ValueError(f"balance must be 'pairs' or 'objects', not {balance!r}")
+        self._run = run = _Runner(client)
+        if partitions is None:
+            partitions = 2 * run.threads
+        if partitions < 1:
+            raise ValueError(f"partitions must be at least 1, not {partitions}")
+        chunks, self._width = _chunks(boxes, "boxes", (4, 6))
+        self._size = sum(chunk.rows for chunk in chunks)
+        partitions = min(partitions, self._size)
+        if mapped is None:
+            mapped = bool(run.memory) and 2 * _BYTES_PER_OBJECT * self._size > run.memory
+
+        splits = _Splits([])
+        if partitions > 1:
+            share = min(1.0, _SAMPLE_PER_PARTITION * partitions / self._size)
+            samples = run.client.gather(
+                [run.submit(_sample, run.source(chunk), chunk.first, share)
+                 for chunk in chunks])
+            sample, stands_for = map(np.concatenate, zip(*samples))
+            splits = _split_sample(sample, stands_for, partitions, balance == "pairs")
+        routed = [run.submit(_distribute, run.source(chunk), chunk.first, splits)
+                  for chunk in chunks]
+        self._partitions = [
+            run.submit(_build, [run.submit(_piece, one, p) for one in routed], mapped)
+            for p in range(partitions)]
+        del routed
+        about = run.client.gather([run.submit(_about, one) for one in self._partitions])
+        self._bounds = np.array([bounds for bounds, _, _ in about],
+                                np.float32).reshape(-1, self._width)
+        self._sizes = np.array([size for _, size, _ in about], np.int64)
+        self._bytes = sum(size for _, _, size in about)
+        self._top = hs.BVH(self._bounds)
+        # A task that makes it, and not a copy that a lost worker takes along.
+        self._top_task = run.submit(hs.BVH, self._bounds)
+
+    def __len__(self) -> int:
+        return self._size
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of all trees, in memory or mapped."""
+        return self._bytes
+
+    @property
+    def bounds(self) -> np.ndarray:
+        """The bounds of each partition: (partitions, 6) or (partitions, 4)."""
+        return self._bounds.copy()
+
+    @property
+    def sizes(self) -> np.ndarray:
+        """The number of objects of each partition."""
+        return self._sizes.copy()
+
+    def query(self, boxes, *, max_results: int = MAX_RESULTS, to=None):
+        """Finds all pairs of a given box and an object that overlap.
+
+        Returns an iterator of (rows, ids), two int64 arrays with at most `max_results`
+        pairs, or with all of one row. Batches come as workers finish them.
+
+        With `to`, a directory that all workers share, the workers write the batches as
+        .npy files of the shape (2, pairs), and the call returns the paths. A worker's
+        memory then has one batch for each of its threads.
+        """
+        chunks, _ = _chunks(boxes, "boxes", (self._width,))
+        routed = self._run.ahead(chunks, lambda chunk: self._run.submit(
+            _route, self._run.source(chunk), chunk.first, self._top_task))
+        joins = ((_pairs_in, self._partitions[p], self._run.submit(_piece, one, p))
+                 for one in routed
+                 for p in self._run.submit(_targets, one).result())
+        return self._run.pairs(joins, max_results, to)
+
+    def pairs(self, *, max_results: int = MAX_RESULTS, to=None):
+        """Finds each pair of overlapping objects once, as (i, j) with i < j.
+
+        Returns what query() does. Pairs of partitions are joined once, by the objects
+        of one that overlap the bounds of the other.
+        """
+        own = ((_own_pairs_in, partition, None) for partition in self._partitions)
+        numbers = zip(*self._top.pairs())
+        border = ((_border_pairs_in, self._partitions[p], self._border(q, self._bounds[p]))
+                  for p, q in numbers)
+        return self._run.pairs(itertools.chain(own, border), max_results, to)
+
+    def nearest(self, points, k: int = 1, max_distance: float = math.inf):
+        """Finds the k objects that are nearest to each point, as `halfspace.BVH`.
+
+        points  (n, 3) or (n, 2), as `boxes`
+
+        Returns an iterator of (rows, ids, distances), one for each chunk of points: the
+        rows of the points, and ids and distances of the shape (rows, k), nearest first
+        and then by id. Where fewer than k objects are within `max_distance`, ids are -1
+        and distances infinite. Of objects at the same distance as the k-th, any can be
+        the k-th.
+
+        The nearest partition with k objects gives each point a radius. Then all other
+        partitions within it are searched.
+        """
+        if k < 1:
+            raise ValueError(f"k must be at least 1, not {k}")
+        if not max_distance >= 0:
+            raise ValueError(f"max_distance must be at least 0, not {max_distance}")
+        chunks, _ = _chunks(points, "points", (self._width // 2,))
+        return self._run.stream((future, None)
+                                for future in self._nearest(chunks, k, max_distance))
+
+    def _border(self, partition: int, bounds: np.ndarray) -> distributed.Future:
+        return self._run.submit(_border, self._partitions[partition], bounds)
+
+    def _nearest(self, chunks, k: int, max_distance: float):
+        run = self._run
+        numbers = np.flatnonzero(self._sizes >= k)
+        if len(numbers) == 0:
+            numbers = np.flatnonzero(self._sizes > 0)
+        homes = run.submit(hs.BVH, self._bounds[numbers])
+
+        def search(routed):
+            return [run.submit(_nearest_in, self._partitions[p], run.submit(_piece, routed, p),
+                               k, max_distance)
+                    for p in run.submit(_targets, routed).result()]
+
+        def send_home(chunk):
+            return chunk, run.submit(_send_home, run.source(chunk), chunk.first, homes,
+                                     numbers)
+
+        def send_on(chunk, home):
+            found = search(home)
+            return chunk, found, run.submit(_send_on, run.source(chunk), chunk.first, home,
+                                            found, self._top_task, max_distance)
+
+        if len(numbers) == 0:
+            nothing = [(np.empty(0, np.int64), np.empty((0, k), np.int64),
+                        np.empty((0, k), np.float32))]
+            for chunk in chunks:
+                yield run.submit(_merge, chunk.first, chunk.rows, k, nothing)
+            return
+        sent_home = run.ahead(chunks, send_home)
+        sent_on = run.ahead(sent_home, lambda sent: send_on(*sent))
+        for chunk, found, on in sent_on:
+            yield run.submit(_merge, chunk.first, chunk.rows, k, found + search(on))
+
+
+def join(a: BVH, b: BVH, *, max_results: int = MAX_RESULTS, to=None):
+    """Finds the pairs of an object of `a` and an object of `b` that overlap.
+
+    Returns what BVH.query() does, as (i, j): rows of `a` and of `b`. To join boxes that
+    are in no BVH with a BVH, query it with them.
+    """
+    if a._width != b._width:
+        raise ValueError(f"a and b must have the same dimensions; they have "
+                         f"{a._width // 2} and {b._width // 2}")
+    joins = ((_join_in, a._partitions[p], b._border(q, a._bounds[p]))
+             for p, q in zip(*hs.join(a._top, b._top)))
+    return a._run.pairs(joins, max_results, to)
+
+
+def scan(boxes, queries, *, quantized: bool = False,
+         client: distributed.Client | None = None):
+    """Tests every box against every query, without a BVH: for few queries of boxes that
+    are read once.
+
+    boxes    as for BVH
+    queries  (n, 6) or (n, 4): an array
+
+    Returns an iterator of (rows, ids), two int64 arrays: rows of `queries` and of
+    `boxes`. There is one for each chunk of boxes.
+    """
+    run = _Runner(client)
+    chunks, width = _chunks(boxes, "boxes", (4, 6))
+    queries = np.asarray(queries)
+    _chunks(queries, "queries", (width,))
+    return run.stream((run.submit(_scan, run.source(chunk), chunk.first, queries,
+                                  quantized), None) for chunk in chunks)
+
+
+def _scan(boxes, first: int, queries, quantized: bool):
+    scan = _in_chunk(first, lambda: hs.Scan(np.asarray(boxes), quantized=quantized))
+    rows, ids = scan.query(queries)
+    return rows, ids + first

@@ -1,0 +1,760 @@
+#include "tree.h"
+
+#include <halfspace/bvh_nearest.h>
+#include <halfspace/bvh_pairs.h>
+#include <pybind11/numpy.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "columns.h"
+#include "results.h"
+#include "work.h"
+
+namespace py = pybind11;
+
+namespace halfspace::python {
+namespace {
+
+using Ids = py::array_t<std::int64_t>;
+
+// Queries of one part: few enough that Ctrl-C is seen soon, and enough that
+// SurvivorsOfEach() can walk many of them together.
+constexpr std::size_t kPartQueries = 512;
+// Leaves of one part of a join.
+constexpr std::size_t kPartLeaves = 16;
+// A BVH has fewer objects.
+constexpr std::size_t kMostObjects = std::size_t{1} << 31;
+// Rows of one part of a pass over an output.
+constexpr std::size_t kPartRows = 65536;
+
+template <typename AnyBvh>
+constexpr int kDimsOf = std::decay_t<AnyBvh>::Bound::kDimensions;
+
+std::size_t PartsOf(std::size_t count, std::size_t part) {
+  return (count + part - 1) / part;
+}
+
+// The least float that is not below a number.
+float RoundUp(double value) {
+  const auto rounded = static_cast<float>(value);
+  return rounded < value
+             ? std::nextafter(rounded, std::numeric_limits<float>::infinity())
+             : rounded;
+}
+
+std::int64_t* Data(Ids& ids) { return ids.mutable_data(); }
+
+// Calls function(bvh) without the interpreter's lock.
+template <typename Function>
+auto Read(Tree& tree, Function&& function) {
+  const Reading reading(tree);
+  const py::gil_scoped_release release;
+  return std::visit(function, std::as_const(tree.bvh));
+}
+// The same with the lock, for functions that take no time.
+template <typename Function>
+auto Ask(Tree& tree, const Function& function) {
+  const Reading reading(tree);
+  return std::visit(function, std::as_const(tree.bvh));
+}
+template <typename Function>
+auto Change(Tree& tree, Function&& function) {
+  const Changing changing(tree);
+  const py::gil_scoped_release release;
+  return std::visit(function, tree.bvh);
+}
+
+void CheckColumns(const Tree& tree, const Columns& columns, bool is_points) {
+  const std::size_t dims = tree.bvh.index() == 0 ? 2 : 3;
+  if (columns.columns() != (is_points ? dims : 2 * dims)) {
+    throw std::invalid_argument("_halfspace: columns of other dimensions");
+  }
+}
+
+// A world that never had an object has an empty blob, from which nobody could
+// tell its dimensions. One with room has a header.
+template <typename AnyBvh>
+void MakeRoom(AnyBvh& bvh) {
+  if (bvh.empty()) bvh.Reserve(1);
+}
+
+template <int kDims>
+Bvh<AabbView<kDims>> Build(const Columns& boxes, bool is_fast, Work& work,
+                           std::size_t progress_end) {
+  // Doubles are rounded, then centers, six splits, a sort and a copy; or
+  // centers and a copy.
+  BuildRunner runner(work, (boxes.is_double() ? 1u : 0u) + (is_fast ? 2u : 9u),
+                     progress_end, boxes.count());
+  BuildOptions options;
+  options.quality = is_fast ? BuildQuality::kFast : BuildQuality::kHigh;
+  options.run = runner;
+  auto bvh = boxes.WithBoxes<kDims>([&](const auto& shapes) {
+    return Bvh<AabbView<kDims>>(shapes, options);
+  });
+  MakeRoom(bvh);
+  return bvh;
+}
+
+std::unique_ptr<Tree> MakeTree(const py::tuple& arrays, bool is_fast,
+                               std::size_t threads, py::object progress) {
+  const Columns boxes(arrays);
+  Work work(threads, std::move(progress));
+  auto tree = std::make_unique<Tree>();
+  const py::gil_scoped_release release;
+  if (boxes.columns() == 4) {
+    tree->bvh = Build<2>(boxes, is_fast, work, boxes.count());
+  } else if (boxes.columns() == 6) {
+    tree->bvh = Build<3>(boxes, is_fast, work, boxes.count());
+  } else {
+    throw std::invalid_argument("_halfspace: boxes with other columns");
+  }
+  work.SetStage(0, 0, boxes.count());
+  work.Finish();
+  return tree;
+}
+
+template <typename AnyBvh>
+AnyBvh Load(Span<const std::byte> blob, bool is_in_place) {
+  return is_in_place ? AnyBvh::InPlace(blob) : AnyBvh::FromBlob(blob);
+}
+
+// In place if the bytes are aligned, and else a copy.
+std::unique_ptr<Tree> FromBlob(const py::object& object, bool verify) {
+  constexpr std::size_t kAlignment = 64;
+  auto buffer = std::make_unique<Buffer>(object);
+  const Span<const std::byte> blob = buffer->bytes();
+  if (blob.empty()) throw std::invalid_argument("the blob is empty");
+  const bool is_in_place =
+      reinterpret_cast<std::uintptr_t>(blob.data()) % kAlignment == 0;
+  auto tree = std::make_unique<Tree>();
+  if (is_in_place) tree->buffer = std::move(buffer);
+  const py::gil_scoped_release release;
+  try {
+    tree->bvh = Load<AabbBvh3>(blob, is_in_place);
+  } catch (const std::invalid_argument& error) {
+    // The number of dimensions is checked after the beginning and the version,
+    // and before everything else.
+    if (std::strstr(error.what(), "dimensions") == nullptr) throw;
+    tree->bvh = Load<AabbBvh2>(blob, is_in_place);
+  }
+  if (verify &&
+      !std::visit([](const auto& bvh) { return bvh.Verify(); }, tree->bvh)) {
+    throw std::invalid_argument(
+        "the blob was altered: its checksum does not match its bytes");
+  }
+  return tree;
+}
+
+// Refers to the bytes of a tree. The tree cannot change while it lives.
+class Blob {
+ public:
+  explicit Blob(py::object tree) : object_(std::move(tree)) {
+    bytes_ = Read(this->tree(), [](const auto& bvh) { return bvh.Blob(); });
+    ++this->tree().exports;
+  }
+  ~Blob() { --tree().exports; }
+  Blob(const Blob&) = delete;
+  Blob& operator=(const Blob&) = delete;
+
+  py::buffer_info Info() const {
+    return {const_cast<std::byte*>(bytes_.data()),
+            1,
+            py::format_descriptor<std::uint8_t>::format(),
+            1,
+            {static_cast<py::ssize_t>(bytes_.size())},
+            {1},
+            /*readonly=*/true};
+  }
+
+ private:
+  Tree& tree() const { return object_.cast<Tree&>(); }
+
+  py::object object_;
+  Span<const std::byte> bytes_;
+};
+
+// Ids of a part of the queries, grouped by query, and the number for each.
+template <int kDims>
+void FindPart(const Bvh<AabbView<kDims>>& bvh, const Columns& boxes,
+              std::size_t part, std::size_t thread,
+              Results<std::uint32_t>& results, std::uint32_t* counts) {
+  const std::size_t first = part * kPartQueries;
+  const std::size_t count = std::min(kPartQueries, boxes.count() - first);
+  std::array<Aabb<kDims>, kPartQueries> queries;
+  std::array<std::size_t, kPartQueries + 1> offsets;
+  boxes.GetBoxes<kDims>(first, count, queries.data());
+  results.Add(part, thread, [&](Span<std::uint32_t> ids) {
+    return SurvivorsOfEach(bvh, Span<const Aabb<kDims>>(queries.data(), count),
+                           ids, offsets);
+  });
+  for (std::size_t i = 0; i < count; ++i) {
+    counts[first + i] = static_cast<std::uint32_t>(offsets[i + 1] - offsets[i]);
+  }
+}
+
+// Queries one after another. (2, n), or (n) without the rows.
+Ids QueryInTurn(Tree& tree, const Columns& boxes, bool with_rows, Work& work) {
+  const std::size_t parts = PartsOf(boxes.count(), kPartQueries);
+  work.SetStage(0, boxes.count(), boxes.count());
+  Results<std::uint32_t> results(parts, work.threads());
+  std::vector<std::uint32_t> counts(boxes.count());
+  const std::vector<std::size_t> offsets = Read(tree, [&](const auto& bvh) {
+    work.Run(parts, [&](std::size_t part, std::size_t thread) {
+      FindPart<kDimsOf<decltype(bvh)>>(bvh, boxes, part, thread, results,
+                                       counts.data());
+    });
+    return results.Offsets();
+  });
+  const std::size_t found = offsets.back();
+  Ids ids(with_rows ? std::vector<std::size_t>{2, found}
+                    : std::vector<std::size_t>{found});
+  std::int64_t* const rows = Data(ids);
+  std::int64_t* const objects = rows + (with_rows ? found : 0);
+  const py::gil_scoped_release release;
+  work.Run(parts, [&](std::size_t part, std::size_t) {
+    const Span<const std::uint32_t> list = results.List(part);
+    std::copy(list.begin(), list.end(), objects + offsets[part]);
+    if (!with_rows) return;
+    std::int64_t* row = rows + offsets[part];
+    const std::size_t first = part * kPartQueries;
+    const std::size_t end = std::min(boxes.count(), first + kPartQueries);
+    for (std::size_t i = first; i < end; ++i) {
+      row = std::fill_n(row, counts[i], static_cast<std::int64_t>(i));
+    }
+  });
+  return ids;
+}
+
+// The pairs of a tree and of another or itself, by part.
+template <typename AnyBvh, typename Find>
+Results<IdPair> FindPairs(const AnyBvh& bvh, Work& work, const Find& find) {
+  const std::size_t parts = PartsOf(PairParts(bvh), kPartLeaves);
+  work.SetStage(0, bvh.size(), bvh.size());
+  Results<IdPair> results(parts, work.threads());
+  work.Run(parts, [&](std::size_t part, std::size_t thread) {
+    PairOptions options;
+    options.begin = part * kPartLeaves;
+    options.end = options.begin + kPartLeaves;
+    results.Add(part, thread,
+                [&](Span<IdPair> pairs) { return find(pairs, options); });
+  });
+  return results;
+}
+
+template <int kDims>
+Results<IdPair> JoinTrees(const Bvh<AabbView<kDims>>& a,
+                          const Bvh<AabbView<kDims>>& b, Work& work) {
+  return FindPairs(a, work,
+                   [&](Span<IdPair> pairs, const PairOptions& options) {
+                     return Pairs(a, b, pairs, options);
+                   });
+}
+
+// Sorts the queries into a tree of their own and joins the trees: queries that
+// are near each other share what they read. Then sorts the pairs by row.
+Ids QueryByJoin(Tree& tree, const Columns& boxes, Work& work) {
+  const auto results = Read(tree, [&](const auto& bvh) {
+    const auto queries = Build<kDimsOf<decltype(bvh)>>(
+        boxes, /*is_fast=*/true, work, /*progress_end=*/0);
+    return JoinTrees(queries, bvh, work);
+  });
+  const std::size_t count = boxes.count();
+  const std::size_t parts = results.parts();
+  std::vector<std::size_t> next(count);
+  std::size_t found = 0;
+  {
+    const py::gil_scoped_release release;
+    // All pairs of a row are in one part.
+    work.Run(parts, [&](std::size_t part, std::size_t) {
+      for (const IdPair& pair : results.List(part)) ++next[pair.a];
+    });
+    for (std::size_t& row : next) found += std::exchange(row, found);
+  }
+  Ids ids(std::vector<std::size_t>{2, found});
+  std::int64_t* const rows = Data(ids);
+  std::int64_t* const objects = rows + found;
+  const py::gil_scoped_release release;
+  work.Run(parts, [&](std::size_t part, std::size_t) {
+    for (const IdPair& pair : results.List(part)) {
+      objects[next[pair.a]++] = pair.b;
+    }
+  });
+  // Now next[i] is the end of row i.
+  work.Run(PartsOf(count, kPartRows), [&](std::size_t part, std::size_t) {
+    const std::size_t first = part * kPartRows;
+    const std::size_t end = std::min(count, first + kPartRows);
+    std::size_t begin = first == 0 ? 0 : next[first - 1];
+    for (std::size_t i = first; i < end; begin = next[i++]) {
+      std::fill(rows + begin, rows + next[i], static_cast<std::int64_t>(i));
+    }
+  });
+  return ids;
+}
+
+// Measured with 10^3 to 4 * 10^6 objects and 10^4 to 10^6 queries: with fewer
+// queries the leaves of their tree are too large, and a join reads more. The
+// row of a query is an id in their tree.
+bool IsJoinFaster(Tree& tree, std::size_t queries) {
+  const std::size_t objects =
+      Ask(tree, [](const auto& bvh) { return bvh.size(); });
+  return queries >= 4096 && queries >= objects / 16 && queries < kMostObjects;
+}
+
+Ids Query(Tree& tree, const py::tuple& arrays, bool with_rows,
+          std::size_t threads, py::object progress) {
+  const Columns boxes(arrays);
+  CheckColumns(tree, boxes, false);
+  Work work(threads, std::move(progress));
+  Ids ids = with_rows && IsJoinFaster(tree, boxes.count())
+                ? QueryByJoin(tree, boxes, work)
+                : QueryInTurn(tree, boxes, with_rows, work);
+  work.Finish();
+  return ids;
+}
+
+// Some ids of one query: at most `limit`, after the first `skip`.
+Ids QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
+              std::size_t limit) {
+  const Columns boxes(arrays);
+  CheckColumns(tree, boxes, false);
+  std::vector<std::uint32_t> found(limit);
+  const std::size_t total = Read(tree, [&](const auto& bvh) {
+    Aabb<kDimsOf<decltype(bvh)>> query;
+    boxes.GetBoxes(0, 1, &query);
+    QueryOptions options;
+    options.skip = skip;
+    return Survivors(bvh, query, found, options);
+  });
+  Ids ids(std::min(limit, total - std::min(skip, total)));
+  std::copy_n(found.data(), ids.size(), Data(ids));
+  return ids;
+}
+
+// Calls one(bvh, query, i) for each query i.
+template <typename One>
+void ForEachQuery(Tree& tree, const Columns& boxes, Work& work,
+                  const One& one) {
+  CheckColumns(tree, boxes, false);
+  work.SetStage(0, boxes.count(), boxes.count());
+  Read(tree, [&](const auto& bvh) {
+    constexpr int kDims = kDimsOf<decltype(bvh)>;
+    work.Run(PartsOf(boxes.count(), kPartQueries), [&](std::size_t part,
+                                                       std::size_t) {
+      const std::size_t first = part * kPartQueries;
+      const std::size_t end = std::min(first + kPartQueries, boxes.count());
+      for (std::size_t i = first; i < end; ++i) {
+        Aabb<kDims> query;
+        boxes.GetBoxes<kDims>(i, 1, &query);
+        one(bvh, query, i);
+      }
+    });
+    work.Finish();
+  });
+}
+
+Ids Count(Tree& tree, const py::tuple& arrays, std::size_t threads,
+          py::object progress) {
+  const Columns boxes(arrays);
+  Work work(threads, std::move(progress));
+  Ids counts(boxes.count());
+  std::int64_t* const to = Data(counts);
+  ForEachQuery(tree, boxes, work,
+               [to](const auto& bvh, const auto& query, std::size_t i) {
+                 to[i] = static_cast<std::int64_t>(CountSurvivors(bvh, query));
+               });
+  return counts;
+}
+
+py::array_t<bool> Any(Tree& tree, const py::tuple& arrays, std::size_t threads,
+                      py::object progress) {
+  const Columns boxes(arrays);
+  Work work(threads, std::move(progress));
+  py::array_t<bool> found(boxes.count());
+  bool* const to = found.mutable_data();
+  ForEachQuery(tree, boxes, work,
+               [to](const auto& bvh, const auto& query, std::size_t i) {
+                 to[i] = AnySurvivor(bvh, query).has_value();
+               });
+  return found;
+}
+
+// The ids of the objects whose box is `query`, in ascending order.
+template <int kDims>
+void FindEqual(const Bvh<AabbView<kDims>>& bvh, const Aabb<kDims>& query,
+               std::vector<std::uint32_t>& ids) {
+  ids.clear();
+  // A box cast that goes nowhere: unlike Survivors(), it has the bounds.
+  BoxCast(bvh, query, {}, 0.0f,
+          [&](std::uint32_t id, float, const Aabb<kDims>& bound) {
+            if (bound == query) ids.push_back(id);
+          });
+  std::sort(ids.begin(), ids.end());
+}
+
+struct NearOptions {
+  std::size_t k;
+  float max_distance;
+  bool is_exclusive;
+  bool are_points;
+};
+
+// The k objects nearest to one query, without those that are equal to it.
+template <int kDims>
+void FindNearestOthers(const Bvh<AabbView<kDims>>& bvh,
+                       const Aabb<kDims>& query, const NearOptions& options,
+                       std::uint32_t* ids, float* distances) {
+  std::vector<std::uint32_t> equal;
+  FindEqual(bvh, query, equal);
+  std::vector<std::uint32_t> found(options.k + equal.size());
+  std::vector<float> its_distances(found.size());
+  const std::size_t count =
+      KNearest(bvh, query, found, its_distances, options.max_distance);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count && kept < options.k; ++i) {
+    if (std::binary_search(equal.begin(), equal.end(), found[i])) continue;
+    ids[kept] = found[i];
+    distances[kept++] = its_distances[i];
+  }
+  std::fill(ids + kept, ids + options.k, kNoId);
+  std::fill(distances + kept, distances + options.k,
+            std::numeric_limits<float>::infinity());
+}
+
+template <int kDims>
+void FindNearest(const Bvh<AabbView<kDims>>& bvh, const Columns& queries,
+                 std::size_t first, std::size_t count,
+                 const NearOptions& options, std::uint32_t* ids,
+                 float* distances) {
+  std::vector<Aabb<kDims>> boxes(count);
+  if (options.are_points) {
+    queries.GetPoints(first, count, boxes.data());
+  } else {
+    queries.GetBoxes(first, count, boxes.data());
+  }
+  const std::size_t k = options.k;
+  if (options.is_exclusive) {
+    for (std::size_t i = 0; i < count; ++i) {
+      FindNearestOthers(bvh, boxes[i], options, ids + i * k, distances + i * k);
+    }
+  } else if (options.are_points && !queries.is_double()) {
+    std::vector<Point<kDims>> points;
+    for (const Aabb<kDims>& box : boxes) points.push_back(box.min);
+    KNearestOfEach(bvh, points, k, {ids, count * k}, {distances, count * k},
+                   options.max_distance);
+  } else {
+    KNearestOfEach(bvh, boxes, k, {ids, count * k}, {distances, count * k},
+                   options.max_distance);
+  }
+}
+
+py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
+                  double max_distance, bool is_exclusive, std::size_t threads,
+                  py::object progress) {
+  const Columns queries(arrays);
+  const std::size_t dims = tree.bvh.index() == 0 ? 2 : 3;
+  const NearOptions options = {k, RoundUp(max_distance), is_exclusive,
+                               queries.columns() == dims};
+  CheckColumns(tree, queries, options.are_points);
+  const std::size_t n = queries.count();
+  Ids ids(std::vector<std::size_t>{n, k});
+  py::array_t<float> distances(std::vector<std::size_t>{n, k});
+  std::int64_t* const to = Data(ids);
+  float* const its_distances = distances.mutable_data();
+  // As many queries in a part as have about this number of results.
+  constexpr std::size_t kPartResults = 4096;
+  const std::size_t in_part =
+      std::clamp(kPartResults / k, std::size_t{1}, kPartQueries);
+  Work work(threads, std::move(progress));
+  work.SetStage(0, n, n);
+  Read(tree, [&](const auto& bvh) {
+    work.Run(PartsOf(n, in_part), [&](std::size_t part, std::size_t) {
+      const std::size_t first = part * in_part;
+      const std::size_t count = std::min(in_part, n - first);
+      std::vector<std::uint32_t> found(count * k);
+      FindNearest(bvh, queries, first, count, options, found.data(),
+                  its_distances + first * k);
+      std::transform(
+          found.begin(), found.end(), to + first * k,
+          [](std::uint32_t id) { return id == kNoId ? -1 : std::int64_t{id}; });
+    });
+    work.Finish();
+  });
+  return py::make_tuple(ids, distances);
+}
+
+py::tuple CastRays(Tree& tree, const py::tuple& origin_arrays,
+                   const py::tuple& direction_arrays,
+                   const py::tuple& limit_arrays, std::size_t threads,
+                   py::object progress) {
+  const Columns origins(origin_arrays);
+  const Columns directions(direction_arrays);
+  const Columns limits(limit_arrays);
+  CheckColumns(tree, origins, true);
+  CheckColumns(tree, directions, true);
+  const std::size_t n = origins.count();
+  if (directions.count() != n || limits.count() != n || limits.columns() < 1) {
+    throw std::invalid_argument("_halfspace: arrays of different lengths");
+  }
+  Ids ids(n);
+  py::array_t<float> distances(n);
+  std::int64_t* const to = Data(ids);
+  float* const its_distances = distances.mutable_data();
+  Work work(threads, std::move(progress));
+  work.SetStage(0, n, n);
+  Read(tree, [&](const auto& bvh) {
+    constexpr int kDims = kDimsOf<decltype(bvh)>;
+    const auto cast = [&](std::size_t i) {
+      Ray<kDims> ray;
+      for (std::size_t k = 0; k < kDims; ++k) {
+        ray.origin[k] = origins.Get(i, k);
+        ray.direction[k] = directions.Get(i, k);
+      }
+      ray.max_t = limits.Get(i, 0);
+      // The least t, and of equal ones the least id: the order of the tree
+      // does not matter.
+      to[i] = -1;
+      its_distances[i] = std::numeric_limits<float>::infinity();
+      RayCast(bvh, ray, [&](std::uint32_t id, float t) {
+        if (to[i] < 0 || t < its_distances[i] ||
+            (t == its_distances[i] && id < to[i])) {
+          to[i] = id;
+          its_distances[i] = t;
+        }
+        return Limit{its_distances[i]};
+      });
+    };
+    work.Run(PartsOf(n, kPartQueries), [&](std::size_t part, std::size_t) {
+      const std::size_t end = std::min(n, (part + 1) * kPartQueries);
+      for (std::size_t i = part * kPartQueries; i < end; ++i) cast(i);
+    });
+    work.Finish();
+  });
+  return py::make_tuple(ids, distances);
+}
+
+// (2, n), with i < j if `is_ordered`.
+Ids ToArray(const Results<IdPair>& results, bool is_ordered, Work& work) {
+  const std::vector<std::size_t> offsets = results.Offsets();
+  const std::size_t found = offsets.back();
+  Ids ids(std::vector<std::size_t>{2, found});
+  std::int64_t* const to = Data(ids);
+  const py::gil_scoped_release release;
+  work.Run(offsets.size() - 1, [&](std::size_t part, std::size_t) {
+    std::size_t at = offsets[part];
+    for (IdPair pair : results.List(part)) {
+      if (is_ordered && pair.b < pair.a) std::swap(pair.a, pair.b);
+      to[at] = pair.a;
+      to[found + at] = pair.b;
+      ++at;
+    }
+  });
+  work.Finish();
+  return ids;
+}
+
+Ids PairsOfOne(Tree& tree, std::size_t threads, py::object progress) {
+  Work work(threads, std::move(progress));
+  const auto results = Read(tree, [&](const auto& bvh) {
+    return FindPairs(bvh, work,
+                     [&](Span<IdPair> pairs, const PairOptions& options) {
+                       return Pairs(bvh, pairs, options);
+                     });
+  });
+  return ToArray(results, true, work);
+}
+
+Ids Join(Tree& a, Tree& b, std::size_t threads, py::object progress) {
+  if (a.bvh.index() != b.bvh.index()) {
+    throw std::invalid_argument("_halfspace: trees of different dimensions");
+  }
+  Work work(threads, std::move(progress));
+  const Reading reading(b);
+  const auto results = Read(a, [&](const auto& bvh) {
+    return JoinTrees(bvh, std::get<std::decay_t<decltype(bvh)>>(b.bvh), work);
+  });
+  return ToArray(results, false, work);
+}
+
+template <int kDims>
+std::vector<Aabb<kDims>> AllBoxes(const Columns& boxes) {
+  std::vector<Aabb<kDims>> bounds(boxes.count());
+  boxes.GetBoxes(0, boxes.count(), bounds.data());
+  return bounds;
+}
+
+using ShortIds = py::array_t<std::uint32_t, py::array::c_style>;
+
+Ids Insert(Tree& tree, const py::tuple& arrays) {
+  const Columns boxes(arrays);
+  CheckColumns(tree, boxes, false);
+  std::vector<std::uint32_t> ids(boxes.count());
+  Change(tree, [&](auto& bvh) {
+    const auto bounds = AllBoxes<kDimsOf<decltype(bvh)>>(boxes);
+    bvh.Insert(bounds, ids);
+  });
+  Ids result(ids.size());
+  std::copy(ids.begin(), ids.end(), Data(result));
+  return result;
+}
+
+template <typename AnyBvh>
+void CheckIds(const AnyBvh& bvh, Span<const std::uint32_t> ids) {
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (bvh.Has(ids[i])) continue;
+    throw std::invalid_argument("ids[" + std::to_string(i) +
+                                "] = " + std::to_string(ids[i]) +
+                                " is not the id of an object");
+  }
+}
+
+void Erase(Tree& tree, const ShortIds& ids) {
+  const Span<const std::uint32_t> list(ids.data(),
+                                       static_cast<std::size_t>(ids.size()));
+  Change(tree, [&](auto& bvh) {
+    CheckIds(bvh, list);
+    bvh.Erase(list);
+  });
+}
+
+void Refit(Tree& tree, const py::tuple& arrays, std::size_t threads,
+           py::object progress) {
+  const Columns boxes(arrays);
+  CheckColumns(tree, boxes, false);
+  Work work(threads, std::move(progress));
+  // A refit of doubles rounds first.
+  BuildRunner runner(work, boxes.is_double() ? 2 : 1, boxes.count(),
+                     boxes.count());
+  Change(tree, [&](auto& bvh) {
+    boxes.WithBoxes<kDimsOf<decltype(bvh)>>(
+        [&](const auto& shapes) { bvh.Refit(shapes, runner); });
+    work.Finish();
+  });
+}
+
+void RefitSome(Tree& tree, const py::tuple& arrays, const ShortIds& ids) {
+  const Columns boxes(arrays);
+  CheckColumns(tree, boxes, false);
+  const Span<const std::uint32_t> list(ids.data(),
+                                       static_cast<std::size_t>(ids.size()));
+  Change(tree, [&](auto& bvh) {
+    CheckIds(bvh, list);
+    bvh.Set(list, AllBoxes<kDimsOf<decltype(bvh)>>(boxes));
+  });
+}
+
+py::array_t<float> BoundsOf(Tree& tree) {
+  return Ask(tree, [](const auto& bvh) {
+    const auto bounds = bvh.Bounds();
+    py::array_t<float> values(2 * bounds.min.size());
+    std::copy(bounds.min.begin(), bounds.min.end(), values.mutable_data());
+    std::copy(bounds.max.begin(), bounds.max.end(),
+              values.mutable_data() + bounds.min.size());
+    return values;
+  });
+}
+
+// The boxes by id, one after another; that of no object is empty.
+py::array_t<float> Boxes(Tree& tree) {
+  const std::size_t dims = tree.bvh.index() == 0 ? 2 : 3;
+  const std::size_t n =
+      Ask(tree, [](const auto& bvh) { return bvh.id_limit(); });
+  py::array_t<float> values(std::vector<std::size_t>{n, 2 * dims});
+  float* const to = values.mutable_data();
+  Read(tree, [to, n](const auto& bvh) {
+    using Box = typename std::decay_t<decltype(bvh)>::Bound;
+    const auto put = [to](std::uint32_t id, const Box& box) {
+      constexpr std::size_t kAxes = Box::kAxes;
+      float* const row = to + id * 2 * kAxes;
+      std::copy(box.min.begin(), box.min.end(), row);
+      std::copy(box.max.begin(), box.max.end(), row + kAxes);
+    };
+    for (std::uint32_t id = 0; id < n; ++id) put(id, Box::Empty());
+    // Nothing limits this box, so its cast finds all objects, in one pass.
+    Box all = Box::Empty();
+    std::swap(all.min, all.max);
+    BoxCast(bvh, all, {}, 0.0f,
+            [&put](std::uint32_t id, float, const Box& box) { put(id, box); });
+  });
+  return values;
+}
+
+}  // namespace
+
+Buffer::Buffer(const py::object& object) {
+  if (PyObject_GetBuffer(object.ptr(), &view_, PyBUF_SIMPLE) != 0) {
+    throw py::error_already_set();
+  }
+}
+
+Reading::Reading(Tree& tree) : tree_(tree) {
+  if (tree.is_changing) {
+    throw std::runtime_error(
+        "another call is changing this BVH: wait until it has finished");
+  }
+  ++tree.readers;
+}
+
+Changing::Changing(Tree& tree) : tree_(tree) {
+  if (tree.is_changing || tree.readers > 0) {
+    throw std::runtime_error(
+        "another call is using this BVH: wait until it has finished before "
+        "you change the BVH");
+  }
+  if (tree.exports > 0) {
+    throw py::buffer_error(
+        "the blob of this BVH is in use: release it before you change the BVH");
+  }
+  tree.is_changing = true;
+  ++tree.changes;
+}
+
+void DefineTree(py::module_& module) {
+  py::class_<Blob>(module, "Blob", py::buffer_protocol())
+      .def(py::init<py::object>())
+      .def_buffer(&Blob::Info);
+  py::class_<Tree>(module, "Tree")
+      .def(py::init(&MakeTree))
+      .def_static("from_blob", &FromBlob)
+      .def("query", &Query)
+      .def("query_some", &QuerySome)
+      .def("count", &Count)
+      .def("any", &Any)
+      .def("nearest", &Nearest)
+      .def("raycast", &CastRays)
+      .def("pairs", &PairsOfOne)
+      .def("insert", &Insert)
+      .def("erase", &Erase)
+      .def("refit", &Refit)
+      .def("refit_some", &RefitSome)
+      .def("bounds", &BoundsOf)
+      .def("boxes", &Boxes)
+      .def("size",
+           [](Tree& tree) {
+             return Ask(tree, [](const auto& bvh) { return bvh.size(); });
+           })
+      .def("id_limit",
+           [](Tree& tree) {
+             return Ask(tree, [](const auto& bvh) { return bvh.id_limit(); });
+           })
+      .def("nbytes",
+           [](Tree& tree) {
+             return Ask(tree, [](const auto& bvh) { return bvh.bytes(); });
+           })
+      .def_property_readonly(
+          "dims",
+          [](const Tree& tree) { return tree.bvh.index() == 0 ? 2 : 3; })
+      .def_readonly("changes", &Tree::changes);
+  module.def("join", &Join);
+}
+
+}  // namespace halfspace::python

@@ -1,0 +1,70 @@
+// The BVH of a Python object.
+#ifndef HALFSPACE_PYTHON_TREE_H_
+#define HALFSPACE_PYTHON_TREE_H_
+
+#include <halfspace/bvh.h>
+#include <pybind11/pybind11.h>
+
+#include <cstddef>
+#include <memory>
+#include <variant>
+
+namespace halfspace::python {
+
+// A buffer of another Python object.
+class Buffer {
+ public:
+  explicit Buffer(const pybind11::object& object);
+  ~Buffer() { PyBuffer_Release(&view_); }
+  Buffer(const Buffer&) = delete;
+  Buffer& operator=(const Buffer&) = delete;
+
+  Span<const std::byte> bytes() const {
+    return {static_cast<const std::byte*>(view_.buf),
+            static_cast<std::size_t>(view_.len)};
+  }
+
+ private:
+  Py_buffer view_;
+};
+
+// Calls run without the interpreter's lock, so another thread can call the same
+// object. Its counters are read and written with the lock.
+struct Tree {
+  std::variant<AabbBvh2, AabbBvh3> bvh;
+  std::unique_ptr<Buffer> buffer;  // of a blob in place
+  std::size_t readers = 0;         // calls that read now
+  std::size_t exports = 0;         // blobs that Python objects refer to
+  bool is_changing = false;
+  std::size_t changes = 0;  // so far
+};
+
+// Both throw if another thread makes the two impossible.
+class Reading {
+ public:
+  explicit Reading(Tree& tree);
+  ~Reading() { --tree_.readers; }
+  Reading(const Reading&) = delete;
+  Reading& operator=(const Reading&) = delete;
+
+ private:
+  Tree& tree_;
+};
+
+class Changing {
+ public:
+  explicit Changing(Tree& tree);
+  ~Changing() { tree_.is_changing = false; }
+  Changing(const Changing&) = delete;
+  Changing& operator=(const Changing&) = delete;
+
+ private:
+  Tree& tree_;
+};
+
+// Adds the class Tree and join() to the module.
+void DefineTree(pybind11::module_& module);
+
+}  // namespace halfspace::python
+
+#endif  // HALFSPACE_PYTHON_TREE_H_

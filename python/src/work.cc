@@ -1,0 +1,76 @@
+#include "work.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+namespace py = pybind11;
+
+namespace halfspace::python {
+
+void Work::Run(std::size_t count,
+               const std::function<void(std::size_t, std::size_t)>& part) {
+  std::atomic<std::size_t> next{0};
+  std::atomic<std::size_t> done{0};
+  std::mutex mutex;
+  std::exception_ptr error;
+  const auto work = [&](std::size_t thread) {
+    try {
+      for (;;) {
+        const std::size_t i = next.fetch_add(1);
+        if (i >= count) break;
+        part(i, thread);
+        const std::size_t so_far = done.fetch_add(1) + 1;
+        if (thread == 0) Contact(so_far, count);
+      }
+    } catch (...) {
+      next.store(count);
+      const std::scoped_lock lock(mutex);
+      if (error == nullptr) error = std::current_exception();
+    }
+  };
+  std::vector<std::thread> others;
+  const std::size_t used = std::min(threads_, count);
+  try {
+    for (std::size_t t = 1; t < used; ++t) others.emplace_back(work, t);
+  } catch (const std::system_error&) {
+    // The system has no more threads. Those that there are do the work.
+  }
+  work(0);
+  for (std::thread& other : others) other.join();
+  if (error != nullptr) std::rethrow_exception(error);
+}
+
+void Work::Finish() {
+  py::gil_scoped_acquire lock;
+  if (!progress_.is_none()) progress_(total_, total_);
+}
+
+void Work::Contact(std::size_t done, std::size_t count) {
+  constexpr auto kInterval = std::chrono::milliseconds(50);
+  const auto now = std::chrono::steady_clock::now();
+  if (now - last_contact_ < kInterval) return;
+  last_contact_ = now;
+  py::gil_scoped_acquire lock;
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  if (progress_.is_none()) return;
+  const double share = static_cast<double>(done) / static_cast<double>(count);
+  progress_(begin_ + static_cast<std::size_t>(
+                         share * static_cast<double>(end_ - begin_)),
+            total_);
+}
+
+void BuildRunner::operator()(std::size_t count, const Runner::Part& part) {
+  // The number of passes is the library's own affair: if there are more than
+  // expected, progress waits near the end.
+  const std::size_t first = std::min(pass_, passes_ - 1);
+  ++pass_;
+  work_.SetStage(end_ * first / passes_, end_ * (first + 1) / passes_, total_);
+  work_.Run(count, [&part](std::size_t i, std::size_t) { part(i); });
+}
+
+}  // namespace halfspace::python

@@ -1,0 +1,77 @@
+// The threads of one call, and its contact with the interpreter: Ctrl-C and
+// progress.
+#ifndef HALFSPACE_PYTHON_WORK_H_
+#define HALFSPACE_PYTHON_WORK_H_
+
+#include <halfspace/runner.h>
+#include <pybind11/pybind11.h>
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+
+namespace halfspace::python {
+
+// Runs the parts of a call on several threads, of which the calling thread is
+// one. Call it without the interpreter's lock. Between two parts, the calling
+// thread takes the lock up to 20 times a second: it runs the handlers of
+// signals, and calls progress(done, total). What these raise ends the call.
+class Work {
+ public:
+  // `progress` is a callable or None.
+  Work(std::size_t threads, pybind11::object progress)
+      : threads_(threads), progress_(std::move(progress)) {}
+
+  // The numbers that progress() receives for the parts that follow: from
+  // `begin` to `end` of `total`.
+  void SetStage(std::size_t begin, std::size_t end, std::size_t total) {
+    begin_ = begin;
+    end_ = end;
+    total_ = total;
+  }
+
+  // Calls part(i, thread) for each i below `count`, where thread is below
+  // threads(). Returns when all calls have returned. Throws what a part threw
+  // first.
+  void Run(std::size_t count,
+           const std::function<void(std::size_t, std::size_t)>& part);
+
+  // Calls progress(total, total).
+  void Finish();
+
+  std::size_t threads() const { return threads_; }
+
+ private:
+  // Throws what a signal handler or progress() raised.
+  void Contact(std::size_t done, std::size_t count);
+
+  std::size_t threads_;
+  pybind11::object progress_;
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+  std::size_t total_ = 0;
+  std::chrono::steady_clock::time_point last_contact_ =
+      std::chrono::steady_clock::now();
+};
+
+// Runner of a build or a refit that calls it `passes` times (runner.h). Its
+// progress goes from 0 to `end` of `total`.
+class BuildRunner {
+ public:
+  BuildRunner(Work& work, std::size_t passes, std::size_t end,
+              std::size_t total)
+      : work_(work), passes_(passes), end_(end), total_(total) {}
+
+  void operator()(std::size_t count, const Runner::Part& part);
+
+ private:
+  Work& work_;
+  std::size_t passes_;
+  std::size_t end_;
+  std::size_t total_;
+  std::size_t pass_ = 0;
+};
+
+}  // namespace halfspace::python
+
+#endif  // HALFSPACE_PYTHON_WORK_H_

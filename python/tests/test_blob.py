@@ -1,0 +1,154 @@
+"""Trees as bytes: pickles, files and buffers."""
+
+import pickle
+
+import halfspace as hs
+import numpy as np
+import pytest
+
+from conftest import random_boxes
+
+
+@pytest.fixture
+def boxes(rng, dims):
+    return random_boxes(rng, 5000, dims)
+
+
+@pytest.fixture
+def tree(boxes):
+    return hs.BVH(boxes)
+
+
+def aligned(data):
+    """A copy of the bytes that begins at a multiple of 64."""
+    room = np.empty(len(data) + 64, np.uint8)
+    start = -room.ctypes.data % 64
+    copy = room[start : start + len(data)]
+    copy[:] = np.frombuffer(data, np.uint8)
+    return copy
+
+
+@pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
+def test_pickle(tree, boxes, protocol):
+    copy = pickle.loads(pickle.dumps(tree, protocol))
+    assert bytes(copy.blob()) == bytes(tree.blob())
+    assert (copy.query(boxes) == tree.query(boxes)).all()
+
+
+def test_pickle_out_of_band(tree, boxes):
+    buffers = []
+    data = pickle.dumps(tree, 5, buffer_callback=buffers.append)
+    assert len(data) < 200
+    assert len(buffers) == 1
+    copy = pickle.loads(data, buffers=buffers)
+    assert copy.blob().nbytes == tree.nbytes
+    # It is the same memory.
+    assert address(copy) == address(tree)
+    del buffers
+    assert (copy.query(boxes) == tree.query(boxes)).all()
+
+
+def address(tree):
+    return np.frombuffer(tree.blob(), np.uint8).ctypes.data
+
+
+def test_subclasses_are_pickled():
+    copy = pickle.loads(pickle.dumps(Subclass([[0, 0, 1, 1]])))
+    assert type(copy) is Subclass
+
+
+class Subclass(hs.BVH):
+    pass
+
+
+def test_file(tree, boxes, tmp_path):
+    path = tmp_path / "tree"
+    tree.save(path)
+    assert path.stat().st_size == tree.nbytes
+    assert list(tmp_path.iterdir()) == [path]
+    for verify in (False, True):
+        mapped = hs.BVH.map(path, verify=verify)
+        assert (mapped.query(boxes) == tree.query(boxes)).all()
+    # A change copies, and the file stays.
+    mapped.erase(0)
+    assert len(mapped) == len(boxes) - 1
+    assert path.read_bytes() == bytes(tree.blob())
+
+
+def test_in_place_and_copied(tree, boxes):
+    data = aligned(bytes(tree.blob()))
+    in_place = hs.BVH.from_blob(data)
+    assert address(in_place) == data.ctypes.data
+    shifted = aligned(b"." + bytes(tree.blob()))[1:]
+    copied = hs.BVH.from_blob(shifted)
+    shifted[:] = 0
+    assert (copied.query(boxes) == tree.query(boxes)).all()
+
+
+def test_a_tree_keeps_its_buffer(tree, boxes):
+    expected = tree.query(boxes)
+    copy = hs.BVH.from_blob(tree.blob())
+    del tree
+    assert (copy.query(boxes) == expected).all()
+
+
+def test_a_blob_in_use_forbids_changes(tree):
+    blob = tree.blob()
+    with pytest.raises(BufferError, match="release it before you change"):
+        tree.erase(0)
+    assert len(tree) == 5000
+    blob.release()
+    tree.erase(0)
+    assert len(tree) == 4999
+
+
+@pytest.mark.parametrize("keep", [1, 63, 64, 1000, -1])
+def test_a_blob_that_was_cut(tree, keep, tmp_path):
+    data = bytes(tree.blob())[:keep]
+    with pytest.raises(ValueError, match="^blob: .*expected .*bytes"):
+        hs.BVH.from_blob(data)
+    path = tmp_path / "tree"
+    path.write_bytes(data)
+    with pytest.raises(ValueError, match=f"^{path}: .*expected .*bytes"):
+        hs.BVH.map(path)
+
+
+def test_other_bytes(tree, tmp_path):
+    data = bytearray(tree.blob())
+    with pytest.raises(ValueError, match="blob: the blob is empty"):
+        hs.BVH.from_blob(b"")
+    empty = tmp_path / "empty"
+    empty.touch()
+    with pytest.raises(ValueError, match=f"^{empty}: the file is empty"):
+        hs.BVH.map(empty)
+    with pytest.raises(FileNotFoundError):
+        hs.BVH.map(tmp_path / "none")
+    with pytest.raises(TypeError, match="bytes-like"):
+        hs.BVH.from_blob("text")
+    other = data.copy()
+    other[0] ^= 1
+    with pytest.raises(ValueError, match="expected what Bvh::Blob"):
+        hs.BVH.from_blob(other)
+    other = data.copy()
+    other[8] += 1
+    with pytest.raises(ValueError, match="store the world again"):
+        hs.BVH.from_blob(other)
+    with pytest.raises(ValueError, match="pickle of a halfspace.BVH: .*store"):
+        pickle.loads(pickle.dumps(tree).replace(bytes(data[:12]), bytes(other[:12])))
+
+
+def test_an_altered_body(tree, boxes, tmp_path):
+    data = bytearray(tree.blob())
+    data[len(data) // 2] ^= 0x10
+    with pytest.raises(ValueError, match="altered: its checksum"):
+        hs.BVH.from_blob(data, verify=True)
+    # Other results, but no crash.
+    hs.BVH.from_blob(data).query(boxes)
+
+
+def test_a_failed_save_leaves_the_old_file(tree, tmp_path):
+    path = tmp_path / "folder"
+    path.mkdir()
+    with pytest.raises(OSError):
+        tree.save(path)
+    assert list(tmp_path.iterdir()) == [path]

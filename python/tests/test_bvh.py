@@ -1,0 +1,253 @@
+"""Results of the BVH, compared with NumPy."""
+
+import halfspace as hs
+import numpy as np
+import pytest
+
+from conftest import as_matrix, overlaps, random_boxes
+
+
+@pytest.fixture
+def boxes(rng, dims):
+    return random_boxes(rng, 2000, dims)
+
+
+@pytest.fixture
+def queries(rng, dims):
+    return random_boxes(rng, 1500, dims)
+
+
+@pytest.mark.parametrize("quality", ["high", "fast"])
+def test_query(boxes, queries, quality):
+    tree = hs.BVH(boxes, quality=quality)
+    found = tree.query(queries)
+    expected = overlaps(queries, boxes)
+    assert found.dtype == np.int64
+    assert (as_matrix(found, expected.shape) == expected).all()
+    assert (np.diff(found[0]) >= 0).all()
+    assert (tree.count(queries) == expected.sum(axis=1)).all()
+    assert (tree.any(queries) == expected.any(axis=1)).all()
+
+
+def test_many_queries_are_joined(rng, dims, boxes):
+    """More queries than a call searches for one after another."""
+    queries = random_boxes(rng, 5000, dims, 0.03)
+    queries[17] = [np.inf] * dims + [-np.inf] * dims
+    tree = hs.BVH(boxes)
+    expected = overlaps(queries, boxes)
+    for threads in (1, 2):
+        found = tree.query(queries, threads=threads)
+        assert (as_matrix(found, expected.shape) == expected).all()
+        assert (np.diff(found[0]) >= 0).all()
+
+
+def test_one_box(boxes, queries):
+    tree = hs.BVH(boxes)
+    expected = np.flatnonzero(overlaps(queries[:1], boxes)[0])
+    ids = tree.query(queries[0])
+    assert ids.dtype == np.int64
+    assert sorted(ids) == expected.tolist()
+    assert tree.count(queries[0]) == len(expected)
+    assert tree.any(queries[0]) is (len(expected) > 0)
+
+
+def test_boxes_that_touch_overlap():
+    tree = hs.BVH([[0, 0, 1, 1]])
+    assert tree.query([1, 1, 2, 2]).tolist() == [0]
+    after = np.nextafter(np.float32(1), np.float32(2))
+    assert tree.query(np.array([after, 1, 2, 2], np.float32)).tolist() == []
+
+
+def test_doubles_are_rounded_outward():
+    just_below = 1 - 1e-12
+    tree = hs.BVH(np.array([[0, 0, just_below, 1]]))
+    assert tree.query([1, 0, 2, 1]).tolist() == [0]
+    tree = hs.BVH([[0, 0, 1, 1]])
+    assert tree.query(np.array([1 + 1e-12, 0, 2, 1])).tolist() == [0]
+
+
+@pytest.mark.parametrize("most", [1, 7, 100, 10**7])
+def test_query_batches(boxes, queries, most):
+    tree = hs.BVH(boxes)
+    expected = in_order(tree.query(queries))
+    batches = list(tree.query_batches(queries, most))
+    assert all(0 < batch.shape[1] <= most for batch in batches)
+    assert (in_order(np.concatenate(batches, axis=1)) == expected).all()
+
+
+def in_order(found):
+    """Results with the ids of each row in ascending order."""
+    assert (np.diff(found[0]) >= 0).all()
+    return found[:, np.lexsort(found[::-1])]
+
+
+def test_query_batches_have_many_results_if_they_can(boxes, queries):
+    batches = list(hs.BVH(boxes).query_batches(queries, 1000))
+    total = sum(batch.shape[1] for batch in batches)
+    assert len(batches) < 2 * total / 1000 + 2
+
+
+def test_query_batches_of_a_tree_that_changes(boxes, queries):
+    tree = hs.BVH(boxes)
+    batches = tree.query_batches(queries, 10)
+    next(batches)
+    tree.erase(0)
+    with pytest.raises(RuntimeError, match="changed during query_batches"):
+        list(batches)
+
+
+def distances_of(points, boxes):
+    dims = boxes.shape[1] // 2
+    low, high = points[:, :dims], points[:, -dims:]
+    gap = np.maximum(
+        boxes[None, :, :dims] - high[:, None], low[:, None] - boxes[None, :, dims:]
+    )
+    return np.sqrt((np.maximum(gap, 0).astype(float) ** 2).sum(axis=2))
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("as_boxes", [False, True])
+@pytest.mark.parametrize("k", [1, 5, 3000])
+def test_nearest(rng, dims, boxes, dtype, as_boxes, k):
+    points = 2 * rng.random((50, dims)).astype(dtype)
+    if as_boxes:
+        points = np.concatenate([points, points + dtype(0.01)], axis=1)
+    ids, distances = hs.BVH(boxes).nearest(points, k)
+    exact = distances_of(points, boxes)
+    found = min(k, len(boxes))
+    assert ids.shape == distances.shape == (50, k)
+    assert (ids[:, found:] == -1).all() and np.isinf(distances[:, found:]).all()
+    ids, distances = ids[:, :found], distances[:, :found]
+    assert np.allclose(distances, np.sort(exact, axis=1)[:, :found], 1e-5, 1e-7)
+    assert np.allclose(distances, np.take_along_axis(exact, ids, 1), 1e-5, 1e-7)
+    assert (np.diff(np.sort(ids, axis=1), axis=1) > 0).all()
+
+
+def test_nearest_within_a_distance():
+    tree = hs.BVH([[0, 0, 1, 1], [4, 0, 5, 1]])
+    ids, distances = tree.nearest([2, 0], k=2, max_distance=1.5)
+    assert ids.tolist() == [0, -1]
+    assert distances.tolist() == [1, np.inf]
+    # 0.1 is no float: the limit is rounded up, and an object at it is found.
+    assert tree.nearest([1.1, 0], max_distance=1.1 - 1)[0].tolist() == [0]
+
+
+def test_nearest_exclusive(rng, dims):
+    points = rng.random((300, dims))
+    points[7] = points[8] = points[9]
+    tree = hs.BVH(np.concatenate([points, points], axis=1))
+    ids, distances = tree.nearest(points, k=4, exclusive=True)
+    exact = np.sqrt(((points[:, None] - points[None]) ** 2).sum(axis=2))
+    exact[exact == 0] = np.inf
+    assert np.allclose(distances, np.sort(exact, axis=1)[:, :4], 1e-5, 1e-6)
+    assert np.allclose(distances, np.take_along_axis(exact, ids, 1), 1e-5, 1e-6)
+
+
+def test_raycast(rng, dims, boxes):
+    origins = (2 * rng.random((400, dims)) - 0.5).astype(np.float32)
+    directions = (rng.random((400, dims)) - 0.5).astype(np.float32)
+    ids, t = hs.BVH(boxes).raycast(origins, directions, 2)
+    with np.errstate(invalid="ignore"):
+        a = (boxes[None, :, :dims].astype(float) - origins[:, None]) / directions[:, None]
+        b = (boxes[None, :, dims:].astype(float) - origins[:, None]) / directions[:, None]
+    enter = np.minimum(a, b).max(axis=2).clip(0)
+    leave = np.maximum(a, b).min(axis=2).clip(None, 2)
+    exact = np.where(enter <= leave, enter, np.inf).min(axis=1)
+    hit = ids >= 0
+    assert 0 < hit.sum() < 400
+    assert (hit == np.isfinite(exact)).all()
+    assert np.allclose(t[hit], exact[hit], 1e-4, 1e-6) and np.isinf(t[~hit]).all()
+
+
+def test_one_ray():
+    tree = hs.BVH([[1, 0, 2, 1], [1, 0, 3, 1]])
+    assert tree.raycast([0, 0.5], [1, 0]) == (0, pytest.approx(1, 1e-5))
+    assert tree.raycast([0, 0.5], [1, 0], 0.5) == (-1, np.inf)
+
+
+def test_pairs_and_join(boxes, queries):
+    tree = hs.BVH(boxes)
+    expected = np.triu(overlaps(boxes, boxes), 1)
+    assert (as_matrix(tree.pairs(), expected.shape) == expected).all()
+    expected = overlaps(queries, boxes)
+    found = hs.join(hs.BVH(queries), tree)
+    assert (as_matrix(found, expected.shape) == expected).all()
+
+
+def test_threads_do_not_change_results(boxes, queries):
+    one, two = hs.BVH(boxes), hs.BVH(boxes, threads=2)
+    assert bytes(one.blob()) == bytes(two.blob())
+    dims = one.dims
+    calls = [
+        lambda threads: one.query(queries, threads=threads),
+        lambda threads: one.count(queries, threads=threads),
+        lambda threads: one.any(queries, threads=threads),
+        lambda threads: one.nearest(queries, 3, threads=threads),
+        lambda threads: one.raycast(queries[:, :dims], [1] * dims, threads=threads),
+        lambda threads: one.pairs(threads=threads),
+        lambda threads: hs.join(one, two, threads=threads),
+    ]
+    for call in calls:
+        expected = call(1)
+        for threads in (2, 5, None):
+            assert np.array_equal(call(threads), expected)
+
+
+@pytest.mark.parametrize("n", [0, 1, 64, 65])
+def test_few_boxes(rng, dims, queries, n):
+    boxes = random_boxes(rng, n, dims)
+    tree = hs.BVH(boxes)
+    assert len(tree) == n and tree.dims == dims
+    expected = overlaps(queries, boxes)
+    assert (as_matrix(tree.query(queries), expected.shape) == expected).all()
+    assert tree.query(queries[:0]).shape == (2, 0)
+    assert hs.BVH.from_blob(tree.blob()).dims == dims
+    assert tree.pairs().shape[1] == np.triu(overlaps(boxes, boxes), 1).sum()
+
+
+def test_empty_and_infinite_boxes():
+    inf = float("inf")
+    tree = hs.BVH([[inf, inf, -inf, -inf], [0, 0, 1, 1], [-inf, -inf, inf, inf]])
+    assert sorted(tree.query([0, 0, 5, 5])) == [1, 2]
+    assert tree.query([inf, inf, -inf, -inf]).tolist() in ([], [2])
+
+
+def test_changes(rng, dims, boxes, queries):
+    tree = hs.BVH(boxes)
+    more = random_boxes(rng, 100, dims)
+    assert tree.insert(more).tolist() == list(range(2000, 2100))
+    assert tree.insert(more[0]) == 2100
+    tree.erase([5, 2100])
+    tree.erase(7)
+    boxes = np.concatenate([boxes, more])
+    moved = random_boxes(rng, 10, dims)
+    tree.refit(moved, np.arange(20, 30))
+    boxes[20:30] = moved
+
+    def check():
+        expected = overlaps(queries, boxes)
+        expected[:, [5, 7]] = False
+        assert (as_matrix(tree.query(queries), expected.shape) == expected).all()
+
+    assert len(tree) == 2098
+    check()
+    boxes = random_boxes(rng, 2101, dims, dtype=np.float64)
+    tree.refit(boxes)
+    boxes = boxes[:2100]
+    check_superset = as_matrix(tree.query(queries), (len(queries), 2100))
+    exact = overlaps(queries.astype(float), boxes)
+    exact[:, [5, 7]] = False
+    assert (check_superset >= exact).all()
+
+
+def test_boxes_by_id(boxes):
+    dims = boxes.shape[1] // 2
+    boxes[5] = [np.inf] * dims + [-np.inf] * dims
+    boxes[6] = [-np.inf] * dims + [np.inf] * dims
+    tree = hs.BVH(boxes)
+    np.testing.assert_array_equal(tree.boxes(), boxes)
+    np.testing.assert_array_equal(tree.boxes([7, 5, 7]), boxes[[7, 5, 7]])
+    tree.erase([7])
+    boxes[7] = boxes[5]
+    np.testing.assert_array_equal(tree.boxes(), boxes)
+    assert hs.BVH(boxes[:0]).boxes().shape == (0, 2 * dims)
