@@ -17,6 +17,12 @@ competitor_packages=(
 # shellcheck disable=SC2034
 page_test_packages=(python3 python3-jsonschema)
 
+# What builds the Python module and tests it, with what the tutorial uses.
+# shellcheck disable=SC2034
+python_packages=(
+  mypy pybind11-dev python3-dev python3-distributed python3-matplotlib python3-numpy
+  python3-pip python3-pytest python3-setuptools python3-shapely python3-venv)
+
 # Runs a command as root; without a terminal it fails rather than asks.
 as_root() {
   if [ "$(id -u)" -eq 0 ]; then

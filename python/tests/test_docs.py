@@ -3,6 +3,8 @@
 import doctest
 import inspect
 import os
+import pathlib
+import re
 import subprocess
 import sys
 
@@ -13,6 +15,16 @@ import pytest
 def test_examples():
     result = doctest.testmod(hs)
     assert result.attempted > 10 and result.failed == 0
+
+
+def test_the_program_of_the_readme():
+    readme = pathlib.Path(__file__).parents[2] / "README.md"
+    program = re.search(r"```python\n(.*?)```", readme.read_text(), re.S)[1]
+    names = {}
+    exec(program, names)
+    assert (names["rows"].tolist(), names["ids"].tolist()) == ([0], [0])
+    assert names["distances"].tolist() == [[2]]
+    assert len(names["i"]) == 0
 
 
 def test_every_public_name_has_a_docstring():
