@@ -125,6 +125,16 @@ static void test_kind(hs_kind kind) {
     CHECK(all.ids == total && all.last_query > QUERIES / 2);
     CHECK_OK(hs_bvh_probe(bvh, &asked, &options, count_ids, &first));
     CHECK(first.calls == 1);
+    // More results than are kept at a time.
+    all.ids = all.last_query = 0;
+    random_bounds(kind, QUERIES, 2, 14, queries);
+    CHECK_OK(hs_bvh_query(bvh, &asked, NULL, NULL, 0, NULL, &again));
+    CHECK(again > QUERIES * 500);
+    CHECK_OK(hs_bvh_probe(bvh, &asked, NULL, count_ids, &all));
+    CHECK(all.ids == again);
+    first.calls = first.last_query = 0;
+    CHECK_OK(hs_bvh_probe(bvh, &asked, NULL, count_ids, &first));
+    CHECK(first.calls == 1);
   }
   options.mask = 0;
   options.target = hs_target_name(hs_target_count() - 1);

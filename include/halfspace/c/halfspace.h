@@ -498,8 +498,9 @@ HALFSPACE_API hs_status hs_bvh_any(const hs_bvh* bvh, const hs_columns* queries,
                                    const hs_query_options* options,
                                    uint32_t* ids);
 
-// Calls the function with 1 to 512 survivors of one query at a time, query
-// after query.
+// Calls the function with 1 to 4096 survivors of one query at a time, query
+// after query. Queries with few results are answered 64 at a time before the
+// function is called for them. So pass many queries at once.
 typedef hs_visit (*hs_ids_function)(void* context, size_t query,
                                     const uint32_t* ids, size_t count);
 HALFSPACE_API hs_status hs_bvh_probe(const hs_bvh* bvh,
