@@ -258,7 +258,6 @@ void CallForPairs(const Call& call, const hs_bvh* a, const hs_bvh* b,
 }  // namespace halfspace::c
 
 using halfspace::QueryOptions;
-using halfspace::Span;
 using halfspace::c::Call;
 using halfspace::c::CheckColumns;
 using halfspace::c::ForEachRows;

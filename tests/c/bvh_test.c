@@ -60,6 +60,8 @@ static void test_kind(hs_kind kind) {
   for (i = 0; i < values; ++i) {
     objects[9 * values + i] = i < values / 2 ? INFINITY : -INFINITY;
   }
+  // Inverted.
+  objects[11 * values + values / 2] = objects[11 * values] - 0.01f;
   bvh = bvh_of(kind, objects, OBJECTS);
   CHECK_OK(hs_query_options_default(&options, sizeof(options)));
   CHECK_OK(hs_bvh_query(bvh, &asked, NULL, ids, 0, NULL, &total));
