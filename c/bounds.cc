@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
+#include <numeric>
 
 #include "c/call.h"
 #include "c/columns.h"
@@ -110,84 +110,37 @@ class Bounder {
   FitOptions options_;
 };
 
-// The points of some shapes of `kPoints` each, as the caller's scalars.
 constexpr std::size_t kCorners = 3;
-template <typename Scalar>
-class CornerBuffer {
- public:
-  explicit CornerBuffer(std::size_t dims) : dims_(dims) {
-    for (std::size_t i = 0; i < kMostShapes; ++i) ends_[i] = (i + 1) * kCorners;
-  }
 
-  // corner(i, c) is where coordinate k of corner c of shape i is: a function
-  // of k, or one that returns NaNs.
-  template <typename Coordinate>
-  void Fit(std::size_t count, const Coordinate& coordinate,
-           const detail::Output& output, const FitOptions& options,
-           FitStatus& status) {
-    Scalar* to = values_.data();
-    for (std::size_t i = 0; i < count; ++i) {
-      for (std::size_t c = 0; c < kCorners; ++c) {
-        for (std::size_t k = 0; k < dims_; ++k) *to++ = coordinate(i, c, k);
-      }
-    }
-    detail::Source source =
-        SourceOf<detail::kFitPointSets, Scalar>(dims_, count * kCorners, dims_);
-    source.has_one_pointer = true;
-    for (std::size_t k = 0; k < dims_; ++k) {
-      source.columns[source.column_count++] = values_.data() + k;
-    }
-    detail::BoundPointSets(source, {ends_.data(), count}, output, options,
-                           &status);
-  }
-
- private:
-  std::size_t dims_;
-  std::array<std::size_t, kMostShapes> ends_;
-  std::array<Scalar, kMostShapes * kCorners * 3> values_;
-};
-
-template <typename Scalar>
-const Scalar* Column(const hs_columns& columns, std::size_t v) {
-  return static_cast<const Scalar*>(columns.column[v]);
-}
-
+// Copies the corners of some triangles at a time, and bounds them as a mesh in
+// which no two share a corner.
 template <typename Scalar>
 void BoundTriangles(const Bounder& bounder, const hs_columns& triangles,
                     std::size_t* everything) {
-  CornerBuffer<Scalar> corners(bounder.dims());
+  const std::size_t dims = bounder.dims();
+  std::array<std::uint32_t, kMostShapes * kCorners> indices;
+  std::iota(indices.begin(), indices.end(), 0u);
+  std::array<Scalar, kMostShapes * kCorners * 3> corners;
   bounder.Run(
       [&](std::size_t begin, std::size_t count, const detail::Output& output,
           const FitOptions& options, FitStatus& status) {
-        corners.Fit(
-            count,
-            [&](std::size_t i, std::size_t c, std::size_t k) {
-              return Column<Scalar>(
-                  triangles,
-                  c * bounder.dims() + k)[(begin + i) * triangles.stride];
-            },
-            output, options, status);
-      },
-      everything);
-}
-
-template <typename Scalar>
-void BoundFaces(const Bounder& bounder, const hs_columns& vertices,
-                const std::uint32_t* indices, std::size_t* everything) {
-  CornerBuffer<Scalar> corners(bounder.dims());
-  bounder.Run(
-      [&](std::size_t begin, std::size_t count, const detail::Output& output,
-          const FitOptions& options, FitStatus& status) {
-        corners.Fit(
-            count,
-            [&](std::size_t i, std::size_t c, std::size_t k) {
-              const std::size_t index = indices[(begin + i) * kCorners + c];
-              if (index >= vertices.count) {
-                return std::numeric_limits<Scalar>::quiet_NaN();
-              }
-              return Column<Scalar>(vertices, k)[index * vertices.stride];
-            },
-            output, options, status);
+        const std::size_t values = kCorners * dims;
+        for (std::size_t v = 0; v < values; ++v) {
+          const Scalar* const column =
+              static_cast<const Scalar*>(triangles.column[v]) +
+              begin * triangles.stride;
+          for (std::size_t i = 0; i < count; ++i) {
+            corners[i * values + v] = column[i * triangles.stride];
+          }
+        }
+        detail::Source source = SourceOf<detail::kFitTriangles, Scalar>(
+            dims, count * kCorners, dims);
+        source.has_one_pointer = true;
+        for (std::size_t k = 0; k < dims; ++k) {
+          source.columns[source.column_count++] = corners.data() + k;
+        }
+        detail::BoundTriangles(source, {indices.data(), count * kCorners},
+                               output, options, &status);
       },
       everything);
 }
@@ -352,10 +305,17 @@ hs_status hs_bound_faces(hs_kind kind, const hs_columns* vertices,
     CheckColumns(call, "vertices", vertices, 0, dims);
     const Bounder bounder(call, kind, options, bounds, faces);
     call.CheckArray("indices", indices, halfspace::c::kCorners * faces);
-    if (vertices->type == HS_FLOAT64) {
-      halfspace::c::BoundFaces<double>(bounder, *vertices, indices, everything);
-    } else {
-      halfspace::c::BoundFaces<float>(bounder, *vertices, indices, everything);
-    }
+    const Values values = FirstColumns(dims);
+    bounder.Run(
+        [&](size_t begin, size_t count, const detail::Output& output,
+            const FitOptions& fit, FitStatus& status) {
+          const size_t corners = halfspace::c::kCorners;
+          detail::BoundTriangles(
+              SourceOf<detail::kFitTriangles>(dims, *vertices, values, 0,
+                                              vertices->count),
+              {indices + begin * corners, count * corners}, output, fit,
+              &status);
+        },
+        everything);
   });
 }

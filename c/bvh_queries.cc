@@ -69,6 +69,74 @@ void CheckLength(const Call& call, const char* argument, float length) {
             static_cast<double>(length));
 }
 
+// Calls the function of hs_bvh_probe().
+class Probe {
+ public:
+  Probe(const hs_bvh* bvh, const QueryOptions& options,
+        hs_ids_function function, void* context)
+      : bvh_(bvh), options_(options), function_(function), context_(context) {}
+
+  void Run(const float* rows, std::size_t begin, std::size_t count) {
+    for (std::size_t q = 0; q < count && !is_stopped_; q += kTogether) {
+      const float* const from = rows + q * bvh_->queries.count;
+      const std::size_t some = std::min(count - q, kTogether);
+      if (is_one_by_one_ || some == 1 || !RunTogether(from, begin + q, some)) {
+        RunOneByOne(from, begin + q, some);
+      }
+    }
+  }
+
+ private:
+  // So many queries walk the tree together, which takes half of the time of one
+  // walk each, or less.
+  static constexpr std::size_t kTogether = 64;
+  static constexpr std::size_t kRoom = 4096;
+
+  // Returns false if there are more ids than room. Then the next queries do not
+  // try.
+  bool RunTogether(const float* rows, std::size_t first, std::size_t count) {
+    std::array<std::uint32_t, kRoom> ids;
+    std::array<std::size_t, kTogether + 1> offsets;
+    const std::size_t found = detail::BvhSurvivorsOfEach(
+        bvh_->tree, {rows, count}, {ids.data(), ids.size()},
+        {offsets.data(), count + 1}, options_);
+    is_one_by_one_ = found > ids.size();
+    if (is_one_by_one_) return false;
+    for (std::size_t q = 0; q < count && !is_stopped_; ++q) {
+      if (offsets[q] == offsets[q + 1]) continue;
+      Call(first + q, {ids.data() + offsets[q], offsets[q + 1] - offsets[q]});
+    }
+    return true;
+  }
+
+  void RunOneByOne(const float* rows, std::size_t first, std::size_t count) {
+    for (std::size_t q = 0; q < count && !is_stopped_; ++q) {
+      query_ = first + q;
+      detail::BvhForEach(
+          bvh_->tree, {rows + q * bvh_->queries.count, 1},
+          [](void* probe, Span<const std::uint32_t> ids) {
+            auto& its = *static_cast<Probe*>(probe);
+            its.Call(its.query_, ids);
+            return !its.is_stopped_;
+          },
+          this, options_);
+    }
+  }
+
+  void Call(std::size_t query, Span<const std::uint32_t> ids) {
+    is_stopped_ =
+        function_(context_, query, ids.data(), ids.size()) != HS_CONTINUE;
+  }
+
+  const hs_bvh* bvh_;
+  const QueryOptions& options_;
+  hs_ids_function function_;
+  void* context_;
+  std::size_t query_ = 0;
+  bool is_one_by_one_ = false;
+  bool is_stopped_ = false;
+};
+
 // Writes row after row of the nearest objects. `values` has the corners.
 void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
              const Values& values, std::size_t k, float max_distance,
@@ -190,7 +258,6 @@ void CallForPairs(const Call& call, const hs_bvh* a, const hs_bvh* b,
 }  // namespace halfspace::c
 
 using halfspace::QueryOptions;
-using halfspace::Span;
 using halfspace::c::Call;
 using halfspace::c::CheckColumns;
 using halfspace::c::ForEachRows;
@@ -295,26 +362,10 @@ hs_status hs_bvh_probe(const hs_bvh* bvh, const hs_columns* queries,
     CheckColumns(call, "queries", queries, bvh->queries);
     const QueryOptions query = ReadQuery(call, options);
     call.CheckFunction("function", function);
-    struct Probe {
-      hs_ids_function function;
-      void* context;
-      size_t query;
-      bool is_stopped;
-    } probe = {function, context, 0, false};
-    const auto some = [](void* of_probe, Span<const uint32_t> ids) {
-      auto& its = *static_cast<Probe*>(of_probe);
-      its.is_stopped = its.function(its.context, its.query, ids.data(),
-                                    ids.size()) != HS_CONTINUE;
-      return !its.is_stopped;
-    };
+    halfspace::c::Probe probe{bvh, query, function, context};
     ForEachRows(*queries, bvh->queries,
                 [&](const float* rows, size_t begin, size_t count) {
-                  for (size_t q = 0; q < count && !probe.is_stopped; ++q) {
-                    probe.query = begin + q;
-                    detail::BvhForEach(bvh->tree,
-                                       {rows + q * bvh->queries.count, 1}, some,
-                                       &probe, query);
-                  }
+                  probe.Run(rows, begin, count);
                 });
   });
 }

@@ -7,12 +7,6 @@ include(GNUInstallDirs)
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/halfspace")
 
-set(HALFSPACE_PC_DEFINITIONS "")
-get_target_property(library_type halfspace TYPE)
-if(library_type STREQUAL "SHARED_LIBRARY")
-  set(HALFSPACE_PC_DEFINITIONS " -DHALFSPACE_SHARED")
-endif()
-
 # What a C compiler does not link by itself, and the static library needs.
 set(HALFSPACE_PC_PRIVATE_LIBS "")
 foreach(library IN LISTS CMAKE_CXX_IMPLICIT_LINK_LIBRARIES)
@@ -20,6 +14,12 @@ foreach(library IN LISTS CMAKE_CXX_IMPLICIT_LINK_LIBRARIES)
     string(APPEND HALFSPACE_PC_PRIVATE_LIBS " -l${library}")
   endif()
 endforeach()
+
+set(HALFSPACE_PC_DEFINITIONS "")
+get_target_property(library_type halfspace TYPE)
+if(library_type STREQUAL "SHARED_LIBRARY")
+  set(HALFSPACE_PC_DEFINITIONS " -DHALFSPACE_SHARED")
+endif()
 
 install(TARGETS halfspace EXPORT halfspaceTargets FILE_SET HEADERS)
 install(EXPORT halfspaceTargets NAMESPACE halfspace::

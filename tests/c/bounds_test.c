@@ -169,6 +169,24 @@ static void test_bad_shapes(void) {
   CHECK(bounds[8 + 2] == 1);
 }
 
+// Points whose coordinates are apart, and with a stride.
+static void test_unsupported_columns(void) {
+  const float rows[] = {0, 9, 1, 2, 9, 3};
+  const size_t end = 2;
+  float bounds[8];
+  hs_columns columns = hs_float_rows(rows, 2, 3);
+  columns.column[1] = rows + 2;
+  CHECK_FAILS(
+      hs_bound_point_sets(HS_BOX2, &columns, &end, 1, NULL, bounds, NULL),
+      HS_UNSUPPORTED,
+      "hs_bound_point_sets: points: expected adjacent coordinates or a "
+      "stride of 1, got columns apart with a stride of 3: copy the "
+      "points");
+  // Each for itself they are bounded.
+  CHECK_OK(hs_bound_points(HS_BOX2, &columns, NULL, bounds, NULL));
+  CHECK(bounds[0] == 0 && bounds[1] == 1);
+}
+
 // More sets than are bounded at a time.
 static void test_many_sets(void) {
   enum { SETS = 700 };
@@ -193,5 +211,6 @@ void test_bounds(void) {
   test_known_shapes();
   test_columns();
   test_bad_shapes();
+  test_unsupported_columns();
   test_many_sets();
 }

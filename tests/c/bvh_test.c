@@ -60,6 +60,8 @@ static void test_kind(hs_kind kind) {
   for (i = 0; i < values; ++i) {
     objects[9 * values + i] = i < values / 2 ? INFINITY : -INFINITY;
   }
+  // Inverted.
+  objects[11 * values + values / 2] = objects[11 * values] - 0.01f;
   bvh = bvh_of(kind, objects, OBJECTS);
   CHECK_OK(hs_query_options_default(&options, sizeof(options)));
   CHECK_OK(hs_bvh_query(bvh, &asked, NULL, ids, 0, NULL, &total));
@@ -125,6 +127,16 @@ static void test_kind(hs_kind kind) {
     CHECK(all.ids == total && all.last_query > QUERIES / 2);
     CHECK_OK(hs_bvh_probe(bvh, &asked, &options, count_ids, &first));
     CHECK(first.calls == 1);
+    // More results than are kept at a time.
+    all.ids = all.last_query = 0;
+    random_bounds(kind, QUERIES, 2, 14, queries);
+    CHECK_OK(hs_bvh_query(bvh, &asked, NULL, NULL, 0, NULL, &again));
+    CHECK(again > QUERIES * 500);
+    CHECK_OK(hs_bvh_probe(bvh, &asked, NULL, count_ids, &all));
+    CHECK(all.ids == again);
+    first.calls = first.last_query = 0;
+    CHECK_OK(hs_bvh_probe(bvh, &asked, NULL, count_ids, &first));
+    CHECK(first.calls == 1);
   }
   options.mask = 0;
   options.target = hs_target_name(hs_target_count() - 1);
@@ -165,7 +177,21 @@ static void test_double_columns(void) {
   hs_bvh_destroy(NULL);
 }
 
+// The query of simplices is its maxima: 0.7 becomes the float above it.
+static void test_double_maxima(void) {
+  const float object[] = {nextafterf(0.7f, 1), 0, -9, 0, 0, 0};
+  const double query[] = {0, 0, 0, 0.7, 0, 0};
+  const hs_columns asked = hs_double_rows(query, 1, 6);
+  hs_bvh* const bvh = bvh_of(HS_SIMPLEX2, object, 1);
+  size_t count = 0;
+  CHECK(object[0] > 0.7f && query[3] < (double)object[0]);
+  CHECK_OK(hs_bvh_count(bvh, &asked, NULL, &count));
+  CHECK(count == 1);
+  hs_bvh_destroy(bvh);
+}
+
 void test_queries(void) {
+  test_double_maxima();
   int kind;
   for (kind = 0; kind < KINDS; ++kind) test_kind(kind_of(kind));
   test_double_columns();
@@ -339,7 +365,43 @@ static void test_rays(hs_kind kind) {
   hs_bvh_destroy(bvh);
 }
 
+static void test_double_points(void) {
+  // 0.7 is between this float and the one below it: both are in the box of the
+  // point, although the other is nearer.
+  const float above = nextafterf(0.7f, 1);
+  const float box[] = {above, 0, 1, 0};
+  const double point[] = {0.7, 0};
+  const hs_columns points = hs_double_rows(point, 1, 2);
+  hs_bvh* const bvh = bvh_of(HS_BOX2, box, 1);
+  uint32_t id = 9;
+  float found = 9;
+  CHECK((double)above > 0.7 && above > 0.7f);
+  CHECK_OK(
+      hs_bvh_nearest_to_points(bvh, &points, 1, INFINITY, NULL, &id, &found));
+  CHECK(id == 0 && found == 0);
+  hs_bvh_destroy(bvh);
+}
+
+// Of objects that a ray enters at the same time, the first.
+static void test_equal_hits(void) {
+  const float box[] = {1, -1, 2, 1};
+  const float ray[] = {0, 0, 1, 0, INFINITY};
+  const hs_bvh_config config = bvh_config_of(HS_BOX2);
+  const hs_columns rays = hs_float_rows(ray, 1, 5);
+  hs_columns columns = hs_float_rows(box, 1000, 4);
+  hs_bvh* bvh = NULL;
+  uint32_t id = 9;
+  float t = 0;
+  columns.stride = 0;
+  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
+  CHECK_OK(hs_bvh_raycast(bvh, &rays, 0, NULL, &id, &t));
+  CHECK(id == 0 && t > 0.9999f && t <= 1);
+  hs_bvh_destroy(bvh);
+}
+
 void test_nearest_and_rays(void) {
+  test_double_points();
+  test_equal_hits();
   test_nearest(HS_BOX2);
   test_nearest(HS_BOX3);
   test_rays(HS_BOX2);

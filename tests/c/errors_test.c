@@ -169,8 +169,11 @@ static void test_handles_and_outputs(void) {
   float ray[] = {0, 0, 0, 1, 0, 0, -1};
   const double double_ray[] = {0, 0, 0, 1, 0, 0, 1};
   hs_columns rays = hs_float_rows(ray, 1, 7);
+  hs_bound_options bound_options;
   hs_pair_options pair_options;
+  hs_query_options options;
   hs_scan_options scan_options;
+  float bounds[12];
   hs_bvh* bvh = NULL;
   hs_bvh* other = NULL;
   hs_bvh* simplex = NULL;
@@ -235,6 +238,24 @@ static void test_handles_and_outputs(void) {
                 "hs_bvh_pairs: expected BVHs of boxes or octahedra, got "
                 "simplices, which have no planes that face each other");
   CHECK_OK(hs_pair_options_default(&pair_options, sizeof(pair_options)));
+  CHECK_OK(hs_query_options_default(&options, sizeof(options)));
+  CHECK_OK(hs_bound_options_default(&bound_options, sizeof(bound_options)));
+  CHECK_OK(hs_scan_options_default(&scan_options, sizeof(scan_options)));
+  options.target = pair_options.target = "x";
+  bound_options.target = scan_options.target = "x";
+  CHECK_INVALID(hs_bvh_count(bvh, &columns, &options, &total),
+                "hs_bvh_count: options->target: expected null or a name of "
+                "hs_target_name(), got \"x\"");
+  CHECK_INVALID(hs_bvh_pairs(bvh, &pair_options, &pair, 1, &total),
+                "hs_bvh_pairs: options->target: expected null or a name of "
+                "hs_target_name(), got \"x\"");
+  CHECK_INVALID(hs_bound_boxes(HS_BOX3, &columns, &bound_options, bounds, NULL),
+                "hs_bound_boxes: options->target: expected null or a name of "
+                "hs_target_name(), got \"x\"");
+  CHECK_INVALID(hs_scan_counts(scan, &columns, &scan_options, &total),
+                "hs_scan_counts: options->target: expected null or a name of "
+                "hs_target_name(), got \"x\"");
+  pair_options.target = NULL;
   pair_options.margin = INFINITY;
   CHECK_INVALID(hs_bvh_pairs(bvh, &pair_options, &pair, 1, &total),
                 "hs_bvh_pairs: options->margin: expected a finite number that "

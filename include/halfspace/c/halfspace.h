@@ -36,35 +36,16 @@
 // their type. An output array must not overlap another argument. This is not
 // checked.
 //
-// Configurations and options begin with `struct_size`. Fill them by their
-// function hs_..._default(), then change fields. The size lets a program that
-// was compiled with an older header use a newer library: fields that the
-// program does not know have their defaults. If the program's struct is larger
-// than the library's, the additional bytes must be 0. `options` may be null:
-// all fields then have their defaults.
-//
 // Results that do not fit: the function fills the array and sets `total` to the
 // number of all results. To get the others, call it again with `skip` increased
 // by the size of the array. It then searches again. The order of the results is
 // the same in every call with the same arguments on an unchanged object. The
 // functions with a callback need no array.
 //
-// NaN and special values: a NaN in a plane never separates, so an object with
-// NaNs alone is found by every query. {INFINITY, ..., -INFINITY, ...}, all
-// minima and then all maxima, is the empty bound: no finite query finds it. An
-// object with a minimum above a maximum is tested as it is.
-//
 // Thread safety: functions that take a const handle can run at the same time.
 // A function that takes another handle needs exclusive access. Queries allocate
 // nothing, take no lock and use up to 64 KiB of stack. The floating-point mode
 // of the calling thread has the effects that reject.h and bvh.h describe.
-//
-// C++ programs: if halfspace::SetErrorHandler (error.h) has set a handler, the
-// library calls it for the errors that it finds below this interface. If the
-// handler throws, the call returns a status as for any exception. If a callback
-// or an allocator throws, the call ends and returns HS_INTERNAL, or
-// HS_OUT_OF_MEMORY for std::bad_alloc. A callback must not leave a call by
-// longjmp.
 //
 // The C++ headers describe each operation in more detail: fit_many.h, reject.h,
 // reject_many.h, quantized.h, bvh.h, bvh_nearest.h and bvh_pairs.h.
@@ -87,6 +68,12 @@ extern "C" {
 
 // Status, version, targets ----------------------------------------------------
 
+// C++ programs: if halfspace::SetErrorHandler (error.h) has set a handler, the
+// library calls it for the errors that it finds below this interface. If the
+// handler throws, the call returns a status as for any exception. If a callback
+// or an allocator throws, the call ends and returns HS_INTERNAL, or
+// HS_OUT_OF_MEMORY for std::bad_alloc. A callback must not leave a call by
+// longjmp.
 typedef enum hs_status HALFSPACE_INT {
   HS_OK = 0,
   HS_INVALID_ARGUMENT = 1,  // an argument violates what the function requires
@@ -121,6 +108,15 @@ HALFSPACE_API const char* hs_target_name(size_t i);
 // value of the environment variable HALFSPACE_TARGET. Fails if that value is
 // not the name of a supported target, as every call does then.
 HALFSPACE_API hs_status hs_chosen_target(const char** name);
+
+// Configurations --------------------------------------------------------------
+//
+// Configurations and options begin with `struct_size`. Fill them by their
+// function hs_..._default(), then change fields. The size lets a program that
+// was compiled with an older header use a newer library: fields that the
+// program does not know have their defaults. If the program's struct is larger
+// than the library's, the additional bytes must be 0. `options` may be null:
+// all fields then have their defaults.
 
 // Memory ----------------------------------------------------------------------
 
@@ -198,6 +194,11 @@ static inline hs_columns hs_double_rows(const double* data, size_t count,
 // its query is the maxima. Its records are those of octahedra: the minima of a
 // query and the maxima of an object are not read, and these columns may be
 // null.
+//
+// NaN and special values: a NaN in a plane never separates, so an object with
+// NaNs alone is found by every query. {INFINITY, ..., -INFINITY, ...}, all
+// minima and then all maxima, is the empty bound: no finite query finds it. An
+// object with a minimum above a maximum is tested as it is.
 typedef enum hs_kind HALFSPACE_INT {
   HS_BOX2 = 1,         // min x y, max x y
   HS_BOX3 = 2,         // min x y z, max x y z
@@ -234,7 +235,8 @@ HALFSPACE_API hs_status hs_bound_options_default(hs_bound_options* options,
 // number and may be null. A box of {INFINITY, ..., -INFINITY, ...} or {FLT_MAX,
 // ..., -FLT_MAX, ...} becomes the empty bound and is not counted.
 //
-// Cost: about that of a copy for floats, and tens of ns per shape of doubles.
+// Cost: with AVX-512, octahedra in 3 dimensions take 5 ns per shape of floats,
+// 11 ns per triangle of floats, and 60 to 90 ns per shape of doubles.
 //
 // Boxes: 2 d columns, the minima and the maxima.
 HALFSPACE_API hs_status hs_bound_boxes(hs_kind kind, const hs_columns* boxes,
@@ -498,8 +500,9 @@ HALFSPACE_API hs_status hs_bvh_any(const hs_bvh* bvh, const hs_columns* queries,
                                    const hs_query_options* options,
                                    uint32_t* ids);
 
-// Calls the function with 1 to 512 survivors of one query at a time, query
-// after query.
+// Calls the function with 1 to 4096 survivors of one query at a time, query
+// after query. Queries with few results are answered 64 at a time before the
+// function is called for them. So pass many queries at once.
 typedef hs_visit (*hs_ids_function)(void* context, size_t query,
                                     const uint32_t* ids, size_t count);
 HALFSPACE_API hs_status hs_bvh_probe(const hs_bvh* bvh,
