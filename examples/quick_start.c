@@ -17,6 +17,7 @@ int main(void) {
       hs_bvh_query(bvh, &queries, NULL, ids, 2, NULL, &total) != HS_OK) {
     fprintf(stderr, "%s\n", hs_last_error());
   }
-  for (size_t i = 0; i < total; ++i) printf("object %u may be touched\n", ids[i]);
+  for (size_t i = 0; i < total; ++i)
+    printf("object %u may be touched\n", ids[i]);
   hs_bvh_destroy(bvh);
 }
