@@ -137,13 +137,24 @@ cpuinfo-bench-report draws its reports as a page of HTML."
     COMPONENT halfspace_tools EXCLUDE_FROM_ALL)
 endif()
 
-if(HALFSPACE_PYTHON)
-  halfspace_add_deb(halfspace_python python3-halfspace python
+if(TARGET halfspace_python)
+  # The extension is for one version of Python.
+  find_package(Python REQUIRED COMPONENTS Interpreter)
+  set(python "${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}")
+  math(EXPR next "${Python_VERSION_MINOR} + 1")
+  halfspace_add_deb(python3_halfspace python3-halfspace python
     "SIMD rejection tests over stored bounding volumes (Python)"
     "${about}\n\nThis package has the module for Python 3, which works on arrays of
 NumPy."
     LICENCES ${highway} "*/include/pybind11/pybind11.h")
-  set(CPACK_DEBIAN_HALFSPACE_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
+  set(CPACK_DEBIAN_PYTHON3_HALFSPACE_PACKAGE_DEPENDS
+    "python3 (>= ${python}), python3 (<< ${Python_VERSION_MAJOR}.${next}), python3-numpy")
+  set(folder lib/python3/dist-packages/halfspace)
+  install(TARGETS halfspace_python LIBRARY DESTINATION "${folder}"
+          COMPONENT python3_halfspace EXCLUDE_FROM_ALL)
+  install(DIRECTORY python/halfspace/ DESTINATION "${folder}"
+          COMPONENT python3_halfspace EXCLUDE_FROM_ALL
+          FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN py.typed)
 endif()
 
 include(CPack)

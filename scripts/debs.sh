@@ -31,7 +31,8 @@ empty=$(mktemp -d)
 # Nothing is mounted in it: --one-file-system is for a mount that somebody else made.
 trap 'rm -rf --one-file-system "$empty"' EXIT
 
-prepare_machine dpkg-dev file gzip lintian mmdebstrap
+prepare_machine dpkg-dev file gzip lintian mmdebstrap \
+  pybind11-dev python3-dev python3-numpy
 debs=$root/build/debian/packages
 rm -rf "$debs"
 build_preset debian
