@@ -149,6 +149,17 @@ NumPy."
     LICENCES ${highway} "*/include/pybind11/pybind11.h")
   set(CPACK_DEBIAN_PYTHON3_HALFSPACE_PACKAGE_DEPENDS
     "python3 (>= ${python}), python3 (<< ${Python_VERSION_MAJOR}.${next}), python3-numpy")
+  # The compiled files of Python, as Debian's packages make and remove them.
+  file(WRITE "${debian_folder}/postinst" "#!/bin/sh
+set -e
+if [ \"$1\" = configure ]; then py3compile -p python3-halfspace; fi
+")
+  file(WRITE "${debian_folder}/prerm" "#!/bin/sh
+set -e
+py3clean -p python3-halfspace
+")
+  set(CPACK_DEBIAN_PYTHON3_HALFSPACE_PACKAGE_CONTROL_EXTRA
+      "${debian_folder}/postinst" "${debian_folder}/prerm")
   set(folder lib/python3/dist-packages/halfspace)
   install(TARGETS halfspace_python LIBRARY DESTINATION "${folder}"
           COMPONENT python3_halfspace EXCLUDE_FROM_ALL)
