@@ -108,11 +108,12 @@ g++ -std=c++17 quick_start.cc -o static -static \
   $(pkg-config --static --cflags --libs halfspace)
 ./static
 
-if [ -e /usr/include/halfspace/c/halfspace.h ]; then
-  echo '#include <halfspace/c/halfspace.h>
-        int main(void) { return !hs_version(); }' >program.c
-  gcc -std=c11 program.c -o by-c $(pkg-config --cflags --libs halfspace)
-  ./by-c
+if [ -e consumer/in_c.c ]; then
+  gcc -std=c11 consumer/in_c.c -o in_c $(pkg-config --cflags --libs halfspace)
+  ./in_c
+  gcc -std=c11 consumer/in_c.c -o in_c -static \
+    $(pkg-config --static --cflags --libs halfspace)
+  ./in_c
 fi
 END
 
