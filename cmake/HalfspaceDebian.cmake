@@ -129,11 +129,15 @@ simplices and octahedra cost, and where each of them wins.
 cpuinfo-bench-report draws its reports as a page of HTML."
     LICENCES ${HALFSPACE_LICENSED_HEADERS})
   set(CPACK_DEBIAN_HALFSPACE_TOOLS_PACKAGE_DEPENDS "python3:any")
+  # Debian has pages of the manual compressed, and one Python.
   install(CODE "
-    file(GLOB pages \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1/*.1\")
-    execute_process(COMMAND \"${HALFSPACE_GZIP}\" -9nf \${pages} COMMAND_ERROR_IS_FATAL ANY)
-    file(GLOB scripts \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}/*-report\")
-    execute_process(COMMAND sed -i \"1s|.*|#!/usr/bin/python3|\" \${scripts} COMMAND_ERROR_IS_FATAL ANY)"
+    set(root \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\")
+    file(GLOB pages \"\${root}/${CMAKE_INSTALL_MANDIR}/man1/*.1\")
+    execute_process(COMMAND \"${HALFSPACE_GZIP}\" -9nf \${pages}
+                    COMMAND_ERROR_IS_FATAL ANY)
+    execute_process(COMMAND sed -i \"1s|.*|#!/usr/bin/python3|\"
+                            \"\${root}/${CMAKE_INSTALL_BINDIR}/cpuinfo-bench-report\"
+                    COMMAND_ERROR_IS_FATAL ANY)"
     COMPONENT halfspace_tools EXCLUDE_FROM_ALL)
 endif()
 
