@@ -1,6 +1,6 @@
 # What `cmake --install` installs: the library, its headers and pages, the packages
 # for CMake and pkg-config, and cpuinfo-bench if it was built. The tree can be
-# moved.
+# moved. Each Debian package is a component (HalfspaceDebian.cmake).
 
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
@@ -21,9 +21,18 @@ if(library_type STREQUAL "SHARED_LIBRARY")
   set(HALFSPACE_PC_DEFINITIONS " -DHALFSPACE_SHARED")
 endif()
 
-install(TARGETS halfspace EXPORT halfspaceTargets FILE_SET HEADERS)
+install(TARGETS halfspace EXPORT halfspaceTargets
+  RUNTIME COMPONENT halfspace_runtime
+  LIBRARY COMPONENT halfspace_runtime NAMELINK_COMPONENT halfspace_development
+  ARCHIVE COMPONENT halfspace_development
+  FILE_SET HEADERS COMPONENT halfspace_development)
+if(TARGET halfspace_static)
+  install(TARGETS halfspace_static EXPORT halfspaceTargets
+    ARCHIVE COMPONENT halfspace_development
+    INCLUDES DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+endif()
 install(EXPORT halfspaceTargets NAMESPACE halfspace::
-        DESTINATION "${package_dir}")
+        DESTINATION "${package_dir}" COMPONENT halfspace_development)
 
 configure_package_config_file(
   "${CMAKE_CURRENT_LIST_DIR}/HalfspaceConfig.cmake.in" halfspaceConfig.cmake
@@ -35,19 +44,20 @@ write_basic_package_version_file(halfspaceConfigVersion.cmake
 install(FILES
   "${CMAKE_CURRENT_BINARY_DIR}/halfspaceConfig.cmake"
   "${CMAKE_CURRENT_BINARY_DIR}/halfspaceConfigVersion.cmake"
-  DESTINATION "${package_dir}")
+  DESTINATION "${package_dir}" COMPONENT halfspace_development)
 
 file(RELATIVE_PATH HALFSPACE_PC_PREFIX
      "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_PREFIX}")
 string(REGEX REPLACE "/$" "" HALFSPACE_PC_PREFIX "${HALFSPACE_PC_PREFIX}")
 configure_file("${CMAKE_CURRENT_LIST_DIR}/halfspace.pc.in" halfspace.pc @ONLY)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/halfspace.pc"
-        DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+        DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig"
+        COMPONENT halfspace_development)
 
 # The headers name pages of docs/.
 install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 install(DIRECTORY docs/ DESTINATION "${CMAKE_INSTALL_DOCDIR}"
-        FILES_MATCHING PATTERN "*.md")
+        COMPONENT halfspace_development FILES_MATCHING PATTERN "*.md")
 
 if(PROJECT_IS_TOP_LEVEL)
   include(HalfspacePackage)

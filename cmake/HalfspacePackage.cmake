@@ -1,23 +1,18 @@
 # cpuinfo-bench as part of an installation, and `cpack`: one relocatable tarball
-# per architecture, to unpack and run on a machine that has nothing but glibc.
+# per architecture, to unpack and run on a machine that has nothing but glibc, or
+# Debian packages.
 
 if(TARGET cpuinfo-bench)
-  # RPATH, not RUNPATH, so that the libraries beside it find each other too.
-  file(RELATIVE_PATH bin_to_libraries "/${CMAKE_INSTALL_BINDIR}"
-       "/${CMAKE_INSTALL_LIBDIR}/halfspace")
-  set_target_properties(cpuinfo-bench PROPERTIES
-    INSTALL_RPATH "$ORIGIN/${bin_to_libraries}")
-  target_link_options(cpuinfo-bench PRIVATE
-    $<$<PLATFORM_ID:Linux>:LINKER:--disable-new-dtags>)
   # Whoever built the library alone installs it alone.
-  install(TARGETS cpuinfo-bench OPTIONAL)
+  install(TARGETS cpuinfo-bench OPTIONAL COMPONENT halfspace_tools)
   install(CODE "if(EXISTS \"$<TARGET_FILE:cpuinfo-bench>\")
   file(INSTALL \"${PROJECT_SOURCE_DIR}/docs/cpuinfo-bench.1\"
+       \"${PROJECT_SOURCE_DIR}/docs/cpuinfo-bench-report.1\"
        DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1\")
   file(INSTALL \"${PROJECT_SOURCE_DIR}/bench/cpuinfo-bench-report\"
        DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}\"
        USE_SOURCE_PERMISSIONS)
-endif()")
+endif()" COMPONENT halfspace_tools)
 
   # What is compiled into it, by a header of each library.
   set(HALFSPACE_LICENSED_HEADERS
@@ -35,11 +30,27 @@ endif()")
   get_property(competitors GLOBAL PROPERTY HALFSPACE_BENCH_COMPETITORS_BUILT)
   foreach(name IN LISTS competitors)
     if(NOT DEFINED header_of_${name})
-      message(FATAL_ERROR "halfspace: the tarball would lack the licence of the "
+      message(FATAL_ERROR "halfspace: a package would lack the licence of the "
         "competitor ${name}: name a header of it in ${CMAKE_CURRENT_LIST_FILE}")
     endif()
     list(APPEND HALFSPACE_LICENSED_HEADERS "*/include/${header_of_${name}}")
   endforeach()
+endif()
+
+if(HALFSPACE_DEBIAN)
+  include(HalfspaceDebian)
+  return()
+endif()
+
+if(TARGET cpuinfo-bench)
+  # RPATH, not RUNPATH, so that the libraries beside it find each other too.
+  file(RELATIVE_PATH bin_to_libraries "/${CMAKE_INSTALL_BINDIR}"
+       "/${CMAKE_INSTALL_LIBDIR}/halfspace")
+  set_target_properties(cpuinfo-bench PROPERTIES
+    INSTALL_RPATH "$ORIGIN/${bin_to_libraries}")
+  target_link_options(cpuinfo-bench PRIVATE
+    $<$<PLATFORM_ID:Linux>:LINKER:--disable-new-dtags>)
+
   list(TRANSFORM HALFSPACE_LICENSED_HEADERS REPLACE "(.+)" "\"\\1\"")
   list(JOIN HALFSPACE_LICENSED_HEADERS " " HALFSPACE_LICENSED_HEADERS)
 

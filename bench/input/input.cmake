@@ -11,5 +11,5 @@ target_include_directories(halfspace_bench_input
                            PUBLIC "${CMAKE_CURRENT_LIST_DIR}/../..")
 target_include_directories(halfspace_bench_input SYSTEM
                            PRIVATE "${HALFSPACE_TINYOBJLOADER_INCLUDE_DIR}")
-target_link_libraries(halfspace_bench_input PUBLIC halfspace::halfspace)
+target_link_libraries(halfspace_bench_input PUBLIC ${HALFSPACE_FOR_PROGRAMS})
 halfspace_configure_target(halfspace_bench_input)

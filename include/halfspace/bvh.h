@@ -79,6 +79,7 @@ enum class BuildQuality : std::uint8_t {
   kFast,
 };
 
+// Options of a build and of Rebuild().
 struct BuildOptions {
   BuildQuality quality = BuildQuality::kHigh;
   // The resource of a new world (memory.h). Rebuild() does not read it: a world
@@ -96,6 +97,7 @@ struct QueryStatistics {
   std::size_t leaves = 0;       // blocks of 64 objects
 };
 
+// Options of the queries of a BVH.
 struct QueryOptions {
   // Finds only objects whose mask (Bvh::SetMasks) has at least one of these
   // bits: all ones finds all objects, and 0 none.

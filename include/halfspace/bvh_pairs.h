@@ -64,6 +64,7 @@ struct IdPair {
   }
 };
 
+// Options of the searches for pairs.
 struct PairOptions {
   // Finds only pairs in which the mask of each object has at least one of these
   // bits, not necessarily the same one. All ones finds all objects.

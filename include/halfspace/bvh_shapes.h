@@ -16,8 +16,8 @@
 // An object survives unless a test of its bound proves that the shape cannot
 // touch it:
 //   point: its bound is the query, exact on X, Y and Z and rounded outward on
-//   D. sphere: the distance of the object's box from the center, and the range
-//   of
+//     D.
+//   sphere: the distance of the object's box from the center, and the range of
 //     D. A simplex has no box: there it is the distance of the octant above its
 //     minima.
 //   segment, capsule: the slab test. The parts of the segment that are within
@@ -150,6 +150,7 @@ BvhQueries ShapeQueries(const Shape* shapes, std::size_t count) {
 
 }  // namespace detail
 
+// Writes the ids of the survivors of one shape, as Survivors() of bvh.h does.
 template <typename View, typename Shape,
           typename = detail::IfShapeOf<View, Shape>>
 [[nodiscard]] std::size_t Survivors(const Bvh<View>& world, const Shape& shape,
@@ -160,6 +161,7 @@ template <typename View, typename Shape,
                               options);
 }
 
+// Returns the number of survivors of one shape.
 template <typename View, typename Shape,
           typename = detail::IfShapeOf<View, Shape>>
 [[nodiscard]] std::size_t CountSurvivors(const Bvh<View>& world,
@@ -169,6 +171,7 @@ template <typename View, typename Shape,
                           detail::ShapeQueries<View>(&shape, 1), options);
 }
 
+// Returns the id of a survivor, or nothing, as AnySurvivor() of bvh.h does.
 template <typename View, typename Shape,
           typename = detail::IfShapeOf<View, Shape>>
 [[nodiscard]] std::optional<std::uint32_t> AnySurvivor(
@@ -182,6 +185,7 @@ template <typename View, typename Shape,
   return id;
 }
 
+// Calls the function with survivors, as ForEachSurvivor() of bvh.h does.
 template <typename View, typename Shape, typename Function,
           typename = detail::IfShapeOf<View, Shape>>
 void ForEachSurvivor(const Bvh<View>& world, const Shape& shape,

@@ -71,6 +71,7 @@ enum class Inverted : std::uint8_t {
   kEmpty,       // such a box contains no point: Empty(), and not counted
 };
 
+// Options of the builders of many bounds.
 struct FitOptions {
   bool tightest = false;  // makes D the tightest float, not only within 1 ulp
   Inverted inverted = Inverted::kEverything;

@@ -26,6 +26,7 @@
 
 namespace halfspace {
 
+// The minima of kDims + 1 axes.
 template <int kDims, typename T = float>
 struct SimplexPlanes {
   static_assert(detail::kIsFloat32Or64<T>, "floats or doubles");
@@ -36,6 +37,7 @@ struct SimplexPlanes {
   std::size_t size = 0;
 };
 
+// The minima and maxima of kDims axes.
 template <int kDims, typename T = float>
 struct AabbPlanes {
   static_assert(detail::kIsFloat32Or64<T>, "floats or doubles");
@@ -47,6 +49,7 @@ struct AabbPlanes {
   std::size_t size = 0;
 };
 
+// The minima and maxima of kDims + 1 axes.
 template <int kDims, typename T = float>
 struct AaboPlanes {
   static_assert(detail::kIsFloat32Or64<T>, "floats or doubles");
@@ -58,6 +61,7 @@ struct AaboPlanes {
   std::size_t size = 0;
 };
 
+// The minimum and the maximum of the D axis.
 template <int kDims>
 struct DPlanes {
   using Scalar = float;

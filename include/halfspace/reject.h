@@ -81,6 +81,7 @@ struct Range {
   std::size_t end = std::numeric_limits<std::size_t>::max();
 };
 
+// Options of the calls of reject.h and reject_many.h.
 struct Options {
   Schedule schedule = Schedule::kAuto;
   Target target = {};     // by default, the chosen target (targets.h)

@@ -54,7 +54,12 @@ add_test(NAME cpuinfo-bench.man_page
   COMMAND sh "${CMAKE_CURRENT_SOURCE_DIR}/man_page.sh"
           "${PROJECT_SOURCE_DIR}/docs/cpuinfo-bench.1"
           ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:cpuinfo-bench>)
-set_tests_properties(cpuinfo-bench.man_page PROPERTIES LABELS tools)
+add_test(NAME cpuinfo-bench-report.man_page
+  COMMAND sh "${CMAKE_CURRENT_SOURCE_DIR}/man_page.sh"
+          "${PROJECT_SOURCE_DIR}/docs/cpuinfo-bench-report.1"
+          /usr/bin/python3 "${PROJECT_SOURCE_DIR}/bench/cpuinfo-bench-report")
+set_tests_properties(cpuinfo-bench.man_page cpuinfo-bench-report.man_page
+  PROPERTIES LABELS tools)
 halfspace_command_line_test(unknown_option CODE 2 ARGUMENTS --fast
   STDERR "--fast")
 halfspace_command_line_test(unknown_section CODE 2 ARGUMENTS --details speed
