@@ -76,8 +76,7 @@ for page in cpuinfo-bench cpuinfo-bench-report; do
 done
 END
 
-if [ -d "$root/python" ]; then
-  try "python3-halfspace" <<'END'
+try "python3-halfspace" <<'END'
 install ./python3-halfspace_*.deb
 python3 -c '
 import halfspace
@@ -85,7 +84,6 @@ import numpy
 tree = halfspace.BVH(numpy.array([[0, 0, 0, 1, 1, 1], [2, 2, 2, 3, 3, 3]], "float32"))
 assert list(tree.query([0.5, 0.5, 0.5, 0.6, 0.6, 0.6])) == [0]'
 END
-fi
 
 try "libhalfspace0 and libhalfspace-dev" <<'END'
 install ./libhalfspace0_*.deb
@@ -108,13 +106,11 @@ g++ -std=c++17 quick_start.cc -o static -static \
   $(pkg-config --static --cflags --libs halfspace)
 ./static
 
-if [ -e consumer/in_c.c ]; then
-  gcc -std=c11 consumer/in_c.c -o in_c $(pkg-config --cflags --libs halfspace)
-  ./in_c
-  gcc -std=c11 consumer/in_c.c -o in_c -static \
-    $(pkg-config --static --cflags --libs halfspace)
-  ./in_c
-fi
+gcc -std=c11 consumer/in_c.c -o in_c $(pkg-config --cflags --libs halfspace)
+./in_c
+gcc -std=c11 consumer/in_c.c -o in_c -static \
+  $(pkg-config --static --cflags --libs halfspace)
+./in_c
 END
 
 try "purge" <<'END'
