@@ -153,6 +153,7 @@ NumPy."
     LICENCES ${highway} "*/include/pybind11/pybind11.h")
   set(CPACK_DEBIAN_PYTHON3_HALFSPACE_PACKAGE_DEPENDS
     "python3 (>= ${python}), python3 (<< ${Python_VERSION_MAJOR}.${next}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON3_HALFSPACE_PACKAGE_SUGGESTS "python3-distributed")
   # The compiled files of Python, as Debian's packages make and remove them.
   file(WRITE "${debian_folder}/postinst" "#!/bin/sh
 set -e
