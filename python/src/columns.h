@@ -14,6 +14,11 @@
 
 namespace halfspace::python {
 
+// A size as pybind11 takes it.
+inline pybind11::ssize_t Size(std::size_t size) {
+  return static_cast<pybind11::ssize_t>(size);
+}
+
 // Columns of floats or doubles: value i of column k is
 // column k's first value + i * stride. Made of two-dimensional arrays that the
 // Python module has prepared (_arrays.py): of one type and one stride, aligned,

@@ -138,7 +138,7 @@ Ids Query(const Scan& scan, const py::tuple& arrays, bool with_rows,
 Ids Count(const Scan& scan, const py::tuple& arrays, std::size_t threads) {
   const Columns boxes(arrays);
   Work work(threads, py::none());
-  Ids counts(boxes.count());
+  Ids counts(Size(boxes.count()));
   std::int64_t* const to = counts.mutable_data();
   ForEachQuery(
       scan, boxes, work,
@@ -152,7 +152,7 @@ py::array_t<bool> Any(const Scan& scan, const py::tuple& arrays,
                       std::size_t threads) {
   const Columns boxes(arrays);
   Work work(threads, py::none());
-  py::array_t<bool> found(boxes.count());
+  py::array_t<bool> found(Size(boxes.count()));
   bool* const to = found.mutable_data();
   ForEachQuery(
       scan, boxes, work,

@@ -161,11 +161,12 @@ std::unique_ptr<Tree> FromBlob(const py::object& object, bool verify) {
 // Refers to the bytes of a tree. The tree cannot change while it lives.
 class Blob {
  public:
-  explicit Blob(py::object tree) : object_(std::move(tree)) {
-    bytes_ = Read(this->tree(), [](const auto& bvh) { return bvh.Blob(); });
-    ++this->tree().exports;
+  explicit Blob(py::object object)
+      : object_(std::move(object)), tree_(object_.cast<Tree&>()) {
+    bytes_ = Read(tree_, [](const auto& bvh) { return bvh.Blob(); });
+    ++tree_.exports;
   }
-  ~Blob() { --tree().exports; }
+  ~Blob() { --tree_.exports; }
   Blob(const Blob&) = delete;
   Blob& operator=(const Blob&) = delete;
 
@@ -180,9 +181,8 @@ class Blob {
   }
 
  private:
-  Tree& tree() const { return object_.cast<Tree&>(); }
-
-  py::object object_;
+  py::object object_;  // the Python object of the tree
+  Tree& tree_;
   Span<const std::byte> bytes_;
 };
 
@@ -340,7 +340,7 @@ Ids QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
     options.skip = skip;
     return Survivors(bvh, query, found, options);
   });
-  Ids ids(std::min(limit, total - std::min(skip, total)));
+  Ids ids(Size(std::min(limit, total - std::min(skip, total))));
   std::copy_n(found.data(), ids.size(), Data(ids));
   return ids;
 }
@@ -371,7 +371,7 @@ Ids Count(Tree& tree, const py::tuple& arrays, std::size_t threads,
           py::object progress) {
   const Columns boxes(arrays);
   Work work(threads, std::move(progress));
-  Ids counts(boxes.count());
+  Ids counts(Size(boxes.count()));
   std::int64_t* const to = Data(counts);
   ForEachQuery(tree, boxes, work,
                [to](const auto& bvh, const auto& query, std::size_t i) {
@@ -384,7 +384,7 @@ py::array_t<bool> Any(Tree& tree, const py::tuple& arrays, std::size_t threads,
                       py::object progress) {
   const Columns boxes(arrays);
   Work work(threads, std::move(progress));
-  py::array_t<bool> found(boxes.count());
+  py::array_t<bool> found(Size(boxes.count()));
   bool* const to = found.mutable_data();
   ForEachQuery(tree, boxes, work,
                [to](const auto& bvh, const auto& query, std::size_t i) {
@@ -453,6 +453,7 @@ void FindNearest(const Bvh<AabbView<kDims>>& bvh, const Columns& queries,
     }
   } else if (options.are_points && !queries.is_double()) {
     std::vector<Point<kDims>> points;
+    points.reserve(count);
     for (const Aabb<kDims>& box : boxes) points.push_back(box.min);
     KNearestOfEach(bvh, points, k, {ids, count * k}, {distances, count * k},
                    options.max_distance);
@@ -524,8 +525,8 @@ py::tuple CastRays(Tree& tree, const py::tuple& origin_arrays,
   if (directions.count() != n || limits.count() != n || limits.columns() < 1) {
     throw std::invalid_argument("_halfspace: arrays of different lengths");
   }
-  Ids ids(n);
-  py::array_t<float> distances(n);
+  Ids ids(Size(n));
+  py::array_t<float> distances(Size(n));
   std::int64_t* const to = Data(ids);
   float* const its_distances = distances.mutable_data();
   Work work(threads, std::move(progress));
@@ -622,7 +623,7 @@ Ids Insert(Tree& tree, const py::tuple& arrays) {
     const auto bounds = AllBoxes<kDimsOf<decltype(bvh)>>(boxes);
     bvh.Insert(bounds, ids);
   });
-  Ids result(ids.size());
+  Ids result(Size(ids.size()));
   std::copy(ids.begin(), ids.end(), Data(result));
   return result;
 }
@@ -675,7 +676,7 @@ void RefitSome(Tree& tree, const py::tuple& arrays, const ShortIds& ids) {
 py::array_t<float> BoundsOf(Tree& tree) {
   return Ask(tree, [](const auto& bvh) {
     const auto bounds = bvh.Bounds();
-    py::array_t<float> values(2 * bounds.min.size());
+    py::array_t<float> values(Size(2 * bounds.min.size()));
     std::copy(bounds.min.begin(), bounds.min.end(), values.mutable_data());
     std::copy(bounds.max.begin(), bounds.max.end(),
               values.mutable_data() + bounds.min.size());
