@@ -64,7 +64,8 @@ class BVH:
 
     Every call releases the interpreter's lock, so threads can query one tree at
     the same time. A change while another thread uses the tree raises
-    RuntimeError. Ctrl-C ends a long call.
+    RuntimeError. Ctrl-C ends a long build, refit, query or join. It does not end
+    `insert`, `erase`, `save` or the check of a blob.
     """
 
     __slots__ = ("_tree", "__weakref__")
@@ -111,9 +112,9 @@ class BVH:
         """
         with open(path, "rb") as file:
             if os.fstat(file.fileno()).st_size == 0:
-                raise ValueError(f"{os.fspath(path)}: the file is empty")
+                raise ValueError(f"{os.fsdecode(path)}: the file is empty")
             mapped = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-        return cls._of(_load(mapped, os.fspath(path), verify))
+        return cls._of(_load(mapped, os.fsdecode(path), verify))
 
     @classmethod
     def _of(cls, tree: _halfspace.Tree) -> "BVH":
@@ -136,7 +137,7 @@ class BVH:
         The file appears at `path` when it is complete: a failure leaves an
         older file as it was.
         """
-        path = os.fspath(path)
+        path = os.fsdecode(path)
         temporary = f"{path}.{os.getpid()}.part"
         try:
             with open(temporary, "wb") as file:
