@@ -37,8 +37,9 @@ class BVH:
         not depend on it.
     progress : callable, optional
         `progress(done, total)` is called up to 20 times a second by the calling
-        thread, and once at the end. The two are numbers of boxes or queries. An
-        exception in it ends the call.
+        thread, and once at the end. The two are numbers of boxes or queries, and
+        `total` is not 0. An exception in it ends the call. On a terminal:
+        `lambda done, total: print(f"\\r{done / total:.0%}", end="")`.
 
     Notes
     -----
@@ -177,6 +178,12 @@ class BVH:
             The ids of one row are in no particular order, but equal calls
             return the same order. For one box of shape (2 d,) only the ids, of
             shape (n,).
+
+        Notes
+        -----
+        The results take 16 bytes per pair, and 8 more during the call. If that
+        is too much, use `query_batches`. Ids are int64 because NumPy converts
+        any other index to it.
 
         Examples
         --------

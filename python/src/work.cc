@@ -47,7 +47,8 @@ void Work::Run(std::size_t count,
 
 void Work::Finish() {
   py::gil_scoped_acquire lock;
-  if (!progress_.is_none()) progress_(total_, total_);
+  // Callers divide by the total.
+  if (!progress_.is_none() && total_ != 0) progress_(total_, total_);
 }
 
 void Work::Contact(std::size_t done, std::size_t count) {

@@ -39,7 +39,7 @@ class Work {
   void Run(std::size_t count,
            const std::function<void(std::size_t, std::size_t)>& part);
 
-  // Calls progress(total, total).
+  // Calls progress(total, total), unless there was nothing to do.
   void Finish();
 
   std::size_t threads() const { return threads_; }
