@@ -534,7 +534,9 @@ def _load(blob: Any, name: str, verify: bool) -> _halfspace.Tree:
     try:
         return _halfspace.Tree.from_blob(blob, bool(verify))
     except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
+        # Without the name of the C++ call and its argument.
+        text = str(error).rpartition(" blob: ")[2]
+        raise ValueError(f"{name}: {text}") from None
 
 
 def _unpickle(cls: Type[BVH], blob: Any) -> BVH:

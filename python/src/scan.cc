@@ -104,7 +104,7 @@ void ForEachQuery(const Scan& scan, const Columns& boxes, Work& work,
       scan.world);
 }
 
-// (2, n), or (n) without the rows.
+// Returns the rows and the ids, of shape (2, n), or only the ids, of shape (n).
 Ids Query(const Scan& scan, const py::tuple& arrays, bool with_rows,
           std::size_t threads) {
   const Columns boxes(arrays);
@@ -166,7 +166,7 @@ std::size_t SizeOf(const Scan& scan) {
   return std::visit([](const auto& world) { return world.size(); }, scan.world);
 }
 
-// (queries, objects)
+// Returns an array of shape (queries, objects).
 py::array_t<bool> Mask(const Scan& scan, const py::tuple& arrays,
                        std::size_t threads) {
   const Columns boxes(arrays);

@@ -186,7 +186,7 @@ class Blob {
   Span<const std::byte> bytes_;
 };
 
-// Ids of a part of the queries, grouped by query, and the number for each.
+// Finds the ids for a part of the queries, grouped by query, and counts them.
 template <int kDims>
 void FindPart(const Bvh<AabbView<kDims>>& bvh, const Columns& boxes,
               std::size_t part, std::size_t thread,
@@ -205,7 +205,8 @@ void FindPart(const Bvh<AabbView<kDims>>& bvh, const Columns& boxes,
   }
 }
 
-// Queries one after another. (2, n), or (n) without the rows.
+// Runs the queries one after another. Returns the rows and the ids, of shape
+// (2, n), or only the ids, of shape (n).
 Ids QueryInTurn(Tree& tree, const Columns& boxes, bool with_rows, Work& work) {
   const std::size_t parts = PartsOf(boxes.count(), kPartQueries);
   work.SetStage(0, boxes.count(), boxes.count());
@@ -239,7 +240,7 @@ Ids QueryInTurn(Tree& tree, const Columns& boxes, bool with_rows, Work& work) {
   return ids;
 }
 
-// The pairs of a tree and of another or itself, by part.
+// Finds the pairs of a tree and of another or itself, by part.
 template <typename AnyBvh, typename Find>
 Results<IdPair> FindPairs(const AnyBvh& bvh, Work& work, const Find& find) {
   const std::size_t parts = PartsOf(PairParts(bvh), kPartLeaves);
@@ -327,7 +328,7 @@ Ids Query(Tree& tree, const py::tuple& arrays, bool with_rows,
   return ids;
 }
 
-// Some ids of one query: at most `limit`, after the first `skip`.
+// Returns at most `limit` ids of one query, after the first `skip`.
 Ids QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
               std::size_t limit) {
   const Columns boxes(arrays);
@@ -562,7 +563,7 @@ py::tuple CastRays(Tree& tree, const py::tuple& origin_arrays,
   return py::make_tuple(ids, distances);
 }
 
-// (2, n), with i < j if `is_ordered`.
+// Returns the pairs in an array of shape (2, n), with i < j if `is_ordered`.
 Ids ToArray(const Results<IdPair>& results, bool is_ordered, Work& work) {
   const std::vector<std::size_t> offsets = results.Offsets();
   const std::size_t found = offsets.back();
