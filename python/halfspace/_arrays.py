@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import os
 from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -62,8 +63,25 @@ def points(value: Any, name: str, dims: int) -> Table:
     return _without_nan(array, name)
 
 
+def directions(value: Any, name: str, dims: int) -> Table:
+    """As points(). A double must not become 0 or infinite as a float: its ray would
+    go elsewhere."""
+    array = _numbers(value, name)
+    if array.dtype == np.float64 and array.ndim in (1, 2):
+        with np.errstate(over="ignore"):
+            rounded = array.astype(np.float32)
+        bad = np.isfinite(array) & ((rounded == 0) & (array != 0) | np.isinf(rounded))
+        if bad.any():
+            row = np.argwhere(bad)[0].tolist()
+            raise ValueError(
+                f"{name}{row}: expected a number that float32 can hold, got "
+                f"{array[tuple(row)]}: scale the direction and max_t"
+            )
+    return points(value, name, dims)
+
+
 def points_or_boxes(value: Any, name: str, dims: int) -> Table:
-    if _pair_of_tables(value) or _columns_of(value):
+    if _pair_of_tables(value):
         return boxes(value, name, dims)
     array = _numbers(value, name)
     if array.ndim not in (1, 2) or array.shape[-1] not in (dims, 2 * dims):
@@ -153,11 +171,26 @@ def threads(value: Optional[int]) -> int:
     return positive(value, "threads", MOST_THREADS)
 
 
+def not_negative(value: Any, name: str) -> float:
+    """A float from 0 to infinity."""
+    try:
+        number = float(value)
+    except TypeError:
+        raise TypeError(
+            f"{name}: expected a number, got {type(value).__name__}"
+        ) from None
+    if not number >= 0:
+        raise ValueError(
+            f"{name}: expected a number that is not negative, got {number}"
+        )
+    return number
+
+
 def positive(value: Any, name: str, most: int = 2**31 - 1) -> int:
     """An integer from 1 to `most`."""
     try:
-        number = value.__index__()
-    except AttributeError:
+        number = operator.index(value)
+    except TypeError:
         raise TypeError(
             f"{name}: expected an integer, got {type(value).__name__}"
         ) from None
@@ -192,11 +225,7 @@ def _box_arrays(
     columns = _columns_of(value)
     if columns:
         arrays = [_column(c, f"{name}[{i}]") for i, c in enumerate(columns)]
-        lengths = [a.shape[0] for a in arrays]
-        if len(set(lengths)) != 1:
-            raise ValueError(
-                f"{name}: expected columns of the same length, got lengths {lengths}"
-            )
+        _check_columns(arrays, name)
         return arrays, False
     array = _numbers(value, name)
     if array.ndim == 1:
@@ -226,6 +255,19 @@ def _columns_of(value: Any) -> Sequence[Any]:
     return []
 
 
+def _check_columns(columns: Sequence[np.ndarray], name: str) -> None:
+    lengths = [a.shape[0] for a in columns]
+    if len(set(lengths)) != 1:
+        raise ValueError(
+            f"{name}: expected columns of the same length, got lengths {lengths}"
+        )
+    if lengths[0] == len(columns):
+        raise ValueError(
+            f"{name}: a tuple of {len(columns)} arrays of length {lengths[0]} can be rows "
+            "or columns: pass a list of rows, or numpy.column_stack(columns)"
+        )
+
+
 def _ndim(value: Any) -> Optional[int]:
     """The number of dimensions of an array, and None of a list or a number."""
     if hasattr(value, "ndim"):
@@ -246,6 +288,8 @@ def _numbers(value: Any, name: str) -> np.ndarray:
         array = np.asarray(value)
     except ValueError as error:
         raise ValueError(f"{name}: expected an array of numbers: {error}") from None
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        raise TypeError(f"{name}: expected an array without masked values")
     if array.dtype.kind == "O":
         raise TypeError(
             f"{name}: expected an array of numbers, got {type(value).__name__} that "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import mmap
 import os
 import pickle
+import uuid
 from typing import Any, Callable, Iterator, Optional, Tuple, Type, Union
 
 import numpy as np
@@ -139,7 +140,7 @@ class BVH:
         older file as it was.
         """
         path = os.fsdecode(path)
-        temporary = f"{path}.{os.getpid()}.part"
+        temporary = f"{path}.{uuid.uuid4().hex}.part"
         try:
             with open(temporary, "wb") as file:
                 file.write(self.blob())
@@ -153,7 +154,7 @@ class BVH:
         # Out of band if the pickler has a buffer_callback, and in band if not.
         blob = self.blob()
         data = pickle.PickleBuffer(blob) if protocol >= 5 else bytes(blob)
-        return _unpickle, (type(self), data)
+        return _unpickle, (type(self), data), getattr(self, "__dict__", None)
 
     def query(
         self,
@@ -195,6 +196,10 @@ class BVH:
         >>> tree.query([3, 3, 4, 4])
         array([1])
         """
+        if type(boxes) is np.ndarray and boxes.ndim == 1:
+            ids = self._tree.query_one(boxes)
+            if ids is not None:
+                return ids
         table = self._boxes(boxes)
         return self._tree.query(
             table.arrays, not table.single, _arrays.threads(threads), progress
@@ -311,15 +316,17 @@ class BVH:
         max_distance : float
             Objects that are farther away are not found.
         exclusive : bool
-            Leaves out the objects whose box is equal to the query, such as the
-            query itself if the tree has it.
+            Leaves out the objects whose box is equal to the query as float32,
+            such as the query itself if the tree has it.
         threads, progress
             As in `BVH`.
 
         Returns
         -------
         ids : ndarray of int64, shape (m, k) or (k,)
-            The nearest object first. -1 if there are fewer than k.
+            The nearest object first. -1 if there are fewer than k within
+            `max_distance`, or within about 2^64, the largest distance whose
+            square is a float32.
         distances : ndarray of float32, shape (m, k) or (k,)
             The Euclidean distances of the boxes, within 2^-20 (relative), and 0
             for boxes that touch. inf if there are fewer than k. For a point of
@@ -334,11 +341,7 @@ class BVH:
         """
         table = _arrays.points_or_boxes(points, "points", self.dims)
         count = _arrays.positive(k, "k")
-        limit = float(max_distance)
-        if not limit >= 0:
-            raise ValueError(
-                f"max_distance: expected a number that is not negative, got {limit}"
-            )
+        limit = _arrays.not_negative(max_distance, "max_distance")
         ids, distances = self._tree.nearest(
             table.arrays, count, limit, bool(exclusive), _arrays.threads(threads), progress
         )
@@ -362,7 +365,7 @@ class BVH:
         origins, directions : array_like, shape (m, d) or (d,)
             One of the two can have the shape (d,) for all rays. float64 is
             rounded to the nearest float32, so a ray can miss a box that it
-            only touches.
+            only touches. A direction that becomes 0 or infinite is an error.
         max_t : float or array_like of shape (m,)
             In multiples of the direction.
         threads, progress
@@ -388,7 +391,7 @@ class BVH:
         array([0, 1])
         """
         starts = _arrays.points(origins, "origins", self.dims)
-        ways = _arrays.points(directions, "directions", self.dims)
+        ways = _arrays.directions(directions, "directions", self.dims)
         single = starts.single and ways.single
         rays = ways.length if starts.single else starts.length
         starts, ways = _repeat(starts, rays), _repeat(ways, rays)
@@ -494,7 +497,14 @@ class BVH:
         maxima of -inf. Takes a pass over all objects.
         """
         boxes = self._tree.boxes()
-        return boxes if ids is None else boxes[_arrays.ids(ids, "ids")]
+        if ids is None:
+            return boxes
+        wanted = _arrays.ids(ids, "ids")
+        if len(wanted) and wanted.max() >= len(boxes):
+            raise ValueError(
+                f"ids: expected ids below {len(boxes)}, got {wanted.max()}"
+            )
+        return boxes[wanted]
 
     def __repr__(self) -> str:
         return f"<halfspace.BVH: {len(self)} boxes in {self.dims} dimensions>"

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -71,10 +72,13 @@ auto Ask(Tree& tree, const Function& function) {
   return std::visit(function, std::as_const(tree.bvh));
 }
 template <typename Function>
-auto Change(Tree& tree, Function&& function) {
-  const Changing changing(tree);
-  const py::gil_scoped_release release;
-  return std::visit(function, tree.bvh);
+void Change(Tree& tree, Function&& function, bool is_refit = false) {
+  const Changing changing(tree, is_refit);
+  {
+    const py::gil_scoped_release release;
+    std::visit(function, tree.bvh);
+  }
+  ++tree.changes;
 }
 
 void CheckColumns(const Tree& tree, const Columns& columns, bool is_points) {
@@ -307,13 +311,25 @@ Ids QueryByJoin(Tree& tree, const Columns& boxes, Work& work) {
   return ids;
 }
 
-// Measured with 10^3 to 4 * 10^6 objects and 10^4 to 10^6 queries: with fewer
-// queries the leaves of their tree are too large, and a join reads more. The
-// row of a query is an id in their tree.
-bool IsJoinFaster(Tree& tree, std::size_t queries) {
-  const std::size_t objects =
-      Ask(tree, [](const auto& bvh) { return bvh.size(); });
-  return queries >= 4096 && queries >= objects / 16 && queries < kMostObjects;
+// As measured with 10^3 to 10^6 objects and 10^4 to 10^6 queries. With fewer
+// queries the leaves of their tree are too large, and a join reads more: it
+// takes up to 5 times as long. With many results it takes up to twice as long,
+// because it sorts them. The row of a query is an id in their tree.
+bool IsJoinFaster(Tree& tree, const Columns& boxes) {
+  constexpr std::size_t kSample = 64;
+  constexpr std::size_t kManyResults = 8;
+  const std::size_t queries = boxes.count();
+  if (queries < 4096 || queries >= kMostObjects) return false;
+  return Read(tree, [&](const auto& bvh) {
+    if (queries < bvh.size() / 8) return false;
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < kSample; ++i) {
+      Aabb<kDimsOf<decltype(bvh)>> query;
+      boxes.GetBoxes(i * (queries / kSample), 1, &query);
+      found += CountSurvivors(bvh, query);
+    }
+    return found < kManyResults * kSample;
+  });
 }
 
 Ids Query(Tree& tree, const py::tuple& arrays, bool with_rows,
@@ -321,11 +337,66 @@ Ids Query(Tree& tree, const py::tuple& arrays, bool with_rows,
   const Columns boxes(arrays);
   CheckColumns(tree, boxes, false);
   Work work(threads, std::move(progress));
-  Ids ids = with_rows && IsJoinFaster(tree, boxes.count())
+  Ids ids = with_rows && IsJoinFaster(tree, boxes)
                 ? QueryByJoin(tree, boxes, work)
                 : QueryInTurn(tree, boxes, with_rows, work);
   work.Finish();
   return ids;
+}
+
+// The box that an array has, rounded outward. Nothing if it needs a closer
+// look.
+template <int kDims, typename Scalar>
+std::optional<Aabb<kDims>> BoxIn(const py::array& array) {
+  if (!py::isinstance<py::array_t<Scalar>>(array)) return std::nullopt;
+  Aabb<kDims, Scalar> box;
+  const auto* const values = static_cast<const Scalar*>(array.data());
+  for (std::size_t k = 0; k < kDims; ++k) {
+    box.min[k] = values[k];
+    box.max[k] = values[kDims + k];
+    if (!(box.min[k] <= box.max[k])) return std::nullopt;
+  }
+  if constexpr (std::is_same_v<Scalar, float>) {
+    return box;
+  } else {
+    return RoundOutward(box);
+  }
+}
+
+// query() of one box in a plain array, in a third of the time: most of a short
+// query is the way through Python. None if the array is anything else.
+py::object QueryOne(Tree& tree, const py::array& array) {
+  const py::ssize_t values = tree.bvh.index() == 0 ? 4 : 6;
+  if (array.ndim() != 1 || array.shape(0) != values ||
+      array.strides(0) != array.itemsize() ||
+      (array.flags() & py::detail::npy_api::NPY_ARRAY_ALIGNED_) == 0) {
+    return py::none();
+  }
+  const Reading reading(tree);
+  return std::visit(
+      [&](const auto& bvh) -> py::object {
+        constexpr int kDims = kDimsOf<decltype(bvh)>;
+        auto box = BoxIn<kDims, float>(array);
+        if (!box) box = BoxIn<kDims, double>(array);
+        if (!box) return py::none();
+        std::array<std::uint32_t, 256> few;
+        std::vector<std::uint32_t> many;
+        Span<std::uint32_t> found = few;
+        std::size_t count = 0;
+        {
+          const py::gil_scoped_release release;
+          count = Survivors(bvh, *box, found);
+          if (count > found.size()) {
+            many.resize(count);
+            found = many;
+            count = Survivors(bvh, *box, found);
+          }
+        }
+        Ids ids(Size(count));
+        std::copy_n(found.data(), count, Data(ids));
+        return ids;
+      },
+      std::as_const(tree.bvh));
 }
 
 // Returns at most `limit` ids of one query, after the first `skip`.
@@ -485,8 +556,10 @@ py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
                                  are_points};
     // As many queries in a part as have about this number of results.
     constexpr std::size_t kPartResults = 4096;
-    const std::size_t in_part =
+    std::size_t in_part =
         std::clamp(kPartResults / k, std::size_t{1}, kPartQueries);
+    // A search for others also finds all objects that are equal to its query.
+    if (is_exclusive) in_part = std::min(in_part, std::size_t{4});
     work.Run(PartsOf(n, in_part), [&](std::size_t part, std::size_t) {
       const std::size_t first = part * in_part;
       const std::size_t count = std::min(in_part, n - first);
@@ -656,11 +729,14 @@ void Refit(Tree& tree, const py::tuple& arrays, std::size_t threads,
   // A refit of doubles rounds first.
   BuildRunner runner(work, boxes.is_double() ? 2 : 1, boxes.count(),
                      boxes.count());
-  Change(tree, [&](auto& bvh) {
+  const auto refit = [&](auto& bvh) {
+    tree.is_half_refitted = true;
     boxes.WithBoxes<kDimsOf<decltype(bvh)>>(
         [&](const auto& shapes) { bvh.Refit(shapes, runner); });
-    work.Finish();
-  });
+    tree.is_half_refitted = false;
+  };
+  Change(tree, refit, /*is_refit=*/true);
+  work.Finish();
 }
 
 void RefitSome(Tree& tree, const py::tuple& arrays, const ShortIds& ids) {
@@ -694,18 +770,20 @@ py::array_t<float> Boxes(Tree& tree) {
   float* const to = values.mutable_data();
   Read(tree, [to, n](const auto& bvh) {
     using Box = typename std::decay_t<decltype(bvh)>::Bound;
-    const auto put = [to](std::uint32_t id, const Box& box) {
+    const auto put = [to](std::size_t id, const Box& box) {
       constexpr std::size_t kAxes = Box::kAxes;
       float* const row = to + id * 2 * kAxes;
       std::copy(box.min.begin(), box.min.end(), row);
       std::copy(box.max.begin(), box.max.end(), row + kAxes);
     };
-    for (std::uint32_t id = 0; id < n; ++id) put(id, Box::Empty());
+    for (std::size_t id = 0; id < n; ++id) put(id, Box::Empty());
     // Nothing limits this box, so its cast finds all objects, in one pass.
     Box all = Box::Empty();
     std::swap(all.min, all.max);
     BoxCast(bvh, all, {}, 0.0f,
-            [&put](std::uint32_t id, float, const Box& box) { put(id, box); });
+            [&put, n](std::uint32_t id, float, const Box& box) {
+              if (id < n) put(id, box);  // an altered blob can have any id
+            });
   });
   return values;
 }
@@ -718,15 +796,27 @@ Buffer::Buffer(const py::object& object) {
   }
 }
 
+namespace {
+
+void CheckRefitted(const Tree& tree) {
+  if (!tree.is_half_refitted) return;
+  throw std::runtime_error(
+      "refit() of this BVH was interrupted: call refit() with all boxes again "
+      "before any other call");
+}
+
+}  // namespace
+
 Reading::Reading(Tree& tree) : tree_(tree) {
   if (tree.is_changing) {
     throw std::runtime_error(
         "another call is changing this BVH: wait until it has finished");
   }
+  CheckRefitted(tree);
   ++tree.readers;
 }
 
-Changing::Changing(Tree& tree) : tree_(tree) {
+Changing::Changing(Tree& tree, bool is_refit) : tree_(tree) {
   if (tree.is_changing || tree.readers > 0) {
     throw std::runtime_error(
         "another call is using this BVH: wait until it has finished before "
@@ -736,8 +826,8 @@ Changing::Changing(Tree& tree) : tree_(tree) {
     throw py::buffer_error(
         "the blob of this BVH is in use: release it before you change the BVH");
   }
+  if (!is_refit) CheckRefitted(tree);
   tree.is_changing = true;
-  ++tree.changes;
 }
 
 void DefineTree(py::module_& module) {
@@ -748,6 +838,7 @@ void DefineTree(py::module_& module) {
       .def(py::init(&MakeTree))
       .def_static("from_blob", &FromBlob)
       .def("query", &Query)
+      .def("query_one", &QueryOne)
       .def("query_some", &QuerySome)
       .def("count", &Count)
       .def("any", &Any)

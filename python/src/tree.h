@@ -36,7 +36,8 @@ struct Tree {
   std::size_t readers = 0;  // calls that read now
   std::size_t exports = 0;  // blobs that Python objects refer to
   bool is_changing = false;
-  std::size_t changes = 0;  // so far
+  bool is_half_refitted = false;  // an exception ended Refit()
+  std::size_t changes = 0;        // so far
 };
 
 // Exists while a call reads a tree. The constructor throws if another call
@@ -56,7 +57,7 @@ class Reading {
 // uses the tree, or if Python objects refer to its blob.
 class Changing {
  public:
-  explicit Changing(Tree& tree);
+  explicit Changing(Tree& tree, bool is_refit = false);
   ~Changing() { tree_.is_changing = false; }
   Changing(const Changing&) = delete;
   Changing& operator=(const Changing&) = delete;
