@@ -34,9 +34,11 @@ import dataclasses
 import functools
 import itertools
 import math
+import operator
 import os
 import tempfile
 import typing
+import uuid
 
 import dask
 import dask.array
@@ -98,7 +100,7 @@ def _chunks(source, name: str, widths: tuple[int, ...]) -> tuple[list[_Chunk], i
         parts = list(zip(source.chunks[0], source.to_delayed()[:, 0]))
     elif isinstance(source, (list, tuple)) and source and all(
             isinstance(path, (str, os.PathLike)) for path in source):
-        for path in map(os.fspath, source):
+        for path in map(os.path.abspath, source):
             shape = np.load(path, mmap_mode="r").shape
             check(shape, path)
             for begin in range(0, shape[0], _CHUNK_ROWS):
@@ -113,6 +115,17 @@ def _chunks(source, name: str, widths: tuple[int, ...]) -> tuple[list[_Chunk], i
     firsts = itertools.accumulate((rows for rows, _ in parts), initial=0)
     return [_Chunk(first, rows, data)
             for first, (rows, data) in zip(firsts, parts) if rows > 0], width
+
+
+def _at_least_1(value, name: str) -> int:
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(
+            f"{name} must be an integer, not {type(value).__name__}") from None
+    if number < 1:
+        raise ValueError(f"{name} must be at least 1, not {number}")
+    return number
 
 
 def _in_chunk(first: int, call):
@@ -205,22 +218,24 @@ def _split_at_medians(points, weights, partitions: int) -> _Splits:
 class _Partition:
     tree: hs.BVH
     rows: np.ndarray  # of the objects, by id of the tree
+    mapped: bool = False
 
 
 @dataclasses.dataclass(frozen=True)
 class _Routed:
-    """Rows of a chunk, grouped by the partition that they go to."""
+    """Which rows of a chunk go to which partition: each to none, one or several."""
 
     data: np.ndarray
-    rows: np.ndarray
+    first: int  # the chunk's first row
+    rows: np.ndarray  # in `data`, grouped by partition
     partitions: np.ndarray  # ascending
     begins: np.ndarray  # of each group, and the end
 
     @staticmethod
-    def to(partitions, data, rows) -> _Routed:
+    def to(partitions, rows, data, first: int) -> _Routed:
         order = np.argsort(partitions, kind="stable")
         numbers, begins = np.unique(partitions[order], return_index=True)
-        return _Routed(data[order], rows[order], numbers, np.append(begins, len(order)))
+        return _Routed(data, first, rows[order], numbers, np.append(begins, len(order)))
 
 
 @dask.sizeof.sizeof.register(hs.BVH)
@@ -230,12 +245,14 @@ def _size_of_tree(tree: hs.BVH) -> int:
 
 @dask.sizeof.sizeof.register(_Partition)
 def _size_of_partition(partition: _Partition) -> int:
-    return partition.tree.nbytes + partition.rows.nbytes
+    # Dask writes what fills the memory to disk. A mapped tree is there already.
+    tree = 0 if partition.mapped else partition.tree.nbytes
+    return tree + partition.rows.nbytes
 
 
 @dask.sizeof.sizeof.register(_Routed)
 def _size_of_routed(routed: _Routed) -> int:
-    return routed.data.nbytes + routed.rows.nbytes
+    return int(routed.data.nbytes + routed.rows.nbytes)
 
 
 def _targets(routed: _Routed) -> np.ndarray:
@@ -246,9 +263,9 @@ def _piece(routed: _Routed, partition: int):
     """The rows that go to one partition: what is sent to its worker."""
     at = np.searchsorted(routed.partitions, partition)
     if at == len(routed.partitions) or routed.partitions[at] != partition:
-        return routed.data[:0], routed.rows[:0]
-    some = slice(routed.begins[at], routed.begins[at + 1])
-    return routed.data[some].copy(), routed.rows[some].copy()
+        return routed.data[:0].copy(), np.empty(0, np.int64)
+    rows = routed.rows[routed.begins[at]:routed.begins[at + 1]]
+    return routed.data[rows], rows + routed.first
 
 
 # Tasks of a build.
@@ -263,8 +280,8 @@ def _sample(boxes, first: int, share: float):
 
 def _distribute(boxes, first: int, splits: _Splits) -> _Routed:
     boxes = np.asarray(boxes)
-    rows = np.arange(first, first + len(boxes))
-    return _Routed.to(splits.partitions_of(_centers(boxes)), boxes, rows)
+    partitions = splits.partitions_of(_centers(boxes))
+    return _Routed.to(partitions, np.arange(len(boxes)), boxes, first)
 
 
 def _build(pieces, mapped: bool) -> _Partition:
@@ -280,7 +297,7 @@ def _build(pieces, mapped: bool) -> _Partition:
             path = os.path.join(scratch, "tree")
             tree.save(path)
             tree = hs.BVH.map(path)  # keeps the file's content
-    return _Partition(tree, rows)
+    return _Partition(tree, rows, mapped)
 
 
 def _error_of_row(boxes, rows) -> ValueError | None:
@@ -304,7 +321,7 @@ def _about(partition: _Partition):
 def _route(boxes, first: int, top: hs.BVH) -> _Routed:
     boxes = np.asarray(boxes)
     rows, partitions = _in_chunk(first, lambda: top.query(boxes))
-    return _Routed.to(partitions, boxes[rows], rows + first)
+    return _Routed.to(partitions, rows, boxes, first)
 
 
 def _border(partition: _Partition, bounds: np.ndarray):
@@ -370,9 +387,15 @@ def _write_pairs(pairs_in, partition: _Partition, piece, most: int, prefix: str)
         if len(pairs[0]) == 0:
             continue
         path = f"{prefix}-{begin:09}.npy"
-        with tempfile.NamedTemporaryFile(dir=os.path.dirname(path), delete=False) as file:
-            np.save(file, np.stack(pairs))
-        os.replace(file.name, path)
+        part = f"{path}.{uuid.uuid4().hex}.part"
+        try:
+            with open(part, "wb") as file:
+                np.save(file, np.stack(pairs))
+            os.replace(part, path)
+        except BaseException:
+            if os.path.exists(part):
+                os.unlink(part)
+            raise
         paths.append(path)
     return paths
 
@@ -383,32 +406,38 @@ def _write_pairs(pairs_in, partition: _Partition, piece, most: int, prefix: str)
 def _nearest_in(partition: _Partition, piece, k: int, max_distance: float):
     points, rows = piece
     ids, distances = partition.tree.nearest(points, k=k, max_distance=max_distance)
-    ids, distances = ids.reshape(-1, k), distances.reshape(-1, k)
-    return rows, np.where(ids < 0, -1, partition.rows[ids]), distances
+    return rows, np.append(partition.rows, -1)[ids], distances
 
 
 def _send_home(points, first: int, homes: hs.BVH, numbers: np.ndarray) -> _Routed:
     """Sends each point to the nearest of some partitions."""
     points = np.asarray(points)
     nearest, _ = _in_chunk(first, lambda: homes.nearest(points, k=1))
-    rows = np.arange(first, first + len(points))
-    return _Routed.to(numbers[np.maximum(nearest.reshape(-1), 0)], points, rows)
+    partitions = numbers[np.maximum(nearest[:, 0], 0)]
+    return _Routed.to(partitions, np.arange(len(points)), points, first)
 
 
 def _send_on(points, first: int, home: _Routed, found: list, top: hs.BVH,
              max_distance: float) -> _Routed:
     """Sends each point to the other partitions within the distance of its k-th."""
-    points = np.asarray(points, np.float64)
+    points = np.asarray(points)
     radius = np.full((len(points), 1), float(max_distance))
     home_of = np.empty(len(points), np.int64)
-    home_of[home.rows - first] = np.repeat(home.partitions, np.diff(home.begins))
+    home_of[home.rows] = np.repeat(home.partitions, np.diff(home.begins))
     for rows, _, distances in found:
         radius[rows - first] = np.minimum(max_distance, distances[:, -1:])
     radius = radius * _FAR + _FARTHER
-    rows, partitions = top.query(np.hstack([points - radius, points + radius]))
+    # From the box of floats around a point, as trees measure distances.
+    near = points.astype(np.float32)
+    low = np.where(near > points, np.nextafter(near, -np.float32(np.inf)), near)
+    high = np.where(near < points, np.nextafter(near, np.float32(np.inf)), near)
+    with np.errstate(invalid="ignore"):
+        low, high = low - radius, high + radius
+    # The difference of infinities.
+    low[np.isnan(low)], high[np.isnan(high)] = -np.inf, np.inf
+    rows, partitions = top.query(np.hstack([low, high]))
     is_other = partitions != home_of[rows]
-    rows = rows[is_other]
-    return _Routed.to(partitions[is_other], points[rows], rows + first)
+    return _Routed.to(partitions[is_other], rows[is_other], points, first)
 
 
 def _merge(first: int, count: int, k: int, found: list):
@@ -435,16 +464,20 @@ class _Runner:
 
     def __init__(self, client: distributed.Client | None):
         self.client = client or distributed.get_client()
-        workers = self.client.scheduler_info()["workers"].values()
-        if not workers:
+        self.threads = sum(self.client.nthreads().values())
+        if self.threads == 0:
             raise RuntimeError("the cluster has no workers: wait for one with "
                                "client.wait_for_workers(1)")
-        self.threads = sum(worker["nthreads"] for worker in workers)
-        self.memory = sum(worker["memory_limit"] or 0 for worker in workers)
 
     def submit(self, function, *arguments) -> distributed.Future:
         # Not pure: a file that changed between two calls must be read again.
         return self.client.submit(function, *arguments, pure=False)
+
+    def memory(self) -> int:
+        """The memory of all workers, or 0 if one of them has no limit."""
+        limits = self.client.run(
+            lambda dask_worker: dask_worker.memory_manager.memory_limit).values()
+        return sum(limits) if all(limits) else 0
 
     def source(self, chunk: _Chunk) -> distributed.Future:
         return self.client.compute(chunk.data)
@@ -462,33 +495,38 @@ class _Runner:
         """Yields the results of jobs as they arrive. A job is a future, and None or a
         function of the result that returns what to yield and a list of more jobs."""
         jobs = iter(jobs)
+        more: collections.deque = collections.deque()
         running = distributed.as_completed()
         follow: dict = {}
         while True:
-            room = 2 * self.threads - len(follow)
-            for future, function in itertools.islice(jobs, room):
-                follow[future] = function
-                running.add(future)
+            while len(follow) < 2 * self.threads:
+                job = more.popleft() if more else next(jobs, None)
+                if job is None:
+                    break
+                follow[job[0]] = job[1]
+                running.add(job[0])
             if not follow:
                 return
+            job = None
             future = next(running)
             function = follow.pop(future)
             result = future.result()
             del future  # its result may leave the workers
             if function is not None:
-                result, more = function(result)
-                jobs = itertools.chain(more, jobs)
+                result, added = function(result)
+                more.extend(added)
             yield result
 
     def pairs(self, joins, most: int, to):
         """Streams the pairs of (pairs_in, partition, piece), or writes them."""
-        if most < 1:
-            raise ValueError(f"max_results must be at least 1, not {most}")
+        most = _at_least_1(most, "max_results")
         if to is None:
             return self._stream_pairs(joins, most)
         to = os.path.abspath(to)
         os.makedirs(to, exist_ok=True)
-        jobs = ((self.submit(_write_pairs, *join, most, os.path.join(to, f"{n:09}")), None)
+        # A second call writes other files, and a task that runs twice the same.
+        name = os.path.join(to, uuid.uuid4().hex)
+        jobs = ((self.submit(_write_pairs, *join, most, f"{name}-{n:09}"), None)
                 for n, join in enumerate(joins))
         return sorted(itertools.chain.from_iterable(self.stream(jobs)))
 
@@ -535,13 +573,12 @@ class BVH:
         self._run = run = _Runner(client)
         if partitions is None:
             partitions = 2 * run.threads
-        if partitions < 1:
-            raise ValueError(f"partitions must be at least 1, not {partitions}")
+        partitions = _at_least_1(partitions, "partitions")
         chunks, self._width = _chunks(boxes, "boxes", (4, 6))
         self._size = sum(chunk.rows for chunk in chunks)
         partitions = min(partitions, self._size)
         if mapped is None:
-            mapped = bool(run.memory) and 2 * _BYTES_PER_OBJECT * self._size > run.memory
+            mapped = 0 < run.memory() < 2 * _BYTES_PER_OBJECT * self._size
 
         splits = _Splits([])
         if partitions > 1:
@@ -592,7 +629,8 @@ class BVH:
 
         With `to`, a directory that all workers share, the workers write the batches as
         .npy files of the shape (2, pairs), and the call returns the paths. A worker's
-        memory then has one batch for each of its threads.
+        memory then has one batch for each of its threads. Files that are there already
+        stay.
         """
         chunks, _ = _chunks(boxes, "boxes", (self._width,))
         routed = self._run.ahead(chunks, lambda chunk: self._run.submit(
@@ -628,8 +666,7 @@ class BVH:
         The nearest partition with k objects gives each point a radius. Then all other
         partitions within it are searched.
         """
-        if k < 1:
-            raise ValueError(f"k must be at least 1, not {k}")
+        k = _at_least_1(k, "k")
         if not max_distance >= 0:
             raise ValueError(f"max_distance must be at least 0, not {max_distance}")
         chunks, _ = _chunks(points, "points", (self._width // 2,))
@@ -701,6 +738,7 @@ def scan(boxes, queries, *, quantized: bool = False,
     chunks, width = _chunks(boxes, "boxes", (4, 6))
     queries = np.asarray(queries)
     _chunks(queries, "queries", (width,))
+    hs.BVH(queries)  # an error of a query is none of a chunk
     return run.stream((run.submit(_scan, run.source(chunk), chunk.first, queries,
                                   quantized), None) for chunk in chunks)
 

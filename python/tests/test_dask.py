@@ -138,11 +138,37 @@ def test_batches_are_bounded(client):
     np.testing.assert_array_equal(pairs_of(batches), expected)
 
 
+def test_many_small_results():
+    """A stream has one job after another, and not one inside another."""
+    class Future:
+        status = "finished"
+
+        def result(self):
+            return 1
+
+    class Completed(list):
+        add = list.append
+        __next__ = list.pop
+
+    run = hd._Runner.__new__(hd._Runner)
+    run.threads = 1
+    real, distributed.as_completed = distributed.as_completed, Completed
+    try:
+        jobs = ((Future(), lambda result: (result, [])) for _ in range(100_000))
+        assert sum(run.stream(jobs)) == 100_000
+    finally:
+        distributed.as_completed = real
+
+
 def test_workers_write_files(client, tmp_path):
     rng = np.random.default_rng(5)
     boxes = uniform(rng, 3000, size=0.1)
     tree = hd.BVH(boxes, partitions=3)
+    others = tree.query(boxes[:1], to=tmp_path / "pairs")
     paths = tree.pairs(max_results=1000, to=tmp_path / "pairs")
+    assert len(os.listdir(tmp_path / "pairs")) == len(paths) + len(others)
+    for path in others:
+        os.unlink(path)
     assert len(paths) > 3 and sorted(os.listdir(tmp_path / "pairs")) == [
         os.path.basename(path) for path in paths]
     i, j = hs.BVH(boxes).pairs()
@@ -167,6 +193,8 @@ def test_mapped_partitions(client):
     rng = np.random.default_rng(7)
     boxes = uniform(rng, 3000)
     tree = hd.BVH(boxes, partitions=3, mapped=True)
+    size = dask.sizeof.sizeof(tree._partitions[0].result())
+    assert size < 3000 * 8 < tree.nbytes
     np.testing.assert_array_equal(pairs_of(tree.query(boxes)),
                                   pairs_of([hs.BVH(boxes).query(boxes)]))
 
@@ -179,6 +207,10 @@ def test_few_objects(client):
     (rows, ids, distances), = tree.nearest(np.zeros((2, 3)), k=2)
     assert rows.tolist() == [0, 1]
     assert (ids == -1).all() and np.isinf(distances).all()
+    # Equal boxes are in one partition, and the others are empty.
+    same = hd.BVH(np.tile([0, 0, 0, 1, 1, 1.0], (5, 1)), partitions=3)
+    (rows, ids, distances), = same.nearest([[0, 0, 0], [np.inf, 0, 0]], k=10)
+    assert ids.tolist() == [[0, 1, 2, 3, 4] + [-1] * 5, [-1] * 10]
     tree = hd.BVH(np.ones((2, 6)), partitions=8)
     assert pairs_of(tree.pairs()).tolist() == [[0, 1]]
     assert list(tree.query(nothing)) == []
@@ -207,6 +239,7 @@ def test_a_tree_is_accounted_with_its_bytes():
     (lambda: hd.BVH(np.ones((3, 5))), r"boxes must have the shape \(n, 4\) or \(n, 6\)"),
     (lambda: hd.BVH(np.ones((3, 6)), balance="fair"), "balance must be"),
     (lambda: hd.BVH(np.ones((3, 6)), partitions=0), "partitions must be at least 1"),
+    (lambda: hd.scan(np.ones((3, 6)), np.full((1, 6), np.nan)), "boxes.0.: .*NaN"),
     (lambda: hd.BVH(np.ones((3, 6))).query(np.ones((3, 4))), "boxes must have the shape"),
     (lambda: hd.BVH(np.ones((3, 6))).query(np.ones((3, 6)), max_results=0), "max_results"),
     (lambda: list(hd.BVH(np.ones((3, 6))).nearest(np.ones((3, 3)), k=0)), "k must be"),
