@@ -396,7 +396,8 @@ def table(name, title, libraries, contests, notes, least=None):
         f"compare: {name}", title,
         [column("objects", key=True), column("query", key=True), column("results a probe"),
          column("halfspace", "us a probe", 3, better="lower"),
-         *(column(f"{library.name}, times", digits=1) for library in libraries)], rows, notes)
+         *(column(f"{library.name}, times", digits=1) for library in libraries)], rows,
+        ["times: how many times as long the library takes as halfspace.", *notes])
 
 
 def joins(scale, geos, repetitions, rng):
@@ -413,14 +414,13 @@ def joins(scale, geos, repetitions, rng):
         for case, probe_side in queries.items():
             boxes = make(rng, probes, probe_side * (1 if make is mesh else grow))
             rows.append(world.contest(case, Join(world.boxes), boxes, limits))
-        builds.append([name, *(report.spread(times) for times in world.builds.values())])
+        builds.append([name, *(report.spread(times) if len(times) > 1 else times[0]
+                               for times in world.builds.values())])
     column = report.column
     return [
         table("join", f"{spaced(objects)} boxes joined with {spaced(probes)}, on one thread",
               list(limits), rows,
-              ["The columns of the other libraries say how many times as long they take as "
-               "halfspace. met, missed: the aim is 5 times for GEOS, and 20 times for shapely "
-               "and rtree.",
+              ["met, missed: the aim is 5 times for GEOS, and 20 times for shapely and rtree.",
                f"{Geopandas.name} uses rtree, and tests the geometries exactly. It runs on the "
                f"first {spaced(limits[Geopandas])} probes, and is compared with halfspace on them."],
               {geos: 5, Shapely: 20, Rtree: 20}),
