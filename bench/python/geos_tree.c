@@ -36,8 +36,8 @@ Rectangles* geos_rectangles(const double* boxes, size_t count) {
   made->geometries = malloc(count * sizeof(GEOSGeometry*));
   for (; made->geometries != NULL && made->count < count; ++made->count) {
     const double* box = boxes + 4 * made->count;
-    GEOSGeometry* geometry = GEOSGeom_createRectangle_r(
-        made->context, box[0], box[1], box[2], box[3]);
+    GEOSGeometry* geometry = GEOSGeom_createRectangle_r(made->context, box[0],
+                                                        box[1], box[2], box[3]);
     if (geometry == NULL) break;
     made->geometries[made->count] = geometry;
   }
@@ -79,19 +79,22 @@ typedef struct {
   int is_out_of_memory;
 } Pairs;
 
+static int Grow(Pairs* pairs) {
+  const size_t capacity = pairs->capacity * 2 + 1024;
+  int64_t* rows = realloc(pairs->rows, capacity * sizeof(int64_t));
+  if (rows != NULL) pairs->rows = rows;
+  int64_t* ids = realloc(pairs->ids, capacity * sizeof(int64_t));
+  if (ids != NULL) pairs->ids = ids;
+  if (rows == NULL || ids == NULL) return 0;
+  pairs->capacity = capacity;
+  return 1;
+}
+
 static void Append(void* item, void* data) {
   Pairs* pairs = data;
-  if (pairs->count == pairs->capacity) {
-    const size_t capacity = pairs->capacity * 2 + 1024;
-    int64_t* rows = realloc(pairs->rows, capacity * sizeof(int64_t));
-    if (rows != NULL) pairs->rows = rows;
-    int64_t* ids = realloc(pairs->ids, capacity * sizeof(int64_t));
-    if (ids != NULL) pairs->ids = ids;
-    if (rows == NULL || ids == NULL) {
-      pairs->is_out_of_memory = 1;
-      return;
-    }
-    pairs->capacity = capacity;
+  if (pairs->count == pairs->capacity && !Grow(pairs)) {
+    pairs->is_out_of_memory = 1;
+    return;
   }
   pairs->rows[pairs->count] = pairs->row;
   pairs->ids[pairs->count++] = (int64_t)(intptr_t)item - 1;
@@ -102,6 +105,7 @@ static void Append(void* item, void* data) {
 int64_t geos_join(GEOSSTRtree* tree, const Rectangles* probes, int64_t** rows,
                   int64_t** ids) {
   Pairs pairs = {0};
+  pairs.is_out_of_memory = !Grow(&pairs);
   for (size_t i = 0; i < probes->count; ++i) {
     pairs.row = (int64_t)i;
     GEOSSTRtree_query_r(probes->context, tree, probes->geometries[i], Append,
