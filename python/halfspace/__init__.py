@@ -8,12 +8,27 @@
     i, j = hs.join(tree, hs.BVH(boxes2))
 """
 
-from ._bvh import BVH, join
-from ._halfspace import version as __version__
+from typing import List
 
-__all__ = ["BVH", "join"]
+from ._bvh import BVH, join
+from ._halfspace import targets as _targets
+from ._halfspace import version as __version__
+from ._scan import Scan
+from ._triangles import bounds_of_triangles
+
+__all__ = ["BVH", "Scan", "bounds_of_triangles", "join", "targets"]
+
+
+def targets() -> List[str]:
+    """Returns the instruction sets that halfspace can use here, the best first.
+
+    halfspace uses the first. Set the environment variable HALFSPACE_TARGET to
+    one of the names to use another.
+    """
+    return _targets()
+
 
 # Where users import them from, and what they see in messages and pickles.
-for _name in __all__:
-    globals()[_name].__module__ = __name__
-del _name
+for _object in (BVH, Scan, bounds_of_triangles, join):
+    _object.__module__ = __name__
+del _object

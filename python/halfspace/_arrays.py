@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from . import _halfspace
 
 # A BVH has fewer objects than this.
 MOST_OBJECTS = 2**31
+MOST_THREADS = 4096
 
 
 class Table(NamedTuple):
@@ -21,7 +23,7 @@ class Table(NamedTuple):
     """
 
     arrays: Tuple[np.ndarray, ...]
-    count: int
+    length: int
     single: bool
 
     @property
@@ -82,7 +84,7 @@ def per_row(value: Any, name: str, count: int) -> Table:
             f"{name}: expected one number or an array of shape ({count},), "
             f"got shape {array.shape}"
         )
-    column = np.empty(count, _float_type(array, name))
+    column: np.ndarray = np.empty(count, _float_type(array, name))
     column[:] = array
     if count and not (column.min() >= 0):
         raise ValueError(f"{name}: expected numbers that are not negative and not NaN")
@@ -103,20 +105,58 @@ def ids(value: Any, name: str) -> np.ndarray:
     bad = (array < 0) | (array >= MOST_OBJECTS)
     if bad.any():
         i = int(bad.argmax())
-        raise ValueError(f"{name}: {name}[{i}] = {array[i]} is not the id of an object")
+        raise ValueError(f"{name}[{i}] = {array[i]} is not the id of an object")
     return np.ascontiguousarray(array, np.uint32)
 
 
-def positive(value: Any, name: str) -> int:
-    """An integer of at least 1."""
+def vertices(value: Any, name: str) -> np.ndarray:
+    """A contiguous array of points without NaN, in 2 or 3 dimensions."""
+    array = _numbers(value, name)
+    if array.ndim != 2 or array.shape[1] not in (2, 3):
+        raise ValueError(
+            f"{name}: expected points of shape (n, 3) or (n, 2), got shape "
+            f"{array.shape}"
+        )
+    table = _without_nan(np.require(array, _float_type(array, name), ["C", "A"]), name)
+    return table.arrays[0]
+
+
+def faces(value: Any, name: str, count: int) -> np.ndarray:
+    """Triples of indices below `count`, as a contiguous array of uint32."""
+    array = np.asarray(value)
+    if array.shape == (0,):
+        array = array.reshape(0, 3)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"{name}: expected shape (n, 3), got shape {array.shape}")
+    if array.size and array.dtype.kind not in "iu":
+        raise TypeError(f"{name}: expected integers, got {array.dtype}")
+    bad = ((array < 0) | (array >= count)).any(axis=1)
+    if bad.any():
+        i = int(bad.argmax())
+        raise ValueError(
+            f"{name}[{i}]: expected indices from 0 to {count - 1}, got "
+            f"{array[i].tolist()}"
+        )
+    return np.require(array, np.uint32, ["C", "A"])
+
+
+def threads(value: Optional[int]) -> int:
+    """The number of threads. None means all CPUs of this process."""
+    if value is None:
+        return len(os.sched_getaffinity(0))
+    return positive(value, "threads", MOST_THREADS)
+
+
+def positive(value: Any, name: str, most: int = 2**31 - 1) -> int:
+    """An integer from 1 to `most`."""
     try:
         number = value.__index__()
     except AttributeError:
         raise TypeError(
             f"{name}: expected an integer, got {type(value).__name__}"
         ) from None
-    if not 1 <= number < 2**31:
-        raise ValueError(f"{name}: expected an integer from 1 to 2^31 - 1, got {number}")
+    if not 1 <= number <= most:
+        raise ValueError(f"{name}: expected an integer from 1 to {most}, got {number}")
     return int(number)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import mmap
 import os
 import pickle
-from typing import Any, Callable, Iterator, Optional, Tuple, Union
+from typing import Any, Callable, Iterator, Optional, Tuple, Type, Union
 
 import numpy as np
 
@@ -37,7 +37,8 @@ class BVH:
         not depend on it.
     progress : callable, optional
         `progress(done, total)` is called up to 20 times a second by the calling
-        thread, and once at the end. An exception in it ends the call.
+        thread, and once at the end. The two are numbers of boxes or queries. An
+        exception in it ends the call.
 
     Notes
     -----
@@ -80,7 +81,7 @@ class BVH:
             raise ValueError(f'quality: expected "high" or "fast", got {quality!r}')
         table = _arrays.boxes(boxes, "boxes", most=_arrays.MOST_OBJECTS)
         self._tree = _halfspace.Tree(
-            table.arrays, quality == "fast", _threads(threads), progress
+            table.arrays, quality == "fast", _arrays.threads(threads), progress
         )
 
     @classmethod
@@ -126,7 +127,8 @@ class BVH:
         The tree cannot change while the memoryview exists. The first call after
         a change computes a checksum.
         """
-        return memoryview(_halfspace.Blob(self._tree))
+        blob: Any = _halfspace.Blob(self._tree)  # a buffer
+        return memoryview(blob)
 
     def save(self, path: Path) -> None:
         """Writes the tree to a file for `map`.
@@ -187,7 +189,7 @@ class BVH:
         """
         table = self._boxes(boxes)
         return self._tree.query(
-            table.arrays, not table.single, _threads(threads), progress
+            table.arrays, not table.single, _arrays.threads(threads), progress
         )
 
     def query_batches(
@@ -199,25 +201,26 @@ class BVH:
     ) -> Iterator[np.ndarray]:
         """Yields the results of `query` in batches of at most `max_results`.
 
-        A batch is `rows, ids`, an array of int64 with the shape (2, n). The
-        batches in turn are the result of `query`. A row with more results than
-        `max_results` continues in the next batch. Raises RuntimeError if the
-        tree changes between two batches.
+        A batch is `rows, ids`, an array of int64 with the shape (2, n). All
+        batches together are the result of `query`, except that the ids of one
+        row can be in another order. A row with more results than `max_results`
+        continues in the next batch. Raises RuntimeError if the tree changes
+        between two batches.
         """
         table = self._boxes(boxes)
         most = _arrays.positive(max_results, "max_results")
-        return self._batches(table, most, _threads(threads))
+        return self._batches(table, most, _arrays.threads(threads))
 
     def _batches(
         self, table: _arrays.Table, most: int, threads: int
     ) -> Iterator[np.ndarray]:
         changes = self._tree.changes
         step = 1 << 16  # boxes that are counted at a time
-        for first in range(0, table.count, step):
-            block = table.rows(first, min(first + step, table.count))
+        for first in range(0, table.length, step):
+            block = table.rows(first, min(first + step, table.length))
             ends = np.cumsum(self._tree.count(block.arrays, threads, None))
             begin, found = 0, 0
-            while begin < block.count:
+            while begin < block.length:
                 # As many rows as have at most so many results, or one.
                 end = int(np.searchsorted(ends, found + most, "right"))
                 for batch in self._batch(block, begin, end, most, threads):
@@ -260,7 +263,7 @@ class BVH:
         Arguments are those of `query`.
         """
         table = self._boxes(boxes)
-        counts = self._tree.count(table.arrays, _threads(threads), progress)
+        counts = self._tree.count(table.arrays, _arrays.threads(threads), progress)
         return int(counts[0]) if table.single else counts
 
     def any(
@@ -276,7 +279,7 @@ class BVH:
         Arguments are those of `query`.
         """
         table = self._boxes(boxes)
-        found = self._tree.any(table.arrays, _threads(threads), progress)
+        found = self._tree.any(table.arrays, _arrays.threads(threads), progress)
         return bool(found[0]) if table.single else found
 
     def nearest(
@@ -329,7 +332,7 @@ class BVH:
                 f"max_distance: expected a number that is not negative, got {limit}"
             )
         ids, distances = self._tree.nearest(
-            table.arrays, count, limit, bool(exclusive), _threads(threads), progress
+            table.arrays, count, limit, bool(exclusive), _arrays.threads(threads), progress
         )
         return (ids[0], distances[0]) if table.single else (ids, distances)
 
@@ -379,16 +382,16 @@ class BVH:
         starts = _arrays.points(origins, "origins", self.dims)
         ways = _arrays.points(directions, "directions", self.dims)
         single = starts.single and ways.single
-        rays = ways.count if starts.single else starts.count
+        rays = ways.length if starts.single else starts.length
         starts, ways = _repeat(starts, rays), _repeat(ways, rays)
-        if starts.count != ways.count:
+        if starts.length != ways.length:
             raise ValueError(
                 "directions: expected as many rows as origins, got "
-                f"{ways.count} and {starts.count}"
+                f"{ways.length} and {starts.length}"
             )
         limits = _arrays.per_row(max_t, "max_t", rays)
         ids, t = self._tree.raycast(
-            starts.arrays, ways.arrays, limits.arrays, _threads(threads), progress
+            starts.arrays, ways.arrays, limits.arrays, _arrays.threads(threads), progress
         )
         return (int(ids[0]), float(t[0])) if single else (ids, t)
 
@@ -401,7 +404,7 @@ class BVH:
         Each pair is found once. The order of the pairs is unspecified, but
         equal calls return the same order.
         """
-        return self._tree.pairs(_threads(threads), progress)
+        return self._tree.pairs(_arrays.threads(threads), progress)
 
     def insert(self, boxes: Any) -> Union[np.ndarray, int]:
         """Adds objects and returns their ids.
@@ -442,19 +445,19 @@ class BVH:
         table = self._boxes(boxes)
         if ids is not None:
             wanted = _arrays.ids(ids, "ids")
-            if len(wanted) != table.count:
+            if len(wanted) != table.length:
                 raise ValueError(
-                    f"ids: expected one id for each of {table.count} boxes, got "
+                    f"ids: expected one id for each of {table.length} boxes, got "
                     f"{len(wanted)}"
                 )
             self._tree.refit_some(table.arrays, wanted)
             return
-        if table.count != self._tree.id_limit():
+        if table.length != self._tree.id_limit():
             raise ValueError(
                 f"boxes: expected {self._tree.id_limit()} boxes, one for each id of "
-                f"the tree, got {table.count}"
+                f"the tree, got {table.length}"
             )
-        self._tree.refit(table.arrays, _threads(threads), progress)
+        self._tree.refit(table.arrays, _arrays.threads(threads), progress)
 
     def __len__(self) -> int:
         """The number of objects."""
@@ -509,13 +512,7 @@ def join(
         raise ValueError(
             f"b: expected a BVH of {a.dims} dimensions, as a, got {b.dims} dimensions"
         )
-    return _halfspace.join(a._tree, b._tree, _threads(threads), progress)
-
-
-def _threads(threads: Optional[int]) -> int:
-    if threads is None:
-        return len(os.sched_getaffinity(0))
-    return _arrays.positive(threads, "threads")
+    return _halfspace.join(a._tree, b._tree, _arrays.threads(threads), progress)
 
 
 def _repeat(table: _arrays.Table, count: int) -> _arrays.Table:
@@ -532,7 +529,5 @@ def _load(blob: Any, name: str, verify: bool) -> _halfspace.Tree:
         raise ValueError(f"{name}: {error}") from None
 
 
-def _unpickle(cls: type, blob: Any) -> BVH:
-    tree = cls.__new__(cls)
-    tree._tree = _load(blob, "pickle of a halfspace.BVH", False)
-    return tree
+def _unpickle(cls: Type[BVH], blob: Any) -> BVH:
+    return cls._of(_load(blob, "pickle of a halfspace.BVH", False))

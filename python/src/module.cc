@@ -3,13 +3,18 @@
 #include <halfspace/fit_many.h>
 #include <halfspace/targets.h>
 #include <halfspace/version.h>
-#include <pybind11/pybind11.h>
+#include <pybind11/numpy.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "arrow.h"
 #include "columns.h"
+#include "scan.h"
 #include "tree.h"
 
 namespace py = pybind11;
@@ -48,6 +53,55 @@ py::ssize_t FirstNan(const Columns& values) {
   return -1;
 }
 
+// Writes the boxes to an array of shape (triangles, 2 d) whose columns are
+// contiguous, as builders write and read them. Returns it and the number of the
+// first triangle without a box, or -1.
+template <int kDims, typename Scalar>
+py::tuple BoundsOfTriangles(const py::array& vertices,
+                            const py::array_t<std::uint32_t>& faces) {
+  const auto count = static_cast<std::size_t>(faces.shape(0));
+  py::array_t<float, py::array::f_style> boxes(
+      std::vector<std::size_t>{count, 2 * kDims});
+  AabbPlanes<kDims> planes;
+  for (std::size_t k = 0; k < kDims; ++k) {
+    planes.min[k] = boxes.mutable_data() + k * count;
+    planes.max[k] = boxes.mutable_data() + (kDims + k) * count;
+  }
+  planes.size = count;
+  Points<kDims, Scalar> points;
+  points.coords = static_cast<const Scalar*>(vertices.data());
+  points.count = static_cast<std::size_t>(vertices.shape(0));
+  FitStatus status;
+  {
+    const py::gil_scoped_release release;
+    BoundTriangles(points, Span<const std::uint32_t>(faces.data(), 3 * count),
+                   planes, {}, &status);
+  }
+  return py::make_tuple(
+      boxes, status.everything == 0
+                 ? -1
+                 : static_cast<py::ssize_t>(status.first_everything));
+}
+
+py::tuple BoundsOfAnyTriangles(const py::array& vertices,
+                               const py::array_t<std::uint32_t>& faces) {
+  const bool is_double = py::isinstance<py::array_t<double>>(vertices);
+  constexpr int kWanted =
+      int{py::detail::npy_api::NPY_ARRAY_ALIGNED_} | int{py::array::c_style};
+  if ((!is_double && !py::isinstance<py::array_t<float>>(vertices)) ||
+      vertices.ndim() != 2 || (vertices.flags() & kWanted) != kWanted ||
+      (vertices.shape(1) != 2 && vertices.shape(1) != 3) || faces.ndim() != 2 ||
+      faces.shape(1) != 3 || (faces.flags() & kWanted) != kWanted) {
+    throw std::invalid_argument("_halfspace: arrays that are not prepared");
+  }
+  if (vertices.shape(1) == 2) {
+    return is_double ? BoundsOfTriangles<2, double>(vertices, faces)
+                     : BoundsOfTriangles<2, float>(vertices, faces);
+  }
+  return is_double ? BoundsOfTriangles<3, double>(vertices, faces)
+                   : BoundsOfTriangles<3, float>(vertices, faces);
+}
+
 }  // namespace
 }  // namespace halfspace::python
 
@@ -74,5 +128,8 @@ PYBIND11_MODULE(_halfspace, module) {
     }
     return names;
   });
+  module.def("arrow_column", &ArrowColumn);
+  module.def("bounds_of_triangles", &BoundsOfAnyTriangles);
   DefineTree(module);
+  DefineScan(module);
 }

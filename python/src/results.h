@@ -48,6 +48,7 @@ class Results {
     return offsets;
   }
 
+  std::size_t parts() const { return lists_.size(); }
   Span<const Item> List(std::size_t part) const { return lists_[part]; }
 
  private:

@@ -69,8 +69,7 @@ void BuildRunner::operator()(std::size_t count, const Runner::Part& part) {
   // expected, progress waits near the end.
   const std::size_t first = std::min(pass_, passes_ - 1);
   ++pass_;
-  work_.SetStage(objects_ * first / passes_, objects_ * (first + 1) / passes_,
-                 objects_);
+  work_.SetStage(end_ * first / passes_, end_ * (first + 1) / passes_, total_);
   work_.Run(count, [&part](std::size_t i, std::size_t) { part(i); });
 }
 

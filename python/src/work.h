@@ -54,19 +54,21 @@ class Work {
       std::chrono::steady_clock::now();
 };
 
-// The runner of a build with this number of passes over the objects (Runner of
-// halfspace/runner.h). Work and object must outlive the runner's use.
+// Runner of a build or a refit that calls it `passes` times (runner.h). Its
+// progress goes from 0 to `end` of `total`.
 class BuildRunner {
  public:
-  BuildRunner(Work& work, std::size_t objects, std::size_t passes)
-      : work_(work), objects_(objects), passes_(passes) {}
+  BuildRunner(Work& work, std::size_t passes, std::size_t end,
+              std::size_t total)
+      : work_(work), passes_(passes), end_(end), total_(total) {}
 
   void operator()(std::size_t count, const Runner::Part& part);
 
  private:
   Work& work_;
-  std::size_t objects_;
   std::size_t passes_;
+  std::size_t end_;
+  std::size_t total_;
   std::size_t pass_ = 0;
 };
 

@@ -29,6 +29,18 @@ def test_query(boxes, queries, quality):
     assert (tree.any(queries) == expected.any(axis=1)).all()
 
 
+def test_many_queries_are_joined(rng, dims, boxes):
+    """More queries than a call searches for one after another."""
+    queries = random_boxes(rng, 5000, dims, 0.03)
+    queries[17] = [np.inf] * dims + [-np.inf] * dims
+    tree = hs.BVH(boxes)
+    expected = overlaps(queries, boxes)
+    for threads in (1, 2):
+        found = tree.query(queries, threads=threads)
+        assert (as_matrix(found, expected.shape) == expected).all()
+        assert (np.diff(found[0]) >= 0).all()
+
+
 def test_one_box(boxes, queries):
     tree = hs.BVH(boxes)
     expected = np.flatnonzero(overlaps(queries[:1], boxes)[0])
@@ -57,9 +69,16 @@ def test_doubles_are_rounded_outward():
 @pytest.mark.parametrize("most", [1, 7, 100, 10**7])
 def test_query_batches(boxes, queries, most):
     tree = hs.BVH(boxes)
+    expected = in_order(tree.query(queries))
     batches = list(tree.query_batches(queries, most))
     assert all(0 < batch.shape[1] <= most for batch in batches)
-    assert (np.concatenate(batches, axis=1) == tree.query(queries)).all()
+    assert (in_order(np.concatenate(batches, axis=1)) == expected).all()
+
+
+def in_order(found):
+    """Results with the ids of each row in ascending order."""
+    assert (np.diff(found[0]) >= 0).all()
+    return found[:, np.lexsort(found[::-1])]
 
 
 def test_query_batches_have_many_results_if_they_can(boxes, queries):

@@ -1,0 +1,55 @@
+"""The examples of the docstrings, and the type hints."""
+
+import doctest
+import inspect
+import os
+import subprocess
+import sys
+
+import halfspace as hs
+import pytest
+
+
+def test_examples():
+    result = doctest.testmod(hs)
+    assert result.attempted > 10 and result.failed == 0
+
+
+def test_every_public_name_has_a_docstring():
+    for name in hs.__all__:
+        thing = getattr(hs, name)
+        assert thing.__doc__, name
+        if inspect.isclass(thing):
+            for key, member in vars(thing).items():
+                if not key.startswith("_"):
+                    assert inspect.getdoc(member), f"{name}.{key}"
+
+
+def test_types(tmp_path):
+    pytest.importorskip("mypy")
+    (tmp_path / "user.py").write_text(
+        "import halfspace as hs\n"
+        "tree = hs.BVH([[0, 0, 1, 1]])\n"
+        "rows, ids = tree.query([[0, 0, 1, 1]], threads=None)\n"
+        "ids, distances = tree.nearest([0, 0], k=2)\n"
+        "reveal_type(hs.join(tree, tree))\n"
+        "hs.Scan(tree, quantised=True)\n"
+    )
+    package = os.path.dirname(hs.__file__)
+    run = subprocess.run(
+        [sys.executable, "-m", "mypy", "--strict", "--no-incremental", "user.py"],
+        cwd=tmp_path,
+        env={**os.environ, "MYPYPATH": os.path.dirname(package)},
+        capture_output=True,
+        text=True,
+    )
+    lines = run.stdout.splitlines()
+    assert 'Revealed type is "numpy.ndarray' in lines[0], run.stdout
+    assert "quantised" in lines[1], run.stdout
+    assert lines[-1].startswith("Found 1 error in 1 file"), run.stdout
+    checked = subprocess.run(
+        [sys.executable, "-m", "mypy", "--no-incremental", package],
+        capture_output=True,
+        text=True,
+    )
+    assert checked.returncode == 0, checked.stdout

@@ -1,0 +1,150 @@
+"""Threads, Ctrl-C and progress."""
+
+import os
+import signal
+import threading
+import time
+
+import halfspace as hs
+import numpy as np
+import pytest
+
+from conftest import random_boxes
+
+RNG = np.random.default_rng(3)
+BOXES = random_boxes(RNG, 1_000_000, 3, 0.03)
+TREE = hs.BVH(BOXES, quality="fast")
+
+# Each takes at least several tenths of a second.
+LONG_CALLS = {
+    "build": lambda **k: hs.BVH(BOXES.repeat(2, axis=0), **k),
+    "count": lambda **k: TREE.count(BOXES, **k),
+    "any": lambda **k: TREE.any(BOXES.repeat(2, axis=0) + np.float32(0.5), **k),
+    "query": lambda **k: TREE.query(BOXES, **k),
+    "query one after another": lambda **k: hs.BVH(
+        BOXES.repeat(4, axis=0), quality="fast"
+    ).query(BOXES[:200_000], **k),
+    "nearest": lambda **k: TREE.nearest(BOXES, 10, **k),
+    "raycast": lambda **k: TREE.raycast(BOXES[:, :3], [1, 1, 1], **k),
+    "pairs": lambda **k: TREE.pairs(**k),
+    "join": lambda **k: hs.join(TREE, TREE, **k),
+    "scan": lambda **k: hs.Scan(BOXES).count(BOXES[:20_000], **k),
+}
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("call", LONG_CALLS)
+def test_ctrl_c(call, threads):
+    def interrupt():
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(0.1, interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        timer.start()
+        LONG_CALLS[call](threads=threads)
+        pytest.fail("the call did not end early")
+    timer.join()
+    # The tree is not locked.
+    TREE.erase(TREE.insert([0, 0, 0, 1, 1, 1]))
+
+
+def test_progress(rng):
+    boxes = random_boxes(rng, 500_000, 3, 0.01)
+    calls = []
+
+    def progress(done, total):
+        assert threading.current_thread() is threading.main_thread()
+        calls.append((done, total))
+
+    for threads in (1, 2):
+        calls.clear()
+        tree = hs.BVH(boxes, threads=threads, progress=progress)
+        assert calls[-1] == (500_000, 500_000)
+        done = [call[0] for call in calls]
+        assert done == sorted(done) and {call[1] for call in calls} == {500_000}
+    for call in (tree.query, tree.count, tree.any, tree.nearest):
+        calls.clear()
+        call(boxes[:300_000], progress=progress)
+        assert calls[-1] == (300_000, 300_000)
+        done = [call[0] for call in calls]
+        assert done == sorted(done)
+    calls.clear()
+    tree.refit(boxes, progress=progress)
+    assert calls[-1] == (500_000, 500_000)
+
+
+def test_an_exception_of_progress_ends_the_call():
+    class Enough(Exception):
+        pass
+
+    def progress(done, total):
+        raise Enough
+
+    with pytest.raises(Enough):
+        TREE.pairs(progress=progress, threads=2)
+    TREE.erase(TREE.insert([0, 0, 0, 1, 1, 1]))
+
+
+def test_a_change_during_a_query():
+    errors = []
+    box = [0, 0, 0, 1, 1, 1]
+
+    def progress(done, total):
+        for change in (
+            lambda: TREE.insert(box),
+            lambda: TREE.erase(0),
+            lambda: TREE.refit(box, 0),
+        ):
+            try:
+                change()
+            except RuntimeError as error:
+                errors.append(str(error))
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        TREE.pairs(progress=progress)
+    assert len(errors) == 3
+    assert all("another call is using this BVH" in error for error in errors)
+    TREE.erase(TREE.insert(box))
+
+
+def test_a_query_during_a_change(rng):
+    boxes = random_boxes(rng, 1000, 3)
+    tree = hs.BVH(boxes)
+    errors = []
+
+    def progress(done, total):
+        try:
+            tree.query(boxes)
+        except RuntimeError as error:
+            errors.append(str(error))
+
+    tree.refit(boxes, progress=progress)
+    assert errors and "another call is changing this BVH" in errors[0]
+    tree.query(boxes)
+
+
+def test_queries_run_at_the_same_time():
+    """Another thread runs while a call works."""
+    seen = []
+
+    def watch(done, total):
+        seen.append(ticks[0])
+        if len(seen) == 4:
+            raise KeyboardInterrupt
+
+    ticks = [0]
+    stop = threading.Event()
+
+    def tick():
+        while not stop.is_set():
+            ticks[0] += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    with pytest.raises(KeyboardInterrupt):
+        TREE.pairs(progress=watch)
+    stop.set()
+    thread.join()
+    assert seen[-1] - seen[0] > 5
