@@ -77,18 +77,22 @@ def points_or_boxes(value: Any, name: str, dims: int) -> Table:
 
 
 def per_row(value: Any, name: str, count: int) -> Table:
-    """One number for each row, or the same number for all rows."""
+    """One number for each row, or the same number for all, rounded up to float32."""
     array = _numbers(value, name)
     if array.shape not in ((), (count,)):
         raise ValueError(
             f"{name}: expected one number or an array of shape ({count},), "
             f"got shape {array.shape}"
         )
-    column: np.ndarray = np.empty(count, _float_type(array, name))
-    column[:] = array
-    if count and not (column.min() >= 0):
+    exact: np.ndarray = array.astype(_float_type(array, name))
+    if not (exact >= 0).all():
         raise ValueError(f"{name}: expected numbers that are not negative and not NaN")
-    return _table([column.reshape(count, 1)], False, name, None)
+    with np.errstate(over="ignore"):
+        rounded = exact.astype(np.float32)
+    up = np.nextafter(rounded, np.float32(np.inf))
+    column: np.ndarray = np.empty((count, 1), np.float32)
+    column[:, 0] = np.where(rounded < exact, up, rounded)
+    return Table((column,), count, False)
 
 
 def ids(value: Any, name: str) -> np.ndarray:
@@ -204,7 +208,7 @@ def _pair_of_tables(value: Any) -> List[np.ndarray]:
     """The minima and the maxima, if `value` is a pair of two-dimensional arrays."""
     if not isinstance(value, (tuple, list)) or len(value) != 2:
         return []
-    if not all(getattr(v, "ndim", None) == 2 for v in value):
+    if not all(_ndim(v) == 2 for v in value):
         return []
     return [np.asarray(v) for v in value]
 
@@ -215,9 +219,18 @@ def _columns_of(value: Any) -> Sequence[Any]:
         return []
     if all(hasattr(v, "__arrow_c_array__") for v in value):
         return value
-    if isinstance(value, tuple) and all(getattr(v, "ndim", 0) == 1 for v in value):
+    if isinstance(value, tuple) and all(_ndim(v) == 1 for v in value):
         return value
     return []
+
+
+def _ndim(value: Any) -> Optional[int]:
+    """The number of dimensions of an array, and None of a list or a number."""
+    if hasattr(value, "ndim"):
+        return int(value.ndim)
+    if hasattr(value, "__array_interface__") or hasattr(value, "__array__"):
+        return np.asarray(value).ndim
+    return None
 
 
 def _column(value: Any, name: str) -> np.ndarray:

@@ -46,6 +46,9 @@ std::size_t PartsOf(std::size_t count, std::size_t part) {
 
 // The least float that is not below a number.
 float RoundUp(double value) {
+  if (value > std::numeric_limits<float>::max()) {
+    return std::numeric_limits<float>::infinity();
+  }
   const auto rounded = static_cast<float>(value);
   return rounded < value
              ? std::nextafter(rounded, std::numeric_limits<float>::infinity())
@@ -220,6 +223,7 @@ Ids QueryInTurn(Tree& tree, const Columns& boxes, bool with_rows, Work& work) {
                     : std::vector<std::size_t>{found});
   std::int64_t* const rows = Data(ids);
   std::int64_t* const objects = rows + (with_rows ? found : 0);
+  work.SetLastStage();
   const py::gil_scoped_release release;
   work.Run(parts, [&](std::size_t part, std::size_t) {
     const Span<const std::uint32_t> list = results.List(part);
@@ -270,6 +274,7 @@ Ids QueryByJoin(Tree& tree, const Columns& boxes, Work& work) {
   });
   const std::size_t count = boxes.count();
   const std::size_t parts = results.parts();
+  work.SetLastStage();
   std::vector<std::size_t> next(count);
   std::size_t found = 0;
   {
@@ -462,30 +467,44 @@ py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
                   py::object progress) {
   const Columns queries(arrays);
   const std::size_t dims = tree.bvh.index() == 0 ? 2 : 3;
-  const NearOptions options = {k, RoundUp(max_distance), is_exclusive,
-                               queries.columns() == dims};
-  CheckColumns(tree, queries, options.are_points);
+  const bool are_points = queries.columns() == dims;
+  CheckColumns(tree, queries, are_points);
   const std::size_t n = queries.count();
   Ids ids(std::vector<std::size_t>{n, k});
   py::array_t<float> distances(std::vector<std::size_t>{n, k});
   std::int64_t* const to = Data(ids);
   float* const its_distances = distances.mutable_data();
-  // As many queries in a part as have about this number of results.
-  constexpr std::size_t kPartResults = 4096;
-  const std::size_t in_part =
-      std::clamp(kPartResults / k, std::size_t{1}, kPartQueries);
   Work work(threads, std::move(progress));
   work.SetStage(0, n, n);
   Read(tree, [&](const auto& bvh) {
+    // More than there are need no memory to search with.
+    const NearOptions options = {std::clamp(bvh.size(), std::size_t{1}, k),
+                                 RoundUp(max_distance), is_exclusive,
+                                 are_points};
+    // As many queries in a part as have about this number of results.
+    constexpr std::size_t kPartResults = 4096;
+    const std::size_t in_part =
+        std::clamp(kPartResults / k, std::size_t{1}, kPartQueries);
     work.Run(PartsOf(n, in_part), [&](std::size_t part, std::size_t) {
       const std::size_t first = part * in_part;
       const std::size_t count = std::min(in_part, n - first);
-      std::vector<std::uint32_t> found(count * k);
+      std::vector<std::uint32_t> found(count * options.k);
+      std::vector<float> found_distances(found.size());
       FindNearest(bvh, queries, first, count, options, found.data(),
-                  its_distances + first * k);
-      std::transform(
-          found.begin(), found.end(), to + first * k,
-          [](std::uint32_t id) { return id == kNoId ? -1 : std::int64_t{id}; });
+                  found_distances.data());
+      for (std::size_t i = 0; i < count; ++i) {
+        std::int64_t* const row = to + (first + i) * k;
+        for (std::size_t j = 0; j < options.k; ++j) {
+          const std::uint32_t id = found[i * options.k + j];
+          row[j] = id == kNoId ? -1 : std::int64_t{id};
+        }
+        std::fill(row + options.k, row + k, -1);
+        float* const distance_row = its_distances + (first + i) * k;
+        std::copy_n(found_distances.data() + i * options.k, options.k,
+                    distance_row);
+        std::fill(distance_row + options.k, distance_row + k,
+                  std::numeric_limits<float>::infinity());
+      }
     });
     work.Finish();
   });
@@ -548,6 +567,7 @@ Ids ToArray(const Results<IdPair>& results, bool is_ordered, Work& work) {
   const std::size_t found = offsets.back();
   Ids ids(std::vector<std::size_t>{2, found});
   std::int64_t* const to = Data(ids);
+  work.SetLastStage();
   const py::gil_scoped_release release;
   work.Run(offsets.size() - 1, [&](std::size_t part, std::size_t) {
     std::size_t at = offsets[part];

@@ -31,10 +31,10 @@ class Buffer {
 // Calls run without the interpreter's lock, so another thread can call the same
 // object. Its counters are read and written with the lock.
 struct Tree {
-  std::variant<AabbBvh2, AabbBvh3> bvh;
   std::unique_ptr<Buffer> buffer;  // of a blob in place
-  std::size_t readers = 0;         // calls that read now
-  std::size_t exports = 0;         // blobs that Python objects refer to
+  std::variant<AabbBvh2, AabbBvh3> bvh;
+  std::size_t readers = 0;  // calls that read now
+  std::size_t exports = 0;  // blobs that Python objects refer to
   bool is_changing = false;
   std::size_t changes = 0;  // so far
 };

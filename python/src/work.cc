@@ -4,7 +4,6 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
-#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -35,9 +34,10 @@ void Work::Run(std::size_t count,
   };
   std::vector<std::thread> others;
   const std::size_t used = std::min(threads_, count);
+  others.reserve(used);
   try {
     for (std::size_t t = 1; t < used; ++t) others.emplace_back(work, t);
-  } catch (const std::system_error&) {
+  } catch (const std::exception&) {
     // The system has no more threads. Those that there are do the work.
   }
   work(0);

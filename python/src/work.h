@@ -30,6 +30,9 @@ class Work {
     total_ = total;
   }
 
+  // For parts that only copy what was found.
+  void SetLastStage() { begin_ = end_ = total_; }
+
   // Calls part(i, thread) for each i below `count`, where thread is below
   // threads(). Returns when all calls have returned. Throws what a part threw
   // first.

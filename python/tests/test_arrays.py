@@ -64,6 +64,7 @@ LAYOUTS = {
     "float64": lambda a: a.astype(np.float64),
     "a list": lambda a: a.tolist(),
     "an interface": Interface,
+    "a tuple of interfaces": lambda a: tuple(Interface(c.copy()) for c in a.T),
     "a pair": lambda a: (a[:, :3], a[:, 3:]),
     "a pair of copies": lambda a: [a[:, :3].copy(), a[:, 3:].copy()],
     "a pair of two strides": lambda a: (a[:, :3], a[:, 3:].copy()),

@@ -132,6 +132,15 @@ def test_nearest_within_a_distance():
     assert tree.nearest([1.1, 0], max_distance=1.1 - 1)[0].tolist() == [0]
 
 
+def test_nearest_of_few():
+    tree = hs.BVH([[0, 0, 1, 1]])
+    ids, distances = tree.nearest([2, 0], k=10**6)
+    assert ids[0] == 0 and (ids[1:] == -1).all()
+    assert distances[0] == 1 and np.isinf(distances[1:]).all()
+    ids, _ = hs.BVH(np.empty((0, 4))).nearest([[2, 0]], k=2)
+    assert ids.tolist() == [[-1, -1]]
+
+
 def test_nearest_exclusive(rng, dims):
     points = rng.random((300, dims))
     points[7] = points[8] = points[9]
@@ -163,6 +172,10 @@ def test_one_ray():
     tree = hs.BVH([[1, 0, 2, 1], [1, 0, 3, 1]])
     assert tree.raycast([0, 0.5], [1, 0]) == (0, pytest.approx(1, 1e-5))
     assert tree.raycast([0, 0.5], [1, 0], 0.5) == (-1, np.inf)
+    # 0.1 is no float: it is rounded up, and a box there is entered.
+    assert hs.BVH([[0.1, 0, 1, 1]]).raycast([0, 0], [1, 0], 0.1)[0] == 0
+    # 1e300 is no float either.
+    assert tree.raycast([0, 0.5], [1, 0], 1e300)[0] == 0
 
 
 def test_pairs_and_join(boxes, queries):
