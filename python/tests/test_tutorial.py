@@ -84,11 +84,11 @@ def test_rays_hit_the_nearest_triangle(tutorial):
         assert np.isclose(names["depth"][ray], expected)
 
 
-def test_bodies_collide(tutorial):
+def test_refits_find_every_collision(tutorial):
     _, names, _ = tutorial
-    places, radii = names["places"], names["radii"]
-    gaps = np.linalg.norm(places[:, None] - places, axis=2) - radii[:, None] - radii
-    assert names["collisions"][-1] == (np.triu(gaps <= 0, 1)).sum()
+    i, j = np.triu_indices(names["count"], 1)
+    gaps = names["gaps"](names["old"], names["places"], i, j)
+    assert names["collisions"][-1] == (gaps <= 0).sum()
 
 
 def main():
