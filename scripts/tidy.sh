@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Runs clang-tidy, with the checks of .clang-tidy, on the sources of the library and
-# of cpuinfo-bench that were configured for a build and contain no kernels:
+# Runs clang-tidy, with the checks of .clang-tidy, on the sources of the library, of
+# cpuinfo-bench and of the Python package that were configured for a build and
+# contain no kernels:
 #
 #   scripts/tidy.sh BUILD_DIRECTORY [FILE...]
 #
@@ -17,7 +18,7 @@ if [ "${#files[@]}" -eq 0 ]; then
   mapfile -t files < <(
     sed -n "s|^ *\"file\": \"$root/\(.*\)\",\{0,1\}\$|\1|p" \
       "$build/compile_commands.json" |
-      grep -E '^(bench|dispatch|kernels)/' | sort -u |
+      grep -E '^(bench|dispatch|kernels|python)/' | sort -u |
       xargs grep -L 'hwy/foreach_target.h')
 fi
 printf '%s\0' "${files[@]}" |

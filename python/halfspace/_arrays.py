@@ -147,7 +147,9 @@ def faces(value: Any, name: str, count: int) -> np.ndarray:
 def threads(value: Optional[int]) -> int:
     """The number of threads. None means all CPUs of this process."""
     if value is None:
-        return len(os.sched_getaffinity(0))
+        if hasattr(os, "sched_getaffinity"):
+            return len(os.sched_getaffinity(0))
+        return os.cpu_count() or 1
     return positive(value, "threads", MOST_THREADS)
 
 

@@ -37,8 +37,9 @@ class BVH:
         not depend on it.
     progress : callable, optional
         `progress(done, total)` is called up to 20 times a second by the calling
-        thread, and once at the end. The two are numbers of boxes or queries. An
-        exception in it ends the call.
+        thread, and once at the end. The two are numbers of boxes or queries, and
+        `total` is not 0. An exception in it ends the call. On a terminal:
+        `lambda done, total: print(f"\\r{done / total:.0%}", end="")`.
 
     Notes
     -----
@@ -64,7 +65,8 @@ class BVH:
 
     Every call releases the interpreter's lock, so threads can query one tree at
     the same time. A change while another thread uses the tree raises
-    RuntimeError. Ctrl-C ends a long call.
+    RuntimeError. Ctrl-C ends a long build, refit, query or join. It does not end
+    `insert`, `erase`, `save` or the check of a blob.
     """
 
     __slots__ = ("_tree", "__weakref__")
@@ -111,9 +113,9 @@ class BVH:
         """
         with open(path, "rb") as file:
             if os.fstat(file.fileno()).st_size == 0:
-                raise ValueError(f"{os.fspath(path)}: the file is empty")
+                raise ValueError(f"{os.fsdecode(path)}: the file is empty")
             mapped = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-        return cls._of(_load(mapped, os.fspath(path), verify))
+        return cls._of(_load(mapped, os.fsdecode(path), verify))
 
     @classmethod
     def _of(cls, tree: _halfspace.Tree) -> "BVH":
@@ -136,7 +138,7 @@ class BVH:
         The file appears at `path` when it is complete: a failure leaves an
         older file as it was.
         """
-        path = os.fspath(path)
+        path = os.fsdecode(path)
         temporary = f"{path}.{os.getpid()}.part"
         try:
             with open(temporary, "wb") as file:
@@ -176,6 +178,12 @@ class BVH:
             The ids of one row are in no particular order, but equal calls
             return the same order. For one box of shape (2 d,) only the ids, of
             shape (n,).
+
+        Notes
+        -----
+        The results take 16 bytes per pair, and 8 more during the call. If that
+        is too much, use `query_batches`. Ids are int64 because NumPy converts
+        any other index to it.
 
         Examples
         --------
@@ -526,7 +534,9 @@ def _load(blob: Any, name: str, verify: bool) -> _halfspace.Tree:
     try:
         return _halfspace.Tree.from_blob(blob, bool(verify))
     except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
+        # Without the name of the C++ call and its argument.
+        text = str(error).rpartition(" blob: ")[2]
+        raise ValueError(f"{name}: {text}") from None
 
 
 def _unpickle(cls: Type[BVH], blob: Any) -> BVH:

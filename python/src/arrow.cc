@@ -34,7 +34,7 @@ struct ArrowArray {
   void* private_data;
 };
 
-// The structure in a capsule, which stays its owner.
+// Returns the structure in a capsule. The capsule stays its owner.
 template <typename Struct>
 const Struct& In(const py::handle& capsule, const char* kind,
                  const std::string& name) {

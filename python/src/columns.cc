@@ -7,8 +7,8 @@ namespace py = pybind11;
 namespace halfspace::python {
 
 Columns::Columns(const py::tuple& arrays) : arrays_(arrays) {
-  // The Python module guarantees all of this. A caller of the private
-  // functions gets an error, and no wrong memory access.
+  // _arrays.py guarantees all of this. A call of the private module by somebody
+  // else fails here, before it reads wrong memory.
   const auto check = [](bool is_right) {
     if (!is_right) {
       throw std::invalid_argument("_halfspace: arrays that are not prepared");

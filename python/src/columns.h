@@ -14,10 +14,16 @@
 
 namespace halfspace::python {
 
-// Columns of floats or doubles: value i of column k is
-// column k's first value + i * stride. Made of two-dimensional arrays that the
-// Python module has prepared (_arrays.py): of one type and one stride, aligned,
-// in this machine's byte order. The columns of the arrays follow each other.
+// A size as pybind11 takes it.
+inline pybind11::ssize_t Size(std::size_t size) {
+  return static_cast<pybind11::ssize_t>(size);
+}
+
+// Columns of floats or doubles. Two values of a column that follow each other
+// are `stride` values apart in memory. The columns are those of the first
+// array, then those of the next. _arrays.py has prepared the arrays: they have
+// two dimensions, the same type, length and stride, and this machine's byte
+// order.
 class Columns {
  public:
   explicit Columns(const pybind11::tuple& arrays);

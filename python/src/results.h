@@ -1,5 +1,5 @@
-// Results that several threads find: of each part of a call a list, whose
-// length is known only when it has been found.
+// The results of a call on several threads. Each part of the call finds a list,
+// whose length is known only at the end of the part.
 #ifndef HALFSPACE_PYTHON_RESULTS_H_
 #define HALFSPACE_PYTHON_RESULTS_H_
 
@@ -37,8 +37,8 @@ class Results {
     blocks.back().used += found;
   }
 
-  // After all parts: where the items of each part begin in the list of all,
-  // and the number of all.
+  // Returns where the items of each part begin in the list of all items, and
+  // then the number of all items. Call it after all parts.
   std::vector<std::size_t> Offsets() const {
     std::vector<std::size_t> offsets{0};
     offsets.reserve(lists_.size() + 1);

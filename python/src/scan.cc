@@ -104,7 +104,7 @@ void ForEachQuery(const Scan& scan, const Columns& boxes, Work& work,
       scan.world);
 }
 
-// (2, n), or (n) without the rows.
+// Returns the rows and the ids, of shape (2, n), or only the ids, of shape (n).
 Ids Query(const Scan& scan, const py::tuple& arrays, bool with_rows,
           std::size_t threads) {
   const Columns boxes(arrays);
@@ -138,7 +138,7 @@ Ids Query(const Scan& scan, const py::tuple& arrays, bool with_rows,
 Ids Count(const Scan& scan, const py::tuple& arrays, std::size_t threads) {
   const Columns boxes(arrays);
   Work work(threads, py::none());
-  Ids counts(boxes.count());
+  Ids counts(Size(boxes.count()));
   std::int64_t* const to = counts.mutable_data();
   ForEachQuery(
       scan, boxes, work,
@@ -152,7 +152,7 @@ py::array_t<bool> Any(const Scan& scan, const py::tuple& arrays,
                       std::size_t threads) {
   const Columns boxes(arrays);
   Work work(threads, py::none());
-  py::array_t<bool> found(boxes.count());
+  py::array_t<bool> found(Size(boxes.count()));
   bool* const to = found.mutable_data();
   ForEachQuery(
       scan, boxes, work,
@@ -166,7 +166,7 @@ std::size_t SizeOf(const Scan& scan) {
   return std::visit([](const auto& world) { return world.size(); }, scan.world);
 }
 
-// (queries, objects)
+// Returns an array of shape (queries, objects).
 py::array_t<bool> Mask(const Scan& scan, const py::tuple& arrays,
                        std::size_t threads) {
   const Columns boxes(arrays);

@@ -161,11 +161,12 @@ std::unique_ptr<Tree> FromBlob(const py::object& object, bool verify) {
 // Refers to the bytes of a tree. The tree cannot change while it lives.
 class Blob {
  public:
-  explicit Blob(py::object tree) : object_(std::move(tree)) {
-    bytes_ = Read(this->tree(), [](const auto& bvh) { return bvh.Blob(); });
-    ++this->tree().exports;
+  explicit Blob(py::object object)
+      : object_(std::move(object)), tree_(object_.cast<Tree&>()) {
+    bytes_ = Read(tree_, [](const auto& bvh) { return bvh.Blob(); });
+    ++tree_.exports;
   }
-  ~Blob() { --tree().exports; }
+  ~Blob() { --tree_.exports; }
   Blob(const Blob&) = delete;
   Blob& operator=(const Blob&) = delete;
 
@@ -180,13 +181,12 @@ class Blob {
   }
 
  private:
-  Tree& tree() const { return object_.cast<Tree&>(); }
-
-  py::object object_;
+  py::object object_;  // the Python object of the tree
+  Tree& tree_;
   Span<const std::byte> bytes_;
 };
 
-// Ids of a part of the queries, grouped by query, and the number for each.
+// Finds the ids for a part of the queries, grouped by query, and counts them.
 template <int kDims>
 void FindPart(const Bvh<AabbView<kDims>>& bvh, const Columns& boxes,
               std::size_t part, std::size_t thread,
@@ -205,7 +205,8 @@ void FindPart(const Bvh<AabbView<kDims>>& bvh, const Columns& boxes,
   }
 }
 
-// Queries one after another. (2, n), or (n) without the rows.
+// Runs the queries one after another. Returns the rows and the ids, of shape
+// (2, n), or only the ids, of shape (n).
 Ids QueryInTurn(Tree& tree, const Columns& boxes, bool with_rows, Work& work) {
   const std::size_t parts = PartsOf(boxes.count(), kPartQueries);
   work.SetStage(0, boxes.count(), boxes.count());
@@ -239,7 +240,7 @@ Ids QueryInTurn(Tree& tree, const Columns& boxes, bool with_rows, Work& work) {
   return ids;
 }
 
-// The pairs of a tree and of another or itself, by part.
+// Finds the pairs of a tree and of another or itself, by part.
 template <typename AnyBvh, typename Find>
 Results<IdPair> FindPairs(const AnyBvh& bvh, Work& work, const Find& find) {
   const std::size_t parts = PartsOf(PairParts(bvh), kPartLeaves);
@@ -327,7 +328,7 @@ Ids Query(Tree& tree, const py::tuple& arrays, bool with_rows,
   return ids;
 }
 
-// Some ids of one query: at most `limit`, after the first `skip`.
+// Returns at most `limit` ids of one query, after the first `skip`.
 Ids QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
               std::size_t limit) {
   const Columns boxes(arrays);
@@ -340,7 +341,7 @@ Ids QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
     options.skip = skip;
     return Survivors(bvh, query, found, options);
   });
-  Ids ids(std::min(limit, total - std::min(skip, total)));
+  Ids ids(Size(std::min(limit, total - std::min(skip, total))));
   std::copy_n(found.data(), ids.size(), Data(ids));
   return ids;
 }
@@ -371,7 +372,7 @@ Ids Count(Tree& tree, const py::tuple& arrays, std::size_t threads,
           py::object progress) {
   const Columns boxes(arrays);
   Work work(threads, std::move(progress));
-  Ids counts(boxes.count());
+  Ids counts(Size(boxes.count()));
   std::int64_t* const to = Data(counts);
   ForEachQuery(tree, boxes, work,
                [to](const auto& bvh, const auto& query, std::size_t i) {
@@ -384,7 +385,7 @@ py::array_t<bool> Any(Tree& tree, const py::tuple& arrays, std::size_t threads,
                       py::object progress) {
   const Columns boxes(arrays);
   Work work(threads, std::move(progress));
-  py::array_t<bool> found(boxes.count());
+  py::array_t<bool> found(Size(boxes.count()));
   bool* const to = found.mutable_data();
   ForEachQuery(tree, boxes, work,
                [to](const auto& bvh, const auto& query, std::size_t i) {
@@ -453,6 +454,7 @@ void FindNearest(const Bvh<AabbView<kDims>>& bvh, const Columns& queries,
     }
   } else if (options.are_points && !queries.is_double()) {
     std::vector<Point<kDims>> points;
+    points.reserve(count);
     for (const Aabb<kDims>& box : boxes) points.push_back(box.min);
     KNearestOfEach(bvh, points, k, {ids, count * k}, {distances, count * k},
                    options.max_distance);
@@ -524,8 +526,8 @@ py::tuple CastRays(Tree& tree, const py::tuple& origin_arrays,
   if (directions.count() != n || limits.count() != n || limits.columns() < 1) {
     throw std::invalid_argument("_halfspace: arrays of different lengths");
   }
-  Ids ids(n);
-  py::array_t<float> distances(n);
+  Ids ids(Size(n));
+  py::array_t<float> distances(Size(n));
   std::int64_t* const to = Data(ids);
   float* const its_distances = distances.mutable_data();
   Work work(threads, std::move(progress));
@@ -561,7 +563,7 @@ py::tuple CastRays(Tree& tree, const py::tuple& origin_arrays,
   return py::make_tuple(ids, distances);
 }
 
-// (2, n), with i < j if `is_ordered`.
+// Returns the pairs in an array of shape (2, n), with i < j if `is_ordered`.
 Ids ToArray(const Results<IdPair>& results, bool is_ordered, Work& work) {
   const std::vector<std::size_t> offsets = results.Offsets();
   const std::size_t found = offsets.back();
@@ -622,7 +624,7 @@ Ids Insert(Tree& tree, const py::tuple& arrays) {
     const auto bounds = AllBoxes<kDimsOf<decltype(bvh)>>(boxes);
     bvh.Insert(bounds, ids);
   });
-  Ids result(ids.size());
+  Ids result(Size(ids.size()));
   std::copy(ids.begin(), ids.end(), Data(result));
   return result;
 }
@@ -675,7 +677,7 @@ void RefitSome(Tree& tree, const py::tuple& arrays, const ShortIds& ids) {
 py::array_t<float> BoundsOf(Tree& tree) {
   return Ask(tree, [](const auto& bvh) {
     const auto bounds = bvh.Bounds();
-    py::array_t<float> values(2 * bounds.min.size());
+    py::array_t<float> values(Size(2 * bounds.min.size()));
     std::copy(bounds.min.begin(), bounds.min.end(), values.mutable_data());
     std::copy(bounds.max.begin(), bounds.max.end(),
               values.mutable_data() + bounds.min.size());

@@ -39,7 +39,8 @@ struct Tree {
   std::size_t changes = 0;  // so far
 };
 
-// Both throw if another thread makes the two impossible.
+// Exists while a call reads a tree. The constructor throws if another call
+// changes the tree.
 class Reading {
  public:
   explicit Reading(Tree& tree);
@@ -51,6 +52,8 @@ class Reading {
   Tree& tree_;
 };
 
+// Exists while a call changes a tree. The constructor throws if another call
+// uses the tree, or if Python objects refer to its blob.
 class Changing {
  public:
   explicit Changing(Tree& tree);

@@ -47,7 +47,8 @@ void Work::Run(std::size_t count,
 
 void Work::Finish() {
   py::gil_scoped_acquire lock;
-  if (!progress_.is_none()) progress_(total_, total_);
+  // Callers divide by the total.
+  if (!progress_.is_none() && total_ != 0) progress_(total_, total_);
 }
 
 void Work::Contact(std::size_t done, std::size_t count) {
@@ -65,8 +66,8 @@ void Work::Contact(std::size_t done, std::size_t count) {
 }
 
 void BuildRunner::operator()(std::size_t count, const Runner::Part& part) {
-  // The number of passes is the library's own affair: if there are more than
-  // expected, progress waits near the end.
+  // The library does not document the number of passes. If there are more than
+  // expected, the progress waits near the end.
   const std::size_t first = std::min(pass_, passes_ - 1);
   ++pass_;
   work_.SetStage(end_ * first / passes_, end_ * (first + 1) / passes_, total_);

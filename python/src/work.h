@@ -22,15 +22,16 @@ class Work {
   Work(std::size_t threads, pybind11::object progress)
       : threads_(threads), progress_(std::move(progress)) {}
 
-  // The numbers that progress() receives for the parts that follow: from
-  // `begin` to `end` of `total`.
+  // During the next Run(), progress() receives numbers from `begin` to `end`,
+  // and `total`.
   void SetStage(std::size_t begin, std::size_t end, std::size_t total) {
     begin_ = begin;
     end_ = end;
     total_ = total;
   }
 
-  // For parts that only copy what was found.
+  // During the next Run(), progress() receives `total` twice. For parts that
+  // only copy results.
   void SetLastStage() { begin_ = end_ = total_; }
 
   // Calls part(i, thread) for each i below `count`, where thread is below
@@ -39,7 +40,7 @@ class Work {
   void Run(std::size_t count,
            const std::function<void(std::size_t, std::size_t)>& part);
 
-  // Calls progress(total, total).
+  // Calls progress(total, total), unless there was nothing to do.
   void Finish();
 
   std::size_t threads() const { return threads_; }
@@ -57,8 +58,8 @@ class Work {
       std::chrono::steady_clock::now();
 };
 
-// Runner of a build or a refit that calls it `passes` times (runner.h). Its
-// progress goes from 0 to `end` of `total`.
+// The runner (runner.h) of a build or a refit that calls it about `passes`
+// times. The progress goes from 0 to `end` of `total`.
 class BuildRunner {
  public:
   BuildRunner(Work& work, std::size_t passes, std::size_t end,

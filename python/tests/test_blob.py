@@ -105,11 +105,11 @@ def test_a_blob_in_use_forbids_changes(tree):
 @pytest.mark.parametrize("keep", [1, 63, 64, 1000, -1])
 def test_a_blob_that_was_cut(tree, keep, tmp_path):
     data = bytes(tree.blob())[:keep]
-    with pytest.raises(ValueError, match="^blob: .*expected .*bytes"):
+    with pytest.raises(ValueError, match="^blob: expected .*bytes"):
         hs.BVH.from_blob(data)
     path = tmp_path / "tree"
     path.write_bytes(data)
-    with pytest.raises(ValueError, match=f"^{path}: .*expected .*bytes"):
+    with pytest.raises(ValueError, match=f"^{path}: expected .*bytes"):
         hs.BVH.map(path)
 
 
@@ -133,7 +133,7 @@ def test_other_bytes(tree, tmp_path):
     other[8] += 1
     with pytest.raises(ValueError, match="store the world again"):
         hs.BVH.from_blob(other)
-    with pytest.raises(ValueError, match="pickle of a halfspace.BVH: .*store"):
+    with pytest.raises(ValueError, match="^pickle of a halfspace.BVH: expected format .* store"):
         pickle.loads(pickle.dumps(tree).replace(bytes(data[:12]), bytes(other[:12])))
 
 

@@ -49,9 +49,25 @@ def test_types(tmp_path):
     assert 'Revealed type is "numpy.ndarray' in lines[0], run.stdout
     assert "quantised" in lines[1], run.stdout
     assert lines[-1].startswith("Found 1 error in 1 file"), run.stdout
-    checked = subprocess.run(
+    run = subprocess.run(
         [sys.executable, "-m", "mypy", "--no-incremental", package],
         capture_output=True,
         text=True,
     )
-    assert checked.returncode == 0, checked.stdout
+    assert run.returncode == 0, run.stdout
+
+
+def test_the_stub_has_what_the_extension_has():
+    pytest.importorskip("mypy")
+    package = os.path.dirname(hs.__file__)
+    paths = "" if "site-packages" in package else os.path.dirname(package)
+    run = subprocess.run(
+        [sys.executable, "-m", "mypy.stubtest", "halfspace._halfspace"],
+        env={**os.environ, "MYPYPATH": paths},
+        capture_output=True,
+        text=True,
+    )
+    errors = [line for line in run.stdout.splitlines() if line.startswith("error:")]
+    # pybind11's classes have a metaclass of its own.
+    assert not [e for e in errors if "metaclass differs" not in e], run.stdout
+    assert "(checked 1 module)" in run.stdout

@@ -69,6 +69,8 @@ def test_progress(rng):
         done = [call[0] for call in calls]
         assert done == sorted(done)
     calls.clear()
+    hs.BVH(boxes[:0], progress=progress).pairs(progress=progress)
+    assert calls == []
     tree.refit(boxes, progress=progress)
     assert calls[-1] == (500_000, 500_000)
 
