@@ -119,10 +119,15 @@ def page(runs):
         context = run["context"]
         text += (f"\n## {machine}\n\n{context['cpu']} ({context['model']}), "
                  f"{context['caches']}, {context['cores']} cores, {context['machine']}; "
-                 f"{context['system']}; {context['compiler']}, `{context['flags'].strip()}`, "
-                 f"Highway {context['highway']}; cpuinfo-bench {context['version']} "
-                 f"`{context['command']}`, {context['date'][:10]}; "
-                 f"a {context.get('noise', 'not measured as quiet or noisy')} run.\n")
+                 f"{context['system']}; ")
+        if context["scope"] == "python":  # by a script in bench/python
+            text += (f"{context['flags']}; halfspace {context['version']}, "
+                     f"`{context['command']}`, {context['date'][:10]}.\n")
+        else:
+            text += (f"{context['compiler']}, `{context['flags'].strip()}`, "
+                     f"Highway {context['highway']}; cpuinfo-bench {context['version']} "
+                     f"`{context['command']}`, {context['date'][:10]}; "
+                     f"a {context.get('noise', 'not measured as quiet or noisy')} run.\n")
         for table in run["tables"]:
             text += f"\n### {table['name']}\n\n{table['title']}\n\n"
             text += block(runs, f"{machine} | {table['name']}")

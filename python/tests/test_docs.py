@@ -63,18 +63,20 @@ def test_types(tmp_path):
     assert lines[-1].startswith("Found 1 error in 1 file"), run.stdout
     run = subprocess.run(
         [sys.executable, "-m", "mypy", "--no-incremental", package],
+        cwd=tmp_path,
         capture_output=True,
         text=True,
     )
     assert run.returncode == 0, run.stdout
 
 
-def test_the_stub_has_what_the_extension_has():
+def test_the_stub_has_what_the_extension_has(tmp_path):
     pytest.importorskip("mypy")
     package = os.path.dirname(hs.__file__)
     paths = "" if "site-packages" in package else os.path.dirname(package)
     run = subprocess.run(
         [sys.executable, "-m", "mypy.stubtest", "halfspace._halfspace"],
+        cwd=tmp_path,
         env={**os.environ, "MYPYPATH": paths},
         capture_output=True,
         text=True,

@@ -12,14 +12,14 @@ import pytest
 from conftest import random_boxes
 
 RNG = np.random.default_rng(3)
-BOXES = random_boxes(RNG, 1_000_000, 3, 0.03)
+BOXES = random_boxes(RNG, 1_000_000, 3, 0.05)
 TREE = hs.BVH(BOXES, quality="fast")
 
 # Each takes at least several tenths of a second.
 LONG_CALLS = {
     "build": lambda **k: hs.BVH(BOXES.repeat(2, axis=0), **k),
     "count": lambda **k: TREE.count(BOXES, **k),
-    "any": lambda **k: TREE.any(BOXES.repeat(2, axis=0) + np.float32(0.5), **k),
+    "any": lambda **k: TREE.any(BOXES.repeat(6, axis=0), **k),
     "query": lambda **k: TREE.query(BOXES, **k),
     "query one after another": lambda **k: hs.BVH(
         BOXES.repeat(4, axis=0), quality="fast"
@@ -42,6 +42,8 @@ def test_ctrl_c(call, threads):
     with pytest.raises(KeyboardInterrupt):
         timer.start()
         LONG_CALLS[call](threads=threads)
+        # The call ended too early, or did not see the signal.
+        timer.cancel()
         pytest.fail("the call did not end early")
     timer.join()
     # The tree is not locked.

@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+"""Runs the code of docs/python.md, block after block, and compares what it prints with the page.
+
+`python3 python/tests/test_tutorial.py` writes the figures and the printed results into docs.
+"""
+
+import contextlib
+import io
+import os
+import pathlib
+import re
+import tempfile
+
+import numpy as np
+import pytest
+
+PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "python.md"
+# A block of code, and the block of text that it prints.
+BLOCK = re.compile(r"^```python\n(.*?)^```\n(?:```text\n.*?^```\n)?", re.M | re.S)
+FIGURE = re.compile(r"!\[.+\]\((.+\.png)\)")
+
+
+def run(text, directory):
+    """Runs the blocks in `directory`. Returns the text with what they print, and their names."""
+    names = {"__name__": "tutorial"}
+
+    def run_block(match):
+        # Line numbers are those of the page, so that a traceback shows its lines.
+        code = "\n" * text.count("\n", 0, match.start(1)) + match[1]
+        output = io.StringIO()
+        with contextlib.redirect_stdout(output):
+            exec(compile(code, str(PAGE), "exec"), names)
+        printed = output.getvalue()
+        return f"```python\n{match[1]}```\n" + (f"```text\n{printed}```\n" if printed else "")
+
+    old = os.getcwd()
+    os.chdir(directory)
+    try:
+        return BLOCK.sub(run_block, text), names
+    finally:
+        os.chdir(old)
+
+
+@pytest.fixture(scope="module")
+def tutorial(tmp_path_factory):
+    matplotlib = pytest.importorskip("matplotlib", reason="needs python3-matplotlib")
+    pytest.importorskip("shapely", reason="needs python3-shapely")
+    matplotlib.use("Agg")
+    directory = tmp_path_factory.mktemp("tutorial")
+    text, names = run(PAGE.read_text(encoding="utf-8"), directory)
+    return text, names, directory
+
+
+def test_prints_what_the_page_says(tutorial):
+    text, _, _ = tutorial
+    assert text == PAGE.read_text(encoding="utf-8")
+
+
+def test_draws_the_figures_of_the_page(tutorial):
+    from matplotlib.image import imread
+
+    text, _, directory = tutorial
+    figures = FIGURE.findall(text)
+    assert sorted(figures) == sorted(path.name for path in directory.glob("*.png"))
+    for figure in figures:
+        drawn, stored = imread(directory / figure), imread(PAGE.parent / figure)
+        assert drawn.shape[:2] == stored.shape[:2]
+        # Fonts and colours differ a little from one machine to another.
+        assert abs(drawn[..., :3] - stored[..., :3]).mean() < 0.05
+        assert drawn[..., :3].std() > 0.05
+
+
+def test_join_finds_every_field_that_a_river_crosses(tutorial):
+    _, names, _ = tutorial
+    found = sum(river.intersects(field) for river in names["prepared"] for field in names["fields"])
+    assert names["crosses"].sum() == found
+
+
+def test_rays_hit_the_nearest_triangle(tutorial):
+    _, names, _ = tutorial
+    triangles = names["vertices"][names["faces"]]
+    for ray in range(0, len(names["depth"]), 997):
+        expected = names["hit"](names["eye"], names["directions"][ray], triangles).min()
+        assert np.isclose(names["depth"][ray], expected)
+
+
+def test_refits_find_every_collision(tutorial):
+    _, names, _ = tutorial
+    i, j = np.triu_indices(names["count"], 1)
+    gaps = names["gaps"](names["old"], names["places"], i, j)
+    assert names["collisions"][-1] == (gaps <= 0).sum()
+
+
+def main():
+    import matplotlib
+    from PIL import Image
+
+    matplotlib.use("Agg")
+    with tempfile.TemporaryDirectory() as directory:
+        text, _ = run(PAGE.read_text(encoding="utf-8"), directory)
+        for path in pathlib.Path(directory).glob("*.png"):
+            # A palette makes the files half as large.
+            picture = Image.open(path).convert("RGB").quantize(128)
+            picture.save(PAGE.parent / path.name, optimize=True)
+    PAGE.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
