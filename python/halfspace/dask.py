@@ -100,7 +100,7 @@ def _chunks(source, name: str, widths: tuple[int, ...]) -> tuple[list[_Chunk], i
         parts = list(zip(source.chunks[0], source.to_delayed()[:, 0]))
     elif isinstance(source, (list, tuple)) and source and all(
             isinstance(path, (str, os.PathLike)) for path in source):
-        for path in map(os.path.abspath, source):
+        for path in (os.path.abspath(os.fsdecode(path)) for path in source):
             shape = np.load(path, mmap_mode="r").shape
             check(shape, path)
             for begin in range(0, shape[0], _CHUNK_ROWS):

@@ -65,20 +65,21 @@ auto Read(Tree& tree, Function&& function) {
   const py::gil_scoped_release release;
   return std::visit(function, std::as_const(tree.bvh));
 }
-// The same with the lock, for functions that take no time.
+// The same with the lock, for sizes, which a refit does not change.
 template <typename Function>
 auto Ask(Tree& tree, const Function& function) {
-  const Reading reading(tree);
+  const Reading reading(tree, /*is_refit=*/true);
   return std::visit(function, std::as_const(tree.bvh));
 }
 template <typename Function>
 void Change(Tree& tree, Function&& function, bool is_refit = false) {
   const Changing changing(tree, is_refit);
+  if (is_refit) ++tree.changes;  // also if an exception ends it
   {
     const py::gil_scoped_release release;
     std::visit(function, tree.bvh);
   }
-  ++tree.changes;
+  if (!is_refit) ++tree.changes;
 }
 
 void CheckColumns(const Tree& tree, const Columns& columns, bool is_points) {
@@ -734,9 +735,9 @@ void Refit(Tree& tree, const py::tuple& arrays, std::size_t threads,
     boxes.WithBoxes<kDimsOf<decltype(bvh)>>(
         [&](const auto& shapes) { bvh.Refit(shapes, runner); });
     tree.is_half_refitted = false;
+    work.Finish();
   };
   Change(tree, refit, /*is_refit=*/true);
-  work.Finish();
 }
 
 void RefitSome(Tree& tree, const py::tuple& arrays, const ShortIds& ids) {
@@ -751,6 +752,7 @@ void RefitSome(Tree& tree, const py::tuple& arrays, const ShortIds& ids) {
 }
 
 py::array_t<float> BoundsOf(Tree& tree) {
+  const Reading reading(tree);
   return Ask(tree, [](const auto& bvh) {
     const auto bounds = bvh.Bounds();
     py::array_t<float> values(Size(2 * bounds.min.size()));
@@ -807,12 +809,12 @@ void CheckRefitted(const Tree& tree) {
 
 }  // namespace
 
-Reading::Reading(Tree& tree) : tree_(tree) {
+Reading::Reading(Tree& tree, bool is_refit) : tree_(tree) {
   if (tree.is_changing) {
     throw std::runtime_error(
         "another call is changing this BVH: wait until it has finished");
   }
-  CheckRefitted(tree);
+  if (!is_refit) CheckRefitted(tree);
   ++tree.readers;
 }
 

@@ -44,7 +44,7 @@ struct Tree {
 // changes the tree.
 class Reading {
  public:
-  explicit Reading(Tree& tree);
+  explicit Reading(Tree& tree, bool is_refit = false);
   ~Reading() { --tree_.readers; }
   Reading(const Reading&) = delete;
   Reading& operator=(const Reading&) = delete;

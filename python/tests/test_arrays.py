@@ -320,6 +320,10 @@ BAD_CALLS = [
     ),
     (lambda: TREE.refit([[0, 0, 1, 1]], [0, 1]), ValueError, "ids: expected one id for"),
     (lambda: TREE.insert([[0, 0, 1, NAN]]), ValueError, "boxes[0]: expected numbers, got"),
+    (lambda: hs.BVH(tuple(np.zeros((4, 4)))), ValueError, "boxes: a tuple of 4 arrays of length 4"),
+    (lambda: hs.BVH(np.ma.masked_equal([[0, 0, 1, 1]], 1)), TypeError, "boxes: expected an array without masked"),
+    (lambda: TREE.nearest([0, 0], max_distance=None), TypeError, "max_distance: expected a number"),
+    (lambda: TREE.boxes([10**6]), ValueError, "ids: expected ids below"),
     (lambda: hs.join(TREE, [[0, 0, 1, 1]]), TypeError, "b: expected a BVH, got list"),
     (lambda: hs.join(TREE, hs.BVH(BOXES)), ValueError, "b: expected a BVH of 2 dimension"),
 ]

@@ -15,7 +15,7 @@ RNG = np.random.default_rng(3)
 BOXES = random_boxes(RNG, 1_000_000, 3, 0.05)
 TREE = hs.BVH(BOXES, quality="fast")
 
-# Each takes at least several tenths of a second.
+# Each takes tenths of a second at least.
 LONG_CALLS = {
     "build": lambda **k: hs.BVH(BOXES.repeat(2, axis=0), **k),
     "count": lambda **k: TREE.count(BOXES, **k),
@@ -126,6 +126,35 @@ def test_a_query_during_a_change(rng):
     tree.refit(boxes, progress=progress)
     assert errors and "another call is changing this BVH" in errors[0]
     tree.query(boxes)
+
+
+def test_an_interrupted_refit_must_be_repeated(rng):
+    boxes = random_boxes(rng, 1_000_000, 3, 0.01)
+    tree = hs.BVH(boxes, quality="fast")
+
+    def stop(done, total):
+        if done < total:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        while True:
+            tree.refit(boxes.astype(float), progress=stop)
+    for call in (lambda: tree.query(boxes[:1]), lambda: tree.query(boxes[0]), tree.blob,
+                 lambda: tree.erase([0])):
+        with pytest.raises(RuntimeError, match=r"call refit\(\) with all boxes again"):
+            call()
+    tree.refit(boxes)
+    assert 7 in tree.query(boxes[7])
+
+
+def test_a_failed_change_is_no_change(rng):
+    boxes = random_boxes(rng, 100, 3, 1)
+    tree = hs.BVH(boxes)
+    batches = tree.query_batches(boxes, 10)
+    next(batches)
+    with pytest.raises(ValueError):
+        tree.erase([999])
+    assert sum(batch.shape[1] for batch in batches) > 10
 
 
 def test_queries_run_at_the_same_time():
