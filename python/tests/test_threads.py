@@ -130,6 +130,7 @@ def test_a_query_during_a_change(rng):
 
 def test_an_interrupted_refit_must_be_repeated(rng):
     boxes = random_boxes(rng, 1_000_000, 3, 0.01)
+    doubles = boxes.astype(float)
     tree = hs.BVH(boxes, quality="fast")
 
     def stop(done, total):
@@ -138,7 +139,7 @@ def test_an_interrupted_refit_must_be_repeated(rng):
 
     with pytest.raises(KeyboardInterrupt):
         while True:
-            tree.refit(boxes.astype(float), progress=stop)
+            tree.refit(doubles, progress=stop)
     for call in (lambda: tree.query(boxes[:1]), lambda: tree.query(boxes[0]), tree.blob,
                  lambda: tree.erase([0])):
         with pytest.raises(RuntimeError, match=r"call refit\(\) with all boxes again"):
