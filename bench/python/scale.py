@@ -86,8 +86,14 @@ def one_process(world, objects, probes, side):
     def probe():
         return sum(len(tree.query(chunk)[0]) for chunk in read(probes, 1000))
 
+    def write(directory):
+        for i, chunk in enumerate(read(probes, 1000)):
+            np.save(os.path.join(directory, f"{i}.npy"), tree.query(chunk))
+
     join, count = seconds(probe)
-    return build, join, count, tree
+    with tempfile.TemporaryDirectory() as directory:
+        files, _ = seconds(lambda: write(directory))
+    return build, join, files, count
 
 
 def task_seconds(client):
@@ -136,21 +142,21 @@ def model(run, objects, probes, side, task, bandwidth):
     the scheduler takes one task after another."""
     cost = costs(uniform, objects, probes, side)
     build = report.median(run["build 1"]) / objects - cost["read"]
-    query = report.median(run["join 1"]) / probes - cost["read"]
+    query = report.median(run["files 1"]) / probes - cost["read"]
     pairs = report.median(run["pairs"]) / probes
     measured_objects = objects
 
     def parts(objects, probes, workers, partitions, chunks, bandwidth, task):
         stay = 1 / workers  # the share of rows that stay on their worker
-        # Sample, distribute and their reads; pieces; build and its description.
-        build_tasks = 4 * chunks + chunks * partitions + 2 * partitions
-        # A chunk of probes is read, routed, and goes to all partitions.
+        # Read, sample and distribute; pieces; build and its description.
+        build_tasks = 3 * chunks + chunks * partitions + 2 * partitions
+        # A chunk of probes is read, routed, and goes to all partitions at most.
         join_tasks = 3 * chunks + 2 * chunks * partitions
         grown = np.log(objects / partitions) / np.log(measured_objects / PARTITIONS)
         return {
             "build": {
                 "scheduler": build_tasks * task,
-                "workers": objects / workers * (2 * cost["read"] + cost["distribute"]
+                "workers": objects / workers * (cost["read"] + cost["distribute"]
                                                 + build * grown),
                 "network": objects / workers * ROW_BYTES * (1 - stay) / bandwidth},
             "join": {
@@ -201,8 +207,7 @@ def measure(client, name, world, objects, probes, side, repetitions):
     runs = []
     for repetition in range(repetitions):
         report.progress(f"{name}: {repetition + 1} of {repetitions}")
-        build1, join1, count1, tree = one_process(world, objects, probes, side)
-        del tree
+        build1, join1, files1, count1 = one_process(world, objects, probes, side)
         source = collection(world, objects, side, 0)
         before = incoming(client)
         build2, spread_tree = seconds(lambda: hd.BVH(source, PARTITIONS, client=client))
@@ -217,7 +222,7 @@ def measure(client, name, world, objects, probes, side, repetitions):
             sys.exit(f"{name}: {count1} pairs in one process, {count2} streamed and {count3} "
                      "in files on the cluster")
         runs.append({"build 1": build1, "build 2": build2, "join 1": join1, "join 2": join2,
-                     "files 2": files2, "first": first, "pairs": count1,
+                     "files 1": files1, "files 2": files2, "first": first, "pairs": count1,
                      "moved build": moved_build, "moved join": moved_join,
                      "most": spread_tree.sizes.max() / spread_tree.sizes.mean()})
         del spread_tree
@@ -263,7 +268,7 @@ def main():
          for step, part, cluster, moved in (("build", "build", "build", "moved build"),
                                             ("join, pairs to the client", "join", "join",
                                              "moved join"),
-                                            ("join, pairs to files", "join", "files", None))],
+                                            ("join, pairs to files", "files", "files", None))],
         [f"{name}: {report.median(run['pairs']):,} pairs; first batch after "
          f"{report.median(run['first']):.2f} s; the largest partition has "
          f"{report.median(run['most']):.2f} times the mean number of objects."

@@ -351,41 +351,46 @@ def _join_in(partition: _Partition, piece, begin: int, end: int):
 
 
 def _ranges(partition: _Partition, piece, most: int) -> list[tuple[int, int]]:
-    """Ranges of rows with at most `most` pairs, or of one row with more."""
-    sums = np.cumsum(partition.tree.count(piece[0]))
+    """Ranges of rows with about half of `most` pairs each, as every 64th row tells."""
+    step = 64
+    sums = np.cumsum(step * partition.tree.count(piece[0][::step]))
     ranges = []
     begin = done = 0
     while begin < len(sums):
-        end = max(begin + 1, int(np.searchsorted(sums, done + most, "right")))
-        ranges.append((begin, end))
+        end = max(begin + 1, int(np.searchsorted(sums, done + most / 2, "right")))
+        ranges.append((begin * step, min(end * step, len(piece[0]))))
         begin, done = end, sums[end - 1]
     return ranges
 
 
-def _of(partition: _Partition, piece):
-    """A piece, or all objects of the partition itself."""
-    return (partition.tree.boxes(), partition.rows) if piece is None else piece
+def _batches(pairs_in, partition: _Partition, piece, most: int, ranges=None):
+    """Yields (pairs, begin, ranges that are left): at most `most` pairs, or those of
+    one row. Without `piece`, it is all objects of the partition."""
+    if piece is None:
+        piece = partition.tree.boxes(), partition.rows
+    left = collections.deque(_ranges(partition, piece, most) if ranges is None else ranges)
+    while left:
+        begin, end = left.popleft()
+        pairs = pairs_in(partition, piece, begin, end)
+        if len(pairs[0]) > most and end - begin > 1:
+            middle = (begin + end) // 2
+            left.extendleft([(middle, end), (begin, middle)])
+        elif len(pairs[0]):
+            yield pairs, begin, left
 
 
-def _some_pairs(pairs_in, partition: _Partition, piece, most: int, some=None):
-    """Returns the pairs of a range of rows, and the ranges that are left. Without a
-    range, it is the first."""
-    piece = _of(partition, piece)
-    left: list = []
-    if some is None:
-        some, *left = _ranges(partition, piece, most) or [(0, 0)]
-    return pairs_in(partition, piece, *some), left
+def _some_pairs(pairs_in, partition: _Partition, piece, most: int, ranges=None):
+    """Returns the first batch, and the ranges that are left."""
+    for pairs, _, left in _batches(pairs_in, partition, piece, most, ranges):
+        return pairs, list(left)
+    return (np.empty(0, np.int64), np.empty(0, np.int64)), []
 
 
 def _write_pairs(pairs_in, partition: _Partition, piece, most: int, prefix: str):
-    """Writes all pairs, a file for each range, and returns the paths. If the task runs
+    """Writes all pairs, a file for each batch, and returns the paths. If the task runs
     again, it writes the same files."""
-    piece = _of(partition, piece)
     paths = []
-    for begin, end in _ranges(partition, piece, most):
-        pairs = pairs_in(partition, piece, begin, end)
-        if len(pairs[0]) == 0:
-            continue
+    for pairs, begin, _ in _batches(pairs_in, partition, piece, most):
         path = f"{prefix}-{begin:09}.npy"
         part = f"{path}.{uuid.uuid4().hex}.part"
         try:
@@ -531,15 +536,13 @@ class _Runner:
         return sorted(itertools.chain.from_iterable(self.stream(jobs)))
 
     def _stream_pairs(self, joins, most: int):
-        def rest(join, result):
+        def follow(join, result):
             pairs, left = result
-            return pairs, [(self.submit(_some_pairs, *join, most, some), rest_is_known)
-                           for some in left]
+            more = [(self.submit(_some_pairs, *join, most, [some]),
+                     functools.partial(follow, join)) for some in left]
+            return pairs, more
 
-        def rest_is_known(result):
-            return result[0], []
-
-        jobs = ((self.submit(_some_pairs, *join, most), functools.partial(rest, join))
+        jobs = ((self.submit(_some_pairs, *join, most), functools.partial(follow, join))
                 for join in joins)
         return (pairs for pairs in self.stream(jobs) if len(pairs[0]))
 
@@ -562,7 +565,7 @@ class BVH:
     client      a `distributed.Client`; by default the current one
 
     The constructor returns when all partitions exist: building is not lazy. It reads
-    `boxes` twice.
+    `boxes` twice, or once if they fit into a quarter of the workers' memory.
     """
 
     def __init__(self, boxes, partitions: int | None = None, *, balance: str = "pairs",
@@ -577,19 +580,28 @@ class BVH:
         chunks, self._width = _chunks(boxes, "boxes", (4, 6))
         self._size = sum(chunk.rows for chunk in chunks)
         partitions = min(partitions, self._size)
+        memory = run.memory()
         if mapped is None:
-            mapped = 0 < run.memory() < 2 * _BYTES_PER_OBJECT * self._size
+            mapped = 0 < memory < 2 * _BYTES_PER_OBJECT * self._size
+
+        # Read once if everything fits into a quarter of the memory.
+        is_small = memory == 0 or 32 * self._width * self._size < memory
+        sources = [run.source(chunk) for chunk in chunks] if is_small else []
+
+        def source(i: int) -> distributed.Future:
+            return sources[i] if sources else run.source(chunks[i])
 
         splits = _Splits([])
         if partitions > 1:
             share = min(1.0, _SAMPLE_PER_PARTITION * partitions / self._size)
             samples = run.client.gather(
-                [run.submit(_sample, run.source(chunk), chunk.first, share)
-                 for chunk in chunks])
+                [run.submit(_sample, source(i), chunk.first, share)
+                 for i, chunk in enumerate(chunks)])
             sample, stands_for = map(np.concatenate, zip(*samples))
             splits = _split_sample(sample, stands_for, partitions, balance == "pairs")
-        routed = [run.submit(_distribute, run.source(chunk), chunk.first, splits)
-                  for chunk in chunks]
+        routed = [run.submit(_distribute, source(i), chunk.first, splits)
+                  for i, chunk in enumerate(chunks)]
+        sources.clear()
         self._partitions = [
             run.submit(_build, [run.submit(_piece, one, p) for one in routed], mapped)
             for p in range(partitions)]
