@@ -1,0 +1,328 @@
+// How a broad phase changes.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "dispatch/broad_phase/state.h"
+#include "dispatch/bvh/layout.h"
+#include "kernels/error.h"
+#include "kernels/exact/default_fp_mode.h"
+#include "kernels/memory_checks.h"
+
+namespace halfspace::detail {
+namespace {
+
+// The order is sorted again if queries visit so many times as many leaves.
+constexpr double kDecayed = 1.25;
+constexpr double kAllDecayed = 2;
+
+// Bodies and their bounds in the tree, which are larger by the margin.
+class Bounded {
+ public:
+  explicit Bounded(const BroadPhaseState& state)
+      : state_(state),
+        ids_(BlockAllocator<std::uint32_t>(state.options.memory)),
+        values_(BlockAllocator<float>(state.options.memory)) {}
+
+  void Reserve(std::size_t count) {
+    ids_.reserve(count);
+    values_.reserve(count * state_.planes());
+  }
+  // In the default floating-point mode.
+  void Add(std::uint32_t id, const float* planes) {
+    constexpr float kInf = std::numeric_limits<float>::infinity();
+    const BvhShape& shape = state_.shape;
+    ids_.push_back(id);
+    for (std::size_t p = 0; p < state_.planes(); ++p) {
+      const bool is_max = p >= shape.axes;
+      const bool is_d = p % shape.axes >= shape.dims;
+      const float margin =
+          state_.options.margin * static_cast<float>(is_d ? shape.dims : 1);
+      const float value = is_max ? planes[p] + margin : planes[p] - margin;
+      values_.push_back(value == value ? value : is_max ? kInf : -kInf);
+    }
+  }
+
+  Span<const std::uint32_t> ids() const { return ids_; }
+  Span<const float> values() const { return values_; }
+
+ private:
+  const BroadPhaseState& state_;
+  BlockVector<std::uint32_t> ids_;
+  BlockVector<float> values_;
+};
+
+// The bodies of a call of Insert().
+struct NewBodies {
+  Span<const std::uint32_t> ids;
+  const float* values = nullptr;
+};
+
+// What becomes of the order.
+struct Sorting {
+  std::size_t budget = 0;
+  bool is_forced = false;
+  Runner run = {};
+};
+
+void Sort(BvhTree& tree, const Sorting& sorting) {
+  const auto rebuild = [&] {
+    BuildOptions options;
+    options.run = sorting.run;
+    tree.Rebuild(options);
+  };
+  if (sorting.is_forced) return rebuild();
+  if (sorting.budget == 0 || tree.size() == 0) return;
+  const double ratio = tree.CostRatio();
+  if (!(ratio > kDecayed)) return;
+  std::size_t budget = sorting.budget;
+  if (budget == UpdateOptions::kAutomatic) {
+    budget = tree.size() / 16;
+  } else if (ratio > kAllDecayed && budget >= tree.size()) {
+    return rebuild();
+  }
+  tree.RebuildPartial(std::max(budget, kPartSlots));
+}
+
+// Writes a version in which all bodies are in the tree, and the new ones, too.
+void Build(BroadPhaseState& state, const TakenMarks& moved,
+           const NewBodies& added, const Sorting& sorting, Version& version) {
+  const Version& old = *state.current.load();
+  version.ClearPending();
+  {
+    const WithRacyReads reads;
+    version.tree = BvhTree(old.tree, state.options.memory);
+  }
+  const std::size_t pending = old.PendingCount();
+  BlockVector<std::uint32_t> gone(
+      BlockAllocator<std::uint32_t>(state.options.memory));
+  Bounded stays(state);
+  Bounded comes(state);
+  gone.reserve(moved.ids().size() + added.ids.size());
+  stays.Reserve(moved.ids().size());
+  comes.Reserve(pending + added.ids.size());
+  kernels::InDefaultFpMode([&] {
+    Body body;
+    for (const std::uint32_t id : moved.ids()) {
+      if (!version.tree.Has(id)) continue;
+      if (state.bodies.Read(id, body)) {
+        stays.Add(id, body.planes);
+      } else {
+        gone.push_back(id);
+      }
+    }
+    for (std::size_t i = 0; i < pending; ++i) {
+      const std::uint32_t id = old.Pending(i);
+      if (state.bodies.Read(id, body)) comes.Add(id, body.planes);
+    }
+    for (std::size_t i = 0; i < added.ids.size(); ++i) {
+      const std::uint32_t id = added.ids[i];
+      // Erased, and still in the tree.
+      if (version.tree.Has(id)) gone.push_back(id);
+      comes.Add(id, added.values + i * state.planes());
+    }
+  });
+  version.tree.Erase(gone);
+  version.tree.Set(stays.ids(), stays.values());
+  version.tree.InsertAs(comes.ids(), comes.values());
+  Sort(version.tree, sorting);
+}
+
+// Makes a version that was built the current one, and frees the trees that
+// nobody reads. Never throws.
+void Publish(BroadPhaseState& state, Version& version) {
+  Version& old = *state.current.load();
+  state.upcoming.store(&version, std::memory_order_seq_cst);
+  old.HasReaders();  // synchronizes with movers that did not see it
+  ForEachMarked(state, Bodies::kMoved, [&](std::uint32_t id) {
+    Body body;
+    if (state.bodies.Read(id, body)) version.Widen(id, body.planes, true);
+  });
+  state.current.store(&version, std::memory_order_seq_cst);
+  state.upcoming.store(nullptr, std::memory_order_seq_cst);
+  for (Version* v = state.versions; v != nullptr; v = v->next) {
+    if (v != &version && !v->HasReaders()) {
+      v->tree = BvhTree(state.shape, state.options.memory);
+    }
+  }
+}
+
+void BuildAndPublish(BroadPhaseState& state, const Sorting& sorting) {
+  TakenMarks moved(state, Bodies::kMoved);
+  Version& version = *state.NewVersion();
+  Build(state, moved, {}, sorting, version);
+  moved.Keep();
+  Publish(state, version);
+}
+
+constexpr auto kChanged =
+    static_cast<std::uint8_t>(Bodies::kMoved | Bodies::kNewPairs);
+
+}  // namespace
+
+void BroadPhaseCore::Insert(Span<const std::uint32_t> ids,
+                            Span<const float> values,
+                            Span<const BodyMasks> masks) {
+  constexpr const char* kCall = "BroadPhase::Insert";
+  BroadPhaseState& state = *state_;
+  const std::size_t planes = state.planes();
+  state.CheckList(kCall, ids, "bounds", values.data(), values.size() / planes,
+                  alignof(float));
+  if (!masks.empty()) {
+    state.CheckList(kCall, ids, "masks", masks.data(), masks.size(),
+                    alignof(BodyMasks));
+  }
+  std::unique_lock lock(state.mutex);
+  // An id that is listed twice is found by its mark.
+  std::size_t checked = 0;
+  for (; checked < ids.size(); ++checked) {
+    const std::uint32_t id = ids[checked];
+    if (id >= state.max_ids || state.bodies.Has(id) ||
+        (state.bodies.MarksOf(id).fetch_or(Bodies::kListed) &
+         Bodies::kListed) != 0) {
+      break;
+    }
+  }
+  const bool is_ok = checked == ids.size();
+  for (std::size_t i = 0; i < checked; ++i) {
+    state.bodies.MarksOf(ids[i]).fetch_and(
+        static_cast<std::uint8_t>(~Bodies::kListed));
+  }
+  if (!is_ok) {
+    lock.unlock();
+    kernels::ThrowInvalid(
+        kCall, "ids[" + std::to_string(checked) + "]",
+        ids[checked] < state.max_ids
+            ? "an id that no body has, once in the list"
+            : "an id below max_ids, " + std::to_string(state.max_ids),
+        std::to_string(ids[checked]));
+  }
+
+  Version* version = state.current.load();
+  std::size_t pending = version->PendingCount();
+  for (const std::uint32_t id : ids) {
+    pending += version->tree.Has(id) || version->IsPending(id) ? 0 : 1;
+    if (pending > Version::kMostPending) break;
+  }
+  std::size_t limit = state.id_limit;
+  for (const std::uint32_t id : ids)
+    limit = std::max(limit, id + std::size_t{1});
+  const auto write_all = [&] {
+    state.id_limit = limit;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      const BodyMasks own = masks.empty() ? BodyMasks() : masks[i];
+      state.bodies.Write(ids[i], values.data() + i * planes, &own, true);
+      state.bodies.MarksOf(ids[i]).fetch_or(kChanged);
+    }
+    state.size.fetch_add(ids.size(), std::memory_order_relaxed);
+  };
+  if (pending > Version::kMostPending) {
+    TakenMarks moved(state, Bodies::kMoved);
+    Version& next = *state.NewVersion();
+    Sorting sorting;
+    sorting.budget = UpdateOptions::kAutomatic;
+    Build(state, moved, {ids, values.data()}, sorting, next);
+    moved.Keep();
+    write_all();
+    Publish(state, next);
+    return;
+  }
+  write_all();
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (version->tree.Has(ids[i])) {
+      version->Widen(ids[i], values.data() + i * planes, false);
+    } else if (!version->IsPending(ids[i])) {
+      version->AddPending(ids[i]);
+    }
+  }
+}
+
+void BroadPhaseCore::Erase(Span<const std::uint32_t> ids) {
+  constexpr const char* kCall = "BroadPhase::Erase";
+  BroadPhaseState& state = *state_;
+  kernels::CheckMemory(kCall, "ids", ids.data(), ids.size(),
+                       alignof(std::uint32_t));
+  std::unique_lock lock(state.mutex);
+  const std::size_t absent = state.FindAbsent(ids);
+  if (absent != ids.size()) {
+    lock.unlock();
+    state.ThrowAbsent(kCall, ids, absent);
+  }
+  for (const std::uint32_t id : ids) {
+    if (!state.bodies.Has(id)) continue;  // a second time in the list
+    state.bodies.Write(id, nullptr, nullptr, false);
+    state.bodies.MarksOf(id).fetch_or(kChanged);
+    state.size.fetch_sub(1, std::memory_order_relaxed);
+  }
+}
+
+void BroadPhaseCore::Move(Span<const std::uint32_t> ids,
+                          Span<const float> values) {
+  constexpr const char* kCall = "BroadPhase::Move";
+  BroadPhaseState& state = *state_;
+  const std::size_t planes = state.planes();
+  state.CheckList(kCall, ids, "bounds", values.data(), values.size() / planes,
+                  alignof(float));
+  state.CheckBodies(kCall, ids);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    state.bodies.Write(ids[i], values.data() + i * planes, nullptr, true);
+    state.bodies.MarksOf(ids[i]).store(kChanged, std::memory_order_release);
+  }
+  // In this order: see state.h.
+  const Held before(state);
+  const Held upcoming(state.upcoming, Version::CounterOfThread());
+  const auto widen = [&](Version* version) {
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      version->Widen(ids[i], values.data() + i * planes, false);
+    }
+  };
+  if (upcoming.get() != nullptr) widen(upcoming.get());
+  if (state.current.load(std::memory_order_seq_cst) == before.get()) {
+    widen(before.get());
+  } else {
+    widen(Held(state).get());
+  }
+}
+
+void BroadPhaseCore::SetMasks(Span<const std::uint32_t> ids,
+                              Span<const BodyMasks> masks) {
+  constexpr const char* kCall = "BroadPhase::SetMasks";
+  BroadPhaseState& state = *state_;
+  state.CheckList(kCall, ids, "masks", masks.data(), masks.size(),
+                  alignof(BodyMasks));
+  state.CheckBodies(kCall, ids);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    state.bodies.Write(ids[i], nullptr, &masks[i], true);
+    state.bodies.MarksOf(ids[i]).fetch_or(Bodies::kNewPairs);
+  }
+}
+
+void BroadPhaseCore::Update(const UpdateOptions& options) {
+  BroadPhaseState& state = *state_;
+  const std::scoped_lock lock(state.mutex);
+  const Version& version = *state.current.load();
+  bool is_due = version.PendingCount() > 0;
+  for (std::size_t id = 0; id < state.id_limit && !is_due; ++id) {
+    is_due = (state.bodies.MarksOf(id) & Bodies::kMoved) != 0;
+  }
+  if (!is_due) {
+    const WithRacyReads reads;
+    is_due = options.budget > 0 && version.tree.CostRatio() > kDecayed;
+  }
+  if (!is_due) return;
+  Sorting sorting;
+  sorting.budget = options.budget;
+  sorting.run = options.run;
+  BuildAndPublish(state, sorting);
+}
+
+void BroadPhaseCore::Rebuild(const Runner& run) {
+  const std::scoped_lock lock(state_->mutex);
+  Sorting sorting;
+  sorting.is_forced = true;
+  sorting.run = run;
+  BuildAndPublish(*state_, sorting);
+}
+
+}  // namespace halfspace::detail
