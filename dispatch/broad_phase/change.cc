@@ -2,13 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include "dispatch/broad_phase/state.h"
 #include "dispatch/bvh/layout.h"
-#include "kernels/error.h"
 #include "kernels/exact/default_fp_mode.h"
-#include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
 namespace {
@@ -17,30 +14,32 @@ namespace {
 constexpr double kDecayed = 1.25;
 constexpr double kAllDecayed = 2;
 
+constexpr const char* kInsert = "BroadPhase::Insert";
+
 // Bodies and their bounds in the tree, which are larger by the margin.
 class Bounded {
  public:
   explicit Bounded(const BroadPhaseState& state)
       : state_(state),
-        ids_(BlockAllocator<std::uint32_t>(state.options.memory)),
-        values_(BlockAllocator<float>(state.options.memory)) {}
+        ids_(state.options.memory),
+        values_(state.options.memory) {}
 
   void Reserve(std::size_t count) {
-    ids_.reserve(count);
-    values_.reserve(count * state_.planes());
+    ids_.Reserve(count);
+    values_.Reserve(count * state_.planes());
   }
   // In the default floating-point mode.
   void Add(std::uint32_t id, const float* planes) {
     constexpr float kInf = std::numeric_limits<float>::infinity();
     const BvhShape& shape = state_.shape;
-    ids_.push_back(id);
+    ids_.Push(id);
     for (std::size_t p = 0; p < state_.planes(); ++p) {
       const bool is_max = p >= shape.axes;
       const bool is_d = p % shape.axes >= shape.dims;
       const float margin =
           state_.options.margin * static_cast<float>(is_d ? shape.dims : 1);
       const float value = is_max ? planes[p] + margin : planes[p] - margin;
-      values_.push_back(value == value ? value : is_max ? kInf : -kInf);
+      values_.Push(value == value ? value : is_max ? kInf : -kInf);
     }
   }
 
@@ -49,8 +48,8 @@ class Bounded {
 
  private:
   const BroadPhaseState& state_;
-  BlockVector<std::uint32_t> ids_;
-  BlockVector<float> values_;
+  List<std::uint32_t> ids_;
+  List<float> values_;
 };
 
 // The bodies of a call of Insert().
@@ -95,11 +94,10 @@ void Build(BroadPhaseState& state, const TakenMarks& moved,
     version.tree = BvhTree(old.tree, state.options.memory);
   }
   const std::size_t pending = old.PendingCount();
-  BlockVector<std::uint32_t> gone(
-      BlockAllocator<std::uint32_t>(state.options.memory));
+  List<std::uint32_t> gone(state.options.memory);
   Bounded stays(state);
   Bounded comes(state);
-  gone.reserve(moved.ids().size() + added.ids.size());
+  gone.Reserve(moved.ids().size() + added.ids.size());
   stays.Reserve(moved.ids().size());
   comes.Reserve(pending + added.ids.size());
   kernels::InDefaultFpMode([&] {
@@ -109,7 +107,7 @@ void Build(BroadPhaseState& state, const TakenMarks& moved,
       if (state.bodies.Read(id, body)) {
         stays.Add(id, body.planes);
       } else {
-        gone.push_back(id);
+        gone.Push(id);
       }
     }
     for (std::size_t i = 0; i < pending; ++i) {
@@ -119,7 +117,7 @@ void Build(BroadPhaseState& state, const TakenMarks& moved,
     for (std::size_t i = 0; i < added.ids.size(); ++i) {
       const std::uint32_t id = added.ids[i];
       // Erased, and still in the tree.
-      if (version.tree.Has(id)) gone.push_back(id);
+      if (version.tree.Has(id)) gone.Push(id);
       comes.Add(id, added.values + i * state.planes());
     }
   });
@@ -129,8 +127,16 @@ void Build(BroadPhaseState& state, const TakenMarks& moved,
   Sort(version.tree, sorting);
 }
 
-// Makes a version that was built the current one, and frees the trees that
-// nobody reads. Never throws.
+// Frees the trees that nobody reads.
+void FreeTrees(BroadPhaseState& state) {
+  for (Version* v = state.versions; v != nullptr; v = v->next) {
+    if (v != state.current.load() && !v->HasReaders()) {
+      v->tree = BvhTree(state.shape, state.options.memory);
+    }
+  }
+}
+
+// Makes a version that was built the current one. Never throws.
 void Publish(BroadPhaseState& state, Version& version) {
   Version& old = *state.current.load();
   state.upcoming.store(&version, std::memory_order_seq_cst);
@@ -141,11 +147,7 @@ void Publish(BroadPhaseState& state, Version& version) {
   });
   state.current.store(&version, std::memory_order_seq_cst);
   state.upcoming.store(nullptr, std::memory_order_seq_cst);
-  for (Version* v = state.versions; v != nullptr; v = v->next) {
-    if (v != &version && !v->HasReaders()) {
-      v->tree = BvhTree(state.shape, state.options.memory);
-    }
-  }
+  FreeTrees(state);
 }
 
 void BuildAndPublish(BroadPhaseState& state, const Sorting& sorting) {
@@ -159,61 +161,53 @@ void BuildAndPublish(BroadPhaseState& state, const Sorting& sorting) {
 constexpr auto kChanged =
     static_cast<std::uint8_t>(Bodies::kMoved | Bodies::kNewPairs);
 
+// Whether a body that is inserted has to be added to the list.
+bool IsNew(const Version& version, std::uint32_t id) {
+  return !version.tree.Has(id) && !version.IsPending(id);
+}
+
 }  // namespace
 
 void BroadPhaseCore::Insert(Span<const std::uint32_t> ids,
                             Span<const float> values,
                             Span<const BodyMasks> masks) {
-  constexpr const char* kCall = "BroadPhase::Insert";
   BroadPhaseState& state = *state_;
   const std::size_t planes = state.planes();
-  state.CheckList(kCall, ids, "bounds", values.data(), values.size() / planes,
+  state.CheckList(kInsert, ids, "bounds", values.data(), values.size() / planes,
                   alignof(float));
   if (!masks.empty()) {
-    state.CheckList(kCall, ids, "masks", masks.data(), masks.size(),
+    state.CheckList(kInsert, ids, "masks", masks.data(), masks.size(),
                     alignof(BodyMasks));
   }
   std::unique_lock lock(state.mutex);
+  Version& version = *state.current.load();
   // An id that is listed twice is found by its mark.
   std::size_t checked = 0;
+  std::size_t pending = version.PendingCount();
+  std::size_t limit = state.id_limit;
   for (; checked < ids.size(); ++checked) {
     const std::uint32_t id = ids[checked];
     if (id >= state.max_ids || state.bodies.Has(id) ||
-        (state.bodies.MarksOf(id).fetch_or(Bodies::kListed) &
-         Bodies::kListed) != 0) {
+        state.bodies.AddMark(id, Bodies::kListed)) {
       break;
     }
+    limit = std::max(limit, id + std::size_t{1});
+    if (pending <= Version::kMostPending && IsNew(version, id)) ++pending;
   }
-  const bool is_ok = checked == ids.size();
   for (std::size_t i = 0; i < checked; ++i) {
-    state.bodies.MarksOf(ids[i]).fetch_and(
-        static_cast<std::uint8_t>(~Bodies::kListed));
+    state.bodies.TakeMark(ids[i], Bodies::kListed);
   }
-  if (!is_ok) {
+  if (checked != ids.size()) {
     lock.unlock();
-    kernels::ThrowInvalid(
-        kCall, "ids[" + std::to_string(checked) + "]",
-        ids[checked] < state.max_ids
-            ? "an id that no body has, once in the list"
-            : "an id below max_ids, " + std::to_string(state.max_ids),
-        std::to_string(ids[checked]));
+    state.ThrowTaken(kInsert, ids, checked);
   }
 
-  Version* version = state.current.load();
-  std::size_t pending = version->PendingCount();
-  for (const std::uint32_t id : ids) {
-    pending += version->tree.Has(id) || version->IsPending(id) ? 0 : 1;
-    if (pending > Version::kMostPending) break;
-  }
-  std::size_t limit = state.id_limit;
-  for (const std::uint32_t id : ids)
-    limit = std::max(limit, id + std::size_t{1});
   const auto write_all = [&] {
     state.id_limit = limit;
     for (std::size_t i = 0; i < ids.size(); ++i) {
       const BodyMasks own = masks.empty() ? BodyMasks() : masks[i];
       state.bodies.Write(ids[i], values.data() + i * planes, &own, true);
-      state.bodies.MarksOf(ids[i]).fetch_or(kChanged);
+      state.bodies.AddMark(ids[i], kChanged);
     }
     state.size.fetch_add(ids.size(), std::memory_order_relaxed);
   };
@@ -230,10 +224,10 @@ void BroadPhaseCore::Insert(Span<const std::uint32_t> ids,
   }
   write_all();
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (version->tree.Has(ids[i])) {
-      version->Widen(ids[i], values.data() + i * planes, false);
-    } else if (!version->IsPending(ids[i])) {
-      version->AddPending(ids[i]);
+    if (IsNew(version, ids[i])) {
+      version.AddPending(ids[i]);
+    } else {  // which does nothing if it is in the list already
+      version.Widen(ids[i], values.data() + i * planes, false);
     }
   }
 }
@@ -241,8 +235,7 @@ void BroadPhaseCore::Insert(Span<const std::uint32_t> ids,
 void BroadPhaseCore::Erase(Span<const std::uint32_t> ids) {
   constexpr const char* kCall = "BroadPhase::Erase";
   BroadPhaseState& state = *state_;
-  kernels::CheckMemory(kCall, "ids", ids.data(), ids.size(),
-                       alignof(std::uint32_t));
+  state.CheckIds(kCall, ids);
   std::unique_lock lock(state.mutex);
   const std::size_t absent = state.FindAbsent(ids);
   if (absent != ids.size()) {
@@ -252,7 +245,7 @@ void BroadPhaseCore::Erase(Span<const std::uint32_t> ids) {
   for (const std::uint32_t id : ids) {
     if (!state.bodies.Has(id)) continue;  // a second time in the list
     state.bodies.Write(id, nullptr, nullptr, false);
-    state.bodies.MarksOf(id).fetch_or(kChanged);
+    state.bodies.AddMark(id, kChanged);
     state.size.fetch_sub(1, std::memory_order_relaxed);
   }
 }
@@ -267,7 +260,7 @@ void BroadPhaseCore::Move(Span<const std::uint32_t> ids,
   state.CheckBodies(kCall, ids);
   for (std::size_t i = 0; i < ids.size(); ++i) {
     state.bodies.Write(ids[i], values.data() + i * planes, nullptr, true);
-    state.bodies.MarksOf(ids[i]).store(kChanged, std::memory_order_release);
+    state.bodies.SetMarks(ids[i], kChanged);
   }
   // In this order: see state.h.
   const Held before(state);
@@ -294,7 +287,7 @@ void BroadPhaseCore::SetMasks(Span<const std::uint32_t> ids,
   state.CheckBodies(kCall, ids);
   for (std::size_t i = 0; i < ids.size(); ++i) {
     state.bodies.Write(ids[i], nullptr, &masks[i], true);
-    state.bodies.MarksOf(ids[i]).fetch_or(Bodies::kNewPairs);
+    state.bodies.AddMark(ids[i], Bodies::kNewPairs);
   }
 }
 
@@ -310,7 +303,7 @@ void BroadPhaseCore::Update(const UpdateOptions& options) {
     const WithRacyReads reads;
     is_due = options.budget > 0 && version.tree.CostRatio() > kDecayed;
   }
-  if (!is_due) return;
+  if (!is_due) return FreeTrees(state);
   Sorting sorting;
   sorting.budget = options.budget;
   sorting.run = options.run;

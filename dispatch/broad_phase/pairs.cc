@@ -1,19 +1,21 @@
 // Pairs of a broad phase. Pairs of the tree's bounds are candidates, which are
 // tested again by the bodies' own bounds.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include "dispatch/broad_phase/state.h"
 #include "dispatch/bvh/layout.h"
-#include "kernels/error.h"
 #include "kernels/exact/default_fp_mode.h"
-#include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
 namespace {
+
+using Keys = List<std::uint64_t>;
+
+[[gnu::noinline]] void Sort(const Keys& keys) {
+  std::sort(keys.begin(), keys.end());
+}
 
 class PairFinder {
  public:
@@ -27,32 +29,31 @@ class PairFinder {
 
   void Find(const BvhPairKernels* kernels, Span<const std::uint32_t> ids) {
     const BroadPhaseState& state = state_;
-    BlockVector<std::uint32_t> in_tree(
-        BlockAllocator<std::uint32_t>(state.options.memory));
-    in_tree.reserve(ids.size());
+    List<std::uint32_t> in_tree(state.options.memory);
+    in_tree.Reserve(ids.size());
     for (const std::uint32_t id : ids) {
       if (version_.tree.Has(id)) {
-        in_tree.push_back(id);
+        in_tree.Push(id);
       } else {
         AddNew(id);
       }
     }
-    if (!in_tree.empty() && !JoinTree(kernels, in_tree)) return;
+    if (in_tree.size() > 0 && !JoinTree(kernels, in_tree)) return;
     const std::size_t pending = version_.PendingCount();
     if (pending == 0) return;
-    std::sort(new_, new_ + new_count_);
-    new_count_ =
-        static_cast<std::size_t>(std::unique(new_, new_ + new_count_) - new_);
     for (std::size_t i = 0; i < new_count_; ++i) {
       if (!JoinNew(new_[i], pending)) return;
     }
-    std::sort(in_tree.begin(), in_tree.end());
-    in_tree.erase(std::unique(in_tree.begin(), in_tree.end()), in_tree.end());
+    Keys others(state.options.memory);
+    others.Reserve(in_tree.size());
+    for (const std::uint32_t id : in_tree) others.Push(id);
+    Sort(others);
     for (std::size_t i = 0; i < pending; ++i) {
       const std::uint32_t id = version_.Pending(i);
       if (IsNewOfSet(id)) continue;
-      for (const std::uint32_t other : in_tree) {
-        if (!Test(other, id)) return;
+      for (std::size_t o = 0; o < others.size(); ++o) {
+        if (o > 0 && others[o] == others[o - 1]) continue;
+        if (!Test(static_cast<std::uint32_t>(others[o]), id)) return;
       }
     }
   }
@@ -61,15 +62,17 @@ class PairFinder {
   // Ids are in the list once, so there are no more than it has, without those
   // that the caller gave twice.
   void AddNew(std::uint32_t id) {
-    if (std::find(new_, new_ + new_count_, id) != new_ + new_count_) return;
-    if (new_count_ < Version::kMostPending) new_[new_count_++] = id;
+    if (!IsNewOfSet(id) && new_count_ < Version::kMostPending) {
+      new_[new_count_++] = id;
+    }
   }
-  bool IsNewOfSet(std::uint32_t id) const {
-    return std::binary_search(new_, new_ + new_count_, id);
+  [[gnu::noinline]] bool IsNewOfSet(std::uint32_t id) const {
+    return std::find(new_, new_ + new_count_, id) != new_ + new_count_;
   }
 
   // The pairs in the tree.
-  bool JoinTree(const BvhPairKernels* kernels, Span<const std::uint32_t> ids) {
+  [[gnu::noinline]] bool JoinTree(const BvhPairKernels* kernels,
+                                  Span<const std::uint32_t> ids) {
     PairOptions options;
     options.margin = margin_;
     bool goes_on = true;
@@ -91,7 +94,7 @@ class PairFinder {
   }
 
   // The pairs of a new body of the set.
-  bool JoinNew(std::uint32_t id, std::size_t pending) {
+  [[gnu::noinline]] bool JoinNew(std::uint32_t id, std::size_t pending) {
     for (std::size_t i = 0; i < pending; ++i) {
       const std::uint32_t other = version_.Pending(i);
       if (other == id || (other < id && IsNewOfSet(other))) continue;
@@ -148,7 +151,7 @@ class PairFinder {
   }
 
   // Calls the function if the two are a pair. Returns whether to go on.
-  bool Test(std::uint32_t a, std::uint32_t b) {
+  [[gnu::noinline]] bool Test(std::uint32_t a, std::uint32_t b) {
     Body of_a;
     Body of_b;
     if (!state_.bodies.Read(a, of_a) || !state_.bodies.Read(b, of_b)) {
@@ -197,12 +200,7 @@ void BroadPhaseCore::ForEachPairOf(const BvhPairKernels* kernels,
                                    void* context) const {
   constexpr const char* kCall = "BroadPhase::ForEachPairOf";
   state_->CheckBodies(kCall, ids);
-  const auto bits = std::bit_cast<std::uint32_t>(margin);
-  if (bits << 1 != 0 && bits >= 0x7F800000) {
-    kernels::ThrowInvalid(kCall, "margin",
-                          "a finite number that is not negative",
-                          std::to_string(margin));
-  }
+  CheckMargin(kCall, "margin", margin);
   const Held version(*state_);
   const WithRacyReads reads;
   PairFinder(*state_, *version, margin, function, context).Find(kernels, ids);
@@ -211,26 +209,24 @@ void BroadPhaseCore::ForEachPairOf(const BvhPairKernels* kernels,
 void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
                                  const PairEvents& events) {
   BroadPhaseState& state = *state_;
-  using Keys = BlockVector<std::uint64_t>;
-  const BlockAllocator<std::uint64_t> memory(state.options.memory);
+  const MemoryResource& memory = state.options.memory;
   Keys began(memory);
   Keys ended(memory);
   {
     const std::scoped_lock lock(state.mutex);
     TakenMarks changed(state, Bodies::kNewPairs);
     const Held version(state);
-    BlockVector<std::uint32_t> ids(
-        BlockAllocator<std::uint32_t>(state.options.memory));
+    List<std::uint32_t> ids(memory);
     Keys is_changed(memory);
-    ids.reserve(changed.ids().size());
-    is_changed.resize((state.id_limit + 63) / 64);
+    ids.Reserve(changed.ids().size());
+    is_changed.Resize((state.id_limit + 63) / 64, 0);
     for (const std::uint32_t id : changed.ids()) {
       is_changed[id / 64] |= std::uint64_t{1} << id % 64;
       Body body;
       if (!state.bodies.Read(id, body)) continue;
       // A mover whose mark was taken may not have done this yet.
       version->Widen(id, body.planes, false);
-      ids.push_back(id);
+      ids.Push(id);
     }
 
     Keys found(memory);
@@ -239,13 +235,13 @@ void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
       PairFinder(
           state, *version, 0,
           [](void* keys, std::uint32_t a, std::uint32_t b) {
-            static_cast<Keys*>(keys)->push_back(KeyOf(a, b));
+            static_cast<Keys*>(keys)->Push(KeyOf(a, b));
             return true;
           },
           &found)
           .Find(kernels, ids);
     }
-    std::sort(found.begin(), found.end());
+    Sort(found);
 
     const auto has_changed = [&](std::uint64_t key) {
       const auto has = [&](std::uint32_t id) {
@@ -254,12 +250,12 @@ void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
       return has(LowOf(key)) || has(HighOf(key));
     };
     Keys now(memory);
-    now.reserve(state.pairs.size() + found.size());
-    auto next = found.begin();
+    now.Reserve(state.pairs.size() + found.size());
+    const std::uint64_t* next = found.begin();
     const auto begin_before = [&](std::uint64_t key) {
       for (; next != found.end() && *next < key; ++next) {
-        began.push_back(*next);
-        now.push_back(*next);
+        began.Push(*next);
+        now.Push(*next);
       }
     };
     for (const std::uint64_t key : state.pairs) {
@@ -267,13 +263,13 @@ void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
       const bool is_found = next != found.end() && *next == key;
       if (is_found) ++next;
       if (is_found || !has_changed(key)) {
-        now.push_back(key);
+        now.Push(key);
       } else {
-        ended.push_back(key);
+        ended.Push(key);
       }
     }
     begin_before(~std::uint64_t{0});
-    state.pairs.swap(now);
+    state.pairs.Swap(now);
     changed.Keep();
   }
   for (const std::uint64_t key : ended) {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <limits>
+#include <memory>
 #include <new>
 #include <string>
 #include <thread>
@@ -73,6 +75,24 @@ bool LevelEncloses(const BvhShape& shape, const BvhLevel& level,
 }
 
 }  // namespace
+
+ListMemory::~ListMemory() {
+  if (data_ != nullptr) FreeBlock(memory_, data_, bytes_);
+}
+
+void ListMemory::Grow(std::size_t bytes, std::size_t used) {
+  bytes = std::max(bytes, bytes_ + bytes_ / 2);
+  void* const data = AllocateBlock(memory_, bytes);
+  if (used > 0) std::memcpy(data, data_, used);
+  if (data_ != nullptr) FreeBlock(memory_, data_, bytes_);
+  data_ = data;
+  bytes_ = bytes;
+}
+
+void ListMemory::Swap(ListMemory& other) {
+  std::swap(data_, other.data_);
+  std::swap(bytes_, other.bytes_);
+}
 
 Bodies::Bodies(const MemoryResource& memory, std::size_t ids,
                std::size_t planes)
@@ -208,7 +228,7 @@ BroadPhaseState::BroadPhaseState(const BvhShape& tree_shape, std::size_t ids,
       options(with),
       bodies(with.memory, ids, 2u * tree_shape.axes),
       current(nullptr),
-      pairs(BlockAllocator<std::uint64_t>(with.memory)) {
+      pairs(with.memory) {
   current.store(NewVersion());
 }
 
@@ -242,9 +262,24 @@ void BroadPhaseState::CheckList(const char* call, Span<const std::uint32_t> ids,
                           "one for each id, " + std::to_string(ids.size()),
                           std::to_string(other_count));
   }
+  CheckIds(call, ids);
+  kernels::CheckMemory(call, name, others, other_count, alignment);
+}
+
+void BroadPhaseState::CheckIds(const char* call,
+                               Span<const std::uint32_t> ids) const {
   kernels::CheckMemory(call, "ids", ids.data(), ids.size(),
                        alignof(std::uint32_t));
-  kernels::CheckMemory(call, name, others, other_count, alignment);
+}
+
+void BroadPhaseState::ThrowTaken(const char* call,
+                                 Span<const std::uint32_t> ids,
+                                 std::size_t i) const {
+  kernels::ThrowInvalid(call, "ids[" + std::to_string(i) + "]",
+                        ids[i] < max_ids
+                            ? "an id that no body has, once in the list"
+                            : "an id below max_ids, " + std::to_string(max_ids),
+                        std::to_string(ids[i]));
 }
 
 std::size_t BroadPhaseState::FindAbsent(Span<const std::uint32_t> ids) const {
@@ -262,29 +297,34 @@ void BroadPhaseState::ThrowAbsent(const char* call,
 
 void BroadPhaseState::CheckBodies(const char* call,
                                   Span<const std::uint32_t> ids) const {
-  kernels::CheckMemory(call, "ids", ids.data(), ids.size(),
-                       alignof(std::uint32_t));
+  CheckIds(call, ids);
   const std::size_t absent = FindAbsent(ids);
   if (absent != ids.size()) ThrowAbsent(call, ids, absent);
 }
 
+// By bits, as a compare with a NaN may trap.
+void CheckMargin(const char* call, const char* name, float margin) {
+  const auto bits = std::bit_cast<std::uint32_t>(margin);
+  if (bits << 1 == 0 || bits < 0x7F800000) return;
+  kernels::ThrowInvalid(call, name, "a finite number that is not negative",
+                        std::to_string(margin));
+}
+
 TakenMarks::TakenMarks(BroadPhaseState& state, Bodies::Mark mark)
-    : state_(state),
-      mark_(mark),
-      ids_(BlockAllocator<std::uint32_t>(state.options.memory)) {
+    : state_(state), mark_(mark), ids_(state.options.memory) {
   std::size_t count = 0;
   ForEachMarked(state, mark, [&](std::uint32_t) { ++count; });
-  ids_.reserve(count);
+  ids_.Reserve(count);
   // Bodies that move now keep their marks if there is no room.
   ForEachMarked(state, mark, [&](std::uint32_t id) {
     if (ids_.size() == count) return;
-    state.bodies.MarksOf(id).fetch_and(static_cast<std::uint8_t>(~mark));
-    ids_.push_back(id);
+    state.bodies.TakeMark(id, mark);
+    ids_.Push(id);
   });
 }
 
 TakenMarks::~TakenMarks() {
-  for (const std::uint32_t id : ids_) state_.bodies.MarksOf(id).fetch_or(mark_);
+  for (const std::uint32_t id : ids_) state_.bodies.AddMark(id, mark_);
 }
 
 BroadPhaseCore::BroadPhaseCore(const BvhShape& shape, std::size_t max_ids,
@@ -294,12 +334,7 @@ BroadPhaseCore::BroadPhaseCore(const BvhShape& shape, std::size_t max_ids,
     kernels::ThrowInvalid(kCall, "max_ids", "at most 2^29 ids",
                           std::to_string(max_ids));
   }
-  const auto margin = std::bit_cast<std::uint32_t>(options.margin);
-  if (margin << 1 != 0 && margin >= 0x7F800000) {
-    kernels::ThrowInvalid(kCall, "options.margin",
-                          "a finite number that is not negative",
-                          std::to_string(options.margin));
-  }
+  CheckMargin(kCall, "options.margin", options.margin);
   // Calls with the mutex have no other reason to refuse.
   std::ignore = KernelsFor(shape, Target(), kCall);
   struct Block {
@@ -393,7 +428,7 @@ BroadPhaseStatistics BroadPhaseCore::Statistics() const {
   }
   statistics.pairs = state_->pairs.size();
   statistics.bytes = sizeof(BroadPhaseState) + state_->bodies.bytes() +
-                     state_->pairs.capacity() * sizeof(std::uint64_t);
+                     state_->pairs.capacity();
   for (const Version* v = state_->versions; v != nullptr; v = v->next) {
     statistics.trees += v == &version || v->tree.bytes() > 0 ? 1 : 0;
     statistics.bytes += sizeof(Version) + v->tree.bytes();

@@ -33,11 +33,10 @@
 #include <cstdint>
 #include <mutex>
 #include <utility>
-#include <vector>
 
+#include "dispatch/broad_phase/list.h"
 #include "dispatch/bvh/scratch.h"
 #include "halfspace/broad_phase.h"
-#include "halfspace/detail/block_memory.h"
 
 #if defined(__has_feature)
 #if __has_feature(thread_sanitizer)
@@ -116,7 +115,17 @@ class Bodies {
   void Write(std::size_t id, const float* planes, const BodyMasks* masks,
              bool is_present);
 
-  std::atomic<std::uint8_t>& MarksOf(std::size_t id) { return marks_[id]; }
+  // Returns whether the body had one of the marks.
+  bool AddMark(std::size_t id, std::uint8_t marks) {
+    return (marks_[id].fetch_or(marks) & marks) != 0;
+  }
+  void TakeMark(std::size_t id, Mark mark) {
+    marks_[id].fetch_and(static_cast<std::uint8_t>(~mark));
+  }
+  // Faster, if the body can have no other marks.
+  void SetMarks(std::size_t id, std::uint8_t marks) {
+    marks_[id].store(marks, std::memory_order_release);
+  }
   std::uint8_t MarksOf(std::size_t id) const {
     return marks_[id].load(std::memory_order_acquire);
   }
@@ -188,9 +197,6 @@ class Version {
   Counter counters_[kCounters];
 };
 
-template <typename T>
-using BlockVector = std::vector<T, BlockAllocator<T>>;
-
 class BroadPhaseState {
  public:
   BroadPhaseState(const BvhShape& tree_shape, std::size_t ids,
@@ -201,6 +207,7 @@ class BroadPhaseState {
 
   std::size_t planes() const { return shape.has_max ? 2u * shape.axes : 0u; }
 
+  void CheckIds(const char* call, Span<const std::uint32_t> ids) const;
   // Throws, in the name of `call`, unless the list is one of ids and `others`
   // has an element for each. Reads no id.
   void CheckList(const char* call, Span<const std::uint32_t> ids,
@@ -210,6 +217,9 @@ class BroadPhaseState {
   std::size_t FindAbsent(Span<const std::uint32_t> ids) const;
   [[noreturn]] void ThrowAbsent(const char* call, Span<const std::uint32_t> ids,
                                 std::size_t i) const;
+  // An id that cannot be inserted.
+  [[noreturn]] void ThrowTaken(const char* call, Span<const std::uint32_t> ids,
+                               std::size_t i) const;
   void CheckBodies(const char* call, Span<const std::uint32_t> ids) const;
 
   const BvhShape shape;
@@ -223,11 +233,13 @@ class BroadPhaseState {
   // The rest belongs to who has the mutex.
   std::mutex mutex;
   Version* versions = nullptr;
-  std::size_t id_limit = 0;          // above all ids that were ever in use
-  BlockVector<std::uint64_t> pairs;  // a in the upper half, ascending
+  std::size_t id_limit = 0;   // above all ids that were ever in use
+  List<std::uint64_t> pairs;  // a in the upper half, ascending
 
   Version* NewVersion();
 };
+
+void CheckMargin(const char* call, const char* name, float margin);
 
 // The current version, for the life of an object of this class.
 class Held {
@@ -281,12 +293,12 @@ class TakenMarks {
   ~TakenMarks();
 
   Span<const std::uint32_t> ids() const { return ids_; }
-  void Keep() { ids_.clear(); }
+  void Keep() { ids_.Clear(); }
 
  private:
   BroadPhaseState& state_;
   Bodies::Mark mark_;
-  BlockVector<std::uint32_t> ids_;
+  List<std::uint32_t> ids_;
 };
 
 }  // namespace halfspace::detail

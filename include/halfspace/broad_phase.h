@@ -34,7 +34,7 @@
 //   being written waits until it is written.
 // - The function of a query may take locks, run other queries and call Move(),
 //   Insert() and the other calls. A query that is running keeps the tree that
-//   it began with. Its memory is freed by the first change after it has ended.
+//   it began with. Its memory is freed by the first Update() after it has ended.
 //
 // Errors (error.h): `max_ids` is more than 2^29; the margin is negative or not
 // finite; an id is not below max_ids(), is inserted twice, or is not that of a
