@@ -86,6 +86,8 @@ class BroadPhaseThreads {
       }
       bodies_.Move(ids, boxes);
       ExpectFound(ids.back());
+      // One that may have moved while a tree was built.
+      ExpectFound(first + static_cast<std::uint32_t>(random() % kIds));
     }
   }
 
@@ -274,6 +276,30 @@ TEST(BroadPhaseThreadsTest, MovesQueriesAndChangesAtTheSameTime) {
     start(kUpdaters, &BroadPhaseThreads::Update);
   }
   test.ExpectIsAsTheThreadsLeftIt();
+}
+
+// Without anything else, so that reads meet writes often.
+TEST(BroadPhaseThreadsTest, ABoundIsReadAsItWasWritten) {
+  AabbBroadPhase3 bodies(1);
+  bodies.Insert(0, BoxOf(0, 0));
+  std::atomic<bool> is_done{false};
+  const std::jthread mover([&] {
+    for (std::size_t i = 0; i < Scaled(300'000); ++i) {
+      bodies.Move(0, BoxOf(0, i));
+      if (i % 16 == 0) {
+        bodies.SetMasks(0, {.category = i + 1, .collides_with = i + 1});
+      }
+    }
+    is_done.store(true);
+  });
+  Complaints complaints;
+  while (!is_done.load()) {
+    complaints.Check(IsBoxOf(0, bodies.Get(0)), "half of a move");
+    const BodyMasks masks = bodies.MasksOf(0);
+    complaints.Check(
+        masks == BodyMasks() || masks.category == masks.collides_with,
+        "half of a mask");
+  }
 }
 
 // A query that is running keeps its tree, and changes do not wait for it.
