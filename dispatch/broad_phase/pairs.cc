@@ -78,6 +78,10 @@ class PairFinder {
     bool goes_on = true;
     const auto call = [&](Span<const IdPair> pairs) {
       for (const IdPair& pair : pairs) {
+        state_.bodies.Prefetch(pair.a);
+        state_.bodies.Prefetch(pair.b);
+      }
+      for (const IdPair& pair : pairs) {
         goes_on = Test(pair.a, pair.b);
         if (!goes_on) break;
       }

@@ -37,6 +37,7 @@
 #include "dispatch/broad_phase/list.h"
 #include "dispatch/bvh/scratch.h"
 #include "halfspace/broad_phase.h"
+#include "kernels/prefetch.h"
 
 #if defined(__has_feature)
 #if __has_feature(thread_sanitizer)
@@ -83,6 +84,11 @@ class WithoutRacyReads {
   WithoutRacyReads& operator=(const WithoutRacyReads&) = delete;
 };
 
+static_assert(std::atomic_ref<float>::required_alignment == alignof(float) &&
+                  std::atomic_ref<float>::is_always_lock_free &&
+                  std::atomic<std::uint32_t>::is_always_lock_free,
+              "a plane of a tree is changed by itself");
+
 inline constexpr std::size_t kMostBodyPlanes = 8;  // AaboBroadPhase3
 
 struct Body {
@@ -107,6 +113,11 @@ class Bodies {
 
   bool Has(std::size_t id) const {
     return (At(id)[0].load(std::memory_order_acquire) & kPresent) != 0;
+  }
+  // A record is in one line or in two.
+  void Prefetch(std::size_t id) const {
+    kernels::Prefetch(At(id));
+    kernels::Prefetch(At(id) + words_of_body_ - 1);
   }
   // Returns whether the body exists, and all of its record as it was at one
   // time.

@@ -34,7 +34,8 @@
 //   being written waits until it is written.
 // - The function of a query may take locks, run other queries and call Move(),
 //   Insert() and the other calls. A query that is running keeps the tree that
-//   it began with. Its memory is freed by the first Update() after it has ended.
+//   it began with. Its memory is freed by the first Update() after it has
+//   ended.
 //
 // Errors (error.h): `max_ids` is more than 2^29; the margin is negative or not
 // finite; an id is not below max_ids(), is inserted twice, or is not that of a
@@ -43,10 +44,11 @@
 // failed allocation throws std::bad_alloc. All bodies, their bounds, masks and
 // pairs are then as before.
 //
-// Memory: for boxes in 3 dimensions about 80 bytes per body, 24 of them its
-// bound, and 25 per id. Update(), and an Insert() of many, build the next tree
-// beside the current one, which takes about 35 bytes per body until no query
-// reads the old one. UpdatePairs() keeps 8 bytes per pair.
+// Memory: boxes in 3 dimensions take 45 bytes per id, 24 of them the bound, and
+// 33 to 37 per body in the tree. Up to half of the places in the tree can be
+// empty after erasures. Update(), and an Insert() of many, build the next tree
+// beside the current one, which is freed when no query reads it. UpdatePairs()
+// keeps 8 bytes per pair.
 //
 // Floating-point mode: as in bvh.h.
 //
