@@ -1,6 +1,5 @@
 // How a broad phase changes.
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "dispatch/broad_phase/state.h"
@@ -58,7 +57,7 @@ struct NewBodies {
   const float* values = nullptr;
 };
 
-// What becomes of the order.
+// How much of the order is sorted again.
 struct Sorting {
   std::size_t budget = 0;
   bool is_forced = false;
@@ -84,7 +83,7 @@ void Sort(BvhTree& tree, const Sorting& sorting) {
   tree.RebuildPartial(std::max(budget, kPartSlots));
 }
 
-// Writes a version in which all bodies are in the tree, and the new ones, too.
+// Writes a version with a tree of all bodies and those that are added.
 void Build(BroadPhaseState& state, const TakenMarks& moved,
            const NewBodies& added, const Sorting& sorting, Version& version) {
   const Version& old = *state.current.load();
@@ -207,7 +206,8 @@ void BroadPhaseCore::Insert(Span<const std::uint32_t> ids,
     for (std::size_t i = 0; i < ids.size(); ++i) {
       const BodyMasks own = masks.empty() ? BodyMasks() : masks[i];
       state.bodies.Write(ids[i], values.data() + i * planes, &own, true);
-      state.bodies.AddMark(ids[i], kChanged);
+      // One that is still in the tree, loose, has the mark of its Erase().
+      state.bodies.AddMark(ids[i], Bodies::kNewPairs);
     }
     state.size.fetch_add(ids.size(), std::memory_order_relaxed);
   };
@@ -226,7 +226,7 @@ void BroadPhaseCore::Insert(Span<const std::uint32_t> ids,
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (IsNew(version, ids[i])) {
       version.AddPending(ids[i]);
-    } else {  // which does nothing if it is in the list already
+    } else {  // in the tree since before it was erased, or in the list
       version.Widen(ids[i], values.data() + i * planes, false);
     }
   }
