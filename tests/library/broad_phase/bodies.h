@@ -25,7 +25,8 @@ using BroadPhaseCases =
     Tested<::testing::Types<Whole<AabbView2>, Whole<AabbView3>,
                             Whole<AaboView2>, Whole<AaboView3>>>;
 
-using IdPairs = std::set<std::pair<std::uint32_t, std::uint32_t>>;
+// In order.
+using IdPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 template <typename View>
 struct BodyModel {
@@ -36,15 +37,20 @@ struct BodyModel {
   };
   std::map<std::uint32_t, Object> objects;
 
-  // Of the bodies that a mask finds, and their ids.
-  Bvh<View> Found(std::uint64_t mask, Ids& ids) const {
+  // A Bvh of the bodies that a mask finds, and their ids.
+  struct Masked {
+    Bvh<View> bvh;
+    Ids ids;
+  };
+  Masked Found(std::uint64_t mask) const {
     std::vector<Bound> bounds;
+    Ids ids;
     for (const auto& [id, object] : objects) {
       if (~mask != 0 && (object.masks.category & mask) == 0) continue;
       ids.push_back(id);
       bounds.push_back(object.bound);
     }
-    return Bvh<View>(bounds);
+    return {Bvh<View>(bounds), ids};
   }
 
   // The rule in words: no plane of one is beyond the opposite one of the other
@@ -69,7 +75,7 @@ struct BodyModel {
       for (auto b = std::next(a); b != objects.end(); ++b) {
         if (MasksMatch(a->second.masks, b->second.masks) &&
             Overlap(a->second.bound, b->second.bound, margin)) {
-          pairs.emplace(a->first, b->first);
+          pairs.emplace_back(a->first, b->first);
         }
       }
     }
@@ -162,13 +168,12 @@ void ExpectSameBounds(const typename View::Bound& a,
 // bound.
 template <typename View, typename Query>
 void ExpectFindsSame(const BroadPhase<View>& bodies,
-                     const BodyModel<View>& model, const Query& query,
-                     std::uint64_t mask) {
-  Ids ids;
-  const Bvh<View> bvh = model.Found(mask, ids);
+                     const BodyModel<View>& model,
+                     const typename BodyModel<View>::Masked& masked,
+                     const Query& query, std::uint64_t mask) {
   Ids expected;
-  ForEachSurvivor(bvh, query, [&](Span<const std::uint32_t> some) {
-    for (const std::uint32_t i : some) expected.push_back(ids[i]);
+  ForEachSurvivor(masked.bvh, query, [&](Span<const std::uint32_t> some) {
+    for (const std::uint32_t i : some) expected.push_back(masked.ids[i]);
   });
   Ids found;
   bodies.ForEach(query, mask,
@@ -186,16 +191,15 @@ void ExpectFindsSame(const BroadPhase<View>& bodies,
   ASSERT_EQ(calls, expected.empty() ? 0 : 1);
 }
 
-// cast(world, mask, function) is a cast at a broad phase or at a Bvh.
+// Two functions that cast the same ray or box.
 template <typename View, typename BodiesCast, typename BvhCast>
-void ExpectCastsSame(const BodyModel<View>& model, std::uint64_t mask,
+void ExpectCastsSame(const BodyModel<View>& model,
+                     const typename BodyModel<View>::Masked& masked,
                      const BodiesCast& cast_bodies, const BvhCast& cast_bvh) {
-  Ids ids;
-  const Bvh<View> bvh = model.Found(mask, ids);
   std::map<std::uint32_t, float> expected;
   float first = std::numeric_limits<float>::infinity();
-  cast_bvh(bvh, [&](std::uint32_t i, float t) {
-    expected[ids[i]] = t;
+  cast_bvh(masked.bvh, [&](std::uint32_t i, float t) {
+    expected[masked.ids[i]] = t;
     first = std::min(first, t);
   });
   std::map<std::uint32_t, float> found;
@@ -236,6 +240,7 @@ void ExpectIsModel(const BroadPhase<View>& bodies, const BodyModel<View>& model,
   }
   const std::uint64_t mask = std::array<std::uint64_t, 4>{
       ~std::uint64_t{0}, 1, 2, std::uint64_t{1} << 40 | 2}[random() % 4];
+  const auto masked = model.Found(mask);
   const auto near = [&](float radius) {
     return Spread<View>(radius, random()).NextQuery();
   };
@@ -245,7 +250,7 @@ void ExpectIsModel(const BroadPhase<View>& bodies, const BodyModel<View>& model,
     return p;
   };
   const auto shapes = [&](const auto& query) {
-    ExpectFindsSame(bodies, model, query, mask);
+    ExpectFindsSame(bodies, model, masked, query, mask);
   };
   shapes(View::Query::Everything());
   for (const float radius : {0.5f, 5.0f, 30.0f}) {
@@ -275,7 +280,7 @@ void ExpectIsModel(const BroadPhase<View>& bodies, const BodyModel<View>& model,
   ray.direction = point();
   ray.max_t = random() % 2 == 0 ? 1.0f : 0.2f;
   ExpectCastsSame(
-      model, mask,
+      model, masked,
       [&](const auto& function) { bodies.ForEachCast(ray, mask, function); },
       [&](const Bvh<View>& bvh, const auto& function) {
         RayCast(bvh, ray, function);
@@ -284,7 +289,7 @@ void ExpectIsModel(const BroadPhase<View>& bodies, const BodyModel<View>& model,
   moving.min = moving.max = point();
   for (float& x : moving.max) x += 3;
   ExpectCastsSame(
-      model, mask,
+      model, masked,
       [&](const auto& function) {
         bodies.ForEachCast(moving, ray.direction, 0.5f, mask, function);
       },
@@ -297,20 +302,44 @@ template <typename View>
 void ExpectPairsOfSet(const BroadPhase<View>& bodies,
                       const BodyModel<View>& model, const Ids& set,
                       float margin) {
+  std::vector<bool> is_in(bodies.max_ids());
+  for (const std::uint32_t id : set) is_in[id] = true;
   IdPairs expected;
   for (const auto& [a, b] : model.Pairs(margin)) {
-    const auto has = [&](std::uint32_t id) {
-      return std::find(set.begin(), set.end(), id) != set.end();
-    };
-    if (has(a) || has(b)) expected.emplace(a, b);
+    if (is_in[a] || is_in[b]) expected.emplace_back(a, b);
   }
   IdPairs found;
   bodies.ForEachPairOf(set, margin, [&](std::uint32_t a, std::uint32_t b) {
-    ASSERT_NE(std::find(set.begin(), set.end(), a), set.end());
-    ASSERT_TRUE(found.emplace(std::min(a, b), std::max(a, b)).second);
+    ASSERT_TRUE(is_in[a]);
+    found.emplace_back(std::min(a, b), std::max(a, b));
   });
+  std::sort(found.begin(), found.end());
   ASSERT_EQ(found, expected);
 }
+
+// The pairs that the events of UpdatePairs() add up to.
+class PairsByEvents {
+ public:
+  template <typename View>
+  void Update(BroadPhase<View>& bodies) {
+    bodies.UpdatePairs(
+        [&](std::uint32_t a, std::uint32_t b) {
+          is_right_ &= pairs_.emplace(a, b).second;
+        },
+        [&](std::uint32_t a, std::uint32_t b) {
+          is_right_ &= pairs_.erase({a, b}) == 1;
+        });
+  }
+
+  IdPairs pairs() const {
+    EXPECT_TRUE(is_right_) << "a pair began or ended twice";
+    return {pairs_.begin(), pairs_.end()};
+  }
+
+ private:
+  bool is_right_ = true;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_;
+};
 
 }  // namespace halfspace::testing
 

@@ -22,15 +22,15 @@ template <typename View>
 void ExpectEvents(BroadPhase<View>& bodies, const BodyModel<View>& model,
                   IdPairs& pairs) {
   const IdPairs now = model.Pairs();
-  std::vector<IdPairs::value_type> began;
-  std::vector<IdPairs::value_type> ended;
+  IdPairs began;
+  IdPairs ended;
   bodies.UpdatePairs(
       [&](std::uint32_t a, std::uint32_t b) { began.emplace_back(a, b); },
       [&](std::uint32_t a, std::uint32_t b) {
         ASSERT_TRUE(began.empty());
         ended.emplace_back(a, b);
       });
-  std::vector<IdPairs::value_type> expected;
+  IdPairs expected;
   std::set_difference(now.begin(), now.end(), pairs.begin(), pairs.end(),
                       std::back_inserter(expected));
   ASSERT_EQ(began, expected);

@@ -76,21 +76,14 @@ TEST(BroadPhaseTest, AFilterReplacesTheMasks) {
   bodies.Insert(1, kUnit);
   bodies.Insert(2, kUnit, none);
   bodies.Insert(3, kUnit, none);
-  IdPairs pairs;
-  const auto update = [&] {
-    bodies.UpdatePairs(
-        [&](std::uint32_t a, std::uint32_t b) { pairs.emplace(a, b); },
-        [&](std::uint32_t a, std::uint32_t b) {
-          pairs.erase({a, b});
-        });
-  };
-  update();
-  EXPECT_EQ(pairs, (IdPairs{{2, 3}}));
+  PairsByEvents pairs;
+  pairs.Update(bodies);
+  EXPECT_EQ(pairs.pairs(), (IdPairs{{2, 3}}));
   groups = {};
   bodies.SetMasks(1, BodyMasks());
   bodies.SetMasks(2, none);
-  update();
-  EXPECT_EQ(pairs, (IdPairs{{0, 1}}));
+  pairs.Update(bodies);
+  EXPECT_EQ(pairs.pairs(), (IdPairs{{0, 1}}));
 }
 
 TEST(BroadPhaseErrorsTest, SayWhatWasWrong) {
@@ -183,7 +176,7 @@ TEST(BroadPhaseMemoryTest, NothingChangesWithoutMemory) {
   BodyMaker<AabbView3> maker(1);
   Model model;
   Bodies bodies(2000, options);
-  IdPairs pairs;
+  PairsByEvents pairs;
   const auto change = [&](const std::function<void()>& call) {
     std::size_t tries = 0;
     for (;; ++tries) {
@@ -213,17 +206,11 @@ TEST(BroadPhaseMemoryTest, NothingChangesWithoutMemory) {
     ExpectIsModel(bodies, model, tries);
     return tries;
   };
-  const auto update_pairs = [&] {
-    bodies.UpdatePairs(
-        [&](std::uint32_t a, std::uint32_t b) { pairs.emplace(a, b); },
-        [&](std::uint32_t a, std::uint32_t b) {
-          pairs.erase({a, b});
-        });
-  };
+  const auto update_pairs = [&] { pairs.Update(bodies); };
   EXPECT_GT(insert(0, 700), 3u);
   EXPECT_EQ(insert(700, 200), 0u);  // in the list of new bodies
   EXPECT_GT(change(update_pairs), 2u);
-  EXPECT_EQ(pairs, model.Pairs());
+  EXPECT_EQ(pairs.pairs(), model.Pairs());
   EXPECT_EQ(change([&] {
               Ids ids;
               for (auto& [id, object] : model.objects) {
@@ -239,7 +226,7 @@ TEST(BroadPhaseMemoryTest, NothingChangesWithoutMemory) {
             0u);
   EXPECT_GT(change([&] { bodies.Update(); }), 3u);
   EXPECT_GT(change(update_pairs), 2u);
-  EXPECT_EQ(pairs, model.Pairs());
+  EXPECT_EQ(pairs.pairs(), model.Pairs());
   EXPECT_GT(change([&] { bodies.Rebuild(); }), 3u);
 }
 

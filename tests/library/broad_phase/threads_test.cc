@@ -157,20 +157,10 @@ class BroadPhaseThreads {
       } else {
         bodies_.Update();
       }
-      if (thread == 0 && i % 4 == 0) UpdatePairs();
+      if (thread == 0 && i % 4 == 0) pairs_.Update(bodies_);
       // Others find time to read a tree that is replaced.
       std::this_thread::yield();
     }
-  }
-
-  void UpdatePairs() {
-    bodies_.UpdatePairs(
-        [&](std::uint32_t a, std::uint32_t b) {
-          complaints_.Check(pairs_.emplace(a, b).second, "began twice");
-        },
-        [&](std::uint32_t a, std::uint32_t b) {
-          complaints_.Check(pairs_.erase({a, b}) == 1, "ended twice");
-        });
   }
 
   // When no other thread runs: as a list of where all bodies went last.
@@ -182,8 +172,8 @@ class BroadPhaseThreads {
     for (std::uint64_t seed = 0; seed < 5; ++seed) {
       ExpectIsModel(bodies_, model, seed);
     }
-    UpdatePairs();
-    EXPECT_EQ(pairs_, model.Pairs());
+    pairs_.Update(bodies_);
+    EXPECT_EQ(pairs_.pairs(), model.Pairs());
     bodies_.Update();
     ExpectIsModel(bodies_, model, 5);
     EXPECT_EQ(bodies_.Statistics().trees, 1u);
@@ -240,14 +230,14 @@ class BroadPhaseThreads {
     IdPairs pairs;
     bodies_.ForEachPairOf(resting, 0, [&](std::uint32_t a, std::uint32_t b) {
       if (a >= kMoving || b >= kMoving) return;
-      complaints_.Check(pairs.emplace(std::min(a, b), std::max(a, b)).second,
-                        "pair found twice");
+      pairs.emplace_back(std::min(a, b), std::max(a, b));
     });
+    std::sort(pairs.begin(), pairs.end());
     BodyModel<AabbView3> model;
     for (const std::uint32_t id : resting) {
       model.objects[id] = {RestingBox(id), {}};
     }
-    complaints_.Check(pairs == model.Pairs(), "pair of resting bodies missed");
+    complaints_.Check(pairs == model.Pairs(), "pairs of resting bodies");
     const Aabb3 bounds = bodies_.Bounds();
     for (const std::uint32_t id : resting) {
       complaints_.Check(Touch(bounds, RestingBox(id)), "outside all");
@@ -256,7 +246,7 @@ class BroadPhaseThreads {
 
   AabbBroadPhase3 bodies_;
   std::vector<Aabb3> last_;  // each written by the thread that has the id
-  IdPairs pairs_;
+  PairsByEvents pairs_;      // of one updater
   std::mutex engine_;
   Complaints complaints_;
 };
