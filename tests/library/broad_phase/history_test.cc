@@ -9,6 +9,7 @@
 #include "halfspace/halfspace.h"
 #include "tests/library/broad_phase/bodies.h"
 #include "tests/library/support/environment.h"
+#include "tests/library/support/fp_modes.h"
 
 namespace halfspace::testing {
 namespace {
@@ -124,6 +125,63 @@ TYPED_TEST(BroadPhaseHistoryTest, AnyHistoryIsThatOfTheModel) {
         FAIL() << "round " << round << ", step " << step << ", " << what;
       }
     }
+  }
+}
+
+// Changes never trap, and flush no subnormal of a bound.
+TEST(BroadPhaseFpModesTest, ChangesAreTheSameInEachMode) {
+  using View = AabbView3;
+  BodyMaker<View> maker(7);
+  std::vector<Aabb3> any(800);
+  for (Aabb3& bound : any) bound = maker.Next();
+  const auto change = [&](AabbBroadPhase3& bodies, BodyModel<View>& model) {
+    for (std::uint32_t id = 0; id < 400; ++id) {
+      Aabb3 bound = any[id];
+      if (id % 3 == 0) bound = {{-0x1p-149f, -0x1p-140f, 0}, {0, 0, 0x1p-130f}};
+      model.objects[id] = {bound, {}};
+      bodies.Insert(id, bound);
+    }
+    bodies.Update();
+    for (std::uint32_t id = 0; id < 400; ++id) {
+      Aabb3& bound = model.objects[id].bound;
+      bound = id % 3 == 0 ? Aabb3{{0, 0, 0}, {0x1p-149f, 0x1p-149f, 0}}
+                          : any[400 + id];
+      bodies.Move(id, bound);
+      if (id % 5 == 0) {
+        bodies.Erase(id);
+        model.objects.erase(id);
+      }
+      if (id == 200) bodies.Rebuild();
+    }
+  };
+  const auto expect = [](AabbBroadPhase3& bodies, BodyModel<View>& model) {
+    ExpectIsModel(bodies, model, 1);
+    ExpectFindsSame(bodies, model, model.Found(1),
+                    Aabb3{{0x1p-149f, 0, 0}, {1, 1, 1}}, 1);
+    PairsByEvents pairs;
+    {
+      const FlushDenormals mode;
+      pairs.Update(bodies);
+    }
+    EXPECT_EQ(pairs.pairs(), model.Pairs());
+  };
+  for (const float margin : {0.0f, 0x1p-149f, 1.0f}) {
+    BroadPhaseOptions options;
+    options.margin = margin;
+    AabbBroadPhase3 bodies(400, options);
+    BodyModel<View> model;
+    {
+      const TrapExceptions mode;
+      change(bodies, model);
+    }
+    expect(bodies, model);
+    AabbBroadPhase3 flushed(400, options);
+    model = {};
+    {
+      const FlushDenormals mode;
+      change(flushed, model);
+    }
+    expect(flushed, model);
   }
 }
 
