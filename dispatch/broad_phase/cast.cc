@@ -31,7 +31,9 @@ class BodyCaster {
       exact_.function = &TakeExact;
       exact_.context = search.context = this;
       search.function = &Take;
-      for (std::size_t i = 0; i < version.PendingCount(); ++i) {
+      // The function may insert more.
+      const std::size_t pending = version.PendingCount();
+      for (std::size_t i = 0; i < pending; ++i) {
         if (Cast(version.Pending(i)) < 0) return;
       }
       if (version.tree.ids().empty()) return;

@@ -1,6 +1,7 @@
 // Pairs of a broad phase. Pairs of the tree's bounds are candidates, which are
 // tested again by the bodies' own bounds.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -13,8 +14,27 @@ namespace {
 
 using Keys = List<std::uint64_t>;
 
-[[gnu::noinline]] void Sort(const Keys& keys) {
-  std::sort(keys.begin(), keys.end());
+// By one byte after another, without those in which all keys are equal. With
+// std::sort, UpdatePairs() takes 1.4 times as long (16 000 boxes that move).
+[[gnu::noinline]] void Sort(const MemoryResource& memory, Keys& keys) {
+  Keys sorted(memory);
+  sorted.Resize(keys.size(), 0);
+  for (int shift = 0; shift < 64; shift += 8) {
+    const auto digit = [shift](std::uint64_t key) {
+      return static_cast<std::uint8_t>(key >> shift);
+    };
+    std::array<std::size_t, 256> places{};
+    for (const std::uint64_t key : keys) ++places[digit(key)];
+    if (keys.size() == 0 || places[digit(keys[0])] == keys.size()) continue;
+    std::size_t begin = 0;
+    for (std::size_t& place : places) {
+      const std::size_t count = place;
+      place = begin;
+      begin += count;
+    }
+    for (const std::uint64_t key : keys) sorted[places[digit(key)]++] = key;
+    keys.Swap(sorted);
+  }
 }
 
 class PairFinder {
@@ -47,7 +67,7 @@ class PairFinder {
     Keys others(state.options.memory);
     others.Reserve(in_tree.size());
     for (const std::uint32_t id : in_tree) others.Push(id);
-    Sort(others);
+    Sort(state.options.memory, others);
     for (std::size_t i = 0; i < pending; ++i) {
       const std::uint32_t id = version_.Pending(i);
       if (IsNewOfSet(id)) continue;
@@ -245,7 +265,7 @@ void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
           &found)
           .Find(kernels, ids);
     }
-    Sort(found);
+    Sort(memory, found);
 
     const auto has_changed = [&](std::uint64_t key) {
       const auto has = [&](std::uint32_t id) {
