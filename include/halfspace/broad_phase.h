@@ -11,22 +11,25 @@
 //   bodies.ForEach(query_box, mask,
 //                  [](std::uint32_t id, const Aabb3& box) { /* found */ });
 //
-// Bounds are boxes or octahedra of floats in 2 or 3 dimensions. Inside is a
-// Bvh (bvh.h) of bounds that are larger than the bodies' by a margin. Move()
-// writes the body's bound. If it leaves the larger bound, Move() makes that and
-// its nodes larger in place. Update() makes them tight again.
+// Bounds are boxes or octahedra of floats in 2 or 3 dimensions. A broad phase
+// keeps the bound of each body, and a BVH (bvh.h) of bounds that are larger by
+// a margin. Move() writes the body's bound. If that leaves the larger bound,
+// Move() makes the larger bound and its nodes grow in place. Update() makes
+// them tight again.
 //
-// Answers are exact: a query finds the bodies that it would find in a Bvh of
-// the bodies' own bounds, whatever the margin and the history are. Casts return
-// the same t. NaN, empty, inverted and infinite bounds mean the same as in
-// reject.h. Each body is found at most once.
+// Answers are exact. A query finds the bodies that it would find in a Bvh of
+// the bodies' own bounds, whatever the margin and the history are, and a cast
+// finds the same t. For that, a query reads the own bound of each body that it
+// finds in the BVH. NaN, empty, inverted and infinite bounds mean the same as
+// in reject.h. Each body is found at most once.
 //
 // Thread safety:
-// - Queries (all const calls) and Move() and SetMasks() of different bodies may
-//   run at the same time, also beside the calls below. Two calls that change
-//   the same body must not run at the same time.
-// - Insert(), Erase(), Update(), Rebuild() and UpdatePairs() may be called on
-//   any thread. They wait for each other, and for no query and no Move().
+// - Queries, casts, Has(), Get(), Bounds(), and Move() and SetMasks() of
+//   different bodies may run at the same time, also beside the calls below. Two
+//   calls that change the same body must not run at the same time.
+// - Insert(), Erase(), Update(), Rebuild(), UpdatePairs(), Validate() and
+//   Statistics() may be called on any thread. They wait for each other, and for
+//   no query and no Move().
 // - A query sees each body with a bound that it had during the query. A body
 //   that rests during a query is never missed, and neither is a body whose
 //   Move() returned before the query began (in the sense of happens-before).
@@ -94,8 +97,8 @@ struct BodyMasks {
 // overlap, in either order. `masks_match` is the rule of BodyMasks. The result
 // replaces it. `keep` must return the same for (a, b) and (b, a), and the same
 // in each call until SetMasks() of one of them. It can run on several threads
-// at the same time. It may query, but must not change the broad phase. It must
-// not throw.
+// at the same time. It must not throw, and must not call the broad phase,
+// because UpdatePairs() calls it with the lock of all changes.
 //
 // Box2D's groups: return group[a] != 0 && group[a] == group[b] ? group[a] > 0
 // : masks_match. Jolt's layers: return layer_filter.ShouldCollide(layer[a],
@@ -246,8 +249,9 @@ class BroadPhase {
 
   // Call it once per frame. Puts new bodies into the tree, removes those that
   // were erased, makes the bounds of bodies that moved tight (plus the margin),
-  // and sorts again what has decayed. Copies the tree if there is something to
-  // do. Changes no answer.
+  // and sorts again what has decayed. Changes no answer. Reads a byte per id,
+  // up to the greatest that was in use. Copies the tree if there is something
+  // to do.
   void Update(const UpdateOptions& options = {}) { core_.Update(options); }
 
   // Update() that sorts all bodies.

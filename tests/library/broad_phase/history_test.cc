@@ -58,6 +58,9 @@ TYPED_TEST(BroadPhaseHistoryTest, AnyHistoryIsThatOfTheModel) {
     BroadPhase<View> bodies(max_ids, options);
     BodyModel<View> model;
     IdPairs pairs;
+    const auto backwards = [](std::size_t parts, const Runner::Part& part) {
+      while (parts-- > 0) part(parts);
+    };
     // Up to `count` ids that are in use, some of them twice, or that are free.
     const auto some = [&](std::size_t count, bool are_used) {
       Ids ids;
@@ -111,9 +114,10 @@ TYPED_TEST(BroadPhaseHistoryTest, AnyHistoryIsThatOfTheModel) {
       } else if (what == 10) {
         UpdateOptions update;
         if (random() % 2 == 0) update.budget = random() % (2 * max_ids);
+        update.run = backwards;
         bodies.Update(update);
       } else {
-        bodies.Rebuild();
+        bodies.Rebuild(backwards);
       }
       ExpectIsModel(bodies, model, random());
       if (random() % 3 == 0) {
