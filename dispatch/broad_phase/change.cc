@@ -96,7 +96,7 @@ void Build(BroadPhaseState& state, const TakenMarks& moved,
   List<std::uint32_t> gone(state.options.memory);
   Bounded stays(state);
   Bounded comes(state);
-  gone.Reserve(moved.ids().size() + added.ids.size());
+  gone.Reserve(moved.ids().size());
   stays.Reserve(moved.ids().size());
   comes.Reserve(pending + added.ids.size());
   kernels::InDefaultFpMode([&] {
@@ -114,10 +114,7 @@ void Build(BroadPhaseState& state, const TakenMarks& moved,
       if (state.bodies.Read(id, body)) comes.Add(id, body.planes);
     }
     for (std::size_t i = 0; i < added.ids.size(); ++i) {
-      const std::uint32_t id = added.ids[i];
-      // Erased, and still in the tree.
-      if (version.tree.Has(id)) gone.Push(id);
-      comes.Add(id, added.values + i * state.planes());
+      comes.Add(added.ids[i], added.values + i * state.planes());
     }
   });
   version.tree.Erase(gone);
@@ -151,6 +148,7 @@ void Publish(BroadPhaseState& state, Version& version) {
 
 void BuildAndPublish(BroadPhaseState& state, const Sorting& sorting) {
   TakenMarks moved(state, Bodies::kMoved);
+  moved.Take();
   Version& version = *state.NewVersion();
   Build(state, moved, {}, sorting, version);
   moved.Keep();
@@ -213,6 +211,7 @@ void BroadPhaseCore::Insert(Span<const std::uint32_t> ids,
   };
   if (pending > Version::kMostPending) {
     TakenMarks moved(state, Bodies::kMoved);
+    moved.Take();
     Version& next = *state.NewVersion();
     Sorting sorting;
     sorting.budget = UpdateOptions::kAutomatic;

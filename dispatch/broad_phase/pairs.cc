@@ -239,6 +239,7 @@ void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
   {
     const std::scoped_lock lock(state.mutex);
     TakenMarks changed(state, Bodies::kNewPairs);
+    changed.Take();
     const Held version(state);
     List<std::uint32_t> ids(memory);
     Keys is_changed(memory);

@@ -310,16 +310,10 @@ void CheckMargin(const char* call, const char* name, float margin) {
                         std::to_string(margin));
 }
 
-TakenMarks::TakenMarks(BroadPhaseState& state, Bodies::Mark mark)
-    : state_(state), mark_(mark), ids_(state.options.memory) {
-  std::size_t count = 0;
-  ForEachMarked(state, mark, [&](std::uint32_t) { ++count; });
-  ids_.Reserve(count);
-  // Bodies that move now keep their marks if there is no room.
-  ForEachMarked(state, mark, [&](std::uint32_t id) {
-    if (ids_.size() == count) return;
-    state.bodies.TakeMark(id, mark);
+void TakenMarks::Take() {
+  ForEachMarked(state_, mark_, [&](std::uint32_t id) {
     ids_.Push(id);
+    state_.bodies.TakeMark(id, mark_);
   });
 }
 

@@ -298,11 +298,13 @@ void ForEachMarked(const BroadPhaseState& state, Bodies::Mark mark,
 // if a call that fails had not taken it.
 class TakenMarks {
  public:
-  TakenMarks(BroadPhaseState& state, Bodies::Mark mark);
+  TakenMarks(BroadPhaseState& state, Bodies::Mark mark)
+      : state_(state), mark_(mark), ids_(state.options.memory) {}
   TakenMarks(const TakenMarks&) = delete;
   TakenMarks& operator=(const TakenMarks&) = delete;
   ~TakenMarks();
 
+  void Take();
   Span<const std::uint32_t> ids() const { return ids_; }
   void Keep() { ids_.Clear(); }
 
