@@ -395,17 +395,18 @@ bool BvhTree::SortDue(std::size_t added, const BvhRoom& room,
   return true;
 }
 
+std::uint32_t BvhTree::TakeId() {
+  BvhHeader& header = this->header();
+  const std::uint32_t id = header.free_id;
+  if (id == kNoId) return header.ids++;
+  header.free_id = levels_.slots[id];
+  return id;
+}
+
 // Writes a new object to an empty slot, whose block has to be encoded then.
-// Returns its id.
-std::uint32_t BvhTree::Put(std::size_t slot, const float* values) {
+void BvhTree::Put(std::size_t slot, std::uint32_t id, const float* values) {
   BvhHeader& header = this->header();
   if (slot == header.slots) AppendSlot();
-  std::uint32_t id = header.free_id;
-  if (id == kNoId) {
-    id = header.ids++;
-  } else {
-    header.free_id = levels_.slots[id];
-  }
   const BvhLevel& level = levels_.level[0];
   for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
     level.Value(p, slot) = values[p];
@@ -415,7 +416,6 @@ std::uint32_t BvhTree::Put(std::size_t slot, const float* values) {
   PutId(levels_, slot, id, 0xFFFFFFFF);
   ++header.size;
   ++header.inserted;
-  return id;
 }
 
 std::uint32_t BvhTree::Insert(Span<const float> values) {
@@ -429,7 +429,8 @@ std::uint32_t BvhTree::Insert(Span<const float> values) {
     CloseGaps();
     slot = slots();
   }
-  const std::uint32_t id = Put(slot, values.data());
+  const std::uint32_t id = TakeId();
+  Put(slot, id, values.data());
   EncodePath(slot);
   return id;
 }
@@ -455,10 +456,38 @@ void BvhTree::Insert(Span<const float> values, Span<std::uint32_t> ids) {
   if (slots() + count > header().capacity) CloseGaps();
   const std::size_t begin = slots();
   for (std::size_t i = 0; i < count; ++i) {
-    ids[i] = Put(slots(), values.data() + i * planes);
+    ids[i] = TakeId();
+    Put(slots(), ids[i], values.data() + i * planes);
   }
-  if (SortDue(count, {}, kCall)) return;
-  const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), kCall);
+  EncodeAppended(begin, kCall);
+}
+
+void BvhTree::InsertAs(Span<const std::uint32_t> ids,
+                       Span<const float> values) {
+  constexpr const char* kCall = "Bvh::Insert";
+  if (ids.empty()) return;
+  BvhRoom room = {slots() + ids.size(),
+                  std::size_t{*std::max_element(ids.begin(), ids.end())} + 1,
+                  false};
+  const BvhRoom old = Room();
+  if (room.slots > old.slots) room.slots += room.slots / 8;
+  if (room.ids > old.ids) room.ids += room.ids / 8;
+  Prepare(kCall, room);
+  BvhHeader& header = this->header();
+  for (const std::uint32_t id : ids) {
+    for (; header.ids <= id; ++header.ids) levels_.slots[header.ids] = kNoId;
+  }
+  const std::size_t begin = slots();
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    Put(slots(), ids[i], values.data() + i * PlanesOf(shape_));
+  }
+  EncodeAppended(begin, kCall);
+}
+
+// Sorts the slots from `begin` on, or all, if that is due.
+void BvhTree::EncodeAppended(std::size_t begin, const char* call) {
+  if (SortDue(slots() - begin, {}, call)) return;
+  const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), call);
   kernels::InDefaultFpMode(
       [&] { EncodeSlots(levels_, kernels, begin, slots()); });
 }

@@ -11,6 +11,7 @@
 #include <new>
 #include <string>
 
+#include "dispatch/bvh/cast.h"
 #include "dispatch/bvh/layout.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/bvh.h"
@@ -240,13 +241,32 @@ void BvhForEachNearest(const BvhTree& tree, const NearQueries& query,
   Call(kernels, search, function, context);
 }
 
-void BvhCast(const BvhTree& tree, const LineCast& cast, NearFunction function,
-             void* context, const QueryOptions& options) {
+const BvhNearestKernels& CheckCast(const LineCast& cast, Target target) {
   CheckLimit(cast.call, "max_t", cast.max_t);
   CheckLimit(cast.call, "radius", cast.radius);
-  const auto& kernels = KernelsFor(options, cast.call);
+  return kBvhNearestKernels[dispatch::IndexOf(target, cast.call)];
+}
+
+bool MakeCastLine(const BvhShape& shape, const LineCast& cast, Line& line) {
+  double low[3];
+  double high[3];
+  double direction[3];
+  for (std::size_t k = 0; k < shape.dims; ++k) {
+    if (cast.low[k] > cast.high[k]) return false;
+    low[k] = cast.low[k];
+    high[k] = cast.high[k];
+    direction[k] = cast.direction[k];
+  }
+  MakeLine({shape.dims, shape.axes, shape.has_max}, low, high, direction,
+           cast.max_t, cast.radius, line);
+  line.max_t = std::min(cast.max_t, float{kMax<float>});
+  return true;
+}
+
+void BvhCast(const BvhTree& tree, const LineCast& cast, NearFunction function,
+             void* context, const QueryOptions& options) {
+  const auto& kernels = CheckCast(cast, options.target);
   if (FindsNothing(tree, options)) return;
-  const BvhShape& shape = tree.shape();
   LineSearch search;
   search.levels = &tree.levels();
   search.mask = options.mask;
@@ -255,21 +275,7 @@ void BvhCast(const BvhTree& tree, const LineCast& cast, NearFunction function,
   search.function = &Callback::Run;
   search.context = &callback;
   kernels::CallApart([&] {
-    for (std::size_t k = 0; k < shape.dims; ++k) {
-      if (cast.low[k] > cast.high[k]) return;
-    }
-    double low[3];
-    double high[3];
-    double direction[3];
-    for (std::size_t k = 0; k < shape.dims; ++k) {
-      low[k] = cast.low[k];
-      high[k] = cast.high[k];
-      direction[k] = cast.direction[k];
-    }
-    MakeLine({shape.dims, shape.axes, shape.has_max}, low, high, direction,
-             cast.max_t, cast.radius, search.line);
-    search.line.max_t = std::min(cast.max_t, float{kMax<float>});
-    kernels.cast(search);
+    if (MakeCastLine(tree.shape(), cast, search.line)) kernels.cast(search);
   });
 }
 

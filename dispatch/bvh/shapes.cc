@@ -259,7 +259,8 @@ void BvhWalkShapes(const BvhTree& tree, const BvhQueries& queries,
   const auto at = [&](std::size_t q) {
     return queries.kind->at(queries.first, q);
   };
-  const bool finds_nothing = FindsNothing(tree, options);
+  const bool finds_nothing =
+      walk.levels->level[0].size == 0 || options.mask == 0;
   if (queries.count != 1 || finds_nothing) {
     kernels::InDefaultFpMode([&] {
       for (std::size_t q = 0; q < queries.count; ++q) CheckShape(at(q), call);

@@ -23,6 +23,7 @@
 //   bvh_shapes.h   BVH queries by points, spheres, oriented boxes and others
 //   bvh_nearest.h  k nearest, ray casts and box casts on a BVH
 //   bvh_pairs.h    all overlapping pairs of such worlds
+//   broad_phase.h  moving bodies: queries and pairs beside changes
 //   targets.h      instruction sets
 //   error.h        how calls report a violated precondition
 //   version.h      the library's version
@@ -33,6 +34,7 @@
 #define HALFSPACE_HALFSPACE_H_
 
 #include "halfspace/bounds.h"         // IWYU pragma: export
+#include "halfspace/broad_phase.h"    // IWYU pragma: export
 #include "halfspace/bvh.h"            // IWYU pragma: export
 #include "halfspace/bvh_nearest.h"    // IWYU pragma: export
 #include "halfspace/bvh_pairs.h"      // IWYU pragma: export

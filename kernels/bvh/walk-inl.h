@@ -312,7 +312,8 @@ class Walker {
     }
     if (IsInside(place)) return;
     if constexpr (Query::kHasCodes) {
-      // Leaves without codes are in the cache.
+      // A tree without codes is small, or a broad phase's.
+      if (levels_.codes == nullptr) return;
       PrefetchAll<Query::kPlanes * detail::kBlockObjects>(CodesOf(place));
     } else {
       const detail::BvhLevel& objects = levels_.level[0];

@@ -94,7 +94,7 @@ struct BvhLevels {
   std::array<BvhLevel, kMostLevels> level{};
   CodeMap* map = nullptr;
   // Block after block as the floats of level 0. Null with room for up to 4096
-  // objects: a query then reads the floats.
+  // objects, or if BvhShape::has_codes is false: a query then reads the floats.
   std::int16_t* codes = nullptr;
   std::uint32_t* ids = nullptr;  // of objects, by slot; kNoId of none
   // By id, the slot; of a free id the next that is free. Null until a change.
@@ -109,6 +109,8 @@ struct BvhShape {
   std::uint8_t dims;
   std::uint8_t axes;
   bool has_max;
+  // A tree without codes is never a blob.
+  bool has_codes = true;
 };
 
 // View<3, float> with doubles: View<3, double>.
@@ -206,6 +208,10 @@ class HALFSPACE_API BvhTree {
   void Set(Span<const std::uint32_t> ids, Span<const double> values);
   void Insert(Span<const float> values, Span<std::uint32_t> ids);
   void Insert(Span<const double> values, Span<std::uint32_t> ids);
+  // Under ids that no object has, and that may be any numbers. No call may
+  // choose ids in the same tree. Grows it by an eighth, as it copies more
+  // often.
+  void InsertAs(Span<const std::uint32_t> ids, Span<const float> values);
   void Erase(Span<const std::uint32_t> ids);
   void Clear();
   void Reserve(std::size_t objects);
@@ -248,7 +254,9 @@ class HALFSPACE_API BvhTree {
   std::size_t FirstDue(std::size_t added) const;
   bool SortDue(std::size_t added, const BvhRoom& room, const char* call);
   std::size_t FindSlot(const float* values) const;
-  std::uint32_t Put(std::size_t slot, const float* values);
+  std::uint32_t TakeId();
+  void Put(std::size_t slot, std::uint32_t id, const float* values);
+  void EncodeAppended(std::size_t begin, const char* call);
   void Remove(std::uint32_t id);
   bool HasManyGaps() const;
   void AppendSlot();

@@ -1,0 +1,435 @@
+#include "dispatch/broad_phase/state.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <new>
+#include <string>
+#include <thread>
+#include <tuple>
+
+#include "dispatch/bvh/layout.h"
+#include "kernels/error.h"
+#include "kernels/exact/default_fp_mode.h"
+#include "kernels/memory_checks.h"
+
+namespace halfspace::detail {
+namespace {
+
+constexpr std::size_t kMostIds = std::size_t{1} << 29;
+
+// Numbers in the order of floats, without a floating-point mode. -0 is less
+// than 0.
+std::int32_t KeyOf(float value) {
+  const auto bits = std::bit_cast<std::int32_t>(value);
+  return bits ^ ((bits >> 31) & 0x7FFFFFFF);
+}
+
+bool IsNan(float value) {
+  return (std::bit_cast<std::uint32_t>(value) & 0x7FFFFFFF) > 0x7F800000;
+}
+
+// Whether a plane of the tree encloses that of a body. A plane of the tree is
+// never a NaN. That of a body with a NaN is infinite in the tree.
+struct Plane {
+  Plane(float of_body, bool is_maximum) : value(of_body), is_max(is_maximum) {
+    constexpr float kInf = std::numeric_limits<float>::infinity();
+    if (IsNan(value)) value = is_max ? kInf : -kInf;
+  }
+  bool IsBeyond(float of_tree) const {
+    return is_max ? KeyOf(value) > KeyOf(of_tree)
+                  : KeyOf(value) < KeyOf(of_tree);
+  }
+  float value;
+  bool is_max;
+};
+
+float LoadPlane(float& of_tree) {
+  return std::atomic_ref<float>(of_tree).load(std::memory_order_relaxed);
+}
+
+void MoveOutward(float& of_tree, const Plane& plane) {
+  const std::atomic_ref<float> shared(of_tree);
+  float old = shared.load(std::memory_order_relaxed);
+  while (plane.IsBeyond(old)) {
+    if (shared.compare_exchange_weak(old, plane.value,
+                                     std::memory_order_relaxed)) {
+      return;
+    }
+  }
+}
+
+// Whether a body has all of its planes inside those of a node, or of itself on
+// level 0.
+bool LevelEncloses(const BvhShape& shape, const BvhLevel& level,
+                   std::size_t node, const float* planes) {
+  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
+    if (Plane(planes[p], p >= shape.axes)
+            .IsBeyond(LoadPlane(level.Value(p, node)))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+ListMemory::~ListMemory() {
+  if (data_ != nullptr) FreeBlock(memory_, data_, bytes_);
+}
+
+void ListMemory::Grow(std::size_t bytes, std::size_t used) {
+  bytes = std::max(bytes, bytes_ + bytes_ / 2);
+  void* const data = AllocateBlock(memory_, bytes);
+  if (used > 0) std::memcpy(data, data_, used);
+  if (data_ != nullptr) FreeBlock(memory_, data_, bytes_);
+  data_ = data;
+  bytes_ = bytes;
+}
+
+void ListMemory::Swap(ListMemory& other) {
+  std::swap(data_, other.data_);
+  std::swap(bytes_, other.bytes_);
+}
+
+Bodies::Bodies(const MemoryResource& memory, std::size_t ids,
+               std::size_t planes)
+    : ids_(ids),
+      planes_(planes),
+      words_of_body_(1 + planes + 4),
+      memory_(memory, ids * (words_of_body_ * sizeof(words_[0]) + 1)),
+      words_(reinterpret_cast<std::atomic<std::uint32_t>*>(memory_.data())),
+      marks_(reinterpret_cast<std::atomic<std::uint8_t>*>(
+          words_ + ids * words_of_body_)) {
+  std::uninitialized_default_construct_n(words_, ids * words_of_body_);
+  std::uninitialized_default_construct_n(marks_, ids);
+}
+
+std::size_t Bodies::bytes() const {
+  return ids_ * (words_of_body_ * sizeof(words_[0]) + 1);
+}
+
+// The loads of the values acquire, so that they stay before the second load of
+// the first word, and the stores release, so that they stay behind the first
+// store of it. The sanitizers know no fences.
+bool Bodies::Read(std::size_t id, Body& body) const {
+  const std::atomic<std::uint32_t>* const words = At(id);
+  for (std::size_t tries = 1;; ++tries) {
+    const std::uint32_t before = words[0].load(std::memory_order_acquire);
+    if ((before & kIsWritten) == 0) {
+      if ((before & kPresent) == 0) return false;
+      const auto load = [&](std::size_t w) {
+        return words[w].load(std::memory_order_acquire);
+      };
+      for (std::size_t p = 0; p < planes_; ++p) {
+        body.planes[p] = std::bit_cast<float>(load(1 + p));
+      }
+      const std::size_t w = 1 + planes_;
+      body.masks.category = load(w) | std::uint64_t{load(w + 1)} << 32;
+      body.masks.collides_with = load(w + 2) | std::uint64_t{load(w + 3)} << 32;
+      if (words[0].load(std::memory_order_relaxed) == before) return true;
+    }
+    if (tries % 64 == 0) std::this_thread::yield();
+  }
+}
+
+void Bodies::Write(std::size_t id, const float* planes, const BodyMasks* masks,
+                   bool is_present) {
+  std::atomic<std::uint32_t>* const words = At(id);
+  const std::uint32_t before = words[0].load(std::memory_order_relaxed);
+  words[0].store(before | kIsWritten, std::memory_order_relaxed);
+  const auto store = [&](std::size_t w, std::uint64_t value) {
+    words[w].store(static_cast<std::uint32_t>(value),
+                   std::memory_order_release);
+  };
+  for (std::size_t p = 0; p < planes_ && planes != nullptr; ++p) {
+    store(1 + p, std::bit_cast<std::uint32_t>(planes[p]));
+  }
+  if (masks != nullptr) {
+    const std::size_t w = 1 + planes_;
+    store(w, masks->category);
+    store(w + 1, masks->category >> 32);
+    store(w + 2, masks->collides_with);
+    store(w + 3, masks->collides_with >> 32);
+  }
+  words[0].store(
+      ((before + kOneWrite) & ~(kOneWrite - 1)) | (is_present ? kPresent : 0),
+      std::memory_order_release);
+}
+
+bool Version::HasReaders() const {
+  std::uint32_t readers = 0;
+  for (const Counter& counter : counters_) {
+    readers |= counter.readers.load(std::memory_order_seq_cst);
+  }
+  return readers != 0;
+}
+
+std::size_t Version::CounterOfThread() {
+  static constinit std::atomic<std::size_t> threads{0};
+  thread_local const std::size_t counter =
+      threads.fetch_add(1, std::memory_order_relaxed) % kCounters;
+  return counter;
+}
+
+bool Version::IsPending(std::uint32_t id) const {
+  for (std::size_t i = PendingCount(); i-- > 0;) {
+    if (Pending(i) == id) return true;
+  }
+  return false;
+}
+
+void Version::AddPending(std::uint32_t id) {
+  const std::uint32_t count = pending_count_.load(std::memory_order_relaxed);
+  pending_[count].store(id, std::memory_order_relaxed);
+  pending_count_.store(count + 1, std::memory_order_release);
+}
+
+// The nodes first, from the root on: a walk that sees the body's new bound sees
+// those of its nodes.
+void Version::Widen(std::uint32_t id, const float* planes, bool is_all) {
+  if (!tree.Has(id)) return;
+  const BvhShape& shape = tree.shape();
+  const BvhLevels& levels = tree.levels();
+  const std::size_t slot = levels.slots[id];
+  if (!is_all && LevelEncloses(shape, levels.level[0], slot, planes)) return;
+  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
+    Plane plane(planes[p], p >= shape.axes);
+    float& own = levels.level[0].Value(p, slot);
+    // In a copy that was made while a mover was at work, the body's plane can
+    // be beyond those of its nodes.
+    const float old = LoadPlane(own);
+    if (!plane.IsBeyond(old)) plane.value = old;
+    for (std::size_t l = levels.count; l-- > 1;) {
+      MoveOutward(levels.level[l].Value(p, slot >> (6 * l)), plane);
+    }
+    MoveOutward(own, plane);
+  }
+}
+
+bool Version::Encloses(std::uint32_t id, const float* planes) const {
+  const BvhLevels& levels = tree.levels();
+  const std::size_t slot = levels.slots[id];
+  for (std::size_t l = 0; l < levels.count; ++l) {
+    if (!LevelEncloses(tree.shape(), levels.level[l], slot >> (6 * l),
+                       planes)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+BroadPhaseState::BroadPhaseState(const BvhShape& tree_shape, std::size_t ids,
+                                 const BroadPhaseOptions& with)
+    : shape(tree_shape),
+      max_ids(ids),
+      options(with),
+      bodies(with.memory, ids, 2u * tree_shape.axes),
+      current(nullptr),
+      pairs(with.memory) {
+  current.store(NewVersion());
+}
+
+BroadPhaseState::~BroadPhaseState() {
+  while (versions != nullptr) {
+    Version* const version = versions;
+    versions = version->next;
+    version->~Version();
+    FreeBlock(options.memory, version, sizeof(Version));
+  }
+}
+
+// One that no reader holds, or a new one.
+Version* BroadPhaseState::NewVersion() {
+  for (Version* v = versions; v != nullptr; v = v->next) {
+    if (v != current.load() && !v->HasReaders()) return v;
+  }
+  void* const block = AllocateBlock(options.memory, sizeof(Version));
+  auto* const version = new (block) Version(BvhTree(shape, options.memory));
+  version->next = versions;
+  versions = version;
+  return version;
+}
+
+void BroadPhaseState::CheckList(const char* call, Span<const std::uint32_t> ids,
+                                const char* name, const void* others,
+                                std::size_t other_count,
+                                std::size_t alignment) const {
+  if (other_count != ids.size()) {
+    kernels::ThrowInvalid(call, name,
+                          "one for each id, " + std::to_string(ids.size()),
+                          std::to_string(other_count));
+  }
+  CheckIds(call, ids);
+  kernels::CheckMemory(call, name, others, other_count, alignment);
+}
+
+void BroadPhaseState::CheckIds(const char* call,
+                               Span<const std::uint32_t> ids) const {
+  kernels::CheckMemory(call, "ids", ids.data(), ids.size(),
+                       alignof(std::uint32_t));
+}
+
+void BroadPhaseState::ThrowTaken(const char* call,
+                                 Span<const std::uint32_t> ids,
+                                 std::size_t i) const {
+  kernels::ThrowInvalid(call, "ids[" + std::to_string(i) + "]",
+                        ids[i] < max_ids
+                            ? "an id that no body has, once in the list"
+                            : "an id below max_ids, " + std::to_string(max_ids),
+                        std::to_string(ids[i]));
+}
+
+std::size_t BroadPhaseState::FindAbsent(Span<const std::uint32_t> ids) const {
+  std::size_t i = 0;
+  while (i < ids.size() && ids[i] < max_ids && bodies.Has(ids[i])) ++i;
+  return i;
+}
+
+void BroadPhaseState::ThrowAbsent(const char* call,
+                                  Span<const std::uint32_t> ids,
+                                  std::size_t i) const {
+  kernels::ThrowInvalid(call, "ids[" + std::to_string(i) + "]",
+                        "the id of a body", std::to_string(ids[i]));
+}
+
+void BroadPhaseState::CheckBodies(const char* call,
+                                  Span<const std::uint32_t> ids) const {
+  CheckIds(call, ids);
+  const std::size_t absent = FindAbsent(ids);
+  if (absent != ids.size()) ThrowAbsent(call, ids, absent);
+}
+
+// By bits, as a compare with a NaN may trap.
+void CheckMargin(const char* call, const char* name, float margin) {
+  const auto bits = std::bit_cast<std::uint32_t>(margin);
+  if (bits << 1 == 0 || bits < 0x7F800000) return;
+  kernels::ThrowInvalid(call, name, "a finite number that is not negative",
+                        std::to_string(margin));
+}
+
+void TakenMarks::Take() {
+  ForEachMarked(state_, mark_, [&](std::uint32_t id) {
+    ids_.Push(id);
+    state_.bodies.TakeMark(id, mark_);
+  });
+}
+
+TakenMarks::~TakenMarks() {
+  for (const std::uint32_t id : ids_) state_.bodies.AddMark(id, mark_);
+}
+
+BroadPhaseCore::BroadPhaseCore(const BvhShape& shape, std::size_t max_ids,
+                               const BroadPhaseOptions& options) {
+  constexpr const char* kCall = "BroadPhase";
+  if (max_ids > kMostIds) {
+    kernels::ThrowInvalid(kCall, "max_ids", "at most 2^29 ids",
+                          std::to_string(max_ids));
+  }
+  CheckMargin(kCall, "options.margin", options.margin);
+  // Calls with the mutex have no other reason to refuse.
+  std::ignore = KernelsFor(shape, Target(), kCall);
+  struct Block {
+    explicit Block(const MemoryResource& of)
+        : memory(of), state(AllocateBlock(of, sizeof(BroadPhaseState))) {}
+    ~Block() {
+      if (state != nullptr) FreeBlock(memory, state, sizeof(BroadPhaseState));
+    }
+    const MemoryResource& memory;
+    void* state;
+  } block(options.memory);
+  BvhShape without_codes = shape;
+  without_codes.has_codes = false;
+  state_ = new (block.state) BroadPhaseState(without_codes, max_ids, options);
+  block.state = nullptr;
+}
+
+BroadPhaseCore::~BroadPhaseCore() {
+  const MemoryResource memory = state_->options.memory;
+  state_->~BroadPhaseState();
+  FreeBlock(memory, state_, sizeof(BroadPhaseState));
+}
+
+std::size_t BroadPhaseCore::max_ids() const { return state_->max_ids; }
+
+std::size_t BroadPhaseCore::size() const {
+  return state_->size.load(std::memory_order_relaxed);
+}
+
+bool BroadPhaseCore::Has(std::uint32_t id) const {
+  return id < state_->max_ids && state_->bodies.Has(id);
+}
+
+void BroadPhaseCore::Get(std::uint32_t id, Span<float> values) const {
+  state_->CheckBodies("BroadPhase::Get", {&id, 1});
+  Body body;
+  if (!state_->bodies.Read(id, body)) {
+    state_->ThrowAbsent("BroadPhase::Get", {&id, 1}, 0);
+  }
+  std::copy_n(body.planes, values.size(), values.data());
+}
+
+BodyMasks BroadPhaseCore::MasksOf(std::uint32_t id) const {
+  state_->CheckBodies("BroadPhase::MasksOf", {&id, 1});
+  Body body;
+  if (!state_->bodies.Read(id, body)) {
+    state_->ThrowAbsent("BroadPhase::MasksOf", {&id, 1}, 0);
+  }
+  return body.masks;
+}
+
+void BroadPhaseCore::Bounds(Span<float> values) const {
+  const Held version(*state_);
+  const WithRacyReads reads;
+  kernels::InDefaultFpMode([&] { version->tree.Bounds(values); });
+  for (std::size_t i = 0; i < version->PendingCount(); ++i) {
+    Body body;
+    if (!state_->bodies.Read(version->Pending(i), body)) continue;
+    for (std::size_t p = 0; p < values.size(); ++p) {
+      const Plane plane(body.planes[p], p >= state_->shape.axes);
+      if (plane.IsBeyond(values[p])) values[p] = plane.value;
+    }
+  }
+}
+
+bool BroadPhaseCore::Validate() const {
+  const std::scoped_lock lock(state_->mutex);
+  const Version& version = *state_->current.load();
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < state_->max_ids; ++i) {
+    const auto id = static_cast<std::uint32_t>(i);
+    const bool is_pending = version.IsPending(id);
+    Body body;
+    if (!state_->bodies.Read(id, body)) continue;
+    ++count;
+    if (i >= state_->id_limit || is_pending == version.tree.Has(id)) {
+      return false;
+    }
+    if (!is_pending && !version.Encloses(id, body.planes)) return false;
+  }
+  return count == size();
+}
+
+BroadPhaseStatistics BroadPhaseCore::Statistics() const {
+  const std::scoped_lock lock(state_->mutex);
+  const Version& version = *state_->current.load();
+  BroadPhaseStatistics statistics;
+  statistics.bodies = size();
+  for (std::size_t i = 0; i < version.PendingCount(); ++i) {
+    statistics.pending += state_->bodies.Has(version.Pending(i)) ? 1 : 0;
+  }
+  statistics.pairs = state_->pairs.size();
+  statistics.bytes = sizeof(BroadPhaseState) + state_->bodies.bytes() +
+                     state_->pairs.capacity();
+  for (const Version* v = state_->versions; v != nullptr; v = v->next) {
+    statistics.trees += v == &version || v->tree.bytes() > 0 ? 1 : 0;
+    statistics.bytes += sizeof(Version) + v->tree.bytes();
+  }
+  const WithRacyReads reads;
+  statistics.cost_ratio = version.tree.CostRatio();
+  return statistics;
+}
+
+}  // namespace halfspace::detail

@@ -1,0 +1,404 @@
+// BroadPhase: the moving bodies of a simulation, found by queries, casts and
+// pairs while other threads move them.
+//
+//   halfspace::AabbBroadPhase3 bodies(max_bodies);
+//   bodies.Insert(ids, boxes);                 // ids are the caller's numbers
+//   // each frame:
+//   bodies.Move(moved_ids, moved_boxes);       // on any threads
+//   bodies.Update();
+//   bodies.UpdatePairs([](std::uint32_t a, std::uint32_t b) { /* began */ },
+//                      [](std::uint32_t a, std::uint32_t b) { /* ended */ });
+//   bodies.ForEach(query_box, mask,
+//                  [](std::uint32_t id, const Aabb3& box) { /* found */ });
+//
+// Bounds are boxes or octahedra of floats in 2 or 3 dimensions. A broad phase
+// keeps the bound of each body, and a BVH (bvh.h) of bounds that are larger by
+// a margin. Move() writes the body's bound. If that leaves the larger bound,
+// Move() makes the larger bound and its nodes grow in place. Update() makes
+// them tight again.
+//
+// Answers are exact. A query finds the bodies that it would find in a Bvh of
+// the bodies' own bounds, whatever the margin and the history are, and a cast
+// finds the same t. For that, a query reads the own bound of each body that it
+// finds in the BVH. NaN, empty, inverted and infinite bounds mean the same as
+// in reject.h. Each body is found at most once.
+//
+// Thread safety:
+// - Queries, casts, Has(), Get(), Bounds(), and Move() and SetMasks() of
+//   different bodies may run at the same time, also beside the calls below. Two
+//   calls that change the same body must not run at the same time.
+// - Insert(), Erase(), Update(), Rebuild(), UpdatePairs(), Validate() and
+//   Statistics() may be called on any thread. They wait for each other, and for
+//   no query and no Move().
+// - A query sees each body with a bound that it had during the query. A body
+//   that rests during a query is never missed, and neither is a body whose
+//   Move() returned before the query began (in the sense of happens-before).
+// - Queries and moves take no lock. A query that meets a body whose bound is
+//   being written waits until it is written.
+// - The function of a query may take locks, run other queries and call Move(),
+//   Insert() and the other calls. A query that is running keeps the tree that
+//   it began with. Its memory is freed by the first Update() after it has
+//   ended.
+//
+// Errors (error.h): `max_ids` is more than 2^29; the margin is negative or not
+// finite; an id is not below max_ids(), is inserted twice, or is not that of a
+// body; a list is null, misaligned, or has another size than `ids`; the errors
+// of bvh_shapes.h and bvh_nearest.h. The call has then changed nothing. A
+// failed allocation throws std::bad_alloc. All bodies, their bounds, masks and
+// pairs are then as before.
+//
+// Memory: boxes in 3 dimensions take 45 bytes per id, 24 of them the bound, and
+// 33 to 37 per body in the tree. Up to half of the places in the tree can be
+// empty after erasures. Update(), and an Insert() of many, build the next tree
+// beside the current one, which is freed when no query reads it. UpdatePairs()
+// keeps 8 bytes per pair.
+//
+// Floating-point mode: as in bvh.h.
+//
+// Source: the larger bounds of Box2D's and Bullet's dynamic trees.
+#ifndef HALFSPACE_BROAD_PHASE_H_
+#define HALFSPACE_BROAD_PHASE_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <type_traits>
+
+#include "halfspace/bounds.h"
+#include "halfspace/bvh.h"
+#include "halfspace/bvh_nearest.h"
+#include "halfspace/bvh_pairs.h"
+#include "halfspace/bvh_shapes.h"
+#include "halfspace/detail/broad_phase.h"
+#include "halfspace/memory.h"
+#include "halfspace/runner.h"
+#include "halfspace/shapes.h"
+#include "halfspace/span.h"
+#include "halfspace/visit.h"
+
+namespace halfspace {
+
+// A query with mask m finds a body if `category & m` is not 0, and with all
+// ones every body. Two bodies are a pair if the category of each has a bit of
+// the other's `collides_with`.
+struct BodyMasks {
+  std::uint64_t category = 1;
+  std::uint64_t collides_with = ~std::uint64_t{0};
+
+  friend bool operator==(const BodyMasks& a, const BodyMasks& b) {
+    return a.category == b.category && a.collides_with == b.collides_with;
+  }
+  friend bool operator!=(const BodyMasks& a, const BodyMasks& b) {
+    return !(a == b);
+  }
+};
+
+// The caller's rule for pairs. `keep` is called for two bodies whose bounds
+// overlap, in either order. `masks_match` is the rule of BodyMasks. The result
+// replaces it. `keep` must return the same for (a, b) and (b, a), and the same
+// in each call until SetMasks() of one of them. It can run on several threads
+// at the same time. It must not throw, and must not call the broad phase,
+// because UpdatePairs() calls it with the lock of all changes.
+//
+// Box2D's groups: return group[a] != 0 && group[a] == group[b] ? group[a] > 0
+// : masks_match. Jolt's layers: return layer_filter.ShouldCollide(layer[a],
+// layer[b]).
+struct PairFilter {
+  bool (*keep)(void* context, std::uint32_t a, std::uint32_t b,
+               bool masks_match) = nullptr;
+  void* context = nullptr;
+};
+
+struct BroadPhaseOptions {
+  // The bounds in the tree are larger than the bodies' by this on each side. A
+  // body that moves less between two calls of Update() costs only a comparison.
+  // Pairs and queries are slower with a large margin. A tenth of a body's size
+  // is usual. Must be finite and not negative.
+  float margin = 0;
+  PairFilter filter = {};
+  // The resource of all memory (memory.h). It is called by the threads that
+  // change the broad phase, and by ForEachPairOf().
+  MemoryResource memory = {};
+};
+
+struct UpdateOptions {
+  static constexpr std::size_t kAutomatic = static_cast<std::size_t>(-1);
+
+  // Sorts about so many bodies again, if the order has decayed (Bvh::CostRatio
+  // above 1.25): those whose order has decayed most, and 4096 at least. With 0,
+  // none. kAutomatic is a 16th of all. If the order of all has decayed, and the
+  // budget is not less than size(), all are sorted as by Rebuild().
+  std::size_t budget = kAutomatic;
+  // Used when all are sorted (runner.h).
+  Runner run = {};
+};
+
+struct BroadPhaseStatistics {
+  std::size_t bodies = 0;
+  // Bodies that are not in the tree yet. Each query tests all of them.
+  std::size_t pending = 0;
+  std::size_t pairs = 0;  // of the last UpdatePairs()
+  // Trees in memory: 1, and those that queries still read.
+  std::size_t trees = 0;
+  std::size_t bytes = 0;  // all memory
+  double cost_ratio = 1;  // Bvh::CostRatio() of the tree
+};
+
+namespace detail {
+
+template <typename Bound>
+Bound BoundFrom(const float* planes) {
+  PlaneValues<Bound> values;
+  for (std::size_t p = 0; p < values.size(); ++p) values[p] = planes[p];
+  return BoundOf<Bound>(values);
+}
+
+// The caller's functions as those of detail/broad_phase.h.
+template <typename Bound, typename Function>
+bool CallWithBody(void* function, std::uint32_t id, const float* planes) {
+  auto& call = *static_cast<Function*>(function);
+  using Result = decltype(call(id, BoundFrom<Bound>(planes)));
+  static_assert(std::is_void_v<Result> || std::is_same_v<Result, Visit>,
+                "the function must return void or Visit (visit.h)");
+  if constexpr (std::is_same_v<Result, Visit>) {
+    return call(id, BoundFrom<Bound>(planes)) == Visit::kContinue;
+  } else {
+    call(id, BoundFrom<Bound>(planes));
+    return true;
+  }
+}
+
+template <typename Bound, typename Function>
+float CallWithCast(void* function, std::uint32_t id, float t,
+                   const float* planes) {
+  auto& call = *static_cast<Function*>(function);
+  return NearCall<Bound, Function>::Call(
+      [&] { return call(id, t, BoundFrom<Bound>(planes)); });
+}
+
+template <typename Function>
+bool CallWithPair(void* function, std::uint32_t a, std::uint32_t b) {
+  auto& call = *static_cast<Function*>(function);
+  using Result = decltype(call(a, b));
+  static_assert(std::is_void_v<Result> || std::is_same_v<Result, Visit>,
+                "the function must return void or Visit (visit.h)");
+  if constexpr (std::is_same_v<Result, Visit>) {
+    return call(a, b) == Visit::kContinue;
+  } else {
+    call(a, b);
+    return true;
+  }
+}
+
+}  // namespace detail
+
+template <typename ViewType>
+class BroadPhase {
+ public:
+  using View = ViewType;
+  using Bound = typename View::Bound;
+  static constexpr int kDimensions = Bound::kDimensions;
+  static_assert(std::is_same_v<typename Bound::Scalar, float> &&
+                    kDimensions <= 3 && detail::HasMax<Bound>,
+                "broad phases are of boxes or octahedra of floats, in 2 or 3 "
+                "dimensions");
+
+  // Ids are the caller's numbers below `max_ids`, such as the index of a body.
+  // Allocates what is needed per id. Can neither be copied nor moved.
+  explicit BroadPhase(std::size_t max_ids,
+                      const BroadPhaseOptions& options = {})
+      : core_(detail::BvhShapeOf<View>(), max_ids, options) {}
+
+  // Adds bodies. `masks` is empty, or has an element for each id.
+  //
+  // Up to 256 new bodies wait in a list, which each query tests, until the next
+  // Update(). An Insert() that has no room in the list puts all of them into
+  // the tree at once: it copies the tree. Insert many bodies by one call.
+  void Insert(Span<const std::uint32_t> ids, Span<const Bound> bounds,
+              Span<const BodyMasks> masks = {}) {
+    core_.Insert(ids, detail::ValuesOfAll(bounds), masks);
+  }
+  void Insert(std::uint32_t id, const Bound& bound,
+              const BodyMasks& masks = {}) {
+    Insert({&id, 1}, {&bound, 1}, {&masks, 1});
+  }
+
+  // Removes bodies. An id that is given twice is removed once. Their places in
+  // the tree become free at the next Update(). Allocates nothing.
+  void Erase(Span<const std::uint32_t> ids) { core_.Erase(ids); }
+  void Erase(std::uint32_t id) { Erase({&id, 1}); }
+
+  // Changes the bounds of bodies. If an id is given twice, the last bound wins.
+  // Allocates nothing and takes no lock.
+  void Move(Span<const std::uint32_t> ids, Span<const Bound> bounds) {
+    core_.Move(ids, detail::ValuesOfAll(bounds));
+  }
+  void Move(std::uint32_t id, const Bound& bound) {
+    Move({&id, 1}, {&bound, 1});
+  }
+
+  // Changes the masks of bodies. The next UpdatePairs() looks at all their
+  // pairs. Call it, with the same masks, if PairFilter::keep changes its mind
+  // about a body. Allocates nothing and takes no lock.
+  void SetMasks(Span<const std::uint32_t> ids, Span<const BodyMasks> masks) {
+    core_.SetMasks(ids, masks);
+  }
+  void SetMasks(std::uint32_t id, const BodyMasks& masks) {
+    SetMasks({&id, 1}, {&masks, 1});
+  }
+
+  // Call it once per frame. Puts new bodies into the tree, removes those that
+  // were erased, makes the bounds of bodies that moved tight (plus the margin),
+  // and sorts again what has decayed. Changes no answer. Reads a byte per id,
+  // up to the greatest that was in use. Copies the tree if there is something
+  // to do.
+  void Update(const UpdateOptions& options = {}) { core_.Update(options); }
+
+  // Update() that sorts all bodies.
+  void Rebuild(const Runner& run = {}) { core_.Rebuild(run); }
+
+  std::size_t max_ids() const { return core_.max_ids(); }
+  std::size_t size() const { return core_.size(); }
+  bool empty() const { return size() == 0; }
+
+  // Whether a body has this id, which may be any number.
+  bool Has(std::uint32_t id) const { return core_.Has(id); }
+
+  Bound Get(std::uint32_t id) const {
+    detail::PlaneValues<Bound> values;
+    core_.Get(id, values);
+    return detail::BoundOf<Bound>(values);
+  }
+  BodyMasks MasksOf(std::uint32_t id) const { return core_.MasksOf(id); }
+
+  // Returns a bound that encloses all bodies. It is larger than theirs by the
+  // margin, and encloses where bodies were since the last Update(). An infinite
+  // plane stands for a NaN. O(1) plus the new bodies.
+  Bound Bounds() const {
+    detail::PlaneValues<Bound> values;
+    core_.Bounds(values);
+    return detail::BoundOf<Bound>(values);
+  }
+
+  // Returns whether the tree encloses every body, and has each body once. For
+  // tests and bug reports. Must not run beside Move(). O(n).
+  [[nodiscard]] bool Validate() const { return core_.Validate(); }
+
+  BroadPhaseStatistics Statistics() const { return core_.Statistics(); }
+
+  // Calls function(std::uint32_t id, const Bound&) for each body that survives
+  // the query: a bound, or a shape of bvh_shapes.h. Returns nothing or a Visit
+  // (visit.h). The order is unspecified, but the same after the same history.
+  // Exceptions of the function pass through.
+  template <typename Function>
+  void ForEach(const typename View::Query& query, std::uint64_t mask,
+               Function&& function) const {
+    core_.ForEach(
+        detail::QueriesOf(&query, 1), mask,
+        &detail::CallWithBody<Bound, std::remove_reference_t<Function>>,
+        Context(function));
+  }
+  template <typename Shape, typename Function,
+            typename = detail::IfShapeOf<View, Shape>>
+  void ForEach(const Shape& shape, std::uint64_t mask,
+               Function&& function) const {
+    core_.ForEach(
+        detail::ShapeQueries<View>(&shape, 1), mask,
+        &detail::CallWithBody<Bound, std::remove_reference_t<Function>>,
+        Context(function));
+  }
+
+  // Calls function(std::uint32_t id, float t, const Bound&) for the bodies that
+  // `box` touches on its way to `box` + max_t * `direction`, or that a ray
+  // enters. Returns nothing, a Visit, or a Limit of t (visit.h). Bodies come
+  // about near to far, and not sorted. t, limits, NaN and infinities are as in
+  // BoxCast() and RayCast() (bvh_nearest.h).
+  template <typename Function>
+  void ForEachCast(const Aabb<kDimensions>& box,
+                   const Point<kDimensions>& direction, float max_t,
+                   std::uint64_t mask, Function&& function) const {
+    Cast({"BroadPhase::ForEachCast", box.min.data(), box.max.data(),
+          direction.data(), max_t, 0.0f},
+         mask, function);
+  }
+  template <typename Function>
+  void ForEachCast(const Ray<kDimensions>& ray, std::uint64_t mask,
+                   Function&& function) const {
+    Cast({"BroadPhase::ForEachCast", ray.origin.data(), ray.origin.data(),
+          ray.direction.data(), ray.max_t, 0.0f},
+         mask, function);
+  }
+
+  // Calls function(std::uint32_t a, std::uint32_t b) for the pairs of a body of
+  // the set, which is `a`, and any other body, if the masks and the filter keep
+  // them. The function returns nothing or a Visit. A pair of two bodies of the
+  // set is found once. An id may be given twice.
+  //
+  // Two bodies are a pair if their bounds are at most `margin` apart on each of
+  // X, Y and Z, and kDimensions * `margin` on D, in double precision. Must be
+  // finite and not negative. The cost grows with the set. Can allocate memory
+  // for the time of the call (PairsOf() of bvh_pairs.h).
+  template <typename Function>
+  void ForEachPairOf(Span<const std::uint32_t> ids, float margin,
+                     Function&& function) const {
+    core_.ForEachPairOf(
+        PairKernels(), ids, margin,
+        &detail::CallWithPair<std::remove_reference_t<Function>>,
+        Context(function));
+  }
+
+  // Finds all pairs of bodies whose bounds overlap and that the masks and the
+  // filter keep. Calls ended(a, b) for each pair that was one after the last
+  // UpdatePairs() and is none now, then began(a, b) for each new one. a < b,
+  // and each of the two lists is sorted by a, then by b. A pair of bodies that
+  // were erased ends. A body that was erased and inserted again under its id is
+  // the same body.
+  //
+  // The cost grows with the bodies that changed since the last call, and with
+  // the number of pairs. A body that moves during the call counts as changed in
+  // the next call too. The functions run without a lock, after the pairs were
+  // stored, so they may change the broad phase. If one of them throws, the
+  // remaining events of this call are lost.
+  template <typename Began, typename Ended>
+  void UpdatePairs(Began&& began, Ended&& ended) {
+    struct Both {
+      Began& began;
+      Ended& ended;
+    } both{began, ended};
+    core_.UpdatePairs(PairKernels(),
+                      {[](void* context, std::uint32_t a, std::uint32_t b) {
+                         static_cast<Both*>(context)->began(a, b);
+                       },
+                       [](void* context, std::uint32_t a, std::uint32_t b) {
+                         static_cast<Both*>(context)->ended(a, b);
+                       },
+                       &both});
+  }
+
+ private:
+  template <typename Function>
+  static void* Context(Function& function) {
+    return const_cast<void*>(
+        static_cast<const void*>(std::addressof(function)));
+  }
+  static const detail::BvhPairKernels* PairKernels() {
+    return detail::BvhPairKernelsOf<Bound::kAxes>::kTargets;
+  }
+  template <typename Function>
+  void Cast(const detail::LineCast& cast, std::uint64_t mask,
+            Function& function) const {
+    core_.ForEachCast(cast, mask, &detail::CallWithCast<Bound, Function>,
+                      Context(function));
+  }
+
+  detail::BroadPhaseCore core_;
+};
+
+using AabbBroadPhase2 = BroadPhase<AabbView2>;
+using AabbBroadPhase3 = BroadPhase<AabbView3>;
+using AaboBroadPhase2 = BroadPhase<AaboView2>;
+using AaboBroadPhase3 = BroadPhase<AaboView3>;
+
+}  // namespace halfspace
+
+#endif  // HALFSPACE_BROAD_PHASE_H_

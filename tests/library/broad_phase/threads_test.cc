@@ -1,0 +1,322 @@
+// Threads that move, query and change a broad phase at the same time.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "halfspace/halfspace.h"
+#include "tests/library/broad_phase/bodies.h"
+#include "tests/library/support/environment.h"
+
+namespace halfspace::testing {
+namespace {
+
+// Each kind of thread has ids of its own, kIds of them.
+constexpr std::size_t kMovers = 5;
+constexpr std::size_t kChangers = 3;
+constexpr std::size_t kQueriers = 6;
+constexpr std::size_t kUpdaters = 2;
+constexpr std::uint32_t kIds = 300;
+constexpr std::uint32_t kResting = 0;  // the first id of those that rest
+constexpr std::uint32_t kMoving = kIds;
+constexpr std::uint32_t kChanging = kMoving + kMovers * kIds;
+constexpr std::uint32_t kAllIds = kChanging + kChangers * kIds;
+
+// A box that says whose it is, so that one of two moves would show.
+Aabb3 BoxOf(std::uint32_t id, std::size_t move) {
+  const auto at = static_cast<float>(move % 1000);
+  const float size = 1.0f + static_cast<float>(id % 7);
+  Aabb3 box;
+  box.min = {at / 10, static_cast<float>(id % 101),
+             at / 10 + static_cast<float>(id % 13)};
+  for (std::size_t k = 0; k < 3; ++k) box.max[k] = box.min[k] + size;
+  return box;
+}
+bool IsBoxOf(std::uint32_t id, const Aabb3& box) {
+  const auto move = static_cast<std::size_t>(box.min[0] * 10 + 0.5f);
+  return box == BoxOf(id, move);
+}
+
+Aabb3 RestingBox(std::uint32_t id) { return BoxOf(id, id * 37); }
+
+// All that a thread found wrong, in words.
+class Complaints {
+ public:
+  void Check(bool is_right, const char* what) {
+    if (!is_right) wrong_.store(what);
+  }
+  ~Complaints() { EXPECT_EQ(wrong_.load(), nullptr) << wrong_.load(); }
+
+ private:
+  std::atomic<const char*> wrong_{nullptr};
+};
+
+class BroadPhaseThreads {
+ public:
+  BroadPhaseThreads() : bodies_(kAllIds, Options()), last_(kAllIds) {
+    Ids ids;
+    std::vector<Aabb3> boxes;
+    for (std::uint32_t id = 0; id < kChanging; ++id) {
+      ids.push_back(id);
+      boxes.push_back(id < kMoving ? RestingBox(id) : BoxOf(id, id));
+      last_[id] = boxes.back();
+    }
+    bodies_.Insert(ids, boxes);
+  }
+
+  // Moves bodies of its own, one or many, and finds them where they are.
+  void Move(std::size_t thread) {
+    Random random(thread);
+    const auto first = static_cast<std::uint32_t>(kMoving + thread * kIds);
+    for (std::size_t i = 0; i < Scaled(1500); ++i) {
+      Ids ids;
+      std::vector<Aabb3> boxes;
+      for (std::size_t n = random() % 8 == 0 ? 200 : 2; n-- > 0;) {
+        const auto id = first + static_cast<std::uint32_t>(random() % kIds);
+        ids.push_back(id);
+        boxes.push_back(BoxOf(id, random()));
+        last_[id] = boxes.back();
+      }
+      bodies_.Move(ids, boxes);
+      ExpectFound(ids.back());
+      // One that may have moved while a tree was built.
+      ExpectFound(first + static_cast<std::uint32_t>(random() % kIds));
+    }
+  }
+
+  // Inserts and erases bodies of its own.
+  void Change(std::size_t thread) {
+    Random random(100 + thread);
+    const auto first = static_cast<std::uint32_t>(kChanging + thread * kIds);
+    std::vector<bool> has(kIds);
+    for (std::size_t i = 0; i < Scaled(600); ++i) {
+      Ids ids;
+      std::vector<Aabb3> boxes;
+      const bool inserts = random() % 2 == 0;
+      for (std::size_t n = random() % 8 == 0 ? 250 : 2; n-- > 0;) {
+        const std::size_t number = random() % kIds;
+        if (has[number] == inserts) continue;
+        has[number] = inserts;
+        const auto id = first + static_cast<std::uint32_t>(number);
+        ids.push_back(id);
+        boxes.push_back(BoxOf(id, random()));
+        last_[id] = inserts ? boxes.back() : Aabb3::Empty();
+      }
+      if (inserts) {
+        bodies_.Insert(ids, boxes);
+      } else {
+        bodies_.Erase(ids);
+      }
+      if (ids.empty()) continue;
+      complaints_.Check(bodies_.Has(ids[0]) == inserts, "not as just changed");
+      if (inserts) ExpectFound(ids[0]);
+    }
+    for (std::uint32_t i = 0; i < kIds; ++i) {
+      if (!has[i]) last_[first + i] = Aabb3::Empty();
+    }
+  }
+
+  // Finds each resting body once, and the others as they were or are.
+  void Query(std::size_t thread) {
+    Random random(200 + thread);
+    Ids resting;
+    for (std::uint32_t id = kResting; id < kMoving; ++id) resting.push_back(id);
+    for (std::size_t i = 0; i < Scaled(1500); ++i) {
+      const Aabb3 query =
+          BoxOf(static_cast<std::uint32_t>(random() % kAllIds), random());
+      std::vector<int> found(kAllIds);
+      bodies_.ForEach(query, ~std::uint64_t{0},
+                      [&](std::uint32_t id, const Aabb3& box) {
+                        ++found[id];
+                        CheckBox(id, box);
+                        complaints_.Check(Touch(query, box), "does not touch");
+                        if (found[id] + id % 50 == 1) CallBack(box);
+                      });
+      for (std::uint32_t id = 0; id < kAllIds; ++id) {
+        complaints_.Check(found[id] <= 1, "found twice");
+        if (id >= kMoving) continue;
+        complaints_.Check((found[id] == 1) == Touch(query, RestingBox(id)),
+                          "resting body missed");
+      }
+      if (i % 8 == 0) QueryMore(query, resting);
+    }
+  }
+
+  void Update(std::size_t thread) {
+    Random random(300 + thread);
+    for (std::size_t i = 0; i < Scaled(400); ++i) {
+      if (random() % 16 == 0) {
+        bodies_.Rebuild();
+      } else {
+        bodies_.Update();
+      }
+      if (thread == 0 && i % 4 == 0) pairs_.Update(bodies_);
+      // Others find time to read a tree that is replaced.
+      std::this_thread::yield();
+    }
+  }
+
+  // When no other thread runs: as a list of where all bodies went last.
+  void ExpectIsAsTheThreadsLeftIt() {
+    BodyModel<AabbView3> model;
+    for (std::uint32_t id = 0; id < kAllIds; ++id) {
+      if (last_[id] != Aabb3::Empty()) model.objects[id] = {last_[id], {}};
+    }
+    for (std::uint64_t seed = 0; seed < 5; ++seed) {
+      ExpectIsModel(bodies_, model, seed);
+    }
+    pairs_.Update(bodies_);
+    EXPECT_EQ(pairs_.pairs(), model.Pairs());
+    bodies_.Update();
+    ExpectIsModel(bodies_, model, 5);
+    EXPECT_EQ(bodies_.Statistics().trees, 1u);
+  }
+
+ private:
+  static BroadPhaseOptions Options() {
+    BroadPhaseOptions options;
+    options.margin = 2;
+    return options;
+  }
+
+  static bool Touch(const Aabb3& a, const Aabb3& b) {
+    return BodyModel<AabbView3>::Overlap(a, b, 0);
+  }
+
+  void CheckBox(std::uint32_t id, const Aabb3& box) {
+    complaints_.Check(IsBoxOf(id, box), "half of a move");
+  }
+
+  // The calling thread's own body, which no other thread moves.
+  void ExpectFound(std::uint32_t id) {
+    int found = 0;
+    bodies_.ForEach(last_[id], 1, [&](std::uint32_t other, const Aabb3& box) {
+      if (other != id) return;
+      ++found;
+      complaints_.Check(box == last_[id], "not where it went");
+    });
+    complaints_.Check(found == 1, "lost by its mover");
+  }
+
+  // What an engine does in a callback.
+  void CallBack(const Aabb3& box) {
+    const std::scoped_lock lock(engine_);
+    bodies_.ForEach(box, 1, [&](std::uint32_t id, const Aabb3& other) {
+      CheckBox(id, other);
+      return Visit::kStop;
+    });
+  }
+
+  void QueryMore(const Aabb3& query, const Ids& resting) {
+    std::vector<int> found(kMoving);
+    bodies_.ForEachCast(query, {0, 50, 0}, 1, 1,
+                        [&](std::uint32_t id, float, const Aabb3& box) {
+                          CheckBox(id, box);
+                          if (id < kMoving) ++found[id];
+                        });
+    Aabb3 swept = query;
+    swept.max[1] += 50;
+    for (std::uint32_t id = 0; id < kMoving; ++id) {
+      complaints_.Check((found[id] == 1) == Touch(swept, RestingBox(id)),
+                        "cast missed a resting body");
+    }
+    IdPairs pairs;
+    bodies_.ForEachPairOf(resting, 0, [&](std::uint32_t a, std::uint32_t b) {
+      if (a >= kMoving || b >= kMoving) return;
+      pairs.emplace_back(std::min(a, b), std::max(a, b));
+    });
+    std::sort(pairs.begin(), pairs.end());
+    BodyModel<AabbView3> model;
+    for (const std::uint32_t id : resting) {
+      model.objects[id] = {RestingBox(id), {}};
+    }
+    complaints_.Check(pairs == model.Pairs(), "pairs of resting bodies");
+    const Aabb3 bounds = bodies_.Bounds();
+    for (const std::uint32_t id : resting) {
+      complaints_.Check(Touch(bounds, RestingBox(id)), "outside all");
+    }
+  }
+
+  AabbBroadPhase3 bodies_;
+  std::vector<Aabb3> last_;  // each written by the thread that has the id
+  PairsByEvents pairs_;      // of one updater
+  std::mutex engine_;
+  Complaints complaints_;
+};
+
+TEST(BroadPhaseThreadsTest, MovesQueriesAndChangesAtTheSameTime) {
+  BroadPhaseThreads test;
+  {
+    std::vector<std::jthread> threads;
+    const auto start = [&](std::size_t count, auto member) {
+      for (std::size_t t = 0; t < count; ++t) {
+        threads.emplace_back([&test, member, t] { (test.*member)(t); });
+      }
+    };
+    start(kMovers, &BroadPhaseThreads::Move);
+    start(kChangers, &BroadPhaseThreads::Change);
+    start(kQueriers, &BroadPhaseThreads::Query);
+    start(kUpdaters, &BroadPhaseThreads::Update);
+  }
+  test.ExpectIsAsTheThreadsLeftIt();
+}
+
+// Without anything else, so that reads meet writes often.
+TEST(BroadPhaseThreadsTest, ABoundIsReadAsItWasWritten) {
+  AabbBroadPhase3 bodies(1);
+  bodies.Insert(0, BoxOf(0, 0));
+  std::atomic<bool> is_done{false};
+  const std::jthread mover([&] {
+    for (std::size_t i = 0; i < Scaled(300'000); ++i) {
+      bodies.Move(0, BoxOf(0, i));
+      if (i % 16 == 0) {
+        bodies.SetMasks(0, {.category = i + 1, .collides_with = i + 1});
+      }
+    }
+    is_done.store(true);
+  });
+  Complaints complaints;
+  while (!is_done.load()) {
+    complaints.Check(IsBoxOf(0, bodies.Get(0)), "half of a move");
+    const BodyMasks masks = bodies.MasksOf(0);
+    complaints.Check(
+        masks == BodyMasks() || masks.category == masks.collides_with,
+        "half of a mask");
+  }
+}
+
+// A query that is running keeps its tree, and changes do not wait for it.
+TEST(BroadPhaseThreadsTest, AFunctionMayChangeWhatIsQueried) {
+  AabbBroadPhase3 bodies(2000);
+  for (std::uint32_t id = 0; id < 1000; ++id) {
+    bodies.Insert(id, BoxOf(id, id));
+  }
+  bodies.Update();
+  std::size_t found = 0;
+  bodies.ForEach(Aabb3::Everything(), 1,
+                 [&](std::uint32_t id, const Aabb3& box) {
+                   ++found;
+                   bodies.Insert(1000 + id, box);
+                   bodies.Move(id, BoxOf(id, id + 1));
+                   if (id % 100 == 0) bodies.Rebuild();
+                   if (id % 100 == 1)
+                     bodies.UpdatePairs([](auto...) {}, [](auto...) {});
+                   if (id % 3 == 0) bodies.Erase(id);
+                 });
+  EXPECT_EQ(found, 1000u);
+  EXPECT_EQ(bodies.size(), 2000u - 334);
+  EXPECT_GT(bodies.Statistics().trees, 1u);
+  bodies.Update();
+  EXPECT_EQ(bodies.Statistics().trees, 1u);
+  EXPECT_TRUE(bodies.Validate());
+}
+
+}  // namespace
+}  // namespace halfspace::testing
