@@ -1,5 +1,5 @@
 // A list of plain values in memory of the caller's resource: what a vector
-// does, in a tenth of its code.
+// does, in less code.
 #ifndef HALFSPACE_DISPATCH_BROAD_PHASE_LIST_H_
 #define HALFSPACE_DISPATCH_BROAD_PHASE_LIST_H_
 
