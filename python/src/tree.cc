@@ -313,19 +313,21 @@ Ids QueryByJoin(Tree& tree, const Columns& boxes, Work& work) {
 }
 
 // As measured with 10^3 to 10^6 objects and 10^4 to 10^6 queries. With fewer
-// queries the leaves of their tree are too large, and a join reads more: it
-// takes up to 5 times as long. With many results it takes up to twice as long,
-// because it sorts them. The row of a query is an id in their tree.
+// queries the leaves of their tree are too large, more so in 3 dimensions, and
+// a join reads more: it takes up to 5 times as long. With many results it takes
+// up to twice as long, because it sorts them. The row of a query is an id in
+// their tree.
 bool IsJoinFaster(Tree& tree, const Columns& boxes) {
   constexpr std::size_t kSample = 64;
   constexpr std::size_t kManyResults = 8;
   const std::size_t queries = boxes.count();
   if (queries < 4096 || queries >= kMostObjects) return false;
   return Read(tree, [&](const auto& bvh) {
-    if (queries < bvh.size() / 8) return false;
+    constexpr int kDims = kDimsOf<decltype(bvh)>;
+    if (queries < bvh.size() / (kDims == 2 ? 10 : 4)) return false;
     std::size_t found = 0;
     for (std::size_t i = 0; i < kSample; ++i) {
-      Aabb<kDimsOf<decltype(bvh)>> query;
+      Aabb<kDims> query;
       boxes.GetBoxes(i * (queries / kSample), 1, &query);
       found += CountSurvivors(bvh, query);
     }
