@@ -41,17 +41,23 @@ detail::BvhShape ShapeOf(const Kind& kind) {
 // What the part functions of one call of `run` share. They can run at the same
 // time, and must not throw through the caller's function.
 struct Parts {
-  explicit Parts(const Runner::Part& its_part) : part(its_part) {}
+  Parts(const Runner::Part& its_part, std::size_t its_count)
+      : part(its_part), count(its_count) {}
 
   const Runner::Part& part;
+  const std::size_t count;
+  std::atomic<std::size_t> next{0};
   std::atomic<std::size_t> done{0};
   std::atomic_flag has_failed;
   std::exception_ptr error;
 
-  static void RunPart(void* work, std::size_t i) noexcept {
+  // The index of the caller could be wrong: a part would run twice, and another
+  // one never. So each call takes the next part.
+  static void RunPart(void* work, std::size_t) noexcept {
     auto& parts = *static_cast<Parts*>(work);
+    const std::size_t i = parts.next.fetch_add(1);
     try {
-      parts.part(i);
+      if (i < parts.count) parts.part(i);
     } catch (...) {
       if (!parts.has_failed.test_and_set()) {
         parts.error = std::current_exception();
@@ -112,14 +118,13 @@ BvhConfig::BvhConfig(const Call& call, const hs_bvh_config* config) {
 
 void CallerThreads::operator()(std::size_t count,
                                const Runner::Part& part) const {
-  Parts parts(part);
+  Parts parts(part, count);
   run_(context_, count, &Parts::RunPart, &parts);
   if (parts.error != nullptr) std::rethrow_exception(parts.error);
   if (const std::size_t done = parts.done.load(); done != count) {
     call_.Fail(HS_INVALID_ARGUMENT,
-               "config->run: expected a call of each of %zu parts, got %zu "
-               "calls",
-               count, done);
+               "config->run: expected %zu calls of `part`, got %zu", count,
+               done);
   }
 }
 

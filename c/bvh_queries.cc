@@ -32,14 +32,16 @@ static_assert(sizeof(hs_id_pair) == sizeof(IdPair));
 static_assert(alignof(hs_id_pair) == alignof(IdPair));
 static_assert(offsetof(hs_id_pair, b) == offsetof(IdPair, b));
 
-QueryOptions ReadQuery(const Call& call, const hs_query_options* options) {
+// `skip` is an option of hs_bvh_query() alone. The others ignore it.
+QueryOptions ReadQuery(const Call& call, const hs_query_options* options,
+                       std::size_t* skip = nullptr) {
   if (options == nullptr) return {};
   const hs_query_options read =
       ReadOptions(call, "options", options, kDefaults);
   QueryOptions query;
   query.mask = read.mask;
-  query.skip = read.skip;
   query.target = ReadTarget(call, "options", read.target);
+  if (skip != nullptr) *skip = read.skip;
   return query;
 }
 
@@ -286,7 +288,8 @@ hs_status hs_bvh_query(const hs_bvh* bvh, const hs_columns* queries,
   return Run("hs_bvh_query", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
     CheckColumns(call, "queries", queries, bvh->queries);
-    QueryOptions query = ReadQuery(call, options);
+    size_t skip = 0;
+    QueryOptions query = ReadQuery(call, options, &skip);
     call.CheckArray("ids", ids, room);
     call.CheckPointer("total", total);
     size_t own_offsets[halfspace::c::kMostRows + 1];
@@ -294,7 +297,7 @@ hs_status hs_bvh_query(const hs_bvh* bvh, const hs_columns* queries,
       call.CheckPointer("offsets", offsets);
       offsets[0] = 0;
     }
-    Results<uint32_t> results(ids, room, query.skip);
+    Results<uint32_t> results(ids, room, skip);
     ForEachRows(*queries, bvh->queries,
                 [&](const float* rows, size_t begin, size_t count) {
                   query.skip = results.skip();

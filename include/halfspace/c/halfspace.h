@@ -369,9 +369,11 @@ typedef enum hs_quality HALFSPACE_INT {
                         // times as long.
 } hs_quality;
 
-// Runs the parts of a build on threads of the caller: calls part(work, i) once
-// for each i below `count`, in any order and on any threads, and returns when
-// all these calls have returned. Otherwise the build fails.
+// Runs the parts of a build on threads of the caller: calls part(work, i)
+// `count` times, in any order and on any threads, and returns when all these
+// calls have returned. `i` is the number of the call, 0 ... count - 1. Each call
+// runs the next part, whatever `i` is. With another number of calls the build
+// fails.
 typedef void (*hs_part_function)(void* work, size_t i);
 typedef void (*hs_run_function)(void* context, size_t count,
                                 hs_part_function part, void* work);
