@@ -59,7 +59,7 @@ class Bounder {
  public:
   Bounder(const Call& call, hs_kind kind, const hs_bound_options* options,
           float* bounds, std::size_t count)
-      : kind_(KindOf(call, kind)), bounds_(bounds), count_(count) {
+      : kind_(KindOf(call, "kind", kind)), bounds_(bounds), count_(count) {
     const hs_bound_options read =
         ReadOptions(call, "options", options, kDefaults);
     options_.tightest = read.tightest != 0;
@@ -171,7 +171,7 @@ hs_status hs_bound_boxes(hs_kind kind, const hs_columns* boxes,
                          const hs_bound_options* options, float* bounds,
                          size_t* everything) {
   return Run("hs_bound_boxes", [&](const Call& call) {
-    const Values values = FirstColumns(2 * KindOf(call, kind).dims);
+    const Values values = FirstColumns(2 * KindOf(call, "kind", kind).dims);
     CheckColumns(call, "boxes", boxes, values);
     const Bounder bounder(call, kind, options, bounds, boxes->count);
     bounder.Run(
@@ -189,7 +189,7 @@ hs_status hs_bound_spheres(hs_kind kind, const hs_columns* spheres,
                            const hs_bound_options* options, float* bounds,
                            size_t* everything) {
   return Run("hs_bound_spheres", [&](const Call& call) {
-    const Values values = FirstColumns(KindOf(call, kind).dims + 1);
+    const Values values = FirstColumns(KindOf(call, "kind", kind).dims + 1);
     CheckColumns(call, "spheres", spheres, values);
     const Bounder bounder(call, kind, options, bounds, spheres->count);
     bounder.Run(
@@ -208,7 +208,7 @@ hs_status hs_bound_points(hs_kind kind, const hs_columns* points,
                           const hs_bound_options* options, float* bounds,
                           size_t* everything) {
   return Run("hs_bound_points", [&](const Call& call) {
-    const size_t dims = KindOf(call, kind).dims;
+    const size_t dims = KindOf(call, "kind", kind).dims;
     CheckColumns(call, "points", points, 0, dims);
     const Values values = Values::OfPoints(dims);
     const Bounder bounder(call, kind, options, bounds, points->count);
@@ -228,7 +228,7 @@ hs_status hs_bound_point_sets(hs_kind kind, const hs_columns* points,
                               const hs_bound_options* options, float* bounds,
                               size_t* everything) {
   return Run("hs_bound_point_sets", [&](const Call& call) {
-    const size_t dims = KindOf(call, kind).dims;
+    const size_t dims = KindOf(call, "kind", kind).dims;
     CheckColumns(call, "points", points, 0, dims);
     call.CheckArray("ends", ends, sets);
     const Bounder bounder(call, kind, options, bounds, sets);
@@ -284,7 +284,7 @@ hs_status hs_bound_triangles(hs_kind kind, const hs_columns* triangles,
                              const hs_bound_options* options, float* bounds,
                              size_t* everything) {
   return Run("hs_bound_triangles", [&](const Call& call) {
-    const size_t dims = KindOf(call, kind).dims;
+    const size_t dims = KindOf(call, "kind", kind).dims;
     CheckColumns(call, "triangles", triangles, 0,
                  halfspace::c::kCorners * dims);
     const Bounder bounder(call, kind, options, bounds, triangles->count);
@@ -301,7 +301,7 @@ hs_status hs_bound_faces(hs_kind kind, const hs_columns* vertices,
                          const hs_bound_options* options, float* bounds,
                          size_t* everything) {
   return Run("hs_bound_faces", [&](const Call& call) {
-    const size_t dims = KindOf(call, kind).dims;
+    const size_t dims = KindOf(call, "kind", kind).dims;
     CheckColumns(call, "vertices", vertices, 0, dims);
     const Bounder bounder(call, kind, options, bounds, faces);
     call.CheckArray("indices", indices, halfspace::c::kCorners * faces);

@@ -216,8 +216,7 @@ detail::PairSources SourcesOf(const Call& call, const hs_bvh* a,
               "expected BVHs of boxes or octahedra, got simplices, which have "
               "no planes that face each other");
   }
-  if (b != nullptr && (b->kind.dims != a->kind.dims ||
-                       b->kind.axes != a->kind.axes || b->kind.is_simplex)) {
+  if (b != nullptr && b->kind != a->kind) {
     call.Fail(HS_INVALID_ARGUMENT,
               "b: expected a BVH of the kind of `a`, got another kind");
   }
@@ -241,7 +240,7 @@ void WritePairs(const Call& call, const hs_bvh* a, const hs_bvh* b,
 void CallForPairs(const Call& call, const hs_bvh* a, const hs_bvh* b,
                   const hs_pair_options* options, hs_pairs_function function,
                   void* context) {
-  call.CheckFunction("function", function);
+  call.CheckPointer("function", function);
   const auto some = [&](Span<const IdPair> pairs) {
     return function(context, reinterpret_cast<const hs_id_pair*>(pairs.data()),
                     pairs.size()) == HS_CONTINUE;
@@ -364,7 +363,7 @@ hs_status hs_bvh_probe(const hs_bvh* bvh, const hs_columns* queries,
     call.CheckPointer("bvh", bvh);
     CheckColumns(call, "queries", queries, bvh->queries);
     const QueryOptions query = ReadQuery(call, options);
-    call.CheckFunction("function", function);
+    call.CheckPointer("function", function);
     halfspace::c::Probe probe{bvh, query, function, context};
     ForEachRows(*queries, bvh->queries,
                 [&](const float* rows, size_t begin, size_t count) {
@@ -433,7 +432,7 @@ hs_status hs_bvh_raycast_each(const hs_bvh* bvh, const hs_columns* rays,
                               float radius, const hs_query_options* options,
                               hs_hit_function function, void* context) {
   return Run("hs_bvh_raycast_each", [&](const Call& call) {
-    call.CheckFunction("function", function);
+    call.CheckPointer("function", function);
     size_t ray = 0;
     const auto begin = [&](size_t i) { ray = i; };
     auto hit = [&](uint32_t id, float t) {

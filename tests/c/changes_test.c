@@ -193,7 +193,7 @@ static void test_ids(void) {
   CHECK_OK(hs_bvh_id_limit(bvh, &size));
   CHECK(size == 2);
   columns = hs_float_rows(near_boxes, 2, 6);
-  CHECK_OK(hs_bvh_refit(bvh, &columns, NULL));
+  CHECK_OK(hs_bvh_refit(bvh, &columns, NULL, NULL));
   CHECK(count_of(bvh, around_0, ~0u) == 1);
   CHECK_OK(hs_bvh_cost_ratio(bvh, &ratio));
   CHECK(ratio == 1);
@@ -222,7 +222,7 @@ static void test_work_of_changes(void) {
   columns = hs_double_rows(doubles, OBJECTS, values);
   config.run = run_backwards;
   config.run_context = &threads;
-  CHECK_OK(hs_bvh_refit(bvh, &columns, &config));
+  CHECK_OK(hs_bvh_refit(bvh, &columns, run_backwards, &threads));
   CHECK(threads.parts > threads.calls && threads.calls > 0);
   CHECK_OK(hs_bvh_cost_ratio(bvh, &ratio));
   CHECK(ratio > 10);

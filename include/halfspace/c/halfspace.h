@@ -371,9 +371,9 @@ typedef enum hs_quality HALFSPACE_INT {
 
 // Runs the parts of a build on threads of the caller: calls part(work, i)
 // `count` times, in any order and on any threads, and returns when all these
-// calls have returned. `i` is the number of the call, 0 ... count - 1. Each call
-// runs the next part, whatever `i` is. With another number of calls the build
-// fails.
+// calls have returned. `i` is the number of the call, 0 ... count - 1. Each
+// call runs the next part, whatever `i` is. With another number of calls the
+// build fails.
 typedef void (*hs_part_function)(void* work, size_t i);
 typedef void (*hs_run_function)(void* context, size_t count,
                                 hs_part_function part, void* work);
@@ -446,11 +446,10 @@ HALFSPACE_API hs_status hs_bvh_set_masks(hs_bvh* bvh, const uint32_t* ids,
 // Gives all objects new bounds by id: record i is that of object i. Records of
 // erased objects are not read. objects->count must be at least
 // hs_bvh_id_limit(). The tree keeps its order, so it becomes slower as objects
-// move: see hs_bvh_cost_ratio(). `config` may be null; of its fields only `run`
-// and `run_context` are read. If `run` fails, refit again before the next
-// query.
+// move: see hs_bvh_cost_ratio(). `run` may be null: the calling thread then
+// does all work. If `run` fails, refit again before the next query.
 HALFSPACE_API hs_status hs_bvh_refit(hs_bvh* bvh, const hs_columns* objects,
-                                     const hs_bvh_config* config);
+                                     hs_run_function run, void* run_context);
 
 // Sorts all objects again and frees memory that is not needed. Ids stay.
 // `config` may be null; its `quality`, `target`, `run` and `run_context` are
