@@ -139,6 +139,29 @@ class Probe {
   bool is_stopped_ = false;
 };
 
+// For a box that is inverted, the library finds any objects. Points are boxes
+// that are not.
+void CheckBoxes(const Call& call, const float* rows, std::size_t begin,
+                std::size_t count, std::size_t dims) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float* const min = rows + i * 2 * dims;
+    const float* const max = min + dims;
+    bool is_empty = true;
+    std::size_t wrong = dims;
+    for (std::size_t k = 0; k < dims; ++k) {
+      is_empty &= min[k] == INFINITY && max[k] == -INFINITY;
+      if (min[k] > max[k]) wrong = k;
+    }
+    if (wrong == dims || is_empty) continue;
+    call.Fail(
+        HS_INVALID_ARGUMENT,
+        "boxes: expected minima that are not above the maxima, got %g and "
+        "%g on axis %zu of box %zu",
+        static_cast<double>(min[wrong]), static_cast<double>(max[wrong]), wrong,
+        begin + i);
+  }
+}
+
 // Writes row after row of the nearest objects. `values` has the corners.
 void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
              const Values& values, std::size_t k, float max_distance,
@@ -157,6 +180,7 @@ void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
   if (distances != nullptr) call.CheckPointer("distances", distances);
   ForEachRows(columns, values,
               [&](const float* rows, std::size_t begin, std::size_t count) {
+                CheckBoxes(call, rows, begin, count, values.minima);
                 detail::BvhNearestOfEach(
                     bvh->tree, {rows, values.minima, values.count, count}, k,
                     max_distance, {ids + begin * k, count * k},

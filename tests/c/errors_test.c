@@ -227,6 +227,10 @@ static void test_handles_and_outputs(void) {
   const hs_columns columns = hs_float_rows(kBoxes, 2, 6);
   const hs_columns one = hs_float_rows(kBoxes, 1, 6);
   float ray[] = {0, 0, 0, 1, 0, 0, -1};
+  const float inverted[] = {INFINITY,  INFINITY,  INFINITY, -INFINITY,
+                            -INFINITY, -INFINITY, NAN,      2,
+                            0,         0,         1,        0};
+  const hs_columns inverted_boxes = hs_float_rows(inverted, 2, 6);
   const double double_ray[] = {0, 0, 0, 1, 0, 0, 1};
   hs_columns rays = hs_float_rows(ray, 1, 7);
   hs_bound_options bound_options;
@@ -277,6 +281,14 @@ static void test_handles_and_outputs(void) {
       hs_bvh_nearest_to_boxes(bvh, &columns, SIZE_MAX, 1, NULL, ids, NULL),
       "hs_bvh_nearest_to_boxes: k: expected rows that fit the address space, "
       "got 18446744073709551615 for each of 2 queries");
+  CHECK_INVALID(
+      hs_bvh_nearest_to_boxes(bvh, &inverted_boxes, 1, 1, NULL, ids, NULL),
+      "hs_bvh_nearest_to_boxes: boxes: expected minima that are not above the "
+      "maxima, got 2 and 1 on axis 1 of box 1");
+  CHECK_INVALID(hs_bound_boxes(HS_BOX3, &columns, NULL, bounds,
+                               (size_t*)(void*)((char*)&total + 1)),
+                "hs_bound_boxes: everything: expected memory aligned to 8 "
+                "bytes, got a misaligned pointer");
   CHECK_INVALID(hs_bvh_raycast(bvh, &rays, 0, NULL, ids, NULL),
                 "hs_bvh_raycast: rays->column[6]: expected limits of t that "
                 "are not negative, got -1 of ray 0");
