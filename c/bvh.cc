@@ -123,9 +123,8 @@ void CallerThreads::operator()(std::size_t count,
   run_(context_, count, &Parts::RunPart, &parts);
   if (parts.error != nullptr) std::rethrow_exception(parts.error);
   if (const std::size_t done = parts.done.load(); done != count) {
-    call_.Fail(HS_INVALID_ARGUMENT,
-               "config->run: expected %zu calls of `part`, got %zu", count,
-               done);
+    call_.Fail(HS_INVALID_ARGUMENT, "%s: expected %zu calls of `part`, got %zu",
+               argument_, count, done);
   }
 }
 

@@ -226,6 +226,13 @@ static void test_work_of_changes(void) {
   CHECK(threads.parts > threads.calls && threads.calls > 0);
   CHECK_OK(hs_bvh_cost_ratio(bvh, &ratio));
   CHECK(ratio > 10);
+  threads.left_out = 1;
+  CHECK(hs_bvh_refit(bvh, &columns, run_backwards, &threads) ==
+        HS_INVALID_ARGUMENT);
+  CHECK(strstr(hs_last_error(), "hs_bvh_refit: run: expected ") ==
+        hs_last_error());
+  threads.left_out = 0;
+  CHECK_OK(hs_bvh_refit(bvh, &columns, run_backwards, &threads));
   threads.calls = 0;
   CHECK_OK(hs_bvh_rebuild(bvh, &config));
   CHECK(threads.calls > 0);

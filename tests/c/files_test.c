@@ -6,6 +6,7 @@
 
 #if defined(__unix__) || defined(__APPLE__)
 #include <dirent.h>
+#include <pthread.h>
 #include <sys/stat.h>
 #define HAS_POSIX
 #endif
@@ -225,6 +226,31 @@ static void test_paths(const hs_bvh* bvh) {
   CHECK(none == NULL);
 }
 
+#if defined(HAS_POSIX)
+// A thread that has been canceled ends behind the calls, not in them.
+static int has_returned = 0;
+static void* use_files(void* bvh) {
+  const hs_bvh_config config = bvh_config_of(HS_BOX3);
+  hs_bvh* copy = NULL;
+  CHECK(pthread_cancel(pthread_self()) == 0);
+  CHECK_OK(hs_bvh_save(bvh, kPath));
+  CHECK_OK(hs_bvh_load(&config, kPath, &copy));
+  hs_bvh_destroy(copy);
+  CHECK_OK(hs_bvh_map(&config, kPath, &copy));
+  hs_bvh_destroy(copy);
+  has_returned = 1;
+  pthread_testcancel();
+  return NULL;
+}
+static void test_canceled(hs_bvh* bvh) {
+  pthread_t thread;
+  void* result = NULL;
+  CHECK(pthread_create(&thread, NULL, use_files, bvh) == 0);
+  CHECK(pthread_join(thread, &result) == 0);
+  CHECK(has_returned && result == PTHREAD_CANCELED);
+}
+#endif
+
 void test_files(void) {
   const hs_bvh_config config = bvh_config_of(HS_BOX3);
   const hs_columns columns = hs_float_rows(objects, OBJECTS, VALUES);
@@ -239,6 +265,9 @@ void test_files(void) {
   test_bad_files(blob, size);
   test_no_objects();
   test_paths(bvh);
+#if defined(HAS_POSIX)
+  test_canceled(bvh);
+#endif
   hs_bvh_destroy(bvh);
   (void)remove(kPath);
   CHECK(count_remains() == remains);
