@@ -58,8 +58,11 @@ Values FirstColumns(std::size_t count) {
 class Bounder {
  public:
   Bounder(const Call& call, hs_kind kind, const hs_bound_options* options,
-          float* bounds, std::size_t count)
-      : kind_(KindOf(call, kind)), bounds_(bounds), count_(count) {
+          float* bounds, std::size_t count, std::size_t* everything)
+      : kind_(KindOf(call, "kind", kind)),
+        bounds_(bounds),
+        count_(count),
+        everything_(everything) {
     const hs_bound_options read =
         ReadOptions(call, "options", options, kDefaults);
     options_.tightest = read.tightest != 0;
@@ -67,6 +70,7 @@ class Bounder {
         read.empty_if_inverted != 0 ? Inverted::kEmpty : Inverted::kEverything;
     options_.target = ReadTarget(call, "options", read.target);
     call.CheckArray("bounds", bounds, count);
+    if (everything != nullptr) call.CheckPointer("everything", everything);
     if (count > PTRDIFF_MAX / (kMostValues * sizeof(float))) {
       call.Fail(HS_INVALID_ARGUMENT,
                 "bounds: expected records that fit the address space, got %zu",
@@ -79,7 +83,7 @@ class Bounder {
   // Calls fit(begin, count, output, options, status) for some shapes at a time,
   // and writes the bounds that are in `output` then.
   template <typename Fit>
-  void Run(const Fit& fit, std::size_t* everything) const {
+  void Run(const Fit& fit) const {
     FitStatus status;
     std::array<float, kMostShapes * kMostValues> planes;
     for (std::size_t begin = 0; begin < count_; begin += kMostShapes) {
@@ -100,13 +104,14 @@ class Bounder {
         }
       }
     }
-    if (everything != nullptr) *everything = status.everything;
+    if (everything_ != nullptr) *everything_ = status.everything;
   }
 
  private:
   Kind kind_;
   float* bounds_;
   std::size_t count_;
+  std::size_t* everything_;
   FitOptions options_;
 };
 
@@ -115,34 +120,32 @@ constexpr std::size_t kCorners = 3;
 // Copies the corners of some triangles at a time, and bounds them as a mesh in
 // which no two share a corner.
 template <typename Scalar>
-void BoundTriangles(const Bounder& bounder, const hs_columns& triangles,
-                    std::size_t* everything) {
+void BoundTriangles(const Bounder& bounder, const hs_columns& triangles) {
   const std::size_t dims = bounder.dims();
   std::array<std::uint32_t, kMostShapes * kCorners> indices;
   std::iota(indices.begin(), indices.end(), 0u);
   std::array<Scalar, kMostShapes * kCorners * 3> corners;
-  bounder.Run(
-      [&](std::size_t begin, std::size_t count, const detail::Output& output,
-          const FitOptions& options, FitStatus& status) {
-        const std::size_t values = kCorners * dims;
-        for (std::size_t v = 0; v < values; ++v) {
-          const Scalar* const column =
-              static_cast<const Scalar*>(triangles.column[v]) +
-              begin * triangles.stride;
-          for (std::size_t i = 0; i < count; ++i) {
-            corners[i * values + v] = column[i * triangles.stride];
-          }
-        }
-        detail::Source source = SourceOf<detail::kFitTriangles, Scalar>(
-            dims, count * kCorners, dims);
-        source.has_one_pointer = true;
-        for (std::size_t k = 0; k < dims; ++k) {
-          source.columns[source.column_count++] = corners.data() + k;
-        }
-        detail::BoundTriangles(source, {indices.data(), count * kCorners},
-                               output, options, &status);
-      },
-      everything);
+  bounder.Run([&](std::size_t begin, std::size_t count,
+                  const detail::Output& output, const FitOptions& options,
+                  FitStatus& status) {
+    const std::size_t values = kCorners * dims;
+    for (std::size_t v = 0; v < values; ++v) {
+      const Scalar* const column =
+          static_cast<const Scalar*>(triangles.column[v]) +
+          begin * triangles.stride;
+      for (std::size_t i = 0; i < count; ++i) {
+        corners[i * values + v] = column[i * triangles.stride];
+      }
+    }
+    detail::Source source =
+        SourceOf<detail::kFitTriangles, Scalar>(dims, count * kCorners, dims);
+    source.has_one_pointer = true;
+    for (std::size_t k = 0; k < dims; ++k) {
+      source.columns[source.column_count++] = corners.data() + k;
+    }
+    detail::BoundTriangles(source, {indices.data(), count * kCorners}, output,
+                           options, &status);
+  });
 }
 
 }  // namespace
@@ -171,17 +174,16 @@ hs_status hs_bound_boxes(hs_kind kind, const hs_columns* boxes,
                          const hs_bound_options* options, float* bounds,
                          size_t* everything) {
   return Run("hs_bound_boxes", [&](const Call& call) {
-    const Values values = FirstColumns(2 * KindOf(call, kind).dims);
+    const Values values = FirstColumns(2 * KindOf(call, "kind", kind).dims);
     CheckColumns(call, "boxes", boxes, values);
-    const Bounder bounder(call, kind, options, bounds, boxes->count);
-    bounder.Run(
-        [&](size_t begin, size_t count, const detail::Output& output,
-            const FitOptions& fit, FitStatus& status) {
-          detail::BoundBoxes(SourceOf<detail::kFitBoxes>(bounder.dims(), *boxes,
-                                                         values, begin, count),
-                             output, fit, &status);
-        },
-        everything);
+    const Bounder bounder(call, kind, options, bounds, boxes->count,
+                          everything);
+    bounder.Run([&](size_t begin, size_t count, const detail::Output& output,
+                    const FitOptions& fit, FitStatus& status) {
+      detail::BoundBoxes(SourceOf<detail::kFitBoxes>(bounder.dims(), *boxes,
+                                                     values, begin, count),
+                         output, fit, &status);
+    });
   });
 }
 
@@ -189,18 +191,16 @@ hs_status hs_bound_spheres(hs_kind kind, const hs_columns* spheres,
                            const hs_bound_options* options, float* bounds,
                            size_t* everything) {
   return Run("hs_bound_spheres", [&](const Call& call) {
-    const Values values = FirstColumns(KindOf(call, kind).dims + 1);
+    const Values values = FirstColumns(KindOf(call, "kind", kind).dims + 1);
     CheckColumns(call, "spheres", spheres, values);
-    const Bounder bounder(call, kind, options, bounds, spheres->count);
-    bounder.Run(
-        [&](size_t begin, size_t count, const detail::Output& output,
-            const FitOptions& fit, FitStatus& status) {
-          detail::BoundSpheres(
-              SourceOf<detail::kFitSpheres>(bounder.dims(), *spheres, values,
-                                            begin, count),
-              output, fit, &status);
-        },
-        everything);
+    const Bounder bounder(call, kind, options, bounds, spheres->count,
+                          everything);
+    bounder.Run([&](size_t begin, size_t count, const detail::Output& output,
+                    const FitOptions& fit, FitStatus& status) {
+      detail::BoundSpheres(SourceOf<detail::kFitSpheres>(
+                               bounder.dims(), *spheres, values, begin, count),
+                           output, fit, &status);
+    });
   });
 }
 
@@ -208,18 +208,17 @@ hs_status hs_bound_points(hs_kind kind, const hs_columns* points,
                           const hs_bound_options* options, float* bounds,
                           size_t* everything) {
   return Run("hs_bound_points", [&](const Call& call) {
-    const size_t dims = KindOf(call, kind).dims;
+    const size_t dims = KindOf(call, "kind", kind).dims;
     CheckColumns(call, "points", points, 0, dims);
     const Values values = Values::OfPoints(dims);
-    const Bounder bounder(call, kind, options, bounds, points->count);
-    bounder.Run(
-        [&](size_t begin, size_t count, const detail::Output& output,
-            const FitOptions& fit, FitStatus& status) {
-          detail::BoundBoxes(
-              SourceOf<detail::kFitBoxes>(dims, *points, values, begin, count),
-              output, fit, &status);
-        },
-        everything);
+    const Bounder bounder(call, kind, options, bounds, points->count,
+                          everything);
+    bounder.Run([&](size_t begin, size_t count, const detail::Output& output,
+                    const FitOptions& fit, FitStatus& status) {
+      detail::BoundBoxes(
+          SourceOf<detail::kFitBoxes>(dims, *points, values, begin, count),
+          output, fit, &status);
+    });
   });
 }
 
@@ -228,10 +227,10 @@ hs_status hs_bound_point_sets(hs_kind kind, const hs_columns* points,
                               const hs_bound_options* options, float* bounds,
                               size_t* everything) {
   return Run("hs_bound_point_sets", [&](const Call& call) {
-    const size_t dims = KindOf(call, kind).dims;
+    const size_t dims = KindOf(call, "kind", kind).dims;
     CheckColumns(call, "points", points, 0, dims);
     call.CheckArray("ends", ends, sets);
-    const Bounder bounder(call, kind, options, bounds, sets);
+    const Bounder bounder(call, kind, options, bounds, sets, everything);
     const size_t bytes =
         points->type == HS_FLOAT64 ? sizeof(double) : sizeof(float);
     bool is_adjacent = true;
@@ -246,37 +245,35 @@ hs_status hs_bound_point_sets(hs_kind kind, const hs_columns* points,
                 points->stride);
     }
     const Values values = FirstColumns(dims);
-    bounder.Run(
-        [&](size_t begin, size_t count, const detail::Output& output,
-            const FitOptions& fit, FitStatus& status) {
-          std::array<size_t, halfspace::c::kMostShapes> its_ends;
-          for (size_t i = 0, j = 0; i < count; i = j) {
-            // Sets i ... j - 1 are bounded at once: those that follow each
-            // other, or a bad one alone.
-            const size_t first = begin + i == 0 ? 0 : ends[begin + i - 1];
-            size_t end = first;
-            for (; j < count; ++j) {
-              const size_t next = ends[begin + j];
-              if (next < end || next > points->count) break;
-              its_ends[j - i] = next - first;
-              end = next;
-            }
-            const bool is_bad = j == i;
-            if (is_bad) its_ends[j++ - i] = SIZE_MAX;
-            const size_t skipped = is_bad ? 0 : first;
-            detail::Source source = SourceOf<detail::kFitPointSets>(
-                dims, *points, values, skipped, points->count - skipped);
-            source.has_one_pointer = is_adjacent;
-            detail::Output some = output;
-            some.size = j - i;
-            for (float*& plane : some.planes) {
-              if (plane != nullptr) plane += i;
-            }
-            detail::BoundPointSets(source, {its_ends.data(), some.size}, some,
-                                   fit, &status);
-          }
-        },
-        everything);
+    bounder.Run([&](size_t begin, size_t count, const detail::Output& output,
+                    const FitOptions& fit, FitStatus& status) {
+      std::array<size_t, halfspace::c::kMostShapes> its_ends;
+      for (size_t i = 0, j = 0; i < count; i = j) {
+        // Sets i ... j - 1 are bounded at once: those that follow each
+        // other, or a bad one alone.
+        const size_t first = begin + i == 0 ? 0 : ends[begin + i - 1];
+        size_t end = first;
+        for (; j < count; ++j) {
+          const size_t next = ends[begin + j];
+          if (next < end || next > points->count) break;
+          its_ends[j - i] = next - first;
+          end = next;
+        }
+        const bool is_bad = j == i;
+        if (is_bad) its_ends[j++ - i] = SIZE_MAX;
+        const size_t skipped = is_bad ? 0 : first;
+        detail::Source source = SourceOf<detail::kFitPointSets>(
+            dims, *points, values, skipped, points->count - skipped);
+        source.has_one_pointer = is_adjacent;
+        detail::Output some = output;
+        some.size = j - i;
+        for (float*& plane : some.planes) {
+          if (plane != nullptr) plane += i;
+        }
+        detail::BoundPointSets(source, {its_ends.data(), some.size}, some, fit,
+                               &status);
+      }
+    });
   });
 }
 
@@ -284,14 +281,15 @@ hs_status hs_bound_triangles(hs_kind kind, const hs_columns* triangles,
                              const hs_bound_options* options, float* bounds,
                              size_t* everything) {
   return Run("hs_bound_triangles", [&](const Call& call) {
-    const size_t dims = KindOf(call, kind).dims;
+    const size_t dims = KindOf(call, "kind", kind).dims;
     CheckColumns(call, "triangles", triangles, 0,
                  halfspace::c::kCorners * dims);
-    const Bounder bounder(call, kind, options, bounds, triangles->count);
+    const Bounder bounder(call, kind, options, bounds, triangles->count,
+                          everything);
     if (triangles->type == HS_FLOAT64) {
-      halfspace::c::BoundTriangles<double>(bounder, *triangles, everything);
+      halfspace::c::BoundTriangles<double>(bounder, *triangles);
     } else {
-      halfspace::c::BoundTriangles<float>(bounder, *triangles, everything);
+      halfspace::c::BoundTriangles<float>(bounder, *triangles);
     }
   });
 }
@@ -301,21 +299,18 @@ hs_status hs_bound_faces(hs_kind kind, const hs_columns* vertices,
                          const hs_bound_options* options, float* bounds,
                          size_t* everything) {
   return Run("hs_bound_faces", [&](const Call& call) {
-    const size_t dims = KindOf(call, kind).dims;
+    const size_t dims = KindOf(call, "kind", kind).dims;
     CheckColumns(call, "vertices", vertices, 0, dims);
-    const Bounder bounder(call, kind, options, bounds, faces);
+    const Bounder bounder(call, kind, options, bounds, faces, everything);
     call.CheckArray("indices", indices, halfspace::c::kCorners * faces);
     const Values values = FirstColumns(dims);
-    bounder.Run(
-        [&](size_t begin, size_t count, const detail::Output& output,
-            const FitOptions& fit, FitStatus& status) {
-          const size_t corners = halfspace::c::kCorners;
-          detail::BoundTriangles(
-              SourceOf<detail::kFitTriangles>(dims, *vertices, values, 0,
-                                              vertices->count),
-              {indices + begin * corners, count * corners}, output, fit,
-              &status);
-        },
-        everything);
+    bounder.Run([&](size_t begin, size_t count, const detail::Output& output,
+                    const FitOptions& fit, FitStatus& status) {
+      const size_t corners = halfspace::c::kCorners;
+      detail::BoundTriangles(SourceOf<detail::kFitTriangles>(
+                                 dims, *vertices, values, 0, vertices->count),
+                             {indices + begin * corners, count * corners},
+                             output, fit, &status);
+    });
   });
 }

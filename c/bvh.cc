@@ -9,6 +9,7 @@ using halfspace::c::AllRows;
 using halfspace::c::BvhConfig;
 using halfspace::c::Call;
 using halfspace::c::CheckColumns;
+using halfspace::c::CheckObjects;
 using halfspace::c::ColumnsOf;
 using halfspace::c::Kind;
 using halfspace::c::Run;
@@ -41,17 +42,23 @@ detail::BvhShape ShapeOf(const Kind& kind) {
 // What the part functions of one call of `run` share. They can run at the same
 // time, and must not throw through the caller's function.
 struct Parts {
-  explicit Parts(const Runner::Part& its_part) : part(its_part) {}
+  Parts(const Runner::Part& its_part, std::size_t its_count)
+      : part(its_part), count(its_count) {}
 
   const Runner::Part& part;
+  const std::size_t count;
+  std::atomic<std::size_t> next{0};
   std::atomic<std::size_t> done{0};
   std::atomic_flag has_failed;
   std::exception_ptr error;
 
-  static void RunPart(void* work, std::size_t i) noexcept {
+  // The index of the caller could be wrong: a part would run twice, and another
+  // one never. So each call takes the next part.
+  static void RunPart(void* work, std::size_t) noexcept {
     auto& parts = *static_cast<Parts*>(work);
+    const std::size_t i = parts.next.fetch_add(1);
     try {
-      parts.part(i);
+      if (i < parts.count) parts.part(i);
     } catch (...) {
       if (!parts.has_failed.test_and_set()) {
         parts.error = std::current_exception();
@@ -72,7 +79,7 @@ BuildQuality ReadQuality(const Call& call, hs_quality quality) {
 template <typename Scalar>
 hs_bvh* Build(const Call& call, const BvhConfig& config,
               const detail::Columns<Scalar>& objects) {
-  CallerThreads threads(call, config.run, config.run_context);
+  CallerThreads threads(call, "config->run", config.run, config.run_context);
   BuildOptions options = config.options;
   options.run = threads.runner();
   NewBvh bvh(config.kind, options.memory);
@@ -102,7 +109,7 @@ void WriteRecord(const hs_bvh& bvh, const float* values, float* record) {
 
 BvhConfig::BvhConfig(const Call& call, const hs_bvh_config* config) {
   const hs_bvh_config read = ReadConfig(call, config, kDefaults);
-  kind = KindOf(call, read.kind);
+  kind = KindOf(call, "config->kind", read.kind);
   run = read.run;
   run_context = read.run_context;
   options.quality = ReadQuality(call, read.quality);
@@ -112,14 +119,12 @@ BvhConfig::BvhConfig(const Call& call, const hs_bvh_config* config) {
 
 void CallerThreads::operator()(std::size_t count,
                                const Runner::Part& part) const {
-  Parts parts(part);
+  Parts parts(part, count);
   run_(context_, count, &Parts::RunPart, &parts);
   if (parts.error != nullptr) std::rethrow_exception(parts.error);
   if (const std::size_t done = parts.done.load(); done != count) {
-    call_.Fail(HS_INVALID_ARGUMENT,
-               "config->run: expected a call of each of %zu parts, got %zu "
-               "calls",
-               count, done);
+    call_.Fail(HS_INVALID_ARGUMENT, "%s: expected %zu calls of `part`, got %zu",
+               argument_, count, done);
   }
 }
 
@@ -156,6 +161,7 @@ hs_status hs_bvh_create(const hs_bvh_config* config, const hs_columns* objects,
     const BvhConfig read(call, config);
     const Values values = Values::OfObjects(read.kind);
     CheckColumns(call, "objects", objects, values);
+    CheckObjects(call, objects->count);
     *bvh = objects->type == HS_FLOAT64
                ? halfspace::c::Build(call, read,
                                      ColumnsOf<double>(*objects, values))
@@ -182,6 +188,7 @@ hs_status hs_builder_push(hs_builder* builder, const hs_columns* objects) {
     CheckColumns(call, "objects", objects, builder->objects);
     auto& rows = builder->rows;
     const size_t size = rows.size();
+    CheckObjects(call, size / builder->objects.count + objects->count);
     rows.resize(size + objects->count * builder->objects.count);
     halfspace::c::WriteRows(*objects, builder->objects, 0, objects->count,
                             rows.data() + size);
@@ -254,6 +261,7 @@ hs_status hs_bvh_insert(hs_bvh* bvh, const hs_columns* objects, uint32_t* ids) {
     call.CheckPointer("bvh", bvh);
     CheckColumns(call, "objects", objects, bvh->objects);
     call.CheckArray("ids", ids, objects->count);
+    CheckObjects(call, bvh->tree.size() + objects->count);
     const AllRows rows(*objects, bvh->objects, bvh->tree.memory());
     bvh->tree.Insert(rows.floats(), {ids, objects->count});
   });
@@ -294,7 +302,7 @@ hs_status hs_bvh_set_masks(hs_bvh* bvh, const uint32_t* ids,
 }
 
 hs_status hs_bvh_refit(hs_bvh* bvh, const hs_columns* objects,
-                       const hs_bvh_config* config) {
+                       hs_run_function run, void* run_context) {
   return Run("hs_bvh_refit", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
     CheckColumns(call, "objects", objects, bvh->objects);
@@ -304,9 +312,7 @@ hs_status hs_bvh_refit(hs_bvh* bvh, const hs_columns* objects,
                 "%zu",
                 bvh->tree.id_limit(), objects->count);
     }
-    const hs_bvh_config read = halfspace::c::ReadOptions(
-        call, "config", config, halfspace::c::kDefaults);
-    halfspace::c::CallerThreads threads(call, read.run, read.run_context);
+    halfspace::c::CallerThreads threads(call, "run", run, run_context);
     if (objects->type == HS_FLOAT64) {
       bvh->tree.Refit(ColumnsOf<double>(*objects, bvh->objects), true,
                       threads.runner());
@@ -322,7 +328,8 @@ hs_status hs_bvh_rebuild(hs_bvh* bvh, const hs_bvh_config* config) {
     call.CheckPointer("bvh", bvh);
     const hs_bvh_config read = halfspace::c::ReadOptions(
         call, "config", config, halfspace::c::kDefaults);
-    halfspace::c::CallerThreads threads(call, read.run, read.run_context);
+    halfspace::c::CallerThreads threads(call, "config->run", read.run,
+                                        read.run_context);
     halfspace::BuildOptions options;
     options.quality = halfspace::c::ReadQuality(call, read.quality);
     options.target = halfspace::c::ReadTarget(call, "config", read.target);

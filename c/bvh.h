@@ -41,8 +41,9 @@ struct BvhConfig {
 // Calls `run` of the caller's for the parts of a build.
 class CallerThreads {
  public:
-  CallerThreads(const Call& call, hs_run_function run, void* context)
-      : call_(call), run_(run), context_(context) {}
+  CallerThreads(const Call& call, const char* argument, hs_run_function run,
+                void* context)
+      : call_(call), argument_(argument), run_(run), context_(context) {}
 
   // Empty without a function. Must not outlive this.
   Runner runner() { return run_ != nullptr ? Runner(*this) : Runner(); }
@@ -51,6 +52,7 @@ class CallerThreads {
 
  private:
   Call call_;
+  const char* argument_;
   hs_run_function run_;
   void* context_;
 };

@@ -1,14 +1,20 @@
 // hs_bvh_...() of blobs and files, and hs_bvh's memory that is a file.
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <memory>
+#include <new>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "c/bvh.h"
 #include "c/call.h"
@@ -16,6 +22,7 @@
 #if defined(__unix__) || defined(__APPLE__)
 #define HALFSPACE_C_POSIX
 #include <fcntl.h>
+#include <pthread.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -24,23 +31,26 @@
 namespace halfspace::c {
 namespace {
 
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, CloseFile>;
-
 [[noreturn]] void FailFile(const Call& call, const char* path, const char* what,
                            int error) {
   call.Fail(HS_IO_ERROR, "path: \"%.256s\" cannot be %s: %s", path, what,
             std::generic_category().message(error).c_str());
 }
 
-// A new file next to `path`, which no other call has.
-std::string NextTo(const char* path) {
-  static std::atomic<unsigned> calls{0};
-  const auto now = std::chrono::system_clock::now().time_since_epoch().count();
-  return std::string(path) + "." + std::to_string(now) + "." +
-         std::to_string(calls.fetch_add(1)) + ".tmp";
+// Creates a file next to `path`, with a name that no other file has. The name
+// is short, as the longest name of a file can be 255 bytes.
+std::FILE* CreateNextTo(const char* path, std::string& name) {
+  static std::atomic<std::uint32_t> calls{0};
+  for (int attempt = 0;; ++attempt) {
+    const auto now = static_cast<std::uint32_t>(
+        std::chrono::steady_clock::now().time_since_epoch().count());
+    std::array<char, 16> suffix;
+    std::snprintf(suffix.data(), suffix.size(), ".%08x.tmp",
+                  static_cast<unsigned>(now + calls.fetch_add(1) * 0x9E3779B9));
+    name = std::string(path) + suffix.data();
+    std::FILE* const file = std::fopen(name.c_str(), "wbx");
+    if (file != nullptr || errno != EEXIST || attempt == 100) return file;
+  }
 }
 
 bool WriteAll(std::FILE* file, Span<const std::byte> bytes) {
@@ -58,8 +68,8 @@ bool WriteAll(std::FILE* file, Span<const std::byte> bytes) {
 }
 
 void Save(const Call& call, const char* path, Span<const std::byte> bytes) {
-  const std::string next_to = NextTo(path);
-  std::FILE* const file = std::fopen(next_to.c_str(), "wbx");
+  std::string next_to;
+  std::FILE* const file = CreateNextTo(path, next_to);
   if (file == nullptr) FailFile(call, next_to.c_str(), "created", errno);
   bool is_written = WriteAll(file, bytes);
   int error = errno;
@@ -85,7 +95,133 @@ void Save(const Call& call, const char* path, Span<const std::byte> bytes) {
             path);
 }
 
-// The bytes of a file, in memory of its own.
+void Verify(const Call& call, const hs_bvh& bvh) {
+  if (bvh.tree.Verify()) return;
+  call.Fail(HS_CORRUPT,
+            "expected the bytes that hs_bvh_blob() returned, got altered ones: "
+            "store the BVH again");
+}
+
+// Bytes that are no BVH are HS_CORRUPT. A mistake of the caller's is not.
+void LoadBytes(const Call& call, const char* argument, hs_bvh& bvh,
+               Span<const std::byte> bytes, bool is_in_place) {
+  try {
+    bvh.tree.Load(bytes, is_in_place);
+  } catch (const std::invalid_argument& error) {
+    if (IsOfAllocator(error)) throw;
+    const std::string_view text = TextOf(error);
+    constexpr std::string_view kBlob = "blob: ";
+    if (text.substr(0, kBlob.size()) != kBlob) {
+      call.Fail(HS_CORRUPT, "%s", text.data());
+    }
+    call.Fail(HS_CORRUPT, "%s: %s", argument, text.data() + kBlob.size());
+  }
+}
+
+hs_bvh* FromBytes(const Call& call, const char* argument,
+                  const BvhConfig& config, Span<const std::byte> bytes) {
+  NewBvh bvh(config.kind, config.options.memory);
+  LoadBytes(call, argument, *bvh.get(), bytes, /*is_in_place=*/false);
+  Verify(call, *bvh.get());
+  return bvh.Release();
+}
+
+#if defined(HALFSPACE_C_POSIX)
+// A thread that is canceled in a system call would leave the call by another
+// way than a return: through functions that are noexcept, and with open files.
+class NoCancel {
+ public:
+#if defined(__ANDROID__)
+  NoCancel() {}  // has no cancellation
+#else
+  NoCancel() { pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &before_); }
+  ~NoCancel() { pthread_setcancelstate(before_, nullptr); }
+#endif
+  NoCancel(const NoCancel&) = delete;
+  NoCancel& operator=(const NoCancel&) = delete;
+
+ private:
+  int before_ = 0;
+};
+
+// Closes a file descriptor.
+class Descriptor {
+ public:
+  // Without O_NONBLOCK, a FIFO would be waited for.
+  explicit Descriptor(const char* path)
+      : file_(open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (file_ >= 0) close(file_);
+  }
+  int get() const { return file_; }
+
+ private:
+  int file_;
+};
+
+// A file in memory.
+class FileBytes {
+ public:
+  FileBytes(const Call& call, const char* path) {
+    const Descriptor file(path);
+    if (file.get() < 0) FailFile(call, path, "opened", errno);
+    struct stat status;
+    if (fstat(file.get(), &status) != 0) FailFile(call, path, "read", errno);
+    if (!S_ISREG(status.st_mode)) {
+      FailFile(call, path, "read", S_ISDIR(status.st_mode) ? EISDIR : ENODEV);
+    }
+    if (status.st_size > PTRDIFF_MAX) throw std::bad_alloc();
+    size_ = static_cast<std::size_t>(status.st_size);
+    if (size_ == 0) FailEmpty(call, path);
+    bytes_ = mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.get(), 0);
+    if (bytes_ == MAP_FAILED) FailFile(call, path, "mapped", errno);
+  }
+  FileBytes(const FileBytes&) = delete;
+  FileBytes& operator=(const FileBytes&) = delete;
+  ~FileBytes() {
+    if (bytes_ != nullptr) munmap(bytes_, size_);
+  }
+
+  Span<const std::byte> span() const {
+    return {static_cast<const std::byte*>(bytes_), size_};
+  }
+  // The BVH unmaps them then.
+  void GiveTo(hs_bvh& bvh) {
+    bvh.mapped = std::exchange(bytes_, nullptr);
+    bvh.mapped_bytes = size_;
+  }
+
+ private:
+  void* bytes_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+hs_bvh* Load(const Call& call, const char* path, const BvhConfig& config) {
+  const FileBytes file(call, path);
+  return FromBytes(call, "path", config, file.span());
+}
+
+hs_bvh* Map(const Call& call, const char* path, const BvhConfig& config) {
+  NewBvh bvh(config.kind, config.options.memory);
+  FileBytes file(call, path);
+  const Span<const std::byte> bytes = file.span();
+  file.GiveTo(*bvh.get());
+  LoadBytes(call, "path", *bvh.get(), bytes, /*is_in_place=*/true);
+  return bvh.Release();
+}
+#else
+struct NoCancel {
+  NoCancel() {}
+};
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, CloseFile>;
+
+// A file in memory.
 class FileBytes {
  public:
   FileBytes(const Call& call, const char* path, const MemoryResource& memory)
@@ -119,58 +255,12 @@ class FileBytes {
   std::size_t size_ = 0;
 };
 
-void Verify(const Call& call, const hs_bvh& bvh) {
-  if (bvh.tree.Verify()) return;
-  call.Fail(HS_CORRUPT,
-            "expected the bytes that hs_bvh_blob() returned, got altered ones: "
-            "store the BVH again");
+hs_bvh* Load(const Call& call, const char* path, const BvhConfig& config) {
+  const FileBytes file(call, path, config.options.memory);
+  return FromBytes(call, "path", config, file.span());
 }
 
-hs_bvh* FromBytes(const Call& call, const BvhConfig& config,
-                  Span<const std::byte> bytes) {
-  NewBvh bvh(config.kind, config.options.memory);
-  bvh->tree.Load(bytes, /*is_in_place=*/false);
-  Verify(call, *bvh.get());
-  return bvh.Release();
-}
-
-#if defined(HALFSPACE_C_POSIX)
-// Closes a file descriptor.
-class Descriptor {
- public:
-  explicit Descriptor(const char* path)
-      : file_(open(path, O_RDONLY | O_CLOEXEC)) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (file_ >= 0) close(file_);
-  }
-  int get() const { return file_; }
-
- private:
-  int file_;
-};
-
-void Map(const Call& call, const char* path, hs_bvh& bvh) {
-  const Descriptor file(path);
-  if (file.get() < 0) FailFile(call, path, "opened", errno);
-  struct stat status;
-  if (fstat(file.get(), &status) != 0) FailFile(call, path, "read", errno);
-  if (!S_ISREG(status.st_mode)) {
-    FailFile(call, path, "mapped", S_ISDIR(status.st_mode) ? EISDIR : ENODEV);
-  }
-  const auto size = static_cast<std::size_t>(status.st_size);
-  if (size == 0) FailEmpty(call, path);
-  void* const bytes =
-      mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.get(), 0);
-  if (bytes == MAP_FAILED) FailFile(call, path, "mapped", errno);
-  bvh.mapped = bytes;
-  bvh.mapped_bytes = size;
-  bvh.tree.Load({static_cast<const std::byte*>(bytes), size},
-                /*is_in_place=*/true);
-}
-#else
-void Map(const Call& call, const char*, hs_bvh&) {
+hs_bvh* Map(const Call& call, const char*, const BvhConfig&) {
   call.Fail(HS_UNSUPPORTED,
             "files cannot be mapped on this system: use hs_bvh_load()");
 }
@@ -203,26 +293,24 @@ hs_status hs_bvh_blob(const hs_bvh* bvh, const void** data, size_t* size) {
 
 hs_status hs_bvh_from_blob(const hs_bvh_config* config, const void* data,
                            size_t size, hs_bvh** bvh) {
-  return Run(
-      "hs_bvh_from_blob",
-      [&](const Call& call) {
-        call.CheckPointer("bvh", bvh);
-        const BvhConfig read(call, config);
-        const auto* const bytes = static_cast<const std::byte*>(data);
-        call.CheckArray("data", bytes, size);
-        *bvh = halfspace::c::FromBytes(call, read, {bytes, size});
-      },
-      HS_CORRUPT);
+  return Run("hs_bvh_from_blob", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    const BvhConfig read(call, config);
+    const auto* const bytes = static_cast<const std::byte*>(data);
+    call.CheckArray("data", bytes, size);
+    *bvh = halfspace::c::FromBytes(call, "data", read, {bytes, size});
+  });
 }
 
 hs_status hs_bvh_save(const hs_bvh* bvh, const char* path) {
   return Run("hs_bvh_save", [&](const Call& call) {
+    const halfspace::c::NoCancel no_cancel;
     call.CheckPointer("bvh", bvh);
     call.CheckPointer("path", path);
     const Span<const std::byte> blob = bvh->tree.Blob();
     if (!blob.empty()) return halfspace::c::Save(call, path, blob);
-    // A file of a BVH that never had an object has a header as well: an empty
-    // file is one that was lost.
+    // A file of a BVH without memory has a header as well: an empty file is one
+    // that was lost.
     halfspace::detail::BvhTree empty(bvh->tree.shape(), bvh->tree.memory());
     empty.Reserve(1);
     halfspace::c::Save(call, path, empty.Blob());
@@ -231,31 +319,22 @@ hs_status hs_bvh_save(const hs_bvh* bvh, const char* path) {
 
 hs_status hs_bvh_load(const hs_bvh_config* config, const char* path,
                       hs_bvh** bvh) {
-  return Run(
-      "hs_bvh_load",
-      [&](const Call& call) {
-        call.CheckPointer("bvh", bvh);
-        call.CheckPointer("path", path);
-        const BvhConfig read(call, config);
-        const halfspace::c::FileBytes file(call, path, read.options.memory);
-        *bvh = halfspace::c::FromBytes(call, read, file.span());
-      },
-      HS_CORRUPT);
+  return Run("hs_bvh_load", [&](const Call& call) {
+    const halfspace::c::NoCancel no_cancel;
+    call.CheckPointer("bvh", bvh);
+    call.CheckPointer("path", path);
+    *bvh = halfspace::c::Load(call, path, BvhConfig(call, config));
+  });
 }
 
 hs_status hs_bvh_map(const hs_bvh_config* config, const char* path,
                      hs_bvh** bvh) {
-  return Run(
-      "hs_bvh_map",
-      [&](const Call& call) {
-        call.CheckPointer("bvh", bvh);
-        call.CheckPointer("path", path);
-        const BvhConfig read(call, config);
-        halfspace::c::NewBvh mapped(read.kind, read.options.memory);
-        halfspace::c::Map(call, path, *mapped.get());
-        *bvh = mapped.Release();
-      },
-      HS_CORRUPT);
+  return Run("hs_bvh_map", [&](const Call& call) {
+    const halfspace::c::NoCancel no_cancel;
+    call.CheckPointer("bvh", bvh);
+    call.CheckPointer("path", path);
+    *bvh = halfspace::c::Map(call, path, BvhConfig(call, config));
+  });
 }
 
 hs_status hs_bvh_verify(const hs_bvh* bvh) {

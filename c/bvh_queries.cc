@@ -32,14 +32,16 @@ static_assert(sizeof(hs_id_pair) == sizeof(IdPair));
 static_assert(alignof(hs_id_pair) == alignof(IdPair));
 static_assert(offsetof(hs_id_pair, b) == offsetof(IdPair, b));
 
-QueryOptions ReadQuery(const Call& call, const hs_query_options* options) {
+// `skip` is an option of hs_bvh_query() alone. The others ignore it.
+QueryOptions ReadQuery(const Call& call, const hs_query_options* options,
+                       std::size_t* skip = nullptr) {
   if (options == nullptr) return {};
   const hs_query_options read =
       ReadOptions(call, "options", options, kDefaults);
   QueryOptions query;
   query.mask = read.mask;
-  query.skip = read.skip;
   query.target = ReadTarget(call, "options", read.target);
+  if (skip != nullptr) *skip = read.skip;
   return query;
 }
 
@@ -137,6 +139,29 @@ class Probe {
   bool is_stopped_ = false;
 };
 
+// For a box that is inverted, the library finds any objects. Points are boxes
+// that are not.
+void CheckBoxes(const Call& call, const float* rows, std::size_t begin,
+                std::size_t count, std::size_t dims) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float* const min = rows + i * 2 * dims;
+    const float* const max = min + dims;
+    bool is_empty = true;
+    std::size_t wrong = dims;
+    for (std::size_t k = 0; k < dims; ++k) {
+      is_empty &= min[k] == INFINITY && max[k] == -INFINITY;
+      if (min[k] > max[k]) wrong = k;
+    }
+    if (wrong == dims || is_empty) continue;
+    call.Fail(
+        HS_INVALID_ARGUMENT,
+        "boxes: expected minima that are not above the maxima, got %g and "
+        "%g on axis %zu of box %zu",
+        static_cast<double>(min[wrong]), static_cast<double>(max[wrong]), wrong,
+        begin + i);
+  }
+}
+
 // Writes row after row of the nearest objects. `values` has the corners.
 void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
              const Values& values, std::size_t k, float max_distance,
@@ -155,6 +180,7 @@ void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
   if (distances != nullptr) call.CheckPointer("distances", distances);
   ForEachRows(columns, values,
               [&](const float* rows, std::size_t begin, std::size_t count) {
+                CheckBoxes(call, rows, begin, count, values.minima);
                 detail::BvhNearestOfEach(
                     bvh->tree, {rows, values.minima, values.count, count}, k,
                     max_distance, {ids + begin * k, count * k},
@@ -214,8 +240,7 @@ detail::PairSources SourcesOf(const Call& call, const hs_bvh* a,
               "expected BVHs of boxes or octahedra, got simplices, which have "
               "no planes that face each other");
   }
-  if (b != nullptr && (b->kind.dims != a->kind.dims ||
-                       b->kind.axes != a->kind.axes || b->kind.is_simplex)) {
+  if (b != nullptr && b->kind != a->kind) {
     call.Fail(HS_INVALID_ARGUMENT,
               "b: expected a BVH of the kind of `a`, got another kind");
   }
@@ -239,7 +264,7 @@ void WritePairs(const Call& call, const hs_bvh* a, const hs_bvh* b,
 void CallForPairs(const Call& call, const hs_bvh* a, const hs_bvh* b,
                   const hs_pair_options* options, hs_pairs_function function,
                   void* context) {
-  call.CheckFunction("function", function);
+  call.CheckPointer("function", function);
   const auto some = [&](Span<const IdPair> pairs) {
     return function(context, reinterpret_cast<const hs_id_pair*>(pairs.data()),
                     pairs.size()) == HS_CONTINUE;
@@ -286,7 +311,8 @@ hs_status hs_bvh_query(const hs_bvh* bvh, const hs_columns* queries,
   return Run("hs_bvh_query", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
     CheckColumns(call, "queries", queries, bvh->queries);
-    QueryOptions query = ReadQuery(call, options);
+    size_t skip = 0;
+    QueryOptions query = ReadQuery(call, options, &skip);
     call.CheckArray("ids", ids, room);
     call.CheckPointer("total", total);
     size_t own_offsets[halfspace::c::kMostRows + 1];
@@ -294,7 +320,7 @@ hs_status hs_bvh_query(const hs_bvh* bvh, const hs_columns* queries,
       call.CheckPointer("offsets", offsets);
       offsets[0] = 0;
     }
-    Results<uint32_t> results(ids, room, query.skip);
+    Results<uint32_t> results(ids, room, skip);
     ForEachRows(*queries, bvh->queries,
                 [&](const float* rows, size_t begin, size_t count) {
                   query.skip = results.skip();
@@ -361,7 +387,7 @@ hs_status hs_bvh_probe(const hs_bvh* bvh, const hs_columns* queries,
     call.CheckPointer("bvh", bvh);
     CheckColumns(call, "queries", queries, bvh->queries);
     const QueryOptions query = ReadQuery(call, options);
-    call.CheckFunction("function", function);
+    call.CheckPointer("function", function);
     halfspace::c::Probe probe{bvh, query, function, context};
     ForEachRows(*queries, bvh->queries,
                 [&](const float* rows, size_t begin, size_t count) {
@@ -430,7 +456,7 @@ hs_status hs_bvh_raycast_each(const hs_bvh* bvh, const hs_columns* rays,
                               float radius, const hs_query_options* options,
                               hs_hit_function function, void* context) {
   return Run("hs_bvh_raycast_each", [&](const Call& call) {
-    call.CheckFunction("function", function);
+    call.CheckPointer("function", function);
     size_t ray = 0;
     const auto begin = [&](size_t i) { ray = i; };
     auto hit = [&](uint32_t id, float t) {

@@ -8,6 +8,7 @@
 #include <new>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 
 #include "halfspace/version.h"
 
@@ -64,7 +65,31 @@ void Call::FailTooMany(const char* argument, std::size_t count) const {
        argument, count);
 }
 
-hs_status StatusOfException(const Call& call, hs_status of_invalid) noexcept {
+namespace {
+
+constexpr std::string_view kPrefix = "halfspace: ";
+constexpr std::string_view kAllocator = "MemoryResource::allocate: ";
+
+}  // namespace
+
+const char* TextOf(const std::invalid_argument& error) {
+  const std::string_view what = error.what();
+  // A handler could throw another message.
+  if (what.substr(0, kPrefix.size()) != kPrefix) return what.data();
+  const std::string_view text = what.substr(kPrefix.size());
+  const std::size_t end = text.find(": ");
+  const bool has_function =
+      end != text.npos && text.substr(0, end).find(' ') == text.npos;
+  return text.data() + (has_function ? end + 2 : 0);
+}
+
+bool IsOfAllocator(const std::invalid_argument& error) {
+  const std::string_view what = error.what();
+  return what.substr(0, kPrefix.size()) == kPrefix &&
+         what.substr(kPrefix.size(), kAllocator.size()) == kAllocator;
+}
+
+hs_status StatusOfException(const Call& call) noexcept {
   try {
     throw;
   } catch (const Failure& failure) {
@@ -76,13 +101,10 @@ hs_status StatusOfException(const Call& call, hs_status of_invalid) noexcept {
     SetMessage(call, "expected sizes that fit the address space, got more");
     return HS_OUT_OF_MEMORY;
   } catch (const std::invalid_argument& error) {
-    constexpr char kPrefix[] = "halfspace: ";
-    const char* text = error.what();
-    if (std::strncmp(text, kPrefix, sizeof(kPrefix) - 1) == 0) {
-      text += sizeof(kPrefix) - 1;
-    }
-    SetMessage(call, "%s", text);
-    return of_invalid;
+    SetMessage(call, "%s%s",
+               IsOfAllocator(error) ? "config->allocator.allocate: " : "",
+               TextOf(error));
+    return HS_INVALID_ARGUMENT;
   } catch (const std::exception& error) {
     SetMessage(call, "an exception ended the call: %s", error.what());
     return HS_INTERNAL;
@@ -104,6 +126,12 @@ void ReadStruct(const Call& call, const char* argument, const void* given,
               "..._default() sets it, got %zu",
               argument, argument, given_size);
   }
+  if (given_size % 4 != 0) {
+    call.Fail(HS_INVALID_ARGUMENT,
+              "%s->struct_size: expected a multiple of 4, as the function "
+              "..._default() sets it, got %zu",
+              argument, given_size);
+  }
   const auto* const bytes = static_cast<const unsigned char*>(given);
   for (std::size_t i = size; i < given_size; ++i) {
     if (bytes[i] == 0) continue;
@@ -124,7 +152,8 @@ hs_status WriteDefaults(const char* name, const void* defaults,
       call.Fail(HS_INVALID_ARGUMENT,
                 "the struct: expected a pointer, got null");
     }
-    if (struct_size < sizeof(std::size_t) || struct_size > kLargestStruct) {
+    if (struct_size < sizeof(std::size_t) || struct_size > kLargestStruct ||
+        struct_size % 4 != 0) {
       call.Fail(HS_INVALID_ARGUMENT,
                 "struct_size: expected the sizeof of the struct, got %zu",
                 struct_size);

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <new>
+#include <stdexcept>
+#include <type_traits>
 #include <utility>
 
 #include "halfspace/c/halfspace.h"
@@ -33,7 +35,7 @@ class Call {
 
   // Fails if the pointer is null, or is not aligned for its type.
   template <typename T>
-  void CheckPointer(const char* argument, const T* pointer) const {
+  void CheckPointer(const char* argument, T* pointer) const {
     if (pointer == nullptr) FailNull(argument);
     if constexpr (!std::is_function_v<T>) {
       if (reinterpret_cast<std::uintptr_t>(pointer) % alignof(T) != 0) {
@@ -49,10 +51,6 @@ class Call {
     CheckPointer(argument, array);
     if (count > PTRDIFF_MAX / sizeof(T)) FailTooMany(argument, count);
   }
-  template <typename T>
-  void CheckFunction(const char* argument, T* function) const {
-    if (function == nullptr) FailNull(argument);
-  }
 
  private:
   [[noreturn, gnu::cold]] void FailNull(const char* argument) const;
@@ -64,25 +62,32 @@ class Call {
   const char* name_;
 };
 
+// The message of a violated precondition of the C++ library, without the name
+// of the C++ function.
+const char* TextOf(const std::invalid_argument& error);
+// Whether an allocator returned memory that is not aligned.
+bool IsOfAllocator(const std::invalid_argument& error);
+
 // The status of the exception that is being handled, and its message.
-// `of_invalid` is the status of a violated precondition of the C++ library.
-hs_status StatusOfException(const Call& call, hs_status of_invalid) noexcept;
+hs_status StatusOfException(const Call& call) noexcept;
 
 // Runs body(call), and returns how it ended.
 template <typename Body>
-hs_status Run(const char* name, const Body& body,
-              hs_status of_invalid = HS_INVALID_ARGUMENT) noexcept {
+hs_status Run(const char* name, const Body& body) noexcept {
   const Call call(name);
   try {
     body(call);
     return HS_OK;
   } catch (...) {
-    return StatusOfException(call, of_invalid);
+    return StatusOfException(call);
   }
 }
 
 // Copies the fields that the caller's struct has over those of `options`, which
-// has the defaults. Each struct begins with its size.
+// has the defaults. Each struct begins with its size. A struct of another
+// version ends between two fields: so a field that is added must not be placed
+// in the padding at the end of the struct, and its size must be a multiple
+// of 4.
 void ReadStruct(const Call& call, const char* argument, const void* given,
                 void* options, std::size_t size);
 hs_status WriteDefaults(const char* name, const void* defaults,

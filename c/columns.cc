@@ -6,23 +6,28 @@
 
 namespace halfspace::c {
 
-Kind KindOf(const Call& call, hs_kind kind) {
-  switch (kind) {
-    case HS_BOX2:
-      return {2, 2, false};
-    case HS_BOX3:
-      return {3, 3, false};
-    case HS_OCTAHEDRON2:
-      return {2, 3, false};
-    case HS_OCTAHEDRON3:
-      return {3, 4, false};
-    case HS_SIMPLEX2:
-      return {2, 3, true};
-    case HS_SIMPLEX3:
-      return {3, 4, true};
-  }
+namespace {
+
+// Kind i + 1 is element i.
+constexpr std::array<Kind, 6> kKinds = {{{2, 2, false},
+                                         {3, 3, false},
+                                         {2, 3, false},
+                                         {3, 4, false},
+                                         {2, 3, true},
+                                         {3, 4, true}}};
+static_assert(HS_BOX2 == 1 && HS_SIMPLEX3 == kKinds.size());
+
+const Kind* FindKind(hs_kind kind) {
+  const auto i = static_cast<std::size_t>(kind) - 1;
+  return i < kKinds.size() ? &kKinds[i] : nullptr;
+}
+
+}  // namespace
+
+Kind KindOf(const Call& call, const char* argument, hs_kind kind) {
+  if (const Kind* const found = FindKind(kind)) return *found;
   call.Fail(HS_INVALID_ARGUMENT,
-            "kind: expected an enumerator of hs_kind, got %d",
+            "%s: expected an enumerator of hs_kind, got %d", argument,
             static_cast<int>(kind));
 }
 
@@ -110,6 +115,14 @@ void CheckColumns(const Call& call, const char* argument,
   CheckColumns(call, argument, columns, values.column[0], values.count);
 }
 
+void CheckObjects(const Call& call, std::size_t count) {
+  // Ids are 32 bits, and the library needs one of them.
+  constexpr std::size_t kMostObjects = (std::size_t{1} << 31) - 1;
+  if (count <= kMostObjects) return;
+  call.Fail(HS_INVALID_ARGUMENT,
+            "objects: expected fewer than 2^31 objects in all, got %zu", count);
+}
+
 const float* RowsInPlace(const hs_columns& columns, const Values& values) {
   if (columns.type != HS_FLOAT32 || columns.count == 0) return nullptr;
   if (columns.count > 1 && columns.stride != values.count) return nullptr;
@@ -153,16 +166,6 @@ AllRows::AllRows(const hs_columns& columns, const Values& values,
 }  // namespace halfspace::c
 
 size_t hs_bound_values(hs_kind kind) {
-  switch (kind) {
-    case HS_BOX2:
-      return 4;
-    case HS_BOX3:
-    case HS_OCTAHEDRON2:
-    case HS_SIMPLEX2:
-      return 6;
-    case HS_OCTAHEDRON3:
-    case HS_SIMPLEX3:
-      return 8;
-  }
-  return 0;
+  const halfspace::c::Kind* const found = halfspace::c::FindKind(kind);
+  return found != nullptr ? found->values() : 0;
 }

@@ -22,11 +22,12 @@ struct Kind {
   std::size_t axes;
   bool is_simplex;
 
+  bool operator==(const Kind&) const = default;
   std::size_t values() const { return 2 * axes; }  // of a record
 };
 
 // Fails unless it is one of the enumerators.
-Kind KindOf(const Call& call, hs_kind kind);
+Kind KindOf(const Call& call, const char* argument, hs_kind kind);
 
 // Which values of a record are read. They become the values of a row: first
 // the minima, which are rounded down, then the others, which are rounded up.
@@ -47,6 +48,9 @@ void CheckColumns(const Call& call, const char* argument,
                   std::size_t count);
 void CheckColumns(const Call& call, const char* argument,
                   const hs_columns* columns, const Values& values);
+
+// Fails if a hierarchy cannot have so many objects, before they are copied.
+void CheckObjects(const Call& call, std::size_t count);
 
 // The rows in the caller's memory, or null if they are stored in another way.
 const float* RowsInPlace(const hs_columns& columns, const Values& values);
@@ -95,7 +99,7 @@ detail::Columns<Scalar> ColumnsOf(const hs_columns& columns,
                                   const Values& values) {
   detail::Columns<Scalar> result{};
   result.size = columns.count;
-  result.stride = columns.stride;
+  result.stride = columns.count > 1 ? columns.stride : 0;
   for (std::size_t v = 0; v < values.count; ++v) {
     result.planes[v] =
         static_cast<const Scalar*>(columns.column[values.column[v]]);

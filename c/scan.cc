@@ -105,7 +105,7 @@ hs_scan* ScanWithBits(const Call& call, const Kind& kind, int bits,
 
 hs_scan* NewScan(const Call& call, const hs_scan_config& config,
                  const hs_columns& objects, const MemoryResource& memory) {
-  const Kind kind = KindOf(call, config.kind);
+  const Kind kind = KindOf(call, "config->kind", config.kind);
   const auto with_bits = [&]<typename View>(const View&) {
     return ScanWithBits<View>(call, kind, config.bits, objects, memory);
   };
@@ -178,7 +178,8 @@ hs_status hs_scan_create(const hs_scan_config* config,
         halfspace::c::ReadConfig(call, config, halfspace::c::kDefaultConfig);
     halfspace::c::CheckColumns(
         call, "objects", objects,
-        halfspace::c::Values::OfObjects(halfspace::c::KindOf(call, read.kind)));
+        halfspace::c::Values::OfObjects(
+            halfspace::c::KindOf(call, "config->kind", read.kind)));
     *scan = halfspace::c::NewScan(
         call, read, *objects,
         halfspace::c::ReadAllocator(call, read.allocator));

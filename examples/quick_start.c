@@ -16,6 +16,8 @@ int main(void) {
   if (hs_bvh_create(&config, &objects, &bvh) != HS_OK ||
       hs_bvh_query(bvh, &queries, NULL, ids, 2, NULL, &total) != HS_OK) {
     fprintf(stderr, "%s\n", hs_last_error());
+    hs_bvh_destroy(bvh);
+    return 1;
   }
   for (size_t i = 0; i < total; ++i)
     printf("object %u may be touched\n", ids[i]);

@@ -95,7 +95,7 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
   }
   std::memcpy(&header, blob.data(), sizeof(header));
   if (!std::equal(std::begin(kBvhMagic), std::end(kBvhMagic), header.magic)) {
-    ThrowCorrupt(is_in_place, "what Bvh::Blob() returned", "another beginning");
+    ThrowCorrupt(is_in_place, "the bytes of a stored BVH", "another beginning");
   }
   CheckVersion(is_in_place, header.version);
   const auto type = [](std::size_t dims, std::size_t axes, bool has_max) {
@@ -131,7 +131,7 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
     ThrowCorrupt(is_in_place,
                  std::to_string(header.bytes) + " bytes, as its header says",
                  std::to_string(blob.size()) +
-                     " bytes or an altered header; store the world again");
+                     " bytes or an altered header; store the BVH again");
   }
   BvhTree loaded(shape_, memory_);
   if (is_in_place && dropped == 0) {
@@ -164,7 +164,7 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
   for (std::size_t l = 0; l < loaded.levels_.count; ++l) {
     if (!IsClosed(loaded.levels_.level[l])) {
       ThrowCorrupt(
-          is_in_place, "what Bvh::Blob() returned",
+          is_in_place, "the bytes of a stored BVH",
           "altered bytes in the unused lanes of level " + std::to_string(l));
     }
   }

@@ -65,7 +65,8 @@
 namespace halfspace {
 
 // The result for a box with min[k] > max[k] for any k. A box with all minima
-// +inf or FLT_MAX and all maxima -inf or -FLT_MAX always becomes Empty().
+// +inf or FLT_MAX and all maxima -inf or -FLT_MAX always becomes Empty(). For
+// doubles it is DBL_MAX.
 enum class Inverted : std::uint8_t {
   kEverything,  // such a box is a mistake: Everything(), and counted
   kEmpty,       // such a box contains no point: Empty(), and not counted

@@ -127,7 +127,7 @@ def test_other_bytes(tree, tmp_path):
         hs.BVH.from_blob("text")
     other = data.copy()
     other[0] ^= 1
-    with pytest.raises(ValueError, match="expected what Bvh::Blob"):
+    with pytest.raises(ValueError, match="expected the bytes of a stored BVH"):
         hs.BVH.from_blob(other)
     other = data.copy()
     other[8] += 1

@@ -190,9 +190,81 @@ static void test_double_maxima(void) {
   hs_bvh_destroy(bvh);
 }
 
+typedef struct answers {
+  size_t counts[QUERIES];
+  uint32_t any[QUERIES];
+  uint32_t nearest_to_points[QUERIES];
+  uint32_t nearest_to_boxes[QUERIES];
+  uint32_t hits[QUERIES];
+  size_t probed;
+  size_t touched;
+} answers;
+
+static hs_visit add_ids(void* context, size_t query, const uint32_t* ids,
+                        size_t count) {
+  size_t i;
+  for (i = 0; i < count; ++i) {
+    CHECK(ids[i] < OBJECTS);
+    if (ids[i] >= OBJECTS) return HS_STOP;
+    ((answers*)context)->probed += (query + 1) * (ids[i] + 1);
+  }
+  return HS_CONTINUE;
+}
+static float add_hit(void* context, size_t ray, uint32_t id, float t) {
+  (void)t;
+  ((answers*)context)->touched += (ray + 1) * (id + 1);
+  return INFINITY;
+}
+
+static void get_answers(const hs_bvh* bvh, const hs_query_options* options,
+                        answers* to) {
+  const hs_columns asked = hs_float_rows(queries, QUERIES, 4);
+  const hs_columns points = hs_float_rows(queries, QUERIES, 2);
+  static float rays[QUERIES * 5];
+  const hs_columns columns = hs_float_rows(rays, QUERIES, 5);
+  size_t q;
+  for (q = 0; q < QUERIES; ++q) {
+    memcpy(rays + 5 * q, queries + 4 * q, 2 * sizeof(float));
+    rays[5 * q + 2] = rays[5 * q + 3] = rays[5 * q + 4] = 1;
+  }
+  memset(to, 0, sizeof(*to));
+  CHECK_OK(hs_bvh_count(bvh, &asked, options, to->counts));
+  CHECK_OK(hs_bvh_any(bvh, &asked, options, to->any));
+  CHECK_OK(hs_bvh_probe(bvh, &asked, options, add_ids, to));
+  CHECK_OK(hs_bvh_nearest_to_points(bvh, &points, 1, 1, options,
+                                    to->nearest_to_points, NULL));
+  CHECK_OK(hs_bvh_nearest_to_boxes(bvh, &asked, 1, 1, options,
+                                   to->nearest_to_boxes, NULL));
+  CHECK_OK(hs_bvh_raycast(bvh, &columns, 0, options, to->hits, NULL));
+  CHECK_OK(hs_bvh_raycast_each(bvh, &columns, 0, options, add_hit, to));
+}
+
+// hs_bvh_query() alone skips results.
+static void test_skip_elsewhere(void) {
+  static answers all;
+  static answers skipped;
+  const size_t skips[] = {1, 100, SIZE_MAX};
+  hs_query_options options;
+  hs_bvh* bvh;
+  size_t i;
+  random_bounds(HS_BOX2, OBJECTS, 0.05f, 15, objects);
+  random_bounds(HS_BOX2, QUERIES, 0.05f, 16, queries);
+  bvh = bvh_of(HS_BOX2, objects, OBJECTS);
+  CHECK_OK(hs_query_options_default(&options, sizeof(options)));
+  get_answers(bvh, &options, &all);
+  CHECK(all.probed > 0 && all.touched > 0);
+  for (i = 0; i < sizeof(skips) / sizeof(skips[0]); ++i) {
+    options.skip = skips[i];
+    get_answers(bvh, &options, &skipped);
+    CHECK(memcmp(&all, &skipped, sizeof(all)) == 0);
+  }
+  hs_bvh_destroy(bvh);
+}
+
 void test_queries(void) {
-  test_double_maxima();
   int kind;
+  test_double_maxima();
+  test_skip_elsewhere();
   for (kind = 0; kind < KINDS; ++kind) test_kind(kind_of(kind));
   test_double_columns();
 }

@@ -33,6 +33,51 @@ static void run_backwards(void* context, size_t count, hs_part_function part,
   for (i = count; i > its->left_out; --i) part(of_part, i - 1);
 }
 
+// Calls the parts with numbers of other parts, or of none.
+static void run_one_number(void* context, size_t count, hs_part_function part,
+                           void* of_part) {
+  size_t i;
+  for (i = 0; i < count; ++i) part(of_part, *(const size_t*)context);
+}
+static void run_too_often(void* context, size_t count, hs_part_function part,
+                          void* of_part) {
+  size_t i;
+  (void)context;
+  for (i = 0; i < count + 3; ++i) part(of_part, i);
+}
+
+// Each part runs once, whatever the caller's function passes.
+static void test_wrong_numbers(void) {
+  const size_t numbers[] = {0, 1, SIZE_MAX};
+  hs_bvh_config config = bvh_config_of(HS_BOX3);
+  const hs_columns columns = hs_float_rows(objects, OBJECTS, 6);
+  hs_bvh* right = NULL;
+  hs_bvh* bvh = NULL;
+  const void* a = NULL;
+  const void* b = NULL;
+  size_t a_size = 0;
+  size_t b_size = 0;
+  size_t i;
+  random_bounds(HS_BOX3, OBJECTS, 0.05f, 17, objects);
+  CHECK_OK(hs_bvh_create(&config, &columns, &right));
+  CHECK_OK(hs_bvh_blob(right, &a, &a_size));
+  config.run = run_one_number;
+  for (i = 0; i < sizeof(numbers) / sizeof(numbers[0]); ++i) {
+    config.run_context = (void*)&numbers[i];
+    CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
+    CHECK_OK(hs_bvh_blob(bvh, &b, &b_size));
+    CHECK(a_size == b_size && memcmp(a, b, a_size) == 0);
+    hs_bvh_destroy(bvh);
+    bvh = NULL;
+  }
+  config.run = run_too_often;
+  CHECK(hs_bvh_create(&config, &columns, &bvh) == HS_INVALID_ARGUMENT);
+  CHECK(strstr(hs_last_error(), "hs_bvh_create: config->run: expected ") ==
+        hs_last_error());
+  CHECK(bvh == NULL);
+  hs_bvh_destroy(right);
+}
+
 // The same objects at once and in batches, of floats and of doubles, have the
 // same bytes.
 static void test_batches(hs_kind kind) {
@@ -148,7 +193,7 @@ static void test_ids(void) {
   CHECK_OK(hs_bvh_id_limit(bvh, &size));
   CHECK(size == 2);
   columns = hs_float_rows(near_boxes, 2, 6);
-  CHECK_OK(hs_bvh_refit(bvh, &columns, NULL));
+  CHECK_OK(hs_bvh_refit(bvh, &columns, NULL, NULL));
   CHECK(count_of(bvh, around_0, ~0u) == 1);
   CHECK_OK(hs_bvh_cost_ratio(bvh, &ratio));
   CHECK(ratio == 1);
@@ -177,10 +222,17 @@ static void test_work_of_changes(void) {
   columns = hs_double_rows(doubles, OBJECTS, values);
   config.run = run_backwards;
   config.run_context = &threads;
-  CHECK_OK(hs_bvh_refit(bvh, &columns, &config));
+  CHECK_OK(hs_bvh_refit(bvh, &columns, run_backwards, &threads));
   CHECK(threads.parts > threads.calls && threads.calls > 0);
   CHECK_OK(hs_bvh_cost_ratio(bvh, &ratio));
   CHECK(ratio > 10);
+  threads.left_out = 1;
+  CHECK(hs_bvh_refit(bvh, &columns, run_backwards, &threads) ==
+        HS_INVALID_ARGUMENT);
+  CHECK(strstr(hs_last_error(), "hs_bvh_refit: run: expected ") ==
+        hs_last_error());
+  threads.left_out = 0;
+  CHECK_OK(hs_bvh_refit(bvh, &columns, run_backwards, &threads));
   threads.calls = 0;
   CHECK_OK(hs_bvh_rebuild(bvh, &config));
   CHECK(threads.calls > 0);
@@ -214,6 +266,7 @@ static void test_simplex_records(void) {
 void test_changes(void) {
   int kind;
   for (kind = 0; kind < KINDS; ++kind) test_batches(kind_of(kind));
+  test_wrong_numbers();
   test_ids();
   test_work_of_changes();
   test_simplex_records();

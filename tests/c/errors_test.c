@@ -5,6 +5,46 @@
 
 static const float kBoxes[] = {0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3};
 
+// Programs that were compiled with an older header pass these structs.
+#if UINTPTR_MAX == UINT64_MAX
+#define CHECK_OFFSET(type, field, offset) \
+  _Static_assert(offsetof(type, field) == (offset), #type)
+CHECK_OFFSET(hs_allocator, allocate, 0);
+CHECK_OFFSET(hs_allocator, deallocate, 8);
+CHECK_OFFSET(hs_allocator, context, 16);
+CHECK_OFFSET(hs_columns, type, 0);
+CHECK_OFFSET(hs_columns, count, 8);
+CHECK_OFFSET(hs_columns, stride, 16);
+CHECK_OFFSET(hs_columns, column, 24);
+_Static_assert(sizeof(hs_columns) == 96, "hs_columns");
+CHECK_OFFSET(hs_bound_options, tightest, 8);
+CHECK_OFFSET(hs_bound_options, empty_if_inverted, 12);
+CHECK_OFFSET(hs_bound_options, target, 16);
+CHECK_OFFSET(hs_scan_config, kind, 8);
+CHECK_OFFSET(hs_scan_config, bits, 12);
+CHECK_OFFSET(hs_scan_config, allocator, 16);
+CHECK_OFFSET(hs_scan_options, begin, 8);
+CHECK_OFFSET(hs_scan_options, end, 16);
+CHECK_OFFSET(hs_scan_options, skip, 24);
+CHECK_OFFSET(hs_scan_options, target, 32);
+CHECK_OFFSET(hs_bvh_config, kind, 8);
+CHECK_OFFSET(hs_bvh_config, quality, 12);
+CHECK_OFFSET(hs_bvh_config, target, 16);
+CHECK_OFFSET(hs_bvh_config, run, 24);
+CHECK_OFFSET(hs_bvh_config, run_context, 32);
+CHECK_OFFSET(hs_bvh_config, allocator, 40);
+CHECK_OFFSET(hs_query_options, mask, 8);
+CHECK_OFFSET(hs_query_options, skip, 16);
+CHECK_OFFSET(hs_query_options, target, 24);
+CHECK_OFFSET(hs_id_pair, b, 4);
+CHECK_OFFSET(hs_pair_options, mask, 8);
+CHECK_OFFSET(hs_pair_options, margin, 12);
+CHECK_OFFSET(hs_pair_options, skip, 16);
+CHECK_OFFSET(hs_pair_options, begin, 24);
+CHECK_OFFSET(hs_pair_options, end, 32);
+CHECK_OFFSET(hs_pair_options, target, 40);
+#endif
+
 static void test_structs(void) {
   struct {
     hs_query_options known;
@@ -46,6 +86,10 @@ static void test_structs(void) {
   CHECK_INVALID(hs_bvh_query(bvh, &columns, &options, ids, 2, NULL, &total),
                 "hs_bvh_query: options->struct_size: expected sizeof *options, "
                 "as the function ..._default() sets it, got 0");
+  options.struct_size = sizeof(options) - 1;
+  CHECK_INVALID(hs_bvh_query(bvh, &columns, &options, ids, 2, NULL, &total),
+                "hs_bvh_query: options->struct_size: expected a multiple of 4, "
+                "as the function ..._default() sets it, got 31");
   CHECK_INVALID(hs_bvh_config_default(NULL, sizeof(config)),
                 "hs_bvh_config_default: the struct: expected a pointer, got "
                 "null");
@@ -58,6 +102,7 @@ static void test_structs(void) {
 static void test_columns(void) {
   const hs_bvh_config config = bvh_config_of(HS_BOX3);
   hs_columns columns = hs_float_rows(kBoxes, 2, 6);
+  hs_builder* builder = NULL;
   hs_bvh* bvh = NULL;
   size_t size = 0;
   CHECK_INVALID(hs_bvh_create(&config, NULL, &bvh),
@@ -91,7 +136,21 @@ static void test_columns(void) {
   // So many fit the address space, if all are one record.
   columns.count = (size_t)1 << 31;
   CHECK(hs_bvh_create(&config, &columns, &bvh) == HS_INVALID_ARGUMENT);
+  CHECK_INVALID(hs_bvh_create(&config, &columns, &bvh),
+                "hs_bvh_create: objects: expected fewer than 2^31 objects in "
+                "all, got 2147483648");
   CHECK(bvh == NULL);
+  // No copy is made first.
+  CHECK_OK(hs_builder_create(&config, &builder));
+  CHECK_INVALID(hs_builder_push(builder, &columns),
+                "hs_builder_push: objects: expected fewer than 2^31 objects in "
+                "all, got 2147483648");
+  hs_builder_destroy(builder);
+  // The stride of one record is not used.
+  columns.count = 1;
+  columns.stride = SIZE_MAX;
+  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
+  hs_bvh_destroy(bvh);
 }
 
 static void test_configurations(void) {
@@ -103,9 +162,10 @@ static void test_configurations(void) {
   hs_scan* scan = NULL;
   float bounds[8];
   CHECK(hs_bound_values((hs_kind)7) == 0);
-  CHECK_INVALID(hs_bvh_create(&config, &columns, &bvh),
-                "hs_bvh_create: kind: expected an enumerator of hs_kind, got "
-                "0");
+  CHECK_INVALID(
+      hs_bvh_create(&config, &columns, &bvh),
+      "hs_bvh_create: config->kind: expected an enumerator of hs_kind, got "
+      "0");
   CHECK_INVALID(hs_bound_boxes((hs_kind)-1, &columns, NULL, bounds, NULL),
                 "hs_bound_boxes: kind: expected an enumerator of hs_kind, got "
                 "-1");
@@ -167,6 +227,10 @@ static void test_handles_and_outputs(void) {
   const hs_columns columns = hs_float_rows(kBoxes, 2, 6);
   const hs_columns one = hs_float_rows(kBoxes, 1, 6);
   float ray[] = {0, 0, 0, 1, 0, 0, -1};
+  const float inverted[] = {INFINITY,  INFINITY,  INFINITY, -INFINITY,
+                            -INFINITY, -INFINITY, NAN,      2,
+                            0,         0,         1,        0};
+  const hs_columns inverted_boxes = hs_float_rows(inverted, 2, 6);
   const double double_ray[] = {0, 0, 0, 1, 0, 0, 1};
   hs_columns rays = hs_float_rows(ray, 1, 7);
   hs_bound_options bound_options;
@@ -206,7 +270,7 @@ static void test_handles_and_outputs(void) {
                 "hs_bvh_set: ids[1]: expected the id of an object, got 7");
   CHECK_OK(hs_bvh_size(bvh, &total));
   CHECK(total == 2);
-  CHECK_INVALID(hs_bvh_refit(bvh, &one, NULL),
+  CHECK_INVALID(hs_bvh_refit(bvh, &one, NULL, NULL),
                 "hs_bvh_refit: objects->count: expected at least "
                 "hs_bvh_id_limit(), 2, got 1");
   CHECK_INVALID(
@@ -217,6 +281,14 @@ static void test_handles_and_outputs(void) {
       hs_bvh_nearest_to_boxes(bvh, &columns, SIZE_MAX, 1, NULL, ids, NULL),
       "hs_bvh_nearest_to_boxes: k: expected rows that fit the address space, "
       "got 18446744073709551615 for each of 2 queries");
+  CHECK_INVALID(
+      hs_bvh_nearest_to_boxes(bvh, &inverted_boxes, 1, 1, NULL, ids, NULL),
+      "hs_bvh_nearest_to_boxes: boxes: expected minima that are not above the "
+      "maxima, got 2 and 1 on axis 1 of box 1");
+  CHECK_INVALID(hs_bound_boxes(HS_BOX3, &columns, NULL, bounds,
+                               (size_t*)(void*)((char*)&total + 1)),
+                "hs_bound_boxes: everything: expected memory aligned to 8 "
+                "bytes, got a misaligned pointer");
   CHECK_INVALID(hs_bvh_raycast(bvh, &rays, 0, NULL, ids, NULL),
                 "hs_bvh_raycast: rays->column[6]: expected limits of t that "
                 "are not negative, got -1 of ray 0");

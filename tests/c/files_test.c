@@ -6,6 +6,7 @@
 
 #if defined(__unix__) || defined(__APPLE__)
 #include <dirent.h>
+#include <pthread.h>
 #include <sys/stat.h>
 #define HAS_POSIX
 #endif
@@ -68,19 +69,23 @@ static void test_bad_files(const void* blob, size_t size) {
   size_t i;
   memcpy(altered, blob, size);
   write_file(blob, size);
-  check_refused(&other, "blob: expected bounds of 2 dimensions, 3 axes");
+  check_refused(&other, ": path: expected bounds of 2 dimensions, 3 axes");
   for (i = 0; i < sizeof(cuts) / sizeof(cuts[0]); ++i) {
     write_file(blob, cuts[i]);
-    check_refused(&config, "blob: expected ");
+    check_refused(&config, ": path: expected ");
     CHECK(hs_bvh_from_blob(&config, blob, cuts[i], &bvh) == HS_CORRUPT);
   }
   write_file("", 0);
   check_refused(&config, "path: expected a stored BVH, got the empty file");
+  CHECK_FAILS(hs_bvh_from_blob(&config, "x", 1, &bvh), HS_CORRUPT,
+              "hs_bvh_from_blob: data: expected a header of 64 bytes, got 1");
   write_file(
       "a text of more than 64 bytes, which is no hierarchy, but was "
       "given as one",
       72);
-  check_refused(&config, "another beginning");
+  check_refused(&config,
+                ": path: expected the bytes of a stored BVH, got another "
+                "beginning");
 
   // One byte in the body: found by the checksum. A map has not read it yet.
   altered[size / 2] ^= 1;
@@ -200,9 +205,51 @@ static void test_paths(const hs_bvh* bvh) {
   CHECK(hs_bvh_load(&config, "c_test_folder", &none) == HS_IO_ERROR);
   CHECK(hs_bvh_map(&config, "c_test_folder", &none) == HS_IO_ERROR);
   (void)remove("c_test_folder");
+  // Neither waits for a writer.
+  CHECK(mkfifo("c_test_fifo", 0600) == 0);
+  CHECK_FAILS(hs_bvh_load(&config, "c_test_fifo", &none), HS_IO_ERROR,
+              "hs_bvh_load: path: \"c_test_fifo\" cannot be read: No such "
+              "device");
+  CHECK_FAILS(hs_bvh_map(&config, "c_test_fifo", &none), HS_IO_ERROR,
+              "hs_bvh_map: path: \"c_test_fifo\" cannot be read: No such "
+              "device");
+  (void)remove("c_test_fifo");
+  {
+    // The longest name of a file that is common, and a shorter name of the new
+    // file next to it.
+    char name[256] = "c_test_";
+    memset(name + 7, 'n', 235);
+    CHECK_OK(hs_bvh_save(bvh, name));
+    (void)remove(name);
+  }
 #endif
   CHECK(none == NULL);
 }
+
+#if defined(HAS_POSIX)
+// A thread that has been canceled ends behind the calls, not in them.
+static int has_returned = 0;
+static void* use_files(void* bvh) {
+  const hs_bvh_config config = bvh_config_of(HS_BOX3);
+  hs_bvh* copy = NULL;
+  CHECK(pthread_cancel(pthread_self()) == 0);
+  CHECK_OK(hs_bvh_save(bvh, kPath));
+  CHECK_OK(hs_bvh_load(&config, kPath, &copy));
+  hs_bvh_destroy(copy);
+  CHECK_OK(hs_bvh_map(&config, kPath, &copy));
+  hs_bvh_destroy(copy);
+  has_returned = 1;
+  pthread_testcancel();
+  return NULL;
+}
+static void test_canceled(hs_bvh* bvh) {
+  pthread_t thread;
+  void* result = NULL;
+  CHECK(pthread_create(&thread, NULL, use_files, bvh) == 0);
+  CHECK(pthread_join(thread, &result) == 0);
+  CHECK(has_returned && result == PTHREAD_CANCELED);
+}
+#endif
 
 void test_files(void) {
   const hs_bvh_config config = bvh_config_of(HS_BOX3);
@@ -218,6 +265,9 @@ void test_files(void) {
   test_bad_files(blob, size);
   test_no_objects();
   test_paths(bvh);
+#if defined(HAS_POSIX)
+  test_canceled(bvh);
+#endif
   hs_bvh_destroy(bvh);
   (void)remove(kPath);
   CHECK(count_remains() == remains);

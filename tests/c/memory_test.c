@@ -119,7 +119,7 @@ static void use_bvh(hs_kind kind, memory* its) {
   if (has_done(its, hs_bvh_erase(bvh, ids, 100))) size -= 100;
   CHECK(size_of(bvh) == size);
   columns = hs_double_rows(doubles, OBJECTS, values);
-  (void)has_done(its, hs_bvh_refit(bvh, &columns, NULL));
+  (void)has_done(its, hs_bvh_refit(bvh, &columns, NULL, NULL));
   (void)has_done(its, hs_bvh_rebuild(bvh, NULL));
   CHECK(size_of(bvh) == size);
   {
@@ -142,6 +142,43 @@ static void use_bvh(hs_kind kind, memory* its) {
       CHECK(size_of(copy) == size);
       hs_bvh_destroy(copy);
     }
+  }
+  hs_bvh_destroy(bvh);
+}
+
+// A wrong allocator is no wrong file.
+static void* allocate_misaligned(void* context, size_t bytes,
+                                 size_t alignment) {
+  char* const block = allocate(context, bytes + alignment, alignment);
+  return block == NULL || ((memory*)context)->left > 0 ? block : block + 4;
+}
+static void deallocate_misaligned(void* context, void* block, size_t bytes,
+                                  size_t alignment) {
+  deallocate(context, (char*)block - (uintptr_t)block % alignment,
+             bytes + alignment, alignment);
+}
+static void test_misaligned(void) {
+  hs_bvh_config config = bvh_config_of(HS_BOX3);
+  const hs_columns columns = hs_float_rows(objects, 10, 6);
+  const void* blob = NULL;
+  size_t size = 0;
+  hs_bvh* bvh = NULL;
+  hs_bvh* copy = NULL;
+  memory its = {0, 0, 0, 0};
+  size_t left;
+  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
+  CHECK_OK(hs_bvh_blob(bvh, &blob, &size));
+  config.allocator = allocator_of(&its);
+  config.allocator.allocate = allocate_misaligned;
+  config.allocator.deallocate = deallocate_misaligned;
+  // The first allocation, and one while the bytes are loaded.
+  for (left = 1; left <= 2; ++left) {
+    its.left = left;
+    CHECK_INVALID(hs_bvh_from_blob(&config, blob, size, &copy),
+                  "hs_bvh_from_blob: config->allocator.allocate: the result: "
+                  "expected memory aligned to 64 bytes, got a misaligned "
+                  "block");
+    CHECK(copy == NULL && its.live == 0 && its.bytes == 0);
   }
   hs_bvh_destroy(bvh);
 }
@@ -171,4 +208,5 @@ void test_memory(void) {
     }
   }
   (void)remove("c_test_memory.bvh");
+  test_misaligned();
 }

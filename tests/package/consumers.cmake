@@ -122,15 +122,15 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND
    CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
   set(more refuse_more)
 endif()
-set(c_header "")
+set(c without_c)
 if(HALFSPACE_C)
-  set(c_header "${PROJECT_SOURCE_DIR}/include/halfspace/c/halfspace.h")
+  set(c with_c)
 endif()
 function(add_symbols_test name list)
   add_test(NAME ${name}
     COMMAND sh "${CMAKE_CURRENT_SOURCE_DIR}/check_symbols.sh" "${CMAKE_NM}"
             "${HALFSPACE_CXXFILT}" "${CMAKE_READELF}" "${shared_library}" "${list}"
-            ${more} ${c_header})
+            ${more} ${c})
 endfunction()
 add_symbols_test(package.shared.symbols "${CMAKE_CURRENT_SOURCE_DIR}/symbols.txt")
 # The check must notice a symbol that is gone, and one that is new.

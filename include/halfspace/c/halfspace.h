@@ -15,8 +15,10 @@
 //   hs_columns queries = hs_float_rows(query, 1, 6);
 //   uint32_t ids[8];
 //   size_t total;
-//   hs_bvh_query(bvh, &queries, NULL, ids, 8, NULL, &total);
+//   hs_status status =
+//       hs_bvh_query(bvh, &queries, NULL, ids, 8, NULL, &total);
 //   hs_bvh_destroy(bvh);
+//   if (status != HS_OK) return 1;
 //
 // A query returns all objects whose bounds it could touch: an object is left
 // out only if a plane separates the two bounds. Bounds that only touch survive,
@@ -30,6 +32,10 @@
 // hs_last_error() has the message. A function that fails changes no object and
 // stores no handle, except where it says so. Output arrays can then have been
 // written in part. No C++ exception leaves a function.
+//
+// Callbacks, the functions of an allocator and `run` must return. They must not
+// leave a call by longjmp() or pthread_exit(), and the thread must not be
+// canceled in them. The functions of files are no cancellation points.
 //
 // Pointers must not be null, except where a function says so. An array may be
 // null if the call reads or writes no element of it. Arrays must be aligned for
@@ -72,22 +78,21 @@ extern "C" {
 // library calls it for the errors that it finds below this interface. If the
 // handler throws, the call returns a status as for any exception. If a callback
 // or an allocator throws, the call ends and returns HS_INTERNAL, or
-// HS_OUT_OF_MEMORY for std::bad_alloc. A callback must not leave a call by
-// longjmp.
+// HS_OUT_OF_MEMORY for std::bad_alloc.
 typedef enum hs_status HALFSPACE_INT {
   HS_OK = 0,
   HS_INVALID_ARGUMENT = 1,  // an argument violates what the function requires
   HS_OUT_OF_MEMORY = 2,     // an allocation failed
   HS_IO_ERROR = 3,          // a file cannot be read or written
-  HS_CORRUPT = 4,           // a file or blob is none, was altered, or has
-                            // another kind of bounds
+  HS_CORRUPT = 4,           // a file or blob contains no BVH, was altered, or
+                            // has another kind of bounds
   HS_UNSUPPORTED = 5,       // not available on this system
   HS_INTERNAL = 6           // an exception of a callback, or an error of the
                             // library
 } hs_status;
 
 // Returns the version of the library, for example "0.1.0".
-// HALFSPACE_VERSION_STRING (version.h) is that of the header.
+// HALFSPACE_VERSION_STRING (version.h) is the version of the header.
 HALFSPACE_API const char* hs_version(void);
 
 // Returns the message of the last call of this thread that failed: which
@@ -106,13 +111,15 @@ HALFSPACE_API const char* hs_target_name(size_t i);
 
 // Writes the name of the target of calls that name none: the best one, or the
 // value of the environment variable HALFSPACE_TARGET. Fails if that value is
-// not the name of a supported target, as every call does then.
+// not the name of a supported target. Calls that need a target and name none
+// fail then, too.
 HALFSPACE_API hs_status hs_chosen_target(const char** name);
 
 // Configurations --------------------------------------------------------------
 //
 // Configurations and options begin with `struct_size`. Fill them by their
-// function hs_..._default(), then change fields. The size lets a program that
+// function hs_..._default(), then change fields. `struct_size` must be the size
+// of the struct of a version of this header. The size lets a program that
 // was compiled with an older header use a newer library: fields that the
 // program does not know have their defaults. If the program's struct is larger
 // than the library's, the additional bytes must be 0. `options` may be null:
@@ -122,7 +129,9 @@ HALFSPACE_API hs_status hs_chosen_target(const char** name);
 
 // The functions that an object allocates its memory with. Set both, or neither
 // for the default, operator new. The struct is copied. What `context` points to
-// must outlive the object. Strings for the path of a file, and what the C++
+// must outlive the object. The functions can be called by several threads at
+// the same time if the program uses objects with the same functions in several
+// threads, or if `run` does. Strings for the path of a file, and what the C++
 // runtime needs while a call fails, do not come from these functions.
 typedef struct hs_allocator {
   // Returns memory that is aligned to `alignment`, which is 64, or null.
@@ -233,7 +242,8 @@ HALFSPACE_API hs_status hs_bound_options_default(hs_bound_options* options,
 // negative radius, a vertex that does not exist, magnitudes that sum to more
 // than 2^125, and, by default, inverted boxes. `everything` receives their
 // number and may be null. A box of {INFINITY, ..., -INFINITY, ...} or {FLT_MAX,
-// ..., -FLT_MAX, ...} becomes the empty bound and is not counted.
+// ..., -FLT_MAX, ...} becomes the empty bound and is not counted. For doubles,
+// DBL_MAX replaces FLT_MAX.
 //
 // Cost: with AVX-512, octahedra in 3 dimensions take 5 ns per shape of floats,
 // 11 ns per triangle of floats, and 60 to 90 ns per shape of doubles.
@@ -369,9 +379,11 @@ typedef enum hs_quality HALFSPACE_INT {
                         // times as long.
 } hs_quality;
 
-// Runs the parts of a build on threads of the caller: calls part(work, i) once
-// for each i below `count`, in any order and on any threads, and returns when
-// all these calls have returned. Otherwise the build fails.
+// Runs the parts of a build on threads of the caller: calls part(work, i)
+// `count` times, in any order and on any threads, and returns when all these
+// calls have returned. `i` is the number of the call, 0 ... count - 1. Each
+// call runs the next part, whatever `i` is. With another number of calls the
+// build fails.
 typedef void (*hs_part_function)(void* work, size_t i);
 typedef void (*hs_run_function)(void* context, size_t count,
                                 hs_part_function part, void* work);
@@ -397,7 +409,8 @@ HALFSPACE_API hs_status hs_bvh_create(const hs_bvh_config* config,
 HALFSPACE_API void hs_bvh_destroy(hs_bvh* bvh);
 
 // Collects objects in batches. hs_builder_push() appends a copy of the records,
-// as floats. So ids are in the order of the pushes. hs_builder_finish() builds
+// as floats, and fails if there are then more than 2^31 - 1 objects. Ids are in
+// the order of the pushes. hs_builder_finish() builds
 // a BVH of all objects that were pushed. The builder is unchanged then, and
 // can be continued or destroyed. `builder` of hs_builder_destroy() may be null.
 typedef struct hs_builder hs_builder;
@@ -410,10 +423,11 @@ HALFSPACE_API hs_status hs_builder_finish(const hs_builder* builder,
 HALFSPACE_API void hs_builder_destroy(hs_builder* builder);
 
 // The number of objects; one more than the greatest id in use since the last
-// rebuild, which is the size of an array by id; the bound of all objects, as a
-// record; the bounds of objects by id, one record after another. The maxima of
-// a simplex are INFINITY. Before the first change by id, hs_bvh_get() takes
-// O(n) per object, and O(1) after it.
+// hs_bvh_rebuild(), which is the size of an array by id; the bound of all
+// objects, as a record; the bounds of objects by id, one record after another.
+// hs_bvh_rebuild() can reduce the limit, if the objects with the greatest ids
+// were erased. The maxima of a simplex are INFINITY. Before the first change by
+// id, hs_bvh_get() takes O(n) per object, and O(1) after it.
 HALFSPACE_API hs_status hs_bvh_size(const hs_bvh* bvh, size_t* size);
 HALFSPACE_API hs_status hs_bvh_id_limit(const hs_bvh* bvh, size_t* limit);
 HALFSPACE_API hs_status hs_bvh_bounds(const hs_bvh* bvh, float* record);
@@ -444,11 +458,10 @@ HALFSPACE_API hs_status hs_bvh_set_masks(hs_bvh* bvh, const uint32_t* ids,
 // Gives all objects new bounds by id: record i is that of object i. Records of
 // erased objects are not read. objects->count must be at least
 // hs_bvh_id_limit(). The tree keeps its order, so it becomes slower as objects
-// move: see hs_bvh_cost_ratio(). `config` may be null; of its fields only `run`
-// and `run_context` are read. If `run` fails, refit again before the next
-// query.
+// move: see hs_bvh_cost_ratio(). `run` may be null: the calling thread then
+// does all work. If `run` fails, refit again before the next query.
 HALFSPACE_API hs_status hs_bvh_refit(hs_bvh* bvh, const hs_columns* objects,
-                                     const hs_bvh_config* config);
+                                     hs_run_function run, void* run_context);
 
 // Sorts all objects again and frees memory that is not needed. Ids stay.
 // `config` may be null; its `quality`, `target`, `run` and `run_context` are
@@ -518,8 +531,10 @@ HALFSPACE_API hs_status hs_bvh_probe(const hs_bvh* bvh,
 //
 // Distances are those of the boxes of the bounds, not of the objects in them,
 // within 2^-20 (relative). 0 if the two touch. A point of doubles is the
-// smallest box of floats that contains it. No minimum of a box may be above its
-// maximum, except in an empty box, which finds nothing.
+// smallest box of floats that contains it. A box {INFINITY, ..., -INFINITY,
+// ...} is empty and finds nothing. Another box with a minimum above its maximum
+// is HS_INVALID_ARGUMENT. The axis of a coordinate that is a NaN limits
+// nothing.
 HALFSPACE_API hs_status hs_bvh_nearest_to_points(
     const hs_bvh* bvh, const hs_columns* points, size_t k, float max_distance,
     const hs_query_options* options, uint32_t* ids, float* distances);
@@ -607,10 +622,11 @@ HALFSPACE_API hs_status hs_bvh_pair_parts(const hs_bvh* bvh, size_t* parts);
 
 // The hierarchy: bytes and files ----------------------------------------------
 
-// The BVH as bytes, valid until it changes or is destroyed: null and 0 if it
-// never had an object, of which hs_bvh_from_blob() makes such a BVH. O(n) for
-// the first call after a change, then O(1). The bytes depend on the machine's
-// byte order and have a version of their own.
+// The BVH as bytes, valid until it changes or is destroyed. The bytes can be
+// null and 0 if the BVH has no objects: hs_bvh_from_blob() accepts these, too,
+// and returns a BVH without objects. O(n) for the first call after a change,
+// then O(1). The bytes depend on the machine's byte order and have a version of
+// their own.
 HALFSPACE_API hs_status hs_bvh_blob(const hs_bvh* bvh, const void** data,
                                     size_t* size);
 
@@ -624,21 +640,30 @@ HALFSPACE_API hs_status hs_bvh_from_blob(const hs_bvh_config* config,
                                          hs_bvh** bvh);
 
 // Writes the blob to a file. An existing file is replaced when the new one is
-// complete: the blob is first written to a new file next to it, with ".tmp" at
-// the end of its name, which is removed if the call fails.
+// complete: the blob is first written to a new file in the same folder. The
+// name of this file is `path` and 13 more characters that end with ".tmp". It
+// is removed if the call fails. The file has the permissions of a new file,
+// also if it replaces a file with others. A symbolic link at `path` is
+// replaced, not the file that it names.
 HALFSPACE_API hs_status hs_bvh_save(const hs_bvh* bvh, const char* path);
 
-// Reads a file of hs_bvh_save(), as hs_bvh_from_blob() does.
+// Reads a file of hs_bvh_save(), as hs_bvh_from_blob() does. The file must not
+// be made shorter during the call: the process can end by SIGBUS. hs_bvh_save()
+// to the same path is fine, as it replaces the file.
 HALFSPACE_API hs_status hs_bvh_load(const hs_bvh_config* config,
                                     const char* path, hs_bvh** bvh);
 
 // Maps such a file. The BVH can be used at once, and pages are read when a
 // query needs them. Only the header is checked: see hs_bvh_verify(). Altered
-// bytes can give wrong results, and never an access outside the BVH. The file
-// must not be made shorter while the BVH lives; hs_bvh_save() to the same path
-// does not do that. The first change copies the bytes and checks them in part:
-// it can fail with HS_INVALID_ARGUMENT if they were altered. HS_UNSUPPORTED on
-// systems without mmap.
+// bytes can give wrong results, and never an access outside the BVH.
+//
+// The file must not be changed or made shorter while the BVH lives. The checks
+// are then void, and calls can crash. hs_bvh_save() to the same path is fine,
+// as it replaces the file.
+//
+// The first change of the BVH copies the bytes and checks them in part: it can
+// fail with HS_INVALID_ARGUMENT if they were altered. HS_UNSUPPORTED on systems
+// without mmap.
 HALFSPACE_API hs_status hs_bvh_map(const hs_bvh_config* config,
                                    const char* path, hs_bvh** bvh);
 
