@@ -27,16 +27,9 @@ constexpr hs_bvh_config kDefaults = {sizeof(hs_bvh_config),
                                      {}};
 
 detail::BvhShape ShapeOf(const Kind& kind) {
-  if (kind.is_simplex) {
-    return kind.dims == 2 ? detail::BvhShapeOf<SimplexView2>()
-                          : detail::BvhShapeOf<SimplexView3>();
-  }
-  if (kind.axes == kind.dims) {
-    return kind.dims == 2 ? detail::BvhShapeOf<AabbView2>()
-                          : detail::BvhShapeOf<AabbView3>();
-  }
-  return kind.dims == 2 ? detail::BvhShapeOf<AaboView2>()
-                        : detail::BvhShapeOf<AaboView3>();
+  return WithView(kind, []<typename View>(const View&) {
+    return detail::BvhShapeOf<View>();
+  });
 }
 
 // What the part functions of one call of `run` share. They can run at the same

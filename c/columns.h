@@ -12,6 +12,7 @@
 #include "halfspace/detail/block_memory.h"
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/memory.h"
+#include "halfspace/world.h"
 
 namespace halfspace::c {
 
@@ -28,6 +29,18 @@ struct Kind {
 
 // Fails unless it is one of the enumerators.
 Kind KindOf(const Call& call, const char* argument, hs_kind kind);
+
+// Calls function(view) for the type of world of this kind.
+template <typename Function>
+decltype(auto) WithView(const Kind& kind, const Function& function) {
+  if (kind.is_simplex) {
+    return kind.dims == 2 ? function(SimplexView2()) : function(SimplexView3());
+  }
+  if (kind.axes == kind.dims) {
+    return kind.dims == 2 ? function(AabbView2()) : function(AabbView3());
+  }
+  return kind.dims == 2 ? function(AaboView2()) : function(AaboView3());
+}
 
 // Which values of a record are read. They become the values of a row: first
 // the minima, which are rounded down, then the others, which are rounded up.

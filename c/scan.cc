@@ -106,24 +106,9 @@ hs_scan* ScanWithBits(const Call& call, const Kind& kind, int bits,
 hs_scan* NewScan(const Call& call, const hs_scan_config& config,
                  const hs_columns& objects, const MemoryResource& memory) {
   const Kind kind = KindOf(call, "config->kind", config.kind);
-  const auto with_bits = [&]<typename View>(const View&) {
+  return WithView(kind, [&]<typename View>(const View&) {
     return ScanWithBits<View>(call, kind, config.bits, objects, memory);
-  };
-  switch (config.kind) {
-    case HS_BOX2:
-      return with_bits(AabbView2());
-    case HS_BOX3:
-      return with_bits(AabbView3());
-    case HS_OCTAHEDRON2:
-      return with_bits(AaboView2());
-    case HS_OCTAHEDRON3:
-      return with_bits(AaboView3());
-    case HS_SIMPLEX2:
-      return with_bits(SimplexView2());
-    case HS_SIMPLEX3:
-      break;
-  }
-  return with_bits(SimplexView3());
+  });
 }
 
 // What the queries share.

@@ -33,9 +33,9 @@
 // stores no handle, except where it says so. Output arrays can then have been
 // written in part. No C++ exception leaves a function.
 //
-// Callbacks, the functions of an allocator and `run` must return. They must not
-// leave a call by longjmp() or pthread_exit(), and the thread must not be
-// canceled in them. The functions of files are no cancellation points.
+// Callbacks, the functions of an allocator and `run` must not leave a call by
+// longjmp() or pthread_exit(), and the thread must not be canceled in them. The
+// functions of files are no cancellation points.
 //
 // Pointers must not be null, except where a function says so. An array may be
 // null if the call reads or writes no element of it. Arrays must be aligned for
@@ -483,7 +483,7 @@ typedef struct hs_query_options {
   size_t struct_size;
   uint32_t mask;  // finds the objects whose mask has one of these bits; by
                   // default all ones, which finds all objects. 0 finds none.
-  size_t skip;    // results that are not written, in hs_bvh_query()
+  size_t skip;    // results that are not written, in hs_bvh_query() alone
   const char* target;  // null: the chosen target
 } hs_query_options;
 
