@@ -319,7 +319,7 @@ Ids QueryByJoin(Tree& tree, const Columns& boxes, Work& work) {
 // their tree.
 bool IsJoinFaster(Tree& tree, const Columns& boxes) {
   constexpr std::size_t kSample = 64;
-  constexpr std::size_t kManyResults = 8;
+  constexpr std::size_t kLargeTree = std::size_t{1} << 18;
   const std::size_t queries = boxes.count();
   if (queries < 4096 || queries >= kMostObjects) return false;
   return Read(tree, [&](const auto& bvh) {
@@ -331,7 +331,9 @@ bool IsJoinFaster(Tree& tree, const Columns& boxes) {
       boxes.GetBoxes(i * (queries / kSample), 1, &query);
       found += CountSurvivors(bvh, query);
     }
-    return found < kManyResults * kSample;
+    // In a large tree, queries in turn also miss the cache.
+    const std::size_t many_results = bvh.size() < kLargeTree ? 8 : 16;
+    return found < many_results * kSample;
   });
 }
 
