@@ -8,14 +8,14 @@
 //   bodies.Update();
 //   bodies.UpdatePairs([](std::uint32_t a, std::uint32_t b) { /* began */ },
 //                      [](std::uint32_t a, std::uint32_t b) { /* ended */ });
-//   bodies.ForEach(query_box, mask,
-//                  [](std::uint32_t id, const Aabb3& box) { /* found */ });
+//   bodies.ForEach(query_box, ~std::uint64_t{0},  // all categories
+//                  [](std::uint32_t id, const halfspace::Aabb3& box) {});
 //
 // Bounds are boxes or octahedra of floats in 2 or 3 dimensions. A broad phase
 // keeps the bound of each body, and a BVH (bvh.h) of bounds that are larger by
-// a margin. Move() writes the body's bound. If that leaves the larger bound,
-// Move() makes the larger bound and its nodes grow in place. Update() makes
-// them tight again.
+// a margin. Move() writes the body's bound. If the new bound is not inside the
+// larger bound, Move() makes the larger bound and its nodes grow in place.
+// Update() makes them tight again.
 //
 // Answers are exact. A query finds the bodies that it would find in a Bvh of
 // the bodies' own bounds, whatever the margin and the history are, and a cast
@@ -24,12 +24,13 @@
 // in reject.h. Each body is found at most once.
 //
 // Thread safety:
-// - Queries, casts, Has(), Get(), Bounds(), and Move() and SetMasks() of
-//   different bodies may run at the same time, also beside the calls below. Two
-//   calls that change the same body must not run at the same time.
-// - Insert(), Erase(), Update(), Rebuild(), UpdatePairs(), Validate() and
-//   Statistics() may be called on any thread. They wait for each other, and for
-//   no query and no Move().
+// - Queries, casts, ForEachPairOf(), Has(), Get(), MasksOf(), Bounds() and
+//   size() may run at any time. So may Move() and SetMasks(), but two calls
+//   that change the same body must not run at the same time.
+// - Insert(), Erase(), Update(), Rebuild(), UpdatePairs() and Statistics() may
+//   run on any thread, at the same time as the calls above. They wait for each
+//   other. They do not wait for queries or moves.
+// - Validate() must not run at the same time as Move().
 // - A query sees each body with a bound that it had during the query. A body
 //   that rests during a query is never missed, and neither is a body whose
 //   Move() returned before the query began (in the sense of happens-before).
@@ -50,8 +51,7 @@
 // Memory: boxes in 3 dimensions take 45 bytes per id, 24 of them the bound, and
 // 33 to 37 per body in the tree. Up to half of the places in the tree can be
 // empty after erasures. Update(), and an Insert() of many, build the next tree
-// beside the current one, which is freed when no query reads it. UpdatePairs()
-// keeps 8 bytes per pair.
+// beside the current one. UpdatePairs() keeps 8 bytes per pair.
 //
 // Floating-point mode: as in bvh.h.
 //

@@ -286,7 +286,7 @@ class BVH:
         threads: Optional[int] = 1,
         progress: Optional[Progress] = None,
     ) -> Union[np.ndarray, bool]:
-        """Tells for each box whether an object overlaps it.
+        """Returns for each box whether an object overlaps it.
 
         Returns an array of bool with the shape (m,), or a bool for one box.
         Arguments are those of `query`.
@@ -365,7 +365,8 @@ class BVH:
         origins, directions : array_like, shape (m, d) or (d,)
             One of the two can have the shape (d,) for all rays. float64 is
             rounded to the nearest float32, so a ray can miss a box that it
-            only touches. A direction that becomes 0 or infinite is an error.
+            only touches. A finite direction, not 0, that float32 rounds to 0
+            or infinity is an error.
         max_t : float or array_like of shape (m,)
             In multiples of the direction.
         threads, progress

@@ -55,13 +55,13 @@ class Scan:
         return int(counts[0]) if table.single else counts
 
     def any(self, boxes: Any, *, threads: Optional[int] = 1) -> Union[np.ndarray, bool]:
-        """Tells for each box whether an object overlaps it, as `BVH.any`."""
+        """Returns for each box whether an object overlaps it, as `BVH.any`."""
         table = self._boxes(boxes)
         found = self._scan.any(table.arrays, _arrays.threads(threads))
         return bool(found[0]) if table.single else found
 
     def mask(self, boxes: Any, *, threads: Optional[int] = 1) -> np.ndarray:
-        """Tells for each box and each object whether they overlap.
+        """Returns for each box and each object whether they overlap.
 
         Returns an array of bool with the shape (m, n), or (n,) for one box.
 

@@ -422,15 +422,17 @@ HALFSPACE_API hs_status hs_builder_finish(const hs_builder* builder,
                                           hs_bvh** bvh);
 HALFSPACE_API void hs_builder_destroy(hs_builder* builder);
 
-// The number of objects; one more than the greatest id in use since the last
-// hs_bvh_rebuild(), which is the size of an array by id; the bound of all
-// objects, as a record; the bounds of objects by id, one record after another.
-// hs_bvh_rebuild() can reduce the limit, if the objects with the greatest ids
-// were erased. The maxima of a simplex are INFINITY. Before the first change by
-// id, hs_bvh_get() takes O(n) per object, and O(1) after it.
+// Writes the number of objects.
 HALFSPACE_API hs_status hs_bvh_size(const hs_bvh* bvh, size_t* size);
+// Writes one more than the greatest id in use since the last hs_bvh_rebuild():
+// the size that an array by id needs. hs_bvh_rebuild() can reduce it, if the
+// objects with the greatest ids were erased.
 HALFSPACE_API hs_status hs_bvh_id_limit(const hs_bvh* bvh, size_t* limit);
+// Writes the bound of all objects as one record. The maxima of a simplex are
+// INFINITY.
 HALFSPACE_API hs_status hs_bvh_bounds(const hs_bvh* bvh, float* record);
+// Writes the bounds of the objects `ids`, one record after another. O(n) per
+// object before the first change by id, and O(1) after it.
 HALFSPACE_API hs_status hs_bvh_get(const hs_bvh* bvh, const uint32_t* ids,
                                    size_t count, float* records);
 
@@ -495,7 +497,9 @@ HALFSPACE_API hs_status hs_query_options_default(hs_query_options* options,
 typedef enum hs_visit HALFSPACE_INT { HS_CONTINUE = 0, HS_STOP = 1 } hs_visit;
 
 // Writes the ids of the survivors, query after query, in no particular order in
-// each. `ids`, `room`, `offsets` and `total` as in hs_scan_indices().
+// each. `ids`, `room`, `offsets` and `total` as in hs_scan_indices(). `offsets`
+// count all results, also those that `skip` leaves out: result r is in
+// ids[r - skip] if skip <= r < skip + room.
 HALFSPACE_API hs_status hs_bvh_query(const hs_bvh* bvh,
                                      const hs_columns* queries,
                                      const hs_query_options* options,
