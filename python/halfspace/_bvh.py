@@ -145,9 +145,11 @@ class BVH:
             with open(temporary, "wb") as file:
                 file.write(self.blob())
             os.replace(temporary, path)
-        except BaseException:
+        except BaseException as error:
             if os.path.exists(temporary):
                 os.unlink(temporary)
+            if isinstance(error, OSError):
+                raise type(error)(error.errno, error.strerror, path) from None
             raise
 
     def __reduce_ex__(self, protocol: Any) -> Tuple[Any, ...]:

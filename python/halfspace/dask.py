@@ -91,6 +91,8 @@ def _chunks(source, name: str, widths: tuple[int, ...]) -> tuple[list[_Chunk], i
                              f"{tuple(shape)}")
         width = shape[1]
 
+    if isinstance(source, (str, os.PathLike)):
+        source = [source]
     if isinstance(source, dask.array.Array):
         check(source.shape, "the dask array")
         if any(math.isnan(rows) for rows in source.chunks[0]):
@@ -306,7 +308,8 @@ def _error_of_row(boxes, rows) -> ValueError | None:
         try:
             hs.BVH(box[None])
         except ValueError as error:
-            return ValueError(f"row {row} of boxes: {error}")
+            text = str(error).partition(": ")[2]
+            return ValueError(f"row {row} of boxes: {text}")
     return None
 
 
@@ -618,6 +621,10 @@ class BVH:
     def __len__(self) -> int:
         return self._size
 
+    def __repr__(self) -> str:
+        return (f"<halfspace.dask.BVH: {self._size} boxes in {self._width // 2} "
+                f"dimensions, {len(self._partitions)} partitions>")
+
     @property
     def nbytes(self) -> int:
         """Bytes of all trees, in memory or mapped."""
@@ -639,7 +646,8 @@ class BVH:
         Returns an iterator of (rows, ids), two int64 arrays with at most `max_results`
         pairs, or with all of one row. Batches come as workers finish them.
 
-        With `to`, a directory that all workers share, the workers write the batches as
+        With `to`, a directory that all workers share, which is created if it does not
+        exist, the workers write the batches as
         .npy files of the shape (2, pairs), and the call returns the paths. A worker's
         memory then has one batch for each of its threads. Files that are there already
         stay.

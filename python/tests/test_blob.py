@@ -152,3 +152,8 @@ def test_a_failed_save_leaves_the_old_file(tree, tmp_path):
     with pytest.raises(OSError):
         tree.save(path)
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_folder_that_does_not_exist(tree, tmp_path):
+    with pytest.raises(FileNotFoundError, match="no/tree'$"):
+        tree.save(tmp_path / "no" / "tree")

@@ -184,7 +184,8 @@ def test_sources(client, tmp_path):
     for n, begin in enumerate((0, 1000, 1000)):
         paths.append(tmp_path / f"{n}.npy")
         np.save(paths[-1], boxes[begin:] if n == 2 else boxes[begin:begin + 1000 * (n == 0)])
-    for source in (boxes, boxes.tolist(), paths, dask.array.from_array(boxes, (800, 2))):
+    np.save(tmp_path / "all.npy", boxes)
+    for source in (boxes, boxes.tolist(), paths, tmp_path / "all.npy", dask.array.from_array(boxes, (800, 2))):
         found = hd.BVH(source, partitions=4).query(boxes[:50])
         np.testing.assert_array_equal(pairs_of(found), expected)
 
