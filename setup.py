@@ -1,7 +1,9 @@
-"""Builds the extension module with CMake. pyproject.toml has everything else."""
+"""Builds the extension module with CMake, with the options in the environment variable
+CMAKE_ARGS. pyproject.toml has everything else."""
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -43,6 +45,7 @@ class CMakeBuild(build_ext):
                 "-DHALFSPACE_INSTALL=OFF",
                 f"-DPython_EXECUTABLE={sys.executable}",
                 *pybind11_options(),
+                *shlex.split(os.environ.get("CMAKE_ARGS", "")),
             ],
             check=True,
         )
