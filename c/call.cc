@@ -78,8 +78,9 @@ const char* TextOf(const std::invalid_argument& error) {
   if (what.substr(0, kPrefix.size()) != kPrefix) return what.data();
   const std::string_view text = what.substr(kPrefix.size());
   const std::size_t end = text.find(": ");
+  constexpr std::size_t kNone = std::string_view::npos;
   const bool has_function =
-      end != text.npos && text.substr(0, end).find(' ') == text.npos;
+      end != kNone && text.substr(0, end).find(' ') == kNone;
   return text.data() + (has_function ? end + 2 : 0);
 }
 
