@@ -31,8 +31,8 @@ bool IsNan(float value) {
   return (std::bit_cast<std::uint32_t>(value) & 0x7FFFFFFF) > 0x7F800000;
 }
 
-// Whether a plane of the tree encloses that of a body. A plane of the tree is
-// never a NaN. That of a body with a NaN is infinite in the tree.
+// A plane of a body, to compare with one of the tree. A plane of the tree is
+// never a NaN: it is infinite if the body has a NaN there.
 struct Plane {
   Plane(float of_body, bool is_maximum) : value(of_body), is_max(is_maximum) {
     constexpr float kInf = std::numeric_limits<float>::infinity();

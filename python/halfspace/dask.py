@@ -646,11 +646,10 @@ class BVH:
         Returns an iterator of (rows, ids), two int64 arrays with at most `max_results`
         pairs, or with all of one row. Batches come as workers finish them.
 
-        With `to`, a directory that all workers share, which is created if it does not
-        exist, the workers write the batches as
-        .npy files of the shape (2, pairs), and the call returns the paths. A worker's
-        memory then has one batch for each of its threads. Files that are there already
-        stay.
+        With `to`, the workers write the batches to that directory, as .npy files of the
+        shape (2, pairs), and the call returns the paths. All workers must share the
+        directory. It is created if it does not exist, and files in it stay. A worker's
+        memory then has one batch for each of its threads.
         """
         chunks, _ = _chunks(boxes, "boxes", (self._width,))
         routed = self._run.ahead(chunks, lambda chunk: self._run.submit(
