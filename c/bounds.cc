@@ -46,14 +46,6 @@ detail::Source SourceOf(std::size_t dims, const hs_columns& columns,
   return source;
 }
 
-Values FirstColumns(std::size_t count) {
-  Values values{{}, count, count};
-  for (std::size_t v = 0; v < count; ++v) {
-    values.column[v] = static_cast<std::uint8_t>(v);
-  }
-  return values;
-}
-
 // One call: its arguments, and the records that it writes.
 class Bounder {
  public:
@@ -156,7 +148,6 @@ using halfspace::FitStatus;
 using halfspace::c::Bounder;
 using halfspace::c::Call;
 using halfspace::c::CheckColumns;
-using halfspace::c::FirstColumns;
 using halfspace::c::KindOf;
 using halfspace::c::Run;
 using halfspace::c::SourceOf;
@@ -174,7 +165,8 @@ hs_status hs_bound_boxes(hs_kind kind, const hs_columns* boxes,
                          const hs_bound_options* options, float* bounds,
                          size_t* everything) {
   return Run("hs_bound_boxes", [&](const Call& call) {
-    const Values values = FirstColumns(2 * KindOf(call, "kind", kind).dims);
+    const Values values =
+        Values::OfColumns(2 * KindOf(call, "kind", kind).dims);
     CheckColumns(call, "boxes", boxes, values);
     const Bounder bounder(call, kind, options, bounds, boxes->count,
                           everything);
@@ -191,7 +183,8 @@ hs_status hs_bound_spheres(hs_kind kind, const hs_columns* spheres,
                            const hs_bound_options* options, float* bounds,
                            size_t* everything) {
   return Run("hs_bound_spheres", [&](const Call& call) {
-    const Values values = FirstColumns(KindOf(call, "kind", kind).dims + 1);
+    const Values values =
+        Values::OfColumns(KindOf(call, "kind", kind).dims + 1);
     CheckColumns(call, "spheres", spheres, values);
     const Bounder bounder(call, kind, options, bounds, spheres->count,
                           everything);
@@ -244,7 +237,7 @@ hs_status hs_bound_point_sets(hs_kind kind, const hs_columns* points,
                 "columns apart with a stride of %zu: copy the points",
                 points->stride);
     }
-    const Values values = FirstColumns(dims);
+    const Values values = Values::OfColumns(dims);
     bounder.Run([&](size_t begin, size_t count, const detail::Output& output,
                     const FitOptions& fit, FitStatus& status) {
       std::array<size_t, halfspace::c::kMostShapes> its_ends;
@@ -303,7 +296,7 @@ hs_status hs_bound_faces(hs_kind kind, const hs_columns* vertices,
     CheckColumns(call, "vertices", vertices, 0, dims);
     const Bounder bounder(call, kind, options, bounds, faces, everything);
     call.CheckArray("indices", indices, halfspace::c::kCorners * faces);
-    const Values values = FirstColumns(dims);
+    const Values values = Values::OfColumns(dims);
     bounder.Run([&](size_t begin, size_t count, const detail::Output& output,
                     const FitOptions& fit, FitStatus& status) {
       const size_t corners = halfspace::c::kCorners;

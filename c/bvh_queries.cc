@@ -207,10 +207,7 @@ void CastRays(const Call& call, const hs_bvh* bvh, const hs_columns* rays,
   }
   CheckLength(call, "radius", radius);
   const QueryOptions query = ReadQuery(call, options);
-  Values values{{}, 2 * dims + 1, 0};
-  for (std::size_t v = 0; v < values.count; ++v) {
-    values.column[v] = static_cast<std::uint8_t>(v);
-  }
+  const Values values = Values::OfColumns(2 * dims + 1);
   const auto function = [](void* context, std::uint32_t id, float t,
                            const float*) {
     return (*static_cast<Hit*>(context))(id, t);

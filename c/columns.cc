@@ -65,6 +65,14 @@ Values Values::OfQueries(const Kind& kind) {
                          : Consecutive(0, kind.values(), kind.axes);
 }
 
+Values Values::OfColumns(std::size_t count) {
+  Values values{{}, count, count};
+  for (std::size_t v = 0; v < count; ++v) {
+    values.column[v] = static_cast<std::uint8_t>(v);
+  }
+  return values;
+}
+
 Values Values::OfPoints(std::size_t dims) {
   Values values{{}, 2 * dims, dims};
   for (std::size_t v = 0; v < values.count; ++v) {

@@ -51,6 +51,8 @@ struct Values {
 
   static Values OfObjects(const Kind& kind);
   static Values OfQueries(const Kind& kind);
+  // The first columns, in their order.
+  static Values OfColumns(std::size_t count);
   // Points as boxes, whose corners are the same point.
   static Values OfPoints(std::size_t dims);
 };
