@@ -1,8 +1,6 @@
-// Casts through a broad phase. What a ray or a box enters in the tree is cast
-// at again by its own bound.
+// Casts through a broad phase. Bodies whose bounds in the tree are not their own
+// are cast at again.
 #include "dispatch/bvh/cast.h"
-
-#include <limits>
 
 #include "dispatch/broad_phase/exact.h"
 #include "dispatch/broad_phase/state.h"
@@ -14,77 +12,97 @@ namespace {
 
 class BodyCaster {
  public:
-  BodyCaster(const BroadPhaseState& state, const BvhNearestKernels& kernels,
+  BodyCaster(const BroadPhaseState& state, const Version& version,
              std::uint64_t mask, BodyCastFunction function, void* context)
       : state_(state),
-        kernels_(kernels),
+        version_(version),
         mask_(mask),
         function_(function),
-        context_(context),
-        leaf_(state.planes()) {}
+        context_(context) {}
 
-  void Run(const Version& version, const LineCast& cast) {
+  void Run(const BvhNearestKernels& kernels, const LineCast& cast) {
     kernels::CallApart([&] {
       LineSearch search;
-      if (!MakeCastLine(state_.shape, cast, exact_.line)) return;
-      exact_.mask = search.mask = ~std::uint32_t{0};
-      exact_.function = &TakeExact;
-      exact_.context = search.context = this;
-      search.function = &Take;
+      if (!MakeCastLine(state_.shape, cast, search.line)) return;
+      line_ = &search.line;
+      limit_ = search.line.max_t;
       // The function may insert more.
-      const std::size_t pending = version.PendingCount();
+      const std::size_t pending = version_.PendingCount();
       for (std::size_t i = 0; i < pending; ++i) {
-        if (Cast(version.Pending(i)) < 0) return;
+        if (Cast(version_.Pending(i)) < 0) return;
       }
-      if (version.tree.ids().empty()) return;
-      search.levels = &version.tree.levels();
-      search.line = exact_.line;
-      kernels_.cast(search);
+      if (version_.tree.ids().empty()) return;
+      search.levels = &version_.tree.levels();
+      search.mask = ~std::uint32_t{0};
+      search.function = &Take;
+      search.context = this;
+      search.line.max_t = limit_;
+      kernels.cast(search);
     });
   }
 
  private:
-  static float Take(void* caster, std::uint32_t id, float /*t*/,
-                    const float* /*planes*/) {
-    return static_cast<BodyCaster*>(caster)->Cast(id);
+  // Returns the limit.
+  static float Take(void* caster, std::uint32_t id, float t,
+                    const float* of_tree) {
+    auto& self = *static_cast<BodyCaster*>(caster);
+    Body body;
+    LoadPlanes(of_tree, self.state_.planes(), body.planes);
+    if (~self.mask_ != 0 || !self.version_.HasOwnBound(id)) {
+      return self.Cast(id);
+    }
+    return self.Call(id, t, body.planes);
   }
 
-  // Returns the limit.
   float Cast(std::uint32_t id) {
     Body body;
-    if (state_.bodies.Read(id, body) && HasMask(body.masks, mask_)) {
-      leaf_.Clear();
-      leaf_.Add(id, body);
-      exact_.levels = &leaf_.Finish();
-      body_ = &body;
-      kernels_.cast(exact_);
+    const bool has_masks = ~mask_ != 0;
+    if (!state_.bodies.Read(id, body, has_masks) ||
+        (has_masks && !HasMask(body.masks, mask_))) {
+      return limit_;
     }
+    const float t = EntryOf(body.planes);
+    return t < 0 ? limit_ : Call(id, t, body.planes);
+  }
+
+  // As the kernels do. Negative if the line does not enter the bound up to the
+  // limit.
+  float EntryOf(const float* planes) const {
+    const auto at = [&](std::size_t p) {
+      const LinePlane& plane = line_->plane[p];
+      return (planes[plane.plane] - plane.offset) * plane.inverse;
+    };
+    float enter = 0;
+    float exit = limit_;
+    std::size_t p = 0;
+    for (; p < line_->entering; ++p) {
+      const float t = at(p);
+      enter = t > enter ? t : enter;
+    }
+    for (; p < line_->planes; ++p) {
+      const float t = at(p);
+      exit = t < exit ? t : exit;
+    }
+    return enter <= exit + kApartOnLine ? enter : -1;
+  }
+
+  float Call(std::uint32_t id, float t, const float* planes) {
+    const float limit = mode_.Outside([&] {
+      const WithoutRacyReads reads;
+      return function_(context_, id, t, planes);
+    });
+    if (limit < limit_) limit_ = limit;
     return limit_;
   }
 
-  static float TakeExact(void* caster, std::uint32_t lane, float t,
-                         const float* /*planes*/) {
-    auto& self = *static_cast<BodyCaster*>(caster);
-    const float limit = self.mode_.Outside([&] {
-      const WithoutRacyReads reads;
-      return self.function_(self.context_, self.leaf_.IdOf(lane), t,
-                            self.body_->planes);
-    });
-    if (limit < self.limit_) self.limit_ = limit;
-    if (limit < self.exact_.line.max_t) self.exact_.line.max_t = limit;
-    return self.limit_;
-  }
-
   const BroadPhaseState& state_;
-  const BvhNearestKernels& kernels_;
+  const Version& version_;
   std::uint64_t mask_;
   BodyCastFunction function_;
   void* context_;
   kernels::DefaultFpMode mode_;
-  float limit_ = std::numeric_limits<float>::infinity();
-  LineSearch exact_;
-  const Body* body_ = nullptr;
-  ExactLeaf leaf_;
+  const Line* line_ = nullptr;
+  float limit_ = 0;
 };
 
 }  // namespace
@@ -95,7 +113,7 @@ void BroadPhaseCore::ForEachCast(const LineCast& cast, std::uint64_t mask,
   const BvhNearestKernels& kernels = CheckCast(cast, Target());
   const Held version(*state_);
   const WithRacyReads reads;
-  BodyCaster(*state_, kernels, mask, function, context).Run(*version, cast);
+  BodyCaster(*state_, *version, mask, function, context).Run(kernels, cast);
 }
 
 }  // namespace halfspace::detail

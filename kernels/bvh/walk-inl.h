@@ -395,6 +395,10 @@ class Walker {
   HWY_INLINE bool Take(size_t query, size_t block, uint64_t bits) {
     if constexpr (kWrites) {
       detail::WalkIds& ids = *walk_.ids;
+      if (ids.take != nullptr) {
+        many_leaves_ = kManyLeaves;
+        return ids.take(ids, block, bits);
+      }
       const size_t first = block * detail::kBlockObjects;
       ids.next = WriteIds(
           bits, levels_.ids + first,
