@@ -1,5 +1,5 @@
-// Casts through a broad phase. Bodies whose bounds in the tree are not their own
-// are cast at again.
+// Casts through a broad phase. Bodies whose bounds in the tree are not their
+// own are cast at again.
 #include "dispatch/bvh/cast.h"
 
 #include "dispatch/broad_phase/exact.h"

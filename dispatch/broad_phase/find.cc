@@ -64,8 +64,8 @@ class Finder : public WalkIds {
     const BvhLevels& levels = self.version_.tree.levels();
     const std::size_t first = block * kBlockObjects;
     const auto id_at = [&](std::uint64_t some) {
-      return levels.ids[first +
-                        static_cast<std::size_t>(std::countr_zero(some))];
+      return levels
+          .ids[first + static_cast<std::size_t>(std::countr_zero(some))];
     };
     std::uint64_t others = 0;
     for (; bits != 0; bits &= bits - 1) {

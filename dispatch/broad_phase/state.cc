@@ -103,8 +103,8 @@ Bodies::Bodies(const MemoryResource& memory, std::size_t ids,
       memory_(memory, bytes()),
       words_(reinterpret_cast<std::atomic<std::uint32_t>*>(memory_.data())),
       masks_(words_ + ids * (1 + planes)),
-      marks_(reinterpret_cast<std::atomic<std::uint8_t>*>(
-          masks_ + ids * kMaskWords)) {
+      marks_(reinterpret_cast<std::atomic<std::uint8_t>*>(masks_ +
+                                                          ids * kMaskWords)) {
   std::uninitialized_default_construct_n(words_,
                                          ids * (1 + planes + kMaskWords));
   std::uninitialized_default_construct_n(marks_, ids);
@@ -161,10 +161,12 @@ bool Version::HasReaders() const {
   return readers != 0;
 }
 
-std::size_t Version::CounterOfThread() {
+std::size_t Version::NewCounter() {
   static constinit std::atomic<std::size_t> threads{0};
-  thread_local const std::size_t counter =
-      threads.fetch_add(1, std::memory_order_relaxed) % kCounters;
+  const std::size_t thread = threads.fetch_add(1, std::memory_order_relaxed);
+  const std::size_t counter =
+      thread < kOwnCounters ? thread : kOwnCounters + thread % kOwnCounters;
+  counter_of_thread_ = counter + 1;
   return counter;
 }
 

@@ -13,9 +13,11 @@
 // - A writer stores `upcoming` = N, then reads all counters of C, then widens
 //   each body in N that has a mark, then makes N the current version.
 // Stores and loads of the two pointers and of the counters are sequentially
-// consistent. If the mover did not see N, it counted itself before the writer
-// read the counter. The counters are changed only by read-modify-write, so the
-// writer's read synchronizes with the mover's, and the writer sees the mark.
+// consistent, but for the store by which a thread leaves a counter of its own.
+// If the mover did not see N, it counted itself before the writer read the
+// counter. A counter is changed only by read-modify-write, or by stores of one
+// thread that release, so the writer's read synchronizes with the mover's, and
+// the writer sees the mark.
 //
 // In a version that readers can see, the floats of the tree change only by
 // atomic stores, and only outward: minima become less, maxima greater. Nothing
@@ -205,16 +207,32 @@ class Version {
     std::uninitialized_default_construct_n(own_bounds_, marks);
   }
 
-  // A reader counts itself in and out of a counter of its thread's.
+  // A reader counts itself in and out of a counter of its thread's. The first
+  // threads of the program have counters of their own, which they leave without
+  // a barrier. A query would wait longer for it than for a leaf.
   void Enter(std::size_t counter) {
-    counters_[counter].readers.fetch_add(1, std::memory_order_seq_cst);
+    std::atomic<std::uint32_t>& readers = counters_[counter].readers;
+    if (counter < kOwnCounters) {
+      readers.exchange(readers.load(std::memory_order_relaxed) + 1,
+                       std::memory_order_seq_cst);
+    } else {
+      readers.fetch_add(1, std::memory_order_seq_cst);
+    }
   }
   void Leave(std::size_t counter) {
-    counters_[counter].readers.fetch_sub(1, std::memory_order_seq_cst);
+    std::atomic<std::uint32_t>& readers = counters_[counter].readers;
+    if (counter < kOwnCounters) {
+      readers.store(readers.load(std::memory_order_relaxed) - 1,
+                    std::memory_order_release);
+    } else {
+      readers.fetch_sub(1, std::memory_order_seq_cst);
+    }
   }
   // Reads all counters.
   bool HasReaders() const;
-  static std::size_t CounterOfThread();
+  static std::size_t CounterOfThread() {
+    return counter_of_thread_ != 0 ? counter_of_thread_ - 1 : NewCounter();
+  }
 
   std::size_t PendingCount() const {
     return pending_count_.load(std::memory_order_acquire);
@@ -247,7 +265,12 @@ class Version {
   Version* next = nullptr;  // in the list of all
 
  private:
-  static constexpr std::size_t kCounters = 16;
+  static constexpr std::size_t kOwnCounters = 16;
+  static constexpr std::size_t kCounters = 2 * kOwnCounters;
+  static std::size_t NewCounter();
+  // 1 more than its number, or 0 of a new thread.
+  static constinit inline thread_local std::size_t counter_of_thread_ = 0;
+
   struct alignas(64) Counter {
     std::atomic<std::uint32_t> readers{0};
   };

@@ -259,6 +259,14 @@ class Prepared {
   void SetBounds(bool is_everything = false) {
     is_everything |= !CanBeBounded(query_);
     is_ = kBounds;
+    if (!is_everything && query_.kind == BvhShapeQuery::kPoint &&
+        world_.has_max && world_.axes == world_.dims) {
+      // A box of one point, without the rounding of D.
+      for (std::size_t k = 0; k < query_.dims; ++k) {
+        bounds_[k] = bounds_[world_.axes + k] = query_.values[k];
+      }
+      return;
+    }
     if (query_.dims == 2) {
       SetBoundsOf<2>(is_everything);
     } else {

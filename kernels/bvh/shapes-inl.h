@@ -239,8 +239,8 @@ class FrontsQuery : public ShapeQuery<FrontsQuery> {
         const auto is_inside = hn::And(hn::Ge(min, low), hn::Le(max, high));
         is_outside = hn::Or(is_outside, hn::Not(is_inside));
       } else {
-        is_outside = hn::Or(is_outside,
-                            hn::Or(hn::Gt(min, high), hn::Lt(max, low)));
+        is_outside =
+            hn::Or(is_outside, hn::Or(hn::Gt(min, high), hn::Lt(max, low)));
       }
     }
     return is_outside;
