@@ -2,6 +2,12 @@
 // own are cast at again.
 #include "dispatch/bvh/cast.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
 #include "dispatch/broad_phase/exact.h"
 #include "dispatch/broad_phase/state.h"
 #include "dispatch/bvh/layout.h"
@@ -26,6 +32,9 @@ class BodyCaster {
       if (!MakeCastLine(state_.shape, cast, search.line)) return;
       line_ = &search.line;
       limit_ = search.line.max_t;
+      // A radius of 0 is a ray or a box.
+      cast_ = &cast;
+      is_ball_ = cast.radius > 0;
       // The function may insert more.
       const std::size_t pending = version_.PendingCount();
       for (std::size_t i = 0; i < pending; ++i) {
@@ -51,7 +60,8 @@ class BodyCaster {
     if (~self.mask_ != 0 || !self.version_.HasOwnBound(id)) {
       return self.Cast(id);
     }
-    return self.Call(id, t, body.planes);
+    return self.is_ball_ ? self.CastAt(id, body.planes)
+                         : self.Call(id, t, body.planes);
   }
 
   float Cast(std::uint32_t id) {
@@ -61,11 +71,15 @@ class BodyCaster {
         (has_masks && !HasMask(body.masks, mask_))) {
       return limit_;
     }
-    const float t = EntryOf(body.planes);
-    return t < 0 ? limit_ : Call(id, t, body.planes);
+    return CastAt(id, body.planes);
   }
 
-  // As the kernels do. Negative if the line does not enter the bound up to the
+  float CastAt(std::uint32_t id, const float* planes) {
+    const float t = EntryOf(planes);
+    return t <= limit_ + kApartOnLine ? Call(id, t, planes) : limit_;
+  }
+
+  // As the kernels do. Infinite if the line does not enter the bound up to the
   // limit.
   float EntryOf(const float* planes) const {
     const auto at = [&](std::size_t p) {
@@ -83,7 +97,83 @@ class BodyCaster {
       const float t = at(p);
       exit = t < exit ? t : exit;
     }
-    return enter <= exit + kApartOnLine ? enter : -1;
+    exit = exit + kApartOnLine;
+    if (!(enter <= exit)) return std::numeric_limits<float>::infinity();
+    return is_ball_ ? BallEntryOf(planes, enter, exit) : enter;
+  }
+
+  // At most the t from `enter` to `exit` at which the ball touches the box of
+  // the first axes, or infinite. Its squared distance is a quadratic in t
+  // between the times at which the center passes a plane. All of it is rounded
+  // so that the distance is no greater than the exact one.
+  float BallEntryOf(const float* planes, float enter, float exit) const {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    struct Axis {
+      double from, to;      // when the center is between the planes
+      double before, after;  // the center less the plane that it passes
+      double speed;
+    };
+    Axis axes[3];
+    std::size_t moving = 0;
+    double resting = 0;  // the part of the squared distance that never changes
+    for (std::size_t k = 0; k < state_.shape.dims; ++k) {
+      const double center = cast_->low[k];
+      const double speed = cast_->direction[k];
+      double above = center - planes[k];
+      double below = center - planes[state_.shape.axes + k];
+      // NaNs and infinities on the wrong side limit nothing.
+      if (!std::isfinite(center) || !std::isfinite(speed)) continue;
+      if (!(above > -kInfinity)) above = kInfinity;
+      if (!(below < kInfinity)) below = -kInfinity;
+      if (above < below) continue;  // inverted
+      if (speed == 0) {
+        const double gap = above < 0 ? above : below > 0 ? below : 0;
+        resting += gap * gap;
+        continue;
+      }
+      Axis& axis = axes[moving++];
+      axis.before = speed > 0 ? above : below;
+      axis.after = speed > 0 ? below : above;
+      axis.from = -axis.before / speed;
+      axis.to = -axis.after / speed;
+      axis.from -= std::abs(axis.from) * 0x1p-50;
+      axis.to += std::abs(axis.to) * 0x1p-50;
+      axis.speed = speed;
+    }
+    const double squared_radius = double{cast_->radius} * cast_->radius;
+    double begin = enter;
+    for (;;) {
+      double end = exit;
+      double a = 0;
+      double b = 0;
+      double c = resting;
+      for (std::size_t k = 0; k < moving; ++k) {
+        const Axis& axis = axes[k];
+        if (begin < axis.from) {
+          end = std::min(end, axis.from);
+        } else if (begin < axis.to) {
+          end = std::min(end, axis.to);
+          continue;
+        }
+        const double gap = begin < axis.from ? axis.before : axis.after;
+        a += axis.speed * axis.speed;
+        b += axis.speed * gap;
+        c += gap * gap;
+      }
+      const double size = c + squared_radius;
+      const double excess = c - squared_radius - size * 0x1p-46;
+      const double squared = b * b - a * excess;
+      double t = kInfinity;
+      if (a == 0) {
+        if (excess <= 0) t = begin;
+      } else if (squared >= 0) {
+        const double root = std::sqrt(squared) + std::sqrt(a * size) * 0x1p-46;
+        if (root - b >= a * begin) t = std::max(begin, (-b - root) / a);
+      }
+      if (t <= end) return std::max(enter, -RoundedUp(-t));
+      if (!(end < exit)) return std::numeric_limits<float>::infinity();
+      begin = end;
+    }
   }
 
   float Call(std::uint32_t id, float t, const float* planes) {
@@ -102,6 +192,8 @@ class BodyCaster {
   void* context_;
   kernels::DefaultFpMode mode_;
   const Line* line_ = nullptr;
+  const LineCast* cast_ = nullptr;
+  bool is_ball_ = false;
   float limit_ = 0;
 };
 
