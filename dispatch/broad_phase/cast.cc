@@ -109,7 +109,7 @@ class BodyCaster {
   float BallEntryOf(const float* planes, float enter, float exit) const {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     struct Axis {
-      double from, to;      // when the center is between the planes
+      double from, to;       // when the center is between the planes
       double before, after;  // the center less the plane that it passes
       double speed;
     };
@@ -177,6 +177,7 @@ class BodyCaster {
   }
 
   float Call(std::uint32_t id, float t, const float* planes) {
+    t = ReportedTime(t);
     const float limit = mode_.Outside([&] {
       const WithoutRacyReads reads;
       return function_(context_, id, t, planes);

@@ -310,9 +310,9 @@ class BroadPhase {
 
   // Calls function(std::uint32_t id, float t, const Bound&) for the bodies that
   // `box` touches on its way to `box` + max_t * `direction`, or that a ray
-  // enters. The function returns nothing, a Visit, or a Limit of t (visit.h). Bodies come
-  // about near to far, and not sorted. t, limits, NaN and infinities are as in
-  // BoxCast() and RayCast() (bvh_nearest.h).
+  // enters. The function returns nothing, a Visit, or a Limit of t (visit.h).
+  // Bodies come about near to far, and not sorted. t, limits, NaN and
+  // infinities are as in BoxCast() and RayCast() (bvh_nearest.h).
   template <typename Function>
   void ForEachCast(const Aabb<kDimensions>& box,
                    const Point<kDimensions>& direction, float max_t,

@@ -62,8 +62,8 @@ class Caster {
 
   bool Take(size_t block, size_t lane, float t) {
     const float limit = search_.function(
-        search_.context, levels_.ids[block * detail::kBlockObjects + lane], t,
-        levels_.level[0].Plane(block, 0) + lane);
+        search_.context, levels_.ids[block * detail::kBlockObjects + lane],
+        detail::ReportedTime(t), levels_.level[0].Plane(block, 0) + lane);
     if (limit < limit_) limit_ = limit;
     return limit_ >= 0;
   }

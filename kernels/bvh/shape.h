@@ -52,6 +52,10 @@ struct Line {
 // is lost where subnormals are flushed.
 inline constexpr float kApartOnLine = 0x1p-100f;
 
+// A t that is not above the exact one: a smaller one could be, by what is lost
+// of a subnormal.
+inline float ReportedTime(float t) { return t < kApartOnLine ? 0 : t; }
+
 // A half-space as a sum of planes of a bound, each times a factor that was
 // rounded up and down. It is negative of bounds that lie behind.
 struct Front {

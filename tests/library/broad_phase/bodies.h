@@ -297,6 +297,28 @@ void ExpectIsModel(const BroadPhase<View>& bodies, const BodyModel<View>& model,
       [&](const Bvh<View>& bvh, const auto& function) {
         BoxCast(bvh, moving, ray.direction, 0.5f, function);
       });
+  // Of spheres those of a broad phase of the same bodies, which tests compare
+  // with exact numbers.
+  const Sphere<kDims> ball{point(), 2.5f};
+  BroadPhase<View> same(masked.ids.size());
+  Ids indices;
+  std::vector<typename View::Bound> bounds;
+  for (const std::uint32_t id : masked.ids) {
+    indices.push_back(static_cast<std::uint32_t>(indices.size()));
+    bounds.push_back(model.objects.at(id).bound);
+  }
+  same.Insert(indices, bounds);
+  ExpectCastsSame(
+      model, masked,
+      [&](const auto& function) {
+        bodies.ForEachCast(ball, ray.direction, ray.max_t, mask, function);
+      },
+      [&](const Bvh<View>&, const auto& function) {
+        same.ForEachCast(ball, ray.direction, ray.max_t, ~std::uint64_t{0},
+                         [&](std::uint32_t i, float t, const auto&) {
+                           return function(i, t);
+                         });
+      });
 }
 
 template <typename View>
