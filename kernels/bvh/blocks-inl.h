@@ -22,6 +22,13 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+// The lowest level of one block: a tree with room for more has levels above.
+HWY_INLINE size_t TopLevel(const detail::BvhLevels& levels) {
+  size_t top = levels.count - 1;
+  while (top != 0 && levels.level[top - 1].size <= detail::kBlockObjects) --top;
+  return top;
+}
+
 template <size_t kAxes, bool kHasMax>
 inline constexpr size_t kBlockPlanes = kHasMax ? 2 * kAxes : kAxes;
 

@@ -34,7 +34,7 @@ class Caster {
         has_masks_(levels_.level[0].masks != nullptr && ~search.mask != 0),
         limit_(search.line.max_t) {}
 
-  void Cast() { Visit(levels_.count - 1, 0); }
+  void Cast() { Visit(TopLevel(levels_), 0); }
 
  private:
   HWY_NOINLINE bool Visit(size_t level, size_t block) {

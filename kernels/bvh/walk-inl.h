@@ -127,6 +127,7 @@ class Walker {
         levels_(*walk.levels),
         query_(walk.queries),
         has_masks_(levels_.level[0].masks != nullptr && ~walk.mask != 0),
+        top_(TopLevel(levels_)),
         many_leaves_(walk.is_urgent ? 1 : kManyLeaves) {}
 
   void Run() {
@@ -172,7 +173,7 @@ class Walker {
       size_t first;
     };
     Children children[detail::kMostLevels];
-    size_t level = levels_.count - 1;
+    size_t level = top_;
     size_t block = 0;
     bool is_inside = false;
     if (level == 0) return VisitOnlyLeaf(query);
@@ -208,7 +209,7 @@ class Walker {
         own.kept = 0;
       }
       while (children[level].kept == 0) {
-        if (++level == levels_.count) return true;
+        if (++level > top_) return true;
       }
       Children& next = children[level];
       const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(next.kept);
@@ -457,6 +458,7 @@ class Walker {
   const detail::BvhLevels& levels_;
   Query query_;
   const bool has_masks_;
+  const size_t top_;
   size_t many_leaves_;
   size_t list_size_ = 0;
   size_t first_query_ = 0;  // of those that walk together
