@@ -194,19 +194,15 @@ class Walker {
         }
       }
       if (level == 1) {
-        // One leaf at a time until a survivor is found.
-        while (many_leaves_ == 1 && own.kept != 0) {
-          const uint64_t bit = own.kept & (~own.kept + 1);
-          own.kept ^= bit;
-          if (!ListLeaves(query, own.first, bit, own.inside & bit)) {
+        while (own.kept != 0) {
+          uint64_t some = own.kept;
+          // One leaf at a time until a survivor is found.
+          if (kWrites && !kHasLeaves && many_leaves_ == 1) some &= ~some + 1;
+          own.kept ^= some;
+          if (!ListLeaves(query, own.first, some, own.inside & some)) {
             return false;
           }
         }
-        if (own.kept != 0 &&
-            !ListLeaves(query, own.first, own.kept, own.inside)) {
-          return false;
-        }
-        own.kept = 0;
       }
       while (children[level].kept == 0) {
         if (++level > top_) return true;
@@ -401,7 +397,7 @@ class Walker {
     }
   }
 
-  HWY_INLINE bool Take(size_t query, size_t block, uint64_t bits) {
+  HWY_NOINLINE bool Take(size_t query, size_t block, uint64_t bits) {
     if constexpr (kWrites) {
       detail::WalkIds& ids = *walk_.ids;
       if (ids.take != nullptr) {
