@@ -1,7 +1,11 @@
-// Casts through a broad phase. What a ray or a box enters in the tree is cast
-// at again by its own bound.
+// Casts through a broad phase. Bodies whose bounds in the tree are not their
+// own are cast at again.
 #include "dispatch/bvh/cast.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #include "dispatch/broad_phase/exact.h"
@@ -14,77 +18,183 @@ namespace {
 
 class BodyCaster {
  public:
-  BodyCaster(const BroadPhaseState& state, const BvhNearestKernels& kernels,
+  BodyCaster(const BroadPhaseState& state, const Version& version,
              std::uint64_t mask, BodyCastFunction function, void* context)
       : state_(state),
-        kernels_(kernels),
+        version_(version),
         mask_(mask),
         function_(function),
-        context_(context),
-        leaf_(state.planes()) {}
+        context_(context) {}
 
-  void Run(const Version& version, const LineCast& cast) {
+  void Run(const BvhNearestKernels& kernels, const LineCast& cast) {
     kernels::CallApart([&] {
       LineSearch search;
-      if (!MakeCastLine(state_.shape, cast, exact_.line)) return;
-      exact_.mask = search.mask = ~std::uint32_t{0};
-      exact_.function = &TakeExact;
-      exact_.context = search.context = this;
-      search.function = &Take;
+      if (!MakeCastLine(state_.shape, cast, search.line)) return;
+      line_ = &search.line;
+      limit_ = search.line.max_t;
+      // A radius of 0 is a ray or a box.
+      cast_ = &cast;
+      is_ball_ = cast.radius > 0;
       // The function may insert more.
-      const std::size_t pending = version.PendingCount();
+      const std::size_t pending = version_.PendingCount();
       for (std::size_t i = 0; i < pending; ++i) {
-        if (Cast(version.Pending(i)) < 0) return;
+        if (Cast(version_.Pending(i)) < 0) return;
       }
-      if (version.tree.ids().empty()) return;
-      search.levels = &version.tree.levels();
-      search.line = exact_.line;
-      kernels_.cast(search);
+      if (version_.tree.ids().empty()) return;
+      search.levels = &version_.tree.levels();
+      search.mask = ~std::uint32_t{0};
+      search.function = &Take;
+      search.context = this;
+      search.line.max_t = limit_;
+      kernels.cast(search);
     });
   }
 
  private:
-  static float Take(void* caster, std::uint32_t id, float /*t*/,
-                    const float* /*planes*/) {
-    return static_cast<BodyCaster*>(caster)->Cast(id);
+  // Returns the limit.
+  static float Take(void* caster, std::uint32_t id, float t,
+                    const float* of_tree) {
+    auto& self = *static_cast<BodyCaster*>(caster);
+    Body body;
+    LoadPlanes(of_tree, self.state_.planes(), body.planes);
+    if (~self.mask_ != 0 || !self.version_.HasOwnBound(id)) {
+      return self.Cast(id);
+    }
+    return self.is_ball_ ? self.CastAt(id, body.planes)
+                         : self.Call(id, t, body.planes);
   }
 
-  // Returns the limit.
   float Cast(std::uint32_t id) {
     Body body;
-    if (state_.bodies.Read(id, body) && HasMask(body.masks, mask_)) {
-      leaf_.Clear();
-      leaf_.Add(id, body);
-      exact_.levels = &leaf_.Finish();
-      body_ = &body;
-      kernels_.cast(exact_);
+    const bool has_masks = ~mask_ != 0;
+    if (!state_.bodies.Read(id, body, has_masks) ||
+        (has_masks && !HasMask(body.masks, mask_))) {
+      return limit_;
     }
+    return CastAt(id, body.planes);
+  }
+
+  float CastAt(std::uint32_t id, const float* planes) {
+    const float t = EntryOf(planes);
+    return t <= limit_ + kApartOnLine ? Call(id, t, planes) : limit_;
+  }
+
+  // As the kernels do. Infinite if the line does not enter the bound up to the
+  // limit.
+  float EntryOf(const float* planes) const {
+    const auto at = [&](std::size_t p) {
+      const LinePlane& plane = line_->plane[p];
+      return (planes[plane.plane] - plane.offset) * plane.inverse;
+    };
+    float enter = 0;
+    float exit = limit_;
+    std::size_t p = 0;
+    for (; p < line_->entering; ++p) {
+      const float t = at(p);
+      enter = t > enter ? t : enter;
+    }
+    for (; p < line_->planes; ++p) {
+      const float t = at(p);
+      exit = t < exit ? t : exit;
+    }
+    exit = exit + kApartOnLine;
+    if (!(enter <= exit)) return std::numeric_limits<float>::infinity();
+    return is_ball_ ? BallEntryOf(planes, enter, exit) : enter;
+  }
+
+  // At most the t from `enter` to `exit` at which the ball touches the box of
+  // the first axes, or infinite. Its squared distance is a quadratic in t
+  // between the times at which the center passes a plane. All of it is rounded
+  // so that the distance is no greater than the exact one.
+  float BallEntryOf(const float* planes, float enter, float exit) const {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    struct Axis {
+      double from, to;      // when the center is between the planes
+      double before, after;  // the center less the plane that it passes
+      double speed;
+    };
+    Axis axes[3];
+    std::size_t moving = 0;
+    double resting = 0;  // the part of the squared distance that never changes
+    for (std::size_t k = 0; k < state_.shape.dims; ++k) {
+      const double center = cast_->low[k];
+      const double speed = cast_->direction[k];
+      double above = center - planes[k];
+      double below = center - planes[state_.shape.axes + k];
+      // NaNs and infinities on the wrong side limit nothing.
+      if (!std::isfinite(center) || !std::isfinite(speed)) continue;
+      if (!(above > -kInfinity)) above = kInfinity;
+      if (!(below < kInfinity)) below = -kInfinity;
+      if (above < below) continue;  // inverted
+      if (speed == 0) {
+        const double gap = above < 0 ? above : below > 0 ? below : 0;
+        resting += gap * gap;
+        continue;
+      }
+      Axis& axis = axes[moving++];
+      axis.before = speed > 0 ? above : below;
+      axis.after = speed > 0 ? below : above;
+      axis.from = -axis.before / speed;
+      axis.to = -axis.after / speed;
+      axis.from -= std::abs(axis.from) * 0x1p-50;
+      axis.to += std::abs(axis.to) * 0x1p-50;
+      axis.speed = speed;
+    }
+    const double squared_radius = double{cast_->radius} * cast_->radius;
+    double begin = enter;
+    for (;;) {
+      double end = exit;
+      double a = 0;
+      double b = 0;
+      double c = resting;
+      for (std::size_t k = 0; k < moving; ++k) {
+        const Axis& axis = axes[k];
+        if (begin < axis.from) {
+          end = std::min(end, axis.from);
+        } else if (begin < axis.to) {
+          end = std::min(end, axis.to);
+          continue;
+        }
+        const double gap = begin < axis.from ? axis.before : axis.after;
+        a += axis.speed * axis.speed;
+        b += axis.speed * gap;
+        c += gap * gap;
+      }
+      const double size = c + squared_radius;
+      const double excess = c - squared_radius - size * 0x1p-46;
+      const double squared = b * b - a * excess;
+      double t = kInfinity;
+      if (a == 0) {
+        if (excess <= 0) t = begin;
+      } else if (squared >= 0) {
+        const double root = std::sqrt(squared) + std::sqrt(a * size) * 0x1p-46;
+        if (root - b >= a * begin) t = std::max(begin, (-b - root) / a);
+      }
+      if (t <= end) return std::max(enter, -RoundedUp(-t));
+      if (!(end < exit)) return std::numeric_limits<float>::infinity();
+      begin = end;
+    }
+  }
+
+  float Call(std::uint32_t id, float t, const float* planes) {
+    const float limit = mode_.Outside([&] {
+      const WithoutRacyReads reads;
+      return function_(context_, id, t, planes);
+    });
+    if (limit < limit_) limit_ = limit;
     return limit_;
   }
 
-  static float TakeExact(void* caster, std::uint32_t lane, float t,
-                         const float* /*planes*/) {
-    auto& self = *static_cast<BodyCaster*>(caster);
-    const float limit = self.mode_.Outside([&] {
-      const WithoutRacyReads reads;
-      return self.function_(self.context_, self.leaf_.IdOf(lane), t,
-                            self.body_->planes);
-    });
-    if (limit < self.limit_) self.limit_ = limit;
-    if (limit < self.exact_.line.max_t) self.exact_.line.max_t = limit;
-    return self.limit_;
-  }
-
   const BroadPhaseState& state_;
-  const BvhNearestKernels& kernels_;
+  const Version& version_;
   std::uint64_t mask_;
   BodyCastFunction function_;
   void* context_;
   kernels::DefaultFpMode mode_;
-  float limit_ = std::numeric_limits<float>::infinity();
-  LineSearch exact_;
-  const Body* body_ = nullptr;
-  ExactLeaf leaf_;
+  const Line* line_ = nullptr;
+  const LineCast* cast_ = nullptr;
+  bool is_ball_ = false;
+  float limit_ = 0;
 };
 
 }  // namespace
@@ -95,7 +205,7 @@ void BroadPhaseCore::ForEachCast(const LineCast& cast, std::uint64_t mask,
   const BvhNearestKernels& kernels = CheckCast(cast, Target());
   const Held version(*state_);
   const WithRacyReads reads;
-  BodyCaster(*state_, kernels, mask, function, context).Run(*version, cast);
+  BodyCaster(*state_, *version, mask, function, context).Run(kernels, cast);
 }
 
 }  // namespace halfspace::detail

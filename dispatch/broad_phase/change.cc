@@ -1,5 +1,6 @@
 // How a broad phase changes.
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 #include "dispatch/broad_phase/state.h"
@@ -18,8 +19,9 @@ constexpr const char* kInsert = "BroadPhase::Insert";
 // Bodies and their bounds in the tree, which are larger by the margin.
 class Bounded {
  public:
-  explicit Bounded(const BroadPhaseState& state)
+  Bounded(const BroadPhaseState& state, Version& version)
       : state_(state),
+        version_(version),
         ids_(state.options.memory),
         values_(state.options.memory) {}
 
@@ -32,6 +34,7 @@ class Bounded {
     constexpr float kInf = std::numeric_limits<float>::infinity();
     const BvhShape& shape = state_.shape;
     ids_.Push(id);
+    bool is_own = true;
     for (std::size_t p = 0; p < state_.planes(); ++p) {
       const bool is_max = p >= shape.axes;
       const bool is_d = p % shape.axes >= shape.dims;
@@ -39,7 +42,11 @@ class Bounded {
           state_.options.margin * static_cast<float>(is_d ? shape.dims : 1);
       const float value = is_max ? planes[p] + margin : planes[p] - margin;
       values_.Push(value == value ? value : is_max ? kInf : -kInf);
+      is_own &= std::bit_cast<std::uint32_t>(value) ==
+                std::bit_cast<std::uint32_t>(planes[p]);
+      is_own &= value == value;
     }
+    version_.SetOwnBound(id, is_own);
   }
 
   Span<const std::uint32_t> ids() const { return ids_; }
@@ -47,6 +54,7 @@ class Bounded {
 
  private:
   const BroadPhaseState& state_;
+  Version& version_;
   List<std::uint32_t> ids_;
   List<float> values_;
 };
@@ -92,10 +100,11 @@ void Build(BroadPhaseState& state, const TakenMarks& moved,
     const WithRacyReads reads;
     version.tree = BvhTree(old.tree, state.options.memory);
   }
+  version.CopyOwnBounds(old, state.id_limit);
   const std::size_t pending = old.PendingCount();
   List<std::uint32_t> gone(state.options.memory);
-  Bounded stays(state);
-  Bounded comes(state);
+  Bounded stays(state, version);
+  Bounded comes(state, version);
   gone.Reserve(moved.ids().size());
   stays.Reserve(moved.ids().size());
   comes.Reserve(pending + added.ids.size());
@@ -244,6 +253,7 @@ void BroadPhaseCore::Erase(Span<const std::uint32_t> ids) {
   for (const std::uint32_t id : ids) {
     if (!state.bodies.Has(id)) continue;  // a second time in the list
     state.bodies.Write(id, nullptr, nullptr, false);
+    state.current.load()->SetOwnBound(id, false);
     state.bodies.AddMark(id, kChanged);
     state.size.fetch_sub(1, std::memory_order_relaxed);
   }

@@ -4,6 +4,7 @@
 #define HALFSPACE_DISPATCH_BROAD_PHASE_EXACT_H_
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 
@@ -14,6 +15,15 @@ namespace halfspace::detail {
 
 inline bool HasMask(const BodyMasks& masks, std::uint64_t mask) {
   return ~mask == 0 || (masks.category & mask) != 0;
+}
+
+// The planes of an object of a leaf, from the first one on. They stay before
+// later loads.
+inline void LoadPlanes(const float* of_tree, std::size_t planes, float* to) {
+  for (std::size_t p = 0; p < planes; ++p) {
+    auto& plane = const_cast<float&>(of_tree[p * kBlockObjects]);
+    to[p] = std::atomic_ref<float>(plane).load(std::memory_order_acquire);
+  }
 }
 
 class ExactLeaf {

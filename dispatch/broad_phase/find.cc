@@ -1,5 +1,7 @@
 // Queries of a broad phase: the tree and the list of new bodies give
-// candidates, which are tested again by their own bounds.
+// candidates. Those whose bounds in the tree are not their own are tested
+// again.
+#include <bit>
 #include <cmath>
 
 #include "dispatch/broad_phase/exact.h"
@@ -9,12 +11,13 @@
 namespace halfspace::detail {
 namespace {
 
-class Finder {
+class Finder : public WalkIds {
  public:
   Finder(const BroadPhaseState& state, const Version& version,
          const BvhQueries& query, std::uint64_t mask, BodyFunction function,
          void* context)
-      : state_(state),
+      : WalkIds{nullptr, nullptr, nullptr, nullptr, 0, nullptr, &Take},
+        state_(state),
         version_(version),
         query_(query),
         mask_(mask),
@@ -22,48 +25,100 @@ class Finder {
         context_(context),
         leaf_(state.planes()) {}
 
-  // The name of the call in messages.
-  static constexpr const char* kCall = "BroadPhase::ForEach";
-
-  // Throws unless the query, of a shape, is right.
-  static void Check(const BvhShape& shape, const BvhQueries& query) {
-    const BvhTree nothing(shape, MemoryResource());
-    Walk walk{};
-    walk.levels = &nothing.levels();
-    query.kind->walk(nothing, query, QueryOptions(), kCall, walk);
-  }
-
   void Find() {
-    // The function may insert more.
-    const std::size_t pending = version_.PendingCount();
-    for (std::size_t i = 0; i < pending; ++i) {
-      if (!Add(version_.Pending(i))) return;
+    constexpr const char* kCall = "BroadPhase::ForEach";
+    Walk walk{};
+    walk.levels = &version_.tree.levels();
+    walk.queries = query_.first;
+    walk.query_count = 1;
+    walk.ids = this;
+    walk.mask = ~std::uint32_t{0};
+    walk.is_urgent = true;
+    walk.run = &Run;
+    if (query_.kind != nullptr) {
+      query_.kind->walk(version_.tree, query_, QueryOptions(), kCall, walk);
+    } else {
+      Run(walk, KernelsFor(state_.shape, Target(), kCall).find);
     }
-    if (!Flush()) return;
-    BvhForEach(
-        version_.tree, query_,
-        [](void* finder, Span<const std::uint32_t> ids) {
-          auto& self = *static_cast<Finder*>(finder);
-          for (const std::uint32_t id : ids) self.state_.bodies.Prefetch(id);
-          for (const std::uint32_t id : ids) {
-            if (!self.Add(id)) return false;
-          }
-          return self.Flush();
-        },
-        this, QueryOptions());
   }
 
  private:
+  static void Run(const Walk& walk, WalkFunction find) {
+    auto& self = static_cast<Finder&>(*walk.ids);
+    self.queries_ = walk.queries;
+    self.find_ = find;
+    // The function may insert more.
+    const std::size_t pending = self.version_.PendingCount();
+    for (std::size_t i = 0; i < pending; ++i) {
+      if (!self.Add(self.version_.Pending(i))) return;
+    }
+    if (!self.Flush()) return;
+    self.is_first_ = true;
+    if (walk.levels->level[0].size != 0) find(walk);
+    self.Flush();
+  }
+
+  // Bodies of a leaf of the tree.
+  static bool Take(WalkIds& ids, std::size_t block, std::uint64_t bits) {
+    auto& self = static_cast<Finder&>(ids);
+    const BvhLevels& levels = self.version_.tree.levels();
+    const std::size_t first = block * kBlockObjects;
+    const auto id_at = [&](std::uint64_t some) {
+      return levels
+          .ids[first + static_cast<std::size_t>(std::countr_zero(some))];
+    };
+    std::uint64_t others = 0;
+    for (; bits != 0; bits &= bits - 1) {
+      const std::uint32_t id = id_at(bits);
+      float planes[kMostBodyPlanes];
+      const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
+      LoadPlanes(levels.level[0].Plane(block, 0) + lane, self.state_.planes(),
+                 planes);
+      if (!self.version_.HasOwnBound(id)) {
+        if (self.is_first_ && self.query_.kind == nullptr) {
+          if (!self.Add(id)) return false;
+          continue;
+        }
+        self.state_.bodies.Prefetch(id);
+        others |= bits & (~bits + 1);
+      } else if (self.HasMask(id)) {
+        self.is_first_ = false;
+        if (!self.Call(id, planes)) return self.Stop();
+      }
+    }
+    for (; others != 0; others &= others - 1) {
+      if (!self.Add(id_at(others))) return self.Stop();
+    }
+    if (!self.is_first_) return true;
+    self.is_first_ = false;
+    return self.Flush();
+  }
+
+  bool Stop() {
+    leaf_.Clear();
+    return false;
+  }
+
+  bool HasMask(std::uint32_t id) const {
+    if (~mask_ == 0) return true;
+    Body body;
+    return state_.bodies.Read(id, body) && detail::HasMask(body.masks, mask_);
+  }
+
   bool Add(std::uint32_t id) {
     Body body;
-    if (!state_.bodies.Read(id, body) || !HasMask(body.masks, mask_)) {
+    const bool has_masks = ~mask_ != 0;
+    if (!state_.bodies.Read(id, body, has_masks) ||
+        (has_masks && !detail::HasMask(body.masks, mask_))) {
       return true;
     }
     if (query_.kind != nullptr) {
       leaf_.Add(id, body);
       return leaf_.size() < kBlockObjects || Flush();
     }
-    return !Touches(body.planes) || Call(id, body.planes);
+    if (!Touches(body.planes)) return true;
+    is_first_ = false;
+    return Call(id, body.planes);
   }
 
   // As the kernels test a bound.
@@ -91,15 +146,15 @@ class Finder {
     WalkIds found{lanes, lanes, lanes + kBlockObjects + 1, nullptr, 0, nullptr};
     Walk walk{};
     walk.levels = &leaf_.Finish();
-    walk.queries = query_.first;
+    walk.queries = queries_;
     walk.query_count = 1;
     walk.ids = &found;
     walk.mask = ~std::uint32_t{0};
-    query_.kind->walk(version_.tree, query_, QueryOptions(), kCall, walk);
+    find_(walk);
     for (const std::uint32_t* lane = lanes; lane != found.next; ++lane) {
       float planes[kMostBodyPlanes];
       leaf_.PlanesOf(*lane, planes);
-      if (!Call(leaf_.IdOf(*lane), planes)) return false;
+      if (!Call(leaf_.IdOf(*lane), planes)) return Stop();
     }
     leaf_.Clear();
     return true;
@@ -111,6 +166,9 @@ class Finder {
   std::uint64_t mask_;
   BodyFunction function_;
   void* context_;
+  const void* queries_ = nullptr;  // as the kernel reads them
+  WalkFunction find_ = nullptr;
+  bool is_first_ = false;  // no body of the tree was found
   ExactLeaf leaf_;
 };
 
@@ -118,7 +176,6 @@ class Finder {
 
 void BroadPhaseCore::ForEach(const BvhQueries& query, std::uint64_t mask,
                              BodyFunction function, void* context) const {
-  if (query.kind != nullptr) Finder::Check(state_->shape, query);
   const Held version(*state_);
   const WithRacyReads reads;
   Finder(*state_, *version, query, mask, function, context).Find();

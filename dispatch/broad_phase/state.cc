@@ -54,7 +54,9 @@ void MoveOutward(float& of_tree, const Plane& plane) {
   const std::atomic_ref<float> shared(of_tree);
   float old = shared.load(std::memory_order_relaxed);
   while (plane.IsBeyond(old)) {
+    // Behind the store that takes the mark of the body's own bound.
     if (shared.compare_exchange_weak(old, plane.value,
+                                     std::memory_order_release,
                                      std::memory_order_relaxed)) {
       return;
     }
@@ -98,61 +100,53 @@ Bodies::Bodies(const MemoryResource& memory, std::size_t ids,
                std::size_t planes)
     : ids_(ids),
       planes_(planes),
-      words_of_body_(1 + planes + 4),
-      memory_(memory, ids * (words_of_body_ * sizeof(words_[0]) + 1)),
+      memory_(memory, bytes()),
       words_(reinterpret_cast<std::atomic<std::uint32_t>*>(memory_.data())),
-      marks_(reinterpret_cast<std::atomic<std::uint8_t>*>(
-          words_ + ids * words_of_body_)) {
-  std::uninitialized_default_construct_n(words_, ids * words_of_body_);
+      masks_(words_ + ids * (1 + planes)),
+      marks_(reinterpret_cast<std::atomic<std::uint8_t>*>(masks_ +
+                                                          ids * kMaskWords)) {
+  std::uninitialized_default_construct_n(words_,
+                                         ids * (1 + planes + kMaskWords));
   std::uninitialized_default_construct_n(marks_, ids);
 }
 
 std::size_t Bodies::bytes() const {
-  return ids_ * (words_of_body_ * sizeof(words_[0]) + 1);
+  return ids_ * ((1 + planes_ + kMaskWords) * sizeof(words_[0]) + 1);
 }
 
-// The loads of the values acquire, so that they stay before the second load of
-// the first word, and the stores release, so that they stay behind the first
-// store of it. The sanitizers know no fences.
-bool Bodies::Read(std::size_t id, Body& body) const {
-  const std::atomic<std::uint32_t>* const words = At(id);
-  for (std::size_t tries = 1;; ++tries) {
-    const std::uint32_t before = words[0].load(std::memory_order_acquire);
-    if ((before & kIsWritten) == 0) {
-      if ((before & kPresent) == 0) return false;
-      const auto load = [&](std::size_t w) {
-        return words[w].load(std::memory_order_acquire);
-      };
-      for (std::size_t p = 0; p < planes_; ++p) {
-        body.planes[p] = std::bit_cast<float>(load(1 + p));
-      }
-      const std::size_t w = 1 + planes_;
-      body.masks.category = load(w) | std::uint64_t{load(w + 1)} << 32;
-      body.masks.collides_with = load(w + 2) | std::uint64_t{load(w + 3)} << 32;
-      if (words[0].load(std::memory_order_relaxed) == before) return true;
-    }
-    if (tries % 64 == 0) std::this_thread::yield();
-  }
+void Bodies::ReadMasks(std::size_t id, BodyMasks& masks) const {
+  const std::atomic<std::uint32_t>* const words = MasksAt(id);
+  const auto load = [&](std::size_t w) {
+    return words[w].load(std::memory_order_acquire) |
+           std::uint64_t{words[w + 1].load(std::memory_order_acquire)} << 32;
+  };
+  masks.category = load(0);
+  masks.collides_with = load(2);
 }
 
+void Bodies::Wait(std::size_t tries) {
+  if (tries % 64 == 0) std::this_thread::yield();
+}
+
+// The stores of the values release, so that they stay behind the first store of
+// the first word.
 void Bodies::Write(std::size_t id, const float* planes, const BodyMasks* masks,
                    bool is_present) {
   std::atomic<std::uint32_t>* const words = At(id);
   const std::uint32_t before = words[0].load(std::memory_order_relaxed);
   words[0].store(before | kIsWritten, std::memory_order_relaxed);
-  const auto store = [&](std::size_t w, std::uint64_t value) {
-    words[w].store(static_cast<std::uint32_t>(value),
-                   std::memory_order_release);
+  const auto store = [](std::atomic<std::uint32_t>& word, std::uint64_t value) {
+    word.store(static_cast<std::uint32_t>(value), std::memory_order_release);
   };
   for (std::size_t p = 0; p < planes_ && planes != nullptr; ++p) {
-    store(1 + p, std::bit_cast<std::uint32_t>(planes[p]));
+    store(words[1 + p], std::bit_cast<std::uint32_t>(planes[p]));
   }
   if (masks != nullptr) {
-    const std::size_t w = 1 + planes_;
-    store(w, masks->category);
-    store(w + 1, masks->category >> 32);
-    store(w + 2, masks->collides_with);
-    store(w + 3, masks->collides_with >> 32);
+    std::atomic<std::uint32_t>* const to = MasksAt(id);
+    store(to[0], masks->category);
+    store(to[1], masks->category >> 32);
+    store(to[2], masks->collides_with);
+    store(to[3], masks->collides_with >> 32);
   }
   words[0].store(
       ((before + kOneWrite) & ~(kOneWrite - 1)) | (is_present ? kPresent : 0),
@@ -167,10 +161,12 @@ bool Version::HasReaders() const {
   return readers != 0;
 }
 
-std::size_t Version::CounterOfThread() {
+std::size_t Version::NewCounter() {
   static constinit std::atomic<std::size_t> threads{0};
-  thread_local const std::size_t counter =
-      threads.fetch_add(1, std::memory_order_relaxed) % kCounters;
+  const std::size_t thread = threads.fetch_add(1, std::memory_order_relaxed);
+  const std::size_t counter =
+      thread < kOwnCounters ? thread : kOwnCounters + thread % kOwnCounters;
+  counter_of_thread_ = counter + 1;
   return counter;
 }
 
@@ -191,6 +187,7 @@ void Version::AddPending(std::uint32_t id) {
 // those of its nodes.
 void Version::Widen(std::uint32_t id, const float* planes, bool is_all) {
   if (!tree.Has(id)) return;
+  SetOwnBound(id, false);
   const BvhShape& shape = tree.shape();
   const BvhLevels& levels = tree.levels();
   const std::size_t slot = levels.slots[id];
@@ -206,6 +203,13 @@ void Version::Widen(std::uint32_t id, const float* planes, bool is_all) {
       MoveOutward(levels.level[l].Value(p, slot >> (6 * l)), plane);
     }
     MoveOutward(own, plane);
+  }
+}
+
+void Version::CopyOwnBounds(const Version& from, std::size_t count) {
+  for (std::size_t id = 0; id < std::min(count, own_bound_count_); ++id) {
+    own_bounds_[id].store(from.own_bounds_[id].load(std::memory_order_relaxed),
+                          std::memory_order_relaxed);
   }
 }
 
@@ -237,7 +241,7 @@ BroadPhaseState::~BroadPhaseState() {
     Version* const version = versions;
     versions = version->next;
     version->~Version();
-    FreeBlock(options.memory, version, sizeof(Version));
+    FreeBlock(options.memory, version, BytesOfVersion());
   }
 }
 
@@ -246,8 +250,9 @@ Version* BroadPhaseState::NewVersion() {
   for (Version* v = versions; v != nullptr; v = v->next) {
     if (v != current.load() && !v->HasReaders()) return v;
   }
-  void* const block = AllocateBlock(options.memory, sizeof(Version));
-  auto* const version = new (block) Version(BvhTree(shape, options.memory));
+  void* const block = AllocateBlock(options.memory, BytesOfVersion());
+  auto* const version =
+      new (block) Version(BvhTree(shape, options.memory), MarksOfVersion());
   version->next = versions;
   versions = version;
   return version;
@@ -425,7 +430,7 @@ BroadPhaseStatistics BroadPhaseCore::Statistics() const {
                      state_->pairs.capacity();
   for (const Version* v = state_->versions; v != nullptr; v = v->next) {
     statistics.trees += v == &version || v->tree.bytes() > 0 ? 1 : 0;
-    statistics.bytes += sizeof(Version) + v->tree.bytes();
+    statistics.bytes += state_->BytesOfVersion() + v->tree.bytes();
   }
   const WithRacyReads reads;
   statistics.cost_ratio = version.tree.CostRatio();

@@ -13,9 +13,11 @@
 // - A writer stores `upcoming` = N, then reads all counters of C, then widens
 //   each body in N that has a mark, then makes N the current version.
 // Stores and loads of the two pointers and of the counters are sequentially
-// consistent. If the mover did not see N, it counted itself before the writer
-// read the counter. The counters are changed only by read-modify-write, so the
-// writer's read synchronizes with the mover's, and the writer sees the mark.
+// consistent, but for the store by which a thread leaves a counter of its own.
+// If the mover did not see N, it counted itself before the writer read the
+// counter. A counter is changed only by read-modify-write, or by stores of one
+// thread that release, so the writer's read synchronizes with the mover's, and
+// the writer sees the mark.
 //
 // In a version that readers can see, the floats of the tree change only by
 // atomic stores, and only outward: minima become less, maxima greater. Nothing
@@ -29,8 +31,10 @@
 #define HALFSPACE_DISPATCH_BROAD_PHASE_STATE_H_
 
 #include <atomic>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <utility>
 
@@ -114,14 +118,29 @@ class Bodies {
   bool Has(std::size_t id) const {
     return (At(id)[0].load(std::memory_order_acquire) & kPresent) != 0;
   }
-  // A record is in one line or in two.
+  // Of the bound, which is in one line or in two.
   void Prefetch(std::size_t id) const {
     kernels::Prefetch(At(id));
-    kernels::Prefetch(At(id) + words_of_body_ - 1);
+    kernels::Prefetch(At(id) + planes_);
   }
   // Returns whether the body exists, and all of its record as it was at one
-  // time.
-  bool Read(std::size_t id, Body& body) const;
+  // time: its masks too unless that is not wanted.
+  bool Read(std::size_t id, Body& body, bool has_masks = true) const {
+    const std::atomic<std::uint32_t>* const words = At(id);
+    for (std::size_t tries = 1;; ++tries) {
+      const std::uint32_t before = words[0].load(std::memory_order_acquire);
+      if ((before & kIsWritten) == 0) {
+        if ((before & kPresent) == 0) return false;
+        for (std::size_t p = 0; p < planes_; ++p) {
+          body.planes[p] = std::bit_cast<float>(
+              words[1 + p].load(std::memory_order_acquire));
+        }
+        if (has_masks) ReadMasks(id, body.masks);
+        if (words[0].load(std::memory_order_relaxed) == before) return true;
+      }
+      Wait(tries);
+    }
+  }
 
   void Write(std::size_t id, const float* planes, const BodyMasks* masks,
              bool is_present);
@@ -146,37 +165,74 @@ class Bodies {
   static constexpr std::uint32_t kIsWritten = 1;
   static constexpr std::uint32_t kPresent = 2;
   static constexpr std::uint32_t kOneWrite = 4;
+  static constexpr std::size_t kMaskWords = 4;
 
+  // A word that counts writes, and the bound.
   std::atomic<std::uint32_t>* At(std::size_t id) const {
-    return words_ + id * words_of_body_;
+    return words_ + id * (1 + planes_);
   }
+  std::atomic<std::uint32_t>* MasksAt(std::size_t id) const {
+    return masks_ + id * kMaskWords;
+  }
+  // Parts of Read(). The loads of the values acquire, so that they stay before
+  // the second load of the first word. The sanitizers know no fences.
+  void ReadMasks(std::size_t id, BodyMasks& masks) const;
+  static void Wait(std::size_t tries);
 
   std::size_t ids_;
   std::size_t planes_;
-  std::size_t words_of_body_;
   Scratch memory_;
   std::atomic<std::uint32_t>* words_;
+  std::atomic<std::uint32_t>* masks_;
   std::atomic<std::uint8_t>* marks_;
 };
 
 // A tree, and the bodies that are not in it yet.
+//
+// Without a margin most bounds in the tree are the bodies' own. A mark of each
+// such body lets queries answer by the tree alone. A writer sets it before
+// readers can see the version. Who changes the body takes it away before the
+// bound in the tree changes, and no one sets it again. So a reader that loads
+// planes of the tree, and then finds the mark, has a bound that the body had.
 class Version {
  public:
   // Bodies that wait for the next tree. Each query tests them.
   static constexpr std::size_t kMostPending = 256;
 
-  explicit Version(BvhTree empty) : tree(std::move(empty)) {}
+  // There is memory for `marks` marks behind the object.
+  Version(BvhTree empty, std::size_t marks)
+      : tree(std::move(empty)),
+        own_bounds_(reinterpret_cast<std::atomic<std::uint8_t>*>(this + 1)),
+        own_bound_count_(marks) {
+    std::uninitialized_default_construct_n(own_bounds_, marks);
+  }
 
-  // A reader counts itself in and out of a counter of its thread's.
+  // A reader counts itself in and out of a counter of its thread's. The first
+  // threads of the program have counters of their own, which they leave without
+  // a barrier. A query would wait longer for it than for a leaf.
   void Enter(std::size_t counter) {
-    counters_[counter].readers.fetch_add(1, std::memory_order_seq_cst);
+    std::atomic<std::uint32_t>& readers = counters_[counter].readers;
+    if (counter < kOwnCounters) {
+      readers.exchange(readers.load(std::memory_order_relaxed) + 1,
+                       std::memory_order_seq_cst);
+    } else {
+      readers.fetch_add(1, std::memory_order_seq_cst);
+    }
   }
   void Leave(std::size_t counter) {
-    counters_[counter].readers.fetch_sub(1, std::memory_order_seq_cst);
+    std::atomic<std::uint32_t>& readers = counters_[counter].readers;
+    if (counter < kOwnCounters) {
+      readers.store(readers.load(std::memory_order_relaxed) - 1,
+                    std::memory_order_release);
+    } else {
+      readers.fetch_sub(1, std::memory_order_seq_cst);
+    }
   }
   // Reads all counters.
   bool HasReaders() const;
-  static std::size_t CounterOfThread();
+  static std::size_t CounterOfThread() {
+    return counter_of_thread_ != 0 ? counter_of_thread_ - 1 : NewCounter();
+  }
 
   std::size_t PendingCount() const {
     return pending_count_.load(std::memory_order_acquire);
@@ -191,6 +247,17 @@ class Version {
   // Makes the body's bound in the tree, if it has one, enclose `planes`. While
   // readers walk. `is_all` also looks at the nodes if the bound encloses it.
   void Widen(std::uint32_t id, const float* planes, bool is_all);
+  // Whether the body's bound in the tree is its own. `id` is in the tree.
+  bool HasOwnBound(std::uint32_t id) const {
+    return own_bound_count_ != 0 &&
+           own_bounds_[id].load(std::memory_order_acquire) != 0;
+  }
+  void SetOwnBound(std::uint32_t id, bool is_own) {
+    if (own_bound_count_ == 0) return;
+    own_bounds_[id].store(is_own ? 1 : 0, std::memory_order_relaxed);
+  }
+  // Of the ids below `count`.
+  void CopyOwnBounds(const Version& from, std::size_t count);
   // Whether the body's bound and its nodes do.
   bool Encloses(std::uint32_t id, const float* planes) const;
 
@@ -198,7 +265,12 @@ class Version {
   Version* next = nullptr;  // in the list of all
 
  private:
-  static constexpr std::size_t kCounters = 16;
+  static constexpr std::size_t kOwnCounters = 16;
+  static constexpr std::size_t kCounters = 2 * kOwnCounters;
+  static std::size_t NewCounter();
+  // 1 more than its number, or 0 of a new thread.
+  static constinit inline thread_local std::size_t counter_of_thread_ = 0;
+
   struct alignas(64) Counter {
     std::atomic<std::uint32_t> readers{0};
   };
@@ -206,6 +278,8 @@ class Version {
   std::atomic<std::uint32_t> pending_count_{0};
   std::atomic<std::uint32_t> pending_[kMostPending];
   Counter counters_[kCounters];
+  std::atomic<std::uint8_t>* const own_bounds_;
+  const std::size_t own_bound_count_;
 };
 
 class BroadPhaseState {
@@ -248,6 +322,14 @@ class BroadPhaseState {
   List<std::uint64_t> pairs;  // a in the upper half, ascending
 
   Version* NewVersion();
+  std::size_t MarksOfVersion() const {
+    // By bits, as a compare with a subnormal may trap.
+    const auto margin = std::bit_cast<std::uint32_t>(options.margin);
+    return margin << 1 == 0 ? max_ids : 0;
+  }
+  std::size_t BytesOfVersion() const {
+    return sizeof(Version) + MarksOfVersion();
+  }
 };
 
 void CheckMargin(const char* call, const char* name, float margin);

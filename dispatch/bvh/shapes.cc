@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <new>
 #include <span>
 #include <string>
 
@@ -103,6 +104,7 @@ class Prepared {
                          WalkFunction count) {
       walk.queries = query;
       walk.query_count = 1;
+      if (walk.run != nullptr) return walk.run(walk, find);
       (walk.ids != nullptr ? find : count)(walk);
     };
     const BvhShapeKernels& shapes = kBvhShapeKernels[target];
@@ -143,11 +145,10 @@ class Prepared {
   }
 
   void SetFronts() {
-    fronts_.count = query_.count;
+    fronts_.count = 0;
     for (std::size_t f = 0; f < query_.count; ++f) {
       const float* const half_space = query_.values + f * (query_.dims + 1);
-      fronts_.front[f] =
-          MakeFront(planes_, half_space, half_space[query_.dims]);
+      AddFront(half_space, half_space[query_.dims]);
     }
     is_ = kFronts;
   }
@@ -157,10 +158,17 @@ class Prepared {
     const std::size_t dims = query_.dims;
     const float* const axes = query_.values + dims;
     fronts_.count = 0;
+    if (world_.has_max) {
+      SetBox();
+    } else {
+      for (std::size_t k = 0; k < dims; ++k) {
+        double normal[3] = {};
+        normal[k] = 1;
+        AddSides(normal);
+      }
+    }
     for (std::size_t k = 0; k < dims; ++k) {
       double normal[3] = {};
-      normal[k] = 1;
-      AddSides(normal);
       // What is at right angles to the other axes.
       const float* const a = axes + (k + 1) % dims * dims;
       const float* const b = axes + (k + 2) % dims * dims;
@@ -177,6 +185,33 @@ class Prepared {
       AddSides(normal);
     }
     is_ = kFronts;
+  }
+
+  // The axis-aligned box around an oriented box. Numbers that are not finite
+  // limit nothing.
+  void SetBox() {
+    constexpr float kInfinity = kInf<float>;
+    const std::size_t dims = query_.dims;
+    const float* const half_extents = query_.values + dims * (dims + 1);
+    fronts_.box_dims = dims;
+    fronts_.max_plane = world_.axes;
+    bool is_finite = true;
+    for (std::size_t k = 0; k < dims; ++k) {
+      const double middle = query_.values[k];
+      double reach = 0;
+      for (std::size_t a = 0; a < dims; ++a) {
+        reach += std::abs(double{query_.values[dims * (a + 1) + k]} *
+                          half_extents[a]);
+      }
+      is_finite &= std::isfinite(middle) && std::isfinite(reach);
+      reach += (std::abs(middle) + reach) * 0x1p-48;
+      fronts_.low[k] = -RoundedUp(reach - middle);
+      fronts_.high[k] = RoundedUp(reach + middle);
+    }
+    for (std::size_t k = 0; k < dims && !is_finite; ++k) {
+      fronts_.low[k] = -kInfinity;
+      fronts_.high[k] = kInfinity;
+    }
   }
 
   // The half-spaces with this normal and its opposite that just hold an
@@ -210,16 +245,28 @@ class Prepared {
       reach += std::abs(along * half_extents[a]);
     }
     reach += size * 0x1p-48;
-    fronts_.front[fronts_.count++] =
-        MakeFront(planes_, up, RoundedUp(reach - middle));
-    fronts_.front[fronts_.count++] =
-        MakeFront(planes_, down, RoundedUp(reach + middle));
+    AddFront(up, RoundedUp(reach - middle));
+    AddFront(down, RoundedUp(reach + middle));
+  }
+
+  // In place, as a copy would wait for the stores.
+  void AddFront(const float* normal, float offset) {
+    new (&fronts_.front[fronts_.count++])
+        Front(MakeFront(planes_, normal, offset));
   }
 
   // The bound of a point or a sphere, and of others Everything().
   void SetBounds(bool is_everything = false) {
     is_everything |= !CanBeBounded(query_);
     is_ = kBounds;
+    if (!is_everything && query_.kind == BvhShapeQuery::kPoint &&
+        world_.has_max && world_.axes == world_.dims) {
+      // A box of one point, without the rounding of D.
+      for (std::size_t k = 0; k < query_.dims; ++k) {
+        bounds_[k] = bounds_[world_.axes + k] = query_.values[k];
+      }
+      return;
+    }
     if (query_.dims == 2) {
       SetBoundsOf<2>(is_everything);
     } else {
@@ -260,7 +307,8 @@ void BvhWalkShapes(const BvhTree& tree, const BvhQueries& queries,
     return queries.kind->at(queries.first, q);
   };
   const bool finds_nothing =
-      walk.levels->level[0].size == 0 || options.mask == 0;
+      walk.run == nullptr &&
+      (walk.levels->level[0].size == 0 || options.mask == 0);
   if (queries.count != 1 || finds_nothing) {
     kernels::InDefaultFpMode([&] {
       for (std::size_t q = 0; q < queries.count; ++q) CheckShape(at(q), call);

@@ -310,7 +310,7 @@ class BroadPhase {
 
   // Calls function(std::uint32_t id, float t, const Bound&) for the bodies that
   // `box` touches on its way to `box` + max_t * `direction`, or that a ray
-  // enters. Returns nothing, a Visit, or a Limit of t (visit.h). Bodies come
+  // enters. The function returns nothing, a Visit, or a Limit of t (visit.h). Bodies come
   // about near to far, and not sorted. t, limits, NaN and infinities are as in
   // BoxCast() and RayCast() (bvh_nearest.h).
   template <typename Function>
@@ -326,6 +326,28 @@ class BroadPhase {
                    Function&& function) const {
     Cast({"BroadPhase::ForEachCast", ray.origin.data(), ray.origin.data(),
           ray.direction.data(), ray.max_t, 0.0f},
+         mask, function);
+  }
+
+  // Sphere cast: the same for the bodies that `sphere` touches on its way to
+  // its center + max_t * `direction`. t is where its distance from the body's
+  // box becomes the radius, and, for an octahedron, its range of D touches the
+  // body's (Sphere of bvh_shapes.h). The corners and edges are round, unlike
+  // those of RayCast() with a radius.
+  //
+  // Rounding: t is at most the exact value, and no hit is missed. t is less by
+  // at most 2^-18 (relative), or by the error from rounding the center, the
+  // radius and the planes to 2^-20 of their magnitudes. A sphere that misses a
+  // box by less can hit it.
+  //
+  // An axis with a NaN or an infinity limits nothing. An inverted bound
+  // (min > max) is hit as by RayCast() with the radius.
+  template <typename Function>
+  void ForEachCast(const Sphere<kDimensions>& sphere,
+                   const Point<kDimensions>& direction, float max_t,
+                   std::uint64_t mask, Function&& function) const {
+    Cast({"BroadPhase::ForEachCast", sphere.center.data(), sphere.center.data(),
+          direction.data(), max_t, sphere.radius},
          mask, function);
   }
 

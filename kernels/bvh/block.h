@@ -45,11 +45,17 @@ struct WalkIds {
   bool (*flush)(WalkIds& ids);
   std::size_t flushed;   // ids
   std::size_t* offsets;  // of several queries: where the last one begins
+  // Takes the survivors of one query in a leaf, instead of their ids, if not
+  // null. Returns whether to go on.
+  bool (*take)(WalkIds& ids, std::size_t block, std::uint64_t bits) = nullptr;
 
   std::size_t Total() const {
     return flushed + static_cast<std::size_t>(next - begin);
   }
 };
+
+struct Walk;
+using WalkFunction = void (*)(const Walk& walk);
 
 struct Walk {
   const BvhLevels* levels;
@@ -65,8 +71,9 @@ struct Walk {
   // The first survivor is wanted soon: leaves are read when they are found, and
   // not several at a time, until the first flush().
   bool is_urgent;
+  // Runs the walk of a shape that was prepared, if not null.
+  void (*run)(const Walk& walk, WalkFunction find) = nullptr;
 };
-using WalkFunction = void (*)(const Walk& walk);
 
 // Blocks begin ... end - 1 of a level: encodes each, if there are codes, and
 // bounds it by a node of the next level, unless there is none. Threads may

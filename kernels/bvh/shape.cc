@@ -3,7 +3,9 @@
 #include "kernels/bvh/shape.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "kernels/bvh/block.h"
@@ -121,6 +123,7 @@ void MakeLine(const ShapePlanes& planes, const double* low, const double* high,
 }
 
 Front MakeFront(const ShapePlanes& planes, const float* normal, float offset) {
+  constexpr std::uint64_t kOne = 1023;  // the exponent of 1
   // Of a simplex the sum is that of the corner which its minima make, times
   // what is left of the normal after so much of D.
   double most = 0;
@@ -143,8 +146,14 @@ Front MakeFront(const ShapePlanes& planes, const float* normal, float offset) {
     largest = std::max(largest, most);
   }
   // Finite planes cannot overflow with factors of 1/8 and less.
+  // The power of two, by the exponent.
   const double scale =
-      is_finite && largest > 0 ? std::ldexp(1.0, -4 - std::ilogb(largest)) : 1;
+      is_finite && largest > 0
+          ? std::bit_cast<double>(
+                (kOne - 4 - (std::bit_cast<std::uint64_t>(largest) >> 52) +
+                 kOne)
+                << 52)
+          : 1;
   const double scaled_offset = std::clamp(offset * scale, -0x1p126, 0x1p126);
   Front front{};
   front.offset =

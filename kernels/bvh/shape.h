@@ -66,7 +66,12 @@ struct Front {
   Term term[4];
 };
 
+// Half-spaces, and a box that the bounds must touch too.
 struct Fronts {
+  std::size_t box_dims = 0;  // 0 without a box
+  std::size_t max_plane;     // the first maximum
+  float low[3];
+  float high[3];
   std::size_t count;
   Front front[kMostHalfSpaces];
 };

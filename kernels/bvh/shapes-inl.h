@@ -199,19 +199,51 @@ class FrontsQuery : public ShapeQuery<FrontsQuery> {
   template <bool kIsNearest>
   uint64_t Bits(const detail::BvhLevel& level, size_t block,
                 uint64_t candidates) const {
-    for (size_t f = 0; f < fronts_.count && candidates != 0; ++f) {
-      const detail::Front& front = fronts_.front[f];
+    const float* const floats = level.Plane(block, 0);
+    if (fronts_.box_dims != 0) {
       candidates = NotRejected(candidates, [&](auto d, size_t i) HWY_ATTR {
-        const auto sum =
-            FrontSum(d, front, [&](const detail::Front::Term& term) HWY_ATTR {
-              const size_t plane = kIsNearest ? term.opposite : term.plane;
-              return hn::LoadU(d, level.Plane(block, plane) + i);
-            });
-        const auto is_behind = hn::Lt(sum, hn::Zero(d));
-        return kIsNearest ? hn::Or(is_behind, hn::Ne(sum, sum)) : is_behind;
+        return IsOutside<kIsNearest>(d, floats + i);
       });
     }
+    const WordTag<float> d;
+    const size_t lanes = hn::Lanes(d);
+    const uint64_t all = ~uint64_t{0} >> (detail::kBlockObjects - lanes);
+    for (size_t i = 0; i < detail::kBlockObjects; i += lanes) {
+      for (size_t f = 0; f < fronts_.count && (candidates & all << i) != 0;
+           ++f) {
+        const auto sum = FrontSum(
+            d, fronts_.front[f], [&](const detail::Front::Term& term) HWY_ATTR {
+              const size_t plane = kIsNearest ? term.opposite : term.plane;
+              return hn::LoadU(d, floats + plane * detail::kBlockObjects + i);
+            });
+        auto is_out = hn::Lt(sum, hn::Zero(d));
+        if (kIsNearest) is_out = hn::Or(is_out, hn::Ne(sum, sum));
+        candidates &= ~(LaneBits(d, is_out) << i);
+      }
+    }
     return candidates;
+  }
+
+  // Of the box.
+  template <bool kIsNearest, class D>
+  HWY_INLINE hn::Mask<D> IsOutside(D d, const float* floats) const {
+    const float* const maxima =
+        floats + fronts_.max_plane * detail::kBlockObjects;
+    auto is_outside = hn::Lt(hn::Zero(d), hn::Zero(d));
+    for (size_t k = 0; k < fronts_.box_dims; ++k) {
+      const auto min = hn::LoadU(d, floats + k * detail::kBlockObjects);
+      const auto max = hn::LoadU(d, maxima + k * detail::kBlockObjects);
+      const auto low = hn::Set(d, fronts_.low[k]);
+      const auto high = hn::Set(d, fronts_.high[k]);
+      if constexpr (kIsNearest) {
+        const auto is_inside = hn::And(hn::Ge(min, low), hn::Le(max, high));
+        is_outside = hn::Or(is_outside, hn::Not(is_inside));
+      } else {
+        is_outside =
+            hn::Or(is_outside, hn::Or(hn::Gt(min, high), hn::Lt(max, low)));
+      }
+    }
+    return is_outside;
   }
 
   const detail::Fronts& fronts_;

@@ -193,6 +193,14 @@ class Walker {
         }
       }
       if (level == 1) {
+        // One leaf at a time until a survivor is found.
+        while (many_leaves_ == 1 && own.kept != 0) {
+          const uint64_t bit = own.kept & (~own.kept + 1);
+          own.kept ^= bit;
+          if (!ListLeaves(query, own.first, bit, own.inside & bit)) {
+            return false;
+          }
+        }
         if (own.kept != 0 &&
             !ListLeaves(query, own.first, own.kept, own.inside)) {
           return false;
@@ -395,6 +403,10 @@ class Walker {
   HWY_INLINE bool Take(size_t query, size_t block, uint64_t bits) {
     if constexpr (kWrites) {
       detail::WalkIds& ids = *walk_.ids;
+      if (ids.take != nullptr) {
+        many_leaves_ = kManyLeaves;
+        return ids.take(ids, block, bits);
+      }
       const size_t first = block * detail::kBlockObjects;
       ids.next = WriteIds(
           bits, levels_.ids + first,
