@@ -20,6 +20,9 @@ namespace {
 
 constexpr std::size_t kMostIds = std::size_t{1} << 29;
 
+// How much larger a bound is on the side to which a body moves, in margins.
+constexpr float kMostAhead = 2;
+
 // Numbers in the order of floats, without a floating-point mode. -0 is less
 // than 0.
 std::int32_t KeyOf(float value) {
@@ -99,16 +102,55 @@ Bodies::Bodies(const MemoryResource& memory, std::size_t ids,
     : ids_(ids),
       planes_(planes),
       words_of_body_(1 + planes + 4),
-      memory_(memory, ids * (words_of_body_ * sizeof(words_[0]) + 1)),
-      words_(reinterpret_cast<std::atomic<std::uint32_t>*>(memory_.data())),
-      marks_(reinterpret_cast<std::atomic<std::uint8_t>*>(
-          words_ + ids * words_of_body_)) {
+      words_of_marks_((ids + 63) / 64 * 8),
+      memory_(memory, bytes()),
+      marks_(reinterpret_cast<std::uint64_t*>(memory_.data())),
+      touched_(marks_ + words_of_marks_),
+      words_(reinterpret_cast<std::atomic<std::uint32_t>*>(touched_ +
+                                                           words_of_marks_)) {
+  std::fill_n(marks_, 2 * words_of_marks_, 0);
   std::uninitialized_default_construct_n(words_, ids * words_of_body_);
-  std::uninitialized_default_construct_n(marks_, ids);
 }
 
 std::size_t Bodies::bytes() const {
-  return ids_ * (words_of_body_ * sizeof(words_[0]) + 1);
+  return 2 * words_of_marks_ * sizeof(marks_[0]) +
+         ids_ * words_of_body_ * sizeof(words_[0]);
+}
+
+namespace {
+
+// The bytes of eight marks that have a bit, a bit for each of them.
+std::uint64_t BitsOf(std::uint64_t bytes, std::uint8_t mark) {
+  if constexpr (std::endian::native == std::endian::big) {
+    bytes = __builtin_bswap64(bytes);
+  }
+  const std::uint64_t ones =
+      bytes >> std::countr_zero(mark) & 0x0101010101010101;
+  return ones * 0x0102040810204080 >> 56;
+}
+
+}  // namespace
+
+std::uint64_t Bodies::MarkedOf(std::size_t word, Mark mark) const {
+  std::uint64_t* const marks = mark == kTouched ? touched_ : marks_;
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const std::atomic_ref<std::uint64_t> eight(marks[8 * word + i]);
+    bits |= BitsOf(eight.load(std::memory_order_acquire), mark) << 8 * i;
+  }
+  return bits;
+}
+
+std::uint64_t Bodies::TakeMarkedOf(std::size_t word, Mark mark) {
+  std::uint64_t* const marks = mark == kTouched ? touched_ : marks_;
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const std::atomic_ref<std::uint64_t> eight(marks[8 * word + i]);
+    const std::uint64_t all = mark * std::uint64_t{0x0101010101010101};
+    if ((eight.load(std::memory_order_relaxed) & all) == 0) continue;
+    bits |= BitsOf(eight.fetch_and(~all), mark) << 8 * i;
+  }
+  return bits;
 }
 
 // The loads of the values acquire, so that they stay before the second load of
@@ -189,12 +231,11 @@ void Version::AddPending(std::uint32_t id) {
 
 // The nodes first, from the root on: a walk that sees the body's new bound sees
 // those of its nodes.
-void Version::Widen(std::uint32_t id, const float* planes, bool is_all) {
+void Version::Widen(std::uint32_t id, const float* planes) {
   if (!tree.Has(id)) return;
   const BvhShape& shape = tree.shape();
   const BvhLevels& levels = tree.levels();
   const std::size_t slot = levels.slots[id];
-  if (!is_all && LevelEncloses(shape, levels.level[0], slot, planes)) return;
   for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
     Plane plane(planes[p], p >= shape.axes);
     float& own = levels.level[0].Value(p, slot);
@@ -210,9 +251,14 @@ void Version::Widen(std::uint32_t id, const float* planes, bool is_all) {
 }
 
 bool Version::Encloses(std::uint32_t id, const float* planes) const {
+  return tree.Has(id) && LevelEncloses(tree.shape(), tree.levels().level[0],
+                                       tree.levels().slots[id], planes);
+}
+
+bool Version::NodesEnclose(std::uint32_t id, const float* planes) const {
   const BvhLevels& levels = tree.levels();
   const std::size_t slot = levels.slots[id];
-  for (std::size_t l = 0; l < levels.count; ++l) {
+  for (std::size_t l = 1; l < levels.count; ++l) {
     if (!LevelEncloses(tree.shape(), levels.level[l], slot >> (6 * l),
                        planes)) {
       return false;
@@ -228,7 +274,7 @@ BroadPhaseState::BroadPhaseState(const BvhShape& tree_shape, std::size_t ids,
       options(with),
       bodies(with.memory, ids, 2u * tree_shape.axes),
       current(nullptr),
-      pairs(with.memory) {
+      candidates(with.memory) {
   current.store(NewVersion());
 }
 
@@ -251,6 +297,43 @@ Version* BroadPhaseState::NewVersion() {
   version->next = versions;
   versions = version;
   return version;
+}
+
+// A body that leaves its bound on one side went there from the other side,
+// where the bound still is. The bound grows by as much again on the side to
+// which the body moves, so that it stays inside about as long as before.
+void BroadPhaseState::Loosen(const BvhTree& tree, std::uint32_t id,
+                             const float* planes, float* loose) const {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  const bool has_old = options.margin > 0 && tree.Has(id);
+  for (std::size_t k = 0; k < shape.axes; ++k) {
+    const float margin =
+        options.margin * static_cast<float>(k < shape.dims ? 1 : shape.dims);
+    const std::size_t max = shape.axes + k;
+    float below = margin;
+    float above = margin;
+    if (has_old) {
+      const std::size_t slot = tree.levels().slots[id];
+      const auto old = [&](std::size_t p) {
+        return LoadPlane(tree.levels().level[0].Value(p, slot));
+      };
+      const float from_min = planes[k] - old(k);
+      const float from_max = old(max) - planes[max];
+      const auto ahead = [margin](float behind) {
+        const float way = behind - margin;
+        return way > 0 ? std::min(way, kMostAhead * margin) : 0.0f;
+      };
+      if (from_min > from_max) {
+        above += ahead(from_min);
+      } else if (from_max > from_min) {
+        below += ahead(from_max);
+      }
+    }
+    const float low = planes[k] - below;
+    const float high = planes[max] + above;
+    loose[k] = low == low ? low : -kInf;
+    loose[max] = high == high ? high : kInf;
+  }
 }
 
 void BroadPhaseState::CheckList(const char* call, Span<const std::uint32_t> ids,
@@ -311,14 +394,21 @@ void CheckMargin(const char* call, const char* name, float margin) {
 }
 
 void TakenMarks::Take() {
-  ForEachMarked(state_, mark_, [&](std::uint32_t id) {
-    ids_.Push(id);
-    state_.bodies.TakeMark(id, mark_);
-  });
+  words_.Resize((state_.id_limit + 63) / 64, 0);
+  for (std::size_t w = 0; w < words_.size(); ++w) {
+    words_[w] = state_.bodies.TakeMarkedOf(w, mark_);
+  }
 }
 
 TakenMarks::~TakenMarks() {
-  for (const std::uint32_t id : ids_) state_.bodies.AddMark(id, mark_);
+  if (is_kept_) return;
+  ForEach([&](std::uint32_t id) {
+    if (mark_ == Bodies::kTouched) {
+      state_.bodies.Touch(id);
+    } else {
+      state_.bodies.AddMark(id, mark_);
+    }
+  });
 }
 
 BroadPhaseCore::BroadPhaseCore(const BvhShape& shape, std::size_t max_ids,
@@ -407,7 +497,10 @@ bool BroadPhaseCore::Validate() const {
     if (i >= state_->id_limit || is_pending == version.tree.Has(id)) {
       return false;
     }
-    if (!is_pending && !version.Encloses(id, body.planes)) return false;
+    if (!is_pending && !(version.Encloses(id, body.planes) &&
+                         version.NodesEnclose(id, body.planes))) {
+      return false;
+    }
   }
   return count == size();
 }
@@ -420,9 +513,9 @@ BroadPhaseStatistics BroadPhaseCore::Statistics() const {
   for (std::size_t i = 0; i < version.PendingCount(); ++i) {
     statistics.pending += state_->bodies.Has(version.Pending(i)) ? 1 : 0;
   }
-  statistics.pairs = state_->pairs.size();
+  statistics.pairs = state_->pairs;
   statistics.bytes = sizeof(BroadPhaseState) + state_->bodies.bytes() +
-                     state_->pairs.capacity();
+                     state_->candidates.capacity();
   for (const Version* v = state_->versions; v != nullptr; v = v->next) {
     statistics.trees += v == &version || v->tree.bytes() > 0 ? 1 : 0;
     statistics.bytes += sizeof(Version) + v->tree.bytes();
