@@ -1,5 +1,6 @@
 // How a broad phase changes.
 #include <algorithm>
+#include <bit>
 
 #include "dispatch/broad_phase/state.h"
 #include "dispatch/bvh/layout.h"
@@ -29,13 +30,13 @@ class Bounded {
     ids_.Reserve(count);
     values_.Reserve(count * state_.planes());
   }
-  // With the bound that it has in `tree`, or none. In the default
-  // floating-point mode.
-  void Add(const BvhTree& tree, std::uint32_t id, const float* planes) {
+  // `in_tree` are its planes there, or null. In the default floating-point
+  // mode.
+  void Add(std::uint32_t id, float* in_tree, const float* planes) {
     ids_.Push(id);
     const std::size_t begin = values_.size();
     values_.Resize(begin + state_.planes(), 0);
-    state_.Loosen(tree, id, planes, values_.data() + begin);
+    state_.Loosen(in_tree, planes, values_.data() + begin);
   }
 
   Span<const std::uint32_t> ids() const { return ids_; }
@@ -98,26 +99,27 @@ void Build(BroadPhaseState& state, const IdSet& moved, const NewBodies& added,
   comes.Reserve(pending + added.ids.size());
   kernels::InDefaultFpMode([&] {
     Body body;
-    const auto add = [&](Bounded& to, std::uint32_t id) {
-      to.Add(version.tree, id, body.planes);
+    const auto add = [&](Bounded& to, std::uint32_t id, float* in_tree) {
+      to.Add(id, in_tree, body.planes);
       if (!state.bodies.HasMarks(id, Bodies::kNewPairs)) {
         state.bodies.AddMark(id, Bodies::kNewPairs);
       }
     };
     moved.ForEach([&](std::uint32_t id) {
-      if (!version.tree.Has(id)) return;
+      float* const in_tree = version.Find(id);
+      if (in_tree == nullptr) return;
       if (state.bodies.Read(id, body)) {
-        add(stays, id);
+        add(stays, id, in_tree);
       } else {
         gone.Push(id);
       }
     });
     for (std::size_t i = 0; i < pending; ++i) {
       const std::uint32_t id = old.Pending(i);
-      if (state.bodies.Read(id, body)) add(comes, id);
+      if (state.bodies.Read(id, body)) add(comes, id, nullptr);
     }
     for (std::size_t i = 0; i < added.ids.size(); ++i) {
-      comes.Add(version.tree, added.ids[i], added.values + i * state.planes());
+      comes.Add(added.ids[i], nullptr, added.values + i * state.planes());
     }
   });
   version.tree.Erase(gone);
@@ -165,8 +167,8 @@ void Publish(BroadPhaseState& state, Version& version) {
       const auto id = static_cast<std::uint32_t>(
           64 * w + static_cast<std::size_t>(std::countr_zero(bits)));
       Body body;
-      if (!state.bodies.Read(id, body) || !version.tree.Has(id)) continue;
-      version.Widen(id, body.planes);
+      if (!state.bodies.Read(id, body) || version.Find(id) == nullptr) continue;
+      kernels::InDefaultFpMode([&] { version.Widen(id, body.planes, false); });
       state.bodies.AddMark(id, Bodies::kNewPairs);
     }
   }
@@ -188,15 +190,36 @@ void BuildAndPublish(BroadPhaseState& state, const Sorting& sorting) {
 
 // The mark before says that the bound has to be tightened, and the one behind,
 // if UpdatePairs() took the first, that it has grown.
-[[gnu::noinline]] void WidenMoved(BroadPhaseState& state, Version& version,
-                                  std::uint32_t id, const float* planes) {
+void WidenMoved(BroadPhaseState& state, Version& version, std::uint32_t id,
+                const float* planes) {
   state.bodies.SetMarks(id, kChanged);
-  if (!version.tree.Has(id)) return;
+  float* const in_tree = version.Find(id);
+  if (in_tree == nullptr) return;
   float loose[kMostBodyPlanes];
-  kernels::InDefaultFpMode(
-      [&] { state.Loosen(version.tree, id, planes, loose); });
-  version.Widen(id, loose);
+  state.Loosen(in_tree, planes, loose);
+  version.Widen(id, loose, true);
   state.bodies.SetMarks(id, kChanged);
+}
+
+// Widens the bodies that left their bounds. Returns whether there are any.
+[[gnu::noinline]] bool WidenAllMoved(BroadPhaseState& state, Version& version,
+                                     Span<const std::uint32_t> ids,
+                                     const float* planes) {
+  return kernels::InDefaultFpMode([&] {
+    bool is_any = false;
+    for (std::size_t begin = 0; begin < ids.size(); begin += 64) {
+      const std::size_t count = std::min<std::size_t>(64, ids.size() - begin);
+      const float* const some = planes + begin * state.planes();
+      for (std::uint64_t bits =
+               version.NotEnclosed({ids.data() + begin, count}, some);
+           bits != 0; bits &= bits - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(bits));
+        WidenMoved(state, version, ids[begin + i], some + i * state.planes());
+        is_any = true;
+      }
+    }
+    return is_any;
+  });
 }
 
 // Whether a body that is inserted has to be added to the list.
@@ -268,7 +291,7 @@ void BroadPhaseCore::Insert(Span<const std::uint32_t> ids,
     if (IsNew(version, ids[i])) {
       version.AddPending(ids[i]);
     } else {  // in the tree since before it was erased, or in the list
-      version.Widen(ids[i], values.data() + i * planes);
+      WidenAllMoved(state, version, {&ids[i], 1}, values.data() + i * planes);
     }
   }
 }
@@ -299,10 +322,7 @@ void BroadPhaseCore::Move(Span<const std::uint32_t> ids,
   state.CheckList(kCall, ids, "bounds", values.data(), values.size() / planes,
                   alignof(float));
   state.CheckBodies(kCall, ids);
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    state.bodies.Write(ids[i], values.data() + i * planes, nullptr, true);
-    state.bodies.Touch(ids[i]);
-  }
+  state.bodies.Move(ids, values.data());
   // In this order: see state.h.
   const std::size_t counter = Version::CounterOfThread();
   for (bool is_done = false; !is_done;) {
@@ -315,12 +335,7 @@ void BroadPhaseCore::Move(Span<const std::uint32_t> ids,
     const Held upcoming(state.upcoming, counter);
     for (Version* const version : {upcoming.get(), current.get()}) {
       if (version == nullptr) continue;
-      for (std::size_t i = 0; i < ids.size(); ++i) {
-        const float* const own = values.data() + i * planes;
-        if (version->Encloses(ids[i], own)) continue;
-        is_marked = true;
-        WidenMoved(state, *version, ids[i], own);
-      }
+      is_marked |= WidenAllMoved(state, *version, ids, values.data());
     }
     if (is_marked) current->CountAgain(counter);
     Version* const now = state.upcoming.load(std::memory_order_seq_cst);

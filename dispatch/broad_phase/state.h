@@ -144,6 +144,8 @@ class Bodies {
 
   void Write(std::size_t id, const float* planes, const BodyMasks* masks,
              bool is_present);
+  // Writes the planes of bodies, one after another, and touches them.
+  void Move(Span<const std::uint32_t> ids, const float* planes);
 
   // Returns whether the body had one of the marks.
   bool AddMark(std::size_t id, std::uint8_t marks) {
@@ -160,7 +162,7 @@ class Bodies {
     return (ByteOf(marks_, id).load(std::memory_order_acquire) & marks) ==
            marks;
   }
-  // No other mark, so it is no read-modify-write.
+  // There is no other mark in the byte, so it is no read-modify-write.
   void Touch(std::size_t id) {
     ByteOf(touched_, id).store(kTouched, std::memory_order_release);
   }
@@ -229,13 +231,19 @@ class Version {
   void AddPending(std::uint32_t id);
   void ClearPending() { pending_count_.store(0, std::memory_order_release); }
 
-  // Whether the tree has the body, with a bound that encloses `planes`.
-  bool Encloses(std::uint32_t id, const float* planes) const;
-  // Whether the nodes above do, too.
-  bool NodesEnclose(std::uint32_t id, const float* planes) const;
-  // Makes the body's bound in the tree, if it has one, and the nodes enclose
-  // `planes`. While readers walk.
-  void Widen(std::uint32_t id, const float* planes);
+  // Where the first plane of a body is in the tree, or null.
+  float* Find(std::uint32_t id) const;
+  // Of up to 64 bodies, a bit for each that the tree does not have, or not with
+  // a bound that encloses its planes, which are one after another, or that has
+  // a NaN. This and the next are called in the default floating-point mode.
+  std::uint64_t NotEnclosed(Span<const std::uint32_t> ids,
+                            const float* planes) const;
+  // Makes the body's bound in the tree, and the nodes, enclose `planes`. While
+  // readers walk. A mover, who is the only one that moves the body, replaces
+  // planes of its bound that another thread made grow for it.
+  void Widen(std::uint32_t id, const float* planes, bool is_mover);
+  // Whether the body's bound in the tree and all its nodes do.
+  bool DoAllEnclose(std::uint32_t id, const float* planes) const;
 
   BvhTree tree;
   Version* next = nullptr;  // in the list of all
@@ -279,6 +287,7 @@ class BroadPhaseState {
   const BvhShape shape;
   const std::size_t max_ids;
   const BroadPhaseOptions options;
+  const bool has_margin;
   Bodies bodies;
   std::atomic<std::size_t> size{0};
   std::atomic<Version*> current;
@@ -295,11 +304,10 @@ class BroadPhaseState {
   std::size_t pairs = 0;           // of these
 
   Version* NewVersion();
-  // A bound of the body for a tree: larger by the margin, and more where the
-  // body goes, as far as the bound that it has in `tree` shows. In the default
+  // A bound of a body for a tree: larger by the margin, and more where the body
+  // goes, as far as its planes in a tree, or null, show. In the default
   // floating-point mode.
-  void Loosen(const BvhTree& tree, std::uint32_t id, const float* planes,
-              float* loose) const;
+  void Loosen(float* in_tree, const float* planes, float* loose) const;
 };
 
 void CheckMargin(const char* call, const char* name, float margin);
