@@ -109,7 +109,7 @@ class BodyCaster {
   float BallEntryOf(const float* planes, float enter, float exit) const {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     struct Axis {
-      double from, to;      // when the center is between the planes
+      double from, to;       // when the center is between the planes
       double before, after;  // the center less the plane that it passes
       double speed;
     };
