@@ -136,8 +136,9 @@ class BodySpace : public Competitor {
   virtual void Step(Ids ids, Boxes boxes) = 0;
   // The pairs that touch, of which one is a body of the last Step(), each once.
   virtual void PairsOf(Ids ids, std::vector<IndexPair>& found) = 0;
-  // How many bodies touch which, of all.
-  virtual std::size_t CountPairs() = 0;
+  // All pairs that touch. A space that tells how its pairs change need not list
+  // them. Returns how many they are.
+  virtual std::size_t AllPairs(std::vector<IndexPair>& found) = 0;
   // Appends the bodies that touch the query.
   virtual void Find(const BodyQuery<kDims>& query,
                     std::vector<std::uint32_t>& found) const = 0;
@@ -155,8 +156,8 @@ class BodySpace : public Competitor {
       boxes_[ids[i]] = boxes[i];
     }
   }
-  // The pairs of Step()'s bodies among those that visit(function) calls
-  // function(a, b) for.
+  // The pairs that touch among those that visit(function) calls function(a, b)
+  // for: of Step()'s bodies, or all.
   template <typename Visit>
   void PairsAmong(Ids ids, std::vector<IndexPair>& found, Visit visit) {
     for (std::uint32_t id : ids) moved_[id] = 1;
@@ -166,6 +167,13 @@ class BodySpace : public Competitor {
       }
     });
     for (std::uint32_t id : ids) moved_[id] = 0;
+  }
+  template <typename Visit>
+  std::size_t AllPairsAmong(std::vector<IndexPair>& found, Visit visit) const {
+    visit([&](std::uint32_t a, std::uint32_t b) {
+      if (Touch(boxes_[a], boxes_[b])) found.push_back({a, b});
+    });
+    return found.size();
   }
   // The same by a query for each of Step()'s bodies: each(a, function) calls
   // function(b) for those near a.

@@ -36,16 +36,10 @@ class Box2dSpace : public BodySpace<2> {
   }
 
   void PairsOf(Ids ids, std::vector<IndexPair>& found) override {
-    PairsAmong(ids, found, [&](auto function) {
-      for (const IndexPair& pair : contacts_) function(pair[0], pair[1]);
-    });
+    PairsAmong(ids, found, [&](auto function) { ForEachPair(function); });
   }
-  std::size_t CountPairs() override {
-    std::size_t count = 0;
-    for (const IndexPair& pair : contacts_) {
-      count += Touch(boxes_[pair[0]], boxes_[pair[1]]) ? 1 : 0;
-    }
-    return count;
+  std::size_t AllPairs(std::vector<IndexPair>& found) override {
+    return AllPairsAmong(found, [&](auto function) { ForEachPair(function); });
   }
 
   void Find(const BodyQuery<2>& query,
@@ -110,6 +104,11 @@ class Box2dSpace : public BodySpace<2> {
   }
   std::uint32_t IdOf(std::int32_t proxy) const {
     return IdOf(space_.GetUserData(proxy));
+  }
+
+  template <typename Function>
+  void ForEachPair(Function function) const {
+    for (const IndexPair& pair : contacts_) function(pair[0], pair[1]);
   }
 
   void UpdateContacts() {

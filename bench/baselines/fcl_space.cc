@@ -66,12 +66,8 @@ class FclSpace : public BodySpace<3> {
       });
     });
   }
-  std::size_t CountPairs() override {
-    std::size_t count = 0;
-    ForEachPair([&](std::uint32_t a, std::uint32_t b) {
-      count += Touch(boxes_[a], boxes_[b]) ? 1 : 0;
-    });
-    return count;
+  std::size_t AllPairs(std::vector<IndexPair>& found) override {
+    return AllPairsAmong(found, [&](auto function) { ForEachPair(function); });
   }
 
   void Find(const BodyQuery<3>& query,

@@ -29,10 +29,13 @@ class ScanSpace : public BodySpace<kDims> {
       for (std::uint32_t b : Scan(this->boxes_[a])) function(b);
     });
   }
-  std::size_t CountPairs() override {
-    std::size_t count = 0;
-    for (const Box& box : this->boxes_) count += CountSurvivors(world_, box);
-    return (count - this->boxes_.size()) / 2;
+  std::size_t AllPairs(std::vector<IndexPair>& found) override {
+    for (std::uint32_t a = 0; a < this->boxes_.size(); ++a) {
+      for (std::uint32_t b : Scan(this->boxes_[a])) {
+        if (b < a) found.push_back({b, a});
+      }
+    }
+    return found.size();
   }
 
   void Find(const BodyQuery<kDims>& query,
