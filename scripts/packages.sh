@@ -10,8 +10,8 @@ build_packages=(
 # What cpuinfo-bench compares the library with, where it is installed.
 # shellcheck disable=SC2034  # for those who source this
 competitor_packages=(
-  libboost-dev libbullet-dev libembree-dev libgeos++-dev
-  libnanoflann-dev)
+  libboost-dev libbox2d-dev libbullet-dev libembree-dev libfcl-dev
+  libgeos++-dev libnanoflann-dev libode-dev)
 
 # What checks its report.
 # shellcheck disable=SC2034
