@@ -13,6 +13,10 @@ competitor_packages=(
   libboost-dev libbox2d-dev libbullet-dev libembree-dev libfcl-dev
   libgeos++-dev libnanoflann-dev libode-dev)
 
+# The libraries that examples have adapters for.
+# shellcheck disable=SC2034
+example_packages=(libbullet-dev libfcl-dev)
+
 # What checks its report.
 # shellcheck disable=SC2034
 page_test_packages=(python3 python3-jsonschema)
