@@ -38,7 +38,7 @@ while [ $# -gt 0 ]; do
 done
 
 if [ "$is_full" ]; then
-  prepare_machine "${page_test_packages[@]}" doxygen
+  prepare_machine "${page_test_packages[@]}" "${example_packages[@]}" doxygen
 else
   prepare_machine
 fi

@@ -26,12 +26,6 @@ constexpr hs_bvh_config kDefaults = {sizeof(hs_bvh_config),
                                      nullptr,
                                      {}};
 
-detail::BvhShape ShapeOf(const Kind& kind) {
-  return WithView(kind, []<typename View>(const View&) {
-    return detail::BvhShapeOf<View>();
-  });
-}
-
 // What the part functions of one call of `run` share. They can run at the same
 // time, and must not throw through the caller's function.
 struct Parts {
@@ -99,6 +93,12 @@ void WriteRecord(const hs_bvh& bvh, const float* values, float* record) {
 }
 
 }  // namespace
+
+detail::BvhShape ShapeOf(const Kind& kind) {
+  return WithView(kind, []<typename View>(const View&) {
+    return detail::BvhShapeOf<View>();
+  });
+}
 
 BvhConfig::BvhConfig(const Call& call, const hs_bvh_config* config) {
   const hs_bvh_config read = ReadConfig(call, config, kDefaults);

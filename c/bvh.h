@@ -7,6 +7,7 @@
 #include "c/call.h"
 #include "c/columns.h"
 #include "halfspace/bvh.h"
+#include "halfspace/detail/bvh_pairs.h"
 #include "halfspace/memory.h"
 
 // Below the templates of bvh.h, so that there is one for all kinds.
@@ -27,6 +28,12 @@ struct hs_bvh {
 };
 
 namespace halfspace::c {
+
+detail::BvhShape ShapeOf(const Kind& kind);
+// Not of simplices.
+const detail::BvhPairKernels* PairKernelsOf(const Kind& kind);
+// Fails unless the margin is finite and not negative.
+void CheckMargin(const Call& call, const char* argument, float margin);
 
 // A configuration after its checks.
 struct BvhConfig {

@@ -48,12 +48,7 @@ QueryOptions ReadQuery(const Call& call, const hs_query_options* options,
 PairOptions ReadPairs(const Call& call, const hs_pair_options* options) {
   const hs_pair_options read =
       ReadOptions(call, "options", options, kPairDefaults);
-  if (!(read.margin >= 0) || read.margin > std::numeric_limits<float>::max()) {
-    call.Fail(HS_INVALID_ARGUMENT,
-              "options->margin: expected a finite number that is not negative, "
-              "got %g",
-              static_cast<double>(read.margin));
-  }
+  CheckMargin(call, "options->margin", read.margin);
   PairOptions pairs;
   pairs.mask = read.mask;
   pairs.margin = read.margin;
@@ -241,11 +236,8 @@ detail::PairSources SourcesOf(const Call& call, const hs_bvh* a,
     call.Fail(HS_INVALID_ARGUMENT,
               "b: expected a BVH of the kind of `a`, got another kind");
   }
-  const detail::BvhPairKernels* kernels = nullptr;
-  if (a->kind.axes == 2) kernels = detail::BvhPairKernelsOf<2>::kTargets;
-  if (a->kind.axes == 3) kernels = detail::BvhPairKernelsOf<3>::kTargets;
-  if (a->kind.axes == 4) kernels = detail::BvhPairKernelsOf<4>::kTargets;
-  return {kernels, &a->tree, b == nullptr ? nullptr : &b->tree, nullptr};
+  return {PairKernelsOf(a->kind), &a->tree, b == nullptr ? nullptr : &b->tree,
+          nullptr};
 }
 
 void WritePairs(const Call& call, const hs_bvh* a, const hs_bvh* b,
@@ -277,6 +269,20 @@ void CallForPairs(const Call& call, const hs_bvh* a, const hs_bvh* b,
 }
 
 }  // namespace
+
+const detail::BvhPairKernels* PairKernelsOf(const Kind& kind) {
+  if (kind.axes == 2) return detail::BvhPairKernelsOf<2>::kTargets;
+  if (kind.axes == 3) return detail::BvhPairKernelsOf<3>::kTargets;
+  return detail::BvhPairKernelsOf<4>::kTargets;
+}
+
+void CheckMargin(const Call& call, const char* argument, float margin) {
+  if (margin >= 0 && margin <= std::numeric_limits<float>::max()) return;
+  call.Fail(HS_INVALID_ARGUMENT,
+            "%s: expected a finite number that is not negative, got %g",
+            argument, static_cast<double>(margin));
+}
+
 }  // namespace halfspace::c
 
 using halfspace::QueryOptions;

@@ -10,6 +10,7 @@ endforeach()
 target_sources(halfspace
   PRIVATE
     c/bounds.cc
+    c/broad_phase.cc
     c/bvh.cc
     c/bvh_files.cc
     c/bvh_queries.cc
@@ -21,8 +22,8 @@ target_sources(halfspace
     include/halfspace/c/halfspace.h)
 # As fast as with -O3, in four fifths of the code.
 if(NOT MSVC)
-  set_property(SOURCE c/bounds.cc c/bvh.cc c/bvh_files.cc c/bvh_queries.cc c/call.cc
-    c/columns.cc c/scan.cc
+  set_property(SOURCE c/bounds.cc c/broad_phase.cc c/bvh.cc c/bvh_files.cc c/bvh_queries.cc
+    c/call.cc c/columns.cc c/scan.cc
     APPEND PROPERTY COMPILE_OPTIONS $<$<CONFIG:Release>:-O2>)
 endif()
 # Programs in C call it: its tests and its example.

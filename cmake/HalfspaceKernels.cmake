@@ -56,8 +56,15 @@ endforeach()
 foreach(source_name Boxes Spheres Triangles PointSets)
   string(REGEX REPLACE "(.)([A-Z])" "\\1_\\2" file_name "${source_name}")
   string(TOLOWER "${file_name}" file_name)
+  # Boxes take 0.65 to 0.75 of the time with -O3, spheres 0.7 to 0.9, in three
+  # fifths of the code. Triangles in 3 dimensions take 1.3 times as long.
+  set(optimised)
+  if(source_name MATCHES "Boxes|Spheres" AND NOT MSVC)
+    set(optimised $<$<CONFIG:Release>:-O2>)
+  endif()
   foreach(dims IN LISTS HALFSPACE_DIMS)
-    halfspace_add_kernels(fit_many/kernels_of_source "fit_${file_name}_${dims}")
+    halfspace_add_kernels(fit_many/kernels_of_source "fit_${file_name}_${dims}"
+                          ${optimised})
     halfspace_add_kernels(fit_many/kernels_of_doubles
                           "fit_${file_name}_double_${dims}")
   endforeach()

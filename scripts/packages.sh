@@ -10,8 +10,12 @@ build_packages=(
 # What cpuinfo-bench compares the library with, where it is installed.
 # shellcheck disable=SC2034  # for those who source this
 competitor_packages=(
-  libboost-dev libbullet-dev libembree-dev libgeos++-dev
-  libnanoflann-dev)
+  libboost-dev libbox2d-dev libbullet-dev libembree-dev libfcl-dev
+  libgeos++-dev libnanoflann-dev libode-dev)
+
+# The libraries that examples have adapters for.
+# shellcheck disable=SC2034
+example_packages=(libbullet-dev libfcl-dev)
 
 # What checks its report.
 # shellcheck disable=SC2034

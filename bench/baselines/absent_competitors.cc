@@ -1,5 +1,6 @@
 // The factories of what was not found when this was built.
 
+#include "bench/baselines/body_space.h"
 #include "bench/baselines/box_tree.h"
 
 namespace halfspace::bench {
@@ -25,6 +26,22 @@ std::unique_ptr<NearestTree<3>> MakeBoostNearest(
 
 #ifdef HALFSPACE_BENCH_NO_BULLET
 std::unique_ptr<BoxTree<3>> MakeBulletTree(std::span<const Aabb3> /*boxes*/) {
+  return nullptr;
+}
+BodySpacePtr<3> MakeBulletSpace(std::size_t /*bodies*/) { return nullptr; }
+#endif
+
+#ifdef HALFSPACE_BENCH_NO_BOX2D
+BodySpacePtr<2> MakeBox2dSpace(std::size_t /*bodies*/) { return nullptr; }
+#endif
+
+#ifdef HALFSPACE_BENCH_NO_FCL
+BodySpacePtr<3> MakeFclSpace(std::size_t /*bodies*/) { return nullptr; }
+#endif
+
+#ifdef HALFSPACE_BENCH_NO_ODE
+BodySpacePtr<3> MakeOdeSpace(OdeSpace /*kind*/, std::size_t /*bodies*/,
+                             const Aabb3& /*world*/) {
   return nullptr;
 }
 #endif

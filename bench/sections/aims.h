@@ -84,6 +84,32 @@ inline constexpr Aim kNearest = AtLeast(2.0);
 inline constexpr Aim kAlong = AtLeast(1.5);
 inline constexpr Aim kCounts = AtLeast(20.0);
 
+// Section broad_phase. Times the fastest competitor: frames of few bodies and
+// of more, queries of few and of more, the first hit, casts in 2D and in 3D.
+constexpr Aim WithLessOnAvx2(double needed) {
+  return {true, needed, 0.7 * needed, 0.7 * needed};
+}
+constexpr Aim WithMoreOnAvx2(double needed) {
+  return {false, needed, needed / 0.7, needed / 0.7};
+}
+inline constexpr Aim kFramesOfFew = AtLeast(1.0);
+inline constexpr Aim kFrames = WithLessOnAvx2(5.0);
+inline constexpr Aim kBodyQueriesOfFew = WithLessOnAvx2(1.5);
+inline constexpr Aim kBodyQueries = WithLessOnAvx2(3.0);
+inline constexpr Aim kFirstHit = WithLessOnAvx2(1.0);
+inline constexpr Aim kBodyCasts2D = WithLessOnAvx2(1.3);
+inline constexpr Aim kBodyCasts3D = WithLessOnAvx2(2.0);
+// ns of a body: inserted or erased with others, by itself, moved within the
+// margin and beyond it. Queries after many changes over those of a rebuilt
+// tree. Two threads over one. Bytes of a body beyond its bound.
+inline constexpr Aim kChangeOfMany = WithMoreOnAvx2(60.0);
+inline constexpr Aim kChangeOfOne = WithMoreOnAvx2(300.0);
+inline constexpr Aim kMoveWithin = WithMoreOnAvx2(15.0);
+inline constexpr Aim kMoveBeyond = WithMoreOnAvx2(45.0);
+inline constexpr Aim kDecay = AtMost(1.2);
+inline constexpr Aim kTwoThreads = AtLeast(1.7);
+inline constexpr Aim kBytesOfBody = AtMost(64.0);
+
 // A bulk build of boxes out of the caches: % of copying the same bytes.
 inline constexpr Aim kBuild = AtLeast(70.0);
 

@@ -12,11 +12,26 @@
 namespace halfspace::detail {
 namespace {
 
+// A candidate: the lesser id, then the greater one, then whether they are a
+// pair.
 using Keys = List<std::uint64_t>;
+std::uint64_t KeyOf(std::uint32_t a, std::uint32_t b, bool is_pair) {
+  return std::uint64_t{std::min(a, b)} << 33 |
+         std::uint64_t{std::max(a, b)} << 1 | (is_pair ? 1 : 0);
+}
+std::uint32_t LowOf(std::uint64_t key) {
+  return static_cast<std::uint32_t>(key >> 33);
+}
+std::uint32_t HighOf(std::uint64_t key) {
+  return static_cast<std::uint32_t>(key) >> 1;
+}
+bool IsPair(std::uint64_t key) { return (key & 1) != 0; }
 
 // By one byte after another, without those in which all keys are equal. With
 // std::sort, UpdatePairs() takes 1.4 times as long (16 000 boxes that move).
 [[gnu::noinline]] void Sort(const MemoryResource& memory, Keys& keys) {
+  constexpr std::size_t kFew = 256;
+  if (keys.size() < kFew) return std::sort(keys.begin(), keys.end());
   Keys sorted(memory);
   sorted.Resize(keys.size(), 0);
   for (int shift = 0; shift < 64; shift += 8) {
@@ -36,6 +51,144 @@ using Keys = List<std::uint64_t>;
     keys.Swap(sorted);
   }
 }
+
+// The rules of pairs.
+class PairTest {
+ public:
+  explicit PairTest(const BroadPhaseState& state) : state_(state) {}
+
+  static bool MasksMatch(const Body& a, const Body& b) {
+    return (a.masks.category & b.masks.collides_with) != 0 &&
+           (b.masks.category & a.masks.collides_with) != 0;
+  }
+  bool CanBe(const Body& a, const Body& b) const {
+    return state_.options.filter.keep != nullptr || MasksMatch(a, b);
+  }
+  // Of two that can be a pair and overlap.
+  bool IsKept(std::uint32_t a, const Body& of_a, std::uint32_t b,
+              const Body& of_b) const {
+    const PairFilter& filter = state_.options.filter;
+    if (filter.keep == nullptr) return true;
+    const WithoutRacyReads reads;
+    return filter.keep(filter.context, a, b, MasksMatch(of_a, of_b));
+  }
+  // With a NaN, as with infinities that are equal, they do.
+  bool Overlap(const Body& a, const Body& b) const {
+    const std::size_t axes = state_.shape.axes;
+    return kernels::InDefaultFpMode([&] {
+      bool is_apart = false;
+      for (std::size_t k = 0; k < axes; ++k) {
+        is_apart |= a.planes[k] > b.planes[axes + k];
+        is_apart |= b.planes[k] > a.planes[axes + k];
+      }
+      return !is_apart;
+    });
+  }
+
+  // Appends two bodies whose bounds in the tree overlap, unless they cannot be
+  // a pair.
+  void Add(std::uint32_t a, std::uint32_t b, Keys& keys) const {
+    Body of_a;
+    Body of_b;
+    if (!state_.bodies.Read(a, of_a) || !state_.bodies.Read(b, of_b) ||
+        !CanBe(of_a, of_b)) {
+      return;
+    }
+    keys.Push(KeyOf(a, b, Overlap(of_a, of_b) && IsKept(a, of_a, b, of_b)));
+  }
+  // A candidate whose masks have not changed.
+  std::uint64_t Again(std::uint64_t key) const {
+    const std::uint32_t a = LowOf(key);
+    const std::uint32_t b = HighOf(key);
+    Body of_a;
+    Body of_b;
+    const bool is_pair = state_.bodies.Read(a, of_a) &&
+                         state_.bodies.Read(b, of_b) && Overlap(of_a, of_b) &&
+                         (IsPair(key) || IsKept(a, of_a, b, of_b));
+    return KeyOf(a, b, is_pair);
+  }
+
+ private:
+  const BroadPhaseState& state_;
+};
+
+// The candidates of the bodies of a set. A body that is in no tree yet has its
+// own bound instead of one in the tree.
+class CandidateFinder {
+ public:
+  CandidateFinder(const BroadPhaseState& state, const Version& version,
+                  const IdSet& set, Keys& found)
+      : state_(state),
+        version_(version),
+        set_(set),
+        found_(found),
+        test_(state) {}
+
+  void Find(const BvhPairKernels* kernels) {
+    const WithRacyReads reads;
+    List<std::uint32_t> ids(state_.options.memory);
+    const std::size_t count = set_.size();
+    if (count == 0) return;
+    if (4 * count < version_.tree.size()) {
+      ids.Reserve(count);
+      set_.ForEach([&](std::uint32_t id) {
+        if (version_.tree.Has(id)) ids.Push(id);
+      });
+    }
+    const Span<const std::uint32_t> set = ids;
+    if (version_.tree.size() > 0 &&
+        (ids.size() > 0 || 4 * count >= version_.tree.size())) {
+      BvhForEachPair(
+          {kernels, &version_.tree, nullptr, ids.size() > 0 ? &set : nullptr},
+          [](void* self, Span<const IdPair> pairs) {
+            static_cast<const CandidateFinder*>(self)->Add(pairs);
+            return true;
+          },
+          this, PairOptions());
+    }
+    for (std::size_t i = 0; i < version_.PendingCount(); ++i) AddPending(i);
+    Sort(state_.options.memory, found_);
+  }
+
+ private:
+  void Add(Span<const IdPair> pairs) const {
+    for (const IdPair& pair : pairs) {
+      state_.bodies.Prefetch(pair.a);
+      state_.bodies.Prefetch(pair.b);
+    }
+    for (const IdPair& pair : pairs) Add(pair.a, pair.b);
+  }
+  void Add(std::uint32_t a, std::uint32_t b) const {
+    if (set_.Has(a) || set_.Has(b)) test_.Add(a, b, found_);
+  }
+
+  [[gnu::noinline]] void AddPending(std::size_t i) {
+    const std::uint32_t id = version_.Pending(i);
+    for (std::size_t j = 0; j < i; ++j) Add(version_.Pending(j), id);
+    Body body;
+    if (!state_.bodies.Read(id, body)) return;
+    struct Call {
+      const CandidateFinder& self;
+      std::uint32_t id;
+    } call{*this, id};
+    BvhForEach(
+        version_.tree, {body.planes, 1},
+        [](void* context, Span<const std::uint32_t> others) {
+          const Call& of = *static_cast<const Call*>(context);
+          for (const std::uint32_t other : others) {
+            of.self.Add(of.id, other);
+          }
+          return true;
+        },
+        &call, QueryOptions());
+  }
+
+  const BroadPhaseState& state_;
+  const Version& version_;
+  const IdSet& set_;
+  Keys& found_;
+  const PairTest test_;
+};
 
 class PairFinder {
  public:
@@ -64,16 +217,16 @@ class PairFinder {
     for (std::size_t i = 0; i < new_count_; ++i) {
       if (!JoinNew(new_[i], pending)) return;
     }
-    Keys others(state.options.memory);
+    List<std::uint32_t> others(state.options.memory);
     others.Reserve(in_tree.size());
     for (const std::uint32_t id : in_tree) others.Push(id);
-    Sort(state.options.memory, others);
+    std::sort(others.begin(), others.end());
     for (std::size_t i = 0; i < pending; ++i) {
       const std::uint32_t id = version_.Pending(i);
       if (IsNewOfSet(id)) continue;
       for (std::size_t o = 0; o < others.size(); ++o) {
         if (o > 0 && others[o] == others[o - 1]) continue;
-        if (!Test(static_cast<std::uint32_t>(others[o]), id)) return;
+        if (!Test(others[o], id)) return;
       }
     }
   }
@@ -206,16 +359,6 @@ class PairFinder {
   std::uint32_t new_[Version::kMostPending];  // those of the set
 };
 
-std::uint64_t KeyOf(std::uint32_t a, std::uint32_t b) {
-  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
-}
-std::uint32_t LowOf(std::uint64_t key) {
-  return static_cast<std::uint32_t>(key >> 32);
-}
-std::uint32_t HighOf(std::uint64_t key) {
-  return static_cast<std::uint32_t>(key);
-}
-
 }  // namespace
 
 void BroadPhaseCore::ForEachPairOf(const BvhPairKernels* kernels,
@@ -239,63 +382,50 @@ void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
   {
     const std::scoped_lock lock(state.mutex);
     TakenMarks changed(state, Bodies::kNewPairs);
+    TakenMarks touched(state, Bodies::kTouched);
     changed.Take();
+    touched.Take();
     const Held version(state);
-    List<std::uint32_t> ids(memory);
-    Keys is_changed(memory);
-    ids.Reserve(changed.ids().size());
-    is_changed.Resize((state.id_limit + 63) / 64, 0);
-    for (const std::uint32_t id : changed.ids()) {
-      is_changed[id / 64] |= std::uint64_t{1} << id % 64;
-      Body body;
-      if (!state.bodies.Read(id, body)) continue;
-      // A mover whose mark was taken may not have done this yet.
-      version->Widen(id, body.planes, false);
-      ids.Push(id);
-    }
-
     Keys found(memory);
-    {
-      const WithRacyReads reads;
-      PairFinder(
-          state, *version, 0,
-          [](void* keys, std::uint32_t a, std::uint32_t b) {
-            static_cast<Keys*>(keys)->Push(KeyOf(a, b));
-            return true;
-          },
-          &found)
-          .Find(kernels, ids);
-    }
-    Sort(memory, found);
+    CandidateFinder(state, *version, changed, found).Find(kernels);
 
-    const auto has_changed = [&](std::uint64_t key) {
-      const auto has = [&](std::uint32_t id) {
-        return (is_changed[id / 64] >> id % 64 & 1) != 0;
-      };
-      return has(LowOf(key)) || has(HighOf(key));
-    };
     Keys now(memory);
-    now.Reserve(state.pairs.size() + found.size());
+    now.Reserve(state.candidates.size() + found.size());
+    std::size_t pairs = 0;
+    const auto add = [&](std::uint64_t key) {
+      now.Push(key);
+      pairs += IsPair(key) ? 1 : 0;
+    };
     const std::uint64_t* next = found.begin();
     const auto begin_before = [&](std::uint64_t key) {
       for (; next != found.end() && *next < key; ++next) {
-        began.Push(*next);
-        now.Push(*next);
+        if (IsPair(*next)) began.Push(*next);
+        add(*next);
       }
     };
-    for (const std::uint64_t key : state.pairs) {
+    const PairTest test(state);
+    for (const std::uint64_t old : state.candidates) {
+      const std::uint64_t key = old & ~std::uint64_t{1};
       begin_before(key);
-      const bool is_found = next != found.end() && *next == key;
-      if (is_found) ++next;
-      if (is_found || !has_changed(key)) {
-        now.Push(key);
-      } else {
-        ended.Push(key);
+      const std::uint32_t a = LowOf(key);
+      const std::uint32_t b = HighOf(key);
+      std::uint64_t is = old;
+      if (next != found.end() && *next - key < 2) {
+        is = *next++;
+      } else if (changed.Has(a) || changed.Has(b)) {
+        if (IsPair(old)) ended.Push(old);
+        continue;
+      } else if (touched.Has(a) || touched.Has(b)) {
+        is = test.Again(old);
       }
+      if (is != old) (IsPair(is) ? began : ended).Push(is);
+      add(is);
     }
     begin_before(~std::uint64_t{0});
-    state.pairs.Swap(now);
+    state.candidates.Swap(now);
+    state.pairs = pairs;
     changed.Keep();
+    touched.Keep();
   }
   for (const std::uint64_t key : ended) {
     events.ended(events.context, LowOf(key), HighOf(key));

@@ -6,17 +6,20 @@
     rows, ids = tree.query(boxes2)             # which boxes overlap which
     ids, distances = tree.nearest(points, k=8)
     i, j = hs.join(tree, hs.BVH(boxes2))
+
+    bodies = hs.BroadPhase(max_ids=1000)       # boxes that move in each frame
 """
 
 from typing import List
 
+from ._broad_phase import BroadPhase
 from ._bvh import BVH, join
 from ._halfspace import targets as _targets
 from ._halfspace import version as __version__
 from ._scan import Scan
 from ._triangles import bounds_of_triangles
 
-__all__ = ["BVH", "Scan", "bounds_of_triangles", "join", "targets"]
+__all__ = ["BVH", "BroadPhase", "Scan", "bounds_of_triangles", "join", "targets"]
 
 
 def targets() -> List[str]:
@@ -29,6 +32,6 @@ def targets() -> List[str]:
 
 
 # Where users import them from, and what they see in messages and pickles.
-for _object in (BVH, Scan, bounds_of_triangles, join):
+for _object in (BVH, BroadPhase, Scan, bounds_of_triangles, join):
     _object.__module__ = __name__
 del _object

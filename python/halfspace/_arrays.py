@@ -13,6 +13,7 @@ from . import _halfspace
 # A BVH has fewer objects than this.
 MOST_OBJECTS = 2**31
 MOST_THREADS = 4096
+ALL_MASKS = 2**64 - 1
 
 
 class Table(NamedTuple):
@@ -37,13 +38,21 @@ class Table(NamedTuple):
 
 
 def boxes(
-    value: Any, name: str, dims: Optional[int] = None, most: Optional[int] = None
+    value: Any,
+    name: str,
+    dims: Optional[int] = None,
+    most: Optional[int] = None,
+    axes: Optional[int] = None,
 ) -> Table:
-    """Boxes as 2 * d columns: the minima, then the maxima."""
+    """Boxes as 2 * d columns: the minima, then the maxima. With `axes`, also bounds as
+    2 * axes columns."""
     expected = _expected_boxes(dims)
+    if axes is not None and axes != dims:
+        expected += f", or octahedra of shape (n, {2 * axes}) or ({2 * axes},)"
     arrays, single = _box_arrays(value, name, expected)
     columns = sum(a.shape[1] for a in arrays)
-    if columns not in ((4, 6) if dims is None else (2 * dims,)):
+    allowed = (4, 6) if dims is None else (2 * dims, 2 * (axes or dims))
+    if columns not in allowed:
         raise ValueError(f"{name}: expected {expected}, got {_shapes(value, arrays)}")
     table = _table(arrays, single, name, most)
     bad = _halfspace.first_bad_box(table.arrays)
@@ -78,6 +87,27 @@ def directions(value: Any, name: str, dims: int) -> Table:
                 f"{array[tuple(row)]}: scale the direction and max_t"
             )
     return points(value, name, dims)
+
+
+Arrays = Tuple[np.ndarray, ...]
+
+
+def rays(
+    origins: Any, ways: Any, max_t: Any, dims: int
+) -> Tuple[Tuple[Arrays, Arrays, Arrays], bool]:
+    """The arrays of origins, directions and limits, and whether it is one ray."""
+    starts = points(origins, "origins", dims)
+    motions = directions(ways, "directions", dims)
+    single = starts.single and motions.single
+    count = motions.length if starts.single else starts.length
+    starts, motions = _repeat(starts, count), _repeat(motions, count)
+    if starts.length != motions.length:
+        raise ValueError(
+            "directions: expected as many rows as origins, got "
+            f"{motions.length} and {starts.length}"
+        )
+    limits = per_row(max_t, "max_t", count)
+    return (starts.arrays, motions.arrays, limits.arrays), single
 
 
 def points_or_boxes(value: Any, name: str, dims: int) -> Table:
@@ -129,6 +159,66 @@ def ids(value: Any, name: str) -> np.ndarray:
         i = int(bad.argmax())
         raise ValueError(f"{name}[{i}] = {array[i]} is not the id of an object")
     return np.ascontiguousarray(array, np.uint32)
+
+
+def masks(categories: Any, collides_with: Any, count: int) -> np.ndarray:
+    """Rows of a category and what it collides with, as uint64. No rows if both are None."""
+    if categories is None and collides_with is None:
+        return np.empty((0, 2), np.uint64)
+    table: np.ndarray = np.empty((count, 2), np.uint64)
+    table[:, 0] = 1 if categories is None else _masks(categories, "categories", count)
+    table[:, 1] = (
+        ALL_MASKS
+        if collides_with is None
+        else _masks(collides_with, "collides_with", count)
+    )
+    return table
+
+
+def _masks(value: Any, name: str, count: int) -> np.ndarray:
+    array = np.asarray(value)
+    if array.shape not in ((), (count,)):
+        raise ValueError(
+            f"{name}: expected one integer or an array of shape ({count},), "
+            f"got shape {array.shape}"
+        )
+    if array.dtype.kind not in "iu" and array.size:
+        raise TypeError(f"{name}: expected integers of 64 bits, got {array.dtype}")
+    bad = np.atleast_1d(array < 0)
+    if bad.any():
+        i = int(bad.argmax())
+        raise ValueError(
+            f"{name}[{i}]: expected an integer that is not negative, got "
+            f"{np.atleast_1d(array)[i]}"
+        )
+    return array.astype(np.uint64)
+
+
+def mask(value: Optional[int]) -> int:
+    """64 bits. None means all."""
+    if value is None:
+        return ALL_MASKS
+    number = operator.index(value)
+    if not 0 <= number <= ALL_MASKS:
+        raise ValueError(f"mask: expected an integer from 0 to 2^64 - 1, got {number}")
+    return number
+
+
+def spheres(centers: Any, radii: Any, dims: int) -> Tuple[Table, Table]:
+    """Spheres of floats that enclose those of doubles."""
+    table = points(centers, "centers", dims)
+    limits = per_row(radii, "radii", table.length)
+    if table.arrays[0].dtype == np.float64:
+        exact = np.concatenate(table.arrays, axis=1)
+        with np.errstate(over="ignore", invalid="ignore"):
+            rounded = exact.astype(np.float32)
+            apart = np.linalg.norm(exact - rounded, axis=1)
+            enclosing = limits.arrays[0][:, 0] + 1.000001 * apart
+        table = Table((rounded,), table.length, table.single)
+        # A center beyond the floats is a query of everything.
+        enclosing[np.isnan(enclosing)] = np.inf
+        limits = per_row(enclosing, "radii", table.length)
+    return table, limits
 
 
 def vertices(value: Any, name: str) -> np.ndarray:
@@ -197,6 +287,13 @@ def positive(value: Any, name: str, most: int = 2**31 - 1) -> int:
     if not 1 <= number <= most:
         raise ValueError(f"{name}: expected an integer from 1 to {most}, got {number}")
     return int(number)
+
+
+def _repeat(table: Table, count: int) -> Table:
+    if not table.single or count == 1:
+        return table
+    arrays = tuple(np.repeat(a, count, axis=0) for a in table.arrays)
+    return Table(arrays, count, False)
 
 
 def _expected_boxes(dims: Optional[int]) -> str:

@@ -393,20 +393,8 @@ class BVH:
         >>> ids
         array([0, 1])
         """
-        starts = _arrays.points(origins, "origins", self.dims)
-        ways = _arrays.directions(directions, "directions", self.dims)
-        single = starts.single and ways.single
-        rays = ways.length if starts.single else starts.length
-        starts, ways = _repeat(starts, rays), _repeat(ways, rays)
-        if starts.length != ways.length:
-            raise ValueError(
-                "directions: expected as many rows as origins, got "
-                f"{ways.length} and {starts.length}"
-            )
-        limits = _arrays.per_row(max_t, "max_t", rays)
-        ids, t = self._tree.raycast(
-            starts.arrays, ways.arrays, limits.arrays, _arrays.threads(threads), progress
-        )
+        rays, single = _arrays.rays(origins, directions, max_t, self.dims)
+        ids, t = self._tree.raycast(*rays, _arrays.threads(threads), progress)
         return (int(ids[0]), float(t[0])) if single else (ids, t)
 
     def pairs(
@@ -544,13 +532,6 @@ def join(
             f"b: expected a BVH of {a.dims} dimensions, as a, got {b.dims} dimensions"
         )
     return _halfspace.join(a._tree, b._tree, _arrays.threads(threads), progress)
-
-
-def _repeat(table: _arrays.Table, count: int) -> _arrays.Table:
-    if not table.single or count == 1:
-        return table
-    arrays = tuple(np.repeat(a, count, axis=0) for a in table.arrays)
-    return _arrays.Table(arrays, count, False)
 
 
 def _load(blob: Any, name: str, verify: bool) -> _halfspace.Tree:

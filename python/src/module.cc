@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "arrow.h"
+#include "broad_phase.h"
 #include "columns.h"
 #include "scan.h"
 #include "tree.h"
@@ -130,6 +131,7 @@ PYBIND11_MODULE(_halfspace, module) {
   });
   module.def("arrow_column", &ArrowColumn);
   module.def("bounds_of_triangles", &BoundsOfAnyTriangles);
+  DefineBroadPhase(module);
   DefineTree(module);
   DefineScan(module);
 }

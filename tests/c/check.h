@@ -93,6 +93,7 @@ void test_queries(void);
 void test_nearest_and_rays(void);
 void test_pairs(void);
 void test_changes(void);
+void test_broad_phase(void);
 void test_files(void);
 void test_errors(void);
 void test_memory(void);

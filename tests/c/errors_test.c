@@ -43,6 +43,22 @@ CHECK_OFFSET(hs_pair_options, skip, 16);
 CHECK_OFFSET(hs_pair_options, begin, 24);
 CHECK_OFFSET(hs_pair_options, end, 32);
 CHECK_OFFSET(hs_pair_options, target, 40);
+CHECK_OFFSET(hs_body_masks, collides_with, 8);
+CHECK_OFFSET(hs_broad_phase_config, kind, 8);
+CHECK_OFFSET(hs_broad_phase_config, margin, 12);
+CHECK_OFFSET(hs_broad_phase_config, max_ids, 16);
+CHECK_OFFSET(hs_broad_phase_config, keep, 24);
+CHECK_OFFSET(hs_broad_phase_config, keep_context, 32);
+CHECK_OFFSET(hs_broad_phase_config, allocator, 40);
+CHECK_OFFSET(hs_update_options, budget, 8);
+CHECK_OFFSET(hs_update_options, run, 16);
+CHECK_OFFSET(hs_update_options, run_context, 24);
+CHECK_OFFSET(hs_body_statistics, bodies, 8);
+CHECK_OFFSET(hs_body_statistics, pending, 16);
+CHECK_OFFSET(hs_body_statistics, pairs, 24);
+CHECK_OFFSET(hs_body_statistics, trees, 32);
+CHECK_OFFSET(hs_body_statistics, bytes, 40);
+CHECK_OFFSET(hs_body_statistics, cost_ratio, 48);
 #endif
 
 static void test_structs(void) {

@@ -27,6 +27,7 @@ int main(void) {
   test_nearest_and_rays();
   test_pairs();
   test_changes();
+  test_broad_phase();
   test_files();
   test_errors();
   test_memory();

@@ -146,6 +146,89 @@ static void use_bvh(hs_kind kind, memory* its) {
   hs_bvh_destroy(bvh);
 }
 
+static void count_pairs(void* context, uint32_t a, uint32_t b) {
+  CHECK(a < b);
+  ++*(size_t*)context;
+}
+static hs_visit take_body(void* context, size_t query, uint32_t id,
+                          const float* bound) {
+  CHECK(query == 0 && id < OBJECTS && bound != NULL);
+  ++*(size_t*)context;
+  return HS_CONTINUE;
+}
+static hs_visit take_pair(void* context, uint32_t a, uint32_t b) {
+  CHECK(a != b);
+  ++*(size_t*)context;
+  return HS_CONTINUE;
+}
+
+// A call without memory changes nothing.
+static void use_broad_phase(hs_kind kind, memory* its) {
+  static uint32_t ids[OBJECTS];
+  static double doubles[OBJECTS * VALUES];
+  const size_t values = hs_bound_values(kind);
+  hs_columns columns = hs_float_rows(objects, OBJECTS, values);
+  hs_broad_phase_config config;
+  hs_broad_phase* bodies = NULL;
+  hs_body_statistics statistics;
+  size_t size = 0;
+  size_t expected = 0;
+  size_t calls = 0;
+  size_t pairs = 0;
+  size_t i;
+  int is_valid = 0;
+  for (i = 0; i < OBJECTS; ++i) ids[i] = (uint32_t)i;
+  for (i = 0; i < OBJECTS * values; ++i) doubles[i] = (double)objects[i];
+  CHECK_OK(hs_broad_phase_config_default(&config, sizeof(config)));
+  config.kind = kind;
+  config.max_ids = OBJECTS;
+  config.allocator = allocator_of(its);
+  if (!has_done(its, hs_broad_phase_create(&config, &bodies))) {
+    CHECK(bodies == NULL);
+    return;
+  }
+  columns.count = OBJECTS - 100;
+  if (has_done(its, hs_broad_phase_insert(bodies, ids, &columns, NULL))) {
+    expected += columns.count;
+  }
+  columns = hs_double_rows(doubles, 100, values);
+  if (has_done(its, hs_broad_phase_insert(bodies, ids + OBJECTS - 100, &columns,
+                                          NULL))) {
+    expected += 100;
+    (void)has_done(its,
+                   hs_broad_phase_move(bodies, ids + OBJECTS - 100, &columns));
+    CHECK_OK(hs_broad_phase_erase(bodies, ids + OBJECTS - 100, 10));
+    expected -= 10;
+  }
+  if (!has_done(its, hs_broad_phase_update_pairs(bodies, NULL, count_pairs,
+                                                 count_pairs, &pairs))) {
+    CHECK(pairs == 0);
+  }
+  (void)has_done(its, hs_broad_phase_update(bodies, NULL));
+  (void)has_done(its, hs_broad_phase_rebuild(bodies, NULL));
+  if (expected > 1000) {
+    (void)has_done(its, hs_broad_phase_for_each_pair_of(bodies, ids, 100, 0,
+                                                        take_pair, &calls));
+  }
+  // The others need no memory.
+  {
+    const size_t left = its->left;
+    columns = hs_float_rows(objects, 1, values);
+    calls = 0;
+    CHECK_OK(hs_broad_phase_for_each(bodies, HS_SHAPE_BOUND, &columns,
+                                     UINT64_MAX, take_body, &calls));
+    CHECK((calls > 0) == (expected > 1000));
+    CHECK_OK(hs_broad_phase_size(bodies, &size));
+    CHECK(size == expected);
+    CHECK_OK(hs_broad_phase_validate(bodies, &is_valid));
+    CHECK(is_valid);
+    CHECK_OK(
+        hs_broad_phase_statistics(bodies, &statistics, sizeof(statistics)));
+    CHECK(statistics.pairs == pairs && its->left == left);
+  }
+  hs_broad_phase_destroy(bodies);
+}
+
 // A wrong allocator is no wrong file.
 static void* allocate_misaligned(void* context, size_t bytes,
                                  size_t alignment) {
@@ -197,6 +280,15 @@ void test_memory(void) {
       CHECK(its.live == 0 && its.bytes == 0);
     }
     CHECK(n > 10);
+    if (!is_simplex(kind_of(kind))) {
+      for (n = 0, its.has_failed = 1; its.has_failed; ++n) {
+        its.has_failed = 0;
+        its.left = n;
+        use_broad_phase(kind_of(kind), &its);
+        CHECK(its.live == 0 && its.bytes == 0);
+      }
+      CHECK(n > 10);
+    }
     for (bits = 0; bits <= 16; bits += 8) {
       for (n = 0, its.has_failed = 1; its.has_failed; ++n) {
         its.has_failed = 0;

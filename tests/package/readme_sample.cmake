@@ -1,5 +1,6 @@
 # The README's first programs in C++ and in C are examples/quick_start.cc and .c, which
-# the tests compile and run: cmake -DROOT=<repository> -P readme_sample.cmake
+# the tests compile and run. Each program in C++ of docs/porting.md is a part of
+# examples/porting.cc. cmake -DROOT=<repository> -P readme_sample.cmake
 cmake_policy(VERSION 3.25)
 
 file(READ "${ROOT}/README.md" readme)
@@ -27,3 +28,30 @@ foreach(language_and_file "cpp quick_start.cc" "c quick_start.c")
                         "copy one to the other")
   endif()
 endforeach()
+
+file(READ "${ROOT}/docs/porting.md" page)
+file(READ "${ROOT}/examples/porting.cc" example)
+set(fence "```cpp\n")
+string(LENGTH "${fence}" length)
+set(samples 0)
+while(TRUE)
+  string(FIND "${page}" "${fence}" begin)
+  if(begin EQUAL -1)
+    break()
+  endif()
+  math(EXPR begin "${begin} + ${length}")
+  string(SUBSTRING "${page}" ${begin} -1 page)
+  string(FIND "${page}" "```" end)
+  string(SUBSTRING "${page}" 0 ${end} sample)
+  string(FIND "${example}" "${sample}" found)
+  if(found EQUAL -1)
+    message(FATAL_ERROR "This program of docs/porting.md is not in examples/porting.cc: "
+                        "copy one to the other\n${sample}")
+  endif()
+  math(EXPR end "${end} + 3")
+  string(SUBSTRING "${page}" ${end} -1 page)
+  math(EXPR samples "${samples} + 1")
+endwhile()
+if(samples EQUAL 0)
+  message(FATAL_ERROR "docs/porting.md has no program after ```cpp")
+endif()

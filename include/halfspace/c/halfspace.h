@@ -1,4 +1,5 @@
-// halfspace for C: bounds, flat scans and a BVH. C11, and C++11 or later.
+// halfspace for C: bounds, flat scans, a BVH and a broad phase. C11, and C++11
+// or later.
 //
 //   float boxes[] = {0, 0, 0, 1, 1, 1, /* min x y z, max x y z */
 //                    5, 5, 5, 6, 6, 6};
@@ -49,12 +50,14 @@
 // functions with a callback need no array.
 //
 // Thread safety: functions that take a const handle can run at the same time.
-// A function that takes another handle needs exclusive access. Queries allocate
+// A function that takes another handle needs exclusive access, except those of
+// hs_broad_phase, which say so. Queries of scans and hierarchies allocate
 // nothing, take no lock and use up to 64 KiB of stack. The floating-point mode
 // of the calling thread has the effects that reject.h and bvh.h describe.
 //
 // The C++ headers describe each operation in more detail: fit_many.h, reject.h,
-// reject_many.h, quantized.h, bvh.h, bvh_nearest.h and bvh_pairs.h.
+// reject_many.h, quantized.h, bvh.h, bvh_nearest.h, bvh_pairs.h and
+// broad_phase.h.
 #ifndef HALFSPACE_C_HALFSPACE_H_
 #define HALFSPACE_C_HALFSPACE_H_
 
@@ -674,6 +677,219 @@ HALFSPACE_API hs_status hs_bvh_map(const hs_bvh_config* config,
 // Returns HS_CORRUPT if the BVH was mapped, has not changed since, and its
 // bytes do not match their checksum. O(n).
 HALFSPACE_API hs_status hs_bvh_verify(const hs_bvh* bvh);
+
+// The broad phase
+// --------------------------------------------------------------
+
+// The bounds of the moving bodies of a simulation, found by queries, casts and
+// pairs while other threads move them. Ids are the caller's numbers below
+// `max_ids`, such as the index of a body. Answers are exact: a query finds the
+// bodies that it would find in an hs_bvh of their bounds.
+//
+//   hs_broad_phase_config config;
+//   hs_broad_phase_config_default(&config, sizeof config);
+//   config.kind = HS_BOX3;
+//   config.max_ids = 1000;
+//   hs_broad_phase* bodies = NULL;
+//   hs_broad_phase_create(&config, &bodies);
+//   hs_broad_phase_insert(bodies, ids, &boxes, NULL);
+//   /* each frame: */
+//   hs_broad_phase_move(bodies, moved_ids, &moved_boxes);
+//   hs_broad_phase_update(bodies, NULL);
+//   hs_broad_phase_update_pairs(bodies, NULL, began, ended, context);
+//
+// Thread safety:
+// - Queries, casts, hs_broad_phase_for_each_pair_of(), ..._has(), ..._get(),
+//   ..._bounds(), ..._size(), ..._move() and ..._set_masks() can run at any
+//   time. Two calls that change the same body must not run at the same time.
+// - hs_broad_phase_insert(), ..._erase(), ..._update(), ..._rebuild(),
+//   ..._update_pairs() and ..._statistics() can run on any thread, at the same
+//   time as the calls above. They wait for each other, and not for queries or
+//   moves.
+// - hs_broad_phase_validate() must not run at the same time as ..._move().
+//   hs_broad_phase_destroy() needs exclusive access.
+// - A callback of a query, a cast or ..._for_each_pair_of() runs while the
+//   query holds a version of the tree. It can lock, run queries, and call any
+//   function except hs_broad_phase_destroy(). Its own query continues on the
+//   version with which it began. The first ..._update() after the query frees
+//   that version.
+typedef struct hs_broad_phase hs_broad_phase;
+
+// A query with mask m finds a body if `category & m` is not 0, and with all
+// ones it finds every body. Two bodies are a pair if the category of each has a
+// bit of the other's `collides_with`. A body that was inserted without masks
+// has the category 1 and collides with all categories.
+typedef struct hs_body_masks {
+  uint64_t category;
+  uint64_t collides_with;
+} hs_body_masks;
+
+// The caller's rule for pairs: returns whether two bodies that overlap are a
+// pair. `masks_match` is the rule of hs_body_masks, and is 0 or 1. The function
+// must return the same for (a, b) and (b, a), and the same in each call until
+// hs_broad_phase_set_masks() of one of them. It must not call functions of the
+// broad phase.
+typedef int (*hs_keep_function)(void* context, uint32_t a, uint32_t b,
+                                int masks_match);
+
+typedef struct hs_broad_phase_config {
+  size_t struct_size;
+  hs_kind kind;    // must be set: boxes or octahedra
+  float margin;    // bounds in the tree are larger by this on each side. A body
+                   // that moves less between two updates costs only a compare.
+                   // Must be finite and not negative; by default it is 0.
+  size_t max_ids;  // must be set: ids are below it. At most 2^29
+  hs_keep_function keep;  // null: the masks alone
+  void* keep_context;
+  hs_allocator allocator;  // also called by the threads that change the bodies
+} hs_broad_phase_config;
+
+HALFSPACE_API hs_status hs_broad_phase_config_default(
+    hs_broad_phase_config* config, size_t struct_size);
+
+// Allocates the memory of all ids: 45 bytes each for boxes in 3 dimensions.
+HALFSPACE_API hs_status hs_broad_phase_create(
+    const hs_broad_phase_config* config, hs_broad_phase** bodies);
+// `bodies` may be null.
+HALFSPACE_API void hs_broad_phase_destroy(hs_broad_phase* bodies);
+
+// In the functions below, `ids` has bounds->count elements, or `count`. If an
+// id is wrong, the call changes nothing. Bounds that are rows of floats are
+// read in place. Others are copied, with memory of the allocator.
+
+// Adds bodies: record i is the bound of body ids[i]. `masks` is null, or has an
+// element for each id. Insert many bodies by one call.
+HALFSPACE_API hs_status hs_broad_phase_insert(hs_broad_phase* bodies,
+                                              const uint32_t* ids,
+                                              const hs_columns* bounds,
+                                              const hs_body_masks* masks);
+
+// Removes bodies. An id that is given twice is removed once.
+HALFSPACE_API hs_status hs_broad_phase_erase(hs_broad_phase* bodies,
+                                             const uint32_t* ids, size_t count);
+
+// Changes the bounds of bodies. If an id is given twice, the last record
+// counts. Takes no lock.
+HALFSPACE_API hs_status hs_broad_phase_move(hs_broad_phase* bodies,
+                                            const uint32_t* ids,
+                                            const hs_columns* bounds);
+
+// Changes the masks of bodies. Takes no lock.
+HALFSPACE_API hs_status hs_broad_phase_set_masks(hs_broad_phase* bodies,
+                                                 const uint32_t* ids,
+                                                 const hs_body_masks* masks,
+                                                 size_t count);
+
+typedef struct hs_update_options {
+  size_t struct_size;
+  size_t budget;  // hs_broad_phase_update() alone: if the order has decayed,
+                  // sorts about so many bodies again, and 4096 at least. With
+                  // 0, none. SIZE_MAX, the default, is a 16th of all.
+  hs_run_function run;  // null: the calling thread does all work
+  void* run_context;
+} hs_update_options;
+
+HALFSPACE_API hs_status hs_update_options_default(hs_update_options* options,
+                                                  size_t struct_size);
+
+// Call it once per frame. Puts new bodies into the tree, removes those that
+// were erased, makes the bounds of bodies that moved tight, and sorts again
+// what has decayed. Changes no answer.
+HALFSPACE_API hs_status hs_broad_phase_update(hs_broad_phase* bodies,
+                                              const hs_update_options* options);
+
+// The same, and sorts all bodies again.
+HALFSPACE_API hs_status hs_broad_phase_rebuild(
+    hs_broad_phase* bodies, const hs_update_options* options);
+
+// Writes the number of bodies.
+HALFSPACE_API hs_status hs_broad_phase_size(const hs_broad_phase* bodies,
+                                            size_t* size);
+// Writes 1 if a body has this id, which may be any number, and else 0.
+HALFSPACE_API hs_status hs_broad_phase_has(const hs_broad_phase* bodies,
+                                           uint32_t id, int* has);
+// Writes the bounds of bodies, one record after another, and their masks.
+// `records` and `masks` may be null.
+HALFSPACE_API hs_status hs_broad_phase_get(const hs_broad_phase* bodies,
+                                           const uint32_t* ids, size_t count,
+                                           float* records,
+                                           hs_body_masks* masks);
+// Writes a bound that encloses all bodies as one record. It is larger than
+// their bounds by the margin, and encloses where bodies were since the last
+// update.
+HALFSPACE_API hs_status hs_broad_phase_bounds(const hs_broad_phase* bodies,
+                                              float* record);
+
+typedef struct hs_body_statistics {
+  size_t struct_size;
+  size_t bodies;
+  size_t pending;     // bodies that are not in the tree yet
+  size_t pairs;       // of the last hs_broad_phase_update_pairs()
+  size_t trees;       // in memory: 1, and those that queries still read
+  size_t bytes;       // all memory
+  double cost_ratio;  // as hs_bvh_cost_ratio()
+} hs_body_statistics;
+
+// `struct_size` is the size of the struct.
+HALFSPACE_API hs_status
+hs_broad_phase_statistics(const hs_broad_phase* bodies,
+                          hs_body_statistics* statistics, size_t struct_size);
+
+// Writes 1 if the tree encloses every body and has each body once, and else 0.
+// For tests and bug reports. O(n).
+HALFSPACE_API hs_status hs_broad_phase_validate(const hs_broad_phase* bodies,
+                                                int* is_valid);
+
+// What a query is, or what moves in a cast. Points and spheres must be floats.
+typedef enum hs_shape HALFSPACE_INT {
+  HS_SHAPE_BOUND = 0,  // a record of the kind of the bodies. Not in casts
+  HS_SHAPE_BOX = 1,    // 2 d columns: the minima, then the maxima. In casts
+                       // alone
+  HS_SHAPE_POINT = 2,  // d columns
+  HS_SHAPE_SPHERE = 3  // d + 1 columns: the center and the radius. Not in casts
+} hs_shape;
+
+// Calls the function for the bodies that survive a query, query after query.
+// The order of the bodies is unspecified, but the same after the same history.
+// `bound` is the record of the body, and is valid during the call.
+typedef hs_visit (*hs_body_function)(void* context, size_t query, uint32_t id,
+                                     const float* bound);
+HALFSPACE_API hs_status hs_broad_phase_for_each(
+    const hs_broad_phase* bodies, hs_shape shape, const hs_columns* queries,
+    uint64_t mask, hs_body_function function, void* context);
+
+// Calls the function for the bodies that a box or a point touches on its way,
+// cast after cast, and in each about from near to far, but not sorted. `starts`
+// are boxes or points. `motions` are as many records with d + 1 columns of
+// floats: the direction, which may have any length, and the limit of t. t, the
+// limits and what the function returns are those of hs_bvh_raycast_each().
+typedef float (*hs_body_hit_function)(void* context, size_t cast, uint32_t id,
+                                      float t, const float* bound);
+HALFSPACE_API hs_status hs_broad_phase_for_each_cast(
+    const hs_broad_phase* bodies, hs_shape shape, const hs_columns* starts,
+    const hs_columns* motions, uint64_t mask, hs_body_hit_function function,
+    void* context);
+
+// Calls the function for the pairs of a body of the set, which is `a`, and any
+// other body, if the masks and `keep` keep them. A pair of two bodies of the
+// set is found once. The bounds of a pair are at most `margin` apart on each
+// axis. The cost grows with the set. Can allocate memory for the time of the
+// call.
+typedef hs_visit (*hs_pair_function)(void* context, uint32_t a, uint32_t b);
+HALFSPACE_API hs_status hs_broad_phase_for_each_pair_of(
+    const hs_broad_phase* bodies, const uint32_t* ids, size_t count,
+    float margin, hs_pair_function function, void* context);
+
+// Finds all pairs of bodies that overlap and that the masks and `keep` keep.
+// Calls ended(context, a, b) for each pair that was one after the last call and
+// is none now, then began(context, a, b) for each new one. a < b, and each of
+// the two lists is sorted by a, then by b. The functions run after the pairs
+// were stored, so they may change the bodies. The cost grows with the bodies
+// that changed since the last call, and with the number of pairs.
+typedef void (*hs_pair_event)(void* context, uint32_t a, uint32_t b);
+HALFSPACE_API hs_status hs_broad_phase_update_pairs(
+    hs_broad_phase* bodies, const hs_update_options* options,
+    hs_pair_event began, hs_pair_event ended, void* context);
 
 #undef HALFSPACE_INT
 #ifdef __cplusplus

@@ -1,4 +1,6 @@
 // A broad phase answers as a list of its bodies does, after any history.
+#include "tests/library/broad_phase/history.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,114 +20,30 @@ template <typename Case>
 class BroadPhaseHistoryTest : public ::testing::Test {};
 TYPED_TEST_SUITE(BroadPhaseHistoryTest, BroadPhaseCases, CaseNames);
 
-// The events of UpdatePairs() are the differences between the sets of pairs.
-template <typename View>
-void ExpectEvents(BroadPhase<View>& bodies, const BodyModel<View>& model,
-                  IdPairs& pairs) {
-  const IdPairs now = model.Pairs();
-  IdPairs began;
-  IdPairs ended;
-  bodies.UpdatePairs(
-      [&](std::uint32_t a, std::uint32_t b) { began.emplace_back(a, b); },
-      [&](std::uint32_t a, std::uint32_t b) {
-        ASSERT_TRUE(began.empty());
-        ended.emplace_back(a, b);
-      });
-  IdPairs expected;
-  std::set_difference(now.begin(), now.end(), pairs.begin(), pairs.end(),
-                      std::back_inserter(expected));
-  ASSERT_EQ(began, expected);
-  expected.clear();
-  std::set_difference(pairs.begin(), pairs.end(), now.begin(), now.end(),
-                      std::back_inserter(expected));
-  ASSERT_EQ(ended, expected);
-  ASSERT_EQ(bodies.Statistics().pairs, now.size());
-  pairs = now;
-}
-
 TYPED_TEST(BroadPhaseHistoryTest, AnyHistoryIsThatOfTheModel) {
   using View = typename TypeParam::View;
-  using Bound = typename View::Bound;
   const std::size_t rounds = std::max<std::size_t>(2, Scaled(12));
   for (std::size_t round = 0; round < rounds; ++round) {
     BodyMaker<View> maker(round);
-    Random& random = maker.random();
     // One with three levels of nodes.
     const bool is_large = round == 1;
     const std::size_t max_ids = is_large ? 9000 : round % 3 == 0 ? 200 : 1500;
     BroadPhaseOptions options;
     options.margin = round % 2 == 0 ? 0.3f : round % 4 == 1 ? 0.0f : 5.0f;
-    BroadPhase<View> bodies(max_ids, options);
-    BodyModel<View> model;
-    IdPairs pairs;
-    const auto backwards = [](std::size_t parts, const Runner::Part& part) {
-      while (parts-- > 0) part(parts);
-    };
-    // Up to `count` ids that are in use, some of them twice, or that are free.
-    const auto some = [&](std::size_t count, bool are_used) {
-      Ids ids;
-      for (std::size_t i = 0; i < count; ++i) {
-        const auto id = static_cast<std::uint32_t>(random() % max_ids);
-        if (model.objects.contains(id) != are_used) continue;
-        if (!are_used && std::find(ids.begin(), ids.end(), id) != ids.end()) {
-          continue;
-        }
-        ids.push_back(id);
-      }
-      return ids;
-    };
+    if (round % 3 == 0) options.filter.keep = &KeepsSome;
+    BodyHistory<View, BodyMaker<View>> history(maker, max_ids, options);
+    if (is_large) history.Insert(max_ids);
     const std::size_t steps = is_large ? 12 : 10 + Scaled(40);
     for (std::size_t step = 0; step < steps; ++step) {
-      const bool is_first_of_large = is_large && step == 0;
-      const std::size_t what = is_first_of_large ? 0 : random() % 12;
-      const std::size_t count = is_first_of_large   ? max_ids
-                                : random() % 8 == 0 ? random() % max_ids
-                                                    : random() % 20;
-      std::vector<Bound> bounds;
-      std::vector<BodyMasks> masks;
-      if (what < 4) {
-        const Ids ids = some(count, false);
-        const bool has_masks = random() % 2 == 0;
-        for (const std::uint32_t id : ids) {
-          bounds.push_back(maker.Next());
-          if (has_masks) masks.push_back(maker.Masks());
-          model.objects[id] = {bounds.back(),
-                               has_masks ? masks.back() : BodyMasks()};
-        }
-        bodies.Insert(ids, bounds, masks);
-      } else if (what < 6) {
-        const Ids ids = some(count, true);
-        for (const std::uint32_t id : ids) model.objects.erase(id);
-        bodies.Erase(ids);
-      } else if (what < 9) {
-        const Ids ids = some(2 * count, true);
-        for (const std::uint32_t id : ids) {
-          bounds.push_back(maker.Moved(model.objects[id].bound));
-          model.objects[id].bound = bounds.back();
-        }
-        bodies.Move(ids, bounds);
-      } else if (what == 9) {
-        const Ids ids = some(count, true);
-        for (const std::uint32_t id : ids) {
-          masks.push_back(maker.Masks());
-          model.objects[id].masks = masks.back();
-        }
-        bodies.SetMasks(ids, masks);
-      } else if (what == 10) {
-        UpdateOptions update;
-        if (random() % 2 == 0) update.budget = random() % (2 * max_ids);
-        update.run = backwards;
-        bodies.Update(update);
-      } else {
-        bodies.Rebuild(backwards);
+      const std::size_t what = history.Change();
+      ExpectIsModel(history.bodies(), history.model(), maker.random()());
+      EXPECT_EQ(history.bodies().Statistics().trees, 1u);
+      if (maker.Below(3) == 0) {
+        history.ExpectEvents();
+        history.ExpectPairsOfSome(maker.Below(100),
+                                  maker.Below(2) == 0 ? 0.0f : 0.7f);
       }
-      ExpectIsModel(bodies, model, random());
-      if (random() % 3 == 0) {
-        ExpectEvents(bodies, model, pairs);
-        ExpectPairsOfSet(bodies, model, some(random() % 100, true),
-                         random() % 2 == 0 ? 0.0f : 0.7f);
-      }
-      if (this->HasFatalFailure() || this->HasNonfatalFailure()) {
+      if (this->HasFailure()) {
         FAIL() << "round " << round << ", step " << step << ", " << what;
       }
     }

@@ -1,0 +1,142 @@
+#include <box2d/b2_broad_phase.h>
+
+#include "bench/baselines/body_space.h"
+
+namespace halfspace::bench {
+namespace {
+
+b2Vec2 VectorOf(const Point<2>& p) { return {p[0], p[1]}; }
+
+b2AABB BoxOf(const Aabb2& box) {
+  b2AABB result;
+  result.lowerBound = VectorOf(box.min);
+  result.upperBound = VectorOf(box.max);
+  return result;
+}
+
+class Box2dSpace : public BodySpace<2> {
+ public:
+  explicit Box2dSpace(std::size_t bodies)
+      : BodySpace(bodies), proxies_(bodies), partners_(bodies) {}
+
+  void Insert(Ids ids, Boxes boxes) override {
+    Store(ids, boxes, [&](std::uint32_t id, const Box& box) {
+      proxies_[id] = space_.CreateProxy(
+          BoxOf(box), reinterpret_cast<void*>(std::uintptr_t{id}));
+    });
+    UpdateContacts();
+  }
+  void Step(Ids ids, Boxes boxes) override {
+    Store(ids, boxes, [&](std::uint32_t id, const Box& box) {
+      const Point<2>& last = boxes_[id].min;
+      space_.MoveProxy(proxies_[id], BoxOf(box),
+                       {box.min[0] - last[0], box.min[1] - last[1]});
+    });
+    UpdateContacts();
+  }
+
+  void PairsOf(Ids ids, std::vector<IndexPair>& found) override {
+    PairsAmong(ids, found, [&](auto function) { ForEachPair(function); });
+  }
+  std::size_t AllPairs(std::vector<IndexPair>& found) override {
+    return AllPairsAmong(found, [&](auto function) { ForEachPair(function); });
+  }
+
+  void Find(const BodyQuery<2>& query,
+            std::vector<std::uint32_t>& found) const override {
+    struct {
+      bool QueryCallback(std::int32_t proxy) {
+        const std::uint32_t id = space.IdOf(proxy);
+        if (!query.Touches(space.boxes_[id])) return true;
+        found.push_back(id);
+        return !query.is_first;
+      }
+      const Box2dSpace& space;
+      const BodyQuery<2>& query;
+      std::vector<std::uint32_t>& found;
+    } callback{*this, query, found};
+    space_.Query(&callback, BoxOf(query.box));
+  }
+
+  // It casts rays. The way of a box is a query.
+  void Cast(const BodyCast<2>& cast, CastHits& hits) const override {
+    struct {
+      float RayCastCallback(const b2RayCastInput&, std::int32_t proxy) {
+        hits.Test(cast, space.boxes_[space.IdOf(proxy)]);
+        // 0 would end the cast.
+        return std::max(hits.limit, std::numeric_limits<float>::min());
+      }
+      bool QueryCallback(std::int32_t proxy) {
+        hits.Test(cast, space.boxes_[space.IdOf(proxy)]);
+        return true;
+      }
+      const Box2dSpace& space;
+      const BodyCast<2>& cast;
+      CastHits& hits;
+    } callback{*this, cast, hits};
+    if (!cast.IsRay()) {
+      space_.Query(&callback, BoxOf(cast.Way(hits.limit)));
+      return;
+    }
+    b2RayCastInput input;
+    input.p1 = VectorOf(cast.box.min);
+    input.p2 = input.p1 + VectorOf(cast.direction);
+    input.maxFraction = hits.limit;
+    space_.RayCast(&callback, input);
+  }
+
+  // Of b2BroadPhase::UpdatePairs().
+  void AddPair(void* a_data, void* b_data) {
+    IndexPair pair = {IdOf(a_data), IdOf(b_data)};
+    if (pair[0] > pair[1]) std::swap(pair[0], pair[1]);
+    std::vector<std::uint32_t>& partners = partners_[pair[0]];
+    if (std::find(partners.begin(), partners.end(), pair[1]) !=
+        partners.end()) {
+      return;
+    }
+    partners.push_back(pair[1]);
+    contacts_.push_back(pair);
+  }
+
+ private:
+  static std::uint32_t IdOf(void* data) {
+    return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(data));
+  }
+  std::uint32_t IdOf(std::int32_t proxy) const {
+    return IdOf(space_.GetUserData(proxy));
+  }
+
+  template <typename Function>
+  void ForEachPair(Function function) const {
+    for (const IndexPair& pair : contacts_) function(pair[0], pair[1]);
+  }
+
+  void UpdateContacts() {
+    space_.UpdatePairs(this);
+    for (std::size_t i = 0; i < contacts_.size();) {
+      const IndexPair pair = contacts_[i];
+      if (space_.TestOverlap(proxies_[pair[0]], proxies_[pair[1]])) {
+        ++i;
+        continue;
+      }
+      std::vector<std::uint32_t>& partners = partners_[pair[0]];
+      *std::find(partners.begin(), partners.end(), pair[1]) = partners.back();
+      partners.pop_back();
+      contacts_[i] = contacts_.back();
+      contacts_.pop_back();
+    }
+  }
+
+  b2BroadPhase space_;
+  std::vector<std::int32_t> proxies_;
+  std::vector<IndexPair> contacts_;
+  std::vector<std::vector<std::uint32_t>> partners_;  // the greater ones
+};
+
+}  // namespace
+
+BodySpacePtr<2> MakeBox2dSpace(std::size_t bodies) {
+  return std::make_unique<Box2dSpace>(bodies);
+}
+
+}  // namespace halfspace::bench

@@ -1,0 +1,121 @@
+#include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
+#include <fcl/geometry/shape/sphere.h>
+#include <fcl/narrowphase/collision_object.h>
+
+#include "bench/baselines/body_space.h"
+
+namespace halfspace::bench {
+namespace {
+
+// The broad phase reads the box alone.
+class FclBody : public fcl::CollisionObject<float> {
+ public:
+  FclBody(const std::shared_ptr<fcl::CollisionGeometry<float>>& geometry,
+          std::uint32_t id)
+      : CollisionObject(geometry), id_(id) {}
+
+  void SetBox(const Aabb3& box) {
+    aabb.min_ = {box.min[0], box.min[1], box.min[2]};
+    aabb.max_ = {box.max[0], box.max[1], box.max[2]};
+  }
+  static std::uint32_t IdOf(const CollisionObject* object) {
+    return static_cast<const FclBody*>(object)->id_;
+  }
+
+ private:
+  std::uint32_t id_;
+};
+
+using Object = fcl::CollisionObject<float>;
+
+class FclSpace : public BodySpace<3> {
+ public:
+  explicit FclSpace(std::size_t bodies) : BodySpace(bodies) {
+    const auto geometry = std::make_shared<fcl::Spheref>(1.0f);
+    for (std::size_t i = 0; i < bodies; ++i) {
+      bodies_.push_back(
+          std::make_unique<FclBody>(geometry, static_cast<std::uint32_t>(i)));
+    }
+    query_ = std::make_unique<FclBody>(geometry, 0);
+  }
+
+  void Insert(Ids ids, Boxes boxes) override {
+    SetBoxes(ids, boxes);
+    space_.registerObjects(objects_);
+    space_.setup();
+  }
+  // Of many, update() of all is faster.
+  void Step(Ids ids, Boxes boxes) override {
+    SetBoxes(ids, boxes);
+    if (4 * ids.size() > bodies_.size()) {
+      space_.update();
+    } else {
+      space_.update(objects_);
+    }
+  }
+
+  void PairsOf(Ids ids, std::vector<IndexPair>& found) override {
+    if (2 * ids.size() > bodies_.size()) {
+      PairsAmong(ids, found, [&](auto function) { ForEachPair(function); });
+      return;
+    }
+    PairsByQueries(ids, found, [&](std::uint32_t a, auto function) {
+      ForEachNear(bodies_[a].get(), [&](std::uint32_t b) {
+        function(b);
+        return false;
+      });
+    });
+  }
+  std::size_t AllPairs(std::vector<IndexPair>& found) override {
+    return AllPairsAmong(found, [&](auto function) { ForEachPair(function); });
+  }
+
+  void Find(const BodyQuery<3>& query,
+            std::vector<std::uint32_t>& found) const override {
+    query_->SetBox(query.box);
+    ForEachNear(query_.get(), [&](std::uint32_t id) {
+      if (!query.Touches(boxes_[id])) return false;
+      found.push_back(id);
+      return query.is_first;
+    });
+  }
+  // It has none.
+  void Cast(const BodyCast<3>& /*cast*/, CastHits& /*hits*/) const override {}
+  bool CanCast() const override { return false; }
+
+ private:
+  void SetBoxes(Ids ids, Boxes boxes) {
+    objects_.clear();
+    Store(ids, boxes, [&](std::uint32_t id, const Box& box) {
+      bodies_[id]->SetBox(box);
+      objects_.push_back(bodies_[id].get());
+    });
+  }
+  // function(id) returns whether to stop.
+  template <typename Function>
+  void ForEachNear(Object* query, Function function) const {
+    space_.collide(query, &function, [](Object* body, Object*, void* data) {
+      return (*static_cast<Function*>(data))(FclBody::IdOf(body));
+    });
+  }
+  template <typename Function>
+  void ForEachPair(Function function) const {
+    space_.collide(&function, [](Object* a, Object* b, void* data) {
+      (*static_cast<Function*>(data))(FclBody::IdOf(a), FclBody::IdOf(b));
+      return false;
+    });
+  }
+
+  std::vector<std::unique_ptr<FclBody>> bodies_;
+  std::unique_ptr<FclBody> query_;
+  std::vector<Object*> objects_;  // of the last change
+  fcl::DynamicAABBTreeCollisionManager<float> space_;
+};
+
+}  // namespace
+
+BodySpacePtr<3> MakeFclSpace(std::size_t bodies) {
+  return std::make_unique<FclSpace>(bodies);
+}
+
+}  // namespace halfspace::bench

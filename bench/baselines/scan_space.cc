@@ -1,0 +1,79 @@
+#include "bench/baselines/body_space.h"
+#include "halfspace/reject.h"
+#include "halfspace/world.h"
+
+namespace halfspace::bench {
+namespace {
+
+template <int kDims>
+class ScanSpace : public BodySpace<kDims> {
+  using Base = BodySpace<kDims>;
+  using typename Base::Box;
+  using typename Base::Boxes;
+  using typename Base::Ids;
+
+ public:
+  explicit ScanSpace(std::size_t bodies) : Base(bodies), survivors_(bodies) {
+    world_.Resize(bodies);
+    for (std::size_t i = 0; i < bodies; ++i) world_.Set(i, Box::Empty());
+  }
+
+  void Insert(Ids ids, Boxes boxes) override { Step(ids, boxes); }
+  void Step(Ids ids, Boxes boxes) override {
+    this->Store(ids, boxes,
+                [&](std::uint32_t id, const Box& box) { world_.Set(id, box); });
+  }
+
+  void PairsOf(Ids ids, std::vector<IndexPair>& found) override {
+    this->PairsByQueries(ids, found, [&](std::uint32_t a, auto function) {
+      for (std::uint32_t b : Scan(this->boxes_[a])) function(b);
+    });
+  }
+  std::size_t AllPairs(std::vector<IndexPair>& found) override {
+    for (std::uint32_t a = 0; a < this->boxes_.size(); ++a) {
+      for (std::uint32_t b : Scan(this->boxes_[a])) {
+        if (b < a) found.push_back({b, a});
+      }
+    }
+    return found.size();
+  }
+
+  void Find(const BodyQuery<kDims>& query,
+            std::vector<std::uint32_t>& found) const override {
+    if (query.is_first) {
+      if (const auto id = AnySurvivor(world_, query.box)) {
+        found.push_back(static_cast<std::uint32_t>(*id));
+      }
+      return;
+    }
+    for (std::uint32_t id : Scan(query.box)) {
+      if (query.Touches(this->boxes_[id])) found.push_back(id);
+    }
+  }
+  void Cast(const BodyCast<kDims>& cast, CastHits& hits) const override {
+    for (std::uint32_t id : Scan(cast.Way(hits.limit))) {
+      hits.Test(cast, this->boxes_[id]);
+    }
+  }
+
+ private:
+  std::span<const std::uint32_t> Scan(const Box& query) const {
+    return std::span(survivors_)
+        .first(Survivors(world_, query, survivors_,
+                         {.schedule = Schedule::kStaged}));
+  }
+
+  World<AabbView<kDims>> world_;
+  mutable std::vector<std::uint32_t> survivors_;
+};
+
+}  // namespace
+
+template <int kDims>
+BodySpacePtr<kDims> MakeScanSpace(std::size_t bodies) {
+  return std::make_unique<ScanSpace<kDims>>(bodies);
+}
+template BodySpacePtr<2> MakeScanSpace(std::size_t bodies);
+template BodySpacePtr<3> MakeScanSpace(std::size_t bodies);
+
+}  // namespace halfspace::bench

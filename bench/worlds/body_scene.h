@@ -1,0 +1,60 @@
+// Bodies that move, and what is asked about them: what broad phases are
+// measured on.
+#ifndef HALFSPACE_BENCH_WORLDS_BODY_SCENE_H_
+#define HALFSPACE_BENCH_WORLDS_BODY_SCENE_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bench/baselines/body_space.h"
+#include "bench/worlds/random.h"
+#include "halfspace/bounds.h"
+
+namespace halfspace::bench {
+
+enum class BodyKind {
+  kGas,        // sides of 0.5 to 1.5, an eighth of the space; a quarter in 2D
+  kPile,       // a lattice of sides 1 that touch, and tremble
+  kLogNormal,  // as dense as the gas
+  kBepu,       // sides of 1 + 99 x^10, about as many pairs as bodies
+};
+const char* NameOf(BodyKind kind);
+
+// The same seed gives the same scene on every machine. A body is at one of
+// kStates places, one after the other, and then back again.
+template <int kDims>
+class BodyScene {
+ public:
+  using Box = Aabb<kDims>;
+  using Ids = std::vector<std::uint32_t>;
+
+  static constexpr std::size_t kStates = 17;
+
+  BodyScene(BodyKind kind, std::size_t bodies, std::uint64_t seed);
+
+  std::size_t size() const { return boxes_.size(); }
+  const Box& world() const { return world_; }
+  Ids AllIds() const;
+  // The same ones in each frame.
+  Ids Some(std::size_t percent) const;
+  // The boxes of these bodies in a state.
+  std::vector<Box> At(const Ids& ids, std::size_t state) const;
+
+  // A place in the world, a box of that side there, and a direction of length
+  // 1.
+  Point<kDims> AnyPoint(Random& random) const;
+  Box AnyBox(float side, Random& random) const;
+  static Point<kDims> AnyDirection(Random& random);
+
+ private:
+  Box world_;
+  std::vector<Box> boxes_;
+  std::vector<Point<kDims>> velocities_;  // of a frame
+  std::uint64_t seed_;
+};
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_WORLDS_BODY_SCENE_H_

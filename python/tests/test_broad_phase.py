@@ -1,0 +1,287 @@
+"""The broad phase, compared with NumPy."""
+
+import threading
+
+import halfspace as hs
+import numpy as np
+import pytest
+
+from conftest import as_matrix, overlaps, random_boxes
+
+ALL = 2**64 - 1
+
+
+class Model:
+    """What a broad phase should have."""
+
+    def __init__(self, n, dims):
+        self.has = np.zeros(n, bool)
+        self.boxes = np.full((n, 2 * dims), np.inf, np.float32)
+        self.boxes[:, dims:] = -np.inf
+        self.categories = np.ones(n, np.uint64)
+        self.collides_with = np.full(n, ALL, np.uint64)
+
+    def pairs(self, margin=0):
+        grown = self.boxes.astype(float)
+        half = grown.shape[1] // 2
+        grown[:, :half] -= margin
+        grown[:, half:] += margin
+        found = overlaps(grown, self.boxes)
+        masks = (self.categories[:, None] & self.collides_with[None, :]) != 0
+        found &= masks & masks.T & self.has[:, None] & self.has[None, :]
+        return np.triu(found, 1)
+
+
+def as_set(pairs):
+    assert pairs.shape == (len(pairs), 2) and pairs.dtype == np.int64
+    return set(map(tuple, pairs.tolist()))
+
+
+@pytest.mark.parametrize("kind", ["aabb", "aabo"])
+@pytest.mark.parametrize("margin", [0, 0.02])
+def test_a_history(rng, dims, kind, margin):
+    n = 1200
+    model = Model(n, dims)
+    bodies = hs.BroadPhase(n, dims, kind, margin)
+    queries = random_boxes(rng, 700, dims, 0.2)
+    before = set()
+
+    def check():
+        assert len(bodies) == model.has.sum() and bodies.validate()
+        expected = overlaps(queries, model.boxes) & model.has
+        for threads in (1, 2):
+            found = bodies.query(queries, threads=threads)
+            assert (as_matrix(found, expected.shape) == expected).all()
+            assert (np.diff(found[0]) >= 0).all()
+        assert sorted(bodies.query(queries[0])) == np.flatnonzero(expected[0]).tolist()
+        in_mask = (model.categories & np.uint64(6)) != 0
+        found = bodies.query(queries, 6)
+        assert (as_matrix(found, expected.shape) == expected & in_mask).all()
+
+        alive = np.flatnonzero(model.has)
+        tree = hs.BVH(model.boxes[alive])
+        ids, t = bodies.raycast(queries[:, :dims], queries[:, dims:] - 0.5, 2)
+        if kind == "aabb":
+            expected_ids, expected_t = tree.raycast(
+                queries[:, :dims], queries[:, dims:] - 0.5, 2
+            )
+            assert (ids == np.where(expected_ids < 0, -1, alive[expected_ids])).all()
+            assert (t == expected_t).all()
+        assert (ids >= 0).any()
+        assert bodies.raycast(queries[3, :dims], queries[3, dims:] - 0.5, 2)[0] == ids[3]
+
+        nonlocal before
+        began, ended = bodies.update_pairs()
+        now = set(map(tuple, np.argwhere(model.pairs()).tolist()))
+        assert as_set(began) == now - before and as_set(ended) == before - now
+        assert began.tolist() == sorted(began.tolist())
+        before = now
+        chosen = alive[::3]
+        found = as_set(bodies.pairs_of(chosen, 0.01))
+        assert {a for a, _ in found} <= set(chosen.tolist())
+        wide = model.pairs(0.01)
+        in_set = np.isin(np.arange(n), chosen)
+        wide &= in_set[:, None] | in_set[None, :]
+        if kind == "aabb":
+            assert {(min(p), max(p)) for p in found} == set(
+                map(tuple, np.argwhere(wide).tolist())
+            )
+        low, high = bodies.bounds[:dims], bodies.bounds[-len(bodies.bounds) // 2 :][:dims]
+        assert (low <= model.boxes[alive, :dims]).all()
+        assert (high >= model.boxes[alive, dims:]).all()
+        values = bodies.get(alive)
+        half = values.shape[1] // 2
+        assert (values[:, :dims] == model.boxes[alive, :dims]).all()
+        assert (values[:, half : half + dims] == model.boxes[alive, dims:]).all()
+        categories, collides_with = bodies.masks(alive)
+        assert (categories == model.categories[alive]).all()
+        assert (collides_with == model.collides_with[alive]).all()
+
+    def change(call, ids, **masks):
+        boxes = random_boxes(rng, len(ids), dims, 0.05)
+        model.has[ids] = True
+        model.boxes[ids] = boxes
+        call(ids, boxes, **masks)
+
+    ids = rng.permutation(n)
+    model.categories[ids[:500]] = 1 << np.arange(500, dtype=np.uint64) % 5
+    change(bodies.insert, ids[:500], categories=model.categories[ids[:500]])
+    check()
+    change(bodies.move, ids[100:300])
+    bodies.erase(ids[:50])
+    model.has[ids[:50]] = False
+    check()
+    bodies.update()
+    change(bodies.insert, ids[500:600])
+    model.categories[ids[40:60]] = 1
+    change(bodies.insert, ids[40:50], categories=1)
+    model.collides_with[ids[60:80]] = 2
+    bodies.set_masks(ids[60:80], model.categories[ids[60:80]], 2)
+    bodies.set_masks(ids[50:60], 1, ALL)
+    check()
+    bodies.rebuild(threads=2)
+    bodies.update(0)
+    check()
+
+
+def test_spheres(rng, dims):
+    boxes = random_boxes(rng, 1000, dims)
+    bodies = hs.BroadPhase(1000, dims)
+    bodies.insert(np.arange(1000), boxes)
+    centers = rng.random((300, dims))
+    radii = 0.2 * rng.random(300)
+    gaps = np.clip(centers[:, None], boxes[:, :dims], boxes[:, dims:]) - centers[:, None]
+    distances = np.linalg.norm(gaps, axis=2)
+    found = as_matrix(bodies.query_sphere(centers, radii), distances.shape)
+    assert found[distances <= radii[:, None]].all()
+    assert not found[distances > 1.0001 * radii[:, None] + 1e-5].any()
+    assert sorted(bodies.query_sphere(centers[0], radii[0])) == np.flatnonzero(
+        found[0]
+    ).tolist()
+    assert len(bodies.query_sphere(centers[0], 2, mask=2)) == 0
+
+
+def test_spheres_of_doubles_are_enclosed():
+    bodies = hs.BroadPhase(1, 2)
+    bodies.insert(0, [0, 0, 1, 1])
+    assert bodies.query_sphere([3 - 1e-9, 0.5], 2.0).tolist() == [0]
+    assert bodies.query_sphere([1e300, 0.5], 2.0).tolist() == [0]
+    assert bodies.query_sphere([3.001, 0.5], 2.0).tolist() == []
+
+
+def test_octahedra():
+    """Bounds that only the axis D separates."""
+    bodies = hs.BroadPhase(2, 2, "aabo")
+    bodies.insert([0], [[0, 0, -1, 1, 1, 0]])  # the triangle below x + y = 1
+    assert bodies.query([0.8, 0.8, 1, 1]).tolist() == []
+    assert bodies.query([0.5, 0.5, 1, 1]).tolist() == [0]
+    assert bodies.query(np.array([0.8, 0.8, -3, 1, 1, -0.9])).tolist() == [0]
+    assert bodies.get(0).tolist() == [[0, 0, -1, 1, 1, 0]]
+
+
+def test_size_and_contents():
+    bodies = hs.BroadPhase(10, dimensions=2, margin=0.5)
+    assert len(bodies) == 0 and 3 not in bodies
+    assert bodies.max_ids == 10 and bodies.dims == 2
+    bodies.insert(3, [0, 0, 1, 1])
+    assert 3 in bodies and 4 not in bodies and -1 not in bodies and 2**40 not in bodies
+    assert repr(bodies) == "<halfspace.BroadPhase: 1 bodies in 2 dimensions>"
+    statistics = bodies.statistics()
+    assert statistics["bodies"] == 1 and statistics["pending"] == 1
+    assert statistics["bytes"] > 0 and statistics["trees"] == 1
+    bodies.insert([], np.empty((0, 4)))
+    bodies.update()
+    assert bodies.statistics()["pending"] == 0
+    assert bodies.bounds.tolist() == [-0.5, -0.5, 1.5, 1.5]
+
+
+BOX = [0, 0, 1, 1]
+ERRORS = {
+    "ids[1]: expected the id of a body, got 5": lambda b: b.move([1, 5], [BOX, BOX]),
+    "ids[1]: expected the id of a body, got 6": lambda b: b.erase([1, 6]),
+    "ids[0]: expected the id of a body, got 7": lambda b: b.get([7]),
+    "ids[0]: expected the id of a body, got 8": lambda b: b.masks([8]),
+    "ids[0]: expected the id of a body, got 9": lambda b: b.pairs_of([9]),
+    "ids[0]: expected an id that no body has, once in the list, got 1": lambda b: b.insert(
+        [1], [BOX]
+    ),
+    "ids[1]: expected an id below max_ids, 10, got 10": lambda b: b.insert([2, 10], [BOX] * 2),
+    "ids[1] = -1 is not the id of an object": lambda b: b.insert([2, -1], [BOX] * 2),
+    "ids: expected one id for each of 1 boxes, got 2": lambda b: b.insert([2, 3], [BOX]),
+    "boxes[1]: expected numbers, got NaN": lambda b: b.insert([2, 3], [BOX, [0, 0, 1, np.nan]]),
+    "boxes[0]: expected min <= max": lambda b: b.move([1], [[2, 0, 1, 1]]),
+    "boxes: expected boxes of shape (n, 4)": lambda b: b.query([0, 0, 0, 1, 1, 1]),
+    "categories[1]: expected an integer that is not negative, got -2": lambda b: b.insert(
+        [2, 3], [BOX] * 2, categories=[1, -2]
+    ),
+    "categories: expected one integer or an array of shape (1,)": lambda b: b.set_masks(
+        [1], [1, 2], 1
+    ),
+    "mask: expected an integer from 0 to 2^64 - 1": lambda b: b.query(BOX, 2**64),
+    "margin: expected a finite float32": lambda b: b.pairs_of([1], np.inf),
+    "margin: expected a number that is not negative": lambda b: hs.BroadPhase(1, margin=-1),
+    "dimensions: expected 2 or 3, got 4": lambda b: hs.BroadPhase(1, 4),
+    "max_ids: expected an integer from 1 to 536870912": lambda b: hs.BroadPhase(2**29 + 1),
+    'kind: expected "aabb" or "aabo"': lambda b: hs.BroadPhase(1, kind="box"),
+    "budget: expected at least 0, got -1": lambda b: b.update(-1),
+    "radii: expected numbers that are not negative": lambda b: b.query_sphere([0, 0], -1),
+    "directions: expected as many rows as origins": lambda b: b.raycast(
+        [[0, 0]] * 2, [[1, 0]] * 3
+    ),
+}
+
+
+@pytest.mark.parametrize("message", ERRORS)
+def test_errors(message):
+    bodies = hs.BroadPhase(10, 2)
+    bodies.insert(1, BOX)
+    with pytest.raises(ValueError) as error:
+        ERRORS[message](bodies)
+    assert str(error.value).startswith(message)
+    assert len(bodies) == 1 and bodies.get(1).tolist() == [BOX]
+
+
+def test_masks_must_be_integers():
+    bodies = hs.BroadPhase(10, 2)
+    for categories in (1.5, [2**70]):
+        with pytest.raises(TypeError, match="categories: expected integers of 64 bits"):
+            bodies.insert([1], [BOX], categories=categories)
+
+
+def test_threads_move_and_query(dims):
+    """Bodies at rest are always found, and those that move inside a cell stay in it."""
+    n, cells = 3000, 3
+    bodies = hs.BroadPhase(n, dims, margin=0.01)
+    rng = np.random.default_rng(7)
+    cell = np.arange(n) % cells
+
+    def boxes(ids, rng):
+        low = 0.8 * rng.random((len(ids), dims))
+        low[:, 0] += cell[ids] * 10
+        return np.hstack([low, low + 0.1]).astype(np.float32)
+
+    ids = np.arange(n)
+    bodies.insert(ids, boxes(ids, rng))
+    stop = threading.Event()
+    errors = []
+
+    def guard(work, seed):
+        rng = np.random.default_rng(seed)
+        try:
+            while not stop.is_set():
+                work(rng)
+        except BaseException as error:
+            errors.append(error)
+
+    def move(own):
+        def work(rng):
+            bodies.move(own, boxes(own, rng))
+
+        return work
+
+    def query(rng):
+        low = np.zeros((cells, dims))
+        low[:, 0] = 10 * np.arange(cells)
+        wanted = np.hstack([low, low + 1])
+        rows, found = bodies.query(wanted)
+        assert len(found) == n and (cell[found] == rows).all()
+
+    def update(rng):
+        bodies.update()
+        bodies.update_pairs()
+
+    works = [move(ids[: n // 2]), move(ids[n // 2 :]), query, query, update]
+    threads = [
+        threading.Thread(target=guard, args=(work, seed)) for seed, work in enumerate(works)
+    ]
+    for thread in threads:
+        thread.start()
+    stop.wait(0.5)
+    stop.set()
+    for thread in threads:
+        thread.join()
+    assert not errors, errors[0]
+    bodies.update()
+    assert bodies.validate()
+    bodies.update_pairs()
+    assert all(len(pairs) == 0 for pairs in bodies.update_pairs())
