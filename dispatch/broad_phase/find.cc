@@ -3,6 +3,7 @@
 // again.
 #include <bit>
 #include <cmath>
+#include <optional>
 
 #include "dispatch/broad_phase/exact.h"
 #include "dispatch/broad_phase/state.h"
@@ -11,6 +12,7 @@
 namespace halfspace::detail {
 namespace {
 
+template <std::size_t kAxes>
 class Finder : public WalkIds {
  public:
   Finder(const BroadPhaseState& state, const Version& version,
@@ -22,8 +24,7 @@ class Finder : public WalkIds {
         query_(query),
         mask_(mask),
         function_(function),
-        context_(context),
-        leaf_(state.planes()) {}
+        context_(context) {}
 
   void Find() {
     constexpr const char* kCall = "BroadPhase::ForEach";
@@ -43,6 +44,8 @@ class Finder : public WalkIds {
   }
 
  private:
+  static constexpr std::size_t kPlanes = 2 * kAxes;
+
   static void Run(const Walk& walk, WalkFunction find) {
     auto& self = static_cast<Finder&>(*walk.ids);
     self.queries_ = walk.queries;
@@ -67,14 +70,16 @@ class Finder : public WalkIds {
       return levels
           .ids[first + static_cast<std::size_t>(std::countr_zero(some))];
     };
+    const bool has_own = self.version_.HasOwnBounds();
     std::uint64_t others = 0;
     for (; bits != 0; bits &= bits - 1) {
       const std::uint32_t id = id_at(bits);
-      float planes[kMostBodyPlanes];
+      float planes[kPlanes];
       const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
-      LoadPlanes(levels.level[0].Plane(block, 0) + lane, self.state_.planes(),
-                 planes);
-      if (!self.version_.HasOwnBound(id)) {
+      if (has_own) {
+        LoadPlanes(levels.level[0].Plane(block, 0) + lane, kPlanes, planes);
+      }
+      if (!has_own || !self.version_.HasOwnBound(id)) {
         if (self.is_first_ && self.query_.kind == nullptr) {
           if (!self.Add(id)) return false;
           continue;
@@ -95,7 +100,7 @@ class Finder : public WalkIds {
   }
 
   bool Stop() {
-    leaf_.Clear();
+    if (leaf_) leaf_->Clear();
     return false;
   }
 
@@ -105,16 +110,17 @@ class Finder : public WalkIds {
     return state_.bodies.Read(id, body) && detail::HasMask(body.masks, mask_);
   }
 
-  bool Add(std::uint32_t id) {
+  [[gnu::noinline]] bool Add(std::uint32_t id) {
     Body body;
     const bool has_masks = ~mask_ != 0;
-    if (!state_.bodies.Read(id, body, has_masks) ||
+    if (!state_.bodies.ReadPlanes(id, kPlanes, body, has_masks) ||
         (has_masks && !detail::HasMask(body.masks, mask_))) {
       return true;
     }
     if (query_.kind != nullptr) {
-      leaf_.Add(id, body);
-      return leaf_.size() < kBlockObjects || Flush();
+      if (!leaf_) leaf_.emplace(kPlanes);
+      leaf_->Add(id, body);
+      return leaf_->size() < kBlockObjects || Flush();
     }
     if (!Touches(body.planes)) return true;
     is_first_ = false;
@@ -123,12 +129,11 @@ class Finder : public WalkIds {
 
   // As the kernels test a bound.
   bool Touches(const float* planes) const {
-    const std::size_t axes = state_.shape.axes;
     const auto* const query = static_cast<const float*>(query_.first);
     bool is_apart = false;
-    for (std::size_t k = 0; k < axes; ++k) {
-      is_apart |= std::isgreater(planes[k], query[axes + k]);
-      is_apart |= std::isgreater(query[k], planes[axes + k]);
+    for (std::size_t k = 0; k < kAxes; ++k) {
+      is_apart |= std::isgreater(planes[k], query[kAxes + k]);
+      is_apart |= std::isgreater(query[k], planes[kAxes + k]);
     }
     return !is_apart;
   }
@@ -140,12 +145,12 @@ class Finder : public WalkIds {
 
   // Tests the bodies of the leaf, and calls the function for those that
   // survive.
-  bool Flush() {
-    if (leaf_.size() == 0) return true;
+  [[gnu::noinline]] bool Flush() {
+    if (!leaf_ || leaf_->size() == 0) return true;
     std::uint32_t lanes[2 * kBlockObjects];
     WalkIds found{lanes, lanes, lanes + kBlockObjects + 1, nullptr, 0, nullptr};
     Walk walk{};
-    walk.levels = &leaf_.Finish();
+    walk.levels = &leaf_->Finish();
     walk.queries = queries_;
     walk.query_count = 1;
     walk.ids = &found;
@@ -153,10 +158,10 @@ class Finder : public WalkIds {
     find_(walk);
     for (const std::uint32_t* lane = lanes; lane != found.next; ++lane) {
       float planes[kMostBodyPlanes];
-      leaf_.PlanesOf(*lane, planes);
-      if (!Call(leaf_.IdOf(*lane), planes)) return Stop();
+      leaf_->PlanesOf(*lane, planes);
+      if (!Call(leaf_->IdOf(*lane), planes)) return Stop();
     }
-    leaf_.Clear();
+    leaf_->Clear();
     return true;
   }
 
@@ -168,8 +173,8 @@ class Finder : public WalkIds {
   void* context_;
   const void* queries_ = nullptr;  // as the kernel reads them
   WalkFunction find_ = nullptr;
-  bool is_first_ = false;  // no body of the tree was found
-  ExactLeaf leaf_;
+  bool is_first_ = false;          // no body of the tree was found
+  std::optional<ExactLeaf> leaf_;  // of shapes. It is large
 };
 
 }  // namespace
@@ -178,7 +183,11 @@ void BroadPhaseCore::ForEach(const BvhQueries& query, std::uint64_t mask,
                              BodyFunction function, void* context) const {
   const Held version(*state_);
   const WithRacyReads reads;
-  Finder(*state_, *version, query, mask, function, context).Find();
+  WithAxes(state_->shape.axes, [&](auto axes) {
+    Finder<decltype(axes)::value>(*state_, *version, query, mask, function,
+                                  context)
+        .Find();
+  });
 }
 
 }  // namespace halfspace::detail

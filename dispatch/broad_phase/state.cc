@@ -50,19 +50,6 @@ void MoveOutward(float& of_tree, float plane, bool is_max) {
   }
 }
 
-// Calls function(axes) with a constant: loops over the axes have no branches.
-template <typename Function>
-auto WithAxes(std::size_t axes, const Function& function) {
-  switch (axes) {
-    case 2:
-      return function(std::integral_constant<std::size_t, 2>());
-    case 3:
-      return function(std::integral_constant<std::size_t, 3>());
-    default:
-      return function(std::integral_constant<std::size_t, 4>());
-  }
-}
-
 // Whether a body has all of its planes, without a NaN, inside those of a node,
 // or of itself on level 0. The first plane of these is at `of_tree`, and the
 // others in the next planes of its block.

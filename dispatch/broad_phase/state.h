@@ -52,6 +52,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <type_traits>
 #include <utility>
 
 #include "dispatch/broad_phase/list.h"
@@ -116,6 +117,19 @@ struct Body {
   BodyMasks masks;
 };
 
+// Calls function(axes) with a constant: loops over the axes have no branches.
+template <typename Function>
+auto WithAxes(std::size_t axes, const Function& function) {
+  switch (axes) {
+    case 2:
+      return function(std::integral_constant<std::size_t, 2>());
+    case 3:
+      return function(std::integral_constant<std::size_t, 3>());
+    default:
+      return function(std::integral_constant<std::size_t, 4>());
+  }
+}
+
 // A record of each id: its exact bound and its masks, which are read and
 // written together, and marks of what changed. A record has one writer at a
 // time.
@@ -143,12 +157,17 @@ class Bodies {
   // Returns whether the body exists, and all of its record as it was at one
   // time: its masks too unless that is not wanted.
   bool Read(std::size_t id, Body& body, bool has_masks = true) const {
-    const std::atomic<std::uint32_t>* const words = At(id);
+    return ReadPlanes(id, planes_, body, has_masks);
+  }
+  // The same with the number of planes, which may be a constant.
+  bool ReadPlanes(std::size_t id, std::size_t planes, Body& body,
+                  bool has_masks) const {
+    const std::atomic<std::uint32_t>* const words = words_ + id * (1 + planes);
     for (std::size_t tries = 1;; ++tries) {
       const std::uint32_t before = words[0].load(std::memory_order_acquire);
       if ((before & kIsWritten) == 0) {
         if ((before & kPresent) == 0) return false;
-        for (std::size_t p = 0; p < planes_; ++p) {
+        for (std::size_t p = 0; p < planes; ++p) {
           body.planes[p] = std::bit_cast<float>(
               words[1 + p].load(std::memory_order_acquire));
         }
@@ -286,6 +305,7 @@ class Version {
   void ClearPending() { pending_count_.store(0, std::memory_order_release); }
 
   // Whether the body's bound in the tree is its own. `id` is in the tree.
+  bool HasOwnBounds() const { return own_bound_count_ != 0; }
   bool HasOwnBound(std::uint32_t id) const {
     return own_bound_count_ != 0 &&
            own_bounds_[id].load(std::memory_order_acquire) != 0;
