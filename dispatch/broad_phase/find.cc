@@ -27,7 +27,6 @@ class Finder : public WalkIds {
         context_(context) {}
 
   void Find() {
-    constexpr const char* kCall = "BroadPhase::ForEach";
     Walk walk{};
     walk.levels = &version_.tree.levels();
     walk.queries = query_.first;
@@ -39,17 +38,23 @@ class Finder : public WalkIds {
     if (query_.kind != nullptr) {
       query_.kind->walk(version_.tree, query_, QueryOptions(), kCall, walk);
     } else {
-      Run(walk, KernelsFor(state_.shape, Target(), kCall).find);
+      Run(walk, Kernels().find);
     }
   }
 
  private:
   static constexpr std::size_t kPlanes = 2 * kAxes;
+  static constexpr const char* kCall = "BroadPhase::ForEach";
+
+  const BvhKernels::OfPlanes& Kernels() const {
+    return KernelsFor(state_.shape, Target(), kCall);
+  }
 
   static void Run(const Walk& walk, WalkFunction find) {
     auto& self = static_cast<Finder&>(*walk.ids);
     self.queries_ = walk.queries;
     self.find_ = find;
+    self.is_shape_ = find != self.Kernels().find;
     // The function may insert more.
     const std::size_t pending = self.version_.PendingCount();
     for (std::size_t i = 0; i < pending; ++i) {
@@ -80,7 +85,7 @@ class Finder : public WalkIds {
         LoadPlanes(levels.level[0].Plane(block, 0) + lane, kPlanes, planes);
       }
       if (!has_own || !self.version_.HasOwnBound(id)) {
-        if (self.is_first_ && self.query_.kind == nullptr) {
+        if (self.is_first_ && !self.is_shape_) {
           if (!self.Add(id)) return false;
           continue;
         }
@@ -117,7 +122,7 @@ class Finder : public WalkIds {
         (has_masks && !detail::HasMask(body.masks, mask_))) {
       return true;
     }
-    if (query_.kind != nullptr) {
+    if (is_shape_) {
       if (!leaf_) leaf_.emplace(kPlanes);
       leaf_->Add(id, body);
       return leaf_->size() < kBlockObjects || Flush();
@@ -129,7 +134,7 @@ class Finder : public WalkIds {
 
   // As the kernels test a bound.
   bool Touches(const float* planes) const {
-    const auto* const query = static_cast<const float*>(query_.first);
+    const auto* const query = static_cast<const float*>(queries_);
     bool is_apart = false;
     for (std::size_t k = 0; k < kAxes; ++k) {
       is_apart |= std::isgreater(planes[k], query[kAxes + k]);
@@ -173,6 +178,7 @@ class Finder : public WalkIds {
   void* context_;
   const void* queries_ = nullptr;  // as the kernel reads them
   WalkFunction find_ = nullptr;
+  bool is_shape_ = false;          // and not a bound
   bool is_first_ = false;          // no body of the tree was found
   std::optional<ExactLeaf> leaf_;  // of shapes. It is large
 };
