@@ -153,54 +153,60 @@ class Prepared {
     is_ = kFronts;
   }
 
-  // The sides of an oriented box, and those of the axis-aligned box around it.
   void SetSides() {
-    const std::size_t dims = query_.dims;
-    const float* const axes = query_.values + dims;
+    if (query_.dims == 2) {
+      SetSidesOf<2>();
+    } else {
+      SetSidesOf<3>();
+    }
+  }
+
+  // The sides of an oriented box, and the axis-aligned box around it.
+  template <std::size_t kDims>
+  void SetSidesOf() {
     fronts_.count = 0;
     if (world_.has_max) {
-      SetBox();
+      SetBox<kDims>();
     } else {
-      for (std::size_t k = 0; k < dims; ++k) {
-        double normal[3] = {};
+      for (std::size_t k = 0; k < kDims; ++k) {
+        double normal[kDims] = {};
         normal[k] = 1;
-        AddSides(normal);
+        AddSides<kDims>(normal);
       }
     }
-    for (std::size_t k = 0; k < dims; ++k) {
-      double normal[3] = {};
+    for (std::size_t k = 0; k < kDims; ++k) {
+      double normal[kDims];
       // What is at right angles to the other axes.
-      const float* const a = axes + (k + 1) % dims * dims;
-      const float* const b = axes + (k + 2) % dims * dims;
-      if (dims == 2) {
+      const float* const axes = query_.values + kDims;
+      const float* const a = axes + (k + 1) % kDims * kDims;
+      if constexpr (kDims == 2) {
         normal[0] = -a[1];
         normal[1] = a[0];
       } else {
+        const float* const b = axes + (k + 2) % kDims * kDims;
         for (std::size_t i = 0; i < 3; ++i) {
           const std::size_t j = (i + 1) % 3;
           const std::size_t l = (i + 2) % 3;
           normal[i] = double{a[j]} * b[l] - double{a[l]} * b[j];
         }
       }
-      AddSides(normal);
+      AddSides<kDims>(normal);
     }
     is_ = kFronts;
   }
 
-  // The axis-aligned box around an oriented box. Numbers that are not finite
-  // limit nothing.
+  // Numbers that are not finite limit nothing.
+  template <std::size_t kDims>
   void SetBox() {
-    constexpr float kInfinity = kInf<float>;
-    const std::size_t dims = query_.dims;
-    const float* const half_extents = query_.values + dims * (dims + 1);
-    fronts_.box_dims = dims;
+    const float* const half_extents = query_.values + kDims * (kDims + 1);
+    fronts_.box_dims = kDims;
     fronts_.max_plane = world_.axes;
     bool is_finite = true;
-    for (std::size_t k = 0; k < dims; ++k) {
+    for (std::size_t k = 0; k < kDims; ++k) {
       const double middle = query_.values[k];
       double reach = 0;
-      for (std::size_t a = 0; a < dims; ++a) {
-        reach += std::abs(double{query_.values[dims * (a + 1) + k]} *
+      for (std::size_t a = 0; a < kDims; ++a) {
+        reach += std::abs(double{query_.values[kDims * (a + 1) + k]} *
                           half_extents[a]);
       }
       is_finite &= std::isfinite(middle) && std::isfinite(reach);
@@ -208,45 +214,52 @@ class Prepared {
       fronts_.low[k] = -RoundedUp(reach - middle);
       fronts_.high[k] = RoundedUp(reach + middle);
     }
-    for (std::size_t k = 0; k < dims && !is_finite; ++k) {
-      fronts_.low[k] = -kInfinity;
-      fronts_.high[k] = kInfinity;
+    for (std::size_t k = 0; k < kDims && !is_finite; ++k) {
+      fronts_.low[k] = -kInf<float>;
+      fronts_.high[k] = kInf<float>;
     }
   }
 
   // The half-spaces with this normal and its opposite that just hold an
   // oriented box. Right for any normal, as rounded to floats too.
+  template <std::size_t kDims>
   void AddSides(const double* normal) {
-    const std::size_t dims = query_.dims;
     const float* const center = query_.values;
-    const float* const half_extents = center + dims * (dims + 1);
+    const float* const half_extents = center + kDims * (kDims + 1);
     double largest = 0;
-    for (std::size_t k = 0; k < dims; ++k) {
+    for (std::size_t k = 0; k < kDims; ++k) {
       largest = std::max(largest, std::abs(normal[k]));
     }
-    float up[3] = {};
-    float down[3] = {};
+    float up[kDims];
     double middle = 0;
     double size = 0;
-    for (std::size_t k = 0; k < dims; ++k) {
+    for (std::size_t k = 0; k < kDims; ++k) {
       up[k] = static_cast<float>(normal[k] / largest);
-      down[k] = -up[k];
       middle += double{up[k]} * center[k];
       size += std::abs(double{up[k]} * center[k]);
     }
     double reach = 0;
-    for (std::size_t a = 0; a < dims; ++a) {
-      const float* const axis = center + dims * (a + 1);
+    for (std::size_t a = 0; a < kDims; ++a) {
+      const float* const axis = center + kDims * (a + 1);
       double along = 0;
-      for (std::size_t k = 0; k < dims; ++k) {
+      for (std::size_t k = 0; k < kDims; ++k) {
         along += double{up[k]} * axis[k];
         size += std::abs(double{up[k]} * axis[k] * half_extents[a]);
       }
       reach += std::abs(along * half_extents[a]);
     }
     reach += size * 0x1p-48;
-    AddFront(up, RoundedUp(reach - middle));
-    AddFront(down, RoundedUp(reach + middle));
+    const float offset = RoundedUp(reach - middle);
+    const float opposite_offset = RoundedUp(reach + middle);
+    if (world_.has_max) {
+      MakeFronts<kDims>(planes_, up, offset, opposite_offset,
+                        fronts_.front + fronts_.count);
+      fronts_.count += 2;
+      return;
+    }
+    AddFront(up, offset);
+    for (float& component : up) component = -component;
+    AddFront(up, opposite_offset);
   }
 
   // In place, as a copy would wait for the stores.

@@ -12,10 +12,6 @@
 
 namespace halfspace::detail {
 
-float RoundedUp(double value) {
-  return static_cast<float>(value + std::abs(value) * 0x1p-23 + 0x1p-149);
-}
-
 namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
@@ -28,6 +24,14 @@ float SquaredLimit(float radius) {
   const float limit = radius * radius * (1 + 0x1.2p-18f) + 0x1p-124f;
   if (limit >= 0x1.fffffp127f) return kInf;
   return limit;
+}
+
+// Returns whether the offset limits anything.
+bool SetOffset(double scaled, Front& front) {
+  const bool is_finite = std::isfinite(scaled);
+  scaled = std::clamp(scaled, -0x1p126, 0x1p126);
+  front.offset = RoundedUp(scaled + std::abs(scaled) * 0x1p-19 + 0x1p-120);
+  return is_finite && scaled < 0x1p126;
 }
 
 }  // namespace
@@ -154,11 +158,8 @@ Front MakeFront(const ShapePlanes& planes, const float* normal, float offset) {
                  kOne)
                 << 52)
           : 1;
-  const double scaled_offset = std::clamp(offset * scale, -0x1p126, 0x1p126);
   Front front{};
-  front.offset =
-      RoundedUp(scaled_offset + std::abs(scaled_offset) * 0x1p-19 + 0x1p-120);
-  bool tells = is_finite && scaled_offset < 0x1p126;
+  bool tells = SetOffset(offset * scale, front) && is_finite;
   for (std::size_t k = 0; tells && k < factor_count; ++k) {
     const double factor = factors[k] * scale;
     if (factor == 0) continue;
@@ -174,5 +175,37 @@ Front MakeFront(const ShapePlanes& planes, const float* normal, float offset) {
   if (!tells) front = {0, 0, {}};
   return front;
 }
+
+template <std::size_t kDims>
+void MakeFronts(const ShapePlanes& planes, const float* normal, float offset,
+                float opposite_offset, Front* two) {
+  constexpr double kScale = 0x1p-4;
+  bool tells = SetOffset(offset * kScale, two[0]);
+  bool opposite_tells = SetOffset(opposite_offset * kScale, two[1]);
+  std::size_t terms = 0;
+  for (std::size_t k = 0; k < kDims; ++k) {
+    const double factor = normal[k] * kScale;
+    if (factor == 0) continue;
+    // Of a NaN too.
+    if (!(std::abs(factor) >= 0x1p-100)) tells = opposite_tells = false;
+    const auto min = static_cast<std::uint32_t>(k);
+    const auto max = static_cast<std::uint32_t>(planes.axes + k);
+    const std::uint32_t plane = factor > 0 ? max : min;
+    const std::uint32_t opposite = min + max - plane;
+    const auto more = static_cast<float>(factor * (1 + 0x1p-19));
+    const auto less = static_cast<float>(factor * (1 - 0x1p-19));
+    two[0].term[terms] = {plane, opposite, more, less};
+    two[1].term[terms++] = {opposite, plane, -more, -less};
+  }
+  two[0].terms = tells ? terms : 0;
+  two[1].terms = opposite_tells ? terms : 0;
+  if (!tells) two[0].offset = 0;
+  if (!opposite_tells) two[1].offset = 0;
+}
+
+template void MakeFronts<2>(const ShapePlanes&, const float*, float, float,
+                            Front*);
+template void MakeFronts<3>(const ShapePlanes&, const float*, float, float,
+                            Front*);
 
 }  // namespace halfspace::detail

@@ -4,6 +4,7 @@
 #ifndef HALFSPACE_KERNELS_BVH_SHAPE_H_
 #define HALFSPACE_KERNELS_BVH_SHAPE_H_
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -99,7 +100,9 @@ template <std::int64_t kTarget>
 inline constexpr BvhShapeKernels kBvhShapeKernelsFor{};
 
 // At least the value, by up to two ulps.
-float RoundedUp(double value);
+inline float RoundedUp(double value) {
+  return static_cast<float>(value + std::abs(value) * 0x1p-23 + 0x1p-149);
+}
 
 // All in the default floating-point mode.
 void MakeBall(const ShapePlanes& planes, const float* center, float radius,
@@ -110,6 +113,11 @@ void MakeBall(const ShapePlanes& planes, const float* center, float radius,
 void MakeLine(const ShapePlanes& planes, const double* low, const double* high,
               const double* direction, float max_t, float radius, Line& line);
 Front MakeFront(const ShapePlanes& planes, const float* normal, float offset);
+// MakeFront() of a normal whose largest component is 1, and of its opposite, of
+// bounds with maxima: less than half the time.
+template <std::size_t kDims>
+void MakeFronts(const ShapePlanes& planes, const float* normal, float offset,
+                float opposite_offset, Front* two);
 
 }  // namespace halfspace::detail
 
