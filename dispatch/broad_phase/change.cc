@@ -99,15 +99,18 @@ void Build(BroadPhaseState& state, const TakenMarks& moved,
   gone.Reserve(moved.ids().size());
   stays.Reserve(moved.ids().size());
   comes.Reserve(pending + added.ids.size());
+  const auto is_replaced = [&](std::uint32_t id) {
+    return (state.bodies.MarksOf(id) & Bodies::kReplaced) != 0;
+  };
   kernels::InDefaultFpMode([&] {
     Body body;
     for (const std::uint32_t id : moved.ids()) {
       if (!version.tree.Has(id)) continue;
-      if (state.bodies.Read(id, body)) {
-        stays.Add(id, body.planes);
-      } else {
-        gone.Push(id);
-      }
+      const bool is_body = state.bodies.Read(id, body);
+      // A new body under an old id can be far from the leaf of the old one.
+      const bool is_new = is_replaced(id);
+      if (!is_body || is_new) gone.Push(id);
+      if (is_body) (is_new ? comes : stays).Add(id, body.planes);
     }
     for (std::size_t i = 0; i < pending; ++i) {
       const std::uint32_t id = old.Pending(i);
@@ -121,6 +124,9 @@ void Build(BroadPhaseState& state, const TakenMarks& moved,
   version.tree.Set(stays.ids(), stays.values());
   version.tree.InsertAs(comes.ids(), comes.values());
   Sort(version.tree, sorting);
+  for (const std::uint32_t id : moved.ids()) {
+    if (is_replaced(id)) state.bodies.TakeMark(id, Bodies::kReplaced);
+  }
 }
 
 // Frees the trees that nobody reads.
@@ -244,7 +250,7 @@ void BroadPhaseCore::Erase(Span<const std::uint32_t> ids) {
   for (const std::uint32_t id : ids) {
     if (!state.bodies.Has(id)) continue;  // a second time in the list
     state.bodies.Write(id, nullptr, nullptr, false);
-    state.bodies.AddMark(id, kChanged);
+    state.bodies.AddMark(id, kChanged | Bodies::kReplaced);
     state.size.fetch_sub(1, std::memory_order_relaxed);
   }
 }
@@ -259,7 +265,8 @@ void BroadPhaseCore::Move(Span<const std::uint32_t> ids,
   state.CheckBodies(kCall, ids);
   for (std::size_t i = 0; i < ids.size(); ++i) {
     state.bodies.Write(ids[i], values.data() + i * planes, nullptr, true);
-    state.bodies.SetMarks(ids[i], kChanged);
+    state.bodies.SetMarks(
+        ids[i], kChanged | (state.bodies.MarksOf(ids[i]) & Bodies::kReplaced));
   }
   // In this order: see state.h.
   const Held before(state);

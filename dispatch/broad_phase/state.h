@@ -105,6 +105,7 @@ class Bodies {
     kMoved = 1,     // since the tree was tightened
     kNewPairs = 2,  // since the last UpdatePairs()
     kListed = 4,    // in the list of a call, while the call checks it
+    kReplaced = 8,  // was erased since the tree was tightened
   };
 
   Bodies(const MemoryResource& memory, std::size_t ids, std::size_t planes);
@@ -133,7 +134,7 @@ class Bodies {
   void TakeMark(std::size_t id, Mark mark) {
     marks_[id].fetch_and(static_cast<std::uint8_t>(~mark));
   }
-  // Faster, if the body can have no other marks.
+  // Faster. A mark that another thread takes away at the same time may stay.
   void SetMarks(std::size_t id, std::uint8_t marks) {
     marks_[id].store(marks, std::memory_order_release);
   }
