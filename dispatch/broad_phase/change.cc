@@ -115,11 +115,12 @@ void Build(BroadPhaseState& state, const IdSet& moved, const NewBodies& added,
     moved.ForEach([&](std::uint32_t id) {
       float* const in_tree = version.Find(id);
       if (in_tree == nullptr) return;
-      if (state.bodies.Read(id, body)) {
-        add(stays, id, in_tree);
-      } else {
-        gone.Push(id);
-      }
+      const bool is_body = state.bodies.Read(id, body);
+      // A new body under an old id can be far from the leaf of the old one.
+      const bool is_new = state.bodies.HasMarks(id, Bodies::kReplaced);
+      if (!is_body || is_new) gone.Push(id);
+      if (is_body && is_new) add(comes, id, nullptr);
+      if (is_body && !is_new) add(stays, id, in_tree);
     });
     for (std::size_t i = 0; i < pending; ++i) {
       const std::uint32_t id = old.Pending(i);
@@ -133,6 +134,11 @@ void Build(BroadPhaseState& state, const IdSet& moved, const NewBodies& added,
   version.tree.Set(stays.ids(), stays.values());
   version.tree.InsertAs(comes.ids(), comes.values());
   Sort(version.tree, sorting);
+  moved.ForEach([&](std::uint32_t id) {
+    if (state.bodies.HasMarks(id, Bodies::kReplaced)) {
+      state.bodies.TakeMark(id, Bodies::kReplaced);
+    }
+  });
 }
 
 // Frees the trees that nobody reads.
@@ -320,7 +326,7 @@ void BroadPhaseCore::Erase(Span<const std::uint32_t> ids) {
     if (!state.bodies.Has(id)) continue;  // a second time in the list
     state.bodies.Write(id, nullptr, nullptr, false);
     state.current.load()->SetOwnBound(id, false);
-    state.bodies.AddMark(id, kChanged);
+    state.bodies.AddMark(id, kChanged | Bodies::kReplaced);
     state.size.fetch_sub(1, std::memory_order_relaxed);
   }
 }

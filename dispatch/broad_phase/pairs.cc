@@ -316,13 +316,22 @@ class PairFinder {
     }
   }
 
+  // Whether min - max > margin, without rounding: the tree has another rounding
+  // than bodies that are not in it yet. With a NaN, as with infinities that are
+  // equal, it is not greater.
+  static bool AreApart(double min, double max, double margin) {
+    const double distance = min - max;
+    if (distance != margin) return distance > margin;
+    const double of_max = min - distance;
+    return (min - (distance + of_max)) + (of_max - max) > 0;
+  }
+
   bool Overlap(const Body& a, const Body& b) const {
     const std::size_t axes = state_.shape.axes;
     for (std::size_t k = 0; k < axes; ++k) {
       const double margin = MarginOf(k);
-      // With a NaN, as with infinities that are equal, it is not greater.
-      if (double{a.planes[k]} - b.planes[axes + k] > margin) return false;
-      if (double{b.planes[k]} - a.planes[axes + k] > margin) return false;
+      if (AreApart(a.planes[k], b.planes[axes + k], margin)) return false;
+      if (AreApart(b.planes[k], a.planes[axes + k], margin)) return false;
     }
     return true;
   }

@@ -139,6 +139,7 @@ class Bodies {
     kMoved = 1,      // since the tree was tightened, and it may not be tight
     kNewPairs = 2,   // since the last UpdatePairs(), by its bound in the tree
     kListed = 4,     // in the list of a call, while the call checks it
+    kReplaced = 8,   // was erased since the tree was tightened
     kTouched = 128,  // since the last UpdatePairs(). Kept apart from the others
   };
 
@@ -190,9 +191,11 @@ class Bodies {
   void TakeMark(std::size_t id, Mark mark) {
     ByteOf(marks_, id).fetch_and(static_cast<std::uint8_t>(~mark));
   }
-  // Faster, if the body can have no other marks.
+  // Faster. A mark that another thread takes away at the same time may stay.
   void SetMarks(std::size_t id, std::uint8_t marks) {
-    ByteOf(marks_, id).store(marks, std::memory_order_release);
+    const auto byte = ByteOf(marks_, id);
+    const auto old = byte.load(std::memory_order_relaxed);
+    byte.store(marks | (old & kReplaced), std::memory_order_release);
   }
   bool HasMarks(std::size_t id, std::uint8_t marks) const {
     return (ByteOf(marks_, id).load(std::memory_order_acquire) & marks) ==

@@ -39,7 +39,7 @@
 // - The function of a query may take locks, run other queries and call Move(),
 //   Insert() and the other calls. A query that is running keeps the tree that
 //   it began with. Its memory is freed by the first Update() after it has
-//   ended.
+//   ended. It may still find a body that its function erased or moved away.
 //
 // Errors (error.h): `max_ids` is more than 2^29; the margin is negative or not
 // finite; an id is not below max_ids(), is inserted twice, or is not that of a
@@ -359,7 +359,7 @@ class BroadPhase {
   // set is found once. An id may be given twice.
   //
   // Two bodies are a pair if their bounds are at most `margin` apart on each of
-  // X, Y and Z, and kDimensions * `margin` on D, in double precision. Must be
+  // X, Y and Z, and kDimensions * `margin` on D, without rounding. Must be
   // finite and not negative. The cost grows with the set. Can allocate memory
   // for the time of the call (PairsOf() of bvh_pairs.h).
   template <typename Function>

@@ -86,6 +86,242 @@ TEST(BroadPhaseTest, AFilterReplacesTheMasks) {
   EXPECT_EQ(pairs.pairs(), (IdPairs{{0, 1}}));
 }
 
+// A list of bodies that are all in the tree, or all not yet.
+Ids InsertAll(AabbBroadPhase3& bodies, const std::vector<Aabb3>& boxes,
+              bool into_tree) {
+  Ids ids;
+  for (std::uint32_t id = 0; id < boxes.size(); ++id) ids.push_back(id);
+  bodies.Insert(ids, boxes);
+  if (into_tree) bodies.Rebuild();
+  return ids;
+}
+
+constexpr auto kNothing = [](auto...) {};
+
+TEST(BroadPhaseTest, HasRoomForNoBody) {
+  AabbBroadPhase3 bodies(0);
+  bodies.Insert(Ids{}, std::vector<Aabb3>{});
+  bodies.Move(Ids{}, std::vector<Aabb3>{});
+  bodies.Erase(Ids{});
+  bodies.Update();
+  bodies.Rebuild();
+  bodies.UpdatePairs(kNothing, kNothing);
+  bodies.ForEachPairOf(Ids{}, 1, kNothing);
+  ExpectIsModel(bodies, BodyModel<AabbView3>(), 1);
+  EXPECT_EQ(bodies.Bounds(), Aabb3::Empty());
+  EXPECT_TRUE(
+      Refuses([&] { bodies.Insert(0, kUnit); }, {"below max_ids, 0", "got 0"}));
+}
+
+TEST(BroadPhaseTest, BoundsAreTightAfterARebuild) {
+  AabbBroadPhase3 bodies(300);
+  std::vector<Aabb3> boxes(300, kUnit);
+  const Ids ids = InsertAll(bodies, boxes, true);
+  boxes[7].max[1] = 5;
+  bodies.Move(ids, boxes);
+  EXPECT_EQ(bodies.Bounds(), (Aabb3{{0, 0, 0}, {1, 5, 1}}));
+  bodies.Move(7, kUnit);
+  bodies.Rebuild();
+  EXPECT_EQ(bodies.Bounds(), kUnit);
+  bodies.Erase(ids);
+  bodies.Rebuild();
+  EXPECT_EQ(bodies.Bounds(), Aabb3::Empty());
+  EXPECT_EQ(bodies.Statistics().bodies, 0u);
+}
+
+TEST(BroadPhaseTest, PairsOfCoincidentBodiesAreAll) {
+  constexpr std::uint32_t kCount = 700;
+  AabbBroadPhase3 bodies(kCount);
+  const std::vector<Aabb3> boxes(kCount, kUnit);
+  for (bool into_tree : {false, true}) {
+    const Ids ids = InsertAll(bodies, boxes, into_tree);
+    std::size_t pairs = 0;
+    const auto count = [&](auto...) { ++pairs; };
+    bodies.UpdatePairs(count, kNothing);
+    EXPECT_EQ(pairs, into_tree ? 0 : kCount * (kCount - 1) / 2);
+    pairs = 0;
+    bodies.ForEachPairOf(ids, 0, count);
+    EXPECT_EQ(pairs, kCount * (kCount - 1) / 2);
+    bodies.Erase(ids);
+  }
+}
+
+// 2^106 + 1 is 2^106 in double, but is farther.
+TEST(BroadPhaseTest, TheMarginOfPairsIsExact) {
+  constexpr float kFar = 0x1p106f;
+  const std::vector<Aabb3> boxes = {{{-kFar, 0, 0}, {-kFar, 1, 1}},
+                                    {{0, 0, 0}, {0, 1, 1}},
+                                    {{1, 0, 0}, {1, 1, 1}}};
+  for (const bool into_tree : {false, true}) {
+    AabbBroadPhase3 bodies(3);
+    InsertAll(bodies, boxes, into_tree);
+    IdPairs pairs;
+    bodies.ForEachPairOf(Ids{0}, kFar, [&](std::uint32_t a, std::uint32_t b) {
+      pairs.emplace_back(a, b);
+    });
+    EXPECT_EQ(pairs, (IdPairs{{0, 1}})) << into_tree;
+  }
+}
+
+// What queries, casts, pairs and events call may change the bodies.
+TEST(BroadPhaseTest, EachFunctionMayChangeTheBodies) {
+  constexpr std::uint32_t kCount = 600;
+  using Calls = std::function<void(AabbBroadPhase3&, const Ids&,
+                                   const std::function<void()>&)>;
+  const Calls calls[] = {
+      [](auto& bodies, auto&, auto& change) {
+        bodies.ForEach(kUnit, kAll, [&](auto...) { change(); });
+      },
+      [](auto& bodies, auto&, auto& change) {
+        bodies.ForEach(Sphere3{{0, 0, 0}, 1}, 1, [&](auto...) { change(); });
+      },
+      [](auto& bodies, auto&, auto& change) {
+        bodies.ForEachCast(kUnit, {1, 0, 0}, 1, 1, [&](auto...) { change(); });
+      },
+      [](auto& bodies, auto& ids, auto& change) {
+        bodies.ForEachPairOf({&ids[5], 1}, 0, [&](auto...) { change(); });
+      },
+      [](auto& bodies, auto&, auto& change) {
+        bodies.UpdatePairs([&](auto...) { change(); }, kNothing);
+      }};
+  for (const Calls& call : calls) {
+    AabbBroadPhase3 bodies(2 * kCount);
+    const Ids ids = InsertAll(bodies, std::vector<Aabb3>(kCount, kUnit), true);
+    std::size_t changes = 0;
+    call(bodies, ids, [&] {
+      const auto id = static_cast<std::uint32_t>(++changes % kCount);
+      if (bodies.Has(kCount + id)) {
+        bodies.Erase(kCount + id);
+      } else {
+        bodies.Insert(kCount + id, kUnit);
+      }
+      bodies.Move(id, kUnit);
+      bodies.SetMasks(id, {});
+      if (changes % 100 == 0) bodies.Rebuild();
+      if (changes % 100 == 50) bodies.Update();
+      if (changes == 150) bodies.UpdatePairs(kNothing, kNothing);
+    });
+    EXPECT_GE(changes, kCount - 1);
+    bodies.Update();
+    EXPECT_TRUE(bodies.Validate());
+    EXPECT_EQ(bodies.Statistics().trees, 1u);
+  }
+}
+
+// Exceptions pass through, and the next call works.
+TEST(BroadPhaseTest, FunctionsMayThrow) {
+  struct Thrown {};
+  constexpr std::uint32_t kCount = 600;
+  AabbBroadPhase3 bodies(kCount);
+  BodyModel<AabbView3> model;
+  for (std::uint32_t id = 0; id < kCount; ++id) model.objects[id] = {kUnit, {}};
+  const Ids ids = InsertAll(bodies, std::vector<Aabb3>(kCount, kUnit), true);
+  for (const int calls : {0, 1, 300}) {
+    int left = calls;
+    const auto function = [&](auto...) {
+      if (left-- == 0) throw Thrown();
+    };
+    const auto expect = [&](const auto& call) {
+      left = calls;
+      EXPECT_THROW(call(), Thrown);
+    };
+    expect([&] { bodies.ForEach(kUnit, kAll, function); });
+    expect([&] { bodies.ForEach(Sphere3{{0, 0, 0}, 1}, 1, function); });
+    expect([&] { bodies.ForEachCast(kUnit, {1, 0, 0}, 1, 1, function); });
+    expect([&] { bodies.ForEachPairOf({&ids[0], 1}, 0, function); });
+    expect([&] {
+      bodies.SetMasks(ids, std::vector<BodyMasks>(kCount, {1, 0}));
+      bodies.UpdatePairs(kNothing, kNothing);
+      bodies.SetMasks(ids, std::vector<BodyMasks>(kCount));
+      bodies.UpdatePairs(function, kNothing);
+    });
+    EXPECT_EQ(bodies.Statistics().pairs, kCount * (kCount - 1) / 2);
+    if (calls < 2) {
+      expect([&] {
+        bodies.Rebuild([&](std::size_t parts, const Runner::Part& part) {
+          function();
+          while (parts-- > 0) part(parts);
+        });
+      });
+    }
+    ExpectIsModel(bodies, model, 1);
+    bodies.Update();
+    EXPECT_EQ(bodies.Statistics().trees, 1u);
+  }
+}
+
+// Bodies of the tree in its order.
+Ids OrderOf(const AabbBroadPhase3& bodies) {
+  Ids ids;
+  bodies.ForEach(Aabb3::Everything(), kAll,
+                 [&](std::uint32_t id, const Aabb3&) { ids.push_back(id); });
+  return ids;
+}
+
+TEST(BroadPhaseBudgetTest, LimitsHowManyAreSortedAgain) {
+  constexpr std::uint32_t kCount = 40'000;
+  AabbBroadPhase3 bodies(kCount);
+  Spread<AabbView3> spread(0.5f);
+  std::vector<Aabb3> boxes(kCount);
+  for (Aabb3& box : boxes) box = spread.NextObject();
+  const Ids ids = InsertAll(bodies, boxes, true);
+  EXPECT_EQ(bodies.Statistics().cost_ratio, 1);
+  for (Aabb3& box : boxes) box = spread.NextObject();
+  bodies.Move(ids, boxes);
+  const Ids sorted = OrderOf(bodies);
+  const auto differ = [](const Ids& a, const Ids& b) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) count += a[i] != b.at(i) ? 1 : 0;
+    return count;
+  };
+  UpdateOptions options;
+  options.budget = 0;
+  bodies.Update(options);
+  EXPECT_EQ(OrderOf(bodies), sorted);
+  double ratio = bodies.Statistics().cost_ratio;
+  EXPECT_GT(ratio, 2);
+  for (const std::size_t budget :
+       {std::size_t{1}, std::size_t{12'000}, UpdateOptions::kAutomatic}) {
+    const Ids before = OrderOf(bodies);
+    options.budget = budget;
+    bodies.Update(options);
+    const std::size_t moved = differ(before, OrderOf(bodies));
+    EXPECT_GT(moved, 0u);
+    EXPECT_LE(moved, budget == 12'000 ? budget : 4096u);
+    EXPECT_LT(bodies.Statistics().cost_ratio, ratio);
+    ratio = bodies.Statistics().cost_ratio;
+  }
+  options.budget = kCount;
+  bodies.Update(options);
+  EXPECT_EQ(bodies.Statistics().cost_ratio, 1);
+  const Ids before = OrderOf(bodies);
+  bodies.Update(options);  // has nothing to do
+  EXPECT_EQ(OrderOf(bodies), before);
+}
+
+// Ten times as many erasures and insertions as bodies.
+TEST(BroadPhaseBudgetTest, TheOrderDoesNotDecay) {
+  constexpr std::uint32_t kCount = 10'000;
+  AabbBroadPhase3 bodies(kCount);
+  Spread<AabbView3> spread(0.5f);
+  std::vector<Aabb3> boxes(kCount);
+  for (Aabb3& box : boxes) box = spread.NextObject();
+  const Ids ids = InsertAll(bodies, boxes, true);
+  Random random(1);
+  for (std::size_t frame = 0; frame < 200; ++frame) {
+    Ids some;
+    std::vector<Aabb3> others;
+    for (std::size_t first = random() % 20; first < kCount; first += 20) {
+      some.push_back(ids[first]);
+      others.push_back(spread.NextObject());
+    }
+    bodies.Erase(some);
+    bodies.Insert(some, others);
+    bodies.Update();
+  }
+  EXPECT_LT(bodies.Statistics().cost_ratio, 1.3);
+}
+
 TEST(BroadPhaseErrorsTest, SayWhatWasWrong) {
   AabbBroadPhase3 bodies(10);
   bodies.Insert(1, kUnit);
