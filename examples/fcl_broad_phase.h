@@ -32,7 +32,6 @@ class FclBroadPhase : public fcl::BroadPhaseCollisionManagerd {
 
  public:
   explicit FclBroadPhase(std::size_t max_objects) : bodies_(max_objects) {}
-
   void registerObjects(const Objects& objects) override {
     std::vector<Id> ids;
     std::vector<Box> boxes;
@@ -45,7 +44,6 @@ class FclBroadPhase : public fcl::BroadPhaseCollisionManagerd {
     for (const Id id : ids) ids_[objects_[id]] = id;
   }
   void registerObject(Object* object) override { registerObjects({object}); }
-
   // Ids have no gaps: the last object gets the id that becomes free.
   void unregisterObject(Object* object) override {
     const Id id = ids_.at(object);
@@ -62,10 +60,12 @@ class FclBroadPhase : public fcl::BroadPhaseCollisionManagerd {
 
   void setup() override { bodies_.Update(); }
   void update() override { update(objects_); }
-  void update(Object* object) override { update(Objects{object}); }
   void update(const Objects& objects) override {
-    for (Object* o : objects) bodies_.Move(ids_.at(o), BoxOf(o->getAABB()));
+    for (Object* object : objects) update(object);
     bodies_.Update();
+  }
+  void update(Object* object) override {  // setup() makes the tree tight again
+    bodies_.Move(ids_.at(object), BoxOf(object->getAABB()));
   }
   bool empty() const override { return objects_.empty(); }
   std::size_t size() const override { return objects_.size(); }

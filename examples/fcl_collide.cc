@@ -149,7 +149,16 @@ int main() {
     far.MoveTo(frame);
     for (Manager* manager : std::array<Manager*, 6>{
              &ours, &our_robot, &our_far, &theirs, &their_robot, &their_far}) {
-      manager->update();
+      // One by one, in a list, or all that it has.
+      std::vector<Object*> objects;
+      manager->getObjects(objects);
+      if (frame % 3 == 0) {
+        for (Object* object : objects) manager->update(object);
+      } else if (frame % 3 == 1) {
+        manager->update(objects);
+      } else {
+        manager->update();
+      }
     }
     // An object leaves, and comes back five frames later.
     Object* const guest = scene.Objects()[17];
@@ -179,6 +188,11 @@ int main() {
     contacts +=
         among.list.size() + with_probe.list.size() + with_robot.list.size();
   }
+  our_robot.clear();
+  if (!our_robot.empty() || !ContactsOf(our_robot, &ours).list.empty()) {
+    return 1;
+  }
+  our_robot.registerObjects(robot.Objects());
   std::printf("%d frames: the same %zu contacts and the same distances\n",
               kFrames, contacts);
   std::printf("the last distances are %g, %g and %g\n", DistanceOf(our_far),

@@ -226,7 +226,9 @@ class BroadPhase {
   }
 
   // Removes bodies. An id that is given twice is removed once. Their places in
-  // the tree become free at the next Update(). Allocates nothing.
+  // the tree become free at the next Update(). Until the next UpdatePairs(), a
+  // new body under the id of an erased one continues its pairs. Allocates
+  // nothing.
   void Erase(Span<const std::uint32_t> ids) { core_.Erase(ids); }
   void Erase(std::uint32_t id) { Erase({&id, 1}); }
 
