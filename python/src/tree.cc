@@ -422,23 +422,21 @@ Ids QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
   return ids;
 }
 
-// Calls one(bvh, query, i) for each query i.
-template <typename One>
-void ForEachQuery(Tree& tree, const Columns& boxes, Work& work,
-                  const One& one) {
+// Calls some(bvh, queries, first) for all queries, a part of them at a time.
+template <typename Some>
+void ForEachQueries(Tree& tree, const Columns& boxes, Work& work,
+                    const Some& some) {
   CheckColumns(tree, boxes, false);
   work.SetStage(0, boxes.count(), boxes.count());
   Read(tree, [&](const auto& bvh) {
-    constexpr int kDims = kDimsOf<decltype(bvh)>;
+    using Box = typename std::decay_t<decltype(bvh)>::Bound;
     work.Run(PartsOf(boxes.count(), kPartQueries), [&](std::size_t part,
                                                        std::size_t) {
       const std::size_t first = part * kPartQueries;
-      const std::size_t end = std::min(first + kPartQueries, boxes.count());
-      for (std::size_t i = first; i < end; ++i) {
-        Aabb<kDims> query;
-        boxes.GetBoxes<kDims>(i, 1, &query);
-        one(bvh, query, i);
-      }
+      const std::size_t count = std::min(kPartQueries, boxes.count() - first);
+      std::array<Box, kPartQueries> queries;
+      boxes.GetBoxes<Box::kDimensions>(first, count, queries.data());
+      some(bvh, Span<const Box>(queries.data(), count), first);
     });
     work.Finish();
   });
@@ -450,10 +448,12 @@ Ids Count(Tree& tree, const py::tuple& arrays, std::size_t threads,
   Work work(threads, std::move(progress));
   Ids counts(Size(boxes.count()));
   std::int64_t* const to = Data(counts);
-  ForEachQuery(tree, boxes, work,
-               [to](const auto& bvh, const auto& query, std::size_t i) {
-                 to[i] = static_cast<std::int64_t>(CountSurvivors(bvh, query));
-               });
+  ForEachQueries(tree, boxes, work,
+                 [to](const auto& bvh, const auto& queries, std::size_t first) {
+                   std::array<std::size_t, kPartQueries> its_counts;
+                   CountSurvivorsOfEach(bvh, queries, its_counts);
+                   std::copy_n(its_counts.data(), queries.size(), to + first);
+                 });
   return counts;
 }
 
@@ -463,10 +463,12 @@ py::array_t<bool> Any(Tree& tree, const py::tuple& arrays, std::size_t threads,
   Work work(threads, std::move(progress));
   py::array_t<bool> found(Size(boxes.count()));
   bool* const to = found.mutable_data();
-  ForEachQuery(tree, boxes, work,
-               [to](const auto& bvh, const auto& query, std::size_t i) {
-                 to[i] = AnySurvivor(bvh, query).has_value();
-               });
+  ForEachQueries(tree, boxes, work,
+                 [to](const auto& bvh, const auto& queries, std::size_t first) {
+                   for (std::size_t i = 0; i < queries.size(); ++i) {
+                     to[first + i] = AnySurvivor(bvh, queries[i]).has_value();
+                   }
+                 });
   return found;
 }
 
