@@ -15,7 +15,6 @@ using halfspace::BodyMasks;
 using halfspace::Span;
 using halfspace::c::AllRows;
 using halfspace::c::Call;
-using halfspace::c::CallerThreads;
 using halfspace::c::CheckColumns;
 using halfspace::c::Kind;
 using halfspace::c::Run;
@@ -439,7 +438,7 @@ hs_status hs_broad_phase_update_pairs(hs_broad_phase* bodies,
                                       void* context) {
   return Run("hs_broad_phase_update_pairs", [&](const Call& call) {
     call.CheckPointer("bodies", bodies);
-    // Finds wrong options. No field of them is used yet.
+    // Only checked: the library has no parts of this work yet.
     halfspace::c::ReadOptions(call, "options", options,
                               halfspace::c::kUpdateDefaults);
     call.CheckPointer("began", began);
