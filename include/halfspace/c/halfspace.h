@@ -846,7 +846,7 @@ typedef enum hs_shape HALFSPACE_INT {
   HS_SHAPE_BOX = 1,    // 2 d columns: the minima, then the maxima. In casts
                        // alone
   HS_SHAPE_POINT = 2,  // d columns
-  HS_SHAPE_SPHERE = 3  // d + 1 columns: the center and the radius. Not in casts
+  HS_SHAPE_SPHERE = 3  // d + 1 columns: the center and the radius
 } hs_shape;
 
 // Calls the function for the bodies that survive a query, query after query.
@@ -858,11 +858,12 @@ HALFSPACE_API hs_status hs_broad_phase_for_each(
     const hs_broad_phase* bodies, hs_shape shape, const hs_columns* queries,
     uint64_t mask, hs_body_function function, void* context);
 
-// Calls the function for the bodies that a box or a point touches on its way,
-// cast after cast, and in each about from near to far, but not sorted. `starts`
-// are boxes or points. `motions` are as many records with d + 1 columns of
-// floats: the direction, which may have any length, and the limit of t. t, the
-// limits and what the function returns are those of hs_bvh_raycast_each().
+// Calls the function for the bodies that a box, a point or a sphere touches on
+// its way, cast after cast, and in each about from near to far, but not sorted.
+// `starts` are boxes, points or spheres. `motions` are as many records with d +
+// 1 columns of floats: the direction, which may have any length, and the limit
+// of t. t, the limits and what the function returns are those of
+// hs_bvh_raycast_each().
 typedef float (*hs_body_hit_function)(void* context, size_t cast, uint32_t id,
                                       float t, const float* bound);
 HALFSPACE_API hs_status hs_broad_phase_for_each_cast(
