@@ -349,40 +349,14 @@ Ids Query(Tree& tree, const py::tuple& arrays, bool with_rows,
   return ids;
 }
 
-// The box that an array has, rounded outward. Nothing if it needs a closer
-// look.
-template <int kDims, typename Scalar>
-std::optional<Aabb<kDims>> BoxIn(const py::array& array) {
-  if (!py::isinstance<py::array_t<Scalar>>(array)) return std::nullopt;
-  Aabb<kDims, Scalar> box;
-  const auto* const values = static_cast<const Scalar*>(array.data());
-  for (std::size_t k = 0; k < kDims; ++k) {
-    box.min[k] = values[k];
-    box.max[k] = values[kDims + k];
-    if (!(box.min[k] <= box.max[k])) return std::nullopt;
-  }
-  if constexpr (std::is_same_v<Scalar, float>) {
-    return box;
-  } else {
-    return RoundOutward(box);
-  }
-}
-
 // query() of one box in a plain array, in a third of the time: most of a short
 // query is the way through Python. None if the array is anything else.
 py::object QueryOne(Tree& tree, const py::array& array) {
-  const py::ssize_t values = tree.bvh.index() == 0 ? 4 : 6;
-  if (array.ndim() != 1 || array.shape(0) != values ||
-      array.strides(0) != array.itemsize() ||
-      (array.flags() & py::detail::npy_api::NPY_ARRAY_ALIGNED_) == 0) {
-    return py::none();
-  }
   const Reading reading(tree);
   return std::visit(
       [&](const auto& bvh) -> py::object {
         constexpr int kDims = kDimsOf<decltype(bvh)>;
-        auto box = BoxIn<kDims, float>(array);
-        if (!box) box = BoxIn<kDims, double>(array);
+        const auto box = BoxIn<kDims>(array);
         if (!box) return py::none();
         std::array<std::uint32_t, 256> few;
         std::vector<std::uint32_t> many;
