@@ -15,7 +15,6 @@ using halfspace::BodyMasks;
 using halfspace::Span;
 using halfspace::c::AllRows;
 using halfspace::c::Call;
-using halfspace::c::CallerThreads;
 using halfspace::c::CheckColumns;
 using halfspace::c::Kind;
 using halfspace::c::Run;
@@ -95,12 +94,12 @@ Values ValuesOf(const Call& call, const hs_broad_phase& bodies, hs_shape shape,
   const std::size_t dims = bodies.kind.dims;
   if (shape == HS_SHAPE_POINT) return Values::OfColumns(dims);
   if (shape == HS_SHAPE_BOUND && !is_cast) return bodies.bounds;
-  if (shape == HS_SHAPE_SPHERE && !is_cast) return Values::OfColumns(dims + 1);
+  if (shape == HS_SHAPE_SPHERE) return Values::OfColumns(dims + 1);
   if (shape == HS_SHAPE_BOX && is_cast) {
     return Values::OfObjects({dims, dims, /*is_simplex=*/false});
   }
   call.Fail(HS_INVALID_ARGUMENT, "shape: expected %s, got %d",
-            is_cast ? "HS_SHAPE_BOX or HS_SHAPE_POINT"
+            is_cast ? "HS_SHAPE_BOX, HS_SHAPE_POINT or HS_SHAPE_SPHERE"
                     : "HS_SHAPE_BOUND, HS_SHAPE_POINT or HS_SHAPE_SPHERE",
             static_cast<int>(shape));
 }
@@ -409,8 +408,15 @@ hs_status hs_broad_phase_for_each_cast(const hs_broad_phase* bodies,
       visitor.index = i;
       const float* const low = start.data();
       const float* const high = shape == HS_SHAPE_BOX ? low + dims : low;
+      const float radius = shape == HS_SHAPE_SPHERE ? low[dims] : 0.0f;
+      if (!(radius >= 0)) {
+        call.Fail(HS_INVALID_ARGUMENT,
+                  "starts->column[%zu]: expected radii that are not negative, "
+                  "got %g of sphere %zu",
+                  dims, static_cast<double>(radius), i);
+      }
       bodies->core.ForEachCast(
-          {call.name(), low, high, motion.data(), motion[dims], 0.0f}, mask,
+          {call.name(), low, high, motion.data(), motion[dims], radius}, mask,
           &halfspace::c::CallWithHit, &visitor);
     }
   });
@@ -439,7 +445,7 @@ hs_status hs_broad_phase_update_pairs(hs_broad_phase* bodies,
                                       void* context) {
   return Run("hs_broad_phase_update_pairs", [&](const Call& call) {
     call.CheckPointer("bodies", bodies);
-    // Finds wrong options. No field of them is used yet.
+    // Only checked: the library has no parts of this work yet.
     halfspace::c::ReadOptions(call, "options", options,
                               halfspace::c::kUpdateDefaults);
     call.CheckPointer("began", began);

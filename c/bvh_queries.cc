@@ -355,10 +355,8 @@ hs_status hs_bvh_count(const hs_bvh* bvh, const hs_columns* queries,
     call.CheckArray("counts", counts, queries->count);
     ForEachRows(*queries, bvh->queries,
                 [&](const float* rows, size_t begin, size_t count) {
-                  for (size_t q = 0; q < count; ++q) {
-                    counts[begin + q] = detail::BvhCount(
-                        bvh->tree, {rows + q * bvh->queries.count, 1}, query);
-                  }
+                  detail::BvhCountOfEach(bvh->tree, {rows, count},
+                                         {counts + begin, count}, query);
                 });
   });
 }

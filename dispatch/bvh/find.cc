@@ -1,9 +1,11 @@
 // The calls of bvh.h: checks, and what becomes of the ids.
 #include <algorithm>
+#include <string>
 
 #include "dispatch/bvh/layout.h"
 #include "halfspace/bvh.h"
 #include "kernels/bvh/block.h"
+#include "kernels/error.h"
 #include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
@@ -125,6 +127,24 @@ std::size_t BvhCount(const BvhTree& tree, const BvhQueries& query,
   std::size_t count = 0;
   RunWalks(tree, query, options, kCall, kernels, nullptr, &count);
   return count;
+}
+
+void BvhCountOfEach(const BvhTree& tree, const BvhQueries& queries,
+                    Span<std::size_t> counts, const QueryOptions& options) {
+  constexpr const char* kCall = "CountSurvivorsOfEach";
+  const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
+  kernels::CheckMemory(kCall, "queries", queries.first, queries.count,
+                       alignof(float));
+  if (counts.size() < queries.count) {
+    kernels::ThrowInvalid(
+        kCall, "counts",
+        "at least one for each query, " + std::to_string(queries.count),
+        std::to_string(counts.size()));
+  }
+  kernels::CheckMemory(kCall, "counts", counts.data(), counts.size(),
+                       alignof(std::size_t));
+  std::fill_n(counts.data(), queries.count, 0);
+  RunWalks(tree, queries, options, kCall, kernels, nullptr, counts.data());
 }
 
 bool BvhAny(const BvhTree& tree, const BvhQueries& query, std::uint32_t& id,

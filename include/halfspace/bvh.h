@@ -109,7 +109,8 @@ struct QueryOptions {
   // world changes. The return value and `offsets` do not depend on `skip`.
   std::size_t skip = 0;
   // If it is not null, Survivors(), CountSurvivors(), AnySurvivor(),
-  // ForEachSurvivor() and SurvivorsOfEach() add what they read. Searches and
+  // ForEachSurvivor(), SurvivorsOfEach() and CountSurvivorsOfEach() add what
+  // they read. Searches and
   // casts (bvh_nearest.h) do not. Calls that run at the same time need one
   // each.
   QueryStatistics* statistics = nullptr;
@@ -504,6 +505,19 @@ template <typename View>
                                          const QueryOptions& options = {}) {
   return detail::BvhCount(detail::TreeOf(world), detail::QueriesOf(&query, 1),
                           options);
+}
+
+// Writes the number of survivors of each query. Queries walk the tree 64 at a
+// time, as in SurvivorsOfEach(). `counts.size()` must be at least
+// `queries.size()`.
+template <typename View>
+void CountSurvivorsOfEach(const Bvh<View>& world,
+                          Span<const typename View::Query> queries,
+                          Span<std::size_t> counts,
+                          const QueryOptions& options = {}) {
+  detail::BvhCountOfEach(detail::TreeOf(world),
+                         detail::QueriesOf(queries.data(), queries.size()),
+                         counts, options);
 }
 
 // Returns the id of a survivor, or nothing if there is none. Reads no leaf

@@ -140,6 +140,10 @@ class BroadPhase:
         >>> bodies.query([0, 0, 2, 2], mask=2)
         array([4])
         """
+        if type(boxes) is np.ndarray and boxes.ndim == 1:
+            ids = self._bodies.query_one(boxes, _arrays.mask(mask))
+            if ids is not None:
+                return ids
         table = self._boxes(boxes)
         return self._bodies.query(
             table.arrays, _arrays.mask(mask), not table.single, _arrays.threads(threads)

@@ -31,6 +31,7 @@ class BroadPhase:
     def query(
         self, arrays: _Arrays, mask: int, with_rows: bool, threads: int
     ) -> ndarray: ...
+    def query_one(self, array: ndarray, mask: int) -> Optional[ndarray]: ...
     def query_spheres(
         self,
         centers: _Arrays,

@@ -235,6 +235,32 @@ Ids Query(const Bodies& bodies, const py::tuple& arrays, std::uint64_t mask,
                  });
 }
 
+// query() of one box in a plain array, in a third of the time. None if the
+// array or the bodies need a closer look.
+py::object QueryOne(const Bodies& bodies, const py::array& array,
+                    std::uint64_t mask) {
+  const auto find = [&](const auto& its) -> py::object {
+    using Bound = BoundIn<decltype(*its)>;
+    constexpr int kDims = Bound::kDimensions;
+    if constexpr (std::is_same_v<Bound, Aabb<kDims>>) {
+      if (const auto box = BoxIn<kDims>(array)) {
+        std::vector<std::uint32_t> found;
+        {
+          const py::gil_scoped_release release;
+          its->ForEach(*box, mask, [&found](std::uint32_t id, const Bound&) {
+            found.push_back(id);
+          });
+        }
+        Ids ids(Size(found.size()));
+        std::copy(found.begin(), found.end(), ids.mutable_data());
+        return ids;
+      }
+    }
+    return py::none();
+  };
+  return std::visit(find, bodies.any);
+}
+
 void CheckPoints(const Bodies& bodies, const Columns& points,
                  const Columns& numbers) {
   if (points.columns() != static_cast<std::size_t>(bodies.dims()) ||
@@ -443,6 +469,7 @@ void DefineBroadPhase(py::module_& module) {
              });
            })
       .def("query", &Query)
+      .def("query_one", &QueryOne)
       .def("query_spheres", &QuerySpheres)
       .def("raycast", &CastRays)
       .def("pairs_of", &PairsOf)

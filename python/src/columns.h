@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <type_traits>
 #include <vector>
 
@@ -117,6 +118,38 @@ class Columns {
   std::size_t stride_ = 1;
   bool is_double_ = false;
 };
+
+template <int kDims, typename Scalar>
+std::optional<Aabb<kDims>> BoxOfScalar(const pybind11::array& array) {
+  if (!pybind11::isinstance<pybind11::array_t<Scalar>>(array)) {
+    return std::nullopt;
+  }
+  Aabb<kDims, Scalar> box;
+  const auto* const values = static_cast<const Scalar*>(array.data());
+  for (std::size_t k = 0; k < kDims; ++k) {
+    box.min[k] = values[k];
+    box.max[k] = values[kDims + k];
+    if (!(box.min[k] <= box.max[k])) return std::nullopt;
+  }
+  if constexpr (std::is_same_v<Scalar, float>) {
+    return box;
+  } else {
+    return RoundOutward(box);
+  }
+}
+
+// The box that a plain array has, rounded outward. Nothing if the array needs a
+// closer look.
+template <int kDims>
+std::optional<Aabb<kDims>> BoxIn(const pybind11::array& array) {
+  if (array.ndim() != 1 || array.shape(0) != 2 * kDims ||
+      array.strides(0) != array.itemsize() ||
+      (array.flags() & pybind11::detail::npy_api::NPY_ARRAY_ALIGNED_) == 0) {
+    return std::nullopt;
+  }
+  const auto box = BoxOfScalar<kDims, float>(array);
+  return box ? box : BoxOfScalar<kDims, double>(array);
+}
 
 }  // namespace halfspace::python
 

@@ -349,40 +349,14 @@ Ids Query(Tree& tree, const py::tuple& arrays, bool with_rows,
   return ids;
 }
 
-// The box that an array has, rounded outward. Nothing if it needs a closer
-// look.
-template <int kDims, typename Scalar>
-std::optional<Aabb<kDims>> BoxIn(const py::array& array) {
-  if (!py::isinstance<py::array_t<Scalar>>(array)) return std::nullopt;
-  Aabb<kDims, Scalar> box;
-  const auto* const values = static_cast<const Scalar*>(array.data());
-  for (std::size_t k = 0; k < kDims; ++k) {
-    box.min[k] = values[k];
-    box.max[k] = values[kDims + k];
-    if (!(box.min[k] <= box.max[k])) return std::nullopt;
-  }
-  if constexpr (std::is_same_v<Scalar, float>) {
-    return box;
-  } else {
-    return RoundOutward(box);
-  }
-}
-
 // query() of one box in a plain array, in a third of the time: most of a short
 // query is the way through Python. None if the array is anything else.
 py::object QueryOne(Tree& tree, const py::array& array) {
-  const py::ssize_t values = tree.bvh.index() == 0 ? 4 : 6;
-  if (array.ndim() != 1 || array.shape(0) != values ||
-      array.strides(0) != array.itemsize() ||
-      (array.flags() & py::detail::npy_api::NPY_ARRAY_ALIGNED_) == 0) {
-    return py::none();
-  }
   const Reading reading(tree);
   return std::visit(
       [&](const auto& bvh) -> py::object {
         constexpr int kDims = kDimsOf<decltype(bvh)>;
-        auto box = BoxIn<kDims, float>(array);
-        if (!box) box = BoxIn<kDims, double>(array);
+        const auto box = BoxIn<kDims>(array);
         if (!box) return py::none();
         std::array<std::uint32_t, 256> few;
         std::vector<std::uint32_t> many;
@@ -422,23 +396,21 @@ Ids QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
   return ids;
 }
 
-// Calls one(bvh, query, i) for each query i.
-template <typename One>
-void ForEachQuery(Tree& tree, const Columns& boxes, Work& work,
-                  const One& one) {
+// Calls some(bvh, queries, first) for all queries, a part of them at a time.
+template <typename Some>
+void ForEachQueries(Tree& tree, const Columns& boxes, Work& work,
+                    const Some& some) {
   CheckColumns(tree, boxes, false);
   work.SetStage(0, boxes.count(), boxes.count());
   Read(tree, [&](const auto& bvh) {
-    constexpr int kDims = kDimsOf<decltype(bvh)>;
+    using Box = typename std::decay_t<decltype(bvh)>::Bound;
     work.Run(PartsOf(boxes.count(), kPartQueries), [&](std::size_t part,
                                                        std::size_t) {
       const std::size_t first = part * kPartQueries;
-      const std::size_t end = std::min(first + kPartQueries, boxes.count());
-      for (std::size_t i = first; i < end; ++i) {
-        Aabb<kDims> query;
-        boxes.GetBoxes<kDims>(i, 1, &query);
-        one(bvh, query, i);
-      }
+      const std::size_t count = std::min(kPartQueries, boxes.count() - first);
+      std::array<Box, kPartQueries> queries;
+      boxes.GetBoxes<Box::kDimensions>(first, count, queries.data());
+      some(bvh, Span<const Box>(queries.data(), count), first);
     });
     work.Finish();
   });
@@ -450,10 +422,12 @@ Ids Count(Tree& tree, const py::tuple& arrays, std::size_t threads,
   Work work(threads, std::move(progress));
   Ids counts(Size(boxes.count()));
   std::int64_t* const to = Data(counts);
-  ForEachQuery(tree, boxes, work,
-               [to](const auto& bvh, const auto& query, std::size_t i) {
-                 to[i] = static_cast<std::int64_t>(CountSurvivors(bvh, query));
-               });
+  ForEachQueries(tree, boxes, work,
+                 [to](const auto& bvh, const auto& queries, std::size_t first) {
+                   std::array<std::size_t, kPartQueries> its_counts;
+                   CountSurvivorsOfEach(bvh, queries, its_counts);
+                   std::copy_n(its_counts.data(), queries.size(), to + first);
+                 });
   return counts;
 }
 
@@ -463,10 +437,12 @@ py::array_t<bool> Any(Tree& tree, const py::tuple& arrays, std::size_t threads,
   Work work(threads, std::move(progress));
   py::array_t<bool> found(Size(boxes.count()));
   bool* const to = found.mutable_data();
-  ForEachQuery(tree, boxes, work,
-               [to](const auto& bvh, const auto& query, std::size_t i) {
-                 to[i] = AnySurvivor(bvh, query).has_value();
-               });
+  ForEachQueries(tree, boxes, work,
+                 [to](const auto& bvh, const auto& queries, std::size_t first) {
+                   for (std::size_t i = 0; i < queries.size(); ++i) {
+                     to[first + i] = AnySurvivor(bvh, queries[i]).has_value();
+                   }
+                 });
   return found;
 }
 

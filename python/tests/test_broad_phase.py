@@ -53,8 +53,11 @@ def test_a_history(rng, dims, kind, margin):
             found = bodies.query(queries, threads=threads)
             assert (as_matrix(found, expected.shape) == expected).all()
             assert (np.diff(found[0]) >= 0).all()
-        assert sorted(bodies.query(queries[0])) == np.flatnonzero(expected[0]).tolist()
         in_mask = (model.categories & np.uint64(6)) != 0
+        for query, row in zip(queries[:40], expected):
+            for one in (query, query.astype(float), query.tolist()):
+                assert sorted(bodies.query(one)) == np.flatnonzero(row).tolist()
+                assert sorted(bodies.query(one, 6)) == np.flatnonzero(row & in_mask).tolist()
         found = bodies.query(queries, 6)
         assert (as_matrix(found, expected.shape) == expected & in_mask).all()
 
@@ -190,6 +193,7 @@ ERRORS = {
     "ids: expected one id for each of 1 boxes, got 2": lambda b: b.insert([2, 3], [BOX]),
     "boxes[1]: expected numbers, got NaN": lambda b: b.insert([2, 3], [BOX, [0, 0, 1, np.nan]]),
     "boxes[0]: expected min <= max": lambda b: b.move([1], [[2, 0, 1, 1]]),
+    "boxes: expected min <= max": lambda b: b.query(np.array([2.0, 0, 1, 1])),
     "boxes: expected boxes of shape (n, 4)": lambda b: b.query([0, 0, 0, 1, 1, 1]),
     "categories[1]: expected an integer that is not negative, got -2": lambda b: b.insert(
         [2, 3], [BOX] * 2, categories=[1, -2]

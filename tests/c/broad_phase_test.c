@@ -559,6 +559,31 @@ static void test_callbacks(void) {
   hs_broad_phase_destroy(NULL);
 }
 
+static float take_t(void* context, size_t cast, uint32_t id, float t,
+                    const float* bound) {
+  CHECK(cast == 0 && id == 0 && bound[0] == 4);
+  *(float*)context = t;
+  return INFINITY;
+}
+
+static void test_sphere_cast(void) {
+  const float box[] = {4, 0, 5, 1};
+  const float sphere[] = {0, 0.5f, 1};
+  const float motion[] = {2, 0, 10};
+  const uint32_t id = 0;
+  const hs_broad_phase_config config = config_of(HS_BOX2);
+  const hs_columns columns = hs_float_rows(box, 1, 4);
+  const hs_columns starts = hs_float_rows(sphere, 1, 3);
+  const hs_columns motions = hs_float_rows(motion, 1, 3);
+  float t = 0;
+  CHECK_OK(hs_broad_phase_create(&config, &bodies));
+  CHECK_OK(hs_broad_phase_insert(bodies, &id, &columns, NULL));
+  CHECK_OK(hs_broad_phase_for_each_cast(bodies, HS_SHAPE_SPHERE, &starts,
+                                        &motions, ALL, take_t, &t));
+  CHECK(t <= 1.5f && t > 1.4999f);
+  hs_broad_phase_destroy(bodies);
+}
+
 static void test_errors_of_bodies(void) {
   const float boxes[] = {0, 0, 1, 1, 2, 2, 3, 3};
   const double doubles[] = {0, 0, 1};
@@ -642,10 +667,15 @@ static void test_errors_of_bodies(void) {
                 "hs_broad_phase_for_each: radius: expected a number that is "
                 "not negative, got -1");
   one = hs_float_rows(boxes, 1, 4);
-  CHECK_INVALID(hs_broad_phase_for_each_cast(bodies, HS_SHAPE_SPHERE, &one,
+  CHECK_INVALID(hs_broad_phase_for_each_cast(bodies, HS_SHAPE_BOUND, &one,
                                              &motions, ALL, take_hit, &got),
-                "hs_broad_phase_for_each_cast: shape: expected HS_SHAPE_BOX or "
-                "HS_SHAPE_POINT, got 3");
+                "hs_broad_phase_for_each_cast: shape: expected HS_SHAPE_BOX, "
+                "HS_SHAPE_POINT or HS_SHAPE_SPHERE, got 0");
+  CHECK_INVALID(
+      hs_broad_phase_for_each_cast(bodies, HS_SHAPE_SPHERE, &motions, &one, ALL,
+                                   take_hit, &got),
+      "hs_broad_phase_for_each_cast: starts->column[2]: expected radii that "
+      "are not negative, got -1 of sphere 0");
   CHECK_INVALID(
       hs_broad_phase_for_each_cast(bodies, HS_SHAPE_POINT, &one, &motions, ALL,
                                    take_hit, &got),
@@ -695,5 +725,6 @@ void test_broad_phase(void) {
     if (!is_simplex(kind_of(kind))) test_history(kind_of(kind));
   }
   test_callbacks();
+  test_sphere_cast();
   test_errors_of_bodies();
 }

@@ -678,8 +678,7 @@ HALFSPACE_API hs_status hs_bvh_map(const hs_bvh_config* config,
 // bytes do not match their checksum. O(n).
 HALFSPACE_API hs_status hs_bvh_verify(const hs_bvh* bvh);
 
-// The broad phase
-// --------------------------------------------------------------
+// The broad phase -------------------------------------------------------------
 
 // The bounds of the moving bodies of a simulation, found by queries, casts and
 // pairs while other threads move them. Ids are the caller's numbers below
@@ -709,10 +708,10 @@ HALFSPACE_API hs_status hs_bvh_verify(const hs_bvh* bvh);
 // - hs_broad_phase_validate() must not run at the same time as ..._move().
 //   hs_broad_phase_destroy() needs exclusive access.
 // - A callback of a query, a cast or ..._for_each_pair_of() runs while the
-//   query holds a version of the tree. It can lock, run queries, and call any
-//   function except hs_broad_phase_destroy(). Its own query continues on the
-//   version with which it began. The first ..._update() after the query frees
-//   that version.
+//   query holds a version of the tree. It can take locks, run queries, and call
+//   any function except hs_broad_phase_destroy(). Its own query continues on
+//   the version with which it began. The first ..._update() after the query
+//   frees that version.
 typedef struct hs_broad_phase hs_broad_phase;
 
 // A query with mask m finds a body if `category & m` is not 0, and with all
@@ -785,7 +784,8 @@ typedef struct hs_update_options {
   size_t budget;  // hs_broad_phase_update() alone: if the order has decayed,
                   // sorts about so many bodies again, and 4096 at least. With
                   // 0, none. SIZE_MAX, the default, is a 16th of all.
-  hs_run_function run;  // null: the calling thread does all work
+  hs_run_function run;  // null: the calling thread does all work.
+                        // hs_broad_phase_update_pairs() does not call it yet.
   void* run_context;
 } hs_update_options;
 
@@ -846,7 +846,7 @@ typedef enum hs_shape HALFSPACE_INT {
   HS_SHAPE_BOX = 1,    // 2 d columns: the minima, then the maxima. In casts
                        // alone
   HS_SHAPE_POINT = 2,  // d columns
-  HS_SHAPE_SPHERE = 3  // d + 1 columns: the center and the radius. Not in casts
+  HS_SHAPE_SPHERE = 3  // d + 1 columns: the center and the radius
 } hs_shape;
 
 // Calls the function for the bodies that survive a query, query after query.
@@ -858,11 +858,12 @@ HALFSPACE_API hs_status hs_broad_phase_for_each(
     const hs_broad_phase* bodies, hs_shape shape, const hs_columns* queries,
     uint64_t mask, hs_body_function function, void* context);
 
-// Calls the function for the bodies that a box or a point touches on its way,
-// cast after cast, and in each about from near to far, but not sorted. `starts`
-// are boxes or points. `motions` are as many records with d + 1 columns of
-// floats: the direction, which may have any length, and the limit of t. t, the
-// limits and what the function returns are those of hs_bvh_raycast_each().
+// Calls the function for the bodies that a box, a point or a sphere touches on
+// its way, cast after cast, and in each about from near to far, but not sorted.
+// `starts` are boxes, points or spheres. `motions` are as many records with d +
+// 1 columns of floats: the direction, which may have any length, and the limit
+// of t. t, the limits and what the function returns are those of
+// hs_bvh_raycast_each().
 typedef float (*hs_body_hit_function)(void* context, size_t cast, uint32_t id,
                                       float t, const float* bound);
 HALFSPACE_API hs_status hs_broad_phase_for_each_cast(

@@ -328,6 +328,11 @@ HALFSPACE_API std::size_t BvhSurvivorsOfEach(const BvhTree& tree,
                                              Span<std::uint32_t> ids,
                                              Span<std::size_t> offsets,
                                              const QueryOptions& options);
+// Of bounds.
+HALFSPACE_API void BvhCountOfEach(const BvhTree& tree,
+                                  const BvhQueries& queries,
+                                  Span<std::size_t> counts,
+                                  const QueryOptions& options);
 
 }  // namespace detail
 }  // namespace halfspace

@@ -50,9 +50,11 @@ void ExpectSame(const Bvh<View>& bvh, const View& view,
   ASSERT_EQ(bvh.size(), view.size);
   Canaried<std::uint32_t> canaried;
   Ids all;
+  std::vector<std::size_t> expected_counts;
   for (const auto& query : queries) {
     const Ids expected = Expected(view, query);
     all.insert(all.end(), expected.begin(), expected.end());
+    expected_counts.push_back(expected.size());
     const auto ids = canaried.Reset(view.size);
     ASSERT_EQ(Survivors(bvh, query, ids, {.target = target}), expected.size());
     ASSERT_EQ(InOrder(ids.first(expected.size())), expected);
@@ -81,6 +83,9 @@ void ExpectSame(const Bvh<View>& bvh, const View& view,
               ids.begin() + static_cast<std::ptrdiff_t>(offsets[q + 1]));
   }
   EXPECT_TRUE(std::equal(ids.begin(), ids.end(), all.begin()));
+  std::vector<std::size_t> counts(queries.size(), 99);
+  CountSurvivorsOfEach(bvh, queries, counts, {.target = target});
+  EXPECT_EQ(counts, expected_counts);
 }
 
 template <typename View>
@@ -702,6 +707,12 @@ TEST(BvhErrorsTest, RefusesWhatItCannotRead) {
                               offsets);
       },
       {"SurvivorsOfEach", "offsets", "4", "3"}));
+  EXPECT_TRUE(Refuses(
+      [&] {
+        CountSurvivorsOfEach(bvh, std::span<const Aabb3>(queries),
+                             Span<std::size_t>(offsets.data(), 2));
+      },
+      {"CountSurvivorsOfEach", "counts", "3", "2"}));
   AabbView3 view = world.view();
   view.max[1] = nullptr;
   EXPECT_TRUE(Refuses([&] { Bvh<AabbView3> bad(view); },

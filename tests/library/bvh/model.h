@@ -49,6 +49,7 @@ void ExpectIsModel(const Bvh<View>& bvh, const Model<View>& model,
                    std::uint32_t masks = 0xFFFFFFFF) {
   ASSERT_EQ(bvh.size(), model.objects.size());
   const QueryOptions options = {.mask = masks, .target = target};
+  std::vector<std::size_t> expected_counts;
   for (const auto& query : queries) {
     const Ids expected = model.Expected(query, masks);
     Ids ids(bvh.size());
@@ -56,8 +57,12 @@ void ExpectIsModel(const Bvh<View>& bvh, const Model<View>& model,
     ids.resize(expected.size());
     ASSERT_EQ(InOrder(ids), expected);
     ASSERT_EQ(CountSurvivors(bvh, query, options), expected.size());
+    expected_counts.push_back(expected.size());
     ASSERT_EQ(AnySurvivor(bvh, query, options).has_value(), !expected.empty());
   }
+  std::vector<std::size_t> counts(queries.size(), 99);
+  CountSurvivorsOfEach(bvh, queries, counts, options);
+  ASSERT_EQ(counts, expected_counts);
 }
 
 // Queries small and large, and one around everything, where empty slots and
