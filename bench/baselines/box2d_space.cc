@@ -59,6 +59,7 @@ class Box2dSpace : public BodySpace<2> {
   }
 
   // It casts rays. The way of a box is a query.
+  bool CanCastBoxes() const override { return false; }
   void Cast(const BodyCast<2>& cast, CastHits& hits) const override {
     struct {
       float RayCastCallback(const b2RayCastInput&, std::int32_t proxy) {
