@@ -146,6 +146,7 @@ class BodySpace : public Competitor {
   // Whether it has queries and casts that do not read all bodies.
   virtual bool CanFind() const { return true; }
   virtual bool CanCast() const { return true; }
+  virtual bool CanCastBoxes() const { return CanCast(); }
 
  protected:
   // Calls function(id, box) for each, after the exact box was stored.
@@ -196,11 +197,13 @@ class BodySpace : public Competitor {
 template <int kDims>
 using BodySpacePtr = std::unique_ptr<BodySpace<kDims>>;
 
-// btDbvtBroadphase, with its cache of pairs.
+// btDbvtBroadphase, with its cache of pairs. Its casts do not find a body that
+// they only touch.
 BodySpacePtr<3> MakeBulletSpace(std::size_t bodies);
 // b2BroadPhase, with a list of contacts as b2ContactManager's.
 BodySpacePtr<2> MakeBox2dSpace(std::size_t bodies);
-// fcl::DynamicAABBTreeCollisionManager<float>.
+// fcl::DynamicAABBTreeCollisionManager<float>. It does not see that a few
+// bodies moved by less than a millionth of their distance from 0.
 BodySpacePtr<3> MakeFclSpace(std::size_t bodies);
 // ODE's spaces. Only the quadtree has queries; `world` is where bodies are.
 enum class OdeSpace { kHash, kSweepAndPrune, kQuadtree };

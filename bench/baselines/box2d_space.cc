@@ -59,12 +59,14 @@ class Box2dSpace : public BodySpace<2> {
   }
 
   // It casts rays. The way of a box is a query.
+  bool CanCastBoxes() const override { return false; }
   void Cast(const BodyCast<2>& cast, CastHits& hits) const override {
     struct {
       float RayCastCallback(const b2RayCastInput&, std::int32_t proxy) {
         hits.Test(cast, space.boxes_[space.IdOf(proxy)]);
         // 0 would end the cast.
-        return std::max(hits.limit, std::numeric_limits<float>::min());
+        return std::max(hits.limit / cast.max_t,
+                        std::numeric_limits<float>::min());
       }
       bool QueryCallback(std::int32_t proxy) {
         hits.Test(cast, space.boxes_[space.IdOf(proxy)]);
@@ -80,8 +82,9 @@ class Box2dSpace : public BodySpace<2> {
     }
     b2RayCastInput input;
     input.p1 = VectorOf(cast.box.min);
-    input.p2 = input.p1 + VectorOf(cast.direction);
-    input.maxFraction = hits.limit;
+    // Of the whole way, whose direction is rounded less.
+    input.p2 = input.p1 + cast.max_t * VectorOf(cast.direction);
+    input.maxFraction = 1;
     space_.RayCast(&callback, input);
   }
 

@@ -95,7 +95,7 @@ class OurSpace : public BodySpace<kDims> {
 // What takes some contestants seconds is left out.
 constexpr std::size_t kMostScanned = 4096;
 constexpr std::size_t kMostOfSweep = 1024;
-constexpr std::size_t kMostOfQuadtree = 16384;
+constexpr std::size_t kMostOfOde = 4096;
 
 struct Way {
   const char* name;
@@ -137,9 +137,9 @@ class BodyContest {
     for (std::size_t s = 0; s < Scene::kStates; ++s) {
       frames.push_back(scene_.At(moved, s));
     }
-    constexpr std::size_t kMovesOfRun = 32768;
-    const std::size_t frames_of_run =
-        std::clamp<std::size_t>(kMovesOfRun / moved.size(), 1, 64);
+    constexpr std::size_t kBodiesOfRun = 16384;
+    const std::size_t most_frames =
+        std::clamp<std::size_t>(kBodiesOfRun / scene_.size(), 2, 32);
     std::vector<Case> cases;
     for (Contestant& contestant : contestants_) {
       const auto frame = [this, &contestant, &moved, &frames, are_kept] {
@@ -156,6 +156,9 @@ class BodyContest {
         }
         return state;
       };
+      // ODE's frames take many times as long.
+      const std::size_t frames_of_run =
+          contestant.name.starts_with("ODE") ? 1 : most_frames;
       Case c;
       c.name = contestant.name;
       c.items = static_cast<double>(frames_of_run);
@@ -216,8 +219,8 @@ class BodyContest {
     } else {
       Add("Bullet btDbvt", MakeBulletSpace(bodies));
       Add("FCL dynamic tree", MakeFclSpace(bodies));
-      Add("ODE hash", MakeOdeSpace(OdeSpace::kHash, bodies, scene_.world()));
-      if (bodies <= kMostOfQuadtree) {
+      if (bodies <= kMostOfOde) {
+        Add("ODE hash", MakeOdeSpace(OdeSpace::kHash, bodies, scene_.world()));
         Add("ODE quadtree",
             MakeOdeSpace(OdeSpace::kQuadtree, bodies, scene_.world()));
       }
@@ -398,12 +401,16 @@ class BodyContest {
       return Wrong(wrong, all, true);
     };
     const std::size_t queries = way.length > 0 ? 20000 : 2000;
+    // Where the whole way is a query.
+    const std::size_t queries_by_way = way.length > 0 ? 20000 : 20;
     std::vector<Case> cases;
     for (const Contestant& contestant : contestants_) {
       const BodySpace<kDims>& space = *contestant.space;
       if (!space.CanCast()) continue;
       cases.push_back(InTurn(contestant.name, casts, kTimedQueries,
-                             QueriesOfRun(queries),
+                             space.CanCastBoxes() || way.side == 0
+                                 ? QueriesOfRun(queries)
+                                 : QueriesOfRun(queries_by_way),
                              [&space, find](const BodyCast<kDims>& cast) {
                                std::ignore = find(space, cast);
                              }));
@@ -415,7 +422,8 @@ class BodyContest {
   }
 
   std::size_t QueriesOfRun(std::size_t queries) const {
-    return throughput_.is_quick() ? queries / 20 : queries;
+    return throughput_.is_quick() ? std::max<std::size_t>(1, queries / 20)
+                                  : queries;
   }
 
   // Of rounded tests, one in a hundred may differ where shapes just touch.
@@ -436,8 +444,10 @@ class BodyContest {
       names.push_back(c.name);
       c.name = place + c.name;
     }
-    const Timings timings =
-        throughput_.TimeRuns(std::move(cases), throughput_.repetitions());
+    constexpr std::size_t kMostRepetitions = 5;
+    const Timings timings = throughput_.TimeRuns(
+        std::move(cases),
+        std::min(throughput_.repetitions(), kMostRepetitions));
     for (std::size_t i = 0; i < timings.size(); ++i) {
       Ratio us = SpreadOf(timings[i]);
       us = {us.median / 1e3, us.low / 1e3, us.high / 1e3};
@@ -505,7 +515,7 @@ void AddParts(std::size_t most, std::uint64_t seed, BroadPhaseResult& result,
 Tables RunBroadPhase(Run& run) {
   BroadPhaseResult result;
   Throughput throughput(run, "broad_phase");
-  std::size_t most = run.is_quick() ? 4096 : 65536;
+  std::size_t most = run.is_quick() ? 1024 : 65536;
   if (run.options.objects != 0) most = std::min(most, run.options.objects);
   const std::uint64_t seed = run.options.seed;
   ThroughputParts parts;
