@@ -52,114 +52,108 @@ bool IsPair(std::uint64_t key) { return (key & 1) != 0; }
   }
 }
 
-// The rules of pairs.
-class PairTest {
+// Finds the candidates of changed bodies, and puts them among all others.
+template <std::size_t kAxes>
+class PairUpdate {
  public:
-  explicit PairTest(const BroadPhaseState& state) : state_(state) {}
+  PairUpdate(BroadPhaseState& state, const Version& version,
+             const IdSet& changed, const IdSet& touched, Keys& began,
+             Keys& ended)
+      : state_(state),
+        version_(version),
+        changed_(changed),
+        touched_(touched),
+        began_(began),
+        ended_(ended),
+        found_(state.options.memory) {}
+
+  void Run(const BvhPairKernels* kernels) {
+    const WithRacyReads reads;
+    const std::size_t changed = changed_.size();
+    if (changed > 0) {
+      Find(kernels, changed);
+      Sort(state_.options.memory, found_);
+    }
+    Keys now(state_.options.memory);
+    now.Reserve(state_.candidates.size() + found_.size());
+    kernels::CallApart([&] { Merge(now); });
+    state_.candidates.Swap(now);
+    state_.pairs += began_.size();
+    state_.pairs -= ended_.size();
+  }
+
+ private:
+  // With more, all pairs of the tree take less time.
+  static constexpr std::size_t kShareOfSet = 4;
 
   static bool MasksMatch(const Body& a, const Body& b) {
     return (a.masks.category & b.masks.collides_with) != 0 &&
            (b.masks.category & a.masks.collides_with) != 0;
   }
-  bool CanBe(const Body& a, const Body& b) const {
-    return state_.options.filter.keep != nullptr || MasksMatch(a, b);
-  }
-  // Of two that can be a pair and overlap.
-  bool IsKept(std::uint32_t a, const Body& of_a, std::uint32_t b,
-              const Body& of_b) const {
-    const PairFilter& filter = state_.options.filter;
-    if (filter.keep == nullptr) return true;
-    const WithoutRacyReads reads;
-    return filter.keep(filter.context, a, b, MasksMatch(of_a, of_b));
-  }
   // With a NaN, as with infinities that are equal, they do.
-  bool Overlap(const Body& a, const Body& b) const {
-    const std::size_t axes = state_.shape.axes;
-    return kernels::InDefaultFpMode([&] {
-      bool is_apart = false;
-      for (std::size_t k = 0; k < axes; ++k) {
-        is_apart |= a.planes[k] > b.planes[axes + k];
-        is_apart |= b.planes[k] > a.planes[axes + k];
-      }
-      return !is_apart;
+  static bool Overlap(const Body& a, const Body& b) {
+    bool is_apart = false;
+    for (std::size_t k = 0; k < kAxes; ++k) {
+      is_apart |= a.planes[k] > b.planes[kAxes + k];
+      is_apart |= b.planes[k] > a.planes[kAxes + k];
+    }
+    return !is_apart;
+  }
+  // In the mode of the caller.
+  bool AsksToKeep(std::uint32_t a, std::uint32_t b, bool masks_match) {
+    const PairFilter& filter = state_.options.filter;
+    return mode_.Outside([&] {
+      const WithoutRacyReads reads;
+      return filter.keep(filter.context, a, b, masks_match);
     });
   }
 
-  // Appends two bodies whose bounds in the tree overlap, unless they cannot be
-  // a pair.
-  void Add(std::uint32_t a, std::uint32_t b, Keys& keys) const {
-    Body of_a;
-    Body of_b;
-    if (!state_.bodies.Read(a, of_a) || !state_.bodies.Read(b, of_b) ||
-        !CanBe(of_a, of_b)) {
-      return;
-    }
-    keys.Push(KeyOf(a, b, Overlap(of_a, of_b) && IsKept(a, of_a, b, of_b)));
-  }
-  // A candidate whose masks have not changed.
-  std::uint64_t Again(std::uint64_t key) const {
-    const std::uint32_t a = LowOf(key);
-    const std::uint32_t b = HighOf(key);
-    Body of_a;
-    Body of_b;
-    const bool is_pair = state_.bodies.Read(a, of_a) &&
-                         state_.bodies.Read(b, of_b) && Overlap(of_a, of_b) &&
-                         (IsPair(key) || IsKept(a, of_a, b, of_b));
-    return KeyOf(a, b, is_pair);
-  }
-
- private:
-  const BroadPhaseState& state_;
-};
-
-// The candidates of the bodies of a set. A body that is in no tree yet has its
-// own bound instead of one in the tree.
-class CandidateFinder {
- public:
-  CandidateFinder(const BroadPhaseState& state, const Version& version,
-                  const IdSet& set, Keys& found)
-      : state_(state),
-        version_(version),
-        set_(set),
-        found_(found),
-        test_(state) {}
-
-  void Find(const BvhPairKernels* kernels) {
-    const WithRacyReads reads;
+  [[gnu::noinline]] void Find(const BvhPairKernels* kernels,
+                              std::size_t changed) {
+    const bool is_of_set = kShareOfSet * changed < version_.tree.size();
     List<std::uint32_t> ids(state_.options.memory);
-    const std::size_t count = set_.size();
-    if (count == 0) return;
-    if (4 * count < version_.tree.size()) {
-      ids.Reserve(count);
-      set_.ForEach([&](std::uint32_t id) {
-        if (version_.tree.Has(id)) ids.Push(id);
+    if (is_of_set) {
+      ids.Reserve(changed);
+      changed_.ForEach([&](std::uint32_t id) {
+        if (version_.Find(id) != nullptr) ids.Push(id);
       });
     }
     const Span<const std::uint32_t> set = ids;
-    if (version_.tree.size() > 0 &&
-        (ids.size() > 0 || 4 * count >= version_.tree.size())) {
+    if (!is_of_set || ids.size() > 0) {
       BvhForEachPair(
-          {kernels, &version_.tree, nullptr, ids.size() > 0 ? &set : nullptr},
+          {kernels, &version_.tree, nullptr, is_of_set ? &set : nullptr},
           [](void* self, Span<const IdPair> pairs) {
-            static_cast<const CandidateFinder*>(self)->Add(pairs);
+            static_cast<PairUpdate*>(self)->Add(pairs);
             return true;
           },
           this, PairOptions());
     }
     for (std::size_t i = 0; i < version_.PendingCount(); ++i) AddPending(i);
-    Sort(state_.options.memory, found_);
   }
 
- private:
-  void Add(Span<const IdPair> pairs) const {
+  [[gnu::noinline]] void Add(Span<const IdPair> pairs) {
     for (const IdPair& pair : pairs) {
       state_.bodies.Prefetch(pair.a);
       state_.bodies.Prefetch(pair.b);
     }
     for (const IdPair& pair : pairs) Add(pair.a, pair.b);
   }
-  void Add(std::uint32_t a, std::uint32_t b) const {
-    if (set_.Has(a) || set_.Has(b)) test_.Add(a, b, found_);
+  // Two bodies whose bounds in the tree overlap. A body that is in no tree has
+  // its own bound instead.
+  void Add(std::uint32_t a, std::uint32_t b) {
+    if (!changed_.Has(a) && !changed_.Has(b)) return;
+    Body of_a;
+    Body of_b;
+    if (!state_.bodies.ReadAs<kAxes, true>(a, of_a) ||
+        !state_.bodies.ReadAs<kAxes, true>(b, of_b)) {
+      return;
+    }
+    const bool masks_match = MasksMatch(of_a, of_b);
+    const bool is_filtered = state_.options.filter.keep != nullptr;
+    if (!masks_match && !is_filtered) return;
+    found_.Push(KeyOf(a, b,
+                      Overlap(of_a, of_b) &&
+                          (!is_filtered || AsksToKeep(a, b, masks_match))));
   }
 
   [[gnu::noinline]] void AddPending(std::size_t i) {
@@ -168,26 +162,85 @@ class CandidateFinder {
     Body body;
     if (!state_.bodies.Read(id, body)) return;
     struct Call {
-      const CandidateFinder& self;
+      PairUpdate& self;
       std::uint32_t id;
     } call{*this, id};
     BvhForEach(
         version_.tree, {body.planes, 1},
         [](void* context, Span<const std::uint32_t> others) {
           const Call& of = *static_cast<const Call*>(context);
-          for (const std::uint32_t other : others) {
-            of.self.Add(of.id, other);
-          }
+          for (const std::uint32_t other : others) of.self.Add(of.id, other);
           return true;
         },
         &call, QueryOptions());
   }
 
-  const BroadPhaseState& state_;
+  // Puts what was found among the other candidates of bodies that did not
+  // change, and tests those of bodies that moved inside their bounds.
+  void Merge(Keys& now) {
+    const std::uint64_t* next = found_.begin();
+    const std::uint64_t* const found_end = found_.end();
+    std::uint64_t* to = now.data();
+    const bool has_changed = found_end != next || changed_.size() > 0;
+    const auto begin_before = [&](std::uint64_t key) {
+      for (; next != found_end && *next < key; ++next) {
+        if (IsPair(*next)) began_.Push(*next);
+        *to++ = *next;
+      }
+    };
+    for (const std::uint64_t old : state_.candidates) {
+      const std::uint32_t a = LowOf(old);
+      const std::uint32_t b = HighOf(old);
+      std::uint64_t is = old;
+      if (has_changed && (changed_.Has(a) || changed_.Has(b))) {
+        const std::uint64_t key = old & ~std::uint64_t{1};
+        begin_before(key);
+        if (next == found_end || *next - key >= 2) {
+          if (IsPair(old)) ended_.Push(old);
+          continue;
+        }
+        is = *next++;
+      } else {
+        begin_before(old);
+        if (touched_.Has(a) || touched_.Has(b)) is = TestAgain(old, a, b);
+      }
+      if (is != old) (IsPair(is) ? began_ : ended_).Push(is);
+      *to++ = is;
+    }
+    begin_before(~std::uint64_t{0});
+    now.SetSize(static_cast<std::size_t>(to - now.data()));
+  }
+
+  // A candidate whose masks have not changed.
+  std::uint64_t TestAgain(std::uint64_t key, std::uint32_t a, std::uint32_t b) {
+    // Keys ascend, so the next ones often have the same first body.
+    if (a != low_) {
+      low_ = a;
+      has_low_ = state_.bodies.ReadAs<kAxes, false>(a, of_low_);
+    }
+    Body of_b;
+    const bool is_pair = has_low_ &&
+                         state_.bodies.ReadAs<kAxes, false>(b, of_b) &&
+                         Overlap(of_low_, of_b);
+    if (is_pair && !IsPair(key) && state_.options.filter.keep != nullptr) {
+      state_.bodies.ReadAs<kAxes, true>(a, of_low_);
+      state_.bodies.ReadAs<kAxes, true>(b, of_b);
+      if (!AsksToKeep(a, b, MasksMatch(of_low_, of_b))) return key;
+    }
+    return KeyOf(a, b, is_pair);
+  }
+
+  BroadPhaseState& state_;
   const Version& version_;
-  const IdSet& set_;
-  Keys& found_;
-  const PairTest test_;
+  const IdSet& changed_;
+  const IdSet& touched_;
+  Keys& began_;
+  Keys& ended_;
+  Keys found_;
+  std::uint32_t low_ = ~std::uint32_t{0};
+  bool has_low_ = false;
+  Body of_low_;
+  kernels::DefaultFpMode mode_;
 };
 
 class PairFinder {
@@ -386,44 +439,11 @@ void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
     changed.Take();
     touched.Take();
     const Held version(state);
-    Keys found(memory);
-    CandidateFinder(state, *version, changed, found).Find(kernels);
-
-    Keys now(memory);
-    now.Reserve(state.candidates.size() + found.size());
-    std::size_t pairs = 0;
-    const auto add = [&](std::uint64_t key) {
-      now.Push(key);
-      pairs += IsPair(key) ? 1 : 0;
-    };
-    const std::uint64_t* next = found.begin();
-    const auto begin_before = [&](std::uint64_t key) {
-      for (; next != found.end() && *next < key; ++next) {
-        if (IsPair(*next)) began.Push(*next);
-        add(*next);
-      }
-    };
-    const PairTest test(state);
-    for (const std::uint64_t old : state.candidates) {
-      const std::uint64_t key = old & ~std::uint64_t{1};
-      begin_before(key);
-      const std::uint32_t a = LowOf(key);
-      const std::uint32_t b = HighOf(key);
-      std::uint64_t is = old;
-      if (next != found.end() && *next - key < 2) {
-        is = *next++;
-      } else if (changed.Has(a) || changed.Has(b)) {
-        if (IsPair(old)) ended.Push(old);
-        continue;
-      } else if (touched.Has(a) || touched.Has(b)) {
-        is = test.Again(old);
-      }
-      if (is != old) (IsPair(is) ? began : ended).Push(is);
-      add(is);
-    }
-    begin_before(~std::uint64_t{0});
-    state.candidates.Swap(now);
-    state.pairs = pairs;
+    WithAxes(state.shape.axes, [&](auto axes) {
+      PairUpdate<decltype(axes)::value>(state, *version, changed, touched,
+                                        began, ended)
+          .Run(kernels);
+    });
     changed.Keep();
     touched.Keep();
   }

@@ -7,9 +7,7 @@
 #include <memory>
 #include <new>
 #include <string>
-#include <thread>
 #include <tuple>
-#include <type_traits>
 
 #include "dispatch/bvh/layout.h"
 #include "kernels/error.h"
@@ -45,19 +43,6 @@ void MoveOutward(float& of_tree, float plane, bool is_max) {
     if (shared.compare_exchange_weak(old, plane, std::memory_order_relaxed)) {
       return;
     }
-  }
-}
-
-// Calls function(axes) with a constant: loops over the axes have no branches.
-template <typename Function>
-auto WithAxes(std::size_t axes, const Function& function) {
-  switch (axes) {
-    case 2:
-      return function(std::integral_constant<std::size_t, 2>());
-    case 3:
-      return function(std::integral_constant<std::size_t, 3>());
-    default:
-      return function(std::integral_constant<std::size_t, 4>());
   }
 }
 
@@ -99,21 +84,24 @@ float* FindPlanes(const BvhLevels& levels, std::size_t id_limit,
 }  // namespace
 
 ListMemory::~ListMemory() {
-  if (data_ != nullptr) FreeBlock(memory_, data_, bytes_);
+  if (data_ != few_) FreeBlock(memory_, data_, bytes_);
 }
 
 void ListMemory::Grow(std::size_t bytes, std::size_t used) {
   bytes = std::max(bytes, bytes_ + bytes_ / 2);
   void* const data = AllocateBlock(memory_, bytes);
   if (used > 0) std::memcpy(data, data_, used);
-  if (data_ != nullptr) FreeBlock(memory_, data_, bytes_);
+  if (data_ != few_) FreeBlock(memory_, data_, bytes_);
   data_ = data;
   bytes_ = bytes;
 }
 
 void ListMemory::Swap(ListMemory& other) {
+  std::swap(few_, other.few_);
   std::swap(data_, other.data_);
   std::swap(bytes_, other.bytes_);
+  if (data_ == other.few_) data_ = few_;
+  if (other.data_ == few_) other.data_ = other.few_;
 }
 
 Bodies::Bodies(const MemoryResource& memory, std::size_t ids,
@@ -172,28 +160,10 @@ std::uint64_t Bodies::TakeMarkedOf(std::size_t word, Mark mark) {
   return bits;
 }
 
-// The loads of the values acquire, so that they stay before the second load of
-// the first word, and the stores release, so that they stay behind the first
-// store of it. The sanitizers know no fences.
 bool Bodies::Read(std::size_t id, Body& body) const {
-  const std::atomic<std::uint32_t>* const words = At(id);
-  for (std::size_t tries = 1;; ++tries) {
-    const std::uint32_t before = words[0].load(std::memory_order_acquire);
-    if ((before & kIsWritten) == 0) {
-      if ((before & kPresent) == 0) return false;
-      const auto load = [&](std::size_t w) {
-        return words[w].load(std::memory_order_acquire);
-      };
-      for (std::size_t p = 0; p < planes_; ++p) {
-        body.planes[p] = std::bit_cast<float>(load(1 + p));
-      }
-      const std::size_t w = 1 + planes_;
-      body.masks.category = load(w) | std::uint64_t{load(w + 1)} << 32;
-      body.masks.collides_with = load(w + 2) | std::uint64_t{load(w + 3)} << 32;
-      if (words[0].load(std::memory_order_relaxed) == before) return true;
-    }
-    if (tries % 64 == 0) std::this_thread::yield();
-  }
+  return WithAxes(planes_ / 2, [&](auto axes) {
+    return ReadAs<decltype(axes)::value, true>(id, body);
+  });
 }
 
 void Bodies::Write(std::size_t id, const float* planes, const BodyMasks* masks,

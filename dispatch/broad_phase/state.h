@@ -50,6 +50,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
+#include <thread>
+#include <type_traits>
 #include <utility>
 
 #include "dispatch/broad_phase/list.h"
@@ -114,6 +116,19 @@ struct Body {
   BodyMasks masks;
 };
 
+// Calls function(axes) with a constant: loops over the axes have no branches.
+template <typename Function>
+auto WithAxes(std::size_t axes, const Function& function) {
+  switch (axes) {
+    case 2:
+      return function(std::integral_constant<std::size_t, 2>());
+    case 3:
+      return function(std::integral_constant<std::size_t, 3>());
+    default:
+      return function(std::integral_constant<std::size_t, 4>());
+  }
+}
+
 // A record of each id: its exact bound and its masks, which are read and
 // written together, and marks of what changed. A record has one writer at a
 // time.
@@ -141,6 +156,9 @@ class Bodies {
   // Returns whether the body exists, and all of its record as it was at one
   // time.
   bool Read(std::size_t id, Body& body) const;
+  // The same with a constant, and without the masks if not wanted.
+  template <std::size_t kAxes, bool kHasMasks>
+  bool ReadAs(std::size_t id, Body& body) const;
 
   void Write(std::size_t id, const float* planes, const BodyMasks* masks,
              bool is_present);
@@ -197,6 +215,35 @@ class Bodies {
   std::uint64_t* touched_;  // the same
   std::atomic<std::uint32_t>* words_;
 };
+
+// The loads of the values acquire, so that they stay before the second load of
+// the first word, and the stores release, so that they stay behind the first
+// store of it. The sanitizers know no fences.
+template <std::size_t kAxes, bool kHasMasks>
+bool Bodies::ReadAs(std::size_t id, Body& body) const {
+  const std::atomic<std::uint32_t>* const words = At(id);
+  for (std::size_t tries = 1;; ++tries) {
+    const std::uint32_t before = words[0].load(std::memory_order_acquire);
+    if ((before & kIsWritten) == 0) {
+      if ((before & kPresent) == 0) return false;
+      const auto load = [&](std::size_t w) {
+        return words[w].load(std::memory_order_acquire);
+      };
+      constexpr std::size_t kPlanes = 2 * kAxes;
+      for (std::size_t p = 0; p < kPlanes; ++p) {
+        body.planes[p] = std::bit_cast<float>(load(1 + p));
+      }
+      if constexpr (kHasMasks) {
+        constexpr std::size_t w = 1 + kPlanes;
+        body.masks.category = load(w) | std::uint64_t{load(w + 1)} << 32;
+        body.masks.collides_with = load(w + 2) | std::uint64_t{load(w + 3)}
+                                                     << 32;
+      }
+      if (words[0].load(std::memory_order_relaxed) == before) return true;
+    }
+    if (tries % 64 == 0) std::this_thread::yield();
+  }
+}
 
 // A tree, and the bodies that are not in it yet.
 class Version {
