@@ -20,7 +20,8 @@ namespace {
 constexpr std::size_t kMostIds = std::size_t{1} << 29;
 
 // How much larger a bound is on the side to which a body moves, in margins.
-constexpr float kMostAhead = 2;
+constexpr float kMostAhead = 3;
+constexpr float kShareAhead = 0.75f;
 
 // All that looks at planes is in the default floating-point mode. A plane of a
 // tree is never a NaN: it is infinite if the body has a NaN there.
@@ -375,7 +376,8 @@ void BroadPhaseState::Loosen(float* in_tree, const float* planes,
           LoadPlane(in_tree[max * kBlockObjects]) - planes[max];
       // Without branches, which nothing predicts. Of a NaN, 0.
       const float way = std::max(from_min, from_max) - margin;
-      const float ahead = std::min(way > 0 ? way : 0.0f, kMostAhead * margin);
+      const float ahead =
+          std::min(way > 0 ? kShareAhead * way : 0.0f, kMostAhead * margin);
       below += from_max > from_min ? ahead : 0.0f;
       above += from_min > from_max ? ahead : 0.0f;
     }
