@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "dispatch/broad_phase/exact.h"
 #include "dispatch/broad_phase/state.h"
 #include "dispatch/bvh/layout.h"
 #include "kernels/exact/default_fp_mode.h"
@@ -52,6 +53,11 @@ bool IsPair(std::uint64_t key) { return (key & 1) != 0; }
   }
 }
 
+bool MasksMatch(const Body& a, const Body& b) {
+  return (a.masks.category & b.masks.collides_with) != 0 &&
+         (b.masks.category & a.masks.collides_with) != 0;
+}
+
 // Finds the candidates of changed bodies, and puts them among all others.
 template <std::size_t kAxes>
 class PairUpdate {
@@ -86,10 +92,6 @@ class PairUpdate {
   // With more, all pairs of the tree take less time.
   static constexpr std::size_t kShareOfSet = 4;
 
-  static bool MasksMatch(const Body& a, const Body& b) {
-    return (a.masks.category & b.masks.collides_with) != 0 &&
-           (b.masks.category & a.masks.collides_with) != 0;
-  }
   // With a NaN, as with infinities that are equal, they do.
   static bool Overlap(const Body& a, const Body& b) {
     bool is_apart = false;
@@ -243,12 +245,47 @@ class PairUpdate {
   kernels::DefaultFpMode mode_;
 };
 
+// The masks of a call for the bodies of its set.
+class CallMasks {
+ public:
+  CallMasks(const MemoryResource& memory, Span<const std::uint32_t> ids,
+            Span<const std::uint64_t> masks)
+      : masks_(memory) {
+    masks_.Reserve(ids.size());
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      masks_.Push({ids[i], masks[i]});
+    }
+    std::sort(masks_.begin(), masks_.end(), IsBefore);
+  }
+
+  // Whether a body of the set wants another one.
+  bool Wants(std::uint32_t id, const BodyMasks& other) const {
+    const Of* of =
+        std::lower_bound(masks_.begin(), masks_.end(), Of{id, 0}, IsBefore);
+    for (; of != masks_.end() && of->id == id; ++of) {
+      if (HasMask(other, of->mask)) return true;
+    }
+    return false;
+  }
+
+ private:
+  struct Of {
+    std::uint32_t id;
+    std::uint64_t mask;
+  };
+  static bool IsBefore(const Of& a, const Of& b) { return a.id < b.id; }
+  List<Of> masks_;
+};
+
 class PairFinder {
  public:
-  PairFinder(const BroadPhaseState& state, const Version& version, float margin,
-             BodyPairFunction function, void* context)
+  // `masks` is null without masks of the call.
+  PairFinder(const BroadPhaseState& state, const Version& version,
+             const CallMasks* masks, float margin, BodyPairFunction function,
+             void* context)
       : state_(state),
         version_(version),
+        masks_(masks),
         margin_(margin),
         function_(function),
         context_(context) {}
@@ -388,8 +425,9 @@ class PairFinder {
       return true;
     }
     const bool masks_match =
-        (of_a.masks.category & of_b.masks.collides_with) != 0 &&
-        (of_b.masks.category & of_a.masks.collides_with) != 0;
+        masks_ == nullptr
+            ? MasksMatch(of_a, of_b)
+            : masks_->Wants(a, of_b.masks) || masks_->Wants(b, of_a.masks);
     const PairFilter& filter = state_.options.filter;
     if (!masks_match && filter.keep == nullptr) return true;
     if (!kernels::InDefaultFpMode([&] { return Overlap(of_a, of_b); })) {
@@ -405,6 +443,7 @@ class PairFinder {
 
   const BroadPhaseState& state_;
   const Version& version_;
+  const CallMasks* masks_;
   float margin_;
   BodyPairFunction function_;
   void* context_;
@@ -415,15 +454,26 @@ class PairFinder {
 }  // namespace
 
 void BroadPhaseCore::ForEachPairOf(const BvhPairKernels* kernels,
-                                   Span<const std::uint32_t> ids, float margin,
-                                   BodyPairFunction function,
+                                   Span<const std::uint32_t> ids,
+                                   const Span<const std::uint64_t>* masks,
+                                   float margin, BodyPairFunction function,
                                    void* context) const {
   constexpr const char* kCall = "BroadPhase::ForEachPairOf";
+  if (masks != nullptr) {
+    state_->CheckList(kCall, ids, "masks", masks->data(), masks->size(),
+                      alignof(std::uint64_t));
+  }
   state_->CheckBodies(kCall, ids);
   CheckMargin(kCall, "margin", margin);
+  const bool has_masks = masks != nullptr;
+  const CallMasks of_call(state_->options.memory,
+                          has_masks ? ids : Span<const std::uint32_t>(),
+                          has_masks ? *masks : Span<const std::uint64_t>());
   const Held version(*state_);
   const WithRacyReads reads;
-  PairFinder(*state_, *version, margin, function, context).Find(kernels, ids);
+  PairFinder(*state_, *version, has_masks ? &of_call : nullptr, margin,
+             function, context)
+      .Find(kernels, ids);
 }
 
 void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,

@@ -342,7 +342,21 @@ class BroadPhase {
   void ForEachPairOf(Span<const std::uint32_t> ids, float margin,
                      Function&& function) const {
     core_.ForEachPairOf(
-        PairKernels(), ids, margin,
+        PairKernels(), ids, nullptr, margin,
+        &detail::CallWithPair<std::remove_reference_t<Function>>,
+        Context(function));
+  }
+
+  // The same with masks of the call instead of the rule of BodyMasks:
+  // `masks[i]` finds a body if its category has a bit of it. All ones find
+  // every body. If both bodies of a pair are in the set, the mask of either is
+  // enough. PairFilter::keep gets the result as `masks_match`.
+  template <typename Function>
+  void ForEachPairOf(Span<const std::uint32_t> ids,
+                     Span<const std::uint64_t> masks, float margin,
+                     Function&& function) const {
+    core_.ForEachPairOf(
+        PairKernels(), ids, &masks, margin,
         &detail::CallWithPair<std::remove_reference_t<Function>>,
         Context(function));
   }
