@@ -151,11 +151,10 @@ class PairUpdate {
       return;
     }
     const bool masks_match = MasksMatch(of_a, of_b);
-    const bool is_filtered = state_.options.filter.keep != nullptr;
-    if (!masks_match && !is_filtered) return;
-    found_.Push(KeyOf(a, b,
-                      Overlap(of_a, of_b) &&
-                          (!is_filtered || AsksToKeep(a, b, masks_match))));
+    const bool is_kept = state_.options.filter.keep != nullptr
+                             ? AsksToKeep(a, b, masks_match)
+                             : masks_match;
+    if (is_kept) found_.Push(KeyOf(a, b, Overlap(of_a, of_b)));
   }
 
   [[gnu::noinline]] void AddPending(std::size_t i) {
@@ -204,7 +203,7 @@ class PairUpdate {
         is = *next++;
       } else {
         begin_before(old);
-        if (touched_.Has(a) || touched_.Has(b)) is = TestAgain(old, a, b);
+        if (touched_.Has(a) || touched_.Has(b)) is = TestAgain(a, b);
       }
       if (is != old) (IsPair(is) ? began_ : ended_).Push(is);
       *to++ = is;
@@ -213,8 +212,8 @@ class PairUpdate {
     now.SetSize(static_cast<std::size_t>(to - now.data()));
   }
 
-  // A candidate whose masks have not changed.
-  std::uint64_t TestAgain(std::uint64_t key, std::uint32_t a, std::uint32_t b) {
+  // A candidate, which the masks and the filter keep.
+  std::uint64_t TestAgain(std::uint32_t a, std::uint32_t b) {
     // Keys ascend, so the next ones often have the same first body.
     if (a != low_) {
       low_ = a;
@@ -224,11 +223,6 @@ class PairUpdate {
     const bool is_pair = has_low_ &&
                          state_.bodies.ReadAs<kAxes, false>(b, of_b) &&
                          Overlap(of_low_, of_b);
-    if (is_pair && !IsPair(key) && state_.options.filter.keep != nullptr) {
-      state_.bodies.ReadAs<kAxes, true>(a, of_low_);
-      state_.bodies.ReadAs<kAxes, true>(b, of_b);
-      if (!AsksToKeep(a, b, MasksMatch(of_low_, of_b))) return key;
-    }
     return KeyOf(a, b, is_pair);
   }
 
