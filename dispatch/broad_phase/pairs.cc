@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <mutex>
+#include <new>
 
 #include "dispatch/broad_phase/exact.h"
 #include "dispatch/broad_phase/state.h"
@@ -58,40 +61,81 @@ bool MasksMatch(const Body& a, const Body& b) {
          (b.masks.category & a.masks.collides_with) != 0;
 }
 
-// Finds the candidates of changed bodies, and puts them among all others.
+// The caller's resource for parts that run on several threads.
+class LockedMemory {
+ public:
+  explicit LockedMemory(const MemoryResource& memory) : memory_(memory) {}
+
+  MemoryResource resource() { return MemoryFrom(*this); }
+  void* allocate(std::size_t bytes, std::size_t /*alignment*/) {
+    const std::scoped_lock lock(mutex_);
+    return AllocateBlock(memory_, bytes);
+  }
+  void deallocate(void* block, std::size_t bytes, std::size_t /*alignment*/) {
+    const std::scoped_lock lock(mutex_);
+    FreeBlock(memory_, block, bytes);
+  }
+
+ private:
+  std::mutex mutex_;
+  MemoryResource memory_;
+};
+
+// Two lists: those that were kept, and new ones. Both ascend.
+struct Candidates {
+  Span<const std::uint64_t> old;
+  Span<const std::uint64_t> found;
+};
+
+// A part of an update of pairs.
 template <std::size_t kAxes>
 class PairUpdate {
  public:
-  PairUpdate(BroadPhaseState& state, const Version& version,
-             const IdSet& changed, const IdSet& touched, Keys& began,
-             Keys& ended)
+  PairUpdate(const BroadPhaseState& state, const Version& version,
+             const IdSet& changed, const IdSet& touched,
+             const MemoryResource& memory)
       : state_(state),
         version_(version),
         changed_(changed),
         touched_(touched),
-        began_(began),
-        ended_(ended),
-        found_(state.options.memory) {}
+        found_(memory),
+        now_(memory),
+        began_(memory),
+        ended_(memory) {}
 
-  void Run(const BvhPairKernels* kernels) {
+  Keys& found() { return found_; }
+  Keys& now() { return now_; }
+  Keys& began() { return began_; }
+  Keys& ended() { return ended_; }
+
+  // The candidates of bodies that changed, in some blocks of the tree, or of a
+  // set of them.
+  void Find(const BvhPairKernels* kernels, const Span<const std::uint32_t>* set,
+            const PairOptions& blocks) {
+    found_.Clear();
     const WithRacyReads reads;
-    const std::size_t changed = changed_.size();
-    if (changed > 0) {
-      Find(kernels, changed);
-      Sort(state_.options.memory, found_);
-    }
-    Keys now(state_.options.memory);
-    now.Reserve(state_.candidates.size() + found_.size());
-    kernels::CallApart([&] { Merge(now); });
-    state_.candidates.Swap(now);
-    state_.pairs += began_.size();
-    state_.pairs -= ended_.size();
+    BvhForEachPair(
+        {kernels, &version_.tree, nullptr, set},
+        [](void* self, Span<const IdPair> pairs) {
+          static_cast<PairUpdate*>(self)->Add(pairs);
+          return true;
+        },
+        this, blocks);
+  }
+  // And of those that are in no tree.
+  void FindPending() {
+    const WithRacyReads reads;
+    for (std::size_t i = 0; i < version_.PendingCount(); ++i) AddPending(i);
+  }
+  void Merge(const Candidates& candidates) {
+    now_.Clear();
+    began_.Clear();
+    ended_.Clear();
+    now_.Reserve(candidates.old.size() + candidates.found.size());
+    kernels::InDefaultFpMode([&] { MergeInto(candidates, now_); });
   }
 
  private:
-  // With more, all pairs of the tree take less time.
-  static constexpr std::size_t kShareOfSet = 4;
-
   // With a NaN, as with infinities that are equal, they do.
   static bool Overlap(const Body& a, const Body& b) {
     bool is_apart = false;
@@ -101,44 +145,18 @@ class PairUpdate {
     }
     return !is_apart;
   }
-  // In the mode of the caller.
-  bool AsksToKeep(std::uint32_t a, std::uint32_t b, bool masks_match) {
-    const PairFilter& filter = state_.options.filter;
-    return mode_.Outside([&] {
-      const WithoutRacyReads reads;
-      return filter.keep(filter.context, a, b, masks_match);
-    });
-  }
-
-  [[gnu::noinline]] void Find(const BvhPairKernels* kernels,
-                              std::size_t changed) {
-    const bool is_of_set = kShareOfSet * changed < version_.tree.size();
-    List<std::uint32_t> ids(state_.options.memory);
-    if (is_of_set) {
-      ids.Reserve(changed);
-      changed_.ForEach([&](std::uint32_t id) {
-        if (version_.Find(id) != nullptr) ids.Push(id);
-      });
-    }
-    const Span<const std::uint32_t> set = ids;
-    if (!is_of_set || ids.size() > 0) {
-      BvhForEachPair(
-          {kernels, &version_.tree, nullptr, is_of_set ? &set : nullptr},
-          [](void* self, Span<const IdPair> pairs) {
-            static_cast<PairUpdate*>(self)->Add(pairs);
-            return true;
-          },
-          this, PairOptions());
-    }
-    for (std::size_t i = 0; i < version_.PendingCount(); ++i) AddPending(i);
-  }
-
   [[gnu::noinline]] void Add(Span<const IdPair> pairs) {
     for (const IdPair& pair : pairs) {
       state_.bodies.Prefetch(pair.a);
       state_.bodies.Prefetch(pair.b);
     }
     for (const IdPair& pair : pairs) Add(pair.a, pair.b);
+  }
+  bool Keeps(std::uint32_t a, std::uint32_t b, bool masks_match) const {
+    const PairFilter& filter = state_.options.filter;
+    if (filter.keep == nullptr) return masks_match;
+    const WithoutRacyReads reads;
+    return filter.keep(filter.context, a, b, masks_match);
   }
   // Two bodies whose bounds in the tree overlap. A body that is in no tree has
   // its own bound instead.
@@ -151,10 +169,11 @@ class PairUpdate {
       return;
     }
     const bool masks_match = MasksMatch(of_a, of_b);
-    const bool is_kept = state_.options.filter.keep != nullptr
-                             ? AsksToKeep(a, b, masks_match)
-                             : masks_match;
-    if (is_kept) found_.Push(KeyOf(a, b, Overlap(of_a, of_b)));
+    const bool is_pair =
+        kernels::InDefaultFpMode([&] { return Overlap(of_a, of_b); });
+    if (Keeps(a, b, masks_match)) {
+      found_.Push(KeyOf(a, b, is_pair));
+    }
   }
 
   [[gnu::noinline]] void AddPending(std::size_t i) {
@@ -178,22 +197,21 @@ class PairUpdate {
 
   // Puts what was found among the other candidates of bodies that did not
   // change, and tests those of bodies that moved inside their bounds.
-  void Merge(Keys& now) {
-    const std::uint64_t* next = found_.begin();
-    const std::uint64_t* const found_end = found_.end();
+  void MergeInto(const Candidates& candidates, Keys& now) {
+    const std::uint64_t* next = candidates.found.begin();
+    const std::uint64_t* const found_end = candidates.found.end();
     std::uint64_t* to = now.data();
-    const bool has_changed = found_end != next || changed_.size() > 0;
     const auto begin_before = [&](std::uint64_t key) {
       for (; next != found_end && *next < key; ++next) {
         if (IsPair(*next)) began_.Push(*next);
         *to++ = *next;
       }
     };
-    for (const std::uint64_t old : state_.candidates) {
+    for (const std::uint64_t old : candidates.old) {
       const std::uint32_t a = LowOf(old);
       const std::uint32_t b = HighOf(old);
       std::uint64_t is = old;
-      if (has_changed && (changed_.Has(a) || changed_.Has(b))) {
+      if (changed_.Has(a) || changed_.Has(b)) {
         const std::uint64_t key = old & ~std::uint64_t{1};
         begin_before(key);
         if (next == found_end || *next - key >= 2) {
@@ -226,17 +244,159 @@ class PairUpdate {
     return KeyOf(a, b, is_pair);
   }
 
-  BroadPhaseState& state_;
+  const BroadPhaseState& state_;
   const Version& version_;
   const IdSet& changed_;
   const IdSet& touched_;
-  Keys& began_;
-  Keys& ended_;
   Keys found_;
+  Keys now_;
+  Keys began_;
+  Keys ended_;
   std::uint32_t low_ = ~std::uint32_t{0};
   bool has_low_ = false;
   Body of_low_;
-  kernels::DefaultFpMode mode_;
+};
+
+// All of an update of pairs. The parts do not depend on the threads.
+template <std::size_t kAxes>
+class PairUpdates {
+ public:
+  PairUpdates(BroadPhaseState& state, const Version& version,
+              const IdSet& changed, const IdSet& touched, const Runner& run)
+      : state_(state),
+        version_(version),
+        changed_(changed),
+        run_(run),
+        is_of_set_(kShareOfSet * changed.size() < version.tree.size()),
+        blocks_(BlocksOf(version.tree.ids().size())),
+        find_parts_(is_of_set_ ? 1 : PartsFor(blocks_ / kMostBlocks)),
+        merge_parts_(PartsFor(state.candidates.size() / kMostKeys)),
+        memory_(state.options.memory),
+        scratch_(state.options.memory, std::max(find_parts_, merge_parts_) *
+                                           sizeof(PairUpdate<kAxes>)),
+        parts_(reinterpret_cast<PairUpdate<kAxes>*>(scratch_.data())) {
+    for (; made_ < std::max(find_parts_, merge_parts_); ++made_) {
+      new (parts_ + made_) PairUpdate<kAxes>(state, version, changed, touched,
+                                             memory_.resource());
+    }
+  }
+  PairUpdates(const PairUpdates&) = delete;
+  PairUpdates& operator=(const PairUpdates&) = delete;
+  ~PairUpdates() { std::destroy_n(parts_, made_); }
+
+  void Run(const BvhPairKernels* kernels, Keys& began, Keys& ended) {
+    Keys found(state_.options.memory);
+    if (changed_.size() > 0) {
+      Find(kernels);
+      Append(find_parts_, &PairUpdate<kAxes>::found, found);
+      Sort(state_.options.memory, found);
+    }
+    const Keys& old = state_.candidates;
+    const std::size_t parts = merge_parts_;
+    // Where a part begins in a list.
+    const auto at = [&](const Keys& keys, std::size_t part) {
+      if (part == 0) return keys.begin();
+      if (part == parts) return keys.end();
+      return std::lower_bound(
+          keys.begin(), keys.end(),
+          old[old.size() / parts * part] & ~std::uint64_t{1});
+    };
+    const auto range = [&](const Keys& keys, std::size_t part) {
+      std::uint64_t* const begin = at(keys, part);
+      return Span<const std::uint64_t>(
+          begin, static_cast<std::size_t>(at(keys, part + 1) - begin));
+    };
+    RunParts(parts, [&](std::size_t part) {
+      parts_[part].Merge({range(old, part), range(found, part)});
+    });
+    Keys now(state_.options.memory);
+    Append(parts, &PairUpdate<kAxes>::now, now);
+    Append(parts, &PairUpdate<kAxes>::began, began);
+    Append(parts, &PairUpdate<kAxes>::ended, ended);
+    state_.candidates.Swap(now);
+    state_.pairs += began.size();
+    state_.pairs -= ended.size();
+  }
+
+ private:
+  static constexpr std::size_t kMostParts = 16;
+  static constexpr std::size_t kMostBlocks = 64;  // of a part, if it can be
+  static constexpr std::size_t kMostKeys = 8192;
+  // With more changes, all pairs of the tree take less time.
+  static constexpr std::size_t kShareOfSet = 4;
+
+  static std::size_t PartsFor(std::size_t count) {
+    return std::clamp<std::size_t>(count, 1, kMostParts);
+  }
+
+  [[gnu::noinline]] void Find(const BvhPairKernels* kernels) {
+    if (is_of_set_) {
+      List<std::uint32_t> ids(state_.options.memory);
+      ids.Reserve(changed_.size());
+      changed_.ForEach([&](std::uint32_t id) {
+        if (version_.Find(id) != nullptr) ids.Push(id);
+      });
+      const Span<const std::uint32_t> set = ids;
+      parts_[0].Find(kernels, &set, PairOptions());
+    } else {
+      RunParts(find_parts_, [&](std::size_t part) {
+        PairOptions options;
+        options.begin = blocks_ * part / find_parts_;
+        options.end = blocks_ * (part + 1) / find_parts_;
+        parts_[part].Find(kernels, nullptr, options);
+      });
+    }
+    parts_[0].FindPending();
+  }
+
+  // A part for which there was no memory runs again, in this thread, and throws
+  // if there is still none.
+  template <typename Function>
+  void RunParts(std::size_t parts, const Function& function) {
+#if defined(__cpp_exceptions)
+    std::array<bool, kMostParts> has_failed{};
+    run_(parts, [&](std::size_t part) {
+      try {
+        function(part);
+      } catch (const std::bad_alloc&) {
+        has_failed[part] = true;
+      }
+    });
+    for (std::size_t part = 0; part < parts; ++part) {
+      if (has_failed[part]) function(part);
+    }
+#else
+    run_(parts, function);
+#endif
+  }
+
+  // Moves the lists of the parts to an empty one.
+  void Append(std::size_t parts, Keys& (PairUpdate<kAxes>::*keys)(), Keys& to) {
+    if (parts == 1) return to.Swap((parts_[0].*keys)());
+    std::size_t count = 0;
+    for (std::size_t p = 0; p < parts; ++p) {
+      count += (parts_[p].*keys)().size();
+    }
+    to.Reserve(count);
+    for (std::size_t p = 0; p < parts; ++p) {
+      const Keys& from = (parts_[p].*keys)();
+      std::copy(from.begin(), from.end(), to.end());
+      to.SetSize(to.size() + from.size());
+    }
+  }
+
+  BroadPhaseState& state_;
+  const Version& version_;
+  const IdSet& changed_;
+  const Runner& run_;
+  const bool is_of_set_;
+  const std::size_t blocks_;
+  const std::size_t find_parts_;
+  const std::size_t merge_parts_;
+  LockedMemory memory_;  // of the parts
+  const Scratch scratch_;
+  PairUpdate<kAxes>* const parts_;
+  std::size_t made_ = 0;
 };
 
 // The masks of a call for the bodies of its set.
@@ -471,7 +631,7 @@ void BroadPhaseCore::ForEachPairOf(const BvhPairKernels* kernels,
 }
 
 void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
-                                 const PairEvents& events) {
+                                 const PairEvents& events, const Runner& run) {
   BroadPhaseState& state = *state_;
   const MemoryResource& memory = state.options.memory;
   Keys began(memory);
@@ -484,9 +644,8 @@ void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
     touched.Take();
     const Held version(state);
     WithAxes(state.shape.axes, [&](auto axes) {
-      PairUpdate<decltype(axes)::value>(state, *version, changed, touched,
-                                        began, ended)
-          .Run(kernels);
+      PairUpdates<decltype(axes)::value>(state, *version, changed, touched, run)
+          .Run(kernels, began, ended);
     });
     changed.Keep();
     touched.Keep();

@@ -98,7 +98,7 @@ void ListMemory::Grow(std::size_t bytes, std::size_t used) {
 }
 
 void ListMemory::Swap(ListMemory& other) {
-  std::swap(few_, other.few_);
+  if (data_ == few_ || other.data_ == other.few_) std::swap(few_, other.few_);
   std::swap(data_, other.data_);
   std::swap(bytes_, other.bytes_);
   if (data_ == other.few_) data_ = few_;

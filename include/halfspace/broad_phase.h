@@ -122,7 +122,8 @@ struct BroadPhaseOptions {
   float margin = 0;
   PairFilter filter = {};
   // The resource of all memory (memory.h). It is called by the threads that
-  // change the broad phase, and by ForEachPairOf().
+  // change the broad phase, by ForEachPairOf(), and by the threads of the
+  // runner of UpdatePairs(), one at a time.
   MemoryResource memory = {};
 };
 
@@ -380,8 +381,12 @@ class BroadPhase {
   // as changed in the next call too. The functions run without a lock, after
   // the pairs were stored, so they may change the broad phase. If one of them
   // throws, the remaining events of this call are lost.
+  //
+  // `run` (runner.h) runs up to 16 parts of the work, if many bodies changed or
+  // there are many pairs. The events do not depend on it. If it throws, all
+  // pairs are as before.
   template <typename Began, typename Ended>
-  void UpdatePairs(Began&& began, Ended&& ended) {
+  void UpdatePairs(Began&& began, Ended&& ended, const Runner& run = {}) {
     struct Both {
       Began& began;
       Ended& ended;
@@ -393,7 +398,8 @@ class BroadPhase {
                        [](void* context, std::uint32_t a, std::uint32_t b) {
                          static_cast<Both*>(context)->ended(a, b);
                        },
-                       &both});
+                       &both},
+                      run);
   }
 
  private:

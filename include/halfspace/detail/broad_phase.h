@@ -75,7 +75,8 @@ class HALFSPACE_API BroadPhaseCore {
                      Span<const std::uint32_t> ids,
                      const Span<const std::uint64_t>* masks, float margin,
                      BodyPairFunction function, void* context) const;
-  void UpdatePairs(const BvhPairKernels* kernels, const PairEvents& events);
+  void UpdatePairs(const BvhPairKernels* kernels, const PairEvents& events,
+                   const Runner& run);
 
  private:
   BroadPhaseState* state_;
