@@ -150,17 +150,18 @@ class PairUpdate {
       state_.bodies.Prefetch(pair.a);
       state_.bodies.Prefetch(pair.b);
     }
-    for (const IdPair& pair : pairs) Add(pair.a, pair.b);
+    kernels::DefaultFpMode mode;
+    kernels::CallApart([&] {
+      for (const IdPair& pair : pairs) AddOne(pair.a, pair.b, mode);
+    });
   }
-  bool Keeps(std::uint32_t a, std::uint32_t b, bool masks_match) const {
-    const PairFilter& filter = state_.options.filter;
-    if (filter.keep == nullptr) return masks_match;
-    const WithoutRacyReads reads;
-    return filter.keep(filter.context, a, b, masks_match);
+  void Add(std::uint32_t a, std::uint32_t b) {
+    const IdPair pair = {a, b};
+    Add({&pair, 1});
   }
   // Two bodies whose bounds in the tree overlap. A body that is in no tree has
   // its own bound instead.
-  void Add(std::uint32_t a, std::uint32_t b) {
+  void AddOne(std::uint32_t a, std::uint32_t b, kernels::DefaultFpMode& mode) {
     if (!changed_.Has(a) && !changed_.Has(b)) return;
     Body of_a;
     Body of_b;
@@ -168,12 +169,15 @@ class PairUpdate {
         !state_.bodies.ReadAs<kAxes, true>(b, of_b)) {
       return;
     }
-    const bool masks_match = MasksMatch(of_a, of_b);
-    const bool is_pair =
-        kernels::InDefaultFpMode([&] { return Overlap(of_a, of_b); });
-    if (Keeps(a, b, masks_match)) {
-      found_.Push(KeyOf(a, b, is_pair));
+    bool is_kept = MasksMatch(of_a, of_b);
+    const PairFilter& filter = state_.options.filter;
+    if (filter.keep != nullptr) {
+      is_kept = mode.Outside([&] {
+        const WithoutRacyReads reads;
+        return filter.keep(filter.context, a, b, is_kept);
+      });
     }
+    if (is_kept) found_.Push(KeyOf(a, b, Overlap(of_a, of_b)));
   }
 
   [[gnu::noinline]] void AddPending(std::size_t i) {
