@@ -88,7 +88,6 @@ struct Candidates {
 };
 
 // A part of an update of pairs.
-template <std::size_t kAxes>
 class PairUpdate {
  public:
   PairUpdate(const BroadPhaseState& state, const Version& version,
@@ -132,16 +131,20 @@ class PairUpdate {
     began_.Clear();
     ended_.Clear();
     now_.Reserve(candidates.old.size() + candidates.found.size());
-    kernels::InDefaultFpMode([&] { MergeInto(candidates, now_); });
+    kernels::InDefaultFpMode([&] {
+      WithAxes(state_.shape.axes, [&](auto axes) {
+        MergeInto<decltype(axes)::value>(candidates, now_);
+      });
+    });
   }
 
  private:
   // With a NaN, as with infinities that are equal, they do.
-  static bool Overlap(const Body& a, const Body& b) {
+  static bool Overlap(const Body& a, const Body& b, std::size_t axes) {
     bool is_apart = false;
-    for (std::size_t k = 0; k < kAxes; ++k) {
-      is_apart |= a.planes[k] > b.planes[kAxes + k];
-      is_apart |= b.planes[k] > a.planes[kAxes + k];
+    for (std::size_t k = 0; k < axes; ++k) {
+      is_apart |= a.planes[k] > b.planes[axes + k];
+      is_apart |= b.planes[k] > a.planes[axes + k];
     }
     return !is_apart;
   }
@@ -165,10 +168,7 @@ class PairUpdate {
     if (!changed_.Has(a) && !changed_.Has(b)) return;
     Body of_a;
     Body of_b;
-    if (!state_.bodies.ReadAs<kAxes, true>(a, of_a) ||
-        !state_.bodies.ReadAs<kAxes, true>(b, of_b)) {
-      return;
-    }
+    if (!state_.bodies.Read(a, of_a) || !state_.bodies.Read(b, of_b)) return;
     bool is_kept = MasksMatch(of_a, of_b);
     const PairFilter& filter = state_.options.filter;
     if (filter.keep != nullptr) {
@@ -177,7 +177,8 @@ class PairUpdate {
         return filter.keep(filter.context, a, b, is_kept);
       });
     }
-    if (is_kept) found_.Push(KeyOf(a, b, Overlap(of_a, of_b)));
+    if (is_kept)
+      found_.Push(KeyOf(a, b, Overlap(of_a, of_b, state_.shape.axes)));
   }
 
   [[gnu::noinline]] void AddPending(std::size_t i) {
@@ -201,6 +202,7 @@ class PairUpdate {
 
   // Puts what was found among the other candidates of bodies that did not
   // change, and tests those of bodies that moved inside their bounds.
+  template <std::size_t kAxes>
   void MergeInto(const Candidates& candidates, Keys& now) {
     const std::uint64_t* next = candidates.found.begin();
     const std::uint64_t* const found_end = candidates.found.end();
@@ -225,7 +227,7 @@ class PairUpdate {
         is = *next++;
       } else {
         begin_before(old);
-        if (touched_.Has(a) || touched_.Has(b)) is = TestAgain(a, b);
+        if (touched_.Has(a) || touched_.Has(b)) is = TestAgain<kAxes>(a, b);
       }
       if (is != old) (IsPair(is) ? began_ : ended_).Push(is);
       *to++ = is;
@@ -235,16 +237,16 @@ class PairUpdate {
   }
 
   // A candidate, which the masks and the filter keep.
+  template <std::size_t kAxes>
   std::uint64_t TestAgain(std::uint32_t a, std::uint32_t b) {
     // Keys ascend, so the next ones often have the same first body.
     if (a != low_) {
       low_ = a;
-      has_low_ = state_.bodies.ReadAs<kAxes, false>(a, of_low_);
+      has_low_ = state_.bodies.ReadPlanes<kAxes>(a, of_low_);
     }
     Body of_b;
-    const bool is_pair = has_low_ &&
-                         state_.bodies.ReadAs<kAxes, false>(b, of_b) &&
-                         Overlap(of_low_, of_b);
+    const bool is_pair = has_low_ && state_.bodies.ReadPlanes<kAxes>(b, of_b) &&
+                         Overlap(of_low_, of_b, kAxes);
     return KeyOf(a, b, is_pair);
   }
 
@@ -262,7 +264,6 @@ class PairUpdate {
 };
 
 // All of an update of pairs. The parts do not depend on the threads.
-template <std::size_t kAxes>
 class PairUpdates {
  public:
   PairUpdates(BroadPhaseState& state, const Version& version,
@@ -276,12 +277,12 @@ class PairUpdates {
         find_parts_(is_of_set_ ? 1 : PartsFor(blocks_ / kMostBlocks)),
         merge_parts_(PartsFor(state.candidates.size() / kMostKeys)),
         memory_(state.options.memory),
-        scratch_(state.options.memory, std::max(find_parts_, merge_parts_) *
-                                           sizeof(PairUpdate<kAxes>)),
-        parts_(reinterpret_cast<PairUpdate<kAxes>*>(scratch_.data())) {
+        scratch_(state.options.memory,
+                 std::max(find_parts_, merge_parts_) * sizeof(PairUpdate)),
+        parts_(reinterpret_cast<PairUpdate*>(scratch_.data())) {
     for (; made_ < std::max(find_parts_, merge_parts_); ++made_) {
-      new (parts_ + made_) PairUpdate<kAxes>(state, version, changed, touched,
-                                             memory_.resource());
+      new (parts_ + made_)
+          PairUpdate(state, version, changed, touched, memory_.resource());
     }
   }
   PairUpdates(const PairUpdates&) = delete;
@@ -292,7 +293,7 @@ class PairUpdates {
     Keys found(state_.options.memory);
     if (changed_.size() > 0) {
       Find(kernels);
-      Append(find_parts_, &PairUpdate<kAxes>::found, found);
+      Append(find_parts_, &PairUpdate::found, found);
       Sort(state_.options.memory, found);
     }
     const Keys& old = state_.candidates;
@@ -314,9 +315,9 @@ class PairUpdates {
       parts_[part].Merge({range(old, part), range(found, part)});
     });
     Keys now(state_.options.memory);
-    Append(parts, &PairUpdate<kAxes>::now, now);
-    Append(parts, &PairUpdate<kAxes>::began, began);
-    Append(parts, &PairUpdate<kAxes>::ended, ended);
+    Append(parts, &PairUpdate::now, now);
+    Append(parts, &PairUpdate::began, began);
+    Append(parts, &PairUpdate::ended, ended);
     state_.candidates.Swap(now);
     state_.pairs += began.size();
     state_.pairs -= ended.size();
@@ -375,7 +376,7 @@ class PairUpdates {
   }
 
   // Moves the lists of the parts to an empty one.
-  void Append(std::size_t parts, Keys& (PairUpdate<kAxes>::*keys)(), Keys& to) {
+  void Append(std::size_t parts, Keys& (PairUpdate::*keys)(), Keys& to) {
     if (parts == 1) return to.Swap((parts_[0].*keys)());
     std::size_t count = 0;
     for (std::size_t p = 0; p < parts; ++p) {
@@ -399,7 +400,7 @@ class PairUpdates {
   const std::size_t merge_parts_;
   LockedMemory memory_;  // of the parts
   const Scratch scratch_;
-  PairUpdate<kAxes>* const parts_;
+  PairUpdate* const parts_;
   std::size_t made_ = 0;
 };
 
@@ -647,10 +648,8 @@ void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
     changed.Take();
     touched.Take();
     const Held version(state);
-    WithAxes(state.shape.axes, [&](auto axes) {
-      PairUpdates<decltype(axes)::value>(state, *version, changed, touched, run)
-          .Run(kernels, began, ended);
-    });
+    PairUpdates(state, *version, changed, touched, run)
+        .Run(kernels, began, ended);
     changed.Keep();
     touched.Keep();
   }

@@ -162,8 +162,13 @@ std::uint64_t Bodies::TakeMarkedOf(std::size_t word, Mark mark) {
 }
 
 bool Bodies::Read(std::size_t id, Body& body) const {
-  return WithAxes(planes_ / 2, [&](auto axes) {
-    return ReadAs<decltype(axes)::value, true>(id, body);
+  return ReadWith(id, [&](const auto& load) {
+    for (std::size_t p = 0; p < planes_; ++p) {
+      body.planes[p] = std::bit_cast<float>(load(1 + p));
+    }
+    const std::size_t w = 1 + planes_;
+    body.masks.category = load(w) | std::uint64_t{load(w + 1)} << 32;
+    body.masks.collides_with = load(w + 2) | std::uint64_t{load(w + 3)} << 32;
   });
 }
 
@@ -308,21 +313,19 @@ std::uint64_t Version::NotEnclosed(Span<const std::uint32_t> ids,
 
 bool Version::DoAllEnclose(std::uint32_t id, const float* planes) const {
   const BvhLevels& levels = tree.levels();
+  const BvhShape& shape = tree.shape();
   return kernels::InDefaultFpMode([&] {
-    return WithAxes(tree.shape().axes, [&](auto axes) {
-      constexpr std::size_t kAxes = decltype(axes)::value;
-      float numbers[2 * kAxes];
-      for (std::size_t p = 0; p < 2 * kAxes; ++p) {
-        numbers[p] = NumberOf(planes[p], p >= kAxes);
+    for (std::size_t l = 0; l < levels.count; ++l) {
+      const std::size_t node = levels.slots[id] >> (6 * l);
+      for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
+        const bool is_max = p >= shape.axes;
+        if (IsBeyond(NumberOf(planes[p], is_max),
+                     LoadPlane(levels.level[l].Value(p, node)), is_max)) {
+          return false;
+        }
       }
-      bool do_enclose = true;
-      for (std::size_t l = 0; l < levels.count; ++l) {
-        const std::size_t node = levels.slots[id] >> (6 * l);
-        do_enclose &=
-            PlanesEnclose<kAxes>(&levels.level[l].Value(0, node), numbers);
-      }
-      return do_enclose;
-    });
+    }
+    return true;
   });
 }
 

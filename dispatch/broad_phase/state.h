@@ -156,9 +156,15 @@ class Bodies {
   // Returns whether the body exists, and all of its record as it was at one
   // time.
   bool Read(std::size_t id, Body& body) const;
-  // The same with a constant, and without the masks if not wanted.
-  template <std::size_t kAxes, bool kHasMasks>
-  bool ReadAs(std::size_t id, Body& body) const;
+  // The same without the masks, and with a constant.
+  template <std::size_t kAxes>
+  bool ReadPlanes(std::size_t id, Body& body) const {
+    return ReadWith(id, [&](const auto& load) {
+      for (std::size_t p = 0; p < 2 * kAxes; ++p) {
+        body.planes[p] = std::bit_cast<float>(load(1 + p));
+      }
+    });
+  }
 
   void Write(std::size_t id, const float* planes, const BodyMasks* masks,
              bool is_present);
@@ -195,6 +201,9 @@ class Bodies {
   static constexpr std::uint32_t kPresent = 2;
   static constexpr std::uint32_t kOneWrite = 4;
 
+  template <typename Function>
+  bool ReadWith(std::size_t id, const Function& read) const;
+
   std::atomic<std::uint32_t>* At(std::size_t id) const {
     return words_ + id * words_of_body_;
   }
@@ -216,29 +225,20 @@ class Bodies {
   std::atomic<std::uint32_t>* words_;
 };
 
-// The loads of the values acquire, so that they stay before the second load of
-// the first word, and the stores release, so that they stay behind the first
-// store of it. The sanitizers know no fences.
-template <std::size_t kAxes, bool kHasMasks>
-bool Bodies::ReadAs(std::size_t id, Body& body) const {
+// Calls read(load) until the values are of one time. The loads of the values
+// acquire, so that they stay before the second load of the first word, and the
+// stores release, so that they stay behind the first store of it. The
+// sanitizers know no fences.
+template <typename Function>
+bool Bodies::ReadWith(std::size_t id, const Function& read) const {
   const std::atomic<std::uint32_t>* const words = At(id);
   for (std::size_t tries = 1;; ++tries) {
     const std::uint32_t before = words[0].load(std::memory_order_acquire);
     if ((before & kIsWritten) == 0) {
       if ((before & kPresent) == 0) return false;
-      const auto load = [&](std::size_t w) {
+      read([&](std::size_t w) {
         return words[w].load(std::memory_order_acquire);
-      };
-      constexpr std::size_t kPlanes = 2 * kAxes;
-      for (std::size_t p = 0; p < kPlanes; ++p) {
-        body.planes[p] = std::bit_cast<float>(load(1 + p));
-      }
-      if constexpr (kHasMasks) {
-        constexpr std::size_t w = 1 + kPlanes;
-        body.masks.category = load(w) | std::uint64_t{load(w + 1)} << 32;
-        body.masks.collides_with = load(w + 2) | std::uint64_t{load(w + 3)}
-                                                     << 32;
-      }
+      });
       if (words[0].load(std::memory_order_relaxed) == before) return true;
     }
     if (tries % 64 == 0) std::this_thread::yield();
