@@ -409,31 +409,27 @@ class CallMasks {
  public:
   CallMasks(const MemoryResource& memory, Span<const std::uint32_t> ids,
             Span<const std::uint64_t> masks)
-      : masks_(memory) {
-    masks_.Reserve(ids.size());
+      : order_(memory), masks_(masks) {
+    order_.Reserve(ids.size());
     for (std::size_t i = 0; i < ids.size(); ++i) {
-      masks_.Push({ids[i], masks[i]});
+      order_.Push(std::uint64_t{ids[i]} << 32 | i);
     }
-    std::sort(masks_.begin(), masks_.end(), IsBefore);
+    Sort(memory, order_);
   }
 
   // Whether a body of the set wants another one.
   bool Wants(std::uint32_t id, const BodyMasks& other) const {
-    const Of* of =
-        std::lower_bound(masks_.begin(), masks_.end(), Of{id, 0}, IsBefore);
-    for (; of != masks_.end() && of->id == id; ++of) {
-      if (HasMask(other, of->mask)) return true;
+    const std::uint64_t* of =
+        std::lower_bound(order_.begin(), order_.end(), std::uint64_t{id} << 32);
+    for (; of != order_.end() && *of >> 32 == id; ++of) {
+      if (HasMask(other, masks_[static_cast<std::uint32_t>(*of)])) return true;
     }
     return false;
   }
 
  private:
-  struct Of {
-    std::uint32_t id;
-    std::uint64_t mask;
-  };
-  static bool IsBefore(const Of& a, const Of& b) { return a.id < b.id; }
-  List<Of> masks_;
+  Keys order_;  // the id, then its place in the list
+  Span<const std::uint64_t> masks_;
 };
 
 class PairFinder {
@@ -466,16 +462,16 @@ class PairFinder {
     for (std::size_t i = 0; i < new_count_; ++i) {
       if (!JoinNew(new_[i], pending)) return;
     }
-    List<std::uint32_t> others(state.options.memory);
+    Keys others(state.options.memory);
     others.Reserve(in_tree.size());
     for (const std::uint32_t id : in_tree) others.Push(id);
-    std::sort(others.begin(), others.end());
+    Sort(state.options.memory, others);
     for (std::size_t i = 0; i < pending; ++i) {
       const std::uint32_t id = version_.Pending(i);
       if (IsNewOfSet(id)) continue;
       for (std::size_t o = 0; o < others.size(); ++o) {
         if (o > 0 && others[o] == others[o - 1]) continue;
-        if (!Test(others[o], id)) return;
+        if (!Test(static_cast<std::uint32_t>(others[o]), id)) return;
       }
     }
   }
