@@ -144,7 +144,7 @@ void Build(BroadPhaseState& state, const IdSet& moved, const NewBodies& added,
 // Frees the trees that nobody reads.
 void FreeTrees(BroadPhaseState& state) {
   for (Version* v = state.versions; v != nullptr; v = v->next) {
-    if (v != state.current.load() && !v->HasReaders()) {
+    if (v->tree.bytes() > 0 && v != state.current.load() && !v->HasReaders()) {
       v->tree = BvhTree(state.shape, state.options.memory);
     }
   }

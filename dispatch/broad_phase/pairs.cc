@@ -4,7 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <mutex>
+#include <new>
 
+#include "dispatch/broad_phase/exact.h"
 #include "dispatch/broad_phase/state.h"
 #include "dispatch/bvh/layout.h"
 #include "kernels/exact/default_fp_mode.h"
@@ -52,114 +56,129 @@ bool IsPair(std::uint64_t key) { return (key & 1) != 0; }
   }
 }
 
-// The rules of pairs.
-class PairTest {
- public:
-  explicit PairTest(const BroadPhaseState& state) : state_(state) {}
+bool MasksMatch(const Body& a, const Body& b) {
+  return (a.masks.category & b.masks.collides_with) != 0 &&
+         (b.masks.category & a.masks.collides_with) != 0;
+}
 
-  static bool MasksMatch(const Body& a, const Body& b) {
-    return (a.masks.category & b.masks.collides_with) != 0 &&
-           (b.masks.category & a.masks.collides_with) != 0;
+// The caller's resource for parts that run on several threads.
+class LockedMemory {
+ public:
+  explicit LockedMemory(const MemoryResource& memory) : memory_(memory) {}
+
+  MemoryResource resource() { return MemoryFrom(*this); }
+  void* allocate(std::size_t bytes, std::size_t /*alignment*/) {
+    const std::scoped_lock lock(mutex_);
+    return AllocateBlock(memory_, bytes);
   }
-  bool CanBe(const Body& a, const Body& b) const {
-    return state_.options.filter.keep != nullptr || MasksMatch(a, b);
+  void deallocate(void* block, std::size_t bytes, std::size_t /*alignment*/) {
+    const std::scoped_lock lock(mutex_);
+    FreeBlock(memory_, block, bytes);
   }
-  // Of two that can be a pair and overlap.
-  bool IsKept(std::uint32_t a, const Body& of_a, std::uint32_t b,
-              const Body& of_b) const {
-    const PairFilter& filter = state_.options.filter;
-    if (filter.keep == nullptr) return true;
-    const WithoutRacyReads reads;
-    return filter.keep(filter.context, a, b, MasksMatch(of_a, of_b));
+
+ private:
+  std::mutex mutex_;
+  MemoryResource memory_;
+};
+
+// Two lists: those that were kept, and new ones. Both ascend.
+struct Candidates {
+  Span<const std::uint64_t> old;
+  Span<const std::uint64_t> found;
+};
+
+// A part of an update of pairs.
+class PairUpdate {
+ public:
+  PairUpdate(const BroadPhaseState& state, const Version& version,
+             const IdSet& changed, const IdSet& touched,
+             const MemoryResource& memory)
+      : state_(state),
+        version_(version),
+        changed_(changed),
+        touched_(touched),
+        found_(memory),
+        now_(memory),
+        began_(memory),
+        ended_(memory) {}
+
+  Keys& found() { return found_; }
+  Keys& now() { return now_; }
+  Keys& began() { return began_; }
+  Keys& ended() { return ended_; }
+
+  // The candidates of bodies that changed, in some blocks of the tree, or of a
+  // set of them.
+  void Find(const BvhPairKernels* kernels, const Span<const std::uint32_t>* set,
+            const PairOptions& blocks) {
+    found_.Clear();
+    const WithRacyReads reads;
+    BvhForEachPair(
+        {kernels, &version_.tree, nullptr, set},
+        [](void* self, Span<const IdPair> pairs) {
+          static_cast<PairUpdate*>(self)->Add(pairs);
+          return true;
+        },
+        this, blocks);
   }
-  // With a NaN, as with infinities that are equal, they do.
-  bool Overlap(const Body& a, const Body& b) const {
-    const std::size_t axes = state_.shape.axes;
-    return kernels::InDefaultFpMode([&] {
-      bool is_apart = false;
-      for (std::size_t k = 0; k < axes; ++k) {
-        is_apart |= a.planes[k] > b.planes[axes + k];
-        is_apart |= b.planes[k] > a.planes[axes + k];
-      }
-      return !is_apart;
+  // And of those that are in no tree.
+  void FindPending() {
+    const WithRacyReads reads;
+    for (std::size_t i = 0; i < version_.PendingCount(); ++i) AddPending(i);
+  }
+  void Merge(const Candidates& candidates) {
+    now_.Clear();
+    began_.Clear();
+    ended_.Clear();
+    now_.Reserve(candidates.old.size() + candidates.found.size());
+    kernels::InDefaultFpMode([&] {
+      WithAxes(state_.shape.axes, [&](auto axes) {
+        MergeInto<decltype(axes)::value>(candidates, now_);
+      });
     });
   }
 
-  // Appends two bodies whose bounds in the tree overlap, unless they cannot be
-  // a pair.
-  void Add(std::uint32_t a, std::uint32_t b, Keys& keys) const {
-    Body of_a;
-    Body of_b;
-    if (!state_.bodies.Read(a, of_a) || !state_.bodies.Read(b, of_b) ||
-        !CanBe(of_a, of_b)) {
-      return;
-    }
-    keys.Push(KeyOf(a, b, Overlap(of_a, of_b) && IsKept(a, of_a, b, of_b)));
-  }
-  // A candidate whose masks have not changed.
-  std::uint64_t Again(std::uint64_t key) const {
-    const std::uint32_t a = LowOf(key);
-    const std::uint32_t b = HighOf(key);
-    Body of_a;
-    Body of_b;
-    const bool is_pair = state_.bodies.Read(a, of_a) &&
-                         state_.bodies.Read(b, of_b) && Overlap(of_a, of_b) &&
-                         (IsPair(key) || IsKept(a, of_a, b, of_b));
-    return KeyOf(a, b, is_pair);
-  }
-
  private:
-  const BroadPhaseState& state_;
-};
-
-// The candidates of the bodies of a set. A body that is in no tree yet has its
-// own bound instead of one in the tree.
-class CandidateFinder {
- public:
-  CandidateFinder(const BroadPhaseState& state, const Version& version,
-                  const IdSet& set, Keys& found)
-      : state_(state),
-        version_(version),
-        set_(set),
-        found_(found),
-        test_(state) {}
-
-  void Find(const BvhPairKernels* kernels) {
-    const WithRacyReads reads;
-    List<std::uint32_t> ids(state_.options.memory);
-    const std::size_t count = set_.size();
-    if (count == 0) return;
-    if (4 * count < version_.tree.size()) {
-      ids.Reserve(count);
-      set_.ForEach([&](std::uint32_t id) {
-        if (version_.tree.Has(id)) ids.Push(id);
-      });
+  // With a NaN, as with infinities that are equal, they do.
+  static bool Overlap(const Body& a, const Body& b, std::size_t axes) {
+    bool is_apart = false;
+    for (std::size_t k = 0; k < axes; ++k) {
+      is_apart |= a.planes[k] > b.planes[axes + k];
+      is_apart |= b.planes[k] > a.planes[axes + k];
     }
-    const Span<const std::uint32_t> set = ids;
-    if (version_.tree.size() > 0 &&
-        (ids.size() > 0 || 4 * count >= version_.tree.size())) {
-      BvhForEachPair(
-          {kernels, &version_.tree, nullptr, ids.size() > 0 ? &set : nullptr},
-          [](void* self, Span<const IdPair> pairs) {
-            static_cast<const CandidateFinder*>(self)->Add(pairs);
-            return true;
-          },
-          this, PairOptions());
-    }
-    for (std::size_t i = 0; i < version_.PendingCount(); ++i) AddPending(i);
-    Sort(state_.options.memory, found_);
+    return !is_apart;
   }
-
- private:
-  void Add(Span<const IdPair> pairs) const {
+  [[gnu::noinline]] void Add(Span<const IdPair> pairs) {
     for (const IdPair& pair : pairs) {
       state_.bodies.Prefetch(pair.a);
       state_.bodies.Prefetch(pair.b);
     }
-    for (const IdPair& pair : pairs) Add(pair.a, pair.b);
+    kernels::DefaultFpMode mode;
+    kernels::CallApart([&] {
+      for (const IdPair& pair : pairs) AddOne(pair.a, pair.b, mode);
+    });
   }
-  void Add(std::uint32_t a, std::uint32_t b) const {
-    if (set_.Has(a) || set_.Has(b)) test_.Add(a, b, found_);
+  void Add(std::uint32_t a, std::uint32_t b) {
+    const IdPair pair = {a, b};
+    Add({&pair, 1});
+  }
+  // Two bodies whose bounds in the tree overlap. A body that is in no tree has
+  // its own bound instead.
+  void AddOne(std::uint32_t a, std::uint32_t b, kernels::DefaultFpMode& mode) {
+    if (!changed_.Has(a) && !changed_.Has(b)) return;
+    Body of_a;
+    Body of_b;
+    if (!state_.bodies.Read(a, of_a) || !state_.bodies.Read(b, of_b)) return;
+    bool is_kept = MasksMatch(of_a, of_b);
+    const PairFilter& filter = state_.options.filter;
+    if (filter.keep != nullptr) {
+      is_kept = mode.Outside([&] {
+        const WithoutRacyReads reads;
+        return filter.keep(filter.context, a, b, is_kept);
+      });
+    }
+    if (is_kept)
+      found_.Push(KeyOf(a, b, Overlap(of_a, of_b, state_.shape.axes)));
   }
 
   [[gnu::noinline]] void AddPending(std::size_t i) {
@@ -168,34 +187,261 @@ class CandidateFinder {
     Body body;
     if (!state_.bodies.Read(id, body)) return;
     struct Call {
-      const CandidateFinder& self;
+      PairUpdate& self;
       std::uint32_t id;
     } call{*this, id};
     BvhForEach(
         version_.tree, {body.planes, 1},
         [](void* context, Span<const std::uint32_t> others) {
           const Call& of = *static_cast<const Call*>(context);
-          for (const std::uint32_t other : others) {
-            of.self.Add(of.id, other);
-          }
+          for (const std::uint32_t other : others) of.self.Add(of.id, other);
           return true;
         },
         &call, QueryOptions());
   }
 
+  // Puts what was found among the other candidates of bodies that did not
+  // change, and tests those of bodies that moved inside their bounds.
+  template <std::size_t kAxes>
+  void MergeInto(const Candidates& candidates, Keys& now) {
+    const std::uint64_t* next = candidates.found.begin();
+    const std::uint64_t* const found_end = candidates.found.end();
+    std::uint64_t* to = now.data();
+    const auto begin_before = [&](std::uint64_t key) {
+      for (; next != found_end && *next < key; ++next) {
+        if (IsPair(*next)) began_.Push(*next);
+        *to++ = *next;
+      }
+    };
+    for (const std::uint64_t old : candidates.old) {
+      const std::uint32_t a = LowOf(old);
+      const std::uint32_t b = HighOf(old);
+      std::uint64_t is = old;
+      if (changed_.Has(a) || changed_.Has(b)) {
+        const std::uint64_t key = old & ~std::uint64_t{1};
+        begin_before(key);
+        if (next == found_end || *next - key >= 2) {
+          if (IsPair(old)) ended_.Push(old);
+          continue;
+        }
+        is = *next++;
+      } else {
+        begin_before(old);
+        if (touched_.Has(a) || touched_.Has(b)) is = TestAgain<kAxes>(a, b);
+      }
+      if (is != old) (IsPair(is) ? began_ : ended_).Push(is);
+      *to++ = is;
+    }
+    begin_before(~std::uint64_t{0});
+    now.SetSize(static_cast<std::size_t>(to - now.data()));
+  }
+
+  // A candidate, which the masks and the filter keep.
+  template <std::size_t kAxes>
+  std::uint64_t TestAgain(std::uint32_t a, std::uint32_t b) {
+    // Keys ascend, so the next ones often have the same first body.
+    if (a != low_) {
+      low_ = a;
+      has_low_ = state_.bodies.ReadPlanes(a, 2 * kAxes, of_low_, false);
+    }
+    Body of_b;
+    const bool is_pair = has_low_ &&
+                         state_.bodies.ReadPlanes(b, 2 * kAxes, of_b, false) &&
+                         Overlap(of_low_, of_b, kAxes);
+    return KeyOf(a, b, is_pair);
+  }
+
   const BroadPhaseState& state_;
   const Version& version_;
-  const IdSet& set_;
-  Keys& found_;
-  const PairTest test_;
+  const IdSet& changed_;
+  const IdSet& touched_;
+  Keys found_;
+  Keys now_;
+  Keys began_;
+  Keys ended_;
+  std::uint32_t low_ = ~std::uint32_t{0};
+  bool has_low_ = false;
+  Body of_low_;
+};
+
+// All of an update of pairs. The parts do not depend on the threads.
+class PairUpdates {
+ public:
+  PairUpdates(BroadPhaseState& state, const Version& version,
+              const IdSet& changed, const IdSet& touched, const Runner& run)
+      : state_(state),
+        version_(version),
+        changed_(changed),
+        run_(run),
+        is_of_set_(kShareOfSet * changed.size() < version.tree.size()),
+        blocks_(BlocksOf(version.tree.ids().size())),
+        find_parts_(is_of_set_ ? 1 : PartsFor(blocks_ / kMostBlocks)),
+        merge_parts_(PartsFor(state.candidates.size() / kMostKeys)),
+        memory_(state.options.memory),
+        scratch_(state.options.memory,
+                 std::max(find_parts_, merge_parts_) * sizeof(PairUpdate)),
+        parts_(reinterpret_cast<PairUpdate*>(scratch_.data())) {
+    for (; made_ < std::max(find_parts_, merge_parts_); ++made_) {
+      new (parts_ + made_)
+          PairUpdate(state, version, changed, touched, memory_.resource());
+    }
+  }
+  PairUpdates(const PairUpdates&) = delete;
+  PairUpdates& operator=(const PairUpdates&) = delete;
+  ~PairUpdates() { std::destroy_n(parts_, made_); }
+
+  void Run(const BvhPairKernels* kernels, Keys& began, Keys& ended) {
+    Keys found(state_.options.memory);
+    if (changed_.size() > 0) {
+      Find(kernels);
+      Append(find_parts_, &PairUpdate::found, found);
+      Sort(state_.options.memory, found);
+    }
+    const Keys& old = state_.candidates;
+    const std::size_t parts = merge_parts_;
+    // Where a part begins in a list.
+    const auto at = [&](const Keys& keys, std::size_t part) {
+      if (part == 0) return keys.begin();
+      if (part == parts) return keys.end();
+      return std::lower_bound(
+          keys.begin(), keys.end(),
+          old[old.size() / parts * part] & ~std::uint64_t{1});
+    };
+    const auto range = [&](const Keys& keys, std::size_t part) {
+      std::uint64_t* const begin = at(keys, part);
+      return Span<const std::uint64_t>(
+          begin, static_cast<std::size_t>(at(keys, part + 1) - begin));
+    };
+    RunParts(parts, [&](std::size_t part) {
+      parts_[part].Merge({range(old, part), range(found, part)});
+    });
+    Keys now(state_.options.memory);
+    Append(parts, &PairUpdate::now, now);
+    Append(parts, &PairUpdate::began, began);
+    Append(parts, &PairUpdate::ended, ended);
+    state_.candidates.Swap(now);
+    state_.pairs += began.size();
+    state_.pairs -= ended.size();
+  }
+
+ private:
+  static constexpr std::size_t kMostParts = 16;
+  static constexpr std::size_t kMostBlocks = 64;  // of a part, if it can be
+  static constexpr std::size_t kMostKeys = 8192;
+  // With more changes, all pairs of the tree take less time.
+  static constexpr std::size_t kShareOfSet = 4;
+
+  static std::size_t PartsFor(std::size_t count) {
+    return std::clamp<std::size_t>(count, 1, kMostParts);
+  }
+
+  [[gnu::noinline]] void Find(const BvhPairKernels* kernels) {
+    if (is_of_set_) {
+      List<std::uint32_t> ids(state_.options.memory);
+      ids.Reserve(changed_.size());
+      changed_.ForEach([&](std::uint32_t id) {
+        if (version_.Find(id) != nullptr) ids.Push(id);
+      });
+      const Span<const std::uint32_t> set = ids;
+      parts_[0].Find(kernels, &set, PairOptions());
+    } else {
+      RunParts(find_parts_, [&](std::size_t part) {
+        PairOptions options;
+        options.begin = blocks_ * part / find_parts_;
+        options.end = blocks_ * (part + 1) / find_parts_;
+        parts_[part].Find(kernels, nullptr, options);
+      });
+    }
+    parts_[0].FindPending();
+  }
+
+  // A part for which there was no memory runs again, in this thread, and throws
+  // if there is still none.
+  template <typename Function>
+  void RunParts(std::size_t parts, const Function& function) {
+#if defined(__cpp_exceptions)
+    std::array<bool, kMostParts> has_failed{};
+    run_(parts, [&](std::size_t part) {
+      try {
+        function(part);
+      } catch (const std::bad_alloc&) {
+        has_failed[part] = true;
+      }
+    });
+    for (std::size_t part = 0; part < parts; ++part) {
+      if (has_failed[part]) function(part);
+    }
+#else
+    run_(parts, function);
+#endif
+  }
+
+  // Moves the lists of the parts to an empty one.
+  void Append(std::size_t parts, Keys& (PairUpdate::*keys)(), Keys& to) {
+    if (parts == 1) return to.Swap((parts_[0].*keys)());
+    std::size_t count = 0;
+    for (std::size_t p = 0; p < parts; ++p) {
+      count += (parts_[p].*keys)().size();
+    }
+    to.Reserve(count);
+    for (std::size_t p = 0; p < parts; ++p) {
+      const Keys& from = (parts_[p].*keys)();
+      std::copy(from.begin(), from.end(), to.end());
+      to.SetSize(to.size() + from.size());
+    }
+  }
+
+  BroadPhaseState& state_;
+  const Version& version_;
+  const IdSet& changed_;
+  const Runner& run_;
+  const bool is_of_set_;
+  const std::size_t blocks_;
+  const std::size_t find_parts_;
+  const std::size_t merge_parts_;
+  LockedMemory memory_;  // of the parts
+  const Scratch scratch_;
+  PairUpdate* const parts_;
+  std::size_t made_ = 0;
+};
+
+// The masks of a call for the bodies of its set.
+class CallMasks {
+ public:
+  CallMasks(const MemoryResource& memory, Span<const std::uint32_t> ids,
+            Span<const std::uint64_t> masks)
+      : order_(memory), masks_(masks) {
+    order_.Reserve(ids.size());
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      order_.Push(std::uint64_t{ids[i]} << 32 | i);
+    }
+    Sort(memory, order_);
+  }
+
+  // Whether a body of the set wants another one.
+  bool Wants(std::uint32_t id, const BodyMasks& other) const {
+    const std::uint64_t* of =
+        std::lower_bound(order_.begin(), order_.end(), std::uint64_t{id} << 32);
+    for (; of != order_.end() && *of >> 32 == id; ++of) {
+      if (HasMask(other, masks_[static_cast<std::uint32_t>(*of)])) return true;
+    }
+    return false;
+  }
+
+ private:
+  Keys order_;  // the id, then its place in the list
+  Span<const std::uint64_t> masks_;
 };
 
 class PairFinder {
  public:
-  PairFinder(const BroadPhaseState& state, const Version& version, float margin,
-             BodyPairFunction function, void* context)
+  // `masks` is null without masks of the call.
+  PairFinder(const BroadPhaseState& state, const Version& version,
+             const CallMasks* masks, float margin, BodyPairFunction function,
+             void* context)
       : state_(state),
         version_(version),
+        masks_(masks),
         margin_(margin),
         function_(function),
         context_(context) {}
@@ -217,16 +463,16 @@ class PairFinder {
     for (std::size_t i = 0; i < new_count_; ++i) {
       if (!JoinNew(new_[i], pending)) return;
     }
-    List<std::uint32_t> others(state.options.memory);
+    Keys others(state.options.memory);
     others.Reserve(in_tree.size());
     for (const std::uint32_t id : in_tree) others.Push(id);
-    std::sort(others.begin(), others.end());
+    Sort(state.options.memory, others);
     for (std::size_t i = 0; i < pending; ++i) {
       const std::uint32_t id = version_.Pending(i);
       if (IsNewOfSet(id)) continue;
       for (std::size_t o = 0; o < others.size(); ++o) {
         if (o > 0 && others[o] == others[o - 1]) continue;
-        if (!Test(others[o], id)) return;
+        if (!Test(static_cast<std::uint32_t>(others[o]), id)) return;
       }
     }
   }
@@ -344,8 +590,9 @@ class PairFinder {
       return true;
     }
     const bool masks_match =
-        (of_a.masks.category & of_b.masks.collides_with) != 0 &&
-        (of_b.masks.category & of_a.masks.collides_with) != 0;
+        masks_ == nullptr
+            ? MasksMatch(of_a, of_b)
+            : masks_->Wants(a, of_b.masks) || masks_->Wants(b, of_a.masks);
     const PairFilter& filter = state_.options.filter;
     if (!masks_match && filter.keep == nullptr) return true;
     if (!kernels::InDefaultFpMode([&] { return Overlap(of_a, of_b); })) {
@@ -361,6 +608,7 @@ class PairFinder {
 
   const BroadPhaseState& state_;
   const Version& version_;
+  const CallMasks* masks_;
   float margin_;
   BodyPairFunction function_;
   void* context_;
@@ -371,19 +619,30 @@ class PairFinder {
 }  // namespace
 
 void BroadPhaseCore::ForEachPairOf(const BvhPairKernels* kernels,
-                                   Span<const std::uint32_t> ids, float margin,
-                                   BodyPairFunction function,
+                                   Span<const std::uint32_t> ids,
+                                   const Span<const std::uint64_t>* masks,
+                                   float margin, BodyPairFunction function,
                                    void* context) const {
   constexpr const char* kCall = "BroadPhase::ForEachPairOf";
+  if (masks != nullptr) {
+    state_->CheckList(kCall, ids, "masks", masks->data(), masks->size(),
+                      alignof(std::uint64_t));
+  }
   state_->CheckBodies(kCall, ids);
   CheckMargin(kCall, "margin", margin);
+  const bool has_masks = masks != nullptr;
+  const CallMasks of_call(state_->options.memory,
+                          has_masks ? ids : Span<const std::uint32_t>(),
+                          has_masks ? *masks : Span<const std::uint64_t>());
   const Held version(*state_);
   const WithRacyReads reads;
-  PairFinder(*state_, *version, margin, function, context).Find(kernels, ids);
+  PairFinder(*state_, *version, has_masks ? &of_call : nullptr, margin,
+             function, context)
+      .Find(kernels, ids);
 }
 
 void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
-                                 const PairEvents& events) {
+                                 const PairEvents& events, const Runner& run) {
   BroadPhaseState& state = *state_;
   const MemoryResource& memory = state.options.memory;
   Keys began(memory);
@@ -395,44 +654,8 @@ void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
     changed.Take();
     touched.Take();
     const Held version(state);
-    Keys found(memory);
-    CandidateFinder(state, *version, changed, found).Find(kernels);
-
-    Keys now(memory);
-    now.Reserve(state.candidates.size() + found.size());
-    std::size_t pairs = 0;
-    const auto add = [&](std::uint64_t key) {
-      now.Push(key);
-      pairs += IsPair(key) ? 1 : 0;
-    };
-    const std::uint64_t* next = found.begin();
-    const auto begin_before = [&](std::uint64_t key) {
-      for (; next != found.end() && *next < key; ++next) {
-        if (IsPair(*next)) began.Push(*next);
-        add(*next);
-      }
-    };
-    const PairTest test(state);
-    for (const std::uint64_t old : state.candidates) {
-      const std::uint64_t key = old & ~std::uint64_t{1};
-      begin_before(key);
-      const std::uint32_t a = LowOf(key);
-      const std::uint32_t b = HighOf(key);
-      std::uint64_t is = old;
-      if (next != found.end() && *next - key < 2) {
-        is = *next++;
-      } else if (changed.Has(a) || changed.Has(b)) {
-        if (IsPair(old)) ended.Push(old);
-        continue;
-      } else if (touched.Has(a) || touched.Has(b)) {
-        is = test.Again(old);
-      }
-      if (is != old) (IsPair(is) ? began : ended).Push(is);
-      add(is);
-    }
-    begin_before(~std::uint64_t{0});
-    state.candidates.Swap(now);
-    state.pairs = pairs;
+    PairUpdates(state, *version, changed, touched, run)
+        .Run(kernels, began, ended);
     changed.Keep();
     touched.Keep();
   }

@@ -9,7 +9,6 @@
 #include <string>
 #include <thread>
 #include <tuple>
-#include <type_traits>
 
 #include "dispatch/bvh/layout.h"
 #include "kernels/error.h"
@@ -22,7 +21,8 @@ namespace {
 constexpr std::size_t kMostIds = std::size_t{1} << 29;
 
 // How much larger a bound is on the side to which a body moves, in margins.
-constexpr float kMostAhead = 2;
+constexpr float kMostAhead = 3;
+constexpr float kShareAhead = 0.75f;
 
 // All that looks at planes is in the default floating-point mode. A plane of a
 // tree is never a NaN: it is infinite if the body has a NaN there.
@@ -88,21 +88,24 @@ float* FindPlanes(const BvhLevels& levels, std::size_t id_limit,
 }  // namespace
 
 ListMemory::~ListMemory() {
-  if (data_ != nullptr) FreeBlock(memory_, data_, bytes_);
+  if (data_ != few_) FreeBlock(memory_, data_, bytes_);
 }
 
 void ListMemory::Grow(std::size_t bytes, std::size_t used) {
   bytes = std::max(bytes, bytes_ + bytes_ / 2);
   void* const data = AllocateBlock(memory_, bytes);
   if (used > 0) std::memcpy(data, data_, used);
-  if (data_ != nullptr) FreeBlock(memory_, data_, bytes_);
+  if (data_ != few_) FreeBlock(memory_, data_, bytes_);
   data_ = data;
   bytes_ = bytes;
 }
 
 void ListMemory::Swap(ListMemory& other) {
+  if (data_ == few_ || other.data_ == other.few_) std::swap(few_, other.few_);
   std::swap(data_, other.data_);
   std::swap(bytes_, other.bytes_);
+  if (data_ == other.few_) data_ = few_;
+  if (other.data_ == few_) other.data_ = other.few_;
 }
 
 Bodies::Bodies(const MemoryResource& memory, std::size_t ids,
@@ -328,21 +331,19 @@ std::uint64_t Version::NotEnclosed(Span<const std::uint32_t> ids,
 
 bool Version::DoAllEnclose(std::uint32_t id, const float* planes) const {
   const BvhLevels& levels = tree.levels();
+  const BvhShape& shape = tree.shape();
   return kernels::InDefaultFpMode([&] {
-    return WithAxes(tree.shape().axes, [&](auto axes) {
-      constexpr std::size_t kAxes = decltype(axes)::value;
-      float numbers[2 * kAxes];
-      for (std::size_t p = 0; p < 2 * kAxes; ++p) {
-        numbers[p] = NumberOf(planes[p], p >= kAxes);
+    for (std::size_t l = 0; l < levels.count; ++l) {
+      const std::size_t node = levels.slots[id] >> (6 * l);
+      for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
+        const bool is_max = p >= shape.axes;
+        if (IsBeyond(NumberOf(planes[p], is_max),
+                     LoadPlane(levels.level[l].Value(p, node)), is_max)) {
+          return false;
+        }
       }
-      bool do_enclose = true;
-      for (std::size_t l = 0; l < levels.count; ++l) {
-        const std::size_t node = levels.slots[id] >> (6 * l);
-        do_enclose &=
-            PlanesEnclose<kAxes>(&levels.level[l].Value(0, node), numbers);
-      }
-      return do_enclose;
-    });
+    }
+    return true;
   });
 }
 
@@ -397,7 +398,8 @@ void BroadPhaseState::Loosen(float* in_tree, const float* planes,
           LoadPlane(in_tree[max * kBlockObjects]) - planes[max];
       // Without branches, which nothing predicts. Of a NaN, 0.
       const float way = std::max(from_min, from_max) - margin;
-      const float ahead = std::min(way > 0 ? way : 0.0f, kMostAhead * margin);
+      const float ahead =
+          std::min(way > 0 ? kShareAhead * way : 0.0f, kMostAhead * margin);
       below += from_max > from_min ? ahead : 0.0f;
       above += from_min > from_max ? ahead : 0.0f;
     }
