@@ -422,19 +422,20 @@ hs_status hs_broad_phase_for_each_cast(const hs_broad_phase* bodies,
   });
 }
 
-hs_status hs_broad_phase_for_each_pair_of(const hs_broad_phase* bodies,
-                                          const uint32_t* ids, size_t count,
-                                          float margin,
-                                          hs_pair_function function,
-                                          void* context) {
+hs_status hs_broad_phase_for_each_pair_of(
+    const hs_broad_phase* bodies, const uint32_t* ids, const uint64_t* masks,
+    size_t count, float margin, hs_pair_function function, void* context) {
   return Run("hs_broad_phase_for_each_pair_of", [&](const Call& call) {
     call.CheckPointer("bodies", bodies);
     call.CheckArray("ids", ids, count);
     halfspace::c::CheckMargin(call, "margin", margin);
     call.CheckPointer("function", function);
+    if (masks != nullptr) call.CheckPointer("masks", masks);
+    const Span<const uint64_t> its_masks(masks, count);
     halfspace::c::Visitor<hs_pair_function> visitor{function, context};
     bodies->core.ForEachPairOf(halfspace::c::PairKernelsOf(bodies->kind),
-                               {ids, count}, margin,
+                               {ids, count},
+                               masks != nullptr ? &its_masks : nullptr, margin,
                                &halfspace::c::CallWithPair, &visitor);
   });
 }
@@ -445,12 +446,13 @@ hs_status hs_broad_phase_update_pairs(hs_broad_phase* bodies,
                                       void* context) {
   return Run("hs_broad_phase_update_pairs", [&](const Call& call) {
     call.CheckPointer("bodies", bodies);
-    // Only checked: the library has no parts of this work yet.
-    halfspace::c::ReadOptions(call, "options", options,
-                              halfspace::c::kUpdateDefaults);
+    const hs_update_options read = halfspace::c::ReadOptions(
+        call, "options", options, halfspace::c::kUpdateDefaults);
+    halfspace::c::CallerThreads threads(call, "options->run", read.run,
+                                        read.run_context);
     call.CheckPointer("began", began);
     call.CheckPointer("ended", ended);
     bodies->core.UpdatePairs(halfspace::c::PairKernelsOf(bodies->kind),
-                             {began, ended, context});
+                             {began, ended, context}, threads.runner());
   });
 }

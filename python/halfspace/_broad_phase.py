@@ -19,7 +19,7 @@ class BroadPhase:
     Parameters
     ----------
     max_ids : int
-        Memory for all ids is allocated at once: 45 bytes each in 3 dimensions.
+        Memory for all ids is allocated at once: 46 bytes each in 3 dimensions.
     dimensions : 2 or 3
     kind : "aabb" or "aabo"
         "aabo" bounds bodies by octahedra (8-DOPs), which have one more axis, `D
@@ -202,7 +202,9 @@ class BroadPhase:
         """
         return self._bodies.pairs_of(_arrays.ids(ids, "ids"), _margin(margin))
 
-    def update_pairs(self) -> Tuple[np.ndarray, np.ndarray]:
+    def update_pairs(
+        self, *, threads: Optional[int] = 1
+    ) -> Tuple[np.ndarray, np.ndarray]:
         """Finds all pairs, and returns what has changed since the last call.
 
         Returns
@@ -212,7 +214,7 @@ class BroadPhase:
             b`, and sorted. The bodies of a pair overlap, and the category of
             each has a bit of the other's `collides_with`.
         """
-        return self._bodies.update_pairs()
+        return self._bodies.update_pairs(_arrays.threads(threads))
 
     def get(self, ids: Any) -> np.ndarray:
         """Returns the boxes of bodies: float32, shape (n, 2 d).
@@ -264,7 +266,7 @@ class BroadPhase:
     def bounds(self) -> np.ndarray:
         """A box around all bodies: float32, shape (2 d,).
 
-        It is larger by the margin, and encloses where bodies were since the
+        It is larger by the margin or more, and encloses where bodies were since the
         last `update`. With the kind "aabo" it is an octahedron.
         """
         return self._bodies.bounds()

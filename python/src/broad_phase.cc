@@ -358,13 +358,14 @@ Ids PairsOf(const Bodies& bodies, const ShortIds& ids, float margin) {
   return ToArray(pairs);
 }
 
-py::tuple UpdatePairs(const Bodies& bodies) {
+py::tuple UpdatePairs(const Bodies& bodies, std::size_t threads) {
   std::vector<Pair> began;
   std::vector<Pair> ended;
-  Call(bodies, [&](auto& its) {
+  CallWithThreads(bodies, threads, [&](auto& its, const auto& run) {
     its.UpdatePairs(
         [&](std::uint32_t a, std::uint32_t b) { began.emplace_back(a, b); },
-        [&](std::uint32_t a, std::uint32_t b) { ended.emplace_back(a, b); });
+        [&](std::uint32_t a, std::uint32_t b) { ended.emplace_back(a, b); },
+        run);
   });
   return py::make_tuple(ToArray(began), ToArray(ended));
 }

@@ -74,7 +74,7 @@ def test_a_history(rng, dims, kind, margin):
         assert bodies.raycast(queries[3, :dims], queries[3, dims:] - 0.5, 2)[0] == ids[3]
 
         nonlocal before
-        began, ended = bodies.update_pairs()
+        began, ended = bodies.update_pairs(threads=2)
         now = set(map(tuple, np.argwhere(model.pairs()).tolist()))
         assert as_set(began) == now - before and as_set(ended) == before - now
         assert began.tolist() == sorted(began.tolist())

@@ -249,15 +249,14 @@ static int keep_no_sevens(void* context, uint32_t a, uint32_t b,
   return a % 7 == 0 || b % 7 == 0 ? 0 : masks_match;
 }
 
-static int is_pair(size_t a, size_t b, float margin) {
+// Without masks.
+static int is_near(size_t a, size_t b, float margin) {
   const float* const of_a = bound_of(a);
   const float* const of_b = bound_of(b);
   const size_t axes = its.values / 2;
   const size_t dims = dims_of(its.kind);
   size_t k;
   if (a == b || !its.has[a] || !its.has[b]) return 0;
-  if ((its.masks[a].category & its.masks[b].collides_with) == 0) return 0;
-  if ((its.masks[b].category & its.masks[a].collides_with) == 0) return 0;
   if (!keep_no_sevens(&its, (uint32_t)a, (uint32_t)b, 1)) return 0;
   for (k = 0; k < axes; ++k) {
     const double far = (k < dims ? 1 : (double)dims) * (double)margin;
@@ -265,6 +264,12 @@ static int is_pair(size_t a, size_t b, float margin) {
     if ((double)of_b[k] - (double)of_a[axes + k] > far) return 0;
   }
   return 1;
+}
+
+static int is_pair(size_t a, size_t b, float margin) {
+  return (its.masks[a].category & its.masks[b].collides_with) != 0 &&
+         (its.masks[b].category & its.masks[a].collides_with) != 0 &&
+         is_near(a, b, margin);
 }
 
 // `a` is of the set, whose ids are below `set`.
@@ -279,6 +284,12 @@ static hs_visit take_pair(void* context, uint32_t a, uint32_t b) {
   pairs* const of = context;
   CHECK(a < of->set && is_pair(a, b, of->margin));
   return ++of->calls == of->stop_after ? HS_STOP : HS_CONTINUE;
+}
+
+static hs_visit count_pair(void* context, uint32_t a, uint32_t b) {
+  CHECK(a != b);
+  ++((pairs*)context)->calls;
+  return HS_CONTINUE;
 }
 
 static uint32_t last_a;
@@ -306,9 +317,18 @@ static void end_pair(void* context, uint32_t a, uint32_t b) {
   take_event(0, a, b);
 }
 
+static void run_parts(void* context, size_t count, hs_part_function part,
+                      void* work) {
+  size_t i;
+  ++*(size_t*)context;
+  for (i = 0; i < count; ++i) part(work, i);
+}
+
 static void check_pairs(void) {
   static uint32_t set[IDS];
   pairs of = {0, 0, 0, 0.01f};
+  hs_update_options options;
+  size_t runs = 0;
   hs_body_statistics statistics;
   size_t a;
   size_t b;
@@ -318,7 +338,7 @@ static void check_pairs(void) {
     if (its.has[a]) set[count++] = (uint32_t)a;
   }
   of.set = IDS / 3;
-  CHECK_OK(hs_broad_phase_for_each_pair_of(bodies, set, count, of.margin,
+  CHECK_OK(hs_broad_phase_for_each_pair_of(bodies, set, NULL, count, of.margin,
                                            take_pair, &of));
   for (a = 0; a < of.set; ++a) {
     for (b = 0; b < IDS; ++b) {
@@ -330,14 +350,38 @@ static void check_pairs(void) {
   CHECK(of.calls == in_set && in_set > 10);
   of.calls = 0;
   of.stop_after = 2;
-  CHECK_OK(hs_broad_phase_for_each_pair_of(bodies, set, count, of.margin,
+  CHECK_OK(hs_broad_phase_for_each_pair_of(bodies, set, NULL, count, of.margin,
                                            take_pair, &of));
   CHECK(of.calls == 2);
 
+  // With masks of the call.
+  {
+    static uint64_t masks[IDS];
+    pairs all = {IDS, 0, 0, -1};
+    size_t expected = 0;
+    for (a = 0; a < IDS; ++a) masks[a] = 2;
+    for (a = 0; a < of.set; ++a) {
+      for (b = 0; b < IDS; ++b) {
+        const int is_found = (its.masks[b].category & 2) != 0;
+        if (b >= of.set) expected += is_found && is_near(a, b, 0);
+        if (b < of.set && b > a) {
+          expected += (is_found || (its.masks[a].category & 2) != 0) &&
+                      is_near(a, b, 0);
+        }
+      }
+    }
+    CHECK_OK(hs_broad_phase_for_each_pair_of(bodies, set, masks, count, 0,
+                                             count_pair, &all));
+    CHECK(all.calls == expected && expected > 0);
+  }
+
   last_a = last_b = 0;
   has_begun = 0;
-  CHECK_OK(
-      hs_broad_phase_update_pairs(bodies, NULL, begin_pair, end_pair, &its));
+  CHECK_OK(hs_update_options_default(&options, sizeof(options)));
+  options.run = run_parts;
+  options.run_context = &runs;
+  CHECK_OK(hs_broad_phase_update_pairs(bodies, &options, begin_pair, end_pair,
+                                       &its));
   for (a = 0, count = 0; a < IDS; ++a) {
     for (b = a + 1; b < IDS; ++b) {
       CHECK(its.pairs[a][b] == is_pair(a, b, 0));
@@ -404,13 +448,6 @@ static void check_all(uint32_t seed) {
   CHECK(statistics.bodies == size && statistics.trees >= 1);
   CHECK(statistics.bytes > size * its.values * sizeof(float));
   CHECK(statistics.cost_ratio >= 1);
-}
-
-static void run_parts(void* context, size_t count, hs_part_function part,
-                      void* work) {
-  size_t i;
-  ++*(size_t*)context;
-  for (i = 0; i < count; ++i) part(work, i);
 }
 
 // Gives every third body from `first` on another bound: half of them in rows of
@@ -693,11 +730,12 @@ static void test_errors_of_bodies(void) {
       "hs_broad_phase_for_each_cast: motions->type: expected HS_FLOAT32, as "
       "these cannot be rounded outward, got HS_FLOAT64");
   CHECK_INVALID(
-      hs_broad_phase_for_each_pair_of(bodies, ids, 2, 0, take_pair, NULL),
+      hs_broad_phase_for_each_pair_of(bodies, ids, NULL, 2, 0, take_pair, NULL),
       "hs_broad_phase_for_each_pair_of: ids[1]: expected the id of a body, got "
       "900");
   CHECK_INVALID(
-      hs_broad_phase_for_each_pair_of(bodies, ids, 1, -1, take_pair, NULL),
+      hs_broad_phase_for_each_pair_of(bodies, ids, NULL, 1, -1, take_pair,
+                                      NULL),
       "hs_broad_phase_for_each_pair_of: margin: expected a finite number that "
       "is not negative, got -1");
   CHECK_INVALID(

@@ -207,8 +207,8 @@ static void use_broad_phase(hs_kind kind, memory* its) {
   (void)has_done(its, hs_broad_phase_update(bodies, NULL));
   (void)has_done(its, hs_broad_phase_rebuild(bodies, NULL));
   if (expected > 1000) {
-    (void)has_done(its, hs_broad_phase_for_each_pair_of(bodies, ids, 100, 0,
-                                                        take_pair, &calls));
+    (void)has_done(its, hs_broad_phase_for_each_pair_of(bodies, ids, NULL, 100,
+                                                        0, take_pair, &calls));
   }
   // The others need no memory.
   {

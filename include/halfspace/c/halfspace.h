@@ -723,11 +723,11 @@ typedef struct hs_body_masks {
   uint64_t collides_with;
 } hs_body_masks;
 
-// The caller's rule for pairs: returns whether two bodies that overlap are a
-// pair. `masks_match` is the rule of hs_body_masks, and is 0 or 1. The function
-// must return the same for (a, b) and (b, a), and the same in each call until
-// hs_broad_phase_set_masks() of one of them. It must not call functions of the
-// broad phase.
+// The caller's rule for pairs: returns whether two bodies that overlap, or are
+// near each other, are a pair. `masks_match` is the rule of hs_body_masks, and
+// is 0 or 1. The function must return the same for (a, b) and (b, a), and the
+// same in each call until hs_broad_phase_set_masks() of one of them. It must
+// not call functions of the broad phase.
 typedef int (*hs_keep_function)(void* context, uint32_t a, uint32_t b,
                                 int masks_match);
 
@@ -746,7 +746,7 @@ typedef struct hs_broad_phase_config {
 HALFSPACE_API hs_status hs_broad_phase_config_default(
     hs_broad_phase_config* config, size_t struct_size);
 
-// Allocates the memory of all ids: 45 bytes each for boxes in 3 dimensions.
+// Allocates the memory of all ids: 46 bytes each for boxes in 3 dimensions.
 HALFSPACE_API hs_status hs_broad_phase_create(
     const hs_broad_phase_config* config, hs_broad_phase** bodies);
 // `bodies` may be null.
@@ -784,8 +784,7 @@ typedef struct hs_update_options {
   size_t budget;  // hs_broad_phase_update() alone: if the order has decayed,
                   // sorts about so many bodies again, and 4096 at least. With
                   // 0, none. SIZE_MAX, the default, is a 16th of all.
-  hs_run_function run;  // null: the calling thread does all work.
-                        // hs_broad_phase_update_pairs() does not call it yet.
+  hs_run_function run;  // null: the calling thread does all work
   void* run_context;
 } hs_update_options;
 
@@ -793,8 +792,9 @@ HALFSPACE_API hs_status hs_update_options_default(hs_update_options* options,
                                                   size_t struct_size);
 
 // Call it once per frame. Puts new bodies into the tree, removes those that
-// were erased, makes the bounds of bodies that moved tight, and sorts again
-// what has decayed. Changes no answer.
+// were erased, makes the bounds of bodies that left them tight, and sorts
+// again what has decayed. Changes no answer. If few bodies left their bounds,
+// it can leave the work to one of the next 7 calls.
 HALFSPACE_API hs_status hs_broad_phase_update(hs_broad_phase* bodies,
                                               const hs_update_options* options);
 
@@ -815,8 +815,8 @@ HALFSPACE_API hs_status hs_broad_phase_get(const hs_broad_phase* bodies,
                                            float* records,
                                            hs_body_masks* masks);
 // Writes a bound that encloses all bodies as one record. It is larger than
-// their bounds by the margin, and encloses where bodies were since the last
-// update.
+// their bounds by the margin or more, and encloses where bodies were since the
+// last update.
 HALFSPACE_API hs_status hs_broad_phase_bounds(const hs_broad_phase* bodies,
                                               float* record);
 
@@ -873,20 +873,26 @@ HALFSPACE_API hs_status hs_broad_phase_for_each_cast(
 
 // Calls the function for the pairs of a body of the set, which is `a`, and any
 // other body, if the masks and `keep` keep them. A pair of two bodies of the
-// set is found once. The bounds of a pair are at most `margin` apart on each
-// axis. The cost grows with the set. Can allocate memory for the time of the
-// call.
+// set is found once. The bounds of a pair are at most `margin` apart on each of
+// X, Y and Z, and d * `margin` on D. The cost grows with the set. Can allocate
+// memory for the time of the call.
+//
+// `masks` may be null. If it is not, it has `count` elements, which replace the
+// rule of hs_body_masks: masks[i] finds a body if its category has a bit of it,
+// and all ones find every body. If both bodies are in the set, the mask of
+// either is enough.
 typedef hs_visit (*hs_pair_function)(void* context, uint32_t a, uint32_t b);
 HALFSPACE_API hs_status hs_broad_phase_for_each_pair_of(
-    const hs_broad_phase* bodies, const uint32_t* ids, size_t count,
-    float margin, hs_pair_function function, void* context);
+    const hs_broad_phase* bodies, const uint32_t* ids, const uint64_t* masks,
+    size_t count, float margin, hs_pair_function function, void* context);
 
 // Finds all pairs of bodies that overlap and that the masks and `keep` keep.
 // Calls ended(context, a, b) for each pair that was one after the last call and
 // is none now, then began(context, a, b) for each new one. a < b, and each of
 // the two lists is sorted by a, then by b. The functions run after the pairs
 // were stored, so they may change the bodies. The cost grows with the bodies
-// that changed since the last call, and with the number of pairs.
+// that changed since the last call. `options->run` can run parts of the work.
+// The events do not depend on it.
 typedef void (*hs_pair_event)(void* context, uint32_t a, uint32_t b);
 HALFSPACE_API hs_status hs_broad_phase_update_pairs(
     hs_broad_phase* bodies, const hs_update_options* options,
