@@ -1,6 +1,6 @@
 // How a broad phase changes.
 #include <algorithm>
-#include <limits>
+#include <bit>
 
 #include "dispatch/broad_phase/state.h"
 #include "dispatch/bvh/layout.h"
@@ -12,6 +12,9 @@ namespace {
 // The order is sorted again if queries visit so many times as many leaves.
 constexpr double kDecayed = 1.25;
 constexpr double kAllDecayed = 2;
+
+// Updates in a row that may leave a few bounds as they are.
+constexpr std::size_t kMostDeferred = 8;
 
 constexpr const char* kInsert = "BroadPhase::Insert";
 
@@ -27,19 +30,13 @@ class Bounded {
     ids_.Reserve(count);
     values_.Reserve(count * state_.planes());
   }
-  // In the default floating-point mode.
-  void Add(std::uint32_t id, const float* planes) {
-    constexpr float kInf = std::numeric_limits<float>::infinity();
-    const BvhShape& shape = state_.shape;
+  // `in_tree` are its planes there, or null. In the default floating-point
+  // mode.
+  void Add(std::uint32_t id, float* in_tree, const float* planes) {
     ids_.Push(id);
-    for (std::size_t p = 0; p < state_.planes(); ++p) {
-      const bool is_max = p >= shape.axes;
-      const bool is_d = p % shape.axes >= shape.dims;
-      const float margin =
-          state_.options.margin * static_cast<float>(is_d ? shape.dims : 1);
-      const float value = is_max ? planes[p] + margin : planes[p] - margin;
-      values_.Push(value == value ? value : is_max ? kInf : -kInf);
-    }
+    const std::size_t begin = values_.size();
+    values_.Resize(begin + state_.planes(), 0);
+    state_.Loosen(in_tree, planes, values_.data() + begin);
   }
 
   Span<const std::uint32_t> ids() const { return ids_; }
@@ -84,8 +81,8 @@ void Sort(BvhTree& tree, const Sorting& sorting) {
 }
 
 // Writes a version with a tree of all bodies and those that are added.
-void Build(BroadPhaseState& state, const TakenMarks& moved,
-           const NewBodies& added, const Sorting& sorting, Version& version) {
+void Build(BroadPhaseState& state, const IdSet& moved, const NewBodies& added,
+           const Sorting& sorting, Version& version) {
   const Version& old = *state.current.load();
   version.ClearPending();
   {
@@ -96,37 +93,45 @@ void Build(BroadPhaseState& state, const TakenMarks& moved,
   List<std::uint32_t> gone(state.options.memory);
   Bounded stays(state);
   Bounded comes(state);
-  gone.Reserve(moved.ids().size());
-  stays.Reserve(moved.ids().size());
+  const std::size_t moved_count = moved.size();
+  gone.Reserve(moved_count);
+  stays.Reserve(moved_count);
   comes.Reserve(pending + added.ids.size());
-  const auto is_replaced = [&](std::uint32_t id) {
-    return (state.bodies.MarksOf(id) & Bodies::kReplaced) != 0;
-  };
   kernels::InDefaultFpMode([&] {
     Body body;
-    for (const std::uint32_t id : moved.ids()) {
-      if (!version.tree.Has(id)) continue;
+    const auto add = [&](Bounded& to, std::uint32_t id, float* in_tree) {
+      to.Add(id, in_tree, body.planes);
+      if (!state.bodies.HasMarks(id, Bodies::kNewPairs)) {
+        state.bodies.AddMark(id, Bodies::kNewPairs);
+      }
+    };
+    moved.ForEach([&](std::uint32_t id) {
+      float* const in_tree = version.Find(id);
+      if (in_tree == nullptr) return;
       const bool is_body = state.bodies.Read(id, body);
       // A new body under an old id can be far from the leaf of the old one.
-      const bool is_new = is_replaced(id);
+      const bool is_new = state.bodies.HasMarks(id, Bodies::kReplaced);
       if (!is_body || is_new) gone.Push(id);
-      if (is_body) (is_new ? comes : stays).Add(id, body.planes);
-    }
+      if (is_body && is_new) add(comes, id, nullptr);
+      if (is_body && !is_new) add(stays, id, in_tree);
+    });
     for (std::size_t i = 0; i < pending; ++i) {
       const std::uint32_t id = old.Pending(i);
-      if (state.bodies.Read(id, body)) comes.Add(id, body.planes);
+      if (state.bodies.Read(id, body)) add(comes, id, nullptr);
     }
     for (std::size_t i = 0; i < added.ids.size(); ++i) {
-      comes.Add(added.ids[i], added.values + i * state.planes());
+      comes.Add(added.ids[i], nullptr, added.values + i * state.planes());
     }
   });
   version.tree.Erase(gone);
   version.tree.Set(stays.ids(), stays.values());
   version.tree.InsertAs(comes.ids(), comes.values());
   Sort(version.tree, sorting);
-  for (const std::uint32_t id : moved.ids()) {
-    if (is_replaced(id)) state.bodies.TakeMark(id, Bodies::kReplaced);
-  }
+  moved.ForEach([&](std::uint32_t id) {
+    if (state.bodies.HasMarks(id, Bodies::kReplaced)) {
+      state.bodies.TakeMark(id, Bodies::kReplaced);
+    }
+  });
 }
 
 // Frees the trees that nobody reads.
@@ -138,21 +143,49 @@ void FreeTrees(BroadPhaseState& state) {
   }
 }
 
+constexpr auto kChanged =
+    static_cast<std::uint8_t>(Bodies::kMoved | Bodies::kNewPairs);
+
+// While a version is built.
+class Building {
+ public:
+  explicit Building(BroadPhaseState& state) : state_(state) {
+    state.is_building.store(true, std::memory_order_seq_cst);
+    // Synchronizes with movers that did not see it.
+    state.current.load()->HasReaders();
+  }
+  Building(const Building&) = delete;
+  Building& operator=(const Building&) = delete;
+  ~Building() { state_.is_building.store(false, std::memory_order_seq_cst); }
+
+ private:
+  BroadPhaseState& state_;
+};
+
 // Makes a version that was built the current one. Never throws.
 void Publish(BroadPhaseState& state, Version& version) {
   Version& old = *state.current.load();
   state.upcoming.store(&version, std::memory_order_seq_cst);
   old.HasReaders();  // synchronizes with movers that did not see it
-  ForEachMarked(state, Bodies::kMoved, [&](std::uint32_t id) {
-    Body body;
-    if (state.bodies.Read(id, body)) version.Widen(id, body.planes, true);
-  });
+  for (std::size_t w = 0; w < (state.id_limit + 63) / 64; ++w) {
+    for (std::uint64_t bits = state.bodies.MarkedOf(w, Bodies::kMoved);
+         bits != 0; bits &= bits - 1) {
+      const auto id = static_cast<std::uint32_t>(
+          64 * w + static_cast<std::size_t>(std::countr_zero(bits)));
+      Body body;
+      if (!state.bodies.Read(id, body) || version.Find(id) == nullptr) continue;
+      kernels::InDefaultFpMode([&] { version.Widen(id, body.planes, false); });
+      state.bodies.AddMark(id, Bodies::kNewPairs);
+    }
+  }
   state.current.store(&version, std::memory_order_seq_cst);
   state.upcoming.store(nullptr, std::memory_order_seq_cst);
+  state.deferred = 0;
   FreeTrees(state);
 }
 
 void BuildAndPublish(BroadPhaseState& state, const Sorting& sorting) {
+  const Building building(state);
   TakenMarks moved(state, Bodies::kMoved);
   moved.Take();
   Version& version = *state.NewVersion();
@@ -161,8 +194,39 @@ void BuildAndPublish(BroadPhaseState& state, const Sorting& sorting) {
   Publish(state, version);
 }
 
-constexpr auto kChanged =
-    static_cast<std::uint8_t>(Bodies::kMoved | Bodies::kNewPairs);
+// The mark before says that the bound has to be tightened, and the one behind,
+// if UpdatePairs() took the first, that it has grown.
+void WidenMoved(BroadPhaseState& state, Version& version, std::uint32_t id,
+                const float* planes) {
+  state.bodies.SetMarks(id, kChanged);
+  float* const in_tree = version.Find(id);
+  if (in_tree == nullptr) return;
+  float loose[kMostBodyPlanes];
+  state.Loosen(in_tree, planes, loose);
+  version.Widen(id, loose, true);
+  state.bodies.SetMarks(id, kChanged);
+}
+
+// Widens the bodies that left their bounds. Returns whether there are any.
+[[gnu::noinline]] bool WidenAllMoved(BroadPhaseState& state, Version& version,
+                                     Span<const std::uint32_t> ids,
+                                     const float* planes) {
+  return kernels::InDefaultFpMode([&] {
+    bool is_any = false;
+    for (std::size_t begin = 0; begin < ids.size(); begin += 64) {
+      const std::size_t count = std::min<std::size_t>(64, ids.size() - begin);
+      const float* const some = planes + begin * state.planes();
+      for (std::uint64_t bits =
+               version.NotEnclosed({ids.data() + begin, count}, some);
+           bits != 0; bits &= bits - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(bits));
+        WidenMoved(state, version, ids[begin + i], some + i * state.planes());
+        is_any = true;
+      }
+    }
+    return is_any;
+  });
+}
 
 // Whether a body that is inserted has to be added to the list.
 bool IsNew(const Version& version, std::uint32_t id) {
@@ -216,6 +280,7 @@ void BroadPhaseCore::Insert(Span<const std::uint32_t> ids,
     state.size.fetch_add(ids.size(), std::memory_order_relaxed);
   };
   if (pending > Version::kMostPending) {
+    const Building building(state);
     TakenMarks moved(state, Bodies::kMoved);
     moved.Take();
     Version& next = *state.NewVersion();
@@ -232,7 +297,7 @@ void BroadPhaseCore::Insert(Span<const std::uint32_t> ids,
     if (IsNew(version, ids[i])) {
       version.AddPending(ids[i]);
     } else {  // in the tree since before it was erased, or in the list
-      version.Widen(ids[i], values.data() + i * planes, false);
+      WidenAllMoved(state, version, {&ids[i], 1}, values.data() + i * planes);
     }
   }
 }
@@ -263,24 +328,25 @@ void BroadPhaseCore::Move(Span<const std::uint32_t> ids,
   state.CheckList(kCall, ids, "bounds", values.data(), values.size() / planes,
                   alignof(float));
   state.CheckBodies(kCall, ids);
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    state.bodies.Write(ids[i], values.data() + i * planes, nullptr, true);
-    state.bodies.SetMarks(
-        ids[i], kChanged | (state.bodies.MarksOf(ids[i]) & Bodies::kReplaced));
-  }
+  state.bodies.Move(ids, values.data());
   // In this order: see state.h.
-  const Held before(state);
-  const Held upcoming(state.upcoming, Version::CounterOfThread());
-  const auto widen = [&](Version* version) {
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-      version->Widen(ids[i], values.data() + i * planes, false);
+  const std::size_t counter = Version::CounterOfThread();
+  for (bool is_done = false; !is_done;) {
+    const Held current(state.current, counter);
+    bool is_marked = false;
+    if (state.is_building.load(std::memory_order_seq_cst)) {
+      is_marked = true;
+      for (const std::uint32_t id : ids) state.bodies.SetMarks(id, kChanged);
     }
-  };
-  if (upcoming.get() != nullptr) widen(upcoming.get());
-  if (state.current.load(std::memory_order_seq_cst) == before.get()) {
-    widen(before.get());
-  } else {
-    widen(Held(state).get());
+    const Held upcoming(state.upcoming, counter);
+    for (Version* const version : {upcoming.get(), current.get()}) {
+      if (version == nullptr) continue;
+      is_marked |= WidenAllMoved(state, *version, ids, values.data());
+    }
+    if (is_marked) current->CountAgain(counter);
+    Version* const now = state.upcoming.load(std::memory_order_seq_cst);
+    is_done = (now == nullptr || now == upcoming.get()) &&
+              state.current.load(std::memory_order_seq_cst) == current.get();
   }
 }
 
@@ -301,10 +367,16 @@ void BroadPhaseCore::Update(const UpdateOptions& options) {
   BroadPhaseState& state = *state_;
   const std::scoped_lock lock(state.mutex);
   const Version& version = *state.current.load();
-  bool is_due = version.PendingCount() > 0;
-  for (std::size_t id = 0; id < state.id_limit && !is_due; ++id) {
-    is_due = (state.bodies.MarksOf(id) & Bodies::kMoved) != 0;
+  // A bound that is not tight costs queries little, and a copy of the tree as
+  // much as it costs to tighten a sixteenth of the bounds.
+  std::size_t moved = 0;
+  for (std::size_t w = 0; w < (state.id_limit + 63) / 64; ++w) {
+    moved += static_cast<std::size_t>(
+        std::popcount(state.bodies.MarkedOf(w, Bodies::kMoved)));
   }
+  bool is_due = version.PendingCount() > 0 ||
+                16 * moved > version.tree.size() ||
+                (moved > 0 && ++state.deferred >= kMostDeferred);
   if (!is_due) {
     const WithRacyReads reads;
     is_due = options.budget > 0 && version.tree.CostRatio() > kDecayed;

@@ -1,5 +1,5 @@
 // A list of plain values in memory of the caller's resource: what a vector
-// does, in less code.
+// does, in less code, and without memory for a few values.
 #ifndef HALFSPACE_DISPATCH_BROAD_PHASE_LIST_H_
 #define HALFSPACE_DISPATCH_BROAD_PHASE_LIST_H_
 
@@ -20,16 +20,20 @@ class ListMemory {
   ListMemory& operator=(const ListMemory&) = delete;
   ~ListMemory();
 
-  std::size_t capacity() const { return bytes_; }
+  // Bytes of the resource's memory.
+  std::size_t capacity() const { return data_ == few_ ? 0 : bytes_; }
 
  protected:
   // Room for `bytes`, and for half as much again as before. Keeps `used`.
   void Grow(std::size_t bytes, std::size_t used);
   void Swap(ListMemory& other);
 
+  static constexpr std::size_t kFewBytes = 256;
+
   MemoryResource memory_;
-  void* data_ = nullptr;
-  std::size_t bytes_ = 0;
+  alignas(8) std::byte few_[kFewBytes];
+  void* data_ = few_;
+  std::size_t bytes_ = kFewBytes;
 };
 
 template <typename T>
@@ -59,6 +63,8 @@ class List : public ListMemory {
     size_ = count;
   }
   void Clear() { size_ = 0; }
+  // After values were written behind the last one, where there is room.
+  void SetSize(std::size_t count) { size_ = count; }
   void Swap(List& other) {
     ListMemory::Swap(other);
     std::swap(size_, other.size_);

@@ -7,7 +7,6 @@
 #include <memory>
 #include <new>
 #include <string>
-#include <thread>
 #include <tuple>
 
 #include "dispatch/bvh/layout.h"
@@ -20,78 +19,90 @@ namespace {
 
 constexpr std::size_t kMostIds = std::size_t{1} << 29;
 
-// Numbers in the order of floats, without a floating-point mode. -0 is less
-// than 0.
-std::int32_t KeyOf(float value) {
-  const auto bits = std::bit_cast<std::int32_t>(value);
-  return bits ^ ((bits >> 31) & 0x7FFFFFFF);
-}
+// How much larger a bound is on the side to which a body moves, in margins.
+constexpr float kMostAhead = 3;
+constexpr float kShareAhead = 0.75f;
 
-bool IsNan(float value) {
-  return (std::bit_cast<std::uint32_t>(value) & 0x7FFFFFFF) > 0x7F800000;
+// All that looks at planes is in the default floating-point mode. A plane of a
+// tree is never a NaN: it is infinite if the body has a NaN there.
+bool IsBeyond(float plane, float other, bool is_max) {
+  return is_max ? plane > other : plane < other;
 }
-
-// A plane of a body, to compare with one of the tree. A plane of the tree is
-// never a NaN: it is infinite if the body has a NaN there.
-struct Plane {
-  Plane(float of_body, bool is_maximum) : value(of_body), is_max(is_maximum) {
-    constexpr float kInf = std::numeric_limits<float>::infinity();
-    if (IsNan(value)) value = is_max ? kInf : -kInf;
-  }
-  bool IsBeyond(float of_tree) const {
-    return is_max ? KeyOf(value) > KeyOf(of_tree)
-                  : KeyOf(value) < KeyOf(of_tree);
-  }
-  float value;
-  bool is_max;
-};
+float NumberOf(float plane, bool is_max) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  return plane == plane ? plane : is_max ? kInf : -kInf;
+}
 
 float LoadPlane(float& of_tree) {
   return std::atomic_ref<float>(of_tree).load(std::memory_order_relaxed);
 }
 
-void MoveOutward(float& of_tree, const Plane& plane) {
+void MoveOutward(float& of_tree, float plane, bool is_max) {
   const std::atomic_ref<float> shared(of_tree);
   float old = shared.load(std::memory_order_relaxed);
-  while (plane.IsBeyond(old)) {
-    if (shared.compare_exchange_weak(old, plane.value,
-                                     std::memory_order_relaxed)) {
+  while (IsBeyond(plane, old, is_max)) {
+    if (shared.compare_exchange_weak(old, plane, std::memory_order_relaxed)) {
       return;
     }
   }
 }
 
-// Whether a body has all of its planes inside those of a node, or of itself on
-// level 0.
-bool LevelEncloses(const BvhShape& shape, const BvhLevel& level,
-                   std::size_t node, const float* planes) {
-  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
-    if (Plane(planes[p], p >= shape.axes)
-            .IsBeyond(LoadPlane(level.Value(p, node)))) {
-      return false;
-    }
+// Whether a body has all of its planes, without a NaN, inside those of a node,
+// or of itself on level 0. The first plane of these is at `of_tree`, and the
+// others in the next planes of its block.
+template <std::size_t kAxes>
+bool PlanesEnclose(float* of_tree, const float* planes) {
+  bool do_enclose = true;
+  for (std::size_t k = 0; k < kAxes; ++k) {
+    const std::size_t max = kAxes + k;
+    do_enclose &= LoadPlane(of_tree[k * kBlockObjects]) <= planes[k];
+    do_enclose &= planes[max] <= LoadPlane(of_tree[max * kBlockObjects]);
   }
-  return true;
+  return do_enclose;
+}
+
+// A bit for each plane that is beyond that of a node, or of a body on level 0.
+template <std::size_t kAxes>
+unsigned BeyondOf(float* of_tree, const float* planes) {
+  unsigned bits = 0;
+  for (std::size_t p = 0; p < 2 * kAxes; ++p) {
+    bits |= unsigned{IsBeyond(planes[p], LoadPlane(of_tree[p * kBlockObjects]),
+                              p >= kAxes)}
+            << p;
+  }
+  return bits;
+}
+
+// Where the first plane of a body is in the tree, or null.
+float* FindPlanes(const BvhLevels& levels, std::size_t id_limit,
+                  std::uint32_t id) {
+  if (id >= id_limit) return nullptr;
+  const std::size_t slot = levels.slots[id];
+  if (slot >= levels.level[0].size || levels.ids[slot] != id) return nullptr;
+  return &levels.level[0].Value(0, slot);
 }
 
 }  // namespace
 
 ListMemory::~ListMemory() {
-  if (data_ != nullptr) FreeBlock(memory_, data_, bytes_);
+  if (data_ != few_) FreeBlock(memory_, data_, bytes_);
 }
 
 void ListMemory::Grow(std::size_t bytes, std::size_t used) {
   bytes = std::max(bytes, bytes_ + bytes_ / 2);
   void* const data = AllocateBlock(memory_, bytes);
   if (used > 0) std::memcpy(data, data_, used);
-  if (data_ != nullptr) FreeBlock(memory_, data_, bytes_);
+  if (data_ != few_) FreeBlock(memory_, data_, bytes_);
   data_ = data;
   bytes_ = bytes;
 }
 
 void ListMemory::Swap(ListMemory& other) {
+  std::swap(few_, other.few_);
   std::swap(data_, other.data_);
   std::swap(bytes_, other.bytes_);
+  if (data_ == other.few_) data_ = few_;
+  if (other.data_ == few_) other.data_ = other.few_;
 }
 
 Bodies::Bodies(const MemoryResource& memory, std::size_t ids,
@@ -99,40 +110,61 @@ Bodies::Bodies(const MemoryResource& memory, std::size_t ids,
     : ids_(ids),
       planes_(planes),
       words_of_body_(1 + planes + 4),
-      memory_(memory, ids * (words_of_body_ * sizeof(words_[0]) + 1)),
-      words_(reinterpret_cast<std::atomic<std::uint32_t>*>(memory_.data())),
-      marks_(reinterpret_cast<std::atomic<std::uint8_t>*>(
-          words_ + ids * words_of_body_)) {
+      words_of_marks_((ids + 63) / 64 * 8),
+      memory_(memory, bytes()),
+      marks_(reinterpret_cast<std::uint64_t*>(memory_.data())),
+      touched_(marks_ + words_of_marks_),
+      words_(reinterpret_cast<std::atomic<std::uint32_t>*>(touched_ +
+                                                           words_of_marks_)) {
+  std::fill_n(marks_, 2 * words_of_marks_, 0);
   std::uninitialized_default_construct_n(words_, ids * words_of_body_);
-  std::uninitialized_default_construct_n(marks_, ids);
 }
 
 std::size_t Bodies::bytes() const {
-  return ids_ * (words_of_body_ * sizeof(words_[0]) + 1);
+  return 2 * words_of_marks_ * sizeof(marks_[0]) +
+         ids_ * words_of_body_ * sizeof(words_[0]);
 }
 
-// The loads of the values acquire, so that they stay before the second load of
-// the first word, and the stores release, so that they stay behind the first
-// store of it. The sanitizers know no fences.
-bool Bodies::Read(std::size_t id, Body& body) const {
-  const std::atomic<std::uint32_t>* const words = At(id);
-  for (std::size_t tries = 1;; ++tries) {
-    const std::uint32_t before = words[0].load(std::memory_order_acquire);
-    if ((before & kIsWritten) == 0) {
-      if ((before & kPresent) == 0) return false;
-      const auto load = [&](std::size_t w) {
-        return words[w].load(std::memory_order_acquire);
-      };
-      for (std::size_t p = 0; p < planes_; ++p) {
-        body.planes[p] = std::bit_cast<float>(load(1 + p));
-      }
-      const std::size_t w = 1 + planes_;
-      body.masks.category = load(w) | std::uint64_t{load(w + 1)} << 32;
-      body.masks.collides_with = load(w + 2) | std::uint64_t{load(w + 3)} << 32;
-      if (words[0].load(std::memory_order_relaxed) == before) return true;
-    }
-    if (tries % 64 == 0) std::this_thread::yield();
+namespace {
+
+// The bytes of eight marks that have a bit, a bit for each of them.
+std::uint64_t BitsOf(std::uint64_t bytes, std::uint8_t mark) {
+  if constexpr (std::endian::native == std::endian::big) {
+    bytes = __builtin_bswap64(bytes);
   }
+  const std::uint64_t ones =
+      bytes >> std::countr_zero(mark) & 0x0101010101010101;
+  return ones * 0x0102040810204080 >> 56;
+}
+
+}  // namespace
+
+std::uint64_t Bodies::MarkedOf(std::size_t word, Mark mark) const {
+  std::uint64_t* const marks = mark == kTouched ? touched_ : marks_;
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const std::atomic_ref<std::uint64_t> eight(marks[8 * word + i]);
+    bits |= BitsOf(eight.load(std::memory_order_acquire), mark) << 8 * i;
+  }
+  return bits;
+}
+
+std::uint64_t Bodies::TakeMarkedOf(std::size_t word, Mark mark) {
+  std::uint64_t* const marks = mark == kTouched ? touched_ : marks_;
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const std::atomic_ref<std::uint64_t> eight(marks[8 * word + i]);
+    const std::uint64_t all = mark * std::uint64_t{0x0101010101010101};
+    if ((eight.load(std::memory_order_relaxed) & all) == 0) continue;
+    bits |= BitsOf(eight.fetch_and(~all), mark) << 8 * i;
+  }
+  return bits;
+}
+
+bool Bodies::Read(std::size_t id, Body& body) const {
+  return WithAxes(planes_ / 2, [&](auto axes) {
+    return ReadAs<decltype(axes)::value, true>(id, body);
+  });
 }
 
 void Bodies::Write(std::size_t id, const float* planes, const BodyMasks* masks,
@@ -157,6 +189,24 @@ void Bodies::Write(std::size_t id, const float* planes, const BodyMasks* masks,
   words[0].store(
       ((before + kOneWrite) & ~(kOneWrite - 1)) | (is_present ? kPresent : 0),
       std::memory_order_release);
+}
+
+void Bodies::Move(Span<const std::uint32_t> ids, const float* planes) {
+  WithAxes(planes_ / 2, [&](auto axes) {
+    constexpr std::size_t kPlanes = 2 * decltype(axes)::value;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      std::atomic<std::uint32_t>* const words = At(ids[i]);
+      const std::uint32_t before = words[0].load(std::memory_order_relaxed);
+      words[0].store(before | kIsWritten, std::memory_order_relaxed);
+      for (std::size_t p = 0; p < kPlanes; ++p) {
+        words[1 + p].store(
+            std::bit_cast<std::uint32_t>(planes[i * kPlanes + p]),
+            std::memory_order_release);
+      }
+      words[0].store(before + kOneWrite, std::memory_order_release);
+      Touch(ids[i]);
+    }
+  });
 }
 
 bool Version::HasReaders() const {
@@ -189,36 +239,91 @@ void Version::AddPending(std::uint32_t id) {
 
 // The nodes first, from the root on: a walk that sees the body's new bound sees
 // those of its nodes.
-void Version::Widen(std::uint32_t id, const float* planes, bool is_all) {
-  if (!tree.Has(id)) return;
-  const BvhShape& shape = tree.shape();
+void Version::Widen(std::uint32_t id, const float* planes, bool is_mover) {
   const BvhLevels& levels = tree.levels();
   const std::size_t slot = levels.slots[id];
-  if (!is_all && LevelEncloses(shape, levels.level[0], slot, planes)) return;
-  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
-    Plane plane(planes[p], p >= shape.axes);
-    float& own = levels.level[0].Value(p, slot);
-    // In a copy that was made while a mover was at work, the body's plane can
-    // be beyond those of its nodes.
-    const float old = LoadPlane(own);
-    if (!plane.IsBeyond(old)) plane.value = old;
-    for (std::size_t l = levels.count; l-- > 1;) {
-      MoveOutward(levels.level[l].Value(p, slot >> (6 * l)), plane);
+  WithAxes(tree.shape().axes, [&](auto axes) {
+    constexpr std::size_t kAxes = decltype(axes)::value;
+    float* const leaf = &levels.level[0].Value(0, slot);
+    float outward[2 * kAxes];
+    for (std::size_t p = 0; p < 2 * kAxes; ++p) {
+      outward[p] = NumberOf(planes[p], p >= kAxes);
     }
-    MoveOutward(own, plane);
-  }
+    const unsigned beyond = BeyondOf<kAxes>(leaf, outward);
+    for (std::size_t p = 0; p < 2 * kAxes; ++p) {
+      // In a copy that was made while a mover was at work, the body's plane can
+      // be beyond those of its nodes.
+      const float own = LoadPlane(leaf[p * kBlockObjects]);
+      outward[p] = IsBeyond(outward[p], own, p >= kAxes) ? outward[p] : own;
+    }
+    for (std::size_t l = levels.count; l-- > 1;) {
+      float* const node = &levels.level[l].Value(0, slot >> (6 * l));
+      for (unsigned bits = BeyondOf<kAxes>(node, outward); bits != 0;
+           bits &= bits - 1) {
+        const auto p = static_cast<std::size_t>(std::countr_zero(bits));
+        MoveOutward(node[p * kBlockObjects], outward[p], p >= kAxes);
+      }
+    }
+    for (unsigned bits = beyond; bits != 0; bits &= bits - 1) {
+      const auto p = static_cast<std::size_t>(std::countr_zero(bits));
+      float& plane = leaf[p * kBlockObjects];
+      if (is_mover) {
+        std::atomic_ref<float>(plane).store(outward[p],
+                                            std::memory_order_relaxed);
+      } else {
+        MoveOutward(plane, outward[p], p >= kAxes);
+      }
+    }
+  });
 }
 
-bool Version::Encloses(std::uint32_t id, const float* planes) const {
+float* Version::Find(std::uint32_t id) const {
+  return FindPlanes(tree.levels(), tree.id_limit(), id);
+}
+
+std::uint64_t Version::NotEnclosed(Span<const std::uint32_t> ids,
+                                   const float* planes) const {
   const BvhLevels& levels = tree.levels();
-  const std::size_t slot = levels.slots[id];
-  for (std::size_t l = 0; l < levels.count; ++l) {
-    if (!LevelEncloses(tree.shape(), levels.level[l], slot >> (6 * l),
-                       planes)) {
-      return false;
+  const std::size_t id_limit = tree.id_limit();
+  return WithAxes(tree.shape().axes, [&](auto axes) {
+    constexpr std::size_t kAxes = decltype(axes)::value;
+    float* of_tree[64];
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      of_tree[i] = FindPlanes(levels, id_limit, ids[i]);
+      if (!levels.level[0].is_prefetched || of_tree[i] == nullptr) continue;
+      for (std::size_t p = 0; p < 2 * kAxes; ++p) {
+        kernels::Prefetch(of_tree[i] + p * kBlockObjects);
+      }
     }
-  }
-  return true;
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      const bool is_enclosed =
+          of_tree[i] != nullptr &&
+          PlanesEnclose<kAxes>(of_tree[i], planes + 2 * kAxes * i);
+      bits |= std::uint64_t{!is_enclosed} << i;
+    }
+    return bits;
+  });
+}
+
+bool Version::DoAllEnclose(std::uint32_t id, const float* planes) const {
+  const BvhLevels& levels = tree.levels();
+  return kernels::InDefaultFpMode([&] {
+    return WithAxes(tree.shape().axes, [&](auto axes) {
+      constexpr std::size_t kAxes = decltype(axes)::value;
+      float numbers[2 * kAxes];
+      for (std::size_t p = 0; p < 2 * kAxes; ++p) {
+        numbers[p] = NumberOf(planes[p], p >= kAxes);
+      }
+      bool do_enclose = true;
+      for (std::size_t l = 0; l < levels.count; ++l) {
+        const std::size_t node = levels.slots[id] >> (6 * l);
+        do_enclose &=
+            PlanesEnclose<kAxes>(&levels.level[l].Value(0, node), numbers);
+      }
+      return do_enclose;
+    });
+  });
 }
 
 BroadPhaseState::BroadPhaseState(const BvhShape& tree_shape, std::size_t ids,
@@ -226,9 +331,10 @@ BroadPhaseState::BroadPhaseState(const BvhShape& tree_shape, std::size_t ids,
     : shape(tree_shape),
       max_ids(ids),
       options(with),
+      has_margin(std::bit_cast<std::uint32_t>(with.margin) << 1 != 0),
       bodies(with.memory, ids, 2u * tree_shape.axes),
       current(nullptr),
-      pairs(with.memory) {
+      candidates(with.memory) {
   current.store(NewVersion());
 }
 
@@ -251,6 +357,33 @@ Version* BroadPhaseState::NewVersion() {
   version->next = versions;
   versions = version;
   return version;
+}
+
+// A body that leaves its bound on one side went there from the other side,
+// where the bound still is. The bound grows by as much again on the side to
+// which the body moves, so that it stays inside about as long as before.
+void BroadPhaseState::Loosen(float* in_tree, const float* planes,
+                             float* loose) const {
+  for (std::size_t k = 0; k < shape.axes; ++k) {
+    const float margin =
+        options.margin * static_cast<float>(k < shape.dims ? 1 : shape.dims);
+    const std::size_t max = shape.axes + k;
+    float below = margin;
+    float above = margin;
+    if (has_margin && in_tree != nullptr) {
+      const float from_min = planes[k] - LoadPlane(in_tree[k * kBlockObjects]);
+      const float from_max =
+          LoadPlane(in_tree[max * kBlockObjects]) - planes[max];
+      // Without branches, which nothing predicts. Of a NaN, 0.
+      const float way = std::max(from_min, from_max) - margin;
+      const float ahead =
+          std::min(way > 0 ? kShareAhead * way : 0.0f, kMostAhead * margin);
+      below += from_max > from_min ? ahead : 0.0f;
+      above += from_min > from_max ? ahead : 0.0f;
+    }
+    loose[k] = NumberOf(planes[k] - below, false);
+    loose[max] = NumberOf(planes[max] + above, true);
+  }
 }
 
 void BroadPhaseState::CheckList(const char* call, Span<const std::uint32_t> ids,
@@ -311,14 +444,21 @@ void CheckMargin(const char* call, const char* name, float margin) {
 }
 
 void TakenMarks::Take() {
-  ForEachMarked(state_, mark_, [&](std::uint32_t id) {
-    ids_.Push(id);
-    state_.bodies.TakeMark(id, mark_);
-  });
+  words_.Resize((state_.id_limit + 63) / 64, 0);
+  for (std::size_t w = 0; w < words_.size(); ++w) {
+    words_[w] = state_.bodies.TakeMarkedOf(w, mark_);
+  }
 }
 
 TakenMarks::~TakenMarks() {
-  for (const std::uint32_t id : ids_) state_.bodies.AddMark(id, mark_);
+  if (is_kept_) return;
+  ForEach([&](std::uint32_t id) {
+    if (mark_ == Bodies::kTouched) {
+      state_.bodies.Touch(id);
+    } else {
+      state_.bodies.AddMark(id, mark_);
+    }
+  });
 }
 
 BroadPhaseCore::BroadPhaseCore(const BvhShape& shape, std::size_t max_ids,
@@ -383,15 +523,18 @@ BodyMasks BroadPhaseCore::MasksOf(std::uint32_t id) const {
 void BroadPhaseCore::Bounds(Span<float> values) const {
   const Held version(*state_);
   const WithRacyReads reads;
-  kernels::InDefaultFpMode([&] { version->tree.Bounds(values); });
-  for (std::size_t i = 0; i < version->PendingCount(); ++i) {
-    Body body;
-    if (!state_->bodies.Read(version->Pending(i), body)) continue;
-    for (std::size_t p = 0; p < values.size(); ++p) {
-      const Plane plane(body.planes[p], p >= state_->shape.axes);
-      if (plane.IsBeyond(values[p])) values[p] = plane.value;
+  kernels::InDefaultFpMode([&] {
+    version->tree.Bounds(values);
+    for (std::size_t i = 0; i < version->PendingCount(); ++i) {
+      Body body;
+      if (!state_->bodies.Read(version->Pending(i), body)) continue;
+      for (std::size_t p = 0; p < values.size(); ++p) {
+        const bool is_max = p >= state_->shape.axes;
+        const float plane = NumberOf(body.planes[p], is_max);
+        if (IsBeyond(plane, values[p], is_max)) values[p] = plane;
+      }
     }
-  }
+  });
 }
 
 bool BroadPhaseCore::Validate() const {
@@ -407,7 +550,7 @@ bool BroadPhaseCore::Validate() const {
     if (i >= state_->id_limit || is_pending == version.tree.Has(id)) {
       return false;
     }
-    if (!is_pending && !version.Encloses(id, body.planes)) return false;
+    if (!is_pending && !version.DoAllEnclose(id, body.planes)) return false;
   }
   return count == size();
 }
@@ -420,9 +563,9 @@ BroadPhaseStatistics BroadPhaseCore::Statistics() const {
   for (std::size_t i = 0; i < version.PendingCount(); ++i) {
     statistics.pending += state_->bodies.Has(version.Pending(i)) ? 1 : 0;
   }
-  statistics.pairs = state_->pairs.size();
+  statistics.pairs = state_->pairs;
   statistics.bytes = sizeof(BroadPhaseState) + state_->bodies.bytes() +
-                     state_->pairs.capacity();
+                     state_->candidates.capacity();
   for (const Version* v = state_->versions; v != nullptr; v = v->next) {
     statistics.trees += v == &version || v->tree.bytes() > 0 ? 1 : 0;
     statistics.bytes += sizeof(Version) + v->tree.bytes();

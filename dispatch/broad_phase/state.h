@@ -7,15 +7,32 @@
 // itself into a version that was just replaced, sees that, and tries again.
 //
 // No body is lost between two versions:
-// - A mover writes the body's record, then its mark kMoved, then counts itself
-//   into the current version C, then loads `upcoming` and the current version
-//   again, and widens the body in each of these.
-// - A writer stores `upcoming` = N, then reads all counters of C, then widens
-//   each body in N that has a mark, then makes N the current version.
-// Stores and loads of the two pointers and of the counters are sequentially
-// consistent. If the mover did not see N, it counted itself before the writer
-// read the counter. The counters are changed only by read-modify-write, so the
-// writer's read synchronizes with the mover's, and the writer sees the mark.
+// - A mover writes the body's record, then counts itself into the current
+//   version C, then loads `is_building` and `upcoming`. In each version that it
+//   sees, it widens the body if its bound there does not enclose it. Before
+//   that, or if it saw `is_building`, it marks the body with kMoved. After the
+//   last mark it changes its counter again. It ends when neither pointer shows
+//   it another version.
+// - A writer sets `is_building`, then reads all counters of C. It copies the
+//   tree of C, and computes the bounds of the bodies that had a mark from their
+//   records. It stores `upcoming` = N, then reads all counters of C again, then
+//   widens each body in N that has a mark, then makes N the current version.
+// Stores and loads of the pointers, of `is_building` and of the counters are
+// sequentially consistent. The counters are changed only by read-modify-write,
+// so the writer's read synchronizes with a mover's change before it. If the
+// mover did not see `is_building`, it counted itself before the first read, so
+// the writer computes bounds from a record that is as new. Bounds without a
+// mark are those of C, which enclose the body. If the mover marked the body and
+// did not see N, it changed its counter before the second read, so the writer
+// sees the mark.
+//
+// No pair is lost. UpdatePairs() keeps candidates: each pair of bodies whose
+// bounds in the tree overlap. It finds those of a body again if the body has
+// the mark kNewPairs. A bound in the tree that grows in place gets this mark
+// before and after it grows, and one that Update() computes gets it before its
+// version is the current one. So without the mark, the bound is as it was when
+// the candidates were found. A body that moves inside its bound has only the
+// mark kTouched, and UpdatePairs() tests its candidates.
 //
 // In a version that readers can see, the floats of the tree change only by
 // atomic stores, and only outward: minima become less, maxima greater. Nothing
@@ -29,9 +46,12 @@
 #define HALFSPACE_DISPATCH_BROAD_PHASE_STATE_H_
 
 #include <atomic>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
+#include <thread>
+#include <type_traits>
 #include <utility>
 
 #include "dispatch/broad_phase/list.h"
@@ -96,16 +116,30 @@ struct Body {
   BodyMasks masks;
 };
 
+// Calls function(axes) with a constant: loops over the axes have no branches.
+template <typename Function>
+auto WithAxes(std::size_t axes, const Function& function) {
+  switch (axes) {
+    case 2:
+      return function(std::integral_constant<std::size_t, 2>());
+    case 3:
+      return function(std::integral_constant<std::size_t, 3>());
+    default:
+      return function(std::integral_constant<std::size_t, 4>());
+  }
+}
+
 // A record of each id: its exact bound and its masks, which are read and
 // written together, and marks of what changed. A record has one writer at a
 // time.
 class Bodies {
  public:
   enum Mark : std::uint8_t {
-    kMoved = 1,     // since the tree was tightened
-    kNewPairs = 2,  // since the last UpdatePairs()
-    kListed = 4,    // in the list of a call, while the call checks it
-    kReplaced = 8,  // was erased since the tree was tightened
+    kMoved = 1,      // since the tree was tightened, and it may not be tight
+    kNewPairs = 2,   // since the last UpdatePairs(), by its bound in the tree
+    kListed = 4,     // in the list of a call, while the call checks it
+    kReplaced = 8,   // was erased since the tree was tightened
+    kTouched = 128,  // since the last UpdatePairs(). Kept apart from the others
   };
 
   Bodies(const MemoryResource& memory, std::size_t ids, std::size_t planes);
@@ -123,24 +157,40 @@ class Bodies {
   // Returns whether the body exists, and all of its record as it was at one
   // time.
   bool Read(std::size_t id, Body& body) const;
+  // The same with a constant, and without the masks if not wanted.
+  template <std::size_t kAxes, bool kHasMasks>
+  bool ReadAs(std::size_t id, Body& body) const;
 
   void Write(std::size_t id, const float* planes, const BodyMasks* masks,
              bool is_present);
+  // Writes the planes of bodies, one after another, and touches them.
+  void Move(Span<const std::uint32_t> ids, const float* planes);
 
   // Returns whether the body had one of the marks.
   bool AddMark(std::size_t id, std::uint8_t marks) {
-    return (marks_[id].fetch_or(marks) & marks) != 0;
+    return (ByteOf(marks_, id).fetch_or(marks) & marks) != 0;
   }
   void TakeMark(std::size_t id, Mark mark) {
-    marks_[id].fetch_and(static_cast<std::uint8_t>(~mark));
+    ByteOf(marks_, id).fetch_and(static_cast<std::uint8_t>(~mark));
   }
   // Faster. A mark that another thread takes away at the same time may stay.
   void SetMarks(std::size_t id, std::uint8_t marks) {
-    marks_[id].store(marks, std::memory_order_release);
+    const auto byte = ByteOf(marks_, id);
+    const auto old = byte.load(std::memory_order_relaxed);
+    byte.store(marks | (old & kReplaced), std::memory_order_release);
   }
-  std::uint8_t MarksOf(std::size_t id) const {
-    return marks_[id].load(std::memory_order_acquire);
+  bool HasMarks(std::size_t id, std::uint8_t marks) const {
+    return (ByteOf(marks_, id).load(std::memory_order_acquire) & marks) ==
+           marks;
   }
+  // There is no other mark in the byte, so it is no read-modify-write.
+  void Touch(std::size_t id) {
+    ByteOf(touched_, id).store(kTouched, std::memory_order_release);
+  }
+  // The bodies from 64 * `word` on that have a mark, a bit for each.
+  std::uint64_t MarkedOf(std::size_t word, Mark mark) const;
+  // The same, and takes the mark away.
+  std::uint64_t TakeMarkedOf(std::size_t word, Mark mark);
 
  private:
   // The first word of a record counts its writes, above two bits.
@@ -151,14 +201,52 @@ class Bodies {
   std::atomic<std::uint32_t>* At(std::size_t id) const {
     return words_ + id * words_of_body_;
   }
+  // A mark is written as a byte, and read as one of eight. On the supported
+  // machines these are atomic to each other.
+  static std::atomic_ref<unsigned char> ByteOf(std::uint64_t* marks,
+                                               std::size_t id) {
+    return std::atomic_ref<unsigned char>(
+        reinterpret_cast<unsigned char*>(marks)[id]);
+  }
 
   std::size_t ids_;
   std::size_t planes_;
   std::size_t words_of_body_;
+  std::size_t words_of_marks_;
   Scratch memory_;
+  std::uint64_t* marks_;    // a byte for each id
+  std::uint64_t* touched_;  // the same
   std::atomic<std::uint32_t>* words_;
-  std::atomic<std::uint8_t>* marks_;
 };
+
+// The loads of the values acquire, so that they stay before the second load of
+// the first word, and the stores release, so that they stay behind the first
+// store of it. The sanitizers know no fences.
+template <std::size_t kAxes, bool kHasMasks>
+bool Bodies::ReadAs(std::size_t id, Body& body) const {
+  const std::atomic<std::uint32_t>* const words = At(id);
+  for (std::size_t tries = 1;; ++tries) {
+    const std::uint32_t before = words[0].load(std::memory_order_acquire);
+    if ((before & kIsWritten) == 0) {
+      if ((before & kPresent) == 0) return false;
+      const auto load = [&](std::size_t w) {
+        return words[w].load(std::memory_order_acquire);
+      };
+      constexpr std::size_t kPlanes = 2 * kAxes;
+      for (std::size_t p = 0; p < kPlanes; ++p) {
+        body.planes[p] = std::bit_cast<float>(load(1 + p));
+      }
+      if constexpr (kHasMasks) {
+        constexpr std::size_t w = 1 + kPlanes;
+        body.masks.category = load(w) | std::uint64_t{load(w + 1)} << 32;
+        body.masks.collides_with = load(w + 2) | std::uint64_t{load(w + 3)}
+                                                     << 32;
+      }
+      if (words[0].load(std::memory_order_relaxed) == before) return true;
+    }
+    if (tries % 64 == 0) std::this_thread::yield();
+  }
+}
 
 // A tree, and the bodies that are not in it yet.
 class Version {
@@ -175,6 +263,10 @@ class Version {
   void Leave(std::size_t counter) {
     counters_[counter].readers.fetch_sub(1, std::memory_order_seq_cst);
   }
+  // So that a writer who reads the counters sees what this thread did before.
+  void CountAgain(std::size_t counter) {
+    counters_[counter].readers.fetch_add(0, std::memory_order_seq_cst);
+  }
   // Reads all counters.
   bool HasReaders() const;
   static std::size_t CounterOfThread();
@@ -189,11 +281,19 @@ class Version {
   void AddPending(std::uint32_t id);
   void ClearPending() { pending_count_.store(0, std::memory_order_release); }
 
-  // Makes the body's bound in the tree, if it has one, enclose `planes`. While
-  // readers walk. `is_all` also looks at the nodes if the bound encloses it.
-  void Widen(std::uint32_t id, const float* planes, bool is_all);
-  // Whether the body's bound and its nodes do.
-  bool Encloses(std::uint32_t id, const float* planes) const;
+  // Where the first plane of a body is in the tree, or null.
+  float* Find(std::uint32_t id) const;
+  // Of up to 64 bodies, a bit for each that the tree does not have, or not with
+  // a bound that encloses its planes, which are one after another, or that has
+  // a NaN. This and the next are called in the default floating-point mode.
+  std::uint64_t NotEnclosed(Span<const std::uint32_t> ids,
+                            const float* planes) const;
+  // Makes the body's bound in the tree, and the nodes, enclose `planes`. While
+  // readers walk. A mover, who is the only one that moves the body, replaces
+  // planes of its bound that another thread made grow for it.
+  void Widen(std::uint32_t id, const float* planes, bool is_mover);
+  // Whether the body's bound in the tree and all its nodes do.
+  bool DoAllEnclose(std::uint32_t id, const float* planes) const;
 
   BvhTree tree;
   Version* next = nullptr;  // in the list of all
@@ -237,18 +337,27 @@ class BroadPhaseState {
   const BvhShape shape;
   const std::size_t max_ids;
   const BroadPhaseOptions options;
+  const bool has_margin;
   Bodies bodies;
   std::atomic<std::size_t> size{0};
   std::atomic<Version*> current;
   std::atomic<Version*> upcoming{nullptr};
+  std::atomic<bool> is_building{false};
 
   // The rest belongs to who has the mutex.
   std::mutex mutex;
   Version* versions = nullptr;
-  std::size_t id_limit = 0;   // above all ids that were ever in use
-  List<std::uint64_t> pairs;  // a in the upper half, ascending
+  std::size_t id_limit = 0;  // above all ids that were ever in use
+  // Updates that did nothing since the last one, though bodies had moved.
+  std::size_t deferred = 0;
+  List<std::uint64_t> candidates;  // keys of pairs.cc, ascending
+  std::size_t pairs = 0;           // of these
 
   Version* NewVersion();
+  // A bound of a body for a tree: larger by the margin, and more where the body
+  // goes, as far as its planes in a tree, or null, show. In the default
+  // floating-point mode.
+  void Loosen(float* in_tree, const float* planes, float* loose) const;
 };
 
 void CheckMargin(const char* call, const char* name, float margin);
@@ -284,35 +393,52 @@ class Held {
   Version* version_;
 };
 
-// Calls visit(id) for the ids below the limit that have a mark.
-template <typename Visit>
-void ForEachMarked(const BroadPhaseState& state, Bodies::Mark mark,
-                   const Visit& visit) {
-  for (std::size_t id = 0; id < state.id_limit; ++id) {
-    if ((state.bodies.MarksOf(id) & mark) != 0) {
-      visit(static_cast<std::uint32_t>(id));
+// A set of ids, a bit for each.
+class IdSet {
+ public:
+  explicit IdSet(const MemoryResource& memory) : words_(memory) {}
+
+  bool Has(std::uint32_t id) const {
+    return (words_[id / 64] >> id % 64 & 1) != 0;
+  }
+  std::size_t size() const {
+    std::size_t count = 0;
+    for (const std::uint64_t word : words_) {
+      count += static_cast<std::size_t>(std::popcount(word));
+    }
+    return count;
+  }
+  template <typename Visit>
+  void ForEach(const Visit& visit) const {
+    for (std::size_t w = 0; w < words_.size(); ++w) {
+      for (std::uint64_t bits = words_[w]; bits != 0; bits &= bits - 1) {
+        visit(static_cast<std::uint32_t>(
+            64 * w + static_cast<std::size_t>(std::countr_zero(bits))));
+      }
     }
   }
-}
+
+ protected:
+  List<std::uint64_t> words_;
+};
 
 // Ids whose mark was taken away. They get it back unless Keep() was called, as
 // if a call that fails had not taken it.
-class TakenMarks {
+class TakenMarks : public IdSet {
  public:
   TakenMarks(BroadPhaseState& state, Bodies::Mark mark)
-      : state_(state), mark_(mark), ids_(state.options.memory) {}
+      : IdSet(state.options.memory), state_(state), mark_(mark) {}
   TakenMarks(const TakenMarks&) = delete;
   TakenMarks& operator=(const TakenMarks&) = delete;
   ~TakenMarks();
 
   void Take();
-  Span<const std::uint32_t> ids() const { return ids_; }
-  void Keep() { ids_.Clear(); }
+  void Keep() { is_kept_ = true; }
 
  private:
   BroadPhaseState& state_;
   Bodies::Mark mark_;
-  List<std::uint32_t> ids_;
+  bool is_kept_ = false;
 };
 
 }  // namespace halfspace::detail

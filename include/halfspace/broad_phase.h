@@ -15,7 +15,9 @@
 // keeps the bound of each body, and a BVH (bvh.h) of bounds that are larger by
 // a margin. Move() writes the body's bound. If the new bound is not inside the
 // larger bound, Move() makes the larger bound and its nodes grow in place.
-// Update() makes them tight again.
+// Update() makes them tight again. UpdatePairs() keeps the pairs of larger
+// bounds that overlap. Of a body that moved inside its larger bound, it only
+// tests these pairs again.
 //
 // Answers are exact. A query finds the bodies that it would find in a Bvh of
 // the bodies' own bounds, whatever the margin and the history are, and a cast
@@ -48,10 +50,11 @@
 // failed allocation throws std::bad_alloc. All bodies, their bounds, masks and
 // pairs are then as before.
 //
-// Memory: boxes in 3 dimensions take 45 bytes per id, 24 of them the bound, and
+// Memory: boxes in 3 dimensions take 46 bytes per id, 24 of them the bound, and
 // 33 to 37 per body in the tree. Up to half of the places in the tree can be
 // empty after erasures. Update(), and an Insert() of many, build the next tree
-// beside the current one. UpdatePairs() keeps 8 bytes per pair.
+// beside the current one. UpdatePairs() keeps 8 bytes per pair of larger
+// bounds.
 //
 // Floating-point mode: as in bvh.h.
 //
@@ -94,11 +97,11 @@ struct BodyMasks {
 };
 
 // The caller's rule for pairs. `keep` is called for two bodies whose bounds
-// overlap, in either order. `masks_match` is the rule of BodyMasks. The result
-// replaces it. `keep` must return the same for (a, b) and (b, a), and the same
-// in each call until SetMasks() of one of them. It can run on several threads
-// at the same time. It must not throw, and must not call the broad phase,
-// because UpdatePairs() calls it with the lock of all changes.
+// overlap, or are near each other, in either order. `masks_match` is the rule
+// of BodyMasks. The result replaces it. `keep` must return the same for (a, b)
+// and (b, a), and the same in each call until SetMasks() of one of them. It can
+// run on several threads at the same time. It must not throw, and must not call
+// the broad phase, because UpdatePairs() calls it with the lock of all changes.
 //
 // Box2D's groups: return group[a] != 0 && group[a] == group[b] ? group[a] > 0
 // : masks_match. Jolt's layers: return layer_filter.ShouldCollide(layer[a],
@@ -110,10 +113,12 @@ struct PairFilter {
 };
 
 struct BroadPhaseOptions {
-  // The bounds in the tree are larger than the bodies' by this on each side. A
-  // body that moves less between two calls of Update() costs only a comparison.
-  // Pairs and queries are slower with a large margin. A tenth of a body's size
-  // is usual. Must be finite and not negative.
+  // The bounds in the tree are larger than the bodies' by this on each side,
+  // and by up to four times this on a side to which the body moves. A body
+  // that stays inside costs a comparison in Move() and a test of its pairs in
+  // UpdatePairs(). Each query tests more bodies with a large margin. A tenth of
+  // a body's size is usual. A body should need several calls of Update() to
+  // move so far. Must be finite and not negative.
   float margin = 0;
   PairFilter filter = {};
   // The resource of all memory (memory.h). It is called by the threads that
@@ -224,7 +229,8 @@ class BroadPhase {
   }
 
   // Removes bodies. An id that is given twice is removed once. Their places in
-  // the tree become free at the next Update(). Allocates nothing.
+  // the tree become free at one of the next calls of Update(). Allocates
+  // nothing.
   void Erase(Span<const std::uint32_t> ids) { core_.Erase(ids); }
   void Erase(std::uint32_t id) { Erase({&id, 1}); }
 
@@ -248,10 +254,11 @@ class BroadPhase {
   }
 
   // Call it once per frame. Puts new bodies into the tree, removes those that
-  // were erased, makes the bounds of bodies that moved tight (plus the margin),
-  // and sorts again what has decayed. Changes no answer. Reads a byte per id,
-  // up to the greatest that was in use. Copies the tree if there is something
-  // to do.
+  // were erased, makes the bounds of bodies that left them tight (plus the
+  // margin), and sorts again what has decayed. Changes no answer. Reads a byte
+  // per id, up to the greatest that was in use. Copies the tree if there is
+  // something to do. If at most a 16th of the bodies left their bounds and
+  // there are no new ones, it can leave the work to one of the next 7 calls.
   void Update(const UpdateOptions& options = {}) { core_.Update(options); }
 
   // Update() that sorts all bodies.
@@ -342,7 +349,21 @@ class BroadPhase {
   void ForEachPairOf(Span<const std::uint32_t> ids, float margin,
                      Function&& function) const {
     core_.ForEachPairOf(
-        PairKernels(), ids, margin,
+        PairKernels(), ids, nullptr, margin,
+        &detail::CallWithPair<std::remove_reference_t<Function>>,
+        Context(function));
+  }
+
+  // The same with masks of the call instead of the rule of BodyMasks:
+  // `masks[i]` finds a body if its category has a bit of it. All ones find
+  // every body. If both bodies of a pair are in the set, the mask of either is
+  // enough. PairFilter::keep gets the result as `masks_match`.
+  template <typename Function>
+  void ForEachPairOf(Span<const std::uint32_t> ids,
+                     Span<const std::uint64_t> masks, float margin,
+                     Function&& function) const {
+    core_.ForEachPairOf(
+        PairKernels(), ids, &masks, margin,
         &detail::CallWithPair<std::remove_reference_t<Function>>,
         Context(function));
   }
@@ -354,11 +375,11 @@ class BroadPhase {
   // were erased ends. A body that was erased and inserted again under its id is
   // the same body.
   //
-  // The cost grows with the bodies that changed since the last call, and with
-  // the number of pairs. A body that moves during the call counts as changed in
-  // the next call too. The functions run without a lock, after the pairs were
-  // stored, so they may change the broad phase. If one of them throws, the
-  // remaining events of this call are lost.
+  // The cost grows with the bodies that changed since the last call, and a
+  // little with the number of pairs. A body that moves during the call counts
+  // as changed in the next call too. The functions run without a lock, after
+  // the pairs were stored, so they may change the broad phase. If one of them
+  // throws, the remaining events of this call are lost.
   template <typename Began, typename Ended>
   void UpdatePairs(Began&& began, Ended&& ended) {
     struct Both {

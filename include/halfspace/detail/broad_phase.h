@@ -70,8 +70,10 @@ class HALFSPACE_API BroadPhaseCore {
                BodyFunction function, void* context) const;
   void ForEachCast(const LineCast& cast, std::uint64_t mask,
                    BodyCastFunction function, void* context) const;
+  // Without masks of the call, `masks` is null.
   void ForEachPairOf(const BvhPairKernels* kernels,
-                     Span<const std::uint32_t> ids, float margin,
+                     Span<const std::uint32_t> ids,
+                     const Span<const std::uint64_t>* masks, float margin,
                      BodyPairFunction function, void* context) const;
   void UpdatePairs(const BvhPairKernels* kernels, const PairEvents& events);
 

@@ -80,14 +80,20 @@ struct BodyModel {
   }
 
   IdPairs Pairs(double margin = 0) const {
+    return PairsOf(margin, [&](std::uint32_t a, std::uint32_t b) {
+      return MasksMatch(objects.at(a).masks, objects.at(b).masks);
+    });
+  }
+  // With the filter's say in what matches.
+  template <typename Match>
+  IdPairs PairsOf(double margin, const Match& match) const {
     IdPairs pairs;
     for (auto a = objects.begin(); a != objects.end(); ++a) {
       for (auto b = std::next(a); b != objects.end(); ++b) {
-        const bool masks_match = MasksMatch(a->second.masks, b->second.masks);
-        const bool is_kept =
-            keep == nullptr ? masks_match
-                            : keep(nullptr, a->first, b->first, masks_match);
-        if (is_kept && Overlap(a->second.bound, b->second.bound, margin)) {
+        if (!Overlap(a->second.bound, b->second.bound, margin)) continue;
+        const bool matches = match(a->first, b->first);
+        if (keep == nullptr ? matches
+                            : keep(nullptr, a->first, b->first, matches)) {
           pairs.emplace_back(a->first, b->first);
         }
       }
@@ -336,21 +342,41 @@ void ExpectIsModel(const BroadPhase<View>& bodies, const BodyModel<View>& model,
       });
 }
 
+// `masks` are those of the call, one for each element of the set, or none.
 template <typename View>
 void ExpectPairsOfSet(const BroadPhase<View>& bodies,
                       const BodyModel<View>& model, const Ids& set,
-                      float margin) {
+                      const std::vector<std::uint64_t>& masks, float margin) {
   std::vector<bool> is_in(bodies.max_ids());
   for (const std::uint32_t id : set) is_in[id] = true;
+  const auto wants = [&](std::uint32_t id, std::uint32_t other) {
+    const std::uint64_t category = model.objects.at(other).masks.category;
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      if (set[i] != id) continue;
+      if (~masks[i] == 0 || (category & masks[i]) != 0) return true;
+    }
+    return false;
+  };
   IdPairs expected;
-  for (const auto& [a, b] : model.Pairs(margin)) {
+  const IdPairs all =
+      masks.empty()
+          ? model.Pairs(margin)
+          : model.PairsOf(margin, [&](std::uint32_t a, std::uint32_t b) {
+              return wants(a, b) || wants(b, a);
+            });
+  for (const auto& [a, b] : all) {
     if (is_in[a] || is_in[b]) expected.emplace_back(a, b);
   }
   IdPairs found;
-  bodies.ForEachPairOf(set, margin, [&](std::uint32_t a, std::uint32_t b) {
+  const auto list = [&](std::uint32_t a, std::uint32_t b) {
     ASSERT_TRUE(is_in[a]);
     found.emplace_back(std::min(a, b), std::max(a, b));
-  });
+  };
+  if (masks.empty()) {
+    bodies.ForEachPairOf(set, margin, list);
+  } else {
+    bodies.ForEachPairOf(set, masks, margin, list);
+  }
   std::sort(found.begin(), found.end());
   ASSERT_EQ(found, expected);
 }

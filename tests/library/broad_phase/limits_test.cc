@@ -373,6 +373,11 @@ TEST(BroadPhaseErrorsTest, SayWhatWasWrong) {
   EXPECT_TRUE(
       Refuses([&] { bodies.ForEachPairOf(ids, 0, no_pair); },
               {"BroadPhase::ForEachPairOf", "ids[1]", "a body", "got 2"}));
+  EXPECT_TRUE(Refuses(
+      [&] {
+        bodies.ForEachPairOf(Ids{1}, Span<const std::uint64_t>(), 0, no_pair);
+      },
+      {"BroadPhase::ForEachPairOf", "masks", "1", "got 0"}));
   EXPECT_TRUE(
       Refuses([&] { bodies.ForEachPairOf(Ids{1}, -1, no_pair); },
               {"BroadPhase::ForEachPairOf", "margin", "not negative", "-1"}));
