@@ -104,8 +104,17 @@ class BodyHistory {
     pairs_ = now;
   }
 
+  // With masks of the call, or without.
   void ExpectPairsOfSome(std::size_t count, float margin) {
-    ExpectPairsOfSet(bodies_, model_, Some(count, true), margin);
+    const Ids set = Some(count, true);
+    std::vector<std::uint64_t> masks;
+    if (choices_.Below(2) == 0) {
+      for (std::size_t i = 0; i < set.size(); ++i) {
+        masks.push_back(choices_.Below(4) == 0 ? ~std::uint64_t{0}
+                                               : choices_.Masks().category);
+      }
+    }
+    ExpectPairsOfSet(bodies_, model_, set, masks, margin);
   }
 
  private:
