@@ -129,20 +129,21 @@ TEST(BroadPhaseTest, BoundsAreTightAfterARebuild) {
   EXPECT_EQ(bodies.Statistics().bodies, 0u);
 }
 
-TEST(BroadPhaseTest, PairsOfCoincidentBodiesAreAll) {
-  constexpr std::uint32_t kCount = 700;
-  AabbBroadPhase3 bodies(kCount);
-  const std::vector<Aabb3> boxes(kCount, kUnit);
-  for (bool into_tree : {false, true}) {
-    const Ids ids = InsertAll(bodies, boxes, into_tree);
+// In the list of new bodies, in the tree, and in more than one leaf.
+TEST(BroadPhaseTest, PairsOfCoincidentBodiesAreAllFoundOnce) {
+  for (const auto& [count, into_tree] :
+       {std::pair{200u, false}, std::pair{200u, true}, std::pair{700u, true}}) {
+    AabbBroadPhase3 bodies(count);
+    const Ids ids =
+        InsertAll(bodies, std::vector<Aabb3>(count, kUnit), into_tree);
+    EXPECT_EQ(bodies.Statistics().pending, into_tree ? 0 : count);
     std::size_t pairs = 0;
-    const auto count = [&](auto...) { ++pairs; };
-    bodies.UpdatePairs(count, kNothing);
-    EXPECT_EQ(pairs, into_tree ? 0 : kCount * (kCount - 1) / 2);
+    const auto add = [&](auto...) { ++pairs; };
+    bodies.UpdatePairs(add, kNothing);
+    EXPECT_EQ(pairs, count * (count - 1) / 2);
     pairs = 0;
-    bodies.ForEachPairOf(ids, 0, count);
-    EXPECT_EQ(pairs, kCount * (kCount - 1) / 2);
-    bodies.Erase(ids);
+    bodies.ForEachPairOf(ids, 0, add);
+    EXPECT_EQ(pairs, count * (count - 1) / 2);
   }
 }
 
