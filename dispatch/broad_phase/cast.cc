@@ -31,7 +31,7 @@ class BodyCaster {
       LineSearch search;
       if (!MakeCastLine(state_.shape, cast, search.line)) return;
       line_ = &search.line;
-      limit_ = search.line.max_t;
+      limit_ = max_t_ = search.line.max_t;
       // A radius of 0 is a ray or a box.
       cast_ = &cast;
       is_ball_ = cast.radius > 0;
@@ -87,7 +87,8 @@ class BodyCaster {
       return (planes[plane.plane] - plane.offset) * plane.inverse;
     };
     float enter = 0;
-    float exit = limit_;
+    // That of a ball is rounded later, and then compared with the limit.
+    float exit = is_ball_ ? max_t_ : limit_;
     std::size_t p = 0;
     for (; p < line_->entering; ++p) {
       const float t = at(p);
@@ -99,7 +100,7 @@ class BodyCaster {
     }
     exit = exit + kApartOnLine;
     if (!(enter <= exit)) return std::numeric_limits<float>::infinity();
-    return is_ball_ ? BallEntryOf(planes, enter, exit) : enter;
+    return is_ball_ ? BallEntryOf(planes, ReportedTime(enter), exit) : enter;
   }
 
   // At most the t from `enter` to `exit` at which the ball touches the box of
@@ -195,6 +196,7 @@ class BodyCaster {
   const Line* line_ = nullptr;
   const LineCast* cast_ = nullptr;
   bool is_ball_ = false;
+  float max_t_ = 0;
   float limit_ = 0;
 };
 
