@@ -448,10 +448,10 @@ class BodyContest {
       names.push_back(c.name);
       c.name = place + c.name;
     }
-    constexpr std::size_t kMostRepetitions = 5;
+    const std::size_t most_repetitions = scene_.size() < 10'000 ? 5 : 3;
     const Timings timings = throughput_.TimeRuns(
         std::move(cases),
-        std::min(throughput_.repetitions(), kMostRepetitions));
+        std::min(throughput_.repetitions(), most_repetitions));
     for (std::size_t i = 0; i < timings.size(); ++i) {
       Ratio us = SpreadOf(timings[i]);
       us = {us.median / 1e3, us.low / 1e3, us.high / 1e3};
