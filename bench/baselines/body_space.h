@@ -30,9 +30,19 @@ template <int kDims>
 bool Touch(const Aabb<kDims>& a, const Aabb<kDims>& b) {
   bool touch = true;
   for (std::size_t k = 0; k < kDims; ++k) {
-    touch &= (a.min[k] <= b.max[k]) & (b.min[k] <= a.max[k]);
+    touch &= a.min[k] <= b.max[k];
+    touch &= b.min[k] <= a.max[k];
   }
   return touch;
+}
+
+// An id as the pointer that a library keeps with a body, and back.
+inline void* DataOf(std::uint32_t id) {
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): it points to nothing.
+  return reinterpret_cast<void*>(std::uintptr_t{id});
+}
+inline std::uint32_t IdOfData(const void* data) {
+  return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(data));
 }
 
 // A query: the box of a point or a box, or the shape in it.

@@ -21,8 +21,7 @@ class Box2dSpace : public BodySpace<2> {
 
   void Insert(Ids ids, Boxes boxes) override {
     Store(ids, boxes, [&](std::uint32_t id, const Box& box) {
-      proxies_[id] = space_.CreateProxy(
-          BoxOf(box), reinterpret_cast<void*>(std::uintptr_t{id}));
+      proxies_[id] = space_.CreateProxy(BoxOf(box), DataOf(id));
     });
     UpdateContacts();
   }
@@ -90,7 +89,7 @@ class Box2dSpace : public BodySpace<2> {
 
   // Of b2BroadPhase::UpdatePairs().
   void AddPair(void* a_data, void* b_data) {
-    IndexPair pair = {IdOf(a_data), IdOf(b_data)};
+    IndexPair pair = {IdOfData(a_data), IdOfData(b_data)};
     if (pair[0] > pair[1]) std::swap(pair[0], pair[1]);
     std::vector<std::uint32_t>& partners = partners_[pair[0]];
     if (std::find(partners.begin(), partners.end(), pair[1]) !=
@@ -102,11 +101,8 @@ class Box2dSpace : public BodySpace<2> {
   }
 
  private:
-  static std::uint32_t IdOf(void* data) {
-    return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(data));
-  }
   std::uint32_t IdOf(std::int32_t proxy) const {
-    return IdOf(space_.GetUserData(proxy));
+    return IdOfData(space_.GetUserData(proxy));
   }
 
   template <typename Function>

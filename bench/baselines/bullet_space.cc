@@ -15,8 +15,7 @@ Aabb3 BoxOf(const btBroadphaseProxy* proxy) {
 }
 
 std::uint32_t IdOf(const btBroadphaseProxy* proxy) {
-  return static_cast<std::uint32_t>(
-      reinterpret_cast<std::uintptr_t>(proxy->m_clientObject));
+  return IdOfData(proxy->m_clientObject);
 }
 
 struct FindCallback : btBroadphaseAabbCallback {
@@ -69,9 +68,8 @@ class BulletSpace : public BodySpace<3> {
 
   void Insert(Ids ids, Boxes boxes) override {
     Store(ids, boxes, [&](std::uint32_t id, const Box& box) {
-      proxies_[id] = space_->createProxy(
-          VectorOf(box.min), VectorOf(box.max), 0,
-          reinterpret_cast<void*>(std::uintptr_t{id}), 1, -1, nullptr);
+      proxies_[id] = space_->createProxy(VectorOf(box.min), VectorOf(box.max),
+                                         0, DataOf(id), 1, -1, nullptr);
     });
     space_->calculateOverlappingPairs(nullptr);
   }

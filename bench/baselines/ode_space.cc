@@ -28,14 +28,11 @@ int BoxClass() {
 dGeomID MakeGeom(const Aabb3& box, std::uint32_t id) {
   const dGeomID geom = dCreateGeom(BoxClass());
   *static_cast<const Aabb3**>(dGeomGetClassData(geom)) = &box;
-  dGeomSetData(geom, reinterpret_cast<void*>(std::uintptr_t{id}));
+  dGeomSetData(geom, DataOf(id));
   return geom;
 }
 
-std::uint32_t IdOf(dGeomID geom) {
-  return static_cast<std::uint32_t>(
-      reinterpret_cast<std::uintptr_t>(dGeomGetData(geom)));
-}
+std::uint32_t IdOf(dGeomID geom) { return IdOfData(dGeomGetData(geom)); }
 
 dSpaceID MakeSpace(OdeSpace kind, std::size_t bodies, const Aabb3& world) {
   if (kind == OdeSpace::kHash) return dHashSpaceCreate(nullptr);

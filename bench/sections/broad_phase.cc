@@ -381,12 +381,16 @@ class BodyContest {
       KeepResult(static_cast<std::uint32_t>(hits.count));
       return hits;
     };
+    std::vector<CastHits> all_expected;
+    for (std::size_t q = 0; q < kChecked; ++q) {
+      all_expected.push_back({0, casts[q].max_t});
+      for (const Box& box : boxes_) all_expected.back().Test(casts[q], box);
+    }
     const auto check = [&](const BodySpace<kDims>& space) -> std::string {
       std::size_t wrong = 0;
       std::size_t all = 0;
       for (std::size_t q = 0; q < kChecked; ++q) {
-        CastHits expected{0, casts[q].max_t};
-        for (const Box& box : boxes_) expected.Test(casts[q], box);
+        const CastHits& expected = all_expected[q];
         const CastHits hits = find(space, casts[q]);
         if (way.is_closest) {
           const float off = std::abs(hits.limit - expected.limit);
@@ -444,10 +448,10 @@ class BodyContest {
       names.push_back(c.name);
       c.name = place + c.name;
     }
-    constexpr std::size_t kMostRepetitions = 5;
+    const std::size_t most_repetitions = scene_.size() < 10'000 ? 5 : 3;
     const Timings timings = throughput_.TimeRuns(
         std::move(cases),
-        std::min(throughput_.repetitions(), kMostRepetitions));
+        std::min(throughput_.repetitions(), most_repetitions));
     for (std::size_t i = 0; i < timings.size(); ++i) {
       Ratio us = SpreadOf(timings[i]);
       us = {us.median / 1e3, us.low / 1e3, us.high / 1e3};
