@@ -200,6 +200,12 @@ class PairUpdate {
         &call, QueryOptions());
   }
 
+  // Records of so many candidates are prefetched together.
+  static constexpr std::size_t kSome = 64;
+  // Records of fewer bodies are near, and those of a few are not prefetched, as
+  // nothing predicts which these are.
+  static constexpr std::size_t kInCacheBodies = 8192;
+
   // Puts what was found among the other candidates of bodies that did not
   // change, and tests those of bodies that moved inside their bounds.
   template <std::size_t kAxes>
@@ -213,7 +219,7 @@ class PairUpdate {
         *to++ = *next;
       }
     };
-    for (const std::uint64_t old : candidates.old) {
+    const auto merge = [&](std::uint64_t old) {
       const std::uint32_t a = LowOf(old);
       const std::uint32_t b = HighOf(old);
       std::uint64_t is = old;
@@ -222,7 +228,7 @@ class PairUpdate {
         begin_before(key);
         if (next == found_end || *next - key >= 2) {
           if (IsPair(old)) ended_.Push(old);
-          continue;
+          return;
         }
         is = *next++;
       } else {
@@ -231,6 +237,17 @@ class PairUpdate {
       }
       if (is != old) (IsPair(is) ? began_ : ended_).Push(is);
       *to++ = is;
+    };
+    const bool is_prefetched =
+        4 * touched_.size() > std::max(kInCacheBodies, state_.size.load());
+    const std::uint64_t* const end = candidates.old.end();
+    for (const std::uint64_t* some = candidates.old.begin(); some != end;) {
+      const std::uint64_t* const some_end =
+          some + std::min<std::ptrdiff_t>(kSome, end - some);
+      for (const std::uint64_t* k = some; is_prefetched && k != some_end; ++k) {
+        state_.bodies.Prefetch(HighOf(*k));
+      }
+      for (; some != some_end; ++some) merge(*some);
     }
     begin_before(~std::uint64_t{0});
     now.SetSize(static_cast<std::size_t>(to - now.data()));

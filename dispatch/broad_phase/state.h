@@ -135,10 +135,12 @@ auto WithAxes(std::size_t axes, const Function& function) {
 class Bodies {
  public:
   enum Mark : std::uint8_t {
-    kMoved = 1,      // since the tree was tightened, and it may not be tight
-    kNewPairs = 2,   // since the last UpdatePairs(), by its bound in the tree
-    kListed = 4,     // in the list of a call, while the call checks it
-    kTouched = 128,  // since the last UpdatePairs(). Kept apart from the others
+    kMoved = 1,  // its bound in the tree has grown, or the body was erased
+    kNewPairs =
+        2,        // its bound in the tree or its masks are new to UpdatePairs()
+    kListed = 4,  // in the list of a call, while the call checks it
+    // Moved since the last UpdatePairs(). In other bytes than the marks above.
+    kTouched = 128,
   };
 
   Bodies(const MemoryResource& memory, std::size_t ids, std::size_t planes);
