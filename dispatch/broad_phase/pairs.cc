@@ -131,11 +131,7 @@ class PairUpdate {
     began_.Clear();
     ended_.Clear();
     now_.Reserve(candidates.old.size() + candidates.found.size());
-    kernels::InDefaultFpMode([&] {
-      WithAxes(state_.shape.axes, [&](auto axes) {
-        MergeInto<decltype(axes)::value>(candidates, now_);
-      });
-    });
+    kernels::InDefaultFpMode([&] { MergeInto(candidates, now_); });
   }
 
  private:
@@ -208,7 +204,6 @@ class PairUpdate {
 
   // Puts what was found among the other candidates of bodies that did not
   // change, and tests those of bodies that moved inside their bounds.
-  template <std::size_t kAxes>
   void MergeInto(const Candidates& candidates, Keys& now) {
     const std::uint64_t* next = candidates.found.begin();
     const std::uint64_t* const found_end = candidates.found.end();
@@ -233,7 +228,7 @@ class PairUpdate {
         is = *next++;
       } else {
         begin_before(old);
-        if (touched_.Has(a) || touched_.Has(b)) is = TestAgain<kAxes>(a, b);
+        if (touched_.Has(a) || touched_.Has(b)) is = TestAgain(a, b);
       }
       if (is != old) (IsPair(is) ? began_ : ended_).Push(is);
       *to++ = is;
@@ -254,16 +249,15 @@ class PairUpdate {
   }
 
   // A candidate, which the masks and the filter keep.
-  template <std::size_t kAxes>
   std::uint64_t TestAgain(std::uint32_t a, std::uint32_t b) {
     // Keys ascend, so the next ones often have the same first body.
     if (a != low_) {
       low_ = a;
-      has_low_ = state_.bodies.ReadPlanes<kAxes>(a, of_low_);
+      has_low_ = state_.bodies.ReadPlanes(a, of_low_);
     }
     Body of_b;
-    const bool is_pair = has_low_ && state_.bodies.ReadPlanes<kAxes>(b, of_b) &&
-                         Overlap(of_low_, of_b, kAxes);
+    const bool is_pair = has_low_ && state_.bodies.ReadPlanes(b, of_b) &&
+                         Overlap(of_low_, of_b, state_.shape.axes);
     return KeyOf(a, b, is_pair);
   }
 

@@ -158,11 +158,10 @@ class Bodies {
   // Returns whether the body exists, and all of its record as it was at one
   // time.
   bool Read(std::size_t id, Body& body) const;
-  // The same without the masks, and with a constant.
-  template <std::size_t kAxes>
+  // The same without the masks.
   bool ReadPlanes(std::size_t id, Body& body) const {
     return ReadWith(id, [&](const auto& load) {
-      for (std::size_t p = 0; p < 2 * kAxes; ++p) {
+      for (std::size_t p = 0; p < planes_; ++p) {
         body.planes[p] = std::bit_cast<float>(load(1 + p));
       }
     });
