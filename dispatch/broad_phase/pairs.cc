@@ -131,11 +131,7 @@ class PairUpdate {
     began_.Clear();
     ended_.Clear();
     now_.Reserve(candidates.old.size() + candidates.found.size());
-    kernels::InDefaultFpMode([&] {
-      WithAxes(state_.shape.axes, [&](auto axes) {
-        MergeInto<decltype(axes)::value>(candidates, now_);
-      });
-    });
+    kernels::InDefaultFpMode([&] { MergeInto(candidates, now_); });
   }
 
  private:
@@ -200,9 +196,14 @@ class PairUpdate {
         &call, QueryOptions());
   }
 
+  // Records of so many candidates are prefetched together.
+  static constexpr std::size_t kSome = 64;
+  // Records of fewer bodies are near, and those of a few are not prefetched, as
+  // nothing predicts which these are.
+  static constexpr std::size_t kInCacheBodies = 8192;
+
   // Puts what was found among the other candidates of bodies that did not
   // change, and tests those of bodies that moved inside their bounds.
-  template <std::size_t kAxes>
   void MergeInto(const Candidates& candidates, Keys& now) {
     const std::uint64_t* next = candidates.found.begin();
     const std::uint64_t* const found_end = candidates.found.end();
@@ -213,7 +214,7 @@ class PairUpdate {
         *to++ = *next;
       }
     };
-    for (const std::uint64_t old : candidates.old) {
+    const auto merge = [&](std::uint64_t old) {
       const std::uint32_t a = LowOf(old);
       const std::uint32_t b = HighOf(old);
       std::uint64_t is = old;
@@ -222,32 +223,41 @@ class PairUpdate {
         begin_before(key);
         if (next == found_end || *next - key >= 2) {
           if (IsPair(old)) ended_.Push(old);
-          continue;
+          return;
         }
         is = *next++;
       } else {
         begin_before(old);
-        if (touched_.Has(a) || touched_.Has(b)) is = TestAgain<kAxes>(a, b);
+        if (touched_.Has(a) || touched_.Has(b)) is = TestAgain(a, b);
       }
       if (is != old) (IsPair(is) ? began_ : ended_).Push(is);
       *to++ = is;
+    };
+    const bool is_prefetched =
+        4 * touched_.size() > std::max(kInCacheBodies, state_.size.load());
+    const std::uint64_t* const end = candidates.old.end();
+    for (const std::uint64_t* some = candidates.old.begin(); some != end;) {
+      const std::uint64_t* const some_end =
+          some + std::min<std::ptrdiff_t>(kSome, end - some);
+      for (const std::uint64_t* k = some; is_prefetched && k != some_end; ++k) {
+        state_.bodies.Prefetch(HighOf(*k));
+      }
+      for (; some != some_end; ++some) merge(*some);
     }
     begin_before(~std::uint64_t{0});
     now.SetSize(static_cast<std::size_t>(to - now.data()));
   }
 
   // A candidate, which the masks and the filter keep.
-  template <std::size_t kAxes>
   std::uint64_t TestAgain(std::uint32_t a, std::uint32_t b) {
     // Keys ascend, so the next ones often have the same first body.
     if (a != low_) {
       low_ = a;
-      has_low_ = state_.bodies.ReadPlanes(a, 2 * kAxes, of_low_, false);
+      has_low_ = state_.bodies.Read(a, of_low_, false);
     }
     Body of_b;
-    const bool is_pair = has_low_ &&
-                         state_.bodies.ReadPlanes(b, 2 * kAxes, of_b, false) &&
-                         Overlap(of_low_, of_b, kAxes);
+    const bool is_pair = has_low_ && state_.bodies.Read(b, of_b, false) &&
+                         Overlap(of_low_, of_b, state_.shape.axes);
     return KeyOf(a, b, is_pair);
   }
 

@@ -136,11 +136,16 @@ auto WithAxes(std::size_t axes, const Function& function) {
 class Bodies {
  public:
   enum Mark : std::uint8_t {
-    kMoved = 1,      // since the tree was tightened, and it may not be tight
-    kNewPairs = 2,   // since the last UpdatePairs(), by its bound in the tree
-    kListed = 4,     // in the list of a call, while the call checks it
-    kReplaced = 8,   // was erased since the tree was tightened
-    kTouched = 128,  // since the last UpdatePairs(). Kept apart from the others
+    // Its bound in the tree has grown, or the body was erased.
+    kMoved = 1,
+    // Its bound in the tree or its masks are new to UpdatePairs().
+    kNewPairs = 2,
+    // In the list of a call, while the call checks it.
+    kListed = 4,
+    // Was erased since the tree was tightened.
+    kReplaced = 8,
+    // Moved since the last UpdatePairs(). In other bytes than the marks above.
+    kTouched = 128,
   };
 
   Bodies(const MemoryResource& memory, std::size_t ids, std::size_t planes);

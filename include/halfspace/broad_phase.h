@@ -283,9 +283,10 @@ class BroadPhase {
   }
   BodyMasks MasksOf(std::uint32_t id) const { return core_.MasksOf(id); }
 
-  // Returns a bound that encloses all bodies. It is larger than theirs by the
-  // margin, and encloses where bodies were since the last Update(). An infinite
-  // plane stands for a NaN. O(1) plus the new bodies.
+  // Returns a bound that encloses all bodies. It is larger than theirs by up to
+  // four times the margin, and encloses where bodies were since Update() last
+  // made their bounds tight. An infinite plane stands for a NaN. O(1) plus the
+  // new bodies.
   Bound Bounds() const {
     detail::PlaneValues<Bound> values;
     core_.Bounds(values);
