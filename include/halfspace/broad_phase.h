@@ -38,6 +38,8 @@
 //   Move() returned before the query began (in the sense of happens-before).
 // - Queries and moves take no lock. A query that meets a body whose bound is
 //   being written waits until it is written.
+// - The function of a query must return on the thread that called the query: a
+//   fiber must not go on on another thread.
 // - The function of a query may take locks, run other queries and call Move(),
 //   Insert() and the other calls. A query that is running keeps the tree that
 //   it began with. Its memory is freed by the first Update() after it has
