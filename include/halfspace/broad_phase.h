@@ -16,14 +16,14 @@
 // a margin. Move() writes the body's bound. If the new bound is not inside the
 // larger bound, Move() makes the larger bound and its nodes grow in place.
 // Update() makes them tight again. UpdatePairs() keeps the pairs of larger
-// bounds that overlap. Of a body that moved inside its larger bound, it only
-// tests these pairs again.
+// bounds that overlap. If a body moved inside its larger bound, it tests only
+// the stored pairs of that body.
 //
-// Answers are exact. A query finds the bodies that it would find in a Bvh of
-// the bodies' own bounds, whatever the margin and the history are, and a cast
-// finds the same t. For that, a query reads the own bound of each body that it
-// finds in the BVH with another bound. NaN, empty, inverted and infinite bounds
-// mean the same as in reject.h. Each body is found at most once.
+// The margin and the history change no answer. A query finds the bodies that it
+// would find in a Bvh of the bodies' own bounds, and a cast finds the same t. A
+// query tests the body's own bound if the BVH stores a larger one. NaN, empty,
+// inverted and infinite bounds mean the same as in reject.h. Each body is found
+// at most once. For the rounding of t, see bvh_nearest.h.
 //
 // Thread safety:
 // - Queries, casts, ForEachPairOf(), Has(), Get(), MasksOf(), Bounds() and
@@ -33,9 +33,10 @@
 //   run on any thread, at the same time as the calls above. They wait for each
 //   other. They do not wait for queries or moves.
 // - Validate() must not run at the same time as Move().
-// - A query sees each body with a bound that it had during the query. A body
-//   that rests during a query is never missed, and neither is a body whose
-//   Move() returned before the query began (in the sense of happens-before).
+// - A query tests each body by a bound that the body had during the query. A
+//   Move() that returned before the query began (in the sense of
+//   happens-before) is seen. A query can see some moves of one Move() of many
+//   bodies, and not yet the others.
 // - Queries and moves take no lock. A query that meets a body whose bound is
 //   being written waits until it is written.
 // - The function of a query must return on the thread that called the query: a
@@ -52,12 +53,12 @@
 // failed allocation throws std::bad_alloc. All bodies, their bounds, masks and
 // pairs are then as before.
 //
-// Memory: boxes in 3 dimensions take 46 bytes per id, 24 of them the bound, and
-// with a margin of 0 another byte for each tree that was in memory at the same
-// time. They take 33 to 37 bytes per body in the tree. Up to half of the places
-// in the tree can be empty after erasures. Update(), and an Insert() of many,
-// build the next tree beside the current one. UpdatePairs() keeps 8 bytes per
-// pair of larger bounds.
+// Memory: boxes in 3 dimensions take about 5 KB, 46 bytes per id, 24 of them
+// the bound, and 33 to 37 bytes per body in the tree. With a margin of 0, each
+// tree in memory takes another byte per id. Up to half of the places in the
+// tree can be empty after erasures. Update(), and an Insert() of many, build
+// the next tree beside the current one. UpdatePairs() keeps 8 bytes per pair of
+// larger bounds.
 //
 // Floating-point mode: as in bvh.h.
 //
@@ -135,10 +136,10 @@ struct BroadPhaseOptions {
 struct UpdateOptions {
   static constexpr std::size_t kAutomatic = static_cast<std::size_t>(-1);
 
-  // Sorts about so many bodies again, if the order has decayed (Bvh::CostRatio
-  // above 1.25): those whose order has decayed most, and 4096 at least. With 0,
-  // none. kAutomatic is a 16th of all. If the order of all has decayed, and the
-  // budget is not less than size(), all are sorted as by Rebuild().
+  // About how many bodies are sorted again if Bvh::CostRatio is above 1.25:
+  // those whose order has decayed most, and at least 4096. 0 sorts none.
+  // kAutomatic is size() / 16. If the ratio is above 2, and the budget is not
+  // less than size(), all are sorted as by Rebuild().
   std::size_t budget = kAutomatic;
   // Used when all are sorted (runner.h).
   Runner run = {};
@@ -251,8 +252,8 @@ class BroadPhase {
   }
 
   // Changes the masks of bodies. The next UpdatePairs() looks at all their
-  // pairs. Call it, with the same masks, if PairFilter::keep changes its mind
-  // about a body. Allocates nothing and takes no lock.
+  // pairs. Call it, with the same masks, if the result of PairFilter::keep
+  // changes for a body. Allocates nothing and takes no lock.
   void SetMasks(Span<const std::uint32_t> ids, Span<const BodyMasks> masks) {
     core_.SetMasks(ids, masks);
   }
@@ -261,8 +262,8 @@ class BroadPhase {
   }
 
   // Call it once per frame. Puts new bodies into the tree, removes those that
-  // were erased, makes the bounds of bodies that left them tight (plus the
-  // margin), and sorts again what has decayed. Changes no answer. Reads a byte
+  // were erased, shrinks the larger bounds that Move() made grow, and sorts
+  // bodies again where the order has decayed. Changes no answer. Reads a byte
   // per id, up to the greatest that was in use. Copies the tree if there is
   // something to do. If at most a 16th of the bodies left their bounds and
   // there are no new ones, it can leave the work to one of the next 7 calls.
@@ -302,9 +303,10 @@ class BroadPhase {
   BroadPhaseStatistics Statistics() const { return core_.Statistics(); }
 
   // Calls function(std::uint32_t id, const Bound&) for each body that survives
-  // the query: a bound, or a shape of bvh_shapes.h. Returns nothing or a Visit
-  // (visit.h). The order is unspecified, but the same after the same history.
-  // Exceptions of the function pass through.
+  // the query, which is a bound or a shape of bvh_shapes.h. The function gets
+  // the body's own bound, and returns nothing or a Visit (visit.h). The order
+  // is unspecified, but the same after the same history. Exceptions of the
+  // function pass through.
   template <typename Function>
   void ForEach(const typename View::Query& query, std::uint64_t mask,
                Function&& function) const {
@@ -326,7 +328,8 @@ class BroadPhase {
   // Calls function(std::uint32_t id, float t, const Bound&) for the bodies that
   // `box` touches on its way to `box` + max_t * `direction`, or that a ray
   // enters. The function returns nothing, a Visit, or a Limit of t (visit.h).
-  // Bodies come about near to far, and not sorted. t, limits, NaN and
+  // With Limit, a negative one ends the cast, and an infinite one changes
+  // nothing. Bodies come about near to far, and not sorted. t, limits, NaN and
   // infinities are as in BoxCast() and RayCast() (bvh_nearest.h).
   template <typename Function>
   void ForEachCast(const Aabb<kDimensions>& box,
@@ -400,7 +403,8 @@ class BroadPhase {
 
   // Finds all pairs of bodies whose bounds overlap and that the masks and the
   // filter keep. Calls ended(a, b) for each pair that was one after the last
-  // UpdatePairs() and is none now, then began(a, b) for each new one. a < b,
+  // UpdatePairs() and is none now, then began(a, b) for each new one. The
+  // functions return nothing. Does not need Update() before it. a < b,
   // and each of the two lists is sorted by a, then by b. A pair of bodies that
   // were erased ends. A body that was erased and inserted again under its id is
   // the same body.
@@ -416,6 +420,10 @@ class BroadPhase {
   // pairs are as before.
   template <typename Began, typename Ended>
   void UpdatePairs(Began&& began, Ended&& ended, const Runner& run = {}) {
+    static_assert(
+        std::is_void_v<decltype(began(std::uint32_t{}, std::uint32_t{}))> &&
+            std::is_void_v<decltype(ended(std::uint32_t{}, std::uint32_t{}))>,
+        "the functions of UpdatePairs() must return void");
     struct Both {
       Began& began;
       Ended& ended;
