@@ -55,13 +55,11 @@ class BodyCaster {
   static float Take(void* caster, std::uint32_t id, float t,
                     const float* of_tree) {
     auto& self = *static_cast<BodyCaster*>(caster);
-    Body body;
-    LoadPlanes(of_tree, self.state_.planes(), body.planes);
-    if (~self.mask_ != 0 || !self.version_.HasOwnBound(id)) {
-      return self.Cast(id);
-    }
-    return self.is_ball_ ? self.CastAt(id, body.planes)
-                         : self.Call(id, t, body.planes);
+    if (~self.mask_ != 0 || !self.version_.HasOwnBounds()) return self.Cast(id);
+    float planes[kMostBodyPlanes];
+    LoadPlanes(of_tree, self.state_.planes(), planes);
+    if (!self.version_.HasOwnBound(id)) return self.Cast(id);
+    return self.is_ball_ ? self.CastAt(id, planes) : self.Call(id, t, planes);
   }
 
   float Cast(std::uint32_t id) {

@@ -214,7 +214,8 @@ void WidenMoved(BroadPhaseState& state, Version& version, std::uint32_t id,
   state.bodies.SetMarks(id, kChanged);
 }
 
-// Widens the bodies that left their bounds. Returns whether there are any.
+// Widens the bodies that left their bounds, and without a margin all. Returns
+// whether there are any.
 [[gnu::noinline]] bool WidenAllMoved(BroadPhaseState& state, Version& version,
                                      Span<const std::uint32_t> ids,
                                      const float* planes) {
@@ -390,7 +391,8 @@ void BroadPhaseCore::Update(const UpdateOptions& options) {
                 (moved > 0 && ++state.deferred >= kMostDeferred);
   if (!is_due) {
     const WithRacyReads reads;
-    is_due = options.budget > 0 && version.tree.CostRatio() > kDecayed;
+    is_due = (options.budget > 0 || moved > 0) &&
+             version.tree.CostRatio() > kDecayed;
   }
   if (!is_due) return FreeTrees(state);
   Sorting sorting;

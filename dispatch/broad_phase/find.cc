@@ -75,7 +75,8 @@ class Finder : public WalkIds {
       return levels
           .ids[first + static_cast<std::size_t>(std::countr_zero(some))];
     };
-    const bool has_own = self.version_.HasOwnBounds();
+    // Masks belong to the bound of their record.
+    const bool has_own = self.version_.HasOwnBounds() && ~self.mask_ == 0;
     std::uint64_t others = 0;
     for (; bits != 0; bits &= bits - 1) {
       const std::uint32_t id = id_at(bits);
@@ -91,7 +92,7 @@ class Finder : public WalkIds {
         }
         self.state_.bodies.Prefetch(id);
         others |= bits & (~bits + 1);
-      } else if (self.HasMask(id)) {
+      } else {
         self.is_first_ = false;
         if (!self.Call(id, planes)) return self.Stop();
       }
@@ -109,17 +110,11 @@ class Finder : public WalkIds {
     return false;
   }
 
-  bool HasMask(std::uint32_t id) const {
-    if (~mask_ == 0) return true;
-    Body body;
-    return state_.bodies.Read(id, body) && detail::HasMask(body.masks, mask_);
-  }
-
   [[gnu::noinline]] bool Add(std::uint32_t id) {
     Body body;
     const bool has_masks = ~mask_ != 0;
     if (!state_.bodies.ReadPlanes(id, kPlanes, body, has_masks) ||
-        (has_masks && !detail::HasMask(body.masks, mask_))) {
+        (has_masks && !HasMask(body.masks, mask_))) {
       return true;
     }
     if (is_shape_) {

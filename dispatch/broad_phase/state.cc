@@ -284,8 +284,9 @@ void Version::Widen(std::uint32_t id, const float* planes, bool is_mover) {
       const auto p = static_cast<std::size_t>(std::countr_zero(bits));
       float& plane = leaf[p * kBlockObjects];
       if (is_mover) {
+        // As in MoveOutward().
         std::atomic_ref<float>(plane).store(outward[p],
-                                            std::memory_order_relaxed);
+                                            std::memory_order_release);
       } else {
         MoveOutward(plane, outward[p], p >= kAxes);
       }
@@ -294,7 +295,13 @@ void Version::Widen(std::uint32_t id, const float* planes, bool is_mover) {
 }
 
 void Version::CopyOwnBounds(const Version& from, std::size_t count) {
-  for (std::size_t id = 0; id < std::min(count, own_bound_count_); ++id) {
+#ifndef HALFSPACE_THREAD_SANITIZER  // which knows no fences
+  // The floats of the tree were loaded before. If one of them is new, the mark
+  // is seen to be taken away.
+  std::atomic_thread_fence(std::memory_order_acquire);
+#endif
+  const std::size_t end = std::min(count, own_bound_count_);
+  for (std::size_t id = 0; id < end; ++id) {
     own_bounds_[id].store(from.own_bounds_[id].load(std::memory_order_relaxed),
                           std::memory_order_relaxed);
   }

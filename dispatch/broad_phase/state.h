@@ -9,8 +9,9 @@
 // No body is lost between two versions:
 // - A mover writes the body's record, then counts itself into the current
 //   version C, then loads `is_building` and `upcoming`. In each version that it
-//   sees, it widens the body if its bound there does not enclose it. Before
-//   that, or if it saw `is_building`, it marks the body with kMoved. After the
+//   sees, it widens the body if its bound there does not enclose it, or if
+//   there is no margin. Before that, or if it saw `is_building`, it marks the
+//   body with kMoved. After the
 //   last mark it changes its counter again. It ends when neither pointer shows
 //   it another version.
 // - A writer sets `is_building`, then reads all counters of C. It copies the
@@ -32,17 +33,20 @@
 // the mark kNewPairs. A bound in the tree that grows in place gets this mark
 // before and after it grows, and one that Update() computes gets it before its
 // version is the current one. So without the mark, the bound is as it was when
-// the candidates were found. A body that moves inside its bound has only the
-// mark kTouched, and UpdatePairs() tests its candidates.
+// the candidates were found. A body that moves inside its bound, with a margin
+// and while no version is built, has only the mark kTouched, and UpdatePairs()
+// tests its candidates.
 //
 // In a version that readers can see, the floats of the tree change only by
-// atomic stores, and only outward: minima become less, maxima greater. Nothing
-// else changes. So a walk sees for each body the bound that enclosed it when
-// the walk began, or a larger one. The kernels read the floats by vector loads
-// that are not atomic. On the supported machines no aligned 32-bit lane of a
-// vector load is torn, and a lane is the old or the new value. The copy of a
-// tree relies on the same. The thread sanitizer cannot know this: see
-// WithRacyReads.
+// atomic stores, and only outward: minima become less, maxima greater. The one
+// exception is a mover's store of its body's plane, which may take back what a
+// writer stored for an older bound of the body. It encloses the record that the
+// mover wrote before. The nodes stay as they are. So a walk sees for each body
+// the bound that enclosed it when the walk began, or a larger one. The kernels
+// read the floats by vector loads that are not atomic. On the supported
+// machines no aligned 32-bit lane of a vector load is torn, and a lane is the
+// old or the new value. The copy of a tree relies on the same. The thread
+// sanitizer cannot know this: see WithRacyReads.
 #ifndef HALFSPACE_DISPATCH_BROAD_PHASE_STATE_H_
 #define HALFSPACE_DISPATCH_BROAD_PHASE_STATE_H_
 
@@ -136,7 +140,8 @@ auto WithAxes(std::size_t axes, const Function& function) {
 class Bodies {
  public:
   enum Mark : std::uint8_t {
-    // Its bound in the tree has grown, or the body was erased.
+    // Its bound in the tree may no longer be that of Update(), or it was
+    // erased.
     kMoved = 1,
     // Its bound in the tree or its masks are new to UpdatePairs().
     kNewPairs = 2,

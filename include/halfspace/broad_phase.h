@@ -57,8 +57,8 @@
 // the bound, and 33 to 37 bytes per body in the tree. With a margin of 0, each
 // tree in memory takes another byte per id. Up to half of the places in the
 // tree can be empty after erasures. Update(), and an Insert() of many, build
-// the next tree beside the current one. UpdatePairs() keeps 8 bytes per pair of
-// larger bounds.
+// the next tree beside the current one. UpdatePairs() keeps 8 to 16 bytes per
+// pair of larger bounds, and takes several times that during the call.
 //
 // Floating-point mode: as in bvh.h.
 //
@@ -129,7 +129,7 @@ struct BroadPhaseOptions {
   PairFilter filter = {};
   // The resource of all memory (memory.h). It is called by the threads that
   // change the broad phase, by ForEachPairOf(), and by the threads of the
-  // runner of UpdatePairs(), one at a time.
+  // runner of UpdatePairs(). These calls can be at the same time.
   MemoryResource memory = {};
 };
 
@@ -265,8 +265,9 @@ class BroadPhase {
   // were erased, shrinks the larger bounds that Move() made grow, and sorts
   // bodies again where the order has decayed. Changes no answer. Reads a byte
   // per id, up to the greatest that was in use. Copies the tree if there is
-  // something to do. If at most a 16th of the bodies left their bounds and
-  // there are no new ones, it can leave the work to one of the next 7 calls.
+  // something to do. If at most a 16th of the bodies left their bounds or were
+  // erased, and there are no new ones, it can leave the work to one of the next
+  // 7 calls.
   void Update(const UpdateOptions& options = {}) { core_.Update(options); }
 
   // Update() that sorts all bodies.
