@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -15,6 +16,17 @@ namespace halfspace::detail {
 
 inline bool HasMask(const BodyMasks& masks, std::uint64_t mask) {
   return ~mask == 0 || (masks.category & mask) != 0;
+}
+
+// Whether the bounds overlap, as the kernels test them: with a NaN they do. In
+// any floating-point mode, and without branches, which nothing predicts.
+inline bool DoOverlap(const float* a, const float* b, std::size_t axes) {
+  bool are_apart = false;
+  for (std::size_t k = 0; k < axes; ++k) {
+    are_apart |= std::isgreater(a[k], b[axes + k]);
+    are_apart |= std::isgreater(b[k], a[axes + k]);
+  }
+  return !are_apart;
 }
 
 // The planes of an object of a leaf, from the first one on. They stay before

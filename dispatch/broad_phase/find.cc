@@ -2,7 +2,6 @@
 // candidates. Those whose bounds in the tree are not their own are tested
 // again.
 #include <bit>
-#include <cmath>
 #include <optional>
 
 #include "dispatch/broad_phase/exact.h"
@@ -122,20 +121,11 @@ class Finder : public WalkIds {
       leaf_->Add(id, body);
       return leaf_->size() < kBlockObjects || Flush();
     }
-    if (!Touches(body.planes)) return true;
+    if (!DoOverlap(body.planes, static_cast<const float*>(queries_), kAxes)) {
+      return true;
+    }
     is_first_ = false;
     return Call(id, body.planes);
-  }
-
-  // As the kernels test a bound.
-  bool Touches(const float* planes) const {
-    const auto* const query = static_cast<const float*>(queries_);
-    bool is_apart = false;
-    for (std::size_t k = 0; k < kAxes; ++k) {
-      is_apart |= std::isgreater(planes[k], query[kAxes + k]);
-      is_apart |= std::isgreater(query[k], planes[kAxes + k]);
-    }
-    return !is_apart;
   }
 
   bool Call(std::uint32_t id, const float* planes) {

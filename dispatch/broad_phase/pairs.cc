@@ -135,7 +135,8 @@ class PairUpdate {
   }
 
  private:
-  // With a NaN, as with infinities that are equal, they do.
+  // In the default floating-point mode: UpdatePairs() takes 1.1 times as long
+  // with DoOverlap().
   static bool Overlap(const Body& a, const Body& b, std::size_t axes) {
     bool is_apart = false;
     for (std::size_t k = 0; k < axes; ++k) {
@@ -582,17 +583,6 @@ class PairFinder {
     return (min - (distance + of_max)) + (of_max - max) > 0;
   }
 
-  // In any floating-point mode, and without branches, which nothing predicts.
-  bool AreApart(const Body& a, const Body& b) const {
-    const std::size_t axes = state_.shape.axes;
-    bool are_apart = false;
-    for (std::size_t k = 0; k < axes; ++k) {
-      are_apart |= std::isgreater(a.planes[k], b.planes[axes + k]);
-      are_apart |= std::isgreater(b.planes[k], a.planes[axes + k]);
-    }
-    return are_apart;
-  }
-
   bool Overlap(const Body& a, const Body& b) const {
     const std::size_t axes = state_.shape.axes;
     for (std::size_t k = 0; k < axes; ++k) {
@@ -613,7 +603,8 @@ class PairFinder {
     };
     // Most candidates end here if the bounds in the tree are larger.
     if (state_.has_margin && margin_ == 0 &&
-        (!read(false) || AreApart(of_a, of_b))) {
+        (!read(false) ||
+         !DoOverlap(of_a.planes, of_b.planes, state_.shape.axes))) {
       return true;
     }
     if (!read(true)) return true;
