@@ -284,6 +284,7 @@ void BroadPhaseCore::Insert(Span<const std::uint32_t> ids,
     state.id_limit = limit;
     for (std::size_t i = 0; i < ids.size(); ++i) {
       const BodyMasks own = masks.empty() ? BodyMasks() : masks[i];
+      state.AddMasks(own);
       state.bodies.Write(ids[i], values.data() + i * planes, &own, true);
       // One that is still in the tree, loose, has the mark of its Erase().
       state.bodies.AddMark(ids[i], Bodies::kNewPairs);
@@ -370,6 +371,7 @@ void BroadPhaseCore::SetMasks(Span<const std::uint32_t> ids,
                   alignof(BodyMasks));
   state.CheckBodies(kCall, ids);
   for (std::size_t i = 0; i < ids.size(); ++i) {
+    state.AddMasks(masks[i]);
     state.bodies.Write(ids[i], nullptr, &masks[i], true);
     state.bodies.AddMark(ids[i], Bodies::kNewPairs);
   }

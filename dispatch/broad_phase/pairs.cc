@@ -2,6 +2,7 @@
 // tested again by the bodies' own bounds.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -35,16 +36,19 @@ bool IsPair(std::uint64_t key) { return (key & 1) != 0; }
 // std::sort, UpdatePairs() takes 1.4 times as long (16 000 boxes that move).
 [[gnu::noinline]] void Sort(const MemoryResource& memory, Keys& keys) {
   constexpr std::size_t kFew = 256;
+  if (std::is_sorted(keys.begin(), keys.end())) return;
   if (keys.size() < kFew) return std::sort(keys.begin(), keys.end());
+  std::uint64_t different = 0;
+  for (const std::uint64_t key : keys) different |= key ^ keys[0];
   Keys sorted(memory);
   sorted.Resize(keys.size(), 0);
   for (int shift = 0; shift < 64; shift += 8) {
     const auto digit = [shift](std::uint64_t key) {
       return static_cast<std::uint8_t>(key >> shift);
     };
+    if (digit(different) == 0) continue;
     std::array<std::size_t, 256> places{};
     for (const std::uint64_t key : keys) ++places[digit(key)];
-    if (keys.size() == 0 || places[digit(keys[0])] == keys.size()) continue;
     std::size_t begin = 0;
     for (std::size_t& place : places) {
       const std::size_t count = place;
@@ -81,29 +85,84 @@ class LockedMemory {
   MemoryResource memory_;
 };
 
-// Two lists: those that were kept, and new ones. Both ascend.
-struct Candidates {
-  Span<const std::uint64_t> old;
-  Span<const std::uint64_t> found;
+// The marks of all bodies that UpdatePairs() takes, a byte for each. The bodies
+// get them back unless Keep() was called.
+class PairMarks {
+ public:
+  explicit PairMarks(BroadPhaseState& state)
+      : state_(state), marks_(state.options.memory) {
+    marks_.Resize((state.id_limit + 7) / 8, 0);
+    for (std::size_t i = 0; i < marks_.size(); ++i) {
+      marks_[i] = state.bodies.TakePairMarks(i);
+      touched_count_ += CountOf(i, Bodies::kTouched);
+      changed_count_ += CountOf(i, Bodies::kNewPairs);
+    }
+  }
+  PairMarks(const PairMarks&) = delete;
+  PairMarks& operator=(const PairMarks&) = delete;
+  ~PairMarks() {
+    if (is_kept_) return;
+    ForEach(Bodies::kNewPairs, [&](std::uint32_t id) {
+      state_.bodies.AddMark(id, Bodies::kNewPairs);
+    });
+    ForEach(Bodies::kTouched,
+            [&](std::uint32_t id) { state_.bodies.Touch(id); });
+  }
+  void Keep() { is_kept_ = true; }
+
+  std::uint8_t Of(std::uint32_t id) const {
+    return reinterpret_cast<const std::uint8_t*>(marks_.data())[id];
+  }
+  std::size_t changed_count() const { return changed_count_; }
+  bool empty() const { return changed_count_ + touched_count_ == 0; }
+  template <typename Visit>
+  void ForEach(Bodies::Mark mark, const Visit& visit) const {
+    for (std::size_t i = 0; i < marks_.size(); ++i) {
+      if ((marks_[i] & Bodies::EightOf(mark)) == 0) continue;
+      for (std::size_t id = 8 * i; id < 8 * i + 8; ++id) {
+        const auto it = static_cast<std::uint32_t>(id);
+        if ((Of(it) & mark) != 0) visit(it);
+      }
+    }
+  }
+
+ private:
+  // Of eight bodies. Without the instruction, popcount is a call.
+  std::size_t CountOf(std::size_t i, Bodies::Mark mark) const {
+    constexpr std::uint64_t kOnes = 0x0101010101010101;
+    return (marks_[i] / mark & kOnes) * kOnes >> 56;
+  }
+
+  BroadPhaseState& state_;
+  List<std::uint64_t> marks_;
+  std::size_t changed_count_ = 0;
+  std::size_t touched_count_ = 0;
+  bool is_kept_ = false;
 };
+
+// Pairs that are tested together.
+constexpr std::size_t kSome = 64;
 
 // A part of an update of pairs.
 class PairUpdate {
  public:
   PairUpdate(const BroadPhaseState& state, const Version& version,
-             const IdSet& changed, const IdSet& touched,
-             const MemoryResource& memory)
+             const PairMarks& marks, const MemoryResource& memory)
       : state_(state),
         version_(version),
-        changed_(changed),
-        touched_(touched),
+        marks_(marks),
         found_(memory),
-        now_(memory),
+        kept_(memory),
+        dropped_(memory),
         began_(memory),
         ended_(memory) {}
 
+  // Candidates of bodies that changed, and of the others.
   Keys& found() { return found_; }
-  Keys& now() { return now_; }
+  Keys& kept() { return kept_; }
+  // Pairs before, of bodies that changed.
+  Keys& dropped() { return dropped_; }
+  // Of the others.
   Keys& began() { return began_; }
   Keys& ended() { return ended_; }
 
@@ -126,56 +185,84 @@ class PairUpdate {
     const WithRacyReads reads;
     for (std::size_t i = 0; i < version_.PendingCount(); ++i) AddPending(i);
   }
-  void Merge(const Candidates& candidates) {
-    now_.Clear();
+  // Of candidates, keeps those of bodies that did not change, and tests again
+  // those of bodies that moved inside their bounds.
+  void Retest(Span<const std::uint64_t> candidates) {
+    kept_.Clear();
+    dropped_.Clear();
     began_.Clear();
     ended_.Clear();
-    now_.Reserve(candidates.old.size() + candidates.found.size());
-    kernels::InDefaultFpMode([&] { MergeInto(candidates, now_); });
+    kept_.Reserve(candidates.size());
+    const WithRacyReads reads;
+    kernels::InDefaultFpMode([&] {
+      WithAxes(state_.shape.axes, [&](auto axes) {
+        for (std::size_t i = 0; i < candidates.size(); i += kSome) {
+          RetestSome<decltype(axes)::value>(
+              {candidates.data() + i, std::min(kSome, candidates.size() - i)});
+        }
+      });
+    });
   }
 
  private:
-  // In the default floating-point mode: UpdatePairs() takes 1.1 times as long
-  // with DoOverlap().
-  static bool Overlap(const Body& a, const Body& b, std::size_t axes) {
-    bool is_apart = false;
-    for (std::size_t k = 0; k < axes; ++k) {
-      is_apart |= a.planes[k] > b.planes[axes + k];
-      is_apart |= b.planes[k] > a.planes[axes + k];
-    }
-    return !is_apart;
+  static unsigned BitOf(unsigned marks, Bodies::Mark mark) {
+    return marks / mark & 1;
   }
+
   [[gnu::noinline]] void Add(Span<const IdPair> pairs) {
-    for (const IdPair& pair : pairs) {
-      state_.bodies.Prefetch(pair.a);
-      state_.bodies.Prefetch(pair.b);
+    for (std::size_t i = 0; i < pairs.size(); i += kSome) {
+      AddSome({pairs.data() + i, std::min(kSome, pairs.size() - i)});
     }
-    kernels::DefaultFpMode mode;
-    kernels::CallApart([&] {
-      for (const IdPair& pair : pairs) AddOne(pair.a, pair.b, mode);
-    });
   }
   void Add(std::uint32_t a, std::uint32_t b) {
     const IdPair pair = {a, b};
     Add({&pair, 1});
   }
   // Two bodies whose bounds in the tree overlap. A body that is in no tree has
-  // its own bound instead.
-  void AddOne(std::uint32_t a, std::uint32_t b, kernels::DefaultFpMode& mode) {
-    if (!changed_.Has(a) && !changed_.Has(b)) return;
-    Body of_a;
-    Body of_b;
-    if (!state_.bodies.Read(a, of_a) || !state_.bodies.Read(b, of_b)) return;
-    bool is_kept = MasksMatch(of_a, of_b);
-    const PairFilter& filter = state_.options.filter;
-    if (filter.keep != nullptr) {
-      is_kept = mode.Outside([&] {
-        const WithoutRacyReads reads;
-        return filter.keep(filter.context, a, b, is_kept);
-      });
+  // its own bound instead. Nothing predicts which have changed, so there is no
+  // branch for it.
+  void AddSome(Span<const IdPair> pairs) {
+    IdPair some[kSome];
+    std::size_t count = 0;
+    for (const IdPair& pair : pairs) {
+      some[count] = pair;
+      count += BitOf(unsigned{marks_.Of(pair.a)} | marks_.Of(pair.b),
+                     Bodies::kNewPairs);
     }
-    if (is_kept)
-      found_.Push(KeyOf(a, b, Overlap(of_a, of_b, state_.shape.axes)));
+    if (state_.HasMasks() || state_.options.filter.keep != nullptr) {
+      count = Filter(some, count);
+    }
+    found_.Reserve(found_.size() + count);
+    kernels::InDefaultFpMode([&] {
+      WithAxes(state_.shape.axes, [&](auto axes) {
+        for (std::size_t i = 0; i < count; ++i) {
+          const auto [a, b] = some[i];
+          const bool is_pair =
+              state_.bodies.DoOverlap<decltype(axes)::value>(a, b);
+          found_.Push(KeyOf(a, b, is_pair));
+        }
+      });
+    });
+  }
+  // Those that the masks and the filter keep, first. Returns how many.
+  [[gnu::noinline]] std::size_t Filter(IdPair* pairs, std::size_t count) const {
+    const PairFilter& filter = state_.options.filter;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto [a, b] = pairs[i];
+      Body of_a;
+      Body of_b;
+      if (!state_.bodies.Read(a, of_a) || !state_.bodies.Read(b, of_b))
+        continue;
+      bool is_kept = MasksMatch(of_a, of_b);
+      if (filter.keep != nullptr) {
+        const WithoutRacyReads reads;
+        is_kept = filter.keep(filter.context, a, b, is_kept);
+      }
+      pairs[kept] = {a, b};
+      kept += is_kept ? 1 : 0;
+    }
+    return kept;
   }
 
   [[gnu::noinline]] void AddPending(std::size_t i) {
@@ -197,104 +284,77 @@ class PairUpdate {
         &call, QueryOptions());
   }
 
-  // Records of so many candidates are prefetched together.
-  static constexpr std::size_t kSome = 64;
-  // Records of fewer bodies are near, and those of a few are not prefetched, as
-  // nothing predicts which these are.
-  static constexpr std::size_t kInCacheBodies = 8192;
-
-  // Puts what was found among the other candidates of bodies that did not
-  // change, and tests those of bodies that moved inside their bounds.
-  void MergeInto(const Candidates& candidates, Keys& now) {
-    const std::uint64_t* next = candidates.found.begin();
-    const std::uint64_t* const found_end = candidates.found.end();
-    std::uint64_t* to = now.data();
-    const auto begin_before = [&](std::uint64_t key) {
-      for (; next != found_end && *next < key; ++next) {
-        if (IsPair(*next)) began_.Push(*next);
-        *to++ = *next;
-      }
-    };
-    const auto merge = [&](std::uint64_t old) {
-      const std::uint32_t a = LowOf(old);
-      const std::uint32_t b = HighOf(old);
-      std::uint64_t is = old;
-      if (changed_.Has(a) || changed_.Has(b)) {
-        const std::uint64_t key = old & ~std::uint64_t{1};
-        begin_before(key);
-        if (next == found_end || *next - key >= 2) {
-          if (IsPair(old)) ended_.Push(old);
-          return;
-        }
-        is = *next++;
-      } else {
-        begin_before(old);
-        if (touched_.Has(a) || touched_.Has(b)) is = TestAgain(a, b);
-      }
-      if (is != old) (IsPair(is) ? began_ : ended_).Push(is);
-      *to++ = is;
-    };
-    const bool is_prefetched =
-        4 * touched_.size() > std::max(kInCacheBodies, state_.size.load());
-    const std::uint64_t* const end = candidates.old.end();
-    for (const std::uint64_t* some = candidates.old.begin(); some != end;) {
-      const std::uint64_t* const some_end =
-          some + std::min<std::ptrdiff_t>(kSome, end - some);
-      for (const std::uint64_t* k = some; is_prefetched && k != some_end; ++k) {
-        state_.bodies.Prefetch(HighOf(*k));
-      }
-      for (; some != some_end; ++some) merge(*some);
+  // The lists have room. Without branches that nothing predicts.
+  template <std::size_t kAxes>
+  void RetestSome(Span<const std::uint64_t> candidates) {
+    std::uint64_t* to = kept_.end();
+    std::uint64_t* again[kSome];
+    std::uint64_t dropped[kSome];
+    std::size_t again_count = 0;
+    std::size_t dropped_count = 0;
+    for (const std::uint64_t key : candidates) {
+      const unsigned marks = marks_.Of(LowOf(key)) | marks_.Of(HighOf(key));
+      const unsigned is_changed = BitOf(marks, Bodies::kNewPairs);
+      *to = key;
+      again[again_count] = to;
+      dropped[dropped_count] = key;
+      to += is_changed ^ 1;
+      again_count += BitOf(marks, Bodies::kTouched) & (is_changed ^ 1);
+      dropped_count += is_changed & key;
     }
-    begin_before(~std::uint64_t{0});
-    now.SetSize(static_cast<std::size_t>(to - now.data()));
-  }
-
-  // A candidate, which the masks and the filter keep.
-  std::uint64_t TestAgain(std::uint32_t a, std::uint32_t b) {
-    // Keys ascend, so the next ones often have the same first body.
-    if (a != low_) {
-      low_ = a;
-      has_low_ = state_.bodies.Read(a, of_low_, false);
+    kept_.SetSize(static_cast<std::size_t>(to - kept_.begin()));
+    for (std::size_t i = 0; i < dropped_count; ++i) dropped_.Push(dropped[i]);
+    for (std::size_t i = 0; i < again_count; ++i) {
     }
-    Body of_b;
-    const bool is_pair = has_low_ && state_.bodies.Read(b, of_b, false) &&
-                         Overlap(of_low_, of_b, state_.shape.axes);
-    return KeyOf(a, b, is_pair);
+    for (std::size_t i = 0; i < again_count; ++i) {
+      const std::uint64_t old = *again[i];
+      const bool is_pair =
+          state_.bodies.DoOverlap<kAxes>(LowOf(old), HighOf(old));
+      const std::uint64_t now = (old & ~std::uint64_t{1}) | (is_pair ? 1 : 0);
+      *again[i] = now;
+      if (now != old) (IsPair(now) ? began_ : ended_).Push(now);
+    }
   }
 
   const BroadPhaseState& state_;
   const Version& version_;
-  const IdSet& changed_;
-  const IdSet& touched_;
+  const PairMarks& marks_;
   Keys found_;
-  Keys now_;
+  Keys kept_;
+  Keys dropped_;
   Keys began_;
   Keys ended_;
-  std::uint32_t low_ = ~std::uint32_t{0};
-  bool has_low_ = false;
-  Body of_low_;
 };
+
+// Appends those of one list that are not in the other. Both ascend.
+void AppendMissing(const Keys& of, const Keys& other, Keys& to) {
+  std::size_t next = 0;
+  for (const std::uint64_t key : of) {
+    while (next < other.size() && other[next] < key) ++next;
+    if (next == other.size() || other[next] != key) to.Push(key);
+  }
+}
 
 // All of an update of pairs. The parts do not depend on the threads.
 class PairUpdates {
  public:
   PairUpdates(BroadPhaseState& state, const Version& version,
-              const IdSet& changed, const IdSet& touched, const Runner& run)
+              const PairMarks& marks, const Runner& run)
       : state_(state),
         version_(version),
-        changed_(changed),
+        marks_(marks),
         run_(run),
-        is_of_set_(kShareOfSet * changed.size() < version.tree.size()),
+        is_of_set_(kShareOfSet * marks.changed_count() < version.tree.size()),
         blocks_(BlocksOf(version.tree.ids().size())),
         find_parts_(is_of_set_ ? 1 : PartsFor(blocks_ / kMostBlocks)),
-        merge_parts_(PartsFor(state.candidates.size() / kMostKeys)),
+        retest_parts_(PartsFor(state.candidates.size() / kMostKeys)),
         memory_(state.options.memory),
         scratch_(state.options.memory,
-                 std::max(find_parts_, merge_parts_) * sizeof(PairUpdate)),
+                 std::max(find_parts_, retest_parts_) * sizeof(PairUpdate)),
         parts_(reinterpret_cast<PairUpdate*>(scratch_.data())) {
-    for (; made_ < std::max(find_parts_, merge_parts_); ++made_) {
+    for (; made_ < std::max(find_parts_, retest_parts_); ++made_) {
       new (parts_ + made_)
-          PairUpdate(state, version, changed, touched, memory_.resource());
+          PairUpdate(state, version, marks, memory_.resource());
     }
   }
   PairUpdates(const PairUpdates&) = delete;
@@ -302,34 +362,40 @@ class PairUpdates {
   ~PairUpdates() { std::destroy_n(parts_, made_); }
 
   void Run(const BvhPairKernels* kernels, Keys& began, Keys& ended) {
-    Keys found(state_.options.memory);
-    if (changed_.size() > 0) {
-      Find(kernels);
-      Append(find_parts_, &PairUpdate::found, found);
-      Sort(state_.options.memory, found);
-    }
+    const MemoryResource& memory = state_.options.memory;
+    if (marks_.changed_count() > 0) Find(kernels);
     const Keys& old = state_.candidates;
-    const std::size_t parts = merge_parts_;
-    // Where a part begins in a list.
-    const auto at = [&](const Keys& keys, std::size_t part) {
-      if (part == 0) return keys.begin();
-      if (part == parts) return keys.end();
-      return std::lower_bound(
-          keys.begin(), keys.end(),
-          old[old.size() / parts * part] & ~std::uint64_t{1});
-    };
-    const auto range = [&](const Keys& keys, std::size_t part) {
-      std::uint64_t* const begin = at(keys, part);
-      return Span<const std::uint64_t>(
-          begin, static_cast<std::size_t>(at(keys, part + 1) - begin));
-    };
+    const std::size_t parts = retest_parts_;
     RunParts(parts, [&](std::size_t part) {
-      parts_[part].Merge({range(old, part), range(found, part)});
+      const std::size_t begin = old.size() * part / parts;
+      const std::size_t end = old.size() * (part + 1) / parts;
+      parts_[part].Retest({old.data() + begin, end - begin});
     });
-    Keys now(state_.options.memory);
-    Append(parts, &PairUpdate::now, now);
-    Append(parts, &PairUpdate::began, began);
-    Append(parts, &PairUpdate::ended, ended);
+    Keys now(memory);
+    now.Reserve(CountOf(&PairUpdate::kept) + CountOf(&PairUpdate::found));
+    Append(&PairUpdate::kept, now);
+    Append(&PairUpdate::began, began);
+    Append(&PairUpdate::ended, ended);
+    if (marks_.changed_count() > 0) {
+      Keys found(memory);
+      Append(&PairUpdate::found, found);
+      // So that those of the next call are sorted, if all bodies change.
+      if (!state_.has_margin) Sort(memory, found);
+      Append(found, now);
+      Keys after(memory);
+      after.Reserve(found.size());
+      for (const std::uint64_t key : found) {
+        if (IsPair(key)) after.Push(key);
+      }
+      Sort(memory, after);
+      Keys before(memory);
+      Append(&PairUpdate::dropped, before);
+      Sort(memory, before);
+      AppendMissing(before, after, ended);
+      AppendMissing(after, before, began);
+    }
+    Sort(memory, began);
+    Sort(memory, ended);
     state_.candidates.Swap(now);
     state_.pairs += began.size();
     state_.pairs -= ended.size();
@@ -349,8 +415,8 @@ class PairUpdates {
   [[gnu::noinline]] void Find(const BvhPairKernels* kernels) {
     if (is_of_set_) {
       List<std::uint32_t> ids(state_.options.memory);
-      ids.Reserve(changed_.size());
-      changed_.ForEach([&](std::uint32_t id) {
+      ids.Reserve(marks_.changed_count());
+      marks_.ForEach(Bodies::kNewPairs, [&](std::uint32_t id) {
         if (version_.Find(id) != nullptr) ids.Push(id);
       });
       const Span<const std::uint32_t> set = ids;
@@ -387,29 +453,30 @@ class PairUpdates {
 #endif
   }
 
-  // Moves the lists of the parts to an empty one.
-  void Append(std::size_t parts, Keys& (PairUpdate::*keys)(), Keys& to) {
-    if (parts == 1) return to.Swap((parts_[0].*keys)());
+  using ListOf = Keys& (PairUpdate::*)();
+  std::size_t CountOf(ListOf list) {
     std::size_t count = 0;
-    for (std::size_t p = 0; p < parts; ++p) {
-      count += (parts_[p].*keys)().size();
-    }
-    to.Reserve(count);
-    for (std::size_t p = 0; p < parts; ++p) {
-      const Keys& from = (parts_[p].*keys)();
-      std::copy(from.begin(), from.end(), to.end());
-      to.SetSize(to.size() + from.size());
-    }
+    for (std::size_t p = 0; p < made_; ++p) count += (parts_[p].*list)().size();
+    return count;
+  }
+  void Append(ListOf list, Keys& to) {
+    to.Reserve(to.size() + CountOf(list));
+    for (std::size_t p = 0; p < made_; ++p) Append((parts_[p].*list)(), to);
+  }
+  // `to` has room.
+  static void Append(const Keys& from, Keys& to) {
+    std::copy(from.begin(), from.end(), to.end());
+    to.SetSize(to.size() + from.size());
   }
 
   BroadPhaseState& state_;
   const Version& version_;
-  const IdSet& changed_;
+  const PairMarks& marks_;
   const Runner& run_;
   const bool is_of_set_;
   const std::size_t blocks_;
   const std::size_t find_parts_;
-  const std::size_t merge_parts_;
+  const std::size_t retest_parts_;
   LockedMemory memory_;  // of the parts
   const Scratch scratch_;
   PairUpdate* const parts_;
@@ -507,13 +574,9 @@ class PairFinder {
     options.margin = margin_;
     bool goes_on = true;
     const auto call = [&](Span<const IdPair> pairs) {
-      for (const IdPair& pair : pairs) {
-        state_.bodies.Prefetch(pair.a);
-        state_.bodies.Prefetch(pair.b);
-      }
-      for (const IdPair& pair : pairs) {
-        goes_on = Test(pair.a, pair.b);
-        if (!goes_on) break;
+      for (std::size_t i = 0; i < pairs.size() && goes_on; i += kSome) {
+        goes_on =
+            TestSome({pairs.data() + i, std::min(kSome, pairs.size() - i)});
       }
       return goes_on;
     };
@@ -593,21 +656,49 @@ class PairFinder {
     return true;
   }
 
+  // Calls the function for those that are pairs. Returns whether to go on. Most
+  // candidates are none if the bounds in the tree are larger: they are tested
+  // together.
+  [[gnu::noinline]] bool TestSome(Span<const IdPair> pairs) {
+    IdPair some[kSome];
+    std::size_t count = 0;
+    if (margin_ == 0) {
+      kernels::InDefaultFpMode([&] {
+        WithAxes(state_.shape.axes, [&](auto axes) {
+          for (const IdPair& pair : pairs) {
+            some[count] = pair;
+            count +=
+                state_.bodies.DoOverlap<decltype(axes)::value>(pair.a, pair.b)
+                    ? 1
+                    : 0;
+          }
+        });
+      });
+    } else {
+      count = pairs.size();
+      std::copy(pairs.begin(), pairs.end(), some);
+    }
+    const bool is_tested = margin_ == 0 && masks_ == nullptr &&
+                           !state_.HasMasks() &&
+                           state_.options.filter.keep == nullptr;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!is_tested) {
+        if (!Test(some[i].a, some[i].b)) return false;
+        continue;
+      }
+      const WithoutRacyReads reads;
+      if (!function_(context_, some[i].a, some[i].b)) return false;
+    }
+    return true;
+  }
+
   // Calls the function if the two are a pair. Returns whether to go on.
   [[gnu::noinline]] bool Test(std::uint32_t a, std::uint32_t b) {
     Body of_a;
     Body of_b;
-    const auto read = [&](bool has_masks) {
-      return state_.bodies.Read(a, of_a, has_masks) &&
-             state_.bodies.Read(b, of_b, has_masks);
-    };
-    // Most candidates end here if the bounds in the tree are larger.
-    if (state_.has_margin && margin_ == 0 &&
-        (!read(false) ||
-         !DoOverlap(of_a.planes, of_b.planes, state_.shape.axes))) {
+    if (!state_.bodies.Read(a, of_a) || !state_.bodies.Read(b, of_b)) {
       return true;
     }
-    if (!read(true)) return true;
     const bool masks_match =
         masks_ == nullptr
             ? MasksMatch(of_a, of_b)
@@ -668,15 +759,11 @@ void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
   Keys ended(memory);
   {
     const std::scoped_lock lock(state.mutex);
-    TakenMarks changed(state, Bodies::kNewPairs);
-    TakenMarks touched(state, Bodies::kTouched);
-    changed.Take();
-    touched.Take();
+    PairMarks marks(state);
+    if (marks.empty()) return;
     const Held version(state);
-    PairUpdates(state, *version, changed, touched, run)
-        .Run(kernels, began, ended);
-    changed.Keep();
-    touched.Keep();
+    PairUpdates(state, *version, marks, run).Run(kernels, began, ended);
+    marks.Keep();
   }
   for (const std::uint64_t key : ended) {
     events.ended(events.context, LowOf(key), HighOf(key));

@@ -10,6 +10,7 @@
 #include <thread>
 #include <tuple>
 
+#include "dispatch/broad_phase/exact.h"
 #include "dispatch/bvh/layout.h"
 #include "kernels/error.h"
 #include "kernels/exact/default_fp_mode.h"
@@ -163,6 +164,23 @@ std::uint64_t Bodies::TakeMarkedOf(std::size_t word, Mark mark) {
     bits |= BitsOf(eight.fetch_and(~all), mark) << 8 * i;
   }
   return bits;
+}
+
+std::uint64_t Bodies::TakePairMarks(std::size_t word) {
+  const auto take = [word](std::uint64_t* of, Mark mark) -> std::uint64_t {
+    const std::atomic_ref<std::uint64_t> eight(of[word]);
+    const std::uint64_t all = EightOf(mark);
+    if ((eight.load(std::memory_order_relaxed) & all) == 0) return 0;
+    return eight.fetch_and(~all) & all;
+  };
+  return take(marks_, kNewPairs) | take(touched_, kTouched);
+}
+
+bool Bodies::DoOverlapSlowly(std::uint32_t a, std::uint32_t b) const {
+  Body of_a;
+  Body of_b;
+  if (!Read(a, of_a, false) || !Read(b, of_b, false)) return false;
+  return detail::DoOverlap(of_a.planes, of_b.planes, planes_ / 2);
 }
 
 void Bodies::ReadMasks(std::size_t id, BodyMasks& masks) const {
