@@ -348,18 +348,21 @@ class PairUpdates {
         blocks_(BlocksOf(version.tree.ids().size())),
         find_parts_(is_of_set_ ? 1 : PartsFor(blocks_ / kMostBlocks)),
         retest_parts_(PartsFor(state.candidates.size() / kMostKeys)),
+        part_count_(std::max(find_parts_, retest_parts_)),
         memory_(state.options.memory),
         scratch_(state.options.memory,
-                 std::max(find_parts_, retest_parts_) * sizeof(PairUpdate)),
-        parts_(reinterpret_cast<PairUpdate*>(scratch_.data())) {
-    for (; made_ < std::max(find_parts_, retest_parts_); ++made_) {
-      new (parts_ + made_)
-          PairUpdate(state, version, marks, memory_.resource());
+                 part_count_ == 1 ? 0 : part_count_ * sizeof(PairUpdate)),
+        parts_(reinterpret_cast<PairUpdate*>(
+            part_count_ == 1 ? one_part_ : scratch_.data())) {
+    const MemoryResource memory =
+        part_count_ == 1 ? state.options.memory : memory_.resource();
+    for (std::size_t p = 0; p < part_count_; ++p) {
+      new (parts_ + p) PairUpdate(state, version, marks, memory);
     }
   }
   PairUpdates(const PairUpdates&) = delete;
   PairUpdates& operator=(const PairUpdates&) = delete;
-  ~PairUpdates() { std::destroy_n(parts_, made_); }
+  ~PairUpdates() { std::destroy_n(parts_, part_count_); }
 
   void Run(const BvhPairKernels* kernels, Keys& began, Keys& ended) {
     const MemoryResource& memory = state_.options.memory;
@@ -456,12 +459,14 @@ class PairUpdates {
   using ListOf = Keys& (PairUpdate::*)();
   std::size_t CountOf(ListOf list) {
     std::size_t count = 0;
-    for (std::size_t p = 0; p < made_; ++p) count += (parts_[p].*list)().size();
+    for (std::size_t p = 0; p < part_count_; ++p)
+      count += (parts_[p].*list)().size();
     return count;
   }
   void Append(ListOf list, Keys& to) {
     to.Reserve(to.size() + CountOf(list));
-    for (std::size_t p = 0; p < made_; ++p) Append((parts_[p].*list)(), to);
+    for (std::size_t p = 0; p < part_count_; ++p)
+      Append((parts_[p].*list)(), to);
   }
   // `to` has room.
   static void Append(const Keys& from, Keys& to) {
@@ -477,10 +482,11 @@ class PairUpdates {
   const std::size_t blocks_;
   const std::size_t find_parts_;
   const std::size_t retest_parts_;
-  LockedMemory memory_;  // of the parts
+  const std::size_t part_count_;
+  LockedMemory memory_;  // of several parts
   const Scratch scratch_;
+  alignas(PairUpdate) std::byte one_part_[sizeof(PairUpdate)];
   PairUpdate* const parts_;
-  std::size_t made_ = 0;
 };
 
 // The masks of a call for the bodies of its set.
