@@ -471,6 +471,7 @@ class BodyContest {
     const std::size_t fastest = FastestOf(timings, competitors);
     throughput_.AddRatio(aim, ChosenTarget(),
                          world_ + " " + Grouped(scene_.size()) + ", " + what +
+                             (ours == kWithMargin ? ", margin 0.1" : "") +
                              ": times " + names[fastest],
                          RatioOf(timings[fastest], timings[ours]));
   }
