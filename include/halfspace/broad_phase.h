@@ -180,14 +180,6 @@ bool CallWithBody(void* function, std::uint32_t id, const float* planes) {
   }
 }
 
-template <typename Bound, typename Function>
-float CallWithCast(void* function, std::uint32_t id, float t,
-                   const float* planes) {
-  auto& call = *static_cast<Function*>(function);
-  return NearCall<Bound, Function>::Call(
-      [&] { return call(id, t, BoundFrom<Bound>(planes)); });
-}
-
 template <typename Function>
 bool CallWithPair(void* function, std::uint32_t a, std::uint32_t b) {
   auto& call = *static_cast<Function*>(function);
@@ -326,12 +318,13 @@ class BroadPhase {
         Context(function));
   }
 
-  // Calls function(std::uint32_t id, float t, const Bound&) for the bodies that
-  // `box` touches on its way to `box` + max_t * `direction`, or that a ray
-  // enters. The function returns nothing, a Visit, or a Limit of t (visit.h).
-  // With Limit, a negative one ends the cast, and an infinite one changes
-  // nothing. Bodies come about near to far, and not sorted. t, limits, NaN and
-  // infinities are as in BoxCast() and RayCast() (bvh_nearest.h).
+  // Calls function(std::uint32_t id, float t, const Bound&), or function(id,
+  // t), for the bodies that `box` touches on its way to `box` + max_t *
+  // `direction`, or that a ray enters. The function returns nothing, a Visit,
+  // or a Limit of t (visit.h). With Limit, a negative one ends the cast, and an
+  // infinite one changes nothing. Bodies come about near to far, and not
+  // sorted. t, limits, NaN and infinities are as in BoxCast() and RayCast()
+  // (bvh_nearest.h).
   template <typename Function>
   void ForEachCast(const Aabb<kDimensions>& box,
                    const Point<kDimensions>& direction, float max_t,
@@ -452,8 +445,9 @@ class BroadPhase {
   template <typename Function>
   void Cast(const detail::LineCast& cast, std::uint64_t mask,
             Function& function) const {
-    core_.ForEachCast(cast, mask, &detail::CallWithCast<Bound, Function>,
-                      Context(function));
+    using Call = detail::NearCall<Bound, Function, 1>;
+    Call call{function};
+    core_.ForEachCast(cast, mask, &Call::Run, &call);
   }
 
   detail::BroadPhaseCore core_;

@@ -61,8 +61,10 @@ inline float LimitOf(Visit visit) {
 }
 inline float LimitOf(Limit limit) { return limit.value; }
 
-// A function of the caller's as a NearFunction.
-template <typename Bound, typename Function>
+// A function of the caller's as a NearFunction, whose planes are `kStride`
+// values apart.
+template <typename Bound, typename Function,
+          std::size_t kStride = kBlockObjects>
 struct NearCall {
   Function& function;
 
@@ -73,7 +75,7 @@ struct NearCall {
                                       const Bound&>) {
       PlaneValues<Bound> values;
       for (std::size_t p = 0; p < values.size(); ++p) {
-        values[p] = planes[p * kBlockObjects];
+        values[p] = planes[p * kStride];
       }
       const Bound bound = BoundOf<Bound>(values);
       return Call([&] { return function(id, value, bound); });

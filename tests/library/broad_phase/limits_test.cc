@@ -36,6 +36,10 @@ TEST(BroadPhaseTest, FindsWhatItWasTold) {
   found.clear();
   bodies.ForEach(kUnit, 2, list);
   EXPECT_EQ(found, Ids{5});
+  found.clear();
+  bodies.ForEachCast(kUnit, {1, 0, 0}, 1, 2,
+                     [&](std::uint32_t id, float) { found.push_back(id); });
+  EXPECT_EQ(found, Ids{5});
   std::vector<std::string> events;
   const auto update = [&] {
     bodies.UpdatePairs(
