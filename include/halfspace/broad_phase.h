@@ -125,24 +125,18 @@ struct BroadPhaseStatistics {
 
 namespace detail {
 
-template <typename Bound>
-Bound BoundFrom(const float* planes) {
-  PlaneValues<Bound> values;
-  for (std::size_t p = 0; p < values.size(); ++p) values[p] = planes[p];
-  return BoundOf<Bound>(values);
-}
-
 // The caller's functions as those of detail/broad_phase.h.
 template <typename Bound, typename Function>
 bool CallWithBody(void* function, std::uint32_t id, const float* planes) {
   auto& call = *static_cast<Function*>(function);
-  using Result = decltype(call(id, BoundFrom<Bound>(planes)));
+  const auto bound = BoundFrom<Bound, 1>(planes);
+  using Result = decltype(call(id, bound));
   static_assert(std::is_void_v<Result> || std::is_same_v<Result, Visit>,
                 "the function must return void or Visit (visit.h)");
   if constexpr (std::is_same_v<Result, Visit>) {
-    return call(id, BoundFrom<Bound>(planes)) == Visit::kContinue;
+    return call(id, bound) == Visit::kContinue;
   } else {
-    call(id, BoundFrom<Bound>(planes));
+    call(id, bound);
     return true;
   }
 }

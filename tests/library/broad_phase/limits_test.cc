@@ -28,7 +28,7 @@ TEST(BroadPhaseTest, FindsWhatItWasTold) {
   bodies.Insert(5, {{0.5f, 0, 0}, {2, 1, 1}}, {.category = 2});
   bodies.Insert(7, {{9, 9, 9}, {10, 10, 10}});
   Ids found;
-  const auto list = [&](std::uint32_t id, const Aabb3&) {
+  const auto list = [&](std::uint32_t id, auto& /*bound*/) {
     found.push_back(id);
   };
   bodies.ForEach(kUnit, kAll, list);
