@@ -46,16 +46,14 @@ std::uint32_t FirstHit(const halfspace::AabbBroadPhase3& bodies,
                        const Exact& exact) {
   std::uint32_t hit = ~std::uint32_t{0};
   float limit = 1;
-  bodies.ForEachCast(
-      box, motion, 1.0f, mask,
-      [&](std::uint32_t id, float, const halfspace::Aabb3&) {
-        const float fraction = exact(id);
-        if (fraction <= limit) {
-          limit = fraction;
-          hit = id;
-        }
-        return halfspace::Limit{limit};  // nothing beyond it is found any more
-      });
+  bodies.ForEachCast(box, motion, 1.0f, mask, [&](std::uint32_t id, float) {
+    const float fraction = exact(id);
+    if (fraction <= limit) {
+      limit = fraction;
+      hit = id;
+    }
+    return halfspace::Limit{limit};  // nothing beyond it is found any more
+  });
   return hit;
 }
 
