@@ -199,8 +199,9 @@ class PairUpdate {
 
   // Records of so many candidates are prefetched together.
   static constexpr std::size_t kSome = 64;
-  // Records of fewer bodies are near, and those of a few are not prefetched, as
-  // nothing predicts which these are.
+  // The records of so many bodies stay in the cache. A prefetch gains nothing
+  // there, or if few bodies were touched: few records are read then, and
+  // nothing predicts which.
   static constexpr std::size_t kInCacheBodies = 8192;
 
   // Puts what was found among the other candidates of bodies that did not
