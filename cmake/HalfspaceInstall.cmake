@@ -54,10 +54,11 @@ install(FILES "${CMAKE_CURRENT_BINARY_DIR}/halfspace.pc"
         DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig"
         COMPONENT halfspace_development)
 
-# The headers name pages of docs/.
+# The headers name pages of docs/, which show pictures.
 install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 install(DIRECTORY docs/ DESTINATION "${CMAKE_INSTALL_DOCDIR}"
-        COMPONENT halfspace_development FILES_MATCHING PATTERN "*.md")
+        COMPONENT halfspace_development
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg")
 
 if(PROJECT_IS_TOP_LEVEL)
   include(HalfspacePackage)

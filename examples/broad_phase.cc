@@ -1,5 +1,5 @@
 // A broad phase: bodies that move on two threads, the pairs that began or ended
-// to touch in each frame, and a query.
+// to touch in each frame, a query, and a ray cast.
 #include <halfspace/halfspace.h>
 
 #include <cstddef>
@@ -75,6 +75,19 @@ int main() {
   std::printf("%zu pairs touch in the last frame; the query finds %zu bodies\n",
               touching, found);
 
+  // The first body that a ray enters.
+  const halfspace::Ray3 ray = {{-5, 0.5f, 0.5f}, {1, 0, 0}, 100};
+  std::uint32_t first = 0;
+  float distance = ray.max_t;
+  bodies.ForEachCast(ray, ~std::uint64_t{0}, [&](std::uint32_t id, float t) {
+    if (t < distance) {
+      distance = t;
+      first = id;
+    }
+    return halfspace::Limit{distance};  // finds nothing beyond it any more
+  });
+  std::printf("the ray enters body %u at %g\n", first, distance);
+
   // By a test of each pair.
   std::size_t expected = 0;
   for (std::size_t a = 0; a < kBodies; ++a) {
@@ -88,5 +101,5 @@ int main() {
       expected += is_apart ? 0 : 1;
     }
   }
-  return touching == expected && expected > 0 ? 0 : 1;
+  return touching == expected && expected > 0 && first == 1 ? 0 : 1;
 }

@@ -26,15 +26,16 @@ bool KeepByGroup(void* context, std::uint32_t a, std::uint32_t b,
   return group[a] > 0;
 }
 
-// Calls add(a, b) for each pair of an active body, `a`, and another body.
+// Calls add(a, b) for each pair of an active body, `a`, and another body whose
+// bounds are at most `distance` apart on each axis.
 template <typename Add>
 void Frame(halfspace::AabbBroadPhase3& bodies,
            const std::vector<std::uint32_t>& active,
-           const std::vector<halfspace::Aabb3>& bounds, float margin,
+           const std::vector<halfspace::Aabb3>& bounds, float distance,
            const Add& add) {
   bodies.Move(active, bounds);  // or a part of them on each thread
   bodies.Update();
-  bodies.ForEachPairOf(active, margin, add);
+  bodies.ForEachPairOf(active, distance, add);
 }
 
 // The body that a moving box hits first. `exact` returns the fraction of the
@@ -46,16 +47,14 @@ std::uint32_t FirstHit(const halfspace::AabbBroadPhase3& bodies,
                        const Exact& exact) {
   std::uint32_t hit = ~std::uint32_t{0};
   float limit = 1;
-  bodies.ForEachCast(
-      box, motion, 1.0f, mask,
-      [&](std::uint32_t id, float, const halfspace::Aabb3&) {
-        const float fraction = exact(id);
-        if (fraction <= limit) {
-          limit = fraction;
-          hit = id;
-        }
-        return halfspace::Limit{limit};  // nothing beyond it is found any more
-      });
+  bodies.ForEachCast(box, motion, 1.0f, mask, [&](std::uint32_t id, float) {
+    const float fraction = exact(id);
+    if (fraction <= limit) {
+      limit = fraction;
+      hit = id;
+    }
+    return halfspace::Limit{limit};  // nothing beyond it is found any more
+  });
   return hit;
 }
 

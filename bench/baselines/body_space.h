@@ -1,6 +1,6 @@
-// Competitors of broad phases: spaces of bodies that move, as physics engines
-// have them. Each is used by the interface of its library that is fastest for
-// the question, in one thread.
+// Broad phases of other libraries, which the benchmarks compare with
+// BroadPhase. A space calls the fastest interface of its library, in one
+// thread.
 //
 // Boxes are closed, finite and not inverted. Ids are 0 to `bodies - 1`. The
 // answers are those of the exact boxes: a space with larger boxes tests the
@@ -36,7 +36,7 @@ bool Touch(const Aabb<kDims>& a, const Aabb<kDims>& b) {
   return touch;
 }
 
-// An id as the pointer that a library keeps with a body, and back.
+// Convert an id to the pointer that a library stores with a body, and back.
 inline void* DataOf(std::uint32_t id) {
   // NOLINTNEXTLINE(performance-no-int-to-ptr): it points to nothing.
   return reinterpret_cast<void*>(std::uintptr_t{id});
@@ -45,7 +45,7 @@ inline std::uint32_t IdOfData(const void* data) {
   return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(data));
 }
 
-// A query: the box of a point or a box, or the shape in it.
+// A query by a shape. The shape of kBox is `box`, which can be a point.
 template <int kDims>
 struct BodyQuery {
   enum class Kind : std::uint8_t { kBox, kSphere, kOrientedBox };
@@ -95,7 +95,8 @@ struct BodyCast {
   float max_t;
 
   bool IsRay() const { return box.min == box.max; }
-  // Where it enters the body, or more than `limit`.
+  // Returns the t at which the cast enters the body, or infinity if that is
+  // beyond `limit`.
   float Enters(const Aabb<kDims>& body, float limit) const {
     float enter = 0;
     float leave = limit;
@@ -107,7 +108,7 @@ struct BodyCast {
     }
     return enter <= leave ? enter : std::numeric_limits<float>::infinity();
   }
-  // The box around the way up to `limit`.
+  // Returns the box around the path up to t = `limit`.
   Aabb<kDims> Way(float limit) const {
     Aabb<kDims> way = box;
     for (std::size_t k = 0; k < kDims; ++k) {
@@ -118,7 +119,7 @@ struct BodyCast {
   }
 };
 
-// What a cast finds: all bodies that it enters, or the closest one.
+// The result of a cast: all bodies that it enters, or the closest one.
 struct CastHits {
   std::size_t count = 0;
   float limit;  // the least t of the closest
@@ -142,12 +143,12 @@ class BodySpace : public Competitor {
   explicit BodySpace(std::size_t bodies) : boxes_(bodies), moved_(bodies) {}
 
   virtual void Insert(Ids ids, Boxes boxes) = 0;
-  // Moves bodies, and does what is due once a frame.
+  // Moves bodies, and does the work of a frame.
   virtual void Step(Ids ids, Boxes boxes) = 0;
-  // The pairs that touch, of which one is a body of the last Step(), each once.
+  // Appends the pairs that touch and have a body of the last Step(), each once.
   virtual void PairsOf(Ids ids, std::vector<IndexPair>& found) = 0;
-  // All pairs that touch. A space that tells how its pairs change need not list
-  // them. Returns how many they are.
+  // Appends all pairs that touch, and returns their number. A space that
+  // reports how its pairs change may return the number alone.
   virtual std::size_t AllPairs(std::vector<IndexPair>& found) = 0;
   // Appends the bodies that touch the query.
   virtual void Find(const BodyQuery<kDims>& query,
@@ -159,7 +160,7 @@ class BodySpace : public Competitor {
   virtual bool CanCastBoxes() const { return CanCast(); }
 
  protected:
-  // Calls function(id, box) for each, after the exact box was stored.
+  // Calls function(id, box) for each body, then stores its exact box.
   template <typename Function>
   void Store(Ids ids, Boxes boxes, Function function) {
     for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -167,8 +168,8 @@ class BodySpace : public Competitor {
       boxes_[ids[i]] = boxes[i];
     }
   }
-  // The pairs that touch among those that visit(function) calls function(a, b)
-  // for: of Step()'s bodies, or all.
+  // Appends the pairs that touch: those with a body of `ids`, or all.
+  // visit(function) calls function(a, b) for the candidates.
   template <typename Visit>
   void PairsAmong(Ids ids, std::vector<IndexPair>& found, Visit visit) {
     for (std::uint32_t id : ids) moved_[id] = 1;
@@ -186,8 +187,8 @@ class BodySpace : public Competitor {
     });
     return found.size();
   }
-  // The same by a query for each of Step()'s bodies: each(a, function) calls
-  // function(b) for those near a.
+  // The same by a query for each of `ids`: each(a, function) calls function(b)
+  // for the bodies near a.
   template <typename Each>
   void PairsByQueries(Ids ids, std::vector<IndexPair>& found, Each each) {
     for (std::uint32_t id : ids) moved_[id] = 1;

@@ -177,7 +177,7 @@ class BodyChanges {
                          "queries" + size_ + " after " + Grouped(changes) +
                              " erasures and inserts" +
                              (is_later ? " a frame later" : "") +
-                             ": time over that of a rebuilt world",
+                             ": time / time after a rebuild",
                          RatioOf(timings[0], timings[1]));
   }
 

@@ -85,7 +85,8 @@ class BodyCaster {
       return (planes[plane.plane] - plane.offset) * plane.inverse;
     };
     float enter = 0;
-    // That of a ball is rounded later, and then compared with the limit.
+    // BallEntryOf() rounds the t of a ball down. CastAt() compares the result
+    // with the limit.
     float exit = is_ball_ ? max_t_ : limit_;
     std::size_t p = 0;
     for (; p < line_->entering; ++p) {
@@ -101,10 +102,10 @@ class BodyCaster {
     return is_ball_ ? BallEntryOf(planes, ReportedTime(enter), exit) : enter;
   }
 
-  // At most the t from `enter` to `exit` at which the ball touches the box of
-  // the first axes, or infinite. Its squared distance is a quadratic in t
-  // between the times at which the center passes a plane. All of it is rounded
-  // so that the distance is no greater than the exact one.
+  // Returns the t from `enter` to `exit` at which the ball first touches the
+  // box of the first axes, or infinity. The t is at most the exact one, because
+  // the squared distance is rounded down. Between the times at which the center
+  // passes a plane, this distance is a quadratic in t.
   float BallEntryOf(const float* planes, float enter, float exit) const {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     struct Axis {

@@ -14,7 +14,8 @@ namespace {
 constexpr double kDecayed = 1.25;
 constexpr double kAllDecayed = 2;
 
-// Updates in a row that may leave a few bounds as they are.
+// Update() may leave a few bounds that are not tight. The last of so many calls
+// in a row tightens them.
 constexpr std::size_t kMostDeferred = 8;
 
 constexpr const char* kInsert = "BroadPhase::Insert";

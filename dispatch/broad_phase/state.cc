@@ -51,9 +51,10 @@ void MoveOutward(float& of_tree, float plane, bool is_max) {
   }
 }
 
-// Whether a body has all of its planes, without a NaN, inside those of a node,
-// or of itself on level 0. The first plane of these is at `of_tree`, and the
-// others in the next planes of its block.
+// Returns whether all planes of a body are inside the planes of a node, or on
+// level 0, of the body's larger bound. A NaN is inside nothing. The first plane
+// of the node is at `of_tree`, and the others are in the next planes of its
+// block.
 template <std::size_t kAxes>
 bool PlanesEnclose(float* of_tree, const float* planes) {
   bool do_enclose = true;

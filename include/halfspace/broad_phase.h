@@ -13,17 +13,10 @@
 //
 // Bounds are boxes or octahedra of floats in 2 or 3 dimensions. A broad phase
 // keeps the bound of each body, and a BVH (bvh.h) of bounds that are larger by
-// a margin. Move() writes the body's bound. If the new bound is not inside the
-// larger bound, Move() makes the larger bound and its nodes grow in place.
-// Update() makes them tight again. UpdatePairs() keeps the pairs of larger
-// bounds that overlap. If a body moved inside its larger bound, it tests only
-// the stored pairs of that body.
-//
-// The margin and the history change no answer. A query finds the bodies that it
-// would find in a Bvh of the bodies' own bounds, and a cast finds the same t. A
-// query tests the body's own bound if the BVH stores a larger one. NaN, empty,
-// inverted and infinite bounds mean the same as in reject.h. Each body is found
-// at most once. For the rounding of t, see bvh_nearest.h.
+// a margin. The margin and the history change no answer. A query finds the
+// bodies that it would find in a Bvh of the bodies' own bounds, each at most
+// once. A cast finds the same t. NaN, empty, inverted and infinite bounds mean
+// the same as in reject.h.
 //
 // Thread safety:
 // - Queries, casts, ForEachPairOf(), Has(), Get(), MasksOf(), Bounds() and
@@ -33,32 +26,6 @@
 //   run on any thread, at the same time as the calls above. They wait for each
 //   other. They do not wait for queries or moves.
 // - Validate() must not run at the same time as Move().
-// - A query tests each body by a bound that the body had during the query. A
-//   Move() that returned before the query began (in the sense of
-//   happens-before) is seen. A query can see some moves of one Move() of many
-//   bodies, and not yet the others.
-// - Queries and moves take no lock. A query that meets a body whose bound is
-//   being written waits until it is written.
-// - The function of a query must return on the thread that called the query: a
-//   fiber must not go on on another thread.
-// - The function of a query may take locks, run other queries and call Move(),
-//   Insert() and the other calls. A query that is running keeps the tree that
-//   it began with. Its memory is freed by the first Update() after it has
-//   ended. It may still find a body that its function erased or moved away.
-//
-// Errors (error.h): `max_ids` is more than 2^29; the margin is negative or not
-// finite; an id is not below max_ids(), is inserted twice, or is not that of a
-// body; a list is null, misaligned, or has another size than `ids`; the errors
-// of bvh_shapes.h and bvh_nearest.h. The call has then changed nothing. A
-// failed allocation throws std::bad_alloc. All bodies, their bounds, masks and
-// pairs are then as before.
-//
-// Memory: boxes in 3 dimensions take about 5 KB, 46 bytes per id, 24 of them
-// the bound, and 33 to 37 bytes per body in the tree. With a margin of 0, each
-// tree in memory takes another byte per id. Up to half of the places in the
-// tree can be empty after erasures. Update(), and an Insert() of many, build
-// the next tree beside the current one. UpdatePairs() keeps 8 to 16 bytes per
-// pair of larger bounds, and takes several times that during the call.
 //
 // Floating-point mode: as in bvh.h.
 //
@@ -158,34 +125,20 @@ struct BroadPhaseStatistics {
 
 namespace detail {
 
-template <typename Bound>
-Bound BoundFrom(const float* planes) {
-  PlaneValues<Bound> values;
-  for (std::size_t p = 0; p < values.size(); ++p) values[p] = planes[p];
-  return BoundOf<Bound>(values);
-}
-
 // The caller's functions as those of detail/broad_phase.h.
 template <typename Bound, typename Function>
 bool CallWithBody(void* function, std::uint32_t id, const float* planes) {
   auto& call = *static_cast<Function*>(function);
-  using Result = decltype(call(id, BoundFrom<Bound>(planes)));
+  const auto bound = BoundFrom<Bound, 1>(planes);
+  using Result = decltype(call(id, bound));
   static_assert(std::is_void_v<Result> || std::is_same_v<Result, Visit>,
                 "the function must return void or Visit (visit.h)");
   if constexpr (std::is_same_v<Result, Visit>) {
-    return call(id, BoundFrom<Bound>(planes)) == Visit::kContinue;
+    return call(id, bound) == Visit::kContinue;
   } else {
-    call(id, BoundFrom<Bound>(planes));
+    call(id, bound);
     return true;
   }
-}
-
-template <typename Bound, typename Function>
-float CallWithCast(void* function, std::uint32_t id, float t,
-                   const float* planes) {
-  auto& call = *static_cast<Function*>(function);
-  return NearCall<Bound, Function>::Call(
-      [&] { return call(id, t, BoundFrom<Bound>(planes)); });
 }
 
 template <typename Function>
@@ -204,6 +157,17 @@ bool CallWithPair(void* function, std::uint32_t a, std::uint32_t b) {
 
 }  // namespace detail
 
+// Errors (error.h): `max_ids` is more than 2^29; the margin is negative or not
+// finite; an id is not below max_ids(), is inserted twice, or is not that of a
+// body; a list is null, misaligned, or has another size than `ids`; the errors
+// of bvh_shapes.h and bvh_nearest.h. The call has then changed nothing. A
+// failed allocation throws std::bad_alloc. All bodies, their bounds, masks and
+// pairs are then as before.
+//
+// Memory: boxes in 3 dimensions take about 5 KB, 46 bytes per id, 24 of them
+// the bound, and 33 to 37 bytes per body in the tree. With a margin of 0, each
+// tree in memory takes another byte per id. Up to half of the places in the
+// tree can be empty after erasures.
 template <typename ViewType>
 class BroadPhase {
  public:
@@ -243,7 +207,8 @@ class BroadPhase {
   void Erase(std::uint32_t id) { Erase({&id, 1}); }
 
   // Changes the bounds of bodies. If an id is given twice, the last bound wins.
-  // Allocates nothing and takes no lock.
+  // If a new bound is not inside the body's larger bound, the larger bound and
+  // its nodes grow in place. Allocates nothing and takes no lock.
   void Move(Span<const std::uint32_t> ids, Span<const Bound> bounds) {
     core_.Move(ids, detail::ValuesOfAll(bounds));
   }
@@ -306,8 +271,21 @@ class BroadPhase {
   // Calls function(std::uint32_t id, const Bound&) for each body that survives
   // the query, which is a bound or a shape of bvh_shapes.h. The function gets
   // the body's own bound, and returns nothing or a Visit (visit.h). The order
-  // is unspecified, but the same after the same history. Exceptions of the
-  // function pass through.
+  // is unspecified, but the same after the same history.
+  //
+  // The rest also holds for casts and ForEachPairOf(). A query takes no lock.
+  // It tests each body by a bound that the body had during the query: if the
+  // tree stores a larger bound, by the body's own. If that bound is being
+  // written, the query waits until it is written. A Move() that returned before
+  // the query began (in the sense of happens-before) is seen. A query can see
+  // some moves of one Move() of many bodies, and not yet the others.
+  //
+  // The function may take locks, run other queries and call Move(), Insert()
+  // and the other calls. The query keeps the tree that it began with, so it may
+  // still find a body that its function erased or moved away. The tree's memory
+  // is freed by the first Update() after the query has ended. The function must
+  // return on the thread that called the query: a fiber must not go on on
+  // another thread. Exceptions of the function pass through.
   template <typename Function>
   void ForEach(const typename View::Query& query, std::uint64_t mask,
                Function&& function) const {
@@ -326,12 +304,13 @@ class BroadPhase {
         Context(function));
   }
 
-  // Calls function(std::uint32_t id, float t, const Bound&) for the bodies that
-  // `box` touches on its way to `box` + max_t * `direction`, or that a ray
-  // enters. The function returns nothing, a Visit, or a Limit of t (visit.h).
-  // With Limit, a negative one ends the cast, and an infinite one changes
-  // nothing. Bodies come about near to far, and not sorted. t, limits, NaN and
-  // infinities are as in BoxCast() and RayCast() (bvh_nearest.h).
+  // Calls function(std::uint32_t id, float t, const Bound&), or function(id,
+  // t), for the bodies that `box` touches on its way to `box` + max_t *
+  // `direction`, or that a ray enters. The function returns nothing, a Visit,
+  // or a Limit of t (visit.h). With Limit, a negative one ends the cast, and an
+  // infinite one changes nothing. Bodies come about near to far, and not
+  // sorted. t, limits, NaN and infinities are as in BoxCast() and RayCast()
+  // (bvh_nearest.h).
   template <typename Function>
   void ForEachCast(const Aabb<kDimensions>& box,
                    const Point<kDimensions>& direction, float max_t,
@@ -411,10 +390,14 @@ class BroadPhase {
   // the same body.
   //
   // The cost grows with the bodies that changed since the last call, and a
-  // little with the number of pairs. A body that moves during the call counts
-  // as changed in the next call too. The functions run without a lock, after
-  // the pairs were stored, so they may change the broad phase. If one of them
-  // throws, the remaining events of this call are lost.
+  // little with the number of pairs. The pairs of larger bounds that overlap
+  // are kept, in 8 to 16 bytes each, and in several times that during the call.
+  // If a body moved inside its larger bound, only its kept pairs are tested. A
+  // body that moves during the call counts as changed in the next call too.
+  //
+  // The functions run without a lock, after the pairs were stored, so they may
+  // change the broad phase. If one of them throws, the remaining events of this
+  // call are lost.
   //
   // `run` (runner.h) runs up to 16 parts of the work, if many bodies changed or
   // there are many pairs. The events do not depend on it. If it throws, all
@@ -452,8 +435,9 @@ class BroadPhase {
   template <typename Function>
   void Cast(const detail::LineCast& cast, std::uint64_t mask,
             Function& function) const {
-    core_.ForEachCast(cast, mask, &detail::CallWithCast<Bound, Function>,
-                      Context(function));
+    using Call = detail::NearCall<Bound, Function, 1>;
+    Call call{function};
+    core_.ForEachCast(cast, mask, &Call::Run, &call);
   }
 
   detail::BroadPhaseCore core_;

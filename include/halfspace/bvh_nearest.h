@@ -61,8 +61,20 @@ inline float LimitOf(Visit visit) {
 }
 inline float LimitOf(Limit limit) { return limit.value; }
 
-// A function of the caller's as a NearFunction.
-template <typename Bound, typename Function>
+// The bound whose planes are `kStride` values apart.
+template <typename Bound, std::size_t kStride>
+Bound BoundFrom(const float* planes) {
+  PlaneValues<Bound> values;
+  for (std::size_t p = 0; p < values.size(); ++p) {
+    values[p] = planes[p * kStride];
+  }
+  return BoundOf<Bound>(values);
+}
+
+// A function of the caller's as a NearFunction, whose planes are `kStride`
+// values apart.
+template <typename Bound, typename Function,
+          std::size_t kStride = kBlockObjects>
 struct NearCall {
   Function& function;
 
@@ -71,11 +83,7 @@ struct NearCall {
     auto& function = static_cast<NearCall*>(context)->function;
     if constexpr (std::is_invocable_v<decltype(function), std::uint32_t, float,
                                       const Bound&>) {
-      PlaneValues<Bound> values;
-      for (std::size_t p = 0; p < values.size(); ++p) {
-        values[p] = planes[p * kBlockObjects];
-      }
-      const Bound bound = BoundOf<Bound>(values);
+      const auto bound = BoundFrom<Bound, kStride>(planes);
       return Call([&] { return function(id, value, bound); });
     } else {
       return Call([&] { return function(id, value); });

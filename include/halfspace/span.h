@@ -53,6 +53,9 @@ class Span {
   constexpr Span() noexcept = default;
   constexpr Span(T* data, std::size_t size) noexcept
       : data_(data), size_(size) {}
+  // Without this, {0, 1}, meant as two numbers, would be a null pointer and a
+  // size. A null pointer is nullptr.
+  Span(int, std::size_t) = delete;
 
   // A const list or a temporary binds to the second constructor. Its
   // std::data() is a pointer to const, unless it does not own its elements.

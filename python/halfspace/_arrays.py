@@ -92,18 +92,17 @@ def directions(value: Any, name: str, dims: int) -> Table:
 Arrays = Tuple[np.ndarray, ...]
 
 
-def rays(
-    origins: Any, ways: Any, max_t: Any, dims: int
+def casts(
+    starts: Table, name: str, ways: Any, max_t: Any, dims: int
 ) -> Tuple[Tuple[Arrays, Arrays, Arrays], bool]:
-    """The arrays of origins, directions and limits, and whether it is one ray."""
-    starts = points(origins, "origins", dims)
+    """The arrays of starts, directions and limits, and whether it is one cast."""
     motions = directions(ways, "directions", dims)
     single = starts.single and motions.single
     count = motions.length if starts.single else starts.length
     starts, motions = _repeat(starts, count), _repeat(motions, count)
     if starts.length != motions.length:
         raise ValueError(
-            "directions: expected as many rows as origins, got "
+            f"directions: expected as many rows as {name}, got "
             f"{motions.length} and {starts.length}"
         )
     limits = per_row(max_t, "max_t", count)
@@ -175,6 +174,13 @@ def masks(categories: Any, collides_with: Any, count: int) -> np.ndarray:
     return table
 
 
+def masks_of_each(value: Any, count: int) -> np.ndarray:
+    """A mask for each row, or no mask if `value` is None."""
+    if value is None:
+        return np.empty(0, np.uint64)
+    return np.full(count, _masks(value, "masks", count))
+
+
 def _masks(value: Any, name: str, count: int) -> np.ndarray:
     array = np.asarray(value)
     if array.shape not in ((), (count,)):
@@ -204,8 +210,8 @@ def mask(value: Optional[int]) -> int:
     return number
 
 
-def spheres(centers: Any, radii: Any, dims: int) -> Tuple[Table, Table]:
-    """Spheres of floats that enclose those of doubles."""
+def spheres(centers: Any, radii: Any, dims: int) -> Table:
+    """Spheres as d + 1 columns: floats that enclose those of doubles."""
     table = points(centers, "centers", dims)
     limits = per_row(radii, "radii", table.length)
     if table.arrays[0].dtype == np.float64:
@@ -214,11 +220,12 @@ def spheres(centers: Any, radii: Any, dims: int) -> Tuple[Table, Table]:
             rounded = exact.astype(np.float32)
             apart = np.linalg.norm(exact - rounded, axis=1)
             enclosing = limits.arrays[0][:, 0] + 1.000001 * apart
-        table = Table((rounded,), table.length, table.single)
+        table = table._replace(arrays=(rounded,))
         # A center beyond the floats is a query of everything.
         enclosing[np.isnan(enclosing)] = np.inf
         limits = per_row(enclosing, "radii", table.length)
-    return table, limits
+    columns = np.concatenate(table.arrays + limits.arrays, axis=1)
+    return table._replace(arrays=(columns,))
 
 
 def vertices(value: Any, name: str) -> np.ndarray:

@@ -144,10 +144,7 @@ class BroadPhase:
             ids = self._bodies.query_one(boxes, _arrays.mask(mask))
             if ids is not None:
                 return ids
-        table = self._boxes(boxes)
-        return self._bodies.query(
-            table.arrays, _arrays.mask(mask), not table.single, _arrays.threads(threads)
-        )
+        return self._query(self._boxes(boxes), mask, threads)
 
     def query_sphere(
         self,
@@ -163,14 +160,7 @@ class BroadPhase:
         one for each center. float64 spheres are enclosed. Results are those of
         `query`.
         """
-        points, limits = _arrays.spheres(centers, radii, self.dims)
-        return self._bodies.query_spheres(
-            points.arrays,
-            limits.arrays,
-            _arrays.mask(mask),
-            not points.single,
-            _arrays.threads(threads),
-        )
+        return self._query(_arrays.spheres(centers, radii, self.dims), mask, threads)
 
     def raycast(
         self,
@@ -186,21 +176,66 @@ class BroadPhase:
         Arguments and results are those of `BVH.raycast`, and `mask` is that of
         `query`.
         """
-        rays, single = _arrays.rays(origins, directions, max_t, self.dims)
-        ids, t = self._bodies.raycast(
-            *rays, _arrays.mask(mask), _arrays.threads(threads)
-        )
-        return (int(ids[0]), float(t[0])) if single else (ids, t)
+        starts = _arrays.points(origins, "origins", self.dims)
+        return self._cast(starts, "origins", directions, max_t, mask, threads)
 
-    def pairs_of(self, ids: Any, margin: float = 0.0) -> np.ndarray:
+    def boxcast(
+        self,
+        boxes: Any,
+        directions: Any,
+        max_t: Any = float("inf"),
+        mask: Optional[int] = None,
+        *,
+        threads: Optional[int] = 1,
+    ) -> Tuple[Any, Any]:
+        """Finds the first body that each box touches on its way.
+
+        A box moves by t times its direction. The rest is as in `raycast`.
+
+        >>> import halfspace as hs
+        >>> bodies = hs.BroadPhase(10, dimensions=2)
+        >>> bodies.insert([3, 4], [[5, 1, 6, 2], [8, 0, 9, 1]])
+        >>> bodies.boxcast([0, 0, 1, 1.5], [1, 0])
+        (3, 4.0)
+        """
+        starts = _arrays.boxes(boxes, "boxes", self.dims)
+        return self._cast(starts, "boxes", directions, max_t, mask, threads)
+
+    def spherecast(
+        self,
+        centers: Any,
+        radii: Any,
+        directions: Any,
+        max_t: Any = float("inf"),
+        mask: Optional[int] = None,
+        *,
+        threads: Optional[int] = 1,
+    ) -> Tuple[Any, Any]:
+        """Finds the first body that each sphere touches on its way.
+
+        Spheres are those of `query_sphere`. The rest is as in `boxcast`.
+        """
+        starts = _arrays.spheres(centers, radii, self.dims)
+        return self._cast(starts, "centers", directions, max_t, mask, threads)
+
+    def pairs_of(
+        self, ids: Any, margin: float = 0.0, masks: Any = None
+    ) -> np.ndarray:
         """Finds the pairs of a body of the set and any other body.
 
         Returns an array of int64 with the shape (n, 2), whose first column is
         of the set. The boxes of a pair are at most `margin` apart on each axis,
         and the category of each has a bit of the other's `collides_with`. A
         pair of two bodies of the set is found once.
+
+        `masks` replaces the rule of categories. It is one integer, or one for
+        each id: a body of the set is paired with the bodies whose category has
+        a bit of its mask. If both are in the set, the mask of either is enough.
         """
-        return self._bodies.pairs_of(_arrays.ids(ids, "ids"), _margin(margin))
+        wanted = _arrays.ids(ids, "ids")
+        return self._bodies.pairs_of(
+            wanted, _margin(margin), _arrays.masks_of_each(masks, len(wanted))
+        )
 
     def update_pairs(
         self, *, threads: Optional[int] = 1
@@ -273,6 +308,28 @@ class BroadPhase:
 
     def __repr__(self) -> str:
         return f"<halfspace.BroadPhase: {len(self)} bodies in {self.dims} dimensions>"
+
+    def _query(
+        self, table: _arrays.Table, mask: Optional[int], threads: Optional[int]
+    ) -> np.ndarray:
+        return self._bodies.query(
+            table.arrays, _arrays.mask(mask), not table.single, _arrays.threads(threads)
+        )
+
+    def _cast(
+        self,
+        starts: _arrays.Table,
+        name: str,
+        directions: Any,
+        max_t: Any,
+        mask: Optional[int],
+        threads: Optional[int],
+    ) -> Tuple[Any, Any]:
+        casts, single = _arrays.casts(starts, name, directions, max_t, self.dims)
+        ids, t = self._bodies.cast(
+            *casts, _arrays.mask(mask), _arrays.threads(threads)
+        )
+        return (int(ids[0]), float(t[0])) if single else (ids, t)
 
     def _boxes(self, value: Any) -> _arrays.Table:
         return _arrays.boxes(value, "boxes", self.dims, axes=self._axes)

@@ -393,7 +393,13 @@ class BVH:
         >>> ids
         array([0, 1])
         """
-        rays, single = _arrays.rays(origins, directions, max_t, self.dims)
+        rays, single = _arrays.casts(
+            _arrays.points(origins, "origins", self.dims),
+            "origins",
+            directions,
+            max_t,
+            self.dims,
+        )
         ids, t = self._tree.raycast(*rays, _arrays.threads(threads), progress)
         return (int(ids[0]), float(t[0])) if single else (ids, t)
 

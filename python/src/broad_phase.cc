@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "columns.h"
+#include "results.h"
 #include "work.h"
 
 namespace py = pybind11;
@@ -25,7 +25,7 @@ namespace {
 
 using Ids = py::array_t<std::int64_t>;
 using ShortIds = py::array_t<std::uint32_t, py::array::c_style>;
-// Of shape (n, 2): the category and what it collides with.
+// Of bodies of shape (n, 2): the category and what it collides with.
 using Masks = py::array_t<std::uint64_t, py::array::c_style>;
 using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -222,16 +222,29 @@ Ids FindAll(const Bodies& bodies, std::size_t queries, bool with_rows,
   return ids;
 }
 
+// A sphere has a column for the radius. A point has none, and a radius of 0.
+template <int kDims>
+Sphere<kDims> SphereAt(const Columns& columns, std::size_t row) {
+  return {columns.GetPoint<kDims>(row),
+          columns.columns() > kDims ? columns.Get(row, kDims) : 0.0f};
+}
+
+// Queries of spheres, or of bounds.
 Ids Query(const Bodies& bodies, const py::tuple& arrays, std::uint64_t mask,
           bool with_rows, std::size_t threads) {
   const Columns columns(arrays);
   return FindAll(bodies, columns.count(), with_rows, threads,
                  [&](const auto& its, std::size_t i, auto& ids) {
                    using Bound = BoundIn<decltype(its)>;
-                   its.ForEach(BoundAt<Bound>(columns, i), mask,
-                               [&ids](std::uint32_t id, const Bound&) {
-                                 ids.push_back(id);
-                               });
+                   constexpr int kDims = Bound::kDimensions;
+                   const auto add = [&ids](std::uint32_t id, const Bound&) {
+                     ids.push_back(id);
+                   };
+                   if (columns.columns() == kDims + 1) {
+                     its.ForEach(SphereAt<kDims>(columns, i), mask, add);
+                   } else {
+                     its.ForEach(BoundAt<Bound>(columns, i), mask, add);
+                   }
                  });
 }
 
@@ -261,71 +274,41 @@ py::object QueryOne(const Bodies& bodies, const py::array& array,
   return std::visit(find, bodies.any);
 }
 
-void CheckPoints(const Bodies& bodies, const Columns& points,
-                 const Columns& numbers) {
-  if (points.columns() != static_cast<std::size_t>(bodies.dims()) ||
-      numbers.columns() != 1 || numbers.count() != points.count()) {
-    throw std::invalid_argument("_halfspace: columns of other dimensions");
-  }
-}
-
-template <std::size_t kDims>
-std::array<float, kDims> PointAt(const Columns& columns, std::size_t row) {
-  std::array<float, kDims> point;
-  for (std::size_t k = 0; k < kDims; ++k) point[k] = columns.Get(row, k);
-  return point;
-}
-
-Ids QuerySpheres(const Bodies& bodies, const py::tuple& center_arrays,
-                 const py::tuple& radius_arrays, std::uint64_t mask,
-                 bool with_rows, std::size_t threads) {
-  const Columns centers(center_arrays);
-  const Columns radii(radius_arrays);
-  CheckPoints(bodies, centers, radii);
-  return FindAll(bodies, centers.count(), with_rows, threads,
-                 [&](const auto& its, std::size_t i, auto& ids) {
-                   using Bound = BoundIn<decltype(its)>;
-                   constexpr int kDims = Bound::kDimensions;
-                   const Sphere<kDims> sphere = {PointAt<kDims>(centers, i),
-                                                 radii.Get(i, 0)};
-                   its.ForEach(sphere, mask,
-                               [&ids](std::uint32_t id, const Bound&) {
-                                 ids.push_back(id);
-                               });
-                 });
-}
-
-// The first body of each ray.
-py::tuple CastRays(const Bodies& bodies, const py::tuple& origin_arrays,
-                   const py::tuple& direction_arrays,
-                   const py::tuple& limit_arrays, std::uint64_t mask,
-                   std::size_t threads) {
-  const Columns origins(origin_arrays);
+// The first body of each ray, or of each sphere or box that moves.
+py::tuple Cast(const Bodies& bodies, const py::tuple& start_arrays,
+               const py::tuple& direction_arrays, const py::tuple& limit_arrays,
+               std::uint64_t mask, std::size_t threads) {
+  const Columns starts(start_arrays);
   const Columns directions(direction_arrays);
   const Columns limits(limit_arrays);
-  CheckPoints(bodies, origins, limits);
-  CheckPoints(bodies, directions, limits);
-  const std::size_t n = origins.count();
+  const std::size_t n = starts.count();
+  const auto dims = static_cast<std::size_t>(bodies.dims());
+  const bool are_boxes = starts.columns() == 2 * dims;
+  if ((starts.columns() != dims && starts.columns() != dims + 1 &&
+       !are_boxes) ||
+      directions.columns() != dims || directions.count() != n ||
+      limits.columns() != 1 || limits.count() != n) {
+    throw std::invalid_argument("_halfspace: columns of other dimensions");
+  }
   Ids ids(Size(n));
   py::array_t<float> ts(Size(n));
   std::int64_t* const to = ids.mutable_data();
   float* const its_ts = ts.mutable_data();
   Work work(threads, py::none());
   Call(bodies, [&](const auto& its) {
-    using Bound = BoundIn<decltype(its)>;
-    constexpr int kDims = Bound::kDimensions;
+    constexpr int kDims = BoundIn<decltype(its)>::kDimensions;
     const auto cast = [&](std::size_t i) {
-      const Ray<kDims> ray = {PointAt<kDims>(origins, i),
-                              PointAt<kDims>(directions, i), limits.Get(i, 0)};
-      // The least t, and of equal ones the least id.
-      to[i] = -1;
-      its_ts[i] = std::numeric_limits<float>::infinity();
-      its.ForEachCast(ray, mask, [&](std::uint32_t id, float t, const Bound&) {
-        if (to[i] < 0 || t < its_ts[i] || (t == its_ts[i] && id < to[i])) {
-          to[i] = id;
-          its_ts[i] = t;
+      const auto direction = directions.GetPoint<kDims>(i);
+      const float max_t = limits.Get(i, 0);
+      FindFirst(to[i], its_ts[i], [&](const auto& function) {
+        if (are_boxes) {
+          Aabb<kDims> box;
+          starts.GetBoxes(i, 1, &box);
+          its.ForEachCast(box, direction, max_t, mask, function);
+        } else {
+          its.ForEachCast(SphereAt<kDims>(starts, i), direction, max_t, mask,
+                          function);
         }
-        return Limit{its_ts[i]};
       });
     };
     work.Run((n + kPartQueries - 1) / kPartQueries,
@@ -348,12 +331,21 @@ Ids ToArray(const std::vector<Pair>& pairs) {
   return ids;
 }
 
-Ids PairsOf(const Bodies& bodies, const ShortIds& ids, float margin) {
+// `masks` has an element for each id, or none.
+Ids PairsOf(const Bodies& bodies, const ShortIds& ids, float margin,
+            const Masks& masks) {
   std::vector<Pair> pairs;
+  const auto add = [&pairs](std::uint32_t a, std::uint32_t b) {
+    pairs.emplace_back(a, b);
+  };
+  const Span<const std::uint64_t> its_masks = {
+      masks.data(), static_cast<std::size_t>(masks.size())};
   Call(bodies, [&](const auto& its) {
-    its.ForEachPairOf(List(ids), margin, [&](std::uint32_t a, std::uint32_t b) {
-      pairs.emplace_back(a, b);
-    });
+    if (its_masks.empty()) {
+      its.ForEachPairOf(List(ids), margin, add);
+    } else {
+      its.ForEachPairOf(List(ids), its_masks, margin, add);
+    }
   });
   return ToArray(pairs);
 }
@@ -471,8 +463,7 @@ void DefineBroadPhase(py::module_& module) {
            })
       .def("query", &Query)
       .def("query_one", &QueryOne)
-      .def("query_spheres", &QuerySpheres)
-      .def("raycast", &CastRays)
+      .def("cast", &Cast)
       .def("pairs_of", &PairsOf)
       .def("update_pairs", &UpdatePairs)
       .def("bounds", &BoundsOf)

@@ -82,6 +82,14 @@ class Columns {
                       : Column<float>(k)[at];
   }
 
+  // The first columns of a row as the nearest floats.
+  template <int kDims>
+  Point<kDims> GetPoint(std::size_t row) const {
+    Point<kDims> point;
+    for (std::size_t k = 0; k < kDims; ++k) point[k] = Get(row, k);
+    return point;
+  }
+
  private:
   template <int kDims, typename Scalar>
   Boxes<kDims, Scalar> BoxesOfScalar() const {

@@ -4,9 +4,12 @@
 #define HALFSPACE_PYTHON_RESULTS_H_
 
 #include <halfspace/span.h>
+#include <halfspace/visit.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -65,6 +68,22 @@ class Results {
   std::vector<Span<const Item>> lists_;
   std::vector<std::vector<Block>> blocks_;
 };
+
+// Writes the hit with the least t, and of equal ones the one with the least id,
+// so that the order of the tree does not matter. cast() receives the function
+// of a cast.
+template <typename Cast>
+void FindFirst(std::int64_t& first, float& least, const Cast& cast) {
+  first = -1;
+  least = std::numeric_limits<float>::infinity();
+  cast([&](std::uint32_t id, float t) {
+    if (first < 0 || t < least || (t == least && id < first)) {
+      first = id;
+      least = t;
+    }
+    return Limit{least};
+  });
+}
 
 }  // namespace halfspace::python
 

@@ -589,24 +589,10 @@ py::tuple CastRays(Tree& tree, const py::tuple& origin_arrays,
   Read(tree, [&](const auto& bvh) {
     constexpr int kDims = kDimsOf<decltype(bvh)>;
     const auto cast = [&](std::size_t i) {
-      Ray<kDims> ray;
-      for (std::size_t k = 0; k < kDims; ++k) {
-        ray.origin[k] = origins.Get(i, k);
-        ray.direction[k] = directions.Get(i, k);
-      }
-      ray.max_t = limits.Get(i, 0);
-      // The least t, and of equal ones the least id: the order of the tree
-      // does not matter.
-      to[i] = -1;
-      its_distances[i] = std::numeric_limits<float>::infinity();
-      RayCast(bvh, ray, [&](std::uint32_t id, float t) {
-        if (to[i] < 0 || t < its_distances[i] ||
-            (t == its_distances[i] && id < to[i])) {
-          to[i] = id;
-          its_distances[i] = t;
-        }
-        return Limit{its_distances[i]};
-      });
+      const Ray<kDims> ray = {origins.GetPoint<kDims>(i),
+                              directions.GetPoint<kDims>(i), limits.Get(i, 0)};
+      FindFirst(to[i], its_distances[i],
+                [&](const auto& function) { RayCast(bvh, ray, function); });
     };
     work.Run(PartsOf(n, kPartQueries), [&](std::size_t part, std::size_t) {
       const std::size_t end = std::min(n, (part + 1) * kPartQueries);

@@ -152,6 +152,62 @@ def test_spheres_of_doubles_are_enclosed():
     assert bodies.query_sphere([3.001, 0.5], 2.0).tolist() == []
 
 
+def test_casts_of_boxes(rng, dims):
+    """The first t is that of the slabs: about, and never after it."""
+    boxes = random_boxes(rng, 300, dims, 0.1)
+    moving = random_boxes(rng, 100, dims, 0.1)
+    ways = rng.random((100, dims)).astype(np.float32) - 0.5
+    bodies = hs.BroadPhase(300, dims)
+    bodies.insert(np.arange(300), boxes, categories=1 << np.arange(300) % 2)
+    low, high = np.split(boxes.astype(float), 2, axis=1)
+    first, last = np.split(moving.astype(float)[:, None], 2, axis=2)
+    a, b = (low - last) / ways[:, None], (high - first) / ways[:, None]
+    enter = np.minimum(a, b).max(axis=2).clip(0)
+    exact = np.where(enter <= np.maximum(a, b).min(axis=2), enter, np.inf)
+    for max_t, mask in ((np.inf, None), (0.3, 2)):
+        hit = np.where(exact <= max_t, exact, np.inf)
+        if mask:
+            hit[:, ::2] = np.inf
+        ids, t = bodies.boxcast(moving, ways, max_t, mask, threads=2)
+        least = hit.min(axis=1)
+        assert ((ids >= 0) == np.isfinite(least)).all()
+        found = ids >= 0
+        assert found.any()
+        assert (t[found] <= least[found]).all()
+        assert np.allclose(t[found], least[found], rtol=1e-5, atol=1e-4)
+        assert np.allclose(hit[found, ids[found]], t[found], rtol=1e-5, atol=1e-4)
+    one, each = bodies.boxcast(moving[3], ways), bodies.boxcast(moving[[3] * 100], ways)
+    assert (one[0] == each[0]).all() and (one[1] == each[1]).all()
+
+
+def test_casts_of_spheres(rng, dims):
+    bodies = hs.BroadPhase(2, dims)
+    bodies.insert([0, 1], [[4] * dims + [5] * dims, [8] * dims + [9] * dims])
+    up = [1] + [0] * (dims - 1)
+    middle = [0] + [4.5] * (dims - 1)
+    assert bodies.spherecast(middle, 0.5, up) == (0, pytest.approx(3.5, abs=1e-4))
+    assert bodies.spherecast(middle, 0, up) == bodies.raycast(middle, up)
+    assert bodies.spherecast(middle, 0.5, up, 3.4) == (-1, np.inf)
+    # Beside the edge at Y = 4: a box of the sphere's size would touch at 3.
+    beside = [0, 3.5] + [4.5] * (dims - 2)
+    ids, t = bodies.spherecast([beside, middle], [1, 0.25], up)
+    assert ids.tolist() == [0, 0]
+    assert t == pytest.approx([4 - 0.75**0.5, 3.75], abs=1e-4)
+
+
+def test_pairs_by_masks_of_the_call():
+    bodies = hs.BroadPhase(4, 2)
+    bodies.insert(range(4), [BOX] * 4, [1, 2, 4, 4], collides_with=0)
+    assert as_set(bodies.pairs_of([0, 1])) == set()
+    assert as_set(bodies.pairs_of([0, 1], masks=4)) == {(0, 2), (0, 3), (1, 2), (1, 3)}
+    assert {frozenset(p) for p in as_set(bodies.pairs_of([0, 1], masks=[2, 0]))} == {
+        frozenset((0, 1))
+    }
+    assert as_set(bodies.pairs_of([], masks=1)) == set()
+    with pytest.raises(ValueError, match="masks: expected one integer or an array"):
+        bodies.pairs_of([0, 1], masks=[1, 2, 3])
+
+
 def test_octahedra():
     """Bounds that only the axis D separates."""
     bodies = hs.BroadPhase(2, 2, "aabo")
@@ -212,6 +268,10 @@ ERRORS = {
     "directions: expected as many rows as origins": lambda b: b.raycast(
         [[0, 0]] * 2, [[1, 0]] * 3
     ),
+    "directions: expected as many rows as centers": lambda b: b.spherecast(
+        [[0, 0]] * 2, 1, [[1, 0]] * 3
+    ),
+    "boxes: expected boxes of shape (n, 4) or (4,)": lambda b: b.boxcast([0, 0], [1, 0]),
 }
 
 

@@ -35,6 +35,19 @@ if(NOT named)
   message(FATAL_ERROR "No header names a page of docs/: nothing was checked")
 endif()
 
+# So is every picture of a page.
+file(GLOB pages "${PREFIX}/${PAGES}/*.md")
+foreach(page IN LISTS pages)
+  file(READ "${page}" text)
+  string(REGEX MATCHALL "\\([A-Za-z0-9_-]+\\.(png|svg)\\)" pictures "${text}")
+  foreach(picture IN LISTS pictures)
+    string(REGEX REPLACE "[()]" "" picture "${picture}")
+    if(NOT EXISTS "${PREFIX}/${PAGES}/${picture}")
+      message(FATAL_ERROR "${page} shows ${picture}, which is not installed")
+    endif()
+  endforeach()
+endforeach()
+
 file(GLOB_RECURSE packages
      "${PREFIX}/*/halfspace*.cmake" "${PREFIX}/*/halfspace.pc")
 if(NOT packages)

@@ -28,13 +28,17 @@ TEST(BroadPhaseTest, FindsWhatItWasTold) {
   bodies.Insert(5, {{0.5f, 0, 0}, {2, 1, 1}}, {.category = 2});
   bodies.Insert(7, {{9, 9, 9}, {10, 10, 10}});
   Ids found;
-  const auto list = [&](std::uint32_t id, const Aabb3&) {
+  const auto list = [&](std::uint32_t id, auto& /*bound*/) {
     found.push_back(id);
   };
   bodies.ForEach(kUnit, kAll, list);
   EXPECT_EQ(InOrder(found), (Ids{3, 5}));
   found.clear();
   bodies.ForEach(kUnit, 2, list);
+  EXPECT_EQ(found, Ids{5});
+  found.clear();
+  bodies.ForEachCast(kUnit, {1, 0, 0}, 1, 2,
+                     [&](std::uint32_t id, float) { found.push_back(id); });
   EXPECT_EQ(found, Ids{5});
   std::vector<std::string> events;
   const auto update = [&] {

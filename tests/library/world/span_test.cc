@@ -70,6 +70,14 @@ struct Derived : Base {
 };
 static_assert(!kBecomes<std::vector<Derived>&, const Base>);
 
+// A list of two numbers, of which the first is 0, is not a null pointer and a
+// size.
+template <typename T>
+concept TakesTwoNumbers = requires {
+  Span<T>{0, 1};
+};
+static_assert(!TakesTwoNumbers<int>);
+
 // Passed in two registers, and back to what C++20 has.
 static_assert(std::is_trivially_copyable_v<Span<int>>);
 static_assert(std::is_nothrow_constructible_v<Span<int>, Ints&>);
