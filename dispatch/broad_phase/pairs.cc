@@ -305,8 +305,6 @@ class PairUpdate {
     kept_.SetSize(static_cast<std::size_t>(to - kept_.begin()));
     for (std::size_t i = 0; i < dropped_count; ++i) dropped_.Push(dropped[i]);
     for (std::size_t i = 0; i < again_count; ++i) {
-    }
-    for (std::size_t i = 0; i < again_count; ++i) {
       const std::uint64_t old = *again[i];
       const bool is_pair =
           state_.bodies.DoOverlap<kAxes>(LowOf(old), HighOf(old));

@@ -17,6 +17,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "halfspace/halfspace.h"
@@ -551,6 +552,60 @@ TYPED_TEST(BvhTest, AMaskOfNothingFindsNothing) {
     RayCast(
         bvh, Ray<kDims>{{}, {1}, 100},
         [](std::uint32_t id, float) { ADD_FAILURE() << id; }, options);
+  }
+}
+
+// Of objects on a line, each leaf has those next to each other, whatever their
+// distances are.
+TEST(BvhOrderTest, ALeafHasNeighboursOnALine) {
+  constexpr std::size_t kObjects = 64 * 64 + 1000;
+  constexpr float kMost = std::numeric_limits<float>::max();
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  const auto share = [](std::size_t i) {
+    return static_cast<float>(i) / kObjects;
+  };
+  const std::pair<const char*, std::function<float(std::size_t)>> kLines[] = {
+      {"even", [&](std::size_t i) { return share(i); }},
+      {"growing",
+       [&](std::size_t i) {
+         return std::ldexp(1.0f, static_cast<int>(i / 32) - 64);
+       }},
+      {"tiny", [&](std::size_t i) { return 0x1p-130f * share(i); }},
+      {"outliers",
+       [&](std::size_t i) {
+         return i % 1000 == 0 ? 1e30f * share(i) : share(i);
+       }},
+      {"as far as can be",
+       [&](std::size_t i) { return (i % 2 == 0 ? -0.2f : 0.2f) * kMost; }},
+      {"infinite",
+       [&](std::size_t i) { return i % 100 == 0 ? kInf : share(i); }},
+      {"most in two places",
+       [&](std::size_t i) {
+         return i % 3 == 0 ? share(i) : i % 3 == 1 ? 0.25f : 0.5f;
+       }},
+      {"all in one place", [](std::size_t) { return 5.0f; }}};
+  for (const auto& [name, center] : kLines) {
+    SCOPED_TRACE(name);
+    std::vector<Aabb2> boxes;
+    // In no order: 4093 is prime.
+    for (std::size_t i = 0; i < kObjects; ++i) {
+      const float x = center(i * 4093 % kObjects);
+      boxes.push_back({{x, 0}, {x, 0}});
+    }
+    const Bvh<AabbView2> bvh(boxes);
+    float last = -kInf;
+    for (std::size_t first = 0; first < kObjects; first += 64) {
+      float least = kInf;
+      float greatest = -kInf;
+      const std::size_t end = std::min(first + 64, kObjects);
+      for (std::size_t s = first; s < end; ++s) {
+        const float x = boxes[bvh.ids()[s]].min[0];
+        least = std::min(least, x);
+        greatest = std::max(greatest, x);
+      }
+      EXPECT_LE(last, least) << "in leaf " << first / 64;
+      last = greatest;
+    }
   }
 }
 
