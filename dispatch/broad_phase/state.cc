@@ -70,10 +70,12 @@ bool PlanesEnclose(float* of_tree, const float* planes) {
 template <std::size_t kAxes>
 unsigned BeyondOf(float* of_tree, const float* planes) {
   unsigned bits = 0;
-  for (std::size_t p = 0; p < 2 * kAxes; ++p) {
-    bits |= unsigned{IsBeyond(planes[p], LoadPlane(of_tree[p * kBlockObjects]),
-                              p >= kAxes)}
-            << p;
+  for (std::size_t k = 0; k < kAxes; ++k) {
+    const std::size_t max = kAxes + k;
+    const float of_min = LoadPlane(of_tree[k * kBlockObjects]);
+    const float of_max = LoadPlane(of_tree[max * kBlockObjects]);
+    bits |= unsigned{IsBeyond(planes[k], of_min, false)} << k;
+    bits |= unsigned{IsBeyond(planes[max], of_max, true)} << max;
   }
   return bits;
 }
@@ -281,15 +283,18 @@ void Version::Widen(std::uint32_t id, const float* planes, bool is_mover) {
     constexpr std::size_t kAxes = decltype(axes)::value;
     float* const leaf = &levels.level[0].Value(0, slot);
     float outward[2 * kAxes];
-    for (std::size_t p = 0; p < 2 * kAxes; ++p) {
-      outward[p] = NumberOf(planes[p], p >= kAxes);
+    for (std::size_t k = 0; k < kAxes; ++k) {
+      outward[k] = NumberOf(planes[k], false);
+      outward[kAxes + k] = NumberOf(planes[kAxes + k], true);
     }
     const unsigned beyond = BeyondOf<kAxes>(leaf, outward);
-    for (std::size_t p = 0; p < 2 * kAxes; ++p) {
-      // In a copy that was made while a mover was at work, the body's plane can
-      // be beyond those of its nodes.
-      const float own = LoadPlane(leaf[p * kBlockObjects]);
-      outward[p] = IsBeyond(outward[p], own, p >= kAxes) ? outward[p] : own;
+    // In a copy that was made while a mover was at work, the body's plane can
+    // be beyond those of its nodes.
+    for (std::size_t k = 0; k < kAxes; ++k) {
+      const std::size_t max = kAxes + k;
+      outward[k] = std::min(outward[k], LoadPlane(leaf[k * kBlockObjects]));
+      outward[max] =
+          std::max(outward[max], LoadPlane(leaf[max * kBlockObjects]));
     }
     for (std::size_t l = levels.count; l-- > 1;) {
       float* const node = &levels.level[l].Value(0, slot >> (6 * l));
@@ -412,26 +417,30 @@ Version* BroadPhaseState::NewVersion() {
 // which the body moves, so that it stays inside about as long as before.
 void BroadPhaseState::Loosen(float* in_tree, const float* planes,
                              float* loose) const {
-  for (std::size_t k = 0; k < shape.axes; ++k) {
-    const float margin =
-        options.margin * static_cast<float>(k < shape.dims ? 1 : shape.dims);
-    const std::size_t max = shape.axes + k;
-    float below = margin;
-    float above = margin;
-    if (has_margin && in_tree != nullptr) {
-      const float from_min = planes[k] - LoadPlane(in_tree[k * kBlockObjects]);
-      const float from_max =
-          LoadPlane(in_tree[max * kBlockObjects]) - planes[max];
-      // Without branches, which nothing predicts. Of a NaN, 0.
-      const float way = std::max(from_min, from_max) - margin;
-      const float ahead =
-          std::min(way > 0 ? kShareAhead * way : 0.0f, kMostAhead * margin);
-      below += from_max > from_min ? ahead : 0.0f;
-      above += from_min > from_max ? ahead : 0.0f;
+  WithAxes(shape.axes, [&](auto axes) {
+    constexpr std::size_t kAxes = decltype(axes)::value;
+    for (std::size_t k = 0; k < kAxes; ++k) {
+      const float margin =
+          options.margin * static_cast<float>(k < shape.dims ? 1 : shape.dims);
+      const std::size_t max = kAxes + k;
+      float below = margin;
+      float above = margin;
+      if (has_margin && in_tree != nullptr) {
+        const float from_min =
+            planes[k] - LoadPlane(in_tree[k * kBlockObjects]);
+        const float from_max =
+            LoadPlane(in_tree[max * kBlockObjects]) - planes[max];
+        // Without branches, which nothing predicts. Of a NaN, 0.
+        const float way = std::max(from_min, from_max) - margin;
+        const float ahead =
+            std::min(way > 0 ? kShareAhead * way : 0.0f, kMostAhead * margin);
+        below += from_max > from_min ? ahead : 0.0f;
+        above += from_min > from_max ? ahead : 0.0f;
+      }
+      loose[k] = NumberOf(planes[k] - below, false);
+      loose[max] = NumberOf(planes[max] + above, true);
     }
-    loose[k] = NumberOf(planes[k] - below, false);
-    loose[max] = NumberOf(planes[max] + above, true);
-  }
+  });
 }
 
 void BroadPhaseState::CheckList(const char* call, Span<const std::uint32_t> ids,

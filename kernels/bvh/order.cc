@@ -84,8 +84,8 @@ Entry* Partition(Entry* first, Entry* end, float cell, const CellOf& cell_of) {
 
 // Puts the entry of rank `middle` along an axis to its place, those below it
 // before it, and the others behind it. Counts the entries of each cell of the
-// range first, and then moves each of them about once. std::nth_element takes
-// 2.5 times as long.
+// range first, and then moves each of them about once. With std::nth_element
+// alone, a rebuild takes 1.45 times as long (16 384 boxes, AVX2).
 void PlaceMiddle(Entry* first, std::size_t middle, Entry* end, std::size_t axis,
                  float least, float width) {
   constexpr std::size_t kCells = 128;
