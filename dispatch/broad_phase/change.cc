@@ -18,6 +18,9 @@ constexpr double kAllDecayed = 2;
 // in a row tightens them.
 constexpr std::size_t kMostDeferred = 8;
 
+// Of any tree, as a tree of so few bodies is a leaf.
+constexpr std::size_t kFewLoose = 64;
+
 constexpr const char* kInsert = "BroadPhase::Insert";
 
 // Bodies and their bounds in the tree, which are larger by the margin.
@@ -41,8 +44,12 @@ class Bounded {
     values_.Resize(begin + state_.planes(), 0);
     float* const loose = values_.data() + begin;
     state_.Loosen(in_tree, planes, loose);
-    version_.SetOwnBound(
-        id, std::memcmp(loose, planes, state_.planes() * sizeof(float)) == 0);
+    std::uint32_t different = 0;
+    for (std::size_t p = 0; p < state_.planes(); ++p) {
+      different |= std::bit_cast<std::uint32_t>(loose[p]) ^
+                   std::bit_cast<std::uint32_t>(planes[p]);
+    }
+    version_.SetOwnBound(id, different == 0);
   }
 
   Span<const std::uint32_t> ids() const { return ids_; }
@@ -176,8 +183,8 @@ void Publish(BroadPhaseState& state, Version& version) {
   state.upcoming.store(&version, std::memory_order_seq_cst);
   old.HasReaders();  // synchronizes with movers that did not see it
   for (std::size_t w = 0; w < (state.id_limit + 63) / 64; ++w) {
-    for (std::uint64_t bits = state.bodies.MarkedOf(w, Bodies::kMoved);
-         bits != 0; bits &= bits - 1) {
+    for (std::uint64_t bits = state.bodies.MovedOf(w); bits != 0;
+         bits &= bits - 1) {
       const auto id = static_cast<std::uint32_t>(
           64 * w + static_cast<std::size_t>(std::countr_zero(bits)));
       Body body;
@@ -194,7 +201,7 @@ void Publish(BroadPhaseState& state, Version& version) {
 
 void BuildAndPublish(BroadPhaseState& state, const Sorting& sorting) {
   const Building building(state);
-  TakenMarks moved(state, Bodies::kMoved);
+  TakenMarks moved(state);
   moved.Take();
   Version& version = *state.NewVersion();
   Build(state, moved, {}, sorting, version);
@@ -294,7 +301,7 @@ void BroadPhaseCore::Insert(Span<const std::uint32_t> ids,
   };
   if (pending > Version::kMostPending) {
     const Building building(state);
-    TakenMarks moved(state, Bodies::kMoved);
+    TakenMarks moved(state);
     moved.Take();
     Version& next = *state.NewVersion();
     Sorting sorting;
@@ -386,11 +393,10 @@ void BroadPhaseCore::Update(const UpdateOptions& options) {
   // much as it costs to tighten a sixteenth of the bounds.
   std::size_t moved = 0;
   for (std::size_t w = 0; w < (state.id_limit + 63) / 64; ++w) {
-    moved += static_cast<std::size_t>(
-        std::popcount(state.bodies.MarkedOf(w, Bodies::kMoved)));
+    moved += static_cast<std::size_t>(std::popcount(state.bodies.MovedOf(w)));
   }
   bool is_due = version.PendingCount() > 0 ||
-                16 * moved > version.tree.size() ||
+                moved > kFewLoose + version.tree.size() / 16 ||
                 (moved > 0 && ++state.deferred >= kMostDeferred);
   if (!is_due) {
     const WithRacyReads reads;

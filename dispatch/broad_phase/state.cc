@@ -147,24 +147,22 @@ std::uint64_t BitsOf(std::uint64_t bytes, std::uint8_t mark) {
 
 }  // namespace
 
-std::uint64_t Bodies::MarkedOf(std::size_t word, Mark mark) const {
-  std::uint64_t* const marks = mark == kTouched ? touched_ : marks_;
+std::uint64_t Bodies::MovedOf(std::size_t word) const {
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < 8; ++i) {
-    const std::atomic_ref<std::uint64_t> eight(marks[8 * word + i]);
-    bits |= BitsOf(eight.load(std::memory_order_acquire), mark) << 8 * i;
+    const std::atomic_ref<std::uint64_t> eight(marks_[8 * word + i]);
+    bits |= BitsOf(eight.load(std::memory_order_acquire), kMoved) << 8 * i;
   }
   return bits;
 }
 
-std::uint64_t Bodies::TakeMarkedOf(std::size_t word, Mark mark) {
-  std::uint64_t* const marks = mark == kTouched ? touched_ : marks_;
+std::uint64_t Bodies::TakeMoved(std::size_t word) {
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < 8; ++i) {
-    const std::atomic_ref<std::uint64_t> eight(marks[8 * word + i]);
-    const std::uint64_t all = mark * std::uint64_t{0x0101010101010101};
-    if ((eight.load(std::memory_order_relaxed) & all) == 0) continue;
-    bits |= BitsOf(eight.fetch_and(~all), mark) << 8 * i;
+    const std::atomic_ref<std::uint64_t> eight(marks_[8 * word + i]);
+    constexpr std::uint64_t kAll = EightOf(kMoved);
+    if ((eight.load(std::memory_order_relaxed) & kAll) == 0) continue;
+    bits |= BitsOf(eight.fetch_and(~kAll), kMoved) << 8 * i;
   }
   return bits;
 }
@@ -503,19 +501,13 @@ void CheckMargin(const char* call, const char* name, float margin) {
 void TakenMarks::Take() {
   words_.Resize((state_.id_limit + 63) / 64, 0);
   for (std::size_t w = 0; w < words_.size(); ++w) {
-    words_[w] = state_.bodies.TakeMarkedOf(w, mark_);
+    words_[w] = state_.bodies.TakeMoved(w);
   }
 }
 
 TakenMarks::~TakenMarks() {
   if (is_kept_) return;
-  ForEach([&](std::uint32_t id) {
-    if (mark_ == Bodies::kTouched) {
-      state_.bodies.Touch(id);
-    } else {
-      state_.bodies.AddMark(id, mark_);
-    }
-  });
+  ForEach([&](std::uint32_t id) { state_.bodies.AddMark(id, Bodies::kMoved); });
 }
 
 BroadPhaseCore::BroadPhaseCore(const BvhShape& shape, std::size_t max_ids,

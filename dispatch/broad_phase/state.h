@@ -246,10 +246,10 @@ class Bodies {
   void Touch(std::size_t id) {
     ByteOf(touched_, id).store(kTouched, std::memory_order_release);
   }
-  // The bodies from 64 * `word` on that have a mark, a bit for each.
-  std::uint64_t MarkedOf(std::size_t word, Mark mark) const;
+  // The bodies from 64 * `word` on that have the mark kMoved, a bit for each.
+  std::uint64_t MovedOf(std::size_t word) const;
   // The same, and takes the mark away.
-  std::uint64_t TakeMarkedOf(std::size_t word, Mark mark);
+  std::uint64_t TakeMoved(std::size_t word);
   // A mark of eight bodies, in the bytes of a word.
   static constexpr std::uint64_t EightOf(Mark mark) {
     return mark * std::uint64_t{0x0101010101010101};
@@ -539,12 +539,12 @@ class IdSet {
   List<std::uint64_t> words_;
 };
 
-// Ids whose mark was taken away. They get it back unless Keep() was called, as
-// if a call that fails had not taken it.
+// Ids whose mark kMoved was taken away. They get it back unless Keep() was
+// called, as if a call that fails had not taken it.
 class TakenMarks : public IdSet {
  public:
-  TakenMarks(BroadPhaseState& state, Bodies::Mark mark)
-      : IdSet(state.options.memory), state_(state), mark_(mark) {}
+  explicit TakenMarks(BroadPhaseState& state)
+      : IdSet(state.options.memory), state_(state) {}
   TakenMarks(const TakenMarks&) = delete;
   TakenMarks& operator=(const TakenMarks&) = delete;
   ~TakenMarks();
@@ -554,7 +554,6 @@ class TakenMarks : public IdSet {
 
  private:
   BroadPhaseState& state_;
-  Bodies::Mark mark_;
   bool is_kept_ = false;
 };
 
