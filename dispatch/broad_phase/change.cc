@@ -274,14 +274,14 @@ void BroadPhaseCore::Insert(Span<const std::uint32_t> ids,
   for (; checked < ids.size(); ++checked) {
     const std::uint32_t id = ids[checked];
     if (id >= state.max_ids || state.bodies.Has(id) ||
-        state.bodies.AddMark(id, Bodies::kListed)) {
+        state.bodies.AddMarkAlone(id, Bodies::kListed)) {
       break;
     }
     limit = std::max(limit, id + std::size_t{1});
     if (pending <= Version::kMostPending && IsNew(version, id)) ++pending;
   }
   for (std::size_t i = 0; i < checked; ++i) {
-    state.bodies.TakeMark(ids[i], Bodies::kListed);
+    state.bodies.TakeMarkAlone(ids[i], Bodies::kListed);
   }
   if (checked != ids.size()) {
     lock.unlock();
@@ -295,7 +295,7 @@ void BroadPhaseCore::Insert(Span<const std::uint32_t> ids,
       state.AddMasks(own);
       state.bodies.Write(ids[i], values.data() + i * planes, &own, true);
       // One that is still in the tree, loose, has the mark of its Erase().
-      state.bodies.AddMark(ids[i], Bodies::kNewPairs);
+      state.bodies.AddMarkAlone(ids[i], Bodies::kNewPairs);
     }
     state.size.fetch_add(ids.size(), std::memory_order_relaxed);
   };
@@ -336,7 +336,7 @@ void BroadPhaseCore::Erase(Span<const std::uint32_t> ids) {
     if (!state.bodies.Has(id)) continue;  // a second time in the list
     state.bodies.Write(id, nullptr, nullptr, false);
     state.current.load()->SetOwnBound(id, false);
-    state.bodies.AddMark(id, kChanged | Bodies::kReplaced);
+    state.bodies.AddMarkAlone(id, kChanged | Bodies::kReplaced);
     state.size.fetch_sub(1, std::memory_order_relaxed);
   }
 }

@@ -232,7 +232,21 @@ class Bodies {
   void TakeMark(std::size_t id, Mark mark) {
     ByteOf(marks_, id).fetch_and(static_cast<std::uint8_t>(~mark));
   }
-  // Faster. A mark that another thread takes away at the same time may stay.
+  // Faster. No other thread writes marks of this id: one that moves its body,
+  // or one that has the mutex.
+  bool AddMarkAlone(std::size_t id, std::uint8_t marks) {
+    const auto byte = ByteOf(marks_, id);
+    const auto old = byte.load(std::memory_order_relaxed);
+    byte.store(old | marks, std::memory_order_release);
+    return (old & marks) != 0;
+  }
+  void TakeMarkAlone(std::size_t id, Mark mark) {
+    const auto byte = ByteOf(marks_, id);
+    const auto old = byte.load(std::memory_order_relaxed);
+    byte.store(old & static_cast<std::uint8_t>(~mark),
+               std::memory_order_release);
+  }
+  // The same, though another thread takes marks away: one may stay.
   void SetMarks(std::size_t id, std::uint8_t marks) {
     const auto byte = ByteOf(marks_, id);
     const auto old = byte.load(std::memory_order_relaxed);
