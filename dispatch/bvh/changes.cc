@@ -25,6 +25,10 @@ constexpr BvhRoom kSlotsById = {0, 1, false};
 // four leaves, have no order, and almost every query visits these leaves.
 constexpr std::size_t kSortEach = 256;
 
+std::size_t IdLimitOf(Span<const std::uint32_t> ids) {
+  return std::size_t{*std::max_element(ids.begin(), ids.end())} + 1;
+}
+
 // How much each node of a block would have to grow to enclose a bound, as a sum
 // over its planes.
 using Growths = std::array<float, kBlockObjects>;
@@ -462,13 +466,34 @@ void BvhTree::Insert(Span<const float> values, Span<std::uint32_t> ids) {
   EncodeAppended(begin, kCall);
 }
 
+// Takes 0.75 to 0.95 of the time of insertions and a sort (1024 to 65 536
+// boxes).
+void BvhTree::BuildAs(Span<const std::uint32_t> ids, Span<const float> values) {
+  const std::size_t planes = PlanesOf(shape_);
+  const std::size_t id_limit = IdLimitOf(ids);
+  FloatColumns columns;
+  columns.size = ids.size();
+  columns.stride = planes;
+  for (std::size_t p = 0; p < planes; ++p) {
+    columns.planes[p] = values.data() + p;
+  }
+  BvhTree built(shape_, memory_);
+  built.BuildIn({ids.size(), id_limit, false}, columns, BuildOptions());
+  BvhLevels& levels = built.levels_;
+  std::fill_n(levels.slots, id_limit, kNoId);
+  for (std::size_t s = 0; s < ids.size(); ++s) {
+    PutId(levels, s, ids[levels.ids[s]], 0);
+  }
+  built.header().ids = static_cast<std::uint32_t>(id_limit);
+  Swap(built);
+}
+
 void BvhTree::InsertAs(Span<const std::uint32_t> ids,
                        Span<const float> values) {
   constexpr const char* kCall = "Bvh::Insert";
   if (ids.empty()) return;
-  BvhRoom room = {slots() + ids.size(),
-                  std::size_t{*std::max_element(ids.begin(), ids.end())} + 1,
-                  false};
+  if (size() == 0) return BuildAs(ids, values);
+  BvhRoom room = {slots() + ids.size(), IdLimitOf(ids), false};
   const BvhRoom old = Room();
   if (room.slots > old.slots) room.slots += room.slots / 8;
   if (room.ids > old.ids) room.ids += room.ids / 8;

@@ -239,6 +239,8 @@ class HALFSPACE_API BvhTree {
   bool CheckRefit(std::size_t objects, bool is_by_id) const;
   void BuildIn(const BvhRoom& room, const FloatColumns& objects,
                const BuildOptions& options);
+  // InsertAs() of an empty tree.
+  void BuildAs(Span<const std::uint32_t> ids, Span<const float> values);
   // Throws if ids and slots do not belong together, as in an altered blob:
   // changes would write anywhere.
   void CheckLoaded(const char* call);
