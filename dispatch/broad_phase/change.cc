@@ -18,7 +18,7 @@ constexpr double kAllDecayed = 2;
 // in a row tightens them.
 constexpr std::size_t kMostDeferred = 8;
 
-// Of any tree, as a tree of so few bodies is a leaf.
+// So many in any tree: a leaf of them.
 constexpr std::size_t kFewLoose = 64;
 
 constexpr const char* kInsert = "BroadPhase::Insert";
@@ -396,7 +396,7 @@ void BroadPhaseCore::Update(const UpdateOptions& options) {
     moved += static_cast<std::size_t>(std::popcount(state.bodies.MovedOf(w)));
   }
   bool is_due = version.PendingCount() > 0 ||
-                moved > kFewLoose + version.tree.size() / 16 ||
+                moved > std::max(kFewLoose, version.tree.size() / 16) ||
                 (moved > 0 && ++state.deferred >= kMostDeferred);
   if (!is_due) {
     const WithRacyReads reads;

@@ -192,7 +192,7 @@ class PairUpdate {
     dropped_.Clear();
     began_.Clear();
     ended_.Clear();
-    kept_.Reserve(candidates.size());
+    kept_.Reserve(candidates.size() + found_.size());
     const WithRacyReads reads;
     kernels::InDefaultFpMode([&] {
       WithAxes(state_.shape.axes, [&](auto axes) {
@@ -373,13 +373,12 @@ class PairUpdates {
       parts_[part].Retest({old.data() + begin, end - begin});
     });
     Keys now(memory);
-    now.Reserve(CountOf(&PairUpdate::kept) + CountOf(&PairUpdate::found));
-    Append(&PairUpdate::kept, now);
-    Append(&PairUpdate::began, began);
-    Append(&PairUpdate::ended, ended);
+    Take(&PairUpdate::kept, CountOf(&PairUpdate::found), now);
+    Take(&PairUpdate::began, 0, began);
+    Take(&PairUpdate::ended, 0, ended);
     if (marks_.changed_count() > 0) {
       Keys found(memory);
-      Append(&PairUpdate::found, found);
+      Take(&PairUpdate::found, 0, found);
       // So that those of the next call are sorted, if all bodies change.
       if (!state_.has_margin) Sort(memory, found);
       Append(found, now);
@@ -390,7 +389,7 @@ class PairUpdates {
       }
       Sort(memory, after);
       Keys before(memory);
-      Append(&PairUpdate::dropped, before);
+      Take(&PairUpdate::dropped, 0, before);
       Sort(memory, before);
       AppendMissing(before, after, ended);
       AppendMissing(after, before, began);
@@ -461,8 +460,11 @@ class PairUpdates {
       count += (parts_[p].*list)().size();
     return count;
   }
-  void Append(ListOf list, Keys& to) {
-    to.Reserve(to.size() + CountOf(list));
+  // The keys of all parts, with room for more. `to` is empty. The lists of
+  // several parts are in other memory.
+  void Take(ListOf list, std::size_t more, Keys& to) {
+    if (part_count_ == 1) return to.Swap((parts_[0].*list)());
+    to.Reserve(CountOf(list) + more);
     for (std::size_t p = 0; p < part_count_; ++p)
       Append((parts_[p].*list)(), to);
   }

@@ -230,9 +230,9 @@ class BroadPhase {
   // were erased, shrinks the larger bounds that Move() made grow, and sorts
   // bodies again where the order has decayed. Changes no answer. Reads a byte
   // per id, up to the greatest that was in use. Copies the tree if there is
-  // something to do. If at most a 16th of the bodies, and 64 more, left their
-  // bounds or were erased, and there are no new ones, it can leave the work to
-  // one of the next 7 calls.
+  // something to do. If at most a 16th of the bodies, or 64, left their bounds
+  // or were erased, and there are no new ones, it can leave the work to one of
+  // the next 7 calls.
   void Update(const UpdateOptions& options = {}) { core_.Update(options); }
 
   // Update() that sorts all bodies.
