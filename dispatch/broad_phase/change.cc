@@ -18,7 +18,7 @@ constexpr double kAllDecayed = 2;
 // in a row tightens them.
 constexpr std::size_t kMostDeferred = 8;
 
-// So many in any tree: a leaf of them.
+// In a tree of any size, so many bounds may stay loose: they fill one leaf.
 constexpr std::size_t kFewLoose = 64;
 
 constexpr const char* kInsert = "BroadPhase::Insert";

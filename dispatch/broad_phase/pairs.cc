@@ -460,8 +460,9 @@ class PairUpdates {
       count += (parts_[p].*list)().size();
     return count;
   }
-  // The keys of all parts, with room for more. `to` is empty. The lists of
-  // several parts are in other memory.
+  // Moves the keys of all parts to `to`, which must be empty, and reserves room
+  // for `more`. Several parts use LockedMemory, so their keys are copied. The
+  // list of one part has the room that it reserved.
   void Take(ListOf list, std::size_t more, Keys& to) {
     if (part_count_ == 1) return to.Swap((parts_[0].*list)());
     to.Reserve(CountOf(list) + more);

@@ -225,15 +225,15 @@ class Bodies {
   // Writes the planes of bodies, one after another, and touches them.
   void Move(Span<const std::uint32_t> ids, const float* planes);
 
-  // Returns whether the body had one of the marks.
-  bool AddMark(std::size_t id, std::uint8_t marks) {
-    return (ByteOf(marks_, id).fetch_or(marks) & marks) != 0;
+  void AddMark(std::size_t id, std::uint8_t marks) {
+    ByteOf(marks_, id).fetch_or(marks);
   }
   void TakeMark(std::size_t id, Mark mark) {
     ByteOf(marks_, id).fetch_and(static_cast<std::uint8_t>(~mark));
   }
-  // Faster. No other thread writes marks of this id: one that moves its body,
-  // or one that has the mutex.
+  // Not a read-modify-write, so faster. The caller must be the only thread that
+  // writes marks of this id: it has the mutex, and no other call changes the
+  // body. Returns whether the body had one of the marks.
   bool AddMarkAlone(std::size_t id, std::uint8_t marks) {
     const auto byte = ByteOf(marks_, id);
     const auto old = byte.load(std::memory_order_relaxed);
@@ -246,7 +246,8 @@ class Bodies {
     byte.store(old & static_cast<std::uint8_t>(~mark),
                std::memory_order_release);
   }
-  // The same, though another thread takes marks away: one may stay.
+  // Replaces all marks except kReplaced. A mark that another thread takes away
+  // at the same time can stay.
   void SetMarks(std::size_t id, std::uint8_t marks) {
     const auto byte = ByteOf(marks_, id);
     const auto old = byte.load(std::memory_order_relaxed);
@@ -553,8 +554,8 @@ class IdSet {
   List<std::uint64_t> words_;
 };
 
-// Ids whose mark kMoved was taken away. They get it back unless Keep() was
-// called, as if a call that fails had not taken it.
+// Takes kMoved from ids. The destructor returns the marks unless Keep() was
+// called, so a call that fails changes none.
 class TakenMarks : public IdSet {
  public:
   explicit TakenMarks(BroadPhaseState& state)

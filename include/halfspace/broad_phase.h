@@ -20,8 +20,9 @@
 //
 // Thread safety:
 // - Queries, casts, ForEachPairOf(), Has(), Get(), MasksOf(), Bounds() and
-//   size() may run at any time. So may Move() and SetMasks(), but two calls
-//   that change the same body must not run at the same time.
+//   size() may run at any time. So may Move() and SetMasks(). Two calls that
+//   change the same body, Insert() and Erase() included, must not run at the
+//   same time.
 // - Insert(), Erase(), Update(), Rebuild(), UpdatePairs() and Statistics() may
 //   run on any thread, at the same time as the calls above. They wait for each
 //   other. They do not wait for queries or moves.
@@ -230,9 +231,9 @@ class BroadPhase {
   // were erased, shrinks the larger bounds that Move() made grow, and sorts
   // bodies again where the order has decayed. Changes no answer. Reads a byte
   // per id, up to the greatest that was in use. Copies the tree if there is
-  // something to do. If at most a 16th of the bodies, or 64, left their bounds
-  // or were erased, and there are no new ones, it can leave the work to one of
-  // the next 7 calls.
+  // something to do. It can delay the work to one of the next 7 calls if there
+  // are no new bodies, and at most max(64, size() / 16) bodies left their
+  // bounds or were erased.
   void Update(const UpdateOptions& options = {}) { core_.Update(options); }
 
   // Update() that sorts all bodies.

@@ -70,7 +70,7 @@ struct Piece {
 };
 
 // Puts those entries first whose cell is below `cell`, and returns their end.
-// Without branches, which nothing predicts.
+// It has no branches, because they would be mispredicted.
 template <typename CellOf>
 Entry* Partition(Entry* first, Entry* end, float cell, const CellOf& cell_of) {
   for (Entry* e = first; e != end; ++e) {
@@ -93,12 +93,13 @@ void PlaceMiddle(Entry* first, std::size_t middle, Entry* end, std::size_t axis,
   const auto by_axis = [axis](const Entry& a, const Entry& b) {
     return a.center[axis] < b.center[axis];
   };
-  // Of a range that is 0 or infinite there are no cells.
+  // If all centers are equal or kLastCenter, or the range is below 2^-121, the
+  // scale is not a positive finite number.
   if (!(scale > 0 && scale <= std::numeric_limits<float>::max())) {
     std::nth_element(first, first + middle, end, by_axis);
     return;
   }
-  // What is placed last is in the last cell.
+  // Centers equal to kLastCenter get the last cell.
   const auto cell_of = [=](const Entry& entry) {
     const float cell = (entry.center[axis] - least) * scale;
     return std::min(cell, static_cast<float>(kCells - 1));

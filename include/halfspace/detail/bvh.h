@@ -209,8 +209,8 @@ class HALFSPACE_API BvhTree {
   void Insert(Span<const float> values, Span<std::uint32_t> ids);
   void Insert(Span<const double> values, Span<std::uint32_t> ids);
   // Under ids that no object has, and that may be any numbers. No call may
-  // choose ids in the same tree. Grows it by an eighth, as it copies more
-  // often.
+  // choose ids in the same tree. A tree that has objects and no room grows by
+  // an eighth, as it copies more often.
   void InsertAs(Span<const std::uint32_t> ids, Span<const float> values);
   void Erase(Span<const std::uint32_t> ids);
   void Clear();
@@ -239,7 +239,7 @@ class HALFSPACE_API BvhTree {
   bool CheckRefit(std::size_t objects, bool is_by_id) const;
   void BuildIn(const BvhRoom& room, const FloatColumns& objects,
                const BuildOptions& options);
-  // InsertAs() of an empty tree.
+  // Does the work of InsertAs() if the tree is empty.
   void BuildAs(Span<const std::uint32_t> ids, Span<const float> values);
   // Throws if ids and slots do not belong together, as in an altered blob:
   // changes would write anywhere.

@@ -555,8 +555,7 @@ TYPED_TEST(BvhTest, AMaskOfNothingFindsNothing) {
   }
 }
 
-// Of objects on a line, each leaf has those next to each other, whatever their
-// distances are.
+// Objects on a line: each leaf must hold neighbours, for any distances.
 TEST(BvhOrderTest, ALeafHasNeighboursOnALine) {
   constexpr std::size_t kObjects = 64 * 64 + 1000;
   constexpr float kMost = std::numeric_limits<float>::max();
