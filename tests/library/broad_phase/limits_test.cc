@@ -133,6 +133,31 @@ TEST(BroadPhaseTest, BoundsAreTightAfterARebuild) {
   EXPECT_EQ(bodies.Statistics().bodies, 0u);
 }
 
+// A few bounds may stay loose until the eighth update, and more only until the
+// next one.
+TEST(BroadPhaseTest, BoundsAreTightInTime) {
+  struct Case {
+    std::uint32_t bodies;
+    std::uint32_t moved;
+    std::size_t most_updates;
+  };
+  for (const Case& c : {Case{10, 10, 8}, Case{100, 64, 8}, Case{100, 65, 1},
+                        Case{2000, 125, 8}, Case{2000, 126, 1}}) {
+    AabbBroadPhase3 bodies(c.bodies);
+    Ids ids;
+    for (std::uint32_t id = 0; id < c.bodies; ++id) ids.push_back(id);
+    bodies.Insert(ids, std::vector<Aabb3>(c.bodies, kUnit));
+    bodies.Update();
+    for (std::uint32_t id = 0; id < c.moved; ++id) {
+      bodies.Move(id, {{0, 0, 0}, {1, 1, 9}});
+      bodies.Move(id, kUnit);
+    }
+    ASSERT_NE(bodies.Bounds(), kUnit);
+    for (std::size_t i = 0; i < c.most_updates; ++i) bodies.Update();
+    EXPECT_EQ(bodies.Bounds(), kUnit) << c.moved << " of " << c.bodies;
+  }
+}
+
 // In the list of new bodies, in the tree, and in more than one leaf.
 TEST(BroadPhaseTest, PairsOfCoincidentBodiesAreAllFoundOnce) {
   for (const auto& [count, into_tree] :
