@@ -1,7 +1,6 @@
 // How a broad phase changes.
 #include <algorithm>
 #include <bit>
-#include <cstring>
 
 #include "dispatch/broad_phase/state.h"
 #include "dispatch/bvh/layout.h"

@@ -286,8 +286,8 @@ void Version::Widen(std::uint32_t id, const float* planes, bool is_mover) {
       outward[kAxes + k] = NumberOf(planes[kAxes + k], true);
     }
     const unsigned beyond = BeyondOf<kAxes>(leaf, outward);
-    // In a copy that was made while a mover was at work, the body's plane can
-    // be beyond those of its nodes.
+    // If the tree was copied during a Move(), a plane of the body can be
+    // outside the planes of its nodes.
     for (std::size_t k = 0; k < kAxes; ++k) {
       const std::size_t max = kAxes + k;
       outward[k] = std::min(outward[k], LoadPlane(leaf[k * kBlockObjects]));
