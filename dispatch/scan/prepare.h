@@ -58,8 +58,8 @@ void CheckOutput(const detail::Scan& scan, const Output& output);
 inline constexpr detail::Way kWayOf[3][4] = {
     // kAuto, kFlat, kStaged, kStagedByAxis
     {detail::kMinima, detail::kMinima, detail::kMinima, detail::kMinima},
-    {detail::kAll, detail::kAll, detail::kByAxis, detail::kByAxis},
-    {detail::kBySimplex, detail::kAll, detail::kBySimplex, detail::kByAxis},
+    {detail::kAdaptive, detail::kAll, detail::kByHalf, detail::kByAxis},
+    {detail::kAdaptive, detail::kAll, detail::kBySimplex, detail::kByAxis},
 };
 // A word of quantized bounds is one or two vectors, so a stage by axis could
 // skip nothing.
@@ -72,7 +72,8 @@ inline constexpr detail::Way kWayOfQuantized[3][4] = {
 // The streaming way: of one query over planes that are not in cache.
 inline constexpr detail::Way kStreamingWayOf[detail::kWays] = {
     detail::kMinimaStreaming, detail::kMinimaStreaming, detail::kAllStreaming,
-    detail::kAllStreaming,    detail::kByAxis,          detail::kBySimplex,
+    detail::kAllStreaming,    detail::kByAxis,          detail::kByHalf,
+    detail::kBySimplex,       detail::kAdaptive,
 };
 
 // All objects of a scan for one query, unless its bounds are quantized.

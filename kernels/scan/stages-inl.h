@@ -13,6 +13,7 @@
 
 #include "hwy/highway.h"
 #include "kernels/prefetch.h"
+#include "kernels/scan/by_axis-inl.h"
 #include "kernels/scan/flat-inl.h"
 #include "kernels/scan/kernel_table.h"
 #include "kernels/scan/words-inl.h"
@@ -23,10 +24,6 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// 4096 objects: one word has a bit for each of their words, and what a stage
-// keeps for the next one stays in L1.
-inline constexpr size_t kTileWords = 64;
-
 // The kernels that are the same for any number of axes: compiled once for each
 // type of element.
 template <typename T>
@@ -35,6 +32,8 @@ struct ElementKernels {
                               const detail::Part& part);
   static int64_t StreamAll(const detail::Scan& scan, const detail::Part& part);
   static int64_t ByAxis(const detail::Scan& scan, const detail::Part& part);
+  static int64_t ByHalf(const detail::Scan& scan, const detail::Part& part);
+  static int64_t Adaptive(const detail::Scan& scan, const detail::Part& part);
 };
 
 // Objects from word `first` of a part on, up to object `end`. Field by field: a
@@ -47,6 +46,20 @@ HWY_INLINE detail::Part PartFrom(const detail::Part& part, size_t first,
           .begin = part.begin + first * kWordObjects,
           .end = end,
           .rows = part.rows + first,
+          .stride = part.stride};
+}
+
+// `words` words of query q of a part, from word `first` on.
+HWY_INLINE detail::Part PartOf(const detail::Scan& scan,
+                               const detail::Part& part, size_t q, size_t first,
+                               size_t words) {
+  return {.first_query = part.first_query + q,
+          .query_count = 1,
+          .queries = static_cast<const char*>(part.queries) +
+                     q * scan.type->query_record_bytes,
+          .begin = part.begin + first * kWordObjects,
+          .end = part.begin + (first + words) * kWordObjects,
+          .rows = part.rows + q * part.stride + first,
           .stride = part.stride};
 }
 
@@ -187,96 +200,30 @@ int64_t ElementKernels<T>::StreamAll(const detail::Scan& scan,
   }
 }
 
-// ---- By axis: each stage leaves many groups of objects, which are listed.
+// ---- By axis (by_axis-inl.h). Quantized bounds have no such stages.
 
-// The groups of a tile that still have a survivor, by the offset of their first
-// object.
-struct GroupList {
-  static constexpr size_t kSmallestGroup = 16;
-
-  uint16_t groups[kTileWords * kWordObjects / kSmallestGroup];
-
-  // Appends a group to a list of `count` if it has a survivor, and returns the
-  // new count; the group's bits of `survivors` begin at the lowest. There is no
-  // branch, because which groups survive cannot be predicted, and a
-  // mispredicted branch costs more than the test of a whole vector (measured: a
-  // staged box took three times as long as a flat one).
-  template <size_t kGroup>
-  HWY_INLINE size_t AppendIfLeft(size_t count, size_t offset,
-                                 uint64_t survivors) {
-    static_assert(kGroup >= kSmallestGroup, "the list would be too short");
-    groups[count] = static_cast<uint16_t>(offset);
-    return count + ((survivors & kLowBits<kGroup>) != 0);
-  }
-};
-
-// Tests both planes of an axis for all objects of a tile, then those of the
-// next axis for the groups that still have a survivor, and so on.
-template <typename T>
-HWY_INLINE void TileByAxis(const detail::Scan& scan, const T* values,
-                           size_t first, size_t words,
-                           uint64_t* HWY_RESTRICT row) {
-  const OneTag<T> d;
-#if HWY_HAVE_SCALABLE
-  // A group must hold a whole vector, whose length is not known here.
-  constexpr size_t kGroup = kWordObjects;
-#else
-  constexpr size_t kGroup =
-      HWY_MAX(GroupList::kSmallestGroup, hn::MaxLanes(OneTag<T>()));
-#endif
-  GroupList list;
-  size_t left = 0;
-  for (size_t k = 0; k < scan.type->axes; ++k) {
-    const T* planes[] = {scan.Plane<T>(k) + first,
-                         scan.Plane<T>(scan.type->axes + k) + first};
-    const auto max = hn::Set(d, values[scan.type->first_max + k]);
-    const auto min = hn::Set(d, values[k]);
-    if (k == 0) {
-      for (size_t w = 0; w < words; ++w) {
-        const uint64_t kept =
-            KeptBits<1>(d, LoadAll(), planes, w * kWordObjects, max, min);
-        row[w] = kept;
-        for (size_t g = 0; g < kWordObjects; g += kGroup) {
-          left = list.template AppendIfLeft<kGroup>(left, w * kWordObjects + g,
-                                                    kept >> g);
-        }
-      }
-      continue;
-    }
-    const size_t count = left;
-    left = 0;
-    for (size_t j = 0; j < count; ++j) {
-      const size_t offset = list.groups[j];
-      const size_t shift = offset % kWordObjects;
-      const uint64_t rejected =
-          KeptBits<1, kGroup>(d, LoadAll(), planes, offset, max, min) ^
-          kLowBits<kGroup>;
-      const uint64_t word = row[offset / kWordObjects] & ~(rejected << shift);
-      row[offset / kWordObjects] = word;
-      left = list.template AppendIfLeft<kGroup>(left, offset, word >> shift);
+template <size_t kFirst, typename T>
+HWY_INLINE int64_t PartByAxis(const detail::Scan& scan,
+                              const detail::Part& part) {
+  if constexpr (std::is_floating_point_v<T>) {
+    const size_t words = (part.end - part.begin) / kWordObjects;
+    for (size_t q = 0; q < part.query_count; ++q) {
+      RangeByAxis<kFirst, T>(scan, PartOf(scan, part, q, 0, words));
     }
   }
+  return FinishPart(scan, part, detail::kAll);
 }
 
 template <typename T>
 int64_t ElementKernels<T>::ByAxis(const detail::Scan& scan,
                                   const detail::Part& part) {
-  // Quantized bounds have no stages by axis.
-  if constexpr (std::is_floating_point_v<T>) {
-    const size_t words = (part.end - part.begin) / kWordObjects;
-    for (size_t q = 0; q < part.query_count; ++q) {
-      const T* values =
-          static_cast<const T*>(part.queries) + q * scan.type->plane_count;
-      for (size_t begin = 0; begin < words; begin += kTileWords) {
-        TileByAxis(scan, values, part.begin + begin * kWordObjects,
-                   HWY_MIN(kTileWords, words - begin),
-                   part.rows + q * part.stride + begin);
-      }
-    }
-    return FinishPart(scan, part, detail::kAll);
-  } else {
-    return scan.kernels->run[detail::kAll](scan, part);
-  }
+  return PartByAxis<1, T>(scan, part);
+}
+
+template <typename T>
+int64_t ElementKernels<T>::ByHalf(const detail::Scan& scan,
+                                  const detail::Part& part) {
+  return PartByAxis<2, T>(scan, part);
 }
 
 // ---- By simplex: an octahedron's minima, then its maxima for the nonzero
@@ -370,6 +317,106 @@ int64_t BySimplex(const detail::Scan& scan, const detail::Part& part) {
   return FinishPart(scan, part, detail::kAll);
 }
 
+// ---- What kAuto does: each stretch of the world is tested in the way that
+// suits what the one before it left.
+
+// From the fewest planes for all objects to every plane for all of them.
+enum class Step { kOneAxis, kHalf, kEveryPlane };
+
+// Which step is next, and for how many words.
+class Ladder {
+ public:
+  Step step() const { return step_; }
+
+  // At least one of the `left` words of a part. A stretch is never followed by
+  // one that is much shorter.
+  size_t Words(size_t left) const { return left < 2 * words_ ? left : words_; }
+
+  // After a stretch that left so much: of kOneAxis and kHalf after the first
+  // planes, of kEveryPlane after all.
+  void Learn(Left left) {
+    Step next = step_;
+    if (step_ == Step::kOneAxis && left.IsMany()) {
+      next = Step::kHalf;
+      patience_ = kPatience;
+    } else if (step_ == Step::kHalf && left.IsMany()) {
+      next = Step::kEveryPlane;
+    } else if (step_ == Step::kHalf && 32 * left.some <= left.all) {
+      if (patience_ == 0) next = Step::kOneAxis;
+      patience_ -= patience_ != 0 ? 1 : 0;
+    } else if (step_ == Step::kEveryPlane && 4 * left.some < left.all) {
+      next = Step::kHalf;
+    }
+    words_ = next != step_ ? kTileWords : HWY_MIN(2 * words_, kMostWords);
+    step_ = next;
+  }
+
+ private:
+  // The first stretch is short, because nothing is known of the world.
+  static constexpr size_t kFirstWords = 16;
+  static constexpr size_t kMostWords = 16 * kTileWords;
+  // So many stretches pass before kOneAxis is tried again where it did not pay.
+  static constexpr size_t kPatience = 16;
+
+  Step step_ = Step::kHalf;
+  size_t words_ = kFirstWords;
+  size_t patience_ = 0;
+};
+
+// The words of the last tile of a part that are not zero.
+HWY_INLINE Left NonzeroOfLastTile(const detail::Part& part) {
+  const size_t words = (part.end - part.begin) / kWordObjects;
+  const size_t count = HWY_MIN(words, kTileWords);
+  const uint64_t nonzero = NonzeroWords(part.rows + (words - count), count);
+  return {hwy::PopCount(nonzero), count};
+}
+
+// Tests whole words of one query, and returns what Ladder::Learn() needs.
+template <typename T>
+HWY_INLINE Left TestStretch(const detail::Scan& scan, const detail::Part& part,
+                            Step step) {
+  if (step == Step::kOneAxis) return RangeByAxis<1, T>(scan, part);
+  detail::Way way = scan.is_streaming ? detail::kAllStreaming : detail::kAll;
+  if (step == Step::kHalf) {
+    if (scan.type->shape == detail::Shape::kAabb) {
+      // Half of the axes, rounded up.
+      return scan.type->axes > 2 ? RangeByAxis<2, T>(scan, part)
+                                 : RangeByAxis<1, T>(scan, part);
+    }
+    way = detail::kBySimplex;
+  }
+  scan.kernels->run[way](scan, part);
+  return NonzeroOfLastTile(part);
+}
+
+template <typename T>
+int64_t ElementKernels<T>::Adaptive(const detail::Scan& scan,
+                                    const detail::Part& part) {
+  if constexpr (!std::is_floating_point_v<T>) {
+    return scan.kernels->run[detail::kAll](scan, part);
+  } else if constexpr (!kHasVectors) {
+    return ByAxis(scan, part);
+  } else {
+    if (HALFSPACE_MASKED_COMPARES && part.query_count > 1) {
+      // These kernels share each load among several queries.
+      return scan.kernels->run[scan.type->shape == detail::Shape::kAabb
+                                   ? detail::kAll
+                                   : detail::kBySimplex](scan, part);
+    }
+    const size_t words = (part.end - part.begin) / kWordObjects;
+    Ladder ladder;
+    for (size_t q = 0; q < part.query_count; ++q) {
+      for (size_t begin = 0; begin < words;) {
+        const size_t count = ladder.Words(words - begin);
+        ladder.Learn(TestStretch<T>(scan, PartOf(scan, part, q, begin, count),
+                                    ladder.step()));
+        begin += count;
+      }
+    }
+    return FinishPart(scan, part, detail::kAll);
+  }
+}
+
 // ---- The table of a target.
 
 template <size_t kAxes, typename T>
@@ -382,6 +429,9 @@ constexpr detail::TargetKernels MakeKernels() {
   kernels.run[detail::kAllStreaming] = &ElementKernels<T>::StreamAll;
   if constexpr (std::is_floating_point_v<T>) {
     kernels.run[detail::kByAxis] = &ElementKernels<T>::ByAxis;
+    kernels.run[detail::kByHalf] =
+        kAxes > 2 ? &ElementKernels<T>::ByHalf : &ElementKernels<T>::ByAxis;
+    kernels.run[detail::kAdaptive] = &ElementKernels<T>::Adaptive;
   }
   if constexpr (kAxes > 2) {
     kernels.run[detail::kMinima] = &Flat<kAxes, 0, T>;

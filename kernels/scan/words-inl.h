@@ -196,7 +196,44 @@ HWY_INLINE uint64_t NonzeroWords(const uint64_t* words, size_t count) {
   return nonzero;
 }
 
-// The same, as a function (words.cc).
+// Sets bit g of `groups` for each group of kGroup objects, of at most 64 words,
+// that has a survivor, and clears the other bits. Returns how many have one.
+template <size_t kGroup>
+HWY_INLINE size_t NonzeroGroups(const uint64_t* words, size_t count,
+                                uint64_t* groups) {
+  size_t found = 0;
+  for (size_t begin = 0; begin < count; begin += kGroup) {
+    uint64_t bits = 0;
+    const size_t left = HWY_MIN(kGroup, count - begin);
+    if constexpr (kGroup == kWordObjects) {
+      bits = NonzeroWords(words, left);
+    } else {
+      static_assert(kGroup == 16);
+      size_t w = 0;
+#if HWY_TARGET != HWY_SCALAR
+      // At most 16 groups, whose bits have a type of their own.
+      const hn::CappedTag<uint64_t, 4> d;
+      const hn::Repartition<uint16_t, decltype(d)> d16;
+      const size_t lanes = hn::Lanes(d);
+      for (; w + lanes <= left; w += lanes) {
+        const auto vector = hn::BitCast(d16, hn::LoadU(d, words + begin + w));
+        bits |= LaneBits(d16, hn::Ne(vector, hn::Zero(d16))) << (4 * w);
+      }
+#endif
+      for (; w < left; ++w) {
+        for (size_t g = 0; g < 4; ++g) {
+          const bool is_left = (words[begin + w] >> (16 * g) & 0xffff) != 0;
+          bits |= uint64_t{is_left} << (4 * w + g);
+        }
+      }
+    }
+    groups[begin / kGroup] = bits;
+    found += hwy::PopCount(bits);
+  }
+  return found;
+}
+
+// NonzeroWords() as a function (words.cc).
 uint64_t FindNonzeroWords(const uint64_t* words, size_t count);
 
 // The number of bits in those of at most 64 words that `nonzero` names.

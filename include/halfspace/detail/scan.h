@@ -36,7 +36,9 @@ enum Way : std::uint8_t {
   kAll,              // minima and maxima of every object
   kAllStreaming,
   kByAxis,     // axis after axis, for groups of objects that have a survivor
+  kByHalf,     // the same, after half of the axes at once
   kBySimplex,  // the minima, then the maxima of the nonzero words
+  kAdaptive,   // chooses among the four above by what it finds
   kWays
 };
 
