@@ -144,22 +144,17 @@ inline void Prepare(detail::Scan& scan, const Options& options,
   Prepare(scan, options, call, [](std::size_t) { return Output{}; });
 }
 
-// Chooses how a prepared scan that is not short goes through its planes. Stages
-// gain nothing below two words.
+// Chooses how a prepared scan that is not short goes through its planes.
 inline void ChooseWay(detail::Scan& scan, const Options& options) {
-  constexpr std::size_t kFewObjects = 128;
   const detail::ScanType& type = *scan.type;
-  const std::size_t objects = scan.end - scan.begin;
-  const Schedule schedule =
-      options.schedule == Schedule::kAuto && objects < kFewObjects
-          ? Schedule::kFlat
-          : options.schedule;
-  scan.way = (type.encode == nullptr
-                  ? kWayOf
-                  : kWayOfQuantized)[static_cast<std::size_t>(type.shape)]
-                                    [static_cast<std::size_t>(schedule)];
-  scan.is_streaming = objects * type.record_bytes > kInCacheBytes &&
-                      scan.query_count == 1 && StreamingPays();
+  scan.way =
+      (type.encode == nullptr
+           ? kWayOf
+           : kWayOfQuantized)[static_cast<std::size_t>(type.shape)]
+                             [static_cast<std::size_t>(options.schedule)];
+  scan.is_streaming =
+      (scan.end - scan.begin) * type.record_bytes > kInCacheBytes &&
+      scan.query_count == 1 && StreamingPays();
   if (scan.is_streaming) scan.way = kStreamingWayOf[scan.way];
 }
 

@@ -49,17 +49,19 @@
 namespace halfspace {
 
 // The order in which a call tests planes. A staged schedule tests some planes
-// first. It tests the other planes only for groups of objects that have a
-// survivor. The schedule changes the cost, never the result. A simplex is
-// always tested flat.
+// of every object first. It tests the other planes only for groups of objects
+// that still have a survivor. The schedule changes the cost, never the result.
+// A simplex is always tested flat.
 enum class Schedule : std::uint8_t {
-  // The fastest schedule, as measured (docs/design.md): flat for the simplex,
-  // the AABB and fewer than 128 objects, staged for the AABO.
+  // AABB and AABO: chooses among the schedules below while it runs, by how many
+  // groups the objects before had left. Few objects are tested flat.
+  // `./bench.sh --details kernels` compares it with the others.
   kAuto,
   // Tests every plane of every object, without a branch.
   kFlat,
-  // AABO: the minima (the up simplex), then the maxima (the down simplex).
-  // AABB: as kStagedByAxis.
+  // AABB: the planes of half of the axes (2 of 3), then those of one axis after
+  // the other. AABO: the minima (the up simplex), then the maxima (the down
+  // simplex).
   kStaged,
   // AABB and AABO: the two planes of one axis, then those of the next axis.
   // Quantized bounds: as kAuto.

@@ -323,9 +323,19 @@ int64_t BySimplex(const detail::Scan& scan, const detail::Part& part) {
 // From the fewest planes for all objects to every plane for all of them.
 enum class Step { kOneAxis, kHalf, kEveryPlane };
 
+// Fewer words of one query are tested flat, because the branches of stages cost
+// more than they save. Of several queries it is half as many: what one finds
+// serves the next.
+inline constexpr size_t kFewWords = 2 * hn::MaxLanes(OneTag<float>());
+
 // Which step is next, and for how many words.
 class Ladder {
  public:
+  // For a part of so many words and bytes of planes.
+  Ladder(size_t words, size_t bytes)
+      : has_one_axis_(words >= 2 * kFewWords),
+        most_of_axis_(bytes > kMemoryBytes ? 1 : 3) {}
+
   Step step() const { return step_; }
 
   // At least one of the `left` words of a part. A stretch is never followed by
@@ -336,13 +346,13 @@ class Ladder {
   // planes, of kEveryPlane after all.
   void Learn(Left left) {
     Step next = step_;
-    if (step_ == Step::kOneAxis && left.IsMany()) {
+    if (step_ == Step::kOneAxis && 8 * left.some > most_of_axis_ * left.all) {
       next = Step::kHalf;
       patience_ = kPatience;
     } else if (step_ == Step::kHalf && left.IsMany()) {
       next = Step::kEveryPlane;
-    } else if (step_ == Step::kHalf && 32 * left.some <= left.all) {
-      if (patience_ == 0) next = Step::kOneAxis;
+    } else if (step_ == Step::kHalf && 64 * left.some <= left.all) {
+      if (has_one_axis_ && patience_ == 0) next = Step::kOneAxis;
       patience_ -= patience_ != 0 ? 1 : 0;
     } else if (step_ == Step::kEveryPlane && 4 * left.some < left.all) {
       next = Step::kHalf;
@@ -358,6 +368,14 @@ class Ladder {
   // So many stretches pass before kOneAxis is tried again where it did not pay.
   static constexpr size_t kPatience = 16;
 
+  // Beyond the caches a group is a cache line that no prefetcher expects, so
+  // fewer of them may be left.
+  static constexpr size_t kMemoryBytes = size_t{16} << 20;
+
+  // On fewer words than this needs, the branches of two more stages take longer
+  // than two planes.
+  bool has_one_axis_;
+  size_t most_of_axis_;  // of 8 groups
   Step step_ = Step::kHalf;
   size_t words_ = kFirstWords;
   size_t patience_ = 0;
@@ -397,14 +415,18 @@ int64_t ElementKernels<T>::Adaptive(const detail::Scan& scan,
   } else if constexpr (!kHasVectors) {
     return ByAxis(scan, part);
   } else {
-    if (HALFSPACE_MASKED_COMPARES && part.query_count > 1) {
-      // These kernels share each load among several queries.
-      return scan.kernels->run[scan.type->shape == detail::Shape::kAabb
-                                   ? detail::kAll
-                                   : detail::kBySimplex](scan, part);
+    // Several queries of an octahedron, and, with AVX-512, of a box, share what
+    // their kernels do once for all of them.
+    const bool is_box = scan.type->shape == detail::Shape::kAabb;
+    if (part.query_count > 1 && (HALFSPACE_MASKED_COMPARES || !is_box)) {
+      const detail::Way way = is_box ? detail::kAll : detail::kBySimplex;
+      return scan.kernels->run[way](scan, part);
     }
     const size_t words = (part.end - part.begin) / kWordObjects;
-    Ladder ladder;
+    if (words < (part.query_count > 1 ? kFewWords / 2 : kFewWords)) {
+      return scan.kernels->run[detail::kAll](scan, part);
+    }
+    Ladder ladder(words, words * kWordObjects * scan.type->record_bytes);
     for (size_t q = 0; q < part.query_count; ++q) {
       for (size_t begin = 0; begin < words;) {
         const size_t count = ladder.Words(words - begin);
