@@ -602,11 +602,17 @@ void BvhTree::SetMasks(Span<const std::uint32_t> masks) {
   constexpr const char* kCall = "Bvh::SetMasks";
   kernels::CheckMemory(kCall, "masks", masks.data(), masks.size(),
                        alignof(std::uint32_t));
+  if (masks.size() < id_limit()) {
+    kernels::ThrowInvalid(
+        kCall, "masks",
+        "a mask for each id, at least " + std::to_string(id_limit()),
+        std::to_string(masks.size()));
+  }
   if (block_ == nullptr) return;
   Prepare(kCall, {0, 0, true});
   for (std::size_t s = 0; s < header().slots; ++s) {
     const std::uint32_t id = levels_.ids[s];
-    levels_.level[0].masks[s] = id < masks.size() ? masks[id] : 0;
+    levels_.level[0].masks[s] = id != kNoId ? masks[id] : 0;
   }
   OrAllMasks(levels_);
 }

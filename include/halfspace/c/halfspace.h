@@ -429,7 +429,8 @@ HALFSPACE_API void hs_builder_destroy(hs_builder* builder);
 HALFSPACE_API hs_status hs_bvh_size(const hs_bvh* bvh, size_t* size);
 // Writes one more than the greatest id in use since the last hs_bvh_rebuild():
 // the size that an array by id needs. hs_bvh_rebuild() can reduce it, if the
-// objects with the greatest ids were erased.
+// objects with the greatest ids were erased. It is 0 after the last object was
+// erased: ids then begin at 0 again.
 HALFSPACE_API hs_status hs_bvh_id_limit(const hs_bvh* bvh, size_t* limit);
 // Writes the bound of all objects as one record. The maxima of a simplex are
 // INFINITY.
@@ -453,12 +454,16 @@ HALFSPACE_API hs_status hs_bvh_set(hs_bvh* bvh, const uint32_t* ids,
 HALFSPACE_API hs_status hs_bvh_erase(hs_bvh* bvh, const uint32_t* ids,
                                      size_t count);
 
-// Sets the masks of `count` objects: masks[i] is that of object ids[i], or of
-// object i if `ids` is null. In this case the masks of all other objects become
-// 0. An object whose mask was never set has all bits. An object whose mask is 0
-// is found only by a query whose mask is all ones.
+// Sets the masks of `count` objects: masks[i] is that of object ids[i]. An
+// object whose mask was never set has all bits. An object whose mask is 0 is
+// found only by a query whose mask is all ones.
 HALFSPACE_API hs_status hs_bvh_set_masks(hs_bvh* bvh, const uint32_t* ids,
                                          const uint32_t* masks, size_t count);
+
+// Sets the masks of all objects: masks[i] is that of object i. Masks of erased
+// objects are not read. `count` must be at least hs_bvh_id_limit().
+HALFSPACE_API hs_status hs_bvh_set_all_masks(hs_bvh* bvh, const uint32_t* masks,
+                                             size_t count);
 
 // Gives all objects new bounds by id: record i is that of object i. Records of
 // erased objects are not read. objects->count must be at least
@@ -652,6 +657,9 @@ HALFSPACE_API hs_status hs_bvh_from_blob(const hs_bvh_config* config,
 // is removed if the call fails. The file has the permissions of a new file,
 // also if it replaces a file with others. A symbolic link at `path` is
 // replaced, not the file that it names.
+//
+// If `path` exists, it must be a file or a link to one. HS_IO_ERROR for
+// anything else, such as a folder, a device or a FIFO.
 HALFSPACE_API hs_status hs_bvh_save(const hs_bvh* bvh, const char* path);
 
 // Reads a file of hs_bvh_save(), as hs_bvh_from_blob() does. The file must not
