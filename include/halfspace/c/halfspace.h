@@ -744,7 +744,9 @@ typedef struct hs_broad_phase_config {
   hs_kind kind;    // must be set: boxes or octahedra
   float margin;    // bounds in the tree are larger by this on each side. A body
                    // that moves less between two updates costs only a compare.
-                   // Must be finite and not negative; by default it is 0.
+                   // Must be finite and not negative; by default it is 0. It
+                   // should be less than the distance between most bodies:
+                   // see BroadPhaseOptions of broad_phase.h.
   size_t max_ids;  // must be set: ids are below it. At most 2^29
   hs_keep_function keep;  // null: the masks alone
   void* keep_context;
