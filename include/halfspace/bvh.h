@@ -219,6 +219,7 @@ class Bvh {
   template <typename Fit>
   static Bvh Fitted(std::size_t count, Fit&& fit,
                     const BuildOptions& options = {}) {
+    Bvh(options.memory).tree_.CheckBuild(count, options);
     World<View> bounds(options.memory);
     bounds.Resize(count);
     fit(bounds.planes());
