@@ -207,6 +207,9 @@ static void test_ids(void) {
   CHECK(count_of(bvh, around_0, ~0u) == 1);
   CHECK_OK(hs_bvh_cost_ratio(bvh, &ratio));
   CHECK(ratio == 1);
+  CHECK_OK(hs_bvh_erase(bvh, both, 2));
+  CHECK_OK(hs_bvh_id_limit(bvh, &size));
+  CHECK(size == 0);
   hs_bvh_destroy(bvh);
 }
 
