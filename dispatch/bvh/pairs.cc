@@ -12,7 +12,6 @@
 #include "halfspace/bvh_pairs.h"
 #include "kernels/bvh/block.h"
 #include "kernels/error.h"
-#include "kernels/exact/default_fp_mode.h"
 #include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
@@ -254,8 +253,7 @@ class ObjectSet {
   Masks wanted_;
 };
 
-// The margins of the axes: D is less the sum of the others. In the default
-// floating-point mode.
+// The margins of the axes: D is less the sum of the others.
 std::array<float, 4> MarginsOf(const BvhShape& shape, float margin) {
   std::array<float, 4> margins{};
   for (std::size_t k = 0; k < shape.axes; ++k) {
@@ -305,10 +303,7 @@ void Join(const PairSources& sources, const PairOptions& options,
   join.queries = &a.levels();
   join.is_one_world = sources.b == nullptr;
   join.has_margin = has_margin;
-  if (join.has_margin) {
-    join.margins = kernels::InDefaultFpMode(
-        [&] { return MarginsOf(a.shape(), options.margin); });
-  }
+  if (join.has_margin) join.margins = MarginsOf(a.shape(), options.margin);
   join.begin = options.begin;
   join.end = std::min(options.end, BlocksOf(a.levels().level[0].size));
   join.pairs = &pairs;
