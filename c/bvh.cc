@@ -283,14 +283,19 @@ hs_status hs_bvh_set_masks(hs_bvh* bvh, const uint32_t* ids,
                            const uint32_t* masks, size_t count) {
   return Run("hs_bvh_set_masks", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
-    call.CheckArray("masks", masks, count);
-    if (ids == nullptr) {
-      bvh->tree.SetMasks({masks, count});
-      return;
-    }
     halfspace::c::CheckIds(call, *bvh, ids, count);
+    call.CheckArray("masks", masks, count);
     // Only the first allocates.
     for (size_t i = 0; i < count; ++i) bvh->tree.SetMasks(ids[i], masks[i]);
+  });
+}
+
+hs_status hs_bvh_set_all_masks(hs_bvh* bvh, const uint32_t* masks,
+                               size_t count) {
+  return Run("hs_bvh_set_all_masks", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    call.CheckArray("masks", masks, count);
+    bvh->tree.SetMasks({masks, count});
   });
 }
 

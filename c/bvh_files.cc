@@ -67,10 +67,40 @@ bool WriteAll(std::FILE* file, Span<const std::byte> bytes) {
   return true;
 }
 
+// A rename would replace a device or a FIFO, too. /dev/stdout is a link to one.
+void CheckIsReplaceable(const Call& call, const char* path) {
+  std::error_code error;
+  const auto type = std::filesystem::status(path, error).type();
+  using std::filesystem::file_type;
+  if (type == file_type::regular || type == file_type::not_found) return;
+  FailFile(call, path, "written",
+           type == file_type::none        ? error.value()
+           : type == file_type::directory ? EISDIR
+                                          : ENODEV);
+}
+
+// Removes a new file, unless Keep() was called.
+class NewFile {
+ public:
+  explicit NewFile(const std::string& name) : name_(name) {}
+  NewFile(const NewFile&) = delete;
+  NewFile& operator=(const NewFile&) = delete;
+  ~NewFile() {
+    if (!is_kept_) std::remove(name_.c_str());
+  }
+  void Keep() { is_kept_ = true; }
+
+ private:
+  const std::string& name_;
+  bool is_kept_ = false;
+};
+
 void Save(const Call& call, const char* path, Span<const std::byte> bytes) {
+  CheckIsReplaceable(call, path);
   std::string next_to;
   std::FILE* const file = CreateNextTo(path, next_to);
   if (file == nullptr) FailFile(call, next_to.c_str(), "created", errno);
+  NewFile new_file(next_to);
   bool is_written = WriteAll(file, bytes);
   int error = errno;
   if (std::fclose(file) != 0 && is_written) {
@@ -80,10 +110,9 @@ void Save(const Call& call, const char* path, Span<const std::byte> bytes) {
   if (is_written) {
     std::error_code result;
     std::filesystem::rename(next_to, path, result);
-    if (!result) return;
+    if (!result) return new_file.Keep();
     error = result.value();
   }
-  std::remove(next_to.c_str());
   FailFile(call, path, "written", error);
 }
 

@@ -14,20 +14,19 @@ namespace {
 template <std::size_t kAxes>
 class Finder : public WalkIds {
  public:
-  Finder(const BroadPhaseState& state, const Version& version,
-         const BvhQueries& query, std::uint64_t mask, BodyFunction function,
-         void* context)
+  Finder(const BroadPhaseState& state, const BvhQueries& query,
+         std::uint64_t mask, BodyFunction function, void* context)
       : WalkIds{nullptr, nullptr, nullptr, nullptr, 0, nullptr, &Take},
         state_(state),
-        version_(version),
         query_(query),
         mask_(mask),
         function_(function),
         context_(context) {}
 
+  // An error handler may leave by longjmp, so a wrong query is refused before
+  // Run() counts this reader into a version.
   void Find() {
     Walk walk{};
-    walk.levels = &version_.tree.levels();
     walk.queries = query_.first;
     walk.query_count = 1;
     walk.ids = this;
@@ -35,7 +34,7 @@ class Finder : public WalkIds {
     walk.is_urgent = true;
     walk.run = &Run;
     if (query_.kind != nullptr) {
-      query_.kind->walk(version_.tree, query_, QueryOptions(), kCall, walk);
+      query_.kind->walk(state_.shape, query_, QueryOptions(), kCall, walk);
     } else {
       Run(walk, Kernels().find);
     }
@@ -51,31 +50,38 @@ class Finder : public WalkIds {
 
   static void Run(const Walk& walk, WalkFunction find) {
     auto& self = static_cast<Finder&>(*walk.ids);
+    const Held held(self.state_);
+    const WithRacyReads reads;
+    self.version_ = held.get();
+    const Version& version = *held;
     self.queries_ = walk.queries;
     self.find_ = find;
     self.is_shape_ = find != self.Kernels().find;
     // The function may insert more.
-    const std::size_t pending = self.version_.PendingCount();
+    const std::size_t pending = version.PendingCount();
     for (std::size_t i = 0; i < pending; ++i) {
-      if (!self.Add(self.version_.Pending(i))) return;
+      if (!self.Add(version.Pending(i))) return;
     }
     if (!self.Flush()) return;
     self.is_first_ = true;
-    if (walk.levels->level[0].size != 0) find(walk);
+    Walk of_tree = walk;
+    of_tree.levels = &version.tree.levels();
+    if (of_tree.levels->level[0].size != 0) find(of_tree);
     self.Flush();
   }
 
   // Bodies of a leaf of the tree.
   static bool Take(WalkIds& ids, std::size_t block, std::uint64_t bits) {
     auto& self = static_cast<Finder&>(ids);
-    const BvhLevels& levels = self.version_.tree.levels();
+    const Version& version = *self.version_;
+    const BvhLevels& levels = version.tree.levels();
     const std::size_t first = block * kBlockObjects;
     const auto id_at = [&](std::uint64_t some) {
       return levels
           .ids[first + static_cast<std::size_t>(std::countr_zero(some))];
     };
     // Masks belong to the bound of their record.
-    const bool has_own = self.version_.HasOwnBounds() && ~self.mask_ == 0;
+    const bool has_own = version.HasOwnBounds() && ~self.mask_ == 0;
     std::uint64_t others = 0;
     for (; bits != 0; bits &= bits - 1) {
       const std::uint32_t id = id_at(bits);
@@ -84,7 +90,7 @@ class Finder : public WalkIds {
       if (has_own) {
         LoadPlanes(levels.level[0].Plane(block, 0) + lane, kPlanes, planes);
       }
-      if (!has_own || !self.version_.HasOwnBound(id)) {
+      if (!has_own || !version.HasOwnBound(id)) {
         if (self.is_first_ && !self.is_shape_) {
           if (!self.Add(id)) return false;
           continue;
@@ -156,7 +162,7 @@ class Finder : public WalkIds {
   }
 
   const BroadPhaseState& state_;
-  const Version& version_;
+  const Version* version_ = nullptr;
   const BvhQueries& query_;
   std::uint64_t mask_;
   BodyFunction function_;
@@ -172,11 +178,8 @@ class Finder : public WalkIds {
 
 void BroadPhaseCore::ForEach(const BvhQueries& query, std::uint64_t mask,
                              BodyFunction function, void* context) const {
-  const Held version(*state_);
-  const WithRacyReads reads;
   WithAxes(state_->shape.axes, [&](auto axes) {
-    Finder<decltype(axes)::value>(*state_, *version, query, mask, function,
-                                  context)
+    Finder<decltype(axes)::value>(*state_, query, mask, function, context)
         .Find();
   });
 }

@@ -528,6 +528,7 @@ class PairFinder {
         version_(version),
         masks_(masks),
         margin_(margin),
+        has_margin_(IsMargin(margin)),
         function_(function),
         context_(context) {}
 
@@ -633,7 +634,7 @@ class PairFinder {
   // By the margin, rounded outward.
   void Grow(float* planes) const {
     constexpr float kInf = std::numeric_limits<float>::infinity();
-    if (margin_ == 0) return;
+    if (!has_margin_) return;
     for (std::size_t p = 0; p < state_.planes(); ++p) {
       const double margin = MarginOf(p % state_.shape.axes);
       const bool is_max = p >= state_.shape.axes;
@@ -669,7 +670,7 @@ class PairFinder {
   [[gnu::noinline]] bool TestSome(Span<const IdPair> pairs) {
     IdPair some[kSome];
     std::size_t count = 0;
-    if (margin_ == 0) {
+    if (!has_margin_) {
       kernels::InDefaultFpMode([&] {
         WithAxes(state_.shape.axes, [&](auto axes) {
           for (const IdPair& pair : pairs) {
@@ -685,7 +686,7 @@ class PairFinder {
       count = pairs.size();
       std::copy(pairs.begin(), pairs.end(), some);
     }
-    const bool is_tested = margin_ == 0 && masks_ == nullptr &&
+    const bool is_tested = !has_margin_ && masks_ == nullptr &&
                            !state_.HasMasks() &&
                            state_.options.filter.keep == nullptr;
     for (std::size_t i = 0; i < count; ++i) {
@@ -727,6 +728,7 @@ class PairFinder {
   const Version& version_;
   const CallMasks* masks_;
   float margin_;
+  bool has_margin_;
   BodyPairFunction function_;
   void* context_;
   std::size_t new_count_ = 0;

@@ -381,7 +381,7 @@ BroadPhaseState::BroadPhaseState(const BvhShape& tree_shape, std::size_t ids,
     : shape(tree_shape),
       max_ids(ids),
       options(with),
-      has_margin(std::bit_cast<std::uint32_t>(with.margin) << 1 != 0),
+      has_margin(IsMargin(with.margin)),
       bodies(with.memory, ids, 2u * tree_shape.axes),
       current(nullptr),
       candidates(with.memory) {
@@ -492,8 +492,9 @@ void BroadPhaseState::CheckBodies(const char* call,
 
 // By bits, as a compare with a NaN may trap.
 void CheckMargin(const char* call, const char* name, float margin) {
-  const auto bits = std::bit_cast<std::uint32_t>(margin);
-  if (bits << 1 == 0 || bits < 0x7F800000) return;
+  if (!IsMargin(margin) || std::bit_cast<std::uint32_t>(margin) < 0x7F800000) {
+    return;
+  }
   kernels::ThrowInvalid(call, name, "a finite number that is not negative",
                         std::to_string(margin));
 }

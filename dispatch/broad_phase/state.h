@@ -215,8 +215,12 @@ class Bodies {
     }
     std::uint64_t halves[2];
     std::memcpy(halves, &is_apart, sizeof(halves));
-    constexpr std::uint64_t kOfSecond =
-        kAxes == 2 ? 0 : ~std::uint64_t{0} >> (kAxes == 3 ? 32 : 0);
+    constexpr std::uint64_t kAll = ~std::uint64_t{0};
+    constexpr std::uint64_t kFirst =
+        std::endian::native == std::endian::little ? kAll >> 32 : kAll << 32;
+    constexpr std::uint64_t kOfSecond = kAxes == 2   ? 0
+                                        : kAxes == 3 ? kFirst
+                                                     : kAll;
     return (halves[0] | (halves[1] & kOfSecond)) == 0;
   }
 
@@ -493,6 +497,10 @@ class BroadPhaseState {
 };
 
 void CheckMargin(const char* call, const char* name, float margin);
+// In any floating-point mode: a compare would flush a subnormal margin.
+inline bool IsMargin(float margin) {
+  return std::bit_cast<std::uint32_t>(margin) << 1 != 0;
+}
 
 // The current version, for the life of an object of this class.
 class Held {

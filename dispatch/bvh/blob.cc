@@ -163,6 +163,7 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
   SetSlots(loaded.levels_, header.slots);
   for (std::size_t l = 0; l < loaded.levels_.count; ++l) {
     if (!IsClosed(loaded.levels_.level[l])) {
+      loaded.Free();
       ThrowCorrupt(
           is_in_place, "the bytes of a stored BVH",
           "altered bytes in the unused lanes of level " + std::to_string(l));
@@ -190,11 +191,14 @@ bool BvhTree::Verify() const {
 
 void BvhTree::CheckLoaded(const char* call) {
   if (is_checked_) return;
-  const BvhHeader& header = this->header();
-  const auto check = [&](bool is_right, const char* expected) {
-    if (is_right) return;
+  if (const char* const expected = FindWrongIds(); expected != nullptr) {
     kernels::ThrowInvalid(call, "blob", expected, "a blob that was altered");
-  };
+  }
+  is_checked_ = true;
+}
+
+const char* BvhTree::FindWrongIds() const {
+  const BvhHeader& header = this->header();
   // A bit for each id, where no slots tell that it is there once.
   const std::size_t words = header.id_room > 0 ? 0 : BlocksOf(header.ids);
   const Scratch scratch(memory_, words * sizeof(std::uint64_t));
@@ -205,23 +209,23 @@ void BvhTree::CheckLoaded(const char* call) {
     if (!IsPresent(levels_, s)) continue;
     ++size;
     const std::uint32_t id = levels_.ids[s];
-    check(id < header.ids, "ids below their number");
+    if (id >= header.ids) return "ids below their number";
+    constexpr const char* kOnce = "each id once";
     if (header.id_room > 0) {
-      check(levels_.slots[id] == s, "each id once");
+      if (levels_.slots[id] != s) return kOnce;
     } else {
       const std::uint64_t bit = std::uint64_t{1} << id % 64;
-      check((seen[id / 64] & bit) == 0, "each id once");
+      if ((seen[id / 64] & bit) != 0) return kOnce;
       seen[id / 64] |= bit;
     }
   }
-  check(size == header.size, "as many objects as its header says");
+  if (size != header.size) return "as many objects as its header says";
   std::size_t free = header.ids - size;
   for (std::uint32_t id = header.free_id; id != kNoId; --free) {
-    check(free > 0 && id < header.ids && !Has(id), "free ids in a list");
+    if (free == 0 || id >= header.ids || Has(id)) return "free ids in a list";
     id = levels_.slots[id];
   }
-  check(free == 0, "all free ids in a list");
-  is_checked_ = true;
+  return free == 0 ? nullptr : "all free ids in a list";
 }
 
 }  // namespace halfspace::detail

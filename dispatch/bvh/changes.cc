@@ -105,9 +105,13 @@ bool EncodeBlock(const BvhShape& shape, BvhLevels& levels,
 
 }  // namespace
 
-void BvhTree::Prepare(const char* call, BvhRoom room) {
+void BvhTree::CheckChange(const char* call) {
   std::ignore = KernelsFor(shape_, Target(), call);
   CheckLoaded(call);
+}
+
+void BvhTree::Prepare(const char* call, BvhRoom room) {
+  CheckChange(call);
   const BvhRoom old = Room();
   room = {std::max(old.slots, room.slots), std::max(old.ids, room.ids),
           old.has_masks || room.has_masks};
@@ -268,20 +272,30 @@ void BvhTree::EncodeTouched(std::uint64_t* touched) {
   });
 }
 
-void BvhTree::Set(Span<const std::uint32_t> ids, Span<const float> values) {
+bool BvhTree::CheckSet(Span<const std::uint32_t> ids, std::size_t bounds) {
   constexpr const char* kCall = "Bvh::Set";
-  const std::size_t planes = PlanesOf(shape_);
-  if (values.size() != ids.size() * planes) {
+  if (bounds != ids.size()) {
     kernels::ThrowInvalid(kCall, "bounds",
                           "a bound for each id, " + std::to_string(ids.size()),
-                          std::to_string(values.size() / planes));
+                          std::to_string(bounds));
   }
-  kernels::CheckMemory(kCall, "bounds", values.data(), values.size(),
-                       alignof(float));
   CheckIds(ids, kCall);
-  if (ids.empty()) return;
+  if (ids.empty()) return false;
+  CheckChange(kCall);
+  return true;
+}
+
+void BvhTree::Set(Span<const std::uint32_t> ids, Span<const float> values) {
+  kernels::CheckMemory("Bvh::Set", "bounds", values.data(), values.size(),
+                       alignof(float));
+  if (CheckSet(ids, values.size() / PlanesOf(shape_))) SetChecked(ids, values);
+}
+
+void BvhTree::SetChecked(Span<const std::uint32_t> ids,
+                         Span<const float> values) {
+  const std::size_t planes = PlanesOf(shape_);
   const Touched touched(memory_, slots(), ids.size());
-  Prepare(kCall, kSlotsById);
+  Prepare("Bvh::Set", kSlotsById);
   for (std::size_t i = 0; i < ids.size(); ++i) {
     const std::size_t slot = levels_.slots[ids[i]];
     for (std::size_t p = 0; p < planes; ++p) {
@@ -439,6 +453,22 @@ std::uint32_t BvhTree::Insert(Span<const float> values) {
   return id;
 }
 
+bool BvhTree::CheckInsert(std::size_t bounds, Span<std::uint32_t> ids) {
+  constexpr const char* kCall = "Bvh::Insert";
+  kernels::CheckMemory(kCall, "ids", ids.data(), ids.size(),
+                       alignof(std::uint32_t));
+  if (ids.size() < bounds) {
+    kernels::ThrowInvalid(
+        kCall, "ids",
+        "an element for each bound, at least " + std::to_string(bounds),
+        std::to_string(ids.size()));
+  }
+  if (bounds == 0) return false;
+  CheckChange(kCall);
+  std::ignore = RoomFor(bounds, kCall);
+  return true;
+}
+
 // At the end, and sorted there, as it takes longer to find an empty slot.
 void BvhTree::Insert(Span<const float> values, Span<std::uint32_t> ids) {
   constexpr const char* kCall = "Bvh::Insert";
@@ -446,16 +476,7 @@ void BvhTree::Insert(Span<const float> values, Span<std::uint32_t> ids) {
   const std::size_t count = values.size() / planes;
   kernels::CheckMemory(kCall, "bounds", values.data(), values.size(),
                        alignof(float));
-  kernels::CheckMemory(kCall, "ids", ids.data(), ids.size(),
-                       alignof(std::uint32_t));
-  if (ids.size() < count) {
-    kernels::ThrowInvalid(
-        kCall, "ids",
-        "an element for each bound, at least " + std::to_string(count),
-        std::to_string(ids.size()));
-  }
-  if (count == 0) return;
-  CheckLoaded(kCall);
+  if (!CheckInsert(count, ids)) return;
   Prepare(kCall, RoomFor(count, kCall));
   if (slots() + count > header().capacity) CloseGaps();
   const std::size_t begin = slots();
@@ -553,6 +574,7 @@ void BvhTree::Erase(Span<const std::uint32_t> ids) {
   constexpr const char* kCall = "Bvh::Erase";
   CheckIds(ids, kCall);
   if (ids.empty()) return;
+  CheckChange(kCall);
   const Touched touched(memory_, slots(), ids.size());
   Prepare(kCall, kSlotsById);
   for (const std::uint32_t id : ids) {
@@ -602,11 +624,17 @@ void BvhTree::SetMasks(Span<const std::uint32_t> masks) {
   constexpr const char* kCall = "Bvh::SetMasks";
   kernels::CheckMemory(kCall, "masks", masks.data(), masks.size(),
                        alignof(std::uint32_t));
+  if (masks.size() < id_limit()) {
+    kernels::ThrowInvalid(
+        kCall, "masks",
+        "a mask for each id, at least " + std::to_string(id_limit()),
+        std::to_string(masks.size()));
+  }
   if (block_ == nullptr) return;
   Prepare(kCall, {0, 0, true});
   for (std::size_t s = 0; s < header().slots; ++s) {
     const std::uint32_t id = levels_.ids[s];
-    levels_.level[0].masks[s] = id < masks.size() ? masks[id] : 0;
+    levels_.level[0].masks[s] = id != kNoId ? masks[id] : 0;
   }
   OrAllMasks(levels_);
 }

@@ -79,13 +79,15 @@ class Rounded {
   Scratch floats_;
 };
 
+void CheckBounds(const char* call, Span<const double> values) {
+  kernels::CheckMemory(call, "bounds", values.data(), values.size(),
+                       alignof(double));
+}
+
 // Calls change() with a list of records.
 template <typename Change>
 void WithRounded(const BvhShape& shape, const MemoryResource& memory,
-                 Span<const double> values, const char* call,
-                 const Change& change) {
-  kernels::CheckMemory(call, "bounds", values.data(), values.size(),
-                       alignof(double));
+                 Span<const double> values, const Change& change) {
   const Scratch scratch(memory, values.size() * sizeof(float));
   auto* const floats = reinterpret_cast<float*>(scratch.data());
   RoundOutward(values, shape.axes, PlanesOf(shape), floats);
@@ -119,12 +121,16 @@ void BvhTree::Refit(const Columns<double>& objects, bool is_by_id,
 }
 
 void BvhTree::Set(Span<const std::uint32_t> ids, Span<const double> values) {
-  WithRounded(shape_, memory_, values, "Bvh::Set",
-              [&](Span<const float> floats) { Set(ids, floats); });
+  CheckBounds("Bvh::Set", values);
+  if (!CheckSet(ids, values.size() / PlanesOf(shape_))) return;
+  WithRounded(shape_, memory_, values,
+              [&](Span<const float> floats) { SetChecked(ids, floats); });
 }
 
 void BvhTree::Insert(Span<const double> values, Span<std::uint32_t> ids) {
-  WithRounded(shape_, memory_, values, "Bvh::Insert",
+  CheckBounds("Bvh::Insert", values);
+  if (!CheckInsert(values.size() / PlanesOf(shape_), ids)) return;
+  WithRounded(shape_, memory_, values,
               [&](Span<const float> floats) { Insert(floats, ids); });
 }
 

@@ -101,7 +101,7 @@ void RunWalks(const BvhTree& tree, const BvhQueries& queries,
       &tree.levels(), queries.first, queries.count,      ids,
       counts,         options.mask,  options.statistics, is_urgent};
   if (queries.kind != nullptr) {
-    queries.kind->walk(tree, queries, options, call, walk);
+    queries.kind->walk(tree.shape(), queries, options, call, walk);
   } else if (!FindsNothing(tree, options)) {
     (ids != nullptr ? kernels.find : kernels.count)(walk);
   }

@@ -101,6 +101,7 @@ double BvhTree::CostRatio() const {
 }
 
 void BvhTree::Rebuild(const BuildOptions& options) {
+  CheckBuild(size(), options);
   if (block_ == nullptr) return;
   CheckLoaded("Bvh::Rebuild");
   const SlotRange all = {0, header().slots};
@@ -227,7 +228,7 @@ void BvhTree::CloseGaps() {
 std::size_t BvhTree::RebuildPartial(std::size_t objects) {
   constexpr const char* kCall = "Bvh::RebuildPartial";
   if (block_ == nullptr || objects == 0 || levels_.count == 1) return 0;
-  CheckLoaded(kCall);
+  CheckChange(kCall);
   const std::size_t parts = PartsOf(header().slots);
   const Scratch memory(memory_, parts * sizeof(std::pair<double, std::size_t>));
   auto* const worst =

@@ -312,7 +312,7 @@ class Prepared {
 
 }  // namespace
 
-void BvhWalkShapes(const BvhTree& tree, const BvhQueries& queries,
+void BvhWalkShapes(const BvhShape& world, const BvhQueries& queries,
                    const QueryOptions& options, const char* call,
                    const Walk& walk) {
   const std::size_t target = dispatch::IndexOf(options.target, call);
@@ -332,7 +332,7 @@ void BvhWalkShapes(const BvhTree& tree, const BvhQueries& queries,
     const BvhShapeQuery query = at(q);
     kernels::InDefaultFpMode([&] {
       CheckShape(query, call);
-      return Prepared(tree.shape(), query);
+      return Prepared(world, query);
     }).Run(walk, target);
   }
 }

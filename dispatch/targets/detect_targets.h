@@ -3,7 +3,8 @@
 //
 // The conditions are those of Highway's SupportedTargets(); where its releases
 // differ, the strictest. (1.0.3 does without AVX512CD, GFNI and SVE2_128's I8MM
-// and BF16, and trusts an operating system without XSAVE.) They are separate
+// and BF16, and trusts an operating system without XSAVE.) SSE4 needs POPCNT,
+// too: compilers use it where a target has SSE4.2. The conditions are separate
 // from the queries of the machine, so that a test can describe other machines.
 #ifndef HALFSPACE_DISPATCH_TARGETS_DETECT_TARGETS_H_
 #define HALFSPACE_DISPATCH_TARGETS_DETECT_TARGETS_H_
@@ -56,8 +57,8 @@ constexpr std::int64_t TargetsOf(const X86Machine& machine) {
   // SSE3, SSSE3
   if (!HasBits(machine.leaf1_ecx, {0, 9})) return targets;
   targets |= HWY_SSSE3;
-  // PCLMULQDQ, SSE4.1, SSE4.2, AES
-  if (!HasBits(machine.leaf1_ecx, {1, 19, 20, 25})) return targets;
+  // PCLMULQDQ, SSE4.1, SSE4.2, POPCNT, AES
+  if (!HasBits(machine.leaf1_ecx, {1, 19, 20, 23, 25})) return targets;
   targets |= HWY_SSE4;
   // FMA, XSAVE, OSXSAVE, AVX, F16C; BMI, AVX2, BMI2; LZCNT; XMM, YMM
   if (!HasBits(machine.leaf1_ecx, {12, 26, 27, 28, 29}) ||

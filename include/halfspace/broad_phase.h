@@ -93,6 +93,12 @@ struct BroadPhaseOptions {
   // move so far. With 0, most bounds in the tree are the bodies' own, and a
   // query takes about as long as that of a Bvh. Must be finite and not
   // negative.
+  //
+  // The margin should be less than the distance between most bodies, also if
+  // some bodies are large. UpdatePairs() keeps each two bodies whose larger
+  // bounds overlap, so beyond this distance its memory and time grow as the
+  // square of the number of bodies. 16 000 bodies that have no pair, all within
+  // the margin of each other, take 1.0 GB, and 3 GB during UpdatePairs().
   float margin = 0;
   PairFilter filter = {};
   // The resource of all memory (memory.h). It is called by the threads that

@@ -219,6 +219,7 @@ class Bvh {
   template <typename Fit>
   static Bvh Fitted(std::size_t count, Fit&& fit,
                     const BuildOptions& options = {}) {
+    Bvh(options.memory).tree_.CheckBuild(count, options);
     World<View> bounds(options.memory);
     bounds.Resize(count);
     fit(bounds.planes());
@@ -322,10 +323,10 @@ class Bvh {
   // all ones. O(1). Never throws.
   void Clear() { tree_.Clear(); }
 
-  // Sets the mask of one object, or of all: masks[i] is that of object i. The
-  // mask of objects beyond the end of the list becomes 0. An object whose mask
-  // was never set has all ones. One with 0 is found only with a
-  // QueryOptions::mask of all ones.
+  // Sets the mask of one object, or of all: masks[i] is that of object i. Masks
+  // of erased objects are not read. `masks.size()` must be at least id_limit().
+  // An object whose mask was never set has all ones. One with 0 is found only
+  // with a QueryOptions::mask of all ones.
   void SetMasks(std::uint32_t id, std::uint32_t mask) {
     tree_.SetMasks(id, mask);
   }
@@ -335,8 +336,9 @@ class Bvh {
   // Valid until the world changes.
   Span<const std::uint32_t> ids() const { return tree_.ids(); }
 
-  // One more than the greatest id that was in use since the last Rebuild(): the
-  // size of an array by id.
+  // One more than the greatest id that was in use since the last Rebuild(), or
+  // since the world was last empty: the size of an array by id. 0 for an empty
+  // world, also if its last object was erased: ids then begin at 0 again.
   std::size_t id_limit() const { return tree_.id_limit(); }
 
   // Gives all objects new bounds, by id: bounds[i] is that of object i. Bounds

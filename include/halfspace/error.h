@@ -35,11 +35,17 @@ namespace halfspace {
 // if the compiler allows that in C++ functions, as gcc and clang do. The
 // strings of the message are then never freed.
 //
+// In three cases a handler must not call longjmp, because the library would
+// keep memory, a lock or a tree: if a function that the library called, such as
+// that of BroadPhase::ForEach() or Bvh::Fitted(), made the wrong call; if a
+// MemoryResource returned a misaligned block; and in a call of the C API.
+//
 // The thread that made the wrong call runs the handler, before the call ends.
 // At that time the call has written nothing, and the objects that it should
-// have changed are unchanged. The library holds no lock. The floating-point
-// mode is the caller's. So a handler may call the library. If that call is
-// wrong too, the library calls the handler again.
+// have changed are unchanged. The call holds no lock, no tree of a broad phase,
+// and no memory except the message. The floating-point mode is the caller's. So
+// a handler may call the library. If that call is wrong too, the library calls
+// the handler again.
 using ErrorHandler = void (*)(const char* message);
 
 // Sets the error handler and returns the previous one. A null pointer is the

@@ -71,7 +71,7 @@ struct Walk {
   // The first survivor is wanted soon: leaves are read when they are found, and
   // not several at a time, until the first flush().
   bool is_urgent;
-  // Runs the walk of a shape that was prepared, if not null.
+  // Runs the walk of a prepared shape, if not null, and sets the levels.
   void (*run)(const Walk& walk, WalkFunction find) = nullptr;
 };
 

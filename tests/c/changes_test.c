@@ -153,6 +153,7 @@ static void test_ids(void) {
   const float around_far[] = {10, 10, 10, 12, 12, 12};
   const float everywhere[] = {-99, -99, -99, 99, 99, 99};
   const uint32_t masks[] = {1, 2};
+  const uint32_t all_masks[] = {2, 0, 0};
   const uint32_t both[] = {0, 1};
   hs_bvh_config config = bvh_config_of(HS_BOX3);
   hs_columns columns = hs_float_rows(near_boxes, 2, 6);
@@ -184,7 +185,16 @@ static void test_ids(void) {
   CHECK_OK(hs_bvh_set_masks(bvh, both, masks, 2));
   CHECK(count_of(bvh, around_far, 1) == 1);
   CHECK(count_of(bvh, everywhere, 2) == 1);
-  CHECK_OK(hs_bvh_set_masks(bvh, NULL, masks + 1, 1));
+  // No list of ids, as of an empty vector, means no object.
+  CHECK_OK(hs_bvh_set_masks(bvh, NULL, NULL, 0));
+  CHECK_INVALID(hs_bvh_set_masks(bvh, NULL, masks, 1),
+                "hs_bvh_set_masks: ids: expected a pointer, got null");
+  CHECK(count_of(bvh, around_far, 1) == 1);
+  CHECK(count_of(bvh, everywhere, 2) == 1);
+  CHECK_INVALID(hs_bvh_set_all_masks(bvh, all_masks, 2),
+                "hs_bvh_set_all_masks: masks: expected a mask for each id, at "
+                "least 3, got 2");
+  CHECK_OK(hs_bvh_set_all_masks(bvh, all_masks, 3));
   CHECK(count_of(bvh, around_far, 1) == 0);
   CHECK(count_of(bvh, everywhere, 2) == 1);
   CHECK(count_of(bvh, everywhere, ~0u) == 2);
@@ -197,6 +207,9 @@ static void test_ids(void) {
   CHECK(count_of(bvh, around_0, ~0u) == 1);
   CHECK_OK(hs_bvh_cost_ratio(bvh, &ratio));
   CHECK(ratio == 1);
+  CHECK_OK(hs_bvh_erase(bvh, both, 2));
+  CHECK_OK(hs_bvh_id_limit(bvh, &size));
+  CHECK(size == 0);
   hs_bvh_destroy(bvh);
 }
 

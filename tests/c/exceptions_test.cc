@@ -1,6 +1,10 @@
 // The C API in a program that has C++ as well: exceptions of callbacks, and an
 // error handler. No exception leaves a call.
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
+#include <filesystem>
+#include <iterator>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -10,6 +14,22 @@
 extern "C" {
 #include "check.h"
 }
+
+namespace {
+
+thread_local std::size_t news_left = SIZE_MAX;
+
+}  // namespace
+
+// All in this program, up to a number.
+void* operator new(std::size_t bytes) {
+  void* const block = news_left == 0 ? nullptr : std::malloc(bytes);
+  if (block == nullptr) throw std::bad_alloc();
+  if (news_left != SIZE_MAX) --news_left;
+  return block;
+}
+void operator delete(void* block) noexcept { std::free(block); }
+void operator delete(void* block, std::size_t) noexcept { std::free(block); }
 
 namespace {
 
@@ -25,6 +45,28 @@ float ThrowAtHit(void*, size_t, uint32_t, float) { throw std::bad_alloc(); }
 hs_visit ThrowAtPairs(void*, const hs_id_pair*, size_t) { throw 7; }
 hs_visit ThrowAtBody(void*, size_t, uint32_t, const float*) { throw 7; }
 void ThrowAtEvent(void*, uint32_t, uint32_t) { throw std::bad_alloc(); }
+
+// Whatever allocation fails, no new file stays.
+void TestSaveWithoutMemory(const hs_bvh* bvh) {
+  const std::filesystem::path folder = "c_test_exceptions";
+  const std::string path = (folder / "a_name_that_is_allocated").string();
+  const auto count_files = [&] {
+    const std::filesystem::directory_iterator files(folder);
+    return std::distance(begin(files), end(files));
+  };
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directory(folder);
+  std::size_t news = 0;
+  for (;; ++news) {
+    news_left = news;
+    const hs_status status = hs_bvh_save(bvh, path.c_str());
+    news_left = SIZE_MAX;
+    if (status == HS_OK) break;
+    CHECK(status == HS_OUT_OF_MEMORY && count_files() == 0);
+  }
+  CHECK(news > 0 && count_files() == 1);
+  std::filesystem::remove_all(folder);
+}
 
 }  // namespace
 
@@ -74,6 +116,8 @@ extern "C" void test_exceptions(void) {
               HS_CORRUPT, "hs_bvh_from_blob: from the handler");
   CHECK(told.find("halfspace: Bvh::FromBlob: blob: expected") == 0);
   halfspace::SetErrorHandler(nullptr);
+
+  TestSaveWithoutMemory(bvh);
 
   config.allocator.allocate = &ThrowAnother;
   config.allocator.deallocate = &Free;

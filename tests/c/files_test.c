@@ -1,4 +1,5 @@
 // Hierarchies as bytes and files, also those that are none.
+#define _POSIX_C_SOURCE 200809L  // lstat(), symlink()
 #include <math.h>
 #include <stdlib.h>
 
@@ -8,6 +9,7 @@
 #include <dirent.h>
 #include <pthread.h>
 #include <sys/stat.h>
+#include <unistd.h>
 #define HAS_POSIX
 #endif
 
@@ -185,6 +187,13 @@ static void test_no_objects(void) {
   hs_bvh_destroy(bvh);
 }
 
+#if defined(HAS_POSIX)
+static mode_t mode_of(const char* path) {
+  struct stat status;
+  return lstat(path, &status) == 0 ? status.st_mode : 0;
+}
+#endif
+
 static void test_paths(const hs_bvh* bvh) {
   const hs_bvh_config config = bvh_config_of(HS_BOX3);
   hs_bvh* none = NULL;
@@ -205,8 +214,22 @@ static void test_paths(const hs_bvh* bvh) {
   CHECK(hs_bvh_load(&config, "c_test_folder", &none) == HS_IO_ERROR);
   CHECK(hs_bvh_map(&config, "c_test_folder", &none) == HS_IO_ERROR);
   (void)remove("c_test_folder");
-  // Neither waits for a writer.
+  // No call waits for the other end of a FIFO. A FIFO is not replaced, and
+  // neither is a link to one. A link to a file is.
   CHECK(mkfifo("c_test_fifo", 0600) == 0);
+  CHECK(symlink("c_test_fifo", "c_test_link") == 0);
+  CHECK_FAILS(hs_bvh_save(bvh, "c_test_fifo"), HS_IO_ERROR,
+              "hs_bvh_save: path: \"c_test_fifo\" cannot be written: No such "
+              "device");
+  CHECK_FAILS(hs_bvh_save(bvh, "c_test_link"), HS_IO_ERROR,
+              "hs_bvh_save: path: \"c_test_link\" cannot be written: No such "
+              "device");
+  CHECK(S_ISFIFO(mode_of("c_test_fifo")) && S_ISLNK(mode_of("c_test_link")));
+  (void)remove("c_test_link");
+  CHECK(symlink(kPath, "c_test_link") == 0);
+  CHECK_OK(hs_bvh_save(bvh, "c_test_link"));
+  CHECK(S_ISREG(mode_of("c_test_link")));
+  (void)remove("c_test_link");
   CHECK_FAILS(hs_bvh_load(&config, "c_test_fifo", &none), HS_IO_ERROR,
               "hs_bvh_load: path: \"c_test_fifo\" cannot be read: No such "
               "device");

@@ -520,7 +520,7 @@ class BvhHistory {
       case 2:
         return world.SetMasks(id, 1);
       case 3:
-        return world.SetMasks(std::vector<std::uint32_t>(300, 5));
+        return world.SetMasks(std::vector<std::uint32_t>(1500, 5));
       case 4:
         world.RebuildPartial(bytes.Below(9000));
         return;

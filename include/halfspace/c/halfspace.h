@@ -34,9 +34,10 @@
 // stores no handle, except where it says so. Output arrays can then have been
 // written in part. No C++ exception leaves a function.
 //
-// Callbacks, the functions of an allocator and `run` must not leave a call by
-// longjmp() or pthread_exit(), and the thread must not be canceled in them. The
-// functions of files are no cancellation points.
+// Callbacks, the functions of an allocator, `run` and a handler that C++ code
+// sets (error.h) must not leave a call by longjmp() or pthread_exit(), and the
+// thread must not be canceled in them. The functions of files are no
+// cancellation points.
 //
 // Pointers must not be null, except where a function says so. An array may be
 // null if the call reads or writes no element of it. Arrays must be aligned for
@@ -429,7 +430,8 @@ HALFSPACE_API void hs_builder_destroy(hs_builder* builder);
 HALFSPACE_API hs_status hs_bvh_size(const hs_bvh* bvh, size_t* size);
 // Writes one more than the greatest id in use since the last hs_bvh_rebuild():
 // the size that an array by id needs. hs_bvh_rebuild() can reduce it, if the
-// objects with the greatest ids were erased.
+// objects with the greatest ids were erased. It is 0 after the last object was
+// erased: ids then begin at 0 again.
 HALFSPACE_API hs_status hs_bvh_id_limit(const hs_bvh* bvh, size_t* limit);
 // Writes the bound of all objects as one record. The maxima of a simplex are
 // INFINITY.
@@ -453,12 +455,16 @@ HALFSPACE_API hs_status hs_bvh_set(hs_bvh* bvh, const uint32_t* ids,
 HALFSPACE_API hs_status hs_bvh_erase(hs_bvh* bvh, const uint32_t* ids,
                                      size_t count);
 
-// Sets the masks of `count` objects: masks[i] is that of object ids[i], or of
-// object i if `ids` is null. In this case the masks of all other objects become
-// 0. An object whose mask was never set has all bits. An object whose mask is 0
-// is found only by a query whose mask is all ones.
+// Sets the masks of `count` objects: masks[i] is that of object ids[i]. An
+// object whose mask was never set has all bits. An object whose mask is 0 is
+// found only by a query whose mask is all ones.
 HALFSPACE_API hs_status hs_bvh_set_masks(hs_bvh* bvh, const uint32_t* ids,
                                          const uint32_t* masks, size_t count);
+
+// Sets the masks of all objects: masks[i] is that of object i. Masks of erased
+// objects are not read. `count` must be at least hs_bvh_id_limit().
+HALFSPACE_API hs_status hs_bvh_set_all_masks(hs_bvh* bvh, const uint32_t* masks,
+                                             size_t count);
 
 // Gives all objects new bounds by id: record i is that of object i. Records of
 // erased objects are not read. objects->count must be at least
@@ -652,6 +658,9 @@ HALFSPACE_API hs_status hs_bvh_from_blob(const hs_bvh_config* config,
 // is removed if the call fails. The file has the permissions of a new file,
 // also if it replaces a file with others. A symbolic link at `path` is
 // replaced, not the file that it names.
+//
+// If `path` exists, it must be a file or a link to one. HS_IO_ERROR for
+// anything else, such as a folder, a device or a FIFO.
 HALFSPACE_API hs_status hs_bvh_save(const hs_bvh* bvh, const char* path);
 
 // Reads a file of hs_bvh_save(), as hs_bvh_from_blob() does. The file must not
@@ -736,7 +745,9 @@ typedef struct hs_broad_phase_config {
   hs_kind kind;    // must be set: boxes or octahedra
   float margin;    // bounds in the tree are larger by this on each side. A body
                    // that moves less between two updates costs only a compare.
-                   // Must be finite and not negative; by default it is 0.
+                   // Must be finite and not negative; by default it is 0. It
+                   // should be less than the distance between most bodies:
+                   // see BroadPhaseOptions of broad_phase.h.
   size_t max_ids;  // must be set: ids are below it. At most 2^29
   hs_keep_function keep;  // null: the masks alone
   void* keep_context;

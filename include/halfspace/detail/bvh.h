@@ -186,6 +186,8 @@ class HALFSPACE_API BvhTree {
     return {levels_.ids, levels_.level[0].size};
   }
 
+  // Throws unless so many objects can be built.
+  void CheckBuild(std::size_t objects, const BuildOptions& options) const;
   // Replaces the content. The planes may not be its own.
   void Build(const FloatColumns& objects, const BuildOptions& options);
   void Build(const Columns<double>& objects, const BuildOptions& options);
@@ -234,9 +236,13 @@ class HALFSPACE_API BvhTree {
   BvhHeader& header() const;
   BvhRoom Room() const;
   void Allocate(const BvhRoom& room);
-  // Throws unless so many objects can be built, or refitted.
-  void CheckBuild(std::size_t objects, const BuildOptions& options) const;
+  // These throw unless so many bounds can be refitted, set or inserted, and
+  // return whether there are any. What throws later throws std::bad_alloc
+  // alone: who allocates before a change calls one of them first.
   bool CheckRefit(std::size_t objects, bool is_by_id) const;
+  bool CheckSet(Span<const std::uint32_t> ids, std::size_t bounds);
+  bool CheckInsert(std::size_t bounds, Span<std::uint32_t> ids);
+  void SetChecked(Span<const std::uint32_t> ids, Span<const float> values);
   void BuildIn(const BvhRoom& room, const FloatColumns& objects,
                const BuildOptions& options);
   // Does the work of InsertAs() if the tree is empty.
@@ -244,6 +250,10 @@ class HALFSPACE_API BvhTree {
   // Throws if ids and slots do not belong together, as in an altered blob:
   // changes would write anywhere.
   void CheckLoaded(const char* call);
+  // What a blob with other ids has, or null if the ids are right.
+  const char* FindWrongIds() const;
+  // The same as CheckLoaded(), and throws if no target can be chosen.
+  void CheckChange(const char* call);
   // Before a change: memory of its own with this room at least. Throws before
   // anything has changed, and is the last thing in a change that may throw.
   void Prepare(const char* call, BvhRoom room);
@@ -298,7 +308,7 @@ struct BvhShapeKind {
   std::size_t alignment;
   BvhShapeQuery (*at)(const void* shapes, std::size_t i);
   // BvhWalkShapes(), which a program links only if it has shapes.
-  void (*walk)(const BvhTree& tree, const BvhQueries& queries,
+  void (*walk)(const BvhShape& world, const BvhQueries& queries,
                const QueryOptions& options, const char* call, const Walk& walk);
 };
 

@@ -30,8 +30,9 @@ struct BvhShapeQuery {
 };
 
 // Walks for one shape after another. Throws if one of them is no shape, before
-// the first walk.
-HALFSPACE_API void BvhWalkShapes(const BvhTree& tree, const BvhQueries& queries,
+// the first walk. `world` is the shape of the tree's bounds.
+HALFSPACE_API void BvhWalkShapes(const BvhShape& world,
+                                 const BvhQueries& queries,
                                  const QueryOptions& options, const char* call,
                                  const Walk& walk);
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -15,6 +16,7 @@
 #include "tests/library/broad_phase/bodies.h"
 #include "tests/library/support/counting_memory.h"
 #include "tests/library/support/expect_invalid.h"
+#include "tests/library/support/fp_modes.h"
 
 namespace halfspace::testing {
 namespace {
@@ -190,6 +192,25 @@ TEST(BroadPhaseTest, TheMarginOfPairsIsExact) {
       pairs.emplace_back(a, b);
     });
     EXPECT_EQ(pairs, (IdPairs{{0, 1}})) << into_tree;
+  }
+}
+
+// With subnormals flushed, the margin would be 0, and three times it on D too.
+TEST(BroadPhaseTest, TheMarginOfPairsCanBeSubnormal) {
+  constexpr float kMargin = 0x1p-140f;
+  constexpr std::array kNear = {kMargin, kMargin, kMargin, 3 * kMargin};
+  for (const bool into_tree : {false, true}) {
+    AaboBroadPhase3 bodies(2);
+    const Aabo3 bounds[] = {{{0, 0, 0, 0}, {0, 0, 0, 0}}, {kNear, kNear}};
+    bodies.Insert(Ids{0, 1}, bounds);
+    if (into_tree) bodies.Rebuild();
+    const FlushDenormals flush;
+    for (const float margin : {0.0f, kMargin}) {
+      std::size_t pairs = 0;
+      bodies.ForEachPairOf(Ids{0}, margin, [&](auto...) { ++pairs; });
+      EXPECT_EQ(pairs, std::bit_cast<std::uint32_t>(margin) != 0 ? 1u : 0u)
+          << into_tree;
+    }
   }
 }
 

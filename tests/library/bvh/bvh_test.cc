@@ -745,8 +745,17 @@ TEST(BvhErrorsTest, RefusesAListThatItCannotRead) {
   });
   EXPECT_EQ(CountSurvivors(bvh, Aabb3::Everything(), {.mask = 2}), 1u);
   EXPECT_TRUE(AabbBvh3(List(none, 0)).empty());
-  bvh.SetMasks({no_masks, 0});
+  // An empty list, as an empty vector, changes nothing.
+  EXPECT_TRUE(Refuses(
+      [&] {
+        bvh.SetMasks({no_masks, 0});
+      },
+      {"Bvh::SetMasks: masks: expected a mask for each id, at "
+       "least 3, got 0"}));
+  EXPECT_EQ(CountSurvivors(bvh, Aabb3::Everything(), {.mask = 2}), 1u);
+  bvh.SetMasks(masks);
   EXPECT_EQ(CountSurvivors(bvh, Aabb3::Everything(), {.mask = 2}), 0u);
+  AabbBvh3().SetMasks({no_masks, 0});
 }
 
 TEST(BvhErrorsTest, RefusesWhatItCannotRead) {

@@ -188,9 +188,8 @@ TYPED_TEST(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
           bvh.SetMasks(id, model.objects[id].masks);
         }
       } else {
-        Ids masks;
+        Ids masks(bvh.id_limit());
         for (auto& [id, object] : model.objects) {
-          masks.resize(id + 1u);
           object.masks = static_cast<std::uint32_t>(random() % 8);
           masks[id] = object.masks;
         }
@@ -432,7 +431,7 @@ TEST(BvhChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
         world.Refit(std::vector(9256, Aabb<3, double>::Everything()));
       },
       [](AabbBvh3& world) { world.SetMasks(3, 1); },
-      [](AabbBvh3& world) { world.SetMasks({}); },
+      [](AabbBvh3& world) { world.SetMasks(Ids(9256)); },
       [](AabbBvh3& world) { world.Rebuild(); },
       [](AabbBvh3& world) { world.RebuildPartial(9000); }};
   CountingMemory memory;

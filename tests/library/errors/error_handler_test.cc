@@ -2,15 +2,21 @@
 // every error there is, is checked by Refuses() (expect_invalid.h).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cfenv>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
+#include <functional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
-#include "halfspace/error.h"
-#include "halfspace/fit.h"
-#include "halfspace/world.h"
+#include "halfspace/halfspace.h"
+#include "tests/library/bvh/aligned_copy.h"
+#include "tests/library/support/counting_memory.h"
 #include "tests/library/support/expect_invalid.h"
 #include "tests/library/support/fp_modes.h"
 
@@ -72,6 +78,138 @@ TEST(ErrorHandlerTest, HasTheFloatingPointModeOfTheCaller) {
   EXPECT_TRUE(has_callers_mode);
   EXPECT_EQ(std::fegetround(), FE_UPWARD);
   EXPECT_EQ(FlushDenormals::IsOn(), FlushDenormals::kAvailable);
+}
+
+// A handler may leave by longjmp. Then nothing is freed, so a call must hold
+// neither memory nor a tree when it calls the handler.
+const std::function<void()>* holds_nothing;
+void CheckAndThrow(const char*) {
+  (*holds_nothing)();
+  throw Thrown();
+}
+
+// Makes calls of which each is wrong.
+void ExpectNothingIsHeld(const std::vector<std::function<void()>>& calls,
+                         const std::function<void()>& check) {
+  holds_nothing = &check;
+  SetErrorHandler(&CheckAndThrow);
+  for (std::size_t i = 0; i < calls.size(); ++i) {
+    SCOPED_TRACE(i);
+    EXPECT_THROW(calls[i](), Thrown);
+  }
+  SetErrorHandler(nullptr);
+}
+
+using Ids = std::vector<std::uint32_t>;
+using Doubles = std::vector<Aabb<3, double>>;
+const Ids kIds = {0, 1, 2, 3, 4, 99};  // the last is none
+
+TEST(ErrorHandlerTest, IsCalledWhileABroadPhaseHoldsNothing) {
+  CountingMemory memory;
+  BroadPhaseOptions options;
+  options.memory = memory.resource();
+  AabbBroadPhase3 bodies(9, options);
+  for (std::uint32_t id = 0; id < 5; ++id) bodies.Insert(id, {});
+  bodies.Rebuild();
+  const std::size_t blocks = memory.blocks;
+  const auto none = [](auto...) {};
+  const Sphere3 sphere = {{0, 0, 0}, -1};
+  const std::vector<HalfSpace3> half_spaces(1000);
+  ExpectNothingIsHeld(
+      {[&] { bodies.ForEach(sphere, 1, none); },
+       [&] { bodies.ForEach(Span<const HalfSpace3>(half_spaces), 1, none); },
+       [&] {
+         bodies.ForEachCast(sphere, {1, 0, 0}, 1, 1, none);
+       },
+       [&] { bodies.ForEachPairOf(kIds, 0, none); },
+       [&] {
+         bodies.ForEachPairOf({kIds.data(), 5}, -1, none);
+       },
+       [&] {
+         const std::vector<std::uint64_t> masks(4);
+         bodies.ForEachPairOf({kIds.data(), 5}, masks, 0, none);
+       },
+       [&] { bodies.Insert(kIds, std::vector<Aabb3>(6)); },
+       [&] { bodies.Insert(kIds, std::vector<Aabb3>(5)); },
+       [&] { bodies.Move(kIds, std::vector<Aabb3>(6)); },
+       [&] { bodies.SetMasks(kIds, std::vector<BodyMasks>(6)); },
+       [&] { bodies.Erase(kIds); }, [&] { (void)bodies.Get(99); },
+       [&] { (void)bodies.MasksOf(99); },
+       [&] {
+         BroadPhaseOptions bad = options;
+         bad.margin = -1;
+         const AabbBroadPhase3 made(9, bad);
+       }},
+      [&] {
+        EXPECT_EQ(memory.blocks, blocks);
+        // A tree that is still read would be a second one.
+        bodies.Rebuild();
+        EXPECT_EQ(bodies.Statistics().trees, 1u);
+      });
+}
+
+TEST(ErrorHandlerTest, IsCalledWhileABvhHoldsNothing) {
+  CountingMemory memory;
+  BuildOptions options;
+  options.memory = memory.resource();
+  BuildOptions bad = options;
+  bad.quality = static_cast<BuildQuality>(2);
+  const std::vector<Aabb3> bounds(90);
+  AabbBvh3 bvh(bounds, options);
+  AabbBvh3 with_slots(bounds, options);
+  with_slots.Reserve(90);
+  // By its header, it has fewer objects than lanes with one.
+  const AlignedCopy open(bvh.Blob());
+  const std::uint32_t fewer[] = {89, 89, 89};
+  std::memcpy(&open.bytes()[40], fewer, sizeof(fewer));
+  // Has an id twice.
+  const auto alter = [](const AabbBvh3& of, const AlignedCopy& copy) {
+    const auto* const ids = reinterpret_cast<const std::byte*>(of.ids().data());
+    std::byte* const to = copy.bytes().data() + (ids - of.Blob().data());
+    std::memcpy(to, to + sizeof(std::uint32_t), sizeof(std::uint32_t));
+  };
+  const AlignedCopy altered(bvh.Blob());
+  const AlignedCopy altered_with_slots(with_slots.Blob());
+  alter(bvh, altered);
+  alter(with_slots, altered_with_slots);
+  const std::size_t blocks = memory.blocks;
+  Ids ids(5);
+  const Span<const std::uint32_t> five(kIds.data(), 5);
+  const std::vector<Aabb3> five_bounds(5);
+  const auto in_place = [&](const AlignedCopy& blob) {
+    return AabbBvh3::InPlace(blob.bytes(), memory.resource());
+  };
+  ExpectNothingIsHeld(
+      {[&] { bvh.Set(kIds, Doubles(6)); },
+       [&] { bvh.Set(five, Doubles(6)); },
+       [&] { bvh.Insert(Doubles(6), ids); },
+       [&] { bvh.Set(kIds, std::vector<Aabb3>(6)); },
+       [&] { bvh.Insert(std::vector<Aabb3>(6), ids); },
+       [&] { bvh.Erase(kIds); },
+       [&] { bvh.Rebuild(bad); },
+       [&] { bvh.Refit(Doubles(6)); },
+       [&] { bvh.RefitInOrder(Doubles(6)); },
+       [&] { bvh.SetMasks(kIds); },
+       [&] {
+         (void)PairsOf(bvh, Ids{0, 999}, {});
+       },
+       [&] {
+         (void)CountSurvivors(bvh, Sphere3{{0, 0, 0}, -1});
+       },
+       [&] { const AabbBvh3 made(bounds, bad); },
+       [&] { const AabbBvh3 made(Doubles(90), bad); },
+       [&] {
+         (void)AabbBvh3::Fitted(
+             9, [](auto&&) {}, bad);
+       },
+       [&] { (void)AabbBvh3::FromBlob(open.bytes(), memory.resource()); },
+       [&] { in_place(altered).Set(five, Doubles(5)); },
+       [&] { in_place(altered).Insert(Doubles(5), ids); },
+       [&] { in_place(altered).Refit(Doubles(90)); },
+       [&] { in_place(altered).Rebuild(); },
+       [&] { in_place(altered_with_slots).Set(five, five_bounds); },
+       [&] { in_place(altered_with_slots).Erase(five); }},
+      [&] { EXPECT_EQ(memory.blocks, blocks); });
 }
 
 }  // namespace

@@ -90,6 +90,7 @@ constexpr X86Need kX86Needs[] = {
     {&X86Machine::leaf1_ecx, 1, 2},      // PCLMULQDQ
     {&X86Machine::leaf1_ecx, 19, 2},     // SSE4.1
     {&X86Machine::leaf1_ecx, 20, 2},     // SSE4.2
+    {&X86Machine::leaf1_ecx, 23, 2},     // POPCNT
     {&X86Machine::leaf1_ecx, 25, 2},     // AES
     {&X86Machine::leaf1_ecx, 12, 3},     // FMA
     {&X86Machine::leaf1_ecx, 26, 3},     // XSAVE
