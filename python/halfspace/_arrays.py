@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import operator
 import os
 from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
@@ -134,11 +135,8 @@ def per_row(value: Any, name: str, count: int) -> Table:
     exact: np.ndarray = array.astype(_float_type(array, name))
     if not (exact >= 0).all():
         raise ValueError(f"{name}: expected numbers that are not negative and not NaN")
-    with np.errstate(over="ignore"):
-        rounded = exact.astype(np.float32)
-    up = np.nextafter(rounded, np.float32(np.inf))
     column: np.ndarray = np.empty((count, 1), np.float32)
-    column[:, 0] = np.where(rounded < exact, up, rounded)
+    column[:, 0] = _halfspace.round_up(np.atleast_1d(exact))
     return Table((column,), count, False)
 
 
@@ -269,9 +267,11 @@ def threads(value: Optional[int]) -> int:
 
 
 def not_negative(value: Any, name: str) -> float:
-    """A float from 0 to infinity."""
+    """A number from 0 to infinity, rounded up to float64."""
     try:
         number = float(value)
+        if number < value:  # an integer, a fraction or a long double
+            number = math.nextafter(number, math.inf)
     except TypeError:
         raise TypeError(
             f"{name}: expected a number, got {type(value).__name__}"

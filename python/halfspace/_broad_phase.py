@@ -345,6 +345,6 @@ class BroadPhase:
 
 def _margin(value: Any) -> float:
     margin = _arrays.not_negative(value, "margin")
-    if margin > np.finfo(np.float32).max:
+    if margin > float(np.finfo(np.float32).max):
         raise ValueError(f"margin: expected a finite float32, got {margin}")
     return margin

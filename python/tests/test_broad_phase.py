@@ -1,6 +1,7 @@
 """The broad phase, compared with NumPy."""
 
 import threading
+from fractions import Fraction
 
 import halfspace as hs
 import numpy as np
@@ -206,6 +207,38 @@ def test_pairs_by_masks_of_the_call():
     assert as_set(bodies.pairs_of([], masks=1)) == set()
     with pytest.raises(ValueError, match="masks: expected one integer or an array"):
         bodies.pairs_of([0, 1], masks=[1, 2, 3])
+
+
+@pytest.mark.parametrize(
+    "margin",
+    [
+        0.7,
+        np.float32(0.7),
+        2**53 + 1,
+        1 + Fraction(1, 10**30),
+        np.longdouble(1) + np.finfo(np.longdouble).eps,
+        1e-46,
+    ],
+)
+def test_a_margin_is_rounded_up(margin):
+    """Two floats are apart by more than the float below the margin."""
+    exact = Fraction(*margin.as_integer_ratio())
+
+    def float_below(number):
+        below = np.float32(float(number))
+        return below if float(below) <= number else np.nextafter(below, np.float32(0))
+
+    low = float_below(exact)
+    high = -float_below(exact - Fraction(float(low)))
+    assert Fraction(float(low)) - Fraction(float(high)) <= exact
+    bodies = hs.BroadPhase(2, 2, margin=margin)
+    boxes = np.array([[high - 1, 0, high, 1], [low, 0, low + 1, 1]], np.float32)
+    bodies.insert([0, 1], boxes)
+    assert as_set(bodies.pairs_of([0], margin)) == {(0, 1)}
+    bodies.erase(0)
+    bodies.move(1, BOX)
+    bodies.rebuild()
+    assert Fraction(float(-bodies.bounds[0])) >= exact
 
 
 def test_octahedra():
