@@ -239,12 +239,17 @@ class BVH:
                 # As many rows as have at most so many results, or one.
                 end = int(np.searchsorted(ends, found + most, "right"))
                 for batch in self._batch(block, begin, end, most, threads):
-                    if self._tree.changes != changes:
-                        raise RuntimeError("the tree changed during query_batches")
+                    self._check_unchanged(changes)
                     batch[0] += first
                     yield batch
+                # Also if the change left no results.
+                self._check_unchanged(changes)
                 begin = max(end, begin + 1)
                 found = int(ends[begin - 1])
+
+    def _check_unchanged(self, changes: int) -> None:
+        if self._tree.changes != changes:
+            raise RuntimeError("the tree changed during query_batches")
 
     def _batch(
         self, block: _arrays.Table, begin: int, end: int, most: int, threads: int
