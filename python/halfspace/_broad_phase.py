@@ -115,10 +115,7 @@ class BroadPhase:
         changes no result. `budget` is about how many bodies are sorted again at
         most, and at least 4096. 0 sorts none. None is a 16th of all.
         """
-        number = _arrays.ALL_MASKS if budget is None else int(budget)
-        if number < 0:
-            raise ValueError(f"budget: expected at least 0, got {number}")
-        self._bodies.update(number, _arrays.threads(threads))
+        self._bodies.update(_arrays.budget(budget), _arrays.threads(threads))
 
     def rebuild(self, *, threads: Optional[int] = 1) -> None:
         """As `update`, but sorts all bodies again."""

@@ -236,14 +236,37 @@ def test_a_tree_is_accounted_with_its_bytes():
     assert dask.sizeof.sizeof(tree) == tree.nbytes > 10000 * 24
 
 
+MASKED = np.ma.array(np.ones((2, 6)), mask=np.ones((2, 6)))
+
+
+@pytest.mark.parametrize("call", [
+    lambda: hd.BVH(MASKED),
+    lambda: hd.BVH(dask.array.from_array(MASKED, asarray=False), partitions=1),
+    lambda: hd.BVH(dask.array.from_array(MASKED, asarray=False), partitions=2),
+    lambda: list(hd.BVH(np.ones((3, 6))).query(MASKED)),
+    lambda: list(hd.BVH(np.ones((3, 6))).query(
+        dask.array.from_array(MASKED, asarray=False))),
+    lambda: list(hd.BVH(np.ones((3, 6))).nearest(MASKED[:, :3])),
+    lambda: list(hd.BVH(np.ones((3, 6))).nearest(
+        dask.array.from_array(MASKED[:, :3], asarray=False))),
+    lambda: list(hd.BVH(np.ones((3, 6))).nearest(np.ones((3, 3)), k=np.ma.array(1, mask=1))),
+    lambda: list(hd.scan(np.ones((3, 6)), MASKED)),
+    lambda: list(hd.scan(MASKED, np.ones((3, 6)))),
+    lambda: list(hd.scan(dask.array.from_array(MASKED, asarray=False), np.ones((3, 6)))),
+])
+def test_masked_values_are_refused(client, call):
+    with pytest.raises(TypeError, match="expected no masked values"):
+        call()
+
+
 @pytest.mark.parametrize("call, message", [
     (lambda: hd.BVH(np.ones((3, 5))), r"boxes must have the shape \(n, 4\) or \(n, 6\)"),
     (lambda: hd.BVH(np.ones((3, 6)), balance="fair"), "balance must be"),
-    (lambda: hd.BVH(np.ones((3, 6)), partitions=0), "partitions must be at least 1"),
+    (lambda: hd.BVH(np.ones((3, 6)), partitions=0), "partitions: expected an integer from 1"),
     (lambda: hd.scan(np.ones((3, 6)), np.full((1, 6), np.nan)), "boxes.0.: .*NaN"),
     (lambda: hd.BVH(np.ones((3, 6))).query(np.ones((3, 4))), "boxes must have the shape"),
     (lambda: hd.BVH(np.ones((3, 6))).query(np.ones((3, 6)), max_results=0), "max_results"),
-    (lambda: list(hd.BVH(np.ones((3, 6))).nearest(np.ones((3, 3)), k=0)), "k must be"),
+    (lambda: list(hd.BVH(np.ones((3, 6))).nearest(np.ones((3, 3)), k=0)), "k: expected an integer from 1"),
     (lambda: list(hd.BVH(np.ones((3, 6))).nearest(np.ones((3, 3)), max_distance=-1)),
      "max_distance"),
     (lambda: hd.join(hd.BVH(np.ones((3, 6))), hd.BVH(np.ones((3, 4)))), "same dimensions"),
