@@ -5,12 +5,11 @@ from __future__ import annotations
 import mmap
 import os
 import pickle
-import uuid
 from typing import Any, Callable, Iterator, Optional, Tuple, Type, Union
 
 import numpy as np
 
-from . import _arrays, _halfspace
+from . import _arrays, _files, _halfspace
 
 Progress = Callable[[int, int], object]
 Path = Union[str, "os.PathLike[str]"]
@@ -136,21 +135,12 @@ class BVH:
     def save(self, path: Path) -> None:
         """Writes the tree to a file for `map`.
 
-        The file appears at `path` when it is complete: a failure leaves an
-        older file as it was.
+        The file appears at `path` when it is complete and on the disk: a failure
+        leaves an older file as it was. Raises OSError if `path` is something other
+        than a regular file, such as a device.
         """
-        path = os.fsdecode(path)
-        temporary = f"{path}.{uuid.uuid4().hex}.part"
-        try:
-            with open(temporary, "wb") as file:
-                file.write(self.blob())
-            os.replace(temporary, path)
-        except BaseException as error:
-            if os.path.exists(temporary):
-                os.unlink(temporary)
-            if isinstance(error, OSError):
-                raise type(error)(error.errno, error.strerror, path) from None
-            raise
+        blob = self.blob()
+        _files.replace(os.fsdecode(path), lambda file: file.write(blob))
 
     def __reduce_ex__(self, protocol: Any) -> Tuple[Any, ...]:
         # Out of band if the pickler has a buffer_callback, and in band if not.
