@@ -46,7 +46,7 @@ import distributed
 import numpy as np
 
 import halfspace as hs
-from halfspace import _arrays
+from halfspace import _arrays, _files
 
 __all__ = ["BVH", "join", "scan"]
 
@@ -216,6 +216,10 @@ class _Partition:
     rows: np.ndarray  # of the objects, by id of the tree
     mapped: bool = False
 
+    def __reduce__(self):
+        # A copy of a mapped tree is in memory.
+        return _Partition, (self.tree, self.rows)
+
 
 @dataclasses.dataclass(frozen=True)
 class _Routed:
@@ -292,7 +296,8 @@ def _build(pieces, mapped: bool) -> _Partition:
         directory = distributed.get_worker().local_directory
         with tempfile.TemporaryDirectory(dir=directory) as scratch:
             path = os.path.join(scratch, "tree")
-            tree.save(path)
+            with open(path, "wb") as file:
+                file.write(tree.blob())
             tree = hs.BVH.map(path)  # keeps the file's content
     return _Partition(tree, rows, mapped)
 
@@ -390,15 +395,7 @@ def _write_pairs(pairs_in, partition: _Partition, piece, most: int, prefix: str)
     paths = []
     for pairs, begin, _ in _batches(pairs_in, partition, piece, most):
         path = f"{prefix}-{begin:09}.npy"
-        part = f"{path}.{uuid.uuid4().hex}.part"
-        try:
-            with open(part, "wb") as file:
-                np.save(file, np.stack(pairs))
-            os.replace(part, path)
-        except BaseException:
-            if os.path.exists(part):
-                os.unlink(part)
-            raise
+        _files.replace(path, lambda file: np.save(file, np.stack(pairs)))
         paths.append(path)
     return paths
 
@@ -496,16 +493,18 @@ class _Runner:
 
     def stream(self, jobs):
         """Yields the results of jobs as they arrive. A job is a future, and None or a
-        function of the result that returns what to yield and a list of more jobs."""
-        jobs = iter(jobs)
-        more: collections.deque = collections.deque()
+        function of the result that returns what to yield, and an iterable of more jobs.
+        A task is submitted when its job is taken from its iterable, so at most two for
+        each thread run, or wait with their results."""
+        waiting: collections.deque = collections.deque([iter(jobs)])
         running = distributed.as_completed()
         follow: dict = {}
         while True:
-            while len(follow) < 2 * self.threads:
-                job = more.popleft() if more else next(jobs, None)
+            while waiting and len(follow) < 2 * self.threads:
+                job = next(waiting[0], None)
                 if job is None:
-                    break
+                    waiting.popleft()
+                    continue
                 follow[job[0]] = job[1]
                 running.add(job[0])
             if not follow:
@@ -516,8 +515,8 @@ class _Runner:
             result = future.result()
             del future  # its result may leave the workers
             if function is not None:
-                result, added = function(result)
-                more.extend(added)
+                result, more = function(result)
+                waiting.appendleft(iter(more))
             yield result
 
     def pairs(self, joins, most: int, to):
@@ -534,15 +533,15 @@ class _Runner:
         return sorted(itertools.chain.from_iterable(self.stream(jobs)))
 
     def _stream_pairs(self, joins, most: int):
+        def job(join, ranges=None):
+            return (self.submit(_some_pairs, *join, most, ranges),
+                    functools.partial(follow, join))
+
         def follow(join, result):
             pairs, left = result
-            more = [(self.submit(_some_pairs, *join, most, [some]),
-                     functools.partial(follow, join)) for some in left]
-            return pairs, more
+            return pairs, (job(join, [some]) for some in left)
 
-        jobs = ((self.submit(_some_pairs, *join, most), functools.partial(follow, join))
-                for join in joins)
-        return (pairs for pairs in self.stream(jobs) if len(pairs[0]))
+        return (pairs for pairs in self.stream(map(job, joins)) if len(pairs[0]))
 
 
 # The interface.

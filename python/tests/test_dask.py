@@ -138,6 +138,30 @@ def test_batches_are_bounded(client):
     np.testing.assert_array_equal(pairs_of(batches), expected)
 
 
+def test_few_batches_wait(client):
+    """A range of rows is searched when a batch before it was taken."""
+    rng = np.random.default_rng(10)
+    boxes = uniform(rng, 2000, size=0.3)
+    expected = pairs_of([hs.BVH(boxes).query(boxes)])
+    tree = hd.BVH(boxes, partitions=1)
+    submitted = []
+    submit = tree._run.submit
+
+    def count(function, *arguments):
+        submitted.append(function)
+        return submit(function, *arguments)
+
+    tree._run.submit = count
+    batches = tree.query(boxes, max_results=2000)
+    found = []
+    for batch in batches:
+        found.append(batch)
+        # Two tasks for each thread run or wait.
+        assert submitted.count(hd._some_pairs) < len(found) + 2 * tree._run.threads
+    assert len(found) > 50
+    np.testing.assert_array_equal(pairs_of(found), expected)
+
+
 def test_many_small_results():
     """A stream has one job after another, and not one inside another."""
     class Future:
@@ -194,8 +218,14 @@ def test_mapped_partitions(client):
     rng = np.random.default_rng(7)
     boxes = uniform(rng, 3000)
     tree = hd.BVH(boxes, partitions=3, mapped=True)
-    size = dask.sizeof.sizeof(tree._partitions[0].result())
-    assert size < 3000 * 8 < tree.nbytes
+    sizes = client.run(lambda dask_worker: [dask.sizeof.sizeof(value)
+                                            for value in dask_worker.data.values()
+                                            if isinstance(value, hd._Partition)])
+    sizes = sum(sizes.values(), [])
+    assert len(sizes) == 3 and max(sizes) < 3000 * 8 < tree.nbytes
+    # A copy is in memory.
+    copy = tree._partitions[0].result()
+    assert dask.sizeof.sizeof(copy) == copy.tree.nbytes + copy.rows.nbytes
     np.testing.assert_array_equal(pairs_of(tree.query(boxes)),
                                   pairs_of([hs.BVH(boxes).query(boxes)]))
 
