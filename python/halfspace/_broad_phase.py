@@ -33,8 +33,9 @@ class BroadPhase:
     Notes
     -----
     Boxes are arrays as in `BVH`: float32, or float64, which is rounded outward.
-    A NaN, or a minimum above a maximum, raises ValueError. Methods that change
-    bodies raise ValueError with the row of a wrong id, and change nothing then.
+    A NaN, or a minimum above a maximum, raises ValueError, and masked values raise
+    TypeError. Methods that change bodies raise ValueError with the row of a wrong
+    id, and change nothing then.
 
     Every call releases the interpreter's lock. Threads can query and move
     bodies at the same time, without any other lock. Two calls that change the
@@ -223,7 +224,8 @@ class BroadPhase:
         Returns an array of int64 with the shape (n, 2), whose first column is
         of the set. The boxes of a pair are at most `margin` apart on each axis,
         and the category of each has a bit of the other's `collides_with`. A
-        pair of two bodies of the set is found once.
+        pair of two bodies of the set is found once. A margin that is no float32
+        is rounded up.
 
         `masks` replaces the rule of categories. It is one integer, or one for
         each id: a body of the set is paired with the bodies whose category has

@@ -61,7 +61,8 @@ class BVH:
 
     A NaN, or a box with min > max, raises ValueError. The exception is the empty
     box, with minima of inf and maxima of -inf: only a query without limits can
-    find it. Infinite boxes are allowed.
+    find it. Infinite boxes are allowed. Masked values of a masked array, in any
+    argument, raise TypeError.
 
     Every call releases the interpreter's lock, so threads can query one tree at
     the same time. A change while another thread uses the tree raises
