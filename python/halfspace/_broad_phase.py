@@ -284,7 +284,7 @@ class BroadPhase:
 
     def __contains__(self, id: Any) -> bool:
         """Whether a body has this id."""
-        return 0 <= id < self._max_ids and self._bodies.has(int(id))
+        return 0 <= id < self._max_ids and id == int(id) and self._bodies.has(int(id))
 
     @property
     def dims(self) -> int:

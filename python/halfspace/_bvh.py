@@ -140,8 +140,8 @@ class BVH:
         leaves an older file as it was. Raises OSError if `path` is something other
         than a regular file, such as a device.
         """
-        blob = self.blob()
-        _files.replace(os.fsdecode(path), lambda file: file.write(blob))
+        with self.blob() as blob:
+            _files.replace(os.fsdecode(path), lambda file: file.write(blob))
 
     def __reduce_ex__(self, protocol: Any) -> Tuple[Any, ...]:
         # Out of band if the pickler has a buffer_callback, and in band if not.

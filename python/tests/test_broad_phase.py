@@ -257,6 +257,7 @@ def test_size_and_contents():
     assert bodies.max_ids == 10 and bodies.dims == 2
     bodies.insert(3, [0, 0, 1, 1])
     assert 3 in bodies and 4 not in bodies and -1 not in bodies and 2**40 not in bodies
+    assert 3.0 in bodies and 3.5 not in bodies and np.nan not in bodies
     assert repr(bodies) == "<halfspace.BroadPhase: 1 bodies in 2 dimensions>"
     statistics = bodies.statistics()
     assert statistics["bodies"] == 1 and statistics["pending"] == 1
