@@ -211,7 +211,7 @@ class BVH:
         batches together are the result of `query`, except that the ids of one
         row can be in another order. A row with more results than `max_results`
         continues in the next batch. Raises RuntimeError if the tree changes
-        between two batches.
+        before the iterator ends. Do not change `boxes` before that, either.
         """
         table = self._boxes(boxes)
         most = _arrays.positive(max_results, "max_results")
