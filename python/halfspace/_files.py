@@ -16,7 +16,9 @@ def replace(path: str, write: Callable[[BinaryIO], object]) -> None:
     Only a regular file is replaced.
     """
     if os.path.exists(path) and not os.path.isfile(path):
-        raise OSError(errno.EINVAL, "Not a regular file", path)
+        # The numbers of the C library.
+        number = errno.EISDIR if os.path.isdir(path) else errno.ENODEV
+        raise OSError(number, "Not a regular file", path)
     # As short as in the C library, because the longest name can have 255 bytes.
     temporary = f"{path}.{secrets.token_hex(4)}.tmp"
     try:
