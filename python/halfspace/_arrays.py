@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import operator
 import os
 from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
@@ -63,7 +65,7 @@ def boxes(
 
 def points(value: Any, name: str, dims: int) -> Table:
     """Points, or directions, as d columns."""
-    array = _numbers(value, name)
+    array = numbers(value, name)
     if array.ndim not in (1, 2) or array.shape[-1] != dims:
         raise ValueError(
             f"{name}: expected points of shape (n, {dims}) or ({dims},), "
@@ -75,7 +77,7 @@ def points(value: Any, name: str, dims: int) -> Table:
 def directions(value: Any, name: str, dims: int) -> Table:
     """As points(). A double must not become 0 or infinite as a float: its ray would
     go elsewhere."""
-    array = _numbers(value, name)
+    array = numbers(value, name)
     if array.dtype == np.float64 and array.ndim in (1, 2):
         with np.errstate(over="ignore"):
             rounded = array.astype(np.float32)
@@ -110,9 +112,9 @@ def casts(
 
 
 def points_or_boxes(value: Any, name: str, dims: int) -> Table:
-    if _pair_of_tables(value):
+    if _is_pair_of_tables(value):
         return boxes(value, name, dims)
-    array = _numbers(value, name)
+    array = numbers(value, name)
     if array.ndim not in (1, 2) or array.shape[-1] not in (dims, 2 * dims):
         raise ValueError(
             f"{name}: expected points of shape (n, {dims}) or ({dims},), or boxes "
@@ -125,7 +127,7 @@ def points_or_boxes(value: Any, name: str, dims: int) -> Table:
 
 def per_row(value: Any, name: str, count: int) -> Table:
     """One number for each row, or the same number for all, rounded up to float32."""
-    array = _numbers(value, name)
+    array = numbers(value, name)
     if array.shape not in ((), (count,)):
         raise ValueError(
             f"{name}: expected one number or an array of shape ({count},), "
@@ -134,17 +136,14 @@ def per_row(value: Any, name: str, count: int) -> Table:
     exact: np.ndarray = array.astype(_float_type(array, name))
     if not (exact >= 0).all():
         raise ValueError(f"{name}: expected numbers that are not negative and not NaN")
-    with np.errstate(over="ignore"):
-        rounded = exact.astype(np.float32)
-    up = np.nextafter(rounded, np.float32(np.inf))
     column: np.ndarray = np.empty((count, 1), np.float32)
-    column[:, 0] = np.where(rounded < exact, up, rounded)
+    column[:, 0] = _halfspace.round_up(np.atleast_1d(exact))
     return Table((column,), count, False)
 
 
 def ids(value: Any, name: str) -> np.ndarray:
     """Ids of objects as uint32."""
-    array = np.asarray(value)
+    array = _array(value, name)
     if array.size == 0:
         return np.empty(0, np.uint32)
     if array.dtype.kind not in "iu" or array.ndim > 1:
@@ -182,7 +181,7 @@ def masks_of_each(value: Any, count: int) -> np.ndarray:
 
 
 def _masks(value: Any, name: str, count: int) -> np.ndarray:
-    array = np.asarray(value)
+    array = _array(value, name)
     if array.shape not in ((), (count,)):
         raise ValueError(
             f"{name}: expected one integer or an array of shape ({count},), "
@@ -204,7 +203,7 @@ def mask(value: Optional[int]) -> int:
     """64 bits. None means all."""
     if value is None:
         return ALL_MASKS
-    number = operator.index(value)
+    number = _integer(value, "mask")
     if not 0 <= number <= ALL_MASKS:
         raise ValueError(f"mask: expected an integer from 0 to 2^64 - 1, got {number}")
     return number
@@ -230,7 +229,7 @@ def spheres(centers: Any, radii: Any, dims: int) -> Table:
 
 def vertices(value: Any, name: str) -> np.ndarray:
     """A contiguous array of points without NaN, in 2 or 3 dimensions."""
-    array = _numbers(value, name)
+    array = numbers(value, name)
     if array.ndim != 2 or array.shape[1] not in (2, 3):
         raise ValueError(
             f"{name}: expected points of shape (n, 3) or (n, 2), got shape "
@@ -242,7 +241,7 @@ def vertices(value: Any, name: str) -> np.ndarray:
 
 def faces(value: Any, name: str, count: int) -> np.ndarray:
     """Triples of indices below `count`, as a contiguous array of uint32."""
-    array = np.asarray(value)
+    array = _array(value, name)
     if array.shape == (0,):
         array = array.reshape(0, 3)
     if array.ndim != 2 or array.shape[1] != 3:
@@ -269,9 +268,12 @@ def threads(value: Optional[int]) -> int:
 
 
 def not_negative(value: Any, name: str) -> float:
-    """A float from 0 to infinity."""
+    """A number from 0 to infinity, rounded up to float64."""
+    _refuse_masked(value, name)
     try:
         number = float(value)
+        if number < value:  # an integer, a fraction or a long double
+            number = math.nextafter(number, math.inf)
     except TypeError:
         raise TypeError(
             f"{name}: expected a number, got {type(value).__name__}"
@@ -285,15 +287,30 @@ def not_negative(value: Any, name: str) -> float:
 
 def positive(value: Any, name: str, most: int = 2**31 - 1) -> int:
     """An integer from 1 to `most`."""
+    number = _integer(value, name)
+    if not 1 <= number <= most:
+        raise ValueError(f"{name}: expected an integer from 1 to {most}, got {number}")
+    return number
+
+
+def budget(value: Optional[int]) -> int:
+    """An integer from 0 to 2^64 - 1. None means no limit of the caller's."""
+    if value is None:
+        return ALL_MASKS
+    number = _integer(value, "budget")
+    if number < 0:
+        raise ValueError(f"budget: expected at least 0, got {number}")
+    return min(number, ALL_MASKS)
+
+
+def _integer(value: Any, name: str) -> int:
+    _refuse_masked(value, name)
     try:
-        number = operator.index(value)
+        return operator.index(value)
     except TypeError:
         raise TypeError(
             f"{name}: expected an integer, got {type(value).__name__}"
         ) from None
-    if not 1 <= number <= most:
-        raise ValueError(f"{name}: expected an integer from 1 to {most}, got {number}")
-    return int(number)
 
 
 def _repeat(table: Table, count: int) -> Table:
@@ -318,8 +335,8 @@ def _expected_boxes(dims: Optional[int]) -> str:
 def _box_arrays(
     value: Any, name: str, expected: str
 ) -> Tuple[List[np.ndarray], bool]:
-    pair = _pair_of_tables(value)
-    if pair:
+    if _is_pair_of_tables(value):
+        pair = [_array(v, name) for v in value]
         if pair[0].shape != pair[1].shape:
             raise ValueError(
                 f"{name}: expected minima and maxima of the same shape, got "
@@ -331,7 +348,7 @@ def _box_arrays(
         arrays = [_column(c, f"{name}[{i}]") for i, c in enumerate(columns)]
         _check_columns(arrays, name)
         return arrays, False
-    array = _numbers(value, name)
+    array = numbers(value, name)
     if array.ndim == 1:
         return [array.reshape(1, -1)], True
     if array.ndim != 2:
@@ -339,13 +356,11 @@ def _box_arrays(
     return [array], False
 
 
-def _pair_of_tables(value: Any) -> List[np.ndarray]:
-    """The minima and the maxima, if `value` is a pair of two-dimensional arrays."""
+def _is_pair_of_tables(value: Any) -> bool:
+    """Whether `value` is a pair of two-dimensional arrays: minima and maxima."""
     if not isinstance(value, (tuple, list)) or len(value) != 2:
-        return []
-    if not all(_ndim(v) == 2 for v in value):
-        return []
-    return [np.asarray(v) for v in value]
+        return False
+    return all(_ndim(v) == 2 for v in value)
 
 
 def _columns_of(value: Any) -> Sequence[Any]:
@@ -384,16 +399,43 @@ def _ndim(value: Any) -> Optional[int]:
 def _column(value: Any, name: str) -> np.ndarray:
     if hasattr(value, "__arrow_c_array__") and not hasattr(value, "__array_interface__"):
         return _halfspace.arrow_column(value, name).reshape(-1, 1)
-    return _numbers(value, name).reshape(-1, 1)
+    return numbers(value, name).reshape(-1, 1)
 
 
-def _numbers(value: Any, name: str) -> np.ndarray:
+def _array(value: Any, name: str) -> np.ndarray:
+    """Any array of the caller's becomes a plain array here, which has no mask."""
+    _refuse_masked(value, name)
     try:
-        array = np.asarray(value)
+        array = np.asanyarray(value)
     except ValueError as error:
         raise ValueError(f"{name}: expected an array of numbers: {error}") from None
-    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
-        raise TypeError(f"{name}: expected an array without masked values")
+    _refuse_masked(array, name)  # of an object that NumPy made a masked array of
+    return np.asarray(array)
+
+
+def _refuse_masked(value: Any, name: str) -> None:
+    if _has_masked(value):
+        raise TypeError(f"{name}: expected no masked values")
+
+
+def _has_masked(value: Any) -> bool:
+    if not isinstance(value, (list, tuple)):
+        return isinstance(value, np.ma.MaskedArray) and bool(np.ma.is_masked(value))
+    level: List[Any] = list(value)
+    while level:  # the items of lists, then the items of these, and so on
+        kinds = set(map(type, level))
+        if any(issubclass(k, np.ma.MaskedArray) for k in kinds):
+            if any(map(np.ma.is_masked, level)):
+                return True
+        if not any(issubclass(k, (list, tuple)) for k in kinds):
+            return False
+        lists = (v for v in level if isinstance(v, (list, tuple)))
+        level = list(itertools.chain.from_iterable(lists))
+    return False
+
+
+def numbers(value: Any, name: str) -> np.ndarray:
+    array = _array(value, name)
     if array.dtype.kind == "O":
         raise TypeError(
             f"{name}: expected an array of numbers, got {type(value).__name__} that "

@@ -33,8 +33,9 @@ class BroadPhase:
     Notes
     -----
     Boxes are arrays as in `BVH`: float32, or float64, which is rounded outward.
-    A NaN, or a minimum above a maximum, raises ValueError. Methods that change
-    bodies raise ValueError with the row of a wrong id, and change nothing then.
+    A NaN, or a minimum above a maximum, raises ValueError, and masked values raise
+    TypeError. Methods that change bodies raise ValueError with the row of a wrong
+    id, and change nothing then.
 
     Every call releases the interpreter's lock. Threads can query and move
     bodies at the same time, without any other lock. Two calls that change the
@@ -115,10 +116,7 @@ class BroadPhase:
         changes no result. `budget` is about how many bodies are sorted again at
         most, and at least 4096. 0 sorts none. None is a 16th of all.
         """
-        number = _arrays.ALL_MASKS if budget is None else int(budget)
-        if number < 0:
-            raise ValueError(f"budget: expected at least 0, got {number}")
-        self._bodies.update(number, _arrays.threads(threads))
+        self._bodies.update(_arrays.budget(budget), _arrays.threads(threads))
 
     def rebuild(self, *, threads: Optional[int] = 1) -> None:
         """As `update`, but sorts all bodies again."""
@@ -226,7 +224,8 @@ class BroadPhase:
         Returns an array of int64 with the shape (n, 2), whose first column is
         of the set. The boxes of a pair are at most `margin` apart on each axis,
         and the category of each has a bit of the other's `collides_with`. A
-        pair of two bodies of the set is found once.
+        pair of two bodies of the set is found once. A margin that is no float32
+        is rounded up.
 
         `masks` replaces the rule of categories. It is one integer, or one for
         each id: a body of the set is paired with the bodies whose category has
@@ -285,7 +284,7 @@ class BroadPhase:
 
     def __contains__(self, id: Any) -> bool:
         """Whether a body has this id."""
-        return 0 <= id < self._max_ids and self._bodies.has(int(id))
+        return 0 <= id < self._max_ids and id == int(id) and self._bodies.has(int(id))
 
     @property
     def dims(self) -> int:
@@ -345,6 +344,6 @@ class BroadPhase:
 
 def _margin(value: Any) -> float:
     margin = _arrays.not_negative(value, "margin")
-    if margin > np.finfo(np.float32).max:
+    if margin > float(np.finfo(np.float32).max):
         raise ValueError(f"margin: expected a finite float32, got {margin}")
     return margin

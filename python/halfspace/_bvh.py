@@ -5,12 +5,11 @@ from __future__ import annotations
 import mmap
 import os
 import pickle
-import uuid
 from typing import Any, Callable, Iterator, Optional, Tuple, Type, Union
 
 import numpy as np
 
-from . import _arrays, _halfspace
+from . import _arrays, _files, _halfspace
 
 Progress = Callable[[int, int], object]
 Path = Union[str, "os.PathLike[str]"]
@@ -62,7 +61,8 @@ class BVH:
 
     A NaN, or a box with min > max, raises ValueError. The exception is the empty
     box, with minima of inf and maxima of -inf: only a query without limits can
-    find it. Infinite boxes are allowed.
+    find it. Infinite boxes are allowed. Masked values of a masked array, in any
+    argument, raise TypeError.
 
     Every call releases the interpreter's lock, so threads can query one tree at
     the same time. A change while another thread uses the tree raises
@@ -136,21 +136,12 @@ class BVH:
     def save(self, path: Path) -> None:
         """Writes the tree to a file for `map`.
 
-        The file appears at `path` when it is complete: a failure leaves an
-        older file as it was.
+        The file appears at `path` when it is complete and on the disk: a failure
+        leaves an older file as it was. Raises OSError if `path` is something other
+        than a regular file, such as a device.
         """
-        path = os.fsdecode(path)
-        temporary = f"{path}.{uuid.uuid4().hex}.part"
-        try:
-            with open(temporary, "wb") as file:
-                file.write(self.blob())
-            os.replace(temporary, path)
-        except BaseException as error:
-            if os.path.exists(temporary):
-                os.unlink(temporary)
-            if isinstance(error, OSError):
-                raise type(error)(error.errno, error.strerror, path) from None
-            raise
+        with self.blob() as blob:
+            _files.replace(os.fsdecode(path), lambda file: file.write(blob))
 
     def __reduce_ex__(self, protocol: Any) -> Tuple[Any, ...]:
         # Out of band if the pickler has a buffer_callback, and in band if not.
@@ -220,7 +211,7 @@ class BVH:
         batches together are the result of `query`, except that the ids of one
         row can be in another order. A row with more results than `max_results`
         continues in the next batch. Raises RuntimeError if the tree changes
-        between two batches.
+        before the iterator ends. Do not change `boxes` before that, either.
         """
         table = self._boxes(boxes)
         most = _arrays.positive(max_results, "max_results")
@@ -239,12 +230,17 @@ class BVH:
                 # As many rows as have at most so many results, or one.
                 end = int(np.searchsorted(ends, found + most, "right"))
                 for batch in self._batch(block, begin, end, most, threads):
-                    if self._tree.changes != changes:
-                        raise RuntimeError("the tree changed during query_batches")
+                    self._check_unchanged(changes)
                     batch[0] += first
                     yield batch
+                # Also if the change left no results.
+                self._check_unchanged(changes)
                 begin = max(end, begin + 1)
                 found = int(ends[begin - 1])
+
+    def _check_unchanged(self, changes: int) -> None:
+        if self._tree.changes != changes:
+            raise RuntimeError("the tree changed during query_batches")
 
     def _batch(
         self, block: _arrays.Table, begin: int, end: int, most: int, threads: int

@@ -34,7 +34,6 @@ import dataclasses
 import functools
 import itertools
 import math
-import operator
 import os
 import tempfile
 import typing
@@ -47,6 +46,7 @@ import distributed
 import numpy as np
 
 import halfspace as hs
+from halfspace import _arrays, _files
 
 __all__ = ["BVH", "join", "scan"]
 
@@ -109,7 +109,7 @@ def _chunks(source, name: str, widths: tuple[int, ...]) -> tuple[list[_Chunk], i
                 end = min(begin + _CHUNK_ROWS, shape[0])
                 parts.append((end - begin, dask.delayed(_read)(path, begin, end)))
     else:
-        array = np.asarray(source)
+        array = _arrays.numbers(source, name)
         check(array.shape, "the array")
         for begin in range(0, len(array), _CHUNK_ROWS):
             rows = array[begin:begin + _CHUNK_ROWS]
@@ -119,23 +119,17 @@ def _chunks(source, name: str, widths: tuple[int, ...]) -> tuple[list[_Chunk], i
             for first, (rows, data) in zip(firsts, parts) if rows > 0], width
 
 
-def _at_least_1(value, name: str) -> int:
-    try:
-        number = operator.index(value)
-    except TypeError:
-        raise TypeError(
-            f"{name} must be an integer, not {type(value).__name__}") from None
-    if number < 1:
-        raise ValueError(f"{name} must be at least 1, not {number}")
-    return number
-
-
 def _in_chunk(first: int, call):
     """Returns call(). An error of it says where the chunk begins."""
     try:
         return call()
     except (ValueError, TypeError) as error:
         raise type(error)(f"in the chunk that begins at row {first}: {error}") from None
+
+
+def _rows(chunk, name: str, first: int) -> np.ndarray:
+    """The rows of a chunk as a plain array."""
+    return _in_chunk(first, lambda: _arrays.numbers(chunk, name))
 
 
 # Partitions.
@@ -222,6 +216,10 @@ class _Partition:
     rows: np.ndarray  # of the objects, by id of the tree
     mapped: bool = False
 
+    def __reduce__(self):
+        # A copy of a mapped tree is in memory.
+        return _Partition, (self.tree, self.rows)
+
 
 @dataclasses.dataclass(frozen=True)
 class _Routed:
@@ -275,13 +273,14 @@ def _piece(routed: _Routed, partition: int):
 
 def _sample(boxes, first: int, share: float):
     """Returns random boxes, and for each how many objects it stands for."""
+    boxes = _rows(boxes, "boxes", first)
     count = max(1, math.ceil(len(boxes) * share))
     rows = np.random.default_rng(first).choice(len(boxes), count, replace=False)
-    return np.asarray(boxes)[np.sort(rows)], np.full(count, len(boxes) / count)
+    return boxes[np.sort(rows)], np.full(count, len(boxes) / count)
 
 
 def _distribute(boxes, first: int, splits: _Splits) -> _Routed:
-    boxes = np.asarray(boxes)
+    boxes = _rows(boxes, "boxes", first)
     partitions = splits.partitions_of(_centers(boxes))
     return _Routed.to(partitions, np.arange(len(boxes)), boxes, first)
 
@@ -297,7 +296,8 @@ def _build(pieces, mapped: bool) -> _Partition:
         directory = distributed.get_worker().local_directory
         with tempfile.TemporaryDirectory(dir=directory) as scratch:
             path = os.path.join(scratch, "tree")
-            tree.save(path)
+            with open(path, "wb") as file:
+                file.write(tree.blob())
             tree = hs.BVH.map(path)  # keeps the file's content
     return _Partition(tree, rows, mapped)
 
@@ -322,7 +322,7 @@ def _about(partition: _Partition):
 
 
 def _route(boxes, first: int, top: hs.BVH) -> _Routed:
-    boxes = np.asarray(boxes)
+    boxes = _rows(boxes, "boxes", first)
     rows, partitions = _in_chunk(first, lambda: top.query(boxes))
     return _Routed.to(partitions, rows, boxes, first)
 
@@ -395,15 +395,7 @@ def _write_pairs(pairs_in, partition: _Partition, piece, most: int, prefix: str)
     paths = []
     for pairs, begin, _ in _batches(pairs_in, partition, piece, most):
         path = f"{prefix}-{begin:09}.npy"
-        part = f"{path}.{uuid.uuid4().hex}.part"
-        try:
-            with open(part, "wb") as file:
-                np.save(file, np.stack(pairs))
-            os.replace(part, path)
-        except BaseException:
-            if os.path.exists(part):
-                os.unlink(part)
-            raise
+        _files.replace(path, lambda file: np.save(file, np.stack(pairs)))
         paths.append(path)
     return paths
 
@@ -419,7 +411,7 @@ def _nearest_in(partition: _Partition, piece, k: int, max_distance: float):
 
 def _send_home(points, first: int, homes: hs.BVH, numbers: np.ndarray) -> _Routed:
     """Sends each point to the nearest of some partitions."""
-    points = np.asarray(points)
+    points = _rows(points, "points", first)
     nearest, _ = _in_chunk(first, lambda: homes.nearest(points, k=1))
     partitions = numbers[np.maximum(nearest[:, 0], 0)]
     return _Routed.to(partitions, np.arange(len(points)), points, first)
@@ -428,8 +420,8 @@ def _send_home(points, first: int, homes: hs.BVH, numbers: np.ndarray) -> _Route
 def _send_on(points, first: int, home: _Routed, found: list, top: hs.BVH,
              max_distance: float) -> _Routed:
     """Sends each point to the other partitions within the distance of its k-th."""
-    points = np.asarray(points)
-    radius = np.full((len(points), 1), float(max_distance))
+    points = _rows(points, "points", first)
+    radius = np.full((len(points), 1), max_distance)
     home_of = np.empty(len(points), np.int64)
     home_of[home.rows] = np.repeat(home.partitions, np.diff(home.begins))
     for rows, _, distances in found:
@@ -501,16 +493,18 @@ class _Runner:
 
     def stream(self, jobs):
         """Yields the results of jobs as they arrive. A job is a future, and None or a
-        function of the result that returns what to yield and a list of more jobs."""
-        jobs = iter(jobs)
-        more: collections.deque = collections.deque()
+        function of the result that returns what to yield, and an iterable of more jobs.
+        A task is submitted when its job is taken from its iterable, so at most two for
+        each thread run, or wait with their results."""
+        waiting: collections.deque = collections.deque([iter(jobs)])
         running = distributed.as_completed()
         follow: dict = {}
         while True:
-            while len(follow) < 2 * self.threads:
-                job = more.popleft() if more else next(jobs, None)
+            while waiting and len(follow) < 2 * self.threads:
+                job = next(waiting[0], None)
                 if job is None:
-                    break
+                    waiting.popleft()
+                    continue
                 follow[job[0]] = job[1]
                 running.add(job[0])
             if not follow:
@@ -521,13 +515,13 @@ class _Runner:
             result = future.result()
             del future  # its result may leave the workers
             if function is not None:
-                result, added = function(result)
-                more.extend(added)
+                result, more = function(result)
+                waiting.appendleft(iter(more))
             yield result
 
     def pairs(self, joins, most: int, to):
         """Streams the pairs of (pairs_in, partition, piece), or writes them."""
-        most = _at_least_1(most, "max_results")
+        most = _arrays.positive(most, "max_results", 2**63 - 1)
         if to is None:
             return self._stream_pairs(joins, most)
         to = os.path.abspath(to)
@@ -539,15 +533,15 @@ class _Runner:
         return sorted(itertools.chain.from_iterable(self.stream(jobs)))
 
     def _stream_pairs(self, joins, most: int):
+        def job(join, ranges=None):
+            return (self.submit(_some_pairs, *join, most, ranges),
+                    functools.partial(follow, join))
+
         def follow(join, result):
             pairs, left = result
-            more = [(self.submit(_some_pairs, *join, most, [some]),
-                     functools.partial(follow, join)) for some in left]
-            return pairs, more
+            return pairs, (job(join, [some]) for some in left)
 
-        jobs = ((self.submit(_some_pairs, *join, most), functools.partial(follow, join))
-                for join in joins)
-        return (pairs for pairs in self.stream(jobs) if len(pairs[0]))
+        return (pairs for pairs in self.stream(map(job, joins)) if len(pairs[0]))
 
 
 # The interface.
@@ -579,7 +573,7 @@ class BVH:
         self._run = run = _Runner(client)
         if partitions is None:
             partitions = 2 * run.threads
-        partitions = _at_least_1(partitions, "partitions")
+        partitions = _arrays.positive(partitions, "partitions")
         chunks, self._width = _chunks(boxes, "boxes", (4, 6))
         self._size = sum(chunk.rows for chunk in chunks)
         partitions = min(partitions, self._size)
@@ -685,9 +679,8 @@ class BVH:
         The nearest partition with k objects gives each point a radius. Then all other
         partitions within it are searched.
         """
-        k = _at_least_1(k, "k")
-        if not max_distance >= 0:
-            raise ValueError(f"max_distance must be at least 0, not {max_distance}")
+        k = _arrays.positive(k, "k")
+        max_distance = _arrays.not_negative(max_distance, "max_distance")
         chunks, _ = _chunks(points, "points", (self._width // 2,))
         return self._run.stream((future, None)
                                 for future in self._nearest(chunks, k, max_distance))
@@ -755,7 +748,7 @@ def scan(boxes, queries, *, quantized: bool = False,
     """
     run = _Runner(client)
     chunks, width = _chunks(boxes, "boxes", (4, 6))
-    queries = np.asarray(queries)
+    queries = _arrays.numbers(queries, "queries")
     _chunks(queries, "queries", (width,))
     hs.BVH(queries)  # an error of a query is none of a chunk
     return run.stream((run.submit(_scan, run.source(chunk), chunk.first, queries,
@@ -763,6 +756,7 @@ def scan(boxes, queries, *, quantized: bool = False,
 
 
 def _scan(boxes, first: int, queries, quantized: bool):
-    scan = _in_chunk(first, lambda: hs.Scan(np.asarray(boxes), quantized=quantized))
+    boxes = _rows(boxes, "boxes", first)
+    scan = _in_chunk(first, lambda: hs.Scan(boxes, quantized=quantized))
     rows, ids = scan.query(queries)
     return rows, ids + first

@@ -137,9 +137,9 @@ std::vector<Bound> AllBounds(const Columns& columns) {
 }
 
 std::unique_ptr<Bodies> MakeBodies(std::size_t max_ids, int dims, bool is_aabo,
-                                   float margin) {
+                                   double margin) {
   BroadPhaseOptions options;
-  options.margin = margin;
+  options.margin = RoundUp(margin);
   auto bodies = std::make_unique<Bodies>();
   const auto make = [&]<typename Of>(std::unique_ptr<Of>) {
     bodies->any = std::make_unique<Of>(max_ids, options);
@@ -332,8 +332,9 @@ Ids ToArray(const std::vector<Pair>& pairs) {
 }
 
 // `masks` has an element for each id, or none.
-Ids PairsOf(const Bodies& bodies, const ShortIds& ids, float margin,
+Ids PairsOf(const Bodies& bodies, const ShortIds& ids, double margin,
             const Masks& masks) {
+  const float its_margin = RoundUp(margin);
   std::vector<Pair> pairs;
   const auto add = [&pairs](std::uint32_t a, std::uint32_t b) {
     pairs.emplace_back(a, b);
@@ -342,9 +343,9 @@ Ids PairsOf(const Bodies& bodies, const ShortIds& ids, float margin,
       masks.data(), static_cast<std::size_t>(masks.size())};
   Call(bodies, [&](const auto& its) {
     if (its_masks.empty()) {
-      its.ForEachPairOf(List(ids), margin, add);
+      its.ForEachPairOf(List(ids), its_margin, add);
     } else {
-      its.ForEachPairOf(List(ids), its_masks, margin, add);
+      its.ForEachPairOf(List(ids), its_masks, its_margin, add);
     }
   });
   return ToArray(pairs);

@@ -4,6 +4,7 @@
 
 #include <halfspace/bounds.h>
 #include <halfspace/shapes.h>
+#include <halfspace/span.h>
 #include <halfspace/transform.h>
 #include <pybind11/numpy.h>
 
@@ -18,6 +19,13 @@ namespace halfspace::python {
 // A size as pybind11 takes it.
 inline pybind11::ssize_t Size(std::size_t size) {
   return static_cast<pybind11::ssize_t>(size);
+}
+
+// The least float that is not below a number.
+inline float RoundUp(double value) {
+  float rounded;
+  detail::RoundOutward(Span<const double>(&value, 1), 0, 1, &rounded);
+  return rounded;
 }
 
 // Columns of floats or doubles. Two values of a column that follow each other

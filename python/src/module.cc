@@ -54,6 +54,17 @@ py::ssize_t FirstNan(const Columns& values) {
   return -1;
 }
 
+py::array_t<float> RoundUpEach(
+    const py::array_t<double, py::array::c_style>& values) {
+  py::array_t<float> rounded(values.size());
+  float* const to = rounded.mutable_data();
+  const Span<const double> from(values.data(),
+                                static_cast<std::size_t>(values.size()));
+  const py::gil_scoped_release release;
+  detail::RoundOutward(from, 0, 1, to);
+  return rounded;
+}
+
 // Writes the boxes to an array of shape (triangles, 2 d) whose columns are
 // contiguous, as builders write and read them. Returns it and the number of the
 // first triangle without a box, or -1.
@@ -122,6 +133,7 @@ PYBIND11_MODULE(_halfspace, module) {
     return values.is_double() ? FirstNan<double>(values)
                               : FirstNan<float>(values);
   });
+  module.def("round_up", &RoundUpEach);
   module.def("targets", [] {
     py::list names;
     for (const halfspace::Target target : halfspace::SupportedTargets()) {

@@ -5,7 +5,6 @@
 #include <pybind11/numpy.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -43,17 +42,6 @@ constexpr int kDimsOf = std::decay_t<AnyBvh>::Bound::kDimensions;
 
 std::size_t PartsOf(std::size_t count, std::size_t part) {
   return (count + part - 1) / part;
-}
-
-// The least float that is not below a number.
-float RoundUp(double value) {
-  if (value > std::numeric_limits<float>::max()) {
-    return std::numeric_limits<float>::infinity();
-  }
-  const auto rounded = static_cast<float>(value);
-  return rounded < value
-             ? std::nextafter(rounded, std::numeric_limits<float>::infinity())
-             : rounded;
 }
 
 std::int64_t* Data(Ids& ids) { return ids.mutable_data(); }

@@ -1,5 +1,7 @@
 """Trees as bytes: pickles, files and buffers."""
 
+import errno
+import os
 import pickle
 
 import halfspace as hs
@@ -146,12 +148,66 @@ def test_an_altered_body(tree, boxes, tmp_path):
     hs.BVH.from_blob(data).query(boxes)
 
 
-def test_a_failed_save_leaves_the_old_file(tree, tmp_path):
-    path = tmp_path / "folder"
-    path.mkdir()
-    with pytest.raises(OSError):
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no named pipes")
+@pytest.mark.parametrize("name", ["folder", "link", "pipe"])
+def test_what_is_no_regular_file_is_not_replaced(tree, tmp_path, name):
+    (tmp_path / "folder").mkdir()
+    os.mkfifo(tmp_path / "pipe")
+    os.symlink("pipe", tmp_path / "link")
+    with pytest.raises(OSError, match=f"Not a regular file: '.*{name}'") as raised:
+        tree.save(tmp_path / name)
+    assert raised.value.errno == (errno.EISDIR if name == "folder" else errno.ENODEV)
+    assert (tmp_path / "folder").is_dir() and (tmp_path / "link").is_symlink()
+    assert (tmp_path / "pipe").is_fifo()
+    assert sorted(os.listdir(tmp_path)) == ["folder", "link", "pipe"]
+
+
+def test_bytes_are_on_the_disk_before_the_name(tree, tmp_path, monkeypatch):
+    path = tmp_path / "tree"
+    path.write_bytes(b"old")
+    calls = []
+
+    def record(name):
+        real = getattr(os, name)
+
+        def call(*arguments):
+            calls.append((name, path.read_bytes() == b"old"))
+            if name == "fsync":
+                # All bytes have left the buffer of Python.
+                assert os.fstat(*arguments).st_size == tree.nbytes
+            return real(*arguments)
+
+        monkeypatch.setattr(os, name, call)
+
+    record("fsync")
+    record("replace")
+    tree.save(path)
+    assert calls == [("fsync", True), ("replace", True)]
+    assert path.read_bytes() == bytes(tree.blob())
+
+
+@pytest.mark.parametrize("call", ["fsync", "replace"])
+@pytest.mark.parametrize("error", [OSError(errno.EIO, "no disk"), MemoryError()])
+def test_a_failure_leaves_only_the_old_file(tree, tmp_path, monkeypatch, call, error):
+    path = tmp_path / "tree"
+    path.write_bytes(b"old")
+
+    def fail(*arguments):
+        raise error
+
+    monkeypatch.setattr(os, call, fail)
+    with pytest.raises(type(error)) as raised:
         tree.save(path)
-    assert list(tmp_path.iterdir()) == [path]
+    assert path.read_bytes() == b"old" and os.listdir(tmp_path) == ["tree"]
+    if isinstance(error, OSError):
+        assert str(raised.value) == f"[Errno {errno.EIO}] no disk: '{path}'"
+    tree.erase(0)  # the error keeps no blob
+
+
+def test_a_long_name(tree, tmp_path):
+    path = tmp_path / ("x" * 240)
+    tree.save(path)
+    assert os.listdir(tmp_path) == [path.name]
 
 
 def test_a_folder_that_does_not_exist(tree, tmp_path):

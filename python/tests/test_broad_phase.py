@@ -1,6 +1,7 @@
 """The broad phase, compared with NumPy."""
 
 import threading
+from fractions import Fraction
 
 import halfspace as hs
 import numpy as np
@@ -208,6 +209,38 @@ def test_pairs_by_masks_of_the_call():
         bodies.pairs_of([0, 1], masks=[1, 2, 3])
 
 
+@pytest.mark.parametrize(
+    "margin",
+    [
+        0.7,
+        np.float32(0.7),
+        2**53 + 1,
+        1 + Fraction(1, 10**30),
+        np.longdouble(1) + np.finfo(np.longdouble).eps,
+        1e-46,
+    ],
+)
+def test_a_margin_is_rounded_up(margin):
+    """Two floats are apart by more than the float below the margin."""
+    exact = Fraction(*margin.as_integer_ratio())
+
+    def float_below(number):
+        below = np.float32(float(number))
+        return below if float(below) <= number else np.nextafter(below, np.float32(0))
+
+    low = float_below(exact)
+    high = -float_below(exact - Fraction(float(low)))
+    assert Fraction(float(low)) - Fraction(float(high)) <= exact
+    bodies = hs.BroadPhase(2, 2, margin=margin)
+    boxes = np.array([[high - 1, 0, high, 1], [low, 0, low + 1, 1]], np.float32)
+    bodies.insert([0, 1], boxes)
+    assert as_set(bodies.pairs_of([0], margin)) == {(0, 1)}
+    bodies.erase(0)
+    bodies.move(1, BOX)
+    bodies.rebuild()
+    assert Fraction(float(-bodies.bounds[0])) >= exact
+
+
 def test_octahedra():
     """Bounds that only the axis D separates."""
     bodies = hs.BroadPhase(2, 2, "aabo")
@@ -224,6 +257,7 @@ def test_size_and_contents():
     assert bodies.max_ids == 10 and bodies.dims == 2
     bodies.insert(3, [0, 0, 1, 1])
     assert 3 in bodies and 4 not in bodies and -1 not in bodies and 2**40 not in bodies
+    assert 3.0 in bodies and 3.5 not in bodies and np.nan not in bodies
     assert repr(bodies) == "<halfspace.BroadPhase: 1 bodies in 2 dimensions>"
     statistics = bodies.statistics()
     assert statistics["bodies"] == 1 and statistics["pending"] == 1

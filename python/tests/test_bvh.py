@@ -87,13 +87,46 @@ def test_query_batches_have_many_results_if_they_can(boxes, queries):
     assert len(batches) < 2 * total / 1000 + 2
 
 
-def test_query_batches_of_a_tree_that_changes(boxes, queries):
+CHANGES = {
+    "one": lambda tree: tree.erase(0),
+    "all": lambda tree: tree.erase(np.arange(len(tree))),
+    "moved": lambda tree: tree.refit(tree.boxes() + 5000),
+    "more": lambda tree: tree.insert([9] * 2 * tree.dims),
+}
+
+
+@pytest.mark.parametrize("most", [1, 10, 10**7])
+@pytest.mark.parametrize("change", CHANGES)
+def test_query_batches_of_a_tree_that_changes(boxes, queries, change, most):
     tree = hs.BVH(boxes)
-    batches = tree.query_batches(queries, 10)
+    batches = tree.query_batches(queries, most)
     next(batches)
-    tree.erase(0)
+    CHANGES[change](tree)
     with pytest.raises(RuntimeError, match="changed during query_batches"):
         list(batches)
+
+
+@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize("call", ["count", "query"])
+def test_query_batches_of_a_tree_that_another_thread_changes(boxes, queries, call, change):
+    """The change is between two steps of one batch."""
+    tree = hs.BVH(boxes)
+
+    class Changing:
+        def __getattr__(self, name):
+            return getattr(inner, name)
+
+    def changing(*arguments):
+        found = getattr(inner, call)(*arguments)
+        CHANGES[change](other)
+        return found
+
+    inner = tree._tree
+    other = hs.BVH._of(inner)
+    tree._tree = Changing()
+    setattr(tree._tree, call, changing)
+    with pytest.raises(RuntimeError, match="changed during query_batches"):
+        list(tree.query_batches(queries))
 
 
 def distances_of(points, boxes):

@@ -138,6 +138,30 @@ def test_batches_are_bounded(client):
     np.testing.assert_array_equal(pairs_of(batches), expected)
 
 
+def test_few_batches_wait(client):
+    """A range of rows is searched when a batch before it was taken."""
+    rng = np.random.default_rng(10)
+    boxes = uniform(rng, 2000, size=0.3)
+    expected = pairs_of([hs.BVH(boxes).query(boxes)])
+    tree = hd.BVH(boxes, partitions=1)
+    submitted = []
+    submit = tree._run.submit
+
+    def count(function, *arguments):
+        submitted.append(function)
+        return submit(function, *arguments)
+
+    tree._run.submit = count
+    batches = tree.query(boxes, max_results=2000)
+    found = []
+    for batch in batches:
+        found.append(batch)
+        # Two tasks for each thread run or wait.
+        assert submitted.count(hd._some_pairs) < len(found) + 2 * tree._run.threads
+    assert len(found) > 50
+    np.testing.assert_array_equal(pairs_of(found), expected)
+
+
 def test_many_small_results():
     """A stream has one job after another, and not one inside another."""
     class Future:
@@ -194,8 +218,14 @@ def test_mapped_partitions(client):
     rng = np.random.default_rng(7)
     boxes = uniform(rng, 3000)
     tree = hd.BVH(boxes, partitions=3, mapped=True)
-    size = dask.sizeof.sizeof(tree._partitions[0].result())
-    assert size < 3000 * 8 < tree.nbytes
+    sizes = client.run(lambda dask_worker: [dask.sizeof.sizeof(value)
+                                            for value in dask_worker.data.values()
+                                            if isinstance(value, hd._Partition)])
+    sizes = sum(sizes.values(), [])
+    assert len(sizes) == 3 and max(sizes) < 3000 * 8 < tree.nbytes
+    # A copy is in memory.
+    copy = tree._partitions[0].result()
+    assert dask.sizeof.sizeof(copy) == copy.tree.nbytes + copy.rows.nbytes
     np.testing.assert_array_equal(pairs_of(tree.query(boxes)),
                                   pairs_of([hs.BVH(boxes).query(boxes)]))
 
@@ -236,14 +266,37 @@ def test_a_tree_is_accounted_with_its_bytes():
     assert dask.sizeof.sizeof(tree) == tree.nbytes > 10000 * 24
 
 
+MASKED = np.ma.array(np.ones((2, 6)), mask=np.ones((2, 6)))
+
+
+@pytest.mark.parametrize("call", [
+    lambda: hd.BVH(MASKED),
+    lambda: hd.BVH(dask.array.from_array(MASKED, asarray=False), partitions=1),
+    lambda: hd.BVH(dask.array.from_array(MASKED, asarray=False), partitions=2),
+    lambda: list(hd.BVH(np.ones((3, 6))).query(MASKED)),
+    lambda: list(hd.BVH(np.ones((3, 6))).query(
+        dask.array.from_array(MASKED, asarray=False))),
+    lambda: list(hd.BVH(np.ones((3, 6))).nearest(MASKED[:, :3])),
+    lambda: list(hd.BVH(np.ones((3, 6))).nearest(
+        dask.array.from_array(MASKED[:, :3], asarray=False))),
+    lambda: list(hd.BVH(np.ones((3, 6))).nearest(np.ones((3, 3)), k=np.ma.array(1, mask=1))),
+    lambda: list(hd.scan(np.ones((3, 6)), MASKED)),
+    lambda: list(hd.scan(MASKED, np.ones((3, 6)))),
+    lambda: list(hd.scan(dask.array.from_array(MASKED, asarray=False), np.ones((3, 6)))),
+])
+def test_masked_values_are_refused(client, call):
+    with pytest.raises(TypeError, match="expected no masked values"):
+        call()
+
+
 @pytest.mark.parametrize("call, message", [
     (lambda: hd.BVH(np.ones((3, 5))), r"boxes must have the shape \(n, 4\) or \(n, 6\)"),
     (lambda: hd.BVH(np.ones((3, 6)), balance="fair"), "balance must be"),
-    (lambda: hd.BVH(np.ones((3, 6)), partitions=0), "partitions must be at least 1"),
+    (lambda: hd.BVH(np.ones((3, 6)), partitions=0), "partitions: expected an integer from 1"),
     (lambda: hd.scan(np.ones((3, 6)), np.full((1, 6), np.nan)), "boxes.0.: .*NaN"),
     (lambda: hd.BVH(np.ones((3, 6))).query(np.ones((3, 4))), "boxes must have the shape"),
     (lambda: hd.BVH(np.ones((3, 6))).query(np.ones((3, 6)), max_results=0), "max_results"),
-    (lambda: list(hd.BVH(np.ones((3, 6))).nearest(np.ones((3, 3)), k=0)), "k must be"),
+    (lambda: list(hd.BVH(np.ones((3, 6))).nearest(np.ones((3, 3)), k=0)), "k: expected an integer from 1"),
     (lambda: list(hd.BVH(np.ones((3, 6))).nearest(np.ones((3, 3)), max_distance=-1)),
      "max_distance"),
     (lambda: hd.join(hd.BVH(np.ones((3, 6))), hd.BVH(np.ones((3, 4)))), "same dimensions"),
