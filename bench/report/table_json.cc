@@ -13,6 +13,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kSchema = 4;
+// More than a report has. To destroy deep JSON takes as many calls on the
+// stack.
+constexpr int kDeepest = 16;
 constexpr const char* kNoReport = "no JSON report of this version";
 constexpr std::array<const char*, 3> kBetter = {"", "lower", "higher"};
 constexpr std::array<const char*, 5> kFlags = {"", "met", "missed", "winner",
@@ -171,7 +174,11 @@ std::string ToJson(const Report& report) {
 
 Report ReportFromJson(std::string_view json) {
   try {
-    const Json root = Json::parse(json);
+    const auto is_kept = [](int depth, Json::parse_event_t, const Json&) {
+      if (depth > kDeepest) throw std::invalid_argument(kNoReport);
+      return true;
+    };
+    const Json root = Json::parse(json, is_kept);
     if (root.at("schema") != kSchema) throw std::invalid_argument(kNoReport);
     Report report;
     for (const auto& [key, value] : root.at("context").items()) {
