@@ -106,7 +106,8 @@ TEST(JsonTest, RefusesWhatIsNoReport) {
         with("\"tie\"", deep), with("\"AABB\"", deep),
         good.substr(0, good.size() / 2), with("\"schema\":4", "\"schema\":3"),
         with("\"AABB\",", ""), with("\"lower\"", "\"best\""),
-        with("\"tie\"", "[]"), std::string(100000, '[')}) {
+        with("\"digits\":3", "\"digits\":1e18"), with("\"tie\"", "[]"),
+        std::string(100000, '[')}) {
     EXPECT_THROW(ReportFromJson(bad), std::invalid_argument)
         << bad.substr(0, 200);
   }
