@@ -32,6 +32,54 @@ class Random {
   std::uint64_t state_ = 12;
 };
 
+struct Colour {
+  const char* name;
+  const char* light;
+  const char* dark;
+};
+
+// A name comes before the names that begin it.
+constexpr Colour kColours[] = {
+    {"$back", "#fff", "#12161c"},        {"$text", "#222", "#e6e8eb"},
+    {"$line", "#8a8f98", "#7d8590"},     {"$body", "#dfe3ea", "#3a424e"},
+    {"$side", "#c3c9d3", "#2e353f"},     {"$dark", "#a4abb8", "#232931"},
+    {"$pair", "#b3541e", "#f0883e"},     {"$query", "#1f6fb5", "#6cb6ff"},
+    {"$found", "#9cc7ee", "#1f4e79"},    {"$cast", "#1b7f4b", "#56d08e"},
+    {"$hit-side", "#86cba5", "#1d5c3c"}, {"$hit-dark", "#69b48b", "#15462d"},
+    {"$hit", "#a5dfbf", "#27734c"}};
+
+constexpr const char* kRules = R"(text { fill: $text }
+.back { fill: $back }
+.body { fill: $body; stroke: $line }
+.found { fill: $found; stroke: $query }
+.hit { fill: $hit; stroke: $cast }
+.side { fill: $side } .dark { fill: $dark }
+.hit.side { fill: $hit-side } .hit.dark { fill: $hit-dark }
+.bound { fill: none; stroke: $line; stroke-width: .8 }
+.larger { fill: none; stroke: $line; stroke-width: .8; stroke-dasharray: 3 3 }
+.pair { stroke: $pair; stroke-width: 2.5 }
+.query { fill: $query; fill-opacity: .12; stroke: $query; stroke-width: 2 }
+.cast { fill: none; stroke: $cast; stroke-width: 2 }
+.path { fill: $cast; fill-opacity: .13; stroke: $cast; stroke-dasharray: 5 4 }
+.mover, .mover.side, .mover.dark { fill: $cast; fill-opacity: .55; stroke: $cast }
+.dot { fill: $cast }
+.label { paint-order: stroke; stroke: $back; stroke-width: 3; text-anchor: middle }
+)";
+
+// The rules with their colours in place, because some renderers know no CSS
+// variables.
+std::string Rules(const char* Colour::*scheme) {
+  std::string rules = kRules;
+  for (const Colour& colour : kColours) {
+    const std::string name = colour.name;
+    for (std::size_t at = 0;
+         (at = rules.find(name, at)) != std::string::npos;) {
+      rules.replace(at, name.size(), colour.*scheme);
+    }
+  }
+  return rules;
+}
+
 // Collects the elements of a picture.
 class Picture {
  public:
@@ -41,41 +89,9 @@ class Picture {
         "0 " +
         std::to_string(width) + " " + std::to_string(height) +
         "\" font-family=\"sans-serif\" font-size=\"13\">\n<title>" + title +
-        "</title>\n<style>\n"
-        "svg { --back: #fff; --text: #222; --line: #8a8f98; --body: #dfe3ea;"
-        " --side: #c3c9d3; --dark: #a4abb8; --pair: #b3541e; --query: #1f6fb5;"
-        " --found: #9cc7ee; --cast: #1b7f4b; --hit: #a5dfbf; --hit-side: "
-        "#86cba5;"
-        " --hit-dark: #69b48b; }\n"
-        "@media (prefers-color-scheme: dark) { svg { --back: #12161c;"
-        " --text: #e6e8eb; --line: #7d8590; --body: #3a424e; --side: #2e353f;"
-        " --dark: #232931; --pair: #f0883e; --query: #6cb6ff;"
-        " --found: #1f4e79; --cast: #56d08e; --hit: #27734c; --hit-side: "
-        "#1d5c3c;"
-        " --hit-dark: #15462d; } }\n"
-        "text { fill: var(--text) }\n"
-        ".back { fill: var(--back) }\n"
-        ".body { fill: var(--body); stroke: var(--line) }\n"
-        ".found { fill: var(--found); stroke: var(--query) }\n"
-        ".hit { fill: var(--hit); stroke: var(--cast) }\n"
-        ".side { fill: var(--side) } .dark { fill: var(--dark) }\n"
-        ".hit.side { fill: var(--hit-side) } .hit.dark { fill: var(--hit-dark) "
-        "}\n"
-        ".bound { fill: none; stroke: var(--line); stroke-width: .8 }\n"
-        ".larger { fill: none; stroke: var(--line); stroke-width: .8;"
-        " stroke-dasharray: 3 3 }\n"
-        ".pair { stroke: var(--pair); stroke-width: 2.5 }\n"
-        ".query { fill: var(--query); fill-opacity: .12; stroke: var(--query);"
-        " stroke-width: 2 }\n"
-        ".cast { fill: none; stroke: var(--cast); stroke-width: 2 }\n"
-        ".path { fill: var(--cast); fill-opacity: .13; stroke: var(--cast);"
-        " stroke-dasharray: 5 4 }\n"
-        ".mover, .mover.side, .mover.dark { fill: var(--cast); fill-opacity: "
-        ".55;"
-        " stroke: var(--cast) }\n"
-        ".dot { fill: var(--cast) }\n"
-        ".label { paint-order: stroke; stroke: var(--back); stroke-width: 3;"
-        " text-anchor: middle }\n</style>\n";
+        "</title>\n<style>\n" + Rules(&Colour::light) +
+        "@media (prefers-color-scheme: dark) {\n" + Rules(&Colour::dark) +
+        "}\n</style>\n";
     Rect("back",
          {{0, 0}, {static_cast<float>(width), static_cast<float>(height)}});
   }
@@ -112,7 +128,12 @@ class Picture {
   bool Write(const std::string& path) const {
     std::ofstream file(path, std::ios::binary);
     file << text_ << "</svg>\n";
-    return file.flush().good();
+    if (file.flush()) return true;
+    std::fprintf(stderr,
+                 "broad_phase_svg: %s cannot be written; name a folder that "
+                 "exists\n",
+                 path.c_str());
+    return false;
   }
 
  private:
@@ -251,7 +272,7 @@ bool Draw2D(const std::string& path) {
   picture.Line("cast", {606, kY - 5}, {630, kY - 5});
   picture.Circle("hit", {642, kY - 5}, 8);
   picture.Text("", {655, kY}, "ray, its hits");
-  return !hits.empty() && picture.Write(path);
+  return picture.Write(path);
 }
 
 // Looks down along (-1, -1, -1): X goes right and down, Y left and down, Z up.
@@ -302,7 +323,10 @@ bool Draw3D(const std::string& path) {
                        hits.push_back({t, id});
                      });
   Sort(hits);
-  if (hits.empty()) return false;
+  if (hits.empty()) {
+    std::fputs("broad_phase_svg: the cast hits no body\n", stderr);
+    return false;
+  }
   const auto moved = [&](float t) {
     halfspace::Aabb3 box = start;
     for (std::size_t k = 0; k < 3; ++k) {

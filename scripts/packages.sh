@@ -5,7 +5,7 @@
 build_packages=(
   binutils cmake g++ make ninja-build pkg-config
   libbenchmark-dev libcli11-dev libgmp-dev libgtest-dev libhwy-dev
-  libtinyobjloader-dev nlohmann-json3-dev)
+  nlohmann-json3-dev)
 
 # What cpuinfo-bench compares the library with, where it is installed.
 # shellcheck disable=SC2034  # for those who source this
@@ -99,7 +99,6 @@ require_tools() {
     has_header CLI/CLI.hpp || missing+=("CLI11")
     has_header nlohmann/json.hpp || missing+=("nlohmann-json")
     has_header gmpxx.h || missing+=("GMP, with its C++ interface")
-    has_header tiny_obj_loader.h || missing+=("tinyobjloader")
   fi
   if [ "${#missing[@]}" -eq 0 ]; then return; fi
   say "The build needs these, and they are not here:"

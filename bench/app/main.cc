@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -35,6 +37,38 @@ int Fail(const std::string& what, int code) {
   std::cerr << "cpuinfo-bench: " << Printable(what) << '\n';
   return code;
 }
+
+constexpr const char* kNoMemory =
+    "not enough memory; free some, raise the limit of ulimit -v, or choose "
+    "--quick, fewer --objects or fewer sections by --details";
+
+// What main() cannot catch: exceptions of threads, of the initialisers of
+// shared libraries, and of handlers that need memory.
+[[noreturn]] void OnUncaught() {
+  bool is_out_of_memory = false;
+  try {
+    if (std::current_exception()) throw;
+    // There is no exception if there is no memory for one.
+    void* const volatile spare = std::malloc(1024);
+    is_out_of_memory = spare == nullptr;
+  } catch (const std::bad_alloc&) {
+    is_out_of_memory = true;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "cpuinfo-bench: uncaught: %s\n", error.what());
+  } catch (...) {
+  }
+  if (!is_out_of_memory) std::abort();
+  std::fprintf(stderr, "cpuinfo-bench: %s\n", kNoMemory);
+  std::_Exit(kExitFailed);
+}
+
+void CatchAll() { std::set_terminate(OnUncaught); }
+
+#if defined(__ELF__) && defined(__GLIBC__)
+// Runs before the initialisers of shared libraries.
+// NOLINTNEXTLINE(*-avoid-non-const-global-variables)
+[[gnu::section(".preinit_array"), gnu::used]] void (*catch_all)() = CatchAll;
+#endif
 
 // So many that they and their bounds fit the memory.
 MeshLimits LimitsOf(std::size_t memory) {
@@ -115,6 +149,28 @@ std::optional<Workload> ReadInput(const BenchOptions& options) {
   return workload;
 }
 
+// A table is named "section" or "section: part".
+std::string SectionOf(const std::string& table) {
+  return table.substr(0, table.find(':'));
+}
+
+// Whether it has a value that --against compares.
+bool HasComparedValue(const Table& table) {
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    if (table.columns[c].better == Better::kNeither) continue;
+    for (const Row& row : table.rows) {
+      if (row[c].value) return true;
+    }
+  }
+  return false;
+}
+
+[[noreturn]] void FailWithoutValues(const std::string& path) {
+  throw UsageError("--against " + path +
+                   ": no value is in both runs; choose sections and targets "
+                   "that it has");
+}
+
 // The report of --against; nothing if none was given. Before anything is
 // measured.
 std::optional<Report> ReadStored(const BenchOptions& options) {
@@ -133,26 +189,27 @@ std::optional<Report> ReadStored(const BenchOptions& options) {
     throw UsageError("--against " + path + ": " + why +
                      "; compare runs of the same machine and options");
   }
+  const auto may_be_compared = [&options](const Table& table) {
+    return options.Wants(SectionOf(table.name)) && HasComparedValue(table);
+  };
+  if (std::none_of(stored.tables.begin(), stored.tables.end(),
+                   may_be_compared)) {
+    FailWithoutValues(path);
+  }
   return stored;
 }
 
 // Prints what is worse than in the stored run, and still is when its sections
 // run again: elsewhere in memory, and with other neighbours.
-int CompareWith(const Report& stored, const Report& now,
+int ReportWorse(const Report& stored, Comparison comparison,
                 const BenchOptions& options) {
   const std::string& path = options.against;
-  Comparison comparison = Compare(stored, now);
-  if (comparison.compared == 0) {
-    throw UsageError("--against " + path +
-                     ": no value is in both runs; choose sections and targets "
-                     "that it has");
-  }
   std::vector<std::string>& worse = comparison.worse;
   if (!worse.empty()) {
     BenchOptions again = options;
     again.details.clear();
     for (const std::string& table : comparison.tables) {
-      again.details.push_back(table.substr(0, table.find(':')));
+      again.details.push_back(SectionOf(table));
     }
     Progress progress;
     const Report second =
@@ -205,15 +262,23 @@ int Main(int argc, char** argv) {
   }
   const std::optional<Report> stored = ReadStored(options);
   std::optional<Workload> input = ReadInput(options);
-  Report report;
-  if (options.out.empty()) {
-    report = RunTo(std::cout, options, std::move(input));
+  std::optional<OutFile> file;
+  if (!options.out.empty()) file.emplace(options.out);
+  // A run that cannot be compared writes no report.
+  const bool is_held = file || stored;
+  std::ostringstream text;
+  text.exceptions(std::ios::badbit);
+  const Report report =
+      RunTo(is_held ? text : std::cout, options, std::move(input));
+  std::optional<Comparison> comparison;
+  if (stored) {
+    comparison = Compare(*stored, report);
+    if (comparison->compared == 0) FailWithoutValues(options.against);
+  }
+  if (file) {
+    file->Write(text.str());
   } else {
-    OutFile file(options.out);
-    std::ostringstream text;
-    text.exceptions(std::ios::badbit);
-    report = RunTo(text, options, std::move(input));
-    file.Write(text.str());
+    std::cout << text.str() << std::flush;
   }
   if (options.is_strict && report.ValueOf("noise") == "noisy") {
     return Fail(
@@ -221,7 +286,8 @@ int Main(int argc, char** argv) {
         "(the section noise says how much); run again when the machine is idle",
         kExitFailed);
   }
-  return stored ? CompareWith(*stored, report, options) : kExitOk;
+  return stored ? ReportWorse(*stored, *std::move(comparison), options)
+                : kExitOk;
 }
 
 }  // namespace
@@ -229,6 +295,7 @@ int Main(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace halfspace::bench;
+  CatchAll();
   try {
     const int code = Main(argc, argv);
     std::cout.flush();
@@ -244,10 +311,7 @@ int main(int argc, char** argv) {
   } catch (const InputError& error) {
     return Fail(error.what(), kExitBadInput);
   } catch (const std::bad_alloc&) {
-    return Fail(
-        "not enough memory; free some, or choose --quick, fewer --objects or "
-        "fewer sections by --details",
-        kExitFailed);
+    return Fail(kNoMemory, kExitFailed);
   } catch (const std::exception& error) {
     return Fail(error.what(), kExitFailed);
   } catch (...) {

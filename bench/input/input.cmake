@@ -1,7 +1,5 @@
 # The readers of cpuinfo-bench's input files, a library so that the tests can
 # link them.
-# The header alone: the library of the same name is not used.
-find_path(HALFSPACE_TINYOBJLOADER_INCLUDE_DIR tiny_obj_loader.h REQUIRED)
 add_library(halfspace_bench_input STATIC
   ${CMAKE_CURRENT_LIST_DIR}/bounds_reader.cc
   ${CMAKE_CURRENT_LIST_DIR}/input_file.cc
@@ -9,7 +7,5 @@ add_library(halfspace_bench_input STATIC
   ${CMAKE_CURRENT_LIST_DIR}/text_lines.cc)
 target_include_directories(halfspace_bench_input
                            PUBLIC "${CMAKE_CURRENT_LIST_DIR}/../..")
-target_include_directories(halfspace_bench_input SYSTEM
-                           PRIVATE "${HALFSPACE_TINYOBJLOADER_INCLUDE_DIR}")
 target_link_libraries(halfspace_bench_input PUBLIC ${HALFSPACE_FOR_PROGRAMS})
 halfspace_configure_target(halfspace_bench_input)

@@ -25,10 +25,12 @@ using File = std::unique_ptr<std::FILE, FileCloser>;
 
 [[noreturn]] void FailOnNul(const std::string& path, std::string_view text,
                             std::size_t nul) {
-  const auto end = text.begin() + static_cast<std::ptrdiff_t>(nul);
-  const auto line_ends = std::count(text.begin(), end, '\n');
-  throw InputError(path, static_cast<std::size_t>(line_ends) + 1,
-                   "a NUL byte, so this is no text file",
+  // As TextLines counts.
+  std::size_t line = 1;
+  for (std::size_t i = 0; i < nul; ++i) {
+    line += text[i] == '\n' || (text[i] == '\r' && text[i + 1] != '\n');
+  }
+  throw InputError(path, line, "a NUL byte, so this is no text file",
                    "give a plain text file");
 }
 

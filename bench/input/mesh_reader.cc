@@ -1,17 +1,16 @@
 #include "bench/input/mesh_reader.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cstdint>
 #include <optional>
-#include <sstream>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "bench/input/input_file.h"
 #include "bench/input/text_lines.h"
-
-#define TINYOBJLOADER_IMPLEMENTATION
-#include <tiny_obj_loader.h>
 
 namespace halfspace::bench {
 namespace {
@@ -19,124 +18,125 @@ namespace {
 constexpr const char* kAdvice =
     "give an OBJ file with v and f lines; assimp converts other formats";
 
-// tinyobjloader reads a number that it does not understand as 0, which would
-// move triangles.
-void CheckNumbers(const std::string& path, const std::string& text) {
-  TextLines lines(path, text);
-  while (const std::optional<std::string_view> line = lines.Next()) {
-    std::string_view rest = SkipBlanks(*line);
-    if (rest.size() < 2 || rest[0] != 'v' || !IsBlank(rest[1])) continue;
-    std::size_t count = 0;
-    rest = SkipBlanks(rest.substr(1));
-    while (!rest.empty() && rest.front() != '#') {
-      const std::string_view field = rest.substr(0, rest.find_first_of(" \t"));
-      ParseFloat(lines, field);
-      rest = SkipBlanks(rest.substr(field.size()));
-      ++count;
-    }
-    if (count < 3) {
-      lines.Fail("a vertex with " + std::to_string(count) + " numbers",
-                 "write v x y z");
-    }
-  }
+// Removes the first field from `rest` and returns it; nothing at the end of the
+// line, or at a comment.
+std::optional<std::string_view> NextField(std::string_view& rest) {
+  rest = SkipBlanks(rest);
+  if (rest.empty() || rest.front() == '#') return std::nullopt;
+  const std::string_view field = rest.substr(0, rest.find_first_of(" \t"));
+  rest.remove_prefix(field.size());
+  return field;
 }
 
-class MeshBuilder {
+class ObjReader {
  public:
-  MeshBuilder(const std::string& path, const MeshLimits& limits)
-      : path_(path), limits_(limits) {}
+  ObjReader(const std::string& path, const MeshLimits& limits)
+      : lines_(path, ReadText(path)), limits_(limits) {}
 
-  void AddVertex(float x, float y, float z) {
-    if (mesh_.vertices() == limits_.vertices) {
-      Fail("more than " + std::to_string(limits_.vertices) + " vertices",
-           "split the mesh into several files");
+  Mesh Read() {
+    while (const std::optional<std::string_view> line = lines_.Next()) {
+      std::string_view rest = *line;
+      const std::optional<std::string_view> word = NextField(rest);
+      if (word == "v") AddVertex(rest);
+      if (word == "f") AddFace(rest);
     }
-    mesh_.coords.insert(mesh_.coords.end(), {x, y, z});
-  }
-
-  void AddFace(const tinyobj::index_t* corners, int count) {
-    ++faces_;
-    if (count < 3) FailAtFace("has fewer than 3 corners", "write f 1 2 3");
-    const auto most = static_cast<std::uint32_t>(count - 2);
-    if (most > limits_.triangles - mesh_.triangles()) {
-      Fail("more than " + std::to_string(limits_.triangles) + " triangles",
-           "split the mesh into several files");
-    }
-    const std::uint32_t first = VertexOf(corners[0]);
-    std::uint32_t previous = VertexOf(corners[1]);
-    for (int i = 2; i < count; ++i) {
-      const std::uint32_t next = VertexOf(corners[i]);
-      mesh_.indices.insert(mesh_.indices.end(), {first, previous, next});
-      previous = next;
-    }
-  }
-
-  // A face may name a vertex that comes after it.
-  Mesh Take() {
-    if (mesh_.vertices() == 0) Fail("the file has no vertex", kAdvice);
-    if (mesh_.triangles() == 0) Fail("the file has no face", kAdvice);
+    if (mesh_.vertices() == 0) lines_.Fail("the file has no vertex", kAdvice);
+    if (mesh_.triangles() == 0) lines_.Fail("the file has no face", kAdvice);
+    // A face may name a vertex that comes after it.
     if (largest_ >= mesh_.vertices()) {
-      Fail("a face names vertex " + std::to_string(largest_ + 1) +
-               ", and the file has " + std::to_string(mesh_.vertices()),
-           "name a vertex of this file, it may be truncated");
+      lines_.FailAt(line_of_largest_,
+                    "a face names vertex " + std::to_string(largest_ + 1) +
+                        ", and the file has " +
+                        std::to_string(mesh_.vertices()),
+                    "name a vertex of this file, it may be truncated");
     }
     return std::move(mesh_);
   }
 
  private:
+  // x, y and z. A weight and colours can follow.
+  void AddVertex(std::string_view rest) {
+    if (mesh_.vertices() == limits_.vertices) {
+      FailAtLimit(limits_.vertices, "vertices");
+    }
+    std::size_t count = 0;
+    while (const std::optional<std::string_view> field = NextField(rest)) {
+      const float number = ParseFloat(lines_, *field);
+      if (count++ < 3) mesh_.coords.push_back(number);
+    }
+    if (count < 3) {
+      lines_.Fail("a vertex with " + std::to_string(count) + " numbers",
+                  "write v x y z");
+    }
+  }
+
+  void AddFace(std::string_view rest) {
+    std::array<std::uint32_t, 3> fan = {};
+    std::size_t count = 0;
+    while (const std::optional<std::string_view> field = NextField(rest)) {
+      fan[std::min<std::size_t>(count++, 2)] = VertexOf(*field);
+      if (count < 3) continue;
+      if (mesh_.triangles() == limits_.triangles) {
+        FailAtLimit(limits_.triangles, "triangles");
+      }
+      mesh_.indices.insert(mesh_.indices.end(), fan.begin(), fan.end());
+      fan[1] = fan[2];
+    }
+    if (count < 3) {
+      lines_.Fail("a face with " + std::to_string(count) + " corners",
+                  "write f 1 2 3");
+    }
+  }
+
   // OBJ counts from 1, or back from -1, the last vertex so far.
-  std::uint32_t VertexOf(const tinyobj::index_t& corner) {
-    const std::int64_t vertex = corner.vertex_index;
-    const auto known = static_cast<std::int64_t>(mesh_.vertices());
-    if (vertex == 0) {
-      FailAtFace("has a corner that is no number of a vertex",
-                 "write v, v/vt, v//vn or v/vt/vn, counted from 1");
+  std::uint32_t VertexOf(std::string_view corner) {
+    const char* const end = corner.data() + corner.size();
+    std::int64_t vertex = 0;
+    const auto [stop, error] = std::from_chars(corner.data(), end, vertex);
+    const std::string_view others(stop, static_cast<std::size_t>(end - stop));
+    const bool is_corner =
+        error == std::errc() && vertex != 0 &&
+        (others.empty() || others.front() == '/') &&
+        others.find_first_not_of("/-0123456789") == std::string_view::npos &&
+        std::count(others.begin(), others.end(), '/') <= 2;
+    if (!is_corner) {
+      lines_.Fail("the corner " + Quoted(corner) + " has no number of a vertex",
+                  "write v, v/vt, v//vn or v/vt/vn, counted from 1");
     }
-    if (vertex < -known) {
-      FailAtFace("counts back " + std::to_string(-vertex) + " vertices, and " +
-                     std::to_string(known) + " come before it",
-                 "count back from -1, the last vertex before the face");
+    const std::size_t known = mesh_.vertices();
+    if (vertex < -static_cast<std::int64_t>(known)) {
+      lines_.Fail("a face counts back " + std::to_string(vertex).substr(1) +
+                      " vertices, and " + std::to_string(known) +
+                      " come before it",
+                  "count back from -1, the last vertex before the face");
     }
-    const auto index =
-        static_cast<std::uint32_t>(vertex < 0 ? known + vertex : vertex - 1);
-    largest_ = std::max(largest_, index);
-    return index;
+    const std::uint64_t index =
+        vertex < 0 ? known - static_cast<std::uint64_t>(-vertex)
+                   : static_cast<std::uint64_t>(vertex) - 1;
+    if (index >= largest_) {
+      largest_ = index;
+      line_of_largest_ = lines_.number();
+    }
+    // Read() fails if it does not fit.
+    return static_cast<std::uint32_t>(index);
   }
 
-  [[noreturn]] void Fail(const std::string& problem,
-                         const std::string& advice) const {
-    throw InputError(path_, problem, advice);
-  }
-  [[noreturn]] void FailAtFace(const std::string& problem,
-                               const std::string& advice) const {
-    Fail("face " + std::to_string(faces_) + " " + problem, advice);
+  [[noreturn]] void FailAtLimit(std::uint32_t limit, const char* of) const {
+    lines_.Fail("more than " + std::to_string(limit) + " " + of,
+                "split the mesh into several files");
   }
 
-  const std::string& path_;
+  TextLines lines_;
   MeshLimits limits_;
   Mesh mesh_;
-  std::size_t faces_ = 0;
-  std::uint32_t largest_ = 0;
+  std::uint64_t largest_ = 0;
+  std::size_t line_of_largest_ = 0;
 };
 
 }  // namespace
 
 Mesh ReadMesh(const std::string& path, const MeshLimits& limits) {
-  std::string text = ReadText(path);
-  CheckNumbers(path, text);
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
-  std::istringstream stream(std::move(text));
-  MeshBuilder builder(path, limits);
-  tinyobj::callback_t calls;
-  calls.vertex_cb = [](void* data, float x, float y, float z, float /*w*/) {
-    static_cast<MeshBuilder*>(data)->AddVertex(x, y, z);
-  };
-  calls.index_cb = [](void* data, tinyobj::index_t* corners, int count) {
-    static_cast<MeshBuilder*>(data)->AddFace(corners, count);
-  };
-  tinyobj::LoadObjWithCallback(stream, calls, &builder);
-  return builder.Take();
+  return ObjReader(path, limits).Read();
 }
 
 }  // namespace halfspace::bench

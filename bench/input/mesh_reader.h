@@ -1,4 +1,4 @@
-// Reads the triangles of a Wavefront OBJ file with tinyobjloader.
+// Reads the triangles of a Wavefront OBJ file.
 //
 // Polygons become fans: corners (0, i, i + 1). Only `v` and `f` are read. No
 // other file is opened. Other formats are converted first, for example with
@@ -22,9 +22,9 @@ struct Mesh {
   std::size_t triangles() const { return indices.size() / 3; }
 };
 
-// The most that a mesh may have. OBJ indices are 32-bit integers with a sign.
+// The most that a mesh may have.
 struct MeshLimits {
-  std::uint32_t vertices = std::numeric_limits<std::int32_t>::max();
+  std::uint32_t vertices = std::numeric_limits<std::uint32_t>::max();
   std::uint32_t triangles = std::numeric_limits<std::uint32_t>::max();
 };
 

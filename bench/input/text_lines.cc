@@ -34,11 +34,11 @@ TextLines::TextLines(std::string path, std::string text)
 
 std::optional<std::string_view> TextLines::Next() {
   if (rest_.empty()) return std::nullopt;
-  const std::size_t end = rest_.find('\n');
-  std::string_view line = rest_.substr(0, end);
-  rest_.remove_prefix(std::min(line.size() + 1, rest_.size()));
+  const std::string_view line = rest_.substr(0, rest_.find_first_of("\r\n"));
+  rest_.remove_prefix(line.size());
+  const std::size_t end = rest_.starts_with("\r\n") ? 2 : 1;
+  rest_.remove_prefix(std::min(end, rest_.size()));
   ++number_;
-  if (line.ends_with('\r')) line.remove_suffix(1);
   return line;
 }
 

@@ -19,7 +19,8 @@ class TextLines {
   TextLines(const TextLines&) = delete;
   TextLines& operator=(const TextLines&) = delete;
 
-  // The next line, without its end (LF or CR LF); nothing after the last one.
+  // The next line, without its end (LF, CR LF or CR); nothing after the last
+  // one.
   std::optional<std::string_view> Next();
 
   // Of the line that Next() returned last, counted from 1.

@@ -13,6 +13,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kSchema = 4;
+// More than a report has. To destroy deep JSON takes as many calls on the
+// stack.
+constexpr int kDeepest = 16;
+constexpr double kMostDigits = 17;  // of docs/report.schema.json
 constexpr const char* kNoReport = "no JSON report of this version";
 constexpr std::array<const char*, 3> kBetter = {"", "lower", "higher"};
 constexpr std::array<const char*, 5> kFlags = {"", "met", "missed", "winner",
@@ -98,6 +102,14 @@ Json ToJson(const Table& table) {
   return json;
 }
 
+int DigitsOf(const Json& column) {
+  const double digits = column.value("digits", 2.0);
+  if (!(digits >= 0 && digits <= kMostDigits)) {
+    throw std::invalid_argument(kNoReport);
+  }
+  return static_cast<int>(digits);
+}
+
 Table TableFrom(const Json& json) {
   Table table{json.at("name"), json.at("title")};
   for (const Json& column : json.at("columns")) {
@@ -105,7 +117,7 @@ Table TableFrom(const Json& json) {
         {column.at("name"), column.value("unit", ""),
          column.value("key", false),
          EnumOf<Better>(kBetter, column.value("better", "")),
-         column.value("digits", 2)});
+         DigitsOf(column)});
   }
   for (const Json& cells : json.at("rows")) {
     Row row;
@@ -171,7 +183,11 @@ std::string ToJson(const Report& report) {
 
 Report ReportFromJson(std::string_view json) {
   try {
-    const Json root = Json::parse(json);
+    const auto is_kept = [](int depth, Json::parse_event_t, const Json&) {
+      if (depth > kDeepest) throw std::invalid_argument(kNoReport);
+      return true;
+    };
+    const Json root = Json::parse(json, is_kept);
     if (root.at("schema") != kSchema) throw std::invalid_argument(kNoReport);
     Report report;
     for (const auto& [key, value] : root.at("context").items()) {

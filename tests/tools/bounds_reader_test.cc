@@ -34,7 +34,7 @@ TEST(BoundsReader, ReadsPointsAndExtremes) {
                     {0x1.fffffep127f, 0, 16777216}}}));
 }
 
-TEST(BoundsReader, SkipsHeaderCommentsBlanksAndCrLf) {
+TEST(BoundsReader, SkipsHeaderCommentsBlanksAndLineEnds) {
   EXPECT_EQ(Read("\xEF\xBB\xBF# boxes\r\n"
                  "\r\n"
                  " minx,miny,minz,maxx,maxy,maxz\r\n"
@@ -42,6 +42,8 @@ TEST(BoundsReader, SkipsHeaderCommentsBlanksAndCrLf) {
                  "  # between\r\n"
                  " \t\r\n"
                  "6,7,8,9,10,11"),
+            (Boxes{{{0, 1, 2}, {3, 4, 5}}, {{6, 7, 8}, {9, 10, 11}}}));
+  EXPECT_EQ(Read("# boxes\r0,1,2,3,4,5\r\r6,7,8,9,10,11\r"),
             (Boxes{{{0, 1, 2}, {3, 4, 5}}, {{6, 7, 8}, {9, 10, 11}}}));
 }
 
@@ -90,6 +92,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "\"0 0\" is not a number"},
         BadFile{"Word", "0,0,zero,1,1,1\n", 1, "\"zero\" is not a number"},
         BadFile{"TrailingGarbage", "0,0,0,1,1,1m\n", 1,
+                "\"1m\" is not a number"},
+        BadFile{"TrailingGarbageAfterCr", "# c\r0,0,0,1,1,1m\r", 2,
                 "\"1m\" is not a number"},
         BadFile{"CommentBehindARow", "0,0,0,1,1,1 # one\n", 1,
                 "\"1 # one\" is not a number"},

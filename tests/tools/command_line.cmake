@@ -145,9 +145,26 @@ set_tests_properties(cpuinfo-bench.against_stored PROPERTIES
   FIXTURES_SETUP against)
 halfspace_command_line_test(against_without_values CODE 2
   ARGUMENTS --details quality --quick --bounds "${inputs}/boxes.csv"
-            --against "${inputs}/stored.json" STDERR "no value is in both runs")
+            --against "${inputs}/stored.json"
+  STDOUT "^$" STDERR "^cpuinfo-bench: --against .*: no value is in both runs")
 set_tests_properties(cpuinfo-bench.against_without_values PROPERTIES
   FIXTURES_REQUIRED against)
+# Values that seem to be compared until the run is complete.
+add_test(NAME cpuinfo-bench.against_changed
+  COMMAND sh -c "sed 's/\"name\":\"over AABB\"/&,\"better\":\"higher\"/' stored.json >changed.json"
+  WORKING_DIRECTORY "${inputs}")
+set_tests_properties(cpuinfo-bench.against_changed PROPERTIES
+  LABELS tools FIXTURES_REQUIRED against FIXTURES_SETUP against_changed)
+halfspace_command_line_test(against_other_values CODE 2
+  ARGUMENTS --details quality --quick --bounds "${inputs}/boxes.csv"
+            --against "${inputs}/changed.json"
+  STDOUT "^$" STDERR "no value is in both runs")
+halfspace_command_line_test(against_other_values_out CODE 2
+  ARGUMENTS --details quality --quick --bounds "${inputs}/boxes.csv"
+            --against "${inputs}/changed.json"
+  OUT "^what was there$" STDERR "no value is in both runs")
+set_tests_properties(cpuinfo-bench.against_other_values
+  cpuinfo-bench.against_other_values_out PROPERTIES FIXTURES_REQUIRED against_changed)
 halfspace_command_line_test(against_no_report CODE 3
   ARGUMENTS --details machine --against "${inputs}/boxes.csv"
   STDERR "boxes.csv: no JSON report of this version; give")
@@ -246,6 +263,9 @@ if(NOT CMAKE_CROSSCOMPILING AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize=")
   halfspace_command_line_test(no_memory_for_the_scene CODE 2
     BEFORE prlimit --as=200000000 ARGUMENTS --details quality --objects 8388608
     STDOUT "^$" STDERR "256 MiB.*fewer --objects")
+  add_test(NAME cpuinfo-bench.little_memory
+    COMMAND sh "${CMAKE_CURRENT_SOURCE_DIR}/little_memory.sh" $<TARGET_FILE:cpuinfo-bench>)
+  set_tests_properties(cpuinfo-bench.little_memory PROPERTIES LABELS tools)
 endif()
 halfspace_command_line_test(far_mesh CODE 3
   ARGUMENTS --details quality --mesh "${inputs}/far.obj" STDERR "Everything")

@@ -70,19 +70,32 @@ TEST(ObjMesh, SkipsEverythingElse) {
       "\xEF\xBB\xBF"
       "# comment\r\nmtllib none.mtl\no a\r\nv\t0 0 0\r\nv 1 0 0\nv 1 1 0 # c\n"
       "vt 0.5 word\nvn nan 0 1\ng a b\nusemtl red\ns off\nl 1 9\n"
-      "f 1/1 2/2 3/3\nf 1//1 2//-1 3//0\nf 2/1/1 3/9/9 1/-1/2");
+      "f 1/1 2/2 3/3 # c\nf 1//1 2//-1 3//0\nf 2/1/1 3/9/9 1/-1/2");
   EXPECT_EQ(mesh.coords, (Floats{0, 0, 0, 1, 0, 0, 1, 1, 0}));
   EXPECT_EQ(mesh.indices, (Indices{0, 1, 2, 0, 1, 2, 1, 2, 0}));
 }
 
-class BadVertex : public testing::TestWithParam<BadFile> {};
-
-TEST_P(BadVertex, IsRefusedAtItsLine) {
-  ExpectRejected(ReadDefault, GetParam());
+TEST(ObjMesh, EndsLinesAtCrLfOrBoth) {
+  const Mesh mesh =
+      Read("# c\rv 0 0 0\rv 1 0 0\r\nv 1 1 0\n\rf 1 2 3\r\rf 2 3 1\r");
+  EXPECT_EQ(mesh.coords, (Floats{0, 0, 0, 1, 0, 0, 1, 1, 0}));
+  EXPECT_EQ(mesh.indices, (Indices{0, 1, 2, 1, 2, 0}));
 }
 
+TEST(ObjMesh, RoundsNumbersToTheNearestFloat) {
+  const std::string zeros(400, '0');
+  const Mesh mesh = Read("v 0e999 1" + zeros + "e-400 ." + zeros +
+                         "1e401\nv 16777217 0.1234567891234 1e-46\n"
+                         "f 1 2 1\n");
+  EXPECT_EQ(mesh.coords, (Floats{0, 1, 1, 16777216, 0.1234567891234f, 0}));
+}
+
+class BadLine : public testing::TestWithParam<BadFile> {};
+
+TEST_P(BadLine, IsRefused) { ExpectRejected(ReadDefault, GetParam()); }
+
 INSTANTIATE_TEST_SUITE_P(
-    ObjMesh, BadVertex,
+    ObjMesh, BadLine,
     testing::Values(
         BadFile{"Empty", "", 1, "the file is empty"},
         BadFile{"NulByte", OnSquare(std::string("#\0 \n", 4)), 5,
@@ -95,26 +108,55 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"Infinity", "v 0 0 -Infinity\n", 1,
                 "\"-Infinity\" is not a finite number"},
         BadFile{"Overflow", "v 0 0 3.4028236e38\n", 1,
-                "\"3.4028236e38\" is too large for a 32-bit float"}),
+                "\"3.4028236e38\" is too large for a 32-bit float"},
+        BadFile{"VertexAlone", "v\nv 0 0 0\nf 1 1 1\n", 1,
+                "a vertex with 0 numbers"},
+        BadFile{"CommaAfterCr", "# c\rv 1,5 0 0\rf 1 1 1\r", 2,
+                "\"1,5\" is not a number"},
+        BadFile{"OverflowAfterCr", "# c\rv 0 0 0\rv 1e39 0 0\rf 1 1 1\r", 3,
+                "\"1e39\" is too large for a 32-bit float"},
+        BadFile{"NaNAfterCr", "# c\r\rv nan 0 0\rf 1 1 1\r", 3,
+                "\"nan\" is not a finite number"},
+        BadFile{"NulByteAfterCr", std::string("# c\r\0\r", 6), 2,
+                "a NUL byte, so this is no text file"},
+        BadFile{"NoVertex", "# nothing\n", 1, "the file has no vertex"},
+        BadFile{"NoFace", OnSquare(""), 4, "the file has no face"},
+        BadFile{"TwoCorners", OnSquare("f 1 2 3\nf 1 2\n"), 6,
+                "a face with 2 corners"},
+        BadFile{"FaceAlone", OnSquare("f 1 2 3\nf\n"), 6,
+                "a face with 0 corners"},
+        BadFile{"WordAsCorner", OnSquare("f 1 2 three\n"), 5,
+                "the corner \"three\" has no number of a vertex"},
+        BadFile{"LettersBehindACorner", OnSquare("f 1 2 3x\n"), 5,
+                "the corner \"3x\" has no number of a vertex"},
+        BadFile{"LettersInACorner", OnSquare("f 1 2 3/x\n"), 5,
+                "the corner \"3/x\" has no number of a vertex"},
+        BadFile{"FourNumbersInACorner", OnSquare("f 1 2 3/1/1/1\n"), 5,
+                "the corner \"3/1/1/1\" has no number of a vertex"},
+        BadFile{"FractionAsCorner", OnSquare("f 1 2 3.9\n"), 5,
+                "the corner \"3.9\" has no number of a vertex"},
+        BadFile{"ContinuedLine", OnSquare("f 1 2 3 \\\n4\n"), 5,
+                "the corner \"\\\" has no number of a vertex"},
+        BadFile{"Vertex0", OnSquare("f 0 1 2\n"), 5,
+                "the corner \"0\" has no number of a vertex"},
+        BadFile{"NoVertexNumber", OnSquare("f 1 2 /3\n"), 5,
+                "the corner \"/3\" has no number of a vertex"},
+        BadFile{"BeyondAllIntegers", OnSquare("f 1 2 99999999999999999999\n"),
+                5,
+                "the corner \"99999999999999999999\" has no number of a "
+                "vertex"},
+        BadFile{"TooFarBack", "f 1 2 3\n" + OnSquare("f -5 1 2\n"), 6,
+                "a face counts back 5 vertices, and 4 come before it"},
+        BadFile{"Back2To32", OnSquare("f -4294967295 1 2\n"), 5,
+                "a face counts back 4294967295 vertices, and 4 come before "
+                "it"},
+        BadFile{"VertexAfterTheLast", OnSquare("f 2 3 5\nf 1 2 3\n"), 5,
+                "a face names vertex 5, and the file has 4"},
+        BadFile{"LargestOfTwo", OnSquare("f 2 3 5\nf 1 2 2147483647\n"), 6,
+                "a face names vertex 2147483647, and the file has 4"},
+        BadFile{"Vertex2To32", OnSquare("f 1 2 4294967299\n"), 5,
+                "a face names vertex 4294967299, and the file has 4"}),
     NameOf);
-
-TEST(ObjMesh, RefusesBadFacesWithoutALine) {
-  const auto expect = [](std::string_view content, const char* problem) {
-    const TempFile file(content);
-    const auto message = ErrorOf(ReadDefault, file.path());
-    ASSERT_TRUE(message.has_value()) << content;
-    ExpectWellFormed(*message, file.path());
-    EXPECT_NE(message->find(problem), std::string::npos) << *message;
-  };
-  expect("# nothing\n", "the file has no vertex");
-  expect(kSquare, "the file has no face");
-  expect(OnSquare("f 1 2 3\nf 1 2\n"), "face 2 has fewer than 3 corners");
-  expect(OnSquare("f 1 2 three\n"), "face 1 has a corner that is no number");
-  expect(OnSquare("f 0 1 2\n"), "face 1 has a corner that is no number");
-  expect(OnSquare("f -5 1 2\n"), "counts back 5 vertices, and 4 come before");
-  expect(OnSquare("f 2 3 5\n"), "a face names vertex 5, and the file has 4");
-  expect(OnSquare("f 1 2 2147483647\n"), "a face names vertex 2147483647");
-}
 
 TEST(ObjMesh, RefusesWhatIsNoReadableFile) {
   ExpectUnreadable(ReadDefault, testing::TempDir());

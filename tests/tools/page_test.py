@@ -5,6 +5,8 @@ package is missing."""
 
 import html.parser
 import json
+import math
+import os
 import subprocess
 import sys
 import tempfile
@@ -54,7 +56,8 @@ class Page(html.parser.HTMLParser):
 tool = [sys.executable, f"{project}/bench/cpuinfo-bench-report"]
 for paths in (runs[:1], runs[1:], runs):
     page = Page()
-    text = subprocess.run([*tool, *paths], check=True, capture_output=True, text=True).stdout
+    text = subprocess.run([*tool, *paths], check=True, capture_output=True,
+                          encoding="utf-8").stdout
     page.feed(text)
     assert page.open == [], page.open
     assert "nan" not in text and "inf" not in text.replace("info", "")
@@ -66,14 +69,56 @@ for paths in (runs[:1], runs[1:], runs):
             assert is_shown or table["name"] == "noise", table["name"]
 assert page.svgs >= 3, page.svgs
 
-# A page that refuses a file says which one, what is wrong with it and what to give.
-damaged = dict(reports[0], tables=[{"name": "verdict"}])
-for what, text in (("schema", '{"schema": 3}'), ("schema", "[]"), ("title", json.dumps(damaged)),
-                   ("line 1", "no JSON")):
+
+def refuse(content, *parts):
+    """Checks that the page refuses a file of that content with one line, which names the
+    file and has these parts."""
     with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
-        file.write(text)
+        file.write(content)
         file.flush()
         refused = subprocess.run([*tool, file.name], capture_output=True, text=True)
-        assert refused.returncode == 1, refused
-        for part in (file.name, what, "; give a file"):
+        assert refused.returncode == 1 and refused.stderr.count("\n") == 1, (parts, refused)
+        for part in (file.name, "; give a file", *parts):
             assert part in refused.stderr, refused
+
+
+def report_of(rows, **column):
+    """A report with one table of two columns and a chart."""
+    columns = [{"name": "x", "digits": 2, **column}, {"name": "y", "digits": 2}]
+    chart = {"x": "x", "y": ["y"], "series": "", "x_log": True, "y_log": False}
+    table = {"name": "t", "title": "", "columns": columns, "rows": rows, "chart": chart}
+    return {"schema": 4, "context": {"model": "m"}, "tables": [table]}
+
+
+# A page that refuses a file says which one, what is wrong with it and what to give.
+refuse('{"schema": 3}', "schema")
+refuse("[]", "schema")
+refuse("no JSON", "line 1")
+refuse(json.dumps(dict(reports[0], tables=[{"name": "verdict"}])), "title")
+refuse("[" * 100000, "too deep")
+refuse(json.dumps(report_of([[1, 1], [2, 2]])).replace("2]", "1e999]"), "1e999")
+refuse(json.dumps(report_of([[1, 1], [2, 2]])).replace("2]", "-Infinity]"), "-Infinity")
+refuse(json.dumps(report_of([[1, 1], [2, 10 ** 400]])), "too large")
+refuse(json.dumps(report_of([[1, 1], [2, -1.7e308], [3, 1.7e308]])), "too large")
+refuse(json.dumps(report_of([["\ud800", 1]])), "surrogates")
+refuse(json.dumps(report_of([[1, 1]], digits=10 ** 8)), "digits")
+
+# Where two x are so near that their logarithms are equal, there is no line between them.
+with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+    json.dump(report_of([[1e300, 1], [math.nextafter(1e300, math.inf), 2]]), file)
+    file.flush()
+    subprocess.run([*tool, file.name], check=True, capture_output=True)
+
+# The page is UTF-8 whatever the locale is.
+latin = subprocess.run([*tool, runs[0]], check=True, capture_output=True,
+                       env=dict(os.environ, PYTHONIOENCODING="latin-1")).stdout
+assert latin == subprocess.run([*tool, runs[0]], check=True, capture_output=True).stdout
+latin.decode()
+
+if os.path.exists("/dev/full"):
+    for arguments in ([runs[0]], ["--help"]):
+        with open("/dev/full", "w") as full:
+            failed = subprocess.run([*tool, *arguments], stdout=full, stderr=subprocess.PIPE,
+                                    text=True)
+        assert failed.returncode == 1, failed
+        assert failed.stderr.count("\n") == 1 and "standard output" in failed.stderr, failed

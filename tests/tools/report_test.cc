@@ -96,11 +96,18 @@ TEST(JsonTest, RefusesWhatIsNoReport) {
     EXPECT_NE(at, std::string::npos) << from;
     return text.replace(at, from.size(), to);
   };
+  const std::string deep = std::string(50000, '[') + std::string(50000, ']');
+  std::string deep_object;
+  for (int i = 0; i < 50000; ++i) deep_object += "{\"a\":";
+  deep_object += "1" + std::string(50000, '}');
   for (const std::string& bad :
-       {std::string(), std::string("[]"), std::string("{\"schema\": 4}"),
+       {std::string(), std::string("[]"), std::string("{\"schema\": 4}"), deep,
+        deep_object, with("\"a CPU\"", deep), with("\"a CPU\"", deep_object),
+        with("\"tie\"", deep), with("\"AABB\"", deep),
         good.substr(0, good.size() / 2), with("\"schema\":4", "\"schema\":3"),
         with("\"AABB\",", ""), with("\"lower\"", "\"best\""),
-        with("\"tie\"", "[]"), std::string(100000, '[')}) {
+        with("\"digits\":3", "\"digits\":1e18"), with("\"tie\"", "[]"),
+        std::string(100000, '[')}) {
     EXPECT_THROW(ReportFromJson(bad), std::invalid_argument)
         << bad.substr(0, 200);
   }
