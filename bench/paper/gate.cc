@@ -1,17 +1,19 @@
 // Figure 12 of the paper: a batch of w objects stops after the first half-space
-// that rejects all of them. One implementation for all shapes and widths.
+// that rejects all of them. One implementation for all shapes and widths. And
+// what a branch costs: the same stages with and without.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/base/text.h"
 #include "bench/baselines/target_loops.h"
-#include "bench/measure/cost_model.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
+#include "bench/sections/verdict.h"
+#include "bench/worlds/scene.h"
 
 namespace halfspace::bench {
 namespace {
@@ -25,21 +27,113 @@ std::vector<std::size_t> WidthsFrom(std::size_t lanes) {
   return widths;
 }
 
-// All widths at which the curves cross, and who leads between them.
-std::string CrossingsText(const std::vector<double>& widths,
-                          const std::vector<Ratio>& box_over_simplex) {
-  std::vector<double> ratios;
-  ratios.reserve(box_over_simplex.size());
-  for (const Ratio& ratio : box_over_simplex) ratios.push_back(ratio.median);
-  const std::vector<double> crossings = CrossingsOf(widths, ratios);
-  std::string leader = ratios.front() > 1.0 ? "the simplex" : "the box";
-  std::string text = leader + " is faster";
-  for (std::size_t i = 0; i < crossings.size(); ++i) {
-    leader = leader == "the box" ? "the simplex" : "the box";
-    text += (i == 0 ? "; from w = " : "; from ") + Fixed(crossings[i], 0) +
-            " on " + leader;
+// Who leads at each width, if the range of the ratios says so.
+std::string LeadersText(const std::vector<std::size_t>& widths,
+                        const std::vector<Ratio>& box_over_simplex) {
+  constexpr const char* kTexts[] = {"the simplex is faster",
+                                    "the box is faster", "no difference"};
+  const auto leader = [&](std::size_t i) {
+    return static_cast<std::size_t>(WinnerOf(box_over_simplex[i]));
+  };
+  std::string text;
+  for (std::size_t i = 0; i < widths.size();) {
+    std::size_t last = i;
+    while (last + 1 < widths.size() && leader(last + 1) == leader(i)) ++last;
+    text += (text.empty() ? "" : "; ") + std::string(kTexts[leader(i)]) +
+            " at w = " + std::to_string(widths[i]);
+    if (last != i) text += " to " + std::to_string(widths[last]);
+    i = last + 1;
   }
   return text;
+}
+
+// Of each pair of repetitions.
+Ratio RangeOfRatios(const Timing& numerator, const Timing& denominator) {
+  std::vector<double> ratios = numerator.samples;
+  for (std::size_t i = 0; i < ratios.size(); ++i) {
+    ratios[i] /= denominator.samples[i];
+  }
+  return RangeOf(ratios);
+}
+
+Cell Marked(const Ratio& ratio) {
+  const Winner winner = WinnerOf(ratio);
+  return Cell(ratio).With(winner == Winner::kSimplex ? Flag::kWinner
+                          : winner == Winner::kNone  ? Flag::kTie
+                                                     : Flag::kNone);
+}
+
+// The same stages in groups of 16 with branches and with lists, and flat, by
+// the size of objects. Only for vectors: without them a group is 16 objects one
+// by one.
+Table BranchesTable(Run& run) {
+  Table table{
+      "gate: branches",
+      "the same stages in groups of 16 objects, with branches or with "
+      "lists of groups: ns per object, L2",
+      {Key("target"), Key("size"), Key("planes per stage"),
+       Value("AABB flat", "ns", 3), Value("branches", "ns", 3),
+       Value("lists", "ns", 3), Value("simplex flat", "ns", 3),
+       Value("simplex branches", "ns", 3), Value("simplex lists", "ns", 3),
+       Higher("box / simplex, branches"), Higher("box / simplex, best")}};
+  // 20 000 queries take so long where one is slow.
+  Effort effort = run.effort;
+  if (!run.is_quick()) effort.seconds_per_repetition *= 2.0;
+  const std::vector<double> percents =
+      run.is_quick() ? std::vector<double>{2.0}
+                     : std::vector<double>{0.1, 0.3, 1.0, 2.0, 3.0, 10.0, 30.0};
+  WorkingSetSize size = WorkingSetSizes(run.machine)[1];
+  if (run.options.objects != 0) {
+    size.objects = std::min(
+        size.objects,
+        std::max(kWidestGate, run.options.objects / kWidestGate * kWidestGate));
+  }
+  constexpr std::array<ShapeKind, 2> kCompared = {ShapeKind::kAabb,
+                                                  ShapeKind::kSimplex};
+  for (double percent : percents) {
+    const Workload scene =
+        SceneOfSize(percent / 100.0, size.objects, run.options.seed);
+    WorkingSet set(scene, size);
+    for (Target target : run.TargetsIn(set.name())) {
+      if (target.lanes() < 4) continue;
+      for (std::size_t planes : {1, 2}) {
+        std::vector<Case> cases;
+        for (ShapeKind shape : kCompared) {
+          const std::string name = "gate/" + NameOf(target) + "/" +
+                                   Fixed(percent, 1) + "/" + NameOf(shape) +
+                                   "/";
+          cases.push_back(
+              set.LibraryCase(name + "flat", shape,
+                              {.schedule = Schedule::kFlat, .target = target}));
+          for (StageWay way : kStageWays) {
+            cases.push_back(
+                set.StagedCase(name + NameOf(way), shape, target, way, planes));
+          }
+        }
+        const std::vector<Timing> ns = run.Time(cases, effort);
+        const auto best = [&ns](std::size_t first) -> const Timing& {
+          return *std::min_element(
+              ns.begin() + static_cast<std::ptrdiff_t>(first),
+              ns.begin() + static_cast<std::ptrdiff_t>(first) + 3,
+              [](const Timing& a, const Timing& b) {
+                return a.Median() < b.Median();
+              });
+        };
+        Row row = {NameOf(target), Fixed(percent, percent < 1.0 ? 1 : 0) + " %",
+                   planes};
+        for (const Timing& each : ns) row.push_back(each.Median());
+        row.push_back(Marked(RangeOfRatios(ns[1], ns[4])));
+        row.push_back(Marked(RangeOfRatios(best(0), best(3))));
+        table.Add(std::move(row));
+      }
+    }
+  }
+  table.notes = {
+      "size: an object's side over the world's. planes per stage: after how "
+      "many half-spaces a group without a survivor skips the rest. box / "
+      "simplex, best: the fastest of flat, branches and lists for each. *: the "
+      "simplex wins. =: neither. [ ]: range of the repetitions."};
+  return table;
 }
 
 }  // namespace
@@ -57,9 +151,9 @@ Tables RunGate(Run& run) {
   std::vector<Target> targets = run.targets;
   std::reverse(targets.begin(), targets.end());
   for (Target target : targets) {
-    std::vector<double> widths;
+    const std::vector<std::size_t> widths = WidthsFrom(target.lanes());
     std::vector<Ratio> ratios;
-    for (std::size_t w : WidthsFrom(target.lanes())) {
+    for (std::size_t w : widths) {
       std::vector<Case> cases;
       cases.reserve(kShapes.size());
       for (ShapeKind shape : kShapes) {
@@ -69,17 +163,15 @@ Tables RunGate(Run& run) {
                                       shape, target, w));
       }
       const std::vector<Timing> ns = run.Time(cases);
-      widths.push_back(static_cast<double>(w));
-      ratios.push_back(RatioOf(ns[0], ns[1]));
+      ratios.push_back(RangeOfRatios(ns[0], ns[1]));
       table.Add({NameOf(target), w, ns[0].Median(), ns[1].Median(),
                  ns[2].Median(), ratios.back()});
     }
-    notes.push_back(NameOf(target) + ": " + CrossingsText(widths, ratios) +
-                    ".");
+    notes.push_back(NameOf(target) + ": " + LeadersText(widths, ratios) + ".");
   }
   notes.push_back(
-      "The paper, on another machine: 2.31 and 3.28 ns at w = 1, and one "
-      "crossing, at w of about 8.");
+      "The paper, on another machine: 2.31 ns (box) and 3.28 ns (simplex) at "
+      "w = 1, and one crossing, at w of about 8.");
   if (run.is_page()) {
     return {Table{"gate",
                   "the paper's rule, early-out after every half-space "
@@ -89,7 +181,7 @@ Tables RunGate(Run& run) {
                   notes}};
   }
   table.notes = notes;
-  return {table};
+  return {table, BranchesTable(run)};
 }
 
 }  // namespace halfspace::bench

@@ -83,6 +83,14 @@ TEST(SectionsTest, AllHaveWellFormedTables) {
   ASSERT_EQ(early_out.rows.size(), 7u);
   EXPECT_NEAR(ValueOf(early_out, 0, 1), ValueOf(early_out, 0, 3), 1e-9);
   EXPECT_GT(ValueOf(early_out, 1, 3), ValueOf(early_out, 1, 1));
+  const Table& cube = *Find(report, "model: cube");
+  EXPECT_NEAR(ValueOf(cube, 0, 1), ValueOf(cube, 0, 2), 0.2);
+  EXPECT_NEAR(ValueOf(cube, 1, 1), ValueOf(cube, 1, 2), 0.1);
+  // Sorted objects leave fewer batches of 64, which are whole only if splits
+  // are between batches.
+  const Table& sorted = *Find(report, "table1: sorted objects");
+  EXPECT_LT(ValueOf(sorted, 1, 4), 0.5 * ValueOf(sorted, 0, 4));
+  EXPECT_LE(ValueOf(sorted, 2, 4), ValueOf(sorted, 1, 4));
 }
 
 TEST(SectionsTest, ThePageBeginsWithTheVerdictAndHas60Lines) {
