@@ -174,19 +174,19 @@ def filled(text, runs):
 def page(runs):
     """docs/results.md: which runs there are."""
     text = ("# Results\n\n`scripts/results.py` makes this page from the runs in "
-            "[bench/results](../bench/results), whose JSON has all tables. This draws one of "
-            "them as a page of tables and charts:\n\n"
+            "[bench/results](../bench/results). Their JSON has all tables. This draws one of them "
+            "as a page of tables and charts:\n\n"
             "    bench/cpuinfo-bench-report bench/results/epyc-zen3.json >page.html\n\n"
             "The figures of the other pages come from these runs. [The tool](cpuinfo-bench.md) "
-            "describes how it measures. A run shows the library as it was on that date. "
-            "The later ones replace no run of another CPU.\n\n"
+            "describes how it measures. There is one run for each CPU. It shows the library of "
+            "its date, which can be older than that of another run.\n\n"
             "| run | machine | halfspace | sections |\n|---|---|---|---|\n")
     for name, run in runs.items():
         context = run["context"]
         sections = list(dict.fromkeys(table["name"].split(":")[0] for table in run["tables"]))
         version = ", ".join(filter(None, [
             context["version"], context.get("commit", ""), context["date"][:10]]))
-        text += (f"| [{name}](../bench/results/{name}.json) | {context['cpu']}, "
+        text += (f"| `{name}.json` | {context['cpu']}, "
                  f"{context['model']}; {context['caches']}; {context['cores']} cores, "
                  f"{context['machine']}; best target {context['target']} | {version} | "
                  f"{', '.join(sections)}: `{context['command']}` |\n")
