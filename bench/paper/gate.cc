@@ -66,16 +66,20 @@ Cell Marked(const Ratio& ratio) {
 // The same stages in groups of 16 with branches and with lists, and flat, by
 // the size of objects. Only for vectors: without them a group is 16 objects one
 // by one.
-Table BranchesTable(Run& run) {
-  Table table{
-      "gate: branches",
-      "the same stages in groups of 16 objects, with branches or with "
-      "lists of groups: ns per object, L2",
-      {Key("target"), Key("size"), Key("planes per stage"),
-       Value("AABB flat", "ns", 3), Value("branches", "ns", 3),
-       Value("lists", "ns", 3), Value("simplex flat", "ns", 3),
-       Value("simplex branches", "ns", 3), Value("simplex lists", "ns", 3),
-       Higher("box / simplex, branches"), Higher("box / simplex, best")}};
+Tables BranchTables(Run& run) {
+  Table times{"gate: branches",
+              "the same stages in groups of 16 objects with branches or with "
+              "lists of groups, L2",
+              {Key("target"), Key("size", "%"), Key("shape"), Key("planes"),
+               Value("flat", "ns", 3), Value("branches", "ns", 3),
+               Value("lists", "ns", 3), Lower("branches / lists")}};
+  Table ratios{"gate: by size",
+               "box / simplex, both flat, with branches, with lists, and each "
+               "the fastest of these",
+               {Key("target"), Key("size", "%"), Higher("flat"),
+                Higher("branches"), Higher("lists"), Higher("fastest")}};
+  times.columns[1].digits = ratios.columns[1].digits = 1;
+  ratios.chart = Chart{"size", {"fastest"}, "target", true, true};
   // 20 000 queries take so long where one is slow.
   Effort effort = run.effort;
   if (!run.is_quick()) effort.seconds_per_repetition *= 2.0;
@@ -90,50 +94,68 @@ Table BranchesTable(Run& run) {
   }
   constexpr std::array<ShapeKind, 2> kCompared = {ShapeKind::kAabb,
                                                   ShapeKind::kSimplex};
+  constexpr std::array<std::size_t, 2> kPlanes = {1, 2};
   for (double percent : percents) {
     const Workload scene =
         SceneOfSize(percent / 100.0, size.objects, run.options.seed);
     WorkingSet set(scene, size);
     for (Target target : run.TargetsIn(set.name())) {
       if (target.lanes() < 4) continue;
-      for (std::size_t planes : {1, 2}) {
-        std::vector<Case> cases;
-        for (ShapeKind shape : kCompared) {
-          const std::string name = "gate/" + NameOf(target) + "/" +
-                                   Fixed(percent, 1) + "/" + NameOf(shape) +
-                                   "/";
-          cases.push_back(
-              set.LibraryCase(name + "flat", shape,
-                              {.schedule = Schedule::kFlat, .target = target}));
+      // Of each shape: flat, then branches and lists for each number of planes.
+      std::vector<Case> cases;
+      for (ShapeKind shape : kCompared) {
+        const std::string name = "gate/" + NameOf(target) + "/" +
+                                 Fixed(percent, 1) + "/" + NameOf(shape) + "/";
+        cases.push_back(
+            set.LibraryCase(name + "flat", shape,
+                            {.schedule = Schedule::kFlat, .target = target}));
+        for (std::size_t planes : kPlanes) {
           for (StageWay way : kStageWays) {
-            cases.push_back(
-                set.StagedCase(name + NameOf(way), shape, target, way, planes));
+            cases.push_back(set.StagedCase(
+                name + NameOf(way) + "/" + std::to_string(planes), shape,
+                target, way, planes));
           }
         }
-        const std::vector<Timing> ns = run.Time(cases, effort);
-        const auto best = [&ns](std::size_t first) -> const Timing& {
-          return *std::min_element(
-              ns.begin() + static_cast<std::ptrdiff_t>(first),
-              ns.begin() + static_cast<std::ptrdiff_t>(first) + 3,
-              [](const Timing& a, const Timing& b) {
-                return a.Median() < b.Median();
-              });
-        };
-        Row row = {NameOf(target), Fixed(percent, percent < 1.0 ? 1 : 0) + " %",
-                   planes};
-        for (const Timing& each : ns) row.push_back(each.Median());
-        row.push_back(Marked(RangeOfRatios(ns[1], ns[4])));
-        row.push_back(Marked(RangeOfRatios(best(0), best(3))));
-        table.Add(std::move(row));
       }
+      const std::vector<Timing> ns = run.Time(cases, effort);
+      const std::size_t of_shape = ns.size() / kCompared.size();
+      for (std::size_t s = 0; s < kCompared.size(); ++s) {
+        const Timing* flat = &ns[s * of_shape];
+        for (std::size_t p = 0; p < kPlanes.size(); ++p) {
+          const Timing* way = flat + 1 + kStageWays.size() * p;
+          times.Add({NameOf(target), percent, NameOf(kCompared[s]), kPlanes[p],
+                     flat->Median(), way[0].Median(), way[1].Median(),
+                     RangeOfRatios(way[0], way[1])});
+        }
+      }
+      // The faster number of planes, of cases `at` and `at + 2`.
+      const auto faster = [&ns](std::size_t at) {
+        return ns[at].Median() <= ns[at + 2].Median() ? at : at + 2;
+      };
+      const auto fastest = [&](std::size_t flat) {
+        std::size_t best = flat;
+        for (std::size_t each : {faster(flat + 1), faster(flat + 2)}) {
+          if (ns[each].Median() < ns[best].Median()) best = each;
+        }
+        return best;
+      };
+      const auto ratio = [&](std::size_t box, std::size_t simplex) {
+        return Marked(RangeOfRatios(ns[box], ns[simplex]));
+      };
+      ratios.Add({NameOf(target), percent, ratio(0, of_shape),
+                  ratio(faster(1), faster(of_shape + 1)),
+                  ratio(faster(2), faster(of_shape + 2)),
+                  ratio(fastest(0), fastest(of_shape))});
     }
   }
-  table.notes = {
-      "size: an object's side over the world's. planes per stage: after how "
-      "many half-spaces a group without a survivor skips the rest. box / "
-      "simplex, best: the fastest of flat, branches and lists for each. *: the "
-      "simplex wins. =: neither. [ ]: range of the repetitions."};
-  return table;
+  times.notes = {
+      "size: an object's side over the world's. planes: after how many "
+      "half-spaces a group without a survivor skips the rest. [ ]: range of "
+      "the repetitions."};
+  ratios.notes = {
+      "Stages of one or two planes, whichever are faster. *: the simplex wins. "
+      "=: neither. [ ]: range of the repetitions."};
+  return {times, ratios};
 }
 
 }  // namespace
@@ -181,7 +203,9 @@ Tables RunGate(Run& run) {
                   notes}};
   }
   table.notes = notes;
-  return {table, BranchesTable(run)};
+  Tables tables = BranchTables(run);
+  tables.insert(tables.begin(), std::move(table));
+  return tables;
 }
 
 }  // namespace halfspace::bench
