@@ -25,8 +25,8 @@ A single value, which this replaces with the cell of the one row that fits:
     <!--= <machine> | <table> | <column>=<value>,... | <column> -->1.23<!--/-->
 
 A claim after a sentence, which must hold in all rows that fit, at least one. With a
-range, > and < are true if the whole range is on that side. = is true if the number is in the
-range, or if the cell has this text:
+range, > and < are true if the whole range is on that side, and >= and <= if a part of it is. = is
+true if the number is in the range, or if the cell has this text:
 
     <!-- claim: <machine> | <table> | <column>=<value>,... | <column> > 1 -->
 
@@ -142,7 +142,8 @@ def holds(value, operator, number):
     if isinstance(value, str) or value is None:
         return operator == "=" and value == number
     limit = float(number)
-    return {">": low > limit, "<": high < limit, "=": low <= limit <= high}[operator]
+    return {">": low > limit, "<": high < limit, "=": low <= limit <= high,
+            "<=": low <= limit, ">=": high >= limit}[operator]
 
 
 def failed_claims(text, runs):
@@ -151,7 +152,7 @@ def failed_claims(text, runs):
     failed = []
     for spec in CLAIM.findall(text):
         machine, name, conditions, claim = parts_of(spec, this)
-        column, operator, number = re.fullmatch(r"(.*) ([<>=]) (.*)", claim).groups()
+        column, operator, number = re.fullmatch(r"(.*) ([<>]=?|=) (.*)", claim).groups()
         table = table_of(runs, machine, name)
         names = [c["name"] for c in table["columns"]]
         if column not in names:

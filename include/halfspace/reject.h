@@ -53,8 +53,9 @@ namespace halfspace {
 // survivor. The schedule changes the cost, never the result. A simplex is
 // always tested flat.
 enum class Schedule : std::uint8_t {
-  // The fastest schedule, as measured (docs/design.md): flat for the simplex,
-  // the AABB and fewer than 128 objects, staged for the AABO.
+  // Flat for the simplex, the AABB and fewer than 128 objects, staged for the
+  // AABO. For AABBs another schedule or bound can be faster, which depends on
+  // the size of the objects (docs/performance.md, "What to use").
   kAuto,
   // Tests every plane of every object, without a branch.
   kFlat,

@@ -38,6 +38,7 @@ if check == "claims":
     for claim, is_so in (("t | size=1 % | ratio > 1", True), ("t | size=1 % | ratio > 1.15", False),
                          ("t | size=1 % | ratio < 1.4", True), ("t | size=3 % | ratio > 1", False),
                          ("t | size=3 % | ratio < 1", False), ("t | size=3 % | ratio = 1", True),
+                         ("t | size=3 % | ratio <= 1", True), ("t | size=1 % | ratio <= 1", False),
                          ("t | size=all | ratio = 2", True), ("t | size=all | size = all", True),
                          ("t | | ratio > 0.8", True), ("t | | ratio > 1", False),
                          ("t | size=9 % | ratio > 1", False),
