@@ -150,6 +150,7 @@ Tables BranchTables(Run& run) {
                   ratio(fastest(0), fastest(of_shape))});
     }
   }
+  if (times.rows.empty()) return {};
   times.notes = {
       "size: an object's side over the world's. planes: after how many "
       "half-spaces a group without a survivor skips the rest. [ ]: range of "

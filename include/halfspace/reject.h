@@ -54,8 +54,7 @@ namespace halfspace {
 // always tested flat.
 enum class Schedule : std::uint8_t {
   // Flat for the simplex, the AABB and fewer than 128 objects, staged for the
-  // AABO. For AABBs another schedule or bound can be faster, which depends on
-  // the size of the objects (docs/performance.md, "What to use").
+  // AABO. What can be faster: docs/performance.md, "What to use".
   kAuto,
   // Tests every plane of every object, without a branch.
   kFlat,

@@ -86,11 +86,11 @@ TEST(SectionsTest, AllHaveWellFormedTables) {
   const Table& cube = *Find(report, "model: cube");
   EXPECT_NEAR(ValueOf(cube, 0, 1), ValueOf(cube, 0, 2), 0.2);
   EXPECT_NEAR(ValueOf(cube, 1, 1), ValueOf(cube, 1, 2), 0.1);
-  // Sorted objects leave fewer batches of 64, which are whole only if splits
-  // are between batches.
+  // Batches of objects that are sorted stop earlier.
   const Table& sorted = *Find(report, "table1: sorted objects");
-  EXPECT_LT(ValueOf(sorted, 1, 4), 0.5 * ValueOf(sorted, 0, 4));
-  EXPECT_LE(ValueOf(sorted, 2, 4), ValueOf(sorted, 1, 4));
+  for (std::size_t row = 1; row < 4; ++row) {
+    EXPECT_LT(ValueOf(sorted, row, 1), 0.8 * ValueOf(sorted, 0, 1));
+  }
 }
 
 TEST(SectionsTest, ThePageBeginsWithTheVerdictAndHas60Lines) {
