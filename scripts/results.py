@@ -199,7 +199,11 @@ def page(runs):
 
 def stored(main, others):
     """A run with the tables of others, by name."""
+    def command_of(context):  # without folders
+        return re.sub(r"(--out|--mesh|--bounds) \S*/", r"\1 ", context["command"])
+
     run = json.loads(json.dumps(main))
+    run["context"]["command"] = command_of(run["context"])
     names = {table["name"] for table in run["tables"]}
     for name, other in others:
         context = other["context"]
@@ -212,7 +216,7 @@ def stored(main, others):
                 run["tables"].append({**table, "name": full})
         if added:
             run["context"][f"also {name or ', '.join(added)}"] = (
-                f"{context['version']}, {context['date'][:10]}: `{context['command']}`")
+                f"{context['version']}, {context['date'][:10]}: `{command_of(context)}`")
     for table in run["tables"]:
         if table["name"] == "broad_phase":  # more than 1000 rows
             by = [column["name"] for column in table["columns"]].index("by")

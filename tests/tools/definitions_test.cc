@@ -47,6 +47,9 @@ TEST(DefinitionsTest, EarlyOutByHand) {
   EXPECT_DOUBLE_EQ(at(1).of_mean_p, p);
   EXPECT_DOUBLE_EQ(at(1).mean_of_p_w.median, p);
   EXPECT_DOUBLE_EQ(at(1).counted.median, p);
+  // An object that touches is not rejected.
+  const std::vector<float> minima = {1.0f, 2.0f};
+  EXPECT_DOUBLE_EQ(EarlyOutOf(minima, {{1.0f}}, 1).counted.median, 0.5);
   // Batches of 4: the first query rejects the last two, the second the last one
   // whole, and objects 6 and 7 of the second.
   EXPECT_NEAR(at(4).of_mean_p, std::pow(17.0 / 36.0, 4), 1e-12);
