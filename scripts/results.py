@@ -1,13 +1,19 @@
 #!/usr/bin/env python3
 """Writes docs/results.md, and the figures in README.md and docs/*.md that come from the
-stored runs in bench/results/*.json.
+stored runs in bench/results/*.json. Then checks the sentences that are marked as claims.
 
     scripts/results.py           writes them
     scripts/results.py --check   fails if a file is not what it would write
+    scripts/results.py --store MACHINE RUN.json [NAME=RUN.json ...]
+                                 stores a run as bench/results/MACHINE.json, with the commit
+                                 of the working tree. The tables of a
+                                 run of a mesh are stored with ": NAME" behind their names;
+                                 with an empty NAME only those that the first run lacks
 
 A run of one machine:
 
-    ./bench.sh --details all --format json --out bench/results/<machine>.json
+    ./bench.sh --details all --format json --out run.json
+    scripts/results.py --store <machine> run.json
 
 A block in a document, whose lines this replaces with a table of a run:
 
@@ -17,16 +23,27 @@ A block in a document, whose lines this replaces with a table of a run:
 A single value, which this replaces with the cell of the one row that fits:
 
     <!--= <machine> | <table> | <column>=<value>,... | <column> -->1.23<!--/-->
+
+A claim after a sentence, which must hold in all rows that fit, at least one. With a
+range, > and < are true if the whole range is on that side, and >= and <= if a part of it is. = is
+true if the number is in the range, or if the cell has this text:
+
+    <!-- claim: <machine> | <table> | <column>=<value>,... | <column> > 1 -->
+
+In a document with <!-- run: <machine> -->, "@" is that machine.
 """
 
 import json
 import pathlib
 import re
+import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BLOCK = re.compile(r"(<!-- results: (.*?) -->\n).*?(<!-- end of results -->)", re.S)
 VALUE = re.compile(r"(<!--= (.*?) -->).*?(<!--/-->)", re.S)
+RUN = re.compile(r"<!-- run: (\S+) -->")
+CLAIM = re.compile(r"<!-- claim: (.*?) -->", re.S)
 
 
 def number(value, digits):
@@ -72,6 +89,17 @@ def rows_of(table, conditions):
     return rows
 
 
+def parts_of(spec, this):
+    """The parts of a mark, with the run of its document in place of "@"."""
+    machine, *parts = (" ".join(part.split()) for part in spec.split("|"))
+    return [this if machine == "@" else machine, *parts]
+
+
+def run_of(text):
+    found = RUN.search(text)
+    return found[1] if found else "@"
+
+
 def markdown(table, rows):
     columns = table["columns"]
     head = [c["name"] + (f", {c['unit']}" if c.get("unit") else "") for c in columns]
@@ -81,8 +109,8 @@ def markdown(table, rows):
     return "\n".join(lines) + "\n"
 
 
-def block(runs, spec):
-    machine, name, *conditions = (part.strip() for part in spec.split("|"))
+def block(runs, spec, this=None):
+    machine, name, *conditions = parts_of(spec, this)
     table = table_of(runs, machine, name)
     if conditions == ["notes"]:
         return "".join(f"- {note}\n" for note in table["notes"])
@@ -92,8 +120,8 @@ def block(runs, spec):
     return text + notes
 
 
-def single(runs, spec):
-    machine, name, conditions, column = (part.strip() for part in spec.split("|"))
+def single(runs, spec, this):
+    machine, name, conditions, column = parts_of(spec, this)
     table = table_of(runs, machine, name)
     rows = rows_of(table, conditions)
     names = [c["name"] for c in table["columns"]]
@@ -105,37 +133,127 @@ def single(runs, spec):
     return cell(without_flag, table["columns"][at])
 
 
+def holds(value, operator, number):
+    """Whether a cell is on that side of a number."""
+    low = high = value
+    if isinstance(value, list):
+        value, low, high = value[:3]
+        low, high = (value if end is None else end for end in (low, high))
+    if isinstance(value, str) or value is None:
+        return operator == "=" and value == number
+    limit = float(number)
+    return {">": low > limit, "<": high < limit, "=": low <= limit <= high,
+            "<=": low <= limit, ">=": high >= limit}[operator]
+
+
+def failed_claims(text, runs):
+    """A line for each claim of a document that its run does not support."""
+    this = run_of(text)
+    failed = []
+    for spec in CLAIM.findall(text):
+        machine, name, conditions, claim = parts_of(spec, this)
+        column, operator, number = re.fullmatch(r"(.*) ([<>]=?|=) (.*)", claim).groups()
+        table = table_of(runs, machine, name)
+        names = [c["name"] for c in table["columns"]]
+        if column not in names:
+            sys.exit(f"table \"{name}\" has no column \"{column}\"")
+        at = names.index(column)
+        rows = rows_of(table, conditions)
+        wrong = [cell(row[at], table["columns"][at]) for row in rows
+                 if not holds(row[at], operator, number)]
+        if wrong or not rows:
+            failed.append(f"\"{' '.join(spec.split())}\" is not so: {', '.join(wrong) or 'no row'}")
+    return failed
+
+
 def filled(text, runs):
-    text = BLOCK.sub(lambda m: m[1] + block(runs, m[2]) + m[3], text)
-    return VALUE.sub(lambda m: m[1] + single(runs, m[2]) + m[3], text)
+    this = run_of(text)
+    text = BLOCK.sub(lambda m: m[1] + block(runs, m[2], this) + m[3], text)
+    return VALUE.sub(lambda m: m[1] + single(runs, m[2], this) + m[3], text)
 
 
 def page(runs):
-    """docs/results.md: every table of every run."""
+    """docs/results.md: which runs there are."""
     text = ("# Results\n\n`scripts/results.py` makes this page from the runs in "
-            "[bench/results](../bench/results). [The tool](cpuinfo-bench.md) describes how "
-            "it measures. `bench/cpuinfo-bench-report` draws the same runs.\n")
-    for machine, run in runs.items():
+            "[bench/results](../bench/results). Their JSON has all tables. This draws one of them "
+            "as a page of tables and charts:\n\n"
+            "    bench/cpuinfo-bench-report bench/results/epyc-zen3.json >page.html\n\n"
+            "The figures of the other pages come from these runs. [The tool](cpuinfo-bench.md) "
+            "describes how it measures. There is one run for each CPU. It shows the library of "
+            "its date, which can be older than that of another run.\n\n"
+            "| run | machine | halfspace | sections |\n|---|---|---|---|\n")
+    for name, run in runs.items():
         context = run["context"]
-        text += (f"\n## {machine}\n\n{context['cpu']} ({context['model']}), "
-                 f"{context['caches']}, {context['cores']} cores, {context['machine']}; "
-                 f"{context['system']}; ")
-        if context["scope"] == "python":  # by a script in bench/python
-            text += (f"{context['flags']}; halfspace {context['version']}, "
-                     f"`{context['command']}`, {context['date'][:10]}.\n")
-        else:
-            text += (f"{context['compiler']}, `{context['flags'].strip()}`, "
-                     f"Highway {context['highway']}; cpuinfo-bench {context['version']} "
-                     f"`{context['command']}`, {context['date'][:10]}; "
-                     f"a {context.get('noise', 'not measured as quiet or noisy')} run.\n")
-        for table in run["tables"]:
-            text += f"\n### {table['name']}\n\n{table['title']}\n\n"
-            text += block(runs, f"{machine} | {table['name']}")
+        sections = list(dict.fromkeys(table["name"].split(":")[0] for table in run["tables"]))
+        version = ", ".join(filter(None, [
+            context["version"], context.get("commit", ""), context["date"][:10]]))
+        text += (f"| `{name}.json` | {context['cpu']}, "
+                 f"{context['model']}; {context['caches']}; {context['cores']} cores, "
+                 f"{context['machine']}; best target {context['target']} | {version} | "
+                 f"{', '.join(sections)}: `{context['command']}` |\n")
+        for key, value in context.items():
+            if key.startswith("also"):
+                text += f"| | | {value} | {key.removeprefix('also ')} |\n"
     return text
 
 
+def stored(main, others):
+    """A run with the tables of others, by name."""
+    def command_of(context):  # without folders
+        return re.sub(r"(--out|--mesh|--bounds) \S*/", r"\1 ", context["command"])
+
+    run = json.loads(json.dumps(main))
+    run["context"]["command"] = command_of(run["context"])
+    names = {table["name"] for table in run["tables"]}
+    for name, other in others:
+        context = other["context"]
+        added = []
+        for table in other["tables"]:
+            full = f"{table['name']}: {name}" if name else table["name"]
+            if full not in names:
+                names.add(full)
+                added.append(full)
+                run["tables"].append({**table, "name": full})
+        if added:
+            run["context"][f"also {name or ', '.join(added)}"] = (
+                f"{context['version']}, {context['date'][:10]}: `{command_of(context)}`")
+    for table in run["tables"]:
+        if table["name"] == "broad_phase":  # more than 1000 rows
+            by = [column["name"] for column in table["columns"]].index("by")
+            what = [column["name"] for column in table["columns"]].index("what")
+            table["rows"] = [row for row in table["rows"]
+                             if row[by] == "halfspace" and row[what].startswith("frame")]
+    return run
+
+
+def store(machine, path, others):
+    named = [other.split("=", 1) for other in others]
+    run = stored(json.loads(pathlib.Path(path).read_text()),
+                 [(name, json.loads(pathlib.Path(file).read_text())) for name, file in named])
+    if "commit" not in run["context"] and ROOT not in pathlib.Path(path).resolve().parents:
+        run["context"]["commit"] = subprocess.run(
+            ["git", "-C", ROOT, "describe", "--always", "--dirty"], check=True,
+            capture_output=True, text=True).stdout.strip()
+
+    def compact(value):
+        return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
+
+    # A row on each line, as cpuinfo-bench writes them.
+    tables = [compact({**table, "rows": []}).removesuffix("[]}") + "[\n" +
+              ",\n".join(map(compact, table["rows"])) + "]}"
+              for table in ({key: table[key] for key in sorted(table, key="rows".__eq__)}
+                            for table in run["tables"])]
+    (ROOT / f"bench/results/{machine}.json").write_text(
+        f'{{"schema":{run["schema"]},\n"context":'
+        + json.dumps(run["context"], indent=1, ensure_ascii=False)
+        + ',\n"tables":[\n' + ",\n".join(tables) + "]}\n")
+
+
 def main():
-    if sys.argv[1:] not in ([], ["--check"]):
+    arguments = sys.argv[1:]
+    if arguments[:1] == ["--store"] and len(arguments) >= 3:
+        return store(*arguments[1:3], arguments[3:])
+    if arguments not in ([], ["--check"]):
         sys.exit(__doc__)
     paths = sorted((ROOT / "bench/results").glob("*.json"))
     runs = {path.stem: json.loads(path.read_text()) for path in paths}
@@ -143,13 +261,16 @@ def main():
     for document in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
         if document not in made:
             made[document] = filled(document.read_text(), runs)
+    failed = []
     for document, text in made.items():
+        name = document.relative_to(ROOT)
+        failed += [f"{name}: {claim}" for claim in failed_claims(text, runs)]
         if document.exists() and document.read_text() == text:
             continue
-        if sys.argv[1:]:
-            sys.exit(f"{document.relative_to(ROOT)} is not what the runs in bench/results "
-                     "say: run scripts/results.py")
+        if arguments:
+            sys.exit(f"{name} is not what the runs in bench/results say: run scripts/results.py")
         document.write_text(text)
+    sys.exit("\n".join(failed) if failed else 0)
 
 
 if __name__ == "__main__":

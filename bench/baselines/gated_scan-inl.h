@@ -1,5 +1,5 @@
-// The paper's schedule and what its work is counted in: part of
-// target_loops.cc.
+// The paper's schedule, the same stages with and without branches, and what the
+// work is counted in: part of target_loops.cc.
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
@@ -75,6 +75,127 @@ void ScanGated(bench::ShapeKind shape, size_t width, const float* const* planes,
       return ScanShape<bench::kAabbOrder>(width, planes, query, size, mask);
     case bench::ShapeKind::kAabo:
       return ScanShape<bench::kAaboOrder>(width, planes, query, size, mask);
+  }
+}
+
+// ---- Stages of groups, with branches or lists.
+
+#if HWY_HAVE_SCALABLE
+// A group must hold a whole vector, whose length is not known here.
+constexpr size_t kStageGroup = kWordObjects;
+#else
+constexpr size_t kStageGroup =
+    HWY_MAX(GroupList::kSmallestGroup, hn::MaxLanes(OneTag<float>()));
+#endif
+
+// Planes [kFirst, kFirst + kPlanes) of an order. The minima among them come
+// first.
+template <const auto& kOrder, size_t kFirst, size_t... kPlane>
+HWY_INLINE uint64_t StageBits(std::index_sequence<kPlane...>,
+                              const float* const* planes, const float* query,
+                              size_t i) {
+  const OneTag<float> d;
+  const float* tested[] = {
+      planes[bench::kPlaneOf<kOrder, kFirst + kPlane>.object]...};
+  constexpr size_t kMins =
+      (... + (bench::kPlaneOf<kOrder, kFirst + kPlane>.is_min ? 1 : 0));
+  return KeptBits<kMins, kStageGroup>(
+      d, LoadAll(), tested, i,
+      hn::Set(d, query[bench::kPlaneOf<kOrder, kFirst + kPlane>.query])...);
+}
+
+// The survivors of one group after all stages, or none as soon as a stage
+// leaves none.
+template <const auto& kOrder, size_t kPlanes, size_t... kStage>
+HWY_INLINE uint64_t GroupByBranches(std::index_sequence<kStage...>,
+                                    const float* const* planes,
+                                    const float* query, size_t i) {
+  uint64_t kept = kLowBits<kStageGroup>;
+  (void)(... &&
+         ((kept &= StageBits<kOrder, kStage * kPlanes>(
+               std::make_index_sequence<kPlanes>(), planes, query, i)) != 0));
+  return kept;
+}
+
+// One stage of a tile: of the listed groups, or of all groups if it is the
+// first stage. Returns how many groups are left in the list.
+template <const auto& kOrder, size_t kPlanes, size_t kStage>
+HWY_INLINE size_t StageOfTile(const float* const* planes, const float* query,
+                              size_t first, size_t groups, GroupList& list,
+                              uint64_t* mask) {
+  size_t left = 0;
+  for (size_t g = 0; g < groups; ++g) {
+    const size_t offset = kStage == 0 ? g * kStageGroup : list.groups[g];
+    const size_t shift = offset % kWordObjects;
+    uint64_t& word = mask[(first + offset) / kWordObjects];
+    const uint64_t kept = StageBits<kOrder, kStage * kPlanes>(
+        std::make_index_sequence<kPlanes>(), planes, query, first + offset);
+    // A mask of rejected objects, which begins with none.
+    if (kStage == 0 && shift == 0) word = 0;
+    word |= (kept ^ kLowBits<kStageGroup>) << shift;
+    left =
+        list.template AppendIfLeft<kStageGroup>(left, offset, ~word >> shift);
+  }
+  return left;
+}
+
+template <const auto& kOrder, size_t kPlanes, size_t... kStage>
+HWY_INLINE void TileByLists(std::index_sequence<kStage...>,
+                            const float* const* planes, const float* query,
+                            size_t first, size_t objects, uint64_t* mask) {
+  GroupList list;
+  size_t groups = objects / kStageGroup;
+  ((groups = StageOfTile<kOrder, kPlanes, kStage>(planes, query, first, groups,
+                                                  list, mask)),
+   ...);
+}
+
+template <const auto& kOrder, size_t kPlanes>
+void ScanStages(bench::StageWay way, const float* const* planes,
+                const float* query, size_t size, uint64_t* mask) {
+  constexpr std::make_index_sequence<kOrder.size() / kPlanes> kStages{};
+  if (way == bench::StageWay::kBranches) {
+    for (size_t i = 0; i < size; i += kWordObjects) {
+      uint64_t word = 0;
+      for (size_t g = 0; g < kWordObjects; g += kStageGroup) {
+        word |= GroupByBranches<kOrder, kPlanes>(kStages, planes, query, i + g)
+                << g;
+      }
+      mask[i / kWordObjects] = ~word;
+    }
+    return;
+  }
+  for (size_t i = 0; i < size; i += kTileWords * kWordObjects) {
+    TileByLists<kOrder, kPlanes>(kStages, planes, query, i,
+                                 HWY_MIN(kTileWords * kWordObjects, size - i),
+                                 mask);
+  }
+}
+
+template <const auto& kOrder>
+void ScanStages(bench::StageWay way, size_t planes_of_stage,
+                const float* const* planes, const float* query, size_t size,
+                uint64_t* mask) {
+  if (planes_of_stage == 1) {
+    ScanStages<kOrder, 1>(way, planes, query, size, mask);
+  } else {
+    ScanStages<kOrder, 2>(way, planes, query, size, mask);
+  }
+}
+
+void ScanStaged(bench::ShapeKind shape, bench::StageWay way,
+                size_t planes_of_stage, const float* const* planes,
+                const float* query, size_t size, uint64_t* mask) {
+  switch (shape) {
+    case bench::ShapeKind::kSimplex:
+      return ScanStages<bench::kSimplexOrder>(way, planes_of_stage, planes,
+                                              query, size, mask);
+    case bench::ShapeKind::kAabb:
+      return ScanStages<bench::kAabbOrder>(way, planes_of_stage, planes, query,
+                                           size, mask);
+    case bench::ShapeKind::kAabo:
+      return ScanStages<bench::kAaboOrder>(way, planes_of_stage, planes, query,
+                                           size, mask);
   }
 }
 

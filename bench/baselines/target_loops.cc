@@ -31,6 +31,7 @@ TargetLoops LoopsOf<HWY_TARGET>() {
   return {.read = &HWY_NAMESPACE::ReadPlanes,
           .copy = &HWY_NAMESPACE::CopyStreams,
           .scan_gated = &HWY_NAMESPACE::ScanGated,
+          .scan_staged = &HWY_NAMESPACE::ScanStaged,
           .fill_plane_words = &HWY_NAMESPACE::FillPlaneWords,
           .bound_clouds = &HWY_NAMESPACE::BoundCloudsOn,
           .scan_seven_sided = &HWY_NAMESPACE::ScanSevenSided,

@@ -122,6 +122,28 @@ using GatedScan = void (*)(ShapeKind shape, std::size_t width,
                            const float* const* planes, const float* query,
                            std::size_t size, std::uint64_t* mask);
 
+// The same work in groups of 16 objects (of 64 where the length of vectors is
+// not known): after each stage of one or two planes, a group without a survivor
+// skips the rest.
+enum class StageWay : std::size_t {
+  kBranches,  // a group after the other, with a branch after each stage
+  kLists,     // a stage after the other. The groups that are left are listed,
+              // without a branch
+};
+inline constexpr std::array<StageWay, 2> kStageWays = {StageWay::kBranches,
+                                                       StageWay::kLists};
+
+constexpr const char* NameOf(StageWay way) {
+  constexpr const char* kNames[] = {"branches", "lists"};
+  return kNames[static_cast<std::size_t>(way)];
+}
+
+// `planes_of_stage` is 1 or 2. Writes the reject mask.
+using StagedScan = void (*)(ShapeKind shape, StageWay way,
+                            std::size_t planes_of_stage,
+                            const float* const* planes, const float* query,
+                            std::size_t size, std::uint64_t* mask);
+
 // Which objects each plane of an octahedron rejects by itself. Plane p of
 // objects i ... i + 63: all minima (X, Y, Z, D), then all maxima.
 inline constexpr std::size_t kPlaneWordsPlanes = 8;
@@ -206,6 +228,7 @@ struct TargetLoops {
   PlaneReader read = nullptr;
   StreamCopier copy = nullptr;
   GatedScan scan_gated = nullptr;
+  StagedScan scan_staged = nullptr;
   PlaneWordsFunction fill_plane_words = nullptr;
   BoundClouds bound_clouds = nullptr;
   VolumeScan scan_seven_sided = nullptr;

@@ -12,28 +12,12 @@
 #include "bench/measure/counts.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
-#include "halfspace/fit.h"
 
 namespace halfspace::bench {
 namespace {
 
 constexpr std::size_t kCountedPairs = std::size_t{1} << 27;
 constexpr std::size_t kFewestCounted = 8;
-
-// The bounds of boxes, those of a workload's first objects: content that is
-// axis-aligned.
-Workload BoxesOfWorkload(const Workload& workload, std::size_t most) {
-  Workload boxes{"boxes of " + workload.name, {}, {}};
-  const std::size_t objects = std::min(most, workload.objects.size());
-  boxes.objects.Reserve(objects);
-  for (std::size_t i = 0; i < objects; ++i) {
-    boxes.objects.Push(BoundAabb(workload.objects.Get(i).aabb()));
-  }
-  for (const Aabo3& query : workload.timed_queries) {
-    boxes.timed_queries.push_back(BoundAabb(query.aabb()));
-  }
-  return boxes;
-}
 
 // Rejects by the simplex, then tests the maxima of each survivor by itself.
 void RejectAndRefine(WorkingSet& set, const Aabo3& query, Target target) {
@@ -114,7 +98,7 @@ Tables RunDual(Run& run) {
     AddRows(run, *set, run.Measured(), table);
     most = std::max(most, set->objects());
   }
-  const Workload boxes = BoxesOfWorkload(run.Measured(), most);
+  const Workload boxes = BoxesOf(run.Measured(), most);
   for (const WorkingSetSize& size : run.Reached({"L2", "memory"})) {
     WorkingSet set(boxes, size);
     AddRows(run, set, boxes, table);

@@ -1,17 +1,19 @@
 // Figure 12 of the paper: a batch of w objects stops after the first half-space
-// that rejects all of them. One implementation for all shapes and widths.
+// that rejects all of them. One implementation for all shapes and widths. And
+// what a branch costs: the same stages with and without.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/base/text.h"
 #include "bench/baselines/target_loops.h"
-#include "bench/measure/cost_model.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
+#include "bench/sections/verdict.h"
+#include "bench/worlds/scene.h"
 
 namespace halfspace::bench {
 namespace {
@@ -25,21 +27,138 @@ std::vector<std::size_t> WidthsFrom(std::size_t lanes) {
   return widths;
 }
 
-// All widths at which the curves cross, and who leads between them.
-std::string CrossingsText(const std::vector<double>& widths,
-                          const std::vector<Ratio>& box_over_simplex) {
-  std::vector<double> ratios;
-  ratios.reserve(box_over_simplex.size());
-  for (const Ratio& ratio : box_over_simplex) ratios.push_back(ratio.median);
-  const std::vector<double> crossings = CrossingsOf(widths, ratios);
-  std::string leader = ratios.front() > 1.0 ? "the simplex" : "the box";
-  std::string text = leader + " is faster";
-  for (std::size_t i = 0; i < crossings.size(); ++i) {
-    leader = leader == "the box" ? "the simplex" : "the box";
-    text += (i == 0 ? "; from w = " : "; from ") + Fixed(crossings[i], 0) +
-            " on " + leader;
+// At which widths each shape leads by more than the range of the ratios.
+std::string LeadersText(const std::vector<std::size_t>& widths,
+                        const std::vector<Ratio>& box_over_simplex) {
+  const auto where = [&](Winner winner) {
+    std::string text;
+    for (std::size_t i = 0; i < widths.size(); ++i) {
+      if (WinnerOf(box_over_simplex[i]) != winner) continue;
+      std::size_t last = i;
+      while (last + 1 < widths.size() &&
+             WinnerOf(box_over_simplex[last + 1]) == winner) {
+        ++last;
+      }
+      text += (text.empty() ? "" : ", ") + std::to_string(widths[i]);
+      if (last != i) text += " to " + std::to_string(widths[last]);
+      i = last;
+    }
+    return text.empty() ? "no w" : "w = " + text;
+  };
+  return "the box is faster at " + where(Winner::kBox) + "; the simplex at " +
+         where(Winner::kSimplex);
+}
+
+// Of each pair of repetitions.
+Ratio RangeOfRatios(const Timing& numerator, const Timing& denominator) {
+  std::vector<double> ratios = numerator.samples;
+  for (std::size_t i = 0; i < ratios.size(); ++i) {
+    ratios[i] /= denominator.samples[i];
   }
-  return text;
+  return RangeOf(ratios);
+}
+
+Cell Marked(const Ratio& ratio) {
+  const Winner winner = WinnerOf(ratio);
+  return Cell(ratio).With(winner == Winner::kSimplex ? Flag::kWinner
+                          : winner == Winner::kNone  ? Flag::kTie
+                                                     : Flag::kNone);
+}
+
+// The same stages in groups of 16 with branches and with lists, and flat, by
+// the size of objects. Only for vectors: without them a group is 16 objects one
+// by one.
+Tables BranchTables(Run& run) {
+  Table times{"gate: branches",
+              "the same stages in groups of 16 objects with branches or with "
+              "lists of groups, L2",
+              {Key("target"), Key("size", "%"), Key("shape"), Key("planes"),
+               Value("flat", "ns", 3), Value("branches", "ns", 3),
+               Value("lists", "ns", 3), Lower("branches / lists")}};
+  Table ratios{"gate: by size",
+               "box / simplex, both flat, with branches, with lists, and each "
+               "the fastest of these",
+               {Key("target"), Key("size", "%"), Higher("flat"),
+                Higher("branches"), Higher("lists"), Higher("fastest")}};
+  times.columns[1].digits = ratios.columns[1].digits = 1;
+  ratios.chart = Chart{"size", {"fastest"}, "target", true, true};
+  // 20 000 queries take so long where one is slow.
+  Effort effort = run.effort;
+  if (!run.is_quick()) effort.seconds_per_repetition *= 2.0;
+  const std::vector<double> percents =
+      run.is_quick() ? std::vector<double>{2.0}
+                     : std::vector<double>{0.1, 0.3, 1.0, 2.0, 3.0, 10.0, 30.0};
+  WorkingSetSize size = WorkingSetSizes(run.machine)[1];
+  if (run.options.objects != 0) {
+    size.objects = std::min(
+        size.objects,
+        std::max(kWidestGate, run.options.objects / kWidestGate * kWidestGate));
+  }
+  constexpr std::array<ShapeKind, 2> kCompared = {ShapeKind::kAabb,
+                                                  ShapeKind::kSimplex};
+  constexpr std::array<std::size_t, 2> kPlanes = {1, 2};
+  for (double percent : percents) {
+    const Workload scene =
+        SceneOfSize(percent / 100.0, size.objects, run.options.seed);
+    WorkingSet set(scene, size);
+    for (Target target : run.TargetsIn(set.name())) {
+      if (target.lanes() < 4) continue;
+      // Of each shape: flat, then branches and lists for each number of planes.
+      std::vector<Case> cases;
+      for (ShapeKind shape : kCompared) {
+        const std::string name = "gate/" + NameOf(target) + "/" +
+                                 Fixed(percent, 1) + "/" + NameOf(shape) + "/";
+        cases.push_back(
+            set.LibraryCase(name + "flat", shape,
+                            {.schedule = Schedule::kFlat, .target = target}));
+        for (std::size_t planes : kPlanes) {
+          for (StageWay way : kStageWays) {
+            cases.push_back(set.StagedCase(
+                name + NameOf(way) + "/" + std::to_string(planes), shape,
+                target, way, planes));
+          }
+        }
+      }
+      const std::vector<Timing> ns = run.Time(cases, effort);
+      const std::size_t of_shape = ns.size() / kCompared.size();
+      for (std::size_t s = 0; s < kCompared.size(); ++s) {
+        const Timing* flat = &ns[s * of_shape];
+        for (std::size_t p = 0; p < kPlanes.size(); ++p) {
+          const Timing* way = flat + 1 + kStageWays.size() * p;
+          times.Add({NameOf(target), percent, NameOf(kCompared[s]), kPlanes[p],
+                     flat->Median(), way[0].Median(), way[1].Median(),
+                     RangeOfRatios(way[0], way[1])});
+        }
+      }
+      // The faster number of planes, of cases `at` and `at + 2`.
+      const auto faster = [&ns](std::size_t at) {
+        return ns[at].Median() <= ns[at + 2].Median() ? at : at + 2;
+      };
+      const auto fastest = [&](std::size_t flat) {
+        std::size_t best = flat;
+        for (std::size_t each : {faster(flat + 1), faster(flat + 2)}) {
+          if (ns[each].Median() < ns[best].Median()) best = each;
+        }
+        return best;
+      };
+      const auto ratio = [&](std::size_t box, std::size_t simplex) {
+        return Marked(RangeOfRatios(ns[box], ns[simplex]));
+      };
+      ratios.Add({NameOf(target), percent, ratio(0, of_shape),
+                  ratio(faster(1), faster(of_shape + 1)),
+                  ratio(faster(2), faster(of_shape + 2)),
+                  ratio(fastest(0), fastest(of_shape))});
+    }
+  }
+  if (times.rows.empty()) return {};
+  times.notes = {
+      "size: an object's side over the world's. planes: after how many "
+      "half-spaces a group without a survivor skips the rest. [ ]: range of "
+      "the repetitions."};
+  ratios.notes = {
+      "Stages of one or two planes, whichever are faster. *: the simplex wins. "
+      "=: neither. [ ]: range of the repetitions."};
+  return {times, ratios};
 }
 
 }  // namespace
@@ -57,9 +176,9 @@ Tables RunGate(Run& run) {
   std::vector<Target> targets = run.targets;
   std::reverse(targets.begin(), targets.end());
   for (Target target : targets) {
-    std::vector<double> widths;
+    const std::vector<std::size_t> widths = WidthsFrom(target.lanes());
     std::vector<Ratio> ratios;
-    for (std::size_t w : WidthsFrom(target.lanes())) {
+    for (std::size_t w : widths) {
       std::vector<Case> cases;
       cases.reserve(kShapes.size());
       for (ShapeKind shape : kShapes) {
@@ -69,17 +188,16 @@ Tables RunGate(Run& run) {
                                       shape, target, w));
       }
       const std::vector<Timing> ns = run.Time(cases);
-      widths.push_back(static_cast<double>(w));
-      ratios.push_back(RatioOf(ns[0], ns[1]));
+      ratios.push_back(RangeOfRatios(ns[0], ns[1]));
       table.Add({NameOf(target), w, ns[0].Median(), ns[1].Median(),
                  ns[2].Median(), ratios.back()});
     }
-    notes.push_back(NameOf(target) + ": " + CrossingsText(widths, ratios) +
-                    ".");
+    notes.push_back(NameOf(target) + ": " + LeadersText(widths, ratios) + ".");
   }
   notes.push_back(
-      "The paper, on another machine: 2.31 and 3.28 ns at w = 1, and one "
-      "crossing, at w of about 8.");
+      "At other w the range of the ratio has 1. The paper, on another machine: "
+      "2.31 ns (box) and 3.28 ns (simplex) at w = 1, and one crossing, at w of "
+      "about 8.");
   if (run.is_page()) {
     return {Table{"gate",
                   "the paper's rule, early-out after every half-space "
@@ -89,7 +207,9 @@ Tables RunGate(Run& run) {
                   notes}};
   }
   table.notes = notes;
-  return {table};
+  Tables tables = BranchTables(run);
+  tables.insert(tables.begin(), std::move(table));
+  return tables;
 }
 
 }  // namespace halfspace::bench

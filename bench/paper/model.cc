@@ -4,6 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +17,7 @@
 #include "bench/paper/work_count.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
+#include "bench/worlds/random.h"
 
 namespace halfspace::bench {
 namespace {
@@ -39,14 +44,14 @@ double CompareNanoseconds(const VerdictWorld& world, std::size_t target) {
 Table DensityTable(const Verdict& verdict, std::size_t target,
                    const std::vector<ExactTest>& exact_tests) {
   const double compare = CompareNanoseconds(TypicalOf(verdict), target);
-  Table table{"model",
-              "kappa_box / N < 2 w_cmp / ((c - 1) w_full): then the simplex "
-              "wins; " +
-                  NameOf(verdict.targets()[target]) + ", L2",
-              {Key("size"), Key("exact test"), Value("kappa box", "", 4),
-               Value("c"), Value("kappa/N", "%", 4), Value("limit", "%", 4),
-               Value("predicts"), Value("measured"),
-               Value("break-even", "ns", 0), Value("kappa/N x that", "ns", 4)}};
+  Table table{
+      "model",
+      "kappa_box / N < 2 w_cmp / ((c - 1) w_full): then the simplex "
+      "wins; " +
+          NameOf(verdict.targets()[target]) + ", L2",
+      {Key("size"), Key("exact test"), Value("kappa box", "", 4), Value("c"),
+       Value("kappa/N", "%", 4), Value("limit", "%", 4), Value("predicts"),
+       Value("measured"), Value("break-even", "ns", 0)}};
   for (const VerdictWorld& world : verdict.worlds()) {
     const auto objects = static_cast<double>(world.objects);
     const double box = world.survivors.aabb / objects;
@@ -67,8 +72,7 @@ Table DensityTable(const Verdict& verdict, std::size_t target,
                  is_counted ? Cell(c) : Cell(), 100.0 * box,
                  is_counted ? Cell(100.0 * limit) : Cell(),
                  NameOf(box < limit ? Winner::kSimplex : Winner::kBox),
-                 NameOf(winner), is_counted ? Cell(break_even) : Cell(),
-                 is_counted ? Cell(box * break_even) : Cell()});
+                 NameOf(winner), is_counted ? Cell(break_even) : Cell()});
     }
   }
   table.notes = {
@@ -80,20 +84,122 @@ Table DensityTable(const Verdict& verdict, std::size_t target,
       "The limit holds for wide batches, where the box evaluates all six "
       "half-spaces. The box that is tested by axis skips some, so the limit "
       "is too high for it.",
-      "A cube has c = 4.50 for boxes, by volume, and 3.55 for rays, by "
-      "surface: computed from its bounding simplex."};
+      "c is less for the largest objects because queries near the edge of the "
+      "world have no objects beyond it, where the simplex would keep them. In "
+      "a world without an edge c does not depend on the size of objects."};
+  return table;
+}
+
+// The points x with normal * x <= limit.
+struct Side {
+  std::array<double, 3> normal;
+  double limit;
+};
+using Vector = std::array<double, 3>;
+
+double Dot(const Vector& a, const Vector& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// Whether a line meets what all sides enclose.
+bool DoesLineMeet(std::span<const Side> sides, const Vector& point,
+                  const Vector& direction) {
+  double first = -std::numeric_limits<double>::infinity();
+  double last = std::numeric_limits<double>::infinity();
+  for (const Side& side : sides) {
+    const double slope = Dot(side.normal, direction);
+    const double room = side.limit - Dot(side.normal, point);
+    if (slope > 0.0) {
+      last = std::min(last, room / slope);
+    } else if (slope < 0.0) {
+      first = std::max(first, room / slope);
+    } else if (room < 0.0) {
+      return false;
+    }
+  }
+  return first <= last;
+}
+
+// A vector with coordinates uniform in [-1, 1), in the ball of radius 1.
+Vector InUnitBall(Random& random) {
+  const std::array<float, 3> p = PointInUnitSphere(random);
+  return {p[0], p[1], p[2]};
+}
+
+// A cube and its bounding simplex, counted with points and with lines of all
+// directions and places.
+Table CubeTable(std::uint64_t seed, bool is_quick) {
+  constexpr std::array<Side, 6> kCube = {{{{-1, 0, 0}, 0},
+                                          {{0, -1, 0}, 0},
+                                          {{0, 0, -1}, 0},
+                                          {{1, 0, 0}, 1},
+                                          {{0, 1, 0}, 1},
+                                          {{0, 0, 1}, 1}}};
+  constexpr std::array<Side, 4> kSimplex = {
+      {{{-1, 0, 0}, 0}, {{0, -1, 0}, 0}, {{0, 0, -1}, 0}, {{1, 1, 1}, 3}}};
+  // The ball through the simplex's corners, which are 3 from the cube's corner
+  // at the origin.
+  constexpr double kCenter = 1.5;
+  const double radius = kCenter * std::sqrt(3.0);
+  const std::size_t tries = std::size_t{1} << (is_quick ? 17 : 22);
+  Random random(seed);
+  std::array<std::array<double, 2>, 2>
+      counts{};  // points, lines; cube, simplex
+  const auto add = [&](std::size_t what, bool cube, bool simplex) {
+    counts[what][0] += cube ? 1.0 : 0.0;
+    counts[what][1] += simplex ? 1.0 : 0.0;
+  };
+  const auto is_inside = [](std::span<const Side> sides, const Vector& point) {
+    return std::all_of(sides.begin(), sides.end(), [&point](const Side& side) {
+      return Dot(side.normal, point) <= side.limit;
+    });
+  };
+  for (std::size_t i = 0; i < tries; ++i) {
+    Vector point = InUnitBall(random);
+    for (double& x : point) x = kCenter + radius * x;
+    add(0, is_inside(kCube, point), is_inside(kSimplex, point));
+    // A disc across the direction, around the same center.
+    const Vector along = InUnitBall(random);
+    Vector across = InUnitBall(random);
+    const double part = Dot(across, along) / Dot(along, along);
+    double square = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      across[k] -= part * along[k];
+      square += across[k] * across[k];
+    }
+    // Uniform in the disc: the root of a uniform number is the distance.
+    const double distance =
+        radius * std::sqrt((random.Signed() + 1.0) / 2.0 / square);
+    for (std::size_t k = 0; k < 3; ++k) {
+      across[k] = kCenter + distance * across[k];
+    }
+    add(1, DoesLineMeet(kCube, across, along),
+        DoesLineMeet(kSimplex, across, along));
+  }
+  Table table{"model: cube",
+              "what meets the bounding simplex of a cube, over what meets the "
+              "cube, counted",
+              {Key("what"), Value("c"), Value("by formula")}};
+  table.Add({"points", counts[0][1] / counts[0][0], 4.5});
+  // The mean shadow of a convex body is a quarter of its surface.
+  table.Add({"lines", counts[1][1] / counts[1][0],
+             (13.5 + 4.5 * std::sqrt(3.0)) / 6.0});
+  table.notes = {"by formula: the ratio of volumes, and of surfaces. " +
+                 Grouped(tries) + " points and lines."};
   return table;
 }
 
 Table EarlyOutTable(const WorkingSet& set, const Workload& workload) {
   Table table{"model: early-out",
               "share of batches of w objects that the first half-space rejects",
-              {Key("w"), Value("(mean p)^w", "", 6),
-               Value("mean of p_q^w", "", 6), Value("counted", "", 6)}};
+              {Key("w"), Value("(mean p)^w", "", 3),
+               Value("mean of p_q^w", "", 3), Value("counted", "", 3)}};
   table.chart =
-      Chart{"w", {"(mean p)^w", "mean of p_q^w", "counted"}, "", true, true};
+      Chart{"w", {"(mean p)^w", "mean of p_q^w", "counted"}, "", true};
   std::vector<float> maxima;
-  for (const Aabo3& query : workload.queries) maxima.push_back(query.max[0]);
+  for (const Aabo3& query : workload.timed_queries) {
+    maxima.push_back(query.max[0]);
+  }
   for (std::size_t w = 1; w <= 64; w *= 2) {
     const EarlyOut shares =
         EarlyOutOf({set.view().min[0], set.objects()}, maxima, w);
@@ -102,7 +208,9 @@ Table EarlyOutTable(const WorkingSet& set, const Workload& workload) {
   table.notes = {
       "p, the share of objects that the first half-space rejects, is between 0 "
       "and 1, depending on where the query is. So early-out fades far more "
-      "slowly with w than (mean p)^w, the paper's model."};
+      "slowly with w than (mean p)^w, the paper's model. " +
+      Grouped(maxima.size()) +
+      " queries. [ ]: two standard errors of their mean."};
   return table;
 }
 
@@ -122,17 +230,36 @@ Table AdvantageTable(Run& run, const VerdictWorld& typical,
   const double compare = CompareNanoseconds(typical, verdict_target);
   const ExactTest exact = run.TheExactTest();
   const Target target = run.best();
+  const std::vector<double> reached_box = counter.Reached(ShapeKind::kAabb);
+  const std::vector<double> reached_simplex =
+      counter.Reached(ShapeKind::kSimplex);
+  const auto by_formula = [&](double w) {
+    return Advantage(
+        {HalfSpacesByFormula(reached_box, w), survivors.aabb / pairs},
+        {HalfSpacesByFormula(reached_simplex, w), survivors.simplex / pairs},
+        compare, exact.ns.median);
+  };
   Table table{"model: Adv(w)",
               "ns that the simplex saves per object, with exact tests of " +
                   Fixed(exact.ns.median, 0) + " ns, " + NameOf(target) + ", L2",
               {Key("w"), Value("E[C] box"), Value("E[C] simplex"),
-               Value("Adv(w)", "ns", 4), Value("measured", "ns", 4)}};
+               Value("by 1 - p^w", "ns", 3), Value("Adv(w)", "ns", 3),
+               Value("measured", "ns", 3)}};
+  std::vector<double> widths;
+  std::vector<double> evaluated;  // by the box over by the simplex
+  std::string measured_at;
   for (std::size_t i = 0; i < kWorkWidths.size(); ++i) {
     const std::size_t w = kWorkWidths[i];
     const ShapeCost box{work.aabb[i], survivors.aabb / pairs};
     const ShapeCost simplex{work.simplex[i], survivors.simplex / pairs};
-    Row row = {w, box.half_spaces, simplex.half_spaces,
-               Advantage(box, simplex, compare, exact.ns.median), Cell()};
+    widths.push_back(static_cast<double>(w));
+    evaluated.push_back(box.half_spaces / simplex.half_spaces);
+    Row row = {w,
+               box.half_spaces,
+               simplex.half_spaces,
+               by_formula(static_cast<double>(w)),
+               Advantage(box, simplex, compare, exact.ns.median),
+               Cell()};
     if (w >= target.lanes()) {
       const std::vector<Timing> ns = run.Time(
           {set.GatedCase("model/AABB", ShapeKind::kAabb, target, w),
@@ -142,7 +269,11 @@ Table AdvantageTable(Run& run, const VerdictWorld& typical,
         saved[s] -= ns[1].samples[s] +
                     (simplex.survivors - box.survivors) * exact.ns.median;
       }
-      row.back() = RangeOf(saved);
+      const Ratio range = RangeOf(saved);
+      row.back() = range;
+      if (range.low > 0.0) {
+        measured_at += (measured_at.empty() ? "" : ", ") + Grouped(w);
+      }
     }
     table.Add(std::move(row));
   }
@@ -151,9 +282,25 @@ Table AdvantageTable(Run& run, const VerdictWorld& typical,
       "Adv(w): (E[C] box - E[C] simplex) times w_cmp, " +
           Fixed(compare, 4) +
           " ns, minus the exact tests of the objects that only the simplex "
-          "keeps. measured: the same with measured times.",
-      "The paper says Adv(1) < 0. Its own times at w = 1, 2.31 and 3.28 ns, "
-      "give a positive Adv(1)."};
+          "keeps. by 1 - p^w: the same with the paper's Pr[S_k] = 1 - p^w, "
+          "where p is the share of objects that the half-spaces before k "
+          "reject. measured: with measured times of a branch after each "
+          "half-space.",
+      ""};
+  const std::vector<double> crossings = CrossingsOf(widths, evaluated);
+  const auto width_of = [](std::optional<std::size_t> w) {
+    return w ? "w = " + std::to_string(*w) : std::string("no width");
+  };
+  table.notes.back() =
+      "From which width on the simplex is faster (w*): by 1 - p^w from " +
+      width_of(WidthFrom(kWidestGate, by_formula)) +
+      "; it evaluates fewer half-spaces, as counted, from " +
+      (crossings.empty() ? "no width" : "w = " + Fixed(crossings.back(), 0)) +
+      ". Its measured times are less, by more than the range, at " +
+      (measured_at.empty() ? "no width" : "w = " + measured_at) + ".";
+  table.notes.push_back(
+      "The paper says Adv(1) < 0. So do its own times at w = 1: 2.31 ns for "
+      "the box and 3.28 ns for the simplex.");
   return table;
 }
 
@@ -176,7 +323,8 @@ Tables RunModel(Run& run) {
   for (const ExactTest& test : exact_tests) exact.Add({test.name, test.ns});
   return {DensityTable(verdict, target, exact_tests),
           EarlyOutTable(run.SmallSet(), run.Measured()),
-          AdvantageTable(run, TypicalOf(verdict), target), exact};
+          AdvantageTable(run, TypicalOf(verdict), target), exact,
+          CubeTable(run.options.seed, run.is_quick())};
 }
 
 }  // namespace halfspace::bench

@@ -8,6 +8,7 @@
 #include "bench/base/text.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
+#include "bench/worlds/scene.h"
 #include "bench/worlds/scene_of_dimension.h"
 #include "bench/worlds/volume_set.h"
 #include "bench/worlds/working_set.h"
@@ -162,6 +163,66 @@ class DimensionCases {
   std::vector<std::uint64_t> mask_;
 };
 
+// A world of boxes, tested as boxes and as octahedra around them: their minima
+// and D, then the rest for groups with survivors. D rejects nothing more, but
+// the minima with D enclose a volume, and those of a box do not.
+Table BoxesTable(Run& run) {
+  Table table{
+      "volumes: boxes",
+      "a world of boxes as AABBs, and as AABOs of the boxes: ns per "
+      "object",
+      {Key("set"), Key("target"), Key("size"), Value("AABB flat", "ns", 3),
+       Value("AABB staged", "ns", 3), Value("AABB auto", "ns", 3),
+       Value("AABO auto", "ns", 3), Higher("best AABB / AABO")}};
+  const std::vector<double> percents =
+      run.is_quick() ? std::vector<double>{2.0}
+                     : std::vector<double>{0.3, 1.0, 2.0, 3.0, 10.0};
+  for (double percent : percents) {
+    const Workload boxes = BoxesOf(
+        SceneOfSize(percent / 100.0, Fewer(kSceneObjects, run.options.objects),
+                    run.options.seed),
+        kSceneObjects);
+    for (const WorkingSetSize& size : run.Reached({"L2", "L3", "memory"})) {
+      if (run.is_quick() && size.name != "L2") continue;
+      WorkingSet set(boxes, size);
+      for (Target target : run.TargetsIn(size.name)) {
+        const std::string name = "volumes/boxes/" + size.name + "/" +
+                                 NameOf(target) + "/" + Fixed(percent, 1) + "/";
+        const auto make = [&](const char* what, ShapeKind shape,
+                              Schedule schedule) {
+          return set.LibraryCase(name + what, shape,
+                                 {.schedule = schedule, .target = target});
+        };
+        const std::vector<Timing> ns =
+            run.Time({make("AABB/flat", ShapeKind::kAabb, Schedule::kFlat),
+                      make("AABB/staged", ShapeKind::kAabb, Schedule::kStaged),
+                      make("AABB/auto", ShapeKind::kAabb, Schedule::kAuto),
+                      make("AABO/auto", ShapeKind::kAabo, Schedule::kAuto)});
+        const Timing& best = *std::min_element(
+            ns.begin(), ns.end() - 1, [](const Timing& a, const Timing& b) {
+              return a.Median() < b.Median();
+            });
+        std::vector<double> ratios = best.samples;
+        for (std::size_t i = 0; i < ratios.size(); ++i) {
+          ratios[i] /= ns.back().samples[i];
+        }
+        const Ratio ratio = RangeOf(ratios);
+        table.Add({size.name, NameOf(target),
+                   Fixed(percent, percent < 1.0 ? 1 : 0) + " %", ns[0].Median(),
+                   ns[1].Median(), ns[2].Median(), ns[3].Median(),
+                   Cell(ratio).With(ratio.low > 1.0     ? Flag::kWinner
+                                    : ratio.high >= 1.0 ? Flag::kTie
+                                                        : Flag::kNone)});
+      }
+    }
+  }
+  table.notes = {
+      "size: an object's side over the world's. best: the AABB's fastest "
+      "schedule. *: the AABO is faster. =: neither. [ ]: range of the "
+      "repetitions."};
+  return table;
+}
+
 Table DimensionsTable() {
   return {"volumes: dimensions",
           "the scene in 2, 3 and 4 dimensions, L2: times over the simplex's",
@@ -210,7 +271,7 @@ Tables RunVolumes(Run& run) {
       AddDimension(run, d, size.bytes, dimensions);
     }
   }
-  return {table, dimensions};
+  return {table, dimensions, BoxesTable(run)};
 }
 
 }  // namespace halfspace::bench

@@ -97,4 +97,16 @@ WorkCount WorkCounter::Average() const {
   return average;
 }
 
+std::vector<double> WorkCounter::Reached(ShapeKind shape) const {
+  const auto pairs = static_cast<double>(objects_.size / kWordObjects *
+                                         kWordObjects * queries_);
+  std::vector<double> shares;
+  for (std::size_t k = 0; k < PlaneCountOf(shape); ++k) {
+    shares.push_back(
+        static_cast<double>(reached_[static_cast<std::size_t>(shape)][k][0]) /
+        pairs);
+  }
+  return shares;
+}
+
 }  // namespace halfspace::bench

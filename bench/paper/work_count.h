@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "bench/base/shape.h"
 #include "bench/baselines/target_loops.h"
@@ -35,6 +36,10 @@ class WorkCounter {
 
   void Add(const Aabo3& query);
   WorkCount Average() const;
+
+  // Of each half-space of a shape, the share of objects that the ones before it
+  // leave: Pr[S_k] at w = 1.
+  std::vector<double> Reached(ShapeKind shape) const;
 
  private:
   // Batches that reach a half-space: per shape (aabb, simplex, aabo), per

@@ -30,6 +30,14 @@ bool Overlaps(const Aabo3& a, const Aabo3& b, std::size_t axes) {
   return true;
 }
 
+// Whether no minimum of the object separates them.
+bool OverlapsBelow(const Aabo3& object, const Aabo3& query) {
+  for (std::size_t k = 0; k < Aabo3::kAxes; ++k) {
+    if (object.min[k] > query.max[k]) return false;
+  }
+  return true;
+}
+
 bool IsWithinReach(const Sphere<3>& a, const Sphere<3>& b, double factor) {
   double square = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -109,6 +117,9 @@ void VolumeSet::Scan(const VolumeTest& test, const VolumeBounds& query,
       return SurvivorMask(view, query.aabo, mask_, options);
     case Volume::kPrism:
       return SurvivorMask(prisms_, query.prism, mask_, options);
+    case Volume::kHalfPrism:
+      return SurvivorMask(prisms_.simplex(), query.prism.down(), mask_,
+                          options);
     case Volume::kSevenSided: {
       const auto& [min, max] = query.of_box;
       const float values[] = {max[0], max[1], max[2], max[3],
@@ -133,10 +144,9 @@ bool VolumeSet::Keeps(Volume volume, const VolumeBounds& query, std::size_t i,
   constexpr std::size_t kBoxAxes = 3;
   switch (volume) {
     case Volume::kSimplex:
-      for (std::size_t k = 0; k < Aabo3::kAxes; ++k) {
-        if (object.aabo.min[k] > query.aabo.max[k]) return false;
-      }
-      return true;
+      return OverlapsBelow(object.aabo, query.aabo);
+    case Volume::kHalfPrism:
+      return OverlapsBelow(object.prism, query.prism);
     case Volume::kAabb:
     case Volume::kSevenSided:
       return Overlaps(object.aabo, query.aabo, kBoxAxes);

@@ -25,18 +25,20 @@ enum class Volume : std::size_t {
   kAabo,
   kSevenSided,  // the box and the D of its own up simplex
   kPrism,       // a hexagon of X, Y and -(X + Y), along Z
+  kHalfPrism,   // the minima of a prism, which enclose no volume
   kSphere,
 };
-inline constexpr std::size_t kVolumes = 6;
+inline constexpr std::size_t kVolumes = 7;
 
 constexpr const char* NameOf(Volume volume) {
-  constexpr const char* kNames[] = {"simplex",     "aabb",          "aabo",
-                                    "7-sided box", "hexagon prism", "sphere"};
+  constexpr const char* kNames[] = {
+      "simplex",           "aabb",  "aabo", "7-sided box", "hexagon prism",
+      "half of the prism", "sphere"};
   return kNames[static_cast<std::size_t>(volume)];
 }
 
 constexpr std::size_t PlanesOf(Volume volume) {
-  constexpr std::size_t kCounts[] = {4, 6, 8, 7, 8, 4};
+  constexpr std::size_t kCounts[] = {4, 6, 8, 7, 8, 4, 4};
   return kCounts[static_cast<std::size_t>(volume)];
 }
 
@@ -46,7 +48,7 @@ struct VolumeTest {
   Volume volume;
   const char* schedule;
 };
-inline constexpr std::array<VolumeTest, 12> kVolumeTests = {
+inline constexpr std::array<VolumeTest, 13> kVolumeTests = {
     {{Volume::kSimplex, "flat"},
      {Volume::kAabb, "flat"},
      {Volume::kAabb, "staged"},
@@ -57,6 +59,7 @@ inline constexpr std::array<VolumeTest, 12> kVolumeTests = {
      {Volume::kPrism, "flat"},
      {Volume::kPrism, "staged"},
      {Volume::kPrism, "by-axis"},
+     {Volume::kHalfPrism, "flat"},
      {Volume::kSphere, "flat"},
      {Volume::kSphere, "by-axis"}}};
 

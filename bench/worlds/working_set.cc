@@ -134,6 +134,18 @@ Case WorkingSet::GatedCase(std::string name, ShapeKind shape, Target target,
                   });
 }
 
+Case WorkingSet::StagedCase(std::string name, ShapeKind shape, Target target,
+                            StageWay way, std::size_t planes_of_stage) {
+  return MakeCase(
+      std::move(name), shape,
+      [this, scan = LoopsFor(target).scan_staged, shape, way, planes_of_stage,
+       planes = PlanesOf(shape, view_)](const Aabo3& aabo) {
+        const std::vector<float> query = QueryOf(shape, aabo);
+        scan(shape, way, planes_of_stage, planes.data(), query.data(),
+             objects(), mask_.data());
+      });
+}
+
 Case WorkingSet::ReadCase(std::string name, ShapeKind shape, ReadWay way,
                           Target target) const {
   const std::size_t rounds =

@@ -62,6 +62,10 @@ class WorkingSet {
   Case GatedCase(std::string name, ShapeKind shape, Target target,
                  std::size_t width);
 
+  // The case of stages of groups, with branches or lists.
+  Case StagedCase(std::string name, ShapeKind shape, Target target,
+                  StageWay way, std::size_t planes_of_stage);
+
   // Reading the shape's planes, with the vectors of a target.
   Case ReadCase(std::string name, ShapeKind shape, ReadWay way,
                 Target target) const;

@@ -118,6 +118,19 @@ Workload WorkloadOfTriangles(std::string name,
   return workload;
 }
 
+Workload BoxesOf(const Workload& workload, std::size_t most) {
+  Workload boxes{"boxes of " + workload.name, {}, {}};
+  const std::size_t objects = std::min(most, workload.objects.size());
+  boxes.objects.Reserve(objects);
+  for (std::size_t i = 0; i < objects; ++i) {
+    boxes.objects.Push(BoundAabb(workload.objects.Get(i).aabb()));
+  }
+  for (const Aabo3& query : workload.timed_queries) {
+    boxes.timed_queries.push_back(BoundAabb(query.aabb()));
+  }
+  return boxes;
+}
+
 Workload WorkloadOfBoxes(std::string name, const std::vector<Aabb3>& boxes,
                          std::size_t queries) {
   Workload workload{std::move(name), {}, {}};

@@ -63,6 +63,10 @@ Workload WorkloadOfTriangles(std::string name,
                              const std::vector<std::uint32_t>& indices,
                              std::size_t queries);
 
+// Octahedra around the boxes of a workload's first objects, and around those of
+// the queries to be timed: content that is known as boxes only.
+Workload BoxesOf(const Workload& workload, std::size_t most);
+
 // Boxes as a workload, and as what is queried with.
 Workload WorkloadOfBoxes(std::string name, const std::vector<Aabb3>& boxes,
                          std::size_t queries);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "bench/measure/cost_model.h"
@@ -44,14 +45,17 @@ TEST(DefinitionsTest, EarlyOutByHand) {
   };
   const double p = (11.0 + 6.0 + 0.0) / 36.0;
   EXPECT_DOUBLE_EQ(at(1).of_mean_p, p);
-  EXPECT_DOUBLE_EQ(at(1).mean_of_p_w, p);
-  EXPECT_DOUBLE_EQ(at(1).counted, p);
+  EXPECT_DOUBLE_EQ(at(1).mean_of_p_w.median, p);
+  EXPECT_DOUBLE_EQ(at(1).counted.median, p);
+  // An object that touches is not rejected.
+  const std::vector<float> minima = {1.0f, 2.0f};
+  EXPECT_DOUBLE_EQ(EarlyOutOf(minima, {{1.0f}}, 1).counted.median, 0.5);
   // Batches of 4: the first query rejects the last two, the second the last one
   // whole, and objects 6 and 7 of the second.
   EXPECT_NEAR(at(4).of_mean_p, std::pow(17.0 / 36.0, 4), 1e-12);
-  EXPECT_NEAR(at(4).mean_of_p_w,
+  EXPECT_NEAR(at(4).mean_of_p_w.median,
               (std::pow(11.0 / 12.0, 4) + std::pow(0.5, 4)) / 3.0, 1e-12);
-  EXPECT_DOUBLE_EQ(at(4).counted, (2.0 / 3.0 + 1.0 / 3.0) / 3.0);
+  EXPECT_DOUBLE_EQ(at(4).counted.median, (2.0 / 3.0 + 1.0 / 3.0) / 3.0);
 }
 
 // A seeded scene, and everything about it by loops over pairs.
@@ -100,11 +104,11 @@ TEST(DefinitionsTest, OfASceneByLoops) {
   const EarlyOut shares =
       EarlyOutOf({scene.objects.view().min[0], 512}, maxima, 4);
   EXPECT_NEAR(shares.of_mean_p, std::pow(sum_p, 4.0), 1e-12);
-  EXPECT_NEAR(shares.mean_of_p_w, sum_p4, 1e-12);
-  EXPECT_NEAR(shares.counted, static_cast<double>(whole) / (64.0 * 128.0),
-              1e-12);
+  EXPECT_NEAR(shares.mean_of_p_w.median, sum_p4, 1e-12);
+  EXPECT_NEAR(shares.counted.median,
+              static_cast<double>(whole) / (64.0 * 128.0), 1e-12);
   // The paper's p^w is too small: p differs between queries.
-  EXPECT_GT(shares.counted, 1.2 * shares.of_mean_p);
+  EXPECT_GT(shares.counted.low, 1.2 * shares.of_mean_p);
 }
 
 TEST(DefinitionsTest, CubesAreAsLooseAsTheirVolumes) {
@@ -126,6 +130,44 @@ TEST(DefinitionsTest, CubesAreAsLooseAsTheirVolumes) {
                survivors);
   EXPECT_EQ(survivors.aabb, 1000.0);
   EXPECT_NEAR(survivors.simplex / survivors.aabb, 4.5, 0.3);
+}
+
+// c of equal balls in a world without an edge is the ratio of the volumes of
+// where their centers may be: (6 + 2 sqrt(3))^3 / 6 over 4^3, for any radius.
+TEST(DefinitionsTest, BallsAreAsLooseAtEverySize) {
+  const double c = std::pow(6.0 + 2.0 * std::sqrt(3.0), 3.0) / 6.0 / 64.0;
+  for (float radius : {0.01f, 30.0f}) {
+    AaboWorld3 balls;
+    for (int i = 0; i < 80 * 80 * 80; ++i) {
+      const auto at = [radius](int j) {
+        return (static_cast<float>(j) - 39.5f) * radius / 6.0f;
+      };
+      balls.Push(BoundSphere<3>(
+          {{at(i % 80), at(i / 80 % 80), at(i / 6400)}, radius}));
+    }
+    PerShape<double> survivors;
+    AddSurvivors(balls.view(), BoundSphere<3>({{0, 0, 0}, radius}), survivors);
+    EXPECT_NEAR(survivors.simplex / survivors.aabb, c, 0.1) << radius;
+  }
+}
+
+TEST(DefinitionsTest, AverageAndItsErrorByHand) {
+  const Ratio mean = MeanOf({1.0, 2.0, 3.0});
+  EXPECT_DOUBLE_EQ(mean.median, 2.0);
+  EXPECT_NEAR(mean.high, 2.0 + 2.0 / std::sqrt(3.0), 1e-12);
+  EXPECT_NEAR(mean.low, 2.0 - 2.0 / std::sqrt(3.0), 1e-12);
+}
+
+TEST(DefinitionsTest, TheFormulaOfThePaperByHand) {
+  // Half of all objects reach the second half-space, a quarter the third.
+  const std::vector<double> reached = {1.0, 0.5, 0.25};
+  EXPECT_DOUBLE_EQ(HalfSpacesByFormula(reached, 1.0), 1.75);
+  EXPECT_DOUBLE_EQ(HalfSpacesByFormula(reached, 2.0),
+                   1.0 + (1.0 - 0.25) + (1.0 - 0.5625));
+  EXPECT_NEAR(HalfSpacesByFormula(reached, 4096.0), 3.0, 1e-12);
+  EXPECT_EQ(WidthFrom(64, [](double w) { return w - 6.5; }), 7u);
+  EXPECT_EQ(WidthFrom(64, [](double w) { return 6.5 - w; }), std::nullopt);
+  EXPECT_EQ(WidthFrom(64, [](double) { return 1.0; }), 1u);
 }
 
 TEST(DefinitionsTest, AdvantageAndLimitsByHand) {

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""page_test.py schema|html PROJECT RUN.json...: that reports are as their schema says,
-and that the page of them is well-formed HTML with what is in them. Exits with 77 where a
-package is missing."""
+"""page_test.py schema|html|claims PROJECT RUN.json...: that reports are as their schema says,
+that the page of them is well-formed HTML with what is in them, and that scripts/results.py
+finds the claims that they do not support. Exits with 77 where a package is missing."""
 
 import html.parser
+import importlib.util
 import json
 import math
 import os
@@ -27,6 +28,27 @@ if check == "schema":
     for error in errors:
         print("/".join(map(str, error.absolute_path)) + ":", error.message[:200])
     sys.exit(bool(errors))
+
+if check == "claims":
+    spec = importlib.util.spec_from_file_location("results", f"{project}/scripts/results.py")
+    results = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(results)
+    stored = results.stored(reports[0], [("mesh", reports[1]), ("", reports[1])])
+    table = {"name": "t", "columns": [{"name": "size", "key": True}, {"name": "ratio"}],
+             "rows": [["1 %", [1.2, 1.1, 1.3, "winner"]], ["3 %", [1.1, 0.9, 1.3]], ["all", 2]]}
+    runs = {"here": {**stored, "tables": [*stored["tables"], table]}}
+    for claim, is_so in (("t | size=1 % | ratio > 1", True), ("t | size=1 % | ratio > 1.15", False),
+                         ("t | size=1 % | ratio < 1.4", True), ("t | size=3 % | ratio > 1", False),
+                         ("t | size=3 % | ratio < 1", False), ("t | size=3 % | ratio = 1", True),
+                         ("t | size=3 % | ratio <= 1", True), ("t | size=1 % | ratio <= 1", False),
+                         ("t | size=all | ratio = 2", True), ("t | size=all | size = all", True),
+                         ("t | | ratio > 0.8", True), ("t | | ratio > 1", False),
+                         ("t | size=9 % | ratio > 1", False),
+                         ("table1 | w=4 096 | simplex > 3.9", True),
+                         ("table1: mesh | w=4 096 | simplex > 4.1", False)):
+        text = f"<!-- run: here --> A sentence.<!-- claim: @ | {claim} -->"
+        assert (results.failed_claims(text, runs) == []) == is_so, claim
+    sys.exit()
 
 
 class Page(html.parser.HTMLParser):

@@ -83,6 +83,14 @@ TEST(SectionsTest, AllHaveWellFormedTables) {
   ASSERT_EQ(early_out.rows.size(), 7u);
   EXPECT_NEAR(ValueOf(early_out, 0, 1), ValueOf(early_out, 0, 3), 1e-9);
   EXPECT_GT(ValueOf(early_out, 1, 3), ValueOf(early_out, 1, 1));
+  const Table& cube = *Find(report, "model: cube");
+  EXPECT_NEAR(ValueOf(cube, 0, 1), ValueOf(cube, 0, 2), 0.2);
+  EXPECT_NEAR(ValueOf(cube, 1, 1), ValueOf(cube, 1, 2), 0.1);
+  // Batches of objects that are sorted stop earlier.
+  const Table& sorted = *Find(report, "table1: sorted objects");
+  for (std::size_t row = 1; row < 4; ++row) {
+    EXPECT_LT(ValueOf(sorted, row, 1), 0.8 * ValueOf(sorted, 0, 1));
+  }
 }
 
 TEST(SectionsTest, ThePageBeginsWithTheVerdictAndHas60Lines) {

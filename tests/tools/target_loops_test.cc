@@ -1,4 +1,5 @@
-// The ceilings: each must move every byte.
+// The ceilings: each must move every byte. The paper's schedules: each must
+// give the right mask.
 #include "bench/baselines/target_loops.h"
 
 #include <gtest/gtest.h>
@@ -10,6 +11,8 @@
 #include <vector>
 
 #include "bench/base/aligned_vector.h"
+#include "bench/worlds/scene.h"
+#include "bench/worlds/working_set.h"
 #include "halfspace/targets.h"
 
 namespace halfspace::bench {
@@ -102,6 +105,21 @@ TEST(StreamCopierTest, ReadsAndWritesEveryByte) {
                                 [](unsigned char byte) { return byte == 1; }))
             << i;
         (*stream)[i] = 0;
+      }
+    }
+  });
+}
+
+// Large objects, so that groups survive every stage.
+TEST(StagedScanTest, EveryWayAgreesWithTheReference) {
+  const std::size_t objects = 2 * kWidestGate + 64;
+  const Workload scene = SceneOfSize(0.1, objects, /*seed=*/5);
+  WorkingSet set(scene, {"test", objects, "", 0});
+  ForEvery(kStageWays, [&](StageWay way, Target target) {
+    for (ShapeKind shape : kShapes) {
+      for (std::size_t planes : {1u, 2u}) {
+        EXPECT_EQ(set.StagedCase("", shape, target, way, planes).check(), "")
+            << NameOf(shape) << ", " << planes;
       }
     }
   });

@@ -54,19 +54,22 @@ void ExpectSurvivors(const std::array<float, 6>& segment,
 }
 
 // From (1, 2, 1) to (2, 1, 1). Boxes keep x, y in {1, 2} with z = 1; the AABO
-// and the prism those of them with x + y = 3. The simplex keeps x, y <= 2,
-// z <= 1 and x + y + z >= 4: 3 with z = 1, and (2, 2, 0). The sphere around
-// (1.5, 1.5, 1) touches the four of the box.
+// and the prism those of them with x + y = 3. Half of the prism keeps x, y <=
+// 2, z <= 1 and x + y >= 3: 3 with z = 0, 3 with z = 1. The simplex keeps x, y
+// <= 2, z <= 1 and x + y + z >= 4: 3 with z = 1, and (2, 2, 0). The sphere
+// around (1.5, 1.5, 1) touches the four of the box.
 TEST(VolumesTest, AreCountedByHandAcrossADiagonal) {
   ExpectSurvivors({1, 2, 1, 2, 1, 1}, {{{Volume::kSimplex, 4},
                                         {Volume::kAabb, 4},
                                         {Volume::kAabo, 2},
                                         {Volume::kSevenSided, 4},
                                         {Volume::kPrism, 2},
+                                        {Volume::kHalfPrism, 6},
                                         {Volume::kSphere, 4}}});
 }
 
-// From (1, 1, 0) to (1, 1, 3). Boxes, the prism and the AABO keep the 4 points
+// From (1, 1, 0) to (1, 1, 3). Boxes, the prism, its half (x, y <= 1 and x + y
+// >= 2 for all z <= 3) and the AABO keep the 4 points
 // of the column. The simplex keeps x, y <= 1 and x + y + z >= 2: 4 of the
 // column, (0, 1, z) and (1, 0, z) for z = 1, 2, 3, and (0, 0, z) for z = 2, 3.
 // The sphere around (1, 1, 1.5) with radius 1.5 keeps of z = 0 and 3 the column
@@ -77,6 +80,7 @@ TEST(VolumesTest, AreCountedByHandAlongAnAxis) {
                                         {Volume::kAabo, 4},
                                         {Volume::kSevenSided, 4},
                                         {Volume::kPrism, 4},
+                                        {Volume::kHalfPrism, 4},
                                         {Volume::kSphere, 20}}});
 }
 

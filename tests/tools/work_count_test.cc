@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "bench/measure/counts.h"
@@ -82,6 +84,22 @@ TEST(WorkCountTest, IsTheDefinition) {
     EXPECT_DOUBLE_EQ(work.simplex[i], ByDefinition(scene, w, NeededBySimplex))
         << w;
     EXPECT_DOUBLE_EQ(work.aabo[i], ByDefinition(scene, w, NeededByAabo)) << w;
+  }
+}
+
+TEST(WorkCountTest, AddsUpToTheHalfSpacesOfSingleObjects) {
+  const WorkCounter counter = Counted(SmallScene(4096, 6));
+  const WorkCount work = counter.Average();
+  for (const auto& [shape, average] :
+       {std::pair(ShapeKind::kAabb, work.aabb[0]),
+        std::pair(ShapeKind::kSimplex, work.simplex[0]),
+        std::pair(ShapeKind::kAabo, work.aabo[0])}) {
+    const std::vector<double> reached = counter.Reached(shape);
+    ASSERT_EQ(reached.size(), PlaneCountOf(shape));
+    EXPECT_EQ(reached[0], 1.0);
+    EXPECT_TRUE(std::is_sorted(reached.rbegin(), reached.rend()));
+    EXPECT_NEAR(std::accumulate(reached.begin(), reached.end(), 0.0), average,
+                1e-12);
   }
 }
 
