@@ -28,7 +28,7 @@ endif()
 # The library once more, as quickly as it can be had: its code is tested
 # elsewhere.
 set(nested_library_options
-  -DCMAKE_BUILD_TYPE=Debug -DHALFSPACE_ONLY_SCALAR=ON
+  -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0 -DHALFSPACE_ONLY_SCALAR=ON
   "-DHALFSPACE_WERROR=${HALFSPACE_WERROR}")
 if(HALFSPACE_BUNDLES_HIGHWAY)
   list(APPEND nested_library_options

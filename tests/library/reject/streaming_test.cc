@@ -11,6 +11,7 @@
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/halfspace.h"
 #include "kernels/scan/kernel_table.h"
+#include "tests/library/support/cases.h"
 #include "tests/library/support/environment.h"
 
 namespace halfspace::testing {
@@ -81,7 +82,7 @@ void Compare(Way flat, Way streaming, std::size_t begin, std::size_t size,
 }
 
 template <typename View>
-void CompareAll(Way flat, Way streaming) {
+void CompareSizes(Way flat, Way streaming) {
   // Whole pages, parts of one, and tiles of 4096 objects; with and without
   // tail.
   for (std::size_t size : {1u, 64u, 1024u, 1088u, 4096u, 9000u}) {
@@ -94,22 +95,27 @@ void CompareAll(Way flat, Way streaming) {
   }
 }
 
+template <typename... Cases>
+void CompareAll(Way flat, Way streaming, ::testing::Types<Cases...>) {
+  (CompareSizes<typename Cases::View>(flat, streaming), ...);
+}
+
 TEST(Streaming, TestsMinimaLikeTheFlatKernel) {
-  CompareAll<SimplexView2>(Way::kMinima, Way::kMinimaStreaming);
-  CompareAll<SimplexView3>(Way::kMinima, Way::kMinimaStreaming);
-  CompareAll<SimplexView<3, double>>(Way::kMinima, Way::kMinimaStreaming);
+  using Cases = ::testing::Types<Whole<SimplexView2>, Whole<SimplexView3>,
+                                 Whole<SimplexView<3, double>>>;
+  CompareAll(Way::kMinima, Way::kMinimaStreaming, Tested<Cases>());
 }
 
 TEST(Streaming, TestsAllPlanesLikeTheFlatKernel) {
-  CompareAll<AabbView2>(Way::kAll, Way::kAllStreaming);
-  CompareAll<AabbView3>(Way::kAll, Way::kAllStreaming);
-  CompareAll<AabbView<3, double>>(Way::kAll, Way::kAllStreaming);
+  using Cases = ::testing::Types<Whole<AabbView2>, Whole<AabbView3>,
+                                 Whole<AabbView<3, double>>>;
+  CompareAll(Way::kAll, Way::kAllStreaming, Tested<Cases>());
 }
 
 TEST(Streaming, TestsBySimplexLikeTheFlatKernel) {
-  CompareAll<AaboView2>(Way::kAll, Way::kBySimplex);
-  CompareAll<AaboView3>(Way::kAll, Way::kBySimplex);
-  CompareAll<AaboView<3, double>>(Way::kAll, Way::kBySimplex);
+  using Cases = ::testing::Types<Whole<AaboView2>, Whole<AaboView3>,
+                                 Whole<AaboView<3, double>>>;
+  CompareAll(Way::kAll, Way::kBySimplex, Tested<Cases>());
 }
 
 }  // namespace
