@@ -2,6 +2,7 @@
 // StreamingPays(), so they are tested here on every machine.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <random>
@@ -116,6 +117,60 @@ TEST(Streaming, TestsBySimplexLikeTheFlatKernel) {
   using Cases = ::testing::Types<Whole<AaboView2>, Whole<AaboView3>,
                                  Whole<AaboView<3, double>>>;
   CompareAll(Way::kAll, Way::kBySimplex, Tested<Cases>());
+}
+
+// A world of regions, each with its density of survivors: kAdaptive goes up and
+// down through its steps, and each of them, and each change, must keep the
+// bits.
+template <typename View>
+void CompareRegions(std::size_t queries) {
+  using Bound = typename View::Bound;
+  using Query = typename View::Query;
+  // Half sizes of objects in a unit world; two regions of each.
+  constexpr float kRegions[] = {0.001f, 0.2f,   0.015f, 0.6f, 0.001f,
+                                0.05f,  0.001f, 0.015f, 0.2f};
+  constexpr std::size_t kRegionObjects = 5000;
+  std::mt19937 random(7);
+  World<View> world;
+  for (float half_size : kRegions) {
+    for (std::size_t i = 0; i < kRegionObjects; ++i) {
+      world.Push(RandomBound<Bound>(random, half_size));
+    }
+  }
+  std::vector<Query> all(queries);
+  for (Query& query : all) query = Query(RandomBound<Bound>(random, 0.01f));
+  std::vector<std::uint64_t> expected(queries * MaskWords(world.size()));
+  std::vector<std::uint64_t> found(expected.size());
+  for (Target target : TargetsUnderTest()) {
+    for (std::size_t begin : {0u, 1u, 44000u}) {
+      Options options{.target = target, .range = {begin, world.size()}};
+      options.row_words = MaskWords(world.size());
+      for (Schedule schedule : {Schedule::kFlat, Schedule::kAuto,
+                                Schedule::kStaged, Schedule::kStagedByAxis}) {
+        options.schedule = schedule;
+        auto& rows = schedule == Schedule::kFlat ? expected : found;
+        std::fill(rows.begin(), rows.end(), std::uint64_t{0x5555});
+        SurvivorMasks(world, all, rows, options);
+        if (schedule == Schedule::kFlat) continue;
+        EXPECT_EQ(found, expected)
+            << target.name() << ": schedule " << static_cast<int>(schedule)
+            << " from " << begin;
+      }
+    }
+  }
+}
+
+template <typename... Cases>
+void CompareAllRegions(::testing::Types<Cases...>) {
+  (CompareRegions<typename Cases::View>(1), ...);
+  (CompareRegions<typename Cases::View>(19), ...);
+}
+
+TEST(Schedules, AgreeWhereTheDensityChanges) {
+  using Cases =
+      ::testing::Types<Whole<AabbView2>, Whole<AabbView3>, Whole<AaboView3>,
+                       Whole<AabbView<3, double>>, Whole<AabbView<4>>>;
+  CompareAllRegions(Tested<Cases>());
 }
 
 }  // namespace
