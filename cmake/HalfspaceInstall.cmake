@@ -5,6 +5,13 @@
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
+# halfspace_folder_in(<result> <prefix> <name>): the folder CMAKE_INSTALL_<name>, which
+# is absolute or in the prefix.
+function(halfspace_folder_in result prefix name)
+  cmake_path(APPEND prefix "${CMAKE_INSTALL_${name}}" OUTPUT_VARIABLE folder)
+  set(${result} "${folder}" PARENT_SCOPE)
+endfunction()
+
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/halfspace")
 
 # What a C compiler does not link by itself, and the static library needs.
@@ -46,9 +53,18 @@ install(FILES
   "${CMAKE_CURRENT_BINARY_DIR}/halfspaceConfigVersion.cmake"
   DESTINATION "${package_dir}" COMPONENT halfspace_development)
 
-file(RELATIVE_PATH HALFSPACE_PC_PREFIX
-     "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_PREFIX}")
-string(REGEX REPLACE "/$" "" HALFSPACE_PC_PREFIX "${HALFSPACE_PC_PREFIX}")
+# Relative to the file itself, so that the tree can be moved. An absolute folder stays
+# where it is.
+if(IS_ABSOLUTE "${CMAKE_INSTALL_LIBDIR}")
+  set(HALFSPACE_PC_PREFIX "${CMAKE_INSTALL_PREFIX}")
+else()
+  file(RELATIVE_PATH HALFSPACE_PC_PREFIX
+       "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_PREFIX}")
+  string(REGEX REPLACE "/$" "" HALFSPACE_PC_PREFIX "${HALFSPACE_PC_PREFIX}")
+  string(PREPEND HALFSPACE_PC_PREFIX "\${pcfiledir}/")
+endif()
+halfspace_folder_in(HALFSPACE_PC_LIBDIR "\${prefix}" LIBDIR)
+halfspace_folder_in(HALFSPACE_PC_INCLUDEDIR "\${prefix}" INCLUDEDIR)
 configure_file("${CMAKE_CURRENT_LIST_DIR}/halfspace.pc.in" halfspace.pc @ONLY)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/halfspace.pc"
         DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig"

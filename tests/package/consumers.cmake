@@ -167,6 +167,19 @@ add_nested_build_test(package.alone "${PROJECT_SOURCE_DIR}"
 set_tests_properties(package.alone PROPERTIES
   FAIL_REGULAR_EXPRESSION "cpuinfo-bench|example_quick_start|hash_test")
 
+# Folders of the installation that are absolute.
+set(folder "${CMAKE_CURRENT_BINARY_DIR}/absolute")
+add_nested_build_test(package.absolute_folders "${PROJECT_SOURCE_DIR}"
+  OPTIONS ${nested_library_options} "-DHALFSPACE_BUILD_TOOLS=${HALFSPACE_BUILD_TOOLS}"
+    -DHALFSPACE_BENCH_COMPETITORS=OFF -DCMAKE_SKIP_RPATH=ON
+    "-DCMAKE_INSTALL_BINDIR=${folder}/bin" "-DCMAKE_INSTALL_LIBDIR=${folder}/lib"
+    "-DCMAKE_INSTALL_INCLUDEDIR=${folder}/include"
+    "-DCMAKE_INSTALL_MANDIR=${folder}/man"
+  TARGET help
+  COMMAND ${CMAKE_COMMAND} "-DFOLDER=${folder}" "-DPKG_CONFIG=${HALFSPACE_PKG_CONFIG}"
+    "-DHAS_TOOL=${HALFSPACE_BUILD_TOOLS}"
+    -P "${CMAKE_CURRENT_SOURCE_DIR}/absolute_folders.cmake")
+
 # Without Highway either, the error says what to install.
 add_nested_build_test(package.without_highway "${PROJECT_SOURCE_DIR}"
   OPTIONS -DCMAKE_DISABLE_FIND_PACKAGE_highway=ON
