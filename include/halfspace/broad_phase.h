@@ -354,7 +354,7 @@ class BroadPhase {
   // Calls function(std::uint32_t a, std::uint32_t b) for the pairs of a body of
   // the set, which is `a`, and any other body, if the masks and the filter keep
   // them. The function returns nothing or a Visit. A pair of two bodies of the
-  // set is found once. An id may be given twice.
+  // set is found once, in either order. An id may be given twice.
   //
   // Two bodies are a pair if their bounds are at most `margin` apart on each of
   // X, Y and Z, and kDimensions * `margin` on D, without rounding. Must be
