@@ -70,11 +70,29 @@ install(FILES "${CMAKE_CURRENT_BINARY_DIR}/halfspace.pc"
         DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig"
         COMPONENT halfspace_development)
 
-# The headers name pages of docs/, which show pictures.
+# The headers name pages of docs/, which show pictures, and have links to headers, to
+# examples and to other sources. The last are not installed, so their link becomes text.
 install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
-install(DIRECTORY docs/ DESTINATION "${CMAKE_INSTALL_DOCDIR}"
+file(RELATIVE_PATH doc_to_include
+     "${CMAKE_INSTALL_FULL_DOCDIR}" "${CMAKE_INSTALL_FULL_INCLUDEDIR}")
+file(GLOB pages CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/docs/*.md")
+foreach(page IN LISTS pages)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${page}")
+  cmake_path(GET page FILENAME name)
+  file(READ "${page}" text)
+  string(REPLACE "](../include/" "](${doc_to_include}/" text "${text}")
+  string(REPLACE "](../examples/" "](examples/" text "${text}")
+  string(REGEX REPLACE "\\[([^]]*)\\]\\(\\.\\./([a-z][^)]*)\\)"
+         "\\1 (\\2 in the sources)" text "${text}")
+  file(CONFIGURE OUTPUT "installed_docs/${name}" CONTENT "${text}" @ONLY)
+endforeach()
+install(DIRECTORY docs/ "${CMAKE_CURRENT_BINARY_DIR}/installed_docs/"
+        DESTINATION "${CMAKE_INSTALL_DOCDIR}"
         COMPONENT halfspace_development
-        FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg")
+        FILES_MATCHING PATTERN "*.png" PATTERN "*.svg" PATTERN "*.json"
+        REGEX "/installed_docs/.*[.]md$")
+install(DIRECTORY examples/ DESTINATION "${CMAKE_INSTALL_DOCDIR}/examples"
+        COMPONENT halfspace_development PATTERN CMakeLists.txt EXCLUDE)
 
 if(PROJECT_IS_TOP_LEVEL)
   include(HalfspacePackage)
