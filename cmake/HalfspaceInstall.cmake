@@ -15,12 +15,11 @@ endfunction()
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/halfspace")
 
 # What a C compiler does not link by itself, and the static library needs.
-set(HALFSPACE_PC_PRIVATE_LIBS "")
-foreach(library IN LISTS CMAKE_CXX_IMPLICIT_LINK_LIBRARIES)
-  if(library MATCHES "^(stdc\\+\\+|c\\+\\+|c\\+\\+abi|m)$")
-    string(APPEND HALFSPACE_PC_PRIVATE_LIBS " -l${library}")
-  endif()
-endforeach()
+set(HALFSPACE_CXX_RUNTIME "${CMAKE_CXX_IMPLICIT_LINK_LIBRARIES}")
+list(FILTER HALFSPACE_CXX_RUNTIME INCLUDE REGEX "^(stdc\\+\\+|c\\+\\+|c\\+\\+abi|m)$")
+list(REMOVE_DUPLICATES HALFSPACE_CXX_RUNTIME)
+list(TRANSFORM HALFSPACE_CXX_RUNTIME PREPEND " -l" OUTPUT_VARIABLE HALFSPACE_PC_PRIVATE_LIBS)
+list(JOIN HALFSPACE_PC_PRIVATE_LIBS "" HALFSPACE_PC_PRIVATE_LIBS)
 
 set(HALFSPACE_PC_DEFINITIONS "")
 get_target_property(library_type halfspace TYPE)

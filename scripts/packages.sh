@@ -42,7 +42,7 @@ as_root() {
 # run it as root.
 require_root() {
   if [ "$(id -u)" -eq 0 ] || command -v sudo >/dev/null; then return; fi
-  say "This needs root, and there is no sudo. As root, run: $1"
+  say "Packages are missing. Their installation needs root, and there is no sudo. As root, run: $1"
   exit 1
 }
 
@@ -65,8 +65,8 @@ install_packages() {
   done
   if [ "${#missing[@]}" -eq 0 ]; then return; fi
 
-  say "These packages are missing and will be installed: ${missing[*]}"
   require_root "apt-get install ${missing[*]}"
+  say "These packages are missing and will be installed: ${missing[*]}"
   step "apt-get update" as_root apt-get -q update
   step "apt-get install" as_root env DEBIAN_FRONTEND=noninteractive \
     apt-get -q -y --no-install-recommends install "${missing[@]}"

@@ -1,5 +1,6 @@
 # Run in a build that was configured with absolute folders, which are in FOLDER: the
-# pkg-config file names them, and the tool's pages and scripts are installed there.
+# pkg-config file names them, and the tool is installed there, with its pages and its
+# script, if it was built.
 # PKG_CONFIG and HAS_TOOL say what there is to check.
 cmake_policy(VERSION 3.25)
 
@@ -19,12 +20,15 @@ if(PKG_CONFIG)
 endif()
 
 if(HAS_TOOL)
-  # A file in the place of the tool, which is not built.
+  set(install_tool ${CMAKE_COMMAND} --install . --prefix prefix --component halfspace_tools)
+  file(REMOVE_RECURSE bench/cpuinfo-bench "${FOLDER}")
+  execute_process(COMMAND ${install_tool} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+  if(EXISTS "${FOLDER}")
+    message(SEND_ERROR "The tool was not built, and something of it is installed")
+  endif()
+  # A file in the place of the tool.
   file(WRITE bench/cpuinfo-bench "")
-  file(REMOVE_RECURSE prefix "${FOLDER}")
-  execute_process(
-    COMMAND ${CMAKE_COMMAND} --install . --prefix prefix --component halfspace_tools
-    OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND ${install_tool} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
   foreach(file bin/cpuinfo-bench bin/cpuinfo-bench-report man/man1/cpuinfo-bench.1
                man/man1/cpuinfo-bench-report.1)
     if(NOT EXISTS "${FOLDER}/${file}")
