@@ -25,7 +25,8 @@ page_test_packages=(python3 python3-jsonschema)
 # shellcheck disable=SC2034
 python_packages=(
   mypy pybind11-dev python3-dev python3-distributed python3-matplotlib python3-numpy
-  python3-pip python3-pytest python3-setuptools python3-shapely python3-venv)
+  python3-pip python3-pytest python3-setuptools python3-shapely python3-venv
+  python3-wheel)
 
 # Runs a command as root; without a terminal it fails rather than asks.
 as_root() {
