@@ -19,7 +19,8 @@ kernel of every target that the machine can run, each call and each builder.
           and their fixed-width forms, the tests of what differs there, at a
           hundredth of their scale
 
-Other arguments are those of ctest, as in ./test.sh -R Range.
+Other arguments are options of ctest that choose tests and what is printed, as in
+./test.sh -R Range.
 HALFSPACE_TEST_SCALE=0.1 makes random tests a tenth as long, here and natively.'
 
 preset=release
@@ -35,6 +36,24 @@ while [ $# -gt 0 ]; do
     *) break ;;
   esac
   shift
+done
+
+# The options of ctest that may follow. Before anything is installed.
+for argument in "$@"; do
+  case ${argument%%=*} in
+    -E | -FA | -FC | -FS | -I | -L | -LE | -N | -O | -Q | -R | -U | -V | -VV | -j | -j[0-9]*) ;;
+    --exclude-regex | --label-exclude | --label-regex | --tests-regex | --union) ;;
+    --fixture-exclude-any | --fixture-exclude-cleanup | --fixture-exclude-setup) ;;
+    --extra-verbose | --no-label-summary | --output-junit | --output-log) ;;
+    --output-on-failure | --print-labels | --progress | --quiet | --show-only) ;;
+    --max-width | --parallel | --repeat | --rerun-failed | --schedule-random) ;;
+    --stop-on-failure | --stop-time | --test-load | --timeout | --verbose) ;;
+    -*)
+      say "./test.sh: \"$argument\" is no option of it, and none of ctest that it passes on." \
+        "./test.sh --help lists its own."
+      exit 2
+      ;;
+  esac
 done
 
 if [ "$is_full" ]; then

@@ -131,12 +131,11 @@ cpuinfo-bench-report draws its reports as a page of HTML."
   set(CPACK_DEBIAN_HALFSPACE_TOOLS_PACKAGE_DEPENDS "python3:any")
   # Debian has pages of the manual compressed, and one Python.
   install(CODE "
-    set(root \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\")
-    file(GLOB pages \"\${root}/${CMAKE_INSTALL_MANDIR}/man1/*.1\")
+    file(GLOB pages \"\$ENV{DESTDIR}${HALFSPACE_INSTALL_MANDIR}/man1/*.1\")
     execute_process(COMMAND \"${HALFSPACE_GZIP}\" -9nf \${pages}
                     COMMAND_ERROR_IS_FATAL ANY)
     execute_process(COMMAND sed -i \"1s|.*|#!/usr/bin/python3|\"
-                            \"\${root}/${CMAKE_INSTALL_BINDIR}/cpuinfo-bench-report\"
+                            \"\$ENV{DESTDIR}${HALFSPACE_INSTALL_BINDIR}/cpuinfo-bench-report\"
                     COMMAND_ERROR_IS_FATAL ANY)"
     COMPONENT halfspace_tools EXCLUDE_FROM_ALL)
 endif()

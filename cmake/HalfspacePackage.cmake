@@ -2,15 +2,19 @@
 # per architecture, to unpack and run on a machine that has nothing but glibc, or
 # Debian packages.
 
+foreach(name BINDIR DOCDIR LIBDIR MANDIR)
+  halfspace_folder_in(HALFSPACE_INSTALL_${name} "\${CMAKE_INSTALL_PREFIX}" ${name})
+endforeach()
+
 if(TARGET cpuinfo-bench)
   # Whoever built the library alone installs it alone.
   install(TARGETS cpuinfo-bench OPTIONAL COMPONENT halfspace_tools)
   install(CODE "if(EXISTS \"$<TARGET_FILE:cpuinfo-bench>\")
   file(INSTALL \"${PROJECT_SOURCE_DIR}/docs/cpuinfo-bench.1\"
        \"${PROJECT_SOURCE_DIR}/docs/cpuinfo-bench-report.1\"
-       DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1\")
+       DESTINATION \"${HALFSPACE_INSTALL_MANDIR}/man1\")
   file(INSTALL \"${PROJECT_SOURCE_DIR}/bench/cpuinfo-bench-report\"
-       DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}\"
+       DESTINATION \"${HALFSPACE_INSTALL_BINDIR}\"
        USE_SOURCE_PERMISSIONS)
 endif()" COMPONENT halfspace_tools)
 
@@ -48,8 +52,8 @@ endif()
 
 if(TARGET cpuinfo-bench)
   # RPATH, not RUNPATH, so that the libraries beside it find each other too.
-  file(RELATIVE_PATH bin_to_libraries "/${CMAKE_INSTALL_BINDIR}"
-       "/${CMAKE_INSTALL_LIBDIR}/halfspace")
+  file(RELATIVE_PATH bin_to_libraries "${CMAKE_INSTALL_FULL_BINDIR}"
+       "${CMAKE_INSTALL_FULL_LIBDIR}/halfspace")
   set_target_properties(cpuinfo-bench PROPERTIES
     INSTALL_RPATH "$ORIGIN/${bin_to_libraries}")
   target_link_options(cpuinfo-bench PRIVATE

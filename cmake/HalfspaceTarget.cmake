@@ -30,6 +30,17 @@ function(halfspace_configure_target target)
   endif()
 endfunction()
 
+# halfspace_require(<package> <option> <debian package>): finds what the option needs, or
+# says how to install it. A macro, as find_package() sets variables.
+macro(halfspace_require package option debian)
+  find_package(${package} QUIET)
+  if(NOT ${package}_FOUND)
+    message(FATAL_ERROR "halfspace: ${option} needs ${package}, which is not here.\n"
+      "On Debian and Ubuntu: apt install ${debian}\n"
+      "./test.sh and ./bench.sh install what they need.")
+  endif()
+endmacro()
+
 # Forbids the compiler's own vectorisation.
 function(halfspace_keep_scalar target)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")

@@ -1,6 +1,7 @@
 // The programs of docs/porting.md: rules for pairs, a frame, contacts, and a
 // cast, as the broad phases of Jolt, Box2D and bepuphysics2 have them.
 #include <halfspace/broad_phase.h>
+#include <halfspace/span.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -36,6 +37,29 @@ void Frame(halfspace::AabbBroadPhase3& bodies,
   bodies.Move(active, bounds);  // or a part of them on each thread
   bodies.Update();
   bodies.ForEachPairOf(active, distance, add);
+}
+
+// The same for one batch of Jolt's active bodies, on any thread. place[id] is
+// the index of a body in the list of active bodies, and 0xffffffff if it is not
+// active. The batch is the part of that list from `first` on.
+//
+// Jolt accepts (a, b) only if place[a] < place[b]. A pair of two bodies of the
+// batch comes once, in either order, so it is put in this order. If only `a` is
+// in the batch, the pair must stay as it is: if `b` is active, the batch that
+// `b` is in finds (b, a).
+template <typename Add>
+void FindCollidingPairs(const halfspace::AabbBroadPhase3& bodies,
+                        halfspace::Span<const std::uint32_t> batch,
+                        std::uint32_t first,
+                        const std::vector<std::uint32_t>& place, float distance,
+                        const Add& add) {
+  const auto in_batch = [&](std::uint32_t id) {
+    return place[id] >= first && place[id] - first < batch.size();
+  };
+  bodies.ForEachPairOf(batch, distance, [&](std::uint32_t a, std::uint32_t b) {
+    if (in_batch(b) && place[b] < place[a]) std::swap(a, b);
+    add(a, b);
+  });
 }
 
 // The body that a moving box hits first. `exact` returns the fraction of the
@@ -109,6 +133,29 @@ int main() {
   const std::vector<std::pair<std::uint32_t, std::uint32_t>> expected = {
       {0, 1}, {0, 2}, {0, 3}, {0, 4}, {1, 2}};
 
+  // Jolt finds the same pairs, each once, in batches of any size of a list in
+  // any order.
+  bool as_jolt = true;
+  std::vector<std::uint32_t> list = active;
+  do {
+    std::vector<std::uint32_t> place(group.size(), 0xffffffff);
+    for (std::uint32_t i = 0; i < list.size(); ++i) place[list[i]] = i;
+    for (std::uint32_t size = 1; size <= list.size(); ++size) {
+      std::vector<std::pair<std::uint32_t, std::uint32_t>> accepted;
+      for (std::uint32_t first = 0; first < list.size(); first += size) {
+        const auto end = std::min<std::size_t>(first + size, list.size());
+        FindCollidingPairs(bodies, {list.data() + first, end - first}, first,
+                           place, 0.02f, [&](std::uint32_t a, std::uint32_t b) {
+                             // As Body::sFindCollidingPairsCanCollide.
+                             if (place[a] < place[b])
+                               accepted.push_back(std::minmax(a, b));
+                           });
+      }
+      std::sort(accepted.begin(), accepted.end());
+      as_jolt = as_jolt && accepted == expected;
+    }
+  } while (std::next_permutation(list.begin(), list.end()));
+
   // From the left: body 1 comes first, but its shape is missed.
   const std::uint32_t hit = FirstHit(
       bodies, {{-9, 0.25f, 0.25f}, {-8, 0.75f, 0.75f}}, {20, 0, 0},
@@ -117,7 +164,7 @@ int main() {
 
   std::printf("%zu pairs, %zu contacts, the cast hits body %u\n", pairs.size(),
               contacts.list.size(), hit);
-  return none && pairs == expected && hit == 2 &&
+  return none && as_jolt && pairs == expected && hit == 2 &&
                  std::equal(expected.begin(), expected.end(),
                             contacts.list.begin(), contacts.list.end())
              ? 0

@@ -10,7 +10,8 @@ usage='usage: scripts/debs.sh
 
 Makes the Debian packages in build/debian/packages, and checks them with lintian. Then
 installs each in an empty Debian of the same release, in a temporary folder, and runs
-what it contains there. Needs root, and installs what is missing on this machine.'
+what it contains there. Runs the lines at the top of the README in another one. Needs
+root, and installs what is missing on this machine.'
 
 if [ $# -gt 0 ]; then
   case $1 in
@@ -47,10 +48,11 @@ step "an empty Debian" mmdebstrap --quiet --variant=apt --mode=root \
   --skip=cleanup/apt/lists --dpkgopt=force-unsafe-io \
   "$(. /etc/os-release && echo "$VERSION_CODENAME")" "$empty/debian"
 mkdir "$empty/debian/try"
+cp -a "$empty/debian" "$empty/readme"
 cp -r "$debs"/*.deb "$root/tests/package/consumer" "$root/examples/quick_start.cc" \
   "$empty/debian/try"
 
-# try NAME: runs the commands of stdin in the empty Debian. There `install` installs
+# try NAME [FOLDER]: runs the commands of stdin in the empty Debian. There `install` installs
 # packages, or files of packages, with what they depend on.
 try() {
   {
@@ -58,11 +60,19 @@ try() {
       '  apt-get -q -y --no-install-recommends install "$@" >install.log 2>&1 && return' \
       '  cat install.log; return 1' '}'
     cat
-  } >"$empty/debian/try/commands"
-  step "$1" chroot "$empty/debian" /usr/bin/env -i \
+  } >"$empty/${2-debian}/try/commands"
+  step "$1" chroot "$empty/${2-debian}" /usr/bin/env -i \
     PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
     /bin/bash -euo pipefail /try/commands
 }
+
+mkdir "$empty/readme/try/halfspace"
+tar -C "$root" --exclude=./build --exclude=./.git -c . |
+  tar -C "$empty/readme/try/halfspace" -x
+for language in c++ python; do
+  try "README.md, $language" readme <<<"$(
+    bash "$root/tests/package/readme_lines.sh" "$language" "$root")"
+done
 
 try "halfspace-tools" <<'END'
 install ./halfspace-tools_*.deb
@@ -86,9 +96,9 @@ assert list(tree.query([0.5, 0.5, 0.5, 0.6, 0.6, 0.6])) == [0]'
 END
 
 try "libhalfspace0 and libhalfspace-dev" <<'END'
-install ./libhalfspace0_*.deb
+install ./libhalfspace0_*.deb ./libhalfspace-dev_*.deb
 ldconfig -p | grep libhalfspace.so.0
-install ./libhalfspace-dev_*.deb cmake g++ make pkg-config
+install cmake g++ make pkg-config
 
 cmake -S consumer -B by-cmake
 cmake --build by-cmake --target usual_flags static

@@ -25,7 +25,8 @@ page_test_packages=(python3 python3-jsonschema)
 # shellcheck disable=SC2034
 python_packages=(
   mypy pybind11-dev python3-dev python3-distributed python3-matplotlib python3-numpy
-  python3-pip python3-pytest python3-setuptools python3-shapely python3-venv)
+  python3-pip python3-pytest python3-setuptools python3-shapely python3-venv
+  python3-wheel)
 
 # Runs a command as root; without a terminal it fails rather than asks.
 as_root() {
@@ -42,7 +43,7 @@ as_root() {
 # run it as root.
 require_root() {
   if [ "$(id -u)" -eq 0 ] || command -v sudo >/dev/null; then return; fi
-  say "This needs root, and there is no sudo. As root, run: $1"
+  say "Packages are missing. Their installation needs root, and there is no sudo. As root, run: $1"
   exit 1
 }
 
@@ -65,8 +66,8 @@ install_packages() {
   done
   if [ "${#missing[@]}" -eq 0 ]; then return; fi
 
-  say "These packages are missing and will be installed: ${missing[*]}"
   require_root "apt-get install ${missing[*]}"
+  say "These packages are missing and will be installed: ${missing[*]}"
   step "apt-get update" as_root apt-get -q update
   step "apt-get install" as_root env DEBIAN_FRONTEND=noninteractive \
     apt-get -q -y --no-install-recommends install "${missing[@]}"

@@ -11,12 +11,15 @@
 //   bodies.ForEach(query_box, ~std::uint64_t{0},  // all categories
 //                  [](std::uint32_t id, const halfspace::Aabb3& box) {});
 //
-// Bounds are boxes or octahedra of floats in 2 or 3 dimensions. A broad phase
-// keeps the bound of each body, and a BVH (bvh.h) of bounds that are larger by
-// a margin. The margin and the history change no answer. A query finds the
-// bodies that it would find in a Bvh of the bodies' own bounds, each at most
-// once. A cast finds the same t. NaN, empty, inverted and infinite bounds mean
-// the same as in reject.h.
+// Bounds are boxes or octahedra of floats in 2 or 3 dimensions. Builders
+// (fit.h) return octahedra: BoundSphere(sphere) is a bound of an
+// AaboBroadPhase3, and BoundSphere(sphere).aabb() one of an AabbBroadPhase3.
+//
+// A broad phase keeps the bound of each body, and a BVH (bvh.h) of bounds that
+// are larger by a margin. The margin and the history change no answer. A query
+// finds the bodies that it would find in a Bvh of the bodies' own bounds, each
+// at most once. A cast finds the same t. NaN, empty, inverted and infinite
+// bounds mean the same as in reject.h.
 //
 // Thread safety:
 // - Queries, casts, ForEachPairOf(), Has(), Get(), MasksOf(), Bounds() and
@@ -164,6 +167,9 @@ bool CallWithPair(void* function, std::uint32_t a, std::uint32_t b) {
 
 }  // namespace detail
 
+// The moving bodies of a simulation, under the caller's ids. The top of
+// broad_phase.h has an example, and says which calls may run at the same time.
+//
 // Errors (error.h): `max_ids` is more than 2^29; the margin is negative or not
 // finite; an id is not below max_ids(), is inserted twice, or is not that of a
 // body; a list is null, misaligned, or has another size than `ids`; the errors
@@ -360,7 +366,7 @@ class BroadPhase {
   // Calls function(std::uint32_t a, std::uint32_t b) for the pairs of a body of
   // the set, which is `a`, and any other body, if the masks and the filter keep
   // them. The function returns nothing or a Visit. A pair of two bodies of the
-  // set is found once. An id may be given twice.
+  // set is found once, in either order. An id may be given twice.
   //
   // Two bodies are a pair if their bounds are at most `margin` apart on each of
   // X, Y and Z, and kDimensions * `margin` on D, without rounding. Must be

@@ -2,6 +2,7 @@
 //
 //   const halfspace::Sphere3 sphere = {{0, 0, 0}, 1.5f};
 //   const halfspace::Aabo3 bound = halfspace::BoundSphere(sphere);
+//   const halfspace::Aabb3 box = bound.aabb();  // for an AabbWorld3
 //
 // No overlap is ever missed. A builder takes every finite input number as an
 // exact real number, and its bound encloses the exact set that these numbers

@@ -3,6 +3,7 @@
 //
 //   halfspace::AabbWorld3 world;
 //   world.Push({{0, 0, 0}, {1, 1, 1}});
+//   world.Push(halfspace::BoundSphere(sphere).aabb());  // fit.h
 //   const std::size_t n = halfspace::CountSurvivors(world, query);  // reject.h
 //
 // A world of n objects has one array of n floats or n doubles for each plane.

@@ -92,17 +92,24 @@ set_tests_properties(package.install PROPERTIES
   LABELS package FIXTURES_SETUP package.installed)
 add_consumer_tests(package.installed "${prefix}")
 
-# Its shared sibling, built without the tool that could be installed with it.
+# Its shared sibling, built by the README's lines.
+set(folder "${CMAKE_CURRENT_BINARY_DIR}/readme")
+set(expected "object 0 may be touched")
+if(CMAKE_CROSSCOMPILING)
+  set(expected "")  # The lines compile the program for this machine.
+endif()
+add_test(NAME package.readme
+  COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/run_readme_lines.sh" c++
+    "${PROJECT_SOURCE_DIR}" "${folder}" "${expected}"
+    --fresh -G "${CMAKE_GENERATOR}" ${nested_options} ${nested_library_options}
+    -DHALFSPACE_SHARED=ON "-DHALFSPACE_C=${HALFSPACE_C}")
+set_tests_properties(package.readme PROPERTIES
+  LABELS package FIXTURES_SETUP package.readme)
 set(prefix "${CMAKE_CURRENT_BINARY_DIR}/shared")
-install_command(install . "${prefix}")
-add_nested_build_test(package.install_shared "${PROJECT_SOURCE_DIR}"
-  OPTIONS ${nested_library_options} -DHALFSPACE_SHARED=ON
-    "-DHALFSPACE_C=${HALFSPACE_C}"
-    "-DHALFSPACE_BUILD_TOOLS=${HALFSPACE_BUILD_TOOLS}"
-  TARGET halfspace
-  COMMAND ${install})
+install_command(install "${folder}/build" "${prefix}")
+add_test(NAME package.install_shared COMMAND ${install})
 set_tests_properties(package.install_shared PROPERTIES
-  FIXTURES_SETUP package.shared)
+  LABELS package FIXTURES_REQUIRED package.readme FIXTURES_SETUP package.shared)
 add_consumer_tests(package.shared "${prefix}")
 
 set(shared_library "${prefix}/${CMAKE_INSTALL_LIBDIR}/libhalfspace.so")
@@ -167,6 +174,19 @@ add_nested_build_test(package.alone "${PROJECT_SOURCE_DIR}"
 set_tests_properties(package.alone PROPERTIES
   FAIL_REGULAR_EXPRESSION "cpuinfo-bench|example_quick_start|hash_test")
 
+# Folders of the installation that are absolute.
+set(folder "${CMAKE_CURRENT_BINARY_DIR}/absolute")
+add_nested_build_test(package.absolute_folders "${PROJECT_SOURCE_DIR}"
+  OPTIONS ${nested_library_options} "-DHALFSPACE_BUILD_TOOLS=${HALFSPACE_BUILD_TOOLS}"
+    -DHALFSPACE_BENCH_COMPETITORS=OFF -DCMAKE_SKIP_RPATH=ON
+    "-DCMAKE_INSTALL_BINDIR=${folder}/bin" "-DCMAKE_INSTALL_LIBDIR=${folder}/lib"
+    "-DCMAKE_INSTALL_INCLUDEDIR=${folder}/include"
+    "-DCMAKE_INSTALL_MANDIR=${folder}/man"
+  TARGET help
+  COMMAND ${CMAKE_COMMAND} "-DFOLDER=${folder}" "-DPKG_CONFIG=${HALFSPACE_PKG_CONFIG}"
+    "-DHAS_TOOL=${HALFSPACE_BUILD_TOOLS}"
+    -P "${CMAKE_CURRENT_SOURCE_DIR}/absolute_folders.cmake")
+
 # Without Highway either, the error says what to install.
 add_nested_build_test(package.without_highway "${PROJECT_SOURCE_DIR}"
   OPTIONS -DCMAKE_DISABLE_FIND_PACKAGE_highway=ON
@@ -174,3 +194,38 @@ add_nested_build_test(package.without_highway "${PROJECT_SOURCE_DIR}"
   COMMAND ${CMAKE_COMMAND} -E true)
 set_tests_properties(package.without_highway PROPERTIES
   PASS_REGULAR_EXPRESSION "not installed, and there is no git.*libhwy-dev")
+
+# Nor are others of CMake's own messages the last word.
+add_nested_build_test(package.without_gtest "${PROJECT_SOURCE_DIR}"
+  OPTIONS ${nested_library_options} -DHALFSPACE_BUILD_TESTS=ON
+    -DCMAKE_DISABLE_FIND_PACKAGE_GTest=ON
+  COMMAND ${CMAKE_COMMAND} -E true)
+set_tests_properties(package.without_gtest PROPERTIES
+  PASS_REGULAR_EXPRESSION "HALFSPACE_BUILD_TESTS needs GTest.*libgtest-dev")
+add_test(NAME package.without_ninja
+  COMMAND ${CMAKE_COMMAND} -E env --unset=CMAKE_MAKE_PROGRAM PATH=/nonexistent
+    ${CMAKE_COMMAND} --preset release -B "${CMAKE_CURRENT_BINARY_DIR}/without_ninja"
+  WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+set_tests_properties(package.without_ninja PROPERTIES LABELS package
+  PASS_REGULAR_EXPRESSION "halfspace: .* Ninja.*apt install ninja-build")
+
+# A project in C that enables no C++.
+add_nested_build_test(package.c_only.subproject "${CMAKE_CURRENT_SOURCE_DIR}/c_only"
+  OPTIONS ${nested_library_options} "-DHALFSPACE_SOURCES=${PROJECT_SOURCE_DIR}"
+  COMMAND ${CMAKE_COMMAND} -E true)
+set_tests_properties(package.c_only.subproject PROPERTIES
+  PASS_REGULAR_EXPRESSION "has to enable C\\+\\+.*LANGUAGES C CXX")
+if(HALFSPACE_C)
+  foreach(tree_and_prefix "package.installed installed" "package.shared shared")
+    separate_arguments(words UNIX_COMMAND "${tree_and_prefix}")
+    list(POP_FRONT words tree prefix)
+    add_nested_build_test(${tree}.c_only "${CMAKE_CURRENT_SOURCE_DIR}/c_only"
+      OPTIONS "-DCMAKE_PREFIX_PATH=${CMAKE_CURRENT_BINARY_DIR}/${prefix}"
+      COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} ./in_c)
+    set_tests_properties(${tree}.c_only PROPERTIES FIXTURES_REQUIRED ${tree})
+  endforeach()
+endif()
+
+add_test(NAME package.scripts
+  COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/scripts.sh" "${PROJECT_SOURCE_DIR}")
+set_tests_properties(package.scripts PROPERTIES LABELS package)

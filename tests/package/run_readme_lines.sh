@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# run_readme_lines.sh LANGUAGE SOURCES FOLDER EXPECTED [CMAKE OPTION...]: runs the lines
+# of readme_lines.sh in FOLDER, except the line of apt. The last one must print EXPECTED.
+# If EXPECTED is empty, runs only the lines of cmake. `cmake --install` writes to
+# FOLDER/root. With CMAKE OPTIONs, the build is configured with them before.
+set -euo pipefail
+language=$1
+sources=$2
+folder=$3
+expected=$4
+shift 4
+
+mkdir -p "$folder"
+cd "$folder"
+lines=$(bash "$sources/tests/package/readme_lines.sh" "$language" "$sources" | tail -n +2)
+rm -rf root venv a.out
+ln -sfn "$sources" halfspace
+if [ $# -gt 0 ]; then cmake -S halfspace -B build "$@"; fi
+export DESTDIR="$folder/root"
+local=$DESTDIR/usr/local
+export PKG_CONFIG_PATH="$local/lib/pkgconfig:$local/lib64/pkgconfig"
+export LD_LIBRARY_PATH="$local/lib:$local/lib64"
+if [ -z "$expected" ]; then lines=$(grep '^cmake ' <<<"$lines"); fi
+printf '%s\n' "$lines" >lines
+bash -euxo pipefail lines | tee output
+if [ "$expected" ] && [ "$(tail -n 1 output)" != "$expected" ]; then
+  echo "The last line is not: $expected"
+  exit 1
+fi
