@@ -20,6 +20,7 @@
 #include "bench/baselines/memory_loops-inl.h"
 #include "bench/baselines/vectorised-inl.h"
 #include "bench/baselines/volume_scans-inl.h"
+#include "bench/baselines/width_scans-inl.h"
 
 namespace halfspace::bench {
 
@@ -28,7 +29,8 @@ TargetLoops LoopsOf();
 
 template <>
 TargetLoops LoopsOf<HWY_TARGET>() {
-  return {.read = &HWY_NAMESPACE::ReadPlanes,
+  return {.one_query_lanes = &HWY_NAMESPACE::OneQueryLanes,
+          .read = &HWY_NAMESPACE::ReadPlanes,
           .copy = &HWY_NAMESPACE::CopyStreams,
           .scan_gated = &HWY_NAMESPACE::ScanGated,
           .fill_plane_words = &HWY_NAMESPACE::FillPlaneWords,

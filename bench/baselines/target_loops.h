@@ -203,6 +203,8 @@ struct SimplexJob {
 using CountSimplices = void (*)(const SimplexJob& job);
 
 struct TargetLoops {
+  // Of the vectors that test floats for one query in the library.
+  std::size_t (*one_query_lanes)() = nullptr;
   PlaneReader read = nullptr;
   StreamCopier copy = nullptr;
   GatedScan scan_gated = nullptr;

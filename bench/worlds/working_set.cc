@@ -55,32 +55,30 @@ std::vector<WorkingSetSize> WorkingSetSizes(const Machine& machine) {
   return sizes;
 }
 
-WorkingSet::WorkingSet(const Workload& workload, const WorkingSetSize& size)
+WorkingSet::WorkingSet(const AaboWorld3& objects, std::vector<Aabo3> queries,
+                       const WorkingSetSize& size)
     : name_(size.name),
-      world_(ResizedTo(workload.objects, size.objects)),
+      world_(ResizedTo(objects, size.objects)),
       view_(world_.view()),
-      queries_(workload.timed_queries),
+      queries_(std::move(queries)),
       mask_(MaskWords(size.objects)),
       checked_queries_(
           std::clamp<std::size_t>(kReferenceTests / size.objects, 1,
-                                  std::min(kMostChecked, queries_.size()))) {
-  for (ShapeKind shape : kShapes) {
-    std::vector<std::uint64_t>& masks =
-        expected_[static_cast<std::size_t>(shape)];
-    masks.resize(mask_.size() * checked_queries_, 0);
+                                  std::min(kMostChecked, queries_.size()))) {}
+
+std::string WorkingSet::Check(ShapeKind shape, const WriteMask& write) {
+  std::vector<std::uint64_t>& expected =
+      expected_[static_cast<std::size_t>(shape)];
+  if (expected.empty()) {
+    expected.resize(mask_.size() * checked_queries_, 0);
     for (std::size_t q = 0; q < checked_queries_; ++q) {
-      std::uint64_t* mask = &masks[q * mask_.size()];
+      std::uint64_t* mask = &expected[q * mask_.size()];
       WithShape(shape, view_, queries_[q],
                 [mask](const auto& view, const auto& query) {
                   reference::RejectMask(view, query, mask);
                 });
     }
   }
-}
-
-std::string WorkingSet::Check(ShapeKind shape, const WriteMask& write) {
-  const std::vector<std::uint64_t>& expected =
-      expected_[static_cast<std::size_t>(shape)];
   for (std::size_t q = 0; q < checked_queries_; ++q) {
     std::fill(mask_.begin(), mask_.end(), 0x5555555555555555);
     write(queries_[q]);
@@ -102,6 +100,7 @@ Case WorkingSet::MakeCase(std::string name, ShapeKind shape, WriteMask write) {
   Case c;
   c.name = std::move(name);
   c.items = static_cast<double>(objects() * per_run);
+  c.runs_of_all = (queries_.size() + per_run - 1) / per_run;
   c.check = [this, shape, write] { return Check(shape, write); };
   c.run = [this, write = std::move(write), per_run,
            next = std::size_t{0}]() mutable {

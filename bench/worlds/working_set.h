@@ -38,11 +38,15 @@ std::vector<WorkingSetSize> WorkingSetSizes(const Machine& machine);
 // A world of a given size, a mask to write, and the right answers.
 class WorkingSet {
  public:
-  WorkingSet(const Workload& workload, const WorkingSetSize& size);
+  WorkingSet(const Workload& workload, const WorkingSetSize& size)
+      : WorkingSet(workload.objects, workload.timed_queries, size) {}
+  WorkingSet(const AaboWorld3& objects, std::vector<Aabo3> queries,
+             const WorkingSetSize& size);
 
   const std::string& name() const { return name_; }
   const AaboView3& view() const { return view_; }
   std::size_t objects() const { return view_.size; }
+  const std::vector<Aabo3>& queries() const { return queries_; }
   std::size_t checked_queries() const { return checked_queries_; }
   std::vector<std::uint64_t>& mask() { return mask_; }
 
@@ -74,6 +78,7 @@ class WorkingSet {
   std::vector<std::uint64_t> mask_;
   std::size_t checked_queries_;
   // Per shape, the reference's masks of the checked queries, one after another.
+  // Made by the first check of the shape.
   std::array<std::vector<std::uint64_t>, kShapes.size()> expected_;
 };
 

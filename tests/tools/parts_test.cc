@@ -1,12 +1,15 @@
 // Small parts of the tool, each against values by hand.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstddef>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "bench/base/text.h"
 #include "bench/measure/curves.h"
+#include "bench/measure/load_probe.h"
 #include "bench/measure/team.h"
 
 namespace halfspace::bench {
@@ -23,6 +26,30 @@ TEST(TeamTest, RunsEachThreadOnceAndRethrows) {
                          if (i == 1) throw std::runtime_error("over there");
                        }),
                std::runtime_error);
+}
+
+// "This was a quiet run" was printed next to "other programs take 85 % of a
+// CPU".
+TEST(LoadTest, ARunNextToOtherProgramsIsNotQuiet) {
+  struct Row {
+    Load load;
+    int cpus;
+    bool is_loaded;
+  };
+  for (const Row& row : std::vector<Row>{{{1.0, 0.0, {}}, 2, false},
+                                         {{0.99, 5.0, 0.1}, 2, false},
+                                         {{1.0, 0.0, 0.85}, 2, true},
+                                         {{1.0, 0.0, 0.85}, 16, false},
+                                         {{0.6, 0.0, {}}, 16, true},
+                                         {{0.97, 100.0, 0.0}, 2, true}}) {
+    EXPECT_EQ(IsLoaded(row.load, row.cpus), row.is_loaded)
+        << row.load.cpu_share << ' ' << row.load.interruptions << ' '
+        << row.load.others.value_or(-1.0);
+  }
+  // A thread that waits has no CPU.
+  const LoadProbe probe;
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_LT(probe.Sample().cpu_share, 0.5);
 }
 
 TEST(PrintableTest, EscapesControlCharactersAndLeavesLetters) {
