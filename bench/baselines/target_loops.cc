@@ -39,7 +39,11 @@ TargetLoops LoopsOf<HWY_TARGET>() {
           .scan_spheres = &HWY_NAMESPACE::ScanSpheres,
           .scan_spheres_by_axis = &HWY_NAMESPACE::ScanSpheresByAxis,
           .count_by_or = &HWY_NAMESPACE::CountSimplices<true>,
-          .count_by_and = &HWY_NAMESPACE::CountSimplices<false>};
+          .count_by_and = &HWY_NAMESPACE::CountSimplices<false>,
+          .widths = {HWY_NAMESPACE::LoopsOfWidth<1>(),
+                     HWY_NAMESPACE::LoopsOfWidth<4>(),
+                     HWY_NAMESPACE::LoopsOfWidth<8>(),
+                     HWY_NAMESPACE::LoopsOfWidth<16>()}};
 }
 
 }  // namespace halfspace::bench

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 #include "bench/base/text.h"
@@ -20,6 +22,9 @@ constexpr std::array<double, 7> kPercents = {0.1, 0.3,  1.0, 2.0,
                                              3.0, 10.0, 30.0};
 
 constexpr std::size_t kRepetitions = 6;
+
+constexpr const char* kEmulated =
+    "Not measured: the CPU is emulated, and its times mean nothing.";
 
 double MedianOf(const std::vector<double>& values) {
   return RangeOf(values).median;
@@ -79,6 +84,11 @@ std::string WithExactTests(double exact_ns) {
          " ns for each survivor, ";
 }
 
+// "AVX2, 8", or "scalar".
+std::string ColumnName(Target target, std::size_t lanes) {
+  return NameOf(target) + (lanes == 1 ? "" : ", " + std::to_string(lanes));
+}
+
 std::vector<double> SizesOf(const Verdict& verdict) {
   std::vector<double> sizes;
   for (const VerdictWorld& world : verdict.worlds()) {
@@ -115,6 +125,12 @@ std::vector<std::string> LeadOf(const Verdict& verdict, double exact_ns) {
   return lines;
 }
 
+// A size; nothing if it lies beyond those that were measured.
+Cell CellOf(const Ratio& size) {
+  if (std::isfinite(size.median) && size.median != 0.0) return Cell(size);
+  return {};
+}
+
 // The ratios of each world and column.
 Table TableOf(const Verdict& verdict, std::string name, std::string title,
               double exact_ns) {
@@ -136,6 +152,17 @@ Table TableOf(const Verdict& verdict, std::string name, std::string title,
     }
     table.Add(std::move(row));
   }
+  if (verdict.is_of_file()) return table;
+  table.notes.push_back("size: an object's side over the world's.");
+  Chart chart{"size", {}, "", true, true};
+  for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
+    chart.y.push_back(verdict.columns()[c].name);
+    const Ratio from = verdict.CrossingsOf(c).from;
+    if (exact_ns == 0.0 && CellOf(from).value) {
+      chart.marks.push_back({chart.y.back(), from.median});
+    }
+  }
+  table.chart = std::move(chart);
   return table;
 }
 
@@ -154,15 +181,11 @@ std::string PromiseText(const Verdict& verdict, std::size_t cells) {
          Grouped(verdict.queries()) + " different queries.";
 }
 
-Cell CellOf(const Ratio& size) {
-  if (std::isfinite(size.median) && size.median != 0.0) return Cell(size);
-  return {};
-}
-
-Table CrossingsTable(const Verdict& verdict, const ExactTest& exact) {
+Table CrossingsTable(const Verdict& verdict, std::string name,
+                     const ExactTest& exact) {
   const std::vector<double> sizes = SizesOf(verdict);
   Table table{
-      "verdict: sizes",
+      std::move(name),
       "the sizes from which on the simplex is faster, and from which on "
       "the box is faster again",
       {Key("target"), Key("exact test"), Value("simplex from", "%", 2),
@@ -180,21 +203,22 @@ Table CrossingsTable(const Verdict& verdict, const ExactTest& exact) {
   return table;
 }
 
-Table TimesTable(const Verdict& verdict) {
-  Table times{"verdict: times",
+Table TimesTable(const Verdict& verdict, std::string name) {
+  Table times{std::move(name),
               "ns per object, and the range of the groups",
               {Key("size"), Key("target"), Key("shape"), Key("schedule"),
                Value("time", "ns", 4), Value("over the flat simplex", "", 3)}};
   for (const VerdictWorld& world : verdict.worlds()) {
     for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
       const VerdictCell& cell = world.cells[c];
-      for (std::size_t i = 0; i < kContenders.size(); ++i) {
+      const auto contenders = verdict.columns()[c].contenders();
+      for (std::size_t i = 0; i < contenders.size(); ++i) {
         std::vector<double> ratios = cell.ns[i];
         for (std::size_t g = 0; g < ratios.size(); ++g) {
           ratios[g] /= cell.FlatOf(ShapeKind::kSimplex)[g];
         }
         times.Add({world.name(), verdict.columns()[c].name,
-                   NameOf(kContenders[i].shape), kContenders[i].schedule,
+                   NameOf(contenders[i].shape), contenders[i].schedule,
                    GroupRange(cell.ns[i]), GroupRange(ratios)});
       }
     }
@@ -319,6 +343,39 @@ std::string ExactRatioLead(const RatioRow& row, double exact_ns) {
          row.name + ").";
 }
 
+std::vector<VerdictColumn> LibraryColumns(const Run& run) {
+  std::vector<VerdictColumn> columns;
+  for (std::size_t t = run.targets.size(); t-- > 0;) {
+    const Target target = run.targets[t];
+    const TargetLoops loops = LoopsFor(target);
+    const std::size_t lanes = loops.one_query_lanes();
+    columns.push_back({ColumnName(target, lanes), target});
+    const WidthLoops& widest = loops.widths.back();
+    if (widest.lanes > lanes) {
+      columns.push_back({ColumnName(target, widest.lanes), target, widest});
+    }
+  }
+  return columns;
+}
+
+std::vector<VerdictColumn> WidthColumns(const Run& run) {
+  std::vector<Target> targets = {run.best()};
+  const std::optional<Target> scalar = FindTarget("SCALAR");
+  if (run.options.target.empty() && scalar && *scalar != run.best()) {
+    targets.insert(targets.begin(), *scalar);
+  }
+  std::vector<VerdictColumn> columns;
+  for (Target target : targets) {
+    for (const WidthLoops& loops : LoopsFor(target).widths) {
+      // One lane of a wide target is code that nobody runs.
+      const bool is_used = loops.lanes > 1 || target.lanes() == 1;
+      if (loops.lanes == 0 || !is_used) continue;
+      columns.push_back({ColumnName(target, loops.lanes), target, loops});
+    }
+  }
+  return columns;
+}
+
 // What is measured at one size, for one group.
 struct Verdict::Place {
   std::unique_ptr<WorkingSet> set;
@@ -327,21 +384,15 @@ struct Verdict::Place {
 };
 
 struct Verdict::Times {
-  std::array<double, kContenders.size()> ns;
-  double simplex;
-  double box;
+  std::vector<double> ns;
+  double simplex = 0.0;
+  double box = 0.0;
 };
 
-Verdict::Verdict(Run& run) : effort_(run.effort) {
-  // The narrowest first.
-  for (std::size_t t = run.targets.size(); t-- > 0;) {
-    const Target target = run.targets[t];
-    const std::size_t lanes = LoopsFor(target).one_query_lanes();
-    columns_.push_back(
-        {NameOf(target) + (lanes == 1 ? "" : ", " + std::to_string(lanes)),
-         target});
-    if (target == run.best()) best_column_ = columns_.size() - 1;
-  }
+Verdict::Verdict(Run& run, std::vector<VerdictColumn> columns)
+    : best_target_(run.best()),
+      columns_(std::move(columns)),
+      effort_(run.effort) {
   if (run.options.repetitions == 0) effort_.repetitions = kRepetitions;
   effort_.repetitions = std::min(effort_.repetitions, kRepetitions);
   effort_.seconds_per_repetition /= 6.0;
@@ -398,12 +449,16 @@ Verdict::Place Verdict::MakePlace(Run& run, double percent) const {
 Verdict::Times Verdict::TimePlace(Run& run, Place& place, std::size_t column,
                                   const Effort& effort) const {
   std::vector<Case> cases;
-  for (const Contender& contender : kContenders) {
-    cases.push_back(place.set->LibraryCase(
-        "verdict/" + columns_[column].name + "/" + NameOf(contender.shape) +
-            "/" + contender.schedule,
-        contender.shape,
-        {.schedule = contender.how, .target = columns_[column].target}));
+  const VerdictColumn& loops = columns_[column];
+  for (const Contender& contender : loops.contenders()) {
+    const std::string name = "verdict/" + loops.name + "/" +
+                             NameOf(contender.shape) + "/" + contender.schedule;
+    cases.push_back(contender.loop != nullptr
+                        ? place.set->LoopCase(name, contender.shape,
+                                              loops.loops.*contender.loop)
+                        : place.set->LibraryCase(name, contender.shape,
+                                                 {.schedule = contender.how,
+                                                  .target = loops.target}));
     // Other groups differ in their places in memory alone.
     if (groups_ != 0) cases.back().check = nullptr;
   }
@@ -412,8 +467,8 @@ Verdict::Times Verdict::TimePlace(Run& run, Place& place, std::size_t column,
   std::vector<std::vector<double>> simplex;
   std::vector<std::vector<double>> box;
   for (std::size_t c = 0; c < cases.size(); ++c) {
-    times.ns[c] = timings[c].Median();
-    (kContenders[c].shape == ShapeKind::kSimplex ? simplex : box)
+    times.ns.push_back(timings[c].Median());
+    (loops.contenders()[c].shape == ShapeKind::kSimplex ? simplex : box)
         .push_back(timings[c].samples);
   }
   times.simplex = BestTime(simplex);
@@ -446,7 +501,7 @@ void Verdict::FindSpans(Run& run, std::map<double, Place>& places) {
     };
     spans_[c].push_back(find(0.0));
     // The page has one sentence of exact tests.
-    if (!run.is_page() || c == best_column_) {
+    if (!run.is_page() || columns_[c].target == best_target_) {
       spans_with_exact_[c].push_back(find(exact_ns));
     }
   }
@@ -463,6 +518,7 @@ void Verdict::AddGroup(Run& run) {
     for (std::size_t c = 0; c < columns_.size(); ++c) {
       const Times times = TimePlace(run, place, c, complete);
       VerdictCell& cell = world.cells[c];
+      cell.ns.resize(times.ns.size());
       for (std::size_t i = 0; i < times.ns.size(); ++i) {
         cell.ns[i].push_back(times.ns[i]);
       }
@@ -485,6 +541,22 @@ void Verdict::AddGroup(Run& run) {
     }
     world.survivors = sums;
   }
+}
+
+std::size_t Verdict::best_column() const {
+  const auto paper = std::min_element(
+      worlds_.begin(), worlds_.end(), [](const auto& a, const auto& b) {
+        return std::abs(a.percent - 2.0) < std::abs(b.percent - 2.0);
+      });
+  const auto time = [&](std::size_t c) {
+    return MedianOf(paper->cells[c].simplex) + MedianOf(paper->cells[c].box);
+  };
+  std::size_t best = columns_.size();
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (columns_[c].target != best_target_) continue;
+    if (best == columns_.size() || time(c) < time(best)) best = c;
+  }
+  return best;
 }
 
 std::vector<Target> Verdict::targets() const {
@@ -517,12 +589,7 @@ Crossings Verdict::CrossingsWithExact(std::size_t column) const {
 
 Tables RunVerdict(Run& run) {
   if (run.machine.is_emulated) {
-    return {
-        {"verdict",
-         "simplex or box",
-         {},
-         {},
-         {"Not measured: the CPU is emulated, and its times mean nothing."}}};
+    return {{"verdict", "simplex or box", {}, {}, {kEmulated}}};
   }
   const Verdict& verdict = run.TheVerdict();
   const ExactTest exact = run.TheExactTest();
@@ -531,17 +598,6 @@ Tables RunVerdict(Run& run) {
   Tables tables = {TableOf(verdict, "verdict", what + ", one query, L2", 0.0)};
   Table& table = tables[0];
   table.lead = LeadOf(verdict, exact.ns.median);
-  if (!verdict.is_of_file()) {
-    Chart chart{"size", {}, "", true, true};
-    for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
-      const std::string& name = verdict.columns()[c].name;
-      chart.y.push_back(name);
-      const Ratio from = verdict.CrossingsOf(c).from;
-      if (CellOf(from).value) chart.marks.push_back({name, from.median});
-    }
-    table.chart = std::move(chart);
-    table.notes.push_back("size: an object's side over the world's.");
-  }
   const std::size_t cells = verdict.worlds().size() * verdict.columns().size();
   if (run.is_page()) {
     table.notes.push_back(PromiseText(verdict, cells));
@@ -553,8 +609,37 @@ Tables RunVerdict(Run& run) {
                                Fixed(exact.ns.median, 0) + " ns (" +
                                exact.name + ") of each survivor",
                            exact.ns.median));
-  if (!verdict.is_of_file()) tables.push_back(CrossingsTable(verdict, exact));
-  tables.push_back(TimesTable(verdict));
+  if (!verdict.is_of_file())
+    tables.push_back(CrossingsTable(verdict, "verdict: sizes", exact));
+  tables.push_back(TimesTable(verdict, "verdict: times"));
+  return tables;
+}
+
+Tables RunWidth(Run& run) {
+  if (run.machine.is_emulated) {
+    return {{"width", "simplex or box", {}, {}, {kEmulated}}};
+  }
+  Verdict verdict(run, WidthColumns(run));
+  for (std::size_t g = 0; g < kGroups; ++g) {
+    run.progress.BeginPart(g, kGroups);
+    verdict.AddGroup(run);
+  }
+  const std::size_t cells = verdict.worlds().size() * verdict.columns().size();
+  Table table = TableOf(verdict, "width",
+                        "time of the best float box scan / time of the best "
+                        "simplex scan by the lanes of vectors, one query, L2",
+                        0.0);
+  table.notes.push_back(
+      "The same loops, flat or staged, are compiled for vectors of each width. "
+      "They differ in their lanes, and from scalar code in the instruction "
+      "set.");
+  table.notes.push_back(PromiseText(verdict, cells));
+  Tables tables = {std::move(table)};
+  if (!verdict.is_of_file()) {
+    tables.push_back(
+        CrossingsTable(verdict, "width: sizes", run.TheExactTest()));
+  }
+  tables.push_back(TimesTable(verdict, "width: times"));
   return tables;
 }
 

@@ -31,7 +31,8 @@ const char* NameOf(Winner winner);
 struct Contender {
   ShapeKind shape;
   const char* schedule;
-  Schedule how;
+  Schedule how;  // of the library
+  WidthScan WidthLoops::*loop = nullptr;
 };
 inline constexpr std::array<Contender, 6> kContenders = {
     {{ShapeKind::kSimplex, "auto", Schedule::kAuto},
@@ -41,22 +42,43 @@ inline constexpr std::array<Contender, 6> kContenders = {
      {ShapeKind::kAabb, "flat", Schedule::kFlat},
      {ShapeKind::kAabb, "staged", Schedule::kStaged}}};
 
+// The same of loops with vectors of a given width.
+inline constexpr std::array<Contender, 4> kWidthContenders = {
+    {{ShapeKind::kSimplex, "flat", Schedule::kFlat, &WidthLoops::simplex_flat},
+     {ShapeKind::kSimplex, "staged", Schedule::kStaged,
+      &WidthLoops::simplex_staged},
+     {ShapeKind::kAabb, "flat", Schedule::kFlat, &WidthLoops::box_flat},
+     {ShapeKind::kAabb, "staged", Schedule::kStaged, &WidthLoops::box_staged}}};
+
 // The time of the best of some contenders, whose repetitions are `samples`. The
 // best is chosen in one half of the repetitions and timed in the other half,
 // and the other way round: the best of several times of the same repetitions
 // would be too short, and the more so the more contenders there are.
 double BestTime(std::span<const std::vector<double>> samples);
 
-// What a loop is compiled for, and its lanes.
+// A target and the lanes of its vectors.
 struct VerdictColumn {
   std::string name;  // "AVX2, 8"
   Target target;
+  WidthLoops loops = {};  // without lanes: the library's
+
+  std::span<const Contender> contenders() const {
+    if (loops.lanes == 0) return kContenders;
+    return kWidthContenders;
+  }
 };
+
+// What the library has for each target, the narrowest first. Where it uses
+// shorter vectors than the target has, loops with the whole vectors, too.
+std::vector<VerdictColumn> LibraryColumns(const Run& run);
+// The same loops with vectors of each width of the best target, after those of
+// scalar code.
+std::vector<VerdictColumn> WidthColumns(const Run& run);
 
 // One world and column.
 struct VerdictCell {
   // ns of an object in each group, of each contender.
-  std::array<std::vector<double>, kContenders.size()> ns;
+  std::vector<std::vector<double>> ns;
   // The same of the best contender of each shape.
   std::vector<double> simplex;
   std::vector<double> box;
@@ -64,8 +86,9 @@ struct VerdictCell {
   const std::vector<double>& BestOf(ShapeKind shape) const {
     return shape == ShapeKind::kSimplex ? simplex : box;
   }
+  // The flat schedule is the last but one of each shape.
   const std::vector<double>& FlatOf(ShapeKind shape) const {
-    return ns[shape == ShapeKind::kSimplex ? 1 : 4];
+    return ns[(shape == ShapeKind::kSimplex ? ns.size() / 2 : ns.size()) - 2];
   }
   Ratio Difference(ShapeKind more, ShapeKind less) const;
 };
@@ -108,7 +131,7 @@ std::string ExactRatioLead(const RatioRow& row, double exact_ns);
 
 class Verdict {
  public:
-  explicit Verdict(Run& run);
+  Verdict(Run& run, std::vector<VerdictColumn> columns);
   ~Verdict();
 
   void AddGroup(Run& run);
@@ -118,8 +141,9 @@ class Verdict {
   const std::vector<VerdictColumn>& columns() const { return columns_; }
   // The target of each column.
   std::vector<Target> targets() const;
-  // The one of the target that programs get.
-  std::size_t best_column() const { return best_column_; }
+  // The one of the target that programs get. Of two of that target, the one in
+  // which both bounds together take less time in the paper's scene.
+  std::size_t best_column() const;
   const std::vector<VerdictWorld>& worlds() const { return worlds_; }
   bool is_of_file() const { return worlds_.front().percent == 0.0; }
   // Where the simplex is faster, without exact tests and with them.
@@ -140,7 +164,7 @@ class Verdict {
 
   std::size_t groups_ = 0;
   std::size_t queries_ = 0;
-  std::size_t best_column_ = 0;
+  Target best_target_;
   std::vector<VerdictColumn> columns_;
   std::vector<VerdictWorld> worlds_;
   Spans spans_;

@@ -122,6 +122,15 @@ Case WorkingSet::LibraryCase(std::string name, ShapeKind shape,
       });
 }
 
+Case WorkingSet::LoopCase(std::string name, ShapeKind shape, WidthScan scan) {
+  return MakeCase(
+      std::move(name), shape,
+      [this, scan, shape, planes = PlanesOf(shape, view_)](const Aabo3& aabo) {
+        const std::vector<float> query = QueryOf(shape, aabo);
+        scan(planes.data(), query.data(), objects(), mask_.data());
+      });
+}
+
 Case WorkingSet::GatedCase(std::string name, ShapeKind shape, Target target,
                            std::size_t width) {
   return MakeCase(std::move(name), shape,

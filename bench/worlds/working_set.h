@@ -62,6 +62,9 @@ class WorkingSet {
   // The case of a call of the library.
   Case LibraryCase(std::string name, ShapeKind shape, const Options& options);
 
+  // The case of a loop over all planes of the shape.
+  Case LoopCase(std::string name, ShapeKind shape, WidthScan scan);
+
   // The case of an early-out after every half-space, in batches of `width`.
   Case GatedCase(std::string name, ShapeKind shape, Target target,
                  std::size_t width);
