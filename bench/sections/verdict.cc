@@ -152,7 +152,16 @@ Table TableOf(const Verdict& verdict, std::string name, std::string title,
     }
     table.Add(std::move(row));
   }
-  if (verdict.is_of_file()) return table;
+  if (verdict.is_of_file()) {
+    const std::size_t own = verdict.objects_of_file();
+    const std::size_t all = verdict.worlds()[0].objects;
+    if (own < all) {
+      table.notes.push_back("The file has " + Grouped(own) +
+                            " objects. They are repeated up to " +
+                            Grouped(all) + ", which fill half of L2.");
+    }
+    return table;
+  }
   table.notes.push_back("size: an object's side over the world's.");
   Chart chart{"size", {}, "", true, true};
   for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
@@ -397,6 +406,7 @@ Verdict::Verdict(Run& run, std::vector<VerdictColumn> columns)
   effort_.repetitions = std::min(effort_.repetitions, kRepetitions);
   effort_.seconds_per_repetition /= 6.0;
   size_ = WorkingSetSizes(run.machine)[1];
+  if (run.input() != nullptr) objects_of_file_ = run.input()->objects.size();
   std::vector<double> percents(kPercents.begin(), kPercents.end());
   if (run.input() != nullptr) percents = {0.0};
   for (double percent : percents) {

@@ -146,6 +146,7 @@ class Verdict {
   std::size_t best_column() const;
   const std::vector<VerdictWorld>& worlds() const { return worlds_; }
   bool is_of_file() const { return worlds_.front().percent == 0.0; }
+  std::size_t objects_of_file() const { return objects_of_file_; }
   // Where the simplex is faster, without exact tests and with them.
   Crossings CrossingsOf(std::size_t column) const;
   Crossings CrossingsWithExact(std::size_t column) const;
@@ -164,6 +165,7 @@ class Verdict {
 
   std::size_t groups_ = 0;
   std::size_t queries_ = 0;
+  std::size_t objects_of_file_ = 0;
   Target best_target_;
   std::vector<VerdictColumn> columns_;
   std::vector<VerdictWorld> worlds_;

@@ -35,7 +35,10 @@ std::vector<WorkingSetSize> WorkingSetSizes(const Machine& machine) {
     }
     sizes.push_back(std::move(size));
   }
-  const std::size_t bytes = 4 * machine.LastLevelBytes();
+  // Virtual machines hide caches, and no core has more than 96 MiB of them.
+  constexpr std::size_t kLeastMemory = std::size_t{256} << 20;
+  const std::size_t bytes =
+      std::max(4 * machine.LastLevelBytes(), kLeastMemory);
   const std::size_t wanted =
       RoundDown(bytes / kSimplexBytes, kWidestGate) + kWidestGate;
   WorkingSetSize memory{"memory", wanted, "", bytes};

@@ -27,12 +27,13 @@ struct WorkingSetSize {
   std::string name;             // "L1", "L2", "L3" or "memory"
   std::size_t objects = 0;      // a multiple of 4096, in L1 of 64
   std::string why_not_reached;  // empty if it is
-  std::size_t bytes = 0;        // half the cache, or four times the last level
+  std::size_t bytes = 0;        // half the cache; in memory, of the simplex
 };
 
 // The octahedra take at most half of each cache; in "memory" the smallest
-// record, the simplex's, takes four times the last level, or it is not reached
-// because that is more than a quarter of the free memory, or emulated.
+// record, the simplex's, takes four times the last level and 256 MiB at least,
+// or it is not reached because that is more than a quarter of the free memory,
+// or emulated.
 std::vector<WorkingSetSize> WorkingSetSizes(const Machine& machine);
 
 // A world of a given size, a mask to write, and the right answers.

@@ -155,6 +155,8 @@ halfspace_command_line_test(against_no_file CODE 3
   ARGUMENTS --details machine --against "${inputs}/none.json"
   STDERR "none.json: cannot be read: .*; give")
 
+halfspace_command_line_test(target_of_builds CODE 0
+  ARGUMENTS --details machine --target SCALAR STDOUT "chosen +scalar, which")
 # A page of one target that programs would not get.
 halfspace_command_line_test(page_of_one_target CODE 0
   ARGUMENTS --quick --objects 4096 --queries 4 --repetitions 1 --target SCALAR

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <limits>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -81,6 +82,23 @@ TEST(CrossoverSizeTest, InterpolatesBetweenLogarithms) {
   EXPECT_EQ(CrossoverSize(sizes, ours, faster), 0.0);
   const std::vector<double> slower = {2, 200};
   EXPECT_EQ(CrossoverSize(sizes, ours, slower), 10000.0);
+}
+
+TEST(PaysFromTest, CountsTheQueriesThatRepayAStructure) {
+  struct Row {
+    StructureCost one;
+    StructureCost other;
+    double expected;
+  };
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  for (const Row& row : std::vector<Row>{{{100.0, 1.0}, {0.0, 3.0}, 50.0},
+                                         {{100.0, 1.0}, {40.0, 3.0}, 30.0},
+                                         {{1.0, 1.0}, {0.0, 3.0}, 1.0},
+                                         {{30.0, 1.0}, {40.0, 3.0}, 1.0},
+                                         {{100.0, 3.0}, {0.0, 3.0}, kNever},
+                                         {{100.0, 4.0}, {0.0, 3.0}, kNever}}) {
+    EXPECT_EQ(PaysFrom(row.one, row.other), row.expected);
+  }
 }
 
 }  // namespace
