@@ -6,6 +6,31 @@ namespace HWY_NAMESPACE {
 
 size_t OneQueryLanes() { return hn::Lanes(OneTag<float>()); }
 
+// As KeptBits. With AVX-512 the kernels have no verdicts on 128 bits.
+template <size_t kMins, size_t kObjects = kWordObjects, class D, class... V>
+HWY_INLINE uint64_t BitsOfWidth(D d, const float* const* planes, size_t i,
+                                V... query) {
+#if HALFSPACE_MASKED_COMPARES
+  if constexpr (hn::MaxLanes(D()) < 8) {
+    uint64_t bits = 0;
+    for (size_t l = 0; l < kObjects; l += hn::MaxLanes(D())) {
+      hn::Mask<D> rejected = hn::MaskFromVec(hn::Zero(d));
+      size_t k = 0;
+      const auto test = [&](hn::Vec<D> value) HWY_ATTR {
+        const auto object = hn::LoadU(d, planes[k] + i + l);
+        rejected = hn::Or(rejected, k < kMins ? hn::Gt(object, value)
+                                              : hn::Lt(object, value));
+        ++k;
+      };
+      (test(query), ...);
+      bits |= LaneBits(d, rejected) << l;
+    }
+    return bits ^ kLowBits<kObjects>;
+  } else  // NOLINT(readability-misleading-indentation)
+#endif
+    return KeptBits<kMins, kObjects>(d, LoadAll(), planes, i, query...);
+}
+
 // All planes at once. `planes` are the shape's, the first kMins of them minima;
 // plane k is compared with the query's value number kQuery.
 template <size_t kLanes, size_t kMins, size_t... kPlane, size_t... kQuery>
@@ -16,7 +41,7 @@ HWY_INLINE void FlatOfWidth(std::index_sequence<kPlane...>,
   const hn::CappedTag<float, kLanes> d;
   for (size_t i = 0; i < size; i += kWordObjects) {
     mask[i / kWordObjects] =
-        ~KeptBits<kMins>(d, LoadAll(), planes, i, hn::Set(d, query[kQuery])...);
+        ~BitsOfWidth<kMins>(d, planes, i, hn::Set(d, query[kQuery])...);
   }
 }
 
@@ -46,7 +71,7 @@ HWY_INLINE void StagedOfWidth(const PlanePair (&pairs)[kPairs],
       const auto b = hn::Set(d, query[pairs[p].values[1]]);
       if (p == 0) {
         for (size_t i = 0; i < objects; i += kWordObjects) {
-          const uint64_t kept = KeptBits<kMins>(d, LoadAll(), pair, i, a, b);
+          const uint64_t kept = BitsOfWidth<kMins>(d, pair, i, a, b);
           words[i / kWordObjects] = kept;
           for (size_t g = 0; g < kWordObjects; g += kGroup) {
             groups[left] = static_cast<uint16_t>(i + g);
@@ -61,8 +86,7 @@ HWY_INLINE void StagedOfWidth(const PlanePair (&pairs)[kPairs],
         const size_t i = groups[j];
         const size_t shift = i % kWordObjects;
         const uint64_t rejected =
-            KeptBits<kMins, kGroup>(d, LoadAll(), pair, i, a, b) ^
-            kLowBits<kGroup>;
+            BitsOfWidth<kMins, kGroup>(d, pair, i, a, b) ^ kLowBits<kGroup>;
         const uint64_t word = words[i / kWordObjects] & ~(rejected << shift);
         words[i / kWordObjects] = word;
         groups[left] = static_cast<uint16_t>(i);
@@ -111,7 +135,9 @@ void BoxStaged(const float* const* planes, const float* query, size_t size,
 template <size_t kLanes>
 bench::WidthLoops LoopsOfWidth() {
 #if !HWY_HAVE_SCALABLE
-  if constexpr (kLanes <= hn::MaxLanes(hn::ScalableTag<float>())) {
+  // One lane of a wide target is code that nobody runs.
+  constexpr size_t kMost = hn::MaxLanes(hn::ScalableTag<float>());
+  if constexpr (kLanes <= kMost && (kLanes > 1 || kMost == 1)) {
     return {kLanes, &SimplexFlat<kLanes>, &SimplexStaged<kLanes>,
             &BoxFlat<kLanes>, &BoxStaged<kLanes>};
   }

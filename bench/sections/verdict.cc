@@ -376,9 +376,7 @@ std::vector<VerdictColumn> WidthColumns(const Run& run) {
   std::vector<VerdictColumn> columns;
   for (Target target : targets) {
     for (const WidthLoops& loops : LoopsFor(target).widths) {
-      // One lane of a wide target is code that nobody runs.
-      const bool is_used = loops.lanes > 1 || target.lanes() == 1;
-      if (loops.lanes == 0 || !is_used) continue;
+      if (loops.lanes == 0) continue;
       columns.push_back({ColumnName(target, loops.lanes), target, loops});
     }
   }

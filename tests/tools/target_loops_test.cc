@@ -127,7 +127,7 @@ TEST(WidthLoopsTest, EveryWidthRejectsTheSame) {
   constexpr std::size_t kSceneObjects = 4096 + 64;
   for (double share : {0.01, 0.3}) {
     const Workload scene = SceneOfSize(share, kSceneObjects, /*seed=*/3, 16);
-    WorkingSet set(scene, {"L2", kSceneObjects});
+    WorkingSet set(scene, {"L2", kSceneObjects, "", 0});
     std::set<std::size_t> lanes;
     for (Target target : SupportedTargets()) {
       for (const WidthLoops& loops : LoopsFor(target).widths) {
