@@ -110,7 +110,9 @@ std::vector<std::string> LeadOf(const Verdict& verdict, double exact_ns) {
       rows.push_back(row(c, 0.0));
     }
     lines = RatioLead(rows);
-    lines.push_back(ExactRatioLead(row(best, exact_ns), exact_ns));
+    for (std::string& line : ExactRatioLead(row(best, exact_ns), exact_ns)) {
+      lines.push_back(std::move(line));
+    }
     return lines;
   }
   const std::vector<double> sizes = SizesOf(verdict);
@@ -119,9 +121,11 @@ std::vector<std::string> LeadOf(const Verdict& verdict, double exact_ns) {
     rows.push_back({verdict.columns()[c].name, verdict.CrossingsOf(c)});
   }
   lines = SizeLead(rows, sizes);
-  lines.push_back(ExactLead(
-      {verdict.columns()[best].name, verdict.CrossingsWithExact(best)}, sizes,
-      exact_ns));
+  for (std::string& line : ExactLead(
+           {verdict.columns()[best].name, verdict.CrossingsWithExact(best)},
+           sizes, exact_ns)) {
+    lines.push_back(std::move(line));
+  }
   return lines;
 }
 
@@ -320,19 +324,21 @@ std::vector<std::string> SizeLead(const std::vector<LeadRow>& rows,
   return lines;
 }
 
-std::string ExactLead(const LeadRow& row, std::span<const double> sizes,
-                      double exact_ns) {
+std::vector<std::string> ExactLead(const LeadRow& row,
+                                   std::span<const double> sizes,
+                                   double exact_ns) {
   const Ratio& to = row.sizes.to;
   const std::string of = " (" + row.name + ").";
-  std::string text = WithExactTests(exact_ns) + "the box is ";
+  const std::string text = WithExactTests(exact_ns) + "the box is ";
   if (row.sizes.from.low == kInfinity || to.high == 0.0) {
-    return text + "faster at every size measured, " + MeasuredText(sizes) + of;
+    return {text + "faster",
+            "at every size measured, " + MeasuredText(sizes) + of};
   }
   if (to.low == kInfinity) {
-    return text + "not faster again up to " + PercentText(sizes.back()) + " %" +
-           of;
+    return {text + "not faster again",
+            "up to " + PercentText(sizes.back()) + " %" + of};
   }
-  return text + "faster again from " + SizeText(to, sizes) + " on" + of;
+  return {text + "faster again", "from " + SizeText(to, sizes) + " on" + of};
 }
 
 std::vector<std::string> RatioLead(const std::vector<RatioRow>& rows) {
@@ -345,11 +351,10 @@ std::vector<std::string> RatioLead(const std::vector<RatioRow>& rows) {
   return lines;
 }
 
-std::string ExactRatioLead(const RatioRow& row, double exact_ns) {
-  return WithExactTests(exact_ns) + "it takes " +
-         RatioText(row.box_over_simplex) +
-         " times as long: " + WinnerText(row.box_over_simplex) + " (" +
-         row.name + ").";
+std::vector<std::string> ExactRatioLead(const RatioRow& row, double exact_ns) {
+  return {WithExactTests(exact_ns) + "it takes",
+          RatioText(row.box_over_simplex) + " times as long: " +
+              WinnerText(row.box_over_simplex) + " (" + row.name + ")."};
 }
 
 std::vector<VerdictColumn> LibraryColumns(const Run& run) {

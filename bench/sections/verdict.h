@@ -118,8 +118,9 @@ struct LeadRow {
 };
 std::vector<std::string> SizeLead(const std::vector<LeadRow>& rows,
                                   std::span<const double> sizes);
-std::string ExactLead(const LeadRow& row, std::span<const double> sizes,
-                      double exact_ns);
+std::vector<std::string> ExactLead(const LeadRow& row,
+                                   std::span<const double> sizes,
+                                   double exact_ns);
 
 // Those of a file, which has objects of one kind.
 struct RatioRow {
@@ -127,7 +128,7 @@ struct RatioRow {
   Ratio box_over_simplex;
 };
 std::vector<std::string> RatioLead(const std::vector<RatioRow>& rows);
-std::string ExactRatioLead(const RatioRow& row, double exact_ns);
+std::vector<std::string> ExactRatioLead(const RatioRow& row, double exact_ns);
 
 class Verdict {
  public:

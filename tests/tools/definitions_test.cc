@@ -373,22 +373,25 @@ TEST(LeadTest, SaysFromWhereTheBoxIsFasterAgain) {
   struct Row {
     Crossings sizes;
     double exact_ns;
-    std::string expected;
+    Lines expected;
   };
   const Ratio one = {1.0, 0.9, 1.1};
   for (const Row& row : std::vector<Row>{
            {{one, {6.04, 5.2, 7.1}},
             30.2,
-            "With an exact test of 30 ns for each survivor, the box is faster "
-            "again from 6 % [5.2, 7.1] on (AVX2, 8)."},
+            {"With an exact test of 30 ns for each survivor, the box is faster "
+             "again",
+             "from 6 % [5.2, 7.1] on (AVX2, 8)."}},
            {{one, kAbove},
             2.34,
-            "With an exact test of 2.3 ns for each survivor, the box is not "
-            "faster again up to 30 % (AVX2, 8)."},
+            {"With an exact test of 2.3 ns for each survivor, the box is not "
+             "faster again",
+             "up to 30 % (AVX2, 8)."}},
            {{kAbove, kBelow},
             500.0,
-            "With an exact test of 500 ns for each survivor, the box is faster "
-            "at every size measured, 0.1 to 30 % (AVX2, 8)."}}) {
+            {"With an exact test of 500 ns for each survivor, the box is "
+             "faster",
+             "at every size measured, 0.1 to 30 % (AVX2, 8)."}}}) {
     EXPECT_EQ(ExactLead({"AVX2, 8", row.sizes}, kLeadSizes, row.exact_ns),
               row.expected);
   }
@@ -405,8 +408,9 @@ TEST(LeadTest, OfAFileSaysWhatItsRowsSay) {
              "  SSE4.2, 4     1.01 [0.98, 1.03]: no difference",
              "  AVX2, 8       1.15 [1.11, 1.16]: the simplex is faster"}));
   EXPECT_EQ(ExactRatioLead({"AVX2, 8", {0.9, 0.85, 0.95}}, 9.0),
-            "With an exact test of 9.0 ns for each survivor, it takes 0.90 "
-            "[0.85, 0.95] times as long: the box is faster (AVX2, 8).");
+            (Lines{"With an exact test of 9.0 ns for each survivor, it takes",
+                   "0.90 [0.85, 0.95] times as long: the box is faster (AVX2, "
+                   "8)."}));
 }
 
 }  // namespace
