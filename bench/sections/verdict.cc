@@ -541,6 +541,10 @@ void Verdict::AddGroup(Run& run) {
     }
   }
   queries_ += places.begin()->second.set->queries().size();
+  // A file with fewer of them is queried with some again.
+  if (run.input() != nullptr) {
+    queries_ = std::min(queries_, run.input()->timed_queries.size());
+  }
   if (!is_of_file()) FindSpans(run, places);
   ++groups_;
   for (VerdictWorld& world : worlds_) {
