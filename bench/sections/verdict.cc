@@ -204,15 +204,21 @@ Table CrossingsTable(const Verdict& verdict, std::string name,
       {Key("target"), Key("exact test"), Value("simplex from", "%", 2),
        Value("box from", "%", 2)}};
   for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
+    const auto cell = [&](const Ratio& size) {
+      const Cell measured = CellOf(size);
+      return measured.value ? measured : Cell(EndText(size.median, sizes));
+    };
     const auto add = [&](const std::string& test, const Crossings& sizes_of) {
-      table.Add({verdict.columns()[c].name, test, CellOf(sizes_of.from),
-                 CellOf(sizes_of.to)});
+      table.Add({verdict.columns()[c].name, test, cell(sizes_of.from),
+                 cell(sizes_of.to)});
     };
     add("none", verdict.CrossingsOf(c));
     add(exact.name, verdict.CrossingsWithExact(c));
   }
-  table.notes = {"-: not within " + MeasuredText(sizes) +
-                 ". The simplex is faster between the two sizes."};
+  table.notes = {
+      "The simplex is faster between the two sizes. < and >: beyond those that "
+      "were measured, " +
+      MeasuredText(sizes) + "."};
   return table;
 }
 
