@@ -11,7 +11,9 @@
 #include "bench/base/text.h"
 #include "bench/measure/curves.h"
 #include "bench/measure/load_probe.h"
+#include "bench/measure/machine.h"
 #include "bench/measure/team.h"
+#include "bench/worlds/working_set.h"
 
 namespace halfspace::bench {
 namespace {
@@ -82,6 +84,27 @@ TEST(CrossoverSizeTest, InterpolatesBetweenLogarithms) {
   EXPECT_EQ(CrossoverSize(sizes, ours, faster), 0.0);
   const std::vector<double> slower = {2, 200};
   EXPECT_EQ(CrossoverSize(sizes, ours, slower), 10000.0);
+}
+
+// A virtual machine that hides its caches had 32 MiB of "memory".
+TEST(WorkingSetTest, MemoryIsMemoryOnAnyMachine) {
+  constexpr std::size_t kMebibyte = std::size_t{1} << 20;
+  struct Row {
+    std::vector<Cache> caches;
+    std::size_t bytes;  // of the simplex
+  };
+  for (const Row& row : std::vector<Row>{
+           {{}, 256 * kMebibyte},
+           {{{1, 32 << 10, 1}, {2, kMebibyte, 1}}, 256 * kMebibyte},
+           {{{3, 32 * kMebibyte, 8}}, 256 * kMebibyte},
+           {{{3, 96 * kMebibyte, 8}}, 384 * kMebibyte}}) {
+    Machine machine;
+    machine.caches = row.caches;
+    const WorkingSetSize memory = WorkingSetSizes(machine).back();
+    EXPECT_EQ(memory.name, "memory");
+    EXPECT_EQ(memory.bytes, row.bytes);
+    EXPECT_GE(memory.objects * 4 * sizeof(float), row.bytes);
+  }
 }
 
 TEST(PaysFromTest, CountsTheQueriesThatRepayAStructure) {
