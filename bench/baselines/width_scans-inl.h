@@ -60,9 +60,9 @@ HWY_INLINE void StagedOfWidth(const PlanePair (&pairs)[kPairs],
   constexpr size_t kTile = 4096;
   const hn::CappedTag<float, kLanes> d;
   uint16_t groups[kTile / kGroup];
-  uint64_t words[kTile / kWordObjects];
   for (size_t begin = 0; begin < size; begin += kTile) {
     const size_t objects = HWY_MIN(kTile, size - begin);
+    uint64_t* HWY_RESTRICT row = mask + begin / kWordObjects;
     size_t left = 0;
     for (size_t p = 0; p < kPairs; ++p) {
       const float* pair[] = {planes[pairs[p].planes[0]] + begin,
@@ -72,7 +72,7 @@ HWY_INLINE void StagedOfWidth(const PlanePair (&pairs)[kPairs],
       if (p == 0) {
         for (size_t i = 0; i < objects; i += kWordObjects) {
           const uint64_t kept = BitsOfWidth<kMins>(d, pair, i, a, b);
-          words[i / kWordObjects] = kept;
+          row[i / kWordObjects] = ~kept;
           for (size_t g = 0; g < kWordObjects; g += kGroup) {
             groups[left] = static_cast<uint16_t>(i + g);
             left += (kept >> g & kLowBits<kGroup>) != 0;
@@ -87,14 +87,11 @@ HWY_INLINE void StagedOfWidth(const PlanePair (&pairs)[kPairs],
         const size_t shift = i % kWordObjects;
         const uint64_t rejected =
             BitsOfWidth<kMins, kGroup>(d, pair, i, a, b) ^ kLowBits<kGroup>;
-        const uint64_t word = words[i / kWordObjects] & ~(rejected << shift);
-        words[i / kWordObjects] = word;
+        const uint64_t word = row[i / kWordObjects] | rejected << shift;
+        row[i / kWordObjects] = word;
         groups[left] = static_cast<uint16_t>(i);
-        left += (word >> shift & kLowBits<kGroup>) != 0;
+        left += (~word >> shift & kLowBits<kGroup>) != 0;
       }
-    }
-    for (size_t i = 0; i < objects; i += kWordObjects) {
-      mask[(begin + i) / kWordObjects] = ~words[i / kWordObjects];
     }
   }
 }
