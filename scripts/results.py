@@ -17,7 +17,7 @@ A run of one machine:
 
 A block in a document, whose lines this replaces with a table of a run:
 
-    <!-- results: <machine> | <table> [| <column>=<value>,... or notes] -->
+    <!-- results: <machine> | <table> [| <column>=<value>,..., notes or lead] -->
     <!-- end of results -->
 
 A single value, which this replaces with the cell of the one row that fits:
@@ -112,6 +112,11 @@ def markdown(table, rows):
 def block(runs, spec, this=None):
     machine, name, *conditions = parts_of(spec, this)
     table = table_of(runs, machine, name)
+    # Runs of older versions have no such lines: their table says the same.
+    if conditions == ["lead"] and "lead" in table:
+        return "".join(f"    {line}\n" for line in table["lead"])
+    if conditions == ["lead"]:
+        return f"{table['title']}:\n\n{markdown(table, table['rows'])}"
     if conditions == ["notes"]:
         return "".join(f"- {note}\n" for note in table["notes"])
     rows = rows_of(table, conditions[0] if conditions else "")

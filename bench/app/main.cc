@@ -256,6 +256,14 @@ int Main(int argc, char** argv) {
     return kExitOk;
   }
   CheckOutputs(options);
+  // Builders and refits take no target: they run on the chosen one.
+  if (!options.target.empty()) {
+#if defined(_WIN32)
+    _putenv_s("HALFSPACE_TARGET", options.target.c_str());
+#else
+    setenv("HALFSPACE_TARGET", options.target.c_str(), 1);
+#endif
+  }
   if (const TargetChoice choice = DescribeTargetChoice();
       !choice.error.empty()) {
     return Fail("HALFSPACE_TARGET: " + choice.error, kExitUsage);

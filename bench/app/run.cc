@@ -1,5 +1,6 @@
 #include "bench/app/run.h"
 
+#include <algorithm>
 #include <chrono>
 #include <ctime>
 #include <new>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "bench/base/text.h"
+#include "bench/measure/groups.h"
 #include "bench/measure/machine.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
@@ -73,10 +75,12 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
   double total = 0.0;
   std::vector<std::pair<std::string_view, Tables>> all;
   bool needs_verdict = false;
+  std::size_t first_sections = 0;
   for (const Section& section : Sections()) {
     if (!options.Wants(section.name)) continue;
     total += section.weight;
     all.emplace_back(section.name, Tables());
+    first_sections += (section.flags & kLast) == 0 ? 1 : 0;
     needs_verdict |= !run.machine.is_emulated &&
                      (section.name == "verdict" || section.name == "model");
   }
@@ -87,7 +91,19 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
     // Whole or not at all. Streams swallow std::bad_alloc unless told not to.
     std::ostringstream out;
     out.exceptions(std::ios::badbit);
-    if (std::exchange(is_first, false)) WriteHead(out, report);
+    if (std::exchange(is_first, false)) {
+      if (run.is_page()) {
+        for (const Table& table : tables) WriteLead(out, table);
+        out << '\n';
+      }
+      WriteHead(out, report);
+    }
+    if (!run.is_page()) {
+      for (const Table& table : tables) {
+        if (!table.lead.empty()) out << '\n';
+        WriteLead(out, table);
+      }
+    }
     for (const Table& table : tables) WriteText(out, table);
     *text << out.str() << std::flush;
   };
@@ -100,7 +116,11 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
       run.clock().Sample();
       try {
         // Spread over the run.
-        if (needs_verdict && pass == 0) run.AddVerdictGroup();
+        if (needs_verdict && pass == 0) {
+          const std::size_t groups =
+              std::max<std::size_t>(1, kGroups / first_sections);
+          for (std::size_t g = 0; g < groups; ++g) run.AddVerdictGroup();
+        }
         Tables& tables = TablesOf(all, section.name);
         tables = section.run(run);
         run.tables.insert(run.tables.end(), tables.begin(), tables.end());

@@ -20,6 +20,7 @@
 #include "bench/baselines/memory_loops-inl.h"
 #include "bench/baselines/vectorised-inl.h"
 #include "bench/baselines/volume_scans-inl.h"
+#include "bench/baselines/width_scans-inl.h"
 
 namespace halfspace::bench {
 
@@ -28,7 +29,8 @@ TargetLoops LoopsOf();
 
 template <>
 TargetLoops LoopsOf<HWY_TARGET>() {
-  return {.read = &HWY_NAMESPACE::ReadPlanes,
+  return {.one_query_lanes = &HWY_NAMESPACE::OneQueryLanes,
+          .read = &HWY_NAMESPACE::ReadPlanes,
           .copy = &HWY_NAMESPACE::CopyStreams,
           .scan_gated = &HWY_NAMESPACE::ScanGated,
           .scan_staged = &HWY_NAMESPACE::ScanStaged,
@@ -38,7 +40,11 @@ TargetLoops LoopsOf<HWY_TARGET>() {
           .scan_spheres = &HWY_NAMESPACE::ScanSpheres,
           .scan_spheres_by_axis = &HWY_NAMESPACE::ScanSpheresByAxis,
           .count_by_or = &HWY_NAMESPACE::CountSimplices<true>,
-          .count_by_and = &HWY_NAMESPACE::CountSimplices<false>};
+          .count_by_and = &HWY_NAMESPACE::CountSimplices<false>,
+          .widths = {HWY_NAMESPACE::LoopsOfWidth<1>(),
+                     HWY_NAMESPACE::LoopsOfWidth<4>(),
+                     HWY_NAMESPACE::LoopsOfWidth<8>(),
+                     HWY_NAMESPACE::LoopsOfWidth<16>()}};
 }
 
 }  // namespace halfspace::bench

@@ -224,7 +224,22 @@ struct SimplexJob {
 };
 using CountSimplices = void (*)(const SimplexJob& job);
 
+// The same kernel for both shapes with vectors of `lanes` floats, 0 if the
+// target has none. Writes the reject mask. Staged: two planes of all objects,
+// then two more of the groups that still have a survivor.
+using WidthScan = void (*)(const float* const* planes, const float* query,
+                           std::size_t size, std::uint64_t* mask);
+struct WidthLoops {
+  std::size_t lanes = 0;
+  WidthScan simplex_flat = nullptr;
+  WidthScan simplex_staged = nullptr;
+  WidthScan box_flat = nullptr;
+  WidthScan box_staged = nullptr;
+};
+
 struct TargetLoops {
+  // Of the vectors that test floats for one query in the library.
+  std::size_t (*one_query_lanes)() = nullptr;
   PlaneReader read = nullptr;
   StreamCopier copy = nullptr;
   GatedScan scan_gated = nullptr;
@@ -236,6 +251,7 @@ struct TargetLoops {
   VolumeScan scan_spheres_by_axis = nullptr;
   CountSimplices count_by_or = nullptr;
   CountSimplices count_by_and = nullptr;
+  std::array<WidthLoops, 4> widths = {};  // 1, 4, 8 and 16 lanes
 };
 
 // Of a supported target.

@@ -2,8 +2,10 @@
 #ifndef HALFSPACE_BENCH_MEASURE_CURVES_H_
 #define HALFSPACE_BENCH_MEASURE_CURVES_H_
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <span>
 
 namespace halfspace::bench {
@@ -26,6 +28,21 @@ inline double CrossoverSize(std::span<const double> sizes,
     before = lag;
   }
   return sizes.back();
+}
+
+// What a structure costs.
+struct StructureCost {
+  double make;   // once
+  double query;  // each
+};
+
+// The number of queries from which on `one` takes less time in total than
+// `other`: at least 1, infinite if it never does. `one` takes longer to make.
+inline double PaysFrom(const StructureCost& one, const StructureCost& other) {
+  const double more = one.make - other.make;
+  const double saved = other.query - one.query;
+  if (saved <= 0.0) return std::numeric_limits<double>::infinity();
+  return std::max(1.0, more / saved);
 }
 
 // The straight line through some points, by least squares.

@@ -23,11 +23,16 @@ double QuantileOf(std::vector<double> values, double quantile) {
 
 // Fixed in advance, so that the time of the whole run can be estimated. The
 // second call is the warm one; it cannot change the answer for a long one.
-std::size_t IterationsFor(const Case& c, double seconds) {
-  if (SecondsOf(c.run) > 4.0 * seconds) return 1;
+std::size_t IterationsFor(const Case& c, const Effort& effort) {
+  const double seconds = effort.seconds_per_repetition;
+  std::size_t least = 1;
+  if (effort.is_complete) {
+    least = (c.runs_of_all + effort.repetitions - 1) / effort.repetitions;
+  }
+  if (SecondsOf(c.run) > 4.0 * seconds) return least;
   const double once = std::max(SecondsOf(c.run), 1e-9);
-  return static_cast<std::size_t>(
-      std::clamp(std::ceil(seconds / once), 1.0, 1e9));
+  return std::max(least, static_cast<std::size_t>(
+                             std::clamp(std::ceil(seconds / once), 1.0, 1e9)));
 }
 
 // Collects the repetitions; the name of each benchmark is the case's index.
@@ -155,8 +160,8 @@ std::vector<Timing> Measure(const std::vector<Case>& cases,
                                    for (auto _ : state) c.run();
                                    step();
                                  })
-        ->Iterations(static_cast<benchmark::IterationCount>(
-            IterationsFor(c, effort.seconds_per_repetition)))
+        ->Iterations(
+            static_cast<benchmark::IterationCount>(IterationsFor(c, effort)))
         ->Repetitions(static_cast<int>(effort.repetitions));
     step();
     if (i + 1 == cases.size() || cases[i + 1].group != c.group) {

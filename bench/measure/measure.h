@@ -34,6 +34,9 @@ struct Case {
   // objects times queries.
   double items = 1.0;
 
+  // Calls of run() until all different queries have been used.
+  std::size_t runs_of_all = 1;
+
   // Empty if the answers are right, else what is wrong. Called once, first.
   std::function<std::string()> check;
 
@@ -73,6 +76,9 @@ Ratio RangeOf(const std::vector<double>& values);
 struct Effort {
   std::size_t repetitions = 5;
   double seconds_per_repetition = 0.01;
+  // The repetitions together use every query of a case, however long that
+  // takes.
+  bool is_complete = false;
 };
 
 // Makes the compiler believe that a result is used.

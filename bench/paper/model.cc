@@ -35,8 +35,9 @@ const VerdictWorld& TypicalOf(const Verdict& verdict) {
 // What one more plane costs an object in flat kernels.
 double CompareNanoseconds(const VerdictWorld& world, std::size_t target) {
   const VerdictCell& cell = world.cells[target];
-  const double simplex = RangeOf(cell.ns[0]).median;  // flat, 4 planes
-  const double box = RangeOf(cell.ns[1]).median;      // flat, 6 planes
+  // 4 planes and 6 planes.
+  const double simplex = RangeOf(cell.FlatOf(ShapeKind::kSimplex)).median;
+  const double box = RangeOf(cell.FlatOf(ShapeKind::kAabb)).median;
   return std::max(0.0, (box - simplex) / 2.0);
 }
 

@@ -78,6 +78,8 @@ struct Chart {
       {};  // one line for each of its values; empty: for each y
   bool is_x_log = false;
   bool is_y_log = false;
+  // Places to mark on a line: the name of the line, and x.
+  std::vector<std::pair<std::string, double>> marks = {};
 };
 
 using Row = std::vector<Cell>;
@@ -89,6 +91,8 @@ struct Table {
   std::vector<Row> rows = {};
   std::vector<std::string> notes = {};
   std::optional<Chart> chart = {};
+  // Lines before the title, written as they are. On the page they come first.
+  std::vector<std::string> lead = {};
 
   void Add(Row row) { rows.push_back(std::move(row)); }
   // A table with notes alone is left out, unless it has notes.
@@ -107,9 +111,12 @@ struct Report {
   std::string ValueOf(std::string_view name) const;
 };
 
-// A table in aligned columns, at most 100 wide where its texts allow, with its
-// notes in lines of 80.
+// A table in aligned columns, at most 80 wide if its texts allow, and its
+// notes. A range has a line of its own if the table would be wider.
 void WriteText(std::ostream& out, const Table& table);
+
+// The lines that come before everything else.
+void WriteLead(std::ostream& out, const Table& table);
 
 // docs/report.schema.json describes it.
 std::string ToJson(const Report& report);

@@ -98,7 +98,14 @@ Json ToJson(const Table& table) {
                      {"series", table.chart->series},
                      {"x_log", table.chart->is_x_log},
                      {"y_log", table.chart->is_y_log}};
+    if (!table.chart->marks.empty()) {
+      Json& marks = json["chart"]["marks"] = Json::array();
+      for (const auto& [line, x] : table.chart->marks) {
+        marks.push_back(Json::array({line, ToJson(x)}));
+      }
+    }
   }
+  if (!table.lead.empty()) json["lead"] = table.lead;
   return json;
 }
 
@@ -132,7 +139,11 @@ Table TableFrom(const Json& json) {
     const Json& chart = json.at("chart");
     table.chart = Chart{chart.at("x"), chart.at("y"), chart.at("series"),
                         chart.at("x_log"), chart.at("y_log")};
+    for (const Json& mark : chart.value("marks", Json::array())) {
+      table.chart->marks.push_back({mark.at(0), mark.at(1)});
+    }
   }
+  if (json.contains("lead")) table.lead = json.at("lead");
   return table;
 }
 

@@ -8,8 +8,8 @@
 namespace halfspace::bench {
 namespace {
 
-constexpr std::size_t kTableWidth = 100;
-constexpr std::size_t kNoteWidth = 98;
+constexpr std::size_t kTableWidth = 80;
+constexpr std::size_t kNoteWidth = 78;
 
 std::string TextOf(double value, int digits) {
   const bool is_grouped = digits == 0 && value >= 0.0 && value < 0x1p53;
@@ -17,30 +17,20 @@ std::string TextOf(double value, int digits) {
                     : Fixed(value, digits);
 }
 
-std::string TextOf(const Cell& cell, int digits) {
-  std::string text = Printable(cell.text);
-  if (cell.value) {
-    text = TextOf(*cell.value, digits);
-    if (cell.spread) {
-      text += " [" + TextOf(cell.spread->first, digits) + ", " +
-              TextOf(cell.spread->second, digits) + "]";
-    }
-  } else if (text.empty()) {
-    text = "-";
+// The lines of a cell: one, or two if the range has its own.
+std::vector<std::string> LinesOf(const Cell& cell, int digits,
+                                 bool has_range_below) {
+  constexpr const char* kMarks[] = {"", " met", " MISSED", " *", " ="};
+  const std::string mark = kMarks[static_cast<std::size_t>(cell.flag)];
+  if (!cell.value) {
+    return {(cell.text.empty() ? "-" : Printable(cell.text)) + mark};
   }
-  switch (cell.flag) {
-    case Flag::kNone:
-      return text;
-    case Flag::kMet:
-      return text + " met";
-    case Flag::kMissed:
-      return text + " MISSED";
-    case Flag::kWinner:
-      return text + " *";
-    case Flag::kTie:
-      return text + " =";
-  }
-  return text;
+  const std::string value = TextOf(*cell.value, digits);
+  if (!cell.spread) return {value + mark};
+  const std::string range = "[" + TextOf(cell.spread->first, digits) + ", " +
+                            TextOf(cell.spread->second, digits) + "]";
+  if (has_range_below) return {value + mark, range};
+  return {value + " " + range + mark};
 }
 
 // Words in lines of that width; a longer word has a line of its own.
@@ -57,16 +47,19 @@ std::vector<std::string> Wrapped(const std::string& text, std::size_t width) {
   return lines;
 }
 
+// The lines of each cell of a row.
+using RowLines = std::vector<std::vector<std::string>>;
+
 // A row of text, whose cells wrap at the widths of their columns.
-void WriteLine(std::ostream& out, const std::vector<std::string>& cells,
-               const std::vector<std::size_t>& widths,
-               const std::vector<bool>& is_text) {
-  std::vector<std::vector<std::string>> parts;
+void WriteRow(std::ostream& out, const RowLines& cells,
+              const std::vector<std::size_t>& widths,
+              const std::vector<bool>& is_text) {
+  RowLines parts;
   std::size_t height = 1;
   for (std::size_t c = 0; c < cells.size(); ++c) {
-    parts.push_back(cells[c].size() > widths[c]
-                        ? Wrapped(cells[c], widths[c])
-                        : std::vector<std::string>{cells[c]});
+    parts.push_back(cells[c].size() == 1 && cells[c][0].size() > widths[c]
+                        ? Wrapped(cells[c][0], widths[c])
+                        : cells[c]);
     height = std::max(height, parts.back().size());
   }
   for (std::size_t l = 0; l < height; ++l) {
@@ -81,8 +74,8 @@ void WriteLine(std::ostream& out, const std::vector<std::string>& cells,
   }
 }
 
-// Narrows the widest column of text until the table fits.
-void Narrow(std::vector<std::size_t>& widths,
+// Narrows the widest column of text until the table fits. False if it does not.
+bool Narrow(std::vector<std::size_t>& widths,
             const std::vector<bool>& is_text) {
   constexpr std::size_t kLeast = 16;
   std::size_t total = 0;
@@ -95,13 +88,69 @@ void Narrow(std::vector<std::size_t>& widths,
         widest = c;
       }
     }
-    if (widest == widths.size()) return;
+    if (widest == widths.size()) return false;
     --widths[widest];
     --total;
+  }
+  return true;
+}
+
+void WriteRows(std::ostream& out, const Table& table) {
+  if (table.rows.empty()) return;
+  std::vector<bool> is_text(table.columns.size(), true);
+  for (const Row& row : table.rows) {
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      if (row[c].value) is_text[c] = false;
+    }
+  }
+  // If a table is too wide, the names of its columns wrap, and then each range
+  // has a line of its own.
+  enum { kWhole, kNamesWrap, kRangesBelow };
+  for (int how : {kWhole, kNamesWrap, kRangesBelow}) {
+    std::vector<RowLines> lines(1);
+    std::vector<std::size_t> widths;
+    for (std::size_t c = 0; c < table.columns.size(); ++c) {
+      const Column& column = table.columns[c];
+      const std::string name =
+          column.name + (column.unit.empty() ? "" : ", " + column.unit);
+      lines[0].push_back({name});
+      const bool is_whole = how == kWhole || is_text[c];
+      widths.push_back(0);
+      for (const std::string& word :
+           Wrapped(name, is_whole ? name.size() : 1)) {
+        widths[c] = std::max(widths[c], word.size());
+      }
+    }
+    for (const Row& row : table.rows) {
+      lines.emplace_back();
+      for (std::size_t c = 0; c < row.size(); ++c) {
+        lines.back().push_back(
+            LinesOf(row[c], table.columns[c].digits, how == kRangesBelow));
+        for (const std::string& line : lines.back()[c]) {
+          widths[c] = std::max(widths[c], line.size());
+        }
+      }
+    }
+    if (!Narrow(widths, is_text) && how != kRangesBelow) continue;
+    for (const RowLines& row : lines) WriteRow(out, row, widths, is_text);
+    return;
   }
 }
 
 }  // namespace
+
+void WriteLead(std::ostream& out, const Table& table) {
+  for (const std::string& each : table.lead) {
+    const std::string text = Printable(each);
+    if (text.size() <= kTableWidth) {
+      out << text << '\n';
+      continue;
+    }
+    for (const std::string& line : Wrapped(text, kTableWidth)) {
+      out << line << '\n';
+    }
+  }
+}
 
 void WriteText(std::ostream& out, const Table& table) {
   if (table.is_empty()) return;
@@ -111,31 +160,8 @@ void WriteText(std::ostream& out, const Table& table) {
     out << line << '\n';
   }
   out << '\n';
-  std::vector<std::vector<std::string>> lines;
-  std::vector<bool> is_text(table.columns.size(), true);
-  if (!table.rows.empty()) {
-    lines.emplace_back();
-    for (const Column& column : table.columns) {
-      lines.back().push_back(column.name +
-                             (column.unit.empty() ? "" : ", " + column.unit));
-    }
-  }
-  for (const Row& row : table.rows) {
-    lines.emplace_back();
-    for (std::size_t c = 0; c < row.size(); ++c) {
-      if (row[c].value) is_text[c] = false;
-      lines.back().push_back(TextOf(row[c], table.columns[c].digits));
-    }
-  }
-  std::vector<std::size_t> widths(table.columns.size());
-  for (const auto& line : lines) {
-    for (std::size_t c = 0; c < line.size(); ++c) {
-      widths[c] = std::max(widths[c], line[c].size());
-    }
-  }
-  Narrow(widths, is_text);
-  for (const auto& line : lines) WriteLine(out, line, widths, is_text);
-  if (!lines.empty() && !table.notes.empty()) out << '\n';
+  WriteRows(out, table);
+  if (!table.rows.empty() && !table.notes.empty()) out << '\n';
   for (const std::string& note : table.notes) {
     for (const std::string& line : Wrapped(Printable(note), kNoteWidth)) {
       out << "  " << line << '\n';

@@ -6,6 +6,7 @@
 #include "bench/base/text.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
+#include "bench/sections/structures.h"
 
 namespace halfspace::bench {
 namespace {
@@ -26,6 +27,12 @@ const Row* FastestOf(const Table& ways, const IsOneOf& is_one) {
   return nullptr;
 }
 
+// A world at another address differs by up to a twentieth.
+bool IsAnswer(const Ratio& times_as_fast) {
+  constexpr double kLeast = 1.05;
+  return times_as_fast.low > kLeast;
+}
+
 // The better of two ways, of their times over the best way's.
 void Add(Table& table, const char* question, const Row* one, const Row* other,
          const std::function<std::string(const Row&)>& name) {
@@ -40,7 +47,7 @@ void Add(Table& table, const char* question, const Row* one, const Row* other,
   const Ratio times{*other->at(kOfBest).value / *one->at(kOfBest).value,
                     spread(other).first / spread(one).second,
                     spread(other).second / spread(one).first};
-  const bool is_tie = times.low <= 1.0;
+  const bool is_tie = !IsAnswer(times);
   table.Add({question,
              is_tie ? "no difference: " + name(*one) + ", " + name(*other)
                     : name(*one),
@@ -51,23 +58,29 @@ void Add(Table& table, const char* question, const Row* one, const Row* other,
 std::string WhatIsMeasured(Run& run, const Table& ways) {
   const ExactTest exact = run.TheExactTest();
   return "Measured on " + ways.notes.front() +
-         " Objects of the scene take 2 % "
-         "of its side. The exact test of a survivor takes " +
-         Fixed(exact.ns.median, 0) + " ns (" + exact.name + ").";
+         (run.input() != nullptr ? "" : " They take 2 % of its side.") +
+         " The exact test of a survivor takes " + Fixed(exact.ns.median, 0) +
+         " ns (" + exact.name +
+         "). \"No difference\" is one of less than a twentieth.";
 }
 
 void AddThreads(const Table& threads, Table& table) {
-  std::string last;
   for (const Row& row : threads.rows) {
     if (!row[3].value || *row[1].value == 1.0) continue;
+    const std::string question = "threads: " + row[0].text;
+    const std::string all =
+        std::to_string(static_cast<int>(*row[1].value)) + " threads";
     const Ratio times{*row[3].value, row[3].spread->first,
                       row[3].spread->second};
-    const bool is_tie = times.low <= 1.0 && times.high >= 1.0;
-    table.Add(
-        {"threads: " + row[0].text,
-         is_tie ? "no difference"
-                : std::to_string(static_cast<int>(*row[1].value)) + " threads",
-         Cell(times).With(is_tie ? Flag::kTie : Flag::kNone), "one thread"});
+    const Ratio of_one{1.0 / times.median, 1.0 / times.high, 1.0 / times.low};
+    if (IsAnswer(times)) {
+      table.Add({question, all, Cell(times), "one thread"});
+    } else if (IsAnswer(of_one)) {
+      table.Add({question, "one thread", Cell(of_one), all});
+    } else {
+      table.Add({question, "no difference: one thread, " + all,
+                 Cell(times).With(Flag::kTie), Cell()});
+    }
   }
   for (const std::string& note : threads.notes) table.notes.push_back(note);
 }
@@ -114,7 +127,14 @@ Tables RunAnswers(Run& run) {
   if (const Table* threads = run.TableOf("threads")) {
     AddThreads(*threads, table);
   }
-  return {table};
+  if (!run.machine.HasCache(3)) {
+    table.notes.push_back(
+        "The system names no third-level cache: the size of \"memory\" is a "
+        "guess, of " +
+        Mebibytes(WorkingSetSizes(run.machine).back().bytes) +
+        " for the simplex.");
+  }
+  return {table, StructuresTable(run)};
 }
 
 }  // namespace halfspace::bench

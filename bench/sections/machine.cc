@@ -41,7 +41,7 @@ Tables RunMachine(Run& run) {
   table.Add({"chosen", NameOf(choice.target) +
                            (choice.requested.empty()
                                 ? ", the best that is compiled and supported"
-                                : ", which HALFSPACE_TARGET asks for")});
+                                : ", which HALFSPACE_TARGET or --target asks for")});
   table.Add({"built by", build.compiler + ", " + build.type + ", Highway " +
                              build.highway + ", " + build.flags});
   if (build.type != "release") {

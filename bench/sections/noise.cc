@@ -27,12 +27,18 @@ Tables RunNoise(Run& run) {
   run.clock().Sample();
   const double drift = run.clock().Drift();
   const double off = std::max(same.high - 1.0, 1.0 - same.low);
-  const bool is_noisy = off > kLimit || drift > kLimit;
+  const Load load = run.LoadNow();
+  const int cpus = run.machine.cores;
+  const bool is_loaded = IsLoaded(load, cpus);
+  const bool is_noisy = off > kLimit || drift > kLimit || is_loaded;
   Table table{"noise",
-              "a kernel timed against itself, and the clock",
+              "a kernel timed against itself, the clock, and other programs",
               {Key("what"), Value("value", "", 3)}};
   table.Add({"same over same", Cell(same)});
   table.Add({"clock, slowest over fastest", 1.0 + drift});
+  table.Add({"share of the time with a CPU", load.cpu_share});
+  table.Add({"interruptions per second", load.interruptions});
+  table.Add({"CPUs that others took", Cell(load.others)});
   table.Add({"run", is_noisy ? "noisy" : "quiet"});
   // Ranges between groups say how far the verdict is to be trusted; other
   // ratios have the quartiles of one group alone.
@@ -46,6 +52,15 @@ Tables RunNoise(Run& run) {
        : run.machine.is_virtual
            ? ". Do not trust times: other virtual machines share the hardware."
            : ". Times can be trusted too.")};
+  if (is_loaded) {
+    table.notes.push_back(
+        "Other programs took " +
+        (load.others ? Fixed(*load.others, 1) + " of " + std::to_string(cpus)
+                     : std::string("some")) +
+        " CPUs, and interrupted this one " + Fixed(load.interruptions, 0) +
+        " times a second. It had a CPU in " + Fixed(100.0 * load.cpu_share, 0) +
+        " % of the time.");
+  }
   // --strict and the page need no more.
   if (run.is_page()) table.rows.erase(table.rows.begin(), table.rows.end() - 1);
   return {table};

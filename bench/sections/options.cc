@@ -183,7 +183,7 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
                        std::string("cpuinfo-bench ") + HALFSPACE_VERSION_STRING,
                        "Print the version and exit");
   app.add_flag("--quick", options.is_quick,
-               "Use a smaller scene and fewer repetitions: about 20 seconds");
+               "Use a smaller scene and fewer repetitions: about 40 seconds");
   std::vector<std::string> lists;
   app.add_option(
          "--details", lists,

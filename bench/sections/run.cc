@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bench/base/text.h"
+#include "bench/measure/groups.h"
 #include "bench/sections/sections.h"
 #include "bench/worlds/scene.h"
 
@@ -159,12 +160,13 @@ ExactTest Run::TheExactTest() {
 }
 
 void Run::AddVerdictGroup() {
-  if (!verdict_) verdict_ = std::make_unique<Verdict>(*this);
-  if (verdict_->groups() < kVerdictGroups) verdict_->AddGroup(*this);
+  if (!verdict_)
+    verdict_ = std::make_unique<Verdict>(*this, LibraryColumns(*this));
+  if (verdict_->groups() < kGroups) verdict_->AddGroup(*this);
 }
 
 const Verdict& Run::TheVerdict() {
-  while (!verdict_ || verdict_->groups() < kVerdictGroups) AddVerdictGroup();
+  while (!verdict_ || verdict_->groups() < kGroups) AddVerdictGroup();
   return *verdict_;
 }
 

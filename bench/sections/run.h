@@ -10,6 +10,7 @@
 
 #include "bench/base/progress.h"
 #include "bench/measure/clock_probe.h"
+#include "bench/measure/load_probe.h"
 #include "bench/measure/machine.h"
 #include "bench/measure/measure.h"
 #include "bench/report/table.h"
@@ -84,6 +85,8 @@ class Run {
 
   // A kernel timed against itself, and the clock.
   ClockProbe& clock() { return clock_; }
+  // What other programs took since the run began.
+  Load LoadNow() const { return load_.Sample(); }
 
   // Tables that a section leaves for the answers.
   const Table* TableOf(const std::string& name) const;
@@ -96,6 +99,7 @@ class Run {
 
   std::optional<Workload> input_;
   Workload scene_;
+  LoadProbe load_;
   ClockProbe clock_;
   std::vector<ExactTest> exact_tests_;
   std::vector<std::unique_ptr<WorkingSet>> sets_;

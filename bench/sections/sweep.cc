@@ -10,6 +10,7 @@
 
 #include "bench/base/shape.h"
 #include "bench/base/text.h"
+#include "bench/measure/groups.h"
 #include "bench/measure/measure.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
@@ -65,7 +66,10 @@ class Contestants {
       c.name = name + "/" + c.name;
       c.group = name;
     }
-    const std::vector<Timing> timings = run.Time(cases_);
+    // Enough for a range that another run does not leave.
+    Effort effort = run.effort;
+    if (run.options.repetitions == 0) effort.repetitions = kGroups;
+    const std::vector<Timing> timings = run.Time(cases_, effort);
     for (std::size_t i = 0; i < ways_.size(); ++i) {
       ways_[i].timing = ways_[i].with_exact = timings[i];
       for (double& ns : ways_[i].with_exact.samples) {
@@ -151,9 +155,13 @@ class Contestants {
   std::vector<Way> ways_;
 };
 
-// Its time over the best way's.
+// Its time over the best way's, and the range of all repetitions.
 Ratio OfBest(const Way& way, const std::vector<Way>& ways) {
-  return RatioOf(way.with_exact, ways.front().with_exact);
+  std::vector<double> ratios = way.with_exact.samples;
+  for (std::size_t r = 0; r < ratios.size(); ++r) {
+    ratios[r] /= ways.front().with_exact.samples[r];
+  }
+  return GroupRange(std::move(ratios));
 }
 
 }  // namespace
@@ -196,7 +204,8 @@ Tables RunSweep(Run& run) {
                way.timing.Median() / 1e3, way.survivors,
                way.with_exact.Median() / 1e3, OfBest(way, ways)});
     }
-    own.notes = {Grouped(world.size()) + " objects of " + workload.name + "."};
+    own.notes = {Grouped(world.size()) + " objects of " +
+                 (run.input() != nullptr ? workload.name : "the scene") + "."};
   }
   // The page needs the answers alone.
   if (run.is_page()) {
@@ -225,7 +234,7 @@ Tables RunSweep(Run& run) {
   }
   cells.notes = {
       "size: of an object, in % of the world's side. = : the next "
-      "best is within the quartiles."};
+      "best is within the range of the repetitions."};
   return {own, cells};
 }
 

@@ -75,11 +75,15 @@ void AddRows(Run& run, const Work& work, const std::vector<std::size_t>& counts,
     constexpr std::size_t kFewest = 3;
     Row row = {work.name, counts[c], Cell(), Cell()};
     if (ns[c].size() >= kFewest) row[2] = RangeOf(ns[c]).median;
-    if (ns[c].size() >= kFewest && ns[0].size() >= kFewest) {
-      const Ratio one = RangeOf(ns[0]);
-      const Ratio all = RangeOf(ns[c]);
-      row[3] = Ratio{one.median / all.median, one.low / all.high,
-                     one.high / all.low};
+    const Ratio one = RangeOf(ns[0]);
+    const Ratio all = RangeOf(ns[c]);
+    const Ratio times{one.median / all.median, one.low / all.high,
+                      one.high / all.low};
+    // A range as wide as this answers nothing.
+    constexpr double kWidest = 2.0;
+    if (ns[c].size() >= kFewest && ns[0].size() >= kFewest &&
+        times.high < kWidest * times.low) {
+      row[3] = times;
     } else if (counts[c] != 1) {
       table.notes.push_back(
           std::to_string(counts[c]) + " threads, " + work.name +

@@ -1,10 +1,14 @@
 #include "bench/sections/verdict.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string_view>
 #include <utility>
 
 #include "bench/base/text.h"
 #include "bench/measure/counts.h"
+#include "bench/measure/groups.h"
 #include "bench/report/table.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
@@ -13,102 +17,138 @@
 namespace halfspace::bench {
 namespace {
 
-constexpr std::array<double, 6> kPercents = {0.1, 0.3, 1.0, 3.0, 10.0, 30.0};
+// 2 % is the paper's.
+constexpr std::array<double, 7> kPercents = {0.1, 0.3,  1.0, 2.0,
+                                             3.0, 10.0, 30.0};
 
-PerShape<double> SurvivorsOf(const AaboView3& view,
-                             const std::vector<Aabo3>& queries) {
-  PerShape<double> sums;
-  for (const Aabo3& query : queries) AddSurvivors(view, query, sums);
-  for (double* sum : {&sums.aabb, &sums.simplex, &sums.aabo}) {
-    *sum /= static_cast<double>(queries.size());
-  }
-  return sums;
+constexpr std::size_t kRepetitions = 6;
+
+constexpr const char* kEmulated =
+    "Not measured: the CPU is emulated, and its times mean nothing.";
+
+double MedianOf(const std::vector<double>& values) {
+  return RangeOf(values).median;
 }
 
-// Places in a list of names: "0.1 %, 1 % to 30 %".
-std::string RangesOf(const std::vector<std::size_t>& places,
-                     const std::vector<VerdictWorld>& worlds) {
-  std::string text;
-  for (std::size_t i = 0; i < places.size();) {
-    std::size_t last = i;
-    while (last + 1 < places.size() && places[last + 1] == places[last] + 1) {
-      ++last;
-    }
-    text += (text.empty() ? "" : ", ") + worlds[places[i]].name();
-    if (last != i) text += " to " + worlds[places[last]].name();
-    i = last + 1;
+// Two digits of a percentage: "0.84", "3.4", "12".
+std::string PercentText(double percent) {
+  const int digits = percent < 0.995 ? 2 : percent < 9.95 ? 1 : 0;
+  std::string text = Fixed(percent, digits);
+  // Whole sizes of rows as they are written there: "0.1", "3".
+  if (text.find('.') != std::string::npos) {
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
   }
   return text;
 }
 
-std::string LanesOf(Target target) {
-  return target.lanes() <= 1 ? "1 lane"
-                             : std::to_string(target.lanes()) + " lanes";
+// An end of a range of sizes, of which some were measured.
+std::string EndText(double percent, std::span<const double> sizes) {
+  if (percent == 0.0) return "< " + PercentText(sizes.front());
+  if (percent == kInfinity) return "> " + PercentText(sizes.back());
+  return PercentText(percent);
 }
 
-bool IsOfFile(const Verdict& verdict) {
-  return verdict.worlds().front().percent == 0.0;
+// "3.4 % [3.1, 3.8]"
+std::string SizeText(const Ratio& size, std::span<const double> sizes) {
+  return EndText(size.median, sizes) + " % [" + EndText(size.low, sizes) +
+         ", " + EndText(size.high, sizes) + "]";
 }
 
-// From which target on the simplex wins at more sizes than the box.
-std::string Headline(const Verdict& verdict) {
-  std::size_t first = verdict.targets().size();
-  for (std::size_t t = verdict.targets().size(); t-- > 0;) {
-    std::size_t simplex = 0;
-    std::size_t box = 0;
-    for (const VerdictWorld& world : verdict.worlds()) {
-      const Winner winner =
-          WinnerOf(world.OverSimplex(ShapeKind::kAabb, t, 0.0));
-      simplex += winner == Winner::kSimplex ? 1 : 0;
-      box += winner == Winner::kBox ? 1 : 0;
+// "0.1 to 30 %"
+std::string MeasuredText(std::span<const double> sizes) {
+  return PercentText(sizes.front()) + " to " + PercentText(sizes.back()) + " %";
+}
+
+std::string RatioText(const Ratio& ratio) {
+  return Fixed(ratio.median, 2) + " [" + Fixed(ratio.low, 2) + ", " +
+         Fixed(ratio.high, 2) + "]";
+}
+
+std::string WinnerText(const Ratio& box_over_simplex) {
+  const Winner winner = WinnerOf(box_over_simplex);
+  return winner == Winner::kNone
+             ? std::string("no difference")
+             : "the " + std::string(NameOf(winner)) + " is faster";
+}
+
+// "  AVX2, 8       "
+std::string Indented(const std::string& name) {
+  constexpr std::size_t kWidth = 14;
+  return "  " + name +
+         std::string(name.size() < kWidth ? kWidth - name.size() : 1, ' ');
+}
+
+std::string WithExactTests(double exact_ns) {
+  return "With an exact test of " + Fixed(exact_ns, exact_ns < 9.5 ? 1 : 0) +
+         " ns for each survivor, ";
+}
+
+// "AVX2, 8", or "scalar".
+std::string ColumnName(Target target, std::size_t lanes) {
+  return NameOf(target) + (lanes == 1 ? "" : ", " + std::to_string(lanes));
+}
+
+std::vector<double> SizesOf(const Verdict& verdict) {
+  std::vector<double> sizes;
+  for (const VerdictWorld& world : verdict.worlds()) {
+    sizes.push_back(world.percent);
+  }
+  return sizes;
+}
+
+std::vector<std::string> LeadOf(const Verdict& verdict, double exact_ns) {
+  const std::size_t best = verdict.best_column();
+  std::vector<std::string> lines;
+  if (verdict.is_of_file()) {
+    const auto row = [&](std::size_t c, double ns) {
+      return RatioRow{verdict.columns()[c].name,
+                      verdict.worlds()[0].OverSimplex(ShapeKind::kAabb, c, ns)};
+    };
+    std::vector<RatioRow> rows;
+    for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
+      rows.push_back(row(c, 0.0));
     }
-    if (simplex <= box) break;
-    first = t;
-  }
-  return std::string("The simplex wins ") +
-         (IsOfFile(verdict) ? "" : "at more sizes than the box ") +
-         (first == verdict.targets().size()
-              ? "on no target"
-              : "from " + LanesOf(verdict.targets()[first]) + " on") +
-         ". The paper predicts 8 to 16 lanes.";
-}
-
-// Where each wins on one target, in one line.
-std::string SentenceOf(const Verdict& verdict, std::size_t target,
-                       double exact_ns) {
-  std::array<std::vector<std::size_t>, 3> where;
-  for (std::size_t w = 0; w < verdict.worlds().size(); ++w) {
-    const Winner winner = WinnerOf(
-        verdict.worlds()[w].OverSimplex(ShapeKind::kAabb, target, exact_ns));
-    where[static_cast<std::size_t>(winner)].push_back(w);
-  }
-  std::string text;
-  for (Winner winner : {Winner::kSimplex, Winner::kBox, Winner::kNone}) {
-    const auto& places = where[static_cast<std::size_t>(winner)];
-    if (places.empty()) continue;
-    const bool is_first = text.empty();
-    text += is_first ? " " : "; ";
-    text +=
-        (winner == Winner::kNone ? "" : "the ") + std::string(NameOf(winner));
-    if (is_first) text += " wins";
-    if (!IsOfFile(verdict)) {
-      text += " at " + RangesOf(places, verdict.worlds());
+    lines = RatioLead(rows);
+    for (std::string& line : ExactRatioLead(row(best, exact_ns), exact_ns)) {
+      lines.push_back(std::move(line));
     }
+    return lines;
   }
-  const Target t = verdict.targets()[target];
-  return NameOf(t) + ", " + LanesOf(t) + ":" + text + ".";
+  const std::vector<double> sizes = SizesOf(verdict);
+  std::vector<LeadRow> rows;
+  for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
+    rows.push_back({verdict.columns()[c].name, verdict.CrossingsOf(c)});
+  }
+  lines = SizeLead(rows, sizes);
+  for (std::string& line : ExactLead(
+           {verdict.columns()[best].name, verdict.CrossingsWithExact(best)},
+           sizes, exact_ns)) {
+    lines.push_back(std::move(line));
+  }
+  return lines;
 }
 
+// A size; nothing if it lies beyond those that were measured.
+Cell CellOf(const Ratio& size) {
+  if (std::isfinite(size.median) && size.median != 0.0) return Cell(size);
+  return {};
+}
+
+// The ratios of each world and column.
 Table TableOf(const Verdict& verdict, std::string name, std::string title,
               double exact_ns) {
-  Table table{std::move(name), std::move(title), {Key("size")}};
-  for (Target target : verdict.targets()) {
-    table.columns.push_back(Value(NameOf(target)));
+  Table table{std::move(name),
+              std::move(title),
+              {verdict.is_of_file() ? Key("size") : Key("size", "%")}};
+  table.columns[0].digits = 1;
+  for (const VerdictColumn& column : verdict.columns()) {
+    table.columns.push_back(Higher(column.name));
   }
   for (const VerdictWorld& world : verdict.worlds()) {
-    Row row = {world.name()};
-    for (std::size_t t = 0; t < verdict.targets().size(); ++t) {
-      const Ratio ratio = world.OverSimplex(ShapeKind::kAabb, t, exact_ns);
+    Row row = {verdict.is_of_file() ? Cell("file") : Cell(world.percent)};
+    for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
+      const Ratio ratio = world.OverSimplex(ShapeKind::kAabb, c, exact_ns);
       const Winner winner = WinnerOf(ratio);
       row.push_back(Cell(ratio).With(winner == Winner::kSimplex ? Flag::kWinner
                                      : winner == Winner::kNone  ? Flag::kTie
@@ -116,10 +156,93 @@ Table TableOf(const Verdict& verdict, std::string name, std::string title,
     }
     table.Add(std::move(row));
   }
-  for (std::size_t t = 0; t < verdict.targets().size(); ++t) {
-    table.notes.push_back(SentenceOf(verdict, t, exact_ns));
+  if (verdict.is_of_file()) {
+    const std::size_t own = verdict.objects_of_file();
+    const std::size_t all = verdict.worlds()[0].objects;
+    if (own < all) {
+      table.notes.push_back("The file has " + Grouped(own) +
+                            " objects. They are repeated up to " +
+                            Grouped(all) + ", which fill half of L2.");
+    }
+    return table;
   }
+  table.notes.push_back("size: an object's side over the world's.");
+  Chart chart{"size", {}, "", true, true};
+  for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
+    chart.y.push_back(verdict.columns()[c].name);
+    const Ratio from = verdict.CrossingsOf(c).from;
+    if (exact_ns == 0.0 && CellOf(from).value) {
+      chart.marks.push_back({chart.y.back(), from.median});
+    }
+  }
+  table.chart = std::move(chart);
   return table;
+}
+
+// What the marks and the ranges of so many cells promise.
+std::string PromiseText(const Verdict& verdict, std::size_t cells) {
+  const double pages =
+      1.0 / (FalseWinnerChance(verdict.groups()) * static_cast<double>(cells));
+  return "*: the simplex is faster. =: no difference. [ ]: range of " +
+         std::to_string(verdict.groups()) +
+         " groups without the least and the greatest. It covers the median of "
+         "another run in " +
+         Fixed(100.0 * (1.0 - MissedMedianChance(verdict.groups())), 0) +
+         " % of the cases. If nothing differed, one of " +
+         Grouped(static_cast<std::size_t>(pages)) + " reports of " +
+         std::to_string(cells) + " ratios would name a winner. Timed with " +
+         Grouped(verdict.queries()) + " different queries.";
+}
+
+Table CrossingsTable(const Verdict& verdict, std::string name,
+                     const ExactTest& exact) {
+  const std::vector<double> sizes = SizesOf(verdict);
+  Table table{
+      std::move(name),
+      "the sizes from which on the simplex is faster, and from which on "
+      "the box is faster again",
+      {Key("target"), Key("exact test"), Value("simplex from", "%", 2),
+       Value("box from", "%", 2)}};
+  for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
+    const auto cell = [&](const Ratio& size) {
+      const Cell measured = CellOf(size);
+      return measured.value ? measured : Cell(EndText(size.median, sizes));
+    };
+    const auto add = [&](const std::string& test, const Crossings& sizes_of) {
+      table.Add({verdict.columns()[c].name, test, cell(sizes_of.from),
+                 cell(sizes_of.to)});
+    };
+    add("none", verdict.CrossingsOf(c));
+    add(exact.name, verdict.CrossingsWithExact(c));
+  }
+  table.notes = {
+      "The simplex is faster between the two sizes. < and >: beyond those that "
+      "were measured, " +
+      MeasuredText(sizes) + "."};
+  return table;
+}
+
+Table TimesTable(const Verdict& verdict, std::string name) {
+  Table times{std::move(name),
+              "ns per object, and the range of the groups",
+              {Key("size"), Key("target"), Key("shape"), Key("schedule"),
+               Value("time", "ns", 4), Value("over the flat simplex", "", 3)}};
+  for (const VerdictWorld& world : verdict.worlds()) {
+    for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
+      const VerdictCell& cell = world.cells[c];
+      const auto contenders = verdict.columns()[c].contenders();
+      for (std::size_t i = 0; i < contenders.size(); ++i) {
+        std::vector<double> ratios = cell.ns[i];
+        for (std::size_t g = 0; g < ratios.size(); ++g) {
+          ratios[g] /= cell.FlatOf(ShapeKind::kSimplex)[g];
+        }
+        times.Add({world.name(), verdict.columns()[c].name,
+                   NameOf(contenders[i].shape), contenders[i].schedule,
+                   GroupRange(cell.ns[i]), GroupRange(ratios)});
+      }
+    }
+  }
+  return times;
 }
 
 }  // namespace
@@ -135,162 +258,411 @@ const char* NameOf(Winner winner) {
   return kNames[static_cast<std::size_t>(winner)];
 }
 
-std::size_t VerdictCell::BestOf(ShapeKind shape) const {
-  std::size_t best = kContenders.size();
-  for (std::size_t c = 0; c < kContenders.size(); ++c) {
-    if (kContenders[c].shape != shape) continue;
-    if (best == kContenders.size() ||
-        RangeOf(ns[c]).median < RangeOf(ns[best]).median) {
-      best = c;
+double BestTime(std::span<const std::vector<double>> samples) {
+  // The median of every second repetition of a contender.
+  const auto half = [](const std::vector<double>& all, std::size_t first) {
+    std::vector<double> some;
+    // A single repetition is both halves.
+    for (std::size_t i = std::min(first, all.size() - 1); i < all.size();
+         i += 2) {
+      some.push_back(all[i]);
     }
+    return MedianOf(some);
+  };
+  double sum = 0.0;
+  for (std::size_t chosen_in : {0, 1}) {
+    const auto best = std::min_element(
+        samples.begin(), samples.end(), [&](const auto& a, const auto& b) {
+          return half(a, chosen_in) < half(b, chosen_in);
+        });
+    sum += half(*best, 1 - chosen_in);
   }
-  return best;
+  return sum / 2.0;
 }
 
 Ratio VerdictCell::Difference(ShapeKind more, ShapeKind less) const {
-  std::vector<double> differences = ns[BestOf(more)];
-  const std::vector<double>& others = ns[BestOf(less)];
+  std::vector<double> differences = BestOf(more);
+  const std::vector<double>& others = BestOf(less);
   for (std::size_t g = 0; g < differences.size(); ++g) {
     differences[g] -= others[g];
   }
-  return RangeOf(differences);
+  return GroupRange(differences);
 }
 
 std::string VerdictWorld::name() const {
-  if (percent == 0.0) return "file";
-  return Fixed(percent, percent < 1.0 ? 1 : 0) + " %";
+  return percent == 0.0 ? "file" : PercentText(percent) + " %";
 }
 
-Ratio VerdictWorld::OverSimplex(ShapeKind shape, std::size_t target,
+Ratio VerdictWorld::OverSimplex(ShapeKind shape, std::size_t column,
                                 double exact_ns) const {
-  const VerdictCell& cell = cells[target];
-  const auto costs = [&](ShapeKind of) {
-    std::vector<double> all = cell.ns[cell.BestOf(of)];
-    for (double& ns : all) {
-      ns += exact_ns * survivors.Of(of) / static_cast<double>(objects);
-    }
-    return all;
+  const auto cost = [&](ShapeKind of, std::size_t group) {
+    return cells[column].BestOf(of)[group] + exact_ns *
+                                                 group_survivors[group].Of(of) /
+                                                 static_cast<double>(objects);
   };
-  const std::vector<double> simplex = costs(ShapeKind::kSimplex);
-  std::vector<double> ratios = costs(shape);
-  for (std::size_t g = 0; g < ratios.size(); ++g) ratios[g] /= simplex[g];
-  return RangeOf(ratios);
+  std::vector<double> ratios;
+  for (std::size_t g = 0; g < group_survivors.size(); ++g) {
+    ratios.push_back(cost(shape, g) / cost(ShapeKind::kSimplex, g));
+  }
+  return GroupRange(ratios);
 }
 
-Verdict::Verdict(Run& run) : targets_(run.targets), effort_(run.effort) {
-  // The narrowest first, as the question is from which width on.
-  std::reverse(targets_.begin(), targets_.end());
-  effort_.repetitions = std::min<std::size_t>(effort_.repetitions, 3);
-  effort_.seconds_per_repetition /= 3.0;
+std::vector<std::string> SizeLead(const std::vector<LeadRow>& rows,
+                                  std::span<const double> sizes) {
+  std::vector<std::string> lines = {
+      "The simplex scan is faster than the box scan for objects larger than"};
+  bool is_first = true;
+  for (const LeadRow& row : rows) {
+    const Ratio& from = row.sizes.from;
+    const Ratio& to = row.sizes.to;
+    std::string text;
+    if (from.low == kInfinity) {
+      text = "(at no size measured, " + MeasuredText(sizes) + ")";
+    } else if (from.high == 0.0 && to.low == kInfinity) {
+      text = "(at every size measured, " + MeasuredText(sizes) + ")";
+    } else {
+      text = SizeText(from, sizes);
+      if (std::exchange(is_first, false)) text += " of the world's side";
+      if (to.median < kInfinity) text += ", up to " + SizeText(to, sizes);
+    }
+    lines.push_back(Indented(row.name) + text);
+  }
+  return lines;
+}
+
+std::vector<std::string> ExactLead(const LeadRow& row,
+                                   std::span<const double> sizes,
+                                   double exact_ns) {
+  const Ratio& to = row.sizes.to;
+  const std::string of = " (" + row.name + ").";
+  const std::string text = WithExactTests(exact_ns) + "the box is ";
+  if (row.sizes.from.low == kInfinity || to.high == 0.0) {
+    return {text + "faster",
+            "at every size measured, " + MeasuredText(sizes) + of};
+  }
+  if (to.low == kInfinity) {
+    return {text + "not faster again",
+            "up to " + PercentText(sizes.back()) + " %" + of};
+  }
+  return {text + "faster again", "from " + SizeText(to, sizes) + " on" + of};
+}
+
+std::vector<std::string> RatioLead(const std::vector<RatioRow>& rows) {
+  std::vector<std::string> lines = {
+      "The box scan takes so many times as long as the simplex scan:"};
+  for (const RatioRow& row : rows) {
+    lines.push_back(Indented(row.name) + RatioText(row.box_over_simplex) +
+                    ": " + WinnerText(row.box_over_simplex));
+  }
+  return lines;
+}
+
+std::vector<std::string> ExactRatioLead(const RatioRow& row, double exact_ns) {
+  return {WithExactTests(exact_ns) + "it takes",
+          RatioText(row.box_over_simplex) + " times as long: " +
+              WinnerText(row.box_over_simplex) + " (" + row.name + ")."};
+}
+
+std::vector<VerdictColumn> LibraryColumns(const Run& run) {
+  std::vector<VerdictColumn> columns;
+  for (std::size_t t = run.targets.size(); t-- > 0;) {
+    const Target target = run.targets[t];
+    const TargetLoops loops = LoopsFor(target);
+    const std::size_t lanes = loops.one_query_lanes();
+    columns.push_back({ColumnName(target, lanes), target});
+    const WidthLoops& widest = loops.widths.back();
+    if (widest.lanes > lanes) {
+      columns.push_back({ColumnName(target, widest.lanes), target, widest});
+    }
+  }
+  return columns;
+}
+
+std::vector<VerdictColumn> WidthColumns(const Run& run) {
+  std::vector<Target> targets = {run.best()};
+  const std::optional<Target> scalar = FindTarget("SCALAR");
+  if (run.options.target.empty() && scalar && *scalar != run.best()) {
+    targets.insert(targets.begin(), *scalar);
+  }
+  std::vector<VerdictColumn> columns;
+  for (Target target : targets) {
+    for (const WidthLoops& loops : LoopsFor(target).widths) {
+      if (loops.lanes == 0) continue;
+      columns.push_back({ColumnName(target, loops.lanes), target, loops});
+    }
+  }
+  return columns;
+}
+
+// What is measured at one size, for one group.
+struct Verdict::Place {
+  std::unique_ptr<WorkingSet> set;
+  PerShape<double> survivors;
+  std::map<std::size_t, Times> times;  // of each column that was timed
+};
+
+struct Verdict::Times {
+  std::vector<double> ns;
+  double simplex = 0.0;
+  double box = 0.0;
+};
+
+Verdict::Verdict(Run& run, std::vector<VerdictColumn> columns)
+    : best_target_(run.best()),
+      columns_(std::move(columns)),
+      effort_(run.effort) {
+  if (run.options.repetitions == 0) effort_.repetitions = kRepetitions;
+  effort_.repetitions = std::min(effort_.repetitions, kRepetitions);
+  effort_.seconds_per_repetition /= 6.0;
   size_ = WorkingSetSizes(run.machine)[1];
-  const auto add = [&](const Workload& workload, double percent) {
-    const AaboWorld3 objects = ResizedTo(workload.objects, size_.objects);
+  if (run.input() != nullptr) objects_of_file_ = run.input()->objects.size();
+  std::vector<double> percents(kPercents.begin(), kPercents.end());
+  if (run.input() != nullptr) percents = {0.0};
+  for (double percent : percents) {
     VerdictWorld world;
     world.percent = percent;
     world.objects = size_.objects;
-    world.survivors = SurvivorsOf(objects.view(), workload.timed_queries);
-    world.cells.resize(targets_.size());
+    world.cells.resize(columns_.size());
     worlds_.push_back(std::move(world));
-    workloads_.push_back(&workload);
-  };
-  if (run.input() != nullptr) {
-    add(*run.input(), 0.0);
-    return;
   }
-  for (double percent : kPercents) {
-    scenes_.push_back(
-        SceneOfSize(percent / 100.0, size_.objects, run.options.seed));
-    add(scenes_.back(), percent);
-  }
+  spans_.resize(columns_.size());
+  spans_with_exact_.resize(columns_.size());
 }
 
 Verdict::~Verdict() = default;
 
-void Verdict::AddGroup(Run& run) {
-  for (std::size_t w = 0; w < worlds_.size(); ++w) {
-    sets_.push_back(std::make_unique<WorkingSet>(*workloads_[w], size_));
-    for (std::size_t t = 0; t < targets_.size(); ++t) {
-      std::vector<Case> cases;
-      for (const Contender& contender : kContenders) {
-        cases.push_back(sets_.back()->LibraryCase(
-            "verdict/" + worlds_[w].name() + "/" + NameOf(targets_[t]) + "/" +
-                NameOf(contender.shape) + "/" + contender.schedule,
-            contender.shape,
-            {.schedule = contender.how, .target = targets_[t]}));
-        // Answers do not change between groups.
-        if (groups_ != 0) cases.back().check = nullptr;
-      }
-      const std::vector<Timing> timings = run.Time(cases, effort_);
-      for (std::size_t c = 0; c < cases.size(); ++c) {
-        worlds_[w].cells[t].ns[c].push_back(timings[c].Median());
-      }
+// Queries go on where the group before has ended: those of a scene are drawn
+// anew, like its objects.
+Verdict::Place Verdict::MakePlace(Run& run, double percent) const {
+  Place place;
+  if (percent == 0.0) {
+    const std::vector<Aabo3>& all = run.input()->timed_queries;
+    const std::size_t count = (all.size() + kGroups - 1) / kGroups;
+    std::vector<Aabo3> queries;
+    for (std::size_t q = 0; q < count; ++q) {
+      queries.push_back(all[(groups_ * count + q) % all.size()]);
+    }
+    place.set = std::make_unique<WorkingSet>(run.input()->objects,
+                                             std::move(queries), size_);
+  } else {
+    const std::size_t all =
+        run.options.queries != 0 ? run.options.queries : kTimedQueries;
+    // The same seed at all sizes of a group, so that they differ in nothing
+    // else.
+    place.set = std::make_unique<WorkingSet>(
+        SceneOfSize(percent / 100.0, size_.objects,
+                    run.options.seed + 1'000'003 * groups_,
+                    (all + kGroups - 1) / kGroups),
+        size_);
+  }
+  for (const Aabo3& query : place.set->queries()) {
+    AddSurvivors(place.set->view(), query, place.survivors);
+  }
+  for (double* sum : {&place.survivors.aabb, &place.survivors.simplex,
+                      &place.survivors.aabo}) {
+    *sum /= static_cast<double>(place.set->queries().size());
+  }
+  return place;
+}
+
+Verdict::Times Verdict::TimePlace(Run& run, Place& place, std::size_t column,
+                                  const Effort& effort) const {
+  std::vector<Case> cases;
+  const VerdictColumn& loops = columns_[column];
+  for (const Contender& contender : loops.contenders()) {
+    const std::string name = "verdict/" + loops.name + "/" +
+                             NameOf(contender.shape) + "/" + contender.schedule;
+    cases.push_back(contender.loop != nullptr
+                        ? place.set->LoopCase(name, contender.shape,
+                                              loops.loops.*contender.loop)
+                        : place.set->LibraryCase(name, contender.shape,
+                                                 {.schedule = contender.how,
+                                                  .target = loops.target}));
+    // Other groups differ in their places in memory alone.
+    if (groups_ != 0) cases.back().check = nullptr;
+  }
+  const std::vector<Timing> timings = run.Time(cases, effort);
+  Times times;
+  std::vector<std::vector<double>> simplex;
+  std::vector<std::vector<double>> box;
+  for (std::size_t c = 0; c < cases.size(); ++c) {
+    times.ns.push_back(timings[c].Median());
+    (loops.contenders()[c].shape == ShapeKind::kSimplex ? simplex : box)
+        .push_back(timings[c].samples);
+  }
+  times.simplex = BestTime(simplex);
+  times.box = BestTime(box);
+  return times;
+}
+
+void Verdict::FindSpans(Run& run, std::map<double, Place>& places) {
+  std::vector<double> sizes;
+  for (const VerdictWorld& world : worlds_) sizes.push_back(world.percent);
+  const double exact_ns = run.TheExactTest().ns.median;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    const auto find = [&](double ns) {
+      return FindSpan(sizes, [&](double percent) {
+        auto place = places.find(percent);
+        if (place == places.end()) {
+          place = places.emplace(percent, MakePlace(run, percent)).first;
+        }
+        std::map<std::size_t, Times>& timed = place->second.times;
+        if (!timed.contains(c)) {
+          timed[c] = TimePlace(run, place->second, c, effort_);
+        }
+        const auto cost = [&](double scan, double survivors) {
+          return scan + ns * survivors / static_cast<double>(size_.objects);
+        };
+        const PerShape<double>& survivors = place->second.survivors;
+        return cost(timed[c].box, survivors.aabb) /
+               cost(timed[c].simplex, survivors.simplex);
+      });
+    };
+    spans_[c].push_back(find(0.0));
+    // The page has one sentence of exact tests.
+    if (!run.is_page() || columns_[c].target == best_target_) {
+      spans_with_exact_[c].push_back(find(exact_ns));
     }
   }
+}
+
+void Verdict::AddGroup(Run& run) {
+  std::map<double, Place> places;
+  Effort complete = effort_;
+  complete.is_complete = true;
+  for (VerdictWorld& world : worlds_) {
+    Place& place = places.emplace(world.percent, MakePlace(run, world.percent))
+                       .first->second;
+    world.group_survivors.push_back(place.survivors);
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      const Times times = TimePlace(run, place, c, complete);
+      VerdictCell& cell = world.cells[c];
+      cell.ns.resize(times.ns.size());
+      for (std::size_t i = 0; i < times.ns.size(); ++i) {
+        cell.ns[i].push_back(times.ns[i]);
+      }
+      cell.simplex.push_back(times.simplex);
+      cell.box.push_back(times.box);
+      place.times[c] = times;
+    }
+  }
+  queries_ += places.begin()->second.set->queries().size();
+  // A file with fewer of them is queried with some again.
+  if (run.input() != nullptr) {
+    queries_ = std::min(queries_, run.input()->timed_queries.size());
+  }
+  if (!is_of_file()) FindSpans(run, places);
   ++groups_;
+  for (VerdictWorld& world : worlds_) {
+    sets_.push_back(std::move(places.at(world.percent).set));
+    PerShape<double> sums;
+    for (const PerShape<double>& each : world.group_survivors) {
+      const auto share = static_cast<double>(groups_);
+      sums.aabb += each.aabb / share;
+      sums.simplex += each.simplex / share;
+      sums.aabo += each.aabo / share;
+    }
+    world.survivors = sums;
+  }
+}
+
+std::size_t Verdict::best_column() const {
+  const auto paper = std::min_element(
+      worlds_.begin(), worlds_.end(), [](const auto& a, const auto& b) {
+        return std::abs(a.percent - 2.0) < std::abs(b.percent - 2.0);
+      });
+  const auto time = [&](std::size_t c) {
+    return MedianOf(paper->cells[c].simplex) + MedianOf(paper->cells[c].box);
+  };
+  std::size_t best = columns_.size();
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (columns_[c].target != best_target_) continue;
+    if (best == columns_.size() || time(c) < time(best)) best = c;
+  }
+  return best;
+}
+
+std::vector<Target> Verdict::targets() const {
+  std::vector<Target> targets;
+  for (const VerdictColumn& column : columns_) targets.push_back(column.target);
+  return targets;
+}
+
+namespace {
+
+Crossings RangesOf(const std::vector<SizeSpan>& spans) {
+  std::vector<double> from;
+  std::vector<double> to;
+  for (const SizeSpan& span : spans) {
+    from.push_back(span.from);
+    to.push_back(span.to);
+  }
+  return {GroupRange(from), GroupRange(to)};
+}
+
+}  // namespace
+
+Crossings Verdict::CrossingsOf(std::size_t column) const {
+  return RangesOf(spans_[column]);
+}
+
+Crossings Verdict::CrossingsWithExact(std::size_t column) const {
+  return RangesOf(spans_with_exact_[column]);
 }
 
 Tables RunVerdict(Run& run) {
   if (run.machine.is_emulated) {
-    return {
-        {"verdict",
-         "simplex or box",
-         {},
-         {},
-         {"Not measured: the CPU is emulated, and its times mean nothing."}}};
+    return {{"verdict", "simplex or box", {}, {}, {kEmulated}}};
   }
   const Verdict& verdict = run.TheVerdict();
   const ExactTest exact = run.TheExactTest();
   const std::string what =
-      "time of the best float box scan / time of the simplex scan";
-  Tables tables = {
-      TableOf(verdict, "verdict", what + ", one query, L2", 0.0),
-      TableOf(verdict, "verdict: with exact tests",
-              "the same with an exact test of " + Fixed(exact.ns.median, 0) +
-                  " ns (" + exact.name + ") of each survivor",
-              exact.ns.median)};
-  tables[0].notes.insert(tables[0].notes.begin(), Headline(verdict));
-  tables[0].notes.push_back(
-      std::string(IsOfFile(verdict)
-                      ? ""
-                      : "size: an object's side over the world's. ") +
-      "*: the simplex wins. =: neither. [ ]: range of " +
-      std::to_string(verdict.groups()) + " groups.");
+      "time of the best float box scan / time of the best simplex scan";
+  Tables tables = {TableOf(verdict, "verdict", what + ", one query, L2", 0.0)};
+  Table& table = tables[0];
+  table.lead = LeadOf(verdict, exact.ns.median);
+  const std::size_t cells = verdict.worlds().size() * verdict.columns().size();
   if (run.is_page()) {
-    tables[1].notes.clear();
+    table.notes.push_back(PromiseText(verdict, cells));
     return tables;
   }
-  Table times{"verdict: times",
-              "ns per object, and the range of the groups",
-              {Key("size"), Key("target"), Key("shape"), Key("schedule"),
-               Value("time", "ns", 4), Value("over the simplex", "", 3)}};
-  for (const VerdictWorld& world : verdict.worlds()) {
-    for (std::size_t t = 0; t < verdict.targets().size(); ++t) {
-      const VerdictCell& cell = world.cells[t];
-      for (std::size_t c = 0; c < kContenders.size(); ++c) {
-        std::vector<double> ratios = cell.ns[c];
-        for (std::size_t g = 0; g < ratios.size(); ++g) {
-          ratios[g] /= cell.ns[0][g];
-        }
-        times.Add({world.name(), NameOf(verdict.targets()[t]),
-                   NameOf(kContenders[c].shape), kContenders[c].schedule,
-                   RangeOf(cell.ns[c]), RangeOf(ratios)});
-      }
-    }
+  table.notes.push_back(PromiseText(verdict, 2 * cells));
+  tables.push_back(TableOf(verdict, "verdict: with exact tests",
+                           "the same with an exact test of " +
+                               Fixed(exact.ns.median, 0) + " ns (" +
+                               exact.name + ") of each survivor",
+                           exact.ns.median));
+  if (!verdict.is_of_file())
+    tables.push_back(CrossingsTable(verdict, "verdict: sizes", exact));
+  tables.push_back(TimesTable(verdict, "verdict: times"));
+  return tables;
+}
+
+Tables RunWidth(Run& run) {
+  if (run.machine.is_emulated) {
+    return {{"width", "simplex or box", {}, {}, {kEmulated}}};
   }
-  tables.push_back(std::move(times));
-  if (IsOfFile(verdict)) return tables;
-  Table chart{"verdict: by size",
-              what + ", by the size of objects",
-              {Key("target"), Key("size", "%"), Higher("box / simplex")}};
-  chart.columns[1].digits = 1;
-  chart.chart = Chart{"size", {"box / simplex"}, "target", true, true};
-  for (std::size_t t = 0; t < verdict.targets().size(); ++t) {
-    for (const VerdictWorld& world : verdict.worlds()) {
-      chart.Add({NameOf(verdict.targets()[t]), world.percent,
-                 world.OverSimplex(ShapeKind::kAabb, t, 0.0)});
-    }
+  Verdict verdict(run, WidthColumns(run));
+  for (std::size_t g = 0; g < kGroups; ++g) {
+    run.progress.BeginPart(g, kGroups);
+    verdict.AddGroup(run);
   }
-  tables.push_back(std::move(chart));
+  const std::size_t cells = verdict.worlds().size() * verdict.columns().size();
+  Table table = TableOf(verdict, "width",
+                        "time of the best float box scan / time of the best "
+                        "simplex scan by the lanes of vectors, one query, L2",
+                        0.0);
+  table.notes.push_back(
+      "The same loops, flat or staged, are compiled for vectors of each width. "
+      "They differ in their lanes, and from scalar code in the instruction "
+      "set.");
+  table.notes.push_back(PromiseText(verdict, cells));
+  Tables tables = {std::move(table)};
+  if (!verdict.is_of_file()) {
+    tables.push_back(
+        CrossingsTable(verdict, "width: sizes", run.TheExactTest()));
+  }
+  tables.push_back(TimesTable(verdict, "width: times"));
   return tables;
 }
 

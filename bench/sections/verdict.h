@@ -4,12 +4,14 @@
 
 #include <array>
 #include <cstddef>
-#include <deque>
+#include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "bench/base/shape.h"
+#include "bench/measure/crossing.h"
 #include "bench/measure/measure.h"
 #include "bench/worlds/working_set.h"
 #include "halfspace/targets.h"
@@ -18,11 +20,6 @@ namespace halfspace::bench {
 
 class Run;
 
-// Groups are spread over the run. The range of their medians is the spread of
-// an answer: it covers the difference between two runs, which the quartiles of
-// one group do not.
-inline constexpr std::size_t kVerdictGroups = 5;
-
 enum class Winner { kSimplex, kBox, kNone };
 
 // With the time of the box over the simplex's in each group. Nobody wins if 1
@@ -30,59 +27,154 @@ enum class Winner { kSimplex, kBox, kNone };
 Winner WinnerOf(const Ratio& box_over_simplex);
 const char* NameOf(Winner winner);
 
+// Both bounds choose from equally many schedules.
 struct Contender {
   ShapeKind shape;
   const char* schedule;
-  Schedule how;
+  Schedule how;  // of the library
+  WidthScan WidthLoops::*loop = nullptr;
 };
-inline constexpr std::array<Contender, 5> kContenders = {
-    {{ShapeKind::kSimplex, "flat", Schedule::kFlat},
+inline constexpr std::array<Contender, 6> kContenders = {
+    {{ShapeKind::kSimplex, "auto", Schedule::kAuto},
+     {ShapeKind::kSimplex, "flat", Schedule::kFlat},
+     {ShapeKind::kSimplex, "staged", Schedule::kStaged},
+     {ShapeKind::kAabb, "auto", Schedule::kAuto},
      {ShapeKind::kAabb, "flat", Schedule::kFlat},
-     {ShapeKind::kAabb, "staged", Schedule::kStaged},
-     {ShapeKind::kAabb, "by axis", Schedule::kStagedByAxis},
-     {ShapeKind::kAabo, "staged", Schedule::kStaged}}};
+     {ShapeKind::kAabb, "staged", Schedule::kStaged}}};
 
-// One world and target.
+// The same of loops with vectors of a given width.
+inline constexpr std::array<Contender, 4> kWidthContenders = {
+    {{ShapeKind::kSimplex, "flat", Schedule::kFlat, &WidthLoops::simplex_flat},
+     {ShapeKind::kSimplex, "staged", Schedule::kStaged,
+      &WidthLoops::simplex_staged},
+     {ShapeKind::kAabb, "flat", Schedule::kFlat, &WidthLoops::box_flat},
+     {ShapeKind::kAabb, "staged", Schedule::kStaged, &WidthLoops::box_staged}}};
+
+// The time of the best of some contenders, whose repetitions are `samples`. The
+// best is chosen in one half of the repetitions and timed in the other half,
+// and the other way round: the best of several times of the same repetitions
+// would be too short, and the more so the more contenders there are.
+double BestTime(std::span<const std::vector<double>> samples);
+
+// A target and the lanes of its vectors.
+struct VerdictColumn {
+  std::string name;  // "AVX2, 8"
+  Target target;
+  WidthLoops loops = {};  // without lanes: the library's
+
+  std::span<const Contender> contenders() const {
+    if (loops.lanes == 0) return kContenders;
+    return kWidthContenders;
+  }
+};
+
+// What the library has for each target, the narrowest first. Where it uses
+// shorter vectors than the target has, loops with the whole vectors, too.
+std::vector<VerdictColumn> LibraryColumns(const Run& run);
+// The same loops with vectors of each width of the best target, after those of
+// scalar code.
+std::vector<VerdictColumn> WidthColumns(const Run& run);
+
+// One world and column.
 struct VerdictCell {
   // ns of an object in each group, of each contender.
-  std::array<std::vector<double>, kContenders.size()> ns;
+  std::vector<std::vector<double>> ns;
+  // The same of the best contender of each shape.
+  std::vector<double> simplex;
+  std::vector<double> box;
 
-  // The contender of that shape with the lowest median.
-  std::size_t BestOf(ShapeKind shape) const;
-  Ratio Cost(ShapeKind shape) const { return RangeOf(ns[BestOf(shape)]); }
+  const std::vector<double>& BestOf(ShapeKind shape) const {
+    return shape == ShapeKind::kSimplex ? simplex : box;
+  }
+  // The flat schedule is the last but one of each shape.
+  const std::vector<double>& FlatOf(ShapeKind shape) const {
+    return ns[(shape == ShapeKind::kSimplex ? ns.size() / 2 : ns.size()) - 2];
+  }
   Ratio Difference(ShapeKind more, ShapeKind less) const;
 };
 
 struct VerdictWorld {
   double percent = 0.0;  // of the world's side that an object takes; 0: a file
   std::size_t objects = 0;
-  PerShape<double> survivors;      // of a query: kappa
-  std::vector<VerdictCell> cells;  // of each target
+  PerShape<double> survivors;                     // of a query: kappa
+  std::vector<PerShape<double>> group_survivors;  // the same of each group
+  std::vector<VerdictCell> cells;                 // of each column
 
   std::string name() const;
   // Of `shape` over the simplex, with that exact test.
-  Ratio OverSimplex(ShapeKind shape, std::size_t target, double exact_ns) const;
+  Ratio OverSimplex(ShapeKind shape, std::size_t column, double exact_ns) const;
 };
+
+// Ranges over the groups. Their ends are 0 and infinite as those of SizeSpan.
+struct Crossings {
+  Ratio from;
+  Ratio to;
+};
+
+// The first lines of the report. `sizes` are in percent and ascend.
+struct LeadRow {
+  std::string name;
+  Crossings sizes;
+};
+std::vector<std::string> SizeLead(const std::vector<LeadRow>& rows,
+                                  std::span<const double> sizes);
+std::vector<std::string> ExactLead(const LeadRow& row,
+                                   std::span<const double> sizes,
+                                   double exact_ns);
+
+// Those of a file, which has objects of one kind.
+struct RatioRow {
+  std::string name;
+  Ratio box_over_simplex;
+};
+std::vector<std::string> RatioLead(const std::vector<RatioRow>& rows);
+std::vector<std::string> ExactRatioLead(const RatioRow& row, double exact_ns);
 
 class Verdict {
  public:
-  explicit Verdict(Run& run);
+  Verdict(Run& run, std::vector<VerdictColumn> columns);
   ~Verdict();
 
   void AddGroup(Run& run);
 
   std::size_t groups() const { return groups_; }
-  const std::vector<Target>& targets() const { return targets_; }
+  // The narrowest first.
+  const std::vector<VerdictColumn>& columns() const { return columns_; }
+  // The target of each column.
+  std::vector<Target> targets() const;
+  // The one of the target that programs get. Of two of that target, the one in
+  // which both bounds together take less time in the paper's scene.
+  std::size_t best_column() const;
   const std::vector<VerdictWorld>& worlds() const { return worlds_; }
+  bool is_of_file() const { return worlds_.front().percent == 0.0; }
+  std::size_t objects_of_file() const { return objects_of_file_; }
+  // Where the simplex is faster, without exact tests and with them.
+  Crossings CrossingsOf(std::size_t column) const;
+  Crossings CrossingsWithExact(std::size_t column) const;
+  // Different queries in each cell.
+  std::size_t queries() const { return queries_; }
 
  private:
+  struct Place;
+  struct Times;
+  using Spans = std::vector<std::vector<SizeSpan>>;  // of each column and group
+
+  Place MakePlace(Run& run, double percent) const;
+  Times TimePlace(Run& run, Place& place, std::size_t column,
+                  const Effort& effort) const;
+  void FindSpans(Run& run, std::map<double, Place>& places);
+
   std::size_t groups_ = 0;
-  std::vector<Target> targets_;
+  std::size_t queries_ = 0;
+  std::size_t objects_of_file_ = 0;
+  Target best_target_;
+  std::vector<VerdictColumn> columns_;
   std::vector<VerdictWorld> worlds_;
-  std::deque<Workload> scenes_;
-  std::vector<const Workload*> workloads_;  // of each world
-  // New ones for each group, which stay: where a world lies in memory changes
-  // its time by more than a group's repetitions do, and differs between runs.
+  Spans spans_;
+  Spans spans_with_exact_;
+  // Those of the rows are new in each group, and stay: where a world lies in
+  // memory changes its time by more than a group's repetitions do, and differs
+  // between runs.
   std::vector<std::unique_ptr<WorkingSet>> sets_;
   WorkingSetSize size_;
   Effort effort_;

@@ -34,9 +34,10 @@ Workload MakeScene(std::size_t objects, std::size_t queries, std::uint64_t seed,
   return scene;
 }
 
-Workload SceneOfSize(double share, std::size_t objects, std::uint64_t seed) {
+Workload SceneOfSize(double share, std::size_t objects, std::uint64_t seed,
+                     std::size_t queries) {
   Workload scene = MakeScene(
-      objects, kTimedQueries, seed, [](double) {},
+      objects, queries, seed, [](double) {},
       static_cast<float>(share) * kSceneSide / 2);
   scene.timed_queries = scene.queries;
   return scene;

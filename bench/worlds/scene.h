@@ -24,7 +24,8 @@ Workload MakeScene(std::size_t objects, std::size_t queries, std::uint64_t seed,
 
 // A scene whose clouds are that share of the world's side wide. All its queries
 // are timed.
-Workload SceneOfSize(double share, std::size_t objects, std::uint64_t seed);
+Workload SceneOfSize(double share, std::size_t objects, std::uint64_t seed,
+                     std::size_t queries = kTimedQueries);
 
 }  // namespace halfspace::bench
 

@@ -27,22 +27,27 @@ struct WorkingSetSize {
   std::string name;             // "L1", "L2", "L3" or "memory"
   std::size_t objects = 0;      // a multiple of 4096, in L1 of 64
   std::string why_not_reached;  // empty if it is
-  std::size_t bytes = 0;        // half the cache, or four times the last level
+  std::size_t bytes = 0;        // half the cache; in memory, of the simplex
 };
 
 // The octahedra take at most half of each cache; in "memory" the smallest
-// record, the simplex's, takes four times the last level, or it is not reached
-// because that is more than a quarter of the free memory, or emulated.
+// record, the simplex's, takes four times the last level and 256 MiB at least,
+// or it is not reached because that is more than a quarter of the free memory,
+// or emulated.
 std::vector<WorkingSetSize> WorkingSetSizes(const Machine& machine);
 
 // A world of a given size, a mask to write, and the right answers.
 class WorkingSet {
  public:
-  WorkingSet(const Workload& workload, const WorkingSetSize& size);
+  WorkingSet(const Workload& workload, const WorkingSetSize& size)
+      : WorkingSet(workload.objects, workload.timed_queries, size) {}
+  WorkingSet(const AaboWorld3& objects, std::vector<Aabo3> queries,
+             const WorkingSetSize& size);
 
   const std::string& name() const { return name_; }
   const AaboView3& view() const { return view_; }
   std::size_t objects() const { return view_.size; }
+  const std::vector<Aabo3>& queries() const { return queries_; }
   std::size_t checked_queries() const { return checked_queries_; }
   std::vector<std::uint64_t>& mask() { return mask_; }
 
@@ -57,6 +62,9 @@ class WorkingSet {
 
   // The case of a call of the library.
   Case LibraryCase(std::string name, ShapeKind shape, const Options& options);
+
+  // The case of a loop over all planes of the shape.
+  Case LoopCase(std::string name, ShapeKind shape, WidthScan scan);
 
   // The case of an early-out after every half-space, in batches of `width`.
   Case GatedCase(std::string name, ShapeKind shape, Target target,
@@ -78,6 +86,7 @@ class WorkingSet {
   std::vector<std::uint64_t> mask_;
   std::size_t checked_queries_;
   // Per shape, the reference's masks of the checked queries, one after another.
+  // Made by the first check of the shape.
   std::array<std::vector<std::uint64_t>, kShapes.size()> expected_;
 };
 

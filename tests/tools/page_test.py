@@ -54,13 +54,18 @@ if check == "claims":
 class Page(html.parser.HTMLParser):
     """Checks that elements nest, and collects the text."""
     VOID = {"meta", "line", "polyline"}
+    # Tables and charts are named by what they show, and by their section in small letters.
+    heading, headings = None, ()
 
     def __init__(self):
         super().__init__()
-        self.open, self.text, self.svgs = [], "", 0
+        self.open, self.text, self.svgs, self.circles = [], "", 0, 0
 
     def handle_starttag(self, tag, attrs):
         self.svgs += tag == "svg"
+        self.circles += tag == "circle"
+        if tag == "h2":
+            self.heading = ""
         assert not any(name in ("src", "href") for name, _ in attrs), attrs
         if tag not in self.VOID:
             self.open.append(tag)
@@ -70,9 +75,14 @@ class Page(html.parser.HTMLParser):
 
     def handle_endtag(self, tag):
         assert self.open.pop() == tag, (tag, self.getpos())
+        if tag == "h2":
+            self.headings = (*self.headings, self.heading)
+            self.heading = None
 
     def handle_data(self, data):
         self.text += data
+        if self.heading is not None and "small" not in self.open:
+            self.heading += data
 
 
 tool = [sys.executable, f"{project}/bench/cpuinfo-bench-report"]
@@ -89,6 +99,16 @@ for paths in (runs[:1], runs[1:], runs):
         for table in report["tables"]:
             is_shown = table["name"] in page.text
             assert is_shown or table["name"] == "noise", table["name"]
+    # The verdict of each run has a chart, and its lines come first.
+    verdicts = [table for report, run in zip(reports, runs) if run in paths
+                for table in report["tables"] if table["name"] == "verdict"]
+    assert page.svgs >= len(verdicts), page.svgs
+    assert page.circles >= sum(len(table["chart"].get("marks", [])) for table in verdicts)
+    for table in verdicts:
+        assert all(line in page.text for line in table["lead"])
+        assert page.text.index(table["lead"][0]) < page.text.index(table["title"])
+    names = {table["name"] for report in reports for table in report["tables"]}
+    assert not any(heading.strip() in names for heading in page.headings), page.headings
 assert page.svgs >= 3, page.svgs
 
 

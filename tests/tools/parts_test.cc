@@ -1,13 +1,19 @@
 // Small parts of the tool, each against values by hand.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstddef>
+#include <limits>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "bench/base/text.h"
 #include "bench/measure/curves.h"
+#include "bench/measure/load_probe.h"
+#include "bench/measure/machine.h"
 #include "bench/measure/team.h"
+#include "bench/worlds/working_set.h"
 
 namespace halfspace::bench {
 namespace {
@@ -23,6 +29,30 @@ TEST(TeamTest, RunsEachThreadOnceAndRethrows) {
                          if (i == 1) throw std::runtime_error("over there");
                        }),
                std::runtime_error);
+}
+
+// "This was a quiet run" was printed next to "other programs take 85 % of a
+// CPU".
+TEST(LoadTest, ARunNextToOtherProgramsIsNotQuiet) {
+  struct Row {
+    Load load;
+    int cpus;
+    bool is_loaded;
+  };
+  for (const Row& row : std::vector<Row>{{{1.0, 0.0, {}}, 2, false},
+                                         {{0.99, 5.0, 0.1}, 2, false},
+                                         {{1.0, 0.0, 0.85}, 2, true},
+                                         {{1.0, 0.0, 0.85}, 16, false},
+                                         {{0.6, 0.0, {}}, 16, true},
+                                         {{0.97, 100.0, 0.0}, 2, true}}) {
+    EXPECT_EQ(IsLoaded(row.load, row.cpus), row.is_loaded)
+        << row.load.cpu_share << ' ' << row.load.interruptions << ' '
+        << row.load.others.value_or(-1.0);
+  }
+  // A thread that waits has no CPU.
+  const LoadProbe probe;
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_LT(probe.Sample().cpu_share, 0.5);
 }
 
 TEST(PrintableTest, EscapesControlCharactersAndLeavesLetters) {
@@ -54,6 +84,44 @@ TEST(CrossoverSizeTest, InterpolatesBetweenLogarithms) {
   EXPECT_EQ(CrossoverSize(sizes, ours, faster), 0.0);
   const std::vector<double> slower = {2, 200};
   EXPECT_EQ(CrossoverSize(sizes, ours, slower), 10000.0);
+}
+
+// A virtual machine that hides its caches had 32 MiB of "memory".
+TEST(WorkingSetTest, MemoryIsMemoryOnAnyMachine) {
+  constexpr std::size_t kMebibyte = std::size_t{1} << 20;
+  struct Row {
+    std::vector<Cache> caches;
+    std::size_t bytes;  // of the simplex
+  };
+  for (const Row& row : std::vector<Row>{
+           {{}, 256 * kMebibyte},
+           {{{1, 32 << 10, 1}, {2, kMebibyte, 1}}, 256 * kMebibyte},
+           {{{3, 32 * kMebibyte, 8}}, 256 * kMebibyte},
+           {{{3, 96 * kMebibyte, 8}}, 384 * kMebibyte}}) {
+    Machine machine;
+    machine.caches = row.caches;
+    const WorkingSetSize memory = WorkingSetSizes(machine).back();
+    EXPECT_EQ(memory.name, "memory");
+    EXPECT_EQ(memory.bytes, row.bytes);
+    EXPECT_GE(memory.objects * 4 * sizeof(float), row.bytes);
+  }
+}
+
+TEST(PaysFromTest, CountsTheQueriesThatRepayAStructure) {
+  struct Row {
+    StructureCost one;
+    StructureCost other;
+    double expected;
+  };
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  for (const Row& row : std::vector<Row>{{{100.0, 1.0}, {0.0, 3.0}, 50.0},
+                                         {{100.0, 1.0}, {40.0, 3.0}, 30.0},
+                                         {{1.0, 1.0}, {0.0, 3.0}, 1.0},
+                                         {{30.0, 1.0}, {40.0, 3.0}, 1.0},
+                                         {{100.0, 3.0}, {0.0, 3.0}, kNever},
+                                         {{100.0, 4.0}, {0.0, 3.0}, kNever}}) {
+    EXPECT_EQ(PaysFrom(row.one, row.other), row.expected);
+  }
 }
 
 }  // namespace

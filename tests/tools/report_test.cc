@@ -25,7 +25,8 @@ Report Example() {
              Cell(Ratio{2.0, 1.75, 2.5}).With(Flag::kMet),
              {}});
   speed.notes = {"A note."};
-  speed.chart = Chart{"w", {"time"}, "shape", true, false};
+  speed.chart = Chart{"w", {"time"}, "shape", true, false, {{"AABB", 2.5}}};
+  speed.lead = {"  A line."};
   return {{{"cpu", "a CPU"}, {"scope", "--quick"}}, {speed}};
 }
 
@@ -60,7 +61,38 @@ TEST(TextTest, WrapsWhatIsTooWide) {
   table.Add({words + " " + words + " " + words + " " + words, 1.0});
   for (int i = 0; i < 20; ++i) table.notes.push_back("many words " + words);
   table.notes.push_back(TextOf(table));
-  EXPECT_LE(WidestOf(TextOf(table)), 100u);
+  EXPECT_LE(WidestOf(TextOf(table)), 80u);
+}
+
+// The names of columns wrap first, and then each range has a line of its own.
+TEST(TextTest, PutsRangesBelowTheirValuesInAWideTable) {
+  const auto table_of = [](std::size_t columns) {
+    Table table{"wide", "a table", {Key("size")}};
+    Row row = {1.0};
+    for (std::size_t c = 0; c < columns; ++c) {
+      table.columns.push_back(Value("of a target, 8"));
+      row.push_back(Cell(Ratio{1.15, 1.11, 1.16}).With(Flag::kWinner));
+    }
+    table.Add(row);
+    return TextOf(table);
+  };
+  EXPECT_NE(table_of(3).find("1.15 [1.11, 1.16] *"), std::string::npos);
+  const std::string wide = table_of(5);
+  EXPECT_LE(WidestOf(wide), 80u);
+  EXPECT_NE(wide.find("        1.15 *        1.15 *"), std::string::npos)
+      << wide;
+  EXPECT_NE(wide.find("  [1.11, 1.16]  [1.11, 1.16]"), std::string::npos)
+      << wide;
+}
+
+TEST(TextTest, WritesTheLeadAsItIsBeforeTheTable) {
+  Table table{"t", "a table", {Key("a")}};
+  table.lead = {"A heading", "  a       1",
+                std::string(50, 'a') + " " + std::string(50, 'b')};
+  std::ostringstream out;
+  WriteLead(out, table);
+  EXPECT_EQ(out.str(), "A heading\n  a       1\n" + std::string(50, 'a') +
+                           "\n" + std::string(50, 'b') + "\n");
 }
 
 TEST(TextTest, LeavesOutWhatIsEmpty) {
@@ -76,6 +108,8 @@ TEST(JsonTest, IsReadAsItWasWritten) {
   EXPECT_EQ(read.tables[0].notes, report.tables[0].notes);
   ASSERT_TRUE(read.tables[0].chart.has_value());
   EXPECT_EQ(read.tables[0].chart->series, "shape");
+  EXPECT_EQ(read.tables[0].chart->marks, report.tables[0].chart->marks);
+  EXPECT_EQ(read.tables[0].lead, report.tables[0].lead);
   EXPECT_EQ(ToJson(read), ToJson(report));
 }
 

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/base/aligned_vector.h"
@@ -133,6 +135,36 @@ TEST(StreamCopierTest, CountsTheBytesOfAJob) {
   job.Read(indices.data(), indices.size());
   job.Write(plane.data(), plane.size());
   EXPECT_EQ(job.bytes(), 16 * kObjects);
+}
+
+// Each width of each target, against the library's scalar code.
+TEST(WidthLoopsTest, EveryWidthRejectsTheSame) {
+  // More than a tile of 4096, and a word more.
+  constexpr std::size_t kSceneObjects = 4096 + 64;
+  for (double share : {0.01, 0.3}) {
+    const Workload scene = SceneOfSize(share, kSceneObjects, /*seed=*/3, 16);
+    WorkingSet set(scene, {"L2", kSceneObjects, "", 0});
+    std::set<std::size_t> lanes;
+    for (Target target : SupportedTargets()) {
+      for (const WidthLoops& loops : LoopsFor(target).widths) {
+        if (loops.lanes == 0) continue;
+        EXPECT_LE(loops.lanes, target.lanes());
+        lanes.insert(loops.lanes);
+        for (const auto& [shape, scan] :
+             {std::pair(ShapeKind::kSimplex, loops.simplex_flat),
+              std::pair(ShapeKind::kSimplex, loops.simplex_staged),
+              std::pair(ShapeKind::kAabb, loops.box_flat),
+              std::pair(ShapeKind::kAabb, loops.box_staged)}) {
+          EXPECT_EQ(set.LoopCase("", shape, scan).check(), "")
+              << target.name() << ", " << loops.lanes << ' ' << NameOf(shape);
+        }
+      }
+      // The loops of the library are compiled for one of the widths.
+      const std::size_t own = LoopsFor(target).one_query_lanes();
+      EXPECT_LE(own, target.lanes());
+    }
+    EXPECT_TRUE(lanes.contains(1));
+  }
 }
 
 }  // namespace
