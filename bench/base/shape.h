@@ -99,14 +99,15 @@ struct NamedSchedule {
   Schedule schedule;
 };
 
-inline constexpr std::array<NamedSchedule, 3> kSchedules = {
+inline constexpr std::array<NamedSchedule, 4> kSchedules = {
     {{"flat", Schedule::kFlat},
      {"staged", Schedule::kStaged},
-     {"by-axis", Schedule::kStagedByAxis}}};
+     {"by-axis", Schedule::kStagedByAxis},
+     {"auto", Schedule::kAuto}}};
 
-// A simplex has one stage, and the stages of a box are its axes.
+// A simplex has one stage.
 constexpr std::span<const NamedSchedule> SchedulesOf(ShapeKind shape) {
-  constexpr std::array<std::size_t, kShapes.size()> kCounts = {2, 1, 3};
+  constexpr std::array<std::size_t, kShapes.size()> kCounts = {4, 1, 4};
   return std::span(kSchedules).first(kCounts[static_cast<std::size_t>(shape)]);
 }
 

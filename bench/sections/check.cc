@@ -31,7 +31,6 @@ Tables RunCheck(Run& run) {
         }
         masks += set.checked_queries();
       };
-      check(Schedule::kAuto);
       for (const NamedSchedule& named : kSchedules) check(named.schedule);
     }
     names += (names.empty() ? "" : ", ") + std::string(target.name());
