@@ -145,10 +145,10 @@ HWY_INLINE Left TileByAxis(const detail::Scan& scan, const T* values,
   return after_first;
 }
 
-// The same for whole words of one query.
+// The same for whole words of one query. Not inlined: two kernels call it.
 template <size_t kFirst, typename T>
-HWY_INLINE Left RangeByAxis(const detail::Scan& scan,
-                            const detail::Part& part) {
+HWY_NOINLINE Left RangeByAxis(const detail::Scan& scan,
+                              const detail::Part& part) {
   const size_t words = (part.end - part.begin) / kWordObjects;
   Left left{};
   for (size_t begin = 0; begin < words; begin += kTileWords) {
