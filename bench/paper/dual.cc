@@ -104,7 +104,7 @@ Tables RunDual(Run& run) {
     AddRows(run, set, boxes, table);
   }
   table.notes = run.NotReached();
-  table.notes.push_back(
+  table.notes.emplace_back(
       "of 1, of a vector, of 64: the share of batches of so many objects that "
       "need the second simplex. refined: the simplex, and the second one for "
       "each of its survivors.");
