@@ -58,9 +58,7 @@ class ScanSpace : public BodySpace<kDims> {
 
  private:
   std::span<const std::uint32_t> Scan(const Box& query) const {
-    return std::span(survivors_)
-        .first(Survivors(world_, query, survivors_,
-                         {.schedule = Schedule::kStaged}));
+    return std::span(survivors_).first(Survivors(world_, query, survivors_));
   }
 
   World<AabbView<kDims>> world_;

@@ -54,14 +54,16 @@ namespace halfspace {
 // A simplex is always tested flat.
 enum class Schedule : std::uint8_t {
   // AABB and AABO: chooses among the schedules below while it runs, by how many
-  // groups the objects before had left. Few objects are tested flat.
-  // `./bench.sh --details kernels` compares it with the others.
+  // groups of the objects before still had a survivor. Few objects are tested
+  // flat. Several queries of an AABO are tested as by kStaged, and with AVX-512
+  // those of an AABB as by kFlat. Quantized bounds: an AABB is tested flat, an
+  // AABO as by kStaged. `./bench.sh --details kernels` compares the schedules.
   kAuto,
   // Tests every plane of every object, without a branch.
   kFlat,
   // AABB: the planes of half of the axes (2 of 3), then those of one axis after
   // the other. AABO: the minima (the up simplex), then the maxima (the down
-  // simplex).
+  // simplex). Quantized bounds: as kAuto.
   kStaged,
   // AABB and AABO: the two planes of one axis, then those of the next axis.
   // Quantized bounds: as kAuto.

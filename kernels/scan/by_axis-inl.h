@@ -33,7 +33,7 @@ inline constexpr size_t kGroupObjects = 16;
 #endif
 inline constexpr size_t kWordGroups = kWordObjects / kGroupObjects;
 
-// Objects in groups of 16 are found by vectors. Plain code has none.
+// Groups are found by vectors. Plain code has none.
 inline constexpr bool kHasVectors =
     HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128;
 
@@ -74,7 +74,9 @@ HWY_INLINE void TestBits(const detail::Scan& scan, const T* values, size_t axis,
 
 // Tests the planes of the first kFirst axes for all objects of a tile, then
 // those of one axis after the other, for the groups that still have a survivor.
-// Returns how many groups had one after the first axes.
+// If many groups are left, it tests all of them. Returns how many groups had a
+// survivor after the first axes. In plain code it calls TestBits() and returns
+// nothing.
 //
 // The groups are found by vectors and visited by their bits, because which
 // groups survive cannot be predicted: a branch for each took three times as

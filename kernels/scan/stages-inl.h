@@ -75,8 +75,7 @@ HWY_INLINE int64_t FinishPart(const detail::Scan& scan,
 
 // Streaming is used where it was measured to pay. Plain code packs bits one by
 // one, again for every two planes, and took more than twice as long.
-inline constexpr bool kPagesPay =
-    HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128;
+inline constexpr bool kPagesPay = HWY_ARCH_X86 && kHasVectors;
 
 // A page of each plane; for quantized bounds of one byte, half a page is 5 %
 // faster.
@@ -105,9 +104,9 @@ HWY_INLINE void PrefetchWords(const T* a, const T* b) {
 // Tests a page. Words of the first planes are stored, words of later ones are
 // ANDed to those that are there.
 template <size_t kMins, class Load, typename T, size_t kPlanes>
-HWY_INLINE void TestPage(Load load, const PlaneGroup<T, kPlanes>& group,
-                         bool is_first, size_t first, size_t words,
-                         uint64_t* row) {
+HWY_NOINLINE void TestPage(Load load, const PlaneGroup<T, kPlanes>& group,
+                           bool is_first, size_t first, size_t words,
+                           uint64_t* row) {
   const OneTag<T> d;
   const auto test = [&](size_t w) HWY_ATTR {
     if constexpr (kPlanes == 1) {
@@ -210,8 +209,10 @@ HWY_INLINE int64_t PartByAxis(const detail::Scan& scan,
     for (size_t q = 0; q < part.query_count; ++q) {
       RangeByAxis<kFirst, T>(scan, PartOf(scan, part, q, 0, words));
     }
+    return FinishPart(scan, part, detail::kAll);
+  } else {
+    return scan.kernels->run[detail::kAll](scan, part);
   }
-  return FinishPart(scan, part, detail::kAll);
 }
 
 template <typename T>
@@ -326,12 +327,14 @@ enum class Step { kOneAxis, kHalf, kEveryPlane };
 // Fewer words of one query are tested flat, because the branches of stages cost
 // more than they save. Of several queries it is half as many: what one finds
 // serves the next.
-inline constexpr size_t kFewWords = 2 * hn::MaxLanes(OneTag<float>());
+inline constexpr size_t kFewWords =
+    2 * HWY_MIN(size_t{8}, hn::MaxLanes(OneTag<float>()));
 
 // Which step is next, and for how many words.
 class Ladder {
  public:
-  // For a part of so many words and bytes of planes.
+  // For a part of so many words, of a call that reads so many bytes of planes
+  // one after the other.
   Ladder(size_t words, size_t bytes)
       : has_one_axis_(words >= 2 * kFewWords),
         most_of_axis_(bytes > kMemoryBytes ? 1 : 3) {}
@@ -342,8 +345,9 @@ class Ladder {
   // one that is much shorter.
   size_t Words(size_t left) const { return left < 2 * words_ ? left : words_; }
 
-  // After a stretch that left so much: of kOneAxis and kHalf after the first
-  // planes, of kEveryPlane after all.
+  // After a stretch. `left` counts the groups after the first planes of a scan
+  // by axis. After the other scans it counts the nonzero words of the last
+  // tile, after all planes.
   void Learn(Left left) {
     Step next = step_;
     if (step_ == Step::kOneAxis && 8 * left.some > most_of_axis_ * left.all) {
@@ -426,7 +430,10 @@ int64_t ElementKernels<T>::Adaptive(const detail::Scan& scan,
     if (words < (part.query_count > 1 ? kFewWords / 2 : kFewWords)) {
       return scan.kernels->run[detail::kAll](scan, part);
     }
-    Ladder ladder(words, words * kWordObjects * scan.type->record_bytes);
+    // Several queries are tested on a tile in the first-level cache.
+    const size_t objects =
+        scan.query_count == 1 ? scan.end - scan.begin : words * kWordObjects;
+    Ladder ladder(words, objects * scan.type->record_bytes);
     for (size_t q = 0; q < part.query_count; ++q) {
       for (size_t begin = 0; begin < words;) {
         const size_t count = ladder.Words(words - begin);

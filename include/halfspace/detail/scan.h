@@ -38,7 +38,7 @@ enum Way : std::uint8_t {
   kByAxis,     // axis after axis, for groups of objects that have a survivor
   kByHalf,     // the same, after half of the axes at once
   kBySimplex,  // the minima, then the maxima of the nonzero words
-  kAdaptive,   // chooses among the four above by what it finds
+  kAdaptive,   // chooses among the ways with maxima by what it finds
   kWays
 };
 

@@ -148,7 +148,7 @@ TYPED_TEST(SpecialValuesTest, NothingMoreIsRejectedWithSubnormalsFlushed) {
   std::size_t kept_more = 0;
   ForEachPair<typename TypeParam::View>([&](const auto& plane) {
     for (Target target : TargetsUnderTest()) {
-      for (Schedule schedule : {Schedule::kFlat, Schedule::kStagedByAxis}) {
+      for (Schedule schedule : kSchedules) {
         {
           const FlushDenormals flush;
           RejectMask(plane.view(), plane.query(), mask,

@@ -1,4 +1,5 @@
-// The streaming kernels against the flat ones. Calls use them only where
+// The streaming kernels against the flat ones, and the schedules against each
+// other. Calls use them only where
 // StreamingPays(), so they are tested here on every machine.
 #include <gtest/gtest.h>
 
@@ -126,7 +127,7 @@ template <typename View>
 void CompareRegions(std::size_t queries) {
   using Bound = typename View::Bound;
   using Query = typename View::Query;
-  // Half sizes of objects in a unit world; two regions of each.
+  // Half sizes of objects in a unit world, one for each region.
   constexpr float kRegions[] = {0.001f, 0.2f,   0.015f, 0.6f, 0.001f,
                                 0.05f,  0.001f, 0.015f, 0.2f};
   constexpr std::size_t kRegionObjects = 5000;
