@@ -117,7 +117,7 @@ HWY_INLINE Left TileByAxis(const detail::Scan& scan, const T* values,
     TestBits(scan, values, kFirst, first, words, row);
     return Left{};
   }
-  uint64_t groups[kTileWords * kWordGroups / 64];
+  uint64_t groups[kTileWords * kWordGroups / 64] = {};
   const Left after_first{NonzeroGroups<kGroupObjects>(row, words, groups),
                          words * kWordGroups};
   size_t left = after_first.some;
