@@ -98,8 +98,8 @@ WorkCount WorkCounter::Average() const {
 }
 
 std::vector<double> WorkCounter::Reached(ShapeKind shape) const {
-  const auto pairs = static_cast<double>(objects_.size / kWordObjects *
-                                         kWordObjects * queries_);
+  const std::size_t tested = objects_.size - objects_.size % kWordObjects;
+  const auto pairs = static_cast<double>(tested * queries_);
   std::vector<double> shares;
   for (std::size_t k = 0; k < PlaneCountOf(shape); ++k) {
     shares.push_back(
