@@ -102,7 +102,8 @@ HWY_INLINE void PrefetchWords(const T* a, const T* b) {
 }
 
 // Tests a page. Words of the first planes are stored, words of later ones are
-// ANDed to those that are there.
+// ANDed to those that are there. Not inlined: in its caller gcc 12 reloads the
+// row's address from the stack for each word, 56 instructions instead of 51.
 template <size_t kMins, class Load, typename T, size_t kPlanes>
 HWY_NOINLINE void TestPage(Load load, const PlaneGroup<T, kPlanes>& group,
                            bool is_first, size_t first, size_t words,
