@@ -38,10 +38,11 @@ Tables RunMachine(Run& run) {
   table.Add({"extensions", isa});
   table.Add({"compiled", NamesOf(CompiledTargets())});
   table.Add({"supported", NamesOf(SupportedTargets())});
-  table.Add({"chosen", NameOf(choice.target) +
-                           (choice.requested.empty()
-                                ? ", the best that is compiled and supported"
-                                : ", which HALFSPACE_TARGET or --target asks for")});
+  table.Add(
+      {"chosen", NameOf(choice.target) +
+                     (choice.requested.empty()
+                          ? ", the best that is compiled and supported"
+                          : ", which HALFSPACE_TARGET or --target asks for")});
   table.Add({"built by", build.compiler + ", " + build.type + ", Highway " +
                              build.highway + ", " + build.flags});
   if (build.type != "release") {
