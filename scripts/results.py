@@ -223,6 +223,7 @@ def stored(main, others):
             run["context"][f"also {name or ', '.join(added)}"] = (
                 f"{context['version']}, {context['date'][:10]}: `{command_of(context)}`")
     for table in run["tables"]:
+        table["title"] = re.sub(r"\S*/(\S+\.(?:obj|csv))", r"\1", table["title"])
         if table["name"] == "broad_phase":  # more than 1000 rows
             by = [column["name"] for column in table["columns"]].index("by")
             what = [column["name"] for column in table["columns"]].index("what")
