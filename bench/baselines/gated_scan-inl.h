@@ -83,9 +83,7 @@ void ScanGated(bench::ShapeKind shape, size_t width, const float* const* planes,
 // The groups of a tile that still have a survivor, by the offset of their first
 // object.
 struct GroupList {
-  static constexpr size_t kSmallestGroup = 16;
-
-  uint16_t groups[kTileWords * kWordObjects / kSmallestGroup];
+  uint16_t groups[kTileWords * kWordGroups];
 
   // Appends a group to a list of `count` if it has a survivor, and returns the
   // new count; the group's bits of `survivors` begin at the lowest. There is no
@@ -95,19 +93,11 @@ struct GroupList {
   template <size_t kGroup>
   HWY_INLINE size_t AppendIfLeft(size_t count, size_t offset,
                                  uint64_t survivors) {
-    static_assert(kGroup >= kSmallestGroup, "the list would be too short");
+    static_assert(kGroup >= kGroupObjects, "the list would be too short");
     groups[count] = static_cast<uint16_t>(offset);
     return count + ((survivors & kLowBits<kGroup>) != 0);
   }
 };
-
-#if HWY_HAVE_SCALABLE
-// A group must hold a whole vector, whose length is not known here.
-constexpr size_t kStageGroup = kWordObjects;
-#else
-constexpr size_t kStageGroup =
-    HWY_MAX(GroupList::kSmallestGroup, hn::MaxLanes(OneTag<float>()));
-#endif
 
 // Planes [kFirst, kFirst + kPlanes) of an order. The minima among them come
 // first.
@@ -120,7 +110,7 @@ HWY_INLINE uint64_t StageBits(std::index_sequence<kPlane...>,
       planes[bench::kPlaneOf<kOrder, kFirst + kPlane>.object]...};
   constexpr size_t kMins =
       (... + (bench::kPlaneOf<kOrder, kFirst + kPlane>.is_min ? 1 : 0));
-  return KeptBits<kMins, kStageGroup>(
+  return KeptBits<kMins, kGroupObjects>(
       d, LoadAll(), tested, i,
       hn::Set(d, query[bench::kPlaneOf<kOrder, kFirst + kPlane>.query])...);
 }
@@ -131,7 +121,7 @@ template <const auto& kOrder, size_t kPlanes, size_t... kStage>
 HWY_INLINE uint64_t GroupByBranches(std::index_sequence<kStage...>,
                                     const float* const* planes,
                                     const float* query, size_t i) {
-  uint64_t kept = kLowBits<kStageGroup>;
+  uint64_t kept = kLowBits<kGroupObjects>;
   (void)(... &&
          ((kept &= StageBits<kOrder, kStage * kPlanes>(
                std::make_index_sequence<kPlanes>(), planes, query, i)) != 0));
@@ -146,16 +136,16 @@ HWY_INLINE size_t StageOfTile(const float* const* planes, const float* query,
                               uint64_t* mask) {
   size_t left = 0;
   for (size_t g = 0; g < groups; ++g) {
-    const size_t offset = kStage == 0 ? g * kStageGroup : list.groups[g];
+    const size_t offset = kStage == 0 ? g * kGroupObjects : list.groups[g];
     const size_t shift = offset % kWordObjects;
     uint64_t& word = mask[(first + offset) / kWordObjects];
     const uint64_t kept = StageBits<kOrder, kStage * kPlanes>(
         std::make_index_sequence<kPlanes>(), planes, query, first + offset);
     // A mask of rejected objects, which begins with none.
     if (kStage == 0 && shift == 0) word = 0;
-    word |= (kept ^ kLowBits<kStageGroup>) << shift;
+    word |= (kept ^ kLowBits<kGroupObjects>) << shift;
     left =
-        list.template AppendIfLeft<kStageGroup>(left, offset, ~word >> shift);
+        list.template AppendIfLeft<kGroupObjects>(left, offset, ~word >> shift);
   }
   return left;
 }
@@ -165,7 +155,7 @@ HWY_INLINE void TileByLists(std::index_sequence<kStage...>,
                             const float* const* planes, const float* query,
                             size_t first, size_t objects, uint64_t* mask) {
   GroupList list;
-  size_t groups = objects / kStageGroup;
+  size_t groups = objects / kGroupObjects;
   ((groups = StageOfTile<kOrder, kPlanes, kStage>(planes, query, first, groups,
                                                   list, mask)),
    ...);
@@ -178,7 +168,7 @@ void ScanStages(bench::StageWay way, const float* const* planes,
   if (way == bench::StageWay::kBranches) {
     for (size_t i = 0; i < size; i += kWordObjects) {
       uint64_t word = 0;
-      for (size_t g = 0; g < kWordObjects; g += kStageGroup) {
+      for (size_t g = 0; g < kWordObjects; g += kGroupObjects) {
         word |= GroupByBranches<kOrder, kPlanes>(kStages, planes, query, i + g)
                 << g;
       }

@@ -158,12 +158,6 @@ void ScanSpheres(const float* const* planes, const float* query, size_t size,
 void ScanSpheresByAxis(const float* const* planes, const float* query,
                        size_t size, uint64_t* mask) {
   const OneTag<float> d;
-#if HWY_HAVE_SCALABLE
-  constexpr size_t kGroup = kWordObjects;
-#else
-  constexpr size_t kGroup =
-      HWY_MAX(GroupList::kSmallestGroup, hn::MaxLanes(OneTag<float>()));
-#endif
   const auto x = hn::Set(d, query[0]);
   const auto y = hn::Set(d, query[1]);
   const auto z = hn::Set(d, query[2]);
@@ -179,16 +173,17 @@ void ScanSpheresByAxis(const float* const* planes, const float* query,
     for (size_t w = 0; w < HWY_MIN(kTileWords, words - begin); ++w) {
       row[w] = SphereBits<kWordObjects>(d, TestAlongX(), tile, w * kWordObjects,
                                         x, y, z, radius);
-      for (size_t g = 0; g < kWordObjects; g += kGroup) {
-        left = list.template AppendIfLeft<kGroup>(left, w * kWordObjects + g,
-                                                  row[w] >> g);
+      for (size_t g = 0; g < kWordObjects; g += kGroupObjects) {
+        left = list.template AppendIfLeft<kGroupObjects>(
+            left, w * kWordObjects + g, row[w] >> g);
       }
     }
     for (size_t j = 0; j < left; ++j) {
       const size_t offset = list.groups[j];
       const uint64_t rejected =
-          SphereBits<kGroup>(d, TestDistance(), tile, offset, x, y, z, radius) ^
-          kLowBits<kGroup>;
+          SphereBits<kGroupObjects>(d, TestDistance(), tile, offset, x, y, z,
+                                    radius) ^
+          kLowBits<kGroupObjects>;
       row[offset / kWordObjects] &= ~(rejected << (offset % kWordObjects));
     }
   }
