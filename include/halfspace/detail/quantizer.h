@@ -20,7 +20,7 @@ namespace halfspace::detail {
 
 // Levels are stored less half their range, because x86 compares only signed
 // bytes. Those of minima are stored in reverse, so that the lesser stored level
-// rejects in every plane; kernels/scan/vectors-inl.h says why.
+// rejects in every plane; detail/vectors-inl.h says why.
 template <typename Element>
 using StoredElement = std::make_signed_t<Element>;
 

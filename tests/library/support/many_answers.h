@@ -138,6 +138,17 @@ template <typename AnyWorld>
     return FailElement("SurvivorMasks", options, answers.survivor_rows(), rows);
   }
 
+  if constexpr (HasKernels<AnyWorld>) {
+    if (options.schedule == Schedule::kAuto && options.range.begin == 0 &&
+        options.range.end >= world.size) {
+      std::fill(outputs.rows.begin(), outputs.rows.end(), kUnwritten);
+      SurvivorMasksUnchecked(world, queries, outputs.rows, options.target);
+      if (!Same(answers.survivor_rows(), rows)) {
+        return FailElement("Kernels", options, answers.survivor_rows(), rows);
+      }
+    }
+  }
+
   ran = {};
   const std::size_t pairs = SurvivorPairs(world, queries, outputs.query_indices,
                                           outputs.object_indices, asking);
