@@ -36,6 +36,10 @@ left_out=(
   '*.TakeTheStackThatHeadersState'
   # Faults on purpose, which memcheck reports.
   '*DeathTest.*'
+  # Long histories that only count nodes and bytes: AnyHistoryIsThatOfTheModel makes
+  # every change.
+  '*.AWorldSortsItselfAsItChanges' '*.MemoryFollowsTheObjects'
+  '*.RebuildsMendWhatDecayed' '*.LevelsStayAsTightAsAfterARefit'
   # Scans in 3 dimensions only, of planes that are seen as what they are: minutes, for
   # the same code.
   '*/Simplex2*' '*/Simplex4*' '*/Aabb2*' '*/Aabb4*' '*/Aabo2*' '*/Aabo4*'
