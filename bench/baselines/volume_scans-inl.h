@@ -54,7 +54,10 @@ void ScanSevenSided(const float* const* planes, const float* query, size_t size,
   minima.type = &four_axes;
   minima.planes = local;
   maxima.planes = local + 1;
-  const bool is_streaming = size * kRecordBytes > kInCacheBytes;
+  // On AMD's CPUs before those with AVX-512 streaming does not pay.
+  static const bool streaming_pays = FindTarget("AVX3").has_value();
+  const bool is_streaming =
+      streaming_pays && size * kRecordBytes > kInCacheBytes;
   const size_t words = size / kWordObjects;
   const detail::Part all = {.first_query = 0,
                             .query_count = 1,

@@ -32,7 +32,7 @@ bool IsAmd(const Registers& leaf0) {
          leaf0.edx == signature_AMD_edx;
 }
 
-std::int64_t AskMachine() {
+X86Machine ReadMachine() {
   const Registers leaf0 = Cpuid(0);  // in eax the highest leaf
   const Registers leaf1 = Cpuid(1);
   const Registers leaf7 = leaf0.eax >= 7 ? Cpuid(7) : Registers();
@@ -52,8 +52,10 @@ std::int64_t AskMachine() {
     asm volatile("xgetbv" : "=a"(machine.xcr0), "=d"(upper_half) : "c"(0));
   }
   machine.is_amd = IsAmd(leaf0);
-  return TargetsOf(machine);
+  return machine;
 }
+
+std::int64_t AskMachine() { return TargetsOf(ReadMachine()); }
 
 #elif HWY_ARCH_ARM_A64 && defined(__linux__)
 
@@ -82,7 +84,7 @@ std::int64_t DetectTargets() {
 
 bool StreamingPays() {
 #if HWY_ARCH_X86 && __has_include(<cpuid.h>)
-  static const bool pays = IsAmd(Cpuid(0));
+  static const bool pays = StreamingPaysOn(ReadMachine());
   return pays;
 #else
   return true;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""page_test.py schema|html|claims PROJECT RUN.json...: that reports are as their schema says,
-that the page of them is well-formed HTML with what is in them, and that scripts/results.py
+"""page_test.py schema|tables|html|claims PROJECT RUN.json...: that reports are as their schema
+says, that a run of all sections has their tables, and the counts in them are right, that the page of them is well-formed HTML with what is in them, and that scripts/results.py
 finds the claims that they do not support. Exits with 77 where a package is missing."""
 
 import html.parser
@@ -8,6 +8,7 @@ import importlib.util
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -28,6 +29,39 @@ if check == "schema":
     for error in errors:
         print("/".join(map(str, error.absolute_path)) + ":", error.message[:200])
     sys.exit(bool(errors))
+
+if check == "tables":
+    details = reports[1]
+    tables = {table["name"]: table for table in details["tables"]}
+    assert len(tables) == len(details["tables"]), sorted(t["name"] for t in details["tables"])
+    with open(f"{project}/bench/sections/sections.def", encoding="utf-8") as file:
+        sections = re.findall(r'^HALFSPACE_SECTION\("(\w+)"', file.read(), re.M)
+    assert {name.split(":")[0] for name in tables} == set(sections), sections
+    for name, table in tables.items():
+        columns = table["columns"]
+        keys = [tuple(str(row[c]) for c in range(len(columns)) if columns[c].get("key"))
+                for row in table["rows"]]
+        assert all(len(row) == len(columns) for row in table["rows"]), name
+        assert len(set(keys)) == len(keys), (name, keys)
+        chart = table.get("chart", {"x": columns[0]["name"], "y": []}) if columns else {"y": []}
+        assert {chart.get("x"), *chart["y"]} <= {c["name"] for c in columns} | {None}, name
+    assert details["context"]["scope"].startswith("--quick --objects 4096 --queries 4")
+
+    def value(name, row, column):
+        cell = tables[name]["rows"][row][column]
+        return cell[0] if isinstance(cell, list) else cell
+
+    # Counts are the same on every machine.
+    assert abs(value("table1", 6, 3) - 4) < 0.1
+    assert len(tables["model: early-out"]["rows"]) == 7
+    assert abs(value("model: early-out", 0, 1) - value("model: early-out", 0, 3)) < 1e-9
+    assert value("model: early-out", 1, 3) > value("model: early-out", 1, 1)
+    assert abs(value("model: cube", 0, 1) - value("model: cube", 0, 2)) < 0.2
+    assert abs(value("model: cube", 1, 1) - value("model: cube", 1, 2)) < 0.1
+    # Batches of objects that are sorted stop earlier.
+    for row in 1, 2, 3:
+        assert value("table1: sorted objects", row, 1) < 0.8 * value("table1: sorted objects", 0, 1)
+    sys.exit()
 
 if check == "claims":
     spec = importlib.util.spec_from_file_location("results", f"{project}/scripts/results.py")

@@ -150,6 +150,16 @@ TEST(DetectTargetsTest, Zen4IsOnlyOfAmd) {
   EXPECT_EQ(TargetsOf(machine), First(9) & ~kZen4);
 }
 
+TEST(DetectTargetsTest, StreamingPaysFromZen4On) {
+  X86Machine machine = EveryX86();
+  EXPECT_TRUE(StreamingPaysOn(machine));
+  machine.leaf7_ebx &= ~(std::uint32_t{1} << 16);  // AVX512F: up to Zen 3
+  EXPECT_FALSE(StreamingPaysOn(machine));
+  machine = EveryX86();
+  machine.is_amd = false;
+  EXPECT_FALSE(StreamingPaysOn(machine));
+}
+
 TEST(DetectTargetsTest, EachFeatureOfAarch64) {
   constexpr std::uint64_t kAll = ~std::uint64_t{0};
   const auto without = [](int bit) { return ~(std::uint64_t{1} << bit); };
