@@ -151,7 +151,7 @@ std::size_t ResolveIndex(Target target, const char* call) {
 TargetName Target::name() const {
   if (*this == Target()) return TargetName("auto");
   if (!std::has_single_bit(static_cast<std::uint64_t>(highway_bit_))) {
-    return TargetName({});
+    return TargetName("");
   }
   return TargetName(hwy::TargetName(highway_bit_));
 }

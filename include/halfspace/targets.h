@@ -40,7 +40,8 @@
 
 namespace halfspace {
 
-// The name of a target, for as long as the program runs.
+// The name of a target. It is valid for as long as the program runs, and ends
+// with a null character.
 class TargetName : public std::string_view {
  public:
   constexpr explicit TargetName(std::string_view name)
@@ -48,7 +49,7 @@ class TargetName : public std::string_view {
 };
 
 // The chosen target and the reason. The texts are valid for as long as the
-// program runs.
+// program runs, and end with a null character.
 struct TargetChoice {
   Target target;               // default handle if `error` is not empty
   std::string_view requested;  // the value of HALFSPACE_TARGET, or empty
