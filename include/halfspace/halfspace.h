@@ -24,7 +24,8 @@
 //   bvh_nearest.h  k nearest, ray casts and box casts on a BVH
 //   bvh_pairs.h    all overlapping pairs of such worlds
 //   broad_phase.h  moving bodies: queries and pairs beside changes
-//   targets.h      instruction sets
+//   target.h       the instruction set of one call
+//   targets.h      all instruction sets
 //   error.h        how calls report a violated precondition
 //   version.h      the library's version
 //
@@ -52,6 +53,7 @@
 #include "halfspace/runner.h"         // IWYU pragma: export
 #include "halfspace/shapes.h"         // IWYU pragma: export
 #include "halfspace/span.h"           // IWYU pragma: export
+#include "halfspace/target.h"         // IWYU pragma: export
 #include "halfspace/targets.h"        // IWYU pragma: export
 #include "halfspace/transform.h"      // IWYU pragma: export
 #include "halfspace/version.h"        // IWYU pragma: export

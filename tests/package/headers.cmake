@@ -25,6 +25,30 @@ foreach(header IN LISTS public_headers)
   add_header_test(${name} "${header}")
 endforeach()
 
+# What it costs to include a header, in preprocessed lines. The limits are for the
+# standard library of gcc 12: another version has other counts.
+set(header_lines
+  halfspace.h 30000
+  reject.h 20000
+  world.h 18000
+  bvh.h 22000
+  broad_phase.h 23000
+  quantized.h 19000
+  span.h 15000)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION MATCHES "^12\\.")
+  while(header_lines)
+    list(POP_FRONT header_lines header limit)
+    set(name "package.header_lines.${header}")
+    add_test(NAME ${name}
+      COMMAND ${CMAKE_COMMAND}
+        "-DCOMPILER=${header_compiler}" "-DINCLUDES=${public_includes}"
+        "-DHEADER=halfspace/${header}" "-DLIMIT=${limit}"
+        "-DOUTPUT=${CMAKE_CURRENT_BINARY_DIR}/${name}"
+        -P "${CMAKE_CURRENT_SOURCE_DIR}/count_lines.cmake")
+    set_tests_properties(${name} PROPERTIES LABELS package)
+  endwhile()
+endif()
+
 # The check must see Highway where it is.
 add_header_test(package.header.control highway_user.h
   "${CMAKE_CURRENT_SOURCE_DIR}/control"

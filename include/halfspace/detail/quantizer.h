@@ -3,7 +3,6 @@
 #ifndef HALFSPACE_DETAIL_QUANTIZER_H_
 #define HALFSPACE_DETAIL_QUANTIZER_H_
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -83,7 +82,8 @@ class HALFSPACE_API Quantizer {
 
   // The upper eight bits of a rank.
   std::size_t BucketOf(std::size_t rank) const {
-    return rank * 256 / std::max<std::size_t>(256, thresholds_.size() + 1);
+    const std::size_t levels = thresholds_.size() + 1;
+    return rank * 256 / (levels < 256 ? 256 : levels);
   }
 
  private:

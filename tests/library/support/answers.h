@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "halfspace/reject.h"
+#include "halfspace/targets.h"
 #include "tests/library/support/unchecked.h"
 #include "tests/reference/reference.h"
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "halfspace/reject_many.h"
+#include "halfspace/targets.h"
 #include "tests/library/support/answers.h"
 #include "tests/library/support/covered_tiles.h"
 
