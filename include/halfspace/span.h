@@ -19,7 +19,7 @@
 #ifndef HALFSPACE_SPAN_H_
 #define HALFSPACE_SPAN_H_
 
-#include <array>  // std::data and std::size, in half the lines of <iterator>
+#include <array>  // std::data and std::size; <iterator> is twice as long
 #include <cstddef>
 #include <type_traits>
 #include <utility>
