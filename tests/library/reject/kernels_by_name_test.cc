@@ -47,7 +47,6 @@ void CheckNames() {
       {"octahedra4", &SurvivorsOfOctahedra4, &SurvivorsOfOctahedra4,
        &K::octahedra4},
   };
-  // Every bound has other answers for these values.
   std::mt19937 random(1);
   std::uniform_real_distribution<T> value(0, 1);
   std::vector<T> values(kMostPlanes * kObjects);
@@ -76,6 +75,9 @@ void CheckNames() {
     names.one(planes.data(), kObjects, queries.data(), mask.data());
     expected.resize(kWords);
     EXPECT_EQ(mask, expected);
+    // An octahedron of 2 dimensions has the planes of a box of 3, and so on.
+    if (names.table == &K::octahedra2 || names.table == &K::octahedra3)
+      continue;
     for (const auto& other : seen) EXPECT_NE(mask, other);
     seen.push_back(mask);
   }
