@@ -11,16 +11,16 @@ endif()
 set_property(SOURCE dispatch/scan/reject.cc dispatch/scan/reject_many.cc
   APPEND PROPERTY COMPILE_OPTIONS ${scalar_copies})
 
-# halfspace_add_kernels(<template> <name> [OPTION...]): adds
-# kernels/<template>.cc.in, with this scope's variables, as <name>.cc.
-function(halfspace_add_kernels template name)
+# halfspace_add_made(<template> <name> [OPTION...]): adds <template>.cc.in, with
+# this scope's variables, as <name>.cc.
+function(halfspace_add_made template name)
   set(source "${name}.cc")
   set(file "${PROJECT_BINARY_DIR}/kernels/${source}")
-  configure_file("${PROJECT_SOURCE_DIR}/kernels/${template}.cc.in" "${file}" @ONLY)
+  configure_file("${PROJECT_SOURCE_DIR}/${template}.cc.in" "${file}" @ONLY)
   target_sources(halfspace PRIVATE "${file}")
   set_property(SOURCE "${file}" APPEND PROPERTY COMPILE_OPTIONS ${ARGN})
-  # Those of doubles have no code per target.
-  if(NOT template MATCHES "doubles")
+  # The others have no code per target.
+  if(template MATCHES "^kernels" AND NOT template MATCHES "doubles")
     halfspace_ease_sanitizers("${file}")
   endif()
 endfunction()
@@ -44,10 +44,10 @@ list(REMOVE_DUPLICATES all_axes)
 
 foreach(element float double std::int8_t std::int16_t)
   string(REGEX REPLACE "std::|_t" "" element_name "${element}")
-  halfspace_add_kernels(scan/kernels_of_element "scan_${element_name}"
+  halfspace_add_made(kernels/scan/kernels_of_element "scan_${element_name}"
     ${scalar_copies})
   foreach(axes IN LISTS all_axes)
-    halfspace_add_kernels(scan/kernels_of_axes "scan_${element_name}_${axes}"
+    halfspace_add_made(kernels/scan/kernels_of_axes "scan_${element_name}_${axes}"
       ${scalar_copies})
   endforeach()
 endforeach()
@@ -63,9 +63,9 @@ foreach(source_name Boxes Spheres Triangles PointSets)
     set(optimised $<$<CONFIG:Release>:-O2>)
   endif()
   foreach(dims IN LISTS HALFSPACE_DIMS)
-    halfspace_add_kernels(fit_many/kernels_of_source "fit_${file_name}_${dims}"
+    halfspace_add_made(kernels/fit_many/kernels_of_source "fit_${file_name}_${dims}"
                           ${optimised})
-    halfspace_add_kernels(fit_many/kernels_of_doubles
+    halfspace_add_made(kernels/fit_many/kernels_of_doubles
                           "fit_${file_name}_double_${dims}")
   endforeach()
 endforeach()
@@ -79,7 +79,25 @@ endif()
 # Bvh worlds have 2 or 3 dimensions.
 foreach(axes IN LISTS all_axes)
   if(axes LESS 5)
-    halfspace_add_kernels(bvh/kernels_of_axes "sorted_${axes}" ${scalar_copies})
-    halfspace_add_kernels(bvh/pairs_of_axes "bvh_pairs_${axes}" ${scalar_copies})
+    halfspace_add_made(kernels/bvh/kernels_of_axes "sorted_${axes}" ${scalar_copies})
+    halfspace_add_made(kernels/bvh/pairs_of_axes "bvh_pairs_${axes}" ${scalar_copies})
   endif()
+endforeach()
+
+# The unchecked calls (kernels.h).
+set(axes_bits 0)
+foreach(axes IN LISTS all_axes)
+  math(EXPR axes_bits "${axes_bits} | (1 << ${axes})")
+endforeach()
+foreach(element float double)
+  set(suffix "")
+  if(element STREQUAL "double")
+    set(suffix "_of_doubles")
+  endif()
+  halfspace_add_made(dispatch/scan/kernels_of "kernels_of_${element}")
+  foreach(axes IN LISTS all_axes)
+    math(EXPR dims "${axes} - 1")
+    halfspace_add_made(dispatch/scan/unchecked_of_axes "unchecked_${element}_${axes}"
+      ${scalar_copies})
+  endforeach()
 endforeach()

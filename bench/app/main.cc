@@ -266,7 +266,7 @@ int Main(int argc, char** argv) {
   }
   if (const TargetChoice choice = DescribeTargetChoice();
       !choice.error.empty()) {
-    return Fail("HALFSPACE_TARGET: " + choice.error, kExitUsage);
+    return Fail("HALFSPACE_TARGET: " + std::string(choice.error), kExitUsage);
   }
   const std::optional<Report> stored = ReadStored(options);
   std::optional<Workload> input = ReadInput(options);

@@ -158,13 +158,35 @@ inline void ChooseWay(detail::Scan& scan, const Options& options) {
   if (scan.is_streaming) scan.way = kStreamingWayOf[scan.way];
 }
 
-// A range of fewer than 64 floats or doubles is one call of a kernel.
+// So many objects are tested flat, whatever the target and the shape: stages do
+// not pay (kFewWords in kernels/scan/stages-inl.h).
+inline constexpr std::size_t kFewObjects = 512;
+
+// The words of one query on the objects of the range, on all planes at once.
+// Not of quantized bounds.
+inline void WriteFlatMask(const detail::Scan& scan, std::uint64_t* words) {
+  const detail::MaskKernel mask = scan.type->flat == detail::kMinima
+                                      ? scan.kernels->mask_of_minima
+                                      : scan.kernels->mask_of_all;
+  mask(scan.planes, scan.begin, scan.end - scan.begin, scan.queries, words);
+}
+
+// Whether WriteFlatMask() is how a scan of floats or doubles is tested.
+inline bool IsFlat(const detail::Scan& scan, const Options& options) {
+  return scan.end - scan.begin <= kFewObjects &&
+         (options.schedule <= Schedule::kFlat ||
+          scan.type->shape == detail::Shape::kSimplex ||
+          scan.end - scan.begin < 64);
+}
+
+// A range of fewer than 64 floats or doubles is one word.
 inline bool IsShort(const detail::Scan& scan) {
   return scan.end - scan.begin - 1 < 63 && scan.type->encode == nullptr;
 }
 inline std::uint64_t ShortWord(const detail::Scan& scan) {
-  return scan.kernels->word[scan.type->flat](scan, scan.queries, scan.begin,
-                                             scan.end - scan.begin);
+  std::uint64_t word;
+  WriteFlatMask(scan, &word);
+  return word;
 }
 
 // Only after the last check, because a call that is refused writes nothing.

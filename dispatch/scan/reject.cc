@@ -29,15 +29,14 @@ inline void WriteMask(Scan& scan, Span<std::uint64_t> mask,
                   sizeof(std::uint64_t)};
   });
   dispatch::ReportTarget(scan, options);
-  if (dispatch::IsShort(scan)) {
-    mask[0] = dispatch::ShortWord(scan) ^ flip;
-    return;
-  }
-  dispatch::ChooseWay(scan, options);
   if (scan.type->encode != nullptr) {
+    dispatch::ChooseWay(scan, options);
     WriteQuantizedMask(scan, mask.data());
+  } else if (dispatch::IsFlat(scan, options)) {
+    dispatch::WriteFlatMask(scan, mask.data());
   } else {
     // Without parts: a small call costs little more than its kernel.
+    dispatch::ChooseWay(scan, options);
     dispatch::Run(scan, dispatch::WholeRange(scan, mask.data()));
   }
   if (flip != 0) dispatch::Flip(mask.data(), MaskWords(scan.end - scan.begin));

@@ -136,9 +136,9 @@ std::int64_t DetectTargets();
 // Returns whether a machine scans planes out of the caches faster if a kernel
 // streams them, two at a time. On x86 only AMD's CPUs from Zen 4 on do, which
 // are those with AVX-512. On a Zen 3, streaming took 1.1 to 1.6 times as long
-// as all planes at once, in L2, L3 and memory (AVX2). On a Xeon of the Sapphire
-// Rapids class it took up to 1.26 times as long in L2 (AABB, AVX-512), and up
-// to 1.13 times in memory (AABO, SSE4).
+// as all planes at once in L2 and L3, and 1.0 to 1.2 times in memory (AVX2). On
+// a Xeon of the Sapphire Rapids class it took up to 1.26 times as long in L2
+// (AABB, AVX-512), and up to 1.13 times in memory (AABO, SSE4).
 constexpr bool StreamingPaysOn(const X86Machine& machine) {
   return machine.is_amd && (TargetsOf(machine) & HWY_AVX3) != 0;
 }

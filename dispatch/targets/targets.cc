@@ -148,10 +148,12 @@ std::size_t ResolveIndex(Target target, const char* call) {
 
 }  // namespace dispatch
 
-std::string_view Target::name() const {
-  if (*this == Target()) return "auto";
-  if (!std::has_single_bit(static_cast<std::uint64_t>(highway_bit_))) return {};
-  return hwy::TargetName(highway_bit_);
+TargetName Target::name() const {
+  if (*this == Target()) return TargetName("auto");
+  if (!std::has_single_bit(static_cast<std::uint64_t>(highway_bit_))) {
+    return TargetName("");
+  }
+  return TargetName(hwy::TargetName(highway_bit_));
 }
 
 std::size_t Target::lanes() const {
@@ -175,7 +177,7 @@ Span<const Target> SupportedTargets() {
 
 Target ChosenTarget() { return dispatch::ChosenFor("ChosenTarget"); }
 
-detail::TargetChoiceView detail::ViewTargetChoice() {
+TargetChoice DescribeTargetChoice() {
   const dispatch::Choice& choice = dispatch::TheChoice();
   return {choice.target, choice.requested, choice.error};
 }

@@ -39,7 +39,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <type_traits>
 
 #include "halfspace/bounds.h"
@@ -306,7 +305,7 @@ class BroadPhase {
     core_.ForEach(
         detail::QueriesOf(&query, 1), mask,
         &detail::CallWithBody<Bound, std::remove_reference_t<Function>>,
-        Context(function));
+        detail::ContextOf(function));
   }
   template <typename Shape, typename Function,
             typename = detail::IfShapeOf<View, Shape>>
@@ -315,7 +314,7 @@ class BroadPhase {
     core_.ForEach(
         detail::ShapeQueries<View>(&shape, 1), mask,
         &detail::CallWithBody<Bound, std::remove_reference_t<Function>>,
-        Context(function));
+        detail::ContextOf(function));
   }
 
   // Calls function(std::uint32_t id, float t, const Bound&), or function(id,
@@ -378,7 +377,7 @@ class BroadPhase {
     core_.ForEachPairOf(
         PairKernels(), ids, nullptr, margin,
         &detail::CallWithPair<std::remove_reference_t<Function>>,
-        Context(function));
+        detail::ContextOf(function));
   }
 
   // The same with masks of the call instead of the rule of BodyMasks:
@@ -392,7 +391,7 @@ class BroadPhase {
     core_.ForEachPairOf(
         PairKernels(), ids, &masks, margin,
         &detail::CallWithPair<std::remove_reference_t<Function>>,
-        Context(function));
+        detail::ContextOf(function));
   }
 
   // Finds all pairs of bodies whose bounds overlap and that the masks and the
@@ -438,11 +437,6 @@ class BroadPhase {
   }
 
  private:
-  template <typename Function>
-  static void* Context(Function& function) {
-    return const_cast<void*>(
-        static_cast<const void*>(std::addressof(function)));
-  }
   static const detail::BvhPairKernels* PairKernels() {
     return detail::BvhPairKernelsOf<Bound::kAxes>::kTargets;
   }

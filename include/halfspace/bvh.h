@@ -59,7 +59,7 @@
 #include "halfspace/memory.h"
 #include "halfspace/runner.h"
 #include "halfspace/span.h"
-#include "halfspace/targets.h"
+#include "halfspace/target.h"
 #include "halfspace/transform.h"
 #include "halfspace/visit.h"
 #include "halfspace/world.h"

@@ -46,7 +46,7 @@
 #include "halfspace/bvh.h"
 #include "halfspace/detail/bvh_pairs.h"
 #include "halfspace/span.h"
-#include "halfspace/targets.h"
+#include "halfspace/target.h"
 #include "halfspace/visit.h"
 
 namespace halfspace {

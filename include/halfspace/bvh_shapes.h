@@ -66,9 +66,9 @@
 #ifndef HALFSPACE_BVH_SHAPES_H_
 #define HALFSPACE_BVH_SHAPES_H_
 
+#include <array>  // std::data and std::size
 #include <cstddef>
 #include <cstdint>
-#include <iterator>
 #include <optional>
 #include <type_traits>
 #include <utility>

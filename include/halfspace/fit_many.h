@@ -48,7 +48,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <iterator>
 #include <type_traits>
 #include <utility>
 
@@ -59,7 +58,7 @@
 #include "halfspace/planes.h"
 #include "halfspace/shapes.h"
 #include "halfspace/span.h"
-#include "halfspace/targets.h"
+#include "halfspace/target.h"
 #include "halfspace/world.h"
 
 namespace halfspace {

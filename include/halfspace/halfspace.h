@@ -15,6 +15,7 @@
 //   world.h        stored bounds: views and owning worlds
 //   quantized.h    stored bounds with one or two bytes per plane
 //   memory.h       where owning worlds allocate their memory
+//   kernels.h      the tests alone: no checks, options or worlds
 //   reject.h       tests one query: masks, index lists, counts
 //   reject_many.h  tests several queries
 //   reject_shapes.h  tests half-spaces, for example a frustum
@@ -24,7 +25,8 @@
 //   bvh_nearest.h  k nearest, ray casts and box casts on a BVH
 //   bvh_pairs.h    all overlapping pairs of such worlds
 //   broad_phase.h  moving bodies: queries and pairs beside changes
-//   targets.h      instruction sets
+//   target.h       the instruction set of one call
+//   targets.h      all instruction sets
 //   error.h        how calls report a violated precondition
 //   version.h      the library's version
 //
@@ -43,6 +45,7 @@
 #include "halfspace/fit.h"            // IWYU pragma: export
 #include "halfspace/fit_many.h"       // IWYU pragma: export
 #include "halfspace/fit_status.h"     // IWYU pragma: export
+#include "halfspace/kernels.h"        // IWYU pragma: export
 #include "halfspace/memory.h"         // IWYU pragma: export
 #include "halfspace/planes.h"         // IWYU pragma: export
 #include "halfspace/quantized.h"      // IWYU pragma: export
@@ -52,6 +55,7 @@
 #include "halfspace/runner.h"         // IWYU pragma: export
 #include "halfspace/shapes.h"         // IWYU pragma: export
 #include "halfspace/span.h"           // IWYU pragma: export
+#include "halfspace/target.h"         // IWYU pragma: export
 #include "halfspace/targets.h"        // IWYU pragma: export
 #include "halfspace/transform.h"      // IWYU pragma: export
 #include "halfspace/version.h"        // IWYU pragma: export

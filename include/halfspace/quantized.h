@@ -31,17 +31,16 @@
 #ifndef HALFSPACE_QUANTIZED_H_
 #define HALFSPACE_QUANTIZED_H_
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "halfspace/detail/block_memory.h"
 #include "halfspace/detail/quantized_scan.h"
 #include "halfspace/detail/quantizer.h"
+#include "halfspace/detail/records.h"
 #include "halfspace/memory.h"
 #include "halfspace/span.h"
 #include "halfspace/world.h"
@@ -217,12 +216,12 @@ class QuantizedWorld {
 
   QuantizedWorld() : QuantizedWorld(MemoryResource()) {}
   explicit QuantizedWorld(const MemoryResource& memory)
-      : quantized_(memory), records_(Allocator(memory)) {}
+      : quantized_(memory), records_(memory) {}
   QuantizedWorld(const QuantizedWorld& other)
       : QuantizedWorld(other, MemoryResource()) {}
   QuantizedWorld(const QuantizedWorld& other, const MemoryResource& memory)
       : quantized_(other.quantized_, memory),
-        records_(other.records_, Allocator(memory)),
+        records_(other.records_, memory),
         trained_(other.trained_),
         pushes_left_(other.pushes_left_) {}
   QuantizedWorld(QuantizedWorld&& other) noexcept  // leaves it empty
@@ -239,7 +238,7 @@ class QuantizedWorld {
   ~QuantizedWorld() = default;
   friend void swap(QuantizedWorld& a, QuantizedWorld& b) noexcept {
     swap(a.quantized_, b.quantized_);
-    a.records_.swap(b.records_);
+    swap(a.records_, b.records_);
     std::swap(a.trained_, b.trained_);
     std::swap(a.pushes_left_, b.pushes_left_);
   }
@@ -247,12 +246,10 @@ class QuantizedWorld {
   // Copies the bounds of a world of floats or of an array, in order.
   explicit QuantizedWorld(const FloatView& floats,
                           const MemoryResource& memory = {})
-      : quantized_(floats, memory),
-        records_(Allocator(memory)),
-        trained_(floats.size) {
-    records_.reserve(floats.size);
+      : quantized_(floats, memory), records_(memory), trained_(floats.size) {
+    records_.Reserve(floats.size);
     for (std::size_t i = 0; i < floats.size; ++i) {
-      records_.push_back(detail::BoundAt(floats, i));
+      records_.Push(detail::BoundAt(floats, i));
     }
   }
   explicit QuantizedWorld(const World<FloatView>& floats,
@@ -260,25 +257,26 @@ class QuantizedWorld {
       : QuantizedWorld(floats.view(), memory) {}
   explicit QuantizedWorld(Span<const Bound> bounds,
                           const MemoryResource& memory = {})
-      : quantized_(memory),
-        records_(Allocator(memory)),
-        trained_(bounds.size()) {
+      : quantized_(memory), records_(memory), trained_(bounds.size()) {
     quantized_.Requantize(bounds);
-    records_.assign(bounds.begin(), bounds.end());
+    records_.Reserve(bounds.size());
+    for (const Bound& bound : bounds) records_.Push(bound);
   }
 
   const MemoryResource& memory() const { return quantized_.memory(); }
   std::size_t size() const { return records_.size(); }
-  bool empty() const { return records_.empty(); }
+  bool empty() const { return size() == 0; }
 
   // Appends an object and returns its index. Can train. Amortized O(1).
   std::size_t Push(const Bound& bound) {
     // Allocates before it changes anything, so that quantized bounds and floats
     // still match if an allocation fails.
-    if (size() == records_.capacity()) Reserve(std::max(kLeast, 2 * size()));
+    if (size() == records_.capacity()) {
+      Reserve(size() < kLeast / 2 ? kLeast : 2 * size());
+    }
     if (pushes_left_ == 0) TrainIfDue();
     quantized_.Push(bound);
-    records_.push_back(bound);
+    records_.Push(bound);
     --pushes_left_;
     return size() - 1;
   }
@@ -297,20 +295,19 @@ class QuantizedWorld {
   void EraseBySwap(std::size_t index) {
     quantized_.CheckIndex(index, "QuantizedWorld::EraseBySwap");
     quantized_.EraseBySwap(index);
-    records_[index] = records_.back();
-    records_.pop_back();
+    records_.EraseBySwap(index);
   }
   // Allocates room for `objects` objects in total. Training allocates more
   // memory.
   void Reserve(std::size_t objects) {
     quantized_.Reserve(objects);
-    records_.reserve(objects);
+    records_.Reserve(objects);
   }
   // Removes all objects. Keeps the memory, and keeps the quantizer until Push
   // trains a new one.
   void Clear() {
     quantized_.Clear();
-    records_.clear();
+    records_.Clear();
     trained_ = 0;
     pushes_left_ = 0;
   }
@@ -332,7 +329,6 @@ class QuantizedWorld {
   View view() const { return {quantized_.view(), records_}; }
 
  private:
-  using Allocator = detail::BlockAllocator<Bound>;
   static constexpr std::size_t kLeast = 64;
 
   // Trains if it is time, and sets when to check again. After training, at
@@ -347,11 +343,12 @@ class QuantizedWorld {
       Requantize();
       room = quantized_.planes_.Room();
     }
-    pushes_left_ = std::min(room, 2 * trained_ - size());
+    const std::size_t until_twice = 2 * trained_ - size();
+    pushes_left_ = room < until_twice ? room : until_twice;
   }
 
   QuantizedBounds<FloatView, ElementType> quantized_;
-  std::vector<Bound, Allocator> records_;
+  detail::Records<Bound> records_;
   std::size_t trained_ = 0;      // objects at the last training
   std::size_t pushes_left_ = 0;  // until TrainIfDue checks again
 };

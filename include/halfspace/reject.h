@@ -43,7 +43,7 @@
 #include "halfspace/bounds.h"
 #include "halfspace/detail/scan.h"
 #include "halfspace/span.h"
-#include "halfspace/targets.h"
+#include "halfspace/target.h"
 #include "halfspace/world.h"
 
 namespace halfspace {

@@ -37,7 +37,7 @@
 #include "halfspace/detail/scan.h"
 #include "halfspace/reject.h"
 #include "halfspace/span.h"
-#include "halfspace/targets.h"
+#include "halfspace/target.h"
 #include "halfspace/visit.h"
 
 namespace halfspace {

@@ -12,10 +12,20 @@
 #define HALFSPACE_RUNNER_H_
 
 #include <cstddef>
-#include <memory>
 #include <type_traits>
 
 namespace halfspace {
+
+namespace detail {
+
+// The address of a function object, as std::addressof() in <memory>, which has
+// 52 000 lines in C++20.
+template <typename Function>
+void* ContextOf(Function& function) {
+  return &const_cast<char&>(reinterpret_cast<const volatile char&>(function));
+}
+
+}  // namespace detail
 
 // Refers to a function object that is called as run(count, part). It must call
 // part(i) once for each i below `count`, in any order and on any threads, and
@@ -36,11 +46,11 @@ class Runner {
     friend class Runner;
 
     template <typename Function>
-    explicit Part(const Function* function)
+    explicit Part(const Function& function)
         : call_([](const void* context, std::size_t i) {
             (*static_cast<const Function*>(context))(i);
           }),
-          context_(function) {}
+          context_(detail::ContextOf(function)) {}
 
     void (*call_)(const void* context, std::size_t i);
     const void* context_;
@@ -60,12 +70,12 @@ class Runner {
           using Object = std::remove_reference_t<Run>;
           (*static_cast<Object*>(const_cast<void*>(context)))(count, part);
         }),
-        context_(std::addressof(run)) {}
+        context_(detail::ContextOf(run)) {}
 
   // Calls part(i) for each i below `count`.
   template <typename Function>
   void operator()(std::size_t count, const Function& part) const {
-    const Part each(std::addressof(part));
+    const Part each(part);
     if (run_ != nullptr) return run_(context_, count, each);
     for (std::size_t i = 0; i < count; ++i) each(i);
   }

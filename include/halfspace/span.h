@@ -8,7 +8,9 @@
 // array. A pointer and a count also convert: {pointer, count}.
 //   Span<const T>  input; also converts from const arrays and from temporaries
 //   Span<T>        output; converts only from arrays that are not const
-// A Span converts to a std::span implicitly.
+// A Span converts to a std::span implicitly. A temporary Span converts only to
+// a std::span of const elements, and it is no borrowed range: store it before
+// std::ranges::find and others return an iterator into it.
 //
 // A Span owns nothing: the elements must outlive it. operator[] does not check
 // its index.
@@ -17,17 +19,10 @@
 #ifndef HALFSPACE_SPAN_H_
 #define HALFSPACE_SPAN_H_
 
+#include <array>  // std::data and std::size; <iterator> is twice as long
 #include <cstddef>
-#include <iterator>
 #include <type_traits>
 #include <utility>
-
-#if __has_include(<version>)
-#include <version>
-#endif
-#if defined(__cpp_lib_span)
-#include <span>
-#endif
 
 namespace halfspace {
 
@@ -85,14 +80,5 @@ class Span {
 };
 
 }  // namespace halfspace
-
-#if defined(__cpp_lib_span)
-// A temporary Span can become a std::span, because it owns no elements.
-template <typename T>
-inline constexpr bool std::ranges::enable_borrowed_range<halfspace::Span<T>> =
-    true;
-template <typename T>
-inline constexpr bool std::ranges::enable_view<halfspace::Span<T>> = true;
-#endif
 
 #endif  // HALFSPACE_SPAN_H_

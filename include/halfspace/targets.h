@@ -31,69 +31,30 @@
 #ifndef HALFSPACE_TARGETS_H_
 #define HALFSPACE_TARGETS_H_
 
-#include <cstddef>
-#include <cstdint>
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include "halfspace/export.h"
 #include "halfspace/span.h"
+#include "halfspace/target.h"  // IWYU pragma: export
 
 namespace halfspace {
 
-// A handle of one target, a plain value. A default-constructed handle stands
-// for the chosen target.
-class Target {
+// The name of a target. It is valid for as long as the program runs, and ends
+// with a null character.
+class TargetName : public std::string_view {
  public:
-  constexpr Target() = default;
-
-  // Returns Highway's name, for example "AVX2", or "auto" for a default handle.
-  HALFSPACE_API std::string_view name() const;
-
-  // Returns the number of float lanes of one vector. On SVE the hardware
-  // determines it. Returns 0 for a default handle and for a target that is not
-  // supported here.
-  HALFSPACE_API std::size_t lanes() const;
-
-  // Returns Highway's bit (HWY_AVX2 and so on), or 0 for a default handle. The
-  // meaning of a bit can change with the version of Highway. Do not store it:
-  // store the name.
-  constexpr std::int64_t highway_bit() const { return highway_bit_; }
-  static constexpr Target FromHighwayBit(std::int64_t bit) {
-    Target target;
-    target.highway_bit_ = bit;
-    return target;
-  }
-
-  friend constexpr bool operator==(Target a, Target b) {
-    return a.highway_bit_ == b.highway_bit_;
-  }
-  friend constexpr bool operator!=(Target a, Target b) { return !(a == b); }
-
- private:
-  std::int64_t highway_bit_ = 0;
+  constexpr explicit TargetName(std::string_view name)
+      : std::string_view(name) {}
 };
 
-// The chosen target and the reason.
+// The chosen target and the reason. The texts are valid for as long as the
+// program runs, and end with a null character.
 struct TargetChoice {
-  Target target;          // default handle if `error` is not empty
-  std::string requested;  // the value of HALFSPACE_TARGET, or empty
-  std::string error;      // empty, or why `requested` cannot be used
+  Target target;               // default handle if `error` is not empty
+  std::string_view requested;  // the value of HALFSPACE_TARGET, or empty
+  std::string_view error;      // empty, or why `requested` cannot be used
 };
-
-namespace detail {
-
-// TargetChoice without std::string, whose layout depends on the caller's flags.
-// The characters are never freed.
-struct TargetChoiceView {
-  Target target;
-  std::string_view requested;
-  std::string_view error;
-};
-HALFSPACE_API TargetChoiceView ViewTargetChoice();
-
-}  // namespace detail
 
 // Returns every target in this build, best first. The span is always valid.
 HALFSPACE_API Span<const Target> CompiledTargets();
@@ -107,11 +68,7 @@ HALFSPACE_API Span<const Target> SupportedTargets();
 HALFSPACE_API Target ChosenTarget();
 
 // As ChosenTarget(), but does not throw. Check TargetChoice::error.
-inline TargetChoice DescribeTargetChoice() {
-  const detail::TargetChoiceView choice = detail::ViewTargetChoice();
-  return {choice.target, std::string(choice.requested),
-          std::string(choice.error)};
-}
+HALFSPACE_API TargetChoice DescribeTargetChoice();
 
 // Returns the supported target with exactly this name, or std::nullopt if there
 // is none.

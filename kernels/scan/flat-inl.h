@@ -25,74 +25,100 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Returns run(load), with aligned loads where planes are aligned and it pays.
+// Returns run(load), with aligned loads where it pays and `addresses`, the bits
+// of the first objects' in all planes, are those of aligned ones.
 template <typename T, class Run>
-HWY_INLINE auto WithLoad(const detail::Scan& scan, size_t begin,
-                         const Run& run) {
+HWY_INLINE auto WithLoad(uintptr_t addresses, const Run& run) {
   if constexpr (kAlignedLoadsPay && std::is_same_v<T, float>) {
-    if ((scan.addresses.bits | begin * sizeof(T)) % 64 == 0) {
-      return run(LoadAligned());
-    }
+    if (addresses % 64 == 0) return run(LoadAligned());
   }
   return run(LoadAll());
 }
-
-// The value of a query that plane p is compared with. A minimum is compared
-// with the query's maximum; a query's maxima come after its minima, if it has
-// minima.
-template <size_t kMins, typename T>
-HWY_INLINE T QueryValue(const detail::Scan& scan, const T* values, size_t p) {
-  return values[p < kMins ? scan.type->first_max + p : p - kMins];
+template <typename T, class Run>
+HWY_INLINE auto WithLoad(const detail::Scan& scan, size_t begin,
+                         const Run& run) {
+  return WithLoad<T>(scan.addresses.bits | begin * sizeof(T), run);
 }
+
+// The values of a query. Minima of objects are compared with its maxima.
+template <typename T>
+struct QueryValues {
+  const T* max;
+  const T* min;  // if objects have maxima
+
+  QueryValues(const detail::Scan& scan, const T* values)
+      : max(values + scan.type->first_max), min(values) {}
+  QueryValues(const T* maxima, const T* minima) : max(maxima), min(minima) {}
+
+  // What plane p is compared with, after kMins minima.
+  template <size_t kMins>
+  T Of(size_t p) const {
+    return p < kMins ? max[p] : min[p - kMins];
+  }
+};
 
 // The last, partial word, from object i on. A function of its own, because
 // calls on short ranges need no other.
 template <size_t kMins, size_t kMaxs, typename T>
-HWY_NOINLINE uint64_t FlatTail(const detail::Scan& scan, const void* query,
+HWY_NOINLINE uint64_t FlatTail(const T* const* planes, QueryValues<T> query,
                                size_t i, size_t count) {
   const WordTag<T> d;
-  const T* values = static_cast<const T*>(query);
   const auto word = [&]<size_t... kPlane>(std::index_sequence<kPlane...>)
       HWY_ATTR {
-    const T* planes[] = {scan.Plane<T>(kPlane)...};
-    return KeptTail<kMins>(
-        d, planes, i, count,
-        hn::Set(d, QueryValue<kMins>(scan, values, kPlane))...);
+    const T* copies[] = {planes[kPlane]...};
+    return KeptTail<kMins>(d, copies, i, count,
+                           hn::Set(d, query.template Of<kMins>(kPlane))...);
   };
   return word(std::make_index_sequence<kMins + kMaxs>());
 }
 
-// Tests one query of the part, whose values begin at `values`, and writes its
-// row. Not inlined: in one function with the code for several queries, which
-// needs many registers, a short call would spend nanoseconds on saving them.
+// Tests objects first ... first + count - 1 for one query, and writes its row.
+// Not inlined: in one function with the code for several queries, which needs
+// many registers, a short call would spend nanoseconds on saving them.
 template <size_t kMins, size_t kMaxs, class Load, typename T>
-HWY_NOINLINE int64_t FlatOne(Load load, const detail::Scan& scan,
-                             const detail::Part& part, const T* values,
-                             uint64_t* row) {
+HWY_NOINLINE void FlatOne(Load load, const T* const* planes, size_t first,
+                          size_t count, QueryValues<T> query, uint64_t* row) {
   const OneTag<T> d;
-  // Local copies, because the compiler would load what it finds by a pointer
-  // again after every store of a word.
-  const size_t first = part.begin;
-  const size_t count = part.end - first;
   const size_t words = count / kWordObjects;
-  const auto write = [&](const T* const* planes, auto... query) HWY_ATTR {
+  const auto write = [&](const T* const* copies, auto... values) HWY_ATTR {
     for (size_t w = 0; w < words; ++w) {
       row[w] =
-          KeptBits<kMins>(d, load, planes, first + w * kWordObjects, query...);
+          KeptBits<kMins>(d, load, copies, first + w * kWordObjects, values...);
     }
   };
   const auto test = [&]<size_t... kPlane>(std::index_sequence<kPlane...>)
       HWY_ATTR {
-    const T* planes[] = {scan.Plane<T>(kPlane)...};
-    write(planes, hn::Set(d, QueryValue<kMins>(scan, values, kPlane))...);
+    // Local copies, because the compiler would load what it finds by a pointer
+    // again after every store of a word.
+    const T* copies[] = {planes[kPlane]...};
+    write(copies, hn::Set(d, query.template Of<kMins>(kPlane))...);
   };
   test(std::make_index_sequence<kMins + kMaxs>());
   const size_t left = count % kWordObjects;
   if (left != 0) {
-    row[words] = FlatTail<kMins, kMaxs, T>(scan, values,
-                                           first + words * kWordObjects, left);
+    row[words] = FlatTail<kMins, kMaxs>(planes, query,
+                                        first + words * kWordObjects, left);
   }
-  return HWY_TARGET;
+}
+
+// A MaskKernel (kernel_table.h).
+template <size_t kMins, size_t kMaxs, typename T>
+void FlatMask(const void* pointers, size_t first, size_t count,
+              const void* values, uint64_t* row) {
+  const T* const* planes = static_cast<const T* const*>(pointers);
+  const T* minima = static_cast<const T*>(values);
+  const QueryValues<T> query(minima + (kMaxs == 0 ? 0 : kMins), minima);
+  if (count - 1 < kWordObjects - 1) {
+    row[0] = FlatTail<kMins, kMaxs>(planes, query, first, count);
+    return;
+  }
+  uintptr_t addresses = first * sizeof(T);
+  for (size_t p = 0; kAlignedLoadsPay && p < kMins + kMaxs; ++p) {
+    addresses |= reinterpret_cast<uintptr_t>(planes[p]);
+  }
+  WithLoad<T>(addresses, [&](auto load) HWY_ATTR {
+    FlatOne<kMins, kMaxs>(load, planes, first, count, query, row);
+  });
 }
 
 #if HALFSPACE_MASKED_COMPARES
@@ -119,8 +145,8 @@ HWY_NOINLINE void FlatSeveral(const detail::Scan& scan,
   for (size_t p = 0; p < kPlanes; ++p) {
     planes[p] = scan.Plane<T>(p);
     for (size_t query = 0; query < kQueries; ++query) {
-      compared[p][query] =
-          hn::Set(d, QueryValue<kMins>(scan, values + query * record, p));
+      const QueryValues<T> its(scan, values + query * record);
+      compared[p][query] = hn::Set(d, its.template Of<kMins>(p));
     }
   }
   const size_t end = part.end;
@@ -155,8 +181,8 @@ HWY_NOINLINE void FlatSeveral(const detail::Scan& scan,
   }
   if (i == end) return;
   for (size_t query = 0; query < kQueries; ++query) {
-    row[query * stride] = FlatTail<kMins, kPlanes - kMins, T>(
-        scan, values + query * record, i, end - i);
+    row[query * stride] = FlatTail<kMins, kPlanes - kMins>(
+        planes, QueryValues<T>(scan, values + query * record), i, end - i);
   }
 }
 
@@ -165,12 +191,9 @@ HWY_NOINLINE void FlatSeveral(const detail::Scan& scan,
 // Tests all queries of the part on the first kMins + kMaxs planes of the scan.
 template <size_t kMins, size_t kMaxs, typename T>
 int64_t Flat(const detail::Scan& scan, const detail::Part& part) {
-  return WithLoad<T>(scan, part.begin, [&](auto load) HWY_ATTR {
+  WithLoad<T>(scan, part.begin, [&](auto load) HWY_ATTR {
     const T* values = static_cast<const T*>(part.queries);
-    // Returns at once, so that a call for one query ends with a jump.
-    if (part.query_count == 1) {
-      return FlatOne<kMins, kMaxs>(load, scan, part, values, part.rows);
-    }
+    const T* const* planes = static_cast<const T* const*>(scan.planes);
     size_t q = 0;
 #if HALFSPACE_MASKED_COMPARES
     constexpr size_t kAtOnce = kQueriesAtOnce<kMins + kMaxs>;
@@ -179,12 +202,13 @@ int64_t Flat(const detail::Scan& scan, const detail::Part& part) {
     }
 #endif
     for (; q < part.query_count; ++q) {
-      FlatOne<kMins, kMaxs>(load, scan, part,
-                            values + q * scan.type->plane_count,
-                            part.rows + q * part.stride);
+      FlatOne<kMins, kMaxs>(
+          load, planes, part.begin, part.end - part.begin,
+          QueryValues<T>(scan, values + q * scan.type->plane_count),
+          part.rows + q * part.stride);
     }
-    return int64_t{HWY_TARGET};
   });
+  return HWY_TARGET;
 }
 
 }  // namespace HWY_NAMESPACE

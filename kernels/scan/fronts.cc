@@ -37,41 +37,48 @@ namespace hn = hwy::HWY_NAMESPACE;
 // A vector of objects at a time, so that the first half-space that has all of
 // them behind it ends their test.
 template <class D, class Load>
-HWY_INLINE uint64_t FrontBits(D d, Load load, const detail::Scan& scan,
+HWY_INLINE uint64_t FrontBits(D d, Load load, const float* const* planes,
                               const detail::Fronts& query, size_t i) {
   uint64_t kept = ~uint64_t{0} >> (kWordObjects - hn::Lanes(d));
   for (size_t f = 0; f < query.count && kept != 0; ++f) {
-    const auto sum = FrontSum(
-        d, query.front[f], [&](const detail::Front::Term& term) HWY_ATTR {
-          return load(d, scan.Plane<float>(term.plane) + i);
-        });
+    const auto sum = FrontSum(d, query.front[f],
+                              [&](const detail::Front::Term& term) HWY_ATTR {
+                                return load(d, planes[term.plane] + i);
+                              });
     kept &= ~LaneBits(d, hn::Lt(sum, hn::Zero(d)));
   }
   return kept;
 }
 
-uint64_t FrontWord(const detail::Scan& scan, const void* query, size_t begin,
-                   size_t count) {
-  const auto& fronts = *static_cast<const detail::Fronts*>(query);
+HWY_INLINE uint64_t FrontWord(const float* const* planes,
+                              const detail::Fronts& fronts, size_t begin,
+                              size_t count) {
   const WordTag<float> d;
   const size_t lanes = hn::Lanes(d);
   uint64_t bits = 0;
   size_t l = 0;
   for (; l + lanes <= count; l += lanes) {
-    bits |= FrontBits(d, LoadAll(), scan, fronts, begin + l) << l;
+    bits |= FrontBits(d, LoadAll(), planes, fronts, begin + l) << l;
   }
   if (l == count) return bits;
   const LoadFirst load{count - l};
-  bits |= FrontBits(d, load, scan, fronts, begin + l) << l;
+  bits |= FrontBits(d, load, planes, fronts, begin + l) << l;
   return bits & ~(~uint64_t{0} << count);
 }
 
-int64_t FrontRow(const detail::Scan& scan, const detail::Part& part) {
-  uint64_t* row = part.rows;
-  for (size_t i = part.begin; i < part.end; i += kWordObjects) {
-    *row++ =
-        FrontWord(scan, part.queries, i, HWY_MIN(kWordObjects, part.end - i));
+void FrontMask(const void* pointers, size_t begin, size_t count,
+               const void* query, uint64_t* words) {
+  const auto* planes = static_cast<const float* const*>(pointers);
+  const auto& fronts = *static_cast<const detail::Fronts*>(query);
+  for (size_t i = 0; i < count; i += kWordObjects) {
+    *words++ =
+        FrontWord(planes, fronts, begin + i, HWY_MIN(kWordObjects, count - i));
   }
+}
+
+int64_t FrontRow(const detail::Scan& scan, const detail::Part& part) {
+  FrontMask(scan.planes, part.begin, part.end - part.begin, part.queries,
+            part.rows);
   return HWY_TARGET;
 }
 
@@ -79,10 +86,9 @@ constexpr detail::TargetKernels MakeFrontKernels() {
   detail::TargetKernels kernels{};
   kernels.nonzero_words = &FindNonzeroWords;
   kernels.count_bits = &CountBits;
-  for (size_t way = 0; way < detail::kWays; ++way) {
-    kernels.run[way] = &FrontRow;
-    kernels.word[way] = &FrontWord;
-  }
+  for (detail::Kernel& kernel : kernels.run) kernel = &FrontRow;
+  kernels.mask_of_minima = &FrontMask;
+  kernels.mask_of_all = &FrontMask;
   return kernels;
 }
 

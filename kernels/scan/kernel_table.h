@@ -33,14 +33,17 @@ struct Part {
 // call can report which target ran.
 using Kernel = std::int64_t (*)(const Scan& scan, const Part& part);
 
-// Returns the word of survivors of `count` objects from `begin` on, 0 < count <
-// 64.
-using WordKernel = std::uint64_t (*)(const Scan& scan, const void* query,
-                                     std::size_t begin, std::size_t count);
+// Writes the words of survivors of `count` objects from `begin` on, on all
+// planes at once. `planes` are those of a view, `query` is one of its queries.
+// Nothing past the last object survives.
+using MaskKernel = void (*)(const void* planes, std::size_t begin,
+                            std::size_t count, const void* query,
+                            std::uint64_t* words);
 
 struct TargetKernels {
   Kernel run[kWays];
-  WordKernel word[kWays];  // kMinima and kAll
+  MaskKernel mask_of_minima;  // of a simplex
+  MaskKernel mask_of_all;     // of the other shapes
 
   // Of at most 64 words: which are not 0, and the bits in those.
   std::uint64_t (*nonzero_words)(const std::uint64_t* words, std::size_t count);

@@ -455,9 +455,9 @@ constexpr detail::TargetKernels MakeKernels() {
   kernels.nonzero_words = &FindNonzeroWords;
   kernels.count_bits = &CountBits;
   kernels.run[detail::kAll] = &Flat<kAxes, kAxes, T>;
-  kernels.word[detail::kAll] = &FlatTail<kAxes, kAxes, T>;
   kernels.run[detail::kAllStreaming] = &ElementKernels<T>::StreamAll;
   if constexpr (std::is_floating_point_v<T>) {
+    kernels.mask_of_all = &FlatMask<kAxes, kAxes, T>;
     kernels.run[detail::kByAxis] = &ElementKernels<T>::ByAxis;
     kernels.run[detail::kByHalf] =
         kAxes > 2 ? &ElementKernels<T>::ByHalf : &ElementKernels<T>::ByAxis;
@@ -465,7 +465,9 @@ constexpr detail::TargetKernels MakeKernels() {
   }
   if constexpr (kAxes > 2) {
     kernels.run[detail::kMinima] = &Flat<kAxes, 0, T>;
-    kernels.word[detail::kMinima] = &FlatTail<kAxes, 0, T>;
+    if constexpr (std::is_floating_point_v<T>) {
+      kernels.mask_of_minima = &FlatMask<kAxes, 0, T>;
+    }
     kernels.run[detail::kMinimaStreaming] = &ElementKernels<T>::StreamMinima;
     kernels.run[detail::kBySimplex] = &BySimplex<kAxes, T>;
   }

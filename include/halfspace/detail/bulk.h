@@ -15,7 +15,7 @@
 #include "halfspace/planes.h"
 #include "halfspace/shapes.h"
 #include "halfspace/span.h"
-#include "halfspace/targets.h"
+#include "halfspace/target.h"
 
 namespace halfspace {
 

@@ -15,7 +15,7 @@
 #include "halfspace/runner.h"
 #include "halfspace/shapes.h"
 #include "halfspace/span.h"
-#include "halfspace/targets.h"
+#include "halfspace/target.h"
 #include "halfspace/world.h"
 
 namespace halfspace {

@@ -3,7 +3,6 @@
 #ifndef HALFSPACE_DETAIL_QUANTIZER_H_
 #define HALFSPACE_DETAIL_QUANTIZER_H_
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -20,7 +19,7 @@ namespace halfspace::detail {
 
 // Levels are stored less half their range, because x86 compares only signed
 // bytes. Those of minima are stored in reverse, so that the lesser stored level
-// rejects in every plane; kernels/scan/vectors-inl.h says why.
+// rejects in every plane; detail/vectors-inl.h says why.
 template <typename Element>
 using StoredElement = std::make_signed_t<Element>;
 
@@ -83,7 +82,8 @@ class HALFSPACE_API Quantizer {
 
   // The upper eight bits of a rank.
   std::size_t BucketOf(std::size_t rank) const {
-    return rank * 256 / std::max<std::size_t>(256, thresholds_.size() + 1);
+    const std::size_t levels = thresholds_.size() + 1;
+    return rank * 256 / (levels < 256 ? 256 : levels);
   }
 
  private:

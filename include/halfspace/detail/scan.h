@@ -13,7 +13,7 @@
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/export.h"
 #include "halfspace/span.h"
-#include "halfspace/targets.h"
+#include "halfspace/target.h"
 #include "halfspace/visit.h"
 #include "halfspace/world.h"
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "halfspace/reject.h"
+#include "halfspace/targets.h"
 #include "halfspace/world.h"
 #include "tests/library/support/environment.h"
 

@@ -15,6 +15,7 @@
 
 #include "halfspace/fit.h"
 #include "halfspace/fit_many.h"
+#include "halfspace/targets.h"
 #include "halfspace/world.h"
 #include "tests/library/support/environment.h"
 

@@ -16,6 +16,8 @@
 #include <vector>
 
 #include "halfspace/reject.h"
+#include "halfspace/targets.h"
+#include "tests/library/support/unchecked.h"
 #include "tests/reference/reference.h"
 
 namespace halfspace::testing {
@@ -179,6 +181,17 @@ template <typename AnyWorld>
     return Fail("AnySurvivor", options)
            << "got " << (first ? std::to_string(*first) : "none") << " of "
            << count << " survivors";
+  }
+
+  if constexpr (HasKernels<AnyWorld>) {
+    if (options.schedule == Schedule::kAuto && options.range.begin == 0 &&
+        options.range.end >= world.size) {
+      std::fill(outputs.mask.begin(), outputs.mask.end(), kUnwritten);
+      SurvivorMaskUnchecked(world, query, outputs.mask, options.target);
+      if (!Same(answer.survivor_mask(), mask)) {
+        return FailElement("Kernels", options, answer.survivor_mask(), mask);
+      }
+    }
   }
   return ::testing::AssertionSuccess();
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "halfspace/reject_many.h"
+#include "halfspace/targets.h"
 #include "tests/library/support/answers.h"
 #include "tests/library/support/covered_tiles.h"
 
@@ -136,6 +137,17 @@ template <typename AnyWorld>
   if (ran != options.target) return wrong_target("SurvivorMasks");
   if (!Same(answers.survivor_rows(), rows)) {
     return FailElement("SurvivorMasks", options, answers.survivor_rows(), rows);
+  }
+
+  if constexpr (HasKernels<AnyWorld>) {
+    if (options.schedule == Schedule::kAuto && options.range.begin == 0 &&
+        options.range.end >= world.size) {
+      std::fill(outputs.rows.begin(), outputs.rows.end(), kUnwritten);
+      SurvivorMasksUnchecked(world, queries, outputs.rows, options.target);
+      if (!Same(answers.survivor_rows(), rows)) {
+        return FailElement("Kernels", options, answers.survivor_rows(), rows);
+      }
+    }
   }
 
   ran = {};

@@ -97,6 +97,9 @@ TEST(TargetsTest, LanesAreThoseOfTheInstructionSet) {
 
 TEST(TargetsTest, DefaultHandle) {
   EXPECT_EQ(Target().name(), "auto");
+  // The texts end with a null character, also those that are empty.
+  EXPECT_STREQ(Target().name().data(), "auto");
+  EXPECT_STREQ(Target::FromHighwayBit(3).name().data(), "");
   EXPECT_EQ(Target().highway_bit(), 0);
 }
 

@@ -58,7 +58,7 @@ int main() {
         halfspace::CountSurvivors(world.view().aabb(), query.aabb(), options);
     if (ran != target || mask[0] != 0b01 || boxes != 2) {
       std::fprintf(stderr, "%s: survivors %llx of 1, boxes %zu of 2\n",
-                   std::string(target.name()).c_str(),
+                   target.name().data(),
                    static_cast<unsigned long long>(mask[0]), boxes);
       return 1;
     }
@@ -113,8 +113,8 @@ int main() {
   }
   const halfspace::TargetChoice choice = halfspace::DescribeTargetChoice();
   if (choice.target != halfspace::ChosenTarget() || !choice.error.empty()) {
-    std::fprintf(stderr, "the choice: %s, %s\n", choice.requested.c_str(),
-                 choice.error.c_str());
+    std::fprintf(stderr, "the choice: %s, %s\n", choice.requested.data(),
+                 choice.error.data());
     return 1;
   }
   std::printf("halfspace %s\n", HALFSPACE_VERSION_STRING);

@@ -1,9 +1,9 @@
 // One plane of one vector of objects: its load and its compare.
-#if defined(HALFSPACE_KERNELS_SCAN_VECTORS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef HALFSPACE_KERNELS_SCAN_VECTORS_INL_H_
-#undef HALFSPACE_KERNELS_SCAN_VECTORS_INL_H_
+#if defined(HALFSPACE_DETAIL_VECTORS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_DETAIL_VECTORS_INL_H_
+#undef HALFSPACE_DETAIL_VECTORS_INL_H_
 #else
-#define HALFSPACE_KERNELS_SCAN_VECTORS_INL_H_
+#define HALFSPACE_DETAIL_VECTORS_INL_H_
 #endif
 
 #include <cstddef>
@@ -51,7 +51,8 @@ struct LoadAligned {
 // Copies the first `count` of some lanes, and clears the others. Not inlined: a
 // kernel would have a copy for each plane.
 template <typename T>
-HWY_NOINLINE void CopyFirst(const T* from, size_t count, size_t lanes, T* to) {
+static HWY_NOINLINE void CopyFirst(const T* from, size_t count, size_t lanes,
+                                   T* to) {
   for (size_t i = 0; i < count; ++i) to[i] = from[i];
   for (size_t i = count; i < lanes; ++i) to[i] = T{};
 }
@@ -254,4 +255,4 @@ HWY_INLINE VerdictOf<D> Verdict(D d, Load load, const T* const* planes,
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
 
-#endif  // HALFSPACE_KERNELS_SCAN_VECTORS_INL_H_
+#endif  // HALFSPACE_DETAIL_VECTORS_INL_H_

@@ -1,17 +1,17 @@
 // Masks of a vector's worth of bytes, one an object, and those as bits: for
 // targets where the bits of each vector by themselves cost more.
-#if defined(HALFSPACE_KERNELS_SCAN_NARROW_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef HALFSPACE_KERNELS_SCAN_NARROW_INL_H_
-#undef HALFSPACE_KERNELS_SCAN_NARROW_INL_H_
+#if defined(HALFSPACE_DETAIL_NARROW_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_DETAIL_NARROW_INL_H_
+#undef HALFSPACE_DETAIL_NARROW_INL_H_
 #else
-#define HALFSPACE_KERNELS_SCAN_NARROW_INL_H_
+#define HALFSPACE_DETAIL_NARROW_INL_H_
 #endif
 
 #include <cstddef>
 #include <cstdint>
 
+#include "halfspace/detail/vectors-inl.h"
 #include "hwy/highway.h"
-#include "kernels/scan/vectors-inl.h"
 
 #undef HALFSPACE_NARROW_MASKS
 #if HWY_ARCH_ARM_A64 && HWY_TARGET == HWY_NEON
@@ -217,4 +217,4 @@ HWY_INLINE uint64_t NarrowedBits(D d, Load load, const T* const* planes,
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
 
-#endif  // HALFSPACE_KERNELS_SCAN_NARROW_INL_H_
+#endif  // HALFSPACE_DETAIL_NARROW_INL_H_

@@ -1,0 +1,129 @@
+#include "bench/baselines/by_hand.h"
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#include <immintrin.h>
+#define HALFSPACE_HAS_LOOPS_BY_HAND 1
+#endif
+
+namespace halfspace::bench {
+
+#if defined(HALFSPACE_HAS_LOOPS_BY_HAND)
+namespace {
+
+// Each has kMins minima, which are compared with the query's maxima, and kMaxs
+// maxima. What is rejected is collected by OR, and turned round once a word.
+
+template <std::size_t kMins, std::size_t kMaxs>
+[[gnu::target("sse4.2")]] void Sse4(const float* const* planes, std::size_t n,
+                                    const float* query, std::uint64_t* mask) {
+  const float* const max = query + (kMaxs == 0 ? 0 : kMins);
+  __m128 values[kMins + kMaxs];
+  for (std::size_t p = 0; p < kMins; ++p) values[p] = _mm_set1_ps(max[p]);
+  for (std::size_t p = 0; p < kMaxs; ++p) {
+    values[kMins + p] = _mm_set1_ps(query[p]);
+  }
+  for (std::size_t i = 0; i < n; i += 64) {
+    std::uint64_t rejected = 0;
+#pragma GCC unroll 16
+    for (std::size_t l = 0; l < 64; l += 4) {
+      __m128 bits = _mm_setzero_ps();
+#pragma GCC unroll 8
+      for (std::size_t p = 0; p < kMins + kMaxs; ++p) {
+        const __m128 objects = _mm_loadu_ps(planes[p] + i + l);
+        bits = _mm_or_ps(bits, p < kMins ? _mm_cmplt_ps(values[p], objects)
+                                         : _mm_cmplt_ps(objects, values[p]));
+      }
+      rejected |= std::uint64_t(unsigned(_mm_movemask_ps(bits))) << l;
+    }
+    *mask++ = ~rejected;
+  }
+}
+
+template <std::size_t kMins, std::size_t kMaxs>
+[[gnu::target("avx2")]] void Avx2(const float* const* planes, std::size_t n,
+                                  const float* query, std::uint64_t* mask) {
+  const float* const max = query + (kMaxs == 0 ? 0 : kMins);
+  __m256 values[kMins + kMaxs];
+  for (std::size_t p = 0; p < kMins; ++p) values[p] = _mm256_set1_ps(max[p]);
+  for (std::size_t p = 0; p < kMaxs; ++p) {
+    values[kMins + p] = _mm256_set1_ps(query[p]);
+  }
+  for (std::size_t i = 0; i < n; i += 64) {
+    std::uint64_t rejected = 0;
+#pragma GCC unroll 8
+    for (std::size_t l = 0; l < 64; l += 8) {
+      __m256 bits = _mm256_setzero_ps();
+#pragma GCC unroll 8
+      for (std::size_t p = 0; p < kMins + kMaxs; ++p) {
+        const __m256 objects = _mm256_loadu_ps(planes[p] + i + l);
+        const __m256 is_less =
+            p < kMins ? _mm256_cmp_ps(values[p], objects, _CMP_LT_OQ)
+                      : _mm256_cmp_ps(objects, values[p], _CMP_LT_OQ);
+        bits = p == 0 ? is_less : _mm256_or_ps(bits, is_less);
+      }
+      rejected |= std::uint64_t(unsigned(_mm256_movemask_ps(bits))) << l;
+    }
+    *mask++ = ~rejected;
+  }
+}
+
+template <std::size_t kMins, std::size_t kMaxs>
+[[gnu::target("avx512f")]] void Avx512(const float* const* planes,
+                                       std::size_t n, const float* query,
+                                       std::uint64_t* mask) {
+  const float* const max = query + (kMaxs == 0 ? 0 : kMins);
+  __m512 values[kMins + kMaxs];
+  for (std::size_t p = 0; p < kMins; ++p) values[p] = _mm512_set1_ps(max[p]);
+  for (std::size_t p = 0; p < kMaxs; ++p) {
+    values[kMins + p] = _mm512_set1_ps(query[p]);
+  }
+  for (std::size_t i = 0; i < n; i += 64) {
+    std::uint64_t kept = 0;
+#pragma GCC unroll 4
+    for (std::size_t l = 0; l < 64; l += 16) {
+      __mmask16 bits = 0xffff;
+#pragma GCC unroll 8
+      for (std::size_t p = 0; p < kMins + kMaxs; ++p) {
+        const __m512 objects = _mm512_loadu_ps(planes[p] + i + l);
+        bits = p < kMins ? _mm512_mask_cmp_ps_mask(bits, objects, values[p],
+                                                   _CMP_NGT_UQ)
+                         : _mm512_mask_cmp_ps_mask(bits, objects, values[p],
+                                                   _CMP_NLT_UQ);
+      }
+      kept |= std::uint64_t{bits} << l;
+    }
+    *mask++ = kept;
+  }
+}
+
+template <std::size_t kMins, std::size_t kMaxs>
+LoopByHand LoopOf(std::string_view target) {
+  if (target == "SSE4") return &Sse4<kMins, kMaxs>;
+  if (target == "AVX2") return &Avx2<kMins, kMaxs>;
+  if (target == "AVX3") return &Avx512<kMins, kMaxs>;
+  return nullptr;
+}
+
+}  // namespace
+
+LoopByHand LoopByHandOf(ShapeKind shape, std::string_view target) {
+  switch (shape) {
+    case ShapeKind::kAabb:
+      return LoopOf<3, 3>(target);
+    case ShapeKind::kSimplex:
+      return LoopOf<4, 0>(target);
+    case ShapeKind::kAabo:
+      break;
+  }
+  return LoopOf<4, 4>(target);
+}
+
+#else
+
+LoopByHand LoopByHandOf(ShapeKind /*shape*/, std::string_view /*target*/) {
+  return nullptr;
+}
+
+#endif
+
+}  // namespace halfspace::bench

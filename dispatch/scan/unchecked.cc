@@ -1,0 +1,18 @@
+#include "dispatch/scan/unchecked.h"
+
+#include "dispatch/scan/parts.h"
+#include "halfspace/reject.h"
+
+namespace halfspace::dispatch {
+
+void WriteManyObjects(detail::Scan& scan, std::uint64_t* mask) {
+  ChooseWay(scan, Options());
+  Run(scan, WholeRange(scan, mask));
+}
+
+void WriteEachQuery(detail::Scan& scan, std::uint64_t* masks) {
+  ChooseWay(scan, Options());
+  WriteRows<ManyQueries>(scan, masks, MaskWords(scan.size), false);
+}
+
+}  // namespace halfspace::dispatch

@@ -1,0 +1,177 @@
+// From planes of up to 64 objects to the bits of a word: 1 = survives. Verdicts
+// on the lanes of several vectors are packed into one word. Internal:
+// kernels-inl.h has what programs call.
+#if defined(HALFSPACE_DETAIL_WORD_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_DETAIL_WORD_INL_H_
+#undef HALFSPACE_DETAIL_WORD_INL_H_
+#else
+#define HALFSPACE_DETAIL_WORD_INL_H_
+#endif
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+
+#include "halfspace/detail/narrow-inl.h"
+#include "halfspace/detail/vectors-inl.h"
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// The unsigned integer with one bit per lane, at least a byte.
+template <size_t kLanes>
+struct LaneBitsType {
+  using type = uint64_t;
+};
+template <>
+struct LaneBitsType<32> {
+  using type = uint32_t;
+};
+template <>
+struct LaneBitsType<16> {
+  using type = uint16_t;
+};
+template <>
+struct LaneBitsType<8> {
+  using type = uint8_t;
+};
+template <>
+struct LaneBitsType<4> {
+  using type = uint8_t;
+};
+template <>
+struct LaneBitsType<2> {
+  using type = uint8_t;
+};
+
+// Bit l of the result = lane l of the mask; zero above the lanes.
+//
+// StoreMaskBits may write 8 bytes, of which only those of the lanes count. Read
+// with their own type they stay in a register; as a zeroed 8-byte buffer gcc
+// merges each byte into a reloaded constant.
+template <class D>
+HWY_INLINE uint64_t LaneBits(D d, hn::Mask<D> mask) {
+#if HWY_TARGET == HWY_SCALAR
+  (void)d;
+  return mask.bits ? 1 : 0;
+#else
+#if HWY_HAVE_SCALABLE
+  uint8_t bytes[8] = {};
+  uint64_t bits;
+#else
+  uint8_t bytes[8];
+  typename LaneBitsType<hn::MaxLanes(D())>::type bits;
+#endif
+  hn::StoreMaskBits(d, mask, bytes);
+  std::memcpy(&bits, bytes, sizeof(bits));
+  return bits;
+#endif
+}
+
+// Bit l of the result = lane l of the verdict; zero above the lanes.
+template <class D>
+HWY_INLINE uint64_t VerdictBits(D d, VerdictOf<D> verdict) {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+  if constexpr (hn::MaxLanes(D()) == 8 && sizeof(hn::TFromD<D>) == 4) {
+    // As LaneBits, without an instruction that clears bits that are 0 already.
+    return static_cast<uint32_t>(_mm256_movemask_ps(VectorOf(d, verdict).raw));
+  }
+#endif
+#if HALFSPACE_MASKED_COMPARES
+  if constexpr (kIsHalf<D>)
+    return LaneBits(d, hn::MaskFromVec(verdict));
+  else
+#endif
+    return LaneBits(d, verdict);
+}
+
+// The verdicts of vectors 0, 1, ... after object i.
+template <size_t kMins, size_t... kVector, class D, class Load, typename T,
+          class... V>
+HWY_INLINE uint64_t VectorBits(std::index_sequence<kVector...>, D d, Load load,
+                               const T* const* planes, size_t i, V... query) {
+  const size_t lanes = hn::Lanes(d);
+  return (... | (VerdictBits(d, Verdict<kMins>(d, load, planes,
+                                               i + kVector * lanes, query...))
+                 << (kVector * lanes)));
+}
+
+// The bits of those of objects i ... i + kObjects - 1 that survive planes[0],
+// planes[1], ..., each loaded by `load` and compared with its query vector. The
+// first kMins planes are minima.
+template <size_t kMins, size_t kObjects = kWordObjects,
+          Pack kPack = kInCachePack, class D, class Load, typename T,
+          class... V>
+HWY_INLINE uint64_t KeptBits(D d, Load load, const T* const* planes, size_t i,
+                             V... query) {
+#if HALFSPACE_NARROW_MASKS
+  if constexpr (kPack == Pack::kInstructions && kIsNarrowed<kObjects, D>) {
+    return NarrowedBits<kMins, kObjects>(d, load, planes, i, query...) ^
+           kLowBits<kObjects>;
+  }
+#endif
+#if HWY_HAVE_SCALABLE
+  constexpr size_t kUnroll = 1;
+#else
+  // Constant shifts, and compares that overlap the packing of bits; more than
+  // four vectors only grow the code.
+  constexpr size_t kUnroll = HWY_MIN(size_t{4}, kObjects / hn::MaxLanes(D()));
+#endif
+  const size_t step = kUnroll * hn::Lanes(d);
+  uint64_t bits = 0;
+  for (size_t l = 0; l < kObjects; l += step) {
+    bits |= VectorBits<kMins>(std::make_index_sequence<kUnroll>(), d, load,
+                              planes, i + l, query...)
+            << l;
+  }
+  return kVerdictIsKept<D> ? bits : bits ^ kLowBits<kObjects>;
+}
+
+// The last word: `count` objects from i on, 0 < count < 64. Nothing past them
+// is read, and bits past them are 0.
+template <size_t kMins, class D, typename T, class... V>
+HWY_INLINE uint64_t KeptTail(D d, const T* const* planes, size_t i,
+                             size_t count, V... query) {
+  const size_t lanes = hn::Lanes(d);
+  uint64_t bits = 0;
+#if HWY_MEM_OPS_MIGHT_FAULT
+  if (count >= lanes) {
+    // The last vector tests some objects of the one before again: a copy of
+    // each plane takes longer.
+    for (size_t l = 0;; l = HWY_MIN(l + lanes, count - lanes)) {
+      bits |=
+          VerdictBits(d, Verdict<kMins>(d, LoadAll(), planes, i + l, query...))
+          << l;
+      if (l + lanes == count) break;
+    }
+  } else {
+    const LoadFirst load{count};
+    bits = VerdictBits(d, Verdict<kMins>(d, load, planes, i, query...));
+  }
+#else
+  size_t l = 0;
+  for (; l + lanes <= count; l += lanes) {
+    bits |=
+        VerdictBits(d, Verdict<kMins>(d, LoadAll(), planes, i + l, query...))
+        << l;
+  }
+  if (l < count) {
+    const LoadFirst load{count - l};
+    bits |= VerdictBits(d, Verdict<kMins>(d, load, planes, i + l, query...))
+            << l;
+  }
+#endif
+  if (!kVerdictIsKept<D>) bits = ~bits;
+  return bits & ~(~uint64_t{0} << count);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
+
+#endif  // HALFSPACE_DETAIL_WORD_INL_H_
