@@ -1,7 +1,6 @@
 // Boxes in the arrays of an engine, tested by the unchecked calls: by the
 // chosen target, and by the table of one target.
 #include <halfspace/kernels.h>
-#include <halfspace/targets.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -49,7 +48,7 @@ std::size_t Table(const Scene& scene) {
                            40, 0, 0, 41, 1, 1};  // after the other
   const std::size_t words = (scene.n + 63) / 64;
   std::vector<std::uint64_t> masks(2 * words);
-  const auto& kernels = halfspace::KernelsOf(halfspace::ChosenTarget());
+  const auto& kernels = halfspace::KernelsOf();
   kernels.boxes3.several(planes, scene.n, queries, 2, masks.data());
   return CountBits(masks);
 }

@@ -10,11 +10,14 @@ namespace halfspace::bench {
 #if defined(HALFSPACE_HAS_LOOPS_BY_HAND)
 namespace {
 
-// Each has kMins minima, which are compared with the query's maxima, and kMaxs
-// maxima. What is rejected is collected by OR, and turned round once a word.
+// The namespaces are those of Highway's targets: a test looks there alone for
+// instructions above the baseline. Each loop has kMins minima, which are
+// compared with the query's maxima, and kMaxs maxima. What is rejected is
+// collected by OR, and turned round once a word.
 
+namespace N_SSE4 {
 template <std::size_t kMins, std::size_t kMaxs>
-[[gnu::target("sse4.2")]] void Sse4(const float* const* planes, std::size_t n,
+[[gnu::target("sse4.2")]] void Test(const float* const* planes, std::size_t n,
                                     const float* query, std::uint64_t* mask) {
   const float* const max = query + (kMaxs == 0 ? 0 : kMins);
   __m128 values[kMins + kMaxs];
@@ -38,9 +41,11 @@ template <std::size_t kMins, std::size_t kMaxs>
     *mask++ = ~rejected;
   }
 }
+}  // namespace N_SSE4
 
+namespace N_AVX2 {
 template <std::size_t kMins, std::size_t kMaxs>
-[[gnu::target("avx2")]] void Avx2(const float* const* planes, std::size_t n,
+[[gnu::target("avx2")]] void Test(const float* const* planes, std::size_t n,
                                   const float* query, std::uint64_t* mask) {
   const float* const max = query + (kMaxs == 0 ? 0 : kMins);
   __m256 values[kMins + kMaxs];
@@ -66,11 +71,12 @@ template <std::size_t kMins, std::size_t kMaxs>
     *mask++ = ~rejected;
   }
 }
+}  // namespace N_AVX2
 
+namespace N_AVX3 {
 template <std::size_t kMins, std::size_t kMaxs>
-[[gnu::target("avx512f")]] void Avx512(const float* const* planes,
-                                       std::size_t n, const float* query,
-                                       std::uint64_t* mask) {
+[[gnu::target("avx512f")]] void Test(const float* const* planes, std::size_t n,
+                                     const float* query, std::uint64_t* mask) {
   const float* const max = query + (kMaxs == 0 ? 0 : kMins);
   __m512 values[kMins + kMaxs];
   for (std::size_t p = 0; p < kMins; ++p) values[p] = _mm512_set1_ps(max[p]);
@@ -95,12 +101,13 @@ template <std::size_t kMins, std::size_t kMaxs>
     *mask++ = kept;
   }
 }
+}  // namespace N_AVX3
 
 template <std::size_t kMins, std::size_t kMaxs>
 LoopByHand LoopOf(std::string_view target) {
-  if (target == "SSE4") return &Sse4<kMins, kMaxs>;
-  if (target == "AVX2") return &Avx2<kMins, kMaxs>;
-  if (target == "AVX3") return &Avx512<kMins, kMaxs>;
+  if (target == "SSE4") return &N_SSE4::Test<kMins, kMaxs>;
+  if (target == "AVX2") return &N_AVX2::Test<kMins, kMaxs>;
+  if (target == "AVX3") return &N_AVX3::Test<kMins, kMaxs>;
   return nullptr;
 }
 

@@ -61,10 +61,9 @@
 
 #include "halfspace/c/kernels.h"
 #include "halfspace/export.h"
+#include "halfspace/target.h"
 
 namespace halfspace {
-
-class Target;
 
 #define HALFSPACE_DEFINE_SURVIVORS_OF(name, bound)                          \
   inline void SurvivorsOf##name(const float* const* planes, std::size_t n,  \
@@ -116,19 +115,18 @@ struct Kernels {
   OfBound octahedra2, octahedra3, octahedra4;
 };
 
-// Returns the kernels of a target (targets.h); of the chosen one for a default
-// handle. A library that was built with fewer dimensions (HALFSPACE_DIMS) has
-// null pointers for the others. The reference is always valid.
+// Returns the kernels of a target (targets.h), by default of the chosen one. If
+// the library was built with fewer dimensions (HALFSPACE_DIMS), the pointers of
+// the others are null. The reference is always valid.
 //
-//   const auto& kernels =
-//   halfspace::KernelsOf(halfspace::TargetByName("AVX2"));
-//   kernels.boxes3.one(planes, n, query, mask.data());
+//   const auto& avx2 = halfspace::KernelsOf(halfspace::TargetByName("AVX2"));
+//   avx2.boxes3.one(planes, n, query, mask.data());
 //
 // Errors: throws (error.h) if the target is not supported here, or if
 // HALFSPACE_TARGET is not. Cost: a program that calls it links the kernels of
 // all bounds of floats, or of doubles.
 template <typename T = float>
-const Kernels<T>& KernelsOf(Target target);
+const Kernels<T>& KernelsOf(Target target = {});
 template <>
 HALFSPACE_API const Kernels<float>& KernelsOf<float>(Target target);
 template <>
