@@ -54,10 +54,10 @@ row() {
   echo "| $target | $shape | $instructions |$cycles"
 }
 
-# table TARGET LANES LOAD CPU...
+# table TARGET LANES CPU...
 table() {
-  local target=$1 lanes=$2 load=$3
-  shift 3
+  local target=$1 lanes=$2
+  shift 2
   echo
   printf '| target | shape | instructions |'
   printf ' %s |' "$@"
@@ -67,11 +67,11 @@ table() {
   local shape planes axes
   while read -r shape planes axes; do
     row "scan_float_$axes" \
-      "N_$target::FlatOne<${axes}ul, $((planes - axes))ul, halfspace::N_$target::$load, float>" \
+      "N_$target::FlatMask<${axes}ul, $((planes - axes))ul, float>" \
       "$target" "$shape" "$planes" "$lanes" "$@"
   done <<<$'simplex 4 4\nAABB 6 3\nAABO 8 4'
 }
 
-table SSE4 4 LoadAligned znver3 icelake-server
-table AVX2 8 LoadAll znver3 icelake-server
-table AVX3 8 LoadAll skylake-avx512 icelake-server
+table SSE4 4 znver3 icelake-server
+table AVX2 8 znver3 icelake-server
+table AVX3 8 skylake-avx512 icelake-server

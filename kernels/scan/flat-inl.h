@@ -72,39 +72,12 @@ HWY_NOINLINE uint64_t FlatTail(const T* const* planes, QueryValues<T> query,
   return word(std::make_index_sequence<kMins + kMaxs>());
 }
 
-// Tests objects first ... first + count - 1 for one query, and writes its row.
-// Not inlined: in one function with the code for several queries, which needs
-// many registers, a short call would spend nanoseconds on saving them.
-template <size_t kMins, size_t kMaxs, class Load, typename T>
-HWY_NOINLINE void FlatOne(Load load, const T* const* planes, size_t first,
-                          size_t count, QueryValues<T> query, uint64_t* row) {
-  const OneTag<T> d;
-  const size_t words = count / kWordObjects;
-  const auto write = [&](const T* const* copies, auto... values) HWY_ATTR {
-    for (size_t w = 0; w < words; ++w) {
-      row[w] =
-          KeptBits<kMins>(d, load, copies, first + w * kWordObjects, values...);
-    }
-  };
-  const auto test = [&]<size_t... kPlane>(std::index_sequence<kPlane...>)
-      HWY_ATTR {
-    // Local copies, because the compiler would load what it finds by a pointer
-    // again after every store of a word.
-    const T* copies[] = {planes[kPlane]...};
-    write(copies, hn::Set(d, query.template Of<kMins>(kPlane))...);
-  };
-  test(std::make_index_sequence<kMins + kMaxs>());
-  const size_t left = count % kWordObjects;
-  if (left != 0) {
-    row[words] = FlatTail<kMins, kMaxs>(planes, query,
-                                        first + words * kWordObjects, left);
-  }
-}
-
-// A MaskKernel (kernel_table.h).
+// A MaskKernel (kernel_table.h). Not inlined: in one function with the code for
+// several queries, which needs many registers, a short call would spend
+// nanoseconds on saving them.
 template <size_t kMins, size_t kMaxs, typename T>
-void FlatMask(const void* pointers, size_t first, size_t count,
-              const void* values, uint64_t* row) {
+HWY_NOINLINE void FlatMask(const void* pointers, size_t first, size_t count,
+                           const void* values, uint64_t* row) {
   const T* const* planes = static_cast<const T* const*>(pointers);
   const T* minima = static_cast<const T*>(values);
   const QueryValues<T> query(minima + (kMaxs == 0 ? 0 : kMins), minima);
@@ -116,9 +89,29 @@ void FlatMask(const void* pointers, size_t first, size_t count,
   for (size_t p = 0; kAlignedLoadsPay && p < kMins + kMaxs; ++p) {
     addresses |= reinterpret_cast<uintptr_t>(planes[p]);
   }
+  const size_t words = count / kWordObjects;
   WithLoad<T>(addresses, [&](auto load) HWY_ATTR {
-    FlatOne<kMins, kMaxs>(load, planes, first, count, query, row);
+    const OneTag<T> d;
+    const auto write = [&](const T* const* copies, auto... compared) HWY_ATTR {
+      for (size_t w = 0; w < words; ++w) {
+        row[w] = KeptBits<kMins>(d, load, copies, first + w * kWordObjects,
+                                 compared...);
+      }
+    };
+    const auto test = [&]<size_t... kPlane>(std::index_sequence<kPlane...>)
+        HWY_ATTR {
+      // Local copies, because the compiler would load what it finds by a
+      // pointer again after every store of a word.
+      const T* copies[] = {planes[kPlane]...};
+      write(copies, hn::Set(d, query.template Of<kMins>(kPlane))...);
+    };
+    test(std::make_index_sequence<kMins + kMaxs>());
   });
+  const size_t left = count % kWordObjects;
+  if (left != 0) {
+    row[words] = FlatTail<kMins, kMaxs>(planes, query,
+                                        first + words * kWordObjects, left);
+  }
 }
 
 #if HALFSPACE_MASKED_COMPARES
@@ -191,23 +184,22 @@ HWY_NOINLINE void FlatSeveral(const detail::Scan& scan,
 // Tests all queries of the part on the first kMins + kMaxs planes of the scan.
 template <size_t kMins, size_t kMaxs, typename T>
 int64_t Flat(const detail::Scan& scan, const detail::Part& part) {
-  WithLoad<T>(scan, part.begin, [&](auto load) HWY_ATTR {
-    const T* values = static_cast<const T*>(part.queries);
-    const T* const* planes = static_cast<const T* const*>(scan.planes);
-    size_t q = 0;
+  const T* values = static_cast<const T*>(part.queries);
+  size_t q = 0;
 #if HALFSPACE_MASKED_COMPARES
-    constexpr size_t kAtOnce = kQueriesAtOnce<kMins + kMaxs>;
-    for (; q + kAtOnce <= part.query_count; q += kAtOnce) {
-      FlatSeveral<kMins, kMins + kMaxs, kAtOnce, T>(scan, part, q);
-    }
+  constexpr size_t kAtOnce = kQueriesAtOnce<kMins + kMaxs>;
+  for (; q + kAtOnce <= part.query_count; q += kAtOnce) {
+    FlatSeveral<kMins, kMins + kMaxs, kAtOnce, T>(scan, part, q);
+  }
 #endif
-    for (; q < part.query_count; ++q) {
-      FlatOne<kMins, kMaxs>(
-          load, planes, part.begin, part.end - part.begin,
-          QueryValues<T>(scan, values + q * scan.type->plane_count),
-          part.rows + q * part.stride);
-    }
-  });
+  for (; q < part.query_count; ++q) {
+    // Minima alone are compared with maxima, which the minima of the query
+    // precede if it has any.
+    const T* compared = values + q * scan.type->plane_count +
+                        (kMaxs == 0 ? scan.type->first_max : 0);
+    FlatMask<kMins, kMaxs, T>(scan.planes, part.begin, part.end - part.begin,
+                              compared, part.rows + q * part.stride);
+  }
   return HWY_TARGET;
 }
 
