@@ -33,8 +33,9 @@ template <std::size_t kMins, std::size_t kMaxs>
 #pragma GCC unroll 8
       for (std::size_t p = 0; p < kMins + kMaxs; ++p) {
         const __m128 objects = _mm_loadu_ps(planes[p] + i + l);
-        bits = _mm_or_ps(bits, p < kMins ? _mm_cmplt_ps(values[p], objects)
-                                         : _mm_cmplt_ps(objects, values[p]));
+        const __m128 is_less = p < kMins ? _mm_cmplt_ps(values[p], objects)
+                                         : _mm_cmplt_ps(objects, values[p]);
+        bits = p == 0 ? is_less : _mm_or_ps(bits, is_less);
       }
       rejected |= std::uint64_t(unsigned(_mm_movemask_ps(bits))) << l;
     }

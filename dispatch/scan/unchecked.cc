@@ -12,7 +12,8 @@ void WriteManyObjects(detail::Scan& scan, std::uint64_t* mask) {
 
 void WriteEachQuery(detail::Scan& scan, std::uint64_t* masks) {
   ChooseWay(scan, Options());
-  WriteRows<ManyQueries>(scan, masks, MaskWords(scan.size), false);
+  // Floats and doubles are not encoded, so no room for it is needed.
+  WriteRows<OneQuery>(scan, masks, MaskWords(scan.size), false);
 }
 
 }  // namespace halfspace::dispatch

@@ -80,15 +80,17 @@ class Unchecked {
   static void One(const T* const* planes, std::size_t n, const T* query,
                   std::uint64_t* mask) noexcept {
     assert(AreValid(planes, n, query, mask));
-    if (n > kFewObjects) {
-      detail::Scan scan = ScanOf<kTarget>(planes, n, query, 1);
-      return WriteManyObjects(scan, mask);
+    if (n - 1 < kFewObjects) [[likely]] {
+      const detail::TargetKernels& kernels =
+          detail::KernelsOf<View::Bound::kAxes, T>::kTargets[kTarget];
+      (detail::HasMax<typename View::Bound>
+           ? kernels.mask_of_all
+           : kernels.mask_of_minima)(planes, 0, n, query, mask);
+      return;
     }
-    const detail::TargetKernels& kernels =
-        detail::KernelsOf<View::Bound::kAxes, T>::kTargets[kTarget];
-    (detail::HasMax<typename View::Bound>
-         ? kernels.mask_of_all
-         : kernels.mask_of_minima)(planes, 0, n, query, mask);
+    if (n == 0) return;
+    detail::Scan scan = ScanOf<kTarget>(planes, n, query, 1);
+    WriteManyObjects(scan, mask);
   }
 
   template <std::size_t kTarget>
@@ -101,7 +103,7 @@ class Unchecked {
   }
 
   static const OfBound& Choose() {
-    const OfBound* const chosen = &kOnTarget[IndexOf({}, "KernelsOf")];
+    const OfBound* const chosen = &kOnTarget[IndexOf({}, "SurvivorsOf")];
     chosen_.store(chosen, std::memory_order_relaxed);
     return *chosen;
   }

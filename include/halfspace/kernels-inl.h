@@ -8,14 +8,15 @@
 //
 //   HWY_BEFORE_NAMESPACE();
 //   namespace nodes::HWY_NAMESPACE {
-//   std::uint64_t Test(const Node& node, const float* query) {
-//     return halfspace::HWY_NAMESPACE::SurvivorsOf64Boxes<3>(node.planes, 0,
-//     query);
+//   std::uint64_t Test(const float* const* planes, const float* query) {
+//     namespace hs = halfspace::HWY_NAMESPACE;
+//     return hs::SurvivorsOf64Boxes<3>(planes, 0, query);
 //   }
 //   }
 //   HWY_AFTER_NAMESPACE();
 //
-// The program needs Highway's headers. docs/kernels.md has a whole program.
+// The program needs Highway's headers, and for HWY_DYNAMIC_DISPATCH its
+// library. docs/kernels.md has a whole program.
 //
 //   SurvivorsOf64Boxes<d>(planes, i, query)      objects i ... i + 63
 //   SurvivorsOfFewBoxes<d>(planes, i, n, query)  objects i ... i + n - 1,
@@ -23,14 +24,11 @@
 //   SurvivorsOf64Simplices, SurvivorsOfFewSimplices,
 //   SurvivorsOf64Octahedra, SurvivorsOfFewOctahedra
 //
-//   planes, query  as in kernels.h, of floats or doubles
-//   result         bit l is 1 if object i + l survives. Bits past the last
-//   object
-//                  are 0
-//
-// Nothing past the last object is read. There are no errors, and no checks. In
-// a loop the compiler keeps the query's values in registers. Compile without
-// -ffast-math, which may remove the test of NaN. Flat scans consist of the same
+// `planes` and `query` are those of kernels.h, of floats or doubles. The result
+// has bit l if object i + l survives. Bits past the last object are 0, and
+// nothing past it is read. There are no errors, and no checks. In a loop the
+// compiler keeps the query's values in registers. Compile without -ffast-math,
+// which may remove the test of NaN. Flat scans test words of 64 by the same
 // code.
 #if defined(HALFSPACE_KERNELS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_INL_H_

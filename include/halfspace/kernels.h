@@ -8,34 +8,33 @@
 //
 // The functions, for d = 2, 3 and 4 dimensions:
 //
-//   name                   planes and a query's values     planes[p] of 3D
-//   SurvivorsOfBoxes       d minima, then d maxima         min x y z, max x y z
-//   SurvivorsOfSimplices   d + 1 minima; a query has       min x y z D
-//                          d + 1 maxima instead
-//   SurvivorsOfOctahedra   d + 1 minima, d + 1 maxima      min x y z D, max x y
-//   z D
+//   name                  planes, and the values of a query
+//   SurvivorsOfBoxes      d minima, then d maxima. In 3D: min x y z, max x y z
+//   SurvivorsOfSimplices  d + 1 minima: min x y z D. A query: max x y z D
+//   SurvivorsOfOctahedra  d + 1 minima, then d + 1 maxima: min x y z D,
+//                         max x y z D
 //
 // D is -(x + y + z) (bounds.h). Each function has four overloads: planes and
 // queries of floats or of doubles, one query or several.
 //
 //   planes  planes[p][i] is the value of plane p of object i. The call reads
 //           values 0 ... n - 1 of each plane, and nothing else. A plane needs
-//           the alignment of its elements. It may be null if n is 0.
-//   n       objects, any number
-//   query   the values of one query in the order of the table. queries: `count`
-//           of them, one after another
-//   mask    (n + 63) / 64 words. Object i is bit i % 64 of word i / 64: 1 if it
-//           survives. Bits past the last object are 0. masks: a mask for each
-//           query, one after another
+//           the alignment of its elements.
+//   n       objects, any number. If it is 0, nothing is read or written, and
+//           any pointer may be null
+//   query   the values of one query in the order of the table. queries:
+//           `count` of them, one after another
+//   mask    (n + 63) / 64 words. Object i is bit i % 64 of word i / 64: 1 if
+//           it survives. Bits past the last object are 0. masks: a mask for
+//           each query, one after another
 //
 // An object survives unless a plane separates it from the query. Bounds that
 // only touch survive. A NaN never rejects (reject.h). The results are those of
 // reject.h, bit for bit, on every target.
 //
-// These are the caller's duty, and only asserted if the library was built
-// without NDEBUG: no pointer is null or misaligned, and a mask overlaps neither
-// planes nor queries. reject.h has the same calls with checks, options and
-// worlds.
+// The caller's duty: no pointer is null or misaligned, and a mask overlaps
+// neither planes nor queries. A library that was built without NDEBUG asserts
+// the first two. reject.h has the same calls with checks, options and worlds.
 //
 // Cost: a call is two jumps more than its loop. Up to 512 objects are tested on
 // all planes at once, more of them as by Schedule::kAuto (reject.h). Several
@@ -46,8 +45,9 @@
 // environment variable HALFSPACE_TARGET names none of this machine, the process
 // ends by std::terminate(). Call ChosenTarget() before to get an error.
 //
-// Thread safety: reentrant. No call allocates, locks or throws. Stack: up to 8
-// KiB. Floating-point mode: as reject.h.
+// Thread safety: reentrant. No call throws. Only the first ones allocate and
+// lock, to detect the CPU; call ChosenTarget() before if they must not. Stack:
+// up to 8 KiB. Floating-point mode: as reject.h.
 //
 // c/kernels.h has these functions for C. kernels-inl.h has the test of 64
 // objects for loops of your own. docs/kernels.md shows all three in use.
@@ -117,7 +117,8 @@ struct Kernels {
 
 // Returns the kernels of a target (targets.h), by default of the chosen one. If
 // the library was built with fewer dimensions (HALFSPACE_DIMS), the pointers of
-// the others are null. The reference is always valid.
+// bounds that it lacks are null. The functions above do not link then. The
+// reference is always valid.
 //
 //   const auto& avx2 = halfspace::KernelsOf(halfspace::TargetByName("AVX2"));
 //   avx2.boxes3.one(planes, n, query, mask.data());
