@@ -189,17 +189,6 @@ inline std::uint64_t ShortWord(const detail::Scan& scan) {
   return word;
 }
 
-// Only after the last check, because a call that is refused writes nothing.
-inline void ReportTarget(const detail::Scan& scan, const Options& options) {
-  if (options.ran == nullptr) [[likely]]
-    return;
-  // The kernel says which target it is of: no queries, no objects.
-  detail::Part nothing{};
-  nothing.queries = scan.queries;
-  *options.ran =
-      Target::FromHighwayBit(scan.kernels->run[scan.type->flat](scan, nothing));
-}
-
 }  // namespace halfspace::dispatch
 
 #endif  // HALFSPACE_DISPATCH_SCAN_PREPARE_H_

@@ -29,8 +29,8 @@ struct Part {
   std::size_t stride;  // words from one row to the next
 };
 
-// Returns the Highway bit of the target that it was compiled for, so that a
-// call can report which target ran.
+// Returns the Highway bit of the target that it was compiled for, so that tests
+// can tell which one runs.
 using Kernel = std::int64_t (*)(const Scan& scan, const Part& part);
 
 // Writes the words of survivors of `count` objects from `begin` on, on all

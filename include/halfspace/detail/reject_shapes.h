@@ -12,25 +12,26 @@
 
 namespace halfspace::detail {
 
-// `count` half-spaces, each a normal and an offset.
-struct HalfSpaceList {
+// A scan without queries, and `count` half-spaces, each a normal and an offset.
+struct FrontScan {
+  Scan scan;
   const float* values;
   std::size_t count;
 };
 
-// Scans without queries.
-HALFSPACE_API void FrontMask(Scan&& scan, const HalfSpaceList& half_spaces,
-                             Span<std::uint64_t> mask, const Options& options);
-HALFSPACE_API std::size_t FrontSurvivors(Scan&& scan,
-                                         const HalfSpaceList& half_spaces,
-                                         Span<std::uint32_t> indices,
+HALFSPACE_API void RejectMask(FrontScan&& fronts, Span<std::uint64_t> mask,
+                              const Options& options);
+HALFSPACE_API void SurvivorMask(FrontScan&& fronts, Span<std::uint64_t> mask,
+                                const Options& options);
+HALFSPACE_API std::size_t Survivors(FrontScan&& fronts,
+                                    Span<std::uint32_t> indices,
+                                    const Options& options, std::size_t skip);
+HALFSPACE_API std::size_t CountSurvivors(FrontScan&& fronts,
                                          const Options& options);
-HALFSPACE_API std::size_t FrontCount(Scan&& scan,
-                                     const HalfSpaceList& half_spaces,
-                                     const Options& options);
-HALFSPACE_API std::size_t FrontAny(Scan&& scan,
-                                   const HalfSpaceList& half_spaces,
-                                   const Options& options);
+HALFSPACE_API std::size_t AnySurvivor(FrontScan&& fronts,
+                                      const Options& options);
+HALFSPACE_API void ForEachSurvivor(FrontScan&& fronts, SomeFunction function,
+                                   void* context, const Options& options);
 
 }  // namespace halfspace::detail
 

@@ -11,6 +11,7 @@
 #include "halfspace/reject.h"
 #include "halfspace/targets.h"
 #include "halfspace/world.h"
+#include "tests/library/support/target_that_runs.h"
 
 namespace halfspace::testing {
 namespace {
@@ -30,8 +31,8 @@ TEST(DispatchRaceTest, AllThreadsGetTheChosenTargetAndTheAnswer) {
     for (Answer& mine : answers) {
       threads.emplace_back([&world, &start, &mine] {
         start.arrive_and_wait();
-        mine.survivors =
-            CountSurvivors(world, Aabo3::Everything(), {.ran = &mine.ran});
+        mine.ran = TargetThatRuns(world, Aabo3::Everything(), {});
+        mine.survivors = CountSurvivors(world, Aabo3::Everything());
       });
     }
   }
