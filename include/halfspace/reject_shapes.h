@@ -34,7 +34,7 @@
 #include <cstddef>
 #include <type_traits>
 
-#include "halfspace/detail/reject_shapes.h"
+#include "halfspace/detail/scan.h"
 #include "halfspace/reject.h"  // IWYU pragma: export
 #include "halfspace/shapes.h"
 #include "halfspace/span.h"

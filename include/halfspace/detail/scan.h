@@ -249,6 +249,29 @@ using SomeFunction = bool (*)(void* context, Span<const std::uint32_t> indices);
 HALFSPACE_API void ForEachSurvivor(Scan&& scan, SomeFunction function,
                                    void* context, const Options& options);
 
+// Half-spaces (reject_shapes.h), declared here for the calls of reject.h.
+//
+// A scan without queries, and `count` half-spaces, each a normal and an offset.
+struct FrontScan {
+  Scan scan;
+  const float* values;
+  std::size_t count;
+};
+
+HALFSPACE_API void RejectMask(FrontScan&& fronts, Span<std::uint64_t> mask,
+                              const Options& options);
+HALFSPACE_API void SurvivorMask(FrontScan&& fronts, Span<std::uint64_t> mask,
+                                const Options& options);
+HALFSPACE_API std::size_t Survivors(FrontScan&& fronts,
+                                    Span<std::uint32_t> indices,
+                                    const Options& options, std::size_t skip);
+HALFSPACE_API std::size_t CountSurvivors(FrontScan&& fronts,
+                                         const Options& options);
+HALFSPACE_API std::size_t AnySurvivor(FrontScan&& fronts,
+                                      const Options& options);
+HALFSPACE_API void ForEachSurvivor(FrontScan&& fronts, SomeFunction function,
+                                   void* context, const Options& options);
+
 // Many queries.
 HALFSPACE_API void RejectMasks(Scan&& scan, Span<std::uint64_t> rows,
                                const Options& options, std::size_t row_words);
