@@ -20,6 +20,7 @@
 #include "tests/library/support/many_calls.h"
 #include "tests/library/support/quantized_cases.h"
 #include "tests/library/support/sanitized.h"
+#include "tests/library/support/unchecked.h"
 
 #if defined(__unix__)
 #include "tests/library/support/stack_use.h"
@@ -41,6 +42,15 @@ void VisitCalls(const AnyWorld& world,
       const Options options{.schedule = schedule, .target = target};
       ForEachCall(world, queries[0], options, outputs, one);
       ForEachManyCall(world, std::span(queries), options, many_outputs, many);
+    }
+    const auto view = world.view();
+    if constexpr (HasKernels<decltype(view)>) {
+      std::vector<std::uint64_t> masks(MaskWords(view.size) * queries.size());
+      one("kernels.h",
+          [&] { SurvivorMaskUnchecked(view, queries[0], masks, target); });
+      many("kernels.h, many", [&] {
+        SurvivorMasksUnchecked(view, std::span(queries), masks, target);
+      });
     }
   }
 }

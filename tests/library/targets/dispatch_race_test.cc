@@ -5,9 +5,11 @@
 #include <array>
 #include <barrier>
 #include <cstddef>
+#include <cstdint>
 #include <thread>
 #include <vector>
 
+#include "halfspace/kernels.h"
 #include "halfspace/reject.h"
 #include "halfspace/targets.h"
 #include "halfspace/world.h"
@@ -23,6 +25,7 @@ TEST(DispatchRaceTest, AllThreadsGetTheChosenTargetAndTheAnswer) {
   struct Answer {
     std::size_t survivors = 0;
     Target ran;
+    std::uint64_t mask = 0;
   };
   std::array<Answer, kThreads> answers;
   std::barrier start(kThreads);
@@ -33,12 +36,17 @@ TEST(DispatchRaceTest, AllThreadsGetTheChosenTargetAndTheAnswer) {
         start.arrive_and_wait();
         mine.ran = TargetThatRuns(world, Aabo3::Everything(), {});
         mine.survivors = CountSurvivors(world, Aabo3::Everything());
+        // These calls keep the chosen target by themselves.
+        const float values[] = {0, 0, 0, 0};
+        const float* const planes[] = {values, values, values, values};
+        SurvivorsOfSimplices3(planes, 1, values, &mine.mask);
       });
     }
   }
   for (const Answer& one : answers) {
     EXPECT_EQ(one.survivors, kObjects);
     EXPECT_EQ(one.ran, ChosenTarget());
+    EXPECT_EQ(one.mask, 1u);
   }
 }
 
