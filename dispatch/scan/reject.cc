@@ -110,7 +110,7 @@ void ForEachSurvivor(Scan&& scan, SomeFunction function, void* context,
   dispatch::Prepare(scan, options, "ForEachSurvivor", [](std::size_t) {
     return Output{"indices", nullptr, 0, 0, sizeof(std::uint32_t), true};
   });
-  std::array<std::uint32_t, 512> some;
+  std::array<std::uint32_t, 256> some;  // of stack, as the header says
   std::size_t count = 0;
   bool goes_on = true;
   const auto pass = [&] {

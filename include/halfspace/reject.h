@@ -25,7 +25,7 @@
 // reject_many.h has the calls for several queries.
 //
 // Thread safety: all calls are reentrant. They allocate nothing, take no lock
-// and keep no state. A call uses at most 8 KiB of stack (7 KiB on x86).
+// and keep no state. A call uses at most 8 KiB of stack.
 //
 // Cost: a call starts with a load and an indirect call. Then it does one
 // compare per plane and object, about as fast as memory delivers the planes
@@ -184,7 +184,7 @@ template <typename AnyWorld, typename Query = typename AnyWorld::Query,
   return first;
 }
 
-// Calls function(Span<const std::uint32_t> indices) with 1 to 512 survivors at
+// Calls function(Span<const std::uint32_t> indices) with 1 to 256 survivors at
 // a time, in ascending order, until it has all. The call tests 4096 objects or
 // more and passes what survived before it goes on, so it needs no memory for
 // the result. The indices are valid until the function returns.

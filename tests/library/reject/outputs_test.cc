@@ -155,7 +155,7 @@ TEST(SetBitsTest, AreThoseOfEveryMask) {
   }
 }
 
-// In pieces of at most 512, and no more than were asked for.
+// In pieces of at most 256, and no more than were asked for.
 TEST(ForEachSurvivorTest, CallsUntilItIsStopped) {
   const AaboWorld2 world = TwoOfThree(20000);
   std::vector<std::uint32_t> all(world.size());
@@ -164,7 +164,7 @@ TEST(ForEachSurvivorTest, CallsUntilItIsStopped) {
     std::vector<std::uint32_t> seen;
     std::size_t calls = 0;
     ForEachSurvivor(world, kAll, [&](Span<const std::uint32_t> some) {
-      EXPECT_TRUE(0 < some.size() && some.size() <= 512);
+      EXPECT_TRUE(0 < some.size() && some.size() <= 256);
       seen.insert(seen.end(), some.begin(), some.end());
       return ++calls == most ? Visit::kStop : Visit::kContinue;
     });
