@@ -125,11 +125,12 @@ struct ScanCall {
                 read.begin, read.end);
     }
     its_options.range = {read.begin, read.end};
-    its_options.skip = read.skip;
+    skip = read.skip;
     its_options.target = ReadTarget(call, "options", read.target);
   }
 
   Options its_options;
+  size_t skip;
 };
 
 }  // namespace
@@ -200,11 +201,15 @@ hs_status hs_scan_masks(const hs_scan* scan, const hs_columns* queries,
     call.CheckArray("masks", masks, row * queries->count);
     ForEachRows(*queries, scan->queries,
                 [&](const float* rows, size_t begin, size_t count) {
-                  const auto call_for =
-                      count == 1 ? detail::SurvivorMask : detail::SurvivorMasks;
-                  call_for(scan->ScanOf(rows, count),
-                           {masks + begin * row, count * row},
-                           scans.its_options);
+                  const halfspace::Span<uint64_t> to = {masks + begin * row,
+                                                        count * row};
+                  if (count == 1) {
+                    detail::SurvivorMask(scan->ScanOf(rows, 1), to,
+                                         scans.its_options);
+                    return;
+                  }
+                  detail::SurvivorMasks(scan->ScanOf(rows, count), to,
+                                        scans.its_options, 0);
                 });
   });
 }
@@ -213,21 +218,20 @@ hs_status hs_scan_indices(const hs_scan* scan, const hs_columns* queries,
                           const hs_scan_options* options, uint32_t* indices,
                           size_t room, size_t* offsets, size_t* total) {
   return Run("hs_scan_indices", [&](const Call& call) {
-    ScanCall scans(call, scan, queries, options);
+    const ScanCall scans(call, scan, queries, options);
     call.CheckArray("indices", indices, room);
     call.CheckPointer("total", total);
     if (offsets != nullptr) {
       call.CheckPointer("offsets", offsets);
       offsets[0] = 0;
     }
-    Results<uint32_t> results(indices, room, scans.its_options.skip);
+    Results<uint32_t> results(indices, room, scans.skip);
     ForEachRows(*queries, scan->queries,
                 [&](const float* rows, size_t begin, size_t count) {
                   for (size_t q = 0; q < count; ++q) {
-                    scans.its_options.skip = results.skip();
                     results.Add(detail::Survivors(
                         scan->ScanOf(rows + q * scan->queries.count, 1),
-                        results.span(), scans.its_options));
+                        results.span(), scans.its_options, results.skip()));
                     if (offsets != nullptr) {
                       offsets[begin + q + 1] = results.total();
                     }
@@ -260,7 +264,7 @@ hs_status hs_scan_pairs(const hs_scan* scan, const hs_columns* queries,
                         const hs_scan_options* options, uint32_t* query_indices,
                         uint32_t* object_indices, size_t room, size_t* total) {
   return Run("hs_scan_pairs", [&](const Call& call) {
-    ScanCall scans(call, scan, queries, options);
+    const ScanCall scans(call, scan, queries, options);
     call.CheckArray("query_indices", query_indices, room);
     call.CheckArray("object_indices", object_indices, room);
     call.CheckPointer("total", total);
@@ -269,16 +273,14 @@ hs_status hs_scan_pairs(const hs_scan* scan, const hs_columns* queries,
                 "queries->count: expected fewer than 2^32, got %zu",
                 queries->count);
     }
-    const size_t skip = scans.its_options.skip;
-    Results<uint32_t> of_queries(query_indices, room, skip);
-    Results<uint32_t> of_objects(object_indices, room, skip);
+    Results<uint32_t> of_queries(query_indices, room, scans.skip);
+    Results<uint32_t> of_objects(object_indices, room, scans.skip);
     ForEachRows(*queries, scan->queries,
                 [&](const float* rows, size_t begin, size_t count) {
-                  scans.its_options.skip = of_queries.skip();
                   const size_t written = of_queries.written();
                   const size_t found = detail::SurvivorPairs(
                       scan->ScanOf(rows, count), of_queries.span(),
-                      of_objects.span(), scans.its_options);
+                      of_objects.span(), scans.its_options, of_queries.skip());
                   of_queries.Add(found);
                   of_objects.Add(found);
                   for (size_t i = written; i < of_queries.written(); ++i) {

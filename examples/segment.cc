@@ -6,7 +6,6 @@
 #include <halfspace/halfspace.h>
 
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -44,8 +43,9 @@ std::vector<std::uint32_t> TrianglesOfSheet() {
 }
 
 // The triangles that some piece of the segment may touch.
-int Candidates(const halfspace::AaboWorld3& world,
-               const halfspace::Segment3& segment, std::size_t piece_count) {
+std::size_t Candidates(const halfspace::AaboWorld3& world,
+                       const halfspace::Segment3& segment,
+                       std::size_t piece_count) {
   std::vector<halfspace::Aabo3> pieces(piece_count);
   halfspace::BoundSegmentPieces(segment, std::span(pieces));
   std::vector<std::uint64_t> any(halfspace::MaskWords(world.size()));
@@ -54,9 +54,7 @@ int Candidates(const halfspace::AaboWorld3& world,
     halfspace::SurvivorMask(world, piece, mask);
     for (std::size_t w = 0; w < mask.size(); ++w) any[w] |= mask[w];
   }
-  int count = 0;
-  for (std::uint64_t word : any) count += std::popcount(word);
-  return count;
+  return halfspace::CountBits(any);
 }
 
 }  // namespace
@@ -71,9 +69,10 @@ int main() {
       world.planes());
 
   const halfspace::Segment3 segment = {{2, 3, 9}, {30, 29, -9}};
-  const int whole = Candidates(world, segment, 1);
-  const int pieces = Candidates(world, segment, 16);
-  std::printf("%d of %zu triangles go on to the exact test; %d in 16 pieces\n",
-              whole, world.size(), pieces);
+  const std::size_t whole = Candidates(world, segment, 1);
+  const std::size_t pieces = Candidates(world, segment, 16);
+  std::printf(
+      "%zu of %zu triangles go on to the exact test; %zu in 16 pieces\n", whole,
+      world.size(), pieces);
   return 0 < pieces && pieces < whole ? 0 : 1;
 }

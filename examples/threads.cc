@@ -4,7 +4,6 @@
 #include <halfspace/halfspace.h>
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -40,15 +39,12 @@ int main() {
       workers.emplace_back([&, t, range] {
         halfspace::SurvivorMasks(houses, cars,
                                  std::span(rows).subspan(t * objects / 64),
-                                 {.range = range, .row_words = words});
+                                 {.range = range}, words);
       });
     }
   }  // here they are joined
 
-  std::size_t near = 0;
-  for (std::uint64_t word : rows) {
-    near += static_cast<std::size_t>(std::popcount(word));
-  }
+  const std::size_t near = halfspace::CountBits(rows);
   std::printf("%zu cars are at a house\n", near);
 
   // The calls alone, without threads, say the same.

@@ -4,6 +4,7 @@
 
 #include "bench/base/target_function.h"
 #include "bench/baselines/plane_order.h"
+#include "dispatch/scan/prepare.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "bench/baselines/target_loops.cc"

@@ -4,8 +4,6 @@ HWY_BEFORE_NAMESPACE();
 namespace halfspace {
 namespace HWY_NAMESPACE {
 
-// Up to so many bytes of planes are taken to be in cache, as by the library.
-inline constexpr size_t kInCacheBytes = 128 * 1024;
 inline constexpr size_t kRecordBytes = 7 * sizeof(float);
 
 // The functions below have names of their own: a kernel that was instantiated
@@ -54,10 +52,8 @@ void ScanSevenSided(const float* const* planes, const float* query, size_t size,
   minima.type = &four_axes;
   minima.planes = local;
   maxima.planes = local + 1;
-  // On AMD's CPUs before those with AVX-512 streaming does not pay.
-  static const bool streaming_pays = FindTarget("AVX3").has_value();
-  const bool is_streaming =
-      streaming_pays && size * kRecordBytes > kInCacheBytes;
+  const bool is_streaming = dispatch::StreamingPays() &&
+                            size * kRecordBytes > dispatch::kInCacheBytes;
   const size_t words = size / kWordObjects;
   const detail::Part all = {.first_query = 0,
                             .query_count = 1,

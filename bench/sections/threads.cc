@@ -130,9 +130,8 @@ Tables RunThreads(Run& run) {
              [&](const Range& range) {
                SurvivorMasks(cached.view().simplex(), queries.simplices(),
                              std::span(masks).subspan(range.begin / 64),
-                             {.target = target,
-                              .range = range,
-                              .row_words = MaskWords(kObjects)});
+                             {.target = target, .range = range},
+                             MaskWords(kObjects));
              }},
             counts, table);
     for (WorkingSet* set : run.Sets({"memory"})) {

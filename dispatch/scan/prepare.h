@@ -158,10 +158,6 @@ inline void ChooseWay(detail::Scan& scan, const Options& options) {
   if (scan.is_streaming) scan.way = kStreamingWayOf[scan.way];
 }
 
-// So many objects are tested flat, whatever the target and the shape: stages do
-// not pay (kFewWords in kernels/scan/stages-inl.h).
-inline constexpr std::size_t kFewObjects = 512;
-
 // The words of one query on the objects of the range, on all planes at once.
 // Not of quantized bounds.
 inline void WriteFlatMask(const detail::Scan& scan, std::uint64_t* words) {
@@ -173,10 +169,14 @@ inline void WriteFlatMask(const detail::Scan& scan, std::uint64_t* words) {
 
 // Whether WriteFlatMask() is how a scan of floats or doubles is tested.
 inline bool IsFlat(const detail::Scan& scan, const Options& options) {
-  return scan.end - scan.begin <= kFewObjects &&
-         (options.schedule <= Schedule::kFlat ||
-          scan.type->shape == detail::Shape::kSimplex ||
-          scan.end - scan.begin < 64);
+  const std::size_t objects = scan.end - scan.begin;
+  if (objects < 64) return true;
+  if (options.schedule == Schedule::kFlat ||
+      scan.type->shape == detail::Shape::kSimplex) {
+    return objects <= detail::kFewObjects;
+  }
+  return options.schedule == Schedule::kAuto &&
+         objects <= scan.kernels->few_objects;
 }
 
 // A range of fewer than 64 floats or doubles is one word.
@@ -187,17 +187,6 @@ inline std::uint64_t ShortWord(const detail::Scan& scan) {
   std::uint64_t word;
   WriteFlatMask(scan, &word);
   return word;
-}
-
-// Only after the last check, because a call that is refused writes nothing.
-inline void ReportTarget(const detail::Scan& scan, const Options& options) {
-  if (options.ran == nullptr) [[likely]]
-    return;
-  // The kernel says which target it is of: no queries, no objects.
-  detail::Part nothing{};
-  nothing.queries = scan.queries;
-  *options.ran =
-      Target::FromHighwayBit(scan.kernels->run[scan.type->flat](scan, nothing));
 }
 
 }  // namespace halfspace::dispatch

@@ -1,6 +1,7 @@
 #include "halfspace/reject.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 
@@ -28,7 +29,6 @@ inline void WriteMask(Scan& scan, Span<std::uint64_t> mask,
     return Output{"mask", mask.data(), mask.size(), MaskWords(objects),
                   sizeof(std::uint64_t)};
   });
-  dispatch::ReportTarget(scan, options);
   if (scan.type->encode != nullptr) {
     dispatch::ChooseWay(scan, options);
     WriteQuantizedMask(scan, mask.data());
@@ -40,6 +40,34 @@ inline void WriteMask(Scan& scan, Span<std::uint64_t> mask,
     dispatch::Run(scan, dispatch::WholeRange(scan, mask.data()));
   }
   if (flip != 0) dispatch::Flip(mask.data(), MaskWords(scan.end - scan.begin));
+}
+
+// Calls visit(object) for the survivors of a prepared scan, in ascending order,
+// and end() after each part that it tested, until that returns false.
+template <typename Visit, typename End>
+void VisitSurvivors(Scan& scan, const Options& options, const Visit& visit,
+                    const End& end) {
+  if (dispatch::IsShort(scan)) {
+    for (std::uint64_t left = dispatch::ShortWord(scan); left != 0;
+         left &= left - 1) {
+      visit(scan.begin + static_cast<std::size_t>(std::countr_zero(left)));
+    }
+    end();
+    return;
+  }
+  dispatch::ChooseWay(scan, options);
+  if (dispatch::OneRun run; dispatch::TestOneRun(scan, run)) {
+    dispatch::ForEachBit(run.words, run.nonzero, [&](std::size_t object) {
+      visit(scan.begin + object);
+    });
+    end();
+    return;
+  }
+  dispatch::ForEachPart<OneQuery>(scan, [&](const Tested& tested) {
+    dispatch::ForEachSurvivor(
+        scan, tested, [&](std::size_t, std::size_t object) { visit(object); });
+    return end();
+  });
 }
 
 }  // namespace
@@ -54,7 +82,7 @@ void RejectMask(Scan&& scan, Span<std::uint64_t> mask, const Options& options) {
 }
 
 std::size_t Survivors(Scan&& scan, Span<std::uint32_t> indices,
-                      const Options& options) {
+                      const Options& options, std::size_t skip) {
   // No more than one index for each object of the range is ever written.
   dispatch::Prepare(scan, options, "Survivors", [=](std::size_t objects) {
     return Output{"indices",
@@ -64,37 +92,44 @@ std::size_t Survivors(Scan&& scan, Span<std::uint32_t> indices,
                   sizeof(std::uint32_t),
                   true};
   });
-  dispatch::ReportTarget(scan, options);
   std::size_t count = 0;
-  const auto add = [&](std::size_t object) {
-    const std::size_t place = count++;
-    if (place >= options.skip && place - options.skip < indices.size()) {
-      indices[place - options.skip] = static_cast<std::uint32_t>(object);
-    }
-  };
-  if (dispatch::IsShort(scan)) {
-    for (std::uint64_t left = dispatch::ShortWord(scan); left != 0;
-         left &= left - 1) {
-      add(scan.begin + static_cast<std::size_t>(std::countr_zero(left)));
-    }
-    return count;
-  }
-  dispatch::ChooseWay(scan, options);
-  if (dispatch::OneRun run; dispatch::TestOneRun(scan, run)) {
-    dispatch::ForEachBit(run.words, run.nonzero,
-                         [&](std::size_t object) { add(scan.begin + object); });
-    return count;
-  }
-  dispatch::ForEachPart<OneQuery>(scan, [&](const Tested& tested) {
-    dispatch::ForEachSurvivor(
-        scan, tested, [&](std::size_t, std::size_t object) { add(object); });
-  });
+  VisitSurvivors(
+      scan, options,
+      [&](std::size_t object) {
+        const std::size_t place = count++;
+        if (place >= skip && place - skip < indices.size()) {
+          indices[place - skip] = static_cast<std::uint32_t>(object);
+        }
+      },
+      [] { return true; });
   return count;
+}
+
+void ForEachSurvivor(Scan&& scan, SomeFunction function, void* context,
+                     const Options& options) {
+  dispatch::Prepare(scan, options, "ForEachSurvivor", [](std::size_t) {
+    return Output{"indices", nullptr, 0, 0, sizeof(std::uint32_t), true};
+  });
+  std::array<std::uint32_t, 256> some;  // of stack, as the header says
+  std::size_t count = 0;
+  bool goes_on = true;
+  const auto pass = [&] {
+    if (count != 0 && goes_on)
+      goes_on = function(context, {some.data(), count});
+    count = 0;
+    return goes_on;
+  };
+  VisitSurvivors(
+      scan, options,
+      [&](std::size_t object) {
+        some[count++] = static_cast<std::uint32_t>(object);
+        if (count == some.size()) pass();
+      },
+      pass);
 }
 
 std::size_t CountSurvivors(Scan&& scan, const Options& options) {
   dispatch::Prepare(scan, options, "CountSurvivors");
-  dispatch::ReportTarget(scan, options);
   if (dispatch::IsShort(scan)) {
     const std::uint64_t word = dispatch::ShortWord(scan);
     return scan.kernels->count_bits(&word, 1);
@@ -114,7 +149,6 @@ std::size_t CountSurvivors(Scan&& scan, const Options& options) {
 
 std::size_t AnySurvivor(Scan&& scan, const Options& options) {
   dispatch::Prepare(scan, options, "AnySurvivor");
-  dispatch::ReportTarget(scan, options);
   if (dispatch::IsShort(scan)) {
     const std::uint64_t word = dispatch::ShortWord(scan);
     if (word == 0) return kNoSurvivor;

@@ -16,14 +16,14 @@ using dispatch::ManyQueries;
 using dispatch::Tested;
 
 void WriteMasks(Scan& scan, Span<std::uint64_t> rows, const Options& options,
-                const char* call, bool rejects) {
+                std::size_t row_words, const char* call, bool rejects) {
   dispatch::Prepare(scan, options, call);
   dispatch::ChooseWay(scan, options);
   const std::size_t words = MaskWords(scan.end - scan.begin);
-  const std::size_t stride = options.row_words != 0 ? options.row_words : words;
+  const std::size_t stride = row_words != 0 ? row_words : words;
   if (stride < words) {
     kernels::ThrowInvalid(
-        call, "options.row_words",
+        call, "row_words",
         "0, or at least the " + std::to_string(words) + " words of a row",
         std::to_string(stride));
   }
@@ -47,25 +47,24 @@ void WriteMasks(Scan& scan, Span<std::uint64_t> rows, const Options& options,
   }
   dispatch::CheckOutput(
       scan, {"rows", rows.data(), used, used, sizeof(std::uint64_t)});
-  dispatch::ReportTarget(scan, options);
   dispatch::WriteRows<ManyQueries>(scan, rows.data(), stride, rejects);
 }
 
 }  // namespace
 
-void RejectMasks(Scan&& scan, Span<std::uint64_t> rows,
-                 const Options& options) {
-  WriteMasks(scan, rows, options, "RejectMasks", true);
+void RejectMasks(Scan&& scan, Span<std::uint64_t> rows, const Options& options,
+                 std::size_t row_words) {
+  WriteMasks(scan, rows, options, row_words, "RejectMasks", true);
 }
 
 void SurvivorMasks(Scan&& scan, Span<std::uint64_t> rows,
-                   const Options& options) {
-  WriteMasks(scan, rows, options, "SurvivorMasks", false);
+                   const Options& options, std::size_t row_words) {
+  WriteMasks(scan, rows, options, row_words, "SurvivorMasks", false);
 }
 
 std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
                           Span<std::uint32_t> object_indices,
-                          const Options& options) {
+                          const Options& options, std::size_t skip) {
   dispatch::Prepare(scan, options, "SurvivorPairs");
   dispatch::ChooseWay(scan, options);
   const std::size_t capacity =
@@ -87,17 +86,14 @@ std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
                        bytes)) {
     kernels::ThrowOverlap("SurvivorPairs", "object_indices", "query_indices");
   }
-  dispatch::ReportTarget(scan, options);
   std::size_t count = 0;
   dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
     dispatch::ForEachSurvivor(
         scan, tested, [&](std::size_t query, std::size_t object) {
           const std::size_t place = count++;
-          if (place >= options.skip && place - options.skip < capacity) {
-            query_indices[place - options.skip] =
-                static_cast<std::uint32_t>(query);
-            object_indices[place - options.skip] =
-                static_cast<std::uint32_t>(object);
+          if (place >= skip && place - skip < capacity) {
+            query_indices[place - skip] = static_cast<std::uint32_t>(query);
+            object_indices[place - skip] = static_cast<std::uint32_t>(object);
           }
         });
   });
@@ -116,7 +112,6 @@ void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
   }
   dispatch::CheckOutput(scan, {"counts", counts.data(), counts.size(),
                                scan.query_count, sizeof(std::size_t)});
-  dispatch::ReportTarget(scan, options);
   std::fill_n(counts.begin(), scan.query_count, std::size_t{0});
   dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
     dispatch::ForEachCount(scan, tested,
@@ -130,7 +125,6 @@ void ForEachTile(Scan&& scan, TileFunction function, void* context,
                  const Options& options) {
   dispatch::Prepare(scan, options, "ForEachTile");
   dispatch::ChooseWay(scan, options);
-  dispatch::ReportTarget(scan, options);
   dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
     const Part& part = tested.part;
     return function(context, {.first_query = part.first_query,

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "kernels/error.h"
 #include "kernels/exact/default_fp_mode.h"
@@ -14,66 +15,75 @@
 namespace halfspace::detail {
 namespace {
 
-// Points a scan to half-spaces. Both must have the same life.
-class FrontScan {
- public:
-  [[gnu::noinline]] FrontScan(Scan& scan, const HalfSpaceList& half_spaces,
-                              const char* call)
-      : type_(*scan.type) {
-    if (half_spaces.count > kMostHalfSpaces) {
-      kernels::ThrowInvalid(call, "half-spaces",
-                            "at most " + std::to_string(kMostHalfSpaces),
-                            std::to_string(half_spaces.count));
-    }
-    kernels::CheckMemory(call, "half-spaces", half_spaces.values,
-                         half_spaces.count, alignof(float));
-    const std::size_t dims =
-        type_.shape == Shape::kAabb ? type_.axes : type_.axes - 1u;
-    const ShapePlanes planes = {dims, type_.axes,
-                                type_.shape != Shape::kSimplex};
-    kernels::InDefaultFpMode([&] {
-      query_.count = half_spaces.count;
-      for (std::size_t f = 0; f < query_.count; ++f) {
-        const float* const normal = half_spaces.values + f * (dims + 1);
-        query_.front[f] = MakeFront(planes, normal, normal[dims]);
-      }
-    });
-    type_.all_kernels = &kFrontKernels;
-    scan.type = &type_;
-    scan.queries = &query_;
-    scan.query_count = 1;
+// Lets a scan of half-spaces ask as a scan with queries. Apart, because its
+// list takes stack.
+template <typename Ask>
+HALFSPACE_NOINLINE auto WithQuery(FrontScan& fronts, const char* call,
+                                  const Ask& ask) {
+  if (fronts.count > kMostHalfSpaces) {
+    kernels::ThrowInvalid(call, "half-spaces",
+                          "at most " + std::to_string(kMostHalfSpaces),
+                          std::to_string(fronts.count));
   }
-
- private:
-  ScanType type_;
-  Fronts query_;
-};
+  kernels::CheckMemory(call, "half-spaces", fronts.values, fronts.count,
+                       alignof(float));
+  ScanType type = *fronts.scan.type;
+  const std::size_t dims =
+      type.shape == Shape::kAabb ? type.axes : type.axes - 1u;
+  const ShapePlanes planes = {dims, type.axes, type.shape != Shape::kSimplex};
+  Fronts query;
+  kernels::InDefaultFpMode([&] {
+    query.count = fronts.count;
+    for (std::size_t f = 0; f < query.count; ++f) {
+      const float* const normal = fronts.values + f * (dims + 1);
+      query.front[f] = MakeFront(planes, normal, normal[dims]);
+    }
+  });
+  type.all_kernels = &kFrontKernels;
+  fronts.scan.type = &type;
+  fronts.scan.queries = &query;
+  fronts.scan.query_count = 1;
+  return ask(std::move(fronts.scan));
+}
 
 }  // namespace
 
-void FrontMask(Scan&& scan, const HalfSpaceList& half_spaces,
-               Span<std::uint64_t> mask, const Options& options) {
-  const FrontScan fronts(scan, half_spaces, "SurvivorMask");
-  SurvivorMask(Scan(scan), mask, options);
+void RejectMask(FrontScan&& fronts, Span<std::uint64_t> mask,
+                const Options& options) {
+  WithQuery(fronts, "RejectMask",
+            [&](Scan&& scan) { RejectMask(std::move(scan), mask, options); });
 }
 
-std::size_t FrontSurvivors(Scan&& scan, const HalfSpaceList& half_spaces,
-                           Span<std::uint32_t> indices,
-                           const Options& options) {
-  const FrontScan fronts(scan, half_spaces, "Survivors");
-  return Survivors(Scan(scan), indices, options);
+void SurvivorMask(FrontScan&& fronts, Span<std::uint64_t> mask,
+                  const Options& options) {
+  WithQuery(fronts, "SurvivorMask",
+            [&](Scan&& scan) { SurvivorMask(std::move(scan), mask, options); });
 }
 
-std::size_t FrontCount(Scan&& scan, const HalfSpaceList& half_spaces,
-                       const Options& options) {
-  const FrontScan fronts(scan, half_spaces, "CountSurvivors");
-  return CountSurvivors(Scan(scan), options);
+std::size_t Survivors(FrontScan&& fronts, Span<std::uint32_t> indices,
+                      const Options& options, std::size_t skip) {
+  return WithQuery(fronts, "Survivors", [&](Scan&& scan) {
+    return Survivors(std::move(scan), indices, options, skip);
+  });
 }
 
-std::size_t FrontAny(Scan&& scan, const HalfSpaceList& half_spaces,
+std::size_t CountSurvivors(FrontScan&& fronts, const Options& options) {
+  return WithQuery(fronts, "CountSurvivors", [&](Scan&& scan) {
+    return CountSurvivors(std::move(scan), options);
+  });
+}
+
+std::size_t AnySurvivor(FrontScan&& fronts, const Options& options) {
+  return WithQuery(fronts, "AnySurvivor", [&](Scan&& scan) {
+    return AnySurvivor(std::move(scan), options);
+  });
+}
+
+void ForEachSurvivor(FrontScan&& fronts, SomeFunction function, void* context,
                      const Options& options) {
-  const FrontScan fronts(scan, half_spaces, "AnySurvivor");
-  return AnySurvivor(Scan(scan), options);
+  WithQuery(fronts, "ForEachSurvivor", [&](Scan&& scan) {
+    ForEachSurvivor(std::move(scan), function, context, options);
+  });
 }
 
 }  // namespace halfspace::detail

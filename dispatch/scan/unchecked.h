@@ -80,12 +80,13 @@ class Unchecked {
   static void One(const T* const* planes, std::size_t n, const T* query,
                   std::uint64_t* mask) noexcept {
     assert(AreValid(planes, n, query, mask));
-    if (n - 1 < kFewObjects) [[likely]] {
-      const detail::TargetKernels& kernels =
-          detail::KernelsOf<View::Bound::kAxes, T>::kTargets[kTarget];
-      (detail::HasMax<typename View::Bound>
-           ? kernels.mask_of_all
-           : kernels.mask_of_minima)(planes, 0, n, query, mask);
+    constexpr bool kHasMax = detail::HasMax<typename View::Bound>;
+    const detail::TargetKernels& kernels =
+        detail::KernelsOf<View::Bound::kAxes, T>::kTargets[kTarget];
+    if (n - 1 < (kHasMax ? kernels.few_objects : detail::kFewObjects))
+        [[likely]] {
+      (kHasMax ? kernels.mask_of_all : kernels.mask_of_minima)(planes, 0, n,
+                                                               query, mask);
       return;
     }
     if (n == 0) return;

@@ -139,21 +139,6 @@ Span<const typename Bound::Scalar> ValuesOfAll(Span<const Bound> bounds) {
   return {RecordsOf(bounds), bounds.size() * kPlaneCount<Bound>};
 }
 
-// Calls the caller's function; returns whether to go on.
-template <typename Item, typename Function>
-bool CallWithSome(void* function, Span<const Item> items) {
-  auto& call = *static_cast<Function*>(function);
-  using Result = decltype(call(items));
-  static_assert(std::is_void_v<Result> || std::is_same_v<Result, Visit>,
-                "the function must return void or Visit (visit.h)");
-  if constexpr (std::is_same_v<Result, Visit>) {
-    return call(items) == Visit::kContinue;
-  } else {
-    call(items);
-    return true;
-  }
-}
-
 }  // namespace detail
 
 // A sorted copy of a world's bounds. The id of an object is its index in that

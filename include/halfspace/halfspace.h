@@ -15,6 +15,7 @@
 //   world.h        stored bounds: views and owning worlds
 //   quantized.h    stored bounds with one or two bytes per plane
 //   memory.h       where owning worlds allocate their memory
+//   mask.h         the bits of a mask
 //   kernels.h      the tests alone: no checks, options or worlds
 //   reject.h       tests one query: masks, index lists, counts
 //   reject_many.h  tests several queries
@@ -46,6 +47,7 @@
 #include "halfspace/fit_many.h"       // IWYU pragma: export
 #include "halfspace/fit_status.h"     // IWYU pragma: export
 #include "halfspace/kernels.h"        // IWYU pragma: export
+#include "halfspace/mask.h"           // IWYU pragma: export
 #include "halfspace/memory.h"         // IWYU pragma: export
 #include "halfspace/planes.h"         // IWYU pragma: export
 #include "halfspace/quantized.h"      // IWYU pragma: export

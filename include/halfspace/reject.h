@@ -18,13 +18,14 @@
 // Every call takes
 //   world    a view or an owning world of floats or doubles (world.h), or a
 //            world of quantized bounds (quantized.h); may be empty
-//   query    the world's Query type: DownSimplex, Aabb or Aabo
+//   query    the world's Query type: DownSimplex, Aabb or Aabo; or half-spaces
+//            (reject_shapes.h)
 //   options  schedule, target and range of objects; the defaults fit most uses
 // RejectMask() documents the errors and the floating-point mode of all calls.
 // reject_many.h has the calls for several queries.
 //
 // Thread safety: all calls are reentrant. They allocate nothing, take no lock
-// and keep no state. A call uses at most 8 KiB of stack (7 KiB on x86).
+// and keep no state. A call uses at most 8 KiB of stack.
 //
 // Cost: a call starts with a load and an indirect call. Then it does one
 // compare per plane and object, about as fast as memory delivers the planes
@@ -42,8 +43,10 @@
 
 #include "halfspace/bounds.h"
 #include "halfspace/detail/scan.h"
+#include "halfspace/mask.h"  // IWYU pragma: export
 #include "halfspace/span.h"
 #include "halfspace/target.h"
+#include "halfspace/visit.h"
 #include "halfspace/world.h"
 
 namespace halfspace {
@@ -85,29 +88,12 @@ struct Range {
   std::size_t end = std::numeric_limits<std::size_t>::max();
 };
 
-// Options of the calls of reject.h and reject_many.h.
+// Options of all calls of reject.h and reject_many.h.
 struct Options {
   Schedule schedule = Schedule::kAuto;
-  Target target = {};     // by default, the chosen target (targets.h)
-  Range range = {};       // by default, the whole world
-  Target* ran = nullptr;  // if not null, the call writes the target it used
-
-  // RejectMasks and SurvivorMasks (reject_many.h) only: the number of words
-  // from the start of one row to the start of the next. 0 means that rows
-  // follow each other without a gap. Use a larger number to write a range of
-  // objects into the rows of a larger mask.
-  std::size_t row_words = 0;
-
-  // Survivors and SurvivorPairs (reject_many.h) only: the number of results, in
-  // the order of the call, that are not written. The call returns the number of
-  // all results. Use it to fetch a long result in pieces.
-  std::size_t skip = 0;
+  Target target = {};  // by default, the chosen target (targets.h)
+  Range range = {};    // by default, the whole world
 };
-
-// The number of words in a mask of `objects` objects.
-constexpr std::size_t MaskWords(std::size_t objects) {
-  return objects / 64 + (objects % 64 != 0 ? 1 : 0);
-}
 
 // Writes the reject mask: 1 = rejected.
 //
@@ -140,43 +126,47 @@ constexpr std::size_t MaskWords(std::size_t objects) {
 // fit.h.)
 //
 // Cost: a reject mask takes one more pass over the mask than a survivor mask.
-template <typename AnyWorld>
-void RejectMask(const AnyWorld& world, const typename AnyWorld::Query& query,
+template <typename AnyWorld, typename Query = typename AnyWorld::Query,
+          typename Asked = detail::AskedOf<AnyWorld, Query>>
+void RejectMask(const AnyWorld& world, const Query& query,
                 Span<std::uint64_t> mask, const Options& options = {}) {
-  detail::RejectMask(detail::ScanOf(world.view(), &query, 1), mask, options);
+  detail::RejectMask(Asked::Of(world.view(), query), mask, options);
 }
 
 // Writes the survivor mask: 1 = survives. Layout and errors: as RejectMask().
-template <typename AnyWorld>
-void SurvivorMask(const AnyWorld& world, const typename AnyWorld::Query& query,
+// SetBits (mask.h) goes through its bits.
+template <typename AnyWorld, typename Query = typename AnyWorld::Query,
+          typename Asked = detail::AskedOf<AnyWorld, Query>>
+void SurvivorMask(const AnyWorld& world, const Query& query,
                   Span<std::uint64_t> mask, const Options& options = {}) {
-  detail::SurvivorMask(detail::ScanOf(world.view(), &query, 1), mask, options);
+  detail::SurvivorMask(Asked::Of(world.view(), query), mask, options);
 }
 
 // Writes the indices of the survivors in ascending order and returns the number
 // of survivors. Indices are positions in the world, also with a range.
 //
-// `indices` may be shorter than the result. The call then fills `indices` with
-// the first survivors after `options.skip`, and still returns the number of all
-// survivors.
+// `indices` may be shorter than the result. The call then fills `indices`, and
+// still returns the number of all survivors. To fetch a long result in pieces,
+// pass the number of survivors that you have as `skip`. They are not written.
 //
 // Errors: as RejectMask(). The world must have at most 2^32 objects.
-template <typename AnyWorld>
-[[nodiscard]] std::size_t Survivors(const AnyWorld& world,
-                                    const typename AnyWorld::Query& query,
+template <typename AnyWorld, typename Query = typename AnyWorld::Query,
+          typename Asked = detail::AskedOf<AnyWorld, Query>>
+[[nodiscard]] std::size_t Survivors(const AnyWorld& world, const Query& query,
                                     Span<std::uint32_t> indices,
-                                    const Options& options = {}) {
-  return detail::Survivors(detail::ScanOf(world.view(), &query, 1), indices,
-                           options);
+                                    const Options& options = {},
+                                    std::size_t skip = 0) {
+  return detail::Survivors(Asked::Of(world.view(), query), indices, options,
+                           skip);
 }
 
 // Returns the number of survivors. Errors: as RejectMask().
-template <typename AnyWorld>
+template <typename AnyWorld, typename Query = typename AnyWorld::Query,
+          typename Asked = detail::AskedOf<AnyWorld, Query>>
 [[nodiscard]] std::size_t CountSurvivors(const AnyWorld& world,
-                                         const typename AnyWorld::Query& query,
+                                         const Query& query,
                                          const Options& options = {}) {
-  return detail::CountSurvivors(detail::ScanOf(world.view(), &query, 1),
-                                options);
+  return detail::CountSurvivors(Asked::Of(world.view(), query), options);
 }
 
 // Returns the index of the first survivor, or std::nullopt if no object
@@ -184,14 +174,37 @@ template <typename AnyWorld>
 // tests the first 512 objects, then 4096 at a time until one survives.
 //
 // Errors: as RejectMask().
-template <typename AnyWorld>
+template <typename AnyWorld, typename Query = typename AnyWorld::Query,
+          typename Asked = detail::AskedOf<AnyWorld, Query>>
 [[nodiscard]] std::optional<std::size_t> AnySurvivor(
-    const AnyWorld& world, const typename AnyWorld::Query& query,
-    const Options& options = {}) {
+    const AnyWorld& world, const Query& query, const Options& options = {}) {
   const std::size_t first =
-      detail::AnySurvivor(detail::ScanOf(world.view(), &query, 1), options);
+      detail::AnySurvivor(Asked::Of(world.view(), query), options);
   if (first == detail::kNoSurvivor) return std::nullopt;
   return first;
+}
+
+// Calls function(Span<const std::uint32_t> indices) with 1 to 256 survivors at
+// a time, in ascending order, until it has all. The call tests 4096 objects or
+// more and passes what survived before it goes on, so it needs no memory for
+// the result. The indices are valid until the function returns.
+//
+// The function returns nothing or a Visit (visit.h). Visit::kStop ends the
+// call. An exception of the function ends the call and reaches the caller.
+//
+// Errors: as Survivors().
+template <typename AnyWorld, typename Function,
+          typename Query = typename AnyWorld::Query,
+          typename Asked = detail::AskedOf<AnyWorld, Query>>
+void ForEachSurvivor(const AnyWorld& world, const Query& query,
+                     Function&& function, const Options& options = {}) {
+  // A lambda, because a void* cannot point to a function.
+  auto call = [&function](Span<const std::uint32_t> indices) {
+    return function(indices);
+  };
+  detail::ForEachSurvivor(Asked::Of(world.view(), query),
+                          &detail::CallWithSome<std::uint32_t, decltype(call)>,
+                          &call, options);
 }
 
 }  // namespace halfspace

@@ -18,7 +18,7 @@
 //
 // Threads share the work of a call by ranges of objects (Options::range). Give
 // each thread a range and outputs of its own. To write rows of masks together,
-// give each thread its words of the same rows (Options::row_words).
+// give each thread its words of the same rows (`row_words`).
 //
 // Errors, floating-point mode and the layout of masks: as RejectMask() in
 // reject.h. The queries must not be null or misaligned, unless there are none.
@@ -45,31 +45,33 @@ namespace halfspace {
 // Writes the reject mask of every query.
 //
 // The mask of queries[q] is row q. A row has MaskWords(n) words for the n
-// objects of `options.range`. Row q begins at rows[q * stride], where `stride`
-// is `options.row_words`, or MaskWords(n) if that is 0. `rows.size()` must be
-// at least `(queries.size() - 1) * stride + MaskWords(n)`. Without queries or
-// without objects, `rows` may be empty. The call does not touch the words
-// between two rows.
+// objects of `options.range`. Row q begins at rows[q * row_words]. If
+// `row_words` is 0, rows follow each other without a gap. A larger number than
+// MaskWords(n) writes a range of objects into the rows of a larger mask: the
+// call does not touch the words between two rows.
 //
-// Errors: as RejectMask(). `options.row_words` must be 0 or at least
-// MaskWords(n).
+// Errors: as RejectMask(). `row_words` must be 0 or at least MaskWords(n), and
+// `rows` must have room for all rows; the last one needs MaskWords(n) words
+// only. Without queries or without objects, `rows` may be empty.
 template <typename AnyWorld>
 void RejectMasks(const AnyWorld& world,
                  Span<const typename AnyWorld::Query> queries,
-                 Span<std::uint64_t> rows, const Options& options = {}) {
+                 Span<std::uint64_t> rows, const Options& options = {},
+                 std::size_t row_words = 0) {
   detail::RejectMasks(
       detail::ScanOf(world.view(), queries.data(), queries.size()), rows,
-      options);
+      options, row_words);
 }
 
 // Writes the survivor mask of every query. Layout and errors: as RejectMasks().
 template <typename AnyWorld>
 void SurvivorMasks(const AnyWorld& world,
                    Span<const typename AnyWorld::Query> queries,
-                   Span<std::uint64_t> rows, const Options& options = {}) {
+                   Span<std::uint64_t> rows, const Options& options = {},
+                   std::size_t row_words = 0) {
   detail::SurvivorMasks(
       detail::ScanOf(world.view(), queries.data(), queries.size()), rows,
-      options);
+      options, row_words);
 }
 
 // Writes every surviving pair and returns the number of pairs. Pair j is the
@@ -80,9 +82,10 @@ void SurvivorMasks(const AnyWorld& world,
 // of objects. Pairs of other queries can be between them.
 //
 // The spans may be shorter than the result. The call then writes as many pairs
-// as the shorter span can hold, and still returns the number of all pairs. A
-// call with `options.skip` writes the pairs after these. The order of pairs
-// depends on the world, the queries and the range alone.
+// as the shorter span can hold, and still returns the number of all pairs. It
+// does not write the first `skip` of them, so that a long result can be fetched
+// in pieces. The order of pairs depends on the world, the queries and the range
+// alone.
 //
 // Errors: as RejectMask(). The world must have at most 2^32 objects, and there
 // must be at most 2^32 queries. The parts of the two spans that the call can
@@ -91,10 +94,10 @@ template <typename AnyWorld>
 [[nodiscard]] std::size_t SurvivorPairs(
     const AnyWorld& world, Span<const typename AnyWorld::Query> queries,
     Span<std::uint32_t> query_indices, Span<std::uint32_t> object_indices,
-    const Options& options = {}) {
+    const Options& options = {}, std::size_t skip = 0) {
   return detail::SurvivorPairs(
       detail::ScanOf(world.view(), queries.data(), queries.size()),
-      query_indices, object_indices, options);
+      query_indices, object_indices, options, skip);
 }
 
 // Writes to counts[q] the number of survivors of queries[q].

@@ -35,6 +35,7 @@
 #define HALFSPACE_TRANSFORM_H_
 
 #include <cstddef>
+#include <type_traits>
 
 #include "halfspace/bounds.h"
 #include "halfspace/detail/plane_arrays.h"
@@ -51,11 +52,26 @@ namespace detail {
 HALFSPACE_API void RoundOutward(Span<const double> values, std::size_t minima,
                                 std::size_t planes, float* rounded);
 
+template <typename T>
+inline constexpr bool kIsBoundOfFloats = false;
+template <int kDims>
+inline constexpr bool kIsBoundOfFloats<UpSimplex<kDims>> = true;
+template <int kDims>
+inline constexpr bool kIsBoundOfFloats<DownSimplex<kDims>> = true;
+template <int kDims>
+inline constexpr bool kIsBoundOfFloats<Aabb<kDims>> = true;
+template <int kDims>
+inline constexpr bool kIsBoundOfFloats<Aabo<kDims>> = true;
+
+// So that a call with another type fails to compile, not to link.
+template <typename T>
+using IfBoundOfFloats = std::enable_if_t<kIsBoundOfFloats<T>>;
+
 }  // namespace detail
 
 // Returns the bound of the union of two shapes, which also bounds its convex
 // hull. Exact: nothing is rounded. Merging with Empty() changes nothing.
-template <typename Bound>
+template <typename Bound, typename = detail::IfBoundOfFloats<Bound>>
 HALFSPACE_API Bound Merge(const Bound& a, const Bound& b,
                           FitStatus* status = nullptr);
 
@@ -64,7 +80,7 @@ HALFSPACE_API Bound Merge(const Bound& a, const Bound& b,
 //   X, Y and Z are tightest. D is within 1 ulp, or within 2^-100 of the radius
 //   where the sum almost cancels.
 //   Throws if `radius` is negative or NaN.
-template <typename Bound>
+template <typename Bound, typename = detail::IfBoundOfFloats<Bound>>
 HALFSPACE_API Bound Inflate(const Bound& bound, float radius,
                             FitStatus* status = nullptr);
 
@@ -72,7 +88,7 @@ HALFSPACE_API Bound Inflate(const Bound& bound, float radius,
 // coordinate axis. D moves by kDims times the margin.
 //   Tightest.
 //   Throws if `margin` is negative or NaN.
-template <typename Bound>
+template <typename Bound, typename = detail::IfBoundOfFloats<Bound>>
 HALFSPACE_API Bound InflateByBox(const Bound& bound, float margin,
                                  FitStatus* status = nullptr);
 
@@ -80,7 +96,7 @@ HALFSPACE_API Bound InflateByBox(const Bound& bound, float margin,
 //   Tightest.
 //   Vertices that your program moves and rounds to float can lie outside the
 //   result. Use TranslateVertices for them.
-template <typename Bound>
+template <typename Bound, typename = detail::IfBoundOfFloats<Bound>>
 HALFSPACE_API Bound Translate(const Bound& bound,
                               const Point<Bound::kDimensions>& by,
                               FitStatus* status = nullptr);
@@ -105,7 +121,7 @@ HALFSPACE_API Aabo<kDims> TranslateVertices(const Aabo<kDims>& bound,
 //   A negative factor mirrors the shape, so minima become maxima.
 //   Throws if `factor` is NaN, and for a simplex, which has only minima or only
 //   maxima, also if it is negative.
-template <typename Bound>
+template <typename Bound, typename = detail::IfBoundOfFloats<Bound>>
 HALFSPACE_API Bound Scale(const Bound& bound, float factor,
                           FitStatus* status = nullptr);
 
@@ -114,7 +130,7 @@ HALFSPACE_API Bound Scale(const Bound& bound, float factor,
 //   If you have a bound of each of the two poses, Merge them instead. That
 //   bounds any motion in which every point stays on the segment between its two
 //   positions.
-template <typename Bound>
+template <typename Bound, typename = detail::IfBoundOfFloats<Bound>>
 Bound Sweep(const Bound& bound, const Point<Bound::kDimensions>& motion,
             FitStatus* status = nullptr) {
   return Merge(bound, Translate(bound, motion), status);
@@ -148,30 +164,6 @@ HALFSPACE_API DownSimplex<kDims> Circumscribe(const UpSimplex<kDims>& simplex,
 template <int kDims>
 HALFSPACE_API UpSimplex<kDims> Circumscribe(const DownSimplex<kDims>& simplex,
                                             FitStatus* status = nullptr);
-
-// Deleted, so that bounds of doubles fail to compile, not to link.
-template <template <int, typename> class Bound, int kDims>
-Bound<kDims, double> Merge(const Bound<kDims, double>& a,
-                           const Bound<kDims, double>& b,
-                           FitStatus* status = nullptr) = delete;
-template <template <int, typename> class Bound, int kDims>
-Bound<kDims, double> Inflate(const Bound<kDims, double>& bound, float radius,
-                             FitStatus* status = nullptr) = delete;
-template <template <int, typename> class Bound, int kDims>
-Bound<kDims, double> InflateByBox(const Bound<kDims, double>& bound,
-                                  float margin,
-                                  FitStatus* status = nullptr) = delete;
-template <template <int, typename> class Bound, int kDims>
-Bound<kDims, double> Translate(const Bound<kDims, double>& bound,
-                               const Point<kDims>& by,
-                               FitStatus* status = nullptr) = delete;
-template <template <int, typename> class Bound, int kDims>
-Bound<kDims, double> Scale(const Bound<kDims, double>& bound, float factor,
-                           FitStatus* status = nullptr) = delete;
-template <template <int, typename> class Bound, int kDims>
-Bound<kDims, double> Sweep(const Bound<kDims, double>& bound,
-                           const Point<kDims>& motion,
-                           FitStatus* status = nullptr) = delete;
 
 }  // namespace halfspace
 

@@ -11,6 +11,9 @@
 #define HALFSPACE_VISIT_H_
 
 #include <cstdint>
+#include <type_traits>
+
+#include "halfspace/span.h"
 
 namespace halfspace {
 
@@ -21,6 +24,25 @@ enum class Visit : std::uint8_t { kContinue, kStop };
 struct Limit {
   float value;
 };
+
+namespace detail {
+
+// Calls the caller's function; returns whether to go on.
+template <typename Item, typename Function>
+bool CallWithSome(void* function, Span<const Item> items) {
+  auto& call = *static_cast<Function*>(function);
+  using Result = decltype(call(items));
+  static_assert(std::is_void_v<Result> || std::is_same_v<Result, Visit>,
+                "the function must return void or Visit (visit.h)");
+  if constexpr (std::is_same_v<Result, Visit>) {
+    return call(items) == Visit::kContinue;
+  } else {
+    call(items);
+    return true;
+  }
+}
+
+}  // namespace detail
 
 }  // namespace halfspace
 

@@ -223,7 +223,7 @@ Bound ScaleInMode(const Bound& bound, float factor, FitStatus* status) {
 
 }  // namespace
 
-template <typename Bound>
+template <typename Bound, typename>
 Bound Merge(const Bound& a, const Bound& b, FitStatus* status) {
   return InDefaultFpMode([&] {
     const Bound& one = IsEmpty(a) ? b : a;
@@ -233,7 +233,7 @@ Bound Merge(const Bound& a, const Bound& b, FitStatus* status) {
   });
 }
 
-template <typename Bound>
+template <typename Bound, typename>
 Bound Inflate(const Bound& bound, float radius, FitStatus* status) {
   return InDefaultFpMode([&] {
     kernels::CheckLength("Inflate", "radius", radius);
@@ -251,7 +251,7 @@ Bound Inflate(const Bound& bound, float radius, FitStatus* status) {
   });
 }
 
-template <typename Bound>
+template <typename Bound, typename>
 Bound InflateByBox(const Bound& bound, float margin, FitStatus* status) {
   return InDefaultFpMode([&] {
     kernels::CheckLength("InflateByBox", "margin", margin);
@@ -264,7 +264,7 @@ Bound InflateByBox(const Bound& bound, float margin, FitStatus* status) {
   });
 }
 
-template <typename Bound>
+template <typename Bound, typename>
 Bound Translate(const Bound& bound, const Point<Bound::kDimensions>& by,
                 FitStatus* status) {
   return InDefaultFpMode([&] {
@@ -287,7 +287,7 @@ Aabo<kDims> TranslateVertices(const Aabo<kDims>& bound, const Point<kDims>& by,
   return MoveVertices(bound, by, status);
 }
 
-template <typename Bound>
+template <typename Bound, typename>
 Bound Scale(const Bound& bound, float factor, FitStatus* status) {
   return InDefaultFpMode([&] { return ScaleInMode(bound, factor, status); });
 }

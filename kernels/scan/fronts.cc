@@ -89,6 +89,7 @@ constexpr detail::TargetKernels MakeFrontKernels() {
   for (detail::Kernel& kernel : kernels.run) kernel = &FrontRow;
   kernels.mask_of_minima = &FrontMask;
   kernels.mask_of_all = &FrontMask;
+  kernels.few_objects = detail::kFewObjects;
   return kernels;
 }
 

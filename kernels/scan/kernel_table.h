@@ -10,6 +10,10 @@
 
 namespace halfspace::detail {
 
+// So many simplices are tested by mask_of_minima; of other shapes on targets
+// with vectors as many by mask_of_all.
+inline constexpr std::size_t kFewObjects = 512;
+
 // The most queries of a part: a batch.
 inline constexpr std::size_t kMostQueries = 16;
 
@@ -29,8 +33,8 @@ struct Part {
   std::size_t stride;  // words from one row to the next
 };
 
-// Returns the Highway bit of the target that it was compiled for, so that a
-// call can report which target ran.
+// Returns the Highway bit of the target that it was compiled for, so that tests
+// can tell which one runs.
 using Kernel = std::int64_t (*)(const Scan& scan, const Part& part);
 
 // Writes the words of survivors of `count` objects from `begin` on, on all
@@ -44,6 +48,8 @@ struct TargetKernels {
   Kernel run[kWays];
   MaskKernel mask_of_minima;  // of a simplex
   MaskKernel mask_of_all;     // of the other shapes
+  // Up to so many objects mask_of_all is as fast as stages.
+  std::size_t few_objects;
 
   // Of at most 64 words: which are not 0, and the bits in those.
   std::uint64_t (*nonzero_words)(const std::uint64_t* words, std::size_t count);

@@ -1,5 +1,5 @@
 // The words of a scan on every target, against a plain loop: of every type of
-// element, and of one plane to ten.
+// element, of one plane to ten, and of the functions of kernels-inl.h.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,6 +20,7 @@
 #include "hwy/highway.h"
 
 // After foreach_target.h, which decides what they are compiled for.
+#include "halfspace/kernels-inl.h"
 #include "kernels/scan/words-inl.h"
 
 #ifndef HALFSPACE_TESTS_KERNELS_SCAN_TEST_TYPES_
@@ -46,12 +47,14 @@ struct WordCase {
 
 inline constexpr std::size_t kMostPlanes = 10;
 
-// Of so many planes half, rounded up, are minima; and of four all or none.
+// Of so many planes half, rounded up, are minima; and of four all or none. The
+// named ones are of floats and doubles only.
 template <typename T>
 struct WordCases {
   WordCase<T> mixed[kMostPlanes];
   WordCase<T> minima;
   WordCase<T> maxima;
+  WordCase<T> named[9];
 };
 
 // Specialised by each target's pass over this file.
@@ -122,13 +125,57 @@ constexpr testing::WordCase<T> MakeWordCase(std::index_sequence<kPlane...>) {
   return word_case;
 }
 
+// The functions of kernels-inl.h. Their queries have minima, then maxima; here
+// query[p] is what plane p is compared with.
+#define HALFSPACE_NAMED_CASE(name, kMins, kMaxs)                             \
+  template <int kDims, typename T>                                           \
+  struct Named##name {                                                       \
+    static constexpr size_t kPlanes = (kMins) + (kMaxs);                     \
+    struct Query {                                                           \
+      explicit Query(const T* of_planes) {                                   \
+        for (size_t p = 0; p < kPlanes; ++p) {                               \
+          values[(p + (kMaxs)) % kPlanes] = of_planes[p];                    \
+        }                                                                    \
+      }                                                                      \
+      T values[kPlanes];                                                     \
+    };                                                                       \
+    static uint64_t Of64(const T* const* planes, size_t i, size_t,           \
+                         const T* query) {                                   \
+      return SurvivorsOf64##name<kDims>(planes, i, Query(query).values);     \
+    }                                                                        \
+    static uint64_t OfFew(const T* const* planes, size_t i, size_t n,        \
+                          const T* query) {                                  \
+      return SurvivorsOfFew##name<kDims>(planes, i, n, Query(query).values); \
+    }                                                                        \
+    static constexpr testing::WordCase<T> Case() {                           \
+      return {kMins, kPlanes, &Of64, nullptr, nullptr, &OfFew};              \
+    }                                                                        \
+  };
+HALFSPACE_NAMED_CASE(Boxes, kDims, kDims)
+HALFSPACE_NAMED_CASE(Simplices, kDims + 1, 0)
+HALFSPACE_NAMED_CASE(Octahedra, kDims + 1, kDims + 1)
+#undef HALFSPACE_NAMED_CASE
+
 template <typename T, size_t... kCase>
 constexpr testing::WordCases<T> MakeWordCases(std::index_sequence<kCase...>) {
   constexpr std::make_index_sequence<4> kFour{};
-  return {{MakeWordCase<kCase / 2 + 1, T>(
-              std::make_index_sequence<kCase + 1>())...},
-          MakeWordCase<4, T>(kFour),
-          MakeWordCase<0, T>(kFour)};
+  testing::WordCases<T> cases = {{MakeWordCase<kCase / 2 + 1, T>(
+                                     std::make_index_sequence<kCase + 1>())...},
+                                 MakeWordCase<4, T>(kFour),
+                                 MakeWordCase<0, T>(kFour),
+                                 {}};
+  if constexpr (std::is_floating_point_v<T>) {
+    size_t n = 0;
+    for (const auto& named :
+         {NamedBoxes<2, T>::Case(), NamedBoxes<3, T>::Case(),
+          NamedBoxes<4, T>::Case(), NamedSimplices<2, T>::Case(),
+          NamedSimplices<3, T>::Case(), NamedSimplices<4, T>::Case(),
+          NamedOctahedra<2, T>::Case(), NamedOctahedra<3, T>::Case(),
+          NamedOctahedra<4, T>::Case()}) {
+      cases.named[n++] = named;
+    }
+  }
+  return cases;
 }
 
 template <typename T>
@@ -284,6 +331,9 @@ TYPED_TEST(ScanWordsTest, AreThoseOfAPlainLoop) {
     for (const auto& word_case : kCases.mixed) this->Check(word_case);
     this->Check(kCases.minima);
     this->Check(kCases.maxima);
+    for (const auto& word_case : kCases.named) {
+      if (word_case.planes != 0) this->Check(word_case);
+    }
   });
 }
 

@@ -50,6 +50,14 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION MATCHES "
   endwhile()
 endif()
 
+# The text is gcc's and clang's.
+add_test(NAME package.refused_types
+  COMMAND ${CMAKE_COMMAND}
+    "-DCOMPILER=${header_compiler}" "-DINCLUDES=${public_includes}"
+    "-DOUTPUT=${CMAKE_CURRENT_BINARY_DIR}/refused_types"
+    -P "${CMAKE_CURRENT_SOURCE_DIR}/refused.cmake")
+set_tests_properties(package.refused_types PROPERTIES LABELS package)
+
 # The check must see Highway where it is.
 add_header_test(package.header.control highway_user.h
   "${CMAKE_CURRENT_SOURCE_DIR}/control"

@@ -208,6 +208,31 @@ Scan ScanOf(const View& view, const typename View::Query* queries,
   return scan;
 }
 
+// What a call asks a world, by the type of the query. reject_shapes.h adds
+// half-spaces.
+template <typename View, typename Query, typename = void>
+struct Asked {
+  static_assert(sizeof(Query) == 0,
+                "a flat world takes queries of its own type, World::Query, and "
+                "if its planes are floats, also half-spaces: include "
+                "reject_shapes.h. Bound other shapes first (fit.h)");
+  static Scan Of(const View& view, const Query& query);
+};
+template <typename View, typename Query>
+struct Asked<View, Query,
+             std::enable_if_t<std::is_convertible_v<
+                 const Query&, const typename View::Query&>>> {
+  static Scan Of(const View& view, const typename View::Query& query) {
+    return ScanOf(view, &query, 1);
+  }
+};
+
+// A type only if the world has a view.
+template <typename AnyWorld, typename Query>
+using AskedOf =
+    Asked<std::decay_t<decltype(std::declval<const AnyWorld&>().view())>,
+          Query>;
+
 // What AnySurvivor returns if there is none.
 inline constexpr std::size_t kNoSurvivor = ~std::size_t{0};
 
@@ -217,19 +242,46 @@ HALFSPACE_API void RejectMask(Scan&& scan, Span<std::uint64_t> mask,
 HALFSPACE_API void SurvivorMask(Scan&& scan, Span<std::uint64_t> mask,
                                 const Options& options);
 HALFSPACE_API std::size_t Survivors(Scan&& scan, Span<std::uint32_t> indices,
-                                    const Options& options);
+                                    const Options& options, std::size_t skip);
 HALFSPACE_API std::size_t CountSurvivors(Scan&& scan, const Options& options);
 HALFSPACE_API std::size_t AnySurvivor(Scan&& scan, const Options& options);
+using SomeFunction = bool (*)(void* context, Span<const std::uint32_t> indices);
+HALFSPACE_API void ForEachSurvivor(Scan&& scan, SomeFunction function,
+                                   void* context, const Options& options);
+
+// Half-spaces (reject_shapes.h), declared here for the calls of reject.h.
+//
+// A scan without queries, and `count` half-spaces, each a normal and an offset.
+struct FrontScan {
+  Scan scan;
+  const float* values;
+  std::size_t count;
+};
+
+HALFSPACE_API void RejectMask(FrontScan&& fronts, Span<std::uint64_t> mask,
+                              const Options& options);
+HALFSPACE_API void SurvivorMask(FrontScan&& fronts, Span<std::uint64_t> mask,
+                                const Options& options);
+HALFSPACE_API std::size_t Survivors(FrontScan&& fronts,
+                                    Span<std::uint32_t> indices,
+                                    const Options& options, std::size_t skip);
+HALFSPACE_API std::size_t CountSurvivors(FrontScan&& fronts,
+                                         const Options& options);
+HALFSPACE_API std::size_t AnySurvivor(FrontScan&& fronts,
+                                      const Options& options);
+HALFSPACE_API void ForEachSurvivor(FrontScan&& fronts, SomeFunction function,
+                                   void* context, const Options& options);
 
 // Many queries.
 HALFSPACE_API void RejectMasks(Scan&& scan, Span<std::uint64_t> rows,
-                               const Options& options);
+                               const Options& options, std::size_t row_words);
 HALFSPACE_API void SurvivorMasks(Scan&& scan, Span<std::uint64_t> rows,
-                                 const Options& options);
+                                 const Options& options, std::size_t row_words);
 HALFSPACE_API std::size_t SurvivorPairs(Scan&& scan,
                                         Span<std::uint32_t> query_indices,
                                         Span<std::uint32_t> object_indices,
-                                        const Options& options);
+                                        const Options& options,
+                                        std::size_t skip);
 HALFSPACE_API void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
                                   const Options& options);
 

@@ -175,12 +175,18 @@ void ExpectScansFind(
     const World<View>& world,
     const std::vector<HalfSpace<View::Bound::kDimensions>>& half_spaces,
     const Ids& expected, Target target) {
-  Target ran;
-  const Options options = {.target = target, .ran = &ran};
+  const Options options = {.target = target};
   Ids ids(world.size());
   ASSERT_EQ(Survivors(world, half_spaces, ids, options), expected.size());
-  ASSERT_EQ(ran, target);
   ids.resize(expected.size());
+  ASSERT_EQ(ids, expected);
+  ids.clear();
+  ForEachSurvivor(
+      world, half_spaces,
+      [&](Span<const std::uint32_t> some) {
+        ids.insert(ids.end(), some.begin(), some.end());
+      },
+      options);
   ASSERT_EQ(ids, expected);
   ASSERT_EQ(CountSurvivors(world.view(), half_spaces, options),
             expected.size());
@@ -199,6 +205,10 @@ void ExpectScansFind(
     if (i < begin) continue;
     expected_mask[(i - begin) / 64] |= std::uint64_t{1} << (i - begin) % 64;
   }
+  ASSERT_EQ(mask, expected_mask);
+  RejectMask(world, half_spaces, mask,
+             {.target = target, .range = {.begin = begin}});
+  for (std::uint64_t& word : expected_mask) word = ~word;
   ASSERT_EQ(mask, expected_mask);
 }
 template <typename View, typename Shape>

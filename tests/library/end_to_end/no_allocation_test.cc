@@ -12,14 +12,15 @@
 #include "halfspace/halfspace.h"
 #include "tests/library/fit/every_builder.h"
 #include "tests/library/fit/random_every_shape.h"
+#include "tests/library/support/calls.h"
 #include "tests/library/support/cases.h"
 #include "tests/library/support/dims.h"
 #include "tests/library/support/environment.h"
-#include "tests/library/support/five_calls.h"
 #include "tests/library/support/limited_memory.h"
 #include "tests/library/support/many_calls.h"
 #include "tests/library/support/quantized_cases.h"
 #include "tests/library/support/sanitized.h"
+#include "tests/library/support/unchecked.h"
 
 #if defined(__unix__)
 #include "tests/library/support/stack_use.h"
@@ -41,6 +42,15 @@ void VisitCalls(const AnyWorld& world,
       const Options options{.schedule = schedule, .target = target};
       ForEachCall(world, queries[0], options, outputs, one);
       ForEachManyCall(world, std::span(queries), options, many_outputs, many);
+    }
+    const auto view = world.view();
+    if constexpr (HasKernels<decltype(view)>) {
+      std::vector<std::uint64_t> masks(MaskWords(view.size) * queries.size());
+      one("kernels.h",
+          [&] { SurvivorMaskUnchecked(view, queries[0], masks, target); });
+      many("kernels.h, many", [&] {
+        SurvivorMasksUnchecked(view, std::span(queries), masks, target);
+      });
     }
   }
 }

@@ -2,6 +2,7 @@
 // doubles is told so by the compiler. Here: no such call is well-formed.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -75,7 +76,16 @@ void ExpectOnlyFloatsInAllDimensions() {
   ExpectOnlyFloats<Bound, 4>();
 }
 
+// Of a program, with what a bound has.
+struct Foreign {
+  static constexpr int kDimensions = 3;
+  std::array<float, 3> min;
+  std::array<float, 3> max;
+};
+
 TEST(FitDoublesTest, BoundsOfBoundsAreOfFloats) {
+  EXPECT_FALSE(Merges<Foreign> || Inflates<Foreign> || InflatesByBox<Foreign>);
+  EXPECT_FALSE(Translates<Foreign> || Scales<Foreign> || Sweeps<Foreign>);
   ExpectOnlyFloatsInAllDimensions<UpSimplex>();
   ExpectOnlyFloatsInAllDimensions<DownSimplex>();
   ExpectOnlyFloatsInAllDimensions<Aabb>();

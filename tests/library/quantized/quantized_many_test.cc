@@ -126,7 +126,7 @@ TYPED_TEST(QuantizedManyTest, ThreadsShareTheWork) {
     threads.emplace_back([&, t, end] {
       SurvivorMasks(this->world_, this->queries_,
                     std::span(rows).subspan(t * 1024 / 64),
-                    {.range = {t * 1024, end}, .row_words = words});
+                    {.range = {t * 1024, end}}, words);
     });
   }
   for (std::thread& thread : threads) thread.join();

@@ -137,7 +137,7 @@ TEST_F(HugeRangeTest, RowsOfMoreThan32BitsOfWords) {
   const std::size_t first = kEnd.begin / 64;
   SurvivorMasks(World(), queries_,
                 {rows.data() + first, words * kQueries - first},
-                {.range = kEnd, .row_words = words});
+                {.range = kEnd}, words);
   for (std::size_t q = 0; q < kQueries; ++q) {
     const std::uint64_t* end = rows.data() + (q + 1) * words;
     EXPECT_EQ(end[-3], 7u) << q;

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <random>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
 #include "halfspace/halfspace.h"
@@ -97,14 +99,13 @@ TEST_P(OutputsTest, SkippedSurvivorsAreCountedAndNotWritten) {
   std::vector<std::uint32_t> all(world.size());
   all.resize(Survivors(world, kAll, all));
   Canaried<std::uint32_t> indices;
-  const auto check = [&](const auto& any_world, Options options) {
+  const auto check = [&](const auto& any_world, const Options& options) {
     for (std::size_t skip :
          {std::size_t{1}, all.size() / 2, all.size(), ~std::size_t{0}}) {
-      options.skip = skip;
       const std::size_t left = all.size() - std::min(skip, all.size());
       for (std::size_t capacity : {left / 2, left, left + 70}) {
         const auto out = indices.Reset(capacity);
-        EXPECT_EQ(Survivors(any_world, kAll, out, options), all.size());
+        EXPECT_EQ(Survivors(any_world, kAll, out, options, skip), all.size());
         const std::size_t written = std::min(capacity, left);
         EXPECT_TRUE(std::equal(
             out.begin(), out.begin() + static_cast<std::ptrdiff_t>(written),
@@ -130,6 +131,50 @@ TEST(MaskWordsTest, RoundsUpWithoutOverflow) {
   EXPECT_EQ(MaskWords(64), 1u);
   EXPECT_EQ(MaskWords(65), 2u);
   EXPECT_EQ(MaskWords(~std::size_t{0}), (~std::size_t{0} >> 6) + 1);
+}
+
+TEST(SetBitsTest, AreThoseOfEveryMask) {
+  std::mt19937_64 random(3);
+  for (std::size_t words : {0u, 1u, 2u, 5u}) {
+    // Sparse words, dense ones, and words of 0 at either end.
+    for (int ands = 0; ands < 9; ++ands) {
+      std::vector<std::uint64_t> mask(words, ands == 0 ? ~std::uint64_t{0} : 0);
+      for (std::size_t w = 0; w < words && ands != 0; ++w) {
+        mask[w] = random();
+        for (int a = 1; a < ands; ++a) mask[w] &= random();
+      }
+      std::vector<std::size_t> expected;
+      for (std::size_t i = 0; i < 64 * words; ++i) {
+        if ((mask[i / 64] >> i % 64 & 1) != 0) expected.push_back(i);
+      }
+      std::vector<std::size_t> bits;
+      for (std::size_t i : SetBits(mask)) bits.push_back(i);
+      EXPECT_EQ(bits, expected);
+      EXPECT_EQ(CountBits(mask), expected.size());
+    }
+  }
+}
+
+// In pieces of at most 256, and no more than were asked for.
+TEST(ForEachSurvivorTest, CallsUntilItIsStopped) {
+  const AaboWorld2 world = TwoOfThree(20000);
+  std::vector<std::uint32_t> all(world.size());
+  all.resize(Survivors(world, kAll, all));
+  for (std::size_t most : {std::size_t{1}, std::size_t{3}, ~std::size_t{0}}) {
+    std::vector<std::uint32_t> seen;
+    std::size_t calls = 0;
+    ForEachSurvivor(world, kAll, [&](Span<const std::uint32_t> some) {
+      EXPECT_TRUE(0 < some.size() && some.size() <= 256);
+      seen.insert(seen.end(), some.begin(), some.end());
+      return ++calls == most ? Visit::kStop : Visit::kContinue;
+    });
+    EXPECT_TRUE(most == calls || seen == all);
+    EXPECT_TRUE(std::equal(seen.begin(), seen.end(), all.begin()));
+  }
+  EXPECT_THROW(
+      ForEachSurvivor(world, kAll,
+                      [](const auto&) { throw std::runtime_error(""); }),
+      std::runtime_error);
 }
 
 }  // namespace

@@ -10,8 +10,8 @@
 
 #include "halfspace/reject_many.h"
 #include "halfspace/world.h"
+#include "tests/library/support/calls.h"
 #include "tests/library/support/expect_invalid.h"
-#include "tests/library/support/five_calls.h"
 #include "tests/library/support/many_calls.h"
 
 namespace halfspace::testing {
@@ -73,22 +73,20 @@ TEST_F(RangeErrorsTest, RowsThatOverlap) {
   std::vector<std::uint64_t> rows(100, 7);
   EXPECT_TRUE(Refuses(
       [&] {
-        SurvivorMasks(world, queries_, rows,
-                      {.range = {0, 129}, .row_words = 2});
+        SurvivorMasks(world, queries_, rows, {.range = {0, 129}}, 2);
       },
-      {"SurvivorMasks: options.row_words: expected 0, or at least the 3 words",
+      {"SurvivorMasks: row_words: expected 0, or at least the 3 words",
        "got 2"}));
   // Two rows of 3 words, and the 3 words of the last.
-  Target ran;
-  const Options apart{.range = {1, 130}, .ran = &ran, .row_words = 20};
+  const Options options{.range = {1, 130}};
   EXPECT_TRUE(Refuses(
-      [&] { SurvivorMasks(world, queries_, std::span(rows).first(42), apart); },
+      [&] {
+        SurvivorMasks(world, queries_, std::span(rows).first(42), options, 20);
+      },
       {"SurvivorMasks: rows: expected", "at least 3 rows of 3 words, 20 words",
        "42 words"}));
   EXPECT_EQ(rows, std::vector<std::uint64_t>(100, 7));
-  EXPECT_EQ(ran, Target()) << "of a call that was refused";
-  SurvivorMasks(world, queries_, std::span(rows).first(43), apart);
-  EXPECT_EQ(ran, ChosenTarget());
+  SurvivorMasks(world, queries_, std::span(rows).first(43), options, 20);
   EXPECT_EQ(rows[42], 1u);
   EXPECT_EQ(rows[43], 7u);
   EXPECT_EQ(rows[3], 7u);

@@ -148,9 +148,9 @@ TYPED_TEST(RangeTest, PartsMakeTheWhole) {
   // The last part first: the order does not matter.
   for (const Range& range : {Range{4096 + 64, kMost}, Range{0, 640},
                              Range{640, 640}, Range{640, 4096 + 64}}) {
-    const Options options{.range = range, .row_words = MaskWords(kSize)};
+    const Options options{.range = range};
     SurvivorMasks(view, queries, std::span(rows).subspan(range.begin / 64),
-                  options);
+                  options, MaskWords(kSize));
     SurvivorCounts(view, queries, part_counts, options);
     for (std::size_t q = 0; q < kQueries; ++q) counts[q] += part_counts[q];
     const std::size_t found = Survivors(view, queries[0], part, options);

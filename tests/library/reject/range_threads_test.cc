@@ -41,16 +41,14 @@ TEST(RangeThreadsTest, TwoThreadsFillTheSameMasks) {
       std::vector<std::uint64_t> mask(kWords);
       std::vector<std::uint64_t> rows(kQueries * kWords);
       const auto work = [&](Range range) {
-        const Options options{.schedule = schedule,
-                              .target = target,
-                              .range = range,
-                              .row_words = kWords};
+        const Options options{
+            .schedule = schedule, .target = target, .range = range};
         const std::size_t first = range.begin / 64;
         for (std::size_t i = 0; i < Scaled(50); ++i) {
           SurvivorMask(world, queries[0], std::span(mask).subspan(first),
                        options);
-          SurvivorMasks(world, queries, std::span(rows).subspan(first),
-                        options);
+          SurvivorMasks(world, queries, std::span(rows).subspan(first), options,
+                        kWords);
         }
       };
       {

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "halfspace/reject.h"
+#include "tests/library/support/calls.h"
 #include "tests/library/support/cases.h"
 #include "tests/library/support/expect_invalid.h"
-#include "tests/library/support/five_calls.h"
 #include "tests/library/support/misaligned.h"
 
 namespace halfspace::testing {

@@ -145,13 +145,12 @@ void CompareRegions(std::size_t queries) {
   for (Target target : TargetsUnderTest()) {
     for (std::size_t begin : {0u, 1u, 44000u}) {
       Options options{.target = target, .range = {begin, world.size()}};
-      options.row_words = MaskWords(world.size());
       for (Schedule schedule : {Schedule::kFlat, Schedule::kAuto,
                                 Schedule::kStaged, Schedule::kStagedByAxis}) {
         options.schedule = schedule;
         auto& rows = schedule == Schedule::kFlat ? expected : found;
         std::fill(rows.begin(), rows.end(), std::uint64_t{0x5555});
-        SurvivorMasks(world, all, rows, options);
+        SurvivorMasks(world, all, rows, options, MaskWords(world.size()));
         if (schedule == Schedule::kFlat) continue;
         EXPECT_EQ(found, expected)
             << target.name() << ": schedule " << static_cast<int>(schedule)

@@ -1,5 +1,5 @@
 // The answer of a world to a query in all its forms, and the check that the
-// five calls give exactly that.
+// calls of reject.h give exactly that.
 #ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_ANSWERS_H_
 #define HALFSPACE_TESTS_LIBRARY_SUPPORT_ANSWERS_H_
 
@@ -17,6 +17,7 @@
 
 #include "halfspace/reject.h"
 #include "halfspace/targets.h"
+#include "tests/library/support/target_that_runs.h"
 #include "tests/library/support/unchecked.h"
 #include "tests/reference/reference.h"
 
@@ -120,7 +121,7 @@ bool Same(std::span<const T> expected, std::span<const T> given) {
 
 }  // namespace internal
 
-// All five calls give `answer`, and run on the target of `options`, or on the
+// All calls give `answer`, and run on the target of `options`, or on the
 // chosen one.
 template <typename AnyWorld>
 ::testing::AssertionResult Answers(const Answer& answer, const AnyWorld& world,
@@ -131,32 +132,25 @@ template <typename AnyWorld>
   using internal::Same;
   const Target expected =
       options.target == Target() ? ChosenTarget() : options.target;
-  Target ran;
-  Options asking = options;
-  asking.ran = &ran;
-  const auto wrong_target = [&](std::string_view call) {
-    return Fail(call, options) << "ran on " << ran.name();
-  };
+  if (const Target ran = TargetThatRuns(world, query, options);
+      ran != expected) {
+    return Fail("CountSurvivors", options) << "ran on " << ran.name();
+  }
 
-  RejectMask(world, query, outputs.mask, asking);
+  RejectMask(world, query, outputs.mask, options);
   std::span<const std::uint64_t> mask = outputs.mask;
-  if (ran != expected) return wrong_target("RejectMask");
   if (!Same(answer.reject_mask(), mask)) {
     return FailElement("RejectMask", options, answer.reject_mask(), mask);
   }
 
-  ran = {};
-  SurvivorMask(world, query, outputs.mask, asking);
-  if (ran != expected) return wrong_target("SurvivorMask");
+  SurvivorMask(world, query, outputs.mask, options);
   if (!Same(answer.survivor_mask(), mask)) {
     return FailElement("SurvivorMask", options, answer.survivor_mask(), mask);
   }
 
   const std::size_t count = answer.survivors().size();
-  ran = {};
-  std::size_t counted = Survivors(world, query, outputs.indices, asking);
+  std::size_t counted = Survivors(world, query, outputs.indices, options);
   std::span<const std::uint32_t> indices = outputs.indices;
-  if (ran != expected) return wrong_target("Survivors");
   if (counted != count) {
     return Fail("Survivors", options)
            << "expected " << count << ", got " << counted;
@@ -165,22 +159,35 @@ template <typename AnyWorld>
     return FailElement("Survivors", options, answer.survivors(), indices);
   }
 
-  ran = {};
-  counted = CountSurvivors(world, query, asking);
-  if (ran != expected) return wrong_target("CountSurvivors");
+  counted = CountSurvivors(world, query, options);
   if (counted != count) {
     return Fail("CountSurvivors", options)
            << "expected " << count << ", got " << counted;
   }
 
-  ran = {};
-  const std::optional<std::size_t> first = AnySurvivor(world, query, asking);
-  if (ran != expected) return wrong_target("AnySurvivor");
+  const std::optional<std::size_t> first = AnySurvivor(world, query, options);
   if (first.has_value() != (count != 0) ||
       (first && *first != answer.survivors().front())) {
     return Fail("AnySurvivor", options)
            << "got " << (first ? std::to_string(*first) : "none") << " of "
            << count << " survivors";
+  }
+
+  std::fill(outputs.indices.begin(), outputs.indices.end(), 0);
+  counted = 0;
+  ForEachSurvivor(
+      world, query,
+      [&](Span<const std::uint32_t> some) {
+        for (std::uint32_t i : some) {
+          if (counted < outputs.indices.size()) outputs.indices[counted] = i;
+          ++counted;
+        }
+      },
+      options);
+  if (counted != count || !Same(answer.survivors(), indices)) {
+    return Fail("ForEachSurvivor", options)
+           << "expected " << count << " survivors, got " << counted
+           << ", or others";
   }
 
   if constexpr (HasKernels<AnyWorld>) {

@@ -109,7 +109,7 @@ inline ::testing::AssertionResult PairsAre(const ManyAnswers& answers,
 
 }  // namespace internal
 
-// All five calls give `answers`, and run on the target of `options`.
+// All five calls give `answers`.
 template <typename AnyWorld>
 ::testing::AssertionResult AnswersMany(
     const ManyAnswers& answers, const AnyWorld& world,
@@ -118,23 +118,14 @@ template <typename AnyWorld>
   using internal::Fail;
   using internal::FailElement;
   using internal::Same;
-  Target ran;
-  Options asking = options;
-  asking.ran = &ran;
-  const auto wrong_target = [&](std::string_view call) {
-    return Fail(call, options) << "ran on " << ran.name();
-  };
   const std::span<const std::uint64_t> rows = outputs.rows;
 
-  RejectMasks(world, queries, outputs.rows, asking);
-  if (ran != options.target) return wrong_target("RejectMasks");
+  RejectMasks(world, queries, outputs.rows, options);
   if (!Same(answers.reject_rows(), rows)) {
     return FailElement("RejectMasks", options, answers.reject_rows(), rows);
   }
 
-  ran = {};
-  SurvivorMasks(world, queries, outputs.rows, asking);
-  if (ran != options.target) return wrong_target("SurvivorMasks");
+  SurvivorMasks(world, queries, outputs.rows, options);
   if (!Same(answers.survivor_rows(), rows)) {
     return FailElement("SurvivorMasks", options, answers.survivor_rows(), rows);
   }
@@ -150,10 +141,8 @@ template <typename AnyWorld>
     }
   }
 
-  ran = {};
   const std::size_t pairs = SurvivorPairs(world, queries, outputs.query_indices,
-                                          outputs.object_indices, asking);
-  if (ran != options.target) return wrong_target("SurvivorPairs");
+                                          outputs.object_indices, options);
   if (pairs != answers.pairs()) {
     return Fail("SurvivorPairs", options)
            << "expected " << answers.pairs() << ", got " << pairs;
@@ -162,9 +151,7 @@ template <typename AnyWorld>
     return right;
   }
 
-  ran = {};
-  SurvivorCounts(world, queries, outputs.counts, asking);
-  if (ran != options.target) return wrong_target("SurvivorCounts");
+  SurvivorCounts(world, queries, outputs.counts, options);
   for (std::size_t q = 0; q < queries.size(); ++q) {
     if (outputs.counts[q] != answers.answers()[q].survivors().size()) {
       return Fail("SurvivorCounts", options)
@@ -176,11 +163,9 @@ template <typename AnyWorld>
 
   CoveredTiles covered(answers.survivor_rows(), queries.size(),
                        answers.objects(), answers.range());
-  ran = {};
   ForEachTile(
       world, queries, [&](const SurvivorTile& tile) { covered.Add(tile); },
-      asking);
-  if (ran != options.target) return wrong_target("ForEachTile");
+      options);
   if (const auto wrong = covered.WhatIsWrong(); !wrong.empty()) {
     return Fail("ForEachTile", options) << wrong;
   }

@@ -9,8 +9,8 @@
 #include <tuple>
 
 #include "halfspace/reject_many.h"
+#include "tests/library/support/calls.h"
 #include "tests/library/support/canaries.h"
-#include "tests/library/support/five_calls.h"
 
 namespace halfspace::testing {
 
@@ -31,7 +31,7 @@ struct ManyCallOutputs {
   }
 };
 
-// Calls visit(name, call) for each of the five, as CallVisitor does.
+// Calls visit(name, call) for each of the five.
 template <typename AnyWorld, typename Visit>
 void ForEachManyCall(const AnyWorld& world,
                      std::span<const typename AnyWorld::Query> queries,
@@ -43,21 +43,17 @@ void ForEachManyCall(const AnyWorld& world,
   const auto object_indices = outputs.object_indices.Reset(kRoom);
   const auto counts = outputs.counts.Reset(kRoom);
   outputs.tiles = 0;
-  CallVisitor visit_call(options, visit);
-  visit_call("RejectMasks",
-             [&](const Options& o) { RejectMasks(world, queries, rows, o); });
-  visit_call("SurvivorMasks",
-             [&](const Options& o) { SurvivorMasks(world, queries, rows, o); });
-  visit_call("SurvivorPairs", [&](const Options& o) {
+  visit("RejectMasks", [&] { RejectMasks(world, queries, rows, options); });
+  visit("SurvivorMasks", [&] { SurvivorMasks(world, queries, rows, options); });
+  visit("SurvivorPairs", [&] {
     std::ignore =
-        SurvivorPairs(world, queries, query_indices, object_indices, o);
+        SurvivorPairs(world, queries, query_indices, object_indices, options);
   });
-  visit_call("SurvivorCounts", [&](const Options& o) {
-    SurvivorCounts(world, queries, counts, o);
-  });
-  visit_call("ForEachTile", [&](const Options& o) {
+  visit("SurvivorCounts",
+        [&] { SurvivorCounts(world, queries, counts, options); });
+  visit("ForEachTile", [&] {
     ForEachTile(
-        world, queries, [&](const SurvivorTile&) { ++outputs.tiles; }, o);
+        world, queries, [&](const SurvivorTile&) { ++outputs.tiles; }, options);
   });
 }
 

@@ -5,12 +5,15 @@
 #include <array>
 #include <barrier>
 #include <cstddef>
+#include <cstdint>
 #include <thread>
 #include <vector>
 
+#include "halfspace/kernels.h"
 #include "halfspace/reject.h"
 #include "halfspace/targets.h"
 #include "halfspace/world.h"
+#include "tests/library/support/target_that_runs.h"
 
 namespace halfspace::testing {
 namespace {
@@ -22,6 +25,7 @@ TEST(DispatchRaceTest, AllThreadsGetTheChosenTargetAndTheAnswer) {
   struct Answer {
     std::size_t survivors = 0;
     Target ran;
+    std::uint64_t mask = 0;
   };
   std::array<Answer, kThreads> answers;
   std::barrier start(kThreads);
@@ -30,14 +34,19 @@ TEST(DispatchRaceTest, AllThreadsGetTheChosenTargetAndTheAnswer) {
     for (Answer& mine : answers) {
       threads.emplace_back([&world, &start, &mine] {
         start.arrive_and_wait();
-        mine.survivors =
-            CountSurvivors(world, Aabo3::Everything(), {.ran = &mine.ran});
+        mine.ran = TargetThatRuns(world, Aabo3::Everything(), {});
+        mine.survivors = CountSurvivors(world, Aabo3::Everything());
+        // These calls keep the chosen target by themselves.
+        const float values[] = {0, 0, 0, 0};
+        const float* const planes[] = {values, values, values, values};
+        SurvivorsOfSimplices3(planes, 1, values, &mine.mask);
       });
     }
   }
   for (const Answer& one : answers) {
     EXPECT_EQ(one.survivors, kObjects);
     EXPECT_EQ(one.ran, ChosenTarget());
+    EXPECT_EQ(one.mask, 1u);
   }
 }
 

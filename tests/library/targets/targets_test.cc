@@ -18,9 +18,10 @@
 
 #include "halfspace/reject.h"
 #include "halfspace/world.h"
+#include "tests/library/support/calls.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
-#include "tests/library/support/five_calls.h"
+#include "tests/library/support/target_that_runs.h"
 
 namespace halfspace::testing {
 namespace {
@@ -115,24 +116,13 @@ TEST(TargetsTest, BestSupportedOneIsChosenUnlessForced) {
 }
 
 // Every target side by side in this process, whatever is forced.
-TEST(TargetsTest, TargetOfTheOptionsIsTheOneThatRan) {
+TEST(TargetsTest, TargetOfTheOptionsRuns) {
   const AaboWorld3 world = SmallWorld();
-  CallOutputs outputs;
   for (Target target : SupportedTargets()) {
-    ForEachCall(world, Aabo3::Everything(), {.target = target}, outputs,
-                [&](std::string_view name, auto call) {
-                  EXPECT_EQ(call(), target) << name;
-                });
+    EXPECT_EQ(TargetThatRuns(world, Aabo3::Everything(), {.target = target}),
+              target);
   }
-}
-
-TEST(TargetsTest, DefaultHandleRunsTheChosenOne) {
-  const AaboWorld3 world = SmallWorld();
-  CallOutputs outputs;
-  ForEachCall(world, Aabo3::Everything(), {}, outputs,
-              [&](std::string_view name, auto call) {
-                EXPECT_EQ(call(), ChosenTarget()) << name;
-              });
+  EXPECT_EQ(TargetThatRuns(world, Aabo3::Everything(), {}), ChosenTarget());
 }
 
 TEST(TargetsTest, HandleOfNoSupportedTargetIsRefused) {
