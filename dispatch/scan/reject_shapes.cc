@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <utility>
 
 #include "kernels/error.h"
 #include "kernels/exact/default_fp_mode.h"
@@ -43,7 +42,7 @@ HALFSPACE_NOINLINE auto WithQuery(FrontScan& fronts, const char* call,
   fronts.scan.type = &type;
   fronts.scan.queries = &query;
   fronts.scan.query_count = 1;
-  return ask(std::move(fronts.scan));
+  return ask(fronts.scan);
 }
 
 }  // namespace
@@ -51,38 +50,38 @@ HALFSPACE_NOINLINE auto WithQuery(FrontScan& fronts, const char* call,
 void RejectMask(FrontScan&& fronts, Span<std::uint64_t> mask,
                 const Options& options) {
   WithQuery(fronts, "RejectMask",
-            [&](Scan&& scan) { RejectMask(std::move(scan), mask, options); });
+            [&](const Scan& scan) { RejectMask(Scan(scan), mask, options); });
 }
 
 void SurvivorMask(FrontScan&& fronts, Span<std::uint64_t> mask,
                   const Options& options) {
   WithQuery(fronts, "SurvivorMask",
-            [&](Scan&& scan) { SurvivorMask(std::move(scan), mask, options); });
+            [&](const Scan& scan) { SurvivorMask(Scan(scan), mask, options); });
 }
 
 std::size_t Survivors(FrontScan&& fronts, Span<std::uint32_t> indices,
                       const Options& options, std::size_t skip) {
-  return WithQuery(fronts, "Survivors", [&](Scan&& scan) {
-    return Survivors(std::move(scan), indices, options, skip);
+  return WithQuery(fronts, "Survivors", [&](const Scan& scan) {
+    return Survivors(Scan(scan), indices, options, skip);
   });
 }
 
 std::size_t CountSurvivors(FrontScan&& fronts, const Options& options) {
-  return WithQuery(fronts, "CountSurvivors", [&](Scan&& scan) {
-    return CountSurvivors(std::move(scan), options);
+  return WithQuery(fronts, "CountSurvivors", [&](const Scan& scan) {
+    return CountSurvivors(Scan(scan), options);
   });
 }
 
 std::size_t AnySurvivor(FrontScan&& fronts, const Options& options) {
-  return WithQuery(fronts, "AnySurvivor", [&](Scan&& scan) {
-    return AnySurvivor(std::move(scan), options);
+  return WithQuery(fronts, "AnySurvivor", [&](const Scan& scan) {
+    return AnySurvivor(Scan(scan), options);
   });
 }
 
 void ForEachSurvivor(FrontScan&& fronts, SomeFunction function, void* context,
                      const Options& options) {
-  WithQuery(fronts, "ForEachSurvivor", [&](Scan&& scan) {
-    ForEachSurvivor(std::move(scan), function, context, options);
+  WithQuery(fronts, "ForEachSurvivor", [&](const Scan& scan) {
+    ForEachSurvivor(Scan(scan), function, context, options);
   });
 }
 

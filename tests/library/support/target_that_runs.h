@@ -3,7 +3,6 @@
 #define HALFSPACE_TESTS_LIBRARY_SUPPORT_TARGET_THAT_RUNS_H_
 
 #include <cstddef>
-#include <utility>
 
 #include "halfspace/reject.h"
 #include "halfspace/target.h"
@@ -18,7 +17,9 @@ Target TargetThatRuns(const AnyWorld& world,
                       const Options& options) {
   const auto view = world.view();
   detail::Scan scan = detail::ScanOf(view, &query, 1);
-  static_cast<void>(detail::CountSurvivors(std::move(scan), options));
+  // The call writes its kernels there.
+  static_cast<void>(
+      detail::CountSurvivors(static_cast<detail::Scan&&>(scan), options));
   // The kernel says which target it was compiled for: no queries, no objects.
   detail::Part nothing{};
   nothing.queries = &query;
