@@ -138,18 +138,14 @@ std::atomic<const typename Unchecked<View>::OfBound*> Unchecked<View>::chosen_{
     &kUnknown};
 
 // Instantiated by unchecked_of_axes.cc.in alone.
-#define HALFSPACE_DECLARE_UNCHECKED(T)                \
-  extern template class Unchecked<AabbView<2, T>>;    \
-  extern template class Unchecked<AabbView<3, T>>;    \
-  extern template class Unchecked<AabbView<4, T>>;    \
-  extern template class Unchecked<SimplexView<2, T>>; \
-  extern template class Unchecked<SimplexView<3, T>>; \
-  extern template class Unchecked<SimplexView<4, T>>; \
-  extern template class Unchecked<AaboView<2, T>>;    \
-  extern template class Unchecked<AaboView<3, T>>;    \
-  extern template class Unchecked<AaboView<4, T>>
-HALFSPACE_DECLARE_UNCHECKED(float);
-HALFSPACE_DECLARE_UNCHECKED(double);
+#define HALFSPACE_DECLARE_UNCHECKED(kDims)                  \
+  extern template class Unchecked<AabbView<kDims>>;         \
+  extern template class Unchecked<AabbView<kDims, double>>; \
+  extern template class Unchecked<SimplexView<kDims>>;      \
+  extern template class Unchecked<AaboView<kDims>>
+HALFSPACE_DECLARE_UNCHECKED(2);
+HALFSPACE_DECLARE_UNCHECKED(3);
+HALFSPACE_DECLARE_UNCHECKED(4);
 #undef HALFSPACE_DECLARE_UNCHECKED
 
 }  // namespace halfspace::dispatch

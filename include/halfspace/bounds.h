@@ -21,10 +21,10 @@
 // Use the builders of fit.h for the D axis. A sum in float rounds, and a D that
 // is not rounded outward can reject objects that touch.
 //
-// Values are floats or doubles: Aabb<3>, Aabb<3, double>. One test takes bounds
-// of one precision. Builders return floats. For a bound of doubles, the caller
-// computes D and rounds it outward. RoundOutward (transform.h) makes a bound of
-// floats from it.
+// Values are floats. Only boxes also exist with doubles, Aabb<3, double>, which
+// need no rounding. D of doubles has to be rounded outward, so the builders
+// return bounds of floats that enclose shapes of doubles, and a test of them
+// reads half the bytes. RoundOutward (transform.h) does the same for a box.
 //
 // Units are the caller's. A plane with a NaN never rejects.
 //
@@ -151,21 +151,20 @@ constexpr T CornerVolume(T slack, int dims) {
 
 // A bounding simplex, the object side of the simplex test (S+ in the paper):
 // the points p with p.axis[k] >= min[k] for every axis k.
-template <int kDims, typename T = float>
+template <int kDims>
 struct UpSimplex {
   static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
-  static_assert(detail::kIsFloat32Or64<T>, "floats or doubles");
-  using Scalar = T;
+  using Scalar = float;
   static constexpr int kDimensions = kDims;
   static constexpr std::size_t kAxes = kDims + 1;
 
-  std::array<T, kAxes> min;
+  std::array<float, kAxes> min;
 
   static constexpr UpSimplex Everything() {
-    return {detail::Filled<kAxes>(-detail::kMax<T>)};
+    return {detail::Filled<kAxes>(-detail::kMax<float>)};
   }
   static constexpr UpSimplex Empty() {
-    return {detail::Filled<kAxes>(detail::kInf<T>)};
+    return {detail::Filled<kAxes>(detail::kInf<float>)};
   }
   friend constexpr bool operator==(const UpSimplex& a, const UpSimplex& b) {
     return detail::Equal(a.min, b.min);
@@ -177,21 +176,20 @@ struct UpSimplex {
 
 // A bounding simplex, the query side of the simplex test (S- in the paper): the
 // points p with p.axis[k] <= max[k] for every axis k.
-template <int kDims, typename T = float>
+template <int kDims>
 struct DownSimplex {
   static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
-  static_assert(detail::kIsFloat32Or64<T>, "floats or doubles");
-  using Scalar = T;
+  using Scalar = float;
   static constexpr int kDimensions = kDims;
   static constexpr std::size_t kAxes = kDims + 1;
 
-  std::array<T, kAxes> max;
+  std::array<float, kAxes> max;
 
   static constexpr DownSimplex Everything() {
-    return {detail::Filled<kAxes>(detail::kMax<T>)};
+    return {detail::Filled<kAxes>(detail::kMax<float>)};
   }
   static constexpr DownSimplex Empty() {
-    return {detail::Filled<kAxes>(-detail::kInf<T>)};
+    return {detail::Filled<kAxes>(-detail::kInf<float>)};
   }
   friend constexpr bool operator==(const DownSimplex& a, const DownSimplex& b) {
     return detail::Equal(a.max, b.max);
@@ -233,22 +231,21 @@ struct Aabb {
 // The axis-aligned bounding octahedron (AABO), an 8-DOP in 3D: a box with two
 // opposite corners cut off. Its planes are the planes of both simplices, and
 // include those of the box. Objects and queries are both octahedra.
-template <int kDims, typename T = float>
+template <int kDims>
 struct Aabo {
   static_assert(kDims >= 2 && kDims <= 4, "2, 3 or 4 dimensions");
-  static_assert(detail::kIsFloat32Or64<T>, "floats or doubles");
-  using Scalar = T;
+  using Scalar = float;
   static constexpr int kDimensions = kDims;
   static constexpr std::size_t kAxes = kDims + 1;
 
-  std::array<T, kAxes> min;
-  std::array<T, kAxes> max;
+  std::array<float, kAxes> min;
+  std::array<float, kAxes> max;
 
   // Return the simplices and the box by copying their planes.
-  constexpr UpSimplex<kDims, T> up() const { return {min}; }
-  constexpr DownSimplex<kDims, T> down() const { return {max}; }
-  constexpr Aabb<kDims, T> aabb() const {
-    Aabb<kDims, T> box{};
+  constexpr UpSimplex<kDims> up() const { return {min}; }
+  constexpr DownSimplex<kDims> down() const { return {max}; }
+  constexpr Aabb<kDims> aabb() const {
+    Aabb<kDims> box{};
     for (std::size_t k = 0; k < kDims; ++k) {
       box.min[k] = min[k];
       box.max[k] = max[k];
@@ -257,12 +254,12 @@ struct Aabo {
   }
 
   static constexpr Aabo Everything() {
-    return {detail::Filled<kAxes>(-detail::kMax<T>),
-            detail::Filled<kAxes>(detail::kMax<T>)};
+    return {detail::Filled<kAxes>(-detail::kMax<float>),
+            detail::Filled<kAxes>(detail::kMax<float>)};
   }
   static constexpr Aabo Empty() {
-    return {detail::Filled<kAxes>(detail::kInf<T>),
-            detail::Filled<kAxes>(-detail::kInf<T>)};
+    return {detail::Filled<kAxes>(detail::kInf<float>),
+            detail::Filled<kAxes>(-detail::kInf<float>)};
   }
   friend constexpr bool operator==(const Aabo& a, const Aabo& b) {
     return detail::Equal(a.min, b.min) && detail::Equal(a.max, b.max);
@@ -283,20 +280,20 @@ struct Aabo {
 // The calls of reject.h treat this value as numbers, both in an object and in a
 // query. A bound that is limited on at least one side rejects it. Everything()
 // keeps it. Push Empty() if that matters.
-template <int kDims, typename T>
-constexpr bool IsEmpty(const UpSimplex<kDims, T>& bound) {
+template <int kDims>
+constexpr bool IsEmpty(const UpSimplex<kDims>& bound) {
   return detail::AreEmptyMinima(bound.min);
 }
-template <int kDims, typename T>
-constexpr bool IsEmpty(const DownSimplex<kDims, T>& bound) {
+template <int kDims>
+constexpr bool IsEmpty(const DownSimplex<kDims>& bound) {
   return detail::AreEmptyMaxima(bound.max);
 }
 template <int kDims, typename T>
 constexpr bool IsEmpty(const Aabb<kDims, T>& bound) {
   return detail::AreEmptyMinima(bound.min) && detail::AreEmptyMaxima(bound.max);
 }
-template <int kDims, typename T>
-constexpr bool IsEmpty(const Aabo<kDims, T>& bound) {
+template <int kDims>
+constexpr bool IsEmpty(const Aabo<kDims>& bound) {
   return detail::AreEmptyMinima(bound.min) && detail::AreEmptyMaxima(bound.max);
 }
 
@@ -309,17 +306,17 @@ constexpr bool IsEmpty(const Aabo<kDims, T>& bound) {
 // leave no point between them, for example if the box of X, Y and Z does not
 // reach D. The call does not detect this. The result then encloses no point,
 // but an object with this bound can survive a query.
-template <int kDims, typename T>
-constexpr UpSimplex<kDims, T> Intersection(const UpSimplex<kDims, T>& a,
-                                           const UpSimplex<kDims, T>& b) {
-  const UpSimplex<kDims, T> both{detail::TighterMinima(a.min, b.min)};
-  return IsEmpty(both) ? UpSimplex<kDims, T>::Empty() : both;
+template <int kDims>
+constexpr UpSimplex<kDims> Intersection(const UpSimplex<kDims>& a,
+                                        const UpSimplex<kDims>& b) {
+  const UpSimplex<kDims> both{detail::TighterMinima(a.min, b.min)};
+  return IsEmpty(both) ? UpSimplex<kDims>::Empty() : both;
 }
-template <int kDims, typename T>
-constexpr DownSimplex<kDims, T> Intersection(const DownSimplex<kDims, T>& a,
-                                             const DownSimplex<kDims, T>& b) {
-  const DownSimplex<kDims, T> both{detail::TighterMaxima(a.max, b.max)};
-  return IsEmpty(both) ? DownSimplex<kDims, T>::Empty() : both;
+template <int kDims>
+constexpr DownSimplex<kDims> Intersection(const DownSimplex<kDims>& a,
+                                          const DownSimplex<kDims>& b) {
+  const DownSimplex<kDims> both{detail::TighterMaxima(a.max, b.max)};
+  return IsEmpty(both) ? DownSimplex<kDims>::Empty() : both;
 }
 template <int kDims, typename T>
 constexpr Aabb<kDims, T> Intersection(const Aabb<kDims, T>& a,
@@ -328,16 +325,15 @@ constexpr Aabb<kDims, T> Intersection(const Aabb<kDims, T>& a,
       Aabb<kDims, T>{detail::TighterMinima(a.min, b.min),
                      detail::TighterMaxima(a.max, b.max)});
 }
-template <int kDims, typename T>
-constexpr Aabo<kDims, T> Intersection(const Aabo<kDims, T>& a,
-                                      const Aabo<kDims, T>& b) {
+template <int kDims>
+constexpr Aabo<kDims> Intersection(const Aabo<kDims>& a, const Aabo<kDims>& b) {
   return detail::EmptyIfInverted(
-      Aabo<kDims, T>{detail::TighterMinima(a.min, b.min),
-                     detail::TighterMaxima(a.max, b.max)});
+      Aabo<kDims>{detail::TighterMinima(a.min, b.min),
+                  detail::TighterMaxima(a.max, b.max)});
 }
 
 // Volume and HalfArea are for cost heuristics. They are computed and rounded
-// in T. The result is
+// in the type of the values. The result is
 // - 0 if a minimum is greater than the maximum of its axis, if a simplex has no
 //   point, and for Empty(),
 // - infinity on overflow, and for Everything(),
@@ -345,16 +341,16 @@ constexpr Aabo<kDims, T> Intersection(const Aabo<kDims, T>& a,
 // There are none for an Aabo: use its aabb().
 //
 // Returns the volume (in 2 dimensions the area).
-template <int kDims, typename T>
-constexpr T Volume(const UpSimplex<kDims, T>& bound) {
-  T slack = 0;
-  for (T min : bound.min) slack -= min;
+template <int kDims>
+constexpr float Volume(const UpSimplex<kDims>& bound) {
+  float slack = 0;
+  for (float min : bound.min) slack -= min;
   return detail::CornerVolume(slack, kDims);
 }
-template <int kDims, typename T>
-constexpr T Volume(const DownSimplex<kDims, T>& bound) {
-  T slack = 0;
-  for (T max : bound.max) slack += max;
+template <int kDims>
+constexpr float Volume(const DownSimplex<kDims>& bound) {
+  float slack = 0;
+  for (float max : bound.max) slack += max;
   return detail::CornerVolume(slack, kDims);
 }
 template <int kDims, typename T>

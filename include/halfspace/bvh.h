@@ -29,7 +29,7 @@
 // Bounds are floats in 2 or 3 dimensions: Bvh<SimplexView3>,
 // Bvh<AabbView3>, Bvh<AaboView3>, or the same with 2. Each call
 // takes a query of the view's Query type. NaN, empty, inverted and infinite
-// values mean the same as in reject.h. Bounds of doubles become floats that
+// values mean the same as in reject.h. Boxes of doubles become floats that
 // enclose them. For a query of doubles, call RoundOutward (transform.h), and
 // for a sphere or another shape of doubles use its bound (fit.h).
 //
@@ -351,15 +351,14 @@ class Bvh {
     tree_.Refit(detail::ColumnsOf(bounds), false, run);
   }
 
-  // The same calls for bounds of doubles, which are rounded outward
-  // (RoundOutward of transform.h), so no overlap of the exact doubles is
-  // missed. A double that is a float stays equal.
+  // The same calls of a Bvh of boxes for boxes of doubles, which are rounded
+  // outward (RoundOutward of transform.h), so no overlap of the exact doubles
+  // is missed. A double that is a float stays equal.
   //
-  // `Objects` is a view, an owning world or a list of the bound type with
-  // doubles, for example an AabbWorld<3, double> or a vector of
-  // Aabb<3, double>. For a Bvh of boxes it can also be Boxes of floats or of
-  // doubles (shapes.h). For other Bvhs, and for other shapes of doubles, use
-  // Fitted() with a builder of fit_many.h.
+  // `Objects` is an AabbView<D, double>, an AabbWorld<D, double>, a list of
+  // Aabb<D, double>, or Boxes of floats or of doubles (shapes.h). For other
+  // Bvhs, and for other shapes of doubles, use Fitted() with a builder of
+  // fit_many.h.
   //
   // Set() and Insert() of a list, a build and a refit of doubles allocate 4
   // more bytes per plane and object, and free them.

@@ -24,7 +24,8 @@
 //   SurvivorsOf64Simplices, SurvivorsOfFewSimplices,
 //   SurvivorsOf64Octahedra, SurvivorsOfFewOctahedra
 //
-// `planes` and `query` are those of kernels.h, of floats or doubles. The result
+// `planes` and `query` are those of kernels.h, of floats, or for boxes also of
+// doubles. The result
 // has bit l if object i + l survives. Bits past the last object are 0, and
 // nothing past it is read. There are no errors, and no checks. In a loop the
 // compiler keeps the query's values in registers. Compile without -ffast-math,

@@ -14,8 +14,8 @@
 //   SurvivorsOfOctahedra  d + 1 minima, then d + 1 maxima: min x y z D,
 //                         max x y z D
 //
-// D is -(x + y + z) (bounds.h). Each function has four overloads: planes and
-// queries of floats or of doubles, one query or several.
+// D is -(x + y + z) (bounds.h). Each function has two overloads, for one query
+// and for several. Those of boxes exist for doubles, too.
 //
 //   planes  planes[p][i] is the value of plane p of object i. The call reads
 //           values 0 ... n - 1 of each plane, and nothing else. A plane needs
@@ -65,17 +65,19 @@
 
 namespace halfspace {
 
-#define HALFSPACE_DEFINE_SURVIVORS_OF(name, bound)                          \
-  inline void SurvivorsOf##name(const float* const* planes, std::size_t n,  \
-                                const float* query,                         \
-                                std::uint64_t* mask) noexcept {             \
-    bound##_mask(planes, n, query, mask);                                   \
-  }                                                                         \
-  inline void SurvivorsOf##name(const float* const* planes, std::size_t n,  \
-                                const float* queries, std::size_t count,    \
-                                std::uint64_t* masks) noexcept {            \
-    bound##_masks(planes, n, queries, count, masks);                        \
-  }                                                                         \
+#define HALFSPACE_DEFINE_SURVIVORS_OF(name, bound)                         \
+  inline void SurvivorsOf##name(const float* const* planes, std::size_t n, \
+                                const float* query,                        \
+                                std::uint64_t* mask) noexcept {            \
+    bound##_mask(planes, n, query, mask);                                  \
+  }                                                                        \
+  inline void SurvivorsOf##name(const float* const* planes, std::size_t n, \
+                                const float* queries, std::size_t count,   \
+                                std::uint64_t* masks) noexcept {           \
+    bound##_masks(planes, n, queries, count, masks);                       \
+  }
+#define HALFSPACE_DEFINE_SURVIVORS_OF_DOUBLES(name, bound)                  \
+  HALFSPACE_DEFINE_SURVIVORS_OF(name, bound)                                \
   inline void SurvivorsOf##name(const double* const* planes, std::size_t n, \
                                 const double* query,                        \
                                 std::uint64_t* mask) noexcept {             \
@@ -87,22 +89,23 @@ namespace halfspace {
     bound##_masks_of_doubles(planes, n, queries, count, masks);             \
   }
 
-HALFSPACE_DEFINE_SURVIVORS_OF(Boxes2, hs_box2)
-HALFSPACE_DEFINE_SURVIVORS_OF(Boxes3, hs_box3)
-HALFSPACE_DEFINE_SURVIVORS_OF(Boxes4, hs_box4)
+HALFSPACE_DEFINE_SURVIVORS_OF_DOUBLES(Boxes2, hs_box2)
+HALFSPACE_DEFINE_SURVIVORS_OF_DOUBLES(Boxes3, hs_box3)
+HALFSPACE_DEFINE_SURVIVORS_OF_DOUBLES(Boxes4, hs_box4)
 HALFSPACE_DEFINE_SURVIVORS_OF(Simplices2, hs_simplex2)
 HALFSPACE_DEFINE_SURVIVORS_OF(Simplices3, hs_simplex3)
 HALFSPACE_DEFINE_SURVIVORS_OF(Simplices4, hs_simplex4)
 HALFSPACE_DEFINE_SURVIVORS_OF(Octahedra2, hs_octahedron2)
 HALFSPACE_DEFINE_SURVIVORS_OF(Octahedra3, hs_octahedron3)
 HALFSPACE_DEFINE_SURVIVORS_OF(Octahedra4, hs_octahedron4)
+#undef HALFSPACE_DEFINE_SURVIVORS_OF_DOUBLES
 #undef HALFSPACE_DEFINE_SURVIVORS_OF
 
 // The functions on planes of floats or doubles for one target, such as those
 // that a program compares, or that it keeps where it must not read what the
 // library chose.
 template <typename T>
-struct Kernels {
+struct BoxKernels {
   // As SurvivorsOf...(planes, n, query, mask), and for several queries.
   struct OfBound {
     void (*one)(const T* const* planes, std::size_t n, const T* query,
@@ -111,6 +114,12 @@ struct Kernels {
                     std::size_t count, std::uint64_t* masks) noexcept;
   };
   OfBound boxes2, boxes3, boxes4;
+};
+
+template <typename T>
+struct Kernels : BoxKernels<T> {};
+template <>
+struct Kernels<float> : BoxKernels<float> {
   OfBound simplices2, simplices3, simplices4;
   OfBound octahedra2, octahedra3, octahedra4;
 };
@@ -125,7 +134,7 @@ struct Kernels {
 //
 // Errors: throws (error.h) if the target is not supported here, or if
 // HALFSPACE_TARGET is not. Cost: a program that calls it links the kernels of
-// all bounds of floats, or of doubles.
+// all bounds of floats, or of all boxes of doubles.
 template <typename T = float>
 const Kernels<T>& KernelsOf(Target target = {});
 template <>

@@ -6,10 +6,10 @@
 //   AaboPlanes<D>       min[0 .. D], max[0 .. D]
 //   DPlanes<D>          min and max of the D axis alone
 //
-// Each pointer is the start of an array of `size` floats or `size` doubles in
-// the caller's memory. The array must be aligned for its element type and must
-// not overlap another plane. A builder writes elements 0 ... size - 1 and
-// nothing else. An owning world returns its own planes from planes() (world.h).
+// Each pointer is the start of an array of `size` floats in the caller's
+// memory. The array must be aligned for its element type and must not overlap
+// another plane. A builder writes elements 0 ... size - 1 and nothing else. An
+// owning world returns its own planes from planes() (world.h).
 //
 // The views of world.h are the read-only versions of these types. DPlanes have
 // no read-only version: they add the D axis to the planes of an AABB world,
@@ -27,13 +27,12 @@
 namespace halfspace {
 
 // The minima of kDims + 1 axes.
-template <int kDims, typename T = float>
+template <int kDims>
 struct SimplexPlanes {
-  static_assert(detail::kIsFloat32Or64<T>, "floats or doubles");
-  using Scalar = T;
+  using Scalar = float;
   static constexpr int kDimensions = kDims;
 
-  std::array<T*, static_cast<std::size_t>(kDims) + 1> min{};
+  std::array<float*, static_cast<std::size_t>(kDims) + 1> min{};
   std::size_t size = 0;
 };
 
@@ -50,14 +49,13 @@ struct AabbPlanes {
 };
 
 // The minima and maxima of kDims + 1 axes.
-template <int kDims, typename T = float>
+template <int kDims>
 struct AaboPlanes {
-  static_assert(detail::kIsFloat32Or64<T>, "floats or doubles");
-  using Scalar = T;
+  using Scalar = float;
   static constexpr int kDimensions = kDims;
 
-  std::array<T*, static_cast<std::size_t>(kDims) + 1> min{};
-  std::array<T*, static_cast<std::size_t>(kDims) + 1> max{};
+  std::array<float*, static_cast<std::size_t>(kDims) + 1> min{};
+  std::array<float*, static_cast<std::size_t>(kDims) + 1> max{};
   std::size_t size = 0;
 };
 

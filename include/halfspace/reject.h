@@ -16,8 +16,8 @@
 // on every target, schedule and compiler.
 //
 // Every call takes
-//   world    a view or an owning world of floats or doubles (world.h), or a
-//            world of quantized bounds (quantized.h); may be empty
+//   world    a view or an owning world (world.h), or a world of quantized
+//            bounds (quantized.h); may be empty
 //   query    the world's Query type: DownSimplex, Aabb or Aabo; or half-spaces
 //            (reject_shapes.h)
 //   options  schedule, target and range of objects; the defaults fit most uses

@@ -11,7 +11,7 @@
 // queries also share each load.
 //
 // Every call takes
-//   world    as in reject.h: floats, doubles or quantized bounds; may be empty
+//   world    as in reject.h; may be empty
 //   queries  any number of the world's Query type, also none; NaNs and empty
 //            queries have the same effect as in reject.h
 //   options  as in reject.h

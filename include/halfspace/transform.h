@@ -5,7 +5,7 @@
 //   const halfspace::Aabo3 swept = halfspace::Sweep(bound, {0, 0, -2});
 //
 // `Bound` is any of UpSimplex, DownSimplex, Aabb and Aabo of floats in 2, 3 or
-// 4 dimensions. Only RoundOutward takes bounds of doubles.
+// 4 dimensions. Only RoundOutward takes boxes of doubles.
 //
 // No overlap is ever missed. If the given bounds enclose their shapes, the
 // result encloses the exact merged, inflated or moved shape, as for the
@@ -136,19 +136,17 @@ Bound Sweep(const Bound& bound, const Point<Bound::kDimensions>& motion,
   return Merge(bound, Translate(bound, motion), status);
 }
 
-// Returns the bound of floats for a bound of doubles: each minimum is rounded
-// down and each maximum up. Tightest.
+// Returns the box of floats for a box of doubles: each minimum is rounded down
+// and each maximum up. Tightest.
 //   A double that is a float stays equal. NaN and infinities stay. A minimum
 //   below -FLT_MAX becomes -infinity, a maximum above FLT_MAX becomes infinity,
-//   so Everything() becomes a bound without limits. An empty bound stays empty.
-template <template <int, typename> class Bound, int kDims>
-Bound<kDims, float> RoundOutward(const Bound<kDims, double>& bound) {
-  using Rounded = Bound<kDims, float>;
-  detail::PlaneValues<Rounded> values;
-  detail::RoundOutward(detail::Planes(bound),
-                       detail::HasMin<Rounded> ? Rounded::kAxes : 0,
-                       values.size(), values.data());
-  return detail::BoundOf<Rounded>(values);
+//   so Everything() becomes a box without limits. An empty box stays empty.
+template <int kDims>
+Aabb<kDims> RoundOutward(const Aabb<kDims, double>& box) {
+  detail::PlaneValues<Aabb<kDims>> values;
+  detail::RoundOutward(detail::Planes(box), Aabb<kDims>::kAxes, values.size(),
+                       values.data());
+  return detail::BoundOf<Aabb<kDims>>(values);
 }
 
 // Returns the opposing simplex, circumscribed about the given one. It makes a

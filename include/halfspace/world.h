@@ -6,7 +6,8 @@
 //   world.Push(halfspace::BoundSphere(sphere).aabb());  // fit.h
 //   const std::size_t n = halfspace::CountSurvivors(world, query);  // reject.h
 //
-// A world of n objects has one array of n floats or n doubles for each plane.
+// A world of n objects has one array of n floats for each plane. A world of
+// boxes can have doubles instead.
 // Object i is element i of every plane.
 //
 //   view                planes                               queried by
@@ -14,10 +15,11 @@
 //   AabbView<D>         min[0 .. D-1], max[0 .. D-1]         Aabb<D>
 //   AaboView<D>         min[0 .. D], max[0 .. D]             Aabo<D>
 //
-// SimplexView<D, double>, AabbView<D, double> and AaboView<D, double> are views
-// of doubles. Their queries are bounds of doubles. Use them for data that is
-// stored in double precision, for example in a database. A test of doubles
-// takes twice the time, because it reads twice the bytes.
+// AabbView<D, double> is a view of doubles. Its queries are boxes of doubles.
+// It scans columns of a database in place, because boxes need no rounding. A
+// test of doubles takes twice the time, because it reads twice the bytes.
+// Simplices and octahedra have a D axis, which has to be rounded outward. Build
+// them as floats that enclose the doubles (fit.h, fit_many.h).
 //
 // Planes may have any values. A plane with a NaN never rejects its object.
 //
@@ -43,13 +45,13 @@ namespace halfspace {
 // Each plane must be aligned for its element type. Planes need not be adjacent,
 // padded or aligned further. A call reads elements 0 ... size - 1 of each plane
 // and nothing else. A plane may be null only if `size` is 0.
-template <int kDims, typename T = float>
+template <int kDims>
 struct SimplexView {
-  using Bound = UpSimplex<kDims, T>;
-  using Query = DownSimplex<kDims, T>;
-  using Planes = SimplexPlanes<kDims, T>;
+  using Bound = UpSimplex<kDims>;
+  using Query = DownSimplex<kDims>;
+  using Planes = SimplexPlanes<kDims>;
 
-  std::array<const T*, Bound::kAxes> min{};
+  std::array<const float*, Bound::kAxes> min{};
   std::size_t size = 0;
 
   const SimplexView& view() const { return *this; }
@@ -68,23 +70,23 @@ struct AabbView {
   const AabbView& view() const { return *this; }
 };
 
-template <int kDims, typename T = float>
+template <int kDims>
 struct AaboView {
-  using Bound = Aabo<kDims, T>;
-  using Query = Aabo<kDims, T>;
-  using Planes = AaboPlanes<kDims, T>;
+  using Bound = Aabo<kDims>;
+  using Query = Aabo<kDims>;
+  using Planes = AaboPlanes<kDims>;
 
-  std::array<const T*, Bound::kAxes> min{};
-  std::array<const T*, Bound::kAxes> max{};
+  std::array<const float*, Bound::kAxes> min{};
+  std::array<const float*, Bound::kAxes> max{};
   std::size_t size = 0;
 
   const AaboView& view() const { return *this; }
 
   // An AABO world is also a simplex world and an AABB world. simplex() and
   // aabb() return views of the same planes, at no cost.
-  SimplexView<kDims, T> simplex() const { return {min, size}; }
-  AabbView<kDims, T> aabb() const {
-    AabbView<kDims, T> box;
+  SimplexView<kDims> simplex() const { return {min, size}; }
+  AabbView<kDims> aabb() const {
+    AabbView<kDims> box;
     for (std::size_t k = 0; k < kDims; ++k) {
       box.min[k] = min[k];
       box.max[k] = max[k];
@@ -204,12 +206,12 @@ class World {
   detail::PlaneArrays<typename Bound::Scalar> planes_;
 };
 
-template <int kDims, typename T = float>
-using SimplexWorld = World<SimplexView<kDims, T>>;
+template <int kDims>
+using SimplexWorld = World<SimplexView<kDims>>;
 template <int kDims, typename T = float>
 using AabbWorld = World<AabbView<kDims, T>>;
-template <int kDims, typename T = float>
-using AaboWorld = World<AaboView<kDims, T>>;
+template <int kDims>
+using AaboWorld = World<AaboView<kDims>>;
 
 using SimplexWorld2 = SimplexWorld<2>;
 using SimplexWorld3 = SimplexWorld<3>;

@@ -465,7 +465,7 @@ constexpr detail::TargetKernels MakeKernels() {
         kAxes > 2 ? &ElementKernels<T>::ByHalf : &ElementKernels<T>::ByAxis;
     kernels.run[detail::kAdaptive] = &ElementKernels<T>::Adaptive;
   }
-  if constexpr (kAxes > 2) {
+  if constexpr (kAxes > 2 && !std::is_same_v<T, double>) {
     kernels.run[detail::kMinima] = &Flat<kAxes, 0, T>;
     if constexpr (std::is_floating_point_v<T>) {
       kernels.mask_of_minima = &FlatMask<kAxes, 0, T>;

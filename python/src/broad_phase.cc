@@ -74,28 +74,20 @@ Span<const BodyMasks> MasksIn(const Masks& masks) {
           static_cast<std::size_t>(masks.shape(0))};
 }
 
-template <typename Bound>
-struct OfDoubles;
-template <template <int, typename> class Bound, int kDims>
-struct OfDoubles<Bound<kDims, float>> {
-  using Type = Bound<kDims, double>;
-};
-
 template <typename Bound, typename Scalar>
 Bound RecordAt(const Columns& columns, std::size_t row) {
-  std::conditional_t<std::is_same_v<Scalar, double>,
-                     typename OfDoubles<Bound>::Type, Bound>
-      bound;
+  std::array<Scalar, 2 * Bound::kAxes> values;
   const std::size_t at = row * columns.stride();
-  for (std::size_t k = 0; k < Bound::kAxes; ++k) {
-    bound.min[k] = columns.Column<Scalar>(k)[at];
-    bound.max[k] = columns.Column<Scalar>(Bound::kAxes + k)[at];
+  for (std::size_t p = 0; p < values.size(); ++p) {
+    values[p] = columns.Column<Scalar>(p)[at];
   }
+  detail::PlaneValues<Bound> floats;
   if constexpr (std::is_same_v<Scalar, double>) {
-    return RoundOutward(bound);
+    detail::RoundOutward(values, Bound::kAxes, values.size(), floats.data());
   } else {
-    return bound;
+    floats = values;
   }
+  return detail::BoundOf<Bound>(floats);
 }
 
 template <int kDims, typename Scalar>

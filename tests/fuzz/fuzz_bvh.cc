@@ -93,7 +93,11 @@ class BvhHistory {
 
  private:
   using Bound = typename View::Bound;
-  using DoubleView = detail::DoubleView<View>;
+  // What changes may pass, too: only a Bvh of boxes takes doubles.
+
+  using Other =
+      std::conditional_t<kIsOfBoxes, typename detail::DoubleView<View>::Bound,
+                         Bound>;
   using Model = std::vector<std::optional<Bound>>;  // by id
 
   // A value of each palette; all ends at once are a bound of few bytes.
@@ -153,7 +157,7 @@ class BvhHistory {
     const bool is_of_doubles = bytes.Below(4) == 0;
     const bool may_miss = bytes.Below(16) == 0;  // ids, which are refused then
     std::vector<Bound> bounds(bytes.Below(bytes.Below(16) == 1 ? 600 : 12));
-    std::vector<typename DoubleView::Bound> doubles;
+    std::vector<Other> doubles;
     std::vector<std::uint32_t> ids;
     bool are_all_there = true;
     for (Bound& bound : bounds) {
@@ -229,11 +233,11 @@ class BvhHistory {
     return id < model.size() && model[id].has_value();
   }
 
-  static typename DoubleView::Bound InDoubles(const Bound& bound) {
+  static Other InDoubles(const Bound& bound) {
     const auto floats = detail::Planes(bound);
-    detail::PlaneValues<typename DoubleView::Bound> doubles;
+    detail::PlaneValues<Other> doubles;
     std::copy(floats.begin(), floats.end(), doubles.begin());
-    return detail::BoundOf<typename DoubleView::Bound>(doubles);
+    return detail::BoundOf<Other>(doubles);
   }
 
   // The bound of each object, and that of all.

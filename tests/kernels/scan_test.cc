@@ -48,7 +48,7 @@ struct WordCase {
 inline constexpr std::size_t kMostPlanes = 10;
 
 // Of so many planes half, rounded up, are minima; and of four all or none. The
-// named ones are of floats and doubles only.
+// named ones are of floats, and boxes of doubles too.
 template <typename T>
 struct WordCases {
   WordCase<T> mixed[kMostPlanes];
@@ -165,15 +165,17 @@ constexpr testing::WordCases<T> MakeWordCases(std::index_sequence<kCase...>) {
                                  MakeWordCase<0, T>(kFour),
                                  {}};
   if constexpr (std::is_floating_point_v<T>) {
-    size_t n = 0;
-    for (const auto& named :
-         {NamedBoxes<2, T>::Case(), NamedBoxes<3, T>::Case(),
-          NamedBoxes<4, T>::Case(), NamedSimplices<2, T>::Case(),
-          NamedSimplices<3, T>::Case(), NamedSimplices<4, T>::Case(),
-          NamedOctahedra<2, T>::Case(), NamedOctahedra<3, T>::Case(),
-          NamedOctahedra<4, T>::Case()}) {
-      cases.named[n++] = named;
-    }
+    cases.named[0] = NamedBoxes<2, T>::Case();
+    cases.named[1] = NamedBoxes<3, T>::Case();
+    cases.named[2] = NamedBoxes<4, T>::Case();
+  }
+  if constexpr (std::is_same_v<T, float>) {
+    cases.named[3] = NamedSimplices<2, T>::Case();
+    cases.named[4] = NamedSimplices<3, T>::Case();
+    cases.named[5] = NamedSimplices<4, T>::Case();
+    cases.named[6] = NamedOctahedra<2, T>::Case();
+    cases.named[7] = NamedOctahedra<3, T>::Case();
+    cases.named[8] = NamedOctahedra<4, T>::Case();
   }
   return cases;
 }

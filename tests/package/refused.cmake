@@ -6,7 +6,8 @@ set(refused
   "(void)CountSurvivors(flat, Sphere3{})" "${own_type}"
   "(void)Survivors(flat, Sphere3{}, ids)" "${own_type}"
   "(void)AnySurvivor(quantized, front)" "${own_type}"
-  "(void)Merge(Foreign(), Foreign())" "BoundOfFloats")
+  "(void)Merge(Foreign(), Foreign())" "BoundOfFloats"
+  "AaboView<3, double> doubles" "wrong number of template arguments|too many template arguments")
 
 set(source "${OUTPUT}.cc")
 while(refused)

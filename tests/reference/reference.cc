@@ -2,8 +2,7 @@
 
 namespace halfspace::reference {
 
-template <typename T>
-bool Rejects(const SimplexView<2, T>& world, const DownSimplex<2, T>& query,
+bool Rejects(const SimplexView<2>& world, const DownSimplex<2>& query,
              std::size_t i) {
   if (world.min[0][i] > query.max[0]) return true;
   if (world.min[1][i] > query.max[1]) return true;
@@ -11,8 +10,7 @@ bool Rejects(const SimplexView<2, T>& world, const DownSimplex<2, T>& query,
   return false;
 }
 
-template <typename T>
-bool Rejects(const SimplexView<3, T>& world, const DownSimplex<3, T>& query,
+bool Rejects(const SimplexView<3>& world, const DownSimplex<3>& query,
              std::size_t i) {
   if (world.min[0][i] > query.max[0]) return true;
   if (world.min[1][i] > query.max[1]) return true;
@@ -21,8 +19,7 @@ bool Rejects(const SimplexView<3, T>& world, const DownSimplex<3, T>& query,
   return false;
 }
 
-template <typename T>
-bool Rejects(const SimplexView<4, T>& world, const DownSimplex<4, T>& query,
+bool Rejects(const SimplexView<4>& world, const DownSimplex<4>& query,
              std::size_t i) {
   if (world.min[0][i] > query.max[0]) return true;
   if (world.min[1][i] > query.max[1]) return true;
@@ -68,9 +65,7 @@ bool Rejects(const AabbView<4, T>& world, const Aabb<4, T>& query,
   return false;
 }
 
-template <typename T>
-bool Rejects(const AaboView<2, T>& world, const Aabo<2, T>& query,
-             std::size_t i) {
+bool Rejects(const AaboView<2>& world, const Aabo<2>& query, std::size_t i) {
   if (world.min[0][i] > query.max[0]) return true;
   if (world.min[1][i] > query.max[1]) return true;
   if (world.min[2][i] > query.max[2]) return true;
@@ -80,9 +75,7 @@ bool Rejects(const AaboView<2, T>& world, const Aabo<2, T>& query,
   return false;
 }
 
-template <typename T>
-bool Rejects(const AaboView<3, T>& world, const Aabo<3, T>& query,
-             std::size_t i) {
+bool Rejects(const AaboView<3>& world, const Aabo<3>& query, std::size_t i) {
   if (world.min[0][i] > query.max[0]) return true;
   if (world.min[1][i] > query.max[1]) return true;
   if (world.min[2][i] > query.max[2]) return true;
@@ -94,9 +87,7 @@ bool Rejects(const AaboView<3, T>& world, const Aabo<3, T>& query,
   return false;
 }
 
-template <typename T>
-bool Rejects(const AaboView<4, T>& world, const Aabo<4, T>& query,
-             std::size_t i) {
+bool Rejects(const AaboView<4>& world, const Aabo<4>& query, std::size_t i) {
   if (world.min[0][i] > query.max[0]) return true;
   if (world.min[1][i] > query.max[1]) return true;
   if (world.min[2][i] > query.max[2]) return true;
@@ -125,31 +116,24 @@ void RejectMask(const View& world, const typename View::Query& query,
   }
 }
 
-// Every shape, in every number of dimensions, of floats and of doubles.
-#define HALFSPACE_INSTANTIATE(View, Query, kDims, T)                      \
-  template bool Rejects(const View<kDims, T>&, const Query<kDims, T>&,    \
-                        std::size_t);                                     \
-  template void RejectMask(const View<kDims, T>&, const Query<kDims, T>&, \
-                           std::uint64_t*)
+// Every shape, in every number of dimensions.
+#define HALFSPACE_INSTANTIATE(kDims)                                   \
+  template bool Rejects(const AabbView<kDims>&, const Aabb<kDims>&,    \
+                        std::size_t);                                  \
+  template bool Rejects(const AabbView<kDims, double>&,                \
+                        const Aabb<kDims, double>&, std::size_t);      \
+  template void RejectMask(const SimplexView<kDims>&,                  \
+                           const DownSimplex<kDims>&, std::uint64_t*); \
+  template void RejectMask(const AabbView<kDims>&, const Aabb<kDims>&, \
+                           std::uint64_t*);                            \
+  template void RejectMask(const AaboView<kDims>&, const Aabo<kDims>&, \
+                           std::uint64_t*);                            \
+  template void RejectMask(const AabbView<kDims, double>&,             \
+                           const Aabb<kDims, double>&, std::uint64_t*)
 
-HALFSPACE_INSTANTIATE(SimplexView, DownSimplex, 2, float);
-HALFSPACE_INSTANTIATE(SimplexView, DownSimplex, 3, float);
-HALFSPACE_INSTANTIATE(SimplexView, DownSimplex, 4, float);
-HALFSPACE_INSTANTIATE(AabbView, Aabb, 2, float);
-HALFSPACE_INSTANTIATE(AabbView, Aabb, 3, float);
-HALFSPACE_INSTANTIATE(AabbView, Aabb, 4, float);
-HALFSPACE_INSTANTIATE(AaboView, Aabo, 2, float);
-HALFSPACE_INSTANTIATE(AaboView, Aabo, 3, float);
-HALFSPACE_INSTANTIATE(AaboView, Aabo, 4, float);
-HALFSPACE_INSTANTIATE(SimplexView, DownSimplex, 2, double);
-HALFSPACE_INSTANTIATE(SimplexView, DownSimplex, 3, double);
-HALFSPACE_INSTANTIATE(SimplexView, DownSimplex, 4, double);
-HALFSPACE_INSTANTIATE(AabbView, Aabb, 2, double);
-HALFSPACE_INSTANTIATE(AabbView, Aabb, 3, double);
-HALFSPACE_INSTANTIATE(AabbView, Aabb, 4, double);
-HALFSPACE_INSTANTIATE(AaboView, Aabo, 2, double);
-HALFSPACE_INSTANTIATE(AaboView, Aabo, 3, double);
-HALFSPACE_INSTANTIATE(AaboView, Aabo, 4, double);
+HALFSPACE_INSTANTIATE(2);
+HALFSPACE_INSTANTIATE(3);
+HALFSPACE_INSTANTIATE(4);
 
 #undef HALFSPACE_INSTANTIATE
 

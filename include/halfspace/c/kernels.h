@@ -11,7 +11,7 @@
 //   SurvivorsOfBoxes3(planes, n, query, mask)     hs_box3_mask
 //   SurvivorsOfBoxes3(planes, n, queries, count,  hs_box3_masks
 //                     masks)
-//   the same of doubles                           hs_box3_mask_of_doubles,
+//   the same of boxes of doubles                  hs_box3_mask_of_doubles,
 //                                                 hs_box3_masks_of_doubles
 //
 // The others are named hs_box, hs_simplex and hs_octahedron, with 2, 3 or 4.
@@ -37,17 +37,19 @@ extern "C" {
       HALFSPACE_NOEXCEPT;                                                \
   HALFSPACE_API void bound##_masks(const float* const* planes, size_t n, \
                                    const float* queries, size_t count,   \
-                                   uint64_t* masks) HALFSPACE_NOEXCEPT;  \
-  HALFSPACE_API void bound##_mask_of_doubles(                            \
-      const double* const* planes, size_t n, const double* query,        \
-      uint64_t* mask) HALFSPACE_NOEXCEPT;                                \
-  HALFSPACE_API void bound##_masks_of_doubles(                           \
-      const double* const* planes, size_t n, const double* queries,      \
+                                   uint64_t* masks) HALFSPACE_NOEXCEPT
+#define HALFSPACE_DECLARE_MASKS_OF_DOUBLES(bound)                   \
+  HALFSPACE_DECLARE_MASKS(bound);                                   \
+  HALFSPACE_API void bound##_mask_of_doubles(                       \
+      const double* const* planes, size_t n, const double* query,   \
+      uint64_t* mask) HALFSPACE_NOEXCEPT;                           \
+  HALFSPACE_API void bound##_masks_of_doubles(                      \
+      const double* const* planes, size_t n, const double* queries, \
       size_t count, uint64_t* masks) HALFSPACE_NOEXCEPT
 
-HALFSPACE_DECLARE_MASKS(hs_box2);
-HALFSPACE_DECLARE_MASKS(hs_box3);
-HALFSPACE_DECLARE_MASKS(hs_box4);
+HALFSPACE_DECLARE_MASKS_OF_DOUBLES(hs_box2);
+HALFSPACE_DECLARE_MASKS_OF_DOUBLES(hs_box3);
+HALFSPACE_DECLARE_MASKS_OF_DOUBLES(hs_box4);
 HALFSPACE_DECLARE_MASKS(hs_simplex2);
 HALFSPACE_DECLARE_MASKS(hs_simplex3);
 HALFSPACE_DECLARE_MASKS(hs_simplex4);
@@ -55,6 +57,7 @@ HALFSPACE_DECLARE_MASKS(hs_octahedron2);
 HALFSPACE_DECLARE_MASKS(hs_octahedron3);
 HALFSPACE_DECLARE_MASKS(hs_octahedron4);
 
+#undef HALFSPACE_DECLARE_MASKS_OF_DOUBLES
 #undef HALFSPACE_DECLARE_MASKS
 #undef HALFSPACE_NOEXCEPT
 

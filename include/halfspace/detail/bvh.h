@@ -113,34 +113,34 @@ struct BvhShape {
   bool has_codes = true;
 };
 
-// View<3, float> with doubles: View<3, double>.
+// What a Bvh of boxes is built of besides its own types.
 template <typename View>
-struct InDouble;
-template <template <int, typename> class View, int kDims>
-struct InDouble<View<kDims, float>> {
-  using Type = View<kDims, double>;
-};
+inline constexpr bool kIsOfBoxes =
+    std::is_same_v<View, AabbView<View::Bound::kDimensions, float>>;
 template <typename View>
-using DoubleView = typename InDouble<View>::Type;
+using IfBoxes = std::enable_if_t<kIsOfBoxes<View>>;
 template <typename View>
-using DoubleBound = typename DoubleView<View>::Bound;
+using DoubleView = AabbView<View::Bound::kDimensions, double>;
+struct NoBound {};  // of doubles
+template <typename View>
+using DoubleBound =
+    std::conditional_t<kIsOfBoxes<View>, Aabb<View::Bound::kDimensions, double>,
+                       NoBound>;
 
-// What a Bvh<View> is built of besides its own types.
-template <typename View>
+template <typename View, typename = IfBoxes<View>>
 Columns<double> OtherColumns(const DoubleView<View>& view) {
   return ColumnsOf(view);
 }
-template <typename View>
+template <typename View, typename = IfBoxes<View>>
 Columns<double> OtherColumns(const World<DoubleView<View>>& world) {
   return ColumnsOf(world.view());
 }
-template <typename View>
-Columns<double> OtherColumns(Span<const DoubleBound<View>> bounds) {
+template <typename View, typename = IfBoxes<View>>
+Columns<double> OtherColumns(
+    Span<const Aabb<View::Bound::kDimensions, double>> bounds) {
   return ColumnsOf(bounds);
 }
-template <typename View, typename Scalar,
-          typename = std::enable_if_t<
-              std::is_same_v<View, AabbView<View::Bound::kDimensions, float>>>>
+template <typename View, typename Scalar, typename = IfBoxes<View>>
 Columns<Scalar> OtherColumns(
     const Boxes<View::Bound::kDimensions, Scalar>& boxes) {
   Columns<Scalar> columns;
@@ -150,7 +150,7 @@ Columns<Scalar> OtherColumns(
   return columns;
 }
 
-// Types if Objects can be one of these, and if Bound is of doubles.
+// Types if Objects can be one of these, and if Bound is a box of doubles.
 template <typename View, typename Objects>
 using IfOther =
     decltype(OtherColumns<View>(std::declval<const Objects&>()).size);

@@ -53,12 +53,14 @@ struct HALFSPACE_API KernelsOf {
 #define HALFSPACE_DECLARE_KERNELS(T)      \
   extern template struct KernelsOf<2, T>; \
   extern template struct KernelsOf<3, T>; \
-  extern template struct KernelsOf<4, T>; \
-  extern template struct KernelsOf<5, T>
+  extern template struct KernelsOf<4, T>
 HALFSPACE_DECLARE_KERNELS(float);
-HALFSPACE_DECLARE_KERNELS(double);
+HALFSPACE_DECLARE_KERNELS(double);  // of boxes
 HALFSPACE_DECLARE_KERNELS(std::int8_t);
 HALFSPACE_DECLARE_KERNELS(std::int16_t);
+extern template struct KernelsOf<5, float>;
+extern template struct KernelsOf<5, std::int8_t>;
+extern template struct KernelsOf<5, std::int16_t>;
 #undef HALFSPACE_DECLARE_KERNELS
 
 struct Scan;

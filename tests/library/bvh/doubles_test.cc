@@ -1,4 +1,4 @@
-// BVHs of bounds of doubles: the same as those of the rounded floats, and no
+// BVHs of boxes of doubles: the same as those of the rounded floats, and no
 // overlap of the doubles is missed.
 #include <gtest/gtest.h>
 
@@ -55,7 +55,8 @@ bool AreSame(const Bvh<View>& a, const Bvh<View>& b) {
 
 template <typename Case>
 class BvhDoublesTest : public ::testing::Test {};
-TYPED_TEST_SUITE(BvhDoublesTest, BvhCases, CaseNames);
+using BoxCases = Tested<::testing::Types<Whole<AabbView2>, Whole<AabbView3>>>;
+TYPED_TEST_SUITE(BvhDoublesTest, BoxCases, CaseNames);
 
 // Among them objects that touch the query, and miss it by an ulp of double.
 TYPED_TEST(BvhDoublesTest, MissesNoOverlapOfTheDoubles) {

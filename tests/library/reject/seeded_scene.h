@@ -5,6 +5,7 @@
 #define HALFSPACE_TESTS_LIBRARY_REJECT_SEEDED_SCENE_H_
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -19,13 +20,20 @@
 
 namespace halfspace::testing {
 
+// The planes of an octahedron, in floats or in doubles.
+template <int kDims, typename T>
+struct SeededPlanes {
+  std::array<T, kDims + 1> min;
+  std::array<T, kDims + 1> max;
+};
+
 template <int kDims, typename T>
 struct SeededScene {
   // A tile of a staged scan, then words, then a tail.
   static constexpr std::size_t kObjects = 4096 + 3 * 64 + 37;
   static constexpr std::size_t kQueries = 32;
 
-  using Bound = Aabo<kDims, T>;
+  using Bound = SeededPlanes<kDims, T>;
 
   std::vector<Bound> objects;
   std::vector<Bound> queries;
@@ -90,18 +98,13 @@ struct SeededScene {
 };
 
 template <typename Bound, int kDims, typename T>
-Bound PartOf(const Aabo<kDims, T>& bound) {
-  if constexpr (HasMinima<Bound> && HasMaxima<Bound>) {
-    if constexpr (Bound::kAxes == kDims) {
-      return bound.aabb();
-    } else {
-      return bound;
-    }
-  } else if constexpr (HasMinima<Bound>) {
-    return bound.up();
-  } else {
-    return bound.down();
+Bound PartOf(const SeededPlanes<kDims, T>& planes) {
+  Bound bound;
+  for (std::size_t k = 0; k < Bound::kAxes; ++k) {
+    if constexpr (HasMinima<Bound>) bound.min[k] = planes.min[k];
+    if constexpr (HasMaxima<Bound>) bound.max[k] = planes.max[k];
   }
+  return bound;
 }
 
 }  // namespace halfspace::testing

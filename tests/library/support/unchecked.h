@@ -26,14 +26,14 @@ template <int kDims, typename T>
 const auto& KernelsFor(const Kernels<T>& kernels, const AabbView<kDims, T>&) {
   return OfDims<kDims>(kernels.boxes2, kernels.boxes3, kernels.boxes4);
 }
-template <int kDims, typename T>
-const auto& KernelsFor(const Kernels<T>& kernels,
-                       const SimplexView<kDims, T>&) {
+template <int kDims>
+const auto& KernelsFor(const Kernels<float>& kernels,
+                       const SimplexView<kDims>&) {
   return OfDims<kDims>(kernels.simplices2, kernels.simplices3,
                        kernels.simplices4);
 }
-template <int kDims, typename T>
-const auto& KernelsFor(const Kernels<T>& kernels, const AaboView<kDims, T>&) {
+template <int kDims>
+const auto& KernelsFor(const Kernels<float>& kernels, const AaboView<kDims>&) {
   return OfDims<kDims>(kernels.octahedra2, kernels.octahedra3,
                        kernels.octahedra4);
 }
