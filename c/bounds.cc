@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
+#include <type_traits>
 
 #include "c/call.h"
 #include "c/columns.h"
@@ -18,32 +19,33 @@ constexpr hs_bound_options kDefaults = {sizeof(hs_bound_options), 0, 0,
 // What is bounded at a time: its planes stay in the cache.
 constexpr std::size_t kMostShapes = 256;
 
-template <detail::FitSource kSource, typename Scalar>
-detail::Source SourceOf(std::size_t dims, std::size_t count,
-                        std::size_t stride) {
-  return dims == 2 ? detail::SourceOfShapes<kSource, 2, Scalar>(count, stride)
-                   : detail::SourceOfShapes<kSource, 3, Scalar>(count, stride);
+template <detail::FitSource kSource>
+detail::Source SourceOf(std::size_t dims, const detail::Columns& columns,
+                        std::size_t column_count,
+                        bool has_one_pointer = false) {
+  const auto make = [&]<int kDims>(std::integral_constant<int, kDims>) {
+    return columns.is_double ? detail::SourceOf<kSource, kDims, double>(
+                                   columns, column_count, has_one_pointer)
+                             : detail::SourceOf<kSource, kDims, float>(
+                                   columns, column_count, has_one_pointer);
+  };
+  return dims == 2 ? make(std::integral_constant<int, 2>())
+                   : make(std::integral_constant<int, 3>());
 }
 
 // Records begin ... begin + count - 1 of some columns.
 template <detail::FitSource kSource>
 detail::Source SourceOf(std::size_t dims, const hs_columns& columns,
                         const Values& values, std::size_t begin,
-                        std::size_t count) {
-  const bool is_double = columns.type == HS_FLOAT64;
-  detail::Source source =
-      is_double ? SourceOf<kSource, double>(dims, count, columns.stride)
-                : SourceOf<kSource, float>(dims, count, columns.stride);
+                        std::size_t count, bool has_one_pointer = false) {
+  detail::Columns some = ColumnsOf(columns, values);
+  some.size = count;
+  some.stride = columns.stride;
   for (std::size_t v = 0; v < values.count; ++v) {
-    const void* const column = columns.column[values.column[v]];
-    const std::size_t first = begin * columns.stride;
-    source.columns[source.column_count++] =
-        is_double ? static_cast<const void*>(
-                        static_cast<const double*>(column) + first)
-                  : static_cast<const void*>(static_cast<const float*>(column) +
-                                             first);
+    some.column[v] = static_cast<const char*>(some.column[v]) +
+                     begin * some.stride * some.scalar_bytes();
   }
-  return source;
+  return SourceOf<kSource>(dims, some, values.count, has_one_pointer);
 }
 
 // One call: its arguments, and the records that it writes.
@@ -129,14 +131,11 @@ void BoundTriangles(const Bounder& bounder, const hs_columns& triangles) {
         corners[i * values + v] = column[i * triangles.stride];
       }
     }
-    detail::Source source =
-        SourceOf<detail::kFitTriangles, Scalar>(dims, count * kCorners, dims);
-    source.has_one_pointer = true;
-    for (std::size_t k = 0; k < dims; ++k) {
-      source.columns[source.column_count++] = corners.data() + k;
-    }
-    detail::BoundTriangles(source, {indices.data(), count * kCorners}, output,
-                           options, &status);
+    detail::BoundTriangles(
+        SourceOf<detail::kFitTriangles>(
+            dims, detail::ColumnsOfRows(corners.data(), count * kCorners, dims),
+            dims, true),
+        {indices.data(), count * kCorners}, output, options, &status);
   });
 }
 
@@ -255,9 +254,9 @@ hs_status hs_bound_point_sets(hs_kind kind, const hs_columns* points,
         const bool is_bad = j == i;
         if (is_bad) its_ends[j++ - i] = SIZE_MAX;
         const size_t skipped = is_bad ? 0 : first;
-        detail::Source source = SourceOf<detail::kFitPointSets>(
-            dims, *points, values, skipped, points->count - skipped);
-        source.has_one_pointer = is_adjacent;
+        const detail::Source source = SourceOf<detail::kFitPointSets>(
+            dims, *points, values, skipped, points->count - skipped,
+            is_adjacent);
         detail::Output some = output;
         some.size = j - i;
         for (float*& plane : some.planes) {

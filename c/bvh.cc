@@ -5,7 +5,6 @@
 #include <cmath>
 #include <exception>
 
-using halfspace::c::AllRows;
 using halfspace::c::BvhConfig;
 using halfspace::c::Call;
 using halfspace::c::CheckColumns;
@@ -63,9 +62,8 @@ BuildQuality ReadQuality(const Call& call, hs_quality quality) {
             static_cast<int>(quality));
 }
 
-template <typename Scalar>
 hs_bvh* Build(const Call& call, const BvhConfig& config,
-              const detail::Columns<Scalar>& objects) {
+              const detail::Columns& objects) {
   CallerThreads threads(call, "config->run", config.run, config.run_context);
   BuildOptions options = config.options;
   options.run = threads.runner();
@@ -155,11 +153,7 @@ hs_status hs_bvh_create(const hs_bvh_config* config, const hs_columns* objects,
     const Values values = Values::OfObjects(read.kind);
     CheckColumns(call, "objects", objects, values);
     CheckObjects(call, objects->count);
-    *bvh = objects->type == HS_FLOAT64
-               ? halfspace::c::Build(call, read,
-                                     ColumnsOf<double>(*objects, values))
-               : halfspace::c::Build(call, read,
-                                     ColumnsOf<float>(*objects, values));
+    *bvh = halfspace::c::Build(call, read, ColumnsOf(*objects, values));
   });
 }
 
@@ -193,13 +187,10 @@ hs_status hs_builder_finish(const hs_builder* builder, hs_bvh** bvh) {
     call.CheckPointer("builder", builder);
     call.CheckPointer("bvh", bvh);
     const size_t values = builder->objects.count;
-    halfspace::detail::FloatColumns columns{};
-    columns.size = builder->rows.size() / values;
-    columns.stride = values;
-    for (size_t v = 0; v < values && columns.size != 0; ++v) {
-      columns.planes[v] = builder->rows.data() + v;
-    }
-    *bvh = halfspace::c::Build(call, builder->config, columns);
+    *bvh = halfspace::c::Build(
+        call, builder->config,
+        halfspace::detail::ColumnsOfRows(
+            builder->rows.data(), builder->rows.size() / values, values));
   });
 }
 
@@ -255,8 +246,7 @@ hs_status hs_bvh_insert(hs_bvh* bvh, const hs_columns* objects, uint32_t* ids) {
     CheckColumns(call, "objects", objects, bvh->objects);
     call.CheckArray("ids", ids, objects->count);
     CheckObjects(call, bvh->tree.size() + objects->count);
-    const AllRows rows(*objects, bvh->objects, bvh->tree.memory());
-    bvh->tree.Insert(rows.floats(), {ids, objects->count});
+    bvh->tree.Insert(ColumnsOf(*objects, bvh->objects), {ids, objects->count});
   });
 }
 
@@ -266,8 +256,7 @@ hs_status hs_bvh_set(hs_bvh* bvh, const uint32_t* ids,
     call.CheckPointer("bvh", bvh);
     CheckColumns(call, "objects", objects, bvh->objects);
     halfspace::c::CheckIds(call, *bvh, ids, objects->count);
-    const AllRows rows(*objects, bvh->objects, bvh->tree.memory());
-    bvh->tree.Set({ids, objects->count}, rows.floats());
+    bvh->tree.Set({ids, objects->count}, ColumnsOf(*objects, bvh->objects));
   });
 }
 
@@ -311,13 +300,7 @@ hs_status hs_bvh_refit(hs_bvh* bvh, const hs_columns* objects,
                 bvh->tree.id_limit(), objects->count);
     }
     halfspace::c::CallerThreads threads(call, "run", run, run_context);
-    if (objects->type == HS_FLOAT64) {
-      bvh->tree.Refit(ColumnsOf<double>(*objects, bvh->objects), true,
-                      threads.runner());
-    } else {
-      bvh->tree.Refit(ColumnsOf<float>(*objects, bvh->objects), true,
-                      threads.runner());
-    }
+    bvh->tree.Refit(ColumnsOf(*objects, bvh->objects), true, threads.runner());
   });
 }
 

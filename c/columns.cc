@@ -2,8 +2,6 @@
 
 #include <cstdint>
 
-#include "halfspace/transform.h"
-
 namespace halfspace::c {
 
 namespace {
@@ -39,19 +37,6 @@ Values Consecutive(std::size_t first, std::size_t count, std::size_t minima) {
     values.column[v] = static_cast<std::uint8_t>(first + v);
   }
   return values;
-}
-
-template <typename Scalar>
-void CopyRows(const hs_columns& columns, const Values& values,
-              std::size_t begin, std::size_t count, Scalar* rows) {
-  for (std::size_t v = 0; v < values.count; ++v) {
-    const Scalar* const column =
-        static_cast<const Scalar*>(columns.column[values.column[v]]) +
-        begin * columns.stride;
-    for (std::size_t i = 0; i < count; ++i) {
-      rows[i * values.count + v] = column[i * columns.stride];
-    }
-  }
 }
 
 }  // namespace
@@ -131,32 +116,27 @@ void CheckObjects(const Call& call, std::size_t count) {
             "objects: expected fewer than 2^31 objects in all, got %zu", count);
 }
 
-const float* RowsInPlace(const hs_columns& columns, const Values& values) {
-  if (columns.type != HS_FLOAT32 || columns.count == 0) return nullptr;
-  if (columns.count > 1 && columns.stride != values.count) return nullptr;
-  const auto* const first =
-      static_cast<const float*>(columns.column[values.column[0]]);
-  for (std::size_t v = 1; v < values.count; ++v) {
-    if (columns.column[values.column[v]] != first + v) return nullptr;
+detail::Columns ColumnsOf(const hs_columns& columns, const Values& values) {
+  detail::Columns result;
+  result.size = columns.count;
+  result.stride = columns.count > 1 ? columns.stride : 0;
+  result.is_double = columns.type == HS_FLOAT64;
+  for (std::size_t v = 0; v < values.count; ++v) {
+    result.column[v] = columns.column[values.column[v]];
   }
-  return first;
+  return result;
+}
+
+const float* RowsInPlace(const hs_columns& columns, const Values& values) {
+  return columns.count == 0
+             ? nullptr
+             : detail::RowsOf(ColumnsOf(columns, values), values.count);
 }
 
 void WriteRows(const hs_columns& columns, const Values& values,
                std::size_t begin, std::size_t count, float* rows) {
-  if (columns.type == HS_FLOAT32) {
-    CopyRows(columns, values, begin, count, rows);
-    return;
-  }
-  constexpr std::size_t kMost = 64;
-  std::array<double, kMost * kMostValues> doubles;
-  for (std::size_t i = 0; i < count; i += kMost) {
-    const std::size_t some = std::min(count - i, kMost);
-    CopyRows(columns, values, begin + i, some, doubles.data());
-    detail::RoundOutward(
-        Span<const double>(doubles.data(), some * values.count), values.minima,
-        values.count, rows + i * values.count);
-  }
+  detail::ReadRecords(ColumnsOf(columns, values), values.count, values.minima,
+                      begin, count, rows);
 }
 
 AllRows::AllRows(const hs_columns& columns, const Values& values,

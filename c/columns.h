@@ -109,18 +109,7 @@ class AllRows {
 };
 
 // The columns themselves.
-template <typename Scalar>
-detail::Columns<Scalar> ColumnsOf(const hs_columns& columns,
-                                  const Values& values) {
-  detail::Columns<Scalar> result{};
-  result.size = columns.count;
-  result.stride = columns.count > 1 ? columns.stride : 0;
-  for (std::size_t v = 0; v < values.count; ++v) {
-    result.planes[v] =
-        static_cast<const Scalar*>(columns.column[values.column[v]]);
-  }
-  return result;
-}
+detail::Columns ColumnsOf(const hs_columns& columns, const Values& values);
 
 // The results behind those that are skipped, which go to an array with room for
 // some of them.

@@ -52,7 +52,9 @@ class Bounded {
   }
 
   Span<const std::uint32_t> ids() const { return ids_; }
-  Span<const float> values() const { return values_; }
+  Columns columns() const {
+    return ColumnsOfRows(values_.data(), ids_.size(), state_.planes());
+  }
 
  private:
   const BroadPhaseState& state_;
@@ -138,8 +140,8 @@ void Build(BroadPhaseState& state, const IdSet& moved, const NewBodies& added,
     }
   });
   version.tree.Erase(gone);
-  version.tree.Set(stays.ids(), stays.values());
-  version.tree.InsertAs(comes.ids(), comes.values());
+  version.tree.Set(stays.ids(), stays.columns());
+  version.tree.InsertAs(comes.ids(), comes.columns());
   Sort(version.tree, sorting);
   moved.ForEach([&](std::uint32_t id) {
     if (state.bodies.HasMarks(id, Bodies::kReplaced)) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "dispatch/bvh/layout.h"
+#include "dispatch/bvh/rounded.h"
 #include "dispatch/bvh/scratch.h"
 #include "halfspace/bvh.h"
 #include "kernels/error.h"
@@ -272,37 +273,26 @@ void BvhTree::EncodeTouched(std::uint64_t* touched) {
   });
 }
 
-bool BvhTree::CheckSet(Span<const std::uint32_t> ids, std::size_t bounds) {
+void BvhTree::Set(Span<const std::uint32_t> ids, const Columns& bounds) {
   constexpr const char* kCall = "Bvh::Set";
-  if (bounds != ids.size()) {
+  if (bounds.size != 0) CheckColumns(shape_, bounds, kCall);
+  if (bounds.size != ids.size()) {
     kernels::ThrowInvalid(kCall, "bounds",
                           "a bound for each id, " + std::to_string(ids.size()),
-                          std::to_string(bounds));
+                          std::to_string(bounds.size));
   }
   CheckIds(ids, kCall);
-  if (ids.empty()) return false;
+  if (ids.empty()) return;
   CheckChange(kCall);
-  return true;
-}
-
-void BvhTree::Set(Span<const std::uint32_t> ids, Span<const float> values) {
-  kernels::CheckMemory("Bvh::Set", "bounds", values.data(), values.size(),
-                       alignof(float));
-  if (CheckSet(ids, values.size() / PlanesOf(shape_))) SetChecked(ids, values);
-}
-
-void BvhTree::SetChecked(Span<const std::uint32_t> ids,
-                         Span<const float> values) {
-  const std::size_t planes = PlanesOf(shape_);
   const Touched touched(memory_, slots(), ids.size());
-  Prepare("Bvh::Set", kSlotsById);
-  for (std::size_t i = 0; i < ids.size(); ++i) {
+  Prepare(kCall, kSlotsById);
+  ForEachRecord(shape_, bounds, [&](std::size_t i, const float* values) {
     const std::size_t slot = levels_.slots[ids[i]];
-    for (std::size_t p = 0; p < planes; ++p) {
-      levels_.level[0].Value(p, slot) = values[i * planes + p];
+    for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
+      levels_.level[0].Value(p, slot) = values[p];
     }
     Touch(slot, touched.words());
-  }
+  });
   EncodeTouched(touched.words());
 }
 
@@ -453,53 +443,35 @@ std::uint32_t BvhTree::Insert(Span<const float> values) {
   return id;
 }
 
-bool BvhTree::CheckInsert(std::size_t bounds, Span<std::uint32_t> ids) {
+// At the end, and sorted there, as it takes longer to find an empty slot.
+void BvhTree::Insert(const Columns& bounds, Span<std::uint32_t> ids) {
   constexpr const char* kCall = "Bvh::Insert";
+  if (bounds.size != 0) CheckColumns(shape_, bounds, kCall);
   kernels::CheckMemory(kCall, "ids", ids.data(), ids.size(),
                        alignof(std::uint32_t));
-  if (ids.size() < bounds) {
+  if (ids.size() < bounds.size) {
     kernels::ThrowInvalid(
         kCall, "ids",
-        "an element for each bound, at least " + std::to_string(bounds),
+        "an element for each bound, at least " + std::to_string(bounds.size),
         std::to_string(ids.size()));
   }
-  if (bounds == 0) return false;
-  CheckChange(kCall);
-  std::ignore = RoomFor(bounds, kCall);
-  return true;
-}
-
-// At the end, and sorted there, as it takes longer to find an empty slot.
-void BvhTree::Insert(Span<const float> values, Span<std::uint32_t> ids) {
-  constexpr const char* kCall = "Bvh::Insert";
-  const std::size_t planes = PlanesOf(shape_);
-  const std::size_t count = values.size() / planes;
-  kernels::CheckMemory(kCall, "bounds", values.data(), values.size(),
-                       alignof(float));
-  if (!CheckInsert(count, ids)) return;
-  Prepare(kCall, RoomFor(count, kCall));
-  if (slots() + count > header().capacity) CloseGaps();
+  if (bounds.size == 0) return;
+  Prepare(kCall, RoomFor(bounds.size, kCall));
+  if (slots() + bounds.size > header().capacity) CloseGaps();
   const std::size_t begin = slots();
-  for (std::size_t i = 0; i < count; ++i) {
+  ForEachRecord(shape_, bounds, [&](std::size_t i, const float* values) {
     ids[i] = TakeId();
-    Put(slots(), ids[i], values.data() + i * planes);
-  }
+    Put(slots(), ids[i], values);
+  });
   EncodeAppended(begin, kCall);
 }
 
 // A build takes 0.75 to 0.95 of the time of insertions and a sort (1024 to
 // 65 536 boxes, AVX2, BroadPhase::Insert of all).
-void BvhTree::BuildAs(Span<const std::uint32_t> ids, Span<const float> values) {
-  const std::size_t planes = PlanesOf(shape_);
+void BvhTree::BuildAs(Span<const std::uint32_t> ids, const Columns& bounds) {
   const std::size_t id_limit = IdLimitOf(ids);
-  FloatColumns columns;
-  columns.size = ids.size();
-  columns.stride = planes;
-  for (std::size_t p = 0; p < planes; ++p) {
-    columns.planes[p] = values.data() + p;
-  }
   BvhTree built(shape_, memory_);
-  built.BuildIn({ids.size(), id_limit, false}, columns, BuildOptions());
+  built.BuildIn({ids.size(), id_limit, false}, bounds, BuildOptions());
   BvhLevels& levels = built.levels_;
   std::fill_n(levels.slots, id_limit, kNoId);
   for (std::size_t s = 0; s < ids.size(); ++s) {
@@ -509,11 +481,10 @@ void BvhTree::BuildAs(Span<const std::uint32_t> ids, Span<const float> values) {
   Swap(built);
 }
 
-void BvhTree::InsertAs(Span<const std::uint32_t> ids,
-                       Span<const float> values) {
+void BvhTree::InsertAs(Span<const std::uint32_t> ids, const Columns& bounds) {
   constexpr const char* kCall = "Bvh::Insert";
   if (ids.empty()) return;
-  if (size() == 0) return BuildAs(ids, values);
+  if (size() == 0) return BuildAs(ids, bounds);
   BvhRoom room = {slots() + ids.size(), IdLimitOf(ids), false};
   const BvhRoom old = Room();
   if (room.slots > old.slots) room.slots += room.slots / 8;
@@ -524,9 +495,9 @@ void BvhTree::InsertAs(Span<const std::uint32_t> ids,
     for (; header.ids <= id; ++header.ids) levels_.slots[header.ids] = kNoId;
   }
   const std::size_t begin = slots();
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    Put(slots(), ids[i], values.data() + i * PlanesOf(shape_));
-  }
+  ForEachRecord(shape_, bounds, [&](std::size_t i, const float* values) {
+    Put(slots(), ids[i], values);
+  });
   EncodeAppended(begin, kCall);
 }
 
@@ -639,29 +610,24 @@ void BvhTree::SetMasks(Span<const std::uint32_t> masks) {
   OrAllMasks(levels_);
 }
 
-// Returns whether there are objects to refit.
-bool BvhTree::CheckRefit(std::size_t objects, bool is_by_id) const {
-  const std::size_t size = block_ == nullptr ? 0
-                           : is_by_id        ? header().ids
-                                             : header().slots;
-  if (objects < size || (!is_by_id && objects > size)) {
-    kernels::ThrowInvalid(is_by_id ? "Bvh::Refit" : "Bvh::RefitInOrder",
-                          "bounds",
+void BvhTree::Refit(const Columns& objects, bool is_by_id, const Runner& run) {
+  const char* const call = is_by_id ? "Bvh::Refit" : "Bvh::RefitInOrder";
+  const std::size_t size = is_by_id ? id_limit() : slots();
+  if (objects.size < size || (!is_by_id && objects.size > size)) {
+    kernels::ThrowInvalid(call, "bounds",
                           (is_by_id ? "a bound for each id, at least "
                                     : "a bound for each element of ids(), ") +
                               std::to_string(size),
-                          std::to_string(objects));
+                          std::to_string(objects.size));
   }
-  return size > 0;
-}
-
-void BvhTree::Refit(const FloatColumns& objects, bool is_by_id,
-                    const Runner& run) {
-  const char* const call = is_by_id ? "Bvh::Refit" : "Bvh::RefitInOrder";
-  if (!CheckRefit(objects.size, is_by_id)) return;
+  if (size == 0) return;
   CheckColumns(shape_, objects, call);
+  CheckLoaded(call);
+  const Rounded floats(shape_, memory_, objects, slots(),
+                       is_by_id ? levels_.ids : nullptr, run);
   Prepare(call, {});
-  FillSlots(shape_, levels_, objects, is_by_id ? levels_.ids : nullptr,
+  FillSlots(shape_, levels_, floats.columns(),
+            is_by_id && !objects.is_double ? levels_.ids : nullptr,
             KernelsFor(shape_, Target(), call), run);
 }
 

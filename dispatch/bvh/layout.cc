@@ -53,20 +53,20 @@ class Parts {
 };
 
 // The bounds of the next block, which are anywhere.
-void Prefetch(const FloatColumns& objects, std::size_t planes,
+void Prefetch(const Columns& objects, std::size_t planes,
               const std::uint32_t* elements) {
   // The values of a record are in one line, or in two.
   const std::size_t step = objects.stride == 1 ? 1 : planes - 1;
   for (std::size_t i = 0; i < kBlockObjects; ++i) {
     if (elements[i] == kNoId) continue;
     for (std::size_t p = 0; p < planes; p += step) {
-      kernels::PrefetchToL2(objects.planes[p] + elements[i] * objects.stride);
+      kernels::PrefetchToL2(objects.floats(p) + elements[i] * objects.stride);
     }
   }
 }
 
 void FillPart(const BvhLevels& levels, std::size_t planes,
-              const FloatColumns& objects, const std::uint32_t* elements,
+              const Columns& objects, const std::uint32_t* elements,
               const BvhKernels::OfPlanes& kernels, std::size_t part) {
   const BvhLevel& level = levels.level[0];
   const std::size_t end_block =
@@ -81,12 +81,12 @@ void FillPart(const BvhLevels& levels, std::size_t planes,
       for (std::size_t p = 0; p < planes; ++p) {
         float* const to = level.Plane(b, p);
         for (std::size_t i = 0; i < kBlockObjects; ++i) {
-          to[i] = objects.planes[p][elements[first + i] * objects.stride];
+          to[i] = objects.floats(p)[elements[first + i] * objects.stride];
         }
       }
     } else if (~present == 0 && objects.stride == 1) {
       for (std::size_t p = 0; p < planes; ++p) {
-        std::memcpy(level.Plane(b, p), objects.planes[p] + first,
+        std::memcpy(level.Plane(b, p), objects.floats(p) + first,
                     kBlockObjects * sizeof(float));
       }
     } else {
@@ -95,7 +95,7 @@ void FillPart(const BvhLevels& levels, std::size_t planes,
         const std::size_t from =
             (elements == nullptr ? s : elements[s]) * objects.stride;
         for (std::size_t p = 0; p < planes; ++p) {
-          level.Value(p, s) = objects.planes[p][from];
+          level.Value(p, s) = objects.floats(p)[from];
         }
       }
     }
@@ -275,12 +275,12 @@ void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
 }
 
 // Cold, as the code that makes the text of an error is large otherwise.
-[[gnu::cold]] void CheckColumns(const BvhShape& shape,
-                                const Columns<void>& objects,
-                                std::size_t scalar_bytes, const char* call) {
+[[gnu::cold]] void CheckColumns(const BvhShape& shape, const Columns& objects,
+                                const char* call) {
+  const std::size_t scalar_bytes = objects.scalar_bytes();
   for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
     kernels::CheckPointer(
-        call, objects.planes[p], scalar_bytes,
+        call, objects.column[p], scalar_bytes,
         [&] {
           return objects.stride == 1
                      ? kernels::PlaneName("world", shape.axes, p)
@@ -311,13 +311,13 @@ void FitMap(const BvhShape& shape, const BvhLevels& levels) {
 }
 
 void FillSlots(const BvhShape& shape, const BvhLevels& levels,
-               const FloatColumns& objects, const std::uint32_t* elements,
+               const Columns& objects, const std::uint32_t* elements,
                const BvhKernels::OfPlanes& kernels, const Runner& run) {
   if (levels.codes != nullptr) {
     kernels::InDefaultFpMode([&] {
       FitMapTo(shape, levels, [&](std::size_t p, std::size_t s) {
-        return objects.planes[p][(elements == nullptr ? s : elements[s]) *
-                                 objects.stride];
+        return objects.floats(
+            p)[(elements == nullptr ? s : elements[s]) * objects.stride];
       });
     });
   }

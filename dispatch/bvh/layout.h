@@ -131,15 +131,8 @@ void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
 
 // Throws unless the planes of the objects, more than 0, can be read, in the
 // name of `call`.
-void CheckColumns(const BvhShape& shape, const Columns<void>& objects,
-                  std::size_t scalar_bytes, const char* call);
-template <typename T>
-void CheckColumns(const BvhShape& shape, const Columns<T>& objects,
-                  const char* call) {
-  Columns<void> columns{{}, objects.size, objects.stride};
-  std::copy_n(objects.planes.begin(), PlanesOf(shape), columns.planes.begin());
-  CheckColumns(shape, columns, sizeof(T), call);
-}
+void CheckColumns(const BvhShape& shape, const Columns& objects,
+                  const char* call);
 
 // Of the lanes of a block those with a slot.
 inline std::uint64_t LanesOf(std::size_t slots, std::size_t block) {
@@ -168,7 +161,7 @@ void FitMap(const BvhShape& shape, const BvhLevels& levels);
 // Copies the bounds of the objects that exist and encodes all levels. Slot s
 // has element elements[s], or s without them.
 void FillSlots(const BvhShape& shape, const BvhLevels& levels,
-               const FloatColumns& objects, const std::uint32_t* elements,
+               const Columns& objects, const std::uint32_t* elements,
                const BvhKernels::OfPlanes& kernels, const Runner& run);
 
 // Blocks begin ... end - 1 of a level, as the kernels encode them.

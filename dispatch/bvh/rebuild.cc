@@ -26,15 +26,14 @@ class Gathered {
         masks_(memory, levels.level[0].masks == nullptr
                            ? 0
                            : room_ * sizeof(std::uint32_t)) {
-    columns_.size = 0;
-    columns_.stride = 1;
+    columns_ = ColumnsOf<float>(0, 1);
     for (std::size_t p = 0; p < planes_; ++p) {
-      columns_.planes[p] = Floats() + p * room_;
+      columns_.column[p] = Floats() + p * room_;
     }
     for (const SlotRange& range : ranges) Add(range);
   }
 
-  const FloatColumns& columns() const { return columns_; }
+  const Columns& columns() const { return columns_; }
   std::uint32_t* ids() const {
     return reinterpret_cast<std::uint32_t*>(ids_.data());
   }
@@ -74,7 +73,7 @@ class Gathered {
   Scratch floats_;
   Scratch ids_;
   Scratch masks_;
-  FloatColumns columns_;
+  Columns columns_;
 };
 
 // What `objects` would cost as they were sorted.
@@ -137,7 +136,7 @@ std::size_t BvhTree::Resort(const char* call, Span<const SlotRange> ranges,
                             const BvhRoom& room) {
   const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), call);
   const Gathered gathered(shape_, memory_, levels_, ranges);
-  const FloatColumns& columns = gathered.columns();
+  const Columns& columns = gathered.columns();
   const Scratch order(memory_, columns.size * sizeof(std::uint32_t));
   auto* const elements = reinterpret_cast<std::uint32_t*>(order.data());
   const Scratch scratch(memory_, columns.size * kernels::kOrderScratch);
@@ -151,7 +150,7 @@ std::size_t BvhTree::Resort(const char* call, Span<const SlotRange> ranges,
       if (next == columns.size) continue;
       const std::uint32_t element = elements[next++];
       for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
-        level.Value(p, s) = columns.planes[p][element];
+        level.Value(p, s) = columns.floats(p)[element];
       }
       level.present[s / kBlockObjects] |= std::uint64_t{1} << s % kBlockObjects;
       PutId(levels_, s, gathered.ids()[element], gathered.MasksOf(element));

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "dispatch/bvh/layout.h"
+#include "dispatch/bvh/rounded.h"
 #include "dispatch/bvh/scratch.h"
 #include "halfspace/bvh.h"
 #include "kernels/bvh/order.h"
@@ -97,8 +98,13 @@ void BvhTree::Allocate(const BvhRoom& room) {
   for (float& scale : levels_.map->scale) scale = 1;
 }
 
-void BvhTree::Build(const FloatColumns& objects, const BuildOptions& options) {
-  BuildIn({objects.size, 0, false}, objects, options);
+void BvhTree::Build(const Columns& objects, const BuildOptions& options) {
+  CheckBuild(objects.size, options);
+  if (objects.size == 0) return Free();
+  CheckColumns(shape_, objects, "Bvh");
+  const Rounded floats(shape_, memory_, objects, objects.size, nullptr,
+                       options.run);
+  BuildIn({objects.size, 0, false}, floats.columns(), options);
 }
 
 void BvhTree::CheckBuild(std::size_t objects,
@@ -116,14 +122,13 @@ void BvhTree::CheckBuild(std::size_t objects,
   }
 }
 
-void BvhTree::BuildIn(const BvhRoom& room, const FloatColumns& objects,
+void BvhTree::BuildIn(const BvhRoom& room, const Columns& objects,
                       const BuildOptions& options) {
   constexpr const char* kCall = "Bvh";
   CheckBuild(objects.size, options);
   const BvhKernels::OfPlanes& kernels =
       KernelsFor(shape_, options.target, kCall);
   if (objects.size == 0) return Free();
-  CheckColumns(shape_, objects, kCall);
   const Scratch scratch(memory_, objects.size * kernels::kOrderScratch);
   Allocate(room);
   const auto put_in_order = options.quality == BuildQuality::kFast

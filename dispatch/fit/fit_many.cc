@@ -33,20 +33,6 @@ void ForEachPlane(const Output& output, const Visit& visit) {
   }
 }
 
-std::size_t ScalarBytes(const Source& source) {
-  return source.is_double ? sizeof(double) : sizeof(float);
-}
-
-template <typename Scalar>
-std::array<const Scalar*, Source::kMaxColumns> ColumnsOf(const Source& source) {
-  std::array<const Scalar*, Source::kMaxColumns> columns{};
-  if (source.is_double != (sizeof(Scalar) == sizeof(double))) return columns;
-  for (std::size_t c = 0; c < source.column_count; ++c) {
-    columns[c] = static_cast<const Scalar*>(source.columns[c]);
-  }
-  return columns;
-}
-
 void CheckOutput(const Output& output, std::string_view call) {
   kernels::CheckAddressable(call, "planes.size", output.size, sizeof(float));
   ForEachPlane(output, [&](std::size_t p, const float* plane) {
@@ -124,26 +110,21 @@ class Call {
                    std::to_string(static_cast<int>(options_.inverted)));
     }
     if (output_.size != 0) Check();
-    const auto floats = ColumnsOf<float>(source_);
-    const auto doubles = ColumnsOf<double>(source_);
+    const bool is_double = source_.columns.is_double;
     const FitJob job = {
-        .columns = floats.data(),
-        .double_columns = doubles.data(),
-        .count = source_.count,
-        .stride = source_.stride,
+        .columns = source_.columns,
         .planes = output_.planes.data(),
         .size = output_.size,
         .indices = indices.data(),
         .ends = ends.data(),
         .inverted_is_empty = options_.inverted == Inverted::kEmpty};
     const kernels::DefaultFpMode mode;
-    const FitKernels& kernels =
-        source_.kernels[source_.is_double ? 0 : target_index_];
+    const FitKernels& kernels = source_.kernels[is_double ? 0 : target_index_];
     const FitTally tally =
         options_.tightest ? kernels.tightest(job) : kernels.within_ulp(job);
     Count(tally, status);
-    return source_.is_double ? CompiledTargets()[target_index_]
-                             : Target::FromHighwayBit(tally.target);
+    return is_double ? CompiledTargets()[target_index_]
+                     : Target::FromHighwayBit(tally.target);
   }
 
  private:
@@ -160,17 +141,17 @@ class Call {
 
   void CheckSource() const {
     const std::string_view argument = source_names_.argument;
-    if (source_.count == 0) return;
-    kernels::CheckExtent(name_, argument, ScalarBytes(source_), source_.count,
-                         source_.stride,
+    const Columns& columns = source_.columns;
+    if (columns.size == 0) return;
+    kernels::CheckExtent(name_, argument, columns.scalar_bytes(), columns.size,
+                         columns.stride,
                          source_.has_one_pointer ? source_.column_count : 1);
     for (std::size_t c = 0; c < source_.column_count; ++c) {
       CheckPointer(
-          name_, source_.columns[c],
-          source_.is_double ? alignof(double) : alignof(float),
+          name_, columns.column[c], columns.scalar_bytes(),
           [&] { return ColumnName(c); },
           [&] {
-            return std::to_string(source_.count) + ' ' + std::string(argument);
+            return std::to_string(columns.size) + ' ' + std::string(argument);
           });
     }
   }
@@ -181,9 +162,9 @@ class Call {
     CheckPlanesApart(output_, name_);
     for (std::size_t c = 0; c < source_.column_count; ++c) {
       CheckApart(
-          output_, source_.columns[c],
-          kernels::ColumnBytes(source_.count, source_.stride,
-                               ScalarBytes(source_)),
+          output_, source_.columns.column[c],
+          kernels::ColumnBytes(source_.columns.size, source_.columns.stride,
+                               source_.columns.scalar_bytes()),
           [&] { return ColumnName(c); }, name_);
     }
   }
@@ -211,7 +192,7 @@ Target BoundBoxes(const Source& boxes, const Output& output,
                   const FitOptions& options, FitStatus* status) {
   const Call call("BoundBoxes", {"boxes", "min", "max"}, boxes, output,
                   options);
-  CheckSize("BoundBoxes", "boxes.count", boxes.count, output.size);
+  CheckSize("BoundBoxes", "boxes.count", boxes.columns.size, output.size);
   return call.Run({}, {}, status);
 }
 
@@ -219,7 +200,7 @@ Target BoundSpheres(const Source& spheres, const Output& output,
                     const FitOptions& options, FitStatus* status) {
   const Call call("BoundSpheres", {"spheres", "center", "radius"}, spheres,
                   output, options);
-  CheckSize("BoundSpheres", "spheres.count", spheres.count, output.size);
+  CheckSize("BoundSpheres", "spheres.count", spheres.columns.size, output.size);
   return call.Run({}, {}, status);
 }
 

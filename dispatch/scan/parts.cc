@@ -6,7 +6,7 @@ namespace halfspace::dispatch {
 namespace {
 
 const float* ValueOf(const Scan& scan, std::size_t plane, std::size_t object) {
-  return scan.floats.planes[plane] + object * scan.floats.stride;
+  return scan.floats.floats(plane) + object * scan.floats.stride;
 }
 
 }  // namespace

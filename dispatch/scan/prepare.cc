@@ -66,7 +66,7 @@ void CheckWorld(const detail::Scan& scan) {
   }
   if (type.is_refined) {
     CheckPlanes(
-        scan, [&](std::size_t p) { return scan.floats.planes[p]; },
+        scan, [&](std::size_t p) { return scan.floats.column[p]; },
         sizeof(float));
   }
 }
@@ -123,7 +123,7 @@ void CheckOutput(const detail::Scan& scan, const Output& output) {
       scan.size * scan.type->element_bytes, output);
   if (scan.type->is_refined) {
     CheckApart(
-        scan, [&](std::size_t p) { return scan.floats.planes[p]; },
+        scan, [&](std::size_t p) { return scan.floats.column[p]; },
         kernels::ColumnBytes(scan.floats.size, scan.floats.stride,
                              sizeof(float)),
         output);

@@ -264,7 +264,7 @@ class Bvh {
   // per object, and a few take as long (docs/bvh.md). Allocates and frees up to
   // a bit per leaf. For all objects, use Refit().
   void Set(Span<const std::uint32_t> ids, Span<const Bound> bounds) {
-    tree_.Set(ids, detail::ValuesOfAll(bounds));
+    tree_.Set(ids, detail::ColumnsOf(bounds));
   }
 
   // Adds an object whose mask is all ones, and returns its id: that of an
@@ -289,7 +289,7 @@ class Bvh {
   // would sort, but all at once. Grows the block at most once. If there is no
   // memory to sort with, the objects stay unsorted.
   void Insert(Span<const Bound> bounds, Span<std::uint32_t> ids) {
-    tree_.Insert(detail::ValuesOfAll(bounds), ids);
+    tree_.Insert(detail::ColumnsOf(bounds), ids);
   }
 
   // Removes an object. Costs what Set() costs, and on average a few ns more:
@@ -382,7 +382,7 @@ class Bvh {
   template <typename List,
             typename = detail::IfListOf<const detail::DoubleBound<View>, List>>
   void Set(Span<const std::uint32_t> ids, const List& bounds) {
-    tree_.Set(ids, detail::ValuesOfAll(Doubles(bounds)));
+    tree_.Set(ids, detail::ColumnsOf(Doubles(bounds)));
   }
   template <typename Box, typename = detail::IfDoubleBound<View, Box>>
   std::uint32_t Insert(const Box& bound) {
@@ -391,7 +391,7 @@ class Bvh {
   template <typename List,
             typename = detail::IfListOf<const detail::DoubleBound<View>, List>>
   void Insert(const List& bounds, Span<std::uint32_t> ids) {
-    tree_.Insert(detail::ValuesOfAll(Doubles(bounds)), ids);
+    tree_.Insert(detail::ColumnsOf(Doubles(bounds)), ids);
   }
 
   // How much the order has decayed: the surface of all leaves (64 places each),

@@ -104,7 +104,7 @@ struct Grid {
 struct BvhKernels {
   struct OfPlanes {
     // Of objects first ... first + count - 1, at most 64.
-    void (*centers)(const FloatColumns& objects, std::size_t first,
+    void (*centers)(const Columns& objects, std::size_t first,
                     std::size_t count, Centers& centers);
     // Where 64 centers are on Hilbert's curve.
     void (*places)(const Centers& centers, const Grid& grid,

@@ -30,13 +30,13 @@ HWY_INLINE hn::Vec<D> NumberOrLast(D d, hn::Vec<D> center) {
 }
 
 template <size_t kAxes, bool kHasMax>
-void FindCenters(const detail::FloatColumns& objects, size_t first,
-                 size_t count, detail::Centers& centers) {
+void FindCenters(const detail::Columns& objects, size_t first, size_t count,
+                 detail::Centers& centers) {
   const hn::CappedTag<float, 16> d;
   constexpr size_t kPlanes = kHasMax ? 2 * kAxes : kAxes;
   HWY_ALIGN float values[kPlanes][detail::kBlockObjects];
   for (size_t p = 0; p < kPlanes; ++p) {
-    const float* from = objects.planes[p] + first * objects.stride;
+    const float* from = objects.floats(p) + first * objects.stride;
     for (size_t i = 0; i < count; ++i) values[p][i] = from[i * objects.stride];
     for (size_t i = count; i < detail::kBlockObjects; ++i) values[p][i] = 0;
   }

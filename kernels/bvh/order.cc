@@ -22,7 +22,7 @@ constexpr std::size_t kPart = kBlockObjects * kBlockObjects;
 
 // Calls function(first, count, centers) for 64 objects at a time.
 template <typename Function>
-void ForCenters(const detail::FloatColumns& objects, const Kernels& kernels,
+void ForCenters(const detail::Columns& objects, const Kernels& kernels,
                 const Runner& run, const Function& function) {
   run((objects.size + kPart - 1) / kPart, [&](std::size_t part) {
     const std::size_t end = std::min(objects.size, (part + 1) * kPart);
@@ -158,8 +158,7 @@ static_assert(2 * sizeof(Key) == kOrderScratch);
 // Where most centers are, by a sample of them, in runs. The outermost 16ths may
 // add a quarter of the range of the others: objects farther away share the
 // cells at the end, and would leave the others few cells.
-detail::Grid GridOf(const detail::FloatColumns& objects,
-                    const Kernels& kernels) {
+detail::Grid GridOf(const detail::Columns& objects, const Kernels& kernels) {
   constexpr std::size_t kRuns = 32;
   constexpr std::size_t kRun = 4;
   constexpr float kMostCells = std::numeric_limits<float>::max() / 0x1p15f;
@@ -200,7 +199,7 @@ detail::Grid GridOf(const detail::FloatColumns& objects,
 
 }  // namespace
 
-void OrderByMedians(const detail::FloatColumns& objects, const Kernels& kernels,
+void OrderByMedians(const detail::Columns& objects, const Kernels& kernels,
                     std::byte* scratch, std::uint32_t* ids, const Runner& run) {
   auto* const entries = reinterpret_cast<Entry*>(scratch);
   ForCenters(objects, kernels, run,
@@ -234,7 +233,7 @@ void OrderByMedians(const detail::FloatColumns& objects, const Kernels& kernels,
   for (std::size_t i = 0; i < objects.size; ++i) ids[i] = entries[i].id;
 }
 
-void OrderByCurve(const detail::FloatColumns& objects, const Kernels& kernels,
+void OrderByCurve(const detail::Columns& objects, const Kernels& kernels,
                   std::byte* scratch, std::uint32_t* ids, const Runner& run) {
   const detail::Grid grid =
       InDefaultFpMode([&] { return GridOf(objects, kernels); });

@@ -16,12 +16,12 @@ inline constexpr std::size_t kOrderScratch = 16;
 // By medians of the axis on which the centers are spread widest, each rounded
 // to a multiple of the largest full node, until 64 objects are left. ids[p]
 // becomes the object at position p.
-void OrderByMedians(const detail::FloatColumns& objects,
+void OrderByMedians(const detail::Columns& objects,
                     const detail::BvhKernels::OfPlanes& kernels,
                     std::byte* scratch, std::uint32_t* ids, const Runner& run);
 
 // Along Hilbert's curve through 2^30 cells, in linear time.
-void OrderByCurve(const detail::FloatColumns& objects,
+void OrderByCurve(const detail::Columns& objects,
                   const detail::BvhKernels::OfPlanes& kernels,
                   std::byte* scratch, std::uint32_t* ids, const Runner& run);
 

@@ -1,6 +1,7 @@
-// Bounds of doubles as bounds of floats.
+// Records as rows of floats, and doubles rounded outward.
 #include <cstddef>
 
+#include "halfspace/detail/plane_arrays.h"
 #include "halfspace/transform.h"
 #include "kernels/exact/default_fp_mode.h"
 #include "kernels/exact/outward.h"
@@ -15,6 +16,30 @@ void RoundOutward(Span<const double> values, std::size_t minima,
         const kernels::ExactSum value = {values[i + p], 0.0};
         rounded[i + p] =
             p < minima ? kernels::RoundDown(value) : kernels::RoundUp(value);
+      }
+    }
+  });
+}
+
+void ReadRecords(const Columns& columns, std::size_t values, std::size_t minima,
+                 std::size_t begin, std::size_t count, float* records) {
+  const std::size_t first = begin * columns.stride;
+  if (!columns.is_double) {
+    for (std::size_t v = 0; v < values; ++v) {
+      const float* const from = columns.floats(v) + first;
+      for (std::size_t i = 0; i < count; ++i) {
+        records[i * values + v] = from[i * columns.stride];
+      }
+    }
+    return;
+  }
+  kernels::InDefaultFpMode([&] {
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t v = 0; v < values; ++v) {
+        const kernels::ExactSum value = {
+            columns.doubles(v)[first + i * columns.stride], 0.0};
+        records[i * values + v] =
+            v < minima ? kernels::RoundDown(value) : kernels::RoundUp(value);
       }
     }
   });

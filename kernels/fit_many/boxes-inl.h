@@ -109,7 +109,7 @@ struct BoxBuilder {
 template <int kDims, Rounding kRounding>
 kernels::FitTally FitBoxes(const kernels::FitJob& job) {
   return FitAll(BoxBuilder<kDims, kRounding>{job.inverted_is_empty}, job,
-                job.stride == 1);
+                job.columns.stride == 1);
 }
 
 }  // namespace HWY_NAMESPACE

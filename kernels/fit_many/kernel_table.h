@@ -10,14 +10,10 @@
 
 namespace halfspace::kernels {
 
-// Value c of source element i is columns[c][i * stride]; see detail::Source. Of
-// floats or of doubles: the other list is not there.
-// The bounds of `size` shapes go to the planes of an Aabo that are not null.
+// The columns are those of a detail::Source. The bounds of `size` shapes go to
+// the planes of an Aabo that are not null.
 struct FitJob {
-  const float* const* columns;
-  const double* const* double_columns;
-  std::size_t count;  // source elements
-  std::size_t stride;
+  const detail::Columns& columns;
   float* const* planes;
   std::size_t size;
   const std::uint32_t* indices;  // triangles: three for each

@@ -16,7 +16,7 @@ Point<kDims, double> ElementAt(const FitJob& job, std::size_t i,
                                std::size_t first = 0) {
   Point<kDims, double> point;
   for (std::size_t k = 0; k < kDims; ++k) {
-    point[k] = job.double_columns[first + k][i * job.stride];
+    point[k] = job.columns.doubles(first + k)[i * job.columns.stride];
   }
   return point;
 }
@@ -62,7 +62,8 @@ template <int kDims>
 FitTally FitSpheres(const FitJob& job) {
   return FitEach<kDims>(job, [&](std::size_t i) {
     const Sphere<kDims, double> sphere = {
-        ElementAt<kDims>(job, i), job.double_columns[kDims][i * job.stride]};
+        ElementAt<kDims>(job, i),
+        job.columns.doubles(kDims)[i * job.columns.stride]};
     if (!(sphere.radius >= 0)) return Aabo<kDims>::Everything();
     return BoundSphere(sphere);
   });
@@ -73,7 +74,7 @@ FitTally FitTriangles(const FitJob& job) {
   return FitEach<kDims>(job, [&](std::size_t i) {
     const std::uint32_t* const corners = job.indices + 3 * i;
     for (std::size_t c = 0; c < 3; ++c) {
-      if (corners[c] >= job.count) return Aabo<kDims>::Everything();
+      if (corners[c] >= job.columns.size) return Aabo<kDims>::Everything();
     }
     return BoundTriangle(Triangle<kDims, double>{
         ElementAt<kDims>(job, corners[0]), ElementAt<kDims>(job, corners[1]),
@@ -84,20 +85,21 @@ FitTally FitTriangles(const FitJob& job) {
 template <int kDims>
 FitTally FitPointSets(const FitJob& job) {
   // Columns of points have a stride only where they are structures.
-  const bool is_soa = job.stride == 1;
+  const std::size_t stride = job.columns.stride;
+  const bool is_soa = stride == 1;
   return FitEach<kDims>(job, [&](std::size_t i) {
     const std::size_t begin = i == 0 ? 0 : job.ends[i - 1];
     const std::size_t end = job.ends[i];
-    if (begin > end || end > job.count) return Aabo<kDims>::Everything();
+    if (begin > end || end > job.columns.size) return Aabo<kDims>::Everything();
     if (begin == end) return Aabo<kDims>::Empty();
     if (!is_soa) {
       return BoundPoints(Points<kDims, double>{
-          job.double_columns[0] + begin * job.stride, end - begin, job.stride});
+          job.columns.doubles(0) + begin * stride, end - begin, stride});
     }
     PointsSoa<kDims, double> points;
     points.count = end - begin;
     for (std::size_t k = 0; k < kDims; ++k) {
-      points.coords[k] = job.double_columns[k] + begin;
+      points.coords[k] = job.columns.doubles(k) + begin;
     }
     return BoundPoints(points);
   });

@@ -85,9 +85,10 @@ HWY_INLINE void WidenBySet(const kernels::FitJob& job, size_t begin,
   const FitTag d;
   const size_t lanes = hn::Lanes(d);
   size_t done = 0;
-  if (job.stride == 1 && count >= lanes) {
+  if (job.columns.stride == 1 && count >= lanes) {
     const float* columns[kDims];
-    for (size_t k = 0; k < kDims; ++k) columns[k] = job.columns[k] + begin;
+    for (size_t k = 0; k < kDims; ++k)
+      columns[k] = job.columns.floats(k) + begin;
     done = count / lanes * lanes;
     WidenByPoints<kDims, kRounding>(d, columns, done, bound);
   }
@@ -115,7 +116,7 @@ kernels::FitTally FitPointSets(const kernels::FitJob& job) {
   for (size_t i = 0; i < job.size; ++i) {
     const size_t end = job.ends[i];
     SetBound<kDims> bound;
-    bound.ok = begin <= end && end <= job.count;
+    bound.ok = begin <= end && end <= job.columns.size;
     if (bound.ok) {
       WidenBySet<kDims, kRounding>(job, begin, end - begin, tile, bound);
     }

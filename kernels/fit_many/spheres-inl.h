@@ -161,7 +161,8 @@ struct SphereBuilder {
 
 template <int kDims, Rounding kRounding>
 kernels::FitTally FitSpheres(const kernels::FitJob& job) {
-  return FitAll(SphereBuilder<kDims, kRounding>(), job, job.stride == 1);
+  return FitAll(SphereBuilder<kDims, kRounding>(), job,
+                job.columns.stride == 1);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -48,23 +48,24 @@ struct InputTile {
     if (IsPacked(job)) {
       const FitTag d;
       const size_t lanes = hn::Lanes(d);
-      const float* from = job.columns[0] + begin * kColumns;
+      const float* from = job.columns.floats(0) + begin * kColumns;
       for (; done + lanes <= count; done += lanes) {
         Deinterleave(d, from + done * kColumns, done);
       }
     }
     for (size_t c = 0; c < kColumns; ++c) {
-      const float* from = job.columns[c] + begin * job.stride;
-      for (size_t i = done; i < count; ++i) values[c][i] = from[i * job.stride];
+      const float* from = job.columns.floats(c) + begin * job.columns.stride;
+      for (size_t i = done; i < count; ++i)
+        values[c][i] = from[i * job.columns.stride];
     }
   }
 
  private:
   // An array of structures with nothing else in it, such as x y z, x y z.
   static bool IsPacked(const kernels::FitJob& job) {
-    bool is_packed = job.stride == kColumns;
+    bool is_packed = job.columns.stride == kColumns;
     for (size_t c = 1; c < kColumns; ++c) {
-      is_packed &= job.columns[c] == job.columns[0] + c;
+      is_packed &= job.columns.floats(c) == job.columns.floats(0) + c;
     }
     return is_packed && kColumns <= 4;
   }
@@ -208,7 +209,9 @@ class TileWalk {
   template <Store kStore>
   void FitWhole(size_t whole) {
     if (is_direct_) {
-      FitVectors<kStore>(job_.columns, OutputPlanes<kDims>(job_, 0), whole, 0);
+      const float* columns[Builder::kColumns];
+      ListColumns(columns, 0);
+      FitVectors<kStore>(columns, OutputPlanes<kDims>(job_, 0), whole, 0);
       return;
     }
     for (size_t begin = 0; begin < whole; begin += kTileObjects) {
@@ -228,9 +231,7 @@ class TileWalk {
   void FitTile(size_t begin, const OutputPlanes<kDims>& output) {
     const float* columns[Builder::kColumns];
     if (is_direct_) {
-      for (size_t c = 0; c < Builder::kColumns; ++c) {
-        columns[c] = job_.columns[c] + begin;
-      }
+      ListColumns(columns, begin);
     } else {
       builder_.Read(tile_, job_, begin, kTileObjects);
       for (size_t c = 0; c < Builder::kColumns; ++c) {
@@ -238,6 +239,15 @@ class TileWalk {
       }
     }
     FitVectors<kStore>(columns, output, kTileObjects, begin);
+  }
+
+  // Of the caller: some builders have more in their tiles, and read these
+  // never.
+  void ListColumns(const float** columns, size_t begin) const {
+    constexpr size_t kMost = detail::kMaxPlanes;
+    for (size_t c = 0; c < HWY_MIN(Builder::kColumns, kMost); ++c) {
+      columns[c] = job_.columns.floats(c) + begin;
+    }
   }
 
   // `count` shapes, counted up to a whole vector.

@@ -36,7 +36,9 @@ struct TriangleBuilder {
         const size_t index = indices[i * kCorners + corner];
         for (size_t k = 0; k < kDims; ++k) {
           tile.values[corner * kDims + k][i] =
-              index < job.count ? job.columns[k][index * job.stride] : NAN;
+              index < job.columns.size
+                  ? job.columns.floats(k)[index * job.columns.stride]
+                  : NAN;
         }
       }
     }

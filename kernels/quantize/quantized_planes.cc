@@ -33,16 +33,16 @@ QuantizedPlanes<Stored>::QuantizedPlanes(std::size_t minima, std::size_t maxima,
       levels_(NoPlanes<Stored>(minima + maxima, memory)) {}
 
 template <typename Stored>
-void QuantizedPlanes<Stored>::Requantize(const FloatColumns& floats) {
+void QuantizedPlanes<Stored>::Requantize(const Columns& floats) {
   constexpr const char* kCall = "QuantizedBounds::Requantize";
   const std::size_t planes = quantizer_.planes();
   if (floats.stride != 1) {
-    kernels::CheckMemory(kCall, "bounds", floats.planes[0], floats.size,
+    kernels::CheckMemory(kCall, "bounds", floats.column[0], floats.size,
                          alignof(float));
   }
   for (std::size_t p = 0; p < planes && floats.size != 0; ++p) {
     kernels::CheckPointer(
-        kCall, floats.planes[p], alignof(float),
+        kCall, floats.column[p], alignof(float),
         [&] { return "floats, plane " + std::to_string(p); },
         [&] {
           return "a plane of " + std::to_string(floats.size) + " floats";
@@ -56,7 +56,7 @@ void QuantizedPlanes<Stored>::Requantize(const FloatColumns& floats) {
   Quantizer quantizer =
       quantizer_.Trained(floats, std::size_t{1} << (8 * sizeof(Stored)));
   for (std::size_t p = 0; p < planes; ++p) {
-    quantizer.EncodeObjects(p, floats.planes[p], floats.stride, floats.size,
+    quantizer.EncodeObjects(p, floats.floats(p), floats.stride, floats.size,
                             levels.plane(p));
   }
   quantizer_ = std::move(quantizer);

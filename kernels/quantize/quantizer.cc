@@ -84,13 +84,13 @@ void Sort(std::span<Key> keys, std::span<Key> spare) {
 
 // An evenly spread sample of a plane, sorted, without NaN: a part of `sample`,
 // which has two planes of as many keys as are looked at.
-std::span<const Key> BvhSample(const FloatColumns& floats, std::size_t plane,
+std::span<const Key> BvhSample(const Columns& floats, std::size_t plane,
                                PlaneArrays<Key>& sample) {
   const std::span<Key> keys(sample.plane(0), sample.size());
   std::size_t count = 0;
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const std::size_t at = SampledIndex(i, keys.size(), floats.size);
-    const Key key = KeyOf(floats.planes[plane][at * floats.stride], kAboveAll);
+    const Key key = KeyOf(floats.floats(plane)[at * floats.stride], kAboveAll);
     if (key != kAboveAll) keys[count++] = key;
   }
   Sort(keys.first(count), {sample.plane(1), count});
@@ -175,8 +175,7 @@ Quantizer::Quantizer(std::size_t minima, std::size_t maxima,
       planes_(minima + maxima),
       thresholds_(NoThresholds(planes_, memory)) {}
 
-Quantizer Quantizer::Trained(const FloatColumns& floats,
-                             std::size_t levels) const {
+Quantizer Quantizer::Trained(const Columns& floats, std::size_t levels) const {
   // So large a sample that the ranks of 256 levels are off by less than one,
   // and that most of 65536 levels differ.
   const std::size_t sampled = levels <= 256 ? 1 << 16 : 1 << 18;

@@ -49,20 +49,14 @@ HALFSPACE_DECLARE_KERNELS(kFitTriangles);
 HALFSPACE_DECLARE_KERNELS(kFitPointSets);
 #undef HALFSPACE_DECLARE_KERNELS
 
-// Columns of floats, or of doubles: value c of element i is
-// columns[c][i * stride]. Boxes have all minima, then all maxima; spheres the
-// center, then the radius; points their coordinates.
+// Boxes have all minima, then all maxima; spheres the center, then the radius;
+// points their coordinates.
 struct Source {
-  static constexpr std::size_t kMaxColumns = 8;  // Boxes<4>
-
-  const FitKernels* kernels = nullptr;  // of each target
-  int dims = 0;
-  std::size_t column_count = 0;
-  std::size_t count = 0;
-  std::size_t stride = 1;
-  std::array<const void*, kMaxColumns> columns{};
-  bool has_one_pointer = false;  // for all columns: Points
-  bool is_double = false;
+  const FitKernels* kernels;  // of each target
+  int dims;
+  std::size_t column_count;
+  Columns columns;
+  bool has_one_pointer;  // for all columns: Points
 };
 
 // The builders give floats: planes of doubles are the caller's to fill.
@@ -84,61 +78,42 @@ struct Output {
   }
 };
 
-// A source of so many shapes, without its columns.
 template <FitSource kSource, int kDims, typename Scalar>
-Source SourceOfShapes(std::size_t count, std::size_t stride) {
-  Source source;
-  source.kernels = FitKernelsOf<kSource, kDims, Scalar>::kTargets;
-  source.dims = kDims;
-  source.count = count;
-  source.stride = stride;
-  source.is_double = sizeof(Scalar) == sizeof(double);
-  return source;
+Source SourceOf(const Columns& columns, std::size_t column_count,
+                bool has_one_pointer = false) {
+  return {FitKernelsOf<kSource, kDims, Scalar>::kTargets, kDims, column_count,
+          columns, has_one_pointer};
 }
 
 template <FitSource kSource, int kDims, typename Scalar>
 Source SourceOf(const Boxes<kDims, Scalar>& boxes) {
-  Source source =
-      SourceOfShapes<kSource, kDims, Scalar>(boxes.count, boxes.stride);
-  for (const Scalar* column : boxes.min) {
-    source.columns[source.column_count++] = column;
-  }
-  for (const Scalar* column : boxes.max) {
-    source.columns[source.column_count++] = column;
-  }
-  return source;
+  return SourceOf<kSource, kDims, Scalar>(ColumnsOf(boxes), 2 * kDims);
 }
 
 template <FitSource kSource, int kDims, typename Scalar>
 Source SourceOf(const Spheres<kDims, Scalar>& spheres) {
-  Source source =
-      SourceOfShapes<kSource, kDims, Scalar>(spheres.count, spheres.stride);
-  for (const Scalar* column : spheres.center) {
-    source.columns[source.column_count++] = column;
+  Columns columns = ColumnsOf<Scalar>(spheres.count, spheres.stride);
+  for (std::size_t k = 0; k < kDims; ++k) {
+    columns.column[k] = spheres.center[k];
   }
-  source.columns[source.column_count++] = spheres.radius;
-  return source;
+  columns.column[kDims] = spheres.radius;
+  return SourceOf<kSource, kDims, Scalar>(columns, kDims + 1);
 }
 
 template <FitSource kSource, int kDims, typename Scalar>
 Source SourceOf(const Points<kDims, Scalar>& points) {
-  Source source =
-      SourceOfShapes<kSource, kDims, Scalar>(points.count, points.stride);
-  source.has_one_pointer = true;
+  Columns columns = ColumnsOf<Scalar>(points.count, points.stride);
   for (std::size_t k = 0; k < kDims; ++k) {
-    source.columns[source.column_count++] =
-        points.coords == nullptr ? nullptr : points.coords + k;
+    columns.column[k] = points.coords == nullptr ? nullptr : points.coords + k;
   }
-  return source;
+  return SourceOf<kSource, kDims, Scalar>(columns, kDims, true);
 }
 
 template <FitSource kSource, int kDims, typename Scalar>
 Source SourceOf(const PointsSoa<kDims, Scalar>& points) {
-  Source source = SourceOfShapes<kSource, kDims, Scalar>(points.count, 1);
-  for (const Scalar* column : points.coords) {
-    source.columns[source.column_count++] = column;
-  }
-  return source;
+  Columns columns = ColumnsOf<Scalar>(points.count, 1);
+  for (std::size_t k = 0; k < kDims; ++k) columns.column[k] = points.coords[k];
+  return SourceOf<kSource, kDims, Scalar>(columns, kDims);
 }
 
 // The index of an axis' maximum in Output::planes; its minimum is at `axis`.

@@ -128,26 +128,21 @@ using DoubleBound =
                        NoBound>;
 
 template <typename View, typename = IfBoxes<View>>
-Columns<double> OtherColumns(const DoubleView<View>& view) {
+Columns OtherColumns(const DoubleView<View>& view) {
   return ColumnsOf(view);
 }
 template <typename View, typename = IfBoxes<View>>
-Columns<double> OtherColumns(const World<DoubleView<View>>& world) {
+Columns OtherColumns(const World<DoubleView<View>>& world) {
   return ColumnsOf(world.view());
 }
 template <typename View, typename = IfBoxes<View>>
-Columns<double> OtherColumns(
+Columns OtherColumns(
     Span<const Aabb<View::Bound::kDimensions, double>> bounds) {
   return ColumnsOf(bounds);
 }
 template <typename View, typename Scalar, typename = IfBoxes<View>>
-Columns<Scalar> OtherColumns(
-    const Boxes<View::Bound::kDimensions, Scalar>& boxes) {
-  Columns<Scalar> columns;
-  columns.size = boxes.count;
-  columns.stride = boxes.stride;
-  ListPlanes(boxes, columns.planes);
-  return columns;
+Columns OtherColumns(const Boxes<View::Bound::kDimensions, Scalar>& boxes) {
+  return ColumnsOf(boxes);
 }
 
 // Types if Objects can be one of these, and if Bound is a box of doubles.
@@ -189,8 +184,7 @@ class HALFSPACE_API BvhTree {
   // Throws unless so many objects can be built.
   void CheckBuild(std::size_t objects, const BuildOptions& options) const;
   // Replaces the content. The planes may not be its own.
-  void Build(const FloatColumns& objects, const BuildOptions& options);
-  void Build(const Columns<double>& objects, const BuildOptions& options);
+  void Build(const Columns& objects, const BuildOptions& options);
 
   // Replaces the content by what Blob() gave, in place or as a copy. Only the
   // header is checked: see CheckLoaded().
@@ -205,15 +199,12 @@ class HALFSPACE_API BvhTree {
   void Set(std::uint32_t id, Span<const float> values);
   std::uint32_t Insert(Span<const float> values);
   void Erase(std::uint32_t id);
-  // Values of bound i from values[i * planes] on.
-  void Set(Span<const std::uint32_t> ids, Span<const float> values);
-  void Set(Span<const std::uint32_t> ids, Span<const double> values);
-  void Insert(Span<const float> values, Span<std::uint32_t> ids);
-  void Insert(Span<const double> values, Span<std::uint32_t> ids);
-  // Under ids that no object has, and that may be any numbers. No call may
-  // choose ids in the same tree. A tree that has objects and no room grows by
-  // an eighth, as it copies more often.
-  void InsertAs(Span<const std::uint32_t> ids, Span<const float> values);
+  void Set(Span<const std::uint32_t> ids, const Columns& bounds);
+  void Insert(const Columns& bounds, Span<std::uint32_t> ids);
+  // Of floats, under ids that no object has, and that may be any numbers. No
+  // call may choose ids in the same tree. A tree that has objects and no room
+  // grows by an eighth, as it copies more often.
+  void InsertAs(Span<const std::uint32_t> ids, const Columns& bounds);
   void Erase(Span<const std::uint32_t> ids);
   void Clear();
   void Reserve(std::size_t objects);
@@ -223,8 +214,7 @@ class HALFSPACE_API BvhTree {
   void SetMasks(Span<const std::uint32_t> masks);
 
   // The bounds of the objects anew, by id or by slot.
-  void Refit(const FloatColumns& objects, bool is_by_id, const Runner& run);
-  void Refit(const Columns<double>& objects, bool is_by_id, const Runner& run);
+  void Refit(const Columns& objects, bool is_by_id, const Runner& run);
 
   double CostRatio() const;
   void Rebuild(const BuildOptions& options);
@@ -236,17 +226,10 @@ class HALFSPACE_API BvhTree {
   BvhHeader& header() const;
   BvhRoom Room() const;
   void Allocate(const BvhRoom& room);
-  // These throw unless so many bounds can be refitted, set or inserted, and
-  // return whether there are any. What throws later throws std::bad_alloc
-  // alone: who allocates before a change calls one of them first.
-  bool CheckRefit(std::size_t objects, bool is_by_id) const;
-  bool CheckSet(Span<const std::uint32_t> ids, std::size_t bounds);
-  bool CheckInsert(std::size_t bounds, Span<std::uint32_t> ids);
-  void SetChecked(Span<const std::uint32_t> ids, Span<const float> values);
-  void BuildIn(const BvhRoom& room, const FloatColumns& objects,
+  void BuildIn(const BvhRoom& room, const Columns& objects,
                const BuildOptions& options);
   // Does the work of InsertAs() if the tree is empty.
-  void BuildAs(Span<const std::uint32_t> ids, Span<const float> values);
+  void BuildAs(Span<const std::uint32_t> ids, const Columns& bounds);
   // Throws if ids and slots do not belong together, as in an altered blob:
   // changes would write anywhere.
   void CheckLoaded(const char* call);

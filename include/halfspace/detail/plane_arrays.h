@@ -11,6 +11,7 @@
 #include "halfspace/detail/block_memory.h"
 #include "halfspace/export.h"
 #include "halfspace/memory.h"
+#include "halfspace/shapes.h"
 #include "halfspace/span.h"
 
 namespace halfspace::detail {
@@ -59,32 +60,57 @@ constexpr Bound BoundOf(const PlaneValues<Bound>& values) {
   return bound;
 }
 
-// Value i of plane p is planes[p][i * stride]: planes, with a stride of 1, or
-// the values of records.
-template <typename T>
+// Floats or doubles in the caller's memory: value c of element i is
+// column[c][i * stride]. Planes, with a stride of 1, or the values of records.
 struct Columns {
-  std::array<const T*, kMaxPlanes> planes;
+  std::array<const void*, kMaxPlanes> column;
   std::size_t size;
   std::size_t stride;
+  bool is_double;
+
+  const float* floats(std::size_t c) const {
+    return static_cast<const float*>(column[c]);
+  }
+  const double* doubles(std::size_t c) const {
+    return static_cast<const double*>(column[c]);
+  }
+  std::size_t scalar_bytes() const {
+    return is_double ? sizeof(double) : sizeof(float);
+  }
 };
 
-using FloatColumns = Columns<float>;
+// Without the columns.
+template <typename Scalar>
+Columns ColumnsOf(std::size_t size, std::size_t stride) {
+  static_assert(std::is_same_v<Scalar, float> ||
+                std::is_same_v<Scalar, double>);
+  Columns columns;
+  columns.size = size;
+  columns.stride = stride;
+  columns.is_double = std::is_same_v<Scalar, double>;
+  return columns;
+}
 
-template <typename View, typename Pointers>
-void ListPlanes(const View& view, Pointers& planes) {
+template <typename Planes, typename Pointers>
+void ListPlanes(const Planes& from, Pointers& planes) {
   std::size_t p = 0;
-  for (const auto* plane : view.min) planes[p++] = plane;
-  if constexpr (HasMax<View>) {
-    for (const auto* plane : view.max) planes[p++] = plane;
+  for (const auto* plane : from.min) planes[p++] = plane;
+  if constexpr (HasMax<Planes>) {
+    for (const auto* plane : from.max) planes[p++] = plane;
   }
 }
 
 template <typename View>
-Columns<typename View::Bound::Scalar> ColumnsOf(const View& view) {
-  Columns<typename View::Bound::Scalar> columns;
-  columns.size = view.size;
-  columns.stride = 1;
-  ListPlanes(view, columns.planes);
+Columns ColumnsOf(const View& view) {
+  Columns columns = ColumnsOf<typename View::Bound::Scalar>(view.size, 1);
+  ListPlanes(view, columns.column);
+  return columns;
+}
+
+template <int kDims, typename Scalar>
+Columns ColumnsOf(const Boxes<kDims, Scalar>& boxes) {
+  Columns columns = ColumnsOf<Scalar>(boxes.count, boxes.stride);
+  ListPlanes(boxes, columns.column);
   return columns;
 }
 
@@ -97,18 +123,40 @@ const typename Bound::Scalar* RecordsOf(Span<const Bound> bounds) {
   return reinterpret_cast<const Scalar*>(bounds.data());
 }
 
-template <typename Bound>
-Columns<typename Bound::Scalar> ColumnsOf(Span<const Bound> records) {
-  constexpr std::size_t kValues = kPlaneCount<Bound>;
-  Columns<typename Bound::Scalar> columns;
-  columns.size = records.size();
-  columns.stride = kValues;
-  const auto* values = RecordsOf(records);
-  for (std::size_t p = 0; p < kValues; ++p) {
-    columns.planes[p] = values == nullptr ? nullptr : values + p;
+// Rows of so many values, one after another.
+template <typename Scalar>
+Columns ColumnsOfRows(const Scalar* rows, std::size_t size,
+                      std::size_t values) {
+  Columns columns = ColumnsOf<Scalar>(size, values);
+  for (std::size_t v = 0; v < values; ++v) {
+    columns.column[v] = rows == nullptr ? nullptr : rows + v;
   }
   return columns;
 }
+
+template <typename Bound>
+Columns ColumnsOf(Span<const Bound> records) {
+  return ColumnsOfRows(RecordsOf(records), records.size(), kPlaneCount<Bound>);
+}
+
+// The rows, if elements are rows of floats, or null.
+inline const float* RowsOf(const Columns& columns, std::size_t values) {
+  if (columns.is_double || (columns.stride != values && columns.size > 1)) {
+    return nullptr;
+  }
+  const float* const rows = columns.floats(0);
+  for (std::size_t v = 1; v < values; ++v) {
+    if (columns.floats(v) != rows + v) return nullptr;
+  }
+  return rows;
+}
+
+// Writes elements begin ... begin + count - 1, one after another, as floats:
+// `values` of each. The first `minima` of them are rounded down if they are
+// doubles, the others up.
+HALFSPACE_API void ReadRecords(const Columns& columns, std::size_t values,
+                               std::size_t minima, std::size_t begin,
+                               std::size_t count, float* records);
 
 // One allocation of `padding.size()` planes. Each plane is 64-byte aligned;
 // elements from size() to the end of the padded plane hold `padding`. Defined

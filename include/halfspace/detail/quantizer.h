@@ -56,7 +56,7 @@ class HALFSPACE_API Quantizer {
   std::size_t planes() const { return planes_; }
 
   // One with thresholds at `levels` - 1 quantiles of every plane.
-  Quantizer Trained(const FloatColumns& floats, std::size_t levels) const;
+  Quantizer Trained(const Columns& floats, std::size_t levels) const;
 
   // Encodes `count` values of plane `p`, `stride` floats apart. A NaN gets the
   // level that never rejects.
@@ -133,7 +133,7 @@ class HALFSPACE_API QuantizedPlanes {
   const Quantizer& quantizer() const { return quantizer_; }
   const PlaneArrays<Stored>& planes() const { return levels_; }
 
-  void Requantize(const FloatColumns& floats);
+  void Requantize(const Columns& floats);
   void Reserve(std::size_t objects) { levels_.Reserve(objects); }
   std::size_t Push(Span<const float> values);
   void Set(std::size_t index, Span<const float> values);

@@ -113,7 +113,7 @@ struct Scan {
   std::size_t begin;             // the range of objects
   std::size_t end;
 
-  FloatColumns floats;  // that refine quantized bounds
+  Columns floats;  // that refine quantized bounds
 
   template <typename T>
   const T* Plane(std::size_t p) const {
