@@ -162,18 +162,18 @@ class World {
   // Appends an object and returns its index. Doubles the capacity if the world
   // is full. Amortized O(1).
   std::size_t Push(const Bound& bound) {
-    return planes_.Push(detail::Planes(bound));
+    return planes_.Push(detail::Planes(bound).data());
   }
 
   // Replaces the bound of object `index`. O(1).
   void Set(std::size_t index, const Bound& bound) {
-    planes_.Set(index, detail::Planes(bound));
+    planes_.Set(index, detail::Planes(bound).data());
   }
 
   // Returns the bound of object `index`. O(1).
   Bound Get(std::size_t index) const {
     detail::PlaneValues<Bound> values;
-    planes_.Get(index, values);
+    planes_.Get(index, values.data());
     return detail::BoundOf<Bound>(values);
   }
 
@@ -185,7 +185,7 @@ class World {
 
   // Removes all objects and keeps the memory. O(size), because it overwrites
   // all objects with padding.
-  void Clear() { planes_.Clear(); }
+  void Clear() { planes_.Resize(0); }
 
   // Replaces all objects by the given bounds, in order. The bounds must not be
   // in the memory of this world.

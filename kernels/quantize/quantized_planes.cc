@@ -75,14 +75,14 @@ auto QuantizedPlanes<Stored>::Encoded(Span<const float> values) const
 template <typename Stored>
 std::size_t QuantizedPlanes<Stored>::Push(Span<const float> values) {
   const Values levels = Encoded(values);
-  return levels_.Push(std::span(levels).first(values.size()));
+  return levels_.Push(levels.data());
 }
 
 template <typename Stored>
 void QuantizedPlanes<Stored>::Set(std::size_t index, Span<const float> values) {
   CheckIndex(index, "QuantizedBounds::Set");
   const Values levels = Encoded(values);
-  levels_.Set(index, std::span(levels).first(values.size()));
+  levels_.Set(index, levels.data());
 }
 
 template <typename Stored>

@@ -158,69 +158,71 @@ HALFSPACE_API void ReadRecords(const Columns& columns, std::size_t values,
                                std::size_t minima, std::size_t begin,
                                std::size_t count, float* records);
 
-// One allocation of `padding.size()` planes. Each plane is 64-byte aligned;
-// elements from size() to the end of the padded plane hold `padding`. Defined
-// for float, double, and the quantized bounds of quantized.h and their
-// thresholds.
-template <typename T>
-class HALFSPACE_API PlaneArrays {
+// One allocation of planes, whose elements have 1, 2, 4 or 8 bytes. Each plane
+// is 64-byte aligned; elements from size() to the end of the padded plane hold
+// `padding`, a value of every plane. Records are a value of every plane, too.
+// Not a template, as each instance would repeat and export all of it.
+class HALFSPACE_API PlaneStore {
  public:
-  PlaneArrays(Span<const T> padding, const MemoryResource& memory);
-  PlaneArrays(const PlaneArrays& other)
-      : PlaneArrays(other, MemoryResource()) {}
-  PlaneArrays(const PlaneArrays& other, const MemoryResource& memory);
-  PlaneArrays(PlaneArrays&& other) noexcept;
+  PlaneStore(const void* padding, std::size_t planes, std::size_t element_bytes,
+             const MemoryResource& memory);
+  PlaneStore(const PlaneStore& other) : PlaneStore(other, MemoryResource()) {}
+  PlaneStore(const PlaneStore& other, const MemoryResource& memory);
+  PlaneStore(PlaneStore&& other) noexcept;
   // Two operators, and not one that takes its argument by value: assignments
   // that a compiler writes would take that for one that never throws.
-  PlaneArrays& operator=(const PlaneArrays& other) {
+  PlaneStore& operator=(const PlaneStore& other) {
     return AssignCopy(*this, other);
   }
-  PlaneArrays& operator=(PlaneArrays&& other) {
-    return AssignMove(*this, other);
-  }
-  ~PlaneArrays();
-  friend void swap(PlaneArrays& a, PlaneArrays& b) noexcept { a.Swap(b); }
+  PlaneStore& operator=(PlaneStore&& other) { return AssignMove(*this, other); }
+  ~PlaneStore();
+  friend void swap(PlaneStore& a, PlaneStore& b) noexcept { a.Swap(b); }
 
   const MemoryResource& memory() const { return memory_; }
   std::size_t size() const { return size_; }
   std::size_t capacity() const { return capacity_; }
-  T* plane(std::size_t p) { return data_ + p * stride_; }
-  const T* plane(std::size_t p) const { return data_ + p * stride_; }
 
   void Reserve(std::size_t objects);
-  // Replaces the content by `count` records, each a value of every plane, which
-  // may not be its own.
-  void Assign(const T* records, std::size_t count);
-  std::size_t Push(Span<const T> values);
-  void Set(std::size_t index, Span<const T> values);
-  void Get(std::size_t index, Span<T> values) const;
+  // Replaces the content by `count` records, which may not be its own.
+  void Assign(const void* records, std::size_t count);
+  std::size_t Push(const void* record);
+  void Set(std::size_t index, const void* record);
+  void Get(std::size_t index, void* record) const;
   void EraseBySwap(std::size_t index);
   void Resize(std::size_t objects);
-  void Clear();
 
   // Throws, in the name of `call`, unless `index` is below size().
   void CheckIndex(std::size_t index, const char* call) const;
 
+ protected:
+  std::byte* PlaneAt(std::size_t p) const { return data_ + p * stride_; }
+
  private:
-  void Write(std::size_t index, const T* values);
-  void Grow(std::size_t objects);
-  void Free();
-  void Swap(PlaneArrays& other) noexcept;
+  void Swap(PlaneStore& other) noexcept;
 
   MemoryResource memory_;
-  std::array<T, kMaxPlanes> padding_{};
-  std::size_t planes_ = 0;
+  std::array<std::byte, kMaxPlanes * sizeof(double)> padding_{};
+  std::size_t element_bytes_;
+  std::size_t planes_;
   std::size_t size_ = 0;
   std::size_t capacity_ = 0;  // a multiple of 64
-  std::size_t stride_ = 0;    // elements from one plane to the next
-  T* data_ = nullptr;
+  std::size_t stride_ = 0;    // bytes from one plane to the next
+  std::byte* data_ = nullptr;
 };
 
-extern template class PlaneArrays<float>;
-extern template class PlaneArrays<double>;
-extern template class PlaneArrays<std::int8_t>;
-extern template class PlaneArrays<std::int16_t>;
-extern template class PlaneArrays<std::int32_t>;
+template <typename T>
+class PlaneArrays : public PlaneStore {
+ public:
+  PlaneArrays(Span<const T> padding, const MemoryResource& memory)
+      : PlaneStore(padding.data(), padding.size(), sizeof(T), memory) {}
+  PlaneArrays(const PlaneArrays& other, const MemoryResource& memory)
+      : PlaneStore(other, memory) {}
+
+  T* plane(std::size_t p) { return reinterpret_cast<T*>(PlaneAt(p)); }
+  const T* plane(std::size_t p) const {
+    return reinterpret_cast<const T*>(PlaneAt(p));
+  }
+};
 
 // Object `i` of a view.
 template <typename View>

@@ -141,7 +141,7 @@ class HALFSPACE_API QuantizedPlanes {
   void CheckIndex(std::size_t index, const char* call) const {
     levels_.CheckIndex(index, call);
   }
-  void Clear() { levels_.Clear(); }
+  void Clear() { levels_.Resize(0); }
   bool Fits() const;
   // How many objects may be added, with any values, before Fits() can become
   // false; at most size().
