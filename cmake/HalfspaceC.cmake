@@ -26,21 +26,3 @@ if(NOT MSVC)
     c/call.cc c/columns.cc c/scan.cc
     APPEND PROPERTY COMPILE_OPTIONS $<$<CONFIG:Release>:-O2>)
 endif()
-# Programs in C call it: its tests and its example.
-if(HALFSPACE_BUILD_TESTS OR HALFSPACE_BUILD_EXAMPLES)
-  enable_language(C)
-endif()
-
-# How a program in C is compiled, as halfspace_configure_target() is for C++.
-function(halfspace_configure_c_target target)
-  set_target_properties(${target} PROPERTIES
-    C_STANDARD 11
-    C_STANDARD_REQUIRED ON
-    C_EXTENSIONS OFF)
-  if(NOT MSVC)
-    target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic)
-  endif()
-  if(HALFSPACE_WERROR)
-    set_target_properties(${target} PROPERTIES COMPILE_WARNING_AS_ERROR ON)
-  endif()
-endfunction()

@@ -30,6 +30,20 @@ function(halfspace_configure_target target)
   endif()
 endfunction()
 
+# The same for a program in C.
+function(halfspace_configure_c_target target)
+  set_target_properties(${target} PROPERTIES
+    C_STANDARD 11
+    C_STANDARD_REQUIRED ON
+    C_EXTENSIONS OFF)
+  if(NOT MSVC)
+    target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic)
+  endif()
+  if(HALFSPACE_WERROR)
+    set_target_properties(${target} PROPERTIES COMPILE_WARNING_AS_ERROR ON)
+  endif()
+endfunction()
+
 # halfspace_require(<package> <option> <debian package>): finds what the option needs, or
 # says how to install it. A macro, as find_package() sets variables.
 macro(halfspace_require package option debian)

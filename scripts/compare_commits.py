@@ -1,12 +1,18 @@
 #!/usr/bin/env python3
-"""Compares the speed of flat scans in two commits, run in turns on this machine:
+"""Compares two commits in turns on this machine: the speed of flat scans, or what it
+costs to include a header:
 
     scripts/compare_commits.py OLD [NEW] [--runs N] [--objects N,N...]
+    scripts/compare_commits.py OLD [NEW] --headers
 
 OLD and NEW are commits. Without NEW it is the working tree, with all changes. The
 same program is linked to the library of each and run N times in turns, so that
 both meet the same clock and the same neighbours. A row shows the median of each
 in ns, the range of its runs, and median of NEW / median of OLD.
+
+`--headers` compares instead what it costs to include a header: its preprocessed
+lines in C++20, and the processor's time to compile a file that includes it alone,
+by the compiler in CXX (default: g++), in ms.
 
 `--directory DIR` keeps worktrees and builds for the next comparison.
 """
@@ -14,11 +20,15 @@ in ns, the range of its runs, and median of NEW / median of OLD.
 import argparse
 import os
 import pathlib
+import resource
 import statistics
 import subprocess
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+HEADERS = ["halfspace.h", "reject.h", "world.h", "bvh.h", "broad_phase.h",
+           "quantized.h", "span.h", "kernels.h"]
 
 PROJECT = """
 cmake_minimum_required(VERSION 3.25)
@@ -164,17 +174,18 @@ def build(source, directory, program):
     return binaries / "compare"
 
 
-def build_commit(commit, directory, program):
+def source_of(commit, directory):
+    """Returns the directory of the sources of `commit`."""
     directory.mkdir(parents=True, exist_ok=True)
     if commit is None:
-        return build(ROOT, directory, program)
+        return ROOT
     tree = directory / "source"
     if tree.exists():
         run("git", "-C", tree, "checkout", "--quiet", "--detach", commit)
     else:
         run("git", "-C", ROOT, "worktree", "add", "--quiet", "--detach", tree,
             commit)
-    return build(tree, directory, program)
+    return tree
 
 
 def measure(binary, objects, rows):
@@ -193,8 +204,10 @@ def compare(options, directory):
     program = directory / "compare.cc"
     program.write_text(PROGRAM)
     commits = [options.old, options.new]
-    binaries = [build_commit(commit, directory / name, program)
-                for commit, name in zip(commits, ["old", "new"])]
+    binaries = []
+    for commit, name in zip(commits, ["old", "new"]):
+        source = source_of(commit, directory / name)
+        binaries.append(build(source, directory / name, program))
     results = [{}, {}]
     for _ in range(options.runs):
         for binary, rows in zip(binaries, results):
@@ -207,6 +220,39 @@ def compare(options, directory):
               f"   {ratio:.2f}")
 
 
+def include(source, header, directory):
+    """Returns the preprocessed lines of a header and the ms to compile it."""
+    program = directory / "include.cc"
+    program.write_text(f"#include <halfspace/{header}>\n")
+    command = [os.environ.get("CXX", "g++"), "-std=c++20", f"-I{source}/include",
+               program]
+    text = run(*command, "-E", capture_output=True).stdout
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    run(*command, "-c", "-o", os.devnull)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    seconds = (after.ru_utime + after.ru_stime - before.ru_utime -
+               before.ru_stime)
+    return text.count(b"\n"), 1000 * seconds
+
+
+def compare_headers(options, directory):
+    sources = [source_of(commit, directory / name)
+               for commit, name in [(options.old, "old"), (options.new, "new")]]
+    print(f"{'':14} {'old lines':>10} {'new lines':>10} {'old ms':>26} "
+          f"{'new ms':>26}   new / old")
+    for header in HEADERS:
+        if not all((source / "include/halfspace" / header).exists()
+                   for source in sources):
+            continue
+        results = [[include(source, header, directory) for source in sources]
+                   for _ in range(options.runs)]
+        lines = [lines for lines, _ in results[0]]
+        old, new = ([run[k][1] for run in results] for k in (0, 1))
+        ratio = statistics.median(new) / statistics.median(old)
+        print(f"{header:14} {lines[0]:10} {lines[1]:10} {summary(old):>26} "
+              f"{summary(new):>26}   {ratio:.2f}")
+
+
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
@@ -216,15 +262,17 @@ def main():
     parser.add_argument(
         "--objects", default="10,16384,262144,524288,2097152,16777216",
         help="world sizes; smaller than 1024: time of a call, with ids too")
+    parser.add_argument("--headers", action="store_true")
     parser.add_argument("--directory", type=pathlib.Path)
     options = parser.parse_args()
+    compare_them = compare_headers if options.headers else compare
     if options.directory is not None:
         options.directory.mkdir(parents=True, exist_ok=True)
-        compare(options, options.directory.resolve())
+        compare_them(options, options.directory.resolve())
         return
     with tempfile.TemporaryDirectory() as directory:
         try:
-            compare(options, pathlib.Path(directory))
+            compare_them(options, pathlib.Path(directory))
         finally:
             for name in ("old", "new"):
                 tree = pathlib.Path(directory) / name / "source"

@@ -2,18 +2,19 @@
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #include <immintrin.h>
-#define HALFSPACE_HAS_LOOPS_BY_HAND 1
+#elif defined(__aarch64__) && defined(__GNUC__)
+#include <arm_neon.h>
 #endif
 
 namespace halfspace::bench {
-
-#if defined(HALFSPACE_HAS_LOOPS_BY_HAND)
 namespace {
 
 // The namespaces are those of Highway's targets: a test looks there alone for
 // instructions above the baseline. Each loop has kMins minima, which are
 // compared with the query's maxima, and kMaxs maxima. What is rejected is
 // collected by OR, and turned round once a word.
+
+#if defined(__x86_64__) && defined(__GNUC__)
 
 namespace N_SSE4 {
 template <std::size_t kMins, std::size_t kMaxs>
@@ -112,6 +113,70 @@ LoopByHand LoopOf(std::string_view target) {
   return nullptr;
 }
 
+#elif defined(__aarch64__) && defined(__GNUC__)
+
+namespace N_NEON {
+template <std::size_t kMins, std::size_t kMaxs>
+void Test(const float* const* planes, std::size_t n, const float* query,
+          std::uint64_t* mask) {
+  const float* const max = query + (kMaxs == 0 ? 0 : kMins);
+  float32x4_t values[kMins + kMaxs];
+  for (std::size_t p = 0; p < kMins; ++p) values[p] = vdupq_n_f32(max[p]);
+  for (std::size_t p = 0; p < kMaxs; ++p) {
+    values[kMins + p] = vdupq_n_f32(query[p]);
+  }
+  const uint8x16_t bit_of_lane = vreinterpretq_u8_u64(
+      vdupq_n_u64(0x8040201008040201));  // 1, 2, 4 ... 128, twice
+  for (std::size_t i = 0; i < n; i += 64) {
+    uint8x16_t bits[4];
+#pragma GCC unroll 4
+    for (std::size_t b = 0; b < 4; ++b) {
+      uint32x4_t rejected[4];
+#pragma GCC unroll 4
+      for (std::size_t v = 0; v < 4; ++v) {
+#pragma GCC unroll 8
+        for (std::size_t p = 0; p < kMins + kMaxs; ++p) {
+          const float32x4_t objects = vld1q_f32(planes[p] + i + 16 * b + 4 * v);
+          const uint32x4_t is_less = p < kMins ? vcltq_f32(values[p], objects)
+                                               : vcltq_f32(objects, values[p]);
+          rejected[v] = p == 0 ? is_less : vorrq_u32(rejected[v], is_less);
+        }
+      }
+      // The even halves of two vectors: lanes of 16 bits, then of 8.
+      const uint16x8_t low = vuzp1q_u16(vreinterpretq_u16_u32(rejected[0]),
+                                        vreinterpretq_u16_u32(rejected[1]));
+      const uint16x8_t high = vuzp1q_u16(vreinterpretq_u16_u32(rejected[2]),
+                                         vreinterpretq_u16_u32(rejected[3]));
+      bits[b] = vandq_u8(
+          vuzp1q_u8(vreinterpretq_u8_u16(low), vreinterpretq_u8_u16(high)),
+          bit_of_lane);
+    }
+    // Three sums of neighbours turn 64 lanes into 64 bits.
+    uint8x16_t sum =
+        vpaddq_u8(vpaddq_u8(bits[0], bits[1]), vpaddq_u8(bits[2], bits[3]));
+    sum = vpaddq_u8(sum, sum);
+    *mask++ = ~vgetq_lane_u64(vreinterpretq_u64_u8(sum), 0);
+  }
+}
+}  // namespace N_NEON
+
+template <std::size_t kMins, std::size_t kMaxs>
+LoopByHand LoopOf(std::string_view target) {
+  if (target == "NEON" || target == "NEON_WITHOUT_AES") {
+    return &N_NEON::Test<kMins, kMaxs>;
+  }
+  return nullptr;
+}
+
+#else
+
+template <std::size_t kMins, std::size_t kMaxs>
+LoopByHand LoopOf(std::string_view /*target*/) {
+  return nullptr;
+}
+
+#endif
+
 }  // namespace
 
 LoopByHand LoopByHandOf(ShapeKind shape, std::string_view target) {
@@ -125,13 +190,5 @@ LoopByHand LoopByHandOf(ShapeKind shape, std::string_view target) {
   }
   return LoopOf<4, 4>(target);
 }
-
-#else
-
-LoopByHand LoopByHandOf(ShapeKind /*shape*/, std::string_view /*target*/) {
-  return nullptr;
-}
-
-#endif
 
 }  // namespace halfspace::bench

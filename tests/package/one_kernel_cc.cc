@@ -1,7 +1,7 @@
-// The least program with a kernel in it: one call of c/kernels.h.
+// one_kernel.c in C++.
 #include <cstdint>
 
-#include "halfspace/c/kernels.h"
+#include "halfspace/kernels.h"
 
 int main() {
   const float zero[] = {0};
@@ -9,6 +9,6 @@ int main() {
   const float* planes[] = {zero, zero, zero, one, one, one};
   const float query[] = {1, 1, 1, 2, 2, 2};
   std::uint64_t mask = 0;
-  hs_box3_mask(planes, 1, query, &mask);
+  halfspace::SurvivorsOfBoxes3(planes, 1, query, &mask);
   return mask == 1 ? 0 : 1;
 }
