@@ -8,7 +8,6 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 
 #include "dispatch/scan/prepare.h"
 #include "halfspace/detail/scan.h"
@@ -79,24 +78,19 @@ inline std::size_t PartObjects(const Scan& scan) {
   return std::min(kRunObjects, bytes / scan.type->record_bytes / 64 * 64);
 }
 
-// Calls visit(object) for every bit of the words that `nonzero` names.
-template <typename Visit>
-void ForEachBit(const std::uint64_t* words, std::uint64_t nonzero,
-                const Visit& visit) {
-  for (; nonzero != 0; nonzero &= nonzero - 1) {
-    const auto w = static_cast<std::size_t>(std::countr_zero(nonzero));
-    for (std::uint64_t left = words[w]; left != 0; left &= left - 1) {
-      visit(64 * w + static_cast<std::size_t>(std::countr_zero(left)));
-    }
-  }
-}
-
 // Calls visit(run, object of the run) for every bit of the words.
 template <typename Visit>
-void ForEachBit(const Tested& tested, const Visit& visit) {
+[[gnu::always_inline]] inline void ForEachBit(const Tested& tested,
+                                              const Visit& visit) {
   for (std::size_t run = 0; run < tested.runs; ++run) {
-    ForEachBit(tested.RowOfRun(run), tested.nonzero[run],
-               [&](std::size_t object) { visit(run, object); });
+    const std::uint64_t* const words = tested.RowOfRun(run);
+    for (std::uint64_t nonzero = tested.nonzero[run]; nonzero != 0;
+         nonzero &= nonzero - 1) {
+      const auto w = static_cast<std::size_t>(std::countr_zero(nonzero));
+      for (std::uint64_t left = words[w]; left != 0; left &= left - 1) {
+        visit(run, 64 * w + static_cast<std::size_t>(std::countr_zero(left)));
+      }
+    }
   }
 }
 
@@ -118,32 +112,29 @@ inline void FindNonzero(const Scan& scan, Tested& tested) {
   }
 }
 
-// Writes the words of a part, and finds the nonzero ones.
+// Tests a part on quantized bounds that floats refine: writes its words, and
+// prefetches and lists the candidates.
 //
-// Where quantized octahedra are refined, their minima are the filter: they
-// usually leave so few candidates that testing those on floats is faster than
-// testing the maxima, which out of the caches are four more cache lines for
-// each word. The maxima are tested too if more than a quarter of the words are
-// nonzero.
-inline void TestPart(const Scan& scan, Tested& tested) {
-  if (scan.type->is_refined && scan.way == detail::kBySimplex) {
+// Octahedra's minima are the filter: they usually leave so few candidates that
+// testing those on floats is faster than testing the maxima, which out of the
+// caches are four more cache lines for each word. The maxima are tested too if
+// more than a quarter of the words are nonzero.
+inline void FindCandidates(const Scan& scan, Tested& tested) {
+  bool is_tested = false;
+  if (scan.way == detail::kBySimplex) {
     const detail::Way minima =
         scan.is_streaming ? detail::kMinimaStreaming : detail::kMinima;
     scan.kernels->run[minima](scan, tested.part);
     FindNonzero(scan, tested);
     const std::uint64_t runs =
         tested.runs == 0 ? 0 : ~std::uint64_t{0} >> (64 - tested.runs);
-    if (4 * scan.kernels->count_bits(tested.nonzero, runs) <=
-        tested.part.query_count * tested.words()) {
-      return;
-    }
+    is_tested = 4 * scan.kernels->count_bits(tested.nonzero, runs) <=
+                tested.part.query_count * tested.words();
   }
-  Run(scan, tested.part);
-  FindNonzero(scan, tested);
-}
-
-// Prefetches the floats of the candidates, and lists these.
-inline void PrefetchCandidates(const Scan& scan, Tested& tested) {
+  if (!is_tested) {
+    Run(scan, tested.part);
+    FindNonzero(scan, tested);
+  }
   std::size_t count = 0;
   ForEachBit(tested, [&](std::size_t run, std::size_t object) {
     PrefetchFloats(scan, tested.ObjectOfRun(run) + object);
@@ -157,165 +148,169 @@ inline void PrefetchCandidates(const Scan& scan, Tested& tested) {
 }
 
 // Clears the bits of candidates that the floats reject.
-inline void Refine(const Scan& scan, const Tested& tested) {
+inline void Refine(const Scan& scan, Tested& tested) {
   ForEachCandidate(tested, [&](std::size_t run, std::size_t object) {
     const std::uint64_t rejected = FloatsReject(
         scan, tested.QueryOfRun(run), tested.ObjectOfRun(run) + object);
-    tested.RowOfRun(run)[object / 64] &= ~(rejected << object % 64);
+    std::uint64_t& word = tested.RowOfRun(run)[object / 64];
+    word &= ~(rejected << object % 64);
+    if (word == 0) tested.nonzero[run] &= ~(std::uint64_t{1} << object / 64);
   });
 }
 
-// How many queries are encoded at a time, and room on the stack for the words
-// of two parts: for one query, and for several.
+// The ways through the parts of a scan: how many queries are encoded at a time,
+// how many runs a part has at most, and the objects of its first run. A wanted
+// survivor is often among the first objects.
 struct OneQuery {
   static constexpr std::size_t kBlock = 1;
-  static constexpr std::size_t kStride = 0;
-  std::uint64_t rows[2][kRunsOfOne * kRunWords];
+  static constexpr std::size_t kRuns = kRunsOfOne;
+  static constexpr std::size_t kFirstObjects = kRunObjects;
+  static constexpr bool kIsUrgent = false;
+};
+struct UrgentQuery {
+  static constexpr std::size_t kBlock = 1;
+  static constexpr std::size_t kRuns = 1;
+  static constexpr std::size_t kFirstObjects = 512;
+  static constexpr bool kIsUrgent = true;
 };
 struct ManyQueries {
   static constexpr std::size_t kBlock = 256;
-  static constexpr std::size_t kStride = kRunWords;
-  std::uint64_t rows[2][kMostQueries * kRunWords];
+  static constexpr std::size_t kRuns = kMostQueries;
+  static constexpr bool kIsUrgent = false;
 };
 
-// Room for kQueries encoded queries.
-template <std::size_t kQueries>
-struct EncodedQueries {
-  alignas(
-      16) std::byte bytes[kQueries * detail::kMaxPlanes * sizeof(std::int16_t)];
+// Rows on the stack, for two parts.
+template <typename Queries>
+struct Rows {
+  void operator()(Part& part, std::size_t turn) {
+    part.rows = words[turn];
+    part.stride = kRunWords;
+  }
+  std::uint64_t words[2][Queries::kRuns * kRunWords];
 };
 
-// Queries `first` ... `first` + `count` - 1 as the kernels read them: the
-// caller's own, or, over quantized bounds, encoded here.
-template <std::size_t kQueries>
-const std::byte* ReadableQueries(const Scan& scan, std::size_t first,
-                                 std::size_t count,
-                                 EncodedQueries<kQueries>& quantized) {
-  if (scan.type->encode == nullptr) {
-    return static_cast<const std::byte*>(scan.queries) +
-           first * scan.type->record_bytes;
-  }
-  scan.type->encode(scan, first, count, quantized.bytes);
-  return quantized.bytes;
-}
-
-// visit(argument), and whether to go on: a visitor that returns nothing does.
-template <typename Visit, typename Argument>
-bool GoesOn(const Visit& visit, const Argument& argument) {
-  if constexpr (std::is_void_v<
-                    std::invoke_result_t<const Visit&, const Argument&>>) {
-    visit(argument);
-    return true;
-  } else {
-    return visit(argument);
-  }
-}
-
-// Calls visit(part), without rows, for every batch of queries and tile of
-// `objects` objects, until it returns false. Queries are encoded once for all
-// tiles of the world, kBlock at a time: so many that reading the world again
-// for the next block does not matter.
-template <std::size_t kBlock, typename Visit>
-void ForEachBatch(const Scan& scan, std::size_t objects, const Visit& visit) {
-  EncodedQueries<kBlock> quantized;
-  const std::size_t most = scan.type->encode != nullptr
-                               ? kBlock
-                               : std::max<std::size_t>(1, scan.query_count);
-  for (std::size_t first = 0; first < scan.query_count; first += most) {
-    const std::size_t block = std::min(most, scan.query_count - first);
-    const std::byte* queries = ReadableQueries(scan, first, block, quantized);
-    const std::size_t batches = (block + kMostQueries - 1) / kMostQueries;
-    for (std::size_t begin = scan.begin; begin < scan.end; begin += objects) {
-      const std::size_t end = std::min(scan.end - begin, objects) + begin;
-      for (std::size_t b = 0; b < batches; ++b) {
-        if (batches > 1) PrefetchTile(scan, end, objects, b, batches);
-        const std::size_t q = b * kMostQueries;
-        const Part part{.first_query = first + q,
-                        .query_count = std::min(kMostQueries, block - q),
-                        .queries = queries + q * scan.type->record_bytes,
-                        .begin = begin,
-                        .end = end,
-                        .rows = nullptr,
-                        .stride = 0};
-        if (!GoesOn(visit, part)) return;
-      }
-    }
-  }
-}
-
-// Tests part after part and calls visit(tested) with each after refining it,
-// until it returns false. place(part, turn) sets its rows and stride; the rows
-// of two turns are in use at a time.
-template <std::size_t kBlock, typename Place, typename Visit>
-void ForEachPlacedPart(const Scan& scan, const Place& place,
-                       const Visit& visit) {
+// Tests every batch of queries on every tile of objects, and calls
+// visit(tested) for each such part, refined, until it returns false.
+// place(part, turn) sets its rows and stride; the rows of two turns are in use
+// at a time. Which words are nonzero is known of refined parts alone.
+//
+// Queries are encoded once for all tiles of the world, kBlock at a time: so
+// many that reading the world again for the next block does not matter.
+template <typename Queries, typename Place, typename Visit>
+void VisitParts(const Scan& scan, Place& place, const Visit& visit) {
+  const detail::ScanType& type = *scan.type;
+  alignas(16) std::byte
+      quantized[Queries::kBlock * detail::kMaxPlanes * sizeof(std::int16_t)];
   // The floats that refine the previous part are still being fetched.
   Tested parts[2];
   std::size_t turn = 0;
   bool is_waiting = false;
-  const auto finish = [&](const Tested& tested) {
-    Refine(scan, tested);
-    return GoesOn(visit, tested);
-  };
-  ForEachBatch<kBlock>(scan, PartObjects(scan), [&](const Part& part) {
-    Tested& tested = parts[turn];
-    tested.part = part;
-    place(tested.part, turn);
-    TestPart(scan, tested);
-    if (!scan.type->is_refined) return GoesOn(visit, tested);
-    PrefetchCandidates(scan, tested);
-    turn ^= 1;
-    const bool goes_on = !is_waiting || finish(parts[turn]);
-    is_waiting = goes_on;
-    return goes_on;
-  });
-  if (is_waiting) finish(parts[turn ^ 1]);
-}
-
-// The same with rows on the stack.
-template <typename Queries, typename Visit>
-void ForEachPart(const Scan& scan, const Visit& visit) {
-  Queries room;
-  ForEachPlacedPart<Queries::kBlock>(
-      scan,
-      [&room](Part& part, std::size_t turn) {
-        part.rows = room.rows[turn];
-        part.stride = Queries::kStride;
-      },
-      visit);
-}
-
-// The words of a range of one run, unless bounds are quantized.
-struct OneRun {
-  std::uint64_t nonzero;
-  std::uint64_t words[kRunWords];
-};
-
-// Tests such a range, and returns whether it is one. It takes a fraction of
-// what parts take.
-inline bool TestOneRun(const Scan& scan, OneRun& run) {
-  if (scan.end - scan.begin > kRunObjects || scan.type->encode != nullptr) {
-    return false;
+  const std::size_t most =
+      type.encode != nullptr ? Queries::kBlock : scan.query_count;
+  for (std::size_t first = 0; first < scan.query_count; first += most) {
+    const std::size_t block = std::min(most, scan.query_count - first);
+    const auto* queries = static_cast<const std::byte*>(scan.queries);
+    if (type.encode != nullptr) {
+      type.encode(scan, first, block, quantized);
+      queries = quantized;
+    }
+    const std::size_t batches = (block + kMostQueries - 1) / kMostQueries;
+    std::size_t objects = Queries::kIsUrgent ? 512 : PartObjects(scan);
+    for (std::size_t begin = scan.begin; begin < scan.end;) {
+      const std::size_t end = std::min(scan.end - begin, objects) + begin;
+      for (std::size_t b = 0; b < batches; ++b) {
+        if (batches > 1) PrefetchTile(scan, end, objects, b, batches);
+        const std::size_t q = b * kMostQueries;
+        Tested* tested = &parts[turn];
+        tested->part = {.first_query = first + q,
+                        .query_count = std::min(kMostQueries, block - q),
+                        .queries = queries + q * type.record_bytes,
+                        .begin = begin,
+                        .end = end,
+                        .rows = nullptr,
+                        .stride = 0};
+        place(tested->part, turn);
+        if (!type.is_refined) {
+          Run(scan, tested->part);
+        } else {
+          FindCandidates(scan, *tested);
+          if (!Queries::kIsUrgent) {
+            turn ^= 1;
+            tested = &parts[turn];
+            if (!is_waiting) {
+              is_waiting = true;
+              continue;
+            }
+          }
+          Refine(scan, *tested);
+        }
+        if (!visit(*tested)) return;
+      }
+      begin = end;
+      if (Queries::kIsUrgent) objects = kRunObjects;
+    }
   }
-  Run(scan, WholeRange(scan, run.words));
-  run.nonzero =
-      scan.kernels->nonzero_words(run.words, MaskWords(scan.end - scan.begin));
-  return true;
+  if (!is_waiting) return;
+  Refine(scan, parts[turn ^ 1]);
+  visit(parts[turn ^ 1]);
+}
+
+// The same with rows on the stack, after which it is known which words are
+// nonzero. A function of its own, because its rows take stack, too.
+template <typename Queries, typename Visit>
+[[gnu::noinline]] void VisitRows(const Scan& scan, const Visit& visit) {
+  Rows<Queries> rows;
+  VisitParts<Queries>(scan, rows, [&](Tested& tested) {
+    if (!scan.type->is_refined) FindNonzero(scan, tested);
+    return visit(tested);
+  });
+}
+
+// All objects of a scan for one query, unless its bounds are quantized.
+inline Tested OneRun(const Scan& scan, std::uint64_t* words,
+                     std::uint64_t nonzero) {
+  Tested tested;
+  tested.part = WholeRange(scan, words);
+  tested.runs = 1;
+  tested.nonzero[0] = nonzero;
+  return tested;
+}
+
+// Tests all objects of a prepared scan, and calls visit(tested) with some of
+// the words after another, until it returns false. A range of a few objects is
+// one run, which takes a fraction of what parts take.
+template <typename Queries, typename Visit>
+[[gnu::always_inline]] inline void VisitWords(Scan& scan,
+                                              const Options& options,
+                                              const Visit& visit) {
+  if constexpr (Queries::kBlock == 1) {
+    if (IsShort(scan)) {
+      std::uint64_t word;
+      WriteFlatMask(scan, &word);
+      visit(OneRun(scan, &word, word != 0));
+      return;
+    }
+    const std::size_t objects = scan.end - scan.begin;
+    if (objects <= Queries::kFirstObjects && scan.type->encode == nullptr) {
+      ChooseWay(scan, options);
+      std::uint64_t words[Queries::kFirstObjects / 64];
+      Run(scan, WholeRange(scan, words));
+      visit(OneRun(scan, words,
+                   scan.kernels->nonzero_words(words, MaskWords(objects))));
+      return;
+    }
+  }
+  ChooseWay(scan, options);
+  VisitRows<Queries>(scan, visit);
 }
 
 // Calls visit(query, object) for every survivor: those of a query in a part in
 // ascending order.
 template <typename Visit>
-void ForEachSurvivor(const Scan& scan, const Tested& tested,
-                     const Visit& visit) {
-  const auto survivor = [&](std::size_t run, std::size_t object) {
+[[gnu::always_inline]] inline void ForEachSurvivor(const Tested& tested,
+                                                   const Visit& visit) {
+  ForEachBit(tested, [&](std::size_t run, std::size_t object) {
     visit(tested.QueryOfRun(run), tested.ObjectOfRun(run) + object);
-  };
-  if (!scan.type->is_refined) return ForEachBit(tested, survivor);
-  ForEachCandidate(tested, [&](std::size_t run, std::size_t object) {
-    if ((tested.RowOfRun(run)[object / 64] >> object % 64 & 1) != 0) {
-      survivor(run, object);
-    }
   });
 }
 
@@ -343,25 +338,12 @@ void WriteRows(const Scan& scan, std::uint64_t* rows, std::size_t stride,
         rows + part.first_query * stride + (part.begin - scan.begin) / 64;
     part.stride = stride;
   };
-  const auto finish = [&](const Part& part) {
-    if (!rejects) return;
-    const std::size_t words = MaskWords(part.end - part.begin);
-    for (std::size_t q = 0; q < part.query_count; ++q) {
-      Flip(part.rows + q * stride, words);
+  VisitParts<Queries>(scan, place, [&](const Tested& tested) {
+    for (std::size_t q = 0; rejects && q < tested.part.query_count; ++q) {
+      Flip(tested.part.rows + q * stride, tested.words());
     }
-  };
-  if (scan.type->is_refined) {
-    return ForEachPlacedPart<Queries::kBlock>(
-        scan, place, [&](const Tested& tested) { finish(tested.part); });
-  }
-  // Masks that are not refined need no list of nonzero words.
-  ForEachBatch<Queries::kBlock>(scan, PartObjects(scan),
-                                [&](const Part& batch) {
-                                  Part part = batch;
-                                  place(part, 0);
-                                  Run(scan, part);
-                                  finish(part);
-                                });
+    return true;
+  });
 }
 
 }  // namespace halfspace::dispatch

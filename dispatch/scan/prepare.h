@@ -135,7 +135,7 @@ inline void Prepare(detail::Scan& scan, const Options& options,
       scan.size > kMostObjects || type.is_refined || range.begin > range.end ||
       schedule > kLastSchedule || target == kUnknownTarget ||
       IsSuspect(scan, output)) [[unlikely]] {
-    target = CheckEach(scan, options, output);
+    target = CheckEach(scan, options, output_of(scan.end - scan.begin));
   }
   scan.kernels = *type.all_kernels + target;
 }
@@ -182,11 +182,6 @@ inline bool IsFlat(const detail::Scan& scan, const Options& options) {
 // A range of fewer than 64 floats or doubles is one word.
 inline bool IsShort(const detail::Scan& scan) {
   return scan.end - scan.begin - 1 < 63 && scan.type->encode == nullptr;
-}
-inline std::uint64_t ShortWord(const detail::Scan& scan) {
-  std::uint64_t word;
-  WriteFlatMask(scan, &word);
-  return word;
 }
 
 }  // namespace halfspace::dispatch

@@ -42,34 +42,6 @@ inline void WriteMask(Scan& scan, Span<std::uint64_t> mask,
   if (flip != 0) dispatch::Flip(mask.data(), MaskWords(scan.end - scan.begin));
 }
 
-// Calls visit(object) for the survivors of a prepared scan, in ascending order,
-// and end() after each part that it tested, until that returns false.
-template <typename Visit, typename End>
-void VisitSurvivors(Scan& scan, const Options& options, const Visit& visit,
-                    const End& end) {
-  if (dispatch::IsShort(scan)) {
-    for (std::uint64_t left = dispatch::ShortWord(scan); left != 0;
-         left &= left - 1) {
-      visit(scan.begin + static_cast<std::size_t>(std::countr_zero(left)));
-    }
-    end();
-    return;
-  }
-  dispatch::ChooseWay(scan, options);
-  if (dispatch::OneRun run; dispatch::TestOneRun(scan, run)) {
-    dispatch::ForEachBit(run.words, run.nonzero, [&](std::size_t object) {
-      visit(scan.begin + object);
-    });
-    end();
-    return;
-  }
-  dispatch::ForEachPart<OneQuery>(scan, [&](const Tested& tested) {
-    dispatch::ForEachSurvivor(
-        scan, tested, [&](std::size_t, std::size_t object) { visit(object); });
-    return end();
-  });
-}
-
 }  // namespace
 
 void SurvivorMask(Scan&& scan, Span<std::uint64_t> mask,
@@ -93,15 +65,15 @@ std::size_t Survivors(Scan&& scan, Span<std::uint32_t> indices,
                   true};
   });
   std::size_t count = 0;
-  VisitSurvivors(
-      scan, options,
-      [&](std::size_t object) {
-        const std::size_t place = count++;
-        if (place >= skip && place - skip < indices.size()) {
-          indices[place - skip] = static_cast<std::uint32_t>(object);
-        }
-      },
-      [] { return true; });
+  dispatch::VisitWords<OneQuery>(scan, options, [&](const Tested& tested) {
+    dispatch::ForEachSurvivor(tested, [&](std::size_t, std::size_t object) {
+      const std::size_t place = count++;
+      if (place >= skip && place - skip < indices.size()) {
+        indices[place - skip] = static_cast<std::uint32_t>(object);
+      }
+    });
+    return true;
+  });
   return count;
 }
 
@@ -119,68 +91,40 @@ void ForEachSurvivor(Scan&& scan, SomeFunction function, void* context,
     count = 0;
     return goes_on;
   };
-  VisitSurvivors(
-      scan, options,
-      [&](std::size_t object) {
-        some[count++] = static_cast<std::uint32_t>(object);
-        if (count == some.size()) pass();
-      },
-      pass);
+  dispatch::VisitWords<OneQuery>(scan, options, [&](const Tested& tested) {
+    dispatch::ForEachSurvivor(tested, [&](std::size_t, std::size_t object) {
+      some[count++] = static_cast<std::uint32_t>(object);
+      if (count == some.size()) pass();
+    });
+    return pass();
+  });
 }
 
 std::size_t CountSurvivors(Scan&& scan, const Options& options) {
   dispatch::Prepare(scan, options, "CountSurvivors");
-  if (dispatch::IsShort(scan)) {
-    const std::uint64_t word = dispatch::ShortWord(scan);
-    return scan.kernels->count_bits(&word, 1);
-  }
-  dispatch::ChooseWay(scan, options);
-  if (dispatch::OneRun run; dispatch::TestOneRun(scan, run)) {
-    return scan.kernels->count_bits(run.words, run.nonzero);
-  }
   std::size_t count = 0;
-  dispatch::ForEachPart<OneQuery>(scan, [&](const Tested& tested) {
+  dispatch::VisitWords<OneQuery>(scan, options, [&](const Tested& tested) {
     dispatch::ForEachCount(
         scan, tested,
         [&](std::size_t, std::size_t survivors) { count += survivors; });
+    return true;
   });
   return count;
 }
 
 std::size_t AnySurvivor(Scan&& scan, const Options& options) {
   dispatch::Prepare(scan, options, "AnySurvivor");
-  if (dispatch::IsShort(scan)) {
-    const std::uint64_t word = dispatch::ShortWord(scan);
-    if (word == 0) return kNoSurvivor;
-    return scan.begin + static_cast<std::size_t>(std::countr_zero(word));
-  }
-  dispatch::ChooseWay(scan, options);
-  dispatch::EncodedQueries<1> quantized;
-  std::uint64_t words[dispatch::kRunWords];
-  Tested tested;
-  Part& part = tested.part;
-  part = dispatch::WholeRange(scan, words);
-  part.queries = dispatch::ReadableQueries(scan, 0, 1, quantized);
-  part.end = scan.begin;
-  // A survivor is often among the first.
-  std::size_t objects = 512;
-  while (part.end < scan.end) {
-    part.begin = part.end;
-    part.end += std::min(scan.end - part.begin, objects);
-    dispatch::TestPart(scan, tested);
-    if (scan.type->is_refined) {
-      dispatch::PrefetchCandidates(scan, tested);
-      dispatch::Refine(scan, tested);
-    }
-    for (std::size_t w = 0; w < tested.words(); ++w) {
-      if (words[w] != 0) {
-        return part.begin + 64 * w +
-               static_cast<std::size_t>(std::countr_zero(words[w]));
-      }
-    }
-    objects = dispatch::kRunObjects;
-  }
-  return kNoSurvivor;
+  std::size_t first = kNoSurvivor;
+  dispatch::VisitWords<dispatch::UrgentQuery>(
+      scan, options, [&](const Tested& tested) {
+        const std::uint64_t nonzero = tested.nonzero[0];
+        if (nonzero == 0) return true;
+        const auto w = static_cast<std::size_t>(std::countr_zero(nonzero));
+        first = tested.part.begin + 64 * w +
+                static_cast<std::size_t>(std::countr_zero(tested.part.rows[w]));
+        return false;
+      });
+  return first;
 }
 
 }  // namespace halfspace::detail

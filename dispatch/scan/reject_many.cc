@@ -66,7 +66,6 @@ std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
                           Span<std::uint32_t> object_indices,
                           const Options& options, std::size_t skip) {
   dispatch::Prepare(scan, options, "SurvivorPairs");
-  dispatch::ChooseWay(scan, options);
   const std::size_t capacity =
       std::min(query_indices.size(), object_indices.size());
   // No more than one pair for each query and object of the range is ever
@@ -87,15 +86,16 @@ std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
     kernels::ThrowOverlap("SurvivorPairs", "object_indices", "query_indices");
   }
   std::size_t count = 0;
-  dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
+  dispatch::VisitWords<ManyQueries>(scan, options, [&](const Tested& tested) {
     dispatch::ForEachSurvivor(
-        scan, tested, [&](std::size_t query, std::size_t object) {
+        tested, [&](std::size_t query, std::size_t object) {
           const std::size_t place = count++;
           if (place >= skip && place - skip < capacity) {
             query_indices[place - skip] = static_cast<std::uint32_t>(query);
             object_indices[place - skip] = static_cast<std::uint32_t>(object);
           }
         });
+    return true;
   });
   return count;
 }
@@ -103,7 +103,6 @@ std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
 void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
                     const Options& options) {
   dispatch::Prepare(scan, options, "SurvivorCounts");
-  dispatch::ChooseWay(scan, options);
   if (counts.size() < scan.query_count) {
     kernels::ThrowInvalid(
         "SurvivorCounts", "counts",
@@ -113,11 +112,12 @@ void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
   dispatch::CheckOutput(scan, {"counts", counts.data(), counts.size(),
                                scan.query_count, sizeof(std::size_t)});
   std::fill_n(counts.begin(), scan.query_count, std::size_t{0});
-  dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
+  dispatch::VisitWords<ManyQueries>(scan, options, [&](const Tested& tested) {
     dispatch::ForEachCount(scan, tested,
                            [&](std::size_t query, std::size_t survivors) {
                              counts[query] += survivors;
                            });
+    return true;
   });
 }
 
@@ -125,7 +125,8 @@ void ForEachTile(Scan&& scan, TileFunction function, void* context,
                  const Options& options) {
   dispatch::Prepare(scan, options, "ForEachTile");
   dispatch::ChooseWay(scan, options);
-  dispatch::ForEachPart<ManyQueries>(scan, [&](const Tested& tested) {
+  dispatch::Rows<ManyQueries> rows;
+  dispatch::VisitParts<ManyQueries>(scan, rows, [&](const Tested& tested) {
     const Part& part = tested.part;
     return function(context, {.first_query = part.first_query,
                               .queries = part.query_count,
