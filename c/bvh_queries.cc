@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "c/bvh.h"
 #include "c/call.h"
@@ -17,7 +18,7 @@ namespace halfspace::c {
 namespace {
 
 constexpr hs_query_options kDefaults = {sizeof(hs_query_options), 0xFFFFFFFF, 0,
-                                        nullptr};
+                                        nullptr, 0};
 constexpr hs_pair_options kPairDefaults = {
     sizeof(hs_pair_options),
     0xFFFFFFFF,
@@ -32,9 +33,11 @@ static_assert(sizeof(hs_id_pair) == sizeof(IdPair));
 static_assert(alignof(hs_id_pair) == alignof(IdPair));
 static_assert(offsetof(hs_id_pair, b) == offsetof(IdPair, b));
 
-// `skip` is an option of hs_bvh_query() alone. The others ignore it.
+// `skip` is an option of hs_bvh_query() alone, and `exclusive` of
+// hs_bvh_nearest_...(). The others ignore them.
 QueryOptions ReadQuery(const Call& call, const hs_query_options* options,
-                       std::size_t* skip = nullptr) {
+                       std::size_t* skip = nullptr,
+                       bool* is_exclusive = nullptr) {
   if (options == nullptr) return {};
   const hs_query_options read =
       ReadOptions(call, "options", options, kDefaults);
@@ -42,6 +45,7 @@ QueryOptions ReadQuery(const Call& call, const hs_query_options* options,
   query.mask = read.mask;
   query.target = ReadTarget(call, "options", read.target);
   if (skip != nullptr) *skip = read.skip;
+  if (is_exclusive != nullptr) *is_exclusive = read.exclusive != 0;
   return query;
 }
 
@@ -157,13 +161,75 @@ void CheckBoxes(const Call& call, const float* rows, std::size_t begin,
   }
 }
 
+using IdVector =
+    std::vector<std::uint32_t, detail::BlockAllocator<std::uint32_t>>;
+
+// The k objects that are nearest to a box, without those that are equal to it.
+// `box` has the corners.
+void NearestOthers(const Call& call, const hs_bvh* bvh, const float* box,
+                   std::size_t k, float max_distance,
+                   const QueryOptions& options, std::uint32_t* ids,
+                   float* distances) {
+  struct Equal {
+    const float* box;
+    std::size_t planes;
+    IdVector ids;
+  };
+  const std::size_t dims = bvh->kind.dims;
+  const detail::BlockAllocator<std::uint32_t> memory(bvh->tree.memory());
+  Equal equal{box, 2 * dims, IdVector(memory)};
+  // A cast that goes nowhere: unlike a query, it has the bounds.
+  const std::array<float, kMostValues> nowhere{};
+  detail::BvhCast(
+      bvh->tree, {call.name(), box, box + dims, nowhere.data(), 0.0f, 0.0f},
+      [](void* context, std::uint32_t id, float, const float* planes) {
+        auto& its = *static_cast<Equal*>(context);
+        std::size_t p = 0;
+        while (p < its.planes &&
+               planes[p * detail::kBlockObjects] == its.box[p]) {
+          ++p;
+        }
+        if (p == its.planes) its.ids.push_back(id);
+        return INFINITY;
+      },
+      &equal, options);
+  std::sort(equal.ids.begin(), equal.ids.end());
+  IdVector found(k + equal.ids.size(), memory);
+  FloatVector found_distances(
+      found.size(), detail::BlockAllocator<float>(bvh->tree.memory()));
+  const std::size_t count = detail::BvhNearest(
+      bvh->tree, {box, dims, 2 * dims, 1}, max_distance,
+      {found.data(), found.size()},
+      {found_distances.data(), found_distances.size()}, options);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < k; ++i) {
+    ids[i] = HS_NO_ID;
+    if (distances != nullptr) distances[i] = INFINITY;
+  }
+  for (std::size_t i = 0; i < count && kept < k; ++i) {
+    if (std::binary_search(equal.ids.begin(), equal.ids.end(), found[i])) {
+      continue;
+    }
+    ids[kept] = found[i];
+    if (distances != nullptr) distances[kept] = found_distances[i];
+    ++kept;
+  }
+}
+
 // Writes row after row of the nearest objects. `values` has the corners.
 void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
              const Values& values, std::size_t k, float max_distance,
              const hs_query_options* options, std::uint32_t* ids,
              float* distances) {
   CheckLength(call, "max_distance", max_distance);
-  const QueryOptions query = ReadQuery(call, options);
+  bool is_exclusive = false;
+  const QueryOptions query = ReadQuery(call, options, nullptr, &is_exclusive);
+  if (is_exclusive &&
+      (bvh->kind.is_simplex || bvh->kind.axes != values.minima)) {
+    call.Fail(HS_INVALID_ARGUMENT,
+              "options->exclusive: expected 0, as the BVH is not of boxes, got "
+              "1");
+  }
   if (k == 0 || columns.count == 0) return;
   if (columns.count > PTRDIFF_MAX / sizeof(std::uint32_t) / k) {
     call.Fail(HS_INVALID_ARGUMENT,
@@ -176,6 +242,14 @@ void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
   ForEachRows(columns, values,
               [&](const float* rows, std::size_t begin, std::size_t count) {
                 CheckBoxes(call, rows, begin, count, values.minima);
+                for (std::size_t q = 0; q < count && is_exclusive; ++q) {
+                  const std::size_t row = (begin + q) * k;
+                  NearestOthers(
+                      call, bvh, rows + q * values.count, k, max_distance,
+                      query, ids + row,
+                      distances == nullptr ? nullptr : distances + row);
+                }
+                if (is_exclusive) return;
                 detail::BvhNearestOfEach(
                     bvh->tree, {rows, values.minima, values.count, count}, k,
                     max_distance, {ids + begin * k, count * k},
