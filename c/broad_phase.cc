@@ -172,11 +172,7 @@ void Cast(const Call& call, const hs_broad_phase* bodies, hs_shape shape,
               "motions->count: expected one for each of %zu starts, got %zu",
               starts->count, motions->count);
   }
-  for (std::size_t i = 0; i < starts->count; ++i) {
-    std::array<float, kMostValues> start;
-    std::array<float, kMostValues> motion;
-    WriteRows(*starts, values, i, 1, start.data());
-    WriteRows(*motions, motion_values, i, 1, motion.data());
+  const auto cast = [&](std::size_t i, const float* low, const float* motion) {
     if (!(motion[dims] >= 0)) {
       call.Fail(HS_INVALID_ARGUMENT,
                 "motions->column[%zu]: expected limits of t that are not "
@@ -184,7 +180,6 @@ void Cast(const Call& call, const hs_broad_phase* bodies, hs_shape shape,
                 dims, static_cast<double>(motion[dims]), i);
     }
     visitor.index = i;
-    const float* const low = start.data();
     const float* const high = shape == HS_SHAPE_BOX ? low + dims : low;
     const float radius = shape == HS_SHAPE_SPHERE ? low[dims] : 0.0f;
     if (!(radius >= 0)) {
@@ -194,9 +189,24 @@ void Cast(const Call& call, const hs_broad_phase* bodies, hs_shape shape,
                 dims, static_cast<double>(radius), i);
     }
     bodies->core.ForEachCast(
-        {call.name(), low, high, motion.data(), motion[dims], radius}, mask,
+        {call.name(), low, high, motion, motion[dims], radius}, mask,
         &CallWithHit, &visitor);
-  }
+  };
+  const float* const their_motions = RowsInPlace(*motions, motion_values);
+  ForEachRows(
+      *starts, values,
+      [&](const float* rows, std::size_t begin, std::size_t count) {
+        for (std::size_t i = 0; i < count; ++i) {
+          const float* const start = rows + i * values.count;
+          if (their_motions != nullptr) {
+            cast(begin + i, start, their_motions + (begin + i) * (dims + 1));
+            continue;
+          }
+          std::array<float, kMostValues> motion;
+          WriteRows(*motions, motion_values, begin + i, 1, motion.data());
+          cast(begin + i, start, motion.data());
+        }
+      });
 }
 
 // The first hit of each cast, and of equal ones that of the least id.

@@ -161,60 +161,75 @@ void CheckBoxes(const Call& call, const float* rows, std::size_t begin,
   }
 }
 
-using IdVector =
-    std::vector<std::uint32_t, detail::BlockAllocator<std::uint32_t>>;
+// The objects that are nearest to a box, without those that are equal to it.
+class NearestOthers {
+ public:
+  NearestOthers(const Call& call, const hs_bvh* bvh,
+                const QueryOptions& options)
+      : call_(call),
+        bvh_(bvh),
+        options_(options),
+        equal_(Memory(bvh->tree.memory())),
+        found_(Memory(bvh->tree.memory())),
+        found_distances_(FloatVector::allocator_type(bvh->tree.memory())) {}
 
-// The k objects that are nearest to a box, without those that are equal to it.
-// `box` has the corners.
-void NearestOthers(const Call& call, const hs_bvh* bvh, const float* box,
-                   std::size_t k, float max_distance,
-                   const QueryOptions& options, std::uint32_t* ids,
-                   float* distances) {
-  struct Equal {
-    const float* box;
-    std::size_t planes;
-    IdVector ids;
-  };
-  const std::size_t dims = bvh->kind.dims;
-  const detail::BlockAllocator<std::uint32_t> memory(bvh->tree.memory());
-  Equal equal{box, 2 * dims, IdVector(memory)};
-  // A cast that goes nowhere: unlike a query, it has the bounds.
-  const std::array<float, kMostValues> nowhere{};
-  detail::BvhCast(
-      bvh->tree, {call.name(), box, box + dims, nowhere.data(), 0.0f, 0.0f},
-      [](void* context, std::uint32_t id, float, const float* planes) {
-        auto& its = *static_cast<Equal*>(context);
-        std::size_t p = 0;
-        while (p < its.planes &&
-               planes[p * detail::kBlockObjects] == its.box[p]) {
-          ++p;
-        }
-        if (p == its.planes) its.ids.push_back(id);
-        return INFINITY;
-      },
-      &equal, options);
-  std::sort(equal.ids.begin(), equal.ids.end());
-  IdVector found(k + equal.ids.size(), memory);
-  FloatVector found_distances(
-      found.size(), detail::BlockAllocator<float>(bvh->tree.memory()));
-  const std::size_t count = detail::BvhNearest(
-      bvh->tree, {box, dims, 2 * dims, 1}, max_distance,
-      {found.data(), found.size()},
-      {found_distances.data(), found_distances.size()}, options);
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < k; ++i) {
-    ids[i] = HS_NO_ID;
-    if (distances != nullptr) distances[i] = INFINITY;
-  }
-  for (std::size_t i = 0; i < count && kept < k; ++i) {
-    if (std::binary_search(equal.ids.begin(), equal.ids.end(), found[i])) {
-      continue;
+  // `box` has the corners. `distances` may be null.
+  void Find(const float* box, std::size_t k, float max_distance,
+            std::uint32_t* ids, float* distances) {
+    FindEqual(box);
+    found_.resize(k + equal_.size());
+    found_distances_.resize(found_.size());
+    const std::size_t dims = bvh_->kind.dims;
+    const std::size_t count = detail::BvhNearest(
+        bvh_->tree, {box, dims, 2 * dims, 1}, max_distance,
+        {found_.data(), found_.size()},
+        {found_distances_.data(), found_distances_.size()}, options_);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count && kept < k; ++i) {
+      if (std::binary_search(equal_.begin(), equal_.end(), found_[i])) continue;
+      ids[kept] = found_[i];
+      if (distances != nullptr) distances[kept] = found_distances_[i];
+      ++kept;
     }
-    ids[kept] = found[i];
-    if (distances != nullptr) distances[kept] = found_distances[i];
-    ++kept;
+    std::fill(ids + kept, ids + k, HS_NO_ID);
+    if (distances != nullptr) {
+      std::fill(distances + kept, distances + k, INFINITY);
+    }
   }
-}
+
+ private:
+  using Memory = detail::BlockAllocator<std::uint32_t>;
+
+  void FindEqual(const float* box) {
+    equal_.clear();
+    box_ = box;
+    const std::size_t dims = bvh_->kind.dims;
+    // A cast that goes nowhere: unlike a query, it has the bounds.
+    const std::array<float, kMostValues> nowhere{};
+    detail::BvhCast(
+        bvh_->tree, {call_.name(), box, box + dims, nowhere.data(), 0.0f, 0.0f},
+        [](void* context, std::uint32_t id, float, const float* planes) {
+          static_cast<NearestOthers*>(context)->AddIfEqual(id, planes);
+          return INFINITY;
+        },
+        this, options_);
+    std::sort(equal_.begin(), equal_.end());
+  }
+  void AddIfEqual(std::uint32_t id, const float* planes) {
+    for (std::size_t p = 0; p < bvh_->kind.values(); ++p) {
+      if (planes[p * detail::kBlockObjects] != box_[p]) return;
+    }
+    equal_.push_back(id);
+  }
+
+  const Call& call_;
+  const hs_bvh* bvh_;
+  const QueryOptions& options_;
+  const float* box_ = nullptr;
+  std::vector<std::uint32_t, Memory> equal_;
+  std::vector<std::uint32_t, Memory> found_;
+  FloatVector found_distances_;
+};
 
 // Writes row after row of the nearest objects. `values` has the corners.
 void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
@@ -239,15 +254,15 @@ void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
   }
   call.CheckArray("ids", ids, columns.count * k);
   if (distances != nullptr) call.CheckPointer("distances", distances);
+  NearestOthers others(call, bvh, query);
   ForEachRows(columns, values,
               [&](const float* rows, std::size_t begin, std::size_t count) {
                 CheckBoxes(call, rows, begin, count, values.minima);
                 for (std::size_t q = 0; q < count && is_exclusive; ++q) {
                   const std::size_t row = (begin + q) * k;
-                  NearestOthers(
-                      call, bvh, rows + q * values.count, k, max_distance,
-                      query, ids + row,
-                      distances == nullptr ? nullptr : distances + row);
+                  others.Find(rows + q * values.count, k, max_distance,
+                              ids + row,
+                              distances == nullptr ? nullptr : distances + row);
                 }
                 if (is_exclusive) return;
                 detail::BvhNearestOfEach(
@@ -281,9 +296,7 @@ void CastRays(const Call& call, const hs_bvh* bvh, const hs_columns* rays,
                            const float*) {
     return (*static_cast<Hit*>(context))(id, t);
   };
-  for (std::size_t i = 0; i < rays->count; ++i) {
-    std::array<float, kMostValues> ray;
-    WriteRows(*rays, values, i, 1, ray.data());
+  const auto cast = [&](std::size_t i, const float* ray) {
     const float limit = ray[2 * dims];
     if (!(limit >= 0)) {
       call.Fail(HS_INVALID_ARGUMENT,
@@ -292,11 +305,16 @@ void CastRays(const Call& call, const hs_bvh* bvh, const hs_columns* rays,
                 2 * dims, static_cast<double>(limit), i);
     }
     begin(i);
-    detail::BvhCast(
-        bvh->tree,
-        {call.name(), ray.data(), ray.data(), ray.data() + dims, limit, radius},
-        function, &hit, query);
-  }
+    detail::BvhCast(bvh->tree,
+                    {call.name(), ray, ray, ray + dims, limit, radius},
+                    function, &hit, query);
+  };
+  ForEachRows(*rays, values,
+              [&](const float* rows, std::size_t first, std::size_t count) {
+                for (std::size_t i = 0; i < count; ++i) {
+                  cast(first + i, rows + i * values.count);
+                }
+              });
 }
 
 detail::PairSources SourcesOf(const Call& call, const hs_bvh* a,
