@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -155,6 +156,79 @@ float CallWithHit(void* visitor, std::uint32_t id, float t,
   auto& its = *static_cast<Visitor<hs_body_hit_function>*>(visitor);
   return its.function(its.context, its.index, id, t, bound);
 }
+
+void Cast(const Call& call, const hs_broad_phase* bodies, hs_shape shape,
+          const hs_columns* starts, const hs_columns* motions,
+          std::uint64_t mask, Visitor<hs_body_hit_function> visitor) {
+  call.CheckPointer("bodies", bodies);
+  const std::size_t dims = bodies->kind.dims;
+  const Values values = ValuesOf(call, *bodies, shape, /*is_cast=*/true);
+  const Values motion_values = Values::OfColumns(dims + 1);
+  CheckShapes(call, "starts", shape, starts, values);
+  CheckColumns(call, "motions", motions, motion_values);
+  CheckFloats(call, "motions", *motions);
+  if (motions->count != starts->count) {
+    call.Fail(HS_INVALID_ARGUMENT,
+              "motions->count: expected one for each of %zu starts, got %zu",
+              starts->count, motions->count);
+  }
+  const auto cast = [&](std::size_t i, const float* low, const float* motion) {
+    if (!(motion[dims] >= 0)) {
+      call.Fail(HS_INVALID_ARGUMENT,
+                "motions->column[%zu]: expected limits of t that are not "
+                "negative, got %g of motion %zu",
+                dims, static_cast<double>(motion[dims]), i);
+    }
+    visitor.index = i;
+    const float* const high = shape == HS_SHAPE_BOX ? low + dims : low;
+    const float radius = shape == HS_SHAPE_SPHERE ? low[dims] : 0.0f;
+    if (!(radius >= 0)) {
+      call.Fail(HS_INVALID_ARGUMENT,
+                "starts->column[%zu]: expected radii that are not negative, "
+                "got %g of sphere %zu",
+                dims, static_cast<double>(radius), i);
+    }
+    bodies->core.ForEachCast(
+        {call.name(), low, high, motion, motion[dims], radius}, mask,
+        &CallWithHit, &visitor);
+  };
+  const float* const their_motions = RowsInPlace(*motions, motion_values);
+  ForEachRows(
+      *starts, values,
+      [&](const float* rows, std::size_t begin, std::size_t count) {
+        for (std::size_t i = 0; i < count; ++i) {
+          const float* const start = rows + i * values.count;
+          if (their_motions != nullptr) {
+            cast(begin + i, start, their_motions + (begin + i) * (dims + 1));
+            continue;
+          }
+          std::array<float, kMostValues> motion;
+          WriteRows(*motions, motion_values, begin + i, 1, motion.data());
+          cast(begin + i, start, motion.data());
+        }
+      });
+}
+
+// The first hit of each cast, and of equal ones that of the least id.
+struct Closest {
+  std::uint32_t* ids;
+  float* ts;
+  std::size_t last_cast = std::numeric_limits<std::size_t>::max();
+  float t = INFINITY;
+
+  static float Add(void* context, std::size_t cast, std::uint32_t id, float t,
+                   const float*) {
+    auto& its = *static_cast<Closest*>(context);
+    const bool is_first = cast != its.last_cast;
+    its.last_cast = cast;
+    if (is_first || t < its.t || (t == its.t && id < its.ids[cast])) {
+      its.ids[cast] = id;
+      its.t = t;
+      if (its.ts != nullptr) its.ts[cast] = t;
+    }
+    return its.t;
+  }
+};
 
 bool CallWithPair(void* visitor, std::uint32_t a, std::uint32_t b) {
   auto& its = *static_cast<Visitor<hs_pair_function>*>(visitor);
@@ -350,6 +424,48 @@ hs_status hs_broad_phase_validate(const hs_broad_phase* bodies, int* is_valid) {
   });
 }
 
+hs_status hs_broad_phase_query(const hs_broad_phase* bodies, hs_shape shape,
+                               const hs_columns* queries, uint64_t mask,
+                               uint32_t* ids, size_t room, size_t* offsets,
+                               size_t* total) {
+  struct List {
+    uint32_t* ids;
+    size_t room;
+    size_t total;
+  };
+  return Run("hs_broad_phase_query", [&](const Call& call) {
+    call.CheckPointer("bodies", bodies);
+    const Values values =
+        halfspace::c::ValuesOf(call, *bodies, shape, /*is_cast=*/false);
+    halfspace::c::CheckShapes(call, "queries", shape, queries, values);
+    call.CheckArray("ids", ids, room);
+    call.CheckPointer("total", total);
+    if (offsets != nullptr) {
+      call.CheckPointer("offsets", offsets);
+      offsets[0] = 0;
+    }
+    const auto* const kind =
+        halfspace::c::ShapeKindOf(shape, bodies->kind.dims);
+    List list{ids, room, 0};
+    halfspace::c::ForEachRows(
+        *queries, values, [&](const float* rows, size_t begin, size_t count) {
+          for (size_t q = 0; q < count; ++q) {
+            bodies->core.ForEach(
+                {rows + q * values.count, 1, kind}, mask,
+                [](void* context, uint32_t id, const float*) {
+                  auto& its = *static_cast<List*>(context);
+                  if (its.total < its.room) its.ids[its.total] = id;
+                  ++its.total;
+                  return true;
+                },
+                &list);
+            if (offsets != nullptr) offsets[begin + q + 1] = list.total;
+          }
+        });
+    *total = list.total;
+  });
+}
+
 hs_status hs_broad_phase_for_each(const hs_broad_phase* bodies, hs_shape shape,
                                   const hs_columns* queries, uint64_t mask,
                                   hs_body_function function, void* context) {
@@ -379,46 +495,25 @@ hs_status hs_broad_phase_for_each_cast(const hs_broad_phase* bodies,
                                        hs_body_hit_function function,
                                        void* context) {
   return Run("hs_broad_phase_for_each_cast", [&](const Call& call) {
-    call.CheckPointer("bodies", bodies);
-    const size_t dims = bodies->kind.dims;
-    const Values values =
-        halfspace::c::ValuesOf(call, *bodies, shape, /*is_cast=*/true);
-    const Values motion_values = Values::OfColumns(dims + 1);
-    halfspace::c::CheckShapes(call, "starts", shape, starts, values);
-    CheckColumns(call, "motions", motions, motion_values);
-    halfspace::c::CheckFloats(call, "motions", *motions);
-    if (motions->count != starts->count) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "motions->count: expected one for each of %zu starts, got %zu",
-                starts->count, motions->count);
-    }
     call.CheckPointer("function", function);
-    halfspace::c::Visitor<hs_body_hit_function> visitor{function, context};
-    for (size_t i = 0; i < starts->count; ++i) {
-      std::array<float, halfspace::c::kMostValues> start;
-      std::array<float, halfspace::c::kMostValues> motion;
-      halfspace::c::WriteRows(*starts, values, i, 1, start.data());
-      halfspace::c::WriteRows(*motions, motion_values, i, 1, motion.data());
-      if (!(motion[dims] >= 0)) {
-        call.Fail(HS_INVALID_ARGUMENT,
-                  "motions->column[%zu]: expected limits of t that are not "
-                  "negative, got %g of motion %zu",
-                  dims, static_cast<double>(motion[dims]), i);
-      }
-      visitor.index = i;
-      const float* const low = start.data();
-      const float* const high = shape == HS_SHAPE_BOX ? low + dims : low;
-      const float radius = shape == HS_SHAPE_SPHERE ? low[dims] : 0.0f;
-      if (!(radius >= 0)) {
-        call.Fail(HS_INVALID_ARGUMENT,
-                  "starts->column[%zu]: expected radii that are not negative, "
-                  "got %g of sphere %zu",
-                  dims, static_cast<double>(radius), i);
-      }
-      bodies->core.ForEachCast(
-          {call.name(), low, high, motion.data(), motion[dims], radius}, mask,
-          &halfspace::c::CallWithHit, &visitor);
-    }
+    halfspace::c::Cast(call, bodies, shape, starts, motions, mask,
+                       {function, context});
+  });
+}
+
+hs_status hs_broad_phase_cast(const hs_broad_phase* bodies, hs_shape shape,
+                              const hs_columns* starts,
+                              const hs_columns* motions, uint64_t mask,
+                              uint32_t* ids, float* ts) {
+  return Run("hs_broad_phase_cast", [&](const Call& call) {
+    call.CheckPointer("starts", starts);
+    call.CheckArray("ids", ids, starts->count);
+    if (ts != nullptr) call.CheckPointer("ts", ts);
+    std::fill_n(ids, starts->count, HS_NO_ID);
+    if (ts != nullptr) std::fill_n(ts, starts->count, INFINITY);
+    halfspace::c::Closest closest{ids, ts};
+    halfspace::c::Cast(call, bodies, shape, starts, motions, mask,
+                       {&halfspace::c::Closest::Add, &closest});
   });
 }
 

@@ -240,6 +240,43 @@ hs_status hs_bvh_get(const hs_bvh* bvh, const uint32_t* ids, size_t count,
   });
 }
 
+hs_status hs_bvh_get_all(const hs_bvh* bvh, float* records, size_t room) {
+  return Run("hs_bvh_get_all", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    const halfspace::detail::BvhTree& tree = bvh->tree;
+    const size_t limit = tree.id_limit();
+    if (room < limit) {
+      call.Fail(HS_INVALID_ARGUMENT,
+                "room: expected at least hs_bvh_id_limit(), %zu, got %zu",
+                limit, room);
+    }
+    call.CheckArray("records", records, limit);
+    const size_t values = bvh->kind.values();
+    for (size_t i = 0; i < limit * values; ++i) {
+      records[i] = i % values < bvh->kind.axes ? INFINITY : -INFINITY;
+    }
+    const auto ids = tree.ids();
+    std::array<float, halfspace::c::kMostValues> its_values;
+    for (size_t slot = 0; slot < ids.size(); ++slot) {
+      // Of no object, or in an altered blob.
+      if (ids[slot] >= limit) continue;
+      for (size_t v = 0; v < bvh->objects.count; ++v) {
+        its_values[v] = tree.levels().level[0].Value(v, slot);
+      }
+      halfspace::c::WriteRecord(*bvh, its_values.data(),
+                                records + ids[slot] * values);
+    }
+  });
+}
+
+hs_status hs_bvh_bytes(const hs_bvh* bvh, size_t* bytes) {
+  return Run("hs_bvh_bytes", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    call.CheckPointer("bytes", bytes);
+    *bytes = bvh->tree.bytes();
+  });
+}
+
 hs_status hs_bvh_insert(hs_bvh* bvh, const hs_columns* objects, uint32_t* ids) {
   return Run("hs_bvh_insert", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
@@ -247,6 +284,14 @@ hs_status hs_bvh_insert(hs_bvh* bvh, const hs_columns* objects, uint32_t* ids) {
     call.CheckArray("ids", ids, objects->count);
     CheckObjects(call, bvh->tree.size() + objects->count);
     bvh->tree.Insert(ColumnsOf(*objects, bvh->objects), {ids, objects->count});
+  });
+}
+
+hs_status hs_bvh_reserve(hs_bvh* bvh, size_t objects) {
+  return Run("hs_bvh_reserve", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    halfspace::c::CheckObjects(call, objects);
+    bvh->tree.Reserve(objects);
   });
 }
 

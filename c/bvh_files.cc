@@ -331,6 +331,22 @@ hs_status hs_bvh_from_blob(const hs_bvh_config* config, const void* data,
   });
 }
 
+hs_status hs_bvh_in_place(const hs_bvh_config* config, const void* data,
+                          size_t size, hs_bvh** bvh) {
+  return Run("hs_bvh_in_place", [&](const Call& call) {
+    constexpr size_t kAlignment = 64;
+    call.CheckPointer("bvh", bvh);
+    const BvhConfig read(call, config);
+    const auto* const bytes = static_cast<const std::byte*>(data);
+    call.CheckArray("data", bytes, size);
+    halfspace::c::NewBvh loaded(read.kind, read.options.memory);
+    halfspace::c::LoadBytes(
+        call, "data", *loaded.get(), {bytes, size},
+        reinterpret_cast<std::uintptr_t>(bytes) % kAlignment == 0);
+    *bvh = loaded.Release();
+  });
+}
+
 hs_status hs_bvh_save(const hs_bvh* bvh, const char* path) {
   return Run("hs_bvh_save", [&](const Call& call) {
     const halfspace::c::NoCancel no_cancel;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "c/bvh.h"
 #include "c/call.h"
@@ -17,7 +18,7 @@ namespace halfspace::c {
 namespace {
 
 constexpr hs_query_options kDefaults = {sizeof(hs_query_options), 0xFFFFFFFF, 0,
-                                        nullptr};
+                                        nullptr, 0};
 constexpr hs_pair_options kPairDefaults = {
     sizeof(hs_pair_options),
     0xFFFFFFFF,
@@ -32,9 +33,11 @@ static_assert(sizeof(hs_id_pair) == sizeof(IdPair));
 static_assert(alignof(hs_id_pair) == alignof(IdPair));
 static_assert(offsetof(hs_id_pair, b) == offsetof(IdPair, b));
 
-// `skip` is an option of hs_bvh_query() alone. The others ignore it.
+// `skip` is an option of hs_bvh_query() alone, and `exclusive` of
+// hs_bvh_nearest_...(). The others ignore them.
 QueryOptions ReadQuery(const Call& call, const hs_query_options* options,
-                       std::size_t* skip = nullptr) {
+                       std::size_t* skip = nullptr,
+                       bool* is_exclusive = nullptr) {
   if (options == nullptr) return {};
   const hs_query_options read =
       ReadOptions(call, "options", options, kDefaults);
@@ -42,6 +45,7 @@ QueryOptions ReadQuery(const Call& call, const hs_query_options* options,
   query.mask = read.mask;
   query.target = ReadTarget(call, "options", read.target);
   if (skip != nullptr) *skip = read.skip;
+  if (is_exclusive != nullptr) *is_exclusive = read.exclusive != 0;
   return query;
 }
 
@@ -157,13 +161,90 @@ void CheckBoxes(const Call& call, const float* rows, std::size_t begin,
   }
 }
 
+// The objects that are nearest to a box, without those that are equal to it.
+class NearestOthers {
+ public:
+  NearestOthers(const Call& call, const hs_bvh* bvh,
+                const QueryOptions& options)
+      : call_(call),
+        bvh_(bvh),
+        options_(options),
+        equal_(Memory(bvh->tree.memory())),
+        found_(Memory(bvh->tree.memory())),
+        found_distances_(FloatVector::allocator_type(bvh->tree.memory())) {}
+
+  // `box` has the corners. `distances` may be null.
+  void Find(const float* box, std::size_t k, float max_distance,
+            std::uint32_t* ids, float* distances) {
+    FindEqual(box);
+    found_.resize(k + equal_.size());
+    found_distances_.resize(found_.size());
+    const std::size_t dims = bvh_->kind.dims;
+    const std::size_t count = detail::BvhNearest(
+        bvh_->tree, {box, dims, 2 * dims, 1}, max_distance,
+        {found_.data(), found_.size()},
+        {found_distances_.data(), found_distances_.size()}, options_);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count && kept < k; ++i) {
+      if (std::binary_search(equal_.begin(), equal_.end(), found_[i])) continue;
+      ids[kept] = found_[i];
+      if (distances != nullptr) distances[kept] = found_distances_[i];
+      ++kept;
+    }
+    std::fill(ids + kept, ids + k, HS_NO_ID);
+    if (distances != nullptr) {
+      std::fill(distances + kept, distances + k, INFINITY);
+    }
+  }
+
+ private:
+  using Memory = detail::BlockAllocator<std::uint32_t>;
+
+  void FindEqual(const float* box) {
+    equal_.clear();
+    box_ = box;
+    const std::size_t dims = bvh_->kind.dims;
+    // A cast that goes nowhere: unlike a query, it has the bounds.
+    const std::array<float, kMostValues> nowhere{};
+    detail::BvhCast(
+        bvh_->tree, {call_.name(), box, box + dims, nowhere.data(), 0.0f, 0.0f},
+        [](void* context, std::uint32_t id, float, const float* planes) {
+          static_cast<NearestOthers*>(context)->AddIfEqual(id, planes);
+          return INFINITY;
+        },
+        this, options_);
+    std::sort(equal_.begin(), equal_.end());
+  }
+  void AddIfEqual(std::uint32_t id, const float* planes) {
+    for (std::size_t p = 0; p < bvh_->kind.values(); ++p) {
+      if (planes[p * detail::kBlockObjects] != box_[p]) return;
+    }
+    equal_.push_back(id);
+  }
+
+  const Call& call_;
+  const hs_bvh* bvh_;
+  const QueryOptions& options_;
+  const float* box_ = nullptr;
+  std::vector<std::uint32_t, Memory> equal_;
+  std::vector<std::uint32_t, Memory> found_;
+  FloatVector found_distances_;
+};
+
 // Writes row after row of the nearest objects. `values` has the corners.
 void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
              const Values& values, std::size_t k, float max_distance,
              const hs_query_options* options, std::uint32_t* ids,
              float* distances) {
   CheckLength(call, "max_distance", max_distance);
-  const QueryOptions query = ReadQuery(call, options);
+  bool is_exclusive = false;
+  const QueryOptions query = ReadQuery(call, options, nullptr, &is_exclusive);
+  if (is_exclusive &&
+      (bvh->kind.is_simplex || bvh->kind.axes != values.minima)) {
+    call.Fail(HS_INVALID_ARGUMENT,
+              "options->exclusive: expected 0, as the BVH is not of boxes, got "
+              "1");
+  }
   if (k == 0 || columns.count == 0) return;
   if (columns.count > PTRDIFF_MAX / sizeof(std::uint32_t) / k) {
     call.Fail(HS_INVALID_ARGUMENT,
@@ -173,9 +254,17 @@ void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
   }
   call.CheckArray("ids", ids, columns.count * k);
   if (distances != nullptr) call.CheckPointer("distances", distances);
+  NearestOthers others(call, bvh, query);
   ForEachRows(columns, values,
               [&](const float* rows, std::size_t begin, std::size_t count) {
                 CheckBoxes(call, rows, begin, count, values.minima);
+                for (std::size_t q = 0; q < count && is_exclusive; ++q) {
+                  const std::size_t row = (begin + q) * k;
+                  others.Find(rows + q * values.count, k, max_distance,
+                              ids + row,
+                              distances == nullptr ? nullptr : distances + row);
+                }
+                if (is_exclusive) return;
                 detail::BvhNearestOfEach(
                     bvh->tree, {rows, values.minima, values.count, count}, k,
                     max_distance, {ids + begin * k, count * k},
@@ -207,9 +296,7 @@ void CastRays(const Call& call, const hs_bvh* bvh, const hs_columns* rays,
                            const float*) {
     return (*static_cast<Hit*>(context))(id, t);
   };
-  for (std::size_t i = 0; i < rays->count; ++i) {
-    std::array<float, kMostValues> ray;
-    WriteRows(*rays, values, i, 1, ray.data());
+  const auto cast = [&](std::size_t i, const float* ray) {
     const float limit = ray[2 * dims];
     if (!(limit >= 0)) {
       call.Fail(HS_INVALID_ARGUMENT,
@@ -218,11 +305,16 @@ void CastRays(const Call& call, const hs_bvh* bvh, const hs_columns* rays,
                 2 * dims, static_cast<double>(limit), i);
     }
     begin(i);
-    detail::BvhCast(
-        bvh->tree,
-        {call.name(), ray.data(), ray.data(), ray.data() + dims, limit, radius},
-        function, &hit, query);
-  }
+    detail::BvhCast(bvh->tree,
+                    {call.name(), ray, ray, ray + dims, limit, radius},
+                    function, &hit, query);
+  };
+  ForEachRows(*rays, values,
+              [&](const float* rows, std::size_t first, std::size_t count) {
+                for (std::size_t i = 0; i < count; ++i) {
+                  cast(first + i, rows + i * values.count);
+                }
+              });
 }
 
 detail::PairSources SourcesOf(const Call& call, const hs_bvh* a,

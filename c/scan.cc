@@ -260,6 +260,25 @@ hs_status hs_scan_counts(const hs_scan* scan, const hs_columns* queries,
   });
 }
 
+hs_status hs_scan_any(const hs_scan* scan, const hs_columns* queries,
+                      const hs_scan_options* options, uint32_t* indices) {
+  return Run("hs_scan_any", [&](const Call& call) {
+    const ScanCall scans(call, scan, queries, options);
+    call.CheckArray("indices", indices, queries->count);
+    ForEachRows(*queries, scan->queries,
+                [&](const float* rows, size_t begin, size_t count) {
+                  for (size_t q = 0; q < count; ++q) {
+                    const size_t found = detail::AnySurvivor(
+                        scan->ScanOf(rows + q * scan->queries.count, 1),
+                        scans.its_options);
+                    indices[begin + q] = found == detail::kNoSurvivor
+                                             ? HS_NO_ID
+                                             : static_cast<uint32_t>(found);
+                  }
+                });
+  });
+}
+
 hs_status hs_scan_pairs(const hs_scan* scan, const hs_columns* queries,
                         const hs_scan_options* options, uint32_t* query_indices,
                         uint32_t* object_indices, size_t room, size_t* total) {

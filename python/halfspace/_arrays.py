@@ -91,13 +91,11 @@ def directions(value: Any, name: str, dims: int) -> Table:
     return points(value, name, dims)
 
 
-Arrays = Tuple[np.ndarray, ...]
-
-
 def casts(
     starts: Table, name: str, ways: Any, max_t: Any, dims: int
-) -> Tuple[Tuple[Arrays, Arrays, Arrays], bool]:
-    """The arrays of starts, directions and limits, and whether it is one cast."""
+) -> Tuple[Table, np.ndarray, bool]:
+    """The starts, the directions and limits as rows of floats, and whether it is one
+    cast."""
     motions = directions(ways, "directions", dims)
     single = starts.single and motions.single
     count = motions.length if starts.single else starts.length
@@ -108,7 +106,24 @@ def casts(
             f"{motions.length} and {starts.length}"
         )
     limits = per_row(max_t, "max_t", count)
-    return (starts.arrays, motions.arrays, limits.arrays), single
+    return starts, floats(motions.arrays + limits.arrays), single
+
+
+def floats(arrays: Sequence[np.ndarray]) -> np.ndarray:
+    """The columns of tables as rows of the nearest float32."""
+    rows: np.ndarray = np.empty(
+        (arrays[0].shape[0], sum(a.shape[1] for a in arrays)), np.float32
+    )
+    with np.errstate(over="ignore"):
+        np.concatenate(arrays, axis=1, out=rows, casting="same_kind")
+    return rows
+
+
+def round_up(values: np.ndarray) -> np.ndarray:
+    """The least float32 that are not below numbers."""
+    with np.errstate(over="ignore"):
+        rounded = values.astype(np.float32)
+    return np.where(rounded < values, np.nextafter(rounded, np.float32(np.inf)), rounded)
 
 
 def points_or_boxes(value: Any, name: str, dims: int) -> Table:
@@ -137,7 +152,7 @@ def per_row(value: Any, name: str, count: int) -> Table:
     if not (exact >= 0).all():
         raise ValueError(f"{name}: expected numbers that are not negative and not NaN")
     column: np.ndarray = np.empty((count, 1), np.float32)
-    column[:, 0] = _halfspace.round_up(np.atleast_1d(exact))
+    column[:, 0] = round_up(exact)
     return Table((column,), count, False)
 
 
@@ -155,7 +170,7 @@ def ids(value: Any, name: str) -> np.ndarray:
     bad = (array < 0) | (array >= MOST_OBJECTS)
     if bad.any():
         i = int(bad.argmax())
-        raise ValueError(f"{name}[{i}] = {array[i]} is not the id of an object")
+        raise ValueError(f"{name}[{i}]: expected the id of an object, got {array[i]}")
     return np.ascontiguousarray(array, np.uint32)
 
 
@@ -268,7 +283,7 @@ def threads(value: Optional[int]) -> int:
 
 
 def not_negative(value: Any, name: str) -> float:
-    """A number from 0 to infinity, rounded up to float64."""
+    """A number from 0 to infinity, rounded up to float32."""
     _refuse_masked(value, name)
     try:
         number = float(value)
@@ -282,7 +297,7 @@ def not_negative(value: Any, name: str) -> float:
         raise ValueError(
             f"{name}: expected a number that is not negative, got {number}"
         )
-    return number
+    return float(round_up(np.array(number)))
 
 
 def positive(value: Any, name: str, most: int = 2**31 - 1) -> int:

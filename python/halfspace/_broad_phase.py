@@ -324,14 +324,23 @@ class BroadPhase:
         mask: Optional[int],
         threads: Optional[int],
     ) -> Tuple[Any, Any]:
-        casts, single = _arrays.casts(starts, name, directions, max_t, self.dims)
+        starts, motions, single = _arrays.casts(
+            starts, name, directions, max_t, self.dims
+        )
+        # Boxes of doubles are rounded outward, and points to the nearest.
+        arrays = starts.arrays
+        if starts.columns != 2 * self.dims:
+            arrays = (_arrays.floats(arrays),)
         ids, t = self._bodies.cast(
-            *casts, _arrays.mask(mask), _arrays.threads(threads)
+            arrays, motions, _arrays.mask(mask), _arrays.threads(threads)
         )
         return (int(ids[0]), float(t[0])) if single else (ids, t)
 
     def _boxes(self, value: Any) -> _arrays.Table:
-        return _arrays.boxes(value, "boxes", self.dims, axes=self._axes)
+        table = _arrays.boxes(value, "boxes", self.dims, axes=self._axes)
+        if table.columns == 2 * self._axes:
+            return table
+        return table._replace(arrays=(_halfspace.octahedra(table.arrays),))
 
     def _rows(self, ids: Any, boxes: Any) -> Tuple[_arrays.Table, np.ndarray]:
         table, wanted = self._boxes(boxes), _arrays.ids(ids, "ids")

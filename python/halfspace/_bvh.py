@@ -389,14 +389,15 @@ class BVH:
         >>> ids
         array([0, 1])
         """
-        rays, single = _arrays.casts(
+        starts, motions, single = _arrays.casts(
             _arrays.points(origins, "origins", self.dims),
             "origins",
             directions,
             max_t,
             self.dims,
         )
-        ids, t = self._tree.raycast(*rays, _arrays.threads(threads), progress)
+        rays = _arrays.floats((*starts.arrays, motions))
+        ids, t = self._tree.raycast(rays, _arrays.threads(threads), progress)
         return (int(ids[0]), float(t[0])) if single else (ids, t)
 
     def pairs(
@@ -540,8 +541,9 @@ def _load(blob: Any, name: str, verify: bool) -> _halfspace.Tree:
     try:
         return _halfspace.Tree.from_blob(blob, bool(verify))
     except ValueError as error:
-        # Without the name of the C++ call and its argument.
-        text = str(error).rpartition(" blob: ")[2]
+        # Without the name of the C argument.
+        text = str(error)
+        text = text[6:] if text.startswith("data: ") else text
         raise ValueError(f"{name}: {text}") from None
 
 

@@ -22,7 +22,7 @@ def bounds_of_triangles(vertices: Any, faces: Any) -> np.ndarray:
     -------
     ndarray of float32, shape (n, 6) or (n, 4)
         The minima, then the maxima, as `BVH` reads them. float64 is rounded
-        outward. The columns are contiguous.
+        outward.
 
     Examples
     --------
@@ -33,9 +33,11 @@ def bounds_of_triangles(vertices: Any, faces: Any) -> np.ndarray:
     corners = _arrays.vertices(vertices, "vertices")
     indices = _arrays.faces(faces, "faces", len(corners))
     boxes, bad = _halfspace.bounds_of_triangles(corners, indices)
-    if bad >= 0:
+    if bad:
+        # Boxes of everything.
+        row = int((boxes[:, 0] == np.finfo(np.float32).min).argmax())
         raise ValueError(
             f"vertices: expected finite coordinates below 2^125, got "
-            f"{corners[indices[bad]].tolist()} in triangle {bad}"
+            f"{corners[indices[row]].tolist()} in triangle {row}"
         )
     return boxes

@@ -1,17 +1,10 @@
 #include "broad_phase.h"
 
-#include <halfspace/broad_phase.h>
-#include <halfspace/fit.h>
-#include <pybind11/numpy.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <stdexcept>
-#include <string>
-#include <type_traits>
+#include <span>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "columns.h"
@@ -23,398 +16,238 @@ namespace py = pybind11;
 namespace halfspace::python {
 namespace {
 
-using Ids = py::array_t<std::int64_t>;
-using ShortIds = py::array_t<std::uint32_t, py::array::c_style>;
 // Of bodies of shape (n, 2): the category and what it collides with.
 using Masks = py::array_t<std::uint64_t, py::array::c_style>;
-using Pair = std::pair<std::uint32_t, std::uint32_t>;
+using Pairs = std::vector<hs_id_pair>;
 
-// Queries of one part: few enough that Ctrl-C is seen soon.
-constexpr std::size_t kPartQueries = 256;
-
-// The object of Python. Needs no lock of its own: see broad_phase.h.
-struct Bodies {
-  std::variant<
-      std::unique_ptr<AabbBroadPhase2>, std::unique_ptr<AabbBroadPhase3>,
-      std::unique_ptr<AaboBroadPhase2>, std::unique_ptr<AaboBroadPhase3>>
-      any;
-
-  int dims() const { return any.index() % 2 == 0 ? 2 : 3; }
+struct DestroyBodies {
+  void operator()(hs_broad_phase* bodies) const {
+    hs_broad_phase_destroy(bodies);
+  }
 };
 
-template <typename AnyBodies>
-using BoundIn = typename std::decay_t<AnyBodies>::Bound;
+// The object of Python. Needs no lock of its own: see c/halfspace.h.
+struct Bodies {
+  std::unique_ptr<hs_broad_phase, DestroyBodies> bodies;
+  std::size_t dims;
+  std::size_t values;  // of a record
 
-// Calls function(broad phase) without the interpreter's lock. A message of the
-// library loses the name of the C++ call.
+  hs_broad_phase* get() const { return bodies.get(); }
+};
+
+// Runs a C function without the interpreter's lock.
 template <typename Function>
-auto Call(const Bodies& bodies, const Function& function) {
+void Call(const Function& function) {
   const py::gil_scoped_release release;
-  try {
-    return std::visit([&](const auto& its) { return function(*its); },
-                      bodies.any);
-  } catch (const std::invalid_argument& error) {
-    const std::string text = error.what();
-    const std::size_t prefix = text.find("halfspace: BroadPhase");
-    if (prefix != 0) throw;
-    throw std::invalid_argument(text.substr(text.find(": ", 11) + 2));
-  }
+  Check(function());
 }
 
-Span<const std::uint32_t> List(const ShortIds& ids) {
-  return {ids.data(), static_cast<std::size_t>(ids.size())};
+// The same for a function of hs_update_options.
+template <typename Function>
+void CallWithThreads(std::size_t budget, std::size_t threads,
+                     const Function& function) {
+  Work work(threads, py::none());
+  Threads its_threads(work, 1, 0, 0);
+  hs_update_options options;
+  Check(hs_update_options_default(&options, sizeof(options)));
+  options.budget = budget;
+  options.run = &Threads::Run;
+  options.run_context = &its_threads;
+  const py::gil_scoped_release release;
+  its_threads.Check(function(&options));
 }
 
-Span<const BodyMasks> MasksIn(const Masks& masks) {
-  static_assert(sizeof(BodyMasks) == 2 * sizeof(std::uint64_t));
-  if (masks.ndim() != 2 || masks.shape(1) != 2) {
-    throw std::invalid_argument("_halfspace: masks of another shape");
-  }
-  return {reinterpret_cast<const BodyMasks*>(masks.data()),
-          static_cast<std::size_t>(masks.shape(0))};
+std::size_t Length(const ShortIds& ids) {
+  return static_cast<std::size_t>(ids.size());
 }
 
-template <typename Bound, typename Scalar>
-Bound RecordAt(const Columns& columns, std::size_t row) {
-  std::array<Scalar, 2 * Bound::kAxes> values;
-  const std::size_t at = row * columns.stride();
-  for (std::size_t p = 0; p < values.size(); ++p) {
-    values[p] = columns.Column<Scalar>(p)[at];
-  }
-  detail::PlaneValues<Bound> floats;
-  if constexpr (std::is_same_v<Scalar, double>) {
-    detail::RoundOutward(values, Bound::kAxes, values.size(), floats.data());
-  } else {
-    floats = values;
-  }
-  return detail::BoundOf<Bound>(floats);
+// The masks of `count` bodies, or null if there are no masks.
+const hs_body_masks* MasksIn(const Masks& masks, std::size_t count) {
+  static_assert(sizeof(hs_body_masks) == 2 * sizeof(std::uint64_t));
+  if (masks.ndim() != 2 || masks.shape(1) != 2) ThrowNotPrepared();
+  if (masks.shape(0) == 0) return nullptr;
+  if (masks.shape(0) != Size(count)) ThrowNotPrepared();
+  return reinterpret_cast<const hs_body_masks*>(masks.data());
 }
 
-template <int kDims, typename Scalar>
-Aabo<kDims> BoundOfBox(const Columns& columns, std::size_t row) {
-  Box<kDims, Scalar> box;
-  const std::size_t at = row * columns.stride();
-  for (std::size_t k = 0; k < kDims; ++k) {
-    box.min[k] = columns.Column<Scalar>(k)[at];
-    box.max[k] = columns.Column<Scalar>(kDims + k)[at];
-  }
-  return BoundAabb(box);
-}
-
-// Of records of the bounds, or of boxes.
-template <typename Bound>
-Bound BoundAt(const Columns& columns, std::size_t row) {
-  constexpr int kDims = Bound::kDimensions;
-  if (columns.columns() == 2 * Bound::kAxes) {
-    return columns.is_double() ? RecordAt<Bound, double>(columns, row)
-                               : RecordAt<Bound, float>(columns, row);
-  }
-  if constexpr (Bound::kAxes > kDims) {
-    if (columns.columns() == 2 * kDims) {
-      return columns.is_double() ? BoundOfBox<kDims, double>(columns, row)
-                                 : BoundOfBox<kDims, float>(columns, row);
-    }
-  }
-  throw std::invalid_argument("_halfspace: columns of other dimensions");
-}
-
-template <typename Bound>
-std::vector<Bound> AllBounds(const Columns& columns) {
-  std::vector<Bound> bounds;
-  bounds.reserve(columns.count());
-  for (std::size_t i = 0; i < columns.count(); ++i) {
-    bounds.push_back(BoundAt<Bound>(columns, i));
-  }
+// Bounds for the bodies `ids`.
+Columns BoundsIn(const Bodies& bodies, const ShortIds& ids,
+                 const py::tuple& arrays) {
+  const Columns bounds(arrays);
+  bounds.CheckSize(bodies.values);
+  if (Size(bounds.count) != ids.size()) ThrowNotPrepared();
   return bounds;
 }
 
-std::unique_ptr<Bodies> MakeBodies(std::size_t max_ids, int dims, bool is_aabo,
-                                   double margin) {
-  BroadPhaseOptions options;
-  options.margin = RoundUp(margin);
-  auto bodies = std::make_unique<Bodies>();
-  const auto make = [&]<typename Of>(std::unique_ptr<Of>) {
-    bodies->any = std::make_unique<Of>(max_ids, options);
-  };
-  if (is_aabo) {
-    dims == 2 ? make(std::unique_ptr<AaboBroadPhase2>())
-              : make(std::unique_ptr<AaboBroadPhase3>());
-  } else {
-    dims == 2 ? make(std::unique_ptr<AabbBroadPhase2>())
-              : make(std::unique_ptr<AabbBroadPhase3>());
-  }
-  return bodies;
+std::unique_ptr<Bodies> MakeBodies(std::size_t max_ids, std::size_t dims,
+                                   bool is_aabo, float margin) {
+  hs_broad_phase_config config;
+  Check(hs_broad_phase_config_default(&config, sizeof(config)));
+  config.kind = is_aabo ? (dims == 2 ? HS_OCTAHEDRON2 : HS_OCTAHEDRON3)
+                        : (dims == 2 ? HS_BOX2 : HS_BOX3);
+  config.margin = margin;
+  config.max_ids = max_ids;
+  hs_broad_phase* bodies = nullptr;
+  Check(hs_broad_phase_create(&config, &bodies));
+  return std::make_unique<Bodies>(
+      Bodies{std::unique_ptr<hs_broad_phase, DestroyBodies>(bodies), dims,
+             hs_bound_values(config.kind)});
 }
 
 void Insert(const Bodies& bodies, const ShortIds& ids, const py::tuple& arrays,
             const Masks& masks) {
-  const Columns columns(arrays);
-  const Span<const BodyMasks> its_masks = MasksIn(masks);
-  Call(bodies, [&](auto& its) {
-    its.Insert(List(ids), AllBounds<BoundIn<decltype(its)>>(columns),
-               its_masks);
+  const Columns bounds = BoundsIn(bodies, ids, arrays);
+  const hs_body_masks* const its_masks = MasksIn(masks, bounds.count);
+  Call([&] {
+    return hs_broad_phase_insert(bodies.get(), ids.data(), &bounds, its_masks);
   });
 }
 
 void Move(const Bodies& bodies, const ShortIds& ids, const py::tuple& arrays) {
-  const Columns columns(arrays);
-  Call(bodies, [&](auto& its) {
-    its.Move(List(ids), AllBounds<BoundIn<decltype(its)>>(columns));
+  const Columns bounds = BoundsIn(bodies, ids, arrays);
+  Call([&] { return hs_broad_phase_move(bodies.get(), ids.data(), &bounds); });
+}
+
+void SetMasks(const Bodies& bodies, const ShortIds& ids, const Masks& masks) {
+  const hs_body_masks* const its_masks = MasksIn(masks, Length(ids));
+  Call([&] {
+    return hs_broad_phase_set_masks(bodies.get(), ids.data(), its_masks,
+                                    its_masks == nullptr ? 0 : Length(ids));
   });
 }
 
-// Calls function(broad phase, runner) with the threads of `work`.
-template <typename Function>
-void CallWithThreads(const Bodies& bodies, std::size_t threads,
-                     const Function& function) {
-  Work work(threads, py::none());
-  const auto run = [&](std::size_t count, const Runner::Part& part) {
-    work.Run(count, [&](std::size_t i, std::size_t) { part(i); });
+// The function of FindAll() and FindOfOne().
+auto FinderOf(const Bodies& bodies, hs_shape shape, std::uint64_t mask) {
+  return [&bodies, shape, mask](const hs_columns& queries,
+                                std::span<std::uint32_t> ids,
+                                std::size_t* offsets) {
+    std::size_t total = 0;
+    Check(hs_broad_phase_query(bodies.get(), shape, &queries, mask, ids.data(),
+                               ids.size(), offsets, &total));
+    return total;
   };
-  Call(bodies, [&](auto& its) { function(its, run); });
 }
 
-// Runs find(broad phase, i, list) for each query i on threads, where `list`
-// receives its ids. Returns the rows and the ids, of shape (2, n), or only the
-// ids.
-template <typename Find>
-Ids FindAll(const Bodies& bodies, std::size_t queries, bool with_rows,
-            std::size_t threads, const Find& find) {
-  struct Part {
-    std::vector<std::uint32_t> ids;
-    std::vector<std::size_t> ends;
-  };
-  Work work(threads, py::none());
-  std::vector<Part> parts((queries + kPartQueries - 1) / kPartQueries);
-  Call(bodies, [&](const auto& its) {
-    work.Run(parts.size(), [&](std::size_t p, std::size_t) {
-      const std::size_t end = std::min(queries, (p + 1) * kPartQueries);
-      for (std::size_t i = p * kPartQueries; i < end; ++i) {
-        find(its, i, parts[p].ids);
-        parts[p].ends.push_back(parts[p].ids.size());
-      }
-    });
-  });
-  std::size_t found = 0;
-  for (const Part& part : parts) found += part.ids.size();
-  Ids ids(with_rows ? std::vector<std::size_t>{2, found}
-                    : std::vector<std::size_t>{found});
-  std::int64_t* row = ids.mutable_data();
-  std::int64_t* id = row + (with_rows ? found : 0);
-  std::int64_t query = 0;
-  for (const Part& part : parts) {
-    id = std::copy(part.ids.begin(), part.ids.end(), id);
-    std::size_t begin = 0;
-    for (const std::size_t end : part.ends) {
-      if (with_rows) row = std::fill_n(row, end - begin, query);
-      begin = end;
-      ++query;
-    }
-  }
-  return ids;
-}
-
-// A sphere has a column for the radius. A point has none, and a radius of 0.
-template <int kDims>
-Sphere<kDims> SphereAt(const Columns& columns, std::size_t row) {
-  return {columns.GetPoint<kDims>(row),
-          columns.columns() > kDims ? columns.Get(row, kDims) : 0.0f};
-}
-
-// Queries of spheres, or of bounds.
+// Queries of spheres, or of bounds. Returns the rows and the ids, of shape
+// (2, n), or only the ids.
 Ids Query(const Bodies& bodies, const py::tuple& arrays, std::uint64_t mask,
           bool with_rows, std::size_t threads) {
-  const Columns columns(arrays);
-  return FindAll(bodies, columns.count(), with_rows, threads,
-                 [&](const auto& its, std::size_t i, auto& ids) {
-                   using Bound = BoundIn<decltype(its)>;
-                   constexpr int kDims = Bound::kDimensions;
-                   const auto add = [&ids](std::uint32_t id, const Bound&) {
-                     ids.push_back(id);
-                   };
-                   if (columns.columns() == kDims + 1) {
-                     its.ForEach(SphereAt<kDims>(columns, i), mask, add);
-                   } else {
-                     its.ForEach(BoundAt<Bound>(columns, i), mask, add);
-                   }
-                 });
+  const Columns queries(arrays);
+  const bool are_spheres = queries.size == bodies.dims + 1;
+  if (!are_spheres) queries.CheckSize(bodies.values);
+  Work work(threads, py::none());
+  return FindAll(
+      queries, kPartQueries, with_rows, work,
+      FinderOf(bodies, are_spheres ? HS_SHAPE_SPHERE : HS_SHAPE_BOUND, mask));
 }
 
-// query() of one box in a plain array, in a third of the time. None if the
-// array or the bodies need a closer look.
 py::object QueryOne(const Bodies& bodies, const py::array& array,
                     std::uint64_t mask) {
-  const auto find = [&](const auto& its) -> py::object {
-    using Bound = BoundIn<decltype(*its)>;
-    constexpr int kDims = Bound::kDimensions;
-    if constexpr (std::is_same_v<Bound, Aabb<kDims>>) {
-      if (const auto box = BoxIn<kDims>(array)) {
-        std::vector<std::uint32_t> found;
-        {
-          const py::gil_scoped_release release;
-          its->ForEach(*box, mask, [&found](std::uint32_t id, const Bound&) {
-            found.push_back(id);
-          });
-        }
-        Ids ids(Size(found.size()));
-        std::copy(found.begin(), found.end(), ids.mutable_data());
-        return ids;
-      }
-    }
-    return py::none();
-  };
-  return std::visit(find, bodies.any);
+  if (bodies.values != 2 * bodies.dims) return py::none();
+  return FindOfOne(array, bodies.dims, FinderOf(bodies, HS_SHAPE_BOUND, mask));
 }
 
 // The first body of each ray, or of each sphere or box that moves.
 py::tuple Cast(const Bodies& bodies, const py::tuple& start_arrays,
-               const py::tuple& direction_arrays, const py::tuple& limit_arrays,
-               std::uint64_t mask, std::size_t threads) {
+               const py::array& motion_array, std::uint64_t mask,
+               std::size_t threads) {
   const Columns starts(start_arrays);
-  const Columns directions(direction_arrays);
-  const Columns limits(limit_arrays);
-  const std::size_t n = starts.count();
-  const auto dims = static_cast<std::size_t>(bodies.dims());
-  const bool are_boxes = starts.columns() == 2 * dims;
-  if ((starts.columns() != dims && starts.columns() != dims + 1 &&
-       !are_boxes) ||
-      directions.columns() != dims || directions.count() != n ||
-      limits.columns() != 1 || limits.count() != n) {
-    throw std::invalid_argument("_halfspace: columns of other dimensions");
-  }
-  Ids ids(Size(n));
-  py::array_t<float> ts(Size(n));
-  std::int64_t* const to = ids.mutable_data();
-  float* const its_ts = ts.mutable_data();
+  const Columns motions(py::make_tuple(motion_array));
+  const std::size_t dims = bodies.dims;
+  motions.CheckSize(dims + 1);
+  if (starts.count != motions.count) ThrowNotPrepared();
+  const hs_shape shape = starts.size == dims       ? HS_SHAPE_POINT
+                         : starts.size == dims + 1 ? HS_SHAPE_SPHERE
+                                                   : HS_SHAPE_BOX;
+  if (shape == HS_SHAPE_BOX) starts.CheckSize(2 * dims);
   Work work(threads, py::none());
-  Call(bodies, [&](const auto& its) {
-    constexpr int kDims = BoundIn<decltype(its)>::kDimensions;
-    const auto cast = [&](std::size_t i) {
-      const auto direction = directions.GetPoint<kDims>(i);
-      const float max_t = limits.Get(i, 0);
-      FindFirst(to[i], its_ts[i], [&](const auto& function) {
-        if (are_boxes) {
-          Aabb<kDims> box;
-          starts.GetBoxes(i, 1, &box);
-          its.ForEachCast(box, direction, max_t, mask, function);
-        } else {
-          its.ForEachCast(SphereAt<kDims>(starts, i), direction, max_t, mask,
-                          function);
-        }
-      });
-    };
-    work.Run((n + kPartQueries - 1) / kPartQueries,
-             [&](std::size_t part, std::size_t) {
-               const std::size_t end = std::min(n, (part + 1) * kPartQueries);
-               for (std::size_t i = part * kPartQueries; i < end; ++i) cast(i);
-             });
-  });
-  return py::make_tuple(ids, ts);
+  return CastAll(starts.count, work,
+                 [&](std::size_t first, std::uint32_t* ids, float* ts) {
+                   const hs_columns from = starts.Rows(first, kPartQueries);
+                   const hs_columns by = motions.Rows(first, kPartQueries);
+                   Check(hs_broad_phase_cast(bodies.get(), shape, &from, &by,
+                                             mask, ids, ts));
+                 });
 }
 
 // An array of shape (n, 2).
-Ids ToArray(const std::vector<Pair>& pairs) {
+Ids ToArray(const Pairs& pairs) {
   Ids ids(std::vector<std::size_t>{pairs.size(), 2});
   std::int64_t* to = ids.mutable_data();
-  for (const Pair& pair : pairs) {
-    *to++ = pair.first;
-    *to++ = pair.second;
+  for (const hs_id_pair& pair : pairs) {
+    *to++ = pair.a;
+    *to++ = pair.b;
   }
   return ids;
 }
 
 // `masks` has an element for each id, or none.
-Ids PairsOf(const Bodies& bodies, const ShortIds& ids, double margin,
+Ids PairsOf(const Bodies& bodies, const ShortIds& ids, float margin,
             const Masks& masks) {
-  const float its_margin = RoundUp(margin);
-  std::vector<Pair> pairs;
-  const auto add = [&pairs](std::uint32_t a, std::uint32_t b) {
-    pairs.emplace_back(a, b);
+  if (masks.size() != 0 && masks.size() != ids.size()) ThrowNotPrepared();
+  const std::uint64_t* const its_masks =
+      masks.size() == 0 ? nullptr : masks.data();
+  Pairs pairs;
+  const auto add = [](void* to, std::uint32_t a, std::uint32_t b) {
+    static_cast<Pairs*>(to)->push_back({a, b});
+    return HS_CONTINUE;
   };
-  const Span<const std::uint64_t> its_masks = {
-      masks.data(), static_cast<std::size_t>(masks.size())};
-  Call(bodies, [&](const auto& its) {
-    if (its_masks.empty()) {
-      its.ForEachPairOf(List(ids), its_margin, add);
-    } else {
-      its.ForEachPairOf(List(ids), its_masks, its_margin, add);
-    }
+  Call([&] {
+    return hs_broad_phase_for_each_pair_of(bodies.get(), ids.data(), its_masks,
+                                           Length(ids), margin, add, &pairs);
   });
   return ToArray(pairs);
 }
 
 py::tuple UpdatePairs(const Bodies& bodies, std::size_t threads) {
-  std::vector<Pair> began;
-  std::vector<Pair> ended;
-  CallWithThreads(bodies, threads, [&](auto& its, const auto& run) {
-    its.UpdatePairs(
-        [&](std::uint32_t a, std::uint32_t b) { began.emplace_back(a, b); },
-        [&](std::uint32_t a, std::uint32_t b) { ended.emplace_back(a, b); },
-        run);
+  std::array<Pairs, 2> events;
+  CallWithThreads(0, threads, [&](const hs_update_options* options) {
+    return hs_broad_phase_update_pairs(
+        bodies.get(), options,
+        [](void* to, std::uint32_t a, std::uint32_t b) {
+          static_cast<Pairs*>(to)[0].push_back({a, b});
+        },
+        [](void* to, std::uint32_t a, std::uint32_t b) {
+          static_cast<Pairs*>(to)[1].push_back({a, b});
+        },
+        events.data());
   });
-  return py::make_tuple(ToArray(began), ToArray(ended));
-}
-
-template <typename Bound>
-void WriteRecord(const Bound& bound, float* to) {
-  to = std::copy(bound.min.begin(), bound.min.end(), to);
-  std::copy(bound.max.begin(), bound.max.end(), to);
-}
-
-std::size_t ValuesOf(const Bodies& bodies) {
-  return 2 * static_cast<std::size_t>(bodies.dims() +
-                                      (bodies.any.index() < 2 ? 0 : 1));
+  return py::make_tuple(ToArray(events[0]), ToArray(events[1]));
 }
 
 py::array_t<float> BoundsOf(const Bodies& bodies) {
-  py::array_t<float> values(Size(ValuesOf(bodies)));
-  float* const to = values.mutable_data();
-  Call(bodies, [to](const auto& its) { WriteRecord(its.Bounds(), to); });
-  return values;
-}
-
-// Calls write(broad phase, id, i) for each id.
-template <typename Write>
-void ForEachId(const Bodies& bodies, const ShortIds& ids, const Write& write) {
-  const Span<const std::uint32_t> list = List(ids);
-  Call(bodies, [&](const auto& its) {
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      if (!its.Has(list[i])) {
-        throw std::invalid_argument("ids[" + std::to_string(i) +
-                                    "]: expected the id of a body, got " +
-                                    std::to_string(list[i]));
-      }
-      write(its, list[i], i);
-    }
-  });
+  py::array_t<float> record(Size(bodies.values));
+  float* const to = record.mutable_data();
+  Call([&] { return hs_broad_phase_bounds(bodies.get(), to); });
+  return record;
 }
 
 py::array_t<float> Get(const Bodies& bodies, const ShortIds& ids) {
-  const std::size_t values = ValuesOf(bodies);
   py::array_t<float> records(
-      std::vector<std::size_t>{static_cast<std::size_t>(ids.size()), values});
+      std::vector<std::size_t>{Length(ids), bodies.values});
   float* const to = records.mutable_data();
-  ForEachId(bodies, ids, [&](const auto& its, std::uint32_t id, std::size_t i) {
-    WriteRecord(its.Get(id), to + i * values);
+  Call([&] {
+    return hs_broad_phase_get(bodies.get(), ids.data(), Length(ids), to,
+                              nullptr);
   });
   return records;
 }
 
 Masks MasksOf(const Bodies& bodies, const ShortIds& ids) {
-  Masks masks(
-      std::vector<std::size_t>{static_cast<std::size_t>(ids.size()), 2});
-  std::uint64_t* const to = masks.mutable_data();
-  ForEachId(bodies, ids, [&](const auto& its, std::uint32_t id, std::size_t i) {
-    const BodyMasks its_masks = its.MasksOf(id);
-    to[2 * i] = its_masks.category;
-    to[2 * i + 1] = its_masks.collides_with;
+  Masks masks(std::vector<std::size_t>{Length(ids), 2});
+  auto* const to = reinterpret_cast<hs_body_masks*>(masks.mutable_data());
+  Call([&] {
+    return hs_broad_phase_get(bodies.get(), ids.data(), Length(ids), nullptr,
+                              to);
   });
   return masks;
 }
 
 py::dict Statistics(const Bodies& bodies) {
-  const BroadPhaseStatistics its =
-      Call(bodies, [](const auto& any) { return any.Statistics(); });
+  hs_body_statistics its;
+  Call([&] {
+    return hs_broad_phase_statistics(bodies.get(), &its, sizeof(its));
+  });
   py::dict statistics;
   statistics["bodies"] = its.bodies;
   statistics["pending"] = its.pending;
@@ -425,33 +258,47 @@ py::dict Statistics(const Bodies& bodies) {
   return statistics;
 }
 
+// Records of octahedra around boxes.
+py::array_t<float> OctahedraOf(const py::tuple& arrays) {
+  const Columns boxes(arrays);
+  if (boxes.size != 4 && boxes.size != 6) ThrowNotPrepared();
+  const hs_kind kind = boxes.size == 4 ? HS_OCTAHEDRON2 : HS_OCTAHEDRON3;
+  hs_bound_options options;
+  Check(hs_bound_options_default(&options, sizeof(options)));
+  options.tightest = 1;
+  py::array_t<float> records(
+      std::vector<std::size_t>{boxes.count, hs_bound_values(kind)});
+  float* const to = records.mutable_data();
+  Call([&] { return hs_bound_boxes(kind, &boxes, &options, to, nullptr); });
+  return records;
+}
+
 }  // namespace
 
 void DefineBroadPhase(py::module_& module) {
+  module.def("octahedra", &OctahedraOf);
   py::class_<Bodies>(module, "BroadPhase")
       .def(py::init(&MakeBodies))
       .def("insert", &Insert)
       .def("erase",
            [](const Bodies& bodies, const ShortIds& ids) {
-             Call(bodies, [&](auto& its) { its.Erase(List(ids)); });
+             Call([&] {
+               return hs_broad_phase_erase(bodies.get(), ids.data(),
+                                           Length(ids));
+             });
            })
       .def("move", &Move)
-      .def("set_masks",
-           [](const Bodies& bodies, const ShortIds& ids, const Masks& masks) {
-             const Span<const BodyMasks> its_masks = MasksIn(masks);
-             Call(bodies,
-                  [&](auto& its) { its.SetMasks(List(ids), its_masks); });
-           })
+      .def("set_masks", &SetMasks)
       .def("update",
            [](const Bodies& bodies, std::size_t budget, std::size_t threads) {
-             CallWithThreads(bodies, threads, [&](auto& its, const auto& run) {
-               its.Update({budget, run});
+             CallWithThreads(budget, threads, [&](const auto* options) {
+               return hs_broad_phase_update(bodies.get(), options);
              });
            })
       .def("rebuild",
            [](const Bodies& bodies, std::size_t threads) {
-             CallWithThreads(bodies, threads, [](auto& its, const auto& run) {
-               its.Rebuild(run);
+             CallWithThreads(0, threads, [&](const auto* options) {
+               return hs_broad_phase_rebuild(bodies.get(), options);
              });
            })
       .def("query", &Query)
@@ -465,15 +312,22 @@ void DefineBroadPhase(py::module_& module) {
       .def("statistics", &Statistics)
       .def("validate",
            [](const Bodies& bodies) {
-             return Call(bodies,
-                         [](const auto& its) { return its.Validate(); });
+             int is_valid = 0;
+             Call([&] {
+               return hs_broad_phase_validate(bodies.get(), &is_valid);
+             });
+             return is_valid != 0;
            })
       .def("size",
            [](const Bodies& bodies) {
-             return Call(bodies, [](const auto& its) { return its.size(); });
+             std::size_t size = 0;
+             Call([&] { return hs_broad_phase_size(bodies.get(), &size); });
+             return size;
            })
       .def("has", [](const Bodies& bodies, std::uint32_t id) {
-        return Call(bodies, [id](const auto& its) { return its.Has(id); });
+        int has = 0;
+        Call([&] { return hs_broad_phase_has(bodies.get(), id, &has); });
+        return has != 0;
       });
 }
 

@@ -1,19 +1,30 @@
-// The results of a call on several threads. Each part of the call finds a list,
-// whose length is known only at the end of the part.
+// The queries of a call in parts, on several threads, and their results as
+// NumPy arrays. Each part finds a list, whose length is known only at its end.
 #ifndef HALFSPACE_PYTHON_RESULTS_H_
 #define HALFSPACE_PYTHON_RESULTS_H_
 
-#include <halfspace/span.h>
-#include <halfspace/visit.h>
+#include <halfspace/c/halfspace.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "columns.h"
+#include "work.h"
+
 namespace halfspace::python {
+
+// Queries of one part: few enough that Ctrl-C is seen soon, and enough that
+// hs_bvh_query() can walk many of them together.
+inline constexpr std::size_t kPartQueries = 512;
+
+inline std::size_t PartsOf(std::size_t count, std::size_t in_part) {
+  return (count + in_part - 1) / in_part;
+}
 
 template <typename Item>
 class Results {
@@ -21,22 +32,22 @@ class Results {
   Results(std::size_t parts, std::size_t threads)
       : lists_(parts), blocks_(threads) {}
 
-  // Stores what find(Span<Item>) writes for a part. find() returns the full
-  // number of items. If the span was shorter, it is called again with a span
-  // that is long enough. Two threads may call this at the same time for
-  // different parts.
+  // Stores what find(span<Item>) writes for a part. find() returns the full
+  // number of items. It is called again with a longer span until all of them
+  // fit: the second call can find more, as bodies move. Two threads may call
+  // this at the same time for different parts.
   template <typename Find>
   void Add(std::size_t part, std::size_t thread, const Find& find) {
     std::vector<Block>& blocks = blocks_[thread];
     if (blocks.empty()) blocks.emplace_back(kFirstItems);
-    const std::size_t found = find(blocks.back().Rest());
-    if (found > blocks.back().Rest().size()) {
+    std::size_t found = find(blocks.back().Rest());
+    while (found > blocks.back().Rest().size()) {
       // Doubled, so few lists are found twice. Memory that is not touched
       // costs nothing.
       blocks.emplace_back(std::max(2 * blocks.back().size, found));
-      find(blocks.back().Rest());
+      found = find(blocks.back().Rest());
     }
-    lists_[part] = {blocks.back().Rest().data(), found};
+    lists_[part] = blocks.back().Rest().first(found);
     blocks.back().used += found;
   }
 
@@ -52,37 +63,164 @@ class Results {
   }
 
   std::size_t parts() const { return lists_.size(); }
-  Span<const Item> List(std::size_t part) const { return lists_[part]; }
+  std::span<const Item> List(std::size_t part) const { return lists_[part]; }
 
  private:
   static constexpr std::size_t kFirstItems = 4096;
 
   struct Block {
     explicit Block(std::size_t items) : memory(new Item[items]), size(items) {}
-    Span<Item> Rest() const { return {memory.get() + used, size - used}; }
+    std::span<Item> Rest() const { return {memory.get() + used, size - used}; }
     std::unique_ptr<Item[]> memory;
     std::size_t size;
     std::size_t used = 0;
   };
 
-  std::vector<Span<const Item>> lists_;
+  std::vector<std::span<const Item>> lists_;
   std::vector<std::vector<Block>> blocks_;
 };
 
-// Writes the hit with the least t, and of equal ones the one with the least id,
-// so that the order of the tree does not matter. cast() receives the function
-// of a cast.
-template <typename Cast>
-void FindFirst(std::int64_t& first, float& least, const Cast& cast) {
-  first = -1;
-  least = std::numeric_limits<float>::infinity();
-  cast([&](std::uint32_t id, float t) {
-    if (first < 0 || t < least || (t == least && id < first)) {
-      first = id;
-      least = t;
+// Calls run(first, thread) for the first query of each part, without the
+// interpreter's lock.
+template <typename Run>
+void ForEachPart(std::size_t queries, std::size_t in_part, Work& work,
+                 const Run& run) {
+  const pybind11::gil_scoped_release release;
+  work.SetStage(0, queries, queries);
+  work.Run(PartsOf(queries, in_part),
+           [&](std::size_t part, std::size_t thread) {
+             run(part * in_part, thread);
+           });
+}
+
+// Returns what find(queries, ids, offsets) writes for the queries of a part, in
+// the way of hs_bvh_query(). find() returns the number of all ids. Rows and
+// ids have the shape (2, n), and ids alone (n).
+template <typename Find>
+Ids FindAll(const Columns& queries, std::size_t in_part, bool with_rows,
+            Work& work, const Find& find) {
+  Results<std::uint32_t> results(PartsOf(queries.count, in_part),
+                                 work.threads());
+  std::vector<std::uint32_t> counts(queries.count);
+  ForEachPart(
+      queries.count, in_part, work, [&](std::size_t first, std::size_t thread) {
+        const hs_columns some = queries.Rows(first, in_part);
+        std::array<std::size_t, kPartQueries + 1> offsets;
+        results.Add(first / in_part, thread, [&](std::span<std::uint32_t> ids) {
+          return find(some, ids, offsets.data());
+        });
+        for (std::size_t i = 0; i < some.count; ++i) {
+          counts[first + i] =
+              static_cast<std::uint32_t>(offsets[i + 1] - offsets[i]);
+        }
+      });
+  const std::vector<std::size_t> offsets = results.Offsets();
+  const std::size_t found = offsets.back();
+  Ids ids(with_rows ? std::vector<std::size_t>{2, found}
+                    : std::vector<std::size_t>{found});
+  std::int64_t* const rows = ids.mutable_data();
+  std::int64_t* const objects = rows + (with_rows ? found : 0);
+  const pybind11::gil_scoped_release release;
+  work.SetLastStage();
+  work.Run(results.parts(), [&](std::size_t part, std::size_t) {
+    const std::span<const std::uint32_t> list = results.List(part);
+    std::copy(list.begin(), list.end(), objects + offsets[part]);
+    if (!with_rows) return;
+    std::int64_t* row = rows + offsets[part];
+    const std::size_t first = part * in_part;
+    const std::size_t end = std::min(queries.count, first + in_part);
+    for (std::size_t i = first; i < end; ++i) {
+      row = std::fill_n(row, counts[i], static_cast<std::int64_t>(i));
     }
-    return Limit{least};
   });
+  return ids;
+}
+
+// FindAll() of the box of a plain array, in a third of the time: most of a
+// short query is the way through Python. None if the array is anything else.
+template <typename Find>
+pybind11::object FindOfOne(const pybind11::array& array, std::size_t dims,
+                           const Find& find) {
+  const hs_columns box = BoxIn(array, dims);
+  if (box.count == 0) return pybind11::none();
+  std::array<std::uint32_t, 256> few;
+  std::vector<std::uint32_t> many;
+  std::span<std::uint32_t> found = few;
+  std::size_t count = 0;
+  {
+    const pybind11::gil_scoped_release release;
+    while ((count = find(box, found, nullptr)) > found.size()) {
+      many.resize(count);
+      found = many;
+    }
+  }
+  // Less work than a constructor of py::array.
+  const auto& numpy = pybind11::detail::npy_api::get();
+  auto size = static_cast<Py_intptr_t>(count);
+  auto ids = pybind11::reinterpret_steal<Ids>(numpy.PyArray_NewFromDescr_(
+      numpy.PyArray_Type_, pybind11::dtype::of<std::int64_t>().release().ptr(),
+      1, &size, nullptr, nullptr, 0, nullptr));
+  if (!ids) throw pybind11::error_already_set();
+  std::copy_n(found.data(), count, ids.mutable_data());
+  return ids;
+}
+
+// Returns the numbers that count(queries, counts) writes for each part.
+template <typename Count>
+Ids CountAll(const Columns& queries, std::size_t in_part, Work& work,
+             const Count& count) {
+  Ids counts(Size(queries.count));
+  std::int64_t* const to = counts.mutable_data();
+  ForEachPart(queries.count, in_part, work,
+              [&](std::size_t first, std::size_t) {
+                const hs_columns some = queries.Rows(first, in_part);
+                std::array<std::size_t, kPartQueries> its;
+                count(some, its.data());
+                std::copy_n(its.data(), some.count, to + first);
+              });
+  work.Finish();
+  return counts;
+}
+
+// Returns for each query whether any(queries, ids) writes an id.
+template <typename Any>
+pybind11::array_t<bool> AnyOfAll(const Columns& queries, std::size_t in_part,
+                                 Work& work, const Any& any) {
+  pybind11::array_t<bool> found(Size(queries.count));
+  bool* const to = found.mutable_data();
+  ForEachPart(queries.count, in_part, work,
+              [&](std::size_t first, std::size_t) {
+                const hs_columns some = queries.Rows(first, in_part);
+                std::array<std::uint32_t, kPartQueries> ids;
+                any(some, ids.data());
+                for (std::size_t i = 0; i < some.count; ++i)
+                  to[first + i] = ids[i] != HS_NO_ID;
+              });
+  work.Finish();
+  return found;
+}
+
+// -1 instead of HS_NO_ID.
+inline std::int64_t LongId(std::uint32_t id) {
+  return id == HS_NO_ID ? -1 : std::int64_t{id};
+}
+
+// Returns the ids and the t that cast(first, ids, ts) writes for each part.
+template <typename Cast>
+pybind11::tuple CastAll(std::size_t casts, Work& work, const Cast& cast) {
+  Ids ids(Size(casts));
+  pybind11::array_t<float> ts(Size(casts));
+  std::int64_t* const to = ids.mutable_data();
+  float* const its_ts = ts.mutable_data();
+  ForEachPart(casts, kPartQueries, work, [&](std::size_t first, std::size_t) {
+    std::array<std::uint32_t, kPartQueries> its;
+    cast(first, its.data(), its_ts + first);
+    std::transform(its.data(),
+                   its.data() + std::min(kPartQueries, casts - first),
+                   to + first, LongId);
+  });
+  work.Finish();
+  return pybind11::make_tuple(ids, ts);
 }
 
 }  // namespace halfspace::python

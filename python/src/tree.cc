@@ -1,18 +1,15 @@
 #include "tree.h"
 
-#include <halfspace/bvh_nearest.h>
-#include <halfspace/bvh_pairs.h>
 #include <pybind11/numpy.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <optional>
+#include <memory>
+#include <numeric>
+#include <span>
 #include <stdexcept>
-#include <string>
-#include <tuple>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -25,11 +22,6 @@ namespace py = pybind11;
 namespace halfspace::python {
 namespace {
 
-using Ids = py::array_t<std::int64_t>;
-
-// Queries of one part: few enough that Ctrl-C is seen soon, and enough that
-// SurvivorsOfEach() can walk many of them together.
-constexpr std::size_t kPartQueries = 512;
 // Leaves of one part of a join.
 constexpr std::size_t kPartLeaves = 16;
 // A BVH has fewer objects.
@@ -37,114 +29,102 @@ constexpr std::size_t kMostObjects = std::size_t{1} << 31;
 // Rows of one part of a pass over an output.
 constexpr std::size_t kPartRows = 65536;
 
-template <typename AnyBvh>
-constexpr int kDimsOf = std::decay_t<AnyBvh>::Bound::kDimensions;
-
-std::size_t PartsOf(std::size_t count, std::size_t part) {
-  return (count + part - 1) / part;
-}
-
-std::int64_t* Data(Ids& ids) { return ids.mutable_data(); }
-
-// Calls function(bvh) without the interpreter's lock.
+// Calls change() without the interpreter's lock.
 template <typename Function>
-auto Read(Tree& tree, Function&& function) {
-  const Reading reading(tree);
-  const py::gil_scoped_release release;
-  return std::visit(function, std::as_const(tree.bvh));
-}
-// The same with the lock, for sizes, which a refit does not change.
-template <typename Function>
-auto Ask(Tree& tree, const Function& function) {
-  const Reading reading(tree, /*is_refit=*/true);
-  return std::visit(function, std::as_const(tree.bvh));
-}
-template <typename Function>
-void Change(Tree& tree, Function&& function, bool is_refit = false) {
+void Change(Tree& tree, const Function& change, bool is_refit = false) {
   const Changing changing(tree, is_refit);
   if (is_refit) ++tree.changes;  // also if an exception ends it
   {
     const py::gil_scoped_release release;
-    std::visit(function, tree.bvh);
+    change();
   }
   if (!is_refit) ++tree.changes;
 }
 
-void CheckColumns(const Tree& tree, const Columns& columns, bool is_points) {
-  const std::size_t dims = tree.bvh.index() == 0 ? 2 : 3;
-  if (columns.columns() != (is_points ? dims : 2 * dims)) {
-    throw std::invalid_argument("_halfspace: columns of other dimensions");
-  }
+std::size_t SizeOf(const hs_bvh* bvh) {
+  std::size_t size = 0;
+  Check(hs_bvh_size(bvh, &size));
+  return size;
 }
 
-// A world that never had an object has an empty blob, from which nobody could
-// tell its dimensions. One with room has a header.
-template <typename AnyBvh>
-void MakeRoom(AnyBvh& bvh) {
-  if (bvh.empty()) bvh.Reserve(1);
+// With the interpreter's lock: a refit does not change sizes.
+template <hs_status (*kSize)(const hs_bvh*, std::size_t*)>
+std::size_t Ask(Tree& tree) {
+  const Reading reading(tree, /*is_refit=*/true);
+  std::size_t size = 0;
+  Check(kSize(tree.bvh.get(), &size));
+  return size;
 }
 
-template <int kDims>
-Bvh<AabbView<kDims>> Build(const Columns& boxes, bool is_fast, Work& work,
-                           std::size_t progress_end) {
+hs_bvh_config ConfigOf(std::size_t dims) {
+  hs_bvh_config config;
+  Check(hs_bvh_config_default(&config, sizeof(config)));
+  config.kind = dims == 2 ? HS_BOX2 : HS_BOX3;
+  return config;
+}
+
+Bvh Build(const Columns& boxes, bool is_fast, Work& work,
+          std::size_t progress_end) {
+  const bool is_double = boxes.type == HS_FLOAT64;
   // Doubles are rounded, then centers, six splits, a sort and a copy; or
   // centers and a copy.
-  BuildRunner runner(work, (boxes.is_double() ? 1u : 0u) + (is_fast ? 2u : 9u),
-                     progress_end, boxes.count());
-  BuildOptions options;
-  options.quality = is_fast ? BuildQuality::kFast : BuildQuality::kHigh;
-  options.run = runner;
-  auto bvh = boxes.WithBoxes<kDims>([&](const auto& shapes) {
-    return Bvh<AabbView<kDims>>(shapes, options);
-  });
-  MakeRoom(bvh);
-  return bvh;
+  Threads threads(work, (is_double ? 1u : 0u) + (is_fast ? 2u : 9u),
+                  progress_end, boxes.count);
+  hs_bvh_config config = ConfigOf(boxes.size / 2);
+  config.quality = is_fast ? HS_QUALITY_FAST : HS_QUALITY_HIGH;
+  config.run = &Threads::Run;
+  config.run_context = &threads;
+  hs_bvh* bvh = nullptr;
+  threads.Check(hs_bvh_create(&config, &boxes, &bvh));
+  return Bvh(bvh);
 }
 
 std::unique_ptr<Tree> MakeTree(const py::tuple& arrays, bool is_fast,
                                std::size_t threads, py::object progress) {
   const Columns boxes(arrays);
+  if (boxes.size != 4 && boxes.size != 6) ThrowNotPrepared();
   Work work(threads, std::move(progress));
   auto tree = std::make_unique<Tree>();
+  tree->dims = boxes.size / 2;
   const py::gil_scoped_release release;
-  if (boxes.columns() == 4) {
-    tree->bvh = Build<2>(boxes, is_fast, work, boxes.count());
-  } else if (boxes.columns() == 6) {
-    tree->bvh = Build<3>(boxes, is_fast, work, boxes.count());
-  } else {
-    throw std::invalid_argument("_halfspace: boxes with other columns");
-  }
-  work.SetStage(0, 0, boxes.count());
+  tree->bvh = Build(boxes, is_fast, work, boxes.count);
+  // A BVH that never had an object has an empty blob, from which nobody could
+  // tell its dimensions. One with room has a header.
+  if (boxes.count == 0) Check(hs_bvh_reserve(tree->bvh.get(), 1));
+  work.SetStage(0, 0, boxes.count);
   work.Finish();
   return tree;
-}
-
-template <typename AnyBvh>
-AnyBvh Load(Span<const std::byte> blob, bool is_in_place) {
-  return is_in_place ? AnyBvh::InPlace(blob) : AnyBvh::FromBlob(blob);
 }
 
 // In place if the bytes are aligned, and else a copy.
 std::unique_ptr<Tree> FromBlob(const py::object& object, bool verify) {
   constexpr std::size_t kAlignment = 64;
   auto buffer = std::make_unique<Buffer>(object);
-  const Span<const std::byte> blob = buffer->bytes();
+  const std::span<const std::byte> blob = buffer->bytes();
   if (blob.empty()) throw std::invalid_argument("the blob is empty");
-  const bool is_in_place =
-      reinterpret_cast<std::uintptr_t>(blob.data()) % kAlignment == 0;
   auto tree = std::make_unique<Tree>();
-  if (is_in_place) tree->buffer = std::move(buffer);
-  const py::gil_scoped_release release;
-  try {
-    tree->bvh = Load<AabbBvh3>(blob, is_in_place);
-  } catch (const std::invalid_argument& error) {
-    // The number of dimensions is checked after the beginning and the version,
-    // and before everything else.
-    if (std::strstr(error.what(), "dimensions") == nullptr) throw;
-    tree->bvh = Load<AabbBvh2>(blob, is_in_place);
+  if (reinterpret_cast<std::uintptr_t>(blob.data()) % kAlignment == 0) {
+    tree->buffer = std::move(buffer);
   }
-  if (verify &&
-      !std::visit([](const auto& bvh) { return bvh.Verify(); }, tree->bvh)) {
+  const py::gil_scoped_release release;
+  const auto load = [&](std::size_t dims) {
+    const hs_bvh_config config = ConfigOf(dims);
+    hs_bvh* bvh = nullptr;
+    const hs_status status =
+        hs_bvh_in_place(&config, blob.data(), blob.size(), &bvh);
+    tree->bvh.reset(bvh);
+    tree->dims = dims;
+    return status;
+  };
+  hs_status status = load(3);
+  // The number of dimensions is checked after the beginning and the version,
+  // and before everything else.
+  if (status == HS_CORRUPT &&
+      std::strstr(hs_last_error(), "dimensions") != nullptr) {
+    status = load(2);
+  }
+  Check(status);
+  if (verify && hs_bvh_verify(tree->bvh.get()) != HS_OK) {
     throw std::invalid_argument(
         "the blob was altered: its checksum does not match its bytes");
   }
@@ -156,7 +136,11 @@ class Blob {
  public:
   explicit Blob(py::object object)
       : object_(std::move(object)), tree_(object_.cast<Tree&>()) {
-    bytes_ = Read(tree_, [](const auto& bvh) { return bvh.Blob(); });
+    const Reading reading(tree_);
+    {
+      const py::gil_scoped_release release;
+      Check(hs_bvh_blob(tree_.bvh.get(), &data_, &size_));
+    }
     ++tree_.exports;
   }
   ~Blob() { --tree_.exports; }
@@ -164,11 +148,11 @@ class Blob {
   Blob& operator=(const Blob&) = delete;
 
   py::buffer_info Info() const {
-    return {const_cast<std::byte*>(bytes_.data()),
+    return {const_cast<void*>(data_),
             1,
             py::format_descriptor<std::uint8_t>::format(),
             1,
-            {static_cast<py::ssize_t>(bytes_.size())},
+            {Size(size_)},
             {1},
             /*readonly=*/true};
   }
@@ -176,97 +160,58 @@ class Blob {
  private:
   py::object object_;  // the Python object of the tree
   Tree& tree_;
-  Span<const std::byte> bytes_;
+  const void* data_ = nullptr;
+  std::size_t size_ = 0;
 };
 
-// Finds the ids for a part of the queries, grouped by query, and counts them.
-template <int kDims>
-void FindPart(const Bvh<AabbView<kDims>>& bvh, const Columns& boxes,
-              std::size_t part, std::size_t thread,
-              Results<std::uint32_t>& results, std::uint32_t* counts) {
-  const std::size_t first = part * kPartQueries;
-  const std::size_t count = std::min(kPartQueries, boxes.count() - first);
-  std::array<Aabb<kDims>, kPartQueries> queries;
-  std::array<std::size_t, kPartQueries + 1> offsets;
-  boxes.GetBoxes<kDims>(first, count, queries.data());
-  results.Add(part, thread, [&](Span<std::uint32_t> ids) {
-    return SurvivorsOfEach(bvh, Span<const Aabb<kDims>>(queries.data(), count),
-                           ids, offsets);
-  });
-  for (std::size_t i = 0; i < count; ++i) {
-    counts[first + i] = static_cast<std::uint32_t>(offsets[i + 1] - offsets[i]);
-  }
+// The function of FindAll() and FindOfOne().
+auto FinderOf(const Tree& tree) {
+  return [bvh = tree.bvh.get()](const hs_columns& queries,
+                                std::span<std::uint32_t> ids,
+                                std::size_t* offsets) {
+    std::size_t total = 0;
+    Check(hs_bvh_query(bvh, &queries, nullptr, ids.data(), ids.size(), offsets,
+                       &total));
+    return total;
+  };
 }
 
-// Runs the queries one after another. Returns the rows and the ids, of shape
-// (2, n), or only the ids, of shape (n).
-Ids QueryInTurn(Tree& tree, const Columns& boxes, bool with_rows, Work& work) {
-  const std::size_t parts = PartsOf(boxes.count(), kPartQueries);
-  work.SetStage(0, boxes.count(), boxes.count());
-  Results<std::uint32_t> results(parts, work.threads());
-  std::vector<std::uint32_t> counts(boxes.count());
-  const std::vector<std::size_t> offsets = Read(tree, [&](const auto& bvh) {
-    work.Run(parts, [&](std::size_t part, std::size_t thread) {
-      FindPart<kDimsOf<decltype(bvh)>>(bvh, boxes, part, thread, results,
-                                       counts.data());
-    });
-    return results.Offsets();
-  });
-  const std::size_t found = offsets.back();
-  Ids ids(with_rows ? std::vector<std::size_t>{2, found}
-                    : std::vector<std::size_t>{found});
-  std::int64_t* const rows = Data(ids);
-  std::int64_t* const objects = rows + (with_rows ? found : 0);
-  work.SetLastStage();
-  const py::gil_scoped_release release;
-  work.Run(parts, [&](std::size_t part, std::size_t) {
-    const Span<const std::uint32_t> list = results.List(part);
-    std::copy(list.begin(), list.end(), objects + offsets[part]);
-    if (!with_rows) return;
-    std::int64_t* row = rows + offsets[part];
-    const std::size_t first = part * kPartQueries;
-    const std::size_t end = std::min(boxes.count(), first + kPartQueries);
-    for (std::size_t i = first; i < end; ++i) {
-      row = std::fill_n(row, counts[i], static_cast<std::int64_t>(i));
-    }
-  });
-  return ids;
-}
-
-// Finds the pairs of a tree and of another or itself, by part.
-template <typename AnyBvh, typename Find>
-Results<IdPair> FindPairs(const AnyBvh& bvh, Work& work, const Find& find) {
-  const std::size_t parts = PartsOf(PairParts(bvh), kPartLeaves);
-  work.SetStage(0, bvh.size(), bvh.size());
-  Results<IdPair> results(parts, work.threads());
+// Finds the pairs of a tree, and of `b` or of itself if this is null, by part.
+// Call it without the interpreter's lock.
+Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b, Work& work) {
+  std::size_t leaves = 0;
+  Check(hs_bvh_pair_parts(a, &leaves));
+  const std::size_t parts = PartsOf(leaves, kPartLeaves);
+  const std::size_t size = SizeOf(a);
+  work.SetStage(0, size, size);
+  Results<hs_id_pair> results(parts, work.threads());
   work.Run(parts, [&](std::size_t part, std::size_t thread) {
-    PairOptions options;
+    hs_pair_options options;
+    Check(hs_pair_options_default(&options, sizeof(options)));
     options.begin = part * kPartLeaves;
     options.end = options.begin + kPartLeaves;
-    results.Add(part, thread,
-                [&](Span<IdPair> pairs) { return find(pairs, options); });
+    results.Add(part, thread, [&](std::span<hs_id_pair> pairs) {
+      std::size_t total = 0;
+      Check(b == nullptr
+                ? hs_bvh_pairs(a, &options, pairs.data(), pairs.size(), &total)
+                : hs_bvh_join(a, b, &options, pairs.data(), pairs.size(),
+                              &total));
+      return total;
+    });
   });
   return results;
 }
 
-template <int kDims>
-Results<IdPair> JoinTrees(const Bvh<AabbView<kDims>>& a,
-                          const Bvh<AabbView<kDims>>& b, Work& work) {
-  return FindPairs(a, work,
-                   [&](Span<IdPair> pairs, const PairOptions& options) {
-                     return Pairs(a, b, pairs, options);
-                   });
-}
-
 // Sorts the queries into a tree of their own and joins the trees: queries that
 // are near each other share what they read. Then sorts the pairs by row.
-Ids QueryByJoin(Tree& tree, const Columns& boxes, Work& work) {
-  const auto results = Read(tree, [&](const auto& bvh) {
-    const auto queries = Build<kDimsOf<decltype(bvh)>>(
-        boxes, /*is_fast=*/true, work, /*progress_end=*/0);
-    return JoinTrees(queries, bvh, work);
-  });
-  const std::size_t count = boxes.count();
+Ids QueryByJoin(const Tree& tree, const Columns& boxes, Work& work) {
+  const std::size_t count = boxes.count;
+  const auto results = [&] {
+    const py::gil_scoped_release release;
+    const Bvh queries = Build(boxes, /*is_fast=*/true, work,
+                              /*progress_end=*/0);
+    return FindPairs(queries.get(), tree.bvh.get(), work);
+  }();
   const std::size_t parts = results.parts();
   work.SetLastStage();
   std::vector<std::size_t> next(count);
@@ -275,16 +220,16 @@ Ids QueryByJoin(Tree& tree, const Columns& boxes, Work& work) {
     const py::gil_scoped_release release;
     // All pairs of a row are in one part.
     work.Run(parts, [&](std::size_t part, std::size_t) {
-      for (const IdPair& pair : results.List(part)) ++next[pair.a];
+      for (const hs_id_pair& pair : results.List(part)) ++next[pair.a];
     });
     for (std::size_t& row : next) found += std::exchange(row, found);
   }
   Ids ids(std::vector<std::size_t>{2, found});
-  std::int64_t* const rows = Data(ids);
+  std::int64_t* const rows = ids.mutable_data();
   std::int64_t* const objects = rows + found;
   const py::gil_scoped_release release;
   work.Run(parts, [&](std::size_t part, std::size_t) {
-    for (const IdPair& pair : results.List(part)) {
+    for (const hs_id_pair& pair : results.List(part)) {
       objects[next[pair.a]++] = pair.b;
     }
   });
@@ -305,304 +250,169 @@ Ids QueryByJoin(Tree& tree, const Columns& boxes, Work& work) {
 // a join reads more: it takes up to 5 times as long. With many results it takes
 // up to twice as long, because it sorts them. The row of a query is an id in
 // their tree.
-bool IsJoinFaster(Tree& tree, const Columns& boxes) {
+bool IsJoinFaster(const Tree& tree, const Columns& boxes) {
   constexpr std::size_t kSample = 64;
   constexpr std::size_t kLargeTree = std::size_t{1} << 18;
-  const std::size_t queries = boxes.count();
-  if (queries < 4096 || queries >= kMostObjects) return false;
-  return Read(tree, [&](const auto& bvh) {
-    constexpr int kDims = kDimsOf<decltype(bvh)>;
-    if (queries < bvh.size() / (kDims == 2 ? 10 : 4)) return false;
-    std::size_t found = 0;
-    for (std::size_t i = 0; i < kSample; ++i) {
-      Aabb<kDims> query;
-      boxes.GetBoxes(i * (queries / kSample), 1, &query);
-      found += CountSurvivors(bvh, query);
-    }
-    // In a large tree, queries in turn also miss the cache.
-    const std::size_t many_results = bvh.size() < kLargeTree ? 8 : 16;
-    return found < many_results * kSample;
-  });
+  if (boxes.count < 4096 || boxes.count >= kMostObjects) return false;
+  const std::size_t size = SizeOf(tree.bvh.get());
+  if (boxes.count < size / (tree.dims == 2 ? 10 : 4)) return false;
+  hs_columns sample = boxes;
+  sample.count = kSample;
+  sample.stride *= boxes.count / kSample;
+  std::array<std::size_t, kSample> counts;
+  const py::gil_scoped_release release;
+  Check(hs_bvh_count(tree.bvh.get(), &sample, nullptr, counts.data()));
+  // In a large tree, queries in turn also miss the cache.
+  const std::size_t many_results = size < kLargeTree ? 8 : 16;
+  return std::accumulate(counts.begin(), counts.end(), std::size_t{0}) <
+         many_results * kSample;
 }
 
 Ids Query(Tree& tree, const py::tuple& arrays, bool with_rows,
           std::size_t threads, py::object progress) {
   const Columns boxes(arrays);
-  CheckColumns(tree, boxes, false);
+  boxes.CheckSize(2 * tree.dims);
   Work work(threads, std::move(progress));
+  const Reading reading(tree);
   Ids ids = with_rows && IsJoinFaster(tree, boxes)
                 ? QueryByJoin(tree, boxes, work)
-                : QueryInTurn(tree, boxes, with_rows, work);
+                : FindAll(boxes, kPartQueries, with_rows, work, FinderOf(tree));
   work.Finish();
   return ids;
 }
 
-// query() of one box in a plain array, in a third of the time: most of a short
-// query is the way through Python. None if the array is anything else.
 py::object QueryOne(Tree& tree, const py::array& array) {
   const Reading reading(tree);
-  return std::visit(
-      [&](const auto& bvh) -> py::object {
-        constexpr int kDims = kDimsOf<decltype(bvh)>;
-        const auto box = BoxIn<kDims>(array);
-        if (!box) return py::none();
-        std::array<std::uint32_t, 256> few;
-        std::vector<std::uint32_t> many;
-        Span<std::uint32_t> found = few;
-        std::size_t count = 0;
-        {
-          const py::gil_scoped_release release;
-          count = Survivors(bvh, *box, found);
-          if (count > found.size()) {
-            many.resize(count);
-            found = many;
-            count = Survivors(bvh, *box, found);
-          }
-        }
-        Ids ids(Size(count));
-        std::copy_n(found.data(), count, Data(ids));
-        return ids;
-      },
-      std::as_const(tree.bvh));
+  return FindOfOne(array, tree.dims, FinderOf(tree));
 }
 
 // Returns at most `limit` ids of one query, after the first `skip`.
 Ids QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
               std::size_t limit) {
   const Columns boxes(arrays);
-  CheckColumns(tree, boxes, false);
+  boxes.CheckSize(2 * tree.dims);
+  hs_query_options options;
+  Check(hs_query_options_default(&options, sizeof(options)));
+  options.skip = skip;
   std::vector<std::uint32_t> found(limit);
-  const std::size_t total = Read(tree, [&](const auto& bvh) {
-    Aabb<kDimsOf<decltype(bvh)>> query;
-    boxes.GetBoxes(0, 1, &query);
-    QueryOptions options;
-    options.skip = skip;
-    return Survivors(bvh, query, found, options);
-  });
+  std::size_t total = 0;
+  {
+    const Reading reading(tree);
+    const py::gil_scoped_release release;
+    Check(hs_bvh_query(tree.bvh.get(), &boxes, &options, found.data(), limit,
+                       nullptr, &total));
+  }
   Ids ids(Size(std::min(limit, total - std::min(skip, total))));
-  std::copy_n(found.data(), ids.size(), Data(ids));
+  std::copy_n(found.data(), ids.size(), ids.mutable_data());
   return ids;
-}
-
-// Calls some(bvh, queries, first) for all queries, a part of them at a time.
-template <typename Some>
-void ForEachQueries(Tree& tree, const Columns& boxes, Work& work,
-                    const Some& some) {
-  CheckColumns(tree, boxes, false);
-  work.SetStage(0, boxes.count(), boxes.count());
-  Read(tree, [&](const auto& bvh) {
-    using Box = typename std::decay_t<decltype(bvh)>::Bound;
-    work.Run(PartsOf(boxes.count(), kPartQueries), [&](std::size_t part,
-                                                       std::size_t) {
-      const std::size_t first = part * kPartQueries;
-      const std::size_t count = std::min(kPartQueries, boxes.count() - first);
-      std::array<Box, kPartQueries> queries;
-      boxes.GetBoxes<Box::kDimensions>(first, count, queries.data());
-      some(bvh, Span<const Box>(queries.data(), count), first);
-    });
-    work.Finish();
-  });
 }
 
 Ids Count(Tree& tree, const py::tuple& arrays, std::size_t threads,
           py::object progress) {
   const Columns boxes(arrays);
+  boxes.CheckSize(2 * tree.dims);
   Work work(threads, std::move(progress));
-  Ids counts(Size(boxes.count()));
-  std::int64_t* const to = Data(counts);
-  ForEachQueries(tree, boxes, work,
-                 [to](const auto& bvh, const auto& queries, std::size_t first) {
-                   std::array<std::size_t, kPartQueries> its_counts;
-                   CountSurvivorsOfEach(bvh, queries, its_counts);
-                   std::copy_n(its_counts.data(), queries.size(), to + first);
-                 });
-  return counts;
+  const Reading reading(tree);
+  return CountAll(
+      boxes, kPartQueries, work,
+      [&](const hs_columns& queries, std::size_t* counts) {
+        Check(hs_bvh_count(tree.bvh.get(), &queries, nullptr, counts));
+      });
 }
 
 py::array_t<bool> Any(Tree& tree, const py::tuple& arrays, std::size_t threads,
                       py::object progress) {
   const Columns boxes(arrays);
+  boxes.CheckSize(2 * tree.dims);
   Work work(threads, std::move(progress));
-  py::array_t<bool> found(Size(boxes.count()));
-  bool* const to = found.mutable_data();
-  ForEachQueries(tree, boxes, work,
-                 [to](const auto& bvh, const auto& queries, std::size_t first) {
-                   for (std::size_t i = 0; i < queries.size(); ++i) {
-                     to[first + i] = AnySurvivor(bvh, queries[i]).has_value();
-                   }
-                 });
-  return found;
-}
-
-// The ids of the objects whose box is `query`, in ascending order.
-template <int kDims>
-void FindEqual(const Bvh<AabbView<kDims>>& bvh, const Aabb<kDims>& query,
-               std::vector<std::uint32_t>& ids) {
-  ids.clear();
-  // A box cast that goes nowhere: unlike Survivors(), it has the bounds.
-  BoxCast(bvh, query, {}, 0.0f,
-          [&](std::uint32_t id, float, const Aabb<kDims>& bound) {
-            if (bound == query) ids.push_back(id);
-          });
-  std::sort(ids.begin(), ids.end());
-}
-
-struct NearOptions {
-  std::size_t k;
-  float max_distance;
-  bool is_exclusive;
-  bool are_points;
-};
-
-// The k objects nearest to one query, without those that are equal to it.
-template <int kDims>
-void FindNearestOthers(const Bvh<AabbView<kDims>>& bvh,
-                       const Aabb<kDims>& query, const NearOptions& options,
-                       std::uint32_t* ids, float* distances) {
-  std::vector<std::uint32_t> equal;
-  FindEqual(bvh, query, equal);
-  std::vector<std::uint32_t> found(options.k + equal.size());
-  std::vector<float> its_distances(found.size());
-  const std::size_t count =
-      KNearest(bvh, query, found, its_distances, options.max_distance);
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < count && kept < options.k; ++i) {
-    if (std::binary_search(equal.begin(), equal.end(), found[i])) continue;
-    ids[kept] = found[i];
-    distances[kept++] = its_distances[i];
-  }
-  std::fill(ids + kept, ids + options.k, kNoId);
-  std::fill(distances + kept, distances + options.k,
-            std::numeric_limits<float>::infinity());
-}
-
-template <int kDims>
-void FindNearest(const Bvh<AabbView<kDims>>& bvh, const Columns& queries,
-                 std::size_t first, std::size_t count,
-                 const NearOptions& options, std::uint32_t* ids,
-                 float* distances) {
-  std::vector<Aabb<kDims>> boxes(count);
-  if (options.are_points) {
-    queries.GetPoints(first, count, boxes.data());
-  } else {
-    queries.GetBoxes(first, count, boxes.data());
-  }
-  const std::size_t k = options.k;
-  if (options.is_exclusive) {
-    for (std::size_t i = 0; i < count; ++i) {
-      FindNearestOthers(bvh, boxes[i], options, ids + i * k, distances + i * k);
-    }
-  } else if (options.are_points && !queries.is_double()) {
-    std::vector<Point<kDims>> points;
-    points.reserve(count);
-    for (const Aabb<kDims>& box : boxes) points.push_back(box.min);
-    KNearestOfEach(bvh, points, k, {ids, count * k}, {distances, count * k},
-                   options.max_distance);
-  } else {
-    KNearestOfEach(bvh, boxes, k, {ids, count * k}, {distances, count * k},
-                   options.max_distance);
-  }
+  const Reading reading(tree);
+  return AnyOfAll(boxes, kPartQueries, work,
+                  [&](const hs_columns& queries, std::uint32_t* ids) {
+                    Check(hs_bvh_any(tree.bvh.get(), &queries, nullptr, ids));
+                  });
 }
 
 py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
-                  double max_distance, bool is_exclusive, std::size_t threads,
+                  float max_distance, bool is_exclusive, std::size_t threads,
                   py::object progress) {
   const Columns queries(arrays);
-  const std::size_t dims = tree.bvh.index() == 0 ? 2 : 3;
-  const bool are_points = queries.columns() == dims;
-  CheckColumns(tree, queries, are_points);
-  const std::size_t n = queries.count();
+  const bool are_points = queries.size == tree.dims;
+  if (!are_points) queries.CheckSize(2 * tree.dims);
+  const auto nearest =
+      are_points ? &hs_bvh_nearest_to_points : &hs_bvh_nearest_to_boxes;
+  hs_query_options options;
+  Check(hs_query_options_default(&options, sizeof(options)));
+  options.exclusive = is_exclusive ? 1 : 0;
+  const std::size_t n = queries.count;
   Ids ids(std::vector<std::size_t>{n, k});
   py::array_t<float> distances(std::vector<std::size_t>{n, k});
-  std::int64_t* const to = Data(ids);
+  std::int64_t* const to = ids.mutable_data();
   float* const its_distances = distances.mutable_data();
   Work work(threads, std::move(progress));
-  work.SetStage(0, n, n);
-  Read(tree, [&](const auto& bvh) {
-    // More than there are need no memory to search with.
-    const NearOptions options = {std::clamp(bvh.size(), std::size_t{1}, k),
-                                 RoundUp(max_distance), is_exclusive,
-                                 are_points};
-    // As many queries in a part as have about this number of results.
-    constexpr std::size_t kPartResults = 4096;
-    std::size_t in_part =
-        std::clamp(kPartResults / k, std::size_t{1}, kPartQueries);
-    // A search for others also finds all objects that are equal to its query.
-    if (is_exclusive) in_part = std::min(in_part, std::size_t{4});
-    work.Run(PartsOf(n, in_part), [&](std::size_t part, std::size_t) {
-      const std::size_t first = part * in_part;
-      const std::size_t count = std::min(in_part, n - first);
-      std::vector<std::uint32_t> found(count * options.k);
-      std::vector<float> found_distances(found.size());
-      FindNearest(bvh, queries, first, count, options, found.data(),
-                  found_distances.data());
-      for (std::size_t i = 0; i < count; ++i) {
-        std::int64_t* const row = to + (first + i) * k;
-        for (std::size_t j = 0; j < options.k; ++j) {
-          const std::uint32_t id = found[i * options.k + j];
-          row[j] = id == kNoId ? -1 : std::int64_t{id};
-        }
-        std::fill(row + options.k, row + k, -1);
-        float* const distance_row = its_distances + (first + i) * k;
-        std::copy_n(found_distances.data() + i * options.k, options.k,
-                    distance_row);
-        std::fill(distance_row + options.k, distance_row + k,
-                  std::numeric_limits<float>::infinity());
-      }
-    });
-    work.Finish();
+  const Reading reading(tree);
+  // More than there are need no memory to search with.
+  const std::size_t most =
+      std::clamp(SizeOf(tree.bvh.get()), std::size_t{1}, k);
+  // As many queries in a part as have about this number of results.
+  constexpr std::size_t kPartResults = 4096;
+  std::size_t in_part =
+      std::clamp(kPartResults / k, std::size_t{1}, kPartQueries);
+  // A search for others also finds all objects that are equal to its query.
+  if (is_exclusive) in_part = std::min(in_part, std::size_t{4});
+  ForEachPart(n, in_part, work, [&](std::size_t first, std::size_t) {
+    const hs_columns some = queries.Rows(first, in_part);
+    std::vector<std::uint32_t> found(some.count * most);
+    std::vector<float> found_distances(found.size());
+    Check(nearest(tree.bvh.get(), &some, most, max_distance, &options,
+                  found.data(), found_distances.data()));
+    for (std::size_t i = 0; i < some.count; ++i) {
+      const std::uint32_t* const its = found.data() + i * most;
+      std::int64_t* const row = to + (first + i) * k;
+      std::fill(std::transform(its, its + most, row, LongId), row + k, -1);
+      float* const distance_row = its_distances + (first + i) * k;
+      std::fill(
+          std::copy_n(found_distances.data() + i * most, most, distance_row),
+          distance_row + k, std::numeric_limits<float>::infinity());
+    }
   });
+  work.Finish();
   return py::make_tuple(ids, distances);
 }
 
-py::tuple CastRays(Tree& tree, const py::tuple& origin_arrays,
-                   const py::tuple& direction_arrays,
-                   const py::tuple& limit_arrays, std::size_t threads,
+py::tuple CastRays(Tree& tree, const py::array& array, std::size_t threads,
                    py::object progress) {
-  const Columns origins(origin_arrays);
-  const Columns directions(direction_arrays);
-  const Columns limits(limit_arrays);
-  CheckColumns(tree, origins, true);
-  CheckColumns(tree, directions, true);
-  const std::size_t n = origins.count();
-  if (directions.count() != n || limits.count() != n || limits.columns() < 1) {
-    throw std::invalid_argument("_halfspace: arrays of different lengths");
-  }
-  Ids ids(Size(n));
-  py::array_t<float> distances(Size(n));
-  std::int64_t* const to = Data(ids);
-  float* const its_distances = distances.mutable_data();
+  const Columns rays(py::make_tuple(array));
+  rays.CheckSize(2 * tree.dims + 1);
   Work work(threads, std::move(progress));
-  work.SetStage(0, n, n);
-  Read(tree, [&](const auto& bvh) {
-    constexpr int kDims = kDimsOf<decltype(bvh)>;
-    const auto cast = [&](std::size_t i) {
-      const Ray<kDims> ray = {origins.GetPoint<kDims>(i),
-                              directions.GetPoint<kDims>(i), limits.Get(i, 0)};
-      FindFirst(to[i], its_distances[i],
-                [&](const auto& function) { RayCast(bvh, ray, function); });
-    };
-    work.Run(PartsOf(n, kPartQueries), [&](std::size_t part, std::size_t) {
-      const std::size_t end = std::min(n, (part + 1) * kPartQueries);
-      for (std::size_t i = part * kPartQueries; i < end; ++i) cast(i);
-    });
-    work.Finish();
-  });
-  return py::make_tuple(ids, distances);
+  const Reading reading(tree);
+  return CastAll(
+      rays.count, work, [&](std::size_t first, std::uint32_t* ids, float* ts) {
+        const hs_columns some = rays.Rows(first, kPartQueries);
+        Check(hs_bvh_raycast(tree.bvh.get(), &some, 0, nullptr, ids, ts));
+      });
 }
 
-// Returns the pairs in an array of shape (2, n), with i < j if `is_ordered`.
-Ids ToArray(const Results<IdPair>& results, bool is_ordered, Work& work) {
+// The pairs of a tree and of `b`, or of itself if this is null, in an array of
+// shape (2, n). Those of one tree have i < j.
+Ids PairsOf(Tree& tree, const Tree* b, std::size_t threads,
+            py::object progress) {
+  Work work(threads, std::move(progress));
+  const auto results = [&] {
+    const Reading reading(tree);
+    const py::gil_scoped_release release;
+    return FindPairs(tree.bvh.get(), b == nullptr ? nullptr : b->bvh.get(),
+                     work);
+  }();
   const std::vector<std::size_t> offsets = results.Offsets();
   const std::size_t found = offsets.back();
   Ids ids(std::vector<std::size_t>{2, found});
-  std::int64_t* const to = Data(ids);
+  std::int64_t* const to = ids.mutable_data();
   work.SetLastStage();
   const py::gil_scoped_release release;
-  work.Run(offsets.size() - 1, [&](std::size_t part, std::size_t) {
+  work.Run(results.parts(), [&](std::size_t part, std::size_t) {
     std::size_t at = offsets[part];
-    for (IdPair pair : results.List(part)) {
-      if (is_ordered && pair.b < pair.a) std::swap(pair.a, pair.b);
+    for (hs_id_pair pair : results.List(part)) {
+      if (b == nullptr && pair.b < pair.a) std::swap(pair.a, pair.b);
       to[at] = pair.a;
       to[found + at] = pair.b;
       ++at;
@@ -612,82 +422,41 @@ Ids ToArray(const Results<IdPair>& results, bool is_ordered, Work& work) {
   return ids;
 }
 
-Ids PairsOfOne(Tree& tree, std::size_t threads, py::object progress) {
-  Work work(threads, std::move(progress));
-  const auto results = Read(tree, [&](const auto& bvh) {
-    return FindPairs(bvh, work,
-                     [&](Span<IdPair> pairs, const PairOptions& options) {
-                       return Pairs(bvh, pairs, options);
-                     });
-  });
-  return ToArray(results, true, work);
-}
-
 Ids Join(Tree& a, Tree& b, std::size_t threads, py::object progress) {
-  if (a.bvh.index() != b.bvh.index()) {
-    throw std::invalid_argument("_halfspace: trees of different dimensions");
-  }
-  Work work(threads, std::move(progress));
   const Reading reading(b);
-  const auto results = Read(a, [&](const auto& bvh) {
-    return JoinTrees(bvh, std::get<std::decay_t<decltype(bvh)>>(b.bvh), work);
-  });
-  return ToArray(results, false, work);
+  return PairsOf(a, &b, threads, std::move(progress));
 }
-
-template <int kDims>
-std::vector<Aabb<kDims>> AllBoxes(const Columns& boxes) {
-  std::vector<Aabb<kDims>> bounds(boxes.count());
-  boxes.GetBoxes(0, boxes.count(), bounds.data());
-  return bounds;
-}
-
-using ShortIds = py::array_t<std::uint32_t, py::array::c_style>;
 
 Ids Insert(Tree& tree, const py::tuple& arrays) {
   const Columns boxes(arrays);
-  CheckColumns(tree, boxes, false);
-  std::vector<std::uint32_t> ids(boxes.count());
-  Change(tree, [&](auto& bvh) {
-    const auto bounds = AllBoxes<kDimsOf<decltype(bvh)>>(boxes);
-    bvh.Insert(bounds, ids);
-  });
+  boxes.CheckSize(2 * tree.dims);
+  std::vector<std::uint32_t> ids(boxes.count);
+  Change(tree,
+         [&] { Check(hs_bvh_insert(tree.bvh.get(), &boxes, ids.data())); });
   Ids result(Size(ids.size()));
-  std::copy(ids.begin(), ids.end(), Data(result));
+  std::copy(ids.begin(), ids.end(), result.mutable_data());
   return result;
 }
 
-template <typename AnyBvh>
-void CheckIds(const AnyBvh& bvh, Span<const std::uint32_t> ids) {
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (bvh.Has(ids[i])) continue;
-    throw std::invalid_argument("ids[" + std::to_string(i) +
-                                "] = " + std::to_string(ids[i]) +
-                                " is not the id of an object");
-  }
-}
-
 void Erase(Tree& tree, const ShortIds& ids) {
-  const Span<const std::uint32_t> list(ids.data(),
-                                       static_cast<std::size_t>(ids.size()));
-  Change(tree, [&](auto& bvh) {
-    CheckIds(bvh, list);
-    bvh.Erase(list);
+  Change(tree, [&] {
+    Check(hs_bvh_erase(tree.bvh.get(), ids.data(),
+                       static_cast<std::size_t>(ids.size())));
   });
 }
 
 void Refit(Tree& tree, const py::tuple& arrays, std::size_t threads,
            py::object progress) {
   const Columns boxes(arrays);
-  CheckColumns(tree, boxes, false);
+  boxes.CheckSize(2 * tree.dims);
   Work work(threads, std::move(progress));
   // A refit of doubles rounds first.
-  BuildRunner runner(work, boxes.is_double() ? 2 : 1, boxes.count(),
-                     boxes.count());
-  const auto refit = [&](auto& bvh) {
+  Threads its_threads(work, boxes.type == HS_FLOAT64 ? 2 : 1, boxes.count,
+                      boxes.count);
+  const auto refit = [&] {
     tree.is_half_refitted = true;
-    boxes.WithBoxes<kDimsOf<decltype(bvh)>>(
-        [&](const auto& shapes) { bvh.Refit(shapes, runner); });
+    its_threads.Check(
+        hs_bvh_refit(tree.bvh.get(), &boxes, &Threads::Run, &its_threads));
     tree.is_half_refitted = false;
     work.Finish();
   };
@@ -696,51 +465,27 @@ void Refit(Tree& tree, const py::tuple& arrays, std::size_t threads,
 
 void RefitSome(Tree& tree, const py::tuple& arrays, const ShortIds& ids) {
   const Columns boxes(arrays);
-  CheckColumns(tree, boxes, false);
-  const Span<const std::uint32_t> list(ids.data(),
-                                       static_cast<std::size_t>(ids.size()));
-  Change(tree, [&](auto& bvh) {
-    CheckIds(bvh, list);
-    bvh.Set(list, AllBoxes<kDimsOf<decltype(bvh)>>(boxes));
-  });
+  boxes.CheckSize(2 * tree.dims);
+  if (Size(boxes.count) != ids.size()) ThrowNotPrepared();
+  Change(tree, [&] { Check(hs_bvh_set(tree.bvh.get(), ids.data(), &boxes)); });
 }
 
 py::array_t<float> BoundsOf(Tree& tree) {
   const Reading reading(tree);
-  return Ask(tree, [](const auto& bvh) {
-    const auto bounds = bvh.Bounds();
-    py::array_t<float> values(Size(2 * bounds.min.size()));
-    std::copy(bounds.min.begin(), bounds.min.end(), values.mutable_data());
-    std::copy(bounds.max.begin(), bounds.max.end(),
-              values.mutable_data() + bounds.min.size());
-    return values;
-  });
+  py::array_t<float> values(Size(2 * tree.dims));
+  Check(hs_bvh_bounds(tree.bvh.get(), values.mutable_data()));
+  return values;
 }
 
 // The boxes by id, one after another; that of no object is empty.
 py::array_t<float> Boxes(Tree& tree) {
-  const std::size_t dims = tree.bvh.index() == 0 ? 2 : 3;
-  const std::size_t n =
-      Ask(tree, [](const auto& bvh) { return bvh.id_limit(); });
-  py::array_t<float> values(std::vector<std::size_t>{n, 2 * dims});
+  const Reading reading(tree);
+  std::size_t count = 0;
+  Check(hs_bvh_id_limit(tree.bvh.get(), &count));
+  py::array_t<float> values(std::vector<std::size_t>{count, 2 * tree.dims});
   float* const to = values.mutable_data();
-  Read(tree, [to, n](const auto& bvh) {
-    using Box = typename std::decay_t<decltype(bvh)>::Bound;
-    const auto put = [to](std::size_t id, const Box& box) {
-      constexpr std::size_t kAxes = Box::kAxes;
-      float* const row = to + id * 2 * kAxes;
-      std::copy(box.min.begin(), box.min.end(), row);
-      std::copy(box.max.begin(), box.max.end(), row + kAxes);
-    };
-    for (std::size_t id = 0; id < n; ++id) put(id, Box::Empty());
-    // Nothing limits this box, so its cast finds all objects, in one pass.
-    Box all = Box::Empty();
-    std::swap(all.min, all.max);
-    BoxCast(bvh, all, {}, 0.0f,
-            [&put, n](std::uint32_t id, float, const Box& box) {
-              if (id < n) put(id, box);  // an altered blob can have any id
-            });
-  });
+  const py::gil_scoped_release release;
+  Check(hs_bvh_get_all(tree.bvh.get(), to, count));
   return values;
 }
 
@@ -800,28 +545,20 @@ void DefineTree(py::module_& module) {
       .def("any", &Any)
       .def("nearest", &Nearest)
       .def("raycast", &CastRays)
-      .def("pairs", &PairsOfOne)
+      .def("pairs",
+           [](Tree& tree, std::size_t threads, py::object progress) {
+             return PairsOf(tree, nullptr, threads, std::move(progress));
+           })
       .def("insert", &Insert)
       .def("erase", &Erase)
       .def("refit", &Refit)
       .def("refit_some", &RefitSome)
       .def("bounds", &BoundsOf)
       .def("boxes", &Boxes)
-      .def("size",
-           [](Tree& tree) {
-             return Ask(tree, [](const auto& bvh) { return bvh.size(); });
-           })
-      .def("id_limit",
-           [](Tree& tree) {
-             return Ask(tree, [](const auto& bvh) { return bvh.id_limit(); });
-           })
-      .def("nbytes",
-           [](Tree& tree) {
-             return Ask(tree, [](const auto& bvh) { return bvh.bytes(); });
-           })
-      .def_property_readonly(
-          "dims",
-          [](const Tree& tree) { return tree.bvh.index() == 0 ? 2 : 3; })
+      .def("size", &Ask<&hs_bvh_size>)
+      .def("id_limit", &Ask<&hs_bvh_id_limit>)
+      .def("nbytes", &Ask<&hs_bvh_bytes>)
+      .def_readonly("dims", &Tree::dims)
       .def_readonly("changes", &Tree::changes);
   module.def("join", &Join);
 }

@@ -2,12 +2,12 @@
 #ifndef HALFSPACE_PYTHON_TREE_H_
 #define HALFSPACE_PYTHON_TREE_H_
 
-#include <halfspace/bvh.h>
+#include <halfspace/c/halfspace.h>
 #include <pybind11/pybind11.h>
 
 #include <cstddef>
 #include <memory>
-#include <variant>
+#include <span>
 
 namespace halfspace::python {
 
@@ -19,7 +19,7 @@ class Buffer {
   Buffer(const Buffer&) = delete;
   Buffer& operator=(const Buffer&) = delete;
 
-  Span<const std::byte> bytes() const {
+  std::span<const std::byte> bytes() const {
     return {static_cast<const std::byte*>(view_.buf),
             static_cast<std::size_t>(view_.len)};
   }
@@ -28,11 +28,17 @@ class Buffer {
   Py_buffer view_;
 };
 
+struct DestroyBvh {
+  void operator()(hs_bvh* bvh) const { hs_bvh_destroy(bvh); }
+};
+using Bvh = std::unique_ptr<hs_bvh, DestroyBvh>;
+
 // Calls run without the interpreter's lock, so another thread can call the same
 // object. Its counters are read and written with the lock.
 struct Tree {
   std::unique_ptr<Buffer> buffer;  // of a blob in place
-  std::variant<AabbBvh2, AabbBvh3> bvh;
+  Bvh bvh;
+  std::size_t dims = 3;
   std::size_t readers = 0;  // calls that read now
   std::size_t exports = 0;  // blobs that Python objects refer to
   bool is_changing = false;

@@ -7,9 +7,17 @@
 #include <thread>
 #include <vector>
 
+#include "columns.h"
+
 namespace py = pybind11;
 
 namespace halfspace::python {
+namespace {
+
+// Ends a C function.
+struct Stopped {};
+
+}  // namespace
 
 void Work::Run(std::size_t count,
                const std::function<void(std::size_t, std::size_t)>& part) {
@@ -65,13 +73,27 @@ void Work::Contact(std::size_t done, std::size_t count) {
             total_);
 }
 
-void BuildRunner::operator()(std::size_t count, const Runner::Part& part) {
+void Threads::Run(void* threads, std::size_t count, hs_part_function part,
+                  void* of_part) {
+  auto& its = *static_cast<Threads*>(threads);
   // The library does not document the number of passes. If there are more than
   // expected, the progress waits near the end.
-  const std::size_t first = std::min(pass_, passes_ - 1);
-  ++pass_;
-  work_.SetStage(end_ * first / passes_, end_ * (first + 1) / passes_, total_);
-  work_.Run(count, [&part](std::size_t i, std::size_t) { part(i); });
+  const std::size_t first = std::min(its.pass_, its.passes_ - 1);
+  ++its.pass_;
+  its.work_.SetStage(its.end_ * first / its.passes_,
+                     its.end_ * (first + 1) / its.passes_, its.total_);
+  try {
+    its.work_.Run(count, [&](std::size_t i, std::size_t) { part(of_part, i); });
+  } catch (...) {
+    // The C function would keep the text alone.
+    its.error_ = std::current_exception();
+    throw Stopped();
+  }
+}
+
+void Threads::Check(hs_status status) const {
+  if (error_ != nullptr) std::rethrow_exception(error_);
+  python::Check(status);
 }
 
 }  // namespace halfspace::python

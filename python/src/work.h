@@ -3,11 +3,12 @@
 #ifndef HALFSPACE_PYTHON_WORK_H_
 #define HALFSPACE_PYTHON_WORK_H_
 
-#include <halfspace/runner.h>
+#include <halfspace/c/halfspace.h>
 #include <pybind11/pybind11.h>
 
 #include <chrono>
 #include <cstddef>
+#include <exception>
 #include <functional>
 
 namespace halfspace::python {
@@ -40,7 +41,8 @@ class Work {
   void Run(std::size_t count,
            const std::function<void(std::size_t, std::size_t)>& part);
 
-  // Calls progress(total, total), unless there was nothing to do.
+  // Calls progress(total, total), unless there was nothing to do. Can be called
+  // with the interpreter's lock and without it.
   void Finish();
 
   std::size_t threads() const { return threads_; }
@@ -58,15 +60,19 @@ class Work {
       std::chrono::steady_clock::now();
 };
 
-// The runner (runner.h) of a build or a refit that calls it about `passes`
-// times. The progress goes from 0 to `end` of `total`.
-class BuildRunner {
+// Runs the parts of a C function that takes a hs_run_function and calls it
+// about `passes` times. The progress goes from 0 to `end` of `total`.
+class Threads {
  public:
-  BuildRunner(Work& work, std::size_t passes, std::size_t end,
-              std::size_t total)
+  Threads(Work& work, std::size_t passes, std::size_t end, std::size_t total)
       : work_(work), passes_(passes), end_(end), total_(total) {}
 
-  void operator()(std::size_t count, const Runner::Part& part);
+  // The hs_run_function, whose context is a Threads.
+  static void Run(void* threads, std::size_t count, hs_part_function part,
+                  void* of_part);
+
+  // Throws what ended Run(), or else the message of the C function.
+  void Check(hs_status status) const;
 
  private:
   Work& work_;
@@ -74,6 +80,7 @@ class BuildRunner {
   std::size_t end_;
   std::size_t total_;
   std::size_t pass_ = 0;
+  std::exception_ptr error_;
 };
 
 }  // namespace halfspace::python

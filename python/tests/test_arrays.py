@@ -310,8 +310,8 @@ BAD_CALLS = [
     (lambda: TREE.raycast([0, 0], [[NAN, 1]]), ValueError, "directions[0]: expected num"),
     (lambda: TREE.raycast([0, 0], [0, 1], NAN), ValueError, "max_t: expected numbers th"),
     (lambda: TREE.raycast([0, 0], [0, 1], [1, 1]), ValueError, "max_t: expected one numb"),
-    (lambda: TREE.erase(5), ValueError, "ids[0] = 5 is not the id of an object"),
-    (lambda: TREE.erase([0, -1]), ValueError, "ids[1] = -1 is not the id of an obj"),
+    (lambda: TREE.erase(5), ValueError, "ids[0]: expected the id of an object, got 5"),
+    (lambda: TREE.erase([0, -1]), ValueError, "ids[1]: expected the id of an object, got -1"),
     (lambda: TREE.erase([0.5]), TypeError, "ids: expected an integer or a one-dimensio"),
     (
         lambda: TREE.refit([[0, 0, 1, 1]]),

@@ -279,7 +279,7 @@ ERRORS = {
         [1], [BOX]
     ),
     "ids[1]: expected an id below max_ids, 10, got 10": lambda b: b.insert([2, 10], [BOX] * 2),
-    "ids[1] = -1 is not the id of an object": lambda b: b.insert([2, -1], [BOX] * 2),
+    "ids[1]: expected the id of an object, got -1": lambda b: b.insert([2, -1], [BOX] * 2),
     "ids: expected one id for each of 1 boxes, got 2": lambda b: b.insert([2, 3], [BOX]),
     "boxes[1]: expected numbers, got NaN": lambda b: b.insert([2, 3], [BOX, [0, 0, 1, np.nan]]),
     "boxes[0]: expected min <= max": lambda b: b.move([1], [[2, 0, 1, 1]]),

@@ -57,6 +57,6 @@ def test_targets():
             text=True,
         )
         if name == "NONE":
-            assert "ValueError: halfspace" in run.stderr and "NONE" in run.stderr
+            assert "ValueError: HALFSPACE_TARGET: " in run.stderr and "NONE" in run.stderr
         else:
             assert run.stdout == "[0]\n"

@@ -61,9 +61,13 @@ static int is_in_mask(size_t id, uint64_t mask) {
 
 static void check_bounds(const float* queries, const hs_columns* columns,
                          uint64_t mask) {
+  static uint32_t list[QUERIES * IDS];
+  static size_t offsets[QUERIES + 1];
   size_t q;
   size_t id;
+  size_t i;
   size_t count = 0;
+  size_t total = 0;
   memset(&got, 0, sizeof(got));
   CHECK_OK(hs_broad_phase_for_each(bodies, HS_SHAPE_BOUND, columns, mask,
                                    take_body, &got));
@@ -77,6 +81,18 @@ static void check_bounds(const float* queries, const hs_columns* columns,
     }
   }
   CHECK(count > 10);
+  CHECK_OK(hs_broad_phase_query(bodies, HS_SHAPE_BOUND, columns, mask, list, 7,
+                                NULL, &total));
+  CHECK(total == count);
+  CHECK_OK(hs_broad_phase_query(bodies, HS_SHAPE_BOUND, columns, mask, list,
+                                QUERIES * IDS, offsets, &total));
+  CHECK(total == count && offsets[0] == 0 && offsets[QUERIES] == count);
+  for (q = 0; q < QUERIES; ++q) {
+    for (i = offsets[q]; i < offsets[q + 1]; ++i) {
+      CHECK(got.has[q][list[i]]);
+      got.has[q][list[i]] = 0;
+    }
+  }
   memset(&got, 0, sizeof(got));
   got.stop_after = 3;
   CHECK_OK(hs_broad_phase_for_each(bodies, HS_SHAPE_BOUND, columns, mask,
@@ -168,6 +184,8 @@ static void check_casts(void) {
   static float boxes[QUERIES * 6];
   static float records[IDS * VALUES];
   static uint32_t ids[IDS];
+  uint32_t first[QUERIES];
+  float ts[QUERIES];
   const size_t dims = dims_of(its.kind);
   const hs_bvh_config config = bvh_config_of(its.kind);
   const hs_kind box_kind = dims == 2 ? HS_BOX2 : HS_BOX3;
@@ -213,6 +231,22 @@ static void check_casts(void) {
   }
   CHECK(count > 10);
   hs_bvh_destroy(bvh);
+  CHECK_OK(hs_broad_phase_cast(bodies, HS_SHAPE_POINT, &columns, &moves, ALL,
+                               first, ts));
+  for (q = 0; q < QUERIES; ++q) {
+    uint32_t least = HS_NO_ID;
+    float t = INFINITY;
+    for (id = 0; id < IDS; ++id) {
+      if (!got.has[q][id] || got.ts[q][id] >= t) continue;
+      least = (uint32_t)id;
+      t = got.ts[q][id];
+    }
+    CHECK(first[q] == least && ts[q] == t);
+  }
+  memset(first, 0, sizeof(first));
+  CHECK_OK(hs_broad_phase_cast(bodies, HS_SHAPE_POINT, &columns, &moves, 0,
+                               first, NULL));
+  CHECK(first[0] == HS_NO_ID && first[QUERIES - 1] == HS_NO_ID);
 
   // A cast ends, and the next one begins.
   memset(&got, 0, sizeof(got));
@@ -723,6 +757,13 @@ static void test_errors_of_bodies(void) {
                                    ALL, take_hit, &got),
       "hs_broad_phase_for_each_cast: motions->count: expected one for each of "
       "2 starts, got 1");
+  CHECK_INVALID(hs_broad_phase_cast(bodies, HS_SHAPE_POINT, &one, &motions, ALL,
+                                    NULL, NULL),
+                "hs_broad_phase_cast: ids: expected a pointer, got null");
+  CHECK_INVALID(hs_broad_phase_query(bodies, HS_SHAPE_BOX, &one, ALL, NULL, 0,
+                                     NULL, &size),
+                "hs_broad_phase_query: shape: expected HS_SHAPE_BOUND, "
+                "HS_SHAPE_POINT or HS_SHAPE_SPHERE, got 1");
   motions = hs_double_rows(doubles, 1, 3);
   CHECK_INVALID(
       hs_broad_phase_for_each_cast(bodies, HS_SHAPE_BOX, &one, &motions, ALL,

@@ -357,6 +357,46 @@ static void test_nearest(hs_kind kind) {
   hs_bvh_destroy(bvh);
 }
 
+// The objects as queries, each of which is there twice.
+static void test_nearest_others(hs_kind kind) {
+  enum { K = 5, SOME = OBJECTS / 2 };
+  const size_t values = hs_bound_values(kind);
+  const hs_columns asked = hs_float_rows(objects, QUERIES, values);
+  static uint32_t ids[QUERIES * K];
+  static uint32_t others[QUERIES * K];
+  static float distances[QUERIES * K];
+  static float all[QUERIES * (K + 2)];
+  static uint32_t ids_of_all[QUERIES * (K + 2)];
+  hs_query_options options;
+  hs_bvh* bvh;
+  size_t q;
+  size_t k;
+  random_bounds(kind, SOME, 0.01f, 7, objects);
+  memcpy(objects + SOME * values, objects, SOME * values * sizeof(float));
+  bvh = bvh_of(kind, objects, OBJECTS);
+  CHECK_OK(hs_query_options_default(&options, sizeof(options)));
+  CHECK_OK(hs_bvh_nearest_to_boxes(bvh, &asked, K + 2, INFINITY, &options,
+                                   ids_of_all, all));
+  options.exclusive = 1;
+  CHECK_OK(hs_bvh_nearest_to_boxes(bvh, &asked, K, INFINITY, &options, ids,
+                                   distances));
+  CHECK_OK(hs_bvh_nearest_to_boxes(bvh, &asked, K, INFINITY, &options, others,
+                                   NULL));
+  CHECK(memcmp(ids, others, sizeof(ids)) == 0);
+  for (q = 0; q < QUERIES; ++q) {
+    for (k = 0; k < K; ++k) {
+      CHECK(ids[q * K + k] % SOME != q);
+      CHECK(distances[q * K + k] == all[q * (K + 2) + k + 2]);
+    }
+  }
+  CHECK_OK(
+      hs_bvh_nearest_to_boxes(bvh, &asked, 1, 0, &options, ids, distances));
+  for (q = 0; q < QUERIES; ++q) {
+    CHECK(distances[q] == 0 || (ids[q] == HS_NO_ID && isinf(distances[q])));
+  }
+  hs_bvh_destroy(bvh);
+}
+
 typedef struct hits {
   size_t of_ray[QUERIES];
   float closest;
@@ -476,6 +516,8 @@ void test_nearest_and_rays(void) {
   test_equal_hits();
   test_nearest(HS_BOX2);
   test_nearest(HS_BOX3);
+  test_nearest_others(HS_BOX2);
+  test_nearest_others(HS_BOX3);
   test_rays(HS_BOX2);
   test_rays(HS_BOX3);
 }

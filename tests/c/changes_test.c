@@ -160,8 +160,10 @@ static void test_ids(void) {
   hs_bvh* bvh = NULL;
   uint32_t ids[2] = {9, 9};
   float record[12];
+  float records[24];
   size_t size = 0;
   double ratio = 0;
+  records[18] = -1;
   config.quality = HS_QUALITY_FAST;
   CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
   columns = hs_double_rows(far_boxes, 1, 6);
@@ -171,8 +173,16 @@ static void test_ids(void) {
   // The nearest floats are 10.1000004 and 11.6999998.
   CHECK((double)record[0] < 10.1 && record[0] > 10.0999f);
   CHECK((double)record[5] > 11.7 && record[5] < 11.7001f);
+  CHECK_OK(hs_bvh_get_all(bvh, records, 4));
+  CHECK(memcmp(records, near_boxes, sizeof(near_boxes)) == 0);
+  CHECK(memcmp(records + 12, record, 6 * sizeof(float)) == 0);
+  CHECK(records[18] == -1);
   CHECK_OK(hs_bvh_erase(bvh, ids, 1));
   CHECK(count_of(bvh, around_far, ~0u) == 0);
+  CHECK_OK(hs_bvh_get_all(bvh, records, 3));
+  CHECK(memcmp(records, near_boxes, sizeof(near_boxes)) == 0);
+  CHECK(records[12] == INFINITY && records[14] == INFINITY);
+  CHECK(records[15] == -INFINITY && records[17] == -INFINITY);
   CHECK_OK(hs_bvh_size(bvh, &size));
   CHECK(size == 2);
   CHECK_OK(hs_bvh_id_limit(bvh, &size));
@@ -271,6 +281,9 @@ static void test_simplex_records(void) {
   columns.column[3] = columns.column[4] = columns.column[5] = NULL;
   CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
   CHECK_OK(hs_bvh_get(bvh, &id, 1, record));
+  CHECK(record[0] == 0 && record[2] == -2 && record[3] == INFINITY);
+  memset(record, 0, sizeof(record));
+  CHECK_OK(hs_bvh_get_all(bvh, record, 1));
   CHECK(record[0] == 0 && record[2] == -2 && record[3] == INFINITY);
   CHECK_OK(hs_bvh_insert(bvh, &columns, &(uint32_t){0}));
   hs_bvh_destroy(bvh);

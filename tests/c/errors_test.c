@@ -36,6 +36,7 @@ CHECK_OFFSET(hs_bvh_config, allocator, 40);
 CHECK_OFFSET(hs_query_options, mask, 8);
 CHECK_OFFSET(hs_query_options, skip, 16);
 CHECK_OFFSET(hs_query_options, target, 24);
+CHECK_OFFSET(hs_query_options, exclusive, 32);
 CHECK_OFFSET(hs_id_pair, b, 4);
 CHECK_OFFSET(hs_pair_options, mask, 8);
 CHECK_OFFSET(hs_pair_options, margin, 12);
@@ -105,7 +106,7 @@ static void test_structs(void) {
   options.struct_size = sizeof(options) - 1;
   CHECK_INVALID(hs_bvh_query(bvh, &columns, &options, ids, 2, NULL, &total),
                 "hs_bvh_query: options->struct_size: expected a multiple of 4, "
-                "as the function ..._default() sets it, got 31");
+                "as the function ..._default() sets it, got 39");
   CHECK_INVALID(hs_bvh_config_default(NULL, sizeof(config)),
                 "hs_bvh_config_default: the struct: expected a pointer, got "
                 "null");
@@ -289,6 +290,18 @@ static void test_handles_and_outputs(void) {
   CHECK_INVALID(hs_bvh_refit(bvh, &one, NULL, NULL),
                 "hs_bvh_refit: objects->count: expected at least "
                 "hs_bvh_id_limit(), 2, got 1");
+  CHECK_INVALID(hs_bvh_get_all(bvh, bounds, 1),
+                "hs_bvh_get_all: room: expected at least hs_bvh_id_limit(), 2, "
+                "got 1");
+  CHECK_INVALID(hs_bvh_reserve(bvh, (size_t)1 << 31),
+                "hs_bvh_reserve: objects: expected fewer than 2^31 objects in "
+                "all, got 2147483648");
+  CHECK_OK(hs_query_options_default(&options, sizeof(options)));
+  options.exclusive = 1;
+  CHECK_INVALID(
+      hs_bvh_nearest_to_boxes(simplex, &columns, 1, 1, &options, ids, NULL),
+      "hs_bvh_nearest_to_boxes: options->exclusive: expected 0, as the BVH is "
+      "not of boxes, got 1");
   CHECK_INVALID(
       hs_bvh_nearest_to_points(bvh, &columns, 1, NAN, NULL, ids, NULL),
       "hs_bvh_nearest_to_points: max_distance: expected a number that is not "

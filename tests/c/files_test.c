@@ -140,6 +140,34 @@ static void test_whole_files(hs_bvh* bvh, const void* blob, size_t size) {
   CHECK(count_all(copy) == OBJECTS);
   hs_bvh_destroy(copy);
 
+  // In place, or a copy of bytes that are not aligned.
+  {
+    unsigned char* const bytes_behind = malloc(size + 64 + 1);
+    unsigned char* const aligned =
+        bytes_behind + (64 - (uintptr_t)bytes_behind % 64) % 64;
+    size_t i;
+    for (i = 0; i < 2; ++i) {
+      memcpy(aligned + i, blob, size);
+      CHECK_OK(hs_bvh_in_place(&config, aligned + i, size, &copy));
+      CHECK(count_all(copy) == OBJECTS);
+      CHECK_OK(hs_bvh_blob(copy, &data, &bytes));
+      CHECK(bytes == size && (data == aligned + i) == (i == 0));
+      CHECK_OK(hs_bvh_bytes(copy, &bytes));
+      CHECK(bytes == size);
+      CHECK_OK(hs_bvh_verify(copy));
+      CHECK_OK(hs_bvh_erase(copy, &id, 1));
+      CHECK(count_all(copy) == OBJECTS - 1);
+      CHECK(memcmp(aligned + i, blob, size) == 0);
+      hs_bvh_destroy(copy);
+    }
+    aligned[size] ^= 1;
+    CHECK_OK(hs_bvh_in_place(&config, aligned + 1, size, &copy));
+    CHECK(hs_bvh_verify(copy) == HS_CORRUPT);
+    hs_bvh_destroy(copy);
+    CHECK(hs_bvh_in_place(&config, aligned + 1, size - 1, &copy) == HS_CORRUPT);
+    free(bytes_behind);
+  }
+
 #if defined(HAS_POSIX)
   // A map changes as any other, and the file does not. The file can be replaced
   // meanwhile.
@@ -176,6 +204,10 @@ static void test_no_objects(void) {
   CHECK(count_all(copy) == 0);
   hs_bvh_destroy(copy);
   CHECK_OK(hs_bvh_save(bvh, kPath));
+  // A BVH with room has a header.
+  CHECK_OK(hs_bvh_reserve(bvh, 1));
+  CHECK_OK(hs_bvh_blob(bvh, &data, &size));
+  CHECK(data != NULL && size >= 64);
   hs_bvh_destroy(bvh);
   CHECK_OK(hs_bvh_load(&config, kPath, &bvh));
   CHECK(count_all(bvh) == 0);

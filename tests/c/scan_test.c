@@ -13,6 +13,7 @@ static void test_scan(hs_kind kind, int bits) {
   enum { WORDS = (OBJECTS + 63) / 64 };
   static uint64_t masks[QUERIES * WORDS];
   static size_t counts[QUERIES];
+  static uint32_t any[QUERIES];
   static size_t offsets[QUERIES + 1];
   static uint32_t indices[QUERIES * OBJECTS];
   static uint32_t of_queries[QUERIES * OBJECTS];
@@ -41,6 +42,7 @@ static void test_scan(hs_kind kind, int bits) {
 
   CHECK_OK(hs_scan_masks(scan, &asked, NULL, masks, QUERIES * WORDS));
   CHECK_OK(hs_scan_counts(scan, &asked, NULL, counts));
+  CHECK_OK(hs_scan_any(scan, &asked, NULL, any));
   CHECK_OK(hs_scan_indices(scan, &asked, NULL, indices, QUERIES * OBJECTS,
                            offsets, &total));
   CHECK_OK(hs_scan_pairs(scan, &asked, NULL, of_queries, of_objects,
@@ -57,6 +59,9 @@ static void test_scan(hs_kind kind, int bits) {
       ++count;
     }
     CHECK(counts[q] == count && offsets[q + 1] == next);
+    CHECK((any[q] == HS_NO_ID) == (count == 0));
+    CHECK(count == 0 ||
+          survives(kind, objects + any[q] * values, queries + q * values));
   }
   CHECK(total > QUERIES);
   for (i = 0; i < pairs; ++i) {

@@ -53,8 +53,9 @@
 // Thread safety: functions that take a const handle can run at the same time.
 // A function that takes another handle needs exclusive access, except those of
 // hs_broad_phase, which say so. Queries of scans and hierarchies allocate
-// nothing, take no lock and use up to 64 KiB of stack. The floating-point mode
-// of the calling thread has the effects that reject.h and bvh.h describe.
+// nothing, except with the option `exclusive`. They take no lock and use up to
+// 64 KiB of stack. The floating-point mode of the calling thread has the
+// effects that reject.h and bvh.h describe.
 //
 // The C++ headers describe each operation in more detail: fit_many.h, reject.h,
 // reject_many.h, quantized.h, bvh.h, bvh_nearest.h, bvh_pairs.h and
@@ -290,6 +291,9 @@ HALFSPACE_API hs_status hs_bound_faces(hs_kind kind, const hs_columns* vertices,
 
 // Flat scans ------------------------------------------------------------------
 
+// The index and the id of no object.
+#define HS_NO_ID UINT32_C(0xFFFFFFFF)
+
 // A copy of bounds. A query tests every object in SIMD. For one query over a
 // thousand objects or more, a BVH is faster.
 typedef struct hs_scan hs_scan;
@@ -356,6 +360,12 @@ HALFSPACE_API hs_status hs_scan_counts(const hs_scan* scan,
                                        const hs_columns* queries,
                                        const hs_scan_options* options,
                                        size_t* counts);
+
+// Writes the index of one survivor of each query, or HS_NO_ID if there is none.
+HALFSPACE_API hs_status hs_scan_any(const hs_scan* scan,
+                                    const hs_columns* queries,
+                                    const hs_scan_options* options,
+                                    uint32_t* indices);
 
 // Writes the pairs of a query and an object that survives it. Result i is query
 // query_indices[i] and object object_indices[i]. Both arrays have room for
@@ -440,11 +450,21 @@ HALFSPACE_API hs_status hs_bvh_bounds(const hs_bvh* bvh, float* record);
 // object before the first change by id, and O(1) after it.
 HALFSPACE_API hs_status hs_bvh_get(const hs_bvh* bvh, const uint32_t* ids,
                                    size_t count, float* records);
+// Writes the bounds of all objects by id: record i is that of object i, or the
+// empty bound if there is none. `records` has room for `room` records, which
+// must be at least hs_bvh_id_limit(). Records beyond it are not written. O(n).
+HALFSPACE_API hs_status hs_bvh_get_all(const hs_bvh* bvh, float* records,
+                                       size_t room);
+// Writes the bytes of memory that the BVH uses, and of its blob.
+HALFSPACE_API hs_status hs_bvh_bytes(const hs_bvh* bvh, size_t* bytes);
 
 // Adds objects and writes their ids: those of erased objects, or the next ones.
 // `ids` must have objects->count elements.
 HALFSPACE_API hs_status hs_bvh_insert(hs_bvh* bvh, const hs_columns* objects,
                                       uint32_t* ids);
+
+// Allocates the memory of so many objects at once.
+HALFSPACE_API hs_status hs_bvh_reserve(hs_bvh* bvh, size_t objects);
 
 // Sets the bounds of objects: record i is that of object ids[i]. `ids` has
 // objects->count elements. If an id is given twice, the last record counts.
@@ -487,15 +507,15 @@ HALFSPACE_API hs_status hs_bvh_cost_ratio(const hs_bvh* bvh, double* ratio);
 
 // The hierarchy: queries ------------------------------------------------------
 
-// The id of no object.
-#define HS_NO_ID UINT32_C(0xFFFFFFFF)
-
 typedef struct hs_query_options {
   size_t struct_size;
   uint32_t mask;  // finds the objects whose mask has one of these bits; by
                   // default all ones, which finds all objects. 0 finds none.
   size_t skip;    // results that are not written, in hs_bvh_query() alone
   const char* target;  // null: the chosen target
+  int exclusive;       // 1: leaves out the objects whose bound is equal to the
+                  // query, in hs_bvh_nearest_...() alone. The BVH must be of
+                  // boxes. Allocates memory for the time of the call.
 } hs_query_options;
 
 HALFSPACE_API hs_status hs_query_options_default(hs_query_options* options,
@@ -652,6 +672,14 @@ HALFSPACE_API hs_status hs_bvh_from_blob(const hs_bvh_config* config,
                                          const void* data, size_t size,
                                          hs_bvh** bvh);
 
+// Creates a BVH that refers to these bytes, or to a copy of them if they are
+// not aligned to 64 bytes. What hs_bvh_map() says of the file is true of the
+// bytes: only their header is checked, and they must not change while the BVH
+// lives.
+HALFSPACE_API hs_status hs_bvh_in_place(const hs_bvh_config* config,
+                                        const void* data, size_t size,
+                                        hs_bvh** bvh);
+
 // Writes the blob to a file. An existing file is replaced when the new one is
 // complete: the blob is first written to a new file in the same folder. The
 // name of this file is `path` and 13 more characters that end with ".tmp". It
@@ -683,8 +711,8 @@ HALFSPACE_API hs_status hs_bvh_load(const hs_bvh_config* config,
 HALFSPACE_API hs_status hs_bvh_map(const hs_bvh_config* config,
                                    const char* path, hs_bvh** bvh);
 
-// Returns HS_CORRUPT if the BVH was mapped, has not changed since, and its
-// bytes do not match their checksum. O(n).
+// Returns HS_CORRUPT if the BVH was mapped or refers to bytes, has not changed
+// since, and its bytes do not match their checksum. O(n).
 HALFSPACE_API hs_status hs_bvh_verify(const hs_bvh* bvh);
 
 // The broad phase -------------------------------------------------------------
@@ -860,6 +888,14 @@ typedef enum hs_shape HALFSPACE_INT {
   HS_SHAPE_SPHERE = 3  // d + 1 columns: the center and the radius
 } hs_shape;
 
+// Writes the ids of the bodies that survive a query, query after query. `ids`,
+// `room`, `offsets` and `total` as in hs_scan_indices(). If `room` is too
+// small, call it again with a larger array. Bodies can have moved then, so
+// there can be more results than `total` was.
+HALFSPACE_API hs_status hs_broad_phase_query(
+    const hs_broad_phase* bodies, hs_shape shape, const hs_columns* queries,
+    uint64_t mask, uint32_t* ids, size_t room, size_t* offsets, size_t* total);
+
 // Calls the function for the bodies that survive a query, query after query.
 // The order of the bodies is unspecified, but the same after the same history.
 // `bound` is the record of the body, and is valid during the call.
@@ -881,6 +917,14 @@ HALFSPACE_API hs_status hs_broad_phase_for_each_cast(
     const hs_broad_phase* bodies, hs_shape shape, const hs_columns* starts,
     const hs_columns* motions, uint64_t mask, hs_body_hit_function function,
     void* context);
+
+// Writes the body that each cast touches first, and where; HS_NO_ID and
+// INFINITY if there is none. Of bodies with the same t, the one with the least
+// id. `ts` may be null. The other arguments are those of
+// hs_broad_phase_for_each_cast().
+HALFSPACE_API hs_status hs_broad_phase_cast(
+    const hs_broad_phase* bodies, hs_shape shape, const hs_columns* starts,
+    const hs_columns* motions, uint64_t mask, uint32_t* ids, float* ts);
 
 // Calls the function for the pairs of a body of the set, which is `a`, and any
 // other body, if the masks and `keep` keep them. A pair of two bodies of the
