@@ -59,8 +59,8 @@ class Unchecked {
     return are_valid;
   }
 
-  template <std::size_t kTarget>
-  static detail::Scan ScanOf(const T* const* planes, std::size_t n,
+  static detail::Scan ScanOf(const detail::TargetKernels* kernels,
+                             const T* const* planes, std::size_t n,
                              const T* queries, std::size_t count) {
     detail::Scan scan;
     scan.type = &detail::kScanType<View, T>;
@@ -70,10 +70,29 @@ class Unchecked {
     scan.size = n;
     scan.queries = queries;
     scan.query_count = count;
-    scan.kernels = detail::KernelsOf<View::Bound::kAxes, T>::kTargets + kTarget;
+    scan.kernels = kernels;
     scan.begin = 0;
     scan.end = n;
     return scan;
+  }
+
+  // The long paths of One() and Several() on all targets. Functions of their
+  // own, so that the short path of One() needs no stack.
+  [[gnu::noinline]] static void WriteOne(
+      const T* const* planes, std::size_t n, const T* query,
+      std::uint64_t* mask, const detail::TargetKernels* kernels) noexcept {
+    if (n == 0) return;
+    detail::Scan scan = ScanOf(kernels, planes, n, query, 1);
+    WriteManyObjects(scan, mask);
+  }
+  [[gnu::noinline]] static void WriteSeveral(
+      const T* const* planes, std::size_t n, const T* queries,
+      std::size_t count, std::uint64_t* masks,
+      const detail::TargetKernels* kernels) noexcept {
+    if (n == 0 || count == 0) return;
+    assert(AreValid(planes, n, queries, masks));
+    detail::Scan scan = ScanOf(kernels, planes, n, queries, count);
+    WriteEachQuery(scan, masks);
   }
 
   template <std::size_t kTarget>
@@ -82,25 +101,22 @@ class Unchecked {
     assert(AreValid(planes, n, query, mask));
     constexpr bool kHasMax = detail::HasMax<typename View::Bound>;
     const detail::TargetKernels& kernels =
-        detail::KernelsOf<View::Bound::kAxes, T>::kTargets[kTarget];
+        detail::ScanKernelsOf<View::Bound::kAxes, T>::kTargets[kTarget];
     if (n - 1 < (kHasMax ? kernels.few_objects : detail::kFewObjects))
         [[likely]] {
       (kHasMax ? kernels.mask_of_all : kernels.mask_of_minima)(planes, 0, n,
                                                                query, mask);
       return;
     }
-    if (n == 0) return;
-    detail::Scan scan = ScanOf<kTarget>(planes, n, query, 1);
-    WriteManyObjects(scan, mask);
+    WriteOne(planes, n, query, mask, &kernels);
   }
 
   template <std::size_t kTarget>
   static void Several(const T* const* planes, std::size_t n, const T* queries,
                       std::size_t count, std::uint64_t* masks) noexcept {
-    if (n == 0 || count == 0) return;
-    assert(AreValid(planes, n, queries, masks));
-    detail::Scan scan = ScanOf<kTarget>(planes, n, queries, count);
-    WriteEachQuery(scan, masks);
+    WriteSeveral(
+        planes, n, queries, count, masks,
+        detail::ScanKernelsOf<View::Bound::kAxes, T>::kTargets + kTarget);
   }
 
   static const OfBound& Choose() {

@@ -49,32 +49,23 @@ HWY_BEFORE_NAMESPACE();
 namespace halfspace {
 namespace HWY_NAMESPACE {
 
-// What plane kPlane is compared with: a minimum with a maximum of the query,
-// which come after its minima, if it has any.
-template <size_t kMins, size_t kMaxs, size_t kPlane, typename T>
-HWY_INLINE T OpposingValue(const T* query) {
-  return query[kPlane >= kMins ? kPlane - kMins
-               : kMaxs == 0    ? kPlane
-                               : kMins + kPlane];
-}
-
 template <size_t kMins, size_t kMaxs, typename T, size_t... kPlane>
 HWY_INLINE uint64_t SurvivorsOf64(std::index_sequence<kPlane...>,
                                   const T* const* planes, size_t i,
                                   const T* query) {
   const OneTag<T> d;
-  return KeptBits<kMins>(
-      d, LoadAll(), planes, i,
-      hn::Set(d, OpposingValue<kMins, kMaxs, kPlane>(query))...);
+  const auto values = ValuesOf<kMins, kMaxs>(query);
+  return KeptBits<kMins>(d, LoadAll(), planes, i,
+                         hn::Set(d, values.template Of<kMins>(kPlane))...);
 }
 template <size_t kMins, size_t kMaxs, typename T, size_t... kPlane>
 HWY_INLINE uint64_t SurvivorsOfFew(std::index_sequence<kPlane...>,
                                    const T* const* planes, size_t i, size_t n,
                                    const T* query) {
   const WordTag<T> d;
-  return KeptTail<kMins>(
-      d, planes, i, n,
-      hn::Set(d, OpposingValue<kMins, kMaxs, kPlane>(query))...);
+  const auto values = ValuesOf<kMins, kMaxs>(query);
+  return KeptTail<kMins>(d, planes, i, n,
+                         hn::Set(d, values.template Of<kMins>(kPlane))...);
 }
 
 template <int kDims, typename T>

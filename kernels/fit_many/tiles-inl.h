@@ -209,7 +209,7 @@ class TileWalk {
   template <Store kStore>
   void FitWhole(size_t whole) {
     if (is_direct_) {
-      const float* columns[Builder::kColumns];
+      const float* columns[Builder::kColumns] = {};
       ListColumns(columns, 0);
       FitVectors<kStore>(columns, OutputPlanes<kDims>(job_, 0), whole, 0);
       return;
@@ -229,7 +229,7 @@ class TileWalk {
 
   template <Store kStore>
   void FitTile(size_t begin, const OutputPlanes<kDims>& output) {
-    const float* columns[Builder::kColumns];
+    const float* columns[Builder::kColumns] = {};
     if (is_direct_) {
       ListColumns(columns, begin);
     } else {

@@ -40,56 +40,36 @@ HWY_INLINE auto WithLoad(const detail::Scan& scan, size_t begin,
   return WithLoad<T>(scan.addresses.bits | begin * sizeof(T), run);
 }
 
-// The values of a query. Minima of objects are compared with its maxima.
 template <typename T>
-struct QueryValues {
-  const T* max;
-  const T* min;  // if objects have maxima
-
-  QueryValues(const detail::Scan& scan, const T* values)
-      : max(values + scan.type->first_max), min(values) {}
-  QueryValues(const T* maxima, const T* minima) : max(maxima), min(minima) {}
-
-  // What plane p is compared with, after kMins minima.
-  template <size_t kMins>
-  T Of(size_t p) const {
-    return p < kMins ? max[p] : min[p - kMins];
-  }
-};
+QueryValues<T> ValuesOf(const detail::Scan& scan, const T* query) {
+  return {query + scan.type->first_max, query};
+}
 
 // The last, partial word, from object i on. A function of its own, because
 // calls on short ranges need no other.
 template <size_t kMins, size_t kMaxs, typename T>
-HWY_NOINLINE uint64_t FlatTail(const T* const* planes, QueryValues<T> query,
-                               size_t i, size_t count) {
+HWY_NOINLINE void FlatTail(const T* const* planes, QueryValues<T> query,
+                           size_t i, size_t count, uint64_t* word) noexcept {
   const WordTag<T> d;
-  const auto word = [&]<size_t... kPlane>(std::index_sequence<kPlane...>)
+  const auto test = [&]<size_t... kPlane>(std::index_sequence<kPlane...>)
       HWY_ATTR {
     const T* copies[] = {planes[kPlane]...};
-    return KeptTail<kMins>(d, copies, i, count,
-                           hn::Set(d, query.template Of<kMins>(kPlane))...);
+    *word = KeptTail<kMins>(d, copies, i, count,
+                            hn::Set(d, query.template Of<kMins>(kPlane))...);
   };
-  return word(std::make_index_sequence<kMins + kMaxs>());
+  test(std::make_index_sequence<kMins + kMaxs>());
 }
 
-// A MaskKernel (kernel_table.h). Not inlined: in one function with the code for
-// several queries, which needs many registers, a short call would spend
-// nanoseconds on saving them.
+// The first words * 64 objects from `first` on, at least 64. A function of its
+// own, like FlatTail: what the other needs would take registers.
 template <size_t kMins, size_t kMaxs, typename T>
-HWY_NOINLINE void FlatMask(const void* pointers, size_t first, size_t count,
-                           const void* values, uint64_t* row) {
-  const T* const* planes = static_cast<const T* const*>(pointers);
-  const T* minima = static_cast<const T*>(values);
-  const QueryValues<T> query(minima + (kMaxs == 0 ? 0 : kMins), minima);
-  if (count - 1 < kWordObjects - 1) {
-    row[0] = FlatTail<kMins, kMaxs>(planes, query, first, count);
-    return;
-  }
+HWY_NOINLINE void FlatWords(const T* const* planes, QueryValues<T> query,
+                            size_t first, size_t words,
+                            uint64_t* row) noexcept {
   uintptr_t addresses = first * sizeof(T);
   for (size_t p = 0; kAlignedLoadsPay && p < kMins + kMaxs; ++p) {
     addresses |= reinterpret_cast<uintptr_t>(planes[p]);
   }
-  const size_t words = count / kWordObjects;
   WithLoad<T>(addresses, [&](auto load) HWY_ATTR {
     const OneTag<T> d;
     const auto write = [&](const T* const* copies, auto... compared) HWY_ATTR {
@@ -107,10 +87,32 @@ HWY_NOINLINE void FlatMask(const void* pointers, size_t first, size_t count,
     };
     test(std::make_index_sequence<kMins + kMaxs>());
   });
-  const size_t left = count % kWordObjects;
-  if (left != 0) {
-    row[words] = FlatTail<kMins, kMaxs>(planes, query,
-                                        first + words * kWordObjects, left);
+}
+
+// Both, for more than 64 objects.
+template <size_t kMins, size_t kMaxs, typename T>
+HWY_NOINLINE void FlatWordsAndTail(const T* const* planes, QueryValues<T> query,
+                                   size_t first, size_t count,
+                                   uint64_t* row) noexcept {
+  const size_t words = count / kWordObjects;
+  FlatWords<kMins, kMaxs>(planes, query, first, words, row);
+  FlatTail<kMins, kMaxs>(planes, query, first + words * kWordObjects,
+                         count % kWordObjects, row + words);
+}
+
+// A MaskKernel (kernel_table.h). It ends by a jump to another function, so it
+// saves no registers.
+template <size_t kMins, size_t kMaxs, typename T>
+HWY_NOINLINE void FlatMask(const void* pointers, size_t first, size_t count,
+                           const void* values, uint64_t* row) noexcept {
+  const T* const* planes = static_cast<const T* const*>(pointers);
+  const auto query = ValuesOf<kMins, kMaxs>(static_cast<const T*>(values));
+  if (count < kWordObjects) {
+    FlatTail<kMins, kMaxs>(planes, query, first, count, row);
+  } else if (count % kWordObjects == 0) {
+    FlatWords<kMins, kMaxs>(planes, query, first, count / kWordObjects, row);
+  } else {
+    FlatWordsAndTail<kMins, kMaxs>(planes, query, first, count, row);
   }
 }
 
@@ -138,7 +140,7 @@ HWY_NOINLINE void FlatSeveral(const detail::Scan& scan,
   for (size_t p = 0; p < kPlanes; ++p) {
     planes[p] = scan.Plane<T>(p);
     for (size_t query = 0; query < kQueries; ++query) {
-      const QueryValues<T> its(scan, values + query * record);
+      const QueryValues<T> its = ValuesOf(scan, values + query * record);
       compared[p][query] = hn::Set(d, its.template Of<kMins>(p));
     }
   }
@@ -174,8 +176,9 @@ HWY_NOINLINE void FlatSeveral(const detail::Scan& scan,
   }
   if (i == end) return;
   for (size_t query = 0; query < kQueries; ++query) {
-    row[query * stride] = FlatTail<kMins, kPlanes - kMins>(
-        planes, QueryValues<T>(scan, values + query * record), i, end - i);
+    FlatTail<kMins, kPlanes - kMins>(planes,
+                                     ValuesOf(scan, values + query * record), i,
+                                     end - i, row + query * stride);
   }
 }
 

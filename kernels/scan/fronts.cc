@@ -67,7 +67,7 @@ HWY_INLINE uint64_t FrontWord(const float* const* planes,
 }
 
 void FrontMask(const void* pointers, size_t begin, size_t count,
-               const void* query, uint64_t* words) {
+               const void* query, uint64_t* words) noexcept {
   const auto* planes = static_cast<const float* const*>(pointers);
   const auto& fronts = *static_cast<const detail::Fronts*>(query);
   for (size_t i = 0; i < count; i += kWordObjects) {

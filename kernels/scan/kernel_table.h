@@ -42,7 +42,7 @@ using Kernel = std::int64_t (*)(const Scan& scan, const Part& part);
 // Nothing past the last object survives.
 using MaskKernel = void (*)(const void* planes, std::size_t begin,
                             std::size_t count, const void* query,
-                            std::uint64_t* words);
+                            std::uint64_t* words) noexcept;
 
 struct TargetKernels {
   Kernel run[kWays];

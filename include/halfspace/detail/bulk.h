@@ -28,7 +28,7 @@ struct FitKernels;
 enum FitSource { kFitBoxes, kFitSpheres, kFitTriangles, kFitPointSets };
 
 // The builders of one source in kDims dimensions, of each compiled target, best
-// first: an object file of the library for each, as KernelsOf of scan.h. Of
+// first: an object file of the library for each, as ScanKernelsOf of scan.h. Of
 // doubles there is one, for every target. The source is an int, because clang
 // exports no template whose arguments have a type that is not exported.
 template <int kSource, int kDims, typename Scalar>

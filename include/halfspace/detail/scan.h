@@ -46,21 +46,21 @@ enum Way : std::uint8_t {
 // for each compiled target, best first. Each table is in an object file of its
 // own, so that a program links those that its worlds name, and no others.
 template <std::size_t kAxes, typename T>
-struct HALFSPACE_API KernelsOf {
+struct HALFSPACE_API ScanKernelsOf {
   static const TargetKernels* const kTargets;
 };
 
-#define HALFSPACE_DECLARE_KERNELS(T)      \
-  extern template struct KernelsOf<2, T>; \
-  extern template struct KernelsOf<3, T>; \
-  extern template struct KernelsOf<4, T>
+#define HALFSPACE_DECLARE_KERNELS(T)          \
+  extern template struct ScanKernelsOf<2, T>; \
+  extern template struct ScanKernelsOf<3, T>; \
+  extern template struct ScanKernelsOf<4, T>
 HALFSPACE_DECLARE_KERNELS(float);
 HALFSPACE_DECLARE_KERNELS(double);  // of boxes
 HALFSPACE_DECLARE_KERNELS(std::int8_t);
 HALFSPACE_DECLARE_KERNELS(std::int16_t);
-extern template struct KernelsOf<5, float>;
-extern template struct KernelsOf<5, std::int8_t>;
-extern template struct KernelsOf<5, std::int16_t>;
+extern template struct ScanKernelsOf<5, float>;
+extern template struct ScanKernelsOf<5, std::int8_t>;
+extern template struct ScanKernelsOf<5, std::int16_t>;
 #undef HALFSPACE_DECLARE_KERNELS
 
 struct Scan;
@@ -154,7 +154,7 @@ constexpr ScanType MakeScanType() {
                     sizeof(Query) == kPlaneCount<Query> * sizeof(Scalar),
                 "a query is read as a list of its values");
   ScanType type{};
-  type.all_kernels = &KernelsOf<Bound::kAxes, T>::kTargets;
+  type.all_kernels = &ScanKernelsOf<Bound::kAxes, T>::kTargets;
   if constexpr (std::is_integral_v<T>) type.encode = &EncodeQueries<T>;
   type.is_refined = kIsRefined<View>;
   type.shape = !HasMax<Bound>                       ? Shape::kSimplex

@@ -23,6 +23,25 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+// The values of a query. Minima of objects are compared with its maxima.
+template <typename T>
+struct QueryValues {
+  const T* max;
+  const T* min;  // if objects have maxima
+
+  // What plane p is compared with, after kMins minima.
+  template <size_t kMins>
+  HWY_INLINE T Of(size_t p) const {
+    return p < kMins ? max[p] : min[p - kMins];
+  }
+};
+
+// Of kernels.h: maxima after minima, or maxima alone.
+template <size_t kMins, size_t kMaxs, typename T>
+HWY_INLINE QueryValues<T> ValuesOf(const T* query) {
+  return {query + (kMaxs == 0 ? 0 : kMins), query};
+}
+
 // The unsigned integer with one bit per lane, at least a byte.
 template <size_t kLanes>
 struct LaneBitsType {

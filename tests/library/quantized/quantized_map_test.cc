@@ -43,10 +43,10 @@ class QuantizedMapTest : public ::testing::Test {
   }
 
   void Train(const std::vector<float>& values) {
-    quantizer_ = quantizer_.Trained({.planes = {values.data(), values.data()},
-                                     .size = values.size(),
-                                     .stride = 1},
-                                    std::size_t{1} << (8 * sizeof(Stored)));
+    auto columns = detail::ColumnsOf<float>(values.size(), 1);
+    columns.column[0] = columns.column[1] = values.data();
+    quantizer_ =
+        quantizer_.Trained(columns, std::size_t{1} << (8 * sizeof(Stored)));
   }
 
   // Ranks: how many thresholds a value stands for.
