@@ -34,15 +34,13 @@ class Rounded {
     for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
       columns.planes[p] = Plane(p);
     }
-    run(PartsOf(count_), [&](std::size_t part) {
+    kernels::RunInDefaultFpMode(run, PartsOf(count_), [&](std::size_t part) {
       const std::size_t end = std::min(count_, (part + 1) * kPartSlots);
-      kernels::InDefaultFpMode([&] {
-        for (std::size_t s = part * kPartSlots; s < end; ++s) {
-          if (s + kAhead < end) Prefetch(objects, element_of(s + kAhead));
-          const std::size_t i = element_of(s);
-          if (i != kNoId) RoundObject(objects, i, s);
-        }
-      });
+      for (std::size_t s = part * kPartSlots; s < end; ++s) {
+        if (s + kAhead < end) Prefetch(objects, element_of(s + kAhead));
+        const std::size_t i = element_of(s);
+        if (i != kNoId) RoundObject(objects, i, s);
+      }
     });
     return columns;
   }
