@@ -321,11 +321,10 @@ void FillSlots(const BvhShape& shape, const BvhLevels& levels,
       });
     });
   }
-  run(PartsOf(levels.level[0].size), [&](std::size_t part) {
-    kernels::InDefaultFpMode([&] {
-      FillPart(levels, PlanesOf(shape), objects, elements, kernels, part);
-    });
-  });
+  kernels::RunInDefaultFpMode(
+      run, PartsOf(levels.level[0].size), [&](std::size_t part) {
+        FillPart(levels, PlanesOf(shape), objects, elements, kernels, part);
+      });
   kernels::InDefaultFpMode([&] { EncodeLevels(levels, kernels, 1); });
 }
 

@@ -49,16 +49,6 @@ constexpr std::array<T, kCount> Filled(T value) {
   return values;
 }
 
-// std::array's == is constexpr from C++20 on.
-template <typename T, std::size_t kCount>
-constexpr bool Equal(const std::array<T, kCount>& a,
-                     const std::array<T, kCount>& b) {
-  for (std::size_t i = 0; i < kCount; ++i) {
-    if (!(a[i] == b[i])) return false;
-  }
-  return true;
-}
-
 template <typename T>
 inline constexpr bool kIsFloat32Or64 =
     std::is_same_v<T, float> || std::is_same_v<T, double>;
@@ -68,51 +58,24 @@ inline constexpr T kMax = std::numeric_limits<T>::max();
 template <typename T>
 inline constexpr T kInf = std::numeric_limits<T>::infinity();
 
-template <typename Values>
-constexpr bool AreEmptyMinima(const Values& min) {
-  for (auto v : min) {
-    if (!(v >= kMax<decltype(v)>)) return false;
-  }
-  return true;
-}
-template <typename Values>
-constexpr bool AreEmptyMaxima(const Values& max) {
-  for (auto v : max) {
-    if (!(v <= -kMax<decltype(v)>)) return false;
-  }
-  return true;
-}
-
 // Any number or infinity, but no NaN.
 template <typename T>
 constexpr bool IsNumber(T value) {
   return value <= kInf<T>;
 }
 
-// The tighter of two limits for every axis. A NaN is no limit.
-template <typename Values>
-constexpr Values TighterMinima(Values a, const Values& b) {
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    if (!(a[k] >= b[k]) && IsNumber(b[k])) a[k] = b[k];
-  }
-  return a;
-}
-template <typename Values>
-constexpr Values TighterMaxima(Values a, const Values& b) {
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    if (!(a[k] <= b[k]) && IsNumber(b[k])) a[k] = b[k];
-  }
-  return a;
-}
-
-// `bound`, or Empty() if a minimum is greater than the maximum of its axis.
+template <typename Bound, typename = void>
+inline constexpr bool HasMin = false;
 template <typename Bound>
-constexpr Bound EmptyIfInverted(const Bound& bound) {
-  for (std::size_t k = 0; k < bound.min.size(); ++k) {
-    if (bound.min[k] > bound.max[k]) return Bound::Empty();
-  }
-  return bound;
-}
+inline constexpr bool HasMin<Bound, std::void_t<decltype(Bound::min)>> = true;
+template <typename Bound, typename = void>
+inline constexpr bool HasMax = false;
+template <typename Bound>
+inline constexpr bool HasMax<Bound, std::void_t<decltype(Bound::max)>> = true;
+
+// So that a call with another type than a bound fails to compile.
+template <typename T>
+using IfBound = std::enable_if_t<std::is_same_v<decltype(T::Everything()), T>>;
 
 // The product of all lengths except that of axis `skipped`. 0 times infinity is
 // 0.
@@ -166,12 +129,6 @@ struct UpSimplex {
   static constexpr UpSimplex Empty() {
     return {detail::Filled<kAxes>(detail::kInf<float>)};
   }
-  friend constexpr bool operator==(const UpSimplex& a, const UpSimplex& b) {
-    return detail::Equal(a.min, b.min);
-  }
-  friend constexpr bool operator!=(const UpSimplex& a, const UpSimplex& b) {
-    return !(a == b);
-  }
 };
 
 // A bounding simplex, the query side of the simplex test (S- in the paper): the
@@ -190,12 +147,6 @@ struct DownSimplex {
   }
   static constexpr DownSimplex Empty() {
     return {detail::Filled<kAxes>(-detail::kInf<float>)};
-  }
-  friend constexpr bool operator==(const DownSimplex& a, const DownSimplex& b) {
-    return detail::Equal(a.max, b.max);
-  }
-  friend constexpr bool operator!=(const DownSimplex& a, const DownSimplex& b) {
-    return !(a == b);
   }
 };
 
@@ -219,12 +170,6 @@ struct Aabb {
   static constexpr Aabb Empty() {
     return {detail::Filled<kAxes>(detail::kInf<T>),
             detail::Filled<kAxes>(-detail::kInf<T>)};
-  }
-  friend constexpr bool operator==(const Aabb& a, const Aabb& b) {
-    return detail::Equal(a.min, b.min) && detail::Equal(a.max, b.max);
-  }
-  friend constexpr bool operator!=(const Aabb& a, const Aabb& b) {
-    return !(a == b);
   }
 };
 
@@ -261,13 +206,25 @@ struct Aabo {
     return {detail::Filled<kAxes>(detail::kInf<float>),
             detail::Filled<kAxes>(-detail::kInf<float>)};
   }
-  friend constexpr bool operator==(const Aabo& a, const Aabo& b) {
-    return detail::Equal(a.min, b.min) && detail::Equal(a.max, b.max);
-  }
-  friend constexpr bool operator!=(const Aabo& a, const Aabo& b) {
-    return !(a == b);
-  }
 };
+
+// std::array's == is constexpr from C++20 on.
+template <typename Bound, typename = detail::IfBound<Bound>>
+constexpr bool operator==(const Bound& a, const Bound& b) {
+  for (std::size_t k = 0; k < Bound::kAxes; ++k) {
+    if constexpr (detail::HasMin<Bound>) {
+      if (!(a.min[k] == b.min[k])) return false;
+    }
+    if constexpr (detail::HasMax<Bound>) {
+      if (!(a.max[k] == b.max[k])) return false;
+    }
+  }
+  return true;
+}
+template <typename Bound, typename = detail::IfBound<Bound>>
+constexpr bool operator!=(const Bound& a, const Bound& b) {
+  return !(a == b);
+}
 
 // Returns whether the bound is empty: all its minima are at least FLT_MAX and
 // all its maxima are at most -FLT_MAX (of doubles, DBL_MAX).
@@ -280,21 +237,18 @@ struct Aabo {
 // The calls of reject.h treat this value as numbers, both in an object and in a
 // query. A bound that is limited on at least one side rejects it. Everything()
 // keeps it. Push Empty() if that matters.
-template <int kDims>
-constexpr bool IsEmpty(const UpSimplex<kDims>& bound) {
-  return detail::AreEmptyMinima(bound.min);
-}
-template <int kDims>
-constexpr bool IsEmpty(const DownSimplex<kDims>& bound) {
-  return detail::AreEmptyMaxima(bound.max);
-}
-template <int kDims, typename T>
-constexpr bool IsEmpty(const Aabb<kDims, T>& bound) {
-  return detail::AreEmptyMinima(bound.min) && detail::AreEmptyMaxima(bound.max);
-}
-template <int kDims>
-constexpr bool IsEmpty(const Aabo<kDims>& bound) {
-  return detail::AreEmptyMinima(bound.min) && detail::AreEmptyMaxima(bound.max);
+template <typename Bound, typename = detail::IfBound<Bound>>
+constexpr bool IsEmpty(const Bound& bound) {
+  constexpr auto kMax = detail::kMax<typename Bound::Scalar>;
+  for (std::size_t k = 0; k < Bound::kAxes; ++k) {
+    if constexpr (detail::HasMin<Bound>) {
+      if (!(bound.min[k] >= kMax)) return false;
+    }
+    if constexpr (detail::HasMax<Bound>) {
+      if (!(bound.max[k] <= -kMax)) return false;
+    }
+  }
+  return true;
 }
 
 // Returns the intersection of two bounds: the tighter of the two values in each
@@ -306,30 +260,23 @@ constexpr bool IsEmpty(const Aabo<kDims>& bound) {
 // leave no point between them, for example if the box of X, Y and Z does not
 // reach D. The call does not detect this. The result then encloses no point,
 // but an object with this bound can survive a query.
-template <int kDims>
-constexpr UpSimplex<kDims> Intersection(const UpSimplex<kDims>& a,
-                                        const UpSimplex<kDims>& b) {
-  const UpSimplex<kDims> both{detail::TighterMinima(a.min, b.min)};
-  return IsEmpty(both) ? UpSimplex<kDims>::Empty() : both;
-}
-template <int kDims>
-constexpr DownSimplex<kDims> Intersection(const DownSimplex<kDims>& a,
-                                          const DownSimplex<kDims>& b) {
-  const DownSimplex<kDims> both{detail::TighterMaxima(a.max, b.max)};
-  return IsEmpty(both) ? DownSimplex<kDims>::Empty() : both;
-}
-template <int kDims, typename T>
-constexpr Aabb<kDims, T> Intersection(const Aabb<kDims, T>& a,
-                                      const Aabb<kDims, T>& b) {
-  return detail::EmptyIfInverted(
-      Aabb<kDims, T>{detail::TighterMinima(a.min, b.min),
-                     detail::TighterMaxima(a.max, b.max)});
-}
-template <int kDims>
-constexpr Aabo<kDims> Intersection(const Aabo<kDims>& a, const Aabo<kDims>& b) {
-  return detail::EmptyIfInverted(
-      Aabo<kDims>{detail::TighterMinima(a.min, b.min),
-                  detail::TighterMaxima(a.max, b.max)});
+template <typename Bound, typename = detail::IfBound<Bound>>
+constexpr Bound Intersection(const Bound& a, const Bound& b) {
+  Bound both = a;
+  for (std::size_t k = 0; k < Bound::kAxes; ++k) {
+    if constexpr (detail::HasMin<Bound>) {
+      const auto min = b.min[k];
+      if (!(a.min[k] >= min) && detail::IsNumber(min)) both.min[k] = min;
+    }
+    if constexpr (detail::HasMax<Bound>) {
+      const auto max = b.max[k];
+      if (!(a.max[k] <= max) && detail::IsNumber(max)) both.max[k] = max;
+    }
+    if constexpr (detail::HasMin<Bound> && detail::HasMax<Bound>) {
+      if (both.min[k] > both.max[k]) return Bound::Empty();
+    }
+  }
+  return IsEmpty(both) ? Bound::Empty() : both;
 }
 
 // Volume and HalfArea are for cost heuristics. They are computed and rounded

@@ -128,11 +128,8 @@ HALFSPACE_API void BoundSegmentPieces(
 //   Returns Empty() for an empty box: all minima +inf and all maxima -inf, or
 //   FLT_MAX and -FLT_MAX (DBL_MAX and -DBL_MAX for doubles).
 //   Throws if min[k] > max[k] in any other box.
-template <int kDims>
-HALFSPACE_API Aabo<kDims> BoundAabb(const Aabb<kDims>& box,
-                                    FitStatus* status = nullptr);
-template <int kDims, typename Scalar>
-HALFSPACE_API Aabo<kDims> BoundAabb(const Box<kDims, Scalar>& box,
+template <int kDims, typename Scalar = float>
+HALFSPACE_API Aabo<kDims> BoundAabb(const Aabb<kDims, Scalar>& box,
                                     FitStatus* status = nullptr);
 
 // Bounds a sphere. Radius 0 is a point. For a body that rotates, bound a sphere
@@ -185,12 +182,8 @@ template <int kDims, typename Scalar = float, typename MapScalar = float>
 HALFSPACE_API Aabo<kDims> BoundTransformed(const Points<kDims, Scalar>& points,
                                            const Affine<kDims, MapScalar>& map,
                                            FitStatus* status = nullptr);
-template <int kDims, typename MapScalar = float>
-HALFSPACE_API Aabo<kDims> BoundTransformed(const Aabb<kDims>& box,
-                                           const Affine<kDims, MapScalar>& map,
-                                           FitStatus* status = nullptr);
-template <int kDims, typename Scalar, typename MapScalar = float>
-HALFSPACE_API Aabo<kDims> BoundTransformed(const Box<kDims, Scalar>& box,
+template <int kDims, typename Scalar = float, typename MapScalar = float>
+HALFSPACE_API Aabo<kDims> BoundTransformed(const Aabb<kDims, Scalar>& box,
                                            const Affine<kDims, MapScalar>& map,
                                            FitStatus* status = nullptr);
 

@@ -15,6 +15,8 @@
 #include <array>
 #include <cstddef>
 
+#include "halfspace/bounds.h"
+
 namespace halfspace {
 
 // A point, a direction or a displacement.
@@ -37,12 +39,9 @@ struct PointsSoa {
   std::size_t count = 0;
 };
 
-// An axis-aligned box. A box of floats can be an Aabb (bounds.h) as well.
+// The name of an Aabb where it is a shape.
 template <int kDims, typename Scalar = float>
-struct Box {
-  Point<kDims, Scalar> min;
-  Point<kDims, Scalar> max;
-};
+using Box = Aabb<kDims, Scalar>;
 
 template <int kDims, typename Scalar = float>
 struct Segment {

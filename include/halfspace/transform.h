@@ -53,19 +53,12 @@ HALFSPACE_API void RoundOutward(Span<const double> values, std::size_t minima,
                                 std::size_t planes, float* rounded);
 
 template <typename T>
-inline constexpr bool kIsBoundOfFloats = false;
-template <int kDims>
-inline constexpr bool kIsBoundOfFloats<UpSimplex<kDims>> = true;
-template <int kDims>
-inline constexpr bool kIsBoundOfFloats<DownSimplex<kDims>> = true;
-template <int kDims>
-inline constexpr bool kIsBoundOfFloats<Aabb<kDims>> = true;
-template <int kDims>
-inline constexpr bool kIsBoundOfFloats<Aabo<kDims>> = true;
+using IfBoundOfFloats =
+    std::enable_if_t<std::is_same_v<typename T::Scalar, float>, IfBound<T>>;
 
-// So that a call with another type fails to compile, not to link.
-template <typename T>
-using IfBoundOfFloats = std::enable_if_t<kIsBoundOfFloats<T>>;
+// With minima and maxima.
+template <typename Bound>
+using IfClosed = std::enable_if_t<HasMin<Bound> && HasMax<Bound>>;
 
 }  // namespace detail
 
@@ -108,14 +101,11 @@ HALFSPACE_API Bound Translate(const Bound& bound,
 // times the sum of the largest coordinates.
 //   There is no overload for simplices, because they bound each coordinate on
 //   one side only.
-template <int kDims>
-HALFSPACE_API Aabb<kDims> TranslateVertices(const Aabb<kDims>& bound,
-                                            const Point<kDims>& by,
-                                            FitStatus* status = nullptr);
-template <int kDims>
-HALFSPACE_API Aabo<kDims> TranslateVertices(const Aabo<kDims>& bound,
-                                            const Point<kDims>& by,
-                                            FitStatus* status = nullptr);
+template <typename Bound, typename = detail::IfBoundOfFloats<Bound>,
+          typename = detail::IfClosed<Bound>>
+HALFSPACE_API Bound TranslateVertices(const Bound& bound,
+                                      const Point<Bound::kDimensions>& by,
+                                      FitStatus* status = nullptr);
 
 // Scales the exact set about the origin. Tightest.
 //   A negative factor mirrors the shape, so minima become maxima.

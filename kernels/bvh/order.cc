@@ -24,17 +24,16 @@ constexpr std::size_t kPart = kBlockObjects * kBlockObjects;
 template <typename Function>
 void ForCenters(const detail::Columns& objects, const Kernels& kernels,
                 const Runner& run, const Function& function) {
-  run((objects.size + kPart - 1) / kPart, [&](std::size_t part) {
+  const std::size_t parts = (objects.size + kPart - 1) / kPart;
+  RunInDefaultFpMode(run, parts, [&](std::size_t part) {
     const std::size_t end = std::min(objects.size, (part + 1) * kPart);
-    InDefaultFpMode([&] {
-      Centers centers;
-      for (std::size_t first = part * kPart; first < end;
-           first += kBlockObjects) {
-        const std::size_t count = std::min(kBlockObjects, end - first);
-        kernels.centers(objects, first, count, centers);
-        function(first, count, centers);
-      }
-    });
+    Centers centers;
+    for (std::size_t first = part * kPart; first < end;
+         first += kBlockObjects) {
+      const std::size_t count = std::min(kBlockObjects, end - first);
+      kernels.centers(objects, first, count, centers);
+      function(first, count, centers);
+    }
   });
 }
 
@@ -217,19 +216,16 @@ void OrderByMedians(const detail::Columns& objects, const Kernels& kernels,
   pieces[0] = {0, objects.size};
   while (2 * count <= kPieces && objects.size / count > kPart) {
     std::array<Piece, kPieces> halves;
-    run(count, [&](std::size_t i) {
-      InDefaultFpMode([&] {
-        const std::size_t middle = Split(entries, pieces[i]);
-        halves[2 * i] = {pieces[i].begin, middle};
-        halves[2 * i + 1] = {middle, pieces[i].end};
-      });
+    RunInDefaultFpMode(run, count, [&](std::size_t i) {
+      const std::size_t middle = Split(entries, pieces[i]);
+      halves[2 * i] = {pieces[i].begin, middle};
+      halves[2 * i + 1] = {middle, pieces[i].end};
     });
     pieces = halves;
     count *= 2;
   }
-  run(count, [&](std::size_t i) {
-    InDefaultFpMode([&] { SortByMedians(entries, pieces[i]); });
-  });
+  RunInDefaultFpMode(run, count,
+                     [&](std::size_t i) { SortByMedians(entries, pieces[i]); });
   for (std::size_t i = 0; i < objects.size; ++i) ids[i] = entries[i].id;
 }
 

@@ -11,6 +11,7 @@
 #ifndef HALFSPACE_KERNELS_EXACT_DEFAULT_FP_MODE_H_
 #define HALFSPACE_KERNELS_EXACT_DEFAULT_FP_MODE_H_
 
+#include <cstddef>
 #include <cstdint>
 
 #if defined(_MSC_VER)
@@ -112,6 +113,13 @@ template <typename Function>
 auto InDefaultFpMode(const Function& function) {
   const DefaultFpMode mode;
   return CallApart(function);
+}
+
+// run(count, part), a Runner, with each part in the default mode: other threads
+// have modes of their own.
+template <typename Run, typename Part>
+void RunInDefaultFpMode(const Run& run, std::size_t count, const Part& part) {
+  run(count, [&](std::size_t i) { InDefaultFpMode([&] { return part(i); }); });
 }
 
 }  // namespace halfspace::kernels

@@ -160,6 +160,13 @@ Bound Finish(const std::optional<Bound>& bound, FitStatus* status) {
   return result;
 }
 
+// The result of try_bound(), a std::optional, which is called in the default
+// mode: every single builder.
+template <typename TryBound>
+auto Build(FitStatus* status, const TryBound& try_bound) {
+  return InDefaultFpMode([&] { return Finish(try_bound(), status); });
+}
+
 }  // namespace halfspace::kernels
 
 #endif  // HALFSPACE_KERNELS_EXACT_EXACT_BOUND_H_

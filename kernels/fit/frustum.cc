@@ -12,7 +12,6 @@
 
 #include "halfspace/fit.h"
 #include "kernels/error.h"
-#include "kernels/exact/default_fp_mode.h"
 #include "kernels/exact/exact_bound.h"
 #include "kernels/exact/outward.h"
 #include "kernels/exact/quotient.h"
@@ -22,7 +21,6 @@ namespace halfspace {
 namespace {
 
 using kernels::ExactSum;
-using kernels::Finish;
 using kernels::Negated;
 using kernels::SumExactly;
 
@@ -308,8 +306,7 @@ Aabo3 BoundPlanes(Planes<Scalar> planes, FitStatus* status) {
   kernels::CheckPointer(
       "BoundFrustum", planes.data(), alignof(HalfSpace<3, Scalar>),
       [] { return "planes"; }, [] { return "6 planes"; });
-  return kernels::InDefaultFpMode(
-      [&] { return Finish(TryAny(planes), status); });
+  return kernels::Build(status, [&] { return TryAny(planes); });
 }
 
 }  // namespace

@@ -7,19 +7,18 @@
 #include <type_traits>
 
 #include "halfspace/fit.h"
-#include "kernels/exact/default_fp_mode.h"
 #include "kernels/exact/exact_bound.h"
 #include "kernels/exact/exact_terms.h"
 #include "kernels/exact/outward.h"
+#include "kernels/fit/instantiate.h"
 #include "kernels/fit/point_sources.h"
 
 namespace halfspace {
 namespace {
 
+using kernels::Build;
 using kernels::ExactRanges;
 using kernels::ExactTerms;
-using kernels::Finish;
-using kernels::InDefaultFpMode;
 using kernels::MagnitudeGuard;
 using kernels::Negated;
 using kernels::PointAt;
@@ -187,22 +186,6 @@ Affine<kDims, To> As(const Affine<kDims, From>& from) {
 template <typename A, typename B>
 using Wider = std::conditional_t<std::is_same_v<A, B>, A, double>;
 
-template <int kDims, typename Scalar, typename MapScalar>
-Aabo<kDims> BoundBox(const Point<kDims, Scalar>& min,
-                     const Point<kDims, Scalar>& max,
-                     const Affine<kDims, MapScalar>& map, FitStatus* status) {
-  return InDefaultFpMode([&] {
-    if (IsEmpty(Aabb<kDims, Scalar>{min, max})) {
-      return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
-    }
-    kernels::CheckOrder("BoundTransformed", min, max);
-    using Wide = Wider<Scalar, MapScalar>;
-    return Finish(
-        TryBox<kDims, Wide>(As<Wide>(min), As<Wide>(max), As<Wide>(map)),
-        status);
-  });
-}
-
 }  // namespace
 
 template <int kDims, typename Scalar>
@@ -210,11 +193,11 @@ Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims, Scalar>& box,
                              FitStatus* status) {
   constexpr std::array kNames = {"box.half_extents[0]", "box.half_extents[1]",
                                  "box.half_extents[2]", "box.half_extents[3]"};
-  return InDefaultFpMode([&] {
+  return Build(status, [&] {
     for (std::size_t i = 0; i < kDims; ++i) {
       kernels::CheckLength("BoundOrientedBox", kNames[i], box.half_extents[i]);
     }
-    return Finish(TryOrientedBox(box), status);
+    return TryOrientedBox(box);
   });
 }
 
@@ -223,50 +206,38 @@ Aabo<kDims> BoundTransformed(const Points<kDims, Scalar>& points,
                              const Affine<kDims, MapScalar>& map,
                              FitStatus* status) {
   if (points.count != 0) kernels::CheckPoints("BoundTransformed", points);
-  return InDefaultFpMode([&] {
+  return Build(status, [&] {
     using Wide = Wider<Scalar, MapScalar>;
     const auto at = [&](std::size_t i) { return As<Wide>(PointAt(points, i)); };
-    return Finish(TryPoints<kDims, Wide>(points.count, at, As<Wide>(map)),
-                  status);
+    return TryPoints<kDims, Wide>(points.count, at, As<Wide>(map));
   });
 }
 
-template <int kDims, typename MapScalar>
-Aabo<kDims> BoundTransformed(const Aabb<kDims>& box,
-                             const Affine<kDims, MapScalar>& map,
-                             FitStatus* status) {
-  return BoundBox<kDims, float>(box.min, box.max, map, status);
-}
-
 template <int kDims, typename Scalar, typename MapScalar>
-Aabo<kDims> BoundTransformed(const Box<kDims, Scalar>& box,
+Aabo<kDims> BoundTransformed(const Aabb<kDims, Scalar>& box,
                              const Affine<kDims, MapScalar>& map,
                              FitStatus* status) {
-  return BoundBox<kDims, Scalar>(box.min, box.max, map, status);
+  return Build(status, [&]() -> std::optional<Aabo<kDims>> {
+    if (IsEmpty(box)) return Aabo<kDims>::Empty();
+    kernels::CheckOrder("BoundTransformed", box.min, box.max);
+    using Wide = Wider<Scalar, MapScalar>;
+    return TryBox<kDims, Wide>(As<Wide>(box.min), As<Wide>(box.max),
+                               As<Wide>(map));
+  });
 }
 
-#define HALFSPACE_INSTANTIATE_OF(d, Scalar, MapScalar)                    \
-  template HALFSPACE_API Aabo<d> BoundTransformed(                        \
-      const Points<d, Scalar>&, const Affine<d, MapScalar>&, FitStatus*); \
-  template HALFSPACE_API Aabo<d> BoundTransformed(                        \
-      const Box<d, Scalar>&, const Affine<d, MapScalar>&, FitStatus*)
-#define HALFSPACE_INSTANTIATE(d)                                         \
-  template HALFSPACE_API Aabo<d> BoundOrientedBox(const OrientedBox<d>&, \
-                                                  FitStatus*);           \
-  template HALFSPACE_API Aabo<d> BoundOrientedBox(                       \
-      const OrientedBox<d, double>&, FitStatus*);                        \
-  template HALFSPACE_API Aabo<d> BoundTransformed(                       \
-      const Aabb<d>&, const Affine<d>&, FitStatus*);                     \
-  template HALFSPACE_API Aabo<d> BoundTransformed(                       \
-      const Aabb<d>&, const Affine<d, double>&, FitStatus*);             \
-  HALFSPACE_INSTANTIATE_OF(d, float, float);                             \
-  HALFSPACE_INSTANTIATE_OF(d, float, double);                            \
-  HALFSPACE_INSTANTIATE_OF(d, double, float);                            \
-  HALFSPACE_INSTANTIATE_OF(d, double, double)
-HALFSPACE_INSTANTIATE(2);
-HALFSPACE_INSTANTIATE(3);
-HALFSPACE_INSTANTIATE(4);
+#define HALFSPACE_INSTANTIATE(d, Scalar)                               \
+  template HALFSPACE_API Aabo<d> BoundOrientedBox(                     \
+      const OrientedBox<d, Scalar>&, FitStatus*);                      \
+  template HALFSPACE_API Aabo<d> BoundTransformed(                     \
+      const Points<d, Scalar>&, const Affine<d>&, FitStatus*);         \
+  template HALFSPACE_API Aabo<d> BoundTransformed(                     \
+      const Points<d, Scalar>&, const Affine<d, double>&, FitStatus*); \
+  template HALFSPACE_API Aabo<d> BoundTransformed(                     \
+      const Aabb<d, Scalar>&, const Affine<d>&, FitStatus*);           \
+  template HALFSPACE_API Aabo<d> BoundTransformed(                     \
+      const Aabb<d, Scalar>&, const Affine<d, double>&, FitStatus*)
+HALFSPACE_FOR_ALL_SHAPES(HALFSPACE_INSTANTIATE);
 #undef HALFSPACE_INSTANTIATE
-#undef HALFSPACE_INSTANTIATE_OF
 
 }  // namespace halfspace

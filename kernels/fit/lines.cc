@@ -11,6 +11,7 @@
 #include "kernels/exact/exact_terms.h"
 #include "kernels/exact/outward.h"
 #include "kernels/exact/quotient.h"
+#include "kernels/fit/instantiate.h"
 #include "kernels/memory_checks.h"
 
 namespace halfspace {
@@ -21,7 +22,6 @@ using kernels::ExactRanges;
 using kernels::ExactSum;
 using kernels::ExactTerms;
 using kernels::Finish;
-using kernels::InDefaultFpMode;
 using kernels::MagnitudeGuard;
 using kernels::Negated;
 
@@ -100,9 +100,9 @@ void WritePieces(const Segment<kDims, Scalar>& segment,
 
 template <int kDims, typename Scalar>
 Aabo<kDims> BoundRay(const Ray<kDims, Scalar>& ray, FitStatus* status) {
-  return InDefaultFpMode([&] {
+  return kernels::Build(status, [&] {
     kernels::CheckLength("BoundRay", "ray.max_t", ray.max_t);
-    return Finish(TryRay(ray), status);
+    return TryRay(ray);
   });
 }
 
@@ -119,20 +119,14 @@ void BoundSegmentPieces(const Segment<kDims, Scalar>& segment,
       "BoundSegmentPieces", pieces.data(), alignof(Aabo<kDims>),
       [] { return "pieces"; },
       [&] { return "room for " + std::to_string(pieces.size()); });
-  InDefaultFpMode([&] { WritePieces(segment, pieces, status); });
+  kernels::InDefaultFpMode([&] { WritePieces(segment, pieces, status); });
 }
 
-#define HALFSPACE_INSTANTIATE_OF(d, Scalar)                                    \
+#define HALFSPACE_INSTANTIATE(d, Scalar)                                       \
   template HALFSPACE_API Aabo<d> BoundRay(const Ray<d, Scalar>&, FitStatus*);  \
   template HALFSPACE_API void BoundSegmentPieces<d>(const Segment<d, Scalar>&, \
                                                     Span<Aabo<d>>, FitStatus*)
-#define HALFSPACE_INSTANTIATE(d)      \
-  HALFSPACE_INSTANTIATE_OF(d, float); \
-  HALFSPACE_INSTANTIATE_OF(d, double)
-HALFSPACE_INSTANTIATE(2);
-HALFSPACE_INSTANTIATE(3);
-HALFSPACE_INSTANTIATE(4);
+HALFSPACE_FOR_ALL_SHAPES(HALFSPACE_INSTANTIATE);
 #undef HALFSPACE_INSTANTIATE
-#undef HALFSPACE_INSTANTIATE_OF
 
 }  // namespace halfspace

@@ -6,18 +6,17 @@
 
 #include "halfspace/fit.h"
 #include "kernels/error.h"
-#include "kernels/exact/default_fp_mode.h"
 #include "kernels/exact/exact_bound.h"
+#include "kernels/fit/instantiate.h"
 #include "kernels/fit/point_sources.h"
 #include "kernels/memory_checks.h"
 
 namespace halfspace {
 namespace {
 
+using kernels::Build;
 using kernels::CanBeBounded;
 using kernels::ExactRanges;
-using kernels::Finish;
-using kernels::InDefaultFpMode;
 using kernels::PointAt;
 using kernels::ThrowInvalid;
 
@@ -38,9 +37,9 @@ std::optional<Aabo<kDims>> TryHull(std::size_t count, const AtIndex& at) {
 template <int kDims, typename Source>
 Aabo<kDims> BoundHull(const Source& points, FitStatus* status) {
   if (points.count != 0) kernels::CheckPoints("BoundPoints", points);
-  return InDefaultFpMode([&] {
-    const auto at = [&](std::size_t i) { return PointAt(points, i); };
-    return Finish(TryHull<kDims>(points.count, at), status);
+  return Build(status, [&] {
+    return TryHull<kDims>(points.count,
+                          [&](std::size_t i) { return PointAt(points, i); });
   });
 }
 
@@ -62,9 +61,10 @@ Aabo<kDims> BoundIndexed(const Source& points,
     }
   }
   if (!indices.empty()) kernels::CheckPoints("BoundPoints", points);
-  return InDefaultFpMode([&] {
-    const auto at = [&](std::size_t i) { return PointAt(points, indices[i]); };
-    return Finish(TryHull<kDims>(indices.size(), at), status);
+  return Build(status, [&] {
+    return TryHull<kDims>(indices.size(), [&](std::size_t i) {
+      return PointAt(points, indices[i]);
+    });
   });
 }
 
@@ -97,26 +97,23 @@ Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
 template <int kDims, typename Scalar>
 Aabo<kDims> BoundSegment(const Segment<kDims, Scalar>& segment,
                          FitStatus* status) {
-  return InDefaultFpMode([&] {
-    const auto at = [&](std::size_t i) {
-      return i == 0 ? segment.a : segment.b;
-    };
-    return Finish(TryHull<kDims>(2, at), status);
+  return Build(status, [&] {
+    return TryHull<kDims>(
+        2, [&](std::size_t i) { return i == 0 ? segment.a : segment.b; });
   });
 }
 
 template <int kDims, typename Scalar>
 Aabo<kDims> BoundTriangle(const Triangle<kDims, Scalar>& triangle,
                           FitStatus* status) {
-  return InDefaultFpMode([&] {
-    const auto at = [&](std::size_t i) {
+  return Build(status, [&] {
+    return TryHull<kDims>(3, [&](std::size_t i) {
       return i == 0 ? triangle.a : i == 1 ? triangle.b : triangle.c;
-    };
-    return Finish(TryHull<kDims>(3, at), status);
+    });
   });
 }
 
-#define HALFSPACE_INSTANTIATE_OF(d, Scalar)                                \
+#define HALFSPACE_INSTANTIATE(d, Scalar)                                   \
   template HALFSPACE_API Aabo<d> BoundPoints(const Points<d, Scalar>&,     \
                                              FitStatus*);                  \
   template HALFSPACE_API Aabo<d> BoundPoints(const PointsSoa<d, Scalar>&,  \
@@ -129,13 +126,7 @@ Aabo<kDims> BoundTriangle(const Triangle<kDims, Scalar>& triangle,
                                               FitStatus*);                 \
   template HALFSPACE_API Aabo<d> BoundTriangle(const Triangle<d, Scalar>&, \
                                                FitStatus*)
-#define HALFSPACE_INSTANTIATE(d)      \
-  HALFSPACE_INSTANTIATE_OF(d, float); \
-  HALFSPACE_INSTANTIATE_OF(d, double)
-HALFSPACE_INSTANTIATE(2);
-HALFSPACE_INSTANTIATE(3);
-HALFSPACE_INSTANTIATE(4);
+HALFSPACE_FOR_ALL_SHAPES(HALFSPACE_INSTANTIATE);
 #undef HALFSPACE_INSTANTIATE
-#undef HALFSPACE_INSTANTIATE_OF
 
 }  // namespace halfspace

@@ -5,31 +5,31 @@
 #include <optional>
 
 #include "halfspace/fit.h"
-#include "kernels/exact/default_fp_mode.h"
 #include "kernels/exact/exact_bound.h"
 #include "kernels/exact/outward.h"
 #include "kernels/exact/root_of_dims.h"
+#include "kernels/fit/instantiate.h"
 
 namespace halfspace {
 namespace {
 
+using kernels::Build;
 using kernels::CanBeBounded;
 using kernels::ExactRanges;
-using kernels::Finish;
-using kernels::InDefaultFpMode;
 using kernels::MagnitudeGuard;
 using kernels::RoundDown;
 using kernels::RoundUp;
 using kernels::SumExactly;
 
 template <int kDims, typename Scalar>
-std::optional<Aabo<kDims>> TryAabb(const Point<kDims, Scalar>& min,
-                                   const Point<kDims, Scalar>& max) {
-  if (!CanBeBounded(min) || !CanBeBounded(max)) return std::nullopt;
+std::optional<Aabo<kDims>> TryAabb(const Aabb<kDims, Scalar>& box) {
+  if (IsEmpty(box)) return Aabo<kDims>::Empty();
+  kernels::CheckOrder("BoundAabb", box.min, box.max);
+  if (!CanBeBounded(box.min) || !CanBeBounded(box.max)) return std::nullopt;
   // D falls as the coordinates rise: its extremes are at the two corners.
   ExactRanges<kDims> ranges;
-  ranges.AddPoint(min);
-  ranges.AddPoint(max);
+  ranges.AddPoint(box.min);
+  ranges.AddPoint(box.max);
   return ranges.Bound();
 }
 
@@ -71,28 +71,17 @@ std::optional<Aabo<kDims>> TrySpheres(
 
 }  // namespace
 
-template <int kDims>
-Aabo<kDims> BoundAabb(const Aabb<kDims>& box, FitStatus* status) {
-  return BoundAabb(Box<kDims>{box.min, box.max}, status);
-}
-
 template <int kDims, typename Scalar>
-Aabo<kDims> BoundAabb(const Box<kDims, Scalar>& box, FitStatus* status) {
-  return InDefaultFpMode([&] {
-    if (IsEmpty(Aabb<kDims, Scalar>{box.min, box.max}))
-      return Finish<Aabo<kDims>>(Aabo<kDims>::Empty(), status);
-    kernels::CheckOrder("BoundAabb", box.min, box.max);
-    return Finish(TryAabb<kDims, Scalar>(box.min, box.max), status);
-  });
+Aabo<kDims> BoundAabb(const Aabb<kDims, Scalar>& box, FitStatus* status) {
+  return Build(status, [&] { return TryAabb(box); });
 }
 
 template <int kDims, typename Scalar>
 Aabo<kDims> BoundSphere(const Sphere<kDims, Scalar>& sphere,
                         FitStatus* status) {
-  return InDefaultFpMode([&] {
+  return Build(status, [&] {
     kernels::CheckLength("BoundSphere", "sphere.radius", sphere.radius);
-    return Finish(
-        TrySpheres<kDims, Scalar, 1>({{sphere.center}}, sphere.radius), status);
+    return TrySpheres<kDims, Scalar, 1>({{sphere.center}}, sphere.radius);
   });
 }
 
@@ -100,28 +89,21 @@ Aabo<kDims> BoundSphere(const Sphere<kDims, Scalar>& sphere,
 template <int kDims, typename Scalar>
 Aabo<kDims> BoundCapsule(const Capsule<kDims, Scalar>& capsule,
                          FitStatus* status) {
-  return InDefaultFpMode([&] {
+  return Build(status, [&] {
     kernels::CheckLength("BoundCapsule", "capsule.radius", capsule.radius);
-    return Finish(
-        TrySpheres<kDims, Scalar, 2>({{capsule.a, capsule.b}}, capsule.radius),
-        status);
+    return TrySpheres<kDims, Scalar, 2>({{capsule.a, capsule.b}},
+                                        capsule.radius);
   });
 }
 
-#define HALFSPACE_INSTANTIATE_OF(d, Scalar)                                    \
-  template HALFSPACE_API Aabo<d> BoundAabb(const Box<d, Scalar>&, FitStatus*); \
-  template HALFSPACE_API Aabo<d> BoundSphere(const Sphere<d, Scalar>&,         \
-                                             FitStatus*);                      \
-  template HALFSPACE_API Aabo<d> BoundCapsule(const Capsule<d, Scalar>&,       \
+#define HALFSPACE_INSTANTIATE(d, Scalar)                                 \
+  template HALFSPACE_API Aabo<d> BoundAabb(const Aabb<d, Scalar>&,       \
+                                           FitStatus*);                  \
+  template HALFSPACE_API Aabo<d> BoundSphere(const Sphere<d, Scalar>&,   \
+                                             FitStatus*);                \
+  template HALFSPACE_API Aabo<d> BoundCapsule(const Capsule<d, Scalar>&, \
                                               FitStatus*)
-#define HALFSPACE_INSTANTIATE(d)                                        \
-  template HALFSPACE_API Aabo<d> BoundAabb(const Aabb<d>&, FitStatus*); \
-  HALFSPACE_INSTANTIATE_OF(d, float);                                   \
-  HALFSPACE_INSTANTIATE_OF(d, double)
-HALFSPACE_INSTANTIATE(2);
-HALFSPACE_INSTANTIATE(3);
-HALFSPACE_INSTANTIATE(4);
+HALFSPACE_FOR_ALL_SHAPES(HALFSPACE_INSTANTIATE);
 #undef HALFSPACE_INSTANTIATE
-#undef HALFSPACE_INSTANTIATE_OF
 
 }  // namespace halfspace

@@ -10,18 +10,17 @@
 
 #include "halfspace/detail/plane_arrays.h"
 #include "kernels/error.h"
-#include "kernels/exact/default_fp_mode.h"
 #include "kernels/exact/exact_bound.h"
 #include "kernels/exact/outward.h"
 #include "kernels/exact/root_of_dims.h"
+#include "kernels/fit/instantiate.h"
 
 namespace halfspace {
 namespace {
 
 using detail::HasMax;
 using detail::HasMin;
-using kernels::Finish;
-using kernels::InDefaultFpMode;
+using kernels::Build;
 using kernels::RoundDown;
 using kernels::SumExactly;
 
@@ -72,11 +71,11 @@ HALFSPACE_NOINLINE std::optional<Bound> TryChange(const Bound& bound,
 // In the default mode, which the callers set. Nothing stays nothing, whatever
 // the change; by an amount that is not finite, all else becomes everything.
 template <typename Bound, typename Change>
-Bound ChangePlanes(const Bound& bound, bool is_finite, const Change& change,
-                   FitStatus* status) {
-  if (IsEmpty(bound)) return Finish<Bound>(Bound::Empty(), status);
-  if (!is_finite) return Finish<Bound>(std::nullopt, status);
-  return Finish(TryChange(bound, change), status);
+std::optional<Bound> ChangePlanes(const Bound& bound, bool is_finite,
+                                  const Change& change) {
+  if (IsEmpty(bound)) return Bound::Empty();
+  if (!is_finite) return std::nullopt;
+  return TryChange(bound, change);
 }
 
 template <typename Bound>
@@ -138,7 +137,10 @@ HALFSPACE_NOINLINE std::optional<std::array<float, kAxes>> TryOpposing(
 }
 
 template <typename Bound>
-std::optional<Bound> TryMerge(const Bound& a, const Bound& b) {
+std::optional<Bound> TryMerge(const Bound& first, const Bound& second) {
+  const Bound& a = IsEmpty(first) ? second : first;
+  const Bound& b = IsEmpty(second) ? first : second;
+  if (IsEmpty(a)) return Bound::Empty();
   bool ok = true;
   const auto merged = [&](float one, float other) {
     ok &= IsValid(one) && IsValid(other);
@@ -186,21 +188,11 @@ std::optional<Bound> TryMoveVertices(const Bound& bound,
     terms[2 * kDims] = minimum;
     return RoundDown(SumExactly(terms));
   };
-  return TryChange(bound, moved);
+  return ChangePlanes(bound, IsFinite(by), moved);
 }
 
 template <typename Bound>
-Bound MoveVertices(const Bound& bound, const Point<Bound::kDimensions>& by,
-                   FitStatus* status) {
-  return InDefaultFpMode([&] {
-    if (IsEmpty(bound)) return Finish<Bound>(Bound::Empty(), status);
-    if (!IsFinite(by)) return Finish<Bound>(std::nullopt, status);
-    return Finish(TryMoveVertices(bound, by), status);
-  });
-}
-
-template <typename Bound>
-Bound ScaleInMode(const Bound& bound, float factor, FitStatus* status) {
+std::optional<Bound> TryScale(const Bound& bound, float factor) {
   constexpr bool kHasBothSides = HasMin<Bound> && HasMax<Bound>;
   const bool is_possible = kHasBothSides ? !std::isnan(factor) : factor >= 0.f;
   if (!is_possible) {
@@ -211,31 +203,26 @@ Bound ScaleInMode(const Bound& bound, float factor, FitStatus* status) {
   }
   if constexpr (kHasBothSides) {
     if (factor < 0.f && !IsEmpty(bound)) {
-      return ScaleInMode(Mirrored(bound), -factor, status);
+      return TryScale(Mirrored(bound), -factor);
     }
   }
   const auto scaled = [&](float minimum, std::size_t, double) {
     return RoundDown({double{minimum} * double{factor}, 0.0});
   };
   // An infinite factor shows in the products.
-  return ChangePlanes(bound, true, scaled, status);
+  return ChangePlanes(bound, true, scaled);
 }
 
 }  // namespace
 
 template <typename Bound, typename>
 Bound Merge(const Bound& a, const Bound& b, FitStatus* status) {
-  return InDefaultFpMode([&] {
-    const Bound& one = IsEmpty(a) ? b : a;
-    const Bound& other = IsEmpty(b) ? a : b;
-    if (IsEmpty(one)) return Finish<Bound>(Bound::Empty(), status);
-    return Finish(TryMerge(one, other), status);
-  });
+  return Build(status, [&] { return TryMerge(a, b); });
 }
 
 template <typename Bound, typename>
 Bound Inflate(const Bound& bound, float radius, FitStatus* status) {
-  return InDefaultFpMode([&] {
+  return Build(status, [&] {
     kernels::CheckLength("Inflate", "radius", radius);
     const auto inflated = [&](float minimum, std::size_t axis, double) {
       if (!IsD<Bound>(axis)) {
@@ -247,62 +234,54 @@ Bound Inflate(const Bound& bound, float radius, FitStatus* status) {
       return RoundDown(SumExactly(
           std::array<double, 4>{minimum, -reach[0], -reach[1], -reach[2]}));
     };
-    return ChangePlanes(bound, std::isfinite(radius), inflated, status);
+    return ChangePlanes(bound, std::isfinite(radius), inflated);
   });
 }
 
 template <typename Bound, typename>
 Bound InflateByBox(const Bound& bound, float margin, FitStatus* status) {
-  return InDefaultFpMode([&] {
+  return Build(status, [&] {
     kernels::CheckLength("InflateByBox", "margin", margin);
     const auto inflated = [&](float minimum, std::size_t axis, double) {
       const double times = IsD<Bound>(axis) ? double{Bound::kDimensions} : 1.0;
       return RoundDown(
           SumExactly(std::array<double, 2>{minimum, -times * margin}));
     };
-    return ChangePlanes(bound, std::isfinite(margin), inflated, status);
+    return ChangePlanes(bound, std::isfinite(margin), inflated);
   });
 }
 
 template <typename Bound, typename>
 Bound Translate(const Bound& bound, const Point<Bound::kDimensions>& by,
                 FitStatus* status) {
-  return InDefaultFpMode([&] {
+  return Build(status, [&] {
     const auto moved = [&](float minimum, std::size_t axis, double sign) {
       return Moved<Bound>(minimum, axis, sign, by);
     };
-    return ChangePlanes(bound, IsFinite(by), moved, status);
+    return ChangePlanes(bound, IsFinite(by), moved);
   });
 }
 
-template <int kDims>
-Aabb<kDims> TranslateVertices(const Aabb<kDims>& bound, const Point<kDims>& by,
-                              FitStatus* status) {
-  return MoveVertices(bound, by, status);
-}
-
-template <int kDims>
-Aabo<kDims> TranslateVertices(const Aabo<kDims>& bound, const Point<kDims>& by,
-                              FitStatus* status) {
-  return MoveVertices(bound, by, status);
+template <typename Bound, typename, typename>
+Bound TranslateVertices(const Bound& bound, const Point<Bound::kDimensions>& by,
+                        FitStatus* status) {
+  return Build(status, [&] { return TryMoveVertices(bound, by); });
 }
 
 template <typename Bound, typename>
 Bound Scale(const Bound& bound, float factor, FitStatus* status) {
-  return InDefaultFpMode([&] { return ScaleInMode(bound, factor, status); });
+  return Build(status, [&] { return TryScale(bound, factor); });
 }
 
 template <int kDims>
 DownSimplex<kDims> Circumscribe(const UpSimplex<kDims>& simplex,
                                 FitStatus* status) {
   using Result = DownSimplex<kDims>;
-  return InDefaultFpMode([&] {
-    if (IsEmpty(simplex)) {
-      return Finish<Result>(Result::Empty(), status);
-    }
+  return Build(status, [&]() -> std::optional<Result> {
+    if (IsEmpty(simplex)) return Result::Empty();
     const auto opposing = TryOpposing(simplex.min);
-    if (!opposing) return Finish<Result>(std::nullopt, status);
-    return Finish<Result>(Result{Negated(*opposing)}, status);
+    if (!opposing) return std::nullopt;
+    return Result{Negated(*opposing)};
   });
 }
 
@@ -310,13 +289,11 @@ template <int kDims>
 UpSimplex<kDims> Circumscribe(const DownSimplex<kDims>& simplex,
                               FitStatus* status) {
   using Result = UpSimplex<kDims>;
-  return InDefaultFpMode([&] {
-    if (IsEmpty(simplex)) {
-      return Finish<Result>(Result::Empty(), status);
-    }
+  return Build(status, [&]() -> std::optional<Result> {
+    if (IsEmpty(simplex)) return Result::Empty();
     const auto opposing = TryOpposing(Negated(simplex.max));
-    if (!opposing) return Finish<Result>(std::nullopt, status);
-    return Finish<Result>(Result{*opposing}, status);
+    if (!opposing) return std::nullopt;
+    return Result{*opposing};
   });
 }
 
@@ -340,9 +317,7 @@ UpSimplex<kDims> Circumscribe(const DownSimplex<kDims>& simplex,
                                                      FitStatus*);         \
   template HALFSPACE_API UpSimplex<d> Circumscribe(const DownSimplex<d>&, \
                                                    FitStatus*)
-HALFSPACE_INSTANTIATE(2);
-HALFSPACE_INSTANTIATE(3);
-HALFSPACE_INSTANTIATE(4);
+HALFSPACE_FOR_ALL_DIMS(HALFSPACE_INSTANTIATE);
 #undef HALFSPACE_INSTANTIATE
 #undef HALFSPACE_INSTANTIATE_BOUND
 

@@ -41,11 +41,9 @@ FitTally FitEach(const FitJob& job, const BoundOf& bound_of) {
 template <int kDims>
 FitTally FitBoxes(const FitJob& job) {
   return FitEach<kDims>(job, [&](std::size_t i) {
-    const Box<kDims, double> box = {ElementAt<kDims>(job, i),
-                                    ElementAt<kDims>(job, i, kDims)};
-    if (IsEmpty(Aabb<kDims, double>{box.min, box.max})) {
-      return Aabo<kDims>::Empty();
-    }
+    const Aabb<kDims, double> box = {ElementAt<kDims>(job, i),
+                                     ElementAt<kDims>(job, i, kDims)};
+    if (IsEmpty(box)) return Aabo<kDims>::Empty();
     bool is_inverted = false;
     bool is_number = true;
     for (std::size_t k = 0; k < kDims; ++k) {

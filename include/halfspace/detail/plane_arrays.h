@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "halfspace/bounds.h"
 #include "halfspace/detail/block_memory.h"
 #include "halfspace/export.h"
 #include "halfspace/memory.h"
@@ -17,15 +18,6 @@
 namespace halfspace::detail {
 
 inline constexpr std::size_t kMaxPlanes = 10;  // Aabo<4>
-
-template <typename Bound, typename = void>
-inline constexpr bool HasMin = false;
-template <typename Bound>
-inline constexpr bool HasMin<Bound, std::void_t<decltype(Bound::min)>> = true;
-template <typename Bound, typename = void>
-inline constexpr bool HasMax = false;
-template <typename Bound>
-inline constexpr bool HasMax<Bound, std::void_t<decltype(Bound::max)>> = true;
 
 template <typename Bound>
 inline constexpr std::size_t kPlaneCount =

@@ -66,7 +66,8 @@ void ExpectOnlyFloats() {
   EXPECT_TRUE(Sweeps<Floats> && !Sweeps<Doubles>);
   EXPECT_FALSE(TranslatesVertices<Doubles>);
   EXPECT_FALSE(Circumscribes<Doubles>);
-  EXPECT_FALSE(BuildsFromBox<Doubles>);
+  // The one builder of a bound of floats from one of doubles.
+  EXPECT_TRUE(BuildsFromBox<Floats> && BuildsFromBox<Doubles>);
 }
 
 // Of a program, with what a bound has.

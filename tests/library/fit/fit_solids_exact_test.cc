@@ -36,9 +36,7 @@ TYPED_TEST(FitSolidsExactTest, Boxes) {
   constexpr int kDims = TypeParam::value;
   ForEachSample(30, kSamples, 3, [](PointKind kind, Random& random) {
     const auto box = RandomBox<kDims, float>(kind, random);
-    const auto bound = BoundAabb(box);
-    ASSERT_TRUE(HullOf(box).IsEnclosedBy(bound, kTightest));
-    ASSERT_EQ(BoundAabb(Aabb<kDims>{box.min, box.max}), bound);
+    ASSERT_TRUE(HullOf(box).IsEnclosedBy(BoundAabb(box), kTightest));
     const auto wide = RandomBox<kDims, double>(kind, random);
     ASSERT_TRUE(HullOf(wide).IsEnclosedBy(BoundAabb(wide), kTightest));
   });
