@@ -513,9 +513,9 @@ def _is_readable(arrays: Sequence[np.ndarray], dtype: np.dtype) -> bool:
 def _without_nan(array: np.ndarray, name: str) -> Table:
     single = array.ndim == 1
     table = _table([array.reshape(1, -1) if single else array], single, name, None)
-    bad = _halfspace.first_nan(table.arrays)
-    if bad >= 0:
-        where = name if single else f"{name}[{bad}]"
+    bad = np.isnan(table.arrays[0]).any(axis=1)
+    if bad.any():
+        where = name if single else f"{name}[{bad.argmax()}]"
         raise ValueError(f"{where}: expected numbers, got NaN")
     return table
 

@@ -276,7 +276,7 @@ class BroadPhase:
 
         For tests and bug reports. It must not run at the same time as `move`.
         """
-        return self._bodies.validate()
+        return bool(self._bodies.validate())
 
     def __len__(self) -> int:
         """The number of bodies."""
@@ -332,7 +332,7 @@ class BroadPhase:
         if starts.columns != 2 * self.dims:
             arrays = (_arrays.floats(arrays),)
         ids, t = self._bodies.cast(
-            arrays, motions, _arrays.mask(mask), _arrays.threads(threads)
+            arrays, (motions,), _arrays.mask(mask), _arrays.threads(threads)
         )
         return (int(ids[0]), float(t[0])) if single else (ids, t)
 
@@ -340,7 +340,7 @@ class BroadPhase:
         table = _arrays.boxes(value, "boxes", self.dims, axes=self._axes)
         if table.columns == 2 * self._axes:
             return table
-        return table._replace(arrays=(_halfspace.octahedra(table.arrays),))
+        return table._replace(arrays=(self._bodies.octahedra(table.arrays),))
 
     def _rows(self, ids: Any, boxes: Any) -> Tuple[_arrays.Table, np.ndarray]:
         table, wanted = self._boxes(boxes), _arrays.ids(ids, "ids")

@@ -397,7 +397,7 @@ class BVH:
             self.dims,
         )
         rays = _arrays.floats((*starts.arrays, motions))
-        ids, t = self._tree.raycast(rays, _arrays.threads(threads), progress)
+        ids, t = self._tree.raycast((rays,), _arrays.threads(threads), progress)
         return (int(ids[0]), float(t[0])) if single else (ids, t)
 
     def pairs(
@@ -538,8 +538,9 @@ def join(
 
 
 def _load(blob: Any, name: str, verify: bool) -> _halfspace.Tree:
+    data = np.frombuffer(blob, np.uint8)
     try:
-        return _halfspace.Tree.from_blob(blob, bool(verify))
+        return _halfspace.Tree.from_blob(data, bool(verify))
     except ValueError as error:
         # Without the name of the C argument.
         text = str(error)

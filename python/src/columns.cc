@@ -1,7 +1,6 @@
 #include "columns.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <new>
 #include <stdexcept>
@@ -51,19 +50,6 @@ std::ptrdiff_t FirstBadBoxOf(const hs_columns& boxes, std::size_t dims) {
   return -1;
 }
 
-template <typename Scalar>
-std::ptrdiff_t FirstNanOf(const hs_columns& records, std::size_t columns) {
-  for (std::size_t i = 0; i < records.count; ++i) {
-    for (std::size_t k = 0; k < columns; ++k) {
-      const auto* const column = static_cast<const Scalar*>(records.column[k]);
-      if (std::isnan(column[i * records.stride])) {
-        return static_cast<std::ptrdiff_t>(i);
-      }
-    }
-  }
-  return -1;
-}
-
 }  // namespace
 
 void Check(hs_status status) {
@@ -108,10 +94,6 @@ Columns::Columns(const py::tuple& arrays) : hs_columns{} {
   check(!is_first);
 }
 
-void Columns::CheckSize(std::size_t expected) const {
-  if (size != expected) ThrowNotPrepared();
-}
-
 hs_columns Columns::Rows(std::size_t first, std::size_t most) const {
   hs_columns rows = *this;
   rows.count = std::min(most, count - first);
@@ -140,11 +122,6 @@ hs_columns BoxIn(const py::array& array, std::size_t dims) {
 std::ptrdiff_t FirstBadBox(const hs_columns& boxes, std::size_t dims) {
   return boxes.type == HS_FLOAT64 ? FirstBadBoxOf<double>(boxes, dims)
                                   : FirstBadBoxOf<float>(boxes, dims);
-}
-
-std::ptrdiff_t FirstNan(const hs_columns& records, std::size_t columns) {
-  return records.type == HS_FLOAT64 ? FirstNanOf<double>(records, columns)
-                                    : FirstNanOf<float>(records, columns);
 }
 
 }  // namespace halfspace::python
