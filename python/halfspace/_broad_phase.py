@@ -324,15 +324,9 @@ class BroadPhase:
         mask: Optional[int],
         threads: Optional[int],
     ) -> Tuple[Any, Any]:
-        starts, motions, single = _arrays.casts(
-            starts, name, directions, max_t, self.dims
-        )
-        # Boxes of doubles are rounded outward, and points to the nearest.
-        arrays = starts.arrays
-        if starts.columns != 2 * self.dims:
-            arrays = (_arrays.floats(arrays),)
+        casts, single = _arrays.casts(starts, name, directions, max_t, self.dims)
         ids, t = self._bodies.cast(
-            arrays, (motions,), _arrays.mask(mask), _arrays.threads(threads)
+            *casts, _arrays.mask(mask), _arrays.threads(threads)
         )
         return (int(ids[0]), float(t[0])) if single else (ids, t)
 

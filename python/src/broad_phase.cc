@@ -97,12 +97,12 @@ Columns BoundsOf(const ShortIds& ids, const py::tuple& arrays) {
 }
 
 std::unique_ptr<Bodies> MakeBodies(std::size_t max_ids, std::size_t dims,
-                                   bool is_aabo, float margin) {
+                                   bool is_aabo, double margin) {
   hs_broad_phase_config config;
   Check(hs_broad_phase_config_default(&config, sizeof(config)));
   config.kind = is_aabo ? (dims == 2 ? HS_OCTAHEDRON2 : HS_OCTAHEDRON3)
                         : (dims == 2 ? HS_BOX2 : HS_BOX3);
-  config.margin = margin;
+  config.margin = RoundUp(margin);
   config.max_ids = max_ids;
   hs_broad_phase* bodies = nullptr;
   Check(hs_broad_phase_create(&config, &bodies));
@@ -171,23 +171,36 @@ py::object QueryOne(const Bodies& bodies, const py::array& array,
 
 // The first body of each ray, or of each sphere or box that moves.
 py::tuple Cast(const Bodies& bodies, const py::tuple& start_arrays,
-               const py::tuple& motion_arrays, std::uint64_t mask,
-               std::size_t threads) {
+               const py::tuple& direction_arrays, const py::tuple& limit_arrays,
+               std::uint64_t mask, std::size_t threads) {
   const Columns starts(start_arrays);
-  const Columns motions(motion_arrays);
+  const Columns directions(direction_arrays);
+  const Columns limits(limit_arrays);
   const std::size_t dims = bodies.dims;
-  if (starts.count != motions.count) ThrowNotPrepared();
+  CheckCasts(starts, directions, limits, dims);
   const hs_shape shape = starts.size == dims       ? HS_SHAPE_POINT
                          : starts.size == dims + 1 ? HS_SHAPE_SPHERE
                                                    : HS_SHAPE_BOX;
   Work work(threads, py::none());
-  return CastAll(starts.count, work,
-                 [&](std::size_t first, std::uint32_t* ids, float* ts) {
-                   const hs_columns from = starts.Rows(first, kPartQueries);
-                   const hs_columns by = motions.Rows(first, kPartQueries);
-                   Check(hs_broad_phase_cast(bodies.get(), shape, &from, &by,
-                                             mask, ids, ts));
-                 });
+  return CastAll(
+      starts.count, work,
+      [&](std::size_t first, std::uint32_t* ids, float* ts) {
+        std::array<float, kPartQueries * HS_MAX_COLUMNS> rows;
+        std::array<float, kPartQueries * HS_MAX_COLUMNS> start_rows;
+        hs_columns from = starts.Rows(first, kPartQueries);
+        if (shape != HS_SHAPE_BOX) {
+          WriteFloats(from, starts.size, starts.size, start_rows.data());
+          from = hs_float_rows(start_rows.data(), from.count, starts.size);
+        }
+        WriteFloats(directions.Rows(first, kPartQueries), dims, dims + 1,
+                    rows.data());
+        WriteFloats(limits.Rows(first, kPartQueries), 1, dims + 1,
+                    rows.data() + dims);
+        const hs_columns motions =
+            hs_float_rows(rows.data(), from.count, dims + 1);
+        Check(hs_broad_phase_cast(bodies.get(), shape, &from, &motions, mask,
+                                  ids, ts));
+      });
 }
 
 // An array of shape (n, 2).
@@ -202,7 +215,7 @@ Ids ToArray(const Pairs& pairs) {
 }
 
 // `masks` has an element for each id, or none.
-Ids PairsOf(const Bodies& bodies, const ShortIds& ids, float margin,
+Ids PairsOf(const Bodies& bodies, const ShortIds& ids, double margin,
             const Masks& masks) {
   if (masks.size() != 0 && masks.size() != ids.size()) ThrowNotPrepared();
   const std::uint64_t* const its_masks =
@@ -213,7 +226,7 @@ Ids PairsOf(const Bodies& bodies, const ShortIds& ids, float margin,
     return HS_CONTINUE;
   };
   Call(&hs_broad_phase_for_each_pair_of, bodies.get(), ids.data(), its_masks,
-       Length(ids), margin, add, &pairs);
+       Length(ids), RoundUp(margin), add, &pairs);
   return ToArray(pairs);
 }
 

@@ -1,6 +1,7 @@
 #include "columns.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <new>
 #include <stdexcept>
@@ -30,7 +31,8 @@ bool ReadType(const py::array& array, hs_scalar& type) {
 }
 
 template <typename Scalar>
-std::ptrdiff_t FirstBadBoxOf(const hs_columns& boxes, std::size_t dims) {
+std::ptrdiff_t FirstBadBoxOf(const hs_columns& boxes, std::size_t dims,
+                             std::size_t first_maximum) {
   constexpr Scalar kInf = std::numeric_limits<Scalar>::infinity();
   for (std::size_t i = 0; i < boxes.count; ++i) {
     bool is_good = true;
@@ -41,7 +43,7 @@ std::ptrdiff_t FirstBadBoxOf(const hs_columns& boxes, std::size_t dims) {
             boxes.column[column])[i * boxes.stride];
       };
       const Scalar min = at(k);
-      const Scalar max = at(dims + k);
+      const Scalar max = at(first_maximum + k);
       is_good &= min <= max;  // not for a NaN
       is_empty &= min == kInf && max == -kInf;
     }
@@ -115,13 +117,34 @@ hs_columns BoxIn(const py::array& array, std::size_t dims) {
   for (std::size_t k = 0; k < 2 * dims; ++k) {
     box.column[k] = static_cast<const char*>(array.data()) + k * BytesOf(box);
   }
-  if (FirstBadBox(box, dims) >= 0) box.count = 0;
+  if (FirstBadBox(box, dims, dims) >= 0) box.count = 0;
   return box;
 }
 
-std::ptrdiff_t FirstBadBox(const hs_columns& boxes, std::size_t dims) {
-  return boxes.type == HS_FLOAT64 ? FirstBadBoxOf<double>(boxes, dims)
-                                  : FirstBadBoxOf<float>(boxes, dims);
+std::ptrdiff_t FirstBadBox(const hs_columns& boxes, std::size_t dims,
+                           std::size_t first_maximum) {
+  return boxes.type == HS_FLOAT64
+             ? FirstBadBoxOf<double>(boxes, dims, first_maximum)
+             : FirstBadBoxOf<float>(boxes, dims, first_maximum);
+}
+
+void WriteFloats(const hs_columns& records, std::size_t columns,
+                 std::size_t step, float* to) {
+  for (std::size_t k = 0; k < columns; ++k) {
+    for (std::size_t i = 0; i < records.count; ++i) {
+      const std::size_t at = i * records.stride;
+      to[i * step + k] = records.type == HS_FLOAT64
+                             ? static_cast<float>(static_cast<const double*>(
+                                   records.column[k])[at])
+                             : static_cast<const float*>(records.column[k])[at];
+    }
+  }
+}
+
+float RoundUp(double value) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  const auto nearest = static_cast<float>(value);
+  return nearest < value ? std::nextafter(nearest, kInf) : nearest;
 }
 
 }  // namespace halfspace::python

@@ -44,8 +44,17 @@ struct Columns : hs_columns {
 hs_columns BoxIn(const pybind11::array& array, std::size_t dims);
 
 // The first box with a NaN, or with a minimum above its maximum that is not
-// empty, or -1.
-std::ptrdiff_t FirstBadBox(const hs_columns& boxes, std::size_t dims);
+// empty, or -1. Points are boxes whose maxima are their minima, in column 0.
+std::ptrdiff_t FirstBadBox(const hs_columns& boxes, std::size_t dims,
+                           std::size_t first_maximum);
+
+// Writes the first columns as the nearest floats, one record each `step`
+// floats.
+void WriteFloats(const hs_columns& records, std::size_t columns,
+                 std::size_t step, float* to);
+
+// The least float that is not below a number.
+float RoundUp(double value);
 
 }  // namespace halfspace::python
 

@@ -45,8 +45,14 @@ PYBIND11_MODULE(_halfspace, module) {
   module.def("first_bad_box", [](const py::tuple& arrays) {
     const Columns boxes(arrays);
     const py::gil_scoped_release release;
-    return FirstBadBox(boxes, boxes.size / 2);
+    return FirstBadBox(boxes, boxes.size / 2, boxes.size / 2);
   });
+  module.def("first_nan", [](const py::tuple& arrays) {
+    const Columns points(arrays);
+    const py::gil_scoped_release release;
+    return FirstBadBox(points, points.size, 0);
+  });
+  module.def("round_up", py::vectorize(&RoundUp));
   module.def("targets", [] {
     py::list names;
     for (std::size_t i = 0; i < hs_target_count(); ++i) {

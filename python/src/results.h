@@ -219,6 +219,15 @@ inline std::int64_t LongId(std::uint32_t id) {
   return id == HS_NO_ID ? -1 : std::int64_t{id};
 }
 
+// The directions have no less columns than a start has coordinates.
+inline void CheckCasts(const Columns& starts, const Columns& directions,
+                       const Columns& limits, std::size_t dims) {
+  if (directions.count != starts.count || limits.count != starts.count ||
+      starts.size < dims || directions.size < dims || limits.size < 1) {
+    ThrowNotPrepared();
+  }
+}
+
 // Returns the ids and the t that cast(first, ids, ts) writes for each part.
 template <typename Cast>
 pybind11::tuple CastAll(std::size_t casts, Work& work, const Cast& cast) {

@@ -382,7 +382,7 @@ py::array_t<bool> Any(Tree& tree, const py::tuple& arrays, std::size_t threads,
 }
 
 py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
-                  float max_distance, bool is_exclusive, std::size_t threads,
+                  double max_distance, bool is_exclusive, std::size_t threads,
                   py::object progress) {
   const Columns queries(arrays);
   const bool are_points = queries.size == tree.dims;
@@ -398,6 +398,7 @@ py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
   float* const its_distances = distances.mutable_data();
   Work work(threads, std::move(progress));
   const Reading reading(tree);
+  const float limit = RoundUp(max_distance);
   // As many queries in a part as have about this number of results.
   constexpr std::size_t kPartResults = 4096;
   std::size_t in_part =
@@ -407,23 +408,38 @@ py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
   ForEachPart(n, in_part, work, [&](std::size_t first, std::size_t) {
     const hs_columns some = queries.Rows(first, in_part);
     std::vector<std::uint32_t> found(some.count * k);
-    Check(nearest(tree.bvh.get(), &some, k, max_distance, &options,
-                  found.data(), its_distances + first * k));
+    Check(nearest(tree.bvh.get(), &some, k, limit, &options, found.data(),
+                  its_distances + first * k));
     std::transform(found.begin(), found.end(), to + first * k, LongId);
   });
   work.Finish();
   return py::make_tuple(ids, distances);
 }
 
-py::tuple CastRays(Tree& tree, const py::tuple& arrays, std::size_t threads,
+py::tuple CastRays(Tree& tree, const py::tuple& origin_arrays,
+                   const py::tuple& direction_arrays,
+                   const py::tuple& limit_arrays, std::size_t threads,
                    py::object progress) {
-  const Columns rays(arrays);
+  const Columns origins(origin_arrays);
+  const Columns directions(direction_arrays);
+  const Columns limits(limit_arrays);
+  CheckCasts(origins, directions, limits, tree.dims);
   Work work(threads, std::move(progress));
   const Reading reading(tree);
   return CastAll(
-      rays.count, work, [&](std::size_t first, std::uint32_t* ids, float* ts) {
-        const hs_columns some = rays.Rows(first, kPartQueries);
-        Check(hs_bvh_raycast(tree.bvh.get(), &some, 0, nullptr, ids, ts));
+      origins.count, work,
+      [&](std::size_t first, std::uint32_t* ids, float* ts) {
+        std::array<float, kPartQueries * HS_MAX_COLUMNS> rows;
+        const std::size_t dims = tree.dims;
+        const std::size_t values = 2 * dims + 1;
+        const hs_columns from = origins.Rows(first, kPartQueries);
+        WriteFloats(from, dims, values, rows.data());
+        WriteFloats(directions.Rows(first, kPartQueries), dims, values,
+                    rows.data() + dims);
+        WriteFloats(limits.Rows(first, kPartQueries), 1, values,
+                    rows.data() + 2 * dims);
+        const hs_columns rays = hs_float_rows(rows.data(), from.count, values);
+        Check(hs_bvh_raycast(tree.bvh.get(), &rays, 0, nullptr, ids, ts));
       });
 }
 
