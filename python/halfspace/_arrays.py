@@ -91,11 +91,13 @@ def directions(value: Any, name: str, dims: int) -> Table:
     return points(value, name, dims)
 
 
+Arrays = Tuple[np.ndarray, ...]
+
+
 def casts(
     starts: Table, name: str, ways: Any, max_t: Any, dims: int
-) -> Tuple[Table, np.ndarray, bool]:
-    """The starts, the directions and limits as rows of floats, and whether it is one
-    cast."""
+) -> Tuple[Tuple[Arrays, Arrays, Arrays], bool]:
+    """The arrays of starts, directions and limits, and whether it is one cast."""
     motions = directions(ways, "directions", dims)
     single = starts.single and motions.single
     count = motions.length if starts.single else starts.length
@@ -106,24 +108,7 @@ def casts(
             f"{motions.length} and {starts.length}"
         )
     limits = per_row(max_t, "max_t", count)
-    return starts, floats(motions.arrays + limits.arrays), single
-
-
-def floats(arrays: Sequence[np.ndarray]) -> np.ndarray:
-    """The columns of tables as rows of the nearest float32."""
-    rows: np.ndarray = np.empty(
-        (arrays[0].shape[0], sum(a.shape[1] for a in arrays)), np.float32
-    )
-    with np.errstate(over="ignore"):
-        np.concatenate(arrays, axis=1, out=rows, casting="same_kind")
-    return rows
-
-
-def round_up(values: np.ndarray) -> np.ndarray:
-    """The least float32 that are not below numbers."""
-    with np.errstate(over="ignore"):
-        rounded = values.astype(np.float32)
-    return np.where(rounded < values, np.nextafter(rounded, np.float32(np.inf)), rounded)
+    return (starts.arrays, motions.arrays, limits.arrays), single
 
 
 def points_or_boxes(value: Any, name: str, dims: int) -> Table:
@@ -152,7 +137,7 @@ def per_row(value: Any, name: str, count: int) -> Table:
     if not (exact >= 0).all():
         raise ValueError(f"{name}: expected numbers that are not negative and not NaN")
     column: np.ndarray = np.empty((count, 1), np.float32)
-    column[:, 0] = round_up(exact)
+    column[:, 0] = _halfspace.round_up(np.atleast_1d(exact))
     return Table((column,), count, False)
 
 
@@ -283,7 +268,7 @@ def threads(value: Optional[int]) -> int:
 
 
 def not_negative(value: Any, name: str) -> float:
-    """A number from 0 to infinity, rounded up to float32."""
+    """A number from 0 to infinity, rounded up to float64."""
     _refuse_masked(value, name)
     try:
         number = float(value)
@@ -297,7 +282,7 @@ def not_negative(value: Any, name: str) -> float:
         raise ValueError(
             f"{name}: expected a number that is not negative, got {number}"
         )
-    return float(round_up(np.array(number)))
+    return number
 
 
 def positive(value: Any, name: str, most: int = 2**31 - 1) -> int:

@@ -276,7 +276,7 @@ class BroadPhase:
 
         For tests and bug reports. It must not run at the same time as `move`.
         """
-        return self._bodies.validate()
+        return bool(self._bodies.validate())
 
     def __len__(self) -> int:
         """The number of bodies."""
@@ -324,15 +324,9 @@ class BroadPhase:
         mask: Optional[int],
         threads: Optional[int],
     ) -> Tuple[Any, Any]:
-        starts, motions, single = _arrays.casts(
-            starts, name, directions, max_t, self.dims
-        )
-        # Boxes of doubles are rounded outward, and points to the nearest.
-        arrays = starts.arrays
-        if starts.columns != 2 * self.dims:
-            arrays = (_arrays.floats(arrays),)
+        casts, single = _arrays.casts(starts, name, directions, max_t, self.dims)
         ids, t = self._bodies.cast(
-            arrays, motions, _arrays.mask(mask), _arrays.threads(threads)
+            *casts, _arrays.mask(mask), _arrays.threads(threads)
         )
         return (int(ids[0]), float(t[0])) if single else (ids, t)
 
@@ -340,7 +334,7 @@ class BroadPhase:
         table = _arrays.boxes(value, "boxes", self.dims, axes=self._axes)
         if table.columns == 2 * self._axes:
             return table
-        return table._replace(arrays=(_halfspace.octahedra(table.arrays),))
+        return table._replace(arrays=(self._bodies.octahedra(table.arrays),))
 
     def _rows(self, ids: Any, boxes: Any) -> Tuple[_arrays.Table, np.ndarray]:
         table, wanted = self._boxes(boxes), _arrays.ids(ids, "ids")

@@ -389,15 +389,14 @@ class BVH:
         >>> ids
         array([0, 1])
         """
-        starts, motions, single = _arrays.casts(
+        rays, single = _arrays.casts(
             _arrays.points(origins, "origins", self.dims),
             "origins",
             directions,
             max_t,
             self.dims,
         )
-        rays = _arrays.floats((*starts.arrays, motions))
-        ids, t = self._tree.raycast(rays, _arrays.threads(threads), progress)
+        ids, t = self._tree.raycast(*rays, _arrays.threads(threads), progress)
         return (int(ids[0]), float(t[0])) if single else (ids, t)
 
     def pairs(
@@ -538,8 +537,9 @@ def join(
 
 
 def _load(blob: Any, name: str, verify: bool) -> _halfspace.Tree:
+    data = np.frombuffer(blob, np.uint8)
     try:
-        return _halfspace.Tree.from_blob(blob, bool(verify))
+        return _halfspace.Tree.from_blob(data, bool(verify))
     except ValueError as error:
         # Without the name of the C argument.
         text = str(error)

@@ -1,7 +1,10 @@
-#include "arrow.h"
+// Columns of the Arrow C data interface.
+#include <pybind11/numpy.h>
 
 #include <cstdint>
-#include <vector>
+#include <string>
+
+#include "module.h"
 
 namespace py = pybind11;
 
@@ -49,8 +52,8 @@ const Struct& In(const py::handle& capsule, const char* kind,
   return *content;
 }
 
-}  // namespace
-
+// Throws for nulls, and for types other than float and double. `name` is the
+// argument that messages name.
 py::array ArrowColumn(const py::object& object, const std::string& name) {
   const py::object made = object.attr("__arrow_c_array__")();
   if (!py::isinstance<py::tuple>(made) || py::len(made) != 2) {
@@ -89,6 +92,12 @@ py::array ArrowColumn(const py::object& object, const std::string& name) {
   if (array.length == 0 || values == nullptr) return py::array(type, 0);
   return py::array(type, {array.length}, {type.itemsize()},
                    values + array.offset * type.itemsize(), capsules[1]);
+}
+
+}  // namespace
+
+void DefineArrow(py::module_& module) {
+  module.def("arrow_column", &ArrowColumn);
 }
 
 }  // namespace halfspace::python

@@ -1,6 +1,5 @@
-#include "broad_phase.h"
-
-#include <algorithm>
+// The broad phase.
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -8,6 +7,7 @@
 #include <vector>
 
 #include "columns.h"
+#include "module.h"
 #include "results.h"
 #include "work.h"
 
@@ -20,6 +20,9 @@ namespace {
 using Masks = py::array_t<std::uint64_t, py::array::c_style>;
 using Pairs = std::vector<hs_id_pair>;
 
+// Queries of one part. A part whose ids do not fit runs twice.
+constexpr std::size_t kInPart = 64;
+
 struct DestroyBodies {
   void operator()(hs_broad_phase* bodies) const {
     hs_broad_phase_destroy(bodies);
@@ -30,22 +33,30 @@ struct DestroyBodies {
 struct Bodies {
   std::unique_ptr<hs_broad_phase, DestroyBodies> bodies;
   std::size_t dims;
+  hs_kind kind;
   std::size_t values;  // of a record
 
   hs_broad_phase* get() const { return bodies.get(); }
 };
 
-// Runs a C function without the interpreter's lock.
-template <typename Function>
-void Call(const Function& function) {
+// Calls a C function without the interpreter's lock.
+template <typename Function, typename... Arguments>
+void Call(Function function, const Arguments&... arguments) {
   const py::gil_scoped_release release;
-  Check(function());
+  Check(function(arguments...));
 }
 
-// The same for a function of hs_update_options.
-template <typename Function>
-void CallWithThreads(std::size_t budget, std::size_t threads,
-                     const Function& function) {
+template <typename Value, hs_status (*kFunction)(const hs_broad_phase*, Value*)>
+Value Ask(const Bodies& bodies) {
+  Value value{};
+  Call(kFunction, bodies.get(), &value);
+  return value;
+}
+
+// The same for a function that runs its parts on threads.
+template <typename Function, typename... Arguments>
+void Update(Function function, const Bodies& bodies, std::size_t budget,
+            std::size_t threads, const Arguments&... arguments) {
   Work work(threads, py::none());
   Threads its_threads(work, 1, 0, 0);
   hs_update_options options;
@@ -54,7 +65,15 @@ void CallWithThreads(std::size_t budget, std::size_t threads,
   options.run = &Threads::Run;
   options.run_context = &its_threads;
   const py::gil_scoped_release release;
-  its_threads.Check(function(&options));
+  its_threads.Check(function(bodies.get(), &options, arguments...));
+}
+
+// Writes the records of boxes.
+void BoundBoxes(hs_kind kind, const hs_columns& boxes, float* records) {
+  hs_bound_options options;
+  Check(hs_bound_options_default(&options, sizeof(options)));
+  options.tightest = 1;
+  Check(hs_bound_boxes(kind, &boxes, &options, records, nullptr));
 }
 
 std::size_t Length(const ShortIds& ids) {
@@ -71,49 +90,43 @@ const hs_body_masks* MasksIn(const Masks& masks, std::size_t count) {
 }
 
 // Bounds for the bodies `ids`.
-Columns BoundsIn(const Bodies& bodies, const ShortIds& ids,
-                 const py::tuple& arrays) {
+Columns BoundsOf(const ShortIds& ids, const py::tuple& arrays) {
   const Columns bounds(arrays);
-  bounds.CheckSize(bodies.values);
   if (Size(bounds.count) != ids.size()) ThrowNotPrepared();
   return bounds;
 }
 
 std::unique_ptr<Bodies> MakeBodies(std::size_t max_ids, std::size_t dims,
-                                   bool is_aabo, float margin) {
+                                   bool is_aabo, double margin) {
   hs_broad_phase_config config;
   Check(hs_broad_phase_config_default(&config, sizeof(config)));
   config.kind = is_aabo ? (dims == 2 ? HS_OCTAHEDRON2 : HS_OCTAHEDRON3)
                         : (dims == 2 ? HS_BOX2 : HS_BOX3);
-  config.margin = margin;
+  config.margin = RoundUp(margin);
   config.max_ids = max_ids;
   hs_broad_phase* bodies = nullptr;
   Check(hs_broad_phase_create(&config, &bodies));
   return std::make_unique<Bodies>(
       Bodies{std::unique_ptr<hs_broad_phase, DestroyBodies>(bodies), dims,
-             hs_bound_values(config.kind)});
+             config.kind, hs_bound_values(config.kind)});
 }
 
 void Insert(const Bodies& bodies, const ShortIds& ids, const py::tuple& arrays,
             const Masks& masks) {
-  const Columns bounds = BoundsIn(bodies, ids, arrays);
+  const Columns bounds = BoundsOf(ids, arrays);
   const hs_body_masks* const its_masks = MasksIn(masks, bounds.count);
-  Call([&] {
-    return hs_broad_phase_insert(bodies.get(), ids.data(), &bounds, its_masks);
-  });
+  Call(&hs_broad_phase_insert, bodies.get(), ids.data(), &bounds, its_masks);
 }
 
 void Move(const Bodies& bodies, const ShortIds& ids, const py::tuple& arrays) {
-  const Columns bounds = BoundsIn(bodies, ids, arrays);
-  Call([&] { return hs_broad_phase_move(bodies.get(), ids.data(), &bounds); });
+  const Columns bounds = BoundsOf(ids, arrays);
+  Call(&hs_broad_phase_move, bodies.get(), ids.data(), &bounds);
 }
 
 void SetMasks(const Bodies& bodies, const ShortIds& ids, const Masks& masks) {
   const hs_body_masks* const its_masks = MasksIn(masks, Length(ids));
-  Call([&] {
-    return hs_broad_phase_set_masks(bodies.get(), ids.data(), its_masks,
-                                    its_masks == nullptr ? 0 : Length(ids));
-  });
+  Call(&hs_broad_phase_set_masks, bodies.get(), ids.data(), its_masks,
+       its_masks == nullptr ? 0 : Length(ids));
 }
 
 // The function of FindAll() and FindOfOne().
@@ -134,40 +147,60 @@ Ids Query(const Bodies& bodies, const py::tuple& arrays, std::uint64_t mask,
           bool with_rows, std::size_t threads) {
   const Columns queries(arrays);
   const bool are_spheres = queries.size == bodies.dims + 1;
-  if (!are_spheres) queries.CheckSize(bodies.values);
   Work work(threads, py::none());
   return FindAll(
-      queries, kPartQueries, with_rows, work,
+      queries, kInPart, with_rows, work,
       FinderOf(bodies, are_spheres ? HS_SHAPE_SPHERE : HS_SHAPE_BOUND, mask));
 }
 
 py::object QueryOne(const Bodies& bodies, const py::array& array,
                     std::uint64_t mask) {
-  if (bodies.values != 2 * bodies.dims) return py::none();
-  return FindOfOne(array, bodies.dims, FinderOf(bodies, HS_SHAPE_BOUND, mask));
+  const auto find = FinderOf(bodies, HS_SHAPE_BOUND, mask);
+  return FindOfOne(array, bodies.dims,
+                   [&](const hs_columns& box, std::span<std::uint32_t> ids,
+                       std::size_t* offsets) {
+                     if (bodies.kind == HS_BOX2 || bodies.kind == HS_BOX3) {
+                       return find(box, ids, offsets);
+                     }
+                     std::array<float, HS_MAX_COLUMNS> record;
+                     BoundBoxes(bodies.kind, box, record.data());
+                     return find(hs_float_rows(record.data(), 1, bodies.values),
+                                 ids, offsets);
+                   });
 }
 
 // The first body of each ray, or of each sphere or box that moves.
 py::tuple Cast(const Bodies& bodies, const py::tuple& start_arrays,
-               const py::array& motion_array, std::uint64_t mask,
-               std::size_t threads) {
+               const py::tuple& direction_arrays, const py::tuple& limit_arrays,
+               std::uint64_t mask, std::size_t threads) {
   const Columns starts(start_arrays);
-  const Columns motions(py::make_tuple(motion_array));
+  const Columns directions(direction_arrays);
+  const Columns limits(limit_arrays);
   const std::size_t dims = bodies.dims;
-  motions.CheckSize(dims + 1);
-  if (starts.count != motions.count) ThrowNotPrepared();
+  CheckCasts(starts, directions, limits, dims);
   const hs_shape shape = starts.size == dims       ? HS_SHAPE_POINT
                          : starts.size == dims + 1 ? HS_SHAPE_SPHERE
                                                    : HS_SHAPE_BOX;
-  if (shape == HS_SHAPE_BOX) starts.CheckSize(2 * dims);
   Work work(threads, py::none());
-  return CastAll(starts.count, work,
-                 [&](std::size_t first, std::uint32_t* ids, float* ts) {
-                   const hs_columns from = starts.Rows(first, kPartQueries);
-                   const hs_columns by = motions.Rows(first, kPartQueries);
-                   Check(hs_broad_phase_cast(bodies.get(), shape, &from, &by,
-                                             mask, ids, ts));
-                 });
+  return CastAll(
+      starts.count, work,
+      [&](std::size_t first, std::uint32_t* ids, float* ts) {
+        std::array<float, kPartQueries * HS_MAX_COLUMNS> rows;
+        std::array<float, kPartQueries * HS_MAX_COLUMNS> start_rows;
+        hs_columns from = starts.Rows(first, kPartQueries);
+        if (shape != HS_SHAPE_BOX) {
+          WriteFloats(from, starts.size, starts.size, start_rows.data());
+          from = hs_float_rows(start_rows.data(), from.count, starts.size);
+        }
+        WriteFloats(directions.Rows(first, kPartQueries), dims, dims + 1,
+                    rows.data());
+        WriteFloats(limits.Rows(first, kPartQueries), 1, dims + 1,
+                    rows.data() + dims);
+        const hs_columns motions =
+            hs_float_rows(rows.data(), from.count, dims + 1);
+        Check(hs_broad_phase_cast(bodies.get(), shape, &from, &motions, mask,
+                                  ids, ts));
+      });
 }
 
 // An array of shape (n, 2).
@@ -182,7 +215,7 @@ Ids ToArray(const Pairs& pairs) {
 }
 
 // `masks` has an element for each id, or none.
-Ids PairsOf(const Bodies& bodies, const ShortIds& ids, float margin,
+Ids PairsOf(const Bodies& bodies, const ShortIds& ids, double margin,
             const Masks& masks) {
   if (masks.size() != 0 && masks.size() != ids.size()) ThrowNotPrepared();
   const std::uint64_t* const its_masks =
@@ -192,33 +225,28 @@ Ids PairsOf(const Bodies& bodies, const ShortIds& ids, float margin,
     static_cast<Pairs*>(to)->push_back({a, b});
     return HS_CONTINUE;
   };
-  Call([&] {
-    return hs_broad_phase_for_each_pair_of(bodies.get(), ids.data(), its_masks,
-                                           Length(ids), margin, add, &pairs);
-  });
+  Call(&hs_broad_phase_for_each_pair_of, bodies.get(), ids.data(), its_masks,
+       Length(ids), RoundUp(margin), add, &pairs);
   return ToArray(pairs);
+}
+
+// Appends to one of several lists.
+template <std::size_t kList>
+void Add(void* lists, std::uint32_t a, std::uint32_t b) {
+  static_cast<Pairs*>(lists)[kList].push_back({a, b});
 }
 
 py::tuple UpdatePairs(const Bodies& bodies, std::size_t threads) {
   std::array<Pairs, 2> events;
-  CallWithThreads(0, threads, [&](const hs_update_options* options) {
-    return hs_broad_phase_update_pairs(
-        bodies.get(), options,
-        [](void* to, std::uint32_t a, std::uint32_t b) {
-          static_cast<Pairs*>(to)[0].push_back({a, b});
-        },
-        [](void* to, std::uint32_t a, std::uint32_t b) {
-          static_cast<Pairs*>(to)[1].push_back({a, b});
-        },
-        events.data());
-  });
+  Update(&hs_broad_phase_update_pairs, bodies, 0, threads, &Add<0>, &Add<1>,
+         events.data());
   return py::make_tuple(ToArray(events[0]), ToArray(events[1]));
 }
 
-py::array_t<float> BoundsOf(const Bodies& bodies) {
+py::array_t<float> BoundsOfAll(const Bodies& bodies) {
   py::array_t<float> record(Size(bodies.values));
   float* const to = record.mutable_data();
-  Call([&] { return hs_broad_phase_bounds(bodies.get(), to); });
+  Call(&hs_broad_phase_bounds, bodies.get(), to);
   return record;
 }
 
@@ -226,107 +254,72 @@ py::array_t<float> Get(const Bodies& bodies, const ShortIds& ids) {
   py::array_t<float> records(
       std::vector<std::size_t>{Length(ids), bodies.values});
   float* const to = records.mutable_data();
-  Call([&] {
-    return hs_broad_phase_get(bodies.get(), ids.data(), Length(ids), to,
-                              nullptr);
-  });
+  Call(&hs_broad_phase_get, bodies.get(), ids.data(), Length(ids), to, nullptr);
   return records;
 }
 
 Masks MasksOf(const Bodies& bodies, const ShortIds& ids) {
   Masks masks(std::vector<std::size_t>{Length(ids), 2});
   auto* const to = reinterpret_cast<hs_body_masks*>(masks.mutable_data());
-  Call([&] {
-    return hs_broad_phase_get(bodies.get(), ids.data(), Length(ids), nullptr,
-                              to);
-  });
+  Call(&hs_broad_phase_get, bodies.get(), ids.data(), Length(ids), nullptr, to);
   return masks;
 }
 
 py::dict Statistics(const Bodies& bodies) {
   hs_body_statistics its;
-  Call([&] {
-    return hs_broad_phase_statistics(bodies.get(), &its, sizeof(its));
-  });
-  py::dict statistics;
-  statistics["bodies"] = its.bodies;
-  statistics["pending"] = its.pending;
-  statistics["pairs"] = its.pairs;
-  statistics["trees"] = its.trees;
-  statistics["bytes"] = its.bytes;
-  statistics["cost_ratio"] = its.cost_ratio;
-  return statistics;
+  Call(&hs_broad_phase_statistics, bodies.get(), &its, sizeof(its));
+  using namespace py::literals;
+  return py::dict("bodies"_a = its.bodies, "pending"_a = its.pending,
+                  "pairs"_a = its.pairs, "trees"_a = its.trees,
+                  "bytes"_a = its.bytes, "cost_ratio"_a = its.cost_ratio);
 }
 
 // Records of octahedra around boxes.
-py::array_t<float> OctahedraOf(const py::tuple& arrays) {
+py::array_t<float> Octahedra(const Bodies& bodies, const py::tuple& arrays) {
   const Columns boxes(arrays);
-  if (boxes.size != 4 && boxes.size != 6) ThrowNotPrepared();
-  const hs_kind kind = boxes.size == 4 ? HS_OCTAHEDRON2 : HS_OCTAHEDRON3;
-  hs_bound_options options;
-  Check(hs_bound_options_default(&options, sizeof(options)));
-  options.tightest = 1;
   py::array_t<float> records(
-      std::vector<std::size_t>{boxes.count, hs_bound_values(kind)});
+      std::vector<std::size_t>{boxes.count, bodies.values});
   float* const to = records.mutable_data();
-  Call([&] { return hs_bound_boxes(kind, &boxes, &options, to, nullptr); });
+  const py::gil_scoped_release release;
+  BoundBoxes(bodies.kind, boxes, to);
   return records;
 }
 
 }  // namespace
 
 void DefineBroadPhase(py::module_& module) {
-  module.def("octahedra", &OctahedraOf);
   py::class_<Bodies>(module, "BroadPhase")
       .def(py::init(&MakeBodies))
       .def("insert", &Insert)
       .def("erase",
            [](const Bodies& bodies, const ShortIds& ids) {
-             Call([&] {
-               return hs_broad_phase_erase(bodies.get(), ids.data(),
-                                           Length(ids));
-             });
+             Call(&hs_broad_phase_erase, bodies.get(), ids.data(), Length(ids));
            })
       .def("move", &Move)
+      .def("octahedra", &Octahedra)
       .def("set_masks", &SetMasks)
       .def("update",
            [](const Bodies& bodies, std::size_t budget, std::size_t threads) {
-             CallWithThreads(budget, threads, [&](const auto* options) {
-               return hs_broad_phase_update(bodies.get(), options);
-             });
+             Update(&hs_broad_phase_update, bodies, budget, threads);
            })
       .def("rebuild",
            [](const Bodies& bodies, std::size_t threads) {
-             CallWithThreads(0, threads, [&](const auto* options) {
-               return hs_broad_phase_rebuild(bodies.get(), options);
-             });
+             Update(&hs_broad_phase_rebuild, bodies, 0, threads);
            })
       .def("query", &Query)
       .def("query_one", &QueryOne)
       .def("cast", &Cast)
       .def("pairs_of", &PairsOf)
       .def("update_pairs", &UpdatePairs)
-      .def("bounds", &BoundsOf)
+      .def("bounds", &BoundsOfAll)
       .def("get", &Get)
       .def("masks", &MasksOf)
       .def("statistics", &Statistics)
-      .def("validate",
-           [](const Bodies& bodies) {
-             int is_valid = 0;
-             Call([&] {
-               return hs_broad_phase_validate(bodies.get(), &is_valid);
-             });
-             return is_valid != 0;
-           })
-      .def("size",
-           [](const Bodies& bodies) {
-             std::size_t size = 0;
-             Call([&] { return hs_broad_phase_size(bodies.get(), &size); });
-             return size;
-           })
+      .def("validate", &Ask<int, &hs_broad_phase_validate>)
+      .def("size", &Ask<std::size_t, &hs_broad_phase_size>)
       .def("has", [](const Bodies& bodies, std::uint32_t id) {
         int has = 0;
-        Call([&] { return hs_broad_phase_has(bodies.get(), id, &has); });
+        Call(&hs_broad_phase_has, bodies.get(), id, &has);
         return has != 0;
       });
 }

@@ -31,7 +31,8 @@ bool ReadType(const py::array& array, hs_scalar& type) {
 }
 
 template <typename Scalar>
-std::ptrdiff_t FirstBadBoxOf(const hs_columns& boxes, std::size_t dims) {
+std::ptrdiff_t FirstBadBoxOf(const hs_columns& boxes, std::size_t dims,
+                             std::size_t first_maximum) {
   constexpr Scalar kInf = std::numeric_limits<Scalar>::infinity();
   for (std::size_t i = 0; i < boxes.count; ++i) {
     bool is_good = true;
@@ -42,24 +43,11 @@ std::ptrdiff_t FirstBadBoxOf(const hs_columns& boxes, std::size_t dims) {
             boxes.column[column])[i * boxes.stride];
       };
       const Scalar min = at(k);
-      const Scalar max = at(dims + k);
+      const Scalar max = at(first_maximum + k);
       is_good &= min <= max;  // not for a NaN
       is_empty &= min == kInf && max == -kInf;
     }
     if (!is_good && !is_empty) return static_cast<std::ptrdiff_t>(i);
-  }
-  return -1;
-}
-
-template <typename Scalar>
-std::ptrdiff_t FirstNanOf(const hs_columns& records, std::size_t columns) {
-  for (std::size_t i = 0; i < records.count; ++i) {
-    for (std::size_t k = 0; k < columns; ++k) {
-      const auto* const column = static_cast<const Scalar*>(records.column[k]);
-      if (std::isnan(column[i * records.stride])) {
-        return static_cast<std::ptrdiff_t>(i);
-      }
-    }
   }
   return -1;
 }
@@ -108,10 +96,6 @@ Columns::Columns(const py::tuple& arrays) : hs_columns{} {
   check(!is_first);
 }
 
-void Columns::CheckSize(std::size_t expected) const {
-  if (size != expected) ThrowNotPrepared();
-}
-
 hs_columns Columns::Rows(std::size_t first, std::size_t most) const {
   hs_columns rows = *this;
   rows.count = std::min(most, count - first);
@@ -133,18 +117,34 @@ hs_columns BoxIn(const py::array& array, std::size_t dims) {
   for (std::size_t k = 0; k < 2 * dims; ++k) {
     box.column[k] = static_cast<const char*>(array.data()) + k * BytesOf(box);
   }
-  if (FirstBadBox(box, dims) >= 0) box.count = 0;
+  if (FirstBadBox(box, dims, dims) >= 0) box.count = 0;
   return box;
 }
 
-std::ptrdiff_t FirstBadBox(const hs_columns& boxes, std::size_t dims) {
-  return boxes.type == HS_FLOAT64 ? FirstBadBoxOf<double>(boxes, dims)
-                                  : FirstBadBoxOf<float>(boxes, dims);
+std::ptrdiff_t FirstBadBox(const hs_columns& boxes, std::size_t dims,
+                           std::size_t first_maximum) {
+  return boxes.type == HS_FLOAT64
+             ? FirstBadBoxOf<double>(boxes, dims, first_maximum)
+             : FirstBadBoxOf<float>(boxes, dims, first_maximum);
 }
 
-std::ptrdiff_t FirstNan(const hs_columns& records, std::size_t columns) {
-  return records.type == HS_FLOAT64 ? FirstNanOf<double>(records, columns)
-                                    : FirstNanOf<float>(records, columns);
+void WriteFloats(const hs_columns& records, std::size_t columns,
+                 std::size_t step, float* to) {
+  for (std::size_t k = 0; k < columns; ++k) {
+    for (std::size_t i = 0; i < records.count; ++i) {
+      const std::size_t at = i * records.stride;
+      to[i * step + k] = records.type == HS_FLOAT64
+                             ? static_cast<float>(static_cast<const double*>(
+                                   records.column[k])[at])
+                             : static_cast<const float*>(records.column[k])[at];
+    }
+  }
+}
+
+float RoundUp(double value) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  const auto nearest = static_cast<float>(value);
+  return nearest < value ? std::nextafter(nearest, kInf) : nearest;
 }
 
 }  // namespace halfspace::python

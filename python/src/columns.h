@@ -26,11 +26,9 @@ void Check(hs_status status);
 // The columns of the first array, then those of the next. _arrays.py has
 // prepared the arrays: they have two dimensions, the same type, length and
 // stride, and this machine's byte order. The arrays must outlive the columns.
+// The functions of C find missing columns, which are null.
 struct Columns : hs_columns {
   explicit Columns(const pybind11::tuple& arrays);
-
-  // Throws unless there are `expected` columns.
-  void CheckSize(std::size_t expected) const;
 
   // Records `first` ... `first` + `most` - 1, as far as there are any.
   hs_columns Rows(std::size_t first, std::size_t most) const;
@@ -46,10 +44,17 @@ struct Columns : hs_columns {
 hs_columns BoxIn(const pybind11::array& array, std::size_t dims);
 
 // The first box with a NaN, or with a minimum above its maximum that is not
-// empty, or -1.
-std::ptrdiff_t FirstBadBox(const hs_columns& boxes, std::size_t dims);
-// The first record with a NaN, or -1.
-std::ptrdiff_t FirstNan(const hs_columns& records, std::size_t columns);
+// empty, or -1. Points are boxes whose maxima are their minima, in column 0.
+std::ptrdiff_t FirstBadBox(const hs_columns& boxes, std::size_t dims,
+                           std::size_t first_maximum);
+
+// Writes the first columns as the nearest floats, one record each `step`
+// floats.
+void WriteFloats(const hs_columns& records, std::size_t columns,
+                 std::size_t step, float* to);
+
+// The least float that is not below a number.
+float RoundUp(double value);
 
 }  // namespace halfspace::python
 

@@ -1,16 +1,14 @@
 // The extension module halfspace._halfspace: what the Python files of the
 // package call, with arguments that they have checked (_arrays.py).
+#include "module.h"
+
 #include <halfspace/c/halfspace.h>
 #include <pybind11/numpy.h>
 
 #include <cstddef>
 #include <vector>
 
-#include "arrow.h"
-#include "broad_phase.h"
 #include "columns.h"
-#include "scan.h"
-#include "tree.h"
 
 namespace py = pybind11;
 
@@ -47,13 +45,14 @@ PYBIND11_MODULE(_halfspace, module) {
   module.def("first_bad_box", [](const py::tuple& arrays) {
     const Columns boxes(arrays);
     const py::gil_scoped_release release;
-    return FirstBadBox(boxes, boxes.size / 2);
+    return FirstBadBox(boxes, boxes.size / 2, boxes.size / 2);
   });
   module.def("first_nan", [](const py::tuple& arrays) {
-    const Columns values(arrays);
+    const Columns points(arrays);
     const py::gil_scoped_release release;
-    return FirstNan(values, values.size);
+    return FirstBadBox(points, points.size, 0);
   });
+  module.def("round_up", py::vectorize(&RoundUp));
   module.def("targets", [] {
     py::list names;
     for (std::size_t i = 0; i < hs_target_count(); ++i) {
@@ -61,8 +60,8 @@ PYBIND11_MODULE(_halfspace, module) {
     }
     return names;
   });
-  module.def("arrow_column", &ArrowColumn);
   module.def("bounds_of_triangles", &BoundsOfTriangles);
+  DefineArrow(module);
   DefineBroadPhase(module);
   DefineTree(module);
   DefineScan(module);

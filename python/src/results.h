@@ -93,9 +93,22 @@ void ForEachPart(std::size_t queries, std::size_t in_part, Work& work,
            });
 }
 
-// Returns what find(queries, ids, offsets) writes for the queries of a part, in
-// the way of hs_bvh_query(). find() returns the number of all ids. Rows and
-// ids have the shape (2, n), and ids alone (n).
+// The function of FindAll() and FindOfOne() that calls hs_bvh_query() or
+// hs_scan_indices().
+template <typename Object, typename Function>
+auto FinderOf(const Object* object, Function query) {
+  return [object, query](const hs_columns& queries,
+                         std::span<std::uint32_t> ids, std::size_t* offsets) {
+    std::size_t total = 0;
+    Check(query(object, &queries, nullptr, ids.data(), ids.size(), offsets,
+                &total));
+    return total;
+  };
+}
+
+// Returns what find(queries, ids, offsets) writes for the queries of a part. It
+// returns the number of all ids. Rows and ids have the shape (2, n), and ids
+// alone (n).
 template <typename Find>
 Ids FindAll(const Columns& queries, std::size_t in_part, bool with_rows,
             Work& work, const Find& find) {
@@ -165,34 +178,35 @@ pybind11::object FindOfOne(const pybind11::array& array, std::size_t dims,
   return ids;
 }
 
-// Returns the numbers that count(queries, counts) writes for each part.
-template <typename Count>
-Ids CountAll(const Columns& queries, std::size_t in_part, Work& work,
-             const Count& count) {
+// Returns the numbers that hs_bvh_count() or hs_scan_counts() writes.
+template <typename Object, typename Function>
+Ids CountAll(const Object* object, Function count, const Columns& queries,
+             std::size_t in_part, Work& work) {
   Ids counts(Size(queries.count));
   std::int64_t* const to = counts.mutable_data();
   ForEachPart(queries.count, in_part, work,
               [&](std::size_t first, std::size_t) {
                 const hs_columns some = queries.Rows(first, in_part);
                 std::array<std::size_t, kPartQueries> its;
-                count(some, its.data());
+                Check(count(object, &some, nullptr, its.data()));
                 std::copy_n(its.data(), some.count, to + first);
               });
   work.Finish();
   return counts;
 }
 
-// Returns for each query whether any(queries, ids) writes an id.
-template <typename Any>
-pybind11::array_t<bool> AnyOfAll(const Columns& queries, std::size_t in_part,
-                                 Work& work, const Any& any) {
+// Returns for each query whether hs_bvh_any() or hs_scan_any() writes an id.
+template <typename Object, typename Function>
+pybind11::array_t<bool> AnyOfAll(const Object* object, Function any,
+                                 const Columns& queries, std::size_t in_part,
+                                 Work& work) {
   pybind11::array_t<bool> found(Size(queries.count));
   bool* const to = found.mutable_data();
   ForEachPart(queries.count, in_part, work,
               [&](std::size_t first, std::size_t) {
                 const hs_columns some = queries.Rows(first, in_part);
                 std::array<std::uint32_t, kPartQueries> ids;
-                any(some, ids.data());
+                Check(any(object, &some, nullptr, ids.data()));
                 for (std::size_t i = 0; i < some.count; ++i)
                   to[first + i] = ids[i] != HS_NO_ID;
               });
@@ -203,6 +217,15 @@ pybind11::array_t<bool> AnyOfAll(const Columns& queries, std::size_t in_part,
 // -1 instead of HS_NO_ID.
 inline std::int64_t LongId(std::uint32_t id) {
   return id == HS_NO_ID ? -1 : std::int64_t{id};
+}
+
+// The directions have no less columns than a start has coordinates.
+inline void CheckCasts(const Columns& starts, const Columns& directions,
+                       const Columns& limits, std::size_t dims) {
+  if (directions.count != starts.count || limits.count != starts.count ||
+      starts.size < dims || directions.size < dims || limits.size < 1) {
+    ThrowNotPrepared();
+  }
 }
 
 // Returns the ids and the t that cast(first, ids, ts) writes for each part.

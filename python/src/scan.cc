@@ -1,11 +1,11 @@
-#include "scan.h"
-
+// The flat scan.
+#include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "columns.h"
+#include "module.h"
 #include "results.h"
 #include "work.h"
 
@@ -25,12 +25,15 @@ struct Scan {
   std::size_t size;
 };
 
-// Each query tests all objects, so it is a part of a call by itself.
-constexpr std::size_t kInPart = 1;
+// Each query tests all objects, so it can be a part by itself. Some together
+// take less time.
+std::size_t InPart(const Columns& queries, std::size_t threads) {
+  return std::clamp(queries.count / (8 * threads), std::size_t{1},
+                    std::size_t{32});
+}
 
 std::unique_ptr<Scan> MakeScan(const py::tuple& arrays, bool is_quantized) {
   const Columns boxes(arrays);
-  if (boxes.size != 4 && boxes.size != 6) ThrowNotPrepared();
   hs_scan_config config;
   Check(hs_scan_config_default(&config, sizeof(config)));
   config.kind = boxes.size == 4 ? HS_BOX2 : HS_BOX3;
@@ -47,54 +50,38 @@ std::unique_ptr<Scan> MakeScan(const py::tuple& arrays, bool is_quantized) {
 Ids Query(const Scan& scan, const py::tuple& arrays, bool with_rows,
           std::size_t threads) {
   const Columns boxes(arrays);
-  boxes.CheckSize(2 * scan.dims);
   Work work(threads, py::none());
-  return FindAll(
-      boxes, kInPart, with_rows, work,
-      [&](const hs_columns& queries, std::span<std::uint32_t> ids,
-          std::size_t* offsets) {
-        std::size_t total = 0;
-        Check(hs_scan_indices(scan.scan.get(), &queries, nullptr, ids.data(),
-                              ids.size(), offsets, &total));
-        return total;
-      });
+  return FindAll(boxes, InPart(boxes, threads), with_rows, work,
+                 FinderOf(scan.scan.get(), &hs_scan_indices));
 }
 
 Ids Count(const Scan& scan, const py::tuple& arrays, std::size_t threads) {
   const Columns boxes(arrays);
-  boxes.CheckSize(2 * scan.dims);
   Work work(threads, py::none());
-  return CountAll(
-      boxes, kInPart, work,
-      [&](const hs_columns& queries, std::size_t* counts) {
-        Check(hs_scan_counts(scan.scan.get(), &queries, nullptr, counts));
-      });
+  return CountAll(scan.scan.get(), &hs_scan_counts, boxes,
+                  InPart(boxes, threads), work);
 }
 
 py::array_t<bool> Any(const Scan& scan, const py::tuple& arrays,
                       std::size_t threads) {
   const Columns boxes(arrays);
-  boxes.CheckSize(2 * scan.dims);
   Work work(threads, py::none());
-  return AnyOfAll(boxes, kInPart, work,
-                  [&](const hs_columns& queries, std::uint32_t* ids) {
-                    Check(hs_scan_any(scan.scan.get(), &queries, nullptr, ids));
-                  });
+  return AnyOfAll(scan.scan.get(), &hs_scan_any, boxes, InPart(boxes, threads),
+                  work);
 }
 
 // Returns an array of shape (queries, objects).
 py::array_t<bool> Mask(const Scan& scan, const py::tuple& arrays,
                        std::size_t threads) {
   const Columns boxes(arrays);
-  boxes.CheckSize(2 * scan.dims);
   Work work(threads, py::none());
   py::array_t<bool> mask(std::vector<std::size_t>{boxes.count, scan.size});
   bool* const to = mask.mutable_data();
   std::vector<std::vector<std::uint64_t>> words(
       threads, std::vector<std::uint64_t>(hs_mask_words(scan.size)));
-  ForEachPart(boxes.count, kInPart, work,
+  ForEachPart(boxes.count, /*in_part=*/1, work,
               [&](std::size_t row, std::size_t thread) {
-                const hs_columns query = boxes.Rows(row, kInPart);
+                const hs_columns query = boxes.Rows(row, 1);
                 std::vector<std::uint64_t>& its = words[thread];
                 Check(hs_scan_masks(scan.scan.get(), &query, nullptr,
                                     its.data(), its.size()));

@@ -1,5 +1,4 @@
-#include "tree.h"
-
+// The BVH.
 #include <pybind11/numpy.h>
 
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "columns.h"
+#include "module.h"
 #include "results.h"
 #include "work.h"
 
@@ -28,6 +28,77 @@ constexpr std::size_t kPartLeaves = 16;
 constexpr std::size_t kMostObjects = std::size_t{1} << 31;
 // Rows of one part of a pass over an output.
 constexpr std::size_t kPartRows = 65536;
+
+struct DestroyBvh {
+  void operator()(hs_bvh* bvh) const { hs_bvh_destroy(bvh); }
+};
+using Bvh = std::unique_ptr<hs_bvh, DestroyBvh>;
+
+// Calls run without the interpreter's lock, so another thread can call the same
+// object. Its counters are read and written with the lock.
+struct Tree {
+  py::object blob;  // the bytes, if they are in place
+  Bvh bvh;
+  std::size_t dims = 3;
+  std::size_t readers = 0;  // calls that read now
+  std::size_t exports = 0;  // blobs that Python objects refer to
+  bool is_changing = false;
+  bool is_half_refitted = false;  // an exception ended Refit()
+  std::size_t changes = 0;        // so far
+};
+
+void CheckRefitted(const Tree& tree) {
+  if (!tree.is_half_refitted) return;
+  throw std::runtime_error(
+      "refit() of this BVH was interrupted: call refit() with all boxes again "
+      "before any other call");
+}
+
+// Exists while a call reads a tree. The constructor throws if another call
+// changes the tree.
+class Reading {
+ public:
+  explicit Reading(Tree& tree, bool is_refit = false) : tree_(tree) {
+    if (tree.is_changing) {
+      throw std::runtime_error(
+          "another call is changing this BVH: wait until it has finished");
+    }
+    if (!is_refit) CheckRefitted(tree);
+    ++tree.readers;
+  }
+  ~Reading() { --tree_.readers; }
+  Reading(const Reading&) = delete;
+  Reading& operator=(const Reading&) = delete;
+
+ private:
+  Tree& tree_;
+};
+
+// Exists while a call changes a tree. The constructor throws if another call
+// uses the tree, or if Python objects refer to its blob.
+class Changing {
+ public:
+  explicit Changing(Tree& tree, bool is_refit = false) : tree_(tree) {
+    if (tree.is_changing || tree.readers > 0) {
+      throw std::runtime_error(
+          "another call is using this BVH: wait until it has finished before "
+          "you change the BVH");
+    }
+    if (tree.exports > 0) {
+      throw py::buffer_error(
+          "the blob of this BVH is in use: release it before you change the "
+          "BVH");
+    }
+    if (!is_refit) CheckRefitted(tree);
+    tree.is_changing = true;
+  }
+  ~Changing() { tree_.is_changing = false; }
+  Changing(const Changing&) = delete;
+  Changing& operator=(const Changing&) = delete;
+
+ private:
+  Tree& tree_;
+};
 
 // Calls change() without the interpreter's lock.
 template <typename Function>
@@ -70,7 +141,7 @@ Bvh Build(const Columns& boxes, bool is_fast, Work& work,
   // centers and a copy.
   Threads threads(work, (is_double ? 1u : 0u) + (is_fast ? 2u : 9u),
                   progress_end, boxes.count);
-  hs_bvh_config config = ConfigOf(boxes.size / 2);
+  hs_bvh_config config = ConfigOf(boxes.size == 4 ? 2 : 3);
   config.quality = is_fast ? HS_QUALITY_FAST : HS_QUALITY_HIGH;
   config.run = &Threads::Run;
   config.run_context = &threads;
@@ -82,10 +153,9 @@ Bvh Build(const Columns& boxes, bool is_fast, Work& work,
 std::unique_ptr<Tree> MakeTree(const py::tuple& arrays, bool is_fast,
                                std::size_t threads, py::object progress) {
   const Columns boxes(arrays);
-  if (boxes.size != 4 && boxes.size != 6) ThrowNotPrepared();
   Work work(threads, std::move(progress));
   auto tree = std::make_unique<Tree>();
-  tree->dims = boxes.size / 2;
+  tree->dims = boxes.size == 4 ? 2 : 3;
   const py::gil_scoped_release release;
   tree->bvh = Build(boxes, is_fast, work, boxes.count);
   // A BVH that never had an object has an empty blob, from which nobody could
@@ -96,22 +166,23 @@ std::unique_ptr<Tree> MakeTree(const py::tuple& arrays, bool is_fast,
   return tree;
 }
 
-// In place if the bytes are aligned, and else a copy.
-std::unique_ptr<Tree> FromBlob(const py::object& object, bool verify) {
+// In place if the bytes are aligned, and else a copy. `blob` is an array of
+// bytes.
+std::unique_ptr<Tree> FromBlob(const py::array_t<std::uint8_t>& blob,
+                               bool verify) {
   constexpr std::size_t kAlignment = 64;
-  auto buffer = std::make_unique<Buffer>(object);
-  const std::span<const std::byte> blob = buffer->bytes();
-  if (blob.empty()) throw std::invalid_argument("the blob is empty");
+  const std::uint8_t* const bytes = blob.data();
+  const auto size = static_cast<std::size_t>(blob.size());
+  if (size == 0) throw std::invalid_argument("the blob is empty");
   auto tree = std::make_unique<Tree>();
-  if (reinterpret_cast<std::uintptr_t>(blob.data()) % kAlignment == 0) {
-    tree->buffer = std::move(buffer);
+  if (reinterpret_cast<std::uintptr_t>(bytes) % kAlignment == 0) {
+    tree->blob = blob;
   }
   const py::gil_scoped_release release;
   const auto load = [&](std::size_t dims) {
     const hs_bvh_config config = ConfigOf(dims);
     hs_bvh* bvh = nullptr;
-    const hs_status status =
-        hs_bvh_in_place(&config, blob.data(), blob.size(), &bvh);
+    const hs_status status = hs_bvh_in_place(&config, bytes, size, &bvh);
     tree->bvh.reset(bvh);
     tree->dims = dims;
     return status;
@@ -163,18 +234,6 @@ class Blob {
   const void* data_ = nullptr;
   std::size_t size_ = 0;
 };
-
-// The function of FindAll() and FindOfOne().
-auto FinderOf(const Tree& tree) {
-  return [bvh = tree.bvh.get()](const hs_columns& queries,
-                                std::span<std::uint32_t> ids,
-                                std::size_t* offsets) {
-    std::size_t total = 0;
-    Check(hs_bvh_query(bvh, &queries, nullptr, ids.data(), ids.size(), offsets,
-                       &total));
-    return total;
-  };
-}
 
 // Finds the pairs of a tree, and of `b` or of itself if this is null, by part.
 // Call it without the interpreter's lock.
@@ -271,26 +330,25 @@ bool IsJoinFaster(const Tree& tree, const Columns& boxes) {
 Ids Query(Tree& tree, const py::tuple& arrays, bool with_rows,
           std::size_t threads, py::object progress) {
   const Columns boxes(arrays);
-  boxes.CheckSize(2 * tree.dims);
   Work work(threads, std::move(progress));
   const Reading reading(tree);
   Ids ids = with_rows && IsJoinFaster(tree, boxes)
                 ? QueryByJoin(tree, boxes, work)
-                : FindAll(boxes, kPartQueries, with_rows, work, FinderOf(tree));
+                : FindAll(boxes, kPartQueries, with_rows, work,
+                          FinderOf(tree.bvh.get(), &hs_bvh_query));
   work.Finish();
   return ids;
 }
 
 py::object QueryOne(Tree& tree, const py::array& array) {
   const Reading reading(tree);
-  return FindOfOne(array, tree.dims, FinderOf(tree));
+  return FindOfOne(array, tree.dims, FinderOf(tree.bvh.get(), &hs_bvh_query));
 }
 
 // Returns at most `limit` ids of one query, after the first `skip`.
 Ids QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
               std::size_t limit) {
   const Columns boxes(arrays);
-  boxes.CheckSize(2 * tree.dims);
   hs_query_options options;
   Check(hs_query_options_default(&options, sizeof(options)));
   options.skip = skip;
@@ -310,34 +368,24 @@ Ids QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
 Ids Count(Tree& tree, const py::tuple& arrays, std::size_t threads,
           py::object progress) {
   const Columns boxes(arrays);
-  boxes.CheckSize(2 * tree.dims);
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  return CountAll(
-      boxes, kPartQueries, work,
-      [&](const hs_columns& queries, std::size_t* counts) {
-        Check(hs_bvh_count(tree.bvh.get(), &queries, nullptr, counts));
-      });
+  return CountAll(tree.bvh.get(), &hs_bvh_count, boxes, kPartQueries, work);
 }
 
 py::array_t<bool> Any(Tree& tree, const py::tuple& arrays, std::size_t threads,
                       py::object progress) {
   const Columns boxes(arrays);
-  boxes.CheckSize(2 * tree.dims);
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  return AnyOfAll(boxes, kPartQueries, work,
-                  [&](const hs_columns& queries, std::uint32_t* ids) {
-                    Check(hs_bvh_any(tree.bvh.get(), &queries, nullptr, ids));
-                  });
+  return AnyOfAll(tree.bvh.get(), &hs_bvh_any, boxes, kPartQueries, work);
 }
 
 py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
-                  float max_distance, bool is_exclusive, std::size_t threads,
+                  double max_distance, bool is_exclusive, std::size_t threads,
                   py::object progress) {
   const Columns queries(arrays);
   const bool are_points = queries.size == tree.dims;
-  if (!are_points) queries.CheckSize(2 * tree.dims);
   const auto nearest =
       are_points ? &hs_bvh_nearest_to_points : &hs_bvh_nearest_to_boxes;
   hs_query_options options;
@@ -350,9 +398,7 @@ py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
   float* const its_distances = distances.mutable_data();
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  // More than there are need no memory to search with.
-  const std::size_t most =
-      std::clamp(SizeOf(tree.bvh.get()), std::size_t{1}, k);
+  const float limit = RoundUp(max_distance);
   // As many queries in a part as have about this number of results.
   constexpr std::size_t kPartResults = 4096;
   std::size_t in_part =
@@ -361,34 +407,39 @@ py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
   if (is_exclusive) in_part = std::min(in_part, std::size_t{4});
   ForEachPart(n, in_part, work, [&](std::size_t first, std::size_t) {
     const hs_columns some = queries.Rows(first, in_part);
-    std::vector<std::uint32_t> found(some.count * most);
-    std::vector<float> found_distances(found.size());
-    Check(nearest(tree.bvh.get(), &some, most, max_distance, &options,
-                  found.data(), found_distances.data()));
-    for (std::size_t i = 0; i < some.count; ++i) {
-      const std::uint32_t* const its = found.data() + i * most;
-      std::int64_t* const row = to + (first + i) * k;
-      std::fill(std::transform(its, its + most, row, LongId), row + k, -1);
-      float* const distance_row = its_distances + (first + i) * k;
-      std::fill(
-          std::copy_n(found_distances.data() + i * most, most, distance_row),
-          distance_row + k, std::numeric_limits<float>::infinity());
-    }
+    std::vector<std::uint32_t> found(some.count * k);
+    Check(nearest(tree.bvh.get(), &some, k, limit, &options, found.data(),
+                  its_distances + first * k));
+    std::transform(found.begin(), found.end(), to + first * k, LongId);
   });
   work.Finish();
   return py::make_tuple(ids, distances);
 }
 
-py::tuple CastRays(Tree& tree, const py::array& array, std::size_t threads,
+py::tuple CastRays(Tree& tree, const py::tuple& origin_arrays,
+                   const py::tuple& direction_arrays,
+                   const py::tuple& limit_arrays, std::size_t threads,
                    py::object progress) {
-  const Columns rays(py::make_tuple(array));
-  rays.CheckSize(2 * tree.dims + 1);
+  const Columns origins(origin_arrays);
+  const Columns directions(direction_arrays);
+  const Columns limits(limit_arrays);
+  CheckCasts(origins, directions, limits, tree.dims);
   Work work(threads, std::move(progress));
   const Reading reading(tree);
   return CastAll(
-      rays.count, work, [&](std::size_t first, std::uint32_t* ids, float* ts) {
-        const hs_columns some = rays.Rows(first, kPartQueries);
-        Check(hs_bvh_raycast(tree.bvh.get(), &some, 0, nullptr, ids, ts));
+      origins.count, work,
+      [&](std::size_t first, std::uint32_t* ids, float* ts) {
+        std::array<float, kPartQueries * HS_MAX_COLUMNS> rows;
+        const std::size_t dims = tree.dims;
+        const std::size_t values = 2 * dims + 1;
+        const hs_columns from = origins.Rows(first, kPartQueries);
+        WriteFloats(from, dims, values, rows.data());
+        WriteFloats(directions.Rows(first, kPartQueries), dims, values,
+                    rows.data() + dims);
+        WriteFloats(limits.Rows(first, kPartQueries), 1, values,
+                    rows.data() + 2 * dims);
+        const hs_columns rays = hs_float_rows(rows.data(), from.count, values);
+        Check(hs_bvh_raycast(tree.bvh.get(), &rays, 0, nullptr, ids, ts));
       });
 }
 
@@ -429,7 +480,6 @@ Ids Join(Tree& a, Tree& b, std::size_t threads, py::object progress) {
 
 Ids Insert(Tree& tree, const py::tuple& arrays) {
   const Columns boxes(arrays);
-  boxes.CheckSize(2 * tree.dims);
   std::vector<std::uint32_t> ids(boxes.count);
   Change(tree,
          [&] { Check(hs_bvh_insert(tree.bvh.get(), &boxes, ids.data())); });
@@ -448,7 +498,6 @@ void Erase(Tree& tree, const ShortIds& ids) {
 void Refit(Tree& tree, const py::tuple& arrays, std::size_t threads,
            py::object progress) {
   const Columns boxes(arrays);
-  boxes.CheckSize(2 * tree.dims);
   Work work(threads, std::move(progress));
   // A refit of doubles rounds first.
   Threads its_threads(work, boxes.type == HS_FLOAT64 ? 2 : 1, boxes.count,
@@ -465,7 +514,6 @@ void Refit(Tree& tree, const py::tuple& arrays, std::size_t threads,
 
 void RefitSome(Tree& tree, const py::tuple& arrays, const ShortIds& ids) {
   const Columns boxes(arrays);
-  boxes.CheckSize(2 * tree.dims);
   if (Size(boxes.count) != ids.size()) ThrowNotPrepared();
   Change(tree, [&] { Check(hs_bvh_set(tree.bvh.get(), ids.data(), &boxes)); });
 }
@@ -490,46 +538,6 @@ py::array_t<float> Boxes(Tree& tree) {
 }
 
 }  // namespace
-
-Buffer::Buffer(const py::object& object) {
-  if (PyObject_GetBuffer(object.ptr(), &view_, PyBUF_SIMPLE) != 0) {
-    throw py::error_already_set();
-  }
-}
-
-namespace {
-
-void CheckRefitted(const Tree& tree) {
-  if (!tree.is_half_refitted) return;
-  throw std::runtime_error(
-      "refit() of this BVH was interrupted: call refit() with all boxes again "
-      "before any other call");
-}
-
-}  // namespace
-
-Reading::Reading(Tree& tree, bool is_refit) : tree_(tree) {
-  if (tree.is_changing) {
-    throw std::runtime_error(
-        "another call is changing this BVH: wait until it has finished");
-  }
-  if (!is_refit) CheckRefitted(tree);
-  ++tree.readers;
-}
-
-Changing::Changing(Tree& tree, bool is_refit) : tree_(tree) {
-  if (tree.is_changing || tree.readers > 0) {
-    throw std::runtime_error(
-        "another call is using this BVH: wait until it has finished before "
-        "you change the BVH");
-  }
-  if (tree.exports > 0) {
-    throw py::buffer_error(
-        "the blob of this BVH is in use: release it before you change the BVH");
-  }
-  if (!is_refit) CheckRefitted(tree);
-  tree.is_changing = true;
-}
 
 void DefineTree(py::module_& module) {
   py::class_<Blob>(module, "Blob", py::buffer_protocol())
