@@ -38,23 +38,21 @@ Rounded::Rounded(const BvhShape& shape, const MemoryResource& memory,
   const auto element_of = [elements](std::size_t s) -> std::size_t {
     return elements == nullptr ? s : elements[s];
   };
-  run(PartsOf(count), [&](std::size_t part) {
+  kernels::RunInDefaultFpMode(run, PartsOf(count), [&](std::size_t part) {
     const std::size_t end = std::min(count, (part + 1) * kPartSlots);
-    kernels::InDefaultFpMode([&] {
-      for (std::size_t s = part * kPartSlots; s < end; ++s) {
-        if (s + kAhead < end) {
-          PrefetchElement(objects, planes, element_of(s + kAhead));
-        }
-        const std::size_t i = element_of(s);
-        if (i == kNoId) continue;
-        for (std::size_t p = 0; p < planes; ++p) {
-          const kernels::ExactSum value = {
-              objects.doubles(p)[i * objects.stride], 0.0};
-          floats[p * count + s] = p < shape.axes ? kernels::RoundDown(value)
-                                                 : kernels::RoundUp(value);
-        }
+    for (std::size_t s = part * kPartSlots; s < end; ++s) {
+      if (s + kAhead < end) {
+        PrefetchElement(objects, planes, element_of(s + kAhead));
       }
-    });
+      const std::size_t i = element_of(s);
+      if (i == kNoId) continue;
+      for (std::size_t p = 0; p < planes; ++p) {
+        const kernels::ExactSum value = {
+            objects.doubles(p)[i * objects.stride], 0.0};
+        floats[p * count + s] = p < shape.axes ? kernels::RoundDown(value)
+                                               : kernels::RoundUp(value);
+      }
+    }
   });
 }
 
