@@ -20,7 +20,7 @@ function(halfspace_add_made template name)
   target_sources(halfspace PRIVATE "${file}")
   set_property(SOURCE "${file}" APPEND PROPERTY COMPILE_OPTIONS ${ARGN})
   # The others have no code per target.
-  if(template MATCHES "^kernels" AND NOT template MATCHES "doubles")
+  if(template MATCHES "^kernels")
     halfspace_ease_sanitizers("${file}")
   endif()
 endfunction()
@@ -71,7 +71,7 @@ foreach(source_name Boxes Spheres Triangles PointSets)
   foreach(dims IN LISTS HALFSPACE_DIMS)
     halfspace_add_made(kernels/fit_many/kernels_of_source "fit_${file_name}_${dims}"
                           ${optimised})
-    halfspace_add_made(kernels/fit_many/kernels_of_doubles
+    halfspace_add_made(dispatch/fit/kernels_of_doubles
                           "fit_${file_name}_double_${dims}")
   endforeach()
 endforeach()

@@ -16,7 +16,6 @@
 #include "bench/sections/bvh_parts.h"
 #include "bench/worlds/box_set.h"
 #include "halfspace/bvh.h"
-#include "kernels/bvh/block.h"
 
 namespace halfspace::bench {
 namespace {

@@ -11,7 +11,7 @@
 #include "dispatch/broad_phase/exact.h"
 #include "dispatch/broad_phase/state.h"
 #include "dispatch/bvh/layout.h"
-#include "kernels/exact/default_fp_mode.h"
+#include "dispatch/exact/default_fp_mode.h"
 
 namespace halfspace::detail {
 namespace {
@@ -27,7 +27,7 @@ class BodyCaster {
         context_(context) {}
 
   void Run(const BvhNearestKernels& kernels, const LineCast& cast) {
-    kernels::CallApart([&] {
+    dispatch::CallApart([&] {
       LineSearch search;
       if (!MakeCastLine(state_.shape, cast, search.line)) return;
       line_ = &search.line;
@@ -191,7 +191,7 @@ class BodyCaster {
   std::uint64_t mask_;
   BodyCastFunction function_;
   void* context_;
-  kernels::DefaultFpMode mode_;
+  dispatch::DefaultFpMode mode_;
   const Line* line_ = nullptr;
   const LineCast* cast_ = nullptr;
   bool is_ball_ = false;

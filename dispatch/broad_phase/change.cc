@@ -4,7 +4,7 @@
 
 #include "dispatch/broad_phase/state.h"
 #include "dispatch/bvh/layout.h"
-#include "kernels/exact/default_fp_mode.h"
+#include "dispatch/exact/default_fp_mode.h"
 
 namespace halfspace::detail {
 namespace {
@@ -113,7 +113,7 @@ void Build(BroadPhaseState& state, const IdSet& moved, const NewBodies& added,
   gone.Reserve(moved_count);
   stays.Reserve(moved_count);
   comes.Reserve(pending + added.ids.size());
-  kernels::InDefaultFpMode([&] {
+  dispatch::InDefaultFpMode([&] {
     Body body;
     const auto add = [&](Bounded& to, std::uint32_t id, float* in_tree) {
       to.Add(id, in_tree, body.planes);
@@ -190,7 +190,7 @@ void Publish(BroadPhaseState& state, Version& version) {
           64 * w + static_cast<std::size_t>(std::countr_zero(bits)));
       Body body;
       if (!state.bodies.Read(id, body) || version.Find(id) == nullptr) continue;
-      kernels::InDefaultFpMode([&] { version.Widen(id, body.planes, false); });
+      dispatch::InDefaultFpMode([&] { version.Widen(id, body.planes, false); });
       state.bodies.AddMark(id, Bodies::kNewPairs);
     }
   }
@@ -228,7 +228,7 @@ void WidenMoved(BroadPhaseState& state, Version& version, std::uint32_t id,
 [[gnu::noinline]] bool WidenAllMoved(BroadPhaseState& state, Version& version,
                                      Span<const std::uint32_t> ids,
                                      const float* planes) {
-  return kernels::InDefaultFpMode([&] {
+  return dispatch::InDefaultFpMode([&] {
     bool is_any = false;
     for (std::size_t begin = 0; begin < ids.size(); begin += 64) {
       const std::size_t count = std::min<std::size_t>(64, ids.size() - begin);

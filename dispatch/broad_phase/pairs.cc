@@ -12,7 +12,7 @@
 #include "dispatch/broad_phase/exact.h"
 #include "dispatch/broad_phase/state.h"
 #include "dispatch/bvh/layout.h"
-#include "kernels/exact/default_fp_mode.h"
+#include "dispatch/exact/default_fp_mode.h"
 
 namespace halfspace::detail {
 namespace {
@@ -194,7 +194,7 @@ class PairUpdate {
     ended_.Clear();
     kept_.Reserve(candidates.size() + found_.size());
     const WithRacyReads reads;
-    kernels::InDefaultFpMode([&] {
+    dispatch::InDefaultFpMode([&] {
       WithAxes(state_.shape.axes, [&](auto axes) {
         for (std::size_t i = 0; i < candidates.size(); i += kSome) {
           RetestSome<decltype(axes)::value>(
@@ -233,7 +233,7 @@ class PairUpdate {
       count = Filter(some, count);
     }
     found_.Reserve(found_.size() + count);
-    kernels::InDefaultFpMode([&] {
+    dispatch::InDefaultFpMode([&] {
       WithAxes(state_.shape.axes, [&](auto axes) {
         for (std::size_t i = 0; i < count; ++i) {
           const auto [a, b] = some[i];
@@ -607,7 +607,7 @@ class PairFinder {
     }
     Body body;
     if (!state_.bodies.Read(id, body)) return true;
-    kernels::InDefaultFpMode([&] { Grow(body.planes); });
+    dispatch::InDefaultFpMode([&] { Grow(body.planes); });
     bool goes_on = true;
     const auto call = [&](Span<const std::uint32_t> others) {
       for (const std::uint32_t other : others) {
@@ -671,7 +671,7 @@ class PairFinder {
     IdPair some[kSome];
     std::size_t count = 0;
     if (!has_margin_) {
-      kernels::InDefaultFpMode([&] {
+      dispatch::InDefaultFpMode([&] {
         WithAxes(state_.shape.axes, [&](auto axes) {
           for (const IdPair& pair : pairs) {
             some[count] = pair;
@@ -713,7 +713,7 @@ class PairFinder {
             : masks_->Wants(a, of_b.masks) || masks_->Wants(b, of_a.masks);
     const PairFilter& filter = state_.options.filter;
     if (!masks_match && filter.keep == nullptr) return true;
-    if (!kernels::InDefaultFpMode([&] { return Overlap(of_a, of_b); })) {
+    if (!dispatch::InDefaultFpMode([&] { return Overlap(of_a, of_b); })) {
       return true;
     }
     const WithoutRacyReads reads;

@@ -12,9 +12,9 @@
 
 #include "dispatch/broad_phase/exact.h"
 #include "dispatch/bvh/layout.h"
-#include "kernels/error.h"
-#include "kernels/exact/default_fp_mode.h"
-#include "kernels/memory_checks.h"
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
+#include "dispatch/exact/default_fp_mode.h"
 
 namespace halfspace::detail {
 namespace {
@@ -361,7 +361,7 @@ std::uint64_t Version::NotEnclosed(Span<const std::uint32_t> ids,
 bool Version::DoAllEnclose(std::uint32_t id, const float* planes) const {
   const BvhLevels& levels = tree.levels();
   const BvhShape& shape = tree.shape();
-  return kernels::InDefaultFpMode([&] {
+  return dispatch::InDefaultFpMode([&] {
     for (std::size_t l = 0; l < levels.count; ++l) {
       const std::size_t node = levels.slots[id] >> (6 * l);
       for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
@@ -446,28 +446,28 @@ void BroadPhaseState::CheckList(const char* call, Span<const std::uint32_t> ids,
                                 std::size_t other_count,
                                 std::size_t alignment) const {
   if (other_count != ids.size()) {
-    kernels::ThrowInvalid(call, name,
-                          "one for each id, " + std::to_string(ids.size()),
-                          std::to_string(other_count));
+    dispatch::ThrowInvalid(call, name,
+                           "one for each id, " + std::to_string(ids.size()),
+                           std::to_string(other_count));
   }
   CheckIds(call, ids);
-  kernels::CheckMemory(call, name, others, other_count, alignment);
+  dispatch::CheckMemory(call, name, others, other_count, alignment);
 }
 
 void BroadPhaseState::CheckIds(const char* call,
                                Span<const std::uint32_t> ids) const {
-  kernels::CheckMemory(call, "ids", ids.data(), ids.size(),
-                       alignof(std::uint32_t));
+  dispatch::CheckMemory(call, "ids", ids.data(), ids.size(),
+                        alignof(std::uint32_t));
 }
 
 void BroadPhaseState::ThrowTaken(const char* call,
                                  Span<const std::uint32_t> ids,
                                  std::size_t i) const {
-  kernels::ThrowInvalid(call, "ids[" + std::to_string(i) + "]",
-                        ids[i] < max_ids
-                            ? "an id that no body has, once in the list"
-                            : "an id below max_ids, " + std::to_string(max_ids),
-                        std::to_string(ids[i]));
+  dispatch::ThrowInvalid(
+      call, "ids[" + std::to_string(i) + "]",
+      ids[i] < max_ids ? "an id that no body has, once in the list"
+                       : "an id below max_ids, " + std::to_string(max_ids),
+      std::to_string(ids[i]));
 }
 
 std::size_t BroadPhaseState::FindAbsent(Span<const std::uint32_t> ids) const {
@@ -479,8 +479,8 @@ std::size_t BroadPhaseState::FindAbsent(Span<const std::uint32_t> ids) const {
 void BroadPhaseState::ThrowAbsent(const char* call,
                                   Span<const std::uint32_t> ids,
                                   std::size_t i) const {
-  kernels::ThrowInvalid(call, "ids[" + std::to_string(i) + "]",
-                        "the id of a body", std::to_string(ids[i]));
+  dispatch::ThrowInvalid(call, "ids[" + std::to_string(i) + "]",
+                         "the id of a body", std::to_string(ids[i]));
 }
 
 void BroadPhaseState::CheckBodies(const char* call,
@@ -495,8 +495,8 @@ void CheckMargin(const char* call, const char* name, float margin) {
   if (!IsMargin(margin) || std::bit_cast<std::uint32_t>(margin) < 0x7F800000) {
     return;
   }
-  kernels::ThrowInvalid(call, name, "a finite number that is not negative",
-                        std::to_string(margin));
+  dispatch::ThrowInvalid(call, name, "a finite number that is not negative",
+                         std::to_string(margin));
 }
 
 void TakenMarks::Take() {
@@ -515,8 +515,8 @@ BroadPhaseCore::BroadPhaseCore(const BvhShape& shape, std::size_t max_ids,
                                const BroadPhaseOptions& options) {
   constexpr const char* kCall = "BroadPhase";
   if (max_ids > kMostIds) {
-    kernels::ThrowInvalid(kCall, "max_ids", "at most 2^29 ids",
-                          std::to_string(max_ids));
+    dispatch::ThrowInvalid(kCall, "max_ids", "at most 2^29 ids",
+                           std::to_string(max_ids));
   }
   CheckMargin(kCall, "options.margin", options.margin);
   // Calls with the mutex have no other reason to refuse.
@@ -573,7 +573,7 @@ BodyMasks BroadPhaseCore::MasksOf(std::uint32_t id) const {
 void BroadPhaseCore::Bounds(Span<float> values) const {
   const Held version(*state_);
   const WithRacyReads reads;
-  kernels::InDefaultFpMode([&] {
+  dispatch::InDefaultFpMode([&] {
     version->tree.Bounds(values);
     for (std::size_t i = 0; i < version->PendingCount(); ++i) {
       Body body;

@@ -8,9 +8,9 @@
 
 #include "dispatch/bvh/layout.h"
 #include "dispatch/bvh/scratch.h"
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
 #include "halfspace/bvh.h"
-#include "kernels/error.h"
-#include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
 namespace {
@@ -19,8 +19,8 @@ constexpr std::size_t kLine = sizeof(BvhHeader);
 
 [[noreturn]] void ThrowCorrupt(bool is_in_place, const std::string& expected,
                                const std::string& given) {
-  kernels::ThrowInvalid(is_in_place ? "Bvh::InPlace" : "Bvh::FromBlob", "blob",
-                        expected, given);
+  dispatch::ThrowInvalid(is_in_place ? "Bvh::InPlace" : "Bvh::FromBlob", "blob",
+                         expected, given);
 }
 
 void CheckVersion(bool is_in_place, std::uint32_t version) {
@@ -84,7 +84,7 @@ std::uint64_t ChecksumOf(Span<const std::byte> blob) {
 
 void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
   if (blob.empty()) return Free();
-  kernels::CheckPointer(
+  dispatch::CheckPointer(
       is_in_place ? "Bvh::InPlace" : "Bvh::FromBlob", blob.data(),
       is_in_place ? alignof(BvhHeader) : 1, [] { return "blob"; },
       [] { return "a blob"; });
@@ -192,7 +192,7 @@ bool BvhTree::Verify() const {
 void BvhTree::CheckLoaded(const char* call) {
   if (is_checked_) return;
   if (const char* const expected = FindWrongIds(); expected != nullptr) {
-    kernels::ThrowInvalid(call, "blob", expected, "a blob that was altered");
+    dispatch::ThrowInvalid(call, "blob", expected, "a blob that was altered");
   }
   is_checked_ = true;
 }

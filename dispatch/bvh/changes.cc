@@ -12,10 +12,10 @@
 #include "dispatch/bvh/layout.h"
 #include "dispatch/bvh/rounded.h"
 #include "dispatch/bvh/scratch.h"
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
+#include "dispatch/exact/default_fp_mode.h"
 #include "halfspace/bvh.h"
-#include "kernels/error.h"
-#include "kernels/exact/default_fp_mode.h"
-#include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
 namespace {
@@ -186,7 +186,7 @@ void BvhTree::Reallocate(const char* call, const BvhRoom& room) {
         levels_.codes == nullptr && grown.levels_.codes != nullptr;
     if (is_coded_now || grown.levels_.count > old_count) {
       const auto& kernels = KernelsFor(shape_, Target(), call);
-      kernels::InDefaultFpMode([&] {
+      dispatch::InDefaultFpMode([&] {
         if (is_coded_now) FitMap(shape_, grown.levels_);
         EncodeLevels(grown.levels_, kernels, is_coded_now ? 0 : old_count - 1);
       });
@@ -206,8 +206,8 @@ void BvhTree::Reallocate(const char* call, const BvhRoom& room) {
 }
 
 void BvhTree::CheckIds(Span<const std::uint32_t> ids, const char* call) const {
-  kernels::CheckMemory(call, "ids", ids.data(), ids.size(),
-                       alignof(std::uint32_t));
+  dispatch::CheckMemory(call, "ids", ids.data(), ids.size(),
+                        alignof(std::uint32_t));
   for (const std::uint32_t id : ids) CheckId(id, call);
 }
 
@@ -222,7 +222,7 @@ std::size_t BvhTree::PrepareObject(std::uint32_t id, bool has_masks,
 // Encodes the block of a slot, and so on upwards until a node stays as it was.
 void BvhTree::EncodePath(std::size_t slot) {
   const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), "Bvh");
-  kernels::InDefaultFpMode([&] {
+  dispatch::InDefaultFpMode([&] {
     std::size_t block = slot;
     for (std::size_t l = 0; l + 1 < levels_.count; ++l) {
       block /= kBlockObjects;
@@ -252,7 +252,7 @@ void BvhTree::Set(std::uint32_t id, Span<const float> values) {
 void BvhTree::EncodeTouched(std::uint64_t* touched) {
   if (touched == nullptr) return;
   const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), "Bvh");
-  kernels::InDefaultFpMode([&] {
+  dispatch::InDefaultFpMode([&] {
     for (std::size_t l = 0; l + 1 < levels_.count; ++l) {
       const std::size_t words = BlocksOf(BlocksOf(levels_.level[l].size));
       std::uint64_t next = 0;
@@ -277,9 +277,9 @@ void BvhTree::Set(Span<const std::uint32_t> ids, const Columns& bounds) {
   constexpr const char* kCall = "Bvh::Set";
   if (bounds.size != 0) CheckColumns(shape_, bounds, kCall);
   if (bounds.size != ids.size()) {
-    kernels::ThrowInvalid(kCall, "bounds",
-                          "a bound for each id, " + std::to_string(ids.size()),
-                          std::to_string(bounds.size));
+    dispatch::ThrowInvalid(kCall, "bounds",
+                           "a bound for each id, " + std::to_string(ids.size()),
+                           std::to_string(bounds.size));
   }
   CheckIds(ids, kCall);
   if (ids.empty()) return;
@@ -370,8 +370,8 @@ BvhRoom BvhTree::RoomFor(std::size_t more, const char* call) const {
     return kSlotsById;
   }
   if (slots() + more >= kMostObjects) {
-    kernels::ThrowInvalid(call, "world", "less than 2^31 objects",
-                          std::to_string(slots() + more));
+    dispatch::ThrowInvalid(call, "world", "less than 2^31 objects",
+                           std::to_string(slots() + more));
   }
   const std::size_t half_more =
       room.slots + std::max(kBlockObjects, room.slots / 2);
@@ -431,7 +431,7 @@ std::uint32_t BvhTree::Insert(Span<const float> values) {
   CheckLoaded(kCall);
   if (FirstDue(1) != slots()) SortDue(1, RoomFor(1, kCall), kCall);
   std::size_t slot =
-      kernels::InDefaultFpMode([&] { return FindSlot(values.data()); });
+      dispatch::InDefaultFpMode([&] { return FindSlot(values.data()); });
   Prepare(kCall, slot == slots() ? RoomFor(1, kCall) : kSlotsById);
   if (slot == header().capacity) {
     CloseGaps();
@@ -447,10 +447,10 @@ std::uint32_t BvhTree::Insert(Span<const float> values) {
 void BvhTree::Insert(const Columns& bounds, Span<std::uint32_t> ids) {
   constexpr const char* kCall = "Bvh::Insert";
   if (bounds.size != 0) CheckColumns(shape_, bounds, kCall);
-  kernels::CheckMemory(kCall, "ids", ids.data(), ids.size(),
-                       alignof(std::uint32_t));
+  dispatch::CheckMemory(kCall, "ids", ids.data(), ids.size(),
+                        alignof(std::uint32_t));
   if (ids.size() < bounds.size) {
-    kernels::ThrowInvalid(
+    dispatch::ThrowInvalid(
         kCall, "ids",
         "an element for each bound, at least " + std::to_string(bounds.size),
         std::to_string(ids.size()));
@@ -505,7 +505,7 @@ void BvhTree::InsertAs(Span<const std::uint32_t> ids, const Columns& bounds) {
 void BvhTree::EncodeAppended(std::size_t begin, const char* call) {
   if (SortDue(slots() - begin, {}, call)) return;
   const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), call);
-  kernels::InDefaultFpMode(
+  dispatch::InDefaultFpMode(
       [&] { EncodeSlots(levels_, kernels, begin, slots()); });
 }
 
@@ -579,8 +579,8 @@ void BvhTree::Reserve(std::size_t objects) {
   const std::size_t room =
       objects <= size() ? slots() : slots() + (objects - size());
   if (objects >= kMostObjects || room >= kMostObjects) {
-    kernels::ThrowInvalid(kCall, "objects", "less than 2^31 objects",
-                          std::to_string(objects));
+    dispatch::ThrowInvalid(kCall, "objects", "less than 2^31 objects",
+                           std::to_string(objects));
   }
   Prepare(kCall, {room, 1, false});
 }
@@ -593,10 +593,10 @@ void BvhTree::SetMasks(std::uint32_t id, std::uint32_t masks) {
 
 void BvhTree::SetMasks(Span<const std::uint32_t> masks) {
   constexpr const char* kCall = "Bvh::SetMasks";
-  kernels::CheckMemory(kCall, "masks", masks.data(), masks.size(),
-                       alignof(std::uint32_t));
+  dispatch::CheckMemory(kCall, "masks", masks.data(), masks.size(),
+                        alignof(std::uint32_t));
   if (masks.size() < id_limit()) {
-    kernels::ThrowInvalid(
+    dispatch::ThrowInvalid(
         kCall, "masks",
         "a mask for each id, at least " + std::to_string(id_limit()),
         std::to_string(masks.size()));
@@ -614,11 +614,11 @@ void BvhTree::Refit(const Columns& objects, bool is_by_id, const Runner& run) {
   const char* const call = is_by_id ? "Bvh::Refit" : "Bvh::RefitInOrder";
   const std::size_t size = is_by_id ? id_limit() : slots();
   if (objects.size < size || (!is_by_id && objects.size > size)) {
-    kernels::ThrowInvalid(call, "bounds",
-                          (is_by_id ? "a bound for each id, at least "
-                                    : "a bound for each element of ids(), ") +
-                              std::to_string(size),
-                          std::to_string(objects.size));
+    dispatch::ThrowInvalid(call, "bounds",
+                           (is_by_id ? "a bound for each id, at least "
+                                     : "a bound for each element of ids(), ") +
+                               std::to_string(size),
+                           std::to_string(objects.size));
   }
   if (size == 0) return;
   CheckColumns(shape_, objects, call);

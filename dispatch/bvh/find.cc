@@ -3,10 +3,10 @@
 #include <string>
 
 #include "dispatch/bvh/layout.h"
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
 #include "halfspace/bvh.h"
 #include "kernels/bvh/block.h"
-#include "kernels/error.h"
-#include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
 namespace {
@@ -113,8 +113,8 @@ std::size_t BvhSurvivors(const BvhTree& tree, const BvhQueries& query,
                          Span<std::uint32_t> ids, const QueryOptions& options) {
   constexpr const char* kCall = "Survivors";
   const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
-  kernels::CheckMemory(kCall, "ids", ids.data(), ids.size(),
-                       alignof(std::uint32_t));
+  dispatch::CheckMemory(kCall, "ids", ids.data(), ids.size(),
+                        alignof(std::uint32_t));
   IdsToSpan to(ids, options.skip);
   RunWalks(tree, query, options, kCall, kernels, &to, nullptr);
   return to.End();
@@ -133,16 +133,16 @@ void BvhCountOfEach(const BvhTree& tree, const BvhQueries& queries,
                     Span<std::size_t> counts, const QueryOptions& options) {
   constexpr const char* kCall = "CountSurvivorsOfEach";
   const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
-  kernels::CheckMemory(kCall, "queries", queries.first, queries.count,
-                       alignof(float));
+  dispatch::CheckMemory(kCall, "queries", queries.first, queries.count,
+                        alignof(float));
   if (counts.size() < queries.count) {
-    kernels::ThrowInvalid(
+    dispatch::ThrowInvalid(
         kCall, "counts",
         "at least one for each query, " + std::to_string(queries.count),
         std::to_string(counts.size()));
   }
-  kernels::CheckMemory(kCall, "counts", counts.data(), counts.size(),
-                       alignof(std::size_t));
+  dispatch::CheckMemory(kCall, "counts", counts.data(), counts.size(),
+                        alignof(std::size_t));
   std::fill_n(counts.data(), queries.count, 0);
   RunWalks(tree, queries, options, kCall, kernels, nullptr, counts.data());
 }

@@ -9,9 +9,9 @@
 #include <span>
 #include <string>
 
-#include "kernels/error.h"
-#include "kernels/exact/default_fp_mode.h"
-#include "kernels/memory_checks.h"
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
+#include "dispatch/exact/default_fp_mode.h"
 #include "kernels/prefetch.h"
 
 namespace halfspace::detail {
@@ -261,17 +261,17 @@ void EncodeSlots(BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
 void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
                  std::size_t alignment, Span<std::uint32_t> ids,
                  Span<std::size_t> offsets) {
-  kernels::CheckMemory(call, "queries", queries, query_count, alignment);
-  kernels::CheckMemory(call, "ids", ids.data(), ids.size(),
-                       alignof(std::uint32_t));
+  dispatch::CheckMemory(call, "queries", queries, query_count, alignment);
+  dispatch::CheckMemory(call, "ids", ids.data(), ids.size(),
+                        alignof(std::uint32_t));
   if (offsets.size() <= query_count) {
-    kernels::ThrowInvalid(call, "offsets",
-                          "at least " + std::to_string(query_count + 1) +
-                              " elements, one more than the queries",
-                          std::to_string(offsets.size()));
+    dispatch::ThrowInvalid(call, "offsets",
+                           "at least " + std::to_string(query_count + 1) +
+                               " elements, one more than the queries",
+                           std::to_string(offsets.size()));
   }
-  kernels::CheckMemory(call, "offsets", offsets.data(), offsets.size(),
-                       alignof(std::size_t));
+  dispatch::CheckMemory(call, "offsets", offsets.data(), offsets.size(),
+                        alignof(std::size_t));
 }
 
 // Cold, as the code that makes the text of an error is large otherwise.
@@ -279,11 +279,11 @@ void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
                                 const char* call) {
   const std::size_t scalar_bytes = objects.scalar_bytes();
   for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
-    kernels::CheckPointer(
+    dispatch::CheckPointer(
         call, objects.column[p], scalar_bytes,
         [&] {
           return objects.stride == 1
-                     ? kernels::PlaneName("world", shape.axes, p)
+                     ? dispatch::PlaneName("world", shape.axes, p)
                      : "bounds";
         },
         [&] {
@@ -292,9 +292,9 @@ void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
   }
   constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
   if (objects.stride > kMost / scalar_bytes / objects.size) {
-    kernels::ThrowInvalid(call, "bounds.stride",
-                          "bounds that fit the address space",
-                          std::to_string(objects.stride));
+    dispatch::ThrowInvalid(call, "bounds.stride",
+                           "bounds that fit the address space",
+                           std::to_string(objects.stride));
   }
 }
 
@@ -314,18 +314,18 @@ void FillSlots(const BvhShape& shape, const BvhLevels& levels,
                const Columns& objects, const std::uint32_t* elements,
                const BvhKernels::OfPlanes& kernels, const Runner& run) {
   if (levels.codes != nullptr) {
-    kernels::InDefaultFpMode([&] {
+    dispatch::InDefaultFpMode([&] {
       FitMapTo(shape, levels, [&](std::size_t p, std::size_t s) {
         return objects.floats(
             p)[(elements == nullptr ? s : elements[s]) * objects.stride];
       });
     });
   }
-  kernels::RunInDefaultFpMode(
+  dispatch::RunInDefaultFpMode(
       run, PartsOf(levels.level[0].size), [&](std::size_t part) {
         FillPart(levels, PlanesOf(shape), objects, elements, kernels, part);
       });
-  kernels::InDefaultFpMode([&] { EncodeLevels(levels, kernels, 1); });
+  dispatch::InDefaultFpMode([&] { EncodeLevels(levels, kernels, 1); });
 }
 
 BvhPart AsIs(const BvhShape& shape, const BvhLevels& levels,

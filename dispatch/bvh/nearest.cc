@@ -13,12 +13,12 @@
 
 #include "dispatch/bvh/cast.h"
 #include "dispatch/bvh/layout.h"
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
+#include "dispatch/exact/default_fp_mode.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/bvh.h"
 #include "halfspace/bvh_nearest.h"
-#include "kernels/error.h"
-#include "kernels/exact/default_fp_mode.h"
-#include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
 namespace {
@@ -40,8 +40,8 @@ void CheckLimit(const char* call, const char* argument, float value) {
       is_negative_zero) {
     return;
   }
-  kernels::ThrowInvalid(call, argument, "a number that is not negative",
-                        std::to_string(value));
+  dispatch::ThrowInvalid(call, argument, "a number that is not negative",
+                         std::to_string(value));
 }
 
 // So many are found at once on the stack; at first for a function, and at most.
@@ -52,7 +52,7 @@ constexpr std::size_t kMostRoom = 2048;
 struct Callback {
   NearFunction function;
   void* context;
-  kernels::DefaultFpMode& mode;
+  dispatch::DefaultFpMode& mode;
 
   static float Run(void* callback, std::uint32_t id, float value,
                    const float* planes) {
@@ -66,14 +66,14 @@ void CheckOutputs(const char* call, float max_distance, Span<std::uint32_t> ids,
                   Span<float> distances) {
   CheckLimit(call, "max_distance", max_distance);
   if (!distances.empty() && distances.size() != ids.size()) {
-    kernels::ThrowInvalid(call, "distances",
-                          "as many as ids, " + std::to_string(ids.size()),
-                          std::to_string(distances.size()));
+    dispatch::ThrowInvalid(call, "distances",
+                           "as many as ids, " + std::to_string(ids.size()),
+                           std::to_string(distances.size()));
   }
-  kernels::CheckMemory(call, "ids", ids.data(), ids.size(),
-                       alignof(std::uint32_t));
-  kernels::CheckMemory(call, "distances", distances.data(), distances.size(),
-                       alignof(float));
+  dispatch::CheckMemory(call, "ids", ids.data(), ids.size(),
+                        alignof(std::uint32_t));
+  dispatch::CheckMemory(call, "distances", distances.data(), distances.size(),
+                        alignof(float));
 }
 
 const BvhNearestKernels& KernelsFor(const QueryOptions& options,
@@ -153,7 +153,7 @@ void Call(const BvhNearestKernels& kernels, NearestSearch& search,
       distance = std::sqrt(key);
       return key <= search.limit;
     };
-    bool goes_on = kernels::InDefaultFpMode([&] {
+    bool goes_on = dispatch::InDefaultFpMode([&] {
       count = kernels.find(search);
       return has_next();
     });
@@ -161,7 +161,7 @@ void Call(const BvhNearestKernels& kernels, NearestSearch& search,
       const auto slot = static_cast<std::uint32_t>(found[i]);
       const float limit = function(context, search.levels->ids[slot], distance,
                                    &objects.Value(0, slot));
-      goes_on = kernels::InDefaultFpMode([&] {
+      goes_on = dispatch::InDefaultFpMode([&] {
         if (limit < 0) return false;
         if (limit <= kMax<float>) {
           search.limit = std::min(search.limit, KeyLimit(limit));
@@ -185,7 +185,7 @@ std::size_t BvhNearest(const BvhTree& tree, const NearQueries& query,
   const auto& kernels = KernelsFor(options, kCall);
   if (FindsNothing(tree, options)) return 0;
   NearestSearch search = MakeSearch(tree, options);
-  return kernels::InDefaultFpMode([&] {
+  return dispatch::InDefaultFpMode([&] {
     SetQuery(query, 0, KeyLimit(max_distance), search);
     return WriteNearest(kernels, search, ids, distances);
   });
@@ -196,19 +196,19 @@ void BvhNearestOfEach(const BvhTree& tree, const NearQueries& queries,
                       Span<std::uint32_t> ids, Span<float> distances,
                       const QueryOptions& options) {
   constexpr const char* kCall = "KNearestOfEach";
-  kernels::CheckMemory(kCall, "queries", queries.values, queries.count,
-                       alignof(float));
+  dispatch::CheckMemory(kCall, "queries", queries.values, queries.count,
+                        alignof(float));
   CheckOutputs(kCall, max_distance, ids, distances);
   if (k == 0 ? !ids.empty()
              : ids.size() % k != 0 || ids.size() / k != queries.count) {
-    kernels::ThrowInvalid(kCall, "ids",
-                          std::to_string(k) + " elements for each of " +
-                              std::to_string(queries.count) + " queries",
-                          std::to_string(ids.size()));
+    dispatch::ThrowInvalid(kCall, "ids",
+                           std::to_string(k) + " elements for each of " +
+                               std::to_string(queries.count) + " queries",
+                           std::to_string(ids.size()));
   }
   const auto& kernels = KernelsFor(options, kCall);
   NearestSearch search = MakeSearch(tree, options);
-  kernels::InDefaultFpMode([&] {
+  dispatch::InDefaultFpMode([&] {
     const float limit = KeyLimit(max_distance);
     for (std::size_t row = 0; row < ids.size(); row += k) {
       const Span<std::uint32_t> row_ids(ids.data() + row, k);
@@ -236,7 +236,7 @@ void BvhForEachNearest(const BvhTree& tree, const NearQueries& query,
   const auto& kernels = KernelsFor(options, kCall);
   if (FindsNothing(tree, options)) return;
   NearestSearch search = MakeSearch(tree, options);
-  kernels::InDefaultFpMode(
+  dispatch::InDefaultFpMode(
       [&] { SetQuery(query, 0, KeyLimit(max_distance), search); });
   Call(kernels, search, function, context);
 }
@@ -270,11 +270,11 @@ void BvhCast(const BvhTree& tree, const LineCast& cast, NearFunction function,
   LineSearch search;
   search.levels = &tree.levels();
   search.mask = options.mask;
-  kernels::DefaultFpMode mode;
+  dispatch::DefaultFpMode mode;
   Callback callback = {function, context, mode};
   search.function = &Callback::Run;
   search.context = &callback;
-  kernels::CallApart([&] {
+  dispatch::CallApart([&] {
     if (MakeCastLine(tree.shape(), cast, search.line)) kernels.cast(search);
   });
 }

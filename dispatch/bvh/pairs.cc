@@ -9,10 +9,10 @@
 
 #include "dispatch/bvh/layout.h"
 #include "dispatch/bvh/scratch.h"
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
 #include "halfspace/bvh_pairs.h"
 #include "kernels/bvh/block.h"
-#include "kernels/error.h"
-#include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
 namespace {
@@ -97,24 +97,24 @@ void CheckSet(const BvhTree& tree, Span<const std::uint32_t> ids,
               Span<const std::uint32_t> wanted, const char* call) {
   if (!wanted.empty()) {
     if (wanted.size() != ids.size()) {
-      kernels::ThrowInvalid(call, "options.wanted",
-                            std::to_string(ids.size()) + " masks, or none",
-                            std::to_string(wanted.size()));
+      dispatch::ThrowInvalid(call, "options.wanted",
+                             std::to_string(ids.size()) + " masks, or none",
+                             std::to_string(wanted.size()));
     }
-    kernels::CheckPointer(
+    dispatch::CheckPointer(
         call, wanted.data(), alignof(std::uint32_t),
         [] { return "options.wanted"; },
         [&] { return std::to_string(wanted.size()) + " masks"; });
   }
   if (ids.empty()) return;
-  kernels::CheckPointer(
+  dispatch::CheckPointer(
       call, ids.data(), alignof(std::uint32_t), [] { return "ids"; },
       [&] { return std::to_string(ids.size()) + " ids"; });
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (tree.Has(ids[i])) continue;
-    kernels::ThrowInvalid(call, "ids[" + std::to_string(i) + "]",
-                          "the id of an object in the world",
-                          std::to_string(ids[i]));
+    dispatch::ThrowInvalid(call, "ids[" + std::to_string(i) + "]",
+                           "the id of an object in the world",
+                           std::to_string(ids[i]));
   }
 }
 
@@ -286,15 +286,15 @@ void Join(const PairSources& sources, const PairOptions& options,
   const bool has_margin = margin << 1 != 0;
   if (has_margin && margin >= std::bit_cast<std::uint32_t>(
                                   std::numeric_limits<float>::infinity())) {
-    kernels::ThrowInvalid(call, "options.margin",
-                          "a finite number that is not negative",
-                          std::to_string(options.margin));
+    dispatch::ThrowInvalid(call, "options.margin",
+                           "a finite number that is not negative",
+                           std::to_string(options.margin));
   }
   if (sources.ids != nullptr) {
     CheckSet(a, *sources.ids, options.wanted, call);
   } else if (!options.wanted.empty()) {
-    kernels::ThrowInvalid(call, "options.wanted", "no masks without a set",
-                          std::to_string(options.wanted.size()));
+    dispatch::ThrowInvalid(call, "options.wanted", "no masks without a set",
+                           std::to_string(options.wanted.size()));
   }
   if (a.size() == 0 || b.size() == 0) return;
   PairJoin join{};
@@ -318,7 +318,7 @@ std::size_t BvhPairs(const PairSources& sources, Span<IdPair> pairs,
   static_assert(sizeof(IdPair) == 2 * sizeof(std::uint32_t));
   const char* const call = sources.ids != nullptr ? "PairsOf" : "Pairs";
   if (pairs.size() != 0) {
-    kernels::CheckPointer(
+    dispatch::CheckPointer(
         call, pairs.data(), alignof(IdPair), [] { return "pairs"; },
         [&] {
           return "memory for " + std::to_string(pairs.size()) + " pairs";

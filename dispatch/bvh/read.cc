@@ -4,7 +4,7 @@
 #include <string>
 
 #include "dispatch/bvh/layout.h"
-#include "kernels/error.h"
+#include "dispatch/errors/error.h"
 
 namespace halfspace::detail {
 
@@ -17,8 +17,8 @@ bool BvhTree::Has(std::uint32_t id) const {
 
 void BvhTree::CheckId(std::uint32_t id, const char* call) const {
   if (Has(id)) return;
-  kernels::ThrowInvalid(call, "id", "the id of an object in the world",
-                        std::to_string(id));
+  dispatch::ThrowInvalid(call, "id", "the id of an object in the world",
+                         std::to_string(id));
 }
 
 void BvhTree::Get(std::uint32_t id, Span<float> values) const {
@@ -30,8 +30,8 @@ void BvhTree::Get(std::uint32_t id, Span<float> values) const {
           ? levels_.slots[id]
           : static_cast<std::size_t>(std::find(ids, ids + slots(), id) - ids);
   if (slot == slots()) {  // in an altered blob
-    kernels::ThrowInvalid(kCall, "id", "an element of ids()",
-                          std::to_string(id));
+    dispatch::ThrowInvalid(kCall, "id", "an element of ids()",
+                           std::to_string(id));
   }
   for (std::size_t p = 0; p < values.size(); ++p) {
     values[p] = levels_.level[0].Value(p, slot);

@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "dispatch/bvh/layout.h"
+#include "dispatch/bvh/order.h"
 #include "dispatch/bvh/scratch.h"
+#include "dispatch/exact/default_fp_mode.h"
 #include "halfspace/bvh.h"
-#include "kernels/bvh/order.h"
-#include "kernels/exact/default_fp_mode.h"
 
 namespace halfspace::detail {
 namespace {
@@ -87,7 +87,7 @@ double CostAsBuilt(const BvhPart& built, std::uint64_t objects) {
 
 double BvhTree::CostRatio() const {
   if (slots() <= kBlockObjects) return 1;
-  return kernels::InDefaultFpMode([&] {
+  return dispatch::InDefaultFpMode([&] {
     double built = 0;
     double now = 0;
     for (std::size_t part = 0; part < PartsOf(header().slots); ++part) {
@@ -139,8 +139,9 @@ std::size_t BvhTree::Resort(const char* call, Span<const SlotRange> ranges,
   const Columns& columns = gathered.columns();
   const Scratch order(memory_, columns.size * sizeof(std::uint32_t));
   auto* const elements = reinterpret_cast<std::uint32_t*>(order.data());
-  const Scratch scratch(memory_, columns.size * kernels::kOrderScratch);
-  kernels::OrderByMedians(columns, kernels, scratch.data(), elements, Runner());
+  const Scratch scratch(memory_, columns.size * dispatch::kOrderScratch);
+  dispatch::OrderByMedians(columns, kernels, scratch.data(), elements,
+                           Runner());
   Prepare(call, room);
   const BvhLevel& level = levels_.level[0];
   std::size_t next = 0;
@@ -156,7 +157,7 @@ std::size_t BvhTree::Resort(const char* call, Span<const SlotRange> ranges,
       PutId(levels_, s, gathered.ids()[element], gathered.MasksOf(element));
     }
   }
-  kernels::InDefaultFpMode([&] {
+  dispatch::InDefaultFpMode([&] {
     if (ranges[0].end - ranges[0].begin == slots()) FitMap(shape_, levels_);
     for (const SlotRange& range : ranges) {
       EncodeSlots(levels_, kernels, range.begin, range.end);
@@ -213,7 +214,7 @@ void BvhTree::CloseGaps() {
   }
   Truncate(shape_, levels_, to);
   FillPresent(level, to);
-  kernels::InDefaultFpMode([&] {
+  dispatch::InDefaultFpMode([&] {
     EncodeLevels(levels_, kernels, 0);
     if (level.masks != nullptr) OrAllMasks(levels_);
     // As far from sorted as before.
@@ -233,7 +234,7 @@ std::size_t BvhTree::RebuildPartial(std::size_t objects) {
   auto* const worst =
       reinterpret_cast<std::pair<double, std::size_t>*>(memory.data());
   std::size_t bad = 0;
-  kernels::InDefaultFpMode([&] {
+  dispatch::InDefaultFpMode([&] {
     for (std::size_t part = 0; part < parts; ++part) {
       const BvhPart as_is = AsIs(shape_, levels_, PartAt(levels_, part));
       const double excess =

@@ -1,7 +1,7 @@
 #include "dispatch/bvh/rounded.h"
 
-#include "kernels/exact/default_fp_mode.h"
-#include "kernels/exact/outward.h"
+#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/exact/outward.h"
 #include "kernels/prefetch.h"
 
 namespace halfspace::detail {
@@ -38,7 +38,7 @@ Rounded::Rounded(const BvhShape& shape, const MemoryResource& memory,
   const auto element_of = [elements](std::size_t s) -> std::size_t {
     return elements == nullptr ? s : elements[s];
   };
-  kernels::RunInDefaultFpMode(run, PartsOf(count), [&](std::size_t part) {
+  dispatch::RunInDefaultFpMode(run, PartsOf(count), [&](std::size_t part) {
     const std::size_t end = std::min(count, (part + 1) * kPartSlots);
     for (std::size_t s = part * kPartSlots; s < end; ++s) {
       if (s + kAhead < end) {
@@ -47,10 +47,10 @@ Rounded::Rounded(const BvhShape& shape, const MemoryResource& memory,
       const std::size_t i = element_of(s);
       if (i == kNoId) continue;
       for (std::size_t p = 0; p < planes; ++p) {
-        const kernels::ExactSum value = {
+        const dispatch::ExactSum value = {
             objects.doubles(p)[i * objects.stride], 0.0};
-        floats[p * count + s] = p < shape.axes ? kernels::RoundDown(value)
-                                               : kernels::RoundUp(value);
+        floats[p * count + s] = p < shape.axes ? dispatch::RoundDown(value)
+                                               : dispatch::RoundUp(value);
       }
     }
   });

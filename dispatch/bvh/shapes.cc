@@ -10,15 +10,15 @@
 #include <string>
 
 #include "dispatch/bvh/layout.h"
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
+#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/exact/exact_bound.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/bvh.h"
 #include "halfspace/bvh_shapes.h"
 #include "halfspace/fit.h"
 #include "kernels/bvh/shape.h"
-#include "kernels/error.h"
-#include "kernels/exact/default_fp_mode.h"
-#include "kernels/exact/exact_bound.h"
-#include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
 namespace {
@@ -47,23 +47,23 @@ float RadiusOf(const BvhShapeQuery& query) {
 // Throws unless the query is a shape. O(1). In the default floating-point mode.
 void CheckShape(const BvhShapeQuery& query, const char* call) {
   if (!(RadiusOf(query) >= 0)) {
-    kernels::CheckLength(call, "radius", RadiusOf(query));
+    dispatch::CheckLength(call, "radius", RadiusOf(query));
   }
   if (query.kind != BvhShapeQuery::kHalfSpaces) return;
   if (query.count > kMostHalfSpaces) {
-    kernels::ThrowInvalid(call, "half-spaces",
-                          "at most " + std::to_string(kMostHalfSpaces),
-                          std::to_string(query.count));
+    dispatch::ThrowInvalid(call, "half-spaces",
+                           "at most " + std::to_string(kMostHalfSpaces),
+                           std::to_string(query.count));
   }
-  kernels::CheckMemory(call, "half-spaces", query.values, query.count,
-                       alignof(float));
+  dispatch::CheckMemory(call, "half-spaces", query.values, query.count,
+                        alignof(float));
 }
 
 // Whether a builder of fit.h can bound a point, a sphere, a segment or a
 // capsule. In the default floating-point mode.
 bool CanBeBounded(const BvhShapeQuery& query) {
   for (std::size_t p = 0; p < PointsOf(query); ++p) {
-    kernels::MagnitudeGuard<float> guard;
+    dispatch::MagnitudeGuard<float> guard;
     guard.AddAll(std::span(query.values + p * query.dims, query.dims));
     guard.Add(RadiusOf(query));
     if (!guard.CanBeBounded()) return false;
@@ -323,14 +323,14 @@ void BvhWalkShapes(const BvhShape& world, const BvhQueries& queries,
       walk.run == nullptr &&
       (walk.levels->level[0].size == 0 || options.mask == 0);
   if (queries.count != 1 || finds_nothing) {
-    kernels::InDefaultFpMode([&] {
+    dispatch::InDefaultFpMode([&] {
       for (std::size_t q = 0; q < queries.count; ++q) CheckShape(at(q), call);
     });
   }
   if (finds_nothing) return;
   for (std::size_t q = 0; q < queries.count; ++q) {
     const BvhShapeQuery query = at(q);
-    kernels::InDefaultFpMode([&] {
+    dispatch::InDefaultFpMode([&] {
       CheckShape(query, call);
       return Prepared(world, query);
     }).Run(walk, target);

@@ -5,13 +5,13 @@
 #include <utility>
 
 #include "dispatch/bvh/layout.h"
+#include "dispatch/bvh/order.h"
 #include "dispatch/bvh/rounded.h"
 #include "dispatch/bvh/scratch.h"
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
+#include "dispatch/exact/default_fp_mode.h"
 #include "halfspace/bvh.h"
-#include "kernels/bvh/order.h"
-#include "kernels/error.h"
-#include "kernels/exact/default_fp_mode.h"
-#include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
 
@@ -112,13 +112,13 @@ void BvhTree::CheckBuild(std::size_t objects,
   constexpr const char* kCall = "Bvh";
   std::ignore = KernelsFor(shape_, options.target, kCall);
   if (objects >= kMostObjects) {
-    kernels::ThrowInvalid(kCall, "world", "less than 2^31 objects",
-                          std::to_string(objects));
+    dispatch::ThrowInvalid(kCall, "world", "less than 2^31 objects",
+                           std::to_string(objects));
   }
   const BuildQuality quality = options.quality;
   if (quality != BuildQuality::kHigh && quality != BuildQuality::kFast) {
-    kernels::ThrowInvalid(kCall, "quality", "an enumerator of BuildQuality",
-                          std::to_string(static_cast<int>(quality)));
+    dispatch::ThrowInvalid(kCall, "quality", "an enumerator of BuildQuality",
+                           std::to_string(static_cast<int>(quality)));
   }
 }
 
@@ -129,11 +129,11 @@ void BvhTree::BuildIn(const BvhRoom& room, const Columns& objects,
   const BvhKernels::OfPlanes& kernels =
       KernelsFor(shape_, options.target, kCall);
   if (objects.size == 0) return Free();
-  const Scratch scratch(memory_, objects.size * kernels::kOrderScratch);
+  const Scratch scratch(memory_, objects.size * dispatch::kOrderScratch);
   Allocate(room);
   const auto put_in_order = options.quality == BuildQuality::kFast
-                                ? kernels::OrderByCurve
-                                : kernels::OrderByMedians;
+                                ? dispatch::OrderByCurve
+                                : dispatch::OrderByMedians;
   put_in_order(objects, kernels, scratch.data(), levels_.ids, options.run);
   Truncate(shape_, levels_, objects.size);
   BvhHeader& header = this->header();
@@ -141,7 +141,7 @@ void BvhTree::BuildIn(const BvhRoom& room, const Columns& objects,
       static_cast<std::uint32_t>(objects.size);
   FillPresent(levels_.level[0], objects.size);
   FillSlots(shape_, levels_, objects, levels_.ids, kernels, options.run);
-  kernels::InDefaultFpMode([&] {
+  dispatch::InDefaultFpMode([&] {
     for (std::size_t part = 0; part < PartsOf(objects.size); ++part) {
       levels_.built[part] = AsIs(shape_, levels_, PartAt(levels_, part));
     }

@@ -6,24 +6,24 @@
 #include <string>
 #include <string_view>
 
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
+#include "dispatch/exact/default_fp_mode.h"
 #include "dispatch/targets/chosen_target.h"
-#include "kernels/error.h"
-#include "kernels/exact/default_fp_mode.h"
 #include "kernels/fit_many/kernel_table.h"
-#include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
 namespace {
 
-using kernels::CheckPointer;
+using dispatch::CheckPointer;
+using dispatch::Overlap;
+using dispatch::ThrowInvalid;
 using kernels::FitJob;
 using kernels::FitTally;
-using kernels::Overlap;
-using kernels::ThrowInvalid;
 
 std::string PlaneName(const Output& output, std::size_t plane) {
-  return kernels::PlaneName("planes", static_cast<std::size_t>(output.dims) + 1,
-                            plane);
+  return dispatch::PlaneName("planes",
+                             static_cast<std::size_t>(output.dims) + 1, plane);
 }
 
 template <typename Visit>
@@ -34,7 +34,7 @@ void ForEachPlane(const Output& output, const Visit& visit) {
 }
 
 void CheckOutput(const Output& output, std::string_view call) {
-  kernels::CheckAddressable(call, "planes.size", output.size, sizeof(float));
+  dispatch::CheckAddressable(call, "planes.size", output.size, sizeof(float));
   ForEachPlane(output, [&](std::size_t p, const float* plane) {
     CheckPointer(
         call, plane, alignof(float), [&] { return PlaneName(output, p); },
@@ -48,7 +48,7 @@ void CheckApart(const Output& output, const void* other, std::size_t bytes,
                 const Name& name, std::string_view call) {
   ForEachPlane(output, [&](std::size_t p, const float* plane) {
     if (Overlap(plane, output.size * sizeof(float), other, bytes)) {
-      kernels::ThrowOverlap(call, PlaneName(output, p), name());
+      dispatch::ThrowOverlap(call, PlaneName(output, p), name());
     }
   });
 }
@@ -118,7 +118,7 @@ class Call {
         .indices = indices.data(),
         .ends = ends.data(),
         .inverted_is_empty = options_.inverted == Inverted::kEmpty};
-    const kernels::DefaultFpMode mode;
+    const dispatch::DefaultFpMode mode;
     const FitKernels& kernels = source_.kernels[is_double ? 0 : target_index_];
     const FitTally tally =
         options_.tightest ? kernels.tightest(job) : kernels.within_ulp(job);
@@ -143,9 +143,9 @@ class Call {
     const std::string_view argument = source_names_.argument;
     const Columns& columns = source_.columns;
     if (columns.size == 0) return;
-    kernels::CheckExtent(name_, argument, columns.scalar_bytes(), columns.size,
-                         columns.stride,
-                         source_.has_one_pointer ? source_.column_count : 1);
+    dispatch::CheckExtent(name_, argument, columns.scalar_bytes(), columns.size,
+                          columns.stride,
+                          source_.has_one_pointer ? source_.column_count : 1);
     for (std::size_t c = 0; c < source_.column_count; ++c) {
       CheckPointer(
           name_, columns.column[c], columns.scalar_bytes(),
@@ -163,8 +163,8 @@ class Call {
     for (std::size_t c = 0; c < source_.column_count; ++c) {
       CheckApart(
           output_, source_.columns.column[c],
-          kernels::ColumnBytes(source_.columns.size, source_.columns.stride,
-                               source_.columns.scalar_bytes()),
+          dispatch::ColumnBytes(source_.columns.size, source_.columns.stride,
+                                source_.columns.scalar_bytes()),
           [&] { return ColumnName(c); }, name_);
     }
   }
@@ -210,8 +210,8 @@ Target BoundTriangles(const Source& vertices, Span<const std::uint32_t> indices,
   constexpr std::size_t kCorners = 3;
   const Call call("BoundTriangles", {"vertices", "coords"}, vertices, output,
                   options);
-  kernels::CheckAddressable("BoundTriangles", "planes.size", output.size,
-                            kCorners * sizeof(float));
+  dispatch::CheckAddressable("BoundTriangles", "planes.size", output.size,
+                             kCorners * sizeof(float));
   CheckSize("BoundTriangles", "indices.size()", indices.size(),
             kCorners * output.size);
   call.CheckInput(indices.data(), indices.size() * sizeof(std::uint32_t),

@@ -2,18 +2,18 @@
 
 #include <string>
 
-#include "kernels/error.h"
-#include "kernels/memory_checks.h"
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
 
 namespace halfspace::dispatch {
 namespace {
 
-using kernels::CheckPointer;
-using kernels::Overlap;
-using kernels::ThrowInvalid;
+using dispatch::CheckPointer;
+using dispatch::Overlap;
+using dispatch::ThrowInvalid;
 
 std::string PlaneName(const detail::Scan& scan, std::size_t p) {
-  return kernels::PlaneName("world", scan.type->axes, p);
+  return dispatch::PlaneName("world", scan.type->axes, p);
 }
 
 // plane_at(p) is the address of a plane.
@@ -36,8 +36,8 @@ void CheckApart(const detail::Scan& scan, const PlaneAt& plane_at,
   for (std::size_t p = 0; p < scan.type->plane_count; ++p) {
     if (Overlap(plane_at(p), plane_bytes, output.begin,
                 output.used * output.bytes)) {
-      kernels::ThrowOverlap(scan.call, output.argument, "the world's planes",
-                            "an overlap with " + PlaneName(scan, p));
+      dispatch::ThrowOverlap(scan.call, output.argument, "the world's planes",
+                             "an overlap with " + PlaneName(scan, p));
     }
   }
 }
@@ -58,7 +58,7 @@ void CheckWorld(const detail::Scan& scan) {
   }
   if (scan.size == 0) return;
   const std::size_t bytes = type.element_bytes;
-  kernels::CheckAddressable(scan.call, "world.size", scan.size, bytes);
+  dispatch::CheckAddressable(scan.call, "world.size", scan.size, bytes);
   // Quantized bounds are always the library's own.
   if (type.encode == nullptr) {
     CheckPlanes(
@@ -124,14 +124,14 @@ void CheckOutput(const detail::Scan& scan, const Output& output) {
   if (scan.type->is_refined) {
     CheckApart(
         scan, [&](std::size_t p) { return scan.floats.column[p]; },
-        kernels::ColumnBytes(scan.floats.size, scan.floats.stride,
-                             sizeof(float)),
+        dispatch::ColumnBytes(scan.floats.size, scan.floats.stride,
+                              sizeof(float)),
         output);
   }
   if (Overlap(scan.queries, scan.query_count * scan.type->query_record_bytes,
               output.begin, bytes)) {
-    kernels::ThrowOverlap(scan.call, output.argument, "the queries",
-                          "an overlap with them");
+    dispatch::ThrowOverlap(scan.call, output.argument, "the queries",
+                           "an overlap with them");
   }
 }
 

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <string>
 
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
 #include "dispatch/scan/parts.h"
 #include "dispatch/scan/prepare.h"
-#include "kernels/error.h"
-#include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
 namespace {
@@ -22,7 +22,7 @@ void WriteMasks(Scan& scan, Span<std::uint64_t> rows, const Options& options,
   const std::size_t words = MaskWords(scan.end - scan.begin);
   const std::size_t stride = row_words != 0 ? row_words : words;
   if (stride < words) {
-    kernels::ThrowInvalid(
+    dispatch::ThrowInvalid(
         call, "row_words",
         "0, or at least the " + std::to_string(words) + " words of a row",
         std::to_string(stride));
@@ -33,7 +33,7 @@ void WriteMasks(Scan& scan, Span<std::uint64_t> rows, const Options& options,
     const std::size_t most =
         rows.size() < words ? 0 : (rows.size() - words) / stride + 1;
     if (most < scan.query_count) {
-      kernels::ThrowInvalid(
+      dispatch::ThrowInvalid(
           call, "rows",
           "at least " + std::to_string(scan.query_count) + " rows of " +
               std::to_string(words) + " words" +
@@ -43,7 +43,7 @@ void WriteMasks(Scan& scan, Span<std::uint64_t> rows, const Options& options,
           std::to_string(rows.size()) + " words");
     }
     used = (scan.query_count - 1) * stride + words;
-    kernels::CheckAddressable(call, "rows", used, sizeof(std::uint64_t));
+    dispatch::CheckAddressable(call, "rows", used, sizeof(std::uint64_t));
   }
   dispatch::CheckOutput(
       scan, {"rows", rows.data(), used, used, sizeof(std::uint64_t)});
@@ -81,9 +81,9 @@ std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
   };
   check("query_indices", query_indices);
   check("object_indices", object_indices);
-  if (kernels::Overlap(query_indices.data(), bytes, object_indices.data(),
-                       bytes)) {
-    kernels::ThrowOverlap("SurvivorPairs", "object_indices", "query_indices");
+  if (dispatch::Overlap(query_indices.data(), bytes, object_indices.data(),
+                        bytes)) {
+    dispatch::ThrowOverlap("SurvivorPairs", "object_indices", "query_indices");
   }
   std::size_t count = 0;
   dispatch::VisitWords<ManyQueries>(scan, options, [&](const Tested& tested) {
@@ -104,7 +104,7 @@ void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
                     const Options& options) {
   dispatch::Prepare(scan, options, "SurvivorCounts");
   if (counts.size() < scan.query_count) {
-    kernels::ThrowInvalid(
+    dispatch::ThrowInvalid(
         "SurvivorCounts", "counts",
         "at least " + std::to_string(scan.query_count) + ", one for each query",
         std::to_string(counts.size()));

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <string>
 
-#include "kernels/error.h"
-#include "kernels/exact/default_fp_mode.h"
-#include "kernels/memory_checks.h"
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
+#include "dispatch/exact/default_fp_mode.h"
 #include "kernels/scan/fronts.h"
 
 namespace halfspace::detail {
@@ -20,18 +20,18 @@ template <typename Ask>
 HALFSPACE_NOINLINE auto WithQuery(FrontScan& fronts, const char* call,
                                   const Ask& ask) {
   if (fronts.count > kMostHalfSpaces) {
-    kernels::ThrowInvalid(call, "half-spaces",
-                          "at most " + std::to_string(kMostHalfSpaces),
-                          std::to_string(fronts.count));
+    dispatch::ThrowInvalid(call, "half-spaces",
+                           "at most " + std::to_string(kMostHalfSpaces),
+                           std::to_string(fronts.count));
   }
-  kernels::CheckMemory(call, "half-spaces", fronts.values, fronts.count,
-                       alignof(float));
+  dispatch::CheckMemory(call, "half-spaces", fronts.values, fronts.count,
+                        alignof(float));
   ScanType type = *fronts.scan.type;
   const std::size_t dims =
       type.shape == Shape::kAabb ? type.axes : type.axes - 1u;
   const ShapePlanes planes = {dims, type.axes, type.shape != Shape::kSimplex};
   Fronts query;
-  kernels::InDefaultFpMode([&] {
+  dispatch::InDefaultFpMode([&] {
     query.count = fronts.count;
     for (std::size_t f = 0; f < query.count; ++f) {
       const float* const normal = fronts.values + f * (dims + 1);

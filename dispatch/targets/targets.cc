@@ -6,12 +6,12 @@
 #include <cstdlib>
 #include <string>
 
+#include "dispatch/errors/error.h"
 #include "dispatch/targets/chosen_target.h"
 #include "dispatch/targets/detect_targets.h"
 #include "hwy/highway.h"
 #include "hwy/targets.h"
 #include "kernels/compiled_targets.h"
-#include "kernels/error.h"
 
 namespace halfspace {
 namespace dispatch {
@@ -115,17 +115,17 @@ const Choice& TheChoice() {
 }
 
 [[noreturn]] void ThrowBadTarget(Target target, std::string_view call) {
-  kernels::ThrowInvalid(call, "options.target", ExpectedNames(),
-                        target.name().empty() ? "a bit that is no target"
-                                              : WhyNot(target.name()));
+  dispatch::ThrowInvalid(call, "options.target", ExpectedNames(),
+                         target.name().empty() ? "a bit that is no target"
+                                               : WhyNot(target.name()));
 }
 
 // The target that HALFSPACE_TARGET names, or the best one.
 Target ChosenFor(std::string_view call) {
   const Choice& choice = TheChoice();
   if (!choice.error.empty()) {
-    kernels::ThrowInvalid(call, "HALFSPACE_TARGET", ExpectedNames(),
-                          WhyNot(choice.requested));
+    dispatch::ThrowInvalid(call, "HALFSPACE_TARGET", ExpectedNames(),
+                           WhyNot(choice.requested));
   }
   return choice.target;
 }
@@ -191,8 +191,8 @@ std::optional<Target> FindTarget(std::string_view name) {
 
 Target TargetByName(std::string_view name) {
   if (std::optional<Target> target = FindTarget(name)) return *target;
-  kernels::ThrowInvalid("TargetByName", "name", dispatch::ExpectedNames(),
-                        dispatch::WhyNot(name));
+  dispatch::ThrowInvalid("TargetByName", "name", dispatch::ExpectedNames(),
+                         dispatch::WhyNot(name));
 }
 
 }  // namespace halfspace

@@ -10,8 +10,8 @@
 #include <cstddef>
 
 #include "hwy/highway.h"
-#include "kernels/exact/outward-inl.h"
 #include "kernels/fit_many/kernel_table.h"
+#include "kernels/fit_many/outward-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {

@@ -11,7 +11,7 @@
 #include <cstddef>
 
 #include "hwy/highway.h"
-#include "kernels/exact/root_of_dims.h"
+#include "kernels/fit_many/root_of_dims.h"
 #include "kernels/fit_many/tiles-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -76,7 +76,7 @@ struct LoadFirst {
 };
 
 // Whether objects above the query's value are rejected, or those below it.
-// Quantized minima are stored in reverse (kernels/quantize/quantizer.cc), so
+// Quantized minima are stored in reverse (dispatch/planes/quantizer.cc), so
 // that the lesser level rejects in every plane: AVX2 has only one compare of
 // signed bytes, and it can load only its lesser side from memory.
 template <bool kIsMin, typename T>

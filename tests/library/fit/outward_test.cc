@@ -1,5 +1,5 @@
 // The exact sums and their rounding, against GMP.
-#include "kernels/exact/outward.h"
+#include "dispatch/exact/outward.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <string>
 #include <type_traits>
 
-#include "kernels/exact/exact_terms.h"
+#include "dispatch/exact/exact_terms.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/exact.h"
 #include "tests/library/support/points.h"

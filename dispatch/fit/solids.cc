@@ -4,27 +4,27 @@
 #include <cstddef>
 #include <optional>
 
+#include "dispatch/exact/exact_bound.h"
+#include "dispatch/exact/outward.h"
+#include "dispatch/fit/instantiate.h"
 #include "halfspace/fit.h"
-#include "kernels/exact/exact_bound.h"
-#include "kernels/exact/outward.h"
-#include "kernels/exact/root_of_dims.h"
-#include "kernels/fit/instantiate.h"
+#include "kernels/fit_many/root_of_dims.h"
 
 namespace halfspace {
 namespace {
 
-using kernels::Build;
-using kernels::CanBeBounded;
-using kernels::ExactRanges;
-using kernels::MagnitudeGuard;
-using kernels::RoundDown;
-using kernels::RoundUp;
-using kernels::SumExactly;
+using dispatch::Build;
+using dispatch::CanBeBounded;
+using dispatch::ExactRanges;
+using dispatch::MagnitudeGuard;
+using dispatch::RoundDown;
+using dispatch::RoundUp;
+using dispatch::SumExactly;
 
 template <int kDims, typename Scalar>
 std::optional<Aabo<kDims>> TryAabb(const Aabb<kDims, Scalar>& box) {
   if (IsEmpty(box)) return Aabo<kDims>::Empty();
-  kernels::CheckOrder("BoundAabb", box.min, box.max);
+  dispatch::CheckOrder("BoundAabb", box.min, box.max);
   if (!CanBeBounded(box.min) || !CanBeBounded(box.max)) return std::nullopt;
   // D falls as the coordinates rise: its extremes are at the two corners.
   ExactRanges<kDims> ranges;
@@ -80,7 +80,7 @@ template <int kDims, typename Scalar>
 Aabo<kDims> BoundSphere(const Sphere<kDims, Scalar>& sphere,
                         FitStatus* status) {
   return Build(status, [&] {
-    kernels::CheckLength("BoundSphere", "sphere.radius", sphere.radius);
+    dispatch::CheckLength("BoundSphere", "sphere.radius", sphere.radius);
     return TrySpheres<kDims, Scalar, 1>({{sphere.center}}, sphere.radius);
   });
 }
@@ -90,7 +90,7 @@ template <int kDims, typename Scalar>
 Aabo<kDims> BoundCapsule(const Capsule<kDims, Scalar>& capsule,
                          FitStatus* status) {
   return Build(status, [&] {
-    kernels::CheckLength("BoundCapsule", "capsule.radius", capsule.radius);
+    dispatch::CheckLength("BoundCapsule", "capsule.radius", capsule.radius);
     return TrySpheres<kDims, Scalar, 2>({{capsule.a, capsule.b}},
                                         capsule.radius);
   });

@@ -1,8 +1,8 @@
 // A radius times the length of D's normal, sqrt(kDims), never too small.
 //
 // Only for translation units compiled without fast-math and contraction.
-#ifndef HALFSPACE_KERNELS_EXACT_ROOT_OF_DIMS_H_
-#define HALFSPACE_KERNELS_EXACT_ROOT_OF_DIMS_H_
+#ifndef HALFSPACE_KERNELS_FIT_MANY_ROOT_OF_DIMS_H_
+#define HALFSPACE_KERNELS_FIT_MANY_ROOT_OF_DIMS_H_
 
 #include <algorithm>
 #include <array>
@@ -58,4 +58,4 @@ std::array<double, kRootParts> TimesRootOfDims(double radius) {
 
 }  // namespace halfspace::kernels
 
-#endif  // HALFSPACE_KERNELS_EXACT_ROOT_OF_DIMS_H_
+#endif  // HALFSPACE_KERNELS_FIT_MANY_ROOT_OF_DIMS_H_

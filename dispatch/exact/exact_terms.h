@@ -2,18 +2,18 @@
 //
 // Only for translation units compiled without fast-math and contraction, and
 // only in the default floating-point mode (default_fp_mode.h).
-#ifndef HALFSPACE_KERNELS_EXACT_EXACT_TERMS_H_
-#define HALFSPACE_KERNELS_EXACT_EXACT_TERMS_H_
+#ifndef HALFSPACE_DISPATCH_EXACT_EXACT_TERMS_H_
+#define HALFSPACE_DISPATCH_EXACT_EXACT_TERMS_H_
 
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
 
-#include "kernels/exact/default_fp_mode.h"
-#include "kernels/exact/outward.h"
+#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/exact/outward.h"
 
-namespace halfspace::kernels {
+namespace halfspace::dispatch {
 
 // A sum that rounds to float as the exact one does, in either direction, though
 // `left_out` may be missing from the terms. Few sums lie so close to a float
@@ -146,6 +146,6 @@ class ExactTerms<double, kProducts, kNumbers> {
   std::size_t tiny_count_ = 0;
 };
 
-}  // namespace halfspace::kernels
+}  // namespace halfspace::dispatch
 
-#endif  // HALFSPACE_KERNELS_EXACT_EXACT_TERMS_H_
+#endif  // HALFSPACE_DISPATCH_EXACT_EXACT_TERMS_H_

@@ -1,14 +1,14 @@
-#include "kernels/bvh/order.h"
+#include "dispatch/bvh/order.h"
 
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <utility>
 
+#include "dispatch/exact/default_fp_mode.h"
 #include "kernels/bvh/block.h"
-#include "kernels/exact/default_fp_mode.h"
 
-namespace halfspace::kernels {
+namespace halfspace::dispatch {
 namespace {
 
 using detail::Centers;
@@ -267,4 +267,4 @@ void OrderByCurve(const detail::Columns& objects, const Kernels& kernels,
   for (std::size_t i = 0; i < objects.size; ++i) ids[i] = from[i].id;
 }
 
-}  // namespace halfspace::kernels
+}  // namespace halfspace::dispatch

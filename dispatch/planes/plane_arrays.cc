@@ -8,8 +8,8 @@
 #include <type_traits>
 #include <utility>
 
-#include "kernels/error.h"
-#include "kernels/memory_checks.h"
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
 
 namespace halfspace::detail {
 namespace {
@@ -22,8 +22,8 @@ constexpr std::size_t kStaggerBytes = 5 * 64;
 
 const MemoryResource& Checked(const MemoryResource& memory) {
   if ((memory.allocate == nullptr) != (memory.deallocate == nullptr)) {
-    kernels::ThrowInvalid("MemoryResource", "allocate and deallocate",
-                          "two functions, or none", "one of them");
+    dispatch::ThrowInvalid("MemoryResource", "allocate and deallocate",
+                           "two functions, or none", "one of them");
   }
   return memory;
 }
@@ -115,7 +115,7 @@ void PlaneStore::Reserve(std::size_t objects) {
       std::numeric_limits<std::size_t>::max() / element_bytes_ / kMaxPlanes / 2;
   if (objects > most) {
     // Only quantized bounds have so small elements.
-    kernels::ThrowInvalid(
+    dispatch::ThrowInvalid(
         element_bytes_ < sizeof(float) ? "QuantizedBounds" : "World", "size",
         "at most " + std::to_string(most) + " objects",
         std::to_string(objects));
@@ -138,8 +138,8 @@ void PlaneStore::Reserve(std::size_t objects) {
 }
 
 void PlaneStore::Assign(const void* records, std::size_t count) {
-  kernels::CheckMemory("World::Assign", "bounds", records, count,
-                       element_bytes_);
+  dispatch::CheckMemory("World::Assign", "bounds", records, count,
+                        element_bytes_);
   Resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     Write(
@@ -157,9 +157,9 @@ std::size_t PlaneStore::Push(const void* record) {
 
 void PlaneStore::CheckIndex(std::size_t index, const char* call) const {
   if (index < size_) return;
-  kernels::ThrowInvalid(call, "index",
-                        "less than the size, " + std::to_string(size_),
-                        std::to_string(index));
+  dispatch::ThrowInvalid(call, "index",
+                         "less than the size, " + std::to_string(size_),
+                         std::to_string(index));
 }
 
 void PlaneStore::Set(std::size_t index, const void* record) {

@@ -10,19 +10,19 @@
 #include <string>
 #include <type_traits>
 
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
+#include "dispatch/exact/exact_bound.h"
+#include "dispatch/exact/outward.h"
+#include "dispatch/exact/quotient.h"
 #include "halfspace/fit.h"
-#include "kernels/error.h"
-#include "kernels/exact/exact_bound.h"
-#include "kernels/exact/outward.h"
-#include "kernels/exact/quotient.h"
-#include "kernels/memory_checks.h"
 
 namespace halfspace {
 namespace {
 
-using kernels::ExactSum;
-using kernels::Negated;
-using kernels::SumExactly;
+using dispatch::ExactSum;
+using dispatch::Negated;
+using dispatch::SumExactly;
 
 constexpr std::size_t kPlanes = 6;
 
@@ -181,7 +181,7 @@ bool IsInFront(const HalfSpace<3, Scalar>& plane,
     magnitude += std::fabs(term);
   }
   // The sum rounds a few times, too.
-  if (std::fabs(height) > magnitude * 2.0 * kernels::kQuotientError) {
+  if (std::fabs(height) > magnitude * 2.0 * dispatch::kQuotientError) {
     return height > 0.0;
   }
   const double exact = TimesDeterminant(plane, corner);
@@ -191,9 +191,9 @@ bool IsInFront(const HalfSpace<3, Scalar>& plane,
 void AddQuotient(const ExactSum& numerator, const ExactSum& denominator,
                  std::size_t axis, Aabo3& bound) {
   bound.min[axis] =
-      std::min(bound.min[axis], kernels::QuotientDown(numerator, denominator));
+      std::min(bound.min[axis], dispatch::QuotientDown(numerator, denominator));
   bound.max[axis] =
-      std::max(bound.max[axis], kernels::QuotientUp(numerator, denominator));
+      std::max(bound.max[axis], dispatch::QuotientUp(numerator, denominator));
 }
 
 // Adds the point where the planes i, j and k meet, if it is a corner. False if
@@ -221,7 +221,7 @@ bool AddCorner(Planes<Scalar> planes, std::size_t i, std::size_t j,
     if (other == i || other == j || other == k) continue;
     if (!IsInFront(planes[other], corner)) return true;
   }
-  if (!kernels::CanBeBounded(corner.point)) return false;
+  if (!dispatch::CanBeBounded(corner.point)) return false;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     AddQuotient(numerators[axis], determinant, axis, bound);
   }
@@ -300,13 +300,13 @@ std::optional<Aabo3> TryAny(Planes<double> planes) {
 template <typename Scalar>
 Aabo3 BoundPlanes(Planes<Scalar> planes, FitStatus* status) {
   if (planes.size() != kPlanes) {
-    kernels::ThrowInvalid("BoundFrustum", "planes", "6 planes",
-                          std::to_string(planes.size()));
+    dispatch::ThrowInvalid("BoundFrustum", "planes", "6 planes",
+                           std::to_string(planes.size()));
   }
-  kernels::CheckPointer(
+  dispatch::CheckPointer(
       "BoundFrustum", planes.data(), alignof(HalfSpace<3, Scalar>),
       [] { return "planes"; }, [] { return "6 planes"; });
-  return kernels::Build(status, [&] { return TryAny(planes); });
+  return dispatch::Build(status, [&] { return TryAny(planes); });
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "kernels/error.h"
+#include "dispatch/errors/error.h"
 
 #include <atomic>
 #include <cstdio>
@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "dispatch/exact/default_fp_mode.h"
 #include "halfspace/error.h"
-#include "kernels/exact/default_fp_mode.h"
 
 namespace halfspace {
 namespace {
@@ -20,8 +20,8 @@ ErrorHandler SetErrorHandler(ErrorHandler handler) noexcept {
   return error_handler.exchange(handler);
 }
 
-void kernels::ThrowInvalid(std::string_view call, std::string_view argument,
-                           std::string_view expected, std::string_view given) {
+void dispatch::ThrowInvalid(std::string_view call, std::string_view argument,
+                            std::string_view expected, std::string_view given) {
   std::string text = "halfspace: ";
   text.append(call).append(": ").append(argument);
   text.append(": expected ").append(expected);

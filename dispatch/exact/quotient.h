@@ -1,15 +1,15 @@
 // Quotients of exact sums, rounded outward.
 //
 // Only for translation units compiled without fast-math and contraction.
-#ifndef HALFSPACE_KERNELS_EXACT_QUOTIENT_H_
-#define HALFSPACE_KERNELS_EXACT_QUOTIENT_H_
+#ifndef HALFSPACE_DISPATCH_EXACT_QUOTIENT_H_
+#define HALFSPACE_DISPATCH_EXACT_QUOTIENT_H_
 
 #include <cmath>
 #include <limits>
 
-#include "kernels/exact/outward.h"
+#include "dispatch/exact/outward.h"
 
-namespace halfspace::kernels {
+namespace halfspace::dispatch {
 
 // The relative error of value / value: both parts are off by less than an ulp,
 // 2^-52, and the division rounds once more.
@@ -38,6 +38,6 @@ inline float QuotientUp(const ExactSum& numerator,
   return -QuotientDown({-numerator.value, -numerator.rest}, denominator);
 }
 
-}  // namespace halfspace::kernels
+}  // namespace halfspace::dispatch
 
-#endif  // HALFSPACE_KERNELS_EXACT_QUOTIENT_H_
+#endif  // HALFSPACE_DISPATCH_EXACT_QUOTIENT_H_

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "kernels/error.h"
+#include "dispatch/errors/error.h"
 
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -33,8 +33,8 @@ void* AllocateFrom(const MemoryResource& memory, std::size_t bytes) {
   if (block == nullptr) ThrowBadAlloc();
   if (reinterpret_cast<std::uintptr_t>(block) % kLine != 0) {
     FreeBlock(memory, block, bytes);
-    kernels::ThrowInvalid("MemoryResource::allocate", "the result",
-                          "memory aligned to 64 bytes", "a misaligned block");
+    dispatch::ThrowInvalid("MemoryResource::allocate", "the result",
+                           "memory aligned to 64 bytes", "a misaligned block");
   }
   return block;
 }

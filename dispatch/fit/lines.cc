@@ -4,26 +4,26 @@
 #include <string>
 #include <type_traits>
 
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
+#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/exact/exact_bound.h"
+#include "dispatch/exact/exact_terms.h"
+#include "dispatch/exact/outward.h"
+#include "dispatch/exact/quotient.h"
+#include "dispatch/fit/instantiate.h"
 #include "halfspace/fit.h"
-#include "kernels/error.h"
-#include "kernels/exact/default_fp_mode.h"
-#include "kernels/exact/exact_bound.h"
-#include "kernels/exact/exact_terms.h"
-#include "kernels/exact/outward.h"
-#include "kernels/exact/quotient.h"
-#include "kernels/fit/instantiate.h"
-#include "kernels/memory_checks.h"
 
 namespace halfspace {
 namespace {
 
-using kernels::CanBeBounded;
-using kernels::ExactRanges;
-using kernels::ExactSum;
-using kernels::ExactTerms;
-using kernels::Finish;
-using kernels::MagnitudeGuard;
-using kernels::Negated;
+using dispatch::CanBeBounded;
+using dispatch::ExactRanges;
+using dispatch::ExactSum;
+using dispatch::ExactTerms;
+using dispatch::Finish;
+using dispatch::MagnitudeGuard;
+using dispatch::Negated;
 
 template <int kDims, typename Scalar>
 std::optional<Aabo<kDims>> TryRay(const Ray<kDims, Scalar>& ray) {
@@ -56,8 +56,8 @@ constexpr std::size_t kMostPieces = std::size_t{1} << 24;
 template <int kDims>
 void SetQuotient(const ExactSum& exact, double divisor, std::size_t axis,
                  Aabo<kDims>& bound) {
-  bound.min[axis] = kernels::QuotientDown(exact, {divisor, 0.0});
-  bound.max[axis] = kernels::QuotientUp(exact, {divisor, 0.0});
+  bound.min[axis] = dispatch::QuotientDown(exact, {divisor, 0.0});
+  bound.max[axis] = dispatch::QuotientUp(exact, {divisor, 0.0});
 }
 
 // The bound of the point ((n - i) a + i b) / n of the segment.
@@ -100,8 +100,8 @@ void WritePieces(const Segment<kDims, Scalar>& segment,
 
 template <int kDims, typename Scalar>
 Aabo<kDims> BoundRay(const Ray<kDims, Scalar>& ray, FitStatus* status) {
-  return kernels::Build(status, [&] {
-    kernels::CheckLength("BoundRay", "ray.max_t", ray.max_t);
+  return dispatch::Build(status, [&] {
+    dispatch::CheckLength("BoundRay", "ray.max_t", ray.max_t);
     return TryRay(ray);
   });
 }
@@ -111,15 +111,16 @@ void BoundSegmentPieces(const Segment<kDims, Scalar>& segment,
                         std::decay_t<Span<Aabo<kDims>>> pieces,
                         FitStatus* status) {
   if (pieces.size() > kMostPieces) {
-    kernels::ThrowInvalid("BoundSegmentPieces", "pieces", "at most 2^24 pieces",
-                          std::to_string(pieces.size()));
+    dispatch::ThrowInvalid("BoundSegmentPieces", "pieces",
+                           "at most 2^24 pieces",
+                           std::to_string(pieces.size()));
   }
   if (pieces.empty()) return;
-  kernels::CheckPointer(
+  dispatch::CheckPointer(
       "BoundSegmentPieces", pieces.data(), alignof(Aabo<kDims>),
       [] { return "pieces"; },
       [&] { return "room for " + std::to_string(pieces.size()); });
-  kernels::InDefaultFpMode([&] { WritePieces(segment, pieces, status); });
+  dispatch::InDefaultFpMode([&] { WritePieces(segment, pieces, status); });
 }
 
 #define HALFSPACE_INSTANTIATE(d, Scalar)                                       \

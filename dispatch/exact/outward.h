@@ -6,8 +6,8 @@
 //
 // Only for translation units compiled without fast-math and contraction, which
 // would delete TwoSum.
-#ifndef HALFSPACE_KERNELS_EXACT_OUTWARD_H_
-#define HALFSPACE_KERNELS_EXACT_OUTWARD_H_
+#ifndef HALFSPACE_DISPATCH_EXACT_OUTWARD_H_
+#define HALFSPACE_DISPATCH_EXACT_OUTWARD_H_
 
 #include <array>
 #include <bit>
@@ -16,7 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace halfspace::kernels {
+namespace halfspace::dispatch {
 
 static_assert(FLT_EVAL_METHOD == 0,
               "excess precision (x87) breaks the error-free sums");
@@ -99,6 +99,6 @@ inline float RoundUp(const ExactSum& sum) {
   return -RoundDown({-sum.value, -sum.rest});
 }
 
-}  // namespace halfspace::kernels
+}  // namespace halfspace::dispatch
 
-#endif  // HALFSPACE_KERNELS_EXACT_OUTWARD_H_
+#endif  // HALFSPACE_DISPATCH_EXACT_OUTWARD_H_

@@ -1,14 +1,14 @@
 // The order of the objects of a BVH, which is its hierarchy: 64^k
 // objects from a multiple of 64^k on are a node of level k.
-#ifndef HALFSPACE_KERNELS_BVH_ORDER_H_
-#define HALFSPACE_KERNELS_BVH_ORDER_H_
+#ifndef HALFSPACE_DISPATCH_BVH_ORDER_H_
+#define HALFSPACE_DISPATCH_BVH_ORDER_H_
 
 #include <cstddef>
 #include <cstdint>
 
 #include "kernels/bvh/block.h"
 
-namespace halfspace::kernels {
+namespace halfspace::dispatch {
 
 // Bytes of scratch memory for each object, aligned to 16.
 inline constexpr std::size_t kOrderScratch = 16;
@@ -25,6 +25,6 @@ void OrderByCurve(const detail::Columns& objects,
                   const detail::BvhKernels::OfPlanes& kernels,
                   std::byte* scratch, std::uint32_t* ids, const Runner& run);
 
-}  // namespace halfspace::kernels
+}  // namespace halfspace::dispatch
 
-#endif  // HALFSPACE_KERNELS_BVH_ORDER_H_
+#endif  // HALFSPACE_DISPATCH_BVH_ORDER_H_

@@ -1,7 +1,7 @@
 // Checks of the caller's memory that all calls share. O(1). Names are made only
 // for messages: a call that is right allocates nothing.
-#ifndef HALFSPACE_KERNELS_MEMORY_CHECKS_H_
-#define HALFSPACE_KERNELS_MEMORY_CHECKS_H_
+#ifndef HALFSPACE_DISPATCH_ERRORS_MEMORY_CHECKS_H_
+#define HALFSPACE_DISPATCH_ERRORS_MEMORY_CHECKS_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -9,9 +9,9 @@
 #include <string>
 #include <string_view>
 
-#include "kernels/error.h"
+#include "dispatch/errors/error.h"
 
-namespace halfspace::kernels {
+namespace halfspace::dispatch {
 
 // Whether it is neither null nor misaligned.
 inline bool IsAligned(const void* pointer, std::size_t alignment) {
@@ -127,6 +127,6 @@ inline bool Overlap(const void* a, std::size_t a_bytes, const void* b,
   return second - first < a_bytes || first - second < b_bytes;
 }
 
-}  // namespace halfspace::kernels
+}  // namespace halfspace::dispatch
 
-#endif  // HALFSPACE_KERNELS_MEMORY_CHECKS_H_
+#endif  // HALFSPACE_DISPATCH_ERRORS_MEMORY_CHECKS_H_

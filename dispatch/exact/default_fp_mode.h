@@ -8,8 +8,8 @@
 //
 // Exceptions that a builder raises may stay raised (they are bits of the same
 // register on x86, and of another one on ARM); none is cleared.
-#ifndef HALFSPACE_KERNELS_EXACT_DEFAULT_FP_MODE_H_
-#define HALFSPACE_KERNELS_EXACT_DEFAULT_FP_MODE_H_
+#ifndef HALFSPACE_DISPATCH_EXACT_DEFAULT_FP_MODE_H_
+#define HALFSPACE_DISPATCH_EXACT_DEFAULT_FP_MODE_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -24,7 +24,7 @@
 #include <xmmintrin.h>
 #endif
 
-namespace halfspace::kernels {
+namespace halfspace::dispatch {
 
 class DefaultFpMode {
  public:
@@ -122,6 +122,6 @@ void RunInDefaultFpMode(const Run& run, std::size_t count, const Part& part) {
   run(count, [&](std::size_t i) { InDefaultFpMode([&] { return part(i); }); });
 }
 
-}  // namespace halfspace::kernels
+}  // namespace halfspace::dispatch
 
-#endif  // HALFSPACE_KERNELS_EXACT_DEFAULT_FP_MODE_H_
+#endif  // HALFSPACE_DISPATCH_EXACT_DEFAULT_FP_MODE_H_

@@ -1,8 +1,8 @@
 // Bounds from exact projections: what all single builders share.
 //
 // Only for translation units compiled without fast-math and contraction.
-#ifndef HALFSPACE_KERNELS_EXACT_EXACT_BOUND_H_
-#define HALFSPACE_KERNELS_EXACT_EXACT_BOUND_H_
+#ifndef HALFSPACE_DISPATCH_EXACT_EXACT_BOUND_H_
+#define HALFSPACE_DISPATCH_EXACT_EXACT_BOUND_H_
 
 #include <algorithm>
 #include <array>
@@ -14,13 +14,13 @@
 #include <string>
 #include <string_view>
 
+#include "dispatch/errors/error.h"
+#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/exact/outward.h"
 #include "halfspace/bounds.h"
 #include "halfspace/fit_status.h"
-#include "kernels/error.h"
-#include "kernels/exact/default_fp_mode.h"
-#include "kernels/exact/outward.h"
 
-namespace halfspace::kernels {
+namespace halfspace::dispatch {
 
 // Beyond this sum of magnitudes D might overflow, or its rounding might.
 inline constexpr double kLargest = 0x1p125;
@@ -167,6 +167,6 @@ auto Build(FitStatus* status, const TryBound& try_bound) {
   return InDefaultFpMode([&] { return Finish(try_bound(), status); });
 }
 
-}  // namespace halfspace::kernels
+}  // namespace halfspace::dispatch
 
-#endif  // HALFSPACE_KERNELS_EXACT_EXACT_BOUND_H_
+#endif  // HALFSPACE_DISPATCH_EXACT_EXACT_BOUND_H_

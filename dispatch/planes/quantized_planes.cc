@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "dispatch/errors/memory_checks.h"
 #include "halfspace/detail/quantizer.h"
-#include "kernels/memory_checks.h"
 
 namespace halfspace::detail {
 namespace {
@@ -37,11 +37,11 @@ void QuantizedPlanes<Stored>::Requantize(const Columns& floats) {
   constexpr const char* kCall = "QuantizedBounds::Requantize";
   const std::size_t planes = quantizer_.planes();
   if (floats.stride != 1) {
-    kernels::CheckMemory(kCall, "bounds", floats.column[0], floats.size,
-                         alignof(float));
+    dispatch::CheckMemory(kCall, "bounds", floats.column[0], floats.size,
+                          alignof(float));
   }
   for (std::size_t p = 0; p < planes && floats.size != 0; ++p) {
-    kernels::CheckPointer(
+    dispatch::CheckPointer(
         kCall, floats.column[p], alignof(float),
         [&] { return "floats, plane " + std::to_string(p); },
         [&] {

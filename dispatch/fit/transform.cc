@@ -8,21 +8,21 @@
 #include <cstddef>
 #include <optional>
 
+#include "dispatch/errors/error.h"
+#include "dispatch/exact/exact_bound.h"
+#include "dispatch/exact/outward.h"
+#include "dispatch/fit/instantiate.h"
 #include "halfspace/detail/plane_arrays.h"
-#include "kernels/error.h"
-#include "kernels/exact/exact_bound.h"
-#include "kernels/exact/outward.h"
-#include "kernels/exact/root_of_dims.h"
-#include "kernels/fit/instantiate.h"
+#include "kernels/fit_many/root_of_dims.h"
 
 namespace halfspace {
 namespace {
 
 using detail::HasMax;
 using detail::HasMin;
-using kernels::Build;
-using kernels::RoundDown;
-using kernels::SumExactly;
+using dispatch::Build;
+using dispatch::RoundDown;
+using dispatch::SumExactly;
 
 constexpr float kUnbounded = -detail::kMax<float>;  // as a minimum
 constexpr float kMostMagnitude = 0x1p126f;
@@ -120,9 +120,9 @@ HALFSPACE_NOINLINE std::optional<std::array<float, kAxes>> TryOpposing(
     }
   }
   if (is_bounded && SumExactly(terms).value > 0.0) {
-    kernels::ThrowInvalid("Circumscribe", "simplex",
-                          "planes that sum to 0 or less",
-                          "a simplex that contains no point");
+    dispatch::ThrowInvalid("Circumscribe", "simplex",
+                           "planes that sum to 0 or less",
+                           "a simplex that contains no point");
   }
   std::array<float, kAxes> opposing;
   for (std::size_t k = 0; k < kAxes; ++k) {
@@ -196,10 +196,10 @@ std::optional<Bound> TryScale(const Bound& bound, float factor) {
   constexpr bool kHasBothSides = HasMin<Bound> && HasMax<Bound>;
   const bool is_possible = kHasBothSides ? !std::isnan(factor) : factor >= 0.f;
   if (!is_possible) {
-    kernels::ThrowInvalid(
+    dispatch::ThrowInvalid(
         "Scale", "factor",
         kHasBothSides ? "a number" : "a number that is not negative",
-        kernels::Shortest(factor));
+        dispatch::Shortest(factor));
   }
   if constexpr (kHasBothSides) {
     if (factor < 0.f && !IsEmpty(bound)) {
@@ -223,7 +223,7 @@ Bound Merge(const Bound& a, const Bound& b, FitStatus* status) {
 template <typename Bound, typename>
 Bound Inflate(const Bound& bound, float radius, FitStatus* status) {
   return Build(status, [&] {
-    kernels::CheckLength("Inflate", "radius", radius);
+    dispatch::CheckLength("Inflate", "radius", radius);
     const auto inflated = [&](float minimum, std::size_t axis, double) {
       if (!IsD<Bound>(axis)) {
         return RoundDown(
@@ -241,7 +241,7 @@ Bound Inflate(const Bound& bound, float radius, FitStatus* status) {
 template <typename Bound, typename>
 Bound InflateByBox(const Bound& bound, float margin, FitStatus* status) {
   return Build(status, [&] {
-    kernels::CheckLength("InflateByBox", "margin", margin);
+    dispatch::CheckLength("InflateByBox", "margin", margin);
     const auto inflated = [&](float minimum, std::size_t axis, double) {
       const double times = IsD<Bound>(axis) ? double{Bound::kDimensions} : 1.0;
       return RoundDown(

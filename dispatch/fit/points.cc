@@ -4,21 +4,21 @@
 #include <optional>
 #include <string>
 
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
+#include "dispatch/exact/exact_bound.h"
+#include "dispatch/fit/instantiate.h"
+#include "dispatch/fit/point_sources.h"
 #include "halfspace/fit.h"
-#include "kernels/error.h"
-#include "kernels/exact/exact_bound.h"
-#include "kernels/fit/instantiate.h"
-#include "kernels/fit/point_sources.h"
-#include "kernels/memory_checks.h"
 
 namespace halfspace {
 namespace {
 
-using kernels::Build;
-using kernels::CanBeBounded;
-using kernels::ExactRanges;
-using kernels::PointAt;
-using kernels::ThrowInvalid;
+using dispatch::Build;
+using dispatch::CanBeBounded;
+using dispatch::ExactRanges;
+using dispatch::PointAt;
+using dispatch::ThrowInvalid;
 
 // The arithmetic, for checked arguments and in the default mode: the hull of
 // at(0), at(1), ..., Empty() if there are none. Nothing if a point cannot be
@@ -36,7 +36,7 @@ std::optional<Aabo<kDims>> TryHull(std::size_t count, const AtIndex& at) {
 
 template <int kDims, typename Source>
 Aabo<kDims> BoundHull(const Source& points, FitStatus* status) {
-  if (points.count != 0) kernels::CheckPoints("BoundPoints", points);
+  if (points.count != 0) dispatch::CheckPoints("BoundPoints", points);
   return Build(status, [&] {
     return TryHull<kDims>(points.count,
                           [&](std::size_t i) { return PointAt(points, i); });
@@ -47,7 +47,7 @@ template <int kDims, typename Source>
 Aabo<kDims> BoundIndexed(const Source& points,
                          Span<const std::uint32_t> indices, FitStatus* status) {
   if (!indices.empty()) {
-    kernels::CheckPointer(
+    dispatch::CheckPointer(
         "BoundPoints", indices.data(), alignof(std::uint32_t),
         [] { return "indices"; },
         [&] { return std::to_string(indices.size()) + " indices"; });
@@ -60,7 +60,7 @@ Aabo<kDims> BoundIndexed(const Source& points,
           std::to_string(indices[i]));
     }
   }
-  if (!indices.empty()) kernels::CheckPoints("BoundPoints", points);
+  if (!indices.empty()) dispatch::CheckPoints("BoundPoints", points);
   return Build(status, [&] {
     return TryHull<kDims>(indices.size(), [&](std::size_t i) {
       return PointAt(points, indices[i]);

@@ -1,6 +1,6 @@
 // What the builders are compiled for.
-#ifndef HALFSPACE_KERNELS_FIT_INSTANTIATE_H_
-#define HALFSPACE_KERNELS_FIT_INSTANTIATE_H_
+#ifndef HALFSPACE_DISPATCH_FIT_INSTANTIATE_H_
+#define HALFSPACE_DISPATCH_FIT_INSTANTIATE_H_
 
 #define HALFSPACE_FOR_ALL_DIMS(macro) \
   macro(2);                           \
@@ -14,4 +14,4 @@
   macro(3, double);                     \
   macro(4, double)
 
-#endif  // HALFSPACE_KERNELS_FIT_INSTANTIATE_H_
+#endif  // HALFSPACE_DISPATCH_FIT_INSTANTIATE_H_

@@ -1,15 +1,15 @@
 // Points in the caller's memory: checked, and read.
-#ifndef HALFSPACE_KERNELS_FIT_POINT_SOURCES_H_
-#define HALFSPACE_KERNELS_FIT_POINT_SOURCES_H_
+#ifndef HALFSPACE_DISPATCH_FIT_POINT_SOURCES_H_
+#define HALFSPACE_DISPATCH_FIT_POINT_SOURCES_H_
 
 #include <cstddef>
 #include <string>
 #include <string_view>
 
+#include "dispatch/errors/memory_checks.h"
 #include "halfspace/shapes.h"
-#include "kernels/memory_checks.h"
 
-namespace halfspace::kernels {
+namespace halfspace::dispatch {
 
 // name() is made only for a message.
 template <typename Scalar, typename Name>
@@ -54,6 +54,6 @@ Point<kDims, Scalar> PointAt(const PointsSoa<kDims, Scalar>& points,
   return point;
 }
 
-}  // namespace halfspace::kernels
+}  // namespace halfspace::dispatch
 
-#endif  // HALFSPACE_KERNELS_FIT_POINT_SOURCES_H_
+#endif  // HALFSPACE_DISPATCH_FIT_POINT_SOURCES_H_

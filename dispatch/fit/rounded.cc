@@ -1,21 +1,21 @@
 // Records as rows of floats, and doubles rounded outward.
 #include <cstddef>
 
+#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/exact/outward.h"
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/transform.h"
-#include "kernels/exact/default_fp_mode.h"
-#include "kernels/exact/outward.h"
 
 namespace halfspace::detail {
 
 void RoundOutward(Span<const double> values, std::size_t minima,
                   std::size_t planes, float* rounded) {
-  kernels::InDefaultFpMode([&] {
+  dispatch::InDefaultFpMode([&] {
     for (std::size_t i = 0; i < values.size(); i += planes) {
       for (std::size_t p = 0; p < planes; ++p) {
-        const kernels::ExactSum value = {values[i + p], 0.0};
+        const dispatch::ExactSum value = {values[i + p], 0.0};
         rounded[i + p] =
-            p < minima ? kernels::RoundDown(value) : kernels::RoundUp(value);
+            p < minima ? dispatch::RoundDown(value) : dispatch::RoundUp(value);
       }
     }
   });
@@ -33,13 +33,13 @@ void ReadRecords(const Columns& columns, std::size_t values, std::size_t minima,
     }
     return;
   }
-  kernels::InDefaultFpMode([&] {
+  dispatch::InDefaultFpMode([&] {
     for (std::size_t i = 0; i < count; ++i) {
       for (std::size_t v = 0; v < values; ++v) {
-        const kernels::ExactSum value = {
+        const dispatch::ExactSum value = {
             columns.doubles(v)[first + i * columns.stride], 0.0};
         records[i * values + v] =
-            v < minima ? kernels::RoundDown(value) : kernels::RoundUp(value);
+            v < minima ? dispatch::RoundDown(value) : dispatch::RoundUp(value);
       }
     }
   });

@@ -1,6 +1,6 @@
 // Bounds of many shapes of doubles: those of fit.h, one after the other.
-#ifndef HALFSPACE_KERNELS_FIT_MANY_ONE_BY_ONE_H_
-#define HALFSPACE_KERNELS_FIT_MANY_ONE_BY_ONE_H_
+#ifndef HALFSPACE_DISPATCH_FIT_ONE_BY_ONE_H_
+#define HALFSPACE_DISPATCH_FIT_ONE_BY_ONE_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -8,11 +8,11 @@
 #include "halfspace/fit.h"
 #include "kernels/fit_many/kernel_table.h"
 
-namespace halfspace::kernels {
+namespace halfspace::dispatch {
 
 // Numbers of element i, from column `first` on.
 template <int kDims>
-Point<kDims, double> ElementAt(const FitJob& job, std::size_t i,
+Point<kDims, double> ElementAt(const kernels::FitJob& job, std::size_t i,
                                std::size_t first = 0) {
   Point<kDims, double> point;
   for (std::size_t k = 0; k < kDims; ++k) {
@@ -23,8 +23,8 @@ Point<kDims, double> ElementAt(const FitJob& job, std::size_t i,
 
 // Writes bound_of(i) for every shape i.
 template <int kDims, typename BoundOf>
-FitTally FitEach(const FitJob& job, const BoundOf& bound_of) {
-  FitTally tally;
+kernels::FitTally FitEach(const kernels::FitJob& job, const BoundOf& bound_of) {
+  kernels::FitTally tally;
   for (std::size_t i = 0; i < job.size; ++i) {
     const Aabo<kDims> bound = bound_of(i);
     if (bound == Aabo<kDims>::Everything()) tally.Count(1, i);
@@ -39,7 +39,7 @@ FitTally FitEach(const FitJob& job, const BoundOf& bound_of) {
 }
 
 template <int kDims>
-FitTally FitBoxes(const FitJob& job) {
+kernels::FitTally FitBoxes(const kernels::FitJob& job) {
   return FitEach<kDims>(job, [&](std::size_t i) {
     const Aabb<kDims, double> box = {ElementAt<kDims>(job, i),
                                      ElementAt<kDims>(job, i, kDims)};
@@ -57,7 +57,7 @@ FitTally FitBoxes(const FitJob& job) {
 }
 
 template <int kDims>
-FitTally FitSpheres(const FitJob& job) {
+kernels::FitTally FitSpheres(const kernels::FitJob& job) {
   return FitEach<kDims>(job, [&](std::size_t i) {
     const Sphere<kDims, double> sphere = {
         ElementAt<kDims>(job, i),
@@ -68,7 +68,7 @@ FitTally FitSpheres(const FitJob& job) {
 }
 
 template <int kDims>
-FitTally FitTriangles(const FitJob& job) {
+kernels::FitTally FitTriangles(const kernels::FitJob& job) {
   return FitEach<kDims>(job, [&](std::size_t i) {
     const std::uint32_t* const corners = job.indices + 3 * i;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -81,7 +81,7 @@ FitTally FitTriangles(const FitJob& job) {
 }
 
 template <int kDims>
-FitTally FitPointSets(const FitJob& job) {
+kernels::FitTally FitPointSets(const kernels::FitJob& job) {
   // Columns of points have a stride only where they are structures.
   const std::size_t stride = job.columns.stride;
   const bool is_soa = stride == 1;
@@ -103,6 +103,6 @@ FitTally FitPointSets(const FitJob& job) {
   });
 }
 
-}  // namespace halfspace::kernels
+}  // namespace halfspace::dispatch
 
-#endif  // HALFSPACE_KERNELS_FIT_MANY_ONE_BY_ONE_H_
+#endif  // HALFSPACE_DISPATCH_FIT_ONE_BY_ONE_H_

@@ -1,11 +1,11 @@
 // The message of a violated precondition: which argument, what was expected,
 // what was given.
-#ifndef HALFSPACE_KERNELS_ERROR_H_
-#define HALFSPACE_KERNELS_ERROR_H_
+#ifndef HALFSPACE_DISPATCH_ERRORS_ERROR_H_
+#define HALFSPACE_DISPATCH_ERRORS_ERROR_H_
 
 #include <string_view>
 
-namespace halfspace::kernels {
+namespace halfspace::dispatch {
 
 // Throws std::invalid_argument("halfspace: CALL: ARGUMENT: expected EXPECTED,
 // got GIVEN"), or tells that to the program's handler (halfspace/error.h),
@@ -15,6 +15,6 @@ namespace halfspace::kernels {
                                           std::string_view expected,
                                           std::string_view given);
 
-}  // namespace halfspace::kernels
+}  // namespace halfspace::dispatch
 
-#endif  // HALFSPACE_KERNELS_ERROR_H_
+#endif  // HALFSPACE_DISPATCH_ERRORS_ERROR_H_

@@ -6,24 +6,24 @@
 #include <optional>
 #include <type_traits>
 
+#include "dispatch/exact/exact_bound.h"
+#include "dispatch/exact/exact_terms.h"
+#include "dispatch/exact/outward.h"
+#include "dispatch/fit/instantiate.h"
+#include "dispatch/fit/point_sources.h"
 #include "halfspace/fit.h"
-#include "kernels/exact/exact_bound.h"
-#include "kernels/exact/exact_terms.h"
-#include "kernels/exact/outward.h"
-#include "kernels/fit/instantiate.h"
-#include "kernels/fit/point_sources.h"
 
 namespace halfspace {
 namespace {
 
-using kernels::Build;
-using kernels::ExactRanges;
-using kernels::ExactTerms;
-using kernels::MagnitudeGuard;
-using kernels::Negated;
-using kernels::PointAt;
-using kernels::RoundDown;
-using kernels::RoundUp;
+using dispatch::Build;
+using dispatch::ExactRanges;
+using dispatch::ExactTerms;
+using dispatch::MagnitudeGuard;
+using dispatch::Negated;
+using dispatch::PointAt;
+using dispatch::RoundDown;
+using dispatch::RoundUp;
 
 template <int kDims, typename Scalar>
 bool CanBeBounded(const Point<kDims, Scalar>& point,
@@ -133,7 +133,7 @@ std::optional<Aabo<kDims>> TryBox(const Point<kDims, Scalar>& min,
   for (std::size_t j = 0; j < kDims; ++j) {
     std::array<double, std::size_t{kDims}> column;
     for (std::size_t k = 0; k < kDims; ++k) column[k] = map.linear[k][j];
-    const bool falls = kernels::SumExactly(column).value < 0.0;
+    const bool falls = dispatch::SumExactly(column).value < 0.0;
     for (std::size_t k = 0; k < kDims; ++k) {
       all.AddProduct(map.linear[k][j], falls, min[j], max[j]);
     }
@@ -195,7 +195,7 @@ Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims, Scalar>& box,
                                  "box.half_extents[2]", "box.half_extents[3]"};
   return Build(status, [&] {
     for (std::size_t i = 0; i < kDims; ++i) {
-      kernels::CheckLength("BoundOrientedBox", kNames[i], box.half_extents[i]);
+      dispatch::CheckLength("BoundOrientedBox", kNames[i], box.half_extents[i]);
     }
     return TryOrientedBox(box);
   });
@@ -205,7 +205,7 @@ template <int kDims, typename Scalar, typename MapScalar>
 Aabo<kDims> BoundTransformed(const Points<kDims, Scalar>& points,
                              const Affine<kDims, MapScalar>& map,
                              FitStatus* status) {
-  if (points.count != 0) kernels::CheckPoints("BoundTransformed", points);
+  if (points.count != 0) dispatch::CheckPoints("BoundTransformed", points);
   return Build(status, [&] {
     using Wide = Wider<Scalar, MapScalar>;
     const auto at = [&](std::size_t i) { return As<Wide>(PointAt(points, i)); };
@@ -219,7 +219,7 @@ Aabo<kDims> BoundTransformed(const Aabb<kDims, Scalar>& box,
                              FitStatus* status) {
   return Build(status, [&]() -> std::optional<Aabo<kDims>> {
     if (IsEmpty(box)) return Aabo<kDims>::Empty();
-    kernels::CheckOrder("BoundTransformed", box.min, box.max);
+    dispatch::CheckOrder("BoundTransformed", box.min, box.max);
     using Wide = Wider<Scalar, MapScalar>;
     return TryBox<kDims, Wide>(As<Wide>(box.min), As<Wide>(box.max),
                                As<Wide>(map));
