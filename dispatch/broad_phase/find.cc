@@ -16,7 +16,7 @@ class Finder : public WalkIds {
  public:
   Finder(const BroadPhaseState& state, const BvhQueries& query,
          std::uint64_t mask, BodyFunction function, void* context)
-      : WalkIds{nullptr, nullptr, nullptr, nullptr, 0, nullptr, &Take},
+      : WalkIds{{nullptr, nullptr, nullptr, nullptr, 0}, nullptr, &Take},
         state_(state),
         query_(query),
         mask_(mask),
@@ -144,7 +144,8 @@ class Finder : public WalkIds {
   [[gnu::noinline]] bool Flush() {
     if (!leaf_ || leaf_->size() == 0) return true;
     std::uint32_t lanes[2 * kBlockObjects];
-    WalkIds found{lanes, lanes, lanes + kBlockObjects + 1, nullptr, 0, nullptr};
+    WalkIds found{{lanes, lanes, lanes + kBlockObjects + 1, nullptr, 0},
+                  nullptr};
     Walk walk{};
     walk.levels = &leaf_->Finish();
     walk.queries = queries_;

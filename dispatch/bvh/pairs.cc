@@ -3,7 +3,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <string>
 
@@ -11,82 +10,14 @@
 #include "dispatch/bvh/scratch.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
+#include "dispatch/sink.h"
 #include "halfspace/bvh_pairs.h"
 #include "kernels/bvh/block.h"
 
 namespace halfspace::detail {
 namespace {
 
-// Pairs that go to the caller's memory while that has room for those of a
-// block, and else to a buffer.
-struct PairsToSpan : PairSink {
-  PairsToSpan(Span<IdPair> to, std::size_t skipped) : span(to), skip(skipped) {
-    make_room = [](PairSink& pairs) {
-      static_cast<PairsToSpan&>(pairs).Flush();
-      return true;
-    };
-    Place();
-  }
-
-  void Place() {
-    const std::size_t at = total - skip;
-    if (total >= skip && at <= span.size() &&
-        span.size() - at >= kBlockObjects) {
-      next = reinterpret_cast<std::uint32_t*>(span.data() + at);
-      end = next + 2 * (span.size() - at);
-    } else {
-      next = buffer;
-      end = std::end(buffer);
-    }
-    begin = next;
-  }
-
-  void Flush() {
-    const auto count = static_cast<std::size_t>(next - begin) / 2;
-    if (begin == buffer) {
-      const std::size_t first = skip - std::min(total, skip);
-      const std::size_t at = total + first - skip;
-      if (first < count && at < span.size()) {
-        std::memcpy(span.data() + at, buffer + 2 * first,
-                    std::min(count - first, span.size() - at) * sizeof(IdPair));
-      }
-    }
-    total += count;
-    Place();
-  }
-
-  Span<IdPair> span;
-  std::size_t skip;
-  std::uint32_t* begin;
-  std::size_t total = 0;  // before `begin`
-  std::uint32_t buffer[4 * kBlockObjects];
-};
-
-// Pairs that a function takes, some at a time.
-struct PairsToFunction : PairSink {
-  PairsToFunction(PairsFunction to, void* its_context, std::size_t skipped)
-      : function(to), context(its_context), skip(skipped) {
-    next = &buffer[0].a;
-    end = next + 2 * kRoom;
-    make_room = [](PairSink& pairs) {
-      return static_cast<PairsToFunction&>(pairs).Flush();
-    };
-  }
-
-  bool Flush() {
-    const auto count = static_cast<std::size_t>(next - &buffer[0].a) / 2;
-    const std::size_t first = std::min(skip, count);
-    skip -= first;
-    next = &buffer[0].a;
-    return count == first || function(context, {buffer + first, count - first});
-  }
-
-  static constexpr std::size_t kRoom = 256;
-  PairsFunction function;
-  void* context;
-  std::size_t skip;
-  IdPair buffer[kRoom];
-};
+using PairSink = dispatch::Sink<Results<IdPair>, IdPair, 256>;
 
 std::uint64_t BitOf(std::size_t i) {
   return std::uint64_t{1} << i % kBlockObjects;
@@ -324,15 +255,15 @@ std::size_t BvhPairs(const PairSources& sources, Span<IdPair> pairs,
           return "memory for " + std::to_string(pairs.size()) + " pairs";
         });
   }
-  PairsToSpan to(pairs, options.skip);
+  PairSink to(pairs, options.skip);
   Join(sources, options, call, to);
   to.Flush();
-  return to.total;
+  return to.flushed;
 }
 
 void BvhForEachPair(const PairSources& sources, PairsFunction function,
                     void* context, const PairOptions& options) {
-  PairsToFunction to(function, context, options.skip);
+  PairSink to(function, context, options.skip);
   // After a function that ended the call there are none.
   Join(sources, options,
        sources.ids != nullptr ? "ForEachPairOf" : "ForEachPair", to);

@@ -158,24 +158,28 @@ inline void Refine(const Scan& scan, Tested& tested) {
   });
 }
 
-// The ways through the parts of a scan: how many queries are encoded at a time,
-// how many runs a part has at most, and the objects of its first run. A wanted
-// survivor is often among the first objects.
+// How a call goes through its scan:
+//   kBlock     so many queries are encoded at a time
+//   kRuns      a part has at most so many runs
+//   kOneRun    one query on at most so many objects is one run, without parts
+//   kIsUrgent  a survivor is wanted soon. It is often among the first kOneRun
+//              objects, so these are the first part.
 struct OneQuery {
   static constexpr std::size_t kBlock = 1;
   static constexpr std::size_t kRuns = kRunsOfOne;
-  static constexpr std::size_t kFirstObjects = kRunObjects;
+  static constexpr std::size_t kOneRun = kRunObjects;
   static constexpr bool kIsUrgent = false;
 };
 struct UrgentQuery {
   static constexpr std::size_t kBlock = 1;
   static constexpr std::size_t kRuns = 1;
-  static constexpr std::size_t kFirstObjects = 512;
+  static constexpr std::size_t kOneRun = 512;
   static constexpr bool kIsUrgent = true;
 };
 struct ManyQueries {
   static constexpr std::size_t kBlock = 256;
   static constexpr std::size_t kRuns = kMostQueries;
+  static constexpr std::size_t kOneRun = 0;
   static constexpr bool kIsUrgent = false;
 };
 
@@ -190,9 +194,9 @@ struct Rows {
 };
 
 // Tests every batch of queries on every tile of objects, and calls
-// visit(tested) for each such part, refined, until it returns false.
-// place(part, turn) sets its rows and stride; the rows of two turns are in use
-// at a time. Which words are nonzero is known of refined parts alone.
+// visit(tested) for each such part, after refining it, until it returns false.
+// place(part, turn) sets its rows and stride. The rows of two turns are in use
+// at a time. `tested` says which words are nonzero only if bounds are refined.
 //
 // Queries are encoded once for all tiles of the world, kBlock at a time: so
 // many that reading the world again for the next block does not matter.
@@ -215,7 +219,8 @@ void VisitParts(const Scan& scan, Place& place, const Visit& visit) {
       queries = quantized;
     }
     const std::size_t batches = (block + kMostQueries - 1) / kMostQueries;
-    std::size_t objects = Queries::kIsUrgent ? 512 : PartObjects(scan);
+    std::size_t objects =
+        Queries::kIsUrgent ? Queries::kOneRun : PartObjects(scan);
     for (std::size_t begin = scan.begin; begin < scan.end;) {
       const std::size_t end = std::min(scan.end - begin, objects) + begin;
       for (std::size_t b = 0; b < batches; ++b) {
@@ -255,8 +260,9 @@ void VisitParts(const Scan& scan, Place& place, const Visit& visit) {
   visit(parts[turn ^ 1]);
 }
 
-// The same with rows on the stack, after which it is known which words are
-// nonzero. A function of its own, because its rows take stack, too.
+// The same with rows on the stack, and `tested` says which words are nonzero. A
+// function of its own: a call of one run neither needs its stack nor pays for
+// saving its registers.
 template <typename Queries, typename Visit>
 [[gnu::noinline]] void VisitRows(const Scan& scan, const Visit& visit) {
   Rows<Queries> rows;
@@ -266,7 +272,7 @@ template <typename Queries, typename Visit>
   });
 }
 
-// All objects of a scan for one query, unless its bounds are quantized.
+// The words of one query on all objects of a scan of at most one run.
 inline Tested OneRun(const Scan& scan, std::uint64_t* words,
                      std::uint64_t nonzero) {
   Tested tested;
@@ -276,14 +282,14 @@ inline Tested OneRun(const Scan& scan, std::uint64_t* words,
   return tested;
 }
 
-// Tests all objects of a prepared scan, and calls visit(tested) with some of
-// the words after another, until it returns false. A range of a few objects is
-// one run, which takes a fraction of what parts take.
+// Tests all objects of a prepared scan, and calls visit(tested) with the words
+// of one part after another, until it returns false. One run is a part by
+// itself, which takes a fraction of the time of parts.
 template <typename Queries, typename Visit>
 [[gnu::always_inline]] inline void VisitWords(Scan& scan,
                                               const Options& options,
                                               const Visit& visit) {
-  if constexpr (Queries::kBlock == 1) {
+  if constexpr (Queries::kOneRun != 0) {
     if (IsShort(scan)) {
       std::uint64_t word;
       WriteFlatMask(scan, &word);
@@ -291,9 +297,9 @@ template <typename Queries, typename Visit>
       return;
     }
     const std::size_t objects = scan.end - scan.begin;
-    if (objects <= Queries::kFirstObjects && scan.type->encode == nullptr) {
+    if (objects <= Queries::kOneRun && scan.type->encode == nullptr) {
       ChooseWay(scan, options);
-      std::uint64_t words[Queries::kFirstObjects / 64];
+      std::uint64_t words[Queries::kOneRun / 64];
       Run(scan, WholeRange(scan, words));
       visit(OneRun(scan, words,
                    scan.kernels->nonzero_words(words, MaskWords(objects))));

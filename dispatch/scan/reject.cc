@@ -66,12 +66,14 @@ std::size_t Survivors(Scan&& scan, Span<std::uint32_t> indices,
   });
   std::size_t count = 0;
   dispatch::VisitWords<OneQuery>(scan, options, [&](const Tested& tested) {
+    std::size_t place = count;  // in a register
     dispatch::ForEachSurvivor(tested, [&](std::size_t, std::size_t object) {
-      const std::size_t place = count++;
       if (place >= skip && place - skip < indices.size()) {
         indices[place - skip] = static_cast<std::uint32_t>(object);
       }
+      ++place;
     });
+    count = place;
     return true;
   });
   return count;

@@ -10,8 +10,15 @@
 #include <limits>
 
 #include "halfspace/bvh.h"
+#include "kernels/results.h"
+
+namespace halfspace {
+struct IdPair;
+}
 
 namespace halfspace::detail {
+
+static_assert(kMostAtOnce == kBlockObjects);
 
 // The codes of the objects in leaves: 16 bits for each plane, less kCodeBias,
 // as x86 compares signed numbers. Value v, or -v of a maximum, has the code
@@ -36,22 +43,12 @@ inline constexpr std::uint32_t kInsideBit = std::uint32_t{1}
                                             << (kQueryShift - 1);
 inline constexpr std::uint32_t kBlockMask = kInsideBit - 1;
 
-// Where ids go: `next` has room for kBlockObjects ids.
-struct WalkIds {
-  std::uint32_t* begin;  // of those since the last flush()
-  std::uint32_t* next;
-  std::uint32_t* full;  // flush() is due when `next` is not below it
-  // Returns whether to go on.
-  bool (*flush)(WalkIds& ids);
-  std::size_t flushed;   // ids
+// Where ids go.
+struct WalkIds : Results<std::uint32_t> {
   std::size_t* offsets;  // of several queries: where the last one begins
   // Takes the survivors of one query in a leaf, instead of their ids, if not
   // null. Returns whether to go on.
   bool (*take)(WalkIds& ids, std::size_t block, std::uint64_t bits) = nullptr;
-
-  std::size_t Total() const {
-    return flushed + static_cast<std::size_t>(next - begin);
-  }
 };
 
 struct Walk;
@@ -117,14 +114,6 @@ struct BvhKernels {
   OfPlanes all;
 };
 
-// Where pairs go, two ids each: `next` has room for kBlockObjects pairs before
-// `end`, or make_room() gives it that, and returns whether to go on.
-struct PairSink {
-  std::uint32_t* next;
-  std::uint32_t* end;
-  bool (*make_room)(PairSink& pairs);
-};
-
 // A set of slots, in a hash table of blocks: its size follows from that of the
 // set. With an entry for each block of the world, all are in order.
 struct SlotSet {
@@ -176,7 +165,7 @@ struct PairJoin {
   std::array<float, 4> margins;
   std::size_t begin;
   std::size_t end;
-  PairSink* pairs;
+  Results<IdPair>* pairs;
 };
 
 struct BvhPairKernels {

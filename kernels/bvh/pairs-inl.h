@@ -380,17 +380,23 @@ class PairWalker
       }
       const size_t i = block * detail::kBlockObjects +
                        hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);
-      join_.pairs->next = CompareOne<kIsSecond>(
-          kEachPlane, levels, i, begin, count, wanted, join_.pairs->next);
+      SetNext(CompareOne<kIsSecond>(kEachPlane, levels, i, begin, count, wanted,
+                                    Next()));
     }
     return true;
   }
 
   HWY_INLINE bool HasRoom() const {
-    detail::PairSink& pairs = *join_.pairs;
-    return static_cast<size_t>(pairs.end - pairs.next) >=
-               2 * detail::kBlockObjects ||
-           pairs.make_room(pairs);
+    detail::Results<IdPair>& pairs = *join_.pairs;
+    return pairs.next < pairs.full || pairs.flush(pairs);
+  }
+
+  // Where the two ids of the next pair go.
+  HWY_INLINE uint32_t* Next() const {
+    return reinterpret_cast<uint32_t*>(join_.pairs->next);
+  }
+  HWY_INLINE void SetNext(uint32_t* next) const {
+    join_.pairs->next = reinterpret_cast<IdPair*>(next);
   }
 
   // Object i with those of the gathered ones from `begin` on that are wanted.
@@ -435,7 +441,7 @@ class PairWalker
   // Writes the pairs of an id and those of some objects of a block.
   bool WriteAll(uint32_t id, uint64_t objects, const uint32_t* ids) const {
     if (!HasRoom()) return false;
-    uint32_t*& to = join_.pairs->next;
+    uint32_t* to = Next();
     if constexpr (HALFSPACE_MASKED_COMPARES != 0) {
       for (; objects != 0; objects >>= 16, ids += 16) {
         to = WritePairs<false>(id, objects & 0xFFFF, ids, to);
@@ -443,6 +449,7 @@ class PairWalker
     } else {
       to = WritePairs<false>(id, objects, ids, to);
     }
+    SetNext(to);
     return true;
   }
 

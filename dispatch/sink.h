@@ -1,0 +1,82 @@
+// What becomes of the ids or pairs that a call finds.
+#ifndef HALFSPACE_DISPATCH_SINK_H_
+#define HALFSPACE_DISPATCH_SINK_H_
+
+#include <algorithm>
+#include <cstddef>
+
+#include "halfspace/span.h"
+#include "kernels/results.h"
+
+namespace halfspace::dispatch {
+
+// Writes items into a span, or calls a function with up to kRoom at a time. The
+// first `skip` items are only counted, and so are those that the span has no
+// room for. Base is what kernels see of it, a Results<Item>.
+template <typename Base, typename Item, std::size_t kRoom>
+struct Sink : Base {
+  using Function = bool (*)(void* context, Span<const Item> items);
+
+  Sink(Span<Item> to, std::size_t skipped) : Sink(skipped) {
+    span = to;
+    Place();
+  }
+  Sink(Function to, void* its_context, std::size_t skipped = 0)
+      : Sink(skipped) {
+    function = to;
+    context = its_context;
+    Place();
+  }
+
+  // Returns whether to go on.
+  bool Flush() {
+    const auto count = static_cast<std::size_t>(this->next - this->begin);
+    const std::size_t first =
+        std::min(count, skip - std::min(this->flushed, skip));
+    bool goes_on = true;
+    if (this->begin == buffer && first < count) {
+      const std::size_t at = this->flushed + first - skip;
+      if (function != nullptr) {
+        goes_on = function(context, {buffer + first, count - first});
+      } else if (at < span.size()) {
+        std::copy_n(buffer + first, std::min(count - first, span.size() - at),
+                    span.data() + at);
+      }
+    }
+    this->flushed += count;
+    Place();
+    return goes_on;
+  }
+
+ private:
+  explicit Sink(std::size_t skipped) : Base{}, skip(skipped) {
+    this->flush = [](detail::Results<Item>& results) {
+      return static_cast<Sink&>(results).Flush();
+    };
+  }
+
+  // Items go to the caller's memory while that has room, and else to a buffer.
+  void Place() {
+    Item* memory = buffer;
+    std::size_t room = kRoom;
+    if (this->flushed >= skip) {
+      const std::size_t at = this->flushed - skip;
+      if (at <= span.size() && span.size() - at >= detail::kMostAtOnce) {
+        memory = span.data() + at;
+        room = span.size() - at;
+      }
+    }
+    this->begin = this->next = memory;
+    this->full = memory + (room - detail::kMostAtOnce + 1);
+  }
+
+  Span<Item> span;
+  Function function = nullptr;
+  void* context = nullptr;
+  std::size_t skip;
+  Item buffer[kRoom];
+};
+
+}  // namespace halfspace::dispatch
+
+#endif  // HALFSPACE_DISPATCH_SINK_H_
