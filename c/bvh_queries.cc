@@ -66,6 +66,11 @@ void CheckLength(const Call& call, const char* argument, float length) {
             static_cast<double>(length));
 }
 
+SearchOptions ReadSearch(const Call& call, const hs_query_options* options) {
+  const QueryOptions query = ReadQuery(call, options);
+  return {query.mask, query.target};
+}
+
 // Calls the function of hs_bvh_probe().
 class Probe {
  public:
@@ -96,7 +101,7 @@ class Probe {
     std::array<std::size_t, kTogether + 1> offsets;
     const std::size_t found = detail::BvhSurvivorsOfEach(
         bvh_->tree, {rows, count}, {ids.data(), ids.size()},
-        {offsets.data(), count + 1}, options_);
+        {offsets.data(), count + 1}, options_, 0);
     is_one_by_one_ = found > ids.size();
     if (is_one_by_one_) return false;
     for (std::size_t q = 0; q < count && !is_stopped_; ++q) {
@@ -163,7 +168,7 @@ void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
              const hs_query_options* options, std::uint32_t* ids,
              float* distances) {
   CheckLength(call, "max_distance", max_distance);
-  const QueryOptions query = ReadQuery(call, options);
+  const SearchOptions search = ReadSearch(call, options);
   if (k == 0 || columns.count == 0) return;
   if (columns.count > PTRDIFF_MAX / sizeof(std::uint32_t) / k) {
     call.Fail(HS_INVALID_ARGUMENT,
@@ -182,7 +187,7 @@ void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
                     distances == nullptr
                         ? Span<float>()
                         : Span<float>(distances + begin * k, count * k),
-                    query);
+                    search);
               });
 }
 
@@ -201,7 +206,7 @@ void CastRays(const Call& call, const hs_bvh* bvh, const hs_columns* rays,
               "rounded outward, got HS_FLOAT64");
   }
   CheckLength(call, "radius", radius);
-  const QueryOptions query = ReadQuery(call, options);
+  const SearchOptions search = ReadSearch(call, options);
   const Values values = Values::OfColumns(2 * dims + 1);
   const auto function = [](void* context, std::uint32_t id, float t,
                            const float*) {
@@ -221,7 +226,7 @@ void CastRays(const Call& call, const hs_bvh* bvh, const hs_columns* rays,
     detail::BvhCast(
         bvh->tree,
         {call.name(), ray.data(), ray.data(), ray.data() + dims, limit, radius},
-        function, &hit, query);
+        function, &hit, search);
   }
 }
 
@@ -315,7 +320,7 @@ hs_status hs_bvh_query(const hs_bvh* bvh, const hs_columns* queries,
     call.CheckPointer("bvh", bvh);
     CheckColumns(call, "queries", queries, bvh->queries);
     size_t skip = 0;
-    QueryOptions query = ReadQuery(call, options, &skip);
+    const QueryOptions query = ReadQuery(call, options, &skip);
     call.CheckArray("ids", ids, room);
     call.CheckPointer("total", total);
     size_t own_offsets[halfspace::c::kMostRows + 1];
@@ -324,24 +329,22 @@ hs_status hs_bvh_query(const hs_bvh* bvh, const hs_columns* queries,
       offsets[0] = 0;
     }
     Results<uint32_t> results(ids, room, skip);
-    ForEachRows(*queries, bvh->queries,
-                [&](const float* rows, size_t begin, size_t count) {
-                  query.skip = results.skip();
-                  if (count == 1) {
-                    results.Add(detail::BvhSurvivors(bvh->tree, {rows, 1},
-                                                     results.span(), query));
-                    if (offsets != nullptr)
-                      offsets[begin + 1] = results.total();
-                    return;
-                  }
-                  size_t* const to =
-                      offsets != nullptr ? offsets + begin : own_offsets;
-                  const size_t before = results.total();
-                  results.Add(detail::BvhSurvivorsOfEach(
-                      bvh->tree, {rows, count}, results.span(), {to, count + 1},
-                      query));
-                  for (size_t i = 0; i <= count; ++i) to[i] += before;
-                });
+    ForEachRows(
+        *queries, bvh->queries,
+        [&](const float* rows, size_t begin, size_t count) {
+          if (count == 1) {
+            results.Add(detail::BvhSurvivors(
+                bvh->tree, {rows, 1}, results.span(), query, results.skip()));
+            if (offsets != nullptr) offsets[begin + 1] = results.total();
+            return;
+          }
+          size_t* const to = offsets != nullptr ? offsets + begin : own_offsets;
+          const size_t before = results.total();
+          results.Add(detail::BvhSurvivorsOfEach(
+              bvh->tree, {rows, count}, results.span(), {to, count + 1}, query,
+              results.skip()));
+          for (size_t i = 0; i <= count; ++i) to[i] += before;
+        });
     *total = results.total();
   });
 }

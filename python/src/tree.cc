@@ -375,9 +375,7 @@ Ids QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
   const std::size_t total = Read(tree, [&](const auto& bvh) {
     Aabb<kDimsOf<decltype(bvh)>> query;
     boxes.GetBoxes(0, 1, &query);
-    QueryOptions options;
-    options.skip = skip;
-    return Survivors(bvh, query, found, options);
+    return Survivors(bvh, query, found, {}, skip);
   });
   Ids ids(Size(std::min(limit, total - std::min(skip, total))));
   std::copy_n(found.data(), ids.size(), Data(ids));
