@@ -70,6 +70,12 @@ void CheckLength(const Call& call, const char* argument, float length) {
             static_cast<double>(length));
 }
 
+SearchOptions ReadSearch(const Call& call, const hs_query_options* options,
+                         bool* is_exclusive = nullptr) {
+  const QueryOptions query = ReadQuery(call, options, nullptr, is_exclusive);
+  return {query.mask, query.target};
+}
+
 // Calls the function of hs_bvh_probe().
 class Probe {
  public:
@@ -100,7 +106,7 @@ class Probe {
     std::array<std::size_t, kTogether + 1> offsets;
     const std::size_t found = detail::BvhSurvivorsOfEach(
         bvh_->tree, {rows, count}, {ids.data(), ids.size()},
-        {offsets.data(), count + 1}, options_);
+        {offsets.data(), count + 1}, options_, 0);
     is_one_by_one_ = found > ids.size();
     if (is_one_by_one_) return false;
     for (std::size_t q = 0; q < count && !is_stopped_; ++q) {
@@ -165,7 +171,7 @@ void CheckBoxes(const Call& call, const float* rows, std::size_t begin,
 class NearestOthers {
  public:
   NearestOthers(const Call& call, const hs_bvh* bvh,
-                const QueryOptions& options)
+                const SearchOptions& options)
       : call_(call),
         bvh_(bvh),
         options_(options),
@@ -224,7 +230,7 @@ class NearestOthers {
 
   const Call& call_;
   const hs_bvh* bvh_;
-  const QueryOptions& options_;
+  const SearchOptions& options_;
   const float* box_ = nullptr;
   std::vector<std::uint32_t, Memory> equal_;
   std::vector<std::uint32_t, Memory> found_;
@@ -238,7 +244,7 @@ void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
              float* distances) {
   CheckLength(call, "max_distance", max_distance);
   bool is_exclusive = false;
-  const QueryOptions query = ReadQuery(call, options, nullptr, &is_exclusive);
+  const SearchOptions search = ReadSearch(call, options, &is_exclusive);
   if (is_exclusive &&
       (bvh->kind.is_simplex || bvh->kind.axes != values.minima)) {
     call.Fail(HS_INVALID_ARGUMENT,
@@ -254,7 +260,7 @@ void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
   }
   call.CheckArray("ids", ids, columns.count * k);
   if (distances != nullptr) call.CheckPointer("distances", distances);
-  NearestOthers others(call, bvh, query);
+  NearestOthers others(call, bvh, search);
   ForEachRows(columns, values,
               [&](const float* rows, std::size_t begin, std::size_t count) {
                 CheckBoxes(call, rows, begin, count, values.minima);
@@ -271,7 +277,7 @@ void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
                     distances == nullptr
                         ? Span<float>()
                         : Span<float>(distances + begin * k, count * k),
-                    query);
+                    search);
               });
 }
 
@@ -290,7 +296,7 @@ void CastRays(const Call& call, const hs_bvh* bvh, const hs_columns* rays,
               "rounded outward, got HS_FLOAT64");
   }
   CheckLength(call, "radius", radius);
-  const QueryOptions query = ReadQuery(call, options);
+  const SearchOptions search = ReadSearch(call, options);
   const Values values = Values::OfColumns(2 * dims + 1);
   const auto function = [](void* context, std::uint32_t id, float t,
                            const float*) {
@@ -307,7 +313,7 @@ void CastRays(const Call& call, const hs_bvh* bvh, const hs_columns* rays,
     begin(i);
     detail::BvhCast(bvh->tree,
                     {call.name(), ray, ray, ray + dims, limit, radius},
-                    function, &hit, query);
+                    function, &hit, search);
   };
   ForEachRows(*rays, values,
               [&](const float* rows, std::size_t first, std::size_t count) {
@@ -407,7 +413,7 @@ hs_status hs_bvh_query(const hs_bvh* bvh, const hs_columns* queries,
     call.CheckPointer("bvh", bvh);
     CheckColumns(call, "queries", queries, bvh->queries);
     size_t skip = 0;
-    QueryOptions query = ReadQuery(call, options, &skip);
+    const QueryOptions query = ReadQuery(call, options, &skip);
     call.CheckArray("ids", ids, room);
     call.CheckPointer("total", total);
     size_t own_offsets[halfspace::c::kMostRows + 1];
@@ -416,24 +422,22 @@ hs_status hs_bvh_query(const hs_bvh* bvh, const hs_columns* queries,
       offsets[0] = 0;
     }
     Results<uint32_t> results(ids, room, skip);
-    ForEachRows(*queries, bvh->queries,
-                [&](const float* rows, size_t begin, size_t count) {
-                  query.skip = results.skip();
-                  if (count == 1) {
-                    results.Add(detail::BvhSurvivors(bvh->tree, {rows, 1},
-                                                     results.span(), query));
-                    if (offsets != nullptr)
-                      offsets[begin + 1] = results.total();
-                    return;
-                  }
-                  size_t* const to =
-                      offsets != nullptr ? offsets + begin : own_offsets;
-                  const size_t before = results.total();
-                  results.Add(detail::BvhSurvivorsOfEach(
-                      bvh->tree, {rows, count}, results.span(), {to, count + 1},
-                      query));
-                  for (size_t i = 0; i <= count; ++i) to[i] += before;
-                });
+    ForEachRows(
+        *queries, bvh->queries,
+        [&](const float* rows, size_t begin, size_t count) {
+          if (count == 1) {
+            results.Add(detail::BvhSurvivors(
+                bvh->tree, {rows, 1}, results.span(), query, results.skip()));
+            if (offsets != nullptr) offsets[begin + 1] = results.total();
+            return;
+          }
+          size_t* const to = offsets != nullptr ? offsets + begin : own_offsets;
+          const size_t before = results.total();
+          results.Add(detail::BvhSurvivorsOfEach(
+              bvh->tree, {rows, count}, results.span(), {to, count + 1}, query,
+              results.skip()));
+          for (size_t i = 0; i <= count; ++i) to[i] += before;
+        });
     *total = results.total();
   });
 }

@@ -98,16 +98,16 @@ int main() {
   const halfspace::OrientedBox3 turned = {
       {10, 10, 10}, {{{1, 1, 0}, {-1, 1, 0}, {0, 0, 1}}}, {1, 1, 0.5f}};
   std::array<std::uint32_t, 4> some;
-  halfspace::QueryOptions options;
+  std::size_t skip = 0;
   std::size_t selected = 0;
   do {
-    selected = Survivors(world, turned, some, options);
-    for (std::size_t i = options.skip;
-         i < std::min(options.skip + some.size(), selected); ++i) {
-      std::printf("sphere %u may be selected\n", some[i - options.skip]);
+    selected = Survivors(world, turned, some, {}, skip);
+    for (std::size_t i = skip; i < std::min(skip + some.size(), selected);
+         ++i) {
+      std::printf("sphere %u may be selected\n", some[i - skip]);
     }
-    options.skip += some.size();
-  } while (options.skip < selected);
+    skip += some.size();
+  } while (skip < selected);
 
   // The same by a test of each sphere.
   float expected = ray.max_t;

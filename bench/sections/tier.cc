@@ -10,6 +10,7 @@
 #include "bench/baselines/by_hand.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
+#include "bench/worlds/working_set.h"
 #include "halfspace/kernels.h"
 #include "halfspace/reject.h"
 #include "tests/reference/reference.h"
@@ -59,21 +60,11 @@ std::string Check(const Arrays& arrays, const Test& test) {
 template <typename Test>
 Case CaseOf(std::string name, const std::shared_ptr<Arrays>& arrays,
             const Test& test) {
-  Case c;
-  c.name = std::move(name);
-  const std::size_t calls =
-      std::max<std::size_t>(1, kObjectsPerRun / arrays->size());
-  c.items = static_cast<double>(calls);
-  c.runs_of_all = (arrays->queries.size() + calls - 1) / calls;
+  Case c = CaseOfQueries(
+      std::move(name), arrays->queries.size(), arrays->size(),
+      [test, mask = std::vector<std::uint64_t>(MaskWords(arrays->size()))](
+          std::size_t q) mutable { test(q, mask.data()); });
   c.check = [arrays, test] { return Check(*arrays, test); };
-  c.run = [test, calls, queries = arrays->queries.size(),
-           mask = std::vector<std::uint64_t>(MaskWords(arrays->size())),
-           next = std::size_t{0}]() mutable {
-    for (std::size_t i = 0; i < calls; ++i) {
-      test(next, mask.data());
-      next = next + 1 == queries ? 0 : next + 1;
-    }
-  };
   return c;
 }
 

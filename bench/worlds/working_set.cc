@@ -98,20 +98,10 @@ std::string WorkingSet::Check(ShapeKind shape, const WriteMask& write) {
 }
 
 Case WorkingSet::MakeCase(std::string name, ShapeKind shape, WriteMask write) {
-  const std::size_t per_run =
-      std::clamp<std::size_t>(kObjectsPerRun / objects(), 1, queries_.size());
-  Case c;
-  c.name = std::move(name);
-  c.items = static_cast<double>(objects() * per_run);
-  c.runs_of_all = (queries_.size() + per_run - 1) / per_run;
+  Case c = CaseOfQueries(std::move(name), queries_.size(), objects(),
+                         [this, write](std::size_t q) { write(queries_[q]); });
+  c.items *= static_cast<double>(objects());
   c.check = [this, shape, write] { return Check(shape, write); };
-  c.run = [this, write = std::move(write), per_run,
-           next = std::size_t{0}]() mutable {
-    for (std::size_t i = 0; i < per_run; ++i) {
-      write(queries_[next]);
-      next = next + 1 == queries_.size() ? 0 : next + 1;
-    }
-  };
   return c;
 }
 

@@ -2,11 +2,13 @@
 #ifndef HALFSPACE_BENCH_WORLDS_WORKING_SET_H_
 #define HALFSPACE_BENCH_WORLDS_WORKING_SET_H_
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/base/shape.h"
@@ -21,6 +23,27 @@ namespace halfspace::bench {
 // One run of a case goes through this many objects at least, so that calls of a
 // function object cost nothing beside them.
 inline constexpr std::size_t kObjectsPerRun = std::size_t{1} << 16;
+
+// A case that calls test(q) for one of `queries` queries after the other, each
+// over so many objects. It is timed per call.
+template <typename Test>
+Case CaseOfQueries(std::string name, std::size_t queries, std::size_t objects,
+                   Test test) {
+  const std::size_t calls =
+      std::clamp<std::size_t>(kObjectsPerRun / objects, 1, queries);
+  Case c;
+  c.name = std::move(name);
+  c.items = static_cast<double>(calls);
+  c.runs_of_all = (queries + calls - 1) / calls;
+  c.run = [test = std::move(test), queries, calls,
+           next = std::size_t{0}]() mutable {
+    for (std::size_t i = 0; i < calls; ++i) {
+      test(next);
+      next = next + 1 == queries ? 0 : next + 1;
+    }
+  };
+  return c;
+}
 
 // Where the planes of a world lie, and how many objects that is.
 struct WorkingSetSize {

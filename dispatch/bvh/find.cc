@@ -24,7 +24,7 @@ void RunWalks(const BvhTree& tree, const BvhQueries& queries,
       counts,         options.mask,  options.statistics, is_urgent};
   if (queries.kind != nullptr) {
     queries.kind->walk(tree.shape(), queries, options, call, walk);
-  } else if (!FindsNothing(tree, options)) {
+  } else if (!FindsNothing(tree, options.mask)) {
     (ids != nullptr ? kernels.find : kernels.count)(walk);
   }
 }
@@ -32,12 +32,13 @@ void RunWalks(const BvhTree& tree, const BvhQueries& queries,
 }  // namespace
 
 std::size_t BvhSurvivors(const BvhTree& tree, const BvhQueries& query,
-                         Span<std::uint32_t> ids, const QueryOptions& options) {
+                         Span<std::uint32_t> ids, const QueryOptions& options,
+                         std::size_t skip) {
   constexpr const char* kCall = "Survivors";
   const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
   dispatch::CheckMemory(kCall, "ids", ids.data(), ids.size(),
                         alignof(std::uint32_t));
-  IdSink to(ids, options.skip);
+  IdSink to(ids, skip);
   RunWalks(tree, query, options, kCall, kernels, &to, nullptr);
   to.Flush();
   return to.flushed;
@@ -98,19 +99,19 @@ void BvhForEach(const BvhTree& tree, const BvhQueries& query,
 std::size_t BvhSurvivorsOfEach(const BvhTree& tree, const BvhQueries& queries,
                                Span<std::uint32_t> ids,
                                Span<std::size_t> offsets,
-                               const QueryOptions& options) {
+                               const QueryOptions& options, std::size_t skip) {
   constexpr const char* kCall = "SurvivorsOfEach";
   const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
   CheckOfEach(
       kCall, queries.first, queries.count,
       queries.kind != nullptr ? queries.kind->alignment : alignof(float), ids,
       offsets);
-  IdSink to(ids, options.skip);
+  IdSink to(ids, skip);
   to.offsets = offsets.data();
   RunWalks(tree, queries, options, kCall, kernels, &to, nullptr);
   offsets[0] = 0;
   // No query has walked.
-  if (FindsNothing(tree, options)) {
+  if (FindsNothing(tree, options.mask)) {
     std::fill_n(offsets.data(), queries.count + 1, 0);
   }
   to.Flush();

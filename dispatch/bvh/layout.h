@@ -89,8 +89,8 @@ inline std::size_t PlanesOf(const BvhShape& shape) {
 }
 
 // No object is there, or has a mask with one of the wanted bits.
-inline bool FindsNothing(const BvhTree& tree, const QueryOptions& options) {
-  return tree.ids().empty() || options.mask == 0;
+inline bool FindsNothing(const BvhTree& tree, std::uint32_t mask) {
+  return tree.ids().empty() || mask == 0;
 }
 
 inline const BvhKernels::OfPlanes& KernelsFor(const BvhShape& shape,

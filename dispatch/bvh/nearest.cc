@@ -76,12 +76,12 @@ void CheckOutputs(const char* call, float max_distance, Span<std::uint32_t> ids,
                         alignof(float));
 }
 
-const BvhNearestKernels& KernelsFor(const QueryOptions& options,
+const BvhNearestKernels& KernelsFor(const SearchOptions& options,
                                     const char* call) {
   return kBvhNearestKernels[dispatch::IndexOf(options.target, call)];
 }
 
-NearestSearch MakeSearch(const BvhTree& tree, const QueryOptions& options) {
+NearestSearch MakeSearch(const BvhTree& tree, const SearchOptions& options) {
   NearestSearch search;
   search.levels = &tree.levels();
   search.box.dims = tree.shape().dims;
@@ -179,11 +179,11 @@ void Call(const BvhNearestKernels& kernels, NearestSearch& search,
 
 std::size_t BvhNearest(const BvhTree& tree, const NearQueries& query,
                        float max_distance, Span<std::uint32_t> ids,
-                       Span<float> distances, const QueryOptions& options) {
+                       Span<float> distances, const SearchOptions& options) {
   constexpr const char* kCall = "KNearest";
   CheckOutputs(kCall, max_distance, ids, distances);
   const auto& kernels = KernelsFor(options, kCall);
-  if (FindsNothing(tree, options)) return 0;
+  if (FindsNothing(tree, options.mask)) return 0;
   NearestSearch search = MakeSearch(tree, options);
   return dispatch::InDefaultFpMode([&] {
     SetQuery(query, 0, KeyLimit(max_distance), search);
@@ -194,7 +194,7 @@ std::size_t BvhNearest(const BvhTree& tree, const NearQueries& query,
 void BvhNearestOfEach(const BvhTree& tree, const NearQueries& queries,
                       std::size_t k, float max_distance,
                       Span<std::uint32_t> ids, Span<float> distances,
-                      const QueryOptions& options) {
+                      const SearchOptions& options) {
   constexpr const char* kCall = "KNearestOfEach";
   dispatch::CheckMemory(kCall, "queries", queries.values, queries.count,
                         alignof(float));
@@ -216,7 +216,7 @@ void BvhNearestOfEach(const BvhTree& tree, const NearQueries& queries,
           distances.empty() ? Span<float>()
                             : Span<float>(distances.data() + row, k);
       std::size_t found = 0;
-      if (!FindsNothing(tree, options)) {
+      if (!FindsNothing(tree, options.mask)) {
         SetQuery(queries, row / k, limit, search);
         found = WriteNearest(kernels, search, row_ids, row_distances);
       }
@@ -230,11 +230,11 @@ void BvhNearestOfEach(const BvhTree& tree, const NearQueries& queries,
 
 void BvhForEachNearest(const BvhTree& tree, const NearQueries& query,
                        float max_distance, NearFunction function, void* context,
-                       const QueryOptions& options) {
+                       const SearchOptions& options) {
   constexpr const char* kCall = "ForEachNearest";
   CheckLimit(kCall, "max_distance", max_distance);
   const auto& kernels = KernelsFor(options, kCall);
-  if (FindsNothing(tree, options)) return;
+  if (FindsNothing(tree, options.mask)) return;
   NearestSearch search = MakeSearch(tree, options);
   dispatch::InDefaultFpMode(
       [&] { SetQuery(query, 0, KeyLimit(max_distance), search); });
@@ -264,9 +264,9 @@ bool MakeCastLine(const BvhShape& shape, const LineCast& cast, Line& line) {
 }
 
 void BvhCast(const BvhTree& tree, const LineCast& cast, NearFunction function,
-             void* context, const QueryOptions& options) {
+             void* context, const SearchOptions& options) {
   const auto& kernels = CheckCast(cast, options.target);
-  if (FindsNothing(tree, options)) return;
+  if (FindsNothing(tree, options.mask)) return;
   LineSearch search;
   search.levels = &tree.levels();
   search.mask = options.mask;

@@ -97,22 +97,14 @@ struct QueryStatistics {
   std::size_t leaves = 0;       // blocks of 64 objects
 };
 
-// Options of the queries of a BVH.
+// Options of queries by bounds and by shapes (bvh_shapes.h).
 struct QueryOptions {
   // Finds only objects whose mask (Bvh::SetMasks) has at least one of these
   // bits: all ones finds all objects, and 0 none.
   std::uint32_t mask = 0xFFFFFFFF;
   Target target = {};  // by default, the chosen one (targets.h)
-  // Survivors() and SurvivorsOfEach(): does not write the first `skip` ids, so
-  // that a call whose `ids` were too short can be continued. The order of the
-  // ids is the same in each call with the same arguments and target, until the
-  // world changes. The return value and `offsets` do not depend on `skip`.
-  std::size_t skip = 0;
-  // If it is not null, Survivors(), CountSurvivors(), AnySurvivor(),
-  // ForEachSurvivor(), SurvivorsOfEach() and CountSurvivorsOfEach() add what
-  // they read. Searches and
-  // casts (bvh_nearest.h) do not. Calls that run at the same time need one
-  // each.
+  // If it is not null, the call adds what it reads. Calls that run at the same
+  // time need one each.
   QueryStatistics* statistics = nullptr;
 };
 
@@ -472,14 +464,17 @@ using AaboBvh3 = Bvh<AaboView3>;
 // Writes the ids of all survivors to `ids`, in no particular order, and returns
 // their number. If `ids` is shorter than that, the call fills it and still
 // returns the full number. Elements of `ids` behind the last id may be
-// overwritten.
+// overwritten. The first `skip` ids are not written, so that a call whose `ids`
+// were too short can be continued. The order of the ids is the same in each
+// call with the same arguments and target, until the world changes.
 template <typename View>
 [[nodiscard]] std::size_t Survivors(const Bvh<View>& world,
                                     const typename View::Query& query,
                                     Span<std::uint32_t> ids,
-                                    const QueryOptions& options = {}) {
+                                    const QueryOptions& options = {},
+                                    std::size_t skip = 0) {
   return detail::BvhSurvivors(detail::TreeOf(world),
-                              detail::QueriesOf(&query, 1), ids, options);
+                              detail::QueriesOf(&query, 1), ids, options, skip);
 }
 
 // Returns the number of survivors. A node inside a box or an octahedron is
@@ -543,15 +538,16 @@ void ForEachSurvivor(const Bvh<View>& world, const typename View::Query& query,
 //            queries[q] are ids[offsets[q]] ... ids[offsets[q + 1] - 1].
 // Returns the number of all ids. If `ids` is shorter than that, it is filled,
 // and `offsets` are written as if it were long enough. Elements of `ids` behind
-// the last id may be overwritten.
+// the last id may be overwritten. `skip` is that of Survivors(), for the ids of
+// all queries. `offsets` do not depend on it.
 template <typename View>
 [[nodiscard]] std::size_t SurvivorsOfEach(
     const Bvh<View>& world, Span<const typename View::Query> queries,
     Span<std::uint32_t> ids, Span<std::size_t> offsets,
-    const QueryOptions& options = {}) {
+    const QueryOptions& options = {}, std::size_t skip = 0) {
   return detail::BvhSurvivorsOfEach(
       detail::TreeOf(world), detail::QueriesOf(queries.data(), queries.size()),
-      ids, offsets, options);
+      ids, offsets, options, skip);
 }
 
 }  // namespace halfspace

@@ -50,9 +50,18 @@
 #include "halfspace/detail/bvh_nearest.h"
 #include "halfspace/shapes.h"
 #include "halfspace/span.h"
+#include "halfspace/target.h"
 #include "halfspace/visit.h"
 
 namespace halfspace {
+
+// Options of searches and casts.
+struct SearchOptions {
+  // Finds only objects whose mask (Bvh::SetMasks) has at least one of these
+  // bits: all ones finds all objects, and 0 none.
+  std::uint32_t mask = 0xFFFFFFFF;
+  Target target = {};  // by default, the chosen one (targets.h)
+};
 
 namespace detail {
 
@@ -117,7 +126,7 @@ NearQueries NearQueriesOf(Span<const Aabb<kDims>> boxes) {
 
 template <typename View, typename Function>
 void CastLine(const Bvh<View>& world, const LineCast& cast, Function& function,
-              const QueryOptions& options) {
+              const SearchOptions& options) {
   using Call = NearCall<typename View::Bound, Function>;
   Call call{function};
   BvhCast(detail::TreeOf(world), cast, &Call::Run, &call, options);
@@ -156,7 +165,7 @@ template <typename View>
     const Bvh<View>& world, const Point<View::Bound::kDimensions>& point,
     Span<std::uint32_t> ids, Span<float> distances,
     float max_distance = std::numeric_limits<float>::infinity(),
-    const QueryOptions& options = {}) {
+    const SearchOptions& options = {}) {
   return detail::BvhNearest(detail::TreeOf(world), {point.data(), 0, 0, 1},
                             max_distance, ids, distances, options);
 }
@@ -171,7 +180,7 @@ template <typename View, typename Box,
     const Bvh<View>& world, const Box& box, Span<std::uint32_t> ids,
     Span<float> distances,
     float max_distance = std::numeric_limits<float>::infinity(),
-    const QueryOptions& options = {}) {
+    const SearchOptions& options = {}) {
   return detail::BvhNearest(detail::TreeOf(world),
                             detail::NearQueriesOf(Span<const Box>(&box, 1)),
                             max_distance, ids, distances, options);
@@ -189,7 +198,7 @@ void KNearestOfEach(const Bvh<View>& world,
                     std::size_t k, Span<std::uint32_t> ids,
                     Span<float> distances,
                     float max_distance = std::numeric_limits<float>::infinity(),
-                    const QueryOptions& options = {}) {
+                    const SearchOptions& options = {}) {
   detail::BvhNearestOfEach(detail::TreeOf(world), detail::NearQueriesOf(points),
                            k, max_distance, ids, distances, options);
 }
@@ -199,7 +208,7 @@ void KNearestOfEach(const Bvh<View>& world,
                     std::size_t k, Span<std::uint32_t> ids,
                     Span<float> distances,
                     float max_distance = std::numeric_limits<float>::infinity(),
-                    const QueryOptions& options = {}) {
+                    const SearchOptions& options = {}) {
   detail::BvhNearestOfEach(detail::TreeOf(world), detail::NearQueriesOf(boxes),
                            k, max_distance, ids, distances, options);
 }
@@ -216,7 +225,7 @@ template <typename View, typename Function>
 void ForEachNearest(const Bvh<View>& world,
                     const Point<View::Bound::kDimensions>& point,
                     float max_distance, Function&& function,
-                    const QueryOptions& options = {}) {
+                    const SearchOptions& options = {}) {
   using Call = detail::NearCall<typename View::Bound, Function>;
   Call call{function};
   detail::BvhForEachNearest(detail::TreeOf(world), {point.data(), 0, 0, 1},
@@ -247,7 +256,7 @@ void ForEachNearest(const Bvh<View>& world,
 template <typename View, typename Function>
 void RayCast(const Bvh<View>& world, const Ray<View::Bound::kDimensions>& ray,
              float radius, Function&& function,
-             const QueryOptions& options = {}) {
+             const SearchOptions& options = {}) {
   detail::CastLine(world,
                    {"RayCast", ray.origin.data(), ray.origin.data(),
                     ray.direction.data(), ray.max_t, radius},
@@ -255,7 +264,7 @@ void RayCast(const Bvh<View>& world, const Ray<View::Bound::kDimensions>& ray,
 }
 template <typename View, typename Function>
 void RayCast(const Bvh<View>& world, const Ray<View::Bound::kDimensions>& ray,
-             Function&& function, const QueryOptions& options = {}) {
+             Function&& function, const SearchOptions& options = {}) {
   RayCast(world, ray, 0.0f, function, options);
 }
 
@@ -266,7 +275,7 @@ void RayCast(const Bvh<View>& world, const Ray<View::Bound::kDimensions>& ray,
 template <typename View, typename Function>
 void BoxCast(const Bvh<View>& world, const Aabb<View::Bound::kDimensions>& box,
              const Point<View::Bound::kDimensions>& direction, float max_t,
-             Function&& function, const QueryOptions& options = {}) {
+             Function&& function, const SearchOptions& options = {}) {
   detail::CastLine(world,
                    {"BoxCast", box.min.data(), box.max.data(), direction.data(),
                     max_t, 0.0f},

@@ -155,10 +155,11 @@ template <typename View, typename Shape,
           typename = detail::IfShapeOf<View, Shape>>
 [[nodiscard]] std::size_t Survivors(const Bvh<View>& world, const Shape& shape,
                                     Span<std::uint32_t> ids,
-                                    const QueryOptions& options = {}) {
+                                    const QueryOptions& options = {},
+                                    std::size_t skip = 0) {
   return detail::BvhSurvivors(detail::TreeOf(world),
                               detail::ShapeQueries<View>(&shape, 1), ids,
-                              options);
+                              options, skip);
 }
 
 // Returns the number of survivors of one shape.
@@ -208,11 +209,12 @@ template <typename View, typename Shapes,
                                           const Shapes& shapes,
                                           Span<std::uint32_t> ids,
                                           Span<std::size_t> offsets,
-                                          const QueryOptions& options = {}) {
+                                          const QueryOptions& options = {},
+                                          std::size_t skip = 0) {
   return detail::BvhSurvivorsOfEach(
       detail::TreeOf(world),
       detail::ShapeQueries<View>(std::data(shapes), std::size(shapes)), ids,
-      offsets, options);
+      offsets, options, skip);
 }
 
 }  // namespace halfspace

@@ -326,7 +326,7 @@ class BvhHistory {
     std::vector<std::pair<std::uint32_t, float>> expected;
     std::vector<std::uint32_t> expected_nearest;
     for (Target target : TargetsUnderTest()) {
-      const QueryOptions options = {.target = target};
+      const SearchOptions options = {.target = target};
       std::vector<std::pair<std::uint32_t, float>> found;
       BoxCast(
           world, box, direction, max_t,

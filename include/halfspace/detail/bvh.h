@@ -307,7 +307,8 @@ struct BvhQueries {
 HALFSPACE_API std::size_t BvhSurvivors(const BvhTree& tree,
                                        const BvhQueries& query,
                                        Span<std::uint32_t> ids,
-                                       const QueryOptions& options);
+                                       const QueryOptions& options,
+                                       std::size_t skip);
 HALFSPACE_API std::size_t BvhCount(const BvhTree& tree, const BvhQueries& query,
                                    const QueryOptions& options);
 // Returns whether there is one, and its id.
@@ -318,11 +319,9 @@ HALFSPACE_API void BvhForEach(const BvhTree& tree, const BvhQueries& query,
                               const QueryOptions& options);
 
 // Several.
-HALFSPACE_API std::size_t BvhSurvivorsOfEach(const BvhTree& tree,
-                                             const BvhQueries& queries,
-                                             Span<std::uint32_t> ids,
-                                             Span<std::size_t> offsets,
-                                             const QueryOptions& options);
+HALFSPACE_API std::size_t BvhSurvivorsOfEach(
+    const BvhTree& tree, const BvhQueries& queries, Span<std::uint32_t> ids,
+    Span<std::size_t> offsets, const QueryOptions& options, std::size_t skip);
 // Of bounds.
 HALFSPACE_API void BvhCountOfEach(const BvhTree& tree,
                                   const BvhQueries& queries,

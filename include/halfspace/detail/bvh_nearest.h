@@ -10,7 +10,11 @@
 #include "halfspace/export.h"
 #include "halfspace/span.h"
 
-namespace halfspace::detail {
+namespace halfspace {
+
+struct SearchOptions;
+
+namespace detail {
 
 // Returns the new limit; a negative one ends the search. `planes` has the
 // object's value on plane p at p * kBlockObjects.
@@ -31,17 +35,17 @@ HALFSPACE_API std::size_t BvhNearest(const BvhTree& tree,
                                      float max_distance,
                                      Span<std::uint32_t> ids,
                                      Span<float> distances,
-                                     const QueryOptions& options);
+                                     const SearchOptions& options);
 HALFSPACE_API void BvhNearestOfEach(const BvhTree& tree,
                                     const NearQueries& queries, std::size_t k,
                                     float max_distance, Span<std::uint32_t> ids,
                                     Span<float> distances,
-                                    const QueryOptions& options);
+                                    const SearchOptions& options);
 HALFSPACE_API void BvhForEachNearest(const BvhTree& tree,
                                      const NearQueries& query,
                                      float max_distance, NearFunction function,
                                      void* context,
-                                     const QueryOptions& options);
+                                     const SearchOptions& options);
 
 // A box from `low` to `high`, `radius` larger on each side, on its way.
 struct LineCast {
@@ -55,8 +59,9 @@ struct LineCast {
 
 HALFSPACE_API void BvhCast(const BvhTree& tree, const LineCast& cast,
                            NearFunction function, void* context,
-                           const QueryOptions& options);
+                           const SearchOptions& options);
 
-}  // namespace halfspace::detail
+}  // namespace detail
+}  // namespace halfspace
 
 #endif  // HALFSPACE_DETAIL_BVH_NEAREST_H_

@@ -429,22 +429,22 @@ TYPED_TEST(BvhTest, GoesOnWhereASpanWasTooShort) {
   const auto queries = spread.Queries(5);
   Canaried<std::uint32_t> canaried;
   for (Target target : TargetsUnderTest()) {
-    QueryOptions options = {.target = target};
+    const QueryOptions options = {.target = target};
+    std::size_t skip = 0;
     std::vector<std::size_t> offsets(queries.size() + 1);
     for (std::size_t room : {7u, 64u, 100u, 1000u}) {
       const auto expect_all = [&](const auto& find, const Ids& expected) {
         Ids found;
-        for (options.skip = 0; found.size() < expected.size();
-             options.skip += room) {
+        for (skip = 0; found.size() < expected.size(); skip += room) {
           const auto ids = canaried.Reset(room);
           ASSERT_EQ(find(ids), expected.size());
-          const std::size_t left = expected.size() - options.skip;
+          const std::size_t left = expected.size() - skip;
           EXPECT_TRUE(canaried.IntactBut(room));
           found.insert(found.end(), ids.begin(),
                        ids.begin() + std::min(room, left));
         }
         EXPECT_EQ(InOrder(found), InOrder(expected));
-        options.skip = std::numeric_limits<std::size_t>::max();
+        skip = std::numeric_limits<std::size_t>::max();
         ASSERT_EQ(find(canaried.Reset(room)), expected.size());
         EXPECT_TRUE(canaried.IntactBut(0));
       };
@@ -453,7 +453,7 @@ TYPED_TEST(BvhTest, GoesOnWhereASpanWasTooShort) {
         const Ids expected = Expected(world.view(), query);
         expect_all(
             [&](Span<std::uint32_t> ids) {
-              return Survivors(bvh, query, ids, options);
+              return Survivors(bvh, query, ids, options, skip);
             },
             expected);
         all.insert(all.end(), expected.begin(), expected.end());
@@ -461,7 +461,7 @@ TYPED_TEST(BvhTest, GoesOnWhereASpanWasTooShort) {
       expect_all(
           [&](Span<std::uint32_t> ids) {
             return SurvivorsOfEach(bvh, Span<const Query>(queries), ids,
-                                   offsets, options);
+                                   offsets, options, skip);
           },
           all);
       EXPECT_EQ(offsets.back(), all.size());
@@ -548,10 +548,9 @@ TYPED_TEST(BvhTest, AMaskOfNothingFindsNothing) {
               0u);
     EXPECT_EQ(offsets, (std::vector<std::size_t>{0, 0}));
     EXPECT_EQ(CountSurvivors(bvh, Sphere<kDims>{{}, 100}, options), 0u);
-    EXPECT_EQ(KNearest(bvh, Point<kDims>{}, ids, {}, 1e9f, options), 0u);
-    RayCast(
-        bvh, Ray<kDims>{{}, {1}, 100},
-        [](std::uint32_t id, float) { ADD_FAILURE() << id; }, options);
+    EXPECT_EQ(KNearest(bvh, Point<kDims>{}, ids, {}, 1e9f, {.mask = 0}), 0u);
+    RayCast(bvh, Ray<kDims>{{}, {1}, 100},
+            [](std::uint32_t id, float) { ADD_FAILURE() << id; }, {.mask = 0});
   }
 }
 

@@ -175,7 +175,7 @@ TYPED_TEST(BvhCastTest, FindsWhatIsTouchedWhereItIsTouched) {
                                        FE_TOWARDZERO};
         {
           const RoundingMode mode(kModes[round % kModes.size()]);
-          const QueryOptions options = {.target = target};
+          const SearchOptions options = {.target = target};
           if (is_ray) {
             RayCast(bvh, Ray<kDims>{box.min, direction, float_max_t}, add,
                     options);
@@ -263,7 +263,7 @@ TYPED_TEST(BvhCastTest, TheFunctionGetsTheBound) {
     EXPECT_EQ(bound, bounds[id]);
   };
   for (Target target : TargetsUnderTest()) {
-    const QueryOptions options = {.target = target};
+    const SearchOptions options = {.target = target};
     RayCast(bvh, ray, check, options);
     BoxCast(bvh, Aabb<kDims>{ray.origin, ray.origin}, ray.direction, 1, check,
             options);

@@ -189,7 +189,7 @@ void ExpectNearest(const Bvh<View>& bvh,
       ExpectedNearest(bvh, bounds, {point, point}, max_distance);
   std::vector<Found> expected = squared;
   for (Found& one : expected) one.value = std::sqrt(one.value);
-  const QueryOptions options = {.target = target};
+  const SearchOptions options = {.target = target};
   // With and without distances: of more than 2048 ids alone, half are found at
   // once.
   for (std::size_t room : {1u, 8u, 63u, 64u, 700u, 3000u, 9000u}) {
@@ -253,7 +253,7 @@ void ExpectNearestToBoxes(const Bvh<View>& bvh,
                           const Aabb<View::Bound::kDimensions>& box,
                           float max_distance, Target target) {
   constexpr int kDims = View::Bound::kDimensions;
-  const QueryOptions options = {.target = target};
+  const SearchOptions options = {.target = target};
   const std::vector<Aabb<kDims>> boxes = {
       box, {box.min, box.min}, Aabb<kDims>::Empty(), box};
   const std::vector<Point<kDims>> points = {box.max, box.min, box.max};
@@ -339,7 +339,7 @@ void ExpectAlong(const Bvh<View>& bvh,
                  std::span<const typename View::Bound> bounds,
                  const Ray<View::Bound::kDimensions>& ray, float radius,
                  Target target) {
-  const QueryOptions options = {.target = target};
+  const SearchOptions options = {.target = target};
   ExpectFound(
       [&](auto&& function) { RayCast(bvh, ray, radius, function, options); },
       ExpectedAlong(bvh, bounds, {ray.origin, ray.origin}, ray.direction,
@@ -552,7 +552,7 @@ TEST(BvhNearestKnownTest, DistancesOfAllSizesInAllFloatingPointModes) {
     const Ray3 ray = {center, {any(), -any(), any()}, kInf};
     const float radius = any();
     for (Target target : TargetsUnderTest()) {
-      const QueryOptions options = {.target = target};
+      const SearchOptions options = {.target = target};
       const auto answer = [&] {
         std::vector<std::vector<Found>> answers;
         for (float limit : limits) {
