@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
 #include "c/bvh.h"
 #include "c/call.h"
@@ -167,74 +166,26 @@ void CheckBoxes(const Call& call, const float* rows, std::size_t begin,
   }
 }
 
-// The objects that are nearest to a box, without those that are equal to it.
-class NearestOthers {
- public:
-  NearestOthers(const Call& call, const hs_bvh* bvh,
-                const SearchOptions& options)
-      : call_(call),
-        bvh_(bvh),
-        options_(options),
-        equal_(Memory(bvh->tree.memory())),
-        found_(Memory(bvh->tree.memory())),
-        found_distances_(FloatVector::allocator_type(bvh->tree.memory())) {}
+// Takes the nearest objects that are not equal to a box.
+struct NearestOthers {
+  const float* box;
+  std::size_t planes;
+  std::size_t room;
+  std::uint32_t* ids;
+  float* distances;
 
-  // `box` has the corners. `distances` may be null.
-  void Find(const float* box, std::size_t k, float max_distance,
-            std::uint32_t* ids, float* distances) {
-    FindEqual(box);
-    found_.resize(k + equal_.size());
-    found_distances_.resize(found_.size());
-    const std::size_t dims = bvh_->kind.dims;
-    const std::size_t count = detail::BvhNearest(
-        bvh_->tree, {box, dims, 2 * dims, 1}, max_distance,
-        {found_.data(), found_.size()},
-        {found_distances_.data(), found_distances_.size()}, options_);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < count && kept < k; ++i) {
-      if (std::binary_search(equal_.begin(), equal_.end(), found_[i])) continue;
-      ids[kept] = found_[i];
-      if (distances != nullptr) distances[kept] = found_distances_[i];
-      ++kept;
+  static float Add(void* others, std::uint32_t id, float distance,
+                   const float* planes) {
+    auto& its = *static_cast<NearestOthers*>(others);
+    std::size_t p = 0;
+    while (p < its.planes && planes[p * detail::kBlockObjects] == its.box[p]) {
+      ++p;
     }
-    std::fill(ids + kept, ids + k, HS_NO_ID);
-    if (distances != nullptr) {
-      std::fill(distances + kept, distances + k, INFINITY);
-    }
+    if (p == its.planes) return INFINITY;
+    *its.ids++ = id;
+    if (its.distances != nullptr) *its.distances++ = distance;
+    return --its.room == 0 ? -1.0f : INFINITY;
   }
-
- private:
-  using Memory = detail::BlockAllocator<std::uint32_t>;
-
-  void FindEqual(const float* box) {
-    equal_.clear();
-    box_ = box;
-    const std::size_t dims = bvh_->kind.dims;
-    // A cast that goes nowhere: unlike a query, it has the bounds.
-    const std::array<float, kMostValues> nowhere{};
-    detail::BvhCast(
-        bvh_->tree, {call_.name(), box, box + dims, nowhere.data(), 0.0f, 0.0f},
-        [](void* context, std::uint32_t id, float, const float* planes) {
-          static_cast<NearestOthers*>(context)->AddIfEqual(id, planes);
-          return INFINITY;
-        },
-        this, options_);
-    std::sort(equal_.begin(), equal_.end());
-  }
-  void AddIfEqual(std::uint32_t id, const float* planes) {
-    for (std::size_t p = 0; p < bvh_->kind.values(); ++p) {
-      if (planes[p * detail::kBlockObjects] != box_[p]) return;
-    }
-    equal_.push_back(id);
-  }
-
-  const Call& call_;
-  const hs_bvh* bvh_;
-  const SearchOptions& options_;
-  const float* box_ = nullptr;
-  std::vector<std::uint32_t, Memory> equal_;
-  std::vector<std::uint32_t, Memory> found_;
-  FloatVector found_distances_;
 };
 
 // Writes row after row of the nearest objects. `values` has the corners.
@@ -260,15 +211,22 @@ void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
   }
   call.CheckArray("ids", ids, columns.count * k);
   if (distances != nullptr) call.CheckPointer("distances", distances);
-  NearestOthers others(call, bvh, search);
   ForEachRows(columns, values,
               [&](const float* rows, std::size_t begin, std::size_t count) {
                 CheckBoxes(call, rows, begin, count, values.minima);
                 for (std::size_t q = 0; q < count && is_exclusive; ++q) {
                   const std::size_t row = (begin + q) * k;
-                  others.Find(rows + q * values.count, k, max_distance,
-                              ids + row,
-                              distances == nullptr ? nullptr : distances + row);
+                  const float* const box = rows + q * values.count;
+                  NearestOthers others{
+                      box, values.count, k, ids + row,
+                      distances == nullptr ? nullptr : distances + row};
+                  std::fill_n(others.ids, k, HS_NO_ID);
+                  if (distances != nullptr) {
+                    std::fill_n(others.distances, k, INFINITY);
+                  }
+                  detail::BvhForEachNearest(
+                      bvh->tree, {box, values.minima, values.count, 1},
+                      max_distance, &NearestOthers::Add, &others, search);
                 }
                 if (is_exclusive) return;
                 detail::BvhNearestOfEach(

@@ -10,7 +10,7 @@ from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from . import _halfspace
+from . import _arrow, _halfspace
 
 # A BVH has fewer objects than this.
 MOST_OBJECTS = 2**31
@@ -398,7 +398,7 @@ def _ndim(value: Any) -> Optional[int]:
 
 def _column(value: Any, name: str) -> np.ndarray:
     if hasattr(value, "__arrow_c_array__") and not hasattr(value, "__array_interface__"):
-        return _halfspace.arrow_column(value, name).reshape(-1, 1)
+        return _arrow.column(value, name).reshape(-1, 1)
     return numbers(value, name).reshape(-1, 1)
 
 

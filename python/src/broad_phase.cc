@@ -170,37 +170,26 @@ py::object QueryOne(const Bodies& bodies, const py::array& array,
 }
 
 // The first body of each ray, or of each sphere or box that moves.
-py::tuple Cast(const Bodies& bodies, const py::tuple& start_arrays,
-               const py::tuple& direction_arrays, const py::tuple& limit_arrays,
+py::tuple Cast(const Bodies& bodies, const py::tuple& starts,
+               const py::tuple& directions, const py::tuple& limits,
                std::uint64_t mask, std::size_t threads) {
-  const Columns starts(start_arrays);
-  const Columns directions(direction_arrays);
-  const Columns limits(limit_arrays);
-  const std::size_t dims = bodies.dims;
-  CheckCasts(starts, directions, limits, dims);
-  const hs_shape shape = starts.size == dims       ? HS_SHAPE_POINT
-                         : starts.size == dims + 1 ? HS_SHAPE_SPHERE
+  const Casts casts{Columns(starts), Columns(directions), Columns(limits)};
+  const std::size_t size = casts.starts.size;
+  const hs_shape shape = size == bodies.dims       ? HS_SHAPE_POINT
+                         : size == bodies.dims + 1 ? HS_SHAPE_SPHERE
                                                    : HS_SHAPE_BOX;
   Work work(threads, py::none());
-  return CastAll(
-      starts.count, work,
-      [&](std::size_t first, std::uint32_t* ids, float* ts) {
-        std::array<float, kPartQueries * HS_MAX_COLUMNS> rows;
-        std::array<float, kPartQueries * HS_MAX_COLUMNS> start_rows;
-        hs_columns from = starts.Rows(first, kPartQueries);
-        if (shape != HS_SHAPE_BOX) {
-          WriteFloats(from, starts.size, starts.size, start_rows.data());
-          from = hs_float_rows(start_rows.data(), from.count, starts.size);
-        }
-        WriteFloats(directions.Rows(first, kPartQueries), dims, dims + 1,
-                    rows.data());
-        WriteFloats(limits.Rows(first, kPartQueries), 1, dims + 1,
-                    rows.data() + dims);
-        const hs_columns motions =
-            hs_float_rows(rows.data(), from.count, dims + 1);
-        Check(hs_broad_phase_cast(bodies.get(), shape, &from, &motions, mask,
-                                  ids, ts));
-      });
+  return CastAll(casts, bodies.dims, work,
+                 [&](std::size_t first, const hs_columns& rays,
+                     const hs_columns& motions, std::uint32_t* ids, float* ts) {
+                   // Boxes are rounded outward, and so not in `rays`.
+                   const hs_columns from =
+                       shape == HS_SHAPE_BOX
+                           ? casts.starts.Rows(first, kPartQueries)
+                           : rays;
+                   Check(hs_broad_phase_cast(bodies.get(), shape, &from,
+                                             &motions, mask, ids, ts));
+                 });
 }
 
 // An array of shape (n, 2).

@@ -61,7 +61,6 @@ PYBIND11_MODULE(_halfspace, module) {
     return names;
   });
   module.def("bounds_of_triangles", &BoundsOfTriangles);
-  DefineArrow(module);
   DefineBroadPhase(module);
   DefineTree(module);
   DefineScan(module);

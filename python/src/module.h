@@ -6,9 +6,6 @@
 
 namespace halfspace::python {
 
-// arrow_column(), which returns a NumPy array of the memory of an object with
-// __arrow_c_array__. The array keeps the memory alive.
-void DefineArrow(pybind11::module_& module);
 void DefineBroadPhase(pybind11::module_& module);
 void DefineScan(pybind11::module_& module);
 void DefineTree(pybind11::module_& module);

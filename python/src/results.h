@@ -219,28 +219,50 @@ inline std::int64_t LongId(std::uint32_t id) {
   return id == HS_NO_ID ? -1 : std::int64_t{id};
 }
 
-// The directions have no less columns than a start has coordinates.
-inline void CheckCasts(const Columns& starts, const Columns& directions,
-                       const Columns& limits, std::size_t dims) {
-  if (directions.count != starts.count || limits.count != starts.count ||
-      starts.size < dims || directions.size < dims || limits.size < 1) {
+// Values of a box in 3 dimensions that moves.
+inline constexpr std::size_t kMostValues = 10;
+
+// Rays, or spheres or boxes that move.
+struct Casts {
+  Columns starts;
+  Columns directions;
+  Columns limits;
+};
+
+// Returns the ids and the t that cast(first, rays, motions, ids, ts) writes for
+// each part. A ray has the columns of a start, of a direction and the limit, as
+// the nearest floats. A motion is its end, without the start.
+template <typename Cast>
+pybind11::tuple CastAll(const Casts& casts, std::size_t dims, Work& work,
+                        const Cast& cast) {
+  const std::size_t count = casts.starts.count;
+  const std::size_t start = casts.starts.size;
+  const std::size_t values = start + dims + 1;
+  if (casts.directions.count != count || casts.limits.count != count ||
+      casts.directions.size != dims || casts.limits.size != 1 ||
+      values > kMostValues) {
     ThrowNotPrepared();
   }
-}
-
-// Returns the ids and the t that cast(first, ids, ts) writes for each part.
-template <typename Cast>
-pybind11::tuple CastAll(std::size_t casts, Work& work, const Cast& cast) {
-  Ids ids(Size(casts));
-  pybind11::array_t<float> ts(Size(casts));
+  const std::array<const Columns*, 3> tables{&casts.starts, &casts.directions,
+                                             &casts.limits};
+  Ids ids(Size(count));
+  pybind11::array_t<float> ts(Size(count));
   std::int64_t* const to = ids.mutable_data();
   float* const its_ts = ts.mutable_data();
-  ForEachPart(casts, kPartQueries, work, [&](std::size_t first, std::size_t) {
-    std::array<std::uint32_t, kPartQueries> its;
-    cast(first, its.data(), its_ts + first);
-    std::transform(its.data(),
-                   its.data() + std::min(kPartQueries, casts - first),
-                   to + first, LongId);
+  ForEachPart(count, kPartQueries, work, [&](std::size_t first, std::size_t) {
+    std::array<float, kPartQueries * kMostValues> rows;
+    float* column = rows.data();
+    for (const Columns* its : tables) {
+      const hs_columns some = its->Rows(first, kPartQueries);
+      WriteFloats(some, its->size, values, column);
+      column += its->size;
+    }
+    const std::size_t some = std::min(kPartQueries, count - first);
+    const hs_columns rays = hs_float_rows(rows.data(), some, values);
+    const hs_columns motions = hs_float_rows(rows.data() + start, some, values);
+    std::array<std::uint32_t, kPartQueries> its_ids;
+    cast(first, rays, motions, its_ids.data(), its_ts + first);
+    std::transform(its_ids.data(), its_ids.data() + some, to + first, LongId);
   });
   work.Finish();
   return pybind11::make_tuple(ids, ts);

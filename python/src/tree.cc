@@ -56,9 +56,8 @@ void CheckRefitted(const Tree& tree) {
 
 // Exists while a call reads a tree. The constructor throws if another call
 // changes the tree.
-class Reading {
- public:
-  explicit Reading(Tree& tree, bool is_refit = false) : tree_(tree) {
+struct Reading {
+  explicit Reading(Tree& its_tree, bool is_refit = false) : tree(its_tree) {
     if (tree.is_changing) {
       throw std::runtime_error(
           "another call is changing this BVH: wait until it has finished");
@@ -66,19 +65,16 @@ class Reading {
     if (!is_refit) CheckRefitted(tree);
     ++tree.readers;
   }
-  ~Reading() { --tree_.readers; }
   Reading(const Reading&) = delete;
-  Reading& operator=(const Reading&) = delete;
+  ~Reading() { --tree.readers; }
 
- private:
-  Tree& tree_;
+  Tree& tree;
 };
 
 // Exists while a call changes a tree. The constructor throws if another call
 // uses the tree, or if Python objects refer to its blob.
-class Changing {
- public:
-  explicit Changing(Tree& tree, bool is_refit = false) : tree_(tree) {
+struct Changing {
+  explicit Changing(Tree& its_tree, bool is_refit = false) : tree(its_tree) {
     if (tree.is_changing || tree.readers > 0) {
       throw std::runtime_error(
           "another call is using this BVH: wait until it has finished before "
@@ -92,12 +88,10 @@ class Changing {
     if (!is_refit) CheckRefitted(tree);
     tree.is_changing = true;
   }
-  ~Changing() { tree_.is_changing = false; }
   Changing(const Changing&) = delete;
-  Changing& operator=(const Changing&) = delete;
+  ~Changing() { tree.is_changing = false; }
 
- private:
-  Tree& tree_;
+  Tree& tree;
 };
 
 // Calls change() without the interpreter's lock.
@@ -416,29 +410,15 @@ py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
   return py::make_tuple(ids, distances);
 }
 
-py::tuple CastRays(Tree& tree, const py::tuple& origin_arrays,
-                   const py::tuple& direction_arrays,
-                   const py::tuple& limit_arrays, std::size_t threads,
-                   py::object progress) {
-  const Columns origins(origin_arrays);
-  const Columns directions(direction_arrays);
-  const Columns limits(limit_arrays);
-  CheckCasts(origins, directions, limits, tree.dims);
+py::tuple CastRays(Tree& tree, const py::tuple& origins,
+                   const py::tuple& directions, const py::tuple& limits,
+                   std::size_t threads, py::object progress) {
   Work work(threads, std::move(progress));
   const Reading reading(tree);
   return CastAll(
-      origins.count, work,
-      [&](std::size_t first, std::uint32_t* ids, float* ts) {
-        std::array<float, kPartQueries * HS_MAX_COLUMNS> rows;
-        const std::size_t dims = tree.dims;
-        const std::size_t values = 2 * dims + 1;
-        const hs_columns from = origins.Rows(first, kPartQueries);
-        WriteFloats(from, dims, values, rows.data());
-        WriteFloats(directions.Rows(first, kPartQueries), dims, values,
-                    rows.data() + dims);
-        WriteFloats(limits.Rows(first, kPartQueries), 1, values,
-                    rows.data() + 2 * dims);
-        const hs_columns rays = hs_float_rows(rows.data(), from.count, values);
+      {Columns(origins), Columns(directions), Columns(limits)}, tree.dims, work,
+      [&](std::size_t, const hs_columns& rays, const hs_columns&,
+          std::uint32_t* ids, float* ts) {
         Check(hs_bvh_raycast(tree.bvh.get(), &rays, 0, nullptr, ids, ts));
       });
 }

@@ -1,5 +1,4 @@
 // Allocations that fail: the n-th, for each n, until one call needs no more.
-#include <math.h>
 #include <stdlib.h>
 
 #include "check.h"
@@ -124,15 +123,6 @@ static void use_bvh(hs_kind kind, memory* its) {
   (void)has_done(its, hs_bvh_rebuild(bvh, NULL));
   (void)has_done(its, hs_bvh_reserve(bvh, 3 * OBJECTS));
   CHECK(size_of(bvh) == size);
-  if (kind == HS_BOX2 || kind == HS_BOX3) {
-    hs_query_options options;
-    CHECK_OK(hs_query_options_default(&options, sizeof(options)));
-    options.exclusive = 1;
-    columns.count = 3;
-    (void)has_done(its, hs_bvh_nearest_to_boxes(bvh, &columns, 2, INFINITY,
-                                                &options, ids, NULL));
-  }
-  for (i = 0; i < OBJECTS / 2; ++i) ids[i] = (uint32_t)i;
   {
     hs_bvh* copy = NULL;
     size_t bytes = 0;

@@ -53,9 +53,8 @@
 // Thread safety: functions that take a const handle can run at the same time.
 // A function that takes another handle needs exclusive access, except those of
 // hs_broad_phase, which say so. Queries of scans and hierarchies allocate
-// nothing, except with the option `exclusive`. They take no lock and use up to
-// 64 KiB of stack. The floating-point mode of the calling thread has the
-// effects that reject.h and bvh.h describe.
+// nothing, take no lock and use up to 64 KiB of stack. The floating-point mode
+// of the calling thread has the effects that reject.h and bvh.h describe.
 //
 // The C++ headers describe each operation in more detail: fit_many.h, reject.h,
 // reject_many.h, quantized.h, bvh.h, bvh_nearest.h, bvh_pairs.h and
@@ -515,7 +514,7 @@ typedef struct hs_query_options {
   const char* target;  // null: the chosen target
   int exclusive;       // 1: leaves out the objects whose bound is equal to the
                   // query, in hs_bvh_nearest_...() alone. The BVH must be of
-                  // boxes. Allocates memory for the time of the call.
+                  // boxes.
 } hs_query_options;
 
 HALFSPACE_API hs_status hs_query_options_default(hs_query_options* options,

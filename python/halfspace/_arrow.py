@@ -1,0 +1,93 @@
+"""Columns of the Arrow C data interface, which
+https://arrow.apache.org/docs/format/CDataInterface.html describes."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+import numpy as np
+
+
+class _Schema(ctypes.Structure):
+    _fields_ = [
+        ("format", ctypes.c_char_p),
+        ("name", ctypes.c_void_p),
+        ("metadata", ctypes.c_void_p),
+        ("flags", ctypes.c_int64),
+        ("n_children", ctypes.c_int64),
+        ("children", ctypes.c_void_p),
+        ("dictionary", ctypes.c_void_p),
+        ("release", ctypes.c_void_p),
+        ("private_data", ctypes.c_void_p),
+    ]
+
+
+class _Array(ctypes.Structure):
+    _fields_ = [
+        ("length", ctypes.c_int64),
+        ("null_count", ctypes.c_int64),
+        ("offset", ctypes.c_int64),
+        ("n_buffers", ctypes.c_int64),
+        ("n_children", ctypes.c_int64),
+        ("buffers", ctypes.POINTER(ctypes.c_void_p)),
+        ("children", ctypes.c_void_p),
+        ("dictionary", ctypes.c_void_p),
+        ("release", ctypes.c_void_p),
+        ("private_data", ctypes.c_void_p),
+    ]
+
+
+# A prototype of its own, as other users of ctypes.pythonapi set other types.
+_pointer_of = ctypes.PYFUNCTYPE(ctypes.c_void_p, ctypes.py_object, ctypes.c_char_p)(
+    ("PyCapsule_GetPointer", ctypes.pythonapi)
+)
+
+_TYPES = {b"f": np.dtype(np.float32), b"g": np.dtype(np.float64)}
+
+
+class _Memory:
+    """What NumPy reads an array from. The array keeps it alive, and its owner."""
+
+    def __init__(self, address: int, dtype: np.dtype, length: int, owner: Any) -> None:
+        self.__array_interface__ = {
+            "version": 3,
+            "typestr": dtype.str,
+            "shape": (length,),
+            "data": (address, True),
+        }
+        self.owner = owner
+
+
+def column(value: Any, name: str) -> np.ndarray:
+    """The memory of an object with __arrow_c_array__, as an array. No nulls."""
+    made = value.__arrow_c_array__()
+    if not isinstance(made, tuple) or len(made) != 2:
+        raise TypeError(f"{name}: expected __arrow_c_array__() to return two capsules")
+    schema = _Schema.from_address(_pointer_of(made[0], b"arrow_schema"))
+    array = _Array.from_address(_pointer_of(made[1], b"arrow_array"))
+    if not schema.release or not array.release:
+        raise ValueError(f"{name}: expected an Arrow array, got one that was released")
+    dtype: Any = _TYPES.get(schema.format)
+    if dtype is None:
+        raise TypeError(
+            f"{name}: expected an Arrow array of float or double, got the Arrow format "
+            f'"{schema.format.decode()}"'
+        )
+    length, offset = array.length, array.offset
+    if array.n_buffers != 2 or length < 0 or offset < 0:
+        raise ValueError(
+            f"{name}: expected an Arrow array with 2 buffers, got a malformed one"
+        )
+    bitmap, values = array.buffers[0], array.buffers[1]
+    if array.null_count != 0 and bitmap and length > 0:
+        size = (offset + length + 7) // 8
+        bits = np.asarray(_Memory(bitmap, np.dtype(np.uint8), size, made[1]))
+        present = np.unpackbits(bits, bitorder="little")[offset : offset + length]
+        if not present.all():
+            row = int(present.argmin())
+            raise ValueError(f"{name}: expected numbers, got a null in row {row}")
+    if length == 0 or not values:
+        return np.empty(0, dtype)
+    address = values + offset * dtype.itemsize
+    return np.asarray(_Memory(address, dtype, length, made[1]))
