@@ -107,7 +107,7 @@ HWY_NOINLINE void FlatMask(const void* pointers, size_t first, size_t count,
                            const void* values, uint64_t* row) noexcept {
   const T* const* planes = static_cast<const T* const*>(pointers);
   const auto query = ValuesOf<kMins, kMaxs>(static_cast<const T*>(values));
-  if (count < kWordObjects) {
+  if (count - 1 < kWordObjects - 1) {  // not of 0 objects
     FlatTail<kMins, kMaxs>(planes, query, first, count, row);
   } else if (count % kWordObjects == 0) {
     FlatWords<kMins, kMaxs>(planes, query, first, count / kWordObjects, row);
