@@ -17,7 +17,7 @@
 #include "tests/library/support/points.h"
 #include "tests/library/support/random_shapes.h"
 
-namespace halfspace::kernels {
+namespace halfspace::dispatch {
 namespace {
 
 using testing::Exact;
@@ -173,4 +173,4 @@ TEST(ExactTermsTest, WhatIsLeftOfTinyProductsCounts) {
 }
 
 }  // namespace
-}  // namespace halfspace::kernels
+}  // namespace halfspace::dispatch
