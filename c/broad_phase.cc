@@ -19,6 +19,7 @@ using halfspace::c::CheckColumns;
 using halfspace::c::Kind;
 using halfspace::c::Run;
 using halfspace::c::Values;
+using halfspace::detail::Callback;
 namespace detail = halfspace::detail;
 
 // Below the template of broad_phase.h, so that there is one for all kinds.
@@ -132,33 +133,6 @@ const detail::BvhShapeKind* ShapeKindOf(hs_shape shape, std::size_t dims) {
                      : &detail::kShapeKind<AabbView3, Sphere<3>>;
   }
   return nullptr;
-}
-
-// The function of the caller, and which query or cast it is called for.
-template <typename Function>
-struct Visitor {
-  Function function;
-  void* context;
-  std::size_t index = 0;
-  bool is_stopped = false;
-};
-
-bool CallWithBody(void* visitor, std::uint32_t id, const float* bound) {
-  auto& its = *static_cast<Visitor<hs_body_function>*>(visitor);
-  its.is_stopped =
-      its.function(its.context, its.index, id, bound) != HS_CONTINUE;
-  return !its.is_stopped;
-}
-
-float CallWithHit(void* visitor, std::uint32_t id, float t,
-                  const float* bound) {
-  auto& its = *static_cast<Visitor<hs_body_hit_function>*>(visitor);
-  return its.function(its.context, its.index, id, t, bound);
-}
-
-bool CallWithPair(void* visitor, std::uint32_t a, std::uint32_t b) {
-  auto& its = *static_cast<Visitor<hs_pair_function>*>(visitor);
-  return its.function(its.context, a, b) == HS_CONTINUE;
 }
 
 }  // namespace
@@ -361,13 +335,17 @@ hs_status hs_broad_phase_for_each(const hs_broad_phase* bodies, hs_shape shape,
     call.CheckPointer("function", function);
     const auto* const kind =
         halfspace::c::ShapeKindOf(shape, bodies->kind.dims);
-    halfspace::c::Visitor<hs_body_function> visitor{function, context};
+    bool is_stopped = false;
     halfspace::c::ForEachRows(
         *queries, values, [&](const float* rows, size_t begin, size_t count) {
-          for (size_t q = 0; q < count && !visitor.is_stopped; ++q) {
-            visitor.index = begin + q;
+          for (size_t q = 0; q < count && !is_stopped; ++q) {
+            Callback body{[&](uint32_t id, const float* bound) {
+              is_stopped =
+                  function(context, begin + q, id, bound) != HS_CONTINUE;
+              return !is_stopped;
+            }};
             bodies->core.ForEach({rows + q * values.count, 1, kind}, mask,
-                                 &halfspace::c::CallWithBody, &visitor);
+                                 &decltype(body)::Run, &body);
           }
         });
   });
@@ -393,7 +371,6 @@ hs_status hs_broad_phase_for_each_cast(const hs_broad_phase* bodies,
                 starts->count, motions->count);
     }
     call.CheckPointer("function", function);
-    halfspace::c::Visitor<hs_body_hit_function> visitor{function, context};
     for (size_t i = 0; i < starts->count; ++i) {
       std::array<float, halfspace::c::kMostValues> start;
       std::array<float, halfspace::c::kMostValues> motion;
@@ -405,7 +382,6 @@ hs_status hs_broad_phase_for_each_cast(const hs_broad_phase* bodies,
                   "negative, got %g of motion %zu",
                   dims, static_cast<double>(motion[dims]), i);
       }
-      visitor.index = i;
       const float* const low = start.data();
       const float* const high = shape == HS_SHAPE_BOX ? low + dims : low;
       const float radius = shape == HS_SHAPE_SPHERE ? low[dims] : 0.0f;
@@ -415,9 +391,12 @@ hs_status hs_broad_phase_for_each_cast(const hs_broad_phase* bodies,
                   "got %g of sphere %zu",
                   dims, static_cast<double>(radius), i);
       }
+      Callback hit{[&](uint32_t id, float t, const float* bound) {
+        return halfspace::Limit{function(context, i, id, t, bound)};
+      }};
       bodies->core.ForEachCast(
           {call.name(), low, high, motion.data(), motion[dims], radius}, mask,
-          &halfspace::c::CallWithHit, &visitor);
+          &decltype(hit)::Run, &hit);
     }
   });
 }
@@ -432,11 +411,13 @@ hs_status hs_broad_phase_for_each_pair_of(
     call.CheckPointer("function", function);
     if (masks != nullptr) call.CheckPointer("masks", masks);
     const Span<const uint64_t> its_masks(masks, count);
-    halfspace::c::Visitor<hs_pair_function> visitor{function, context};
+    Callback pair{[&](uint32_t a, uint32_t b) {
+      return function(context, a, b) == HS_CONTINUE;
+    }};
     bodies->core.ForEachPairOf(halfspace::c::PairKernelsOf(bodies->kind),
                                {ids, count},
                                masks != nullptr ? &its_masks : nullptr, margin,
-                               &halfspace::c::CallWithPair, &visitor);
+                               &decltype(pair)::Run, &pair);
   });
 }
 
