@@ -20,6 +20,7 @@ using halfspace::c::CheckColumns;
 using halfspace::c::Kind;
 using halfspace::c::Run;
 using halfspace::c::Values;
+using halfspace::detail::Callback;
 namespace detail = halfspace::detail;
 
 // Below the template of broad_phase.h, so that there is one for all kinds.
@@ -135,31 +136,12 @@ const detail::BvhShapeKind* ShapeKindOf(hs_shape shape, std::size_t dims) {
   return nullptr;
 }
 
-// The function of the caller, and which query or cast it is called for.
-template <typename Function>
-struct Visitor {
-  Function function;
-  void* context;
-  std::size_t index = 0;
-  bool is_stopped = false;
-};
-
-bool CallWithBody(void* visitor, std::uint32_t id, const float* bound) {
-  auto& its = *static_cast<Visitor<hs_body_function>*>(visitor);
-  its.is_stopped =
-      its.function(its.context, its.index, id, bound) != HS_CONTINUE;
-  return !its.is_stopped;
-}
-
-float CallWithHit(void* visitor, std::uint32_t id, float t,
-                  const float* bound) {
-  auto& its = *static_cast<Visitor<hs_body_hit_function>*>(visitor);
-  return its.function(its.context, its.index, id, t, bound);
-}
-
+// Calls hit(cast, id, t, bound) for what casts touch: it returns the limit of t
+// from then on.
+template <typename Hit>
 void Cast(const Call& call, const hs_broad_phase* bodies, hs_shape shape,
           const hs_columns* starts, const hs_columns* motions,
-          std::uint64_t mask, Visitor<hs_body_hit_function> visitor) {
+          std::uint64_t mask, const Hit& hit) {
   call.CheckPointer("bodies", bodies);
   const std::size_t dims = bodies->kind.dims;
   const Values values = ValuesOf(call, *bodies, shape, /*is_cast=*/true);
@@ -179,7 +161,6 @@ void Cast(const Call& call, const hs_broad_phase* bodies, hs_shape shape,
                 "negative, got %g of motion %zu",
                 dims, static_cast<double>(motion[dims]), i);
     }
-    visitor.index = i;
     const float* const high = shape == HS_SHAPE_BOX ? low + dims : low;
     const float radius = shape == HS_SHAPE_SPHERE ? low[dims] : 0.0f;
     if (!(radius >= 0)) {
@@ -188,9 +169,12 @@ void Cast(const Call& call, const hs_broad_phase* bodies, hs_shape shape,
                 "got %g of sphere %zu",
                 dims, static_cast<double>(radius), i);
     }
+    Callback one{[&](std::uint32_t id, float t, const float* bound) {
+      return Limit{hit(i, id, t, bound)};
+    }};
     bodies->core.ForEachCast(
         {call.name(), low, high, motion, motion[dims], radius}, mask,
-        &CallWithHit, &visitor);
+        &decltype(one)::Run, &one);
   };
   const float* const their_motions = RowsInPlace(*motions, motion_values);
   ForEachRows(
@@ -216,24 +200,17 @@ struct Closest {
   std::size_t last_cast = std::numeric_limits<std::size_t>::max();
   float t = INFINITY;
 
-  static float Add(void* context, std::size_t cast, std::uint32_t id, float t,
-                   const float*) {
-    auto& its = *static_cast<Closest*>(context);
-    const bool is_first = cast != its.last_cast;
-    its.last_cast = cast;
-    if (is_first || t < its.t || (t == its.t && id < its.ids[cast])) {
-      its.ids[cast] = id;
-      its.t = t;
-      if (its.ts != nullptr) its.ts[cast] = t;
+  float Add(std::size_t cast, std::uint32_t id, float its_t) {
+    const bool is_first = cast != last_cast;
+    last_cast = cast;
+    if (is_first || its_t < t || (its_t == t && id < ids[cast])) {
+      ids[cast] = id;
+      t = its_t;
+      if (ts != nullptr) ts[cast] = t;
     }
-    return its.t;
+    return t;
   }
 };
-
-bool CallWithPair(void* visitor, std::uint32_t a, std::uint32_t b) {
-  auto& its = *static_cast<Visitor<hs_pair_function>*>(visitor);
-  return its.function(its.context, a, b) == HS_CONTINUE;
-}
 
 }  // namespace
 }  // namespace halfspace::c
@@ -477,13 +454,17 @@ hs_status hs_broad_phase_for_each(const hs_broad_phase* bodies, hs_shape shape,
     call.CheckPointer("function", function);
     const auto* const kind =
         halfspace::c::ShapeKindOf(shape, bodies->kind.dims);
-    halfspace::c::Visitor<hs_body_function> visitor{function, context};
+    bool is_stopped = false;
     halfspace::c::ForEachRows(
         *queries, values, [&](const float* rows, size_t begin, size_t count) {
-          for (size_t q = 0; q < count && !visitor.is_stopped; ++q) {
-            visitor.index = begin + q;
+          for (size_t q = 0; q < count && !is_stopped; ++q) {
+            Callback body{[&](uint32_t id, const float* bound) {
+              is_stopped =
+                  function(context, begin + q, id, bound) != HS_CONTINUE;
+              return !is_stopped;
+            }};
             bodies->core.ForEach({rows + q * values.count, 1, kind}, mask,
-                                 &halfspace::c::CallWithBody, &visitor);
+                                 &decltype(body)::Run, &body);
           }
         });
   });
@@ -496,8 +477,11 @@ hs_status hs_broad_phase_for_each_cast(const hs_broad_phase* bodies,
                                        void* context) {
   return Run("hs_broad_phase_for_each_cast", [&](const Call& call) {
     call.CheckPointer("function", function);
-    halfspace::c::Cast(call, bodies, shape, starts, motions, mask,
-                       {function, context});
+    halfspace::c::Cast(
+        call, bodies, shape, starts, motions, mask,
+        [&](size_t i, uint32_t id, float t, const float* bound) {
+          return function(context, i, id, t, bound);
+        });
   });
 }
 
@@ -513,7 +497,9 @@ hs_status hs_broad_phase_cast(const hs_broad_phase* bodies, hs_shape shape,
     if (ts != nullptr) std::fill_n(ts, starts->count, INFINITY);
     halfspace::c::Closest closest{ids, ts};
     halfspace::c::Cast(call, bodies, shape, starts, motions, mask,
-                       {&halfspace::c::Closest::Add, &closest});
+                       [&](size_t i, uint32_t id, float t, const float*) {
+                         return closest.Add(i, id, t);
+                       });
   });
 }
 
@@ -527,11 +513,13 @@ hs_status hs_broad_phase_for_each_pair_of(
     call.CheckPointer("function", function);
     if (masks != nullptr) call.CheckPointer("masks", masks);
     const Span<const uint64_t> its_masks(masks, count);
-    halfspace::c::Visitor<hs_pair_function> visitor{function, context};
+    Callback pair{[&](uint32_t a, uint32_t b) {
+      return function(context, a, b) == HS_CONTINUE;
+    }};
     bodies->core.ForEachPairOf(halfspace::c::PairKernelsOf(bodies->kind),
                                {ids, count},
                                masks != nullptr ? &its_masks : nullptr, margin,
-                               &halfspace::c::CallWithPair, &visitor);
+                               &decltype(pair)::Run, &pair);
   });
 }
 

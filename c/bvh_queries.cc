@@ -117,15 +117,12 @@ class Probe {
 
   void RunOneByOne(const float* rows, std::size_t first, std::size_t count) {
     for (std::size_t q = 0; q < count && !is_stopped_; ++q) {
-      query_ = first + q;
-      detail::BvhForEach(
-          bvh_->tree, {rows + q * bvh_->queries.count, 1},
-          [](void* probe, Span<const std::uint32_t> ids) {
-            auto& its = *static_cast<Probe*>(probe);
-            its.Call(its.query_, ids);
-            return !its.is_stopped_;
-          },
-          this, options_);
+      detail::Callback call{[&](Span<const std::uint32_t> ids) {
+        Call(first + q, ids);
+        return !is_stopped_;
+      }};
+      detail::BvhForEach(bvh_->tree, {rows + q * bvh_->queries.count, 1},
+                         &decltype(call)::Run, &call, options_);
     }
   }
 
@@ -138,7 +135,6 @@ class Probe {
   const QueryOptions& options_;
   hs_ids_function function_;
   void* context_;
-  std::size_t query_ = 0;
   bool is_one_by_one_ = false;
   bool is_stopped_ = false;
 };

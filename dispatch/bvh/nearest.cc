@@ -49,14 +49,14 @@ constexpr std::size_t kFirstRoom = 8;
 constexpr std::size_t kMostRoom = 2048;
 
 // A function of the caller's, which runs in the caller's floating-point mode.
-struct Callback {
+struct NearCallback {
   NearFunction function;
   void* context;
   dispatch::DefaultFpMode& mode;
 
   static float Run(void* callback, std::uint32_t id, float value,
                    const float* planes) {
-    const auto& call = *static_cast<Callback*>(callback);
+    const auto& call = *static_cast<NearCallback*>(callback);
     return call.mode.Outside(
         [&] { return call.function(call.context, id, value, planes); });
   }
@@ -271,8 +271,8 @@ void BvhCast(const BvhTree& tree, const LineCast& cast, NearFunction function,
   search.levels = &tree.levels();
   search.mask = options.mask;
   dispatch::DefaultFpMode mode;
-  Callback callback = {function, context, mode};
-  search.function = &Callback::Run;
+  NearCallback callback = {function, context, mode};
+  search.function = &NearCallback::Run;
   search.context = &callback;
   dispatch::CallApart([&] {
     if (MakeCastLine(tree.shape(), cast, search.line)) kernels.cast(search);

@@ -133,7 +133,7 @@ void ForEachTile(Scan&& scan, TileFunction function, void* context,
                               .first_object = part.begin,
                               .objects = part.end - part.begin,
                               .rows = part.rows,
-                              .stride = part.stride}) == Visit::kContinue;
+                              .stride = part.stride});
   });
 }
 

@@ -132,40 +132,6 @@ struct BroadPhaseStatistics {
   double cost_ratio = 1;  // Bvh::CostRatio() of the tree
 };
 
-namespace detail {
-
-// The caller's functions as those of detail/broad_phase.h.
-template <typename Bound, typename Function>
-bool CallWithBody(void* function, std::uint32_t id, const float* planes) {
-  auto& call = *static_cast<Function*>(function);
-  const auto bound = BoundFrom<Bound, 1>(planes);
-  using Result = decltype(call(id, bound));
-  static_assert(std::is_void_v<Result> || std::is_same_v<Result, Visit>,
-                "the function must return void or Visit (visit.h)");
-  if constexpr (std::is_same_v<Result, Visit>) {
-    return call(id, bound) == Visit::kContinue;
-  } else {
-    call(id, bound);
-    return true;
-  }
-}
-
-template <typename Function>
-bool CallWithPair(void* function, std::uint32_t a, std::uint32_t b) {
-  auto& call = *static_cast<Function*>(function);
-  using Result = decltype(call(a, b));
-  static_assert(std::is_void_v<Result> || std::is_same_v<Result, Visit>,
-                "the function must return void or Visit (visit.h)");
-  if constexpr (std::is_same_v<Result, Visit>) {
-    return call(a, b) == Visit::kContinue;
-  } else {
-    call(a, b);
-    return true;
-  }
-}
-
-}  // namespace detail
-
 // The moving bodies of a simulation, under the caller's ids. The top of
 // broad_phase.h has an example, and says which calls may run at the same time.
 //
@@ -302,19 +268,13 @@ class BroadPhase {
   template <typename Function>
   void ForEach(const typename View::Query& query, std::uint64_t mask,
                Function&& function) const {
-    core_.ForEach(
-        detail::QueriesOf(&query, 1), mask,
-        &detail::CallWithBody<Bound, std::remove_reference_t<Function>>,
-        detail::ContextOf(function));
+    Query(detail::QueriesOf(&query, 1), mask, function);
   }
   template <typename Shape, typename Function,
             typename = detail::IfShapeOf<View, Shape>>
   void ForEach(const Shape& shape, std::uint64_t mask,
                Function&& function) const {
-    core_.ForEach(
-        detail::ShapeQueries<View>(&shape, 1), mask,
-        &detail::CallWithBody<Bound, std::remove_reference_t<Function>>,
-        detail::ContextOf(function));
+    Query(detail::ShapeQueries<View>(&shape, 1), mask, function);
   }
 
   // Calls function(std::uint32_t id, float t, const Bound&), or function(id,
@@ -374,10 +334,9 @@ class BroadPhase {
   template <typename Function>
   void ForEachPairOf(Span<const std::uint32_t> ids, float margin,
                      Function&& function) const {
-    core_.ForEachPairOf(
-        PairKernels(), ids, nullptr, margin,
-        &detail::CallWithPair<std::remove_reference_t<Function>>,
-        detail::ContextOf(function));
+    detail::Callback call{function};
+    core_.ForEachPairOf(PairKernels(), ids, nullptr, margin,
+                        &decltype(call)::Run, &call);
   }
 
   // The same with masks of the call instead of the rule of BodyMasks:
@@ -388,10 +347,9 @@ class BroadPhase {
   void ForEachPairOf(Span<const std::uint32_t> ids,
                      Span<const std::uint64_t> masks, float margin,
                      Function&& function) const {
-    core_.ForEachPairOf(
-        PairKernels(), ids, &masks, margin,
-        &detail::CallWithPair<std::remove_reference_t<Function>>,
-        detail::ContextOf(function));
+    detail::Callback call{function};
+    core_.ForEachPairOf(PairKernels(), ids, &masks, margin,
+                        &decltype(call)::Run, &call);
   }
 
   // Finds all pairs of bodies whose bounds overlap and that the masks and the
@@ -441,11 +399,19 @@ class BroadPhase {
     return detail::BvhPairKernelsOf<Bound::kAxes>::kTargets;
   }
   template <typename Function>
+  void Query(const detail::BvhQueries& query, std::uint64_t mask,
+             Function& function) const {
+    detail::Callback call{[&function](std::uint32_t id, const float* planes) {
+      const auto bound = detail::BoundFrom<Bound, 1>(planes);
+      return function(id, bound);
+    }};
+    core_.ForEach(query, mask, &decltype(call)::Run, &call);
+  }
+  template <typename Function>
   void Cast(const detail::LineCast& cast, std::uint64_t mask,
             Function& function) const {
-    using Call = detail::NearCall<Bound, Function, 1>;
-    Call call{function};
-    core_.ForEachCast(cast, mask, &Call::Run, &call);
+    detail::Callback call{detail::WithPlanes<Bound, 1>(function)};
+    core_.ForEachCast(cast, mask, &decltype(call)::Run, &call);
   }
 
   detail::BroadPhaseCore core_;

@@ -522,12 +522,9 @@ template <typename View>
 template <typename View, typename Function>
 void ForEachSurvivor(const Bvh<View>& world, const typename View::Query& query,
                      Function&& function, const QueryOptions& options = {}) {
-  auto call = [&function](Span<const std::uint32_t> ids) {
-    return function(ids);
-  };
+  detail::Callback call{function};
   detail::BvhForEach(detail::TreeOf(world), detail::QueriesOf(&query, 1),
-                     &detail::CallWithSome<std::uint32_t, decltype(call)>,
-                     &call, options);
+                     &decltype(call)::Run, &call, options);
 }
 
 // Survivors() of several queries. The queries walk the tree together, 64 at a

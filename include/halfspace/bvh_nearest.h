@@ -65,11 +65,6 @@ struct SearchOptions {
 
 namespace detail {
 
-inline float LimitOf(Visit visit) {
-  return visit == Visit::kStop ? -kInf<float> : kInf<float>;
-}
-inline float LimitOf(Limit limit) { return limit.value; }
-
 // The bound whose planes are `kStride` values apart.
 template <typename Bound, std::size_t kStride>
 Bound BoundFrom(const float* planes) {
@@ -80,39 +75,21 @@ Bound BoundFrom(const float* planes) {
   return BoundOf<Bound>(values);
 }
 
-// A function of the caller's as a NearFunction, whose planes are `kStride`
-// values apart.
-template <typename Bound, typename Function,
-          std::size_t kStride = kBlockObjects>
-struct NearCall {
-  Function& function;
-
-  static float Run(void* context, std::uint32_t id, float value,
-                   const float* planes) {
-    auto& function = static_cast<NearCall*>(context)->function;
-    if constexpr (std::is_invocable_v<decltype(function), std::uint32_t, float,
+// A function of the caller's, with or without a bound, that takes the bound's
+// planes, `kStride` values apart.
+template <typename Bound, std::size_t kStride = kBlockObjects,
+          typename Function>
+auto WithPlanes(Function& function) {
+  return [&function](std::uint32_t id, float value, const float* planes) {
+    if constexpr (std::is_invocable_v<Function&, std::uint32_t, float,
                                       const Bound&>) {
       const auto bound = BoundFrom<Bound, kStride>(planes);
-      return Call([&] { return function(id, value, bound); });
+      return function(id, value, bound);
     } else {
-      return Call([&] { return function(id, value); });
+      return function(id, value);
     }
-  }
-
-  template <typename Bare>
-  static float Call(const Bare& bare) {
-    using Result = decltype(bare());
-    static_assert(std::is_void_v<Result> || std::is_same_v<Result, Visit> ||
-                      std::is_same_v<Result, Limit>,
-                  "the function must return nothing, a Visit or a Limit");
-    if constexpr (std::is_void_v<Result>) {
-      bare();
-      return kInf<float>;
-    } else {
-      return LimitOf(bare());
-    }
-  }
-};
+  };
+}
 
 template <std::size_t kDims>
 NearQueries NearQueriesOf(Span<const std::array<float, kDims>> points) {
@@ -127,9 +104,8 @@ NearQueries NearQueriesOf(Span<const Aabb<kDims>> boxes) {
 template <typename View, typename Function>
 void CastLine(const Bvh<View>& world, const LineCast& cast, Function& function,
               const SearchOptions& options) {
-  using Call = NearCall<typename View::Bound, Function>;
-  Call call{function};
-  BvhCast(detail::TreeOf(world), cast, &Call::Run, &call, options);
+  Callback call{WithPlanes<typename View::Bound>(function)};
+  BvhCast(detail::TreeOf(world), cast, &decltype(call)::Run, &call, options);
 }
 
 }  // namespace detail
@@ -226,10 +202,9 @@ void ForEachNearest(const Bvh<View>& world,
                     const Point<View::Bound::kDimensions>& point,
                     float max_distance, Function&& function,
                     const SearchOptions& options = {}) {
-  using Call = detail::NearCall<typename View::Bound, Function>;
-  Call call{function};
+  detail::Callback call{detail::WithPlanes<typename View::Bound>(function)};
   detail::BvhForEachNearest(detail::TreeOf(world), {point.data(), 0, 0, 1},
-                            max_distance, &Call::Run, &call, options);
+                            max_distance, &decltype(call)::Run, &call, options);
 }
 
 // Ray cast: calls the function for the objects that the ray enters. t is from 0

@@ -111,9 +111,8 @@ PairSources PairsIn(const Bvh<View>& a, const Bvh<View>* b = nullptr,
 template <typename Function>
 void CallForPairs(const PairSources& sources, Function& function,
                   const PairOptions& options) {
-  auto call = [&function](Span<const IdPair> pairs) { return function(pairs); };
-  BvhForEachPair(sources, &CallWithSome<IdPair, decltype(call)>, &call,
-                 options);
+  Callback call{function};
+  BvhForEachPair(sources, &decltype(call)::Run, &call, options);
 }
 
 }  // namespace detail

@@ -191,12 +191,10 @@ template <typename View, typename Shape, typename Function,
           typename = detail::IfShapeOf<View, Shape>>
 void ForEachSurvivor(const Bvh<View>& world, const Shape& shape,
                      Function&& function, const QueryOptions& options = {}) {
-  auto call = [&function](Span<const std::uint32_t> ids) {
-    return function(ids);
-  };
-  detail::BvhForEach(
-      detail::TreeOf(world), detail::ShapeQueries<View>(&shape, 1),
-      &detail::CallWithSome<std::uint32_t, decltype(call)>, &call, options);
+  detail::Callback call{function};
+  detail::BvhForEach(detail::TreeOf(world),
+                     detail::ShapeQueries<View>(&shape, 1),
+                     &decltype(call)::Run, &call, options);
 }
 
 // For half-spaces, `shapes` is a list of lists: Span<const Span<const

@@ -198,12 +198,8 @@ template <typename AnyWorld, typename Function,
           typename Asked = detail::AskedOf<AnyWorld, Query>>
 void ForEachSurvivor(const AnyWorld& world, const Query& query,
                      Function&& function, const Options& options = {}) {
-  // A lambda, because a void* cannot point to a function.
-  auto call = [&function](Span<const std::uint32_t> indices) {
-    return function(indices);
-  };
-  detail::ForEachSurvivor(Asked::Of(world.view(), query),
-                          &detail::CallWithSome<std::uint32_t, decltype(call)>,
+  detail::Callback call{function};
+  detail::ForEachSurvivor(Asked::Of(world.view(), query), &decltype(call)::Run,
                           &call, options);
 }
 

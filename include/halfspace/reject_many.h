@@ -32,7 +32,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 
 #include "halfspace/detail/scan.h"
 #include "halfspace/reject.h"
@@ -142,24 +141,10 @@ template <typename AnyWorld, typename Function>
 void ForEachTile(const AnyWorld& world,
                  Span<const typename AnyWorld::Query> queries,
                  Function&& function, const Options& options = {}) {
-  // A lambda, because a void* cannot point to a function.
-  auto call = [&function](const SurvivorTile& tile) {
-    using Returned = decltype(function(tile));
-    static_assert(std::is_void_v<Returned> || std::is_same_v<Returned, Visit>,
-                  "the function returns nothing or a Visit");
-    if constexpr (std::is_void_v<Returned>) {
-      function(tile);
-      return Visit::kContinue;
-    } else {
-      return function(tile);
-    }
-  };
+  detail::Callback call{function};
   detail::ForEachTile(
       detail::ScanOf(world.view(), queries.data(), queries.size()),
-      [](void* context, const SurvivorTile& tile) {
-        return (*static_cast<decltype(call)*>(context))(tile);
-      },
-      &call, options);
+      &decltype(call)::Run, &call, options);
 }
 
 }  // namespace halfspace

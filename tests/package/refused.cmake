@@ -2,11 +2,16 @@
 # COMPILER with the INCLUDES compiles each of these calls.
 
 set(own_type "a flat world takes queries of its own type")
+set(answer "must return nothing, a bool or a Visit")
 set(refused
   "(void)CountSurvivors(flat, Sphere3{})" "${own_type}"
   "(void)Survivors(flat, Sphere3{}, ids)" "${own_type}"
   "(void)AnySurvivor(quantized, front)" "${own_type}"
   "(void)Merge(Foreign(), Foreign())" "BoundOfFloats"
+  "ForEachSurvivor(flat, Aabo3(), number)" "${answer}"
+  "ForEachTile(flat, {}, number)" "${answer}"
+  "ForEachPair(bvh, number)" "${answer}"
+  "ForEachNearest(bvh, {}, 1, number)" "${answer}"
   "AaboView<3, double> doubles" "wrong number of template arguments|too many template arguments")
 
 set(source "${OUTPUT}.cc")
@@ -15,8 +20,12 @@ while(refused)
   file(WRITE "${source}" "#include <halfspace/halfspace.h>
 using namespace halfspace;
 struct Foreign {};
+struct Number {
+  template <typename... Found> int operator()(const Found&...) const;
+};
 void Call(const AaboWorld3& flat, const QuantizedWorld<AabbView3>& quantized,
-          Span<const HalfSpace3> front, Span<std::uint32_t> ids) {
+          const AabbBvh3& bvh, Span<const HalfSpace3> front,
+          Span<std::uint32_t> ids, Number number) {
   ${call};
 }
 ")

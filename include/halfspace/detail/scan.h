@@ -287,7 +287,7 @@ HALFSPACE_API std::size_t SurvivorPairs(Scan&& scan,
 HALFSPACE_API void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
                                   const Options& options);
 
-using TileFunction = Visit (*)(void* context, const SurvivorTile& tile);
+using TileFunction = bool (*)(void* context, const SurvivorTile& tile);
 HALFSPACE_API void ForEachTile(Scan&& scan, TileFunction function,
                                void* context, const Options& options);
 
