@@ -1,5 +1,4 @@
-# The kernels, as a source file for each set that a program may link alone. All
-# sets are made from the templates next to the kernels.
+# The kernels, as a source file for each set that a program may link alone.
 
 # A copy of two neighbouring fields as one vector waits for the stores that just
 # wrote them: 4 ns in a call that takes 25.
@@ -25,6 +24,16 @@ function(halfspace_add_made template name)
   endif()
 endfunction()
 
+# halfspace_add_table(<name> <key> <entry> [OPTION...]): adds <name>.cc, which defines
+# the table of this scope's `table` and of the key. An element is a struct of type
+# `kernels`. The expression `entry` makes that of one target. The list `inl` has the
+# headers of the functions in it.
+function(halfspace_add_table name key entry)
+  list(TRANSFORM inl REPLACE "(.+)" "#include \"\\1\"")
+  list(JOIN inl "\n" inl)
+  halfspace_add_made(kernels/table "${name}" ${ARGN})
+endfunction()
+
 target_include_directories(halfspace PRIVATE "${PROJECT_BINARY_DIR}/kernels")
 
 # In d dimensions a box has d axes, and the other shapes have d + 1: a shape of
@@ -48,17 +57,30 @@ foreach(element float std::int8_t std::int16_t)
   set("axes_of_${element}" ${all_axes})
 endforeach()
 
+set(kernels TargetKernels)
+set(header kernels/scan/kernel_table.h)
+set(inl kernels/scan/stages-inl.h)
+set(table ScanKernelsOf)
+set(parameters "std::size_t kAxes, typename T")
+set(arguments "kAxes, T")
 foreach(element float double std::int8_t std::int16_t)
+  set(declarations "extern template struct ElementKernels<${element}>;")
   string(REGEX REPLACE "std::|_t" "" element_name "${element}")
   halfspace_add_made(kernels/scan/kernels_of_element "scan_${element_name}"
     ${scalar_copies})
   foreach(axes IN LISTS "axes_of_${element}")
-    halfspace_add_made(kernels/scan/kernels_of_axes "scan_${element_name}_${axes}"
-      ${scalar_copies})
+    halfspace_add_table("scan_${element_name}_${axes}" "${axes}, ${element}"
+      "MakeKernels<${axes}, ${element}>()" ${scalar_copies})
   endforeach()
 endforeach()
+set(declarations)
 
 # A builder and its file.
+set(kernels FitKernels)
+set(header kernels/fit_many/kernel_table.h)
+set(table FitKernelsOf)
+set(parameters "int kSource, int kDims, typename Scalar")
+set(arguments "kSource, kDims, Scalar")
 foreach(source_name Boxes Spheres Triangles PointSets)
   string(REGEX REPLACE "(.)([A-Z])" "\\1_\\2" file_name "${source_name}")
   string(TOLOWER "${file_name}" file_name)
@@ -69,26 +91,61 @@ foreach(source_name Boxes Spheres Triangles PointSets)
     set(optimised $<$<CONFIG:Release>:-O2>)
   endif()
   foreach(dims IN LISTS HALFSPACE_DIMS)
-    halfspace_add_made(kernels/fit_many/kernels_of_source "fit_${file_name}_${dims}"
-                          ${optimised})
+    set(inl "kernels/fit_many/${file_name}-inl.h")
+    set(fit "&Fit${source_name}<${dims}, Rounding::")
+    halfspace_add_table("fit_${file_name}_${dims}"
+      "kFit${source_name}, ${dims}, float" "{${fit}kWithinUlp>, ${fit}kTightest>}"
+      ${optimised})
     halfspace_add_made(dispatch/fit/kernels_of_doubles
                           "fit_${file_name}_double_${dims}")
   endforeach()
 endforeach()
 
-# As fast as with -O3, in two thirds of the code.
-if(NOT MSVC)
-  set_property(SOURCE kernels/bvh/shapes.cc APPEND PROPERTY COMPILE_OPTIONS
-    $<$<CONFIG:Release>:-O2>)
-endif()
-
 # Bvh worlds have 2 or 3 dimensions.
+set(parameters "std::size_t kAxes")
+set(arguments kAxes)
 foreach(axes IN LISTS all_axes)
   if(axes LESS 5)
-    halfspace_add_made(kernels/bvh/kernels_of_axes "sorted_${axes}" ${scalar_copies})
-    halfspace_add_made(kernels/bvh/pairs_of_axes "bvh_pairs_${axes}" ${scalar_copies})
+    set(header kernels/bvh/block.h)
+    set(inl kernels/bvh/walk-inl.h)
+    set(kernels BvhKernels)
+    set(table BvhKernelsOf)
+    halfspace_add_table("sorted_${axes}" ${axes} "MakeBvhKernels<${axes}>()"
+      ${scalar_copies})
+    set(header halfspace/detail/bvh_pairs.h)
+    set(inl kernels/bvh/pairs-inl.h)
+    set(kernels BvhPairKernels)
+    set(table BvhPairKernelsOf)
+    halfspace_add_table("bvh_pairs_${axes}" ${axes} "{&JoinPairs<${axes}>}"
+      ${scalar_copies})
   endif()
 endforeach()
+
+# For bounds with any planes.
+set(table KernelsOfAll)
+set(parameters "typename Kernels")
+set(arguments Kernels)
+set(kernels TargetKernels)
+set(header kernels/scan/fronts.h)
+set(inl kernels/scan/fronts-inl.h)
+halfspace_add_table(scan_fronts TargetKernels "MakeFrontKernels()")
+set(kernels BvhNearestKernels)
+set(header kernels/bvh/nearest.h)
+set(inl kernels/bvh/cast-inl.h kernels/bvh/nearest-inl.h)
+halfspace_add_table(bvh_nearest BvhNearestKernels "{&FindNearest, &CastLine}")
+set(kernels BvhShapeKernels)
+set(header kernels/bvh/shape.h)
+set(inl kernels/bvh/shapes-inl.h kernels/bvh/walk-inl.h)
+# As fast as with -O3, in two thirds of the code.
+set(optimised)
+if(NOT MSVC)
+  set(optimised $<$<CONFIG:Release>:-O2>)
+endif()
+halfspace_add_table(bvh_shapes BvhShapeKernels
+  "{{&RunWalk<BallQuery, true>, &RunWalk<BallQuery, false>},
+    {&RunWalk<LineQuery, true>, &RunWalk<LineQuery, false>},
+    {&RunWalk<FrontsQuery, true>, &RunWalk<FrontsQuery, false>}}"
+  ${optimised})
 
 # The unchecked calls (kernels.h).
 set(axes_bits 0)

@@ -62,4 +62,17 @@ std::size_t LanesOf();
 
 }  // namespace halfspace::kernels
 
+namespace halfspace::detail {
+
+// The entry of a target in a table of kernels. Each target's pass over
+// kernels/table.cc.in specialises it.
+template <std::int64_t kTarget, typename Table>
+inline constexpr auto kEntryOf = nullptr;
+
+template <typename Kernels, typename Table>
+inline constexpr auto kOfEachTarget = kernels::OfEachTarget<Kernels>(
+    [](auto target) { return kEntryOf<target(), Table>; });
+
+}  // namespace halfspace::detail
+
 #endif  // HALFSPACE_KERNELS_COMPILED_TARGETS_H_

@@ -78,7 +78,8 @@ void CheckOutputs(const char* call, float max_distance, Span<std::uint32_t> ids,
 
 const BvhNearestKernels& KernelsFor(const SearchOptions& options,
                                     const char* call) {
-  return kBvhNearestKernels[dispatch::IndexOf(options.target, call)];
+  return KernelsOfAll<BvhNearestKernels>::kTargets[dispatch::IndexOf(
+      options.target, call)];
 }
 
 NearestSearch MakeSearch(const BvhTree& tree, const SearchOptions& options) {
@@ -244,7 +245,8 @@ void BvhForEachNearest(const BvhTree& tree, const NearQueries& query,
 const BvhNearestKernels& CheckCast(const LineCast& cast, Target target) {
   CheckLimit(cast.call, "max_t", cast.max_t);
   CheckLimit(cast.call, "radius", cast.radius);
-  return kBvhNearestKernels[dispatch::IndexOf(target, cast.call)];
+  return KernelsOfAll<BvhNearestKernels>::kTargets[dispatch::IndexOf(
+      target, cast.call)];
 }
 
 bool MakeCastLine(const BvhShape& shape, const LineCast& cast, Line& line) {

@@ -107,7 +107,8 @@ class Prepared {
       if (walk.run != nullptr) return walk.run(walk, find);
       (walk.ids != nullptr ? find : count)(walk);
     };
-    const BvhShapeKernels& shapes = kBvhShapeKernels[target];
+    const BvhShapeKernels& shapes =
+        KernelsOfAll<BvhShapeKernels>::kTargets[target];
     const BvhKernels& bounds = world_.kernels[target];
     const auto& planes = world_.has_max ? bounds.all : bounds.minima;
     switch (is_) {

@@ -38,7 +38,7 @@ HALFSPACE_NOINLINE auto WithQuery(FrontScan& fronts, const char* call,
       query.front[f] = MakeFront(planes, normal, normal[dims]);
     }
   });
-  type.all_kernels = &kFrontKernels;
+  type.all_kernels = &KernelsOfAll<TargetKernels>::kTargets;
   fronts.scan.type = &type;
   fronts.scan.queries = &query;
   fronts.scan.query_count = 1;

@@ -172,11 +172,11 @@ struct BvhPairKernels {
   void (*join)(const PairJoin& join);
 };
 
-// Specialised by each target's pass over the kernels of so many axes.
-template <std::int64_t kTarget, std::size_t kAxes>
-inline constexpr BvhKernels kBvhKernelsFor{};
-template <std::int64_t kTarget, std::size_t kAxes>
-inline constexpr BvhPairKernels kBvhPairKernelsFor{};
+// A table of kernels for bounds with any planes.
+template <typename Kernels>
+struct KernelsOfAll {
+  static const Kernels* const kTargets;  // of each compiled target, best first
+};
 
 }  // namespace halfspace::detail
 

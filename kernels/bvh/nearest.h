@@ -60,12 +60,7 @@ struct BvhNearestKernels {
   void (*cast)(const LineSearch& search);
 };
 
-// Of each compiled target, best first.
-extern const BvhNearestKernels* const kBvhNearestKernels;
-
-// Specialised by each target's pass.
-template <std::int64_t kTarget>
-inline constexpr BvhNearestKernels kBvhNearestKernelsFor{};
+extern template struct KernelsOfAll<BvhNearestKernels>;
 
 }  // namespace halfspace::detail
 

@@ -92,12 +92,7 @@ struct BvhShapeKernels {
   OfShape fronts;
 };
 
-// Of each compiled target, best first.
-extern const BvhShapeKernels* const kBvhShapeKernels;
-
-// Specialised by each target's pass.
-template <std::int64_t kTarget>
-inline constexpr BvhShapeKernels kBvhShapeKernelsFor{};
+extern template struct KernelsOfAll<BvhShapeKernels>;
 
 // At least the value, by up to two ulps.
 inline float RoundedUp(double value) {

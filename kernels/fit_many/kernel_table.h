@@ -42,10 +42,6 @@ struct FitKernels {
   kernels::FitTally (*tightest)(const kernels::FitJob& job);
 };
 
-// Specialised by each target's pass over the builders of a source.
-template <std::int64_t kTarget, FitSource kSource, int kDims>
-inline constexpr FitKernels kFitKernelsFor{};
-
 }  // namespace halfspace::detail
 
 #endif  // HALFSPACE_KERNELS_FIT_MANY_KERNEL_TABLE_H_

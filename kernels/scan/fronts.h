@@ -7,9 +7,9 @@
 
 namespace halfspace::detail {
 
-// Of each compiled target, best first: one kernel for any planes of floats, and
-// for every way. Its queries are Fronts.
-extern const TargetKernels* const kFrontKernels;
+// One kernel for any planes of floats, and for every way. Its queries are
+// Fronts.
+extern template struct KernelsOfAll<TargetKernels>;
 
 }  // namespace halfspace::detail
 

@@ -56,10 +56,6 @@ struct TargetKernels {
   std::size_t (*count_bits)(const std::uint64_t* words, std::uint64_t nonzero);
 };
 
-// Specialised by each target's pass over the kernels of so many axes.
-template <std::int64_t kTarget, std::size_t kAxes, typename T>
-inline constexpr TargetKernels kKernelsFor{};
-
 }  // namespace halfspace::detail
 
 #endif  // HALFSPACE_KERNELS_SCAN_KERNEL_TABLE_H_

@@ -1,32 +1,19 @@
-// The kernels of flat scans for half-spaces, of every target. They read a list
-// of planes, so that there is one for all worlds of floats.
-#include "kernels/scan/fronts.h"
+// The kernels of flat scans for half-spaces. They read a list of planes, so
+// that there is one for all worlds of floats.
+#if defined(HALFSPACE_KERNELS_SCAN_FRONTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_SCAN_FRONTS_INL_H_
+#undef HALFSPACE_KERNELS_SCAN_FRONTS_INL_H_
+#else
+#define HALFSPACE_KERNELS_SCAN_FRONTS_INL_H_
+#endif
 
 #include <cstddef>
 #include <cstdint>
 
-#include "kernels/compiled_targets.h"
-
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "kernels/scan/fronts.cc"
-#include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
-
-// After foreach_target.h, which decides what they are compiled for.
 #include "kernels/bvh/front-inl.h"
+#include "kernels/scan/fronts.h"
 #include "kernels/scan/words-inl.h"
-
-#ifndef HALFSPACE_KERNELS_SCAN_FRONTS_CC_
-#define HALFSPACE_KERNELS_SCAN_FRONTS_CC_
-
-namespace halfspace::detail {
-
-template <std::int64_t kTarget>
-inline constexpr TargetKernels kFrontKernelsFor{};
-
-}  // namespace halfspace::detail
-
-#endif  // HALFSPACE_KERNELS_SCAN_FRONTS_CC_
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
@@ -94,27 +81,7 @@ constexpr detail::TargetKernels MakeFrontKernels() {
 }
 
 }  // namespace HWY_NAMESPACE
-
-namespace detail {
-
-template <>
-inline constexpr TargetKernels kFrontKernelsFor<HWY_TARGET> =
-    HWY_NAMESPACE::MakeFrontKernels();
-
-}  // namespace detail
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
 
-#if HWY_ONCE
-namespace halfspace::detail {
-namespace {
-
-constexpr auto kOfEachTarget = kernels::OfEachTarget<TargetKernels>(
-    [](auto target) { return kFrontKernelsFor<target()>; });
-
-}  // namespace
-
-const TargetKernels* const kFrontKernels = kOfEachTarget.data();
-
-}  // namespace halfspace::detail
-#endif  // HWY_ONCE
+#endif  // HALFSPACE_KERNELS_SCAN_FRONTS_INL_H_
