@@ -18,7 +18,7 @@ inline constexpr std::size_t kTargetBits = 63;  // Highway leaves bit 63 alone
 template <std::int64_t kTarget>
 using TargetConstant = std::integral_constant<std::int64_t, kTarget>;
 
-namespace detail {
+namespace internal {
 
 template <std::size_t kBit, typename Visit>
 constexpr void VisitTarget(const Visit& visit) {
@@ -31,12 +31,12 @@ constexpr void VisitTargets(const Visit& visit, std::index_sequence<kBit...>) {
   (VisitTarget<kBit>(visit), ...);
 }
 
-}  // namespace detail
+}  // namespace internal
 
 // Calls visit(TargetConstant<target>()) for every compiled target, best first.
 template <typename Visit>
 constexpr void ForEachCompiledTarget(const Visit& visit) {
-  detail::VisitTargets(visit, std::make_index_sequence<kTargetBits>());
+  internal::VisitTargets(visit, std::make_index_sequence<kTargetBits>());
 }
 
 // How many there are. Lists of kernels have an entry for each, best first.
