@@ -65,9 +65,11 @@ void ExpectUsualBits() {
 }
 
 TEST(FastMathCallerTest, EveryBuilderGivesTheUsualBits) {
-  ExpectUsualBits<2>();
   ExpectUsualBits<3>();
+#if !defined(HALFSPACE_TEST_ONLY_3D)
+  ExpectUsualBits<2>();
   ExpectUsualBits<4>();
+#endif
 }
 
 TEST(FastMathCallerTest, NanCannotBeBounded) {

@@ -34,15 +34,21 @@ Bits BitsOfSample(std::size_t i) {
 
 }  // namespace
 
-std::size_t FastMathSamples() { return Samples<2>().size(); }
+std::size_t FastMathSamples() { return Samples<3>().size(); }
 
-template <>
-const EveryShape<2>& FastMathSample<2>(std::size_t i) {
-  return Samples<2>()[i];
-}
 template <>
 const EveryShape<3>& FastMathSample<3>(std::size_t i) {
   return Samples<3>()[i];
+}
+template <>
+Bits ExpectedBits<3>(std::size_t i) {
+  return BitsOfSample<3>(i);
+}
+
+#if !defined(HALFSPACE_TEST_ONLY_3D)
+template <>
+const EveryShape<2>& FastMathSample<2>(std::size_t i) {
+  return Samples<2>()[i];
 }
 template <>
 const EveryShape<4>& FastMathSample<4>(std::size_t i) {
@@ -54,12 +60,9 @@ Bits ExpectedBits<2>(std::size_t i) {
   return BitsOfSample<2>(i);
 }
 template <>
-Bits ExpectedBits<3>(std::size_t i) {
-  return BitsOfSample<3>(i);
-}
-template <>
 Bits ExpectedBits<4>(std::size_t i) {
   return BitsOfSample<4>(i);
 }
+#endif
 
 }  // namespace halfspace::testing

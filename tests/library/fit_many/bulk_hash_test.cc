@@ -1,6 +1,6 @@
-// One constant per bulk builder that stands for its bounds of many seeded
-// shapes: the same on every target, compiler and machine, and for every layout
-// of the source.
+// One constant per bulk builder and number of dimensions that stands for its
+// bounds of many seeded shapes: the same on every target, compiler and machine,
+// and for every layout of the source.
 //
 // HALFSPACE_TEST_SCALE does not count here. If a bound is meant to change, the
 // message of the failed test has the new constant.
@@ -13,12 +13,12 @@
 #include <limits>
 #include <map>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "halfspace/fit_many.h"
 #include "tests/library/fit_many/laid_out.h"
+#include "tests/library/support/dims.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/fnv_hash.h"
 #include "tests/library/support/seeded_numbers.h"
@@ -26,17 +26,25 @@
 namespace halfspace::testing {
 namespace {
 
-const std::map<std::string, std::uint64_t> kExpected = {
-    {"boxes", 0x723b11bb6ea51574},
-    {"boxes, inverted are empty", 0x4dbccd23e49ba5a3},
-    {"boxes, inverted are empty, tightest", 0xc3614ca73adba52f},
-    {"boxes, tightest", 0xdfbc340b482abbb0},
-    {"point sets", 0x024592bc3b7bf9e1},
-    {"point sets, tightest", 0xb746c859253e4e83},
-    {"spheres", 0xa425bf83732d37f4},
-    {"spheres, tightest", 0xf2bc89dccc683948},
-    {"triangles", 0xbb5179f403768c6e},
-    {"triangles, tightest", 0x2f6765ebff3bc1ca},
+// In 2, 3 and 4 dimensions.
+const std::map<std::string, std::array<std::uint64_t, 3>> kExpected = {
+    {"boxes", {0x47a242ef405cce89, 0xb78431f00dbf4cde, 0x1d5b9241955eed8b}},
+    {"boxes, inverted are empty",
+     {0xd8c6c17c3160d949, 0x80343c31567587da, 0xdb8b65ab5394d9f0}},
+    {"boxes, inverted are empty, tightest",
+     {0xd8c6c17c3160d949, 0x298aaa87860f635e, 0xdb8b65ab5394d9f0}},
+    {"boxes, tightest",
+     {0x47a242ef405cce89, 0x3882bcf02d6ef02a, 0x1d5b9241955eed8b}},
+    {"point sets",
+     {0x5b364a721765e1f7, 0x2f8e85d85a686620, 0x6dd09a68957cffda}},
+    {"point sets, tightest",
+     {0x5b364a721765e1f7, 0x15cb7661bb54d4d2, 0x6dd09a68957cffda}},
+    {"spheres", {0xaa6508d15daa2530, 0x9104841d4ece0d5f, 0x55b0e20bd9187fdf}},
+    {"spheres, tightest",
+     {0xb19667a27881baf1, 0x8e0911ef07f11282, 0x4fffa424485f22cf}},
+    {"triangles", {0x806137546ffa69fa, 0x302a2e332d13389c, 0x094fece9b88879b8}},
+    {"triangles, tightest",
+     {0x806137546ffa69fa, 0xbd8b7cfab76a76a0, 0x094fece9b88879b8}},
 };
 
 constexpr std::size_t kShapes = 5 * 64 + 37;
@@ -169,78 +177,63 @@ void BuildPointSets(const AaboPlanes<kDims>& planes, const Run& run) {
 }
 
 template <int kDims>
-using BuildFunction = void (*)(const AaboPlanes<kDims>& planes, const Run& run);
-
 struct Builder {
   const char* name;
   Inverted inverted;
-  BuildFunction<2> build2;
-  BuildFunction<3> build3;
-  BuildFunction<4> build4;
-};
-
-constexpr std::array kBuilders = {
-    Builder{"boxes", Inverted::kEverything, &BuildBoxes<2>, &BuildBoxes<3>,
-            &BuildBoxes<4>},
-    Builder{"boxes, inverted are empty", Inverted::kEmpty, &BuildBoxes<2>,
-            &BuildBoxes<3>, &BuildBoxes<4>},
-    Builder{"point sets", Inverted::kEverything, &BuildPointSets<2>,
-            &BuildPointSets<3>, &BuildPointSets<4>},
-    Builder{"spheres", Inverted::kEverything, &BuildSpheres<2>,
-            &BuildSpheres<3>, &BuildSpheres<4>},
-    Builder{"triangles", Inverted::kEverything, &BuildTriangles<2>,
-            &BuildTriangles<3>, &BuildTriangles<4>},
+  void (*build)(const AaboPlanes<kDims>& planes, const Run& run);
 };
 
 template <int kDims>
-void AddBounds(BuildFunction<kDims> build, Layout layout,
-               const FitOptions& options, FnvHash& hash) {
+constexpr std::array kBuilders = {
+    Builder<kDims>{"boxes", Inverted::kEverything, &BuildBoxes<kDims>},
+    Builder<kDims>{"boxes, inverted are empty", Inverted::kEmpty,
+                   &BuildBoxes<kDims>},
+    Builder<kDims>{"point sets", Inverted::kEverything, &BuildPointSets<kDims>},
+    Builder<kDims>{"spheres", Inverted::kEverything, &BuildSpheres<kDims>},
+    Builder<kDims>{"triangles", Inverted::kEverything, &BuildTriangles<kDims>},
+};
+
+template <int kDims>
+std::uint64_t HashOf(const Builder<kDims>& builder, Layout layout,
+                     const FitOptions& options) {
   Output<kDims> output;
   FitStatus status;
-  build(output.planes(), {layout, options, &status});
+  builder.build(output.planes(), {layout, options, &status});
+  FnvHash hash;
   output.AddTo(hash);
   hash.Add(status.results);
   hash.Add(status.everything);
   hash.Add(status.first_everything);
   EXPECT_LT(status.everything, status.results / 4);
-}
-
-std::uint64_t HashOf(const Builder& builder, Layout layout,
-                     const FitOptions& options) {
-  FnvHash hash;
-  AddBounds<2>(builder.build2, layout, options, hash);
-  AddBounds<3>(builder.build3, layout, options, hash);
-  AddBounds<4>(builder.build4, layout, options, hash);
   return hash.value();
 }
 
-class BulkHashTest
-    : public ::testing::TestWithParam<std::tuple<std::size_t, bool>> {};
+template <typename Dims>
+class BulkHashTest : public ::testing::Test {};
 
-TEST_P(BulkHashTest, IsTheSameEverywhere) {
-  const auto [index, tightest] = GetParam();
-  const Builder& builder = kBuilders[index];
-  const std::string name =
-      std::string(builder.name) + (tightest ? ", tightest" : "");
-  const auto it = kExpected.find(name);
-  const std::uint64_t expected = it == kExpected.end() ? 0 : it->second;
-  for (Target target : TargetsUnderTest()) {
-    for (Layout layout : kLayouts) {
-      const std::uint64_t hash = HashOf(builder, layout,
-                                        {.tightest = tightest,
-                                         .inverted = builder.inverted,
-                                         .target = target});
-      EXPECT_EQ(hash, expected)
-          << target.name() << ", layout " << static_cast<int>(layout)
-          << ": the hash of " << name << " is 0x" << std::hex << hash;
+TYPED_TEST_SUITE(BulkHashTest, AllDims, DimsNames);
+
+TYPED_TEST(BulkHashTest, IsTheSameEverywhere) {
+  constexpr int kDims = TypeParam::value;
+  for (const Builder<kDims>& builder : kBuilders<kDims>) {
+    for (bool tightest : {false, true}) {
+      const std::string name =
+          std::string(builder.name) + (tightest ? ", tightest" : "");
+      const std::uint64_t expected = kExpected.at(name)[kDims - 2];
+      for (Target target : TargetsUnderTest()) {
+        for (Layout layout : kLayouts) {
+          const std::uint64_t hash = HashOf(builder, layout,
+                                            {.tightest = tightest,
+                                             .inverted = builder.inverted,
+                                             .target = target});
+          EXPECT_EQ(hash, expected)
+              << target.name() << ", layout " << static_cast<int>(layout)
+              << ": the hash of " << name << " is 0x" << std::hex << hash;
+        }
+      }
     }
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(Builders, BulkHashTest,
-                         ::testing::Combine(::testing::Range(std::size_t{0},
-                                                             kBuilders.size()),
-                                            ::testing::Bool()));
 
 }  // namespace
 }  // namespace halfspace::testing
