@@ -3,8 +3,9 @@
 foreach(dims 2 3)
   if(NOT dims IN_LIST HALFSPACE_DIMS)
     message(FATAL_ERROR
-      "halfspace: HALFSPACE_C needs 2 and 3 dimensions, and HALFSPACE_DIMS is "
-      "\"${HALFSPACE_DIMS}\": pass -DHALFSPACE_DIMS=\"2;3\", or -DHALFSPACE_C=OFF.")
+      "halfspace: HALFSPACE_C and HALFSPACE_PYTHON need 2 and 3 dimensions, and "
+      "HALFSPACE_DIMS is \"${HALFSPACE_DIMS}\": pass -DHALFSPACE_DIMS=\"2;3\", or turn "
+      "them off.")
   endif()
 endforeach()
 target_sources(halfspace
