@@ -9,8 +9,8 @@ source "$root/scripts/build.sh"
 
 prepare_machine
 install_packages valgrind
-# Results that depend on uninitialised memory: one test of each kind of memory that the
-# library reads. The others read the same memory with more values.
+# Results that depend on uninitialised memory, and leaks: one test of each kind of memory
+# that the library reads. The others read the same memory with more values.
 tests=(kernels_test many_test worlds_test quantized_test quantized_memory_test bvh_test
   bvh_changes_test broad_phase_test fit_test fit_many_test)
 # As test.sh --full builds them, so that CI builds nothing again.
