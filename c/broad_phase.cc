@@ -477,11 +477,10 @@ hs_status hs_broad_phase_for_each_cast(const hs_broad_phase* bodies,
                                        void* context) {
   return Run("hs_broad_phase_for_each_cast", [&](const Call& call) {
     call.CheckPointer("function", function);
-    halfspace::c::Cast(
-        call, bodies, shape, starts, motions, mask,
-        [&](size_t i, uint32_t id, float t, const float* bound) {
-          return function(context, i, id, t, bound);
-        });
+    halfspace::c::Cast(call, bodies, shape, starts, motions, mask,
+                       [&](size_t i, uint32_t id, float t, const float* bound) {
+                         return function(context, i, id, t, bound);
+                       });
   });
 }
 

@@ -36,8 +36,8 @@
 // neither planes nor queries. A library that was built without NDEBUG asserts
 // the first two. reject.h has the same calls with checks, options and worlds.
 //
-// Cost: a call is three jumps more than its loop. Up to 512 objects are tested on
-// all planes at once, more of them as by Schedule::kAuto (reject.h). Several
+// Cost: a call is three jumps more than its loop. Up to 512 objects are tested
+// on all planes at once, more of them as by Schedule::kAuto (reject.h). Several
 // queries share the loads of planes. `./bench.sh --details tier` compares the
 // calls with loops by hand.
 //

@@ -120,7 +120,7 @@ add_test(NAME package.shared.exports COMMAND ${check_exports})
 add_test(NAME package.shared.exports.control
          COMMAND ${check_exports} everything)
 set_tests_properties(package.shared.exports.control PROPERTIES
-  PASS_REGULAR_EXPRESSION "exported, but no part of the interface: halfspace::kernels::ThrowInvalid")
+  PASS_REGULAR_EXPRESSION "exported, but no part of the interface: halfspace::dispatch::ThrowInvalid")
 # And nothing but what is listed. Another compiler, or one for another machine, may
 # export more, such as destructors that gcc inlines.
 find_program(HALFSPACE_CXXFILT c++filt REQUIRED)
