@@ -25,27 +25,28 @@ struct Sink : Base {
       : Sink(skipped) {
     function = to;
     context = its_context;
-    Place();
+    Use(buffer, kRoom);
   }
 
   // Returns whether to go on.
   bool Flush() {
     const auto count = static_cast<std::size_t>(this->next - this->begin);
+    if (count == 0) return true;
     const std::size_t first =
-        std::min(count, skip - std::min(this->flushed, skip));
-    bool goes_on = true;
-    if (this->begin == buffer && first < count) {
-      const std::size_t at = this->flushed + first - skip;
-      if (function != nullptr) {
-        goes_on = function(context, {buffer + first, count - first});
-      } else if (at < span.size()) {
-        std::copy_n(buffer + first, std::min(count - first, span.size() - at),
-                    span.data() + at);
-      }
-    }
+        this->flushed >= skip ? 0 : std::min(count, skip - this->flushed);
+    const std::size_t at = this->flushed + first - skip;  // in the span
     this->flushed += count;
+    if (function != nullptr) {
+      Use(buffer, kRoom);
+      return first == count ||
+             function(context, {buffer + first, count - first});
+    }
+    if (this->begin == buffer && first < count && at < span.size()) {
+      std::copy_n(buffer + first, std::min(count - first, span.size() - at),
+                  span.data() + at);
+    }
     Place();
-    return goes_on;
+    return true;
   }
 
  private:
@@ -57,15 +58,15 @@ struct Sink : Base {
 
   // Items go to the caller's memory while that has room, and else to a buffer.
   void Place() {
-    Item* memory = buffer;
-    std::size_t room = kRoom;
-    if (this->flushed >= skip) {
-      const std::size_t at = this->flushed - skip;
-      if (at <= span.size() && span.size() - at >= detail::kMostAtOnce) {
-        memory = span.data() + at;
-        room = span.size() - at;
-      }
+    const std::size_t at = this->flushed - skip;
+    if (this->flushed >= skip && at <= span.size() &&
+        span.size() - at >= detail::kMostAtOnce) {
+      Use(span.data() + at, span.size() - at);
+    } else {
+      Use(buffer, kRoom);
     }
+  }
+  void Use(Item* memory, std::size_t room) {
     this->begin = this->next = memory;
     this->full = memory + (room - detail::kMostAtOnce + 1);
   }
