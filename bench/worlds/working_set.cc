@@ -97,7 +97,8 @@ std::string WorkingSet::Check(ShapeKind shape, const WriteMask& write) {
   return {};
 }
 
-Case WorkingSet::MakeCase(std::string name, ShapeKind shape, WriteMask write) {
+Case WorkingSet::MakeCase(std::string name, ShapeKind shape,
+                          const WriteMask& write) {
   Case c = CaseOfQueries(std::move(name), queries_.size(), objects(),
                          [this, write](std::size_t q) { write(queries_[q]); });
   c.items *= static_cast<double>(objects());

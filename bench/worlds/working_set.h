@@ -81,7 +81,7 @@ class WorkingSet {
 
   // A case that calls `write` for one query after the other, of all that are to
   // be timed. It is named `name` and timed per object.
-  Case MakeCase(std::string name, ShapeKind shape, WriteMask write);
+  Case MakeCase(std::string name, ShapeKind shape, const WriteMask& write);
 
   // The case of a call of the library.
   Case LibraryCase(std::string name, ShapeKind shape, const Options& options);

@@ -94,10 +94,8 @@ class BvhHistory {
  private:
   using Bound = typename View::Bound;
   // What changes may pass, too: only a Bvh of boxes takes doubles.
-
-  using Other =
-      std::conditional_t<kIsOfBoxes, typename detail::DoubleView<View>::Bound,
-                         Bound>;
+  using Other = std::conditional_t<detail::kIsOfBoxes<View>,
+                                   detail::DoubleBound<View>, Bound>;
   using Model = std::vector<std::optional<Bound>>;  // by id
 
   // A value of each palette; all ends at once are a bound of few bytes.
