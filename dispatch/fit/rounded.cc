@@ -10,15 +10,9 @@ namespace halfspace::detail {
 
 void RoundOutward(Span<const double> values, std::size_t minima,
                   std::size_t planes, float* rounded) {
-  dispatch::InDefaultFpMode([&] {
-    for (std::size_t i = 0; i < values.size(); i += planes) {
-      for (std::size_t p = 0; p < planes; ++p) {
-        const dispatch::ExactSum value = {values[i + p], 0.0};
-        rounded[i + p] =
-            p < minima ? dispatch::RoundDown(value) : dispatch::RoundUp(value);
-      }
-    }
-  });
+  const std::size_t count = values.size() / planes;
+  ReadRecords(ColumnsOfRows(values.data(), count, planes), planes, minima, 0,
+              count, rounded);
 }
 
 void ReadRecords(const Columns& columns, std::size_t values, std::size_t minima,
