@@ -405,11 +405,6 @@ hs_status hs_broad_phase_query(const hs_broad_phase* bodies, hs_shape shape,
                                const hs_columns* queries, uint64_t mask,
                                uint32_t* ids, size_t room, size_t* offsets,
                                size_t* total) {
-  struct List {
-    uint32_t* ids;
-    size_t room;
-    size_t total;
-  };
   return Run("hs_broad_phase_query", [&](const Call& call) {
     call.CheckPointer("bodies", bodies);
     const Values values =
@@ -423,23 +418,20 @@ hs_status hs_broad_phase_query(const hs_broad_phase* bodies, hs_shape shape,
     }
     const auto* const kind =
         halfspace::c::ShapeKindOf(shape, bodies->kind.dims);
-    List list{ids, room, 0};
+    size_t found = 0;
+    Callback body{[&](uint32_t id, const float*) {
+      if (found < room) ids[found] = id;
+      ++found;
+    }};
     halfspace::c::ForEachRows(
         *queries, values, [&](const float* rows, size_t begin, size_t count) {
           for (size_t q = 0; q < count; ++q) {
-            bodies->core.ForEach(
-                {rows + q * values.count, 1, kind}, mask,
-                [](void* context, uint32_t id, const float*) {
-                  auto& its = *static_cast<List*>(context);
-                  if (its.total < its.room) its.ids[its.total] = id;
-                  ++its.total;
-                  return true;
-                },
-                &list);
-            if (offsets != nullptr) offsets[begin + q + 1] = list.total;
+            bodies->core.ForEach({rows + q * values.count, 1, kind}, mask,
+                                 &decltype(body)::Run, &body);
+            if (offsets != nullptr) offsets[begin + q + 1] = found;
           }
         });
-    *total = list.total;
+    *total = found;
   });
 }
 
