@@ -193,7 +193,8 @@ void Cast(const Call& call, const hs_broad_phase* bodies, hs_shape shape,
       });
 }
 
-// The first hit of each cast, and of equal ones that of the least id.
+// Keeps the first hit of each cast. Of hits with the same t it keeps the one
+// with the least id.
 struct Closest {
   std::uint32_t* ids;
   float* ts;

@@ -16,9 +16,10 @@
 
 namespace halfspace::detail {
 
-// Floats as they are. Of doubles the bounds of `count` slots, one after
-// another: slot s has element elements[s], or s without them. One of kNoId is
-// not written.
+// The floats of `objects`. Columns of floats are used as they are. Doubles are
+// rounded into planes of `count` values: slot s gets element elements[s], or
+// element s if `elements` is null. A slot whose element is kNoId is not
+// written.
 class Rounded {
  public:
   Rounded(const BvhShape& shape, const MemoryResource& memory,

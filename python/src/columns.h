@@ -36,8 +36,7 @@ struct Columns : hs_columns {
   std::size_t size = 0;  // columns
 };
 
-// Throws what calls of the private module with other arrays than those of
-// _arrays.py deserve.
+// Throws the error of a call whose arrays _arrays.py has not prepared.
 [[noreturn]] void ThrowNotPrepared();
 
 // The box that a plain array has. No record if the array needs a closer look.
