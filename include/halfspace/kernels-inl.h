@@ -24,13 +24,12 @@
 //   SurvivorsOf64Simplices, SurvivorsOfFewSimplices,
 //   SurvivorsOf64Octahedra, SurvivorsOfFewOctahedra
 //
-// `planes` and `query` are those of kernels.h, of floats, or for boxes also of
-// doubles. The result
-// has bit l if object i + l survives. Bits past the last object are 0, and
-// nothing past it is read. There are no errors, and no checks. In a loop the
-// compiler keeps the query's values in registers. Compile without -ffast-math,
-// which may remove the test of NaN. Flat scans test words of 64 by the same
-// code.
+// `planes` and `query` are those of kernels.h: of floats, and for boxes also of
+// doubles. The result has bit l if object i + l survives. Bits past the last
+// object are 0, and nothing past it is read. There are no errors, and no
+// checks. In a loop the compiler keeps the query's values in registers. Compile
+// without -ffast-math, which may remove the test of NaN. Flat scans test words
+// of 64 by the same code.
 #if defined(HALFSPACE_KERNELS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_INL_H_
 #undef HALFSPACE_KERNELS_INL_H_
