@@ -16,6 +16,7 @@
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/exact/default_fp_mode.h"
 #include "halfspace/bvh.h"
+#include "kernels/prefetch.h"
 
 namespace halfspace::detail {
 namespace {
@@ -57,19 +58,21 @@ float ExtentOf(const BvhShape& shape, const BvhLevel& level, std::size_t node) {
   return extent;
 }
 
-// A bit for each block of the slots, if there are enough changes to make up for
-// the time to look at all bits.
-class Touched {
+// A bit for each object and each node that has changed, if there are enough
+// changes to make up for the time to look at all bits.
+class Changed {
  public:
-  Touched(const MemoryResource& memory, std::size_t slots, std::size_t changes)
-      : bytes_(changes <= kFewChanges + slots / kSlotsOfChange
+  Changed(const MemoryResource& memory, const BvhLevels& levels,
+          std::size_t changes)
+      : bytes_(changes <= kFewChanges + levels.level[0].size / kSlotsOfChange
                    ? 0
-                   : BlocksOf(BlocksOf(slots)) * sizeof(std::uint64_t)),
+                   : WordsOf(levels) * sizeof(std::uint64_t)),
         memory_(memory, bytes_) {
     if (bytes_ > 0) std::memset(memory_.data(), 0, bytes_);
   }
 
-  // Null if there are none.
+  // Null if there are none. Those of a level, a word for each block, are behind
+  // those of the level below.
   std::uint64_t* words() const {
     return reinterpret_cast<std::uint64_t*>(memory_.data());
   }
@@ -77,31 +80,64 @@ class Touched {
  private:
   // Fewer changes take less time one by one (AVX-512, 10^5 and 10^6 boxes).
   static constexpr std::size_t kFewChanges = 4;
-  static constexpr std::size_t kSlotsOfChange = std::size_t{1} << 18;
+  static constexpr std::size_t kSlotsOfChange = std::size_t{1} << 14;
+
+  static std::size_t WordsOf(const BvhLevels& levels) {
+    std::size_t words = 0;
+    for (std::size_t l = 0; l < levels.count; ++l) {
+      words += BlocksOf(levels.level[l].size);
+    }
+    return words;
+  }
 
   std::size_t bytes_;
   Scratch memory_;
 };
 
-// Encodes a block and computes its node. Returns whether the node has changed.
-bool EncodeBlock(const BvhShape& shape, BvhLevels& levels,
-                 const BvhKernels::OfPlanes& kernels, std::size_t level,
-                 std::size_t block) {
-  const BvhLevel& above = levels.level[level + 1];
-  const auto node = [&] {
-    std::array<float, 8> planes{};
-    for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
-      planes[p] = above.Value(p, block);
-    }
-    std::array<std::uint64_t, 3> bits{above.present[block / 64], 0, 0};
-    if (above.regular != nullptr) bits[1] = above.regular[block / 64];
-    if (above.masks != nullptr) bits[2] = above.masks[block];
-    return std::pair(planes, bits);
-  };
-  const auto before = node();
-  kernels.encode(RangeOf(levels, level, block, block + 1));
-  if (above.masks != nullptr) OrMasks(levels, level, block);
-  return node() != before;
+// Calls visit(i, record) for each object of a block whose bit is set.
+template <typename Visit>
+void ForEachObject(const BvhLevels& levels, const Columns& bounds,
+                   std::size_t block, std::uint64_t objects,
+                   const Visit& visit) {
+  const std::uint32_t* const ids = levels.ids + block * kBlockObjects;
+  for (; objects != 0; objects &= objects - 1) {
+    const auto i = static_cast<std::size_t>(std::countr_zero(objects));
+    visit(i, ids[i] * bounds.stride);
+  }
+}
+
+void PrefetchObjects(const BvhLevels& levels, const Columns& bounds,
+                     std::size_t block, std::uint64_t objects) {
+  ForEachObject(levels, bounds, block, objects,
+                [&](std::size_t, std::size_t from) {
+                  kernels::PrefetchToL2(bounds.floats(0) + from);
+                });
+}
+
+// Copies the bounds, by id, of those objects of a block whose bits are set.
+void CopyObjects(const BvhLevels& levels, const Columns& bounds,
+                 std::size_t block, std::uint64_t objects) {
+  const std::size_t planes = levels.level[0].planes;
+  float* const to = levels.level[0].Plane(block, 0);
+  const float* const rows = RowsOf(bounds, planes);
+  ForEachObject(
+      levels, bounds, block, objects, [&](std::size_t i, std::size_t from) {
+        for (std::size_t p = 0; p < planes; ++p) {
+          to[p * kBlockObjects + i] =
+              rows != nullptr ? rows[from + p] : bounds.floats(p)[from];
+        }
+      });
+}
+
+// Blocks begin ... end - 1 of a level, of which `changed` has the words.
+BlockRange ChangedRange(const BvhLevels& levels, std::size_t level,
+                        std::size_t begin, std::size_t end,
+                        const std::uint64_t* changed,
+                        std::uint64_t* changed_above) {
+  BlockRange range = RangeOf(levels, level, begin, end);
+  range.changed = changed;
+  range.changed_above = changed_above;
+  return range;
 }
 
 }  // namespace
@@ -208,7 +244,15 @@ void BvhTree::Reallocate(const char* call, const BvhRoom& room) {
 void BvhTree::CheckIds(Span<const std::uint32_t> ids, const char* call) const {
   dispatch::CheckMemory(call, "ids", ids.data(), ids.size(),
                         alignof(std::uint32_t));
-  for (const std::uint32_t id : ids) CheckId(id, call);
+  if (block_ == nullptr || levels_.slots == nullptr) {
+    for (const std::uint32_t id : ids) CheckId(id, call);
+    return;
+  }
+  const std::uint32_t limit = header().ids;
+  const std::size_t slots = this->slots();
+  for (const std::uint32_t id : ids) {
+    if (id >= limit || !IsIn(levels_, slots, id)) CheckId(id, call);
+  }
 }
 
 // Before a change of one object. Returns its slot.
@@ -219,23 +263,28 @@ std::size_t BvhTree::PrepareObject(std::uint32_t id, bool has_masks,
   return levels_.slots[id];
 }
 
-// Encodes the block of a slot, and so on upwards until a node stays as it was.
+// Encodes the object of a slot, and so on upwards until a node stays as it was.
+// The first slot of a block stands for all: after AppendSlot() all are new.
 void BvhTree::EncodePath(std::size_t slot) {
   const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), "Bvh");
   dispatch::InDefaultFpMode([&] {
-    std::size_t block = slot;
     for (std::size_t l = 0; l + 1 < levels_.count; ++l) {
-      block /= kBlockObjects;
-      if (!EncodeBlock(shape_, levels_, kernels, l, block)) return;
+      const std::uint64_t changed =
+          slot % kBlockObjects == 0 ? ~std::uint64_t{0}
+                                    : std::uint64_t{1} << slot % kBlockObjects;
+      slot /= kBlockObjects;
+      std::uint64_t changed_above = 0;
+      kernels.encode(
+          ChangedRange(levels_, l, slot, slot + 1, &changed, &changed_above));
+      if (changed_above == 0) return;
     }
   });
 }
 
-// Encodes the block of a slot later, with all in `touched`, or at once.
-void BvhTree::Touch(std::size_t slot, std::uint64_t* touched) {
-  if (touched == nullptr) return EncodePath(slot);
-  const std::size_t block = slot / kBlockObjects;
-  touched[block / 64] |= std::uint64_t{1} << block % 64;
+// Encodes the object of a slot later, with all in `changed`, or at once.
+void BvhTree::Touch(std::size_t slot, std::uint64_t* changed) {
+  if (changed == nullptr) return EncodePath(slot);
+  changed[slot / 64] |= std::uint64_t{1} << slot % 64;
 }
 
 void BvhTree::Set(std::uint32_t id, Span<const float> values) {
@@ -246,29 +295,16 @@ void BvhTree::Set(std::uint32_t id, Span<const float> values) {
   EncodePath(slot);
 }
 
-// Encodes the blocks of level 0 whose bits are set, and each node above them
-// that has changed once. Word w has the blocks of node block w, so it becomes a
-// bit of the next level.
-void BvhTree::EncodeTouched(std::uint64_t* touched) {
-  if (touched == nullptr) return;
+// Encodes what has changed, level after level.
+void BvhTree::EncodeTouched(std::uint64_t* changed) {
+  if (changed == nullptr) return;
   const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), "Bvh");
   dispatch::InDefaultFpMode([&] {
     for (std::size_t l = 0; l + 1 < levels_.count; ++l) {
-      const std::size_t words = BlocksOf(BlocksOf(levels_.level[l].size));
-      std::uint64_t next = 0;
-      for (std::size_t w = 0; w < words; ++w) {
-        bool is_changed = false;
-        for (std::uint64_t bits = touched[w]; bits != 0; bits &= bits - 1) {
-          is_changed |= EncodeBlock(
-              shape_, levels_, kernels, l,
-              w * 64 + static_cast<std::size_t>(std::countr_zero(bits)));
-        }
-        next |= std::uint64_t{is_changed} << w % 64;
-        if (w % 64 == 63 || w + 1 == words) {
-          touched[w / 64] = next;
-          next = 0;
-        }
-      }
+      const std::size_t blocks = BlocksOf(levels_.level[l].size);
+      kernels.encode(
+          ChangedRange(levels_, l, 0, blocks, changed, changed + blocks));
+      changed += blocks;
     }
   });
 }
@@ -284,16 +320,54 @@ void BvhTree::Set(Span<const std::uint32_t> ids, const Columns& bounds) {
   CheckIds(ids, kCall);
   if (ids.empty()) return;
   CheckChange(kCall);
-  const Touched touched(memory_, slots(), ids.size());
+  const Changed changed(memory_, levels_, ids.size());
   Prepare(kCall, kSlotsById);
   ForEachRecord(shape_, bounds, [&](std::size_t i, const float* values) {
     const std::size_t slot = levels_.slots[ids[i]];
     for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
       levels_.level[0].Value(p, slot) = values[p];
     }
-    Touch(slot, touched.words());
+    Touch(slot, changed.words());
   });
-  EncodeTouched(touched.words());
+  EncodeTouched(changed.words());
+}
+
+void BvhTree::Refit(Span<const std::uint32_t> ids, const Columns& bounds) {
+  constexpr const char* kCall = "Bvh::Refit";
+  CheckIds(ids, kCall);
+  if (ids.empty()) return;
+  if (bounds.size < id_limit()) {
+    dispatch::ThrowInvalid(
+        kCall, "bounds",
+        "a bound for each id, at least " + std::to_string(id_limit()),
+        std::to_string(bounds.size));
+  }
+  CheckColumns(shape_, bounds, kCall);
+  CheckChange(kCall);
+  const Changed changed(memory_, levels_, ids.size());
+  Prepare(kCall, kSlotsById);
+  std::uint64_t* const words = changed.words();
+  if (words == nullptr) {
+    for (const std::uint32_t id : ids) {
+      const std::size_t slot = levels_.slots[id];
+      CopyObjects(levels_, bounds, slot / kBlockObjects,
+                  std::uint64_t{1} << slot % kBlockObjects);
+      EncodePath(slot);
+    }
+    return;
+  }
+  for (const std::uint32_t id : ids) Touch(levels_.slots[id], words);
+  // Leaf by leaf, so that bounds are copied to memory that is in cache. Those
+  // of the next leaf are anywhere.
+  std::size_t next = 0;
+  const std::size_t blocks = BlocksOf(slots());
+  for (std::size_t block = 0; block < blocks; block = next) {
+    while (++next < blocks && words[next] == 0) {
+    }
+    if (next < blocks) PrefetchObjects(levels_, bounds, next, words[next]);
+    CopyObjects(levels_, bounds, block, words[block]);
+  }
+  EncodeTouched(words);
 }
 
 void BvhTree::AppendSlot() {
@@ -546,15 +620,15 @@ void BvhTree::Erase(Span<const std::uint32_t> ids) {
   CheckIds(ids, kCall);
   if (ids.empty()) return;
   CheckChange(kCall);
-  const Touched touched(memory_, slots(), ids.size());
+  const Changed changed(memory_, levels_, ids.size());
   Prepare(kCall, kSlotsById);
   for (const std::uint32_t id : ids) {
     if (!Has(id)) continue;  // a second time in the list
     const std::size_t slot = levels_.slots[id];
     Remove(id);
-    Touch(slot, touched.words());
+    Touch(slot, changed.words());
   }
-  EncodeTouched(touched.words());
+  EncodeTouched(changed.words());
   if (HasManyGaps()) CloseGaps();
 }
 

@@ -124,6 +124,13 @@ inline bool IsPresent(const BvhLevels& levels, std::size_t slot) {
           1) != 0;
 }
 
+// Whether an object has this id, which is in use or free. `levels.slots` is
+// there.
+inline bool IsIn(const BvhLevels& levels, std::size_t slots, std::uint32_t id) {
+  const std::uint32_t slot = levels.slots[id];
+  return slot < slots && levels.ids[slot] == id;
+}
+
 // Throws unless the memory of a call for several queries is right.
 void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
                  std::size_t alignment, Span<std::uint32_t> ids,

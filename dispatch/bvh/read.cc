@@ -11,8 +11,7 @@ namespace halfspace::detail {
 bool BvhTree::Has(std::uint32_t id) const {
   if (block_ == nullptr || id >= header().ids) return false;
   if (levels_.slots == nullptr) return true;
-  const std::uint32_t slot = levels_.slots[id];
-  return slot < header().slots && levels_.ids[slot] == id;
+  return IsIn(levels_, header().slots, id);
 }
 
 void BvhTree::CheckId(std::uint32_t id, const char* call) const {

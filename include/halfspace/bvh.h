@@ -331,6 +331,14 @@ class Bvh {
     tree_.Refit(detail::ColumnsOf(bounds), true, run);
   }
 
+  // Gives some objects new bounds, by id: bounds[i] is that of object i, and
+  // only those of `ids` are read. An id may be in the list more than once.
+  // Otherwise as Set() of several objects, and faster, because the bounds are
+  // read in this world's order. `bounds.size()` must be at least id_limit().
+  void Refit(Span<const std::uint32_t> ids, Span<const Bound> bounds) {
+    tree_.Refit(ids, detail::ColumnsOf(bounds));
+  }
+
   // The same with bounds in this world's order: bounds[i] is that of object
   // ids()[i], and `bounds.size()` must be `ids().size()`. 2 to 4 times as fast.
   void RefitInOrder(const View& bounds, const Runner& run = {}) {

@@ -82,6 +82,13 @@ struct BlockRange {
   std::int16_t* codes;  // of objects in leaves, or null
   std::size_t begin;
   std::size_t end;
+  // Null, or a word for each of these blocks, with a bit for each object or
+  // node that has changed. The others keep their codes, and a block without a
+  // bit keeps its node. `above` is not null then.
+  const std::uint64_t* changed = nullptr;
+  // The same of the next level, from the word of block `begin` on: takes a bit
+  // for each node that changes.
+  std::uint64_t* changed_above = nullptr;
 };
 
 // Of some objects: coordinate k of the center of object i. What has no center,

@@ -305,30 +305,151 @@ HWY_NOINLINE void EncodePlane(const float* plane, float base, float scale,
   }
 }
 
+// The outermost values of a block in the order of its planes, if min <= max on
+// each axis of all 64 places. Then there is no NaN to look for. Otherwise
+// false.
 template <size_t kAxes>
-HWY_INLINE bool IsRegular(const detail::BvhLevel& level, size_t block) {
+HWY_INLINE bool OutermostIfOrdered(const detail::BvhLevel& level, size_t block,
+                                   float* outermost) {
+  const hn::CappedTag<float, 16> d;
+  auto ordered = hn::Le(hn::Zero(d), hn::Zero(d));
+  for (size_t k = 0; k < kAxes; ++k) {
+    const float* const minima = level.Plane(block, k);
+    const float* const maxima = level.Plane(block, kAxes + k);
+    auto least = hn::LoadU(d, minima);
+    auto greatest = hn::LoadU(d, maxima);
+    ordered = hn::And(ordered, hn::Le(least, greatest));
+    for (size_t i = hn::Lanes(d); i < detail::kBlockObjects;
+         i += hn::Lanes(d)) {
+      const auto min = hn::LoadU(d, minima + i);
+      const auto max = hn::LoadU(d, maxima + i);
+      ordered = hn::And(ordered, hn::Le(min, max));
+      least = hn::Min(least, min);
+      greatest = hn::Max(greatest, max);
+    }
+    outermost[k] = LeastLane(d, least) + 0.0f;
+    outermost[kAxes + k] = -(LeastLane(d, hn::Neg(greatest)) + 0.0f);
+  }
+  return hn::AllTrue(d, ordered);
+}
+
+// Whether all places up to the last object have one, with min <= max on each
+// axis.
+template <size_t kAxes>
+HWY_NOINLINE bool IsRegular(const detail::BvhLevel& level, size_t block) {
   const size_t first = block * detail::kBlockObjects;
   const size_t count = HWY_MIN(detail::kBlockObjects, level.size - first);
   const uint64_t all = ~uint64_t{0} >> (detail::kBlockObjects - count);
   if (level.present[block] != all) return false;
   if (level.regular != nullptr) return level.regular[block] == all;
-  const WordTag<float> d;
-  bool is_regular = true;
   for (size_t k = 0; k < kAxes; ++k) {
-    uint64_t ordered = 0;
-    for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
-      const auto min = hn::LoadU(d, level.Plane(block, k) + i);
-      const auto max = hn::LoadU(d, level.Plane(block, kAxes + k) + i);
-      ordered |= LaneBits(d, hn::Le(min, max)) << i;
+    const float* const min = level.Plane(block, k);
+    const float* const max = level.Plane(block, kAxes + k);
+    for (size_t i = 0; i < count; ++i) {
+      if (!(min[i] <= max[i])) return false;
     }
-    is_regular &= (ordered & all) == all;
   }
-  return is_regular;
+  return true;
 }
 
-HWY_INLINE void AssignBit(uint64_t* words, size_t i, bool value) {
+// With more changed objects in a block all of it is encoded.
+inline constexpr size_t kMostOneByOne = 16;
+
+// Writes the codes of all objects of a block.
+template <size_t kAxes, bool kHasMax>
+HWY_INLINE void EncodeAll(const detail::BlockRange& range, size_t block,
+                          int16_t* codes) {
+  constexpr size_t kMaxLane = detail::CodeMap::kMaxLane;
+  const detail::BvhLevel& level = *range.level;
+  const detail::CodeMap& map = *range.map;
+  for (size_t k = 0; k < kAxes; ++k) {
+    EncodePlane<false>(level.Plane(block, k), map.base[k], map.scale[k],
+                       codes + k * detail::kBlockObjects);
+    if constexpr (kHasMax) {
+      EncodePlane<true>(level.Plane(block, kAxes + k), map.base[kMaxLane + k],
+                        map.scale[kMaxLane + k],
+                        codes + (kAxes + k) * detail::kBlockObjects);
+    }
+  }
+}
+
+// The same of the objects whose bits are set, all planes of each at once.
+template <size_t kAxes, bool kHasMax>
+HWY_INLINE void EncodeSome(const detail::BlockRange& range, size_t block,
+                           uint64_t objects, int16_t* codes) {
+  constexpr size_t kLanes =
+      kHasMax ? detail::CodeMap::kLanes : detail::CodeMap::kMaxLane;
+  constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
+  const hn::CappedTag<float, kLanes> d;
+  const hn::Rebind<int32_t, decltype(d)> di;
+  const float* const floats = range.level->Plane(block, 0);
+  for (; objects != 0; objects &= objects - 1) {
+    const size_t i = hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);
+    // QueryLanes() takes the maxima of a query first.
+    float values[kPlanes];
+    for (size_t p = 0; p < kPlanes; ++p) {
+      values[OpposingPlane<kAxes, kPlanes>(p)] =
+          floats[p * detail::kBlockObjects + i];
+    }
+    HWY_ALIGN int32_t lanes[kLanes];
+    for (size_t l = 0; l < kLanes; l += hn::Lanes(d)) {
+      const auto v = QueryLanes<kAxes, kHasMax>(d, values, l);
+      const auto scaled = hn::Mul(hn::Sub(v, hn::LoadU(d, range.map->base + l)),
+                                  hn::LoadU(d, range.map->scale + l));
+      const auto number = hn::IfThenElseZero(hn::Eq(v, v), scaled);
+      hn::Store(CodesOf(d, number), di, lanes + l);
+    }
+    for (size_t p = 0; p < kPlanes; ++p) {
+      codes[p * detail::kBlockObjects + i] =
+          static_cast<int16_t>(lanes[LaneOf<kAxes>(p)]);
+    }
+  }
+}
+
+HWY_INLINE uint32_t AllMasks(const uint32_t* masks) {
+  uint32_t all = 0;
+  for (size_t i = 0; i < detail::kBlockObjects; ++i) all |= masks[i];
+  return all;
+}
+
+// Returns whether the bit was another.
+HWY_INLINE bool AssignBit(uint64_t* words, size_t i, bool value) {
   const uint64_t bit = uint64_t{1} << (i % 64);
-  words[i / 64] = value ? words[i / 64] | bit : words[i / 64] & ~bit;
+  const uint64_t old = words[i / 64];
+  words[i / 64] = value ? old | bit : old & ~bit;
+  return ((old & bit) != 0) != value;
+}
+
+// Writes what a node says of its block, but for its masks. Returns whether
+// something of it was different.
+template <size_t kAxes, bool kHasMax>
+HWY_INLINE bool EncodeNode(const detail::BvhLevel& level, size_t block,
+                           const detail::BvhLevel& above) {
+  constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
+  bool is_changed = AssignBit(above.present, block, level.present[block] != 0);
+  float planes[kPlanes];
+  bool is_ordered = false;
+  if constexpr (kHasMax) {
+    is_ordered = OutermostIfOrdered<kAxes>(level, block, planes);
+    const bool is_regular = is_ordered && level.regular == nullptr
+                                ? true
+                                : IsRegular<kAxes>(level, block);
+    is_changed |= AssignBit(above.regular, block, is_regular);
+  }
+  if (!is_ordered) {
+    for (size_t k = 0; k < kAxes; ++k) {
+      planes[k] = LeastOfPlane<false>(level.Plane(block, k));
+      if constexpr (kHasMax) {
+        planes[kAxes + k] = -LeastOfPlane<true>(level.Plane(block, kAxes + k));
+      }
+    }
+  }
+  for (size_t p = 0; p < kPlanes; ++p) {
+    float& node = above.Value(p, block);
+    is_changed |= node != planes[p];
+    node = planes[p];
+  }
+  return is_changed;
 }
 
 template <size_t kAxes, bool kHasMax>
@@ -336,32 +457,29 @@ void EncodeBlocks(const detail::BlockRange& range) {
   constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
   const detail::BvhLevel& level = *range.level;
   for (size_t b = range.begin; b < range.end; ++b) {
+    const uint64_t changed = range.changed == nullptr
+                                 ? ~uint64_t{0}
+                                 : range.changed[b - range.begin];
+    if (changed == 0) continue;
     if (range.codes != nullptr) {
-      const detail::CodeMap& map = *range.map;
       int16_t* const codes = range.codes + b * kPlanes * detail::kBlockObjects;
-      for (size_t k = 0; k < kAxes; ++k) {
-        EncodePlane<false>(level.Plane(b, k), map.base[k], map.scale[k],
-                           codes + k * detail::kBlockObjects);
-        if constexpr (kHasMax) {
-          constexpr size_t kMaxLane = detail::CodeMap::kMaxLane;
-          EncodePlane<true>(level.Plane(b, kAxes + k), map.base[kMaxLane + k],
-                            map.scale[kMaxLane + k],
-                            codes + (kAxes + k) * detail::kBlockObjects);
-        }
+      if (hwy::PopCount(changed) > kMostOneByOne) {
+        EncodeAll<kAxes, kHasMax>(range, b, codes);
+      } else {
+        EncodeSome<kAxes, kHasMax>(range, b, changed, codes);
       }
     }
     if (range.above == nullptr) continue;
-    const detail::BvhLevel& above = *range.above;
-    AssignBit(above.present, b, level.present[b] != 0);
-    if constexpr (kHasMax)
-      AssignBit(above.regular, b, IsRegular<kAxes>(level, b));
-    for (size_t k = 0; k < kAxes; ++k) {
-      above.Value(k, b) = LeastOfPlane<false>(level.Plane(b, k));
-      if constexpr (kHasMax) {
-        above.Value(kAxes + k, b) =
-            -LeastOfPlane<true>(level.Plane(b, kAxes + k));
-      }
+    bool is_changed = EncodeNode<kAxes, kHasMax>(level, b, *range.above);
+    if (range.changed == nullptr) continue;
+    if (level.masks != nullptr) {
+      uint32_t& node = range.above->masks[b];
+      const uint32_t masks = AllMasks(level.masks + b * detail::kBlockObjects);
+      is_changed |= node != masks;
+      node = masks;
     }
+    range.changed_above[b / 64 - range.begin / 64] |= uint64_t{is_changed}
+                                                      << (b % 64);
   }
 }
 

@@ -213,6 +213,8 @@ class HALFSPACE_API BvhTree {
   void SetMasks(std::uint32_t id, std::uint32_t mask);
   void SetMasks(Span<const std::uint32_t> masks);
 
+  // Of some objects, whose bounds are by id.
+  void Refit(Span<const std::uint32_t> ids, const Columns& bounds);
   // The bounds of the objects anew, by id or by slot.
   void Refit(const Columns& objects, bool is_by_id, const Runner& run);
 
@@ -256,8 +258,8 @@ class HALFSPACE_API BvhTree {
   bool HasManyGaps() const;
   void AppendSlot();
   void EncodePath(std::size_t slot);
-  void Touch(std::size_t slot, std::uint64_t* touched);
-  void EncodeTouched(std::uint64_t* touched);
+  void Touch(std::size_t slot, std::uint64_t* changed);
+  void EncodeTouched(std::uint64_t* changed);
   // Sorts the objects of some slots into the first of these, after Prepare().
   // Ranges ascend and begin at blocks. Returns the number of objects.
   std::size_t Resort(const char* call, Span<const SlotRange> ranges,

@@ -138,7 +138,15 @@ TYPED_TEST(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
           bounds.push_back(any_bound());
           model.objects[ids.back()].bound = bounds.back();
         }
-        bvh.Set(ids, bounds);
+        if (random() % 2 == 0) {
+          bvh.Set(ids, bounds);
+        } else {
+          std::vector<Bound> by_id(bvh.id_limit(), Bound::Everything());
+          for (const auto& [id, object] : model.objects) {
+            by_id[id] = object.bound;
+          }
+          bvh.Refit(ids, by_id);
+        }
       } else if (what == 12) {
         Ids ids;
         for (std::size_t i = random() % (2 * bvh.size()); i-- > 0;) {
@@ -219,6 +227,7 @@ TYPED_TEST(BvhChangesTest, LevelsStayAsTightAsAfterARefit) {
   World<View> bounds = spread.Objects(9000);
   Bvh<View> refitted(changed);
   Bvh<View> batched(changed);
+  Bvh<View> listed(changed);
   Ids ids;
   std::vector<typename View::Bound> list;
   for (std::uint32_t i = 0; i < 9000; ++i) {
@@ -231,7 +240,11 @@ TYPED_TEST(BvhChangesTest, LevelsStayAsTightAsAfterARefit) {
     count = std::min(count, ids.size() - i);
     batched.Set(std::span(ids).subspan(i, count),
                 std::span(list).subspan(i, count));
+    listed.Refit(std::span(ids).subspan(i, count), list);
   }
+  // Also the codes: an object has the same in whatever call.
+  EXPECT_TRUE(std::ranges::equal(changed.Blob(), batched.Blob()));
+  EXPECT_TRUE(std::ranges::equal(changed.Blob(), listed.Blob()));
   refitted.Refit(bounds.view());
   EXPECT_GT(changed.CostRatio(), 2.0);
   EXPECT_EQ(changed.CostRatio(), refitted.CostRatio());
@@ -390,6 +403,14 @@ TEST(BvhRefitTest, RefusesOtherNumbersOfBounds) {
   const Aabb3 before = bvh.Get(3);
   EXPECT_TRUE(Refuses([&] { bvh.Set(Ids{3, 7}, two); }, {"Set", "id", "7"}));
   EXPECT_TRUE(Refuses([&] { bvh.Erase(Ids{3, 7}); }, {"Erase", "id", "7"}));
+  const std::vector<Aabb3> by_id(100, Aabb3::Empty());
+  EXPECT_TRUE(Refuses(
+      [&] {
+        bvh.Refit(Ids{3, 7}, by_id);
+      },
+      {"Refit", "id", "7"}));
+  EXPECT_TRUE(
+      Refuses([&] { bvh.Refit(ids, two); }, {"Refit", "bounds", "100", "2"}));
   EXPECT_EQ(bvh.Get(3), before);
   EXPECT_TRUE(Refuses([&] { std::ignore = bvh.Get(7); }, {"Get", "id", "7"}));
   EXPECT_TRUE(Refuses([&] { bvh.Reserve(std::size_t{1} << 31); },
@@ -414,6 +435,9 @@ TEST(BvhChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
       [](AabbBvh3& world) { world.Reserve(20'000); },
       [](AabbBvh3& world) {
         world.Set(TenIds(), std::vector(10, Aabb3::Everything()));
+      },
+      [](AabbBvh3& world) {
+        world.Refit(TenIds(), std::vector(9256, Aabb3::Everything()));
       },
       [](AabbBvh3& world) { world.Erase(TenIds()); },
       [](AabbBvh3& world) {
