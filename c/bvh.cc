@@ -260,9 +260,7 @@ hs_status hs_bvh_get_all(const hs_bvh* bvh, float* records, size_t room) {
     for (size_t slot = 0; slot < ids.size(); ++slot) {
       // Of no object, or in an altered blob.
       if (ids[slot] >= limit) continue;
-      for (size_t v = 0; v < bvh->objects.count; ++v) {
-        its_values[v] = tree.levels().level[0].Value(v, slot);
-      }
+      tree.GetAt(slot, {its_values.data(), bvh->objects.count});
       halfspace::c::WriteRecord(*bvh, its_values.data(),
                                 records + ids[slot] * values);
     }

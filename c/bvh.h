@@ -7,7 +7,7 @@
 #include "c/call.h"
 #include "c/columns.h"
 #include "halfspace/bvh.h"
-#include "halfspace/detail/bvh_pairs.h"
+#include "halfspace/detail/bvh.h"
 #include "halfspace/memory.h"
 
 // Below the templates of bvh.h, so that there is one for all kinds.

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "halfspace/c/halfspace.h"
-#include "halfspace/detail/block_memory.h"
+#include "halfspace/detail/plane_arrays.h"
 #include "halfspace/memory.h"
 #include "halfspace/targets.h"
 

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "c/call.h"
-#include "halfspace/detail/block_memory.h"
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/memory.h"
 #include "halfspace/world.h"

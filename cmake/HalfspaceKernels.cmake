@@ -112,7 +112,7 @@ foreach(axes IN LISTS all_axes)
     set(table BvhKernelsOf)
     halfspace_add_table("sorted_${axes}" ${axes} "MakeBvhKernels<${axes}>()"
       ${scalar_copies})
-    set(header halfspace/detail/bvh_pairs.h)
+    set(header halfspace/detail/bvh.h)
     set(inl kernels/bvh/pairs-inl.h)
     set(kernels BvhPairKernels)
     set(table BvhPairKernelsOf)

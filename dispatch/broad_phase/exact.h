@@ -10,7 +10,7 @@
 #include <cstdint>
 
 #include "dispatch/broad_phase/state.h"
-#include "halfspace/detail/bvh.h"
+#include "dispatch/bvh/tree.h"
 
 namespace halfspace::detail {
 

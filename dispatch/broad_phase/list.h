@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "halfspace/detail/block_memory.h"
+#include "halfspace/detail/plane_arrays.h"
 #include "halfspace/memory.h"
 #include "halfspace/span.h"
 

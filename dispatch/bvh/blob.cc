@@ -6,8 +6,8 @@
 #include <cstring>
 #include <string>
 
-#include "dispatch/bvh/layout.h"
 #include "dispatch/bvh/scratch.h"
+#include "dispatch/bvh/tree.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "halfspace/bvh.h"
@@ -83,7 +83,8 @@ std::uint64_t ChecksumOf(Span<const std::byte> blob) {
 }  // namespace
 
 void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
-  if (blob.empty()) return Free();
+  BvhState& tree = BvhState::Of(*this);
+  if (blob.empty()) return tree.Free();
   dispatch::CheckPointer(
       is_in_place ? "Bvh::InPlace" : "Bvh::FromBlob", blob.data(),
       is_in_place ? alignof(BvhHeader) : 1, [] { return "blob"; },
@@ -98,14 +99,15 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
     ThrowCorrupt(is_in_place, "the bytes of a stored BVH", "another beginning");
   }
   CheckVersion(is_in_place, header.version);
+  const BvhShape& shape = tree.shape_;
   const auto type = [](std::size_t dims, std::size_t axes, bool has_max) {
     return std::to_string(dims) + " dimensions, " + std::to_string(axes) +
            " axes " + (has_max ? "with" : "without") + " maxima";
   };
-  if (header.dims != shape_.dims || header.axes != shape_.axes ||
-      header.has_max != (shape_.has_max ? 1 : 0)) {
+  if (header.dims != shape.dims || header.axes != shape.axes ||
+      header.has_max != (shape.has_max ? 1 : 0)) {
     ThrowCorrupt(is_in_place,
-                 "bounds of " + type(shape_.dims, shape_.axes, shape_.has_max),
+                 "bounds of " + type(shape.dims, shape.axes, shape.has_max),
                  type(header.dims, header.axes, header.has_max != 0));
   }
   const BvhRoom room = {header.capacity, header.id_room, header.has_masks != 0};
@@ -118,11 +120,11 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
   const bool is_room_right = room.slots > 0 && room.slots < kMostObjects;
   BvhLevels levels;
   const std::size_t bytes =
-      is_room_right ? Place(shape_, room, nullptr, false, levels) : 0;
+      is_room_right ? Place(shape, room, nullptr, false, levels) : 0;
   // Bytes of an older format behind the floats of level 0. The last builds with
   // format 3 did not write them.
   const std::size_t dropped = header.version == 3 && header.bytes != bytes
-                                  ? BytesOfFormat3(shape_, room)
+                                  ? BytesOfFormat3(shape, room)
                                   : 0;
   if (!is_room_right || header.slots > room.slots ||
       header.size > header.slots || header.ids < header.size ||
@@ -133,13 +135,13 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
                  std::to_string(blob.size()) +
                      " bytes or an altered header; store the BVH again");
   }
-  BvhTree loaded(shape_, memory_);
+  BvhState loaded(shape, tree.memory_);
   if (is_in_place && dropped == 0) {
-    // Not written before it has been copied: see Prepare().
+    // Not written before it has been copied: see BvhState::Prepare().
     loaded.block_ = const_cast<std::byte*>(blob.data());
     loaded.bytes_ = blob.size();
     loaded.is_owned_ = false;
-    Place(shape_, room, loaded.block_, false, loaded.levels_);
+    Place(shape, room, loaded.block_, false, loaded.levels_);
   } else {
     loaded.Allocate(room);
     const auto* const behind =
@@ -169,27 +171,29 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
           "altered bytes in the unused lanes of level " + std::to_string(l));
     }
   }
-  Swap(loaded);
+  tree.Swap(loaded);
 }
 
 // Calls may run at the same time, so the checksum is written once after a
 // change, and not again.
 Span<const std::byte> BvhTree::Blob() const {
-  if (block_ == nullptr) return {};
-  if (Checksum(header()).load() == 0) {
+  const BvhState& tree = BvhState::Of(*this);
+  if (tree.block_ == nullptr) return {};
+  if (Checksum(tree.header()).load() == 0) {
     std::uint64_t none = 0;
-    Checksum(header()).compare_exchange_strong(none,
-                                               ChecksumOf({block_, bytes_}));
+    Checksum(tree.header())
+        .compare_exchange_strong(none, ChecksumOf({tree.block_, tree.bytes_}));
   }
-  return {block_, bytes_};
+  return {tree.block_, tree.bytes_};
 }
 
 bool BvhTree::Verify() const {
-  if (!is_as_loaded_) return true;
-  return header().checksum == ChecksumOf({block_, bytes_});
+  const BvhState& tree = BvhState::Of(*this);
+  if (!tree.is_as_loaded_) return true;
+  return tree.header().checksum == ChecksumOf({tree.block_, tree.bytes_});
 }
 
-void BvhTree::CheckLoaded(const char* call) {
+void BvhState::CheckLoaded(const char* call) {
   if (is_checked_) return;
   if (const char* const expected = FindWrongIds(); expected != nullptr) {
     dispatch::ThrowInvalid(call, "blob", expected, "a blob that was altered");
@@ -197,7 +201,7 @@ void BvhTree::CheckLoaded(const char* call) {
   is_checked_ = true;
 }
 
-const char* BvhTree::FindWrongIds() const {
+const char* BvhState::FindWrongIds() const {
   const BvhHeader& header = this->header();
   // A bit for each id, where no slots tell that it is there once.
   const std::size_t words = header.id_room > 0 ? 0 : BlocksOf(header.ids);

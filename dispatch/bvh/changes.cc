@@ -9,9 +9,9 @@
 #include <tuple>
 #include <utility>
 
-#include "dispatch/bvh/layout.h"
 #include "dispatch/bvh/rounded.h"
 #include "dispatch/bvh/scratch.h"
+#include "dispatch/bvh/tree.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/exact/default_fp_mode.h"
@@ -60,10 +60,10 @@ float ExtentOf(const BvhShape& shape, const BvhLevel& level, std::size_t node) {
 
 // A bit for each object and each node that has changed, if there are enough
 // changes to make up for the time to look at all bits.
-class Changed {
+class ChangedBits {
  public:
-  Changed(const MemoryResource& memory, const BvhLevels& levels,
-          std::size_t changes)
+  ChangedBits(const MemoryResource& memory, const BvhLevels& levels,
+              std::size_t changes)
       : bytes_(changes <= kFewChanges + levels.level[0].size / kSlotsOfChange
                    ? 0
                    : WordsOf(levels) * sizeof(std::uint64_t)),
@@ -142,12 +142,12 @@ BlockRange ChangedRange(const BvhLevels& levels, std::size_t level,
 
 }  // namespace
 
-void BvhTree::CheckChange(const char* call) {
+void BvhState::CheckChange(const char* call) {
   std::ignore = KernelsFor(shape_, Target(), call);
   CheckLoaded(call);
 }
 
-void BvhTree::Prepare(const char* call, BvhRoom room) {
+void BvhState::Prepare(const char* call, BvhRoom room) {
   CheckChange(call);
   const BvhRoom old = Room();
   room = {std::max(old.slots, room.slots), std::max(old.ids, room.ids),
@@ -163,9 +163,9 @@ void BvhTree::Prepare(const char* call, BvhRoom room) {
   header().checksum = 0;
 }
 
-void BvhTree::Reallocate(const char* call, const BvhRoom& room) {
+void BvhState::Reallocate(const char* call, const BvhRoom& room) {
   if (room.slots == 0) return;
-  BvhTree grown(shape_, memory_);
+  BvhState grown(shape_, memory_);
   grown.Allocate(room);
   // What is not used yet is part of a blob.
   std::memset(grown.block_ + sizeof(BvhHeader), 0,
@@ -241,7 +241,7 @@ void BvhTree::Reallocate(const char* call, const BvhRoom& room) {
   Swap(grown);
 }
 
-void BvhTree::CheckIds(Span<const std::uint32_t> ids, const char* call) const {
+void BvhState::CheckIds(Span<const std::uint32_t> ids, const char* call) const {
   dispatch::CheckMemory(call, "ids", ids.data(), ids.size(),
                         alignof(std::uint32_t));
   if (block_ == nullptr || levels_.slots == nullptr) {
@@ -256,8 +256,8 @@ void BvhTree::CheckIds(Span<const std::uint32_t> ids, const char* call) const {
 }
 
 // Before a change of one object. Returns its slot.
-std::size_t BvhTree::PrepareObject(std::uint32_t id, bool has_masks,
-                                   const char* call) {
+std::size_t BvhState::PrepareObject(std::uint32_t id, bool has_masks,
+                                    const char* call) {
   CheckId(id, call);
   Prepare(call, {0, 1, has_masks});
   return levels_.slots[id];
@@ -265,7 +265,7 @@ std::size_t BvhTree::PrepareObject(std::uint32_t id, bool has_masks,
 
 // Encodes the object of a slot, and so on upwards until a node stays as it was.
 // The first slot of a block stands for all: after AppendSlot() all are new.
-void BvhTree::EncodePath(std::size_t slot) {
+void BvhState::EncodePath(std::size_t slot) {
   const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), "Bvh");
   dispatch::InDefaultFpMode([&] {
     for (std::size_t l = 0; l + 1 < levels_.count; ++l) {
@@ -282,21 +282,22 @@ void BvhTree::EncodePath(std::size_t slot) {
 }
 
 // Encodes the object of a slot later, with all in `changed`, or at once.
-void BvhTree::Touch(std::size_t slot, std::uint64_t* changed) {
+void BvhState::Touch(std::size_t slot, std::uint64_t* changed) {
   if (changed == nullptr) return EncodePath(slot);
   changed[slot / 64] |= std::uint64_t{1} << slot % 64;
 }
 
 void BvhTree::Set(std::uint32_t id, Span<const float> values) {
-  const std::size_t slot = PrepareObject(id, false, "Bvh::Set");
+  BvhState& tree = BvhState::Of(*this);
+  const std::size_t slot = tree.PrepareObject(id, false, "Bvh::Set");
   for (std::size_t p = 0; p < values.size(); ++p) {
-    levels_.level[0].Value(p, slot) = values[p];
+    tree.levels_.level[0].Value(p, slot) = values[p];
   }
-  EncodePath(slot);
+  tree.EncodePath(slot);
 }
 
 // Encodes what has changed, level after level.
-void BvhTree::EncodeTouched(std::uint64_t* changed) {
+void BvhState::EncodeTouched(std::uint64_t* changed) {
   if (changed == nullptr) return;
   const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), "Bvh");
   dispatch::InDefaultFpMode([&] {
@@ -310,31 +311,33 @@ void BvhTree::EncodeTouched(std::uint64_t* changed) {
 }
 
 void BvhTree::Set(Span<const std::uint32_t> ids, const Columns& bounds) {
+  BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::Set";
-  if (bounds.size != 0) CheckColumns(shape_, bounds, kCall);
+  if (bounds.size != 0) CheckColumns(tree.shape_, bounds, kCall);
   if (bounds.size != ids.size()) {
     dispatch::ThrowInvalid(kCall, "bounds",
                            "a bound for each id, " + std::to_string(ids.size()),
                            std::to_string(bounds.size));
   }
-  CheckIds(ids, kCall);
+  tree.CheckIds(ids, kCall);
   if (ids.empty()) return;
-  CheckChange(kCall);
-  const Changed changed(memory_, levels_, ids.size());
-  Prepare(kCall, kSlotsById);
-  ForEachRecord(shape_, bounds, [&](std::size_t i, const float* values) {
-    const std::size_t slot = levels_.slots[ids[i]];
-    for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
-      levels_.level[0].Value(p, slot) = values[p];
+  tree.CheckChange(kCall);
+  const ChangedBits changed(tree.memory_, tree.levels_, ids.size());
+  tree.Prepare(kCall, kSlotsById);
+  ForEachRecord(tree.shape_, bounds, [&](std::size_t i, const float* values) {
+    const std::size_t slot = tree.levels_.slots[ids[i]];
+    for (std::size_t p = 0; p < PlanesOf(tree.shape_); ++p) {
+      tree.levels_.level[0].Value(p, slot) = values[p];
     }
-    Touch(slot, changed.words());
+    tree.Touch(slot, changed.words());
   });
-  EncodeTouched(changed.words());
+  tree.EncodeTouched(changed.words());
 }
 
 void BvhTree::Refit(Span<const std::uint32_t> ids, const Columns& bounds) {
+  BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::Refit";
-  CheckIds(ids, kCall);
+  tree.CheckIds(ids, kCall);
   if (ids.empty()) return;
   if (bounds.size < id_limit()) {
     dispatch::ThrowInvalid(
@@ -342,35 +345,35 @@ void BvhTree::Refit(Span<const std::uint32_t> ids, const Columns& bounds) {
         "a bound for each id, at least " + std::to_string(id_limit()),
         std::to_string(bounds.size));
   }
-  CheckColumns(shape_, bounds, kCall);
-  CheckChange(kCall);
-  const Changed changed(memory_, levels_, ids.size());
-  Prepare(kCall, kSlotsById);
+  CheckColumns(tree.shape_, bounds, kCall);
+  tree.CheckChange(kCall);
+  const ChangedBits changed(tree.memory_, tree.levels_, ids.size());
+  tree.Prepare(kCall, kSlotsById);
   std::uint64_t* const words = changed.words();
   if (words == nullptr) {
     for (const std::uint32_t id : ids) {
-      const std::size_t slot = levels_.slots[id];
-      CopyObjects(levels_, bounds, slot / kBlockObjects,
+      const std::size_t slot = tree.levels_.slots[id];
+      CopyObjects(tree.levels_, bounds, slot / kBlockObjects,
                   std::uint64_t{1} << slot % kBlockObjects);
-      EncodePath(slot);
+      tree.EncodePath(slot);
     }
     return;
   }
-  for (const std::uint32_t id : ids) Touch(levels_.slots[id], words);
+  for (const std::uint32_t id : ids) tree.Touch(tree.levels_.slots[id], words);
   // Leaf by leaf, so that bounds are copied to memory that is in cache. Those
   // of the next leaf are anywhere.
   std::size_t next = 0;
-  const std::size_t blocks = BlocksOf(slots());
+  const std::size_t blocks = BlocksOf(tree.slots());
   for (std::size_t block = 0; block < blocks; block = next) {
     while (++next < blocks && words[next] == 0) {
     }
-    if (next < blocks) PrefetchObjects(levels_, bounds, next, words[next]);
-    CopyObjects(levels_, bounds, block, words[block]);
+    if (next < blocks) PrefetchObjects(tree.levels_, bounds, next, words[next]);
+    CopyObjects(tree.levels_, bounds, block, words[block]);
   }
-  EncodeTouched(words);
+  tree.EncodeTouched(words);
 }
 
-void BvhTree::AppendSlot() {
+void BvhState::AppendSlot() {
   const std::size_t slot = header().slots++;
   SetSlots(levels_, header().slots);
   std::size_t node = slot;
@@ -385,7 +388,7 @@ void BvhTree::AppendSlot() {
 // An empty slot in a leaf that would grow by a 16th at most, or the end. If a
 // leaf could double its size, the leaves would have four times the surface when
 // all objects have come and gone.
-std::size_t BvhTree::FindSlot(const float* values) const {
+std::size_t BvhState::FindSlot(const float* values) const {
   const std::size_t end = slots();
   if (size() == end) return end;
   std::size_t block = 0;
@@ -423,7 +426,7 @@ std::size_t BvhTree::FindSlot(const float* values) const {
 // or the end. Each object is sorted with the 256 that came with it, these with
 // 1024, and so on; and with all, when as many were inserted as there were when
 // all were sorted.
-std::size_t BvhTree::FirstDue(std::size_t added) const {
+std::size_t BvhState::FirstDue(std::size_t added) const {
   const std::size_t end = slots();
   if (block_ == nullptr || header().inserted < added) return end;
   const std::size_t after = header().inserted;
@@ -437,7 +440,7 @@ std::size_t BvhTree::FirstDue(std::size_t added) const {
 
 // The room for `more` objects. If more than a quarter of the slots are empty,
 // CloseGaps() makes room.
-BvhRoom BvhTree::RoomFor(std::size_t more, const char* call) const {
+BvhRoom BvhState::RoomFor(std::size_t more, const char* call) const {
   const BvhRoom room = Room();
   if (slots() + more <= room.slots ||
       (room.slots > 0 && size() + more <= room.slots / 4 * 3 + 1)) {
@@ -455,8 +458,8 @@ BvhRoom BvhTree::RoomFor(std::size_t more, const char* call) const {
 
 // Sorts the slots that are due. Without memory for that they stay as they are,
 // as the order changes no result. Returns whether slots were sorted.
-bool BvhTree::SortDue(std::size_t added, const BvhRoom& room,
-                      const char* call) {
+bool BvhState::SortDue(std::size_t added, const BvhRoom& room,
+                       const char* call) {
   const std::size_t first = FirstDue(added);
   if (first == slots()) return false;
   const SlotRange range = {first / kBlockObjects * kBlockObjects, slots()};
@@ -477,7 +480,7 @@ bool BvhTree::SortDue(std::size_t added, const BvhRoom& room,
   return true;
 }
 
-std::uint32_t BvhTree::TakeId() {
+std::uint32_t BvhState::TakeId() {
   BvhHeader& header = this->header();
   const std::uint32_t id = header.free_id;
   if (id == kNoId) return header.ids++;
@@ -486,7 +489,7 @@ std::uint32_t BvhTree::TakeId() {
 }
 
 // Writes a new object to an empty slot, whose block has to be encoded then.
-void BvhTree::Put(std::size_t slot, std::uint32_t id, const float* values) {
+void BvhState::Put(std::size_t slot, std::uint32_t id, const float* values) {
   BvhHeader& header = this->header();
   if (slot == header.slots) AppendSlot();
   const BvhLevel& level = levels_.level[0];
@@ -501,26 +504,30 @@ void BvhTree::Put(std::size_t slot, std::uint32_t id, const float* values) {
 }
 
 std::uint32_t BvhTree::Insert(Span<const float> values) {
+  BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::Insert";
-  CheckLoaded(kCall);
-  if (FirstDue(1) != slots()) SortDue(1, RoomFor(1, kCall), kCall);
+  tree.CheckLoaded(kCall);
+  if (tree.FirstDue(1) != tree.slots())
+    tree.SortDue(1, tree.RoomFor(1, kCall), kCall);
   std::size_t slot =
-      dispatch::InDefaultFpMode([&] { return FindSlot(values.data()); });
-  Prepare(kCall, slot == slots() ? RoomFor(1, kCall) : kSlotsById);
-  if (slot == header().capacity) {
-    CloseGaps();
-    slot = slots();
+      dispatch::InDefaultFpMode([&] { return tree.FindSlot(values.data()); });
+  tree.Prepare(kCall,
+               slot == tree.slots() ? tree.RoomFor(1, kCall) : kSlotsById);
+  if (slot == tree.header().capacity) {
+    tree.CloseGaps();
+    slot = tree.slots();
   }
-  const std::uint32_t id = TakeId();
-  Put(slot, id, values.data());
-  EncodePath(slot);
+  const std::uint32_t id = tree.TakeId();
+  tree.Put(slot, id, values.data());
+  tree.EncodePath(slot);
   return id;
 }
 
 // At the end, and sorted there, as it takes longer to find an empty slot.
 void BvhTree::Insert(const Columns& bounds, Span<std::uint32_t> ids) {
+  BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::Insert";
-  if (bounds.size != 0) CheckColumns(shape_, bounds, kCall);
+  if (bounds.size != 0) CheckColumns(tree.shape_, bounds, kCall);
   dispatch::CheckMemory(kCall, "ids", ids.data(), ids.size(),
                         alignof(std::uint32_t));
   if (ids.size() < bounds.size) {
@@ -530,21 +537,21 @@ void BvhTree::Insert(const Columns& bounds, Span<std::uint32_t> ids) {
         std::to_string(ids.size()));
   }
   if (bounds.size == 0) return;
-  Prepare(kCall, RoomFor(bounds.size, kCall));
-  if (slots() + bounds.size > header().capacity) CloseGaps();
-  const std::size_t begin = slots();
-  ForEachRecord(shape_, bounds, [&](std::size_t i, const float* values) {
-    ids[i] = TakeId();
-    Put(slots(), ids[i], values);
+  tree.Prepare(kCall, tree.RoomFor(bounds.size, kCall));
+  if (tree.slots() + bounds.size > tree.header().capacity) tree.CloseGaps();
+  const std::size_t begin = tree.slots();
+  ForEachRecord(tree.shape_, bounds, [&](std::size_t i, const float* values) {
+    ids[i] = tree.TakeId();
+    tree.Put(tree.slots(), ids[i], values);
   });
-  EncodeAppended(begin, kCall);
+  tree.EncodeAppended(begin, kCall);
 }
 
 // A build takes 0.75 to 0.95 of the time of insertions and a sort (1024 to
 // 65 536 boxes, AVX2, BroadPhase::Insert of all).
-void BvhTree::BuildAs(Span<const std::uint32_t> ids, const Columns& bounds) {
+void BvhState::BuildAs(Span<const std::uint32_t> ids, const Columns& bounds) {
   const std::size_t id_limit = IdLimitOf(ids);
-  BvhTree built(shape_, memory_);
+  BvhState built(shape_, memory_);
   built.BuildIn({ids.size(), id_limit, false}, bounds, BuildOptions());
   BvhLevels& levels = built.levels_;
   std::fill_n(levels.slots, id_limit, kNoId);
@@ -556,27 +563,29 @@ void BvhTree::BuildAs(Span<const std::uint32_t> ids, const Columns& bounds) {
 }
 
 void BvhTree::InsertAs(Span<const std::uint32_t> ids, const Columns& bounds) {
+  BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::Insert";
   if (ids.empty()) return;
-  if (size() == 0) return BuildAs(ids, bounds);
-  BvhRoom room = {slots() + ids.size(), IdLimitOf(ids), false};
-  const BvhRoom old = Room();
+  if (tree.size() == 0) return tree.BuildAs(ids, bounds);
+  BvhRoom room = {tree.slots() + ids.size(), IdLimitOf(ids), false};
+  const BvhRoom old = tree.Room();
   if (room.slots > old.slots) room.slots += room.slots / 8;
   if (room.ids > old.ids) room.ids += room.ids / 8;
-  Prepare(kCall, room);
-  BvhHeader& header = this->header();
+  tree.Prepare(kCall, room);
+  BvhHeader& header = tree.header();
   for (const std::uint32_t id : ids) {
-    for (; header.ids <= id; ++header.ids) levels_.slots[header.ids] = kNoId;
+    for (; header.ids <= id; ++header.ids)
+      tree.levels_.slots[header.ids] = kNoId;
   }
-  const std::size_t begin = slots();
-  ForEachRecord(shape_, bounds, [&](std::size_t i, const float* values) {
-    Put(slots(), ids[i], values);
+  const std::size_t begin = tree.slots();
+  ForEachRecord(tree.shape_, bounds, [&](std::size_t i, const float* values) {
+    tree.Put(tree.slots(), ids[i], values);
   });
-  EncodeAppended(begin, kCall);
+  tree.EncodeAppended(begin, kCall);
 }
 
 // Sorts the slots from `begin` on, or all, if that is due.
-void BvhTree::EncodeAppended(std::size_t begin, const char* call) {
+void BvhState::EncodeAppended(std::size_t begin, const char* call) {
   if (SortDue(slots() - begin, {}, call)) return;
   const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), call);
   dispatch::InDefaultFpMode(
@@ -584,7 +593,7 @@ void BvhTree::EncodeAppended(std::size_t begin, const char* call) {
 }
 
 // Without its block, which has to be encoded then.
-void BvhTree::Remove(std::uint32_t id) {
+void BvhState::Remove(std::uint32_t id) {
   const std::size_t slot = levels_.slots[id];
   const BvhLevel& level = levels_.level[0];
   constexpr float kInf = std::numeric_limits<float>::infinity();
@@ -601,71 +610,78 @@ void BvhTree::Remove(std::uint32_t id) {
   --header.size;
 }
 
-bool BvhTree::HasManyGaps() const {
+bool BvhState::HasManyGaps() const {
   return slots() > 2 * size() + kBlockObjects || size() == 0;
 }
 
 void BvhTree::Erase(std::uint32_t id) {
-  const std::size_t slot = PrepareObject(id, false, "Bvh::Erase");
-  Remove(id);
-  if (HasManyGaps()) {
-    CloseGaps();
+  BvhState& tree = BvhState::Of(*this);
+  const std::size_t slot = tree.PrepareObject(id, false, "Bvh::Erase");
+  tree.Remove(id);
+  if (tree.HasManyGaps()) {
+    tree.CloseGaps();
   } else {
-    EncodePath(slot);
+    tree.EncodePath(slot);
   }
 }
 
 void BvhTree::Erase(Span<const std::uint32_t> ids) {
+  BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::Erase";
-  CheckIds(ids, kCall);
+  tree.CheckIds(ids, kCall);
   if (ids.empty()) return;
-  CheckChange(kCall);
-  const Changed changed(memory_, levels_, ids.size());
-  Prepare(kCall, kSlotsById);
+  tree.CheckChange(kCall);
+  const ChangedBits changed(tree.memory_, tree.levels_, ids.size());
+  tree.Prepare(kCall, kSlotsById);
   for (const std::uint32_t id : ids) {
-    if (!Has(id)) continue;  // a second time in the list
-    const std::size_t slot = levels_.slots[id];
-    Remove(id);
-    Touch(slot, changed.words());
+    if (!tree.Has(id)) continue;  // a second time in the list
+    const std::size_t slot = tree.levels_.slots[id];
+    tree.Remove(id);
+    tree.Touch(slot, changed.words());
   }
-  EncodeTouched(changed.words());
-  if (HasManyGaps()) CloseGaps();
+  tree.EncodeTouched(changed.words());
+  if (tree.HasManyGaps()) tree.CloseGaps();
 }
 
 void BvhTree::Clear() {
-  if (!is_owned_) return Free();
-  if (block_ == nullptr) return;
-  BvhHeader& header = this->header();
+  BvhState& tree = BvhState::Of(*this);
+  if (!tree.is_owned_) return tree.Free();
+  if (tree.block_ == nullptr) return;
+  BvhHeader& header = tree.header();
   header.version = kBvhVersion;
   header.checksum = 0;
   header.slots = header.size = header.ids = 0;
   header.sorted = header.inserted = 0;
   header.free_id = kNoId;
-  SetSlots(levels_, 0);
-  is_checked_ = true;
-  is_as_loaded_ = false;
+  SetSlots(tree.levels_, 0);
+  tree.is_checked_ = true;
+  tree.is_as_loaded_ = false;
 }
 
 // Slots that are empty now do not count as room, because insertions may find
 // none of them near enough.
 void BvhTree::Reserve(std::size_t objects) {
+  BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::Reserve";
-  const std::size_t room =
-      objects <= size() ? slots() : slots() + (objects - size());
+  const std::size_t room = objects <= tree.size()
+                               ? tree.slots()
+                               : tree.slots() + (objects - tree.size());
   if (objects >= kMostObjects || room >= kMostObjects) {
     dispatch::ThrowInvalid(kCall, "objects", "less than 2^31 objects",
                            std::to_string(objects));
   }
-  Prepare(kCall, {room, 1, false});
+  tree.Prepare(kCall, {room, 1, false});
 }
 
 void BvhTree::SetMasks(std::uint32_t id, std::uint32_t masks) {
-  const std::size_t slot = PrepareObject(id, true, "Bvh::SetMasks");
-  levels_.level[0].masks[slot] = masks;
-  EncodePath(slot);
+  BvhState& tree = BvhState::Of(*this);
+  const std::size_t slot = tree.PrepareObject(id, true, "Bvh::SetMasks");
+  tree.levels_.level[0].masks[slot] = masks;
+  tree.EncodePath(slot);
 }
 
 void BvhTree::SetMasks(Span<const std::uint32_t> masks) {
+  BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::SetMasks";
   dispatch::CheckMemory(kCall, "masks", masks.data(), masks.size(),
                         alignof(std::uint32_t));
@@ -675,18 +691,19 @@ void BvhTree::SetMasks(Span<const std::uint32_t> masks) {
         "a mask for each id, at least " + std::to_string(id_limit()),
         std::to_string(masks.size()));
   }
-  if (block_ == nullptr) return;
-  Prepare(kCall, {0, 0, true});
-  for (std::size_t s = 0; s < header().slots; ++s) {
-    const std::uint32_t id = levels_.ids[s];
-    levels_.level[0].masks[s] = id != kNoId ? masks[id] : 0;
+  if (tree.block_ == nullptr) return;
+  tree.Prepare(kCall, {0, 0, true});
+  for (std::size_t s = 0; s < tree.header().slots; ++s) {
+    const std::uint32_t id = tree.levels_.ids[s];
+    tree.levels_.level[0].masks[s] = id != kNoId ? masks[id] : 0;
   }
-  OrAllMasks(levels_);
+  OrAllMasks(tree.levels_);
 }
 
 void BvhTree::Refit(const Columns& objects, bool is_by_id, const Runner& run) {
+  BvhState& tree = BvhState::Of(*this);
   const char* const call = is_by_id ? "Bvh::Refit" : "Bvh::RefitInOrder";
-  const std::size_t size = is_by_id ? id_limit() : slots();
+  const std::size_t size = is_by_id ? id_limit() : tree.slots();
   if (objects.size < size || (!is_by_id && objects.size > size)) {
     dispatch::ThrowInvalid(call, "bounds",
                            (is_by_id ? "a bound for each id, at least "
@@ -695,14 +712,14 @@ void BvhTree::Refit(const Columns& objects, bool is_by_id, const Runner& run) {
                            std::to_string(objects.size));
   }
   if (size == 0) return;
-  CheckColumns(shape_, objects, call);
-  CheckLoaded(call);
-  const Rounded floats(shape_, memory_, objects, slots(),
-                       is_by_id ? levels_.ids : nullptr, run);
-  Prepare(call, {});
-  FillSlots(shape_, levels_, floats.columns(),
-            is_by_id && !objects.is_double ? levels_.ids : nullptr,
-            KernelsFor(shape_, Target(), call), run);
+  CheckColumns(tree.shape_, objects, call);
+  tree.CheckLoaded(call);
+  const Rounded floats(tree.shape_, tree.memory_, objects, tree.slots(),
+                       is_by_id ? tree.levels_.ids : nullptr, run);
+  tree.Prepare(call, {});
+  FillSlots(tree.shape_, tree.levels_, floats.columns(),
+            is_by_id && !objects.is_double ? tree.levels_.ids : nullptr,
+            KernelsFor(tree.shape_, Target(), call), run);
 }
 
 }  // namespace halfspace::detail

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <string>
 
-#include "dispatch/bvh/layout.h"
+#include "dispatch/bvh/tree.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/sink.h"

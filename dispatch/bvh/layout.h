@@ -88,11 +88,6 @@ inline std::size_t PlanesOf(const BvhShape& shape) {
   return shape.has_max ? 2u * shape.axes : shape.axes;
 }
 
-// No object is there, or has a mask with one of the wanted bits.
-inline bool FindsNothing(const BvhTree& tree, std::uint32_t mask) {
-  return tree.ids().empty() || mask == 0;
-}
-
 inline const BvhKernels::OfPlanes& KernelsFor(const BvhShape& shape,
                                               Target target, const char* call) {
   const BvhKernels& kernels = shape.kernels[dispatch::IndexOf(target, call)];

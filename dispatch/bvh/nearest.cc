@@ -12,7 +12,7 @@
 #include <string>
 
 #include "dispatch/bvh/cast.h"
-#include "dispatch/bvh/layout.h"
+#include "dispatch/bvh/tree.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/exact/default_fp_mode.h"

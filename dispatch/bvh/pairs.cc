@@ -6,8 +6,8 @@
 #include <limits>
 #include <string>
 
-#include "dispatch/bvh/layout.h"
 #include "dispatch/bvh/scratch.h"
+#include "dispatch/bvh/tree.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/sink.h"

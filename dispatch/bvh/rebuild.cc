@@ -4,9 +4,9 @@
 #include <bit>
 #include <utility>
 
-#include "dispatch/bvh/layout.h"
 #include "dispatch/bvh/order.h"
 #include "dispatch/bvh/scratch.h"
+#include "dispatch/bvh/tree.h"
 #include "dispatch/exact/default_fp_mode.h"
 #include "halfspace/bvh.h"
 
@@ -85,7 +85,7 @@ double CostAsBuilt(const BvhPart& built, std::uint64_t objects) {
 
 }  // namespace
 
-double BvhTree::CostRatio() const {
+double BvhState::CostRatio() const {
   if (slots() <= kBlockObjects) return 1;
   return dispatch::InDefaultFpMode([&] {
     double built = 0;
@@ -99,20 +99,23 @@ double BvhTree::CostRatio() const {
   });
 }
 
+double BvhTree::CostRatio() const { return BvhState::Of(*this).CostRatio(); }
+
 void BvhTree::Rebuild(const BuildOptions& options) {
-  CheckBuild(size(), options);
-  if (block_ == nullptr) return;
-  CheckLoaded("Bvh::Rebuild");
-  const SlotRange all = {0, header().slots};
-  const Gathered objects(shape_, memory_, levels_, {&all, 1});
+  BvhState& tree = BvhState::Of(*this);
+  tree.CheckBuild(tree.size(), options);
+  if (tree.block_ == nullptr) return;
+  tree.CheckLoaded("Bvh::Rebuild");
+  const SlotRange all = {0, tree.header().slots};
+  const Gathered objects(tree.shape_, tree.memory_, tree.levels_, {&all, 1});
   const std::size_t size = objects.columns().size;
   std::uint32_t ids = 0;  // up to the greatest that is in use
   for (std::size_t i = 0; i < size; ++i) {
     ids = std::max(ids, objects.ids()[i] + 1);
   }
-  const bool has_slots = levels_.slots != nullptr;
-  BvhTree sorted(shape_, memory_);
-  sorted.BuildIn({size, has_slots ? ids : 0, header().has_masks != 0},
+  const bool has_slots = tree.levels_.slots != nullptr;
+  BvhState sorted(tree.shape_, tree.memory_);
+  sorted.BuildIn({size, has_slots ? ids : 0, tree.header().has_masks != 0},
                  objects.columns(), options);
   BvhLevels& levels = sorted.levels_;
   if (has_slots && size > 0) std::fill_n(levels.slots, ids, kNoId);
@@ -129,11 +132,11 @@ void BvhTree::Rebuild(const BuildOptions& options) {
     levels.slots[id] = sorted.header().free_id;
     sorted.header().free_id = id;
   }
-  Swap(sorted);
+  tree.Swap(sorted);
 }
 
-std::size_t BvhTree::Resort(const char* call, Span<const SlotRange> ranges,
-                            const BvhRoom& room) {
+std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges,
+                             const BvhRoom& room) {
   const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), call);
   const Gathered gathered(shape_, memory_, levels_, ranges);
   const Columns& columns = gathered.columns();
@@ -190,7 +193,7 @@ std::size_t BvhTree::Resort(const char* call, Span<const SlotRange> ranges,
   return columns.size;
 }
 
-void BvhTree::CloseGaps() {
+void BvhState::CloseGaps() {
   const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), "Bvh");
   BvhHeader& header = this->header();
   const double decay = std::max(1.0, CostRatio());
@@ -226,19 +229,23 @@ void BvhTree::CloseGaps() {
 }
 
 std::size_t BvhTree::RebuildPartial(std::size_t objects) {
+  BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::RebuildPartial";
-  if (block_ == nullptr || objects == 0 || levels_.count == 1) return 0;
-  CheckChange(kCall);
-  const std::size_t parts = PartsOf(header().slots);
-  const Scratch memory(memory_, parts * sizeof(std::pair<double, std::size_t>));
+  if (tree.block_ == nullptr || objects == 0 || tree.levels_.count == 1)
+    return 0;
+  tree.CheckChange(kCall);
+  const std::size_t parts = PartsOf(tree.header().slots);
+  const Scratch memory(tree.memory_,
+                       parts * sizeof(std::pair<double, std::size_t>));
   auto* const worst =
       reinterpret_cast<std::pair<double, std::size_t>*>(memory.data());
   std::size_t bad = 0;
   dispatch::InDefaultFpMode([&] {
     for (std::size_t part = 0; part < parts; ++part) {
-      const BvhPart as_is = AsIs(shape_, levels_, PartAt(levels_, part));
+      const BvhPart as_is =
+          AsIs(tree.shape_, tree.levels_, PartAt(tree.levels_, part));
       const double excess =
-          as_is.cost - CostAsBuilt(levels_.built[part], as_is.objects);
+          as_is.cost - CostAsBuilt(tree.levels_.built[part], as_is.objects);
       if (excess > 0) worst[bad++] = {-excess, part};
     }
   });
@@ -249,12 +256,12 @@ std::size_t BvhTree::RebuildPartial(std::size_t objects) {
   // the objects of a part stay near each other.
   std::sort(worst, worst + bad,
             [](const auto& a, const auto& b) { return a.second < b.second; });
-  const Scratch list(memory_, bad * sizeof(SlotRange));
+  const Scratch list(tree.memory_, bad * sizeof(SlotRange));
   auto* const ranges = reinterpret_cast<SlotRange*>(list.data());
   for (std::size_t w = 0; w < bad; ++w) {
-    ranges[w] = PartAt(levels_, worst[w].second);
+    ranges[w] = PartAt(tree.levels_, worst[w].second);
   }
-  return Resort(kCall, {ranges, bad}, {});
+  return tree.Resort(kCall, {ranges, bad}, {});
 }
 
 }  // namespace halfspace::detail

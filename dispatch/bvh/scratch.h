@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "halfspace/detail/block_memory.h"
+#include "halfspace/detail/plane_arrays.h"
 #include "halfspace/memory.h"
 
 namespace halfspace::detail {

@@ -1,10 +1,13 @@
-// What a BVH owns: its memory, and how it is built.
+// What a BVH owns: its memory, and how it is built and read.
+#include "dispatch/bvh/tree.h"
+
 #include <algorithm>
+#include <limits>
+#include <new>
 #include <string>
 #include <tuple>
 #include <utility>
 
-#include "dispatch/bvh/layout.h"
 #include "dispatch/bvh/order.h"
 #include "dispatch/bvh/rounded.h"
 #include "dispatch/bvh/scratch.h"
@@ -15,11 +18,48 @@
 
 namespace halfspace::detail {
 
-BvhTree::BvhTree(const BvhShape& shape, const MemoryResource& memory)
-    : shape_(shape), memory_(memory) {}
+static_assert(sizeof(BvhState) <= sizeof(BvhTree) &&
+              alignof(BvhState) <= alignof(BvhTree));
 
-BvhTree::BvhTree(const BvhTree& other, const MemoryResource& memory)
-    : BvhTree(other.shape_, memory) {
+BvhTree::BvhTree(const BvhShape& shape, const MemoryResource& memory) {
+  new (state_) BvhState(shape, memory);
+}
+
+BvhTree::BvhTree(const BvhTree& other, const MemoryResource& memory) {
+  new (state_) BvhState(BvhState::Of(other), memory);
+}
+
+BvhTree::BvhTree(BvhTree&& other) noexcept
+    : BvhTree(other.shape(), other.memory()) {
+  Swap(other);
+}
+
+BvhTree::~BvhTree() { BvhState::Of(*this).~BvhState(); }
+
+void BvhTree::Swap(BvhTree& other) noexcept {
+  BvhState::Of(*this).Swap(BvhState::Of(other));
+}
+
+const MemoryResource& BvhTree::memory() const {
+  return BvhState::Of(*this).memory();
+}
+
+std::size_t BvhTree::size() const { return BvhState::Of(*this).size(); }
+
+std::size_t BvhTree::bytes() const { return BvhState::Of(*this).bytes_; }
+
+std::size_t BvhTree::id_limit() const {
+  const BvhState& tree = BvhState::Of(*this);
+  return tree.block_ == nullptr ? 0 : tree.header().ids;
+}
+
+Span<const std::uint32_t> BvhTree::ids() const {
+  const BvhState& tree = BvhState::Of(*this);
+  return {tree.levels_.ids, tree.slots()};
+}
+
+BvhState::BvhState(const BvhState& other, const MemoryResource& memory)
+    : BvhState(other.shape_, memory) {
   if (other.block_ == nullptr) return;
   Allocate(other.Room());
   CopyButChecksum(block_, other.block_, bytes_);
@@ -29,14 +69,7 @@ BvhTree::BvhTree(const BvhTree& other, const MemoryResource& memory)
   is_as_loaded_ = other.is_as_loaded_;
 }
 
-BvhTree::BvhTree(BvhTree&& other) noexcept
-    : BvhTree(other.shape_, other.memory_) {
-  Swap(other);
-}
-
-BvhTree::~BvhTree() { Free(); }
-
-void BvhTree::Swap(BvhTree& other) noexcept {
+void BvhState::Swap(BvhState& other) noexcept {
   std::swap(shape_, other.shape_);
   std::swap(memory_, other.memory_);
   std::swap(block_, other.block_);
@@ -47,7 +80,7 @@ void BvhTree::Swap(BvhTree& other) noexcept {
   std::swap(levels_, other.levels_);
 }
 
-void BvhTree::Free() {
+void BvhState::Free() {
   if (block_ != nullptr && is_owned_) FreeBlock(memory_, block_, bytes_);
   block_ = nullptr;
   bytes_ = 0;
@@ -57,24 +90,12 @@ void BvhTree::Free() {
   levels_ = {};
 }
 
-BvhHeader& BvhTree::header() const {
-  return *reinterpret_cast<BvhHeader*>(block_);
-}
-
-BvhRoom BvhTree::Room() const {
+BvhRoom BvhState::Room() const {
   if (block_ == nullptr) return {};
   return {header().capacity, header().id_room, header().has_masks != 0};
 }
 
-std::size_t BvhTree::size() const {
-  return block_ == nullptr ? 0 : header().size;
-}
-
-std::size_t BvhTree::id_limit() const {
-  return block_ == nullptr ? 0 : header().ids;
-}
-
-void BvhTree::Allocate(const BvhRoom& room) {
+void BvhState::Allocate(const BvhRoom& room) {
   BvhLevels levels;
   const std::size_t bytes = Place(shape_, room, nullptr, false, levels);
   auto* const block = static_cast<std::byte*>(AllocateBlock(memory_, bytes));
@@ -99,16 +120,22 @@ void BvhTree::Allocate(const BvhRoom& room) {
 }
 
 void BvhTree::Build(const Columns& objects, const BuildOptions& options) {
-  CheckBuild(objects.size, options);
-  if (objects.size == 0) return Free();
-  CheckColumns(shape_, objects, "Bvh");
-  const Rounded floats(shape_, memory_, objects, objects.size, nullptr,
-                       options.run);
-  BuildIn({objects.size, 0, false}, floats.columns(), options);
+  BvhState& tree = BvhState::Of(*this);
+  tree.CheckBuild(objects.size, options);
+  if (objects.size == 0) return tree.Free();
+  CheckColumns(tree.shape_, objects, "Bvh");
+  const Rounded floats(tree.shape_, tree.memory_, objects, objects.size,
+                       nullptr, options.run);
+  tree.BuildIn({objects.size, 0, false}, floats.columns(), options);
 }
 
 void BvhTree::CheckBuild(std::size_t objects,
                          const BuildOptions& options) const {
+  BvhState::Of(*this).CheckBuild(objects, options);
+}
+
+void BvhState::CheckBuild(std::size_t objects,
+                          const BuildOptions& options) const {
   constexpr const char* kCall = "Bvh";
   std::ignore = KernelsFor(shape_, options.target, kCall);
   if (objects >= kMostObjects) {
@@ -122,8 +149,8 @@ void BvhTree::CheckBuild(std::size_t objects,
   }
 }
 
-void BvhTree::BuildIn(const BvhRoom& room, const Columns& objects,
-                      const BuildOptions& options) {
+void BvhState::BuildIn(const BvhRoom& room, const Columns& objects,
+                       const BuildOptions& options) {
   constexpr const char* kCall = "Bvh";
   CheckBuild(objects.size, options);
   const BvhKernels::OfPlanes& kernels =
@@ -146,6 +173,62 @@ void BvhTree::BuildIn(const BvhRoom& room, const Columns& objects,
       levels_.built[part] = AsIs(shape_, levels_, PartAt(levels_, part));
     }
   });
+}
+
+bool BvhState::Has(std::uint32_t id) const {
+  if (block_ == nullptr || id >= header().ids) return false;
+  if (levels_.slots == nullptr) return true;
+  return IsIn(levels_, header().slots, id);
+}
+
+bool BvhTree::Has(std::uint32_t id) const {
+  return BvhState::Of(*this).Has(id);
+}
+
+void BvhState::CheckId(std::uint32_t id, const char* call) const {
+  if (Has(id)) return;
+  dispatch::ThrowInvalid(call, "id", "the id of an object in the world",
+                         std::to_string(id));
+}
+
+void BvhTree::Get(std::uint32_t id, Span<float> values) const {
+  const BvhState& tree = BvhState::Of(*this);
+  constexpr const char* kCall = "Bvh::Get";
+  tree.CheckId(id, kCall);
+  const std::uint32_t* const ids = tree.levels_.ids;
+  const std::size_t slot =
+      tree.levels_.slots != nullptr
+          ? tree.levels_.slots[id]
+          : static_cast<std::size_t>(std::find(ids, ids + tree.slots(), id) -
+                                     ids);
+  if (slot == tree.slots()) {  // in an altered blob
+    dispatch::ThrowInvalid(kCall, "id", "an element of ids()",
+                           std::to_string(id));
+  }
+  GetAt(slot, values);
+}
+
+void BvhTree::GetAt(std::size_t slot, Span<float> values) const {
+  for (std::size_t p = 0; p < values.size(); ++p) {
+    values[p] = levels().level[0].Value(p, slot);
+  }
+}
+
+void BvhTree::Bounds(Span<float> values) const {
+  const BvhState& tree = BvhState::Of(*this);
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  const BvhLevels& levels = tree.levels_;
+  const BvhLevel* const top =
+      tree.block_ == nullptr ? nullptr : &levels.level[levels.count - 1];
+  for (std::size_t p = 0; p < values.size(); ++p) {
+    const float sign = p < tree.shape_.axes ? 1.0f : -1.0f;
+    float least = kInf;
+    for (std::size_t i = 0; top != nullptr && i < top->size; ++i) {
+      const float v = sign * top->Value(p, i);
+      least = v == v ? std::min(least, v) : -kInf;
+    }
+    values[p] = sign * least;
+  }
 }
 
 }  // namespace halfspace::detail

@@ -6,25 +6,24 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <optional>
+#include <type_traits>
 
 #include "dispatch/errors/error.h"
+#include "dispatch/exact/default_fp_mode.h"
 #include "dispatch/exact/exact_bound.h"
 #include "dispatch/exact/outward.h"
-#include "dispatch/fit/instantiate.h"
 #include "halfspace/detail/plane_arrays.h"
 #include "kernels/fit_many/root_of_dims.h"
 
-namespace halfspace {
+namespace halfspace::detail {
 namespace {
 
-using detail::HasMax;
-using detail::HasMin;
-using dispatch::Build;
 using dispatch::RoundDown;
 using dispatch::SumExactly;
 
-constexpr float kUnbounded = -detail::kMax<float>;  // as a minimum
+constexpr std::size_t kMostDims = 4;
+constexpr std::size_t kMostTerms = 2 * kMostDims + 1;
+constexpr float kUnbounded = -kMax<float>;  // as a minimum
 constexpr float kMostMagnitude = 0x1p126f;
 
 // False for NaN too.
@@ -36,289 +35,280 @@ bool IsValid(float minimum) {
   return minimum == kUnbounded || CanBeBounded(minimum);
 }
 
-template <std::size_t kCount>
-std::array<float, kCount> Negated(std::array<float, kCount> values) {
-  for (float& value : values) value = -value;
-  return values;
+std::size_t CountOf(const AnyBound& bound) {
+  return bound.minima + bound.maxima;
+}
+std::size_t AxisOf(const AnyBound& bound, std::size_t i) {
+  return i < bound.minima ? i : i - bound.minima;
+}
+// -1 for the mirrored.
+float SignOf(const AnyBound& bound, std::size_t i) {
+  return i < bound.minima ? 1.0f : -1.0f;
+}
+
+bool HasBothSides(const AnyBound& bound) {
+  return bound.minima != 0 && bound.maxima != 0;
+}
+
+// Whether test(minimum) is true for each minimum and mirrored maximum.
+template <typename Test>
+bool AreAll(const AnyBound& bound, const float* values, const Test& test) {
+  for (std::size_t i = 0; i < CountOf(bound); ++i) {
+    if (!test(SignOf(bound, i) * values[i])) return false;
+  }
+  return true;
+}
+
+bool IsEmpty(const AnyBound& bound, const float* values) {
+  return AreAll(bound, values, [](float v) { return v >= kMax<float>; });
+}
+
+void Fill(const AnyBound& bound, float minimum) {
+  for (std::size_t i = 0; i < CountOf(bound); ++i) {
+    bound.values[i] = SignOf(bound, i) * minimum;
+  }
+}
+
+// Calls try_change(), which replaces the values or returns false if they cannot
+// be bounded, in the default mode. Counts the result.
+template <typename TryChange>
+void Build(const AnyBound& bound, FitStatus* status,
+           const TryChange& try_change) {
+  dispatch::InDefaultFpMode([&] {
+    if (!try_change()) Fill(bound, kUnbounded);
+    if (status == nullptr) return;
+    const bool is_everything =
+        AreAll(bound, bound.values, [](float v) { return v == kUnbounded; });
+    if (is_everything && status->everything++ == 0) {
+      status->first_everything = status->results;
+    }
+    ++status->results;
+  });
 }
 
 // Replaces each minimum of the bound, and each mirrored maximum, by
-// change(minimum, axis, sign), where the sign is -1 for the mirrored. Nothing
-// if a value cannot be bounded. Not inlined: a move takes 10 ns more if it is.
-template <typename Bound, typename Change>
-HALFSPACE_NOINLINE std::optional<Bound> TryChange(const Bound& bound,
-                                                  const Change& change) {
-  bool ok = true;
-  const auto changed = [&](float minimum, std::size_t axis, double sign) {
-    if (minimum == kUnbounded) return kUnbounded;
-    const float result = change(minimum, axis, sign);
-    ok &= CanBeBounded(minimum) && IsValid(result);
-    return result;
-  };
-  Bound result;
-  for (std::size_t k = 0; k < Bound::kAxes; ++k) {
-    if constexpr (HasMin<Bound>) {
-      result.min[k] = changed(bound.min[k], k, 1.0);
-    }
-    if constexpr (HasMax<Bound>) {
-      result.max[k] = -changed(-bound.max[k], k, -1.0);
-    }
+// change(minimum, axis, sign). Returns false if a value cannot be bounded.
+// Nothing stays nothing, whatever the change; by an amount that is not finite,
+// all else becomes everything.
+template <typename Change>
+bool ChangePlanes(const AnyBound& bound, bool is_finite, const Change& change) {
+  if (IsEmpty(bound, bound.values)) {
+    Fill(bound, kInf<float>);
+    return true;
   }
-  if (!ok) return std::nullopt;
-  return result;
+  if (!is_finite) return false;
+  bool ok = true;
+  std::array<float, kMaxPlanes> changed;
+  for (std::size_t i = 0; i < CountOf(bound); ++i) {
+    const float sign = SignOf(bound, i);
+    const float minimum = sign * bound.values[i];
+    float result = kUnbounded;
+    if (minimum != kUnbounded) {
+      result = change(minimum, AxisOf(bound, i), sign);
+      ok &= CanBeBounded(minimum) && IsValid(result);
+    }
+    changed[i] = sign * result;
+  }
+  std::copy_n(changed.begin(), CountOf(bound), bound.values);
+  return ok;
 }
 
-// In the default mode, which the callers set. Nothing stays nothing, whatever
-// the change; by an amount that is not finite, all else becomes everything.
-template <typename Bound, typename Change>
-std::optional<Bound> ChangePlanes(const Bound& bound, bool is_finite,
-                                  const Change& change) {
-  if (IsEmpty(bound)) return Bound::Empty();
-  if (!is_finite) return std::nullopt;
-  return TryChange(bound, change);
-}
-
-template <typename Bound>
-constexpr bool IsD(std::size_t axis) {
-  static_assert(Bound::kAxes >= Bound::kDimensions, "slot k is axis k");
-  return axis == static_cast<std::size_t>(Bound::kDimensions);
-}
-
-template <typename Coords>
-bool IsFinite(const Coords& point) {
-  return std::all_of(point.begin(), point.end(),
+bool AreFinite(const float* coords, std::size_t dims) {
+  return std::all_of(coords, coords + dims,
                      [](float x) { return std::isfinite(x); });
 }
 
-// A minimum, or mirrored maximum, after all points moved by `by`.
-template <typename Bound, std::size_t kDims>
-float Moved(float minimum, std::size_t axis, double sign,
-            const std::array<float, kDims>& by) {
-  if (!IsD<Bound>(axis)) {
-    return RoundDown(
-        SumExactly(std::array<double, 2>{minimum, sign * by[axis]}));
+float PlusExactly(float minimum, double more) {
+  return RoundDown(SumExactly(std::array<double, 2>{minimum, more}));
+}
+
+// The exact sum of a few terms, whose number is known where it is computed.
+dispatch::ExactSum SumOf(const double* terms, std::size_t count) {
+  const auto sum = [terms](auto constant) {
+    std::array<double, decltype(constant)::value> some;
+    std::copy_n(terms, some.size(), some.begin());
+    return SumExactly(some);
+  };
+  switch (count) {
+    case 3:
+      return sum(std::integral_constant<std::size_t, 3>());
+    case 4:
+      return sum(std::integral_constant<std::size_t, 4>());
+    case 5:
+      return sum(std::integral_constant<std::size_t, 5>());
+    case 7:
+      return sum(std::integral_constant<std::size_t, 7>());
+    default:
+      return sum(std::integral_constant<std::size_t, kMostTerms>());
   }
-  std::array<double, kDims + 1> terms;
-  for (std::size_t k = 0; k < kDims; ++k) terms[k] = -sign * by[k];
-  terms[kDims] = minimum;
-  return RoundDown(SumExactly(terms));
+}
+
+// A minimum of D after the points moved by sign * `by`, less the `count`
+// numbers of `less`.
+float MovedD(const AnyBound& bound, float minimum, float sign, const float* by,
+             const double* less, std::size_t count) {
+  double terms[kMostTerms];
+  for (std::size_t k = 0; k < bound.dims; ++k) terms[k] = -sign * by[k];
+  for (std::size_t k = 0; k < count; ++k) terms[bound.dims + k] = -less[k];
+  terms[bound.dims + count] = minimum;
+  return RoundDown(SumOf(terms, bound.dims + count + 1));
 }
 
 // The opposing simplex' minima, mirrored: on each axis, minus the sum of the
-// others, since all axes sum to zero. Not inlined, as TryChange.
-template <std::size_t kAxes>
-HALFSPACE_NOINLINE std::optional<std::array<float, kAxes>> TryOpposing(
-    const std::array<float, kAxes>& minima) {
-  std::array<double, kAxes> terms;
-  std::copy(minima.begin(), minima.end(), terms.begin());
+// others, since all axes sum to zero.
+bool TryOpposing(const AnyBound& simplex) {
+  std::array<double, kMostDims + 1> terms{};
+  std::copy_n(simplex.values, simplex.minima, terms.begin());
   bool is_bounded = true;
-  for (float minimum : minima) {
+  for (std::size_t k = 0; k < simplex.minima; ++k) {
+    const float minimum = simplex.values[k];
     if (minimum == kUnbounded) {
       is_bounded = false;
     } else if (!CanBeBounded(minimum)) {
-      return std::nullopt;
+      return false;
     }
   }
-  if (is_bounded && SumExactly(terms).value > 0.0) {
+  if (is_bounded && SumOf(terms.data(), simplex.minima).value > 0.0) {
     dispatch::ThrowInvalid("Circumscribe", "simplex",
                            "planes that sum to 0 or less",
                            "a simplex that contains no point");
   }
-  std::array<float, kAxes> opposing;
-  for (std::size_t k = 0; k < kAxes; ++k) {
-    std::array<double, kAxes> others = terms;
+  for (std::size_t k = 0; k < simplex.minima; ++k) {
+    std::array<double, kMostDims + 1> others = terms;
     others[k] = 0.0;
     const bool unbounded =
         std::count(others.begin(), others.end(), double{kUnbounded}) != 0;
-    opposing[k] = unbounded ? kUnbounded : RoundDown(SumExactly(others));
-    if (!unbounded && !CanBeBounded(opposing[k])) return std::nullopt;
+    float& opposing = simplex.values[k];
+    opposing = unbounded ? kUnbounded
+                         : RoundDown(SumOf(others.data(), simplex.minima));
+    if (!unbounded && !CanBeBounded(opposing)) return false;
   }
-  return opposing;
+  return true;
 }
 
-template <typename Bound>
-std::optional<Bound> TryMerge(const Bound& first, const Bound& second) {
-  const Bound& a = IsEmpty(first) ? second : first;
-  const Bound& b = IsEmpty(second) ? first : second;
-  if (IsEmpty(a)) return Bound::Empty();
-  bool ok = true;
-  const auto merged = [&](float one, float other) {
-    ok &= IsValid(one) && IsValid(other);
-    return std::min(one, other);
-  };
-  Bound result;
-  for (std::size_t k = 0; k < Bound::kAxes; ++k) {
-    if constexpr (HasMin<Bound>) result.min[k] = merged(a.min[k], b.min[k]);
-    if constexpr (HasMax<Bound>) result.max[k] = -merged(-a.max[k], -b.max[k]);
+// Minima and maxima change places.
+void Mirror(const AnyBound& bound) {
+  for (std::size_t k = 0; k < bound.minima; ++k) {
+    const float min = bound.values[k];
+    bound.values[k] = -bound.values[bound.minima + k];
+    bound.values[bound.minima + k] = -min;
   }
-  if (!ok) return std::nullopt;
-  return result;
-}
-
-// The mirrored bound: minima and maxima change places.
-template <typename Bound>
-Bound Mirrored(const Bound& bound) {
-  Bound mirrored;
-  for (std::size_t k = 0; k < Bound::kAxes; ++k) {
-    mirrored.min[k] = -bound.max[k];
-    mirrored.max[k] = -bound.min[k];
-  }
-  return mirrored;
-}
-
-// Coordinates that were moved and rounded.
-template <typename Bound, std::size_t kDims>
-std::optional<Bound> TryMoveVertices(const Bound& bound,
-                                     const std::array<float, kDims>& by) {
-  // In float, to nearest, as the vertices are. Rounding is monotone, so the
-  // least vertex stays the least.
-  const auto rounded = [&](float minimum, std::size_t axis, double sign) {
-    return minimum + static_cast<float>(sign) * by[axis];
-  };
-  std::array<double, 2 * kDims + 1> terms;
-  const auto moved = [&](float minimum, std::size_t axis, double sign) {
-    if (!IsD<Bound>(axis)) return rounded(minimum, axis, sign);
-    for (std::size_t k = 0; k < kDims; ++k) {
-      terms[k] = -sign * by[k];
-      // Rounding moves a coordinate by half an ulp at most: 2^-24 of it.
-      const double low = rounded(bound.min[k], k, 1.0);
-      const double high = rounded(bound.max[k], k, 1.0);
-      terms[kDims + k] = -0x1p-24 * std::max(std::fabs(low), std::fabs(high));
-    }
-    terms[2 * kDims] = minimum;
-    return RoundDown(SumExactly(terms));
-  };
-  return ChangePlanes(bound, IsFinite(by), moved);
-}
-
-template <typename Bound>
-std::optional<Bound> TryScale(const Bound& bound, float factor) {
-  constexpr bool kHasBothSides = HasMin<Bound> && HasMax<Bound>;
-  const bool is_possible = kHasBothSides ? !std::isnan(factor) : factor >= 0.f;
-  if (!is_possible) {
-    dispatch::ThrowInvalid(
-        "Scale", "factor",
-        kHasBothSides ? "a number" : "a number that is not negative",
-        dispatch::Shortest(factor));
-  }
-  if constexpr (kHasBothSides) {
-    if (factor < 0.f && !IsEmpty(bound)) {
-      return TryScale(Mirrored(bound), -factor);
-    }
-  }
-  const auto scaled = [&](float minimum, std::size_t, double) {
-    return RoundDown({double{minimum} * double{factor}, 0.0});
-  };
-  // An infinite factor shows in the products.
-  return ChangePlanes(bound, true, scaled);
 }
 
 }  // namespace
 
-template <typename Bound, typename>
-Bound Merge(const Bound& a, const Bound& b, FitStatus* status) {
-  return Build(status, [&] { return TryMerge(a, b); });
+void Merge(const AnyBound& bound, const float* other, FitStatus* status) {
+  Build(bound, status, [&] {
+    const float* const a = IsEmpty(bound, bound.values) ? other : bound.values;
+    const float* const b = IsEmpty(bound, other) ? bound.values : other;
+    if (IsEmpty(bound, a)) {
+      Fill(bound, kInf<float>);
+      return true;
+    }
+    bool ok = true;
+    for (std::size_t i = 0; i < CountOf(bound); ++i) {
+      const float sign = SignOf(bound, i);
+      const float one = sign * a[i];
+      const float two = sign * b[i];
+      ok &= IsValid(one) && IsValid(two);
+      bound.values[i] = sign * std::min(one, two);
+    }
+    return ok;
+  });
 }
 
-template <typename Bound, typename>
-Bound Inflate(const Bound& bound, float radius, FitStatus* status) {
-  return Build(status, [&] {
+void Inflate(const AnyBound& bound, float radius, FitStatus* status) {
+  Build(bound, status, [&] {
     dispatch::CheckLength("Inflate", "radius", radius);
-    const auto inflated = [&](float minimum, std::size_t axis, double) {
-      if (!IsD<Bound>(axis)) {
-        return RoundDown(
-            SumExactly(std::array<double, 2>{minimum, -double{radius}}));
-      }
-      const auto reach =
-          kernels::TimesRootOfDims<Bound::kDimensions>(double{radius});
-      return RoundDown(SumExactly(
-          std::array<double, 4>{minimum, -reach[0], -reach[1], -reach[2]}));
+    const auto reach = [&] {
+      if (bound.dims == 2) return kernels::TimesRootOfDims<2>(double{radius});
+      if (bound.dims == 3) return kernels::TimesRootOfDims<3>(double{radius});
+      return kernels::TimesRootOfDims<4>(double{radius});
     };
-    return ChangePlanes(bound, std::isfinite(radius), inflated);
+    return ChangePlanes(bound, std::isfinite(radius),
+                        [&](float minimum, std::size_t axis, float) {
+                          if (axis != bound.dims)
+                            return PlusExactly(minimum, -double{radius});
+                          const auto parts = reach();
+                          return RoundDown(SumExactly(std::array<double, 4>{
+                              minimum, -parts[0], -parts[1], -parts[2]}));
+                        });
   });
 }
 
-template <typename Bound, typename>
-Bound InflateByBox(const Bound& bound, float margin, FitStatus* status) {
-  return Build(status, [&] {
+void InflateByBox(const AnyBound& bound, float margin, FitStatus* status) {
+  Build(bound, status, [&] {
     dispatch::CheckLength("InflateByBox", "margin", margin);
-    const auto inflated = [&](float minimum, std::size_t axis, double) {
-      const double times = IsD<Bound>(axis) ? double{Bound::kDimensions} : 1.0;
-      return RoundDown(
-          SumExactly(std::array<double, 2>{minimum, -times * margin}));
-    };
-    return ChangePlanes(bound, std::isfinite(margin), inflated);
+    return ChangePlanes(
+        bound, std::isfinite(margin),
+        [&](float minimum, std::size_t axis, float) {
+          const double times =
+              axis == bound.dims ? static_cast<double>(bound.dims) : 1.0;
+          return PlusExactly(minimum, -times * margin);
+        });
   });
 }
 
-template <typename Bound, typename>
-Bound Translate(const Bound& bound, const Point<Bound::kDimensions>& by,
-                FitStatus* status) {
-  return Build(status, [&] {
-    const auto moved = [&](float minimum, std::size_t axis, double sign) {
-      return Moved<Bound>(minimum, axis, sign, by);
-    };
-    return ChangePlanes(bound, IsFinite(by), moved);
+void Translate(const AnyBound& bound, const float* by, FitStatus* status) {
+  Build(bound, status, [&] {
+    return ChangePlanes(bound, AreFinite(by, bound.dims),
+                        [&](float minimum, std::size_t axis, float sign) {
+                          if (axis != bound.dims) {
+                            return PlusExactly(minimum,
+                                               double{sign} * by[axis]);
+                          }
+                          return MovedD(bound, minimum, sign, by, nullptr, 0);
+                        });
   });
 }
 
-template <typename Bound, typename, typename>
-Bound TranslateVertices(const Bound& bound, const Point<Bound::kDimensions>& by,
-                        FitStatus* status) {
-  return Build(status, [&] { return TryMoveVertices(bound, by); });
-}
-
-template <typename Bound, typename>
-Bound Scale(const Bound& bound, float factor, FitStatus* status) {
-  return Build(status, [&] { return TryScale(bound, factor); });
-}
-
-template <int kDims>
-DownSimplex<kDims> Circumscribe(const UpSimplex<kDims>& simplex,
-                                FitStatus* status) {
-  using Result = DownSimplex<kDims>;
-  return Build(status, [&]() -> std::optional<Result> {
-    if (IsEmpty(simplex)) return Result::Empty();
-    const auto opposing = TryOpposing(simplex.min);
-    if (!opposing) return std::nullopt;
-    return Result{Negated(*opposing)};
+// In float, to nearest, as the vertices are. Rounding is monotone, so the least
+// vertex stays the least.
+void TranslateVertices(const AnyBound& bound, const float* by,
+                       FitStatus* status) {
+  Build(bound, status, [&] {
+    return ChangePlanes(
+        bound, AreFinite(by, bound.dims),
+        [&](float minimum, std::size_t axis, float sign) {
+          if (axis != bound.dims) return minimum + sign * by[axis];
+          // Rounding moves a coordinate by half an ulp at most: 2^-24 of it.
+          std::array<double, kMostDims> rounded;
+          for (std::size_t k = 0; k < bound.dims; ++k) {
+            const float low = bound.values[k] + by[k];
+            const float high = bound.values[bound.minima + k] + by[k];
+            rounded[k] = 0x1p-24 * std::max(std::fabs(low), std::fabs(high));
+          }
+          return MovedD(bound, minimum, sign, by, rounded.data(), bound.dims);
+        });
   });
 }
 
-template <int kDims>
-UpSimplex<kDims> Circumscribe(const DownSimplex<kDims>& simplex,
-                              FitStatus* status) {
-  using Result = UpSimplex<kDims>;
-  return Build(status, [&]() -> std::optional<Result> {
-    if (IsEmpty(simplex)) return Result::Empty();
-    const auto opposing = TryOpposing(Negated(simplex.max));
-    if (!opposing) return std::nullopt;
-    return Result{*opposing};
+void Scale(const AnyBound& bound, float factor, FitStatus* status) {
+  Build(bound, status, [&] {
+    const bool has_both_sides = HasBothSides(bound);
+    if (has_both_sides ? std::isnan(factor) : !(factor >= 0.f)) {
+      dispatch::ThrowInvalid(
+          "Scale", "factor",
+          has_both_sides ? "a number" : "a number that is not negative",
+          dispatch::Shortest(factor));
+    }
+    if (factor < 0.f && !IsEmpty(bound, bound.values)) {
+      Mirror(bound);
+      factor = -factor;
+    }
+    // An infinite factor shows in the products.
+    return ChangePlanes(bound, true, [&](float minimum, std::size_t, float) {
+      return RoundDown({double{minimum} * double{factor}, 0.0});
+    });
   });
 }
 
-#define HALFSPACE_INSTANTIATE_BOUND(Bound)                                    \
-  template HALFSPACE_API Bound Merge(const Bound&, const Bound&, FitStatus*); \
-  template HALFSPACE_API Bound Inflate(const Bound&, float, FitStatus*);      \
-  template HALFSPACE_API Bound InflateByBox(const Bound&, float, FitStatus*); \
-  template HALFSPACE_API Bound Translate(                                     \
-      const Bound&, const Point<Bound::kDimensions>&, FitStatus*);            \
-  template HALFSPACE_API Bound Scale(const Bound&, float, FitStatus*)
-#define HALFSPACE_INSTANTIATE(d)                                          \
-  HALFSPACE_INSTANTIATE_BOUND(UpSimplex<d>);                              \
-  HALFSPACE_INSTANTIATE_BOUND(DownSimplex<d>);                            \
-  HALFSPACE_INSTANTIATE_BOUND(Aabb<d>);                                   \
-  HALFSPACE_INSTANTIATE_BOUND(Aabo<d>);                                   \
-  template HALFSPACE_API Aabb<d> TranslateVertices(                       \
-      const Aabb<d>&, const Point<d>&, FitStatus*);                       \
-  template HALFSPACE_API Aabo<d> TranslateVertices(                       \
-      const Aabo<d>&, const Point<d>&, FitStatus*);                       \
-  template HALFSPACE_API DownSimplex<d> Circumscribe(const UpSimplex<d>&, \
-                                                     FitStatus*);         \
-  template HALFSPACE_API UpSimplex<d> Circumscribe(const DownSimplex<d>&, \
-                                                   FitStatus*)
-HALFSPACE_FOR_ALL_DIMS(HALFSPACE_INSTANTIATE);
-#undef HALFSPACE_INSTANTIATE
-#undef HALFSPACE_INSTANTIATE_BOUND
+void Circumscribe(const AnyBound& simplex, FitStatus* status) {
+  Build(simplex, status, [&] {
+    if (!IsEmpty(simplex, simplex.values)) return TryOpposing(simplex);
+    Fill(simplex, kInf<float>);
+    return true;
+  });
+}
 
-}  // namespace halfspace
+}  // namespace halfspace::detail

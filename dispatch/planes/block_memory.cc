@@ -1,10 +1,9 @@
-#include "halfspace/detail/block_memory.h"
-
 #include <cstdint>
 #include <cstdlib>
 #include <new>
 
 #include "dispatch/errors/error.h"
+#include "halfspace/detail/plane_arrays.h"
 
 #if defined(__linux__)
 #include <sys/mman.h>

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "dispatch/errors/memory_checks.h"
-#include "halfspace/detail/quantizer.h"
+#include "halfspace/detail/quantized.h"
 
 namespace halfspace::detail {
 namespace {

@@ -1,11 +1,11 @@
-#include "halfspace/detail/quantizer.h"
-
 #include <algorithm>
 #include <bit>
 #include <limits>
 #include <numeric>
 #include <span>
 #include <utility>
+
+#include "halfspace/detail/quantized.h"
 
 namespace halfspace::detail {
 namespace {

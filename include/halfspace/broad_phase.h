@@ -265,16 +265,15 @@ class BroadPhase {
   // is freed by the first Update() after the query has ended. The function must
   // return on the thread that called the query: a fiber must not go on on
   // another thread. Exceptions of the function pass through.
-  template <typename Function>
-  void ForEach(const typename View::Query& query, std::uint64_t mask,
+  template <typename Function, typename Query = typename View::Query,
+            typename Asked = detail::BvhAsked<View, Query>>
+  void ForEach(const Query& query, std::uint64_t mask,
                Function&& function) const {
-    Query(detail::QueriesOf(&query, 1), mask, function);
-  }
-  template <typename Shape, typename Function,
-            typename = detail::IfShapeOf<View, Shape>>
-  void ForEach(const Shape& shape, std::uint64_t mask,
-               Function&& function) const {
-    Query(detail::ShapeQueries<View>(&shape, 1), mask, function);
+    detail::Callback call{[&function](std::uint32_t id, const float* planes) {
+      const auto bound = detail::BoundFrom<Bound, 1>(planes);
+      return function(id, bound);
+    }};
+    core_.ForEach(Asked::Of(query), mask, &decltype(call)::Run, &call);
   }
 
   // Calls function(std::uint32_t id, float t, const Bound&), or function(id,
@@ -397,15 +396,6 @@ class BroadPhase {
  private:
   static const detail::BvhPairKernels* PairKernels() {
     return detail::BvhPairKernelsOf<Bound::kAxes>::kTargets;
-  }
-  template <typename Function>
-  void Query(const detail::BvhQueries& query, std::uint64_t mask,
-             Function& function) const {
-    detail::Callback call{[&function](std::uint32_t id, const float* planes) {
-      const auto bound = detail::BoundFrom<Bound, 1>(planes);
-      return function(id, bound);
-    }};
-    core_.ForEach(query, mask, &decltype(call)::Run, &call);
   }
   template <typename Function>
   void Cast(const detail::LineCast& cast, std::uint64_t mask,

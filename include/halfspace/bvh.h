@@ -50,10 +50,12 @@
 #ifndef HALFSPACE_BVH_H_
 #define HALFSPACE_BVH_H_
 
+#include <array>  // std::data
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <type_traits>
+#include <utility>
 
 #include "halfspace/detail/bvh.h"
 #include "halfspace/memory.h"
@@ -118,13 +120,32 @@ BvhShape BvhShapeOf() {
           static_cast<std::uint8_t>(Bound::kAxes), HasMax<Bound>};
 }
 
-template <typename Query>
-BvhQueries QueriesOf(const Query* queries, std::size_t count) {
-  static_assert(std::is_standard_layout_v<Query> &&
-                    sizeof(Query) == kPlaneCount<Query> * sizeof(float),
+template <typename Query, const BvhShapeKind* kKind = nullptr>
+struct BvhQueriesOf {
+  static BvhQueries Of(const Query& query) { return {&query, 1, kKind}; }
+  static BvhQueries OfEach(Span<const Query> queries) {
+    return {queries.data(), queries.size(), kKind};
+  }
+};
+
+// What a call asks a Bvh, by the type of the query. bvh_shapes.h adds shapes.
+template <typename View, typename Query, typename = void>
+struct BvhAsked : BvhQueriesOf<Query> {
+  static_assert(sizeof(Query) == 0,
+                "a Bvh takes queries of its own type, View::Query, and shapes "
+                "of floats in its dimensions: include bvh_shapes.h. Bound "
+                "other shapes first (fit.h)");
+};
+template <typename View, typename Query>
+struct BvhAsked<View, Query,
+                std::enable_if_t<std::is_convertible_v<
+                    const Query&, const typename View::Query&>>>
+    : BvhQueriesOf<typename View::Query> {
+  using Own = typename View::Query;
+  static_assert(std::is_standard_layout_v<Own> &&
+                    sizeof(Own) == kPlaneCount<Own> * sizeof(float),
                 "a query is read as a list of its values");
-  return {queries, count};
-}
+};
 
 template <typename Bound>
 Span<const typename Bound::Scalar> ValuesOfAll(Span<const Bound> bounds) {
@@ -475,25 +496,25 @@ using AaboBvh3 = Bvh<AaboView3>;
 // overwritten. The first `skip` ids are not written, so that a call whose `ids`
 // were too short can be continued. The order of the ids is the same in each
 // call with the same arguments and target, until the world changes.
-template <typename View>
-[[nodiscard]] std::size_t Survivors(const Bvh<View>& world,
-                                    const typename View::Query& query,
+template <typename View, typename Query = typename View::Query,
+          typename Asked = detail::BvhAsked<View, Query>>
+[[nodiscard]] std::size_t Survivors(const Bvh<View>& world, const Query& query,
                                     Span<std::uint32_t> ids,
                                     const QueryOptions& options = {},
                                     std::size_t skip = 0) {
-  return detail::BvhSurvivors(detail::TreeOf(world),
-                              detail::QueriesOf(&query, 1), ids, options, skip);
+  return detail::BvhSurvivors(detail::TreeOf(world), Asked::Of(query), ids,
+                              options, skip);
 }
 
 // Returns the number of survivors. A node inside a box or an octahedron is
 // counted without a visit, so the cost of a large query grows with its surface
 // and not with its volume. A query with a mask visits it, if masks were set.
-template <typename View>
+template <typename View, typename Query = typename View::Query,
+          typename Asked = detail::BvhAsked<View, Query>>
 [[nodiscard]] std::size_t CountSurvivors(const Bvh<View>& world,
-                                         const typename View::Query& query,
+                                         const Query& query,
                                          const QueryOptions& options = {}) {
-  return detail::BvhCount(detail::TreeOf(world), detail::QueriesOf(&query, 1),
-                          options);
+  return detail::BvhCount(detail::TreeOf(world), Asked::Of(query), options);
 }
 
 // Writes the number of survivors of each query. Queries walk the tree 64 at a
@@ -504,20 +525,21 @@ void CountSurvivorsOfEach(const Bvh<View>& world,
                           Span<const typename View::Query> queries,
                           Span<std::size_t> counts,
                           const QueryOptions& options = {}) {
-  detail::BvhCountOfEach(detail::TreeOf(world),
-                         detail::QueriesOf(queries.data(), queries.size()),
-                         counts, options);
+  detail::BvhCountOfEach(
+      detail::TreeOf(world),
+      detail::BvhAsked<View, typename View::Query>::OfEach(queries), counts,
+      options);
 }
 
 // Returns the id of a survivor, or nothing if there is none. Reads no leaf
 // after the first that has one.
-template <typename View>
+template <typename View, typename Query = typename View::Query,
+          typename Asked = detail::BvhAsked<View, Query>>
 [[nodiscard]] std::optional<std::uint32_t> AnySurvivor(
-    const Bvh<View>& world, const typename View::Query& query,
+    const Bvh<View>& world, const Query& query,
     const QueryOptions& options = {}) {
   std::uint32_t id = 0;
-  if (!detail::BvhAny(detail::TreeOf(world), detail::QueriesOf(&query, 1), id,
-                      options)) {
+  if (!detail::BvhAny(detail::TreeOf(world), Asked::Of(query), id, options)) {
     return std::nullopt;
   }
   return id;
@@ -527,11 +549,13 @@ template <typename View>
 // time: first with those of the first leaf that has any, as soon as it was
 // read. The function returns void or Visit (visit.h). Exceptions of the
 // function pass through. The function must not change the world.
-template <typename View, typename Function>
-void ForEachSurvivor(const Bvh<View>& world, const typename View::Query& query,
+template <typename View, typename Function,
+          typename Query = typename View::Query,
+          typename Asked = detail::BvhAsked<View, Query>>
+void ForEachSurvivor(const Bvh<View>& world, const Query& query,
                      Function&& function, const QueryOptions& options = {}) {
   detail::Callback call{function};
-  detail::BvhForEach(detail::TreeOf(world), detail::QueriesOf(&query, 1),
+  detail::BvhForEach(detail::TreeOf(world), Asked::Of(query),
                      &decltype(call)::Run, &call, options);
 }
 
@@ -545,14 +569,19 @@ void ForEachSurvivor(const Bvh<View>& world, const typename View::Query& query,
 // and `offsets` are written as if it were long enough. Elements of `ids` behind
 // the last id may be overwritten. `skip` is that of Survivors(), for the ids of
 // all queries. `offsets` do not depend on it.
-template <typename View>
-[[nodiscard]] std::size_t SurvivorsOfEach(
-    const Bvh<View>& world, Span<const typename View::Query> queries,
-    Span<std::uint32_t> ids, Span<std::size_t> offsets,
-    const QueryOptions& options = {}, std::size_t skip = 0) {
-  return detail::BvhSurvivorsOfEach(
-      detail::TreeOf(world), detail::QueriesOf(queries.data(), queries.size()),
-      ids, offsets, options, skip);
+template <typename View, typename Queries = Span<const typename View::Query>,
+          typename Query = std::decay_t<
+              decltype(*std::data(std::declval<const Queries&>()))>,
+          typename Asked = detail::BvhAsked<View, Query>>
+[[nodiscard]] std::size_t SurvivorsOfEach(const Bvh<View>& world,
+                                          const Queries& queries,
+                                          Span<std::uint32_t> ids,
+                                          Span<std::size_t> offsets,
+                                          const QueryOptions& options = {},
+                                          std::size_t skip = 0) {
+  return detail::BvhSurvivorsOfEach(detail::TreeOf(world),
+                                    Asked::OfEach(queries), ids, offsets,
+                                    options, skip);
 }
 
 }  // namespace halfspace

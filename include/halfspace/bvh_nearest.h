@@ -47,7 +47,7 @@
 
 #include "halfspace/bounds.h"
 #include "halfspace/bvh.h"
-#include "halfspace/detail/bvh_nearest.h"
+#include "halfspace/detail/bvh.h"
 #include "halfspace/shapes.h"
 #include "halfspace/span.h"
 #include "halfspace/target.h"

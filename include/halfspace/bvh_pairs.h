@@ -44,7 +44,7 @@
 #include <cstdint>
 
 #include "halfspace/bvh.h"
-#include "halfspace/detail/bvh_pairs.h"
+#include "halfspace/detail/bvh.h"
 #include "halfspace/span.h"
 #include "halfspace/target.h"
 #include "halfspace/visit.h"

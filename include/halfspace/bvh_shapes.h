@@ -8,10 +8,11 @@
 //   AnySurvivor(bvh, frustum)        e.g. a std::array<HalfSpace3, 6>
 //   SurvivorsOfEach(bvh, spheres, ids, offsets)
 //
-// A query shape is a Point<d>, Sphere<d>, Segment<d>, Capsule<d> or
-// OrientedBox<d> of floats (shapes.h) in the world's d dimensions, or a list of
-// up to 64 HalfSpace<d>: the region in front of all of them. Everything else is
-// as in bvh.h.
+// This header adds types of queries to the calls of bvh.h, except
+// CountSurvivorsOfEach(). A query shape is a Point<d>, Sphere<d>, Segment<d>,
+// Capsule<d> or OrientedBox<d> of floats (shapes.h) in the world's d
+// dimensions, or a list of up to 64 HalfSpace<d>: the region in front of all of
+// them. Everything else is as in bvh.h.
 //
 // An object survives unless a test of its bound proves that the shape cannot
 // touch it:
@@ -66,20 +67,16 @@
 #ifndef HALFSPACE_BVH_SHAPES_H_
 #define HALFSPACE_BVH_SHAPES_H_
 
-#include <array>  // std::data and std::size
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <type_traits>
 #include <utility>
 
-#include "halfspace/bvh.h"
-#include "halfspace/detail/bvh_shapes.h"
+#include "halfspace/bvh.h"  // IWYU pragma: export
+#include "halfspace/detail/bvh.h"
 #include "halfspace/shapes.h"
 
-namespace halfspace {
-
-namespace detail {
+namespace halfspace::detail {
 
 template <typename Shape>
 BvhShapeQuery ShapeQuery(BvhShapeQuery::Kind kind, int dims,
@@ -117,104 +114,23 @@ BvhShapeQuery ShapeQueryOf(Span<const HalfSpace<kDims>> half_spaces) {
                     half_spaces.size());
 }
 
-// A type only if a Shape is one for worlds of this view.
-template <typename View, typename Shape, int kDims = View::Bound::kDimensions>
-using IfShapeOf = std::enable_if_t<
-    std::is_same_v<Shape, Point<kDims>> ||
-    std::is_same_v<Shape, Sphere<kDims>> ||
-    std::is_same_v<Shape, Segment<kDims>> ||
-    std::is_same_v<Shape, Capsule<kDims>> ||
-    std::is_same_v<Shape, OrientedBox<kDims>> ||
-    std::is_convertible_v<const Shape&, Span<const HalfSpace<kDims>>>>;
-
 template <typename View, typename Shape>
 BvhShapeQuery ShapeQueryAt(const void* shapes, std::size_t i) {
-  constexpr int kDims = View::Bound::kDimensions;
-  using HalfSpaces = Span<const HalfSpace<kDims>>;
-  const Shape& shape = static_cast<const Shape*>(shapes)[i];
-  if constexpr (std::is_convertible_v<const Shape&, HalfSpaces>) {
-    return ShapeQueryOf<kDims>(HalfSpaces(shape));
-  } else {
-    return ShapeQueryOf<kDims>(shape);
-  }
+  return ShapeQueryOf<View::Bound::kDimensions>(
+      static_cast<const Shape*>(shapes)[i]);
 }
 
 template <typename View, typename Shape>
 inline constexpr BvhShapeKind kShapeKind = {
     alignof(Shape), &ShapeQueryAt<View, Shape>, &BvhWalkShapes};
 
+// Whatever an overload of ShapeQueryOf() takes.
 template <typename View, typename Shape>
-BvhQueries ShapeQueries(const Shape* shapes, std::size_t count) {
-  return {shapes, count, &kShapeKind<View, Shape>};
-}
+struct BvhAsked<View, Shape,
+                std::void_t<decltype(ShapeQueryOf<View::Bound::kDimensions>(
+                    std::declval<const Shape&>()))>>
+    : BvhQueriesOf<Shape, &kShapeKind<View, Shape>> {};
 
-}  // namespace detail
-
-// Writes the ids of the survivors of one shape, as Survivors() of bvh.h does.
-template <typename View, typename Shape,
-          typename = detail::IfShapeOf<View, Shape>>
-[[nodiscard]] std::size_t Survivors(const Bvh<View>& world, const Shape& shape,
-                                    Span<std::uint32_t> ids,
-                                    const QueryOptions& options = {},
-                                    std::size_t skip = 0) {
-  return detail::BvhSurvivors(detail::TreeOf(world),
-                              detail::ShapeQueries<View>(&shape, 1), ids,
-                              options, skip);
-}
-
-// Returns the number of survivors of one shape.
-template <typename View, typename Shape,
-          typename = detail::IfShapeOf<View, Shape>>
-[[nodiscard]] std::size_t CountSurvivors(const Bvh<View>& world,
-                                         const Shape& shape,
-                                         const QueryOptions& options = {}) {
-  return detail::BvhCount(detail::TreeOf(world),
-                          detail::ShapeQueries<View>(&shape, 1), options);
-}
-
-// Returns the id of a survivor, or nothing, as AnySurvivor() of bvh.h does.
-template <typename View, typename Shape,
-          typename = detail::IfShapeOf<View, Shape>>
-[[nodiscard]] std::optional<std::uint32_t> AnySurvivor(
-    const Bvh<View>& world, const Shape& shape,
-    const QueryOptions& options = {}) {
-  std::uint32_t id = 0;
-  if (!detail::BvhAny(detail::TreeOf(world),
-                      detail::ShapeQueries<View>(&shape, 1), id, options)) {
-    return std::nullopt;
-  }
-  return id;
-}
-
-// Calls the function with survivors, as ForEachSurvivor() of bvh.h does.
-template <typename View, typename Shape, typename Function,
-          typename = detail::IfShapeOf<View, Shape>>
-void ForEachSurvivor(const Bvh<View>& world, const Shape& shape,
-                     Function&& function, const QueryOptions& options = {}) {
-  detail::Callback call{function};
-  detail::BvhForEach(detail::TreeOf(world),
-                     detail::ShapeQueries<View>(&shape, 1),
-                     &decltype(call)::Run, &call, options);
-}
-
-// For half-spaces, `shapes` is a list of lists: Span<const Span<const
-// HalfSpace3>>.
-template <typename View, typename Shapes,
-          typename Shape =
-              std::decay_t<decltype(*std::data(std::declval<const Shapes&>()))>,
-          typename = detail::IfShapeOf<View, Shape>>
-[[nodiscard]] std::size_t SurvivorsOfEach(const Bvh<View>& world,
-                                          const Shapes& shapes,
-                                          Span<std::uint32_t> ids,
-                                          Span<std::size_t> offsets,
-                                          const QueryOptions& options = {},
-                                          std::size_t skip = 0) {
-  return detail::BvhSurvivorsOfEach(
-      detail::TreeOf(world),
-      detail::ShapeQueries<View>(std::data(shapes), std::size(shapes)), ids,
-      offsets, options, skip);
-}
-
-}  // namespace halfspace
+}  // namespace halfspace::detail
 
 #endif  // HALFSPACE_BVH_SHAPES_H_

@@ -37,10 +37,8 @@
 #include <type_traits>
 #include <utility>
 
-#include "halfspace/detail/block_memory.h"
-#include "halfspace/detail/quantized_scan.h"
-#include "halfspace/detail/quantizer.h"
-#include "halfspace/detail/records.h"
+#include "halfspace/detail/plane_arrays.h"
+#include "halfspace/detail/quantized.h"
 #include "halfspace/memory.h"
 #include "halfspace/span.h"
 #include "halfspace/world.h"

@@ -60,13 +60,52 @@ using IfBoundOfFloats =
 template <typename Bound>
 using IfClosed = std::enable_if_t<HasMin<Bound> && HasMax<Bound>>;
 
+// A bound of any type as a list of values, its minima and then its maxima, of
+// which a call replaces all. Axis `dims` is D.
+struct AnyBound {
+  float* values;
+  std::size_t dims;
+  std::size_t minima;
+  std::size_t maxima;
+};
+
+HALFSPACE_API void Merge(const AnyBound& bound, const float* other,
+                         FitStatus* status);
+HALFSPACE_API void Inflate(const AnyBound& bound, float radius,
+                           FitStatus* status);
+HALFSPACE_API void InflateByBox(const AnyBound& bound, float margin,
+                                FitStatus* status);
+HALFSPACE_API void Translate(const AnyBound& bound, const float* by,
+                             FitStatus* status);
+HALFSPACE_API void TranslateVertices(const AnyBound& bound, const float* by,
+                                     FitStatus* status);
+HALFSPACE_API void Scale(const AnyBound& bound, float factor,
+                         FitStatus* status);
+// Of an UpSimplex: its minima become the negated maxima of the result.
+HALFSPACE_API void Circumscribe(const AnyBound& simplex, FitStatus* status);
+
+// Calls change(any, argument, status) of a copy.
+template <typename Bound, typename Argument>
+Bound Changed(const Bound& bound,
+              void (*change)(const AnyBound&, Argument, FitStatus*),
+              Argument argument, FitStatus* status) {
+  static_assert(Bound::kAxes >= Bound::kDimensions, "slot k is axis k");
+  PlaneValues<Bound> values = Planes(bound);
+  change({values.data(), Bound::kDimensions, HasMin<Bound> ? Bound::kAxes : 0,
+          HasMax<Bound> ? Bound::kAxes : 0},
+         argument, status);
+  return BoundOf<Bound>(values);
+}
+
 }  // namespace detail
 
 // Returns the bound of the union of two shapes, which also bounds its convex
 // hull. Exact: nothing is rounded. Merging with Empty() changes nothing.
 template <typename Bound, typename = detail::IfBoundOfFloats<Bound>>
-HALFSPACE_API Bound Merge(const Bound& a, const Bound& b,
-                          FitStatus* status = nullptr);
+Bound Merge(const Bound& a, const Bound& b, FitStatus* status = nullptr) {
+  const detail::PlaneValues<Bound> other = detail::Planes(b);
+  return detail::Changed(a, &detail::Merge, other.data(), status);
+}
 
 // Inflates a bound by a sphere: the Minkowski sum with a sphere of this radius.
 // D moves by sqrt(kDims) times the radius.
@@ -74,25 +113,29 @@ HALFSPACE_API Bound Merge(const Bound& a, const Bound& b,
 //   where the sum almost cancels.
 //   Throws if `radius` is negative or NaN.
 template <typename Bound, typename = detail::IfBoundOfFloats<Bound>>
-HALFSPACE_API Bound Inflate(const Bound& bound, float radius,
-                            FitStatus* status = nullptr);
+Bound Inflate(const Bound& bound, float radius, FitStatus* status = nullptr) {
+  return detail::Changed(bound, &detail::Inflate, radius, status);
+}
 
 // Inflates a bound by a cube: every point may move by up to `margin` along each
 // coordinate axis. D moves by kDims times the margin.
 //   Tightest.
 //   Throws if `margin` is negative or NaN.
 template <typename Bound, typename = detail::IfBoundOfFloats<Bound>>
-HALFSPACE_API Bound InflateByBox(const Bound& bound, float margin,
-                                 FitStatus* status = nullptr);
+Bound InflateByBox(const Bound& bound, float margin,
+                   FitStatus* status = nullptr) {
+  return detail::Changed(bound, &detail::InflateByBox, margin, status);
+}
 
 // Moves the exact set: every point p becomes p + by, without rounding.
 //   Tightest.
 //   Vertices that your program moves and rounds to float can lie outside the
 //   result. Use TranslateVertices for them.
 template <typename Bound, typename = detail::IfBoundOfFloats<Bound>>
-HALFSPACE_API Bound Translate(const Bound& bound,
-                              const Point<Bound::kDimensions>& by,
-                              FitStatus* status = nullptr);
+Bound Translate(const Bound& bound, const Point<Bound::kDimensions>& by,
+                FitStatus* status = nullptr) {
+  return detail::Changed(bound, &detail::Translate, by.data(), status);
+}
 
 // Moves vertices as float arithmetic does. For all float vertices v whose hull
 // is inside `bound`, the result encloses the hull of float(v + by), rounded to
@@ -103,17 +146,19 @@ HALFSPACE_API Bound Translate(const Bound& bound,
 //   one side only.
 template <typename Bound, typename = detail::IfBoundOfFloats<Bound>,
           typename = detail::IfClosed<Bound>>
-HALFSPACE_API Bound TranslateVertices(const Bound& bound,
-                                      const Point<Bound::kDimensions>& by,
-                                      FitStatus* status = nullptr);
+Bound TranslateVertices(const Bound& bound, const Point<Bound::kDimensions>& by,
+                        FitStatus* status = nullptr) {
+  return detail::Changed(bound, &detail::TranslateVertices, by.data(), status);
+}
 
 // Scales the exact set about the origin. Tightest.
 //   A negative factor mirrors the shape, so minima become maxima.
 //   Throws if `factor` is NaN, and for a simplex, which has only minima or only
 //   maxima, also if it is negative.
 template <typename Bound, typename = detail::IfBoundOfFloats<Bound>>
-HALFSPACE_API Bound Scale(const Bound& bound, float factor,
-                          FitStatus* status = nullptr);
+Bound Scale(const Bound& bound, float factor, FitStatus* status = nullptr) {
+  return detail::Changed(bound, &detail::Scale, factor, status);
+}
 
 // Returns the bound of a shape that moves by `motion`, in a straight line and
 // without rotation: the hull of the exact start and end. Tightest.
@@ -147,11 +192,21 @@ Aabb<kDims> RoundOutward(const Aabb<kDims, double>& box) {
 //   contains no point if its minima sum to more than 0, a DownSimplex if its
 //   maxima sum to less than 0.
 template <int kDims>
-HALFSPACE_API DownSimplex<kDims> Circumscribe(const UpSimplex<kDims>& simplex,
-                                              FitStatus* status = nullptr);
+DownSimplex<kDims> Circumscribe(const UpSimplex<kDims>& simplex,
+                                FitStatus* status = nullptr) {
+  DownSimplex<kDims> result{simplex.min};
+  detail::Circumscribe({result.max.data(), kDims, kDims + 1, 0}, status);
+  for (float& max : result.max) max = -max;
+  return result;
+}
 template <int kDims>
-HALFSPACE_API UpSimplex<kDims> Circumscribe(const DownSimplex<kDims>& simplex,
-                                            FitStatus* status = nullptr);
+UpSimplex<kDims> Circumscribe(const DownSimplex<kDims>& simplex,
+                              FitStatus* status = nullptr) {
+  UpSimplex<kDims> result{simplex.max};
+  for (float& min : result.min) min = -min;
+  detail::Circumscribe({result.min.data(), kDims, kDims + 1, 0}, status);
+  return result;
+}
 
 }  // namespace halfspace
 

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "halfspace/bvh.h"
+#include "kernels/bvh/levels.h"
 #include "kernels/results.h"
 
 namespace halfspace {

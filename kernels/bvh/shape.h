@@ -9,7 +9,6 @@
 #include <cstdint>
 
 #include "halfspace/detail/bvh.h"
-#include "halfspace/detail/bvh_shapes.h"
 #include "kernels/bvh/block.h"
 
 namespace halfspace::detail {

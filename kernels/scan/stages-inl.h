@@ -177,7 +177,8 @@ HWY_INLINE void StreamPages(Load load, const detail::Scan& scan,
 template <typename T>
 int64_t ElementKernels<T>::StreamMinima(const detail::Scan& scan,
                                         const detail::Part& part) {
-  if constexpr (kPagesPay) {
+  // Only boxes have doubles.
+  if constexpr (kPagesPay && !std::is_same_v<T, double>) {
     WithLoad<T>(scan, part.begin, [&](auto load) HWY_ATTR {
       StreamPages<false, T>(load, scan, part);
     });

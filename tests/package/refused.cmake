@@ -2,11 +2,15 @@
 # COMPILER with the INCLUDES compiles each of these calls.
 
 set(own_type "a flat world takes queries of its own type")
+set(of_bvh "a Bvh takes queries of its own type")
 set(answer "must return nothing, a bool or a Visit")
 set(refused
   "(void)CountSurvivors(flat, Sphere3{})" "${own_type}"
   "(void)Survivors(flat, Sphere3{}, ids)" "${own_type}"
   "(void)AnySurvivor(quantized, front)" "${own_type}"
+  "(void)CountSurvivors(bvh, Triangle3{})" "${of_bvh}"
+  "(void)SurvivorsOfEach(bvh, Span<const Aabo3>(), ids, offsets)" "${of_bvh}"
+  "bodies.ForEach(Sphere2{}, 1, ignore)" "${of_bvh}"
   "(void)Merge(Foreign(), Foreign())" "BoundOfFloats"
   "ForEachSurvivor(flat, Aabo3(), number)" "${answer}"
   "ForEachTile(flat, {}, number)" "${answer}"
@@ -23,9 +27,13 @@ struct Foreign {};
 struct Number {
   template <typename... Found> int operator()(const Found&...) const;
 };
+struct Ignore {
+  template <typename... Found> void operator()(const Found&...) const;
+};
 void Call(const AaboWorld3& flat, const QuantizedWorld<AabbView3>& quantized,
-          const AabbBvh3& bvh, Span<const HalfSpace3> front,
-          Span<std::uint32_t> ids, Number number) {
+          const AabbBvh3& bvh, const AabbBroadPhase3& bodies,
+          Span<const HalfSpace3> front, Span<std::uint32_t> ids,
+          Span<std::size_t> offsets, Number number, Ignore ignore) {
   ${call};
 }
 ")

@@ -7,8 +7,6 @@
 #include <cstdint>
 
 #include "halfspace/detail/bvh.h"
-#include "halfspace/detail/bvh_nearest.h"
-#include "halfspace/detail/bvh_pairs.h"
 #include "halfspace/export.h"
 #include "halfspace/span.h"
 

@@ -1,5 +1,6 @@
-// Internal. What a Bvh owns, and the calls of bvh.h after the types
-// are gone. Not part of the interface.
+// Internal. What a Bvh owns, and the calls of bvh.h, bvh_shapes.h,
+// bvh_nearest.h and bvh_pairs.h after the types are gone. Not part of the
+// interface. A program links only those that it calls.
 #ifndef HALFSPACE_DETAIL_BVH_H_
 #define HALFSPACE_DETAIL_BVH_H_
 
@@ -21,7 +22,10 @@
 namespace halfspace {
 
 struct BuildOptions;
+struct IdPair;
+struct PairOptions;
 struct QueryOptions;
+struct SearchOptions;
 
 template <typename View>
 class Bvh;
@@ -40,67 +44,7 @@ extern template struct BvhKernelsOf<2>;
 extern template struct BvhKernelsOf<3>;
 extern template struct BvhKernelsOf<4>;
 
-// 64 to the power of this is more than 2^32 objects.
-inline constexpr std::size_t kMostLevels = 6;
-
 inline constexpr std::size_t kBlockObjects = 64;
-
-// Level 0 has the objects. Node i of another level encloses block i of the
-// level below it: 64 consecutive objects or nodes.
-struct BvhLevel {
-  std::size_t size = 0;
-  // Block after block: of each plane after plane, 64 floats of all minima, then
-  // of all maxima.
-  float* floats = nullptr;
-  std::size_t planes = 0;
-  // One bit per object or node: whether it exists. Erased objects and nodes
-  // without objects are Empty().
-  std::uint64_t* present = nullptr;
-  // One bit per node with maxima: whether all of its objects exist and have
-  // min <= max on each axis. If such a node is inside a query, all of its
-  // objects survive.
-  std::uint64_t* regular = nullptr;
-  // An object's own masks, and the union of them for a node. Null if none
-  // were set.
-  std::uint32_t* masks = nullptr;
-  // What a query reads of the level is far from the first caches.
-  bool is_prefetched = false;
-
-  float* Plane(std::size_t block, std::size_t plane) const {
-    return floats + (block * planes + plane) * kBlockObjects;
-  }
-  float& Value(std::size_t plane, std::size_t i) const {
-    return Plane(i / kBlockObjects, plane)[i % kBlockObjects];
-  }
-};
-
-// How the values of objects become codes (kernels/bvh/block.h). Lane k has the
-// minima of axis k, lane kMaxLane + k the negated maxima.
-struct alignas(64) CodeMap {
-  static constexpr std::size_t kMaxLane = 4;
-  static constexpr std::size_t kLanes = 8;
-  float base[kLanes];
-  float scale[kLanes];
-};
-
-// Some slots: about how many blocks queries visit, and their objects.
-struct BvhPart {
-  double cost;
-  std::uint64_t objects;
-};
-
-struct BvhLevels {
-  std::size_t count = 0;
-  std::array<BvhLevel, kMostLevels> level{};
-  CodeMap* map = nullptr;
-  // Block after block as the floats of level 0. Null with room for up to 4096
-  // objects, or if BvhShape::has_codes is false: a query then reads the floats.
-  std::int16_t* codes = nullptr;
-  std::uint32_t* ids = nullptr;  // of objects, by slot; kNoId of none
-  // By id, the slot; of a free id the next that is free. Null until a change.
-  std::uint32_t* slots = nullptr;
-  BvhPart* built = nullptr;  // 4096 slots each, when they were last sorted
-};
 
 inline constexpr std::uint32_t kNoId = 0xFFFFFFFF;
 
@@ -153,13 +97,11 @@ template <typename View, typename Bound>
 using IfDoubleBound =
     std::enable_if_t<std::is_same_v<Bound, DoubleBound<View>>>;
 
-struct BvhHeader;
-struct BvhRoom;
-struct SlotRange;
+class BvhState;
+struct BvhLevels;
 
-// A tree in one block of memory: a header, then the parts of all levels
-// (dispatch/bvh/layout.h). The objects are in slots 0, 1, ... of level 0,
-// some of which may be empty.
+// A tree in one block of memory. Its state is in dispatch/bvh/tree.h. The
+// objects are in slots 0, 1, ..., some of which may be empty.
 class HALFSPACE_API BvhTree {
  public:
   BvhTree(const BvhShape& shape, const MemoryResource& memory);
@@ -171,15 +113,14 @@ class HALFSPACE_API BvhTree {
   ~BvhTree();
   friend void swap(BvhTree& a, BvhTree& b) noexcept { a.Swap(b); }
 
-  const MemoryResource& memory() const { return memory_; }
-  const BvhShape& shape() const { return shape_; }
-  const BvhLevels& levels() const { return levels_; }
+  const MemoryResource& memory() const;
   std::size_t size() const;
-  std::size_t bytes() const { return bytes_; }
+  std::size_t bytes() const;
   std::size_t id_limit() const;
-  Span<const std::uint32_t> ids() const {
-    return {levels_.ids, levels_.level[0].size};
-  }
+  Span<const std::uint32_t> ids() const;
+  // For the library alone.
+  const BvhShape& shape() const;
+  const BvhLevels& levels() const;
 
   // Throws unless so many objects can be built.
   void CheckBuild(std::size_t objects, const BuildOptions& options) const;
@@ -187,7 +128,7 @@ class HALFSPACE_API BvhTree {
   void Build(const Columns& objects, const BuildOptions& options);
 
   // Replaces the content by what Blob() gave, in place or as a copy. Only the
-  // header is checked: see CheckLoaded().
+  // header is checked: see BvhState::CheckLoaded().
   void Load(Span<const std::byte> blob, bool is_in_place);
   Span<const std::byte> Blob() const;
   bool Verify() const;
@@ -195,6 +136,7 @@ class HALFSPACE_API BvhTree {
   // `values` are those of all minima, then of all maxima.
   bool Has(std::uint32_t id) const;
   void Get(std::uint32_t id, Span<float> values) const;
+  void GetAt(std::size_t slot, Span<float> values) const;
   void Bounds(Span<float> values) const;
   void Set(std::uint32_t id, Span<const float> values);
   std::uint32_t Insert(Span<const float> values);
@@ -223,57 +165,10 @@ class HALFSPACE_API BvhTree {
   std::size_t RebuildPartial(std::size_t objects);
 
  private:
+  friend class BvhState;
   void Swap(BvhTree& other) noexcept;
-  void Free();
-  BvhHeader& header() const;
-  BvhRoom Room() const;
-  void Allocate(const BvhRoom& room);
-  void BuildIn(const BvhRoom& room, const Columns& objects,
-               const BuildOptions& options);
-  // Does the work of InsertAs() if the tree is empty.
-  void BuildAs(Span<const std::uint32_t> ids, const Columns& bounds);
-  // Throws if ids and slots do not belong together, as in an altered blob:
-  // changes would write anywhere.
-  void CheckLoaded(const char* call);
-  // What a blob with other ids has, or null if the ids are right.
-  const char* FindWrongIds() const;
-  // The same as CheckLoaded(), and throws if no target can be chosen.
-  void CheckChange(const char* call);
-  // Before a change: memory of its own with this room at least. Throws before
-  // anything has changed, and is the last thing in a change that may throw.
-  void Prepare(const char* call, BvhRoom room);
-  void Reallocate(const char* call, const BvhRoom& room);
-  void CheckId(std::uint32_t id, const char* call) const;
-  void CheckIds(Span<const std::uint32_t> ids, const char* call) const;
-  std::size_t PrepareObject(std::uint32_t id, bool has_masks, const char* call);
-  std::size_t slots() const { return levels_.level[0].size; }
-  BvhRoom RoomFor(std::size_t more, const char* call) const;
-  std::size_t FirstDue(std::size_t added) const;
-  bool SortDue(std::size_t added, const BvhRoom& room, const char* call);
-  std::size_t FindSlot(const float* values) const;
-  std::uint32_t TakeId();
-  void Put(std::size_t slot, std::uint32_t id, const float* values);
-  void EncodeAppended(std::size_t begin, const char* call);
-  void Remove(std::uint32_t id);
-  bool HasManyGaps() const;
-  void AppendSlot();
-  void EncodePath(std::size_t slot);
-  void Touch(std::size_t slot, std::uint64_t* changed);
-  void EncodeTouched(std::uint64_t* changed);
-  // Sorts the objects of some slots into the first of these, after Prepare().
-  // Ranges ascend and begin at blocks. Returns the number of objects.
-  std::size_t Resort(const char* call, Span<const SlotRange> ranges,
-                     const BvhRoom& room);
-  void CloseGaps();
 
-  BvhShape shape_;
-  MemoryResource memory_;
-  std::byte* block_ = nullptr;
-  std::size_t bytes_ = 0;
-  bool is_owned_ = true;    // and not that of a blob in place
-  bool is_checked_ = true;  // ids and slots belong together
-  bool is_as_loaded_ = false;
-  BvhLevels levels_;
+  alignas(8) std::byte state_[448];
 };
 
 template <typename View>
@@ -329,6 +224,109 @@ HALFSPACE_API void BvhCountOfEach(const BvhTree& tree,
                                   const BvhQueries& queries,
                                   Span<std::size_t> counts,
                                   const QueryOptions& options);
+
+// Shapes (bvh_shapes.h).
+
+inline constexpr std::size_t kMostHalfSpaces = 64;
+
+struct BvhShapeQuery {
+  enum Kind : std::uint8_t {
+    kPoint,
+    kSphere,
+    kSegment,
+    kCapsule,
+    kOrientedBox,
+    kHalfSpaces
+  };
+  Kind kind;
+  std::uint8_t dims;
+  const float* values;  // of the shape, or of all half-spaces
+  std::size_t count;    // of half-spaces
+};
+
+// Walks for one shape after another. Throws if one of them is no shape, before
+// the first walk. `world` is the shape of the tree's bounds.
+HALFSPACE_API void BvhWalkShapes(const BvhShape& world,
+                                 const BvhQueries& queries,
+                                 const QueryOptions& options, const char* call,
+                                 const Walk& walk);
+
+// Searches and casts (bvh_nearest.h).
+
+// Returns the new limit; a negative one ends the search. `planes` has the
+// object's value on plane p at p * kBlockObjects.
+using NearFunction = float (*)(void* context, std::uint32_t id, float value,
+                               const float* planes);
+
+// Boxes, or points, whose corners are equal. The lower corner of box i is at
+// values[i * stride], and the upper one is `upper` values behind it.
+struct NearQueries {
+  const float* values;
+  std::size_t upper;
+  std::size_t stride;
+  std::size_t count;
+};
+
+HALFSPACE_API std::size_t BvhNearest(const BvhTree& tree,
+                                     const NearQueries& query,
+                                     float max_distance,
+                                     Span<std::uint32_t> ids,
+                                     Span<float> distances,
+                                     const SearchOptions& options);
+HALFSPACE_API void BvhNearestOfEach(const BvhTree& tree,
+                                    const NearQueries& queries, std::size_t k,
+                                    float max_distance, Span<std::uint32_t> ids,
+                                    Span<float> distances,
+                                    const SearchOptions& options);
+HALFSPACE_API void BvhForEachNearest(const BvhTree& tree,
+                                     const NearQueries& query,
+                                     float max_distance, NearFunction function,
+                                     void* context,
+                                     const SearchOptions& options);
+
+// A box from `low` to `high`, `radius` larger on each side, on its way.
+struct LineCast {
+  const char* call;
+  const float* low;
+  const float* high;
+  const float* direction;
+  float max_t;
+  float radius;
+};
+
+HALFSPACE_API void BvhCast(const BvhTree& tree, const LineCast& cast,
+                           NearFunction function, void* context,
+                           const SearchOptions& options);
+
+// Pairs (bvh_pairs.h).
+
+struct BvhPairKernels;
+
+// As BvhKernelsOf, in object files of their own.
+template <std::size_t kAxes>
+struct HALFSPACE_API BvhPairKernelsOf {
+  static const BvhPairKernels* const kTargets;
+};
+extern template struct BvhPairKernelsOf<2>;
+extern template struct BvhPairKernelsOf<3>;
+extern template struct BvhPairKernelsOf<4>;
+
+struct PairSources {
+  const BvhPairKernels* kernels;  // of each target
+  const BvhTree* a;
+  const BvhTree* b;                      // null: the pairs of a
+  const Span<const std::uint32_t>* ids;  // null: all
+};
+
+// Returns whether to go on.
+using PairsFunction = bool (*)(void* context, Span<const IdPair> pairs);
+
+HALFSPACE_API std::size_t BvhPairs(const PairSources& sources,
+                                   Span<IdPair> pairs,
+                                   const PairOptions& options);
+HALFSPACE_API void BvhForEachPair(const PairSources& sources,
+                                  PairsFunction function, void* context,
+                                  const PairOptions& options);
 
 }  // namespace detail
 }  // namespace halfspace

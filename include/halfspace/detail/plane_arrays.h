@@ -1,5 +1,6 @@
-// Internal. Bounds as flat lists of plane values (all minima, then all maxima),
-// and the storage behind the owning worlds. Not part of the interface.
+// Internal. The memory of owners, bounds as flat lists of plane values (all
+// minima, then all maxima), and the storage behind the owning worlds. Not part
+// of the interface.
 #ifndef HALFSPACE_DETAIL_PLANE_ARRAYS_H_
 #define HALFSPACE_DETAIL_PLANE_ARRAYS_H_
 
@@ -7,15 +8,73 @@
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
+#include <utility>
 
 #include "halfspace/bounds.h"
-#include "halfspace/detail/block_memory.h"
 #include "halfspace/export.h"
 #include "halfspace/memory.h"
 #include "halfspace/shapes.h"
 #include "halfspace/span.h"
 
 namespace halfspace::detail {
+
+// At least 64-byte aligned. Throws std::bad_alloc.
+HALFSPACE_API void* AllocateBlock(const MemoryResource& memory,
+                                  std::size_t bytes);
+HALFSPACE_API void FreeBlock(const MemoryResource& memory, void* block,
+                             std::size_t bytes);
+
+// The same for std::vector.
+template <typename T>
+class BlockAllocator {
+ public:
+  using value_type = T;
+  using propagate_on_container_swap = std::true_type;
+  using is_always_equal = std::false_type;
+
+  BlockAllocator() = default;
+  explicit BlockAllocator(const MemoryResource& memory) : memory_(memory) {}
+  template <typename U>
+  explicit BlockAllocator(const BlockAllocator<U>& other)
+      : memory_(other.memory()) {}
+
+  const MemoryResource& memory() const { return memory_; }
+
+  T* allocate(std::size_t count) {
+    return static_cast<T*>(AllocateBlock(memory_, count * sizeof(T)));
+  }
+  void deallocate(T* block, std::size_t count) {
+    FreeBlock(memory_, block, count * sizeof(T));
+  }
+  BlockAllocator select_on_container_copy_construction() const { return {}; }
+
+  friend bool operator==(const BlockAllocator& a, const BlockAllocator& b) {
+    return a.memory_ == b.memory_;
+  }
+  friend bool operator!=(const BlockAllocator& a, const BlockAllocator& b) {
+    return !(a == b);
+  }
+
+ private:
+  MemoryResource memory_;
+};
+
+// The assignments of all owners, which keep their resource, and are as they
+// were if there is no memory.
+template <typename Owner>
+Owner& AssignCopy(Owner& to, const Owner& from) {
+  Owner copy(from, to.memory());
+  swap(to, copy);
+  return to;
+}
+template <typename Owner>
+Owner& AssignMove(Owner& to, Owner& from) {
+  const bool is_copied = to.memory() != from.memory();
+  if (is_copied) AssignCopy(to, from);
+  Owner taken(std::move(from));  // leaves it empty
+  if (!is_copied) swap(to, taken);
+  return to;
+}
 
 inline constexpr std::size_t kMaxPlanes = 10;  // Aabo<4>
 

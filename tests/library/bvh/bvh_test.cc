@@ -20,8 +20,8 @@
 #include <utility>
 #include <vector>
 
+#include "dispatch/bvh/tree.h"
 #include "halfspace/halfspace.h"
-#include "kernels/bvh/block.h"
 #include "tests/library/bvh/spread.h"
 #include "tests/library/support/canaries.h"
 #include "tests/library/support/cases.h"

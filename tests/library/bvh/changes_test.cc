@@ -19,8 +19,8 @@
 #include <tuple>
 #include <vector>
 
+#include "dispatch/bvh/tree.h"
 #include "halfspace/halfspace.h"
-#include "kernels/bvh/block.h"
 #include "tests/library/bvh/model.h"
 #include "tests/library/bvh/spread.h"
 #include "tests/library/support/counting_memory.h"

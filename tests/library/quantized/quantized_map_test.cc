@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-#include "halfspace/detail/quantizer.h"
+#include "halfspace/detail/quantized.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/quantized_cases.h"
 #include "tests/library/support/special_values.h"

@@ -1,7 +1,8 @@
-// Internal. The quantizer, a map from floats to levels, and the planes of
-// quantized bounds. Not part of the interface.
-#ifndef HALFSPACE_DETAIL_QUANTIZER_H_
-#define HALFSPACE_DETAIL_QUANTIZER_H_
+// Internal. The quantizer, a map from floats to levels, the planes of quantized
+// bounds as worlds for the calls, and the floats of a QuantizedWorld. Not part
+// of the interface.
+#ifndef HALFSPACE_DETAIL_QUANTIZED_H_
+#define HALFSPACE_DETAIL_QUANTIZED_H_
 
 #include <array>
 #include <cstddef>
@@ -11,6 +12,7 @@
 #include <utility>
 
 #include "halfspace/detail/plane_arrays.h"
+#include "halfspace/detail/scan.h"
 #include "halfspace/export.h"
 #include "halfspace/memory.h"
 #include "halfspace/span.h"
@@ -165,6 +167,115 @@ class HALFSPACE_API QuantizedPlanes {
 extern template class QuantizedPlanes<std::int8_t>;
 extern template class QuantizedPlanes<std::int16_t>;
 
+template <typename FloatView, typename Element>
+struct QuantizedView {
+  using Bound = typename FloatView::Bound;
+  using Query = typename FloatView::Query;
+  using Stored = StoredElement<Element>;
+
+  explicit QuantizedView(const QuantizedPlanes<Stored>& quantized)
+      : QuantizedView(quantized,
+                      std::make_index_sequence<kPlaneCount<Bound>>()) {}
+
+  const QuantizedView& view() const { return *this; }
+
+  std::array<const Stored*, kPlaneCount<Bound>> planes;
+  std::size_t size;
+  const Quantizer* quantizer;
+
+ private:
+  // Without a loop, so that compilers copy no array.
+  template <std::size_t... kPlane>
+  QuantizedView(const QuantizedPlanes<Stored>& quantized,
+                std::index_sequence<kPlane...>)
+      : planes{quantized.planes().plane(kPlane)...},
+        size(quantized.size()),
+        quantizer(&quantized.quantizer()) {}
+};
+
+// Floats is a view of planes, or a list of records.
+template <typename FloatView, typename Element, typename Floats>
+struct RefinedView : QuantizedView<FloatView, Element> {
+  RefinedView(const QuantizedView<FloatView, Element>& quantized,
+              const Floats& of_floats)
+      : QuantizedView<FloatView, Element>(quantized), floats(of_floats) {}
+
+  const RefinedView& view() const { return *this; }
+
+  Floats floats;
+};
+
+template <typename Stored>
+void EncodeQueries(const Scan& scan, std::size_t first, std::size_t count,
+                   void* quantized) {
+  const std::size_t values = scan.type->plane_count;
+  const float* from = static_cast<const float*>(scan.queries) + first * values;
+  auto* to = static_cast<Stored*>(quantized);
+  for (std::size_t q = 0; q < count; ++q) {
+    scan.quantizer->EncodeQuery(from, to);
+    from += values;
+    to += values;
+  }
+}
+
+// An array of bounds in the memory of a resource. Not a std::vector, because
+// <vector> adds 7000 lines in C++20. The owner checks indices, and reserves
+// memory before it pushes.
+template <typename Bound>
+class Records {
+  static_assert(std::is_trivially_copyable_v<Bound>);
+
+ public:
+  explicit Records(const MemoryResource& memory) : memory_(memory) {}
+  Records(const Records& other, const MemoryResource& memory)
+      : Records(memory) {
+    Reserve(other.size_);
+    for (; size_ < other.size_; ++size_) data_[size_] = other.data_[size_];
+  }
+  Records(Records&& other) noexcept : Records(other.memory_) {
+    swap(*this, other);
+  }
+  Records& operator=(Records&&) = delete;
+  ~Records() {
+    if (data_ != nullptr) FreeBlock(memory_, data_, capacity_ * sizeof(Bound));
+  }
+  friend void swap(Records& a, Records& b) noexcept {
+    std::swap(a.memory_, b.memory_);
+    std::swap(a.data_, b.data_);
+    std::swap(a.size_, b.size_);
+    std::swap(a.capacity_, b.capacity_);
+  }
+
+  std::size_t size() const { return size_; }
+  std::size_t capacity() const { return capacity_; }
+  const Bound* data() const { return data_; }
+  Bound& operator[](std::size_t i) { return data_[i]; }
+  const Bound& operator[](std::size_t i) const { return data_[i]; }
+
+  void Reserve(std::size_t count) {
+    if (count <= capacity_) return;
+    constexpr std::size_t kMost = static_cast<std::size_t>(-1) / sizeof(Bound);
+    // If the size does not fit the address space, the allocation fails.
+    const std::size_t bytes = (count < kMost ? count : kMost) * sizeof(Bound);
+    Records more(memory_);
+    more.data_ = static_cast<Bound*>(AllocateBlock(memory_, bytes));
+    more.capacity_ = count;
+    for (; more.size_ < size_; ++more.size_) {
+      more.data_[more.size_] = data_[more.size_];
+    }
+    swap(*this, more);
+  }
+  void Push(const Bound& bound) { data_[size_++] = bound; }
+  void EraseBySwap(std::size_t index) { data_[index] = data_[--size_]; }
+  void Clear() { size_ = 0; }
+
+ private:
+  MemoryResource memory_;
+  Bound* data_ = nullptr;
+  std::size_t size_ = 0;
+  std::size_t capacity_ = 0;
+};
+
 }  // namespace halfspace::detail
 
-#endif  // HALFSPACE_DETAIL_QUANTIZER_H_
+#endif  // HALFSPACE_DETAIL_QUANTIZED_H_

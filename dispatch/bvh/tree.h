@@ -1,0 +1,113 @@
+// The state of a tree, and the steps of its changes.
+#ifndef HALFSPACE_DISPATCH_BVH_TREE_H_
+#define HALFSPACE_DISPATCH_BVH_TREE_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <new>
+
+#include "dispatch/bvh/layout.h"
+#include "halfspace/bvh.h"
+#include "halfspace/memory.h"
+#include "halfspace/span.h"
+
+namespace halfspace::detail {
+
+// A tree in one block of memory: a header, then the parts of all levels
+// (layout.h). The objects are in slots 0, 1, ... of level 0, some of which may
+// be empty.
+class BvhState {
+ public:
+  BvhState(const BvhShape& shape, const MemoryResource& memory)
+      : shape_(shape), memory_(memory) {}
+  BvhState(const BvhState& other, const MemoryResource& memory);
+  BvhState(const BvhState&) = delete;
+  BvhState& operator=(const BvhState&) = delete;
+  ~BvhState() { Free(); }
+
+  static BvhState& Of(BvhTree& tree) {
+    return *std::launder(reinterpret_cast<BvhState*>(tree.state_));
+  }
+  static const BvhState& Of(const BvhTree& tree) {
+    return *std::launder(reinterpret_cast<const BvhState*>(tree.state_));
+  }
+
+  const BvhShape& shape() const { return shape_; }
+  const MemoryResource& memory() const { return memory_; }
+  const BvhLevels& levels() const { return levels_; }
+  std::size_t slots() const { return levels_.level[0].size; }
+  std::size_t size() const { return block_ == nullptr ? 0 : header().size; }
+  bool Has(std::uint32_t id) const;
+  double CostRatio() const;
+
+ private:
+  friend class BvhTree;
+
+  void Swap(BvhState& other) noexcept;
+  void Free();
+  BvhHeader& header() const { return *reinterpret_cast<BvhHeader*>(block_); }
+  BvhRoom Room() const;
+  void Allocate(const BvhRoom& room);
+  void CheckBuild(std::size_t objects, const BuildOptions& options) const;
+  void BuildIn(const BvhRoom& room, const Columns& objects,
+               const BuildOptions& options);
+  // Does the work of InsertAs() if the tree is empty.
+  void BuildAs(Span<const std::uint32_t> ids, const Columns& bounds);
+  // Throws if ids and slots do not belong together, as in an altered blob:
+  // changes would write anywhere.
+  void CheckLoaded(const char* call);
+  // What a blob with other ids has, or null if the ids are right.
+  const char* FindWrongIds() const;
+  // The same as CheckLoaded(), and throws if no target can be chosen.
+  void CheckChange(const char* call);
+  // Before a change: memory of its own with this room at least. Throws before
+  // anything has changed, and is the last thing in a change that may throw.
+  void Prepare(const char* call, BvhRoom room);
+  void Reallocate(const char* call, const BvhRoom& room);
+  void CheckId(std::uint32_t id, const char* call) const;
+  void CheckIds(Span<const std::uint32_t> ids, const char* call) const;
+  std::size_t PrepareObject(std::uint32_t id, bool has_masks, const char* call);
+  BvhRoom RoomFor(std::size_t more, const char* call) const;
+  std::size_t FirstDue(std::size_t added) const;
+  bool SortDue(std::size_t added, const BvhRoom& room, const char* call);
+  std::size_t FindSlot(const float* values) const;
+  std::uint32_t TakeId();
+  void Put(std::size_t slot, std::uint32_t id, const float* values);
+  void EncodeAppended(std::size_t begin, const char* call);
+  void Remove(std::uint32_t id);
+  bool HasManyGaps() const;
+  void AppendSlot();
+  void EncodePath(std::size_t slot);
+  void Touch(std::size_t slot, std::uint64_t* changed);
+  void EncodeTouched(std::uint64_t* changed);
+  // Sorts the objects of some slots into the first of these, after Prepare().
+  // Ranges ascend and begin at blocks. Returns the number of objects.
+  std::size_t Resort(const char* call, Span<const SlotRange> ranges,
+                     const BvhRoom& room);
+  void CloseGaps();
+
+  BvhShape shape_;
+  MemoryResource memory_;
+  std::byte* block_ = nullptr;
+  std::size_t bytes_ = 0;
+  bool is_owned_ = true;    // and not that of a blob in place
+  bool is_checked_ = true;  // ids and slots belong together
+  bool is_as_loaded_ = false;
+  BvhLevels levels_;
+};
+
+inline const BvhShape& BvhTree::shape() const {
+  return BvhState::Of(*this).shape();
+}
+inline const BvhLevels& BvhTree::levels() const {
+  return BvhState::Of(*this).levels();
+}
+
+// No object is there, or has a mask with one of the wanted bits.
+inline bool FindsNothing(const BvhTree& tree, std::uint32_t mask) {
+  return tree.levels().level[0].size == 0 || mask == 0;
+}
+
+}  // namespace halfspace::detail
+
+#endif  // HALFSPACE_DISPATCH_BVH_TREE_H_

@@ -1,0 +1,75 @@
+// The levels of a BVH, as kernels read and write them. No Highway here.
+#ifndef HALFSPACE_KERNELS_BVH_LEVELS_H_
+#define HALFSPACE_KERNELS_BVH_LEVELS_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "halfspace/detail/bvh.h"
+
+namespace halfspace::detail {
+
+// 64 to the power of this is more than 2^32 objects.
+inline constexpr std::size_t kMostLevels = 6;
+
+// Level 0 has the objects. Node i of another level encloses block i of the
+// level below it: 64 consecutive objects or nodes.
+struct BvhLevel {
+  std::size_t size = 0;
+  // Block after block: of each plane after plane, 64 floats of all minima, then
+  // of all maxima.
+  float* floats = nullptr;
+  std::size_t planes = 0;
+  // One bit per object or node: whether it exists. Erased objects and nodes
+  // without objects are Empty().
+  std::uint64_t* present = nullptr;
+  // One bit per node with maxima: whether all of its objects exist and have
+  // min <= max on each axis. If such a node is inside a query, all of its
+  // objects survive.
+  std::uint64_t* regular = nullptr;
+  // An object's own masks, and the union of them for a node. Null if none
+  // were set.
+  std::uint32_t* masks = nullptr;
+  // What a query reads of the level is far from the first caches.
+  bool is_prefetched = false;
+
+  float* Plane(std::size_t block, std::size_t plane) const {
+    return floats + (block * planes + plane) * kBlockObjects;
+  }
+  float& Value(std::size_t plane, std::size_t i) const {
+    return Plane(i / kBlockObjects, plane)[i % kBlockObjects];
+  }
+};
+
+// How the values of objects become codes (kernels/bvh/block.h). Lane k has the
+// minima of axis k, lane kMaxLane + k the negated maxima.
+struct alignas(64) CodeMap {
+  static constexpr std::size_t kMaxLane = 4;
+  static constexpr std::size_t kLanes = 8;
+  float base[kLanes];
+  float scale[kLanes];
+};
+
+// Some slots: about how many blocks queries visit, and their objects.
+struct BvhPart {
+  double cost;
+  std::uint64_t objects;
+};
+
+struct BvhLevels {
+  std::size_t count = 0;
+  std::array<BvhLevel, kMostLevels> level{};
+  CodeMap* map = nullptr;
+  // Block after block as the floats of level 0. Null with room for up to 4096
+  // objects, or if BvhShape::has_codes is false: a query then reads the floats.
+  std::int16_t* codes = nullptr;
+  std::uint32_t* ids = nullptr;  // of objects, by slot; kNoId of none
+  // By id, the slot; of a free id the next that is free. Null until a change.
+  std::uint32_t* slots = nullptr;
+  BvhPart* built = nullptr;  // 4096 slots each, when they were last sorted
+};
+
+}  // namespace halfspace::detail
+
+#endif  // HALFSPACE_KERNELS_BVH_LEVELS_H_
