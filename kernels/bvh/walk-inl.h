@@ -113,6 +113,10 @@ class PlaneQueries {
   const float* queries_;
 };
 
+// From so many survivors in a block on, those inside the query are looked for:
+// a query that is not larger than its nodes has none.
+inline constexpr size_t kManyKept = 8;
+
 // Walks from the root to the objects that survive, in two steps: nodes are
 // tested depth first, and leaves that survive are put on a list, so that all of
 // them can be prefetched before the first is read. The list has the leaves of
@@ -151,9 +155,6 @@ class Walker {
   // of nodes more. With 64, prefetched lines evict each other, and a query of a
   // million boxes takes 1.1 times as long.
   static constexpr size_t kManyLeaves = 16;
-  // From so many survivors in a block on, those inside the query are looked
-  // for: a query that is not larger than its nodes has none.
-  static constexpr size_t kManyKept = 8;
 
   // A place on the list: a block, whether it is inside the query, and the
   // query's number after the first that walks.
@@ -464,18 +465,136 @@ class Walker {
   uint32_t list_[kManyLeaves + detail::kBlockObjects];
 };
 
+// Finds what one query finds in a tree of at most three levels that is in
+// cache. Nothing that a Walker carries for masks, lists of leaves and other
+// queries is in its loops.
+template <size_t kAxes, bool kHasMax>
+class PlainFind {
+ public:
+  static HWY_INLINE bool Fits(const detail::Walk& walk) {
+    return walk.query_count == 1 && walk.statistics == nullptr &&
+           walk.ids->offsets == nullptr && walk.ids->take == nullptr &&
+           (walk.levels->level[0].masks == nullptr || ~walk.mask == 0);
+  }
+
+  explicit PlainFind(const detail::Walk& walk)
+      : levels_(*walk.levels),
+        query_(static_cast<const float*>(walk.queries)),
+        ids_(*walk.ids) {}
+
+  // Returns false, and has found nothing, where a Walker takes less time.
+  HWY_INLINE bool Run() {
+    const detail::BvhLevel& objects = levels_.level[0];
+    if (objects.size <= detail::kBlockObjects) {
+      const uint64_t kept =
+          TestFloats<kAxes, kHasMax, true>(objects, 0, query_);
+      if (kept != 0) Take(0, objects.size, kept);
+      return true;
+    }
+    const detail::BvhLevel& nodes = levels_.level[1];
+    const bool is_three = nodes.size > detail::kBlockObjects;
+    const detail::BvhLevel& root = is_three ? levels_.level[2] : nodes;
+    if (root.size > detail::kBlockObjects || objects.is_prefetched) {
+      return false;
+    }
+    const uint64_t kept = TestFloats<kAxes, kHasMax>(root, 0, query_);
+    // It would be the Walker that finds nodes inside of the query.
+    if (kHasMax && hwy::PopCount(kept) >= kManyKept) return false;
+    if (levels_.codes != nullptr) {
+      QueryCodes codes;
+      EncodeQuery<kAxes, kHasMax>(*levels_.map, query_, codes);
+      const auto test = [&](size_t block)
+                            HWY_ATTR { return TestLeaf(block, codes); };
+      is_three ? VisitNodes(kept, test) : VisitLeaves(0, kept, 0, test);
+    } else {
+      const auto test = [&](size_t block) HWY_ATTR {
+        return objects.present[block] &
+               TestBlock<kAxes, kPlanes, false>(objects, block, 0,
+                                                detail::kBlockObjects, query_);
+      };
+      is_three ? VisitNodes(kept, test) : VisitLeaves(0, kept, 0, test);
+    }
+    return true;
+  }
+
+ private:
+  static constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
+
+  // The leaves below the nodes of the root whose bits are set.
+  template <class Test>
+  HWY_INLINE bool VisitNodes(uint64_t kept, const Test& test) {
+    const detail::BvhLevel& nodes = levels_.level[1];
+    for (; kept != 0; kept &= kept - 1) {
+      const size_t block = hwy::Num0BitsBelowLS1Bit_Nonzero64(kept);
+      const uint64_t leaves = TestFloats<kAxes, kHasMax>(nodes, block, query_);
+      uint64_t inside = 0;
+      if (kHasMax && hwy::PopCount(leaves) >= kManyKept) {
+        inside = leaves & nodes.regular[block];
+        if (inside != 0) inside &= InsideBits<kAxes>(nodes, block, query_);
+      }
+      if (!VisitLeaves(block * detail::kBlockObjects, leaves, inside, test)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  template <class Test>
+  HWY_INLINE bool VisitLeaves(size_t first, uint64_t leaves, uint64_t inside,
+                              const Test& test) {
+    for (; leaves != 0; leaves &= leaves - 1) {
+      const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(leaves);
+      const size_t block = first + lane;
+      const uint64_t kept = (inside >> lane & 1) != 0
+                                ? levels_.level[0].present[block]
+                                : test(block);
+      if (!Take(block, detail::kBlockObjects, kept)) return false;
+    }
+    return true;
+  }
+
+  HWY_INLINE uint64_t TestLeaf(size_t block, const QueryCodes& codes) const {
+    const LeafBits bits = TestCodes<kAxes, kPlanes>(
+        levels_.codes + block * kPlanes * detail::kBlockObjects, codes);
+    const uint64_t kept = bits.kept & levels_.level[0].present[block];
+    const uint64_t unsure = bits.unsure & kept;
+    if (unsure == 0) [[likely]] {
+      return kept;
+    }
+    const PlaneQueries<kAxes, kHasMax> query(query_);
+    return (kept & ~unsure) |
+           (unsure & query.TestApart(0, levels_.level[0], block));
+  }
+
+  HWY_INLINE bool Take(size_t block, size_t count, uint64_t kept) {
+    ids_.next = WriteIds(kept, levels_.ids + block * detail::kBlockObjects,
+                         count, ids_.next);
+    return ids_.next < ids_.full || ids_.flush(ids_);
+  }
+
+  const detail::BvhLevels& levels_;
+  const float* const query_;
+  detail::WalkIds& ids_;
+};
+
 template <class Query, bool kWrites>
 void RunWalk(const detail::Walk& walk) {
   Walker<Query, kWrites>(walk).Run();
 }
 
 template <size_t kAxes, bool kHasMax>
+void RunFind(const detail::Walk& walk) {
+  using Find = PlainFind<kAxes, kHasMax>;
+  if (Find::Fits(walk) && Find(walk).Run()) return;
+  RunWalk<PlaneQueries<kAxes, kHasMax>, true>(walk);
+}
+
+template <size_t kAxes, bool kHasMax>
 constexpr detail::BvhKernels::OfPlanes MakeBvhKernelsOf() {
-  using Queries = PlaneQueries<kAxes, kHasMax>;
   return {&FindCenters<kAxes, kHasMax>,
           &FindPlaces<kCenterAxes<kAxes, kHasMax>>,
-          &EncodeBlocks<kAxes, kHasMax>, &RunWalk<Queries, true>,
-          &RunWalk<Queries, false>};
+          &EncodeBlocks<kAxes, kHasMax>, &RunFind<kAxes, kHasMax>,
+          &RunWalk<PlaneQueries<kAxes, kHasMax>, false>};
 }
 
 // A simplex has three axes or more.
