@@ -176,7 +176,9 @@ inline bool IsFlat(const detail::Scan& scan, const Options& options) {
     return objects <= detail::kFewObjects;
   }
   return options.schedule == Schedule::kAuto &&
-         objects <= scan.kernels->few_objects;
+         objects <= (scan.type->shape == detail::Shape::kAabo
+                         ? scan.kernels->few_octahedra
+                         : scan.kernels->few_objects);
 }
 
 // A range of fewer than 64 floats or doubles is one word.

@@ -100,10 +100,13 @@ class Unchecked {
                   std::uint64_t* mask) noexcept {
     assert(AreValid(planes, n, query, mask));
     constexpr bool kHasMax = detail::HasMax<typename View::Bound>;
+    constexpr bool kHasD = View::Bound::kAxes > View::Bound::kDimensions;
     const detail::TargetKernels& kernels =
         detail::ScanKernelsOf<View::Bound::kAxes, T>::kTargets[kTarget];
-    if (n - 1 < (kHasMax ? kernels.few_objects : detail::kFewObjects))
-        [[likely]] {
+    const std::size_t few = !kHasMax ? detail::kFewObjects
+                            : kHasD  ? kernels.few_octahedra
+                                     : kernels.few_objects;
+    if (n - 1 < few) [[likely]] {
       (kHasMax ? kernels.mask_of_all : kernels.mask_of_minima)(planes, 0, n,
                                                                query, mask);
       return;

@@ -76,7 +76,7 @@ constexpr detail::TargetKernels MakeFrontKernels() {
   for (detail::Kernel& kernel : kernels.run) kernel = &FrontRow;
   kernels.mask_of_minima = &FrontMask;
   kernels.mask_of_all = &FrontMask;
-  kernels.few_objects = detail::kFewObjects;
+  kernels.few_objects = kernels.few_octahedra = detail::kFewObjects;
   return kernels;
 }
 

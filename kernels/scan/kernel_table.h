@@ -48,8 +48,9 @@ struct TargetKernels {
   Kernel run[kWays];
   MaskKernel mask_of_minima;  // of a simplex
   MaskKernel mask_of_all;     // of the other shapes
-  // Up to so many objects mask_of_all is as fast as stages.
+  // Up to so many objects mask_of_all is as fast as stages: boxes, octahedra.
   std::size_t few_objects;
+  std::size_t few_octahedra;
 
   // Of at most 64 words: which are not 0, and the bits in those.
   std::uint64_t (*nonzero_words)(const std::uint64_t* words, std::size_t count);

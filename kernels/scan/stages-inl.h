@@ -348,6 +348,9 @@ class Ladder {
   // one that is much shorter.
   size_t Words(size_t left) const { return left < 2 * words_ ? left : words_; }
 
+  // The first stretch is short, because nothing is known of the world.
+  static constexpr size_t kFirstWords = 16;
+
   // After a stretch. `left` counts the groups after the first planes of a scan
   // by axis. After the other scans it counts the nonzero words of the last
   // tile, after all planes.
@@ -369,8 +372,6 @@ class Ladder {
   }
 
  private:
-  // The first stretch is short, because nothing is known of the world.
-  static constexpr size_t kFirstWords = 16;
   static constexpr size_t kMostWords = 16 * kTileWords;
   // So many stretches pass before kOneAxis is tried again where it did not pay.
   static constexpr size_t kPatience = 16;
@@ -430,6 +431,12 @@ int64_t ElementKernels<T>::Adaptive(const detail::Scan& scan,
       return scan.kernels->run[way](scan, part);
     }
     const size_t words = (part.end - part.begin) / kWordObjects;
+    // With few objects of an octahedron the ladder's first stretch is all, or
+    // half of all. Of 512 to 1024, rarely near the query, its simplices take
+    // 0.6 to 0.9 of the time of a flat scan and of the ladder (Zen 3).
+    if (!is_box && words < 2 * Ladder::kFirstWords) {
+      return scan.kernels->run[detail::kBySimplex](scan, part);
+    }
     if (words < (part.query_count > 1 ? kFewWords / 2 : kFewWords)) {
       return scan.kernels->run[detail::kAll](scan, part);
     }
@@ -461,6 +468,9 @@ constexpr detail::TargetKernels MakeKernels() {
   if constexpr (std::is_floating_point_v<T>) {
     kernels.mask_of_all = &FlatMask<kAxes, kAxes, T>;
     kernels.few_objects = kHasVectors ? detail::kFewObjects : kWordObjects - 1;
+    kernels.few_octahedra =
+        kHasVectors ? 32 * HWY_MIN(size_t{8}, hn::MaxLanes(OneTag<float>()))
+                    : kWordObjects - 1;
     kernels.run[detail::kByAxis] = &ElementKernels<T>::ByAxis;
     kernels.run[detail::kByHalf] =
         kAxes > 2 ? &ElementKernels<T>::ByHalf : &ElementKernels<T>::ByAxis;
