@@ -208,7 +208,11 @@ void BvhTree::Reallocate(const char* call, const BvhRoom& room) {
 void BvhTree::CheckIds(Span<const std::uint32_t> ids, const char* call) const {
   dispatch::CheckMemory(call, "ids", ids.data(), ids.size(),
                         alignof(std::uint32_t));
-  for (const std::uint32_t id : ids) CheckId(id, call);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (Has(ids[i])) continue;
+    dispatch::ThrowInvalid(call, "ids", "the id of an object",
+                           std::to_string(ids[i]), i);
+  }
 }
 
 // Before a change of one object. Returns its slot.
@@ -370,7 +374,7 @@ BvhRoom BvhTree::RoomFor(std::size_t more, const char* call) const {
     return kSlotsById;
   }
   if (slots() + more >= kMostObjects) {
-    dispatch::ThrowInvalid(call, "world", "less than 2^31 objects",
+    dispatch::ThrowInvalid(call, "world", "fewer than 2^31 objects in all",
                            std::to_string(slots() + more));
   }
   const std::size_t half_more =
@@ -579,7 +583,7 @@ void BvhTree::Reserve(std::size_t objects) {
   const std::size_t room =
       objects <= size() ? slots() : slots() + (objects - size());
   if (objects >= kMostObjects || room >= kMostObjects) {
-    dispatch::ThrowInvalid(kCall, "objects", "less than 2^31 objects",
+    dispatch::ThrowInvalid(kCall, "objects", "fewer than 2^31 objects in all",
                            std::to_string(objects));
   }
   Prepare(kCall, {room, 1, false});

@@ -17,8 +17,7 @@ bool BvhTree::Has(std::uint32_t id) const {
 
 void BvhTree::CheckId(std::uint32_t id, const char* call) const {
   if (Has(id)) return;
-  dispatch::ThrowInvalid(call, "id", "the id of an object in the world",
-                         std::to_string(id));
+  dispatch::ThrowInvalid(call, "id", "the id of an object", std::to_string(id));
 }
 
 void BvhTree::Get(std::uint32_t id, Span<float> values) const {

@@ -112,7 +112,7 @@ void BvhTree::CheckBuild(std::size_t objects,
   constexpr const char* kCall = "Bvh";
   std::ignore = KernelsFor(shape_, options.target, kCall);
   if (objects >= kMostObjects) {
-    dispatch::ThrowInvalid(kCall, "world", "less than 2^31 objects",
+    dispatch::ThrowInvalid(kCall, "world", "fewer than 2^31 objects in all",
                            std::to_string(objects));
   }
   const BuildQuality quality = options.quality;

@@ -194,6 +194,8 @@ class HALFSPACE_API BvhTree {
 
   // `values` are those of all minima, then of all maxima.
   bool Has(std::uint32_t id) const;
+  // Throws unless all are ids of objects.
+  void CheckIds(Span<const std::uint32_t> ids, const char* call) const;
   void Get(std::uint32_t id, Span<float> values) const;
   void Bounds(Span<float> values) const;
   void Set(std::uint32_t id, Span<const float> values);
@@ -242,7 +244,6 @@ class HALFSPACE_API BvhTree {
   void Prepare(const char* call, BvhRoom room);
   void Reallocate(const char* call, const BvhRoom& room);
   void CheckId(std::uint32_t id, const char* call) const;
-  void CheckIds(Span<const std::uint32_t> ids, const char* call) const;
   std::size_t PrepareObject(std::uint32_t id, bool has_masks, const char* call);
   std::size_t slots() const { return levels_.level[0].size; }
   BvhRoom RoomFor(std::size_t more, const char* call) const;
