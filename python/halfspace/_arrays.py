@@ -16,6 +16,7 @@ from . import _arrow, _halfspace
 MOST_OBJECTS = 2**31
 MOST_THREADS = 4096
 ALL_MASKS = 2**64 - 1
+NO_ID = 2**32 - 1
 
 
 class Table(NamedTuple):
@@ -57,7 +58,7 @@ def boxes(
     if columns not in allowed:
         raise ValueError(f"{name}: expected {expected}, got {_shapes(value, arrays)}")
     table = _table(arrays, single, name, most)
-    bad = _halfspace.first_bad_box(table.arrays)
+    bad = _halfspace.first_bad_box(table.arrays, False)
     if bad >= 0:
         _raise_bad_box(table, name, bad)
     return table
@@ -96,8 +97,9 @@ Arrays = Tuple[np.ndarray, ...]
 
 def casts(
     starts: Table, name: str, ways: Any, max_t: Any, dims: int
-) -> Tuple[Tuple[Arrays, Arrays, Arrays], bool]:
-    """The arrays of starts, directions and limits, and whether it is one cast."""
+) -> Tuple[Arrays, Arrays, bool]:
+    """The arrays of starts, an array of directions and limits, and whether it is one
+    cast."""
     motions = directions(ways, "directions", dims)
     single = starts.single and motions.single
     count = motions.length if starts.single else starts.length
@@ -108,7 +110,13 @@ def casts(
             f"{motions.length} and {starts.length}"
         )
     limits = per_row(max_t, "max_t", count)
-    return (starts.arrays, motions.arrays, limits.arrays), single
+    return starts.arrays, floats(motions.arrays + limits.arrays), single
+
+
+def floats(arrays: Arrays) -> Arrays:
+    """The columns of all arrays as one array of the nearest float32."""
+    with np.errstate(over="ignore"):
+        return (np.concatenate(arrays, axis=1).astype(np.float32, copy=False),)
 
 
 def points_or_boxes(value: Any, name: str, dims: int) -> Table:
@@ -137,8 +145,21 @@ def per_row(value: Any, name: str, count: int) -> Table:
     if not (exact >= 0).all():
         raise ValueError(f"{name}: expected numbers that are not negative and not NaN")
     column: np.ndarray = np.empty((count, 1), np.float32)
-    column[:, 0] = _halfspace.round_up(np.atleast_1d(exact))
+    column[:, 0] = round_up(exact)
     return Table((column,), count, False)
+
+
+def round_up(values: Any) -> Any:
+    """The least float32 that is not below each value."""
+    with np.errstate(over="ignore"):
+        nearest = np.asarray(values, np.float64).astype(np.float32)
+    above = np.nextafter(nearest, np.float32(np.inf))
+    return np.where(nearest < values, above, nearest)
+
+
+def long_ids(found: np.ndarray) -> np.ndarray:
+    """Ids of objects as int64, and -1 instead of none."""
+    return np.where(found == NO_ID, -1, found.astype(np.int64))
 
 
 def ids(value: Any, name: str) -> np.ndarray:
@@ -498,7 +519,7 @@ def _is_readable(arrays: Sequence[np.ndarray], dtype: np.dtype) -> bool:
 def _without_nan(array: np.ndarray, name: str) -> Table:
     single = array.ndim == 1
     table = _table([array.reshape(1, -1) if single else array], single, name, None)
-    bad = _halfspace.first_nan(table.arrays)
+    bad = _halfspace.first_bad_box(table.arrays, True)
     if bad >= 0:
         where = name if single else f"{name}[{bad}]"
         raise ValueError(f"{where}: expected numbers, got NaN")

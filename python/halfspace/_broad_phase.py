@@ -311,9 +311,10 @@ class BroadPhase:
     def _query(
         self, table: _arrays.Table, mask: Optional[int], threads: Optional[int]
     ) -> np.ndarray:
-        return self._bodies.query(
-            table.arrays, _arrays.mask(mask), not table.single, _arrays.threads(threads)
+        found = self._bodies.query(
+            table.arrays, _arrays.mask(mask), _arrays.threads(threads)
         )
+        return found[1] if table.single else found
 
     def _cast(
         self,
@@ -324,11 +325,16 @@ class BroadPhase:
         mask: Optional[int],
         threads: Optional[int],
     ) -> Tuple[Any, Any]:
-        casts, single = _arrays.casts(starts, name, directions, max_t, self.dims)
-        ids, t = self._bodies.cast(
-            *casts, _arrays.mask(mask), _arrays.threads(threads)
+        arrays, motions, single = _arrays.casts(
+            starts, name, directions, max_t, self.dims
         )
-        return (int(ids[0]), float(t[0])) if single else (ids, t)
+        if starts.columns != 2 * self.dims:  # boxes are rounded outward later
+            arrays = _arrays.floats(arrays)
+        found, t = self._bodies.cast(
+            arrays, motions, _arrays.mask(mask), _arrays.threads(threads)
+        )
+        ids = _arrays.long_ids(found)
+        return (int(ids[0, 0]), float(t[0, 0])) if single else (ids[:, 0], t[:, 0])
 
     def _boxes(self, value: Any) -> _arrays.Table:
         table = _arrays.boxes(value, "boxes", self.dims, axes=self._axes)
@@ -349,4 +355,4 @@ def _margin(value: Any) -> float:
     margin = _arrays.not_negative(value, "margin")
     if margin > float(np.finfo(np.float32).max):
         raise ValueError(f"margin: expected a finite float32, got {margin}")
-    return margin
+    return float(_arrays.round_up(margin))

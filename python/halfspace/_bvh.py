@@ -112,11 +112,12 @@ class BVH:
 
         Errors and `verify` are those of `from_blob`.
         """
-        with open(path, "rb") as file:
+        name = os.fsdecode(path)  # open() would take the number of a file, and close it
+        with open(name, "rb") as file:
             if os.fstat(file.fileno()).st_size == 0:
-                raise ValueError(f"{os.fsdecode(path)}: the file is empty")
+                raise ValueError(f"{name}: the file is empty")
             mapped = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-        return cls._of(_load(mapped, os.fsdecode(path), verify))
+        return cls._of(_load(mapped, name, verify))
 
     @classmethod
     def _of(cls, tree: _halfspace.Tree) -> "BVH":
@@ -130,8 +131,7 @@ class BVH:
         The tree cannot change while the memoryview exists. The first call after
         a change computes a checksum.
         """
-        blob: Any = _halfspace.Blob(self._tree)  # a buffer
-        return memoryview(blob)
+        return memoryview(self._tree.blob())
 
     def save(self, path: Path) -> None:
         """Writes the tree to a file for `map`.
@@ -194,9 +194,8 @@ class BVH:
             if ids is not None:
                 return ids
         table = self._boxes(boxes)
-        return self._tree.query(
-            table.arrays, not table.single, _arrays.threads(threads), progress
-        )
+        found = self._tree.query(table.arrays, _arrays.threads(threads), progress)
+        return found[1] if table.single else found
 
     def query_batches(
         self,
@@ -224,7 +223,7 @@ class BVH:
         step = 1 << 16  # boxes that are counted at a time
         for first in range(0, table.length, step):
             block = table.rows(first, min(first + step, table.length))
-            ends = np.cumsum(self._tree.count(block.arrays, threads, None))
+            ends = np.cumsum(self._tree.count(block.arrays, threads, None), dtype=np.int64)
             begin, found = 0, 0
             while begin < block.length:
                 # As many rows as have at most so many results, or one.
@@ -247,7 +246,7 @@ class BVH:
     ) -> Iterator[np.ndarray]:
         if end > begin:
             arrays = block.rows(begin, end).arrays
-            batch = self._tree.query(arrays, True, threads, None)
+            batch = self._tree.query(arrays, threads, None)
             batch[0] += begin
             if batch.shape[1]:
                 yield batch
@@ -275,7 +274,7 @@ class BVH:
         """
         table = self._boxes(boxes)
         counts = self._tree.count(table.arrays, _arrays.threads(threads), progress)
-        return int(counts[0]) if table.single else counts
+        return int(counts[0, 0]) if table.single else counts[:, 0].astype(np.int64)
 
     def any(
         self,
@@ -290,7 +289,8 @@ class BVH:
         Arguments are those of `query`.
         """
         table = self._boxes(boxes)
-        found = self._tree.any(table.arrays, _arrays.threads(threads), progress)
+        ids = self._tree.any(table.arrays, _arrays.threads(threads), progress)
+        found = ids[:, 0] != _arrays.NO_ID
         return bool(found[0]) if table.single else found
 
     def nearest(
@@ -339,10 +339,13 @@ class BVH:
         """
         table = _arrays.points_or_boxes(points, "points", self.dims)
         count = _arrays.positive(k, "k")
-        limit = _arrays.not_negative(max_distance, "max_distance")
-        ids, distances = self._tree.nearest(
+        limit = float(
+            _arrays.round_up(_arrays.not_negative(max_distance, "max_distance"))
+        )
+        found, distances = self._tree.nearest(
             table.arrays, count, limit, bool(exclusive), _arrays.threads(threads), progress
         )
+        ids = _arrays.long_ids(found)
         return (ids[0], distances[0]) if table.single else (ids, distances)
 
     def raycast(
@@ -389,15 +392,14 @@ class BVH:
         >>> ids
         array([0, 1])
         """
-        rays, single = _arrays.casts(
-            _arrays.points(origins, "origins", self.dims),
-            "origins",
-            directions,
-            max_t,
-            self.dims,
+        points = _arrays.points(origins, "origins", self.dims)
+        starts, motions, single = _arrays.casts(
+            points, "origins", directions, max_t, self.dims
         )
-        ids, t = self._tree.raycast(*rays, _arrays.threads(threads), progress)
-        return (int(ids[0]), float(t[0])) if single else (ids, t)
+        rays = _arrays.floats(starts + motions)
+        found, t = self._tree.raycast(rays, _arrays.threads(threads), progress)
+        ids = _arrays.long_ids(found)
+        return (int(ids[0, 0]), float(t[0, 0])) if single else (ids[:, 0], t[:, 0])
 
     def pairs(
         self, *, threads: Optional[int] = 1, progress: Optional[Progress] = None

@@ -23,15 +23,9 @@ using Pairs = std::vector<hs_id_pair>;
 // Queries of one part. A part whose ids do not fit runs twice.
 constexpr std::size_t kInPart = 64;
 
-struct DestroyBodies {
-  void operator()(hs_broad_phase* bodies) const {
-    hs_broad_phase_destroy(bodies);
-  }
-};
-
 // The object of Python. Needs no lock of its own: see c/halfspace.h.
 struct Bodies {
-  std::unique_ptr<hs_broad_phase, DestroyBodies> bodies;
+  std::unique_ptr<hs_broad_phase, Destroy<&hs_broad_phase_destroy>> bodies;
   std::size_t dims;
   hs_kind kind;
   std::size_t values;  // of a record
@@ -97,18 +91,17 @@ Columns BoundsOf(const ShortIds& ids, const py::tuple& arrays) {
 }
 
 std::unique_ptr<Bodies> MakeBodies(std::size_t max_ids, std::size_t dims,
-                                   bool is_aabo, double margin) {
+                                   bool is_aabo, float margin) {
   hs_broad_phase_config config;
   Check(hs_broad_phase_config_default(&config, sizeof(config)));
   config.kind = is_aabo ? (dims == 2 ? HS_OCTAHEDRON2 : HS_OCTAHEDRON3)
                         : (dims == 2 ? HS_BOX2 : HS_BOX3);
-  config.margin = RoundUp(margin);
+  config.margin = margin;
   config.max_ids = max_ids;
   hs_broad_phase* bodies = nullptr;
   Check(hs_broad_phase_create(&config, &bodies));
-  return std::make_unique<Bodies>(
-      Bodies{std::unique_ptr<hs_broad_phase, DestroyBodies>(bodies), dims,
-             config.kind, hs_bound_values(config.kind)});
+  return std::unique_ptr<Bodies>(new Bodies{
+      {bodies, {}}, dims, config.kind, hs_bound_values(config.kind)});
 }
 
 void Insert(const Bodies& bodies, const ShortIds& ids, const py::tuple& arrays,
@@ -141,15 +134,14 @@ auto FinderOf(const Bodies& bodies, hs_shape shape, std::uint64_t mask) {
   };
 }
 
-// Queries of spheres, or of bounds. Returns the rows and the ids, of shape
-// (2, n), or only the ids.
+// Queries of spheres, or of bounds.
 Ids Query(const Bodies& bodies, const py::tuple& arrays, std::uint64_t mask,
-          bool with_rows, std::size_t threads) {
+          std::size_t threads) {
   const Columns queries(arrays);
   const bool are_spheres = queries.size == bodies.dims + 1;
   Work work(threads, py::none());
   return FindAll(
-      queries, kInPart, with_rows, work,
+      queries, kInPart, work,
       FinderOf(bodies, are_spheres ? HS_SHAPE_SPHERE : HS_SHAPE_BOUND, mask));
 }
 
@@ -169,27 +161,26 @@ py::object QueryOne(const Bodies& bodies, const py::array& array,
                    });
 }
 
-// The first body of each ray, or of each sphere or box that moves.
+// The first body of each ray, or of each sphere or box that moves. `arrays`
+// are the directions and the limits.
 py::tuple Cast(const Bodies& bodies, const py::tuple& starts,
-               const py::tuple& directions, const py::tuple& limits,
-               std::uint64_t mask, std::size_t threads) {
-  const Casts casts{Columns(starts), Columns(directions), Columns(limits)};
-  const std::size_t size = casts.starts.size;
-  const hs_shape shape = size == bodies.dims       ? HS_SHAPE_POINT
-                         : size == bodies.dims + 1 ? HS_SHAPE_SPHERE
-                                                   : HS_SHAPE_BOX;
+               const py::tuple& arrays, std::uint64_t mask,
+               std::size_t threads) {
+  const Columns from(starts);
+  const Columns motions(arrays);
+  if (from.count != motions.count) ThrowNotPrepared();
+  const hs_shape shape = from.size == bodies.dims       ? HS_SHAPE_POINT
+                         : from.size == bodies.dims + 1 ? HS_SHAPE_SPHERE
+                                                        : HS_SHAPE_BOX;
   Work work(threads, py::none());
-  return CastAll(casts, bodies.dims, work,
-                 [&](std::size_t first, const hs_columns& rays,
-                     const hs_columns& motions, std::uint32_t* ids, float* ts) {
-                   // Boxes are rounded outward, and so not in `rays`.
-                   const hs_columns from =
-                       shape == HS_SHAPE_BOX
-                           ? casts.starts.Rows(first, kPartQueries)
-                           : rays;
-                   Check(hs_broad_phase_cast(bodies.get(), shape, &from,
-                                             &motions, mask, ids, ts));
-                 });
+  return FindIdsAndFloats(
+      from, 1, kPartQueries, work,
+      [&](const hs_columns& some, std::size_t first, std::uint32_t* ids,
+          float* ts) {
+        const hs_columns its_motions = motions.Rows(first, kPartQueries);
+        Check(hs_broad_phase_cast(bodies.get(), shape, &some, &its_motions,
+                                  mask, ids, ts));
+      });
 }
 
 // An array of shape (n, 2).
@@ -204,7 +195,7 @@ Ids ToArray(const Pairs& pairs) {
 }
 
 // `masks` has an element for each id, or none.
-Ids PairsOf(const Bodies& bodies, const ShortIds& ids, double margin,
+Ids PairsOf(const Bodies& bodies, const ShortIds& ids, float margin,
             const Masks& masks) {
   if (masks.size() != 0 && masks.size() != ids.size()) ThrowNotPrepared();
   const std::uint64_t* const its_masks =
@@ -215,7 +206,7 @@ Ids PairsOf(const Bodies& bodies, const ShortIds& ids, double margin,
     return HS_CONTINUE;
   };
   Call(&hs_broad_phase_for_each_pair_of, bodies.get(), ids.data(), its_masks,
-       Length(ids), RoundUp(margin), add, &pairs);
+       Length(ids), margin, add, &pairs);
   return ToArray(pairs);
 }
 

@@ -26,13 +26,8 @@ namespace {
 constexpr std::size_t kPartLeaves = 16;
 // A BVH has fewer objects.
 constexpr std::size_t kMostObjects = std::size_t{1} << 31;
-// Rows of one part of a pass over an output.
-constexpr std::size_t kPartRows = 65536;
 
-struct DestroyBvh {
-  void operator()(hs_bvh* bvh) const { hs_bvh_destroy(bvh); }
-};
-using Bvh = std::unique_ptr<hs_bvh, DestroyBvh>;
+using Bvh = std::unique_ptr<hs_bvh, Destroy<&hs_bvh_destroy>>;
 
 // Calls run without the interpreter's lock, so another thread can call the same
 // object. Its counters are read and written with the lock.
@@ -71,33 +66,23 @@ struct Reading {
   Tree& tree;
 };
 
-// Exists while a call changes a tree. The constructor throws if another call
-// uses the tree, or if Python objects refer to its blob.
-struct Changing {
-  explicit Changing(Tree& its_tree, bool is_refit = false) : tree(its_tree) {
-    if (tree.is_changing || tree.readers > 0) {
-      throw std::runtime_error(
-          "another call is using this BVH: wait until it has finished before "
-          "you change the BVH");
-    }
-    if (tree.exports > 0) {
-      throw py::buffer_error(
-          "the blob of this BVH is in use: release it before you change the "
-          "BVH");
-    }
-    if (!is_refit) CheckRefitted(tree);
-    tree.is_changing = true;
-  }
-  Changing(const Changing&) = delete;
-  ~Changing() { tree.is_changing = false; }
-
-  Tree& tree;
-};
-
-// Calls change() without the interpreter's lock.
+// Calls change() without the interpreter's lock. Throws if another call uses
+// the tree, or if Python objects refer to its blob.
 template <typename Function>
 void Change(Tree& tree, const Function& change, bool is_refit = false) {
-  const Changing changing(tree, is_refit);
+  if (tree.is_changing || tree.readers > 0) {
+    throw std::runtime_error(
+        "another call is using this BVH: wait until it has finished before "
+        "you change the BVH");
+  }
+  if (tree.exports > 0) {
+    throw py::buffer_error(
+        "the blob of this BVH is in use: release it before you change the BVH");
+  }
+  if (!is_refit) CheckRefitted(tree);
+  const auto end = [](Tree* its) { its->is_changing = false; };
+  const std::unique_ptr<Tree, decltype(end)> changing(&tree, end);
+  tree.is_changing = true;
   if (is_refit) ++tree.changes;  // also if an exception ends it
   {
     const py::gil_scoped_release release;
@@ -196,38 +181,26 @@ std::unique_ptr<Tree> FromBlob(const py::array_t<std::uint8_t>& blob,
   return tree;
 }
 
-// Refers to the bytes of a tree. The tree cannot change while it lives.
-class Blob {
- public:
-  explicit Blob(py::object object)
-      : object_(std::move(object)), tree_(object_.cast<Tree&>()) {
-    const Reading reading(tree_);
-    {
-      const py::gil_scoped_release release;
-      Check(hs_bvh_blob(tree_.bvh.get(), &data_, &size_));
-    }
-    ++tree_.exports;
+// The bytes of a tree. The tree cannot change while the array lives.
+py::array BlobOf(const py::object& object) {
+  auto& tree = object.cast<Tree&>();
+  const Reading reading(tree);
+  const void* data = nullptr;
+  std::size_t size = 0;
+  {
+    const py::gil_scoped_release release;
+    Check(hs_bvh_blob(tree.bvh.get(), &data, &size));
   }
-  ~Blob() { --tree_.exports; }
-  Blob(const Blob&) = delete;
-  Blob& operator=(const Blob&) = delete;
-
-  py::buffer_info Info() const {
-    return {const_cast<void*>(data_),
-            1,
-            py::format_descriptor<std::uint8_t>::format(),
-            1,
-            {Size(size_)},
-            {1},
-            /*readonly=*/true};
-  }
-
- private:
-  py::object object_;  // the Python object of the tree
-  Tree& tree_;
-  const void* data_ = nullptr;
-  std::size_t size_ = 0;
-};
+  const py::capsule owner(new py::object(object), [](void* of) {
+    const std::unique_ptr<py::object> its(static_cast<py::object*>(of));
+    --its->cast<Tree&>().exports;
+  });
+  ++tree.exports;
+  py::array_t<std::uint8_t> bytes(
+      Size(size), static_cast<const std::uint8_t*>(data), owner);
+  bytes.attr("setflags")(false);  // not to be written
+  return bytes;
+}
 
 // Finds the pairs of a tree, and of `b` or of itself if this is null, by part.
 // Call it without the interpreter's lock.
@@ -258,7 +231,6 @@ Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b, Work& work) {
 // Sorts the queries into a tree of their own and joins the trees: queries that
 // are near each other share what they read. Then sorts the pairs by row.
 Ids QueryByJoin(const Tree& tree, const Columns& boxes, Work& work) {
-  const std::size_t count = boxes.count;
   const auto results = [&] {
     const py::gil_scoped_release release;
     const Bvh queries = Build(boxes, /*is_fast=*/true, work,
@@ -266,33 +238,22 @@ Ids QueryByJoin(const Tree& tree, const Columns& boxes, Work& work) {
     return FindPairs(queries.get(), tree.bvh.get(), work);
   }();
   const std::size_t parts = results.parts();
-  work.SetLastStage();
-  std::vector<std::size_t> next(count);
-  std::size_t found = 0;
+  std::vector<std::size_t> ends(boxes.count);
   {
     const py::gil_scoped_release release;
+    work.SetLastStage();
     // All pairs of a row are in one part.
     work.Run(parts, [&](std::size_t part, std::size_t) {
-      for (const hs_id_pair& pair : results.List(part)) ++next[pair.a];
+      for (const hs_id_pair& pair : results.List(part)) ++ends[pair.a];
     });
-    for (std::size_t& row : next) found += std::exchange(row, found);
+    std::partial_sum(ends.begin(), ends.end(), ends.begin());
   }
-  Ids ids(std::vector<std::size_t>{2, found});
-  std::int64_t* const rows = ids.mutable_data();
-  std::int64_t* const objects = rows + found;
+  Ids ids = RowsOf(ends, work);
+  std::int64_t* const objects = ids.mutable_data() + ids.shape(1);
   const py::gil_scoped_release release;
   work.Run(parts, [&](std::size_t part, std::size_t) {
     for (const hs_id_pair& pair : results.List(part)) {
-      objects[next[pair.a]++] = pair.b;
-    }
-  });
-  // Now next[i] is the end of row i.
-  work.Run(PartsOf(count, kPartRows), [&](std::size_t part, std::size_t) {
-    const std::size_t first = part * kPartRows;
-    const std::size_t end = std::min(count, first + kPartRows);
-    std::size_t begin = first == 0 ? 0 : next[first - 1];
-    for (std::size_t i = first; i < end; begin = next[i++]) {
-      std::fill(rows + begin, rows + next[i], static_cast<std::int64_t>(i));
+      objects[--ends[pair.a]] = pair.b;
     }
   });
   return ids;
@@ -321,14 +282,14 @@ bool IsJoinFaster(const Tree& tree, const Columns& boxes) {
          many_results * kSample;
 }
 
-Ids Query(Tree& tree, const py::tuple& arrays, bool with_rows,
-          std::size_t threads, py::object progress) {
+Ids Query(Tree& tree, const py::tuple& arrays, std::size_t threads,
+          py::object progress) {
   const Columns boxes(arrays);
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  Ids ids = with_rows && IsJoinFaster(tree, boxes)
+  Ids ids = IsJoinFaster(tree, boxes)
                 ? QueryByJoin(tree, boxes, work)
-                : FindAll(boxes, kPartQueries, with_rows, work,
+                : FindAll(boxes, kPartQueries, work,
                           FinderOf(tree.bvh.get(), &hs_bvh_query));
   work.Finish();
   return ids;
@@ -359,24 +320,18 @@ Ids QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
   return ids;
 }
 
-Ids Count(Tree& tree, const py::tuple& arrays, std::size_t threads,
-          py::object progress) {
+// hs_bvh_count() or hs_bvh_any().
+template <auto kFunction>
+py::array AskAll(Tree& tree, const py::tuple& arrays, std::size_t threads,
+                 py::object progress) {
   const Columns boxes(arrays);
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  return CountAll(tree.bvh.get(), &hs_bvh_count, boxes, kPartQueries, work);
-}
-
-py::array_t<bool> Any(Tree& tree, const py::tuple& arrays, std::size_t threads,
-                      py::object progress) {
-  const Columns boxes(arrays);
-  Work work(threads, std::move(progress));
-  const Reading reading(tree);
-  return AnyOfAll(tree.bvh.get(), &hs_bvh_any, boxes, kPartQueries, work);
+  return AskEach(tree.bvh.get(), kFunction, boxes, kPartQueries, work);
 }
 
 py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
-                  double max_distance, bool is_exclusive, std::size_t threads,
+                  float max_distance, bool is_exclusive, std::size_t threads,
                   py::object progress) {
   const Columns queries(arrays);
   const bool are_points = queries.size == tree.dims;
@@ -385,41 +340,32 @@ py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
   hs_query_options options;
   Check(hs_query_options_default(&options, sizeof(options)));
   options.exclusive = is_exclusive ? 1 : 0;
-  const std::size_t n = queries.count;
-  Ids ids(std::vector<std::size_t>{n, k});
-  py::array_t<float> distances(std::vector<std::size_t>{n, k});
-  std::int64_t* const to = ids.mutable_data();
-  float* const its_distances = distances.mutable_data();
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  const float limit = RoundUp(max_distance);
   // As many queries in a part as have about this number of results.
   constexpr std::size_t kPartResults = 4096;
   std::size_t in_part =
       std::clamp(kPartResults / k, std::size_t{1}, kPartQueries);
   // A search for others also finds all objects that are equal to its query.
   if (is_exclusive) in_part = std::min(in_part, std::size_t{4});
-  ForEachPart(n, in_part, work, [&](std::size_t first, std::size_t) {
-    const hs_columns some = queries.Rows(first, in_part);
-    std::vector<std::uint32_t> found(some.count * k);
-    Check(nearest(tree.bvh.get(), &some, k, limit, &options, found.data(),
-                  its_distances + first * k));
-    std::transform(found.begin(), found.end(), to + first * k, LongId);
-  });
-  work.Finish();
-  return py::make_tuple(ids, distances);
+  return FindIdsAndFloats(
+      queries, k, in_part, work,
+      [&](const hs_columns& some, std::size_t, std::uint32_t* ids,
+          float* distances) {
+        Check(nearest(tree.bvh.get(), &some, k, max_distance, &options, ids,
+                      distances));
+      });
 }
 
-py::tuple CastRays(Tree& tree, const py::tuple& origins,
-                   const py::tuple& directions, const py::tuple& limits,
-                   std::size_t threads, py::object progress) {
+py::tuple CastRays(Tree& tree, const py::tuple& arrays, std::size_t threads,
+                   py::object progress) {
+  const Columns rays(arrays);
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  return CastAll(
-      {Columns(origins), Columns(directions), Columns(limits)}, tree.dims, work,
-      [&](std::size_t, const hs_columns& rays, const hs_columns&,
-          std::uint32_t* ids, float* ts) {
-        Check(hs_bvh_raycast(tree.bvh.get(), &rays, 0, nullptr, ids, ts));
+  return FindIdsAndFloats(
+      rays, 1, kPartQueries, work,
+      [&](const hs_columns& some, std::size_t, std::uint32_t* ids, float* ts) {
+        Check(hs_bvh_raycast(tree.bvh.get(), &some, 0, nullptr, ids, ts));
       });
 }
 
@@ -520,17 +466,15 @@ py::array_t<float> Boxes(Tree& tree) {
 }  // namespace
 
 void DefineTree(py::module_& module) {
-  py::class_<Blob>(module, "Blob", py::buffer_protocol())
-      .def(py::init<py::object>())
-      .def_buffer(&Blob::Info);
   py::class_<Tree>(module, "Tree")
       .def(py::init(&MakeTree))
       .def_static("from_blob", &FromBlob)
       .def("query", &Query)
       .def("query_one", &QueryOne)
       .def("query_some", &QuerySome)
-      .def("count", &Count)
-      .def("any", &Any)
+      .def("blob", &BlobOf)
+      .def("count", &AskAll<&hs_bvh_count>)
+      .def("any", &AskAll<&hs_bvh_any>)
       .def("nearest", &Nearest)
       .def("raycast", &CastRays)
       .def("pairs",
