@@ -1,4 +1,5 @@
 // The broad phase.
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -48,9 +49,9 @@ Value Ask(const Bodies& bodies) {
 }
 
 // The same for a function that runs its parts on threads.
-template <typename Function, typename... Arguments>
-void Update(Function function, const Bodies& bodies, std::size_t budget,
-            std::size_t threads, const Arguments&... arguments) {
+template <auto kFunction, typename... Arguments>
+void Update(const Bodies& bodies, std::size_t budget, std::size_t threads,
+            Arguments... arguments) {
   Work work(threads, py::none());
   Threads its_threads(work, 1, 0, 0);
   hs_update_options options;
@@ -59,7 +60,7 @@ void Update(Function function, const Bodies& bodies, std::size_t budget,
   options.run = &Threads::Run;
   options.run_context = &its_threads;
   const py::gil_scoped_release release;
-  its_threads.Check(function(bodies.get(), &options, arguments...));
+  its_threads.Check(kFunction(bodies.get(), &options, arguments...));
 }
 
 // Writes the records of boxes.
@@ -184,19 +185,16 @@ py::tuple Cast(const Bodies& bodies, const py::tuple& starts,
 }
 
 // An array of shape (n, 2).
-Ids ToArray(const Pairs& pairs) {
-  Ids ids(std::vector<std::size_t>{pairs.size(), 2});
-  std::int64_t* to = ids.mutable_data();
-  for (const hs_id_pair& pair : pairs) {
-    *to++ = pair.a;
-    *to++ = pair.b;
-  }
+ShortIds ToArray(const Pairs& pairs) {
+  ShortIds ids(std::vector<std::size_t>{pairs.size(), 2});
+  std::copy_n(reinterpret_cast<const std::uint32_t*>(pairs.data()),
+              2 * pairs.size(), ids.mutable_data());
   return ids;
 }
 
 // `masks` has an element for each id, or none.
-Ids PairsOf(const Bodies& bodies, const ShortIds& ids, float margin,
-            const Masks& masks) {
+ShortIds PairsOf(const Bodies& bodies, const ShortIds& ids, float margin,
+                 const Masks& masks) {
   if (masks.size() != 0 && masks.size() != ids.size()) ThrowNotPrepared();
   const std::uint64_t* const its_masks =
       masks.size() == 0 ? nullptr : masks.data();
@@ -218,8 +216,8 @@ void Add(void* lists, std::uint32_t a, std::uint32_t b) {
 
 py::tuple UpdatePairs(const Bodies& bodies, std::size_t threads) {
   std::array<Pairs, 2> events;
-  Update(&hs_broad_phase_update_pairs, bodies, 0, threads, &Add<0>, &Add<1>,
-         events.data());
+  Update<&hs_broad_phase_update_pairs>(bodies, 0, threads, &Add<0>, &Add<1>,
+                                       events.data());
   return py::make_tuple(ToArray(events[0]), ToArray(events[1]));
 }
 
@@ -230,19 +228,15 @@ py::array_t<float> BoundsOfAll(const Bodies& bodies) {
   return record;
 }
 
-py::array_t<float> Get(const Bodies& bodies, const ShortIds& ids) {
+// The bounds, and rows of a category and what it collides with.
+py::tuple Get(const Bodies& bodies, const ShortIds& ids) {
   py::array_t<float> records(
       std::vector<std::size_t>{Length(ids), bodies.values});
-  float* const to = records.mutable_data();
-  Call(&hs_broad_phase_get, bodies.get(), ids.data(), Length(ids), to, nullptr);
-  return records;
-}
-
-Masks MasksOf(const Bodies& bodies, const ShortIds& ids) {
   Masks masks(std::vector<std::size_t>{Length(ids), 2});
-  auto* const to = reinterpret_cast<hs_body_masks*>(masks.mutable_data());
-  Call(&hs_broad_phase_get, bodies.get(), ids.data(), Length(ids), nullptr, to);
-  return masks;
+  Call(&hs_broad_phase_get, bodies.get(), ids.data(), Length(ids),
+       records.mutable_data(),
+       reinterpret_cast<hs_body_masks*>(masks.mutable_data()));
+  return py::make_tuple(records, masks);
 }
 
 py::dict Statistics(const Bodies& bodies) {
@@ -278,14 +272,8 @@ void DefineBroadPhase(py::module_& module) {
       .def("move", &Move)
       .def("octahedra", &Octahedra)
       .def("set_masks", &SetMasks)
-      .def("update",
-           [](const Bodies& bodies, std::size_t budget, std::size_t threads) {
-             Update(&hs_broad_phase_update, bodies, budget, threads);
-           })
-      .def("rebuild",
-           [](const Bodies& bodies, std::size_t threads) {
-             Update(&hs_broad_phase_rebuild, bodies, 0, threads);
-           })
+      .def("update", &Update<&hs_broad_phase_update>)
+      .def("rebuild", &Update<&hs_broad_phase_rebuild>)
       .def("query", &Query)
       .def("query_one", &QueryOne)
       .def("cast", &Cast)
@@ -293,7 +281,6 @@ void DefineBroadPhase(py::module_& module) {
       .def("update_pairs", &UpdatePairs)
       .def("bounds", &BoundsOfAll)
       .def("get", &Get)
-      .def("masks", &MasksOf)
       .def("statistics", &Statistics)
       .def("validate", &Ask<int, &hs_broad_phase_validate>)
       .def("size", &Ask<std::size_t, &hs_broad_phase_size>)

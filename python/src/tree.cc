@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <memory>
 #include <numeric>
 #include <span>
@@ -24,8 +23,6 @@ namespace {
 
 // Leaves of one part of a join.
 constexpr std::size_t kPartLeaves = 16;
-// A BVH has fewer objects.
-constexpr std::size_t kMostObjects = std::size_t{1} << 31;
 
 using Bvh = std::unique_ptr<hs_bvh, Destroy<&hs_bvh_destroy>>;
 
@@ -91,12 +88,6 @@ void Change(Tree& tree, const Function& change, bool is_refit = false) {
   if (!is_refit) ++tree.changes;
 }
 
-std::size_t SizeOf(const hs_bvh* bvh) {
-  std::size_t size = 0;
-  Check(hs_bvh_size(bvh, &size));
-  return size;
-}
-
 // With the interpreter's lock: a refit does not change sizes.
 template <hs_status (*kSize)(const hs_bvh*, std::size_t*)>
 std::size_t Ask(Tree& tree) {
@@ -158,20 +149,19 @@ std::unique_ptr<Tree> FromBlob(const py::array_t<std::uint8_t>& blob,
     tree->blob = blob;
   }
   const py::gil_scoped_release release;
-  const auto load = [&](std::size_t dims) {
+  hs_status status = HS_OK;
+  for (const std::size_t dims : {3, 2}) {
     const hs_bvh_config config = ConfigOf(dims);
     hs_bvh* bvh = nullptr;
-    const hs_status status = hs_bvh_in_place(&config, bytes, size, &bvh);
+    status = hs_bvh_in_place(&config, bytes, size, &bvh);
     tree->bvh.reset(bvh);
     tree->dims = dims;
-    return status;
-  };
-  hs_status status = load(3);
-  // The number of dimensions is checked after the beginning and the version,
-  // and before everything else.
-  if (status == HS_CORRUPT &&
-      std::strstr(hs_last_error(), "dimensions") != nullptr) {
-    status = load(2);
+    // The number of dimensions is checked after the beginning and the version,
+    // and before everything else.
+    if (status != HS_CORRUPT ||
+        std::strstr(hs_last_error(), "dimensions") == nullptr) {
+      break;
+    }
   }
   Check(status);
   if (verify && hs_bvh_verify(tree->bvh.get()) != HS_OK) {
@@ -208,7 +198,8 @@ Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b, Work& work) {
   std::size_t leaves = 0;
   Check(hs_bvh_pair_parts(a, &leaves));
   const std::size_t parts = PartsOf(leaves, kPartLeaves);
-  const std::size_t size = SizeOf(a);
+  std::size_t size = 0;
+  Check(hs_bvh_size(a, &size));
   work.SetStage(0, size, size);
   Results<hs_id_pair> results(parts, work.threads());
   work.Run(parts, [&](std::size_t part, std::size_t thread) {
@@ -259,38 +250,14 @@ Ids QueryByJoin(const Tree& tree, const Columns& boxes, Work& work) {
   return ids;
 }
 
-// As measured with 10^3 to 10^6 objects and 10^4 to 10^6 queries. With fewer
-// queries the leaves of their tree are too large, more so in 3 dimensions, and
-// a join reads more: it takes up to 5 times as long. With many results it takes
-// up to twice as long, because it sorts them. The row of a query is an id in
-// their tree.
-bool IsJoinFaster(const Tree& tree, const Columns& boxes) {
-  constexpr std::size_t kSample = 64;
-  constexpr std::size_t kLargeTree = std::size_t{1} << 18;
-  if (boxes.count < 4096 || boxes.count >= kMostObjects) return false;
-  const std::size_t size = SizeOf(tree.bvh.get());
-  if (boxes.count < size / (tree.dims == 2 ? 10 : 4)) return false;
-  hs_columns sample = boxes;
-  sample.count = kSample;
-  sample.stride *= boxes.count / kSample;
-  std::array<std::size_t, kSample> counts;
-  const py::gil_scoped_release release;
-  Check(hs_bvh_count(tree.bvh.get(), &sample, nullptr, counts.data()));
-  // In a large tree, queries in turn also miss the cache.
-  const std::size_t many_results = size < kLargeTree ? 8 : 16;
-  return std::accumulate(counts.begin(), counts.end(), std::size_t{0}) <
-         many_results * kSample;
-}
-
-Ids Query(Tree& tree, const py::tuple& arrays, std::size_t threads,
-          py::object progress) {
+Ids Query(Tree& tree, const py::tuple& arrays, bool by_join,
+          std::size_t threads, py::object progress) {
   const Columns boxes(arrays);
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  Ids ids = IsJoinFaster(tree, boxes)
-                ? QueryByJoin(tree, boxes, work)
-                : FindAll(boxes, kPartQueries, work,
-                          FinderOf(tree.bvh.get(), &hs_bvh_query));
+  Ids ids = by_join ? QueryByJoin(tree, boxes, work)
+                    : FindAll(boxes, kPartQueries, work,
+                              FinderOf(tree.bvh.get(), &hs_bvh_query));
   work.Finish();
   return ids;
 }
@@ -300,24 +267,24 @@ py::object QueryOne(Tree& tree, const py::array& array) {
   return FindOfOne(array, tree.dims, FinderOf(tree.bvh.get(), &hs_bvh_query));
 }
 
-// Returns at most `limit` ids of one query, after the first `skip`.
-Ids QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
-              std::size_t limit) {
+// Returns an array with at most `limit` ids of one query, after the first
+// `skip`, and the number of all ids.
+py::tuple QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
+                    std::size_t limit) {
   const Columns boxes(arrays);
   hs_query_options options;
   Check(hs_query_options_default(&options, sizeof(options)));
   options.skip = skip;
-  std::vector<std::uint32_t> found(limit);
+  ShortIds ids(Size(limit));
+  std::uint32_t* const to = ids.mutable_data();
   std::size_t total = 0;
   {
     const Reading reading(tree);
     const py::gil_scoped_release release;
-    Check(hs_bvh_query(tree.bvh.get(), &boxes, &options, found.data(), limit,
-                       nullptr, &total));
+    Check(hs_bvh_query(tree.bvh.get(), &boxes, &options, to, limit, nullptr,
+                       &total));
   }
-  Ids ids(Size(std::min(limit, total - std::min(skip, total))));
-  std::copy_n(found.data(), ids.size(), ids.mutable_data());
-  return ids;
+  return py::make_tuple(ids, total);
 }
 
 // hs_bvh_count() or hs_bvh_any().
@@ -371,11 +338,11 @@ py::tuple CastRays(Tree& tree, const py::tuple& arrays, std::size_t threads,
 
 // The pairs of a tree and of `b`, or of itself if this is null, in an array of
 // shape (2, n). Those of one tree have i < j.
-Ids PairsOf(Tree& tree, const Tree* b, std::size_t threads,
-            py::object progress) {
+Ids PairsOf(Tree& tree, Tree* b, std::size_t threads, py::object progress) {
   Work work(threads, std::move(progress));
   const auto results = [&] {
     const Reading reading(tree);
+    const Reading reading_b(b == nullptr ? tree : *b);
     const py::gil_scoped_release release;
     return FindPairs(tree.bvh.get(), b == nullptr ? nullptr : b->bvh.get(),
                      work);
@@ -399,19 +366,12 @@ Ids PairsOf(Tree& tree, const Tree* b, std::size_t threads,
   return ids;
 }
 
-Ids Join(Tree& a, Tree& b, std::size_t threads, py::object progress) {
-  const Reading reading(b);
-  return PairsOf(a, &b, threads, std::move(progress));
-}
-
-Ids Insert(Tree& tree, const py::tuple& arrays) {
+ShortIds Insert(Tree& tree, const py::tuple& arrays) {
   const Columns boxes(arrays);
-  std::vector<std::uint32_t> ids(boxes.count);
-  Change(tree,
-         [&] { Check(hs_bvh_insert(tree.bvh.get(), &boxes, ids.data())); });
-  Ids result(Size(ids.size()));
-  std::copy(ids.begin(), ids.end(), result.mutable_data());
-  return result;
+  ShortIds ids(Size(boxes.count));
+  std::uint32_t* const to = ids.mutable_data();
+  Change(tree, [&] { Check(hs_bvh_insert(tree.bvh.get(), &boxes, to)); });
+  return ids;
 }
 
 void Erase(Tree& tree, const ShortIds& ids) {
@@ -477,10 +437,7 @@ void DefineTree(py::module_& module) {
       .def("any", &AskAll<&hs_bvh_any>)
       .def("nearest", &Nearest)
       .def("raycast", &CastRays)
-      .def("pairs",
-           [](Tree& tree, std::size_t threads, py::object progress) {
-             return PairsOf(tree, nullptr, threads, std::move(progress));
-           })
+      .def("pairs", &PairsOf)
       .def("insert", &Insert)
       .def("erase", &Erase)
       .def("refit", &Refit)
@@ -492,7 +449,6 @@ void DefineTree(py::module_& module) {
       .def("nbytes", &Ask<&hs_bvh_bytes>)
       .def_readonly("dims", &Tree::dims)
       .def_readonly("changes", &Tree::changes);
-  module.def("join", &Join);
 }
 
 }  // namespace halfspace::python

@@ -12,12 +12,6 @@
 namespace py = pybind11;
 
 namespace halfspace::python {
-namespace {
-
-// Ends a C function.
-struct Stopped {};
-
-}  // namespace
 
 void Work::Run(std::size_t count,
                const std::function<void(std::size_t, std::size_t)>& part) {
@@ -85,9 +79,9 @@ void Threads::Run(void* threads, std::size_t count, hs_part_function part,
   try {
     its.work_.Run(count, [&](std::size_t i, std::size_t) { part(of_part, i); });
   } catch (...) {
-    // The C function would keep the text alone.
+    // The C function would keep the text alone. Any exception ends it.
     its.error_ = std::current_exception();
-    throw Stopped();
+    throw std::exception();
   }
 }
 
