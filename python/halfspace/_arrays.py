@@ -17,6 +17,7 @@ MOST_OBJECTS = 2**31
 MOST_THREADS = 4096
 ALL_MASKS = 2**64 - 1
 NO_ID = 2**32 - 1
+MOST_FLOAT = float(np.finfo(np.float32).max)
 
 
 class Table(NamedTuple):
@@ -98,7 +99,7 @@ Arrays = Tuple[np.ndarray, ...]
 def casts(
     starts: Table, name: str, ways: Any, max_t: Any, dims: int
 ) -> Tuple[Arrays, Arrays, bool]:
-    """The arrays of starts, an array of directions and limits, and whether it is one
+    """The arrays of starts, those of directions and limits, and whether it is one
     cast."""
     motions = directions(ways, "directions", dims)
     single = starts.single and motions.single
@@ -110,13 +111,16 @@ def casts(
             f"{motions.length} and {starts.length}"
         )
     limits = per_row(max_t, "max_t", count)
-    return starts.arrays, floats(motions.arrays + limits.arrays), single
+    return starts.arrays, motions.arrays + limits.arrays, single
 
 
 def floats(arrays: Arrays) -> Arrays:
     """The columns of all arrays as one array of the nearest float32."""
-    with np.errstate(over="ignore"):
-        return (np.concatenate(arrays, axis=1).astype(np.float32, copy=False),)
+    array = np.concatenate(arrays, axis=1)
+    if array.dtype != np.float32:
+        with np.errstate(over="ignore"):
+            array = array.astype(np.float32)
+    return (array,)
 
 
 def points_or_boxes(value: Any, name: str, dims: int) -> Table:
@@ -145,21 +149,24 @@ def per_row(value: Any, name: str, count: int) -> Table:
     if not (exact >= 0).all():
         raise ValueError(f"{name}: expected numbers that are not negative and not NaN")
     column: np.ndarray = np.empty((count, 1), np.float32)
-    column[:, 0] = round_up(exact)
+    if exact.ndim == 0:
+        column[:] = round_up(float(exact))
+    else:
+        with np.errstate(over="ignore"):
+            column[:, 0] = exact
+        low = column[:, 0] < exact
+        column[low, 0] = np.nextafter(column[low, 0], np.float32(np.inf))
     return Table((column,), count, False)
 
 
-def round_up(values: Any) -> Any:
-    """The least float32 that is not below each value."""
-    with np.errstate(over="ignore"):
-        nearest = np.asarray(values, np.float64).astype(np.float32)
-    above = np.nextafter(nearest, np.float32(np.inf))
-    return np.where(nearest < values, above, nearest)
-
-
-def long_ids(found: np.ndarray) -> np.ndarray:
-    """Ids of objects as int64, and -1 instead of none."""
-    return np.where(found == NO_ID, -1, found.astype(np.int64))
+def round_up(value: float) -> float:
+    """The least float32 that is not below a number."""
+    if value > MOST_FLOAT:
+        return math.inf
+    nearest = np.float32(value)
+    if nearest < value:
+        nearest = np.nextafter(nearest, np.float32(np.inf))
+    return float(nearest)
 
 
 def ids(value: Any, name: str) -> np.ndarray:

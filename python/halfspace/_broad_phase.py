@@ -257,11 +257,11 @@ class BroadPhase:
 
         With the kind "aabo" they are octahedra, of shape (n, 2 d + 2).
         """
-        return self._bodies.get(_arrays.ids(ids, "ids"))[0]
+        return self._bodies.get(_arrays.ids(ids, "ids"), False)[0]
 
     def masks(self, ids: Any) -> Tuple[np.ndarray, np.ndarray]:
         """Returns `categories, collides_with` of bodies: uint64, shape (n,)."""
-        masks = self._bodies.get(_arrays.ids(ids, "ids"))[1]
+        masks = self._bodies.get(_arrays.ids(ids, "ids"), True)[1]
         return masks[:, 0], masks[:, 1]
 
     def statistics(self) -> Dict[str, Any]:
@@ -332,10 +332,9 @@ class BroadPhase:
         )
         if starts.columns != 2 * self.dims:  # boxes are rounded outward later
             arrays = _arrays.floats(arrays)
-        found, t = self._bodies.cast(
-            arrays, motions, _arrays.mask(mask), _arrays.threads(threads)
+        ids, t = self._bodies.cast(
+            arrays, _arrays.floats(motions), _arrays.mask(mask), _arrays.threads(threads)
         )
-        ids = _arrays.long_ids(found)
         return (int(ids[0, 0]), float(t[0, 0])) if single else (ids[:, 0], t[:, 0])
 
     def _boxes(self, value: Any) -> _arrays.Table:
@@ -355,6 +354,6 @@ class BroadPhase:
 
 def _margin(value: Any) -> float:
     margin = _arrays.not_negative(value, "margin")
-    if margin > float(np.finfo(np.float32).max):
+    if margin > _arrays.MOST_FLOAT:
         raise ValueError(f"margin: expected a finite float32, got {margin}")
-    return float(_arrays.round_up(margin))
+    return _arrays.round_up(margin)

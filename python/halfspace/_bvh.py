@@ -200,7 +200,7 @@ class BVH:
     def _query(
         self, table: _arrays.Table, threads: int, progress: Optional[Progress]
     ) -> np.ndarray:
-        by_join = self._is_join_faster(table)
+        by_join = table.length >= 4096 and self._is_join_faster(table)
         return self._tree.query(table.arrays, by_join, threads, progress)
 
     def _is_join_faster(self, table: _arrays.Table) -> bool:
@@ -209,10 +209,9 @@ class BVH:
         # a join reads more: it takes up to 5 times as long. With many results it takes
         # up to twice as long, because it sorts them. The row of a query is an id in
         # their tree.
-        if not 4096 <= table.length < _arrays.MOST_OBJECTS:
-            return False
         size = len(self)
-        if table.length < size // (10 if self.dims == 2 else 4):
+        least = size // (10 if self.dims == 2 else 4)
+        if not least <= table.length < _arrays.MOST_OBJECTS:
             return False
         step = table.length // 64
         sample = tuple(a[: 64 * step : step] for a in table.arrays)
@@ -313,8 +312,9 @@ class BVH:
         """
         table = self._boxes(boxes)
         ids = self._tree.any(table.arrays, _arrays.threads(threads), progress)
-        found = ids[:, 0] != _arrays.NO_ID
-        return bool(found[0]) if table.single else found
+        if table.single:
+            return int(ids[0, 0]) != _arrays.NO_ID
+        return ids[:, 0] != _arrays.NO_ID
 
     def nearest(
         self,
@@ -362,13 +362,10 @@ class BVH:
         """
         table = _arrays.points_or_boxes(points, "points", self.dims)
         count = _arrays.positive(k, "k")
-        limit = float(
-            _arrays.round_up(_arrays.not_negative(max_distance, "max_distance"))
-        )
-        found, distances = self._tree.nearest(
+        limit = _arrays.round_up(_arrays.not_negative(max_distance, "max_distance"))
+        ids, distances = self._tree.nearest(
             table.arrays, count, limit, bool(exclusive), _arrays.threads(threads), progress
         )
-        ids = _arrays.long_ids(found)
         return (ids[0], distances[0]) if table.single else (ids, distances)
 
     def raycast(
@@ -420,8 +417,7 @@ class BVH:
             points, "origins", directions, max_t, self.dims
         )
         rays = _arrays.floats(starts + motions)
-        found, t = self._tree.raycast(rays, _arrays.threads(threads), progress)
-        ids = _arrays.long_ids(found)
+        ids, t = self._tree.raycast(rays, _arrays.threads(threads), progress)
         return (int(ids[0, 0]), float(t[0, 0])) if single else (ids[:, 0], t[:, 0])
 
     def pairs(

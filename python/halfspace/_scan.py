@@ -57,8 +57,9 @@ class Scan:
         """Returns for each box whether an object overlaps it, as `BVH.any`."""
         table = self._boxes(boxes)
         ids = self._scan.any(table.arrays, _arrays.threads(threads))
-        found = ids[:, 0] != _arrays.NO_ID
-        return bool(found[0]) if table.single else found
+        if table.single:
+            return int(ids[0, 0]) != _arrays.NO_ID
+        return ids[:, 0] != _arrays.NO_ID
 
     def mask(self, boxes: Any, *, threads: Optional[int] = 1) -> np.ndarray:
         """Returns for each box and each object whether they overlap.

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "columns.h"
-#include "module.h"
 #include "results.h"
 #include "work.h"
 
@@ -53,7 +52,7 @@ template <auto kFunction, typename... Arguments>
 void Update(const Bodies& bodies, std::size_t budget, std::size_t threads,
             Arguments... arguments) {
   Work work(threads, py::none());
-  Threads its_threads(work, 1, 0, 0);
+  Threads its_threads{work, 1, 0, 0};
   hs_update_options options;
   Check(hs_update_options_default(&options, sizeof(options)));
   options.budget = budget;
@@ -228,14 +227,17 @@ py::array_t<float> BoundsOfAll(const Bodies& bodies) {
   return record;
 }
 
-// The bounds, and rows of a category and what it collides with.
-py::tuple Get(const Bodies& bodies, const ShortIds& ids) {
+// The bounds or, in the second array, rows of a category and what it collides
+// with.
+py::tuple Get(const Bodies& bodies, const ShortIds& ids, bool with_masks) {
+  const std::size_t count = Length(ids);
   py::array_t<float> records(
-      std::vector<std::size_t>{Length(ids), bodies.values});
-  Masks masks(std::vector<std::size_t>{Length(ids), 2});
-  Call(&hs_broad_phase_get, bodies.get(), ids.data(), Length(ids),
-       records.mutable_data(),
-       reinterpret_cast<hs_body_masks*>(masks.mutable_data()));
+      std::vector<std::size_t>{with_masks ? 0 : count, bodies.values});
+  Masks masks(std::vector<std::size_t>{with_masks ? count : 0, 2});
+  auto* const to = reinterpret_cast<hs_body_masks*>(masks.mutable_data());
+  Call(&hs_broad_phase_get, bodies.get(), ids.data(), count,
+       with_masks ? nullptr : records.mutable_data(),
+       with_masks ? to : nullptr);
   return py::make_tuple(records, masks);
 }
 

@@ -12,6 +12,11 @@
 
 namespace halfspace::python {
 
+// What the files add to the extension module.
+void DefineBroadPhase(pybind11::module_& module);
+void DefineScan(pybind11::module_& module);
+void DefineTree(pybind11::module_& module);
+
 using Ids = pybind11::array_t<std::int64_t>;
 using ShortIds = pybind11::array_t<std::uint32_t, pybind11::array::c_style>;
 

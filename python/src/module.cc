@@ -1,6 +1,5 @@
 // The extension module halfspace._halfspace: what the Python files of the
 // package call, with arguments that they have checked (_arrays.py).
-#include "module.h"
 
 #include <halfspace/c/halfspace.h>
 #include <pybind11/numpy.h>

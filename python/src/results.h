@@ -27,10 +27,10 @@ inline std::size_t PartsOf(std::size_t count, std::size_t in_part) {
 
 // The lists that the parts of a call find.
 template <typename Item>
-class Results {
- public:
-  Results(std::size_t parts, std::size_t threads)
-      : lists_(parts), buffers_(threads) {}
+struct Results {
+  // A thread has room for `room` items at first.
+  Results(std::size_t parts, std::size_t threads, std::size_t its_room)
+      : lists(parts), buffers(threads), room(its_room) {}
 
   // Stores what find(span<Item>) writes for a part. find() returns the full
   // number of items. It is called again with a longer span until all of them
@@ -38,35 +38,30 @@ class Results {
   // this at the same time for different parts.
   template <typename Find>
   void Add(std::size_t part, std::size_t thread, const Find& find) {
-    std::vector<Item>& buffer = buffers_[thread];
-    if (buffer.empty()) buffer.resize(kFirstItems);
+    std::vector<Item>& buffer = buffers[thread];
+    if (buffer.empty()) buffer.resize(room);
     std::size_t found = find(std::span<Item>(buffer));
     while (found > buffer.size()) {
       buffer.resize(std::max(2 * buffer.size(), found));
       found = find(std::span<Item>(buffer));
     }
-    lists_[part].assign(buffer.data(), buffer.data() + found);
+    lists[part].assign(buffer.data(), buffer.data() + found);
   }
 
   // Returns where the items of each part begin in the list of all items, and
   // then the number of all items. Call it after all parts.
   std::vector<std::size_t> Offsets() const {
     std::vector<std::size_t> offsets{0};
-    offsets.reserve(lists_.size() + 1);
-    for (const auto& list : lists_) {
+    offsets.reserve(lists.size() + 1);
+    for (const auto& list : lists) {
       offsets.push_back(offsets.back() + list.size());
     }
     return offsets;
   }
 
-  std::size_t parts() const { return lists_.size(); }
-  const std::vector<Item>& List(std::size_t part) const { return lists_[part]; }
-
- private:
-  static constexpr std::size_t kFirstItems = 4096;
-
-  std::vector<std::vector<Item>> lists_;
-  std::vector<std::vector<Item>> buffers_;  // of the threads
+  std::vector<std::vector<Item>> lists;    // of the parts
+  std::vector<std::vector<Item>> buffers;  // of the threads
+  std::size_t room;
 };
 
 // Calls run(some, first, thread) for the queries of each part, of which `first`
@@ -120,8 +115,9 @@ inline Ids RowsOf(const std::vector<std::size_t>& ends, Work& work) {
 template <typename Find>
 Ids FindAll(const Columns& queries, std::size_t in_part, Work& work,
             const Find& find) {
+  const std::size_t room = std::min<std::size_t>(4096, 64 * queries.count);
   Results<std::uint32_t> results(PartsOf(queries.count, in_part),
-                                 work.threads());
+                                 work.threads(), room);
   std::vector<std::size_t> ends(queries.count);
   ForEachPart(
       queries, in_part, work,
@@ -139,8 +135,8 @@ Ids FindAll(const Columns& queries, std::size_t in_part, Work& work,
   Ids ids = RowsOf(ends, work);
   std::int64_t* const objects = ids.mutable_data() + offsets.back();
   const pybind11::gil_scoped_release release;
-  work.Run(results.parts(), [&](std::size_t part, std::size_t) {
-    const std::vector<std::uint32_t>& list = results.List(part);
+  work.Run(results.lists.size(), [&](std::size_t part, std::size_t) {
+    const std::vector<std::uint32_t>& list = results.lists[part];
     std::copy(list.begin(), list.end(), objects + offsets[part]);
   });
   return ids;
@@ -209,19 +205,24 @@ pybind11::array_t<Value> AskEach(const Object* object,
 }
 
 // Returns the ids and the floats that find(some, first, ids, floats) writes for
-// the queries of a part, in arrays of shape (queries, each).
+// the queries of a part, in arrays of shape (queries, each). -1 instead of
+// HS_NO_ID.
 template <typename Find>
 pybind11::tuple FindIdsAndFloats(const Columns& queries, std::size_t each,
                                  std::size_t in_part, Work& work,
                                  const Find& find) {
-  pybind11::array_t<float> floats(
-      std::vector<std::size_t>{queries.count, each});
+  const std::vector<std::size_t> shape{queries.count, each};
+  pybind11::array_t<float> floats(shape);
+  Ids ids(shape);
   float* const to = floats.mutable_data();
-  const auto ids = FindEach<std::uint32_t>(
+  const auto found = FindEach<std::uint32_t>(
       queries, each, in_part, work,
       [&](const hs_columns& some, std::size_t first, std::uint32_t* its_ids) {
         find(some, first, its_ids, to + first * each);
       });
+  std::transform(
+      found.data(), found.data() + found.size(), ids.mutable_data(),
+      [](std::uint32_t id) { return id == HS_NO_ID ? -1 : std::int64_t{id}; });
   return pybind11::make_tuple(ids, floats);
 }
 

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "columns.h"
-#include "module.h"
 #include "results.h"
 #include "work.h"
 
@@ -109,8 +108,8 @@ Bvh Build(const Columns& boxes, bool is_fast, Work& work,
   const bool is_double = boxes.type == HS_FLOAT64;
   // Doubles are rounded, then centers, six splits, a sort and a copy; or
   // centers and a copy.
-  Threads threads(work, (is_double ? 1u : 0u) + (is_fast ? 2u : 9u),
-                  progress_end, boxes.count);
+  Threads threads{work, (is_double ? 1u : 0u) + (is_fast ? 2u : 9u),
+                  progress_end, boxes.count};
   hs_bvh_config config = ConfigOf(boxes.size == 4 ? 2 : 3);
   config.quality = is_fast ? HS_QUALITY_FAST : HS_QUALITY_HIGH;
   config.run = &Threads::Run;
@@ -201,7 +200,7 @@ Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b, Work& work) {
   std::size_t size = 0;
   Check(hs_bvh_size(a, &size));
   work.SetStage(0, size, size);
-  Results<hs_id_pair> results(parts, work.threads());
+  Results<hs_id_pair> results(parts, work.threads(), 4096);
   work.Run(parts, [&](std::size_t part, std::size_t thread) {
     hs_pair_options options;
     Check(hs_pair_options_default(&options, sizeof(options)));
@@ -228,14 +227,14 @@ Ids QueryByJoin(const Tree& tree, const Columns& boxes, Work& work) {
                               /*progress_end=*/0);
     return FindPairs(queries.get(), tree.bvh.get(), work);
   }();
-  const std::size_t parts = results.parts();
+  const std::size_t parts = results.lists.size();
   std::vector<std::size_t> ends(boxes.count);
   {
     const py::gil_scoped_release release;
     work.SetLastStage();
     // All pairs of a row are in one part.
     work.Run(parts, [&](std::size_t part, std::size_t) {
-      for (const hs_id_pair& pair : results.List(part)) ++ends[pair.a];
+      for (const hs_id_pair& pair : results.lists[part]) ++ends[pair.a];
     });
     std::partial_sum(ends.begin(), ends.end(), ends.begin());
   }
@@ -243,7 +242,7 @@ Ids QueryByJoin(const Tree& tree, const Columns& boxes, Work& work) {
   std::int64_t* const objects = ids.mutable_data() + ids.shape(1);
   const py::gil_scoped_release release;
   work.Run(parts, [&](std::size_t part, std::size_t) {
-    for (const hs_id_pair& pair : results.List(part)) {
+    for (const hs_id_pair& pair : results.lists[part]) {
       objects[--ends[pair.a]] = pair.b;
     }
   });
@@ -353,9 +352,9 @@ Ids PairsOf(Tree& tree, Tree* b, std::size_t threads, py::object progress) {
   std::int64_t* const to = ids.mutable_data();
   work.SetLastStage();
   const py::gil_scoped_release release;
-  work.Run(results.parts(), [&](std::size_t part, std::size_t) {
+  work.Run(results.lists.size(), [&](std::size_t part, std::size_t) {
     std::size_t at = offsets[part];
-    for (hs_id_pair pair : results.List(part)) {
+    for (hs_id_pair pair : results.lists[part]) {
       if (b == nullptr && pair.b < pair.a) std::swap(pair.a, pair.b);
       to[at] = pair.a;
       to[found + at] = pair.b;
@@ -386,8 +385,8 @@ void Refit(Tree& tree, const py::tuple& arrays, std::size_t threads,
   const Columns boxes(arrays);
   Work work(threads, std::move(progress));
   // A refit of doubles rounds first.
-  Threads its_threads(work, boxes.type == HS_FLOAT64 ? 2 : 1, boxes.count,
-                      boxes.count);
+  Threads its_threads{work, boxes.type == HS_FLOAT64 ? 2u : 1u, boxes.count,
+                      boxes.count};
   const auto refit = [&] {
     tree.is_half_refitted = true;
     its_threads.Check(
