@@ -19,24 +19,18 @@ std::string Name(std::string_view argument, std::size_t index) {
   return name + "[" + std::to_string(index) + "]";
 }
 
-std::string Text(std::string_view call, const std::string& name,
-                 std::string_view expected, std::string_view given) {
-  std::string text = "halfspace: ";
-  text.append(call).append(": ").append(name);
-  text.append(": expected ").append(expected);
-  return text.append(", got ").append(given);
-}
-
 }  // namespace
 
 Error::Error(std::string_view call, std::string_view argument,
              std::string_view expected, std::string_view given,
              std::size_t index)
-    : std::invalid_argument(Text(call, Name(argument, index), expected, given)),
+    : std::invalid_argument("halfspace: " + std::string(call) + ": " +
+                            Name(argument, index) + ": expected " +
+                            std::string(expected) + ", got " +
+                            std::string(given)),
       call_(call.size()),
       argument_(argument.size()),
-      expected_at_(ArgumentAt() + Name(argument, index).size() +
-                   sizeof(": expected ") - 1),
+      name_(Name(argument, index).size()),
       expected_(expected.size()),
       index_(index) {}
 

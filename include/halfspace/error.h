@@ -44,29 +44,28 @@ class HALFSPACE_API Error : public std::invalid_argument {
 
   // For example "Bvh::Erase", "ids", "the id of an object" and "7". They are
   // parts of what(), and valid as long as what() is.
-  std::string_view call() const { return Part(kCall, call_); }
-  std::string_view argument() const { return Part(ArgumentAt(), argument_); }
-  std::string_view expected() const { return Part(expected_at_, expected_); }
-  std::string_view given() const { return what() + GivenAt(); }
+  std::string_view call() const { return {what() + kCall, call_}; }
+  std::string_view argument() const { return {what() + Argument(), argument_}; }
+  std::string_view expected() const { return {what() + Expected(), expected_}; }
+  std::string_view given() const {
+    return what() + Expected() + expected_ + sizeof(", got ") - 1;
+  }
   // The element of `argument` that is wrong, or kNoIndex. what() has it in
   // brackets.
   std::size_t index() const { return index_; }
 
  private:
+  // Where the parts begin in what().
   static constexpr std::size_t kCall = sizeof("halfspace: ") - 1;
-
-  std::size_t ArgumentAt() const { return kCall + call_ + sizeof(": ") - 1; }
-  std::size_t GivenAt() const {
-    return expected_at_ + expected_ + sizeof(", got ") - 1;
-  }
-  std::string_view Part(std::size_t at, std::size_t size) const {
-    return {what() + at, size};
+  std::size_t Argument() const { return kCall + call_ + sizeof(": ") - 1; }
+  std::size_t Expected() const {
+    return Argument() + name_ + sizeof(": expected ") - 1;
   }
 
-  // Sizes, and where `expected` begins in what().
+  // Their sizes. `name_` includes the index.
   std::size_t call_;
   std::size_t argument_;
-  std::size_t expected_at_;
+  std::size_t name_;
   std::size_t expected_;
   std::size_t index_;
 };
