@@ -253,13 +253,6 @@ hs_status hs_broad_phase_create(const hs_broad_phase_config* config,
                 "config->kind: expected boxes or octahedra, got simplices, "
                 "which have no planes that face each other");
     }
-    halfspace::c::CheckMargin(call, "config->margin", read.margin);
-    constexpr size_t kMostIds = size_t{1} << 29;
-    if (read.max_ids > kMostIds) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "config->max_ids: expected at most 2^29 ids, got %zu",
-                read.max_ids);
-    }
     const auto memory = halfspace::c::ReadAllocator(call, read.allocator);
     *bodies = halfspace::c::New<hs_broad_phase>(memory, kind, read, memory);
   });
@@ -501,7 +494,6 @@ hs_status hs_broad_phase_for_each_pair_of(
   return Run("hs_broad_phase_for_each_pair_of", [&](const Call& call) {
     call.CheckPointer("bodies", bodies);
     call.CheckArray("ids", ids, count);
-    halfspace::c::CheckMargin(call, "margin", margin);
     call.CheckPointer("function", function);
     if (masks != nullptr) call.CheckPointer("masks", masks);
     const Span<const uint64_t> its_masks(masks, count);

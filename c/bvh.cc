@@ -8,7 +8,6 @@
 using halfspace::c::BvhConfig;
 using halfspace::c::Call;
 using halfspace::c::CheckColumns;
-using halfspace::c::CheckObjects;
 using halfspace::c::ColumnsOf;
 using halfspace::c::Kind;
 using halfspace::c::Run;
@@ -70,17 +69,6 @@ hs_bvh* Build(const Call& call, const BvhConfig& config,
   NewBvh bvh(config.kind, options.memory);
   bvh->tree.Build(objects, options);
   return bvh.Release();
-}
-
-// The library checks ids, too, but not in words of this interface.
-void CheckIds(const Call& call, const hs_bvh& bvh, const std::uint32_t* ids,
-              std::size_t count) {
-  call.CheckArray("ids", ids, count);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (bvh.tree.Has(ids[i])) continue;
-    call.Fail(HS_INVALID_ARGUMENT,
-              "ids[%zu]: expected the id of an object, got %u", i, ids[i]);
-  }
 }
 
 // Minima of simplices become a record with maxima.
@@ -152,7 +140,6 @@ hs_status hs_bvh_create(const hs_bvh_config* config, const hs_columns* objects,
     const BvhConfig read(call, config);
     const Values values = Values::OfObjects(read.kind);
     CheckColumns(call, "objects", objects, values);
-    CheckObjects(call, objects->count);
     *bvh = halfspace::c::Build(call, read, ColumnsOf(*objects, values));
   });
 }
@@ -175,7 +162,13 @@ hs_status hs_builder_push(hs_builder* builder, const hs_columns* objects) {
     CheckColumns(call, "objects", objects, builder->objects);
     auto& rows = builder->rows;
     const size_t size = rows.size();
-    CheckObjects(call, size / builder->objects.count + objects->count);
+    const size_t count = size / builder->objects.count + objects->count;
+    if (count >= size_t{1} << 31) {
+      call.Fail(HS_INVALID_ARGUMENT,
+                "objects: expected fewer than 2^31 objects in all, got "
+                "%zu",
+                count);
+    }
     rows.resize(size + objects->count * builder->objects.count);
     halfspace::c::WriteRows(*objects, builder->objects, 0, objects->count,
                             rows.data() + size);
@@ -229,8 +222,9 @@ hs_status hs_bvh_get(const hs_bvh* bvh, const uint32_t* ids, size_t count,
                      float* records) {
   return Run("hs_bvh_get", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
-    halfspace::c::CheckIds(call, *bvh, ids, count);
+    call.CheckArray("ids", ids, count);
     call.CheckArray("records", records, count);
+    bvh->tree.CheckIds({ids, count}, call.name());
     std::array<float, halfspace::c::kMostValues> values;
     for (size_t i = 0; i < count; ++i) {
       bvh->tree.Get(ids[i], {values.data(), bvh->objects.count});
@@ -280,7 +274,6 @@ hs_status hs_bvh_insert(hs_bvh* bvh, const hs_columns* objects, uint32_t* ids) {
     call.CheckPointer("bvh", bvh);
     CheckColumns(call, "objects", objects, bvh->objects);
     call.CheckArray("ids", ids, objects->count);
-    CheckObjects(call, bvh->tree.size() + objects->count);
     bvh->tree.Insert(ColumnsOf(*objects, bvh->objects), {ids, objects->count});
   });
 }
@@ -288,7 +281,6 @@ hs_status hs_bvh_insert(hs_bvh* bvh, const hs_columns* objects, uint32_t* ids) {
 hs_status hs_bvh_reserve(hs_bvh* bvh, size_t objects) {
   return Run("hs_bvh_reserve", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
-    halfspace::c::CheckObjects(call, objects);
     bvh->tree.Reserve(objects);
   });
 }
@@ -298,7 +290,7 @@ hs_status hs_bvh_set(hs_bvh* bvh, const uint32_t* ids,
   return Run("hs_bvh_set", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
     CheckColumns(call, "objects", objects, bvh->objects);
-    halfspace::c::CheckIds(call, *bvh, ids, objects->count);
+    call.CheckArray("ids", ids, objects->count);
     bvh->tree.Set({ids, objects->count}, ColumnsOf(*objects, bvh->objects));
   });
 }
@@ -306,7 +298,7 @@ hs_status hs_bvh_set(hs_bvh* bvh, const uint32_t* ids,
 hs_status hs_bvh_erase(hs_bvh* bvh, const uint32_t* ids, size_t count) {
   return Run("hs_bvh_erase", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
-    halfspace::c::CheckIds(call, *bvh, ids, count);
+    call.CheckArray("ids", ids, count);
     bvh->tree.Erase({ids, count});
   });
 }
@@ -315,8 +307,9 @@ hs_status hs_bvh_set_masks(hs_bvh* bvh, const uint32_t* ids,
                            const uint32_t* masks, size_t count) {
   return Run("hs_bvh_set_masks", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
-    halfspace::c::CheckIds(call, *bvh, ids, count);
+    call.CheckArray("ids", ids, count);
     call.CheckArray("masks", masks, count);
+    bvh->tree.CheckIds({ids, count}, call.name());
     // Only the first allocates.
     for (size_t i = 0; i < count; ++i) bvh->tree.SetMasks(ids[i], masks[i]);
   });
@@ -336,12 +329,6 @@ hs_status hs_bvh_refit(hs_bvh* bvh, const hs_columns* objects,
   return Run("hs_bvh_refit", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
     CheckColumns(call, "objects", objects, bvh->objects);
-    if (objects->count < bvh->tree.id_limit()) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "objects->count: expected at least hs_bvh_id_limit(), %zu, got "
-                "%zu",
-                bvh->tree.id_limit(), objects->count);
-    }
     halfspace::c::CallerThreads threads(call, "run", run, run_context);
     bvh->tree.Refit(ColumnsOf(*objects, bvh->objects), true, threads.runner());
   });

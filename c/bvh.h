@@ -32,8 +32,6 @@ namespace halfspace::c {
 detail::BvhShape ShapeOf(const Kind& kind);
 // Not of simplices.
 const detail::BvhPairKernels* PairKernelsOf(const Kind& kind);
-// Fails unless the margin is finite and not negative.
-void CheckMargin(const Call& call, const char* argument, float margin);
 
 // A configuration after its checks.
 struct BvhConfig {

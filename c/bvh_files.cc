@@ -10,9 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <new>
-#include <stdexcept>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -136,14 +134,9 @@ void LoadBytes(const Call& call, const char* argument, hs_bvh& bvh,
                Span<const std::byte> bytes, bool is_in_place) {
   try {
     bvh.tree.Load(bytes, is_in_place);
-  } catch (const std::invalid_argument& error) {
-    if (IsOfAllocator(error)) throw;
-    const std::string_view text = TextOf(error);
-    constexpr std::string_view kBlob = "blob: ";
-    if (text.substr(0, kBlob.size()) != kBlob) {
-      call.Fail(HS_CORRUPT, "%s", text.data());
-    }
-    call.Fail(HS_CORRUPT, "%s: %s", argument, text.data() + kBlob.size());
+  } catch (const Error& error) {
+    if (error.argument() != "blob") throw;
+    call.Fail(HS_CORRUPT, error, argument);
   }
 }
 

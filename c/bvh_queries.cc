@@ -51,7 +51,6 @@ QueryOptions ReadQuery(const Call& call, const hs_query_options* options,
 PairOptions ReadPairs(const Call& call, const hs_pair_options* options) {
   const hs_pair_options read =
       ReadOptions(call, "options", options, kPairDefaults);
-  CheckMargin(call, "options->margin", read.margin);
   PairOptions pairs;
   pairs.mask = read.mask;
   pairs.margin = read.margin;
@@ -326,13 +325,6 @@ const detail::BvhPairKernels* PairKernelsOf(const Kind& kind) {
   if (kind.axes == 2) return detail::BvhPairKernelsOf<2>::kTargets;
   if (kind.axes == 3) return detail::BvhPairKernelsOf<3>::kTargets;
   return detail::BvhPairKernelsOf<4>::kTargets;
-}
-
-void CheckMargin(const Call& call, const char* argument, float margin) {
-  if (margin >= 0 && margin <= std::numeric_limits<float>::max()) return;
-  call.Fail(HS_INVALID_ARGUMENT,
-            "%s: expected a finite number that is not negative, got %g",
-            argument, static_cast<double>(margin));
 }
 
 }  // namespace halfspace::c

@@ -37,6 +37,46 @@ constexpr std::size_t kLargestStruct = 4096;
   std::memcpy(last_error, text, sizeof(text));
 }
 
+// The arguments of C++ functions that have another name here. An empty call is
+// any call.
+struct Name {
+  std::string_view call;
+  std::string_view argument;
+  std::string_view in_c;
+};
+constexpr Name kNames[] = {
+    {"", "blob", "bvh"},
+    {"", "id", "ids"},
+    {"", "world", "objects"},
+    {"", "world.size", "scan"},
+    {"Bvh::Refit", "bounds", "objects"},
+    {"BroadPhase", "max_ids", "config->max_ids"},
+    {"BroadPhase", "options.margin", "config->margin"},
+    {"", "options.margin", "options->margin"},
+    {"MemoryResource::allocate", "the result", "config->allocator.allocate"},
+};
+
+std::string_view NameOf(const Error& error) {
+  for (const Name& name : kNames) {
+    if (name.argument != error.argument()) continue;
+    if (name.call.empty() || name.call == error.call()) return name.in_c;
+  }
+  return error.argument();
+}
+
+void SetMessage(const Call& call, const Error& error,
+                std::string_view argument) {
+  char index[24] = "";
+  if (error.index() != Error::kNoIndex) {
+    std::snprintf(index, sizeof(index), "[%zu]", error.index());
+  }
+  const std::string_view expected = error.expected();
+  SetMessage(call, "%.*s%s: expected %.*s, got %s",
+             static_cast<int>(argument.size()), argument.data(), index,
+             static_cast<int>(expected.size()), expected.data(),
+             error.given().data());
+}
+
 }  // namespace
 
 void Call::Fail(hs_status status, const char* format, ...) const {
@@ -46,6 +86,12 @@ void Call::Fail(hs_status status, const char* format, ...) const {
   std::vsnprintf(text, sizeof(text), format, arguments);
   va_end(arguments);
   SetMessage(*this, "%s", text);
+  throw Failure{status};
+}
+
+void Call::Fail(hs_status status, const Error& error,
+                const char* argument) const {
+  SetMessage(*this, error, argument);
   throw Failure{status};
 }
 
@@ -65,31 +111,6 @@ void Call::FailTooMany(const char* argument, std::size_t count) const {
        argument, count);
 }
 
-namespace {
-
-constexpr std::string_view kPrefix = "halfspace: ";
-constexpr std::string_view kAllocator = "MemoryResource::allocate: ";
-
-}  // namespace
-
-const char* TextOf(const std::invalid_argument& error) {
-  const std::string_view what = error.what();
-  // A handler could throw another message.
-  if (what.substr(0, kPrefix.size()) != kPrefix) return what.data();
-  const std::string_view text = what.substr(kPrefix.size());
-  const std::size_t end = text.find(": ");
-  constexpr std::size_t kNone = std::string_view::npos;
-  const bool has_function =
-      end != kNone && text.substr(0, end).find(' ') == kNone;
-  return text.data() + (has_function ? end + 2 : 0);
-}
-
-bool IsOfAllocator(const std::invalid_argument& error) {
-  const std::string_view what = error.what();
-  return what.substr(0, kPrefix.size()) == kPrefix &&
-         what.substr(kPrefix.size(), kAllocator.size()) == kAllocator;
-}
-
 hs_status StatusOfException(const Call& call) noexcept {
   try {
     throw;
@@ -101,10 +122,8 @@ hs_status StatusOfException(const Call& call) noexcept {
   } catch (const std::length_error&) {
     SetMessage(call, "expected sizes that fit the address space, got more");
     return HS_OUT_OF_MEMORY;
-  } catch (const std::invalid_argument& error) {
-    SetMessage(call, "%s%s",
-               IsOfAllocator(error) ? "config->allocator.allocate: " : "",
-               TextOf(error));
+  } catch (const Error& error) {
+    SetMessage(call, error, NameOf(error));
     return HS_INVALID_ARGUMENT;
   } catch (const std::exception& error) {
     SetMessage(call, "an exception ended the call: %s", error.what());
@@ -149,10 +168,7 @@ hs_status WriteDefaults(const char* name, const void* defaults,
                         std::size_t size, void* options,
                         std::size_t struct_size) {
   return Run(name, [&](const Call& call) {
-    if (options == nullptr) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "the struct: expected a pointer, got null");
-    }
+    call.CheckPointer("the struct", static_cast<std::size_t*>(options));
     if (struct_size < sizeof(std::size_t) || struct_size > kLargestStruct ||
         struct_size % 4 != 0) {
       call.Fail(HS_INVALID_ARGUMENT,

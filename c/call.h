@@ -6,12 +6,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <new>
-#include <stdexcept>
 #include <type_traits>
 #include <utility>
 
 #include "halfspace/c/halfspace.h"
 #include "halfspace/detail/plane_arrays.h"
+#include "halfspace/error.h"
 #include "halfspace/memory.h"
 #include "halfspace/targets.h"
 
@@ -32,6 +32,11 @@ class Call {
   // Writes the message "NAME: FORMAT..." and throws.
   [[noreturn, gnu::cold, gnu::format(printf, 3, 4)]] void Fail(
       hs_status status, const char* format, ...) const;
+
+  // Writes the message of an error of the C++ library, whose argument has this
+  // name here, and throws.
+  [[noreturn, gnu::cold]] void Fail(hs_status status, const Error& error,
+                                    const char* argument) const;
 
   // Fails if the pointer is null, or is not aligned for its type.
   template <typename T>
@@ -61,12 +66,6 @@ class Call {
 
   const char* name_;
 };
-
-// The message of a violated precondition of the C++ library, without the name
-// of the C++ function.
-const char* TextOf(const std::invalid_argument& error);
-// Whether an allocator returned memory that is not aligned.
-bool IsOfAllocator(const std::invalid_argument& error);
 
 // The status of the exception that is being handled, and its message.
 hs_status StatusOfException(const Call& call) noexcept;
@@ -99,6 +98,7 @@ Options ReadOptions(const Call& call, const char* argument,
                     const Options* given, const Options& defaults) {
   Options options = defaults;
   if (given != nullptr) {
+    call.CheckPointer(argument, given);
     ReadStruct(call, argument, given, &options, sizeof(options));
   }
   return options;

@@ -108,14 +108,6 @@ void CheckColumns(const Call& call, const char* argument,
   CheckColumns(call, argument, columns, values.column[0], values.count);
 }
 
-void CheckObjects(const Call& call, std::size_t count) {
-  // Ids are 32 bits, and the library needs one of them.
-  constexpr std::size_t kMostObjects = (std::size_t{1} << 31) - 1;
-  if (count <= kMostObjects) return;
-  call.Fail(HS_INVALID_ARGUMENT,
-            "objects: expected fewer than 2^31 objects in all, got %zu", count);
-}
-
 detail::Columns ColumnsOf(const hs_columns& columns, const Values& values) {
   detail::Columns result;
   result.size = columns.count;

@@ -63,9 +63,6 @@ void CheckColumns(const Call& call, const char* argument,
 void CheckColumns(const Call& call, const char* argument,
                   const hs_columns* columns, const Values& values);
 
-// Fails if a hierarchy cannot have so many objects, before they are copied.
-void CheckObjects(const Call& call, std::size_t count);
-
 // The rows in the caller's memory, or null if they are stored in another way.
 const float* RowsInPlace(const hs_columns& columns, const Values& values);
 

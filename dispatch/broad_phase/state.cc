@@ -464,10 +464,10 @@ void BroadPhaseState::ThrowTaken(const char* call,
                                  Span<const std::uint32_t> ids,
                                  std::size_t i) const {
   dispatch::ThrowInvalid(
-      call, "ids[" + std::to_string(i) + "]",
+      call, "ids",
       ids[i] < max_ids ? "an id that no body has, once in the list"
                        : "an id below max_ids, " + std::to_string(max_ids),
-      std::to_string(ids[i]));
+      std::to_string(ids[i]), i);
 }
 
 std::size_t BroadPhaseState::FindAbsent(Span<const std::uint32_t> ids) const {
@@ -479,8 +479,8 @@ std::size_t BroadPhaseState::FindAbsent(Span<const std::uint32_t> ids) const {
 void BroadPhaseState::ThrowAbsent(const char* call,
                                   Span<const std::uint32_t> ids,
                                   std::size_t i) const {
-  dispatch::ThrowInvalid(call, "ids[" + std::to_string(i) + "]",
-                         "the id of a body", std::to_string(ids[i]));
+  dispatch::ThrowInvalid(call, "ids", "the id of a body",
+                         std::to_string(ids[i]), i);
 }
 
 void BroadPhaseState::CheckBodies(const char* call,
@@ -496,7 +496,7 @@ void CheckMargin(const char* call, const char* name, float margin) {
     return;
   }
   dispatch::ThrowInvalid(call, name, "a finite number that is not negative",
-                         std::to_string(margin));
+                         dispatch::Shortest(margin));
 }
 
 void TakenMarks::Take() {

@@ -244,14 +244,13 @@ void BvhState::Reallocate(const char* call, const BvhRoom& room) {
 void BvhState::CheckIds(Span<const std::uint32_t> ids, const char* call) const {
   dispatch::CheckMemory(call, "ids", ids.data(), ids.size(),
                         alignof(std::uint32_t));
-  if (block_ == nullptr || levels_.slots == nullptr) {
-    for (const std::uint32_t id : ids) CheckId(id, call);
-    return;
-  }
-  const std::uint32_t limit = header().ids;
+  const bool has_slots = block_ != nullptr && levels_.slots != nullptr;
+  const std::uint32_t limit = has_slots ? header().ids : 0;
   const std::size_t slots = this->slots();
-  for (const std::uint32_t id : ids) {
-    if (id >= limit || !IsIn(levels_, slots, id)) CheckId(id, call);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (ids[i] < limit ? IsIn(levels_, slots, ids[i]) : Has(ids[i])) continue;
+    dispatch::ThrowInvalid(call, "ids", "the id of an object",
+                           std::to_string(ids[i]), i);
   }
 }
 
@@ -447,7 +446,7 @@ BvhRoom BvhState::RoomFor(std::size_t more, const char* call) const {
     return kSlotsById;
   }
   if (slots() + more >= kMostObjects) {
-    dispatch::ThrowInvalid(call, "world", "less than 2^31 objects",
+    dispatch::ThrowInvalid(call, "world", "fewer than 2^31 objects in all",
                            std::to_string(slots() + more));
   }
   const std::size_t half_more =
@@ -667,7 +666,7 @@ void BvhTree::Reserve(std::size_t objects) {
                                ? tree.slots()
                                : tree.slots() + (objects - tree.size());
   if (objects >= kMostObjects || room >= kMostObjects) {
-    dispatch::ThrowInvalid(kCall, "objects", "less than 2^31 objects",
+    dispatch::ThrowInvalid(kCall, "objects", "fewer than 2^31 objects in all",
                            std::to_string(objects));
   }
   tree.Prepare(kCall, {room, 1, false});

@@ -41,7 +41,7 @@ void CheckLimit(const char* call, const char* argument, float value) {
     return;
   }
   dispatch::ThrowInvalid(call, argument, "a number that is not negative",
-                         std::to_string(value));
+                         dispatch::Shortest(value));
 }
 
 // So many are found at once on the stack; at first for a function, and at most.

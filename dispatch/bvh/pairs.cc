@@ -37,16 +37,7 @@ void CheckSet(const BvhTree& tree, Span<const std::uint32_t> ids,
         [] { return "options.wanted"; },
         [&] { return std::to_string(wanted.size()) + " masks"; });
   }
-  if (ids.empty()) return;
-  dispatch::CheckPointer(
-      call, ids.data(), alignof(std::uint32_t), [] { return "ids"; },
-      [&] { return std::to_string(ids.size()) + " ids"; });
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (tree.Has(ids[i])) continue;
-    dispatch::ThrowInvalid(call, "ids[" + std::to_string(i) + "]",
-                           "the id of an object in the world",
-                           std::to_string(ids[i]));
-  }
+  BvhState::Of(tree).CheckIds(ids, call);
 }
 
 // A SlotSet of `count` of `limit` numbers, slots or ids. A few are without
@@ -219,7 +210,7 @@ void Join(const PairSources& sources, const PairOptions& options,
                                   std::numeric_limits<float>::infinity())) {
     dispatch::ThrowInvalid(call, "options.margin",
                            "a finite number that is not negative",
-                           std::to_string(options.margin));
+                           dispatch::Shortest(options.margin));
   }
   if (sources.ids != nullptr) {
     CheckSet(a, *sources.ids, options.wanted, call);

@@ -139,7 +139,7 @@ void BvhState::CheckBuild(std::size_t objects,
   constexpr const char* kCall = "Bvh";
   std::ignore = KernelsFor(shape_, options.target, kCall);
   if (objects >= kMostObjects) {
-    dispatch::ThrowInvalid(kCall, "world", "less than 2^31 objects",
+    dispatch::ThrowInvalid(kCall, "world", "fewer than 2^31 objects in all",
                            std::to_string(objects));
   }
   const BuildQuality quality = options.quality;
@@ -187,8 +187,7 @@ bool BvhTree::Has(std::uint32_t id) const {
 
 void BvhState::CheckId(std::uint32_t id, const char* call) const {
   if (Has(id)) return;
-  dispatch::ThrowInvalid(call, "id", "the id of an object in the world",
-                         std::to_string(id));
+  dispatch::ThrowInvalid(call, "id", "the id of an object", std::to_string(id));
 }
 
 void BvhTree::Get(std::uint32_t id, Span<float> values) const {

@@ -38,6 +38,8 @@ class BvhState {
   std::size_t slots() const { return levels_.level[0].size; }
   std::size_t size() const { return block_ == nullptr ? 0 : header().size; }
   bool Has(std::uint32_t id) const;
+  // Throws unless all are ids of objects.
+  void CheckIds(Span<const std::uint32_t> ids, const char* call) const;
   double CostRatio() const;
 
  private:
@@ -65,7 +67,6 @@ class BvhState {
   void Prepare(const char* call, BvhRoom room);
   void Reallocate(const char* call, const BvhRoom& room);
   void CheckId(std::uint32_t id, const char* call) const;
-  void CheckIds(Span<const std::uint32_t> ids, const char* call) const;
   std::size_t PrepareObject(std::uint32_t id, bool has_masks, const char* call);
   BvhRoom RoomFor(std::size_t more, const char* call) const;
   std::size_t FirstDue(std::size_t added) const;

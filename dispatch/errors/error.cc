@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
-#include <stdexcept>
 #include <string>
 
 #include "dispatch/exact/default_fp_mode.h"
@@ -14,27 +13,44 @@ namespace {
 
 constinit std::atomic<ErrorHandler> error_handler{nullptr};
 
+std::string Name(std::string_view argument, std::size_t index) {
+  std::string name(argument);
+  if (index == Error::kNoIndex) return name;
+  return name + "[" + std::to_string(index) + "]";
+}
+
 }  // namespace
+
+Error::Error(std::string_view call, std::string_view argument,
+             std::string_view expected, std::string_view given,
+             std::size_t index)
+    : std::invalid_argument("halfspace: " + std::string(call) + ": " +
+                            Name(argument, index) + ": expected " +
+                            std::string(expected) + ", got " +
+                            std::string(given)),
+      call_(call.size()),
+      argument_(argument.size()),
+      name_(Name(argument, index).size()),
+      expected_(expected.size()),
+      index_(index) {}
 
 ErrorHandler SetErrorHandler(ErrorHandler handler) noexcept {
   return error_handler.exchange(handler);
 }
 
 void dispatch::ThrowInvalid(std::string_view call, std::string_view argument,
-                            std::string_view expected, std::string_view given) {
-  std::string text = "halfspace: ";
-  text.append(call).append(": ").append(argument);
-  text.append(": expected ").append(expected);
-  text.append(", got ").append(given);
+                            std::string_view expected, std::string_view given,
+                            std::size_t index) {
+  const Error error(call, argument, expected, given, index);
   if (const ErrorHandler handler = error_handler.load(); handler != nullptr) {
     DefaultFpMode::Leave();
-    handler(text.c_str());
+    handler(error);
     std::abort();
   }
 #if defined(__cpp_exceptions)
-  throw std::invalid_argument(text);
+  throw error;
 #else
-  std::fprintf(stderr, "%s\n", text.c_str());
+  std::fprintf(stderr, "%s\n", error.what());
   std::abort();
 #endif
 }

@@ -108,15 +108,6 @@ class ExactRanges {
   std::array<ExactRange, kAxes> ranges_;
 };
 
-// Enough digits to tell any two numbers apart.
-template <typename Scalar>
-std::string Shortest(Scalar value) {
-  std::array<char, 32> text;
-  const auto end =
-      std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  return std::string(text.data(), end);
-}
-
 // Apart, once for each type: the text is long.
 template <typename Scalar>
 [[noreturn]] HALFSPACE_NOINLINE void ThrowInverted(std::string_view call,

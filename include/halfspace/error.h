@@ -2,16 +2,14 @@
 //
 // Each header lists the preconditions of its calls under "Errors". Examples of
 // violations are an index past the end, a null pointer and a target that this
-// machine does not have. By default such a call throws std::invalid_argument.
-// Its what() names the call and the argument, and says what was expected and
-// what was given.
+// machine does not have. By default such a call throws an Error.
 //
 // Set an error handler if the program is compiled without exceptions, or if
 // errors should do something else, for example what an assertion of the engine
-// does. A call then passes the same text to the handler and does not throw:
+// does. A call then passes the Error to the handler and does not throw:
 //
-//   halfspace::SetErrorHandler([](const char* message) {
-//     std::fprintf(stderr, "%s\n", message);
+//   halfspace::SetErrorHandler([](const halfspace::Error& error) {
+//     std::fprintf(stderr, "%s\n", error.what());
 //     std::exit(1);
 //   });
 //
@@ -24,16 +22,60 @@
 #ifndef HALFSPACE_ERROR_H_
 #define HALFSPACE_ERROR_H_
 
+#include <cstddef>
+#include <stdexcept>
+#include <string_view>
+
 #include "halfspace/export.h"
 
 namespace halfspace {
 
-// The type of an error handler. `message` is valid until the handler ends.
+// A violated precondition. what() is "halfspace: CALL: ARGUMENT: expected
+// EXPECTED, got GIVEN". A program that has its own names for calls and
+// arguments, such as a binding to another language, makes its message of the
+// parts.
+class HALFSPACE_API Error : public std::invalid_argument {
+ public:
+  static constexpr std::size_t kNoIndex = static_cast<std::size_t>(-1);
+
+  Error(std::string_view call, std::string_view argument,
+        std::string_view expected, std::string_view given,
+        std::size_t index = kNoIndex);
+
+  // For example "Bvh::Erase", "ids", "the id of an object" and "7". They are
+  // parts of what(), and valid as long as what() is.
+  std::string_view call() const { return {what() + kCall, call_}; }
+  std::string_view argument() const { return {what() + Argument(), argument_}; }
+  std::string_view expected() const { return {what() + Expected(), expected_}; }
+  std::string_view given() const {
+    return what() + Expected() + expected_ + sizeof(", got ") - 1;
+  }
+  // The element of `argument` that is wrong, or kNoIndex. what() has it in
+  // brackets.
+  std::size_t index() const { return index_; }
+
+ private:
+  // Where the parts begin in what().
+  static constexpr std::size_t kCall = sizeof("halfspace: ") - 1;
+  std::size_t Argument() const { return kCall + call_ + sizeof(": ") - 1; }
+  std::size_t Expected() const {
+    return Argument() + name_ + sizeof(": expected ") - 1;
+  }
+
+  // Their sizes. `name_` includes the index.
+  std::size_t call_;
+  std::size_t argument_;
+  std::size_t name_;
+  std::size_t expected_;
+  std::size_t index_;
+};
+
+// The type of an error handler. `error` is valid until the handler ends.
 //
 // A handler must not return. If it returns, the library calls std::abort. A
 // handler can end the program or throw any exception. It can also call longjmp
 // if the compiler allows that in C++ functions, as gcc and clang do. The
-// strings of the message are then never freed.
+// memory of the error is then never freed.
 //
 // In three cases a handler must not call longjmp, because the library would
 // keep memory, a lock or a tree: if a function that the library called, such as
@@ -43,10 +85,10 @@ namespace halfspace {
 // The thread that made the wrong call runs the handler, before the call ends.
 // At that time the call has written nothing, and the objects that it should
 // have changed are unchanged. The call holds no lock, no tree of a broad phase,
-// and no memory except the message. The floating-point mode is the caller's. So
+// and no memory except the error. The floating-point mode is the caller's. So
 // a handler may call the library. If that call is wrong too, the library calls
 // the handler again.
-using ErrorHandler = void (*)(const char* message);
+using ErrorHandler = void (*)(const Error& error);
 
 // Sets the error handler and returns the previous one. A null pointer is the
 // default. The handler is used by all threads of the process, and by all of its

@@ -16,6 +16,8 @@ from . import _arrow, _halfspace
 MOST_OBJECTS = 2**31
 MOST_THREADS = 4096
 ALL_MASKS = 2**64 - 1
+NO_ID = 2**32 - 1
+MOST_FLOAT = float(np.finfo(np.float32).max)
 
 
 class Table(NamedTuple):
@@ -57,7 +59,7 @@ def boxes(
     if columns not in allowed:
         raise ValueError(f"{name}: expected {expected}, got {_shapes(value, arrays)}")
     table = _table(arrays, single, name, most)
-    bad = _halfspace.first_bad_box(table.arrays)
+    bad = _halfspace.first_bad_box(table.arrays, False)
     if bad >= 0:
         _raise_bad_box(table, name, bad)
     return table
@@ -96,8 +98,9 @@ Arrays = Tuple[np.ndarray, ...]
 
 def casts(
     starts: Table, name: str, ways: Any, max_t: Any, dims: int
-) -> Tuple[Tuple[Arrays, Arrays, Arrays], bool]:
-    """The arrays of starts, directions and limits, and whether it is one cast."""
+) -> Tuple[Arrays, Arrays, bool]:
+    """The arrays of starts, those of directions and limits, and whether it is one
+    cast."""
     motions = directions(ways, "directions", dims)
     single = starts.single and motions.single
     count = motions.length if starts.single else starts.length
@@ -108,7 +111,16 @@ def casts(
             f"{motions.length} and {starts.length}"
         )
     limits = per_row(max_t, "max_t", count)
-    return (starts.arrays, motions.arrays, limits.arrays), single
+    return starts.arrays, motions.arrays + limits.arrays, single
+
+
+def floats(arrays: Arrays) -> Arrays:
+    """The columns of all arrays as one array of the nearest float32."""
+    array = np.concatenate(arrays, axis=1)
+    if array.dtype != np.float32:
+        with np.errstate(over="ignore"):
+            array = array.astype(np.float32)
+    return (array,)
 
 
 def points_or_boxes(value: Any, name: str, dims: int) -> Table:
@@ -137,8 +149,24 @@ def per_row(value: Any, name: str, count: int) -> Table:
     if not (exact >= 0).all():
         raise ValueError(f"{name}: expected numbers that are not negative and not NaN")
     column: np.ndarray = np.empty((count, 1), np.float32)
-    column[:, 0] = _halfspace.round_up(np.atleast_1d(exact))
+    if exact.ndim == 0:
+        column[:] = round_up(float(exact))
+    else:
+        with np.errstate(over="ignore"):
+            column[:, 0] = exact
+        low = column[:, 0] < exact
+        column[low, 0] = np.nextafter(column[low, 0], np.float32(np.inf))
     return Table((column,), count, False)
+
+
+def round_up(value: float) -> float:
+    """The least float32 that is not below a number."""
+    if value > MOST_FLOAT:
+        return math.inf
+    nearest = np.float32(value)
+    if nearest < value:
+        nearest = np.nextafter(nearest, np.float32(np.inf))
+    return float(nearest)
 
 
 def ids(value: Any, name: str) -> np.ndarray:
@@ -498,7 +526,7 @@ def _is_readable(arrays: Sequence[np.ndarray], dtype: np.dtype) -> bool:
 def _without_nan(array: np.ndarray, name: str) -> Table:
     single = array.ndim == 1
     table = _table([array.reshape(1, -1) if single else array], single, name, None)
-    bad = _halfspace.first_nan(table.arrays)
+    bad = _halfspace.first_bad_box(table.arrays, True)
     if bad >= 0:
         where = name if single else f"{name}[{bad}]"
         raise ValueError(f"{where}: expected numbers, got NaN")

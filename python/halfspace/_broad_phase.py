@@ -120,7 +120,7 @@ class BroadPhase:
 
     def rebuild(self, *, threads: Optional[int] = 1) -> None:
         """As `update`, but sorts all bodies again."""
-        self._bodies.rebuild(_arrays.threads(threads))
+        self._bodies.rebuild(0, _arrays.threads(threads))
 
     def query(
         self, boxes: Any, mask: Optional[int] = None, *, threads: Optional[int] = 1
@@ -232,9 +232,10 @@ class BroadPhase:
         a bit of its mask. If both are in the set, the mask of either is enough.
         """
         wanted = _arrays.ids(ids, "ids")
-        return self._bodies.pairs_of(
+        pairs = self._bodies.pairs_of(
             wanted, _margin(margin), _arrays.masks_of_each(masks, len(wanted))
         )
+        return pairs.astype(np.int64)
 
     def update_pairs(
         self, *, threads: Optional[int] = 1
@@ -248,18 +249,19 @@ class BroadPhase:
             b`, and sorted. The bodies of a pair overlap, and the category of
             each has a bit of the other's `collides_with`.
         """
-        return self._bodies.update_pairs(_arrays.threads(threads))
+        began, ended = self._bodies.update_pairs(_arrays.threads(threads))
+        return began.astype(np.int64), ended.astype(np.int64)
 
     def get(self, ids: Any) -> np.ndarray:
         """Returns the boxes of bodies: float32, shape (n, 2 d).
 
         With the kind "aabo" they are octahedra, of shape (n, 2 d + 2).
         """
-        return self._bodies.get(_arrays.ids(ids, "ids"))
+        return self._bodies.get(_arrays.ids(ids, "ids"), False)[0]
 
     def masks(self, ids: Any) -> Tuple[np.ndarray, np.ndarray]:
         """Returns `categories, collides_with` of bodies: uint64, shape (n,)."""
-        masks = self._bodies.masks(_arrays.ids(ids, "ids"))
+        masks = self._bodies.get(_arrays.ids(ids, "ids"), True)[1]
         return masks[:, 0], masks[:, 1]
 
     def statistics(self) -> Dict[str, Any]:
@@ -311,9 +313,10 @@ class BroadPhase:
     def _query(
         self, table: _arrays.Table, mask: Optional[int], threads: Optional[int]
     ) -> np.ndarray:
-        return self._bodies.query(
-            table.arrays, _arrays.mask(mask), not table.single, _arrays.threads(threads)
+        found = self._bodies.query(
+            table.arrays, _arrays.mask(mask), _arrays.threads(threads)
         )
+        return found[1] if table.single else found
 
     def _cast(
         self,
@@ -324,11 +327,15 @@ class BroadPhase:
         mask: Optional[int],
         threads: Optional[int],
     ) -> Tuple[Any, Any]:
-        casts, single = _arrays.casts(starts, name, directions, max_t, self.dims)
-        ids, t = self._bodies.cast(
-            *casts, _arrays.mask(mask), _arrays.threads(threads)
+        arrays, motions, single = _arrays.casts(
+            starts, name, directions, max_t, self.dims
         )
-        return (int(ids[0]), float(t[0])) if single else (ids, t)
+        if starts.columns != 2 * self.dims:  # boxes are rounded outward later
+            arrays = _arrays.floats(arrays)
+        ids, t = self._bodies.cast(
+            arrays, _arrays.floats(motions), _arrays.mask(mask), _arrays.threads(threads)
+        )
+        return (int(ids[0, 0]), float(t[0, 0])) if single else (ids[:, 0], t[:, 0])
 
     def _boxes(self, value: Any) -> _arrays.Table:
         table = _arrays.boxes(value, "boxes", self.dims, axes=self._axes)
@@ -347,6 +354,6 @@ class BroadPhase:
 
 def _margin(value: Any) -> float:
     margin = _arrays.not_negative(value, "margin")
-    if margin > float(np.finfo(np.float32).max):
+    if margin > _arrays.MOST_FLOAT:
         raise ValueError(f"margin: expected a finite float32, got {margin}")
-    return margin
+    return _arrays.round_up(margin)

@@ -42,9 +42,8 @@ class Scan:
         array([0, 1])
         """
         table = self._boxes(boxes)
-        return self._scan.query(
-            table.arrays, not table.single, _arrays.threads(threads)
-        )
+        found = self._scan.query(table.arrays, _arrays.threads(threads))
+        return found[1] if table.single else found
 
     def count(
         self, boxes: Any, *, threads: Optional[int] = 1
@@ -52,13 +51,15 @@ class Scan:
         """Counts the objects that overlap each box, as `BVH.count`."""
         table = self._boxes(boxes)
         counts = self._scan.count(table.arrays, _arrays.threads(threads))
-        return int(counts[0]) if table.single else counts
+        return int(counts[0, 0]) if table.single else counts[:, 0].astype(np.int64)
 
     def any(self, boxes: Any, *, threads: Optional[int] = 1) -> Union[np.ndarray, bool]:
         """Returns for each box whether an object overlaps it, as `BVH.any`."""
         table = self._boxes(boxes)
-        found = self._scan.any(table.arrays, _arrays.threads(threads))
-        return bool(found[0]) if table.single else found
+        ids = self._scan.any(table.arrays, _arrays.threads(threads))
+        if table.single:
+            return int(ids[0, 0]) != _arrays.NO_ID
+        return ids[:, 0] != _arrays.NO_ID
 
     def mask(self, boxes: Any, *, threads: Optional[int] = 1) -> np.ndarray:
         """Returns for each box and each object whether they overlap.

@@ -1,4 +1,5 @@
 // The broad phase.
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -7,7 +8,6 @@
 #include <vector>
 
 #include "columns.h"
-#include "module.h"
 #include "results.h"
 #include "work.h"
 
@@ -23,15 +23,9 @@ using Pairs = std::vector<hs_id_pair>;
 // Queries of one part. A part whose ids do not fit runs twice.
 constexpr std::size_t kInPart = 64;
 
-struct DestroyBodies {
-  void operator()(hs_broad_phase* bodies) const {
-    hs_broad_phase_destroy(bodies);
-  }
-};
-
 // The object of Python. Needs no lock of its own: see c/halfspace.h.
 struct Bodies {
-  std::unique_ptr<hs_broad_phase, DestroyBodies> bodies;
+  std::unique_ptr<hs_broad_phase, Destroy<&hs_broad_phase_destroy>> bodies;
   std::size_t dims;
   hs_kind kind;
   std::size_t values;  // of a record
@@ -54,18 +48,18 @@ Value Ask(const Bodies& bodies) {
 }
 
 // The same for a function that runs its parts on threads.
-template <typename Function, typename... Arguments>
-void Update(Function function, const Bodies& bodies, std::size_t budget,
-            std::size_t threads, const Arguments&... arguments) {
+template <auto kFunction, typename... Arguments>
+void Update(const Bodies& bodies, std::size_t budget, std::size_t threads,
+            Arguments... arguments) {
   Work work(threads, py::none());
-  Threads its_threads(work, 1, 0, 0);
+  Threads its_threads{work, 1, 0, 0};
   hs_update_options options;
   Check(hs_update_options_default(&options, sizeof(options)));
   options.budget = budget;
   options.run = &Threads::Run;
   options.run_context = &its_threads;
   const py::gil_scoped_release release;
-  its_threads.Check(function(bodies.get(), &options, arguments...));
+  its_threads.Check(kFunction(bodies.get(), &options, arguments...));
 }
 
 // Writes the records of boxes.
@@ -97,18 +91,17 @@ Columns BoundsOf(const ShortIds& ids, const py::tuple& arrays) {
 }
 
 std::unique_ptr<Bodies> MakeBodies(std::size_t max_ids, std::size_t dims,
-                                   bool is_aabo, double margin) {
+                                   bool is_aabo, float margin) {
   hs_broad_phase_config config;
   Check(hs_broad_phase_config_default(&config, sizeof(config)));
   config.kind = is_aabo ? (dims == 2 ? HS_OCTAHEDRON2 : HS_OCTAHEDRON3)
                         : (dims == 2 ? HS_BOX2 : HS_BOX3);
-  config.margin = RoundUp(margin);
+  config.margin = margin;
   config.max_ids = max_ids;
   hs_broad_phase* bodies = nullptr;
   Check(hs_broad_phase_create(&config, &bodies));
-  return std::make_unique<Bodies>(
-      Bodies{std::unique_ptr<hs_broad_phase, DestroyBodies>(bodies), dims,
-             config.kind, hs_bound_values(config.kind)});
+  return std::unique_ptr<Bodies>(new Bodies{
+      {bodies, {}}, dims, config.kind, hs_bound_values(config.kind)});
 }
 
 void Insert(const Bodies& bodies, const ShortIds& ids, const py::tuple& arrays,
@@ -141,15 +134,14 @@ auto FinderOf(const Bodies& bodies, hs_shape shape, std::uint64_t mask) {
   };
 }
 
-// Queries of spheres, or of bounds. Returns the rows and the ids, of shape
-// (2, n), or only the ids.
+// Queries of spheres, or of bounds.
 Ids Query(const Bodies& bodies, const py::tuple& arrays, std::uint64_t mask,
-          bool with_rows, std::size_t threads) {
+          std::size_t threads) {
   const Columns queries(arrays);
   const bool are_spheres = queries.size == bodies.dims + 1;
   Work work(threads, py::none());
   return FindAll(
-      queries, kInPart, with_rows, work,
+      queries, kInPart, work,
       FinderOf(bodies, are_spheres ? HS_SHAPE_SPHERE : HS_SHAPE_BOUND, mask));
 }
 
@@ -169,43 +161,39 @@ py::object QueryOne(const Bodies& bodies, const py::array& array,
                    });
 }
 
-// The first body of each ray, or of each sphere or box that moves.
+// The first body of each ray, or of each sphere or box that moves. `arrays`
+// are the directions and the limits.
 py::tuple Cast(const Bodies& bodies, const py::tuple& starts,
-               const py::tuple& directions, const py::tuple& limits,
-               std::uint64_t mask, std::size_t threads) {
-  const Casts casts{Columns(starts), Columns(directions), Columns(limits)};
-  const std::size_t size = casts.starts.size;
-  const hs_shape shape = size == bodies.dims       ? HS_SHAPE_POINT
-                         : size == bodies.dims + 1 ? HS_SHAPE_SPHERE
-                                                   : HS_SHAPE_BOX;
+               const py::tuple& arrays, std::uint64_t mask,
+               std::size_t threads) {
+  const Columns from(starts);
+  const Columns motions(arrays);
+  if (from.count != motions.count) ThrowNotPrepared();
+  const hs_shape shape = from.size == bodies.dims       ? HS_SHAPE_POINT
+                         : from.size == bodies.dims + 1 ? HS_SHAPE_SPHERE
+                                                        : HS_SHAPE_BOX;
   Work work(threads, py::none());
-  return CastAll(casts, bodies.dims, work,
-                 [&](std::size_t first, const hs_columns& rays,
-                     const hs_columns& motions, std::uint32_t* ids, float* ts) {
-                   // Boxes are rounded outward, and so not in `rays`.
-                   const hs_columns from =
-                       shape == HS_SHAPE_BOX
-                           ? casts.starts.Rows(first, kPartQueries)
-                           : rays;
-                   Check(hs_broad_phase_cast(bodies.get(), shape, &from,
-                                             &motions, mask, ids, ts));
-                 });
+  return FindIdsAndFloats(
+      from, 1, kPartQueries, work,
+      [&](const hs_columns& some, std::size_t first, std::uint32_t* ids,
+          float* ts) {
+        const hs_columns its_motions = motions.Rows(first, kPartQueries);
+        Check(hs_broad_phase_cast(bodies.get(), shape, &some, &its_motions,
+                                  mask, ids, ts));
+      });
 }
 
 // An array of shape (n, 2).
-Ids ToArray(const Pairs& pairs) {
-  Ids ids(std::vector<std::size_t>{pairs.size(), 2});
-  std::int64_t* to = ids.mutable_data();
-  for (const hs_id_pair& pair : pairs) {
-    *to++ = pair.a;
-    *to++ = pair.b;
-  }
+ShortIds ToArray(const Pairs& pairs) {
+  ShortIds ids(std::vector<std::size_t>{pairs.size(), 2});
+  std::copy_n(reinterpret_cast<const std::uint32_t*>(pairs.data()),
+              2 * pairs.size(), ids.mutable_data());
   return ids;
 }
 
 // `masks` has an element for each id, or none.
-Ids PairsOf(const Bodies& bodies, const ShortIds& ids, double margin,
-            const Masks& masks) {
+ShortIds PairsOf(const Bodies& bodies, const ShortIds& ids, float margin,
+                 const Masks& masks) {
   if (masks.size() != 0 && masks.size() != ids.size()) ThrowNotPrepared();
   const std::uint64_t* const its_masks =
       masks.size() == 0 ? nullptr : masks.data();
@@ -215,7 +203,7 @@ Ids PairsOf(const Bodies& bodies, const ShortIds& ids, double margin,
     return HS_CONTINUE;
   };
   Call(&hs_broad_phase_for_each_pair_of, bodies.get(), ids.data(), its_masks,
-       Length(ids), RoundUp(margin), add, &pairs);
+       Length(ids), margin, add, &pairs);
   return ToArray(pairs);
 }
 
@@ -227,8 +215,8 @@ void Add(void* lists, std::uint32_t a, std::uint32_t b) {
 
 py::tuple UpdatePairs(const Bodies& bodies, std::size_t threads) {
   std::array<Pairs, 2> events;
-  Update(&hs_broad_phase_update_pairs, bodies, 0, threads, &Add<0>, &Add<1>,
-         events.data());
+  Update<&hs_broad_phase_update_pairs>(bodies, 0, threads, &Add<0>, &Add<1>,
+                                       events.data());
   return py::make_tuple(ToArray(events[0]), ToArray(events[1]));
 }
 
@@ -239,19 +227,18 @@ py::array_t<float> BoundsOfAll(const Bodies& bodies) {
   return record;
 }
 
-py::array_t<float> Get(const Bodies& bodies, const ShortIds& ids) {
+// The bounds or, in the second array, rows of a category and what it collides
+// with.
+py::tuple Get(const Bodies& bodies, const ShortIds& ids, bool with_masks) {
+  const std::size_t count = Length(ids);
   py::array_t<float> records(
-      std::vector<std::size_t>{Length(ids), bodies.values});
-  float* const to = records.mutable_data();
-  Call(&hs_broad_phase_get, bodies.get(), ids.data(), Length(ids), to, nullptr);
-  return records;
-}
-
-Masks MasksOf(const Bodies& bodies, const ShortIds& ids) {
-  Masks masks(std::vector<std::size_t>{Length(ids), 2});
+      std::vector<std::size_t>{with_masks ? 0 : count, bodies.values});
+  Masks masks(std::vector<std::size_t>{with_masks ? count : 0, 2});
   auto* const to = reinterpret_cast<hs_body_masks*>(masks.mutable_data());
-  Call(&hs_broad_phase_get, bodies.get(), ids.data(), Length(ids), nullptr, to);
-  return masks;
+  Call(&hs_broad_phase_get, bodies.get(), ids.data(), count,
+       with_masks ? nullptr : records.mutable_data(),
+       with_masks ? to : nullptr);
+  return py::make_tuple(records, masks);
 }
 
 py::dict Statistics(const Bodies& bodies) {
@@ -287,14 +274,8 @@ void DefineBroadPhase(py::module_& module) {
       .def("move", &Move)
       .def("octahedra", &Octahedra)
       .def("set_masks", &SetMasks)
-      .def("update",
-           [](const Bodies& bodies, std::size_t budget, std::size_t threads) {
-             Update(&hs_broad_phase_update, bodies, budget, threads);
-           })
-      .def("rebuild",
-           [](const Bodies& bodies, std::size_t threads) {
-             Update(&hs_broad_phase_rebuild, bodies, 0, threads);
-           })
+      .def("update", &Update<&hs_broad_phase_update>)
+      .def("rebuild", &Update<&hs_broad_phase_rebuild>)
       .def("query", &Query)
       .def("query_one", &QueryOne)
       .def("cast", &Cast)
@@ -302,7 +283,6 @@ void DefineBroadPhase(py::module_& module) {
       .def("update_pairs", &UpdatePairs)
       .def("bounds", &BoundsOfAll)
       .def("get", &Get)
-      .def("masks", &MasksOf)
       .def("statistics", &Statistics)
       .def("validate", &Ask<int, &hs_broad_phase_validate>)
       .def("size", &Ask<std::size_t, &hs_broad_phase_size>)

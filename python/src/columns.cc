@@ -1,7 +1,6 @@
 #include "columns.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <new>
 #include <stdexcept>
@@ -126,25 +125,6 @@ std::ptrdiff_t FirstBadBox(const hs_columns& boxes, std::size_t dims,
   return boxes.type == HS_FLOAT64
              ? FirstBadBoxOf<double>(boxes, dims, first_maximum)
              : FirstBadBoxOf<float>(boxes, dims, first_maximum);
-}
-
-void WriteFloats(const hs_columns& records, std::size_t columns,
-                 std::size_t step, float* to) {
-  for (std::size_t k = 0; k < columns; ++k) {
-    for (std::size_t i = 0; i < records.count; ++i) {
-      const std::size_t at = i * records.stride;
-      to[i * step + k] = records.type == HS_FLOAT64
-                             ? static_cast<float>(static_cast<const double*>(
-                                   records.column[k])[at])
-                             : static_cast<const float*>(records.column[k])[at];
-    }
-  }
-}
-
-float RoundUp(double value) {
-  constexpr float kInf = std::numeric_limits<float>::infinity();
-  const auto nearest = static_cast<float>(value);
-  return nearest < value ? std::nextafter(nearest, kInf) : nearest;
 }
 
 }  // namespace halfspace::python

@@ -8,11 +8,21 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 namespace halfspace::python {
 
+// What the files add to the extension module.
+void DefineBroadPhase(pybind11::module_& module);
+void DefineScan(pybind11::module_& module);
+void DefineTree(pybind11::module_& module);
+
 using Ids = pybind11::array_t<std::int64_t>;
 using ShortIds = pybind11::array_t<std::uint32_t, pybind11::array::c_style>;
+
+// Destroys the handle of a std::unique_ptr by a function of C.
+template <auto kDestroy>
+using Destroy = std::integral_constant<decltype(kDestroy), kDestroy>;
 
 // A size as pybind11 takes it.
 inline pybind11::ssize_t Size(std::size_t size) {
@@ -46,14 +56,6 @@ hs_columns BoxIn(const pybind11::array& array, std::size_t dims);
 // empty, or -1. Points are boxes whose maxima are their minima, in column 0.
 std::ptrdiff_t FirstBadBox(const hs_columns& boxes, std::size_t dims,
                            std::size_t first_maximum);
-
-// Writes the first columns as the nearest floats, one record each `step`
-// floats.
-void WriteFloats(const hs_columns& records, std::size_t columns,
-                 std::size_t step, float* to);
-
-// The least float that is not below a number.
-float RoundUp(double value);
 
 }  // namespace halfspace::python
 

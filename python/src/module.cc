@@ -1,6 +1,5 @@
 // The extension module halfspace._halfspace: what the Python files of the
 // package call, with arguments that they have checked (_arrays.py).
-#include "module.h"
 
 #include <halfspace/c/halfspace.h>
 #include <pybind11/numpy.h>
@@ -42,17 +41,13 @@ PYBIND11_MODULE(_halfspace, module) {
   using namespace halfspace::python;
   module.doc() = "The compiled part of halfspace. Private: use halfspace.";
   module.attr("version") = hs_version();
-  module.def("first_bad_box", [](const py::tuple& arrays) {
+  module.def("first_bad_box", [](const py::tuple& arrays, bool are_points) {
     const Columns boxes(arrays);
+    const std::size_t half = boxes.size / 2;
     const py::gil_scoped_release release;
-    return FirstBadBox(boxes, boxes.size / 2, boxes.size / 2);
+    return are_points ? FirstBadBox(boxes, boxes.size, 0)
+                      : FirstBadBox(boxes, half, half);
   });
-  module.def("first_nan", [](const py::tuple& arrays) {
-    const Columns points(arrays);
-    const py::gil_scoped_release release;
-    return FirstBadBox(points, points.size, 0);
-  });
-  module.def("round_up", py::vectorize(&RoundUp));
   module.def("targets", [] {
     py::list names;
     for (std::size_t i = 0; i < hs_target_count(); ++i) {

@@ -9,7 +9,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -26,11 +25,12 @@ inline std::size_t PartsOf(std::size_t count, std::size_t in_part) {
   return (count + in_part - 1) / in_part;
 }
 
+// The lists that the parts of a call find.
 template <typename Item>
-class Results {
- public:
-  Results(std::size_t parts, std::size_t threads)
-      : lists_(parts), blocks_(threads) {}
+struct Results {
+  // A thread has room for `room` items at first.
+  Results(std::size_t parts, std::size_t threads, std::size_t its_room)
+      : lists(parts), buffers(threads), room(its_room) {}
 
   // Stores what find(span<Item>) writes for a part. find() returns the full
   // number of items. It is called again with a longer span until all of them
@@ -38,58 +38,43 @@ class Results {
   // this at the same time for different parts.
   template <typename Find>
   void Add(std::size_t part, std::size_t thread, const Find& find) {
-    std::vector<Block>& blocks = blocks_[thread];
-    if (blocks.empty()) blocks.emplace_back(kFirstItems);
-    std::size_t found = find(blocks.back().Rest());
-    while (found > blocks.back().Rest().size()) {
-      // Doubled, so few lists are found twice. Memory that is not touched
-      // costs nothing.
-      blocks.emplace_back(std::max(2 * blocks.back().size, found));
-      found = find(blocks.back().Rest());
+    std::vector<Item>& buffer = buffers[thread];
+    if (buffer.empty()) buffer.resize(room);
+    std::size_t found = find(std::span<Item>(buffer));
+    while (found > buffer.size()) {
+      buffer.resize(std::max(2 * buffer.size(), found));
+      found = find(std::span<Item>(buffer));
     }
-    lists_[part] = blocks.back().Rest().first(found);
-    blocks.back().used += found;
+    lists[part].assign(buffer.data(), buffer.data() + found);
   }
 
   // Returns where the items of each part begin in the list of all items, and
   // then the number of all items. Call it after all parts.
   std::vector<std::size_t> Offsets() const {
     std::vector<std::size_t> offsets{0};
-    offsets.reserve(lists_.size() + 1);
-    for (const auto& list : lists_) {
+    offsets.reserve(lists.size() + 1);
+    for (const auto& list : lists) {
       offsets.push_back(offsets.back() + list.size());
     }
     return offsets;
   }
 
-  std::size_t parts() const { return lists_.size(); }
-  std::span<const Item> List(std::size_t part) const { return lists_[part]; }
-
- private:
-  static constexpr std::size_t kFirstItems = 4096;
-
-  struct Block {
-    explicit Block(std::size_t items) : memory(new Item[items]), size(items) {}
-    std::span<Item> Rest() const { return {memory.get() + used, size - used}; }
-    std::unique_ptr<Item[]> memory;
-    std::size_t size;
-    std::size_t used = 0;
-  };
-
-  std::vector<std::span<const Item>> lists_;
-  std::vector<std::vector<Block>> blocks_;
+  std::vector<std::vector<Item>> lists;    // of the parts
+  std::vector<std::vector<Item>> buffers;  // of the threads
+  std::size_t room;
 };
 
-// Calls run(first, thread) for the first query of each part, without the
-// interpreter's lock.
+// Calls run(some, first, thread) for the queries of each part, of which `first`
+// is the first, without the interpreter's lock.
 template <typename Run>
-void ForEachPart(std::size_t queries, std::size_t in_part, Work& work,
+void ForEachPart(const Columns& queries, std::size_t in_part, Work& work,
                  const Run& run) {
   const pybind11::gil_scoped_release release;
-  work.SetStage(0, queries, queries);
-  work.Run(PartsOf(queries, in_part),
+  work.SetStage(0, queries.count, queries.count);
+  work.Run(PartsOf(queries.count, in_part),
            [&](std::size_t part, std::size_t thread) {
-             run(part * in_part, thread);
+             const std::size_t first = part * in_part;
+             run(queries.Rows(first, in_part), first, thread);
            });
 }
 
@@ -106,45 +91,53 @@ auto FinderOf(const Object* object, Function query) {
   };
 }
 
-// Returns what find(queries, ids, offsets) writes for the queries of a part. It
-// returns the number of all ids. Rows and ids have the shape (2, n), and ids
-// alone (n).
+// Returns an array of shape (2, n) whose first row is filled: the numbers of
+// the queries, where the results of query i end at ends[i].
+inline Ids RowsOf(const std::vector<std::size_t>& ends, Work& work) {
+  constexpr std::size_t kInPart = 65536;
+  const std::size_t found = ends.empty() ? 0 : ends.back();
+  Ids ids(std::vector<std::size_t>{2, found});
+  std::int64_t* const rows = ids.mutable_data();
+  const pybind11::gil_scoped_release release;
+  work.SetLastStage();
+  work.Run(PartsOf(ends.size(), kInPart), [&](std::size_t part, std::size_t) {
+    std::size_t i = part * kInPart;
+    const std::size_t end = std::min(ends.size(), i + kInPart);
+    for (std::size_t at = i == 0 ? 0 : ends[i - 1]; i < end; at = ends[i++]) {
+      std::fill(rows + at, rows + ends[i], static_cast<std::int64_t>(i));
+    }
+  });
+  return ids;
+}
+
+// Returns the rows and the ids, of shape (2, n), that find(queries, ids,
+// offsets) writes for the queries of a part. It returns the number of all ids.
 template <typename Find>
-Ids FindAll(const Columns& queries, std::size_t in_part, bool with_rows,
-            Work& work, const Find& find) {
+Ids FindAll(const Columns& queries, std::size_t in_part, Work& work,
+            const Find& find) {
+  const std::size_t room = std::min<std::size_t>(4096, 64 * queries.count);
   Results<std::uint32_t> results(PartsOf(queries.count, in_part),
-                                 work.threads());
-  std::vector<std::uint32_t> counts(queries.count);
+                                 work.threads(), room);
+  std::vector<std::size_t> ends(queries.count);
   ForEachPart(
-      queries.count, in_part, work, [&](std::size_t first, std::size_t thread) {
-        const hs_columns some = queries.Rows(first, in_part);
+      queries, in_part, work,
+      [&](const hs_columns& some, std::size_t first, std::size_t thread) {
         std::array<std::size_t, kPartQueries + 1> offsets;
         results.Add(first / in_part, thread, [&](std::span<std::uint32_t> ids) {
           return find(some, ids, offsets.data());
         });
-        for (std::size_t i = 0; i < some.count; ++i) {
-          counts[first + i] =
-              static_cast<std::uint32_t>(offsets[i + 1] - offsets[i]);
-        }
+        std::copy_n(offsets.data() + 1, some.count, ends.data() + first);
       });
   const std::vector<std::size_t> offsets = results.Offsets();
-  const std::size_t found = offsets.back();
-  Ids ids(with_rows ? std::vector<std::size_t>{2, found}
-                    : std::vector<std::size_t>{found});
-  std::int64_t* const rows = ids.mutable_data();
-  std::int64_t* const objects = rows + (with_rows ? found : 0);
+  for (std::size_t i = 0; i < queries.count; ++i) {
+    ends[i] += offsets[i / in_part];
+  }
+  Ids ids = RowsOf(ends, work);
+  std::int64_t* const objects = ids.mutable_data() + offsets.back();
   const pybind11::gil_scoped_release release;
-  work.SetLastStage();
-  work.Run(results.parts(), [&](std::size_t part, std::size_t) {
-    const std::span<const std::uint32_t> list = results.List(part);
+  work.Run(results.lists.size(), [&](std::size_t part, std::size_t) {
+    const std::vector<std::uint32_t>& list = results.lists[part];
     std::copy(list.begin(), list.end(), objects + offsets[part]);
-    if (!with_rows) return;
-    std::int64_t* row = rows + offsets[part];
-    const std::size_t first = part * in_part;
-    const std::size_t end = std::min(queries.count, first + in_part);
-    for (std::size_t i = first; i < end; ++i) {
-      row = std::fill_n(row, counts[i], static_cast<std::int64_t>(i));
-    }
   });
   return ids;
 }
@@ -178,94 +171,59 @@ pybind11::object FindOfOne(const pybind11::array& array, std::size_t dims,
   return ids;
 }
 
-// Returns the numbers that hs_bvh_count() or hs_scan_counts() writes.
-template <typename Object, typename Function>
-Ids CountAll(const Object* object, Function count, const Columns& queries,
-             std::size_t in_part, Work& work) {
-  Ids counts(Size(queries.count));
-  std::int64_t* const to = counts.mutable_data();
-  ForEachPart(queries.count, in_part, work,
-              [&](std::size_t first, std::size_t) {
-                const hs_columns some = queries.Rows(first, in_part);
-                std::array<std::size_t, kPartQueries> its;
-                Check(count(object, &some, nullptr, its.data()));
-                std::copy_n(its.data(), some.count, to + first);
+// Returns an array of shape (queries, each). find(some, first, values) writes
+// the values of the queries of a part.
+template <typename Value, typename Find>
+pybind11::array_t<Value> FindEach(const Columns& queries, std::size_t each,
+                                  std::size_t in_part, Work& work,
+                                  const Find& find) {
+  pybind11::array_t<Value> values(
+      std::vector<std::size_t>{queries.count, each});
+  Value* const to = values.mutable_data();
+  ForEachPart(queries, in_part, work,
+              [&](const hs_columns& some, std::size_t first, std::size_t) {
+                find(some, first, to + first * each);
               });
   work.Finish();
-  return counts;
+  return values;
 }
 
-// Returns for each query whether hs_bvh_any() or hs_scan_any() writes an id.
-template <typename Object, typename Function>
-pybind11::array_t<bool> AnyOfAll(const Object* object, Function any,
+// The numbers of hs_bvh_count() or hs_scan_counts(), or the ids of hs_bvh_any()
+// or hs_scan_any().
+template <typename Object, typename Options, typename Value>
+pybind11::array_t<Value> AskEach(const Object* object,
+                                 hs_status (*function)(const Object*,
+                                                       const hs_columns*,
+                                                       const Options*, Value*),
                                  const Columns& queries, std::size_t in_part,
                                  Work& work) {
-  pybind11::array_t<bool> found(Size(queries.count));
-  bool* const to = found.mutable_data();
-  ForEachPart(queries.count, in_part, work,
-              [&](std::size_t first, std::size_t) {
-                const hs_columns some = queries.Rows(first, in_part);
-                std::array<std::uint32_t, kPartQueries> ids;
-                Check(any(object, &some, nullptr, ids.data()));
-                for (std::size_t i = 0; i < some.count; ++i)
-                  to[first + i] = ids[i] != HS_NO_ID;
-              });
-  work.Finish();
-  return found;
+  return FindEach<Value>(
+      queries, 1, in_part, work,
+      [&](const hs_columns& some, std::size_t, Value* values) {
+        Check(function(object, &some, nullptr, values));
+      });
 }
 
-// -1 instead of HS_NO_ID.
-inline std::int64_t LongId(std::uint32_t id) {
-  return id == HS_NO_ID ? -1 : std::int64_t{id};
-}
-
-// Values of a box in 3 dimensions that moves.
-inline constexpr std::size_t kMostValues = 10;
-
-// Rays, or spheres or boxes that move.
-struct Casts {
-  Columns starts;
-  Columns directions;
-  Columns limits;
-};
-
-// Returns the ids and the t that cast(first, rays, motions, ids, ts) writes for
-// each part. A ray has the columns of a start, of a direction and the limit, as
-// the nearest floats. A motion is its end, without the start.
-template <typename Cast>
-pybind11::tuple CastAll(const Casts& casts, std::size_t dims, Work& work,
-                        const Cast& cast) {
-  const std::size_t count = casts.starts.count;
-  const std::size_t start = casts.starts.size;
-  const std::size_t values = start + dims + 1;
-  if (casts.directions.count != count || casts.limits.count != count ||
-      casts.directions.size != dims || casts.limits.size != 1 ||
-      values > kMostValues) {
-    ThrowNotPrepared();
-  }
-  const std::array<const Columns*, 3> tables{&casts.starts, &casts.directions,
-                                             &casts.limits};
-  Ids ids(Size(count));
-  pybind11::array_t<float> ts(Size(count));
-  std::int64_t* const to = ids.mutable_data();
-  float* const its_ts = ts.mutable_data();
-  ForEachPart(count, kPartQueries, work, [&](std::size_t first, std::size_t) {
-    std::array<float, kPartQueries * kMostValues> rows;
-    float* column = rows.data();
-    for (const Columns* its : tables) {
-      const hs_columns some = its->Rows(first, kPartQueries);
-      WriteFloats(some, its->size, values, column);
-      column += its->size;
-    }
-    const std::size_t some = std::min(kPartQueries, count - first);
-    const hs_columns rays = hs_float_rows(rows.data(), some, values);
-    const hs_columns motions = hs_float_rows(rows.data() + start, some, values);
-    std::array<std::uint32_t, kPartQueries> its_ids;
-    cast(first, rays, motions, its_ids.data(), its_ts + first);
-    std::transform(its_ids.data(), its_ids.data() + some, to + first, LongId);
-  });
-  work.Finish();
-  return pybind11::make_tuple(ids, ts);
+// Returns the ids and the floats that find(some, first, ids, floats) writes for
+// the queries of a part, in arrays of shape (queries, each). -1 instead of
+// HS_NO_ID.
+template <typename Find>
+pybind11::tuple FindIdsAndFloats(const Columns& queries, std::size_t each,
+                                 std::size_t in_part, Work& work,
+                                 const Find& find) {
+  const std::vector<std::size_t> shape{queries.count, each};
+  pybind11::array_t<float> floats(shape);
+  Ids ids(shape);
+  float* const to = floats.mutable_data();
+  const auto found = FindEach<std::uint32_t>(
+      queries, each, in_part, work,
+      [&](const hs_columns& some, std::size_t first, std::uint32_t* its_ids) {
+        find(some, first, its_ids, to + first * each);
+      });
+  std::transform(
+      found.data(), found.data() + found.size(), ids.mutable_data(),
+      [](std::uint32_t id) { return id == HS_NO_ID ? -1 : std::int64_t{id}; });
+  return pybind11::make_tuple(ids, floats);
 }
 
 }  // namespace halfspace::python

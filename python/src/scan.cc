@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "columns.h"
-#include "module.h"
 #include "results.h"
 #include "work.h"
 
@@ -14,13 +13,9 @@ namespace py = pybind11;
 namespace halfspace::python {
 namespace {
 
-struct DestroyScan {
-  void operator()(hs_scan* scan) const { hs_scan_destroy(scan); }
-};
-
 // Never changes.
 struct Scan {
-  std::unique_ptr<hs_scan, DestroyScan> scan;
+  std::unique_ptr<hs_scan, Destroy<&hs_scan_destroy>> scan;
   std::size_t dims;
   std::size_t size;
 };
@@ -41,33 +36,24 @@ std::unique_ptr<Scan> MakeScan(const py::tuple& arrays, bool is_quantized) {
   const py::gil_scoped_release release;
   hs_scan* scan = nullptr;
   Check(hs_scan_create(&config, &boxes, &scan));
-  return std::make_unique<Scan>(
-      Scan{std::unique_ptr<hs_scan, DestroyScan>(scan), boxes.size / 2,
-           boxes.count});
+  return std::unique_ptr<Scan>(
+      new Scan{{scan, {}}, boxes.size / 2, boxes.count});
 }
 
-// Returns the rows and the ids, of shape (2, n), or only the ids, of shape (n).
-Ids Query(const Scan& scan, const py::tuple& arrays, bool with_rows,
-          std::size_t threads) {
+Ids Query(const Scan& scan, const py::tuple& arrays, std::size_t threads) {
   const Columns boxes(arrays);
   Work work(threads, py::none());
-  return FindAll(boxes, InPart(boxes, threads), with_rows, work,
+  return FindAll(boxes, InPart(boxes, threads), work,
                  FinderOf(scan.scan.get(), &hs_scan_indices));
 }
 
-Ids Count(const Scan& scan, const py::tuple& arrays, std::size_t threads) {
+// hs_scan_counts() or hs_scan_any().
+template <auto kFunction>
+py::array Ask(const Scan& scan, const py::tuple& arrays, std::size_t threads) {
   const Columns boxes(arrays);
   Work work(threads, py::none());
-  return CountAll(scan.scan.get(), &hs_scan_counts, boxes,
-                  InPart(boxes, threads), work);
-}
-
-py::array_t<bool> Any(const Scan& scan, const py::tuple& arrays,
-                      std::size_t threads) {
-  const Columns boxes(arrays);
-  Work work(threads, py::none());
-  return AnyOfAll(scan.scan.get(), &hs_scan_any, boxes, InPart(boxes, threads),
-                  work);
+  return AskEach(scan.scan.get(), kFunction, boxes, InPart(boxes, threads),
+                 work);
 }
 
 // Returns an array of shape (queries, objects).
@@ -75,21 +61,16 @@ py::array_t<bool> Mask(const Scan& scan, const py::tuple& arrays,
                        std::size_t threads) {
   const Columns boxes(arrays);
   Work work(threads, py::none());
-  py::array_t<bool> mask(std::vector<std::size_t>{boxes.count, scan.size});
-  bool* const to = mask.mutable_data();
-  std::vector<std::vector<std::uint64_t>> words(
-      threads, std::vector<std::uint64_t>(hs_mask_words(scan.size)));
-  ForEachPart(boxes.count, /*in_part=*/1, work,
-              [&](std::size_t row, std::size_t thread) {
-                const hs_columns query = boxes.Rows(row, 1);
-                std::vector<std::uint64_t>& its = words[thread];
-                Check(hs_scan_masks(scan.scan.get(), &query, nullptr,
-                                    its.data(), its.size()));
-                for (std::size_t i = 0; i < scan.size; ++i) {
-                  to[row * scan.size + i] = (its[i / 64] >> i % 64 & 1) != 0;
-                }
-              });
-  return mask;
+  return FindEach<bool>(
+      boxes, scan.size, /*in_part=*/1, work,
+      [&](const hs_columns& query, std::size_t, bool* mask) {
+        std::vector<std::uint64_t> words(hs_mask_words(scan.size));
+        Check(hs_scan_masks(scan.scan.get(), &query, nullptr, words.data(),
+                            words.size()));
+        for (std::size_t i = 0; i < scan.size; ++i) {
+          mask[i] = (words[i / 64] >> i % 64 & 1) != 0;
+        }
+      });
 }
 
 }  // namespace
@@ -98,8 +79,8 @@ void DefineScan(py::module_& module) {
   py::class_<Scan>(module, "Scan")
       .def(py::init(&MakeScan))
       .def("query", &Query)
-      .def("count", &Count)
-      .def("any", &Any)
+      .def("count", &Ask<&hs_scan_counts>)
+      .def("any", &Ask<&hs_scan_any>)
       .def("mask", &Mask)
       .def("size", [](const Scan& scan) { return scan.size; })
       .def_readonly("dims", &Scan::dims);

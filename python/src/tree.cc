@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <memory>
 #include <numeric>
 #include <span>
@@ -13,7 +12,6 @@
 #include <vector>
 
 #include "columns.h"
-#include "module.h"
 #include "results.h"
 #include "work.h"
 
@@ -24,15 +22,8 @@ namespace {
 
 // Leaves of one part of a join.
 constexpr std::size_t kPartLeaves = 16;
-// A BVH has fewer objects.
-constexpr std::size_t kMostObjects = std::size_t{1} << 31;
-// Rows of one part of a pass over an output.
-constexpr std::size_t kPartRows = 65536;
 
-struct DestroyBvh {
-  void operator()(hs_bvh* bvh) const { hs_bvh_destroy(bvh); }
-};
-using Bvh = std::unique_ptr<hs_bvh, DestroyBvh>;
+using Bvh = std::unique_ptr<hs_bvh, Destroy<&hs_bvh_destroy>>;
 
 // Calls run without the interpreter's lock, so another thread can call the same
 // object. Its counters are read and written with the lock.
@@ -71,45 +62,29 @@ struct Reading {
   Tree& tree;
 };
 
-// Exists while a call changes a tree. The constructor throws if another call
-// uses the tree, or if Python objects refer to its blob.
-struct Changing {
-  explicit Changing(Tree& its_tree, bool is_refit = false) : tree(its_tree) {
-    if (tree.is_changing || tree.readers > 0) {
-      throw std::runtime_error(
-          "another call is using this BVH: wait until it has finished before "
-          "you change the BVH");
-    }
-    if (tree.exports > 0) {
-      throw py::buffer_error(
-          "the blob of this BVH is in use: release it before you change the "
-          "BVH");
-    }
-    if (!is_refit) CheckRefitted(tree);
-    tree.is_changing = true;
-  }
-  Changing(const Changing&) = delete;
-  ~Changing() { tree.is_changing = false; }
-
-  Tree& tree;
-};
-
-// Calls change() without the interpreter's lock.
+// Calls change() without the interpreter's lock. Throws if another call uses
+// the tree, or if Python objects refer to its blob.
 template <typename Function>
 void Change(Tree& tree, const Function& change, bool is_refit = false) {
-  const Changing changing(tree, is_refit);
+  if (tree.is_changing || tree.readers > 0) {
+    throw std::runtime_error(
+        "another call is using this BVH: wait until it has finished before "
+        "you change the BVH");
+  }
+  if (tree.exports > 0) {
+    throw py::buffer_error(
+        "the blob of this BVH is in use: release it before you change the BVH");
+  }
+  if (!is_refit) CheckRefitted(tree);
+  const auto end = [](Tree* its) { its->is_changing = false; };
+  const std::unique_ptr<Tree, decltype(end)> changing(&tree, end);
+  tree.is_changing = true;
   if (is_refit) ++tree.changes;  // also if an exception ends it
   {
     const py::gil_scoped_release release;
     change();
   }
   if (!is_refit) ++tree.changes;
-}
-
-std::size_t SizeOf(const hs_bvh* bvh) {
-  std::size_t size = 0;
-  Check(hs_bvh_size(bvh, &size));
-  return size;
 }
 
 // With the interpreter's lock: a refit does not change sizes.
@@ -133,8 +108,8 @@ Bvh Build(const Columns& boxes, bool is_fast, Work& work,
   const bool is_double = boxes.type == HS_FLOAT64;
   // Doubles are rounded, then centers, six splits, a sort and a copy; or
   // centers and a copy.
-  Threads threads(work, (is_double ? 1u : 0u) + (is_fast ? 2u : 9u),
-                  progress_end, boxes.count);
+  Threads threads{work, (is_double ? 1u : 0u) + (is_fast ? 2u : 9u),
+                  progress_end, boxes.count};
   hs_bvh_config config = ConfigOf(boxes.size == 4 ? 2 : 3);
   config.quality = is_fast ? HS_QUALITY_FAST : HS_QUALITY_HIGH;
   config.run = &Threads::Run;
@@ -173,20 +148,19 @@ std::unique_ptr<Tree> FromBlob(const py::array_t<std::uint8_t>& blob,
     tree->blob = blob;
   }
   const py::gil_scoped_release release;
-  const auto load = [&](std::size_t dims) {
+  hs_status status = HS_OK;
+  for (const std::size_t dims : {3, 2}) {
     const hs_bvh_config config = ConfigOf(dims);
     hs_bvh* bvh = nullptr;
-    const hs_status status = hs_bvh_in_place(&config, bytes, size, &bvh);
+    status = hs_bvh_in_place(&config, bytes, size, &bvh);
     tree->bvh.reset(bvh);
     tree->dims = dims;
-    return status;
-  };
-  hs_status status = load(3);
-  // The number of dimensions is checked after the beginning and the version,
-  // and before everything else.
-  if (status == HS_CORRUPT &&
-      std::strstr(hs_last_error(), "dimensions") != nullptr) {
-    status = load(2);
+    // The number of dimensions is checked after the beginning and the version,
+    // and before everything else.
+    if (status != HS_CORRUPT ||
+        std::strstr(hs_last_error(), "dimensions") == nullptr) {
+      break;
+    }
   }
   Check(status);
   if (verify && hs_bvh_verify(tree->bvh.get()) != HS_OK) {
@@ -196,38 +170,26 @@ std::unique_ptr<Tree> FromBlob(const py::array_t<std::uint8_t>& blob,
   return tree;
 }
 
-// Refers to the bytes of a tree. The tree cannot change while it lives.
-class Blob {
- public:
-  explicit Blob(py::object object)
-      : object_(std::move(object)), tree_(object_.cast<Tree&>()) {
-    const Reading reading(tree_);
-    {
-      const py::gil_scoped_release release;
-      Check(hs_bvh_blob(tree_.bvh.get(), &data_, &size_));
-    }
-    ++tree_.exports;
+// The bytes of a tree. The tree cannot change while the array lives.
+py::array BlobOf(const py::object& object) {
+  auto& tree = object.cast<Tree&>();
+  const Reading reading(tree);
+  const void* data = nullptr;
+  std::size_t size = 0;
+  {
+    const py::gil_scoped_release release;
+    Check(hs_bvh_blob(tree.bvh.get(), &data, &size));
   }
-  ~Blob() { --tree_.exports; }
-  Blob(const Blob&) = delete;
-  Blob& operator=(const Blob&) = delete;
-
-  py::buffer_info Info() const {
-    return {const_cast<void*>(data_),
-            1,
-            py::format_descriptor<std::uint8_t>::format(),
-            1,
-            {Size(size_)},
-            {1},
-            /*readonly=*/true};
-  }
-
- private:
-  py::object object_;  // the Python object of the tree
-  Tree& tree_;
-  const void* data_ = nullptr;
-  std::size_t size_ = 0;
-};
+  const py::capsule owner(new py::object(object), [](void* of) {
+    const std::unique_ptr<py::object> its(static_cast<py::object*>(of));
+    --its->cast<Tree&>().exports;
+  });
+  ++tree.exports;
+  py::array_t<std::uint8_t> bytes(
+      Size(size), static_cast<const std::uint8_t*>(data), owner);
+  bytes.attr("setflags")(false);  // not to be written
+  return bytes;
+}
 
 // Finds the pairs of a tree, and of `b` or of itself if this is null, by part.
 // Call it without the interpreter's lock.
@@ -235,9 +197,10 @@ Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b, Work& work) {
   std::size_t leaves = 0;
   Check(hs_bvh_pair_parts(a, &leaves));
   const std::size_t parts = PartsOf(leaves, kPartLeaves);
-  const std::size_t size = SizeOf(a);
+  std::size_t size = 0;
+  Check(hs_bvh_size(a, &size));
   work.SetStage(0, size, size);
-  Results<hs_id_pair> results(parts, work.threads());
+  Results<hs_id_pair> results(parts, work.threads(), 4096);
   work.Run(parts, [&](std::size_t part, std::size_t thread) {
     hs_pair_options options;
     Check(hs_pair_options_default(&options, sizeof(options)));
@@ -258,78 +221,42 @@ Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b, Work& work) {
 // Sorts the queries into a tree of their own and joins the trees: queries that
 // are near each other share what they read. Then sorts the pairs by row.
 Ids QueryByJoin(const Tree& tree, const Columns& boxes, Work& work) {
-  const std::size_t count = boxes.count;
   const auto results = [&] {
     const py::gil_scoped_release release;
     const Bvh queries = Build(boxes, /*is_fast=*/true, work,
                               /*progress_end=*/0);
     return FindPairs(queries.get(), tree.bvh.get(), work);
   }();
-  const std::size_t parts = results.parts();
-  work.SetLastStage();
-  std::vector<std::size_t> next(count);
-  std::size_t found = 0;
+  const std::size_t parts = results.lists.size();
+  std::vector<std::size_t> ends(boxes.count);
   {
     const py::gil_scoped_release release;
+    work.SetLastStage();
     // All pairs of a row are in one part.
     work.Run(parts, [&](std::size_t part, std::size_t) {
-      for (const hs_id_pair& pair : results.List(part)) ++next[pair.a];
+      for (const hs_id_pair& pair : results.lists[part]) ++ends[pair.a];
     });
-    for (std::size_t& row : next) found += std::exchange(row, found);
+    std::partial_sum(ends.begin(), ends.end(), ends.begin());
   }
-  Ids ids(std::vector<std::size_t>{2, found});
-  std::int64_t* const rows = ids.mutable_data();
-  std::int64_t* const objects = rows + found;
+  Ids ids = RowsOf(ends, work);
+  std::int64_t* const objects = ids.mutable_data() + ids.shape(1);
   const py::gil_scoped_release release;
   work.Run(parts, [&](std::size_t part, std::size_t) {
-    for (const hs_id_pair& pair : results.List(part)) {
-      objects[next[pair.a]++] = pair.b;
-    }
-  });
-  // Now next[i] is the end of row i.
-  work.Run(PartsOf(count, kPartRows), [&](std::size_t part, std::size_t) {
-    const std::size_t first = part * kPartRows;
-    const std::size_t end = std::min(count, first + kPartRows);
-    std::size_t begin = first == 0 ? 0 : next[first - 1];
-    for (std::size_t i = first; i < end; begin = next[i++]) {
-      std::fill(rows + begin, rows + next[i], static_cast<std::int64_t>(i));
+    for (const hs_id_pair& pair : results.lists[part]) {
+      objects[--ends[pair.a]] = pair.b;
     }
   });
   return ids;
 }
 
-// As measured with 10^3 to 10^6 objects and 10^4 to 10^6 queries. With fewer
-// queries the leaves of their tree are too large, more so in 3 dimensions, and
-// a join reads more: it takes up to 5 times as long. With many results it takes
-// up to twice as long, because it sorts them. The row of a query is an id in
-// their tree.
-bool IsJoinFaster(const Tree& tree, const Columns& boxes) {
-  constexpr std::size_t kSample = 64;
-  constexpr std::size_t kLargeTree = std::size_t{1} << 18;
-  if (boxes.count < 4096 || boxes.count >= kMostObjects) return false;
-  const std::size_t size = SizeOf(tree.bvh.get());
-  if (boxes.count < size / (tree.dims == 2 ? 10 : 4)) return false;
-  hs_columns sample = boxes;
-  sample.count = kSample;
-  sample.stride *= boxes.count / kSample;
-  std::array<std::size_t, kSample> counts;
-  const py::gil_scoped_release release;
-  Check(hs_bvh_count(tree.bvh.get(), &sample, nullptr, counts.data()));
-  // In a large tree, queries in turn also miss the cache.
-  const std::size_t many_results = size < kLargeTree ? 8 : 16;
-  return std::accumulate(counts.begin(), counts.end(), std::size_t{0}) <
-         many_results * kSample;
-}
-
-Ids Query(Tree& tree, const py::tuple& arrays, bool with_rows,
+Ids Query(Tree& tree, const py::tuple& arrays, bool by_join,
           std::size_t threads, py::object progress) {
   const Columns boxes(arrays);
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  Ids ids = with_rows && IsJoinFaster(tree, boxes)
-                ? QueryByJoin(tree, boxes, work)
-                : FindAll(boxes, kPartQueries, with_rows, work,
-                          FinderOf(tree.bvh.get(), &hs_bvh_query));
+  Ids ids = by_join ? QueryByJoin(tree, boxes, work)
+                    : FindAll(boxes, kPartQueries, work,
+                              FinderOf(tree.bvh.get(), &hs_bvh_query));
   work.Finish();
   return ids;
 }
@@ -339,44 +266,38 @@ py::object QueryOne(Tree& tree, const py::array& array) {
   return FindOfOne(array, tree.dims, FinderOf(tree.bvh.get(), &hs_bvh_query));
 }
 
-// Returns at most `limit` ids of one query, after the first `skip`.
-Ids QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
-              std::size_t limit) {
+// Returns an array with at most `limit` ids of one query, after the first
+// `skip`, and the number of all ids.
+py::tuple QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
+                    std::size_t limit) {
   const Columns boxes(arrays);
   hs_query_options options;
   Check(hs_query_options_default(&options, sizeof(options)));
   options.skip = skip;
-  std::vector<std::uint32_t> found(limit);
+  ShortIds ids(Size(limit));
+  std::uint32_t* const to = ids.mutable_data();
   std::size_t total = 0;
   {
     const Reading reading(tree);
     const py::gil_scoped_release release;
-    Check(hs_bvh_query(tree.bvh.get(), &boxes, &options, found.data(), limit,
-                       nullptr, &total));
+    Check(hs_bvh_query(tree.bvh.get(), &boxes, &options, to, limit, nullptr,
+                       &total));
   }
-  Ids ids(Size(std::min(limit, total - std::min(skip, total))));
-  std::copy_n(found.data(), ids.size(), ids.mutable_data());
-  return ids;
+  return py::make_tuple(ids, total);
 }
 
-Ids Count(Tree& tree, const py::tuple& arrays, std::size_t threads,
-          py::object progress) {
+// hs_bvh_count() or hs_bvh_any().
+template <auto kFunction>
+py::array AskAll(Tree& tree, const py::tuple& arrays, std::size_t threads,
+                 py::object progress) {
   const Columns boxes(arrays);
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  return CountAll(tree.bvh.get(), &hs_bvh_count, boxes, kPartQueries, work);
-}
-
-py::array_t<bool> Any(Tree& tree, const py::tuple& arrays, std::size_t threads,
-                      py::object progress) {
-  const Columns boxes(arrays);
-  Work work(threads, std::move(progress));
-  const Reading reading(tree);
-  return AnyOfAll(tree.bvh.get(), &hs_bvh_any, boxes, kPartQueries, work);
+  return AskEach(tree.bvh.get(), kFunction, boxes, kPartQueries, work);
 }
 
 py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
-                  double max_distance, bool is_exclusive, std::size_t threads,
+                  float max_distance, bool is_exclusive, std::size_t threads,
                   py::object progress) {
   const Columns queries(arrays);
   const bool are_points = queries.size == tree.dims;
@@ -385,51 +306,42 @@ py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
   hs_query_options options;
   Check(hs_query_options_default(&options, sizeof(options)));
   options.exclusive = is_exclusive ? 1 : 0;
-  const std::size_t n = queries.count;
-  Ids ids(std::vector<std::size_t>{n, k});
-  py::array_t<float> distances(std::vector<std::size_t>{n, k});
-  std::int64_t* const to = ids.mutable_data();
-  float* const its_distances = distances.mutable_data();
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  const float limit = RoundUp(max_distance);
   // As many queries in a part as have about this number of results.
   constexpr std::size_t kPartResults = 4096;
   std::size_t in_part =
       std::clamp(kPartResults / k, std::size_t{1}, kPartQueries);
   // A search for others also finds all objects that are equal to its query.
   if (is_exclusive) in_part = std::min(in_part, std::size_t{4});
-  ForEachPart(n, in_part, work, [&](std::size_t first, std::size_t) {
-    const hs_columns some = queries.Rows(first, in_part);
-    std::vector<std::uint32_t> found(some.count * k);
-    Check(nearest(tree.bvh.get(), &some, k, limit, &options, found.data(),
-                  its_distances + first * k));
-    std::transform(found.begin(), found.end(), to + first * k, LongId);
-  });
-  work.Finish();
-  return py::make_tuple(ids, distances);
+  return FindIdsAndFloats(
+      queries, k, in_part, work,
+      [&](const hs_columns& some, std::size_t, std::uint32_t* ids,
+          float* distances) {
+        Check(nearest(tree.bvh.get(), &some, k, max_distance, &options, ids,
+                      distances));
+      });
 }
 
-py::tuple CastRays(Tree& tree, const py::tuple& origins,
-                   const py::tuple& directions, const py::tuple& limits,
-                   std::size_t threads, py::object progress) {
+py::tuple CastRays(Tree& tree, const py::tuple& arrays, std::size_t threads,
+                   py::object progress) {
+  const Columns rays(arrays);
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  return CastAll(
-      {Columns(origins), Columns(directions), Columns(limits)}, tree.dims, work,
-      [&](std::size_t, const hs_columns& rays, const hs_columns&,
-          std::uint32_t* ids, float* ts) {
-        Check(hs_bvh_raycast(tree.bvh.get(), &rays, 0, nullptr, ids, ts));
+  return FindIdsAndFloats(
+      rays, 1, kPartQueries, work,
+      [&](const hs_columns& some, std::size_t, std::uint32_t* ids, float* ts) {
+        Check(hs_bvh_raycast(tree.bvh.get(), &some, 0, nullptr, ids, ts));
       });
 }
 
 // The pairs of a tree and of `b`, or of itself if this is null, in an array of
 // shape (2, n). Those of one tree have i < j.
-Ids PairsOf(Tree& tree, const Tree* b, std::size_t threads,
-            py::object progress) {
+Ids PairsOf(Tree& tree, Tree* b, std::size_t threads, py::object progress) {
   Work work(threads, std::move(progress));
   const auto results = [&] {
     const Reading reading(tree);
+    const Reading reading_b(b == nullptr ? tree : *b);
     const py::gil_scoped_release release;
     return FindPairs(tree.bvh.get(), b == nullptr ? nullptr : b->bvh.get(),
                      work);
@@ -440,9 +352,9 @@ Ids PairsOf(Tree& tree, const Tree* b, std::size_t threads,
   std::int64_t* const to = ids.mutable_data();
   work.SetLastStage();
   const py::gil_scoped_release release;
-  work.Run(results.parts(), [&](std::size_t part, std::size_t) {
+  work.Run(results.lists.size(), [&](std::size_t part, std::size_t) {
     std::size_t at = offsets[part];
-    for (hs_id_pair pair : results.List(part)) {
+    for (hs_id_pair pair : results.lists[part]) {
       if (b == nullptr && pair.b < pair.a) std::swap(pair.a, pair.b);
       to[at] = pair.a;
       to[found + at] = pair.b;
@@ -453,19 +365,12 @@ Ids PairsOf(Tree& tree, const Tree* b, std::size_t threads,
   return ids;
 }
 
-Ids Join(Tree& a, Tree& b, std::size_t threads, py::object progress) {
-  const Reading reading(b);
-  return PairsOf(a, &b, threads, std::move(progress));
-}
-
-Ids Insert(Tree& tree, const py::tuple& arrays) {
+ShortIds Insert(Tree& tree, const py::tuple& arrays) {
   const Columns boxes(arrays);
-  std::vector<std::uint32_t> ids(boxes.count);
-  Change(tree,
-         [&] { Check(hs_bvh_insert(tree.bvh.get(), &boxes, ids.data())); });
-  Ids result(Size(ids.size()));
-  std::copy(ids.begin(), ids.end(), result.mutable_data());
-  return result;
+  ShortIds ids(Size(boxes.count));
+  std::uint32_t* const to = ids.mutable_data();
+  Change(tree, [&] { Check(hs_bvh_insert(tree.bvh.get(), &boxes, to)); });
+  return ids;
 }
 
 void Erase(Tree& tree, const ShortIds& ids) {
@@ -480,8 +385,8 @@ void Refit(Tree& tree, const py::tuple& arrays, std::size_t threads,
   const Columns boxes(arrays);
   Work work(threads, std::move(progress));
   // A refit of doubles rounds first.
-  Threads its_threads(work, boxes.type == HS_FLOAT64 ? 2 : 1, boxes.count,
-                      boxes.count);
+  Threads its_threads{work, boxes.type == HS_FLOAT64 ? 2u : 1u, boxes.count,
+                      boxes.count};
   const auto refit = [&] {
     tree.is_half_refitted = true;
     its_threads.Check(
@@ -520,23 +425,18 @@ py::array_t<float> Boxes(Tree& tree) {
 }  // namespace
 
 void DefineTree(py::module_& module) {
-  py::class_<Blob>(module, "Blob", py::buffer_protocol())
-      .def(py::init<py::object>())
-      .def_buffer(&Blob::Info);
   py::class_<Tree>(module, "Tree")
       .def(py::init(&MakeTree))
       .def_static("from_blob", &FromBlob)
       .def("query", &Query)
       .def("query_one", &QueryOne)
       .def("query_some", &QuerySome)
-      .def("count", &Count)
-      .def("any", &Any)
+      .def("blob", &BlobOf)
+      .def("count", &AskAll<&hs_bvh_count>)
+      .def("any", &AskAll<&hs_bvh_any>)
       .def("nearest", &Nearest)
       .def("raycast", &CastRays)
-      .def("pairs",
-           [](Tree& tree, std::size_t threads, py::object progress) {
-             return PairsOf(tree, nullptr, threads, std::move(progress));
-           })
+      .def("pairs", &PairsOf)
       .def("insert", &Insert)
       .def("erase", &Erase)
       .def("refit", &Refit)
@@ -548,7 +448,6 @@ void DefineTree(py::module_& module) {
       .def("nbytes", &Ask<&hs_bvh_bytes>)
       .def_readonly("dims", &Tree::dims)
       .def_readonly("changes", &Tree::changes);
-  module.def("join", &Join);
 }
 
 }  // namespace halfspace::python

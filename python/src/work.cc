@@ -12,12 +12,6 @@
 namespace py = pybind11;
 
 namespace halfspace::python {
-namespace {
-
-// Ends a C function.
-struct Stopped {};
-
-}  // namespace
 
 void Work::Run(std::size_t count,
                const std::function<void(std::size_t, std::size_t)>& part) {
@@ -78,21 +72,21 @@ void Threads::Run(void* threads, std::size_t count, hs_part_function part,
   auto& its = *static_cast<Threads*>(threads);
   // The library does not document the number of passes. If there are more than
   // expected, the progress waits near the end.
-  const std::size_t first = std::min(its.pass_, its.passes_ - 1);
-  ++its.pass_;
-  its.work_.SetStage(its.end_ * first / its.passes_,
-                     its.end_ * (first + 1) / its.passes_, its.total_);
+  const std::size_t first = std::min(its.pass, its.passes - 1);
+  ++its.pass;
+  its.work.SetStage(its.end * first / its.passes,
+                    its.end * (first + 1) / its.passes, its.total);
   try {
-    its.work_.Run(count, [&](std::size_t i, std::size_t) { part(of_part, i); });
+    its.work.Run(count, [&](std::size_t i, std::size_t) { part(of_part, i); });
   } catch (...) {
-    // The C function would keep the text alone.
-    its.error_ = std::current_exception();
-    throw Stopped();
+    // The C function would keep the text alone. Any exception ends it.
+    its.error = std::current_exception();
+    throw std::exception();
   }
 }
 
 void Threads::Check(hs_status status) const {
-  if (error_ != nullptr) std::rethrow_exception(error_);
+  if (error != nullptr) std::rethrow_exception(error);
   python::Check(status);
 }
 

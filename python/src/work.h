@@ -62,11 +62,7 @@ class Work {
 
 // Runs the parts of a C function that takes a hs_run_function and calls it
 // about `passes` times. The progress goes from 0 to `end` of `total`.
-class Threads {
- public:
-  Threads(Work& work, std::size_t passes, std::size_t end, std::size_t total)
-      : work_(work), passes_(passes), end_(end), total_(total) {}
-
+struct Threads {
   // The hs_run_function, whose context is a Threads.
   static void Run(void* threads, std::size_t count, hs_part_function part,
                   void* of_part);
@@ -74,13 +70,12 @@ class Threads {
   // Throws what ended Run(), or else the message of the C function.
   void Check(hs_status status) const;
 
- private:
-  Work& work_;
-  std::size_t passes_;
-  std::size_t end_;
-  std::size_t total_;
-  std::size_t pass_ = 0;
-  std::exception_ptr error_;
+  Work& work;
+  std::size_t passes;
+  std::size_t end;
+  std::size_t total;
+  std::size_t pass = 0;
+  std::exception_ptr error = nullptr;
 };
 
 }  // namespace halfspace::python

@@ -125,6 +125,10 @@ def test_other_bytes(tree, tmp_path):
         hs.BVH.map(empty)
     with pytest.raises(FileNotFoundError):
         hs.BVH.map(tmp_path / "none")
+    with open(empty) as file:
+        with pytest.raises(TypeError, match="not int"):
+            hs.BVH.map(file.fileno())
+        os.fstat(file.fileno())
     with pytest.raises(TypeError, match="bytes-like"):
         hs.BVH.from_blob("text")
     other = data.copy()

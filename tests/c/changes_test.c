@@ -155,6 +155,8 @@ static void test_ids(void) {
   const uint32_t masks[] = {1, 2};
   const uint32_t all_masks[] = {2, 0, 0};
   const uint32_t both[] = {0, 1};
+  const uint32_t twice[] = {0, 1, 0, 1};
+  const uint32_t wrong_then_right[] = {2, 1, 1, 2};
   hs_bvh_config config = bvh_config_of(HS_BOX3);
   hs_columns columns = hs_float_rows(near_boxes, 2, 6);
   hs_bvh* bvh = NULL;
@@ -193,6 +195,10 @@ static void test_ids(void) {
   CHECK(count_of(bvh, around_far, ~0u) == 1);
   CHECK(count_of(bvh, around_0, ~0u) == 0);
   CHECK_OK(hs_bvh_set_masks(bvh, both, masks, 2));
+  CHECK(count_of(bvh, around_far, 1) == 1);
+  CHECK(count_of(bvh, everywhere, 2) == 1);
+  // More masks than objects: the last one of an id counts.
+  CHECK_OK(hs_bvh_set_masks(bvh, twice, wrong_then_right, 4));
   CHECK(count_of(bvh, around_far, 1) == 1);
   CHECK(count_of(bvh, everywhere, 2) == 1);
   // No list of ids, as of an empty vector, means no object.

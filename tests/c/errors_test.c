@@ -110,6 +110,15 @@ static void test_structs(void) {
   CHECK_INVALID(hs_bvh_config_default(NULL, sizeof(config)),
                 "hs_bvh_config_default: the struct: expected a pointer, got "
                 "null");
+  CHECK_INVALID(hs_bvh_config_default(
+                    (hs_bvh_config*)(void*)((char*)&newer + 1), sizeof(newer)),
+                "hs_bvh_config_default: the struct: expected memory aligned to "
+                "8 bytes, got a misaligned pointer");
+  CHECK_INVALID(
+      hs_bvh_query(bvh, &columns, (hs_query_options*)(void*)((char*)&newer + 4),
+                   ids, 2, NULL, &total),
+      "hs_bvh_query: options: expected memory aligned to 8 bytes, "
+      "got a misaligned pointer");
   CHECK_INVALID(hs_pair_options_default((hs_pair_options*)(void*)&newer, 0),
                 "hs_pair_options_default: struct_size: expected the sizeof of "
                 "the struct, got 0");
@@ -288,8 +297,8 @@ static void test_handles_and_outputs(void) {
   CHECK_OK(hs_bvh_size(bvh, &total));
   CHECK(total == 2);
   CHECK_INVALID(hs_bvh_refit(bvh, &one, NULL, NULL),
-                "hs_bvh_refit: objects->count: expected at least "
-                "hs_bvh_id_limit(), 2, got 1");
+                "hs_bvh_refit: objects: expected a bound for each id, at least "
+                "2, got 1");
   CHECK_INVALID(hs_bvh_get_all(bvh, bounds, 1),
                 "hs_bvh_get_all: room: expected at least hs_bvh_id_limit(), 2, "
                 "got 1");

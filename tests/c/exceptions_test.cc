@@ -107,14 +107,21 @@ extern "C" void test_exceptions(void) {
   hs_broad_phase_destroy(bodies);
 
   // A handler is told what the C++ library finds.
-  halfspace::SetErrorHandler([](const char* message) {
-    told = message;
-    throw std::invalid_argument("from the handler");
+  halfspace::SetErrorHandler([](const halfspace::Error& error) {
+    told = error.what();
+    throw error;
   });
   hs_bvh* none = nullptr;
   CHECK_FAILS(hs_bvh_from_blob(&config, boxes, sizeof(boxes), &none),
-              HS_CORRUPT, "hs_bvh_from_blob: from the handler");
+              HS_CORRUPT,
+              "hs_bvh_from_blob: data: expected a header of 64 bytes, got 32");
   CHECK(told.find("halfspace: Bvh::FromBlob: blob: expected") == 0);
+  halfspace::SetErrorHandler([](const halfspace::Error&) {
+    throw std::invalid_argument("from the handler");
+  });
+  CHECK_FAILS(
+      hs_bvh_from_blob(&config, boxes, sizeof(boxes), &none), HS_INTERNAL,
+      "hs_bvh_from_blob: an exception ended the call: from the handler");
   halfspace::SetErrorHandler(nullptr);
 
   TestSaveWithoutMemory(bvh);

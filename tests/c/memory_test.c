@@ -259,9 +259,8 @@ static void test_misaligned(void) {
   for (left = 1; left <= 2; ++left) {
     its.left = left;
     CHECK_INVALID(hs_bvh_from_blob(&config, blob, size, &copy),
-                  "hs_bvh_from_blob: config->allocator.allocate: the result: "
-                  "expected memory aligned to 64 bytes, got a misaligned "
-                  "block");
+                  "hs_bvh_from_blob: config->allocator.allocate: expected "
+                  "memory aligned to 64 bytes, got a misaligned block");
     CHECK(copy == NULL && its.live == 0 && its.bytes == 0);
   }
   hs_bvh_destroy(bvh);

@@ -671,8 +671,7 @@ TEST(BvhPairsErrorsTest, RefusesWhatItCannotReadAndWritesNothing) {
     });
     EXPECT_EQ(std::count(pairs.begin(), pairs.end(), kCanary), 10);
   };
-  const std::string_view in_world =
-      "ids[1]: expected the id of an object in the world";
+  const std::string_view in_world = "ids[1]: expected the id of an object";
   refuses(Ids{1, 100}, in_world, "100");
   refuses(Ids{1, 0xFFFFFFFF}, in_world, "4294967295");
   world.Erase(7);

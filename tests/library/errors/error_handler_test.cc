@@ -12,6 +12,8 @@
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "halfspace/halfspace.h"
@@ -27,9 +29,9 @@ void GetFromNothing() { AabbWorld3().Get(7); }
 constexpr const char kText[] =
     "halfspace: World::Get: index: expected less than the size, 0, got 7";
 
-void Return(const char*) {}
-void Exit(const char* message) {
-  std::fprintf(stderr, "%s\n", message);
+void Return(const Error&) {}
+void Exit(const Error& error) {
+  std::fprintf(stderr, "%s\n", error.what());
   std::_Exit(3);
 }
 
@@ -39,6 +41,33 @@ TEST(ErrorHandlerTest, TheOneBeforeIsReturned) {
   EXPECT_EQ(SetErrorHandler(nullptr), &Exit);
   EXPECT_THROW(GetFromNothing(), std::invalid_argument);
   EXPECT_TRUE(Refuses(&GetFromNothing, {kText}));
+}
+
+// The parts of an error, of which the last is its index.
+using Parts = std::tuple<std::string_view, std::string_view, std::string_view,
+                         std::string_view, std::size_t>;
+
+TEST(ErrorTest, HasTheParts) {
+  const auto expect = [](const auto& call, const Parts& parts) {
+    try {
+      call();
+      ADD_FAILURE() << "nothing was thrown";
+    } catch (const Error& thrown) {
+      const Error error = thrown;
+      EXPECT_EQ(parts, Parts(error.call(), error.argument(), error.expected(),
+                             error.given(), error.index()));
+      EXPECT_STREQ(error.what(), thrown.what());
+    }
+  };
+  expect(&GetFromNothing, {"World::Get", "index", "less than the size, 0", "7",
+                           Error::kNoIndex});
+  AabbBvh3 bvh(std::vector<Aabb3>(2));
+  const std::vector<std::uint32_t> ids = {0, 12};
+  expect([&] { bvh.Erase(ids); },
+         {"Bvh::Erase", "ids", "the id of an object", "12", 1});
+  EXPECT_TRUE(Refuses([&] { bvh.Erase(ids); },
+                      {"halfspace: Bvh::Erase: ids[1]: expected the id of an "
+                       "object, got 12"}));
 }
 
 TEST(ErrorHandlerDeathTest, MayEndTheProgram) {
@@ -61,7 +90,7 @@ TEST(ErrorHandlerDeathTest, IsNotToReturn) {
 
 struct Thrown {};
 bool has_callers_mode;
-void Throw(const char*) {
+void Throw(const Error&) {
   has_callers_mode = std::fegetround() == FE_UPWARD &&
                      (FlushDenormals::IsOn() || !FlushDenormals::kAvailable);
   throw Thrown();
@@ -83,7 +112,7 @@ TEST(ErrorHandlerTest, HasTheFloatingPointModeOfTheCaller) {
 // A handler may leave by longjmp. Then nothing is freed, so a call must hold
 // neither memory nor a tree when it calls the handler.
 const std::function<void()>* holds_nothing;
-void CheckAndThrow(const char*) {
+void CheckAndThrow(const Error&) {
   (*holds_nothing)();
   throw Thrown();
 }

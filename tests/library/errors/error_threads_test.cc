@@ -23,9 +23,9 @@ struct Told {
 thread_local std::size_t told_here = 0;
 
 template <int kNumber>
-[[noreturn]] void Tell(const char* message) {
+[[noreturn]] void Tell(const Error& error) {
   ++told_here;
-  throw Told{kNumber, message};
+  throw Told{kNumber, error.what()};
 }
 
 TEST(ErrorThreadsTest, EachThreadIsToldOfItsOwn) {

@@ -22,8 +22,8 @@ TEST(WithoutExceptionsDeathTest, TheMessageIsPrinted) {
 TEST(WithoutExceptionsDeathTest, OrTold) {
   EXPECT_EXIT(
       {
-        SetErrorHandler([](const char* message) {
-          std::fprintf(stderr, "told: %s\n", message);
+        SetErrorHandler([](const Error& error) {
+          std::fprintf(stderr, "told: %s\n", error.what());
           std::_Exit(3);
         });
         AabbWorld3().Get(7);

@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <initializer_list>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -21,7 +20,7 @@ std::string ToldBy(Call call) {
     std::string message;
   };
   const ErrorHandler before =
-      SetErrorHandler([](const char* message) { throw Told{message}; });
+      SetErrorHandler([](const Error& error) { throw Told{error.what()}; });
   std::string message;
   try {
     call();
@@ -32,14 +31,14 @@ std::string ToldBy(Call call) {
   return message;
 }
 
-// call() throws std::invalid_argument with all of `parts` in its text, in that
+// call() throws an Error with all of `parts` in its text, in that
 // order, and tells a handler the same text.
 template <typename Call>
 ::testing::AssertionResult Refuses(
     Call call, std::initializer_list<std::string_view> parts) {
   try {
     call();
-  } catch (const std::invalid_argument& error) {
+  } catch (const Error& error) {
     const std::string_view text = error.what();
     std::size_t from = 0;
     for (std::string_view part : parts) {

@@ -19,8 +19,8 @@ namespace {
 // As of a program without exceptions that goes on after an error.
 std::jmp_buf before_the_error;
 std::string told;
-void JumpBack(const char* message) {
-  told = message;
+void JumpBack(const halfspace::Error& error) {
+  told = error.what();
   std::longjmp(before_the_error, 1);
 }
 
