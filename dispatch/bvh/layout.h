@@ -84,20 +84,16 @@ constexpr std::size_t PartsOf(std::size_t slots) {
   return (slots + kPartSlots - 1) / kPartSlots;
 }
 
-inline std::size_t PlanesOf(const BvhShape& shape) {
-  return shape.has_max ? 2u * shape.axes : shape.axes;
-}
-
-inline const BvhKernels::OfPlanes& KernelsFor(const BvhShape& shape,
+inline const BvhKernels::OfPlanes& KernelsFor(const BvhType& type,
                                               Target target, const char* call) {
-  const BvhKernels& kernels = shape.kernels[dispatch::IndexOf(target, call)];
-  return shape.has_max ? kernels.all : kernels.minima;
+  const BvhKernels& kernels = type.kernels[dispatch::IndexOf(target, call)];
+  return type.has_max ? kernels.all : kernels.minima;
 }
 
 // Finds where the parts of a tree are in memory from `begin` on, or null to
 // measure; returns its bytes. The levels are empty. What is between the parts
 // of new memory becomes 0.
-std::size_t Place(const BvhShape& shape, const BvhRoom& room, std::byte* begin,
+std::size_t Place(const BvhType& type, const BvhRoom& room, std::byte* begin,
                   bool is_new, BvhLevels& levels);
 
 // Sets the sizes of all levels.
@@ -105,12 +101,12 @@ void SetSlots(BvhLevels& levels, std::size_t slots);
 
 // Writes Empty() and no id to the slots of a level from `begin` to the end of
 // its block.
-void ClearSlots(const BvhShape& shape, BvhLevels& levels, std::size_t level,
+void ClearSlots(const PlaneLayout& layout, BvhLevels& levels, std::size_t level,
                 std::size_t begin);
 
 // Sets the sizes of all levels, and clears what is beyond them in their last
 // blocks, which have to be encoded then.
-void Truncate(const BvhShape& shape, BvhLevels& levels, std::size_t slots);
+void Truncate(const PlaneLayout& layout, BvhLevels& levels, std::size_t slots);
 
 // Whether there is an object in a slot.
 inline bool IsPresent(const BvhLevels& levels, std::size_t slot) {
@@ -126,7 +122,7 @@ void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
 
 // Throws unless the planes of the objects, more than 0, can be read, in the
 // name of `call`.
-void CheckColumns(const BvhShape& shape, const Columns& objects,
+void CheckColumns(const PlaneLayout& layout, const Columns& objects,
                   const char* call);
 
 // Of the lanes of a block those with a slot.
@@ -151,11 +147,11 @@ inline void PutId(const BvhLevels& levels, std::size_t slot, std::uint32_t id,
 void FillPresent(const BvhLevel& level, std::size_t slots);
 
 // Fits the map of codes to the floats. The leaves have to be encoded then.
-void FitMap(const BvhShape& shape, const BvhLevels& levels);
+void FitMap(const PlaneLayout& layout, const BvhLevels& levels);
 
 // Copies the bounds of the objects that exist and encodes all levels. Slot s
 // has element elements[s], or s without them.
-void FillSlots(const BvhShape& shape, const BvhLevels& levels,
+void FillSlots(const PlaneLayout& layout, const BvhLevels& levels,
                const Columns& objects, const std::uint32_t* elements,
                const BvhKernels::OfPlanes& kernels, const Runner& run);
 
@@ -185,7 +181,7 @@ void OrAllMasks(BvhLevels& levels);
 
 // Some slots as they are, from the beginning of a block on. The cost is the sum
 // of the surfaces of the nodes over them.
-BvhPart AsIs(const BvhShape& shape, const BvhLevels& levels,
+BvhPart AsIs(const PlaneLayout& layout, const BvhLevels& levels,
              const SlotRange& range);
 
 // Part `part` of the slots in use.

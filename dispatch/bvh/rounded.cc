@@ -22,15 +22,16 @@ void PrefetchElement(const Columns& objects, std::size_t planes,
 
 }  // namespace
 
-Rounded::Rounded(const BvhShape& shape, const MemoryResource& memory,
+Rounded::Rounded(const PlaneLayout& layout, const MemoryResource& memory,
                  const Columns& objects, std::size_t count,
                  const std::uint32_t* elements, const Runner& run)
-    : floats_(memory,
-              objects.is_double ? count * PlanesOf(shape) * sizeof(float) : 0),
+    : floats_(memory, objects.is_double
+                          ? count * layout.plane_count * sizeof(float)
+                          : 0),
       columns_(objects) {
   if (!objects.is_double) return;
   auto* const floats = reinterpret_cast<float*>(floats_.data());
-  const std::size_t planes = PlanesOf(shape);
+  const std::size_t planes = layout.plane_count;
   columns_ = ColumnsOf<float>(count, 1);
   for (std::size_t p = 0; p < planes; ++p) {
     columns_.column[p] = floats + p * count;
@@ -49,8 +50,8 @@ Rounded::Rounded(const BvhShape& shape, const MemoryResource& memory,
       for (std::size_t p = 0; p < planes; ++p) {
         const dispatch::ExactSum value = {
             objects.doubles(p)[i * objects.stride], 0.0};
-        floats[p * count + s] = p < shape.axes ? dispatch::RoundDown(value)
-                                               : dispatch::RoundUp(value);
+        floats[p * count + s] = p < layout.axes ? dispatch::RoundDown(value)
+                                                : dispatch::RoundUp(value);
       }
     }
   });

@@ -22,7 +22,7 @@ namespace halfspace::detail {
 // written.
 class Rounded {
  public:
-  Rounded(const BvhShape& shape, const MemoryResource& memory,
+  Rounded(const PlaneLayout& layout, const MemoryResource& memory,
           const Columns& objects, std::size_t count,
           const std::uint32_t* elements, const Runner& run);
 
@@ -35,10 +35,10 @@ class Rounded {
 
 // Calls visit(i, values) for each bound, in order.
 template <typename Visit>
-void ForEachRecord(const BvhShape& shape, const Columns& bounds,
+void ForEachRecord(const PlaneLayout& layout, const Columns& bounds,
                    const Visit& visit) {
   constexpr std::size_t kSome = 64;
-  const std::size_t planes = PlanesOf(shape);
+  const std::size_t planes = layout.plane_count;
   const float* const rows = RowsOf(bounds, planes);
   std::array<float, kSome * kMaxPlanes> read;
   for (std::size_t i = 0; i < bounds.size; ++i) {
@@ -47,7 +47,7 @@ void ForEachRecord(const BvhShape& shape, const Columns& bounds,
       continue;
     }
     if (i % kSome == 0) {
-      ReadRecords(bounds, planes, shape.axes, i,
+      ReadRecords(bounds, planes, layout.axes, i,
                   std::min(kSome, bounds.size - i), read.data());
     }
     visit(i, read.data() + i % kSome * planes);
