@@ -277,7 +277,6 @@ class HALFSPACE_API PlaneStore {
   // Throws, in the name of `call`, unless `index` is below size().
   void CheckIndex(std::size_t index, const char* call) const;
 
- protected:
   std::byte* PlaneAt(std::size_t p) const { return data_ + p * stride_; }
 
  private:
