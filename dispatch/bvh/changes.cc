@@ -9,7 +9,6 @@
 #include <tuple>
 #include <utility>
 
-#include "dispatch/bvh/rounded.h"
 #include "dispatch/bvh/scratch.h"
 #include "dispatch/bvh/tree.h"
 #include "dispatch/errors/error.h"

@@ -12,6 +12,7 @@
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/exact/outward.h"
 #include "kernels/prefetch.h"
 
 namespace halfspace::detail {
@@ -52,16 +53,16 @@ class Parts {
   std::size_t bytes_ = 0;
 };
 
-// The bounds of the next block, which are anywhere.
-void Prefetch(const Columns& objects, std::size_t planes,
-              const std::uint32_t* elements) {
-  // The values of a record are in one line, or in two.
+// Elements are read in any order. The values of a record are in one line, or in
+// two.
+template <typename Fetch>
+void PrefetchElement(const Columns& objects, std::size_t planes, std::size_t i,
+                     const Fetch& fetch) {
+  if (i == kNoId) return;
   const std::size_t step = objects.stride == 1 ? 1 : planes - 1;
-  for (std::size_t i = 0; i < kBlockObjects; ++i) {
-    if (elements[i] == kNoId) continue;
-    for (std::size_t p = 0; p < planes; p += step) {
-      kernels::PrefetchToL2(objects.floats(p) + elements[i] * objects.stride);
-    }
+  for (std::size_t p = 0; p < planes; p += step) {
+    fetch(static_cast<const std::byte*>(objects.column[p]) +
+          i * objects.stride * objects.scalar_bytes());
   }
 }
 
@@ -74,7 +75,10 @@ void FillPart(const BvhLevels& levels, std::size_t planes,
   for (std::size_t b = part * kBlockObjects; b < end_block; ++b) {
     const std::size_t first = b * kBlockObjects;
     if (elements != nullptr && b + 1 < end_block) {
-      Prefetch(objects, planes, elements + first + kBlockObjects);
+      for (std::size_t i = first; i < first + kBlockObjects; ++i) {
+        PrefetchElement(objects, planes, elements[i + kBlockObjects],
+                        [](const void* at) { kernels::PrefetchToL2(at); });
+      }
     }
     std::uint64_t present = level.present[b];
     if (~present == 0 && elements != nullptr) {
@@ -102,6 +106,9 @@ void FillPart(const BvhLevels& levels, std::size_t planes,
     kernels.encode(RangeOf(levels, 0, b, b + 1));
   }
 }
+
+// Doubles are prefetched so many elements ahead.
+constexpr std::size_t kAhead = 32;
 
 // Some objects say where most values are: codes are 1.5 times as fine if no
 // room is left for the others.
@@ -327,6 +334,42 @@ void FillSlots(const PlaneLayout& layout, const BvhLevels& levels,
         FillPart(levels, layout.plane_count, objects, elements, kernels, part);
       });
   dispatch::InDefaultFpMode([&] { EncodeLevels(levels, kernels, 1); });
+}
+
+Rounded::Rounded(const PlaneLayout& layout, const MemoryResource& memory,
+                 const Columns& objects, std::size_t count,
+                 const std::uint32_t* elements, const Runner& run)
+    : floats_(memory, objects.is_double
+                          ? count * layout.plane_count * sizeof(float)
+                          : 0),
+      columns_(objects) {
+  if (!objects.is_double) return;
+  auto* const floats = reinterpret_cast<float*>(floats_.data());
+  const std::size_t planes = layout.plane_count;
+  columns_ = ColumnsOf<float>(count, 1);
+  for (std::size_t p = 0; p < planes; ++p) {
+    columns_.column[p] = floats + p * count;
+  }
+  const auto element_of = [elements](std::size_t s) -> std::size_t {
+    return elements == nullptr ? s : elements[s];
+  };
+  dispatch::RunInDefaultFpMode(run, PartsOf(count), [&](std::size_t part) {
+    const std::size_t end = std::min(count, (part + 1) * kPartSlots);
+    for (std::size_t s = part * kPartSlots; s < end; ++s) {
+      if (s + kAhead < end) {
+        PrefetchElement(objects, planes, element_of(s + kAhead),
+                        [](const void* at) { kernels::Prefetch(at); });
+      }
+      const std::size_t i = element_of(s);
+      if (i == kNoId) continue;
+      for (std::size_t p = 0; p < planes; ++p) {
+        const dispatch::ExactSum value = {
+            objects.doubles(p)[i * objects.stride], 0.0};
+        floats[p * count + s] = p < layout.axes ? dispatch::RoundDown(value)
+                                                : dispatch::RoundUp(value);
+      }
+    }
+  });
 }
 
 BvhPart AsIs(const PlaneLayout& layout, const BvhLevels& levels,

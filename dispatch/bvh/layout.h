@@ -4,13 +4,18 @@
 #define HALFSPACE_DISPATCH_BVH_LAYOUT_H_
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 
+#include "dispatch/bvh/scratch.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/bvh.h"
+#include "halfspace/detail/plane_arrays.h"
+#include "halfspace/memory.h"
+#include "halfspace/runner.h"
 #include "kernels/bvh/block.h"
 
 namespace halfspace::detail {
@@ -188,6 +193,44 @@ BvhPart AsIs(const PlaneLayout& layout, const BvhLevels& levels,
 inline SlotRange PartAt(const BvhLevels& levels, std::size_t part) {
   return {part * kPartSlots,
           std::min(levels.level[0].size, (part + 1) * kPartSlots)};
+}
+
+// The floats of `objects`. Columns of floats are used as they are. Doubles are
+// rounded into planes of `count` values: slot s gets element elements[s], or
+// element s if `elements` is null. A slot whose element is kNoId is not
+// written.
+class Rounded {
+ public:
+  Rounded(const PlaneLayout& layout, const MemoryResource& memory,
+          const Columns& objects, std::size_t count,
+          const std::uint32_t* elements, const Runner& run);
+
+  const Columns& columns() const { return columns_; }
+
+ private:
+  Scratch floats_;
+  Columns columns_;
+};
+
+// Calls visit(i, values) for each bound, in order.
+template <typename Visit>
+void ForEachRecord(const PlaneLayout& layout, const Columns& bounds,
+                   const Visit& visit) {
+  constexpr std::size_t kSome = 64;
+  const std::size_t planes = layout.plane_count;
+  const float* const rows = RowsOf(bounds, planes);
+  std::array<float, kSome * kMaxPlanes> read;
+  for (std::size_t i = 0; i < bounds.size; ++i) {
+    if (rows != nullptr) {
+      visit(i, rows + i * planes);
+      continue;
+    }
+    if (i % kSome == 0) {
+      ReadRecords(bounds, planes, layout.axes, i,
+                  std::min(kSome, bounds.size - i), read.data());
+    }
+    visit(i, read.data() + i % kSome * planes);
+  }
 }
 
 }  // namespace halfspace::detail

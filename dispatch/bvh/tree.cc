@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "dispatch/bvh/order.h"
-#include "dispatch/bvh/rounded.h"
 #include "dispatch/bvh/scratch.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
