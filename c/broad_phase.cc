@@ -224,7 +224,7 @@ hs_broad_phase::hs_broad_phase(const Kind& its_kind,
       keep(config.keep),
       keep_context(config.keep_context),
       memory(its_memory),
-      core(halfspace::c::ShapeOf(its_kind), config.max_ids,
+      core(halfspace::c::TypeOf(its_kind), config.max_ids,
            halfspace::c::OptionsOf(this, config, its_memory)) {}
 
 hs_status hs_broad_phase_config_default(hs_broad_phase_config* config,

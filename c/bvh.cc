@@ -80,9 +80,9 @@ void WriteRecord(const hs_bvh& bvh, const float* values, float* record) {
 
 }  // namespace
 
-detail::BvhShape ShapeOf(const Kind& kind) {
+detail::BvhType TypeOf(const Kind& kind) {
   return WithView(kind, []<typename View>(const View&) {
-    return detail::BvhShapeOf<View>();
+    return detail::BvhTypeOf<View>();
   });
 }
 
@@ -113,7 +113,7 @@ hs_bvh::hs_bvh(const Kind& its_kind, const halfspace::MemoryResource& memory)
     : kind(its_kind),
       objects(Values::OfObjects(its_kind)),
       queries(Values::OfQueries(its_kind)),
-      tree(halfspace::c::ShapeOf(its_kind), memory) {}
+      tree(halfspace::c::TypeOf(its_kind), memory) {}
 
 struct hs_builder {
   explicit hs_builder(const BvhConfig& its_config)

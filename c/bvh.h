@@ -29,7 +29,7 @@ struct hs_bvh {
 
 namespace halfspace::c {
 
-detail::BvhShape ShapeOf(const Kind& kind);
+detail::BvhType TypeOf(const Kind& kind);
 // Not of simplices.
 const detail::BvhPairKernels* PairKernelsOf(const Kind& kind);
 

@@ -349,7 +349,7 @@ hs_status hs_bvh_save(const hs_bvh* bvh, const char* path) {
     if (!blob.empty()) return halfspace::c::Save(call, path, blob);
     // A file of a BVH without memory has a header as well: an empty file is one
     // that was lost.
-    halfspace::detail::BvhTree empty(halfspace::c::ShapeOf(bvh->kind),
+    halfspace::detail::BvhTree empty(halfspace::c::TypeOf(bvh->kind),
                                      bvh->tree.memory());
     empty.Reserve(1);
     halfspace::c::Save(call, path, empty.Blob());

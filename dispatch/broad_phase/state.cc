@@ -277,7 +277,7 @@ void Version::Widen(std::uint32_t id, const float* planes, bool is_mover) {
   SetOwnBound(id, false);
   const BvhLevels& levels = tree.levels();
   const std::size_t slot = levels.slots[id];
-  WithAxes(tree.shape().axes, [&](auto axes) {
+  WithAxes(tree.type().axes, [&](auto axes) {
     constexpr std::size_t kAxes = decltype(axes)::value;
     float* const leaf = &levels.level[0].Value(0, slot);
     float outward[2 * kAxes];
@@ -337,7 +337,7 @@ std::uint64_t Version::NotEnclosed(Span<const std::uint32_t> ids,
                                    const float* planes) const {
   const BvhLevels& levels = tree.levels();
   const std::size_t id_limit = tree.id_limit();
-  return WithAxes(tree.shape().axes, [&](auto axes) {
+  return WithAxes(tree.type().axes, [&](auto axes) {
     constexpr std::size_t kAxes = decltype(axes)::value;
     float* of_tree[64];
     for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -360,11 +360,11 @@ std::uint64_t Version::NotEnclosed(Span<const std::uint32_t> ids,
 
 bool Version::DoAllEnclose(std::uint32_t id, const float* planes) const {
   const BvhLevels& levels = tree.levels();
-  const BvhShape& shape = tree.shape();
+  const BvhType& shape = tree.type();
   return dispatch::InDefaultFpMode([&] {
     for (std::size_t l = 0; l < levels.count; ++l) {
       const std::size_t node = levels.slots[id] >> (6 * l);
-      for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
+      for (std::size_t p = 0; p < shape.plane_count; ++p) {
         const bool is_max = p >= shape.axes;
         if (IsBeyond(NumberOf(planes[p], is_max),
                      LoadPlane(levels.level[l].Value(p, node)), is_max)) {
@@ -376,7 +376,7 @@ bool Version::DoAllEnclose(std::uint32_t id, const float* planes) const {
   });
 }
 
-BroadPhaseState::BroadPhaseState(const BvhShape& tree_shape, std::size_t ids,
+BroadPhaseState::BroadPhaseState(const BvhType& tree_shape, std::size_t ids,
                                  const BroadPhaseOptions& with)
     : shape(tree_shape),
       max_ids(ids),
@@ -511,7 +511,7 @@ TakenMarks::~TakenMarks() {
   ForEach([&](std::uint32_t id) { state_.bodies.AddMark(id, Bodies::kMoved); });
 }
 
-BroadPhaseCore::BroadPhaseCore(const BvhShape& shape, std::size_t max_ids,
+BroadPhaseCore::BroadPhaseCore(const BvhType& shape, std::size_t max_ids,
                                const BroadPhaseOptions& options) {
   constexpr const char* kCall = "BroadPhase";
   if (max_ids > kMostIds) {
@@ -530,7 +530,7 @@ BroadPhaseCore::BroadPhaseCore(const BvhShape& shape, std::size_t max_ids,
     const MemoryResource& memory;
     void* state;
   } block(options.memory);
-  BvhShape without_codes = shape;
+  BvhType without_codes = shape;
   without_codes.has_codes = false;
   state_ = new (block.state) BroadPhaseState(without_codes, max_ids, options);
   block.state = nullptr;

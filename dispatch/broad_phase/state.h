@@ -435,7 +435,7 @@ class Version {
 
 class BroadPhaseState {
  public:
-  BroadPhaseState(const BvhShape& tree_shape, std::size_t ids,
+  BroadPhaseState(const BvhType& tree_shape, std::size_t ids,
                   const BroadPhaseOptions& with);
   BroadPhaseState(const BroadPhaseState&) = delete;
   BroadPhaseState& operator=(const BroadPhaseState&) = delete;
@@ -465,7 +465,7 @@ class BroadPhaseState {
     if (masks != BodyMasks()) has_masks.store(true, std::memory_order_release);
   }
 
-  const BvhShape shape;
+  const BvhType shape;
   const std::size_t max_ids;
   const BroadPhaseOptions options;
   const bool has_margin;

@@ -41,9 +41,9 @@ void CheckVersion(bool is_in_place, std::uint32_t version) {
 
 // In format 3 all trees with nodes had codes, behind the floats of level 0.
 // Returns the bytes of those that there are no longer.
-std::size_t BytesOfFormat3(const BvhShape& shape, const BvhRoom& room) {
+std::size_t BytesOfFormat3(const PlaneLayout& layout, const BvhRoom& room) {
   if (room.slots <= kBlockObjects || room.slots > kMostWithoutCodes) return 0;
-  return BlocksOf(room.slots) * PlanesOf(shape) * kBlockObjects *
+  return BlocksOf(room.slots) * layout.plane_count * kBlockObjects *
          sizeof(std::int16_t);
 }
 
@@ -99,15 +99,15 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
     ThrowCorrupt(is_in_place, "the bytes of a stored BVH", "another beginning");
   }
   CheckVersion(is_in_place, header.version);
-  const BvhShape& shape = tree.shape_;
+  const BvhType& own = tree.type_;
   const auto type = [](std::size_t dims, std::size_t axes, bool has_max) {
     return std::to_string(dims) + " dimensions, " + std::to_string(axes) +
            " axes " + (has_max ? "with" : "without") + " maxima";
   };
-  if (header.dims != shape.dims || header.axes != shape.axes ||
-      header.has_max != (shape.has_max ? 1 : 0)) {
+  if (header.dims != own.dims || header.axes != own.axes ||
+      header.has_max != (own.has_max ? 1 : 0)) {
     ThrowCorrupt(is_in_place,
-                 "bounds of " + type(shape.dims, shape.axes, shape.has_max),
+                 "bounds of " + type(own.dims, own.axes, own.has_max),
                  type(header.dims, header.axes, header.has_max != 0));
   }
   const BvhRoom room = {header.capacity, header.id_room, header.has_masks != 0};
@@ -120,11 +120,11 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
   const bool is_room_right = room.slots > 0 && room.slots < kMostObjects;
   BvhLevels levels;
   const std::size_t bytes =
-      is_room_right ? Place(shape, room, nullptr, false, levels) : 0;
+      is_room_right ? Place(own, room, nullptr, false, levels) : 0;
   // Bytes of an older format behind the floats of level 0. The last builds with
   // format 3 did not write them.
   const std::size_t dropped = header.version == 3 && header.bytes != bytes
-                                  ? BytesOfFormat3(shape, room)
+                                  ? BytesOfFormat3(own, room)
                                   : 0;
   if (!is_room_right || header.slots > room.slots ||
       header.size > header.slots || header.ids < header.size ||
@@ -135,13 +135,13 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
                  std::to_string(blob.size()) +
                      " bytes or an altered header; store the BVH again");
   }
-  BvhState loaded(shape, tree.memory_);
+  BvhState loaded(own, tree.memory_);
   if (is_in_place && dropped == 0) {
     // Not written before it has been copied: see BvhState::Prepare().
     loaded.block_ = const_cast<std::byte*>(blob.data());
     loaded.bytes_ = blob.size();
     loaded.is_owned_ = false;
-    Place(shape, room, loaded.block_, false, loaded.levels_);
+    Place(own, room, loaded.block_, false, loaded.levels_);
   } else {
     loaded.Allocate(room);
     const auto* const behind =

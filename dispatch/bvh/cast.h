@@ -13,7 +13,7 @@ const BvhNearestKernels& CheckCast(const LineCast& cast, Target target);
 
 // In the default floating-point mode. Returns whether the box can touch
 // anything.
-bool MakeCastLine(const BvhShape& shape, const LineCast& cast, Line& line);
+bool MakeCastLine(const PlaneLayout& layout, const LineCast& cast, Line& line);
 
 }  // namespace halfspace::detail
 

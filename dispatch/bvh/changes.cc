@@ -9,7 +9,6 @@
 #include <tuple>
 #include <utility>
 
-#include "dispatch/bvh/rounded.h"
 #include "dispatch/bvh/scratch.h"
 #include "dispatch/bvh/tree.h"
 #include "dispatch/errors/error.h"
@@ -34,12 +33,12 @@ std::size_t IdLimitOf(Span<const std::uint32_t> ids) {
 // How much each node of a block would have to grow to enclose a bound, as a sum
 // over its planes.
 using Growths = std::array<float, kBlockObjects>;
-Growths GrowthsOf(const BvhShape& shape, const BvhLevel& level,
+Growths GrowthsOf(const PlaneLayout& layout, const BvhLevel& level,
                   std::size_t block, const float* values) {
   Growths growths{};
-  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
+  for (std::size_t p = 0; p < layout.plane_count; ++p) {
     const float* const plane = level.Plane(block, p);
-    const float sign = p < shape.axes ? 1.0f : -1.0f;
+    const float sign = p < layout.axes ? 1.0f : -1.0f;
     for (std::size_t i = 0; i < kBlockObjects; ++i) {
       const float beyond = sign * (plane[i] - values[p]);
       growths[i] += beyond > 0 ? beyond : 0;
@@ -49,10 +48,11 @@ Growths GrowthsOf(const BvhShape& shape, const BvhLevel& level,
 }
 
 // The size of a node by the same measure.
-float ExtentOf(const BvhShape& shape, const BvhLevel& level, std::size_t node) {
+float ExtentOf(const PlaneLayout& layout, const BvhLevel& level,
+               std::size_t node) {
   float extent = 0;
-  for (std::size_t k = 0; k < shape.axes; ++k) {
-    if (shape.has_max) extent += level.Value(shape.axes + k, node);
+  for (std::size_t k = 0; k < layout.axes; ++k) {
+    if (layout.has_max) extent += level.Value(layout.axes + k, node);
     extent -= level.Value(k, node);
   }
   return extent;
@@ -143,7 +143,7 @@ BlockRange ChangedRange(const BvhLevels& levels, std::size_t level,
 }  // namespace
 
 void BvhState::CheckChange(const char* call) {
-  std::ignore = KernelsFor(shape_, Target(), call);
+  std::ignore = KernelsFor(type_, Target(), call);
   CheckLoaded(call);
 }
 
@@ -165,7 +165,7 @@ void BvhState::Prepare(const char* call, BvhRoom room) {
 
 void BvhState::Reallocate(const char* call, const BvhRoom& room) {
   if (room.slots == 0) return;
-  BvhState grown(shape_, memory_);
+  BvhState grown(type_, memory_);
   grown.Allocate(room);
   // What is not used yet is part of a blob.
   std::memset(grown.block_ + sizeof(BvhHeader), 0,
@@ -187,7 +187,7 @@ void BvhState::Reallocate(const char* call, const BvhRoom& room) {
     if (l >= old_count) {
       // Node after node: those of the level below are encoded into it.
       for (std::size_t n = 0; n < level.size; n += kBlockObjects) {
-        ClearSlots(shape_, grown.levels_, l, n);
+        ClearSlots(type_, grown.levels_, l, n);
       }
       continue;
     }
@@ -197,7 +197,7 @@ void BvhState::Reallocate(const char* call, const BvhRoom& room) {
                                std::size_t of_block) {
       std::memcpy(copied, source, blocks * of_block * sizeof(*copied));
     };
-    copy(level.floats, old.floats, PlanesOf(shape_) * kBlockObjects);
+    copy(level.floats, old.floats, type_.plane_count * kBlockObjects);
     copy(level.present, old.present, 1);
     if (level.regular != nullptr) copy(level.regular, old.regular, 1);
     if (level.masks == nullptr) continue;
@@ -211,7 +211,7 @@ void BvhState::Reallocate(const char* call, const BvhRoom& room) {
     *grown.levels_.map = *levels_.map;
     if (levels_.codes != nullptr) {
       std::memcpy(grown.levels_.codes, levels_.codes,
-                  BlocksOf(to.slots) * PlanesOf(shape_) * kBlockObjects *
+                  BlocksOf(to.slots) * type_.plane_count * kBlockObjects *
                       sizeof(std::int16_t));
     }
     std::memcpy(grown.levels_.ids, levels_.ids,
@@ -221,9 +221,9 @@ void BvhState::Reallocate(const char* call, const BvhRoom& room) {
     const bool is_coded_now =
         levels_.codes == nullptr && grown.levels_.codes != nullptr;
     if (is_coded_now || grown.levels_.count > old_count) {
-      const auto& kernels = KernelsFor(shape_, Target(), call);
+      const auto& kernels = KernelsFor(type_, Target(), call);
       dispatch::InDefaultFpMode([&] {
-        if (is_coded_now) FitMap(shape_, grown.levels_);
+        if (is_coded_now) FitMap(type_, grown.levels_);
         EncodeLevels(grown.levels_, kernels, is_coded_now ? 0 : old_count - 1);
       });
       if (room.has_masks) OrAllMasks(grown.levels_);
@@ -254,6 +254,10 @@ void BvhState::CheckIds(Span<const std::uint32_t> ids, const char* call) const {
   }
 }
 
+void BvhTree::CheckIds(Span<const std::uint32_t> ids, const char* call) const {
+  BvhState::Of(*this).CheckIds(ids, call);
+}
+
 // Before a change of one object. Returns its slot.
 std::size_t BvhState::PrepareObject(std::uint32_t id, bool has_masks,
                                     const char* call) {
@@ -265,7 +269,7 @@ std::size_t BvhState::PrepareObject(std::uint32_t id, bool has_masks,
 // Encodes the object of a slot, and so on upwards until a node stays as it was.
 // The first slot of a block stands for all: after AppendSlot() all are new.
 void BvhState::EncodePath(std::size_t slot) {
-  const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), "Bvh");
+  const BvhKernels::OfPlanes& kernels = KernelsFor(type_, Target(), "Bvh");
   dispatch::InDefaultFpMode([&] {
     for (std::size_t l = 0; l + 1 < levels_.count; ++l) {
       const std::uint64_t changed =
@@ -298,7 +302,7 @@ void BvhTree::Set(std::uint32_t id, Span<const float> values) {
 // Encodes what has changed, level after level.
 void BvhState::EncodeTouched(std::uint64_t* changed) {
   if (changed == nullptr) return;
-  const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), "Bvh");
+  const BvhKernels::OfPlanes& kernels = KernelsFor(type_, Target(), "Bvh");
   dispatch::InDefaultFpMode([&] {
     for (std::size_t l = 0; l + 1 < levels_.count; ++l) {
       const std::size_t blocks = BlocksOf(levels_.level[l].size);
@@ -312,7 +316,7 @@ void BvhState::EncodeTouched(std::uint64_t* changed) {
 void BvhTree::Set(Span<const std::uint32_t> ids, const Columns& bounds) {
   BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::Set";
-  if (bounds.size != 0) CheckColumns(tree.shape_, bounds, kCall);
+  if (bounds.size != 0) CheckColumns(tree.type_, bounds, kCall);
   if (bounds.size != ids.size()) {
     dispatch::ThrowInvalid(kCall, "bounds",
                            "a bound for each id, " + std::to_string(ids.size()),
@@ -323,9 +327,9 @@ void BvhTree::Set(Span<const std::uint32_t> ids, const Columns& bounds) {
   tree.CheckChange(kCall);
   const ChangedBits changed(tree.memory_, tree.levels_, ids.size());
   tree.Prepare(kCall, kSlotsById);
-  ForEachRecord(tree.shape_, bounds, [&](std::size_t i, const float* values) {
+  ForEachRecord(tree.type_, bounds, [&](std::size_t i, const float* values) {
     const std::size_t slot = tree.levels_.slots[ids[i]];
-    for (std::size_t p = 0; p < PlanesOf(tree.shape_); ++p) {
+    for (std::size_t p = 0; p < tree.type_.plane_count; ++p) {
       tree.levels_.level[0].Value(p, slot) = values[p];
     }
     tree.Touch(slot, changed.words());
@@ -344,7 +348,7 @@ void BvhTree::Refit(Span<const std::uint32_t> ids, const Columns& bounds) {
         "a bound for each id, at least " + std::to_string(id_limit()),
         std::to_string(bounds.size));
   }
-  CheckColumns(tree.shape_, bounds, kCall);
+  CheckColumns(tree.type_, bounds, kCall);
   tree.CheckChange(kCall);
   const ChangedBits changed(tree.memory_, tree.levels_, ids.size());
   tree.Prepare(kCall, kSlotsById);
@@ -378,7 +382,7 @@ void BvhState::AppendSlot() {
   std::size_t node = slot;
   for (std::size_t l = 0; l < levels_.count; ++l) {
     if (node % kBlockObjects != 0) break;
-    ClearSlots(shape_, levels_, l, node);
+    ClearSlots(type_, levels_, l, node);
     if (l == 0 && slot % kPartSlots == 0) levels_.built[slot / kPartSlots] = {};
     node /= kBlockObjects;
   }
@@ -394,7 +398,7 @@ std::size_t BvhState::FindSlot(const float* values) const {
   for (std::size_t l = levels_.count; l-- > 1;) {
     const BvhLevel& level = levels_.level[l];
     const std::size_t first = block * kBlockObjects;
-    const Growths growths = GrowthsOf(shape_, level, block, values);
+    const Growths growths = GrowthsOf(type_, level, block, values);
     std::size_t best = level.size;
     for (std::size_t n = first; n < std::min(level.size, first + kBlockObjects);
          ++n) {
@@ -409,7 +413,7 @@ std::size_t BvhState::FindSlot(const float* values) const {
     if (best == level.size) return end;
     const float growth = growths[best - first];
     if (l == 1 && growth > 0 &&
-        !(16 * growth <= ExtentOf(shape_, level, best))) {
+        !(16 * growth <= ExtentOf(type_, level, best))) {
       return end;
     }
     block = best;
@@ -492,7 +496,7 @@ void BvhState::Put(std::size_t slot, std::uint32_t id, const float* values) {
   BvhHeader& header = this->header();
   if (slot == header.slots) AppendSlot();
   const BvhLevel& level = levels_.level[0];
-  for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
+  for (std::size_t p = 0; p < type_.plane_count; ++p) {
     level.Value(p, slot) = values[p];
   }
   level.present[slot / kBlockObjects] |= std::uint64_t{1}
@@ -526,7 +530,7 @@ std::uint32_t BvhTree::Insert(Span<const float> values) {
 void BvhTree::Insert(const Columns& bounds, Span<std::uint32_t> ids) {
   BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::Insert";
-  if (bounds.size != 0) CheckColumns(tree.shape_, bounds, kCall);
+  if (bounds.size != 0) CheckColumns(tree.type_, bounds, kCall);
   dispatch::CheckMemory(kCall, "ids", ids.data(), ids.size(),
                         alignof(std::uint32_t));
   if (ids.size() < bounds.size) {
@@ -539,7 +543,7 @@ void BvhTree::Insert(const Columns& bounds, Span<std::uint32_t> ids) {
   tree.Prepare(kCall, tree.RoomFor(bounds.size, kCall));
   if (tree.slots() + bounds.size > tree.header().capacity) tree.CloseGaps();
   const std::size_t begin = tree.slots();
-  ForEachRecord(tree.shape_, bounds, [&](std::size_t i, const float* values) {
+  ForEachRecord(tree.type_, bounds, [&](std::size_t i, const float* values) {
     ids[i] = tree.TakeId();
     tree.Put(tree.slots(), ids[i], values);
   });
@@ -550,7 +554,7 @@ void BvhTree::Insert(const Columns& bounds, Span<std::uint32_t> ids) {
 // 65 536 boxes, AVX2, BroadPhase::Insert of all).
 void BvhState::BuildAs(Span<const std::uint32_t> ids, const Columns& bounds) {
   const std::size_t id_limit = IdLimitOf(ids);
-  BvhState built(shape_, memory_);
+  BvhState built(type_, memory_);
   built.BuildIn({ids.size(), id_limit, false}, bounds, BuildOptions());
   BvhLevels& levels = built.levels_;
   std::fill_n(levels.slots, id_limit, kNoId);
@@ -577,7 +581,7 @@ void BvhTree::InsertAs(Span<const std::uint32_t> ids, const Columns& bounds) {
       tree.levels_.slots[header.ids] = kNoId;
   }
   const std::size_t begin = tree.slots();
-  ForEachRecord(tree.shape_, bounds, [&](std::size_t i, const float* values) {
+  ForEachRecord(tree.type_, bounds, [&](std::size_t i, const float* values) {
     tree.Put(tree.slots(), ids[i], values);
   });
   tree.EncodeAppended(begin, kCall);
@@ -586,7 +590,7 @@ void BvhTree::InsertAs(Span<const std::uint32_t> ids, const Columns& bounds) {
 // Sorts the slots from `begin` on, or all, if that is due.
 void BvhState::EncodeAppended(std::size_t begin, const char* call) {
   if (SortDue(slots() - begin, {}, call)) return;
-  const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), call);
+  const BvhKernels::OfPlanes& kernels = KernelsFor(type_, Target(), call);
   dispatch::InDefaultFpMode(
       [&] { EncodeSlots(levels_, kernels, begin, slots()); });
 }
@@ -596,8 +600,8 @@ void BvhState::Remove(std::uint32_t id) {
   const std::size_t slot = levels_.slots[id];
   const BvhLevel& level = levels_.level[0];
   constexpr float kInf = std::numeric_limits<float>::infinity();
-  for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
-    level.Value(p, slot) = p < shape_.axes ? kInf : -kInf;
+  for (std::size_t p = 0; p < type_.plane_count; ++p) {
+    level.Value(p, slot) = p < type_.axes ? kInf : -kInf;
   }
   level.present[slot / kBlockObjects] &=
       ~(std::uint64_t{1} << slot % kBlockObjects);
@@ -711,14 +715,14 @@ void BvhTree::Refit(const Columns& objects, bool is_by_id, const Runner& run) {
                            std::to_string(objects.size));
   }
   if (size == 0) return;
-  CheckColumns(tree.shape_, objects, call);
+  CheckColumns(tree.type_, objects, call);
   tree.CheckLoaded(call);
-  const Rounded floats(tree.shape_, tree.memory_, objects, tree.slots(),
+  const Rounded floats(tree.type_, tree.memory_, objects, tree.slots(),
                        is_by_id ? tree.levels_.ids : nullptr, run);
   tree.Prepare(call, {});
-  FillSlots(tree.shape_, tree.levels_, floats.columns(),
+  FillSlots(tree.type_, tree.levels_, floats.columns(),
             is_by_id && !objects.is_double ? tree.levels_.ids : nullptr,
-            KernelsFor(tree.shape_, Target(), call), run);
+            KernelsFor(tree.type_, Target(), call), run);
 }
 
 }  // namespace halfspace::detail

@@ -23,7 +23,7 @@ void RunWalks(const BvhTree& tree, const BvhQueries& queries,
       &tree.levels(), queries.first, queries.count,      ids,
       counts,         options.mask,  options.statistics, is_urgent};
   if (queries.kind != nullptr) {
-    queries.kind->walk(tree.shape(), queries, options, call, walk);
+    queries.kind->walk(tree.type(), queries, options, call, walk);
   } else if (!FindsNothing(tree, options.mask)) {
     (ids != nullptr ? kernels.find : kernels.count)(walk);
   }
@@ -35,7 +35,7 @@ std::size_t BvhSurvivors(const BvhTree& tree, const BvhQueries& query,
                          Span<std::uint32_t> ids, const QueryOptions& options,
                          std::size_t skip) {
   constexpr const char* kCall = "Survivors";
-  const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
+  const auto& kernels = KernelsFor(tree.type(), options.target, kCall);
   dispatch::CheckMemory(kCall, "ids", ids.data(), ids.size(),
                         alignof(std::uint32_t));
   IdSink to(ids, skip);
@@ -47,7 +47,7 @@ std::size_t BvhSurvivors(const BvhTree& tree, const BvhQueries& query,
 std::size_t BvhCount(const BvhTree& tree, const BvhQueries& query,
                      const QueryOptions& options) {
   constexpr const char* kCall = "CountSurvivors";
-  const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
+  const auto& kernels = KernelsFor(tree.type(), options.target, kCall);
   std::size_t count = 0;
   RunWalks(tree, query, options, kCall, kernels, nullptr, &count);
   return count;
@@ -56,7 +56,7 @@ std::size_t BvhCount(const BvhTree& tree, const BvhQueries& query,
 void BvhCountOfEach(const BvhTree& tree, const BvhQueries& queries,
                     Span<std::size_t> counts, const QueryOptions& options) {
   constexpr const char* kCall = "CountSurvivorsOfEach";
-  const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
+  const auto& kernels = KernelsFor(tree.type(), options.target, kCall);
   dispatch::CheckMemory(kCall, "queries", queries.first, queries.count,
                         alignof(float));
   if (counts.size() < queries.count) {
@@ -74,7 +74,7 @@ void BvhCountOfEach(const BvhTree& tree, const BvhQueries& queries,
 bool BvhAny(const BvhTree& tree, const BvhQueries& query, std::uint32_t& id,
             const QueryOptions& options) {
   constexpr const char* kCall = "AnySurvivor";
-  const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
+  const auto& kernels = KernelsFor(tree.type(), options.target, kCall);
   std::uint32_t buffer[kBlockObjects];
   WalkIds first{{buffer, buffer, buffer + 1,
                  [](Results<std::uint32_t>&) { return false; }, 0},
@@ -89,7 +89,7 @@ void BvhForEach(const BvhTree& tree, const BvhQueries& query,
                 IdsFunction function, void* context,
                 const QueryOptions& options) {
   constexpr const char* kCall = "ForEachSurvivor";
-  const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
+  const auto& kernels = KernelsFor(tree.type(), options.target, kCall);
   IdSink to(function, context);
   to.full = to.begin + 1;  // the ids of the first leaf are wanted soon
   RunWalks(tree, query, options, kCall, kernels, &to, nullptr, true);
@@ -101,7 +101,7 @@ std::size_t BvhSurvivorsOfEach(const BvhTree& tree, const BvhQueries& queries,
                                Span<std::size_t> offsets,
                                const QueryOptions& options, std::size_t skip) {
   constexpr const char* kCall = "SurvivorsOfEach";
-  const auto& kernels = KernelsFor(tree.shape(), options.target, kCall);
+  const auto& kernels = KernelsFor(tree.type(), options.target, kCall);
   CheckOfEach(
       kCall, queries.first, queries.count,
       queries.kind != nullptr ? queries.kind->alignment : alignof(float), ids,

@@ -12,6 +12,7 @@
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/exact/outward.h"
 #include "kernels/prefetch.h"
 
 namespace halfspace::detail {
@@ -52,16 +53,16 @@ class Parts {
   std::size_t bytes_ = 0;
 };
 
-// The bounds of the next block, which are anywhere.
-void Prefetch(const Columns& objects, std::size_t planes,
-              const std::uint32_t* elements) {
-  // The values of a record are in one line, or in two.
+// Elements are read in any order. The values of a record are in one line, or in
+// two.
+template <typename Fetch>
+void PrefetchElement(const Columns& objects, std::size_t planes, std::size_t i,
+                     const Fetch& fetch) {
+  if (i == kNoId) return;
   const std::size_t step = objects.stride == 1 ? 1 : planes - 1;
-  for (std::size_t i = 0; i < kBlockObjects; ++i) {
-    if (elements[i] == kNoId) continue;
-    for (std::size_t p = 0; p < planes; p += step) {
-      kernels::PrefetchToL2(objects.floats(p) + elements[i] * objects.stride);
-    }
+  for (std::size_t p = 0; p < planes; p += step) {
+    fetch(static_cast<const std::byte*>(objects.column[p]) +
+          i * objects.stride * objects.scalar_bytes());
   }
 }
 
@@ -74,7 +75,10 @@ void FillPart(const BvhLevels& levels, std::size_t planes,
   for (std::size_t b = part * kBlockObjects; b < end_block; ++b) {
     const std::size_t first = b * kBlockObjects;
     if (elements != nullptr && b + 1 < end_block) {
-      Prefetch(objects, planes, elements + first + kBlockObjects);
+      for (std::size_t i = first; i < first + kBlockObjects; ++i) {
+        PrefetchElement(objects, planes, elements[i + kBlockObjects],
+                        [](const void* at) { kernels::PrefetchToL2(at); });
+      }
     }
     std::uint64_t present = level.present[b];
     if (~present == 0 && elements != nullptr) {
@@ -102,6 +106,9 @@ void FillPart(const BvhLevels& levels, std::size_t planes,
     kernels.encode(RangeOf(levels, 0, b, b + 1));
   }
 }
+
+// Doubles are prefetched so many elements ahead.
+constexpr std::size_t kAhead = 32;
 
 // Some objects say where most values are: codes are 1.5 times as fine if no
 // room is left for the others.
@@ -144,19 +151,20 @@ void FitAxis(std::span<float> minima, std::span<float> maxima, std::size_t axis,
 
 // value(p, s) is that of the object in slot s.
 template <typename Value>
-void FitMapTo(const BvhShape& shape, const BvhLevels& levels,
+void FitMapTo(const PlaneLayout& layout, const BvhLevels& levels,
               const Value& value) {
   constexpr float kMost = 0x1p100f;
   const std::size_t slots = levels.level[0].size;
   const std::size_t step = std::max({std::size_t{1}, slots / kMostSamples,
                                      std::min<std::size_t>(64, slots / 32)});
-  for (std::size_t k = 0; k < shape.axes; ++k) {
+  for (std::size_t k = 0; k < layout.axes; ++k) {
     std::array<std::array<float, 2 * kMostSamples>, 2> samples;
     std::array<std::size_t, 2> counts{};
     for (std::size_t s = 0; s < slots; s += step) {
       if (!IsPresent(levels, s)) continue;
       for (std::size_t m = 0; m < 2; ++m) {
-        const float v = value(m == 1 && shape.has_max ? shape.axes + k : k, s);
+        const float v =
+            value(m == 1 && layout.has_max ? layout.axes + k : k, s);
         if (std::abs(v) <= kMost) samples[m][counts[m]++] = v;
       }
     }
@@ -167,10 +175,10 @@ void FitMapTo(const BvhShape& shape, const BvhLevels& levels,
 
 }  // namespace
 
-std::size_t Place(const BvhShape& shape, const BvhRoom& room, std::byte* begin,
+std::size_t Place(const BvhType& type, const BvhRoom& room, std::byte* begin,
                   bool is_new, BvhLevels& levels) {
   levels = {};
-  const std::size_t planes = PlanesOf(shape);
+  const std::size_t planes = type.plane_count;
   Parts parts(begin, is_new);
   parts.Take<BvhHeader>(1);
   levels.map = parts.Take<CodeMap>(1);
@@ -182,7 +190,7 @@ std::size_t Place(const BvhShape& shape, const BvhRoom& room, std::byte* begin,
     // With fewer objects codes save less than what a query takes to encode: of
     // 1000 boxes a query takes 34 ns by floats and 38 by codes.
     const bool is_coded =
-        shape.has_codes && levels.count == 1 && room.slots > kMostWithoutCodes;
+        type.has_codes && levels.count == 1 && room.slots > kMostWithoutCodes;
     level.is_prefetched =
         values * (is_coded ? sizeof(std::int16_t) : sizeof(float)) >
         kInCacheBytes;
@@ -190,7 +198,7 @@ std::size_t Place(const BvhShape& shape, const BvhRoom& room, std::byte* begin,
     level.floats = parts.Take<float>(values);
     if (is_coded) levels.codes = parts.Take<std::int16_t>(values);
     level.present = parts.Take<std::uint64_t>(blocks);
-    if (shape.has_max && levels.count > 1) {
+    if (type.has_max && levels.count > 1) {
       level.regular = parts.Take<std::uint64_t>(blocks);
     }
     if (room.has_masks) {
@@ -211,13 +219,13 @@ void SetSlots(BvhLevels& levels, std::size_t slots) {
   }
 }
 
-void ClearSlots(const BvhShape& shape, BvhLevels& levels, std::size_t level,
+void ClearSlots(const PlaneLayout& layout, BvhLevels& levels, std::size_t level,
                 std::size_t begin) {
   constexpr float kInf = std::numeric_limits<float>::infinity();
   const std::size_t end = BlocksOf(begin + 1) * kBlockObjects;
   const BvhLevel& cleared = levels.level[level];
-  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
-    const float empty = (p < shape.axes ? 1.0f : -1.0f) * kInf;
+  for (std::size_t p = 0; p < layout.plane_count; ++p) {
+    const float empty = (p < layout.axes ? 1.0f : -1.0f) * kInf;
     float* const plane = cleared.Plane(begin / kBlockObjects, p);
     std::fill(plane + begin % kBlockObjects, plane + kBlockObjects, empty);
   }
@@ -231,11 +239,11 @@ void ClearSlots(const BvhShape& shape, BvhLevels& levels, std::size_t level,
   if (level == 0) std::fill(levels.ids + begin, levels.ids + end, kNoId);
 }
 
-void Truncate(const BvhShape& shape, BvhLevels& levels, std::size_t slots) {
+void Truncate(const PlaneLayout& layout, BvhLevels& levels, std::size_t slots) {
   SetSlots(levels, slots);
   for (std::size_t l = 0; l < levels.count; ++l) {
     const std::size_t size = levels.level[l].size;
-    if (size % kBlockObjects != 0) ClearSlots(shape, levels, l, size);
+    if (size % kBlockObjects != 0) ClearSlots(layout, levels, l, size);
   }
 }
 
@@ -275,15 +283,15 @@ void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
 }
 
 // Cold, as the code that makes the text of an error is large otherwise.
-[[gnu::cold]] void CheckColumns(const BvhShape& shape, const Columns& objects,
-                                const char* call) {
+[[gnu::cold]] void CheckColumns(const PlaneLayout& layout,
+                                const Columns& objects, const char* call) {
   const std::size_t scalar_bytes = objects.scalar_bytes();
-  for (std::size_t p = 0; p < PlanesOf(shape); ++p) {
+  for (std::size_t p = 0; p < layout.plane_count; ++p) {
     dispatch::CheckPointer(
         call, objects.column[p], scalar_bytes,
         [&] {
           return objects.stride == 1
-                     ? dispatch::PlaneName("world", shape.axes, p)
+                     ? dispatch::PlaneName("world", layout.axes, p)
                      : "bounds";
         },
         [&] {
@@ -304,18 +312,18 @@ void FillPresent(const BvhLevel& level, std::size_t slots) {
   }
 }
 
-void FitMap(const BvhShape& shape, const BvhLevels& levels) {
-  FitMapTo(shape, levels, [&](std::size_t p, std::size_t s) {
+void FitMap(const PlaneLayout& layout, const BvhLevels& levels) {
+  FitMapTo(layout, levels, [&](std::size_t p, std::size_t s) {
     return levels.level[0].Value(p, s);
   });
 }
 
-void FillSlots(const BvhShape& shape, const BvhLevels& levels,
+void FillSlots(const PlaneLayout& layout, const BvhLevels& levels,
                const Columns& objects, const std::uint32_t* elements,
                const BvhKernels::OfPlanes& kernels, const Runner& run) {
   if (levels.codes != nullptr) {
     dispatch::InDefaultFpMode([&] {
-      FitMapTo(shape, levels, [&](std::size_t p, std::size_t s) {
+      FitMapTo(layout, levels, [&](std::size_t p, std::size_t s) {
         return objects.floats(
             p)[(elements == nullptr ? s : elements[s]) * objects.stride];
       });
@@ -323,12 +331,48 @@ void FillSlots(const BvhShape& shape, const BvhLevels& levels,
   }
   dispatch::RunInDefaultFpMode(
       run, PartsOf(levels.level[0].size), [&](std::size_t part) {
-        FillPart(levels, PlanesOf(shape), objects, elements, kernels, part);
+        FillPart(levels, layout.plane_count, objects, elements, kernels, part);
       });
   dispatch::InDefaultFpMode([&] { EncodeLevels(levels, kernels, 1); });
 }
 
-BvhPart AsIs(const BvhShape& shape, const BvhLevels& levels,
+Rounded::Rounded(const PlaneLayout& layout, const MemoryResource& memory,
+                 const Columns& objects, std::size_t count,
+                 const std::uint32_t* elements, const Runner& run)
+    : floats_(memory, objects.is_double
+                          ? count * layout.plane_count * sizeof(float)
+                          : 0),
+      columns_(objects) {
+  if (!objects.is_double) return;
+  auto* const floats = reinterpret_cast<float*>(floats_.data());
+  const std::size_t planes = layout.plane_count;
+  columns_ = ColumnsOf<float>(count, 1);
+  for (std::size_t p = 0; p < planes; ++p) {
+    columns_.column[p] = floats + p * count;
+  }
+  const auto element_of = [elements](std::size_t s) -> std::size_t {
+    return elements == nullptr ? s : elements[s];
+  };
+  dispatch::RunInDefaultFpMode(run, PartsOf(count), [&](std::size_t part) {
+    const std::size_t end = std::min(count, (part + 1) * kPartSlots);
+    for (std::size_t s = part * kPartSlots; s < end; ++s) {
+      if (s + kAhead < end) {
+        PrefetchElement(objects, planes, element_of(s + kAhead),
+                        [](const void* at) { kernels::Prefetch(at); });
+      }
+      const std::size_t i = element_of(s);
+      if (i == kNoId) continue;
+      for (std::size_t p = 0; p < planes; ++p) {
+        const dispatch::ExactSum value = {
+            objects.doubles(p)[i * objects.stride], 0.0};
+        floats[p * count + s] = p < layout.axes ? dispatch::RoundDown(value)
+                                                : dispatch::RoundUp(value);
+      }
+    }
+  });
+}
+
+BvhPart AsIs(const PlaneLayout& layout, const BvhLevels& levels,
              const SlotRange& range) {
   BvhPart as_is{};
   for (std::size_t n = range.begin / kBlockObjects; n < BlocksOf(range.end);
@@ -339,18 +383,18 @@ BvhPart AsIs(const BvhShape& shape, const BvhLevels& levels,
     const BvhLevel& nodes = levels.level[1];
     double extents[4] = {};
     double slack = 0;
-    for (std::size_t k = 0; k < shape.axes; ++k) {
+    for (std::size_t k = 0; k < layout.axes; ++k) {
       const double min = nodes.Value(k, n);
       slack -= min;
-      if (shape.has_max) extents[k] = nodes.Value(shape.axes + k, n) - min;
+      if (layout.has_max) extents[k] = nodes.Value(layout.axes + k, n) - min;
     }
     double surface = slack;
-    if (shape.has_max) {
-      surface = shape.axes == 2
+    if (layout.has_max) {
+      surface = layout.axes == 2
                     ? extents[0] + extents[1]
                     : extents[0] * extents[1] + extents[1] * extents[2] +
                           extents[2] * extents[0];
-    } else if (shape.axes == 4) {
+    } else if (layout.axes == 4) {
       surface = slack * slack;
     }
     if (surface > 0 && surface < std::numeric_limits<double>::infinity()) {

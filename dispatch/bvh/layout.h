@@ -4,13 +4,18 @@
 #define HALFSPACE_DISPATCH_BVH_LAYOUT_H_
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 
+#include "dispatch/bvh/scratch.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/bvh.h"
+#include "halfspace/detail/plane_arrays.h"
+#include "halfspace/memory.h"
+#include "halfspace/runner.h"
 #include "kernels/bvh/block.h"
 
 namespace halfspace::detail {
@@ -84,20 +89,16 @@ constexpr std::size_t PartsOf(std::size_t slots) {
   return (slots + kPartSlots - 1) / kPartSlots;
 }
 
-inline std::size_t PlanesOf(const BvhShape& shape) {
-  return shape.has_max ? 2u * shape.axes : shape.axes;
-}
-
-inline const BvhKernels::OfPlanes& KernelsFor(const BvhShape& shape,
+inline const BvhKernels::OfPlanes& KernelsFor(const BvhType& type,
                                               Target target, const char* call) {
-  const BvhKernels& kernels = shape.kernels[dispatch::IndexOf(target, call)];
-  return shape.has_max ? kernels.all : kernels.minima;
+  const BvhKernels& kernels = type.kernels[dispatch::IndexOf(target, call)];
+  return type.has_max ? kernels.all : kernels.minima;
 }
 
 // Finds where the parts of a tree are in memory from `begin` on, or null to
 // measure; returns its bytes. The levels are empty. What is between the parts
 // of new memory becomes 0.
-std::size_t Place(const BvhShape& shape, const BvhRoom& room, std::byte* begin,
+std::size_t Place(const BvhType& type, const BvhRoom& room, std::byte* begin,
                   bool is_new, BvhLevels& levels);
 
 // Sets the sizes of all levels.
@@ -105,12 +106,12 @@ void SetSlots(BvhLevels& levels, std::size_t slots);
 
 // Writes Empty() and no id to the slots of a level from `begin` to the end of
 // its block.
-void ClearSlots(const BvhShape& shape, BvhLevels& levels, std::size_t level,
+void ClearSlots(const PlaneLayout& layout, BvhLevels& levels, std::size_t level,
                 std::size_t begin);
 
 // Sets the sizes of all levels, and clears what is beyond them in their last
 // blocks, which have to be encoded then.
-void Truncate(const BvhShape& shape, BvhLevels& levels, std::size_t slots);
+void Truncate(const PlaneLayout& layout, BvhLevels& levels, std::size_t slots);
 
 // Whether there is an object in a slot.
 inline bool IsPresent(const BvhLevels& levels, std::size_t slot) {
@@ -133,7 +134,7 @@ void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
 
 // Throws unless the planes of the objects, more than 0, can be read, in the
 // name of `call`.
-void CheckColumns(const BvhShape& shape, const Columns& objects,
+void CheckColumns(const PlaneLayout& layout, const Columns& objects,
                   const char* call);
 
 // Of the lanes of a block those with a slot.
@@ -158,11 +159,11 @@ inline void PutId(const BvhLevels& levels, std::size_t slot, std::uint32_t id,
 void FillPresent(const BvhLevel& level, std::size_t slots);
 
 // Fits the map of codes to the floats. The leaves have to be encoded then.
-void FitMap(const BvhShape& shape, const BvhLevels& levels);
+void FitMap(const PlaneLayout& layout, const BvhLevels& levels);
 
 // Copies the bounds of the objects that exist and encodes all levels. Slot s
 // has element elements[s], or s without them.
-void FillSlots(const BvhShape& shape, const BvhLevels& levels,
+void FillSlots(const PlaneLayout& layout, const BvhLevels& levels,
                const Columns& objects, const std::uint32_t* elements,
                const BvhKernels::OfPlanes& kernels, const Runner& run);
 
@@ -192,13 +193,51 @@ void OrAllMasks(BvhLevels& levels);
 
 // Some slots as they are, from the beginning of a block on. The cost is the sum
 // of the surfaces of the nodes over them.
-BvhPart AsIs(const BvhShape& shape, const BvhLevels& levels,
+BvhPart AsIs(const PlaneLayout& layout, const BvhLevels& levels,
              const SlotRange& range);
 
 // Part `part` of the slots in use.
 inline SlotRange PartAt(const BvhLevels& levels, std::size_t part) {
   return {part * kPartSlots,
           std::min(levels.level[0].size, (part + 1) * kPartSlots)};
+}
+
+// The floats of `objects`. Columns of floats are used as they are. Doubles are
+// rounded into planes of `count` values: slot s gets element elements[s], or
+// element s if `elements` is null. A slot whose element is kNoId is not
+// written.
+class Rounded {
+ public:
+  Rounded(const PlaneLayout& layout, const MemoryResource& memory,
+          const Columns& objects, std::size_t count,
+          const std::uint32_t* elements, const Runner& run);
+
+  const Columns& columns() const { return columns_; }
+
+ private:
+  Scratch floats_;
+  Columns columns_;
+};
+
+// Calls visit(i, values) for each bound, in order.
+template <typename Visit>
+void ForEachRecord(const PlaneLayout& layout, const Columns& bounds,
+                   const Visit& visit) {
+  constexpr std::size_t kSome = 64;
+  const std::size_t planes = layout.plane_count;
+  const float* const rows = RowsOf(bounds, planes);
+  std::array<float, kSome * kMaxPlanes> read;
+  for (std::size_t i = 0; i < bounds.size; ++i) {
+    if (rows != nullptr) {
+      visit(i, rows + i * planes);
+      continue;
+    }
+    if (i % kSome == 0) {
+      ReadRecords(bounds, planes, layout.axes, i,
+                  std::min(kSome, bounds.size - i), read.data());
+    }
+    visit(i, read.data() + i % kSome * planes);
+  }
 }
 
 }  // namespace halfspace::detail

@@ -85,8 +85,8 @@ const BvhNearestKernels& KernelsFor(const SearchOptions& options,
 NearestSearch MakeSearch(const BvhTree& tree, const SearchOptions& options) {
   NearestSearch search;
   search.levels = &tree.levels();
-  search.box.dims = tree.shape().dims;
-  search.box.max_plane = tree.shape().has_max ? tree.shape().axes : 0;
+  search.box.dims = tree.type().dims;
+  search.box.max_plane = tree.type().first_max;
   search.mask = options.mask;
   return search;
 }
@@ -249,18 +249,17 @@ const BvhNearestKernels& CheckCast(const LineCast& cast, Target target) {
       target, cast.call)];
 }
 
-bool MakeCastLine(const BvhShape& shape, const LineCast& cast, Line& line) {
+bool MakeCastLine(const PlaneLayout& layout, const LineCast& cast, Line& line) {
   double low[3];
   double high[3];
   double direction[3];
-  for (std::size_t k = 0; k < shape.dims; ++k) {
+  for (std::size_t k = 0; k < layout.dims; ++k) {
     if (cast.low[k] > cast.high[k]) return false;
     low[k] = cast.low[k];
     high[k] = cast.high[k];
     direction[k] = cast.direction[k];
   }
-  MakeLine({shape.dims, shape.axes, shape.has_max}, low, high, direction,
-           cast.max_t, cast.radius, line);
+  MakeLine(layout, low, high, direction, cast.max_t, cast.radius, line);
   line.max_t = std::min(cast.max_t, float{kMax<float>});
   return true;
 }
@@ -277,7 +276,7 @@ void BvhCast(const BvhTree& tree, const LineCast& cast, NearFunction function,
   search.function = &NearCallback::Run;
   search.context = &callback;
   dispatch::CallApart([&] {
-    if (MakeCastLine(tree.shape(), cast, search.line)) kernels.cast(search);
+    if (MakeCastLine(tree.type(), cast, search.line)) kernels.cast(search);
   });
 }
 

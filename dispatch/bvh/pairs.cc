@@ -37,7 +37,7 @@ void CheckSet(const BvhTree& tree, Span<const std::uint32_t> ids,
         [] { return "options.wanted"; },
         [&] { return std::to_string(wanted.size()) + " masks"; });
   }
-  BvhState::Of(tree).CheckIds(ids, call);
+  tree.CheckIds(ids, call);
 }
 
 // A SlotSet of `count` of `limit` numbers, slots or ids. A few are without
@@ -176,12 +176,12 @@ class ObjectSet {
 };
 
 // The margins of the axes: D is less the sum of the others.
-std::array<float, 4> MarginsOf(const BvhShape& shape, float margin) {
+std::array<float, 4> MarginsOf(const PlaneLayout& layout, float margin) {
   std::array<float, 4> margins{};
-  for (std::size_t k = 0; k < shape.axes; ++k) {
-    margins[k] = k < shape.dims
+  for (std::size_t k = 0; k < layout.axes; ++k) {
+    margins[k] = k < layout.dims
                      ? margin
-                     : std::nextafter(static_cast<float>(shape.dims) * margin,
+                     : std::nextafter(static_cast<float>(layout.dims) * margin,
                                       std::numeric_limits<float>::infinity());
   }
   return margins;
@@ -225,7 +225,7 @@ void Join(const PairSources& sources, const PairOptions& options,
   join.queries = &a.levels();
   join.is_one_world = sources.b == nullptr;
   join.has_margin = has_margin;
-  if (join.has_margin) join.margins = MarginsOf(a.shape(), options.margin);
+  if (join.has_margin) join.margins = MarginsOf(a.type(), options.margin);
   join.begin = options.begin;
   join.end = std::min(options.end, BlocksOf(a.levels().level[0].size));
   join.pairs = &pairs;

@@ -16,9 +16,9 @@ namespace {
 // The objects of some slots, one after another: what is sorted again.
 class Gathered {
  public:
-  Gathered(const BvhShape& shape, const MemoryResource& memory,
+  Gathered(const PlaneLayout& layout, const MemoryResource& memory,
            const BvhLevels& levels, Span<const SlotRange> ranges)
-      : planes_(PlanesOf(shape)),
+      : planes_(layout.plane_count),
         room_(Slots(ranges)),
         levels_(levels),
         floats_(memory, room_ * planes_ * sizeof(float)),
@@ -91,7 +91,7 @@ double BvhState::CostRatio() const {
     double built = 0;
     double now = 0;
     for (std::size_t part = 0; part < PartsOf(header().slots); ++part) {
-      const BvhPart as_is = AsIs(shape_, levels_, PartAt(levels_, part));
+      const BvhPart as_is = AsIs(type_, levels_, PartAt(levels_, part));
       built += CostAsBuilt(levels_.built[part], as_is.objects);
       now += as_is.cost;
     }
@@ -107,14 +107,14 @@ void BvhTree::Rebuild(const BuildOptions& options) {
   if (tree.block_ == nullptr) return;
   tree.CheckLoaded("Bvh::Rebuild");
   const SlotRange all = {0, tree.header().slots};
-  const Gathered objects(tree.shape_, tree.memory_, tree.levels_, {&all, 1});
+  const Gathered objects(tree.type_, tree.memory_, tree.levels_, {&all, 1});
   const std::size_t size = objects.columns().size;
   std::uint32_t ids = 0;  // up to the greatest that is in use
   for (std::size_t i = 0; i < size; ++i) {
     ids = std::max(ids, objects.ids()[i] + 1);
   }
   const bool has_slots = tree.levels_.slots != nullptr;
-  BvhState sorted(tree.shape_, tree.memory_);
+  BvhState sorted(tree.type_, tree.memory_);
   sorted.BuildIn({size, has_slots ? ids : 0, tree.header().has_masks != 0},
                  objects.columns(), options);
   BvhLevels& levels = sorted.levels_;
@@ -137,8 +137,8 @@ void BvhTree::Rebuild(const BuildOptions& options) {
 
 std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges,
                              const BvhRoom& room) {
-  const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), call);
-  const Gathered gathered(shape_, memory_, levels_, ranges);
+  const BvhKernels::OfPlanes& kernels = KernelsFor(type_, Target(), call);
+  const Gathered gathered(type_, memory_, levels_, ranges);
   const Columns& columns = gathered.columns();
   const Scratch order(memory_, columns.size * sizeof(std::uint32_t));
   auto* const elements = reinterpret_cast<std::uint32_t*>(order.data());
@@ -150,10 +150,10 @@ std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges,
   std::size_t next = 0;
   for (const SlotRange& range : ranges) {
     for (std::size_t s = range.begin; s < range.end; ++s) {
-      if (s % kBlockObjects == 0) ClearSlots(shape_, levels_, 0, s);
+      if (s % kBlockObjects == 0) ClearSlots(type_, levels_, 0, s);
       if (next == columns.size) continue;
       const std::uint32_t element = elements[next++];
-      for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
+      for (std::size_t p = 0; p < type_.plane_count; ++p) {
         level.Value(p, s) = columns.floats(p)[element];
       }
       level.present[s / kBlockObjects] |= std::uint64_t{1} << s % kBlockObjects;
@@ -161,7 +161,7 @@ std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges,
     }
   }
   dispatch::InDefaultFpMode([&] {
-    if (ranges[0].end - ranges[0].begin == slots()) FitMap(shape_, levels_);
+    if (ranges[0].end - ranges[0].begin == slots()) FitMap(type_, levels_);
     for (const SlotRange& range : ranges) {
       EncodeSlots(levels_, kernels, range.begin, range.end);
     }
@@ -173,7 +173,7 @@ std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges,
           blocks * kBlockObjects -
           static_cast<std::size_t>(std::countl_zero(level.present[blocks - 1]));
       header().slots = static_cast<std::uint32_t>(end);
-      Truncate(shape_, levels_, end);
+      Truncate(type_, levels_, end);
       EncodeSlots(levels_, kernels, end - 1, end);
     }
     for (const SlotRange& range : ranges) {
@@ -182,8 +182,8 @@ std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges,
         // What is before the range in its part has the decay that it had.
         const SlotRange part = PartAt(levels_, p);
         const std::size_t begin = std::max(part.begin, range.begin);
-        const BvhPart rest = AsIs(shape_, levels_, {part.begin, begin});
-        const BvhPart sorted = AsIs(shape_, levels_, {begin, part.end});
+        const BvhPart rest = AsIs(type_, levels_, {part.begin, begin});
+        const BvhPart sorted = AsIs(type_, levels_, {begin, part.end});
         levels_.built[p] = {
             sorted.cost + CostAsBuilt(levels_.built[p], rest.objects),
             sorted.objects + rest.objects};
@@ -194,14 +194,14 @@ std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges,
 }
 
 void BvhState::CloseGaps() {
-  const BvhKernels::OfPlanes& kernels = KernelsFor(shape_, Target(), "Bvh");
+  const BvhKernels::OfPlanes& kernels = KernelsFor(type_, Target(), "Bvh");
   BvhHeader& header = this->header();
   const double decay = std::max(1.0, CostRatio());
   const BvhLevel& level = levels_.level[0];
   std::size_t to = 0;
   for (std::size_t s = 0; s < header.slots; ++s) {
     if (!IsPresent(levels_, s)) continue;
-    for (std::size_t p = 0; p < PlanesOf(shape_); ++p) {
+    for (std::size_t p = 0; p < type_.plane_count; ++p) {
       level.Value(p, to) = level.Value(p, s);
     }
     PutId(levels_, to, levels_.ids[s],
@@ -215,14 +215,14 @@ void BvhState::CloseGaps() {
     header.free_id = kNoId;
     header.inserted = 0;
   }
-  Truncate(shape_, levels_, to);
+  Truncate(type_, levels_, to);
   FillPresent(level, to);
   dispatch::InDefaultFpMode([&] {
     EncodeLevels(levels_, kernels, 0);
     if (level.masks != nullptr) OrAllMasks(levels_);
     // As far from sorted as before.
     for (std::size_t part = 0; part < PartsOf(to); ++part) {
-      levels_.built[part] = AsIs(shape_, levels_, PartAt(levels_, part));
+      levels_.built[part] = AsIs(type_, levels_, PartAt(levels_, part));
       levels_.built[part].cost /= decay;
     }
   });
@@ -243,7 +243,7 @@ std::size_t BvhTree::RebuildPartial(std::size_t objects) {
   dispatch::InDefaultFpMode([&] {
     for (std::size_t part = 0; part < parts; ++part) {
       const BvhPart as_is =
-          AsIs(tree.shape_, tree.levels_, PartAt(tree.levels_, part));
+          AsIs(tree.type_, tree.levels_, PartAt(tree.levels_, part));
       const double excess =
           as_is.cost - CostAsBuilt(tree.levels_.built[part], as_is.objects);
       if (excess > 0) worst[bad++] = {-excess, part};

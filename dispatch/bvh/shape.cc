@@ -36,13 +36,13 @@ bool SetOffset(double scaled, Front& front) {
 
 }  // namespace
 
-void MakeBall(const ShapePlanes& planes, const float* center, float radius,
+void MakeBall(const PlaneLayout& planes, const float* center, float radius,
               Ball& ball) {
   ball.dims = planes.dims;
-  ball.max_plane = planes.has_max ? planes.axes : 0;
+  ball.max_plane = planes.first_max;
   ball.limit = SquaredLimit(radius);
   for (std::size_t k = 0; k < planes.dims; ++k) ball.center[k] = center[k];
-  ball.d_axis = planes.axes > planes.dims ? planes.dims : 0;
+  ball.d_axis = planes.axes > planes.dims ? planes.dims : 0u;
   if (ball.d_axis == 0) return;
   // The sum of three floats errs by less than 2^-50 of their magnitudes.
   double width =
@@ -56,11 +56,11 @@ void MakeBall(const ShapePlanes& planes, const float* center, float radius,
   ball.d_max = RoundedUp(d + width);
 }
 
-void MakeLine(const ShapePlanes& planes, const double* low, const double* high,
+void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
               const double* direction, float max_t, float radius, Line& line) {
   line.max_t = max_t;
-  line.entering = planes.has_max ? planes.axes : 0;
-  line.planes = planes.has_max ? 2 * planes.axes : planes.axes;
+  line.entering = planes.first_max;
+  line.planes = planes.plane_count;
   std::size_t leaving = line.planes;
   std::size_t limiting = 0;
   const auto add_axis = [&](std::size_t k, double least, double most,
@@ -126,7 +126,7 @@ void MakeLine(const ShapePlanes& planes, const double* low, const double* high,
   if (limiting == 0) line.entering = line.planes = 0;
 }
 
-Front MakeFront(const ShapePlanes& planes, const float* normal, float offset) {
+Front MakeFront(const PlaneLayout& planes, const float* normal, float offset) {
   constexpr std::uint64_t kOne = 1023;  // the exponent of 1
   // Of a simplex the sum is that of the corner which its minima make, times
   // what is left of the normal after so much of D.
@@ -144,7 +144,7 @@ Front MakeFront(const ShapePlanes& planes, const float* normal, float offset) {
     factors[k] = normal[k] - most;
     largest = std::max(largest, std::abs(factors[k]));
   }
-  const std::size_t factor_count = planes.dims + (planes.has_max ? 0 : 1);
+  const std::size_t factor_count = planes.dims + (planes.has_max ? 0u : 1u);
   if (!planes.has_max) {
     factors[planes.dims] = -most;
     largest = std::max(largest, most);
@@ -177,7 +177,7 @@ Front MakeFront(const ShapePlanes& planes, const float* normal, float offset) {
 }
 
 template <std::size_t kDims>
-void MakeFronts(const ShapePlanes& planes, const float* normal, float offset,
+void MakeFronts(const PlaneLayout& planes, const float* normal, float offset,
                 float opposite_offset, Front* two) {
   constexpr double kScale = 0x1p-4;
   bool tells = SetOffset(offset * kScale, two[0]);
@@ -203,9 +203,9 @@ void MakeFronts(const ShapePlanes& planes, const float* normal, float offset,
   if (!opposite_tells) two[1].offset = 0;
 }
 
-template void MakeFronts<2>(const ShapePlanes&, const float*, float, float,
+template void MakeFronts<2>(const PlaneLayout&, const float*, float, float,
                             Front*);
-template void MakeFronts<3>(const ShapePlanes&, const float*, float, float,
+template void MakeFronts<3>(const PlaneLayout&, const float*, float, float,
                             Front*);
 
 }  // namespace halfspace::detail

@@ -75,10 +75,8 @@ bool CanBeBounded(const BvhShapeQuery& query) {
 class Prepared {
  public:
   // In the default floating-point mode.
-  Prepared(const BvhShape& world, const BvhShapeQuery& query)
-      : world_(world),
-        query_(query),
-        planes_{query.dims, world.axes, world.has_max} {
+  Prepared(const BvhType& world, const BvhShapeQuery& query)
+      : world_(world), query_(query) {
     switch (query.kind) {
       case BvhShapeQuery::kPoint:
         SetBounds();
@@ -125,7 +123,7 @@ class Prepared {
 
  private:
   void SetBall() {
-    MakeBall(planes_, query_.values, RadiusOf(query_), ball_);
+    MakeBall(world_, query_.values, RadiusOf(query_), ball_);
     is_ = kBall;
     // A radius whose square overflows limits nothing, but its bound does.
     if (!CanBeBounded(query_) || !(ball_.limit <= kMax<float>)) SetBounds();
@@ -139,7 +137,7 @@ class Prepared {
       origin[k] = query_.values[k];
       direction[k] = double{query_.values[query_.dims + k]} - origin[k];
     }
-    MakeLine(planes_, origin, origin, direction, 1, RadiusOf(query_), line_);
+    MakeLine(world_, origin, origin, direction, 1, RadiusOf(query_), line_);
     is_ = kLine;
     // Too large for all axes: its test would keep Empty() objects.
     if (line_.planes == 0) SetBounds(true);
@@ -253,7 +251,7 @@ class Prepared {
     const float offset = RoundedUp(reach - middle);
     const float opposite_offset = RoundedUp(reach + middle);
     if (world_.has_max) {
-      MakeFronts<kDims>(planes_, up, offset, opposite_offset,
+      MakeFronts<kDims>(world_, up, offset, opposite_offset,
                         fronts_.front + fronts_.count);
       fronts_.count += 2;
       return;
@@ -266,7 +264,7 @@ class Prepared {
   // In place, as a copy would wait for the stores.
   void AddFront(const float* normal, float offset) {
     new (&fronts_.front[fronts_.count++])
-        Front(MakeFront(planes_, normal, offset));
+        Front(MakeFront(world_, normal, offset));
   }
 
   // The bound of a point or a sphere, and of others Everything().
@@ -301,9 +299,8 @@ class Prepared {
     for (std::size_t k = 0; k < world_.axes; ++k) bounds_[v++] = bound.max[k];
   }
 
-  const BvhShape& world_;
+  const BvhType& world_;
   const BvhShapeQuery& query_;
-  const ShapePlanes planes_;
   enum { kBounds, kBall, kLine, kFronts } is_;
   std::array<float, 8> bounds_;
   Ball ball_;
@@ -313,7 +310,7 @@ class Prepared {
 
 }  // namespace
 
-void BvhWalkShapes(const BvhShape& world, const BvhQueries& queries,
+void BvhWalkShapes(const BvhType& world, const BvhQueries& queries,
                    const QueryOptions& options, const char* call,
                    const Walk& walk) {
   const std::size_t target = dispatch::IndexOf(options.target, call);

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "dispatch/bvh/order.h"
-#include "dispatch/bvh/rounded.h"
 #include "dispatch/bvh/scratch.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
@@ -21,8 +20,8 @@ namespace halfspace::detail {
 static_assert(sizeof(BvhState) <= sizeof(BvhTree) &&
               alignof(BvhState) <= alignof(BvhTree));
 
-BvhTree::BvhTree(const BvhShape& shape, const MemoryResource& memory) {
-  new (state_) BvhState(shape, memory);
+BvhTree::BvhTree(const BvhType& type, const MemoryResource& memory) {
+  new (state_) BvhState(type, memory);
 }
 
 BvhTree::BvhTree(const BvhTree& other, const MemoryResource& memory) {
@@ -30,7 +29,7 @@ BvhTree::BvhTree(const BvhTree& other, const MemoryResource& memory) {
 }
 
 BvhTree::BvhTree(BvhTree&& other) noexcept
-    : BvhTree(other.shape(), other.memory()) {
+    : BvhTree(other.type(), other.memory()) {
   Swap(other);
 }
 
@@ -59,7 +58,7 @@ Span<const std::uint32_t> BvhTree::ids() const {
 }
 
 BvhState::BvhState(const BvhState& other, const MemoryResource& memory)
-    : BvhState(other.shape_, memory) {
+    : BvhState(other.type_, memory) {
   if (other.block_ == nullptr) return;
   Allocate(other.Room());
   CopyButChecksum(block_, other.block_, bytes_);
@@ -70,7 +69,7 @@ BvhState::BvhState(const BvhState& other, const MemoryResource& memory)
 }
 
 void BvhState::Swap(BvhState& other) noexcept {
-  std::swap(shape_, other.shape_);
+  std::swap(type_, other.type_);
   std::swap(memory_, other.memory_);
   std::swap(block_, other.block_);
   std::swap(bytes_, other.bytes_);
@@ -97,19 +96,19 @@ BvhRoom BvhState::Room() const {
 
 void BvhState::Allocate(const BvhRoom& room) {
   BvhLevels levels;
-  const std::size_t bytes = Place(shape_, room, nullptr, false, levels);
+  const std::size_t bytes = Place(type_, room, nullptr, false, levels);
   auto* const block = static_cast<std::byte*>(AllocateBlock(memory_, bytes));
   Free();
   block_ = block;
   bytes_ = bytes;
-  Place(shape_, room, block_, true, levels_);
+  Place(type_, room, block_, true, levels_);
   BvhHeader& header = this->header();
   header = {};
   std::copy(std::begin(kBvhMagic), std::end(kBvhMagic), header.magic);
   header.version = kBvhVersion;
-  header.dims = shape_.dims;
-  header.axes = shape_.axes;
-  header.has_max = shape_.has_max;
+  header.dims = type_.dims;
+  header.axes = type_.axes;
+  header.has_max = type_.has_max;
   header.has_masks = room.has_masks;
   header.bytes = bytes;
   header.capacity = static_cast<std::uint32_t>(room.slots);
@@ -123,9 +122,9 @@ void BvhTree::Build(const Columns& objects, const BuildOptions& options) {
   BvhState& tree = BvhState::Of(*this);
   tree.CheckBuild(objects.size, options);
   if (objects.size == 0) return tree.Free();
-  CheckColumns(tree.shape_, objects, "Bvh");
-  const Rounded floats(tree.shape_, tree.memory_, objects, objects.size,
-                       nullptr, options.run);
+  CheckColumns(tree.type_, objects, "Bvh");
+  const Rounded floats(tree.type_, tree.memory_, objects, objects.size, nullptr,
+                       options.run);
   tree.BuildIn({objects.size, 0, false}, floats.columns(), options);
 }
 
@@ -137,7 +136,7 @@ void BvhTree::CheckBuild(std::size_t objects,
 void BvhState::CheckBuild(std::size_t objects,
                           const BuildOptions& options) const {
   constexpr const char* kCall = "Bvh";
-  std::ignore = KernelsFor(shape_, options.target, kCall);
+  std::ignore = KernelsFor(type_, options.target, kCall);
   if (objects >= kMostObjects) {
     dispatch::ThrowInvalid(kCall, "world", "fewer than 2^31 objects in all",
                            std::to_string(objects));
@@ -154,7 +153,7 @@ void BvhState::BuildIn(const BvhRoom& room, const Columns& objects,
   constexpr const char* kCall = "Bvh";
   CheckBuild(objects.size, options);
   const BvhKernels::OfPlanes& kernels =
-      KernelsFor(shape_, options.target, kCall);
+      KernelsFor(type_, options.target, kCall);
   if (objects.size == 0) return Free();
   const Scratch scratch(memory_, objects.size * dispatch::kOrderScratch);
   Allocate(room);
@@ -162,15 +161,15 @@ void BvhState::BuildIn(const BvhRoom& room, const Columns& objects,
                                 ? dispatch::OrderByCurve
                                 : dispatch::OrderByMedians;
   put_in_order(objects, kernels, scratch.data(), levels_.ids, options.run);
-  Truncate(shape_, levels_, objects.size);
+  Truncate(type_, levels_, objects.size);
   BvhHeader& header = this->header();
   header.slots = header.size = header.ids = header.sorted =
       static_cast<std::uint32_t>(objects.size);
   FillPresent(levels_.level[0], objects.size);
-  FillSlots(shape_, levels_, objects, levels_.ids, kernels, options.run);
+  FillSlots(type_, levels_, objects, levels_.ids, kernels, options.run);
   dispatch::InDefaultFpMode([&] {
     for (std::size_t part = 0; part < PartsOf(objects.size); ++part) {
-      levels_.built[part] = AsIs(shape_, levels_, PartAt(levels_, part));
+      levels_.built[part] = AsIs(type_, levels_, PartAt(levels_, part));
     }
   });
 }
@@ -220,7 +219,7 @@ void BvhTree::Bounds(Span<float> values) const {
   const BvhLevel* const top =
       tree.block_ == nullptr ? nullptr : &levels.level[levels.count - 1];
   for (std::size_t p = 0; p < values.size(); ++p) {
-    const float sign = p < tree.shape_.axes ? 1.0f : -1.0f;
+    const float sign = p < tree.type_.axes ? 1.0f : -1.0f;
     float least = kInf;
     for (std::size_t i = 0; top != nullptr && i < top->size; ++i) {
       const float v = sign * top->Value(p, i);

@@ -18,8 +18,8 @@ namespace halfspace::detail {
 // be empty.
 class BvhState {
  public:
-  BvhState(const BvhShape& shape, const MemoryResource& memory)
-      : shape_(shape), memory_(memory) {}
+  BvhState(const BvhType& type, const MemoryResource& memory)
+      : type_(type), memory_(memory) {}
   BvhState(const BvhState& other, const MemoryResource& memory);
   BvhState(const BvhState&) = delete;
   BvhState& operator=(const BvhState&) = delete;
@@ -32,7 +32,7 @@ class BvhState {
     return *std::launder(reinterpret_cast<const BvhState*>(tree.state_));
   }
 
-  const BvhShape& shape() const { return shape_; }
+  const BvhType& type() const { return type_; }
   const MemoryResource& memory() const { return memory_; }
   const BvhLevels& levels() const { return levels_; }
   std::size_t slots() const { return levels_.level[0].size; }
@@ -87,7 +87,7 @@ class BvhState {
                      const BvhRoom& room);
   void CloseGaps();
 
-  BvhShape shape_;
+  BvhType type_;
   MemoryResource memory_;
   std::byte* block_ = nullptr;
   std::size_t bytes_ = 0;
@@ -97,8 +97,8 @@ class BvhState {
   BvhLevels levels_;
 };
 
-inline const BvhShape& BvhTree::shape() const {
-  return BvhState::Of(*this).shape();
+inline const BvhType& BvhTree::type() const {
+  return BvhState::Of(*this).type();
 }
 inline const BvhLevels& BvhTree::levels() const {
   return BvhState::Of(*this).levels();

@@ -21,8 +21,6 @@ namespace {
 using dispatch::RoundDown;
 using dispatch::SumExactly;
 
-constexpr std::size_t kMostDims = 4;
-constexpr std::size_t kMostTerms = 2 * kMostDims + 1;
 constexpr float kUnbounded = -kMax<float>;  // as a minimum
 constexpr float kMostMagnitude = 0x1p126f;
 
@@ -35,28 +33,13 @@ bool IsValid(float minimum) {
   return minimum == kUnbounded || CanBeBounded(minimum);
 }
 
-std::size_t CountOf(const AnyBound& bound) {
-  return bound.minima + bound.maxima;
-}
-std::size_t AxisOf(const AnyBound& bound, std::size_t i) {
-  return i < bound.minima ? i : i - bound.minima;
-}
-// -1 for the mirrored.
-float SignOf(const AnyBound& bound, std::size_t i) {
-  return i < bound.minima ? 1.0f : -1.0f;
-}
-
-bool HasBothSides(const AnyBound& bound) {
-  return bound.minima != 0 && bound.maxima != 0;
-}
-
 // Whether test(minimum) is true for each minimum and mirrored maximum.
 template <typename Test>
 bool AreAll(const AnyBound& bound, const float* values, const Test& test) {
-  for (std::size_t i = 0; i < CountOf(bound); ++i) {
-    if (!test(SignOf(bound, i) * values[i])) return false;
-  }
-  return true;
+  const float* const maxima = values + bound.minima;
+  return std::all_of(values, maxima, test) &&
+         std::all_of(maxima, maxima + bound.maxima,
+                     [&](float max) { return test(-max); });
 }
 
 bool IsEmpty(const AnyBound& bound, const float* values) {
@@ -64,18 +47,25 @@ bool IsEmpty(const AnyBound& bound, const float* values) {
 }
 
 void Fill(const AnyBound& bound, float minimum) {
-  for (std::size_t i = 0; i < CountOf(bound); ++i) {
-    bound.values[i] = SignOf(bound, i) * minimum;
-  }
+  std::fill_n(bound.values, bound.minima, minimum);
+  std::fill_n(bound.values + bound.minima, bound.maxima, -minimum);
 }
 
-// Calls try_change(), which replaces the values or returns false if they cannot
-// be bounded, in the default mode. Counts the result.
+// Calls function(dims) with the number of dimensions as a constant.
+template <typename Function>
+auto WithDims(const AnyBound& bound, const Function& function) {
+  if (bound.dims == 2) return function(std::integral_constant<int, 2>());
+  if (bound.dims == 3) return function(std::integral_constant<int, 3>());
+  return function(std::integral_constant<int, 4>());
+}
+
+// Calls try_change(dims), which replaces the values or returns false if they
+// cannot be bounded, in the default mode. Counts the result.
 template <typename TryChange>
 void Build(const AnyBound& bound, FitStatus* status,
            const TryChange& try_change) {
   dispatch::InDefaultFpMode([&] {
-    if (!try_change()) Fill(bound, kUnbounded);
+    if (!WithDims(bound, try_change)) Fill(bound, kUnbounded);
     if (status == nullptr) return;
     const bool is_everything =
         AreAll(bound, bound.values, [](float v) { return v == kUnbounded; });
@@ -87,34 +77,43 @@ void Build(const AnyBound& bound, FitStatus* status,
 }
 
 // Replaces each minimum of the bound, and each mirrored maximum, by
-// change(minimum, axis, sign). Returns false if a value cannot be bounded.
-// Nothing stays nothing, whatever the change; by an amount that is not finite,
-// all else becomes everything.
-template <typename Change>
-bool ChangePlanes(const AnyBound& bound, bool is_finite, const Change& change) {
+// change_axis(minimum, axis, sign), and of D by change_d(minimum, sign).
+// Returns false if a value cannot be bounded. Nothing stays nothing, whatever
+// the change; by an amount that is not finite, all else becomes everything.
+template <std::size_t kDims, typename ChangeAxis, typename ChangeD>
+bool ChangePlanes(const AnyBound& bound, bool is_finite,
+                  const ChangeAxis& change_axis, const ChangeD& change_d) {
   if (IsEmpty(bound, bound.values)) {
     Fill(bound, kInf<float>);
     return true;
   }
   if (!is_finite) return false;
   bool ok = true;
-  std::array<float, kMaxPlanes> changed;
-  for (std::size_t i = 0; i < CountOf(bound); ++i) {
-    const float sign = SignOf(bound, i);
-    const float minimum = sign * bound.values[i];
-    float result = kUnbounded;
-    if (minimum != kUnbounded) {
-      result = change(minimum, AxisOf(bound, i), sign);
-      ok &= CanBeBounded(minimum) && IsValid(result);
+  const auto set = [&ok](float& value, float sign, const auto& change) {
+    const float minimum = sign * value;
+    if (minimum == kUnbounded) return;
+    const float result = change(minimum);
+    ok &= CanBeBounded(minimum) && IsValid(result);
+    value = sign * result;
+  };
+  const auto change_side = [&](float* values, std::size_t axes, float sign) {
+    if (axes == 0) return;
+    for (std::size_t k = 0; k < kDims; ++k) {
+      set(values[k], sign,
+          [&](float minimum) { return change_axis(minimum, k, sign); });
     }
-    changed[i] = sign * result;
-  }
-  std::copy_n(changed.begin(), CountOf(bound), bound.values);
+    if (axes == kDims) return;
+    set(values[kDims], sign,
+        [&](float minimum) { return change_d(minimum, sign); });
+  };
+  change_side(bound.values, bound.minima, 1.0f);
+  change_side(bound.values + bound.minima, bound.maxima, -1.0f);
   return ok;
 }
 
-bool AreFinite(const float* coords, std::size_t dims) {
-  return std::all_of(coords, coords + dims,
+template <std::size_t kDims>
+bool IsFinite(const float* coords) {
+  return std::all_of(coords, coords + kDims,
                      [](float x) { return std::isfinite(x); });
 }
 
@@ -122,66 +121,32 @@ float PlusExactly(float minimum, double more) {
   return RoundDown(SumExactly(std::array<double, 2>{minimum, more}));
 }
 
-// The exact sum of a few terms, whose number is known where it is computed.
-dispatch::ExactSum SumOf(const double* terms, std::size_t count) {
-  const auto sum = [terms](auto constant) {
-    std::array<double, decltype(constant)::value> some;
-    std::copy_n(terms, some.size(), some.begin());
-    return SumExactly(some);
-  };
-  switch (count) {
-    case 3:
-      return sum(std::integral_constant<std::size_t, 3>());
-    case 4:
-      return sum(std::integral_constant<std::size_t, 4>());
-    case 5:
-      return sum(std::integral_constant<std::size_t, 5>());
-    case 7:
-      return sum(std::integral_constant<std::size_t, 7>());
-    default:
-      return sum(std::integral_constant<std::size_t, kMostTerms>());
-  }
-}
-
-// A minimum of D after the points moved by sign * `by`, less the `count`
-// numbers of `less`.
-float MovedD(const AnyBound& bound, float minimum, float sign, const float* by,
-             const double* less, std::size_t count) {
-  double terms[kMostTerms];
-  for (std::size_t k = 0; k < bound.dims; ++k) terms[k] = -sign * by[k];
-  for (std::size_t k = 0; k < count; ++k) terms[bound.dims + k] = -less[k];
-  terms[bound.dims + count] = minimum;
-  return RoundDown(SumOf(terms, bound.dims + count + 1));
-}
-
 // The opposing simplex' minima, mirrored: on each axis, minus the sum of the
 // others, since all axes sum to zero.
-bool TryOpposing(const AnyBound& simplex) {
-  std::array<double, kMostDims + 1> terms{};
-  std::copy_n(simplex.values, simplex.minima, terms.begin());
+template <std::size_t kAxes>
+bool TryOpposing(float* minima) {
+  std::array<double, kAxes> terms;
+  std::copy_n(minima, kAxes, terms.begin());
   bool is_bounded = true;
-  for (std::size_t k = 0; k < simplex.minima; ++k) {
-    const float minimum = simplex.values[k];
-    if (minimum == kUnbounded) {
+  for (std::size_t k = 0; k < kAxes; ++k) {
+    if (minima[k] == kUnbounded) {
       is_bounded = false;
-    } else if (!CanBeBounded(minimum)) {
+    } else if (!CanBeBounded(minima[k])) {
       return false;
     }
   }
-  if (is_bounded && SumOf(terms.data(), simplex.minima).value > 0.0) {
+  if (is_bounded && SumExactly(terms).value > 0.0) {
     dispatch::ThrowInvalid("Circumscribe", "simplex",
                            "planes that sum to 0 or less",
                            "a simplex that contains no point");
   }
-  for (std::size_t k = 0; k < simplex.minima; ++k) {
-    std::array<double, kMostDims + 1> others = terms;
+  for (std::size_t k = 0; k < kAxes; ++k) {
+    std::array<double, kAxes> others = terms;
     others[k] = 0.0;
     const bool unbounded =
         std::count(others.begin(), others.end(), double{kUnbounded}) != 0;
-    float& opposing = simplex.values[k];
-    opposing = unbounded ? kUnbounded
-                         : RoundDown(SumOf(others.data(), simplex.minima));
-    if (!unbounded && !CanBeBounded(opposing)) return false;
+    minima[k] = unbounded ? kUnbounded : RoundDown(SumExactly(others));
+    if (!unbounded && !CanBeBounded(minima[k])) return false;
   }
   return true;
 }
@@ -198,7 +163,7 @@ void Mirror(const AnyBound& bound) {
 }  // namespace
 
 void Merge(const AnyBound& bound, const float* other, FitStatus* status) {
-  Build(bound, status, [&] {
+  Build(bound, status, [&](auto) {
     const float* const a = IsEmpty(bound, bound.values) ? other : bound.values;
     const float* const b = IsEmpty(bound, other) ? bound.values : other;
     if (IsEmpty(bound, a)) {
@@ -206,59 +171,62 @@ void Merge(const AnyBound& bound, const float* other, FitStatus* status) {
       return true;
     }
     bool ok = true;
-    for (std::size_t i = 0; i < CountOf(bound); ++i) {
-      const float sign = SignOf(bound, i);
+    const auto merge = [&](std::size_t i, float sign) {
       const float one = sign * a[i];
       const float two = sign * b[i];
       ok &= IsValid(one) && IsValid(two);
       bound.values[i] = sign * std::min(one, two);
-    }
+    };
+    const std::size_t count = bound.minima + bound.maxima;
+    for (std::size_t i = 0; i < bound.minima; ++i) merge(i, 1.0f);
+    for (std::size_t i = bound.minima; i < count; ++i) merge(i, -1.0f);
     return ok;
   });
 }
 
 void Inflate(const AnyBound& bound, float radius, FitStatus* status) {
-  Build(bound, status, [&] {
+  Build(bound, status, [&](auto dims) {
     dispatch::CheckLength("Inflate", "radius", radius);
-    const auto reach = [&] {
-      if (bound.dims == 2) return kernels::TimesRootOfDims<2>(double{radius});
-      if (bound.dims == 3) return kernels::TimesRootOfDims<3>(double{radius});
-      return kernels::TimesRootOfDims<4>(double{radius});
-    };
-    return ChangePlanes(bound, std::isfinite(radius),
-                        [&](float minimum, std::size_t axis, float) {
-                          if (axis != bound.dims)
-                            return PlusExactly(minimum, -double{radius});
-                          const auto parts = reach();
-                          return RoundDown(SumExactly(std::array<double, 4>{
-                              minimum, -parts[0], -parts[1], -parts[2]}));
-                        });
+    return ChangePlanes<dims>(
+        bound, std::isfinite(radius),
+        [&](float minimum, std::size_t, float) {
+          return PlusExactly(minimum, -double{radius});
+        },
+        [&](float minimum, float) {
+          const auto reach = kernels::TimesRootOfDims<dims>(double{radius});
+          return RoundDown(SumExactly(
+              std::array<double, 4>{minimum, -reach[0], -reach[1], -reach[2]}));
+        });
   });
 }
 
 void InflateByBox(const AnyBound& bound, float margin, FitStatus* status) {
-  Build(bound, status, [&] {
+  Build(bound, status, [&](auto dims) {
     dispatch::CheckLength("InflateByBox", "margin", margin);
-    return ChangePlanes(
+    return ChangePlanes<dims>(
         bound, std::isfinite(margin),
-        [&](float minimum, std::size_t axis, float) {
-          const double times =
-              axis == bound.dims ? static_cast<double>(bound.dims) : 1.0;
-          return PlusExactly(minimum, -times * margin);
+        [&](float minimum, std::size_t, float) {
+          return PlusExactly(minimum, -double{margin});
+        },
+        [&](float minimum, float) {
+          return PlusExactly(minimum, -double{dims} * margin);
         });
   });
 }
 
 void Translate(const AnyBound& bound, const float* by, FitStatus* status) {
-  Build(bound, status, [&] {
-    return ChangePlanes(bound, AreFinite(by, bound.dims),
-                        [&](float minimum, std::size_t axis, float sign) {
-                          if (axis != bound.dims) {
-                            return PlusExactly(minimum,
-                                               double{sign} * by[axis]);
-                          }
-                          return MovedD(bound, minimum, sign, by, nullptr, 0);
-                        });
+  Build(bound, status, [&](auto dims) {
+    return ChangePlanes<dims>(
+        bound, IsFinite<dims>(by),
+        [&](float minimum, std::size_t axis, float sign) {
+          return PlusExactly(minimum, double{sign} * by[axis]);
+        },
+        [&](float minimum, float sign) {
+          std::array<double, dims + 1> terms;
+          for (std::size_t k = 0; k < dims; ++k) terms[k] = -sign * by[k];
+          terms[dims] = minimum;
+          return RoundDown(SumExactly(terms));
+        });
   });
 }
 
@@ -266,26 +234,34 @@ void Translate(const AnyBound& bound, const float* by, FitStatus* status) {
 // vertex stays the least.
 void TranslateVertices(const AnyBound& bound, const float* by,
                        FitStatus* status) {
-  Build(bound, status, [&] {
-    return ChangePlanes(
-        bound, AreFinite(by, bound.dims),
+  Build(bound, status, [&](auto dims) {
+    // Rounding moves a coordinate by half an ulp at most: 2^-24 of it.
+    std::array<double, dims> rounded;
+    for (std::size_t k = 0; k < dims; ++k) {
+      const float low = bound.values[k] + by[k];
+      const float high = bound.values[bound.minima + k] + by[k];
+      rounded[k] = 0x1p-24 * std::max(std::fabs(low), std::fabs(high));
+    }
+    return ChangePlanes<dims>(
+        bound, IsFinite<dims>(by),
         [&](float minimum, std::size_t axis, float sign) {
-          if (axis != bound.dims) return minimum + sign * by[axis];
-          // Rounding moves a coordinate by half an ulp at most: 2^-24 of it.
-          std::array<double, kMostDims> rounded;
-          for (std::size_t k = 0; k < bound.dims; ++k) {
-            const float low = bound.values[k] + by[k];
-            const float high = bound.values[bound.minima + k] + by[k];
-            rounded[k] = 0x1p-24 * std::max(std::fabs(low), std::fabs(high));
+          return minimum + sign * by[axis];
+        },
+        [&](float minimum, float sign) {
+          std::array<double, 2 * dims + 1> terms;
+          for (std::size_t k = 0; k < dims; ++k) {
+            terms[k] = -sign * by[k];
+            terms[dims + k] = -rounded[k];
           }
-          return MovedD(bound, minimum, sign, by, rounded.data(), bound.dims);
+          terms[2 * dims] = minimum;
+          return RoundDown(SumExactly(terms));
         });
   });
 }
 
 void Scale(const AnyBound& bound, float factor, FitStatus* status) {
-  Build(bound, status, [&] {
-    const bool has_both_sides = HasBothSides(bound);
+  Build(bound, status, [&](auto dims) {
+    const bool has_both_sides = bound.minima != 0 && bound.maxima != 0;
     if (has_both_sides ? std::isnan(factor) : !(factor >= 0.f)) {
       dispatch::ThrowInvalid(
           "Scale", "factor",
@@ -296,16 +272,22 @@ void Scale(const AnyBound& bound, float factor, FitStatus* status) {
       Mirror(bound);
       factor = -factor;
     }
-    // An infinite factor shows in the products.
-    return ChangePlanes(bound, true, [&](float minimum, std::size_t, float) {
+    const auto scaled = [&](float minimum) {
       return RoundDown({double{minimum} * double{factor}, 0.0});
-    });
+    };
+    // An infinite factor shows in the products.
+    return ChangePlanes<dims>(
+        bound, true,
+        [&](float minimum, std::size_t, float) { return scaled(minimum); },
+        [&](float minimum, float) { return scaled(minimum); });
   });
 }
 
 void Circumscribe(const AnyBound& simplex, FitStatus* status) {
-  Build(simplex, status, [&] {
-    if (!IsEmpty(simplex, simplex.values)) return TryOpposing(simplex);
+  Build(simplex, status, [&](auto dims) {
+    if (!IsEmpty(simplex, simplex.values)) {
+      return TryOpposing<dims + 1>(simplex.values);
+    }
     Fill(simplex, kInf<float>);
     return true;
   });

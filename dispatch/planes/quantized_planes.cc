@@ -11,11 +11,17 @@
 namespace halfspace::detail {
 namespace {
 
+// Calls function(level) with a level of the stored type.
+template <typename Function>
+auto WithLevel(std::size_t bytes, const Function& function) {
+  return bytes == 1 ? function(std::int8_t{}) : function(std::int16_t{});
+}
+
 // The padding is never read, so its values do not matter.
-template <typename Stored>
-PlaneArrays<Stored> NoPlanes(std::size_t planes, const MemoryResource& memory) {
-  const std::array<Stored, kMaxPlanes> padding{};
-  return {std::span(padding).first(planes), memory};
+PlaneStore NoPlanes(std::size_t planes, std::size_t level_bytes,
+                    const MemoryResource& memory) {
+  const std::array<std::int16_t, kMaxPlanes> padding{};
+  return {padding.data(), planes, level_bytes, memory};
 }
 
 // An ideal quantizer puts one object in 256 on each level. One that is four
@@ -24,16 +30,58 @@ double MostPairs(double times, double pairs_then) {
   return times * (pairs_then + 1.0 / 256);
 }
 
+// Fractions of the objects.
+struct Crowd {
+  double pairs = 0.0;    // of all pairs, those that share a level
+  double fullest = 0.0;  // objects that have the most frequent level
+};
+
+// Judged by the upper eight bits of the levels of up to 1024 objects.
+Crowd CrowdOf(const QuantizedPlanes& quantized, std::size_t level_bytes,
+              std::size_t plane) {
+  const std::size_t size = quantized.size();
+  const std::size_t count = std::min<std::size_t>(size, 1024);
+  if (count == 0) return {};
+  std::array<std::uint32_t, 256> histogram{};
+  const Quantizer& quantizer = quantized.quantizer();
+  WithLevel(level_bytes, [&](auto none) {
+    const auto* const levels = quantized.plane<decltype(none)>(plane);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto level = levels[SampledIndex(i, count, size)];
+      ++histogram[quantizer.BucketOf(quantizer.RankOf(plane, level))];
+    }
+  });
+  std::uint32_t pairs = 0;
+  std::uint32_t fullest = 0;
+  for (const std::uint32_t bucket : histogram) {
+    pairs += bucket * bucket;
+    fullest = std::max(fullest, bucket);
+  }
+  const auto all = static_cast<double>(count);
+  return {.pairs = pairs / (all * all), .fullest = fullest / all};
+}
+
+// Calls function(levels) with those of one object.
+template <typename Function>
+auto WithLevels(const Quantizer& quantizer, std::size_t level_bytes,
+                const float* values, const Function& function) {
+  return WithLevel(level_bytes, [&](auto level) {
+    std::array<decltype(level), kMaxPlanes> levels{};
+    quantizer.EncodeObject(values, levels.data());
+    return function(levels.data());
+  });
+}
+
 }  // namespace
 
-template <typename Stored>
-QuantizedPlanes<Stored>::QuantizedPlanes(std::size_t minima, std::size_t maxima,
-                                         const MemoryResource& memory)
-    : quantizer_(minima, maxima, memory),
-      levels_(NoPlanes<Stored>(minima + maxima, memory)) {}
+QuantizedPlanes::QuantizedPlanes(const PlaneLayout& layout,
+                                 std::size_t level_bytes,
+                                 const MemoryResource& memory)
+    : quantizer_(layout, memory),
+      level_bytes_(level_bytes),
+      levels_(NoPlanes(layout.plane_count, level_bytes, memory)) {}
 
-template <typename Stored>
-void QuantizedPlanes<Stored>::Requantize(const Columns& floats) {
+void QuantizedPlanes::Requantize(const Columns& floats) {
   constexpr const char* kCall = "QuantizedBounds::Requantize";
   const std::size_t planes = quantizer_.planes();
   if (floats.stride != 1) {
@@ -50,82 +98,55 @@ void QuantizedPlanes<Stored>::Requantize(const Columns& floats) {
   }
   // Before a plane is read, so that a size that no memory can have is refused
   // here.
-  PlaneArrays<Stored> levels = NoPlanes<Stored>(planes, memory());
+  PlaneStore levels = NoPlanes(planes, level_bytes_, memory());
   levels.Reserve(std::max(floats.size, levels_.capacity()));
   levels.Resize(floats.size);
   Quantizer quantizer =
-      quantizer_.Trained(floats, std::size_t{1} << (8 * sizeof(Stored)));
-  for (std::size_t p = 0; p < planes; ++p) {
-    quantizer.EncodeObjects(p, floats.floats(p), floats.stride, floats.size,
-                            levels.plane(p));
-  }
+      quantizer_.Trained(floats, std::size_t{1} << (8 * level_bytes_));
+  WithLevel(level_bytes_, [&](auto level) {
+    for (std::size_t p = 0; p < planes; ++p) {
+      quantizer.EncodeObjects(
+          p, floats.floats(p), floats.stride, floats.size,
+          reinterpret_cast<decltype(level)*>(levels.PlaneAt(p)));
+    }
+  });
   quantizer_ = std::move(quantizer);
   levels_ = std::move(levels);
-  for (std::size_t p = 0; p < planes; ++p) pairs_then_[p] = CrowdOf(p).pairs;
+  for (std::size_t p = 0; p < planes; ++p) {
+    pairs_then_[p] = CrowdOf(*this, level_bytes_, p).pairs;
+  }
 }
 
-template <typename Stored>
-auto QuantizedPlanes<Stored>::Encoded(Span<const float> values) const
-    -> Values {
-  Values levels{};
-  quantizer_.EncodeObject(values.data(), levels.data());
-  return levels;
+std::size_t QuantizedPlanes::Push(Span<const float> values) {
+  return WithLevels(quantizer_, level_bytes_, values.data(),
+                    [&](const auto* levels) { return levels_.Push(levels); });
 }
 
-template <typename Stored>
-std::size_t QuantizedPlanes<Stored>::Push(Span<const float> values) {
-  const Values levels = Encoded(values);
-  return levels_.Push(levels.data());
-}
-
-template <typename Stored>
-void QuantizedPlanes<Stored>::Set(std::size_t index, Span<const float> values) {
+void QuantizedPlanes::Set(std::size_t index, Span<const float> values) {
   CheckIndex(index, "QuantizedBounds::Set");
-  const Values levels = Encoded(values);
-  levels_.Set(index, levels.data());
+  WithLevels(quantizer_, level_bytes_, values.data(),
+             [&](const auto* levels) { levels_.Set(index, levels); });
 }
 
-template <typename Stored>
-void QuantizedPlanes<Stored>::EraseBySwap(std::size_t index) {
+void QuantizedPlanes::EraseBySwap(std::size_t index) {
   CheckIndex(index, "QuantizedBounds::EraseBySwap");
   levels_.EraseBySwap(index);
 }
 
-// Judged by the upper eight bits of the levels of up to 1024 objects.
-template <typename Stored>
-auto QuantizedPlanes<Stored>::CrowdOf(std::size_t plane) const -> Crowd {
-  const std::size_t count = std::min<std::size_t>(size(), 1024);
-  if (count == 0) return {};
-  std::array<std::uint32_t, 256> histogram{};
-  for (std::size_t i = 0; i < count; ++i) {
-    const Stored level = levels_.plane(plane)[SampledIndex(i, count, size())];
-    ++histogram[quantizer_.BucketOf(quantizer_.RankOf(plane, level))];
-  }
-  std::uint32_t pairs = 0;
-  std::uint32_t fullest = 0;
-  for (const std::uint32_t bucket : histogram) {
-    pairs += bucket * bucket;
-    fullest = std::max(fullest, bucket);
-  }
-  const auto all = static_cast<double>(count);
-  return {.pairs = pairs / (all * all), .fullest = fullest / all};
-}
-
-template <typename Stored>
-bool QuantizedPlanes<Stored>::Fits() const {
+bool QuantizedPlanes::Fits() const {
   for (std::size_t p = 0; p < quantizer_.planes(); ++p) {
-    if (CrowdOf(p).pairs > MostPairs(4.0, pairs_then_[p])) return false;
+    if (CrowdOf(*this, level_bytes_, p).pairs > MostPairs(4.0, pairs_then_[p]))
+      return false;
   }
   return true;
 }
 
-template <typename Stored>
-std::size_t QuantizedPlanes<Stored>::Room() const {
+std::size_t QuantizedPlanes::Room() const {
   double room = 1.0;
   for (std::size_t p = 0; p < quantizer_.planes(); ++p) {
     // Less than Fits() allows, because that will sample other objects.
     const double most = MostPairs(3.5, pairs_then_[p]);
-    const Crowd crowd = CrowdOf(p);
+    const Crowd crowd = CrowdOf(*this, level_bytes_, p);
     if (crowd.pairs >= most) return 0;
     if (most >= 1.0) continue;
     // The worst case: x times as many objects are added, all of them with the
@@ -137,8 +158,5 @@ std::size_t QuantizedPlanes<Stored>::Room() const {
   }
   return static_cast<std::size_t>(room * static_cast<double>(size()));
 }
-
-template class QuantizedPlanes<std::int8_t>;
-template class QuantizedPlanes<std::int16_t>;
 
 }  // namespace halfspace::detail

@@ -169,11 +169,8 @@ void EncodeEach(const AllThresholds& all, const float* values, bool is_query,
 
 }  // namespace
 
-Quantizer::Quantizer(std::size_t minima, std::size_t maxima,
-                     const MemoryResource& memory)
-    : minima_(minima),
-      planes_(minima + maxima),
-      thresholds_(NoThresholds(planes_, memory)) {}
+Quantizer::Quantizer(const PlaneLayout& layout, const MemoryResource& memory)
+    : layout_(layout), thresholds_(NoThresholds(layout.plane_count, memory)) {}
 
 Quantizer Quantizer::Trained(const Columns& floats, std::size_t levels) const {
   // So large a sample that the ranks of 256 levels are off by less than one,
@@ -181,12 +178,12 @@ Quantizer Quantizer::Trained(const Columns& floats, std::size_t levels) const {
   const std::size_t sampled = levels <= 256 ? 1 << 16 : 1 << 18;
   const std::size_t per_plane =
       std::min(levels, std::bit_ceil(std::min(floats.size, sampled) + 1)) - 1;
-  Quantizer quantizer(minima_, planes_ - minima_, memory());
+  Quantizer quantizer(layout_, memory());
   quantizer.thresholds_.Resize(per_plane);
   PlaneArrays<Key> sample = NoThresholds(2, memory());
   sample.Resize(std::min(floats.size, sampled));
-  for (std::size_t p = 0; p < planes_; ++p) {
-    Quantiles(BvhSample(floats, p, sample), p < minima_,
+  for (std::size_t p = 0; p < layout_.plane_count; ++p) {
+    Quantiles(BvhSample(floats, p, sample), p < layout_.axes,
               {quantizer.thresholds_.plane(p), per_plane});
   }
   return quantizer;
@@ -197,7 +194,7 @@ void Quantizer::EncodeObjects(std::size_t p, const float* values,
                               std::size_t stride, std::size_t count,
                               Stored* levels) const {
   constexpr std::size_t kLanes = 8;
-  const bool is_min = p < minima_;
+  const bool is_min = p < layout_.axes;
   const Key* table = thresholds_.plane(p);
   // A minimum reaches a threshold, a maximum exceeds it.
   const Key reach = is_min ? 1 : 0;
@@ -223,19 +220,19 @@ void Quantizer::EncodeObjects(std::size_t p, const float* values,
 template <typename Stored>
 void Quantizer::EncodeObject(const float* values, Stored* levels) const {
   EncodeEach(
-      AllThresholds{thresholds_, minima_, planes_}, values, false,
-      [](std::size_t p) { return p; }, levels);
+      AllThresholds{thresholds_, layout_.axes, layout_.plane_count}, values,
+      false, [](std::size_t p) { return p; }, levels);
 }
 
 template <typename Stored>
 void Quantizer::EncodeQuery(const float* values, Stored* levels) const {
   // The query's maxima, which come after its minima, are compared with the
   // objects' minima.
-  const std::size_t maxima = planes_ - minima_;
   EncodeEach(
-      AllThresholds{thresholds_, minima_, planes_}, values, true,
-      [this, maxima](std::size_t p) {
-        return p < minima_ ? maxima + p : p - minima_;
+      AllThresholds{thresholds_, layout_.axes, layout_.plane_count}, values,
+      true,
+      [this](std::size_t p) {
+        return p < layout_.axes ? layout_.first_max + p : p - layout_.axes;
       },
       levels);
 }

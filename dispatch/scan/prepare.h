@@ -150,7 +150,7 @@ inline void ChooseWay(detail::Scan& scan, const Options& options) {
   scan.way =
       (type.encode == nullptr
            ? kWayOf
-           : kWayOfQuantized)[static_cast<std::size_t>(type.shape)]
+           : kWayOfQuantized)[type.kind]
                              [static_cast<std::size_t>(options.schedule)];
   scan.is_streaming =
       (scan.end - scan.begin) * type.record_bytes > kInCacheBytes &&
@@ -171,12 +171,11 @@ inline void WriteFlatMask(const detail::Scan& scan, std::uint64_t* words) {
 inline bool IsFlat(const detail::Scan& scan, const Options& options) {
   const std::size_t objects = scan.end - scan.begin;
   if (objects < 64) return true;
-  if (options.schedule == Schedule::kFlat ||
-      scan.type->shape == detail::Shape::kSimplex) {
+  if (options.schedule == Schedule::kFlat || !scan.type->has_max) {
     return objects <= detail::kFewObjects;
   }
   return options.schedule == Schedule::kAuto &&
-         objects <= (scan.type->shape == detail::Shape::kAabo
+         objects <= (scan.type->kind == detail::PlaneLayout::kAabo
                          ? scan.kernels->few_octahedra
                          : scan.kernels->few_objects);
 }

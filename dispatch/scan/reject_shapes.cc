@@ -27,15 +27,12 @@ HALFSPACE_NOINLINE auto WithQuery(FrontScan& fronts, const char* call,
   dispatch::CheckMemory(call, "half-spaces", fronts.values, fronts.count,
                         alignof(float));
   ScanType type = *fronts.scan.type;
-  const std::size_t dims =
-      type.shape == Shape::kAabb ? type.axes : type.axes - 1u;
-  const ShapePlanes planes = {dims, type.axes, type.shape != Shape::kSimplex};
   Fronts query;
   dispatch::InDefaultFpMode([&] {
     query.count = fronts.count;
     for (std::size_t f = 0; f < query.count; ++f) {
-      const float* const normal = fronts.values + f * (dims + 1);
-      query.front[f] = MakeFront(planes, normal, normal[dims]);
+      const float* const normal = fronts.values + f * (type.dims + 1u);
+      query.front[f] = MakeFront(type, normal, normal[type.dims]);
     }
   });
   type.all_kernels = &KernelsOfAll<TargetKernels>::kTargets;

@@ -162,7 +162,7 @@ class BroadPhase {
   // Allocates what is needed per id. Can neither be copied nor moved.
   explicit BroadPhase(std::size_t max_ids,
                       const BroadPhaseOptions& options = {})
-      : core_(detail::BvhShapeOf<View>(), max_ids, options) {}
+      : core_(detail::BvhTypeOf<View>(), max_ids, options) {}
 
   // Adds bodies. `masks` is empty, or has an element for each id.
   //

@@ -113,11 +113,9 @@ struct QueryOptions {
 namespace detail {
 
 template <typename View>
-BvhShape BvhShapeOf() {
+BvhType BvhTypeOf() {
   using Bound = typename View::Bound;
-  return {BvhKernelsOf<Bound::kAxes>::kTargets,
-          static_cast<std::uint8_t>(Bound::kDimensions),
-          static_cast<std::uint8_t>(Bound::kAxes), HasMax<Bound>};
+  return {kLayoutOf<Bound>, BvhKernelsOf<Bound::kAxes>::kTargets};
 }
 
 template <typename Query, const BvhShapeKind* kKind = nullptr>
@@ -193,7 +191,7 @@ class Bvh {
 
   Bvh() : Bvh(MemoryResource()) {}
   explicit Bvh(const MemoryResource& memory)
-      : tree_(detail::BvhShapeOf<View>(), memory) {}
+      : tree_(detail::BvhTypeOf<View>(), memory) {}
 
   // Sorts the bounds of a view, an owning world or a list. The bounds are
   // copied.

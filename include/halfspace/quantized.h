@@ -85,8 +85,7 @@ class QuantizedBounds {
   // Requantize.
   QuantizedBounds() : QuantizedBounds(MemoryResource()) {}
   explicit QuantizedBounds(const MemoryResource& memory)
-      : planes_(Bound::kAxes, detail::kPlaneCount<Bound> - Bound::kAxes,
-                memory) {}
+      : planes_(detail::kLayoutOf<Bound>, sizeof(Element), memory) {}
 
   // Trains a quantizer on `floats` and encodes them.
   explicit QuantizedBounds(const FloatView& floats,
@@ -158,7 +157,7 @@ class QuantizedBounds {
   template <typename, typename>
   friend class QuantizedWorld;
 
-  detail::QuantizedPlanes<detail::StoredElement<ElementType>> planes_;
+  detail::QuantizedPlanes planes_;
 };
 
 // Returns a view of quantized bounds and of the floats from which they were

@@ -90,11 +90,14 @@ Bound Changed(const Bound& bound,
               void (*change)(const AnyBound&, Argument, FitStatus*),
               Argument argument, FitStatus* status) {
   static_assert(Bound::kAxes >= Bound::kDimensions, "slot k is axis k");
-  PlaneValues<Bound> values = Planes(bound);
-  change({values.data(), Bound::kDimensions, HasMin<Bound> ? Bound::kAxes : 0,
-          HasMax<Bound> ? Bound::kAxes : 0},
+  static_assert(std::is_standard_layout_v<Bound> &&
+                    sizeof(Bound) == kPlaneCount<Bound> * sizeof(float),
+                "a bound is changed as a list of its values");
+  Bound result = bound;
+  change({reinterpret_cast<float*>(&result), Bound::kDimensions,
+          HasMin<Bound> ? Bound::kAxes : 0, HasMax<Bound> ? Bound::kAxes : 0},
          argument, status);
-  return BoundOf<Bound>(values);
+  return result;
 }
 
 }  // namespace detail
@@ -103,8 +106,8 @@ Bound Changed(const Bound& bound,
 // hull. Exact: nothing is rounded. Merging with Empty() changes nothing.
 template <typename Bound, typename = detail::IfBoundOfFloats<Bound>>
 Bound Merge(const Bound& a, const Bound& b, FitStatus* status = nullptr) {
-  const detail::PlaneValues<Bound> other = detail::Planes(b);
-  return detail::Changed(a, &detail::Merge, other.data(), status);
+  return detail::Changed(a, &detail::Merge,
+                         detail::RecordsOf(Span<const Bound>(&b, 1)), status);
 }
 
 // Inflates a bound by a sphere: the Minkowski sum with a sphere of this radius.

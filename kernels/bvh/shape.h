@@ -13,13 +13,6 @@
 
 namespace halfspace::detail {
 
-// What planes a world has; plane `axes` is the first maximum.
-struct ShapePlanes {
-  std::size_t dims;
-  std::size_t axes;
-  bool has_max;
-};
-
 // The points whose squared distance from the center, as computed, is at most
 // the limit.
 struct Ball {
@@ -99,18 +92,18 @@ inline float RoundedUp(double value) {
 }
 
 // All in the default floating-point mode.
-void MakeBall(const ShapePlanes& planes, const float* center, float radius,
+void MakeBall(const PlaneLayout& planes, const float* center, float radius,
               Ball& ball);
 // Of a box from `low` to `high`, `radius` larger on each side, that moves by
 // t * `direction`. A point has low == high. A bound is passed if the box
 // touches it on each axis by itself, D included.
-void MakeLine(const ShapePlanes& planes, const double* low, const double* high,
+void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
               const double* direction, float max_t, float radius, Line& line);
-Front MakeFront(const ShapePlanes& planes, const float* normal, float offset);
+Front MakeFront(const PlaneLayout& planes, const float* normal, float offset);
 // MakeFront() of a normal whose largest component is 1, and of its opposite, of
 // bounds with maxima: less than half the time.
 template <std::size_t kDims>
-void MakeFronts(const ShapePlanes& planes, const float* normal, float offset,
+void MakeFronts(const PlaneLayout& planes, const float* normal, float offset,
                 float opposite_offset, Front* two);
 
 }  // namespace halfspace::detail

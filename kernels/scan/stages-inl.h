@@ -404,7 +404,7 @@ HWY_INLINE Left TestStretch(const detail::Scan& scan, const detail::Part& part,
   if (step == Step::kOneAxis) return RangeByAxis<1, T>(scan, part);
   detail::Way way = scan.is_streaming ? detail::kAllStreaming : detail::kAll;
   if (step == Step::kHalf) {
-    if (scan.type->shape == detail::Shape::kAabb) {
+    if (scan.type->kind == detail::PlaneLayout::kAabb) {
       // Half of the axes, rounded up.
       return scan.type->axes > 2 ? RangeByAxis<2, T>(scan, part)
                                  : RangeByAxis<1, T>(scan, part);
@@ -425,7 +425,7 @@ int64_t ElementKernels<T>::Adaptive(const detail::Scan& scan,
   } else {
     // Several queries of an octahedron, and, with AVX-512, of a box, share what
     // their kernels do once for all of them.
-    const bool is_box = scan.type->shape == detail::Shape::kAabb;
+    const bool is_box = scan.type->kind == detail::PlaneLayout::kAabb;
     if (part.query_count > 1 && (HALFSPACE_MASKED_COMPARES || !is_box)) {
       const detail::Way way = is_box ? detail::kAll : detail::kBySimplex;
       return scan.kernels->run[way](scan, part);

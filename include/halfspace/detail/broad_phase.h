@@ -39,7 +39,7 @@ class BroadPhaseState;
 
 class HALFSPACE_API BroadPhaseCore {
  public:
-  BroadPhaseCore(const BvhShape& shape, std::size_t max_ids,
+  BroadPhaseCore(const BvhType& shape, std::size_t max_ids,
                  const BroadPhaseOptions& options);
   BroadPhaseCore(const BroadPhaseCore&) = delete;
   BroadPhaseCore& operator=(const BroadPhaseCore&) = delete;

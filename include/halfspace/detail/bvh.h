@@ -48,11 +48,9 @@ inline constexpr std::size_t kBlockObjects = 64;
 
 inline constexpr std::uint32_t kNoId = 0xFFFFFFFF;
 
-struct BvhShape {
+// A type of Bvh.
+struct BvhType : PlaneLayout {
   const BvhKernels* kernels;  // of each target
-  std::uint8_t dims;
-  std::uint8_t axes;
-  bool has_max;
   // A tree without codes is never a blob.
   bool has_codes = true;
 };
@@ -104,7 +102,7 @@ struct BvhLevels;
 // objects are in slots 0, 1, ..., some of which may be empty.
 class HALFSPACE_API BvhTree {
  public:
-  BvhTree(const BvhShape& shape, const MemoryResource& memory);
+  BvhTree(const BvhType& type, const MemoryResource& memory);
   BvhTree(const BvhTree& other, const MemoryResource& memory);
   BvhTree(const BvhTree& other) : BvhTree(other, MemoryResource()) {}
   BvhTree(BvhTree&& other) noexcept;
@@ -119,7 +117,7 @@ class HALFSPACE_API BvhTree {
   std::size_t id_limit() const;
   Span<const std::uint32_t> ids() const;
   // For the library alone.
-  const BvhShape& shape() const;
+  const BvhType& type() const;
   const BvhLevels& levels() const;
 
   // Throws unless so many objects can be built.
@@ -135,6 +133,8 @@ class HALFSPACE_API BvhTree {
 
   // `values` are those of all minima, then of all maxima.
   bool Has(std::uint32_t id) const;
+  // Throws unless all are ids of objects.
+  void CheckIds(Span<const std::uint32_t> ids, const char* call) const;
   void Get(std::uint32_t id, Span<float> values) const;
   void GetAt(std::size_t slot, Span<float> values) const;
   void Bounds(Span<float> values) const;
@@ -168,7 +168,7 @@ class HALFSPACE_API BvhTree {
   friend class BvhState;
   void Swap(BvhTree& other) noexcept;
 
-  alignas(8) std::byte state_[448];
+  alignas(8) std::byte state_[456];
 };
 
 template <typename View>
@@ -188,7 +188,7 @@ struct BvhShapeKind {
   std::size_t alignment;
   BvhShapeQuery (*at)(const void* shapes, std::size_t i);
   // BvhWalkShapes(), which a program links only if it has shapes.
-  void (*walk)(const BvhShape& world, const BvhQueries& queries,
+  void (*walk)(const BvhType& world, const BvhQueries& queries,
                const QueryOptions& options, const char* call, const Walk& walk);
 };
 
@@ -245,8 +245,8 @@ struct BvhShapeQuery {
 };
 
 // Walks for one shape after another. Throws if one of them is no shape, before
-// the first walk. `world` is the shape of the tree's bounds.
-HALFSPACE_API void BvhWalkShapes(const BvhShape& world,
+// the first walk. `world` is the type of the tree.
+HALFSPACE_API void BvhWalkShapes(const BvhType& world,
                                  const BvhQueries& queries,
                                  const QueryOptions& options, const char* call,
                                  const Walk& walk);

@@ -82,6 +82,38 @@ template <typename Bound>
 inline constexpr std::size_t kPlaneCount =
     Bound::kAxes*((HasMin<Bound> ? 1 : 0) + (HasMax<Bound> ? 1 : 0));
 
+// The planes of a type of bound: minima of X, Y, ..., and of D if there is one
+// axis more than dimensions, and as many maxima or none.
+struct PlaneLayout {
+  enum Kind : std::uint8_t { kSimplex, kAabb, kAabo };
+
+  constexpr PlaneLayout() = default;
+  constexpr PlaneLayout(std::size_t its_dims, std::size_t its_axes,
+                        bool with_max)
+      : dims(static_cast<std::uint8_t>(its_dims)),
+        axes(static_cast<std::uint8_t>(its_axes)),
+        has_max(with_max),
+        kind(!with_max              ? kSimplex
+             : its_axes == its_dims ? kAabb
+                                    : kAabo),
+        plane_count(
+            static_cast<std::uint8_t>(with_max ? 2 * its_axes : its_axes)),
+        first_max(with_max ? axes : std::uint8_t{0}) {}
+
+  std::uint8_t dims = 0;
+  std::uint8_t axes = 0;
+  bool has_max = false;
+  Kind kind = kSimplex;
+  std::uint8_t plane_count = 0;
+  // Of planes, 0 without maxima; of a query's values, of which there are as
+  // many: a query of simplices has maxima alone.
+  std::uint8_t first_max = 0;
+};
+
+template <typename Bound>
+inline constexpr PlaneLayout kLayoutOf = {Bound::kDimensions, Bound::kAxes,
+                                          HasMax<Bound>};
+
 template <typename Bound>
 using PlaneValues = std::array<typename Bound::Scalar, kPlaneCount<Bound>>;
 
@@ -245,7 +277,6 @@ class HALFSPACE_API PlaneStore {
   // Throws, in the name of `call`, unless `index` is below size().
   void CheckIndex(std::size_t index, const char* call) const;
 
- protected:
   std::byte* PlaneAt(std::size_t p) const { return data_ + p * stride_; }
 
  private:

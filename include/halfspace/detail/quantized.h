@@ -47,15 +47,12 @@ constexpr std::size_t SampledIndex(std::size_t i, std::size_t count,
 class HALFSPACE_API Quantizer {
  public:
   // No thresholds: one level for everything.
-  Quantizer(std::size_t minima, std::size_t maxima,
-            const MemoryResource& memory);
+  Quantizer(const PlaneLayout& layout, const MemoryResource& memory);
   Quantizer(const Quantizer& other, const MemoryResource& memory)
-      : minima_(other.minima_),
-        planes_(other.planes_),
-        thresholds_(other.thresholds_, memory) {}
+      : layout_(other.layout_), thresholds_(other.thresholds_, memory) {}
 
   const MemoryResource& memory() const { return thresholds_.memory(); }
-  std::size_t planes() const { return planes_; }
+  std::size_t planes() const { return layout_.plane_count; }
 
   // One with thresholds at `levels` - 1 quantiles of every plane.
   Quantizer Trained(const Columns& floats, std::size_t levels) const;
@@ -77,7 +74,7 @@ class HALFSPACE_API Quantizer {
   // The rank that a stored level of plane `p` stands for.
   template <typename Stored>
   std::uint32_t RankOf(std::size_t p, Stored stored) const {
-    const auto level = p < minima_ ? static_cast<Stored>(~stored) : stored;
+    const auto level = p < layout_.axes ? static_cast<Stored>(~stored) : stored;
     return static_cast<std::uint32_t>(static_cast<std::int32_t>(level) -
                                       std::numeric_limits<Stored>::min());
   }
@@ -90,28 +87,28 @@ class HALFSPACE_API Quantizer {
 
  private:
   friend void swap(Quantizer& a, Quantizer& b) noexcept {
-    std::swap(a.minima_, b.minima_);
-    std::swap(a.planes_, b.planes_);
+    std::swap(a.layout_, b.layout_);
     swap(a.thresholds_, b.thresholds_);
   }
 
-  std::size_t minima_;
-  std::size_t planes_;
+  PlaneLayout layout_;
   // For each plane ascending, as ordered integers. Their number is one less
   // than a power of two, so that every search takes the same steps. Not a
   // std::vector, because a caller's flags may give that another layout.
   PlaneArrays<std::int32_t> thresholds_;
 };
 
-// The levels of one world, and the quantizer that encoded them.
-template <typename Stored>
+// The levels of one world, and the quantizer that encoded them. Not a template,
+// as PlaneStore.
 class HALFSPACE_API QuantizedPlanes {
  public:
-  QuantizedPlanes(std::size_t minima, std::size_t maxima,
+  // A level takes 1 or 2 bytes.
+  QuantizedPlanes(const PlaneLayout& layout, std::size_t level_bytes,
                   const MemoryResource& memory);
   QuantizedPlanes(const QuantizedPlanes& other) = default;
   QuantizedPlanes(const QuantizedPlanes& other, const MemoryResource& memory)
       : quantizer_(other.quantizer_, memory),
+        level_bytes_(other.level_bytes_),
         levels_(other.levels_, memory),
         pairs_then_(other.pairs_then_) {}
   QuantizedPlanes(QuantizedPlanes&& other) noexcept = default;
@@ -126,6 +123,7 @@ class HALFSPACE_API QuantizedPlanes {
   ~QuantizedPlanes() = default;
   friend void swap(QuantizedPlanes& a, QuantizedPlanes& b) noexcept {
     swap(a.quantizer_, b.quantizer_);
+    std::swap(a.level_bytes_, b.level_bytes_);
     swap(a.levels_, b.levels_);
     a.pairs_then_.swap(b.pairs_then_);
   }
@@ -133,7 +131,10 @@ class HALFSPACE_API QuantizedPlanes {
   const MemoryResource& memory() const { return levels_.memory(); }
   std::size_t size() const { return levels_.size(); }
   const Quantizer& quantizer() const { return quantizer_; }
-  const PlaneArrays<Stored>& planes() const { return levels_; }
+  template <typename Stored>
+  const Stored* plane(std::size_t p) const {
+    return reinterpret_cast<const Stored*>(levels_.PlaneAt(p));
+  }
 
   void Requantize(const Columns& floats);
   void Reserve(std::size_t objects) { levels_.Reserve(objects); }
@@ -150,22 +151,11 @@ class HALFSPACE_API QuantizedPlanes {
   std::size_t Room() const;
 
  private:
-  using Values = std::array<Stored, kMaxPlanes>;
-  Values Encoded(Span<const float> values) const;
-  // Fractions of the objects.
-  struct Crowd {
-    double pairs = 0.0;    // of all pairs, those that share a level
-    double fullest = 0.0;  // objects that have the most frequent level
-  };
-  Crowd CrowdOf(std::size_t plane) const;
-
   Quantizer quantizer_;
-  PlaneArrays<Stored> levels_;
+  std::size_t level_bytes_;
+  PlaneStore levels_;
   std::array<double, kMaxPlanes> pairs_then_{};
 };
-
-extern template class QuantizedPlanes<std::int8_t>;
-extern template class QuantizedPlanes<std::int16_t>;
 
 template <typename FloatView, typename Element>
 struct QuantizedView {
@@ -173,7 +163,7 @@ struct QuantizedView {
   using Query = typename FloatView::Query;
   using Stored = StoredElement<Element>;
 
-  explicit QuantizedView(const QuantizedPlanes<Stored>& quantized)
+  explicit QuantizedView(const QuantizedPlanes& quantized)
       : QuantizedView(quantized,
                       std::make_index_sequence<kPlaneCount<Bound>>()) {}
 
@@ -186,9 +176,9 @@ struct QuantizedView {
  private:
   // Without a loop, so that compilers copy no array.
   template <std::size_t... kPlane>
-  QuantizedView(const QuantizedPlanes<Stored>& quantized,
+  QuantizedView(const QuantizedPlanes& quantized,
                 std::index_sequence<kPlane...>)
-      : planes{quantized.planes().plane(kPlane)...},
+      : planes{quantized.template plane<Stored>(kPlane)...},
         size(quantized.size()),
         quantizer(&quantized.quantizer()) {}
 };

@@ -27,8 +27,6 @@ namespace detail {
 class Quantizer;
 struct TargetKernels;
 
-enum class Shape : std::uint8_t { kSimplex, kAabb, kAabo };
-
 // The way of a scan through its planes: one enumerator for each kernel.
 enum Way : std::uint8_t {
   kMinima,           // the minima of every object, all at once
@@ -67,18 +65,14 @@ struct Scan;
 
 // A type of world, and how its queries are stored: one after another, each with
 // all minima, then all maxima. A query of simplices has only maxima.
-struct ScanType {
+struct ScanType : PlaneLayout {
   const TargetKernels* const* all_kernels;  // of each target
   // If it is not null, planes are quantized bounds, and encode() encodes
   // queries, which are floats: `count` of them from number `first` on.
   void (*encode)(const Scan& scan, std::size_t first, std::size_t count,
                  void* quantized);
-  bool is_refined;  // by floats
-  Shape shape;
-  Way flat;           // through all planes at once
-  std::uint8_t axes;  // minima; as many maxima, unless it is a simplex
-  std::uint8_t plane_count;
-  std::uint8_t first_max;  // of a query's values, of which there are as many
+  bool is_refined;                  // by floats
+  Way flat;                         // through all planes at once
   std::uint8_t element_bytes;       // of a value of a plane
   std::uint8_t record_bytes;        // of an object's values in the planes
   std::uint8_t query_bytes;         // of a value of a query
@@ -154,16 +148,11 @@ constexpr ScanType MakeScanType() {
                     sizeof(Query) == kPlaneCount<Query> * sizeof(Scalar),
                 "a query is read as a list of its values");
   ScanType type{};
+  static_cast<PlaneLayout&>(type) = kLayoutOf<Bound>;
   type.all_kernels = &ScanKernelsOf<Bound::kAxes, T>::kTargets;
   if constexpr (std::is_integral_v<T>) type.encode = &EncodeQueries<T>;
   type.is_refined = kIsRefined<View>;
-  type.shape = !HasMax<Bound>                       ? Shape::kSimplex
-               : Bound::kAxes == Bound::kDimensions ? Shape::kAabb
-                                                    : Shape::kAabo;
   type.flat = HasMax<Bound> ? kAll : kMinima;
-  type.axes = Bound::kAxes;
-  type.plane_count = kPlaneCount<Bound>;
-  type.first_max = HasMin<Query> ? Bound::kAxes : 0;
   type.element_bytes = sizeof(T);
   type.record_bytes = kPlaneCount<Bound> * sizeof(T);
   type.query_bytes = sizeof(Scalar);

@@ -174,8 +174,8 @@ std::vector<Found> ExpectedAlong(
     directions[k] = direction[k];
   }
   detail::Line line;
-  detail::MakeLine(kShapePlanes<View>, low, high, directions, max_t, radius,
-                   line);
+  detail::MakeLine(detail::kLayoutOf<typename View::Bound>, low, high,
+                   directions, max_t, radius, line);
   line.max_t = std::min(line.max_t, kMost);
   return NearFirst<View>(bvh, bounds, line).found();
 }

@@ -28,10 +28,6 @@ PlaneValues<View> PlanesOf(typename View::Bound bound) {
   return values;
 }
 
-template <typename View>
-constexpr detail::ShapePlanes kShapePlanes = {
-    View::Bound::kDimensions, View::Bound::kAxes, HasMaxima<View>};
-
 inline float SquaredDistanceOf(std::span<const float> planes,
                                const detail::Ball& ball) {
   float sum = 0;
@@ -86,7 +82,7 @@ inline bool IsBehind(std::span<const float> planes,
 }
 
 template <int kDims>
-detail::Line LineOf(const detail::ShapePlanes& planes,
+detail::Line LineOf(const detail::PlaneLayout& planes,
                     const Capsule<kDims>& capsule) {
   double origin[3] = {};
   double direction[3] = {};
@@ -102,8 +98,8 @@ detail::Line LineOf(const detail::ShapePlanes& planes,
 template <typename View, int kDims>
 detail::Ball BallOf(const Sphere<kDims>& sphere) {
   detail::Ball ball;
-  detail::MakeBall(kShapePlanes<View>, sphere.center.data(), sphere.radius,
-                   ball);
+  detail::MakeBall(detail::kLayoutOf<typename View::Bound>,
+                   sphere.center.data(), sphere.radius, ball);
   return ball;
 }
 
@@ -121,7 +117,7 @@ bool IsBound(const Sphere<kDims>& sphere) {
 template <typename View, int kDims>
 bool IsBound(const Capsule<kDims>& capsule) {
   return BoundCapsule(capsule) == Aabo<kDims>::Everything() ||
-         LineOf(kShapePlanes<View>, capsule).planes == 0;
+         LineOf(detail::kLayoutOf<typename View::Bound>, capsule).planes == 0;
 }
 template <typename View, int kDims>
 bool IsBound(const Segment<kDims>& segment) {
@@ -142,8 +138,8 @@ template <typename View, int kDims>
 bool IsTouched(const typename View::Bound& bound,
                const Capsule<kDims>& capsule) {
   return IsBound<View>(capsule) ||
-         EntryOf(PlanesOf<View>(bound), LineOf(kShapePlanes<View>, capsule)) <=
-             1;
+         EntryOf(PlanesOf<View>(bound),
+                 LineOf(detail::kLayoutOf<typename View::Bound>, capsule)) <= 1;
 }
 template <typename View, int kDims>
 bool IsTouched(const typename View::Bound& bound,
@@ -154,9 +150,10 @@ template <typename View, int kDims>
 bool IsTouched(const typename View::Bound& bound,
                const std::vector<HalfSpace<kDims>>& half_spaces) {
   for (const HalfSpace<kDims>& half_space : half_spaces) {
-    if (IsBehind(PlanesOf<View>(bound),
-                 detail::MakeFront(kShapePlanes<View>, half_space.normal.data(),
-                                   half_space.offset))) {
+    if (IsBehind(
+            PlanesOf<View>(bound),
+            detail::MakeFront(detail::kLayoutOf<typename View::Bound>,
+                              half_space.normal.data(), half_space.offset))) {
       return false;
     }
   }

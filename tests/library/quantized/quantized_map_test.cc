@@ -65,7 +65,7 @@ class QuantizedMapTest : public ::testing::Test {
   }
 
   Random random_{47};
-  detail::Quantizer quantizer_{1, 1, MemoryResource()};
+  detail::Quantizer quantizer_{{1, 1, true}, MemoryResource()};
 };
 
 using StoredTypes = ::testing::Types<std::int8_t, std::int16_t>;
