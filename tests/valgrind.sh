@@ -35,9 +35,9 @@ left_out=(
   # every change.
   '*.AWorldSortsItselfAsItChanges' '*.MemoryFollowsTheObjects'
   '*.RebuildsMendWhatDecayed' '*.LevelsStayAsTightAsAfterARefit'
-  # Scans in 3 dimensions only, of planes that are seen as what they are: minutes, for
-  # the same code.
-  '*/Simplex2*' '*/Simplex4*' '*/Aabb2*' '*/Aabb4*' '*/Aabo2*' '*/Aabo4*'
+  # 3 dimensions only, and scans only of planes that are seen as what they are: minutes,
+  # for the same code.
+  '*/2D*' '*/4D*' '*/Simplex2*' '*/Simplex4*' '*/Aabb2*' '*/Aabb4*' '*/Aabo2*' '*/Aabo4*'
   '*/Aabo3AsSimplex.*' '*/Aabo3AsAabb.*' '*/Aabo3DoubleAs*')
 
 filter="-$(IFS=:; echo "${left_out[*]}")"
