@@ -1,7 +1,6 @@
 # Compiles HEADER alone (twice in a row, as its guard allows) with COMPILER and
 # the INCLUDES, in each language it is written in, and fails on any warning, or if
-# Highway came along. In C++20, which every test is compiled in, only the header that
-# includes all others.
+# Highway came along.
 
 set(source "${OUTPUT}.cc")
 set(dependencies "${OUTPUT}.d")
@@ -21,10 +20,8 @@ if(files MATCHES "[^ \n]*/hwy/[^ \n]*")
   message(FATAL_ERROR "${HEADER} includes Highway: ${CMAKE_MATCH_0}")
 endif()
 
-set(standards c++17)
-if(HEADER STREQUAL "halfspace/halfspace.h")
-  list(APPEND standards c++20)
-elseif(HEADER MATCHES "^halfspace/c/")
+set(standards c++17 c++20)
+if(HEADER MATCHES "^halfspace/c/")
   list(PREPEND standards c11 c++11)
 endif()
 foreach(standard IN LISTS standards)
