@@ -53,12 +53,12 @@ export filter logs
 # A vector that is loaded beyond the end of a block is an error to us, even one
 # that stays within an aligned word (--partial-loads-ok).
 memcheck() {
-  local name=${1##*/}
+  local name=${1##*/} started=$SECONDS
   if valgrind -q --error-exitcode=99 --partial-loads-ok=no \
     --soname-synonyms=somalloc=nouserintercepts \
     --leak-check=full --errors-for-leak-kinds=definite \
     "$1" --gtest_brief=1 --gtest_filter="$filter" >"$logs/$name.txt" 2>&1; then
-    echo "    $name: passed" >&2
+    echo "    $name: passed in $((SECONDS - started)) s" >&2
     return
   fi
   tail -n 60 "$logs/$name.txt" >&2
