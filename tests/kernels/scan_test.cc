@@ -1,5 +1,5 @@
 // The words of a scan on every target, against a plain loop: of every type of
-// element, of one plane to ten, and of the functions of kernels-inl.h.
+// element, of 1 to 10 planes, and of the functions of kernels-inl.h.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -47,11 +47,11 @@ struct WordCase {
 
 inline constexpr std::size_t kMostPlanes = 10;
 
-// Of so many planes half, rounded up, are minima; and of four all or none. The
-// named ones are of floats, and boxes of doubles too.
+// Of 1, 2, 5 and 10 planes half, rounded up, are minima; and of four all or
+// none. The named ones are of floats, and boxes of doubles too.
 template <typename T>
 struct WordCases {
-  WordCase<T> mixed[kMostPlanes];
+  WordCase<T> mixed[4];
   WordCase<T> minima;
   WordCase<T> maxima;
   WordCase<T> named[9];
@@ -156,11 +156,11 @@ HALFSPACE_NAMED_CASE(Simplices, kDims + 1, 0)
 HALFSPACE_NAMED_CASE(Octahedra, kDims + 1, kDims + 1)
 #undef HALFSPACE_NAMED_CASE
 
-template <typename T, size_t... kCase>
-constexpr testing::WordCases<T> MakeWordCases(std::index_sequence<kCase...>) {
+template <typename T, size_t... kPlanes>
+constexpr testing::WordCases<T> MakeWordCases(std::index_sequence<kPlanes...>) {
   constexpr std::make_index_sequence<4> kFour{};
-  testing::WordCases<T> cases = {{MakeWordCase<kCase / 2 + 1, T>(
-                                     std::make_index_sequence<kCase + 1>())...},
+  testing::WordCases<T> cases = {{MakeWordCase<(kPlanes + 1) / 2, T>(
+                                     std::make_index_sequence<kPlanes>())...},
                                  MakeWordCase<4, T>(kFour),
                                  MakeWordCase<0, T>(kFour),
                                  {}};
@@ -182,7 +182,7 @@ constexpr testing::WordCases<T> MakeWordCases(std::index_sequence<kCase...>) {
 
 template <typename T>
 constexpr testing::WordCases<T> MakeWordCases() {
-  return MakeWordCases<T>(std::make_index_sequence<testing::kMostPlanes>());
+  return MakeWordCases<T>(std::index_sequence<1, 2, 5, testing::kMostPlanes>());
 }
 
 uint64_t NonzeroWordsOfTest(const uint64_t* words, size_t count) {

@@ -55,12 +55,12 @@ function(add_nested_build_test name source)
 endfunction()
 
 # Consumers of the tree at `prefix`, which fixture `tree` leaves there. None needs
-# a Highway.
+# a Highway. Other arguments are options of the consumer that find_package() serves.
 function(add_consumer_tests tree prefix)
   add_nested_build_test(${tree}.find_package
     "${CMAKE_CURRENT_SOURCE_DIR}/consumer"
     OPTIONS "-DCMAKE_PREFIX_PATH=${prefix}" -DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON
-      "-DCONSUMER_C=${HALFSPACE_C}"
+      "-DCONSUMER_C=${HALFSPACE_C}" ${ARGN}
     COMMAND ${nested_ctest})
   set_tests_properties(${tree}.find_package PROPERTIES
     FIXTURES_REQUIRED ${tree})
@@ -90,7 +90,7 @@ install_command(install "${PROJECT_BINARY_DIR}" "${prefix}")
 add_test(NAME package.install COMMAND ${install})
 set_tests_properties(package.install PROPERTIES
   LABELS package FIXTURES_SETUP package.installed)
-add_consumer_tests(package.installed "${prefix}")
+add_consumer_tests(package.installed "${prefix}" -DCONSUMER_OTHER_FLAGS=ON)
 
 # Its shared sibling, built by the README's lines.
 set(folder "${CMAKE_CURRENT_BINARY_DIR}/readme")
@@ -111,6 +111,16 @@ add_test(NAME package.install_shared COMMAND ${install})
 set_tests_properties(package.install_shared PROPERTIES
   LABELS package FIXTURES_REQUIRED package.readme FIXTURES_SETUP package.shared)
 add_consumer_tests(package.shared "${prefix}")
+# This build has no SIMD, so it refuses the name of a target that has. The program aborts,
+# which ctest would not forgive without `cmake -E`.
+add_test(NAME package.shared.without_simd
+  COMMAND ${CMAKE_COMMAND} -E env HALFSPACE_TARGET=AVX2 ${CMAKE_CROSSCOMPILING_EMULATOR}
+    "${CMAKE_CURRENT_BINARY_DIR}/package.shared.find_package/usual_flags")
+set_tests_properties(package.shared.find_package PROPERTIES
+  FIXTURES_SETUP package.shared.program)
+set_tests_properties(package.shared.without_simd PROPERTIES
+  LABELS package FIXTURES_REQUIRED package.shared.program
+  PASS_REGULAR_EXPRESSION "HALFSPACE_TARGET.*expected one of (SCALAR|EMU128), got .AVX2")
 
 set(shared_library "${prefix}/${CMAKE_INSTALL_LIBDIR}/libhalfspace.so")
 set(check_exports sh "${CMAKE_CURRENT_SOURCE_DIR}/check_exports.sh"

@@ -105,12 +105,14 @@ TYPED_TEST(BvhBlobTest, ABlobHasNothingElseInIt) {
 // Calls fn(View) for each kind of world.
 template <typename Call>
 void ForEachKind(const Call& call) {
-  call(SimplexView2());
   call(SimplexView3());
-  call(AabbView2());
   call(AabbView3());
-  call(AaboView2());
   call(AaboView3());
+#if !defined(HALFSPACE_TEST_ONLY_3D)
+  call(SimplexView2());
+  call(AabbView2());
+  call(AaboView2());
+#endif
 }
 
 TYPED_TEST(BvhBlobTest, OfAnotherTypeIsRefused) {

@@ -584,13 +584,13 @@ TEST(BvhOrderTest, ALeafHasNeighboursOnALine) {
       {"all in one place", [](std::size_t) { return 5.0f; }}};
   for (const auto& [name, center] : kLines) {
     SCOPED_TRACE(name);
-    std::vector<Aabb2> boxes;
+    std::vector<Aabb3> boxes;
     // In no order: 4093 is prime.
     for (std::size_t i = 0; i < kObjects; ++i) {
       const float x = center(i * 4093 % kObjects);
-      boxes.push_back({{x, 0}, {x, 0}});
+      boxes.push_back({{x, 0, 0}, {x, 0, 0}});
     }
-    const Bvh<AabbView2> bvh(boxes);
+    const Bvh<AabbView3> bvh(boxes);
     float last = -kInf;
     for (std::size_t first = 0; first < kObjects; first += 64) {
       float least = kInf;

@@ -637,9 +637,9 @@ TEST(BvhPairsMemoryTest, OnlySetsThatAreSearchedOrLargeTakeMemory) {
 // may not lose a subnormal that compares see.
 #if defined(__SSE2__)
 TEST(BvhPairsFpModesTest, SubnormalResultsMayBeFlushed) {
-  const AabbBvh2 a(std::vector<Aabb2>{{{-1e-40f, 0}, {1, 1}}});
-  const AabbBvh2 b(std::vector<Aabb2>{{{-2, 0}, {-0.5e-40f, 1}}});
-  const AabbBvh2 c(std::vector<Aabb2>{{{-2, 0}, {-1.7e-40f, 1}}});
+  const AabbBvh3 a(std::vector<Aabb3>{{{-1e-40f, 0, 0}, {1, 1, 1}}});
+  const AabbBvh3 b(std::vector<Aabb3>{{{-2, 0, 0}, {-0.5e-40f, 1, 1}}});
+  const AabbBvh3 c(std::vector<Aabb3>{{{-2, 0, 0}, {-1.7e-40f, 1, 1}}});
   constexpr unsigned kFlushToZero = 0x8000;
   for (Target target : TargetsUnderTest()) {
     const unsigned mode = _mm_getcsr();

@@ -34,6 +34,7 @@ TEST(FitManyKnownTest, Boxes) {
                 });
 }
 
+#if !defined(HALFSPACE_TEST_ONLY_3D)
 // The D axis of boxes that are already a world.
 TEST(FitManyKnownTest, BoxesOfAWorld) {
   const std::array<Aabb2, 2> boxes = {{{{1, 2}, {4, 5}}, {{-1, 0}, {0, 1}}}};
@@ -48,7 +49,6 @@ TEST(FitManyKnownTest, BoxesOfAWorld) {
   }
 }
 
-#if !defined(HALFSPACE_TEST_ONLY_3D)
 // The square root of 4 is 2.
 TEST(FitManyKnownTest, Spheres) {
   const float x[] = {1, 0};
@@ -63,16 +63,6 @@ TEST(FitManyKnownTest, Spheres) {
         BoundSpheres(Spheres4{{x, y, z, w}, radius, 2}, planes, options);
       });
 }
-#endif
-
-TEST(FitManyKnownTest, Triangles) {
-  const float coords[] = {0, 0, 0, 1, 0, 0, 0, 2, 0, 4, 2, -1};
-  const std::array<std::uint32_t, 6> indices = {0, 1, 2, 3, 0, 0};
-  ExpectBoth<3>({{0, 0, 0, -2}, {1, 2, 0, 0}}, {{0, 0, -1, -5}, {4, 2, 0, 0}},
-                [&](const auto& planes, const FitOptions& options) {
-                  BoundTriangles(Points3{coords, 4}, indices, planes, options);
-                });
-}
 
 // One point, and two.
 TEST(FitManyKnownTest, PointSets) {
@@ -84,6 +74,16 @@ TEST(FitManyKnownTest, PointSets) {
                   BoundPointSets(PointsSoa2{{x, y}, 3}, ends, planes, options);
                 });
 }
+#endif
+
+TEST(FitManyKnownTest, Triangles) {
+  const float coords[] = {0, 0, 0, 1, 0, 0, 0, 2, 0, 4, 2, -1};
+  const std::array<std::uint32_t, 6> indices = {0, 1, 2, 3, 0, 0};
+  ExpectBoth<3>({{0, 0, 0, -2}, {1, 2, 0, 0}}, {{0, 0, -1, -5}, {4, 2, 0, 0}},
+                [&](const auto& planes, const FitOptions& options) {
+                  BoundTriangles(Points3{coords, 4}, indices, planes, options);
+                });
+}
 
 // Of two calls, each with a sphere of no size, the first one says which is
 // first.
@@ -91,10 +91,10 @@ TEST(FitManyKnownTest, StatusOfTwoCalls) {
   const float center[] = {0, 0};
   const float radii[] = {1, -1, 1};
   const auto bound = [&](const float* radius, FitStatus& status) {
-    AaboWorld2 world;
+    AaboWorld3 world;
     world.Resize(2);
-    BoundSpheres(Spheres2{{center, center}, radius, 2}, world.planes(), {},
-                 &status);
+    BoundSpheres(Spheres3{{center, center, center}, radius, 2}, world.planes(),
+                 {}, &status);
   };
   FitStatus status;
   bound(radii, status);

@@ -1,5 +1,5 @@
-# The same program as it comes, and without exceptions and RTTI. In C++17, which is
-# what the library asks for; its one file in C++20 is a library of its own.
+# The same program with several flags. In C++17, which the library needs; its one file
+# in C++20 is a library of its own.
 
 function(add_consumer name library)
   add_library(${name}_cxx20 STATIC "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/cxx20.cc")
@@ -14,14 +14,10 @@ function(add_consumer name library)
   add_test(NAME ${name} COMMAND ${name})
 endfunction()
 
-function(add_consumers library)
-  add_consumer(usual_flags ${library})
-  add_consumer(no_exceptions_no_rtti ${library} -fno-exceptions -fno-rtti)
-endfunction()
-
-# And with flags that change the standard library's types, or how much of it is
-# inlined: none of them may matter to the library.
+# With flags that change the standard library's types, or how much of it is inlined:
+# none of them may matter to the library.
 function(add_consumers_of_other_flags library)
+  add_consumer(no_exceptions_no_rtti ${library} -fno-exceptions -fno-rtti)
   add_consumer(debug_containers ${library} -O0 -D_GLIBCXX_DEBUG)
   add_consumer(assertions ${library} -O3 -D_GLIBCXX_ASSERTIONS)
   add_consumer(old_strings ${library} -O1 -D_GLIBCXX_USE_CXX11_ABI=0)
