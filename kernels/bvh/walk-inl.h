@@ -465,24 +465,25 @@ class Walker {
   uint32_t list_[kManyLeaves + detail::kBlockObjects];
 };
 
-// Finds what one query finds in a tree of at most three levels that is in
-// cache. Nothing that a Walker carries for masks, lists of leaves and other
-// queries is in its loops.
-template <size_t kAxes, bool kHasMax>
-class PlainFind {
+// The walk of one query in a tree of at most three levels that is in cache.
+// Nothing that a Walker carries for masks, lists of leaves and other queries is
+// in its loops.
+template <size_t kAxes, bool kHasMax, bool kWrites>
+class PlainWalk {
  public:
   static HWY_INLINE bool Fits(const detail::Walk& walk) {
     return walk.query_count == 1 && walk.statistics == nullptr &&
-           walk.ids->offsets == nullptr && walk.ids->take == nullptr &&
+           (!kWrites ||
+            (walk.ids->offsets == nullptr && walk.ids->take == nullptr)) &&
            (walk.levels->level[0].masks == nullptr || ~walk.mask == 0);
   }
 
-  explicit PlainFind(const detail::Walk& walk)
-      : levels_(*walk.levels),
-        query_(static_cast<const float*>(walk.queries)),
-        ids_(*walk.ids) {}
+  explicit PlainWalk(const detail::Walk& walk)
+      : walk_(walk),
+        levels_(*walk.levels),
+        query_(static_cast<const float*>(walk.queries)) {}
 
-  // Returns false, and has found nothing, where a Walker takes less time.
+  // Returns false, and has done nothing, where a Walker takes less time.
   HWY_INLINE bool Run() {
     const detail::BvhLevel& objects = levels_.level[0];
     if (objects.size <= detail::kBlockObjects) {
@@ -567,14 +568,20 @@ class PlainFind {
   }
 
   HWY_INLINE bool Take(size_t block, size_t count, uint64_t kept) {
-    ids_.next = WriteIds(kept, levels_.ids + block * detail::kBlockObjects,
-                         count, ids_.next);
-    return ids_.next < ids_.full || ids_.flush(ids_);
+    if constexpr (kWrites) {
+      detail::WalkIds& ids = *walk_.ids;
+      ids.next = WriteIds(kept, levels_.ids + block * detail::kBlockObjects,
+                          count, ids.next);
+      return ids.next < ids.full || ids.flush(ids);
+    } else {
+      *walk_.counts += hwy::PopCount(kept);
+      return true;
+    }
   }
 
+  const detail::Walk& walk_;
   const detail::BvhLevels& levels_;
   const float* const query_;
-  detail::WalkIds& ids_;
 };
 
 template <class Query, bool kWrites>
@@ -582,19 +589,19 @@ void RunWalk(const detail::Walk& walk) {
   Walker<Query, kWrites>(walk).Run();
 }
 
-template <size_t kAxes, bool kHasMax>
-void RunFind(const detail::Walk& walk) {
-  using Find = PlainFind<kAxes, kHasMax>;
-  if (Find::Fits(walk) && Find(walk).Run()) return;
-  RunWalk<PlaneQueries<kAxes, kHasMax>, true>(walk);
+template <size_t kAxes, bool kHasMax, bool kWrites>
+void RunPlaneWalk(const detail::Walk& walk) {
+  using Plain = PlainWalk<kAxes, kHasMax, kWrites>;
+  if (Plain::Fits(walk) && Plain(walk).Run()) return;
+  RunWalk<PlaneQueries<kAxes, kHasMax>, kWrites>(walk);
 }
 
 template <size_t kAxes, bool kHasMax>
 constexpr detail::BvhKernels::OfPlanes MakeBvhKernelsOf() {
   return {&FindCenters<kAxes, kHasMax>,
           &FindPlaces<kCenterAxes<kAxes, kHasMax>>,
-          &EncodeBlocks<kAxes, kHasMax>, &RunFind<kAxes, kHasMax>,
-          &RunWalk<PlaneQueries<kAxes, kHasMax>, false>};
+          &EncodeBlocks<kAxes, kHasMax>, &RunPlaneWalk<kAxes, kHasMax, true>,
+          &RunPlaneWalk<kAxes, kHasMax, false>};
 }
 
 // A simplex has three axes or more.
