@@ -84,13 +84,16 @@ class SpecialPlane {
 };
 
 // Calls check(plane) for every plane, query value and rotation of the values.
+// At a smaller scale, every seventh rotation: each value is in each lane at
+// full scale.
 template <typename View, typename Check>
 void ForEachPair(Check check) {
+  const std::size_t step = TestScale() < 1 ? 7 : 1;
   for (std::size_t p = 0; p < kPlanes<View>; ++p) {
     for (const auto query_value : kSpecialValues<ScalarOf<View>>) {
       SpecialPlane<View> plane(p, query_value);
       for (std::size_t shift = 0; shift < kSpecialValues<ScalarOf<View>>.size();
-           ++shift) {
+           shift += step) {
         plane.Shift(shift);
         check(plane);
         if (::testing::Test::HasFatalFailure()) return;
