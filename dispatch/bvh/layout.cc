@@ -55,14 +55,13 @@ class Parts {
 
 // Elements are read in any order. The values of a record are in one line, or in
 // two.
-template <typename Fetch>
+template <typename Scalar, typename Fetch>
 void PrefetchElement(const Columns& objects, std::size_t planes, std::size_t i,
                      const Fetch& fetch) {
   if (i == kNoId) return;
   const std::size_t step = objects.stride == 1 ? 1 : planes - 1;
   for (std::size_t p = 0; p < planes; p += step) {
-    fetch(static_cast<const std::byte*>(objects.column[p]) +
-          i * objects.stride * objects.scalar_bytes());
+    fetch(static_cast<const Scalar*>(objects.column[p]) + i * objects.stride);
   }
 }
 
@@ -76,8 +75,9 @@ void FillPart(const BvhLevels& levels, std::size_t planes,
     const std::size_t first = b * kBlockObjects;
     if (elements != nullptr && b + 1 < end_block) {
       for (std::size_t i = first; i < first + kBlockObjects; ++i) {
-        PrefetchElement(objects, planes, elements[i + kBlockObjects],
-                        [](const void* at) { kernels::PrefetchToL2(at); });
+        PrefetchElement<float>(
+            objects, planes, elements[i + kBlockObjects],
+            [](const void* at) { kernels::PrefetchToL2(at); });
       }
     }
     std::uint64_t present = level.present[b];
@@ -357,8 +357,8 @@ Rounded::Rounded(const PlaneLayout& layout, const MemoryResource& memory,
     const std::size_t end = std::min(count, (part + 1) * kPartSlots);
     for (std::size_t s = part * kPartSlots; s < end; ++s) {
       if (s + kAhead < end) {
-        PrefetchElement(objects, planes, element_of(s + kAhead),
-                        [](const void* at) { kernels::Prefetch(at); });
+        PrefetchElement<double>(objects, planes, element_of(s + kAhead),
+                                [](const void* at) { kernels::Prefetch(at); });
       }
       const std::size_t i = element_of(s);
       if (i == kNoId) continue;
