@@ -474,10 +474,10 @@ HALFSPACE_API hs_status hs_bvh_set(hs_bvh* bvh, const uint32_t* ids,
 HALFSPACE_API hs_status hs_bvh_erase(hs_bvh* bvh, const uint32_t* ids,
                                      size_t count);
 
-// Sets the masks of `count` objects: masks[i] is that of object ids[i]. If an id
-// is given twice, the last mask counts. An object whose mask was never set has
-// all bits. An object whose mask is 0 is found only by a query whose mask is all
-// ones.
+// Sets the masks of `count` objects: masks[i] is that of object ids[i]. If an
+// id is given twice, the last mask counts. An object whose mask was never set
+// has all bits. An object whose mask is 0 is found only by a query whose mask
+// is all ones.
 HALFSPACE_API hs_status hs_bvh_set_masks(hs_bvh* bvh, const uint32_t* ids,
                                          const uint32_t* masks, size_t count);
 
