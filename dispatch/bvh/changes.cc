@@ -129,17 +129,6 @@ void CopyObjects(const BvhLevels& levels, const Columns& bounds,
       });
 }
 
-// Blocks begin ... end - 1 of a level, of which `changed` has the words.
-BlockRange ChangedRange(const BvhLevels& levels, std::size_t level,
-                        std::size_t begin, std::size_t end,
-                        const std::uint64_t* changed,
-                        std::uint64_t* changed_above) {
-  BlockRange range = RangeOf(levels, level, begin, end);
-  range.changed = changed;
-  range.changed_above = changed_above;
-  return range;
-}
-
 }  // namespace
 
 void BvhState::CheckChange(const char* call) {
@@ -266,20 +255,19 @@ std::size_t BvhState::PrepareObject(std::uint32_t id, bool has_masks,
   return levels_.slots[id];
 }
 
-// Encodes the object of a slot, and so on upwards until a node stays as it was.
-// The first slot of a block stands for all: after AppendSlot() all are new.
-void BvhState::EncodePath(std::size_t slot) {
+// Encodes the object of a slot, or, of a block that AppendSlot() began, all,
+// and so on upwards until a node stays as it was.
+void BvhState::EncodePath(std::size_t slot, bool is_new_block) {
   const BvhKernels::OfPlanes& kernels = KernelsFor(type_, Target(), "Bvh");
   dispatch::InDefaultFpMode([&] {
-    for (std::size_t l = 0; l + 1 < levels_.count; ++l) {
-      const std::uint64_t changed =
-          slot % kBlockObjects == 0 ? ~std::uint64_t{0}
-                                    : std::uint64_t{1} << slot % kBlockObjects;
+    std::uint64_t changed = is_new_block
+                                ? ~std::uint64_t{0}
+                                : std::uint64_t{1} << slot % kBlockObjects;
+    for (std::size_t l = 0; l + 1 < levels_.count && changed != 0; ++l) {
       slot /= kBlockObjects;
-      std::uint64_t changed_above = 0;
-      kernels.encode(
-          ChangedRange(levels_, l, slot, slot + 1, &changed, &changed_above));
-      if (changed_above == 0) return;
+      std::uint64_t above = 0;
+      kernels.encode(RangeOf(levels_, l, slot, slot + 1, &changed, &above));
+      changed = above;
     }
   });
 }
@@ -306,8 +294,7 @@ void BvhState::EncodeTouched(std::uint64_t* changed) {
   dispatch::InDefaultFpMode([&] {
     for (std::size_t l = 0; l + 1 < levels_.count; ++l) {
       const std::size_t blocks = BlocksOf(levels_.level[l].size);
-      kernels.encode(
-          ChangedRange(levels_, l, 0, blocks, changed, changed + blocks));
+      kernels.encode(RangeOf(levels_, l, 0, blocks, changed, changed + blocks));
       changed += blocks;
     }
   });
@@ -522,7 +509,7 @@ std::uint32_t BvhTree::Insert(Span<const float> values) {
   }
   const std::uint32_t id = tree.TakeId();
   tree.Put(slot, id, values.data());
-  tree.EncodePath(slot);
+  tree.EncodePath(slot, slot % kBlockObjects == 0);
   return id;
 }
 

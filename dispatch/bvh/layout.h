@@ -169,14 +169,18 @@ void FillSlots(const PlaneLayout& layout, const BvhLevels& levels,
 
 // Blocks begin ... end - 1 of a level, as the kernels encode them.
 inline BlockRange RangeOf(const BvhLevels& levels, std::size_t level,
-                          std::size_t begin, std::size_t end) {
+                          std::size_t begin, std::size_t end,
+                          const std::uint64_t* changed = nullptr,
+                          std::uint64_t* changed_above = nullptr) {
   const bool is_top = level + 1 == levels.count;
   return {&levels.level[level],
           is_top ? nullptr : &levels.level[level + 1],
           levels.map,
           level == 0 ? levels.codes : nullptr,
           begin,
-          end};
+          end,
+          changed,
+          changed_above};
 }
 
 // Encodes all levels from `from` on, whose floats and presence are there.

@@ -78,7 +78,7 @@ class BvhState {
   void Remove(std::uint32_t id);
   bool HasManyGaps() const;
   void AppendSlot();
-  void EncodePath(std::size_t slot);
+  void EncodePath(std::size_t slot, bool is_new_block = false);
   void Touch(std::size_t slot, std::uint64_t* changed);
   void EncodeTouched(std::uint64_t* changed);
   // Sorts the objects of some slots into the first of these, after Prepare().

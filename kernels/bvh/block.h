@@ -86,10 +86,10 @@ struct BlockRange {
   // Null, or a word for each of these blocks, with a bit for each object or
   // node that has changed. The others keep their codes, and a block without a
   // bit keeps its node. `above` is not null then.
-  const std::uint64_t* changed = nullptr;
+  const std::uint64_t* changed;
   // The same of the next level, from the word of block `begin` on: takes a bit
   // for each node that changes.
-  std::uint64_t* changed_above = nullptr;
+  std::uint64_t* changed_above;
 };
 
 // Of some objects: coordinate k of the center of object i. What has no center,

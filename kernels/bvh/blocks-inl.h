@@ -431,9 +431,8 @@ HWY_INLINE bool EncodeNode(const detail::BvhLevel& level, size_t block,
   bool is_ordered = false;
   if constexpr (kHasMax) {
     is_ordered = OutermostIfOrdered<kAxes>(level, block, planes);
-    const bool is_regular = is_ordered && level.regular == nullptr
-                                ? true
-                                : IsRegular<kAxes>(level, block);
+    const bool is_regular = (is_ordered && level.regular == nullptr) ||
+                            IsRegular<kAxes>(level, block);
     is_changed |= AssignBit(above.regular, block, is_regular);
   }
   if (!is_ordered) {

@@ -506,14 +506,14 @@ class PlainWalk {
       EncodeQuery<kAxes, kHasMax>(*levels_.map, query_, codes);
       const auto test = [&](size_t block)
                             HWY_ATTR { return TestLeaf(block, codes); };
-      is_three ? VisitNodes(kept, test) : VisitLeaves(0, kept, 0, test);
+      Visit(is_three, kept, test);
     } else {
       const auto test = [&](size_t block) HWY_ATTR {
         return objects.present[block] &
                TestBlock<kAxes, kPlanes, false>(objects, block, 0,
                                                 detail::kBlockObjects, query_);
       };
-      is_three ? VisitNodes(kept, test) : VisitLeaves(0, kept, 0, test);
+      Visit(is_three, kept, test);
     }
     return true;
   }
@@ -521,7 +521,16 @@ class PlainWalk {
  private:
   static constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
 
-  // The leaves below the nodes of the root whose bits are set.
+  // From the nodes of the root whose bits are set.
+  template <class Test>
+  HWY_INLINE void Visit(bool is_three, uint64_t kept, const Test& test) {
+    if (is_three) {
+      VisitNodes(kept, test);
+    } else {
+      VisitLeaves(0, kept, 0, test);
+    }
+  }
+
   template <class Test>
   HWY_INLINE bool VisitNodes(uint64_t kept, const Test& test) {
     const detail::BvhLevel& nodes = levels_.level[1];
@@ -562,6 +571,7 @@ class PlainWalk {
     if (unsure == 0) [[likely]] {
       return kept;
     }
+    // Rarely, so the whole block, in less code than object after object.
     const PlaneQueries<kAxes, kHasMax> query(query_);
     return (kept & ~unsure) |
            (unsure & query.TestApart(0, levels_.level[0], block));

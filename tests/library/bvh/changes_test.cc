@@ -263,6 +263,18 @@ TYPED_TEST(BvhChangesTest, LevelsStayAsTightAsAfterARefit) {
   }
 }
 
+// Three levels: the root learns of masks that change no bound.
+TEST(BvhMasksTest, AMaskIsKnownAtTheRoot) {
+  AabbBvh3 bvh(Spread<AabbView3>(1.0f).Objects(9000));
+  bvh.SetMasks(Ids(9000, 1));
+  bvh.SetMasks(7, 2);
+  QueryOptions options;
+  options.mask = 2;
+  EXPECT_EQ(CountSurvivors(bvh, Aabb3::Everything(), options), 1u);
+  bvh.Erase(7);
+  EXPECT_EQ(CountSurvivors(bvh, Aabb3::Everything(), options), 0u);
+}
+
 TYPED_TEST(BvhChangesTest, RebuildsMendWhatDecayed) {
   using View = typename TypeParam::View;
   using Bound = typename View::Bound;
