@@ -678,7 +678,7 @@ TEST(BvhPairsErrorsTest, RefusesWhatItCannotReadAndWritesNothing) {
   refuses(Ids{1, 7}, in_world, "7");
   const Ids ids = {1, 2, 3};
   refuses({static_cast<const std::uint32_t*>(nullptr), 3},
-          "ids: expected 3 ids", "a null pointer");
+          "ids: expected memory for 3 elements", "a null pointer");
   refuses({Misaligned(ids.data()), 2}, "ids: expected a pointer aligned",
           "a misaligned one");
   refuses(ids, "options.target", "no target",
