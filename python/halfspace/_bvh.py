@@ -131,7 +131,8 @@ class BVH:
         The tree cannot change while the memoryview exists. The first call after
         a change computes a checksum.
         """
-        return memoryview(self._tree.blob())
+        blob: Any = self._tree.blob()  # a buffer
+        return memoryview(blob)
 
     def save(self, path: Path) -> None:
         """Writes the tree to a file for `map`.
