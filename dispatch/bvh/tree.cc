@@ -17,8 +17,8 @@
 
 namespace halfspace::detail {
 
-static_assert(sizeof(BvhState) <= sizeof(BvhTree) &&
-              alignof(BvhState) <= alignof(BvhTree));
+static_assert(sizeof(BvhState) <= sizeof(BvhTree));
+static_assert(alignof(BvhState) <= alignof(BvhTree));
 
 BvhTree::BvhTree(const BvhType& type, const MemoryResource& memory) {
   new (state_) BvhState(type, memory);

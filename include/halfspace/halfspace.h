@@ -1,7 +1,8 @@
 // halfspace answers one question: which of these stored bounds could this query
 // touch?
 //
-// This header includes every public header. Each header documents its own
+// This header includes every public header, except error.h, which needs
+// <stdexcept> and with it a third more lines. Each header documents its own
 // calls:
 //   bounds.h       bounding volumes (k-DOPs)
 //   shapes.h       points, boxes, spheres, ...: the input of builders
@@ -42,7 +43,6 @@
 #include "halfspace/bvh_nearest.h"    // IWYU pragma: export
 #include "halfspace/bvh_pairs.h"      // IWYU pragma: export
 #include "halfspace/bvh_shapes.h"     // IWYU pragma: export
-#include "halfspace/error.h"          // IWYU pragma: export
 #include "halfspace/fit.h"            // IWYU pragma: export
 #include "halfspace/fit_many.h"       // IWYU pragma: export
 #include "halfspace/fit_status.h"     // IWYU pragma: export

@@ -465,102 +465,93 @@ class Walker {
   uint32_t list_[kManyLeaves + detail::kBlockObjects];
 };
 
-// The walk of one query in a tree of at most three levels that is in cache.
-// Nothing that a Walker carries for masks, lists of leaves and other queries is
-// in its loops.
-template <size_t kAxes, bool kHasMax, bool kWrites>
+// The walk of one query by boxes or octahedra in a small tree: a leaf, leaves
+// under one block of nodes that have no codes, or three levels that have, in
+// cache. Nothing that a Walker carries for masks, lists of leaves and other
+// queries is in its loops.
+template <size_t kAxes, bool kWrites>
 class PlainWalk {
  public:
-  static HWY_INLINE bool Fits(const detail::Walk& walk) {
-    return walk.query_count == 1 && walk.statistics == nullptr &&
-           (!kWrites ||
-            (walk.ids->offsets == nullptr && walk.ids->take == nullptr)) &&
-           (walk.levels->level[0].masks == nullptr || ~walk.mask == 0);
-  }
-
   explicit PlainWalk(const detail::Walk& walk)
       : walk_(walk),
         levels_(*walk.levels),
-        query_(static_cast<const float*>(walk.queries)) {}
+        query_(static_cast<const float*>(walk.queries)),
+        queries_(walk.queries) {}
 
-  // Returns false, and has done nothing, where a Walker takes less time.
+  // Returns false, and has done nothing, where a Walker is needed or takes less
+  // time.
   HWY_INLINE bool Run() {
     const detail::BvhLevel& objects = levels_.level[0];
+    const bool has_masks = objects.masks != nullptr && ~walk_.mask != 0;
+    if (walk_.query_count != 1 || walk_.statistics != nullptr || has_masks) {
+      return false;
+    }
+    if constexpr (kWrites) {
+      const detail::WalkIds& ids = *walk_.ids;
+      if (ids.offsets != nullptr || ids.take != nullptr) return false;
+    }
     if (objects.size <= detail::kBlockObjects) {
-      const uint64_t kept =
-          TestFloats<kAxes, kHasMax, true>(objects, 0, query_);
+      const uint64_t kept = TestFloats<kAxes, true, true>(objects, 0, query_);
       if (kept != 0) Take(0, objects.size, kept);
       return true;
     }
-    const detail::BvhLevel& nodes = levels_.level[1];
-    const bool is_three = nodes.size > detail::kBlockObjects;
-    const detail::BvhLevel& root = is_three ? levels_.level[2] : nodes;
-    if (root.size > detail::kBlockObjects || objects.is_prefetched) {
+    const bool has_codes = levels_.codes != nullptr;
+    const detail::BvhLevel& root = levels_.level[has_codes ? 2 : 1];
+    if (root.size > detail::kBlockObjects) return false;
+    if (has_codes &&
+        (objects.size <= kMostInTwoLevels || objects.is_prefetched)) {
       return false;
     }
-    const uint64_t kept = TestFloats<kAxes, kHasMax>(root, 0, query_);
+    const uint64_t kept = queries_.TestApart(0, root, 0);
     // It would be the Walker that finds nodes inside of the query.
-    if (kHasMax && hwy::PopCount(kept) >= kManyKept) return false;
-    if (levels_.codes != nullptr) {
-      QueryCodes codes;
-      EncodeQuery<kAxes, kHasMax>(*levels_.map, query_, codes);
-      const auto test = [&](size_t block)
-                            HWY_ATTR { return TestLeaf(block, codes); };
-      Visit(is_three, kept, test);
-    } else {
-      const auto test = [&](size_t block) HWY_ATTR {
-        return objects.present[block] &
-               TestBlock<kAxes, kPlanes, false>(objects, block, 0,
-                                                detail::kBlockObjects, query_);
-      };
-      Visit(is_three, kept, test);
-    }
+    if (hwy::PopCount(kept) >= kManyKept) return false;
+    has_codes ? VisitNodes(kept) : VisitFloats(kept);
     return true;
   }
 
  private:
-  static constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
+  static constexpr size_t kPlanes = kBlockPlanes<kAxes, true>;
+  static constexpr size_t kMostInTwoLevels =
+      detail::kBlockObjects * detail::kBlockObjects;
 
-  // From the nodes of the root whose bits are set.
-  template <class Test>
-  HWY_INLINE void Visit(bool is_three, uint64_t kept, const Test& test) {
-    if (is_three) {
-      VisitNodes(kept, test);
-    } else {
-      VisitLeaves(0, kept, 0, test);
-    }
-  }
-
-  template <class Test>
-  HWY_INLINE bool VisitNodes(uint64_t kept, const Test& test) {
-    const detail::BvhLevel& nodes = levels_.level[1];
-    for (; kept != 0; kept &= kept - 1) {
-      const size_t block = hwy::Num0BitsBelowLS1Bit_Nonzero64(kept);
-      const uint64_t leaves = TestFloats<kAxes, kHasMax>(nodes, block, query_);
-      uint64_t inside = 0;
-      if (kHasMax && hwy::PopCount(leaves) >= kManyKept) {
-        inside = leaves & nodes.regular[block];
-        if (inside != 0) inside &= InsideBits<kAxes>(nodes, block, query_);
-      }
-      if (!VisitLeaves(block * detail::kBlockObjects, leaves, inside, test)) {
-        return false;
-      }
-    }
-    return true;
-  }
-
-  template <class Test>
-  HWY_INLINE bool VisitLeaves(size_t first, uint64_t leaves, uint64_t inside,
-                              const Test& test) {
+  // Leaves under the root.
+  HWY_INLINE void VisitFloats(uint64_t leaves) {
+    const detail::BvhLevel& objects = levels_.level[0];
     for (; leaves != 0; leaves &= leaves - 1) {
-      const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(leaves);
-      const size_t block = first + lane;
-      const uint64_t kept = (inside >> lane & 1) != 0
-                                ? levels_.level[0].present[block]
-                                : test(block);
-      if (!Take(block, detail::kBlockObjects, kept)) return false;
+      const size_t block = hwy::Num0BitsBelowLS1Bit_Nonzero64(leaves);
+      const uint64_t kept =
+          objects.present[block] &
+          TestBlock<kAxes, kPlanes, false>(objects, block, 0,
+                                           detail::kBlockObjects, query_);
+      if (!Take(block, detail::kBlockObjects, kept)) return;
     }
-    return true;
+  }
+
+  // Nodes under the root, and their leaves.
+  HWY_INLINE void VisitNodes(uint64_t nodes_kept) {
+    const detail::BvhLevel& nodes = levels_.level[1];
+    QueryCodes codes;
+    queries_.Encode(0, *levels_.map, codes);
+    for (; nodes_kept != 0; nodes_kept &= nodes_kept - 1) {
+      const size_t node = hwy::Num0BitsBelowLS1Bit_Nonzero64(nodes_kept);
+      uint64_t leaves = queries_.TestApart(0, nodes, node);
+      const uint64_t inside =
+          hwy::PopCount(leaves) >= kManyKept ? Inside(nodes, node, leaves) : 0;
+      for (; leaves != 0; leaves &= leaves - 1) {
+        const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(leaves);
+        const size_t block = node * detail::kBlockObjects + lane;
+        const uint64_t kept = (inside >> lane & 1) != 0
+                                  ? levels_.level[0].present[block]
+                                  : TestLeaf(block, codes);
+        if (!Take(block, detail::kBlockObjects, kept)) return;
+      }
+    }
+  }
+
+  HWY_NOINLINE uint64_t Inside(const detail::BvhLevel& nodes, size_t block,
+                               uint64_t kept) const {
+    kept &= nodes.regular[block];
+    return kept == 0 ? 0 : queries_.Inside(0, nodes, block, kept);
   }
 
   HWY_INLINE uint64_t TestLeaf(size_t block, const QueryCodes& codes) const {
@@ -572,9 +563,8 @@ class PlainWalk {
       return kept;
     }
     // Rarely, so the whole block, in less code than object after object.
-    const PlaneQueries<kAxes, kHasMax> query(query_);
     return (kept & ~unsure) |
-           (unsure & query.TestApart(0, levels_.level[0], block));
+           (unsure & queries_.TestApart(0, levels_.level[0], block));
   }
 
   HWY_INLINE bool Take(size_t block, size_t count, uint64_t kept) {
@@ -592,6 +582,7 @@ class PlainWalk {
   const detail::Walk& walk_;
   const detail::BvhLevels& levels_;
   const float* const query_;
+  const PlaneQueries<kAxes, true> queries_;
 };
 
 template <class Query, bool kWrites>
@@ -599,10 +590,12 @@ void RunWalk(const detail::Walk& walk) {
   Walker<Query, kWrites>(walk).Run();
 }
 
+// A PlainWalk of simplices, or in plain code, would be code for few.
 template <size_t kAxes, bool kHasMax, bool kWrites>
 void RunPlaneWalk(const detail::Walk& walk) {
-  using Plain = PlainWalk<kAxes, kHasMax, kWrites>;
-  if (Plain::Fits(walk) && Plain(walk).Run()) return;
+  if constexpr (kHasMax && kHasVectors) {
+    if (PlainWalk<kAxes, kWrites>(walk).Run()) return;
+  }
   RunWalk<PlaneQueries<kAxes, kHasMax>, kWrites>(walk);
 }
 

@@ -33,10 +33,6 @@ inline constexpr size_t kGroupObjects = 16;
 #endif
 inline constexpr size_t kWordGroups = kWordObjects / kGroupObjects;
 
-// Groups are found by vectors. Plain code has none.
-inline constexpr bool kHasVectors =
-    HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128;
-
 // How many of some groups, or words, have a survivor.
 struct Left {
   size_t some;

@@ -18,6 +18,10 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+// Plain code has none.
+inline constexpr bool kHasVectors =
+    HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128;
+
 // Bit w of the result says whether words[w] is nonzero; at most 64 words. There
 // is no branch, because which words are nonzero cannot be predicted.
 HWY_INLINE uint64_t NonzeroWords(const uint64_t* words, size_t count) {

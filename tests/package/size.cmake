@@ -33,7 +33,7 @@ if(TARGET example_quick_start)
 endif()
 # Box queries of a BVH, without its other searches.
 if(TARGET example_many_boxes)
-  add_size_test(many_boxes example_many_boxes 260000)
+  add_size_test(many_boxes example_many_boxes 300000)
 endif()
 # One call of a scan; and one kernel in C, in C++ and inline.
 add_executable(one_call one_call.cc)

@@ -16,6 +16,7 @@
 #include <tuple>
 #include <vector>
 
+#include "halfspace/error.h"
 #include "halfspace/halfspace.h"
 #include "tests/library/bvh/aligned_copy.h"
 #include "tests/library/support/counting_memory.h"

@@ -1,6 +1,7 @@
 // A user of the library: bounds two triangles, asks which of them a third one
 // could touch, on every target of this machine, and checks the answer, as
 // floats and as quantized bounds. In C++17, with one caller in C++20.
+#include <halfspace/error.h>
 #include <halfspace/halfspace.h>
 
 #include <array>
