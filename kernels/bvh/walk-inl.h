@@ -550,8 +550,8 @@ class PlainWalk {
 
   HWY_NOINLINE uint64_t Inside(const detail::BvhLevel& nodes, size_t block,
                                uint64_t kept) const {
-    kept &= nodes.regular[block];
-    return kept == 0 ? 0 : queries_.Inside(0, nodes, block, kept);
+    const uint64_t regular = kept & nodes.regular[block];
+    return regular == 0 ? 0 : queries_.Inside(0, nodes, block, regular);
   }
 
   HWY_INLINE uint64_t TestLeaf(size_t block, const QueryCodes& codes) const {
