@@ -71,8 +71,8 @@ class ChangedBits {
     if (bytes_ > 0) std::memset(memory_.data(), 0, bytes_);
   }
 
-  // Null if there are none. Those of a level, a word for each block, are behind
-  // those of the level below.
+  // Null if there are none. Level 0 has the first words, one for each block.
+  // The words of level 1 follow, and so on.
   std::uint64_t* words() const {
     return reinterpret_cast<std::uint64_t*>(memory_.data());
   }

@@ -350,8 +350,8 @@ class Bvh {
     tree_.Refit(detail::ColumnsOf(bounds), true, run);
   }
 
-  // Gives some objects new bounds, by id: bounds[i] is that of object i, and
-  // only those of `ids` are read. An id may be in the list more than once.
+  // Sets the bounds of the objects in `ids`: bounds[i] is the bound of object
+  // i. Reads no other bounds. An id may be in the list more than once.
   // Otherwise as Set() of several objects, and faster, because the bounds are
   // read in this world's order. `bounds.size()` must be at least id_limit().
   void Refit(Span<const std::uint32_t> ids, Span<const Bound> bounds) {

@@ -420,8 +420,8 @@ HWY_INLINE bool AssignBit(uint64_t* words, size_t i, bool value) {
   return ((old & bit) != 0) != value;
 }
 
-// Writes what a node says of its block, but for its masks. Returns whether
-// something of it was different.
+// Writes the node of a block, except its masks. Returns whether the node
+// changed.
 template <size_t kAxes, bool kHasMax>
 HWY_INLINE bool EncodeNode(const detail::BvhLevel& level, size_t block,
                            const detail::BvhLevel& above) {

@@ -590,7 +590,7 @@ void RunWalk(const detail::Walk& walk) {
   Walker<Query, kWrites>(walk).Run();
 }
 
-// A PlainWalk of simplices, or in plain code, would be code for few.
+// Simplices, and plain code, have the Walker alone: few queries would gain.
 template <size_t kAxes, bool kHasMax, bool kWrites>
 void RunPlaneWalk(const detail::Walk& walk) {
   if constexpr (kHasMax && kHasVectors) {

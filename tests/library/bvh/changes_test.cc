@@ -242,7 +242,7 @@ TYPED_TEST(BvhChangesTest, LevelsStayAsTightAsAfterARefit) {
                 std::span(list).subspan(i, count));
     listed.Refit(std::span(ids).subspan(i, count), list);
   }
-  // Also the codes: an object has the same in whatever call.
+  // The codes are equal, too: they do not depend on the call.
   EXPECT_TRUE(std::ranges::equal(changed.Blob(), batched.Blob()));
   EXPECT_TRUE(std::ranges::equal(changed.Blob(), listed.Blob()));
   refitted.Refit(bounds.view());
