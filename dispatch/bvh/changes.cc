@@ -94,41 +94,6 @@ class ChangedBits {
   Scratch memory_;
 };
 
-// Calls visit(i, record) for each object of a block whose bit is set.
-template <typename Visit>
-void ForEachObject(const BvhLevels& levels, const Columns& bounds,
-                   std::size_t block, std::uint64_t objects,
-                   const Visit& visit) {
-  const std::uint32_t* const ids = levels.ids + block * kBlockObjects;
-  for (; objects != 0; objects &= objects - 1) {
-    const auto i = static_cast<std::size_t>(std::countr_zero(objects));
-    visit(i, ids[i] * bounds.stride);
-  }
-}
-
-void PrefetchObjects(const BvhLevels& levels, const Columns& bounds,
-                     std::size_t block, std::uint64_t objects) {
-  ForEachObject(levels, bounds, block, objects,
-                [&](std::size_t, std::size_t from) {
-                  kernels::PrefetchToL2(bounds.floats(0) + from);
-                });
-}
-
-// Copies the bounds, by id, of those objects of a block whose bits are set.
-void CopyObjects(const BvhLevels& levels, const Columns& bounds,
-                 std::size_t block, std::uint64_t objects) {
-  const std::size_t planes = levels.level[0].planes;
-  float* const to = levels.level[0].Plane(block, 0);
-  const float* const rows = RowsOf(bounds, planes);
-  ForEachObject(
-      levels, bounds, block, objects, [&](std::size_t i, std::size_t from) {
-        for (std::size_t p = 0; p < planes; ++p) {
-          to[p * kBlockObjects + i] =
-              rows != nullptr ? rows[from + p] : bounds.floats(p)[from];
-        }
-      });
-}
-
 }  // namespace
 
 void BvhState::CheckChange(const char* call) {
@@ -343,22 +308,29 @@ void BvhTree::Refit(Span<const std::uint32_t> ids, const Columns& bounds) {
   if (words == nullptr) {
     for (const std::uint32_t id : ids) {
       const std::size_t slot = tree.levels_.slots[id];
-      CopyObjects(tree.levels_, bounds, slot / kBlockObjects,
-                  std::uint64_t{1} << slot % kBlockObjects);
+      CopyBounds(tree.levels_, bounds, tree.levels_.ids, slot / kBlockObjects,
+                 std::uint64_t{1} << slot % kBlockObjects);
       tree.EncodePath(slot);
     }
     return;
   }
   for (const std::uint32_t id : ids) tree.Touch(tree.levels_.slots[id], words);
   // Leaf by leaf, so that bounds are copied to memory that is in cache. Those
-  // of the next leaf are anywhere.
+  // of the next leaf are anywhere. To prefetch the second line of a bound, as a
+  // refit of all objects does, takes 5 to 18 % longer (Zen 3).
+  const std::uint32_t* const its_ids = tree.levels_.ids;
   std::size_t next = 0;
   const std::size_t blocks = BlocksOf(tree.slots());
   for (std::size_t block = 0; block < blocks; block = next) {
     while (++next < blocks && words[next] == 0) {
     }
-    if (next < blocks) PrefetchObjects(tree.levels_, bounds, next, words[next]);
-    CopyObjects(tree.levels_, bounds, block, words[block]);
+    for (std::uint64_t bits = next < blocks ? words[next] : 0; bits != 0;
+         bits &= bits - 1) {
+      const std::size_t slot = next * kBlockObjects +
+                               static_cast<std::size_t>(std::countr_zero(bits));
+      kernels::PrefetchToL2(bounds.floats(0) + its_ids[slot] * bounds.stride);
+    }
+    CopyBounds(tree.levels_, bounds, its_ids, block, words[block]);
   }
   tree.EncodeTouched(words);
 }

@@ -80,7 +80,7 @@ void FillPart(const BvhLevels& levels, std::size_t planes,
             [](const void* at) { kernels::PrefetchToL2(at); });
       }
     }
-    std::uint64_t present = level.present[b];
+    const std::uint64_t present = level.present[b];
     if (~present == 0 && elements != nullptr) {
       for (std::size_t p = 0; p < planes; ++p) {
         float* const to = level.Plane(b, p);
@@ -94,14 +94,7 @@ void FillPart(const BvhLevels& levels, std::size_t planes,
                     kBlockObjects * sizeof(float));
       }
     } else {
-      for (std::size_t s = first; present != 0; present >>= 1, ++s) {
-        if ((present & 1) == 0) continue;
-        const std::size_t from =
-            (elements == nullptr ? s : elements[s]) * objects.stride;
-        for (std::size_t p = 0; p < planes; ++p) {
-          level.Value(p, s) = objects.floats(p)[from];
-        }
-      }
+      CopyBounds(levels, objects, elements, b, present);
     }
     kernels.encode(RangeOf(levels, 0, b, b + 1));
   }
@@ -316,6 +309,25 @@ void FitMap(const PlaneLayout& layout, const BvhLevels& levels) {
   FitMapTo(layout, levels, [&](std::size_t p, std::size_t s) {
     return levels.level[0].Value(p, s);
   });
+}
+
+void CopyBounds(const BvhLevels& levels, const Columns& objects,
+                const std::uint32_t* elements, std::size_t block,
+                std::uint64_t slots) {
+  const std::size_t planes = levels.level[0].planes;
+  const std::size_t first = block * kBlockObjects;
+  float* const to = levels.level[0].Plane(block, 0);
+  const float* const rows = RowsOf(objects, planes);
+  for (; slots != 0; slots &= slots - 1) {
+    const auto i = static_cast<std::size_t>(std::countr_zero(slots));
+    const std::size_t from =
+        (elements == nullptr ? first + i : elements[first + i]) *
+        objects.stride;
+    for (std::size_t p = 0; p < planes; ++p) {
+      to[p * kBlockObjects + i] =
+          rows != nullptr ? rows[from + p] : objects.floats(p)[from];
+    }
+  }
 }
 
 void FillSlots(const PlaneLayout& layout, const BvhLevels& levels,

@@ -195,6 +195,12 @@ void EncodeSlots(BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
 void OrMasks(BvhLevels& levels, std::size_t level, std::size_t block);
 void OrAllMasks(BvhLevels& levels);
 
+// Copies the floats of those slots of a block whose bits are set. Slot s has
+// element elements[s], or s without them.
+void CopyBounds(const BvhLevels& levels, const Columns& objects,
+                const std::uint32_t* elements, std::size_t block,
+                std::uint64_t slots);
+
 // Some slots as they are, from the beginning of a block on. The cost is the sum
 // of the surfaces of the nodes over them.
 BvhPart AsIs(const PlaneLayout& layout, const BvhLevels& levels,
