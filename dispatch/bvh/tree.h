@@ -91,7 +91,7 @@ class BvhState {
   MemoryResource memory_;
   std::byte* block_ = nullptr;
   std::size_t bytes_ = 0;
-  bool is_owned_ = true;    // and not that of a blob in place
+  bool is_owned_ = true;    // false for the block of a blob in place
   bool is_checked_ = true;  // ids and slots belong together
   bool is_as_loaded_ = false;
   BvhLevels levels_;

@@ -78,8 +78,8 @@ void Build(const AnyBound& bound, FitStatus* status,
 
 // Replaces each minimum of the bound, and each mirrored maximum, by
 // change_axis(minimum, axis, sign), and of D by change_d(minimum, sign).
-// Returns false if a value cannot be bounded. Nothing stays nothing, whatever
-// the change; by an amount that is not finite, all else becomes everything.
+// Returns false if a value cannot be bounded, or if the amount of the change is
+// not finite: the result is then Everything(). An Empty() bound stays Empty().
 template <std::size_t kDims, typename ChangeAxis, typename ChangeD>
 bool ChangePlanes(const AnyBound& bound, bool is_finite,
                   const ChangeAxis& change_axis, const ChangeD& change_d) {

@@ -61,7 +61,7 @@ Crowd CrowdOf(const QuantizedPlanes& quantized, std::size_t level_bytes,
   return {.pairs = pairs / (all * all), .fullest = fullest / all};
 }
 
-// Calls function(levels) with those of one object.
+// Calls function(levels) with the levels of one object.
 template <typename Function>
 auto WithLevels(const Quantizer& quantizer, std::size_t level_bytes,
                 const float* values, const Function& function) {

@@ -170,7 +170,7 @@ std::unique_ptr<Tree> FromBlob(const py::array_t<std::uint8_t>& blob,
   return tree;
 }
 
-// The bytes of a tree. The tree cannot change while the array lives.
+// The bytes of a tree as an array. A tree with such an array refuses changes.
 py::array BlobOf(const py::object& object) {
   auto& tree = object.cast<Tree&>();
   const Reading reading(tree);
