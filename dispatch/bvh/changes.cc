@@ -64,9 +64,10 @@ class ChangedBits {
  public:
   ChangedBits(const MemoryResource& memory, const BvhLevels& levels,
               std::size_t changes)
-      : bytes_(changes <= kFewChanges + levels.level[0].size / kSlotsOfChange
+      : bytes_(changes <= BvhState::FewChanges(levels.level[0].size)
                    ? 0
-                   : WordsOf(levels) * sizeof(std::uint64_t)),
+                   : BvhState::WordsOfChanges(levels.level[0].size) *
+                         sizeof(std::uint64_t)),
         memory_(memory, bytes_) {
     if (bytes_ > 0) std::memset(memory_.data(), 0, bytes_);
   }
@@ -78,23 +79,20 @@ class ChangedBits {
   }
 
  private:
-  // Fewer changes take less time one by one (AVX-512, 10^5 and 10^6 boxes).
-  static constexpr std::size_t kFewChanges = 4;
-  static constexpr std::size_t kSlotsOfChange = std::size_t{1} << 14;
-
-  static std::size_t WordsOf(const BvhLevels& levels) {
-    std::size_t words = 0;
-    for (std::size_t l = 0; l < levels.count; ++l) {
-      words += BlocksOf(levels.level[l].size);
-    }
-    return words;
-  }
-
   std::size_t bytes_;
   Scratch memory_;
 };
 
 }  // namespace
+
+std::size_t BvhState::WordsOfChanges(std::size_t slots) {
+  std::size_t words = 0;
+  do {
+    slots = BlocksOf(slots);
+    words += slots;
+  } while (slots > 1);
+  return words;
+}
 
 void BvhState::CheckChange(const char* call) {
   std::ignore = KernelsFor(type_, Target(), call);

@@ -11,6 +11,7 @@
 #include <new>
 #include <string>
 
+#include "dispatch/bvh/ball.h"
 #include "dispatch/bvh/cast.h"
 #include "dispatch/bvh/tree.h"
 #include "dispatch/errors/error.h"
@@ -59,6 +60,25 @@ struct NearCallback {
     const auto& call = *static_cast<NearCallback*>(callback);
     return call.mode.Outside(
         [&] { return call.function(call.context, id, value, planes); });
+  }
+};
+
+// The same for a ball.
+struct BallCallback {
+  NearCallback call;
+  BallCast ball;
+  float limit;
+
+  static float Run(void* callback, std::uint32_t id, float /*of_box*/,
+                   const float* planes) {
+    auto& self = *static_cast<BallCallback*>(callback);
+    const float t = self.ball.EntryOf(planes);
+    if (t <= self.limit + kApartOnLine) {
+      const float limit =
+          NearCallback::Run(&self.call, id, ReportedTime(t), planes);
+      if (limit < self.limit) self.limit = limit;
+    }
+    return self.limit;
   }
 };
 
@@ -275,8 +295,15 @@ void BvhCast(const BvhTree& tree, const LineCast& cast, NearFunction function,
   NearCallback callback = {function, context, mode};
   search.function = &NearCallback::Run;
   search.context = &callback;
+  const bool is_ball = cast.is_round && cast.radius > 0;
   dispatch::CallApart([&] {
-    if (MakeCastLine(tree.type(), cast, search.line)) kernels.cast(search);
+    if (!MakeCastLine(tree.type(), cast, search.line)) return;
+    if (!is_ball) return kernels.cast(search);
+    const Line line = search.line;
+    BallCallback of_ball = {callback, {tree.type(), cast, line}, line.max_t};
+    search.function = &BallCallback::Run;
+    search.context = &of_ball;
+    kernels.cast(search);
   });
 }
 

@@ -42,6 +42,22 @@ class BvhState {
   void CheckIds(Span<const std::uint32_t> ids, const char* call) const;
   double CostRatio() const;
 
+  // For a caller that writes floats of slots by itself (the broad phase): first
+  // PrepareRefit(). Then EncodePath() of each of a few slots, or
+  // EncodeTouched() of a bit for each slot that changed, and room for
+  // WordsOfChanges() words which are 0 behind those of the slots. The tree has
+  // changed by id before. Neither allocates.
+  void PrepareRefit() { Prepare("Bvh::Refit", {}); }
+  void EncodePath(std::size_t slot, bool is_new_block = false);
+  void EncodeTouched(std::uint64_t* changed);
+  static std::size_t WordsOfChanges(std::size_t slots);
+  // Fewer changes take less time one by one.
+  static std::size_t FewChanges(std::size_t slots) {
+    return 4 + slots / (std::size_t{1} << 14);
+  }
+  // Reads levels that are not its own, in a tree that has no memory.
+  void Borrow(const BvhLevels& levels) { levels_ = levels; }
+
  private:
   friend class BvhTree;
 
@@ -78,9 +94,7 @@ class BvhState {
   void Remove(std::uint32_t id);
   bool HasManyGaps() const;
   void AppendSlot();
-  void EncodePath(std::size_t slot, bool is_new_block = false);
   void Touch(std::size_t slot, std::uint64_t* changed);
-  void EncodeTouched(std::uint64_t* changed);
   // Sorts the objects of some slots into the first of these, after Prepare().
   // Ranges ascend and begin at blocks. Returns the number of objects.
   std::size_t Resort(const char* call, Span<const SlotRange> ranges,

@@ -38,6 +38,8 @@ ErrorHandler SetErrorHandler(ErrorHandler handler) noexcept {
   return error_handler.exchange(handler);
 }
 
+bool dispatch::HasErrorHandler() { return error_handler.load() != nullptr; }
+
 void dispatch::ThrowInvalid(std::string_view call, std::string_view argument,
                             std::string_view expected, std::string_view given,
                             std::size_t index) {

@@ -21,6 +21,9 @@ namespace halfspace::dispatch {
                                           std::string_view given,
                                           std::size_t index = Error::kNoIndex);
 
+// Whether an error is passed to a handler.
+bool HasErrorHandler();
+
 // Enough digits to tell any two numbers apart.
 template <typename Scalar>
 std::string Shortest(Scalar value) {

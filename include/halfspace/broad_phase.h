@@ -1,45 +1,54 @@
 // BroadPhase: the moving bodies of a simulation, found by queries, casts and
 // pairs while other threads move them.
 //
-//   halfspace::AabbBroadPhase3 bodies(max_bodies);
+//   halfspace::AabbBroadPhase3 bodies;
 //   bodies.Insert(ids, boxes);                 // ids are the caller's numbers
 //   // each frame:
 //   bodies.Move(moved_ids, moved_boxes);       // on any threads
 //   bodies.Update();
-//   bodies.UpdatePairs([](std::uint32_t a, std::uint32_t b) { /* began */ },
-//                      [](std::uint32_t a, std::uint32_t b) { /* ended */ });
-//   bodies.ForEach(query_box, ~std::uint64_t{0},  // all categories
-//                  [](std::uint32_t id, const halfspace::Aabb3& box) {});
+//   bodies.UpdatePairs();
+//   for (const halfspace::IdPair& pair : bodies.began()) { /* pair.a, pair.b */
+//   } for (const halfspace::IdPair& pair : bodies.ended()) { /* the same */ }
+//   ForEachSurvivor(bodies, query_box, [](Span<const std::uint32_t> ids) {});
+//
+// A broad phase is a Bvh (bvh.h) with the caller's ids, and a record of each
+// body that threads write while others query. Its queries have the names, the
+// arguments and the results of those of a Bvh. A program whose frame has
+// phases (move all, update, then query) needs no broad phase: a Bvh and
+// PairEvents (pair_events.h) do the same without a lock (docs/design.md).
 //
 // Bounds are boxes or octahedra of floats in 2 or 3 dimensions. Builders
 // (fit.h) return octahedra: BoundSphere(sphere) is a bound of an
 // AaboBroadPhase3, and BoundSphere(sphere).aabb() one of an AabbBroadPhase3.
-//
-// A broad phase keeps the bound of each body, and a BVH (bvh.h) of bounds that
-// are larger by a margin. The margin and the history change no answer. A query
-// finds the bodies that it would find in a Bvh of the bodies' own bounds, each
-// at most once. A cast finds the same t. NaN, empty, inverted and infinite
-// bounds mean the same as in reject.h.
+// NaN, empty, inverted and infinite bounds mean the same as in reject.h.
 //
 // Thread safety:
-// - Queries, casts, ForEachPairOf(), Has(), Get(), MasksOf(), Bounds() and
-//   size() may run at any time. So may Move() and SetMasks(). Two calls that
-//   change the same body, Insert() and Erase() included, must not run at the
-//   same time.
-// - Insert(), Erase(), Update(), Rebuild(), UpdatePairs() and Statistics() may
-//   run on any thread, at the same time as the calls above. They wait for each
-//   other. They do not wait for queries or moves.
-// - Validate() must not run at the same time as Move().
+// - Queries, casts, PairsOf(), Move(), Has(), Get(), MasksOf(), Bounds() and
+//   size() may run at any time, also at the same time as the calls below. Two
+//   calls that change the same body must not run at the same time.
+// - Insert(), Erase(), SetMasks(), Update(), Rebuild(), UpdatePairs(), Load(),
+//   Save(), a copy, Statistics() and Validate() wait until no query runs, and
+//   then run alone, except that bodies may move. So a thread must not make one
+//   of these calls while it holds a lock that the function of a query needs.
+//   The function of a query must not make one: it throws (error.h).
+// - A query never waits for a query, and Move() waits for nothing.
+// BroadPhaseOptions::caller_locks is for programs that have a lock of their
+// own.
 //
 // Floating-point mode: as in bvh.h.
 //
-// Source: the larger bounds of Box2D's and Bullet's dynamic trees.
+// Source: the mark-and-refit of moved bodies is common to Box2D's, Bullet's and
+// Jolt's broad phases.
 #ifndef HALFSPACE_BROAD_PHASE_H_
 #define HALFSPACE_BROAD_PHASE_H_
 
+#include <array>  // std::data
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <type_traits>
+#include <utility>
 
 #include "halfspace/bounds.h"
 #include "halfspace/bvh.h"
@@ -48,6 +57,7 @@
 #include "halfspace/bvh_shapes.h"
 #include "halfspace/detail/broad_phase.h"
 #include "halfspace/memory.h"
+#include "halfspace/pair_events.h"
 #include "halfspace/runner.h"
 #include "halfspace/shapes.h"
 #include "halfspace/span.h"
@@ -56,11 +66,11 @@
 namespace halfspace {
 
 // A query with mask m finds a body if `category & m` is not 0, and with all
-// ones every body. Two bodies are a pair if the category of each has a bit of
-// the other's `collides_with`.
+// ones every body (QueryOptions::mask). Two bodies are a pair of UpdatePairs()
+// if the category of each has a bit of the other's `collides_with`.
 struct BodyMasks {
-  std::uint64_t category = 1;
-  std::uint64_t collides_with = ~std::uint64_t{0};
+  std::uint32_t category = 0xFFFFFFFF;
+  std::uint32_t collides_with = 0xFFFFFFFF;
 
   friend bool operator==(const BodyMasks& a, const BodyMasks& b) {
     return a.category == b.category && a.collides_with == b.collides_with;
@@ -70,12 +80,12 @@ struct BodyMasks {
   }
 };
 
-// The caller's rule for pairs. `keep` is called for two bodies whose bounds
-// overlap, or are near each other, in either order. `masks_match` is the rule
-// of BodyMasks. The result replaces it. `keep` must return the same for (a, b)
-// and (b, a), and the same in each call until SetMasks() of one of them. It can
-// run on several threads at the same time. It must not throw, and must not call
-// the broad phase, because UpdatePairs() calls it with the lock of all changes.
+// The caller's rule for the pairs of UpdatePairs(). `keep` is called for two
+// bodies whose bounds overlap, in either order. `masks_match` is the rule of
+// BodyMasks. The result replaces it. `keep` must return the same for (a, b) and
+// (b, a), and the same in each call until SetMasks() of one of them. It can run
+// on several threads at the same time. It must not throw, and must not call the
+// broad phase, because UpdatePairs() calls it when it runs alone.
 //
 // Box2D's groups: return group[a] != 0 && group[a] == group[b] ? group[a] > 0
 // : masks_match. Jolt's layers: return layer_filter.ShouldCollide(layer[a],
@@ -87,35 +97,30 @@ struct PairFilter {
 };
 
 struct BroadPhaseOptions {
-  // The bounds in the tree are larger than the bodies' by this on each side,
-  // and by up to four times this on a side to which the body moves. A body
-  // that stays inside costs a comparison in Move() and a test of its pairs in
-  // UpdatePairs(). Each query tests more bodies with a large margin. A tenth of
-  // a body's size is usual. A body should need several calls of Update() to
-  // move so far. With 0, most bounds in the tree are the bodies' own, and a
-  // query takes about as long as that of a Bvh. Must be finite and not
-  // negative.
-  //
-  // The margin should be less than the distance between most bodies, also if
-  // some bodies are large. UpdatePairs() keeps each two bodies whose larger
-  // bounds overlap, so beyond this distance its memory and time grow as the
-  // square of the number of bodies. 16 000 bodies that have no pair, all within
-  // the margin of each other, take 1.0 GB, and 3 GB during UpdatePairs().
-  float margin = 0;
   PairFilter filter = {};
-  // The resource of all memory (memory.h). It is called by the threads that
-  // change the broad phase, by ForEachPairOf(), and by the threads of the
-  // runner of UpdatePairs(). These calls can be at the same time.
+  // The resource of all memory (memory.h). It is called by calls that run
+  // alone, by queries that allocate, and by the threads of the runner of
+  // UpdatePairs(). These calls can be at the same time.
   MemoryResource memory = {};
+  // If false, a query sees each Move() that returned before it began (in the
+  // sense of happens-before): it copies the bounds that moved into the tree, if
+  // no other query runs, and otherwise tests these bodies one by one. If true,
+  // queries see moves from the next Update() on. They are then faster on
+  // several threads, where some threads move bodies all the time.
+  bool moves_wait_for_update = false;
+  // If true, the broad phase has no lock: no two calls may run at the same
+  // time, except calls of Move(), and queries after Update() before the next
+  // Move(). Saves about 6 ns of each query.
+  bool caller_locks = false;
 };
 
 struct UpdateOptions {
   static constexpr std::size_t kAutomatic = static_cast<std::size_t>(-1);
 
-  // About how many bodies are sorted again if Bvh::CostRatio is above 1.25:
-  // those whose order has decayed most, and at least 4096. 0 sorts none.
-  // kAutomatic is size() / 16. If the ratio is above 2, and the budget is not
-  // less than size(), all are sorted as by Rebuild().
+  // About how many bodies are sorted again if Bvh::CostRatio is above 1.25
+  // (Bvh::RebuildPartial). 0 sorts none. kAutomatic is size() / 16. If the
+  // ratio is above 2, and the budget is not less than size(), all are sorted as
+  // by Rebuild().
   std::size_t budget = kAutomatic;
   // Used when all are sorted (runner.h).
   Runner run = {};
@@ -123,11 +128,7 @@ struct UpdateOptions {
 
 struct BroadPhaseStatistics {
   std::size_t bodies = 0;
-  // Bodies that are not in the tree yet. Each query tests all of them.
-  std::size_t pending = 0;
   std::size_t pairs = 0;  // of the last UpdatePairs()
-  // Trees in memory: 1, and those that queries still read.
-  std::size_t trees = 0;
   std::size_t bytes = 0;  // all memory
   double cost_ratio = 1;  // Bvh::CostRatio() of the tree
 };
@@ -135,18 +136,17 @@ struct BroadPhaseStatistics {
 // The moving bodies of a simulation, under the caller's ids. The top of
 // broad_phase.h has an example, and says which calls may run at the same time.
 //
-// Errors (error.h): `max_ids` is more than 2^29; the margin is negative or not
-// finite; an id is not below max_ids(), is inserted twice, or is not that of a
-// body; a list is null, misaligned, or has another size than `ids`; the errors
-// of bvh_shapes.h and bvh_nearest.h. The call has then changed nothing. A
-// failed allocation throws std::bad_alloc. All bodies, their bounds, masks and
-// pairs are then as before.
+// Errors (error.h): an id is 2^31 or more, is inserted twice, or is not that of
+// a body; a list is null, misaligned, or has another size than `ids`; a call
+// that runs alone is made by the function of a query; the errors of bvh.h,
+// bvh_shapes.h, bvh_nearest.h and bvh_pairs.h. The call has then changed
+// nothing. A failed allocation throws std::bad_alloc. All bodies, their bounds,
+// masks and pairs are then as before.
 //
-// Memory: boxes in 3 dimensions take about 5 KB, 46 bytes per id, 24 of them
-// the bound, and 33 to 37 bytes per body in the tree (many thousand bodies; 38
-// of 1000). With a margin of 0, they take another byte per id for each tree
-// that was in memory at the same time, usually 2 bytes. Up to half of the
-// places in the tree can be empty after erasures.
+// Memory: boxes in 3 dimensions take 24 bytes for the bound and about 56 for
+// the record and the tree, and 8 more with masks. A pair takes 8 bytes after
+// the first UpdatePairs(). A group of 64 ids without a body takes 12 bytes, so
+// ids may have gaps. An empty broad phase takes about 6 KB.
 template <typename ViewType>
 class BroadPhase {
  public:
@@ -158,17 +158,16 @@ class BroadPhase {
                 "broad phases are of boxes or octahedra of floats, in 2 or 3 "
                 "dimensions");
 
-  // Ids are the caller's numbers below `max_ids`, such as the index of a body.
-  // Allocates what is needed per id. Can neither be copied nor moved.
-  explicit BroadPhase(std::size_t max_ids,
-                      const BroadPhaseOptions& options = {})
-      : core_(detail::BvhTypeOf<View>(), max_ids, options) {}
+  explicit BroadPhase(const BroadPhaseOptions& options = {})
+      : core_(detail::BvhTypeOf<View>(), options) {}
 
-  // Adds bodies. `masks` is empty, or has an element for each id.
-  //
-  // Up to 256 new bodies wait in a list, which each query tests, until the next
-  // Update(). An Insert() that has no room in the list puts all of them into
-  // the tree at once: it copies the tree. Insert many bodies by one call.
+  // A copy has the same bodies, masks, pairs and options, and from then on
+  // gives the same answers and events in the same order. An object that was
+  // moved from may only be destroyed or assigned to.
+
+  // Adds bodies. Ids are the caller's numbers below 2^31, such as the index of
+  // a body; memory grows with the greatest. `masks` is empty, or has an element
+  // for each id. Insert many bodies by one call: they are sorted together.
   void Insert(Span<const std::uint32_t> ids, Span<const Bound> bounds,
               Span<const BodyMasks> masks = {}) {
     core_.Insert(ids, detail::ValuesOfAll(bounds), masks);
@@ -178,16 +177,16 @@ class BroadPhase {
     Insert({&id, 1}, {&bound, 1}, {&masks, 1});
   }
 
-  // Removes bodies. An id that is given twice is removed once. Their places in
-  // the tree become free at one of the next calls of Update(). Until the next
+  // Removes bodies. An id that is given twice is removed once. Until the next
   // UpdatePairs(), a new body under the id of an erased one continues its
-  // pairs. Allocates nothing.
+  // pairs.
   void Erase(Span<const std::uint32_t> ids) { core_.Erase(ids); }
   void Erase(std::uint32_t id) { Erase({&id, 1}); }
 
   // Changes the bounds of bodies. If an id is given twice, the last bound wins.
-  // If a new bound is not inside the body's larger bound, the larger bound and
-  // its nodes grow in place. Allocates nothing and takes no lock.
+  // Writes the bodies' records and marks those whose bound has changed. Takes
+  // no lock, waits for nothing and allocates nothing. 2 to 4 ns a body in a
+  // list, up to 13 by itself.
   void Move(Span<const std::uint32_t> ids, Span<const Bound> bounds) {
     core_.Move(ids, detail::ValuesOfAll(bounds));
   }
@@ -197,7 +196,7 @@ class BroadPhase {
 
   // Changes the masks of bodies. The next UpdatePairs() looks at all their
   // pairs. Call it, with the same masks, if the result of PairFilter::keep
-  // changes for a body. Allocates nothing and takes no lock.
+  // changes for a body.
   void SetMasks(Span<const std::uint32_t> ids, Span<const BodyMasks> masks) {
     core_.SetMasks(ids, masks);
   }
@@ -205,25 +204,24 @@ class BroadPhase {
     SetMasks({&id, 1}, {&masks, 1});
   }
 
-  // Call it once per frame. Puts new bodies into the tree, removes those that
-  // were erased, shrinks the larger bounds that Move() made grow, and sorts
-  // bodies again where the order has decayed. Changes no answer. Reads a byte
-  // per id, up to the greatest that was in use. Copies the tree if there is
-  // something to do. It can delay the work to one of the next 7 calls if there
-  // are no new bodies, and at most max(64, size() / 16) bodies left their
-  // bounds or were erased.
+  // Call it once per frame. Copies the bounds that moved into the tree, and
+  // sorts bodies again where the order has decayed. Changes no answer. Costs
+  // what Bvh::Refit() of the moved bodies and Bvh::RebuildPartial() cost.
   void Update(const UpdateOptions& options = {}) { core_.Update(options); }
 
   // Update() that sorts all bodies.
   void Rebuild(const Runner& run = {}) { core_.Rebuild(run); }
 
-  std::size_t max_ids() const { return core_.max_ids(); }
   std::size_t size() const { return core_.size(); }
   bool empty() const { return size() == 0; }
+
+  // An array by id with so many elements has one for each body.
+  std::size_t id_limit() const { return core_.id_limit(); }
 
   // Whether a body has this id, which may be any number.
   bool Has(std::uint32_t id) const { return core_.Has(id); }
 
+  // Returns a body's bound. If it is being written, waits until it is written.
   Bound Get(std::uint32_t id) const {
     detail::PlaneValues<Bound> values;
     core_.Get(id, values);
@@ -231,178 +229,64 @@ class BroadPhase {
   }
   BodyMasks MasksOf(std::uint32_t id) const { return core_.MasksOf(id); }
 
-  // Returns a bound that encloses all bodies. It is larger than theirs by up to
-  // four times the margin, and encloses where bodies were since Update() last
-  // made their bounds tight. An infinite plane stands for a NaN. O(1) plus the
-  // new bodies.
+  // Returns the bound of all bodies, as Bvh::Bounds().
   Bound Bounds() const {
     detail::PlaneValues<Bound> values;
     core_.Bounds(values);
     return detail::BoundOf<Bound>(values);
   }
 
-  // Returns whether the tree encloses every body, and has each body once. For
-  // tests and bug reports. Must not run beside Move(). O(n).
+  // Returns whether the tree has each body once, with its bound. For tests and
+  // bug reports. Must not run at the same time as Move(). O(n).
   [[nodiscard]] bool Validate() const { return core_.Validate(); }
 
   BroadPhaseStatistics Statistics() const { return core_.Statistics(); }
 
-  // Calls function(std::uint32_t id, const Bound&) for each body that survives
-  // the query, which is a bound or a shape of bvh_shapes.h. The function gets
-  // the body's own bound, and returns nothing or a Visit (visit.h). The order
-  // is unspecified, but the same after the same history.
-  //
-  // The rest also holds for casts and ForEachPairOf(). A query takes no lock.
-  // It tests each body by a bound that the body had during the query: if the
-  // tree stores a larger bound, by the body's own. If that bound is being
-  // written, the query waits until it is written. A Move() that returned before
-  // the query began (in the sense of happens-before) is seen. A query can see
-  // some moves of one Move() of many bodies, and not yet the others.
-  //
-  // The function may take locks, run other queries and call Move(), Insert()
-  // and the other calls. The query keeps the tree that it began with, so it may
-  // still find a body that its function erased or moved away. The tree's memory
-  // is freed by the first Update() after the query has ended. The function must
-  // return on the thread that called the query: a fiber must not go on on
-  // another thread. Exceptions of the function pass through.
-  template <typename Function, typename Query = typename View::Query,
-            typename Asked = detail::BvhAsked<View, Query>>
-  void ForEach(const Query& query, std::uint64_t mask,
-               Function&& function) const {
-    detail::Callback call{[&function](std::uint32_t id, const float* planes) {
-      const auto bound = detail::BoundFrom<Bound, 1>(planes);
-      return function(id, bound);
-    }};
-    core_.ForEach(Asked::Of(query), mask, &decltype(call)::Run, &call);
-  }
-
-  // Calls function(std::uint32_t id, float t, const Bound&), or function(id,
-  // t), for the bodies that `box` touches on its way to `box` + max_t *
-  // `direction`, or that a ray enters. The function returns nothing, a Visit,
-  // or a Limit of t (visit.h). With Limit, a negative one ends the cast, and an
-  // infinite one changes nothing. Bodies come about near to far, and not
-  // sorted. t, limits, NaN and infinities are as in BoxCast() and RayCast()
-  // (bvh_nearest.h).
-  template <typename Function>
-  void ForEachCast(const Aabb<kDimensions>& box,
-                   const Point<kDimensions>& direction, float max_t,
-                   std::uint64_t mask, Function&& function) const {
-    Cast({"BroadPhase::ForEachCast", box.min.data(), box.max.data(),
-          direction.data(), max_t, 0.0f},
-         mask, function);
-  }
-  template <typename Function>
-  void ForEachCast(const Ray<kDimensions>& ray, std::uint64_t mask,
-                   Function&& function) const {
-    Cast({"BroadPhase::ForEachCast", ray.origin.data(), ray.origin.data(),
-          ray.direction.data(), ray.max_t, 0.0f},
-         mask, function);
-  }
-
-  // Sphere cast: the same for the bodies that `sphere` touches on its way to
-  // its center + max_t * `direction`. t is where its distance from the body's
-  // box becomes the radius, and, for an octahedron, its range of D touches the
-  // body's (Sphere of bvh_shapes.h). The corners and edges are round, unlike
-  // those of RayCast() with a radius.
-  //
-  // Rounding: t is at most the exact value, and no hit is missed. t is less by
-  // at most 2^-18 (relative), or by the error from rounding the center, the
-  // radius and the planes to 2^-20 of their magnitudes. A sphere that misses a
-  // box by less can hit it.
-  //
-  // An axis with a NaN or an infinity limits nothing. An inverted bound
-  // (min > max) is hit as by RayCast() with the radius.
-  template <typename Function>
-  void ForEachCast(const Sphere<kDimensions>& sphere,
-                   const Point<kDimensions>& direction, float max_t,
-                   std::uint64_t mask, Function&& function) const {
-    Cast({"BroadPhase::ForEachCast", sphere.center.data(), sphere.center.data(),
-          direction.data(), max_t, sphere.radius},
-         mask, function);
-  }
-
-  // Calls function(std::uint32_t a, std::uint32_t b) for the pairs of a body of
-  // the set, which is `a`, and any other body, if the masks and the filter keep
-  // them. The function returns nothing or a Visit. A pair of two bodies of the
-  // set is found once, in either order. An id may be given twice.
-  //
-  // Two bodies are a pair if their bounds are at most `margin` apart on each of
-  // X, Y and Z, and kDimensions * `margin` on D, without rounding. Must be
-  // finite and not negative. The cost grows with the set. Can allocate memory
-  // for the time of the call (PairsOf() of bvh_pairs.h).
-  template <typename Function>
-  void ForEachPairOf(Span<const std::uint32_t> ids, float margin,
-                     Function&& function) const {
-    detail::Callback call{function};
-    core_.ForEachPairOf(PairKernels(), ids, nullptr, margin,
-                        &decltype(call)::Run, &call);
-  }
-
-  // The same with masks of the call instead of the rule of BodyMasks:
-  // `masks[i]` finds a body if its category has a bit of it. All ones find
-  // every body. If both bodies of a pair are in the set, the mask of either is
-  // enough. PairFilter::keep gets the result as `masks_match`.
-  template <typename Function>
-  void ForEachPairOf(Span<const std::uint32_t> ids,
-                     Span<const std::uint64_t> masks, float margin,
-                     Function&& function) const {
-    detail::Callback call{function};
-    core_.ForEachPairOf(PairKernels(), ids, &masks, margin,
-                        &decltype(call)::Run, &call);
-  }
-
   // Finds all pairs of bodies whose bounds overlap and that the masks and the
-  // filter keep. Calls ended(a, b) for each pair that was one after the last
-  // UpdatePairs() and is none now, then began(a, b) for each new one. The
-  // functions return nothing. Does not need Update() before it. a < b,
-  // and each of the two lists is sorted by a, then by b. A pair of bodies that
-  // were erased ends. A body that was erased and inserted again under its id is
-  // the same body.
+  // filter keep. Does not need Update() before it. If a quarter of the bodies
+  // or more have changed since the last call, it finds all pairs of the tree
+  // (ForEachPair of bvh_pairs.h), and otherwise those of the changed bodies
+  // (ForEachPairOf). pair_events.h has the cost. A body that moves during the
+  // call counts as changed in the next call too.
   //
-  // The cost grows with the bodies that changed since the last call, and a
-  // little with the number of pairs. The pairs of larger bounds that overlap
-  // are kept, in 8 to 16 bytes each, and in several times that during the call.
-  // If a body moved inside its larger bound, only its kept pairs are tested. A
-  // body that moves during the call counts as changed in the next call too.
-  //
-  // The functions run without a lock, after the pairs were stored, so they may
-  // change the broad phase. If one of them throws, the remaining events of this
-  // call are lost.
-  //
-  // `run` (runner.h) runs up to 16 parts of the work, if many bodies changed or
-  // there are many pairs. The events do not depend on it. If it throws, all
-  // pairs are as before.
-  template <typename Began, typename Ended>
-  void UpdatePairs(Began&& began, Ended&& ended, const Runner& run = {}) {
-    static_assert(
-        std::is_void_v<decltype(began(std::uint32_t{}, std::uint32_t{}))> &&
-            std::is_void_v<decltype(ended(std::uint32_t{}, std::uint32_t{}))>,
-        "the functions of UpdatePairs() must return void");
-    struct Both {
-      Began& began;
-      Ended& ended;
-    } both{began, ended};
-    core_.UpdatePairs(PairKernels(),
-                      {[](void* context, std::uint32_t a, std::uint32_t b) {
-                         static_cast<Both*>(context)->began(a, b);
-                       },
-                       [](void* context, std::uint32_t a, std::uint32_t b) {
-                         static_cast<Both*>(context)->ended(a, b);
-                       },
-                       &both},
-                      run);
+  // `run` (runner.h) runs parts of a search for all pairs. The pairs do not
+  // depend on it. If it throws, the call has changed nothing.
+  void UpdatePairs(const Runner& run = {}) {
+    core_.UpdatePairs(detail::BvhPairKernelsOf<Bound::kAxes>::kTargets, run);
   }
+
+  // Of the last UpdatePairs(): all pairs, those that were not there after the
+  // UpdatePairs() before, and those that were and are not now. a < b. began()
+  // and ended() are sorted by a, then by b, and pairs() are in any order. A
+  // pair of bodies that were erased ends. A body that was erased and inserted
+  // again under its id is the same body. Valid until the next UpdatePairs() or
+  // Load().
+  Span<const IdPair> pairs() const { return core_.events().pairs(); }
+  Span<const IdPair> began() const { return core_.events().began(); }
+  Span<const IdPair> ended() const { return core_.events().ended(); }
+
+  // Calls write(Span<const std::byte>) with the pieces of what Load() takes, in
+  // order: all bodies, masks and pairs. The first 8 bytes are the size of all
+  // in the byte order of the machine.
+  //
+  // Load() replaces the bodies, masks and pairs; the options stay. From then on
+  // answers and events are those that the saved broad phase would have given,
+  // in the same order. Bytes from an untrusted source are safe as far as those
+  // of Bvh::FromBlob() are. Errors: they are not from Save() of this type,
+  // byte order and format, or were cut.
+  template <typename Write>
+  void Save(Write&& write) const {
+    core_.Save(
+        [](void* context, Span<const std::byte> bytes) {
+          (*static_cast<std::remove_reference_t<Write>*>(context))(bytes);
+        },
+        const_cast<void*>(static_cast<const void*>(&write)));
+  }
+  void Load(Span<const std::byte> bytes) { core_.Load(bytes); }
 
  private:
-  static const detail::BvhPairKernels* PairKernels() {
-    return detail::BvhPairKernelsOf<Bound::kAxes>::kTargets;
-  }
-  template <typename Function>
-  void Cast(const detail::LineCast& cast, std::uint64_t mask,
-            Function& function) const {
-    detail::Callback call{detail::WithPlanes<Bound, 1>(function)};
-    core_.ForEachCast(cast, mask, &decltype(call)::Run, &call);
-  }
+  friend const detail::BroadPhaseCore& detail::CoreOf<View>(
+      const BroadPhase& bodies);
 
   detail::BroadPhaseCore core_;
 };
@@ -411,6 +295,158 @@ using AabbBroadPhase2 = BroadPhase<AabbView2>;
 using AabbBroadPhase3 = BroadPhase<AabbView3>;
 using AaboBroadPhase2 = BroadPhase<AaboView2>;
 using AaboBroadPhase3 = BroadPhase<AaboView3>;
+
+namespace detail {
+
+template <typename View>
+const BroadPhaseCore& CoreOf(const BroadPhase<View>& bodies) {
+  return bodies.core_;
+}
+
+template <typename View, typename Function>
+void CastLine(const BroadPhase<View>& bodies, const LineCast& cast,
+              Function& function, const SearchOptions& options) {
+  Callback call{WithPlanes<typename View::Bound>(function)};
+  CoreOf(bodies).Cast(cast, &decltype(call)::Run, &call, options);
+}
+
+}  // namespace detail
+
+// The queries of bvh.h, bvh_shapes.h, bvh_nearest.h and bvh_pairs.h. Each finds
+// every body by a bound that the body had during the query. It can see some
+// moves of one Move() of many bodies, and not yet the others.
+//
+// A function that a query calls may take locks, run other queries and call
+// Move(). It must return on the thread that called the query: a fiber must not
+// go on on another thread.
+//
+// SurvivorsOfEach(), KNearest(), PairsOf() and ForEachPairOf() copy the tree if
+// bodies have moved since the last Update() and another query runs. So call
+// Update() before them where queries run at the same time.
+
+template <typename View, typename Query = typename View::Query,
+          typename Asked = detail::BvhAsked<View, Query>>
+[[nodiscard]] std::size_t Survivors(const BroadPhase<View>& bodies,
+                                    const Query& query, Span<std::uint32_t> ids,
+                                    const QueryOptions& options = {},
+                                    std::size_t skip = 0) {
+  return detail::CoreOf(bodies).Survivors(Asked::Of(query), ids, options, skip);
+}
+
+template <typename View, typename Query = typename View::Query,
+          typename Asked = detail::BvhAsked<View, Query>>
+[[nodiscard]] std::size_t CountSurvivors(const BroadPhase<View>& bodies,
+                                         const Query& query,
+                                         const QueryOptions& options = {}) {
+  return detail::CoreOf(bodies).Count(Asked::Of(query), options);
+}
+
+template <typename View, typename Query = typename View::Query,
+          typename Asked = detail::BvhAsked<View, Query>>
+[[nodiscard]] std::optional<std::uint32_t> AnySurvivor(
+    const BroadPhase<View>& bodies, const Query& query,
+    const QueryOptions& options = {}) {
+  std::uint32_t id = 0;
+  if (!detail::CoreOf(bodies).Any(Asked::Of(query), id, options)) {
+    return std::nullopt;
+  }
+  return id;
+}
+
+template <typename View, typename Function,
+          typename Query = typename View::Query,
+          typename Asked = detail::BvhAsked<View, Query>>
+void ForEachSurvivor(const BroadPhase<View>& bodies, const Query& query,
+                     Function&& function, const QueryOptions& options = {}) {
+  detail::Callback call{function};
+  detail::CoreOf(bodies).ForEach(Asked::Of(query), &decltype(call)::Run, &call,
+                                 options);
+}
+
+template <typename View, typename Queries = Span<const typename View::Query>,
+          typename Query = std::decay_t<
+              decltype(*std::data(std::declval<const Queries&>()))>,
+          typename Asked = detail::BvhAsked<View, Query>>
+[[nodiscard]] std::size_t SurvivorsOfEach(const BroadPhase<View>& bodies,
+                                          const Queries& queries,
+                                          Span<std::uint32_t> ids,
+                                          Span<std::size_t> offsets,
+                                          const QueryOptions& options = {},
+                                          std::size_t skip = 0) {
+  return detail::CoreOf(bodies).SurvivorsOfEach(Asked::OfEach(queries), ids,
+                                                offsets, options, skip);
+}
+
+template <typename View>
+[[nodiscard]] std::size_t KNearest(
+    const BroadPhase<View>& bodies,
+    const Point<View::Bound::kDimensions>& point, Span<std::uint32_t> ids,
+    Span<float> distances,
+    float max_distance = std::numeric_limits<float>::infinity(),
+    const SearchOptions& options = {}) {
+  return detail::CoreOf(bodies).Nearest({point.data(), 0, 0, 1}, max_distance,
+                                        ids, distances, options);
+}
+template <typename View, typename Box,
+          typename = std::enable_if_t<
+              std::is_same_v<Box, Aabb<View::Bound::kDimensions>>>>
+[[nodiscard]] std::size_t KNearest(
+    const BroadPhase<View>& bodies, const Box& box, Span<std::uint32_t> ids,
+    Span<float> distances,
+    float max_distance = std::numeric_limits<float>::infinity(),
+    const SearchOptions& options = {}) {
+  return detail::CoreOf(bodies).Nearest(
+      detail::NearQueriesOf(Span<const Box>(&box, 1)), max_distance, ids,
+      distances, options);
+}
+
+template <typename View, typename Function>
+void RayCast(const BroadPhase<View>& bodies,
+             const Ray<View::Bound::kDimensions>& ray, float radius,
+             Function&& function, const SearchOptions& options = {}) {
+  detail::CastLine(bodies, detail::LineOf(ray, radius), function, options);
+}
+template <typename View, typename Function>
+void RayCast(const BroadPhase<View>& bodies,
+             const Ray<View::Bound::kDimensions>& ray, Function&& function,
+             const SearchOptions& options = {}) {
+  RayCast(bodies, ray, 0.0f, function, options);
+}
+template <typename View, typename Function>
+void BoxCast(const BroadPhase<View>& bodies,
+             const Aabb<View::Bound::kDimensions>& box,
+             const Point<View::Bound::kDimensions>& direction, float max_t,
+             Function&& function, const SearchOptions& options = {}) {
+  detail::CastLine(bodies, detail::LineOf(box, direction, max_t), function,
+                   options);
+}
+template <typename View, typename Function>
+void SphereCast(const BroadPhase<View>& bodies,
+                const Sphere<View::Bound::kDimensions>& sphere,
+                const Point<View::Bound::kDimensions>& direction, float max_t,
+                Function&& function, const SearchOptions& options = {}) {
+  detail::CastLine(bodies, detail::LineOf(sphere, direction, max_t), function,
+                   options);
+}
+
+template <typename View>
+[[nodiscard]] std::size_t PairsOf(const BroadPhase<View>& bodies,
+                                  Span<const std::uint32_t> ids,
+                                  Span<IdPair> pairs,
+                                  const PairOptions& options = {}) {
+  return detail::CoreOf(bodies).PairsOf(
+      detail::BvhPairKernelsOf<View::Bound::kAxes>::kTargets, ids, pairs,
+      options);
+}
+template <typename View, typename Function>
+void ForEachPairOf(const BroadPhase<View>& bodies,
+                   Span<const std::uint32_t> ids, Function&& function,
+                   const PairOptions& options = {}) {
+  detail::Callback call{function};
+  detail::CoreOf(bodies).ForEachPairOf(
+      detail::BvhPairKernelsOf<View::Bound::kAxes>::kTargets, ids,
+      &decltype(call)::Run, &call, options);
+}
 
 }  // namespace halfspace
 

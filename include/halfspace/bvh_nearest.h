@@ -101,6 +101,30 @@ NearQueries NearQueriesOf(Span<const Aabb<kDims>> boxes) {
   return {RecordsOf(boxes), kDims, 2 * kDims, boxes.size()};
 }
 
+template <int kDims>
+LineCast LineOf(const Ray<kDims>& ray, float radius) {
+  return {"RayCast",         ray.origin.data(),
+          ray.origin.data(), ray.direction.data(),
+          ray.max_t,         radius};
+}
+template <int kDims>
+LineCast LineOf(const Aabb<kDims>& box, const Point<kDims>& direction,
+                float max_t) {
+  return {"BoxCast",        box.min.data(), box.max.data(),
+          direction.data(), max_t,          0.0f};
+}
+template <int kDims>
+LineCast LineOf(const Sphere<kDims>& sphere, const Point<kDims>& direction,
+                float max_t) {
+  return {"SphereCast",
+          sphere.center.data(),
+          sphere.center.data(),
+          direction.data(),
+          max_t,
+          sphere.radius,
+          true};
+}
+
 template <typename View, typename Function>
 void CastLine(const Bvh<View>& world, const LineCast& cast, Function& function,
               const SearchOptions& options) {
@@ -232,10 +256,7 @@ template <typename View, typename Function>
 void RayCast(const Bvh<View>& world, const Ray<View::Bound::kDimensions>& ray,
              float radius, Function&& function,
              const SearchOptions& options = {}) {
-  detail::CastLine(world,
-                   {"RayCast", ray.origin.data(), ray.origin.data(),
-                    ray.direction.data(), ray.max_t, radius},
-                   function, options);
+  detail::CastLine(world, detail::LineOf(ray, radius), function, options);
 }
 template <typename View, typename Function>
 void RayCast(const Bvh<View>& world, const Ray<View::Bound::kDimensions>& ray,
@@ -251,10 +272,30 @@ template <typename View, typename Function>
 void BoxCast(const Bvh<View>& world, const Aabb<View::Bound::kDimensions>& box,
              const Point<View::Bound::kDimensions>& direction, float max_t,
              Function&& function, const SearchOptions& options = {}) {
-  detail::CastLine(world,
-                   {"BoxCast", box.min.data(), box.max.data(), direction.data(),
-                    max_t, 0.0f},
-                   function, options);
+  detail::CastLine(world, detail::LineOf(box, direction, max_t), function,
+                   options);
+}
+
+// Sphere cast: the same for the objects that `sphere` touches on its way to its
+// center + max_t * `direction`. t is where its distance from the object's box
+// becomes the radius, and, for an octahedron, its range of D touches the
+// object's (Sphere of bvh_shapes.h). The corners and edges are round, unlike
+// those of RayCast() with a radius.
+//
+// Rounding: t is at most the exact value, and no hit is missed. t is less by
+// at most 2^-18 (relative), or by the error from rounding the center, the
+// radius and the planes to 2^-20 of their magnitudes. A sphere that misses a
+// box by less can hit it.
+//
+// An axis with a NaN or an infinity limits nothing. An inverted bound
+// (min > max) is hit as by RayCast() with the radius.
+template <typename View, typename Function>
+void SphereCast(const Bvh<View>& world,
+                const Sphere<View::Bound::kDimensions>& sphere,
+                const Point<View::Bound::kDimensions>& direction, float max_t,
+                Function&& function, const SearchOptions& options = {}) {
+  detail::CastLine(world, detail::LineOf(sphere, direction, max_t), function,
+                   options);
 }
 
 }  // namespace halfspace

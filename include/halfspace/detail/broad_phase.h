@@ -5,9 +5,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "halfspace/detail/bvh.h"
 #include "halfspace/export.h"
+#include "halfspace/memory.h"
+#include "halfspace/runner.h"
 #include "halfspace/span.h"
 
 namespace halfspace {
@@ -17,32 +20,32 @@ struct BroadPhaseOptions;
 struct BroadPhaseStatistics;
 struct UpdateOptions;
 
+template <typename View>
+class BroadPhase;
+
 namespace detail {
 
-// `planes` has all values of the body's bound. Returns whether to go on.
-using BodyFunction = bool (*)(void* context, std::uint32_t id,
-                              const float* planes);
-// Returns the new limit of t; a negative one ends the search.
-using BodyCastFunction = float (*)(void* context, std::uint32_t id, float t,
-                                   const float* planes);
-using BodyPairFunction = bool (*)(void* context, std::uint32_t a,
-                                  std::uint32_t b);
-
-// What UpdatePairs() calls.
-struct PairEvents {
-  void (*began)(void* context, std::uint32_t a, std::uint32_t b);
-  void (*ended)(void* context, std::uint32_t a, std::uint32_t b);
-  void* context;
-};
+// Writes bytes of Save().
+using SaveFunction = void (*)(void* context, Span<const std::byte> bytes);
 
 class BroadPhaseState;
+class BroadPhaseCore;
+class PairEventsCore;
+
+template <typename View>
+const BroadPhaseCore& CoreOf(const BroadPhase<View>& bodies);
 
 class HALFSPACE_API BroadPhaseCore {
  public:
-  BroadPhaseCore(const BvhType& shape, std::size_t max_ids,
-                 const BroadPhaseOptions& options);
-  BroadPhaseCore(const BroadPhaseCore&) = delete;
-  BroadPhaseCore& operator=(const BroadPhaseCore&) = delete;
+  BroadPhaseCore(const BvhType& type, const BroadPhaseOptions& options);
+  BroadPhaseCore(const BroadPhaseCore& other);
+  BroadPhaseCore(BroadPhaseCore&& other) noexcept : state_(other.state_) {
+    other.state_ = nullptr;
+  }
+  BroadPhaseCore& operator=(BroadPhaseCore other) noexcept {
+    std::swap(state_, other.state_);
+    return *this;
+  }
   ~BroadPhaseCore();
 
   // Bound i has its values from values[i * planes] on: all minima, then all
@@ -55,26 +58,42 @@ class HALFSPACE_API BroadPhaseCore {
   void Update(const UpdateOptions& options);
   void Rebuild(const Runner& run);
 
-  std::size_t max_ids() const;
   std::size_t size() const;
+  std::size_t id_limit() const;
   bool Has(std::uint32_t id) const;
   void Get(std::uint32_t id, Span<float> values) const;
   BodyMasks MasksOf(std::uint32_t id) const;
   void Bounds(Span<float> values) const;
   bool Validate() const;
   BroadPhaseStatistics Statistics() const;
+  const PairEventsCore& events() const;
+  void Save(SaveFunction function, void* context) const;
+  void Load(Span<const std::byte> bytes);
 
-  void ForEach(const BvhQueries& query, std::uint64_t mask,
-               BodyFunction function, void* context) const;
-  void ForEachCast(const LineCast& cast, std::uint64_t mask,
-                   BodyCastFunction function, void* context) const;
-  // Without masks of the call, `masks` is null.
+  std::size_t Survivors(const BvhQueries& query, Span<std::uint32_t> ids,
+                        const QueryOptions& options, std::size_t skip) const;
+  std::size_t Count(const BvhQueries& query, const QueryOptions& options) const;
+  bool Any(const BvhQueries& query, std::uint32_t& id,
+           const QueryOptions& options) const;
+  void ForEach(const BvhQueries& query, IdsFunction function, void* context,
+               const QueryOptions& options) const;
+  std::size_t SurvivorsOfEach(const BvhQueries& queries,
+                              Span<std::uint32_t> ids,
+                              Span<std::size_t> offsets,
+                              const QueryOptions& options,
+                              std::size_t skip) const;
+  std::size_t Nearest(const NearQueries& query, float max_distance,
+                      Span<std::uint32_t> ids, Span<float> distances,
+                      const SearchOptions& options) const;
+  void Cast(const LineCast& cast, NearFunction function, void* context,
+            const SearchOptions& options) const;
+  std::size_t PairsOf(const BvhPairKernels* kernels,
+                      Span<const std::uint32_t> ids, Span<IdPair> pairs,
+                      const PairOptions& options) const;
   void ForEachPairOf(const BvhPairKernels* kernels,
-                     Span<const std::uint32_t> ids,
-                     const Span<const std::uint64_t>* masks, float margin,
-                     BodyPairFunction function, void* context) const;
-  void UpdatePairs(const BvhPairKernels* kernels, const PairEvents& events,
-                   const Runner& run);
+                     Span<const std::uint32_t> ids, PairsFunction function,
+                     void* context, const PairOptions& options) const;
+  void UpdatePairs(const BvhPairKernels* kernels, const Runner& run);
 
  private:
   BroadPhaseState* state_;

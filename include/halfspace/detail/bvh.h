@@ -284,7 +284,8 @@ HALFSPACE_API void BvhForEachNearest(const BvhTree& tree,
                                      void* context,
                                      const SearchOptions& options);
 
-// A box from `low` to `high`, `radius` larger on each side, on its way.
+// A box from `low` to `high`, `radius` larger on each side, or, if it is round,
+// a ball, on its way.
 struct LineCast {
   const char* call;
   const float* low;
@@ -292,6 +293,7 @@ struct LineCast {
   const float* direction;
   float max_t;
   float radius;
+  bool is_round = false;
 };
 
 HALFSPACE_API void BvhCast(const BvhTree& tree, const LineCast& cast,

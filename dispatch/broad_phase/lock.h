@@ -1,0 +1,89 @@
+// Who may read the tree of a broad phase and who may change it.
+//
+// A query counts itself in on a line of its thread's own, and takes no line
+// that another thread writes. A change waits until all lines are 0. Nothing
+// hangs:
+// - A query never waits for a query. It waits while a change is being made,
+//   and then the change waits for nobody. While a change waits for queries,
+//   new queries stand back for kPatience at most: one of the running queries
+//   may need a lock that the thread of a new query holds.
+// - A change waits for queries. A query's function must not make one: it would
+//   wait for its own query. IsInside() finds that out.
+#ifndef HALFSPACE_DISPATCH_BROAD_PHASE_LOCK_H_
+#define HALFSPACE_DISPATCH_BROAD_PHASE_LOCK_H_
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+
+namespace halfspace::detail {
+
+class ReadersLock {
+ public:
+  ReadersLock() = default;
+  ReadersLock(const ReadersLock&) = delete;
+  ReadersLock& operator=(const ReadersLock&) = delete;
+
+  // Of this thread: its first line, or the line of all other threads.
+  static std::size_t LineOfThread() {
+    return line_of_thread_ != 0 ? line_of_thread_ - 1 : NewLine();
+  }
+  // `is_inside`: this thread is in a query of any broad phase.
+  void Enter(std::size_t line, bool is_inside) {
+    if (line >= used_.load(std::memory_order_relaxed)) Use(line);
+    CountIn(line);
+    const std::uint32_t state = state_.load(std::memory_order_seq_cst);
+    if (state != kOpen) [[unlikely]] {
+      EnterSlowly(line, is_inside);
+    }
+  }
+  void Leave(std::size_t line) {
+    std::atomic<std::uint32_t>& readers = lines_[line].readers;
+    if (line < kOwnLines) {
+      readers.store(readers.load(std::memory_order_relaxed) - 1,
+                    std::memory_order_release);
+    } else {
+      readers.fetch_sub(1, std::memory_order_release);
+    }
+  }
+
+  // Waits for exclusive access, or returns whether it was there at once.
+  void Lock();
+  bool TryLock();
+  void Unlock();
+
+ private:
+  static constexpr std::size_t kOwnLines = 64;
+  enum State : std::uint32_t { kOpen, kChangeWaits, kIsChanged };
+  struct alignas(64) Line {
+    std::atomic<std::uint32_t> readers{0};
+  };
+
+  static std::size_t NewLine();
+  void Use(std::size_t line);
+  void CountIn(std::size_t line) {
+    std::atomic<std::uint32_t>& readers = lines_[line].readers;
+    if (line < kOwnLines) {
+      readers.exchange(readers.load(std::memory_order_relaxed) + 1,
+                       std::memory_order_seq_cst);
+    } else {
+      readers.fetch_add(1, std::memory_order_seq_cst);
+    }
+  }
+  void EnterSlowly(std::size_t line, bool is_inside);
+  // Returns whether there are no readers. New ones wait if so.
+  bool Close();
+
+  // 1 more than its number, or 0 of a new thread.
+  static constinit inline thread_local std::size_t line_of_thread_ = 0;
+
+  std::atomic<std::uint32_t> state_{kOpen};
+  std::atomic<std::size_t> used_{0};  // lines
+  std::mutex changes_;
+  Line lines_[kOwnLines + 1];
+};
+
+}  // namespace halfspace::detail
+
+#endif  // HALFSPACE_DISPATCH_BROAD_PHASE_LOCK_H_

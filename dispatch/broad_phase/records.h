@@ -1,0 +1,257 @@
+// The record of each body: its bound, which Move() writes while queries read
+// it, and whether it has changed since it was last copied into the tree.
+//
+// Who reads and writes what:
+// - A mover writes the body's record under a version, which is odd meanwhile.
+//   Then it sets the body's mark. If the mark was not set, it stamps the record
+//   with the number of the query that began last.
+// - Who has exclusive access clears marks, and then copies the bounds of these
+//   bodies. It waits while a version is odd. A mover that wrote its bound after
+//   the copy finds the mark cleared, and sets it again. So a bound that is
+//   newer than the tree has a mark.
+// - A query that cannot have exclusive access takes the next number. Bodies
+//   with a mark and a stamp before that number are late: their bounds in the
+//   tree are older than the query. No mark is cleared during a query, and a
+//   body that gets its mark during the query gets a later stamp. So each body
+//   is late or not for all of the query.
+//
+// Marks and the number are read and written in one order for all threads
+// (memory_order_seq_cst). The rest is as in a sequence lock.
+#ifndef HALFSPACE_DISPATCH_BROAD_PHASE_RECORDS_H_
+#define HALFSPACE_DISPATCH_BROAD_PHASE_RECORDS_H_
+
+#include <atomic>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <thread>
+
+#include "halfspace/detail/bvh.h"
+#include "halfspace/memory.h"
+#include "halfspace/span.h"
+#include "kernels/prefetch.h"
+
+namespace halfspace::detail {
+
+inline constexpr std::size_t kMostBodyPlanes = 8;  // AaboBroadPhase3
+
+class Records {
+ public:
+  Records(const MemoryResource& memory, std::size_t planes)
+      : memory_(memory), words_(1 + planes / 2) {}
+  Records(const Records&) = delete;
+  Records& operator=(const Records&) = delete;
+  ~Records();
+
+  std::size_t bytes() const { return bytes_; }
+  std::size_t planes() const { return 2 * (words_ - 1); }
+
+  // At any time.
+
+  bool Has(std::uint32_t id) const {
+    const Word* const record = Find(id);
+    return record != nullptr &&
+           (record->load(std::memory_order_acquire) & kPresent) != 0;
+  }
+  // Returns whether the body exists, and its bound.
+  bool Read(std::uint32_t id, float* planes) const;
+  // Writes the bounds of bodies that exist, one after another. A bound that is
+  // equal to the one before changes nothing.
+  void Move(Span<const std::uint32_t> ids, const float* planes);
+  // Whether any body can have a mark.
+  bool HasMarks() const { return has_marks_.load(std::memory_order_seq_cst); }
+  // The number of a query that begins.
+  std::uint32_t NextQuery() {
+    return queries_.fetch_add(1, std::memory_order_seq_cst);
+  }
+
+  // While no other thread has exclusive access.
+
+  // `id` is that of a body.
+  bool IsLate(std::uint32_t id, std::uint32_t query) const {
+    const Group& group = *GroupAt(id / kGroupIds);
+    const std::uint64_t marks =
+        group.marks[id / 64 % 64].load(std::memory_order_seq_cst);
+    if ((marks >> id % 64 & 1) == 0) return false;
+    const auto stamp = static_cast<std::uint32_t>(Settled(*Find(id)) >> 32);
+    return static_cast<std::int32_t>(query - stamp) >= 0;
+  }
+  // Calls visit(id) for each body with a mark, until it returns false.
+  template <typename Visit>
+  void ForEachMarked(const Visit& visit) const {
+    for (std::size_t g = 0; g < group_count(); ++g) {
+      const Group* const group = GroupAt(g);
+      if (group == nullptr) continue;
+      for (std::uint64_t some = group->some.load(std::memory_order_seq_cst);
+           some != 0; some &= some - 1) {
+        const std::size_t w = LowestBit(some);
+        for (std::uint64_t bits =
+                 group->marks[w].load(std::memory_order_seq_cst);
+             bits != 0; bits &= bits - 1) {
+          if (!visit(IdOf(g, w, LowestBit(bits)))) return;
+        }
+      }
+    }
+  }
+
+  // With exclusive access: no query and no other change runs at the same time.
+  // Movers may.
+
+  // Allocates the records of these ids. Throws std::bad_alloc.
+  void Reserve(Span<const std::uint32_t> ids);
+  // Writes a body's bound, after Reserve(). Returns false, and changes nothing,
+  // if the body exists.
+  bool Insert(std::uint32_t id, const float* planes);
+  void Erase(std::uint32_t id);
+  // No body may move or be read at the same time.
+  void Swap(Records& other);
+  // Takes all marks, and calls visit(id) for each body that had one.
+  template <typename Visit>
+  void TakeMarks(const Visit& visit) {
+    has_marks_.store(false, std::memory_order_seq_cst);
+    for (std::size_t g = 0; g < group_count(); ++g) {
+      Group* const group = GroupAt(g);
+      if (group == nullptr ||
+          group->some.load(std::memory_order_relaxed) == 0) {
+        continue;
+      }
+      for (std::uint64_t some =
+               group->some.exchange(0, std::memory_order_seq_cst);
+           some != 0; some &= some - 1) {
+        const std::size_t w = LowestBit(some);
+        std::uint64_t bits =
+            group->marks[w].exchange(0, std::memory_order_seq_cst);
+        group->changed[w] |= bits;
+        for (; bits != 0; bits &= bits - 1) {
+          visit(IdOf(g, w, LowestBit(bits)));
+        }
+      }
+    }
+  }
+  // Copies a body's bound. Plane p goes to to[p * kBlockObjects].
+  template <std::size_t kAxes>
+  void Copy(std::uint32_t id, float* to) const {
+    std::uint64_t words[kAxes];
+    Load<kAxes>(*Find(id), words);
+    for (std::size_t w = 0; w < kAxes; ++w) {
+      float two[2];
+      std::memcpy(two, &words[w], sizeof(two));
+      to[2 * w * kBlockObjects] = two[0];
+      to[(2 * w + 1) * kBlockObjects] = two[1];
+    }
+  }
+  void Prefetch(std::uint32_t id) const { kernels::Prefetch(Find(id)); }
+
+  // Bodies whose marks were taken, or for which SetChanged() was called, since
+  // ClearChanged().
+  void SetChanged(std::uint32_t id) {
+    GroupAt(id / kGroupIds)->changed[id / 64 % 64] |= std::uint64_t{1}
+                                                      << id % 64;
+  }
+  void ClearChanged();
+  template <typename Visit>
+  void ForEachChanged(const Visit& visit) const {
+    for (std::size_t g = 0; g < group_count(); ++g) {
+      const Group* const group = GroupAt(g);
+      if (group == nullptr) continue;
+      for (std::size_t w = 0; w < 64; ++w) {
+        for (std::uint64_t bits = group->changed[w]; bits != 0;
+             bits &= bits - 1) {
+          visit(IdOf(g, w, LowestBit(bits)));
+        }
+      }
+    }
+  }
+
+ private:
+  using Word = std::atomic<std::uint64_t>;
+
+  // The first word of a record: the stamp, above a version whose lowest bit
+  // says that the record is being written. Then two planes in each word.
+  static constexpr std::uint64_t kIsWritten = 1;
+  static constexpr std::uint64_t kPresent = 2;
+  static constexpr std::uint64_t kOneWrite = 4;
+  static constexpr std::uint64_t kVersion = 0xFFFFFFFF;
+
+  static constexpr std::size_t kGroupIds = 64 * 64;
+  struct Group {
+    std::atomic<std::uint64_t> some;  // a bit for each word of marks
+    std::atomic<std::uint64_t> marks[64];
+    std::uint64_t changed[64];
+    std::atomic<Word*> records[64];  // of 64 ids each, or null
+  };
+  using GroupSlot = std::atomic<Group*>;
+  // A mover may still read an old list of groups, so it stays until the end.
+  // All old ones together are smaller than the newest.
+  struct GroupList {
+    GroupList* older;
+    std::size_t count;
+    GroupSlot* slots() { return reinterpret_cast<GroupSlot*>(this + 1); }
+  };
+
+  static std::size_t LowestBit(std::uint64_t bits) {
+    return static_cast<std::size_t>(std::countr_zero(bits));
+  }
+  static std::uint32_t IdOf(std::size_t group, std::size_t word,
+                            std::size_t bit) {
+    return static_cast<std::uint32_t>(group * kGroupIds + word * 64 + bit);
+  }
+  std::size_t group_count() const {
+    const GroupList* const list = list_.load(std::memory_order_acquire);
+    return list == nullptr ? 0 : list->count;
+  }
+  // `g` is below group_count(). Null if it has no records.
+  Group* GroupAt(std::size_t g) const {
+    return list_.load(std::memory_order_acquire)
+        ->slots()[g]
+        .load(std::memory_order_acquire);
+  }
+  // The record of an id, or null.
+  Word* Find(std::uint32_t id) const {
+    if (id / kGroupIds >= group_count()) return nullptr;
+    Group* const group = GroupAt(id / kGroupIds);
+    if (group == nullptr) return nullptr;
+    Word* const records =
+        group->records[id / 64 % 64].load(std::memory_order_acquire);
+    return records == nullptr ? nullptr : records + id % 64 * words_;
+  }
+
+  // The first word, when the record is not being written.
+  static std::uint64_t Settled(const Word& record) {
+    std::uint64_t state = record.load(std::memory_order_acquire);
+    for (std::size_t tries = 1; (state & kIsWritten) != 0; ++tries) {
+      if (tries % 64 == 0) std::this_thread::yield();
+      state = record.load(std::memory_order_acquire);
+    }
+    return state;
+  }
+  // The planes as they were at one time, and the first word. The loads acquire,
+  // so that they stay before the second load of the first word. The sanitizers
+  // know no fences.
+  template <std::size_t kWords>
+  static std::uint64_t Load(const Word& record, std::uint64_t* words) {
+    for (;;) {
+      const std::uint64_t before = Settled(record);
+      for (std::size_t w = 0; w < kWords; ++w) {
+        words[w] = (&record)[1 + w].load(std::memory_order_acquire);
+      }
+      if (record.load(std::memory_order_relaxed) == before) return before;
+    }
+  }
+  template <std::size_t kWords>
+  void MoveSome(Span<const std::uint32_t> ids, const float* planes);
+  void Mark(std::uint32_t first, std::uint64_t bits, std::uint64_t& old);
+  void Grow(std::size_t groups);
+
+  MemoryResource memory_;
+  std::size_t words_;  // of a record
+  std::size_t bytes_ = 0;
+  std::atomic<GroupList*> list_{nullptr};
+  std::atomic<bool> has_marks_{false};
+  std::atomic<std::uint32_t> queries_{0};
+};
+
+}  // namespace halfspace::detail
+
+#endif  // HALFSPACE_DISPATCH_BROAD_PHASE_RECORDS_H_

@@ -1,0 +1,164 @@
+// Copies of a broad phase, and its bytes.
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "dispatch/broad_phase/state.h"
+#include "dispatch/bvh/scratch.h"
+#include "dispatch/errors/error.h"
+
+namespace halfspace::detail {
+namespace {
+
+constexpr const char* kLoad = "BroadPhase::Load";
+constexpr char kMagic[8] = {'h', 'a', 'l', 'f', 'b', 'o', 'd', 'y'};
+constexpr std::uint32_t kVersion = 1;
+
+// Behind it are the tree's blob, the pairs, what bodies collide with, and the
+// ids of bodies that changed since the last UpdatePairs(), each from a multiple
+// of 64 bytes on.
+struct alignas(64) SaveHeader {
+  std::uint64_t bytes;  // of all
+  char magic[8];
+  std::uint32_t version;  // other bytes first: another byte order
+  std::uint32_t planes;
+  std::uint64_t tree_bytes;
+  std::uint64_t pairs;
+  std::uint64_t collides_with;
+  std::uint64_t changed;
+};
+static_assert(sizeof(SaveHeader) == 64);
+
+constexpr std::size_t kAlignment = 64;
+constexpr std::size_t Padded(std::size_t bytes) {
+  return (bytes + kAlignment - 1) / kAlignment * kAlignment;
+}
+
+[[noreturn]] void ThrowNotSaved(const char* expected,
+                                const std::string& given) {
+  dispatch::ThrowInvalid(kLoad, "bytes", expected, given);
+}
+
+// The parts of saved bytes, one after another.
+class SavedParts {
+ public:
+  explicit SavedParts(Span<const std::byte> bytes) : bytes_(bytes) {}
+
+  template <typename T>
+  Span<const T> Next(std::uint64_t count) {
+    const std::size_t left = bytes_.size() - next_;
+    if (count > left / sizeof(T) || Padded(count * sizeof(T)) > left) {
+      ThrowNotSaved("all bytes of BroadPhase::Save()",
+                    std::to_string(bytes_.size()) + " bytes");
+    }
+    const Span<const T> part(reinterpret_cast<const T*>(bytes_.data() + next_),
+                             static_cast<std::size_t>(count));
+    next_ += Padded(count * sizeof(T));
+    return part;
+  }
+
+ private:
+  Span<const std::byte> bytes_;
+  std::size_t next_ = 0;
+};
+
+template <typename T>
+Span<const std::byte> BytesOf(const T* items, std::size_t count) {
+  return {reinterpret_cast<const std::byte*>(items), count * sizeof(T)};
+}
+
+}  // namespace
+
+BroadPhaseCore::BroadPhaseCore(const BroadPhaseCore& other)
+    : BroadPhaseCore(other.state_->type, other.state_->options) {
+  BroadPhaseState& from = *other.state_;
+  const Changing changing("BroadPhase", from);
+  from.Flush();
+  state_->Adopt(BvhTree(from.tree, from.options.memory));
+  state_->events = PairEventsCore(from.events, from.options.memory);
+  state_->collides_with = from.collides_with;
+  from.records.ForEachChanged(
+      [&](std::uint32_t id) { state_->records.SetChanged(id); });
+}
+
+void BroadPhaseCore::Save(SaveFunction function, void* context) const {
+  BroadPhaseState& state = *state_;
+  const Changing changing("BroadPhase::Save", state);
+  state.Flush();
+  std::vector<std::uint32_t, BlockAllocator<std::uint32_t>> changed(
+      BlockAllocator<std::uint32_t>(state.options.memory));
+  state.records.ForEachChanged(
+      [&](std::uint32_t id) { changed.push_back(id); });
+  const Span<const std::byte> tree = state.tree.Blob();
+  const Span<const IdPair> pairs = state.events.pairs();
+  const Span<const std::byte> parts[] = {
+      tree, BytesOf(pairs.data(), pairs.size()),
+      BytesOf(state.collides_with.data(), state.collides_with.size()),
+      BytesOf(changed.data(), changed.size())};
+  SaveHeader header{};
+  header.bytes = sizeof(header);
+  for (const Span<const std::byte>& part : parts) {
+    header.bytes += Padded(part.size());
+  }
+  std::memcpy(header.magic, kMagic, sizeof(kMagic));
+  header.version = kVersion;
+  header.planes = static_cast<std::uint32_t>(state.planes());
+  header.tree_bytes = tree.size();
+  header.pairs = pairs.size();
+  header.collides_with = state.collides_with.size();
+  header.changed = changed.size();
+  function(context, BytesOf(&header, 1));
+  for (const Span<const std::byte>& part : parts) {
+    constexpr std::byte kPadding[kAlignment] = {};
+    if (part.empty()) continue;
+    function(context, part);
+    const std::size_t padding = Padded(part.size()) - part.size();
+    if (padding != 0) function(context, {kPadding, padding});
+  }
+}
+
+// All is read into new memory, and then swapped in, so a call that fails
+// changes nothing.
+void BroadPhaseCore::Load(Span<const std::byte> bytes) {
+  BroadPhaseState& state = *state_;
+  Changing::Check(kLoad, state);
+  SaveHeader header;
+  if (bytes.size() < sizeof(header)) {
+    ThrowNotSaved("all bytes of BroadPhase::Save()",
+                  std::to_string(bytes.size()) + " bytes");
+  }
+  std::memcpy(&header, bytes.data(), sizeof(header));
+  if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0 ||
+      header.version != kVersion || header.planes != state.planes()) {
+    ThrowNotSaved(
+        "bytes of BroadPhase::Save() of this type, byte order and format 1",
+        "others");
+  }
+  // The bytes may be anywhere.
+  BroadPhaseCore loaded(state.type, state.options);
+  BroadPhaseState& to = *loaded.state_;
+  const Scratch aligned(state.options.memory, Padded(bytes.size()));
+  std::memcpy(aligned.data(), bytes.data(), bytes.size());
+  SavedParts parts({aligned.data(), bytes.size()});
+  parts.Next<SaveHeader>(1);
+  const auto blob = parts.Next<std::byte>(header.tree_bytes);
+  const auto pairs = parts.Next<IdPair>(header.pairs);
+  const auto collides_with = parts.Next<std::uint32_t>(header.collides_with);
+  const auto changed = parts.Next<std::uint32_t>(header.changed);
+  BvhTree tree(state.type, state.options.memory);
+  if (!blob.empty()) tree.Load(blob, false);
+  to.Adopt(std::move(tree));
+  to.events.Load(pairs);
+  to.collides_with.assign(collides_with.begin(), collides_with.end());
+  if (!collides_with.empty() && collides_with.size() < to.tree.id_limit()) {
+    ThrowNotSaved("a mask for each id",
+                  std::to_string(collides_with.size()) + " masks");
+  }
+  to.records.Reserve(changed);
+  for (const std::uint32_t id : changed) to.records.SetChanged(id);
+  const Changing changing(kLoad, state);
+  state.Swap(to);
+}
+
+}  // namespace halfspace::detail
