@@ -193,7 +193,7 @@ bool Records::HaveMostMarks(std::size_t size) const {
     }
   };
   for_each([&](const Group&, std::uint64_t some) {
-    most += 64 * static_cast<std::size_t>(std::popcount(some));
+    for (; some != 0; some &= some - 1) most += 64;
   });
   if (2 * most <= size) return false;
   for_each([&](const Group& group, std::uint64_t some) {
