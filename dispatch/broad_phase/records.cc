@@ -24,15 +24,13 @@ std::uint64_t WordAt(const float* planes) {
 
 Records::~Records() {
   GroupList* list = list_.load();
-  for (std::size_t g = 0; g < group_count(); ++g) {
-    Group* const group = GroupAt(g);
-    if (group == nullptr) continue;
-    for (const std::atomic<Word*>& records : group->records) {
+  ForEachGroup([&](std::size_t, Group& group) {
+    for (const std::atomic<Word*>& records : group.records) {
       if (records.load() == nullptr) continue;
       FreeBlock(memory_, records.load(), 64 * words_ * sizeof(Word));
     }
-    FreeBlock(memory_, group, sizeof(Group));
-  }
+    FreeBlock(memory_, &group, sizeof(Group));
+  });
   while (list != nullptr) {
     GroupList* const older = list->older;
     FreeBlock(memory_, list,
@@ -181,49 +179,31 @@ void Records::Move(Span<const std::uint32_t> ids, const float* planes) {
   }
 }
 
-bool Records::HaveMostMarks(std::size_t size) const {
-  std::size_t most = 0;  // bodies with marks
+// A mover whose mark is lost between a load and a store here sets it again, as
+// takes_ has changed.
+std::size_t Records::TakeMarks() {
   std::size_t count = 0;
-  const auto for_each = [&](const auto& visit) {
-    for (std::size_t g = 0; g < group_count(); ++g) {
-      const Group* const group = GroupAt(g);
-      if (group != nullptr) {
-        visit(*group, group->some.load(std::memory_order_relaxed));
-      }
-    }
-  };
-  for_each([&](const Group&, std::uint64_t some) {
-    for (; some != 0; some &= some - 1) most += 64;
-  });
-  if (2 * most <= size) return false;
-  for_each([&](const Group& group, std::uint64_t some) {
-    for (; some != 0; some &= some - 1) {
-      count += static_cast<std::size_t>(
-          std::popcount(group.MarksOf(LowestBit(some))));
-    }
-  });
-  return 2 * count > size;
-}
-
-// A mover whose mark is lost between a load and a store here sets it again.
-void Records::TakeAllMarks() {
-  BeginTaking();
+  takes_.fetch_add(1, std::memory_order_seq_cst);
+  Fence();
   has_marks_.store(false, std::memory_order_relaxed);
-  for (std::size_t g = 0; g < group_count(); ++g) {
-    Group* const group = GroupAt(g);
-    if (group == nullptr) continue;
-    for (std::uint64_t some =
-             group->some.exchange(0, std::memory_order_seq_cst);
-         some != 0; some &= some - 1) {
+  ForEachGroup([&](std::size_t, Group& group) {
+    group.some_taken = group.some.load(std::memory_order_relaxed);
+    if (group.some_taken == 0) return;
+    group.some_taken = group.some.exchange(0, std::memory_order_relaxed);
+    for (std::uint64_t some = group.some_taken; some != 0; some &= some - 1) {
       const std::size_t w = LowestBit(some);
-      group->changed[w] |= group->MarksOf(w);
+      group.taken[w] = group.MarksOf(w);
+      group.changed[w] |= group.taken[w];
+      count += static_cast<std::size_t>(std::popcount(group.taken[w]));
       for (std::size_t i = 0; i < 8; ++i) {
-        reinterpret_cast<Word*>(group->marks)[8 * w + i].store(
+        reinterpret_cast<Word*>(group.marks)[8 * w + i].store(
             0, std::memory_order_relaxed);
       }
     }
-  }
-  EndTaking();
+  });
+  Fence();
+  takes_.fetch_add(1, std::memory_order_seq_cst);
+  return count;
 }
 
 void Records::Grow(std::size_t groups) {
@@ -296,11 +276,8 @@ void Records::Swap(Records& other) {
 }
 
 void Records::ClearChanged() {
-  for (std::size_t g = 0; g < group_count(); ++g) {
-    if (Group* const group = GroupAt(g); group != nullptr) {
-      std::fill_n(group->changed, 64, 0);
-    }
-  }
+  ForEachGroup(
+      [](std::size_t, Group& group) { std::fill_n(group.changed, 64, 0); });
 }
 
 }  // namespace halfspace::detail

@@ -133,35 +133,20 @@ class Records {
   void Erase(std::uint32_t id);
   // No body may move or be read at the same time.
   void Swap(Records& other);
-  // Takes all marks, and calls visit(id) for each body that had one.
+  // Takes all marks. Returns how many bodies had one.
+  std::size_t TakeMarks();
+  // Calls visit(id) for each body whose mark the last TakeMarks() took.
   template <typename Visit>
-  void TakeMarks(const Visit& visit) {
-    BeginTaking();
-    has_marks_.store(false, std::memory_order_relaxed);
-    for (std::size_t g = 0; g < group_count(); ++g) {
-      Group* const group = GroupAt(g);
-      if (group == nullptr ||
-          group->some.load(std::memory_order_relaxed) == 0) {
-        continue;
-      }
-      std::uint64_t some = group->some.exchange(0, std::memory_order_seq_cst);
-      for (; some != 0; some &= some - 1) {
+  void ForEachTaken(const Visit& visit) const {
+    ForEachGroup([&](std::size_t g, const Group& group) {
+      for (std::uint64_t some = group.some_taken; some != 0; some &= some - 1) {
         const std::size_t w = LowestBit(some);
-        std::uint64_t bits = group->MarksOf(w);
-        group->changed[w] |= bits;
-        for (; bits != 0; bits &= bits - 1) {
-          const std::size_t bit = LowestBit(bits);
-          group->marks[64 * w + bit].store(0, std::memory_order_relaxed);
-          visit(IdOf(g, w, bit));
+        for (std::uint64_t bits = group.taken[w]; bits != 0; bits &= bits - 1) {
+          visit(IdOf(g, w, LowestBit(bits)));
         }
       }
-    }
-    EndTaking();
+    });
   }
-  // Whether more than half of `size` bodies have a mark.
-  bool HaveMostMarks(std::size_t size) const;
-  // Takes all marks, for a caller that copies all bounds then.
-  void TakeAllMarks();
 
   // Copies the bounds of bodies into a block of a tree: first finds some of its
   // bodies, and those of the next block, then copies.
@@ -205,16 +190,14 @@ class Records {
   void ClearChanged();
   template <typename Visit>
   void ForEachChanged(const Visit& visit) const {
-    for (std::size_t g = 0; g < group_count(); ++g) {
-      const Group* const group = GroupAt(g);
-      if (group == nullptr) continue;
+    ForEachGroup([&](std::size_t g, const Group& group) {
       for (std::size_t w = 0; w < 64; ++w) {
-        for (std::uint64_t bits = group->changed[w]; bits != 0;
+        for (std::uint64_t bits = group.changed[w]; bits != 0;
              bits &= bits - 1) {
           visit(IdOf(g, w, LowestBit(bits)));
         }
       }
-    }
+    });
   }
 
  private:
@@ -231,6 +214,8 @@ class Records {
   struct Group {
     std::atomic<std::uint64_t> some;  // a bit for 64 bodies, some with marks
     std::atomic<std::uint8_t> marks[kGroupIds];  // 1 or 0
+    std::uint64_t some_taken;
+    std::uint64_t taken[64];  // of these
     std::uint64_t changed[64];
     std::atomic<Word*> records[64];  // of 64 ids each, or null
 
@@ -263,6 +248,12 @@ class Records {
     return list_.load(std::memory_order_acquire)
         ->slots()[g]
         .load(std::memory_order_acquire);
+  }
+  template <typename Visit>
+  void ForEachGroup(const Visit& visit) const {
+    for (std::size_t g = 0; g < group_count(); ++g) {
+      if (Group* const group = GroupAt(g); group != nullptr) visit(g, *group);
+    }
   }
   // The record of an id, or null.
   Word* Find(std::uint32_t id) const {
@@ -325,15 +316,6 @@ class Records {
   void MoveSome(std::index_sequence<kWord...> each,
                 Span<const std::uint32_t> ids, const float* planes);
   void MarkAgain(std::uint32_t id);
-  // Marks are taken in between. Behind the second one records are read.
-  void BeginTaking() {
-    takes_.fetch_add(1, std::memory_order_seq_cst);
-    Fence();
-  }
-  void EndTaking() {
-    Fence();
-    takes_.fetch_add(1, std::memory_order_seq_cst);
-  }
   void Grow(std::size_t groups);
 
   MemoryResource memory_;

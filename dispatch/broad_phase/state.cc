@@ -41,10 +41,11 @@ void BroadPhaseState::CheckBodies(const char* call,
 void BroadPhaseState::Flush() {
   if (!records.HasMarks()) return;
   BvhState::Of(tree).PrepareRefit();
-  const bool is_all = records.HaveMostMarks(tree.size());
+  const std::size_t count = records.TakeMarks();
+  const bool is_all = 2 * count > tree.size();
   WithAxes(type.axes, [&](auto axes) {
     constexpr std::size_t kAxes = decltype(axes)::value;
-    is_all ? FlushAll<kAxes>() : FlushSome<kAxes>();
+    is_all ? FlushAll<kAxes>() : FlushSome<kAxes>(count);
   });
 }
 
@@ -78,7 +79,6 @@ void BroadPhaseState::FlushAll() {
   const BvhLevels& levels = tree.levels();
   const BvhKernels::OfPlanes& kernels =
       KernelsFor(type, Target(), "BroadPhase");
-  records.TakeAllMarks();
   dispatch::InDefaultFpMode([&] {
     if (levels.codes != nullptr) FitMap(type, levels);
     const std::size_t blocks = BlocksOf(levels.level[0].size);
@@ -95,39 +95,25 @@ void BroadPhaseState::FlushAll() {
 
 // As Refit() of a Bvh with a list.
 template <std::size_t kAxes>
-void BroadPhaseState::FlushSome() {
+void BroadPhaseState::FlushSome(std::size_t count) {
   const BvhLevels& levels = tree.levels();
-  constexpr std::size_t kMostFew = 64;
-  const std::size_t most_few =
-      std::min(kMostFew, BvhState::FewChanges(levels.level[0].size));
-  std::size_t few[kMostFew];
-  std::size_t count = 0;
-  std::uint64_t* const changed = changed_slots.data();
-  const auto touch = [changed](std::size_t slot) {
-    changed[slot / 64] |= std::uint64_t{1} << slot % 64;
-  };
-  records.TakeMarks([&](std::uint32_t id) {
-    const std::size_t slot = levels.slots[id];
-    if (count < most_few) {
-      few[count++] = slot;
-      return;
-    }
-    if (count == most_few) {
-      std::fill(changed_slots.begin(), changed_slots.end(), 0);
-      std::for_each(few, few + count++, touch);
-    }
-    touch(slot);
-  });
   BvhState& state = BvhState::Of(tree);
-  if (count > most_few) {
-    CopyBlocks<kAxes>(0, BlocksOf(levels.level[0].size),
-                      [changed](std::size_t block) { return changed[block]; });
-    return state.EncodeTouched(changed);
+  if (count <= BvhState::FewChanges(levels.level[0].size)) {
+    return records.ForEachTaken([&](std::uint32_t id) {
+      const std::size_t slot = levels.slots[id];
+      records.Copy<kAxes>(id, &levels.level[0].Value(0, slot));
+      state.EncodePath(slot);
+    });
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    records.Copy<kAxes>(levels.ids[few[i]], &levels.level[0].Value(0, few[i]));
-    state.EncodePath(few[i]);
-  }
+  std::uint64_t* const changed = changed_slots.data();
+  std::fill(changed_slots.begin(), changed_slots.end(), 0);
+  records.ForEachTaken([&](std::uint32_t id) {
+    const std::size_t slot = levels.slots[id];
+    changed[slot / 64] |= std::uint64_t{1} << slot % 64;
+  });
+  CopyBlocks<kAxes>(0, BlocksOf(levels.level[0].size),
+                    [changed](std::size_t block) { return changed[block]; });
+  state.EncodeTouched(changed);
 }
 
 void BroadPhaseState::Adopt(BvhTree its_tree) {

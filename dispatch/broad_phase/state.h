@@ -104,7 +104,7 @@ class BroadPhaseState {
   template <std::size_t kAxes>
   void FlushAll();
   template <std::size_t kAxes>
-  void FlushSome();
+  void FlushSome(std::size_t count);
 };
 
 // A query, for the life of an object of this class. It finds each body by a
