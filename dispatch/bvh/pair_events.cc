@@ -514,11 +514,15 @@ void PairEventsCore::Update(const PairSources& sources,
                             const PairListFilter& filter) {
   // With more, all pairs take less time.
   constexpr std::size_t kShareOfSet = 4;
+  // Where pairs have greater ids, they were loaded: an IdSet would take memory
+  // for ids that the world does not have.
+  constexpr std::size_t kMostIds = std::size_t{1} << 20;
   if (sources.ids != nullptr) {
     const Span<const std::uint32_t> ids = *sources.ids;
     dispatch::CheckMemory(kUpdate, "changed", ids.data(), ids.size(),
                           alignof(std::uint32_t));
-    if (ids.size() < sources.a->size() / kShareOfSet) {
+    const std::size_t most_ids = kMostIds + 2 * sources.a->id_limit();
+    if (ids.size() < sources.a->size() / kShareOfSet && id_limit_ <= most_ids) {
       return UpdateSome(sources, options, filter);
     }
   }
