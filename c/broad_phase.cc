@@ -17,7 +17,6 @@ using halfspace::Span;
 using halfspace::c::AllRows;
 using halfspace::c::Call;
 using halfspace::c::CheckColumns;
-using halfspace::c::Kind;
 using halfspace::c::Run;
 using halfspace::c::Values;
 using halfspace::detail::Callback;
@@ -25,10 +24,11 @@ namespace detail = halfspace::detail;
 
 // Below the template of broad_phase.h, so that there is one for all kinds.
 struct hs_broad_phase {
-  hs_broad_phase(const Kind& its_kind, const hs_broad_phase_config& config,
+  hs_broad_phase(const detail::PlaneLayout& its_layout,
+                 const hs_broad_phase_config& config,
                  const halfspace::MemoryResource& its_memory);
 
-  const Kind kind;
+  const detail::PlaneLayout layout;
   const Values bounds;
   const hs_keep_function keep;
   void* const keep_context;
@@ -93,12 +93,12 @@ void Update(const Call& call, hs_broad_phase* bodies,
 // The columns of queries, or of what moves in casts.
 Values ValuesOf(const Call& call, const hs_broad_phase& bodies, hs_shape shape,
                 bool is_cast) {
-  const std::size_t dims = bodies.kind.dims;
+  const std::size_t dims = bodies.layout.dims;
   if (shape == HS_SHAPE_POINT) return Values::OfColumns(dims);
   if (shape == HS_SHAPE_BOUND && !is_cast) return bodies.bounds;
   if (shape == HS_SHAPE_SPHERE) return Values::OfColumns(dims + 1);
   if (shape == HS_SHAPE_BOX && is_cast) {
-    return Values::OfObjects({dims, dims, /*is_simplex=*/false});
+    return Values::OfBoxes(dims);
   }
   call.Fail(HS_INVALID_ARGUMENT, "shape: expected %s, got %d",
             is_cast ? "HS_SHAPE_BOX, HS_SHAPE_POINT or HS_SHAPE_SPHERE"
@@ -143,7 +143,7 @@ void Cast(const Call& call, const hs_broad_phase* bodies, hs_shape shape,
           const hs_columns* starts, const hs_columns* motions,
           std::uint64_t mask, const Hit& hit) {
   call.CheckPointer("bodies", bodies);
-  const std::size_t dims = bodies->kind.dims;
+  const std::size_t dims = bodies->layout.dims;
   const Values values = ValuesOf(call, *bodies, shape, /*is_cast=*/true);
   const Values motion_values = Values::OfColumns(dims + 1);
   CheckShapes(call, "starts", shape, starts, values);
@@ -216,15 +216,15 @@ struct Closest {
 }  // namespace
 }  // namespace halfspace::c
 
-hs_broad_phase::hs_broad_phase(const Kind& its_kind,
+hs_broad_phase::hs_broad_phase(const detail::PlaneLayout& its_layout,
                                const hs_broad_phase_config& config,
                                const halfspace::MemoryResource& its_memory)
-    : kind(its_kind),
-      bounds(Values::OfObjects(its_kind)),
+    : layout(its_layout),
+      bounds(Values::OfObjects(its_layout)),
       keep(config.keep),
       keep_context(config.keep_context),
       memory(its_memory),
-      core(halfspace::c::TypeOf(its_kind), config.max_ids,
+      core(halfspace::c::TypeOf(its_layout), config.max_ids,
            halfspace::c::OptionsOf(this, config, its_memory)) {}
 
 hs_status hs_broad_phase_config_default(hs_broad_phase_config* config,
@@ -247,14 +247,14 @@ hs_status hs_broad_phase_create(const hs_broad_phase_config* config,
     call.CheckPointer("bodies", bodies);
     const hs_broad_phase_config read =
         halfspace::c::ReadConfig(call, config, halfspace::c::kDefaults);
-    const Kind kind = halfspace::c::KindOf(call, "config->kind", read.kind);
-    if (kind.is_simplex) {
+    const auto layout = halfspace::c::LayoutOf(call, "config->kind", read.kind);
+    if (layout.kind == detail::PlaneLayout::kSimplex) {
       call.Fail(HS_INVALID_ARGUMENT,
                 "config->kind: expected boxes or octahedra, got simplices, "
                 "which have no planes that face each other");
     }
     const auto memory = halfspace::c::ReadAllocator(call, read.allocator);
-    *bodies = halfspace::c::New<hs_broad_phase>(memory, kind, read, memory);
+    *bodies = halfspace::c::New<hs_broad_phase>(memory, layout, read, memory);
   });
 }
 
@@ -411,7 +411,7 @@ hs_status hs_broad_phase_query(const hs_broad_phase* bodies, hs_shape shape,
       offsets[0] = 0;
     }
     const auto* const kind =
-        halfspace::c::ShapeKindOf(shape, bodies->kind.dims);
+        halfspace::c::ShapeKindOf(shape, bodies->layout.dims);
     size_t found = 0;
     Callback body{[&](uint32_t id, const float*) {
       if (found < room) ids[found] = id;
@@ -439,7 +439,7 @@ hs_status hs_broad_phase_for_each(const hs_broad_phase* bodies, hs_shape shape,
     halfspace::c::CheckShapes(call, "queries", shape, queries, values);
     call.CheckPointer("function", function);
     const auto* const kind =
-        halfspace::c::ShapeKindOf(shape, bodies->kind.dims);
+        halfspace::c::ShapeKindOf(shape, bodies->layout.dims);
     bool is_stopped = false;
     halfspace::c::ForEachRows(
         *queries, values, [&](const float* rows, size_t begin, size_t count) {
@@ -500,7 +500,7 @@ hs_status hs_broad_phase_for_each_pair_of(
     Callback pair{[&](uint32_t a, uint32_t b) {
       return function(context, a, b) == HS_CONTINUE;
     }};
-    bodies->core.ForEachPairOf(halfspace::c::PairKernelsOf(bodies->kind),
+    bodies->core.ForEachPairOf(halfspace::c::PairKernelsOf(bodies->layout),
                                {ids, count},
                                masks != nullptr ? &its_masks : nullptr, margin,
                                &decltype(pair)::Run, &pair);
@@ -519,7 +519,7 @@ hs_status hs_broad_phase_update_pairs(hs_broad_phase* bodies,
                                         read.run_context);
     call.CheckPointer("began", began);
     call.CheckPointer("ended", ended);
-    bodies->core.UpdatePairs(halfspace::c::PairKernelsOf(bodies->kind),
+    bodies->core.UpdatePairs(halfspace::c::PairKernelsOf(bodies->layout),
                              {began, ended, context}, threads.runner());
   });
 }

@@ -142,7 +142,7 @@ void LoadBytes(const Call& call, const char* argument, hs_bvh& bvh,
 
 hs_bvh* FromBytes(const Call& call, const char* argument,
                   const BvhConfig& config, Span<const std::byte> bytes) {
-  NewBvh bvh(config.kind, config.options.memory);
+  NewBvh bvh(config.layout, config.options.memory);
   LoadBytes(call, argument, *bvh.get(), bytes, /*is_in_place=*/false);
   Verify(call, *bvh.get());
   return bvh.Release();
@@ -226,7 +226,7 @@ hs_bvh* Load(const Call& call, const char* path, const BvhConfig& config) {
 }
 
 hs_bvh* Map(const Call& call, const char* path, const BvhConfig& config) {
-  NewBvh bvh(config.kind, config.options.memory);
+  NewBvh bvh(config.layout, config.options.memory);
   FileBytes file(call, path);
   const Span<const std::byte> bytes = file.span();
   file.GiveTo(*bvh.get());
@@ -332,7 +332,7 @@ hs_status hs_bvh_in_place(const hs_bvh_config* config, const void* data,
     const BvhConfig read(call, config);
     const auto* const bytes = static_cast<const std::byte*>(data);
     call.CheckArray("data", bytes, size);
-    halfspace::c::NewBvh loaded(read.kind, read.options.memory);
+    halfspace::c::NewBvh loaded(read.layout, read.options.memory);
     halfspace::c::LoadBytes(
         call, "data", *loaded.get(), {bytes, size},
         reinterpret_cast<std::uintptr_t>(bytes) % kAlignment == 0);
@@ -349,7 +349,7 @@ hs_status hs_bvh_save(const hs_bvh* bvh, const char* path) {
     if (!blob.empty()) return halfspace::c::Save(call, path, blob);
     // A file of a BVH without memory has a header as well: an empty file is one
     // that was lost.
-    halfspace::detail::BvhTree empty(halfspace::c::TypeOf(bvh->kind),
+    halfspace::detail::BvhTree empty(halfspace::c::TypeOf(bvh->layout()),
                                      bvh->tree.memory());
     empty.Reserve(1);
     halfspace::c::Save(call, path, empty.Blob());

@@ -191,8 +191,7 @@ void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
   CheckLength(call, "max_distance", max_distance);
   bool is_exclusive = false;
   const SearchOptions search = ReadSearch(call, options, &is_exclusive);
-  if (is_exclusive &&
-      (bvh->kind.is_simplex || bvh->kind.axes != values.minima)) {
+  if (is_exclusive && bvh->layout().kind != PlaneLayout::kAabb) {
     call.Fail(HS_INVALID_ARGUMENT,
               "options->exclusive: expected 0, as the BVH is not of boxes, got "
               "1");
@@ -241,7 +240,7 @@ void CastRays(const Call& call, const hs_bvh* bvh, const hs_columns* rays,
               float radius, const hs_query_options* options, const Begin& begin,
               Hit& hit) {
   call.CheckPointer("bvh", bvh);
-  const std::size_t dims = bvh->kind.dims;
+  const std::size_t dims = bvh->layout().dims;
   CheckColumns(call, "rays", rays, 0, 2 * dims + 1);
   if (rays->type != HS_FLOAT32) {
     call.Fail(HS_INVALID_ARGUMENT,
@@ -278,17 +277,18 @@ void CastRays(const Call& call, const hs_bvh* bvh, const hs_columns* rays,
 
 detail::PairSources SourcesOf(const Call& call, const hs_bvh* a,
                               const hs_bvh* b) {
-  if (a->kind.is_simplex) {
+  if (a->layout().kind == PlaneLayout::kSimplex) {
     call.Fail(HS_INVALID_ARGUMENT,
               "expected BVHs of boxes or octahedra, got simplices, which have "
               "no planes that face each other");
   }
-  if (b != nullptr && b->kind != a->kind) {
+  if (b != nullptr && (b->layout().dims != a->layout().dims ||
+                       b->layout().kind != a->layout().kind)) {
     call.Fail(HS_INVALID_ARGUMENT,
               "b: expected a BVH of the kind of `a`, got another kind");
   }
-  return {PairKernelsOf(a->kind), &a->tree, b == nullptr ? nullptr : &b->tree,
-          nullptr};
+  return {PairKernelsOf(a->layout()), &a->tree,
+          b == nullptr ? nullptr : &b->tree, nullptr};
 }
 
 void WritePairs(const Call& call, const hs_bvh* a, const hs_bvh* b,
@@ -321,9 +321,9 @@ void CallForPairs(const Call& call, const hs_bvh* a, const hs_bvh* b,
 
 }  // namespace
 
-const detail::BvhPairKernels* PairKernelsOf(const Kind& kind) {
-  if (kind.axes == 2) return detail::BvhPairKernelsOf<2>::kTargets;
-  if (kind.axes == 3) return detail::BvhPairKernelsOf<3>::kTargets;
+const detail::BvhPairKernels* PairKernelsOf(const PlaneLayout& layout) {
+  if (layout.axes == 2) return detail::BvhPairKernelsOf<2>::kTargets;
+  if (layout.axes == 3) return detail::BvhPairKernelsOf<3>::kTargets;
   return detail::BvhPairKernelsOf<4>::kTargets;
 }
 
@@ -445,7 +445,7 @@ hs_status hs_bvh_nearest_to_points(const hs_bvh* bvh, const hs_columns* points,
                                    uint32_t* ids, float* distances) {
   return Run("hs_bvh_nearest_to_points", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
-    const size_t dims = bvh->kind.dims;
+    const size_t dims = bvh->layout().dims;
     CheckColumns(call, "points", points, 0, dims);
     halfspace::c::Nearest(call, bvh, *points,
                           halfspace::c::Values::OfPoints(dims), k, max_distance,
@@ -459,9 +459,8 @@ hs_status hs_bvh_nearest_to_boxes(const hs_bvh* bvh, const hs_columns* boxes,
                                   uint32_t* ids, float* distances) {
   return Run("hs_bvh_nearest_to_boxes", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
-    const size_t dims = bvh->kind.dims;
-    const auto values =
-        halfspace::c::Values::OfObjects({dims, dims, /*is_simplex=*/false});
+    const size_t dims = bvh->layout().dims;
+    const auto values = halfspace::c::Values::OfBoxes(dims);
     CheckColumns(call, "boxes", boxes, values);
     halfspace::c::Nearest(call, bvh, *boxes, values, k, max_distance, options,
                           ids, distances);

@@ -7,23 +7,21 @@ namespace halfspace::c {
 namespace {
 
 // Kind i + 1 is element i.
-constexpr std::array<Kind, 6> kKinds = {{{2, 2, false},
-                                         {3, 3, false},
-                                         {2, 3, false},
-                                         {3, 4, false},
-                                         {2, 3, true},
-                                         {3, 4, true}}};
-static_assert(HS_BOX2 == 1 && HS_SIMPLEX3 == kKinds.size());
+constexpr std::array<PlaneLayout, 6> kLayouts = {
+    detail::kLayoutOf<Aabb<2>>,      detail::kLayoutOf<Aabb<3>>,
+    detail::kLayoutOf<Aabo<2>>,      detail::kLayoutOf<Aabo<3>>,
+    detail::kLayoutOf<UpSimplex<2>>, detail::kLayoutOf<UpSimplex<3>>};
+static_assert(HS_BOX2 == 1 && HS_SIMPLEX3 == kLayouts.size());
 
-const Kind* FindKind(hs_kind kind) {
+const PlaneLayout* FindLayout(hs_kind kind) {
   const auto i = static_cast<std::size_t>(kind) - 1;
-  return i < kKinds.size() ? &kKinds[i] : nullptr;
+  return i < kLayouts.size() ? &kLayouts[i] : nullptr;
 }
 
 }  // namespace
 
-Kind KindOf(const Call& call, const char* argument, hs_kind kind) {
-  if (const Kind* const found = FindKind(kind)) return *found;
+PlaneLayout LayoutOf(const Call& call, const char* argument, hs_kind kind) {
+  if (const PlaneLayout* const found = FindLayout(kind)) return *found;
   call.Fail(HS_INVALID_ARGUMENT,
             "%s: expected an enumerator of hs_kind, got %d", argument,
             static_cast<int>(kind));
@@ -41,21 +39,21 @@ Values Consecutive(std::size_t first, std::size_t count, std::size_t minima) {
 
 }  // namespace
 
-Values Values::OfObjects(const Kind& kind) {
-  return Consecutive(0, kind.is_simplex ? kind.axes : kind.values(), kind.axes);
+Values Values::OfObjects(const PlaneLayout& layout) {
+  return Consecutive(0, layout.plane_count, layout.axes);
 }
 
-Values Values::OfQueries(const Kind& kind) {
-  return kind.is_simplex ? Consecutive(kind.axes, kind.axes, 0)
-                         : Consecutive(0, kind.values(), kind.axes);
+Values Values::OfQueries(const PlaneLayout& layout) {
+  return Consecutive(layout.has_max ? 0 : layout.axes, layout.plane_count,
+                     layout.first_max);
 }
 
 Values Values::OfColumns(std::size_t count) {
-  Values values{{}, count, count};
-  for (std::size_t v = 0; v < count; ++v) {
-    values.column[v] = static_cast<std::uint8_t>(v);
-  }
-  return values;
+  return Consecutive(0, count, count);
+}
+
+Values Values::OfBoxes(std::size_t dims) {
+  return Consecutive(0, 2 * dims, dims);
 }
 
 Values Values::OfPoints(std::size_t dims) {
@@ -146,6 +144,6 @@ AllRows::AllRows(const hs_columns& columns, const Values& values,
 }  // namespace halfspace::c
 
 size_t hs_bound_values(hs_kind kind) {
-  const halfspace::c::Kind* const found = halfspace::c::FindKind(kind);
-  return found != nullptr ? found->values() : 0;
+  const auto* const found = halfspace::c::FindLayout(kind);
+  return found != nullptr ? halfspace::c::RecordValues(*found) : 0;
 }
