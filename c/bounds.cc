@@ -66,9 +66,8 @@ class Bounder {
     call.CheckArray("bounds", bounds, count);
     if (everything != nullptr) call.CheckPointer("everything", everything);
     if (count > PTRDIFF_MAX / (kMostValues * sizeof(float))) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "bounds: expected records that fit the address space, got %zu",
-                count);
+      call.Fail(HS_INVALID_ARGUMENT, "bounds",
+                "expected records that fit the address space, got %zu", count);
     }
   }
 
@@ -230,8 +229,8 @@ hs_status hs_bound_point_sets(hs_kind kind, const hs_columns* points,
                      static_cast<const char*>(points->column[0]) + k * bytes;
     }
     if (!is_adjacent && points->stride != 1) {
-      call.Fail(HS_UNSUPPORTED,
-                "points: expected adjacent coordinates or a stride of 1, got "
+      call.Fail(HS_UNSUPPORTED, "points",
+                "expected adjacent coordinates or a stride of 1, got "
                 "columns apart with a stride of %zu: copy the points",
                 points->stride);
     }

@@ -100,19 +100,10 @@ Values ValuesOf(const Call& call, const hs_broad_phase& bodies, hs_shape shape,
   if (shape == HS_SHAPE_BOX && is_cast) {
     return Values::OfBoxes(dims);
   }
-  call.Fail(HS_INVALID_ARGUMENT, "shape: expected %s, got %d",
+  call.Fail(HS_INVALID_ARGUMENT, "shape", "expected %s, got %d",
             is_cast ? "HS_SHAPE_BOX, HS_SHAPE_POINT or HS_SHAPE_SPHERE"
                     : "HS_SHAPE_BOUND, HS_SHAPE_POINT or HS_SHAPE_SPHERE",
             static_cast<int>(shape));
-}
-
-void CheckFloats(const Call& call, const char* argument,
-                 const hs_columns& columns) {
-  if (columns.type == HS_FLOAT32) return;
-  call.Fail(HS_INVALID_ARGUMENT,
-            "%s->type: expected HS_FLOAT32, as these cannot be rounded "
-            "outward, got HS_FLOAT64",
-            argument);
 }
 
 void CheckShapes(const Call& call, const char* argument, hs_shape shape,
@@ -150,25 +141,16 @@ void Cast(const Call& call, const hs_broad_phase* bodies, hs_shape shape,
   CheckColumns(call, "motions", motions, motion_values);
   CheckFloats(call, "motions", *motions);
   if (motions->count != starts->count) {
-    call.Fail(HS_INVALID_ARGUMENT,
-              "motions->count: expected one for each of %zu starts, got %zu",
-              starts->count, motions->count);
+    call.Fail(HS_INVALID_ARGUMENT, "motions->count",
+              "expected one for each of %zu starts, got %zu", starts->count,
+              motions->count);
   }
   const auto cast = [&](std::size_t i, const float* low, const float* motion) {
-    if (!(motion[dims] >= 0)) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "motions->column[%zu]: expected limits of t that are not "
-                "negative, got %g of motion %zu",
-                dims, static_cast<double>(motion[dims]), i);
-    }
+    CheckNotNegative(call, "motions", dims, "limits of t", "motion", i,
+                     motion[dims]);
     const float* const high = shape == HS_SHAPE_BOX ? low + dims : low;
     const float radius = shape == HS_SHAPE_SPHERE ? low[dims] : 0.0f;
-    if (!(radius >= 0)) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "starts->column[%zu]: expected radii that are not negative, "
-                "got %g of sphere %zu",
-                dims, static_cast<double>(radius), i);
-    }
+    CheckNotNegative(call, "starts", dims, "radii", "sphere", i, radius);
     Callback one{[&](std::uint32_t id, float t, const float* bound) {
       return Limit{hit(i, id, t, bound)};
     }};
@@ -249,8 +231,8 @@ hs_status hs_broad_phase_create(const hs_broad_phase_config* config,
         halfspace::c::ReadConfig(call, config, halfspace::c::kDefaults);
     const auto layout = halfspace::c::LayoutOf(call, "config->kind", read.kind);
     if (layout.kind == detail::PlaneLayout::kSimplex) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "config->kind: expected boxes or octahedra, got simplices, "
+      call.Fail(HS_INVALID_ARGUMENT, "config->kind",
+                "expected boxes or octahedra, got simplices, "
                 "which have no planes that face each other");
     }
     const auto memory = halfspace::c::ReadAllocator(call, read.allocator);
@@ -349,8 +331,8 @@ hs_status hs_broad_phase_get(const hs_broad_phase* bodies, const uint32_t* ids,
     const size_t values = bodies->bounds.count;
     for (size_t i = 0; i < count; ++i) {
       if (!bodies->core.Has(ids[i])) {
-        call.Fail(HS_INVALID_ARGUMENT,
-                  "ids[%zu]: expected the id of a body, got %u", i, ids[i]);
+        call.Fail(HS_INVALID_ARGUMENT, {"ids", "", i},
+                  "expected the id of a body, got %u", ids[i]);
       }
       if (records != nullptr) {
         bodies->core.Get(ids[i], {records + i * values, values});

@@ -12,14 +12,13 @@
 
 // Below the templates of bvh.h, so that there is one for all kinds.
 struct hs_bvh {
-  hs_bvh(const halfspace::detail::PlaneLayout& layout,
+  hs_bvh(const halfspace::detail::PlaneLayout& its_layout,
          const halfspace::MemoryResource& memory);
   hs_bvh(const hs_bvh&) = delete;
   hs_bvh& operator=(const hs_bvh&) = delete;
   ~hs_bvh();
 
-  const halfspace::detail::PlaneLayout& layout() const { return tree.type(); }
-
+  const halfspace::detail::PlaneLayout layout;
   const halfspace::c::Values objects;
   const halfspace::c::Values queries;
   halfspace::detail::BvhTree tree;

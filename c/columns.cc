@@ -22,9 +22,16 @@ const PlaneLayout* FindLayout(hs_kind kind) {
 
 PlaneLayout LayoutOf(const Call& call, const char* argument, hs_kind kind) {
   if (const PlaneLayout* const found = FindLayout(kind)) return *found;
-  call.Fail(HS_INVALID_ARGUMENT,
-            "%s: expected an enumerator of hs_kind, got %d", argument,
+  call.Fail(HS_INVALID_ARGUMENT, argument,
+            "expected an enumerator of hs_kind, got %d",
             static_cast<int>(kind));
+}
+
+hs_kind KindOf(const PlaneLayout& layout) {
+  for (std::size_t i = 0; i < kLayouts.size(); ++i) {
+    if (kLayouts[i] == layout) return static_cast<hs_kind>(i + 1);
+  }
+  return static_cast<hs_kind>(0);
 }
 
 namespace {
@@ -69,8 +76,8 @@ void CheckColumns(const Call& call, const char* argument,
                   std::size_t count) {
   call.CheckPointer(argument, columns);
   if (columns->type != HS_FLOAT32 && columns->type != HS_FLOAT64) {
-    call.Fail(HS_INVALID_ARGUMENT,
-              "%s->type: expected an enumerator of hs_scalar, got %d", argument,
+    call.Fail(HS_INVALID_ARGUMENT, {argument, "->type"},
+              "expected an enumerator of hs_scalar, got %d",
               static_cast<int>(columns->type));
   }
   if (columns->count == 0) return;
@@ -81,22 +88,22 @@ void CheckColumns(const Call& call, const char* argument,
   if (columns->count > PTRDIFF_MAX / (kMostValues * sizeof(float)) ||
       (columns->count > 1 && columns->stride != 0 &&
        columns->count - 1 > (PTRDIFF_MAX / bytes - 1) / columns->stride)) {
-    call.Fail(HS_INVALID_ARGUMENT,
-              "%s->count: expected records that fit the address space, got %zu "
+    call.Fail(HS_INVALID_ARGUMENT, {argument, "->count"},
+              "expected records that fit the address space, got %zu "
               "with a stride of %zu",
-              argument, columns->count, columns->stride);
+              columns->count, columns->stride);
   }
   for (std::size_t v = first; v < first + count; ++v) {
     const void* const column = columns->column[v];
     if (column == nullptr) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "%s->column[%zu]: expected a pointer, got null", argument, v);
+      call.Fail(HS_INVALID_ARGUMENT, {argument, "->column", v},
+                "expected a pointer, got null");
     }
     if ((reinterpret_cast<std::uintptr_t>(column) & (bytes - 1)) != 0) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "%s->column[%zu]: expected memory aligned to %zu bytes, got a "
+      call.Fail(HS_INVALID_ARGUMENT, {argument, "->column", v},
+                "expected memory aligned to %zu bytes, got a "
                 "misaligned pointer",
-                argument, v, bytes);
+                bytes);
     }
   }
 }
@@ -104,6 +111,24 @@ void CheckColumns(const Call& call, const char* argument,
 void CheckColumns(const Call& call, const char* argument,
                   const hs_columns* columns, const Values& values) {
   CheckColumns(call, argument, columns, values.column[0], values.count);
+}
+
+void CheckFloats(const Call& call, const char* argument,
+                 const hs_columns& columns) {
+  if (columns.type == HS_FLOAT32) return;
+  call.Fail(HS_INVALID_ARGUMENT, {argument, "->type"},
+            "expected HS_FLOAT32, as these cannot be rounded outward, got "
+            "HS_FLOAT64");
+}
+
+void CheckNotNegative(const Call& call, const char* argument,
+                      std::size_t column, const char* values,
+                      const char* record, std::size_t i, float value) {
+  if (value >= 0) return;
+  call.Fail(HS_INVALID_ARGUMENT, {argument, "->column", column},
+            "expected %s that are not negative, got %s of %s "
+            "%zu",
+            values, NumberText(value).c_str(), record, i);
 }
 
 detail::Columns ColumnsOf(const hs_columns& columns, const Values& values) {

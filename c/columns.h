@@ -22,6 +22,9 @@ using detail::PlaneLayout;
 // Fails unless it is one of the enumerators.
 PlaneLayout LayoutOf(const Call& call, const char* argument, hs_kind kind);
 
+// Returns 0, which is no enumerator, if there is none with these planes.
+hs_kind KindOf(const PlaneLayout& layout);
+
 // The values of a record, which has maxima for simplices too.
 inline std::size_t RecordValues(const PlaneLayout& layout) {
   return std::size_t{2} * layout.axes;
@@ -63,6 +66,17 @@ void CheckColumns(const Call& call, const char* argument,
                   std::size_t count);
 void CheckColumns(const Call& call, const char* argument,
                   const hs_columns* columns, const Values& values);
+
+// Fails if columns that passed CheckColumns() are doubles, of values that
+// cannot be rounded outward.
+void CheckFloats(const Call& call, const char* argument,
+                 const hs_columns& columns);
+
+// Fails unless `value`, of a column of record `i`, is not negative. `values`
+// and `record` are the names of such values and of a record.
+void CheckNotNegative(const Call& call, const char* argument,
+                      std::size_t column, const char* values,
+                      const char* record, std::size_t i, float value);
 
 // The rows in the caller's memory, or null if they are stored in another way.
 const float* RowsInPlace(const hs_columns& columns, const Values& values);

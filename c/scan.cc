@@ -98,8 +98,8 @@ hs_scan* ScanWithBits(const Call& call, int bits, const hs_columns& objects,
       return New<ScanOfWorld<QuantizedWorld<View, std::uint16_t>>>(
           memory, world, memory);
     default:
-      call.Fail(HS_INVALID_ARGUMENT,
-                "config->bits: expected 0, 8 or 16, got %d", bits);
+      call.Fail(HS_INVALID_ARGUMENT, "config->bits",
+                "expected 0, 8 or 16, got %d", bits);
   }
 }
 
@@ -120,8 +120,8 @@ struct ScanCall {
     const hs_scan_options read =
         ReadOptions(call, "options", options, kDefaultOptions);
     if (read.begin > read.end) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "options: expected a `begin` of at most `end`, got %zu and %zu",
+      call.Fail(HS_INVALID_ARGUMENT, "options",
+                "expected a `begin` of at most `end`, got %zu and %zu",
                 read.begin, read.end);
     }
     its_options.range = {read.begin, read.end};
@@ -194,9 +194,9 @@ hs_status hs_scan_masks(const hs_scan* scan, const hs_columns* queries,
         hs_mask_words(std::min(scans.its_options.range.end, size) -
                       std::min(scans.its_options.range.begin, size));
     if (row != 0 && words / row < queries->count) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "words: expected at least %zu for each of %zu queries, got %zu",
-                row, queries->count, words);
+      call.Fail(HS_INVALID_ARGUMENT, "words",
+                "expected at least %zu for each of %zu queries, got %zu", row,
+                queries->count, words);
     }
     call.CheckArray("masks", masks, row * queries->count);
     ForEachRows(*queries, scan->queries,
@@ -288,9 +288,8 @@ hs_status hs_scan_pairs(const hs_scan* scan, const hs_columns* queries,
     call.CheckArray("object_indices", object_indices, room);
     call.CheckPointer("total", total);
     if (queries->count > UINT32_MAX) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "queries->count: expected fewer than 2^32, got %zu",
-                queries->count);
+      call.Fail(HS_INVALID_ARGUMENT, "queries->count",
+                "expected fewer than 2^32, got %zu", queries->count);
     }
     Results<uint32_t> of_queries(query_indices, room, scans.skip);
     Results<uint32_t> of_objects(object_indices, room, scans.skip);
