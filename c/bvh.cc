@@ -277,6 +277,17 @@ hs_status hs_bvh_insert(hs_bvh* bvh, const hs_columns* objects, uint32_t* ids) {
   });
 }
 
+hs_status hs_bvh_insert_as(hs_bvh* bvh, const uint32_t* ids,
+                           const hs_columns* objects) {
+  return Run("hs_bvh_insert_as", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    CheckColumns(call, "objects", objects, bvh->objects);
+    call.CheckArray("ids", ids, objects->count);
+    bvh->tree.InsertAs({ids, objects->count},
+                       ColumnsOf(*objects, bvh->objects));
+  });
+}
+
 hs_status hs_bvh_reserve(hs_bvh* bvh, size_t objects) {
   return Run("hs_bvh_reserve", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);

@@ -67,8 +67,6 @@ constexpr NameInC kNames[] = {
     {"", "world", "objects"},
     {"", "world.size", "scan"},
     {"Bvh::Refit", "bounds", "objects"},
-    {"BroadPhase", "max_ids", "config->max_ids"},
-    {"BroadPhase", "options.margin", "config->margin"},
     {"", "options.margin", "options->margin"},
     {"MemoryResource::allocate", "the result", "config->allocator.allocate"},
 };

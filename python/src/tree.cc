@@ -305,19 +305,8 @@ py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
   options.exclusive = is_exclusive ? 1 : 0;
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  // As many queries in a part as have about this number of results.
-  constexpr std::size_t kPartResults = 4096;
-  std::size_t in_part =
-      std::clamp(kPartResults / k, std::size_t{1}, kPartQueries);
-  // A search for others also finds all objects that are equal to its query.
-  if (is_exclusive) in_part = std::min(in_part, std::size_t{4});
-  return FindIdsAndFloats(
-      queries, k, in_part, work,
-      [&](const hs_columns& some, std::size_t, std::uint32_t* ids,
-          float* distances) {
-        Check(nearest(tree.bvh.get(), &some, k, max_distance, &options, ids,
-                      distances));
-      });
+  return FindNearest(tree.bvh.get(), nearest, queries, k, max_distance, options,
+                     work);
 }
 
 py::tuple CastRays(Tree& tree, const py::tuple& arrays, std::size_t threads,

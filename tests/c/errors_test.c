@@ -34,6 +34,7 @@ CHECK_OFFSET(hs_bvh_config, run, 24);
 CHECK_OFFSET(hs_bvh_config, run_context, 32);
 CHECK_OFFSET(hs_bvh_config, allocator, 40);
 CHECK_OFFSET(hs_query_options, mask, 8);
+CHECK_OFFSET(hs_query_options, shape, 12);
 CHECK_OFFSET(hs_query_options, skip, 16);
 CHECK_OFFSET(hs_query_options, target, 24);
 CHECK_OFFSET(hs_query_options, exclusive, 32);
@@ -44,10 +45,11 @@ CHECK_OFFSET(hs_pair_options, skip, 16);
 CHECK_OFFSET(hs_pair_options, begin, 24);
 CHECK_OFFSET(hs_pair_options, end, 32);
 CHECK_OFFSET(hs_pair_options, target, 40);
-CHECK_OFFSET(hs_body_masks, collides_with, 8);
+CHECK_OFFSET(hs_pair_options, wanted, 48);
+CHECK_OFFSET(hs_body_masks, collides_with, 4);
 CHECK_OFFSET(hs_broad_phase_config, kind, 8);
-CHECK_OFFSET(hs_broad_phase_config, margin, 12);
-CHECK_OFFSET(hs_broad_phase_config, max_ids, 16);
+CHECK_OFFSET(hs_broad_phase_config, moves_wait_for_update, 12);
+CHECK_OFFSET(hs_broad_phase_config, caller_locks, 16);
 CHECK_OFFSET(hs_broad_phase_config, keep, 24);
 CHECK_OFFSET(hs_broad_phase_config, keep_context, 32);
 CHECK_OFFSET(hs_broad_phase_config, allocator, 40);
@@ -55,11 +57,9 @@ CHECK_OFFSET(hs_update_options, budget, 8);
 CHECK_OFFSET(hs_update_options, run, 16);
 CHECK_OFFSET(hs_update_options, run_context, 24);
 CHECK_OFFSET(hs_body_statistics, bodies, 8);
-CHECK_OFFSET(hs_body_statistics, pending, 16);
-CHECK_OFFSET(hs_body_statistics, pairs, 24);
-CHECK_OFFSET(hs_body_statistics, trees, 32);
-CHECK_OFFSET(hs_body_statistics, bytes, 40);
-CHECK_OFFSET(hs_body_statistics, cost_ratio, 48);
+CHECK_OFFSET(hs_body_statistics, pairs, 16);
+CHECK_OFFSET(hs_body_statistics, bytes, 24);
+CHECK_OFFSET(hs_body_statistics, cost_ratio, 32);
 #endif
 
 static void test_structs(void) {
