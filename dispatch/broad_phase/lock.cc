@@ -4,6 +4,8 @@
 #include <chrono>
 #include <thread>
 
+#include "hwy/cache_control.h"
+
 namespace halfspace::detail {
 namespace {
 
@@ -11,11 +13,15 @@ namespace {
 // every query, so changes do not starve.
 constexpr std::chrono::microseconds kPatience(50);
 
-// Waits a little, and after many times a little longer.
+// Waits a little. A change that finds a query ends at once, and most flushes
+// take less than a microsecond, so the first waits keep the processor.
 class Pause {
  public:
   void operator()() {
-    if (++count_ < kTurns) {
+    ++count_;
+    if (count_ < kSpins) {
+      hwy::Pause();
+    } else if (count_ < kTurns) {
       std::this_thread::yield();
     } else {
       std::this_thread::sleep_for(std::chrono::microseconds(20));
@@ -23,6 +29,7 @@ class Pause {
   }
 
  private:
+  static constexpr std::size_t kSpins = 100;
   static constexpr std::size_t kTurns = 1000;
   std::size_t count_ = 0;
 };

@@ -1,6 +1,7 @@
 #include "dispatch/broad_phase/records.h"
 
 #include <algorithm>
+#include <bit>
 #include <memory>
 #include <new>
 #include <utility>
@@ -8,18 +9,28 @@
 #include "halfspace/detail/plane_arrays.h"
 
 namespace halfspace::detail {
+namespace {
+
+// Bodies that are moved between two fences.
+constexpr std::size_t kSome = 64;
+
+std::uint64_t WordAt(const float* planes) {
+  std::uint64_t word = 0;
+  std::memcpy(&word, planes, sizeof(word));
+  return word;
+}
+
+}  // namespace
 
 Records::~Records() {
   GroupList* list = list_.load();
-  for (std::size_t g = 0; g < group_count(); ++g) {
-    Group* const group = GroupAt(g);
-    if (group == nullptr) continue;
-    for (const std::atomic<Word*>& records : group->records) {
+  ForEachGroup([&](std::size_t, Group& group) {
+    for (const std::atomic<Word*>& records : group.records) {
       if (records.load() == nullptr) continue;
       FreeBlock(memory_, records.load(), 64 * words_ * sizeof(Word));
     }
-    FreeBlock(memory_, group, sizeof(Group));
-  }
+    FreeBlock(memory_, &group, sizeof(Group));
+  });
   while (list != nullptr) {
     GroupList* const older = list->older;
     FreeBlock(memory_, list,
@@ -28,98 +39,171 @@ Records::~Records() {
   }
 }
 
+std::size_t Records::FindAbsent(Span<const std::uint32_t> ids) const {
+  std::uint32_t number = ~std::uint32_t{0};  // of 64 ids
+  const Word* records = nullptr;
+  std::size_t i = 0;
+  for (; i < ids.size(); ++i) {
+    if (ids[i] / 64 != number) {
+      number = ids[i] / 64;
+      records = Find(number * 64);
+      if (records == nullptr) break;
+    }
+    const Word& record = records[ids[i] % 64 * words_];
+    if ((record.load(std::memory_order_acquire) & kPresent) == 0) break;
+  }
+  return i;
+}
+
 bool Records::Read(std::uint32_t id, float* planes) const {
   const Word* const record = Find(id);
   if (record == nullptr) return false;
   std::uint64_t words[kMostBodyPlanes / 2];
-  const std::uint64_t state = words_ == 3   ? Load<2>(*record, words)
-                              : words_ == 4 ? Load<3>(*record, words)
-                                            : Load<4>(*record, words);
+  const std::uint64_t state =
+      words_ == 3   ? Load(std::make_index_sequence<2>(), *record, words)
+      : words_ == 4 ? Load(std::make_index_sequence<3>(), *record, words)
+                    : Load(std::make_index_sequence<4>(), *record, words);
   std::memcpy(planes, words, (words_ - 1) * sizeof(std::uint64_t));
   return (state & kPresent) != 0;
 }
 
-// Marks are set first in the word of 64 bodies, then in that of its group, then
-// for all, and TakeMarks() clears them in the opposite order. A mark that
-// TakeMarks() does not see is not hidden by what it clears.
-void Records::Mark(std::uint32_t first, std::uint64_t bits,
-                   std::uint64_t& old) {
-  Group& group = *GroupAt(first / kGroupIds);
-  const std::size_t w = first / 64 % 64;
-  old = group.marks[w].fetch_or(bits, std::memory_order_seq_cst);
-  const std::uint64_t bit = std::uint64_t{1} << w;
-  if ((group.some.load(std::memory_order_seq_cst) & bit) == 0) {
-    group.some.fetch_or(bit, std::memory_order_seq_cst);
+std::uint64_t Records::Group::MarksOf(std::size_t w) const {
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const auto* const eight = reinterpret_cast<const Word*>(marks) + 8 * w + i;
+    std::uint64_t bytes = eight->load(std::memory_order_acquire);
+    if constexpr (std::endian::native == std::endian::big) {
+      bytes = __builtin_bswap64(bytes);
+    }
+    bits |= bytes * 0x0102040810204080 >> 56 << 8 * i;
   }
-  if (!has_marks_.load(std::memory_order_seq_cst)) {
-    has_marks_.store(true, std::memory_order_seq_cst);
+  return bits;
+}
+
+// While marks are taken: until the mark is one that will be found.
+[[gnu::noinline]] void Records::MarkAgain(std::uint32_t id) {
+  Group& group = *GroupAt(id / kGroupIds);
+  const std::uint64_t bit = std::uint64_t{1} << id / 64 % 64;
+  const auto is_marked = [&] {
+    return group.marks[id % kGroupIds].load(std::memory_order_relaxed) != 0 &&
+           (group.some.load(std::memory_order_relaxed) & bit) != 0 &&
+           has_marks_.load(std::memory_order_relaxed);
+  };
+  for (; !is_marked(); Fence()) {
+    group.marks[id % kGroupIds].store(1, std::memory_order_relaxed);
+    group.some.fetch_or(bit, std::memory_order_relaxed);
+    has_marks_.store(true, std::memory_order_relaxed);
   }
 }
 
-template <std::size_t kWords>
-void Records::MoveSome(Span<const std::uint32_t> ids, const float* planes) {
-  constexpr std::size_t kSome = 64;
+// The words of a record are parameters of a pack: as a loop over an array they
+// take twice the time.
+template <std::size_t... kWord>
+void Records::MoveSome(std::index_sequence<kWord...>,
+                       Span<const std::uint32_t> ids, const float* planes) {
   struct Written {
     Word* record;
     std::uint64_t state;  // when all is written
     std::uint32_t id;
+    bool is_new;  // to those with marks
   } written[kSome];
   std::size_t count = 0;
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    Word* const record = Find(ids[i]);
-    std::uint64_t words[kWords];
-    std::memcpy(words, planes + 2 * kWords * i, sizeof(words));
-    std::uint64_t different = 0;
-    for (std::size_t w = 0; w < kWords; ++w) {
-      different |= record[1 + w].load(std::memory_order_relaxed) ^ words[w];
+  const std::uint64_t takes = takes_.load(std::memory_order_acquire);
+  std::uint32_t number = ~std::uint32_t{0};  // of 64 ids
+  Group* group = nullptr;
+  Word* records = nullptr;
+  for (const std::uint32_t id : ids) {
+    if (id / 64 != number) {
+      number = id / 64;
+      group = GroupAt(id / kGroupIds);
+      records = group->records[number % 64].load(std::memory_order_relaxed);
     }
-    if (different == 0) continue;
-    const std::uint64_t before = record->load(std::memory_order_relaxed);
-    record->store(before | kIsWritten, std::memory_order_relaxed);
-    // They release, so that they stay behind the first store.
-    for (std::size_t w = 0; w < kWords; ++w) {
-      record[1 + w].store(words[w], std::memory_order_release);
-    }
-    const std::uint64_t version = (before + kOneWrite) & ~kIsWritten;
-    written[count++] = {record, (before & ~kVersion) | (version & kVersion),
-                        ids[i]};
-  }
-  // An atomic change of a word takes as long as all else, so bodies of one word
-  // that follow each other share it.
-  std::size_t next = 0;
-  for (std::size_t begin = 0; begin < count; begin = next) {
-    const std::uint32_t first = written[begin].id & ~std::uint32_t{63};
-    std::uint64_t bits = 0;
-    for (next = begin; next < count && written[next].id - first < 64; ++next) {
-      bits |= std::uint64_t{1} << written[next].id % 64;
-    }
-    std::uint64_t old = 0;
-    Mark(first, bits, old);
-    const std::uint64_t stamp = queries_.load(std::memory_order_seq_cst);
-    for (std::size_t i = begin; i < next; ++i) {
-      std::uint64_t state = written[i].state;
-      if ((old >> written[i].id % 64 & 1) == 0) {
-        state = (state & kVersion) | stamp << 32;
+    Word* const record = records + id % 64 * (1 + sizeof...(kWord));
+    const auto move = [&](auto... words) {
+      const std::uint64_t different =
+          ((record[1 + kWord].load(std::memory_order_relaxed) ^ words) | ...);
+      if (different == 0) return;
+      const std::uint64_t before = record->load(std::memory_order_relaxed);
+      if ((before & kIsWritten) == 0) {  // else a second time in the list
+        record->store(before | kIsWritten, std::memory_order_relaxed);
+        const std::uint64_t version = (before + kOneWrite) & kVersion;
+        std::atomic<std::uint8_t>& mark = group->marks[id % kGroupIds];
+        const bool is_new = mark.load(std::memory_order_relaxed) == 0;
+        written[count++] = {record, (before & ~kVersion) | version, id, is_new};
+        // This and the next ones release, so that they stay behind the first
+        // store.
+        mark.store(1, std::memory_order_release);
       }
-      written[i].record->store(state, std::memory_order_release);
+      (record[1 + kWord].store(words, std::memory_order_release), ...);
+      const std::uint64_t bit = std::uint64_t{1} << number % 64;
+      if ((group->some.load(std::memory_order_relaxed) & bit) == 0) {
+        group->some.fetch_or(bit, std::memory_order_relaxed);
+      }
+    };
+    move(WordAt(planes + 2 * kWord)...);
+    planes += 2 * sizeof...(kWord);
+  }
+  if (count == 0) return;
+  if (!has_marks_.load(std::memory_order_relaxed)) {
+    has_marks_.store(true, std::memory_order_relaxed);
+  }
+  Fence();
+  if (takes_.load(std::memory_order_relaxed) != takes || takes % 2 != 0)
+      [[unlikely]] {
+    for (std::size_t i = 0; i < count; ++i) {
+      MarkAgain(written[i].id);
+      written[i].is_new = true;
     }
+  }
+  const std::uint64_t stamp =
+      std::uint64_t{queries_.load(std::memory_order_relaxed)} << 32;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Written& its = written[i];
+    its.record->store(its.is_new ? (its.state & kVersion) | stamp : its.state,
+                      std::memory_order_release);
   }
 }
 
 void Records::Move(Span<const std::uint32_t> ids, const float* planes) {
-  constexpr std::size_t kSome = 64;
   for (std::size_t i = 0; i < ids.size(); i += kSome) {
     const Span<const std::uint32_t> some(ids.data() + i,
                                          std::min(kSome, ids.size() - i));
     const float* const of_some = planes + i * this->planes();
     if (words_ == 3) {
-      MoveSome<2>(some, of_some);
+      MoveSome(std::make_index_sequence<2>(), some, of_some);
     } else if (words_ == 4) {
-      MoveSome<3>(some, of_some);
+      MoveSome(std::make_index_sequence<3>(), some, of_some);
     } else {
-      MoveSome<4>(some, of_some);
+      MoveSome(std::make_index_sequence<4>(), some, of_some);
     }
   }
+}
+
+// A mover whose mark is lost between a load and a store here sets it again, as
+// takes_ has changed.
+std::size_t Records::TakeMarks() {
+  std::size_t count = 0;
+  takes_.fetch_add(1, std::memory_order_seq_cst);
+  Fence();
+  has_marks_.store(false, std::memory_order_relaxed);
+  ForEachGroup([&](std::size_t, Group& group) {
+    group.some_taken = group.some.load(std::memory_order_relaxed);
+    if (group.some_taken == 0) return;
+    group.some_taken = group.some.exchange(0, std::memory_order_relaxed);
+    for (std::uint64_t some = group.some_taken; some != 0; some &= some - 1) {
+      const std::size_t w = LowestBit(some);
+      group.taken[w] = group.MarksOf(w);
+      group.changed[w] |= group.taken[w];
+      count += static_cast<std::size_t>(std::popcount(group.taken[w]));
+      for (std::size_t i = 0; i < 8; ++i) {
+        reinterpret_cast<Word*>(group.marks)[8 * w + i].store(
+            0, std::memory_order_relaxed);
+      }
+    }
+  });
+  Fence();
+  takes_.fetch_add(1, std::memory_order_seq_cst);
+  return count;
 }
 
 void Records::Grow(std::size_t groups) {
@@ -166,9 +250,7 @@ bool Records::Insert(std::uint32_t id, const float* planes) {
   if ((before & kPresent) != 0) return false;
   record->store(before | kIsWritten, std::memory_order_relaxed);
   for (std::size_t w = 1; w < words_; ++w) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, planes + 2 * (w - 1), sizeof(word));
-    record[w].store(word, std::memory_order_release);
+    record[w].store(WordAt(planes + 2 * (w - 1)), std::memory_order_release);
   }
   const std::uint64_t version = (before + kOneWrite) | kPresent;
   record->store((before & ~kVersion) | (version & kVersion),
@@ -183,8 +265,8 @@ void Records::Erase(std::uint32_t id) {
   record->store((before & ~kVersion) | (version & kVersion),
                 std::memory_order_release);
   GroupAt(id / kGroupIds)
-      ->marks[id / 64 % 64]
-      .fetch_and(~(std::uint64_t{1} << id % 64), std::memory_order_seq_cst);
+      ->marks[id % kGroupIds]
+      .store(0, std::memory_order_relaxed);
 }
 
 void Records::Swap(Records& other) {
@@ -194,11 +276,8 @@ void Records::Swap(Records& other) {
 }
 
 void Records::ClearChanged() {
-  for (std::size_t g = 0; g < group_count(); ++g) {
-    if (Group* const group = GroupAt(g); group != nullptr) {
-      std::fill_n(group->changed, 64, 0);
-    }
-  }
+  ForEachGroup(
+      [](std::size_t, Group& group) { std::fill_n(group.changed, 64, 0); });
 }
 
 }  // namespace halfspace::detail

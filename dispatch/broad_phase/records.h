@@ -2,21 +2,24 @@
 // it, and whether it has changed since it was last copied into the tree.
 //
 // Who reads and writes what:
-// - A mover writes the body's record under a version, which is odd meanwhile.
-//   Then it sets the body's mark. If the mark was not set, it stamps the record
-//   with the number of the query that began last.
+// - A mover makes the record's version odd, sets the body's mark, writes the
+//   bound, and makes the version even. If the mark was not set before, it
+//   stamps the record with the number of the query that began last.
 // - Who has exclusive access clears marks, and then copies the bounds of these
-//   bodies. It waits while a version is odd. A mover that wrote its bound after
-//   the copy finds the mark cleared, and sets it again. So a bound that is
-//   newer than the tree has a mark.
+//   bodies. It waits while a version is odd.
 // - A query that cannot have exclusive access takes the next number. Bodies
 //   with a mark and a stamp before that number are late: their bounds in the
 //   tree are older than the query. No mark is cleared during a query, and a
 //   body that gets its mark during the query gets a later stamp. So each body
 //   is late or not for all of the query.
 //
-// Marks and the number are read and written in one order for all threads
-// (memory_order_seq_cst). The rest is as in a sequence lock.
+// No bound is lost. Marks are taken between two changes of takes_, with a fence
+// behind the first and before the second. A mover fences between its bound and
+// its second look at takes_. If it saw no change, all of the flush is before or
+// behind its move. Otherwise it looks again at each mark, and sets it if it is
+// gone. A query fences between its number and its look at a mark,
+// and a mover between the mark and its look at the number. So a query that does
+// not see the mark has an older number than the stamp.
 #ifndef HALFSPACE_DISPATCH_BROAD_PHASE_RECORDS_H_
 #define HALFSPACE_DISPATCH_BROAD_PHASE_RECORDS_H_
 
@@ -26,15 +29,35 @@
 #include <cstdint>
 #include <cstring>
 #include <thread>
+#include <utility>
 
 #include "halfspace/detail/bvh.h"
 #include "halfspace/memory.h"
 #include "halfspace/span.h"
 #include "kernels/prefetch.h"
 
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define HALFSPACE_THREAD_SANITIZER 1
+#endif
+#elif defined(__SANITIZE_THREAD__)
+#define HALFSPACE_THREAD_SANITIZER 1
+#endif
+
 namespace halfspace::detail {
 
 inline constexpr std::size_t kMostBodyPlanes = 8;  // AaboBroadPhase3
+
+// Orders what this thread wrote before what it reads behind it. The thread
+// sanitizer knows no fences, and needs none, as all accesses are atomic.
+inline void Fence() {
+#ifdef HALFSPACE_THREAD_SANITIZER
+  static constinit std::atomic<int> word{0};
+  word.fetch_add(0, std::memory_order_seq_cst);
+#else
+  std::atomic_thread_fence(std::memory_order_seq_cst);
+#endif
+}
 
 class Records {
  public:
@@ -54,16 +77,21 @@ class Records {
     return record != nullptr &&
            (record->load(std::memory_order_acquire) & kPresent) != 0;
   }
+  // The first that is not the id of a body, or ids.size().
+  std::size_t FindAbsent(Span<const std::uint32_t> ids) const;
   // Returns whether the body exists, and its bound.
   bool Read(std::uint32_t id, float* planes) const;
   // Writes the bounds of bodies that exist, one after another. A bound that is
   // equal to the one before changes nothing.
   void Move(Span<const std::uint32_t> ids, const float* planes);
   // Whether any body can have a mark.
-  bool HasMarks() const { return has_marks_.load(std::memory_order_seq_cst); }
+  bool HasMarks() const { return has_marks_.load(std::memory_order_acquire); }
   // The number of a query that begins.
   std::uint32_t NextQuery() {
-    return queries_.fetch_add(1, std::memory_order_seq_cst);
+    const std::uint32_t query =
+        queries_.fetch_add(1, std::memory_order_seq_cst);
+    Fence();
+    return query;
   }
 
   // While no other thread has exclusive access.
@@ -71,10 +99,10 @@ class Records {
   // `id` is that of a body.
   bool IsLate(std::uint32_t id, std::uint32_t query) const {
     const Group& group = *GroupAt(id / kGroupIds);
-    const std::uint64_t marks =
-        group.marks[id / 64 % 64].load(std::memory_order_seq_cst);
-    if ((marks >> id % 64 & 1) == 0) return false;
-    const auto stamp = static_cast<std::uint32_t>(Settled(*Find(id)) >> 32);
+    if (group.marks[id % kGroupIds].load(std::memory_order_acquire) == 0) {
+      return false;
+    }
+    const auto stamp = static_cast<std::uint32_t>(Settled(*At(id)) >> 32);
     return static_cast<std::int32_t>(query - stamp) >= 0;
   }
   // Calls visit(id) for each body with a mark, until it returns false.
@@ -83,12 +111,11 @@ class Records {
     for (std::size_t g = 0; g < group_count(); ++g) {
       const Group* const group = GroupAt(g);
       if (group == nullptr) continue;
-      for (std::uint64_t some = group->some.load(std::memory_order_seq_cst);
+      for (std::uint64_t some = group->some.load(std::memory_order_acquire);
            some != 0; some &= some - 1) {
         const std::size_t w = LowestBit(some);
-        for (std::uint64_t bits =
-                 group->marks[w].load(std::memory_order_seq_cst);
-             bits != 0; bits &= bits - 1) {
+        for (std::uint64_t bits = group->MarksOf(w); bits != 0;
+             bits &= bits - 1) {
           if (!visit(IdOf(g, w, LowestBit(bits)))) return;
         }
       }
@@ -106,42 +133,53 @@ class Records {
   void Erase(std::uint32_t id);
   // No body may move or be read at the same time.
   void Swap(Records& other);
-  // Takes all marks, and calls visit(id) for each body that had one.
+  // Takes all marks. Returns how many bodies had one.
+  std::size_t TakeMarks();
+  // Calls visit(id) for each body whose mark the last TakeMarks() took.
   template <typename Visit>
-  void TakeMarks(const Visit& visit) {
-    has_marks_.store(false, std::memory_order_seq_cst);
-    for (std::size_t g = 0; g < group_count(); ++g) {
-      Group* const group = GroupAt(g);
-      if (group == nullptr ||
-          group->some.load(std::memory_order_relaxed) == 0) {
-        continue;
-      }
-      for (std::uint64_t some =
-               group->some.exchange(0, std::memory_order_seq_cst);
-           some != 0; some &= some - 1) {
+  void ForEachTaken(const Visit& visit) const {
+    ForEachGroup([&](std::size_t g, const Group& group) {
+      for (std::uint64_t some = group.some_taken; some != 0; some &= some - 1) {
         const std::size_t w = LowestBit(some);
-        std::uint64_t bits =
-            group->marks[w].exchange(0, std::memory_order_seq_cst);
-        group->changed[w] |= bits;
-        for (; bits != 0; bits &= bits - 1) {
+        for (std::uint64_t bits = group.taken[w]; bits != 0; bits &= bits - 1) {
           visit(IdOf(g, w, LowestBit(bits)));
         }
       }
-    }
+    });
   }
-  // Copies a body's bound. Plane p goes to to[p * kBlockObjects].
+
+  // Copies the bounds of bodies into a block of a tree: first finds some of its
+  // bodies, and those of the next block, then copies.
+  class BlockCopy {
+   public:
+    // Bodies ids[i] for each bit.
+    void Find(const Records& records, const std::uint32_t* ids,
+              std::uint64_t bits) {
+      bits_ = bits;
+      for (std::size_t n = 0; bits != 0; bits &= bits - 1, ++n) {
+        found_[n] = records.At(ids[LowestBit(bits)]);
+        kernels::Prefetch(found_[n]);
+      }
+    }
+    // Plane p of a body goes to to[p * kBlockObjects + bit].
+    template <std::size_t kAxes>
+    void CopyTo(float* to) const {
+      std::size_t n = 0;
+      for (std::uint64_t bits = bits_; bits != 0; bits &= bits - 1) {
+        Copy(std::make_index_sequence<kAxes>(), *found_[n++],
+             to + LowestBit(bits));
+      }
+    }
+
+   private:
+    std::uint64_t bits_ = 0;
+    const std::atomic<std::uint64_t>* found_[kBlockObjects];
+  };
+  // The same of one body.
   template <std::size_t kAxes>
   void Copy(std::uint32_t id, float* to) const {
-    std::uint64_t words[kAxes];
-    Load<kAxes>(*Find(id), words);
-    for (std::size_t w = 0; w < kAxes; ++w) {
-      float two[2];
-      std::memcpy(two, &words[w], sizeof(two));
-      to[2 * w * kBlockObjects] = two[0];
-      to[(2 * w + 1) * kBlockObjects] = two[1];
-    }
+    Copy(std::make_index_sequence<kAxes>(), *At(id), to);
   }
-  void Prefetch(std::uint32_t id) const { kernels::Prefetch(Find(id)); }
 
   // Bodies whose marks were taken, or for which SetChanged() was called, since
   // ClearChanged().
@@ -152,16 +190,14 @@ class Records {
   void ClearChanged();
   template <typename Visit>
   void ForEachChanged(const Visit& visit) const {
-    for (std::size_t g = 0; g < group_count(); ++g) {
-      const Group* const group = GroupAt(g);
-      if (group == nullptr) continue;
+    ForEachGroup([&](std::size_t g, const Group& group) {
       for (std::size_t w = 0; w < 64; ++w) {
-        for (std::uint64_t bits = group->changed[w]; bits != 0;
+        for (std::uint64_t bits = group.changed[w]; bits != 0;
              bits &= bits - 1) {
           visit(IdOf(g, w, LowestBit(bits)));
         }
       }
-    }
+    });
   }
 
  private:
@@ -176,10 +212,16 @@ class Records {
 
   static constexpr std::size_t kGroupIds = 64 * 64;
   struct Group {
-    std::atomic<std::uint64_t> some;  // a bit for each word of marks
-    std::atomic<std::uint64_t> marks[64];
+    std::atomic<std::uint64_t> some;  // a bit for 64 bodies, some with marks
+    std::atomic<std::uint8_t> marks[kGroupIds];  // 1 or 0
+    std::uint64_t some_taken;
+    std::uint64_t taken[64];  // of these
     std::uint64_t changed[64];
     std::atomic<Word*> records[64];  // of 64 ids each, or null
+
+    // Marks are written as bytes, and read as eight at once. On the supported
+    // machines these are atomic to each other.
+    std::uint64_t MarksOf(std::size_t w) const;
   };
   using GroupSlot = std::atomic<Group*>;
   // A mover may still read an old list of groups, so it stays until the end.
@@ -207,6 +249,12 @@ class Records {
         ->slots()[g]
         .load(std::memory_order_acquire);
   }
+  template <typename Visit>
+  void ForEachGroup(const Visit& visit) const {
+    for (std::size_t g = 0; g < group_count(); ++g) {
+      if (Group* const group = GroupAt(g); group != nullptr) visit(g, *group);
+    }
+  }
   // The record of an id, or null.
   Word* Find(std::uint32_t id) const {
     if (id / kGroupIds >= group_count()) return nullptr;
@@ -215,6 +263,14 @@ class Records {
     Word* const records =
         group->records[id / 64 % 64].load(std::memory_order_acquire);
     return records == nullptr ? nullptr : records + id % 64 * words_;
+  }
+
+  // The record of a body.
+  Word* At(std::uint32_t id) const {
+    return GroupAt(id / kGroupIds)
+               ->records[id / 64 % 64]
+               .load(std::memory_order_relaxed) +
+           id % 64 * words_;
   }
 
   // The first word, when the record is not being written.
@@ -226,22 +282,40 @@ class Records {
     }
     return state;
   }
+  template <std::size_t... kWord>
+  static void Copy(std::index_sequence<kWord...>, const Word& record,
+                   float* to) {
+    std::uint64_t words[sizeof...(kWord)];
+    Load(std::index_sequence<kWord...>(), record, words);
+    const auto store = [to](std::size_t w, std::uint64_t word) {
+      float two[2];
+      std::memcpy(two, &word, sizeof(two));
+      to[2 * w * kBlockObjects] = two[0];
+      to[(2 * w + 1) * kBlockObjects] = two[1];
+    };
+    (store(kWord, words[kWord]), ...);
+  }
+
   // The planes as they were at one time, and the first word. The loads acquire,
   // so that they stay before the second load of the first word. The sanitizers
   // know no fences.
-  template <std::size_t kWords>
-  static std::uint64_t Load(const Word& record, std::uint64_t* words) {
+  template <std::size_t... kWord>
+  static std::uint64_t Load(std::index_sequence<kWord...>, const Word& record,
+                            std::uint64_t* words) {
     for (;;) {
-      const std::uint64_t before = Settled(record);
-      for (std::size_t w = 0; w < kWords; ++w) {
-        words[w] = (&record)[1 + w].load(std::memory_order_acquire);
+      std::uint64_t before = record.load(std::memory_order_acquire);
+      if ((before & kIsWritten) != 0) [[unlikely]] {
+        before = Settled(record);
       }
+      ((words[kWord] = (&record)[1 + kWord].load(std::memory_order_acquire)),
+       ...);
       if (record.load(std::memory_order_relaxed) == before) return before;
     }
   }
-  template <std::size_t kWords>
-  void MoveSome(Span<const std::uint32_t> ids, const float* planes);
-  void Mark(std::uint32_t first, std::uint64_t bits, std::uint64_t& old);
+  template <std::size_t... kWord>
+  void MoveSome(std::index_sequence<kWord...> each,
+                Span<const std::uint32_t> ids, const float* planes);
+  void MarkAgain(std::uint32_t id);
   void Grow(std::size_t groups);
 
   MemoryResource memory_;
@@ -250,6 +324,7 @@ class Records {
   std::atomic<GroupList*> list_{nullptr};
   std::atomic<bool> has_marks_{false};
   std::atomic<std::uint32_t> queries_{0};
+  std::atomic<std::uint64_t> takes_{0};  // odd while marks are taken
 };
 
 }  // namespace halfspace::detail

@@ -6,14 +6,9 @@
 
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
+#include "dispatch/exact/default_fp_mode.h"
 
 namespace halfspace::detail {
-
-void BroadPhaseState::CheckIds(const char* call,
-                               Span<const std::uint32_t> ids) const {
-  dispatch::CheckMemory(call, "ids", ids.data(), ids.size(),
-                        alignof(std::uint32_t));
-}
 
 void BroadPhaseState::CheckList(const char* call, Span<const std::uint32_t> ids,
                                 const char* name, const void* others,
@@ -24,82 +19,101 @@ void BroadPhaseState::CheckList(const char* call, Span<const std::uint32_t> ids,
                            "one for each id, " + std::to_string(ids.size()),
                            std::to_string(other_count));
   }
-  CheckIds(call, ids);
-  dispatch::CheckMemory(call, name, others, other_count, alignment);
+  const auto check = [&](const char* argument, const void* memory,
+                         std::size_t its_alignment) {
+    // A call of CheckMemory() takes as long as the move of a body.
+    if (ids.empty() || dispatch::IsAligned(memory, its_alignment)) return;
+    dispatch::CheckMemory(call, argument, memory, ids.size(), its_alignment);
+  };
+  check("ids", ids.data(), alignof(std::uint32_t));
+  check(name, others, alignment);
 }
 
 void BroadPhaseState::CheckBodies(const char* call,
                                   Span<const std::uint32_t> ids) const {
-  CheckIds(call, ids);
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (records.Has(ids[i])) continue;
-    dispatch::ThrowInvalid(call, "ids", "the id of a body",
-                           std::to_string(ids[i]), i);
+  CheckList(call, ids, "ids", ids.data(), ids.size(), alignof(std::uint32_t));
+  const std::size_t i = records.FindAbsent(ids);
+  if (i == ids.size()) return;
+  dispatch::ThrowInvalid(call, "ids", "the id of a body",
+                         std::to_string(ids[i]), i);
+}
+
+void BroadPhaseState::Flush() {
+  if (!records.HasMarks()) return;
+  BvhState::Of(tree).PrepareRefit();
+  const std::size_t count = records.TakeMarks();
+  const bool is_all = 2 * count > tree.size();
+  WithAxes(type.axes, [&](auto axes) {
+    constexpr std::size_t kAxes = decltype(axes)::value;
+    is_all ? FlushAll<kAxes>() : FlushSome<kAxes>(count);
+  });
+}
+
+// Block by block, so that bounds are copied to memory that is in cache. Records
+// are anywhere: those of the next block are found before.
+template <std::size_t kAxes, typename BitsOf>
+void BroadPhaseState::CopyBlocks(std::size_t begin, std::size_t end,
+                                 const BitsOf& bits_of) {
+  const BvhLevels& levels = tree.levels();
+  Records::BlockCopy copies[2];
+  Records::BlockCopy* copy = copies;
+  Records::BlockCopy* next_copy = copies + 1;
+  const auto find_from = [&](std::size_t block, Records::BlockCopy& to) {
+    while (block < end && bits_of(block) == 0) ++block;
+    if (block < end) {
+      to.Find(records, levels.ids + block * kBlockObjects, bits_of(block));
+    }
+    return block;
+  };
+  std::size_t next = 0;
+  for (std::size_t block = find_from(begin, *copy); block < end; block = next) {
+    next = find_from(block + 1, *next_copy);
+    copy->CopyTo<kAxes>(levels.level[0].Plane(block, 0));
+    std::swap(copy, next_copy);
   }
 }
 
-// As Refit() of a Bvh: a few bodies one by one, and many leaf by leaf, so that
-// bounds are copied to memory that is in cache. The records of the next leaf
-// are anywhere.
-void BroadPhaseState::Flush() {
-  if (!records.HasMarks()) return;
-  BvhState& state = BvhState::Of(tree);
-  state.PrepareRefit();
+// As Refit() of a Bvh with all bounds.
+template <std::size_t kAxes>
+void BroadPhaseState::FlushAll() {
   const BvhLevels& levels = tree.levels();
-  WithAxes(type.axes, [&](auto axes) {
-    constexpr std::size_t kAxes = decltype(axes)::value;
-    const auto copy = [&](std::size_t slot) {
-      records.Copy<kAxes>(levels.ids[slot], &levels.level[0].Value(0, slot));
-    };
-    constexpr std::size_t kMostFew = 64;
-    const std::size_t slots = levels.level[0].size;
-    const std::size_t most_few =
-        std::min(kMostFew, BvhState::FewChanges(slots));
-    std::size_t few[kMostFew];
-    std::size_t count = 0;
-    std::uint64_t* const changed = changed_slots.data();
-    const auto touch = [changed](std::size_t slot) {
-      changed[slot / 64] |= std::uint64_t{1} << slot % 64;
-    };
-    records.TakeMarks([&](std::uint32_t id) {
-      const std::size_t slot = levels.slots[id];
-      if (count < most_few) {
-        few[count++] = slot;
-        return;
-      }
-      if (count == most_few) {
-        std::fill(changed_slots.begin(), changed_slots.end(), 0);
-        std::for_each(few, few + count++, touch);
-      }
-      touch(slot);
-    });
-    if (count <= most_few) {
-      for (std::size_t i = 0; i < count; ++i) {
-        copy(few[i]);
-        state.EncodePath(few[i]);
-      }
-      return;
+  const BvhKernels::OfPlanes& kernels =
+      KernelsFor(type, Target(), "BroadPhase");
+  dispatch::InDefaultFpMode([&] {
+    if (levels.codes != nullptr) FitMap(type, levels);
+    const std::size_t blocks = BlocksOf(levels.level[0].size);
+    for (std::size_t begin = 0; begin < blocks; begin += kBlockObjects) {
+      const std::size_t end = std::min(blocks, begin + kBlockObjects);
+      CopyBlocks<kAxes>(begin, end, [&](std::size_t block) {
+        return levels.level[0].present[block];
+      });
+      kernels.encode(RangeOf(levels, 0, begin, end));
     }
-    const auto for_each_of = [&](std::size_t block, const auto& visit) {
-      for (std::uint64_t bits = changed[block]; bits != 0; bits &= bits - 1) {
-        visit(block * kBlockObjects +
-              static_cast<std::size_t>(std::countr_zero(bits)));
-      }
-    };
-    const std::size_t blocks = BlocksOf(slots);
-    std::size_t next = 0;
-    for (std::size_t block = 0; block < blocks; block = next) {
-      while (++next < blocks && changed[next] == 0) {
-      }
-      if (next < blocks) {
-        for_each_of(next, [&](std::size_t slot) {
-          records.Prefetch(levels.ids[slot]);
-        });
-      }
-      for_each_of(block, copy);
-    }
-    state.EncodeTouched(changed);
+    EncodeLevels(levels, kernels, 1);
   });
+}
+
+// As Refit() of a Bvh with a list.
+template <std::size_t kAxes>
+void BroadPhaseState::FlushSome(std::size_t count) {
+  const BvhLevels& levels = tree.levels();
+  BvhState& state = BvhState::Of(tree);
+  if (count <= BvhState::FewChanges(levels.level[0].size)) {
+    return records.ForEachTaken([&](std::uint32_t id) {
+      const std::size_t slot = levels.slots[id];
+      records.Copy<kAxes>(id, &levels.level[0].Value(0, slot));
+      state.EncodePath(slot);
+    });
+  }
+  std::uint64_t* const changed = changed_slots.data();
+  std::fill(changed_slots.begin(), changed_slots.end(), 0);
+  records.ForEachTaken([&](std::uint32_t id) {
+    const std::size_t slot = levels.slots[id];
+    changed[slot / 64] |= std::uint64_t{1} << slot % 64;
+  });
+  CopyBlocks<kAxes>(0, BlocksOf(levels.level[0].size),
+                    [changed](std::size_t block) { return changed[block]; });
+  state.EncodeTouched(changed);
 }
 
 void BroadPhaseState::Adopt(BvhTree its_tree) {

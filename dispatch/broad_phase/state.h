@@ -52,7 +52,6 @@ class BroadPhaseState {
 
   std::size_t planes() const { return type.plane_count; }
 
-  void CheckIds(const char* call, Span<const std::uint32_t> ids) const;
   // Throws, in the name of `call`, unless the list is one of ids and `others`
   // has an element for each. Reads no id.
   void CheckList(const char* call, Span<const std::uint32_t> ids,
@@ -98,6 +97,14 @@ class BroadPhaseState {
   std::vector<std::uint64_t, BlockAllocator<std::uint64_t>> changed_slots;
   // By id. Empty until a body gets another one than all bits.
   std::vector<std::uint32_t, BlockAllocator<std::uint32_t>> collides_with;
+
+ private:
+  template <std::size_t kAxes, typename BitsOf>
+  void CopyBlocks(std::size_t begin, std::size_t end, const BitsOf& bits_of);
+  template <std::size_t kAxes>
+  void FlushAll();
+  template <std::size_t kAxes>
+  void FlushSome(std::size_t count);
 };
 
 // A query, for the life of an object of this class. It finds each body by a

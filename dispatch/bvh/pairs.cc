@@ -1,4 +1,6 @@
 // The calls of bvh_pairs.h: checks, the set, and what becomes of the pairs.
+#include "dispatch/bvh/pairs.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -197,8 +199,10 @@ std::array<float, 4> MarginsOf(const PlaneLayout& layout, float margin) {
   kernels.join(join);
 }
 
-void Join(const PairSources& sources, const PairOptions& options,
-          const char* call, PairSink& pairs) {
+}  // namespace
+
+void FindPairs(const PairSources& sources, const PairOptions& options,
+               const char* call, Results<IdPair>& pairs) {
   const BvhPairKernels& kernels =
       sources.kernels[dispatch::IndexOf(options.target, call)];
   const BvhTree& a = *sources.a;
@@ -233,8 +237,6 @@ void Join(const PairSources& sources, const PairOptions& options,
   JoinSet(kernels, join, a, *sources.ids, options.wanted);
 }
 
-}  // namespace
-
 std::size_t BvhPairs(const PairSources& sources, Span<IdPair> pairs,
                      const PairOptions& options) {
   static_assert(sizeof(IdPair) == 2 * sizeof(std::uint32_t));
@@ -247,7 +249,7 @@ std::size_t BvhPairs(const PairSources& sources, Span<IdPair> pairs,
         });
   }
   PairSink to(pairs, options.skip);
-  Join(sources, options, call, to);
+  FindPairs(sources, options, call, to);
   to.Flush();
   return to.flushed;
 }
@@ -256,8 +258,8 @@ void BvhForEachPair(const PairSources& sources, PairsFunction function,
                     void* context, const PairOptions& options) {
   PairSink to(function, context, options.skip);
   // After a function that ended the call there are none.
-  Join(sources, options,
-       sources.ids != nullptr ? "ForEachPairOf" : "ForEachPair", to);
+  FindPairs(sources, options,
+            sources.ids != nullptr ? "ForEachPairOf" : "ForEachPair", to);
   to.Flush();
 }
 

@@ -16,8 +16,8 @@
 // span counts. Elements behind the last pair may be overwritten. ForEachPair()
 // calls function(Span<const IdPair>) with 1 to 256 pairs at a time. The
 // function returns nothing, or Visit (visit.h): kStop ends the call. Exceptions
-// of the function pass through. The order of the pairs is unspecified, but
-// equal calls on an unchanged world find them in the same order.
+// of the function pass through. Equal calls on an unchanged world find the
+// pairs in the same order.
 //
 // Errors (error.h), in every call: an output with room or a list of ids is null
 // or misaligned; an id is not that of an object in the world; the margin is
@@ -124,8 +124,11 @@ std::size_t PairParts(const Bvh<View>& world) {
   return (world.ids().size() + 63) / 64;
 }
 
-// The pairs of objects of one world. Each pair is found once, as {i, j} or
-// {j, i}.
+// The pairs of objects of one world. Each pair is found once. The order is that
+// of the tree: `a` has an earlier place than `b` in ids(), and the pairs are
+// sorted by the leaf of `a`, then by the leaf of `b`. A leaf is 64 places.
+// Inside of two leaves the order is unspecified. So the pairs of two searches
+// with a small change between them are nearly the same list (pair_events.h).
 template <typename View>
 [[nodiscard]] std::size_t Pairs(const Bvh<View>& world, Span<IdPair> pairs,
                                 const PairOptions& options = {}) {
@@ -152,7 +155,9 @@ void ForEachPair(const Bvh<View>& a, const Bvh<View>& b, Function&& function,
 
 // The pairs of an object of a set, which is IdPair::a, and any other object:
 // the pairs that can be new after these objects moved. A pair of two objects of
-// the set is found once. An id may be in the list more than once.
+// the set is found once, and `a` has the earlier place in ids(). A caller that
+// accepts such a pair from one side only, as Jolt does, swaps the two if `b` is
+// in its set. An id may be in the list more than once.
 //
 // The cost grows with the set and not with the world: up to 1.5 times that of a
 // Survivors() call for each object of a small set, and less for a large one.

@@ -26,6 +26,7 @@
 //   bvh_shapes.h   BVH queries by points, spheres, oriented boxes and others
 //   bvh_nearest.h  k nearest, ray casts and box casts on a BVH
 //   bvh_pairs.h    all overlapping pairs of such worlds
+//   pair_events.h  which of these pairs began and ended since the last frame
 //   broad_phase.h  moving bodies: queries and pairs beside changes
 //   target.h       the instruction set of one call
 //   targets.h      all instruction sets
@@ -49,6 +50,7 @@
 #include "halfspace/kernels.h"        // IWYU pragma: export
 #include "halfspace/mask.h"           // IWYU pragma: export
 #include "halfspace/memory.h"         // IWYU pragma: export
+#include "halfspace/pair_events.h"    // IWYU pragma: export
 #include "halfspace/planes.h"         // IWYU pragma: export
 #include "halfspace/quantized.h"      // IWYU pragma: export
 #include "halfspace/reject.h"         // IWYU pragma: export

@@ -1,4 +1,5 @@
-// Runner: the caller's threads, for the builds and refits of bvh.h.
+// Runner: the caller's threads, for the builds and refits of bvh.h, and for the
+// searches of pair_events.h.
 //
 //   auto run = [&](std::size_t count, const halfspace::Runner::Part& part) {
 //     pool.ParallelFor(count, part);
@@ -71,6 +72,9 @@ class Runner {
           (*static_cast<Object*>(const_cast<void*>(context)))(count, part);
         }),
         context_(detail::ContextOf(run)) {}
+
+  // Whether it refers to a function object.
+  explicit operator bool() const { return run_ != nullptr; }
 
   // Calls part(i) for each i below `count`.
   template <typename Function>

@@ -26,9 +26,7 @@ class HALFSPACE_API PairList {
   explicit PairList(const MemoryResource& memory) : memory_(memory) {}
   PairList(const PairList& other, const MemoryResource& memory);
   PairList(const PairList& other) : PairList(other, MemoryResource()) {}
-  PairList(PairList&& other) noexcept : PairList(other.memory_) {
-    Swap(other);
-  }
+  PairList(PairList&& other) noexcept : PairList(other.memory_) { Swap(other); }
   PairList& operator=(const PairList& other) {
     return AssignCopy(*this, other);
   }

@@ -1,0 +1,602 @@
+// Which pairs began and ended: a search, and the difference to the last one.
+#include "halfspace/pair_events.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <mutex>
+#include <new>
+#include <string>
+
+#include "dispatch/bvh/pairs.h"
+#include "dispatch/bvh/scratch.h"
+#include "dispatch/bvh/tree.h"
+#include "dispatch/errors/error.h"
+#include "dispatch/errors/memory_checks.h"
+#include "halfspace/detail/plane_arrays.h"
+#include "kernels/results.h"
+
+namespace halfspace::detail {
+
+PairList::PairList(const PairList& other, const MemoryResource& memory)
+    : PairList(memory) {
+  if (other.size_ == 0) return;
+  Grow(other.size_);
+  Append(other.span());
+}
+
+PairList::~PairList() {
+  if (data_ != nullptr) FreeBlock(memory_, data_, bytes());
+}
+
+void PairList::Append(Span<const IdPair> pairs) {
+  Reserve(size_ + pairs.size());
+  std::copy(pairs.begin(), pairs.end(), end());
+  size_ += pairs.size();
+}
+
+void PairList::Grow(std::size_t count) {
+  count = std::max(count, capacity_ + capacity_ / 2);
+  auto* const data =
+      static_cast<IdPair*>(AllocateBlock(memory_, count * sizeof(IdPair)));
+  std::copy_n(data_, size_, data);
+  if (data_ != nullptr) FreeBlock(memory_, data_, bytes());
+  data_ = data;
+  capacity_ = count;
+}
+
+namespace {
+
+constexpr const char* kUpdate = "PairEvents::Update";
+
+std::uint64_t BitsOf(const IdPair& pair) {
+  return std::bit_cast<std::uint64_t>(pair);
+}
+std::uint64_t KeyOf(const IdPair& pair) {
+  return std::uint64_t{pair.a} << 32 | pair.b;
+}
+bool IsLess(const IdPair& left, const IdPair& right) {
+  return KeyOf(left) < KeyOf(right);
+}
+// The upper `bits` bits of a product, which depend on all bits of the pair.
+std::size_t HashOf(const IdPair& pair, int bits) {
+  return static_cast<std::size_t>(BitsOf(pair) * 0x9E3779B97F4A7C15 >>
+                                  (64 - bits));
+}
+
+// Appends pairs to a list, the lesser id first.
+class ListSink : public Results<IdPair> {
+ public:
+  ListSink(PairList& list, const PairListFilter& filter)
+      : Results<IdPair>{}, list_(list), filter_(filter) {
+    flush = [](Results<IdPair>& results) {
+      static_cast<ListSink&>(results).Flush();
+      return true;
+    };
+    Use();
+  }
+
+  void Flush() {
+    const auto count = static_cast<std::size_t>(next - begin);
+    for (IdPair* pair = begin; pair != next; ++pair) {
+      *pair = {std::min(pair->a, pair->b), std::max(pair->a, pair->b)};
+    }
+    const bool is_filtered = filter_.keep != nullptr && count > 0;
+    list_.SetSize(
+        list_.size() +
+        (is_filtered ? filter_.keep(filter_.context, {begin, count}) : count));
+    flushed += count;
+    begin = next = nullptr;
+    Use();
+  }
+
+ private:
+  // What is found is read again while it is in cache.
+  static constexpr std::size_t kRoom = 512;
+
+  void Use() {
+    list_.Reserve(list_.size() + kRoom);
+    begin = next = list_.end();
+    full = begin + (kRoom - kMostAtOnce + 1);
+  }
+
+  PairList& list_;
+  const PairListFilter& filter_;
+};
+
+// The caller's resource for parts that run on several threads.
+class LockedMemory {
+ public:
+  explicit LockedMemory(const MemoryResource& memory) : memory_(memory) {}
+
+  MemoryResource resource() { return MemoryFrom(*this); }
+  void* allocate(std::size_t bytes, std::size_t /*alignment*/) {
+    const std::scoped_lock lock(mutex_);
+    return AllocateBlock(memory_, bytes);
+  }
+  void deallocate(void* block, std::size_t bytes, std::size_t /*alignment*/) {
+    const std::scoped_lock lock(mutex_);
+    FreeBlock(memory_, block, bytes);
+  }
+
+ private:
+  std::mutex mutex_;
+  MemoryResource memory_;
+};
+
+// A search, in parts if there is a runner.
+class Search {
+ public:
+  Search(const PairSources& sources, const PairEventOptions& options,
+         const PairListFilter& filter)
+      : sources_(sources), filter_(filter), run_(options.run) {
+    options_.mask = options.mask;
+    options_.margin = options.margin;
+    options_.target = options.target;
+  }
+
+  // About `expected` pairs. They do not depend on the parts.
+  void Run(std::size_t expected, PairList& found) const {
+    const std::size_t parts = PartCount();
+    if (parts == 1) {
+      found.Reserve(expected + expected / 8);
+      return Find(0, 1, found);
+    }
+    RunParts(parts, expected, found);
+  }
+
+ private:
+  static constexpr std::size_t kMostParts = 16;
+
+  std::size_t blocks() const {
+    return BlocksOf(sources_.a->levels().level[0].size);
+  }
+
+  // Each part of a set builds the set, in memory of the world's.
+  std::size_t PartCount() const {
+    if (!run_) return 1;
+    const bool is_of_set = sources_.ids != nullptr;
+    if (is_of_set && sources_.a->memory() != MemoryResource()) return 1;
+    const std::size_t count =
+        is_of_set ? sources_.ids->size() / 1024 : blocks() / 32;
+    return std::clamp<std::size_t>(count, 1, kMostParts);
+  }
+
+  void Find(std::size_t part, std::size_t parts, PairList& found) const {
+    PairOptions options = options_;
+    options.begin = blocks() * part / parts;
+    options.end = blocks() * (part + 1) / parts;
+    ListSink sink(found, filter_);
+    FindPairs(sources_, options, kUpdate, sink);
+    sink.Flush();
+  }
+
+  [[gnu::noinline]] void RunParts(std::size_t parts, std::size_t expected,
+                                  PairList& found) const {
+    LockedMemory memory(found.memory());
+    struct Part {
+      PairList found;
+      bool has_failed;
+    };
+    const Scratch scratch(found.memory(), parts * sizeof(Part));
+    struct Parts {
+      Parts(Part* its_part, std::size_t its_count, const MemoryResource& memory)
+          : part(its_part), count(its_count) {
+        for (std::size_t p = 0; p < count; ++p) {
+          new (part + p) Part{PairList(memory), false};
+        }
+      }
+      Parts(const Parts&) = delete;
+      Parts& operator=(const Parts&) = delete;
+      ~Parts() { std::destroy_n(part, count); }
+      Part* part;
+      std::size_t count;
+    } all(reinterpret_cast<Part*>(scratch.data()), parts, memory.resource());
+    const auto find = [&](std::size_t p) {
+      all.part[p].found.SetSize(0);
+      all.part[p].found.Reserve(expected / parts + expected / 8);
+      Find(p, parts, all.part[p].found);
+    };
+#if defined(__cpp_exceptions)
+    // A part for which there was no memory runs again, in this thread, and
+    // throws if there is still none.
+    run_(parts, [&](std::size_t p) {
+      try {
+        find(p);
+      } catch (const std::bad_alloc&) {
+        all.part[p].has_failed = true;
+      }
+    });
+    for (std::size_t p = 0; p < parts; ++p) {
+      if (all.part[p].has_failed) find(p);
+    }
+#else
+    run_(parts, find);
+#endif
+    std::size_t count = 0;
+    for (std::size_t p = 0; p < parts; ++p) count += all.part[p].found.size();
+    found.Reserve(count);
+    for (std::size_t p = 0; p < parts; ++p) {
+      found.Append(all.part[p].found.span());
+    }
+  }
+
+  const PairSources& sources_;
+  const PairListFilter& filter_;
+  const Runner& run_;
+  PairOptions options_;
+};
+
+// Sorts by a, then by b. The digits of `a` first, one after another, as few
+// pairs have the same.
+void Sort(PairList& pairs) {
+  constexpr std::size_t kFew = 64;
+  if (pairs.size() <= kFew)
+    return std::sort(pairs.begin(), pairs.end(), IsLess);
+  std::uint32_t different = 0;
+  for (const IdPair& pair : pairs) different |= pair.a ^ pairs.data()->a;
+  PairList sorted(pairs.memory());
+  sorted.Reserve(pairs.size());
+  sorted.SetSize(pairs.size());
+  for (int shift = 0; shift < 32; shift += 8) {
+    const auto digit = [shift](std::uint32_t id) {
+      return static_cast<std::uint8_t>(id >> shift);
+    };
+    if (digit(different) == 0) continue;
+    std::array<std::size_t, 256> places{};
+    for (const IdPair& pair : pairs) ++places[digit(pair.a)];
+    std::size_t begin = 0;
+    for (std::size_t& place : places) {
+      const std::size_t count = place;
+      place = begin;
+      begin += count;
+    }
+    for (const IdPair& pair : pairs) {
+      sorted.data()[places[digit(pair.a)]++] = pair;
+    }
+    swap(pairs, sorted);
+  }
+  for (IdPair* begin = pairs.begin(); begin != pairs.end();) {
+    IdPair* end = begin + 1;
+    while (end != pairs.end() && end->a == begin->a) ++end;
+    if (end - begin > 1) std::sort(begin, end, IsLess);
+    begin = end;
+  }
+}
+
+// The difference of two lists, each of which has a pair once. Lists that are
+// nearly the same take little time: equal pairs at equal places are skipped.
+class Difference {
+ public:
+  Difference(Span<const IdPair> before, Span<const IdPair> after,
+             PairList& ended, PairList& began)
+      : before_(before), after_(after), ended_(ended), began_(began) {}
+
+  // Appends the pairs of only one list, sorted.
+  void Find() {
+    MatchNear();
+    MatchFar();
+    Sort(ended_);
+    Sort(began_);
+    MatchSorted();
+  }
+
+ private:
+  static constexpr std::size_t kWindow = 64;
+  static constexpr int kWindowBits = 9;  // of the table's size
+
+  // Removes most pairs that are in both lists and near each other. Where the
+  // lists part, the next 64 pairs of one are looked up in a table of the next
+  // 64 of the other, up to the last pair of each that was found.
+  void MatchNear() {
+    std::uint8_t table[1 << kWindowBits] = {};
+    ended_.Reserve(before_.size() / 8);
+    began_.Reserve(after_.size() / 8);
+    const IdPair* before = before_.begin();
+    const IdPair* after = after_.begin();
+    for (;;) {
+      SkipEqual(before, after);
+      const auto of_before = static_cast<std::size_t>(
+          std::min<std::ptrdiff_t>(kWindow, before_.end() - before));
+      const auto of_after = static_cast<std::size_t>(
+          std::min<std::ptrdiff_t>(kWindow, after_.end() - after));
+      if (of_before == 0 || of_after == 0) break;
+      for (std::size_t i = 0; i < of_before; ++i) {
+        table[HashOf(before[i], kWindowBits)] = static_cast<std::uint8_t>(i);
+      }
+      std::uint64_t is_in_after = 0;   // of those before
+      std::uint64_t is_in_before = 0;  // of those after
+      for (std::size_t i = 0; i < of_after; ++i) {
+        const std::size_t at = table[HashOf(after[i], kWindowBits)];
+        const std::uint64_t is_equal =
+            at < of_before && BitsOf(before[at]) == BitsOf(after[i]) ? 1 : 0;
+        is_in_after |= is_equal << at;
+        is_in_before |= is_equal << i;
+      }
+      before += Take(before, of_before, is_in_after, ended_);
+      after += Take(after, of_after, is_in_before, began_);
+    }
+    ended_.Append({before, static_cast<std::size_t>(before_.end() - before)});
+    began_.Append({after, static_cast<std::size_t>(after_.end() - after)});
+  }
+
+  void SkipEqual(const IdPair*& before, const IdPair*& after) const {
+    const auto differ = [](const IdPair& a, const IdPair& b) {
+      return BitsOf(a) ^ BitsOf(b);
+    };
+    std::ptrdiff_t left =
+        std::min(before_.end() - before, after_.end() - after);
+    for (; left >= 4; left -= 4, before += 4, after += 4) {
+      if ((differ(before[0], after[0]) | differ(before[1], after[1]) |
+           differ(before[2], after[2]) | differ(before[3], after[3])) != 0) {
+        break;
+      }
+    }
+    for (; left > 0 && differ(*before, *after) == 0; --left) {
+      ++before;
+      ++after;
+    }
+  }
+
+  // Appends those of `count` pairs that were not found, up to the last that
+  // was. Returns how many are done.
+  static std::size_t Take(const IdPair* pairs, std::size_t count,
+                          std::uint64_t found, PairList& to) {
+    const std::size_t done =
+        found == 0 ? count : static_cast<std::size_t>(std::bit_width(found));
+    to.Reserve(to.size() + kWindow);
+    std::uint64_t missing = ~found & ~std::uint64_t{0} >> (64 - done);
+    for (; missing != 0; missing &= missing - 1) {
+      to.Add(pairs[std::countr_zero(missing)]);
+    }
+    return done;
+  }
+
+  // Removes most pairs that are in both lists of what is left. A place in the
+  // table is that of the last pair with this hash: the others stay in both.
+  void MatchFar() {
+    constexpr std::size_t kFew = 32;
+    const std::size_t count = ended_.size();
+    if (count < kFew || began_.size() < kFew) return;
+    const int bits = static_cast<int>(std::bit_width(count)) + 1;
+    const Scratch scratch(ended_.memory(), sizeof(std::uint32_t) << bits);
+    auto* const table = reinterpret_cast<std::uint32_t*>(scratch.data());
+    std::fill_n(table, std::size_t{1} << bits, 0);
+    IdPair* const ended = ended_.data();
+    for (std::size_t i = 0; i < count; ++i) {
+      table[HashOf(ended[i], bits)] = static_cast<std::uint32_t>(i);
+    }
+    constexpr IdPair kNone = {0, 0};  // a < b in a pair
+    IdPair* to = began_.begin();
+    for (const IdPair& pair : began_) {
+      IdPair& other = ended[table[HashOf(pair, bits)]];
+      const bool is_in_both = other == pair;
+      other = is_in_both ? kNone : other;
+      *to = pair;
+      to += is_in_both ? 0 : 1;
+    }
+    began_.SetSize(static_cast<std::size_t>(to - began_.begin()));
+    to = ended;
+    for (const IdPair& pair : ended_) {
+      *to = pair;
+      to += pair == kNone ? 0 : 1;
+    }
+    ended_.SetSize(static_cast<std::size_t>(to - ended));
+  }
+
+  // Removes the pairs that are in both lists.
+  void MatchSorted() {
+    const IdPair* before = ended_.begin();
+    const IdPair* after = began_.begin();
+    IdPair* ended = ended_.begin();
+    IdPair* began = began_.begin();
+    while (before != ended_.end() && after != began_.end()) {
+      const std::uint64_t key = KeyOf(*before);
+      const std::uint64_t other = KeyOf(*after);
+      if (key <= other) *ended = *before++;
+      if (other <= key) *began = *after++;
+      ended += key < other ? 1 : 0;
+      began += other < key ? 1 : 0;
+    }
+    ended = std::copy(before, static_cast<const IdPair*>(ended_.end()), ended);
+    began = std::copy(after, static_cast<const IdPair*>(began_.end()), began);
+    ended_.SetSize(static_cast<std::size_t>(ended - ended_.begin()));
+    began_.SetSize(static_cast<std::size_t>(began - began_.begin()));
+  }
+
+  const Span<const IdPair> before_;
+  const Span<const IdPair> after_;
+  PairList& ended_;
+  PairList& began_;
+};
+
+// A set of ids below a limit; it has no others.
+class IdSet {
+ public:
+  IdSet(const MemoryResource& memory, Span<const std::uint32_t> ids,
+        std::size_t limit)
+      : memory_(memory, (limit / 64 + 1) * sizeof(std::uint64_t)),
+        words_(reinterpret_cast<std::uint64_t*>(memory_.data())) {
+    std::fill_n(words_, limit / 64 + 1, 0);
+    for (const std::uint32_t id : ids) {
+      if (id < limit) words_[id / 64] |= std::uint64_t{1} << id % 64;
+    }
+  }
+  // Of ids below the limit: 1 or 0.
+  std::uint8_t HasOne(const IdPair& pair) const {
+    return static_cast<std::uint8_t>((words_[pair.a / 64] >> pair.a % 64 |
+                                      words_[pair.b / 64] >> pair.b % 64) &
+                                     1);
+  }
+
+ private:
+  Scratch memory_;
+  std::uint64_t* words_;
+};
+
+// Moves the pairs with a changed object out of a list. They are moved back, if
+// not Keep() is called.
+class Removal {
+ public:
+  explicit Removal(PairList& pairs)
+      : pairs_(pairs), removed_(pairs.memory()), size_(0) {}
+  Removal(const Removal&) = delete;
+  Removal& operator=(const Removal&) = delete;
+  ~Removal() {
+    std::copy(removed_.begin(), removed_.end(), pairs_.data() + size_);
+  }
+
+  void Run(const IdSet& changed, std::size_t expected) {
+    constexpr std::size_t kSome = 1024;
+    removed_.Reserve(expected + expected / 8);
+    for (std::size_t i = 0; i < pairs_.size(); i += kSome) {
+      removed_.Reserve(removed_.size() + kSome);
+      RunSome(changed, pairs_.data() + i, std::min(kSome, pairs_.size() - i));
+    }
+  }
+  void Keep() {
+    pairs_.SetSize(size_);
+    removed_.SetSize(0);
+  }
+
+  const PairList& removed() const { return removed_; }
+  std::size_t size() const { return size_; }
+
+ private:
+  void RunSome(const IdSet& changed, const IdPair* from, std::size_t count) {
+    constexpr std::size_t kGroup = 8;
+    IdPair* kept = pairs_.data() + size_;
+    IdPair* removed = removed_.end();
+    for (std::size_t i = 0; i < count; i += kGroup) {
+      const std::size_t some = std::min(kGroup, count - i);
+      std::array<std::uint8_t, kGroup> is_removed;
+      unsigned removes = 0;
+      for (std::size_t k = 0; k < some; ++k) {
+        is_removed[k] = changed.HasOne(from[i + k]);
+        removes |= is_removed[k];
+      }
+      if (removes == 0) {
+        std::memmove(kept, from + i, some * sizeof(IdPair));
+        kept += some;
+        continue;
+      }
+      // Without branches, which would not be predicted.
+      for (std::size_t k = 0; k < some; ++k) {
+        const IdPair pair = from[i + k];
+        *removed = pair;
+        *kept = pair;
+        removed += is_removed[k];
+        kept += is_removed[k] ^ 1;
+      }
+    }
+    size_ = static_cast<std::size_t>(kept - pairs_.data());
+    removed_.SetSize(static_cast<std::size_t>(removed - removed_.data()));
+  }
+
+  PairList& pairs_;
+  PairList removed_;
+  std::size_t size_;  // of those that stay
+};
+
+}  // namespace
+
+void PairEventsCore::Update(const PairSources& sources,
+                            const PairEventOptions& options,
+                            const PairListFilter& filter) {
+  // With more, all pairs take less time.
+  constexpr std::size_t kShareOfSet = 4;
+  if (sources.ids != nullptr) {
+    const Span<const std::uint32_t> ids = *sources.ids;
+    dispatch::CheckMemory(kUpdate, "changed", ids.data(), ids.size(),
+                          alignof(std::uint32_t));
+    if (ids.size() < sources.a->size() / kShareOfSet) {
+      return UpdateSome(sources, options, filter);
+    }
+  }
+  UpdateAll({sources.kernels, sources.a, nullptr, nullptr}, options, filter);
+}
+
+void PairEventsCore::UpdateAll(const PairSources& sources,
+                               const PairEventOptions& options,
+                               const PairListFilter& filter) {
+  PairList now(memory());
+  Search(sources, options, filter).Run(pairs_.size(), now);
+  PairList began(memory());
+  PairList ended(memory());
+  Difference(pairs_.span(), now.span(), ended, began).Find();
+  swap(pairs_, now);
+  id_limit_ = sources.a->id_limit();
+  SetEvents(began, ended);
+}
+
+void PairEventsCore::UpdateSome(const PairSources& sources,
+                                const PairEventOptions& options,
+                                const PairListFilter& filter) {
+  const BvhTree& tree = *sources.a;
+  const Span<const std::uint32_t> ids = *sources.ids;
+  // Those of objects.
+  Span<const std::uint32_t> present = ids;
+  const auto has = [&tree](std::uint32_t id) { return tree.Has(id); };
+  const bool is_present = std::all_of(ids.begin(), ids.end(), has);
+  const Scratch scratch(memory(), is_present ? 0 : ids.size() * sizeof(ids[0]));
+  if (!is_present) {
+    auto* const some = reinterpret_cast<std::uint32_t*>(scratch.data());
+    std::uint32_t* const end = std::copy_if(ids.begin(), ids.end(), some, has);
+    present = {some, static_cast<std::size_t>(end - some)};
+  }
+  PairList found(memory());
+  const PairSources of_present = {sources.kernels, &tree, nullptr, &present};
+  // With no ids the search checks the options.
+  Search(of_present, options, filter).Run(0, found);
+  const IdSet changed(memory(), ids, id_limit_);
+  Removal removal(pairs_);
+  removal.Run(changed, found.size());
+  PairList began(memory());
+  PairList ended(memory());
+  Difference(removal.removed().span(), found.span(), ended, began).Find();
+  pairs_.Reserve(removal.size() + found.size());
+  removal.Keep();
+  pairs_.Append(found.span());
+  id_limit_ = std::max(id_limit_, tree.id_limit());
+  SetEvents(began, ended);
+}
+
+void PairEventsCore::SetEvents(PairList& began, PairList& ended) {
+  swap(began_, began);
+  swap(ended_, ended);
+}
+
+void PairEventsCore::Clear() { *this = PairEventsCore(memory()); }
+
+void PairEventsCore::Load(Span<const IdPair> pairs) {
+  constexpr const char* kCall = "PairEvents::Load";
+  dispatch::CheckMemory(kCall, "pairs", pairs.data(), pairs.size(),
+                        alignof(IdPair));
+  constexpr std::uint32_t kMostId = std::numeric_limits<std::int32_t>::max();
+  std::size_t id_limit = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto [a, b] = pairs[i];
+    if (a >= b || b > kMostId) {
+      dispatch::ThrowInvalid(kCall, "pairs", "a < b < 2^31",
+                             std::to_string(a) + " and " + std::to_string(b),
+                             i);
+    }
+    id_limit = std::max<std::size_t>(id_limit, std::size_t{b} + 1);
+  }
+  PairEventsCore loaded(memory());
+  loaded.id_limit_ = id_limit;
+  loaded.pairs_.Append(pairs);
+  PairList sorted(loaded.pairs_, memory());
+  Sort(sorted);
+  const IdPair* const twice = std::adjacent_find(sorted.begin(), sorted.end());
+  if (twice != sorted.end()) {
+    dispatch::ThrowInvalid(kCall, "pairs", "each pair once",
+                           std::to_string(twice->a) + " and " +
+                               std::to_string(twice->b) + " twice");
+  }
+  swap(*this, loaded);
+}
+
+}  // namespace halfspace::detail

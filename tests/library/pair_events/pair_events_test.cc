@@ -1,0 +1,631 @@
+// Pairs, and the events of their changes, against sets of all pairs, after any
+// history of a world and however it was told.
+#include "halfspace/pair_events.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <new>
+#include <random>
+#include <set>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "halfspace/halfspace.h"
+#include "tests/library/bvh/separated.h"
+#include "tests/library/bvh/spread.h"
+#include "tests/library/support/counting_memory.h"
+#include "tests/library/support/environment.h"
+#include "tests/library/support/expect_invalid.h"
+#include "tests/library/support/misaligned.h"
+
+namespace halfspace::testing {
+namespace {
+
+using PairSet = std::set<std::pair<std::uint32_t, std::uint32_t>>;
+using PairVector = std::vector<IdPair>;
+
+PairVector ListOf(Span<const IdPair> pairs) {
+  return {pairs.begin(), pairs.end()};
+}
+PairVector Sorted(Span<const IdPair> pairs) {
+  PairVector sorted = ListOf(pairs);
+  std::sort(sorted.begin(), sorted.end(), [](const auto& x, const auto& y) {
+    return std::pair(x.a, x.b) < std::pair(y.a, y.b);
+  });
+  return sorted;
+}
+// Sorted by a, then by b.
+PairVector ListOf(const PairSet& pairs) {
+  PairVector list;
+  for (const auto& [a, b] : pairs) list.push_back({a, b});
+  return list;
+}
+
+// Those of the first that are not in the second.
+PairVector Missing(const PairSet& pairs, const PairSet& others) {
+  PairSet missing;
+  std::set_difference(pairs.begin(), pairs.end(), others.begin(), others.end(),
+                      std::inserter(missing, missing.end()));
+  return ListOf(missing);
+}
+
+// The pairs that a search of the world finds.
+template <typename View>
+PairSet FoundIn(const Bvh<View>& world, const PairOptions& options = {}) {
+  PairSet found;
+  ForEachPair(
+      world,
+      [&](Span<const IdPair> pairs) {
+        for (const auto& [a, b] : pairs) found.emplace(std::minmax(a, b));
+      },
+      options);
+  return found;
+}
+
+void ExpectIs(const PairEvents& events, const PairSet& before,
+              const PairSet& now) {
+  ASSERT_EQ(Sorted(events.pairs()), ListOf(now));
+  ASSERT_EQ(events.size(), now.size());
+  ASSERT_EQ(events.empty(), now.empty());
+  ASSERT_EQ(ListOf(events.began()), Missing(now, before));
+  ASSERT_EQ(ListOf(events.ended()), Missing(before, now));
+}
+
+// A world that changes in every way, its bounds by id, and the ids that changed
+// since they were last taken.
+template <typename View>
+class ChangingWorld {
+ public:
+  using Bound = typename View::Bound;
+
+  ChangingWorld(std::size_t size, std::uint64_t seed)
+      : random_(seed), small_(4.0f, seed), large_(30.0f, seed) {
+    for (std::size_t i = 0; i < size; ++i) Insert();
+  }
+
+  void Change() {
+    switch (random_() % 12) {
+      case 0:
+        for (std::size_t i = random_() % 30; i > 0; --i) Insert();
+        return;
+      case 1:
+      case 2:
+        for (std::size_t i = random_() % 20; i > 0 && !bounds_.empty(); --i) {
+          const std::uint32_t id = AnyId();
+          bvh_.Erase(id);
+          bounds_.erase(id);
+          changed_.push_back(id);
+        }
+        return;
+      case 3:
+        return bvh_.Rebuild();
+      case 4:
+        std::ignore = bvh_.RebuildPartial(random_() % 300);
+        return;
+      case 5: {  // all
+        for (auto& [id, bound] : bounds_) Move(id);
+        std::vector<Bound> by_id(bvh_.id_limit());
+        for (const auto& [id, bound] : bounds_) by_id[id] = bound;
+        return bvh_.Refit(by_id);
+      }
+      case 6:  // told, and not changed
+        if (!bounds_.empty()) changed_.push_back(AnyId());
+        return;
+      case 7:
+        if (random_() % 8 != 0) return;
+        for (const auto& [id, bound] : bounds_) changed_.push_back(id);
+        bounds_.clear();
+        return bvh_.Clear();
+      default:
+        for (std::size_t i = random_() % 40; i > 0 && !bounds_.empty(); --i) {
+          const std::uint32_t id = AnyId();
+          Move(id);
+          bvh_.Set(id, bounds_[id]);
+        }
+        return;
+    }
+  }
+
+  PairSet Pairs() const {
+    PairSet pairs;
+    for (auto a = bounds_.begin(); a != bounds_.end(); ++a) {
+      for (auto b = std::next(a); b != bounds_.end(); ++b) {
+        if (!AreSeparated(a->second, b->second)) {
+          pairs.emplace(a->first, b->first);
+        }
+      }
+    }
+    return pairs;
+  }
+
+  const Bvh<View>& bvh() const { return bvh_; }
+  // In any order, some twice, and some that no object ever had.
+  Ids TakeChanged() {
+    Ids ids = std::exchange(changed_, {});
+    for (std::uint32_t id : {7u, 5000u, 0xFFFFFFFFu}) {
+      if (random_() % 3 == 0) ids.push_back(id);
+    }
+    std::shuffle(ids.begin(), ids.end(), random_);
+    return ids;
+  }
+
+ private:
+  Bound NextBound() {
+    const auto chance = random_() % 64;
+    if (chance == 0) return Bound::Empty();
+    return chance < 4 ? large_.NextObject() : small_.NextObject();
+  }
+  std::uint32_t AnyId() {
+    return std::next(bounds_.begin(),
+                     static_cast<std::ptrdiff_t>(random_() % bounds_.size()))
+        ->first;
+  }
+  void Insert() {
+    const Bound bound = NextBound();
+    const std::uint32_t id = bvh_.Insert(bound);
+    bounds_[id] = bound;
+    changed_.push_back(id);
+  }
+  void Move(std::uint32_t id) {
+    bounds_[id] = NextBound();
+    changed_.push_back(id);
+  }
+
+  Random random_;
+  Spread<View> small_;
+  Spread<View> large_;
+  Bvh<View> bvh_;
+  std::map<std::uint32_t, Bound> bounds_;
+  Ids changed_;
+};
+
+TEST(PairEventsKnownTest, AreThoseOfTheHeader) {
+  std::vector<Aabb3> boxes;
+  for (std::uint32_t i = 0; i < 12; ++i) {
+    const float x = 3.0f * static_cast<float>(i);
+    boxes.push_back({{x, 0, 0}, {x + 1, 1, 1}});
+  }
+  AabbBvh3 bvh(boxes);
+  PairEvents events;
+  events.Update(bvh);
+  EXPECT_TRUE(events.empty());
+  // Each frame, after the objects moved.
+  boxes[7] = boxes[2];
+  boxes[5] = boxes[2];
+  bvh.Refit(boxes);
+  std::ignore = bvh.RebuildPartial(bvh.size() / 16);
+  events.Update(bvh);
+  EXPECT_EQ(ListOf(events.began()), (PairVector{{2, 5}, {2, 7}, {5, 7}}));
+  EXPECT_TRUE(events.ended().empty());
+  // If only some changed.
+  const std::array<std::uint32_t, 1> moved_ids = {5};
+  const std::array<Aabb3, 1> moved_boxes = {boxes[11]};
+  bvh.Set(moved_ids, moved_boxes);
+  events.Update(bvh, moved_ids);
+  EXPECT_EQ(ListOf(events.began()), (PairVector{{5, 11}}));
+  EXPECT_EQ(ListOf(events.ended()), (PairVector{{2, 5}, {5, 7}}));
+  EXPECT_EQ(Sorted(events.pairs()), (PairVector{{2, 7}, {5, 11}}));
+}
+
+template <typename Case>
+class PairEventsTest : public ::testing::Test {};
+using EventCases = Tested<::testing::Types<Whole<AabbView2>, Whole<AabbView3>,
+                                           Whole<AaboView2>, Whole<AaboView3>>>;
+TYPED_TEST_SUITE(PairEventsTest, EventCases, CaseNames);
+
+// One is told of all pairs or of some, as it comes; one always of all; one is
+// a copy of the first, and one is loaded with its pairs, before each step.
+TYPED_TEST(PairEventsTest, AreTheDifferenceOfAllPairs) {
+  Random random(1);
+  for (std::uint64_t seed = 0; seed < Scaled(12); ++seed) {
+    const std::array<std::size_t, 4> sizes = {0, 40, 150, 400};
+    ChangingWorld<typename TypeParam::View> world(sizes[seed % 4], seed);
+    PairEvents mixed;
+    PairEvents all;
+    PairSet before;
+    for (int step = 0; step < 40; ++step) {
+      for (std::size_t i = random() % 4; i > 0; --i) world.Change();
+      PairEvents copy = mixed;
+      PairVector pairs = ListOf(mixed.pairs());
+      std::shuffle(pairs.begin(), pairs.end(), random);
+      PairEvents loaded;
+      loaded.Load(pairs);
+      const PairSet now = world.Pairs();
+      const Ids changed = world.TakeChanged();
+      all.Update(world.bvh());
+      for (PairEvents* events : {&mixed, &copy, &loaded}) {
+        if (step % 5 == 4) {
+          events->Update(world.bvh());
+        } else {
+          events->Update(world.bvh(), changed);
+        }
+      }
+      for (const PairEvents* events : {&mixed, &all, &copy, &loaded}) {
+        ExpectIs(*events, before, now);
+        if (this->HasFatalFailure()) FAIL() << "seed " << seed << ' ' << step;
+      }
+      before = now;
+    }
+  }
+}
+
+// So many that lists are sorted by digits, are matched far from their places,
+// and are found in parts. A few objects have most of the pairs.
+struct Crowd {
+  Crowd() : bvh(boxes()) { bvh.Reserve(bvh.size()); }
+
+  std::vector<Aabb3>& boxes() {
+    if (all.empty()) {
+      const auto world = Spread<AabbView3>(1.2f).Objects(6000);
+      for (std::uint32_t i = 0; i < world.size(); ++i) {
+        all.push_back(world.Get(i));
+      }
+      for (std::uint32_t i = 5; i < 6000; i += 1700) {
+        all[i] = {{-50, -50, -50}, {50, 0, 50}};
+      }
+    }
+    return all;
+  }
+  void Move(const Ids& ids) {
+    std::uniform_real_distribution<float> step(-0.3f, 0.3f);
+    for (const std::uint32_t id : ids) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const float way = step(random);
+        all[id].min[k] += way;
+        all[id].max[k] += way;
+      }
+    }
+    bvh.Refit(ids, all);
+    std::ignore = bvh.RebuildPartial(400);
+  }
+  Ids Some(std::size_t share) {
+    Ids ids;
+    for (std::uint32_t id = 0; id < all.size(); ++id) {
+      if (random() % 100 < share) ids.push_back(id);
+    }
+    return ids;
+  }
+
+  Random random{3};
+  std::vector<Aabb3> all;
+  AabbBvh3 bvh;
+};
+
+void RunOnThreads(std::size_t count, const Runner::Part& part) {
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < 3; ++t) {
+    threads.emplace_back([t, count, &part] {
+      for (std::size_t i = t; i < count; i += 3) part(count - 1 - i);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+}
+
+TEST(PairEventsOfManyTest, AreTheDifferenceOfAllPairsOnAnyThreads) {
+  Crowd crowd;
+  PairEvents alone;
+  PairEvents on_threads;
+  auto run = RunOnThreads;
+  PairSet before;
+  for (const std::size_t share :
+       {100u, 0u, 100u, 10u, 20u, 24u, 24u, 1u, 50u, 10u}) {
+    const Ids ids = crowd.Some(share);
+    crowd.Move(ids);
+    const PairSet now = FoundIn(crowd.bvh);
+    ASSERT_GT(now.size(), 10000u);
+    alone.Update(crowd.bvh, ids);
+    on_threads.Update(crowd.bvh, ids, {.run = run});
+    ExpectIs(alone, before, now);
+    ASSERT_EQ(ListOf(alone.pairs()), ListOf(on_threads.pairs()));
+    ExpectIs(on_threads, before, now);
+    if (::testing::Test::HasFatalFailure()) FAIL() << share;
+    before = now;
+  }
+}
+
+// A new order of the objects is no event.
+TEST(PairEventsOfManyTest, DoNotDependOnTheOrderOfTheWorld) {
+  Crowd crowd;
+  PairEvents events;
+  events.Update(crowd.bvh);
+  const PairVector before = Sorted(events.pairs());
+  crowd.bvh.Rebuild({.quality = BuildQuality::kFast});
+  events.Update(crowd.bvh);
+  EXPECT_EQ(Sorted(events.pairs()), before);
+  EXPECT_TRUE(events.began().empty());
+  EXPECT_TRUE(events.ended().empty());
+}
+
+TEST(PairEventsOfManyTest, OptionsAreThoseOfTheSearch) {
+  Crowd crowd;
+  std::vector<std::uint32_t> masks;
+  for (std::uint32_t i = 0; i < 6000; ++i) masks.push_back(1 + i % 3);
+  crowd.bvh.SetMasks(masks);
+  for (Target target : TargetsUnderTest()) {
+    PairEvents events;
+    events.Update(crowd.bvh, {.target = target});
+    const PairSet all = FoundIn(crowd.bvh);
+    ExpectIs(events, {}, all);
+    events.Update(crowd.bvh, {.mask = 2, .margin = 0.5f, .target = target});
+    ExpectIs(events, all, FoundIn(crowd.bvh, {.mask = 2, .margin = 0.5f}));
+    if (::testing::Test::HasFatalFailure()) FAIL() << target.name();
+  }
+}
+
+// Whatever allocation fails, pairs and events are as before, and the next call
+// returns what it would have.
+TEST(PairEventsMemoryTest, AFailedAllocationChangesNothing) {
+  Crowd crowd;
+  auto run = RunOnThreads;
+  for (const bool on_threads : {false, true}) {
+    for (const Failure failure : {Failure::kThrows, Failure::kReturnsNull}) {
+      CountingMemory memory(failure);
+      PairEvents events(memory.resource());
+      for (const std::size_t share : {100u, 15u, 100u, 2u}) {
+        Ids ids = crowd.Some(share);
+        crowd.Move(ids);
+        ids.push_back(100000);  // none of the world's
+        PairEvents expected = events;
+        expected.Update(crowd.bvh, ids);
+        const PairVector pairs = Sorted(events.pairs());
+        const PairVector began = ListOf(events.began());
+        const PairVector ended = ListOf(events.ended());
+        PairEventOptions options;
+        if (on_threads) options.run = run;
+        std::size_t left = 0;
+        for (bool has_failed = true; has_failed; ++left) {
+          memory.left = left;
+          has_failed = false;
+          try {
+            events.Update(crowd.bvh, ids, options);
+          } catch (const std::bad_alloc&) {
+            has_failed = true;
+            ASSERT_EQ(Sorted(events.pairs()), pairs);
+            ASSERT_EQ(ListOf(events.began()), began);
+            ASSERT_EQ(ListOf(events.ended()), ended);
+          }
+        }
+        memory.left = CountingMemory::kNoLimit;
+        EXPECT_GT(left, 3u);
+        ASSERT_EQ(Sorted(events.pairs()), Sorted(expected.pairs()));
+        ASSERT_EQ(ListOf(events.began()), ListOf(expected.began()));
+        ASSERT_EQ(ListOf(events.ended()), ListOf(expected.ended()));
+      }
+    }
+  }
+}
+
+TEST(PairEventsMemoryTest, EachOwnerKeepsItsResource) {
+  Crowd crowd;
+  CountingMemory memory;
+  CountingMemory other;
+  PairEvents events(memory.resource());
+  events.Update(crowd.bvh);
+  EXPECT_LT(events.bytes(), events.size() * 24 + 100000);
+  // Those that began are gone.
+  events.Update(crowd.bvh);
+  EXPECT_LE(events.bytes(), events.size() * 12 + 10000);
+  EXPECT_GE(events.bytes(), events.size() * 8);
+  const PairVector pairs = ListOf(events.pairs());
+  PairEvents copy(events, other.resource());
+  EXPECT_EQ(ListOf(copy.pairs()), pairs);
+  PairEvents assigned;
+  assigned = copy;
+  EXPECT_EQ(ListOf(assigned.pairs()), pairs);
+  EXPECT_EQ(assigned.memory(), MemoryResource());
+  const std::size_t allocations = other.allocations;
+  PairEvents moved = std::move(copy);
+  EXPECT_EQ(other.allocations, allocations);
+  EXPECT_EQ(moved.memory(), other.resource());
+  EXPECT_TRUE(copy.empty());  // NOLINT(bugprone-use-after-move)
+  assigned = std::move(moved);
+  EXPECT_EQ(ListOf(assigned.pairs()), pairs);
+  EXPECT_EQ(assigned.memory(), MemoryResource());
+  swap(assigned, copy);
+  EXPECT_EQ(ListOf(copy.pairs()), pairs);
+  EXPECT_EQ(assigned.memory(), other.resource());
+  other.left = 0;
+  EXPECT_THROW(PairEvents(events, other.resource()), std::bad_alloc);
+  memory.left = 0;
+  EXPECT_THROW(events.Load(copy.pairs()), std::bad_alloc);
+  EXPECT_EQ(ListOf(events.pairs()), pairs);
+  events.Clear();
+  EXPECT_EQ(events.bytes(), 0u);
+  EXPECT_EQ(memory.blocks, 0u);
+}
+
+TEST(PairEventsErrorsTest, NameTheArgument) {
+  AabbBvh3 bvh(std::vector<Aabb3>(20, Aabb3{{0, 0, 0}, {1, 1, 1}}));
+  PairEvents events;
+  events.Update(bvh);
+  const PairVector pairs = ListOf(events.pairs());
+  ASSERT_EQ(pairs.size(), 190u);
+  const std::array<std::uint32_t, 2> ids = {1, 2};
+  const auto refuses = [&](const auto& call,
+                           std::initializer_list<std::string_view> parts) {
+    EXPECT_TRUE(Refuses(call, parts));
+    EXPECT_EQ(ListOf(events.pairs()), pairs);
+    EXPECT_EQ(events.began().size(), pairs.size());
+  };
+  const auto load = [&](const PairVector& list) {
+    return [&events, list] { events.Load(list); };
+  };
+  refuses([&] { events.Update(bvh, Span(Misaligned(ids.data()), 2), {}); },
+          {"PairEvents::Update", "changed", "aligned"});
+  for (const float margin : {-1.0f, std::numeric_limits<float>::infinity()}) {
+    refuses([&] { events.Update(bvh, {.margin = margin}); },
+            {"PairEvents::Update", "options.margin"});
+    refuses([&] { events.Update(bvh, Ids(), {.margin = margin}); },
+            {"PairEvents::Update", "options.margin"});
+  }
+  refuses(load({{0, 1}, {2, 2}}),
+          {"PairEvents::Load", "pairs[1]", "a < b < 2^31", "2 and 2"});
+  refuses(load({{3, 2}}), {"pairs[0]", "3 and 2"});
+  refuses(load({{0, 0x80000000}}), {"pairs[0]", "0 and 2147483648"});
+  refuses(load({{0, 1}, {5, 6}, {0, 1}}),
+          {"PairEvents::Load", "pairs", "each pair once", "0 and 1 twice"});
+  const IdPair* const none = nullptr;
+  refuses(
+      [&] {
+        events.Load({none, 3});
+      },
+      {"PairEvents::Load", "pairs", "3", "null"});
+}
+
+// Greatest ids, of pairs whose objects are in no world.
+TEST(PairEventsLoadTest, PairsOfNoObjectsEndWhenAllAreSearched) {
+  const PairVector pairs = {{3, 0x7FFFFFFF}, {0, 1}, {1, 0x7FFFFFFE}};
+  std::vector<Aabb3> boxes;
+  for (const float x : {0.0f, 1.0f, 10.0f, 20.0f, 30.0f}) {
+    boxes.push_back({{x, 0, 0}, {x + 1, 1, 1}});
+  }
+  const AabbBvh3 bvh(boxes);
+  PairEvents events;
+  events.Load(pairs);
+  events.Update(bvh, Ids{});
+  EXPECT_EQ(ListOf(events.pairs()), pairs);
+  EXPECT_TRUE(events.began().empty());
+  EXPECT_TRUE(events.ended().empty());
+  events.Update(bvh);
+  EXPECT_EQ(ListOf(events.pairs()), (PairVector{{0, 1}}));
+  EXPECT_EQ(ListOf(events.ended()),
+            (PairVector{{1, 0x7FFFFFFE}, {3, 0x7FFFFFFF}}));
+}
+
+TEST(PairEventsRunnerTest, ARunnerThatThrowsChangesNothing) {
+  Crowd crowd;
+  PairEvents events;
+  events.Update(crowd.bvh);
+  const PairVector pairs = ListOf(events.pairs());
+  crowd.Move(crowd.Some(100));
+  auto run = [](std::size_t, const Runner::Part& part) {
+    part(0);
+    throw std::runtime_error("no threads");
+  };
+  EXPECT_THROW(events.Update(crowd.bvh, {.run = run}), std::runtime_error);
+  EXPECT_EQ(ListOf(events.pairs()), pairs);
+  EXPECT_EQ(events.began().size(), pairs.size());
+}
+
+// What BroadPhase needs besides.
+TEST(PairEventsCoreTest, AFilterChoosesWhatIsKept) {
+  Crowd crowd;
+  struct Filter {
+    bool throws = false;
+    std::size_t calls = 0;
+  } filter;
+  const detail::PairListFilter keeps = {
+      [](void* context, Span<IdPair> pairs) {
+        auto& of = *static_cast<Filter*>(context);
+        ++of.calls;
+        if (of.throws) throw std::runtime_error("no rule");
+        EXPECT_FALSE(pairs.empty());
+        const auto end =
+            std::remove_if(pairs.begin(), pairs.end(), [](const IdPair& pair) {
+              EXPECT_LT(pair.a, pair.b);
+              return (pair.a + pair.b) % 2 == 0;
+            });
+        return static_cast<std::size_t>(end - pairs.begin());
+      },
+      &filter};
+  detail::PairEventsCore core{MemoryResource()};
+  PairSet before;
+  for (const std::size_t share : {100u, 100u, 10u}) {
+    const Ids ids = crowd.Some(share);
+    crowd.Move(ids);
+    PairSet now;
+    for (const auto& [a, b] : FoundIn(crowd.bvh)) {
+      if ((a + b) % 2 != 0) now.emplace(a, b);
+    }
+    const Span<const std::uint32_t> changed = ids;
+    const auto update = [&] {
+      core.Update(detail::PairsIn<AabbView3>(crowd.bvh, nullptr, &changed), {},
+                  keeps);
+    };
+    filter.throws = true;
+    EXPECT_THROW(update(), std::runtime_error);
+    EXPECT_EQ(Sorted(core.pairs()), ListOf(before));
+    filter.throws = false;
+    update();
+    EXPECT_EQ(Sorted(core.pairs()), ListOf(now));
+    detail::PairList began{MemoryResource()};
+    detail::PairList ended{MemoryResource()};
+    core.TakeEvents(began, ended);
+    EXPECT_EQ(ListOf(began.span()), Missing(now, before));
+    EXPECT_EQ(ListOf(ended.span()), Missing(before, now));
+    EXPECT_TRUE(core.began().empty());
+    before = now;
+  }
+  EXPECT_GT(filter.calls, 10u);
+}
+
+// The order of pairs that PairEvents rely on (bvh_pairs.h).
+template <typename View>
+void ExpectInOrderOfTheTree(const Bvh<View>& bvh, const PairVector& pairs) {
+  std::map<std::uint32_t, std::size_t> place;
+  for (std::size_t i = 0; i < bvh.ids().size(); ++i) place[bvh.ids()[i]] = i;
+  std::pair<std::size_t, std::size_t> last;
+  for (const IdPair& pair : pairs) {
+    ASSERT_LT(place[pair.a], place[pair.b]);
+    const std::pair leaves(place[pair.a] / 64, place[pair.b] / 64);
+    ASSERT_GE(leaves, last);
+    last = leaves;
+  }
+}
+
+TEST(PairOrderTest, IsThatOfTheTree) {
+  Crowd crowd;
+  for (Target target : TargetsUnderTest()) {
+    for (const bool has_gaps : {false, true}) {
+      AabbBvh3 bvh = crowd.bvh;
+      if (has_gaps) {
+        for (const std::uint32_t id : crowd.Some(30)) bvh.Erase(id);
+      }
+      PairVector pairs(Pairs(bvh, {}));
+      ASSERT_EQ(Pairs(bvh, pairs, {.target = target}), pairs.size());
+      ExpectInOrderOfTheTree(bvh, pairs);
+      if (::testing::Test::HasFatalFailure()) FAIL() << target.name();
+    }
+  }
+}
+
+// Of two objects of a set the one that is first in the tree.
+TEST(PairOrderTest, OfASetIsThatOfTheTreeToo) {
+  Crowd crowd;
+  std::vector<std::size_t> place(6000);
+  for (std::size_t i = 0; i < crowd.bvh.ids().size(); ++i) {
+    place[crowd.bvh.ids()[i]] = i;
+  }
+  std::size_t both = 0;
+  for (Target target : TargetsUnderTest()) {
+    for (const std::size_t share : {1u, 10u, 70u, 100u}) {
+      const Ids ids = crowd.Some(share);
+      std::vector<bool> is_in(6000);
+      for (const std::uint32_t id : ids) is_in[id] = true;
+      ForEachPairOf(crowd.bvh, ids,
+                    [&](Span<const IdPair> pairs) {
+                      for (const auto& [a, b] : pairs) {
+                        ASSERT_TRUE(is_in[a]);
+                        if (!is_in[b]) continue;
+                        ++both;
+                        ASSERT_LT(place[a], place[b]);
+                      }
+                    },
+                    {.target = target});
+      if (::testing::Test::HasFatalFailure()) FAIL() << target.name();
+    }
+  }
+  EXPECT_GT(both, 1000u);
+}
+
+}  // namespace
+}  // namespace halfspace::testing
