@@ -17,7 +17,6 @@ using halfspace::Span;
 using halfspace::c::AllRows;
 using halfspace::c::Call;
 using halfspace::c::CheckColumns;
-using halfspace::c::Kind;
 using halfspace::c::Run;
 using halfspace::c::Values;
 using halfspace::detail::Callback;
@@ -25,10 +24,11 @@ namespace detail = halfspace::detail;
 
 // Below the template of broad_phase.h, so that there is one for all kinds.
 struct hs_broad_phase {
-  hs_broad_phase(const Kind& its_kind, const hs_broad_phase_config& config,
+  hs_broad_phase(const detail::PlaneLayout& its_layout,
+                 const hs_broad_phase_config& config,
                  const halfspace::MemoryResource& its_memory);
 
-  const Kind kind;
+  const detail::PlaneLayout layout;
   const Values bounds;
   const hs_keep_function keep;
   void* const keep_context;
@@ -93,26 +93,17 @@ void Update(const Call& call, hs_broad_phase* bodies,
 // The columns of queries, or of what moves in casts.
 Values ValuesOf(const Call& call, const hs_broad_phase& bodies, hs_shape shape,
                 bool is_cast) {
-  const std::size_t dims = bodies.kind.dims;
+  const std::size_t dims = bodies.layout.dims;
   if (shape == HS_SHAPE_POINT) return Values::OfColumns(dims);
   if (shape == HS_SHAPE_BOUND && !is_cast) return bodies.bounds;
   if (shape == HS_SHAPE_SPHERE) return Values::OfColumns(dims + 1);
   if (shape == HS_SHAPE_BOX && is_cast) {
-    return Values::OfObjects({dims, dims, /*is_simplex=*/false});
+    return Values::OfBoxes(dims);
   }
-  call.Fail(HS_INVALID_ARGUMENT, "shape: expected %s, got %d",
+  call.Fail(HS_INVALID_ARGUMENT, "shape", "expected %s, got %d",
             is_cast ? "HS_SHAPE_BOX, HS_SHAPE_POINT or HS_SHAPE_SPHERE"
                     : "HS_SHAPE_BOUND, HS_SHAPE_POINT or HS_SHAPE_SPHERE",
             static_cast<int>(shape));
-}
-
-void CheckFloats(const Call& call, const char* argument,
-                 const hs_columns& columns) {
-  if (columns.type == HS_FLOAT32) return;
-  call.Fail(HS_INVALID_ARGUMENT,
-            "%s->type: expected HS_FLOAT32, as these cannot be rounded "
-            "outward, got HS_FLOAT64",
-            argument);
 }
 
 void CheckShapes(const Call& call, const char* argument, hs_shape shape,
@@ -143,32 +134,23 @@ void Cast(const Call& call, const hs_broad_phase* bodies, hs_shape shape,
           const hs_columns* starts, const hs_columns* motions,
           std::uint64_t mask, const Hit& hit) {
   call.CheckPointer("bodies", bodies);
-  const std::size_t dims = bodies->kind.dims;
+  const std::size_t dims = bodies->layout.dims;
   const Values values = ValuesOf(call, *bodies, shape, /*is_cast=*/true);
   const Values motion_values = Values::OfColumns(dims + 1);
   CheckShapes(call, "starts", shape, starts, values);
   CheckColumns(call, "motions", motions, motion_values);
   CheckFloats(call, "motions", *motions);
   if (motions->count != starts->count) {
-    call.Fail(HS_INVALID_ARGUMENT,
-              "motions->count: expected one for each of %zu starts, got %zu",
-              starts->count, motions->count);
+    call.Fail(HS_INVALID_ARGUMENT, "motions->count",
+              "expected one for each of %zu starts, got %zu", starts->count,
+              motions->count);
   }
   const auto cast = [&](std::size_t i, const float* low, const float* motion) {
-    if (!(motion[dims] >= 0)) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "motions->column[%zu]: expected limits of t that are not "
-                "negative, got %g of motion %zu",
-                dims, static_cast<double>(motion[dims]), i);
-    }
+    CheckNotNegative(call, "motions", dims, "limits of t", "motion", i,
+                     motion[dims]);
     const float* const high = shape == HS_SHAPE_BOX ? low + dims : low;
     const float radius = shape == HS_SHAPE_SPHERE ? low[dims] : 0.0f;
-    if (!(radius >= 0)) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "starts->column[%zu]: expected radii that are not negative, "
-                "got %g of sphere %zu",
-                dims, static_cast<double>(radius), i);
-    }
+    CheckNotNegative(call, "starts", dims, "radii", "sphere", i, radius);
     Callback one{[&](std::uint32_t id, float t, const float* bound) {
       return Limit{hit(i, id, t, bound)};
     }};
@@ -216,15 +198,15 @@ struct Closest {
 }  // namespace
 }  // namespace halfspace::c
 
-hs_broad_phase::hs_broad_phase(const Kind& its_kind,
+hs_broad_phase::hs_broad_phase(const detail::PlaneLayout& its_layout,
                                const hs_broad_phase_config& config,
                                const halfspace::MemoryResource& its_memory)
-    : kind(its_kind),
-      bounds(Values::OfObjects(its_kind)),
+    : layout(its_layout),
+      bounds(Values::OfObjects(its_layout)),
       keep(config.keep),
       keep_context(config.keep_context),
       memory(its_memory),
-      core(halfspace::c::TypeOf(its_kind), config.max_ids,
+      core(halfspace::c::TypeOf(its_layout), config.max_ids,
            halfspace::c::OptionsOf(this, config, its_memory)) {}
 
 hs_status hs_broad_phase_config_default(hs_broad_phase_config* config,
@@ -247,14 +229,14 @@ hs_status hs_broad_phase_create(const hs_broad_phase_config* config,
     call.CheckPointer("bodies", bodies);
     const hs_broad_phase_config read =
         halfspace::c::ReadConfig(call, config, halfspace::c::kDefaults);
-    const Kind kind = halfspace::c::KindOf(call, "config->kind", read.kind);
-    if (kind.is_simplex) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "config->kind: expected boxes or octahedra, got simplices, "
+    const auto layout = halfspace::c::LayoutOf(call, "config->kind", read.kind);
+    if (layout.kind == detail::PlaneLayout::kSimplex) {
+      call.Fail(HS_INVALID_ARGUMENT, "config->kind",
+                "expected boxes or octahedra, got simplices, "
                 "which have no planes that face each other");
     }
     const auto memory = halfspace::c::ReadAllocator(call, read.allocator);
-    *bodies = halfspace::c::New<hs_broad_phase>(memory, kind, read, memory);
+    *bodies = halfspace::c::New<hs_broad_phase>(memory, layout, read, memory);
   });
 }
 
@@ -349,8 +331,8 @@ hs_status hs_broad_phase_get(const hs_broad_phase* bodies, const uint32_t* ids,
     const size_t values = bodies->bounds.count;
     for (size_t i = 0; i < count; ++i) {
       if (!bodies->core.Has(ids[i])) {
-        call.Fail(HS_INVALID_ARGUMENT,
-                  "ids[%zu]: expected the id of a body, got %u", i, ids[i]);
+        call.Fail(HS_INVALID_ARGUMENT, {"ids", "", i},
+                  "expected the id of a body, got %u", ids[i]);
       }
       if (records != nullptr) {
         bodies->core.Get(ids[i], {records + i * values, values});
@@ -411,7 +393,7 @@ hs_status hs_broad_phase_query(const hs_broad_phase* bodies, hs_shape shape,
       offsets[0] = 0;
     }
     const auto* const kind =
-        halfspace::c::ShapeKindOf(shape, bodies->kind.dims);
+        halfspace::c::ShapeKindOf(shape, bodies->layout.dims);
     size_t found = 0;
     Callback body{[&](uint32_t id, const float*) {
       if (found < room) ids[found] = id;
@@ -439,7 +421,7 @@ hs_status hs_broad_phase_for_each(const hs_broad_phase* bodies, hs_shape shape,
     halfspace::c::CheckShapes(call, "queries", shape, queries, values);
     call.CheckPointer("function", function);
     const auto* const kind =
-        halfspace::c::ShapeKindOf(shape, bodies->kind.dims);
+        halfspace::c::ShapeKindOf(shape, bodies->layout.dims);
     bool is_stopped = false;
     halfspace::c::ForEachRows(
         *queries, values, [&](const float* rows, size_t begin, size_t count) {
@@ -500,7 +482,7 @@ hs_status hs_broad_phase_for_each_pair_of(
     Callback pair{[&](uint32_t a, uint32_t b) {
       return function(context, a, b) == HS_CONTINUE;
     }};
-    bodies->core.ForEachPairOf(halfspace::c::PairKernelsOf(bodies->kind),
+    bodies->core.ForEachPairOf(halfspace::c::PairKernelsOf(bodies->layout),
                                {ids, count},
                                masks != nullptr ? &its_masks : nullptr, margin,
                                &decltype(pair)::Run, &pair);
@@ -519,7 +501,7 @@ hs_status hs_broad_phase_update_pairs(hs_broad_phase* bodies,
                                         read.run_context);
     call.CheckPointer("began", began);
     call.CheckPointer("ended", ended);
-    bodies->core.UpdatePairs(halfspace::c::PairKernelsOf(bodies->kind),
+    bodies->core.UpdatePairs(halfspace::c::PairKernelsOf(bodies->layout),
                              {began, ended, context}, threads.runner());
   });
 }

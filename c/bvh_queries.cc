@@ -63,9 +63,9 @@ PairOptions ReadPairs(const Call& call, const hs_pair_options* options) {
 
 void CheckLength(const Call& call, const char* argument, float length) {
   if (length >= 0) return;
-  call.Fail(HS_INVALID_ARGUMENT,
-            "%s: expected a number that is not negative, got %g", argument,
-            static_cast<double>(length));
+  call.Fail(HS_INVALID_ARGUMENT, argument,
+            "expected a number that is not negative, got %s",
+            NumberText(length).c_str());
 }
 
 SearchOptions ReadSearch(const Call& call, const hs_query_options* options,
@@ -152,12 +152,11 @@ void CheckBoxes(const Call& call, const float* rows, std::size_t begin,
       if (min[k] > max[k]) wrong = k;
     }
     if (wrong == dims || is_empty) continue;
-    call.Fail(
-        HS_INVALID_ARGUMENT,
-        "boxes: expected minima that are not above the maxima, got %g and "
-        "%g on axis %zu of box %zu",
-        static_cast<double>(min[wrong]), static_cast<double>(max[wrong]), wrong,
-        begin + i);
+    call.Fail(HS_INVALID_ARGUMENT, "boxes",
+              "expected minima that are not above the maxima, got %s and "
+              "%s on axis %zu of box %zu",
+              NumberText(min[wrong]).c_str(), NumberText(max[wrong]).c_str(),
+              wrong, begin + i);
   }
 }
 
@@ -191,16 +190,15 @@ void Nearest(const Call& call, const hs_bvh* bvh, const hs_columns& columns,
   CheckLength(call, "max_distance", max_distance);
   bool is_exclusive = false;
   const SearchOptions search = ReadSearch(call, options, &is_exclusive);
-  if (is_exclusive &&
-      (bvh->kind.is_simplex || bvh->kind.axes != values.minima)) {
-    call.Fail(HS_INVALID_ARGUMENT,
-              "options->exclusive: expected 0, as the BVH is not of boxes, got "
+  if (is_exclusive && bvh->layout.kind != PlaneLayout::kAabb) {
+    call.Fail(HS_INVALID_ARGUMENT, "options->exclusive",
+              "expected 0, as the BVH is not of boxes, got "
               "1");
   }
   if (k == 0 || columns.count == 0) return;
   if (columns.count > PTRDIFF_MAX / sizeof(std::uint32_t) / k) {
-    call.Fail(HS_INVALID_ARGUMENT,
-              "k: expected rows that fit the address space, got %zu for each "
+    call.Fail(HS_INVALID_ARGUMENT, "k",
+              "expected rows that fit the address space, got %zu for each "
               "of %zu queries",
               k, columns.count);
   }
@@ -241,13 +239,9 @@ void CastRays(const Call& call, const hs_bvh* bvh, const hs_columns* rays,
               float radius, const hs_query_options* options, const Begin& begin,
               Hit& hit) {
   call.CheckPointer("bvh", bvh);
-  const std::size_t dims = bvh->kind.dims;
+  const std::size_t dims = bvh->layout.dims;
   CheckColumns(call, "rays", rays, 0, 2 * dims + 1);
-  if (rays->type != HS_FLOAT32) {
-    call.Fail(HS_INVALID_ARGUMENT,
-              "rays->type: expected HS_FLOAT32, as a direction cannot be "
-              "rounded outward, got HS_FLOAT64");
-  }
+  CheckFloats(call, "rays", *rays);
   CheckLength(call, "radius", radius);
   const SearchOptions search = ReadSearch(call, options);
   const Values values = Values::OfColumns(2 * dims + 1);
@@ -257,12 +251,7 @@ void CastRays(const Call& call, const hs_bvh* bvh, const hs_columns* rays,
   };
   const auto cast = [&](std::size_t i, const float* ray) {
     const float limit = ray[2 * dims];
-    if (!(limit >= 0)) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "rays->column[%zu]: expected limits of t that are not "
-                "negative, got %g of ray %zu",
-                2 * dims, static_cast<double>(limit), i);
-    }
+    CheckNotNegative(call, "rays", 2 * dims, "limits of t", "ray", i, limit);
     begin(i);
     detail::BvhCast(bvh->tree,
                     {call.name(), ray, ray, ray + dims, limit, radius},
@@ -278,16 +267,16 @@ void CastRays(const Call& call, const hs_bvh* bvh, const hs_columns* rays,
 
 detail::PairSources SourcesOf(const Call& call, const hs_bvh* a,
                               const hs_bvh* b) {
-  if (a->kind.is_simplex) {
-    call.Fail(HS_INVALID_ARGUMENT,
+  if (a->layout.kind == PlaneLayout::kSimplex) {
+    call.Fail(HS_INVALID_ARGUMENT, "",
               "expected BVHs of boxes or octahedra, got simplices, which have "
               "no planes that face each other");
   }
-  if (b != nullptr && b->kind != a->kind) {
-    call.Fail(HS_INVALID_ARGUMENT,
-              "b: expected a BVH of the kind of `a`, got another kind");
+  if (b != nullptr && b->layout != a->layout) {
+    call.Fail(HS_INVALID_ARGUMENT, "b",
+              "expected a BVH of the kind of `a`, got another kind");
   }
-  return {PairKernelsOf(a->kind), &a->tree, b == nullptr ? nullptr : &b->tree,
+  return {PairKernelsOf(a->layout), &a->tree, b == nullptr ? nullptr : &b->tree,
           nullptr};
 }
 
@@ -321,9 +310,9 @@ void CallForPairs(const Call& call, const hs_bvh* a, const hs_bvh* b,
 
 }  // namespace
 
-const detail::BvhPairKernels* PairKernelsOf(const Kind& kind) {
-  if (kind.axes == 2) return detail::BvhPairKernelsOf<2>::kTargets;
-  if (kind.axes == 3) return detail::BvhPairKernelsOf<3>::kTargets;
+const detail::BvhPairKernels* PairKernelsOf(const PlaneLayout& layout) {
+  if (layout.axes == 2) return detail::BvhPairKernelsOf<2>::kTargets;
+  if (layout.axes == 3) return detail::BvhPairKernelsOf<3>::kTargets;
   return detail::BvhPairKernelsOf<4>::kTargets;
 }
 
@@ -445,7 +434,7 @@ hs_status hs_bvh_nearest_to_points(const hs_bvh* bvh, const hs_columns* points,
                                    uint32_t* ids, float* distances) {
   return Run("hs_bvh_nearest_to_points", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
-    const size_t dims = bvh->kind.dims;
+    const size_t dims = bvh->layout.dims;
     CheckColumns(call, "points", points, 0, dims);
     halfspace::c::Nearest(call, bvh, *points,
                           halfspace::c::Values::OfPoints(dims), k, max_distance,
@@ -459,9 +448,8 @@ hs_status hs_bvh_nearest_to_boxes(const hs_bvh* bvh, const hs_columns* boxes,
                                   uint32_t* ids, float* distances) {
   return Run("hs_bvh_nearest_to_boxes", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
-    const size_t dims = bvh->kind.dims;
-    const auto values =
-        halfspace::c::Values::OfObjects({dims, dims, /*is_simplex=*/false});
+    const size_t dims = bvh->layout.dims;
+    const auto values = halfspace::c::Values::OfBoxes(dims);
     CheckColumns(call, "boxes", boxes, values);
     halfspace::c::Nearest(call, bvh, *boxes, values, k, max_distance, options,
                           ids, distances);

@@ -174,6 +174,16 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
   tree.Swap(loaded);
 }
 
+PlaneLayout LayoutOfBlob(Span<const std::byte> blob) {
+  BvhHeader header;
+  if (blob.size() < sizeof(header)) return {};
+  std::memcpy(&header, blob.data(), sizeof(header));
+  if (!std::equal(std::begin(kBvhMagic), std::end(kBvhMagic), header.magic)) {
+    return {};
+  }
+  return {header.dims, header.axes, header.has_max != 0};
+}
+
 // Calls may run at the same time, so the checksum is written once after a
 // change, and not again.
 Span<const std::byte> BvhTree::Blob() const {

@@ -105,7 +105,8 @@ struct BroadPhaseOptions {
   // If false, a query sees each Move() that returned before it began (in the
   // sense of happens-before): it copies the bounds that moved into the tree, if
   // no other query runs, and otherwise tests these bodies one by one. If true,
-  // queries see moves from the next Update() on. They are then faster on
+  // queries see moves from the next Update() on, or from the next
+  // UpdatePairs(), Rebuild(), Save() or copy on. They are then faster on
   // several threads, where some threads move bodies all the time.
   bool moves_wait_for_update = false;
   // If true, the broad phase has no lock: no two calls may run at the same

@@ -115,8 +115,10 @@ class PairEvents {
 
   // Sets the pairs, in any order, and removes all events: the next Update()
   // returns the differences to these. Store pairs() with a world (Bvh::Blob),
-  // and load both, to go on as the stored ones would. Throws (error.h) if a
-  // pair does not have a < b and b < 2^31, or is in the list twice.
+  // and load both, to go on as the stored ones would. A pair of ids that the
+  // world does not have ends at one of the next calls of Update(). Throws
+  // (error.h) if a pair does not have a < b and b < 2^31, or is in the list
+  // twice.
   void Load(Span<const IdPair> pairs) { core_.Load(pairs); }
 
  private:

@@ -105,6 +105,15 @@ HALFSPACE_API const char* hs_version(void);
 // that succeed do not change it.
 HALFSPACE_API const char* hs_last_error(void);
 
+// The parts of that message, for programs that have their own names for
+// functions and arguments, such as bindings to other languages. The argument is
+// written as in "ids[7]" or "options->margin", and is "" if the message is
+// about no argument alone. The reason is the rest, as in "expected the id of an
+// object, got 7". The message is "FUNCTION: ARGUMENT: REASON", without
+// "ARGUMENT: " if that is "". The texts are valid as long as the message is.
+HALFSPACE_API const char* hs_last_error_argument(void);
+HALFSPACE_API const char* hs_last_error_reason(void);
+
 // Returns the name of a status, for example "HS_OK", or "unknown status".
 HALFSPACE_API const char* hs_status_name(hs_status status);
 
@@ -662,6 +671,12 @@ HALFSPACE_API hs_status hs_bvh_pair_parts(const hs_bvh* bvh, size_t* parts);
 // their own.
 HALFSPACE_API hs_status hs_bvh_blob(const hs_bvh* bvh, const void** data,
                                     size_t* size);
+
+// Writes the kind of the bounds in a blob, or fails with HS_CORRUPT if the
+// bytes do not begin as a blob. The other calls check the rest of its header.
+// O(1).
+HALFSPACE_API hs_status hs_blob_kind(const void* data, size_t size,
+                                     hs_kind* kind);
 
 // Creates a BVH of a copy of these bytes. Of `config`, the kind and the
 // allocator are read. The kind must be that of the blob. Checks the bytes by

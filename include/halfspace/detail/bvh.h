@@ -171,6 +171,9 @@ class HALFSPACE_API BvhTree {
   alignas(8) std::byte state_[456];
 };
 
+// The planes of a stored tree, without dimensions if the bytes are none.
+HALFSPACE_API PlaneLayout LayoutOfBlob(Span<const std::byte> blob);
+
 template <typename View>
 const BvhTree& TreeOf(const Bvh<View>& world) {
   return world.tree_;
@@ -188,7 +191,7 @@ struct BvhShapeKind {
   std::size_t alignment;
   BvhShapeQuery (*at)(const void* shapes, std::size_t i);
   // BvhWalkShapes(), which a program links only if it has shapes.
-  void (*walk)(const BvhType& world, const BvhQueries& queries,
+  void (*walk)(const BvhType& type, const BvhQueries& queries,
                const QueryOptions& options, const char* call, const Walk& walk);
 };
 
@@ -245,9 +248,8 @@ struct BvhShapeQuery {
 };
 
 // Walks for one shape after another. Throws if one of them is no shape, before
-// the first walk. `world` is the type of the tree.
-HALFSPACE_API void BvhWalkShapes(const BvhType& world,
-                                 const BvhQueries& queries,
+// the first walk. `type` is that of the tree.
+HALFSPACE_API void BvhWalkShapes(const BvhType& type, const BvhQueries& queries,
                                  const QueryOptions& options, const char* call,
                                  const Walk& walk);
 
