@@ -3,7 +3,6 @@
 #include "kernels/bvh/nearest.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -73,8 +72,7 @@ struct BallCallback {
 
 void CheckOutputs(const char* call, float max_distance, Span<std::uint32_t> ids,
                   Span<float> distances) {
-  dispatch::CheckNotNegative(call, "max_distance", max_distance,
-                             /*may_be_infinite=*/true);
+  dispatch::CheckLength(call, "max_distance", max_distance);
   if (!distances.empty() && distances.size() != ids.size()) {
     dispatch::ThrowInvalid(call, "distances",
                            "as many as ids, " + std::to_string(ids.size()),
@@ -243,8 +241,7 @@ void BvhForEachNearest(const BvhTree& tree, const NearQueries& query,
                        float max_distance, NearFunction function, void* context,
                        const SearchOptions& options) {
   constexpr const char* kCall = "ForEachNearest";
-  dispatch::CheckNotNegative(kCall, "max_distance", max_distance,
-                             /*may_be_infinite=*/true);
+  dispatch::CheckLength(kCall, "max_distance", max_distance);
   const auto& kernels = KernelsFor(options, kCall);
   if (FindsNothing(tree, options.mask)) return;
   NearestSearch search = MakeSearch(tree, options);
@@ -254,10 +251,8 @@ void BvhForEachNearest(const BvhTree& tree, const NearQueries& query,
 }
 
 const BvhNearestKernels& CheckCast(const LineCast& cast, Target target) {
-  dispatch::CheckNotNegative(cast.call, "max_t", cast.max_t,
-                             /*may_be_infinite=*/true);
-  dispatch::CheckNotNegative(cast.call, "radius", cast.radius,
-                             /*may_be_infinite=*/true);
+  dispatch::CheckLength(cast.call, "max_t", cast.max_t);
+  dispatch::CheckLength(cast.call, "radius", cast.radius);
   return KernelsOfAll<BvhNearestKernels>::kTargets[dispatch::IndexOf(
       target, cast.call)];
 }

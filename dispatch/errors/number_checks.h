@@ -1,5 +1,6 @@
-// Checks of numbers that several calls share. Those that are right cost a few
-// compares.
+// Checks of numbers that several calls share. They compare bits, as a compare
+// of floats traps at a NaN in some programs, and so need no floating-point
+// mode.
 #ifndef HALFSPACE_DISPATCH_ERRORS_NUMBER_CHECKS_H_
 #define HALFSPACE_DISPATCH_ERRORS_NUMBER_CHECKS_H_
 
@@ -9,26 +10,38 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "dispatch/errors/error.h"
 
 namespace halfspace::dispatch {
 
-// Throws unless the number is finite and not negative, or -0. A number that
-// `may_be_infinite` can also be infinity. Compares bits, as a compare with a
-// NaN may trap.
-inline void CheckNotNegative(std::string_view call, std::string_view argument,
-                             float value, bool may_be_infinite = false) {
-  constexpr auto kInfinity =
-      std::bit_cast<std::uint32_t>(std::numeric_limits<float>::infinity());
-  constexpr auto kNegativeZero = std::bit_cast<std::uint32_t>(-0.0f);
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  if (bits < kInfinity || bits == kNegativeZero) return;
-  if (may_be_infinite && bits == kInfinity) return;
-  ThrowInvalid(call, argument,
-               may_be_infinite ? "a number that is not negative"
-                               : "a finite number that is not negative",
-               Shortest(value));
+template <typename Scalar>
+using BitsOf = std::conditional_t<sizeof(Scalar) == sizeof(std::uint32_t),
+                                  std::uint32_t, std::uint64_t>;
+template <typename Scalar>
+inline constexpr auto kInfinityBits =
+    std::bit_cast<BitsOf<Scalar>>(std::numeric_limits<Scalar>::infinity());
+
+// Throws unless the length is 0 or more, which infinity is.
+template <typename Scalar>
+void CheckLength(std::string_view call, std::string_view argument,
+                 Scalar length) {
+  const auto bits = std::bit_cast<BitsOf<Scalar>>(length);
+  // All other numbers with a sign are above infinity.
+  if (bits <= kInfinityBits<Scalar> || bits << 1 == 0) return;
+  ThrowInvalid(call, argument, "a number that is not negative",
+               Shortest(length));
+}
+
+// The same, and throws at infinity.
+template <typename Scalar>
+void CheckFiniteLength(std::string_view call, std::string_view argument,
+                       Scalar length) {
+  const auto bits = std::bit_cast<BitsOf<Scalar>>(length);
+  if (bits < kInfinityBits<Scalar> || bits << 1 == 0) return;
+  ThrowInvalid(call, argument, "a finite number that is not negative",
+               Shortest(length));
 }
 
 // Throws unless one BVH can have so many objects.
