@@ -26,8 +26,9 @@ class BroadPhase:
         Boxes are allowed as well.
     moves_wait_for_update : bool
         By default, a query sees each `move` that returned before the query
-        began. If True, queries see moves from the next `update` on. They are
-        then faster while other threads move bodies.
+        began. If True, queries see moves from the next `update`,
+        `update_pairs`, `rebuild`, `save` or `copy` on. They are then faster
+        while other threads move bodies.
 
     Notes
     -----

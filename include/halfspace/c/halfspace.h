@@ -856,8 +856,10 @@ typedef struct hs_broad_phase_config {
   hs_kind kind;               // must be set: boxes or octahedra
   int moves_wait_for_update;  // 0: a query sees each move that returned before
                               // it began. 1: queries see moves from the next
-                              // ..._update() on, and are faster on several
-                              // threads while other threads move bodies.
+                              // ..._update(), ..._update_pairs(),
+                              // ..._rebuild(), ..._save() or ..._copy() on, and
+                              // are faster on several threads while other
+                              // threads move bodies.
   int caller_locks;           // 1: has no lock, which saves about 6 ns of each
                               // query. No two calls may run at the same time,
                               // except moves, and queries after ..._update()
