@@ -1142,7 +1142,7 @@ static void test_errors_of_bodies(void) {
       "these cannot be rounded outward, got HS_FLOAT64");
   CHECK_INVALID(
       hs_broad_phase_pairs_of(bodies, ids, 2, NULL, &pair, 1, &size),
-      "hs_broad_phase_pairs_of: ids[1]: expected the id of an object, got "
+      "hs_broad_phase_pairs_of: ids[1]: expected the id of a body, got "
       "900");
   CHECK_OK(hs_pair_options_default(&pair_options, sizeof(pair_options)));
   pair_options.margin = -1;
