@@ -143,9 +143,6 @@ class HALFSPACE_API BvhTree {
   void Erase(std::uint32_t id);
   void Set(Span<const std::uint32_t> ids, const Columns& bounds);
   void Insert(const Columns& bounds, Span<std::uint32_t> ids);
-  // Of floats, under ids that no object has, and that may be any numbers. No
-  // call may choose ids in the same tree. A tree that has objects and no room
-  // grows by an eighth, as it copies more often.
   void InsertAs(Span<const std::uint32_t> ids, const Columns& bounds);
   void Erase(Span<const std::uint32_t> ids);
   void Clear();
@@ -168,7 +165,7 @@ class HALFSPACE_API BvhTree {
   friend class BvhState;
   void Swap(BvhTree& other) noexcept;
 
-  alignas(8) std::byte state_[456];
+  alignas(8) std::byte state_[464];
 };
 
 // The planes of a stored tree, without dimensions if the bytes are none.
