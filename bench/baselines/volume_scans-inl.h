@@ -77,8 +77,7 @@ void ScanSevenSided(const float* const* planes, const float* query, size_t size,
     }
     const uint64_t nonzero = NonzeroWords(mask + begin, count);
     if (is_streaming) {
-      PrefetchMaxima<3, float, kWordObjects>(maxima, begin * kWordObjects,
-                                             nonzero);
+      PrefetchMaxima<3, float>(maxima, begin * kWordObjects, nonzero);
     }
     TestMaximaOfBoxes(local, query, last, last_nonzero, mask);
     last = begin;

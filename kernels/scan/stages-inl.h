@@ -229,44 +229,26 @@ int64_t ElementKernels<T>::ByHalf(const detail::Scan& scan,
   return PartByAxis<2, T>(scan, part);
 }
 
-// ---- By simplex: an octahedron's minima, then its maxima for the groups of
-// objects that still have a survivor, which are few.
+// ---- By simplex: an octahedron's minima, then its maxima for the nonzero
+// words, which are few.
 
-// Of octahedra of 10 % of the world's side, groups of 16 take 0.77 of the time
-// of words, and of those of 3 % 1.0 to 1.03 (L1 and L2 on Zen 5). A word of
-// quantized bounds is one or two vectors.
-template <typename T>
-inline constexpr size_t kMaximaGroup =
-    std::is_floating_point_v<T> ? kGroupObjects : kWordObjects;
-
-// Which groups of a tile have a survivor, for each query of a part: masks of 64
-// groups.
-template <typename T>
-struct GroupTile {
-  static constexpr size_t kMasks = kTileWords / kMaximaGroup<T>;
-
-  size_t word;
-  size_t words;
-  size_t some[detail::kMostQueries];  // so many
-  uint64_t groups[detail::kMostQueries][kMasks];
-};
-
-// Prefetches the maxima of 64 groups or less, before the minima of the next
-// tile are tested: out of the caches each of them is a miss. Where many groups
-// have a survivor, they are read in order, and the hardware prefetches them.
+// Prefetches the maxima of the nonzero words of a tile, before the minima of
+// the next tile are tested: out of the caches each of them is a miss. Where
+// many words are nonzero, they are read in order, and the hardware prefetches
+// them.
 //
-// The lines of the planes alternate, so that the lines of one plane do not look
-// like the begin of a stream to the hardware.
-template <size_t kAxes, typename T, size_t kGroup>
+// The lines of the planes alternate, so that the four lines of one plane do not
+// look like the begin of a stream to the hardware.
+template <size_t kAxes, typename T>
 HWY_INLINE void PrefetchMaxima(const detail::Scan& scan, size_t first,
-                               uint64_t groups) {
+                               uint64_t nonzero) {
   constexpr size_t kFew = 16;
   constexpr size_t kLine = 64 / sizeof(T);
-  if (hwy::PopCount(groups) > kFew) return;
-  for (; groups != 0; groups &= groups - 1) {
-    const size_t g = hwy::Num0BitsBelowLS1Bit_Nonzero64(groups);
-    const size_t i = first + g * kGroup;
-    for (size_t line = 0; line < kGroup; line += kLine) {
+  if (hwy::PopCount(nonzero) > kFew) return;
+  for (; nonzero != 0; nonzero &= nonzero - 1) {
+    const size_t w = hwy::Num0BitsBelowLS1Bit_Nonzero64(nonzero);
+    const size_t i = first + w * kWordObjects;
+    for (size_t line = 0; line < kWordObjects; line += kLine) {
       for (size_t k = 0; k < kAxes; ++k) {
         kernels::Prefetch(scan.Plane<T>(kAxes + k) + i + line);
       }
@@ -274,50 +256,70 @@ HWY_INLINE void PrefetchMaxima(const detail::Scan& scan, size_t first,
   }
 }
 
-// Tests the maxima of the groups of a tile, or of all its words if most groups
-// have a survivor. `row` has its words.
+// Tests the maxima of the nonzero words of a tile: those of few words whole,
+// and those of many for the groups of objects that have a survivor, unless most
+// have. `row` has the words.
+//
+// Of octahedra of 10 % of the world's side, groups of 16 take 0.8 of the time
+// of words, and of those of 3 % 1.02 (L1 and L2 on Zen 5). A word of quantized
+// bounds is one or two vectors.
 template <typename T, class Load, size_t... kPlane>
 HWY_NOINLINE void TestMaxima(std::index_sequence<kPlane...>, Load load,
                              const detail::Scan& scan, const T* values,
-                             size_t first, const uint64_t* groups, size_t some,
-                             size_t words, uint64_t* HWY_RESTRICT row) {
-  constexpr size_t kGroup = kMaximaGroup<T>;
+                             size_t first, uint64_t nonzero, size_t words,
+                             uint64_t* HWY_RESTRICT row) {
   const OneTag<T> d;
   const T* planes[] = {scan.Plane<T>(sizeof...(kPlane) + kPlane) + first...};
-  const auto test = [&](auto... compared) HWY_ATTR {
-    if (some * kGroup > words * (kWordObjects / 2)) {
-      for (size_t w = 0; w < words; ++w) {
-        row[w] &= KeptBits<0>(d, load, planes, w * kWordObjects, compared...);
-      }
+  // A local copy, because the compiler would load what it finds by a pointer
+  // again after every store of a word. No vectors are passed to a lambda: one
+  // that is not inlined would leave the upper halves of registers in use, which
+  // makes SSE4 code three times as slow.
+  const T compared[] = {values[kPlane]...};
+  if constexpr (std::is_floating_point_v<T> && kWordGroups > 1) {
+    uint64_t groups[kTileWords * kWordGroups / 64];
+    if (4 * hwy::PopCount(nonzero) > words &&
+        2 * NonzeroGroups<kGroupObjects>(row, words, groups) <=
+            words * kWordGroups) {
+      VisitGroups<kGroupObjects>(groups, words, row, [&](size_t i) HWY_ATTR {
+        return KeptBits<0, kGroupObjects>(d, load, planes, i,
+                                          hn::Set(d, compared[kPlane])...);
+      });
       return;
     }
-    VisitGroups<kGroup>(groups, words, row, [&](size_t i) HWY_ATTR {
-      return KeptBits<0, kGroup>(d, load, planes, i, compared...);
-    });
-  };
-  test(hn::Set(d, values[kPlane])...);
+  }
+  for (; nonzero != 0; nonzero &= nonzero - 1) {
+    const size_t w = hwy::Num0BitsBelowLS1Bit_Nonzero64(nonzero);
+    row[w] &= KeptBits<0>(d, load, planes, w * kWordObjects,
+                          hn::Set(d, compared[kPlane])...);
+  }
 }
+
+// Which words of a tile are nonzero, for each query of a part.
+struct WordTile {
+  size_t word;
+  size_t words;
+  uint64_t nonzero[detail::kMostQueries];
+};
 
 template <size_t kAxes, typename T>
 HWY_INLINE void FinishTile(const detail::Scan& scan, const detail::Part& part,
-                           const GroupTile<T>& tile) {
+                           const WordTile& tile) {
   for (size_t q = 0; q < part.query_count; ++q) {
-    if (tile.some[q] == 0) continue;
+    if (tile.nonzero[q] == 0) continue;
     WithLoad<T>(scan, part.begin, [&](auto load) HWY_ATTR {
       TestMaxima<T>(
           std::make_index_sequence<kAxes>(), load, scan,
           static_cast<const T*>(part.queries) + q * scan.type->plane_count,
-          part.begin + tile.word * kWordObjects, tile.groups[q], tile.some[q],
-          tile.words, part.rows + q * part.stride + tile.word);
+          part.begin + tile.word * kWordObjects, tile.nonzero[q], tile.words,
+          part.rows + q * part.stride + tile.word);
     });
   }
 }
 
 template <size_t kAxes, typename T>
 int64_t BySimplex(const detail::Scan& scan, const detail::Part& part) {
-  constexpr size_t kGroup = kMaximaGroup<T>;
   const size_t words = (part.end - part.begin) / kWordObjects;
-  GroupTile<T> tiles[2];
+  WordTile tiles[2];
   size_t turn = 0;
   for (size_t begin = 0; begin < words; begin += kTileWords) {
     const size_t count = HWY_MIN(kTileWords, words - begin);
@@ -328,16 +330,13 @@ int64_t BySimplex(const detail::Scan& scan, const detail::Part& part) {
     } else {
       Flat<kAxes, 0, T>(scan, tile_part);
     }
-    GroupTile<T>& tile = tiles[turn];
+    WordTile& tile = tiles[turn];
     tile.word = begin;
     tile.words = count;
     for (size_t q = 0; q < part.query_count; ++q) {
-      tile.some[q] = NonzeroGroups<kGroup>(tile_part.rows + q * part.stride,
-                                           count, tile.groups[q]);
-      for (size_t w = 0; scan.is_streaming && w < count; w += kGroup) {
-        PrefetchMaxima<kAxes, T, kGroup>(scan,
-                                         tile_part.begin + w * kWordObjects,
-                                         tile.groups[q][w / kGroup]);
+      tile.nonzero[q] = NonzeroWords(tile_part.rows + q * part.stride, count);
+      if (scan.is_streaming) {
+        PrefetchMaxima<kAxes, T>(scan, tile_part.begin, tile.nonzero[q]);
       }
     }
     turn ^= 1;
