@@ -311,27 +311,6 @@ class BroadPhase:
             _arrays.masks_of_each(wanted, "wanted", len(chosen)),
         )
 
-    def pairs_of(
-        self, ids: Any, margin: float = 0.0, masks: Any = None
-    ) -> np.ndarray:
-        """Finds the pairs of a body of the set and any other body.
-
-        Returns an array of int64 with the shape (n, 2), whose first column is
-        of the set. The boxes of a pair are at most `margin` apart on each axis,
-        and the category of each has a bit of the other's `collides_with`. A
-        pair of two bodies of the set is found once. A margin that is no float32
-        is rounded up.
-
-        `masks` replaces the rule of categories. It is one integer, or one for
-        each id: a body of the set is paired with the bodies whose category has
-        a bit of its mask. If both are in the set, the mask of either is enough.
-        """
-        wanted = _arrays.ids(ids, "ids")
-        pairs = self._bodies.pairs_of(
-            wanted, _margin(margin), _arrays.masks_of_each(masks, len(wanted))
-        )
-        return pairs.astype(np.int64)
-
     def update_pairs(
         self, *, threads: Optional[int] = 1
     ) -> Tuple[np.ndarray, np.ndarray]:
