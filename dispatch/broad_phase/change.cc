@@ -181,6 +181,12 @@ void BroadPhaseCore::SetMasks(Span<const std::uint32_t> ids,
   state_->CheckBodies(kCall, ids);
   const Changing changing(kCall, *state_);
   ReserveMasks(*state_, ids, masks);
+  // The first that allocates, before a mask has changed.
+  for (const BodyMasks& its : masks) {
+    if (its.category == kAllBits) continue;
+    state_->tree.SetMasks(ids[0], state_->MasksOf(ids[0]).category);
+    break;
+  }
   for (std::size_t i = 0; i < ids.size(); ++i) {
     SetMask(*state_, ids[i], masks[i]);
     state_->records.SetChanged(ids[i]);

@@ -287,9 +287,12 @@ void BroadPhaseCore::Get(std::uint32_t id, Span<float> values) const {
 }
 
 BodyMasks BroadPhaseCore::MasksOf(std::uint32_t id) const {
-  state_->CheckBodies("BroadPhase::MasksOf", {&id, 1});
-  const Reading reading(*state_);
-  return state_->MasksOf(id);
+  for (;;) {
+    state_->CheckBodies("BroadPhase::MasksOf", {&id, 1});
+    const Reading reading(*state_);
+    // Otherwise it was erased before the lock was taken.
+    if (Has(id)) return state_->MasksOf(id);
+  }
 }
 
 void BroadPhaseCore::Bounds(Span<float> values) const {

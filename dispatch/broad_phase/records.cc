@@ -67,17 +67,33 @@ bool Records::Read(std::uint32_t id, float* planes) const {
   return (state & kPresent) != 0;
 }
 
-std::uint64_t Records::Group::MarksOf(std::size_t w) const {
+template <typename EightAt>
+std::uint64_t Records::Group::MarksBy(std::size_t w, const EightAt& eight_at) {
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < 8; ++i) {
-    const auto* const eight = reinterpret_cast<const Word*>(marks) + 8 * w + i;
-    std::uint64_t bytes = eight->load(std::memory_order_acquire);
+    std::uint64_t bytes = eight_at(8 * w + i);
     if constexpr (std::endian::native == std::endian::big) {
       bytes = __builtin_bswap64(bytes);
     }
     bits |= bytes * 0x0102040810204080 >> 56 << 8 * i;
   }
   return bits;
+}
+
+std::uint64_t Records::Group::MarksOf(std::size_t w) const {
+  return MarksBy(w, [this](std::size_t i) {
+    return reinterpret_cast<const Word*>(marks)[i].load(
+        std::memory_order_acquire);
+  });
+}
+
+std::uint64_t Records::Group::TakeMarksOf(std::size_t w) {
+  return MarksBy(w, [this](std::size_t i) {
+    Word& eight = reinterpret_cast<Word*>(marks)[i];
+    return eight.load(std::memory_order_seq_cst) == 0
+               ? 0
+               : eight.exchange(0, std::memory_order_seq_cst);
+  });
 }
 
 // While marks are taken: until the mark is one that will be found.
@@ -179,26 +195,24 @@ void Records::Move(Span<const std::uint32_t> ids, const float* planes) {
   }
 }
 
-// A mover whose mark is lost between a load and a store here sets it again, as
-// takes_ has changed.
+// A mover at the same time looks at its mark behind a fence, as takes_ has
+// changed: the mark is taken here afterwards, or it sets it again. So marks are
+// taken by one exchange, behind that of `some` in the one order of all threads,
+// and has_marks_ is cleared before the fence.
 std::size_t Records::TakeMarks() {
   std::size_t count = 0;
   takes_.fetch_add(1, std::memory_order_seq_cst);
-  Fence();
   has_marks_.store(false, std::memory_order_relaxed);
+  Fence();
   ForEachGroup([&](std::size_t, Group& group) {
     group.some_taken = group.some.load(std::memory_order_relaxed);
     if (group.some_taken == 0) return;
-    group.some_taken = group.some.exchange(0, std::memory_order_relaxed);
+    group.some_taken = group.some.exchange(0, std::memory_order_seq_cst);
     for (std::uint64_t some = group.some_taken; some != 0; some &= some - 1) {
       const std::size_t w = LowestBit(some);
-      group.taken[w] = group.MarksOf(w);
+      group.taken[w] = group.TakeMarksOf(w);
       group.changed[w] |= group.taken[w];
       count += static_cast<std::size_t>(std::popcount(group.taken[w]));
-      for (std::size_t i = 0; i < 8; ++i) {
-        reinterpret_cast<Word*>(group.marks)[8 * w + i].store(
-            0, std::memory_order_relaxed);
-      }
     }
   });
   Fence();

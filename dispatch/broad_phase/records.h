@@ -222,6 +222,9 @@ class Records {
     // Marks are written as bytes, and read as eight at once. On the supported
     // machines these are atomic to each other.
     std::uint64_t MarksOf(std::size_t w) const;
+    std::uint64_t TakeMarksOf(std::size_t w);
+    template <typename EightAt>
+    static std::uint64_t MarksBy(std::size_t w, const EightAt& eight_at);
   };
   using GroupSlot = std::atomic<Group*>;
   // A mover may still read an old list of groups, so it stays until the end.

@@ -78,8 +78,10 @@ BroadPhaseCore::BroadPhaseCore(const BroadPhaseCore& other)
   state_->Adopt(BvhTree(from.tree, from.options.memory));
   state_->events = PairEventsCore(from.events, from.options.memory);
   state_->collides_with = from.collides_with;
-  from.records.ForEachChanged(
-      [&](std::uint32_t id) { state_->records.SetChanged(id); });
+  from.records.ForEachChanged([&](std::uint32_t id) {
+    state_->records.Reserve({&id, 1});  // it may have no body
+    state_->records.SetChanged(id);
+  });
 }
 
 void BroadPhaseCore::Save(SaveFunction function, void* context) const {

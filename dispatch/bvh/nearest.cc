@@ -11,7 +11,6 @@
 #include <string>
 
 #include "dispatch/bvh/ball.h"
-#include "dispatch/bvh/cast.h"
 #include "dispatch/bvh/tree.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
@@ -184,6 +183,31 @@ void Call(const BvhNearestKernels& kernels, NearestSearch& search,
   }
 }
 
+// Throws unless it is a cast.
+const BvhNearestKernels& CheckCast(const LineCast& cast, Target target) {
+  dispatch::CheckLength(cast.call, "max_t", cast.max_t);
+  dispatch::CheckLength(cast.call, "radius", cast.radius);
+  return KernelsOfAll<BvhNearestKernels>::kTargets[dispatch::IndexOf(
+      target, cast.call)];
+}
+
+// In the default floating-point mode. Returns whether the box can touch
+// anything.
+bool MakeCastLine(const PlaneLayout& layout, const LineCast& cast, Line& line) {
+  double low[3];
+  double high[3];
+  double direction[3];
+  for (std::size_t k = 0; k < layout.dims; ++k) {
+    if (cast.low[k] > cast.high[k]) return false;
+    low[k] = cast.low[k];
+    high[k] = cast.high[k];
+    direction[k] = cast.direction[k];
+  }
+  MakeLine(layout, low, high, direction, cast.max_t, cast.radius, line);
+  line.max_t = std::min(cast.max_t, float{kMax<float>});
+  return true;
+}
+
 }  // namespace
 
 std::size_t BvhNearest(const BvhTree& tree, const NearQueries& query,
@@ -248,28 +272,6 @@ void BvhForEachNearest(const BvhTree& tree, const NearQueries& query,
   dispatch::InDefaultFpMode(
       [&] { SetQuery(query, 0, KeyLimit(max_distance), search); });
   Call(kernels, search, function, context);
-}
-
-const BvhNearestKernels& CheckCast(const LineCast& cast, Target target) {
-  dispatch::CheckLength(cast.call, "max_t", cast.max_t);
-  dispatch::CheckLength(cast.call, "radius", cast.radius);
-  return KernelsOfAll<BvhNearestKernels>::kTargets[dispatch::IndexOf(
-      target, cast.call)];
-}
-
-bool MakeCastLine(const PlaneLayout& layout, const LineCast& cast, Line& line) {
-  double low[3];
-  double high[3];
-  double direction[3];
-  for (std::size_t k = 0; k < layout.dims; ++k) {
-    if (cast.low[k] > cast.high[k]) return false;
-    low[k] = cast.low[k];
-    high[k] = cast.high[k];
-    direction[k] = cast.direction[k];
-  }
-  MakeLine(layout, low, high, direction, cast.max_t, cast.radius, line);
-  line.max_t = std::min(cast.max_t, float{kMax<float>});
-  return true;
 }
 
 void BvhCast(const BvhTree& tree, const LineCast& cast, NearFunction function,

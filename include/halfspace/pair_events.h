@@ -32,7 +32,7 @@
 //
 // Floating-point mode: as in bvh.h.
 //
-// Cost: that of the search (bvh_pairs.h), and 1.1 to 1.5 times as long in total
+// Cost: that of the search (bvh_pairs.h), and 1.1 to 1.6 times as long in total
 // if all objects move a little. With a list of ids, the search costs as
 // PairsOf(), and each pair of the last Update() takes 0.4 to 1 ns.
 #ifndef HALFSPACE_PAIR_EVENTS_H_

@@ -62,7 +62,7 @@ struct BvhLevels {
   std::array<BvhLevel, kMostLevels> level{};
   CodeMap* map = nullptr;
   // Block after block as the floats of level 0. Null with room for up to 4096
-  // objects, or if BvhType::has_codes is false: a query then reads the floats.
+  // objects: a query then reads the floats.
   std::int16_t* codes = nullptr;
   std::uint32_t* ids = nullptr;  // of objects, by slot; kNoId of none
   // By id, the slot; of a free id any number. Null until a change.

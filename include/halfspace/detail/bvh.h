@@ -51,8 +51,6 @@ inline constexpr std::uint32_t kNoId = 0xFFFFFFFF;
 // A type of Bvh.
 struct BvhType : PlaneLayout {
   const BvhKernels* kernels;  // of each target
-  // A tree without codes is never a blob.
-  bool has_codes = true;
 };
 
 // What a Bvh of boxes is built of besides its own types.

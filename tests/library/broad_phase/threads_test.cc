@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -11,40 +12,50 @@
 #include <utility>
 #include <vector>
 
+#include "halfspace/error.h"
 #include "halfspace/halfspace.h"
-#include "tests/library/broad_phase/bodies.h"
+#include "tests/library/broad_phase/history.h"
 #include "tests/library/support/environment.h"
 
 namespace halfspace::testing {
 namespace {
 
 // Each kind of thread has ids of its own, kIds of them.
-constexpr std::size_t kMovers = 5;
-constexpr std::size_t kChangers = 3;
-constexpr std::size_t kQueriers = 6;
-constexpr std::size_t kUpdaters = 2;
-constexpr std::uint32_t kIds = 300;
-constexpr std::uint32_t kResting = 0;  // the first id of those that rest
-constexpr std::uint32_t kMoving = kIds;
-constexpr std::uint32_t kChanging = kMoving + kMovers * kIds;
+constexpr std::size_t kMovers = 4;
+constexpr std::size_t kChangers = 2;
+constexpr std::size_t kQueriers = 4;
+constexpr std::uint32_t kIds = 200;
+constexpr std::uint32_t kChanging = kMovers * kIds;
 constexpr std::uint32_t kAllIds = kChanging + kChangers * kIds;
 
-// A box that says whose it is, so that one of two moves would show.
-Aabb3 BoxOf(std::uint32_t id, std::size_t move) {
-  const auto at = static_cast<float>(move % 1000);
-  const float size = 1.0f + static_cast<float>(id % 7);
+// Bodies are in one of two places, so a query of both finds each body once. The
+// boxes say whose they are, so that one of two moves would show.
+Aabb3 PlaceOf(std::uint32_t id, bool is_second) {
   Aabb3 box;
-  box.min = {at / 10, static_cast<float>(id % 101),
-             at / 10 + static_cast<float>(id % 13)};
+  box.min = {is_second ? 60.0f : 0.0f, static_cast<float>(id % 101),
+             static_cast<float>(id % 13)};
+  const float size = is_second ? 3.0f + static_cast<float>(id % 5)
+                               : 1.0f + static_cast<float>(id % 7);
   for (std::size_t k = 0; k < 3; ++k) box.max[k] = box.min[k] + size;
   return box;
 }
-bool IsBoxOf(std::uint32_t id, const Aabb3& box) {
-  const auto move = static_cast<std::size_t>(box.min[0] * 10 + 0.5f);
-  return box == BoxOf(id, move);
+bool IsPlaceOf(std::uint32_t id, const Aabb3& box) {
+  return box == PlaceOf(id, false) || box == PlaceOf(id, true);
 }
-
-Aabb3 RestingBox(std::uint32_t id) { return BoxOf(id, id * 37); }
+Aabb3 BothOf(std::uint32_t id) {
+  Aabb3 both = PlaceOf(id, false);
+  const Aabb3 second = PlaceOf(id, true);
+  for (std::size_t k = 0; k < 3; ++k) {
+    both.max[k] = std::max(both.max[k], second.max[k]);
+  }
+  return both;
+}
+bool Touch(const Aabb3& a, const Aabb3& b) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (a.min[k] > b.max[k] || b.min[k] > a.max[k]) return false;
+  }
+  return true;
+}
 
 // All that a thread found wrong, in words.
 class Complaints {
@@ -60,14 +71,13 @@ class Complaints {
 
 class BroadPhaseThreads {
  public:
-  explicit BroadPhaseThreads(float margin)
-      : bodies_(kAllIds, OptionsOf(margin)), last_(kAllIds) {
+  explicit BroadPhaseThreads(const BroadPhaseOptions& options)
+      : bodies_(options), sees_moves_(!options.moves_wait_for_update) {
     Ids ids;
     std::vector<Aabb3> boxes;
     for (std::uint32_t id = 0; id < kChanging; ++id) {
       ids.push_back(id);
-      boxes.push_back(id < kMoving ? RestingBox(id) : BoxOf(id, id));
-      last_[id] = boxes.back();
+      boxes.push_back(PlaceOf(id, false));
     }
     bodies_.Insert(ids, boxes);
   }
@@ -75,19 +85,25 @@ class BroadPhaseThreads {
   // Moves bodies of its own, one or many, and finds them where they are.
   void Move(std::size_t thread) {
     Random random(thread);
-    const auto first = static_cast<std::uint32_t>(kMoving + thread * kIds);
-    for (std::size_t i = 0; i < Scaled(1500); ++i) {
+    const auto first = static_cast<std::uint32_t>(thread * kIds);
+    for (std::size_t i = 0; i < Scaled(4000); ++i) {
       Ids ids;
       std::vector<Aabb3> boxes;
-      for (std::size_t n = random() % 8 == 0 ? 200 : 2; n-- > 0;) {
+      for (std::size_t n = random() % 8 == 0 ? 200 : 1; n-- > 0;) {
         const auto id = first + static_cast<std::uint32_t>(random() % kIds);
         ids.push_back(id);
-        boxes.push_back(BoxOf(id, random()));
-        last_[id] = boxes.back();
+        is_second_[id] = random() % 2 != 0;
+        boxes.push_back(PlaceOf(id, is_second_[id]));
       }
-      bodies_.Move(ids, boxes);
+      if (i % 3 == 0) {
+        const std::scoped_lock lock(engine_);  // as Jolt does
+        bodies_.Move(ids, boxes);
+      } else {
+        bodies_.Move(ids, boxes);
+      }
+      complaints_.Check(bodies_.Get(ids.back()) == boxes.back(), "not moved");
       ExpectFound(ids.back());
-      // One that may have moved while a tree was built.
+      // One whose move may be in the tree by now.
       ExpectFound(first + static_cast<std::uint32_t>(random() % kIds));
     }
   }
@@ -96,19 +112,17 @@ class BroadPhaseThreads {
   void Change(std::size_t thread) {
     Random random(100 + thread);
     const auto first = static_cast<std::uint32_t>(kChanging + thread * kIds);
-    std::vector<bool> has(kIds);
     for (std::size_t i = 0; i < Scaled(600); ++i) {
       Ids ids;
       std::vector<Aabb3> boxes;
       const bool inserts = random() % 2 == 0;
-      for (std::size_t n = random() % 8 == 0 ? 250 : 2; n-- > 0;) {
-        const std::size_t number = random() % kIds;
-        if (has[number] == inserts) continue;
-        has[number] = inserts;
-        const auto id = first + static_cast<std::uint32_t>(number);
+      for (std::size_t n = random() % 8 == 0 ? 150 : 2; n-- > 0;) {
+        const auto id = first + static_cast<std::uint32_t>(random() % kIds);
+        if (is_there_[id] == inserts) continue;
+        is_there_[id] = inserts;
+        is_second_[id] = random() % 2 != 0;
         ids.push_back(id);
-        boxes.push_back(BoxOf(id, random()));
-        last_[id] = inserts ? boxes.back() : Aabb3::Empty();
+        boxes.push_back(PlaceOf(id, is_second_[id]));
       }
       if (inserts) {
         bodies_.Insert(ids, boxes);
@@ -117,49 +131,95 @@ class BroadPhaseThreads {
       }
       if (ids.empty()) continue;
       complaints_.Check(bodies_.Has(ids[0]) == inserts, "not as just changed");
-      if (inserts) ExpectFound(ids[0]);
-    }
-    for (std::uint32_t i = 0; i < kIds; ++i) {
-      if (!has[i]) last_[first + i] = Aabb3::Empty();
+      if (inserts) {
+        bodies_.SetMasks(ids[0], {.category = 3});
+        ExpectFound(ids[0]);
+      }
     }
   }
 
-  // Finds each resting body once, and the others as they were or are.
+  // Finds each body that moves in one of its places.
   void Query(std::size_t thread) {
     Random random(200 + thread);
-    Ids resting;
-    for (std::uint32_t id = kResting; id < kMoving; ++id) resting.push_back(id);
     for (std::size_t i = 0; i < Scaled(1500); ++i) {
+      const auto asked = static_cast<std::uint32_t>(random() % kChanging);
       const Aabb3 query =
-          BoxOf(static_cast<std::uint32_t>(random() % kAllIds), random());
+          i % 16 == 0 ? Aabb3::Everything()
+                      : i % 2 == 0 ? BothOf(asked) : PlaceOf(asked, i % 4 == 1);
       std::vector<int> found(kAllIds);
-      bodies_.ForEach(query, ~std::uint64_t{0},
-                      [&](std::uint32_t id, const Aabb3& box) {
-                        ++found[id];
-                        CheckBox(id, box);
-                        complaints_.Check(Touch(query, box), "does not touch");
-                        if (found[id] + id % 50 == 1) CallBack(box);
-                      });
+      std::size_t calls = 0;
+      const auto check = [&](Span<const std::uint32_t> some) {
+        for (const std::uint32_t id : some) ++found[id];
+        if (calls++ == 0 && i % 3 == 0) CallBack(asked);
+      };
+      switch (random() % 5) {
+        case 0:
+        case 1:
+          ForEachSurvivor(bodies_, query, check);
+          break;
+        case 2: {
+          Ids ids(kAllIds);
+          ids.resize(std::min<std::size_t>(
+              kAllIds, Survivors(bodies_, query, ids)));
+          check(ids);
+          break;
+        }
+        case 3:
+          BoxCast(bodies_, query, {0, 0, 0}, 1,
+                  [&](std::uint32_t id, float, const Aabb3& box) {
+                    complaints_.Check(IsPlaceOf(id, box), "half of a move");
+                    check({&id, 1});
+                  });
+          break;
+        default: {
+          Ids ids(kAllIds);
+          std::array<std::size_t, 2> offsets;
+          const std::vector<Aabb3> queries = {query};
+          ids.resize(SurvivorsOfEach(bodies_, queries, ids, offsets));
+          check(ids);
+        }
+      }
       for (std::uint32_t id = 0; id < kAllIds; ++id) {
         complaints_.Check(found[id] <= 1, "found twice");
-        if (id >= kMoving) continue;
-        complaints_.Check((found[id] == 1) == Touch(query, RestingBox(id)),
-                          "resting body missed");
+        const bool both = Touch(query, PlaceOf(id, false)) &&
+                          Touch(query, PlaceOf(id, true));
+        const bool none = !Touch(query, PlaceOf(id, false)) &&
+                          !Touch(query, PlaceOf(id, true));
+        complaints_.Check(!none || found[id] == 0, "does not touch");
+        if (id >= kChanging) continue;
+        complaints_.Check(!both || found[id] == 1, "missed");
       }
-      if (i % 8 == 0) QueryMore(query, resting);
+      complaints_.Check(IsPlaceOf(asked, bodies_.Get(asked)), "half of a move");
+      if (i % 8 == 0) QueryMore(asked);
     }
   }
 
-  void Update(std::size_t thread) {
-    Random random(300 + thread);
+  void Update(std::size_t /*thread*/) {
+    Random random(300);
     for (std::size_t i = 0; i < Scaled(400); ++i) {
-      if (random() % 16 == 0) {
-        bodies_.Rebuild();
-      } else {
-        bodies_.Update();
+      switch (random() % 16) {
+        case 0:
+          bodies_.Rebuild();
+          break;
+        case 1: {
+          const AabbBroadPhase3 copy(bodies_);
+          complaints_.Check(copy.Validate(), "a wrong copy");
+          Check(copy);
+          break;
+        }
+        case 2: {
+          AabbBroadPhase3 loaded;
+          loaded.Load(BytesOf(bodies_));
+          Check(loaded);
+          break;
+        }
+        default:
+          bodies_.Update();
       }
-      if (thread == 0 && i % 4 == 0) pairs_.Update(bodies_);
-      // Others find time to read a tree that is replaced.
+      if (i % 4 == 0) {
+        bodies_.UpdatePairs();
+        pairs_.Add(bodies_);
+      }
       std::this_thread::yield();
     }
   }
@@ -168,96 +228,105 @@ class BroadPhaseThreads {
   void ExpectIsAsTheThreadsLeftIt() {
     BodyModel<AabbView3> model;
     for (std::uint32_t id = 0; id < kAllIds; ++id) {
-      if (last_[id] != Aabb3::Empty()) model.objects[id] = {last_[id], {}};
+      if (id >= kChanging && !is_there_[id]) continue;
+      model.Insert(id, PlaceOf(id, is_second_[id]), bodies_.MasksOf(id));
     }
-    for (std::uint64_t seed = 0; seed < 5; ++seed) {
-      ExpectIsModel(bodies_, model, seed);
-    }
-    pairs_.Update(bodies_);
+    bodies_.UpdatePairs();
+    pairs_.Add(bodies_);
     EXPECT_EQ(pairs_.pairs(), model.Pairs());
-    bodies_.Update();
     ExpectIsModel(bodies_, model, 5);
-    EXPECT_EQ(bodies_.Statistics().trees, 1u);
   }
 
  private:
-  static BroadPhaseOptions OptionsOf(float margin) {
-    BroadPhaseOptions options;
-    options.margin = margin;
-    return options;
-  }
-
-  static bool Touch(const Aabb3& a, const Aabb3& b) {
-    return BodyModel<AabbView3>::Overlap(a, b, 0);
-  }
-
-  void CheckBox(std::uint32_t id, const Aabb3& box) {
-    complaints_.Check(IsBoxOf(id, box), "half of a move");
+  void Check(const AabbBroadPhase3& copy) {
+    for (std::uint32_t id = 0; id < kAllIds; ++id) {
+      complaints_.Check(id >= kChanging || copy.Has(id), "not copied");
+      if (copy.Has(id)) {
+        complaints_.Check(IsPlaceOf(id, copy.Get(id)), "copied in halves");
+      }
+    }
   }
 
   // The calling thread's own body, which no other thread moves.
   void ExpectFound(std::uint32_t id) {
+    const Aabb3 place = PlaceOf(id, is_second_[id]);
+    const Aabb3 query = sees_moves_ ? place : BothOf(id);
     int found = 0;
-    const std::uint64_t mask = id % 2 == 0 ? 1 : ~std::uint64_t{0};
-    bodies_.ForEach(last_[id], mask,
-                    [&](std::uint32_t other, const Aabb3& box) {
-                      if (other != id) return;
-                      ++found;
-                      complaints_.Check(box == last_[id], "not where it went");
-                    });
+    QueryOptions options;
+    if (id % 2 == 0) options.mask = 1;
+    ForEachSurvivor(
+        bodies_, query,
+        [&](Span<const std::uint32_t> some) {
+          found += static_cast<int>(std::count(some.begin(), some.end(), id));
+        },
+        options);
     complaints_.Check(found == 1, "lost by its mover");
+    if (id % 4 != 0 || !sees_moves_) return;
+    found = 0;
+    const Ray3 ray{place.min, {1, 0, 0}, 0};
+    RayCast(bodies_, ray, [&](std::uint32_t other, float, const Aabb3& box) {
+      if (other != id) return;
+      ++found;
+      complaints_.Check(box == place, "not where it went");
+    });
+    complaints_.Check(found == 1, "not hit by its mover");
   }
 
   // What an engine does in a callback.
-  void CallBack(const Aabb3& box) {
+  void CallBack(std::uint32_t asked) {
     const std::scoped_lock lock(engine_);
-    bodies_.ForEach(box, 1, [&](std::uint32_t id, const Aabb3& other) {
-      CheckBox(id, other);
-      return Visit::kStop;
-    });
+    complaints_.Check(AnySurvivor(bodies_, BothOf(asked)).has_value(),
+                      "none in a callback");
+    complaints_.Check(CountSurvivors(bodies_, Aabb3::Everything()) >= kChanging,
+                      "missed in a callback");
   }
 
-  void QueryMore(const Aabb3& query, const Ids& resting) {
-    std::vector<int> found(kMoving);
-    bodies_.ForEachCast(query, {0, 50, 0}, 1, ~std::uint64_t{0},
-                        [&](std::uint32_t id, float, const Aabb3& box) {
-                          CheckBox(id, box);
-                          if (id < kMoving) ++found[id];
-                        });
-    Aabb3 swept = query;
-    swept.max[1] += 50;
-    for (std::uint32_t id = 0; id < kMoving; ++id) {
-      complaints_.Check((found[id] == 1) == Touch(swept, RestingBox(id)),
-                        "cast missed a resting body");
-    }
-    IdPairs pairs;
-    bodies_.ForEachPairOf(resting, 0, [&](std::uint32_t a, std::uint32_t b) {
-      if (a >= kMoving || b >= kMoving) return;
-      pairs.emplace_back(std::min(a, b), std::max(a, b));
+  void QueryMore(std::uint32_t asked) {
+    Ids nearest(kAllIds);
+    const std::size_t count =
+        KNearest(bodies_, BothOf(asked), nearest, {}, 0.0f);
+    complaints_.Check(std::count(nearest.begin(),
+                                 nearest.begin() + static_cast<int>(count),
+                                 asked) == 1,
+                      "not near");
+    // It and the body of the same places, if it is in the same one.
+    const Ids set = {asked};
+    ForEachPairOf(bodies_, set, [&](Span<const IdPair> some) {
+      for (const IdPair& pair : some) {
+        complaints_.Check(pair.a == asked, "a is not of the set");
+        complaints_.Check(Touch(BothOf(pair.a), BothOf(pair.b)),
+                          "a pair of bodies that never met");
+      }
     });
-    std::sort(pairs.begin(), pairs.end());
-    BodyModel<AabbView3> model;
-    for (const std::uint32_t id : resting) {
-      model.objects[id] = {RestingBox(id), {}};
-    }
-    complaints_.Check(pairs == model.Pairs(), "pairs of resting bodies");
     const Aabb3 bounds = bodies_.Bounds();
-    for (const std::uint32_t id : resting) {
-      complaints_.Check(Touch(bounds, RestingBox(id)), "outside all");
+    complaints_.Check(Touch(bounds, PlaceOf(asked, false)) ||
+                          Touch(bounds, PlaceOf(asked, true)),
+                      "outside all");
+    // It may be there or not, but this is no reason to fail otherwise.
+    const std::uint32_t id = kChanging + asked % (kChangers * kIds);
+    try {
+      const BodyMasks masks = bodies_.MasksOf(id);
+      complaints_.Check(masks.collides_with == 0xFFFFFFFF, "no mask");
+      complaints_.Check(IsPlaceOf(id, bodies_.Get(id)), "no bound");
+    } catch (const halfspace::Error&) {
     }
   }
 
   AabbBroadPhase3 bodies_;
-  std::vector<Aabb3> last_;  // each written by the thread that has the id
-  PairsByEvents pairs_;      // of one updater
+  const bool sees_moves_;
+  // Each written by the thread that has the id.
+  std::array<bool, kAllIds> is_second_{};
+  std::array<bool, kAllIds> is_there_{};
+  PairsByEvents pairs_;  // of the updater
   std::mutex engine_;
   Complaints complaints_;
 };
 
-// Without a margin, queries read the bounds of the tree.
 TEST(BroadPhaseThreadsTest, MovesQueriesAndChangesAtTheSameTime) {
-  for (const float margin : {2.0f, 0.0f}) {
-    BroadPhaseThreads test(margin);
+  for (const bool moves_wait : {false, true}) {
+    BroadPhaseOptions options;
+    options.moves_wait_for_update = moves_wait;
+    BroadPhaseThreads test(options);
     {
       std::vector<std::jthread> threads;
       const auto start = [&](std::size_t count, auto member) {
@@ -268,64 +337,131 @@ TEST(BroadPhaseThreadsTest, MovesQueriesAndChangesAtTheSameTime) {
       start(kMovers, &BroadPhaseThreads::Move);
       start(kChangers, &BroadPhaseThreads::Change);
       start(kQueriers, &BroadPhaseThreads::Query);
-      start(kUpdaters, &BroadPhaseThreads::Update);
+      start(1, &BroadPhaseThreads::Update);
     }
     test.ExpectIsAsTheThreadsLeftIt();
   }
 }
 
-// Without anything else, so that reads meet writes often.
-TEST(BroadPhaseThreadsTest, ABoundIsReadAsItWasWritten) {
-  AabbBroadPhase3 bodies(1);
-  bodies.Insert(0, BoxOf(0, 0));
+// Without anything else, so that moves meet flushes often: no move is lost, and
+// no half of one is read.
+TEST(BroadPhaseThreadsTest, AMoveThatMeetsAFlushIsNotLost) {
+  constexpr std::uint32_t kCount = 64 * 4;
+  AabbBroadPhase3 bodies;
+  for (std::uint32_t id = 0; id < kCount; ++id) {
+    bodies.Insert(id, PlaceOf(id, false));
+  }
+  Complaints complaints;
   std::atomic<bool> is_done{false};
-  const std::jthread mover([&] {
-    for (std::size_t i = 0; i < Scaled(300'000); ++i) {
-      bodies.Move(0, BoxOf(0, i));
-      if (i % 16 == 0) {
-        bodies.SetMasks(0, {.category = i + 1, .collides_with = i + 1});
+  {
+    std::vector<std::jthread> movers;
+    for (std::uint32_t thread = 0; thread < 2; ++thread) {
+      movers.emplace_back([&, thread] {
+        bool is_second = false;
+        for (std::size_t i = 0; i < Scaled(100'000); ++i) {
+          // Neighbors, of which the threads move every second one.
+          const auto id =
+              static_cast<std::uint32_t>(2 * i + thread) % kCount;
+          if (id < 2) is_second = !is_second;
+          bodies.Move(id, PlaceOf(id, is_second));
+          Ids ids(kCount);
+          ids.resize(Survivors(bodies, PlaceOf(id, is_second), ids));
+          complaints.Check(std::count(ids.begin(), ids.end(), id) == 1,
+                           "lost by its mover");
+        }
+        is_done.store(true);
+      });
+    }
+    while (!is_done.load()) {
+      bodies.Update();
+      for (std::uint32_t id = 0; id < kCount; ++id) {
+        complaints.Check(IsPlaceOf(id, bodies.Get(id)), "half of a move");
       }
     }
-    is_done.store(true);
-  });
-  Complaints complaints;
-  while (!is_done.load()) {
-    complaints.Check(IsBoxOf(0, bodies.Get(0)), "half of a move");
-    const BodyMasks masks = bodies.MasksOf(0);
-    complaints.Check(
-        masks == BodyMasks() || masks.category == masks.collides_with,
-        "half of a mask");
   }
-}
-
-// A query that is running keeps its tree, and changes do not wait for it.
-TEST(BroadPhaseThreadsTest, AFunctionMayChangeWhatIsQueried) {
-  AabbBroadPhase3 bodies(2000);
-  for (std::uint32_t id = 0; id < 1000; ++id) {
-    bodies.Insert(id, BoxOf(id, id));
-  }
-  bodies.Update();
-  std::size_t found = 0;
-  bodies.ForEach(Aabb3::Everything(), 1,
-                 [&](std::uint32_t id, const Aabb3& box) {
-                   ++found;
-                   bodies.Insert(1000 + id, box);
-                   bodies.Move(id, BoxOf(id, id + 1));
-                   if (id % 100 == 0) bodies.Rebuild();
-                   if (id % 100 == 1)
-                     bodies.UpdatePairs([](auto...) {}, [](auto...) {});
-                   if (id % 3 == 0) bodies.Erase(id);
-                 });
-  EXPECT_EQ(found, 1000u);
-  EXPECT_EQ(bodies.size(), 2000u - 334);
-  EXPECT_GT(bodies.Statistics().trees, 1u);
-  bodies.Update();
-  EXPECT_EQ(bodies.Statistics().trees, 1u);
   EXPECT_TRUE(bodies.Validate());
 }
 
-// Enough bodies for several parts of both halves of UpdatePairs(). All of them
-// move, first inside the margin and then beyond.
+// A call that runs alone begins when the query of another thread has ended, and
+// a query begins meanwhile.
+TEST(BroadPhaseThreadsTest, CallsThatRunAloneWaitForQueries) {
+  AabbBroadPhase3 bodies;
+  for (std::uint32_t id = 0; id < 100; ++id) {
+    bodies.Insert(id, PlaceOf(id, false));
+  }
+  const std::vector<std::byte> bytes = BytesOf(bodies);
+  const std::function<void()> calls[] = {
+      [&] { bodies.Insert(100, PlaceOf(100, false)); },
+      [&] { bodies.Erase(100); },
+      [&] { bodies.SetMasks(1, {.category = 2}); },
+      [&] { bodies.Update(); },
+      [&] { bodies.Rebuild(); },
+      [&] { bodies.UpdatePairs(); },
+      [&] { bodies.Load(bytes); },
+      [&] { (void)BytesOf(bodies); },
+      [&] { const AabbBroadPhase3 copy(bodies); },
+      [&] { (void)bodies.Statistics(); },
+      [&] { (void)bodies.Validate(); }};
+  for (const auto& call : calls) {
+    std::atomic<bool> has_begun{false};
+    std::atomic<bool> has_ended{false};
+    std::jthread other;
+    ForEachSurvivor(bodies, Aabb3::Everything(), [&](auto) {
+      other = std::jthread([&] {
+        has_begun.store(true);
+        call();
+        has_ended.store(true);
+      });
+      while (!has_begun.load()) std::this_thread::yield();
+      for (std::size_t i = 0; i < 100; ++i) {
+        std::this_thread::yield();
+        EXPECT_EQ(CountSurvivors(bodies, Aabb3::Everything()), bodies.size());
+        bodies.Move(5, PlaceOf(5, i % 2 == 0));
+        EXPECT_TRUE(AnySurvivor(bodies, PlaceOf(5, i % 2 == 0)).has_value());
+      }
+      // Of a thread that is in no query.
+      std::jthread([&] {
+        EXPECT_EQ(CountSurvivors(bodies, BothOf(5)) > 0, true);
+      }).join();
+      EXPECT_FALSE(has_ended.load());
+    });
+    other.join();
+    EXPECT_TRUE(has_ended.load());
+  }
+}
+
+// More than have a line of the lock for themselves.
+TEST(BroadPhaseThreadsTest, ManyThreadsQuery) {
+  AabbBroadPhase3 bodies;
+  for (std::uint32_t id = 0; id < 100; ++id) {
+    bodies.Insert(id, PlaceOf(id, false));
+  }
+  Complaints complaints;
+  for (std::size_t turn = 0; turn < 2; ++turn) {
+    std::vector<std::jthread> threads;
+    std::atomic<std::size_t> count{0};
+    constexpr std::size_t kThreads = 90;
+    for (std::uint32_t t = 0; t < kThreads; ++t) {
+      threads.emplace_back([&, t] {
+        ++count;
+        while (count < kThreads) std::this_thread::yield();
+        for (std::size_t i = 0; i < 50; ++i) {
+          bodies.Move(t, PlaceOf(t, i % 2 != 0));
+          std::size_t found = 0;
+          ForEachSurvivor(bodies, Aabb3::Everything(), [&](auto some) {
+            found += some.size();
+            found += CountSurvivors(bodies, Aabb3::Everything());
+          });
+          complaints.Check(found == 200, "not all");
+          if (i % 10 == 0) bodies.Update();
+        }
+      });
+    }
+  }
+  EXPECT_TRUE(bodies.Validate());
+}
+
+// Enough bodies for several parts of a search.
 TEST(BroadPhaseThreadsTest, EventsDoNotDependOnTheRunner) {
   const auto on_threads = [](std::size_t threads) {
     return [threads](std::size_t parts, const Runner::Part& part) {
@@ -340,9 +476,7 @@ TEST(BroadPhaseThreadsTest, EventsDoNotDependOnTheRunner) {
   };
   const auto two = on_threads(2);
   const auto seven = on_threads(7);
-  std::size_t calls_of_many = 0;
   const auto backwards = [&](std::size_t parts, const Runner::Part& part) {
-    calls_of_many += parts > 1 ? 1 : 0;
     while (parts-- > 0) part(parts);
   };
   struct Stop {};
@@ -355,8 +489,8 @@ TEST(BroadPhaseThreadsTest, EventsDoNotDependOnTheRunner) {
   std::vector<IdPairs> events(runs.size());
   for (std::size_t r = 0; r < runs.size(); ++r) {
     BroadPhaseOptions options;
-    options.margin = 0.5f;
-    AabbBroadPhase3 bodies(kCount, options);
+    options.filter.keep = &KeepsSome;
+    AabbBroadPhase3 bodies(options);
     Spread<AabbView3> spread(1.2f, 3);
     Ids ids;
     std::vector<Aabb3> boxes;
@@ -365,14 +499,7 @@ TEST(BroadPhaseThreadsTest, EventsDoNotDependOnTheRunner) {
       boxes.push_back(spread.NextObject());
     }
     bodies.Insert(ids, boxes);
-    const auto update = [&](const Runner& run) {
-      bodies.UpdatePairs([&](std::uint32_t a,
-                             std::uint32_t b) { events[r].emplace_back(a, b); },
-                         [&](std::uint32_t a, std::uint32_t b) {
-                           events[r].emplace_back(b, a);
-                         },
-                         run);
-    };
+    IdPairs before;
     for (const float step : {0.0f, 0.25f, 1.0f}) {
       for (std::uint32_t id = 0; id < kCount; ++id) {
         const std::size_t k = id % 3;
@@ -380,14 +507,17 @@ TEST(BroadPhaseThreadsTest, EventsDoNotDependOnTheRunner) {
         boxes[id].max[k] += step;
       }
       bodies.Move(ids, boxes);
-      EXPECT_THROW(update(stops), Stop);
-      update(runs[r]);
+      EXPECT_THROW(bodies.UpdatePairs(stops), Stop);
+      EXPECT_EQ(PairsFrom(bodies.pairs()), before);
+      bodies.UpdatePairs(runs[r]);
+      before = PairsFrom(bodies.pairs());
+      for (const auto& list : {bodies.began(), bodies.ended()}) {
+        for (const IdPair& pair : list) events[r].emplace_back(pair.a, pair.b);
+      }
     }
-    EXPECT_GT(bodies.Statistics().pairs, 16'384u);
+    EXPECT_GT(bodies.pairs().size(), 10'000u);
     EXPECT_EQ(events[r], events[0]);
   }
-  // The first and the last update find pairs, the second and the last merge.
-  EXPECT_EQ(calls_of_many, 4u);
 }
 
 }  // namespace
