@@ -53,7 +53,7 @@ class Bounder {
  public:
   Bounder(const Call& call, hs_kind kind, const hs_bound_options* options,
           float* bounds, std::size_t count, std::size_t* everything)
-      : kind_(KindOf(call, "kind", kind)),
+      : layout_(LayoutOf(call, "kind", kind)),
         bounds_(bounds),
         count_(count),
         everything_(everything) {
@@ -66,13 +66,12 @@ class Bounder {
     call.CheckArray("bounds", bounds, count);
     if (everything != nullptr) call.CheckPointer("everything", everything);
     if (count > PTRDIFF_MAX / (kMostValues * sizeof(float))) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "bounds: expected records that fit the address space, got %zu",
-                count);
+      call.Fail(HS_INVALID_ARGUMENT, "bounds",
+                "expected records that fit the address space, got %zu", count);
     }
   }
 
-  std::size_t dims() const { return kind_.dims; }
+  std::size_t dims() const { return layout_.dims; }
 
   // Calls fit(begin, count, output, options, status) for some shapes at a time,
   // and writes the bounds that are in `output` then.
@@ -80,20 +79,19 @@ class Bounder {
   void Run(const Fit& fit) const {
     FitStatus status;
     std::array<float, kMostShapes * kMostValues> planes;
+    const std::size_t values = RecordValues(layout_);
     for (std::size_t begin = 0; begin < count_; begin += kMostShapes) {
       const std::size_t count = std::min(count_ - begin, kMostShapes);
       detail::Output output;
-      output.dims = static_cast<int>(dims());
       output.size = count;
-      for (std::size_t v = 0; v < kind_.values(); ++v) {
-        const std::size_t plane =
-            v < kind_.axes ? v : v - kind_.axes + dims() + 1;
-        output.Want(plane, planes.data() + v * kMostShapes);
+      for (std::size_t v = 0; v < values; ++v) {
+        output.Want(detail::OutputPlane(layout_.dims, layout_.axes, v),
+                    planes.data() + v * kMostShapes);
       }
       fit(begin, count, output, options_, status);
-      float* to = bounds_ + begin * kind_.values();
+      float* to = bounds_ + begin * values;
       for (std::size_t i = 0; i < count; ++i) {
-        for (std::size_t v = 0; v < kind_.values(); ++v) {
+        for (std::size_t v = 0; v < values; ++v) {
           *to++ = planes[v * kMostShapes + i];
         }
       }
@@ -102,7 +100,7 @@ class Bounder {
   }
 
  private:
-  Kind kind_;
+  PlaneLayout layout_;
   float* bounds_;
   std::size_t count_;
   std::size_t* everything_;
@@ -147,7 +145,7 @@ using halfspace::FitStatus;
 using halfspace::c::Bounder;
 using halfspace::c::Call;
 using halfspace::c::CheckColumns;
-using halfspace::c::KindOf;
+using halfspace::c::LayoutOf;
 using halfspace::c::Run;
 using halfspace::c::SourceOf;
 using halfspace::c::Values;
@@ -165,7 +163,7 @@ hs_status hs_bound_boxes(hs_kind kind, const hs_columns* boxes,
                          size_t* everything) {
   return Run("hs_bound_boxes", [&](const Call& call) {
     const Values values =
-        Values::OfColumns(2 * KindOf(call, "kind", kind).dims);
+        Values::OfColumns(2 * LayoutOf(call, "kind", kind).dims);
     CheckColumns(call, "boxes", boxes, values);
     const Bounder bounder(call, kind, options, bounds, boxes->count,
                           everything);
@@ -183,7 +181,7 @@ hs_status hs_bound_spheres(hs_kind kind, const hs_columns* spheres,
                            size_t* everything) {
   return Run("hs_bound_spheres", [&](const Call& call) {
     const Values values =
-        Values::OfColumns(KindOf(call, "kind", kind).dims + 1);
+        Values::OfColumns(LayoutOf(call, "kind", kind).dims + 1);
     CheckColumns(call, "spheres", spheres, values);
     const Bounder bounder(call, kind, options, bounds, spheres->count,
                           everything);
@@ -200,7 +198,7 @@ hs_status hs_bound_points(hs_kind kind, const hs_columns* points,
                           const hs_bound_options* options, float* bounds,
                           size_t* everything) {
   return Run("hs_bound_points", [&](const Call& call) {
-    const size_t dims = KindOf(call, "kind", kind).dims;
+    const size_t dims = LayoutOf(call, "kind", kind).dims;
     CheckColumns(call, "points", points, 0, dims);
     const Values values = Values::OfPoints(dims);
     const Bounder bounder(call, kind, options, bounds, points->count,
@@ -219,7 +217,7 @@ hs_status hs_bound_point_sets(hs_kind kind, const hs_columns* points,
                               const hs_bound_options* options, float* bounds,
                               size_t* everything) {
   return Run("hs_bound_point_sets", [&](const Call& call) {
-    const size_t dims = KindOf(call, "kind", kind).dims;
+    const size_t dims = LayoutOf(call, "kind", kind).dims;
     CheckColumns(call, "points", points, 0, dims);
     call.CheckArray("ends", ends, sets);
     const Bounder bounder(call, kind, options, bounds, sets, everything);
@@ -231,8 +229,8 @@ hs_status hs_bound_point_sets(hs_kind kind, const hs_columns* points,
                      static_cast<const char*>(points->column[0]) + k * bytes;
     }
     if (!is_adjacent && points->stride != 1) {
-      call.Fail(HS_UNSUPPORTED,
-                "points: expected adjacent coordinates or a stride of 1, got "
+      call.Fail(HS_UNSUPPORTED, "points",
+                "expected adjacent coordinates or a stride of 1, got "
                 "columns apart with a stride of %zu: copy the points",
                 points->stride);
     }
@@ -273,7 +271,7 @@ hs_status hs_bound_triangles(hs_kind kind, const hs_columns* triangles,
                              const hs_bound_options* options, float* bounds,
                              size_t* everything) {
   return Run("hs_bound_triangles", [&](const Call& call) {
-    const size_t dims = KindOf(call, "kind", kind).dims;
+    const size_t dims = LayoutOf(call, "kind", kind).dims;
     CheckColumns(call, "triangles", triangles, 0,
                  halfspace::c::kCorners * dims);
     const Bounder bounder(call, kind, options, bounds, triangles->count,
@@ -291,7 +289,7 @@ hs_status hs_bound_faces(hs_kind kind, const hs_columns* vertices,
                          const hs_bound_options* options, float* bounds,
                          size_t* everything) {
   return Run("hs_bound_faces", [&](const Call& call) {
-    const size_t dims = KindOf(call, "kind", kind).dims;
+    const size_t dims = LayoutOf(call, "kind", kind).dims;
     CheckColumns(call, "vertices", vertices, 0, dims);
     const Bounder bounder(call, kind, options, bounds, faces, everything);
     call.CheckArray("indices", indices, halfspace::c::kCorners * faces);

@@ -9,9 +9,9 @@ using halfspace::c::BvhConfig;
 using halfspace::c::Call;
 using halfspace::c::CheckColumns;
 using halfspace::c::ColumnsOf;
-using halfspace::c::Kind;
 using halfspace::c::Run;
 using halfspace::c::Values;
+using halfspace::detail::PlaneLayout;
 
 namespace halfspace::c {
 namespace {
@@ -56,8 +56,8 @@ struct Parts {
 BuildQuality ReadQuality(const Call& call, hs_quality quality) {
   if (quality == HS_QUALITY_HIGH) return BuildQuality::kHigh;
   if (quality == HS_QUALITY_FAST) return BuildQuality::kFast;
-  call.Fail(HS_INVALID_ARGUMENT,
-            "config->quality: expected an enumerator of hs_quality, got %d",
+  call.Fail(HS_INVALID_ARGUMENT, "config->quality",
+            "expected an enumerator of hs_quality, got %d",
             static_cast<int>(quality));
 }
 
@@ -66,29 +66,29 @@ hs_bvh* Build(const Call& call, const BvhConfig& config,
   CallerThreads threads(call, "config->run", config.run, config.run_context);
   BuildOptions options = config.options;
   options.run = threads.runner();
-  NewBvh bvh(config.kind, options.memory);
+  NewBvh bvh(config.layout, options.memory);
   bvh->tree.Build(objects, options);
   return bvh.Release();
 }
 
 // Minima of simplices become a record with maxima.
 void WriteRecord(const hs_bvh& bvh, const float* values, float* record) {
-  for (std::size_t v = 0; v < bvh.kind.values(); ++v) {
+  for (std::size_t v = 0; v < RecordValues(bvh.layout); ++v) {
     record[v] = v < bvh.objects.count ? values[v] : INFINITY;
   }
 }
 
 }  // namespace
 
-detail::BvhType TypeOf(const Kind& kind) {
-  return WithView(kind, []<typename View>(const View&) {
+detail::BvhType TypeOf(const PlaneLayout& layout) {
+  return WithView(layout, []<typename View>(const View&) {
     return detail::BvhTypeOf<View>();
   });
 }
 
 BvhConfig::BvhConfig(const Call& call, const hs_bvh_config* config) {
   const hs_bvh_config read = ReadConfig(call, config, kDefaults);
-  kind = KindOf(call, "config->kind", read.kind);
+  layout = LayoutOf(call, "config->kind", read.kind);
   run = read.run;
   run_context = read.run_context;
   options.quality = ReadQuality(call, read.quality);
@@ -102,23 +102,24 @@ void CallerThreads::operator()(std::size_t count,
   run_(context_, count, &Parts::RunPart, &parts);
   if (parts.error != nullptr) std::rethrow_exception(parts.error);
   if (const std::size_t done = parts.done.load(); done != count) {
-    call_.Fail(HS_INVALID_ARGUMENT, "%s: expected %zu calls of `part`, got %zu",
-               argument_, count, done);
+    call_.Fail(HS_INVALID_ARGUMENT, argument_,
+               "expected %zu calls of `part`, got %zu", count, done);
   }
 }
 
 }  // namespace halfspace::c
 
-hs_bvh::hs_bvh(const Kind& its_kind, const halfspace::MemoryResource& memory)
-    : kind(its_kind),
-      objects(Values::OfObjects(its_kind)),
-      queries(Values::OfQueries(its_kind)),
-      tree(halfspace::c::TypeOf(its_kind), memory) {}
+hs_bvh::hs_bvh(const PlaneLayout& its_layout,
+               const halfspace::MemoryResource& memory)
+    : layout(its_layout),
+      objects(Values::OfObjects(layout)),
+      queries(Values::OfQueries(layout)),
+      tree(halfspace::c::TypeOf(layout), memory) {}
 
 struct hs_builder {
   explicit hs_builder(const BvhConfig& its_config)
       : config(its_config),
-        objects(Values::OfObjects(its_config.kind)),
+        objects(Values::OfObjects(its_config.layout)),
         rows(halfspace::detail::BlockAllocator<float>(
             its_config.options.memory)) {}
 
@@ -138,7 +139,7 @@ hs_status hs_bvh_create(const hs_bvh_config* config, const hs_columns* objects,
   return Run("hs_bvh_create", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
     const BvhConfig read(call, config);
-    const Values values = Values::OfObjects(read.kind);
+    const Values values = Values::OfObjects(read.layout);
     CheckColumns(call, "objects", objects, values);
     *bvh = halfspace::c::Build(call, read, ColumnsOf(*objects, values));
   });
@@ -163,12 +164,9 @@ hs_status hs_builder_push(hs_builder* builder, const hs_columns* objects) {
     auto& rows = builder->rows;
     const size_t size = rows.size();
     const size_t count = size / builder->objects.count + objects->count;
-    if (count >= size_t{1} << 31) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "objects: expected fewer than 2^31 objects in all, got "
-                "%zu",
-                count);
-    }
+    halfspace::detail::BvhTree(halfspace::c::TypeOf(builder->config.layout),
+                               builder->config.options.memory)
+        .CheckBuild(count, builder->config.options);
     rows.resize(size + objects->count * builder->objects.count);
     halfspace::c::WriteRows(*objects, builder->objects, 0, objects->count,
                             rows.data() + size);
@@ -228,8 +226,9 @@ hs_status hs_bvh_get(const hs_bvh* bvh, const uint32_t* ids, size_t count,
     std::array<float, halfspace::c::kMostValues> values;
     for (size_t i = 0; i < count; ++i) {
       bvh->tree.Get(ids[i], {values.data(), bvh->objects.count});
-      halfspace::c::WriteRecord(*bvh, values.data(),
-                                records + i * bvh->kind.values());
+      halfspace::c::WriteRecord(
+          *bvh, values.data(),
+          records + i * halfspace::c::RecordValues(bvh->layout));
     }
   });
 }
@@ -240,14 +239,14 @@ hs_status hs_bvh_get_all(const hs_bvh* bvh, float* records, size_t room) {
     const halfspace::detail::BvhTree& tree = bvh->tree;
     const size_t limit = tree.id_limit();
     if (room < limit) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "room: expected at least hs_bvh_id_limit(), %zu, got %zu",
-                limit, room);
+      call.Fail(HS_INVALID_ARGUMENT, "room",
+                "expected at least hs_bvh_id_limit(), %zu, got %zu", limit,
+                room);
     }
     call.CheckArray("records", records, limit);
-    const size_t values = bvh->kind.values();
+    const size_t values = halfspace::c::RecordValues(bvh->layout);
     for (size_t i = 0; i < limit * values; ++i) {
-      records[i] = i % values < bvh->kind.axes ? INFINITY : -INFINITY;
+      records[i] = i % values < bvh->layout.axes ? INFINITY : -INFINITY;
     }
     const auto ids = tree.ids();
     std::array<float, halfspace::c::kMostValues> its_values;
@@ -275,6 +274,17 @@ hs_status hs_bvh_insert(hs_bvh* bvh, const hs_columns* objects, uint32_t* ids) {
     CheckColumns(call, "objects", objects, bvh->objects);
     call.CheckArray("ids", ids, objects->count);
     bvh->tree.Insert(ColumnsOf(*objects, bvh->objects), {ids, objects->count});
+  });
+}
+
+hs_status hs_bvh_insert_as(hs_bvh* bvh, const uint32_t* ids,
+                           const hs_columns* objects) {
+  return Run("hs_bvh_insert_as", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    CheckColumns(call, "objects", objects, bvh->objects);
+    call.CheckArray("ids", ids, objects->count);
+    bvh->tree.InsertAs({ids, objects->count},
+                       ColumnsOf(*objects, bvh->objects));
   });
 }
 

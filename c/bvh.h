@@ -12,13 +12,13 @@
 
 // Below the templates of bvh.h, so that there is one for all kinds.
 struct hs_bvh {
-  hs_bvh(const halfspace::c::Kind& its_kind,
+  hs_bvh(const halfspace::detail::PlaneLayout& its_layout,
          const halfspace::MemoryResource& memory);
   hs_bvh(const hs_bvh&) = delete;
   hs_bvh& operator=(const hs_bvh&) = delete;
   ~hs_bvh();
 
-  const halfspace::c::Kind kind;
+  const halfspace::detail::PlaneLayout layout;
   const halfspace::c::Values objects;
   const halfspace::c::Values queries;
   halfspace::detail::BvhTree tree;
@@ -29,15 +29,15 @@ struct hs_bvh {
 
 namespace halfspace::c {
 
-detail::BvhType TypeOf(const Kind& kind);
+detail::BvhType TypeOf(const PlaneLayout& layout);
 // Not of simplices.
-const detail::BvhPairKernels* PairKernelsOf(const Kind& kind);
+const detail::BvhPairKernels* PairKernelsOf(const PlaneLayout& layout);
 
 // A configuration after its checks.
 struct BvhConfig {
   BvhConfig(const Call& call, const hs_bvh_config* config);
 
-  Kind kind;
+  PlaneLayout layout;
   hs_run_function run = nullptr;
   void* run_context = nullptr;
   BuildOptions options;
@@ -65,8 +65,8 @@ class CallerThreads {
 // Frees the BVH, unless it has been released.
 class NewBvh {
  public:
-  NewBvh(const Kind& kind, const MemoryResource& memory)
-      : bvh_(New<hs_bvh>(memory, kind, memory)) {}
+  NewBvh(const PlaneLayout& layout, const MemoryResource& memory)
+      : bvh_(New<hs_bvh>(memory, layout, memory)) {}
   NewBvh(const NewBvh&) = delete;
   NewBvh& operator=(const NewBvh&) = delete;
   ~NewBvh() { hs_bvh_destroy(bvh_); }

@@ -31,7 +31,7 @@ namespace {
 
 [[noreturn]] void FailFile(const Call& call, const char* path, const char* what,
                            int error) {
-  call.Fail(HS_IO_ERROR, "path: \"%.256s\" cannot be %s: %s", path, what,
+  call.Fail(HS_IO_ERROR, "path", "\"%.256s\" cannot be %s: %s", path, what,
             std::generic_category().message(error).c_str());
 }
 
@@ -116,15 +116,15 @@ void Save(const Call& call, const char* path, Span<const std::byte> bytes) {
 
 // A file that was never written to its end.
 [[noreturn]] void FailEmpty(const Call& call, const char* path) {
-  call.Fail(HS_CORRUPT,
-            "path: expected a stored BVH, got the empty file "
+  call.Fail(HS_CORRUPT, "path",
+            "expected a stored BVH, got the empty file "
             "\"%.256s\"",
             path);
 }
 
 void Verify(const Call& call, const hs_bvh& bvh) {
   if (bvh.tree.Verify()) return;
-  call.Fail(HS_CORRUPT,
+  call.Fail(HS_CORRUPT, "",
             "expected the bytes that hs_bvh_blob() returned, got altered ones: "
             "store the BVH again");
 }
@@ -142,7 +142,7 @@ void LoadBytes(const Call& call, const char* argument, hs_bvh& bvh,
 
 hs_bvh* FromBytes(const Call& call, const char* argument,
                   const BvhConfig& config, Span<const std::byte> bytes) {
-  NewBvh bvh(config.kind, config.options.memory);
+  NewBvh bvh(config.layout, config.options.memory);
   LoadBytes(call, argument, *bvh.get(), bytes, /*is_in_place=*/false);
   Verify(call, *bvh.get());
   return bvh.Release();
@@ -226,7 +226,7 @@ hs_bvh* Load(const Call& call, const char* path, const BvhConfig& config) {
 }
 
 hs_bvh* Map(const Call& call, const char* path, const BvhConfig& config) {
-  NewBvh bvh(config.kind, config.options.memory);
+  NewBvh bvh(config.layout, config.options.memory);
   FileBytes file(call, path);
   const Span<const std::byte> bytes = file.span();
   file.GiveTo(*bvh.get());
@@ -283,7 +283,7 @@ hs_bvh* Load(const Call& call, const char* path, const BvhConfig& config) {
 }
 
 hs_bvh* Map(const Call& call, const char*, const BvhConfig&) {
-  call.Fail(HS_UNSUPPORTED,
+  call.Fail(HS_UNSUPPORTED, "",
             "files cannot be mapped on this system: use hs_bvh_load()");
 }
 #endif
@@ -313,6 +313,21 @@ hs_status hs_bvh_blob(const hs_bvh* bvh, const void** data, size_t* size) {
   });
 }
 
+hs_status hs_blob_kind(const void* data, size_t size, hs_kind* kind) {
+  return Run("hs_blob_kind", [&](const Call& call) {
+    const auto* const bytes = static_cast<const std::byte*>(data);
+    call.CheckArray("data", bytes, size);
+    call.CheckPointer("kind", kind);
+    const hs_kind found =
+        halfspace::c::KindOf(halfspace::detail::LayoutOfBlob({bytes, size}));
+    if (found == 0) {
+      call.Fail(HS_CORRUPT, "data",
+                "expected the bytes of a stored BVH, got others");
+    }
+    *kind = found;
+  });
+}
+
 hs_status hs_bvh_from_blob(const hs_bvh_config* config, const void* data,
                            size_t size, hs_bvh** bvh) {
   return Run("hs_bvh_from_blob", [&](const Call& call) {
@@ -332,7 +347,7 @@ hs_status hs_bvh_in_place(const hs_bvh_config* config, const void* data,
     const BvhConfig read(call, config);
     const auto* const bytes = static_cast<const std::byte*>(data);
     call.CheckArray("data", bytes, size);
-    halfspace::c::NewBvh loaded(read.kind, read.options.memory);
+    halfspace::c::NewBvh loaded(read.layout, read.options.memory);
     halfspace::c::LoadBytes(
         call, "data", *loaded.get(), {bytes, size},
         reinterpret_cast<std::uintptr_t>(bytes) % kAlignment == 0);
@@ -349,7 +364,7 @@ hs_status hs_bvh_save(const hs_bvh* bvh, const char* path) {
     if (!blob.empty()) return halfspace::c::Save(call, path, blob);
     // A file of a BVH without memory has a header as well: an empty file is one
     // that was lost.
-    halfspace::detail::BvhTree empty(halfspace::c::TypeOf(bvh->kind),
+    halfspace::detail::BvhTree empty(halfspace::c::TypeOf(bvh->layout),
                                      bvh->tree.memory());
     empty.Reserve(1);
     halfspace::c::Save(call, path, empty.Blob());

@@ -1,6 +1,7 @@
 #include "c/call.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
@@ -15,77 +16,103 @@
 namespace halfspace::c {
 namespace {
 
-// Nothing is allocated for a message: there may be no memory.
-constinit thread_local char last_error[512] = "";
+// The message of the last error of this thread. Nothing is allocated for it:
+// there may be no memory.
+struct Message {
+  char text[512];
+  char argument[sizeof(Name)];
+  std::size_t reason;  // where it begins in the text
+};
+constinit thread_local Message last_error{};
 
 // More than a struct will ever have: so a size that was never set is found, and
 // no memory far behind the struct is read.
 constexpr std::size_t kLargestStruct = 4096;
 
-[[gnu::format(printf, 2, 3)]] void SetMessage(const Call& call,
+[[gnu::format(printf, 3, 0)]] void SetMessageV(const Call& call,
+                                               const Name& argument,
+                                               const char* format,
+                                               std::va_list arguments) {
+  // Into another buffer, because an argument can be part of the last message.
+  Message message;
+  std::strcpy(message.argument, argument.c_str());
+  const int length =
+      std::snprintf(message.text, sizeof(message.text), "%s: %s%s", call.name(),
+                    message.argument, message.argument[0] != '\0' ? ": " : "");
+  message.reason = static_cast<std::size_t>(std::max(length, 0));
+  std::vsnprintf(message.text + message.reason,
+                 sizeof(message.text) - message.reason, format, arguments);
+  last_error = message;
+}
+
+[[gnu::format(printf, 3, 4)]] void SetMessage(const Call& call,
+                                              const Name& argument,
                                               const char* format, ...) {
-  // Into a buffer of its own, because an argument can be part of the last
-  // message.
-  char text[sizeof(last_error)];
-  const int length = std::snprintf(text, sizeof(text), "%s: ", call.name());
-  const auto begin =
-      std::min(static_cast<std::size_t>(std::max(length, 0)), sizeof(text) - 1);
   std::va_list arguments;
   va_start(arguments, format);
-  std::vsnprintf(text + begin, sizeof(text) - begin, format, arguments);
+  SetMessageV(call, argument, format, arguments);
   va_end(arguments);
-  std::memcpy(last_error, text, sizeof(text));
 }
 
 // The arguments of C++ functions that have another name here. An empty call is
-// any call.
-struct Name {
+// any call that is not listed with the argument.
+struct NameInC {
   std::string_view call;
   std::string_view argument;
   std::string_view in_c;
 };
-constexpr Name kNames[] = {
+constexpr NameInC kNames[] = {
     {"", "blob", "bvh"},
     {"", "id", "ids"},
     {"", "world", "objects"},
     {"", "world.size", "scan"},
     {"Bvh::Refit", "bounds", "objects"},
-    {"BroadPhase", "max_ids", "config->max_ids"},
-    {"BroadPhase", "options.margin", "config->margin"},
     {"", "options.margin", "options->margin"},
     {"MemoryResource::allocate", "the result", "config->allocator.allocate"},
 };
 
 std::string_view NameOf(const Error& error) {
-  for (const Name& name : kNames) {
+  std::string_view found = error.argument();
+  for (const NameInC& name : kNames) {
     if (name.argument != error.argument()) continue;
-    if (name.call.empty() || name.call == error.call()) return name.in_c;
+    if (name.call == error.call()) return name.in_c;
+    if (name.call.empty()) found = name.in_c;
   }
-  return error.argument();
+  return found;
 }
 
 void SetMessage(const Call& call, const Error& error,
                 std::string_view argument) {
-  char index[24] = "";
-  if (error.index() != Error::kNoIndex) {
-    std::snprintf(index, sizeof(index), "[%zu]", error.index());
-  }
   const std::string_view expected = error.expected();
-  SetMessage(call, "%.*s%s: expected %.*s, got %s",
-             static_cast<int>(argument.size()), argument.data(), index,
+  SetMessage(call, Name(argument, error.index()), "expected %.*s, got %s",
              static_cast<int>(expected.size()), expected.data(),
              error.given().data());
 }
 
 }  // namespace
 
-void Call::Fail(hs_status status, const char* format, ...) const {
-  char text[sizeof(last_error)];
+Name::Name(std::string_view argument, std::size_t index) {
+  char in_brackets[24] = "";
+  if (index != Error::kNoIndex) {
+    std::snprintf(in_brackets, sizeof(in_brackets), "[%zu]", index);
+  }
+  std::snprintf(text_.data(), text_.size(), "%.*s%s",
+                static_cast<int>(argument.size()), argument.data(),
+                in_brackets);
+}
+
+Name::Name(const char* argument, const char* field, std::size_t index) {
+  std::array<char, 64> text;
+  std::snprintf(text.data(), text.size(), "%s%s", argument, field);
+  *this = Name(std::string_view(text.data()), index);
+}
+
+void Call::Fail(hs_status status, const Name& argument, const char* format,
+                ...) const {
   std::va_list arguments;
   va_start(arguments, format);
-  std::vsnprintf(text, sizeof(text), format, arguments);
+  SetMessageV(*this, argument, format, arguments);
   va_end(arguments);
-  SetMessage(*this, "%s", text);
   throw Failure{status};
 }
 
@@ -96,19 +123,22 @@ void Call::Fail(hs_status status, const Error& error,
 }
 
 void Call::FailNull(const char* argument) const {
-  Fail(HS_INVALID_ARGUMENT, "%s: expected a pointer, got null", argument);
+  Fail(HS_INVALID_ARGUMENT, argument, "expected a pointer, got null");
 }
 
 void Call::FailMisaligned(const char* argument, std::size_t alignment) const {
-  Fail(HS_INVALID_ARGUMENT,
-       "%s: expected memory aligned to %zu bytes, got a misaligned pointer",
-       argument, alignment);
+  Fail(HS_INVALID_ARGUMENT, argument,
+       "expected memory aligned to %zu bytes, got a misaligned pointer",
+       alignment);
 }
 
 void Call::FailTooMany(const char* argument, std::size_t count) const {
-  Fail(HS_INVALID_ARGUMENT,
-       "%s: expected a size that fits the address space, got %zu elements",
-       argument, count);
+  Fail(HS_INVALID_ARGUMENT, argument,
+       "expected a size that fits the address space, got %zu elements", count);
+}
+
+NumberText::NumberText(float value) {
+  std::to_chars(text_.data(), text_.data() + text_.size() - 1, value);
 }
 
 hs_status StatusOfException(const Call& call) noexcept {
@@ -117,19 +147,19 @@ hs_status StatusOfException(const Call& call) noexcept {
   } catch (const Failure& failure) {
     return failure.status;
   } catch (const std::bad_alloc&) {
-    SetMessage(call, "an allocation failed");
+    SetMessage(call, "", "an allocation failed");
     return HS_OUT_OF_MEMORY;
   } catch (const std::length_error&) {
-    SetMessage(call, "expected sizes that fit the address space, got more");
+    SetMessage(call, "", "expected sizes that fit the address space, got more");
     return HS_OUT_OF_MEMORY;
   } catch (const Error& error) {
     SetMessage(call, error, NameOf(error));
     return HS_INVALID_ARGUMENT;
   } catch (const std::exception& error) {
-    SetMessage(call, "an exception ended the call: %s", error.what());
+    SetMessage(call, "", "an exception ended the call: %s", error.what());
     return HS_INTERNAL;
   } catch (...) {
-    SetMessage(call,
+    SetMessage(call, "",
                "an exception of a callback, an allocator or an error handler "
                "ended the call");
     return HS_INTERNAL;
@@ -141,25 +171,25 @@ void ReadStruct(const Call& call, const char* argument, const void* given,
   std::size_t given_size = 0;
   std::memcpy(&given_size, given, sizeof(given_size));
   if (given_size < sizeof(given_size) || given_size > kLargestStruct) {
-    call.Fail(HS_INVALID_ARGUMENT,
-              "%s->struct_size: expected sizeof *%s, as the function "
-              "..._default() sets it, got %zu",
-              argument, argument, given_size);
-  }
-  if (given_size % 4 != 0) {
-    call.Fail(HS_INVALID_ARGUMENT,
-              "%s->struct_size: expected a multiple of 4, as the function "
+    call.Fail(HS_INVALID_ARGUMENT, {argument, "->struct_size"},
+              "expected sizeof *%s, as the function "
               "..._default() sets it, got %zu",
               argument, given_size);
+  }
+  if (given_size % 4 != 0) {
+    call.Fail(HS_INVALID_ARGUMENT, {argument, "->struct_size"},
+              "expected a multiple of 4, as the function "
+              "..._default() sets it, got %zu",
+              given_size);
   }
   const auto* const bytes = static_cast<const unsigned char*>(given);
   for (std::size_t i = size; i < given_size; ++i) {
     if (bytes[i] == 0) continue;
-    call.Fail(HS_INVALID_ARGUMENT,
-              "%s: expected a struct of up to %zu bytes, or 0 in the others, "
+    call.Fail(HS_INVALID_ARGUMENT, argument,
+              "expected a struct of up to %zu bytes, or 0 in the others, "
               "as this library knows no more fields, got another value at byte "
               "%zu: use a newer library",
-              argument, size, i);
+              size, i);
   }
   std::memcpy(options, given, std::min(size, given_size));
 }
@@ -171,9 +201,8 @@ hs_status WriteDefaults(const char* name, const void* defaults,
     call.CheckPointer("the struct", static_cast<std::size_t*>(options));
     if (struct_size < sizeof(std::size_t) || struct_size > kLargestStruct ||
         struct_size % 4 != 0) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "struct_size: expected the sizeof of the struct, got %zu",
-                struct_size);
+      call.Fail(HS_INVALID_ARGUMENT, "struct_size",
+                "expected the sizeof of the struct, got %zu", struct_size);
     }
     std::memset(options, 0, struct_size);
     std::memcpy(options, defaults, std::min(size, struct_size));
@@ -185,18 +214,18 @@ Target ReadTarget(const Call& call, const char* argument, const char* name) {
   if (name == nullptr) return {};
   const std::optional<Target> target = FindTarget(name);
   if (!target) {
-    call.Fail(HS_INVALID_ARGUMENT,
-              "%s->target: expected null or a name of hs_target_name(), got "
+    call.Fail(HS_INVALID_ARGUMENT, {argument, "->target"},
+              "expected null or a name of hs_target_name(), got "
               "\"%.64s\"",
-              argument, name);
+              name);
   }
   return *target;
 }
 
 MemoryResource ReadAllocator(const Call& call, const hs_allocator& allocator) {
   if ((allocator.allocate == nullptr) != (allocator.deallocate == nullptr)) {
-    call.Fail(HS_INVALID_ARGUMENT,
-              "config->allocator: expected both functions or neither, got %s "
+    call.Fail(HS_INVALID_ARGUMENT, "config->allocator",
+              "expected both functions or neither, got %s "
               "alone",
               allocator.allocate != nullptr ? "allocate" : "deallocate");
   }
@@ -209,7 +238,16 @@ using halfspace::c::Call;
 
 const char* hs_version() { return HALFSPACE_VERSION_STRING; }
 
-const char* hs_last_error() { return halfspace::c::last_error; }
+const char* hs_last_error() { return halfspace::c::last_error.text; }
+
+const char* hs_last_error_argument() {
+  return halfspace::c::last_error.argument;
+}
+
+const char* hs_last_error_reason() {
+  const auto& message = halfspace::c::last_error;
+  return message.text + message.reason;
+}
 
 const char* hs_status_name(hs_status status) {
   switch (status) {

@@ -3,9 +3,11 @@
 #ifndef HALFSPACE_C_CALL_H_
 #define HALFSPACE_C_CALL_H_
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <new>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
@@ -22,6 +24,21 @@ struct Failure {
   hs_status status;
 };
 
+// The name of an argument, of a field of it, or of an element.
+class Name {
+ public:
+  // Implicit, as most are the name of an argument. "" is for a message that is
+  // about no argument alone.
+  Name(const char* argument, const char* field = "",
+       std::size_t index = Error::kNoIndex);
+  Name(std::string_view argument, std::size_t index);
+
+  const char* c_str() const { return text_.data(); }
+
+ private:
+  std::array<char, 96> text_;
+};
+
 // The function that runs.
 class Call {
  public:
@@ -29,9 +46,9 @@ class Call {
 
   const char* name() const { return name_; }
 
-  // Writes the message "NAME: FORMAT..." and throws.
-  [[noreturn, gnu::cold, gnu::format(printf, 3, 4)]] void Fail(
-      hs_status status, const char* format, ...) const;
+  // Writes the message "NAME: ARGUMENT: FORMAT..." and throws.
+  [[noreturn, gnu::cold, gnu::format(printf, 4, 5)]] void Fail(
+      hs_status status, const Name& argument, const char* format, ...) const;
 
   // Writes the message of an error of the C++ library, whose argument has this
   // name here, and throws.
@@ -65,6 +82,17 @@ class Call {
                                            std::size_t count) const;
 
   const char* name_;
+};
+
+// The shortest text that stands for no other float, in every locale: "%g"
+// rounds, and can write a comma.
+class NumberText {
+ public:
+  explicit NumberText(float value);
+  const char* c_str() const { return text_.data(); }
+
+ private:
+  std::array<char, 24> text_{};
 };
 
 // The status of the exception that is being handled, and its message.

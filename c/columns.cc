@@ -7,26 +7,31 @@ namespace halfspace::c {
 namespace {
 
 // Kind i + 1 is element i.
-constexpr std::array<Kind, 6> kKinds = {{{2, 2, false},
-                                         {3, 3, false},
-                                         {2, 3, false},
-                                         {3, 4, false},
-                                         {2, 3, true},
-                                         {3, 4, true}}};
-static_assert(HS_BOX2 == 1 && HS_SIMPLEX3 == kKinds.size());
+constexpr std::array<PlaneLayout, 6> kLayouts = {
+    detail::kLayoutOf<Aabb<2>>,      detail::kLayoutOf<Aabb<3>>,
+    detail::kLayoutOf<Aabo<2>>,      detail::kLayoutOf<Aabo<3>>,
+    detail::kLayoutOf<UpSimplex<2>>, detail::kLayoutOf<UpSimplex<3>>};
+static_assert(HS_BOX2 == 1 && HS_SIMPLEX3 == kLayouts.size());
 
-const Kind* FindKind(hs_kind kind) {
+const PlaneLayout* FindLayout(hs_kind kind) {
   const auto i = static_cast<std::size_t>(kind) - 1;
-  return i < kKinds.size() ? &kKinds[i] : nullptr;
+  return i < kLayouts.size() ? &kLayouts[i] : nullptr;
 }
 
 }  // namespace
 
-Kind KindOf(const Call& call, const char* argument, hs_kind kind) {
-  if (const Kind* const found = FindKind(kind)) return *found;
-  call.Fail(HS_INVALID_ARGUMENT,
-            "%s: expected an enumerator of hs_kind, got %d", argument,
+PlaneLayout LayoutOf(const Call& call, const char* argument, hs_kind kind) {
+  if (const PlaneLayout* const found = FindLayout(kind)) return *found;
+  call.Fail(HS_INVALID_ARGUMENT, argument,
+            "expected an enumerator of hs_kind, got %d",
             static_cast<int>(kind));
+}
+
+hs_kind KindOf(const PlaneLayout& layout) {
+  for (std::size_t i = 0; i < kLayouts.size(); ++i) {
+    if (kLayouts[i] == layout) return static_cast<hs_kind>(i + 1);
+  }
+  return static_cast<hs_kind>(0);
 }
 
 namespace {
@@ -41,21 +46,21 @@ Values Consecutive(std::size_t first, std::size_t count, std::size_t minima) {
 
 }  // namespace
 
-Values Values::OfObjects(const Kind& kind) {
-  return Consecutive(0, kind.is_simplex ? kind.axes : kind.values(), kind.axes);
+Values Values::OfObjects(const PlaneLayout& layout) {
+  return Consecutive(0, layout.plane_count, layout.axes);
 }
 
-Values Values::OfQueries(const Kind& kind) {
-  return kind.is_simplex ? Consecutive(kind.axes, kind.axes, 0)
-                         : Consecutive(0, kind.values(), kind.axes);
+Values Values::OfQueries(const PlaneLayout& layout) {
+  return Consecutive(layout.has_max ? 0 : layout.axes, layout.plane_count,
+                     layout.first_max);
 }
 
 Values Values::OfColumns(std::size_t count) {
-  Values values{{}, count, count};
-  for (std::size_t v = 0; v < count; ++v) {
-    values.column[v] = static_cast<std::uint8_t>(v);
-  }
-  return values;
+  return Consecutive(0, count, count);
+}
+
+Values Values::OfBoxes(std::size_t dims) {
+  return Consecutive(0, 2 * dims, dims);
 }
 
 Values Values::OfPoints(std::size_t dims) {
@@ -71,8 +76,8 @@ void CheckColumns(const Call& call, const char* argument,
                   std::size_t count) {
   call.CheckPointer(argument, columns);
   if (columns->type != HS_FLOAT32 && columns->type != HS_FLOAT64) {
-    call.Fail(HS_INVALID_ARGUMENT,
-              "%s->type: expected an enumerator of hs_scalar, got %d", argument,
+    call.Fail(HS_INVALID_ARGUMENT, {argument, "->type"},
+              "expected an enumerator of hs_scalar, got %d",
               static_cast<int>(columns->type));
   }
   if (columns->count == 0) return;
@@ -83,22 +88,22 @@ void CheckColumns(const Call& call, const char* argument,
   if (columns->count > PTRDIFF_MAX / (kMostValues * sizeof(float)) ||
       (columns->count > 1 && columns->stride != 0 &&
        columns->count - 1 > (PTRDIFF_MAX / bytes - 1) / columns->stride)) {
-    call.Fail(HS_INVALID_ARGUMENT,
-              "%s->count: expected records that fit the address space, got %zu "
+    call.Fail(HS_INVALID_ARGUMENT, {argument, "->count"},
+              "expected records that fit the address space, got %zu "
               "with a stride of %zu",
-              argument, columns->count, columns->stride);
+              columns->count, columns->stride);
   }
   for (std::size_t v = first; v < first + count; ++v) {
     const void* const column = columns->column[v];
     if (column == nullptr) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "%s->column[%zu]: expected a pointer, got null", argument, v);
+      call.Fail(HS_INVALID_ARGUMENT, {argument, "->column", v},
+                "expected a pointer, got null");
     }
     if ((reinterpret_cast<std::uintptr_t>(column) & (bytes - 1)) != 0) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "%s->column[%zu]: expected memory aligned to %zu bytes, got a "
+      call.Fail(HS_INVALID_ARGUMENT, {argument, "->column", v},
+                "expected memory aligned to %zu bytes, got a "
                 "misaligned pointer",
-                argument, v, bytes);
+                bytes);
     }
   }
 }
@@ -106,6 +111,24 @@ void CheckColumns(const Call& call, const char* argument,
 void CheckColumns(const Call& call, const char* argument,
                   const hs_columns* columns, const Values& values) {
   CheckColumns(call, argument, columns, values.column[0], values.count);
+}
+
+void CheckFloats(const Call& call, const char* argument,
+                 const hs_columns& columns) {
+  if (columns.type == HS_FLOAT32) return;
+  call.Fail(HS_INVALID_ARGUMENT, {argument, "->type"},
+            "expected HS_FLOAT32, as these cannot be rounded outward, got "
+            "HS_FLOAT64");
+}
+
+void CheckNotNegative(const Call& call, const char* argument,
+                      std::size_t column, const char* values,
+                      const char* record, std::size_t i, float value) {
+  if (value >= 0) return;
+  call.Fail(HS_INVALID_ARGUMENT, {argument, "->column", column},
+            "expected %s that are not negative, got %s of %s "
+            "%zu",
+            values, NumberText(value).c_str(), record, i);
 }
 
 detail::Columns ColumnsOf(const hs_columns& columns, const Values& values) {
@@ -146,6 +169,6 @@ AllRows::AllRows(const hs_columns& columns, const Values& values,
 }  // namespace halfspace::c
 
 size_t hs_bound_values(hs_kind kind) {
-  const halfspace::c::Kind* const found = halfspace::c::FindKind(kind);
-  return found != nullptr ? found->values() : 0;
+  const auto* const found = halfspace::c::FindLayout(kind);
+  return found != nullptr ? halfspace::c::RecordValues(*found) : 0;
 }

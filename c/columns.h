@@ -17,28 +17,31 @@ namespace halfspace::c {
 
 inline constexpr std::size_t kMostValues = 8;  // of a record of bounds
 
-struct Kind {
-  std::size_t dims;
-  std::size_t axes;
-  bool is_simplex;
-
-  bool operator==(const Kind&) const = default;
-  std::size_t values() const { return 2 * axes; }  // of a record
-};
+using detail::PlaneLayout;
 
 // Fails unless it is one of the enumerators.
-Kind KindOf(const Call& call, const char* argument, hs_kind kind);
+PlaneLayout LayoutOf(const Call& call, const char* argument, hs_kind kind);
 
-// Calls function(view) for the type of world of this kind.
+// Returns 0, which is no enumerator, if there is none with these planes.
+hs_kind KindOf(const PlaneLayout& layout);
+
+// The values of a record, which has maxima for simplices too.
+inline std::size_t RecordValues(const PlaneLayout& layout) {
+  return std::size_t{2} * layout.axes;
+}
+
+// Calls function(view) for the type of world with these planes.
 template <typename Function>
-decltype(auto) WithView(const Kind& kind, const Function& function) {
-  if (kind.is_simplex) {
-    return kind.dims == 2 ? function(SimplexView2()) : function(SimplexView3());
+decltype(auto) WithView(const PlaneLayout& layout, const Function& function) {
+  const bool is_flat = layout.dims == 2;
+  switch (layout.kind) {
+    case PlaneLayout::kSimplex:
+      return is_flat ? function(SimplexView2()) : function(SimplexView3());
+    case PlaneLayout::kAabb:
+      return is_flat ? function(AabbView2()) : function(AabbView3());
+    default:
+      return is_flat ? function(AaboView2()) : function(AaboView3());
   }
-  if (kind.axes == kind.dims) {
-    return kind.dims == 2 ? function(AabbView2()) : function(AabbView3());
-  }
-  return kind.dims == 2 ? function(AaboView2()) : function(AaboView3());
 }
 
 // Which values of a record are read. They become the values of a row: first
@@ -48,10 +51,11 @@ struct Values {
   std::size_t count;
   std::size_t minima;
 
-  static Values OfObjects(const Kind& kind);
-  static Values OfQueries(const Kind& kind);
+  static Values OfObjects(const PlaneLayout& layout);
+  static Values OfQueries(const PlaneLayout& layout);
   // The first columns, in their order.
   static Values OfColumns(std::size_t count);
+  static Values OfBoxes(std::size_t dims);
   // Points as boxes, whose corners are the same point.
   static Values OfPoints(std::size_t dims);
 };
@@ -62,6 +66,17 @@ void CheckColumns(const Call& call, const char* argument,
                   std::size_t count);
 void CheckColumns(const Call& call, const char* argument,
                   const hs_columns* columns, const Values& values);
+
+// Fails if columns that passed CheckColumns() are doubles, of values that
+// cannot be rounded outward.
+void CheckFloats(const Call& call, const char* argument,
+                 const hs_columns& columns);
+
+// Fails unless `value`, of a column of record `i`, is not negative. `values`
+// and `record` are the names of such values and of a record.
+void CheckNotNegative(const Call& call, const char* argument,
+                      std::size_t column, const char* values,
+                      const char* record, std::size_t i, float value);
 
 // The rows in the caller's memory, or null if they are stored in another way.
 const float* RowsInPlace(const hs_columns& columns, const Values& values);

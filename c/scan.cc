@@ -15,8 +15,8 @@
 
 // One class for each type of world, which makes the same call of the library.
 struct hs_scan {
-  explicit hs_scan(const halfspace::c::Kind& its_kind)
-      : kind(its_kind), queries(halfspace::c::Values::OfQueries(its_kind)) {}
+  explicit hs_scan(const halfspace::detail::PlaneLayout& layout)
+      : queries(halfspace::c::Values::OfQueries(layout)) {}
   hs_scan(const hs_scan&) = delete;
   hs_scan& operator=(const hs_scan&) = delete;
   virtual ~hs_scan() = default;
@@ -26,7 +26,6 @@ struct hs_scan {
                                          std::size_t count) const = 0;
   virtual void Destroy() noexcept = 0;
 
-  const halfspace::c::Kind kind;
   const halfspace::c::Values queries;
 };
 
@@ -45,8 +44,8 @@ class ScanOfWorld final : public hs_scan {
   using Query = typename AnyWorld::Query;
 
   template <typename... Arguments>
-  explicit ScanOfWorld(const Kind& its_kind, Arguments&&... of_world)
-      : hs_scan(its_kind),
+  explicit ScanOfWorld(Arguments&&... of_world)
+      : hs_scan(detail::kLayoutOf<typename AnyWorld::Bound>),
         world_(std::forward<Arguments>(of_world)...),
         view_(world_.view()) {}
 
@@ -62,8 +61,9 @@ class ScanOfWorld final : public hs_scan {
 };
 
 template <typename View>
-World<View> WorldOf(const hs_columns& objects, const Values& values,
-                    const MemoryResource& memory) {
+World<View> WorldOf(const hs_columns& objects, const MemoryResource& memory) {
+  const Values values =
+      Values::OfObjects(detail::kLayoutOf<typename View::Bound>);
   World<View> world(memory);
   world.Resize(objects.count);
   const auto planes = world.planes();
@@ -85,29 +85,29 @@ World<View> WorldOf(const hs_columns& objects, const Values& values,
 }
 
 template <typename View>
-hs_scan* ScanWithBits(const Call& call, const Kind& kind, int bits,
-                      const hs_columns& objects, const MemoryResource& memory) {
-  World<View> world = WorldOf<View>(objects, Values::OfObjects(kind), memory);
+hs_scan* ScanWithBits(const Call& call, int bits, const hs_columns& objects,
+                      const MemoryResource& memory) {
+  World<View> world = WorldOf<View>(objects, memory);
   switch (bits) {
     case 0:
-      return New<ScanOfWorld<World<View>>>(memory, kind, std::move(world));
+      return New<ScanOfWorld<World<View>>>(memory, std::move(world));
     case 8:
-      return New<ScanOfWorld<QuantizedWorld<View, std::uint8_t>>>(
-          memory, kind, world, memory);
+      return New<ScanOfWorld<QuantizedWorld<View, std::uint8_t>>>(memory, world,
+                                                                  memory);
     case 16:
       return New<ScanOfWorld<QuantizedWorld<View, std::uint16_t>>>(
-          memory, kind, world, memory);
+          memory, world, memory);
     default:
-      call.Fail(HS_INVALID_ARGUMENT,
-                "config->bits: expected 0, 8 or 16, got %d", bits);
+      call.Fail(HS_INVALID_ARGUMENT, "config->bits",
+                "expected 0, 8 or 16, got %d", bits);
   }
 }
 
 hs_scan* NewScan(const Call& call, const hs_scan_config& config,
                  const hs_columns& objects, const MemoryResource& memory) {
-  const Kind kind = KindOf(call, "config->kind", config.kind);
-  return WithView(kind, [&]<typename View>(const View&) {
-    return ScanWithBits<View>(call, kind, config.bits, objects, memory);
+  const PlaneLayout layout = LayoutOf(call, "config->kind", config.kind);
+  return WithView(layout, [&]<typename View>(const View&) {
+    return ScanWithBits<View>(call, config.bits, objects, memory);
   });
 }
 
@@ -120,8 +120,8 @@ struct ScanCall {
     const hs_scan_options read =
         ReadOptions(call, "options", options, kDefaultOptions);
     if (read.begin > read.end) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "options: expected a `begin` of at most `end`, got %zu and %zu",
+      call.Fail(HS_INVALID_ARGUMENT, "options",
+                "expected a `begin` of at most `end`, got %zu and %zu",
                 read.begin, read.end);
     }
     its_options.range = {read.begin, read.end};
@@ -165,7 +165,7 @@ hs_status hs_scan_create(const hs_scan_config* config,
     halfspace::c::CheckColumns(
         call, "objects", objects,
         halfspace::c::Values::OfObjects(
-            halfspace::c::KindOf(call, "config->kind", read.kind)));
+            halfspace::c::LayoutOf(call, "config->kind", read.kind)));
     *scan = halfspace::c::NewScan(
         call, read, *objects,
         halfspace::c::ReadAllocator(call, read.allocator));
@@ -194,9 +194,9 @@ hs_status hs_scan_masks(const hs_scan* scan, const hs_columns* queries,
         hs_mask_words(std::min(scans.its_options.range.end, size) -
                       std::min(scans.its_options.range.begin, size));
     if (row != 0 && words / row < queries->count) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "words: expected at least %zu for each of %zu queries, got %zu",
-                row, queries->count, words);
+      call.Fail(HS_INVALID_ARGUMENT, "words",
+                "expected at least %zu for each of %zu queries, got %zu", row,
+                queries->count, words);
     }
     call.CheckArray("masks", masks, row * queries->count);
     ForEachRows(*queries, scan->queries,
@@ -288,9 +288,8 @@ hs_status hs_scan_pairs(const hs_scan* scan, const hs_columns* queries,
     call.CheckArray("object_indices", object_indices, room);
     call.CheckPointer("total", total);
     if (queries->count > UINT32_MAX) {
-      call.Fail(HS_INVALID_ARGUMENT,
-                "queries->count: expected fewer than 2^32, got %zu",
-                queries->count);
+      call.Fail(HS_INVALID_ARGUMENT, "queries->count",
+                "expected fewer than 2^32, got %zu", queries->count);
     }
     Results<uint32_t> of_queries(query_indices, room, scans.skip);
     Results<uint32_t> of_objects(object_indices, room, scans.skip);

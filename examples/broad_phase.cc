@@ -40,9 +40,7 @@ void MoveAll(halfspace::AabbBroadPhase3& bodies, std::size_t begin,
 }  // namespace
 
 int main() {
-  halfspace::BroadPhaseOptions options;
-  options.margin = 0.05f;  // a body moves so far before the tree must change
-  halfspace::AabbBroadPhase3 bodies(kBodies, options);
+  halfspace::AabbBroadPhase3 bodies;
   Ids ids;
   Boxes boxes;
   for (std::size_t i = 0; i < kBodies; ++i) {
@@ -57,10 +55,9 @@ int main() {
     MoveAll(bodies, kBodies / 2, kBodies, frame);
     other.join();
     bodies.Update();
-    std::size_t began = 0;
-    std::size_t ended = 0;
-    bodies.UpdatePairs([&](std::uint32_t, std::uint32_t) { ++began; },
-                       [&](std::uint32_t, std::uint32_t) { ++ended; });
+    bodies.UpdatePairs();
+    const std::size_t began = bodies.began().size();
+    const std::size_t ended = bodies.ended().size();
     touching += began - ended;
     if (began + ended > 0) {
       std::printf("frame %d: %zu pairs began and %zu ended\n", frame, began,
@@ -69,17 +66,14 @@ int main() {
   }
 
   const halfspace::Aabb3 corner = {{0, 0, 0}, {1.5f, 0.5f, 0.5f}};
-  std::size_t found = 0;
-  bodies.ForEach(corner, ~std::uint64_t{0},
-                 [&](std::uint32_t, const halfspace::Aabb3&) { ++found; });
   std::printf("%zu pairs touch in the last frame; the query finds %zu bodies\n",
-              touching, found);
+              touching, CountSurvivors(bodies, corner));
 
   // The first body that a ray enters.
   const halfspace::Ray3 ray = {{-5, 0.5f, 0.5f}, {1, 0, 0}, 100};
   std::uint32_t first = 0;
   float distance = ray.max_t;
-  bodies.ForEachCast(ray, ~std::uint64_t{0}, [&](std::uint32_t id, float t) {
+  RayCast(bodies, ray, [&](std::uint32_t id, float t) {
     if (t < distance) {
       distance = t;
       first = id;
@@ -101,5 +95,8 @@ int main() {
       expected += is_apart ? 0 : 1;
     }
   }
-  return touching == expected && expected > 0 && first == 1 ? 0 : 1;
+  return touching == expected && touching == bodies.pairs().size() &&
+                 expected > 0 && first == 1
+             ? 0
+             : 1;
 }

@@ -1,6 +1,6 @@
 // Draws two broad phases, as docs/broad-phase-2d.svg and broad-phase-3d.svg: in
-// 2D the bodies, their larger bounds, the pairs, a query and a ray cast, in 3D
-// a box cast and its hits by t.
+// 2D the bodies, their bounds, the pairs, a query and a ray cast, in 3D a box
+// cast and its hits by t.
 //
 //   example_broad_phase_svg <folder>
 #include <halfspace/broad_phase.h>
@@ -17,8 +17,6 @@
 #include <vector>
 
 namespace {
-
-constexpr std::uint64_t kAll = ~std::uint64_t{0};
 
 // The same numbers everywhere, from 0 to 1.
 class Random {
@@ -56,7 +54,6 @@ constexpr const char* kRules = R"(text { fill: $text }
 .side { fill: $side } .dark { fill: $dark }
 .hit.side { fill: $hit-side } .hit.dark { fill: $hit-dark }
 .bound { fill: none; stroke: $line; stroke-width: .8 }
-.larger { fill: none; stroke: $line; stroke-width: .8; stroke-dasharray: 3 3 }
 .pair { stroke: $pair; stroke-width: 2.5 }
 .query { fill: $query; fill-opacity: .12; stroke: $query; stroke-width: 2 }
 .cast { fill: none; stroke: $cast; stroke-width: 2 }
@@ -166,12 +163,10 @@ halfspace::Point2 Center(const halfspace::Aabb2& box) {
 bool Draw2D(const std::string& path) {
   constexpr int kColumns = 11;
   constexpr int kRows = 6;
-  constexpr float kMargin = 9;
 
   // Disks and diamonds, in an order by rows.
   struct Body {
     halfspace::Aabb2 bound;
-    halfspace::Aabb2 larger;
     bool is_disk;
     const char* style = "body";
   };
@@ -184,25 +179,19 @@ bool Draw2D(const std::string& path) {
                                0.7f * random.Next() - 0.35f + 0.25f);
     const float size = 9 + 16 * random.Next();
     const halfspace::Aabb2 bound = {{x - size, y - size}, {x + size, y + size}};
-    const halfspace::Aabb2 larger = {
-        {bound.min[0] - kMargin, bound.min[1] - kMargin},
-        {bound.max[0] + kMargin, bound.max[1] + kMargin}};
-    all.push_back({bound, larger, random.Next() < 0.6f});
+    all.push_back({bound, random.Next() < 0.6f});
   }
 
-  halfspace::BroadPhaseOptions options;
-  options.margin = kMargin;
-  halfspace::AabbBroadPhase2 bodies(all.size(), options);
+  halfspace::AabbBroadPhase2 bodies;
   for (std::uint32_t id = 0; id < all.size(); ++id) {
     bodies.Insert(id, all[id].bound);
   }
-  bodies.Update();
 
-  // Each body moves less than the margin, so its larger bound stays.
+  // Each body moves a little.
   for (std::uint32_t id = 0; id < all.size(); ++id) {
     halfspace::Aabb2& bound = all[id].bound;
     for (std::size_t k = 0; k < 2; ++k) {
-      const float way = kMargin * (1.9f * random.Next() - 0.95f);
+      const float way = 17 * random.Next() - 8.5f;
       bound.min[k] += way;
       bound.max[k] += way;
     }
@@ -210,15 +199,14 @@ bool Draw2D(const std::string& path) {
   }
 
   const halfspace::Aabb2 query = {{405, 215}, {585, 335}};
-  bodies.ForEach(query, kAll, [&](std::uint32_t id, const halfspace::Aabb2&) {
-    all[id].style = "found";
+  ForEachSurvivor(bodies, query, [&](const auto& ids) {
+    for (const std::uint32_t id : ids) all[id].style = "found";
   });
   const halfspace::Ray2 ray = {{12, 345}, {690, -300}, 1};
   std::vector<Hit> hits;
-  bodies.ForEachCast(ray, kAll,
-                     [&](std::uint32_t id, float t, const halfspace::Aabb2&) {
-                       hits.push_back({t, id});
-                     });
+  RayCast(bodies, ray, [&](std::uint32_t id, float t) {
+    hits.push_back({t, id});
+  });
   Sort(hits);
   for (const Hit& hit : hits) all[hit.id].style = "hit";
 
@@ -226,7 +214,6 @@ bool Draw2D(const std::string& path) {
   for (const Body& body : all) {
     const halfspace::Aabb2& b = body.bound;
     const halfspace::Point2 center = Center(b);
-    picture.Rect("larger", body.larger);
     picture.Rect("bound", b);
     if (body.is_disk) {
       picture.Circle(body.style, center, center[0] - b.min[0]);
@@ -237,11 +224,10 @@ bool Draw2D(const std::string& path) {
                                    {b.min[0], center[1]}});
     }
   }
-  bodies.UpdatePairs(
-      [&](std::uint32_t a, std::uint32_t b) {
-        picture.Line("pair", Center(all[a].bound), Center(all[b].bound));
-      },
-      [](std::uint32_t, std::uint32_t) {});
+  bodies.UpdatePairs();
+  for (const auto& [a, b] : bodies.began()) {
+    picture.Line("pair", Center(all[a].bound), Center(all[b].bound));
+  }
   picture.Rect("query", query);
   const auto at = [&](float t) {
     return halfspace::Point2{ray.origin[0] + t * ray.direction[0],
@@ -262,16 +248,14 @@ bool Draw2D(const std::string& path) {
   picture.Rect("bound", box(24, 8));
   picture.Circle("body", {24, kY - 5}, 8);
   picture.Text("", {40, kY}, "body and bound");
-  picture.Rect("larger", box(172, 11));
-  picture.Text("", {189, kY}, "bound in the tree");
-  picture.Line("pair", {317, kY - 5}, {341, kY - 5});
-  picture.Text("", {347, kY}, "pair");
-  picture.Rect("query", box(400, 9));
-  picture.Circle("found", {424, kY - 5}, 8);
-  picture.Text("", {438, kY}, "query, and what it finds");
-  picture.Line("cast", {606, kY - 5}, {630, kY - 5});
-  picture.Circle("hit", {642, kY - 5}, 8);
-  picture.Text("", {655, kY}, "ray, its hits");
+  picture.Line("pair", {202, kY - 5}, {226, kY - 5});
+  picture.Text("", {232, kY}, "pair");
+  picture.Rect("query", box(322, 9));
+  picture.Circle("found", {346, kY - 5}, 8);
+  picture.Text("", {360, kY}, "query, and what it finds");
+  picture.Line("cast", {566, kY - 5}, {590, kY - 5});
+  picture.Circle("hit", {602, kY - 5}, 8);
+  picture.Text("", {615, kY}, "ray, its hits");
   return picture.Write(path);
 }
 
@@ -310,7 +294,7 @@ bool Draw3D(const std::string& path) {
     const float height = 0.3f + 1.9f * random.Next() * random.Next();
     all.push_back({{x, y, 0}, {x + width, y + width, height}});
   }
-  halfspace::AabbBroadPhase3 bodies(all.size());
+  halfspace::AabbBroadPhase3 bodies;
   std::vector<std::uint32_t> ids(all.size());
   for (std::uint32_t id = 0; id < ids.size(); ++id) ids[id] = id;
   bodies.Insert(ids, all);
@@ -318,10 +302,9 @@ bool Draw3D(const std::string& path) {
   const halfspace::Aabb3 start = {{-7.6f, -1.4f, 0.7f}, {-6.8f, -0.6f, 1.2f}};
   const halfspace::Point3 motion = {14.2f, 2.4f, 0};
   std::vector<Hit> hits;
-  bodies.ForEachCast(start, motion, 1, kAll,
-                     [&](std::uint32_t id, float t, const halfspace::Aabb3&) {
-                       hits.push_back({t, id});
-                     });
+  BoxCast(bodies, start, motion, 1, [&](std::uint32_t id, float t) {
+    hits.push_back({t, id});
+  });
   Sort(hits);
   if (hits.empty()) {
     std::fputs("broad_phase_svg: the cast hits no body\n", stderr);

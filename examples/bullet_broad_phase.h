@@ -1,6 +1,6 @@
 // Bullet's broad phase on halfspace::BroadPhase.
 //
-//   BulletBroadPhase broad_phase(max_bodies);
+//   BulletBroadPhase broad_phase;
 //   btDiscreteDynamicsWorld world(&dispatcher, &broad_phase, &solver, &config);
 //
 // The hashed pair cache has the pairs whose boxes overlap and that its filter
@@ -12,12 +12,10 @@
 #include <btBulletCollisionCommon.h>
 #include <halfspace/broad_phase.h>
 
-#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
-#include <numeric>
-#include <stdexcept>
+#include <utility>
 #include <vector>
 
 class BulletBroadPhase : public btBroadphaseInterface {
@@ -29,18 +27,18 @@ class BulletBroadPhase : public btBroadphaseInterface {
   };
 
  public:
-  // A body that moves by less than `margin` keeps its place in the tree.
-  explicit BulletBroadPhase(std::size_t max_bodies, float margin = 0.05f)
-      : bodies_(max_bodies, {margin, {&Keep, this}, {}}), proxies_(max_bodies) {
-    BulletBroadPhase::resetPool(nullptr);
-  }
+  BulletBroadPhase() { BulletBroadPhase::resetPool(nullptr); }
+  BulletBroadPhase(const BulletBroadPhase&) = delete;
+  BulletBroadPhase& operator=(const BulletBroadPhase&) = delete;
 
   btBroadphaseProxy* createProxy(const btVector3& min, const btVector3& max,
                                  int, void* client, int group, int mask,
-                                 btDispatcher* dispatcher) override {
-    if (free_.empty()) calculateOverlappingPairs(dispatcher);
-    if (free_.empty()) throw std::length_error("more than max_bodies");
+                                 btDispatcher*) override {
     auto proxy = std::make_unique<Proxy>(min, max, client, group, mask);
+    if (free_.empty()) {
+      free_.push_back(static_cast<Id>(proxies_.size()));
+      proxies_.emplace_back();
+    }
     proxy->id = free_.back();
     // As Bullet counts, so the two bodies of a pair have the same order.
     proxy->m_uniqueId = ++last_unique_id_;
@@ -78,26 +76,28 @@ class BulletBroadPhase : public btBroadphaseInterface {
                btBroadphaseRayCallback& callback, const btVector3& min,
                const btVector3& max) override {
     const btVector3 way = to - from;
-    bodies_.ForEachCast(
-        BoxOf(from + min, from + max), {way.x(), way.y(), way.z()}, 1.0f, kAll,
-        [&](Id id, float, const Box&) { callback.process(At(id)); });
+    BoxCast(bodies_, BoxOf(from + min, from + max), {way.x(), way.y(), way.z()},
+            1.0f, [&](Id id, float) { callback.process(At(id)); });
   }
 
   void aabbTest(const btVector3& min, const btVector3& max,
                 btBroadphaseAabbCallback& callback) override {
-    bodies_.ForEach(BoxOf(min, max), kAll,
-                    [&](Id id, const Box&) { callback.process(At(id)); });
+    ForEachSurvivor(bodies_, BoxOf(min, max), [&](auto ids) {
+      for (const Id id : ids) callback.process(At(id));
+    });
   }
 
   // Bullet calls it once per step, after it has moved all bodies.
   void calculateOverlappingPairs(btDispatcher* dispatcher) override {
     bodies_.Update();
-    bodies_.UpdatePairs(
-        [&](Id a, Id b) { pairs_.addOverlappingPair(At(a), At(b)); },
-        [&](Id a, Id b) {
-          if (!At(a) || !At(b)) return;  // destroyProxy() has removed the pair
-          pairs_.removeOverlappingPair(At(a), At(b), dispatcher);
-        });
+    bodies_.UpdatePairs();
+    for (const auto& [a, b] : bodies_.began()) {
+      pairs_.addOverlappingPair(At(a), At(b));
+    }
+    for (const auto& [a, b] : bodies_.ended()) {
+      if (!At(a) || !At(b)) continue;  // destroyProxy() has removed the pair
+      pairs_.removeOverlappingPair(At(a), At(b), dispatcher);
+    }
     free_.insert(free_.end(), erased_.begin(), erased_.end());
     erased_.clear();
   }
@@ -113,11 +113,14 @@ class BulletBroadPhase : public btBroadphaseInterface {
     max.setValue(all.max[0], all.max[1], all.max[2]);
   }
 
-  void resetPool(btDispatcher* dispatcher) override {
+  void resetPool(btDispatcher*) override {
     if (!bodies_.empty()) return;
-    calculateOverlappingPairs(dispatcher);
-    free_.resize(proxies_.size());
-    std::iota(free_.rbegin(), free_.rend(), 0u);  // 0 is the first to be used
+    halfspace::BroadPhaseOptions options;
+    options.filter = {&Keep, this};
+    bodies_ = halfspace::AabbBroadPhase3(options);
+    proxies_.clear();
+    free_.clear();
+    erased_.clear();
     last_unique_id_ = 0;
   }
 
@@ -129,7 +132,6 @@ class BulletBroadPhase : public btBroadphaseInterface {
 
  private:
   static_assert(sizeof(btScalar) == sizeof(float), "Bullet of floats");
-  static constexpr std::uint64_t kAll = ~std::uint64_t{0};
   Proxy* At(Id id) const { return proxies_[id].get(); }
   static Id IdOf(btBroadphaseProxy* p) { return static_cast<Proxy*>(p)->id; }
   static Box BoxOf(const btVector3& min, const btVector3& max) {

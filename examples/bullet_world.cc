@@ -283,7 +283,7 @@ bool IsSame(BulletBroadPhase& broad_phase) {
 }  // namespace
 
 int main() {
-  BulletBroadPhase broad_phase(2 + kStacks * kStackHeight + kFalling);
+  BulletBroadPhase broad_phase;
   for (int run = 0; run < 2; ++run) {
     if (!IsSame(broad_phase)) return 1;
     broad_phase.resetPool(nullptr);  // as a new one

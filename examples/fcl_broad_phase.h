@@ -1,29 +1,31 @@
 // FCL's broad phase on halfspace::BroadPhase.
 //
-//   FclBroadPhase objects(max_objects);  // then registerObjects()
+//   FclBroadPhase objects;  // then registerObjects()
 //   objects.collide(&data, fcl::DefaultCollisionFunction<double>);
 //
-// FCL's boxes are of doubles. Ours are of floats, rounded outward, so what they
-// find is tested again in doubles. Queries may run on several threads.
+// FCL's boxes are of doubles, and ours of floats. Both sides of a comparison
+// are rounded by the same function, so boxes that overlap still do. The boxes
+// that are found are tested again in doubles. Queries may run on several
+// threads. As in FCL's own tree, an object may be deleted before clear() and
+// before unregisterObject(), and update() of an object that was never
+// registered does nothing.
 #ifndef HALFSPACE_EXAMPLES_FCL_BROAD_PHASE_H_
 #define HALFSPACE_EXAMPLES_FCL_BROAD_PHASE_H_
 
 #include <fcl/broadphase/broadphase_collision_manager.h>
 #include <halfspace/broad_phase.h>
-#include <halfspace/transform.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <unordered_map>
 #include <vector>
 
 class FclBroadPhase : public fcl::BroadPhaseCollisionManagerd {
   using Id = std::uint32_t;
+  using Ids = halfspace::Span<const Id>;
   using Box = halfspace::Aabb3;
-  using Visit = halfspace::Visit;
   using Object = fcl::CollisionObjectd;
   using Objects = std::vector<Object*>;
   using Manager = fcl::BroadPhaseCollisionManagerd;
@@ -31,54 +33,59 @@ class FclBroadPhase : public fcl::BroadPhaseCollisionManagerd {
   using Near = fcl::DistanceCallBack<double>;
 
  public:
-  explicit FclBroadPhase(std::size_t max_objects) : bodies_(max_objects) {}
   void registerObjects(const Objects& objects) override {
     std::vector<Id> ids;
     std::vector<Box> boxes;
     for (Object* object : objects) {
-      ids.push_back(static_cast<Id>(size() + ids.size()));
+      if (free_.empty()) {
+        free_.push_back(static_cast<Id>(objects_.size()));
+        objects_.push_back(nullptr);
+      }
+      if (!ids_.emplace(object, free_.back()).second) continue;
+      ids.push_back(free_.back());
       boxes.push_back(BoxOf(object->getAABB()));
+      objects_[ids.back()] = object;
+      free_.pop_back();
     }
     bodies_.Insert(ids, boxes);  // faster than a call for each
-    objects_.insert(objects_.end(), objects.begin(), objects.end());
-    for (const Id id : ids) ids_[objects_[id]] = id;
   }
   void registerObject(Object* object) override { registerObjects({object}); }
-  // Ids have no gaps: the last object gets the id that becomes free.
   void unregisterObject(Object* object) override {
-    const Id id = ids_.at(object);
-    Object* last = objects_[id] = objects_.back();
-    bodies_.Move(id, BoxOf(last->getAABB()));
-    bodies_.Erase(ids_[last]);
-    ids_[last] = id;
-    ids_.erase(object);
-    objects_.pop_back();
+    const auto at = ids_.find(object);
+    if (at == ids_.end()) return;
+    bodies_.Erase(at->second);
+    objects_[at->second] = nullptr;
+    free_.push_back(at->second);
+    ids_.erase(at);
   }
-  void clear() override {
-    while (!empty()) unregisterObject(objects_.back());
-  }
+  void clear() override { *this = FclBroadPhase(); }
 
   void setup() override { bodies_.Update(); }
-  void update() override { update(objects_); }
+  void update() override { Move(AllIds()); }
+  void update(Object* object) override { update(Objects{object}); }
   void update(const Objects& objects) override {
-    for (Object* object : objects) update(object);
-    bodies_.Update();
+    std::vector<Id> ids;
+    for (Object* object : objects) {
+      const auto at = ids_.find(object);
+      if (at != ids_.end()) ids.push_back(at->second);
+    }
+    Move(ids);
   }
-  void update(Object* object) override {  // setup() makes the tree tight again
-    bodies_.Move(ids_.at(object), BoxOf(object->getAABB()));
+  bool empty() const override { return ids_.empty(); }
+  std::size_t size() const override { return ids_.size(); }
+  void getObjects(Objects& objects) const override {
+    objects.clear();
+    for (const Id id : AllIds()) objects.push_back(objects_[id]);
   }
-  bool empty() const override { return objects_.empty(); }
-  std::size_t size() const override { return objects_.size(); }
-  void getObjects(Objects& objects) const override { objects = objects_; }
 
   void collide(Object* object, void* data, Test test) const override {
     CollideAll({object}, data, test);
   }
   void collide(void* data, Test test) const override {
-    std::vector<Id> ids(size());
-    std::iota(ids.begin(), ids.end(), 0u);
-    bodies_.ForEachPairOf(ids, 0, [&](Id a, Id b) {
-      return TestBoth(objects_[a], objects_[b], data, test);
+    ForEachPairOf(bodies_, AllIds(), [&](const auto& pairs) {
+      return !std::any_of(pairs.begin(), pairs.end(), [&](const auto& pair) {
+        return Stops(objects_[pair.a], objects_[pair.b], data, test);
+      });
     });
   }
   void collide(Manager* other, void* data, Test test) const override {
@@ -95,55 +102,77 @@ class FclBroadPhase : public fcl::BroadPhaseCollisionManagerd {
     Nearest(objects_, true, data, near);
   }
   void distance(Manager* other, void* data, Near near) const override {
+    if (other == this) return distance(data, near);
     Objects others;
     other->getObjects(others);
-    Nearest(others, other == this, data, near);
+    Nearest(others, false, data, near);
   }
 
  private:
   static Box BoxOf(const fcl::AABBd& box) {
-    const auto &low = box.min_, &high = box.max_;
-    return halfspace::RoundOutward(halfspace::Aabb<3, double>{
-        {low[0], low[1], low[2]}, {high[0], high[1], high[2]}});
+    const fcl::Vector3<float> low = box.min_.cast<float>();
+    const fcl::Vector3<float> high = box.max_.cast<float>();
+    return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
   }
-  static Visit TestBoth(Object* a, Object* b, void* data, Test test) {
-    const bool stop = a->getAABB().overlap(b->getAABB()) && test(a, b, data);
-    return stop ? Visit::kStop : Visit::kContinue;
+  void Move(Ids ids) {
+    std::vector<Box> boxes;
+    for (const Id id : ids) boxes.push_back(BoxOf(objects_[id]->getAABB()));
+    bodies_.Move(ids, boxes);
+    bodies_.Update();
+  }
+  std::vector<Id> AllIds() const {
+    std::vector<Id> ids;
+    for (Id id = 0; id < objects_.size(); ++id) {
+      if (objects_[id] != nullptr) ids.push_back(id);
+    }
+    return ids;
+  }
+  static bool Stops(Object* a, Object* b, void* data, Test test) {
+    return a->getAABB().overlap(b->getAABB()) && test(a, b, data);
   }
   void CollideAll(const Objects& others, void* data, Test test) const {
-    auto visit = Visit::kContinue;
-    for (Object* other : others) {
-      if (visit == Visit::kStop) return;
-      bodies_.ForEach(BoxOf(other->getAABB()), ~0ull, [&](Id id, const Box&) {
-        return visit = TestBoth(objects_[id], other, data, test);
+    bool stops = false;
+    for (std::size_t i = 0; i < others.size() && !stops; ++i) {
+      ForEachSurvivor(bodies_, BoxOf(others[i]->getAABB()), [&](Ids ids) {
+        stops = std::any_of(ids.begin(), ids.end(), [&](Id id) {
+          return Stops(objects_[id], others[i], data, test);
+        });
+        return !stops;
       });
     }
   }
 
-  // By boxes that grow, until no object can be nearer than `least`.
-  void Nearest(const Objects& others, bool self, void* data, Near near) const {
+  // By boxes that grow, until no object can be nearer than `least`. If `others`
+  // are our own objects by id, each is tested with those of greater ids.
+  void Nearest(const Objects& others, bool own, void* data, Near near) const {
     double least = std::numeric_limits<double>::max();
     bool stop = false;
+    std::size_t left = size();
     for (Id i = 0; i < others.size(); ++i) {
+      if (others[i] == nullptr) continue;
+      if (own) --left;
       const fcl::AABBd& from = others[i]->getAABB();
-      const Id first = self ? i + 1 : 0;  // each pair once
       double begin = -1, end = 0;
-      for (Id n = first; n < size() && begin < least && !stop; begin = end) {
+      for (std::size_t n = 0; n < left && begin < least && !stop; begin = end) {
         end = std::min(2 * end + from.radius() + 1e-3, least);
         const fcl::AABBd box(from, fcl::Vector3d::Constant(1.000001 * end));
-        bodies_.ForEach(BoxOf(box), ~0ull, [&](Id id, const Box&) {
-          const double at = from.distance(objects_[id]->getAABB());
-          if (id < first || at <= begin || at > end) return Visit::kContinue;
-          ++n;
-          stop = at < least && near(objects_[id], others[i], data, least);
-          return stop ? Visit::kStop : Visit::kContinue;
+        ForEachSurvivor(bodies_, BoxOf(box), [&](Ids ids) {
+          for (const Id id : ids) {
+            const double at = from.distance(objects_[id]->getAABB());
+            if ((own && id <= i) || at <= begin || at > end) continue;
+            ++n;
+            stop = at < least && near(objects_[id], others[i], data, least);
+            if (stop) return false;
+          }
+          return true;
         });
       }
     }
   }
 
   halfspace::AabbBroadPhase3 bodies_;
-  Objects objects_;  // by id
+  Objects objects_;  // by id, null if an id is free
+  std::vector<Id> free_;
   std::unordered_map<Object*, Id> ids_;
 };
 

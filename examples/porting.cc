@@ -1,12 +1,16 @@
-// The programs of docs/porting.md: rules for pairs, a frame, contacts, and a
-// cast, as the broad phases of Jolt, Box2D and bepuphysics2 have them.
+// The programs of docs/porting.md: rules for pairs, contacts, the pairs of
+// Jolt's active bodies, a cast, and a frame in phases.
 #include <halfspace/broad_phase.h>
+#include <halfspace/bvh.h>
+#include <halfspace/bvh_pairs.h>
+#include <halfspace/pair_events.h>
 #include <halfspace/span.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <numeric>
 #include <set>
 #include <utility>
 #include <vector>
@@ -14,8 +18,8 @@
 // Layer i is bit i of a category. Bit k of collides[i] is set if layers i and k
 // collide.
 halfspace::BodyMasks MasksOfLayer(unsigned layer,
-                                  const std::vector<std::uint64_t>& collides) {
-  return {std::uint64_t{1} << layer, collides[layer]};
+                                  const std::vector<std::uint32_t>& collides) {
+  return {std::uint32_t{1} << layer, collides[layer]};
 }
 
 // Box2D's filter: two shapes of one group, if it is not 0, collide if it is
@@ -27,85 +31,123 @@ bool KeepByGroup(void* context, std::uint32_t a, std::uint32_t b,
   return group[a] > 0;
 }
 
-// Calls add(a, b) for each pair of an active body, `a`, and another body whose
-// bounds are at most `distance` apart on each axis.
-template <typename Add>
-void Frame(halfspace::AabbBroadPhase3& bodies,
-           const std::vector<std::uint32_t>& active,
-           const std::vector<halfspace::Aabb3>& bounds, float distance,
-           const Add& add) {
-  bodies.Move(active, bounds);  // or a part of them on each thread
-  bodies.Update();
-  bodies.ForEachPairOf(active, distance, add);
-}
+// The contacts of a world, created and destroyed by the events of pairs.
+struct Contacts {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> list;
 
-// The same for one batch of Jolt's active bodies, on any thread. place[id] is
-// the index of a body in the list of active bodies, and 0xffffffff if it is not
-// active. The batch is the part of that list from `first` on.
-//
-// Jolt accepts (a, b) only if place[a] < place[b]. A pair of two bodies of the
-// batch comes once, in either order, so it is put in this order. If only `a` is
-// in the batch, the pair must stay as it is: if `b` is active, the batch that
-// `b` is in finds (b, a).
-template <typename Add>
-void FindCollidingPairs(const halfspace::AabbBroadPhase3& bodies,
-                        halfspace::Span<const std::uint32_t> batch,
-                        std::uint32_t first,
-                        const std::vector<std::uint32_t>& place, float distance,
-                        const Add& add) {
-  const auto in_batch = [&](std::uint32_t id) {
-    return place[id] >= first && place[id] - first < batch.size();
-  };
-  bodies.ForEachPairOf(batch, distance, [&](std::uint32_t a, std::uint32_t b) {
-    if (in_batch(b) && place[b] < place[a]) std::swap(a, b);
-    add(a, b);
-  });
-}
+  void Update(halfspace::AabbBroadPhase3& bodies) {
+    bodies.Update();
+    bodies.UpdatePairs();
+    for (const auto& pair : bodies.began()) list.insert({pair.a, pair.b});
+    for (const auto& pair : bodies.ended()) list.erase({pair.a, pair.b});
+  }
+};
+
+// The pairs of Jolt's active bodies: found once in a frame, and then handed out
+// for each body, on any threads.
+class ActivePairs {
+ public:
+  // `active` is Jolt's list of active bodies. Finds the bodies whose bounds are
+  // at most `distance` apart on each axis.
+  void Find(const halfspace::AabbBroadPhase3& bodies,
+            halfspace::Span<const std::uint32_t> active, float distance) {
+    place_.assign(bodies.id_limit(), kInactive);
+    for (std::uint32_t i = 0; i < active.size(); ++i) place_[active[i]] = i;
+    halfspace::PairOptions options;
+    options.margin = distance;
+    found_.clear();
+    ForEachPairOf(
+        bodies, active,
+        [&](halfspace::Span<const halfspace::IdPair> pairs) {
+          found_.insert(found_.end(), pairs.begin(), pairs.end());
+        },
+        options);
+
+    // Sorts them by the place of `a`: counts, then first places, then pairs.
+    // While pairs are written, first_[i + 1] is where the next one of place i
+    // goes. In the end it is where place i + 1 begins.
+    first_.assign(active.size() + 2, 0);
+    for (halfspace::IdPair& pair : found_) {
+      // Jolt accepts two active bodies in the order of its list.
+      if (place_[pair.b] < place_[pair.a]) std::swap(pair.a, pair.b);
+      ++first_[place_[pair.a] + 2];
+    }
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    others_.resize(found_.size());
+    for (const halfspace::IdPair& pair : found_) {
+      others_[first_[place_[pair.a] + 1]++] = pair.b;
+    }
+  }
+
+  // Calls add(a, b) for the pairs of the bodies from `begin` to `end` of the
+  // list.
+  template <typename Add>
+  void ForEach(halfspace::Span<const std::uint32_t> active, std::size_t begin,
+               std::size_t end, const Add& add) const {
+    for (std::size_t i = begin; i < end; ++i) {
+      for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) {
+        add(active[i], others_[k]);
+      }
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kInactive = 0xffffffff;
+
+  std::vector<std::uint32_t> place_;  // by id
+  std::vector<halfspace::IdPair> found_;
+  std::vector<std::size_t> first_;  // by place, of others_
+  std::vector<std::uint32_t> others_;
+};
 
 // The body that a moving box hits first. `exact` returns the fraction of the
 // motion at which it hits the body's shape, and more than 1 if it never does.
 template <typename Exact>
 std::uint32_t FirstHit(const halfspace::AabbBroadPhase3& bodies,
                        const halfspace::Aabb3& box,
-                       const halfspace::Point3& motion, std::uint64_t mask,
+                       const halfspace::Point3& motion, std::uint32_t mask,
                        const Exact& exact) {
   std::uint32_t hit = ~std::uint32_t{0};
   float limit = 1;
-  bodies.ForEachCast(box, motion, 1.0f, mask, [&](std::uint32_t id, float) {
-    const float fraction = exact(id);
-    if (fraction <= limit) {
-      limit = fraction;
-      hit = id;
-    }
-    return halfspace::Limit{limit};  // nothing beyond it is found any more
-  });
+  halfspace::SearchOptions options;
+  options.mask = mask;
+  BoxCast(
+      bodies, box, motion, 1.0f,
+      [&](std::uint32_t id, float) {
+        const float fraction = exact(id);
+        if (fraction <= limit) {
+          limit = fraction;
+          hit = id;
+        }
+        return halfspace::Limit{limit};  // nothing beyond it is found any more
+      },
+      options);
   return hit;
 }
 
-// The contacts of a world, created and destroyed by the events of pairs.
-struct Contacts {
-  std::set<std::pair<std::uint32_t, std::uint32_t>> list;
+// The same frame without a broad phase, for an engine whose frame has phases:
+// bodies move, then one call updates the tree, then queries run.
+struct Phases {
+  halfspace::AabbBvh3 bvh;
+  halfspace::PairEvents contacts;
 
-  void Update(halfspace::AabbBroadPhase3& bodies) {
-    bodies.UpdatePairs(
-        [this](std::uint32_t a, std::uint32_t b) {
-          list.insert({a, b});
-        },
-        [this](std::uint32_t a, std::uint32_t b) {
-          list.erase({a, b});
-        });
+  // bounds[id] is the bound of each body.
+  void Update(const std::vector<std::uint32_t>& moved,
+              const std::vector<halfspace::Aabb3>& bounds) {
+    bvh.Refit(moved, bounds);
+    bvh.RebuildPartial(bvh.size() / 16);
+    contacts.Update(bvh, moved);
   }
 };
 
 int main() {
   // Layer 0 is the ground, which collides with bodies, layer 1. Bodies collide
   // with all layers. Bodies 3 and 4 are parts of one ragdoll.
-  const std::vector<std::uint64_t> collides = {2, 3};
+  const std::vector<std::uint32_t> collides = {2, 3};
   std::vector<int> group = {0, 0, 0, -1, -1};
   halfspace::BroadPhaseOptions options;
-  options.margin = 0.1f;
   options.filter = {&KeepByGroup, &group};
-  halfspace::AabbBroadPhase3 bodies(group.size(), options);
+  halfspace::AabbBroadPhase3 bodies(options);
 
   const halfspace::Aabb3 ground = {{-10, -1, -10}, {10, 0, 10}};
   const auto box_at = [](float x, float y) {
@@ -124,36 +166,37 @@ int main() {
 
   // All fall to the ground, and body 2 moves to body 1.
   bounds = {box_at(0, 0), box_at(1, 0), box_at(4, 0), box_at(4.5f, 0)};
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-  Frame(bodies, active, bounds, 0.02f, [&](std::uint32_t a, std::uint32_t b) {
-    pairs.push_back(std::minmax(a, b));
-  });
-  std::sort(pairs.begin(), pairs.end());
+  bodies.Move(active, bounds);  // or a part of them on each thread
   contacts.Update(bodies);
+  // Bodies 3 and 4 overlap, but their group is negative.
   const std::vector<std::pair<std::uint32_t, std::uint32_t>> expected = {
       {0, 1}, {0, 2}, {0, 3}, {0, 4}, {1, 2}};
+  bool is_right =
+      none && std::equal(expected.begin(), expected.end(),
+                         contacts.list.begin(), contacts.list.end());
 
-  // Jolt finds the same pairs, each once, in batches of any size of a list in
-  // any order.
-  bool as_jolt = true;
+  // Jolt accepts each pair once, whatever the order of its list.
+  auto with_both = expected;
+  with_both.emplace_back(3, 4);  // Jolt's own filter would reject it
   std::vector<std::uint32_t> list = active;
+  ActivePairs pairs;
   do {
+    pairs.Find(bodies, list, 0.02f);
     std::vector<std::uint32_t> place(group.size(), 0xffffffff);
     for (std::uint32_t i = 0; i < list.size(); ++i) place[list[i]] = i;
-    for (std::uint32_t size = 1; size <= list.size(); ++size) {
-      std::vector<std::pair<std::uint32_t, std::uint32_t>> accepted;
-      for (std::uint32_t first = 0; first < list.size(); first += size) {
-        const auto end = std::min<std::size_t>(first + size, list.size());
-        FindCollidingPairs(bodies, {list.data() + first, end - first}, first,
-                           place, 0.02f, [&](std::uint32_t a, std::uint32_t b) {
-                             // As Body::sFindCollidingPairsCanCollide.
-                             if (place[a] < place[b])
-                               accepted.push_back(std::minmax(a, b));
-                           });
-      }
-      std::sort(accepted.begin(), accepted.end());
-      as_jolt = as_jolt && accepted == expected;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> accepted;
+    constexpr std::size_t kBatch = 3;
+    for (std::size_t first = 0; first < list.size(); first += kBatch) {
+      pairs.ForEach(list, first, std::min(first + kBatch, list.size()),
+                    [&](std::uint32_t a, std::uint32_t b) {
+                      // As Body::sFindCollidingPairsCanCollide.
+                      if (place[a] < place[b]) {
+                        accepted.push_back(std::minmax(a, b));
+                      }
+                    });
     }
+    std::sort(accepted.begin(), accepted.end());
+    is_right = is_right && accepted == with_both;
   } while (std::next_permutation(list.begin(), list.end()));
 
   // From the left: body 1 comes first, but its shape is missed.
@@ -162,11 +205,17 @@ int main() {
       MasksOfLayer(1, collides).category,
       [](std::uint32_t id) { return id == 1 ? 2.0f : 0.1f * float(id); });
 
-  std::printf("%zu pairs, %zu contacts, the cast hits body %u\n", pairs.size(),
-              contacts.list.size(), hit);
-  return none && as_jolt && pairs == expected && hit == 2 &&
-                 std::equal(expected.begin(), expected.end(),
-                            contacts.list.begin(), contacts.list.end())
-             ? 0
-             : 1;
+  // The same bodies in phases: all rest in the air, and then fall.
+  std::vector<halfspace::Aabb3> by_id = {ground, box_at(0, 5), box_at(1.5f, 5),
+                                         box_at(4, 5), box_at(5.5f, 5)};
+  Phases phases;
+  phases.bvh = halfspace::AabbBvh3(by_id);
+  phases.Update({}, by_id);
+  std::copy(bounds.begin(), bounds.end(), by_id.begin() + 1);
+  phases.Update(active, by_id);
+  is_right = is_right && phases.contacts.began().size() == with_both.size();
+
+  std::printf("%zu contacts, the cast hits body %u\n", contacts.list.size(),
+              hit);
+  return is_right && hit == 2 ? 0 : 1;
 }

@@ -39,13 +39,6 @@ BodySpacePtr<2> MakeBox2dSpace(std::size_t /*bodies*/) { return nullptr; }
 BodySpacePtr<3> MakeFclSpace(std::size_t /*bodies*/) { return nullptr; }
 #endif
 
-#ifdef HALFSPACE_BENCH_NO_ODE
-BodySpacePtr<3> MakeOdeSpace(OdeSpace /*kind*/, std::size_t /*bodies*/,
-                             const Aabb3& /*world*/) {
-  return nullptr;
-}
-#endif
-
 #ifdef HALFSPACE_BENCH_NO_CGAL
 std::unique_ptr<PairFinder> MakeCgalPairs(std::span<const Aabb3> /*boxes*/,
                                           std::ptrdiff_t /*cutoff*/) {

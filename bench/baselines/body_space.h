@@ -150,6 +150,9 @@ class BodySpace : public Competitor {
   // Appends all pairs that touch, and returns their number. A space that
   // reports how its pairs change may return the number alone.
   virtual std::size_t AllPairs(std::vector<IndexPair>& found) = 0;
+  // Appends the pairs of the last AllPairs(), of a space that returns their
+  // number alone.
+  virtual void ListPairs(std::vector<IndexPair>& /*found*/) const {}
   // Appends the bodies that touch the query.
   virtual void Find(const BodyQuery<kDims>& query,
                     std::vector<std::uint32_t>& found) const = 0;
@@ -216,10 +219,6 @@ BodySpacePtr<2> MakeBox2dSpace(std::size_t bodies);
 // fcl::DynamicAABBTreeCollisionManager<float>. It does not see that a few
 // bodies moved by less than a millionth of their distance from 0.
 BodySpacePtr<3> MakeFclSpace(std::size_t bodies);
-// ODE's spaces. Only the quadtree has queries; `world` is where bodies are.
-enum class OdeSpace { kHash, kSweepAndPrune, kQuadtree };
-BodySpacePtr<3> MakeOdeSpace(OdeSpace kind, std::size_t bodies,
-                             const Aabb3& world);
 // Our own flat scan.
 template <int kDims>
 BodySpacePtr<kDims> MakeScanSpace(std::size_t bodies);

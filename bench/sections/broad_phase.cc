@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,42 +17,95 @@
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
 #include "bench/worlds/body_scene.h"
+#include "halfspace/bvh.h"
+#include "halfspace/bvh_nearest.h"
 #include "halfspace/bvh_pairs.h"
+#include "halfspace/bvh_shapes.h"
+#include "halfspace/pair_events.h"
 
 namespace halfspace::bench {
 namespace {
 
-constexpr std::uint64_t kAll = ~std::uint64_t{0};
+// A tree, and how it changes in a frame: what BroadPhase is measured by.
+template <int kDims>
+struct PlainTree {
+  using Tree = Bvh<AabbView<kDims>>;
+
+  void Insert(std::span<const std::uint32_t> /*ids*/,
+              std::span<const Aabb<kDims>> boxes) {
+    tree = Tree(boxes);
+    events.Update(tree);
+  }
+  void Step(std::span<const std::uint32_t> ids,
+            std::span<const Aabb<kDims>> boxes) {
+    ChangeTree(tree, ids, boxes);
+  }
+  std::size_t AllPairs(std::span<const std::uint32_t> moved) {
+    if (moved.size() == tree.size()) {
+      events.Update(tree);
+    } else {
+      events.Update(tree, moved);
+    }
+    return events.size();
+  }
+  Span<const IdPair> pairs() const { return events.pairs(); }
+  const Tree& world() const { return tree; }
+
+  Tree tree;
+  PairEvents events;
+};
 
 template <int kDims>
+struct Bodies {
+  explicit Bodies(bool has_lock) : bodies({.caller_locks = !has_lock}) {}
+
+  void Insert(std::span<const std::uint32_t> ids,
+              std::span<const Aabb<kDims>> boxes) {
+    bodies.Insert(ids, boxes);
+    bodies.Update();
+  }
+  void Step(std::span<const std::uint32_t> ids,
+            std::span<const Aabb<kDims>> boxes) {
+    bodies.Move(ids, boxes);
+    bodies.Update();
+  }
+  std::size_t AllPairs(std::span<const std::uint32_t> /*moved*/) {
+    bodies.UpdatePairs();
+    return bodies.pairs().size();
+  }
+  Span<const IdPair> pairs() const { return bodies.pairs(); }
+  const BroadPhase<AabbView<kDims>>& world() const { return bodies; }
+
+  BroadPhase<AabbView<kDims>> bodies;
+};
+
+// Their calls have the same names.
+template <int kDims, typename Space>
 class OurSpace : public BodySpace<kDims> {
   using Base = BodySpace<kDims>;
-  using typename Base::Box;
   using typename Base::Boxes;
   using typename Base::Ids;
 
  public:
-  OurSpace(std::size_t bodies, float margin)
-      : Base(bodies), space_(bodies, {.margin = margin}) {}
+  template <typename... Options>
+  explicit OurSpace(std::size_t bodies, Options... options)
+      : Base(bodies), space_(options...) {}
 
-  void Insert(Ids ids, Boxes boxes) override {
-    space_.Insert(ids, boxes);
-    space_.Update();
-  }
+  void Insert(Ids ids, Boxes boxes) override { space_.Insert(ids, boxes); }
   void Step(Ids ids, Boxes boxes) override {
-    space_.Move(ids, boxes);
-    space_.Update();
+    space_.Step(ids, boxes);
+    last_.assign(ids.begin(), ids.end());
   }
-
   void PairsOf(Ids ids, std::vector<IndexPair>& found) override {
-    space_.ForEachPairOf(ids, 0.0f, [&](std::uint32_t a, std::uint32_t b) {
-      found.push_back({a, b});
+    ForEachPairOf(space_.world(), ids, [&](Span<const IdPair> pairs) {
+      for (const IdPair& pair : pairs) found.push_back({pair.a, pair.b});
     });
   }
   std::size_t AllPairs(std::vector<IndexPair>& /*found*/) override {
-    space_.UpdatePairs([&](std::uint32_t, std::uint32_t) { ++pairs_; },
-                       [&](std::uint32_t, std::uint32_t) { --pairs_; });
-    return pairs_;
+    return space_.AllPairs(last_);
+  }
+  void ListPairs(std::vector<IndexPair>& found) const override {
+    for (const IdPair& pair : space_.pairs()) found.push_back({pair.a, pair.b});
   }
 
   void Find(const BodyQuery<kDims>& query,
@@ -59,43 +113,53 @@ class OurSpace : public BodySpace<kDims> {
     using Kind = typename BodyQuery<kDims>::Kind;
     const auto ask = [&](const auto& shape) {
       if (query.is_first) {
-        space_.ForEach(shape, kAll, [&](std::uint32_t id, const Box&) {
-          found.push_back(id);
-          return Visit::kStop;
-        });
-      } else {
-        space_.ForEach(shape, kAll, [&](std::uint32_t id, const Box&) {
-          found.push_back(id);
-        });
+        const auto any = AnySurvivor(space_.world(), shape);
+        if (any) found.push_back(*any);
+        return;
       }
+      ForEachSurvivor(space_.world(), shape,
+                      [&](Span<const std::uint32_t> ids) {
+                        found.insert(found.end(), ids.begin(), ids.end());
+                      });
     };
     if (query.kind == Kind::kBox) ask(query.box);
     if (query.kind == Kind::kSphere) ask(query.sphere);
     if (query.kind == Kind::kOrientedBox) ask(query.oriented);
   }
   void Cast(const BodyCast<kDims>& cast, CastHits& hits) const override {
-    const auto hit = [&](std::uint32_t, float t, const Box&) {
+    const auto hit = [&](std::uint32_t, float t) {
       ++hits.count;
       if (cast.is_closest) hits.limit = std::min(hits.limit, t);
       return Limit{hits.limit};
     };
     if (cast.IsRay()) {
-      space_.ForEachCast(Ray<kDims>{cast.box.min, cast.direction, cast.max_t},
-                         kAll, hit);
+      RayCast(space_.world(),
+              Ray<kDims>{cast.box.min, cast.direction, cast.max_t}, hit);
     } else {
-      space_.ForEachCast(cast.box, cast.direction, cast.max_t, kAll, hit);
+      BoxCast(space_.world(), cast.box, cast.direction, cast.max_t, hit);
     }
   }
 
  private:
-  BroadPhase<AabbView<kDims>> space_;
-  std::size_t pairs_ = 0;
+  Space space_;
+  std::vector<std::uint32_t> last_;  // that moved
 };
+
+// The scenes, and how many times as fast as the fastest competitor a frame of
+// 4096 bodies and more has to be, if all move (in 3D and in 2D) or a tenth.
+struct Scenes {
+  BodyKind kind;
+  double all[2];
+  double tenth;
+};
+constexpr Scenes kScenes[] = {{BodyKind::kGas, {4, 6}, 8},
+                              {BodyKind::kSparse, {1, 1}, 1},
+                              {BodyKind::kPile, {2, 2}, 8},
+                              {BodyKind::kLogNormal, {4, 6}, 8},
+                              {BodyKind::kBepu, {4, 6}, 8}};
 
 // What takes some contestants seconds is left out.
 constexpr std::size_t kMostScanned = 4096;
-constexpr std::size_t kMostOfSweep = 1024;
-constexpr std::size_t kMostOfOde = 4096;
 
 struct Way {
   const char* name;
@@ -114,17 +178,19 @@ constexpr std::array kWays = {
     Way{"box cast through the world, all", 0, 1, false},
 };
 
-// All broad phases on one scene. The first kOurs are ours.
+// All broad phases on one scene. The first kOurs are ours: BroadPhase, the same
+// without a lock, and a Bvh with PairEvents.
 template <int kDims>
 class BodyContest {
  public:
-  BodyContest(BodyKind kind, std::size_t bodies, std::uint64_t seed,
+  BodyContest(const Scenes& its, std::size_t bodies, std::uint64_t seed,
               Throughput& throughput, BroadPhaseResult& result)
-      : scene_(kind, bodies, seed),
+      : its_(its),
+        scene_(its.kind, bodies, seed),
         seed_(seed),
         throughput_(throughput),
         result_(result),
-        world_(std::string(NameOf(kind)) + (kDims == 2 ? " 2D" : " 3D")),
+        world_(std::string(NameOf(its.kind)) + (kDims == 2 ? " 2D" : " 3D")),
         all_(scene_.AllIds()) {}
 
   // A frame: `percent` of the bodies move, and then the pairs of these are
@@ -138,7 +204,7 @@ class BodyContest {
       frames.push_back(scene_.At(moved, s));
     }
     constexpr std::size_t kBodiesOfRun = 16384;
-    const std::size_t most_frames =
+    const std::size_t frames_of_run =
         std::clamp<std::size_t>(kBodiesOfRun / scene_.size(), 2, 32);
     std::vector<Case> cases;
     for (Contestant& contestant : contestants_) {
@@ -156,14 +222,13 @@ class BodyContest {
         }
         return state;
       };
-      // ODE's frames take many times as long.
-      const std::size_t frames_of_run =
-          contestant.name.starts_with("ODE") ? 1 : most_frames;
       Case c;
       c.name = contestant.name;
       c.items = static_cast<double>(frames_of_run);
-      c.check = [this, frame, &moved, are_kept] {
-        return CheckPairs(moved, frame(), are_kept);
+      c.check = [this, frame, &contestant, &moved, are_kept] {
+        const std::size_t state = frame();
+        if (are_kept && found_.empty()) contestant.space->ListPairs(found_);
+        return CheckPairs(moved, state, are_kept);
       };
       c.run = [frame, frames_of_run] {
         for (std::size_t f = 0; f < frames_of_run; ++f) std::ignore = frame();
@@ -173,8 +238,11 @@ class BodyContest {
     Time(std::move(cases),
          "frame of " + std::to_string(percent) + " %" +
              (are_kept ? ", all pairs" : ""),
-         scene_.size() < 4000 ? aims::kFramesOfFew : aims::kFrames,
-         kWithMargin);
+         scene_.size() < 4000
+             ? aims::kFramesOfFew
+             : aims::WithLessOnAvx2(percent < 100 ? its_.tenth
+                                                  : its_.all[3 - kDims]),
+         false);
   }
 
   void RunQueries() {
@@ -200,9 +268,7 @@ class BodyContest {
   using Ids = typename Scene::Ids;
   using Boxes = std::vector<Box>;
 
-  static constexpr std::size_t kOurs = 2;
-  // The others have margins too.
-  static constexpr std::size_t kWithMargin = 1;
+  static constexpr std::size_t kOurs = 3;
   static constexpr std::size_t kChecked = 200;
 
   struct Contestant {
@@ -214,23 +280,17 @@ class BodyContest {
   void Build() {
     contestants_.clear();
     const std::size_t bodies = scene_.size();
-    Add("halfspace", std::make_unique<OurSpace<kDims>>(bodies, 0.0f));
-    Add("halfspace, margin 0.1",
-        std::make_unique<OurSpace<kDims>>(bodies, kBodyMargin));
+    Add("halfspace",
+        std::make_unique<OurSpace<kDims, Bodies<kDims>>>(bodies, true));
+    Add("halfspace, caller's lock",
+        std::make_unique<OurSpace<kDims, Bodies<kDims>>>(bodies, false));
+    Add("halfspace Bvh",
+        std::make_unique<OurSpace<kDims, PlainTree<kDims>>>(bodies));
     if constexpr (kDims == 2) {
       Add("Box2D", MakeBox2dSpace(bodies));
     } else {
       Add("Bullet btDbvt", MakeBulletSpace(bodies));
       Add("FCL dynamic tree", MakeFclSpace(bodies));
-      if (bodies <= kMostOfOde) {
-        Add("ODE hash", MakeOdeSpace(OdeSpace::kHash, bodies, scene_.world()));
-        Add("ODE quadtree",
-            MakeOdeSpace(OdeSpace::kQuadtree, bodies, scene_.world()));
-      }
-      if (bodies <= kMostOfSweep) {
-        Add("ODE sweep and prune",
-            MakeOdeSpace(OdeSpace::kSweepAndPrune, bodies, scene_.world()));
-      }
     }
     if (bodies <= kMostScanned) Add("scan", MakeScanSpace<kDims>(bodies));
   }
@@ -255,7 +315,6 @@ class BodyContest {
       return std::to_string(pairs_) + " pairs, and not " +
              std::to_string(all.size());
     }
-    if (are_kept && found_.empty()) return {};
     std::vector<IndexPair> expected;
     for (const IdPair& pair : all) {
       if (are_kept || is_moved[pair.a] || is_moved[pair.b]) {
@@ -358,7 +417,8 @@ class BodyContest {
     Time(std::move(cases), name,
          is_first               ? aims::kFirstHit
          : scene_.size() < 4000 ? aims::kBodyQueriesOfFew
-                                : aims::kBodyQueries);
+                                : aims::kBodyQueries,
+         true);
   }
 
   void RunCast(const Way& way) {
@@ -425,7 +485,7 @@ class BodyContest {
       cases.back().check = [&] { return check(space); };
     }
     Time(std::move(cases), way.name,
-         kDims == 2 ? aims::kBodyCasts2D : aims::kBodyCasts3D);
+         kDims == 2 ? aims::kBodyCasts2D : aims::kBodyCasts3D, true);
   }
 
   std::size_t QueriesOfRun(std::size_t queries) const {
@@ -441,9 +501,8 @@ class BodyContest {
            " answers are not those of a loop over the bodies";
   }
 
-  // The aim holds for case `ours`.
   void Time(std::vector<Case> cases, const std::string& what, const Aim& aim,
-            std::size_t ours = 0) {
+            bool is_query) {
     const std::string place =
         world_ + "/" + std::to_string(scene_.size()) + "/" + what + "/";
     std::vector<std::string> names;
@@ -467,15 +526,30 @@ class BodyContest {
       }
       result_.times.Add(std::move(row));
     }
+    const std::string name =
+        world_ + " " + Grouped(scene_.size()) + ", " + what;
+    const Target target = ChosenTarget();
+    if (is_query) {
+      const auto over_bvh = [&](std::size_t ours) {
+        std::vector<double> ns = timings[ours].samples;
+        for (std::size_t i = 0; i < ns.size(); ++i) {
+          ns[i] -= timings[kOurs - 1].samples[i];
+        }
+        return SpreadOf({"", ns});
+      };
+      throughput_.AddRatio(aims::kLock, target, name + ": ns over a Bvh",
+                           over_bvh(0));
+      throughput_.AddRatio(aims::kNoLock, target,
+                           name + ", caller's lock: ns over a Bvh",
+                           over_bvh(1));
+    }
     if (competitors.empty()) return;
     const std::size_t fastest = FastestOf(timings, competitors);
-    throughput_.AddRatio(aim, ChosenTarget(),
-                         world_ + " " + Grouped(scene_.size()) + ", " + what +
-                             (ours == kWithMargin ? ", margin 0.1" : "") +
-                             ": times " + names[fastest],
-                         RatioOf(timings[fastest], timings[ours]));
+    throughput_.AddRatio(aim, target, name + ": times " + names[fastest],
+                         RatioOf(timings[fastest], timings[0]));
   }
 
+  Scenes its_;
   Scene scene_;
   std::uint64_t seed_;
   Throughput& throughput_;
@@ -492,31 +566,26 @@ class BodyContest {
 template <int kDims>
 void AddParts(std::size_t most, std::uint64_t seed, BroadPhaseResult& result,
               ThroughputParts& parts) {
-  for (std::size_t bodies : {100, 300, 1024, 4096, 16384, 65536}) {
-    if (bodies > most) continue;
-    for (std::size_t percent : {10, 50, 100}) {
-      for (bool are_kept : {false, true}) {
-        parts.push_back([=, &result](Throughput& to) {
-          BodyContest<kDims>(BodyKind::kGas, bodies, seed, to, result)
-              .RunFrames(percent, are_kept);
-        });
+  for (const Scenes& its : kScenes) {
+    for (std::size_t bodies : {100, 1024, 4096, 16384, 65536}) {
+      if (bodies > most) continue;
+      for (std::size_t percent : {10, 100}) {
+        for (bool are_kept : {false, true}) {
+          parts.push_back([=, &result](Throughput& to) {
+            BodyContest<kDims>(its, bodies, seed, to, result)
+                .RunFrames(percent, are_kept);
+          });
+        }
       }
+      const bool has_queries =
+          its.kind == BodyKind::kGas
+              ? bodies > 1000
+              : bodies == std::min<std::size_t>(most, 16384);
+      if (!has_queries) continue;
+      parts.push_back([=, &result](Throughput& to) {
+        BodyContest<kDims>(its, bodies, seed, to, result).RunQueries();
+      });
     }
-    if (bodies < 1000) continue;
-    parts.push_back([=, &result](Throughput& to) {
-      BodyContest<kDims>(BodyKind::kGas, bodies, seed, to, result).RunQueries();
-    });
-  }
-  for (BodyKind kind :
-       {BodyKind::kPile, BodyKind::kLogNormal, BodyKind::kBepu}) {
-    const std::size_t bodies =
-        std::min<std::size_t>(most, kind == BodyKind::kBepu ? 65536 : 16384);
-    parts.push_back([=, &result](Throughput& to) {
-      BodyContest<kDims> contest(kind, bodies, seed, to, result);
-      contest.RunFrames(50, false);
-      contest.RunFrames(100, true);
-      contest.RunQueries();
-    });
   }
 }
 
@@ -531,8 +600,7 @@ Tables RunBroadPhase(Run& run) {
   ThroughputParts parts;
   AddParts<3>(most, seed, result, parts);
   AddParts<2>(most, seed, result, parts);
-  parts.push_back(
-      [=, &result](Throughput& to) { RunBodyChanges(most, seed, to, result); });
+  AddBodyChanges(most, seed, result, parts);
   RunParts(parts, throughput);
   return {result.times, result.changes, throughput.Aims()};
 }

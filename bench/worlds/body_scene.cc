@@ -1,5 +1,6 @@
 #include "bench/worlds/body_scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -31,6 +32,10 @@ constexpr Recipe kRecipes[] = {
     {"gas",
      [](Random& random) { return 1.0f + 0.5f * random.Signed(); },
      {4, 8},
+     [](Random&) { return 0.1f; }},
+    {"sparse",
+     [](Random& random) { return 1.0f + 0.5f * random.Signed(); },
+     {100, 100},
      [](Random&) { return 0.1f; }},
     {"pile",
      [](Random&) { return 1.0f; },
@@ -111,6 +116,23 @@ std::vector<Aabb<kDims>> BodyScene<kDims>::At(const Ids& ids,
       box.max[k] += way;
     }
     boxes.push_back(box);
+  }
+  return boxes;
+}
+
+template <int kDims>
+std::vector<Aabb<kDims>> BodyScene<kDims>::Within(std::size_t frame) const {
+  std::vector<Box> boxes = boxes_;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    for (std::size_t k = 0; k < kDims; ++k) {
+      const float side = world_.max[k];
+      const float way = std::abs(boxes[i].min[k] +
+                                 static_cast<float>(frame) * velocities_[i][k]);
+      const float turn = std::fmod(way, 2 * side);
+      const float length = boxes[i].max[k] - boxes[i].min[k];
+      boxes[i].min[k] = std::min(turn, 2 * side - turn);
+      boxes[i].max[k] = boxes[i].min[k] + length;
+    }
   }
   return boxes;
 }

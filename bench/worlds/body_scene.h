@@ -16,6 +16,7 @@ namespace halfspace::bench {
 
 enum class BodyKind {
   kGas,        // sides of 0.5 to 1.5, an eighth of the space; a quarter in 2D
+  kSparse,     // the same bodies, a hundredth of the space
   kPile,       // a lattice of sides 1 that touch, and tremble
   kLogNormal,  // as dense as the gas
   kBepu,       // sides of 1 + 99 x^10, about as many pairs as bodies
@@ -41,6 +42,9 @@ class BodyScene {
   Ids Some(std::size_t percent) const;
   // The boxes of these bodies in a state.
   std::vector<Box> At(const Ids& ids, std::size_t state) const;
+  // The boxes of all bodies after any number of frames, if they turn back at
+  // the walls of the world.
+  std::vector<Box> Within(std::size_t frame) const;
 
   // A place in the world, a box of that side there, and a direction of length
   // 1.

@@ -45,6 +45,24 @@ auto AskCopy(BroadPhaseState& state, const Exact& exact) {
   });
 }
 
+// Calls search(tree, ids, options). The tree without bodies has no ids, and so
+// these are checked apart.
+template <typename Search>
+auto AskPairs(BroadPhaseState& state, const char* call,
+              Span<const std::uint32_t> ids, const PairOptions& options,
+              const Search& search) {
+  state.CheckBodies(call, ids);
+  return AskCopy(state, [&](const BvhTree& tree) {
+    const std::size_t wanted = options.wanted.size();
+    if (&tree != &state.nothing || (wanted != 0 && wanted != ids.size())) {
+      return search(tree, ids, options);
+    }
+    PairOptions of_none = options;
+    of_none.wanted = {};
+    return search(tree, Span<const std::uint32_t>(), of_none);
+  });
+}
+
 // Calls visit(ids) for up to 512 bodies at a time, until it returns false.
 template <typename Visit>
 void ForEachWithLate(const BroadPhaseState& state, const Reading& reading,
@@ -225,18 +243,24 @@ std::size_t BroadPhaseCore::PairsOf(const BvhPairKernels* kernels,
                                     Span<const std::uint32_t> ids,
                                     Span<IdPair> pairs,
                                     const PairOptions& options) const {
-  return AskCopy(*state_, [&](const BvhTree& tree) {
-    return BvhPairs({kernels, &tree, nullptr, &ids}, pairs, options);
-  });
+  return AskPairs(
+      *state_, "PairsOf", ids, options,
+      [&](const BvhTree& tree, const Span<const std::uint32_t>& set,
+          const PairOptions& its) {
+        return BvhPairs({kernels, &tree, nullptr, &set}, pairs, its);
+      });
 }
 
 void BroadPhaseCore::ForEachPairOf(const BvhPairKernels* kernels,
                                    Span<const std::uint32_t> ids,
                                    PairsFunction function, void* context,
                                    const PairOptions& options) const {
-  AskCopy(*state_, [&](const BvhTree& tree) {
-    BvhForEachPair({kernels, &tree, nullptr, &ids}, function, context, options);
-  });
+  AskPairs(
+      *state_, "ForEachPairOf", ids, options,
+      [&](const BvhTree& tree, const Span<const std::uint32_t>& set,
+          const PairOptions& its) {
+        BvhForEachPair({kernels, &tree, nullptr, &set}, function, context, its);
+      });
 }
 
 std::size_t BroadPhaseCore::size() const {

@@ -10,6 +10,7 @@
 #include "dispatch/bvh/tree.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
+#include "dispatch/exact/default_fp_mode.h"
 #include "halfspace/bvh.h"
 
 namespace halfspace::detail {
@@ -39,12 +40,21 @@ void CheckVersion(bool is_in_place, std::uint32_t version) {
                given);
 }
 
-// In format 3 all trees with nodes had codes, behind the floats of level 0.
-// Returns the bytes of those that there are no longer.
-std::size_t BytesOfFormat3(const PlaneLayout& layout, const BvhRoom& room) {
-  if (room.slots <= kBlockObjects || room.slots > kMostWithoutCodes) return 0;
-  return BlocksOf(room.slots) * layout.plane_count * kBlockObjects *
-         sizeof(std::int16_t);
+// The layouts of a version, the first that was written first. The last builds
+// with format 3 wrote it without codes, as format 4.
+std::array<BvhFormat, 2> FormatsOf(std::uint32_t version) {
+  constexpr BvhFormat kFormat4 = {kMostWithoutCodes, 4096, false};
+  if (version == kBvhVersion) return {};
+  if (version == 4) return {kFormat4, kFormat4};
+  return {BvhFormat{kBlockObjects, 4096, false}, kFormat4};
+}
+
+// Whether all bytes are where they are today, and mean the same.
+bool IsAsToday(const BvhFormat& format, const BvhRoom& room) {
+  const bool is_coded = room.slots > format.most_without_codes;
+  return is_coded == (room.slots > kMostWithoutCodes) &&
+         PartsOf(room.slots, format.part_slots) == PartsOf(room.slots) &&
+         (format.has_used_ids || room.ids == 0);
 }
 
 // The last block of a level has lanes without an object, which no query may
@@ -112,54 +122,38 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
   }
   const BvhRoom room = {header.capacity, header.id_room, header.has_masks != 0};
   const bool are_ids_right =
-      room.ids == 0
-          ? header.ids == header.slots && header.size == header.slots &&
-                header.free_id == kNoId
-          : room.ids >= room.slots && header.ids <= room.ids &&
-                (header.free_id == kNoId || header.free_id < header.ids);
+      room.ids == 0 ? header.ids == header.slots && header.size == header.slots
+                    : room.ids >= room.slots && header.ids <= room.ids;
   const bool is_room_right = room.slots > 0 && room.slots < kMostObjects;
-  BvhLevels levels;
-  const std::size_t bytes =
-      is_room_right ? Place(own, room, nullptr, false, levels) : 0;
-  // Bytes of an older format behind the floats of level 0. The last builds with
-  // format 3 did not write them.
-  const std::size_t dropped = header.version == 3 && header.bytes != bytes
-                                  ? BytesOfFormat3(own, room)
-                                  : 0;
+  BvhFormat format;
+  std::size_t bytes = 0;
+  for (const BvhFormat& one : FormatsOf(header.version)) {
+    BvhLevels levels;
+    if (!is_room_right || bytes == blob.size()) break;
+    format = one;
+    bytes = Place(own, room, nullptr, false, levels, format);
+  }
   if (!is_room_right || header.slots > room.slots ||
       header.size > header.slots || header.ids < header.size ||
       !are_ids_right || header.has_masks > 1 || header.checksum == 0 ||
-      header.bytes != bytes + dropped || header.bytes != blob.size()) {
+      header.bytes != bytes || header.bytes != blob.size()) {
     ThrowCorrupt(is_in_place,
                  std::to_string(header.bytes) + " bytes, as its header says",
                  std::to_string(blob.size()) +
                      " bytes or an altered header; store the BVH again");
   }
   BvhState loaded(own, tree.memory_);
-  if (is_in_place && dropped == 0) {
+  const bool is_as_today = IsAsToday(format, room);
+  if (is_in_place && is_as_today) {
     // Not written before it has been copied: see BvhState::Prepare().
     loaded.block_ = const_cast<std::byte*>(blob.data());
-    loaded.bytes_ = blob.size();
     loaded.is_owned_ = false;
-    Place(own, room, loaded.block_, false, loaded.levels_);
   } else {
-    loaded.Allocate(room);
-    const auto* const behind =
-        reinterpret_cast<const std::byte*>(loaded.levels_.level[0].present);
-    const auto before = static_cast<std::size_t>(behind - loaded.block_);
-    std::memcpy(loaded.block_, blob.data(), before);
-    std::memcpy(loaded.block_ + before, blob.data() + before + dropped,
-                bytes - before);
+    loaded.block_ = static_cast<std::byte*>(AllocateBlock(tree.memory_, bytes));
+    std::memcpy(loaded.block_, blob.data(), bytes);
   }
-  if (dropped > 0) {
-    BvhHeader& today = loaded.header();
-    today.version = kBvhVersion;
-    today.bytes = bytes;
-    // Otherwise the one of the blob stays, which Verify() finds to be wrong.
-    if (header.checksum == ChecksumOf(blob)) {
-      today.checksum = ChecksumOf({loaded.block_, bytes});
-    }
-  }
+  loaded.bytes_ = bytes;
+  Place(own, room, loaded.block_, false, loaded.levels_, format);
   loaded.is_checked_ = false;
   loaded.is_as_loaded_ = true;
   SetSlots(loaded.levels_, header.slots);
@@ -171,7 +165,47 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
           "altered bytes in the unused lanes of level " + std::to_string(l));
     }
   }
+  if (!is_as_today) {
+    const bool is_right = header.checksum == ChecksumOf(blob);
+    loaded.Convert(format);
+    // Otherwise the one of the blob stays, which Verify() finds to be wrong.
+    loaded.header().checksum =
+        is_right ? ChecksumOf({loaded.block_, loaded.bytes_}) : header.checksum;
+    loaded.is_checked_ = false;
+    loaded.is_as_loaded_ = true;
+  }
   tree.Swap(loaded);
+}
+
+PlaneLayout LayoutOfBlob(Span<const std::byte> blob) {
+  BvhHeader header;
+  if (blob.size() < sizeof(header)) return {};
+  std::memcpy(&header, blob.data(), sizeof(header));
+  if (!std::equal(std::begin(kBvhMagic), std::end(kBvhMagic), header.magic)) {
+    return {};
+  }
+  return {header.dims, header.axes, header.has_max != 0};
+}
+
+// From the layout of an older format. The parts get costs of the same sum.
+void BvhState::Convert(const BvhFormat& format) {
+  const std::size_t parts = PartsOf(slots());
+  const Scratch scratch(memory_, parts * sizeof(BvhPart));
+  auto* const built = reinterpret_cast<BvhPart*>(scratch.data());
+  dispatch::InDefaultFpMode([&] {
+    for (std::size_t part = 0; part < parts; ++part) {
+      const std::size_t old = part * kPartSlots / format.part_slots;
+      const BvhPart whole =
+          AsIs(type_, levels_, PartAt(levels_, old, format.part_slots));
+      built[part] = AsIs(type_, levels_, PartAt(levels_, part));
+      if (whole.cost > 0) {
+        built[part].cost *=
+            CostAsBuilt(levels_.built[old], whole.objects) / whole.cost;
+      }
+    }
+  });
+  levels_.built = built;
+  Reallocate("Bvh::FromBlob", Room());
 }
 
 // Calls may run at the same time, so the checksum is written once after a
@@ -203,7 +237,7 @@ void BvhState::CheckLoaded(const char* call) {
 
 const char* BvhState::FindWrongIds() const {
   const BvhHeader& header = this->header();
-  // A bit for each id, where no slots tell that it is there once.
+  // A bit for each id, where no slots say that it is there once.
   const std::size_t words = header.id_room > 0 ? 0 : BlocksOf(header.ids);
   const Scratch scratch(memory_, words * sizeof(std::uint64_t));
   auto* const seen = reinterpret_cast<std::uint64_t*>(scratch.data());
@@ -216,7 +250,7 @@ const char* BvhState::FindWrongIds() const {
     if (id >= header.ids) return "ids below their number";
     constexpr const char* kOnce = "each id once";
     if (header.id_room > 0) {
-      if (levels_.slots[id] != s) return kOnce;
+      if (levels_.slots[id] != s || !Used().Has(id)) return kOnce;
     } else {
       const std::uint64_t bit = std::uint64_t{1} << id % 64;
       if ((seen[id / 64] & bit) != 0) return kOnce;
@@ -224,12 +258,9 @@ const char* BvhState::FindWrongIds() const {
     }
   }
   if (size != header.size) return "as many objects as its header says";
-  std::size_t free = header.ids - size;
-  for (std::uint32_t id = header.free_id; id != kNoId; --free) {
-    if (free == 0 || id >= header.ids || Has(id)) return "free ids in a list";
-    id = levels_.slots[id];
-  }
-  return free == 0 ? nullptr : "all free ids in a list";
+  return header.id_room == 0 || Used().IsRight(size)
+             ? nullptr
+             : "the ids of its objects as a set";
 }
 
 }  // namespace halfspace::detail

@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <new>
 #include <string>
@@ -26,8 +27,27 @@ constexpr BvhRoom kSlotsById = {0, 1, false};
 // four leaves, have no order, and almost every query visits these leaves.
 constexpr std::size_t kSortEach = 256;
 
-std::size_t IdLimitOf(Span<const std::uint32_t> ids) {
-  return std::size_t{*std::max_element(ids.begin(), ids.end())} + 1;
+// An id that is in the list twice, or kNoId, which must not be in it.
+std::uint32_t FindTwice(Span<const std::uint32_t> ids,
+                        const MemoryResource& memory) {
+  if (std::adjacent_find(ids.begin(), ids.end(), std::greater_equal<>()) ==
+      ids.end()) {
+    return kNoId;
+  }
+  // A hash table, of which less than half is used.
+  constexpr std::uint32_t kOdd = 0x9E3779B1;
+  const auto bits = static_cast<unsigned>(std::bit_width(2 * ids.size()));
+  const std::size_t size = std::size_t{1} << bits;
+  const Scratch scratch(memory, size * sizeof(std::uint32_t));
+  auto* const table = reinterpret_cast<std::uint32_t*>(scratch.data());
+  std::fill_n(table, size, kNoId);
+  for (const std::uint32_t id : ids) {
+    std::size_t i = (std::uint64_t{id * kOdd} << bits) >> 32;
+    while (table[i] != kNoId && table[i] != id) i = (i + 1) % size;
+    if (table[i] == id) return id;
+    table[i] = id;
+  }
+  return kNoId;
 }
 
 // How much each node of a block would have to grow to enclose a bound, as a sum
@@ -83,6 +103,14 @@ class ChangedBits {
   Scratch memory_;
 };
 
+void CheckAsMany(Span<const std::uint32_t> ids, const Columns& bounds,
+                 const char* call) {
+  if (bounds.size == ids.size()) return;
+  dispatch::ThrowInvalid(call, "bounds",
+                         "a bound for each id, " + std::to_string(ids.size()),
+                         std::to_string(bounds.size));
+}
+
 }  // namespace
 
 std::size_t BvhState::WordsOfChanges(std::size_t slots) {
@@ -129,7 +157,6 @@ void BvhState::Reallocate(const char* call, const BvhRoom& room) {
     to.slots = from.slots;
     to.size = from.size;
     to.ids = from.ids;
-    to.free_id = from.free_id;
     to.sorted = from.sorted;
     to.inserted = from.inserted;
   }
@@ -161,7 +188,7 @@ void BvhState::Reallocate(const char* call, const BvhRoom& room) {
   }
   if (old_count > 0) {
     *grown.levels_.map = *levels_.map;
-    if (levels_.codes != nullptr) {
+    if (levels_.codes != nullptr && grown.levels_.codes != nullptr) {
       std::memcpy(grown.levels_.codes, levels_.codes,
                   BlocksOf(to.slots) * type_.plane_count * kBlockObjects *
                       sizeof(std::int16_t));
@@ -183,10 +210,17 @@ void BvhState::Reallocate(const char* call, const BvhRoom& room) {
     if (levels_.slots != nullptr) {
       std::memcpy(grown.levels_.slots, levels_.slots,
                   to.ids * sizeof(std::uint32_t));
+    }
+    if (levels_.used != nullptr) {
+      grown.Used().AddAll(Used());
     } else if (room.ids > 0) {
-      std::fill_n(grown.levels_.slots, to.ids, kNoId);
+      // After a build there is an object in each slot. In the blob of an older
+      // format, which may be altered, there may be none, or any id.
       for (std::size_t s = 0; s < to.slots; ++s) {
-        grown.levels_.slots[levels_.ids[s]] = static_cast<std::uint32_t>(s);
+        const std::uint32_t id = levels_.ids[s];
+        if (id >= to.ids || !IsPresent(levels_, s)) continue;
+        grown.levels_.slots[id] = static_cast<std::uint32_t>(s);
+        grown.Used().Add(id);
       }
     }
   }
@@ -267,11 +301,7 @@ void BvhTree::Set(Span<const std::uint32_t> ids, const Columns& bounds) {
   BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::Set";
   if (bounds.size != 0) CheckColumns(tree.type_, bounds, kCall);
-  if (bounds.size != ids.size()) {
-    dispatch::ThrowInvalid(kCall, "bounds",
-                           "a bound for each id, " + std::to_string(ids.size()),
-                           std::to_string(bounds.size));
-  }
+  CheckAsMany(ids, bounds, kCall);
   tree.CheckIds(ids, kCall);
   if (ids.empty()) return;
   tree.CheckChange(kCall);
@@ -440,14 +470,6 @@ bool BvhState::SortDue(std::size_t added, const BvhRoom& room,
   return true;
 }
 
-std::uint32_t BvhState::TakeId() {
-  BvhHeader& header = this->header();
-  const std::uint32_t id = header.free_id;
-  if (id == kNoId) return header.ids++;
-  header.free_id = levels_.slots[id];
-  return id;
-}
-
 // Writes a new object to an empty slot, whose block has to be encoded then.
 void BvhState::Put(std::size_t slot, std::uint32_t id, const float* values) {
   BvhHeader& header = this->header();
@@ -459,6 +481,8 @@ void BvhState::Put(std::size_t slot, std::uint32_t id, const float* values) {
   level.present[slot / kBlockObjects] |= std::uint64_t{1}
                                          << slot % kBlockObjects;
   PutId(levels_, slot, id, 0xFFFFFFFF);
+  Used().Add(id);
+  header.ids = std::max(header.ids, id + 1);
   ++header.size;
   ++header.inserted;
 }
@@ -477,7 +501,7 @@ std::uint32_t BvhTree::Insert(Span<const float> values) {
     tree.CloseGaps();
     slot = tree.slots();
   }
-  const std::uint32_t id = tree.TakeId();
+  const auto id = static_cast<std::uint32_t>(tree.Used().Least());
   tree.Put(slot, id, values.data());
   tree.EncodePath(slot, slot % kBlockObjects == 0);
   return id;
@@ -497,56 +521,62 @@ void BvhTree::Insert(const Columns& bounds, Span<std::uint32_t> ids) {
         std::to_string(ids.size()));
   }
   if (bounds.size == 0) return;
-  tree.Prepare(kCall, tree.RoomFor(bounds.size, kCall));
-  if (tree.slots() + bounds.size > tree.header().capacity) tree.CloseGaps();
-  const std::size_t begin = tree.slots();
-  ForEachRecord(tree.type_, bounds, [&](std::size_t i, const float* values) {
-    ids[i] = tree.TakeId();
-    tree.Put(tree.slots(), ids[i], values);
-  });
-  tree.EncodeAppended(begin, kCall);
+  tree.Append(
+      bounds, tree.RoomFor(bounds.size, kCall),
+      [&](std::size_t i) {
+        return ids[i] = static_cast<std::uint32_t>(tree.Used().Least());
+      },
+      kCall);
 }
 
-// A build takes 0.75 to 0.95 of the time of insertions and a sort (1024 to
-// 65 536 boxes, AVX2, BroadPhase::Insert of all).
-void BvhState::BuildAs(Span<const std::uint32_t> ids, const Columns& bounds) {
-  const std::size_t id_limit = IdLimitOf(ids);
-  BvhState built(type_, memory_);
-  built.BuildIn({ids.size(), id_limit, false}, bounds, BuildOptions());
-  BvhLevels& levels = built.levels_;
-  std::fill_n(levels.slots, id_limit, kNoId);
-  for (std::size_t s = 0; s < ids.size(); ++s) {
-    PutId(levels, s, ids[levels.ids[s]], 0xFFFFFFFF);
+void BvhState::CheckNewIds(Span<const std::uint32_t> ids,
+                           const char* call) const {
+  constexpr const char* kExpected =
+      "ids that no object has, below 4294967295, each once";
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (ids[i] == kNoId || Has(ids[i])) {
+      dispatch::ThrowInvalid(call, "ids", kExpected, std::to_string(ids[i]), i);
+    }
   }
-  built.header().ids = static_cast<std::uint32_t>(id_limit);
-  Swap(built);
+  if (const std::uint32_t id = FindTwice(ids, memory_); id != kNoId) {
+    dispatch::ThrowInvalid(call, "ids", kExpected,
+                           std::to_string(id) + " twice");
+  }
 }
 
 void BvhTree::InsertAs(Span<const std::uint32_t> ids, const Columns& bounds) {
   BvhState& tree = BvhState::Of(*this);
-  constexpr const char* kCall = "Bvh::Insert";
+  constexpr const char* kCall = "Bvh::InsertAs";
+  if (bounds.size != 0) CheckColumns(tree.type_, bounds, kCall);
+  CheckAsMany(ids, bounds, kCall);
+  dispatch::CheckMemory(kCall, "ids", ids.data(), ids.size(),
+                        alignof(std::uint32_t));
+  tree.CheckChange(kCall);
+  tree.CheckNewIds(ids, kCall);
   if (ids.empty()) return;
-  if (tree.size() == 0) return tree.BuildAs(ids, bounds);
-  BvhRoom room = {tree.slots() + ids.size(), IdLimitOf(ids), false};
-  const BvhRoom old = tree.Room();
-  if (room.slots > old.slots) room.slots += room.slots / 8;
-  if (room.ids > old.ids) room.ids += room.ids / 8;
-  tree.Prepare(kCall, room);
-  BvhHeader& header = tree.header();
-  for (const std::uint32_t id : ids) {
-    for (; header.ids <= id; ++header.ids)
-      tree.levels_.slots[header.ids] = kNoId;
+  BvhRoom room = tree.RoomFor(ids.size(), kCall);
+  const std::size_t limit =
+      std::size_t{*std::max_element(ids.begin(), ids.end())} + 1;
+  // By half at least, as the ids of new objects often ascend.
+  const std::size_t old = tree.Room().ids;
+  if (limit > old) {
+    room.ids = std::max(limit, std::min<std::size_t>(kNoId, old + old / 2));
   }
-  const std::size_t begin = tree.slots();
-  ForEachRecord(tree.type_, bounds, [&](std::size_t i, const float* values) {
-    tree.Put(tree.slots(), ids[i], values);
-  });
-  tree.EncodeAppended(begin, kCall);
+  tree.Append(
+      bounds, room, [&](std::size_t i) { return ids[i]; }, kCall);
 }
 
-// Sorts the slots from `begin` on, or all, if that is due.
-void BvhState::EncodeAppended(std::size_t begin, const char* call) {
-  if (SortDue(slots() - begin, {}, call)) return;
+// Sorts the new slots, or all, if that is due.
+template <typename IdOf>
+void BvhState::Append(const Columns& bounds, const BvhRoom& room,
+                      const IdOf& id_of, const char* call) {
+  Prepare(call, room);
+  if (slots() + bounds.size > header().capacity) CloseGaps();
+  const std::size_t begin = slots();
+  ForEachRecord(type_, bounds, [&](std::size_t i, const float* values) {
+    Put(slots(), id_of(i), values);
+  });
+  if (SortDue(bounds.size, {}, call)) return;
   const BvhKernels::OfPlanes& kernels = KernelsFor(type_, Target(), call);
   dispatch::InDefaultFpMode(
       [&] { EncodeSlots(levels_, kernels, begin, slots()); });
@@ -565,8 +595,8 @@ void BvhState::Remove(std::uint32_t id) {
   if (level.masks != nullptr) level.masks[slot] = 0;
   levels_.ids[slot] = kNoId;
   BvhHeader& header = this->header();
-  levels_.slots[id] = header.free_id;
-  header.free_id = id;
+  levels_.slots[id] = kNoId;
+  Used().Remove(id);
   --header.size;
 }
 
@@ -612,8 +642,8 @@ void BvhTree::Clear() {
   header.checksum = 0;
   header.slots = header.size = header.ids = 0;
   header.sorted = header.inserted = 0;
-  header.free_id = kNoId;
   SetSlots(tree.levels_, 0);
+  if (tree.levels_.used != nullptr) tree.Used().Clear();
   tree.is_checked_ = true;
   tree.is_as_loaded_ = false;
 }

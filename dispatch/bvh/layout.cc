@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 
+#include "dispatch/bvh/used_ids.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/exact/default_fp_mode.h"
@@ -169,7 +170,7 @@ void FitMapTo(const PlaneLayout& layout, const BvhLevels& levels,
 }  // namespace
 
 std::size_t Place(const BvhType& type, const BvhRoom& room, std::byte* begin,
-                  bool is_new, BvhLevels& levels) {
+                  bool is_new, BvhLevels& levels, const BvhFormat& format) {
   levels = {};
   const std::size_t planes = type.plane_count;
   Parts parts(begin, is_new);
@@ -183,7 +184,7 @@ std::size_t Place(const BvhType& type, const BvhRoom& room, std::byte* begin,
     // With fewer objects codes save less than what a query takes to encode: of
     // 1000 boxes a query takes 34 ns by floats and 38 by codes.
     const bool is_coded =
-        type.has_codes && levels.count == 1 && room.slots > kMostWithoutCodes;
+        levels.count == 1 && room.slots > format.most_without_codes;
     level.is_prefetched =
         values * (is_coded ? sizeof(std::int16_t) : sizeof(float)) >
         kInCacheBytes;
@@ -201,7 +202,10 @@ std::size_t Place(const BvhType& type, const BvhRoom& room, std::byte* begin,
   } while (size > 1);
   levels.ids = parts.Take<std::uint32_t>(BlocksOf(room.slots) * kBlockObjects);
   if (room.ids > 0) levels.slots = parts.Take<std::uint32_t>(room.ids);
-  levels.built = parts.Take<BvhPart>(PartsOf(room.slots));
+  if (room.ids > 0 && format.has_used_ids) {
+    levels.used = parts.Take<std::uint64_t>(UsedIds::WordsFor(room.ids));
+  }
+  levels.built = parts.Take<BvhPart>(PartsOf(room.slots, format.part_slots));
   return parts.bytes();
 }
 
@@ -342,7 +346,7 @@ void FillSlots(const PlaneLayout& layout, const BvhLevels& levels,
     });
   }
   dispatch::RunInDefaultFpMode(
-      run, PartsOf(levels.level[0].size), [&](std::size_t part) {
+      run, PartsOf(levels.level[0].size, kTaskSlots), [&](std::size_t part) {
         FillPart(levels, layout.plane_count, objects, elements, kernels, part);
       });
   dispatch::InDefaultFpMode([&] { EncodeLevels(levels, kernels, 1); });
@@ -365,9 +369,10 @@ Rounded::Rounded(const PlaneLayout& layout, const MemoryResource& memory,
   const auto element_of = [elements](std::size_t s) -> std::size_t {
     return elements == nullptr ? s : elements[s];
   };
-  dispatch::RunInDefaultFpMode(run, PartsOf(count), [&](std::size_t part) {
-    const std::size_t end = std::min(count, (part + 1) * kPartSlots);
-    for (std::size_t s = part * kPartSlots; s < end; ++s) {
+  const std::size_t tasks = PartsOf(count, kTaskSlots);
+  dispatch::RunInDefaultFpMode(run, tasks, [&](std::size_t task) {
+    const std::size_t end = std::min(count, (task + 1) * kTaskSlots);
+    for (std::size_t s = task * kTaskSlots; s < end; ++s) {
       if (s + kAhead < end) {
         PrefetchElement<double>(objects, planes, element_of(s + kAhead),
                                 [](const void* at) { kernels::Prefetch(at); });

@@ -20,8 +20,13 @@
 
 namespace halfspace::detail {
 
-// Changes and rebuilds look at nodes of so many slots.
-inline constexpr std::size_t kPartSlots = kBlockObjects * kBlockObjects;
+// Partial rebuilds sort so many slots at least, a quarter of a node of nodes.
+// So few, as the longest one of many frames should be short.
+inline constexpr std::size_t kPartSlots = 16 * kBlockObjects;
+
+// A thread that encodes leaves takes so many slots at a time, a node of nodes:
+// the bits of two blocks can be in one word.
+inline constexpr std::size_t kTaskSlots = kBlockObjects * kBlockObjects;
 
 // Leaves have codes in a tree with room for more slots.
 inline constexpr std::size_t kMostWithoutCodes = 4096;
@@ -56,7 +61,7 @@ struct alignas(64) BvhHeader {
   std::uint32_t slots;     // in use or erased: from 0 on
   std::uint32_t size;      // objects
   std::uint32_t ids;       // in use or free: from 0 on
-  std::uint32_t free_id;   // the first, or kNoId
+  std::uint32_t unused;    // all ones; until format 4 the first free id
   std::uint32_t sorted;    // objects when all were sorted
   std::uint32_t inserted;  // since then
 };
@@ -79,14 +84,22 @@ inline std::atomic_ref<std::uint64_t> Checksum(BvhHeader& header) {
 inline constexpr char kBvhMagic[8] = {'h', 'a', 'l', 'f', 's', 'o', 'r', 't'};
 // The format that is written, and the oldest that is read. A change of what the
 // bytes mean, or of where they are, is a new format: docs/bvh.md.
-inline constexpr std::uint32_t kBvhVersion = 4;
+inline constexpr std::uint32_t kBvhVersion = 5;
 inline constexpr std::uint32_t kOldestBvhVersion = 3;
+
+// How the layouts of formats differ.
+struct BvhFormat {
+  std::size_t most_without_codes = kMostWithoutCodes;
+  std::size_t part_slots = kPartSlots;
+  bool has_used_ids = true;
+};
 
 constexpr std::size_t BlocksOf(std::size_t objects) {
   return (objects + kBlockObjects - 1) / kBlockObjects;
 }
-constexpr std::size_t PartsOf(std::size_t slots) {
-  return (slots + kPartSlots - 1) / kPartSlots;
+constexpr std::size_t PartsOf(std::size_t slots,
+                              std::size_t part_slots = kPartSlots) {
+  return (slots + part_slots - 1) / part_slots;
 }
 
 inline const BvhKernels::OfPlanes& KernelsFor(const BvhType& type,
@@ -99,7 +112,7 @@ inline const BvhKernels::OfPlanes& KernelsFor(const BvhType& type,
 // measure; returns its bytes. The levels are empty. What is between the parts
 // of new memory becomes 0.
 std::size_t Place(const BvhType& type, const BvhRoom& room, std::byte* begin,
-                  bool is_new, BvhLevels& levels);
+                  bool is_new, BvhLevels& levels, const BvhFormat& format = {});
 
 // Sets the sizes of all levels.
 void SetSlots(BvhLevels& levels, std::size_t slots);
@@ -207,9 +220,17 @@ BvhPart AsIs(const PlaneLayout& layout, const BvhLevels& levels,
              const SlotRange& range);
 
 // Part `part` of the slots in use.
-inline SlotRange PartAt(const BvhLevels& levels, std::size_t part) {
-  return {part * kPartSlots,
-          std::min(levels.level[0].size, (part + 1) * kPartSlots)};
+inline SlotRange PartAt(const BvhLevels& levels, std::size_t part,
+                        std::size_t part_slots = kPartSlots) {
+  return {part * part_slots,
+          std::min(levels.level[0].size, (part + 1) * part_slots)};
+}
+
+// What `objects` objects would cost as they were when they were sorted.
+inline double CostAsBuilt(const BvhPart& built, std::uint64_t objects) {
+  if (built.objects == 0 || built.objects == objects) return built.cost;
+  return built.cost * static_cast<double>(objects) /
+         static_cast<double>(built.objects);
 }
 
 // The floats of `objects`. Columns of floats are used as they are. Doubles are

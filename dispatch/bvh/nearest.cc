@@ -3,7 +3,6 @@
 #include "kernels/bvh/nearest.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -12,10 +11,10 @@
 #include <string>
 
 #include "dispatch/bvh/ball.h"
-#include "dispatch/bvh/cast.h"
 #include "dispatch/bvh/tree.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
+#include "dispatch/errors/number_checks.h"
 #include "dispatch/exact/default_fp_mode.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/bvh.h"
@@ -31,18 +30,6 @@ namespace {
 float KeyLimit(float value) {
   const double limit = double{value} * value * (1 + 0x1p-20) + 0x1p-148;
   return static_cast<float>(std::min(limit, double{kMax<float>}));
-}
-
-// By bits, as a compare with a NaN may trap.
-void CheckLimit(const char* call, const char* argument, float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  const bool is_negative_zero = bits == 0x80000000;
-  if (bits <= std::bit_cast<std::uint32_t>(float{kInf<float>}) ||
-      is_negative_zero) {
-    return;
-  }
-  dispatch::ThrowInvalid(call, argument, "a number that is not negative",
-                         dispatch::Shortest(value));
 }
 
 // So many are found at once on the stack; at first for a function, and at most.
@@ -84,7 +71,7 @@ struct BallCallback {
 
 void CheckOutputs(const char* call, float max_distance, Span<std::uint32_t> ids,
                   Span<float> distances) {
-  CheckLimit(call, "max_distance", max_distance);
+  dispatch::CheckLength(call, "max_distance", max_distance);
   if (!distances.empty() && distances.size() != ids.size()) {
     dispatch::ThrowInvalid(call, "distances",
                            "as many as ids, " + std::to_string(ids.size()),
@@ -196,6 +183,31 @@ void Call(const BvhNearestKernels& kernels, NearestSearch& search,
   }
 }
 
+// Throws unless it is a cast.
+const BvhNearestKernels& CheckCast(const LineCast& cast, Target target) {
+  dispatch::CheckLength(cast.call, "max_t", cast.max_t);
+  dispatch::CheckLength(cast.call, "radius", cast.radius);
+  return KernelsOfAll<BvhNearestKernels>::kTargets[dispatch::IndexOf(
+      target, cast.call)];
+}
+
+// In the default floating-point mode. Returns whether the box can touch
+// anything.
+bool MakeCastLine(const PlaneLayout& layout, const LineCast& cast, Line& line) {
+  double low[3];
+  double high[3];
+  double direction[3];
+  for (std::size_t k = 0; k < layout.dims; ++k) {
+    if (cast.low[k] > cast.high[k]) return false;
+    low[k] = cast.low[k];
+    high[k] = cast.high[k];
+    direction[k] = cast.direction[k];
+  }
+  MakeLine(layout, low, high, direction, cast.max_t, cast.radius, line);
+  line.max_t = std::min(cast.max_t, float{kMax<float>});
+  return true;
+}
+
 }  // namespace
 
 std::size_t BvhNearest(const BvhTree& tree, const NearQueries& query,
@@ -253,35 +265,13 @@ void BvhForEachNearest(const BvhTree& tree, const NearQueries& query,
                        float max_distance, NearFunction function, void* context,
                        const SearchOptions& options) {
   constexpr const char* kCall = "ForEachNearest";
-  CheckLimit(kCall, "max_distance", max_distance);
+  dispatch::CheckLength(kCall, "max_distance", max_distance);
   const auto& kernels = KernelsFor(options, kCall);
   if (FindsNothing(tree, options.mask)) return;
   NearestSearch search = MakeSearch(tree, options);
   dispatch::InDefaultFpMode(
       [&] { SetQuery(query, 0, KeyLimit(max_distance), search); });
   Call(kernels, search, function, context);
-}
-
-const BvhNearestKernels& CheckCast(const LineCast& cast, Target target) {
-  CheckLimit(cast.call, "max_t", cast.max_t);
-  CheckLimit(cast.call, "radius", cast.radius);
-  return KernelsOfAll<BvhNearestKernels>::kTargets[dispatch::IndexOf(
-      target, cast.call)];
-}
-
-bool MakeCastLine(const PlaneLayout& layout, const LineCast& cast, Line& line) {
-  double low[3];
-  double high[3];
-  double direction[3];
-  for (std::size_t k = 0; k < layout.dims; ++k) {
-    if (cast.low[k] > cast.high[k]) return false;
-    low[k] = cast.low[k];
-    high[k] = cast.high[k];
-    direction[k] = cast.direction[k];
-  }
-  MakeLine(layout, low, high, direction, cast.max_t, cast.radius, line);
-  line.max_t = std::min(cast.max_t, float{kMax<float>});
-  return true;
 }
 
 void BvhCast(const BvhTree& tree, const LineCast& cast, NearFunction function,

@@ -281,9 +281,17 @@ class Difference {
     Sort(ended_);
     Sort(began_);
     MatchSorted();
+    Fit(ended_);
+    Fit(began_);
   }
 
  private:
+  // Without room that is not needed.
+  static void Fit(PairList& pairs) {
+    PairList fit(pairs, pairs.memory());
+    swap(pairs, fit);
+  }
+
   static constexpr std::size_t kWindow = 64;
   static constexpr int kWindowBits = 9;  // of the table's size
 
@@ -292,8 +300,8 @@ class Difference {
   // 64 of the other, up to the last pair of each that was found.
   void MatchNear() {
     std::uint8_t table[1 << kWindowBits] = {};
-    ended_.Reserve(before_.size() / 8);
-    began_.Reserve(after_.size() / 8);
+    ended_.Reserve(before_.size() / 4);
+    began_.Reserve(after_.size() / 4);
     const IdPair* before = before_.begin();
     const IdPair* after = after_.begin();
     for (;;) {
@@ -412,28 +420,27 @@ class Difference {
   PairList& began_;
 };
 
-// A set of ids below a limit; it has no others.
+// A set of ids below a limit; it has no others. A byte of each: a bit takes a
+// third longer to read.
 class IdSet {
  public:
   IdSet(const MemoryResource& memory, Span<const std::uint32_t> ids,
         std::size_t limit)
-      : memory_(memory, (limit / 64 + 1) * sizeof(std::uint64_t)),
-        words_(reinterpret_cast<std::uint64_t*>(memory_.data())) {
-    std::fill_n(words_, limit / 64 + 1, 0);
+      : memory_(memory, limit + 1),
+        has_(reinterpret_cast<std::uint8_t*>(memory_.data())) {
+    std::memset(has_, 0, limit);
     for (const std::uint32_t id : ids) {
-      if (id < limit) words_[id / 64] |= std::uint64_t{1} << id % 64;
+      if (id < limit) has_[id] = 1;
     }
   }
   // Of ids below the limit: 1 or 0.
   std::uint8_t HasOne(const IdPair& pair) const {
-    return static_cast<std::uint8_t>((words_[pair.a / 64] >> pair.a % 64 |
-                                      words_[pair.b / 64] >> pair.b % 64) &
-                                     1);
+    return has_[pair.a] | has_[pair.b];
   }
 
  private:
   Scratch memory_;
-  std::uint64_t* words_;
+  std::uint8_t* has_;
 };
 
 // Moves the pairs with a changed object out of a list. They are moved back, if
@@ -507,11 +514,15 @@ void PairEventsCore::Update(const PairSources& sources,
                             const PairListFilter& filter) {
   // With more, all pairs take less time.
   constexpr std::size_t kShareOfSet = 4;
+  // Where pairs have greater ids, they were loaded: an IdSet would take memory
+  // for ids that the world does not have.
+  constexpr std::size_t kMostIds = std::size_t{1} << 20;
   if (sources.ids != nullptr) {
     const Span<const std::uint32_t> ids = *sources.ids;
     dispatch::CheckMemory(kUpdate, "changed", ids.data(), ids.size(),
                           alignof(std::uint32_t));
-    if (ids.size() < sources.a->size() / kShareOfSet) {
+    const std::size_t most_ids = kMostIds + 2 * sources.a->id_limit();
+    if (ids.size() < sources.a->size() / kShareOfSet && id_limit_ <= most_ids) {
       return UpdateSome(sources, options, filter);
     }
   }

@@ -1,7 +1,10 @@
 // How far the order of a BVH has decayed, and new orders for all
 // objects and for the worst parts.
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <limits>
+#include <tuple>
 #include <utility>
 
 #include "dispatch/bvh/order.h"
@@ -76,12 +79,55 @@ class Gathered {
   Columns columns_;
 };
 
-// What `objects` would cost as they were sorted.
-double CostAsBuilt(const BvhPart& built, std::uint64_t objects) {
-  if (built.objects == 0 || built.objects == objects) return built.cost;
-  return built.cost * static_cast<double>(objects) /
-         static_cast<double>(built.objects);
+using Values = std::array<float, kMaxPlanes>;
+
+// The bound of some blocks of objects, by their nodes.
+Values BoundOf(const PlaneLayout& layout, const BvhLevels& levels,
+               const SlotRange& range) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  Values bound;
+  for (std::size_t p = 0; p < layout.plane_count; ++p) {
+    const bool is_min = p < layout.axes;
+    bound[p] = is_min ? kInf : -kInf;
+    for (std::size_t n = range.begin / kBlockObjects; n < BlocksOf(range.end);
+         ++n) {
+      const float value = levels.level[1].Value(p, n);
+      bound[p] = is_min ? std::min(bound[p], value) : std::max(bound[p], value);
+    }
+  }
+  return bound;
 }
+
+// The share of the world that is in both bounds, or 0 if a plane of one of them
+// is infinite. An axis on which the world is flat does not count.
+double Overlap(const PlaneLayout& layout, const Values& a, const Values& b,
+               const Values& world) {
+  double slack = 0;
+  double of_world = 0;
+  double share = 1;
+  for (std::size_t k = 0; k < layout.axes; ++k) {
+    const double min = std::max(a[k], b[k]);
+    if (!layout.has_max) {
+      slack -= min;
+      of_world -= world[k];
+      continue;
+    }
+    const std::size_t max = layout.axes + k;
+    const double width = double{std::min(a[max], b[max])} - min;
+    const double all = double{world[max]} - world[k];
+    if (!(all > 0) && width >= 0) continue;
+    share *= std::max(0.0, width / all);
+  }
+  if (!layout.has_max) share = slack / of_world;
+  return share > 0 && share <= 1 ? share : 0;
+}
+
+// A part, and the reasons to sort it.
+struct WornPart {
+  double overlap;  // with the part that has grown most
+  double growth;
+  std::size_t part;
+};
 
 }  // namespace
 
@@ -118,20 +164,18 @@ void BvhTree::Rebuild(const BuildOptions& options) {
   sorted.BuildIn({size, has_slots ? ids : 0, tree.header().has_masks != 0},
                  objects.columns(), options);
   BvhLevels& levels = sorted.levels_;
-  if (has_slots && size > 0) std::fill_n(levels.slots, ids, kNoId);
+  if (has_slots && size > 0) {
+    std::fill_n(levels.slots, ids, kNoId);
+    sorted.Used().Clear();
+  }
   for (std::size_t s = 0; s < size; ++s) {
     const std::uint32_t element = levels.ids[s];
     const std::uint32_t id = objects.ids()[element];
     PutId(levels, s, id, objects.MasksOf(element));
+    if (has_slots) sorted.Used().Add(id);
   }
   if (size > 0 && objects.has_masks()) OrAllMasks(levels);
   if (size > 0) sorted.header().ids = ids;
-  // The least first, so that the greatest come out of use.
-  for (std::uint32_t id = ids; has_slots && id-- > 0;) {
-    if (sorted.Has(id)) continue;
-    levels.slots[id] = sorted.header().free_id;
-    sorted.header().free_id = id;
-  }
   tree.Swap(sorted);
 }
 
@@ -212,7 +256,6 @@ void BvhState::CloseGaps() {
   header.sorted = std::min(header.sorted, header.slots);
   if (to == 0) {
     header.ids = 0;
-    header.free_id = kNoId;
     header.inserted = 0;
   }
   Truncate(type_, levels_, to);
@@ -231,35 +274,54 @@ void BvhState::CloseGaps() {
 std::size_t BvhTree::RebuildPartial(std::size_t objects) {
   BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::RebuildPartial";
-  if (tree.block_ == nullptr || objects == 0 || tree.levels_.count == 1)
-    return 0;
+  if (tree.slots() == 0 || objects == 0 || tree.levels_.count == 1) return 0;
   tree.CheckChange(kCall);
   const std::size_t parts = PartsOf(tree.header().slots);
-  const Scratch memory(tree.memory_,
-                       parts * sizeof(std::pair<double, std::size_t>));
-  auto* const worst =
-      reinterpret_cast<std::pair<double, std::size_t>*>(memory.data());
-  std::size_t bad = 0;
+  const Scratch memory(tree.memory_, parts * sizeof(WornPart));
+  auto* const worn = reinterpret_cast<WornPart*>(memory.data());
   dispatch::InDefaultFpMode([&] {
+    const BvhLevels& levels = tree.levels_;
+    const auto bound_of = [&](std::size_t part) {
+      return BoundOf(tree.type_, levels, PartAt(levels, part));
+    };
     for (std::size_t part = 0; part < parts; ++part) {
-      const BvhPart as_is =
-          AsIs(tree.type_, tree.levels_, PartAt(tree.levels_, part));
-      const double excess =
-          as_is.cost - CostAsBuilt(tree.levels_.built[part], as_is.objects);
-      if (excess > 0) worst[bad++] = {-excess, part};
+      const BvhPart as_is = AsIs(tree.type_, levels, PartAt(levels, part));
+      const double growth =
+          as_is.cost - CostAsBuilt(levels.built[part], as_is.objects);
+      // No number, in an altered blob, has no place in an order.
+      worn[part] = {0, growth > 0 ? growth : 0, part};
     }
+    WornPart& most = *std::max_element(
+        worn, worn + parts,
+        [](const auto& a, const auto& b) { return a.growth < b.growth; });
+    const Values bound = bound_of(most.part);
+    const Values world = BoundOf(tree.type_, levels, {0, tree.slots()});
+    for (std::size_t part = 0; part < parts && most.growth > 0; ++part) {
+      worn[part].overlap = Overlap(tree.type_, bound, bound_of(part), world);
+    }
+    most.overlap = 2;  // the first
   });
-  std::sort(worst, worst + bad);
-  bad = std::min(bad, std::max<std::size_t>(1, objects / kPartSlots));
-  if (bad == 0) return 0;
+  // Objects that moved from one part to another change places with objects of
+  // the parts that overlap theirs. A part that is sorted by itself keeps its
+  // objects, wherever they go.
+  std::sort(worn, worn + parts, [](const auto& a, const auto& b) {
+    return std::tie(a.overlap, a.growth) > std::tie(b.overlap, b.growth);
+  });
+  if (!(worn[0].growth > 0)) return 0;
+  std::size_t bad = 1;
+  const std::size_t most = std::max<std::size_t>(2, objects / kPartSlots);
+  while (bad < std::min(most, parts) &&
+         (worn[bad].overlap > 0 || worn[bad].growth > 0)) {
+    ++bad;
+  }
   // The slots keep their places, and so their nodes: in the order of the parts
   // the objects of a part stay near each other.
-  std::sort(worst, worst + bad,
-            [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::sort(worn, worn + bad,
+            [](const auto& a, const auto& b) { return a.part < b.part; });
   const Scratch list(tree.memory_, bad * sizeof(SlotRange));
   auto* const ranges = reinterpret_cast<SlotRange*>(list.data());
   for (std::size_t w = 0; w < bad; ++w) {
-    ranges[w] = PartAt(tree.levels_, worst[w].second);
+    ranges[w] = PartAt(tree.levels_, worn[w].part);
   }
   return tree.Resort(kCall, {ranges, bad}, {});
 }

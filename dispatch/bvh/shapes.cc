@@ -102,7 +102,6 @@ class Prepared {
                          WalkFunction count) {
       walk.queries = query;
       walk.query_count = 1;
-      if (walk.run != nullptr) return walk.run(walk, find);
       (walk.ids != nullptr ? find : count)(walk);
     };
     const BvhShapeKernels& shapes =
@@ -318,8 +317,7 @@ void BvhWalkShapes(const BvhType& world, const BvhQueries& queries,
     return queries.kind->at(queries.first, q);
   };
   const bool finds_nothing =
-      walk.run == nullptr &&
-      (walk.levels->level[0].size == 0 || options.mask == 0);
+      walk.levels->level[0].size == 0 || options.mask == 0;
   if (queries.count != 1 || finds_nothing) {
     dispatch::InDefaultFpMode([&] {
       for (std::size_t q = 0; q < queries.count; ++q) CheckShape(at(q), call);

@@ -113,7 +113,7 @@ void BvhState::Allocate(const BvhRoom& room) {
   header.bytes = bytes;
   header.capacity = static_cast<std::uint32_t>(room.slots);
   header.id_room = static_cast<std::uint32_t>(room.ids);
-  header.free_id = kNoId;
+  header.unused = kNoId;
   for (float& base : levels_.map->base) base = 0;
   for (float& scale : levels_.map->scale) scale = 1;
 }

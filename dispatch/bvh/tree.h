@@ -7,6 +7,7 @@
 #include <new>
 
 #include "dispatch/bvh/layout.h"
+#include "dispatch/bvh/used_ids.h"
 #include "halfspace/bvh.h"
 #include "halfspace/memory.h"
 #include "halfspace/span.h"
@@ -64,16 +65,18 @@ class BvhState {
   void Swap(BvhState& other) noexcept;
   void Free();
   BvhHeader& header() const { return *reinterpret_cast<BvhHeader*>(block_); }
+  // If there are slots by id.
+  UsedIds Used() const { return {levels_.used, header().id_room}; }
   BvhRoom Room() const;
   void Allocate(const BvhRoom& room);
   void CheckBuild(std::size_t objects, const BuildOptions& options) const;
   void BuildIn(const BvhRoom& room, const Columns& objects,
                const BuildOptions& options);
-  // Does the work of InsertAs() if the tree is empty.
-  void BuildAs(Span<const std::uint32_t> ids, const Columns& bounds);
   // Throws if ids and slots do not belong together, as in an altered blob:
   // changes would write anywhere.
   void CheckLoaded(const char* call);
+  // Gives a block with the layout of `format` that of today.
+  void Convert(const BvhFormat& format);
   // What a blob with other ids has, or null if the ids are right.
   const char* FindWrongIds() const;
   // The same as CheckLoaded(), and throws if no target can be chosen.
@@ -88,9 +91,13 @@ class BvhState {
   std::size_t FirstDue(std::size_t added) const;
   bool SortDue(std::size_t added, const BvhRoom& room, const char* call);
   std::size_t FindSlot(const float* values) const;
-  std::uint32_t TakeId();
+  // Throws unless all are free, and each is in the list once.
+  void CheckNewIds(Span<const std::uint32_t> ids, const char* call) const;
   void Put(std::size_t slot, std::uint32_t id, const float* values);
-  void EncodeAppended(std::size_t begin, const char* call);
+  // Adds objects behind the last slot, under the ids that id_of(i) returns.
+  template <typename IdOf>
+  void Append(const Columns& bounds, const BvhRoom& room, const IdOf& id_of,
+              const char* call);
   void Remove(std::uint32_t id);
   bool HasManyGaps() const;
   void AppendSlot();

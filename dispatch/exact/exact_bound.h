@@ -15,6 +15,7 @@
 #include <string_view>
 
 #include "dispatch/errors/error.h"
+#include "dispatch/errors/number_checks.h"
 #include "dispatch/exact/default_fp_mode.h"
 #include "dispatch/exact/outward.h"
 #include "halfspace/bounds.h"
@@ -125,16 +126,6 @@ void CheckOrder(std::string_view call, const Corner& min, const Corner& max) {
   for (std::size_t k = 0; k < min.size(); ++k) {
     if (min[k] > max[k]) ThrowInverted(call, k, min[k], max[k]);
   }
-}
-
-// Throws unless `length` is 0 or more; infinity is left to the builder. Only in
-// the default mode.
-template <typename Scalar>
-void CheckLength(std::string_view call, std::string_view argument,
-                 Scalar length) {
-  if (length >= Scalar{0}) return;
-  ThrowInvalid(call, argument, "a number that is not negative",
-               Shortest(length));
 }
 
 // Counts the result; std::nullopt means that it cannot be bounded. Only in the

@@ -21,49 +21,6 @@ using dispatch::ThrowInvalid;
 using kernels::FitJob;
 using kernels::FitTally;
 
-std::string PlaneName(const Output& output, std::size_t plane) {
-  return dispatch::PlaneName("planes",
-                             static_cast<std::size_t>(output.dims) + 1, plane);
-}
-
-template <typename Visit>
-void ForEachPlane(const Output& output, const Visit& visit) {
-  for (std::size_t p = 0; p < output.planes.size(); ++p) {
-    if (((output.wanted >> p) & 1) != 0) visit(p, output.planes[p]);
-  }
-}
-
-void CheckOutput(const Output& output, std::string_view call) {
-  dispatch::CheckAddressable(call, "planes.size", output.size, sizeof(float));
-  ForEachPlane(output, [&](std::size_t p, const float* plane) {
-    CheckPointer(
-        call, plane, alignof(float), [&] { return PlaneName(output, p); },
-        [&] { return std::to_string(output.size) + " floats"; });
-  });
-}
-
-// Every wanted plane must lie apart from `bytes` bytes of something else.
-template <typename Name>
-void CheckApart(const Output& output, const void* other, std::size_t bytes,
-                const Name& name, std::string_view call) {
-  ForEachPlane(output, [&](std::size_t p, const float* plane) {
-    if (Overlap(plane, output.size * sizeof(float), other, bytes)) {
-      dispatch::ThrowOverlap(call, PlaneName(output, p), name());
-    }
-  });
-}
-
-void CheckPlanesApart(const Output& output, std::string_view call) {
-  Output earlier = output;
-  earlier.wanted = 0;
-  ForEachPlane(output, [&](std::size_t p, float* plane) {
-    CheckApart(
-        earlier, plane, output.size * sizeof(float),
-        [&] { return PlaneName(output, p); }, call);
-    earlier.Want(p, plane);
-  });
-}
-
 void CheckSize(std::string_view call, std::string_view argument,
                std::size_t given, std::size_t expected) {
   if (given == expected) return;
@@ -100,7 +57,7 @@ class Call {
     const auto name = [&] { return argument; };
     CheckPointer(name_, begin, alignment, name,
                  [] { return "readable memory"; });
-    CheckApart(output_, begin, bytes, name, name_);
+    CheckApart(begin, bytes, name);
   }
 
   Target Run(Span<const std::uint32_t> indices, Span<const std::size_t> ends,
@@ -156,16 +113,54 @@ class Call {
     }
   }
 
+  std::string PlaneName(std::size_t plane) const {
+    return dispatch::PlaneName(
+        "planes", static_cast<std::size_t>(source_.dims) + 1, plane);
+  }
+
+  template <typename Visit>
+  void ForEachPlane(const Visit& visit) const {
+    for (std::size_t p = 0; p < output_.planes.size(); ++p) {
+      if (((output_.wanted >> p) & 1) != 0) visit(p, output_.planes[p]);
+    }
+  }
+
+  // Planes before plane `end` must lie apart from `bytes` bytes of something
+  // else.
+  template <typename Name>
+  void CheckApart(const void* other, std::size_t bytes, const Name& name,
+                  std::size_t end = kMaxPlanes) const {
+    ForEachPlane([&](std::size_t p, const float* plane) {
+      if (p < end &&
+          Overlap(plane, output_.size * sizeof(float), other, bytes)) {
+        dispatch::ThrowOverlap(name_, PlaneName(p), name());
+      }
+    });
+  }
+
+  void CheckOutput() const {
+    dispatch::CheckAddressable(name_, "planes.size", output_.size,
+                               sizeof(float));
+    ForEachPlane([&](std::size_t p, const float* plane) {
+      CheckPointer(
+          name_, plane, alignof(float), [&] { return PlaneName(p); },
+          [&] { return std::to_string(output_.size) + " floats"; });
+    });
+    ForEachPlane([&](std::size_t p, const float* plane) {
+      CheckApart(
+          plane, output_.size * sizeof(float), [&] { return PlaneName(p); }, p);
+    });
+  }
+
   void Check() const {
     CheckSource();
-    CheckOutput(output_, name_);
-    CheckPlanesApart(output_, name_);
+    CheckOutput();
     for (std::size_t c = 0; c < source_.column_count; ++c) {
       CheckApart(
-          output_, source_.columns.column[c],
+          source_.columns.column[c],
           dispatch::ColumnBytes(source_.columns.size, source_.columns.stride,
                                 source_.columns.scalar_bytes()),
-          [&] { return ColumnName(c); }, name_);
+          [&] { return ColumnName(c); });
     }
   }
 

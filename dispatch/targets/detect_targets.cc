@@ -38,6 +38,7 @@ X86Machine ReadMachine() {
   const Registers leaf7 = leaf0.eax >= 7 ? Cpuid(7) : Registers();
   const Registers leaf7_1 = leaf7.eax >= 1 ? Cpuid(7, 1) : Registers();
   X86Machine machine;
+  machine.leaf1_eax = leaf1.eax;
   machine.leaf1_ecx = leaf1.ecx;
   machine.leaf1_edx = leaf1.edx;
   machine.leaf7_ebx = leaf7.ebx;

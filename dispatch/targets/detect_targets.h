@@ -18,6 +18,7 @@ namespace halfspace::dispatch {
 
 // Registers by CPUID's leaf, and subleaf. What a CPU does not have is 0.
 struct X86Machine {
+  std::uint32_t leaf1_eax = 0;
   std::uint32_t leaf1_ecx = 0;
   std::uint32_t leaf1_edx = 0;
   std::uint32_t leaf7_ebx = 0;
@@ -133,14 +134,26 @@ constexpr std::int64_t TargetsOf(const Aarch64Machine& machine) {
 // told that it may use without a check.
 std::int64_t DetectTargets();
 
+// The family of a CPU, by leaf 1.
+constexpr std::uint32_t FamilyOf(const X86Machine& machine) {
+  const std::uint32_t family = machine.leaf1_eax >> 8 & 0xf;
+  return family < 0xf ? family : family + (machine.leaf1_eax >> 20 & 0xff);
+}
+
 // Returns whether a machine scans planes out of the caches faster if a kernel
-// streams them, two at a time. On x86 only AMD's CPUs from Zen 4 on do, which
-// are those with AVX-512. On a Zen 3, streaming took 1.1 to 1.6 times as long
-// as all planes at once in L2 and L3, and 1.0 to 1.2 times in memory (AVX2). On
-// a Xeon of the Sapphire Rapids class it took up to 1.26 times as long in L2
-// (AABB, AVX-512), and up to 1.13 times in memory (AABO, SSE4).
+// streams them, two at a time. On x86 only AMD's Zen 4 does: family 19h, and
+// AVX-512, which a Zen 3 of the same family lacks. Streaming takes this many
+// times as long as all planes at once:
+//
+//   Zen 3 (AVX2)              1.1 to 1.6 in L2 and L3, 1.0 to 1.2 in memory
+//   Zen 5 (SSE4 to AVX-512)   1.07 to 1.7 in L2, 0.95 to 1.2 in L3, 1.2 to 2.5
+//                             in memory, beside other programs
+//   a Xeon of the Sapphire Rapids class
+//                             up to 1.26 in L2 (AABB, AVX-512), up to 1.13 in
+//                             memory (AABO, SSE4)
 constexpr bool StreamingPaysOn(const X86Machine& machine) {
-  return machine.is_amd && (TargetsOf(machine) & HWY_AVX3) != 0;
+  return machine.is_amd && FamilyOf(machine) == 0x19 &&
+         (TargetsOf(machine) & HWY_AVX3) != 0;
 }
 
 // The same of this machine, which is asked once.

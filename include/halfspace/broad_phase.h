@@ -105,7 +105,8 @@ struct BroadPhaseOptions {
   // If false, a query sees each Move() that returned before it began (in the
   // sense of happens-before): it copies the bounds that moved into the tree, if
   // no other query runs, and otherwise tests these bodies one by one. If true,
-  // queries see moves from the next Update() on. They are then faster on
+  // queries see moves from the next Update() on, or from the next
+  // UpdatePairs(), Rebuild(), Save() or copy on. They are then faster on
   // several threads, where some threads move bodies all the time.
   bool moves_wait_for_update = false;
   // If true, the broad phase has no lock: no two calls may run at the same
@@ -271,9 +272,11 @@ class BroadPhase {
   //
   // Load() replaces the bodies, masks and pairs; the options stay. From then on
   // answers and events are those that the saved broad phase would have given,
-  // in the same order. Bytes from an untrusted source are safe as far as those
-  // of Bvh::FromBlob() are. Errors: they are not from Save() of this type,
-  // byte order and format, or were cut.
+  // in the same order. Move(), Has() and Get() must not run at the same time.
+  // As with Bvh::FromBlob(), altered bytes can change results, but no call reads
+  // or writes outside the memory of the broad phase. Errors: the bytes are not
+  // from Save() of this type, byte order and format, or were cut. A handler of
+  // errors must not call longjmp then (error.h).
   template <typename Write>
   void Save(Write&& write) const {
     core_.Save(

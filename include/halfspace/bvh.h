@@ -153,12 +153,12 @@ Span<const typename Bound::Scalar> ValuesOfAll(Span<const Bound> bounds) {
 }  // namespace detail
 
 // A sorted copy of a world's bounds. The id of an object is its index in that
-// world, or what Insert() returned.
+// world, what Insert() returned, or the caller's own (InsertAs).
 //
 // Memory: one block, from the heap or from a resource of the caller's
 // (memory.h, which says what copies, moves and swap(a, b) use). Boxes in 3
 // dimensions take 41 bytes per place, 24 of them floats, or 29 with room for up
-// to 4096. They take 4 more per id after
+// to 4096. They take 4.13 more per id below the greatest after
 // the first change by id, and 4 more per place with masks. A build needs
 // 16 more bytes per object. Sorting all objects again needs up to 112.
 //
@@ -278,10 +278,9 @@ class Bvh {
     tree_.Set(ids, detail::ColumnsOf(bounds));
   }
 
-  // Adds an object whose mask is all ones, and returns its id: that of an
-  // erased object, or one more than the greatest. The object takes an empty
-  // place in a leaf that it makes grow by a 16th at most, or a new place at the
-  // end.
+  // Adds an object whose mask is all ones, and returns its id: the least that
+  // no object has. The object takes an empty place in a leaf that it makes grow
+  // by a 16th at most, or a new place at the end.
   //
   // The world sorts itself as it grows: the newest objects after every 256
   // insertions, and all objects when as many were inserted as the world had
@@ -303,6 +302,19 @@ class Bvh {
     tree_.Insert(detail::ColumnsOf(bounds), ids);
   }
 
+  // Adds objects under ids that the caller chooses: ids[i] is that of
+  // bounds[i]. Otherwise as Insert() of several objects. `bounds.size()` must
+  // be `ids.size()`. An id must be below 0xFFFFFFFF. No object may have it, and
+  // it must be in `ids` once. Otherwise the call throws and changes nothing.
+  //
+  // Ids may be any numbers, but arrays by id have the size id_limit(), and the
+  // world takes 4.13 bytes for each id below the greatest. This memory grows by
+  // half at least, so ids may also grow one by one. Ids between those in use
+  // are free. Insert() takes the least of them.
+  void InsertAs(Span<const std::uint32_t> ids, Span<const Bound> bounds) {
+    tree_.InsertAs(ids, detail::ColumnsOf(bounds));
+  }
+
   // Removes an object. Costs what Set() costs, and on average a few ns more:
   // when more than half of the places are empty, the objects move together, in
   // their order. It allocates only if it is the first change by id, or the
@@ -315,8 +327,8 @@ class Bvh {
   void Erase(Span<const std::uint32_t> ids) { tree_.Erase(ids); }
 
   // Removes all objects and keeps the block of memory. A blob in place is
-  // released instead. Ids begin at 0 again, and the mask of a new object is
-  // all ones. O(1). Never throws.
+  // released instead. Insert() begins with id 0 again, and the mask of a new
+  // object is all ones. Takes a few us per million ids. Never throws.
   void Clear() { tree_.Clear(); }
 
   // Sets the mask of one object, or of all: masks[i] is that of object i. Masks
@@ -334,7 +346,7 @@ class Bvh {
 
   // One more than the greatest id that was in use since the last Rebuild(), or
   // since the world was last empty: the size of an array by id. 0 for an empty
-  // world, also if its last object was erased: ids then begin at 0 again.
+  // world, also if its last object was erased.
   std::size_t id_limit() const { return tree_.id_limit(); }
 
   // Gives all objects new bounds, by id: bounds[i] is that of object i. Bounds
@@ -379,8 +391,8 @@ class Bvh {
   // Bvhs, and for other shapes of doubles, use Fitted() with a builder of
   // fit_many.h.
   //
-  // Set() and Insert() of a list, a build and a refit of doubles allocate 4
-  // more bytes per plane and object, and free them.
+  // A build and a refit of doubles allocate 4 more bytes per plane and object,
+  // and free them.
   template <typename Objects, typename = detail::IfOther<View, Objects>>
   explicit Bvh(const Objects& objects, const BuildOptions& options = {})
       : Bvh(options.memory) {
@@ -412,6 +424,11 @@ class Bvh {
   void Insert(const List& bounds, Span<std::uint32_t> ids) {
     tree_.Insert(detail::ColumnsOf(Doubles(bounds)), ids);
   }
+  template <typename List,
+            typename = detail::IfListOf<const detail::DoubleBound<View>, List>>
+  void InsertAs(Span<const std::uint32_t> ids, const List& bounds) {
+    tree_.InsertAs(ids, detail::ColumnsOf(Doubles(bounds)));
+  }
 
   // How much the order has decayed: the surface of all leaves (64 places each),
   // divided by the surface that as many objects had when they were last sorted.
@@ -422,12 +439,13 @@ class Bvh {
   double CostRatio() const { return tree_.CostRatio(); }
 
   // Sorts all objects, without empty places between them, and gives memory
-  // back: the block has no more room than the objects need, and 4 bytes for
+  // back: the block has no more room than the objects need, and 4.13 bytes for
   // each id up to the greatest in use. Ids stay.
   void Rebuild(const BuildOptions& options = {}) { tree_.Rebuild(options); }
 
-  // Sorts the groups of 4096 places whose surface has grown most, about
-  // `objects` objects in total and at least one group. Groups that are sorted
+  // Sorts the group of 1024 places whose surface has grown most, together with
+  // those that overlap it most and then with those that have grown most, about
+  // `objects` objects in total and at least two groups. Groups that are sorted
   // together exchange their objects. Returns the number of objects sorted, and
   // 0 if no group has grown. Takes 0.1 to 0.3 us per object.
   std::size_t RebuildPartial(std::size_t objects) {

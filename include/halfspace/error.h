@@ -77,10 +77,11 @@ class HALFSPACE_API Error : public std::invalid_argument {
 // if the compiler allows that in C++ functions, as gcc and clang do. The
 // memory of the error is then never freed.
 //
-// In three cases a handler must not call longjmp, because the library would
-// keep memory, a lock or a tree: if a function that the library called, such as
-// that of BroadPhase::ForEach() or Bvh::Fitted(), made the wrong call; if a
-// MemoryResource returned a misaligned block; and in a call of the C API.
+// In four cases a handler must not call longjmp, because the library would
+// keep memory or a lock: if a function that the library called, such as that of
+// ForEachSurvivor() or Bvh::Fitted(), made the wrong call; if a MemoryResource
+// returned a misaligned block; in BroadPhase::Load(); and in a call of the C
+// API.
 //
 // The thread that made the wrong call runs the handler, before the call ends.
 // At that time the call has written nothing, and the objects that it should

@@ -32,7 +32,7 @@
 //
 // Floating-point mode: as in bvh.h.
 //
-// Cost: that of the search (bvh_pairs.h), and 1.1 to 1.5 times as long in total
+// Cost: that of the search (bvh_pairs.h), and 1.1 to 1.6 times as long in total
 // if all objects move a little. With a list of ids, the search costs as
 // PairsOf(), and each pair of the last Update() takes 0.4 to 1 ns.
 #ifndef HALFSPACE_PAIR_EVENTS_H_
@@ -115,8 +115,10 @@ class PairEvents {
 
   // Sets the pairs, in any order, and removes all events: the next Update()
   // returns the differences to these. Store pairs() with a world (Bvh::Blob),
-  // and load both, to go on as the stored ones would. Throws (error.h) if a
-  // pair does not have a < b and b < 2^31, or is in the list twice.
+  // and load both, to go on as the stored ones would. A pair of ids that the
+  // world does not have ends at one of the next calls of Update(). Throws
+  // (error.h) if a pair does not have a < b and b < 2^31, or is in the list
+  // twice.
   void Load(Span<const IdPair> pairs) { core_.Load(pairs); }
 
  private:

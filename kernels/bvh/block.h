@@ -47,9 +47,6 @@ inline constexpr std::uint32_t kBlockMask = kInsideBit - 1;
 // Where ids go.
 struct WalkIds : Results<std::uint32_t> {
   std::size_t* offsets;  // of several queries: where the last one begins
-  // Takes the survivors of one query in a leaf, instead of their ids, if not
-  // null. Returns whether to go on.
-  bool (*take)(WalkIds& ids, std::size_t block, std::uint64_t bits) = nullptr;
 };
 
 struct Walk;
@@ -69,8 +66,6 @@ struct Walk {
   // The first survivor is wanted soon: leaves are read when they are found, and
   // not several at a time, until the first flush().
   bool is_urgent;
-  // Runs the walk of a prepared shape, if not null, and sets the levels.
-  void (*run)(const Walk& walk, WalkFunction find) = nullptr;
 };
 
 // Blocks begin ... end - 1 of a level: encodes each, if there are codes, and

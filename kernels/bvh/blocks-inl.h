@@ -305,12 +305,12 @@ HWY_NOINLINE void EncodePlane(const float* plane, float base, float scale,
   }
 }
 
-// The outermost values of a block in the order of its planes, if min <= max on
-// each axis of all 64 places. Then there is no NaN to look for. Otherwise
-// false.
+// Writes the outermost values of a block in the order of its planes, which are
+// right if there is no NaN. Returns whether min <= max on each axis of all 64
+// places. Then there is none.
 template <size_t kAxes>
-HWY_INLINE bool OutermostIfOrdered(const detail::BvhLevel& level, size_t block,
-                                   float* outermost) {
+HWY_INLINE bool OutermostOf(const detail::BvhLevel& level, size_t block,
+                            float* outermost) {
   const hn::CappedTag<float, 16> d;
   auto ordered = hn::Le(hn::Zero(d), hn::Zero(d));
   for (size_t k = 0; k < kAxes; ++k) {
@@ -331,6 +331,19 @@ HWY_INLINE bool OutermostIfOrdered(const detail::BvhLevel& level, size_t block,
     outermost[kAxes + k] = -(LeastLane(d, hn::Neg(greatest)) + 0.0f);
   }
   return hn::AllTrue(d, ordered);
+}
+
+// An erased object is inverted, and has no NaN.
+template <size_t kPlanes>
+HWY_INLINE bool HasNaN(const detail::BvhLevel& level, size_t block) {
+  const hn::CappedTag<float, 16> d;
+  const float* const values = level.Plane(block, 0);
+  auto numbers = hn::Eq(hn::Zero(d), hn::Zero(d));
+  for (size_t i = 0; i < kPlanes * detail::kBlockObjects; i += hn::Lanes(d)) {
+    const auto v = hn::LoadU(d, values + i);
+    numbers = hn::And(numbers, hn::Eq(v, v));
+  }
+  return !hn::AllTrue(d, numbers);
 }
 
 // Whether all places up to the last object have one, with min <= max on each
@@ -428,14 +441,15 @@ HWY_INLINE bool EncodeNode(const detail::BvhLevel& level, size_t block,
   constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
   bool is_changed = AssignBit(above.present, block, level.present[block] != 0);
   float planes[kPlanes];
-  bool is_ordered = false;
+  bool is_right = false;
   if constexpr (kHasMax) {
-    is_ordered = OutermostIfOrdered<kAxes>(level, block, planes);
+    const bool is_ordered = OutermostOf<kAxes>(level, block, planes);
     const bool is_regular = (is_ordered && level.regular == nullptr) ||
                             IsRegular<kAxes>(level, block);
     is_changed |= AssignBit(above.regular, block, is_regular);
+    is_right = is_ordered || !HasNaN<kPlanes>(level, block);
   }
-  if (!is_ordered) {
+  if (!is_right) {
     for (size_t k = 0; k < kAxes; ++k) {
       planes[k] = LeastOfPlane<false>(level.Plane(block, k));
       if constexpr (kHasMax) {
@@ -455,7 +469,17 @@ template <size_t kAxes, bool kHasMax>
 void EncodeBlocks(const detail::BlockRange& range) {
   constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
   const detail::BvhLevel& level = *range.level;
+  // Of a list that changes few blocks, eight unchanged ones at a time.
+  const auto are_unchanged = [&range](size_t b) HWY_ATTR {
+    const uint64_t* const words = range.changed + (b - range.begin);
+    uint64_t any = 0;
+    for (size_t i = 0; i < 8; ++i) any |= words[i];
+    return any == 0;
+  };
   for (size_t b = range.begin; b < range.end; ++b) {
+    while (range.changed != nullptr && b + 8 < range.end && are_unchanged(b)) {
+      b += 8;
+    }
     const uint64_t changed = range.changed == nullptr
                                  ? ~uint64_t{0}
                                  : range.changed[b - range.begin];

@@ -62,12 +62,13 @@ struct BvhLevels {
   std::array<BvhLevel, kMostLevels> level{};
   CodeMap* map = nullptr;
   // Block after block as the floats of level 0. Null with room for up to 4096
-  // objects, or if BvhType::has_codes is false: a query then reads the floats.
+  // objects: a query then reads the floats.
   std::int16_t* codes = nullptr;
   std::uint32_t* ids = nullptr;  // of objects, by slot; kNoId of none
-  // By id, the slot; of a free id the next that is free. Null until a change.
+  // By id, the slot; of a free id any number. Null until a change.
   std::uint32_t* slots = nullptr;
-  BvhPart* built = nullptr;  // 4096 slots each, when they were last sorted
+  std::uint64_t* used = nullptr;  // a UsedIds of all objects, with `slots`
+  BvhPart* built = nullptr;       // 1024 slots each, when they were last sorted
 };
 
 }  // namespace halfspace::detail

@@ -401,10 +401,6 @@ class Walker {
   HWY_NOINLINE bool Take(size_t query, size_t block, uint64_t bits) {
     if constexpr (kWrites) {
       detail::WalkIds& ids = *walk_.ids;
-      if (ids.take != nullptr) {
-        many_leaves_ = kManyLeaves;
-        return ids.take(ids, block, bits);
-      }
       const size_t first = block * detail::kBlockObjects;
       ids.next = WriteIds(
           bits, levels_.ids + first,
@@ -488,7 +484,7 @@ class PlainWalk {
     }
     if constexpr (kWrites) {
       const detail::WalkIds& ids = *walk_.ids;
-      if (ids.offsets != nullptr || ids.take != nullptr) return false;
+      if (ids.offsets != nullptr) return false;
     }
     if (objects.size <= detail::kBlockObjects) {
       const uint64_t kept = TestFloats<kAxes, true, true>(objects, 0, query_);

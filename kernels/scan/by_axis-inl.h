@@ -42,6 +42,10 @@ struct Left {
   // the groups. Measured on a box: at 3 % of the world's side the second axis
   // finds 63 % of the groups and the third 6 %, at 10 % 96 % and 48 %.
   bool IsMany() const { return 8 * some > 3 * all; }
+
+  // Whether the next axis is expected to leave many, too: objects of about 7 %
+  // of the world's side and more.
+  bool IsAlmostAll() const { return 8 * some > 7 * all; }
 };
 
 // Tests the planes of axes `axis`, `axis` + 1, ... for each bit of the words,
@@ -70,9 +74,9 @@ HWY_INLINE void TestBits(const detail::Scan& scan, const T* values, size_t axis,
 
 // Tests the planes of the first kFirst axes for all objects of a tile, then
 // those of one axis after the other, for the groups that still have a survivor.
-// If many groups are left, it tests all of them. Returns how many groups had a
-// survivor after the first axes. In plain code it calls TestBits() and returns
-// nothing.
+// If many groups are left, it tests all of them, and two axes at once if almost
+// all are. Returns how many groups had a survivor after the first axes. In
+// plain code it calls TestBits() and returns nothing.
 //
 // The groups are found by vectors and visited by their bits, because which
 // groups survive cannot be predicted: a branch for each took three times as
@@ -89,25 +93,34 @@ HWY_INLINE Left TileByAxis(const detail::Scan& scan, const T* values,
   const auto max_plane = [&](size_t k) {
     return scan.Plane<T>(axes + k) + first;
   };
+  // Calls take(w, kept bits) for each word, of one axis or of two.
+  const auto test_axis = [&](size_t k, const auto& take) HWY_ATTR {
+    const T* planes[] = {min_plane(k), max_plane(k)};
+    const auto max = hn::Set(d, max_values[k]);
+    const auto min = hn::Set(d, values[k]);
+    for (size_t w = 0; w < words; ++w) {
+      take(w, KeptBits<1>(d, LoadAll(), planes, w * kWordObjects, max, min));
+    }
+  };
+  const auto test_two_axes = [&](size_t k, const auto& take) HWY_ATTR {
+    const T* planes[] = {min_plane(k), min_plane(k + 1), max_plane(k),
+                         max_plane(k + 1)};
+    const auto max0 = hn::Set(d, max_values[k]);
+    const auto max1 = hn::Set(d, max_values[k + 1]);
+    const auto min0 = hn::Set(d, values[k]);
+    const auto min1 = hn::Set(d, values[k + 1]);
+    for (size_t w = 0; w < words; ++w) {
+      take(w, KeptBits<2>(d, LoadAll(), planes, w * kWordObjects, max0, max1,
+                          min0, min1));
+    }
+  };
+  const auto write = [row](size_t w, uint64_t kept) { row[w] = kept; };
+  const auto add = [row](size_t w, uint64_t kept) { row[w] &= kept; };
+  static_assert(kFirst == 1 || kFirst == 2);
   if constexpr (kFirst == 1) {
-    const T* planes[] = {min_plane(0), max_plane(0)};
-    const auto max = hn::Set(d, max_values[0]);
-    const auto min = hn::Set(d, values[0]);
-    for (size_t w = 0; w < words; ++w) {
-      row[w] = KeptBits<1>(d, LoadAll(), planes, w * kWordObjects, max, min);
-    }
+    test_axis(0, write);
   } else {
-    static_assert(kFirst == 2);
-    const T* planes[] = {min_plane(0), min_plane(1), max_plane(0),
-                         max_plane(1)};
-    const auto max0 = hn::Set(d, max_values[0]);
-    const auto max1 = hn::Set(d, max_values[1]);
-    const auto min0 = hn::Set(d, values[0]);
-    const auto min1 = hn::Set(d, values[1]);
-    for (size_t w = 0; w < words; ++w) {
-      row[w] = KeptBits<2>(d, LoadAll(), planes, w * kWordObjects, max0, max1,
-                           min0, min1);
-    }
+    test_two_axes(0, write);
   }
   if constexpr (!kHasVectors) {
     TestBits(scan, values, kFirst, first, words, row);
@@ -116,29 +129,23 @@ HWY_INLINE Left TileByAxis(const detail::Scan& scan, const T* values,
   uint64_t groups[kTileWords * kWordGroups / 64] = {};
   const Left after_first{NonzeroGroups<kGroupObjects>(row, words, groups),
                          words * kWordGroups};
-  size_t left = after_first.some;
+  Left left = after_first;
   for (size_t k = kFirst; k < axes; ++k) {
-    const T* planes[] = {min_plane(k), max_plane(k)};
-    const auto max = hn::Set(d, max_values[k]);
-    const auto min = hn::Set(d, values[k]);
-    if (Left{left, after_first.all}.IsMany()) {
-      for (size_t w = 0; w < words; ++w) {
-        row[w] &= KeptBits<1>(d, LoadAll(), planes, w * kWordObjects, max, min);
-      }
+    if (k + 1 < axes && left.IsAlmostAll()) {
+      test_two_axes(k++, add);
+    } else if (left.IsMany()) {
+      test_axis(k, add);
     } else {
-      for (size_t g = 0; g < words * kWordGroups; g += 64) {
-        for (uint64_t bits = groups[g / 64]; bits != 0; bits &= bits - 1) {
-          const size_t offset =
-              (g + hwy::Num0BitsBelowLS1Bit_Nonzero64(bits)) * kGroupObjects;
-          const uint64_t rejected =
-              KeptBits<1, kGroupObjects>(d, LoadAll(), planes, offset, max,
-                                         min) ^
-              kLowBits<kGroupObjects>;
-          row[offset / kWordObjects] &= ~(rejected << offset % kWordObjects);
-        }
-      }
+      const T* planes[] = {min_plane(k), max_plane(k)};
+      const auto max = hn::Set(d, max_values[k]);
+      const auto min = hn::Set(d, values[k]);
+      VisitGroups<kGroupObjects>(groups, words, row, [&](size_t i) HWY_ATTR {
+        return KeptBits<1, kGroupObjects>(d, LoadAll(), planes, i, max, min);
+      });
     }
-    if (k + 1 < axes) left = NonzeroGroups<kGroupObjects>(row, words, groups);
+    if (k + 1 < axes) {
+      left.some = NonzeroGroups<kGroupObjects>(row, words, groups);
+    }
   }
   return after_first;
 }

@@ -86,6 +86,21 @@ HWY_INLINE size_t NonzeroGroups(const uint64_t* words, size_t count,
   return found;
 }
 
+// kept(i) is the bits of the group that begins at object i. Clears the other
+// bits in the row, for each group of `words` words that has a bit in `groups`.
+template <size_t kGroup, class Kept>
+HWY_INLINE void VisitGroups(const uint64_t* groups, size_t words,
+                            uint64_t* HWY_RESTRICT row, const Kept& kept) {
+  for (size_t w = 0; w < words; w += kGroup) {
+    for (uint64_t bits = groups[w / kGroup]; bits != 0; bits &= bits - 1) {
+      const size_t i =
+          w * kWordObjects + hwy::Num0BitsBelowLS1Bit_Nonzero64(bits) * kGroup;
+      const uint64_t rejected = kept(i) ^ kLowBits<kGroup>;
+      row[i / kWordObjects] &= ~(rejected << i % kWordObjects);
+    }
+  }
+}
+
 // NonzeroWords() as a function (words.cc).
 uint64_t FindNonzeroWords(const uint64_t* words, size_t count);
 

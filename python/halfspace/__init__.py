@@ -7,7 +7,7 @@
     ids, distances = tree.nearest(points, k=8)
     i, j = hs.join(tree, hs.BVH(boxes2))
 
-    bodies = hs.BroadPhase(max_ids=1000)       # boxes that move in each frame
+    bodies = hs.BroadPhase()                   # boxes that move in each frame
 """
 
 from typing import List

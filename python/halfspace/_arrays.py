@@ -15,7 +15,8 @@ from . import _arrow, _halfspace
 # A BVH has fewer objects than this.
 MOST_OBJECTS = 2**31
 MOST_THREADS = 4096
-ALL_MASKS = 2**64 - 1
+ALL_MASKS = 2**32 - 1
+MOST_SIZE = 2**64 - 1
 NO_ID = 2**32 - 1
 MOST_FLOAT = float(np.finfo(np.float32).max)
 
@@ -188,24 +189,22 @@ def ids(value: Any, name: str) -> np.ndarray:
 
 
 def masks(categories: Any, collides_with: Any, count: int) -> np.ndarray:
-    """Rows of a category and what it collides with, as uint64. No rows if both are None."""
+    """Rows of a category and what it collides with, as uint32. No rows if both are None."""
     if categories is None and collides_with is None:
-        return np.empty((0, 2), np.uint64)
-    table: np.ndarray = np.empty((count, 2), np.uint64)
-    table[:, 0] = 1 if categories is None else _masks(categories, "categories", count)
-    table[:, 1] = (
-        ALL_MASKS
-        if collides_with is None
-        else _masks(collides_with, "collides_with", count)
-    )
+        return np.empty((0, 2), np.uint32)
+    table: np.ndarray = np.full((count, 2), ALL_MASKS, np.uint32)
+    if categories is not None:
+        table[:, 0] = _masks(categories, "categories", count)
+    if collides_with is not None:
+        table[:, 1] = _masks(collides_with, "collides_with", count)
     return table
 
 
-def masks_of_each(value: Any, count: int) -> np.ndarray:
+def masks_of_each(value: Any, name: str, count: int) -> np.ndarray:
     """A mask for each row, or no mask if `value` is None."""
     if value is None:
-        return np.empty(0, np.uint64)
-    return np.full(count, _masks(value, "masks", count))
+        return np.empty(0, np.uint32)
+    return np.full(count, _masks(value, name, count))
 
 
 def _masks(value: Any, name: str, count: int) -> np.ndarray:
@@ -216,24 +215,24 @@ def _masks(value: Any, name: str, count: int) -> np.ndarray:
             f"got shape {array.shape}"
         )
     if array.dtype.kind not in "iu" and array.size:
-        raise TypeError(f"{name}: expected integers of 64 bits, got {array.dtype}")
-    bad = np.atleast_1d(array < 0)
+        raise TypeError(f"{name}: expected integers of 32 bits, got {array.dtype}")
+    bad = np.atleast_1d((array < 0) | (array > ALL_MASKS))
     if bad.any():
         i = int(bad.argmax())
         raise ValueError(
-            f"{name}[{i}]: expected an integer that is not negative, got "
+            f"{name}[{i}]: expected an integer from 0 to 2^32 - 1, got "
             f"{np.atleast_1d(array)[i]}"
         )
-    return array.astype(np.uint64)
+    return array.astype(np.uint32)
 
 
 def mask(value: Optional[int]) -> int:
-    """64 bits. None means all."""
+    """32 bits. None means all."""
     if value is None:
         return ALL_MASKS
     number = _integer(value, "mask")
     if not 0 <= number <= ALL_MASKS:
-        raise ValueError(f"mask: expected an integer from 0 to 2^64 - 1, got {number}")
+        raise ValueError(f"mask: expected an integer from 0 to 2^32 - 1, got {number}")
     return number
 
 
@@ -324,11 +323,11 @@ def positive(value: Any, name: str, most: int = 2**31 - 1) -> int:
 def budget(value: Optional[int]) -> int:
     """An integer from 0 to 2^64 - 1. None means no limit of the caller's."""
     if value is None:
-        return ALL_MASKS
+        return MOST_SIZE
     number = _integer(value, "budget")
     if number < 0:
         raise ValueError(f"budget: expected at least 0, got {number}")
-    return min(number, ALL_MASKS)
+    return min(number, MOST_SIZE)
 
 
 def _integer(value: Any, name: str) -> int:

@@ -563,10 +563,7 @@ def _load(blob: Any, name: str, verify: bool) -> _halfspace.Tree:
     try:
         return _halfspace.Tree.from_blob(data, bool(verify))
     except ValueError as error:
-        # Without the name of the C argument.
-        text = str(error)
-        text = text[6:] if text.startswith("data: ") else text
-        raise ValueError(f"{name}: {text}") from None
+        raise ValueError(f"{name}: {error}") from None
 
 
 def _unpickle(cls: Type[BVH], blob: Any) -> BVH:

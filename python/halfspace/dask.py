@@ -306,10 +306,9 @@ def _error_of_row(boxes, rows) -> ValueError | None:
     """The error of one box, by its row in the source and not in its partition."""
     for box, row in zip(boxes, rows):
         try:
-            hs.BVH(box[None])
+            _arrays.boxes(box, f"row {row} of boxes")
         except ValueError as error:
-            text = str(error).partition(": ")[2]
-            return ValueError(f"row {row} of boxes: {text}")
+            return error
     return None
 
 

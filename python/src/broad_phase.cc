@@ -3,7 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,20 +19,29 @@ namespace halfspace::python {
 namespace {
 
 // Of bodies of shape (n, 2): the category and what it collides with.
-using Masks = py::array_t<std::uint64_t, py::array::c_style>;
+using Masks = ShortIds;
 using Pairs = std::vector<hs_id_pair>;
 
 // Queries of one part. A part whose ids do not fit runs twice.
 constexpr std::size_t kInPart = 64;
 
-// The object of Python. Needs no lock of its own: see c/halfspace.h.
+// The object of Python. It has the lock of the broad phase, and one for the
+// pairs of the last update, which are the memory of the broad phase.
 struct Bodies {
+  Bodies(hs_broad_phase* its_bodies, std::size_t its_dims, hs_kind its_kind)
+      : bodies(its_bodies),
+        dims(its_dims),
+        kind(its_kind),
+        values(hs_bound_values(its_kind)) {}
+
   std::unique_ptr<hs_broad_phase, Destroy<&hs_broad_phase_destroy>> bodies;
   std::size_t dims;
   hs_kind kind;
   std::size_t values;  // of a record
+  std::mutex pairs;
 
   hs_broad_phase* get() const { return bodies.get(); }
+  bool is_of_boxes() const { return kind == HS_BOX2 || kind == HS_BOX3; }
 };
 
 // Calls a C function without the interpreter's lock.
@@ -48,9 +59,8 @@ Value Ask(const Bodies& bodies) {
 }
 
 // The same for a function that runs its parts on threads.
-template <auto kFunction, typename... Arguments>
-void Update(const Bodies& bodies, std::size_t budget, std::size_t threads,
-            Arguments... arguments) {
+template <auto kFunction>
+void Update(const Bodies& bodies, std::size_t budget, std::size_t threads) {
   Work work(threads, py::none());
   Threads its_threads{work, 1, 0, 0};
   hs_update_options options;
@@ -59,7 +69,7 @@ void Update(const Bodies& bodies, std::size_t budget, std::size_t threads,
   options.run = &Threads::Run;
   options.run_context = &its_threads;
   const py::gil_scoped_release release;
-  its_threads.Check(kFunction(bodies.get(), &options, arguments...));
+  its_threads.Check(kFunction(bodies.get(), &options));
 }
 
 // Writes the records of boxes.
@@ -76,7 +86,7 @@ std::size_t Length(const ShortIds& ids) {
 
 // The masks of `count` bodies, or null if there are no masks.
 const hs_body_masks* MasksIn(const Masks& masks, std::size_t count) {
-  static_assert(sizeof(hs_body_masks) == 2 * sizeof(std::uint64_t));
+  static_assert(sizeof(hs_body_masks) == 2 * sizeof(std::uint32_t));
   if (masks.ndim() != 2 || masks.shape(1) != 2) ThrowNotPrepared();
   if (masks.shape(0) == 0) return nullptr;
   if (masks.shape(0) != Size(count)) ThrowNotPrepared();
@@ -90,18 +100,22 @@ Columns BoundsOf(const ShortIds& ids, const py::tuple& arrays) {
   return bounds;
 }
 
-std::unique_ptr<Bodies> MakeBodies(std::size_t max_ids, std::size_t dims,
-                                   bool is_aabo, float margin) {
+std::unique_ptr<Bodies> MakeBodies(std::size_t dims, bool is_aabo,
+                                   bool moves_wait_for_update) {
   hs_broad_phase_config config;
   Check(hs_broad_phase_config_default(&config, sizeof(config)));
   config.kind = is_aabo ? (dims == 2 ? HS_OCTAHEDRON2 : HS_OCTAHEDRON3)
                         : (dims == 2 ? HS_BOX2 : HS_BOX3);
-  config.margin = margin;
-  config.max_ids = max_ids;
+  config.moves_wait_for_update = moves_wait_for_update ? 1 : 0;
   hs_broad_phase* bodies = nullptr;
   Check(hs_broad_phase_create(&config, &bodies));
-  return std::unique_ptr<Bodies>(new Bodies{
-      {bodies, {}}, dims, config.kind, hs_bound_values(config.kind)});
+  return std::make_unique<Bodies>(bodies, dims, config.kind);
+}
+
+std::unique_ptr<Bodies> Copy(const Bodies& bodies) {
+  hs_broad_phase* copy = nullptr;
+  Call(&hs_broad_phase_copy, bodies.get(), &copy);
+  return std::make_unique<Bodies>(copy, bodies.dims, bodies.kind);
 }
 
 void Insert(const Bodies& bodies, const ShortIds& ids, const py::tuple& arrays,
@@ -122,38 +136,34 @@ void SetMasks(const Bodies& bodies, const ShortIds& ids, const Masks& masks) {
        its_masks == nullptr ? 0 : Length(ids));
 }
 
-// The function of FindAll() and FindOfOne().
-auto FinderOf(const Bodies& bodies, hs_shape shape, std::uint64_t mask) {
-  return [&bodies, shape, mask](const hs_columns& queries,
-                                std::span<std::uint32_t> ids,
-                                std::size_t* offsets) {
-    std::size_t total = 0;
-    Check(hs_broad_phase_query(bodies.get(), shape, &queries, mask, ids.data(),
-                               ids.size(), offsets, &total));
-    return total;
-  };
+hs_query_options OptionsOf(std::uint32_t mask) {
+  hs_query_options options;
+  Check(hs_query_options_default(&options, sizeof(options)));
+  options.mask = mask;
+  return options;
 }
 
 // Queries of spheres, or of bounds.
-Ids Query(const Bodies& bodies, const py::tuple& arrays, std::uint64_t mask,
-          std::size_t threads) {
+Ids Query(const Bodies& bodies, const py::tuple& arrays, std::uint32_t mask,
+          std::size_t threads, py::object progress) {
   const Columns queries(arrays);
-  const bool are_spheres = queries.size == bodies.dims + 1;
-  Work work(threads, py::none());
-  return FindAll(
-      queries, kInPart, work,
-      FinderOf(bodies, are_spheres ? HS_SHAPE_SPHERE : HS_SHAPE_BOUND, mask));
+  hs_query_options options = OptionsOf(mask);
+  if (queries.size == bodies.dims + 1) options.shape = HS_SHAPE_SPHERE;
+  Work work(threads, std::move(progress));
+  Ids ids = FindAll(queries, kInPart, work,
+                    FinderOf(bodies.get(), &hs_broad_phase_query, &options));
+  work.Finish();
+  return ids;
 }
 
 py::object QueryOne(const Bodies& bodies, const py::array& array,
-                    std::uint64_t mask) {
-  const auto find = FinderOf(bodies, HS_SHAPE_BOUND, mask);
+                    std::uint32_t mask) {
+  const hs_query_options options = OptionsOf(mask);
+  const auto find = FinderOf(bodies.get(), &hs_broad_phase_query, &options);
   return FindOfOne(array, bodies.dims,
                    [&](const hs_columns& box, std::span<std::uint32_t> ids,
                        std::size_t* offsets) {
-                     if (bodies.kind == HS_BOX2 || bodies.kind == HS_BOX3) {
-                       return find(box, ids, offsets);
-                     }
+                     if (bodies.is_of_boxes()) return find(box, ids, offsets);
                      std::array<float, HS_MAX_COLUMNS> record;
                      BoundBoxes(bodies.kind, box, record.data());
                      return find(hs_float_rows(record.data(), 1, bodies.values),
@@ -161,63 +171,140 @@ py::object QueryOne(const Bodies& bodies, const py::array& array,
                    });
 }
 
-// The first body of each ray, or of each sphere or box that moves. `arrays`
-// are the directions and the limits.
+// hs_broad_phase_count() or hs_broad_phase_any().
+template <auto kFunction>
+py::array AskAll(const Bodies& bodies, const py::tuple& arrays,
+                 std::uint32_t mask, std::size_t threads, py::object progress) {
+  const Columns queries(arrays);
+  const hs_query_options options = OptionsOf(mask);
+  Work work(threads, std::move(progress));
+  return AskEach(bodies.get(), kFunction, queries, kPartQueries, work,
+                 &options);
+}
+
+py::tuple Nearest(const Bodies& bodies, const py::tuple& arrays, std::size_t k,
+                  float max_distance, std::uint32_t mask, std::size_t threads,
+                  py::object progress) {
+  const Columns queries(arrays);
+  Work work(threads, std::move(progress));
+  return FindNearest(bodies.get(),
+                     queries.size == bodies.dims
+                         ? &hs_broad_phase_nearest_to_points
+                         : &hs_broad_phase_nearest_to_boxes,
+                     queries, k, max_distance, OptionsOf(mask), work);
+}
+
+// The first body of each ray, or of each sphere or box that moves. `motions`
+// are the directions and the limits. Rays have them too.
 py::tuple Cast(const Bodies& bodies, const py::tuple& starts,
-               const py::tuple& arrays, std::uint64_t mask,
-               std::size_t threads) {
+               const py::tuple& motions, std::uint32_t mask,
+               std::size_t threads, py::object progress) {
   const Columns from(starts);
-  const Columns motions(arrays);
-  if (from.count != motions.count) ThrowNotPrepared();
-  const hs_shape shape = from.size == bodies.dims       ? HS_SHAPE_POINT
-                         : from.size == bodies.dims + 1 ? HS_SHAPE_SPHERE
-                                                        : HS_SHAPE_BOX;
-  Work work(threads, py::none());
+  const Columns ways(motions);
+  if (from.count != ways.count) ThrowNotPrepared();
+  const hs_query_options options = OptionsOf(mask);
+  const auto cast = from.size == 2 * bodies.dims ? &hs_broad_phase_boxcast
+                                                 : &hs_broad_phase_spherecast;
+  Work work(threads, std::move(progress));
   return FindIdsAndFloats(
       from, 1, kPartQueries, work,
       [&](const hs_columns& some, std::size_t first, std::uint32_t* ids,
           float* ts) {
-        const hs_columns its_motions = motions.Rows(first, kPartQueries);
-        Check(hs_broad_phase_cast(bodies.get(), shape, &some, &its_motions,
-                                  mask, ids, ts));
+        const hs_columns its_ways = ways.Rows(first, kPartQueries);
+        Check(from.size == 2 * bodies.dims + 1
+                  ? hs_broad_phase_raycast(bodies.get(), &some, 0, &options,
+                                           ids, ts)
+                  : cast(bodies.get(), &some, &its_ways, &options, ids, ts));
       });
 }
 
 // An array of shape (n, 2).
-ShortIds ToArray(const Pairs& pairs) {
-  ShortIds ids(std::vector<std::size_t>{pairs.size(), 2});
+Ids ToArray(const Pairs& pairs) {
+  Ids ids(std::vector<std::size_t>{pairs.size(), 2});
+  static_assert(sizeof(hs_id_pair) == 2 * sizeof(std::uint32_t));
   std::copy_n(reinterpret_cast<const std::uint32_t*>(pairs.data()),
               2 * pairs.size(), ids.mutable_data());
   return ids;
 }
 
-// `masks` has an element for each id, or none.
-ShortIds PairsOf(const Bodies& bodies, const ShortIds& ids, float margin,
-                 const Masks& masks) {
-  if (masks.size() != 0 && masks.size() != ids.size()) ThrowNotPrepared();
-  const std::uint64_t* const its_masks =
-      masks.size() == 0 ? nullptr : masks.data();
+// `wanted` has an element for each id, or none.
+Ids PairsOf(const Bodies& bodies, const ShortIds& ids, float margin,
+            std::uint32_t mask, const ShortIds& wanted) {
+  if (wanted.size() != 0 && wanted.size() != ids.size()) ThrowNotPrepared();
+  hs_pair_options options;
+  Check(hs_pair_options_default(&options, sizeof(options)));
+  options.margin = margin;
+  options.mask = mask;
+  if (wanted.size() != 0) options.wanted = wanted.data();
   Pairs pairs;
-  const auto add = [](void* to, std::uint32_t a, std::uint32_t b) {
-    static_cast<Pairs*>(to)->push_back({a, b});
+  const auto add = [](void* to, const hs_id_pair* some, std::size_t count) {
+    auto& its = *static_cast<Pairs*>(to);
+    its.insert(its.end(), some, some + count);
     return HS_CONTINUE;
   };
-  Call(&hs_broad_phase_for_each_pair_of, bodies.get(), ids.data(), its_masks,
-       Length(ids), margin, add, &pairs);
+  Call(&hs_broad_phase_pairs_of_each, bodies.get(), ids.data(), Length(ids),
+       &options, add, &pairs);
   return ToArray(pairs);
 }
 
-// Appends to one of several lists.
-template <std::size_t kList>
-void Add(void* lists, std::uint32_t a, std::uint32_t b) {
-  static_cast<Pairs*>(lists)[kList].push_back({a, b});
+// With the lock of the pairs.
+template <auto kList>
+Pairs ListOf(const Bodies& bodies) {
+  const hs_id_pair* pairs = nullptr;
+  std::size_t count = 0;
+  Check(kList(bodies.get(), &pairs, &count));
+  return {pairs, pairs + count};
 }
 
-py::tuple UpdatePairs(const Bodies& bodies, std::size_t threads) {
-  std::array<Pairs, 2> events;
-  Update<&hs_broad_phase_update_pairs>(bodies, 0, threads, &Add<0>, &Add<1>,
-                                       events.data());
-  return py::make_tuple(ToArray(events[0]), ToArray(events[1]));
+py::tuple UpdatePairs(Bodies& bodies, std::size_t threads) {
+  Pairs began;
+  Pairs ended;
+  {
+    const py::gil_scoped_release release;
+    const std::scoped_lock lock(bodies.pairs);
+    {
+      const py::gil_scoped_acquire acquire;
+      Update<&hs_broad_phase_update_pairs>(bodies, 0, threads);
+    }
+    began = ListOf<&hs_broad_phase_began>(bodies);
+    ended = ListOf<&hs_broad_phase_ended>(bodies);
+  }
+  return py::make_tuple(ToArray(began), ToArray(ended));
+}
+
+Ids PairsNow(Bodies& bodies) {
+  Pairs pairs;
+  {
+    const py::gil_scoped_release release;
+    const std::scoped_lock lock(bodies.pairs);
+    pairs = ListOf<&hs_broad_phase_pairs>(bodies);
+  }
+  return ToArray(pairs);
+}
+
+// Saved bytes take less than all memory.
+py::bytes Save(const Bodies& bodies) {
+  std::string bytes;
+  {
+    const py::gil_scoped_release release;
+    hs_body_statistics its;
+    Check(hs_broad_phase_statistics(bodies.get(), &its, sizeof(its)));
+    std::size_t size = its.bytes;
+    do {
+      bytes.resize(size);
+      Check(
+          hs_broad_phase_save(bodies.get(), bytes.data(), bytes.size(), &size));
+    } while (size > bytes.size());
+    bytes.resize(size);
+  }
+  return py::bytes(bytes);
+}
+
+void Load(Bodies& bodies, const py::array_t<std::uint8_t>& bytes) {
+  const py::gil_scoped_release release;
+  const std::scoped_lock lock(bodies.pairs);
+  Check(hs_broad_phase_load(bodies.get(), bytes.data(),
+                            static_cast<std::size_t>(bytes.size())));
 }
 
 py::array_t<float> BoundsOfAll(const Bodies& bodies) {
@@ -245,8 +332,7 @@ py::dict Statistics(const Bodies& bodies) {
   hs_body_statistics its;
   Call(&hs_broad_phase_statistics, bodies.get(), &its, sizeof(its));
   using namespace py::literals;
-  return py::dict("bodies"_a = its.bodies, "pending"_a = its.pending,
-                  "pairs"_a = its.pairs, "trees"_a = its.trees,
+  return py::dict("bodies"_a = its.bodies, "pairs"_a = its.pairs,
                   "bytes"_a = its.bytes, "cost_ratio"_a = its.cost_ratio);
 }
 
@@ -278,14 +364,22 @@ void DefineBroadPhase(py::module_& module) {
       .def("rebuild", &Update<&hs_broad_phase_rebuild>)
       .def("query", &Query)
       .def("query_one", &QueryOne)
+      .def("count", &AskAll<&hs_broad_phase_count>)
+      .def("any", &AskAll<&hs_broad_phase_any>)
+      .def("nearest", &Nearest)
       .def("cast", &Cast)
       .def("pairs_of", &PairsOf)
       .def("update_pairs", &UpdatePairs)
+      .def("pairs", &PairsNow)
+      .def("copy", &Copy)
+      .def("save", &Save)
+      .def("load", &Load)
       .def("bounds", &BoundsOfAll)
       .def("get", &Get)
       .def("statistics", &Statistics)
       .def("validate", &Ask<int, &hs_broad_phase_validate>)
       .def("size", &Ask<std::size_t, &hs_broad_phase_size>)
+      .def("id_limit", &Ask<std::size_t, &hs_broad_phase_id_limit>)
       .def("has", [](const Bodies& bodies, std::uint32_t id) {
         int has = 0;
         Call(&hs_broad_phase_has, bodies.get(), id, &has);

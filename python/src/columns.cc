@@ -56,8 +56,8 @@ std::ptrdiff_t FirstBadBoxOf(const hs_columns& boxes, std::size_t dims,
 void Check(hs_status status) {
   if (status == HS_OK) return;
   if (status == HS_OUT_OF_MEMORY) throw std::bad_alloc();
-  const std::string message = hs_last_error();
-  const std::string text = message.substr(message.find(": ") + 2);
+  std::string text = hs_last_error_argument();
+  text += (text.empty() ? "" : ": ") + std::string(hs_last_error_reason());
   if (status == HS_INTERNAL) throw std::runtime_error(text);
   throw std::invalid_argument(text);
 }

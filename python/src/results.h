@@ -78,14 +78,18 @@ void ForEachPart(const Columns& queries, std::size_t in_part, Work& work,
            });
 }
 
-// The function of FindAll() and FindOfOne() that calls hs_bvh_query() or
-// hs_scan_indices().
-template <typename Object, typename Function>
-auto FinderOf(const Object* object, Function query) {
-  return [object, query](const hs_columns& queries,
-                         std::span<std::uint32_t> ids, std::size_t* offsets) {
+// The function of FindAll() and FindOfOne() that calls hs_bvh_query(),
+// hs_broad_phase_query() or hs_scan_indices().
+template <typename Object, typename Options>
+auto FinderOf(const Object* object,
+              hs_status (*query)(const Object*, const hs_columns*,
+                                 const Options*, std::uint32_t*, std::size_t,
+                                 std::size_t*, std::size_t*),
+              const Options* options = nullptr) {
+  return [=](const hs_columns& queries, std::span<std::uint32_t> ids,
+             std::size_t* offsets) {
     std::size_t total = 0;
-    Check(query(object, &queries, nullptr, ids.data(), ids.size(), offsets,
+    Check(query(object, &queries, options, ids.data(), ids.size(), offsets,
                 &total));
     return total;
   };
@@ -189,18 +193,18 @@ pybind11::array_t<Value> FindEach(const Columns& queries, std::size_t each,
 }
 
 // The numbers of hs_bvh_count() or hs_scan_counts(), or the ids of hs_bvh_any()
-// or hs_scan_any().
+// or hs_scan_any(), and those of broad phases.
 template <typename Object, typename Options, typename Value>
 pybind11::array_t<Value> AskEach(const Object* object,
                                  hs_status (*function)(const Object*,
                                                        const hs_columns*,
                                                        const Options*, Value*),
                                  const Columns& queries, std::size_t in_part,
-                                 Work& work) {
+                                 Work& work, const Options* options = nullptr) {
   return FindEach<Value>(
       queries, 1, in_part, work,
       [&](const hs_columns& some, std::size_t, Value* values) {
-        Check(function(object, &some, nullptr, values));
+        Check(function(object, &some, options, values));
       });
 }
 
@@ -224,6 +228,29 @@ pybind11::tuple FindIdsAndFloats(const Columns& queries, std::size_t each,
       found.data(), found.data() + found.size(), ids.mutable_data(),
       [](std::uint32_t id) { return id == HS_NO_ID ? -1 : std::int64_t{id}; });
   return pybind11::make_tuple(ids, floats);
+}
+
+// The ids and the distances of hs_bvh_nearest_to_points() or another such
+// function.
+template <typename Object>
+pybind11::tuple FindNearest(
+    const Object* object,
+    hs_status (*function)(const Object*, const hs_columns*, std::size_t, float,
+                          const hs_query_options*, std::uint32_t*, float*),
+    const Columns& queries, std::size_t k, float max_distance,
+    const hs_query_options& options, Work& work) {
+  // As many queries in a part as have about this number of results.
+  constexpr std::size_t kPartResults = 4096;
+  std::size_t in_part =
+      std::clamp(kPartResults / k, std::size_t{1}, kPartQueries);
+  // A search for others also finds all objects that are equal to its query.
+  if (options.exclusive != 0) in_part = std::min(in_part, std::size_t{4});
+  return FindIdsAndFloats(queries, k, in_part, work,
+                          [&](const hs_columns& some, std::size_t,
+                              std::uint32_t* ids, float* distances) {
+                            Check(function(object, &some, k, max_distance,
+                                           &options, ids, distances));
+                          });
 }
 
 }  // namespace halfspace::python

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <numeric>
 #include <span>
@@ -148,21 +147,19 @@ std::unique_ptr<Tree> FromBlob(const py::array_t<std::uint8_t>& blob,
     tree->blob = blob;
   }
   const py::gil_scoped_release release;
-  hs_status status = HS_OK;
-  for (const std::size_t dims : {3, 2}) {
-    const hs_bvh_config config = ConfigOf(dims);
-    hs_bvh* bvh = nullptr;
-    status = hs_bvh_in_place(&config, bytes, size, &bvh);
-    tree->bvh.reset(bvh);
-    tree->dims = dims;
-    // The number of dimensions is checked after the beginning and the version,
-    // and before everything else.
-    if (status != HS_CORRUPT ||
-        std::strstr(hs_last_error(), "dimensions") == nullptr) {
-      break;
-    }
+  // If this fails, the next call says why.
+  hs_kind kind = HS_BOX3;
+  hs_blob_kind(bytes, size, &kind);
+  tree->dims = kind == HS_BOX2 ? 2 : 3;
+  const hs_bvh_config config = ConfigOf(tree->dims);
+  hs_bvh* bvh = nullptr;
+  const hs_status status = hs_bvh_in_place(&config, bytes, size, &bvh);
+  if (status == HS_CORRUPT) {
+    // Without the name of the argument, as the caller has another.
+    throw std::invalid_argument(hs_last_error_reason());
   }
   Check(status);
+  tree->bvh.reset(bvh);
   if (verify && hs_bvh_verify(tree->bvh.get()) != HS_OK) {
     throw std::invalid_argument(
         "the blob was altered: its checksum does not match its bytes");
@@ -308,19 +305,8 @@ py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
   options.exclusive = is_exclusive ? 1 : 0;
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  // As many queries in a part as have about this number of results.
-  constexpr std::size_t kPartResults = 4096;
-  std::size_t in_part =
-      std::clamp(kPartResults / k, std::size_t{1}, kPartQueries);
-  // A search for others also finds all objects that are equal to its query.
-  if (is_exclusive) in_part = std::min(in_part, std::size_t{4});
-  return FindIdsAndFloats(
-      queries, k, in_part, work,
-      [&](const hs_columns& some, std::size_t, std::uint32_t* ids,
-          float* distances) {
-        Check(nearest(tree.bvh.get(), &some, k, max_distance, &options, ids,
-                      distances));
-      });
+  return FindNearest(tree.bvh.get(), nearest, queries, k, max_distance, options,
+                     work);
 }
 
 py::tuple CastRays(Tree& tree, const py::tuple& arrays, std::size_t threads,

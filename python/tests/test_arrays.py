@@ -351,7 +351,7 @@ class MaskedVariable:
         return self.values
 
 
-BODIES = hs.BroadPhase(4, 2)
+BODIES = hs.BroadPhase(2)
 BODIES.insert([0, 1], [[0, 0, 1, 1]] * 2)
 BOX = [0, 0, 1, 1]
 TWO = [[0, 0], [1, 1]]
@@ -387,8 +387,6 @@ MASKED = [
     ("directions", lambda: TREE.raycast([0, 0], masked([1, 0]))),
     ("directions", lambda: TREE.raycast([0, 0], masked([1.0, 0.0]))),
     ("max_t", lambda: TREE.raycast([0, 0], [1, 0], masked(1))),
-    ("max_ids", lambda: hs.BroadPhase(masked(1))),
-    ("margin", lambda: hs.BroadPhase(1, margin=masked(1))),
     ("ids", lambda: BODIES.insert(masked([2]), [BOX])),
     ("boxes", lambda: BODIES.insert([2], masked([BOX]))),
     ("categories", lambda: BODIES.insert([2], [BOX], masked([1]))),
@@ -400,14 +398,18 @@ MASKED = [
     ("categories", lambda: BODIES.set_masks([0], masked([1]), 1)),
     ("budget", lambda: BODIES.update(masked(1))),
     ("boxes", lambda: BODIES.query(masked(BOX))),
-    ("mask", lambda: BODIES.query(BOX, masked(1))),
-    ("mask", lambda: BODIES.query(np.array(BOX), masked(1))),
+    ("mask", lambda: BODIES.query(BOX, mask=masked(1))),
+    ("mask", lambda: BODIES.query(np.array(BOX), mask=masked(1))),
     ("centers", lambda: BODIES.query_sphere(masked([0, 0]), 1)),
     ("radii", lambda: BODIES.query_sphere([0, 0], masked(1))),
     ("directions", lambda: BODIES.boxcast(BOX, masked([1, 0]))),
     ("ids", lambda: BODIES.pairs_of(masked([0]))),
-    ("margin", lambda: BODIES.pairs_of([0], masked(1.0))),
-    ("masks", lambda: BODIES.pairs_of([0], masks=masked([1]))),
+    ("margin", lambda: BODIES.pairs_of([0], margin=masked(1.0))),
+    ("mask", lambda: BODIES.pairs_of([0], mask=masked(1))),
+    ("wanted", lambda: BODIES.pairs_of([0], wanted=masked([1]))),
+    ("boxes", lambda: BODIES.count(masked(BOX))),
+    ("boxes", lambda: BODIES.any(masked(BOX))),
+    ("points", lambda: BODIES.nearest(masked([0, 0]))),
     ("ids", lambda: BODIES.get(masked([0]))),
     ("ids", lambda: BODIES.masks(masked([0]))),
     ("vertices", lambda: hs.bounds_of_triangles(masked(TWO), [[0, 0, 1]])),

@@ -1,5 +1,7 @@
 """The broad phase, compared with NumPy."""
 
+import copy
+import pickle
 import threading
 from fractions import Fraction
 
@@ -9,7 +11,7 @@ import pytest
 
 from conftest import as_matrix, overlaps, random_boxes
 
-ALL = 2**64 - 1
+ALL = 2**32 - 1
 
 
 class Model:
@@ -19,18 +21,20 @@ class Model:
         self.has = np.zeros(n, bool)
         self.boxes = np.full((n, 2 * dims), np.inf, np.float32)
         self.boxes[:, dims:] = -np.inf
-        self.categories = np.ones(n, np.uint64)
-        self.collides_with = np.full(n, ALL, np.uint64)
+        self.categories = np.full(n, ALL, np.uint32)
+        self.collides_with = np.full(n, ALL, np.uint32)
 
-    def pairs(self, margin=0):
+    def near(self, margin):
         grown = self.boxes.astype(float)
         half = grown.shape[1] // 2
         grown[:, :half] -= margin
         grown[:, half:] += margin
-        found = overlaps(grown, self.boxes)
-        masks = (self.categories[:, None] & self.collides_with[None, :]) != 0
-        found &= masks & masks.T & self.has[:, None] & self.has[None, :]
+        found = overlaps(grown, self.boxes) & self.has[:, None] & self.has[None, :]
         return np.triu(found, 1)
+
+    def pairs(self):
+        masks = (self.categories[:, None] & self.collides_with[None, :]) != 0
+        return self.near(0) & masks & masks.T
 
 
 def as_set(pairs):
@@ -39,11 +43,10 @@ def as_set(pairs):
 
 
 @pytest.mark.parametrize("kind", ["aabb", "aabo"])
-@pytest.mark.parametrize("margin", [0, 0.02])
-def test_a_history(rng, dims, kind, margin):
+def test_a_history(rng, dims, kind):
     n = 1200
     model = Model(n, dims)
-    bodies = hs.BroadPhase(n, dims, kind, margin)
+    bodies = hs.BroadPhase(dims, kind)
     queries = random_boxes(rng, 700, dims, 0.2)
     before = set()
 
@@ -54,13 +57,21 @@ def test_a_history(rng, dims, kind, margin):
             found = bodies.query(queries, threads=threads)
             assert (as_matrix(found, expected.shape) == expected).all()
             assert (np.diff(found[0]) >= 0).all()
-        in_mask = (model.categories & np.uint64(6)) != 0
+        in_mask = (model.categories & np.uint32(6)) != 0
         for query, row in zip(queries[:40], expected):
             for one in (query, query.astype(float), query.tolist()):
                 assert sorted(bodies.query(one)) == np.flatnonzero(row).tolist()
-                assert sorted(bodies.query(one, 6)) == np.flatnonzero(row & in_mask).tolist()
-        found = bodies.query(queries, 6)
-        assert (as_matrix(found, expected.shape) == expected & in_mask).all()
+                assert (
+                    sorted(bodies.query(one, mask=6)) == np.flatnonzero(row & in_mask).tolist()
+                )
+        found = bodies.query(queries, mask=6)
+        masked = expected & in_mask
+        assert (as_matrix(found, expected.shape) == masked).all()
+        counts = bodies.count(queries, mask=6, threads=2)
+        assert counts.dtype == np.int64 and (counts == masked.sum(axis=1)).all()
+        assert (bodies.any(queries, mask=6) == masked.any(axis=1)).all()
+        assert bodies.count(queries[0]) == expected[0].sum()
+        assert bodies.any(queries[0]) == expected[0].any()
 
         alive = np.flatnonzero(model.has)
         tree = hs.BVH(model.boxes[alive])
@@ -72,6 +83,12 @@ def test_a_history(rng, dims, kind, margin):
             assert (ids == np.where(expected_ids < 0, -1, alive[expected_ids])).all()
             assert (t == expected_t).all()
         assert (ids >= 0).any()
+        for points in (queries[:100, :dims], queries[:100]):
+            _, distances = tree.nearest(points, 7, max_distance=0.5)
+            ids_near, found_distances = bodies.nearest(points, 7, max_distance=0.5)
+            assert (found_distances == distances).all()
+            assert model.has[ids_near[ids_near >= 0]].all()
+        assert (bodies.nearest(points[0], 7)[0] == bodies.nearest(points[:1], 7)[0][0]).all()
         assert bodies.raycast(queries[3, :dims], queries[3, dims:] - 0.5, 2)[0] == ids[3]
 
         nonlocal before
@@ -79,11 +96,12 @@ def test_a_history(rng, dims, kind, margin):
         now = set(map(tuple, np.argwhere(model.pairs()).tolist()))
         assert as_set(began) == now - before and as_set(ended) == before - now
         assert began.tolist() == sorted(began.tolist())
+        assert as_set(bodies.pairs()) == now and len(bodies.pairs()) == len(now)
         before = now
         chosen = alive[::3]
-        found = as_set(bodies.pairs_of(chosen, 0.01))
+        found = as_set(bodies.pairs_of(chosen, margin=0.01))
         assert {a for a, _ in found} <= set(chosen.tolist())
-        wide = model.pairs(0.01)
+        wide = model.near(0.01)
         in_set = np.isin(np.arange(n), chosen)
         wide &= in_set[:, None] | in_set[None, :]
         if kind == "aabb":
@@ -91,8 +109,9 @@ def test_a_history(rng, dims, kind, margin):
                 map(tuple, np.argwhere(wide).tolist())
             )
         low, high = bodies.bounds[:dims], bodies.bounds[-len(bodies.bounds) // 2 :][:dims]
-        assert (low <= model.boxes[alive, :dims]).all()
-        assert (high >= model.boxes[alive, dims:]).all()
+        assert (low == model.boxes[alive, :dims].min(axis=0)).all()
+        assert (high == model.boxes[alive, dims:].max(axis=0)).all()
+        assert alive[-1] < bodies.id_limit
         values = bodies.get(alive)
         half = values.shape[1] // 2
         assert (values[:, :dims] == model.boxes[alive, :dims]).all()
@@ -108,7 +127,7 @@ def test_a_history(rng, dims, kind, margin):
         call(ids, boxes, **masks)
 
     ids = rng.permutation(n)
-    model.categories[ids[:500]] = 1 << np.arange(500, dtype=np.uint64) % 5
+    model.categories[ids[:500]] = 1 << np.arange(500, dtype=np.uint32) % 5
     change(bodies.insert, ids[:500], categories=model.categories[ids[:500]])
     check()
     change(bodies.move, ids[100:300])
@@ -130,8 +149,8 @@ def test_a_history(rng, dims, kind, margin):
 
 def test_spheres(rng, dims):
     boxes = random_boxes(rng, 1000, dims)
-    bodies = hs.BroadPhase(1000, dims)
-    bodies.insert(np.arange(1000), boxes)
+    bodies = hs.BroadPhase(dims)
+    bodies.insert(np.arange(1000), boxes, categories=1)
     centers = rng.random((300, dims))
     radii = 0.2 * rng.random(300)
     gaps = np.clip(centers[:, None], boxes[:, :dims], boxes[:, dims:]) - centers[:, None]
@@ -146,7 +165,7 @@ def test_spheres(rng, dims):
 
 
 def test_spheres_of_doubles_are_enclosed():
-    bodies = hs.BroadPhase(1, 2)
+    bodies = hs.BroadPhase(2)
     bodies.insert(0, [0, 0, 1, 1])
     assert bodies.query_sphere([3 - 1e-9, 0.5], 2.0).tolist() == [0]
     assert bodies.query_sphere([1e300, 0.5], 2.0).tolist() == [0]
@@ -158,7 +177,7 @@ def test_casts_of_boxes(rng, dims):
     boxes = random_boxes(rng, 300, dims, 0.1)
     moving = random_boxes(rng, 100, dims, 0.1)
     ways = rng.random((100, dims)).astype(np.float32) - 0.5
-    bodies = hs.BroadPhase(300, dims)
+    bodies = hs.BroadPhase(dims)
     bodies.insert(np.arange(300), boxes, categories=1 << np.arange(300) % 2)
     low, high = np.split(boxes.astype(float), 2, axis=1)
     first, last = np.split(moving.astype(float)[:, None], 2, axis=2)
@@ -169,7 +188,7 @@ def test_casts_of_boxes(rng, dims):
         hit = np.where(exact <= max_t, exact, np.inf)
         if mask:
             hit[:, ::2] = np.inf
-        ids, t = bodies.boxcast(moving, ways, max_t, mask, threads=2)
+        ids, t = bodies.boxcast(moving, ways, max_t, mask=mask, threads=2)
         least = hit.min(axis=1)
         assert ((ids >= 0) == np.isfinite(least)).all()
         found = ids >= 0
@@ -182,7 +201,7 @@ def test_casts_of_boxes(rng, dims):
 
 
 def test_casts_of_spheres(rng, dims):
-    bodies = hs.BroadPhase(2, dims)
+    bodies = hs.BroadPhase(dims)
     bodies.insert([0, 1], [[4] * dims + [5] * dims, [8] * dims + [9] * dims])
     up = [1] + [0] * (dims - 1)
     middle = [0] + [4.5] * (dims - 1)
@@ -197,16 +216,15 @@ def test_casts_of_spheres(rng, dims):
 
 
 def test_pairs_by_masks_of_the_call():
-    bodies = hs.BroadPhase(4, 2)
+    bodies = hs.BroadPhase(2)
     bodies.insert(range(4), [BOX] * 4, [1, 2, 4, 4], collides_with=0)
-    assert as_set(bodies.pairs_of([0, 1])) == set()
-    assert as_set(bodies.pairs_of([0, 1], masks=4)) == {(0, 2), (0, 3), (1, 2), (1, 3)}
-    assert {frozenset(p) for p in as_set(bodies.pairs_of([0, 1], masks=[2, 0]))} == {
-        frozenset((0, 1))
-    }
-    assert as_set(bodies.pairs_of([], masks=1)) == set()
-    with pytest.raises(ValueError, match="masks: expected one integer or an array"):
-        bodies.pairs_of([0, 1], masks=[1, 2, 3])
+    assert len(bodies.pairs_of([0, 1])) == 5
+    assert as_set(bodies.pairs_of([0, 1], wanted=4)) == {(0, 2), (0, 3), (1, 2), (1, 3)}
+    assert as_set(bodies.pairs_of([0, 1], wanted=[2, 0])) == {(0, 1)}
+    assert as_set(bodies.pairs_of([0], mask=5)) == {(0, 2), (0, 3)}
+    assert as_set(bodies.pairs_of([], wanted=1)) == set()
+    with pytest.raises(ValueError, match="wanted: expected one integer or an array"):
+        bodies.pairs_of([0, 1], wanted=[1, 2, 3])
 
 
 @pytest.mark.parametrize(
@@ -231,19 +249,15 @@ def test_a_margin_is_rounded_up(margin):
     low = float_below(exact)
     high = -float_below(exact - Fraction(float(low)))
     assert Fraction(float(low)) - Fraction(float(high)) <= exact
-    bodies = hs.BroadPhase(2, 2, margin=margin)
+    bodies = hs.BroadPhase(2)
     boxes = np.array([[high - 1, 0, high, 1], [low, 0, low + 1, 1]], np.float32)
     bodies.insert([0, 1], boxes)
-    assert as_set(bodies.pairs_of([0], margin)) == {(0, 1)}
-    bodies.erase(0)
-    bodies.move(1, BOX)
-    bodies.rebuild()
-    assert Fraction(float(-bodies.bounds[0])) >= exact
+    assert as_set(bodies.pairs_of([0], margin=margin)) == {(0, 1)}
 
 
 def test_octahedra():
     """Bounds that only the axis D separates."""
-    bodies = hs.BroadPhase(2, 2, "aabo")
+    bodies = hs.BroadPhase(2, "aabo")
     bodies.insert([0], [[0, 0, -1, 1, 1, 0]])  # the triangle below x + y = 1
     assert bodies.query([0.8, 0.8, 1, 1]).tolist() == []
     assert bodies.query([0.5, 0.5, 1, 1]).tolist() == [0]
@@ -252,20 +266,83 @@ def test_octahedra():
 
 
 def test_size_and_contents():
-    bodies = hs.BroadPhase(10, dimensions=2, margin=0.5)
+    bodies = hs.BroadPhase(dimensions=2)
     assert len(bodies) == 0 and 3 not in bodies
-    assert bodies.max_ids == 10 and bodies.dims == 2
+    assert bodies.id_limit == 0 and bodies.dims == 2
     bodies.insert(3, [0, 0, 1, 1])
     assert 3 in bodies and 4 not in bodies and -1 not in bodies and 2**40 not in bodies
     assert 3.0 in bodies and 3.5 not in bodies and np.nan not in bodies
     assert repr(bodies) == "<halfspace.BroadPhase: 1 bodies in 2 dimensions>"
     statistics = bodies.statistics()
-    assert statistics["bodies"] == 1 and statistics["pending"] == 1
-    assert statistics["bytes"] > 0 and statistics["trees"] == 1
+    assert statistics["bodies"] == 1 and statistics["pairs"] == 0
+    assert statistics["bytes"] > 0 and statistics["cost_ratio"] == 1
     bodies.insert([], np.empty((0, 4)))
     bodies.update()
-    assert bodies.statistics()["pending"] == 0
-    assert bodies.bounds.tolist() == [-0.5, -0.5, 1.5, 1.5]
+    assert bodies.bounds.tolist() == BOX and bodies.id_limit == 4
+
+
+def test_moves_that_wait():
+    bodies = hs.BroadPhase(2, moves_wait_for_update=True)
+    bodies.insert([3], [BOX])
+    bodies.move([3], [[5, 5, 6, 6]])
+    assert bodies.query(BOX).tolist() == [3]
+    assert bodies.get(3).tolist() == [[5, 5, 6, 6]]
+    bodies.update()
+    assert bodies.query(BOX).tolist() == []
+
+
+class Marked(hs.BroadPhase):
+    """A class of the caller's."""
+
+
+@pytest.mark.parametrize("kind", ["aabb", "aabo"])
+def test_copies_go_on_as_the_original(rng, dims, kind):
+    n = 700
+    bodies = Marked(dims, kind)
+    bodies.mark = 5
+    bodies.insert(np.arange(n), random_boxes(rng, n, dims), categories=1 << np.arange(n) % 3)
+    bodies.update_pairs()
+    bodies.move(np.arange(100), random_boxes(rng, 100, dims))
+    loaded = Marked(dims, kind)
+    loaded.insert([3], [[0] * dims + [1] * dims])
+    loaded.load(bodies.save())
+    copies = [
+        bodies.copy(),
+        copy.copy(bodies),
+        copy.deepcopy(bodies),
+        pickle.loads(pickle.dumps(bodies)),
+        pickle.loads(pickle.dumps(bodies, 2)),
+        loaded,
+    ]
+    moving, boxes = np.arange(0, n, 2), random_boxes(rng, (n + 1) // 2, dims)
+    queries = random_boxes(rng, 50, dims)
+
+    def go_on(its):
+        before = its.pairs().tolist()
+        its.move(moving, boxes)
+        its.erase([5, 6])
+        its.update()
+        found = its.query(queries, mask=3).tolist()
+        return [before, found, *(pairs.tolist() for pairs in its.update_pairs())]
+
+    expected = go_on(bodies)
+    assert all(expected)
+    for other in copies:
+        assert type(other) is Marked and len(other) == n
+        assert go_on(other) == expected
+    assert copies[3].mark == 5
+
+
+def test_bytes_that_were_not_saved():
+    bodies = hs.BroadPhase(2)
+    bodies.insert(1, BOX)
+    state = bodies.save()
+    flat = hs.BroadPhase(3)
+    for other, data in ((bodies, state[:-1]), (bodies, b""), (flat, state)):
+        with pytest.raises(ValueError, match="expected"):
+            other.load(data)
+    assert len(bodies) == 1 and len(flat) == 0
+    assert bodies.query(BOX).tolist() == [1]
 
 
 BOX = [0, 0, 1, 1]
@@ -274,29 +351,32 @@ ERRORS = {
     "ids[1]: expected the id of a body, got 6": lambda b: b.erase([1, 6]),
     "ids[0]: expected the id of a body, got 7": lambda b: b.get([7]),
     "ids[0]: expected the id of a body, got 8": lambda b: b.masks([8]),
-    "ids[0]: expected the id of a body, got 9": lambda b: b.pairs_of([9]),
+    "ids[0]: expected the id of an object, got 9": lambda b: b.pairs_of([9]),
     "ids[0]: expected an id that no body has, once in the list, got 1": lambda b: b.insert(
         [1], [BOX]
     ),
-    "ids[1]: expected an id below max_ids, 10, got 10": lambda b: b.insert([2, 10], [BOX] * 2),
     "ids[1]: expected the id of an object, got -1": lambda b: b.insert([2, -1], [BOX] * 2),
     "ids: expected one id for each of 1 boxes, got 2": lambda b: b.insert([2, 3], [BOX]),
     "boxes[1]: expected numbers, got NaN": lambda b: b.insert([2, 3], [BOX, [0, 0, 1, np.nan]]),
     "boxes[0]: expected min <= max": lambda b: b.move([1], [[2, 0, 1, 1]]),
     "boxes: expected min <= max": lambda b: b.query(np.array([2.0, 0, 1, 1])),
     "boxes: expected boxes of shape (n, 4)": lambda b: b.query([0, 0, 0, 1, 1, 1]),
-    "categories[1]: expected an integer that is not negative, got -2": lambda b: b.insert(
+    "categories[1]: expected an integer from 0 to 2^32 - 1, got -2": lambda b: b.insert(
         [2, 3], [BOX] * 2, categories=[1, -2]
     ),
     "categories: expected one integer or an array of shape (1,)": lambda b: b.set_masks(
         [1], [1, 2], 1
     ),
-    "mask: expected an integer from 0 to 2^64 - 1": lambda b: b.query(BOX, 2**64),
-    "margin: expected a finite float32": lambda b: b.pairs_of([1], np.inf),
-    "margin: expected a number that is not negative": lambda b: hs.BroadPhase(1, margin=-1),
-    "dimensions: expected 2 or 3, got 4": lambda b: hs.BroadPhase(1, 4),
-    "max_ids: expected an integer from 1 to 536870912": lambda b: hs.BroadPhase(2**29 + 1),
-    'kind: expected "aabb" or "aabo"': lambda b: hs.BroadPhase(1, kind="box"),
+    "collides_with[0]: expected an integer from 0 to 2^32 - 1, got 4294967296": (
+        lambda b: b.set_masks([1], 1, 2**32)
+    ),
+    "mask: expected an integer from 0 to 2^32 - 1": lambda b: b.query(BOX, mask=2**32),
+    "margin: expected a finite float32": lambda b: b.pairs_of([1], margin=np.inf),
+    "margin: expected a number that is not negative": lambda b: b.pairs_of([1], margin=-1),
+    "dimensions: expected 2 or 3, got 4": lambda b: hs.BroadPhase(4),
+    'kind: expected "aabb" or "aabo"': lambda b: hs.BroadPhase(kind="box"),
+    "points: expected points of shape (n, 2) or (2,)": lambda b: b.nearest([0, 0, 0]),
+    "k: expected an integer from 1": lambda b: b.nearest([0, 0], 0),
     "budget: expected at least 0, got -1": lambda b: b.update(-1),
     "radii: expected numbers that are not negative": lambda b: b.query_sphere([0, 0], -1),
     "directions: expected as many rows as origins": lambda b: b.raycast(
@@ -311,7 +391,7 @@ ERRORS = {
 
 @pytest.mark.parametrize("message", ERRORS)
 def test_errors(message):
-    bodies = hs.BroadPhase(10, 2)
+    bodies = hs.BroadPhase(2)
     bodies.insert(1, BOX)
     with pytest.raises(ValueError) as error:
         ERRORS[message](bodies)
@@ -320,16 +400,16 @@ def test_errors(message):
 
 
 def test_masks_must_be_integers():
-    bodies = hs.BroadPhase(10, 2)
+    bodies = hs.BroadPhase(2)
     for categories in (1.5, [2**70]):
-        with pytest.raises(TypeError, match="categories: expected integers of 64 bits"):
+        with pytest.raises(TypeError, match="categories: expected integers of 32 bits"):
             bodies.insert([1], [BOX], categories=categories)
 
 
 def test_threads_move_and_query(dims):
     """Bodies at rest are always found, and those that move inside a cell stay in it."""
     n, cells = 3000, 3
-    bodies = hs.BroadPhase(n, dims, margin=0.01)
+    bodies = hs.BroadPhase(dims)
     rng = np.random.default_rng(7)
     cell = np.arange(n) % cells
 
@@ -366,9 +446,15 @@ def test_threads_move_and_query(dims):
 
     def update(rng):
         bodies.update()
-        bodies.update_pairs()
+        for pairs in (*bodies.update_pairs(), bodies.pairs()):
+            assert (pairs[:, 0] < pairs[:, 1]).all() and (pairs < n).all()
 
-    works = [move(ids[: n // 2]), move(ids[n // 2 :]), query, query, update]
+    def save(rng):
+        other = bodies.copy()
+        other.load(bodies.save())
+        assert len(other) == n and other.validate()
+
+    works = [move(ids[: n // 2]), move(ids[n // 2 :]), query, query, update, update, save]
     threads = [
         threading.Thread(target=guard, args=(work, seed)) for seed, work in enumerate(works)
     ]

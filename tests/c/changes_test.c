@@ -295,10 +295,43 @@ static void test_simplex_records(void) {
   hs_bvh_destroy(bvh);
 }
 
+// Under ids of the caller's, with gaps.
+static void test_insert_as(void) {
+  const uint32_t ids[] = {7, 300, 2};
+  const uint32_t twice[] = {9, 9};
+  const hs_bvh_config config = bvh_config_of(HS_BOX3);
+  hs_columns columns = hs_float_rows(objects, 0, 6);
+  hs_bvh* bvh = NULL;
+  float records[18];
+  uint32_t id = 0;
+  size_t size = 0;
+  size_t limit = 0;
+  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
+  columns.count = 3;
+  CHECK_OK(hs_bvh_insert_as(bvh, ids, &columns));
+  CHECK_OK(hs_bvh_get(bvh, ids, 3, records));
+  CHECK(memcmp(records, objects, sizeof(records)) == 0);
+  CHECK(count_of(bvh, objects + 6, UINT32_MAX) > 0);
+  columns.count = 1;
+  CHECK(hs_bvh_insert_as(bvh, ids + 1, &columns) == HS_INVALID_ARGUMENT);
+  columns.count = 2;
+  CHECK(hs_bvh_insert_as(bvh, twice, &columns) == HS_INVALID_ARGUMENT);
+  CHECK(hs_bvh_insert_as(bvh, NULL, &columns) == HS_INVALID_ARGUMENT);
+  CHECK_OK(hs_bvh_size(bvh, &size));
+  CHECK_OK(hs_bvh_id_limit(bvh, &limit));
+  CHECK(size == 3 && limit == 301);
+  // The BVH chooses an id that nobody has.
+  columns.count = 1;
+  CHECK_OK(hs_bvh_insert(bvh, &columns, &id));
+  CHECK(id != 7 && id != 300 && id != 2);
+  hs_bvh_destroy(bvh);
+}
+
 void test_changes(void) {
   int kind;
   for (kind = 0; kind < KINDS; ++kind) test_batches(kind_of(kind));
   test_wrong_numbers();
+  test_insert_as();
   test_ids();
   test_work_of_changes();
   test_simplex_records();

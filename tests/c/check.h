@@ -27,11 +27,21 @@ extern int failures;
     }                                                                   \
   } while (0)
 
+// Whether the message of the last error is this text, and is made of its parts.
+static inline int is_last_error(const char* text) {
+  const char* const argument = hs_last_error_argument();
+  char joined[1024];
+  snprintf(joined, sizeof(joined), "%.*s: %s%s%s", (int)strcspn(text, ":"),
+           text, argument, argument[0] != '\0' ? ": " : "",
+           hs_last_error_reason());
+  return strcmp(hs_last_error(), text) == 0 && strcmp(joined, text) == 0;
+}
+
 // The call fails with this status, and its message is this text.
 #define CHECK_FAILS(call, expected, text)                               \
   do {                                                                  \
     const hs_status status_ = (call);                                   \
-    if (status_ != (expected) || strcmp(hs_last_error(), text) != 0) {  \
+    if (status_ != (expected) || !is_last_error(text)) {                \
       ++failures;                                                       \
       fprintf(stderr, "%s:%d: %s: %s: %s\n", __FILE__, __LINE__, #call, \
               hs_status_name(status_), hs_last_error());                \

@@ -34,6 +34,7 @@ CHECK_OFFSET(hs_bvh_config, run, 24);
 CHECK_OFFSET(hs_bvh_config, run_context, 32);
 CHECK_OFFSET(hs_bvh_config, allocator, 40);
 CHECK_OFFSET(hs_query_options, mask, 8);
+CHECK_OFFSET(hs_query_options, shape, 12);
 CHECK_OFFSET(hs_query_options, skip, 16);
 CHECK_OFFSET(hs_query_options, target, 24);
 CHECK_OFFSET(hs_query_options, exclusive, 32);
@@ -44,10 +45,11 @@ CHECK_OFFSET(hs_pair_options, skip, 16);
 CHECK_OFFSET(hs_pair_options, begin, 24);
 CHECK_OFFSET(hs_pair_options, end, 32);
 CHECK_OFFSET(hs_pair_options, target, 40);
-CHECK_OFFSET(hs_body_masks, collides_with, 8);
+CHECK_OFFSET(hs_pair_options, wanted, 48);
+CHECK_OFFSET(hs_body_masks, collides_with, 4);
 CHECK_OFFSET(hs_broad_phase_config, kind, 8);
-CHECK_OFFSET(hs_broad_phase_config, margin, 12);
-CHECK_OFFSET(hs_broad_phase_config, max_ids, 16);
+CHECK_OFFSET(hs_broad_phase_config, moves_wait_for_update, 12);
+CHECK_OFFSET(hs_broad_phase_config, caller_locks, 16);
 CHECK_OFFSET(hs_broad_phase_config, keep, 24);
 CHECK_OFFSET(hs_broad_phase_config, keep_context, 32);
 CHECK_OFFSET(hs_broad_phase_config, allocator, 40);
@@ -55,11 +57,9 @@ CHECK_OFFSET(hs_update_options, budget, 8);
 CHECK_OFFSET(hs_update_options, run, 16);
 CHECK_OFFSET(hs_update_options, run_context, 24);
 CHECK_OFFSET(hs_body_statistics, bodies, 8);
-CHECK_OFFSET(hs_body_statistics, pending, 16);
-CHECK_OFFSET(hs_body_statistics, pairs, 24);
-CHECK_OFFSET(hs_body_statistics, trees, 32);
-CHECK_OFFSET(hs_body_statistics, bytes, 40);
-CHECK_OFFSET(hs_body_statistics, cost_ratio, 48);
+CHECK_OFFSET(hs_body_statistics, pairs, 16);
+CHECK_OFFSET(hs_body_statistics, bytes, 24);
+CHECK_OFFSET(hs_body_statistics, cost_ratio, 32);
 #endif
 
 static void test_structs(void) {
@@ -252,7 +252,7 @@ static void test_handles_and_outputs(void) {
   const hs_scan_config scan_config = scan_config_of(HS_BOX3, 0);
   const hs_columns columns = hs_float_rows(kBoxes, 2, 6);
   const hs_columns one = hs_float_rows(kBoxes, 1, 6);
-  float ray[] = {0, 0, 0, 1, 0, 0, -1};
+  float ray[] = {0, 0, 0, 1, 0, 0, -1.0000001f};
   const float inverted[] = {INFINITY,  INFINITY,  INFINITY, -INFINITY,
                             -INFINITY, -INFINITY, NAN,      2,
                             0,         0,         1,        0};
@@ -292,6 +292,9 @@ static void test_handles_and_outputs(void) {
                 "hs_bvh_probe: bvh: expected a pointer, got null");
   CHECK_INVALID(hs_bvh_erase(bvh, ids, 2),
                 "hs_bvh_erase: ids[1]: expected the id of an object, got 7");
+  CHECK(strcmp(hs_last_error_argument(), "ids[1]") == 0);
+  CHECK(strcmp(hs_last_error_reason(), "expected the id of an object, got 7") ==
+        0);
   CHECK_INVALID(hs_bvh_set(bvh, ids, &columns),
                 "hs_bvh_set: ids[1]: expected the id of an object, got 7");
   CHECK_OK(hs_bvh_size(bvh, &total));
@@ -329,15 +332,16 @@ static void test_handles_and_outputs(void) {
                 "bytes, got a misaligned pointer");
   CHECK_INVALID(hs_bvh_raycast(bvh, &rays, 0, NULL, ids, NULL),
                 "hs_bvh_raycast: rays->column[6]: expected limits of t that "
-                "are not negative, got -1 of ray 0");
+                "are not negative, got -1.0000001 of ray 0");
   ray[6] = 1;
   CHECK_INVALID(hs_bvh_raycast(bvh, &rays, -1, NULL, ids, NULL),
                 "hs_bvh_raycast: radius: expected a number that is not "
                 "negative, got -1");
   rays = hs_double_rows(double_ray, 1, 7);
   CHECK_INVALID(hs_bvh_raycast(bvh, &rays, 0, NULL, ids, NULL),
-                "hs_bvh_raycast: rays->type: expected HS_FLOAT32, as a "
-                "direction cannot be rounded outward, got HS_FLOAT64");
+                "hs_bvh_raycast: rays->type: expected HS_FLOAT32, as these "
+                "cannot be rounded outward, got HS_FLOAT64");
+  CHECK(strcmp(hs_last_error_argument(), "rays->type") == 0);
   CHECK_INVALID(hs_bvh_raycast_each(bvh, &rays, 0, NULL, NULL, NULL),
                 "hs_bvh_raycast_each: function: expected a pointer, got null");
 
@@ -347,6 +351,7 @@ static void test_handles_and_outputs(void) {
   CHECK_INVALID(hs_bvh_pairs(simplex, NULL, &pair, 1, &total),
                 "hs_bvh_pairs: expected BVHs of boxes or octahedra, got "
                 "simplices, which have no planes that face each other");
+  CHECK(strcmp(hs_last_error_argument(), "") == 0);
   CHECK_OK(hs_pair_options_default(&pair_options, sizeof(pair_options)));
   CHECK_OK(hs_query_options_default(&options, sizeof(options)));
   CHECK_OK(hs_bound_options_default(&bound_options, sizeof(bound_options)));

@@ -43,8 +43,6 @@ hs_visit ThrowAtIds(void*, size_t, const uint32_t*, size_t) {
 }
 float ThrowAtHit(void*, size_t, uint32_t, float) { throw std::bad_alloc(); }
 hs_visit ThrowAtPairs(void*, const hs_id_pair*, size_t) { throw 7; }
-hs_visit ThrowAtBody(void*, size_t, uint32_t, const float*) { throw 7; }
-void ThrowAtEvent(void*, uint32_t, uint32_t) { throw std::bad_alloc(); }
 
 // Whatever allocation fails, no new file stays.
 void TestSaveWithoutMemory(const hs_bvh* bvh) {
@@ -91,17 +89,17 @@ extern "C" void test_exceptions(void) {
   hs_broad_phase_config its_config;
   CHECK_OK(hs_broad_phase_config_default(&its_config, sizeof(its_config)));
   its_config.kind = HS_BOX2;
-  its_config.max_ids = 2;
   hs_broad_phase* bodies = nullptr;
   const uint32_t ids[] = {0, 1};
   CHECK_OK(hs_broad_phase_create(&its_config, &bodies));
   CHECK_OK(hs_broad_phase_insert(bodies, ids, &columns, nullptr));
-  CHECK(hs_broad_phase_for_each(bodies, HS_SHAPE_BOUND, &columns, 1,
-                                &ThrowAtBody, nullptr) == HS_INTERNAL);
-  CHECK(hs_broad_phase_update_pairs(bodies, nullptr, &ThrowAtEvent,
-                                    &ThrowAtEvent,
+  CHECK(hs_broad_phase_probe(bodies, &columns, nullptr, &ThrowAtIds, nullptr) ==
+        HS_INTERNAL);
+  CHECK(hs_broad_phase_raycast_each(bodies, &rays, 0, nullptr, &ThrowAtHit,
                                     nullptr) == HS_OUT_OF_MEMORY);
-  // No lock and no tree is held.
+  CHECK(hs_broad_phase_pairs_of_each(bodies, ids, 2, nullptr, &ThrowAtPairs,
+                                     nullptr) == HS_INTERNAL);
+  // No lock is held.
   CHECK_OK(hs_broad_phase_erase(bodies, ids, 2));
   CHECK_OK(hs_broad_phase_rebuild(bodies, nullptr));
   hs_broad_phase_destroy(bodies);

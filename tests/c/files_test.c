@@ -61,6 +61,34 @@ static void check_refused(const hs_bvh_config* config, const char* text) {
   CHECK(bvh == NULL);
 }
 
+static void test_kinds(void) {
+  int i;
+  for (i = 0; i < KINDS; ++i) {
+    const hs_bvh_config config = bvh_config_of(kind_of(i));
+    const hs_columns columns =
+        hs_float_rows(objects, 9, hs_bound_values(config.kind));
+    const void* blob = NULL;
+    size_t size = 0;
+    hs_bvh* bvh = NULL;
+    hs_kind kind = (hs_kind)0;
+    CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
+    CHECK_OK(hs_bvh_blob(bvh, &blob, &size));
+    CHECK_OK(hs_blob_kind(blob, size, &kind));
+    CHECK(kind == config.kind);
+    kind = (hs_kind)0;
+    CHECK_FAILS(hs_blob_kind(blob, 63, &kind), HS_CORRUPT,
+                "hs_blob_kind: data: expected the bytes of a stored BVH, got "
+                "others");
+    CHECK(hs_blob_kind(objects, sizeof(objects), &kind) == HS_CORRUPT);
+    CHECK(kind == (hs_kind)0);
+    CHECK_INVALID(hs_blob_kind(NULL, size, &kind),
+                  "hs_blob_kind: data: expected a pointer, got null");
+    CHECK_INVALID(hs_blob_kind(blob, size, NULL),
+                  "hs_blob_kind: kind: expected a pointer, got null");
+    hs_bvh_destroy(bvh);
+  }
+}
+
 static void test_bad_files(const void* blob, size_t size) {
   const hs_bvh_config config = bvh_config_of(HS_BOX3);
   const hs_bvh_config other = bvh_config_of(HS_OCTAHEDRON2);
@@ -317,6 +345,7 @@ void test_files(void) {
   CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
   CHECK_OK(hs_bvh_blob(bvh, &blob, &size));
   test_whole_files(bvh, blob, size);
+  test_kinds();
   test_bad_files(blob, size);
   test_no_objects();
   test_paths(bvh);

@@ -147,42 +147,31 @@ static void use_bvh(hs_kind kind, memory* its) {
   hs_bvh_destroy(bvh);
 }
 
-static void count_pairs(void* context, uint32_t a, uint32_t b) {
-  CHECK(a < b);
-  ++*(size_t*)context;
-}
-static hs_visit take_body(void* context, size_t query, uint32_t id,
-                          const float* bound) {
-  CHECK(query == 0 && id < OBJECTS && bound != NULL);
-  ++*(size_t*)context;
-  return HS_CONTINUE;
-}
-static hs_visit take_pair(void* context, uint32_t a, uint32_t b) {
-  CHECK(a != b);
-  ++*(size_t*)context;
-  return HS_CONTINUE;
-}
-
 // A call without memory changes nothing.
 static void use_broad_phase(hs_kind kind, memory* its) {
   static uint32_t ids[OBJECTS];
   static double doubles[OBJECTS * VALUES];
+  static char bytes[OBJECTS * 256];
+  static hs_body_masks masks[OBJECTS];
   const size_t values = hs_bound_values(kind);
   hs_columns columns = hs_float_rows(objects, OBJECTS, values);
   hs_broad_phase_config config;
   hs_broad_phase* bodies = NULL;
+  hs_broad_phase* copy = NULL;
   hs_body_statistics statistics;
+  const hs_id_pair* pairs = NULL;
+  size_t listed = 0;
   size_t size = 0;
+  size_t saved = 0;
   size_t expected = 0;
-  size_t calls = 0;
-  size_t pairs = 0;
+  size_t count = 0;
   size_t i;
   int is_valid = 0;
   for (i = 0; i < OBJECTS; ++i) ids[i] = (uint32_t)i;
   for (i = 0; i < OBJECTS * values; ++i) doubles[i] = (double)objects[i];
+  for (i = 0; i < OBJECTS; ++i) masks[i].category = masks[i].collides_with = 3;
   CHECK_OK(hs_broad_phase_config_default(&config, sizeof(config)));
   config.kind = kind;
-  config.max_ids = OBJECTS;
   config.allocator = allocator_of(its);
   if (!has_done(its, hs_broad_phase_create(&config, &bodies))) {
     CHECK(bodies == NULL);
@@ -194,38 +183,51 @@ static void use_broad_phase(hs_kind kind, memory* its) {
   }
   columns = hs_double_rows(doubles, 100, values);
   if (has_done(its, hs_broad_phase_insert(bodies, ids + OBJECTS - 100, &columns,
-                                          NULL))) {
+                                          masks))) {
     expected += 100;
     (void)has_done(its,
                    hs_broad_phase_move(bodies, ids + OBJECTS - 100, &columns));
-    CHECK_OK(hs_broad_phase_erase(bodies, ids + OBJECTS - 100, 10));
-    expected -= 10;
+    (void)has_done(
+        its, hs_broad_phase_set_masks(bodies, ids + OBJECTS - 50, masks, 50));
+    if (has_done(its, hs_broad_phase_erase(bodies, ids + OBJECTS - 100, 10))) {
+      expected -= 10;
+    }
   }
-  if (!has_done(its, hs_broad_phase_update_pairs(bodies, NULL, count_pairs,
-                                                 count_pairs, &pairs))) {
-    CHECK(pairs == 0);
-  }
+  (void)has_done(its, hs_broad_phase_update_pairs(bodies, NULL));
   (void)has_done(its, hs_broad_phase_update(bodies, NULL));
   (void)has_done(its, hs_broad_phase_rebuild(bodies, NULL));
+  CHECK_OK(hs_broad_phase_pairs(bodies, &pairs, &listed));
   if (expected > 1000) {
-    (void)has_done(its, hs_broad_phase_for_each_pair_of(bodies, ids, NULL, 100,
-                                                        0, take_pair, &calls));
+    (void)has_done(
+        its, hs_broad_phase_pairs_of(bodies, ids, 100, NULL, NULL, 0, &count));
+  }
+  if (has_done(its, hs_broad_phase_copy(bodies, &copy))) {
+    CHECK_OK(hs_broad_phase_size(copy, &size));
+    CHECK(size == expected);
+    if (has_done(its,
+                 hs_broad_phase_save(copy, bytes, sizeof(bytes), &saved))) {
+      CHECK(saved <= sizeof(bytes));
+      (void)has_done(its, hs_broad_phase_load(copy, bytes, saved));
+      CHECK_OK(hs_broad_phase_size(copy, &size));
+      CHECK(size == expected);
+    }
+    hs_broad_phase_destroy(copy);
+  } else {
+    CHECK(copy == NULL);
   }
   // The others need no memory.
   {
     const size_t left = its->left;
     columns = hs_float_rows(objects, 1, values);
-    calls = 0;
-    CHECK_OK(hs_broad_phase_for_each(bodies, HS_SHAPE_BOUND, &columns,
-                                     UINT64_MAX, take_body, &calls));
-    CHECK((calls > 0) == (expected > 1000));
+    CHECK_OK(hs_broad_phase_count(bodies, &columns, NULL, &count));
+    CHECK((count > 0) == (expected > 1000));
     CHECK_OK(hs_broad_phase_size(bodies, &size));
     CHECK(size == expected);
     CHECK_OK(hs_broad_phase_validate(bodies, &is_valid));
     CHECK(is_valid);
     CHECK_OK(
         hs_broad_phase_statistics(bodies, &statistics, sizeof(statistics)));
-    CHECK(statistics.pairs == pairs && its->left == left);
+    CHECK(statistics.pairs == listed && its->left == left);
   }
   hs_broad_phase_destroy(bodies);
 }

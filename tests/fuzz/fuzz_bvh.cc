@@ -113,10 +113,11 @@ class BvhHistory {
   // Changes both, by one object or by a list, of floats or of the same doubles.
   ::testing::AssertionResult Change(Bytes& bytes, Bvh<View>& world,
                                     Model& model) const {
-    const std::size_t what = bytes.Below(12);
+    const std::size_t what = bytes.Below(13);
     const std::size_t at =
         model.empty() ? 0 : bytes.Below(1 << 16) % model.size();
     const auto id = static_cast<std::uint32_t>(at);
+    if (what == 12) return AddAList(bytes, world, model);
     if (what >= 9) return ChangeAList(bytes, world, model);
     if (what == 8) return ReserveOrClear(bytes, world, model);
     if (what < 3 || model.empty() || !model[at]) {
@@ -204,6 +205,38 @@ class BvhHistory {
         model[ids[i]] = bounds[i];
       }
     }
+    return ::testing::AssertionSuccess();
+  }
+
+  // Under ids that are given, some of which may be in use or come twice.
+  ::testing::AssertionResult AddAList(Bytes& bytes, Bvh<View>& world,
+                                      Model& model) const {
+    const std::size_t most = model.size() + (bytes.Below(8) == 0 ? 9000 : 300);
+    const bool may_be_wrong = bytes.Below(8) == 0;
+    Model added = model;
+    std::vector<Bound> bounds;
+    std::vector<std::uint32_t> ids;
+    bool are_all_free = true;
+    for (std::size_t i = bytes.Below(40); i-- > 0;) {
+      const auto id = static_cast<std::uint32_t>(bytes.Below(1 << 16) % most);
+      if (Has(added, id)) {
+        if (!may_be_wrong) continue;
+        are_all_free = false;
+      }
+      bounds.push_back(Next(bytes));
+      ids.push_back(id);
+      if (!Has(added, id)) Add(id, bounds.back(), added);
+    }
+    try {
+      world.InsertAs(ids, bounds);
+    } catch (const std::invalid_argument&) {
+      if (!are_all_free) return ::testing::AssertionSuccess();
+      throw;
+    }
+    if (!are_all_free) {
+      return ::testing::AssertionFailure() << "a list with an id in use";
+    }
+    model = std::move(added);
     return ::testing::AssertionSuccess();
   }
 

@@ -1,6 +1,6 @@
 # The README's first programs in C++ and in C are examples/quick_start.cc and .c, which
-# the tests compile and run. Each program of docs/porting.md and docs/kernels.md is a
-# part of an example. cmake -DROOT=<repository> -P readme_sample.cmake
+# the tests compile and run. Each program of docs/porting.md, docs/design.md and
+# docs/kernels.md is a part of an example. cmake -DROOT=<repository> -P readme_sample.cmake
 cmake_policy(VERSION 3.25)
 
 file(READ "${ROOT}/README.md" readme)
@@ -64,5 +64,6 @@ function(check_page name fence)
   endif()
 endfunction()
 check_page(porting.md "```cpp" porting.cc)
+check_page(design.md "```cpp" porting.cc)
 check_page(kernels.md "```cpp" kernels.cc kernels_inline.cc)
 check_page(kernels.md "```c" kernels.c)

@@ -318,14 +318,9 @@ std::vector<Named<BodySpace<2>>> BodySpaces(const World<2>& world) {
 std::vector<Named<BodySpace<3>>> BodySpaces(const World<3>& world) {
   using Space = Named<BodySpace<3>>;
   const std::size_t bodies = world.boxes.size();
-  const Aabb3& some = world.boxes.front();
-  return Present<BodySpace<3>>(
-      Space("Bullet", MakeBulletSpace(bodies)),
-      Space("FCL", MakeFclSpace(bodies)),
-      Space("ODE hash", MakeOdeSpace(OdeSpace::kHash, bodies, some)),
-      Space("ODE sweep", MakeOdeSpace(OdeSpace::kSweepAndPrune, bodies, some)),
-      Space("ODE quadtree", MakeOdeSpace(OdeSpace::kQuadtree, bodies, some)),
-      Space("scan", MakeScanSpace<3>(bodies)));
+  return Present<BodySpace<3>>(Space("Bullet", MakeBulletSpace(bodies)),
+                               Space("FCL", MakeFclSpace(bodies)),
+                               Space("scan", MakeScanSpace<3>(bodies)));
 }
 
 template <int kDims>

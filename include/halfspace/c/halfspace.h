@@ -53,7 +53,8 @@
 // Thread safety: functions that take a const handle can run at the same time.
 // A function that takes another handle needs exclusive access, except those of
 // hs_broad_phase, which say so. Queries of scans and hierarchies allocate
-// nothing, take no lock and use up to 64 KiB of stack. The floating-point mode
+// nothing, except those of the pairs of a set, take no lock and use up to 64
+// KiB of stack. The floating-point mode
 // of the calling thread has the effects that reject.h and bvh.h describe.
 //
 // The C++ headers describe each operation in more detail: fit_many.h, reject.h,
@@ -62,6 +63,7 @@
 #ifndef HALFSPACE_C_HALFSPACE_H_
 #define HALFSPACE_C_HALFSPACE_H_
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -88,8 +90,8 @@ typedef enum hs_status HALFSPACE_INT {
   HS_INVALID_ARGUMENT = 1,  // an argument violates what the function requires
   HS_OUT_OF_MEMORY = 2,     // an allocation failed
   HS_IO_ERROR = 3,          // a file cannot be read or written
-  HS_CORRUPT = 4,           // a file or blob contains no BVH, was altered, or
-                            // has another kind of bounds
+  HS_CORRUPT = 4,           // a file or bytes contain no BVH or broad phase,
+                            // were altered, or have another kind of bounds
   HS_UNSUPPORTED = 5,       // not available on this system
   HS_INTERNAL = 6           // an exception of a callback, or an error of the
                             // library
@@ -104,6 +106,15 @@ HALFSPACE_API const char* hs_version(void);
 // call failed. The text is valid until another call of this thread fails. Calls
 // that succeed do not change it.
 HALFSPACE_API const char* hs_last_error(void);
+
+// The parts of that message, for programs that have their own names for
+// functions and arguments, such as bindings to other languages. The argument is
+// written as in "ids[7]" or "options->margin", and is "" if the message is
+// about no argument alone. The reason is the rest, as in "expected the id of an
+// object, got 7". The message is "FUNCTION: ARGUMENT: REASON", without
+// "ARGUMENT: " if that is "". The texts are valid as long as the message is.
+HALFSPACE_API const char* hs_last_error_argument(void);
+HALFSPACE_API const char* hs_last_error_reason(void);
 
 // Returns the name of a status, for example "HS_OK", or "unknown status".
 HALFSPACE_API const char* hs_status_name(hs_status status);
@@ -462,6 +473,13 @@ HALFSPACE_API hs_status hs_bvh_bytes(const hs_bvh* bvh, size_t* bytes);
 HALFSPACE_API hs_status hs_bvh_insert(hs_bvh* bvh, const hs_columns* objects,
                                       uint32_t* ids);
 
+// Adds objects under ids that the caller chooses: record i is that of object
+// ids[i]. `ids` must have objects->count elements. No object may have such an
+// id, and it must be in `ids` once. The BVH takes 4.13 bytes for each id below
+// the greatest.
+HALFSPACE_API hs_status hs_bvh_insert_as(hs_bvh* bvh, const uint32_t* ids,
+                                         const hs_columns* objects);
+
 // Allocates the memory of so many objects at once.
 HALFSPACE_API hs_status hs_bvh_reserve(hs_bvh* bvh, size_t objects);
 
@@ -506,16 +524,31 @@ HALFSPACE_API hs_status hs_bvh_rebuild(hs_bvh* bvh,
 HALFSPACE_API hs_status hs_bvh_cost_ratio(const hs_bvh* bvh, double* ratio);
 
 // The hierarchy: queries ------------------------------------------------------
+//
+// Broad phases have the same functions (hs_broad_phase_query() and so on), with
+// the same arguments and results. Where a comment names an object, it also
+// means a body.
+
+// The type of the queries of ..._query(), ..._count(), ..._any() and
+// ..._probe(). Points and spheres must be floats. bvh_shapes.h says which
+// objects survive them.
+typedef enum hs_shape HALFSPACE_INT {
+  HS_SHAPE_BOUND = 0,  // a record of the kind of the objects
+  HS_SHAPE_POINT = 1,  // d columns
+  HS_SHAPE_SPHERE = 2  // d + 1 columns: the center and the radius
+} hs_shape;
 
 typedef struct hs_query_options {
   size_t struct_size;
-  uint32_t mask;  // finds the objects whose mask has one of these bits; by
-                  // default all ones, which finds all objects. 0 finds none.
-  size_t skip;    // results that are not written, in hs_bvh_query() alone
+  uint32_t mask;   // finds the objects whose mask has one of these bits; by
+                   // default all ones, which finds all objects. 0 finds none.
+                   // The mask of a body is its category.
+  hs_shape shape;  // by default HS_SHAPE_BOUND
+  size_t skip;     // results that are not written, in ..._query() alone
   const char* target;  // null: the chosen target
   int exclusive;       // 1: leaves out the objects whose bound is equal to the
-                  // query, in hs_bvh_nearest_...() alone. The BVH must be of
-                  // boxes.
+                       // query, in hs_bvh_nearest_...() alone. The BVH must be
+                       // of boxes.
 } hs_query_options;
 
 HALFSPACE_API hs_status hs_query_options_default(hs_query_options* options,
@@ -575,30 +608,52 @@ HALFSPACE_API hs_status hs_bvh_nearest_to_boxes(
     const hs_bvh* bvh, const hs_columns* boxes, size_t k, float max_distance,
     const hs_query_options* options, uint32_t* ids, float* distances);
 
-// Ray casts. Rays have 2 d + 1 columns of floats: the origin, the direction,
-// which may have any length, and the limit of t. t is from 0 to the limit, in
-// multiples of the direction, and the limit may be INFINITY. `radius` makes the
-// rays thick: bounds grow by it on each side. Doubles are HS_INVALID_ARGUMENT,
+// Casts of rays, boxes and spheres.
+//
+// Rays have 2 d + 1 columns of floats: the origin, the direction, which may
+// have any length, and the limit of t. t is from 0 to the limit, in multiples
+// of the direction, and the limit may be INFINITY. `radius` makes the rays
+// thick: bounds grow by it on each side.
+//
+// Boxes have 2 d columns, and spheres, the center and the radius, d + 1 columns
+// of floats. `motions` are as many records with d + 1 columns of floats: the
+// direction and the limit of t. Doubles are HS_INVALID_ARGUMENT, except boxes,
 // because a direction cannot be rounded outward.
 //
-// Writes the object whose bound each ray enters first, and where; HS_NO_ID and
-// INFINITY if there is none. Of objects with the same t, the one with the least
-// id. `ts` may be null.
+// Writes the object whose bound each ray enters first, or each box or sphere
+// touches first, and where; HS_NO_ID and INFINITY if there is none. Of objects
+// with the same t, the one with the least id. `ts` may be null.
 HALFSPACE_API hs_status hs_bvh_raycast(const hs_bvh* bvh,
                                        const hs_columns* rays, float radius,
                                        const hs_query_options* options,
                                        uint32_t* ids, float* ts);
+HALFSPACE_API hs_status hs_bvh_boxcast(const hs_bvh* bvh,
+                                       const hs_columns* boxes,
+                                       const hs_columns* motions,
+                                       const hs_query_options* options,
+                                       uint32_t* ids, float* ts);
+HALFSPACE_API hs_status hs_bvh_spherecast(const hs_bvh* bvh,
+                                          const hs_columns* spheres,
+                                          const hs_columns* motions,
+                                          const hs_query_options* options,
+                                          uint32_t* ids, float* ts);
 
-// Calls the function for the objects whose bounds a ray enters, ray after ray,
-// and in each about from near to far, but not sorted. The function returns the
-// new limit of t: objects beyond it are not found. A greater limit than the
-// last one changes nothing, and neither does a NaN. A negative limit ends the
-// ray. For the closest hit of the objects themselves, return the least t of an
-// exact hit so far.
-typedef float (*hs_hit_function)(void* context, size_t ray, uint32_t id,
+// Calls the function for the objects that a cast finds, cast after cast, and in
+// each about from near to far, but not sorted. The function returns the new
+// limit of t: objects beyond it are not found. A greater limit than the last
+// one changes nothing, and neither does a NaN. A negative limit ends the cast.
+// For the closest hit of the objects themselves, return the least t of an exact
+// hit so far.
+typedef float (*hs_hit_function)(void* context, size_t cast, uint32_t id,
                                  float t);
 HALFSPACE_API hs_status hs_bvh_raycast_each(
     const hs_bvh* bvh, const hs_columns* rays, float radius,
+    const hs_query_options* options, hs_hit_function function, void* context);
+HALFSPACE_API hs_status hs_bvh_boxcast_each(
+    const hs_bvh* bvh, const hs_columns* boxes, const hs_columns* motions,
+    const hs_query_options* options, hs_hit_function function, void* context);
+HALFSPACE_API hs_status hs_bvh_spherecast_each(
+    const hs_bvh* bvh, const hs_columns* spheres, const hs_columns* motions,
     const hs_query_options* options, hs_hit_function function, void* context);
 
 // The ids of two objects. In a join, `a` is of the first BVH.
@@ -615,7 +670,12 @@ typedef struct hs_pair_options {
   size_t skip;    // pairs that are not written and not given to a function
   size_t begin;   // finds the pairs of the parts begin ... end - 1 alone
   size_t end;     // (hs_bvh_pair_parts()); by default it is SIZE_MAX
-  const char* target;  // null: the chosen target
+  const char* target;      // null: the chosen target
+  const uint32_t* wanted;  // in ..._pairs_of() alone: null, or a mask for each
+                           // id. Object ids[i] wants the objects whose mask has
+                           // one bit of wanted[i], and with all ones it wants
+                           // all. A pair is found if an object of the set wants
+                           // the other one.
 } hs_pair_options;
 
 HALFSPACE_API hs_status hs_pair_options_default(hs_pair_options* options,
@@ -648,6 +708,21 @@ HALFSPACE_API hs_status hs_bvh_join_each(const hs_bvh* a, const hs_bvh* b,
                                          hs_pairs_function function,
                                          void* context);
 
+// The pairs of an object of a set, which is `a`, and any other object of the
+// BVH. A pair of two objects of the set is found once. If `wanted` of only one
+// of them finds the pair, this one is `a`. The cost grows with the set. Can
+// allocate memory during the call.
+HALFSPACE_API hs_status hs_bvh_pairs_of(const hs_bvh* bvh, const uint32_t* ids,
+                                        size_t count,
+                                        const hs_pair_options* options,
+                                        hs_id_pair* pairs, size_t room,
+                                        size_t* total);
+HALFSPACE_API hs_status hs_bvh_pairs_of_each(const hs_bvh* bvh,
+                                             const uint32_t* ids, size_t count,
+                                             const hs_pair_options* options,
+                                             hs_pairs_function function,
+                                             void* context);
+
 // Writes the number of parts of hs_bvh_pairs(bvh), and of hs_bvh_join(bvh, b)
 // for any b. Each pair belongs to one part, so threads can share the work. The
 // parts take unequal times: use more ranges than threads.
@@ -662,6 +737,12 @@ HALFSPACE_API hs_status hs_bvh_pair_parts(const hs_bvh* bvh, size_t* parts);
 // their own.
 HALFSPACE_API hs_status hs_bvh_blob(const hs_bvh* bvh, const void** data,
                                     size_t* size);
+
+// Writes the kind of the bounds in a blob, or fails with HS_CORRUPT if the
+// bytes do not begin as a blob. The other calls check the rest of its header.
+// O(1).
+HALFSPACE_API hs_status hs_blob_kind(const void* data, size_t size,
+                                     hs_kind* kind);
 
 // Creates a BVH of a copy of these bytes. Of `config`, the kind and the
 // allocator are read. The kind must be that of the blob. Checks the bytes by
@@ -717,102 +798,117 @@ HALFSPACE_API hs_status hs_bvh_verify(const hs_bvh* bvh);
 
 // The broad phase -------------------------------------------------------------
 
-// The bounds of the moving bodies of a simulation, found by queries, casts and
-// pairs while other threads move them. Ids are the caller's numbers below
-// `max_ids`, such as the index of a body. Answers are exact: a query finds the
-// bodies that it would find in an hs_bvh of their bounds.
+// The moving bodies of a simulation, found by queries, casts and pairs while
+// other threads move them. Ids are the caller's numbers below 2^31, such as the
+// index of a body. A query finds the bodies that it would find in an hs_bvh of
+// their bounds.
 //
 //   hs_broad_phase_config config;
 //   hs_broad_phase_config_default(&config, sizeof config);
 //   config.kind = HS_BOX3;
-//   config.max_ids = 1000;
 //   hs_broad_phase* bodies = NULL;
 //   hs_broad_phase_create(&config, &bodies);
 //   hs_broad_phase_insert(bodies, ids, &boxes, NULL);
 //   /* each frame: */
 //   hs_broad_phase_move(bodies, moved_ids, &moved_boxes);
 //   hs_broad_phase_update(bodies, NULL);
-//   hs_broad_phase_update_pairs(bodies, NULL, began, ended, context);
+//   hs_broad_phase_update_pairs(bodies, NULL);
+//   hs_broad_phase_began(bodies, &pairs, &count);
 //
 // Thread safety:
-// - Queries, casts, hs_broad_phase_for_each_pair_of(), ..._has(), ..._get(),
-//   ..._bounds(), ..._size(), ..._move() and ..._set_masks() can run at any
-//   time. Two calls that change the same body must not run at the same time.
-// - hs_broad_phase_insert(), ..._erase(), ..._update(), ..._rebuild(),
-//   ..._update_pairs() and ..._statistics() can run on any thread, at the same
-//   time as the calls above. They wait for each other, and not for queries or
-//   moves.
-// - hs_broad_phase_validate() must not run at the same time as ..._move().
-//   hs_broad_phase_destroy() needs exclusive access.
-// - A callback of a query, a cast or ..._for_each_pair_of() runs while the
-//   query holds a version of the tree. It can take locks, run queries, and call
-//   any function except hs_broad_phase_destroy(). Its own query continues on
-//   the version with which it began. The first ..._update() after the query
-//   frees that version.
+// - Queries, nearest, casts, hs_broad_phase_pairs_of(), ..._move(), ..._has(),
+//   ..._get(), ..._bounds(), ..._size() and ..._id_limit() can run at any time,
+//   also at the same time as the functions below. Two calls that change the
+//   same body must not run at the same time.
+// - hs_broad_phase_insert(), ..._erase(), ..._set_masks(), ..._update(),
+//   ..._rebuild(), ..._update_pairs(), ..._load(), ..._save(), ..._copy(),
+//   ..._statistics() and ..._validate() wait until no query runs, and then run
+//   alone, except that bodies may move. So a thread must not call one of them
+//   while it holds a lock that the callback of a query needs. In the callback
+//   of a query they fail.
+// - A query never waits for a query, and ..._move() waits for nothing.
+// - hs_broad_phase_destroy() needs exclusive access, and nobody may read the
+//   pairs of the last update while ..._update_pairs() or ..._load() runs.
+//
+// A callback of a query can take locks, run queries and call ..._move(). It
+// must return on the thread that called the query.
 typedef struct hs_broad_phase hs_broad_phase;
 
 // A query with mask m finds a body if `category & m` is not 0, and with all
-// ones it finds every body. Two bodies are a pair if the category of each has a
-// bit of the other's `collides_with`. A body that was inserted without masks
-// has the category 1 and collides with all categories.
+// ones it finds every body. Two bodies are a pair of ..._update_pairs() if the
+// category of each has a bit of the other's `collides_with`. A body that was
+// inserted without masks has all ones in both.
 typedef struct hs_body_masks {
-  uint64_t category;
-  uint64_t collides_with;
+  uint32_t category;
+  uint32_t collides_with;
 } hs_body_masks;
 
-// The caller's rule for pairs: returns whether two bodies that overlap, or are
-// near each other, are a pair. `masks_match` is the rule of hs_body_masks, and
-// is 0 or 1. The function must return the same for (a, b) and (b, a), and the
-// same in each call until hs_broad_phase_set_masks() of one of them. It must
-// not call functions of the broad phase.
-typedef int (*hs_keep_function)(void* context, uint32_t a, uint32_t b,
-                                int masks_match);
+// The caller's rule for the pairs of ..._update_pairs(): returns whether two
+// bodies that overlap are a pair. `masks_match` is the rule of hs_body_masks.
+// The function must return the same for (a, b) and (b, a), and the same in each
+// call until hs_broad_phase_set_masks() of one of them. It can run on several
+// threads at the same time, and must not call functions of the broad phase.
+typedef bool (*hs_keep_function)(void* context, uint32_t a, uint32_t b,
+                                 bool masks_match);
 
 typedef struct hs_broad_phase_config {
   size_t struct_size;
-  hs_kind kind;    // must be set: boxes or octahedra
-  float margin;    // bounds in the tree are larger by this on each side. A body
-                   // that moves less between two updates costs only a compare.
-                   // Must be finite and not negative; by default it is 0. It
-                   // should be less than the distance between most bodies:
-                   // see BroadPhaseOptions of broad_phase.h.
-  size_t max_ids;  // must be set: ids are below it. At most 2^29
-  hs_keep_function keep;  // null: the masks alone
+  hs_kind kind;               // must be set: boxes or octahedra
+  int moves_wait_for_update;  // 0: a query sees each move that returned before
+                              // it began. 1: queries see moves from the next
+                              // ..._update(), ..._update_pairs(),
+                              // ..._rebuild(), ..._save() or ..._copy() on, and
+                              // are faster on several threads while other
+                              // threads move bodies.
+  int caller_locks;           // 1: has no lock, which saves about 6 ns of each
+                              // query. No two calls may run at the same time,
+                              // except moves, and queries after ..._update()
+                              // before the next move.
+  hs_keep_function keep;      // null: the masks alone
   void* keep_context;
-  hs_allocator allocator;  // also called by the threads that change the bodies
+  hs_allocator allocator;  // also called by queries that allocate, and by the
+                           // threads of `run`
 } hs_broad_phase_config;
 
 HALFSPACE_API hs_status hs_broad_phase_config_default(
     hs_broad_phase_config* config, size_t struct_size);
 
-// Allocates the memory of all ids: 46 bytes each for boxes in 3 dimensions.
 HALFSPACE_API hs_status hs_broad_phase_create(
     const hs_broad_phase_config* config, hs_broad_phase** bodies);
 // `bodies` may be null.
 HALFSPACE_API void hs_broad_phase_destroy(hs_broad_phase* bodies);
+// Creates a copy, with the same bodies, masks, pairs, configuration and
+// allocator. From then on, it gives the same results in the same order after
+// the same calls.
+HALFSPACE_API hs_status hs_broad_phase_copy(const hs_broad_phase* bodies,
+                                            hs_broad_phase** copy);
 
 // In the functions below, `ids` has bounds->count elements, or `count`. If an
 // id is wrong, the call changes nothing. Bounds that are rows of floats are
 // read in place. Others are copied, with memory of the allocator.
 
 // Adds bodies: record i is the bound of body ids[i]. `masks` is null, or has an
-// element for each id. Insert many bodies by one call.
+// element for each id. Insert many bodies by one call: they are sorted
+// together. The memory grows with the greatest id.
 HALFSPACE_API hs_status hs_broad_phase_insert(hs_broad_phase* bodies,
                                               const uint32_t* ids,
                                               const hs_columns* bounds,
                                               const hs_body_masks* masks);
 
-// Removes bodies. An id that is given twice is removed once.
+// Removes bodies. An id that is given twice is removed once. Until the next
+// ..._update_pairs(), a new body under the id of an erased one continues its
+// pairs.
 HALFSPACE_API hs_status hs_broad_phase_erase(hs_broad_phase* bodies,
                                              const uint32_t* ids, size_t count);
 
 // Changes the bounds of bodies. If an id is given twice, the last record
-// counts. Takes no lock.
+// counts. Takes no lock and waits for nothing.
 HALFSPACE_API hs_status hs_broad_phase_move(hs_broad_phase* bodies,
                                             const uint32_t* ids,
                                             const hs_columns* bounds);
 
-// Changes the masks of bodies. Takes no lock.
+// Changes the masks of bodies. The next ..._update_pairs() looks at all their
+// pairs.
 HALFSPACE_API hs_status hs_broad_phase_set_masks(hs_broad_phase* bodies,
                                                  const uint32_t* ids,
                                                  const hs_body_masks* masks,
@@ -821,8 +917,8 @@ HALFSPACE_API hs_status hs_broad_phase_set_masks(hs_broad_phase* bodies,
 typedef struct hs_update_options {
   size_t struct_size;
   size_t budget;  // hs_broad_phase_update() alone: if the order has decayed,
-                  // sorts about so many bodies again, and 4096 at least. With
-                  // 0, none. SIZE_MAX, the default, is a 16th of all.
+                  // sorts about so many bodies again. 0 sorts none. SIZE_MAX,
+                  // the default, is a 16th of all.
   hs_run_function run;  // null: the calling thread does all work
   void* run_context;
 } hs_update_options;
@@ -830,10 +926,8 @@ typedef struct hs_update_options {
 HALFSPACE_API hs_status hs_update_options_default(hs_update_options* options,
                                                   size_t struct_size);
 
-// Call it once per frame. Puts new bodies into the tree, removes those that
-// were erased, makes the bounds of bodies that left them tight, and sorts
-// again what has decayed. Changes no answer. If few bodies left their bounds,
-// it can leave the work to one of the next 7 calls.
+// Call it once per frame. Copies the bounds that moved into the tree, and sorts
+// bodies again where the order has decayed. Changes no result.
 HALFSPACE_API hs_status hs_broad_phase_update(hs_broad_phase* bodies,
                                               const hs_update_options* options);
 
@@ -841,9 +935,33 @@ HALFSPACE_API hs_status hs_broad_phase_update(hs_broad_phase* bodies,
 HALFSPACE_API hs_status hs_broad_phase_rebuild(
     hs_broad_phase* bodies, const hs_update_options* options);
 
+// Finds all pairs of bodies that overlap and that the masks and `keep` keep.
+// Does not need ..._update() before it. `options->run` can run parts of the
+// work. The pairs do not depend on it. If it fails, the call has changed
+// nothing.
+HALFSPACE_API hs_status hs_broad_phase_update_pairs(
+    hs_broad_phase* bodies, const hs_update_options* options);
+
+// Of the last ..._update_pairs(): all pairs, in any order; those that were not
+// there after the ..._update_pairs() before; and those that were and are not
+// now. a < b, and the last two lists are sorted by a, then by b. The pairs of
+// erased bodies end. Valid until the next ..._update_pairs() or ..._load().
+HALFSPACE_API hs_status hs_broad_phase_pairs(const hs_broad_phase* bodies,
+                                             const hs_id_pair** pairs,
+                                             size_t* count);
+HALFSPACE_API hs_status hs_broad_phase_began(const hs_broad_phase* bodies,
+                                             const hs_id_pair** pairs,
+                                             size_t* count);
+HALFSPACE_API hs_status hs_broad_phase_ended(const hs_broad_phase* bodies,
+                                             const hs_id_pair** pairs,
+                                             size_t* count);
+
 // Writes the number of bodies.
 HALFSPACE_API hs_status hs_broad_phase_size(const hs_broad_phase* bodies,
                                             size_t* size);
+// Writes the size that an array by id needs.
+HALFSPACE_API hs_status hs_broad_phase_id_limit(const hs_broad_phase* bodies,
+                                                size_t* limit);
 // Writes 1 if a body has this id, which may be any number, and else 0.
 HALFSPACE_API hs_status hs_broad_phase_has(const hs_broad_phase* bodies,
                                            uint32_t id, int* has);
@@ -853,18 +971,14 @@ HALFSPACE_API hs_status hs_broad_phase_get(const hs_broad_phase* bodies,
                                            const uint32_t* ids, size_t count,
                                            float* records,
                                            hs_body_masks* masks);
-// Writes a bound that encloses all bodies as one record. It is larger than
-// their bounds by the margin or more, and encloses where bodies were since the
-// last update.
+// Writes the bound of all bodies as one record.
 HALFSPACE_API hs_status hs_broad_phase_bounds(const hs_broad_phase* bodies,
                                               float* record);
 
 typedef struct hs_body_statistics {
   size_t struct_size;
   size_t bodies;
-  size_t pending;     // bodies that are not in the tree yet
   size_t pairs;       // of the last hs_broad_phase_update_pairs()
-  size_t trees;       // in memory: 1, and those that queries still read
   size_t bytes;       // all memory
   double cost_ratio;  // as hs_bvh_cost_ratio()
 } hs_body_statistics;
@@ -874,84 +988,96 @@ HALFSPACE_API hs_status
 hs_broad_phase_statistics(const hs_broad_phase* bodies,
                           hs_body_statistics* statistics, size_t struct_size);
 
-// Writes 1 if the tree encloses every body and has each body once, and else 0.
-// For tests and bug reports. O(n).
+// Writes 1 if the tree has each body once, with its bound, and else 0. For
+// tests and bug reports. Must not run at the same time as ..._move(). O(n).
 HALFSPACE_API hs_status hs_broad_phase_validate(const hs_broad_phase* bodies,
                                                 int* is_valid);
 
-// What a query is, or what moves in a cast. Points and spheres must be floats.
-typedef enum hs_shape HALFSPACE_INT {
-  HS_SHAPE_BOUND = 0,  // a record of the kind of the bodies. Not in casts
-  HS_SHAPE_BOX = 1,    // 2 d columns: the minima, then the maxima. In casts
-                       // alone
-  HS_SHAPE_POINT = 2,  // d columns
-  HS_SHAPE_SPHERE = 3  // d + 1 columns: the center and the radius
-} hs_shape;
+// Writes all bodies, masks and pairs as bytes, at most `room`, and the number
+// of all to `size`. If `room` is too small, call it again with more.
+HALFSPACE_API hs_status hs_broad_phase_save(const hs_broad_phase* bodies,
+                                            void* data, size_t room,
+                                            size_t* size);
 
-// Writes the ids of the bodies that survive a query, query after query. `ids`,
-// `room`, `offsets` and `total` as in hs_scan_indices(). If `room` is too
-// small, call it again with a larger array. Bodies can have moved then, so
-// there can be more results than `total` was.
-HALFSPACE_API hs_status hs_broad_phase_query(
-    const hs_broad_phase* bodies, hs_shape shape, const hs_columns* queries,
-    uint64_t mask, uint32_t* ids, size_t room, size_t* offsets, size_t* total);
+// Replaces the bodies, masks and pairs by saved ones. The configuration stays.
+// From then on, results and pairs are those that the saved broad phase would
+// have given, in the same order. HS_CORRUPT if the bytes are not those of
+// ..._save() of this kind of bounds and byte order, or were cut. Other
+// alterations can give wrong results, and never an access outside the bytes.
+HALFSPACE_API hs_status hs_broad_phase_load(hs_broad_phase* bodies,
+                                            const void* data, size_t size);
 
-// Calls the function for the bodies that survive a query, query after query.
-// The order of the bodies is unspecified, but the same after the same history.
-// `bound` is the record of the body, and is valid during the call.
-typedef hs_visit (*hs_body_function)(void* context, size_t query, uint32_t id,
-                                     const float* bound);
-HALFSPACE_API hs_status hs_broad_phase_for_each(
-    const hs_broad_phase* bodies, hs_shape shape, const hs_columns* queries,
-    uint64_t mask, hs_body_function function, void* context);
-
-// Calls the function for the bodies that a box, a point or a sphere touches on
-// its way, cast after cast, and in each about from near to far, but not sorted.
-// `starts` are boxes, points or spheres. `motions` are as many records with d +
-// 1 columns of floats: the direction, which may have any length, and the limit
-// of t. t, the limits and what the function returns are those of
-// hs_bvh_raycast_each().
-typedef float (*hs_body_hit_function)(void* context, size_t cast, uint32_t id,
-                                      float t, const float* bound);
-HALFSPACE_API hs_status hs_broad_phase_for_each_cast(
-    const hs_broad_phase* bodies, hs_shape shape, const hs_columns* starts,
-    const hs_columns* motions, uint64_t mask, hs_body_hit_function function,
-    void* context);
-
-// Writes the body that each cast touches first, and where; HS_NO_ID and
-// INFINITY if there is none. Of bodies with the same t, the one with the least
-// id. `ts` may be null. The other arguments are those of
-// hs_broad_phase_for_each_cast().
-HALFSPACE_API hs_status hs_broad_phase_cast(
-    const hs_broad_phase* bodies, hs_shape shape, const hs_columns* starts,
-    const hs_columns* motions, uint64_t mask, uint32_t* ids, float* ts);
-
-// Calls the function for the pairs of a body of the set, which is `a`, and any
-// other body, if the masks and `keep` keep them. A pair of two bodies of the
-// set is found once. The bounds of a pair are at most `margin` apart on each of
-// X, Y and Z, and d * `margin` on D. The cost grows with the set. Can allocate
-// memory for the time of the call.
+// The searches are those of hierarchies, and each comment stands there. They
+// find each body by a bound that it had during the call. Differences:
+// - If more results are found than there is `room`, a second call can find
+//   other ones, as bodies can have moved.
+// - ..._nearest_...(), ..._pairs_of(), ..._pairs_of_each() and ..._bounds()
+//   copy the tree if bodies have moved since the last ..._update() and another
+//   query runs: ..._nearest_...() once for each record. So call ..._update()
+//   before them where queries run at the same time. The other searches allocate
+//   nothing.
+// - ..._pairs_of() does not read `collides_with`, and does not call `keep`.
 //
-// `masks` may be null. If it is not, it has `count` elements, which replace the
-// rule of hs_body_masks: masks[i] finds a body if its category has a bit of it,
-// and all ones find every body. If both bodies are in the set, the mask of
-// either is enough.
-typedef hs_visit (*hs_pair_function)(void* context, uint32_t a, uint32_t b);
-HALFSPACE_API hs_status hs_broad_phase_for_each_pair_of(
-    const hs_broad_phase* bodies, const uint32_t* ids, const uint64_t* masks,
-    size_t count, float margin, hs_pair_function function, void* context);
-
-// Finds all pairs of bodies that overlap and that the masks and `keep` keep.
-// Calls ended(context, a, b) for each pair that was one after the last call and
-// is none now, then began(context, a, b) for each new one. a < b, and each of
-// the two lists is sorted by a, then by b. The functions run after the pairs
-// were stored, so they may change the bodies. The cost grows with the bodies
-// that changed since the last call. `options->run` can run parts of the work.
-// The events do not depend on it.
-typedef void (*hs_pair_event)(void* context, uint32_t a, uint32_t b);
-HALFSPACE_API hs_status hs_broad_phase_update_pairs(
-    hs_broad_phase* bodies, const hs_update_options* options,
-    hs_pair_event began, hs_pair_event ended, void* context);
+HALFSPACE_API hs_status hs_broad_phase_query(const hs_broad_phase* bodies,
+                                             const hs_columns* queries,
+                                             const hs_query_options* options,
+                                             uint32_t* ids, size_t room,
+                                             size_t* offsets, size_t* total);
+HALFSPACE_API hs_status hs_broad_phase_count(const hs_broad_phase* bodies,
+                                             const hs_columns* queries,
+                                             const hs_query_options* options,
+                                             size_t* counts);
+HALFSPACE_API hs_status hs_broad_phase_any(const hs_broad_phase* bodies,
+                                           const hs_columns* queries,
+                                           const hs_query_options* options,
+                                           uint32_t* ids);
+HALFSPACE_API hs_status hs_broad_phase_probe(const hs_broad_phase* bodies,
+                                             const hs_columns* queries,
+                                             const hs_query_options* options,
+                                             hs_ids_function function,
+                                             void* context);
+HALFSPACE_API hs_status hs_broad_phase_nearest_to_points(
+    const hs_broad_phase* bodies, const hs_columns* points, size_t k,
+    float max_distance, const hs_query_options* options, uint32_t* ids,
+    float* distances);
+HALFSPACE_API hs_status hs_broad_phase_nearest_to_boxes(
+    const hs_broad_phase* bodies, const hs_columns* boxes, size_t k,
+    float max_distance, const hs_query_options* options, uint32_t* ids,
+    float* distances);
+HALFSPACE_API hs_status hs_broad_phase_raycast(const hs_broad_phase* bodies,
+                                               const hs_columns* rays,
+                                               float radius,
+                                               const hs_query_options* options,
+                                               uint32_t* ids, float* ts);
+HALFSPACE_API hs_status hs_broad_phase_boxcast(const hs_broad_phase* bodies,
+                                               const hs_columns* boxes,
+                                               const hs_columns* motions,
+                                               const hs_query_options* options,
+                                               uint32_t* ids, float* ts);
+HALFSPACE_API hs_status hs_broad_phase_spherecast(
+    const hs_broad_phase* bodies, const hs_columns* spheres,
+    const hs_columns* motions, const hs_query_options* options, uint32_t* ids,
+    float* ts);
+HALFSPACE_API hs_status hs_broad_phase_raycast_each(
+    const hs_broad_phase* bodies, const hs_columns* rays, float radius,
+    const hs_query_options* options, hs_hit_function function, void* context);
+HALFSPACE_API hs_status hs_broad_phase_boxcast_each(
+    const hs_broad_phase* bodies, const hs_columns* boxes,
+    const hs_columns* motions, const hs_query_options* options,
+    hs_hit_function function, void* context);
+HALFSPACE_API hs_status hs_broad_phase_spherecast_each(
+    const hs_broad_phase* bodies, const hs_columns* spheres,
+    const hs_columns* motions, const hs_query_options* options,
+    hs_hit_function function, void* context);
+HALFSPACE_API hs_status hs_broad_phase_pairs_of(const hs_broad_phase* bodies,
+                                                const uint32_t* ids,
+                                                size_t count,
+                                                const hs_pair_options* options,
+                                                hs_id_pair* pairs, size_t room,
+                                                size_t* total);
+HALFSPACE_API hs_status hs_broad_phase_pairs_of_each(
+    const hs_broad_phase* bodies, const uint32_t* ids, size_t count,
+    const hs_pair_options* options, hs_pairs_function function, void* context);
 
 #undef HALFSPACE_INT
 #ifdef __cplusplus

@@ -67,7 +67,6 @@ using IfOfFloats =
 // The planes of an Aabo, all minima, then all maxima; those that are not wanted
 // are null, and their bit in `wanted` is 0.
 struct Output {
-  int dims = 0;
   std::size_t size = 0;
   std::uint32_t wanted = 0;
   std::array<float*, kMaxPlanes> planes{};
@@ -116,24 +115,25 @@ Source SourceOf(const PointsSoa<kDims, Scalar>& points) {
   return SourceOf<kSource, kDims, Scalar>(columns, kDims);
 }
 
-// The index of an axis' maximum in Output::planes; its minimum is at `axis`.
-template <int kDims>
-constexpr std::size_t MaxPlane(std::size_t axis) {
-  return kDims + 1 + axis;
+// Where plane `p` of a type of bound with `axes` axes is in Output::planes.
+constexpr std::size_t OutputPlane(std::size_t dims, std::size_t axes,
+                                  std::size_t p) {
+  return p < axes ? p : p - axes + dims + 1;
 }
 
 // Simplex, AABB and AABO planes: those that the type has.
 template <typename Planes>
 constexpr Output OutputOf(const Planes& planes) {
-  static_assert(std::tuple_size_v<decltype(planes.min)> >= Planes::kDimensions,
+  constexpr std::size_t kAxes = std::tuple_size_v<decltype(planes.min)>;
+  static_assert(kAxes >= Planes::kDimensions,
                 "slot k of min and max is axis k: X, Y, ..., D");
   Output output;
-  output.dims = Planes::kDimensions;
   output.size = planes.size;
-  for (std::size_t k = 0; k < planes.min.size(); ++k) {
+  for (std::size_t k = 0; k < kAxes; ++k) {
     output.Want(k, planes.min[k]);
     if constexpr (HasMax<Planes>) {
-      output.Want(MaxPlane<Planes::kDimensions>(k), planes.max[k]);
+      output.Want(OutputPlane(Planes::kDimensions, kAxes, kAxes + k),
+                  planes.max[k]);
     }
   }
   return output;
@@ -142,10 +142,9 @@ constexpr Output OutputOf(const Planes& planes) {
 template <int kDims>
 constexpr Output OutputOf(const DPlanes<kDims>& planes) {
   Output output;
-  output.dims = kDims;
   output.size = planes.size;
   output.Want(kDims, planes.min);
-  output.Want(MaxPlane<kDims>(kDims), planes.max);
+  output.Want(2 * kDims + 1, planes.max);
   return output;
 }
 

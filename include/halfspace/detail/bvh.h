@@ -51,8 +51,6 @@ inline constexpr std::uint32_t kNoId = 0xFFFFFFFF;
 // A type of Bvh.
 struct BvhType : PlaneLayout {
   const BvhKernels* kernels;  // of each target
-  // A tree without codes is never a blob.
-  bool has_codes = true;
 };
 
 // What a Bvh of boxes is built of besides its own types.
@@ -143,9 +141,6 @@ class HALFSPACE_API BvhTree {
   void Erase(std::uint32_t id);
   void Set(Span<const std::uint32_t> ids, const Columns& bounds);
   void Insert(const Columns& bounds, Span<std::uint32_t> ids);
-  // Of floats, under ids that no object has, and that may be any numbers. No
-  // call may choose ids in the same tree. A tree that has objects and no room
-  // grows by an eighth, as it copies more often.
   void InsertAs(Span<const std::uint32_t> ids, const Columns& bounds);
   void Erase(Span<const std::uint32_t> ids);
   void Clear();
@@ -168,8 +163,11 @@ class HALFSPACE_API BvhTree {
   friend class BvhState;
   void Swap(BvhTree& other) noexcept;
 
-  alignas(8) std::byte state_[456];
+  alignas(8) std::byte state_[464];
 };
+
+// The planes of a stored tree, without dimensions if the bytes are none.
+HALFSPACE_API PlaneLayout LayoutOfBlob(Span<const std::byte> blob);
 
 template <typename View>
 const BvhTree& TreeOf(const Bvh<View>& world) {
@@ -188,7 +186,7 @@ struct BvhShapeKind {
   std::size_t alignment;
   BvhShapeQuery (*at)(const void* shapes, std::size_t i);
   // BvhWalkShapes(), which a program links only if it has shapes.
-  void (*walk)(const BvhType& world, const BvhQueries& queries,
+  void (*walk)(const BvhType& type, const BvhQueries& queries,
                const QueryOptions& options, const char* call, const Walk& walk);
 };
 
@@ -245,9 +243,8 @@ struct BvhShapeQuery {
 };
 
 // Walks for one shape after another. Throws if one of them is no shape, before
-// the first walk. `world` is the type of the tree.
-HALFSPACE_API void BvhWalkShapes(const BvhType& world,
-                                 const BvhQueries& queries,
+// the first walk. `type` is that of the tree.
+HALFSPACE_API void BvhWalkShapes(const BvhType& type, const BvhQueries& queries,
                                  const QueryOptions& options, const char* call,
                                  const Walk& walk);
 

@@ -100,6 +100,10 @@ struct PlaneLayout {
             static_cast<std::uint8_t>(with_max ? 2 * its_axes : its_axes)),
         first_max(with_max ? axes : std::uint8_t{0}) {}
 
+  friend constexpr bool operator==(const PlaneLayout& a, const PlaneLayout& b) {
+    return a.dims == b.dims && a.axes == b.axes && a.has_max == b.has_max;
+  }
+
   std::uint8_t dims = 0;
   std::uint8_t axes = 0;
   bool has_max = false;

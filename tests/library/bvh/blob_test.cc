@@ -21,6 +21,7 @@
 #include "halfspace/halfspace.h"
 #include "tests/library/bvh/aligned_copy.h"
 #include "tests/library/bvh/model.h"
+#include "tests/library/bvh/old_format.h"
 #include "tests/library/bvh/spread.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
@@ -168,25 +169,6 @@ TYPED_TEST(BvhBlobTest, VerifyFindsWhatWasAltered) {
                           changed.Blob().begin()));
 }
 
-// The bytes as format 3, which has codes behind the floats of the objects. Here
-// they are 0, and the checksum is that of the blob.
-template <typename View>
-std::vector<std::byte> AsFormat3(Span<const std::byte> blob) {
-  constexpr std::size_t kPlanes =
-      (HasMaxima<View> ? 2 : 1) * View::Bound::kAxes;
-  std::vector<std::byte> bytes(blob.begin(), blob.end());
-  std::uint32_t room = 0;
-  std::memcpy(&room, &bytes[32], sizeof(room));
-  const std::size_t values = (room + 63) / 64 * 64 * kPlanes;
-  bytes.insert(bytes.begin() + 128 + values * sizeof(float),
-               values * sizeof(std::int16_t), std::byte{0});
-  const std::uint32_t version = 3;
-  std::memcpy(&bytes[8], &version, sizeof(version));
-  const std::uint64_t size = bytes.size();
-  std::memcpy(&bytes[16], &size, sizeof(size));
-  return bytes;
-}
-
 // Blocks between pages that fault, and the last of each touches one.
 struct GuardedBlocks {
   std::map<void*, std::unique_ptr<GuardedMemory>> blocks;
@@ -219,10 +201,14 @@ TYPED_TEST(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
   bvh.Erase(5);
   Bvh with_masks(bvh);
   with_masks.SetMasks(6, 2);
-  const Bvh* const worlds[] = {&fresh, &bvh, &with_masks};
+  Bvh with_own_ids(bvh);
+  with_own_ids.InsertAs(Ids{730, 2000, 6000}, std::vector<Bound>(3));
+  const Bvh* const worlds[] = {&fresh, &bvh, &with_masks, &with_own_ids};
   std::vector<std::vector<std::byte>> blobs;
   for (const Bvh* world : worlds) {
     blobs.emplace_back(world->Blob().begin(), world->Blob().end());
+    blobs.push_back(AsFormat4(world->Blob()));
+    EXPECT_EQ(Bvh::FromBlob(blobs.back()).size(), world->size());
     blobs.push_back(AsFormat3<View>(world->Blob()));
     EXPECT_EQ(Bvh::FromBlob(blobs.back()).size(), world->size());
   }
@@ -231,6 +217,7 @@ TYPED_TEST(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
   std::size_t refused = 0;
   std::size_t changed = 0;
   GuardedBlocks guarded;
+  Ids free_ids(70);
   for (std::size_t round = 0; round < Scaled(1000); ++round) {
     const std::vector<std::byte>& blob = blobs[random() % blobs.size()];
     const GuardedMemory memory(blob.size());
@@ -272,12 +259,12 @@ TYPED_TEST(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
     } catch (const std::invalid_argument&) {
       ++refused;
     }
-    for (std::size_t first = 0; first < 10; ++first) {
+    for (std::size_t first = 0; first < 11; ++first) {
       try {
         Bvh world = load();
         for (std::size_t step = 0; step < 4; ++step) {
           const auto id = static_cast<std::uint32_t>(random() % 720);
-          switch (step == 0 ? first : random() % 10) {
+          switch (step == 0 ? first : random() % 11) {
             case 0:
               world.Refit(objects);
               break;
@@ -309,6 +296,15 @@ TYPED_TEST(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
               if constexpr (std::is_same_v<Bound, Aabb<Bound::kDimensions>>) {
                 world.Refit(of_doubles);
               }
+              break;
+            case 9:
+              for (std::size_t i = 0; i < free_ids.size(); ++i) {
+                free_ids[i] = static_cast<std::uint32_t>(id + i * 97);
+              }
+              std::erase_if(free_ids,
+                            [&](std::uint32_t i) { return world.Has(i); });
+              world.InsertAs(free_ids, std::vector<Bound>(free_ids.size()));
+              free_ids.resize(70);
               break;
             default:
               for (int i = 0; i < 300; ++i) world.Insert(Bound::Everything());

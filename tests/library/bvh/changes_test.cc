@@ -85,7 +85,7 @@ TYPED_TEST(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
       }
     };
     for (std::size_t step = 0; step < 10 + Scaled(20); ++step) {
-      const std::size_t what = random() % 14;
+      const std::size_t what = random() % 15;
       if (what < 4 || model.objects.empty()) {
         for (std::size_t i = random() % 300; i-- > 0;) {
           const Bound bound = any_bound();
@@ -171,6 +171,25 @@ TYPED_TEST(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
                   .second);
         }
         ids_ever = std::max(ids_ever, bvh.id_limit());
+      } else if (what == 14) {
+        // Free ids, some far beyond the others, in any order.
+        const std::size_t far = random() % 4 == 0 ? 30'000 : 300;
+        std::map<std::uint32_t, Bound> added;
+        for (std::size_t i = random() % 600; i-- > 0;) {
+          const auto id =
+              static_cast<std::uint32_t>(random() % (bvh.id_limit() + far));
+          if (!model.objects.contains(id)) added[id] = any_bound();
+        }
+        Ids ids;
+        std::vector<Bound> bounds;
+        for (const auto& [id, bound] : added) ids.push_back(id);
+        if (random() % 2 == 0) std::ranges::shuffle(ids, random);
+        for (const std::uint32_t id : ids) {
+          bounds.push_back(added[id]);
+          model.objects[id] = {added[id]};
+        }
+        bvh.InsertAs(ids, bounds);
+        ids_ever = std::max(ids_ever, bvh.id_limit());
       } else if (what == 10) {
         if (random() % 3 == 0) {
           bvh.Clear();
@@ -205,6 +224,9 @@ TYPED_TEST(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
       }
       ASSERT_LE(bvh.ids().size(), 2 * bvh.size() + 64);
       ASSERT_LE(bvh.id_limit(), ids_ever);
+      ASSERT_TRUE(std::ranges::all_of(model.objects, [&](const auto& object) {
+        return bvh.Has(object.first);
+      }));
       ExpectSameBounds<View>(bvh, model);
       const auto queries = SomeQueries<View>(random());
       for (std::uint32_t masks : {0xFFFFFFFFu, 1u, 6u}) {
@@ -429,6 +451,146 @@ TEST(BvhRefitTest, RefusesOtherNumbersOfBounds) {
                       {"Reserve", "objects", "2147483648"}));
 }
 
+TEST(BvhOwnIdsTest, RefusesIdsThatAreNotFree) {
+  AabbBvh3 bvh(Spread<AabbView3>(1.0f).Objects(100));
+  bvh.Erase(7);
+  const std::vector<std::byte> before(bvh.Blob().begin(), bvh.Blob().end());
+  const std::byte* const block = bvh.Blob().data();
+  struct Wrong {
+    Ids ids;
+    const char* given;
+  };
+  for (const Wrong& wrong :
+       {Wrong{{7, 200, 3}, "got 3"}, Wrong{{7, 200, 7}, "got 7 twice"},
+        Wrong{{300, 300, 7}, "got 300 twice"}, Wrong{{99, 7, 8}, "got 99"},
+        Wrong{{500, 0xFFFFFFFF, 7}, "got 4294967295"},
+        Wrong{{7, 8, 200}, "got 8"}}) {
+    EXPECT_TRUE(Refuses(
+        [&] { bvh.InsertAs(wrong.ids, std::vector<Aabb3>(3)); },
+        {"InsertAs", "ids", "below 4294967295, each once", wrong.given}));
+  }
+  EXPECT_TRUE(Refuses([&] { bvh.InsertAs(Ids{7}, std::vector<Aabb3>(2)); },
+                      {"InsertAs", "bounds", "1", "2"}));
+  EXPECT_TRUE(Refuses(
+      [&] {
+        bvh.InsertAs({nullptr, 1}, std::vector<Aabb3>(1));
+      },
+      {"InsertAs", "ids", "null"}));
+  bvh.InsertAs({}, std::vector<Aabb3>());
+  EXPECT_EQ(bvh.Blob().data(), block);
+  EXPECT_TRUE(std::ranges::equal(bvh.Blob(), before));
+}
+
+// Any history of ids, of few objects and of many, in a world and in its copies
+// and blobs, which go on as it does.
+TEST(BvhOwnIdsTest, InsertTakesTheLeastFreeId) {
+  for (std::size_t round = 0; round < 4 + Scaled(20); ++round) {
+    SCOPED_TRACE(round);
+    Random random(round);
+    Spread<AabbView3> spread(1.0f, round);
+    std::map<std::uint32_t, Aabb3> model;
+    AabbBvh3 bvh;
+    const std::size_t far = round % 4 == 0 ? 300'000 : 3000;
+    for (std::size_t step = 0; step < 40; ++step) {
+      std::vector<Aabb3> bounds(random() % (round % 4 == 1 ? 3000 : 60));
+      for (Aabb3& bound : bounds) bound = spread.NextObject();
+      Ids ids;
+      const std::size_t what = random() % 6;
+      if (what < 2) {
+        for (std::size_t i = 0; i < bounds.size(); ++i) {
+          const auto id = static_cast<std::uint32_t>(random() % far);
+          if (model.emplace(id, bounds[ids.size()]).second) ids.push_back(id);
+        }
+        bounds.resize(ids.size());
+        bvh.InsertAs(ids, bounds);
+      } else if (what < 4) {
+        Ids expected;
+        std::uint32_t free = 0;
+        for (const Aabb3& bound : bounds) {
+          while (model.contains(free)) ++free;
+          model[free] = bound;
+          expected.push_back(free);
+        }
+        ids.resize(bounds.size());
+        if (what == 2) {
+          bvh.Insert(bounds, ids);
+        } else {
+          for (std::size_t i = 0; i < ids.size(); ++i) {
+            ids[i] = bvh.Insert(bounds[i]);
+          }
+        }
+        ASSERT_EQ(ids, expected);
+      } else if (what == 4) {
+        for (const auto& [id, bound] : model) {
+          if (random() % 3 == 0) ids.push_back(id);
+        }
+        bvh.Erase(ids);
+        for (const std::uint32_t id : ids) model.erase(id);
+      } else if (random() % 4 == 0) {
+        bvh.Clear();
+        model.clear();
+      } else if (random() % 2 == 0) {
+        bvh.Rebuild();
+        ASSERT_EQ(bvh.id_limit(),
+                  model.empty() ? 0 : std::prev(model.end())->first + 1u);
+      } else if (!model.empty()) {
+        // Each goes on as the others do, with the same places and ids.
+        AabbBvh3 copy =
+            random() % 2 == 0 ? AabbBvh3::FromBlob(bvh.Blob()) : AabbBvh3(bvh);
+        for (AabbBvh3* same : {&bvh, &copy}) {
+          Random changes(step);
+          Spread<AabbView3> objects(1.0f, step);
+          for (int i = 0; i < 300; ++i) {
+            if (changes() % 3 == 0) {
+              const auto id =
+                  static_cast<std::uint32_t>(far + changes() % 5000);
+              const std::vector one(1, objects.NextObject());
+              if (!same->Has(id)) same->InsertAs({&id, 1}, one);
+            } else {
+              const std::uint32_t id = same->Insert(Aabb3::Everything());
+              if (changes() % 2 == 0) same->Erase(id);
+            }
+          }
+          same->Refit(std::vector(same->id_limit(), Aabb3{}));
+        }
+        ASSERT_TRUE(std::ranges::equal(bvh.ids(), copy.ids()));
+        Ids found(bvh.size());
+        Ids same(bvh.size());
+        ASSERT_EQ(Survivors(bvh, Aabb3{}, found), bvh.size());
+        ASSERT_EQ(Survivors(copy, Aabb3{}, same), bvh.size());
+        ASSERT_EQ(found, same);
+        model.clear();
+        for (const std::uint32_t id : found) model[id] = {};
+      }
+      ASSERT_EQ(bvh.size(), model.size());
+      for (const auto& [id, bound] : model) ASSERT_EQ(bvh.Get(id), bound);
+    }
+  }
+}
+
+// Few objects with great ids take 4.13 bytes for each id below, and ids that
+// grow one by one move the block rarely.
+TEST(BvhOwnIdsTest, MemoryFollowsTheGreatestId) {
+  AabbBvh3 bvh;
+  bvh.InsertAs(Ids{3'000'000, 5}, std::vector<Aabb3>(2));
+  EXPECT_EQ(bvh.id_limit(), 3'000'001u);
+  EXPECT_LE(bvh.bytes(), 3'000'001u * 413 / 100 + 10'000);
+  EXPECT_EQ(bvh.Insert(Aabb3{}), 0u);
+  EXPECT_FALSE(bvh.Has(2'999'999));
+  bvh.Erase(3'000'000);
+  bvh.Rebuild();
+  EXPECT_EQ(bvh.id_limit(), 6u);
+  EXPECT_LE(bvh.bytes(), 10'000u);
+  std::size_t moves = 0;
+  for (std::uint32_t id = 100; id < 20'000; ++id) {
+    const std::uint32_t* const were = bvh.ids().data();
+    bvh.InsertAs({&id, 1}, std::vector<Aabb3>(1));
+    bvh.Erase(id);
+    moves += bvh.ids().data() == were ? 0 : 1;
+  }
+  EXPECT_LE(moves, 20u);
+}
+
 // More than are changed one by one.
 Ids TenIds() {
   Ids ids(10);
@@ -465,6 +627,14 @@ TEST(BvhChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
       },
       [](AabbBvh3& world) {
         world.Refit(std::vector(9256, Aabb<3, double>::Everything()));
+      },
+      [](AabbBvh3& world) {
+        world.InsertAs(Ids{10'000, 9999}, std::vector<Aabb3>(2));
+      },
+      [](AabbBvh3& world) {
+        Ids ids(300);
+        std::iota(ids.begin(), ids.end(), 50'000);
+        world.InsertAs(ids, std::vector(300, Aabb<3, double>::Everything()));
       },
       [](AabbBvh3& world) { world.SetMasks(3, 1); },
       [](AabbBvh3& world) { world.SetMasks(Ids(9256)); },
@@ -560,6 +730,40 @@ TYPED_TEST(BvhChangesTest, AWorldSortsItselfAsItChanges) {
     id = bvh.Insert(spread.NextObject());
   }
   EXPECT_LE(LeavesVisited<View>(bvh, queries), 3 * least + 8 * queries.size());
+}
+
+TEST(BvhRebuildPartialTest, AWorldWithoutObjectsHasNoParts) {
+  AabbBvh3 bvh(Spread<AabbView3>(1.0f).Objects(100));
+  bvh.Clear();
+  EXPECT_EQ(bvh.RebuildPartial(100), 0u);
+}
+
+// All objects cross the world. A part of the order that kept its objects would
+// end up with some from everywhere.
+TYPED_TEST(BvhChangesTest, PartialRebuildsExchangeObjects) {
+  using View = typename TypeParam::View;
+  constexpr std::size_t kSize = 12'000;
+  constexpr std::size_t kFrames = 200;
+  const World<View> from = Spread<View>(0.2f, 1).Objects(kSize);
+  const World<View> to = Spread<View>(0.2f, 2).Objects(kSize);
+  Bvh<View> bvh(from);
+  std::vector<typename View::Bound> bounds(kSize);
+  for (std::size_t frame = 1; frame <= kFrames; ++frame) {
+    const float share = static_cast<float>(frame) / kFrames;
+    for (std::size_t i = 0; i < kSize; ++i) {
+      const auto a = detail::Planes(from.Get(i));
+      auto values = detail::Planes(to.Get(i));
+      for (std::size_t p = 0; p < values.size(); ++p) {
+        values[p] = a[p] * (1 - share) + values[p] * share;
+      }
+      bounds[i] = detail::BoundOf<typename View::Bound>(values);
+    }
+    bvh.Refit(bounds);
+    EXPECT_LE(bvh.RebuildPartial(kSize / 16), 2048u);
+  }
+  const auto queries = Spread<View>(0.2f, 3).Queries(500);
+  EXPECT_LE(LeavesVisited<View>(bvh, queries),
+            3 * LeavesVisited<View>(Bvh<View>(bounds), queries));
 }
 
 // An object that is very far away costs the others none of their order.

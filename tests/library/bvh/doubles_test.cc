@@ -141,6 +141,10 @@ TYPED_TEST(BvhDoublesTest, AreChangedAsTheirFloatsInEveryMode) {
     const auto others = more(300);
     change([&] { bvh.Set(ids, others); },
            [&] { floats.Set(ids, Rounded(others)); });
+    const auto two = more(2);
+    const Ids own = {5400, 5350};
+    change([&] { bvh.InsertAs(own, two); },
+           [&] { floats.InsertAs(own, Rounded(two)); });
     // With empty places, and without.
     for (bool has_gaps : {false, true}) {
       if (has_gaps) {

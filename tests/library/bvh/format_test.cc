@@ -17,6 +17,7 @@
 #include "halfspace/halfspace.h"
 #include "tests/library/bvh/aligned_copy.h"
 #include "tests/library/bvh/model.h"
+#include "tests/library/bvh/old_format.h"
 #include "tests/library/bvh/spread.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
@@ -25,7 +26,7 @@ namespace halfspace::testing {
 namespace {
 
 constexpr std::uint32_t kOldest = 3;
-constexpr std::uint32_t kNewest = 4;
+constexpr std::uint32_t kNewest = 5;
 
 // Where a header has its version and its checksum.
 constexpr std::size_t kVersionAt = 8;
@@ -93,6 +94,7 @@ Bvh<View> InsertedAndErased(std::uint32_t objects) {
 struct BuiltBoxes {
   using View = AabbView3;
   static constexpr const char* kName = "boxes";
+  static constexpr std::uint32_t kFirstOfLayout = 4;
   static constexpr std::uint32_t kObjects = 100;
   static constexpr bool kIsErased = false;
   static constexpr bool kHasMasks = false;
@@ -108,6 +110,7 @@ struct BuiltBoxes {
 struct ChangedOctahedra {
   using View = AaboView3;
   static constexpr const char* kName = "octahedra";
+  static constexpr std::uint32_t kFirstOfLayout = 5;
   static constexpr std::uint32_t kObjects = 100;
   static constexpr bool kIsErased = true;
   static constexpr bool kHasMasks = true;
@@ -119,10 +122,11 @@ struct ChangedOctahedra {
     return bvh;
   }
 };
-// One block: the layout is the same in formats 3 and 4.
+// One block, which has no codes in any format.
 struct FewSimplices {
   using View = SimplexView3;
   static constexpr const char* kName = "simplices";
+  static constexpr std::uint32_t kFirstOfLayout = 5;
   static constexpr std::uint32_t kObjects = 40;
   static constexpr bool kIsErased = true;
   static constexpr bool kHasMasks = false;
@@ -221,8 +225,7 @@ TYPED_TEST(BvhFormatTest, EveryFormatIsRead) {
     const AlignedCopy untouched(file.bytes());
     Bvh<View> copy = Bvh<View>::FromBlob(file.bytes());
     Bvh<View> in_place = Bvh<View>::InPlace(file.bytes());
-    const bool has_todays_layout =
-        format == kNewest || TypeParam::kObjects <= 64;
+    const bool has_todays_layout = format >= TypeParam::kFirstOfLayout;
     EXPECT_EQ(in_place.Blob().data() == file.bytes().data(), has_todays_layout);
     EXPECT_EQ(FormatOf(copy.Blob()), has_todays_layout ? format : kNewest);
     EXPECT_TRUE(Bvh<View>::InPlace(in_place.Blob()).Verify());
@@ -242,7 +245,8 @@ TYPED_TEST(BvhFormatTest, Format3WithoutCodesIsRead) {
   const AlignedCopy file = File<TypeParam>(4);
   WriteAt(file.bytes(), kVersionAt, std::uint32_t{3});
   const Bvh<View> world = Bvh<View>::InPlace(file.bytes());
-  EXPECT_EQ(world.Blob().data(), file.bytes().data());
+  EXPECT_EQ(world.Blob().data() == file.bytes().data(),
+            TypeParam::kFirstOfLayout <= 4);
   ExpectIsModel<View>(world, ModelOf<TypeParam>(), Queries<View>(),
                       ChosenTarget());
 }
@@ -303,7 +307,7 @@ TYPED_TEST(BvhFormatTest, OtherFormatsAreRefused) {
   for (const Other& other :
        {Other{0, "format 0, which is older"},
         Other{kOldest - 1, "format 2, which is older"},
-        Other{kNewest + 1, "format 5, which is newer"},
+        Other{kNewest + 1, "format 6, which is newer"},
         Other{0x00FFFFFF, "format 16777215, which is newer"},
         Other{kNewest << 24, "the other byte order"}}) {
     const AlignedCopy file = File<TypeParam>(kNewest);
@@ -320,8 +324,8 @@ TYPED_TEST(BvhFormatTest, OtherFormatsAreRefused) {
 // format computed it.
 TEST(BvhFormatCodesTest, EveryFormatIsRead) {
   using View = AabbView3;
-  constexpr std::uint64_t kChecksums[] = {0x3B706554BCC557E5,
-                                          0x04D738325CE7C6FA};
+  constexpr std::uint64_t kChecksums[] = {
+      0x3B706554BCC557E5, 0x04D738325CE7C6FA, 0xE90CDA633B527BB5};
   Bvh<View> bvh = Inserted<View>(100, 4097);
   Model<View> model;
   for (std::uint32_t id = 0; id < 100; ++id) {
@@ -332,16 +336,37 @@ TEST(BvhFormatCodesTest, EveryFormatIsRead) {
       << "The bytes of a stored BVH have changed, so they are a new format. "
          "Raise kBvhVersion and kNewest, and add this checksum: see "
          "ExpectIsNewest().";
+  const std::vector<std::byte> format4 = AsFormat4(bvh.Blob());
   for (std::uint32_t format = kOldest; format <= kNewest; ++format) {
     SCOPED_TRACE(format);
-    const AlignedCopy blob(bvh.Blob());
+    const bool is_newest = format == kNewest;
+    const AlignedCopy blob(is_newest ? bvh.Blob() : format4);
     WriteAt(blob.bytes(), kVersionAt, format);
     WriteAt(blob.bytes(), kChecksumAt, kChecksums[format - kOldest]);
     Bvh<View> copy = Bvh<View>::FromBlob(blob.bytes());
     Bvh<View> in_place = Bvh<View>::InPlace(blob.bytes());
-    EXPECT_EQ(in_place.Blob().data(), blob.bytes().data());
+    EXPECT_EQ(in_place.Blob().data() == blob.bytes().data(), is_newest);
     ExpectIsModelAfterChanges<View>(copy, model);
     ExpectIsModelAfterChanges<View>(in_place, model);
+  }
+}
+
+// A group of 4096 places had one cost in format 4.
+TEST(BvhFormatCostsTest, CostsOfFormat4AreDivided) {
+  for (std::size_t size : {std::size_t{3000}, std::size_t{9000}}) {
+    SCOPED_TRACE(size);
+    Spread<AabbView3> spread(0.2f);
+    AabbBvh3 bvh(spread.Objects(size));
+    const AabbBvh3 sorted = AabbBvh3::FromBlob(AsFormat4(bvh.Blob()));
+    EXPECT_NEAR(sorted.CostRatio(), 1.0, 1e-12);
+    bvh.Refit(spread.Objects(size).view());
+    const double ratio = bvh.CostRatio();
+    EXPECT_GT(ratio, 2.0);
+    AabbBvh3 moved =
+        AabbBvh3::InPlace(AlignedCopy(AsFormat4(bvh.Blob())).bytes());
+    EXPECT_NEAR(moved.CostRatio(), ratio, 1e-6 * ratio);
+    EXPECT_EQ(moved.RebuildPartial(size + 1023), size);
+    EXPECT_LT(moved.CostRatio(), 1.2);
   }
 }
 

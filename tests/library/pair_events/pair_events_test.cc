@@ -404,6 +404,39 @@ TEST(PairEventsMemoryTest, AFailedAllocationChangesNothing) {
   }
 }
 
+// A part that had no memory runs again.
+TEST(PairEventsMemoryTest, AnAllocationThatFailsOnceLosesNothing) {
+  struct FailsOnce {
+    std::size_t left;
+    void* allocate(std::size_t bytes, std::size_t alignment) {
+      if (left-- == 0) throw std::bad_alloc();
+      return ::operator new (bytes, std::align_val_t{alignment});
+    }
+    void deallocate(void* block, std::size_t, std::size_t alignment) {
+      ::operator delete (block, std::align_val_t{alignment});
+    }
+  };
+  Crowd crowd;
+  auto run = RunOnThreads;
+  const PairSet pairs = FoundIn(crowd.bvh);
+  std::size_t thrown = 0;
+  for (std::size_t left = 0; left < 60; ++left) {
+    FailsOnce memory{left};
+    PairEvents events(MemoryFrom(memory));
+    try {
+      events.Update(crowd.bvh, {.run = run});
+    } catch (const std::bad_alloc&) {
+      ++thrown;
+      EXPECT_TRUE(events.empty());
+      events.Update(crowd.bvh, {.run = run});
+    }
+    ExpectIs(events, {}, pairs);
+    if (::testing::Test::HasFatalFailure()) FAIL() << left;
+  }
+  EXPECT_GT(thrown, 0u);
+  EXPECT_LT(thrown, 20u);
+}
+
 TEST(PairEventsMemoryTest, EachOwnerKeepsItsResource) {
   Crowd crowd;
   CountingMemory memory;
@@ -481,24 +514,29 @@ TEST(PairEventsErrorsTest, NameTheArgument) {
       {"PairEvents::Load", "pairs", "3", "null"});
 }
 
-// Greatest ids, of pairs whose objects are in no world.
-TEST(PairEventsLoadTest, PairsOfNoObjectsEndWhenAllAreSearched) {
-  const PairVector pairs = {{3, 0x7FFFFFFF}, {0, 1}, {1, 0x7FFFFFFE}};
+// Ids that are not in the world: a set of these takes no memory.
+TEST(PairEventsLoadTest, PairsOfNoObjectsEnd) {
   std::vector<Aabb3> boxes;
-  for (const float x : {0.0f, 1.0f, 10.0f, 20.0f, 30.0f}) {
+  for (const float x : {0.0f, 1.0f, 10.0f, 20.0f, 30.0f, 40.0f, 50.0f, 60.0f}) {
     boxes.push_back({{x, 0, 0}, {x + 1, 1, 1}});
   }
   const AabbBvh3 bvh(boxes);
-  PairEvents events;
-  events.Load(pairs);
-  events.Update(bvh, Ids{});
-  EXPECT_EQ(ListOf(events.pairs()), pairs);
-  EXPECT_TRUE(events.began().empty());
-  EXPECT_TRUE(events.ended().empty());
-  events.Update(bvh);
-  EXPECT_EQ(ListOf(events.pairs()), (PairVector{{0, 1}}));
-  EXPECT_EQ(ListOf(events.ended()),
-            (PairVector{{1, 0x7FFFFFFE}, {3, 0x7FFFFFFF}}));
+  CountingMemory memory;
+  PairEvents events(memory.resource());
+  for (const std::uint32_t id : {9u, 0x7FFFFFFFu}) {
+    const PairVector pairs = {{3, id}, {0, 1}, {1, id - 1}};
+    events.Load(pairs);
+    EXPECT_EQ(ListOf(events.pairs()), pairs);
+    events.Update(bvh, Ids{});
+    EXPECT_TRUE(events.began().empty());
+    EXPECT_EQ(events.ended().size(), id == 9 ? 0u : 2u);
+    events.Update(bvh, Ids{id});
+    EXPECT_EQ(events.ended().size(), id == 9 ? 1u : 0u);
+    events.Update(bvh);
+    EXPECT_TRUE(events.began().empty());
+    EXPECT_EQ(events.ended().size(), id == 9 ? 1u : 0u);
+    EXPECT_EQ(ListOf(events.pairs()), (PairVector{{0, 1}}));
+  }
 }
 
 TEST(PairEventsRunnerTest, ARunnerThatThrowsChangesNothing) {

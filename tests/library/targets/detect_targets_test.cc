@@ -150,12 +150,28 @@ TEST(DetectTargetsTest, Zen4IsOnlyOfAmd) {
   EXPECT_EQ(TargetsOf(machine), First(9) & ~kZen4);
 }
 
-TEST(DetectTargetsTest, StreamingPaysFromZen4On) {
-  X86Machine machine = EveryX86();
-  EXPECT_TRUE(StreamingPaysOn(machine));
-  machine.leaf7_ebx &= ~(std::uint32_t{1} << 16);  // AVX512F: up to Zen 3
+// Leaf 1 of CPUs: family 6 of Intel, 17h to 1Ah of AMD.
+TEST(DetectTargetsTest, FamilyIsOfBothFields) {
+  X86Machine machine;
+  machine.leaf1_eax = 0x000806f8;
+  EXPECT_EQ(FamilyOf(machine), 0x6u);
+  machine.leaf1_eax = 0x00a10f11;
+  EXPECT_EQ(FamilyOf(machine), 0x19u);
+  machine.leaf1_eax = 0x00b00f21;
+  EXPECT_EQ(FamilyOf(machine), 0x1au);
+}
+
+TEST(DetectTargetsTest, StreamingPaysOnZen4Only) {
+  X86Machine zen4 = EveryX86();
+  zen4.leaf1_eax = 0x00a10f11;
+  EXPECT_TRUE(StreamingPaysOn(zen4));
+  X86Machine machine = zen4;
+  machine.leaf7_ebx &= ~(std::uint32_t{1} << 16);  // AVX512F: Zen 3
   EXPECT_FALSE(StreamingPaysOn(machine));
-  machine = EveryX86();
+  machine = zen4;
+  machine.leaf1_eax = 0x00b00f21;  // Zen 5
+  EXPECT_FALSE(StreamingPaysOn(machine));
+  machine = zen4;
   machine.is_amd = false;
   EXPECT_FALSE(StreamingPaysOn(machine));
 }

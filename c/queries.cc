@@ -1,0 +1,1009 @@
+// hs_bvh_...() and hs_broad_phase_...() that find objects: queries, nearest,
+// casts, pairs. Each is one template, as the two have the same arguments.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
+#include "c/broad_phase.h"
+#include "c/bvh.h"
+#include "c/call.h"
+#include "c/columns.h"
+#include "halfspace/bvh.h"
+#include "halfspace/bvh_nearest.h"
+#include "halfspace/bvh_pairs.h"
+#include "halfspace/bvh_shapes.h"
+
+namespace halfspace::c {
+namespace {
+
+constexpr hs_query_options kDefaults = {
+    sizeof(hs_query_options), 0xFFFFFFFF, HS_SHAPE_BOUND, 0, nullptr, 0};
+constexpr hs_pair_options kPairDefaults = {
+    sizeof(hs_pair_options),
+    0xFFFFFFFF,
+    0.0f,
+    0,
+    0,
+    std::numeric_limits<std::size_t>::max(),
+    nullptr,
+    nullptr};
+
+static_assert(HS_NO_ID == detail::kNoId);
+static_assert(sizeof(hs_id_pair) == sizeof(IdPair));
+static_assert(alignof(hs_id_pair) == alignof(IdPair));
+static_assert(offsetof(hs_id_pair, b) == offsetof(IdPair, b));
+
+// One search, of both.
+
+std::size_t Survivors(const hs_bvh& bvh, const detail::BvhQueries& query,
+                      Span<std::uint32_t> ids, const QueryOptions& options,
+                      std::size_t skip) {
+  return detail::BvhSurvivors(bvh.tree, query, ids, options, skip);
+}
+std::size_t Survivors(const hs_broad_phase& bodies,
+                      const detail::BvhQueries& query, Span<std::uint32_t> ids,
+                      const QueryOptions& options, std::size_t skip) {
+  return bodies.core.Survivors(query, ids, options, skip);
+}
+
+std::size_t Count(const hs_bvh& bvh, const detail::BvhQueries& query,
+                  const QueryOptions& options) {
+  return detail::BvhCount(bvh.tree, query, options);
+}
+std::size_t Count(const hs_broad_phase& bodies, const detail::BvhQueries& query,
+                  const QueryOptions& options) {
+  return bodies.core.Count(query, options);
+}
+
+bool Any(const hs_bvh& bvh, const detail::BvhQueries& query, std::uint32_t& id,
+         const QueryOptions& options) {
+  return detail::BvhAny(bvh.tree, query, id, options);
+}
+bool Any(const hs_broad_phase& bodies, const detail::BvhQueries& query,
+         std::uint32_t& id, const QueryOptions& options) {
+  return bodies.core.Any(query, id, options);
+}
+
+void ForEach(const hs_bvh& bvh, const detail::BvhQueries& query,
+             detail::IdsFunction function, void* context,
+             const QueryOptions& options) {
+  detail::BvhForEach(bvh.tree, query, function, context, options);
+}
+void ForEach(const hs_broad_phase& bodies, const detail::BvhQueries& query,
+             detail::IdsFunction function, void* context,
+             const QueryOptions& options) {
+  bodies.core.ForEach(query, function, context, options);
+}
+
+void NearestOfEach(const hs_bvh& bvh, const detail::NearQueries& queries,
+                   std::size_t k, float max_distance, Span<std::uint32_t> ids,
+                   Span<float> distances, const SearchOptions& options) {
+  detail::BvhNearestOfEach(bvh.tree, queries, k, max_distance, ids, distances,
+                           options);
+}
+void NearestOfEach(const hs_broad_phase& bodies,
+                   const detail::NearQueries& queries, std::size_t k,
+                   float max_distance, Span<std::uint32_t> ids,
+                   Span<float> distances, const SearchOptions& options) {
+  for (std::size_t q = 0; q < queries.count; ++q) {
+    const Span<std::uint32_t> row(ids.data() + q * k, k);
+    const Span<float> its_distances(distances.data() + q * k,
+                                    distances.empty() ? 0 : k);
+    const std::size_t found = bodies.core.Nearest(
+        {queries.values + q * queries.stride, queries.upper, queries.stride, 1},
+        max_distance, row, its_distances, options);
+    std::fill(row.begin() + found, row.end(), HS_NO_ID);
+    if (!its_distances.empty()) {
+      std::fill(its_distances.begin() + found, its_distances.end(), INFINITY);
+    }
+  }
+}
+
+void CastLine(const hs_bvh& bvh, const detail::LineCast& cast,
+              detail::NearFunction function, void* context,
+              const SearchOptions& options) {
+  detail::BvhCast(bvh.tree, cast, function, context, options);
+}
+void CastLine(const hs_broad_phase& bodies, const detail::LineCast& cast,
+              detail::NearFunction function, void* context,
+              const SearchOptions& options) {
+  bodies.core.Cast(cast, function, context, options);
+}
+
+template <typename World>
+constexpr bool kIsBvh = std::is_same_v<World, hs_bvh>;
+// The name of the argument.
+template <typename World>
+constexpr const char* kName = kIsBvh<World> ? "bvh" : "bodies";
+
+const Values& QueriesOf(const hs_bvh& bvh) { return bvh.queries; }
+const Values& QueriesOf(const hs_broad_phase& bodies) { return bodies.objects; }
+
+// Queries, after their checks.
+struct Queries {
+  template <typename World>
+  Queries(const Call& call, const World* world, const hs_columns* queries,
+          const hs_query_options* options) {
+    call.CheckPointer(kName<World>, world);
+    const hs_query_options read =
+        ReadOptions(call, "options", options, kDefaults);
+    search.mask = read.mask;
+    search.target = ReadTarget(call, "options", read.target);
+    skip = read.skip;
+    const std::size_t dims = world->layout.dims;
+    switch (read.shape) {
+      case HS_SHAPE_BOUND:
+        values = QueriesOf(*world);
+        break;
+      case HS_SHAPE_POINT:
+        values = Values::OfColumns(dims);
+        kind = dims == 2 ? &detail::kShapeKind<AabbView2, Point<2>>
+                         : &detail::kShapeKind<AabbView3, Point<3>>;
+        break;
+      case HS_SHAPE_SPHERE:
+        values = Values::OfColumns(dims + 1);
+        kind = dims == 2 ? &detail::kShapeKind<AabbView2, Sphere<2>>
+                         : &detail::kShapeKind<AabbView3, Sphere<3>>;
+        break;
+      default:
+        call.Fail(HS_INVALID_ARGUMENT, "options->shape",
+                  "expected an enumerator of hs_shape, got %d",
+                  static_cast<int>(read.shape));
+    }
+    CheckColumns(call, "queries", queries, values);
+    if (kind != nullptr) CheckFloats(call, "queries", *queries);
+    columns = queries;
+  }
+
+  // Those from row q on.
+  detail::BvhQueries From(const float* rows, std::size_t q,
+                          std::size_t count = 1) const {
+    return {rows + q * values.count, count, kind};
+  }
+  // Calls run(rows, begin, count).
+  template <typename Function>
+  void ForEach(const Function& run) const {
+    ForEachRows(*columns, values, run);
+  }
+
+  QueryOptions search;
+  std::size_t skip;
+  Values values;
+  const detail::BvhShapeKind* kind = nullptr;
+  const hs_columns* columns = nullptr;
+};
+
+SearchOptions ReadSearch(const Call& call, const hs_query_options* options,
+                         bool* is_exclusive = nullptr) {
+  const hs_query_options read =
+      ReadOptions(call, "options", options, kDefaults);
+  if (is_exclusive != nullptr) *is_exclusive = read.exclusive != 0;
+  return {read.mask, ReadTarget(call, "options", read.target)};
+}
+
+void CheckLength(const Call& call, const char* argument, float length) {
+  if (length >= 0) return;
+  call.Fail(HS_INVALID_ARGUMENT, argument,
+            "expected a number that is not negative, got %s",
+            NumberText(length).c_str());
+}
+
+template <typename World>
+hs_status Query(const char* name, const World* world, const hs_columns* columns,
+                const hs_query_options* options, std::uint32_t* ids,
+                std::size_t room, std::size_t* offsets, std::size_t* total) {
+  return Run(name, [&](const Call& call) {
+    const Queries queries(call, world, columns, options);
+    call.CheckArray("ids", ids, room);
+    call.CheckPointer("total", total);
+    std::size_t own_offsets[kMostRows + 1];
+    if (offsets != nullptr) {
+      call.CheckPointer("offsets", offsets);
+      offsets[0] = 0;
+    }
+    Results<std::uint32_t> results(ids, room, queries.skip);
+    queries.ForEach(
+        [&](const float* rows, std::size_t begin, std::size_t count) {
+          if constexpr (kIsBvh<World>) {
+            if (count > 1) {
+              std::size_t* const to =
+                  offsets != nullptr ? offsets + begin : own_offsets;
+              const std::size_t before = results.total();
+              results.Add(detail::BvhSurvivorsOfEach(
+                  world->tree, queries.From(rows, 0, count), results.span(),
+                  {to, count + 1}, queries.search, results.skip()));
+              for (std::size_t i = 0; i <= count; ++i) to[i] += before;
+              return;
+            }
+          }
+          // Together they would need a copy of the tree while bodies move.
+          for (std::size_t q = 0; q < count; ++q) {
+            results.Add(Survivors(*world, queries.From(rows, q), results.span(),
+                                  queries.search, results.skip()));
+            if (offsets != nullptr) offsets[begin + q + 1] = results.total();
+          }
+        });
+    *total = results.total();
+  });
+}
+
+template <typename World>
+hs_status CountAll(const char* name, const World* world,
+                   const hs_columns* columns, const hs_query_options* options,
+                   std::size_t* counts) {
+  return Run(name, [&](const Call& call) {
+    const Queries queries(call, world, columns, options);
+    call.CheckArray("counts", counts, columns->count);
+    queries.ForEach(
+        [&](const float* rows, std::size_t begin, std::size_t count) {
+          if constexpr (kIsBvh<World>) {
+            if (queries.kind == nullptr) {
+              detail::BvhCountOfEach(world->tree, queries.From(rows, 0, count),
+                                     {counts + begin, count}, queries.search);
+              return;
+            }
+          }
+          for (std::size_t q = 0; q < count; ++q) {
+            counts[begin + q] =
+                Count(*world, queries.From(rows, q), queries.search);
+          }
+        });
+  });
+}
+
+template <typename World>
+hs_status AnyOfEach(const char* name, const World* world,
+                    const hs_columns* columns, const hs_query_options* options,
+                    std::uint32_t* ids) {
+  return Run(name, [&](const Call& call) {
+    const Queries queries(call, world, columns, options);
+    call.CheckArray("ids", ids, columns->count);
+    queries.ForEach(
+        [&](const float* rows, std::size_t begin, std::size_t count) {
+          for (std::size_t q = 0; q < count; ++q) {
+            std::uint32_t id = HS_NO_ID;
+            const bool has_one =
+                Any(*world, queries.From(rows, q), id, queries.search);
+            ids[begin + q] = has_one ? id : HS_NO_ID;
+          }
+        });
+  });
+}
+
+// Calls the function of a probe.
+template <typename World>
+class Prober {
+ public:
+  Prober(const World& world, const Queries& queries, hs_ids_function function,
+         void* context)
+      : world_(world),
+        queries_(queries),
+        function_(function),
+        context_(context) {}
+
+  void Run(const float* rows, std::size_t begin, std::size_t count) {
+    for (std::size_t q = 0; q < count && !is_stopped_; q += kTogether) {
+      const std::size_t some = std::min(count - q, kTogether);
+      if (is_one_by_one_ || some == 1 || !RunTogether(rows, begin, q, some)) {
+        RunOneByOne(rows, begin, q, some);
+      }
+    }
+  }
+
+ private:
+  // So many queries walk the tree together, which takes half of the time of one
+  // walk each, or less.
+  static constexpr std::size_t kTogether = 64;
+  static constexpr std::size_t kRoom = 4096;
+
+  // Returns false if there are more ids than room. Then the next queries do not
+  // try.
+  bool RunTogether(const float* rows, std::size_t begin, std::size_t first,
+                   std::size_t count) {
+    if constexpr (kIsBvh<World>) {
+      std::array<std::uint32_t, kRoom> ids;
+      std::array<std::size_t, kTogether + 1> offsets;
+      const std::size_t found = detail::BvhSurvivorsOfEach(
+          world_.tree, queries_.From(rows, first, count),
+          {ids.data(), ids.size()}, {offsets.data(), count + 1},
+          queries_.search, 0);
+      is_one_by_one_ = found > ids.size();
+      if (is_one_by_one_) return false;
+      for (std::size_t q = 0; q < count && !is_stopped_; ++q) {
+        if (offsets[q] == offsets[q + 1]) continue;
+        Call(begin + first + q,
+             {ids.data() + offsets[q], offsets[q + 1] - offsets[q]});
+      }
+    }
+    return kIsBvh<World>;
+  }
+
+  void RunOneByOne(const float* rows, std::size_t begin, std::size_t first,
+                   std::size_t count) {
+    for (std::size_t q = first; q < first + count && !is_stopped_; ++q) {
+      detail::Callback call{[&](Span<const std::uint32_t> ids) {
+        Call(begin + q, ids);
+        return !is_stopped_;
+      }};
+      ForEach(world_, queries_.From(rows, q), &decltype(call)::Run, &call,
+              queries_.search);
+    }
+  }
+
+  void Call(std::size_t query, Span<const std::uint32_t> ids) {
+    is_stopped_ =
+        function_(context_, query, ids.data(), ids.size()) != HS_CONTINUE;
+  }
+
+  const World& world_;
+  const Queries& queries_;
+  hs_ids_function function_;
+  void* context_;
+  bool is_one_by_one_ = false;
+  bool is_stopped_ = false;
+};
+
+template <typename World>
+hs_status Probe(const char* name, const World* world, const hs_columns* columns,
+                const hs_query_options* options, hs_ids_function function,
+                void* context) {
+  return Run(name, [&](const Call& call) {
+    const Queries queries(call, world, columns, options);
+    call.CheckPointer("function", function);
+    Prober<World> prober(*world, queries, function, context);
+    queries.ForEach([&](const float* rows, std::size_t begin,
+                        std::size_t count) { prober.Run(rows, begin, count); });
+  });
+}
+
+// For a box that is inverted, the library finds any objects. Points are boxes
+// that are not.
+void CheckBoxes(const Call& call, const float* rows, std::size_t begin,
+                std::size_t count, std::size_t dims) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float* const min = rows + i * 2 * dims;
+    const float* const max = min + dims;
+    bool is_empty = true;
+    std::size_t wrong = dims;
+    for (std::size_t k = 0; k < dims; ++k) {
+      is_empty &= min[k] == INFINITY && max[k] == -INFINITY;
+      if (min[k] > max[k]) wrong = k;
+    }
+    if (wrong == dims || is_empty) continue;
+    call.Fail(HS_INVALID_ARGUMENT, "boxes",
+              "expected minima that are not above the maxima, got %s and "
+              "%s on axis %zu of box %zu",
+              NumberText(min[wrong]).c_str(), NumberText(max[wrong]).c_str(),
+              wrong, begin + i);
+  }
+}
+
+// Takes the nearest objects that are not equal to a box.
+struct NearestOthers {
+  const float* box;
+  std::size_t planes;
+  std::size_t room;
+  std::uint32_t* ids;
+  float* distances;
+
+  static float Add(void* others, std::uint32_t id, float distance,
+                   const float* planes) {
+    auto& its = *static_cast<NearestOthers*>(others);
+    std::size_t p = 0;
+    while (p < its.planes && planes[p * detail::kBlockObjects] == its.box[p]) {
+      ++p;
+    }
+    if (p == its.planes) return INFINITY;
+    *its.ids++ = id;
+    if (its.distances != nullptr) *its.distances++ = distance;
+    return --its.room == 0 ? -1.0f : INFINITY;
+  }
+};
+
+// Writes row after row of the nearest objects. `values` has the corners.
+template <typename World>
+void Nearest(const Call& call, const World& world, const hs_columns& columns,
+             const Values& values, std::size_t k, float max_distance,
+             const hs_query_options* options, std::uint32_t* ids,
+             float* distances) {
+  CheckLength(call, "max_distance", max_distance);
+  bool is_exclusive = false;
+  const SearchOptions search = ReadSearch(call, options, &is_exclusive);
+  if (is_exclusive &&
+      (!kIsBvh<World> || world.layout.kind != PlaneLayout::kAabb)) {
+    call.Fail(HS_INVALID_ARGUMENT, "options->exclusive",
+              "expected 0, as %s, got 1",
+              kIsBvh<World> ? "the BVH is not of boxes"
+                            : "this is an option of BVHs alone");
+  }
+  if (k == 0 || columns.count == 0) return;
+  if (columns.count > PTRDIFF_MAX / sizeof(std::uint32_t) / k) {
+    call.Fail(HS_INVALID_ARGUMENT, "k",
+              "expected rows that fit the address space, got %zu for each "
+              "of %zu queries",
+              k, columns.count);
+  }
+  call.CheckArray("ids", ids, columns.count * k);
+  if (distances != nullptr) call.CheckPointer("distances", distances);
+  ForEachRows(
+      columns, values,
+      [&](const float* rows, std::size_t begin, std::size_t count) {
+        CheckBoxes(call, rows, begin, count, values.minima);
+        const Span<std::uint32_t> its_ids(ids + begin * k, count * k);
+        Span<float> its_distances;
+        if (distances != nullptr) {
+          its_distances = {distances + begin * k, count * k};
+        }
+        if (!is_exclusive) {
+          NearestOfEach(world, {rows, values.minima, values.count, count}, k,
+                        max_distance, its_ids, its_distances, search);
+          return;
+        }
+        if constexpr (kIsBvh<World>) {
+          std::fill(its_ids.begin(), its_ids.end(), HS_NO_ID);
+          std::fill(its_distances.begin(), its_distances.end(), INFINITY);
+          for (std::size_t q = 0; q < count; ++q) {
+            const float* const box = rows + q * values.count;
+            NearestOthers others{
+                box, values.count, k, its_ids.data() + q * k,
+                distances == nullptr ? nullptr : its_distances.data() + q * k};
+            detail::BvhForEachNearest(
+                world.tree, {box, values.minima, values.count, 1}, max_distance,
+                &NearestOthers::Add, &others, search);
+          }
+        }
+      });
+}
+
+template <typename World>
+hs_status NearestToPoints(const char* name, const World* world,
+                          const hs_columns* points, std::size_t k,
+                          float max_distance, const hs_query_options* options,
+                          std::uint32_t* ids, float* distances) {
+  return Run(name, [&](const Call& call) {
+    call.CheckPointer(kName<World>, world);
+    const std::size_t dims = world->layout.dims;
+    CheckColumns(call, "points", points, 0, dims);
+    Nearest(call, *world, *points, Values::OfPoints(dims), k, max_distance,
+            options, ids, distances);
+  });
+}
+
+template <typename World>
+hs_status NearestToBoxes(const char* name, const World* world,
+                         const hs_columns* boxes, std::size_t k,
+                         float max_distance, const hs_query_options* options,
+                         std::uint32_t* ids, float* distances) {
+  return Run(name, [&](const Call& call) {
+    call.CheckPointer(kName<World>, world);
+    const Values values = Values::OfBoxes(world->layout.dims);
+    CheckColumns(call, "boxes", boxes, values);
+    Nearest(call, *world, *boxes, values, k, max_distance, options, ids,
+            distances);
+  });
+}
+
+// What is cast: rays have their directions and limits in the same record.
+struct Casts {
+  enum Kind { kRays, kBoxes, kSpheres };
+  Kind kind;
+  const hs_columns* starts;
+  const hs_columns* motions = nullptr;
+  float radius = 0;  // of rays
+
+  const char* name() const {
+    return kind == kRays ? "rays" : kind == kBoxes ? "boxes" : "spheres";
+  }
+};
+
+// Calls hit(cast, id, t) for what each touches: it returns the limit of t from
+// then on.
+template <typename World, typename Hit>
+void CastEach(const Call& call, const World* world, const Casts& casts,
+              const hs_query_options* options, const Hit& hit) {
+  call.CheckPointer(kName<World>, world);
+  const std::size_t dims = world->layout.dims;
+  const bool are_rays = casts.kind == Casts::kRays;
+  const bool are_spheres = casts.kind == Casts::kSpheres;
+  const Values values = are_rays      ? Values::OfColumns(2 * dims + 1)
+                        : are_spheres ? Values::OfColumns(dims + 1)
+                                      : Values::OfBoxes(dims);
+  const Values motion_values = Values::OfColumns(dims + 1);
+  CheckColumns(call, casts.name(), casts.starts, values);
+  if (casts.kind != Casts::kBoxes) {
+    CheckFloats(call, casts.name(), *casts.starts);
+  }
+  if (are_rays) {
+    CheckLength(call, "radius", casts.radius);
+  } else {
+    CheckColumns(call, "motions", casts.motions, motion_values);
+    CheckFloats(call, "motions", *casts.motions);
+    if (casts.motions->count != casts.starts->count) {
+      call.Fail(HS_INVALID_ARGUMENT, "motions->count",
+                "expected one for each of %zu %s, got %zu", casts.starts->count,
+                casts.name(), casts.motions->count);
+    }
+  }
+  const SearchOptions search = ReadSearch(call, options);
+  ForEachRows(
+      *casts.starts, values,
+      [&](const float* rows, std::size_t begin, std::size_t count) {
+        for (std::size_t i = begin; i < begin + count; ++i) {
+          const float* const start = rows + (i - begin) * values.count;
+          std::array<float, kMostValues> of_columns;
+          const float* motion = start + dims;
+          if (!are_rays) {
+            WriteRows(*casts.motions, motion_values, i, 1, of_columns.data());
+            motion = of_columns.data();
+          }
+          const float limit = motion[dims];
+          CheckNotNegative(call, are_rays ? "rays" : "motions",
+                           are_rays ? 2 * dims : dims, "limits of t",
+                           are_rays ? "ray" : "motion", i, limit);
+          const float radius = are_spheres ? start[dims] : casts.radius;
+          CheckNotNegative(call, "spheres", dims, "radii", "sphere", i, radius);
+          const float* const high =
+              casts.kind == Casts::kBoxes ? start + dims : start;
+          detail::Callback one{[&](std::uint32_t id, float t, const float*) {
+            return Limit{hit(i, id, t)};
+          }};
+          CastLine(
+              *world,
+              {call.name(), start, high, motion, limit, radius, are_spheres},
+              &decltype(one)::Run, &one, search);
+        }
+      });
+}
+
+template <typename World>
+hs_status Cast(const char* name, const World* world, const Casts& casts,
+               const hs_query_options* options, hs_hit_function function,
+               void* context) {
+  return Run(name, [&](const Call& call) {
+    call.CheckPointer("function", function);
+    CastEach(call, world, casts, options,
+             [&](std::size_t i, std::uint32_t id, float t) {
+               return function(context, i, id, t);
+             });
+  });
+}
+
+// Writes the first hit of each, and of those with the same t the one with the
+// least id.
+template <typename World>
+hs_status CastFirst(const char* name, const World* world, const Casts& casts,
+                    const hs_query_options* options, std::uint32_t* ids,
+                    float* ts) {
+  return Run(name, [&](const Call& call) {
+    call.CheckPointer(casts.name(), casts.starts);
+    const std::size_t count = casts.starts->count;
+    call.CheckArray("ids", ids, count);
+    if (ts != nullptr) call.CheckPointer("ts", ts);
+    std::fill_n(ids, count, HS_NO_ID);
+    if (ts != nullptr) std::fill_n(ts, count, INFINITY);
+    std::size_t last = std::numeric_limits<std::size_t>::max();
+    float first_t = INFINITY;
+    CastEach(call, world, casts, options,
+             [&](std::size_t i, std::uint32_t id, float t) {
+               if (i != last || t < first_t || (t == first_t && id < ids[i])) {
+                 last = i;
+                 ids[i] = id;
+                 first_t = t;
+                 if (ts != nullptr) ts[i] = t;
+               }
+               return first_t;
+             });
+  });
+}
+
+// The pairs that a call searches.
+template <typename World>
+struct Sources {
+  const World* a;
+  const hs_bvh* b = nullptr;
+  const std::uint32_t* ids = nullptr;  // of a set of `count` objects of a
+  std::size_t count = 0;
+  bool is_of_set = false;
+};
+
+// Calls run(options, sources), whose second argument is for trees alone.
+template <typename World, typename Function>
+void RunPairs(const Call& call, const Sources<World>& from,
+              const hs_pair_options* options, const Function& run) {
+  const hs_pair_options read =
+      ReadOptions(call, "options", options, kPairDefaults);
+  PairOptions pairs;
+  pairs.mask = read.mask;
+  pairs.margin = read.margin;
+  pairs.skip = read.skip;
+  pairs.begin = read.begin;
+  pairs.end = read.end;
+  pairs.target = ReadTarget(call, "options", read.target);
+  if (read.wanted != nullptr && from.is_of_set) {
+    pairs.wanted = {read.wanted, from.count};
+  }
+  if (from.is_of_set) call.CheckArray("ids", from.ids, from.count);
+  const Span<const std::uint32_t> set(from.ids, from.count);
+  const detail::PlaneLayout& layout = from.a->layout;
+  if (layout.kind == PlaneLayout::kSimplex) {
+    call.Fail(HS_INVALID_ARGUMENT, "",
+              "expected BVHs of boxes or octahedra, got simplices, which have "
+              "no planes that face each other");
+  }
+  if (from.b != nullptr && from.b->layout != layout) {
+    call.Fail(HS_INVALID_ARGUMENT, "b",
+              "expected a BVH of the kind of `a`, got another kind");
+  }
+  run(pairs, set, PairKernelsOf(layout));
+}
+
+template <typename World>
+void WritePairs(const Call& call, const Sources<World>& from,
+                const hs_pair_options* options, hs_id_pair* pairs,
+                std::size_t room, std::size_t* total) {
+  call.CheckArray("pairs", pairs, room);
+  call.CheckPointer("total", total);
+  const Span<IdPair> to(reinterpret_cast<IdPair*>(pairs), room);
+  RunPairs(call, from, options,
+           [&](const PairOptions& read, const Span<const std::uint32_t>& set,
+               const detail::BvhPairKernels* kernels) {
+             if constexpr (kIsBvh<World>) {
+               *total = detail::BvhPairs(
+                   {kernels, &from.a->tree,
+                    from.b == nullptr ? nullptr : &from.b->tree,
+                    from.is_of_set ? &set : nullptr},
+                   to, read);
+             } else {
+               *total = from.a->core.PairsOf(kernels, set, to, read);
+             }
+           });
+}
+
+template <typename World>
+void CallForPairs(const Call& call, const Sources<World>& from,
+                  const hs_pair_options* options, hs_pairs_function function,
+                  void* context) {
+  call.CheckPointer("function", function);
+  detail::Callback some{[&](Span<const IdPair> pairs) {
+    return function(context, reinterpret_cast<const hs_id_pair*>(pairs.data()),
+                    pairs.size()) == HS_CONTINUE;
+  }};
+  RunPairs(call, from, options,
+           [&](const PairOptions& read, const Span<const std::uint32_t>& set,
+               const detail::BvhPairKernels* kernels) {
+             if constexpr (kIsBvh<World>) {
+               detail::BvhForEachPair(
+                   {kernels, &from.a->tree,
+                    from.b == nullptr ? nullptr : &from.b->tree,
+                    from.is_of_set ? &set : nullptr},
+                   &decltype(some)::Run, &some, read);
+             } else {
+               from.a->core.ForEachPairOf(kernels, set, &decltype(some)::Run,
+                                          &some, read);
+             }
+           });
+}
+
+}  // namespace
+
+const detail::BvhPairKernels* PairKernelsOf(const PlaneLayout& layout) {
+  if (layout.axes == 2) return detail::BvhPairKernelsOf<2>::kTargets;
+  if (layout.axes == 3) return detail::BvhPairKernelsOf<3>::kTargets;
+  return detail::BvhPairKernelsOf<4>::kTargets;
+}
+
+}  // namespace halfspace::c
+
+using halfspace::c::Call;
+using halfspace::c::Casts;
+using halfspace::c::Run;
+
+hs_status hs_query_options_default(hs_query_options* options,
+                                   size_t struct_size) {
+  return halfspace::c::WriteDefaults(
+      "hs_query_options_default", &halfspace::c::kDefaults,
+      sizeof(hs_query_options), options, struct_size);
+}
+
+hs_status hs_pair_options_default(hs_pair_options* options,
+                                  size_t struct_size) {
+  return halfspace::c::WriteDefaults(
+      "hs_pair_options_default", &halfspace::c::kPairDefaults,
+      sizeof(hs_pair_options), options, struct_size);
+}
+
+hs_status hs_bvh_query(const hs_bvh* bvh, const hs_columns* queries,
+                       const hs_query_options* options, uint32_t* ids,
+                       size_t room, size_t* offsets, size_t* total) {
+  return halfspace::c::Query("hs_bvh_query", bvh, queries, options, ids, room,
+                             offsets, total);
+}
+
+hs_status hs_bvh_count(const hs_bvh* bvh, const hs_columns* queries,
+                       const hs_query_options* options, size_t* counts) {
+  return halfspace::c::CountAll("hs_bvh_count", bvh, queries, options, counts);
+}
+
+hs_status hs_bvh_any(const hs_bvh* bvh, const hs_columns* queries,
+                     const hs_query_options* options, uint32_t* ids) {
+  return halfspace::c::AnyOfEach("hs_bvh_any", bvh, queries, options, ids);
+}
+
+hs_status hs_bvh_probe(const hs_bvh* bvh, const hs_columns* queries,
+                       const hs_query_options* options,
+                       hs_ids_function function, void* context) {
+  return halfspace::c::Probe("hs_bvh_probe", bvh, queries, options, function,
+                             context);
+}
+
+hs_status hs_bvh_nearest_to_points(const hs_bvh* bvh, const hs_columns* points,
+                                   size_t k, float max_distance,
+                                   const hs_query_options* options,
+                                   uint32_t* ids, float* distances) {
+  return halfspace::c::NearestToPoints("hs_bvh_nearest_to_points", bvh, points,
+                                       k, max_distance, options, ids,
+                                       distances);
+}
+
+hs_status hs_bvh_nearest_to_boxes(const hs_bvh* bvh, const hs_columns* boxes,
+                                  size_t k, float max_distance,
+                                  const hs_query_options* options,
+                                  uint32_t* ids, float* distances) {
+  return halfspace::c::NearestToBoxes("hs_bvh_nearest_to_boxes", bvh, boxes, k,
+                                      max_distance, options, ids, distances);
+}
+
+hs_status hs_bvh_raycast(const hs_bvh* bvh, const hs_columns* rays,
+                         float radius, const hs_query_options* options,
+                         uint32_t* ids, float* ts) {
+  return halfspace::c::CastFirst("hs_bvh_raycast", bvh,
+                                 Casts{Casts::kRays, rays, nullptr, radius},
+                                 options, ids, ts);
+}
+
+hs_status hs_bvh_raycast_each(const hs_bvh* bvh, const hs_columns* rays,
+                              float radius, const hs_query_options* options,
+                              hs_hit_function function, void* context) {
+  return halfspace::c::Cast("hs_bvh_raycast_each", bvh,
+                            Casts{Casts::kRays, rays, nullptr, radius}, options,
+                            function, context);
+}
+
+hs_status hs_bvh_boxcast(const hs_bvh* bvh, const hs_columns* boxes,
+                         const hs_columns* motions,
+                         const hs_query_options* options, uint32_t* ids,
+                         float* ts) {
+  return halfspace::c::CastFirst("hs_bvh_boxcast", bvh,
+                                 Casts{Casts::kBoxes, boxes, motions}, options,
+                                 ids, ts);
+}
+
+hs_status hs_bvh_boxcast_each(const hs_bvh* bvh, const hs_columns* boxes,
+                              const hs_columns* motions,
+                              const hs_query_options* options,
+                              hs_hit_function function, void* context) {
+  return halfspace::c::Cast("hs_bvh_boxcast_each", bvh,
+                            Casts{Casts::kBoxes, boxes, motions}, options,
+                            function, context);
+}
+
+hs_status hs_bvh_spherecast(const hs_bvh* bvh, const hs_columns* spheres,
+                            const hs_columns* motions,
+                            const hs_query_options* options, uint32_t* ids,
+                            float* ts) {
+  return halfspace::c::CastFirst("hs_bvh_spherecast", bvh,
+                                 Casts{Casts::kSpheres, spheres, motions},
+                                 options, ids, ts);
+}
+
+hs_status hs_bvh_spherecast_each(const hs_bvh* bvh, const hs_columns* spheres,
+                                 const hs_columns* motions,
+                                 const hs_query_options* options,
+                                 hs_hit_function function, void* context) {
+  return halfspace::c::Cast("hs_bvh_spherecast_each", bvh,
+                            Casts{Casts::kSpheres, spheres, motions}, options,
+                            function, context);
+}
+
+hs_status hs_bvh_pairs(const hs_bvh* bvh, const hs_pair_options* options,
+                       hs_id_pair* pairs, size_t room, size_t* total) {
+  return Run("hs_bvh_pairs", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    halfspace::c::WritePairs<hs_bvh>(call, {bvh}, options, pairs, room, total);
+  });
+}
+
+hs_status hs_bvh_join(const hs_bvh* a, const hs_bvh* b,
+                      const hs_pair_options* options, hs_id_pair* pairs,
+                      size_t room, size_t* total) {
+  return Run("hs_bvh_join", [&](const Call& call) {
+    call.CheckPointer("a", a);
+    call.CheckPointer("b", b);
+    halfspace::c::WritePairs<hs_bvh>(call, {a, b}, options, pairs, room, total);
+  });
+}
+
+hs_status hs_bvh_pairs_of(const hs_bvh* bvh, const uint32_t* ids, size_t count,
+                          const hs_pair_options* options, hs_id_pair* pairs,
+                          size_t room, size_t* total) {
+  return Run("hs_bvh_pairs_of", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    halfspace::c::WritePairs<hs_bvh>(call, {bvh, nullptr, ids, count, true},
+                                     options, pairs, room, total);
+  });
+}
+
+hs_status hs_bvh_pairs_each(const hs_bvh* bvh, const hs_pair_options* options,
+                            hs_pairs_function function, void* context) {
+  return Run("hs_bvh_pairs_each", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    halfspace::c::CallForPairs<hs_bvh>(call, {bvh}, options, function, context);
+  });
+}
+
+hs_status hs_bvh_join_each(const hs_bvh* a, const hs_bvh* b,
+                           const hs_pair_options* options,
+                           hs_pairs_function function, void* context) {
+  return Run("hs_bvh_join_each", [&](const Call& call) {
+    call.CheckPointer("a", a);
+    call.CheckPointer("b", b);
+    halfspace::c::CallForPairs<hs_bvh>(call, {a, b}, options, function,
+                                       context);
+  });
+}
+
+hs_status hs_bvh_pairs_of_each(const hs_bvh* bvh, const uint32_t* ids,
+                               size_t count, const hs_pair_options* options,
+                               hs_pairs_function function, void* context) {
+  return Run("hs_bvh_pairs_of_each", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    halfspace::c::CallForPairs<hs_bvh>(call, {bvh, nullptr, ids, count, true},
+                                       options, function, context);
+  });
+}
+
+hs_status hs_broad_phase_query(const hs_broad_phase* bodies,
+                               const hs_columns* queries,
+                               const hs_query_options* options, uint32_t* ids,
+                               size_t room, size_t* offsets, size_t* total) {
+  return halfspace::c::Query("hs_broad_phase_query", bodies, queries, options,
+                             ids, room, offsets, total);
+}
+
+hs_status hs_broad_phase_count(const hs_broad_phase* bodies,
+                               const hs_columns* queries,
+                               const hs_query_options* options,
+                               size_t* counts) {
+  return halfspace::c::CountAll("hs_broad_phase_count", bodies, queries,
+                                options, counts);
+}
+
+hs_status hs_broad_phase_any(const hs_broad_phase* bodies,
+                             const hs_columns* queries,
+                             const hs_query_options* options, uint32_t* ids) {
+  return halfspace::c::AnyOfEach("hs_broad_phase_any", bodies, queries, options,
+                                 ids);
+}
+
+hs_status hs_broad_phase_probe(const hs_broad_phase* bodies,
+                               const hs_columns* queries,
+                               const hs_query_options* options,
+                               hs_ids_function function, void* context) {
+  return halfspace::c::Probe("hs_broad_phase_probe", bodies, queries, options,
+                             function, context);
+}
+
+hs_status hs_broad_phase_nearest_to_points(const hs_broad_phase* bodies,
+                                           const hs_columns* points, size_t k,
+                                           float max_distance,
+                                           const hs_query_options* options,
+                                           uint32_t* ids, float* distances) {
+  return halfspace::c::NearestToPoints("hs_broad_phase_nearest_to_points",
+                                       bodies, points, k, max_distance, options,
+                                       ids, distances);
+}
+
+hs_status hs_broad_phase_nearest_to_boxes(const hs_broad_phase* bodies,
+                                          const hs_columns* boxes, size_t k,
+                                          float max_distance,
+                                          const hs_query_options* options,
+                                          uint32_t* ids, float* distances) {
+  return halfspace::c::NearestToBoxes("hs_broad_phase_nearest_to_boxes", bodies,
+                                      boxes, k, max_distance, options, ids,
+                                      distances);
+}
+
+hs_status hs_broad_phase_raycast(const hs_broad_phase* bodies,
+                                 const hs_columns* rays, float radius,
+                                 const hs_query_options* options, uint32_t* ids,
+                                 float* ts) {
+  return halfspace::c::CastFirst("hs_broad_phase_raycast", bodies,
+                                 Casts{Casts::kRays, rays, nullptr, radius},
+                                 options, ids, ts);
+}
+
+hs_status hs_broad_phase_raycast_each(const hs_broad_phase* bodies,
+                                      const hs_columns* rays, float radius,
+                                      const hs_query_options* options,
+                                      hs_hit_function function, void* context) {
+  return halfspace::c::Cast("hs_broad_phase_raycast_each", bodies,
+                            Casts{Casts::kRays, rays, nullptr, radius}, options,
+                            function, context);
+}
+
+hs_status hs_broad_phase_boxcast(const hs_broad_phase* bodies,
+                                 const hs_columns* boxes,
+                                 const hs_columns* motions,
+                                 const hs_query_options* options, uint32_t* ids,
+                                 float* ts) {
+  return halfspace::c::CastFirst("hs_broad_phase_boxcast", bodies,
+                                 Casts{Casts::kBoxes, boxes, motions}, options,
+                                 ids, ts);
+}
+
+hs_status hs_broad_phase_boxcast_each(const hs_broad_phase* bodies,
+                                      const hs_columns* boxes,
+                                      const hs_columns* motions,
+                                      const hs_query_options* options,
+                                      hs_hit_function function, void* context) {
+  return halfspace::c::Cast("hs_broad_phase_boxcast_each", bodies,
+                            Casts{Casts::kBoxes, boxes, motions}, options,
+                            function, context);
+}
+
+hs_status hs_broad_phase_spherecast(const hs_broad_phase* bodies,
+                                    const hs_columns* spheres,
+                                    const hs_columns* motions,
+                                    const hs_query_options* options,
+                                    uint32_t* ids, float* ts) {
+  return halfspace::c::CastFirst("hs_broad_phase_spherecast", bodies,
+                                 Casts{Casts::kSpheres, spheres, motions},
+                                 options, ids, ts);
+}
+
+hs_status hs_broad_phase_spherecast_each(const hs_broad_phase* bodies,
+                                         const hs_columns* spheres,
+                                         const hs_columns* motions,
+                                         const hs_query_options* options,
+                                         hs_hit_function function,
+                                         void* context) {
+  return halfspace::c::Cast("hs_broad_phase_spherecast_each", bodies,
+                            Casts{Casts::kSpheres, spheres, motions}, options,
+                            function, context);
+}
+
+hs_status hs_broad_phase_pairs_of(const hs_broad_phase* bodies,
+                                  const uint32_t* ids, size_t count,
+                                  const hs_pair_options* options,
+                                  hs_id_pair* pairs, size_t room,
+                                  size_t* total) {
+  return Run("hs_broad_phase_pairs_of", [&](const Call& call) {
+    call.CheckPointer("bodies", bodies);
+    halfspace::c::WritePairs<hs_broad_phase>(
+        call, {bodies, nullptr, ids, count, true}, options, pairs, room, total);
+  });
+}
+
+hs_status hs_broad_phase_pairs_of_each(const hs_broad_phase* bodies,
+                                       const uint32_t* ids, size_t count,
+                                       const hs_pair_options* options,
+                                       hs_pairs_function function,
+                                       void* context) {
+  return Run("hs_broad_phase_pairs_of_each", [&](const Call& call) {
+    call.CheckPointer("bodies", bodies);
+    halfspace::c::CallForPairs<hs_broad_phase>(
+        call, {bodies, nullptr, ids, count, true}, options, function, context);
+  });
+}
+
+hs_status hs_bvh_pair_parts(const hs_bvh* bvh, size_t* parts) {
+  return Run("hs_bvh_pair_parts", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    call.CheckPointer("parts", parts);
+    *parts = (bvh->tree.ids().size() + 63) / 64;
+  });
+}
