@@ -299,9 +299,8 @@ void ForEachQuestion(std::uint64_t seed, const Ids& ids,
   constexpr int kDims = View::Bound::kDimensions;
   Random random(seed);
   QueryOptions options;
-  options.mask = std::array<std::uint32_t, 4>{~std::uint32_t{0}, 1, 2,
-                                              std::uint32_t{1} << 31 | 2}
-      [random() % 4];
+  options.mask = std::array<std::uint32_t, 4>{
+      ~std::uint32_t{0}, 1, 2, std::uint32_t{1} << 31 | 2}[random() % 4];
   SearchOptions search;
   search.mask = options.mask;
   const auto near = [&](float radius) {
@@ -365,8 +364,8 @@ void ForEachQuestion(std::uint64_t seed, const Ids& ids,
         Answers answers;
         for (std::size_t i = 0; i < count; ++i) {
           // Which of those that are equally far is found depends on the order.
-          answers.push_back({most == 5 ? 0 : names.Of(found[i]),
-                             WordOf(distances[i]), 0});
+          answers.push_back(
+              {most == 5 ? 0 : names.Of(found[i]), WordOf(distances[i]), 0});
         }
         return answers;
       });

@@ -1,5 +1,5 @@
-// Casts of a broad phase against rational arithmetic: no hit is missed, and no
-// t is above the exact one.
+// Casts of a Bvh, of each type, against rational arithmetic: no hit is missed,
+// and no t is above the exact one. Broad phases give the same (history_test).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "halfspace/halfspace.h"
-#include "tests/library/broad_phase/bodies.h"
+#include "tests/library/bvh/spread.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/exact.h"
 
@@ -134,9 +134,12 @@ std::optional<mpq_class> ExactEntry(const Bound& bound,
                                     const mpq_class& margin = 0) {
   std::vector<ExactAxis> axes(Bound::kAxes);
   for (std::size_t k = 0; k < axes.size(); ++k) {
-    if (bound.min[k] == kInf || bound.max[k] == -kInf) return std::nullopt;
+    if (bound.min[k] == kInf) return std::nullopt;
     if (bound.min[k] > -kInf) axes[k].min = Exact(bound.min[k]) - margin;
-    if (bound.max[k] < kInf) axes[k].max = Exact(bound.max[k]) + margin;
+    if constexpr (requires { bound.max; }) {
+      if (bound.max[k] == -kInf) return std::nullopt;
+      if (bound.max[k] < kInf) axes[k].max = Exact(bound.max[k]) + margin;
+    }
     if (k < kDims) {
       axes[k].low = Exact(moving.box.min[k]);
       axes[k].high = Exact(moving.box.max[k]);
@@ -222,53 +225,43 @@ class Numbers {
 template <typename View>
 typename View::Bound SomeBound(Numbers& numbers) {
   using Bound = typename View::Bound;
-  Bound bound;
-  for (std::size_t k = 0; k < Bound::kAxes; ++k) {
-    bound.min[k] = numbers.Coordinate();
-    bound.max[k] = bound.min[k] + numbers.Size();
-    if (numbers.Next(20) == 0) bound.max[k] = kInf;
-    if (numbers.Next(20) == 0) bound.min[k] = -kInf;
+
+  typename AaboView<Bound::kDimensions>::Bound all;
+  for (std::size_t k = 0; k < all.min.size(); ++k) {
+    all.min[k] = numbers.Coordinate();
+    all.max[k] = all.min[k] + numbers.Size();
+    if (numbers.Next(20) == 0) all.max[k] = kInf;
+    if (numbers.Next(20) == 0) all.min[k] = -kInf;
   }
   // A D that belongs to the box, for most of them.
-  if (Bound::kAxes > Bound::kDimensions && numbers.Next(4) != 0) {
-    float low = 0;
-    float high = 0;
+  if (numbers.Next(4) != 0) {
+    all.min.back() = all.max.back() = 0;
     for (std::size_t k = 0; k < Bound::kDimensions; ++k) {
-      low -= bound.max[k];
-      high -= bound.min[k];
+      all.min.back() -= all.max[k];
+      all.max.back() -= all.min[k];
     }
-    bound.min.back() = low;
-    bound.max.back() = high;
   }
-  return bound;
+  return ObjectOf<View>(all);
 }
 
 template <typename Case>
 class ExactCastTest : public ::testing::Test {};
-TYPED_TEST_SUITE(ExactCastTest, BroadPhaseCases, CaseNames);
+TYPED_TEST_SUITE(ExactCastTest, BvhCases, CaseNames);
 
 TYPED_TEST(ExactCastTest, NoHitIsMissedAndNoneIsLate) {
   using View = typename TypeParam::View;
   using Bound = typename View::Bound;
   constexpr int kDims = Bound::kDimensions;
-  constexpr std::uint64_t kAll = ~std::uint64_t{0};
   constexpr std::uint32_t kBodies = 80;  // in two leaves
   enum { kRay, kBox, kBall, kWhats };
   for (const Scene scene : {Scene::kUsual, Scene::kLattice, Scene::kTiny,
                             Scene::kHuge, Scene::kMixed}) {
     Numbers numbers(scene, static_cast<std::uint64_t>(scene));
-    BroadPhase<View> bodies(kBodies);
     std::vector<Bound> bounds;
     for (std::uint32_t id = 0; id < kBodies; ++id) {
       bounds.push_back(SomeBound<View>(numbers));
-      bodies.Insert(id, bounds.back());
     }
-    bodies.Update();
-    // Some are larger in the tree.
-    for (std::uint32_t id = 0; id < kBodies; id += 3) {
-      bodies.Move(id, SomeBound<View>(numbers));
-      bodies.Move(id, bounds[id]);
-    }
+    const Bvh<View> bodies(bounds);
     const std::size_t casts = 3 + Scaled(30);
     std::size_t hits = 0;
     for (std::size_t i = 0; i < casts * kWhats; ++i) {
@@ -285,15 +278,14 @@ TYPED_TEST(ExactCastTest, NoHitIsMissedAndNoneIsLate) {
       if (what == kBall) moving.radius = numbers.Size();
       const auto cast = [&](const auto& function) {
         if (what == kBox) {
-          bodies.ForEachCast(moving.box, moving.direction, moving.max_t, kAll,
-                             function);
+          BoxCast(bodies, moving.box, moving.direction, moving.max_t, function);
         } else if (what == kBall) {
-          bodies.ForEachCast(Sphere<kDims>{moving.box.min, moving.radius},
-                             moving.direction, moving.max_t, kAll, function);
+          SphereCast(bodies, Sphere<kDims>{moving.box.min, moving.radius},
+                     moving.direction, moving.max_t, function);
         } else {
-          bodies.ForEachCast(
-              Ray<kDims>{moving.box.min, moving.direction, moving.max_t}, kAll,
-              function);
+          RayCast(bodies,
+                  Ray<kDims>{moving.box.min, moving.direction, moving.max_t},
+                  function);
         }
       };
       std::map<std::uint32_t, float> found;

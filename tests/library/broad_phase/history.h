@@ -125,7 +125,7 @@ class BodyHistory {
       model_.Update();
       all_.erase(all_.begin() + 1, all_.end());
       all_.push_back(all_[0]);
-    } else if (what == 15 && getenv("BP_LOAD")) { // DEBUG
+    } else if (what == 15) {
       model_.Update();
       all_.erase(all_.begin() + 1, all_.end());
       const std::vector<std::byte> bytes = BytesOf(all_[0]);
@@ -238,7 +238,8 @@ class BodyHistory {
         all_[0], watch.query,
         [&](Span<const std::uint32_t> some) {
           found.insert(found.end(), some.begin(), some.end());
-          if (calls++ > 1) return;
+          // Twice in the innermost: also between two parts of late bodies.
+          if (calls++ > (depth == 0 ? 1 : 0)) return;
           Move(choices_.Below(2) == 0 ? 3 : choices_.Below(most_bodies_));
           ExpectAnswers(all_[0], model_, choices_.Below(200));
           if (depth > 0) QueryAndMove(depth - 1);

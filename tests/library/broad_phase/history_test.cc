@@ -20,13 +20,14 @@ TYPED_TEST_SUITE(BroadPhaseHistoryTest, BroadPhaseCases, CaseNames);
 
 TYPED_TEST(BroadPhaseHistoryTest, AnyHistoryIsThatOfTheModel) {
   using View = typename TypeParam::View;
-  const std::size_t rounds = std::max<std::size_t>(4, Scaled(24));
+  const std::size_t rounds = std::max<std::size_t>(4, Scaled(12));
   for (std::size_t round = 0; round < rounds; ++round) {
     BodyMaker<View> maker(round);
     // One with three levels of nodes.
     const bool is_large = round == 1;
-    const std::size_t most_bodies =
-        is_large ? 9000 : round % 3 == 0 ? 200 : 1500;
+    const std::size_t most_bodies = is_large         ? 9000
+                                    : round % 3 == 0 ? 200
+                                                     : 1500;
     constexpr std::uint32_t kStrides[] = {1, 3, 700, 64, 5000};
     BroadPhaseOptions options;
     options.moves_wait_for_update = round % 2 != 0;
@@ -34,10 +35,11 @@ TYPED_TEST(BroadPhaseHistoryTest, AnyHistoryIsThatOfTheModel) {
     if (round % 3 == 0) options.filter.keep = &KeepsSome;
     constexpr FpMode kModes[] = {FpMode::kDefault, FpMode::kDefault,
                                  FpMode::kTraps, FpMode::kFlushes};
-    BodyHistory<View, BodyMaker<View>> history(
-        maker, most_bodies, kStrides[round % 5], options, kModes[round / 2 % 4]);
+    BodyHistory<View, BodyMaker<View>> history(maker, most_bodies,
+                                               kStrides[round % 5], options,
+                                               kModes[round / 2 % 4]);
     if (is_large) history.Insert(most_bodies);
-    const std::size_t steps = is_large ? 12 : 10 + Scaled(40);
+    const std::size_t steps = is_large ? 12 : 10 + Scaled(20);
     for (std::size_t step = 0; step < steps; ++step) {
       const std::size_t what = history.Change();
       history.ExpectIsModel(maker.random()());

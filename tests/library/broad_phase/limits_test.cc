@@ -245,10 +245,9 @@ TEST(BroadPhaseErrorsTest, CallsThatRunAloneThrowInsideAQuery) {
     };
     const auto expect = [&] {
       for (const auto& [name, call] : calls) {
-        EXPECT_TRUE(Refuses(call, {"BroadPhase", name == std::string("BroadPhase")
-                                                     ? ""
-                                                     : name,
-                                   "still runs"}))
+        EXPECT_TRUE(Refuses(
+            call, {"BroadPhase", name == std::string("BroadPhase") ? "" : name,
+                   "still runs"}))
             << name;
       }
     };
@@ -390,15 +389,23 @@ TEST(BroadPhaseErrorsTest, SayWhatWasWrong) {
   };
   const std::function<void(std::uint32_t, float)> hit;
   const Case cases[] = {
-      {[&] { bodies.Insert(Ids{2, 0x80000000}, boxes); },
+      {[&] {
+         bodies.Insert(Ids{2, 0x80000000}, boxes);
+       },
        {"BroadPhase::Insert", "ids[1]", "below 2^31", "got 2147483648"}},
-      {[&] { bodies.Insert(Ids{2, 1}, boxes); },
+      {[&] {
+         bodies.Insert(Ids{2, 1}, boxes);
+       },
        {"BroadPhase::Insert", "ids[1]", "no body has", "got 1"}},
-      {[&] { bodies.Insert(Ids{2, 2}, boxes); },
+      {[&] {
+         bodies.Insert(Ids{2, 2}, boxes);
+       },
        {"BroadPhase::Insert", "ids[1]", "once in the list", "got 2"}},
       {[&] { bodies.Insert(Ids{2}, boxes); },
        {"BroadPhase::Insert", "bounds", "1", "got 2"}},
-      {[&] { bodies.Insert(Ids{2}, {&kUnit, 1}, masks); },
+      {[&] {
+         bodies.Insert(Ids{2}, {&kUnit, 1}, masks);
+       },
        {"BroadPhase::Insert", "masks", "1", "got 2"}},
       {[&] { bodies.Move(ids, boxes); },
        {"BroadPhase::Move", "ids[1]", "a body", "got 2"}},
@@ -408,7 +415,9 @@ TEST(BroadPhaseErrorsTest, SayWhatWasWrong) {
        {"BroadPhase::Erase", "ids[1]", "a body", "got 2"}},
       {[&] { bodies.Erase(4'000'000'000u); },
        {"BroadPhase::Erase", "ids[0]", "got 4000000000"}},
-      {[&] { bodies.Erase({nullptr, 3}); },
+      {[&] {
+         bodies.Erase({nullptr, 3});
+       },
        {"BroadPhase::Erase", "ids", "3", "a null pointer"}},
       {[&] { bodies.SetMasks(ids, masks); },
        {"BroadPhase::SetMasks", "ids[1]", "a body", "got 2"}},
@@ -417,9 +426,13 @@ TEST(BroadPhaseErrorsTest, SayWhatWasWrong) {
        {"BroadPhase::MasksOf", "a body", "got 10"}},
       {[&] { (void)PairsOf(bodies, ids, {}); },
        {"PairsOf", "ids[1]", "an object", "got 2"}},
-      {[&] { (void)CountSurvivors(bodies, Sphere3{{0, 0, 0}, -1}); },
+      {[&] {
+         (void)CountSurvivors(bodies, Sphere3{{0, 0, 0}, -1});
+       },
        {"CountSurvivors", "radius", "-1"}},
-      {[&] { BoxCast(bodies, kUnit, {1, 0, 0}, -1, [](auto...) {}); },
+      {[&] {
+         BoxCast(bodies, kUnit, {1, 0, 0}, -1, [](auto...) {});
+       },
        {"BoxCast", "max_t", "-1"}},
       {[&] { (void)KNearest(bodies, Point<3>{}, {}, {}, -1); },
        {"KNearest", "max_distance", "-1"}},

@@ -14,6 +14,7 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "halfspace/error.h"
@@ -138,44 +139,78 @@ TEST(ErrorHandlerTest, IsCalledWhileABroadPhaseHoldsNothing) {
   CountingMemory memory;
   BroadPhaseOptions options;
   options.memory = memory.resource();
-  AabbBroadPhase3 bodies(9, options);
+  AabbBroadPhase3 bodies(options);
   for (std::uint32_t id = 0; id < 5; ++id) bodies.Insert(id, {});
   bodies.Rebuild();
+  std::vector<std::byte> bytes;
+  bodies.Save([&](Span<const std::byte> some) {
+    bytes.insert(bytes.end(), some.begin(), some.end());
+  });
+  const auto load_altered = [&](std::size_t at, int value) {
+    std::vector<std::byte> altered = bytes;
+    altered[at] = static_cast<std::byte>(value);
+    bodies.Load(altered);
+  };
   const std::size_t blocks = memory.blocks;
   const auto none = [](auto...) {};
   const Sphere3 sphere = {{0, 0, 0}, -1};
   const std::vector<HalfSpace3> half_spaces(1000);
-  ExpectNothingIsHeld(
-      {[&] { bodies.ForEach(sphere, 1, none); },
-       [&] { bodies.ForEach(Span<const HalfSpace3>(half_spaces), 1, none); },
-       [&] {
-         bodies.ForEachCast(sphere, {1, 0, 0}, 1, 1, none);
-       },
-       [&] { bodies.ForEachPairOf(kIds, 0, none); },
-       [&] {
-         bodies.ForEachPairOf({kIds.data(), 5}, -1, none);
-       },
-       [&] {
-         const std::vector<std::uint64_t> masks(4);
-         bodies.ForEachPairOf({kIds.data(), 5}, masks, 0, none);
-       },
-       [&] { bodies.Insert(kIds, std::vector<Aabb3>(6)); },
-       [&] { bodies.Insert(kIds, std::vector<Aabb3>(5)); },
-       [&] { bodies.Move(kIds, std::vector<Aabb3>(6)); },
-       [&] { bodies.SetMasks(kIds, std::vector<BodyMasks>(6)); },
-       [&] { bodies.Erase(kIds); }, [&] { (void)bodies.Get(99); },
-       [&] { (void)bodies.MasksOf(99); },
-       [&] {
-         BroadPhaseOptions bad = options;
-         bad.margin = -1;
-         const AabbBroadPhase3 made(9, bad);
-       }},
+  const Span<const std::uint32_t> five(kIds.data(), 5);
+  const std::vector<std::uint32_t> four_masks(4);
+  PairOptions pair_options;
+  std::size_t checks = 0;
+  const std::vector<std::function<void()>> calls = {
+      [&] { ForEachSurvivor(bodies, sphere, none); },
+      [&] { (void)CountSurvivors(bodies, half_spaces); },
+      [&] { (void)AnySurvivor(bodies, sphere); },
       [&] {
-        EXPECT_EQ(memory.blocks, blocks);
-        // A tree that is still read would be a second one.
-        bodies.Rebuild();
-        EXPECT_EQ(bodies.Statistics().trees, 1u);
-      });
+        (void)Survivors(bodies, Aabb3(), {nullptr, 5});
+      },
+      [&] {
+        SphereCast(bodies, sphere, {1, 0, 0}, 1, none);
+      },
+      [&] { (void)KNearest(bodies, Point<3>(), {}, {}, -1); },
+      [&] { (void)PairsOf(bodies, kIds, {}); },
+      [&] {
+        pair_options.margin = -1;
+        ForEachPairOf(bodies, five, none, pair_options);
+      },
+      [&] {
+        pair_options.margin = 0;
+        pair_options.wanted = four_masks;
+        ForEachPairOf(bodies, five, none, pair_options);
+      },
+      [&] { bodies.Insert(kIds, std::vector<Aabb3>(6)); },
+      [&] { bodies.Insert(kIds, std::vector<Aabb3>(5)); },
+      [&] { bodies.Move(kIds, std::vector<Aabb3>(6)); },
+      [&] { bodies.SetMasks(kIds, std::vector<BodyMasks>(6)); },
+      [&] { bodies.Erase(kIds); },
+      [&] { (void)bodies.Get(99); },
+      [&] { (void)bodies.MasksOf(99); },
+      [&] {
+        bodies.Load({bytes.data(), bytes.size() - 64});
+      },
+      [&] { load_altered(20, 9); },   // its planes
+      [&] { load_altered(64, 9); },   // the tree's first byte
+      [&] { load_altered(33, 1); }};  // 256 pairs more than there are
+  const auto check = [&] {
+    ++checks;
+    EXPECT_EQ(memory.blocks, blocks);
+    // A lock that is still held would be waited for.
+    bodies.Update();
+  };
+  ExpectNothingIsHeld(calls, check);
+  // The same where the body of a query has moved.
+  bool is_first = true;
+  ForEachSurvivor(bodies, Aabb3::Everything(), [&](Span<const std::uint32_t>) {
+    if (!std::exchange(is_first, false)) return;
+    bodies.Move(1, Aabb3{{1, 1, 1}, {2, 2, 2}});
+    ExpectNothingIsHeld(calls, [&] {
+      EXPECT_EQ(memory.blocks, blocks);
+      EXPECT_EQ(AnySurvivor(bodies, Aabb3{{1, 1, 1}, {1, 1, 1}}), 1u);
+    });
+  });
+  EXPECT_EQ(checks, calls.size());
 }
 
 TEST(ErrorHandlerTest, IsCalledWhileABvhHoldsNothing) {
