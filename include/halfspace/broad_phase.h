@@ -7,8 +7,8 @@
 //   bodies.Move(moved_ids, moved_boxes);       // on any threads
 //   bodies.Update();
 //   bodies.UpdatePairs();
-//   for (const halfspace::IdPair& pair : bodies.began()) { /* pair.a, pair.b */
-//   } for (const halfspace::IdPair& pair : bodies.ended()) { /* the same */ }
+//   for (halfspace::IdPair pair : bodies.began()) { /* pair.a, pair.b */ }
+//   for (halfspace::IdPair pair : bodies.ended()) { /* the same */ }
 //   ForEachSurvivor(bodies, query_box, [](Span<const std::uint32_t> ids) {});
 //
 // A broad phase is a Bvh (bvh.h) with the caller's ids, and a record of each

@@ -6,8 +6,8 @@
 //   bvh.Refit(boxes);
 //   bvh.RebuildPartial(bvh.size() / 16);
 //   events.Update(bvh);
-//   for (const halfspace::IdPair& pair : events.began()) { /* pair.a, pair.b */
-//   } for (const halfspace::IdPair& pair : events.ended()) { /* the same */ }
+//   for (halfspace::IdPair pair : events.began()) { /* pair.a, pair.b */ }
+//   for (halfspace::IdPair pair : events.ended()) { /* the same */ }
 //
 // If only some objects changed, pass their ids:
 //
