@@ -351,7 +351,7 @@ ERRORS = {
     "ids[1]: expected the id of a body, got 6": lambda b: b.erase([1, 6]),
     "ids[0]: expected the id of a body, got 7": lambda b: b.get([7]),
     "ids[0]: expected the id of a body, got 8": lambda b: b.masks([8]),
-    "ids[0]: expected the id of an object, got 9": lambda b: b.pairs_of([9]),
+    "ids[0]: expected the id of a body, got 9": lambda b: b.pairs_of([9]),
     "ids[0]: expected an id that no body has, once in the list, got 1": lambda b: b.insert(
         [1], [BOX]
     ),

@@ -775,20 +775,20 @@ static void erase(size_t first, size_t step) {
 }
 
 // What a broad phase says after some changes, in its order.
-typedef struct record {
+typedef struct outcome {
   uint32_t ids[QUERIES * IDS];
   hs_id_pair pairs[3][IDS * 20];
   size_t sizes[4];
-} record;
+} outcome;
 
-static void record_pairs(record* to, size_t list, hs_status status,
+static void record_pairs(outcome* to, size_t list, hs_status status,
                          const hs_id_pair* pairs) {
   CHECK_OK(status);
   CHECK(to->sizes[list] <= IDS * 20);
   memcpy(to->pairs[list], pairs, to->sizes[list] * sizeof(*pairs));
 }
 
-static void change_and_record(record* to) {
+static void change_and_record(outcome* to) {
   static float queries[QUERIES * VALUES];
   const hs_columns columns = hs_float_rows(queries, QUERIES, its.values);
   const hs_id_pair* pairs = NULL;
@@ -810,8 +810,8 @@ static void change_and_record(record* to) {
 
 // A copy, and what was saved and loaded, go on as the original.
 static void check_copies(const hs_broad_phase_config* config) {
-  static record first;
-  static record others;
+  static outcome first;
+  static outcome others;
   hs_broad_phase* all[3] = {bodies, NULL, NULL};
   size_t size = 0;
   size_t again = 0;
