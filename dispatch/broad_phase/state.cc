@@ -121,7 +121,9 @@ void BroadPhaseState::Adopt(BvhTree its_tree) {
   tree = std::move(its_tree);
   const Span<const std::uint32_t> ids = tree.ids();
   for (std::size_t slot = 0; slot < ids.size(); ++slot) {
-    if (ids[slot] == kNoId) continue;
+    // Altered bytes may have any id in an empty slot.
+    if (!tree.Has(ids[slot]) || tree.levels().slots[ids[slot]] != slot)
+      continue;
     float values[kMostBodyPlanes];
     tree.GetAt(slot, Span<float>(values, planes()));
     records.Reserve({&ids[slot], 1});

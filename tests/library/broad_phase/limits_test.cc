@@ -425,7 +425,7 @@ TEST(BroadPhaseErrorsTest, SayWhatWasWrong) {
       {[&] { (void)bodies.MasksOf(10); },
        {"BroadPhase::MasksOf", "a body", "got 10"}},
       {[&] { (void)PairsOf(bodies, ids, {}); },
-       {"PairsOf", "ids[1]", "an object", "got 2"}},
+       {"PairsOf", "ids[1]", "a body", "got 2"}},
       {[&] {
          (void)CountSurvivors(bodies, Sphere3{{0, 0, 0}, -1});
        },
