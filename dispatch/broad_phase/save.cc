@@ -157,8 +157,13 @@ void BroadPhaseCore::Load(Span<const std::byte> bytes) {
     ThrowNotSaved("a mask for each id",
                   std::to_string(collides_with.size()) + " masks");
   }
-  to.records.Reserve(changed);
-  for (const std::uint32_t id : changed) to.records.SetChanged(id);
+  for (const std::uint32_t id : changed) {
+    if (id >= kMostObjects) {
+      ThrowNotSaved("ids below 2^31", std::to_string(id));
+    }
+    to.records.Reserve({&id, 1});
+    to.records.SetChanged(id);
+  }
   const Changing changing(kLoad, state);
   state.Swap(to);
 }

@@ -32,6 +32,9 @@
 //   of these calls while it holds a lock that the function of a query needs.
 //   The function of a query must not make one: it throws (error.h).
 // - A query never waits for a query, and Move() waits for nothing.
+// - The functions that calls that run alone call (PairFilter::keep, Runner and
+//   the function of Save()) must not call the broad phase, except Move(), Has()
+//   and Get().
 // BroadPhaseOptions::caller_locks is for programs that have a lock of their
 // own.
 //

@@ -147,6 +147,35 @@ TEST(BroadPhaseTest, QueriesSeeMovesAsTheOptionSays) {
 }
 
 // An id may be twice in a list, with others between.
+TEST(BroadPhaseTest, ALateBodyThatMovesAgainIsFoundOnce) {
+  Bodies bodies;
+  for (std::uint32_t id = 0; id < 100; ++id) bodies.Insert(id, kUnit);
+  Inside(bodies, [&] {
+    for (std::uint32_t id = 0; id < 80; ++id) {
+      bodies.Move(id, {{0, 0, 0}, {2, 2, 2}});
+    }
+    Ids found;
+    ForEachSurvivor(bodies, kUnit, [&](Span<const std::uint32_t> ids) {
+      for (const std::uint32_t id : ids) {
+        found.push_back(id);
+        bodies.Move(id, {{0, 0, 0}, {3, 3, 3}});
+      }
+    });
+    EXPECT_EQ(InOrder(found), IdsUpTo(100));
+  });
+}
+
+TEST(BroadPhaseTest, LateBodiesHaveTheirMasks) {
+  Bodies bodies;
+  for (std::uint32_t id = 0; id < 10; ++id) {
+    bodies.Insert(id, kFar, {.category = id % 2 + 1});
+  }
+  Inside(bodies, [&] {
+    for (std::uint32_t id = 0; id < 10; ++id) bodies.Move(id, kUnit);
+    EXPECT_EQ(FoundIn(bodies, kUnit, 2), (Ids{1, 3, 5, 7, 9}));
+  });
+}
+
 TEST(BroadPhaseTest, TheLastOfTwoMovesWins) {
   Bodies bodies;
   const Ids ids = IdsUpTo(600);
