@@ -52,18 +52,23 @@ void ReadersLock::Use(std::size_t line) {
 
 void ReadersLock::EnterSlowly(std::size_t line, bool is_inside) {
   const auto begin = std::chrono::steady_clock::now();
+  const auto is_over = [begin] {
+    return std::chrono::steady_clock::now() - begin > kPatience;
+  };
   Pause pause;
   for (;;) {
     const std::uint32_t state = state_.load(std::memory_order_seq_cst);
     if (state == kOpen) return;
-    if (state == kChangeWaits &&
-        (is_inside || std::chrono::steady_clock::now() - begin > kPatience)) {
-      return;
-    }
+    if (state == kChangeWaits && (is_inside || is_over())) return;
     Leave(line);
+    const auto has_to_wait = [&] {
+      const std::uint32_t now = state_.load(std::memory_order_acquire);
+      return now == kIsChanged ||
+             (now == kChangeWaits && !is_inside && !is_over());
+    };
     do {
       pause();
-    } while (state_.load(std::memory_order_acquire) == kIsChanged);
+    } while (has_to_wait());
     CountIn(line);
   }
 }

@@ -31,7 +31,7 @@ class ReadersLock {
   }
   // `is_inside`: this thread is in a query of any broad phase.
   void Enter(std::size_t line, bool is_inside) {
-    if (line >= used_.load(std::memory_order_acquire)) Use(line);
+    if (line >= used_.load(std::memory_order_seq_cst)) Use(line);
     CountIn(line);
     const std::uint32_t state = state_.load(std::memory_order_seq_cst);
     if (state != kOpen) [[unlikely]] {
@@ -80,7 +80,7 @@ class ReadersLock {
 
   std::atomic<std::uint32_t> state_{kOpen};
   std::atomic<std::size_t> used_{0};  // lines
-  std::mutex changes_;
+  alignas(64) std::mutex changes_;
   Line lines_[kOwnLines + 1];
 };
 

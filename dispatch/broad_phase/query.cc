@@ -278,20 +278,18 @@ bool BroadPhaseCore::Has(std::uint32_t id) const {
 
 void BroadPhaseCore::Get(std::uint32_t id, Span<float> values) const {
   constexpr const char* kCall = "BroadPhase::Get";
-  state_->CheckBodies(kCall, {&id, 1});
-  float planes[kMostBodyPlanes];
-  if (!state_->records.Read(id, planes)) {
+  while (!state_->records.Read(id, values.data())) {
     state_->CheckBodies(kCall, {&id, 1});
   }
-  std::copy_n(planes, values.size(), values.data());
 }
 
 BodyMasks BroadPhaseCore::MasksOf(std::uint32_t id) const {
   for (;;) {
+    {
+      const Reading reading(*state_);
+      if (Has(id)) return state_->MasksOf(id);
+    }
     state_->CheckBodies("BroadPhase::MasksOf", {&id, 1});
-    const Reading reading(*state_);
-    // Otherwise it was erased before the lock was taken.
-    if (Has(id)) return state_->MasksOf(id);
   }
 }
 

@@ -125,6 +125,7 @@ void Records::MoveSome(std::index_sequence<kWord...>,
   } written[kSome];
   std::size_t count = 0;
   const std::uint64_t takes = takes_.load(std::memory_order_acquire);
+  const bool is_taking = takes % 2 != 0;
   std::uint32_t number = ~std::uint32_t{0};  // of 64 ids
   Group* group = nullptr;
   Word* records = nullptr;
@@ -144,7 +145,9 @@ void Records::MoveSome(std::index_sequence<kWord...>,
         record->store(before | kIsWritten, std::memory_order_relaxed);
         const std::uint64_t version = (before + kOneWrite) & kVersion;
         std::atomic<std::uint8_t>& mark = group->marks[id % kGroupIds];
-        const bool is_new = mark.load(std::memory_order_relaxed) == 0;
+        const bool is_new =
+            (is_taking ? mark.exchange(1, std::memory_order_acq_rel)
+                       : mark.load(std::memory_order_relaxed)) == 0;
         written[count++] = {record, (before & ~kVersion) | version, id, is_new};
         // This and the next ones release, so that they stay behind the first
         // store.
@@ -164,11 +167,14 @@ void Records::MoveSome(std::index_sequence<kWord...>,
     has_marks_.store(true, std::memory_order_relaxed);
   }
   Fence();
-  if (takes_.load(std::memory_order_relaxed) != takes || takes % 2 != 0)
+  if (takes_.load(std::memory_order_relaxed) != takes || is_taking)
       [[unlikely]] {
     for (std::size_t i = 0; i < count; ++i) {
       MarkAgain(written[i].id);
-      written[i].is_new = true;
+      // Marks that were there before have been taken. If marks were being taken
+      // from the beginning, one may have been set behind them: the exchange
+      // has told.
+      if (!is_taking) written[i].is_new = true;
     }
   }
   const std::uint64_t stamp =

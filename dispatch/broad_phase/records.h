@@ -4,20 +4,20 @@
 // Who reads and writes what:
 // - A mover makes the record's version odd, sets the body's mark, writes the
 //   bound, and makes the version even. If the mark was not set before, it
-//   stamps the record with the number of the query that began last.
+//   stamps the record with the number of late queries so far.
 // - Who has exclusive access clears marks, and then copies the bounds of these
 //   bodies. It waits while a version is odd.
-// - A query that cannot have exclusive access takes the next number. Bodies
-//   with a mark and a stamp before that number are late: their bounds in the
-//   tree are older than the query. No mark is cleared during a query, and a
-//   body that gets its mark during the query gets a later stamp. So each body
-//   is late or not for all of the query.
+// - A query that cannot have exclusive access is a late query, and adds 1 to
+//   their number. Bodies with a mark and a stamp of at most the number before
+//   are late: their bounds in the tree are older than the query. No mark is
+//   cleared during a query, and a body that gets its mark during the query gets
+//   a later stamp. So each body is late or not for all of the query.
 //
 // No bound is lost. Marks are taken between two changes of takes_, with a fence
 // behind the first and before the second. A mover fences between its bound and
-// its second look at takes_. If it saw no change, all of the flush is before or
-// behind its move. Otherwise it looks again at each mark, and sets it if it is
-// gone. A query fences between its number and its look at a mark,
+// its second look at takes_. If it saw no change, marks were taken before its
+// move or are taken behind it. Otherwise it looks again at each mark, and sets
+// it if it is gone. A query fences between its number and its look at a mark,
 // and a mover between the mark and its look at the number. So a query that does
 // not see the mark has an older number than the stamp.
 #ifndef HALFSPACE_DISPATCH_BROAD_PHASE_RECORDS_H_

@@ -117,13 +117,16 @@ void BroadPhaseState::FlushSome(std::size_t count) {
 }
 
 void BroadPhaseState::Adopt(BvhTree its_tree) {
-  BvhState::Of(its_tree).PrepareRefit();  // throws if its ids are wrong
+  // With places by id. Throws if its ids are wrong.
+  its_tree.Reserve(its_tree.size());
   tree = std::move(its_tree);
   const Span<const std::uint32_t> ids = tree.ids();
   for (std::size_t slot = 0; slot < ids.size(); ++slot) {
     // Altered bytes may have any id in an empty slot.
-    if (!tree.Has(ids[slot]) || tree.levels().slots[ids[slot]] != slot)
+    if (!IsPresent(tree.levels(), slot) || !tree.Has(ids[slot]) ||
+        tree.levels().slots[ids[slot]] != slot) {
       continue;
+    }
     float values[kMostBodyPlanes];
     tree.GetAt(slot, Span<float>(values, planes()));
     records.Reserve({&ids[slot], 1});

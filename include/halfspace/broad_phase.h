@@ -275,7 +275,8 @@ class BroadPhase {
   //
   // Load() replaces the bodies, masks and pairs; the options stay. From then on
   // answers and events are those that the saved broad phase would have given,
-  // in the same order. Move(), Has() and Get() must not run at the same time.
+  // in the same order. Move(), Has(), Get(), MasksOf(), PairsOf() and
+  // ForEachPairOf() must not run at the same time.
   // As with Bvh::FromBlob(), altered bytes can change results, but no call
   // reads or writes outside the memory of the broad phase. Errors: the bytes
   // are not from Save() of this type, byte order and format, or were cut. A
