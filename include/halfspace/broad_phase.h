@@ -166,7 +166,7 @@ class BroadPhase {
       : core_(detail::BvhTypeOf<View>(), options) {}
 
   // A copy has the same bodies, masks, pairs and options, and from then on
-  // gives the same answers and events in the same order. An object that was
+  // returns the same answers and events in the same order. An object that was
   // moved from may only be destroyed or assigned to.
 
   // Adds bodies. Ids are the caller's numbers below 2^31, such as the index of
@@ -274,7 +274,7 @@ class BroadPhase {
   // in the byte order of the machine.
   //
   // Load() replaces the bodies, masks and pairs; the options stay. From then on
-  // answers and events are those that the saved broad phase would have given,
+  // answers and events are those that the saved broad phase would return,
   // in the same order. Move(), Has(), Get(), MasksOf(), PairsOf() and
   // ForEachPairOf() must not run at the same time.
   // As with Bvh::FromBlob(), altered bytes can change results, but no call
