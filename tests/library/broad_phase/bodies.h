@@ -435,8 +435,9 @@ void ForEachQuestion(std::uint64_t seed, const Ids& ids,
           !(is_finite(names.Of(pair.a)) && is_finite(names.Of(pair.b)))) {
         continue;
       }
-      const auto [a, b] = std::minmax(names.Of(pair.a), names.Of(pair.b));
-      answers.push_back({a, b, 0});
+      const std::uint32_t a = names.Of(pair.a);
+      const std::uint32_t b = names.Of(pair.b);
+      answers.push_back({std::min(a, b), std::max(a, b), 0});
     }
     return answers;
   });

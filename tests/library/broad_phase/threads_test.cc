@@ -303,7 +303,8 @@ class BroadPhaseThreads {
                           Touch(bounds, PlaceOf(asked, true)),
                       "outside all");
     // It may be there or not, but this is no reason to fail otherwise.
-    const std::uint32_t id = kChanging + asked % (kChangers * kIds);
+    const auto id =
+        static_cast<std::uint32_t>(kChanging + asked % (kChangers * kIds));
     try {
       const BodyMasks masks = bodies_.MasksOf(id);
       complaints_.Check(masks.collides_with == 0xFFFFFFFF, "no mask");
