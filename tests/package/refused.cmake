@@ -10,7 +10,7 @@ set(refused
   "(void)AnySurvivor(quantized, front)" "${own_type}"
   "(void)CountSurvivors(bvh, Triangle3{})" "${of_bvh}"
   "(void)SurvivorsOfEach(bvh, Span<const Aabo3>(), ids, offsets)" "${of_bvh}"
-  "bodies.ForEach(Sphere2{}, 1, ignore)" "${of_bvh}"
+  "ForEachSurvivor(bodies, Sphere2{}, ignore)" "${of_bvh}"
   "(void)Merge(Foreign(), Foreign())" "BoundOfFloats|no type named 'Scalar'"
   "ForEachSurvivor(flat, Aabo3(), number)" "${answer}"
   "ForEachTile(flat, {}, number)" "${answer}"
