@@ -91,8 +91,9 @@ void NearestOfEach(const hs_broad_phase& bodies,
                    Span<float> distances, const SearchOptions& options) {
   for (std::size_t q = 0; q < queries.count; ++q) {
     const Span<std::uint32_t> row(ids.data() + q * k, k);
-    const Span<float> its_distances(distances.data() + q * k,
-                                    distances.empty() ? 0 : k);
+    const Span<float> its_distances =
+        distances.empty() ? Span<float>()
+                          : Span<float>(distances.data() + q * k, k);
     const std::size_t found = bodies.core.Nearest(
         {queries.values + q * queries.stride, queries.upper, queries.stride, 1},
         max_distance, row, its_distances, options);
