@@ -115,10 +115,11 @@ void CheckAsMany(Span<const std::uint32_t> ids, const Columns& bounds,
 
 std::size_t BvhState::WordsOfChanges(std::size_t slots) {
   std::size_t words = 0;
-  do {
-    slots = BlocksOf(slots);
+  // A tree with room for more has a level for these too.
+  for (std::size_t level = 0; level < kMostLevels; ++level) {
+    slots = std::max<std::size_t>(1, BlocksOf(slots));
     words += slots;
-  } while (slots > 1);
+  }
   return words;
 }
 

@@ -919,6 +919,7 @@ static hs_visit move_away(void* context, size_t query, const uint32_t* ids,
   columns.stride = 0;
   *(size_t*)context += count;
   CHECK_OK(hs_broad_phase_move(bodies, ids, &columns));
+  columns.count = 1;
   CHECK_OK(hs_broad_phase_count(bodies, &columns, NULL, &n));
   CHECK(n == count);
   CHECK_INVALID(hs_broad_phase_update(bodies, NULL),

@@ -757,6 +757,24 @@ TEST(BvhErrorsTest, RefusesAListThatItCannotRead) {
   AabbBvh3().SetMasks({no_masks, 0});
 }
 
+// Its block has a level of nodes for the others. asan sees what a change of a
+// list writes behind its scratch memory.
+TEST(BvhTest, FewObjectsWithRoomForManyChangeAsAList) {
+  AabbWorld3 world = Spread<AabbView3>(4.0f).Objects(10);
+  AabbBvh3 bvh(world.view());
+  bvh.Reserve(1000);
+  Ids ids;
+  std::vector<Aabb3> bounds;
+  for (std::uint32_t id = 0; id < 10; ++id) {
+    ids.push_back(9 - id);
+    bounds.push_back(world.Get(id));
+  }
+  bvh.Set(ids, bounds);
+  for (std::uint32_t id = 0; id < 10; ++id) {
+    EXPECT_EQ(bvh.Get(9 - id), bounds[id]);
+  }
+}
+
 TEST(BvhErrorsTest, RefusesWhatItCannotRead) {
   const AabbWorld3 world = Spread<AabbView3>(4.0f).Objects(100);
   const Bvh<AabbView3> bvh(world.view());
