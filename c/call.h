@@ -29,6 +29,7 @@ class Name {
  public:
   // Implicit, as most are the name of an argument. "" is for a message that is
   // about no argument alone.
+  // NOLINTNEXTLINE(google-explicit-constructor)
   Name(const char* argument, const char* field = "",
        std::size_t index = Error::kNoIndex);
   Name(std::string_view argument, std::size_t index);
