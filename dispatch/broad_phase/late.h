@@ -1,6 +1,6 @@
 // How a query finds bodies whose bounds in the tree are late: it leaves them
 // out of what the tree finds, and tests them by their records, 64 at a time, as
-// a tree of one leaf. The kernels are those of every tree, so the answers are.
+// a tree of one leaf. The same kernels test them, so they get the same answers.
 #ifndef HALFSPACE_DISPATCH_BROAD_PHASE_LATE_H_
 #define HALFSPACE_DISPATCH_BROAD_PHASE_LATE_H_
 

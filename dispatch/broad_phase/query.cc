@@ -1,4 +1,4 @@
-// The queries of a broad phase are those of its tree. If some bodies are late,
+// A query of a broad phase is a query of its tree. If some bodies are late,
 // the frequent ones leave them out and test them by themselves, and the others
 // search a copy of the tree that has their bounds.
 #include <algorithm>

@@ -1,8 +1,8 @@
 #include "dispatch/broad_phase/state.h"
 
 #include <algorithm>
-#include <bit>
 #include <string>
+#include <utility>
 
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"

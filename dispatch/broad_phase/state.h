@@ -128,7 +128,6 @@ class Reading {
   bool IsLate(std::uint32_t id) const {
     return state_.records.IsLate(id, query_);
   }
-  std::uint32_t query() const { return query_; }
 
  private:
   // The innermost query of this thread.

@@ -12,6 +12,7 @@
 #include "dispatch/bvh/tree.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
+#include "dispatch/errors/number_checks.h"
 #include "dispatch/sink.h"
 #include "halfspace/bvh_pairs.h"
 #include "kernels/bvh/block.h"
@@ -207,15 +208,10 @@ void FindPairs(const PairSources& sources, const PairOptions& options,
       sources.kernels[dispatch::IndexOf(options.target, call)];
   const BvhTree& a = *sources.a;
   const BvhTree& b = sources.b != nullptr ? *sources.b : a;
-  // By its bits: a compare raises invalid for a NaN, and flushes subnormals.
-  const auto margin = std::bit_cast<std::uint32_t>(options.margin);
-  const bool has_margin = margin << 1 != 0;
-  if (has_margin && margin >= std::bit_cast<std::uint32_t>(
-                                  std::numeric_limits<float>::infinity())) {
-    dispatch::ThrowInvalid(call, "options.margin",
-                           "a finite number that is not negative",
-                           dispatch::Shortest(options.margin));
-  }
+  dispatch::CheckFiniteLength(call, "options.margin", options.margin);
+  // By its bits: a compare flushes subnormals.
+  const bool has_margin =
+      std::bit_cast<std::uint32_t>(options.margin) << 1 != 0;
   if (sources.ids != nullptr) {
     CheckSet(a, *sources.ids, options.wanted, call);
   } else if (!options.wanted.empty()) {
