@@ -27,6 +27,7 @@ struct alignas(64) SaveHeader {
   std::uint64_t pairs;
   std::uint64_t collides_with;
   std::uint64_t changed;
+  std::uint64_t changes;  // BroadPhaseState::changes
 };
 static_assert(sizeof(SaveHeader) == 64);
 
@@ -78,6 +79,7 @@ BroadPhaseCore::BroadPhaseCore(const BroadPhaseCore& other)
   state_->Adopt(BvhTree(from.tree, from.options.memory));
   state_->events = PairEventsCore(from.events, from.options.memory);
   state_->collides_with = from.collides_with;
+  state_->changes = from.changes;
   from.records.ForEachChanged([&](std::uint32_t id) {
     state_->records.Reserve({&id, 1});  // it may have no body
     state_->records.SetChanged(id);
@@ -110,6 +112,7 @@ void BroadPhaseCore::Save(SaveFunction function, void* context) const {
   header.pairs = pairs.size();
   header.collides_with = state.collides_with.size();
   header.changed = changed.size();
+  header.changes = state.changes;
   function(context, BytesOf(&header, 1));
   for (const Span<const std::byte>& part : parts) {
     constexpr std::byte kPadding[kAlignment] = {};
@@ -152,6 +155,7 @@ void BroadPhaseCore::Load(Span<const std::byte> bytes) {
   if (!blob.empty()) tree.Load(blob, false);
   to.Adopt(std::move(tree));
   to.events.Load(pairs);
+  to.changes = static_cast<std::size_t>(header.changes);
   to.collides_with.assign(collides_with.begin(), collides_with.end());
   if (!collides_with.empty() && collides_with.size() < to.tree.id_limit()) {
     ThrowNotSaved("a mask for each id",

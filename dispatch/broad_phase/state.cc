@@ -42,6 +42,7 @@ void BroadPhaseState::Flush() {
   if (!records.HasMarks()) return;
   BvhState::Of(tree).PrepareRefit();
   const std::size_t count = records.TakeMarks();
+  changes += count;
   const bool is_all = 2 * count > tree.size();
   WithAxes(type.axes, [&](auto axes) {
     constexpr std::size_t kAxes = decltype(axes)::value;
@@ -141,6 +142,7 @@ void BroadPhaseState::Swap(BroadPhaseState& other) {
   size.store(other.size.exchange(size));
   swap(tree, other.tree);
   swap(events, other.events);
+  std::swap(changes, other.changes);
   changed_slots.swap(other.changed_slots);
   collides_with.swap(other.collides_with);
 }

@@ -93,6 +93,9 @@ class BroadPhaseState {
   BvhTree tree;
   const BvhTree nothing;  // on which arguments are checked
   PairEventsCore events;
+  // Bodies that were moved, inserted and erased, for which Update() has not
+  // sorted yet.
+  std::size_t changes = 0;
   // A bit for each slot and each node of the tree: room for Flush().
   std::vector<std::uint64_t, BlockAllocator<std::uint64_t>> changed_slots;
   // By id. Empty until a body gets another one than all bits.

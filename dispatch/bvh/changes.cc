@@ -52,10 +52,11 @@ std::uint32_t FindTwice(Span<const std::uint32_t> ids,
 
 // How much each node of a block would have to grow to enclose a bound, as a sum
 // over its planes.
-using Growths = std::array<float, kBlockObjects>;
-Growths GrowthsOf(const PlaneLayout& layout, const BvhLevel& level,
-                  std::size_t block, const float* values) {
-  Growths growths{};
+std::array<float, kBlockObjects> GrowthsOf(const PlaneLayout& layout,
+                                           const BvhLevel& level,
+                                           std::size_t block,
+                                           const float* values) {
+  std::array<float, kBlockObjects> growths{};
   for (std::size_t p = 0; p < layout.plane_count; ++p) {
     const float* const plane = level.Plane(block, p);
     const float sign = p < layout.axes ? 1.0f : -1.0f;
@@ -65,6 +66,25 @@ Growths GrowthsOf(const PlaneLayout& layout, const BvhLevel& level,
     }
   }
   return growths;
+}
+
+// The lane of the least number, which is not negative, of those in `lanes`, of
+// which there is one at least. Without branches, as half of the leaves can be
+// full. Numbers that differ by less than 2^-17 of their size count as equal.
+std::size_t LeastOf(const std::array<float, kBlockObjects>& numbers,
+                    std::uint64_t lanes) {
+  std::array<std::int32_t, kBlockObjects> keys;
+  for (std::size_t i = 0; i < kBlockObjects; ++i) {
+    const auto bits = std::bit_cast<std::int32_t>(numbers[i]);
+    keys[i] = (bits & ~63) | static_cast<std::int32_t>(i);
+  }
+  constexpr std::int32_t kNone = std::numeric_limits<std::int32_t>::max();
+  for (std::uint64_t others = ~lanes; others != 0; others &= others - 1) {
+    keys[static_cast<std::size_t>(std::countr_zero(others))] = kNone;
+  }
+  std::int32_t least = kNone;
+  for (const std::int32_t key : keys) least = std::min(least, key);
+  return static_cast<std::size_t>(least & 63);
 }
 
 // The size of a node by the same measure.
@@ -382,51 +402,51 @@ void BvhState::AppendSlot() {
 std::size_t BvhState::FindSlot(const float* values) const {
   const std::size_t end = slots();
   if (size() == end) return end;
+  const std::uint64_t* const present = levels_.level[0].present;
   std::size_t block = 0;
   for (std::size_t l = levels_.count; l-- > 1;) {
     const BvhLevel& level = levels_.level[l];
     const std::size_t first = block * kBlockObjects;
-    const Growths growths = GrowthsOf(type_, level, block, values);
-    std::size_t best = level.size;
-    for (std::size_t n = first; n < std::min(level.size, first + kBlockObjects);
-         ++n) {
-      const bool is_empty = (level.present[block] >> (n - first) & 1) == 0;
-      const bool is_full =
-          l == 1 && levels_.level[0].present[n] == LanesOf(end, n);
-      if (is_empty || is_full) continue;
-      if (best == level.size || growths[n - first] < growths[best - first]) {
-        best = n;
+    // Not those without objects: they have no place.
+    std::uint64_t with_room = level.present[block];
+    if (l == 1) {
+      const std::size_t nodes = std::min(kBlockObjects, level.size - first);
+      for (std::size_t i = 0; i < nodes; ++i) {
+        const bool is_full = present[first + i] == LanesOf(end, first + i);
+        with_room &= ~(std::uint64_t{is_full} << i);
       }
     }
-    if (best == level.size) return end;
-    const float growth = growths[best - first];
-    if (l == 1 && growth > 0 &&
-        !(16 * growth <= ExtentOf(type_, level, best))) {
+    if (with_room == 0) return end;
+    const auto growths = GrowthsOf(type_, level, block, values);
+    const std::size_t best = LeastOf(growths, with_room);
+    if (l == 1 && growths[best] > 0 &&
+        !(16 * growths[best] <= ExtentOf(type_, level, first + best))) {
       return end;
     }
-    block = best;
+    block = first + best;
   }
-  const std::uint64_t empty =
-      LanesOf(end, block) & ~levels_.level[0].present[block];
+  const std::uint64_t empty = LanesOf(end, block) & ~present[block];
   if (empty == 0) return end;
   return block * kBlockObjects +
          static_cast<std::size_t>(std::countr_zero(empty));
 }
 
-// The first of the last slots that have to be sorted, after `added` insertions,
-// or the end. Each object is sorted with the 256 that came with it, these with
-// 1024, and so on; and with all, when as many were inserted as there were when
-// all were sorted.
+// The first of the last slots that have to be sorted, after `added` objects
+// came to the end, or the end. Each object there is sorted with the 256 that
+// came with it, these with 1024, and so on; and with all, when as many were
+// inserted as there were when all were sorted.
 std::size_t BvhState::FirstDue(std::size_t added) const {
   const std::size_t end = slots();
-  if (block_ == nullptr || header().inserted < added) return end;
-  const std::size_t after = header().inserted;
-  const std::size_t before = after - added;
+  const BvhHeader& header = this->header();
+  if (header.inserted >= std::max<std::size_t>(header.sorted / 2, kSortEach)) {
+    return 0;
+  }
+  const std::size_t after = end - std::min<std::size_t>(end, header.sorted);
+  const std::size_t before = after - std::min(after, added);
   std::size_t last = kSortEach;
   if (after / last == before / last) return end;
-  if (after >= header().sorted) return 0;
   while (after / (4 * last) != before / (4 * last)) last *= 4;
-  return end - std::min(end, added + before % last);
+  return end - (after - before / last * last);
 }
 
 // The room for `more` objects. If more than a quarter of the slots are empty,
@@ -449,20 +469,19 @@ BvhRoom BvhState::RoomFor(std::size_t more, const char* call) const {
 
 // Sorts the slots that are due. Without memory for that they stay as they are,
 // as the order changes no result. Returns whether slots were sorted.
-bool BvhState::SortDue(std::size_t added, const BvhRoom& room,
-                       const char* call) {
+bool BvhState::SortDue(std::size_t added, const char* call) {
   const std::size_t first = FirstDue(added);
   if (first == slots()) return false;
   const SlotRange range = {first / kBlockObjects * kBlockObjects, slots()};
   const bool is_all = first == 0;
 #if defined(__cpp_exceptions)
   try {
-    Resort(call, {&range, 1}, room);
+    Resort(call, {&range, 1});
   } catch (const std::bad_alloc&) {
     return false;
   }
 #else
-  Resort(call, {&range, 1}, room);
+  Resort(call, {&range, 1});
 #endif
   if (is_all) {
     header().sorted = header().size;
@@ -492,8 +511,6 @@ std::uint32_t BvhTree::Insert(Span<const float> values) {
   BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::Insert";
   tree.CheckLoaded(kCall);
-  if (tree.FirstDue(1) != tree.slots())
-    tree.SortDue(1, tree.RoomFor(1, kCall), kCall);
   std::size_t slot =
       dispatch::InDefaultFpMode([&] { return tree.FindSlot(values.data()); });
   tree.Prepare(kCall,
@@ -503,7 +520,9 @@ std::uint32_t BvhTree::Insert(Span<const float> values) {
     slot = tree.slots();
   }
   const auto id = static_cast<std::uint32_t>(tree.Used().Least());
+  const std::size_t added = slot == tree.slots() ? 1 : 0;
   tree.Put(slot, id, values.data());
+  if (tree.SortDue(added, kCall)) return id;
   tree.EncodePath(slot, slot % kBlockObjects == 0);
   return id;
 }
@@ -574,10 +593,16 @@ void BvhState::Append(const Columns& bounds, const BvhRoom& room,
   Prepare(call, room);
   if (slots() + bounds.size > header().capacity) CloseGaps();
   const std::size_t begin = slots();
+  // A larger list is sorted in less time than empty slots are found.
+  const bool is_short = 16 * bounds.size <= size();
   ForEachRecord(type_, bounds, [&](std::size_t i, const float* values) {
-    Put(slots(), id_of(i), values);
+    const std::size_t slot =
+        is_short ? dispatch::InDefaultFpMode([&] { return FindSlot(values); })
+                 : slots();
+    Put(slot, id_of(i), values);
+    if (slot < begin) EncodePath(slot);
   });
-  if (SortDue(bounds.size, {}, call)) return;
+  if (SortDue(slots() - begin, call) || slots() == begin) return;
   const BvhKernels::OfPlanes& kernels = KernelsFor(type_, Target(), call);
   dispatch::InDefaultFpMode(
       [&] { EncodeSlots(levels_, kernels, begin, slots()); });

@@ -179,8 +179,7 @@ void BvhTree::Rebuild(const BuildOptions& options) {
   tree.Swap(sorted);
 }
 
-std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges,
-                             const BvhRoom& room) {
+std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges) {
   const BvhKernels::OfPlanes& kernels = KernelsFor(type_, Target(), call);
   const Gathered gathered(type_, memory_, levels_, ranges);
   const Columns& columns = gathered.columns();
@@ -189,7 +188,7 @@ std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges,
   const Scratch scratch(memory_, columns.size * dispatch::kOrderScratch);
   dispatch::OrderByMedians(columns, kernels, scratch.data(), elements,
                            Runner());
-  Prepare(call, room);
+  Prepare(call, {});
   const BvhLevel& level = levels_.level[0];
   std::size_t next = 0;
   for (const SlotRange& range : ranges) {
@@ -271,59 +270,76 @@ void BvhState::CloseGaps() {
   });
 }
 
+// The part that has grown most, and those that it overlaps most, up to `most`,
+// if it has grown. All if `most` is as many.
+std::size_t BvhState::SortWorst(std::size_t most, const char* call) {
+  const std::size_t parts = PartsOf(slots());
+  const Scratch memory(memory_, parts * sizeof(WornPart));
+  auto* const worn = reinterpret_cast<WornPart*>(memory.data());
+  dispatch::InDefaultFpMode([&] {
+    const auto bound_of = [&](std::size_t part) {
+      return BoundOf(type_, levels_, PartAt(levels_, part));
+    };
+    for (std::size_t part = 0; part < parts; ++part) {
+      const BvhPart as_is = AsIs(type_, levels_, PartAt(levels_, part));
+      const double growth =
+          as_is.cost - CostAsBuilt(levels_.built[part], as_is.objects);
+      // No number, in an altered blob, has no place in an order.
+      worn[part] = {0, growth > 0 ? growth : 0, part};
+    }
+    WornPart& worst = *std::max_element(
+        worn, worn + parts,
+        [](const auto& a, const auto& b) { return a.growth < b.growth; });
+    const Values bound = bound_of(worst.part);
+    const Values world = BoundOf(type_, levels_, {0, slots()});
+    // Objects that moved from one part to another change places with objects of
+    // the parts that overlap theirs. A part that is sorted by itself keeps its
+    // objects, wherever they go. But a part of new objects from everywhere
+    // overlaps all, and would spread the objects of a part that is sorted with
+    // it: queries of a world whose objects come and go took three times as
+    // long.
+    const double size = Overlap(type_, bound, bound, world);
+    for (std::size_t part = 0; part < parts && worst.growth > 0; ++part) {
+      const Values other = bound_of(part);
+      const double overlap = Overlap(type_, bound, other, world);
+      const double greater =
+          std::max(size, Overlap(type_, other, other, world));
+      worn[part].overlap = overlap > greater / 8 ? overlap : 0;
+    }
+    worst.overlap = 2;  // the first
+  });
+  std::sort(worn, worn + parts, [](const auto& a, const auto& b) {
+    return std::tie(a.overlap, a.growth) > std::tie(b.overlap, b.growth);
+  });
+  if (!(worn[0].growth > 0)) return 0;
+  std::size_t bad = most < parts ? 1 : parts;
+  while (bad < std::min(most, parts) && worn[bad].overlap > 0) ++bad;
+  // The slots keep their places, and so their nodes: in the order of the parts
+  // the objects of a part stay near each other.
+  std::sort(worn, worn + bad,
+            [](const auto& a, const auto& b) { return a.part < b.part; });
+  const Scratch list(memory_, bad * sizeof(SlotRange));
+  auto* const ranges = reinterpret_cast<SlotRange*>(list.data());
+  for (std::size_t w = 0; w < bad; ++w) {
+    ranges[w] = PartAt(levels_, worn[w].part);
+  }
+  return Resort(call, {ranges, bad});
+}
+
 std::size_t BvhTree::RebuildPartial(std::size_t objects) {
   BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::RebuildPartial";
   if (tree.slots() == 0 || objects == 0 || tree.levels_.count == 1) return 0;
   tree.CheckChange(kCall);
-  const std::size_t parts = PartsOf(tree.header().slots);
-  const Scratch memory(tree.memory_, parts * sizeof(WornPart));
-  auto* const worn = reinterpret_cast<WornPart*>(memory.data());
-  dispatch::InDefaultFpMode([&] {
-    const BvhLevels& levels = tree.levels_;
-    const auto bound_of = [&](std::size_t part) {
-      return BoundOf(tree.type_, levels, PartAt(levels, part));
-    };
-    for (std::size_t part = 0; part < parts; ++part) {
-      const BvhPart as_is = AsIs(tree.type_, levels, PartAt(levels, part));
-      const double growth =
-          as_is.cost - CostAsBuilt(levels.built[part], as_is.objects);
-      // No number, in an altered blob, has no place in an order.
-      worn[part] = {0, growth > 0 ? growth : 0, part};
-    }
-    WornPart& most = *std::max_element(
-        worn, worn + parts,
-        [](const auto& a, const auto& b) { return a.growth < b.growth; });
-    const Values bound = bound_of(most.part);
-    const Values world = BoundOf(tree.type_, levels, {0, tree.slots()});
-    for (std::size_t part = 0; part < parts && most.growth > 0; ++part) {
-      worn[part].overlap = Overlap(tree.type_, bound, bound_of(part), world);
-    }
-    most.overlap = 2;  // the first
-  });
-  // Objects that moved from one part to another change places with objects of
-  // the parts that overlap theirs. A part that is sorted by itself keeps its
-  // objects, wherever they go.
-  std::sort(worn, worn + parts, [](const auto& a, const auto& b) {
-    return std::tie(a.overlap, a.growth) > std::tie(b.overlap, b.growth);
-  });
-  if (!(worn[0].growth > 0)) return 0;
-  std::size_t bad = 1;
-  const std::size_t most = std::max<std::size_t>(2, objects / kPartSlots);
-  while (bad < std::min(most, parts) &&
-         (worn[bad].overlap > 0 || worn[bad].growth > 0)) {
-    ++bad;
-  }
-  // The slots keep their places, and so their nodes: in the order of the parts
-  // the objects of a part stay near each other.
-  std::sort(worn, worn + bad,
-            [](const auto& a, const auto& b) { return a.part < b.part; });
-  const Scratch list(tree.memory_, bad * sizeof(SlotRange));
-  auto* const ranges = reinterpret_cast<SlotRange*>(list.data());
-  for (std::size_t w = 0; w < bad; ++w) {
-    ranges[w] = PartAt(tree.levels_, worn[w].part);
-  }
-  return tree.Resort(kCall, {ranges, bad}, {});
+  std::size_t sorted = 0;
+  do {
+    const std::size_t parts = (objects - sorted) / kPartSlots;
+    const std::size_t now =
+        tree.SortWorst(std::max<std::size_t>(2, parts), kCall);
+    if (now == 0) break;
+    sorted += now;
+  } while (sorted + 2 * kPartSlots <= objects);
+  return sorted;
 }
 
 }  // namespace halfspace::detail

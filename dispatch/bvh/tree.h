@@ -49,6 +49,10 @@ class BvhState {
   // WordsOfChanges() words which are 0 behind those of the slots. The tree has
   // changed by id before. Neither allocates.
   void PrepareRefit() { Prepare("Bvh::Refit", {}); }
+  // For a caller that sorts by itself: the next insertions do not sort all.
+  void PutOffSort() {
+    if (block_ != nullptr) header().inserted = 0;
+  }
   void EncodePath(std::size_t slot, bool is_new_block = false);
   void EncodeTouched(std::uint64_t* changed);
   static std::size_t WordsOfChanges(std::size_t slots);
@@ -89,7 +93,7 @@ class BvhState {
   std::size_t PrepareObject(std::uint32_t id, bool has_masks, const char* call);
   BvhRoom RoomFor(std::size_t more, const char* call) const;
   std::size_t FirstDue(std::size_t added) const;
-  bool SortDue(std::size_t added, const BvhRoom& room, const char* call);
+  bool SortDue(std::size_t added, const char* call);
   std::size_t FindSlot(const float* values) const;
   // Throws unless all are free, and each is in the list once.
   void CheckNewIds(Span<const std::uint32_t> ids, const char* call) const;
@@ -104,8 +108,8 @@ class BvhState {
   void Touch(std::size_t slot, std::uint64_t* changed);
   // Sorts the objects of some slots into the first of these, after Prepare().
   // Ranges ascend and begin at blocks. Returns the number of objects.
-  std::size_t Resort(const char* call, Span<const SlotRange> ranges,
-                     const BvhRoom& room);
+  std::size_t Resort(const char* call, Span<const SlotRange> ranges);
+  std::size_t SortWorst(std::size_t most, const char* call);
   void CloseGaps();
 
   BvhType type_;

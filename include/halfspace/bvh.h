@@ -282,22 +282,22 @@ class Bvh {
   // no object has. The object takes an empty place in a leaf that it makes grow
   // by a 16th at most, or a new place at the end.
   //
-  // The world sorts itself as it grows: the newest objects after every 256
-  // insertions, and all objects when as many were inserted as the world had
+  // The world sorts itself as it grows: the newest objects after every 256 at
+  // the end, and all objects when half as many were inserted as the world had
   // when it was last sorted. A query of a world that was filled by Insert()
   // takes about twice as long as after Rebuild(). An insertion takes 1 to 2 us
   // on average, but a single one can take as long as Rebuild(). If there is no
-  // memory to sort with, the objects stay unsorted until the next 256
-  // insertions.
+  // memory to sort with, the objects stay unsorted until the next insertion.
   std::uint32_t Insert(const Bound& bound) {
     return tree_.Insert(detail::Planes(bound));
   }
 
   // Adds several objects and writes their ids: ids[i] is that of bounds[i].
-  // `ids.size()` must be at least `bounds.size()`. The objects take new places
-  // at the end. They are sorted where the same number of single insertions
-  // would sort, but all at once. Grows the block at most once. If there is no
-  // memory to sort with, the objects stay unsorted.
+  // `ids.size()` must be at least `bounds.size()`. Up to a 16th of the size()
+  // takes places as in single insertions, and more objects take new places at
+  // the end. They are sorted where the same number of single insertions would
+  // sort, but all at once. Grows the block at most once. If there is no memory
+  // to sort with, the objects stay unsorted.
   void Insert(Span<const Bound> bounds, Span<std::uint32_t> ids) {
     tree_.Insert(detail::ColumnsOf(bounds), ids);
   }
@@ -435,7 +435,7 @@ class Bvh {
   // 1 is as sorted. With 2, queries visit up to twice as many leaves. If half
   // of the objects are erased, CostRatio() is about 2. It is 1 for up to 64
   // places. For more it is infinite until more than 64 objects are sorted: in a
-  // world of up to 256 objects that were inserted. O(n / 64).
+  // world of fewer than 256 objects that were inserted. O(n / 64).
   double CostRatio() const { return tree_.CostRatio(); }
 
   // Sorts all objects, without empty places between them, and gives memory
