@@ -161,6 +161,9 @@ class BodySpace : public Competitor {
   virtual bool CanFind() const { return true; }
   virtual bool CanCast() const { return true; }
   virtual bool CanCastBoxes() const { return CanCast(); }
+  // A stored corner may be beside the exact one by this share of its distance
+  // from 0. A pair that touches by less may be missing.
+  virtual float Slack() const { return 0; }
 
  protected:
   // Calls function(id, box) for each body, then stores its exact box.
@@ -216,8 +219,7 @@ using BodySpacePtr = std::unique_ptr<BodySpace<kDims>>;
 BodySpacePtr<3> MakeBulletSpace(std::size_t bodies);
 // b2BroadPhase, with a list of contacts as b2ContactManager's.
 BodySpacePtr<2> MakeBox2dSpace(std::size_t bodies);
-// fcl::DynamicAABBTreeCollisionManager<float>. It does not see that a few
-// bodies moved by less than a millionth of their distance from 0.
+// fcl::DynamicAABBTreeCollisionManager<float>.
 BodySpacePtr<3> MakeFclSpace(std::size_t bodies);
 // Our own flat scan.
 template <int kDims>

@@ -7,7 +7,8 @@
 namespace halfspace::bench {
 namespace {
 
-// The broad phase reads the box alone.
+// The broad phase reads the box alone, and keeps the last one while the next is
+// inside it, as that of a body at rest can be.
 class FclBody : public fcl::CollisionObject<float> {
  public:
   FclBody(const std::shared_ptr<fcl::CollisionGeometry<float>>& geometry,
@@ -61,7 +62,7 @@ class FclSpace : public BodySpace<3> {
     }
     PairsByQueries(ids, found, [&](std::uint32_t a, auto function) {
       ForEachNear(bodies_[a].get(), [&](std::uint32_t b) {
-        function(b);
+        if (Touch(boxes_[a], boxes_[b])) function(b);
         return false;
       });
     });
@@ -82,6 +83,10 @@ class FclSpace : public BodySpace<3> {
   // It has none.
   void Cast(const BodyCast<3>& /*cast*/, CastHits& /*hits*/) const override {}
   bool CanCast() const override { return false; }
+  // AABB::equal(): update() of a list leaves these boxes as they were.
+  float Slack() const override {
+    return 100 * std::numeric_limits<float>::epsilon();
+  }
 
  private:
   void SetBoxes(Ids ids, Boxes boxes) {
