@@ -81,7 +81,7 @@ foreach(page IN LISTS pages)
   file(READ "${page}" text)
   string(REPLACE "](../include/" "](${doc_to_include}/" text "${text}")
   string(REPLACE "](../examples/" "](examples/" text "${text}")
-  string(REGEX REPLACE "\\[([^]]*)\\]\\(\\.\\./([a-z][^)]*)\\)"
+  string(REGEX REPLACE "\\[([^]]*)\\]\\(\\.\\./([A-Za-z][^)]*)\\)"
          "\\1 (\\2 in the sources)" text "${text}")
   file(CONFIGURE OUTPUT "installed_docs/${name}" CONTENT "${text}" @ONLY)
 endforeach()

@@ -1,4 +1,4 @@
-// Which of two boxes does a query touch? The README's program in C.
+// Which of two boxes does a query touch?
 #include <halfspace/c/halfspace.h>
 #include <stdio.h>
 

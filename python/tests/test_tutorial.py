@@ -17,14 +17,21 @@ import pytest
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "python.md"
 # A block of code, and the block of text that it prints.
 BLOCK = re.compile(r"^```python\n(.*?)^```\n(?:```text\n.*?^```\n)?", re.M | re.S)
-FIGURE = re.compile(r"!\[.+\]\((.+\.png)\)")
+FIGURE = re.compile(r"!\[[^]]+\]\(python-(\w+)\.png\)")
+STEP = re.compile(f"{BLOCK.pattern}|{FIGURE.pattern}", re.M | re.S)
 
 
 def run(text, directory):
-    """Runs the blocks in `directory`. Returns the text with what they print, and their names."""
+    """Runs the blocks and draws the figures in `directory`. Returns the text with what the blocks
+    print, and their names."""
+    import tutorial_figures
+
     names = {"__name__": "tutorial"}
 
-    def run_block(match):
+    def run_step(match):
+        if match[2]:
+            tutorial_figures.draw(match[2], names)
+            return match[0]
         # Line numbers are those of the page, so that a traceback shows its lines.
         code = "\n" * text.count("\n", 0, match.start(1)) + match[1]
         output = io.StringIO()
@@ -36,7 +43,7 @@ def run(text, directory):
     old = os.getcwd()
     os.chdir(directory)
     try:
-        return BLOCK.sub(run_block, text), names
+        return STEP.sub(run_step, text), names
     finally:
         os.chdir(old)
 
@@ -60,7 +67,7 @@ def test_draws_the_figures_of_the_page(tutorial):
     from matplotlib.image import imread
 
     text, _, directory = tutorial
-    figures = FIGURE.findall(text)
+    figures = [f"python-{name}.png" for name in FIGURE.findall(text)]
     assert sorted(figures) == sorted(path.name for path in directory.glob("*.png"))
     for figure in figures:
         drawn, stored = imread(directory / figure), imread(PAGE.parent / figure)

@@ -94,7 +94,7 @@ add_consumer_tests(package.installed "${prefix}" -DCONSUMER_OTHER_FLAGS=ON)
 
 # Its shared sibling, built by the README's lines.
 set(folder "${CMAKE_CURRENT_BINARY_DIR}/readme")
-set(expected "object 0 may be touched")
+set(expected "bodies 0 and 1 may touch")
 if(CMAKE_CROSSCOMPILING)
   set(expected "")  # The lines compile the program for this machine.
 endif()

@@ -1,11 +1,11 @@
-# The calls of the README's table of builders compile, for the worlds that it names.
+# The calls of the table of builders in docs/choosing.md compile, for the worlds that it names.
 # cmake -DROOT=<repository> -DCOMPILER=<compiler> -DOUTPUT=<file> -P readme_builders.cmake
 cmake_policy(VERSION 3.25)
 
-file(STRINGS "${ROOT}/README.md" rows REGEX "^[|].*[|].*(Bound|Sweep)[A-Za-z]*[(].*[|]$")
+file(STRINGS "${ROOT}/docs/choosing.md" rows REGEX "^[|].*[|].*(Bound|Sweep)[A-Za-z]*[(].*[|]$")
 list(LENGTH rows count)
 if(count LESS 5)
-  message(FATAL_ERROR "README.md has no table of builders")
+  message(FATAL_ERROR "docs/choosing.md has no table of builders")
 endif()
 set(program "#include <halfspace/halfspace.h>\n\nnamespace halfspace {\n")
 foreach(kind Aabo Aabb)
