@@ -66,9 +66,9 @@ hs_bvh* Build(const Call& call, const BvhConfig& config,
   CallerThreads threads(call, "config->run", config.run, config.run_context);
   BuildOptions options = config.options;
   options.run = threads.runner();
-  NewBvh bvh(config.layout, options.memory);
+  auto bvh = MakeBvh(config.layout, options.memory);
   bvh->tree.Build(objects, options);
-  return bvh.Release();
+  return bvh.release();
 }
 
 // Minima of simplices become a record with maxima.

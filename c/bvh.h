@@ -3,6 +3,7 @@
 #define HALFSPACE_C_BVH_H_
 
 #include <cstddef>
+#include <memory>
 
 #include "c/call.h"
 #include "c/columns.h"
@@ -62,22 +63,13 @@ class CallerThreads {
   void* context_;
 };
 
-// Frees the BVH, unless it has been released.
-class NewBvh {
- public:
-  NewBvh(const PlaneLayout& layout, const MemoryResource& memory)
-      : bvh_(New<hs_bvh>(memory, layout, memory)) {}
-  NewBvh(const NewBvh&) = delete;
-  NewBvh& operator=(const NewBvh&) = delete;
-  ~NewBvh() { hs_bvh_destroy(bvh_); }
-
-  hs_bvh* get() const { return bvh_; }
-  hs_bvh* operator->() const { return bvh_; }
-  hs_bvh* Release() { return std::exchange(bvh_, nullptr); }
-
- private:
-  hs_bvh* bvh_;
+struct DestroyBvh {
+  void operator()(hs_bvh* bvh) const { hs_bvh_destroy(bvh); }
 };
+using NewBvh = std::unique_ptr<hs_bvh, DestroyBvh>;
+inline NewBvh MakeBvh(const PlaneLayout& layout, const MemoryResource& memory) {
+  return NewBvh(New<hs_bvh>(memory, layout, memory));
+}
 
 }  // namespace halfspace::c
 

@@ -142,10 +142,10 @@ void LoadBytes(const Call& call, const char* argument, hs_bvh& bvh,
 
 hs_bvh* FromBytes(const Call& call, const char* argument,
                   const BvhConfig& config, Span<const std::byte> bytes) {
-  NewBvh bvh(config.layout, config.options.memory);
-  LoadBytes(call, argument, *bvh.get(), bytes, /*is_in_place=*/false);
-  Verify(call, *bvh.get());
-  return bvh.Release();
+  auto bvh = MakeBvh(config.layout, config.options.memory);
+  LoadBytes(call, argument, *bvh, bytes, /*is_in_place=*/false);
+  Verify(call, *bvh);
+  return bvh.release();
 }
 
 #if defined(HALFSPACE_C_POSIX)
@@ -226,12 +226,12 @@ hs_bvh* Load(const Call& call, const char* path, const BvhConfig& config) {
 }
 
 hs_bvh* Map(const Call& call, const char* path, const BvhConfig& config) {
-  NewBvh bvh(config.layout, config.options.memory);
+  auto bvh = MakeBvh(config.layout, config.options.memory);
   FileBytes file(call, path);
   const Span<const std::byte> bytes = file.span();
-  file.GiveTo(*bvh.get());
-  LoadBytes(call, "path", *bvh.get(), bytes, /*is_in_place=*/true);
-  return bvh.Release();
+  file.GiveTo(*bvh);
+  LoadBytes(call, "path", *bvh, bytes, /*is_in_place=*/true);
+  return bvh.release();
 }
 #else
 struct NoCancel {
@@ -347,11 +347,11 @@ hs_status hs_bvh_in_place(const hs_bvh_config* config, const void* data,
     const BvhConfig read(call, config);
     const auto* const bytes = static_cast<const std::byte*>(data);
     call.CheckArray("data", bytes, size);
-    halfspace::c::NewBvh loaded(read.layout, read.options.memory);
+    auto loaded = halfspace::c::MakeBvh(read.layout, read.options.memory);
     halfspace::c::LoadBytes(
-        call, "data", *loaded.get(), {bytes, size},
+        call, "data", *loaded, {bytes, size},
         reinterpret_cast<std::uintptr_t>(bytes) % kAlignment == 0);
-    *bvh = loaded.Release();
+    *bvh = loaded.release();
   });
 }
 

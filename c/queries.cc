@@ -37,92 +37,11 @@ static_assert(sizeof(hs_id_pair) == sizeof(IdPair));
 static_assert(alignof(hs_id_pair) == alignof(IdPair));
 static_assert(offsetof(hs_id_pair, b) == offsetof(IdPair, b));
 
-// One search, of both.
-
-std::size_t Survivors(const hs_bvh& bvh, const detail::BvhQueries& query,
-                      Span<std::uint32_t> ids, const QueryOptions& options,
-                      std::size_t skip) {
-  return detail::BvhSurvivors(bvh.tree, query, ids, options, skip);
-}
-std::size_t Survivors(const hs_broad_phase& bodies,
-                      const detail::BvhQueries& query, Span<std::uint32_t> ids,
-                      const QueryOptions& options, std::size_t skip) {
-  return bodies.core.Survivors(query, ids, options, skip);
-}
-
-std::size_t Count(const hs_bvh& bvh, const detail::BvhQueries& query,
-                  const QueryOptions& options) {
-  return detail::BvhCount(bvh.tree, query, options);
-}
-std::size_t Count(const hs_broad_phase& bodies, const detail::BvhQueries& query,
-                  const QueryOptions& options) {
-  return bodies.core.Count(query, options);
-}
-
-bool Any(const hs_bvh& bvh, const detail::BvhQueries& query, std::uint32_t& id,
-         const QueryOptions& options) {
-  return detail::BvhAny(bvh.tree, query, id, options);
-}
-bool Any(const hs_broad_phase& bodies, const detail::BvhQueries& query,
-         std::uint32_t& id, const QueryOptions& options) {
-  return bodies.core.Any(query, id, options);
-}
-
-void ForEach(const hs_bvh& bvh, const detail::BvhQueries& query,
-             detail::IdsFunction function, void* context,
-             const QueryOptions& options) {
-  detail::BvhForEach(bvh.tree, query, function, context, options);
-}
-void ForEach(const hs_broad_phase& bodies, const detail::BvhQueries& query,
-             detail::IdsFunction function, void* context,
-             const QueryOptions& options) {
-  bodies.core.ForEach(query, function, context, options);
-}
-
-void NearestOfEach(const hs_bvh& bvh, const detail::NearQueries& queries,
-                   std::size_t k, float max_distance, Span<std::uint32_t> ids,
-                   Span<float> distances, const SearchOptions& options) {
-  detail::BvhNearestOfEach(bvh.tree, queries, k, max_distance, ids, distances,
-                           options);
-}
-void NearestOfEach(const hs_broad_phase& bodies,
-                   const detail::NearQueries& queries, std::size_t k,
-                   float max_distance, Span<std::uint32_t> ids,
-                   Span<float> distances, const SearchOptions& options) {
-  for (std::size_t q = 0; q < queries.count; ++q) {
-    const Span<std::uint32_t> row(ids.data() + q * k, k);
-    const Span<float> its_distances =
-        distances.empty() ? Span<float>()
-                          : Span<float>(distances.data() + q * k, k);
-    const std::size_t found = bodies.core.Nearest(
-        {queries.values + q * queries.stride, queries.upper, queries.stride, 1},
-        max_distance, row, its_distances, options);
-    std::fill(row.begin() + found, row.end(), HS_NO_ID);
-    if (!its_distances.empty()) {
-      std::fill(its_distances.begin() + found, its_distances.end(), INFINITY);
-    }
-  }
-}
-
-void CastLine(const hs_bvh& bvh, const detail::LineCast& cast,
-              detail::NearFunction function, void* context,
-              const SearchOptions& options) {
-  detail::BvhCast(bvh.tree, cast, function, context, options);
-}
-void CastLine(const hs_broad_phase& bodies, const detail::LineCast& cast,
-              detail::NearFunction function, void* context,
-              const SearchOptions& options) {
-  bodies.core.Cast(cast, function, context, options);
-}
-
 template <typename World>
 constexpr bool kIsBvh = std::is_same_v<World, hs_bvh>;
 // The name of the argument.
 template <typename World>
 constexpr const char* kName = kIsBvh<World> ? "bvh" : "bodies";
-
-const Values& QueriesOf(const hs_bvh& bvh) { return bvh.queries; }
-const Values& QueriesOf(const hs_broad_phase& bodies) { return bodies.objects; }
 
 // Queries, after their checks.
 struct Queries {
@@ -138,7 +57,11 @@ struct Queries {
     const std::size_t dims = world->layout.dims;
     switch (read.shape) {
       case HS_SHAPE_BOUND:
-        values = QueriesOf(*world);
+        if constexpr (kIsBvh<World>) {
+          values = world->queries;
+        } else {
+          values = world->objects;
+        }
         break;
       case HS_SHAPE_POINT:
         values = Values::OfColumns(dims);
@@ -207,27 +130,33 @@ hs_status Query(const char* name, const World* world, const hs_columns* columns,
       offsets[0] = 0;
     }
     Results<std::uint32_t> results(ids, room, queries.skip);
-    queries.ForEach(
-        [&](const float* rows, std::size_t begin, std::size_t count) {
-          if constexpr (kIsBvh<World>) {
-            if (count > 1) {
-              std::size_t* const to =
-                  offsets != nullptr ? offsets + begin : own_offsets;
-              const std::size_t before = results.total();
-              results.Add(detail::BvhSurvivorsOfEach(
-                  world->tree, queries.From(rows, 0, count), results.span(),
-                  {to, count + 1}, queries.search, results.skip()));
-              for (std::size_t i = 0; i <= count; ++i) to[i] += before;
-              return;
-            }
-          }
-          // Together they would need a copy of the tree while bodies move.
-          for (std::size_t q = 0; q < count; ++q) {
-            results.Add(Survivors(*world, queries.From(rows, q), results.span(),
-                                  queries.search, results.skip()));
-            if (offsets != nullptr) offsets[begin + q + 1] = results.total();
-          }
-        });
+    queries.ForEach([&](const float* rows, std::size_t begin,
+                        std::size_t count) {
+      if constexpr (kIsBvh<World>) {
+        if (count > 1) {
+          std::size_t* const to =
+              offsets != nullptr ? offsets + begin : own_offsets;
+          const std::size_t before = results.total();
+          results.Add(detail::BvhSurvivorsOfEach(
+              world->tree, queries.From(rows, 0, count), results.span(),
+              {to, count + 1}, queries.search, results.skip()));
+          for (std::size_t i = 0; i <= count; ++i) to[i] += before;
+          return;
+        }
+      }
+      // Together they would need a copy of the tree while bodies move.
+      for (std::size_t q = 0; q < count; ++q) {
+        const detail::BvhQueries query = queries.From(rows, q);
+        if constexpr (kIsBvh<World>) {
+          results.Add(detail::BvhSurvivors(world->tree, query, results.span(),
+                                           queries.search, results.skip()));
+        } else {
+          results.Add(world->core.Survivors(query, results.span(),
+                                            queries.search, results.skip()));
+        }
+        if (offsets != nullptr) offsets[begin + q + 1] = results.total();
+      }
+    });
     *total = results.total();
   });
 }
@@ -249,8 +178,13 @@ hs_status CountAll(const char* name, const World* world,
             }
           }
           for (std::size_t q = 0; q < count; ++q) {
-            counts[begin + q] =
-                Count(*world, queries.From(rows, q), queries.search);
+            const detail::BvhQueries query = queries.From(rows, q);
+            if constexpr (kIsBvh<World>) {
+              counts[begin + q] =
+                  detail::BvhCount(world->tree, query, queries.search);
+            } else {
+              counts[begin + q] = world->core.Count(query, queries.search);
+            }
           }
         });
   });
@@ -266,10 +200,14 @@ hs_status AnyOfEach(const char* name, const World* world,
     queries.ForEach(
         [&](const float* rows, std::size_t begin, std::size_t count) {
           for (std::size_t q = 0; q < count; ++q) {
-            std::uint32_t id = HS_NO_ID;
-            const bool has_one =
-                Any(*world, queries.From(rows, q), id, queries.search);
-            ids[begin + q] = has_one ? id : HS_NO_ID;
+            const detail::BvhQueries query = queries.From(rows, q);
+            std::uint32_t& id = ids[begin + q];
+            id = HS_NO_ID;
+            if constexpr (kIsBvh<World>) {
+              detail::BvhAny(world->tree, query, id, queries.search);
+            } else {
+              world->core.Any(query, id, queries.search);
+            }
           }
         });
   });
@@ -330,8 +268,14 @@ class Prober {
         Call(begin + q, ids);
         return !is_stopped_;
       }};
-      ForEach(world_, queries_.From(rows, q), &decltype(call)::Run, &call,
-              queries_.search);
+      const detail::BvhQueries query = queries_.From(rows, q);
+      if constexpr (kIsBvh<World>) {
+        detail::BvhForEach(world_.tree, query, &decltype(call)::Run, &call,
+                           queries_.search);
+      } else {
+        world_.core.ForEach(query, &decltype(call)::Run, &call,
+                            queries_.search);
+      }
     }
   }
 
@@ -439,23 +383,33 @@ void Nearest(const Call& call, const World& world, const hs_columns& columns,
         if (distances != nullptr) {
           its_distances = {distances + begin * k, count * k};
         }
-        if (!is_exclusive) {
-          NearestOfEach(world, {rows, values.minima, values.count, count}, k,
-                        max_distance, its_ids, its_distances, search);
-          return;
-        }
         if constexpr (kIsBvh<World>) {
-          std::fill(its_ids.begin(), its_ids.end(), HS_NO_ID);
-          std::fill(its_distances.begin(), its_distances.end(), INFINITY);
-          for (std::size_t q = 0; q < count; ++q) {
-            const float* const box = rows + q * values.count;
-            NearestOthers others{
-                box, values.count, k, its_ids.data() + q * k,
-                distances == nullptr ? nullptr : its_distances.data() + q * k};
-            detail::BvhForEachNearest(
-                world.tree, {box, values.minima, values.count, 1}, max_distance,
-                &NearestOthers::Add, &others, search);
+          if (!is_exclusive) {
+            return detail::BvhNearestOfEach(
+                world.tree, {rows, values.minima, values.count, count}, k,
+                max_distance, its_ids, its_distances, search);
           }
+        }
+        for (std::size_t q = 0; q < count; ++q) {
+          const detail::NearQueries query = {rows + q * values.count,
+                                             values.minima, values.count, 1};
+          const Span<std::uint32_t> row(its_ids.data() + q * k, k);
+          Span<float> of_row;
+          if (distances != nullptr) of_row = {its_distances.data() + q * k, k};
+          std::size_t found = 0;
+          if constexpr (kIsBvh<World>) {
+            NearestOthers others{query.values, values.count, k, row.data(),
+                                 of_row.data()};
+            detail::BvhForEachNearest(world.tree, query, max_distance,
+                                      &NearestOthers::Add, &others, search);
+            found = k - others.room;
+          } else {
+            found =
+                world.core.Nearest(query, max_distance, row, of_row, search);
+          }
+          std::fill(row.begin() + found, row.end(), HS_NO_ID);
+          if (distances == nullptr) continue;
+          std::fill(of_row.begin() + found, of_row.end(), INFINITY);
         }
       });
 }
@@ -552,10 +506,14 @@ void CastEach(const Call& call, const World* world, const Casts& casts,
           detail::Callback one{[&](std::uint32_t id, float t, const float*) {
             return Limit{hit(i, id, t)};
           }};
-          CastLine(
-              *world,
-              {call.name(), start, high, motion, limit, radius, are_spheres},
-              &decltype(one)::Run, &one, search);
+          const detail::LineCast cast = {
+              call.name(), start, high, motion, limit, radius, are_spheres};
+          if constexpr (kIsBvh<World>) {
+            detail::BvhCast(world->tree, cast, &decltype(one)::Run, &one,
+                            search);
+          } else {
+            world->core.Cast(cast, &decltype(one)::Run, &one, search);
+          }
         }
       });
 }
@@ -609,21 +567,26 @@ struct Sources {
   const std::uint32_t* ids = nullptr;  // of a set of `count` objects of a
   std::size_t count = 0;
   bool is_of_set = false;
+  bool is_join = false;  // of a and b
+
+  void Check(const Call& call) const {
+    call.CheckPointer(is_join ? "a" : kName<World>, a);
+    if (is_join) call.CheckPointer("b", b);
+  }
 };
 
-// Calls run(options, sources), whose second argument is for trees alone.
+// Calls run(options, set, kernels).
 template <typename World, typename Function>
 void RunPairs(const Call& call, const Sources<World>& from,
               const hs_pair_options* options, const Function& run) {
   const hs_pair_options read =
       ReadOptions(call, "options", options, kPairDefaults);
-  PairOptions pairs;
-  pairs.mask = read.mask;
-  pairs.margin = read.margin;
-  pairs.skip = read.skip;
-  pairs.begin = read.begin;
-  pairs.end = read.end;
-  pairs.target = ReadTarget(call, "options", read.target);
+  PairOptions pairs = {.mask = read.mask,
+                       .margin = read.margin,
+                       .skip = read.skip,
+                       .begin = read.begin,
+                       .end = read.end,
+                       .target = ReadTarget(call, "options", read.target)};
   if (read.wanted != nullptr && from.is_of_set) {
     pairs.wanted = {read.wanted, from.count};
   }
@@ -643,50 +606,57 @@ void RunPairs(const Call& call, const Sources<World>& from,
 }
 
 template <typename World>
-void WritePairs(const Call& call, const Sources<World>& from,
-                const hs_pair_options* options, hs_id_pair* pairs,
-                std::size_t room, std::size_t* total) {
-  call.CheckArray("pairs", pairs, room);
-  call.CheckPointer("total", total);
-  const Span<IdPair> to(reinterpret_cast<IdPair*>(pairs), room);
-  RunPairs(call, from, options,
-           [&](const PairOptions& read, const Span<const std::uint32_t>& set,
-               const detail::BvhPairKernels* kernels) {
-             if constexpr (kIsBvh<World>) {
-               *total = detail::BvhPairs(
-                   {kernels, &from.a->tree,
-                    from.b == nullptr ? nullptr : &from.b->tree,
-                    from.is_of_set ? &set : nullptr},
-                   to, read);
-             } else {
-               *total = from.a->core.PairsOf(kernels, set, to, read);
-             }
-           });
+hs_status WritePairs(const char* name, const Sources<World>& from,
+                     const hs_pair_options* options, hs_id_pair* pairs,
+                     std::size_t room, std::size_t* total) {
+  return Run(name, [&](const Call& call) {
+    from.Check(call);
+    call.CheckArray("pairs", pairs, room);
+    call.CheckPointer("total", total);
+    const Span<IdPair> to(reinterpret_cast<IdPair*>(pairs), room);
+    RunPairs(call, from, options,
+             [&](const PairOptions& read, const Span<const std::uint32_t>& set,
+                 const detail::BvhPairKernels* kernels) {
+               if constexpr (kIsBvh<World>) {
+                 *total = detail::BvhPairs(
+                     {kernels, &from.a->tree,
+                      from.b == nullptr ? nullptr : &from.b->tree,
+                      from.is_of_set ? &set : nullptr},
+                     to, read);
+               } else {
+                 *total = from.a->core.PairsOf(kernels, set, to, read);
+               }
+             });
+  });
 }
 
 template <typename World>
-void CallForPairs(const Call& call, const Sources<World>& from,
-                  const hs_pair_options* options, hs_pairs_function function,
-                  void* context) {
-  call.CheckPointer("function", function);
-  detail::Callback some{[&](Span<const IdPair> pairs) {
-    return function(context, reinterpret_cast<const hs_id_pair*>(pairs.data()),
-                    pairs.size()) == HS_CONTINUE;
-  }};
-  RunPairs(call, from, options,
-           [&](const PairOptions& read, const Span<const std::uint32_t>& set,
-               const detail::BvhPairKernels* kernels) {
-             if constexpr (kIsBvh<World>) {
-               detail::BvhForEachPair(
-                   {kernels, &from.a->tree,
-                    from.b == nullptr ? nullptr : &from.b->tree,
-                    from.is_of_set ? &set : nullptr},
-                   &decltype(some)::Run, &some, read);
-             } else {
-               from.a->core.ForEachPairOf(kernels, set, &decltype(some)::Run,
-                                          &some, read);
-             }
-           });
+hs_status CallForPairs(const char* name, const Sources<World>& from,
+                       const hs_pair_options* options,
+                       hs_pairs_function function, void* context) {
+  return Run(name, [&](const Call& call) {
+    from.Check(call);
+    call.CheckPointer("function", function);
+    detail::Callback some{[&](Span<const IdPair> pairs) {
+      return function(context,
+                      reinterpret_cast<const hs_id_pair*>(pairs.data()),
+                      pairs.size()) == HS_CONTINUE;
+    }};
+    RunPairs(call, from, options,
+             [&](const PairOptions& read, const Span<const std::uint32_t>& set,
+                 const detail::BvhPairKernels* kernels) {
+               if constexpr (kIsBvh<World>) {
+                 detail::BvhForEachPair(
+                     {kernels, &from.a->tree,
+                      from.b == nullptr ? nullptr : &from.b->tree,
+                      from.is_of_set ? &set : nullptr},
+                     &decltype(some)::Run, &some, read);
+               } else {
+                 from.a->core.ForEachPairOf(kernels, set, &decltype(some)::Run,
+                                            &some, read);
+               }
+             });
+  });
 }
 
 }  // namespace
@@ -699,9 +669,19 @@ const detail::BvhPairKernels* PairKernelsOf(const PlaneLayout& layout) {
 
 }  // namespace halfspace::c
 
+using halfspace::c::AnyOfEach;
 using halfspace::c::Call;
+using halfspace::c::CallForPairs;
+using halfspace::c::Cast;
+using halfspace::c::CastFirst;
 using halfspace::c::Casts;
+using halfspace::c::CountAll;
+using halfspace::c::NearestToBoxes;
+using halfspace::c::NearestToPoints;
+using halfspace::c::Probe;
+using halfspace::c::Query;
 using halfspace::c::Run;
+using halfspace::c::WritePairs;
 
 hs_status hs_query_options_default(hs_query_options* options,
                                    size_t struct_size) {
@@ -720,182 +700,163 @@ hs_status hs_pair_options_default(hs_pair_options* options,
 hs_status hs_bvh_query(const hs_bvh* bvh, const hs_columns* queries,
                        const hs_query_options* options, uint32_t* ids,
                        size_t room, size_t* offsets, size_t* total) {
-  return halfspace::c::Query("hs_bvh_query", bvh, queries, options, ids, room,
-                             offsets, total);
+  return Query("hs_bvh_query", bvh, queries, options, ids, room, offsets,
+               total);
 }
 
 hs_status hs_bvh_count(const hs_bvh* bvh, const hs_columns* queries,
                        const hs_query_options* options, size_t* counts) {
-  return halfspace::c::CountAll("hs_bvh_count", bvh, queries, options, counts);
+  return CountAll("hs_bvh_count", bvh, queries, options, counts);
 }
 
 hs_status hs_bvh_any(const hs_bvh* bvh, const hs_columns* queries,
                      const hs_query_options* options, uint32_t* ids) {
-  return halfspace::c::AnyOfEach("hs_bvh_any", bvh, queries, options, ids);
+  return AnyOfEach("hs_bvh_any", bvh, queries, options, ids);
 }
 
 hs_status hs_bvh_probe(const hs_bvh* bvh, const hs_columns* queries,
                        const hs_query_options* options,
                        hs_ids_function function, void* context) {
-  return halfspace::c::Probe("hs_bvh_probe", bvh, queries, options, function,
-                             context);
+  return Probe("hs_bvh_probe", bvh, queries, options, function, context);
 }
 
 hs_status hs_bvh_nearest_to_points(const hs_bvh* bvh, const hs_columns* points,
                                    size_t k, float max_distance,
                                    const hs_query_options* options,
                                    uint32_t* ids, float* distances) {
-  return halfspace::c::NearestToPoints("hs_bvh_nearest_to_points", bvh, points,
-                                       k, max_distance, options, ids,
-                                       distances);
+  return NearestToPoints("hs_bvh_nearest_to_points", bvh, points, k,
+                         max_distance, options, ids, distances);
 }
 
 hs_status hs_bvh_nearest_to_boxes(const hs_bvh* bvh, const hs_columns* boxes,
                                   size_t k, float max_distance,
                                   const hs_query_options* options,
                                   uint32_t* ids, float* distances) {
-  return halfspace::c::NearestToBoxes("hs_bvh_nearest_to_boxes", bvh, boxes, k,
-                                      max_distance, options, ids, distances);
+  return NearestToBoxes("hs_bvh_nearest_to_boxes", bvh, boxes, k, max_distance,
+                        options, ids, distances);
 }
 
 hs_status hs_bvh_raycast(const hs_bvh* bvh, const hs_columns* rays,
                          float radius, const hs_query_options* options,
                          uint32_t* ids, float* ts) {
-  return halfspace::c::CastFirst("hs_bvh_raycast", bvh,
-                                 Casts{Casts::kRays, rays, nullptr, radius},
-                                 options, ids, ts);
+  return CastFirst("hs_bvh_raycast", bvh,
+                   Casts{Casts::kRays, rays, nullptr, radius}, options, ids,
+                   ts);
 }
 
 hs_status hs_bvh_raycast_each(const hs_bvh* bvh, const hs_columns* rays,
                               float radius, const hs_query_options* options,
                               hs_hit_function function, void* context) {
-  return halfspace::c::Cast("hs_bvh_raycast_each", bvh,
-                            Casts{Casts::kRays, rays, nullptr, radius}, options,
-                            function, context);
+  return Cast("hs_bvh_raycast_each", bvh,
+              Casts{Casts::kRays, rays, nullptr, radius}, options, function,
+              context);
 }
 
 hs_status hs_bvh_boxcast(const hs_bvh* bvh, const hs_columns* boxes,
                          const hs_columns* motions,
                          const hs_query_options* options, uint32_t* ids,
                          float* ts) {
-  return halfspace::c::CastFirst("hs_bvh_boxcast", bvh,
-                                 Casts{Casts::kBoxes, boxes, motions}, options,
-                                 ids, ts);
+  return CastFirst("hs_bvh_boxcast", bvh, Casts{Casts::kBoxes, boxes, motions},
+                   options, ids, ts);
 }
 
 hs_status hs_bvh_boxcast_each(const hs_bvh* bvh, const hs_columns* boxes,
                               const hs_columns* motions,
                               const hs_query_options* options,
                               hs_hit_function function, void* context) {
-  return halfspace::c::Cast("hs_bvh_boxcast_each", bvh,
-                            Casts{Casts::kBoxes, boxes, motions}, options,
-                            function, context);
+  return Cast("hs_bvh_boxcast_each", bvh, Casts{Casts::kBoxes, boxes, motions},
+              options, function, context);
 }
 
 hs_status hs_bvh_spherecast(const hs_bvh* bvh, const hs_columns* spheres,
                             const hs_columns* motions,
                             const hs_query_options* options, uint32_t* ids,
                             float* ts) {
-  return halfspace::c::CastFirst("hs_bvh_spherecast", bvh,
-                                 Casts{Casts::kSpheres, spheres, motions},
-                                 options, ids, ts);
+  return CastFirst("hs_bvh_spherecast", bvh,
+                   Casts{Casts::kSpheres, spheres, motions}, options, ids, ts);
 }
 
 hs_status hs_bvh_spherecast_each(const hs_bvh* bvh, const hs_columns* spheres,
                                  const hs_columns* motions,
                                  const hs_query_options* options,
                                  hs_hit_function function, void* context) {
-  return halfspace::c::Cast("hs_bvh_spherecast_each", bvh,
-                            Casts{Casts::kSpheres, spheres, motions}, options,
-                            function, context);
+  return Cast("hs_bvh_spherecast_each", bvh,
+              Casts{Casts::kSpheres, spheres, motions}, options, function,
+              context);
 }
 
 hs_status hs_bvh_pairs(const hs_bvh* bvh, const hs_pair_options* options,
                        hs_id_pair* pairs, size_t room, size_t* total) {
-  return Run("hs_bvh_pairs", [&](const Call& call) {
-    call.CheckPointer("bvh", bvh);
-    halfspace::c::WritePairs<hs_bvh>(call, {bvh}, options, pairs, room, total);
-  });
+  return WritePairs<hs_bvh>("hs_bvh_pairs", {.a = bvh}, options, pairs, room,
+                            total);
 }
 
 hs_status hs_bvh_join(const hs_bvh* a, const hs_bvh* b,
                       const hs_pair_options* options, hs_id_pair* pairs,
                       size_t room, size_t* total) {
-  return Run("hs_bvh_join", [&](const Call& call) {
-    call.CheckPointer("a", a);
-    call.CheckPointer("b", b);
-    halfspace::c::WritePairs<hs_bvh>(call, {a, b}, options, pairs, room, total);
-  });
+  return WritePairs<hs_bvh>("hs_bvh_join", {.a = a, .b = b, .is_join = true},
+                            options, pairs, room, total);
 }
 
 hs_status hs_bvh_pairs_of(const hs_bvh* bvh, const uint32_t* ids, size_t count,
                           const hs_pair_options* options, hs_id_pair* pairs,
                           size_t room, size_t* total) {
-  return Run("hs_bvh_pairs_of", [&](const Call& call) {
-    call.CheckPointer("bvh", bvh);
-    halfspace::c::WritePairs<hs_bvh>(call, {bvh, nullptr, ids, count, true},
-                                     options, pairs, room, total);
-  });
+  return WritePairs<hs_bvh>(
+      "hs_bvh_pairs_of",
+      {.a = bvh, .ids = ids, .count = count, .is_of_set = true}, options, pairs,
+      room, total);
 }
 
 hs_status hs_bvh_pairs_each(const hs_bvh* bvh, const hs_pair_options* options,
                             hs_pairs_function function, void* context) {
-  return Run("hs_bvh_pairs_each", [&](const Call& call) {
-    call.CheckPointer("bvh", bvh);
-    halfspace::c::CallForPairs<hs_bvh>(call, {bvh}, options, function, context);
-  });
+  return CallForPairs<hs_bvh>("hs_bvh_pairs_each", {.a = bvh}, options,
+                              function, context);
 }
 
 hs_status hs_bvh_join_each(const hs_bvh* a, const hs_bvh* b,
                            const hs_pair_options* options,
                            hs_pairs_function function, void* context) {
-  return Run("hs_bvh_join_each", [&](const Call& call) {
-    call.CheckPointer("a", a);
-    call.CheckPointer("b", b);
-    halfspace::c::CallForPairs<hs_bvh>(call, {a, b}, options, function,
-                                       context);
-  });
+  return CallForPairs<hs_bvh>("hs_bvh_join_each",
+                              {.a = a, .b = b, .is_join = true}, options,
+                              function, context);
 }
 
 hs_status hs_bvh_pairs_of_each(const hs_bvh* bvh, const uint32_t* ids,
                                size_t count, const hs_pair_options* options,
                                hs_pairs_function function, void* context) {
-  return Run("hs_bvh_pairs_of_each", [&](const Call& call) {
-    call.CheckPointer("bvh", bvh);
-    halfspace::c::CallForPairs<hs_bvh>(call, {bvh, nullptr, ids, count, true},
-                                       options, function, context);
-  });
+  return CallForPairs<hs_bvh>(
+      "hs_bvh_pairs_of_each",
+      {.a = bvh, .ids = ids, .count = count, .is_of_set = true}, options,
+      function, context);
 }
 
 hs_status hs_broad_phase_query(const hs_broad_phase* bodies,
                                const hs_columns* queries,
                                const hs_query_options* options, uint32_t* ids,
                                size_t room, size_t* offsets, size_t* total) {
-  return halfspace::c::Query("hs_broad_phase_query", bodies, queries, options,
-                             ids, room, offsets, total);
+  return Query("hs_broad_phase_query", bodies, queries, options, ids, room,
+               offsets, total);
 }
 
 hs_status hs_broad_phase_count(const hs_broad_phase* bodies,
                                const hs_columns* queries,
                                const hs_query_options* options,
                                size_t* counts) {
-  return halfspace::c::CountAll("hs_broad_phase_count", bodies, queries,
-                                options, counts);
+  return CountAll("hs_broad_phase_count", bodies, queries, options, counts);
 }
 
 hs_status hs_broad_phase_any(const hs_broad_phase* bodies,
                              const hs_columns* queries,
                              const hs_query_options* options, uint32_t* ids) {
-  return halfspace::c::AnyOfEach("hs_broad_phase_any", bodies, queries, options,
-                                 ids);
+  return AnyOfEach("hs_broad_phase_any", bodies, queries, options, ids);
 }
 
 hs_status hs_broad_phase_probe(const hs_broad_phase* bodies,
                                const hs_columns* queries,
                                const hs_query_options* options,
                                hs_ids_function function, void* context) {
-  return halfspace::c::Probe("hs_broad_phase_probe", bodies, queries, options,
-                             function, context);
+  return Probe("hs_broad_phase_probe", bodies, queries, options, function,
+               context);
 }
 
 hs_status hs_broad_phase_nearest_to_points(const hs_broad_phase* bodies,
@@ -903,9 +864,8 @@ hs_status hs_broad_phase_nearest_to_points(const hs_broad_phase* bodies,
                                            float max_distance,
                                            const hs_query_options* options,
                                            uint32_t* ids, float* distances) {
-  return halfspace::c::NearestToPoints("hs_broad_phase_nearest_to_points",
-                                       bodies, points, k, max_distance, options,
-                                       ids, distances);
+  return NearestToPoints("hs_broad_phase_nearest_to_points", bodies, points, k,
+                         max_distance, options, ids, distances);
 }
 
 hs_status hs_broad_phase_nearest_to_boxes(const hs_broad_phase* bodies,
@@ -913,27 +873,26 @@ hs_status hs_broad_phase_nearest_to_boxes(const hs_broad_phase* bodies,
                                           float max_distance,
                                           const hs_query_options* options,
                                           uint32_t* ids, float* distances) {
-  return halfspace::c::NearestToBoxes("hs_broad_phase_nearest_to_boxes", bodies,
-                                      boxes, k, max_distance, options, ids,
-                                      distances);
+  return NearestToBoxes("hs_broad_phase_nearest_to_boxes", bodies, boxes, k,
+                        max_distance, options, ids, distances);
 }
 
 hs_status hs_broad_phase_raycast(const hs_broad_phase* bodies,
                                  const hs_columns* rays, float radius,
                                  const hs_query_options* options, uint32_t* ids,
                                  float* ts) {
-  return halfspace::c::CastFirst("hs_broad_phase_raycast", bodies,
-                                 Casts{Casts::kRays, rays, nullptr, radius},
-                                 options, ids, ts);
+  return CastFirst("hs_broad_phase_raycast", bodies,
+                   Casts{Casts::kRays, rays, nullptr, radius}, options, ids,
+                   ts);
 }
 
 hs_status hs_broad_phase_raycast_each(const hs_broad_phase* bodies,
                                       const hs_columns* rays, float radius,
                                       const hs_query_options* options,
                                       hs_hit_function function, void* context) {
-  return halfspace::c::Cast("hs_broad_phase_raycast_each", bodies,
-                            Casts{Casts::kRays, rays, nullptr, radius}, options,
-                            function, context);
+  return Cast("hs_broad_phase_raycast_each", bodies,
+              Casts{Casts::kRays, rays, nullptr, radius}, options, function,
+              context);
 }
 
 hs_status hs_broad_phase_boxcast(const hs_broad_phase* bodies,
@@ -941,9 +900,8 @@ hs_status hs_broad_phase_boxcast(const hs_broad_phase* bodies,
                                  const hs_columns* motions,
                                  const hs_query_options* options, uint32_t* ids,
                                  float* ts) {
-  return halfspace::c::CastFirst("hs_broad_phase_boxcast", bodies,
-                                 Casts{Casts::kBoxes, boxes, motions}, options,
-                                 ids, ts);
+  return CastFirst("hs_broad_phase_boxcast", bodies,
+                   Casts{Casts::kBoxes, boxes, motions}, options, ids, ts);
 }
 
 hs_status hs_broad_phase_boxcast_each(const hs_broad_phase* bodies,
@@ -951,9 +909,8 @@ hs_status hs_broad_phase_boxcast_each(const hs_broad_phase* bodies,
                                       const hs_columns* motions,
                                       const hs_query_options* options,
                                       hs_hit_function function, void* context) {
-  return halfspace::c::Cast("hs_broad_phase_boxcast_each", bodies,
-                            Casts{Casts::kBoxes, boxes, motions}, options,
-                            function, context);
+  return Cast("hs_broad_phase_boxcast_each", bodies,
+              Casts{Casts::kBoxes, boxes, motions}, options, function, context);
 }
 
 hs_status hs_broad_phase_spherecast(const hs_broad_phase* bodies,
@@ -961,9 +918,8 @@ hs_status hs_broad_phase_spherecast(const hs_broad_phase* bodies,
                                     const hs_columns* motions,
                                     const hs_query_options* options,
                                     uint32_t* ids, float* ts) {
-  return halfspace::c::CastFirst("hs_broad_phase_spherecast", bodies,
-                                 Casts{Casts::kSpheres, spheres, motions},
-                                 options, ids, ts);
+  return CastFirst("hs_broad_phase_spherecast", bodies,
+                   Casts{Casts::kSpheres, spheres, motions}, options, ids, ts);
 }
 
 hs_status hs_broad_phase_spherecast_each(const hs_broad_phase* bodies,
@@ -972,9 +928,9 @@ hs_status hs_broad_phase_spherecast_each(const hs_broad_phase* bodies,
                                          const hs_query_options* options,
                                          hs_hit_function function,
                                          void* context) {
-  return halfspace::c::Cast("hs_broad_phase_spherecast_each", bodies,
-                            Casts{Casts::kSpheres, spheres, motions}, options,
-                            function, context);
+  return Cast("hs_broad_phase_spherecast_each", bodies,
+              Casts{Casts::kSpheres, spheres, motions}, options, function,
+              context);
 }
 
 hs_status hs_broad_phase_pairs_of(const hs_broad_phase* bodies,
@@ -982,11 +938,10 @@ hs_status hs_broad_phase_pairs_of(const hs_broad_phase* bodies,
                                   const hs_pair_options* options,
                                   hs_id_pair* pairs, size_t room,
                                   size_t* total) {
-  return Run("hs_broad_phase_pairs_of", [&](const Call& call) {
-    call.CheckPointer("bodies", bodies);
-    halfspace::c::WritePairs<hs_broad_phase>(
-        call, {bodies, nullptr, ids, count, true}, options, pairs, room, total);
-  });
+  return WritePairs<hs_broad_phase>(
+      "hs_broad_phase_pairs_of",
+      {.a = bodies, .ids = ids, .count = count, .is_of_set = true}, options,
+      pairs, room, total);
 }
 
 hs_status hs_broad_phase_pairs_of_each(const hs_broad_phase* bodies,
@@ -994,11 +949,10 @@ hs_status hs_broad_phase_pairs_of_each(const hs_broad_phase* bodies,
                                        const hs_pair_options* options,
                                        hs_pairs_function function,
                                        void* context) {
-  return Run("hs_broad_phase_pairs_of_each", [&](const Call& call) {
-    call.CheckPointer("bodies", bodies);
-    halfspace::c::CallForPairs<hs_broad_phase>(
-        call, {bodies, nullptr, ids, count, true}, options, function, context);
-  });
+  return CallForPairs<hs_broad_phase>(
+      "hs_broad_phase_pairs_of_each",
+      {.a = bodies, .ids = ids, .count = count, .is_of_set = true}, options,
+      function, context);
 }
 
 hs_status hs_bvh_pair_parts(const hs_bvh* bvh, size_t* parts) {

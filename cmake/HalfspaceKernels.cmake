@@ -79,8 +79,8 @@ set(declarations)
 set(kernels FitKernels)
 set(header kernels/fit_many/kernel_table.h)
 set(table FitKernelsOf)
-set(parameters "int kSource, int kDims, typename Scalar")
-set(arguments "kSource, kDims, Scalar")
+set(parameters "int kSource, int kDims")
+set(arguments "kSource, kDims")
 foreach(source_name Boxes Spheres Triangles PointSets)
   string(REGEX REPLACE "(.)([A-Z])" "\\1_\\2" file_name "${source_name}")
   string(TOLOWER "${file_name}" file_name)
@@ -94,10 +94,8 @@ foreach(source_name Boxes Spheres Triangles PointSets)
     set(inl "kernels/fit_many/${file_name}-inl.h")
     set(fit "&Fit${source_name}<${dims}, Rounding::")
     halfspace_add_table("fit_${file_name}_${dims}"
-      "kFit${source_name}, ${dims}, float" "{${fit}kWithinUlp>, ${fit}kTightest>}"
+      "kFit${source_name}, ${dims}" "{${fit}kWithinUlp>, ${fit}kTightest>}"
       ${optimised})
-    halfspace_add_made(dispatch/fit/kernels_of_doubles
-                          "fit_${file_name}_double_${dims}")
   endforeach()
 endforeach()
 

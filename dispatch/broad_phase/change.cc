@@ -1,5 +1,6 @@
 // How a broad phase changes.
 #include <algorithm>
+#include <memory>
 #include <new>
 #include <string>
 #include <tuple>
@@ -10,7 +11,7 @@
 namespace halfspace::detail {
 namespace {
 
-// The order is sorted again if queries visit so many times as many leaves.
+// The tree is sorted again if its cost ratio is above this.
 constexpr double kDecayed = 1.25;
 constexpr double kAllDecayed = 2;
 
@@ -57,7 +58,7 @@ void SetMask(BroadPhaseState& state, std::uint32_t id, const BodyMasks& masks) {
   }
 }
 
-// Room for SetMask().
+// Allocates the memory for SetMask().
 void ReserveMasks(BroadPhaseState& state, Span<const std::uint32_t> ids,
                   Span<const BodyMasks> masks) {
   if (ids.empty()) return;
@@ -74,7 +75,7 @@ void ReserveMasks(BroadPhaseState& state, Span<const std::uint32_t> ids,
   }
 }
 
-// Erases the bodies again that an Insert() inserted before it failed.
+// Erases the bodies that Insert() has inserted before it failed.
 class Inserted {
  public:
   Inserted(BroadPhaseState& state, Span<const std::uint32_t> ids)
@@ -126,19 +127,16 @@ std::size_t InsertBodies(BroadPhaseState& state, Span<const std::uint32_t> ids,
 
 BroadPhaseCore::BroadPhaseCore(const BvhType& type,
                                const BroadPhaseOptions& options) {
-  // Calls with exclusive access have no other reason to refuse.
+  // Throws if no target can be chosen, so that later calls with exclusive
+  // access do not throw for this reason.
   std::ignore = KernelsFor(type, Target(), "BroadPhase");
-  struct Block {
-    explicit Block(const MemoryResource& of)
-        : memory(of), state(AllocateBlock(of, sizeof(BroadPhaseState))) {}
-    ~Block() {
-      if (state != nullptr) FreeBlock(memory, state, sizeof(BroadPhaseState));
-    }
-    const MemoryResource& memory;
-    void* state;
-  } block(options.memory);
-  state_ = new (block.state) BroadPhaseState(type, options);
-  block.state = nullptr;
+  const auto free_block = [&options](void* block) {
+    FreeBlock(options.memory, block, sizeof(BroadPhaseState));
+  };
+  std::unique_ptr<void, decltype(free_block)> block(
+      AllocateBlock(options.memory, sizeof(BroadPhaseState)), free_block);
+  state_ = new (block.get()) BroadPhaseState(type, options);
+  std::ignore = block.release();
 }
 
 BroadPhaseCore::~BroadPhaseCore() {
@@ -200,7 +198,8 @@ void BroadPhaseCore::SetMasks(Span<const std::uint32_t> ids,
   state_->CheckBodies(kCall, ids);
   const Changing changing(kCall, *state_);
   ReserveMasks(*state_, ids, masks);
-  // The first that allocates, before a mask has changed.
+  // Sets the first mask to its own value, which allocates before a mask has
+  // changed.
   for (const BodyMasks& its : masks) {
     if (its.category == kAllBits) continue;
     state_->tree.SetMasks(ids[0], state_->MasksOf(ids[0]).category);

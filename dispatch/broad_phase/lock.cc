@@ -9,12 +9,12 @@
 namespace halfspace::detail {
 namespace {
 
-// So long a new query stands back for a change that waits. Longer than almost
+// How long a new query waits for a waiting change. This is longer than almost
 // every query, so changes do not starve.
 constexpr std::chrono::microseconds kPatience(50);
 
-// Waits a little. A change that finds a query ends at once, and most flushes
-// take less than a microsecond, so the first waits keep the processor.
+// Waits a little. Most flushes take less than a microsecond, so the first waits
+// keep the processor.
 class Pause {
  public:
   void operator()() {

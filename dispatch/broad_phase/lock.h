@@ -1,8 +1,8 @@
 // Who may read the tree of a broad phase and who may change it.
 //
-// A query counts itself in on a line of its thread's own, and takes no line
-// that another thread writes. A change waits until all lines are 0. Nothing
-// hangs:
+// Each thread counts its queries on its own cache line, so queries write no
+// line of another thread. A change waits until all lines are 0. There is no
+// deadlock:
 // - A query never waits for a query. It waits while a change is being made,
 //   and then the change waits for nobody. While a change waits for queries,
 //   new queries stand back for kPatience at most: one of the running queries
@@ -25,7 +25,8 @@ class ReadersLock {
   ReadersLock(const ReadersLock&) = delete;
   ReadersLock& operator=(const ReadersLock&) = delete;
 
-  // Of this thread: its first line, or the line of all other threads.
+  // The line of this thread: its own, or, if all are taken, the line that all
+  // other threads share.
   static std::size_t LineOfThread() {
     return line_of_thread_ != 0 ? line_of_thread_ - 1 : NewLine();
   }
@@ -75,7 +76,7 @@ class ReadersLock {
   // Returns whether there are no readers. New ones wait if so.
   bool Close();
 
-  // 1 more than its number, or 0 of a new thread.
+  // 1 more than the number of the line, or 0 in a new thread.
   static constinit inline thread_local std::size_t line_of_thread_ = 0;
 
   std::atomic<std::uint32_t> state_{kOpen};

@@ -1,6 +1,7 @@
 // The pairs of a broad phase.
+#include "dispatch/bvh/pairs.h"
+
 #include <cstdint>
-#include <vector>
 
 #include "dispatch/broad_phase/state.h"
 #include "halfspace/bvh_pairs.h"
@@ -8,10 +9,7 @@
 namespace halfspace::detail {
 namespace {
 
-// With more changes, a search of all pairs of the tree takes less time.
-constexpr std::size_t kShareOfSet = 4;
-
-// The masks and the filter of a broad phase.
+// Keeps the pairs that the masks and the filter of a broad phase keep.
 class KeptPairs {
  public:
   explicit KeptPairs(const BroadPhaseState& state) : state_(state) {}
@@ -54,23 +52,15 @@ void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
   BroadPhaseState& state = *state_;
   const Changing changing("BroadPhase::UpdatePairs", state);
   state.Flush();
-  std::size_t count = 0;
-  state.records.ForEachChanged([&](std::uint32_t) { ++count; });
-  std::vector<std::uint32_t, BlockAllocator<std::uint32_t>> changed(
-      BlockAllocator<std::uint32_t>(state.options.memory));
-  const bool is_of_some = kShareOfSet * count < state.tree.size();
-  if (is_of_some) {
-    changed.reserve(count);
-    state.records.ForEachChanged(
-        [&](std::uint32_t id) { changed.push_back(id); });
-  }
+  const bool is_of_some =
+      IsSmallSet(state.records.CountChanged(), state.tree.size());
+  const BlockVector<std::uint32_t> changed =
+      is_of_some ? state.ChangedIds() : BlockVector<std::uint32_t>();
   const Span<const std::uint32_t> set(changed.data(), changed.size());
-  PairEventOptions options;
-  options.run = run;
   KeptPairs kept(state);
   state.events.Update(
-      {kernels, &state.tree, nullptr, is_of_some ? &set : nullptr}, options,
-      kept.filter());
+      {kernels, &state.tree, nullptr, is_of_some ? &set : nullptr},
+      {.run = run}, kept.filter());
   state.records.ClearChanged();
 }
 

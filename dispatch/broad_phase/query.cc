@@ -1,27 +1,86 @@
-// A query of a broad phase is a query of its tree. If some bodies are late,
-// the frequent ones leave them out and test them by themselves, and the others
+// A query of a broad phase is a query of its tree. If some bodies are late, the
+// frequent kinds of queries test these bodies separately. The other kinds
 // search a copy of the tree that has their bounds.
 #include <algorithm>
 #include <cstring>
 #include <tuple>
 #include <type_traits>
 
-#include "dispatch/broad_phase/late.h"
 #include "dispatch/broad_phase/state.h"
 #include "dispatch/errors/error.h"
-#include "dispatch/sink.h"
 #include "halfspace/bvh_nearest.h"
 #include "halfspace/bvh_pairs.h"
-#include "kernels/bvh/block.h"
+#include "halfspace/visit.h"
+#include "kernels/bvh/levels.h"
 
 namespace halfspace::detail {
 namespace {
 
-using IdSink = dispatch::Sink<WalkIds, std::uint32_t, 512>;
+// The late bodies, 64 at a time, as trees of one leaf. The kernels of the tree
+// test them too, so both give the same answers.
+class LateLeaf {
+ public:
+  explicit LateLeaf(const BroadPhaseState& state)
+      : state_(state), tree_(state.type, MemoryResource()) {}
+  LateLeaf(const LateLeaf&) = delete;
+  LateLeaf& operator=(const LateLeaf&) = delete;
 
-// Calls exact(tree) if the tree has all bounds, and late(reading) if not. A
-// handler of errors may leave by longjmp, so with one the arguments are checked
-// before the lock is taken.
+  // Calls test(tree) for each leaf of late bodies, until it returns false.
+  // Returns whether it never did.
+  template <typename Test>
+  bool ForEach(const Reading& reading, const Test& test) {
+    bool goes_on = true;
+    state_.records.ForEachMarked([&](std::uint32_t id) {
+      if (!reading.IsLate(id)) return true;
+      Add(id);
+      if (count_ == kBlockObjects) goes_on = Run(test);
+      return goes_on;
+    });
+    return goes_on && (count_ == 0 || Run(test));
+  }
+
+ private:
+  void Add(std::uint32_t id) {
+    const BvhLevels& all = state_.tree.levels();
+    WithAxes(state_.type.axes, [&](auto axes) {
+      state_.records.Copy<axes>(id, floats_ + count_);
+    });
+    ids_[count_] = id;
+    const std::uint32_t* const masks = all.level[0].masks;
+    masks_[count_] = masks == nullptr ? 0xFFFFFFFF : masks[all.slots[id]];
+    ++count_;
+  }
+
+  template <typename Test>
+  bool Run(const Test& test) {
+    BvhLevels levels;
+    levels.count = 1;
+    levels.ids = ids_;
+    levels.level[0].size = count_;
+    levels.level[0].floats = floats_;
+    levels.level[0].planes = state_.planes();
+    levels.level[0].present = &present_;
+    if (state_.tree.levels().level[0].masks != nullptr) {
+      levels.level[0].masks = masks_;
+    }
+    present_ = ~std::uint64_t{0} >> (kBlockObjects - count_);
+    count_ = 0;
+    BvhState::Of(tree_).Borrow(levels);
+    return test(tree_);
+  }
+
+  const BroadPhaseState& state_;
+  BvhTree tree_;
+  std::size_t count_ = 0;
+  std::uint64_t present_ = 0;
+  std::uint32_t ids_[kBlockObjects] = {};
+  std::uint32_t masks_[kBlockObjects];
+  alignas(64) float floats_[kMostBodyPlanes * kBlockObjects] = {};
+};
+
+// Calls exact(tree) if the tree has all bounds, and else late(reading). An
+// error handler may leave by longjmp, so if there is one, the arguments are
+// checked before the lock is taken.
 template <typename Exact, typename Late>
 auto Ask(BroadPhaseState& state, const Exact& exact, const Late& late) {
   if (dispatch::HasErrorHandler()) exact(state.nothing);
@@ -29,7 +88,7 @@ auto Ask(BroadPhaseState& state, const Exact& exact, const Late& late) {
   return reading.is_exact() ? exact(state.tree) : late(reading);
 }
 
-// With a copy of the tree if bodies are late.
+// Calls exact(tree), with a copy of the tree if some bodies are late.
 template <typename Exact>
 auto AskCopy(BroadPhaseState& state, const Exact& exact) {
   return Ask(state, exact, [&](const Reading& reading) {
@@ -45,8 +104,8 @@ auto AskCopy(BroadPhaseState& state, const Exact& exact) {
   });
 }
 
-// Calls search(tree, ids, options). The tree without bodies has no ids, and so
-// these are checked apart.
+// Calls search(tree, ids, options). The ids are checked here, because the tree
+// without bodies, on which arguments are checked, has no ids.
 template <typename Search>
 auto AskPairs(BroadPhaseState& state, const char* call,
               Span<const std::uint32_t> ids, const PairOptions& options,
@@ -83,13 +142,8 @@ void ForEachWithLate(const BroadPhaseState& state, const Reading& reading,
     return count == 0 || call({timely, count});
   };
   const auto run = [&](const BvhTree& tree, const auto& function) {
-    using Function = std::remove_reference_t<decltype(function)>;
-    BvhForEach(
-        tree, query,
-        [](void* context, Span<const std::uint32_t> ids) {
-          return (*static_cast<Function*>(context))(ids);
-        },
-        const_cast<void*>(static_cast<const void*>(&function)), options);
+    Callback callback{function};
+    BvhForEach(tree, query, &decltype(callback)::Run, &callback, options);
     return goes_on;
   };
   LateLeaf leaf(state);
@@ -98,32 +152,6 @@ void ForEachWithLate(const BroadPhaseState& state, const Reading& reading,
     run(state.tree, call_timely);
   }
 }
-
-// A cast through several trees, one after another: the limit of one is that of
-// the next.
-struct CastOfTrees {
-  NearFunction function;
-  void* context;
-  const Reading& reading;
-  LineCast cast;
-  bool skips_late = false;
-
-  // Returns whether to go on.
-  bool Run(const BvhTree& tree, const SearchOptions& options) {
-    BvhCast(
-        tree, cast,
-        [](void* casts, std::uint32_t id, float t, const float* planes) {
-          auto& self = *static_cast<CastOfTrees*>(casts);
-          if (!self.skips_late || !self.reading.IsLate(id)) {
-            const float limit = self.function(self.context, id, t, planes);
-            if (limit < self.cast.max_t) self.cast.max_t = limit;
-          }
-          return self.cast.max_t;
-        },
-        this, options);
-    return !(cast.max_t < 0);
-  }
-};
 
 }  // namespace
 
@@ -227,15 +255,23 @@ void BroadPhaseCore::Cast(const LineCast& cast, NearFunction function,
         BvhCast(tree, cast, function, context, options);
       },
       [&](const Reading& reading) {
-        CastOfTrees casts{function, context, reading, cast};
+        // The limit that one tree ends with is the limit of the next one.
+        LineCast rest = cast;
+        bool skips_late = false;
+        Callback hit{[&](std::uint32_t id, float t, const float* planes) {
+          if (!skips_late || !reading.IsLate(id)) {
+            rest.max_t = std::min(rest.max_t, function(context, id, t, planes));
+          }
+          return Limit{rest.max_t};
+        }};
+        const auto run = [&](const BvhTree& tree) {
+          BvhCast(tree, rest, &decltype(hit)::Run, &hit, options);
+          return !(rest.max_t < 0);
+        };
         LateLeaf leaf(*state_);
-        if (!leaf.ForEach(reading, [&](const BvhTree& late) {
-              return casts.Run(late, options);
-            })) {
-          return;
-        }
-        casts.skips_late = true;
-        casts.Run(state_->tree, options);
+        if (!leaf.ForEach(reading, run)) return;
+        skips_late = true;
+        run(state_->tree);
       });
 }
 

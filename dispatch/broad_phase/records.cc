@@ -11,7 +11,7 @@
 namespace halfspace::detail {
 namespace {
 
-// Bodies that are moved between two fences.
+// The number of bodies that are moved between two fences.
 constexpr std::size_t kSome = 64;
 
 std::uint64_t WordAt(const float* planes) {
@@ -59,10 +59,9 @@ bool Records::Read(std::uint32_t id, float* planes) const {
   const Word* const record = Find(id);
   if (record == nullptr) return false;
   std::uint64_t words[kMostBodyPlanes / 2];
-  const std::uint64_t state =
-      words_ == 3   ? Load(std::make_index_sequence<2>(), *record, words)
-      : words_ == 4 ? Load(std::make_index_sequence<3>(), *record, words)
-                    : Load(std::make_index_sequence<4>(), *record, words);
+  const std::uint64_t state = WithAxes(words_ - 1, [&](auto axes) {
+    return Load(std::make_index_sequence<axes>(), *record, words);
+  });
   std::memcpy(planes, words, (words_ - 1) * sizeof(std::uint64_t));
   return (state & kPresent) != 0;
 }
@@ -96,7 +95,8 @@ std::uint64_t Records::Group::TakeMarksOf(std::size_t w) {
   });
 }
 
-// While marks are taken: until the mark is one that will be found.
+// Sets a mark while marks are being taken. Repeats that until the mark will be
+// found.
 [[gnu::noinline]] void Records::MarkAgain(std::uint32_t id) {
   Group& group = *GroupAt(id / kGroupIds);
   const std::uint64_t bit = std::uint64_t{1} << id / 64 % 64;
@@ -112,8 +112,8 @@ std::uint64_t Records::Group::TakeMarksOf(std::size_t w) {
   }
 }
 
-// The words of a record are parameters of a pack: as a loop over an array they
-// take twice the time.
+// The words of a record are a parameter pack, because a loop over an array
+// takes twice the time.
 template <std::size_t... kWord>
 void Records::MoveSome(std::index_sequence<kWord...>,
                        Span<const std::uint32_t> ids, const float* planes) {
@@ -149,8 +149,8 @@ void Records::MoveSome(std::index_sequence<kWord...>,
             (is_taking ? mark.exchange(1, std::memory_order_acq_rel)
                        : mark.load(std::memory_order_relaxed)) == 0;
         written[count++] = {record, (before & ~kVersion) | version, id, is_new};
-        // This and the next ones release, so that they stay behind the first
-        // store.
+        // This store and the next ones release, so that they stay after the
+        // first store.
         mark.store(1, std::memory_order_release);
       }
       (record[1 + kWord].store(words, std::memory_order_release), ...);
@@ -171,9 +171,9 @@ void Records::MoveSome(std::index_sequence<kWord...>,
       [[unlikely]] {
     for (std::size_t i = 0; i < count; ++i) {
       MarkAgain(written[i].id);
-      // Marks that were there before have been taken. If marks were being taken
-      // from the beginning, one may have been set behind them: the exchange
-      // has told.
+      // Marks that were set before have been taken. If marks were already being
+      // taken at the beginning, the exchange has returned whether the mark was
+      // set.
       if (!is_taking) written[i].is_new = true;
     }
   }
@@ -191,20 +191,17 @@ void Records::Move(Span<const std::uint32_t> ids, const float* planes) {
     const Span<const std::uint32_t> some(ids.data() + i,
                                          std::min(kSome, ids.size() - i));
     const float* const of_some = planes + i * this->planes();
-    if (words_ == 3) {
-      MoveSome(std::make_index_sequence<2>(), some, of_some);
-    } else if (words_ == 4) {
-      MoveSome(std::make_index_sequence<3>(), some, of_some);
-    } else {
-      MoveSome(std::make_index_sequence<4>(), some, of_some);
-    }
+    WithAxes(words_ - 1, [&](auto axes) {
+      MoveSome(std::make_index_sequence<axes>(), some, of_some);
+    });
   }
 }
 
-// A mover at the same time looks at its mark behind a fence, as takes_ has
-// changed: the mark is taken here afterwards, or it sets it again. So marks are
-// taken by one exchange, behind that of `some` in the one order of all threads,
-// and has_marks_ is cleared before the fence.
+// A mover that runs at the same time sees that takes_ has changed, and reads
+// its mark again after a fence. Either the mark is taken here later, or the
+// mover sets it again. So each eight marks are taken by one exchange, after the
+// exchange of `some` in the single total order, and has_marks_ is cleared
+// before the fence.
 std::size_t Records::TakeMarks() {
   std::size_t count = 0;
   takes_.fetch_add(1, std::memory_order_seq_cst);

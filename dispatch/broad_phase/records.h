@@ -5,8 +5,8 @@
 // - A mover makes the record's version odd, sets the body's mark, writes the
 //   bound, and makes the version even. If the mark was not set before, it
 //   stamps the record with the number of late queries so far.
-// - Who has exclusive access clears marks, and then copies the bounds of these
-//   bodies. It waits while a version is odd.
+// - A thread with exclusive access clears marks, and then copies the bounds of
+//   these bodies. It waits while a version is odd.
 // - A query that cannot have exclusive access is a late query, and adds 1 to
 //   their number. Bodies with a mark and a stamp of at most the number before
 //   are late: their bounds in the tree are older than the query. No mark is
@@ -14,12 +14,13 @@
 //   a later stamp. So each body is late or not for all of the query.
 //
 // No bound is lost. Marks are taken between two changes of takes_, with a fence
-// behind the first and before the second. A mover fences between its bound and
-// its second look at takes_. If it saw no change, marks were taken before its
-// move or are taken behind it. Otherwise it looks again at each mark, and sets
-// it if it is gone. A query fences between its number and its look at a mark,
-// and a mover between the mark and its look at the number. So a query that does
-// not see the mark has an older number than the stamp.
+// after the first change and before the second. A mover has a fence between its
+// write of the bound and its second read of takes_. If takes_ has not changed,
+// the marks were taken before its move or will be taken after it. Otherwise the
+// mover reads each mark again, and sets it if it is gone. A query has a fence
+// between its number and its read of a mark, and a mover between its mark and
+// its read of the number. So if a query does not see a mark, its number is less
+// than the stamp.
 #ifndef HALFSPACE_DISPATCH_BROAD_PHASE_RECORDS_H_
 #define HALFSPACE_DISPATCH_BROAD_PHASE_RECORDS_H_
 
@@ -29,6 +30,7 @@
 #include <cstdint>
 #include <cstring>
 #include <thread>
+#include <type_traits>
 #include <utility>
 
 #include "halfspace/detail/bvh.h"
@@ -48,8 +50,8 @@ namespace halfspace::detail {
 
 inline constexpr std::size_t kMostBodyPlanes = 8;  // AaboBroadPhase3
 
-// Orders what this thread wrote before what it reads behind it. The thread
-// sanitizer knows no fences, and needs none, as all accesses are atomic.
+// Orders the writes of this thread before its later reads. The thread sanitizer
+// does not support fences, and needs none, because all accesses are atomic.
 inline void Fence() {
 #ifdef HALFSPACE_THREAD_SANITIZER
   static constinit std::atomic<int> word{0};
@@ -57,6 +59,19 @@ inline void Fence() {
 #else
   std::atomic_thread_fence(std::memory_order_seq_cst);
 #endif
+}
+
+// Calls function(axes) with a constant: loops over the axes have no branches.
+template <typename Function>
+auto WithAxes(std::size_t axes, const Function& function) {
+  switch (axes) {
+    case 2:
+      return function(std::integral_constant<std::size_t, 2>());
+    case 3:
+      return function(std::integral_constant<std::size_t, 3>());
+    default:
+      return function(std::integral_constant<std::size_t, 4>());
+  }
 }
 
 class Records {
@@ -70,14 +85,14 @@ class Records {
   std::size_t bytes() const { return bytes_; }
   std::size_t planes() const { return 2 * (words_ - 1); }
 
-  // At any time.
+  // These can be called at any time.
 
   bool Has(std::uint32_t id) const {
     const Word* const record = Find(id);
     return record != nullptr &&
            (record->load(std::memory_order_acquire) & kPresent) != 0;
   }
-  // The first that is not the id of a body, or ids.size().
+  // Returns the index of the first id that no body has, or ids.size().
   std::size_t FindAbsent(Span<const std::uint32_t> ids) const;
   // Returns whether the body exists, and its bound.
   bool Read(std::uint32_t id, float* planes) const;
@@ -86,7 +101,7 @@ class Records {
   void Move(Span<const std::uint32_t> ids, const float* planes);
   // Whether any body can have a mark.
   bool HasMarks() const { return has_marks_.load(std::memory_order_acquire); }
-  // The number of a query that begins.
+  // Returns the number of a new query.
   std::uint32_t NextQuery() {
     const std::uint32_t query =
         queries_.fetch_add(1, std::memory_order_seq_cst);
@@ -94,9 +109,9 @@ class Records {
     return query;
   }
 
-  // While no other thread has exclusive access.
+  // These need that no other thread has exclusive access.
 
-  // `id` is that of a body.
+  // `id` is the id of a body.
   bool IsLate(std::uint32_t id, std::uint32_t query) const {
     const Group& group = *GroupAt(id / kGroupIds);
     if (group.marks[id % kGroupIds].load(std::memory_order_acquire) == 0) {
@@ -122,8 +137,8 @@ class Records {
     }
   }
 
-  // With exclusive access: no query and no other change runs at the same time.
-  // Movers may.
+  // These need exclusive access: no query and no other change may run at the
+  // same time, but movers may.
 
   // Allocates the records of these ids. Throws std::bad_alloc.
   void Reserve(Span<const std::uint32_t> ids);
@@ -148,11 +163,12 @@ class Records {
     });
   }
 
-  // Copies the bounds of bodies into a block of a tree: first finds some of its
-  // bodies, and those of the next block, then copies.
+  // Copies the bounds of bodies into a block of a tree. It first finds the
+  // records of the bodies, so that they can be prefetched while another block
+  // is copied.
   class BlockCopy {
    public:
-    // Bodies ids[i] for each bit.
+    // Finds body ids[i] for each set bit i.
     void Find(const Records& records, const std::uint32_t* ids,
               std::uint64_t bits) {
       bits_ = bits;
@@ -161,7 +177,7 @@ class Records {
         kernels::Prefetch(found_[n]);
       }
     }
-    // Plane p of a body goes to to[p * kBlockObjects + bit].
+    // Writes plane p of a body to to[p * kBlockObjects + bit].
     template <std::size_t kAxes>
     void CopyTo(float* to) const {
       std::size_t n = 0;
@@ -175,19 +191,24 @@ class Records {
     std::uint64_t bits_ = 0;
     const std::atomic<std::uint64_t>* found_[kBlockObjects];
   };
-  // The same of one body.
+  // The same for one body.
   template <std::size_t kAxes>
   void Copy(std::uint32_t id, float* to) const {
     Copy(std::make_index_sequence<kAxes>(), *At(id), to);
   }
 
-  // Bodies whose marks were taken, or for which SetChanged() was called, since
-  // ClearChanged().
+  // The changed bodies are those whose marks were taken, or for which
+  // SetChanged() was called, since ClearChanged().
   void SetChanged(std::uint32_t id) {
     GroupAt(id / kGroupIds)->changed[id / 64 % 64] |= std::uint64_t{1}
                                                       << id % 64;
   }
   void ClearChanged();
+  std::size_t CountChanged() const {
+    std::size_t count = 0;
+    ForEachChanged([&count](std::uint32_t) { ++count; });
+    return count;
+  }
   template <typename Visit>
   void ForEachChanged(const Visit& visit) const {
     ForEachGroup([&](std::size_t g, const Group& group) {
@@ -203,8 +224,9 @@ class Records {
  private:
   using Word = std::atomic<std::uint64_t>;
 
-  // The first word of a record: the stamp, above a version whose lowest bit
-  // says that the record is being written. Then two planes in each word.
+  // The first word of a record has the stamp above the version. The lowest bit
+  // of the version says that the record is being written. Each other word has
+  // two planes.
   static constexpr std::uint64_t kIsWritten = 1;
   static constexpr std::uint64_t kPresent = 2;
   static constexpr std::uint64_t kOneWrite = 4;
@@ -219,16 +241,16 @@ class Records {
     std::uint64_t changed[64];
     std::atomic<Word*> records[64];  // of 64 ids each, or null
 
-    // Marks are written as bytes, and read as eight at once. On the supported
-    // machines these are atomic to each other.
+    // Marks are written as bytes and read eight at a time. On the supported
+    // machines these accesses are atomic to each other.
     std::uint64_t MarksOf(std::size_t w) const;
     std::uint64_t TakeMarksOf(std::size_t w);
     template <typename EightAt>
     static std::uint64_t MarksBy(std::size_t w, const EightAt& eight_at);
   };
   using GroupSlot = std::atomic<Group*>;
-  // A mover may still read an old list of groups, so it stays until the end.
-  // All old ones together are smaller than the newest.
+  // A mover may still read an old list of groups, so old lists stay until the
+  // end. All of them together are smaller than the newest list.
   struct GroupList {
     GroupList* older;
     std::size_t count;
@@ -276,7 +298,7 @@ class Records {
            id % 64 * words_;
   }
 
-  // The first word, when the record is not being written.
+  // Waits until the record is not being written, and returns its first word.
   static std::uint64_t Settled(const Word& record) {
     std::uint64_t state = record.load(std::memory_order_acquire);
     for (std::size_t tries = 1; (state & kIsWritten) != 0; ++tries) {
@@ -299,9 +321,9 @@ class Records {
     (store(kWord, words[kWord]), ...);
   }
 
-  // The planes as they were at one time, and the first word. The loads acquire,
-  // so that they stay before the second load of the first word. The sanitizers
-  // know no fences.
+  // Reads all planes as they were at one time. Returns the first word. The
+  // loads acquire, so that they stay before the second load of the first word.
+  // The sanitizers do not support fences.
   template <std::size_t... kWord>
   static std::uint64_t Load(std::index_sequence<kWord...>, const Word& record,
                             std::uint64_t* words) {

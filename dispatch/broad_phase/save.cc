@@ -2,7 +2,6 @@
 #include <cstring>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "dispatch/broad_phase/state.h"
 #include "dispatch/bvh/scratch.h"
@@ -15,9 +14,9 @@ constexpr const char* kLoad = "BroadPhase::Load";
 constexpr char kMagic[8] = {'h', 'a', 'l', 'f', 'b', 'o', 'd', 'y'};
 constexpr std::uint32_t kVersion = 1;
 
-// Behind it are the tree's blob, the pairs, what bodies collide with, and the
-// ids of bodies that changed since the last UpdatePairs(), each from a multiple
-// of 64 bytes on.
+// After the header come the blob of the tree, the pairs, the collides_with
+// masks, and the ids of bodies that changed since the last UpdatePairs(). Each
+// begins at a multiple of 64 bytes.
 struct alignas(64) SaveHeader {
   std::uint64_t bytes;  // of all
   char magic[8];
@@ -81,7 +80,7 @@ BroadPhaseCore::BroadPhaseCore(const BroadPhaseCore& other)
   state_->collides_with = from.collides_with;
   state_->changes = from.changes;
   from.records.ForEachChanged([&](std::uint32_t id) {
-    state_->records.Reserve({&id, 1});  // it may have no body
+    state_->records.Reserve({&id, 1});  // no body may have it
     state_->records.SetChanged(id);
   });
 }
@@ -90,10 +89,7 @@ void BroadPhaseCore::Save(SaveFunction function, void* context) const {
   BroadPhaseState& state = *state_;
   const Changing changing("BroadPhase::Save", state);
   state.Flush();
-  std::vector<std::uint32_t, BlockAllocator<std::uint32_t>> changed(
-      BlockAllocator<std::uint32_t>(state.options.memory));
-  state.records.ForEachChanged(
-      [&](std::uint32_t id) { changed.push_back(id); });
+  const BlockVector<std::uint32_t> changed = state.ChangedIds();
   const Span<const std::byte> tree = state.tree.Blob();
   const Span<const IdPair> pairs = state.events.pairs();
   const Span<const std::byte> parts[] = {
@@ -123,8 +119,7 @@ void BroadPhaseCore::Save(SaveFunction function, void* context) const {
   }
 }
 
-// All is read into new memory, and then swapped in, so a call that fails
-// changes nothing.
+// Reads into new memory and then swaps, so a call that fails changes nothing.
 void BroadPhaseCore::Load(Span<const std::byte> bytes) {
   BroadPhaseState& state = *state_;
   Changing::Check(kLoad, state);
@@ -140,7 +135,7 @@ void BroadPhaseCore::Load(Span<const std::byte> bytes) {
         "bytes of BroadPhase::Save() of this type, byte order and format 1",
         "others");
   }
-  // The bytes may be anywhere.
+  // The bytes may be misaligned.
   BroadPhaseCore loaded(state.type, state.options);
   BroadPhaseState& to = *loaded.state_;
   const Scratch aligned(state.options.memory, Padded(bytes.size()));

@@ -21,7 +21,8 @@ void BroadPhaseState::CheckList(const char* call, Span<const std::uint32_t> ids,
   }
   const auto check = [&](const char* argument, const void* memory,
                          std::size_t its_alignment) {
-    // A call of CheckMemory() takes as long as the move of a body.
+    // Not only CheckMemory(), because a call of it takes as long as the move of
+    // a body.
     if (ids.empty() || dispatch::IsAligned(memory, its_alignment)) return;
     dispatch::CheckMemory(call, argument, memory, ids.size(), its_alignment);
   };
@@ -38,6 +39,13 @@ void BroadPhaseState::CheckBodies(const char* call,
                          std::to_string(ids[i]), i);
 }
 
+BlockVector<std::uint32_t> BroadPhaseState::ChangedIds() const {
+  BlockVector<std::uint32_t> ids(BlockAllocator<std::uint32_t>(options.memory));
+  ids.reserve(records.CountChanged());
+  records.ForEachChanged([&](std::uint32_t id) { ids.push_back(id); });
+  return ids;
+}
+
 void BroadPhaseState::Flush() {
   if (!records.HasMarks()) return;
   BvhState::Of(tree).PrepareRefit();
@@ -45,13 +53,12 @@ void BroadPhaseState::Flush() {
   changes += count;
   const bool is_all = 2 * count > tree.size();
   WithAxes(type.axes, [&](auto axes) {
-    constexpr std::size_t kAxes = decltype(axes)::value;
-    is_all ? FlushAll<kAxes>() : FlushSome<kAxes>(count);
+    is_all ? FlushAll<axes>() : FlushSome<axes>(count);
   });
 }
 
-// Block by block, so that bounds are copied to memory that is in cache. Records
-// are anywhere: those of the next block are found before.
+// Copies block by block, so that bounds are written to memory that is in cache.
+// Records can be anywhere, so the records of the next block are prefetched.
 template <std::size_t kAxes, typename BitsOf>
 void BroadPhaseState::CopyBlocks(std::size_t begin, std::size_t end,
                                  const BitsOf& bits_of) {
@@ -74,7 +81,7 @@ void BroadPhaseState::CopyBlocks(std::size_t begin, std::size_t end,
   }
 }
 
-// As Refit() of a Bvh with all bounds.
+// As Bvh::Refit() of all objects.
 template <std::size_t kAxes>
 void BroadPhaseState::FlushAll() {
   const BvhLevels& levels = tree.levels();
@@ -94,7 +101,7 @@ void BroadPhaseState::FlushAll() {
   });
 }
 
-// As Refit() of a Bvh with a list.
+// As Bvh::Refit() of a list.
 template <std::size_t kAxes>
 void BroadPhaseState::FlushSome(std::size_t count) {
   const BvhLevels& levels = tree.levels();
@@ -118,7 +125,7 @@ void BroadPhaseState::FlushSome(std::size_t count) {
 }
 
 void BroadPhaseState::Adopt(BvhTree its_tree) {
-  // With places by id. Throws if its ids are wrong.
+  // Adds slots by id. Throws if the ids of the tree are wrong.
   its_tree.Reserve(its_tree.size());
   tree = std::move(its_tree);
   const Span<const std::uint32_t> ids = tree.ids();

@@ -1,40 +1,26 @@
-// What a broad phase owns: the records of its bodies, which Move() writes, a
+// The state of a broad phase: the records of its bodies, which Move() writes, a
 // tree of all bodies, and the pairs of the last UpdatePairs().
 //
-// The tree is read by queries, under the lock of readers, and written by who
-// has exclusive access. A flush copies the bounds of bodies with a mark from
-// their records into the tree. docs/design.md says who may run at the same
-// time, and why no change is lost.
+// Queries read the tree under the lock of readers. A thread with exclusive
+// access writes it. A flush copies the bounds of bodies with a mark from their
+// records into the tree. docs/design.md says who may run at the same time, and
+// why no change is lost.
 #ifndef HALFSPACE_DISPATCH_BROAD_PHASE_STATE_H_
 #define HALFSPACE_DISPATCH_BROAD_PHASE_STATE_H_
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
-#include <vector>
 
 #include "dispatch/broad_phase/lock.h"
 #include "dispatch/broad_phase/records.h"
+#include "dispatch/bvh/scratch.h"
 #include "dispatch/bvh/tree.h"
 #include "halfspace/broad_phase.h"
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/pair_events.h"
 
 namespace halfspace::detail {
-
-// Calls function(axes) with a constant: loops over the axes have no branches.
-template <typename Function>
-auto WithAxes(std::size_t axes, const Function& function) {
-  switch (axes) {
-    case 2:
-      return function(std::integral_constant<std::size_t, 2>());
-    case 3:
-      return function(std::integral_constant<std::size_t, 3>());
-    default:
-      return function(std::integral_constant<std::size_t, 4>());
-  }
-}
 
 class BroadPhaseState {
  public:
@@ -52,15 +38,18 @@ class BroadPhaseState {
 
   std::size_t planes() const { return type.plane_count; }
 
-  // Throws, in the name of `call`, unless the list is one of ids and `others`
-  // has an element for each. Reads no id.
+  // Throws, in the name of `call`, unless both arrays can be read and `others`
+  // has an element for each id. Reads no id.
   void CheckList(const char* call, Span<const std::uint32_t> ids,
                  const char* name, const void* others, std::size_t other_count,
                  std::size_t alignment) const;
-  // Throws unless all are ids of bodies.
+  // Throws unless bodies have all these ids.
   void CheckBodies(const char* call, Span<const std::uint32_t> ids) const;
 
-  // While the tree does not change.
+  // With exclusive access: of bodies that changed since the last UpdatePairs().
+  BlockVector<std::uint32_t> ChangedIds() const;
+
+  // The tree must not change at the same time.
   BodyMasks MasksOf(std::uint32_t id) const {
     const BvhLevels& levels = tree.levels();
     const std::uint32_t* const categories = levels.level[0].masks;
@@ -73,12 +62,12 @@ class BroadPhaseState {
   // With exclusive access. Copies the bounds of bodies with a mark into the
   // tree. Allocates nothing.
   void Flush();
-  // Takes the bodies of a tree, in a state without bodies.
+  // Takes the bodies of a tree. The state must have no bodies.
   void Adopt(BvhTree its_tree);
-  // With exclusive access to both. Without options.
+  // Needs exclusive access to both. Does not swap the options.
   void Swap(BroadPhaseState& other);
 
-  // With exclusive access. Room for Flush() of so many slots.
+  // Needs exclusive access. Allocates the memory of Flush() for so many slots.
   void ReserveChanges(std::size_t slots) {
     changed_slots.resize(BvhState::WordsOfChanges(slots));
   }
@@ -97,9 +86,9 @@ class BroadPhaseState {
   // sorted yet.
   std::size_t changes = 0;
   // A bit for each slot and each node of the tree: room for Flush().
-  std::vector<std::uint64_t, BlockAllocator<std::uint64_t>> changed_slots;
-  // By id. Empty until a body gets another one than all bits.
-  std::vector<std::uint32_t, BlockAllocator<std::uint32_t>> collides_with;
+  BlockVector<std::uint64_t> changed_slots;
+  // By id. Empty until a body gets a mask that is not all ones.
+  BlockVector<std::uint32_t> collides_with;
 
  private:
   template <std::size_t kAxes, typename BitsOf>
@@ -110,7 +99,7 @@ class BroadPhaseState {
   void FlushSome(std::size_t count);
 };
 
-// A query, for the life of an object of this class. It finds each body by a
+// A query, during the life of an object of this class. It finds each body by a
 // bound that the body had during that time.
 class Reading {
  public:
@@ -143,7 +132,7 @@ class Reading {
   std::uint32_t query_ = 0;
 };
 
-// Exclusive access, for the life of an object of this class.
+// Exclusive access, during the life of an object of this class.
 class Changing {
  public:
   Changing(const char* call, BroadPhaseState& state) : state_(state) {
@@ -155,7 +144,7 @@ class Changing {
   ~Changing() {
     if (!state_.options.caller_locks) state_.lock.Unlock();
   }
-  // Throws, in the name of `call`, inside of a query's function.
+  // Throws, in the name of `call`, if it is called by the function of a query.
   static void Check(const char* call, const BroadPhaseState& state);
 
  private:

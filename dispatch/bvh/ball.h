@@ -1,4 +1,4 @@
-// When a ball that moves along a line first touches a bound.
+// The time at which a moving ball first touches a bound.
 #ifndef HALFSPACE_DISPATCH_BVH_BALL_H_
 #define HALFSPACE_DISPATCH_BVH_BALL_H_
 
@@ -12,11 +12,12 @@
 
 namespace halfspace::detail {
 
-// A cast of a ball: the kernels cast the box around it, and each bound that the
-// box touches is cast at again. In the default floating-point mode.
+// A cast of a ball. The kernels cast the box around the ball, and each bound
+// that the box touches is tested here. Called in the default floating-point
+// mode.
 class BallCast {
  public:
-  // `line` is that of the box, and stays as it is.
+  // `line` is the line of the box. It must not change.
   BallCast(const PlaneLayout& layout, const LineCast& cast, const Line& line)
       : layout_(layout), cast_(cast), line_(line) {}
 
@@ -46,19 +47,20 @@ class BallCast {
 
  private:
   // Returns the t from `enter` to `exit` at which the ball first touches the
-  // box of the first axes, or infinity. The t is at most the exact one, because
-  // the squared distance is rounded down. Between the times at which the center
-  // passes a plane, this distance is a quadratic in t.
+  // box that the coordinate axes of the bound make, or infinity. The t is not
+  // above the exact one, because the squared distance is rounded down. Between
+  // the times at which the center passes a plane, the squared distance is a
+  // quadratic function of t.
   float EntryFrom(const float* planes, float enter, float exit) const {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     struct Axis {
-      double from, to;       // when the center is between the planes
-      double before, after;  // the center less the plane that it passes
+      double from, to;  // times between which the center is between the planes
+      double before, after;  // center minus the plane that it passes
       double speed;
     };
     Axis axes[3];
     std::size_t moving = 0;
-    double resting = 0;  // the part of the squared distance that never changes
+    double resting = 0;  // the constant part of the squared distance
     for (std::size_t k = 0; k < layout_.dims; ++k) {
       const double center = cast_.low[k];
       const double speed = cast_.direction[k];
@@ -66,7 +68,7 @@ class BallCast {
       double below = layout_.has_max
                          ? center - planes[(layout_.axes + k) * kBlockObjects]
                          : -kInfinity;
-      // NaNs and infinities on the wrong side limit nothing.
+      // A NaN, or an infinity on the wrong side, limits nothing.
       if (!std::isfinite(center) || !std::isfinite(speed)) continue;
       if (!(above > -kInfinity)) above = kInfinity;
       if (!(below < kInfinity)) below = -kInfinity;

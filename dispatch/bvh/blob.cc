@@ -1,4 +1,4 @@
-// A BVH as bytes: its blob, and what is checked of one.
+// The blob of a BVH.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -40,8 +40,8 @@ void CheckVersion(bool is_in_place, std::uint32_t version) {
                given);
 }
 
-// The layouts of a version, the first that was written first. The last builds
-// with format 3 wrote it without codes, as format 4.
+// The possible layouts of a version, the oldest first. The last builds with
+// format 3 wrote it without codes, as format 4.
 std::array<BvhFormat, 2> FormatsOf(std::uint32_t version) {
   constexpr BvhFormat kFormat4 = {kMostWithoutCodes, 4096, false};
   if (version == kBvhVersion) return {};
@@ -49,7 +49,7 @@ std::array<BvhFormat, 2> FormatsOf(std::uint32_t version) {
   return {BvhFormat{kBlockObjects, 4096, false}, kFormat4};
 }
 
-// Whether all bytes are where they are today, and mean the same.
+// Whether the layout is that of the current format.
 bool IsAsToday(const BvhFormat& format, const BvhRoom& room) {
   const bool is_coded = room.slots > format.most_without_codes;
   return is_coded == (room.slots > kMostWithoutCodes) &&
@@ -57,15 +57,15 @@ bool IsAsToday(const BvhFormat& format, const BvhRoom& room) {
          (format.has_used_ids || room.ids == 0);
 }
 
-// The last block of a level has lanes without an object, which no query may
-// keep: their children would be beyond the level below.
+// Whether no lane of the last block that is beyond the level is marked as
+// present. A query that kept it would read beyond the level below.
 bool IsClosed(const BvhLevel& level) {
   const std::size_t count = level.size % kBlockObjects;
   return count == 0 || level.present[level.size / kBlockObjects] >> count == 0;
 }
 
-// Of all bytes but the checksum's own. A change of one byte always changes it:
-// each step can be undone.
+// The checksum of all bytes except its own. A change of one byte always changes
+// it, because each step is reversible.
 std::uint64_t ChecksumOf(Span<const std::byte> blob) {
   constexpr std::size_t kLanes = kLine / sizeof(std::uint64_t);
   constexpr std::uint64_t kOdd = 0x9E3779B97F4A7C15;
@@ -168,7 +168,7 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
   if (!is_as_today) {
     const bool is_right = header.checksum == ChecksumOf(blob);
     loaded.Convert(format);
-    // Otherwise the one of the blob stays, which Verify() finds to be wrong.
+    // Otherwise the wrong checksum stays, so that Verify() fails.
     loaded.header().checksum =
         is_right ? ChecksumOf({loaded.block_, loaded.bytes_}) : header.checksum;
     loaded.is_checked_ = false;
@@ -187,7 +187,7 @@ PlaneLayout LayoutOfBlob(Span<const std::byte> blob) {
   return {header.dims, header.axes, header.has_max != 0};
 }
 
-// From the layout of an older format. The parts get costs of the same sum.
+// Parts get costs whose sum is that of the parts of the older format.
 void BvhState::Convert(const BvhFormat& format) {
   const std::size_t parts = PartsOf(slots());
   const Scratch scratch(memory_, parts * sizeof(BvhPart));
@@ -208,8 +208,8 @@ void BvhState::Convert(const BvhFormat& format) {
   Reallocate("Bvh::FromBlob", Room());
 }
 
-// Calls may run at the same time, so the checksum is written once after a
-// change, and not again.
+// Several calls may run at the same time, so the checksum is written only once
+// after a change.
 Span<const std::byte> BvhTree::Blob() const {
   const BvhState& tree = BvhState::Of(*this);
   if (tree.block_ == nullptr) return {};
@@ -237,7 +237,8 @@ void BvhState::CheckLoaded(const char* call) {
 
 const char* BvhState::FindWrongIds() const {
   const BvhHeader& header = this->header();
-  // A bit for each id, where no slots say that it is there once.
+  // A bit for each id, if there are no slots by id that show that each id is
+  // used once.
   const std::size_t words = header.id_room > 0 ? 0 : BlocksOf(header.ids);
   const Scratch scratch(memory_, words * sizeof(std::uint64_t));
   auto* const seen = reinterpret_cast<std::uint64_t*>(scratch.data());

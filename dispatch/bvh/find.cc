@@ -1,20 +1,16 @@
-// The calls of bvh.h: checks, and what becomes of the ids.
+// The queries of bvh.h.
 #include <algorithm>
 #include <string>
 
 #include "dispatch/bvh/tree.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
-#include "dispatch/sink.h"
 #include "halfspace/bvh.h"
-#include "kernels/bvh/block.h"
 
 namespace halfspace::detail {
 namespace {
 
-using IdSink = dispatch::Sink<WalkIds, std::uint32_t, 512>;
-
-// The walks of all queries: to find with `ids`, and else to count.
+// Walks for all queries. Finds ids if `ids` is not null, and counts otherwise.
 void RunWalks(const BvhTree& tree, const BvhQueries& queries,
               const QueryOptions& options, const char* call,
               const BvhKernels::OfPlanes& kernels, WalkIds* ids,

@@ -21,13 +21,14 @@ namespace {
 
 constexpr std::size_t kLine = 64;
 
-// Leaves of more than this are prefetched. With less, in the second-level cache
-// or near it, a query of 100 000 boxes takes 8 % longer with prefetches.
+// A level is prefetched if its data has more bytes than this. Smaller data is
+// in the second-level cache or near it, and a query of 100 000 boxes would take
+// 8 % longer with prefetches.
 constexpr std::size_t kInCacheBytes = std::size_t{1} << 21;
 
-// Divides a block of memory into parts of whole cache lines. Without memory it
-// only measures. In new memory it clears the space between parts, because that
-// space belongs to a blob.
+// Divides a block of memory into arrays of whole cache lines. Without memory it
+// only computes the size. In new memory it clears the space between arrays,
+// because that space is part of a blob.
 class Parts {
  public:
   Parts(std::byte* begin, bool is_new) : begin_(begin), is_new_(is_new) {}
@@ -54,8 +55,8 @@ class Parts {
   std::size_t bytes_ = 0;
 };
 
-// Elements are read in any order. The values of a record are in one line, or in
-// two.
+// Elements are read in any order. The values of a record are in one cache line
+// or two.
 template <typename Scalar, typename Fetch>
 void PrefetchElement(const Columns& objects, std::size_t planes, std::size_t i,
                      const Fetch& fetch) {
@@ -104,14 +105,14 @@ void FillPart(const BvhLevels& levels, std::size_t planes,
 // Doubles are prefetched so many elements ahead.
 constexpr std::size_t kAhead = 32;
 
-// Some objects say where most values are: codes are 1.5 times as fine if no
-// room is left for the others.
+// A sample of the objects says where most values are. Codes would be 1.5 times
+// as fine without room for values outside of the sample.
 constexpr std::size_t kMostSamples = 1024;
 
 // Maps a range of an axis onto all codes. The least and the greatest 16th of
-// the samples have no say, so that a few objects that are far away or very long
-// cost the others no codes: their values have the first code or the last, and
-// the floats decide.
+// the samples do not count, so a few objects that are far away or very long do
+// not make the codes of the others coarser. Their values get the first code or
+// the last one, and the floats decide.
 void FitAxis(std::span<float> minima, std::span<float> maxima, std::size_t axis,
              CodeMap& map) {
   constexpr float kMostScale = 0x1p100f;
@@ -181,8 +182,8 @@ std::size_t Place(const BvhType& type, const BvhRoom& room, std::byte* begin,
     BvhLevel& level = levels.level[levels.count++];
     const std::size_t blocks = BlocksOf(size);
     const std::size_t values = blocks * planes * kBlockObjects;
-    // With fewer objects codes save less than what a query takes to encode: of
-    // 1000 boxes a query takes 34 ns by floats and 38 by codes.
+    // With fewer objects, codes save less time than it takes to encode the
+    // query: a query of 1000 boxes takes 34 ns by floats and 38 ns by codes.
     const bool is_coded =
         levels.count == 1 && room.slots > format.most_without_codes;
     level.is_prefetched =
@@ -279,7 +280,8 @@ void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
                         alignof(std::size_t));
 }
 
-// Cold, as the code that makes the text of an error is large otherwise.
+// Cold, because the code that makes the texts of errors would be large
+// otherwise.
 [[gnu::cold]] void CheckColumns(const PlaneLayout& layout,
                                 const Columns& objects, const char* call) {
   const std::size_t scalar_bytes = objects.scalar_bytes();

@@ -1,5 +1,5 @@
-// The memory of a BVH. All places in it follow from a few numbers of
-// its header, so a copy of the bytes is a copy of the world.
+// The memory layout of a BVH. All offsets follow from a few numbers in its
+// header, so a copy of the bytes is a copy of the BVH.
 #ifndef HALFSPACE_DISPATCH_BVH_LAYOUT_H_
 #define HALFSPACE_DISPATCH_BVH_LAYOUT_H_
 
@@ -11,6 +11,8 @@
 #include <cstring>
 
 #include "dispatch/bvh/scratch.h"
+#include "dispatch/errors/number_checks.h"
+#include "dispatch/sink.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/bvh.h"
 #include "halfspace/detail/plane_arrays.h"
@@ -20,21 +22,23 @@
 
 namespace halfspace::detail {
 
-// Partial rebuilds sort so many slots at least, a quarter of a node of nodes.
-// So few, as the longest one of many frames should be short.
+// The ids that queries find.
+using IdSink = dispatch::Sink<WalkIds, std::uint32_t, 512>;
+
+// Partial rebuilds sort at least so many slots, a quarter of a node of level 2.
+// They are few so that the longest frame of many is short.
 inline constexpr std::size_t kPartSlots = 16 * kBlockObjects;
 
-// A thread that encodes leaves takes so many slots at a time, a node of nodes:
-// the bits of two blocks can be in one word.
+// A thread that encodes leaves takes so many slots at a time, a node of level
+// 2, because the bits of two smaller tasks could share a word.
 inline constexpr std::size_t kTaskSlots = kBlockObjects * kBlockObjects;
 
-// Leaves have codes in a tree with room for more slots.
+// If a tree has room for more slots than this, its leaves have codes.
 inline constexpr std::size_t kMostWithoutCodes = 4096;
 
-// More than this have no place in a list of blocks to visit.
-inline constexpr std::size_t kMostObjects = std::size_t{1} << 31;
+using dispatch::kMostObjects;
 
-// What a tree has room for.
+// The capacity of a tree.
 struct BvhRoom {
   std::size_t slots;
   std::size_t ids;  // 0 until a change by id, else at least `slots`
@@ -67,7 +71,7 @@ struct alignas(64) BvhHeader {
 };
 static_assert(sizeof(BvhHeader) == 64);
 
-// Another thread may be in Blob(), which writes the checksum.
+// Skips the checksum, because another thread may be writing it in Blob().
 inline void CopyButChecksum(void* to, const std::byte* from,
                             std::size_t bytes) {
   constexpr std::size_t kBefore = offsetof(BvhHeader, checksum);
@@ -82,12 +86,12 @@ inline std::atomic_ref<std::uint64_t> Checksum(BvhHeader& header) {
 }
 
 inline constexpr char kBvhMagic[8] = {'h', 'a', 'l', 'f', 's', 'o', 'r', 't'};
-// The format that is written, and the oldest that is read. A change of what the
-// bytes mean, or of where they are, is a new format: docs/bvh.md.
+// The format that is written, and the oldest format that can be read. Any
+// change of the bytes or of their meaning is a new format (docs/bvh.md).
 inline constexpr std::uint32_t kBvhVersion = 5;
 inline constexpr std::uint32_t kOldestBvhVersion = 3;
 
-// How the layouts of formats differ.
+// The differences between the layouts of formats.
 struct BvhFormat {
   std::size_t most_without_codes = kMostWithoutCodes;
   std::size_t part_slots = kPartSlots;
@@ -108,9 +112,10 @@ inline const BvhKernels::OfPlanes& KernelsFor(const BvhType& type,
   return type.has_max ? kernels.all : kernels.minima;
 }
 
-// Finds where the parts of a tree are in memory from `begin` on, or null to
-// measure; returns its bytes. The levels are empty. What is between the parts
-// of new memory becomes 0.
+// Sets the pointers of `levels` to the arrays of a tree in the memory at
+// `begin`, and their sizes to 0. Returns the size of the memory in bytes.
+// `begin` is null to compute only the size. In new memory, the bytes between
+// the arrays become 0.
 std::size_t Place(const BvhType& type, const BvhRoom& room, std::byte* begin,
                   bool is_new, BvhLevels& levels, const BvhFormat& format = {});
 
@@ -122,8 +127,8 @@ void SetSlots(BvhLevels& levels, std::size_t slots);
 void ClearSlots(const PlaneLayout& layout, BvhLevels& levels, std::size_t level,
                 std::size_t begin);
 
-// Sets the sizes of all levels, and clears what is beyond them in their last
-// blocks, which have to be encoded then.
+// Sets the sizes of all levels, and clears the rest of their last blocks. These
+// blocks have to be encoded afterwards.
 void Truncate(const PlaneLayout& layout, BvhLevels& levels, std::size_t slots);
 
 // Whether there is an object in a slot.
@@ -133,31 +138,32 @@ inline bool IsPresent(const BvhLevels& levels, std::size_t slot) {
           1) != 0;
 }
 
-// Whether an object has this id, which is in use or free. `levels.slots` is
-// there.
+// Whether an object has this id, which is in use or free. `levels.slots` must
+// not be null.
 inline bool IsIn(const BvhLevels& levels, std::size_t slots, std::uint32_t id) {
   const std::uint32_t slot = levels.slots[id];
   return slot < slots && levels.ids[slot] == id;
 }
 
-// Throws unless the memory of a call for several queries is right.
+// Throws if an array of a call for several queries is null, misaligned or too
+// short.
 void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
                  std::size_t alignment, Span<std::uint32_t> ids,
                  Span<std::size_t> offsets);
 
-// Throws unless the planes of the objects, more than 0, can be read, in the
-// name of `call`.
+// Throws, in the name of `call`, if the planes of the objects cannot be read.
+// There must be objects.
 void CheckColumns(const PlaneLayout& layout, const Columns& objects,
                   const char* call);
 
-// Of the lanes of a block those with a slot.
+// A bit for each lane of a block that is a slot in use.
 inline std::uint64_t LanesOf(std::size_t slots, std::size_t block) {
   const std::size_t count =
       std::min(kBlockObjects, slots - block * kBlockObjects);
   return ~std::uint64_t{0} >> (kBlockObjects - count);
 }
 
-// Writes where an object is, and its masks if they are kept.
+// Writes the id and the slot of an object, and its masks if the tree has masks.
 inline void PutId(const BvhLevels& levels, std::size_t slot, std::uint32_t id,
                   std::uint32_t masks) {
   levels.ids[slot] = id;
@@ -168,14 +174,15 @@ inline void PutId(const BvhLevels& levels, std::size_t slot, std::uint32_t id,
   if (all != nullptr) all[slot] = masks;
 }
 
-// Says that there is an object in each slot before `slots`.
+// Marks the first `slots` slots as present.
 void FillPresent(const BvhLevel& level, std::size_t slots);
 
-// Fits the map of codes to the floats. The leaves have to be encoded then.
+// Fits the map of codes to the floats. The leaves have to be encoded
+// afterwards.
 void FitMap(const PlaneLayout& layout, const BvhLevels& levels);
 
-// Copies the bounds of the objects that exist and encodes all levels. Slot s
-// has element elements[s], or s without them.
+// Copies the bounds of all present objects and encodes all levels. Slot s gets
+// element elements[s], or element s if `elements` is null.
 void FillSlots(const PlaneLayout& layout, const BvhLevels& levels,
                const Columns& objects, const std::uint32_t* elements,
                const BvhKernels::OfPlanes& kernels, const Runner& run);
@@ -196,26 +203,29 @@ inline BlockRange RangeOf(const BvhLevels& levels, std::size_t level,
           changed_above};
 }
 
-// Encodes all levels from `from` on, whose floats and presence are there.
+// Encodes all levels from level `from` on. The floats and the presence bits of
+// that level must be set.
 void EncodeLevels(const BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
                   std::size_t from);
 
-// The same of the blocks of slots begin ... end - 1, and of those above them.
+// The same for the blocks of slots begin ... end - 1, and for the nodes above
+// them.
 void EncodeSlots(BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
                  std::size_t begin, std::size_t end);
 
-// Says of a node, or of all, which masks its objects have.
+// Sets the masks of the node above a block, or of all nodes, to the union of
+// the masks below them.
 void OrMasks(BvhLevels& levels, std::size_t level, std::size_t block);
 void OrAllMasks(BvhLevels& levels);
 
-// Copies the floats of those slots of a block whose bits are set. Slot s has
-// element elements[s], or s without them.
+// Copies the bounds of the slots of a block whose bits are set. Slot s gets
+// element elements[s], or element s if `elements` is null.
 void CopyBounds(const BvhLevels& levels, const Columns& objects,
                 const std::uint32_t* elements, std::size_t block,
                 std::uint64_t slots);
 
-// Some slots as they are, from the beginning of a block on. The cost is the sum
-// of the surfaces of the nodes over them.
+// The current cost of a range of slots that begins at a block. It is the sum of
+// the surface areas of the nodes above them.
 BvhPart AsIs(const PlaneLayout& layout, const BvhLevels& levels,
              const SlotRange& range);
 
@@ -226,7 +236,7 @@ inline SlotRange PartAt(const BvhLevels& levels, std::size_t part,
           std::min(levels.level[0].size, (part + 1) * part_slots)};
 }
 
-// What `objects` objects would cost as they were when they were sorted.
+// The cost that `objects` objects would have had when they were sorted.
 inline double CostAsBuilt(const BvhPart& built, std::uint64_t objects) {
   if (built.objects == 0 || built.objects == objects) return built.cost;
   return built.cost * static_cast<double>(objects) /

@@ -1,5 +1,4 @@
-// The calls of bvh_nearest.h: checks, and one search after another for what
-// is next nearest.
+// The calls of bvh_nearest.h.
 #include "kernels/bvh/nearest.h"
 
 #include <algorithm>
@@ -23,16 +22,16 @@
 namespace halfspace::detail {
 namespace {
 
-// The key up to which objects are found that are within a distance. It is
-// finite, so that no infinite key is found. In the default floating-point mode
-// a squared distance errs by less than 2^-21 of it and 3 * 2^-150
-// (docs/bvh.md).
+// The greatest key of objects within a distance. It is finite, so that no
+// infinite key is found. In the default floating-point mode, the error of a
+// squared distance is less than 2^-21 of it plus 3 * 2^-150 (docs/bvh.md).
 float KeyLimit(float value) {
   const double limit = double{value} * value * (1 + 0x1p-20) + 0x1p-148;
   return static_cast<float>(std::min(limit, double{kMax<float>}));
 }
 
-// So many are found at once on the stack; at first for a function, and at most.
+// The number of objects that one search finds on the stack: the first search
+// for a function, and at most.
 constexpr std::size_t kFirstRoom = 8;
 constexpr std::size_t kMostRoom = 2048;
 
@@ -50,7 +49,7 @@ struct NearCallback {
   }
 };
 
-// The same for a ball.
+// The same for a cast of a ball.
 struct BallCallback {
   NearCallback call;
   BallCast ball;
@@ -98,7 +97,7 @@ NearestSearch MakeSearch(const BvhTree& tree, const SearchOptions& options) {
   return search;
 }
 
-// Starts a search.
+// Sets the query and the limit of a search.
 void SetQuery(const NearQueries& queries, std::size_t q, float limit,
               NearestSearch& search) {
   const float* const low = queries.values + q * queries.stride;
@@ -111,8 +110,8 @@ void SetQuery(const NearQueries& queries, std::size_t q, float limit,
 }
 
 // Up to kMostRoom objects are found on the stack. More are found in the memory
-// of the ids, where a keyed slot takes the place of two: each search finds half
-// of the rest.
+// of the ids. A keyed slot takes the memory of two ids, so each search finds
+// half of the rest.
 std::size_t WriteNearest(const BvhNearestKernels& kernels,
                          NearestSearch& search, Span<std::uint32_t> ids,
                          Span<float> distances) {

@@ -17,7 +17,7 @@ using Kernels = detail::BvhKernels::OfPlanes;
 
 constexpr std::size_t kAxes = detail::kCenterAxes;
 
-// Objects that a thread takes at a time.
+// The number of objects that a thread takes at a time.
 constexpr std::size_t kPart = kBlockObjects * kBlockObjects;
 
 // Calls function(first, count, centers) for 64 objects at a time.
@@ -47,7 +47,8 @@ struct Extent {
     least.fill(std::numeric_limits<float>::infinity());
     greatest.fill(-std::numeric_limits<float>::infinity());
   }
-  // Without what is placed last: one such object would leave all others a cell.
+  // An object without a center does not count: it would leave only one cell for
+  // all others.
   void Add(std::size_t axis, float center) {
     least[axis] = std::min(least[axis], center);
     greatest[axis] =
@@ -68,8 +69,8 @@ struct Piece {
   std::size_t end;
 };
 
-// Puts those entries first whose cell is below `cell`, and returns their end.
-// It has no branches, because they would be mispredicted.
+// Moves the entries whose cell is below `cell` to the front, and returns their
+// end. It has no branches, because they would be mispredicted.
 template <typename CellOf>
 Entry* Partition(Entry* first, Entry* end, float cell, const CellOf& cell_of) {
   for (Entry* e = first; e != end; ++e) {
@@ -81,10 +82,11 @@ Entry* Partition(Entry* first, Entry* end, float cell, const CellOf& cell_of) {
   return first;
 }
 
-// Puts the entry of rank `middle` along an axis to its place, those below it
-// before it, and the others behind it. Counts the entries of each cell of the
-// range first, and then moves each of them about once. With std::nth_element
-// alone, a rebuild takes 1.45 times as long (16 384 boxes, AVX2).
+// As std::nth_element along an axis: the entry of rank `middle` is moved to its
+// place, with the lesser entries before it. First it counts the entries of each
+// cell of the range, and then moves each entry about once. With
+// std::nth_element alone, a rebuild takes 1.45 times as long (16 384 boxes,
+// AVX2).
 void PlaceMiddle(Entry* first, std::size_t middle, Entry* end, std::size_t axis,
                  float least, float width) {
   constexpr std::size_t kCells = 128;
@@ -119,8 +121,8 @@ void PlaceMiddle(Entry* first, std::size_t middle, Entry* end, std::size_t axis,
   std::nth_element(of_cell, first + middle, behind, by_axis);
 }
 
-// Puts the lower half of a piece before the upper one, and returns where that
-// begins, which is at a multiple of the largest full node.
+// Divides a piece into a lower and an upper half, and returns where the upper
+// half begins. That is at a multiple of the largest full node.
 std::size_t Split(Entry* entries, const Piece& piece) {
   const std::size_t count = piece.end - piece.begin;
   std::size_t node = kBlockObjects;
@@ -154,9 +156,10 @@ struct Key {
 };
 static_assert(2 * sizeof(Key) == kOrderScratch);
 
-// Where most centers are, by a sample of them, in runs. The outermost 16ths may
-// add a quarter of the range of the others: objects farther away share the
-// cells at the end, and would leave the others few cells.
+// The grid over most centers, by a sample of consecutive objects. The outermost
+// 16ths of the sample extend the range of the others by at most a quarter.
+// Objects farther away share the cells at the end, because they would leave the
+// others few cells.
 detail::Grid GridOf(const detail::Columns& objects, const Kernels& kernels) {
   constexpr std::size_t kRuns = 32;
   constexpr std::size_t kRun = 4;

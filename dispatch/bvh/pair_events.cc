@@ -1,4 +1,4 @@
-// Which pairs began and ended: a search, and the difference to the last one.
+// PairEvents: a search for pairs, and the difference to the pairs before.
 #include "halfspace/pair_events.h"
 
 #include <algorithm>
@@ -29,12 +29,6 @@ PairList::PairList(const PairList& other, const MemoryResource& memory)
 
 PairList::~PairList() {
   if (data_ != nullptr) FreeBlock(memory_, data_, bytes());
-}
-
-void PairList::Append(Span<const IdPair> pairs) {
-  Reserve(size_ + pairs.size());
-  std::copy(pairs.begin(), pairs.end(), end());
-  size_ += pairs.size();
 }
 
 void PairList::Grow(std::size_t count) {
@@ -93,7 +87,7 @@ class ListSink : public Results<IdPair> {
   }
 
  private:
-  // What is found is read again while it is in cache.
+  // Small, so that the pairs are still in cache when they are read again.
   static constexpr std::size_t kRoom = 512;
 
   void Use() {
@@ -106,7 +100,7 @@ class ListSink : public Results<IdPair> {
   const PairListFilter& filter_;
 };
 
-// The caller's resource for parts that run on several threads.
+// The memory resource of the caller, used by several threads under a lock.
 class LockedMemory {
  public:
   explicit LockedMemory(const MemoryResource& memory) : memory_(memory) {}
@@ -131,13 +125,15 @@ class Search {
  public:
   Search(const PairSources& sources, const PairEventOptions& options,
          const PairListFilter& filter)
-      : sources_(sources), filter_(filter), run_(options.run) {
-    options_.mask = options.mask;
-    options_.margin = options.margin;
-    options_.target = options.target;
-  }
+      : sources_(sources),
+        filter_(filter),
+        run_(options.run),
+        options_{.mask = options.mask,
+                 .margin = options.margin,
+                 .target = options.target} {}
 
-  // About `expected` pairs. They do not depend on the parts.
+  // Finds the pairs, about `expected` of them. The result does not depend on
+  // the number of parts.
   void Run(std::size_t expected, PairList& found) const {
     const std::size_t parts = PartCount();
     if (parts == 1) {
@@ -154,7 +150,8 @@ class Search {
     return BlocksOf(sources_.a->levels().level[0].size);
   }
 
-  // Each part of a set builds the set, in memory of the world's.
+  // Each part builds the set again, in memory of the world's resource, which
+  // must not be used by several threads.
   std::size_t PartCount() const {
     if (!run_) return 1;
     const bool is_of_set = sources_.ids != nullptr;
@@ -178,49 +175,38 @@ class Search {
     LockedMemory memory(found.memory());
     struct Part {
       PairList found;
-      bool has_failed;
+      bool has_failed = false;
     };
-    const Scratch scratch(found.memory(), parts * sizeof(Part));
-    struct Parts {
-      Parts(Part* its_part, std::size_t its_count, const MemoryResource& memory)
-          : part(its_part), count(its_count) {
-        for (std::size_t p = 0; p < count; ++p) {
-          new (part + p) Part{PairList(memory), false};
-        }
-      }
-      Parts(const Parts&) = delete;
-      Parts& operator=(const Parts&) = delete;
-      ~Parts() { std::destroy_n(part, count); }
-      Part* part;
-      std::size_t count;
-    } all(reinterpret_cast<Part*>(scratch.data()), parts, memory.resource());
+    BlockVector<Part> all(BlockAllocator<Part>(found.memory()));
+    all.reserve(parts);
+    for (std::size_t p = 0; p < parts; ++p) {
+      all.push_back({PairList(memory.resource())});
+    }
     const auto find = [&](std::size_t p) {
-      all.part[p].found.SetSize(0);
-      all.part[p].found.Reserve(expected / parts + expected / 8);
-      Find(p, parts, all.part[p].found);
+      all[p].found.SetSize(0);
+      all[p].found.Reserve(expected / parts + expected / 8);
+      Find(p, parts, all[p].found);
     };
 #if defined(__cpp_exceptions)
-    // A part for which there was no memory runs again, in this thread, and
-    // throws if there is still none.
+    // If a part has no memory, it runs again on this thread, and throws if
+    // there is still no memory.
     run_(parts, [&](std::size_t p) {
       try {
         find(p);
       } catch (const std::bad_alloc&) {
-        all.part[p].has_failed = true;
+        all[p].has_failed = true;
       }
     });
     for (std::size_t p = 0; p < parts; ++p) {
-      if (all.part[p].has_failed) find(p);
+      if (all[p].has_failed) find(p);
     }
 #else
     run_(parts, find);
 #endif
     std::size_t count = 0;
-    for (std::size_t p = 0; p < parts; ++p) count += all.part[p].found.size();
+    for (const Part& part : all) count += part.found.size();
     found.Reserve(count);
-    for (std::size_t p = 0; p < parts; ++p) {
-      found.Append(all.part[p].found.span());
-    }
+    for (const Part& part : all) found.Append(part.found.span());
   }
 
   const PairSources& sources_;
@@ -229,8 +215,8 @@ class Search {
   PairOptions options_;
 };
 
-// Sorts by a, then by b. The digits of `a` first, one after another, as few
-// pairs have the same.
+// Sorts by a, then by b. A radix sort by `a` comes first, because few pairs
+// have the same `a`.
 void Sort(PairList& pairs) {
   constexpr std::size_t kFew = 64;
   if (pairs.size() <= kFew)
@@ -266,8 +252,9 @@ void Sort(PairList& pairs) {
   }
 }
 
-// The difference of two lists, each of which has a pair once. Lists that are
-// nearly the same take little time: equal pairs at equal places are skipped.
+// The difference of two lists, each of which has a pair at most once. Lists
+// that are nearly equal take little time, because runs of equal pairs are
+// skipped.
 class Difference {
  public:
   Difference(Span<const IdPair> before, Span<const IdPair> after,
@@ -286,7 +273,7 @@ class Difference {
   }
 
  private:
-  // Without room that is not needed.
+  // Frees memory that is not needed.
   static void Fit(PairList& pairs) {
     PairList fit(pairs, pairs.memory());
     swap(pairs, fit);
@@ -295,9 +282,10 @@ class Difference {
   static constexpr std::size_t kWindow = 64;
   static constexpr int kWindowBits = 9;  // of the table's size
 
-  // Removes most pairs that are in both lists and near each other. Where the
-  // lists part, the next 64 pairs of one are looked up in a table of the next
-  // 64 of the other, up to the last pair of each that was found.
+  // Appends the pairs of each list that are not near in the other one. Equal
+  // pairs at the front of both lists are skipped. Then the next 64 pairs of one
+  // list are looked up in a hash table of the next 64 of the other, and the
+  // lists advance to the last pair of each that was found.
   void MatchNear() {
     std::uint8_t table[1 << kWindowBits] = {};
     ended_.Reserve(before_.size() / 4);
@@ -348,8 +336,8 @@ class Difference {
     }
   }
 
-  // Appends those of `count` pairs that were not found, up to the last that
-  // was. Returns how many are done.
+  // Appends the pairs that were not found, up to the last one that was found.
+  // Returns how many pairs are done.
   static std::size_t Take(const IdPair* pairs, std::size_t count,
                           std::uint64_t found, PairList& to) {
     const std::size_t done =
@@ -362,8 +350,9 @@ class Difference {
     return done;
   }
 
-  // Removes most pairs that are in both lists of what is left. A place in the
-  // table is that of the last pair with this hash: the others stay in both.
+  // Removes most pairs that are in both of the remaining lists. The hash table
+  // has the last pair of each hash. Other pairs with the same hash stay in both
+  // lists.
   void MatchFar() {
     constexpr std::size_t kFew = 32;
     const std::size_t count = ended_.size();
@@ -420,8 +409,8 @@ class Difference {
   PairList& began_;
 };
 
-// A set of ids below a limit; it has no others. A byte of each: a bit takes a
-// third longer to read.
+// A set of ids below a limit. Other ids are left out. It has a byte for each
+// id, because a bit takes a third longer to read.
 class IdSet {
  public:
   IdSet(const MemoryResource& memory, Span<const std::uint32_t> ids,
@@ -433,7 +422,8 @@ class IdSet {
       if (id < limit) has_[id] = 1;
     }
   }
-  // Of ids below the limit: 1 or 0.
+  // Returns 1 if one id of the pair is in the set, and else 0. Both are below
+  // the limit.
   std::uint8_t HasOne(const IdPair& pair) const {
     return has_[pair.a] | has_[pair.b];
   }
@@ -443,8 +433,8 @@ class IdSet {
   std::uint8_t* has_;
 };
 
-// Moves the pairs with a changed object out of a list. They are moved back, if
-// not Keep() is called.
+// Moves the pairs with a changed object out of a list. The destructor moves
+// them back, unless Keep() was called.
 class Removal {
  public:
   explicit Removal(PairList& pairs)
@@ -489,7 +479,7 @@ class Removal {
         kept += some;
         continue;
       }
-      // Without branches, which would not be predicted.
+      // No branches, because they would be mispredicted.
       for (std::size_t k = 0; k < some; ++k) {
         const IdPair pair = from[i + k];
         *removed = pair;
@@ -504,7 +494,7 @@ class Removal {
 
   PairList& pairs_;
   PairList removed_;
-  std::size_t size_;  // of those that stay
+  std::size_t size_;  // the number of pairs that stay
 };
 
 }  // namespace
@@ -512,17 +502,15 @@ class Removal {
 void PairEventsCore::Update(const PairSources& sources,
                             const PairEventOptions& options,
                             const PairListFilter& filter) {
-  // With more, all pairs take less time.
-  constexpr std::size_t kShareOfSet = 4;
-  // Where pairs have greater ids, they were loaded: an IdSet would take memory
-  // for ids that the world does not have.
+  // Only loaded pairs have greater ids. An IdSet would take memory for ids that
+  // the world does not have.
   constexpr std::size_t kMostIds = std::size_t{1} << 20;
   if (sources.ids != nullptr) {
     const Span<const std::uint32_t> ids = *sources.ids;
     dispatch::CheckMemory(kUpdate, "changed", ids.data(), ids.size(),
                           alignof(std::uint32_t));
     const std::size_t most_ids = kMostIds + 2 * sources.a->id_limit();
-    if (ids.size() < sources.a->size() / kShareOfSet && id_limit_ <= most_ids) {
+    if (IsSmallSet(ids.size(), sources.a->size()) && id_limit_ <= most_ids) {
       return UpdateSome(sources, options, filter);
     }
   }
@@ -539,7 +527,8 @@ void PairEventsCore::UpdateAll(const PairSources& sources,
   Difference(pairs_.span(), now.span(), ended, began).Find();
   swap(pairs_, now);
   id_limit_ = sources.a->id_limit();
-  SetEvents(began, ended);
+  swap(began_, began);
+  swap(ended_, ended);
 }
 
 void PairEventsCore::UpdateSome(const PairSources& sources,
@@ -547,7 +536,7 @@ void PairEventsCore::UpdateSome(const PairSources& sources,
                                 const PairListFilter& filter) {
   const BvhTree& tree = *sources.a;
   const Span<const std::uint32_t> ids = *sources.ids;
-  // Those of objects.
+  // The ids that objects still have.
   Span<const std::uint32_t> present = ids;
   const auto has = [&tree](std::uint32_t id) { return tree.Has(id); };
   const bool is_present = std::all_of(ids.begin(), ids.end(), has);
@@ -559,7 +548,7 @@ void PairEventsCore::UpdateSome(const PairSources& sources,
   }
   PairList found(memory());
   const PairSources of_present = {sources.kernels, &tree, nullptr, &present};
-  // With no ids the search checks the options.
+  // Also without ids, because the search checks the options.
   Search(of_present, options, filter).Run(0, found);
   const IdSet changed(memory(), ids, id_limit_);
   Removal removal(pairs_);
@@ -571,10 +560,6 @@ void PairEventsCore::UpdateSome(const PairSources& sources,
   removal.Keep();
   pairs_.Append(found.span());
   id_limit_ = std::max(id_limit_, tree.id_limit());
-  SetEvents(began, ended);
-}
-
-void PairEventsCore::SetEvents(PairList& began, PairList& ended) {
   swap(began_, began);
   swap(ended_, ended);
 }

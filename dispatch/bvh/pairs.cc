@@ -1,4 +1,4 @@
-// The calls of bvh_pairs.h: checks, the set, and what becomes of the pairs.
+// The calls of bvh_pairs.h.
 #include "dispatch/bvh/pairs.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ std::uint64_t BitOf(std::size_t i) {
   return std::uint64_t{1} << i % kBlockObjects;
 }
 
-// Before the set takes memory, and any pair is written.
+// Checks a set before it allocates memory, and before any pair is written.
 void CheckSet(const BvhTree& tree, Span<const std::uint32_t> ids,
               Span<const std::uint32_t> wanted, const char* call) {
   if (!wanted.empty()) {
@@ -43,8 +43,8 @@ void CheckSet(const BvhTree& tree, Span<const std::uint32_t> ids,
   tree.CheckIds(ids, call);
 }
 
-// A SlotSet of `count` of `limit` numbers, slots or ids. A few are without
-// memory of the world's.
+// A SlotSet of `count` numbers, slots or ids, below `limit`. A small set does
+// not allocate.
 class SetOf : public SlotSet {
  public:
   SetOf(const MemoryResource& memory, std::size_t count, std::size_t limit)
@@ -71,7 +71,7 @@ class SetOf : public SlotSet {
 
  private:
   static constexpr std::size_t kFewEntries = 256;
-  // At most a quarter of the entries are used, or each block has its own.
+  // At most a quarter of the entries are used, or each block has its own entry.
   static SlotSet TableFor(std::size_t count, std::size_t limit) {
     const std::size_t blocks = BlocksOf(limit);
     const std::size_t most = std::min(4 * count, blocks);
@@ -85,7 +85,7 @@ class SetOf : public SlotSet {
 
 constexpr std::size_t kFewIds = 64;
 
-// Masks of the ids of a list, in the call's frame if they are few.
+// A mask for each id of a list. A short list does not allocate.
 class Masks {
  public:
   Masks(const MemoryResource& memory, std::size_t count)
@@ -131,8 +131,8 @@ class ObjectSet {
     }
   }
 
-  // In a world that has never changed by id. A function of its own, because its
-  // tables take stack, too.
+  // For a world without slots by id. A function of its own, because its tables
+  // would make the stack frame of its caller large.
   [[gnu::noinline]] void Search(const MemoryResource& memory,
                                 Span<const std::uint32_t> ids,
                                 Span<const std::uint32_t> wanted) {
@@ -146,7 +146,7 @@ class ObjectSet {
     for (std::size_t i = 0; i < BlocksOf(size); ++i) {
       count += static_cast<std::size_t>(std::popcount(is_in[i]));
     }
-    // Until all are found. An altered blob can have any ids.
+    // Stops when all ids are found. An altered blob can have any ids.
     const auto for_each = [&](const auto& visit) {
       std::size_t left = count;
       for (std::uint32_t s = 0; s < size && left > 0; ++s) {
@@ -178,7 +178,8 @@ class ObjectSet {
   Masks wanted_;
 };
 
-// The margins of the axes: D is less the sum of the others.
+// The margin on each axis. D is minus the sum of the others, so its margin is
+// larger.
 std::array<float, 4> MarginsOf(const PlaneLayout& layout, float margin) {
   std::array<float, 4> margins{};
   for (std::size_t k = 0; k < layout.axes; ++k) {
@@ -209,7 +210,7 @@ void FindPairs(const PairSources& sources, const PairOptions& options,
   const BvhTree& a = *sources.a;
   const BvhTree& b = sources.b != nullptr ? *sources.b : a;
   dispatch::CheckFiniteLength(call, "options.margin", options.margin);
-  // By its bits: a compare flushes subnormals.
+  // Looks at the bits, because a compare may flush subnormals.
   const bool has_margin =
       std::bit_cast<std::uint32_t>(options.margin) << 1 != 0;
   if (sources.ids != nullptr) {
@@ -253,7 +254,7 @@ std::size_t BvhPairs(const PairSources& sources, Span<IdPair> pairs,
 void BvhForEachPair(const PairSources& sources, PairsFunction function,
                     void* context, const PairOptions& options) {
   PairSink to(function, context, options.skip);
-  // After a function that ended the call there are none.
+  // If the function has ended the call, there are none.
   FindPairs(sources, options,
             sources.ids != nullptr ? "ForEachPairOf" : "ForEachPair", to);
   to.Flush();

@@ -1,5 +1,4 @@
-// How far the order of a BVH has decayed, and new orders for all
-// objects and for the worst parts.
+// The cost ratio of a BVH, and rebuilds of all of it or of its worst parts.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -16,7 +15,7 @@
 namespace halfspace::detail {
 namespace {
 
-// The objects of some slots, one after another: what is sorted again.
+// The objects of some slots in new memory, to be sorted again.
 class Gathered {
  public:
   Gathered(const PlaneLayout& layout, const MemoryResource& memory,
@@ -81,7 +80,7 @@ class Gathered {
 
 using Values = std::array<float, kMaxPlanes>;
 
-// The bound of some blocks of objects, by their nodes.
+// The bound of some blocks of objects, from the nodes above them.
 Values BoundOf(const PlaneLayout& layout, const BvhLevels& levels,
                const SlotRange& range) {
   constexpr float kInf = std::numeric_limits<float>::infinity();
@@ -98,8 +97,9 @@ Values BoundOf(const PlaneLayout& layout, const BvhLevels& levels,
   return bound;
 }
 
-// The share of the world that is in both bounds, or 0 if a plane of one of them
-// is infinite. An axis on which the world is flat does not count.
+// The share of the world's bound that both bounds cover, or 0 if one of them
+// has an infinite plane. An axis on which the world has no extent does not
+// count.
 double Overlap(const PlaneLayout& layout, const Values& a, const Values& b,
                const Values& world) {
   double slack = 0;
@@ -208,7 +208,7 @@ std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges) {
     for (const SlotRange& range : ranges) {
       EncodeSlots(levels_, kernels, range.begin, range.end);
     }
-    // The world ends behind its last object.
+    // The last slot in use is that of the last object.
     std::size_t blocks = BlocksOf(header().slots);
     while (blocks > 0 && level.present[blocks - 1] == 0) --blocks;
     if (blocks > 0) {
@@ -222,7 +222,7 @@ std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges) {
     for (const SlotRange& range : ranges) {
       const std::size_t parts = PartsOf(std::min(range.end, slots()));
       for (std::size_t p = range.begin / kPartSlots; p < parts; ++p) {
-        // What is before the range in its part has the decay that it had.
+        // Objects before the range, in the same part, keep their decay.
         const SlotRange part = PartAt(levels_, p);
         const std::size_t begin = std::max(part.begin, range.begin);
         const BvhPart rest = AsIs(type_, levels_, {part.begin, begin});
@@ -262,7 +262,7 @@ void BvhState::CloseGaps() {
   dispatch::InDefaultFpMode([&] {
     EncodeLevels(levels_, kernels, 0);
     if (level.masks != nullptr) OrAllMasks(levels_);
-    // As far from sorted as before.
+    // The cost ratio stays as it was.
     for (std::size_t part = 0; part < PartsOf(to); ++part) {
       levels_.built[part] = AsIs(type_, levels_, PartAt(levels_, part));
       levels_.built[part].cost /= decay;
@@ -270,8 +270,6 @@ void BvhState::CloseGaps() {
   });
 }
 
-// The part that has grown most, and those that it overlaps most, up to `most`,
-// if it has grown. All if `most` is as many.
 std::size_t BvhState::SortWorst(std::size_t most, const char* call) {
   const std::size_t parts = PartsOf(slots());
   const Scratch memory(memory_, parts * sizeof(WornPart));
@@ -284,7 +282,7 @@ std::size_t BvhState::SortWorst(std::size_t most, const char* call) {
       const BvhPart as_is = AsIs(type_, levels_, PartAt(levels_, part));
       const double growth =
           as_is.cost - CostAsBuilt(levels_.built[part], as_is.objects);
-      // No number, in an altered blob, has no place in an order.
+      // An altered blob can have a NaN, which cannot be sorted.
       worn[part] = {0, growth > 0 ? growth : 0, part};
     }
     WornPart& worst = *std::max_element(
@@ -314,8 +312,8 @@ std::size_t BvhState::SortWorst(std::size_t most, const char* call) {
   if (!(worn[0].growth > 0)) return 0;
   std::size_t bad = most < parts ? 1 : parts;
   while (bad < std::min(most, parts) && worn[bad].overlap > 0) ++bad;
-  // The slots keep their places, and so their nodes: in the order of the parts
-  // the objects of a part stay near each other.
+  // The parts are sorted by their number, so that neighbouring slots get
+  // neighbouring objects.
   std::sort(worn, worn + bad,
             [](const auto& a, const auto& b) { return a.part < b.part; });
   const Scratch list(memory_, bad * sizeof(SlotRange));

@@ -1,15 +1,19 @@
-// Memory for the time of a build, a change, or a call.
+// Temporary memory of a build, a change or a query.
 #ifndef HALFSPACE_DISPATCH_BVH_SCRATCH_H_
 #define HALFSPACE_DISPATCH_BVH_SCRATCH_H_
 
 #include <cstddef>
+#include <vector>
 
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/memory.h"
 
 namespace halfspace::detail {
 
-// From a world's own resource. No bytes is no memory.
+template <typename T>
+using BlockVector = std::vector<T, BlockAllocator<T>>;
+
+// A block from the resource of a world. With 0 bytes it allocates nothing.
 class Scratch {
  public:
   Scratch(const MemoryResource& memory, std::size_t bytes)

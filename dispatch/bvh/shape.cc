@@ -1,5 +1,5 @@
-// From a shape to the numbers that its kernels read, rounded so that what
-// touches the real shape passes (docs/bvh.md).
+// Makes the numbers that the kernels of a query shape read. They are rounded so
+// that every bound that touches the exact shape is found (docs/bvh.md).
 #include "kernels/bvh/shape.h"
 
 #include <algorithm>
@@ -18,15 +18,16 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 
 float RoundedDown(double value) { return -RoundedUp(-value); }
 
-// At least the squared distance, as computed in any mode, of all points within
-// the radius: of r (1 + 2^-19) + 2^-120, whatever of this is rounded off.
+// A limit for squared distances, which kernels compute in any mode: those of
+// all points within the radius are not above it. It is at least the square of r
+// (1 + 2^-19) + 2^-120, after all rounding.
 float SquaredLimit(float radius) {
   const float limit = radius * radius * (1 + 0x1.2p-18f) + 0x1p-124f;
   if (limit >= 0x1.fffffp127f) return kInf;
   return limit;
 }
 
-// Returns whether the offset limits anything.
+// Returns false if the half-space rejects nothing with this offset.
 bool SetOffset(double scaled, Front& front) {
   const bool is_finite = std::isfinite(scaled);
   scaled = std::clamp(scaled, -0x1p126, 0x1p126);
@@ -38,13 +39,16 @@ bool SetOffset(double scaled, Front& front) {
 
 void MakeBall(const PlaneLayout& planes, const float* center, float radius,
               Ball& ball) {
-  ball.dims = planes.dims;
-  ball.max_plane = planes.first_max;
+  ball.center.dims = planes.dims;
+  ball.center.max_plane = planes.first_max;
   ball.limit = SquaredLimit(radius);
-  for (std::size_t k = 0; k < planes.dims; ++k) ball.center[k] = center[k];
+  for (std::size_t k = 0; k < planes.dims; ++k) {
+    ball.center.low[k] = ball.center.high[k] = center[k];
+  }
   ball.d_axis = planes.axes > planes.dims ? planes.dims : 0u;
   if (ball.d_axis == 0) return;
-  // The sum of three floats errs by less than 2^-50 of their magnitudes.
+  // The error of the sum of three floats is less than 2^-50 of their
+  // magnitudes.
   double width =
       std::sqrt(static_cast<double>(planes.dims)) * (1 + 0x1p-50) * radius;
   double d = 0;
@@ -67,15 +71,15 @@ void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
                             double rise, double width) {
     double speed = std::abs(rise);
     if (speed < 0x1p-100) {
-      // As if it did not move at all.
+      // It counts as not moving, and its way is added to its width.
       if (speed != 0) width += speed * double{max_t};
       rise = 0;
       speed = 0;
     }
     const double size = std::max(std::abs(least), std::abs(most)) + width;
     float inverse = 1 / static_cast<float>(rise);
-    // What is no number tells nothing on this axis; neither does what a plane
-    // could overflow with. The t of its planes is a NaN.
+    // If a number is NaN, or a plane could overflow, this axis rejects nothing:
+    // the t of its planes is NaN.
     if (speed < 0x1p120 && size < 0x1p99 && least <= most) {
       ++limiting;
     } else {
@@ -84,7 +88,7 @@ void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
     width += size * 0x1p-23 + 0x1p-124;
     const auto above = static_cast<float>(most + width);
     const auto below = static_cast<float>(least - width);
-    // No branch on the direction, which nothing predicts.
+    // No branch on the direction, because it would be mispredicted.
     const std::size_t is_down = std::signbit(rise) ? 1 : 0;
     const float margin = std::copysign(0x1p-20f, inverse);
     const LinePlane at_min = {static_cast<std::uint32_t>(k), above,
@@ -116,8 +120,8 @@ void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
       size += std::max(std::abs(low[k]), std::abs(high[k]));
       reach += std::abs(direction[k]);
     }
-    // What a direction that nearly cancels out has lost counts at most at
-    // max_t. What another one has lost is within the margins of t.
+    // If the direction nearly cancels out on D, its rounding error is at most
+    // that at max_t. Otherwise the error is within the margins of t.
     if (std::abs(rise) < 0x1p-24 * reach) size += reach * double{max_t};
     const double root = std::sqrt(static_cast<double>(planes.dims));
     add_axis(planes.dims, least, most, rise,
@@ -128,8 +132,9 @@ void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
 
 Front MakeFront(const PlaneLayout& planes, const float* normal, float offset) {
   constexpr std::uint64_t kOne = 1023;  // the exponent of 1
-  // Of a simplex the sum is that of the corner which its minima make, times
-  // what is left of the normal after so much of D.
+  // A simplex has only minima, so the normal is written as a combination of the
+  // axes with factors of at most 0: `normal[k] - most` for axis k, and `-most`
+  // for D.
   double most = 0;
   if (!planes.has_max) {
     for (std::size_t k = 0; k < planes.dims; ++k) {
@@ -149,8 +154,8 @@ Front MakeFront(const PlaneLayout& planes, const float* normal, float offset) {
     factors[planes.dims] = -most;
     largest = std::max(largest, most);
   }
-  // Finite planes cannot overflow with factors of 1/8 and less.
-  // The power of two, by the exponent.
+  // The factors are scaled by a power of two to 1/8 or less, so that finite
+  // planes cannot overflow.
   const double scale =
       is_finite && largest > 0
           ? std::bit_cast<double>(
@@ -163,7 +168,8 @@ Front MakeFront(const PlaneLayout& planes, const float* normal, float offset) {
   for (std::size_t k = 0; tells && k < factor_count; ++k) {
     const double factor = factors[k] * scale;
     if (factor == 0) continue;
-    // What is lost of a subnormal factor could be anything, times a plane.
+    // The rounding error of a subnormal factor has no bound relative to its
+    // product.
     tells = std::abs(factor) >= 0x1p-100;
     const auto min = static_cast<std::uint32_t>(k);
     const auto max = static_cast<std::uint32_t>(planes.axes + k);
@@ -186,7 +192,7 @@ void MakeFronts(const PlaneLayout& planes, const float* normal, float offset,
   for (std::size_t k = 0; k < kDims; ++k) {
     const double factor = normal[k] * kScale;
     if (factor == 0) continue;
-    // Of a NaN too.
+    // Also for NaN.
     if (!(std::abs(factor) >= 0x1p-100)) tells = opposite_tells = false;
     const auto min = static_cast<std::uint32_t>(k);
     const auto max = static_cast<std::uint32_t>(planes.axes + k);

@@ -1,5 +1,4 @@
-// The calls of bvh_shapes.h: a shape becomes a query of planes, and a test
-// of what that keeps.
+// Queries by shapes (bvh_shapes.h).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -44,7 +43,8 @@ float RadiusOf(const BvhShapeQuery& query) {
   return HasRadius(query) ? query.values[PointsOf(query) * query.dims] : 0;
 }
 
-// Throws unless the query is a shape. O(1). In the default floating-point mode.
+// Throws unless the shape is valid. O(1). Called in the default floating-point
+// mode.
 void CheckShape(const BvhShapeQuery& query, const char* call) {
   if (!(RadiusOf(query) >= 0)) {
     dispatch::CheckLength(call, "radius", RadiusOf(query));
@@ -59,8 +59,8 @@ void CheckShape(const BvhShapeQuery& query, const char* call) {
                         alignof(float));
 }
 
-// Whether a builder of fit.h can bound a point, a sphere, a segment or a
-// capsule. In the default floating-point mode.
+// Whether a builder of fit.h can bound this point, sphere, segment or capsule.
+// Called in the default floating-point mode.
 bool CanBeBounded(const BvhShapeQuery& query) {
   for (std::size_t p = 0; p < PointsOf(query); ++p) {
     dispatch::MagnitudeGuard<float> guard;
@@ -71,7 +71,7 @@ bool CanBeBounded(const BvhShapeQuery& query) {
   return true;
 }
 
-// Makes what the kernels read of one shape.
+// One shape in the form that the kernels read.
 class Prepared {
  public:
   // In the default floating-point mode.
@@ -96,7 +96,7 @@ class Prepared {
     }
   }
 
-  // Walks with it instead of the queries of `walk`.
+  // Walks with this shape instead of the queries of `walk`.
   void Run(Walk walk, std::size_t target) const {
     const auto run = [&](const void* query, WalkFunction find,
                          WalkFunction count) {
@@ -124,7 +124,8 @@ class Prepared {
   void SetBall() {
     MakeBall(world_, query_.values, RadiusOf(query_), ball_);
     is_ = kBall;
-    // A radius whose square overflows limits nothing, but its bound does.
+    // If the square of the radius overflows, the ball rejects nothing, but its
+    // bound does.
     if (!CanBeBounded(query_) || !(ball_.limit <= kMax<float>)) SetBounds();
   }
 
@@ -138,7 +139,7 @@ class Prepared {
     }
     MakeLine(world_, origin, origin, direction, 1, RadiusOf(query_), line_);
     is_ = kLine;
-    // Too large for all axes: its test would keep Empty() objects.
+    // If no axis can reject, the line would keep Empty() objects.
     if (line_.planes == 0) SetBounds(true);
   }
 
@@ -174,7 +175,7 @@ class Prepared {
     }
     for (std::size_t k = 0; k < kDims; ++k) {
       double normal[kDims];
-      // What is at right angles to the other axes.
+      // The normal is at right angles to the other axes.
       const float* const axes = query_.values + kDims;
       const float* const a = axes + (k + 1) % kDims * kDims;
       if constexpr (kDims == 2) {
@@ -193,7 +194,7 @@ class Prepared {
     is_ = kFronts;
   }
 
-  // Numbers that are not finite limit nothing.
+  // If a number is not finite, the box rejects nothing.
   template <std::size_t kDims>
   void SetBox() {
     const float* const half_extents = query_.values + kDims * (kDims + 1);
@@ -260,13 +261,13 @@ class Prepared {
     AddFront(up, opposite_offset);
   }
 
-  // In place, as a copy would wait for the stores.
+  // Constructed in place, because a copy would wait for the stores.
   void AddFront(const float* normal, float offset) {
     new (&fronts_.front[fronts_.count++])
         Front(MakeFront(world_, normal, offset));
   }
 
-  // The bound of a point or a sphere, and of others Everything().
+  // Uses the bound of a point or a sphere. Other shapes use Everything().
   void SetBounds(bool is_everything = false) {
     is_everything |= !CanBeBounded(query_);
     is_ = kBounds;

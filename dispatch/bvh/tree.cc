@@ -1,4 +1,4 @@
-// What a BVH owns: its memory, and how it is built and read.
+// The memory of a BVH, how it is built, and how objects are read.
 #include "dispatch/bvh/tree.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include "dispatch/bvh/order.h"
 #include "dispatch/bvh/scratch.h"
 #include "dispatch/errors/error.h"
-#include "dispatch/errors/memory_checks.h"
+#include "dispatch/errors/number_checks.h"
 #include "dispatch/exact/default_fp_mode.h"
 #include "halfspace/bvh.h"
 
@@ -137,10 +137,7 @@ void BvhState::CheckBuild(std::size_t objects,
                           const BuildOptions& options) const {
   constexpr const char* kCall = "Bvh";
   std::ignore = KernelsFor(type_, options.target, kCall);
-  if (objects >= kMostObjects) {
-    dispatch::ThrowInvalid(kCall, "world", "fewer than 2^31 objects in all",
-                           std::to_string(objects));
-  }
+  dispatch::CheckObjectCount(kCall, "world", objects);
   const BuildQuality quality = options.quality;
   if (quality != BuildQuality::kHigh && quality != BuildQuality::kFast) {
     dispatch::ThrowInvalid(kCall, "quality", "an enumerator of BuildQuality",

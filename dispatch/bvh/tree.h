@@ -14,8 +14,8 @@
 
 namespace halfspace::detail {
 
-// A tree in one block of memory: a header, then the parts of all levels
-// (layout.h). The objects are in slots 0, 1, ... of level 0, some of which may
+// A tree in one block of memory, which has a header and then the arrays of all
+// levels (layout.h). The objects are in slots 0, 1, ... of level 0. Slots can
 // be empty.
 class BvhState {
  public:
@@ -43,11 +43,11 @@ class BvhState {
   void CheckIds(Span<const std::uint32_t> ids, const char* call) const;
   double CostRatio() const;
 
-  // For a caller that writes floats of slots by itself (the broad phase): first
-  // PrepareRefit(). Then EncodePath() of each of a few slots, or
-  // EncodeTouched() of a bit for each slot that changed, and room for
-  // WordsOfChanges() words which are 0 behind those of the slots. The tree has
-  // changed by id before. Neither allocates.
+  // For the broad phase, which writes the floats of slots itself. It calls
+  // PrepareRefit() first. After the writes it calls EncodePath() for each of a
+  // few slots, or EncodeTouched() with a bit for each slot that changed.
+  // `changed` has WordsOfChanges() words, which are 0 after the words of the
+  // slots. The tree must have changed by id before. No call allocates.
   void PrepareRefit() { Prepare("Bvh::Refit", {}); }
   // For a caller that sorts by itself: the next insertions do not sort all.
   void PutOffSort() {
@@ -56,11 +56,11 @@ class BvhState {
   void EncodePath(std::size_t slot, bool is_new_block = false);
   void EncodeTouched(std::uint64_t* changed);
   static std::size_t WordsOfChanges(std::size_t slots);
-  // Fewer changes take less time one by one.
+  // Up to so many changes take less time one by one.
   static std::size_t FewChanges(std::size_t slots) {
     return 4 + slots / (std::size_t{1} << 14);
   }
-  // Reads levels that are not its own, in a tree that has no memory.
+  // Uses the levels of another owner. The tree must have no memory of its own.
   void Borrow(const BvhLevels& levels) { levels_ = levels; }
 
  private:
@@ -69,24 +69,25 @@ class BvhState {
   void Swap(BvhState& other) noexcept;
   void Free();
   BvhHeader& header() const { return *reinterpret_cast<BvhHeader*>(block_); }
-  // If there are slots by id.
+  // Only if `levels_.slots` is not null.
   UsedIds Used() const { return {levels_.used, header().id_room}; }
   BvhRoom Room() const;
   void Allocate(const BvhRoom& room);
   void CheckBuild(std::size_t objects, const BuildOptions& options) const;
   void BuildIn(const BvhRoom& room, const Columns& objects,
                const BuildOptions& options);
-  // Throws if ids and slots do not belong together, as in an altered blob:
-  // changes would write anywhere.
+  // Throws if ids and slots contradict each other, as in an altered blob:
+  // changes would write outside of the memory.
   void CheckLoaded(const char* call);
-  // Gives a block with the layout of `format` that of today.
+  // Converts the block from the layout of `format` to the current one.
   void Convert(const BvhFormat& format);
-  // What a blob with other ids has, or null if the ids are right.
+  // What the ids should be, for a message, or null if they are right.
   const char* FindWrongIds() const;
-  // The same as CheckLoaded(), and throws if no target can be chosen.
+  // As CheckLoaded(). Throws also if no target can be chosen.
   void CheckChange(const char* call);
-  // Before a change: memory of its own with this room at least. Throws before
-  // anything has changed, and is the last thing in a change that may throw.
+  // Makes the tree own its memory, with at least this room. Called before a
+  // change: it is the last step that can throw, and if it throws, nothing has
+  // changed.
   void Prepare(const char* call, BvhRoom room);
   void Reallocate(const char* call, const BvhRoom& room);
   void CheckId(std::uint32_t id, const char* call) const;
@@ -95,7 +96,7 @@ class BvhState {
   std::size_t FirstDue(std::size_t added) const;
   bool SortDue(std::size_t added, const char* call);
   std::size_t FindSlot(const float* values) const;
-  // Throws unless all are free, and each is in the list once.
+  // Throws unless all ids are free and each is in the list once.
   void CheckNewIds(Span<const std::uint32_t> ids, const char* call) const;
   void Put(std::size_t slot, std::uint32_t id, const float* values);
   // Adds objects behind the last slot, under the ids that id_of(i) returns.
@@ -106,9 +107,13 @@ class BvhState {
   bool HasManyGaps() const;
   void AppendSlot();
   void Touch(std::size_t slot, std::uint64_t* changed);
-  // Sorts the objects of some slots into the first of these, after Prepare().
-  // Ranges ascend and begin at blocks. Returns the number of objects.
+  // Sorts the objects of some slots into the first of these slots, after
+  // Prepare(). Ranges ascend and begin at blocks. Returns the number of
+  // objects.
   std::size_t Resort(const char* call, Span<const SlotRange> ranges);
+  // Sorts the worst part again, with those that it overlaps, `most` in all.
+  // Returns the number of objects, or 0 if no part is worse than when it was
+  // sorted.
   std::size_t SortWorst(std::size_t most, const char* call);
   void CloseGaps();
 
@@ -129,7 +134,7 @@ inline const BvhLevels& BvhTree::levels() const {
   return BvhState::Of(*this).levels();
 }
 
-// No object is there, or has a mask with one of the wanted bits.
+// Whether no query can find an object: the tree is empty, or no mask is wanted.
 inline bool FindsNothing(const BvhTree& tree, std::uint32_t mask) {
   return tree.levels().level[0].size == 0 || mask == 0;
 }

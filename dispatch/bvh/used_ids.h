@@ -9,12 +9,13 @@
 
 namespace halfspace::detail {
 
-// A set of ids below a limit, in memory of the caller's. It has a bit for each
-// id, then a bit for each word of these, which says that the word is full, and
-// so on up to one word. So each call reads a word of each level.
+// A set of ids below a limit, in memory of the caller. It has a bit for each
+// id. The level above has a bit for each of these words, which says that the
+// word is full, and so on up to one word. So each call reads one word of each
+// level.
 class UsedIds {
  public:
-  // The number of words. No limit has none.
+  // The number of words, which is 0 for a limit of 0.
   static constexpr std::size_t WordsFor(std::size_t limit) {
     std::size_t all = 0;
     while (limit > 0) {
@@ -51,14 +52,14 @@ class UsedIds {
     }
   }
 
-  // The least id that is not in the set, which has one below its limit.
+  // The least id below the limit that is not in the set. There must be one.
   std::size_t Least() const { return LeastOf(words_, limit_); }
 
   void Clear() {
     std::memset(words_, 0, WordsFor(limit_) * sizeof(std::uint64_t));
   }
 
-  // Becomes the same as a set with a lower limit, if it is empty.
+  // Copies a set with a lower limit into this one, which must be empty.
   void AddAll(const UsedIds& other) {
     const std::size_t words = WordsOf(other.limit_);
     std::memcpy(words_, other.words_, words * sizeof(std::uint64_t));
@@ -72,7 +73,8 @@ class UsedIds {
     }
   }
 
-  // Whether it has `size` ids, and the words above them say so.
+  // Whether the set has `size` ids, and the levels above are consistent with
+  // them.
   bool IsRight(std::size_t size) const {
     const std::uint64_t* level = words_;
     for (std::size_t w = 0; w < WordsOf(limit_); ++w) {

@@ -44,11 +44,13 @@ void CheckFiniteLength(std::string_view call, std::string_view argument,
                Shortest(length));
 }
 
+// The objects of a BVH and their ids are fewer: others have no place in a list
+// of blocks to visit.
+inline constexpr std::size_t kMostObjects = std::size_t{1} << 31;
 // Throws unless one BVH can have so many objects.
-inline constexpr std::size_t kTooManyObjects = std::size_t{1} << 31;
 inline void CheckObjectCount(std::string_view call, std::string_view argument,
                              std::size_t objects) {
-  if (objects < kTooManyObjects) return;
+  if (objects < kMostObjects) return;
   ThrowInvalid(call, argument, "fewer than 2^31 objects in all",
                std::to_string(objects));
 }

@@ -2,12 +2,12 @@
 // object of this class.
 //
 // A program that was linked with fast-math anywhere flushes subnormals in all
-// of its threads, and a bound that lost one would not enclose its shape; one
-// that traps invalid operations would end at the first NaN. Reading the mode
-// costs a few cycles; it is written only if it differs.
+// of its threads, and a bound that lost a subnormal might not enclose its
+// shape. A program that traps invalid operations would end at the first NaN.
+// Reading the mode costs a few cycles. It is written only if it differs.
 //
-// Exceptions that a builder raises may stay raised (they are bits of the same
-// register on x86, and of another one on ARM); none is cleared.
+// Exception flags that a builder raises may stay raised. (They are bits of the
+// same register on x86, and of another register on ARM.) No flag is cleared.
 #ifndef HALFSPACE_DISPATCH_EXACT_DEFAULT_FP_MODE_H_
 #define HALFSPACE_DISPATCH_EXACT_DEFAULT_FP_MODE_H_
 
@@ -33,8 +33,8 @@ class DefaultFpMode {
   DefaultFpMode(const DefaultFpMode&) = delete;
   DefaultFpMode& operator=(const DefaultFpMode&) = delete;
 
-  // Calls function() in the mode that the thread had. The mode that it returns
-  // in is the thread's from then on.
+  // Calls function() in the mode that the thread had. If function() changes the
+  // mode, the thread keeps the new one.
   template <typename Function>
   auto Outside(const Function& function) {
     Exit();
@@ -44,8 +44,8 @@ class DefaultFpMode {
     return result;
   }
 
-  // What the destructor does, for a way out that passes by it: this thread has
-  // the mode again that it had.
+  // Restores the mode of this thread as the destructor does, for an exit that
+  // skips destructors.
   static void Leave() {
     if (active_ == nullptr) return;
     Write(active_->saved_);
@@ -94,29 +94,30 @@ class DefaultFpMode {
   }
   bool IsDefault() const { return (saved_ & kMode) == kDefault; }
 
-  // This thread's, if it has changed anything.
+  // The object of this thread that has changed the mode, or null.
   static constinit inline thread_local const DefaultFpMode* active_ = nullptr;
 
   Register saved_;
 };
 
-// Calls function() where nothing of it can move out.
+// Calls function() in a function that is not inlined, so the compiler cannot
+// move its arithmetic out.
 template <typename Function>
 HALFSPACE_NOINLINE auto CallApart(const Function& function) {
   return function();
 }
 
-// Calls function() in the default mode. All that looks at a float belongs in
-// it: the compiler may move arithmetic across a change of mode, and even a
-// compare is trapped.
+// Calls function() in the default mode. All code that reads a float belongs in
+// it, because the compiler may move arithmetic across a change of mode, and
+// even a compare can trap.
 template <typename Function>
 auto InDefaultFpMode(const Function& function) {
   const DefaultFpMode mode;
   return CallApart(function);
 }
 
-// run(count, part), a Runner, with each part in the default mode: other threads
-// have modes of their own.
+// Calls run(count, part) of a Runner, with each part in the default mode,
+// because other threads have their own modes.
 template <typename Run, typename Part>
 void RunInDefaultFpMode(const Run& run, std::size_t count, const Part& part) {
   run(count, [&](std::size_t i) { InDefaultFpMode([&] { return part(i); }); });

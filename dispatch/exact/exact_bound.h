@@ -1,4 +1,4 @@
-// Bounds from exact projections: what all single builders share.
+// Bounds from exact projections, for all single builders.
 //
 // Only for translation units compiled without fast-math and contraction.
 #ifndef HALFSPACE_DISPATCH_EXACT_EXACT_BOUND_H_
@@ -26,8 +26,9 @@ namespace halfspace::dispatch {
 // Beyond this sum of magnitudes D might overflow, or its rounding might.
 inline constexpr double kLargest = 0x1p125;
 
-// The magnitudes are summed in the type of the input, in order, as the builders
-// in SIMD do, so that both draw the same line. False for NaN and infinity too.
+// Whether the sum of magnitudes is small enough. It is summed in the type of
+// the input and in order, as in the SIMD builders, so both have the same limit.
+// NaN and infinity are too large.
 template <typename Scalar>
 class MagnitudeGuard {
  public:
@@ -109,7 +110,7 @@ class ExactRanges {
   std::array<ExactRange, kAxes> ranges_;
 };
 
-// Apart, once for each type: the text is long.
+// Not inlined, because the code that makes the text is long.
 template <typename Scalar>
 [[noreturn]] HALFSPACE_NOINLINE void ThrowInverted(std::string_view call,
                                                    std::size_t k, Scalar min,
@@ -119,8 +120,8 @@ template <typename Scalar>
                Shortest(min) + " and " + Shortest(max));
 }
 
-// Throws if the box is inverted; a NaN is left to the builder. Like all that
-// compares floats, only in the default mode: there a subnormal is not 0.
+// Throws if the box is inverted. The builder handles NaN. Called in the default
+// mode, in which a subnormal is not 0.
 template <typename Corner>
 void CheckOrder(std::string_view call, const Corner& min, const Corner& max) {
   for (std::size_t k = 0; k < min.size(); ++k) {
@@ -128,7 +129,7 @@ void CheckOrder(std::string_view call, const Corner& min, const Corner& max) {
   }
 }
 
-// Counts the result; std::nullopt means that it cannot be bounded. Only in the
+// Counts the result. If there is no bound, it is Everything(). Called in the
 // default mode.
 template <typename Bound>
 Bound Finish(const std::optional<Bound>& bound, FitStatus* status) {
@@ -142,8 +143,8 @@ Bound Finish(const std::optional<Bound>& bound, FitStatus* status) {
   return result;
 }
 
-// The result of try_bound(), a std::optional, which is called in the default
-// mode: every single builder.
+// Returns the bound that try_bound() returns as a std::optional. try_bound() is
+// called in the default mode.
 template <typename TryBound>
 auto Build(FitStatus* status, const TryBound& try_bound) {
   return InDefaultFpMode([&] { return Finish(try_bound(), status); });

@@ -15,10 +15,10 @@
 
 namespace halfspace::dispatch {
 
-// A sum that rounds to float as the exact one does, in either direction, though
-// `left_out` may be missing from the terms. Few sums lie so close to a float
-// that there is none: then the terms have to be added exactly, which takes ten
-// times as long.
+// Returns a sum that rounds to float as the exact sum does, in both directions,
+// although the terms lack an unknown number of at most `left_out`. If the exact
+// sum is too close to a float, which is rare, it returns nothing. Then the
+// terms have to be added exactly, which takes ten times as long.
 template <std::size_t kCount>
 std::optional<ExactSum> TrySumToRound(const std::array<double, kCount>& terms,
                                       double left_out) {
@@ -28,13 +28,13 @@ std::optional<ExactSum> TrySumToRound(const std::array<double, kCount>& terms,
     sum += term;
     magnitude += std::fabs(term);
   }
-  // Twice what kCount additions can lose.
+  // Twice the rounding error of kCount additions.
   const double error = magnitude * (kCount * 0x1p-52) + left_out;
   const double low = sum - error;
   const double high = sum + error;
   const float nearest = static_cast<float>(low);
   if (nearest != static_cast<float>(high)) return std::nullopt;
-  // On which side it lies nobody can predict: both compares, and one branch.
+  // Both compares and one branch, because the side cannot be predicted.
   const bool is_above_low = nearest >= low;
   const bool is_below_high = nearest <= high;
   if (is_above_low & is_below_high) return std::nullopt;
@@ -52,15 +52,14 @@ class ExactTerms {
   }
 
   ExactSum Sum() const { return SumExactly(terms_); }
-  // To float it rounds as Sum() does, either way.
+  // Rounds to float as Sum() does, in both directions.
   ExactSum SumToRound() const {
     const auto sum = TrySumToRound(terms_, 0.0);
     return sum ? *sum : SumApart();
   }
 
  private:
-  // The code of an exact sum is long, and seldom needed where it could be
-  // inlined.
+  // Not inlined, because the code of an exact sum is long and rarely needed.
   HALFSPACE_NOINLINE ExactSum SumApart() const { return Sum(); }
 
   std::array<double, kProducts + kNumbers> terms_{};
@@ -96,8 +95,9 @@ class ExactTerms<double, kProducts, kNumbers> {
  private:
   static constexpr std::size_t kTermCount = 2 * kProducts + kNumbers;
 
-  // Products below kTiny are kept apart, times 2^kTinyScale: so any product of
-  // two doubles, a multiple of 2^-2148, is a double and its error.
+  // Products below kTiny are stored separately, multiplied by 2^kTinyScale. So
+  // any product of two doubles, which is a multiple of 2^-2148, is a double and
+  // its error.
   static constexpr double kTiny = 0x1p-900;
   static constexpr int kTinyScale = 1200;
   static constexpr int kLeast = -1074;  // 2^kLeast is the smallest double
@@ -113,8 +113,8 @@ class ExactTerms<double, kProducts, kNumbers> {
     tiny_[tiny_count_++] = std::ldexp(std::fma(x, y, -product), scale);
   }
 
-  // Cuts a scaled number into a double, its multiple of 2^kLeast to nearest,
-  // and what is left of it, scaled.
+  // Divides a scaled number into the nearest multiple of 2^kLeast, as a double,
+  // and the scaled rest.
   static double TakeDouble(double& scaled) {
     const double whole =
         std::nearbyint(std::ldexp(scaled, -kTinyScale - kLeast));
@@ -132,7 +132,7 @@ class ExactTerms<double, kProducts, kNumbers> {
     for (double& scaled : left) doubles[n++] = TakeDouble(scaled);
     ExactSum below = SumExactly(left);
     doubles[n] = TakeDouble(below.value);
-    // What is below all doubles comes to less than the smallest of them.
+    // The rest below all doubles is less than the smallest double.
     ExactSum sum = SumByExpansion(doubles);
     if (sum.rest == 0.0) {
       sum.rest = below.value != 0.0 ? below.value : below.rest;

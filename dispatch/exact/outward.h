@@ -1,8 +1,8 @@
 // Exact sums of a few numbers, and their rounding outward to float.
 //
-// The sum is taken in double with Knuth's TwoSum, which keeps the rounding
-// error of each addition, so nothing is lost: sums in double do not underflow,
-// and nothing here comes near its largest values.
+// Sums are in double, with Knuth's TwoSum, which keeps the rounding error of
+// each addition. So they are exact: sums in double do not underflow, and all
+// values are far below the largest double.
 //
 // Only for translation units compiled without fast-math and contraction, which
 // would delete TwoSum.
@@ -63,8 +63,9 @@ ExactSum SumByExpansion(const std::array<double, kCount>& values) {
   return {parts[kCount - 1], rest};
 }
 
-// The sum of `values`, which must be finite and below 2^1000. Of a few floats
-// double almost always holds it exactly, and the additions prove it.
+// The sum of `values`, which must be finite and below 2^1000. A double almost
+// always holds the sum of a few floats exactly, and the errors of the additions
+// show it.
 template <std::size_t kCount>
 ExactSum SumExactly(const std::array<double, kCount>& values) {
   double sum = values[0];
@@ -78,8 +79,8 @@ ExactSum SumExactly(const std::array<double, kCount>& values) {
   return SumByExpansion(values);
 }
 
-// The largest float that is not above the sum. Whether the nearest is above is
-// anybody's guess: no branch, which would be mispredicted every second time.
+// The largest float that is not above the sum. No branch on whether the nearest
+// float is above, which would be mispredicted every second time.
 inline float RoundDown(const ExactSum& sum) {
   const float nearest = static_cast<float>(sum.value);
   const double back = nearest;

@@ -11,13 +11,13 @@
 
 namespace halfspace::dispatch {
 
-// The relative error of value / value: both parts are off by less than an ulp,
-// 2^-52, and the division rounds once more.
+// The relative error of value / value. Both values are off by less than an ulp,
+// 2^-52, and the division rounds once.
 inline constexpr double kQuotientError = 0x1p-50;
 
-// A float that is not above numerator / denominator, which is not 0: the
-// largest one where double holds both sums, else at most one below that.
-// Neither side may come near the ends of double's range.
+// Returns a float that is not above numerator / denominator. The denominator is
+// not 0. It is the largest such float if doubles hold both sums, and else at
+// most one float below that. Both sums must be far from the limits of double.
 inline float QuotientDown(const ExactSum& numerator,
                           const ExactSum& denominator) {
   const double quotient = numerator.value / denominator.value;

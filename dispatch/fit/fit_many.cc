@@ -29,28 +29,28 @@ void CheckSize(std::string_view call, std::string_view argument,
                std::to_string(given));
 }
 
-// What a call calls its source: the argument, which is also what it holds, and
-// the members that its columns come from.
+// The names of a source in messages: the argument, which also names its
+// elements, and the members that have its columns.
 struct SourceNames {
   std::string_view argument;
   std::string_view member;
   std::string_view last_member = {};  // of columns from `dims` on
 };
 
-// Checks what all calls share, then runs the kernel.
+// Checks the arguments that all calls have, then runs the kernel.
 class Call {
  public:
   Call(const char* name, const SourceNames& source_names, const Source& source,
        const Output& output, const FitOptions& options)
       : name_(name),
         source_names_(source_names),
-        // Also where there are none to choose from: the target is checked.
+        // Also if there is no choice, because it checks the target.
         target_index_(dispatch::IndexOf(options.target, name)),
         source_(source),
         output_(output),
         options_(options) {}
 
-  // `bytes` of another input.
+  // Checks another input of so many bytes.
   void CheckInput(const void* begin, std::size_t bytes, std::size_t alignment,
                   std::string_view argument) const {
     if (output_.size == 0 || bytes == 0) return;
@@ -85,7 +85,7 @@ class Call {
   }
 
  private:
-  // Where the caller wrote a column's pointer.
+  // The name of the member that has the pointer of a column.
   std::string ColumnName(std::size_t c) const {
     const auto dims = static_cast<std::size_t>(source_.dims);
     std::string name(source_names_.argument);
@@ -125,8 +125,7 @@ class Call {
     }
   }
 
-  // Planes before plane `end` must lie apart from `bytes` bytes of something
-  // else.
+  // Throws if a plane before plane `end` overlaps these `bytes` bytes.
   template <typename Name>
   void CheckApart(const void* other, std::size_t bytes, const Name& name,
                   std::size_t end = kMaxPlanes) const {

@@ -1,6 +1,6 @@
-// A frustum, from its planes: its corners are where three planes meet, and
-// determinants, exact as sums, tell which of those are corners and
-// whether the planes close a volume at all.
+// The bound of a frustum, from its planes. Its corners are among the points
+// where three planes meet. The signs of exact determinants decide which points
+// are corners, and whether the planes close a volume.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,8 +29,8 @@ constexpr std::size_t kPlanes = 6;
 template <typename Scalar>
 using Planes = Span<const HalfSpace<3, Scalar>>;
 
-// What a product of three comes to: a double and its error, or, of doubles, two
-// of both.
+// The number of doubles of a product of three: for floats a double and its
+// error, for doubles twice as many.
 template <typename Scalar>
 constexpr std::size_t kProductTerms = std::is_same_v<Scalar, float> ? 2 : 4;
 // Of a determinant: six products.
@@ -118,8 +118,9 @@ double Determinant(Planes<Scalar> planes, std::size_t i, std::size_t j,
   return SignOf(Meeting(planes[i], planes[j], planes[k]).Denominator());
 }
 
-// Whether some direction never leaves the planes' front sides. If any does, one
-// along which two planes meet does, or the normals lie in one plane.
+// Whether the set is unbounded: some direction stays in front of all planes. If
+// there is such a direction, there is one along which two planes meet, or all
+// normals are in one plane.
 template <typename Scalar>
 bool IsOpen(Planes<Scalar> planes) {
   bool is_flat = true;
@@ -180,7 +181,7 @@ bool IsInFront(const HalfSpace<3, Scalar>& plane,
     height += term;
     magnitude += std::fabs(term);
   }
-  // The sum rounds a few times, too.
+  // The sum is rounded a few times, too.
   if (std::fabs(height) > magnitude * 2.0 * dispatch::kQuotientError) {
     return height > 0.0;
   }
@@ -259,10 +260,10 @@ std::optional<Aabo3> TryAny(Planes<float> planes) {
   return TryFrustum<float>(planes);
 }
 
-// The same half-space with the largest number of its normal in [1, 2), and the
-// others so near to it that products of four have their errors in double.
-// Nothing if there is none. Without a normal only the sign of the offset
-// counts.
+// The same half-space with the largest number of its normal in [1, 2). The
+// others must be so near to it that a double holds the error of a product of
+// four. Returns nothing if they are not. If the normal is 0, only the sign of
+// the offset counts.
 std::optional<HalfSpace<3, double>> Scaled(const HalfSpace<3, double>& plane) {
   constexpr double kMost = 0x1p200;
   const auto& n = plane.normal;

@@ -4,19 +4,17 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
-#include <type_traits>
 
 #include "dispatch/exact/exact_bound.h"
 #include "dispatch/exact/exact_terms.h"
 #include "dispatch/exact/outward.h"
-#include "dispatch/fit/instantiate.h"
+#include "dispatch/fit/any_shape.h"
 #include "dispatch/fit/point_sources.h"
 #include "halfspace/fit.h"
 
 namespace halfspace {
 namespace {
 
-using dispatch::Build;
 using dispatch::ExactRanges;
 using dispatch::ExactTerms;
 using dispatch::MagnitudeGuard;
@@ -182,62 +180,63 @@ Affine<kDims, To> As(const Affine<kDims, From>& from) {
   return to;
 }
 
-// What holds the numbers of both.
-template <typename A, typename B>
-using Wider = std::conditional_t<std::is_same_v<A, B>, A, double>;
+// As BoundAny(), of a shape's image: calls try_bound(shape, map, wide), where
+// `wide` is a number of the type that holds the numbers of both.
+template <template <int, typename> class Shape, typename TryBound>
+void BoundImage(const detail::AnyShape& any, const void* map,
+                bool is_map_double, FitStatus* status,
+                const TryBound& try_bound) {
+  dispatch::BoundAny<Shape>(
+      any, status,
+      [&]<int kDims, typename Scalar>(const Shape<kDims, Scalar>& shape) {
+        if (is_map_double) {
+          return try_bound(
+              shape, *static_cast<const Affine<kDims, double>*>(map), double{});
+        }
+        return try_bound(shape, *static_cast<const Affine<kDims>*>(map),
+                         Scalar{});
+      });
+}
 
 }  // namespace
 
-template <int kDims, typename Scalar>
-Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims, Scalar>& box,
-                             FitStatus* status) {
+void detail::BoundOrientedBox(const AnyShape& box, FitStatus* status) {
   constexpr std::array kNames = {"box.half_extents[0]", "box.half_extents[1]",
                                  "box.half_extents[2]", "box.half_extents[3]"};
-  return Build(status, [&] {
-    for (std::size_t i = 0; i < kDims; ++i) {
-      dispatch::CheckLength("BoundOrientedBox", kNames[i], box.half_extents[i]);
+  dispatch::BoundAny<OrientedBox>(box, status, [&](const auto& its) {
+    for (std::size_t i = 0; i < its.half_extents.size(); ++i) {
+      dispatch::CheckLength("BoundOrientedBox", kNames[i], its.half_extents[i]);
     }
-    return TryOrientedBox(box);
+    return TryOrientedBox(its);
   });
 }
 
-template <int kDims, typename Scalar, typename MapScalar>
-Aabo<kDims> BoundTransformed(const Points<kDims, Scalar>& points,
-                             const Affine<kDims, MapScalar>& map,
-                             FitStatus* status) {
-  if (points.count != 0) dispatch::CheckPoints("BoundTransformed", points);
-  return Build(status, [&] {
-    using Wide = Wider<Scalar, MapScalar>;
-    const auto at = [&](std::size_t i) { return As<Wide>(PointAt(points, i)); };
-    return TryPoints<kDims, Wide>(points.count, at, As<Wide>(map));
-  });
+void detail::BoundImageOfPoints(const AnyShape& points, const void* map,
+                                bool is_map_double, FitStatus* status) {
+  BoundImage<Points>(
+      points, map, is_map_double, status,
+      []<int kDims, typename Scalar, typename Wide>(
+          const Points<kDims, Scalar>& its, const auto& its_map, Wide) {
+        if (its.count != 0) dispatch::CheckPoints("BoundTransformed", its);
+        const auto at = [&](std::size_t i) {
+          return As<Wide>(PointAt(its, i));
+        };
+        return TryPoints<kDims, Wide>(its.count, at, As<Wide>(its_map));
+      });
 }
 
-template <int kDims, typename Scalar, typename MapScalar>
-Aabo<kDims> BoundTransformed(const Aabb<kDims, Scalar>& box,
-                             const Affine<kDims, MapScalar>& map,
-                             FitStatus* status) {
-  return Build(status, [&]() -> std::optional<Aabo<kDims>> {
-    if (IsEmpty(box)) return Aabo<kDims>::Empty();
-    dispatch::CheckOrder("BoundTransformed", box.min, box.max);
-    using Wide = Wider<Scalar, MapScalar>;
-    return TryBox<kDims, Wide>(As<Wide>(box.min), As<Wide>(box.max),
-                               As<Wide>(map));
-  });
+void detail::BoundImageOfBox(const AnyShape& box, const void* map,
+                             bool is_map_double, FitStatus* status) {
+  BoundImage<Aabb>(box, map, is_map_double, status,
+                   []<int kDims, typename Scalar, typename Wide>(
+                       const Aabb<kDims, Scalar>& its, const auto& its_map,
+                       Wide) -> std::optional<Aabo<kDims>> {
+                     if (IsEmpty(its)) return Aabo<kDims>::Empty();
+                     dispatch::CheckOrder("BoundTransformed", its.min, its.max);
+                     return TryBox<kDims, Wide>(As<Wide>(its.min),
+                                                As<Wide>(its.max),
+                                                As<Wide>(its_map));
+                   });
 }
-
-#define HALFSPACE_INSTANTIATE(d, Scalar)                               \
-  template HALFSPACE_API Aabo<d> BoundOrientedBox(                     \
-      const OrientedBox<d, Scalar>&, FitStatus*);                      \
-  template HALFSPACE_API Aabo<d> BoundTransformed(                     \
-      const Points<d, Scalar>&, const Affine<d>&, FitStatus*);         \
-  template HALFSPACE_API Aabo<d> BoundTransformed(                     \
-      const Points<d, Scalar>&, const Affine<d, double>&, FitStatus*); \
-  template HALFSPACE_API Aabo<d> BoundTransformed(                     \
-      const Aabb<d, Scalar>&, const Affine<d>&, FitStatus*);           \
-  template HALFSPACE_API Aabo<d> BoundTransformed(                     \
-      const Aabb<d, Scalar>&, const Affine<d, double>&, FitStatus*)
-HALFSPACE_FOR_ALL_SHAPES(HALFSPACE_INSTANTIATE);
-#undef HALFSPACE_INSTANTIATE
 
 }  // namespace halfspace

@@ -2,7 +2,6 @@
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <type_traits>
 
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
@@ -11,7 +10,7 @@
 #include "dispatch/exact/exact_terms.h"
 #include "dispatch/exact/outward.h"
 #include "dispatch/exact/quotient.h"
-#include "dispatch/fit/instantiate.h"
+#include "dispatch/fit/any_shape.h"
 #include "halfspace/fit.h"
 
 namespace halfspace {
@@ -98,36 +97,30 @@ void WritePieces(const Segment<kDims, Scalar>& segment,
 
 }  // namespace
 
-template <int kDims, typename Scalar>
-Aabo<kDims> BoundRay(const Ray<kDims, Scalar>& ray, FitStatus* status) {
-  return dispatch::Build(status, [&] {
-    dispatch::CheckLength("BoundRay", "ray.max_t", ray.max_t);
-    return TryRay(ray);
+void detail::BoundRay(const AnyShape& ray, FitStatus* status) {
+  dispatch::BoundAny<Ray>(ray, status, [](const auto& its) {
+    dispatch::CheckLength("BoundRay", "ray.max_t", its.max_t);
+    return TryRay(its);
   });
 }
 
-template <int kDims, typename Scalar>
-void BoundSegmentPieces(const Segment<kDims, Scalar>& segment,
-                        std::decay_t<Span<Aabo<kDims>>> pieces,
-                        FitStatus* status) {
-  if (pieces.size() > kMostPieces) {
-    dispatch::ThrowInvalid("BoundSegmentPieces", "pieces",
-                           "at most 2^24 pieces",
-                           std::to_string(pieces.size()));
+void detail::BoundSegmentPieces(const AnyShape& segment, std::size_t pieces,
+                                FitStatus* status) {
+  constexpr const char* kCall = "BoundSegmentPieces";
+  if (pieces > kMostPieces) {
+    dispatch::ThrowInvalid(kCall, "pieces", "at most 2^24 pieces",
+                           std::to_string(pieces));
   }
-  if (pieces.empty()) return;
+  if (pieces == 0) return;
   dispatch::CheckPointer(
-      "BoundSegmentPieces", pieces.data(), alignof(Aabo<kDims>),
-      [] { return "pieces"; },
-      [&] { return "room for " + std::to_string(pieces.size()); });
-  dispatch::InDefaultFpMode([&] { WritePieces(segment, pieces, status); });
+      kCall, segment.bound, alignof(float), [] { return "pieces"; },
+      [&] { return "room for " + std::to_string(pieces); });
+  dispatch::WithShape<Segment>(segment, [&]<int kDims, typename Scalar>(
+                                            const Segment<kDims, Scalar>& its) {
+    const Span<Aabo<kDims>> to(static_cast<Aabo<kDims>*>(segment.bound),
+                               pieces);
+    dispatch::InDefaultFpMode([&] { WritePieces(its, to, status); });
+  });
 }
-
-#define HALFSPACE_INSTANTIATE(d, Scalar)                                       \
-  template HALFSPACE_API Aabo<d> BoundRay(const Ray<d, Scalar>&, FitStatus*);  \
-  template HALFSPACE_API void BoundSegmentPieces<d>(const Segment<d, Scalar>&, \
-                                                    Span<Aabo<d>>, FitStatus*)
-HALFSPACE_FOR_ALL_SHAPES(HALFSPACE_INSTANTIATE);
-#undef HALFSPACE_INSTANTIATE
 
 }  // namespace halfspace

@@ -7,7 +7,7 @@
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/exact/exact_bound.h"
-#include "dispatch/fit/instantiate.h"
+#include "dispatch/fit/any_shape.h"
 #include "dispatch/fit/point_sources.h"
 #include "halfspace/fit.h"
 
@@ -34,18 +34,7 @@ std::optional<Aabo<kDims>> TryHull(std::size_t count, const AtIndex& at) {
   return ranges.Bound();
 }
 
-template <int kDims, typename Source>
-Aabo<kDims> BoundHull(const Source& points, FitStatus* status) {
-  if (points.count != 0) dispatch::CheckPoints("BoundPoints", points);
-  return Build(status, [&] {
-    return TryHull<kDims>(points.count,
-                          [&](std::size_t i) { return PointAt(points, i); });
-  });
-}
-
-template <int kDims, typename Source>
-Aabo<kDims> BoundIndexed(const Source& points,
-                         Span<const std::uint32_t> indices, FitStatus* status) {
+void CheckIndices(Span<const std::uint32_t> indices, std::size_t points) {
   if (!indices.empty()) {
     dispatch::CheckPointer(
         "BoundPoints", indices.data(), alignof(std::uint32_t),
@@ -53,80 +42,68 @@ Aabo<kDims> BoundIndexed(const Source& points,
         [&] { return std::to_string(indices.size()) + " indices"; });
   }
   for (std::size_t i = 0; i < indices.size(); ++i) {
-    if (indices[i] >= points.count) {
-      ThrowInvalid(
-          "BoundPoints", "indices[" + std::to_string(i) + "]",
-          "less than the number of points, " + std::to_string(points.count),
-          std::to_string(indices[i]));
-    }
+    if (indices[i] < points) continue;
+    ThrowInvalid("BoundPoints", "indices[" + std::to_string(i) + "]",
+                 "less than the number of points, " + std::to_string(points),
+                 std::to_string(indices[i]));
   }
-  if (!indices.empty()) dispatch::CheckPoints("BoundPoints", points);
-  return Build(status, [&] {
-    return TryHull<kDims>(indices.size(), [&](std::size_t i) {
-      return PointAt(points, indices[i]);
-    });
-  });
+}
+
+// Of Points or PointsSoa.
+template <template <int, typename> class Shape>
+void BoundHull(const detail::AnyShape& any,
+               const Span<const std::uint32_t>* indices, FitStatus* status) {
+  dispatch::WithShape<Shape>(
+      any, [&]<int kDims, typename Scalar>(const Shape<kDims, Scalar>& points) {
+        if (indices != nullptr) CheckIndices(*indices, points.count);
+        const std::size_t count =
+            indices == nullptr ? points.count : indices->size();
+        if (count != 0) dispatch::CheckPoints("BoundPoints", points);
+        new (any.bound) Aabo<kDims>(Build(status, [&] {
+          if (indices == nullptr) {
+            return TryHull<kDims>(
+                count, [&](std::size_t i) { return PointAt(points, i); });
+          }
+          return TryHull<kDims>(count, [&](std::size_t i) {
+            return PointAt(points, (*indices)[i]);
+          });
+        }));
+      });
 }
 
 }  // namespace
 
-template <int kDims, typename Scalar>
-Aabo<kDims> BoundPoints(const Points<kDims, Scalar>& points,
-                        FitStatus* status) {
-  return BoundHull<kDims>(points, status);
+namespace detail {
+
+void BoundPoints(const AnyShape& points,
+                 const Span<const std::uint32_t>* indices, FitStatus* status) {
+  BoundHull<Points>(points, indices, status);
 }
 
-template <int kDims, typename Scalar>
-Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
-                        FitStatus* status) {
-  return BoundHull<kDims>(points, status);
+void BoundPointsSoa(const AnyShape& points,
+                    const Span<const std::uint32_t>* indices,
+                    FitStatus* status) {
+  BoundHull<PointsSoa>(points, indices, status);
 }
 
-template <int kDims, typename Scalar>
-Aabo<kDims> BoundPoints(const Points<kDims, Scalar>& points,
-                        Span<const std::uint32_t> indices, FitStatus* status) {
-  return BoundIndexed<kDims>(points, indices, status);
+void BoundSegment(const AnyShape& segment, FitStatus* status) {
+  dispatch::BoundAny<Segment>(
+      segment, status,
+      []<int kDims, typename Scalar>(const Segment<kDims, Scalar>& its) {
+        return TryHull<kDims>(
+            2, [&](std::size_t i) { return i == 0 ? its.a : its.b; });
+      });
 }
 
-template <int kDims, typename Scalar>
-Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
-                        Span<const std::uint32_t> indices, FitStatus* status) {
-  return BoundIndexed<kDims>(points, indices, status);
+void BoundTriangle(const AnyShape& triangle, FitStatus* status) {
+  dispatch::BoundAny<Triangle>(
+      triangle, status,
+      []<int kDims, typename Scalar>(const Triangle<kDims, Scalar>& its) {
+        return TryHull<kDims>(3, [&](std::size_t i) {
+          return i == 0 ? its.a : i == 1 ? its.b : its.c;
+        });
+      });
 }
 
-template <int kDims, typename Scalar>
-Aabo<kDims> BoundSegment(const Segment<kDims, Scalar>& segment,
-                         FitStatus* status) {
-  return Build(status, [&] {
-    return TryHull<kDims>(
-        2, [&](std::size_t i) { return i == 0 ? segment.a : segment.b; });
-  });
-}
-
-template <int kDims, typename Scalar>
-Aabo<kDims> BoundTriangle(const Triangle<kDims, Scalar>& triangle,
-                          FitStatus* status) {
-  return Build(status, [&] {
-    return TryHull<kDims>(3, [&](std::size_t i) {
-      return i == 0 ? triangle.a : i == 1 ? triangle.b : triangle.c;
-    });
-  });
-}
-
-#define HALFSPACE_INSTANTIATE(d, Scalar)                                   \
-  template HALFSPACE_API Aabo<d> BoundPoints(const Points<d, Scalar>&,     \
-                                             FitStatus*);                  \
-  template HALFSPACE_API Aabo<d> BoundPoints(const PointsSoa<d, Scalar>&,  \
-                                             FitStatus*);                  \
-  template HALFSPACE_API Aabo<d> BoundPoints(                              \
-      const Points<d, Scalar>&, Span<const std::uint32_t>, FitStatus*);    \
-  template HALFSPACE_API Aabo<d> BoundPoints(                              \
-      const PointsSoa<d, Scalar>&, Span<const std::uint32_t>, FitStatus*); \
-  template HALFSPACE_API Aabo<d> BoundSegment(const Segment<d, Scalar>&,   \
-                                              FitStatus*);                 \
-  template HALFSPACE_API Aabo<d> BoundTriangle(const Triangle<d, Scalar>&, \
-                                               FitStatus*)
-HALFSPACE_FOR_ALL_SHAPES(HALFSPACE_INSTANTIATE);
-#undef HALFSPACE_INSTANTIATE
-
+}  // namespace detail
 }  // namespace halfspace

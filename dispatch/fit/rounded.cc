@@ -4,16 +4,8 @@
 #include "dispatch/exact/default_fp_mode.h"
 #include "dispatch/exact/outward.h"
 #include "halfspace/detail/plane_arrays.h"
-#include "halfspace/transform.h"
 
 namespace halfspace::detail {
-
-void RoundOutward(Span<const double> values, std::size_t minima,
-                  std::size_t planes, float* rounded) {
-  const std::size_t count = values.size() / planes;
-  ReadRecords(ColumnsOfRows(values.data(), count, planes), planes, minima, 0,
-              count, rounded);
-}
 
 void ReadRecords(const Columns& columns, std::size_t values, std::size_t minima,
                  std::size_t begin, std::size_t count, float* records) {

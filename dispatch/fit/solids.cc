@@ -6,14 +6,13 @@
 
 #include "dispatch/exact/exact_bound.h"
 #include "dispatch/exact/outward.h"
-#include "dispatch/fit/instantiate.h"
+#include "dispatch/fit/any_shape.h"
 #include "halfspace/fit.h"
 #include "kernels/fit_many/root_of_dims.h"
 
 namespace halfspace {
 namespace {
 
-using dispatch::Build;
 using dispatch::CanBeBounded;
 using dispatch::ExactRanges;
 using dispatch::MagnitudeGuard;
@@ -71,39 +70,28 @@ std::optional<Aabo<kDims>> TrySpheres(
 
 }  // namespace
 
-template <int kDims, typename Scalar>
-Aabo<kDims> BoundAabb(const Aabb<kDims, Scalar>& box, FitStatus* status) {
-  return Build(status, [&] { return TryAabb(box); });
+void detail::BoundAabb(const AnyShape& box, FitStatus* status) {
+  dispatch::BoundAny<Aabb>(box, status,
+                           [](const auto& its) { return TryAabb(its); });
 }
 
-template <int kDims, typename Scalar>
-Aabo<kDims> BoundSphere(const Sphere<kDims, Scalar>& sphere,
-                        FitStatus* status) {
-  return Build(status, [&] {
-    dispatch::CheckLength("BoundSphere", "sphere.radius", sphere.radius);
-    return TrySpheres<kDims, Scalar, 1>({{sphere.center}}, sphere.radius);
-  });
+void detail::BoundSphere(const AnyShape& sphere, FitStatus* status) {
+  dispatch::BoundAny<Sphere>(
+      sphere, status,
+      []<int kDims, typename Scalar>(const Sphere<kDims, Scalar>& its) {
+        dispatch::CheckLength("BoundSphere", "sphere.radius", its.radius);
+        return TrySpheres<kDims, Scalar, 1>({{its.center}}, its.radius);
+      });
 }
 
 // The hull of its two end spheres.
-template <int kDims, typename Scalar>
-Aabo<kDims> BoundCapsule(const Capsule<kDims, Scalar>& capsule,
-                         FitStatus* status) {
-  return Build(status, [&] {
-    dispatch::CheckLength("BoundCapsule", "capsule.radius", capsule.radius);
-    return TrySpheres<kDims, Scalar, 2>({{capsule.a, capsule.b}},
-                                        capsule.radius);
-  });
+void detail::BoundCapsule(const AnyShape& capsule, FitStatus* status) {
+  dispatch::BoundAny<Capsule>(
+      capsule, status,
+      []<int kDims, typename Scalar>(const Capsule<kDims, Scalar>& its) {
+        dispatch::CheckLength("BoundCapsule", "capsule.radius", its.radius);
+        return TrySpheres<kDims, Scalar, 2>({{its.a, its.b}}, its.radius);
+      });
 }
-
-#define HALFSPACE_INSTANTIATE(d, Scalar)                                 \
-  template HALFSPACE_API Aabo<d> BoundAabb(const Aabb<d, Scalar>&,       \
-                                           FitStatus*);                  \
-  template HALFSPACE_API Aabo<d> BoundSphere(const Sphere<d, Scalar>&,   \
-                                             FitStatus*);                \
-  template HALFSPACE_API Aabo<d> BoundCapsule(const Capsule<d, Scalar>&, \
-                                              FitStatus*)
-HALFSPACE_FOR_ALL_SHAPES(HALFSPACE_INSTANTIATE);
-#undef HALFSPACE_INSTANTIATE
 
 }  // namespace halfspace

@@ -28,8 +28,8 @@ const MemoryResource& Checked(const MemoryResource& memory) {
   return memory;
 }
 
-// Calls run(bytes) with the size of an element as a constant: copies of so many
-// bytes are one instruction.
+// Calls run(bytes) with the size of an element as a constant, so that the copy
+// of an element is one instruction.
 template <typename Run>
 void WithBytes(std::size_t bytes, const Run& run) {
   switch (bytes) {
@@ -44,7 +44,7 @@ void WithBytes(std::size_t bytes, const Run& run) {
   }
 }
 
-// Values of a record to or from an object of every plane.
+// Copies the values of a record to or from the planes.
 void Write(std::byte* object, std::size_t stride, std::size_t planes,
            std::size_t element_bytes, const void* record) {
   WithBytes(element_bytes, [&](auto bytes) {
@@ -108,7 +108,7 @@ PlaneStore::~PlaneStore() {
   if (data_ != nullptr) FreeBlock(memory_, data_, stride_ * planes_);
 }
 
-// Moves to a new block if that is needed, all beyond size_ padded.
+// Moves to a new block if it is too small, and pads the planes beyond size_.
 void PlaneStore::Reserve(std::size_t objects) {
   if (objects <= capacity_) return;
   const std::size_t most =

@@ -24,19 +24,20 @@ PlaneStore NoPlanes(std::size_t planes, std::size_t level_bytes,
   return {padding.data(), planes, level_bytes, memory};
 }
 
-// An ideal quantizer puts one object in 256 on each level. One that is four
-// times as crowded rejects with two bits less.
+// An ideal quantizer of 256 levels puts a 256th of the objects on each level.
+// If levels are four times as crowded, the bounds reject as if they had two
+// bits less.
 double MostPairs(double times, double pairs_then) {
   return times * (pairs_then + 1.0 / 256);
 }
 
-// Fractions of the objects.
+// As fractions of the objects.
 struct Crowd {
   double pairs = 0.0;    // of all pairs, those that share a level
   double fullest = 0.0;  // objects that have the most frequent level
 };
 
-// Judged by the upper eight bits of the levels of up to 1024 objects.
+// Uses the upper eight bits of the levels of up to 1024 objects.
 Crowd CrowdOf(const QuantizedPlanes& quantized, std::size_t level_bytes,
               std::size_t plane) {
   const std::size_t size = quantized.size();
@@ -96,7 +97,7 @@ void QuantizedPlanes::Requantize(const Columns& floats) {
           return "a plane of " + std::to_string(floats.size) + " floats";
         });
   }
-  // Before a plane is read, so that a size that no memory can have is refused
+  // Allocates before a plane is read, so that a size that fits no memory fails
   // here.
   PlaneStore levels = NoPlanes(planes, level_bytes_, memory());
   levels.Reserve(std::max(floats.size, levels_.capacity()));
@@ -144,7 +145,7 @@ bool QuantizedPlanes::Fits() const {
 std::size_t QuantizedPlanes::Room() const {
   double room = 1.0;
   for (std::size_t p = 0; p < quantizer_.planes(); ++p) {
-    // Less than Fits() allows, because that will sample other objects.
+    // Less than Fits() allows, because Fits() will sample other objects.
     const double most = MostPairs(3.5, pairs_then_[p]);
     const Crowd crowd = CrowdOf(*this, level_bytes_, p);
     if (crowd.pairs >= most) return 0;

@@ -19,7 +19,8 @@ constexpr Key kAboveAll = std::numeric_limits<Key>::max() - 1;
 // Fills up a plane's thresholds; no value reaches it.
 constexpr Key kPad = std::numeric_limits<Key>::max();
 
-// Integers in the order of floats; both zeros and all subnormals are 0.
+// Returns an integer in the order of floats. Both zeros and all subnormals
+// become 0.
 constexpr Key KeyOf(float value, Key key_of_nan) {
   constexpr std::uint32_t kInfinity = 0x7f800000;
   constexpr std::uint32_t kSmallestNormal = 0x00800000;
@@ -82,10 +83,11 @@ void Sort(std::span<Key> keys, std::span<Key> spare) {
   }
 }
 
-// An evenly spread sample of a plane, sorted, without NaN: a part of `sample`,
-// which has two planes of as many keys as are looked at.
-std::span<const Key> BvhSample(const Columns& floats, std::size_t plane,
-                               PlaneArrays<Key>& sample) {
+// Returns an evenly spread sample of a plane, sorted and without NaN, in the
+// memory of `sample`. `sample` has two planes, with a key for each object of
+// the sample.
+std::span<const Key> SortedSample(const Columns& floats, std::size_t plane,
+                                  PlaneArrays<Key>& sample) {
   const std::span<Key> keys(sample.plane(0), sample.size());
   std::size_t count = 0;
   for (std::size_t i = 0; i < keys.size(); ++i) {
@@ -120,16 +122,16 @@ PlaneArrays<Key> NoThresholds(std::size_t planes,
   return {std::span(padding).first(planes), memory};
 }
 
-// What a Quantizer has. The calls below are no members of it, because a shared
-// library would export these.
+// The state of a Quantizer. The functions below are not its members, because a
+// shared library would export them.
 struct AllThresholds {
   const PlaneArrays<Key>& of_planes;
   std::size_t minima;
   std::size_t planes;
 };
 
-// Ranks one value for each plane, interleaved: for plane p value at(p) of the
-// list.
+// Ranks one value for each plane, interleaved. The value of plane p is
+// values[at(p)].
 template <std::size_t kLanes, typename At>
 void RankEach(const AllThresholds& all, const float* values, bool is_query,
               const At& at, std::uint32_t* ranks) {
@@ -173,8 +175,8 @@ Quantizer::Quantizer(const PlaneLayout& layout, const MemoryResource& memory)
     : layout_(layout), thresholds_(NoThresholds(layout.plane_count, memory)) {}
 
 Quantizer Quantizer::Trained(const Columns& floats, std::size_t levels) const {
-  // So large a sample that the ranks of 256 levels are off by less than one,
-  // and that most of 65536 levels differ.
+  // With this size of the sample, the ranks of 256 levels are off by less than
+  // one, and most of 65536 levels differ.
   const std::size_t sampled = levels <= 256 ? 1 << 16 : 1 << 18;
   const std::size_t per_plane =
       std::min(levels, std::bit_ceil(std::min(floats.size, sampled) + 1)) - 1;
@@ -183,7 +185,7 @@ Quantizer Quantizer::Trained(const Columns& floats, std::size_t levels) const {
   PlaneArrays<Key> sample = NoThresholds(2, memory());
   sample.Resize(std::min(floats.size, sampled));
   for (std::size_t p = 0; p < layout_.plane_count; ++p) {
-    Quantiles(BvhSample(floats, p, sample), p < layout_.axes,
+    Quantiles(SortedSample(floats, p, sample), p < layout_.axes,
               {quantizer.thresholds_.plane(p), per_plane});
   }
   return quantizer;

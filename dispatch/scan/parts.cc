@@ -13,15 +13,15 @@ const float* ValueOf(const Scan& scan, std::size_t plane, std::size_t object) {
 
 void PrefetchFloats(const Scan& scan, std::size_t object) {
   const std::size_t planes = scan.type->plane_count;
-  // A record may span two cache lines; of planes, each is in a line of its own.
+  // A record may span two cache lines. Each plane is in a line of its own.
   const std::size_t step = scan.floats.stride == 1 ? 1 : planes - 1;
   for (std::size_t p = 0; p < planes; p += step) {
     kernels::Prefetch(ValueOf(scan, p, object));
   }
 }
 
-// One object at a time: so few are left that most lanes of a vector would be
-// empty.
+// Tests one object at a time, because so few are left that most lanes of a
+// vector would be empty.
 bool FloatsReject(const Scan& scan, std::size_t query, std::size_t object) {
   const float* values =
       static_cast<const float*>(scan.queries) + query * scan.type->plane_count;

@@ -1,6 +1,6 @@
-// A scan in parts: tiles of the world that stay in the first-level cache while
-// batch after batch of queries is tested against them. Survivors of quantized
-// bounds are refined by the floats one part later.
+// A scan in parts. A tile of the world stays in the first-level cache while all
+// batches of queries are tested against it. Survivors of quantized bounds are
+// tested again by the floats, one part later.
 #ifndef HALFSPACE_DISPATCH_SCAN_PARTS_H_
 #define HALFSPACE_DISPATCH_SCAN_PARTS_H_
 
@@ -27,9 +27,9 @@ inline constexpr std::size_t kRunsOfOne = 4;
 
 // The words of a part, and which of them are nonzero.
 struct Tested {
-  // Up to kMostListed survivors of quantized bounds are listed. With one or two
-  // in a run, a loop over words and their bits is mispredicted once in each
-  // run, and there would be three such loops.
+  // Up to kMostListed survivors of quantized bounds are listed. If a run has
+  // one or two, each loop over words and bits is mispredicted once in each run,
+  // and there would be three such loops.
   static constexpr std::size_t kMostListed = 64;
 
   Part part;
@@ -58,17 +58,17 @@ struct Tested {
 bool FloatsReject(const Scan& scan, std::size_t query, std::size_t object);
 void PrefetchFloats(const Scan& scan, std::size_t object);
 
-// Prefetches share `share` of `shares` of the planes of objects begin ... begin
-// + objects - 1, as far as these exist. Otherwise the first batch on a tile
-// would wait for memory line by line.
+// Divides the planes of objects begin ... begin + objects - 1, as far as these
+// exist, into `shares` shares, and prefetches share number `share`. Without
+// this, the first batch on a tile would wait for memory line by line.
 void PrefetchTile(const Scan& scan, std::size_t begin, std::size_t objects,
                   std::size_t share, std::size_t shares);
 
-// One query takes a few runs at a time: the more work lies between prefetching
-// floats and reading them, the more of their latency is hidden. Several queries
-// take a tile that leaves room in the first-level cache for the words: a box
-// took 4 % more time with 32 KiB on Zen 4. The second half of quantized planes
-// is seldom read, and needs no room.
+// One query is tested on a few runs at a time, because more work between
+// prefetching floats and reading them hides more of their latency. Several
+// queries are tested on a tile that leaves room for the words in the
+// first-level cache: with 32 KiB a box took 4 % more time on Zen 4. The second
+// half of quantized planes is rarely read, so it does not count.
 inline std::size_t PartObjects(const Scan& scan) {
   constexpr std::size_t kTileBytes = 28 * 1024;
   constexpr std::size_t kQuantizedTileBytes = 32 * 1024;
@@ -94,7 +94,7 @@ template <typename Visit>
   }
 }
 
-// The same for the candidates, by their list if they are few.
+// Calls visit() for every candidate, from their list if they are few.
 template <typename Visit>
 void ForEachCandidate(const Tested& tested, const Visit& visit) {
   if (tested.candidates > Tested::kMostListed) return ForEachBit(tested, visit);
@@ -115,10 +115,10 @@ inline void FindNonzero(const Scan& scan, Tested& tested) {
 // Tests a part on quantized bounds that floats refine: writes its words, and
 // prefetches and lists the candidates.
 //
-// Octahedra's minima are the filter: they usually leave so few candidates that
-// testing those on floats is faster than testing the maxima, which out of the
-// caches are four more cache lines for each word. The maxima are tested too if
-// more than a quarter of the words are nonzero.
+// Of octahedra only the minima are tested. They usually leave so few candidates
+// that testing these by their floats is faster than testing the maxima, which
+// are four more cache lines for each word. If more than a quarter of the words
+// are nonzero, the maxima are tested too.
 inline void FindCandidates(const Scan& scan, Tested& tested) {
   bool is_tested = false;
   if (scan.way == detail::kBySimplex) {
@@ -193,13 +193,14 @@ struct Rows {
   std::uint64_t words[2][Queries::kRuns * kRunWords];
 };
 
-// Tests every batch of queries on every tile of objects, and calls
-// visit(tested) for each such part, after refining it, until it returns false.
-// place(part, turn) sets its rows and stride. The rows of two turns are in use
-// at a time. `tested` says which words are nonzero only if bounds are refined.
+// Tests every batch of queries on every tile of objects. Calls visit(tested)
+// for each part, after it was refined, until visit() returns false. place(part,
+// turn) sets the rows and the stride of a part. The rows of two turns are in
+// use at the same time. `tested` says which words are nonzero only if bounds
+// are refined.
 //
-// Queries are encoded once for all tiles of the world, kBlock at a time: so
-// many that reading the world again for the next block does not matter.
+// Queries are encoded once for all tiles, kBlock at a time. kBlock is so large
+// that reading the world again for the next block costs little.
 template <typename Queries, typename Place, typename Visit>
 void VisitParts(const Scan& scan, Place& place, const Visit& visit) {
   const detail::ScanType& type = *scan.type;
@@ -260,9 +261,9 @@ void VisitParts(const Scan& scan, Place& place, const Visit& visit) {
   visit(parts[turn ^ 1]);
 }
 
-// The same with rows on the stack, and `tested` says which words are nonzero. A
-// function of its own: a call of one run neither needs its stack nor pays for
-// saving its registers.
+// The same with rows on the stack, and `tested` always says which words are
+// nonzero. A function of its own, so that a call of one run needs neither its
+// stack nor its registers.
 template <typename Queries, typename Visit>
 [[gnu::noinline]] void VisitRows(const Scan& scan, const Visit& visit) {
   Rows<Queries> rows;
@@ -282,9 +283,9 @@ inline Tested OneRun(const Scan& scan, std::uint64_t* words,
   return tested;
 }
 
-// Tests all objects of a prepared scan, and calls visit(tested) with the words
-// of one part after another, until it returns false. One run is a part by
-// itself, which takes a fraction of the time of parts.
+// Tests all objects of a prepared scan. Calls visit(tested) with the words of
+// one part after another, until it returns false. A scan of one run is one
+// part, without the cost of parts.
 template <typename Queries, typename Visit>
 [[gnu::always_inline]] inline void VisitWords(Scan& scan,
                                               const Options& options,
@@ -310,8 +311,8 @@ template <typename Queries, typename Visit>
   VisitRows<Queries>(scan, visit);
 }
 
-// Calls visit(query, object) for every survivor: those of a query in a part in
-// ascending order.
+// Calls visit(query, object) for every survivor. Within a part, the objects of
+// each query ascend.
 template <typename Visit>
 [[gnu::always_inline]] inline void ForEachSurvivor(const Tested& tested,
                                                    const Visit& visit) {

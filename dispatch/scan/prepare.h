@@ -1,4 +1,5 @@
-// What every call does first: it checks its arguments, and chooses how to scan.
+// The first steps of every call: it checks its arguments and chooses how to
+// scan.
 #ifndef HALFSPACE_DISPATCH_SCAN_PREPARE_H_
 #define HALFSPACE_DISPATCH_SCAN_PREPARE_H_
 
@@ -19,8 +20,8 @@ namespace halfspace::dispatch {
 inline constexpr auto kLastSchedule =
     static_cast<std::size_t>(Schedule::kStagedByAxis);
 
-// Up to this many bytes of planes are taken to be in cache; more are streamed
-// where that pays.
+// Up to so many bytes of planes count as in cache. More are streamed, on
+// machines where that is faster.
 inline constexpr std::size_t kInCacheBytes = 128 * 1024;
 
 // Planes of no more values fit the address space whatever they store.
@@ -30,7 +31,8 @@ inline constexpr std::size_t kMostObjects =
 // Objects and queries that 32-bit indices can name.
 inline constexpr std::uint64_t kMostIndices = std::uint64_t{1} << 32;
 
-// What a call writes: `used` elements of `bytes` each. None need no check.
+// The output of a call: `used` elements of `bytes` each. If `used` is 0, it is
+// not checked.
 struct Output {
   const char* argument;
   const void* begin;
@@ -53,23 +55,23 @@ std::size_t CheckEach(const detail::Scan& scan, const Options& options,
                       const Output& output);
 void CheckOutput(const detail::Scan& scan, const Output& output);
 
-// The way through all planes, by shape and schedule; docs/design.md says why
-// the defaults are what they are.
+// The way through all planes, by bound type and schedule. docs/design.md
+// explains the defaults.
 inline constexpr detail::Way kWayOf[3][4] = {
     // kAuto, kFlat, kStaged, kStagedByAxis
     {detail::kMinima, detail::kMinima, detail::kMinima, detail::kMinima},
     {detail::kAdaptive, detail::kAll, detail::kByHalf, detail::kByAxis},
     {detail::kAdaptive, detail::kAll, detail::kBySimplex, detail::kByAxis},
 };
-// A word of quantized bounds is one or two vectors, so a stage by axis could
-// skip nothing.
+// A word of quantized bounds is only one or two vectors, so a stage by axis
+// could not skip anything.
 inline constexpr detail::Way kWayOfQuantized[3][4] = {
     {detail::kMinima, detail::kMinima, detail::kMinima, detail::kMinima},
     {detail::kAll, detail::kAll, detail::kAll, detail::kAll},
     {detail::kBySimplex, detail::kAll, detail::kBySimplex, detail::kBySimplex},
 };
 
-// The streaming way: of one query over planes that are not in cache.
+// The way of one query over planes that are not in cache.
 inline constexpr detail::Way kStreamingWayOf[detail::kWays] = {
     detail::kMinimaStreaming, detail::kMinimaStreaming, detail::kAllStreaming,
     detail::kAllStreaming,    detail::kByAxis,          detail::kByHalf,
@@ -92,9 +94,9 @@ inline std::int64_t Run(const detail::Scan& scan, const detail::Part& part) {
   return scan.kernels->run[scan.way](scan, part);
 }
 
-// Whether an output may overlap a plane or a query, or is null or misaligned.
-// Usually all planes are in one block of memory and the output is outside it,
-// which one compare finds. Differences wrap.
+// Whether an output is null or misaligned, or may overlap a plane or a query.
+// Usually all planes are in one block of memory and the output is outside of
+// it, so one compare is enough. Differences wrap.
 inline bool IsSuspect(const detail::Scan& scan, const Output& output) {
   const std::size_t bytes = output.used * output.bytes;
   const auto begin = reinterpret_cast<std::uintptr_t>(output.begin);
@@ -111,9 +113,9 @@ inline bool IsSuspect(const detail::Scan& scan, const Output& output) {
           queries - begin < bytes);
 }
 
-// Throws (error.h) in the name of `call`. output(objects) is what the call
-// writes for a range of so many. An empty world resolves its target too, so
-// that a bad target is always an error.
+// Throws (error.h) in the name of `call`. output(objects) returns the output of
+// the call for a range of so many objects. The target is resolved for an empty
+// world too, so that a bad target is always an error.
 template <typename OutputOf>
 inline void Prepare(detail::Scan& scan, const Options& options,
                     const char* call, const OutputOf& output_of) {
@@ -126,9 +128,9 @@ inline void Prepare(detail::Scan& scan, const Options& options,
   const auto queries = reinterpret_cast<std::uintptr_t>(scan.queries);
   const auto schedule = static_cast<std::size_t>(options.schedule);
   std::size_t target = KnownIndexOf(options.target);
-  // A quick check of a few cycles that finds whether anything may be wrong;
-  // only then is each plane checked. Refined scans have planes of floats too,
-  // and are always checked.
+  // A check of a few cycles finds out whether anything can be wrong. Only then
+  // is each plane checked. Refined scans have planes of floats too, so they are
+  // always checked.
   if (queries == 0 || (queries & (type.query_bytes - 1u)) != 0 ||
       scan.addresses.lowest == 0 ||
       (scan.addresses.bits & (type.element_bytes - 1u)) != 0 ||
@@ -158,8 +160,8 @@ inline void ChooseWay(detail::Scan& scan, const Options& options) {
   if (scan.is_streaming) scan.way = kStreamingWayOf[scan.way];
 }
 
-// The words of one query on the objects of the range, on all planes at once.
-// Not of quantized bounds.
+// Writes the words of one query on the objects of the range, on all planes at
+// once. Not for quantized bounds.
 inline void WriteFlatMask(const detail::Scan& scan, std::uint64_t* words) {
   const detail::MaskKernel mask = scan.type->flat == detail::kMinima
                                       ? scan.kernels->mask_of_minima

@@ -15,7 +15,8 @@ using dispatch::OneQuery;
 using dispatch::Output;
 using dispatch::Tested;
 
-// A function of its own, because its buffers take stack, too.
+// A function of its own, because its buffers would make the stack frame of its
+// caller large.
 [[gnu::noinline]] void WriteQuantizedMask(const Scan& scan,
                                           std::uint64_t* mask) {
   dispatch::WriteRows<OneQuery>(scan, mask, 0, false);
@@ -35,7 +36,7 @@ inline void WriteMask(Scan& scan, Span<std::uint64_t> mask,
   } else if (dispatch::IsFlat(scan, options)) {
     dispatch::WriteFlatMask(scan, mask.data());
   } else {
-    // Without parts: a small call costs little more than its kernel.
+    // Without parts, a small call costs little more than its kernel.
     dispatch::ChooseWay(scan, options);
     dispatch::Run(scan, dispatch::WholeRange(scan, mask.data()));
   }

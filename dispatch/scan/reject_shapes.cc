@@ -1,5 +1,5 @@
-// The calls of reject_shapes.h: half-spaces become the query of a scan, and the
-// calls of reject.h do the rest.
+// The calls of reject_shapes.h. Half-spaces become the query of a scan, which
+// the calls of reject.h run.
 #include "halfspace/reject_shapes.h"
 
 #include <cstddef>
@@ -14,8 +14,8 @@
 namespace halfspace::detail {
 namespace {
 
-// Lets a scan of half-spaces ask as a scan with queries. Apart, because its
-// list takes stack.
+// Runs a scan of half-spaces as a scan with queries. A function of its own,
+// because its list would make the stack frame of its caller large.
 template <typename Ask>
 HALFSPACE_NOINLINE auto WithQuery(FrontScan& fronts, const char* call,
                                   const Ask& ask) {

@@ -20,7 +20,7 @@
 
 namespace halfspace::dispatch {
 
-// More objects than WriteFlatMask() is for: of one query, and of each of
+// The calls for more objects than WriteFlatMask() takes: of one query, and of
 // several.
 void WriteManyObjects(detail::Scan& scan, std::uint64_t* mask);
 void WriteEachQuery(detail::Scan& scan, std::uint64_t* masks);
@@ -34,7 +34,7 @@ class Unchecked {
   // The calls on each compiled target, best first.
   static const std::array<OfBound, kernels::kCompiledTargets> kOnTarget;
 
-  // Those on the chosen target.
+  // The calls on the chosen target.
   static const OfBound& Chosen() {
     return *chosen_.load(std::memory_order_relaxed);
   }

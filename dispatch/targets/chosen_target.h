@@ -1,4 +1,4 @@
-// The place of a target in every list of kernels.
+// The index of a target in every table of kernels.
 #ifndef HALFSPACE_DISPATCH_TARGETS_CHOSEN_TARGET_H_
 #define HALFSPACE_DISPATCH_TARGETS_CHOSEN_TARGET_H_
 
@@ -12,18 +12,18 @@
 
 namespace halfspace::dispatch {
 
-// The index of a target among the compiled ones, best first; of the chosen one
-// for a default handle. Throws (error.h), in the name of `call`, if
-// it is not supported here or the choice failed.
+// The index of a target among the compiled targets, best first. A default
+// handle stands for the chosen target. Throws (error.h), in the name of `call`,
+// if the machine does not support the target or the choice failed.
 std::size_t ResolveIndex(Target target, const char* call);
 
-// One more than what has been resolved, by the index of the target's bit, the
-// default handle last; else 0.
+// For the bit of each target, 1 more than its index if it was resolved before,
+// and else 0. The last element is for the default handle.
 extern std::array<std::atomic<std::uint8_t>, 65> resolved_indices;
 
 inline constexpr std::size_t kUnknownTarget = ~std::size_t{0};
 
-// The same if it has been resolved before, else kUnknownTarget.
+// The index if it was resolved before, and else kUnknownTarget.
 inline std::size_t KnownIndexOf(Target target) {
   const auto bit = static_cast<std::uint64_t>(target.highway_bit());
   // No std::has_single_bit: the baseline of x86 has no popcnt.

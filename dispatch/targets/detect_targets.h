@@ -1,11 +1,12 @@
 // Which of Highway's targets a machine runs. The library uses only Highway's
 // headers, so it queries CPU and operating system itself.
 //
-// The conditions are those of Highway's SupportedTargets(); where its releases
-// differ, the strictest. (1.0.3 does without AVX512CD, GFNI and SVE2_128's I8MM
-// and BF16, and trusts an operating system without XSAVE.) SSE4 needs POPCNT,
-// too: compilers use it where a target has SSE4.2. The conditions are separate
-// from the queries of the machine, so that a test can describe other machines.
+// The conditions are those of Highway's SupportedTargets(). Where its releases
+// differ, the strictest one counts. (1.0.3 does not ask for AVX512CD, GFNI and
+// SVE2_128's I8MM and BF16, and trusts an operating system without XSAVE.) SSE4
+// needs POPCNT, too: compilers use it where a target has SSE4.2. The conditions
+// are separate from the queries of the machine, so that a test can describe
+// other machines.
 #ifndef HALFSPACE_DISPATCH_TARGETS_DETECT_TARGETS_H_
 #define HALFSPACE_DISPATCH_TARGETS_DETECT_TARGETS_H_
 
@@ -16,7 +17,8 @@
 
 namespace halfspace::dispatch {
 
-// Registers by CPUID's leaf, and subleaf. What a CPU does not have is 0.
+// Registers of CPUID, by leaf and subleaf. A leaf that the CPU does not have is
+// 0.
 struct X86Machine {
   std::uint32_t leaf1_eax = 0;
   std::uint32_t leaf1_ecx = 0;
@@ -129,9 +131,9 @@ constexpr std::int64_t TargetsOf(const Aarch64Machine& machine) {
   return targets;
 }
 
-// The targets of this build that this machine runs: those above on x86 and on
-// aarch64 Linux, and everywhere the plain fall-back and what the compiler was
-// told that it may use without a check.
+// The targets of this build that this machine runs. On x86 and on aarch64 Linux
+// these are the targets above. Everywhere they include the plain fall-back, and
+// the targets that the compiler was told to use without a check.
 std::int64_t DetectTargets();
 
 // The family of a CPU, by leaf 1.
@@ -156,7 +158,7 @@ constexpr bool StreamingPaysOn(const X86Machine& machine) {
          (TargetsOf(machine) & HWY_AVX3) != 0;
 }
 
-// The same of this machine, which is asked once.
+// The same for this machine. It is detected once.
 bool StreamingPays();
 
 }  // namespace halfspace::dispatch

@@ -59,7 +59,7 @@ const char* EnvironmentOverride() {
 #endif
 }
 
-// Of letters without accents, whatever the locale.
+// For ASCII letters, in every locale.
 bool IsSameButForCase(std::string_view a, std::string_view b) {
   const auto lower = [](char c) {
     return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -69,7 +69,7 @@ bool IsSameButForCase(std::string_view a, std::string_view b) {
       [&](char left, char right) { return lower(left) == lower(right); });
 }
 
-// Empty if `name` is a supported target; else the name and what is wrong.
+// Returns "" if `name` is a supported target, and else the name and the reason.
 std::string WhyNot(std::string_view name) {
   if (FindTarget(name)) return {};
   std::string why(1, '"');

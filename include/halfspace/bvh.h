@@ -39,8 +39,8 @@
 //
 // Floating-point mode: as in reject.h, except that queries may raise inexact,
 // overflow and underflow. A program that enables floating-point traps must
-// disable these three during a query. Building and
-// changing a world never trap, in any mode.
+// disable these three during a query. Building and changing a world never trap,
+// in any mode.
 //
 // Thread safety: queries of one world may run at the same time. A query uses up
 // to 8 KiB of stack, allocates nothing, locks nothing and keeps no state.
@@ -75,8 +75,7 @@ enum class BuildQuality : std::uint8_t {
   kHigh,
   // Sorts along a Hilbert curve. O(n), about a fifth of the time. Queries take
   // up to 1.4 times as long as with kHigh. The curve has 1024 cells for each of
-  // 3
-  // axes. They cover the region of most objects, and objects outside it share
+  // 3 axes. They cover the region of most objects, and objects outside it share
   // the outermost cells.
   kFast,
 };
@@ -158,9 +157,9 @@ Span<const typename Bound::Scalar> ValuesOfAll(Span<const Bound> bounds) {
 // Memory: one block, from the heap or from a resource of the caller's
 // (memory.h, which says what copies, moves and swap(a, b) use). Boxes in 3
 // dimensions take 41 bytes per place, 24 of them floats, or 29 with room for up
-// to 4096. They take 4.13 more per id below the greatest after
-// the first change by id, and 4 more per place with masks. A build needs
-// 16 more bytes per object. Sorting all objects again needs up to 112.
+// to 4096. They take 4.13 more per id below the greatest after the first change
+// by id, and 4 more per place with masks. A build needs 16 more bytes per
+// object. Sorting all objects again needs up to 112.
 //
 // Places: an object has a place in the order, and an erased object leaves an
 // empty one. There are never more than 2 * size() + 64 places. Objects move

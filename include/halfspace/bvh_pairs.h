@@ -22,8 +22,7 @@
 // Errors (error.h), in every call: an output with room or a list of ids is null
 // or misaligned; an id is not that of an object in the world; the margin is
 // negative or not finite; `wanted` is not empty and has another size than
-// `ids`, or the call has no set; the
-// target is not supported.
+// `ids`, or the call has no set; the target is not supported.
 //
 // Floating-point mode: as in bvh.h.
 //

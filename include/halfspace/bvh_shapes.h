@@ -39,13 +39,13 @@
 // NaN and infinities: planes of objects as in reject.h. A point, sphere,
 // segment or capsule with a NaN in a point, with an infinity, or with
 // magnitudes that sum to more than 2^125 is a query of Everything(), like the
-// bound that a builder of fit.h makes of it. An oriented box with a NaN or
-// an infinity keeps every object. A NaN radius is an
-// error. A half-space with a NaN or an infinity keeps every object, and so does
-// one whose normal has a component that is not 0 and less than 2^-96 of
-// another. An empty list of half-spaces keeps every object. An Empty() object
-// is found only by a query that keeps every object: a list of half-spaces, or
-// an oriented box with a NaN or an infinity.
+// bound that a builder of fit.h makes of it. An oriented box with a NaN or an
+// infinity keeps every object. A NaN radius is an error. A half-space with a
+// NaN or an infinity keeps every object, and so does one whose normal has a
+// component that is not 0 and less than 2^-96 of another. An empty list of
+// half-spaces keeps every object. An Empty() object is found only by a query
+// that keeps every object: a list of half-spaces, or an oriented box with a NaN
+// or an infinity.
 //
 // Errors (error.h): those of bvh.h; a radius is negative or NaN; there are
 // more than 64 half-spaces; the pointer to them is null or misaligned.

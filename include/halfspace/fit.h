@@ -54,6 +54,59 @@
 
 namespace halfspace {
 
+namespace detail {
+
+// A shape of a type below, and the Aabo of as many dimensions for its bound.
+struct AnyShape {
+  const void* shape;
+  int dims;
+  bool is_double;
+  void* bound;
+};
+
+// With `indices`, of these points only.
+HALFSPACE_API void BoundPoints(const AnyShape& points,
+                               const Span<const std::uint32_t>* indices,
+                               FitStatus* status);
+HALFSPACE_API void BoundPointsSoa(const AnyShape& points,
+                                  const Span<const std::uint32_t>* indices,
+                                  FitStatus* status);
+HALFSPACE_API void BoundSegment(const AnyShape& segment, FitStatus* status);
+HALFSPACE_API void BoundTriangle(const AnyShape& triangle, FitStatus* status);
+HALFSPACE_API void BoundRay(const AnyShape& ray, FitStatus* status);
+HALFSPACE_API void BoundAabb(const AnyShape& box, FitStatus* status);
+HALFSPACE_API void BoundSphere(const AnyShape& sphere, FitStatus* status);
+HALFSPACE_API void BoundCapsule(const AnyShape& capsule, FitStatus* status);
+HALFSPACE_API void BoundOrientedBox(const AnyShape& box, FitStatus* status);
+// The bound is an array of `pieces`.
+HALFSPACE_API void BoundSegmentPieces(const AnyShape& segment,
+                                      std::size_t pieces, FitStatus* status);
+// `map` is an Affine of as many dimensions.
+HALFSPACE_API void BoundImageOfPoints(const AnyShape& points, const void* map,
+                                      bool is_map_double, FitStatus* status);
+HALFSPACE_API void BoundImageOfBox(const AnyShape& box, const void* map,
+                                   bool is_map_double, FitStatus* status);
+
+template <int kDims, typename Scalar>
+AnyShape ShapeOf(const void* shape, void* bound) {
+  static_assert(2 <= kDims && kDims <= 4, "bounds have 2, 3 or 4 dimensions");
+  static_assert(std::is_same_v<Scalar, float> || std::is_same_v<Scalar, double>,
+                "shapes are of floats or doubles");
+  return {shape, kDims, std::is_same_v<Scalar, double>, bound};
+}
+
+// Calls build(shape, arguments...), and returns the bound.
+template <int kDims, typename Scalar, typename... Parameters,
+          typename... Arguments>
+Aabo<kDims> Built(void (*build)(const AnyShape&, Parameters...),
+                  const void* shape, const Arguments&... arguments) {
+  Aabo<kDims> bound;
+  build(ShapeOf<kDims, Scalar>(shape, &bound), arguments...);
+  return bound;
+}
+
+}  // namespace detail
+
 // Bounds the convex hull of a point set, stored as an array of structures or as
 // a structure of arrays. Returns Empty() if there are no points.
 //   Tightest. X, Y and Z of floats are copied.
@@ -61,11 +114,17 @@ namespace halfspace {
 //   points do not fit the address space.
 //   Everything() if any of the points is NaN, infinite or too large (above).
 template <int kDims, typename Scalar = float>
-HALFSPACE_API Aabo<kDims> BoundPoints(const Points<kDims, Scalar>& points,
-                                      FitStatus* status = nullptr);
+Aabo<kDims> BoundPoints(const Points<kDims, Scalar>& points,
+                        FitStatus* status = nullptr) {
+  return detail::Built<kDims, Scalar>(&detail::BoundPoints, &points, nullptr,
+                                      status);
+}
 template <int kDims, typename Scalar>
-HALFSPACE_API Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
-                                      FitStatus* status = nullptr);
+Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
+                        FitStatus* status = nullptr) {
+  return detail::Built<kDims, Scalar>(&detail::BoundPointsSoa, &points, nullptr,
+                                      status);
+}
 
 // Bounds only the points with these indices, for example one bound for a whole
 // triangle mesh. The order of the indices does not matter, and an index may
@@ -73,13 +132,19 @@ HALFSPACE_API Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
 //   Throws also if an index is not below `points.count`, or if there are
 //   indices and the pointer to them is null or misaligned.
 template <int kDims, typename Scalar = float>
-HALFSPACE_API Aabo<kDims> BoundPoints(const Points<kDims, Scalar>& points,
-                                      Span<const std::uint32_t> indices,
-                                      FitStatus* status = nullptr);
+Aabo<kDims> BoundPoints(const Points<kDims, Scalar>& points,
+                        Span<const std::uint32_t> indices,
+                        FitStatus* status = nullptr) {
+  return detail::Built<kDims, Scalar>(&detail::BoundPoints, &points, &indices,
+                                      status);
+}
 template <int kDims, typename Scalar = float>
-HALFSPACE_API Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
-                                      Span<const std::uint32_t> indices,
-                                      FitStatus* status = nullptr);
+Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
+                        Span<const std::uint32_t> indices,
+                        FitStatus* status = nullptr) {
+  return detail::Built<kDims, Scalar>(&detail::BoundPointsSoa, &points,
+                                      &indices, status);
+}
 
 // Bounds one point. Tightest. Call as BoundPoint<3>({x, y, z}).
 template <int kDims, typename Scalar = float>
@@ -92,20 +157,27 @@ Aabo<kDims> BoundPoint(const Point<kDims, Scalar>& point,
 //   A single bound fits a long diagonal segment poorly. Use BoundSegmentPieces
 //   for those.
 template <int kDims, typename Scalar = float>
-HALFSPACE_API Aabo<kDims> BoundSegment(const Segment<kDims, Scalar>& segment,
-                                       FitStatus* status = nullptr);
+Aabo<kDims> BoundSegment(const Segment<kDims, Scalar>& segment,
+                         FitStatus* status = nullptr) {
+  return detail::Built<kDims, Scalar>(&detail::BoundSegment, &segment, status);
+}
 
 // Bounds a triangle. Tightest.
 template <int kDims, typename Scalar = float>
-HALFSPACE_API Aabo<kDims> BoundTriangle(const Triangle<kDims, Scalar>& triangle,
-                                        FitStatus* status = nullptr);
+Aabo<kDims> BoundTriangle(const Triangle<kDims, Scalar>& triangle,
+                          FitStatus* status = nullptr) {
+  return detail::Built<kDims, Scalar>(&detail::BoundTriangle, &triangle,
+                                      status);
+}
 
 // Bounds a ray up to its maximum distance. Tightest.
 //   Throws if `ray.max_t` is negative or NaN. Everything() if it is infinite;
 //   pass the distance at which your world ends instead.
 template <int kDims, typename Scalar = float>
-HALFSPACE_API Aabo<kDims> BoundRay(const Ray<kDims, Scalar>& ray,
-                                   FitStatus* status = nullptr);
+Aabo<kDims> BoundRay(const Ray<kDims, Scalar>& ray,
+                     FitStatus* status = nullptr) {
+  return detail::Built<kDims, Scalar>(&detail::BoundRay, &ray, status);
+}
 
 // Cuts a segment into `pieces.size()` equal pieces and writes a bound of each
 // piece, in order from a to b. Together the bounds enclose the whole segment,
@@ -118,10 +190,14 @@ HALFSPACE_API Aabo<kDims> BoundRay(const Ray<kDims, Scalar>& ray,
 //   Throws if there are more than 2^24 pieces, or if there are pieces and the
 //   pointer to them is null or misaligned.
 template <int kDims, typename Scalar = float>
-HALFSPACE_API void BoundSegmentPieces(
+void BoundSegmentPieces(
     const Segment<kDims, Scalar>& segment,
     std::decay_t<Span<Aabo<kDims>>> pieces,  // or a vector of them
-    FitStatus* status = nullptr);
+    FitStatus* status = nullptr) {
+  detail::BoundSegmentPieces(
+      detail::ShapeOf<kDims, Scalar>(&segment, pieces.data()), pieces.size(),
+      status);
+}
 
 // Bounds an axis-aligned box: its X, Y and Z, and the D of its corners.
 //   Tightest.
@@ -129,8 +205,10 @@ HALFSPACE_API void BoundSegmentPieces(
 //   FLT_MAX and -FLT_MAX (DBL_MAX and -DBL_MAX for doubles).
 //   Throws if min[k] > max[k] in any other box.
 template <int kDims, typename Scalar = float>
-HALFSPACE_API Aabo<kDims> BoundAabb(const Aabb<kDims, Scalar>& box,
-                                    FitStatus* status = nullptr);
+Aabo<kDims> BoundAabb(const Aabb<kDims, Scalar>& box,
+                      FitStatus* status = nullptr) {
+  return detail::Built<kDims, Scalar>(&detail::BoundAabb, &box, status);
+}
 
 // Bounds a sphere. Radius 0 is a point. For a body that rotates, bound a sphere
 // around its pivot.
@@ -138,21 +216,27 @@ HALFSPACE_API Aabo<kDims> BoundAabb(const Aabb<kDims, Scalar>& box,
 //   where the center and the radius almost cancel.
 //   Throws if the radius is negative or NaN.
 template <int kDims, typename Scalar = float>
-HALFSPACE_API Aabo<kDims> BoundSphere(const Sphere<kDims, Scalar>& sphere,
-                                      FitStatus* status = nullptr);
+Aabo<kDims> BoundSphere(const Sphere<kDims, Scalar>& sphere,
+                        FitStatus* status = nullptr) {
+  return detail::Built<kDims, Scalar>(&detail::BoundSphere, &sphere, status);
+}
 
 // Bounds a capsule, which is a swept sphere. Tightness and errors as for
 // BoundSphere.
 template <int kDims, typename Scalar = float>
-HALFSPACE_API Aabo<kDims> BoundCapsule(const Capsule<kDims, Scalar>& capsule,
-                                       FitStatus* status = nullptr);
+Aabo<kDims> BoundCapsule(const Capsule<kDims, Scalar>& capsule,
+                         FitStatus* status = nullptr) {
+  return detail::Built<kDims, Scalar>(&detail::BoundCapsule, &capsule, status);
+}
 
 // Bounds an oriented box, or any parallelepiped. Tightest.
 //   Throws if a half-extent is negative or NaN.
 //   Everything() also if a number of an axis is beyond 2^900.
 template <int kDims, typename Scalar = float>
-HALFSPACE_API Aabo<kDims> BoundOrientedBox(
-    const OrientedBox<kDims, Scalar>& box, FitStatus* status = nullptr);
+Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims, Scalar>& box,
+                             FitStatus* status = nullptr) {
+  return detail::Built<kDims, Scalar>(&detail::BoundOrientedBox, &box, status);
+}
 
 // Bounds the points in front of all six planes of a frustum, or of any convex
 // set with up to six faces; planes may repeat. If you know the eight corners,
@@ -179,13 +263,21 @@ HALFSPACE_API Aabo3 BoundFrustum(Span<const HalfSpace<3, double>> planes,
 //   image of a box is Everything() also if a number of `map.linear` is beyond
 //   2^900.
 template <int kDims, typename Scalar = float, typename MapScalar = float>
-HALFSPACE_API Aabo<kDims> BoundTransformed(const Points<kDims, Scalar>& points,
-                                           const Affine<kDims, MapScalar>& map,
-                                           FitStatus* status = nullptr);
+Aabo<kDims> BoundTransformed(const Points<kDims, Scalar>& points,
+                             const Affine<kDims, MapScalar>& map,
+                             FitStatus* status = nullptr) {
+  return detail::Built<kDims, Scalar>(&detail::BoundImageOfPoints, &points,
+                                      &map, std::is_same_v<MapScalar, double>,
+                                      status);
+}
 template <int kDims, typename Scalar = float, typename MapScalar = float>
-HALFSPACE_API Aabo<kDims> BoundTransformed(const Aabb<kDims, Scalar>& box,
-                                           const Affine<kDims, MapScalar>& map,
-                                           FitStatus* status = nullptr);
+Aabo<kDims> BoundTransformed(const Aabb<kDims, Scalar>& box,
+                             const Affine<kDims, MapScalar>& map,
+                             FitStatus* status = nullptr) {
+  return detail::Built<kDims, Scalar>(&detail::BoundImageOfBox, &box, &map,
+                                      std::is_same_v<MapScalar, double>,
+                                      status);
+}
 
 }  // namespace halfspace
 

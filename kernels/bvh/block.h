@@ -1,4 +1,4 @@
-// The codes of objects, and the arguments of the kernels of BVHs. No Highway
+// The codes of objects, and the parameters of the kernels of BVHs. No Highway
 // here.
 #ifndef HALFSPACE_KERNELS_BVH_BLOCK_H_
 #define HALFSPACE_KERNELS_BVH_BLOCK_H_
@@ -26,18 +26,18 @@ static_assert(kMostAtOnce == kBlockObjects);
 //
 //   min(max(floor((v - base) * scale), 0), kMostCode)
 //
-// computed in float. A query's value is encoded twice, kCodeMargin above and
-// below that, which is more than all rounding, in any mode: a code above the
-// upper one proves that the value is greater, one below the lower that it is
-// less. That holds for any finite base and any positive scale up to 2^100
-// (docs/bvh.md).
+// computed in float. A value of a query gets two codes, kCodeMargin above and
+// kCodeMargin below the formula. The margin is more than all rounding errors in
+// any mode. So an object with a code above the upper one has a greater value,
+// and an object with a code below the lower one has a lesser value. This holds
+// for any finite base and any positive scale up to 2^100 (docs/bvh.md).
 inline constexpr int kMostCode = 65535;
 inline constexpr int kCodeBias = 32768;
 inline constexpr float kCodeMargin = 0x1p-4f;
 
-// The most queries that walk together: a place in a list of blocks to visit is
-// the query above kQueryShift bits of the block. The highest of these says that
-// the block lies inside the query.
+// The most queries that walk together. An entry in a list of blocks to visit
+// has the number of the query above kQueryShift bits of the block. The highest
+// of these bits says that the block is inside the query.
 inline constexpr std::size_t kWalkers = 64;
 inline constexpr std::size_t kQueryShift = 26;
 inline constexpr std::uint32_t kInsideBit = std::uint32_t{1}
@@ -54,23 +54,25 @@ using WalkFunction = void (*)(const Walk& walk);
 
 struct Walk {
   const BvhLevels* levels;
-  // Bounds, one after another: of each all minima, then all maxima; of
-  // simplices maxima. Or one shape, as its kernel reads it.
+  // Bounds, one after another: first all minima, then all maxima of each;
+  // simplices have only maxima. Or one query shape in the form that its kernel
+  // reads (shape.h).
   const void* queries;
   std::size_t query_count;
   WalkIds* ids;         // to find
   std::size_t* counts;  // to count: of each query, added to
-  // Objects that have none of them are left out; all ones leave out none.
+  // Only objects whose masks have one of these bits are found. All ones finds
+  // all objects.
   std::uint32_t mask;
   QueryStatistics* statistics;  // added to, or null
-  // The first survivor is wanted soon: leaves are read when they are found, and
-  // not several at a time, until the first flush().
+  // Whether the first survivor is wanted soon. Then each leaf is read when it
+  // is found, instead of several leaves at a time, until the first flush().
   bool is_urgent;
 };
 
-// Blocks begin ... end - 1 of a level: encodes each, if there are codes, and
-// bounds it by a node of the next level, unless there is none. Threads may
-// share a level at multiples of 64 blocks.
+// Blocks begin ... end - 1 of a level. The kernel encodes each block, if there
+// are codes, and bounds it by a node of the next level, if there is one.
+// Threads may divide a level at multiples of 64 blocks.
 struct BlockRange {
   const BvhLevel* level;
   const BvhLevel* above;  // or null
@@ -80,21 +82,22 @@ struct BlockRange {
   std::size_t end;
   // Null, or a word for each of these blocks, with a bit for each object or
   // node that has changed. The others keep their codes, and a block without a
-  // bit keeps its node. `above` is not null then.
+  // set bit keeps its node. If this is not null, `above` is not null either.
   const std::uint64_t* changed;
-  // The same of the next level, from the word of block `begin` on: takes a bit
-  // for each node that changes.
+  // The kernel sets a bit for each node of the next level that changes. This
+  // points to the word of the node of block `begin`.
   std::uint64_t* changed_above;
 };
 
-// Of some objects: coordinate k of the center of object i. What has no center,
-// as it is empty or no number, has the last one.
+// Coordinate k of the center of object i. An object without a center, which is
+// empty or has a NaN, gets kLastCenter.
 inline constexpr std::size_t kCenterAxes =
     3;  // the last is 0 where two are used
 using Centers = std::array<std::array<float, kBlockObjects>, kCenterAxes>;
 inline constexpr float kLastCenter = std::numeric_limits<float>::max() / 4;
 
-// A curve's cells: from the least center on, as a share of all of an axis.
+// The grid of a curve. On each axis it begins at the least center, and has a
+// number of cells per unit of length.
 inline constexpr std::uint32_t kPlaceBits = 30;  // of all axes
 struct Grid {
   std::array<float, kCenterAxes> least;
@@ -103,10 +106,10 @@ struct Grid {
 
 struct BvhKernels {
   struct OfPlanes {
-    // Of objects first ... first + count - 1, at most 64.
+    // Finds the centers of objects first ... first + count - 1, at most 64.
     void (*centers)(const Columns& objects, std::size_t first,
                     std::size_t count, Centers& centers);
-    // Where 64 centers are on Hilbert's curve.
+    // Finds the places of 64 centers on Hilbert's curve.
     void (*places)(const Centers& centers, const Grid& grid,
                    std::uint32_t* places);
     void (*encode)(const BlockRange& range);
@@ -117,8 +120,9 @@ struct BvhKernels {
   OfPlanes all;
 };
 
-// A set of slots, in a hash table of blocks: its size follows from that of the
-// set. With an entry for each block of the world, all are in order.
+// A set of slots, as a hash table of blocks. Its size depends on the size of
+// the set. If it has an entry for each block of the world, the entries are in
+// the order of the blocks.
 struct SlotSet {
   struct Block {
     std::uint64_t slots;  // 0: an unused entry
@@ -126,8 +130,8 @@ struct SlotSet {
     std::uint32_t first;  // slots of the set in the entries before
   };
 
-  // The entry of a block, or the unused one where it would be. A table with
-  // fewer entries than blocks has unused ones.
+  // The entry of a block, or the unused entry where it would be. A table with
+  // fewer entries than blocks always has unused entries.
   std::size_t EntryOf(std::size_t block) const {
     std::size_t i = (block + (block >> bits) * kSpread) & ((1u << bits) - 1);
     while (blocks[i].slots != 0 && blocks[i].block != block) {
@@ -146,25 +150,25 @@ struct SlotSet {
            static_cast<std::size_t>(std::popcount(entry.slots & (bit - 1)));
   }
 
-  // Odd, so that blocks at any distance from each other have other entries.
+  // Odd, so that blocks at any distance from each other get different entries.
   static constexpr std::size_t kSpread = 0x9E3779B1;
   Block* blocks;
   std::size_t size;
   std::uint32_t bits;
-  // What each slot of the set, by its rank, wants of the masks of others, or
-  // null.
+  // For each slot of the set, by its rank: the masks that the other object of a
+  // pair must have one bit of. Or null.
   const std::uint32_t* wanted;
 };
 
-// The objects in blocks begin ... end - 1 of one world, with those of another
-// or of the same world.
+// Finds the pairs of the objects in blocks begin ... end - 1 of one world with
+// the objects of another world or of the same world.
 struct PairJoin {
   Walk walk;  // in the other world: its levels, and masks of both
   const BvhLevels* queries;
   bool is_one_world;   // each pair is written once, and no object with itself
   const SlotSet* set;  // only these objects, with all objects; or null
   bool has_margin;
-  // Bounds this far apart on each axis are a pair.
+  // Bounds up to this far apart on each axis are a pair.
   std::array<float, 4> margins;
   std::size_t begin;
   std::size_t end;
@@ -175,7 +179,7 @@ struct BvhPairKernels {
   void (*join)(const PairJoin& join);
 };
 
-// A table of kernels for bounds with any planes.
+// A table of kernels that serve bounds with any planes.
 template <typename Kernels>
 struct KernelsOfAll {
   static const Kernels* const kTargets;  // of each compiled target, best first

@@ -1,5 +1,5 @@
-// Blocks of 64 objects or nodes: their bounds, the codes of leaves, and the
-// tests of a query on both.
+// Blocks of 64 objects or nodes. Computes their bounds and the codes of leaves,
+// and tests them against queries.
 #if defined(HALFSPACE_KERNELS_BVH_BLOCKS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_BVH_BLOCKS_INL_H_
 #undef HALFSPACE_KERNELS_BVH_BLOCKS_INL_H_
@@ -22,7 +22,8 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The lowest level of one block: a tree with room for more has levels above.
+// The lowest level that has only one block. A tree with room for more objects
+// has levels above it.
 HWY_INLINE size_t TopLevel(const detail::BvhLevels& levels) {
   size_t top = levels.count - 1;
   while (top != 0 && levels.level[top - 1].size <= detail::kBlockObjects) --top;
@@ -46,7 +47,8 @@ HWY_INLINE hn::Vec<hn::Rebind<int32_t, D>> CodesOf(D d, hn::Vec<D> scaled) {
       hn::Min(hn::Max(scaled, hn::Zero(d)),
               hn::Set(d, static_cast<float>(detail::kMostCode)));
 #if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
-  // Highway's conversion mends what is out of range, in five instructions more.
+  // Highway's conversion handles values out of range, in five more
+  // instructions.
   if constexpr (hn::MaxLanes(D()) == 8) {
     const decltype(hn::Zero(di)) truncated{_mm256_cvttps_epi32(clamped.raw)};
     return hn::Sub(truncated, hn::Set(di, detail::kCodeBias));
@@ -55,24 +57,25 @@ HWY_INLINE hn::Vec<hn::Rebind<int32_t, D>> CodesOf(D d, hn::Vec<D> scaled) {
   return hn::Sub(hn::ConvertTo(di, clamped), hn::Set(di, detail::kCodeBias));
 }
 
-// The value of a query that plane p is compared with: that of the other side on
-// the same axis. A query has all minima, then all maxima; of simplices maxima.
+// The value of a query that plane p is compared with, which is the opposite
+// side of the same axis. A query has all minima, then all maxima. A query of
+// simplices has only maxima.
 template <size_t kAxes, size_t kPlanes>
 constexpr size_t OpposingPlane(size_t p) {
   return (p + kAxes) % kPlanes;
 }
 
 struct QueryCodes {
-  // The upper codes in the lanes of a CodeMap, each in both halves, so that one
-  // load fills a vector.
+  // The upper codes in the order of the lanes of a CodeMap. Each is stored
+  // twice, so that one load fills a vector.
   alignas(32) int32_t upper[detail::CodeMap::kLanes];
-  // An object whose codes are above these by no more than this, which is
-  // negative, is certain to survive.
+  // An object certainly survives if none of its codes minus these is above this
+  // number, which is negative.
   int16_t certain = -2;
 };
 
-// The values in the lanes of a CodeMap. As arguments of one instruction,
-// because a load waits for stores of its parts.
+// The values of a query in the lanes of a CodeMap. They are arguments of one
+// instruction, because a load would wait for the stores of its parts.
 template <size_t kAxes, bool kHasMax, class D>
 HWY_INLINE hn::Vec<D> QueryLanes([[maybe_unused]] D d, const float* query,
                                  size_t first) {
@@ -104,7 +107,7 @@ HWY_INLINE hn::Vec<D> QueryLanes([[maybe_unused]] D d, const float* query,
 #endif
 }
 
-// Once for each query and world, as all leaves share a map.
+// Called once for each query and world, because all leaves share a map.
 template <size_t kAxes, bool kHasMax>
 HWY_INLINE void EncodeQuery(const detail::CodeMap& map, const float* query,
                             QueryCodes& codes) {
@@ -130,15 +133,16 @@ HWY_INLINE void EncodeQuery(const detail::CodeMap& map, const float* query,
   codes.certain = hn::AllTrue(di, hn::Eq(differ, hn::Zero(di))) ? -1 : -2;
 }
 
-// Of the objects of a leaf: bit i of `kept` says that no code rejects object i,
-// and of `unsure` that its floats have to tell, though it is kept.
+// The result for a leaf. Bit i of `kept` says that no code rejects object i.
+// Bit i of `unsure` says that it is kept, but its floats have to be tested.
 struct LeafBits {
   uint64_t kept;
   uint64_t unsure;
 };
 
-// The greatest of the codes of vector `codes` of a leaf, less the query's. As a
-// chain of arguments, so that each plane is loaded once.
+// The greatest difference between the codes of objects and the codes of the
+// query, for one vector of objects. It is a chain of calls, so that each plane
+// is loaded once.
 template <size_t kAxes, size_t kPlane, class D>
 HWY_INLINE hn::Vec<D> AboveQuery(D d, const int16_t* codes,
                                  const QueryCodes& query) {
@@ -168,8 +172,8 @@ HWY_INLINE LeafBits TestCodes(const int16_t* codes, const QueryCodes& query) {
   return {~rejected, not_certain & ~rejected};
 }
 
-// The verdict bits of planes kFirst, kFirst + 1, ... on the vector from object
-// i on.
+// The verdict bits of one vector of objects, from object i on, on planes
+// kFirst, kFirst + 1, ...
 template <size_t kMins, size_t kFirst, size_t kPlanes, size_t... kPlane>
 HWY_INLINE uint64_t TestVector(std::index_sequence<kPlane...>,
                                const float* const* planes, size_t i,
@@ -181,10 +185,10 @@ HWY_INLINE uint64_t TestVector(std::index_sequence<kPlane...>,
                                        kFirst + kPlane)])...));
 }
 
-// Tests plane after plane of the first `count` objects or nodes of a block, 64
-// floats each. The first kMins of them reject above the query's value. More
-// bits than `count` may be set. With kIsSmall in less code, which pays where
-// there are few.
+// Tests the first `count` objects or nodes of a block, plane after plane. The
+// first kMins planes reject if they are above the query's value. Bits beyond
+// `count` may be set. With kIsSmall it takes less code, which is faster for few
+// objects.
 template <size_t kMins, bool kIsSmall, size_t... kPlane>
 HWY_INLINE uint64_t TestPlanes(std::index_sequence<kPlane...>,
                                const float* const* planes, size_t count,
@@ -196,8 +200,8 @@ HWY_INLINE uint64_t TestPlanes(std::index_sequence<kPlane...>,
         d, LoadAll(), planes, 0,
         hn::Set(d, query[OpposingPlane<kMins, kPlanes>(kPlane)])...);
   }
-  // Minima and maxima by themselves: with few vectors the latency of one chain
-  // of compares is what a query waits for.
+  // Minima and maxima are two chains of compares: with few vectors, the latency
+  // of one chain would decide the time of a query.
   constexpr size_t kMaxs = kPlanes - kMins;
   const size_t lanes = hn::Lanes(d);
   uint64_t bits = 0;
@@ -237,8 +241,8 @@ HWY_INLINE uint64_t TestFloats(const detail::BvhLevel& level, size_t block,
              query);
 }
 
-// The nodes inside a box or an octahedron: those whose minima and maxima are
-// both between its own.
+// The nodes inside a box or an octahedron: both their minima and their maxima
+// are between the minima and maxima of the query.
 template <size_t kAxes>
 HWY_INLINE uint64_t InsideBits(const detail::BvhLevel& level, size_t block,
                                const float* query) {
@@ -246,7 +250,7 @@ HWY_INLINE uint64_t InsideBits(const detail::BvhLevel& level, size_t block,
                                             detail::kBlockObjects, query);
 }
 
-// The bits of those of 64 objects or nodes that have a bit of a mask.
+// A bit for each of 64 objects or nodes whose mask has a bit of `mask`.
 HWY_NOINLINE inline uint64_t MaskBits(const uint32_t* masks, uint32_t mask) {
   const WordTag<uint32_t> d;
   const auto wanted = hn::Set(d, mask);
@@ -258,7 +262,8 @@ HWY_NOINLINE inline uint64_t MaskBits(const uint32_t* masks, uint32_t mask) {
   return bits;
 }
 
-// A plane of a block as the least of what it stores; maxima are negated.
+// One vector of a plane; maxima are negated, so that the least value bounds the
+// others.
 template <bool kIsMax, class D>
 HWY_INLINE hn::Vec<D> LeastOf(D d, const float* plane) {
   const auto values = hn::LoadU(d, plane);
@@ -268,14 +273,14 @@ HWY_INLINE hn::Vec<D> LeastOf(D d, const float* plane) {
 template <class D>
 HWY_INLINE float LeastLane(D d, hn::Vec<D> values) {
 #if HWY_TARGET == HWY_EMU128
-  // Where all lanes are infinite, Highway 1.0.3 has FLT_MAX there.
+  // If all lanes are infinite, Highway 1.0.3 returns FLT_MAX.
   if (hn::AllTrue(d, hn::Eq(values, hn::Inf(d)))) return hn::GetLane(values);
 #endif
   return hn::GetLane(hn::MinOfLanes(d, values));
 }
 
-// The least value of a plane, which is -inf with a NaN, and never -0, of which
-// and of 0 targets take one or the other.
+// The least value of a plane, or -inf if there is a NaN. Never -0, because the
+// minimum of 0 and -0 depends on the target.
 template <bool kIsMax>
 HWY_NOINLINE float LeastOfPlane(const float* plane) {
   constexpr float kInf = std::numeric_limits<float>::infinity();
@@ -289,7 +294,8 @@ HWY_NOINLINE float LeastOfPlane(const float* plane) {
   return LeastLane(d, least) + 0.0f;
 }
 
-// Writes the codes of a plane. A NaN has the least, which rejects no query.
+// Writes the codes of a plane. A NaN gets the least code, which rejects no
+// query.
 template <bool kIsMax>
 HWY_NOINLINE void EncodePlane(const float* plane, float base, float scale,
                               int16_t* codes) {
@@ -305,9 +311,9 @@ HWY_NOINLINE void EncodePlane(const float* plane, float base, float scale,
   }
 }
 
-// Writes the outermost values of a block in the order of its planes, which are
+// Writes the outermost values of a block, in the order of its planes. They are
 // right if there is no NaN. Returns whether min <= max on each axis of all 64
-// places. Then there is none.
+// lanes. If so, there is no NaN.
 template <size_t kAxes>
 HWY_INLINE bool OutermostOf(const detail::BvhLevel& level, size_t block,
                             float* outermost) {
@@ -346,8 +352,8 @@ HWY_INLINE bool HasNaN(const detail::BvhLevel& level, size_t block) {
   return !hn::AllTrue(d, numbers);
 }
 
-// Whether all places up to the last object have one, with min <= max on each
-// axis.
+// Whether all lanes up to the last object have an object with min <= max on
+// each axis.
 template <size_t kAxes>
 HWY_NOINLINE bool IsRegular(const detail::BvhLevel& level, size_t block) {
   const size_t first = block * detail::kBlockObjects;
@@ -365,7 +371,7 @@ HWY_NOINLINE bool IsRegular(const detail::BvhLevel& level, size_t block) {
   return true;
 }
 
-// With more changed objects in a block all of it is encoded.
+// If more objects of a block have changed, all of it is encoded.
 inline constexpr size_t kMostOneByOne = 16;
 
 // Writes the codes of all objects of a block.
@@ -386,7 +392,8 @@ HWY_INLINE void EncodeAll(const detail::BlockRange& range, size_t block,
   }
 }
 
-// The same of the objects whose bits are set, all planes of each at once.
+// Writes the codes of the objects whose bits are set. All planes of an object
+// are encoded at once.
 template <size_t kAxes, bool kHasMax>
 HWY_INLINE void EncodeSome(const detail::BlockRange& range, size_t block,
                            uint64_t objects, int16_t* codes) {
@@ -425,7 +432,7 @@ HWY_INLINE uint32_t AllMasks(const uint32_t* masks) {
   return all;
 }
 
-// Returns whether the bit was another.
+// Returns whether the bit changed.
 HWY_INLINE bool AssignBit(uint64_t* words, size_t i, bool value) {
   const uint64_t bit = uint64_t{1} << (i % 64);
   const uint64_t old = words[i / 64];
@@ -469,7 +476,8 @@ template <size_t kAxes, bool kHasMax>
 void EncodeBlocks(const detail::BlockRange& range) {
   constexpr size_t kPlanes = kBlockPlanes<kAxes, kHasMax>;
   const detail::BvhLevel& level = *range.level;
-  // Of a list that changes few blocks, eight unchanged ones at a time.
+  // Skips eight unchanged blocks at a time, because a list of changes may touch
+  // few blocks.
   const auto are_unchanged = [&range](size_t b) HWY_ATTR {
     const uint64_t* const words = range.changed + (b - range.begin);
     uint64_t any = 0;

@@ -1,6 +1,7 @@
-// The objects that a line enters, in one pass: of the children of a node those
-// that it enters first come first, up to a limit that the function moves
-// nearer. A node is entered no later than what it encloses.
+// Finds the objects that a line enters, in one pass. The children of a node are
+// visited in the order in which the line enters them, up to a limit that the
+// caller's function may reduce. The line enters a node no later than the
+// objects in it.
 #if defined(HALFSPACE_KERNELS_BVH_CAST_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_BVH_CAST_INL_H_
 #undef HALFSPACE_KERNELS_BVH_CAST_INL_H_
@@ -69,8 +70,7 @@ class Caster {
   }
 
   // Writes where the line enters the nodes or objects of a block. Returns a bit
-  // for each that it enters up to the limit.
-  // kAxes as of EntryOf.
+  // for each that it enters up to the limit. kAxes is as in EntryOf().
   template <size_t kAxes>
   HWY_NOINLINE uint64_t ReadKeysOf(size_t level, size_t block,
                                    float* keys) const {

@@ -1,4 +1,4 @@
-// Where objects are: their centers, and the places of these on Hilbert's curve.
+// The centers of objects, and the places of these on Hilbert's curve.
 #if defined(HALFSPACE_KERNELS_BVH_CURVE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_BVH_CURVE_INL_H_
 #undef HALFSPACE_KERNELS_BVH_CURVE_INL_H_
@@ -18,7 +18,8 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A simplex' last axis, and a fourth one, tell nothing new.
+// The number of axes that centers have. The last axis of a simplex, and a
+// fourth axis, follow from the others.
 template <size_t kAxes, bool kHasMax>
 inline constexpr size_t kCenterAxes = HWY_MIN(kHasMax ? kAxes : kAxes - 1,
                                               detail::kCenterAxes);
@@ -83,12 +84,12 @@ HWY_INLINE hn::Vec<D> CellsOf(D d, const float* centers, float least,
   const auto at =
       hn::Mul(hn::Sub(hn::LoadU(df, centers), hn::Set(df, least)),
               hn::Set(df, cells_of_unit * static_cast<float>(cells)));
-  // What is placed last may be no number here: beyond the float's range.
+  // An object without a center can be NaN here, because the product overflows.
   const auto cell = hn::IfThenElse(hn::Lt(at, most), at, most);
   return hn::BitCast(d, hn::ConvertTo(di, hn::Max(cell, hn::Zero(df))));
 }
 
-// Exchanges the low bits of two axes, or flips those of the first.
+// Exchanges the low bits of two axes, or flips the low bits of the first axis.
 template <class D, class V>
 HWY_INLINE void Turn(D d, int bit, V& first, V& axis) {
   const auto low = hn::Set(d, (uint32_t{1} << bit) - 1);

@@ -1,9 +1,9 @@
-// The test of a half-space on one vector of bounds, for BVHs and for flat
-// scans: both find the same objects.
+// Tests one vector of bounds against a half-space. BVHs and flat scans both use
+// it, so they find the same objects.
 //
-// Answers are the same on every target: each result is that of one operation in
-// IEEE's arithmetic, in one order, and a NaN is passed over by a compare, as
-// minima and maxima of it differ between targets.
+// Results are the same on every target. All operations are of IEEE arithmetic,
+// in a fixed order. Compares decide about NaN, because the minimum or maximum
+// of a NaN differs between targets.
 #if defined(HALFSPACE_KERNELS_BVH_FRONT_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_BVH_FRONT_INL_H_
 #undef HALFSPACE_KERNELS_BVH_FRONT_INL_H_
@@ -22,7 +22,7 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// a > b ? a : b: b if one is no number.
+// a > b ? a : b, so b if one of them is NaN.
 template <class V>
 HWY_INLINE V GreaterOf(V a, V b) {
 #if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR
@@ -32,7 +32,7 @@ HWY_INLINE V GreaterOf(V a, V b) {
 #endif
 }
 
-// a < b ? a : b: b if one is no number.
+// a < b ? a : b, so b if one of them is NaN.
 template <class V>
 HWY_INLINE V LesserOf(V a, V b) {
 #if HWY_ARCH_X86 && HWY_TARGET != HWY_EMU128 && HWY_TARGET != HWY_SCALAR

@@ -10,15 +10,15 @@
 
 namespace halfspace::detail {
 
-// 64 to the power of this is more than 2^32 objects.
+// 64 to the power of this is more than 2^32.
 inline constexpr std::size_t kMostLevels = 6;
 
 // Level 0 has the objects. Node i of another level encloses block i of the
 // level below it: 64 consecutive objects or nodes.
 struct BvhLevel {
   std::size_t size = 0;
-  // Block after block: of each plane after plane, 64 floats of all minima, then
-  // of all maxima.
+  // Block after block. Each block has 64 floats of each plane: first of all
+  // minima, then of all maxima.
   float* floats = nullptr;
   std::size_t planes = 0;
   // One bit per object or node: whether it exists. Erased objects and nodes
@@ -28,10 +28,10 @@ struct BvhLevel {
   // min <= max on each axis. If such a node is inside a query, all of its
   // objects survive.
   std::uint64_t* regular = nullptr;
-  // An object's own masks, and the union of them for a node. Null if none
-  // were set.
+  // The masks of each object. A node has the union of the masks of its objects.
+  // Null if no masks were set.
   std::uint32_t* masks = nullptr;
-  // What a query reads of the level is far from the first caches.
+  // Whether the level is so large that queries prefetch it.
   bool is_prefetched = false;
 
   float* Plane(std::size_t block, std::size_t plane) const {
@@ -51,7 +51,8 @@ struct alignas(64) CodeMap {
   float scale[kLanes];
 };
 
-// Some slots: about how many blocks queries visit, and their objects.
+// Statistics of a range of slots: about how many of its blocks queries visit,
+// and the number of its objects.
 struct BvhPart {
   double cost;
   std::uint64_t objects;
@@ -65,7 +66,7 @@ struct BvhLevels {
   // objects: a query then reads the floats.
   std::int16_t* codes = nullptr;
   std::uint32_t* ids = nullptr;  // of objects, by slot; kNoId of none
-  // By id, the slot; of a free id any number. Null until a change.
+  // The slot of each id. A free id can have any number. Null until a change.
   std::uint32_t* slots = nullptr;
   std::uint64_t* used = nullptr;  // a UsedIds of all objects, with `slots`
   BvhPart* built = nullptr;       // 1024 slots each, when they were last sorted

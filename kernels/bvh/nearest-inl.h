@@ -1,7 +1,8 @@
-// The objects with the least keys: into the nearest node first, and into others
-// while they can have what is nearer than the last of those found. A node's key
-// and first slot are at most those of all objects in it, so what is found is
-// exact, ties included, and one node of each level is remembered at a time.
+// Finds the objects with the least keys. The search enters the nearest node
+// first, and then others as long as they can have an object that is nearer than
+// the last one found. The key and the first slot of a node are at most those of
+// all objects in it, so the result is exact, ties included, and the search
+// remembers one node of each level.
 #if defined(HALFSPACE_KERNELS_BVH_NEAREST_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_BVH_NEAREST_INL_H_
 #undef HALFSPACE_KERNELS_BVH_NEAREST_INL_H_
@@ -37,10 +38,10 @@ class NearestList {
         worst_(detail::Keyed(search.limit, ~uint32_t{0})) {}
 
   size_t count() const { return count_; }
-  // None beyond it is found.
+  // Objects beyond it are not found.
   detail::KeyedSlot worst() const { return worst_; }
 
-  // To a sorted list.
+  // Adds to a sorted list.
   void AddSorted(detail::KeyedSlot keyed) {
     size_t i = count_ < room_ ? count_++ : count_ - 1;
     for (; i > 0 && found_[i - 1] > keyed; --i) found_[i] = found_[i - 1];
@@ -48,8 +49,9 @@ class NearestList {
     if (count_ == room_) worst_ = found_[count_ - 1];
   }
 
-  // In no order until there is no more room, and then a heap whose first is the
-  // greatest, which the next replaces.
+  // Adds to a list without an order. When the list is full, it becomes a heap.
+  // Its first element is the greatest, and the next one that is added replaces
+  // it.
   HWY_NOINLINE void AddToHeap(detail::KeyedSlot keyed) {
     if (count_ < room_) {
       found_[count_++] = keyed;
@@ -73,8 +75,8 @@ class NearestList {
   }
 
  private:
-  // Puts it to place i of the heap, or below. Four children halve the levels,
-  // and are neighbours in memory.
+  // Writes `keyed` to element i of the heap, or below it. With four children
+  // there are half as many levels, and the children are neighbours in memory.
   static constexpr size_t kChildren = 4;
   void SiftDown(size_t i, detail::KeyedSlot keyed) const {
     for (;;) {
@@ -95,9 +97,9 @@ class NearestList {
     found_[i] = keyed;
   }
 
-  // By one bit after another, from the highest that is not the same in all.
-  // Each pass is in the order of memory and has no branch to mispredict: a heap
-  // of a million takes two to three times as long to sort.
+  // Sorts by one bit after another, from the highest bit that differs. Each
+  // pass reads memory in order and has no branch that could be mispredicted. To
+  // sort a heap of a million takes two to three times as long.
   HWY_NOINLINE void Sort(size_t begin, size_t end, int bit) const {
     while (end - begin > 16 && bit >= 0) {
       size_t middle = begin;
@@ -144,15 +146,16 @@ class NearestFinder {
 
  private:
   static constexpr float kInf = std::numeric_limits<float>::infinity();
-  // More than these are not sorted: the least comes first, and after that few
-  // are left.
+  // More nodes than this are not sorted. The nearest is visited first, and
+  // after that few are left.
   static constexpr size_t kFew = 4;
   static constexpr size_t kGroups = 16;
   static constexpr uint32_t kLanes = detail::kBlockObjects - 1;
 
   HWY_NOINLINE void Visit(size_t level, size_t block) {
     HWY_ALIGN float keys[detail::kBlockObjects];
-    // Of the vectors with nodes or objects: the others are not read.
+    // The end of the last vector that has nodes or objects. Others are not
+    // read.
     const size_t lanes = hn::Lanes(WordTag<float>());
     const size_t size =
         search_.levels->level[level].size - block * detail::kBlockObjects;
@@ -185,7 +188,7 @@ class NearestFinder {
     }
   }
 
-  // The objects of a leaf that the bits name.
+  // Adds the objects of a leaf whose bits are set.
   HWY_INLINE void TakeObjects(size_t first, uint64_t bits, size_t end,
                               const float* keys) {
     if (!is_many_ && hwy::PopCount(bits) > kFew && search_.from == 0) {
@@ -226,8 +229,9 @@ class NearestFinder {
     }
   }
 
-  // The lanes whose keys are not above the room-th least of the least keys of
-  // groups: no other lane has one of the `room` least keys.
+  // The lanes that can have one of the `room` least keys. Lanes are divided
+  // into groups, and the limit is the least key of the group whose least key is
+  // the `room`-th in order.
   HWY_INLINE uint64_t OfLeastGroups(const float* keys, size_t end) const {
     const hn::CappedTag<float, kGroups> d;
     HWY_ALIGN float least[kGroups];
@@ -262,32 +266,11 @@ class NearestFinder {
     return bits;
   }
 
-  // From i on: never a NaN, and never -0. kDims is the number of dimensions of
-  // a world with maxima, or 0.
-  template <size_t kDims, class D>
-  HWY_INLINE hn::Vec<D> SquaredDistanceOf(D d, const float* floats,
-                                          size_t i) const {
-    const detail::NearBox& box = search_.box;
-    const float* const values = floats + i;
-    const float* const maxima = values + box.max_plane * detail::kBlockObjects;
-    auto sum = hn::Zero(d);
-    for (size_t k = 0; k < (kDims == 0 ? box.dims : kDims); ++k) {
-      const size_t plane = k * detail::kBlockObjects;
-      auto gap = GreaterOf(
-          hn::Sub(hn::LoadU(d, values + plane), hn::Set(d, box.high[k])),
-          hn::Zero(d));
-      if constexpr (kDims != 0) {
-        gap = GreaterOf(
-            hn::Sub(hn::Set(d, box.low[k]), hn::LoadU(d, maxima + plane)), gap);
-      }
-      sum = hn::Add(sum, hn::Mul(gap, gap));
-    }
-    return sum;
-  }
-
   // Writes the keys of a block's nodes or objects. Returns a bit for each that
-  // is wanted, up to the limit and not found before. Keys that are not wanted
-  // are +inf if they are up to the limit.
+  // exists, has a wanted mask, is not beyond the limit, and was not found
+  // before. If one within the limit does not exist or has no wanted mask, its
+  // key becomes +inf.
+  // kDims is as in SquaredDistance().
   template <size_t kDims>
   HWY_NOINLINE uint64_t ReadKeysOf(size_t level, size_t block, size_t end,
                                    float* keys) const {
@@ -302,7 +285,7 @@ class NearestFinder {
     const float* const floats = nodes.Plane(block, 0);
     uint64_t bits = 0;
     for (size_t i = 0; i < end; i += hn::Lanes(d)) {
-      const auto key = SquaredDistanceOf<kDims>(d, floats, i);
+      const auto key = SquaredDistance<kDims>(d, floats + i, search_.box);
       const auto is_found = hn::And(hn::Le(key, limit), hn::Ge(key, from));
       bits |= LaneBits(d, is_found) << i;
       hn::Store(key, d, keys + i);
@@ -322,8 +305,9 @@ class NearestFinder {
                                  : ReadKeysOf<3>(level, block, end, keys);
   }
 
-  // The lane of a least key, but for the lowest bits of keys, which the lane
-  // replaces: a minimum of integers takes a third of the time of one of floats.
+  // The lane of the least key. The lane replaces the lowest bits of each key,
+  // so keys that differ only there count as equal. A minimum of integers takes
+  // a third of the time of a minimum of floats.
   static HWY_INLINE size_t AboutLeast(const float* keys, size_t end) {
     const WordTag<float> d;
     const hn::RebindToUnsigned<decltype(d)> du;

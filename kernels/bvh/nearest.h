@@ -1,6 +1,5 @@
-// The arguments of the kernels that search BVHs for what is nearest, or first
-// along a line.
-// No Highway here.
+// The parameters of the kernels that search a BVH for the nearest objects, or
+// for the objects that a line enters first. No Highway here.
 #ifndef HALFSPACE_KERNELS_BVH_NEAREST_H_
 #define HALFSPACE_KERNELS_BVH_NEAREST_H_
 
@@ -13,8 +12,9 @@
 
 namespace halfspace::detail {
 
-// An object's key, its squared distance, above its slot: as keys are not
-// negative, these are in the order of the objects.
+// The key of an object, which is its squared distance, in the bits above its
+// slot. Keys are not negative, so these integers have the order of the
+// distances.
 using KeyedSlot = std::uint64_t;
 inline KeyedSlot Keyed(float key, std::size_t slot) {
   return std::uint64_t{std::bit_cast<std::uint32_t>(key)} << 32 | slot;
@@ -22,14 +22,6 @@ inline KeyedSlot Keyed(float key, std::size_t slot) {
 inline float KeyOf(KeyedSlot keyed) {
   return std::bit_cast<float>(static_cast<std::uint32_t>(keyed >> 32));
 }
-
-// A point, or a box.
-struct NearBox {
-  std::size_t dims;
-  std::size_t max_plane;  // the first maximum of bounds, or 0 without
-  float low[3];
-  float high[3];
-};
 
 struct NearestSearch {
   const BvhLevels* levels;

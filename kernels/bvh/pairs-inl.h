@@ -1,6 +1,7 @@
-// All pairs that overlap: the objects of a block are bounded, 64 such bounds
-// walk as queries to the blocks that they meet, and of two blocks only those
-// objects are compared that meet the other block's bound.
+// Finds all pairs that overlap. The objects of a block get one bound. 64 such
+// bounds walk together as queries to the blocks that they overlap. For two such
+// blocks, only the objects that overlap the bound of the other block are
+// compared.
 #if defined(HALFSPACE_KERNELS_BVH_PAIRS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_BVH_PAIRS_INL_H_
 #undef HALFSPACE_KERNELS_BVH_PAIRS_INL_H_
@@ -27,7 +28,8 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #if HALFSPACE_MASKED_COMPARES
-// Writes the pairs of the lanes of two vectors. Highway's takes six shuffles.
+// Writes a pair for each lane of two vectors. Highway's function takes six
+// shuffles.
 HWY_INLINE void StorePairs(__m512i a, __m512i b, uint32_t* to) {
   const __m512i low =
       _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
@@ -73,14 +75,14 @@ class PairWalker
   }
 
  private:
-  // So many objects of a block walk one by one: the bound of all of them
-  // touches more leaves, and a leaf takes longer.
+  // Up to so many objects of a block walk one by one. Their common bound would
+  // touch more leaves, and take longer for each.
   static constexpr size_t kFewMembers = 8;
 
   bool HasWanted() const {
     return join_.set != nullptr && join_.set->wanted != nullptr;
   }
-  // Of a member by itself, the bits of masks that it wants.
+  // The masks that a member wants, if it walks by itself.
   uint32_t WantedOf(size_t slot) const {
     return HasWanted() ? join_.set->wanted[join_.set->RankOf(slot)]
                        : ~uint32_t{0};
@@ -91,7 +93,8 @@ class PairWalker
            hwy::Num0BitsBelowLS1Bit_Nonzero64(members);
   }
 
-  // Bits of up to 64 entries of the set: nothing predicts which are used.
+  // A bit for each of up to 64 entries of the set that is used. A branch would
+  // be mispredicted.
   HWY_NOINLINE uint64_t UsedEntries(size_t first) const {
     const size_t count = HWY_MIN(join_.set->size - first, size_t{64});
     uint64_t used = 0;
@@ -112,7 +115,7 @@ class PairWalker
     return true;
   }
 
-  // Queries walk when there are as many as can.
+  // Adds a query. When there are kWalkers, they walk.
   HWY_NOINLINE bool AddQuery(size_t block, uint64_t members) {
     block_[count_] = static_cast<uint32_t>(block);
     members_[count_] = members;
@@ -149,7 +152,7 @@ class PairWalker
     return levels.level[0].present[block] &
            WithMask(levels.level[0], block, this->walk_.mask);
   }
-  // Those of a block that have one of the bits of a mask.
+  // The objects or nodes of a block whose masks have one of the bits of `mask`.
   static uint64_t WithMask(const detail::BvhLevel& level, size_t block,
                            uint32_t mask) {
     if (~mask == 0) return ~uint64_t{0};
@@ -157,7 +160,7 @@ class PairWalker
     return MaskBits(level.masks + block * detail::kBlockObjects, mask);
   }
 
-  // A value moved outward by a margin, or more by some rounding, in any mode.
+  // The value plus the margin, rounded so that it is not too small in any mode.
   template <class D>
   static HWY_INLINE hn::Vec<D> Above(D d, hn::Vec<D> value, float margin) {
     constexpr float kMost = std::numeric_limits<float>::max();
@@ -182,8 +185,8 @@ class PairWalker
     }
   }
 
-  // The bound of some objects of a block. A NaN is infinite, which rejects no
-  // more.
+  // The bound of some objects of a block. A NaN counts as infinite, so it
+  // rejects nothing.
   HWY_NOINLINE void BoundMembers(size_t block, uint64_t members,
                                  float* bound) const {
     const Tag d;
@@ -204,11 +207,12 @@ class PairWalker
     }
   }
 
-  // Of the whole world, the nodes whose blocks follow the query's: each pair of
-  // blocks is found from the first of both. Of a set, those with a mask that
-  // the query wants.
-  HWY_INLINE uint64_t WantedNodes(size_t query, size_t level,
-                                  size_t block) const {
+  // The nodes that a query has to visit. If all pairs of a world are searched,
+  // these are the nodes whose blocks follow the block of the query, because
+  // each pair of blocks is found from its first block. If the pairs of a set
+  // are searched, these are the nodes with a mask that the query wants.
+  HWY_INLINE uint64_t NodesToVisit(size_t query, size_t level,
+                                   size_t block) const {
     if (join_.set != nullptr || !join_.is_one_world) {
       return WithMask(this->levels_.level[level], block, wanted_[query]);
     }
@@ -219,7 +223,7 @@ class PairWalker
     return before < detail::kBlockObjects ? ~uint64_t{0} << before : 0;
   }
 
-  // Leaves of several members stay in the cache.
+  // If a query has several members, their leaves stay in the cache.
   bool ReadsCodes(size_t query) const { return IsOne(members_[query]); }
 
   HWY_NOINLINE bool VisitLeaves(const uint32_t* places, size_t count) {
@@ -233,7 +237,7 @@ class PairWalker
     return true;
   }
 
-  // Those of a block that are queries too.
+  // The objects of a block that are queries as well.
   uint64_t MembersOf(size_t block) const {
     return join_.set == nullptr ? ~uint64_t{0} : join_.set->SlotsOf(block);
   }
@@ -242,7 +246,7 @@ class PairWalker
     return this->query_.Test(query, this->levels_.level[0], block);
   }
 
-  // The pairs of one object and the objects of a block, by the codes.
+  // Finds the pairs of one object and the objects of a block by their codes.
   HWY_INLINE bool JoinOne(size_t query, size_t block) {
     const detail::BvhLevels& levels = this->levels_;
     const size_t own = block_[query];
@@ -291,7 +295,7 @@ class PairWalker
     return finders;
   }
 
-  // The pairs of a query's members and the objects of a block.
+  // Finds the pairs of the members of a query and the objects of a block.
   HWY_NOINLINE bool Join(size_t query, size_t block) {
     const detail::BvhLevels& levels = this->levels_;
     const detail::BvhLevels& queries = *join_.queries;
@@ -304,7 +308,7 @@ class PairWalker
           queries, own, members,
           Gather(levels, own, objects & ~members, count));
     }
-    // Found from both blocks.
+    // Each of these pairs would be found from both blocks.
     if (join_.is_one_world && block < own) objects &= ~MembersOf(block);
     objects &= TestObjects(query, block);
     if (objects == 0) return true;
@@ -325,8 +329,8 @@ class PairWalker
                                 Gather(queries, own, members, 0));
   }
 
-  // Once, as a vector of the gathered ones may end beyond the last. Objects
-  // that walk one by one do not wait for it.
+  // Clears the memory behind the last gathered object once, because the last
+  // vector is read to its end. Objects that walk one by one do not need it.
   void ClearRoom() {
     if (is_room_clear_) return;
     is_room_clear_ = true;
@@ -334,8 +338,8 @@ class PairWalker
     std::memset(ids_, 0, sizeof(ids_));
   }
 
-  // Appends some objects of a block, grown by the margin, to those that are
-  // compared; returns how many there are then.
+  // Appends some objects of a block, grown by the margin, to the gathered
+  // objects. Returns the new number of gathered objects.
   HWY_NOINLINE size_t Gather(const detail::BvhLevels& levels, size_t block,
                              uint64_t objects, size_t count) {
     const size_t begin = count;
@@ -363,8 +367,9 @@ class PairWalker
 
   static uint64_t LowBits(size_t count) { return ~uint64_t{0} >> (64 - count); }
 
-  // Each of some objects of a block with the gathered ones: with kIsOwn they
-  // are the first of these, and are compared with those after them.
+  // Compares each of some objects of a block with the gathered objects. With
+  // kIsOwn, they are the first gathered objects, and each is compared with the
+  // ones after it.
   template <bool kIsOwn, bool kIsSecond>
   bool Compare(const detail::BvhLevels& levels, size_t block, uint64_t objects,
                size_t count) {
@@ -399,7 +404,7 @@ class PairWalker
     join_.pairs->next = reinterpret_cast<IdPair*>(next);
   }
 
-  // Object i with those of the gathered ones from `begin` on that are wanted.
+  // Compares object i with the wanted gathered objects from `begin` on.
   template <bool kIsSecond, size_t... kPlane>
   HWY_INLINE uint32_t* CompareOne(std::index_sequence<kPlane...>,
                                   const detail::BvhLevels& levels, size_t i,
@@ -412,7 +417,8 @@ class PairWalker
         hn::Set(d, level.Value((kPlane + kAxes) % kPlanes, i))...);
   }
 
-  // The values are arguments, as they would be loaded again after each store.
+  // The values are parameters, because the compiler would load values in memory
+  // again after each store.
   template <bool kIsSecond, size_t... kPlane, class... V>
   HWY_INLINE uint32_t* CompareWith(std::index_sequence<kPlane...>, uint32_t id,
                                    size_t begin, size_t count, uint64_t wanted,
@@ -438,7 +444,7 @@ class PairWalker
     return to;
   }
 
-  // Writes the pairs of an id and those of some objects of a block.
+  // Writes the pairs of an id and the ids of some objects of a block.
   bool WriteAll(uint32_t id, uint64_t objects, const uint32_t* ids) const {
     if (!HasRoom()) return false;
     uint32_t* to = Next();
@@ -453,13 +459,13 @@ class PairWalker
     return true;
   }
 
-  // Writes pairs of an id and those of some gathered objects, of a vector where
-  // it has masks.
+  // Writes the pairs of an id and the ids of some gathered objects. If the
+  // target has masks, these are the objects of one vector.
   template <bool kIsSecond>
   static HWY_INLINE uint32_t* WritePairs(uint32_t id, uint64_t objects,
                                          const uint32_t* ids, uint32_t* to) {
 #if HALFSPACE_MASKED_COMPARES
-    // Also of few: a branch would not be predicted.
+    // Also if there are few pairs: a branch would be mispredicted.
     const __m512i one = _mm512_set1_epi32(static_cast<int32_t>(id));
     const __m512i others = _mm512_maskz_compress_epi32(
         static_cast<__mmask16>(objects), _mm512_loadu_si512(ids));

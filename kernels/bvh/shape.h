@@ -1,6 +1,5 @@
-// Shapes as the kernels of BVHs read them, and the kernels that do.
-// They read a list of planes, so that there is one for all worlds. No Highway
-// here.
+// Query shapes as the kernels of BVHs read them, and these kernels. They read a
+// list of planes, so the same kernels serve all worlds. No Highway here.
 #ifndef HALFSPACE_KERNELS_BVH_SHAPE_H_
 #define HALFSPACE_KERNELS_BVH_SHAPE_H_
 
@@ -13,12 +12,18 @@
 
 namespace halfspace::detail {
 
+// A box, or a point, whose corners are equal.
+struct NearBox {
+  std::size_t dims;
+  std::size_t max_plane;  // the first maximum of bounds, or 0 without
+  float low[3];
+  float high[3];
+};
+
 // The points whose squared distance from the center, as computed, is at most
 // the limit.
 struct Ball {
-  std::size_t dims;
-  std::size_t max_plane;  // the first maximum, or 0 without
-  float center[3];
+  NearBox center;
   float limit;
   std::size_t d_axis;  // or 0 without
   float d_min;
@@ -32,8 +37,8 @@ struct LinePlane {
   float inverse;
 };
 
-// The slabs of a bound on a line from t = 0 on: first the planes by which the
-// line enters them, then those by which it leaves.
+// A line from t = 0 on. First come the planes at which it enters the slabs of a
+// bound, then the planes at which it leaves them.
 struct Line {
   std::size_t entering;
   std::size_t planes;
@@ -41,16 +46,17 @@ struct Line {
   float max_t;
 };
 
-// By how much t must be apart on two planes to count as apart: far above what
-// is lost where subnormals are flushed.
+// A line misses a bound only if it leaves one slab by more than this before it
+// enters another. This is far above what is lost if subnormals are flushed.
 inline constexpr float kApartOnLine = 0x1p-100f;
 
-// A t that is not above the exact one: a smaller one could be, by what is lost
-// of a subnormal.
+// Returns a t that is not above the exact one. A t below kApartOnLine can be
+// above it by what is lost of a subnormal, so 0 is returned.
 inline float ReportedTime(float t) { return t < kApartOnLine ? 0 : t; }
 
-// A half-space as a sum of planes of a bound, each times a factor that was
-// rounded up and down. It is negative of bounds that lie behind.
+// A half-space as a sum over planes of a bound. Each plane is multiplied by a
+// factor that was rounded up and down, and the greater product counts. The sum
+// is negative for bounds behind the half-space.
 struct Front {
   struct Term {
     std::uint32_t plane;
@@ -63,7 +69,7 @@ struct Front {
   Term term[4];
 };
 
-// Half-spaces, and a box that the bounds must touch too.
+// Half-spaces, and a box that the bounds must touch as well.
 struct Fronts {
   std::size_t box_dims = 0;  // 0 without a box
   std::size_t max_plane;     // the first maximum
@@ -86,22 +92,23 @@ struct BvhShapeKernels {
 
 extern template struct KernelsOfAll<BvhShapeKernels>;
 
-// At least the value, by up to two ulps.
+// A float that is not below the value, and at most two ulps above it.
 inline float RoundedUp(double value) {
   return static_cast<float>(value + std::abs(value) * 0x1p-23 + 0x1p-149);
 }
 
-// All in the default floating-point mode.
+// These are called in the default floating-point mode.
 void MakeBall(const PlaneLayout& planes, const float* center, float radius,
               Ball& ball);
-// Of a box from `low` to `high`, `radius` larger on each side, that moves by
-// t * `direction`. A point has low == high. A bound is passed if the box
-// touches it on each axis by itself, D included.
+// Makes the line of a box from `low` to `high` that is `radius` larger on each
+// side and moves by t * `direction`. A point has low == high. A bound counts as
+// touched if the box touches it on each axis by itself, D included.
 void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
               const double* direction, float max_t, float radius, Line& line);
 Front MakeFront(const PlaneLayout& planes, const float* normal, float offset);
-// MakeFront() of a normal whose largest component is 1, and of its opposite, of
-// bounds with maxima: less than half the time.
+// Makes two fronts with opposite normals, for bounds with maxima. The largest
+// component of the normal is 1. Takes less than half the time of two calls of
+// MakeFront().
 template <std::size_t kDims>
 void MakeFronts(const PlaneLayout& planes, const float* normal, float offset,
                 float opposite_offset, Front* two);

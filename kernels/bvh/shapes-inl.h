@@ -1,7 +1,8 @@
-// The tests of shapes on the floats of 64 objects or nodes.
+// Tests 64 objects or nodes by their floats against a query shape.
 //
-// Answers are the same on every target (front-inl.h). All results grow with the
-// planes of a bound, or fall, so what rejects a node rejects its objects.
+// Results are the same on every target (front-inl.h). All computed values are
+// monotone in the planes of a bound, so a shape that rejects a node rejects all
+// objects in it.
 #if defined(HALFSPACE_KERNELS_BVH_SHAPES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_BVH_SHAPES_INL_H_
 #undef HALFSPACE_KERNELS_BVH_SHAPES_INL_H_
@@ -25,29 +26,32 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The squared distances of the bounds of a block from i on: never a NaN, and
-// never -0.
-template <class D>
-HWY_INLINE hn::Vec<D> SquaredDistance(D d, const detail::BvhLevel& level,
-                                      size_t block, size_t i,
-                                      const detail::Ball& ball) {
+// The squared distances of one vector of bounds, whose minima of the first axis
+// are at `floats`. They are never NaN and never -0. kDims is the number of
+// dimensions of bounds with maxima, or 0 for any bounds.
+template <size_t kDims = 0, class D>
+HWY_INLINE hn::Vec<D> SquaredDistance(D d, const float* floats,
+                                      const detail::NearBox& box) {
+  const float* const maxima = floats + box.max_plane * detail::kBlockObjects;
   auto sum = hn::Zero(d);
-  for (size_t k = 0; k < ball.dims; ++k) {
-    const auto c = hn::Set(d, ball.center[k]);
-    auto gap = GreaterOf(hn::Sub(hn::LoadU(d, level.Plane(block, k) + i), c),
-                         hn::Zero(d));
-    if (ball.max_plane != 0) {
-      const float* const maxima = level.Plane(block, ball.max_plane + k);
-      gap = GreaterOf(hn::Sub(c, hn::LoadU(d, maxima + i)), gap);
+  for (size_t k = 0; k < (kDims == 0 ? box.dims : kDims); ++k) {
+    const size_t plane = k * detail::kBlockObjects;
+    auto gap = GreaterOf(
+        hn::Sub(hn::LoadU(d, floats + plane), hn::Set(d, box.high[k])),
+        hn::Zero(d));
+    if (kDims != 0 || box.max_plane != 0) {
+      gap = GreaterOf(
+          hn::Sub(hn::Set(d, box.low[k]), hn::LoadU(d, maxima + plane)), gap);
     }
     sum = hn::Add(sum, hn::Mul(gap, gap));
   }
   return sum;
 }
 
-// Where the line enters bounds from i on: 0 or more. Beyond `exit`, which has
-// the limit of t before, it does not enter. kAxes is the number of axes of a
-// line with maxima, or 0.
+// Where the line enters one vector of bounds, from bound i on: 0 or more. The
+// line misses a bound if this is above `exit`. Before the call, `exit` has the
+// limit of t. kAxes is the number of axes of a line with maxima, or 0 for other
+// lines.
 template <size_t kAxes = 0, class D>
 HWY_INLINE hn::Vec<D> EntryOf(D d, const detail::BvhLevel& level, size_t block,
                               size_t i, const detail::Line& line,
@@ -69,8 +73,8 @@ HWY_INLINE hn::Vec<D> EntryOf(D d, const detail::BvhLevel& level, size_t block,
   return enter;
 }
 
-// Of the candidates among 64 those for which `rejects` is false, a vector at a
-// time where there are any.
+// The candidates for which rejects() is false. Vectors without a candidate are
+// not tested.
 template <class Rejects>
 HWY_INLINE uint64_t NotRejected(uint64_t candidates, const Rejects& rejects) {
   const WordTag<float> d;
@@ -83,7 +87,7 @@ HWY_INLINE uint64_t NotRejected(uint64_t candidates, const Rejects& rejects) {
   return candidates;
 }
 
-// A test of a block that is called wherever the walk has one.
+// All tests of a block are calls of TestApart().
 template <class Shape>
 class ShapeQuery {
  public:
@@ -109,14 +113,15 @@ class BallQuery : public ShapeQuery<BallQuery> {
   HWY_NOINLINE uint64_t TestApart(size_t, const detail::BvhLevel& level,
                                   size_t block) const {
     return NotRejected(level.present[block], [&](auto d, size_t i) HWY_ATTR {
-      auto rejects = hn::Gt(SquaredDistance(d, level, block, i, ball_),
+      const float* const floats = level.Plane(block, 0) + i;
+      auto rejects = hn::Gt(SquaredDistance(d, floats, ball_.center),
                             hn::Set(d, ball_.limit));
       if (ball_.d_axis != 0) {
         const auto min = hn::LoadU(d, level.Plane(block, ball_.d_axis) + i);
         rejects = hn::Or(rejects, hn::Gt(min, hn::Set(d, ball_.d_max)));
-        if (ball_.max_plane != 0) {
+        if (ball_.center.max_plane != 0) {
           const auto max = hn::LoadU(
-              d, level.Plane(block, ball_.max_plane + ball_.d_axis) + i);
+              d, level.Plane(block, ball_.center.max_plane + ball_.d_axis) + i);
           rejects = hn::Or(rejects, hn::Lt(max, hn::Set(d, ball_.d_min)));
         }
       }
@@ -124,8 +129,8 @@ class BallQuery : public ShapeQuery<BallQuery> {
     });
   }
 
-  // By their farthest corners. The squares of their objects' distances, as
-  // computed, are no greater.
+  // Tests the farthest corners of nodes. The computed squared distances of
+  // their objects are not greater.
   HWY_NOINLINE uint64_t Inside(size_t, const detail::BvhLevel& level,
                                size_t block, uint64_t kept) const {
     return NotRejected(kept, [&](auto d, size_t i) HWY_ATTR {
@@ -133,11 +138,11 @@ class BallQuery : public ShapeQuery<BallQuery> {
         return hn::LoadU(d, level.Plane(block, k) + i);
       };
       const auto max = [&](size_t k) HWY_ATTR {
-        return hn::LoadU(d, level.Plane(block, ball_.max_plane + k) + i);
+        return hn::LoadU(d, level.Plane(block, ball_.center.max_plane + k) + i);
       };
       auto sum = hn::Zero(d);
-      for (size_t k = 0; k < ball_.dims; ++k) {
-        const auto c = hn::Set(d, ball_.center[k]);
+      for (size_t k = 0; k < ball_.center.dims; ++k) {
+        const auto c = hn::Set(d, ball_.center.low[k]);
         const auto gap = GreaterOf(hn::Sub(max(k), c), hn::Sub(c, min(k)));
         sum = hn::Add(sum, hn::Mul(gap, gap));
       }
@@ -195,7 +200,8 @@ class FrontsQuery : public ShapeQuery<FrontsQuery> {
   }
 
  private:
-  // Those whose farthest corners, or nearest, are in front of all.
+  // The bounds whose farthest corners are in front of all half-spaces, or, with
+  // kIsNearest, their nearest corners.
   template <bool kIsNearest>
   uint64_t Bits(const detail::BvhLevel& level, size_t block,
                 uint64_t candidates) const {
@@ -224,7 +230,7 @@ class FrontsQuery : public ShapeQuery<FrontsQuery> {
     return candidates;
   }
 
-  // Of the box.
+  // Whether bounds are outside of the box.
   template <bool kIsNearest, class D>
   HWY_INLINE hn::Mask<D> IsOutside(D d, const float* floats) const {
     const float* const maxima =

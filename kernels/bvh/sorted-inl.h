@@ -21,7 +21,7 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// By key, and then by lane. Keys are not negative.
+// Sorted by key, and then by lane. Keys are not negative.
 struct SortedLanes {
   size_t count;
   uint64_t keyed[detail::kBlockObjects];
@@ -38,7 +38,8 @@ struct SortedLanes {
       in_order[count++] =
           uint64_t{std::bit_cast<uint32_t>(keys[lane])} << 32 | lane;
     }
-    // By counting what is less: without branches, which would be mispredicted.
+    // The place of each is the number of lesser ones. This has no branches,
+    // which would be mispredicted.
     for (size_t i = 0; i < count; ++i) {
       size_t less = 0;
       for (size_t j = 0; j < count; ++j) less += in_order[j] < in_order[i];
@@ -47,7 +48,7 @@ struct SortedLanes {
   }
 };
 
-// The floats of a block that is visited after the next.
+// Prefetches the floats of a block.
 inline void PrefetchPlanes(const detail::BvhLevel& level, size_t block) {
   constexpr size_t kLine = 64 / sizeof(float);
   const float* const floats = level.Plane(block, 0);

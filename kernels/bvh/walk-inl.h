@@ -23,8 +23,8 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Calls write(i, bit) for the i-th set bit: for up to four bits without a
-// branch, so that places 0 ... 3 are written even with fewer.
+// Calls write(i, bit) for the i-th set bit. The first four calls are made
+// without a branch, so elements 0 ... 3 are written even if fewer bits are set.
 template <class Write>
 HWY_INLINE void ForFewBits(uint64_t bits, const Write& write) {
   for (size_t i = 0; i < 4; ++i) {
@@ -37,7 +37,8 @@ HWY_INLINE void ForFewBits(uint64_t bits, const Write& write) {
   }
 }
 
-// Writes ids[i] for every bit i, which is below `count`. There is room for 64.
+// Writes ids[i] for every set bit i; all are below `count`. `to` must have room
+// for 64 ids.
 HWY_INLINE uint32_t* WriteIds(uint64_t bits, const uint32_t* ids, size_t count,
                               uint32_t* to) {
 #if HALFSPACE_MASKED_COMPARES
@@ -56,8 +57,8 @@ HWY_INLINE uint32_t* WriteIds(uint64_t bits, const uint32_t* ids, size_t count,
 #endif
 }
 
-// Queries by bounds: a plane of an object or node is compared with the opposing
-// plane of the query.
+// Queries that are bounds. Each plane of an object or node is compared with the
+// opposing plane of the query.
 template <size_t kAxes, bool kHasMax>
 class PlaneQueries {
  public:
@@ -113,16 +114,16 @@ class PlaneQueries {
   const float* queries_;
 };
 
-// From so many survivors in a block on, those inside the query are looked for:
-// a query that is not larger than its nodes has none.
+// If at least so many nodes of a block survive, the walk looks for nodes inside
+// the query. A query that is not larger than a node has none inside.
 inline constexpr size_t kManyKept = 8;
 
-// Walks from the root to the objects that survive, in two steps: nodes are
+// Walks from the root to the objects that survive, in two steps. Nodes are
 // tested depth first, and leaves that survive are put on a list, so that all of
-// them can be prefetched before the first is read. The list has the leaves of
+// them are prefetched before the first is read. The list has the leaves of
 // several queries. Query is PlaneQueries or a shape (shapes-inl.h). Leaves, if
-// given, derives from this: it has VisitLeaves(), which takes a list, and
-// WantedNodes().
+// given, is a class that derives from this one. It has VisitLeaves(), which
+// reads the leaves of a list, and NodesToVisit().
 template <class Query, bool kWrites, class Leaves = void>
 class Walker {
  public:
@@ -151,13 +152,14 @@ class Walker {
 
  protected:
   static constexpr bool kHasLeaves = !std::is_void_v<Leaves>;
-  // Leaves are read when there are so many on the list, and those of one block
-  // of nodes more. With 64, prefetched lines evict each other, and a query of a
-  // million boxes takes 1.1 times as long.
+  // When the list has at least so many leaves, they are read. The leaves of one
+  // block of nodes are added together, so the list can be longer by 64. With 64
+  // instead of 16, prefetched lines evict each other, and a query of a million
+  // boxes takes 1.1 times as long.
   static constexpr size_t kManyLeaves = 16;
 
-  // A place on the list: a block, whether it is inside the query, and the
-  // query's number after the first that walks.
+  // An entry of the list has a block, whether it is inside the query, and the
+  // number of the query among those that walk together.
   static size_t BlockOf(uint32_t place) { return place & detail::kBlockMask; }
   static bool IsInside(uint32_t place) {
     return (place & detail::kInsideBit) != 0;
@@ -217,7 +219,7 @@ class Walker {
     }
   }
 
-  // Of a world without nodes.
+  // The walk of a world without nodes.
   HWY_INLINE bool VisitOnlyLeaf(size_t query) {
     if constexpr (kHasLeaves) return ListLeaves(query, 0, 1, 0);
     EndQueries(query);
@@ -264,11 +266,12 @@ class Walker {
     }
   }
 
-  // Those of `kept` that have what a query asks for beside its planes.
+  // The bits of `kept` whose objects or nodes also have one of the wanted
+  // masks, and which the leaves' class wants to visit.
   HWY_INLINE uint64_t Filter(size_t query, size_t level, size_t block,
                              uint64_t kept) {
     if constexpr (kHasLeaves) {
-      kept &= static_cast<Leaves*>(this)->WantedNodes(query, level, block);
+      kept &= static_cast<Leaves*>(this)->NodesToVisit(query, level, block);
     }
     if (kept != 0 && has_masks_) {
       kept &=
@@ -296,7 +299,7 @@ class Walker {
     const detail::BvhLevel& nodes = levels_.level[level];
     const size_t objects_of_node = size_t{1} << (6 * level);
     size_t objects = hwy::PopCount(inside) * objects_of_node;
-    // The last node may have fewer.
+    // The last node may have fewer objects.
     const size_t last = nodes.size - 1;
     if (last / detail::kBlockObjects == block &&
         (inside >> (last % detail::kBlockObjects) & 1) != 0) {
@@ -334,8 +337,8 @@ class Walker {
            BlockOf(place) * detail::kBlockObjects * Query::kPlanes;
   }
 
-  // Leaves by their codes; the floats say which of those that these leave
-  // unsure survive, when all have been read.
+  // Tests the leaves of the list by their codes. Objects whose codes decide
+  // nothing are tested by their floats, after the codes of all leaves.
   HWY_NOINLINE bool VisitCodes(size_t size) {
     Unsure unsure[kManyLeaves + detail::kBlockObjects];
     size_t unsure_count = 0;
@@ -372,7 +375,7 @@ class Walker {
     return unsure_count == 0 || Resolve(encoded, unsure, unsure_count);
   }
 
-  // Leaves by their floats.
+  // Tests the leaves of the list by their floats.
   bool VisitFloats(size_t size) {
     for (size_t i = 0; i < size; ++i) {
       const uint32_t place = list_[i];
@@ -429,8 +432,9 @@ class Walker {
     return true;
   }
 
-  // Of `bits`. One object after another, or, from so many on, the block at
-  // once: the same time.
+  // Tests the floats of the objects of `bits`: one by one, or the whole block
+  // at once if they are more than kFew. With kFew objects both take the same
+  // time.
   uint64_t KeptOf(size_t query, size_t block, uint64_t bits) const {
     constexpr size_t kFew = 6;
     const detail::BvhLevel& objects = levels_.level[0];
@@ -461,10 +465,10 @@ class Walker {
   uint32_t list_[kManyLeaves + detail::kBlockObjects];
 };
 
-// The walk of one query by boxes or octahedra in a small tree: a leaf, leaves
-// under one block of nodes that have no codes, or three levels that have, in
-// cache. Nothing that a Walker carries for masks, lists of leaves and other
-// queries is in its loops.
+// The walk of one box or octahedron in a small tree that is in cache: one leaf,
+// leaves without codes under one block of nodes, or leaves with codes under two
+// levels of nodes. Its loops have nothing of what a Walker needs for masks,
+// lists of leaves and several queries.
 template <size_t kAxes, bool kWrites>
 class PlainWalk {
  public:
@@ -474,8 +478,7 @@ class PlainWalk {
         query_(static_cast<const float*>(walk.queries)),
         queries_(walk.queries) {}
 
-  // Returns false, and has done nothing, where a Walker is needed or takes less
-  // time.
+  // Returns false, and does nothing, if a Walker is needed or takes less time.
   HWY_INLINE bool Run() {
     const detail::BvhLevel& objects = levels_.level[0];
     const bool has_masks = objects.masks != nullptr && ~walk_.mask != 0;
@@ -499,7 +502,7 @@ class PlainWalk {
       return false;
     }
     const uint64_t kept = queries_.TestApart(0, root, 0);
-    // It would be the Walker that finds nodes inside of the query.
+    // Only a Walker uses nodes that are inside the query.
     if (hwy::PopCount(kept) >= kManyKept) return false;
     has_codes ? VisitNodes(kept) : VisitFloats(kept);
     return true;
@@ -510,7 +513,7 @@ class PlainWalk {
   static constexpr size_t kMostInTwoLevels =
       detail::kBlockObjects * detail::kBlockObjects;
 
-  // Leaves under the root.
+  // Visits leaves under the root.
   HWY_INLINE void VisitFloats(uint64_t leaves) {
     const detail::BvhLevel& objects = levels_.level[0];
     for (; leaves != 0; leaves &= leaves - 1) {
@@ -523,7 +526,7 @@ class PlainWalk {
     }
   }
 
-  // Nodes under the root, and their leaves.
+  // Visits nodes under the root, and their leaves.
   HWY_INLINE void VisitNodes(uint64_t nodes_kept) {
     const detail::BvhLevel& nodes = levels_.level[1];
     QueryCodes codes;
@@ -558,7 +561,8 @@ class PlainWalk {
     if (unsure == 0) [[likely]] {
       return kept;
     }
-    // Rarely, so the whole block, in less code than object after object.
+    // This is rare, so it tests the whole block, which is less code than to
+    // test object after object.
     return (kept & ~unsure) |
            (unsure & queries_.TestApart(0, levels_.level[0], block));
   }
@@ -586,7 +590,7 @@ void RunWalk(const detail::Walk& walk) {
   Walker<Query, kWrites>(walk).Run();
 }
 
-// Simplices, and plain code, have the Walker alone: few queries would gain.
+// Simplices and plain code use only the Walker, because few queries would gain.
 template <size_t kAxes, bool kHasMax, bool kWrites>
 void RunPlaneWalk(const detail::Walk& walk) {
   if constexpr (kHasMax && kHasVectors) {

@@ -1,4 +1,5 @@
-// Bounds of many boxes: X, Y, Z are copied, D is that of two corners.
+// Bounds of many boxes. X, Y and Z are copied. D is the D of two opposite
+// corners.
 #if defined(HALFSPACE_KERNELS_FIT_MANY_BOXES_INL_H_) == \
     defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_FIT_MANY_BOXES_INL_H_
@@ -43,7 +44,7 @@ struct BoxBuilder {
       ok = hn::And(ok, hn::Le(hn::LoadU(d, columns[k] + i),
                               hn::LoadU(d, high_columns[k] + i)));
     }
-    // What a minimum becomes where the box cannot be bounded.
+    // The minimum of a box that cannot be bounded.
     const auto everything = hn::Set(d, -FLT_MAX);
     if (HWY_LIKELY(hn::AllTrue(d, ok))) {
       StoreBounds<true, kStore>(d, columns, out, i, ok, everything);

@@ -1,4 +1,4 @@
-// What the bulk builders do in lanes: one shape, or one point, in each.
+// Steps of the bulk builders, with one shape or one point in each lane.
 #if defined(HALFSPACE_KERNELS_FIT_MANY_LANES_INL_H_) == \
     defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_FIT_MANY_LANES_INL_H_
@@ -27,8 +27,8 @@ using FitTag = hn::CappedTag<float, kTileObjects>;
 // How a builder stores the bounds of shapes that could be bounded.
 enum class Store { kCached, kPastCaches };
 
-// The lanes that could be bounded, and what a plane stores for the others.
-// kAll: there are no others.
+// The lanes that could be bounded, and the value of a plane for the others.
+// With kAll there are no others.
 template <bool kAll, Store kStore, class D, class V, class M>
 HWY_INLINE void StoreWanted(D d, V value, M ok, V other, float* plane,
                             size_t i) {
@@ -82,7 +82,8 @@ HWY_INLINE V PlusZero(D d, V value) {
   return hn::Add(value, hn::Zero(d));
 }
 
-// The range of D over several points per lane: widened by each, finished once.
+// The range of D over several points per lane. Each point widens it, and it is
+// rounded once at the end.
 template <int kDims, Rounding kRounding, class D, class V>
 HWY_INLINE void WidenD(D d, const float* const* columns, size_t i, V& min,
                        V& max) {

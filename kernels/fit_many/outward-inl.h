@@ -49,8 +49,8 @@ HWY_INLINE V NextBelow(D d, V x) {
 // --- Expansions: parts whose exact sum is the exact sum of what was given,
 // after Shewchuk. Parts are passed largest first.
 
-// Adds `carry` to the parts, from the smallest on; what is left of it is the
-// new largest.
+// Adds `carry` to the parts, from the smallest on. Afterwards `carry` is the
+// new largest part.
 template <class V>
 HWY_INLINE void Grow(V& /*carry*/) {}
 template <class V, class... Vs>
@@ -68,7 +68,8 @@ HWY_INLINE void IntoParts(V& part, Vs&... others) {
   Grow(part, others...);
 }
 
-// Gathers the parts into the first, which ends less than an ulp from the sum.
+// Sums the parts into the first, which is then less than an ulp from the exact
+// sum.
 template <class V>
 HWY_INLINE void Gather(V& /*part*/) {}
 template <class V, class... Vs>
@@ -88,8 +89,8 @@ HWY_INLINE V Leading(V part, Vs... smaller) {
   return hn::IfThenElse(hn::Eq(part, zero), Leading(smaller...), part);
 }
 
-// The exact sum of all, as a value less than an ulp away and a number with the
-// sign of what is missing.
+// The exact sum: `value` is less than an ulp away, and `rest` has the sign of
+// the error.
 template <class V, class... Vs>
 HWY_INLINE void SumExactly(V& value, V& rest, V first, Vs... others) {
   IntoParts(first, others...);
@@ -117,8 +118,8 @@ HWY_INLINE void SumOfPoint(V& sum, V& rest, V x, V y) {
   rest = y;
 }
 
-// Four error-free additions, or two and two that round: docs/exactness.md
-// proves both.
+// Four error-free additions, or two error-free ones and two that round.
+// docs/exactness.md proves both.
 template <Rounding kRounding, class V>
 HWY_INLINE void SumOfPoint(V& sum, V& rest, V x, V y, V z) {
   TwoSum(x, y);

@@ -97,7 +97,7 @@ struct InputTile {
 template <int kDims>
 inline constexpr size_t kFitPlanes = 2 * (kDims + 1);
 
-// The places of objects begin and on in all wanted planes.
+// Pointers to object `begin` in all wanted planes.
 template <int kDims>
 struct OutputPlanes {
   float* planes[kFitPlanes<kDims>];
@@ -112,7 +112,8 @@ struct OutputPlanes {
   float* max(size_t axis) const { return planes[kDims + 1 + axis]; }
 };
 
-// Bounds that are copied to the wanted planes when done.
+// A tile of bounds on the stack. Write() or StreamOut() copies it to the wanted
+// planes.
 template <int kDims>
 struct OutputTile {
   HWY_ALIGN float values[kFitPlanes<kDims>][kTileObjects];
@@ -133,7 +134,7 @@ struct OutputTile {
     }
   }
 
-  // The whole tile, past the caches.
+  // Copies the whole tile past the caches.
   void StreamOut() const {
     const FitTag d;
     const size_t lanes = hn::Lanes(d);
@@ -146,11 +147,11 @@ struct OutputTile {
   }
 };
 
-// Whether to write past the caches. An ordinary store first reads the line it
-// writes to; without that, a build out of the caches moves 56 bytes an object
-// instead of 88 (boxes to AABOs). But it drives out of the caches what they
-// might have kept: with 32 MiB of L3, ordinary stores were faster up to 64 MiB
-// of output.
+// Whether to write past the caches. An ordinary store first reads the line that
+// it writes to. Without these reads, a build out of the caches moves 56 bytes
+// an object instead of 88 (boxes to AABOs). But the output is then not in the
+// caches: with 32 MiB of L3, ordinary stores were faster up to 64 MiB of
+// output.
 template <int kDims>
 bool ShouldStream(const kernels::FitJob& job) {
 #if HWY_ARCH_X86
@@ -241,8 +242,8 @@ class TileWalk {
     FitVectors<kStore>(columns, output, kTileObjects, begin);
   }
 
-  // Of the caller: some builders have more in their tiles, and read these
-  // never.
+  // Lists the columns of the caller. Some builders have more columns in their
+  // tiles, and never read those here.
   void ListColumns(const float** columns, size_t begin) const {
     constexpr size_t kMost = detail::kMaxPlanes;
     for (size_t c = 0; c < HWY_MIN(Builder::kColumns, kMost); ++c) {
@@ -250,7 +251,7 @@ class TileWalk {
     }
   }
 
-  // `count` shapes, counted up to a whole vector.
+  // Bounds `count` shapes, rounded up to whole vectors.
   template <Store kStore>
   void FitVectors(const float* const* columns,
                   const OutputPlanes<kDims>& output, size_t count,

@@ -1,5 +1,5 @@
-// The kernels of flat scans for half-spaces. They read a list of planes, so
-// that there is one for all worlds of floats.
+// The kernels of flat scans for half-spaces. They read a list of planes, so the
+// same kernels serve all worlds of floats.
 #if defined(HALFSPACE_KERNELS_SCAN_FRONTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_SCAN_FRONTS_INL_H_
 #undef HALFSPACE_KERNELS_SCAN_FRONTS_INL_H_
@@ -21,8 +21,8 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A vector of objects at a time, so that the first half-space that has all of
-// them behind it ends their test.
+// Tests one vector of objects against all half-spaces. The test ends when all
+// objects are behind one half-space.
 template <class D, class Load>
 HWY_INLINE uint64_t FrontBits(D d, Load load, const float* const* planes,
                               const detail::Fronts& query, size_t i) {

@@ -7,8 +7,8 @@
 
 namespace halfspace::detail {
 
-// One kernel for any planes of floats, and for every way. Its queries are
-// Fronts.
+// One kernel for any planes of floats, and for every enumerator of Way. Its
+// queries are Fronts.
 extern template struct KernelsOfAll<TargetKernels>;
 
 }  // namespace halfspace::detail

@@ -1,6 +1,6 @@
-// Scans that test some planes of many objects before others: page by page where
-// planes are streamed from memory, and in stages, each of which tests only
-// objects that survived the stage before.
+// Scans that do not test all planes of an object at once. Where planes are
+// streamed from memory, they test page by page. In stages, each stage tests
+// only the objects that survived the stage before.
 #if defined(HALFSPACE_KERNELS_SCAN_STAGES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_SCAN_STAGES_INL_H_
 #undef HALFSPACE_KERNELS_SCAN_STAGES_INL_H_
@@ -24,8 +24,8 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The kernels that are the same for any number of axes: compiled once for each
-// type of element.
+// The kernels that do not depend on the number of axes. They are compiled once
+// for each type of element.
 template <typename T>
 struct ElementKernels {
   static int64_t StreamMinima(const detail::Scan& scan,
@@ -36,8 +36,9 @@ struct ElementKernels {
   static int64_t Adaptive(const detail::Scan& scan, const detail::Part& part);
 };
 
-// Objects from word `first` of a part on, up to object `end`. Field by field: a
-// copy in vectors waits for the stores of the fields.
+// The objects of a part from word `first` to object `end`. The fields are
+// copied one by one, because a copy in vectors would wait for the stores of the
+// fields.
 HWY_INLINE detail::Part PartFrom(const detail::Part& part, size_t first,
                                  size_t end) {
   return {.first_query = part.first_query,
@@ -73,11 +74,12 @@ HWY_INLINE int64_t FinishPart(const detail::Scan& scan,
 
 // ---- Streaming: one query over planes out of the caches.
 
-// Streaming is used where it was measured to pay. Plain code packs bits one by
-// one, again for every two planes, and took more than twice as long.
+// Streaming is used where it was measured to be faster. Plain code packs bits
+// one by one, and repeats that for every two planes: it took more than twice as
+// long.
 inline constexpr bool kPagesPay = HWY_ARCH_X86 && kHasVectors;
 
-// A page of each plane; for quantized bounds of one byte, half a page is 5 %
+// One page of each plane. For quantized bounds of one byte, half a page is 5 %
 // faster.
 template <typename T>
 inline constexpr size_t kPageWords = HWY_MIN(size_t{32},
@@ -101,9 +103,10 @@ HWY_INLINE void PrefetchWords(const T* a, const T* b) {
   }
 }
 
-// Tests a page. Words of the first planes are stored, words of later ones are
-// ANDed to those that are there. Not inlined: in its caller gcc 12 reloads the
-// row's address from the stack for each word, 56 instructions instead of 51.
+// Tests a page. The words of the first planes are stored, and the words of
+// later planes are ANDed to them. Not inlined: inside the caller, gcc 12
+// reloads the row's address from the stack for each word, which takes 56
+// instructions instead of 51.
 template <size_t kMins, class Load, typename T, size_t kPlanes>
 HWY_NOINLINE void TestPage(Load load, const PlaneGroup<T, kPlanes>& group,
                            bool is_first, size_t first, size_t words,
@@ -127,12 +130,13 @@ HWY_NOINLINE void TestPage(Load load, const PlaneGroup<T, kPlanes>& group,
   }
 }
 
-// Tests a page of two planes, then a page of two others. The two are those of
-// an axis, or, without maxima, those of two axes, with the last one alone if
-// their number is odd. Prefetchers follow two streams and not eight: an
-// octahedron in L3 takes 0.34 ns instead of 0.48 on Zen 4 (AVX2), a box 0.25
-// instead of 0.28. Prefetching the begin of the next pages gains 3 %;
-// prefetching more of them was slower at any distance.
+// Tests a page of two planes, then a page of the next two planes. The two
+// planes are the minima and maxima of one axis. Without maxima, they are the
+// minima of two axes, and the last axis is alone if the number of axes is odd.
+// So the prefetchers follow two streams instead of eight: an octahedron in L3
+// takes 0.34 ns instead of 0.48 on Zen 4 (AVX2), a box 0.25 instead of 0.28.
+// Prefetching the beginning of the next pages gains 3 %. Prefetching more of
+// them was slower at any distance.
 template <bool kWithMaxima, typename T, class Load>
 HWY_INLINE void StreamPages(Load load, const detail::Scan& scan,
                             const detail::Part& part) {
@@ -233,12 +237,12 @@ int64_t ElementKernels<T>::ByHalf(const detail::Scan& scan,
 // words, which are few.
 
 // Prefetches the maxima of the nonzero words of a tile, before the minima of
-// the next tile are tested: out of the caches each of them is a miss. Where
-// many words are nonzero, they are read in order, and the hardware prefetches
-// them.
+// the next tile are tested. Out of the caches, each of these words would be a
+// miss. If many words are nonzero, the maxima are read in order, and the
+// hardware prefetches them.
 //
-// The lines of the planes alternate, so that the four lines of one plane do not
-// look like the begin of a stream to the hardware.
+// The lines of the planes alternate, so that the hardware does not take the
+// four lines of one plane for the beginning of a stream.
 template <size_t kAxes, typename T>
 HWY_INLINE void PrefetchMaxima(const detail::Scan& scan, size_t first,
                                uint64_t nonzero) {
@@ -256,13 +260,13 @@ HWY_INLINE void PrefetchMaxima(const detail::Scan& scan, size_t first,
   }
 }
 
-// Tests the maxima of the nonzero words of a tile: those of few words whole,
-// and those of many for the groups of objects that have a survivor, unless most
-// have. `row` has the words.
+// Tests the maxima of the nonzero words of a tile, which are in `row`. If many
+// words are nonzero, it tests only the groups of objects that have a survivor,
+// unless most groups have one.
 //
-// Of octahedra of 10 % of the world's side, groups of 16 take 0.8 of the time
-// of words, and of those of 3 % 1.02 (L1 and L2 on Zen 5). A word of quantized
-// bounds is one or two vectors.
+// For octahedra of 10 % of the world's side, groups of 16 take 0.8 of the time
+// of whole words, and for octahedra of 3 % 1.02 of it (L1 and L2 on Zen 5). A
+// word of quantized bounds is only one or two vectors, so it has no groups.
 template <typename T, class Load, size_t... kPlane>
 HWY_NOINLINE void TestMaxima(std::index_sequence<kPlane...>, Load load,
                              const detail::Scan& scan, const T* values,
@@ -270,8 +274,8 @@ HWY_NOINLINE void TestMaxima(std::index_sequence<kPlane...>, Load load,
                              uint64_t* HWY_RESTRICT row) {
   const OneTag<T> d;
   const T* planes[] = {scan.Plane<T>(sizeof...(kPlane) + kPlane) + first...};
-  // A local copy, because the compiler would load what it finds by a pointer
-  // again after every store of a word. No vectors are passed to a lambda: one
+  // A local copy, because the compiler would load values behind a pointer again
+  // after every store of a word. No vectors are passed to a lambda: a lambda
   // that is not inlined would leave the upper halves of registers in use, which
   // makes SSE4 code three times as slow.
   const T compared[] = {values[kPlane]...};
@@ -346,23 +350,23 @@ int64_t BySimplex(const detail::Scan& scan, const detail::Part& part) {
   return FinishPart(scan, part, detail::kAll);
 }
 
-// ---- What kAuto does: each stretch of the world is tested in the way that
-// suits what the one before it left.
+// ---- kAuto: the survivors of one stretch of the world decide how the next
+// stretch is tested.
 
-// From the fewest planes for all objects to every plane for all of them.
+// How many planes all objects are tested on, in ascending order.
 enum class Step { kOneAxis, kHalf, kEveryPlane };
 
 // Fewer words of one query are tested flat, because the branches of stages cost
-// more than they save. Of several queries it is half as many: what one finds
-// serves the next. In plain code one word by axis takes half of the time of a
-// flat one (a box on Zen 3).
+// more than they save. For several queries the limit is half as high, because
+// each query begins with the step that the query before it ended with. In plain
+// code one word by axis takes half of the time of a flat word (a box on Zen 3).
 inline constexpr size_t kFewWords =
     kHasVectors ? 2 * HWY_MIN(size_t{8}, hn::MaxLanes(OneTag<float>())) : 1;
 
 // Which step is next, and for how many words.
 class Ladder {
  public:
-  // For a call that reads so many bytes of planes one after the other.
+  // `bytes` is the size of all planes that the call reads, one after another.
   Ladder(bool is_box, size_t bytes)
       : is_box_(is_box),
         most_of_axis_(bytes > kMemoryBytes ? 1
@@ -371,9 +375,9 @@ class Ladder {
 
   Step step() const { return step_; }
 
-  // At least one of the `left` words of a part. A stretch is never followed by
-  // one that is much shorter. Less than ShortWords() is one stretch, because
-  // another stretch takes about 25 ns more.
+  // The number of words of the next stretch, if `left` words of the part are
+  // left. No stretch is much shorter than the stretch before it. Fewer than
+  // ShortWords() words are one stretch, because each stretch costs about 25 ns.
   size_t Words(size_t left) const {
     return left < HWY_MAX(2 * words_, ShortWords(is_box_)) ? left : words_;
   }
@@ -382,9 +386,9 @@ class Ladder {
     return is_box ? kTileWords : kTileWords / 2;
   }
 
-  // After a stretch. `left` counts the groups after the first planes of a scan
-  // by axis. After the other scans it counts the nonzero words of the last
-  // tile, after all planes.
+  // Chooses the next step after a stretch. After a scan by axis, `left` counts
+  // the groups that have a survivor of the first planes. After the other scans,
+  // it counts the nonzero words of the last tile.
   void Learn(Left left) {
     Step next = step_;
     if (step_ == Step::kOneAxis && 8 * left.some > most_of_axis_ * left.all) {
@@ -408,17 +412,18 @@ class Ladder {
  private:
   static constexpr size_t kFirstWords = 8;
   static constexpr size_t kMostWords = 16 * kTileWords;
-  // So many stretches pass before kOneAxis is tried again where it did not pay.
+  // The number of stretches before kOneAxis is tried again, after it was too
+  // slow.
   static constexpr size_t kPatience = 16;
 
-  // Beyond the caches a group is a cache line that no prefetcher expects, so
-  // fewer of them may be left.
+  // Beyond the caches, each group is a cache line that no prefetcher expects,
+  // so scans by axis are faster only if fewer groups are left.
   static constexpr size_t kMemoryBytes = size_t{16} << 20;
 
   bool is_box_;
   size_t most_of_axis_;  // of 8 groups
-  // One axis tells most about the world. The first stretch is short, because
-  // nothing is known before.
+  // A scan by one axis says most about the world. The first stretch is short,
+  // because nothing is known yet.
   Step step_ = Step::kOneAxis;
   size_t words_ = kFirstWords;
   size_t patience_ = 0;
@@ -458,17 +463,18 @@ int64_t ElementKernels<T>::Adaptive(const detail::Scan& scan,
   } else if constexpr (!kHasVectors) {
     return ByAxis(scan, part);
   } else {
-    // Several queries of an octahedron, and, with AVX-512, of a box, share what
-    // their kernels do once for all of them.
+    // The kernels of several queries do a part of the work once for all of
+    // them. This pays for octahedra, and with AVX-512 also for boxes.
     const bool is_box = scan.type->kind == detail::PlaneLayout::kAabb;
     if (part.query_count > 1 && (HALFSPACE_MASKED_COMPARES || !is_box)) {
       const detail::Way way = is_box ? detail::kAll : detail::kBySimplex;
       return scan.kernels->run[way](scan, part);
     }
     const size_t words = (part.end - part.begin) / kWordObjects;
-    // Of few octahedra, rarely near the query, simplices take 0.6 to 0.9 of the
-    // time of a flat scan. Their worst case is better than that of axes: 1.3
-    // times as long for objects of 0.1 %, instead of 1.6 for those of 10 %.
+    // If there are few octahedra, and few of them are near the query,
+    // kBySimplex takes 0.6 to 0.9 of the time of a flat scan. Its worst case is
+    // better than that of kByAxis: 1.3 times the time of a flat scan (objects
+    // of 0.1 %) instead of 1.6 (objects of 10 %).
     if (!is_box && words < Ladder::ShortWords(is_box)) {
       return scan.kernels->run[detail::kBySimplex](scan, part);
     }

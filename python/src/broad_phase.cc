@@ -63,8 +63,7 @@ template <auto kFunction>
 void Update(const Bodies& bodies, std::size_t budget, std::size_t threads) {
   Work work(threads, py::none());
   Threads its_threads{work, 1, 0, 0};
-  hs_update_options options;
-  Check(hs_update_options_default(&options, sizeof(options)));
+  hs_update_options options = DefaultOf(&hs_update_options_default);
   options.budget = budget;
   options.run = &Threads::Run;
   options.run_context = &its_threads;
@@ -74,8 +73,7 @@ void Update(const Bodies& bodies, std::size_t budget, std::size_t threads) {
 
 // Writes the records of boxes.
 void BoundBoxes(hs_kind kind, const hs_columns& boxes, float* records) {
-  hs_bound_options options;
-  Check(hs_bound_options_default(&options, sizeof(options)));
+  hs_bound_options options = DefaultOf(&hs_bound_options_default);
   options.tightest = 1;
   Check(hs_bound_boxes(kind, &boxes, &options, records, nullptr));
 }
@@ -102,8 +100,7 @@ Columns BoundsOf(const ShortIds& ids, const py::tuple& arrays) {
 
 std::unique_ptr<Bodies> MakeBodies(std::size_t dims, bool is_aabo,
                                    bool moves_wait_for_update) {
-  hs_broad_phase_config config;
-  Check(hs_broad_phase_config_default(&config, sizeof(config)));
+  hs_broad_phase_config config = DefaultOf(&hs_broad_phase_config_default);
   config.kind = is_aabo ? (dims == 2 ? HS_OCTAHEDRON2 : HS_OCTAHEDRON3)
                         : (dims == 2 ? HS_BOX2 : HS_BOX3);
   config.moves_wait_for_update = moves_wait_for_update ? 1 : 0;
@@ -137,8 +134,7 @@ void SetMasks(const Bodies& bodies, const ShortIds& ids, const Masks& masks) {
 }
 
 hs_query_options OptionsOf(std::uint32_t mask) {
-  hs_query_options options;
-  Check(hs_query_options_default(&options, sizeof(options)));
+  hs_query_options options = DefaultOf(&hs_query_options_default);
   options.mask = mask;
   return options;
 }
@@ -231,8 +227,7 @@ Ids ToArray(const Pairs& pairs) {
 Ids PairsOf(const Bodies& bodies, const ShortIds& ids, float margin,
             std::uint32_t mask, const ShortIds& wanted) {
   if (wanted.size() != 0 && wanted.size() != ids.size()) ThrowNotPrepared();
-  hs_pair_options options;
-  Check(hs_pair_options_default(&options, sizeof(options)));
+  hs_pair_options options = DefaultOf(&hs_pair_options_default);
   options.margin = margin;
   options.mask = mask;
   if (wanted.size() != 0) options.wanted = wanted.data();

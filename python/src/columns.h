@@ -33,6 +33,14 @@ inline pybind11::ssize_t Size(std::size_t size) {
 // function, unless the call returned HS_OK.
 void Check(hs_status status);
 
+// The options that a hs_..._default() writes.
+template <typename Options>
+Options DefaultOf(hs_status (*write)(Options*, std::size_t)) {
+  Options options;
+  Check(write(&options, sizeof(options)));
+  return options;
+}
+
 // The columns of the first array, then those of the next. _arrays.py has
 // prepared the arrays: they have two dimensions, the same type, length and
 // stride, and this machine's byte order. The arrays must outlive the columns.

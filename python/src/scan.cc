@@ -29,8 +29,7 @@ std::size_t InPart(const Columns& queries, std::size_t threads) {
 
 std::unique_ptr<Scan> MakeScan(const py::tuple& arrays, bool is_quantized) {
   const Columns boxes(arrays);
-  hs_scan_config config;
-  Check(hs_scan_config_default(&config, sizeof(config)));
+  hs_scan_config config = DefaultOf(&hs_scan_config_default);
   config.kind = boxes.size == 4 ? HS_BOX2 : HS_BOX3;
   config.bits = is_quantized ? 8 : 0;
   const py::gil_scoped_release release;

@@ -96,8 +96,7 @@ std::size_t Ask(Tree& tree) {
 }
 
 hs_bvh_config ConfigOf(std::size_t dims) {
-  hs_bvh_config config;
-  Check(hs_bvh_config_default(&config, sizeof(config)));
+  hs_bvh_config config = DefaultOf(&hs_bvh_config_default);
   config.kind = dims == 2 ? HS_BOX2 : HS_BOX3;
   return config;
 }
@@ -199,8 +198,7 @@ Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b, Work& work) {
   work.SetStage(0, size, size);
   Results<hs_id_pair> results(parts, work.threads(), 4096);
   work.Run(parts, [&](std::size_t part, std::size_t thread) {
-    hs_pair_options options;
-    Check(hs_pair_options_default(&options, sizeof(options)));
+    hs_pair_options options = DefaultOf(&hs_pair_options_default);
     options.begin = part * kPartLeaves;
     options.end = options.begin + kPartLeaves;
     results.Add(part, thread, [&](std::span<hs_id_pair> pairs) {
@@ -268,8 +266,7 @@ py::object QueryOne(Tree& tree, const py::array& array) {
 py::tuple QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
                     std::size_t limit) {
   const Columns boxes(arrays);
-  hs_query_options options;
-  Check(hs_query_options_default(&options, sizeof(options)));
+  hs_query_options options = DefaultOf(&hs_query_options_default);
   options.skip = skip;
   ShortIds ids(Size(limit));
   std::uint32_t* const to = ids.mutable_data();
@@ -300,8 +297,7 @@ py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
   const bool are_points = queries.size == tree.dims;
   const auto nearest =
       are_points ? &hs_bvh_nearest_to_points : &hs_bvh_nearest_to_boxes;
-  hs_query_options options;
-  Check(hs_query_options_default(&options, sizeof(options)));
+  hs_query_options options = DefaultOf(&hs_query_options_default);
   options.exclusive = is_exclusive ? 1 : 0;
   Work work(threads, std::move(progress));
   const Reading reading(tree);

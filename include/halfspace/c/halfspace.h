@@ -50,12 +50,12 @@
 // the same in every call with the same arguments on an unchanged object. The
 // functions with a callback need no array.
 //
-// Thread safety: functions that take a const handle can run at the same time.
-// A function that takes another handle needs exclusive access, except those of
+// Thread safety: functions that take a const handle can run at the same time. A
+// function that takes another handle needs exclusive access, except those of
 // hs_broad_phase, which say so. Queries of scans and hierarchies allocate
 // nothing, except those of the pairs of a set, take no lock and use up to 64
-// KiB of stack. The floating-point mode
-// of the calling thread has the effects that reject.h and bvh.h describe.
+// KiB of stack. The floating-point mode of the calling thread has the effects
+// that reject.h and bvh.h describe.
 //
 // The C++ headers describe each operation in more detail: fit_many.h, reject.h,
 // reject_many.h, quantized.h, bvh.h, bvh_nearest.h, bvh_pairs.h and
@@ -434,9 +434,9 @@ HALFSPACE_API void hs_bvh_destroy(hs_bvh* bvh);
 
 // Collects objects in batches. hs_builder_push() appends a copy of the records,
 // as floats, and fails if there are then more than 2^31 - 1 objects. Ids are in
-// the order of the pushes. hs_builder_finish() builds
-// a BVH of all objects that were pushed. The builder is unchanged then, and
-// can be continued or destroyed. `builder` of hs_builder_destroy() may be null.
+// the order of the pushes. hs_builder_finish() builds a BVH of all objects that
+// were pushed. The builder is unchanged then, and can be continued or
+// destroyed. `builder` of hs_builder_destroy() may be null.
 typedef struct hs_builder hs_builder;
 HALFSPACE_API hs_status hs_builder_create(const hs_bvh_config* config,
                                           hs_builder** builder);

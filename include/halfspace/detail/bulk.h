@@ -27,27 +27,28 @@ struct FitKernels;
 
 enum FitSource { kFitBoxes, kFitSpheres, kFitTriangles, kFitPointSets };
 
-// The builders of one source in kDims dimensions, of each compiled target, best
-// first: an object file of the library for each, as ScanKernelsOf of scan.h. Of
-// doubles there is one, for every target. The source is an int, because clang
-// exports no template whose arguments have a type that is not exported.
-template <int kSource, int kDims, typename Scalar>
+// The builders of one source of floats in kDims dimensions, of each compiled
+// target, best first: an object file of the library for each, as ScanKernelsOf
+// of scan.h. The source is an int, because clang exports no template whose
+// arguments have a type that is not exported.
+template <int kSource, int kDims>
 struct HALFSPACE_API FitKernelsOf {
   static const FitKernels* const kTargets;
 };
 
-#define HALFSPACE_DECLARE_KERNELS(source)                 \
-  extern template struct FitKernelsOf<source, 2, float>;  \
-  extern template struct FitKernelsOf<source, 3, float>;  \
-  extern template struct FitKernelsOf<source, 4, float>;  \
-  extern template struct FitKernelsOf<source, 2, double>; \
-  extern template struct FitKernelsOf<source, 3, double>; \
-  extern template struct FitKernelsOf<source, 4, double>
+#define HALFSPACE_DECLARE_KERNELS(source)         \
+  extern template struct FitKernelsOf<source, 2>; \
+  extern template struct FitKernelsOf<source, 3>; \
+  extern template struct FitKernelsOf<source, 4>
 HALFSPACE_DECLARE_KERNELS(kFitBoxes);
 HALFSPACE_DECLARE_KERNELS(kFitSpheres);
 HALFSPACE_DECLARE_KERNELS(kFitTriangles);
 HALFSPACE_DECLARE_KERNELS(kFitPointSets);
 #undef HALFSPACE_DECLARE_KERNELS
+
+// The builders of doubles by source and by dimensions, from 2 on: one, for
+// every target.
+HALFSPACE_API extern const FitKernels* const kFitKernelsOfDoubles[4][3];
 
 // Boxes have all minima, then all maxima; spheres the center, then the radius;
 // points their coordinates.
@@ -80,8 +81,14 @@ struct Output {
 template <FitSource kSource, int kDims, typename Scalar>
 Source SourceOf(const Columns& columns, std::size_t column_count,
                 bool has_one_pointer = false) {
-  return {FitKernelsOf<kSource, kDims, Scalar>::kTargets, kDims, column_count,
-          columns, has_one_pointer};
+  static_assert(2 <= kDims && kDims <= 4, "bounds have 2, 3 or 4 dimensions");
+  const FitKernels* kernels = nullptr;
+  if constexpr (std::is_same_v<Scalar, double>) {
+    kernels = kFitKernelsOfDoubles[kSource][kDims - 2];
+  } else {
+    kernels = FitKernelsOf<kSource, kDims>::kTargets;
+  }
+  return {kernels, kDims, column_count, columns, has_one_pointer};
 }
 
 template <FitSource kSource, int kDims, typename Scalar>

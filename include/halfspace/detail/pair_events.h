@@ -50,7 +50,10 @@ class HALFSPACE_API PairList {
   void SetSize(std::size_t size) { size_ = size; }
   // There must be room.
   void Add(IdPair pair) { data_[size_++] = pair; }
-  void Append(Span<const IdPair> pairs);
+  void Append(Span<const IdPair> pairs) {
+    Reserve(size_ + pairs.size());
+    for (const IdPair& pair : pairs) Add(pair);
+  }
 
  private:
   void Grow(std::size_t count);
@@ -121,19 +124,11 @@ class HALFSPACE_API PairEventsCore {
   void Clear();
   void Load(Span<const IdPair> pairs);
 
-  // Moves the events away, so that functions that are called with them may
-  // call Update().
-  void TakeEvents(PairList& began, PairList& ended) {
-    began = std::move(began_);
-    ended = std::move(ended_);
-  }
-
  private:
   void UpdateAll(const PairSources& sources, const PairEventOptions& options,
                  const PairListFilter& filter);
   void UpdateSome(const PairSources& sources, const PairEventOptions& options,
                   const PairListFilter& filter);
-  void SetEvents(PairList& began, PairList& ended);
 
   PairList pairs_;
   PairList began_;

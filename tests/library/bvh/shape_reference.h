@@ -31,11 +31,12 @@ PlaneValues<View> PlanesOf(typename View::Bound bound) {
 inline float SquaredDistanceOf(std::span<const float> planes,
                                const detail::Ball& ball) {
   float sum = 0;
-  for (std::size_t k = 0; k < ball.dims; ++k) {
-    float gap = planes[k] - ball.center[k];
+  for (std::size_t k = 0; k < ball.center.dims; ++k) {
+    float gap = planes[k] - ball.center.low[k];
     if (!(gap > 0)) gap = 0;
-    if (ball.max_plane != 0) {
-      const float above = ball.center[k] - planes[ball.max_plane + k];
+    if (ball.center.max_plane != 0) {
+      const float above =
+          ball.center.low[k] - planes[ball.center.max_plane + k];
       if (above > gap) gap = above;
     }
     sum = sum + gap * gap;
@@ -47,8 +48,8 @@ inline bool IsInReach(std::span<const float> planes, const detail::Ball& ball) {
   if (SquaredDistanceOf(planes, ball) > ball.limit) return false;
   return ball.d_axis == 0 ||
          !(planes[ball.d_axis] > ball.d_max ||
-           (ball.max_plane != 0 &&
-            planes[ball.max_plane + ball.d_axis] < ball.d_min));
+           (ball.center.max_plane != 0 &&
+            planes[ball.center.max_plane + ball.d_axis] < ball.d_min));
 }
 
 // Infinite if the line does not enter.

@@ -1,14 +1,13 @@
 // Bounds of many shapes of doubles: those of fit.h, one after the other.
-#ifndef HALFSPACE_DISPATCH_FIT_ONE_BY_ONE_H_
-#define HALFSPACE_DISPATCH_FIT_ONE_BY_ONE_H_
-
 #include <cstddef>
 #include <cstdint>
 
+#include "halfspace/detail/bulk.h"
 #include "halfspace/fit.h"
 #include "kernels/fit_many/kernel_table.h"
 
-namespace halfspace::dispatch {
+namespace halfspace::detail {
+namespace {
 
 // Numbers of element i, from column `first` on.
 template <int kDims>
@@ -103,6 +102,21 @@ kernels::FitTally FitPointSets(const kernels::FitJob& job) {
   });
 }
 
-}  // namespace halfspace::dispatch
+template <kernels::FitTally (*kFit)(const kernels::FitJob&)>
+constexpr FitKernels kOneByOne = {kFit, kFit};
 
-#endif  // HALFSPACE_DISPATCH_FIT_ONE_BY_ONE_H_
+}  // namespace
+
+const FitKernels* const kFitKernelsOfDoubles[4][3] = {
+    {&kOneByOne<&FitBoxes<2>>, &kOneByOne<&FitBoxes<3>>,
+     &kOneByOne<&FitBoxes<4>>},
+    {&kOneByOne<&FitSpheres<2>>, &kOneByOne<&FitSpheres<3>>,
+     &kOneByOne<&FitSpheres<4>>},
+    {&kOneByOne<&FitTriangles<2>>, &kOneByOne<&FitTriangles<3>>,
+     &kOneByOne<&FitTriangles<4>>},
+    {&kOneByOne<&FitPointSets<2>>, &kOneByOne<&FitPointSets<3>>,
+     &kOneByOne<&FitPointSets<4>>}};
+static_assert(kFitBoxes == 0 && kFitSpheres == 1 && kFitTriangles == 2 &&
+              kFitPointSets == 3);
+
+}  // namespace halfspace::detail
