@@ -318,13 +318,9 @@ Tables RunModel(Run& run) {
   while (target > 0 && verdict.targets()[target] != run.best()) --target;
   std::vector<ExactTest> exact_tests = run.ExactTests();
   if (run.options.exact_ns) exact_tests.push_back(run.TheExactTest());
-  Table exact{"model: exact tests",
-              "ns of one exact test of two shapes near each other",
-              {Key("test"), Value("time", "ns", 1)}};
-  for (const ExactTest& test : exact_tests) exact.Add({test.name, test.ns});
   return {DensityTable(verdict, target, exact_tests),
           EarlyOutTable(run.SmallSet(), run.Measured()),
-          AdvantageTable(run, TypicalOf(verdict), target), exact,
+          AdvantageTable(run, TypicalOf(verdict), target),
           CubeTable(run.options.seed, run.is_quick())};
 }
 

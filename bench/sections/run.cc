@@ -73,6 +73,19 @@ Target Run::best() const {
   return is_measured ? ChosenTarget() : targets.front();
 }
 
+std::vector<Target> Run::WidthTargets() const {
+  std::vector<Target> widths;
+  for (Target target : targets) {
+    if (target.name().starts_with("AVX3") || target.name() == "AVX2" ||
+        target.name() == "SSE4") {
+      widths.push_back(target);
+    }
+  }
+  if (widths.empty()) widths.push_back(targets.front());
+  if (is_quick()) widths.resize(1, widths.front());
+  return widths;
+}
+
 std::size_t Run::SceneObjects() const {
   if (options.objects != 0) return options.objects;
   return options.is_quick ? kQuickObjects : kPaperObjects;

@@ -43,6 +43,9 @@ class Run {
 
   // The target that programs get, or the best that is measured.
   Target best() const;
+  // The best target of each width of vectors: AVX-512, AVX2 and SSE4.2 on x86;
+  // the best one elsewhere, and if the run is quick.
+  std::vector<Target> WidthTargets() const;
   // In memory targets hardly differ, and take long: the best alone, and so if
   // the run is quick.
   std::vector<Target> TargetsIn(const std::string& set) const {
