@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/baselines/target_loops.h"
+#include "bench/inner/target_loops.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
 #include "bench/worlds/build_source.h"

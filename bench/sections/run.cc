@@ -159,17 +159,13 @@ std::vector<std::string> Run::NotReached() const {
   return reasons;
 }
 
-const std::vector<ExactTest>& Run::ExactTests() {
-  if (exact_tests_.empty()) exact_tests_ = MeasureExactTests(*this);
-  return exact_tests_;
-}
-
 ExactTest Run::TheExactTest() {
   if (options.exact_ns) {
     return {"given",
             Ratio{*options.exact_ns, *options.exact_ns, *options.exact_ns}};
   }
-  return ExactTests().front();
+  if (!exact_test_) exact_test_ = MeasureExactTest(*this);
+  return *exact_test_;
 }
 
 void Run::AddVerdictGroup() {

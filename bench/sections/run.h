@@ -77,7 +77,6 @@ class Run {
     return Measure(cases, with, progress);
   }
 
-  const std::vector<ExactTest>& ExactTests();
   // That of --exact-ns, or of a pair of triangles.
   ExactTest TheExactTest();
 
@@ -104,7 +103,7 @@ class Run {
   Workload scene_;
   LoadProbe load_;
   ClockProbe clock_;
-  std::vector<ExactTest> exact_tests_;
+  std::optional<ExactTest> exact_test_;
   std::vector<std::unique_ptr<WorkingSet>> sets_;
   std::unique_ptr<Verdict> verdict_;
 };

@@ -1,5 +1,5 @@
-// Many queries, and quantized bounds, next to what limits them: one loop over
-// kinds of worlds and calls.
+// Many queries in a call, next to what limits them: one loop over kinds of
+// worlds and calls.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -15,12 +15,11 @@
 
 #include "bench/base/shape.h"
 #include "bench/base/text.h"
-#include "bench/baselines/target_loops.h"
+#include "bench/inner/target_loops.h"
 #include "bench/sections/contest.h"
 #include "bench/sections/sections.h"
 #include "bench/worlds/scene.h"
 #include "halfspace/quantized.h"
-#include "halfspace/reject.h"
 #include "halfspace/reject_many.h"
 
 namespace halfspace::bench {
@@ -30,14 +29,12 @@ constexpr std::size_t kManyObjects = 10'000'000;
 constexpr std::size_t kQuickManyObjects = 1'000'000;
 constexpr std::size_t kManyQueries = 100;
 constexpr std::size_t kQueriesInL1 = 16;
-constexpr std::size_t kQueriesInMemory = 2;
 
-// A kind of world: objects, and how many queries a call answers.
+// A kind of world: objects, and the queries that a call answers.
 struct Kind {
   std::string name;
   AaboWorld3 objects;
   ShapeQueries queries;
-  std::size_t at_once;
   QuantizedWorld<AaboView3> quantized = {};
   std::array<std::vector<std::size_t>, kShapes.size()> counts = {};
 
@@ -63,17 +60,12 @@ struct Output {
   std::vector<std::size_t> counts;
 };
 
-// How a call answers `count` queries from number `first` on, and how many
-// survivors it found of each.
+// How a call answers all queries, and how many survivors it found of each.
 struct Call {
   std::string name;
   ShapeKind shape;
-  std::function<void(Kind& kind, std::size_t first, Target target, Output& to)>
-      run;
+  std::function<void(Kind& kind, Target target, Output& to)> run;
   std::function<void(Output& to)> count = [](Output&) {};
-  // Bounds alone keep all that the floats keep, and more.
-  bool is_bound = false;
-  bool is_read = false;  // has no answer
 };
 
 void CountMasks(Output& to) {
@@ -88,36 +80,34 @@ void CountMasks(Output& to) {
 }
 
 Call MasksCall(ShapeKind shape) {
-  return {std::string(NameOf(shape)) + " flat, masks of many", shape,
-          [shape](Kind& kind, std::size_t first, Target target, Output& to) {
-            to.masks.resize(kind.at_once * MaskWords(kind.objects.size()));
-            kind.queries.With(
-                shape, kind.objects.view(),
-                [&](const auto& view, const auto& queries) {
-                  SurvivorMasks(
-                      view, queries.subspan(first, kind.at_once), to.masks,
-                      {.schedule = Schedule::kFlat, .target = target});
-                });
-          },
-          &CountMasks};
+  return {
+      std::string(NameOf(shape)) + " flat, masks of many", shape,
+      [shape](Kind& kind, Target target, Output& to) {
+        to.masks.resize(kind.queries.size() * MaskWords(kind.objects.size()));
+        kind.queries.With(
+            shape, kind.objects.view(),
+            [&](const auto& view, const auto& queries) {
+              SurvivorMasks(view, queries, to.masks,
+                            {.schedule = Schedule::kFlat, .target = target});
+            });
+      },
+      &CountMasks};
 }
 
 Call CountsCall() {
   return {"simplex, counts of many", ShapeKind::kSimplex,
-          [](Kind& kind, std::size_t first, Target target, Output& to) {
-            SurvivorCounts(
-                kind.objects.view().simplex(),
-                kind.queries.simplices().subspan(first, kind.at_once),
-                to.counts, {.target = target});
+          [](Kind& kind, Target target, Output& to) {
+            SurvivorCounts(kind.objects.view().simplex(),
+                           kind.queries.simplices(), to.counts,
+                           {.target = target});
           }};
 }
 
 Call RefinedCountsCall() {
   return {"AABO uint8 refined, counts of many", ShapeKind::kAabo,
-          [](Kind& kind, std::size_t first, Target target, Output& to) {
-            SurvivorCounts(kind.quantized,
-                           kind.queries.aabos().subspan(first, kind.at_once),
-                           to.counts, {.target = target});
+          [](Kind& kind, Target target, Output& to) {
+            SurvivorCounts(kind.quantized, kind.queries.aabos(), to.counts,
+                           {.target = target});
           }};
 }
 
@@ -125,7 +115,7 @@ Call RefinedCountsCall() {
 template <typename WorldOf>
 Call PairsCall(const char* name, WorldOf world_of) {
   return {name, ShapeKind::kAabo,
-          [world_of](Kind& kind, std::size_t first, Target target, Output& to) {
+          [world_of](Kind& kind, Target target, Output& to) {
             if (to.ids.empty()) {
               const auto& counts = kind.CountsOf(ShapeKind::kAabo);
               to.ids.resize(std::accumulate(counts.begin(), counts.end(),
@@ -133,9 +123,8 @@ Call PairsCall(const char* name, WorldOf world_of) {
               to.queries.resize(to.ids.size());
             }
             const std::size_t pairs =
-                SurvivorPairs(world_of(kind),
-                              kind.queries.aabos().subspan(first, kind.at_once),
-                              to.queries, to.ids, {.target = target});
+                SurvivorPairs(world_of(kind), kind.queries.aabos(), to.queries,
+                              to.ids, {.target = target});
             to.queries.back() = static_cast<std::uint32_t>(pairs);
           },
           [](Output& to) {
@@ -146,60 +135,16 @@ Call PairsCall(const char* name, WorldOf world_of) {
           }};
 }
 
-// The survivors of one query as indices.
-template <typename WorldOf>
-Call IdsCall(std::string name, WorldOf world_of, Schedule schedule) {
-  return {std::move(name), ShapeKind::kAabo,
-          [world_of, schedule](Kind& kind, std::size_t first, Target target,
-                               Output& to) {
-            to.ids.resize(kind.objects.size());
-            to.counts[0] =
-                Survivors(world_of(kind), kind.queries.aabos()[first], to.ids,
-                          {.schedule = schedule, .target = target});
-          }};
-}
-
-// Quantized bounds alone, whose planes are in order: all minima, which are the
-// first stage, then all maxima.
-Call BoundsCall(const char* name, Schedule schedule) {
-  return {std::string("AABO uint8 quantized alone, ") + name, ShapeKind::kAabo,
-          [schedule](Kind& kind, std::size_t first, Target target, Output& to) {
-            to.masks.resize(MaskWords(kind.objects.size()));
-            SurvivorMask(kind.quantized.quantized(),
-                         kind.queries.aabos()[first], to.masks,
-                         {.schedule = schedule, .target = target});
-          },
-          &CountMasks, /*is_bound=*/true};
-}
-
-Call ReadCall(std::size_t planes, ReadWay way) {
-  return {"read quantized " + std::to_string(planes) + "-planes " + NameOf(way),
-          ShapeKind::kAabo,
-          [planes, way](Kind& kind, std::size_t, Target target, Output&) {
-            const auto view = kind.quantized.quantized().view();
-            BytePlanes list;
-            for (std::size_t p = 0; p < planes; ++p) {
-              list.push_back(
-                  reinterpret_cast<const unsigned char*>(view.planes[p]));
-            }
-            KeepResult(LoopsFor(target).read(way, list.data(), planes,
-                                             kind.objects.size()));
-          },
-          [](Output&) {},
-          false,
-          /*is_read=*/true};
-}
-
 // The loop that one would write instead, and that a compiler vectorises.
 Call VectorisedCall(CountSimplices TargetLoops::*loop) {
   return {"baseline: vectorised simplex", ShapeKind::kSimplex,
-          [loop](Kind& kind, std::size_t first, Target target, Output& to) {
+          [loop](Kind& kind, Target target, Output& to) {
             const SimplexView3 view = kind.objects.view().simplex();
             (LoopsFor(target).*
              loop)({{view.min[0], view.min[1], view.min[2], view.min[3]},
                     view.size,
-                    kind.queries.simplices()[first].max.data(),
-                    kind.at_once,
+                    kind.queries.simplices().front().max.data(),
+                    kind.queries.size(),
                     to.counts.data()});
           }};
 }
@@ -215,35 +160,25 @@ struct Line {
 
 Case CaseOf(Kind& kind, const Call& call, Target target) {
   const auto to = std::make_shared<Output>();
-  to->counts.resize(kind.at_once);
-  const std::size_t pairs = kind.at_once * kind.objects.size();
+  to->counts.resize(kind.queries.size());
+  const std::size_t pairs = kind.queries.size() * kind.objects.size();
   const std::size_t rounds = std::max<std::size_t>(1, kObjectsPerRun / pairs);
   Case c;
   c.name = "throughput/" + kind.name + "/" + NameOf(target) + "/" + call.name;
   c.group = "throughput";
   c.items = static_cast<double>(rounds * pairs);
-  c.run = [&kind, call, target, to, rounds, first = std::size_t{0}]() mutable {
-    for (std::size_t i = 0; i < rounds; ++i) {
-      call.run(kind, first, target, *to);
-      first += kind.at_once;
-      if (first + kind.at_once > kind.queries.size()) first = 0;
-    }
+  c.run = [&kind, call, target, to, rounds] {
+    for (std::size_t i = 0; i < rounds; ++i) call.run(kind, target, *to);
   };
-  if (call.is_read) return c;
   c.check = [&kind, call, target, to]() -> std::string {
-    const std::vector<std::size_t>& counts = kind.CountsOf(call.shape);
-    for (std::size_t first = 0; first + kind.at_once <= counts.size();
-         first += kind.at_once) {
-      call.run(kind, first, target, *to);
-      call.count(*to);
-      for (std::size_t q = 0; q < kind.at_once; ++q) {
-        const std::size_t expected = counts[first + q];
-        if (call.is_bound ? to->counts[q] < expected
-                          : to->counts[q] != expected) {
-          return "query " + std::to_string(first + q) + ": " +
-                 std::to_string(to->counts[q]) + " survivors, not " +
-                 std::to_string(expected);
-        }
+    call.run(kind, target, *to);
+    call.count(*to);
+    const std::vector<std::size_t>& expected = kind.CountsOf(call.shape);
+    for (std::size_t q = 0; q < expected.size(); ++q) {
+      if (to->counts[q] != expected[q]) {
+        return "query " + std::to_string(q) + ": " +
+               std::to_string(to->counts[q]) + " survivors, not " +
+               std::to_string(expected[q]);
       }
     }
     return {};
@@ -282,7 +217,7 @@ void AddRows(Run& run, const std::vector<Line>& lines, Target target,
                lines[i].kind->name,
                NameOf(target),
                lines[i].kind->objects.size(),
-               lines[i].kind->at_once,
+               lines[i].kind->queries.size(),
                fastest[i]->Median(),
                Cell(),
                Cell()};
@@ -299,8 +234,8 @@ const QuantizedWorld<AaboView3>& QuantizedOf(const Kind& kind) {
   return kind.quantized;
 }
 
-// 100 queries a call, next to the same in the first-level cache and to the loop
-// that one would write instead.
+// 100 queries a call, next to 16 in the first-level cache and to the loop that
+// one would write instead.
 void RunScene(Run& run, Table& table) {
   const std::size_t objects = run.is_quick() ? kQuickManyObjects : kManyObjects;
   // Floats, quantized bounds with their records, and a bit for each query.
@@ -316,8 +251,7 @@ void RunScene(Run& run, Table& table) {
   }
   Workload made =
       MakeScene(objects, kManyQueries, run.options.seed, [](double) {});
-  Kind scene{"scene", std::move(made.objects), ShapeQueries(made.queries),
-             kManyQueries};
+  Kind scene{"scene", std::move(made.objects), ShapeQueries(made.queries)};
   scene.quantized = QuantizedWorld<AaboView3>(scene.objects);
   const Workload& workload = run.Measured();
   std::vector<Aabo3> few;
@@ -331,7 +265,7 @@ void RunScene(Run& run, Table& table) {
           run.machine.CacheBytes(1) / 2 / record / 64 * 64;
       Kind in_cache{
           "L1", ResizedTo(workload.objects, std::max<std::size_t>(64, in_half)),
-          ShapeQueries(few), kQueriesInL1};
+          ShapeQueries(few)};
       AddRows(run,
               {{&in_cache, {MasksCall(shape)}, {}, ", again"},
                {&scene, {MasksCall(shape)}, 0}},
@@ -349,62 +283,6 @@ void RunScene(Run& run, Table& table) {
   }
 }
 
-// One query a call over so many quantized bounds that the planes of the first
-// stage alone, 4 bytes an object, take four times the last-level cache; fewer,
-// if that needs too much memory.
-void RunMemory(Run& run, Table& table) {
-  constexpr std::size_t kStep = 4096;
-  constexpr std::size_t kBytes = 32 + 8;
-  std::size_t objects = run.machine.LastLevelBytes() / (run.is_quick() ? 2 : 1);
-  if (run.machine.available_memory != 0) {
-    objects = std::min(objects, run.machine.available_memory / 4 / kBytes);
-  }
-  objects = objects / kStep * kStep;
-  if (run.machine.is_emulated || objects * PlaneCountOf(ShapeKind::kAabo) <
-                                     4 * run.machine.LastLevelBytes()) {
-    table.notes.push_back(
-        "Not measured: one query. Quantized bounds of four times the "
-        "last-level cache take more than a quarter of the free memory, or the "
-        "CPU is emulated.");
-    return;
-  }
-  const Workload& workload = run.Measured();
-  std::vector<Aabo3> queries;
-  for (std::size_t q = 0; q < kQueriesInMemory; ++q) {
-    queries.push_back(workload.queries[q % workload.queries.size()]);
-  }
-  Kind memory{"memory", ResizedTo(workload.objects, objects),
-              ShapeQueries(queries), 1};
-  memory.quantized = QuantizedWorld<AaboView3>(memory.objects);
-  const auto reads = [](std::size_t planes) {
-    std::vector<Call> calls;
-    for (ReadWay way : kReadWays) calls.push_back(ReadCall(planes, way));
-    return calls;
-  };
-  std::vector<Call> floats;
-  for (const NamedSchedule& named : kSchedules) {
-    floats.push_back(
-        IdsCall(std::string("AABO floats ") + named.name + ", indices",
-                &FloatsOf, named.schedule));
-  }
-  for (Target target : run.WidthTargets()) {
-    AddRows(
-        run,
-        {{&memory, reads(4)},
-         {&memory,
-          {BoundsCall("staged, of the 4 planes of the first stage",
-                      Schedule::kStaged)},
-          0},
-         {&memory, reads(8)},
-         {&memory, {BoundsCall("flat, of all 8 planes", Schedule::kFlat)}, 2},
-         {&memory,
-          {IdsCall("AABO uint8 refined, indices", &QuantizedOf,
-                   Schedule::kAuto)}},
-         {&memory, floats}},
-        target, table);
-  }
-}
-
 }  // namespace
 
 Tables RunThroughput(Run& run) {
@@ -413,10 +291,7 @@ Tables RunThroughput(Run& run) {
       "ns per object and query, next to its ceiling",
       {Key("what"), Key("set"), Key("target"), Key("objects"), Key("queries"),
        Value("ns/pair", "", 4), Value("ceiling"), Value("% of it", "", 0)}};
-  Parts parts;
-  parts.emplace_back([&] { RunScene(run, table); });
-  parts.emplace_back([&] { RunMemory(run, table); });
-  RunParts(run, parts);
+  RunScene(run, table);
   return {table};
 }
 

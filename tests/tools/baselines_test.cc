@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "bench/baselines/target_loops.h"
+#include "bench/inner/target_loops.h"
 #include "bench/worlds/scene.h"
 #include "halfspace/reject.h"
 #include "halfspace/targets.h"
