@@ -4,8 +4,7 @@
 //
 // Boxes are closed, finite and not inverted. Ids are 0 to `bodies - 1`. The
 // answers are those of the exact boxes: a space with larger boxes tests the
-// exact ones within the call. The factory of a library that was not installed
-// when this was built returns nullptr.
+// exact ones within the call. Its file registers it by the number of bodies.
 #ifndef HALFSPACE_BENCH_BASELINES_BODY_SPACE_H_
 #define HALFSPACE_BENCH_BASELINES_BODY_SPACE_H_
 
@@ -21,20 +20,11 @@
 #include <vector>
 
 #include "bench/baselines/box_tree.h"
+#include "bench/baselines/touches.h"
 #include "halfspace/bounds.h"
 #include "halfspace/shapes.h"
 
 namespace halfspace::bench {
-
-template <int kDims>
-bool Touch(const Aabb<kDims>& a, const Aabb<kDims>& b) {
-  bool touch = true;
-  for (std::size_t k = 0; k < kDims; ++k) {
-    touch &= a.min[k] <= b.max[k];
-    touch &= b.min[k] <= a.max[k];
-  }
-  return touch;
-}
 
 // Convert an id to the pointer that a library stores with a body, and back.
 inline void* DataOf(std::uint32_t id) {
@@ -57,8 +47,8 @@ struct BodyQuery {
   OrientedBox<kDims> oriented;  // its axes are of length 1, and orthogonal
 
   // The tests of bvh_shapes.h, without its rounding.
-  bool Touches(const Aabb<kDims>& body) const {
-    if (!Touch(box, body)) return false;
+  bool Finds(const Aabb<kDims>& body) const {
+    if (!Touches(box, body)) return false;
     if (kind == Kind::kSphere) {
       float square = 0;
       for (std::size_t k = 0; k < kDims; ++k) {
@@ -136,6 +126,7 @@ struct CastHits {
 template <int kDims>
 class BodySpace : public Competitor {
  public:
+  using Input = std::size_t;  // the number of bodies
   using Box = Aabb<kDims>;
   using Ids = std::span<const std::uint32_t>;
   using Boxes = std::span<const Box>;
@@ -147,18 +138,11 @@ class BodySpace : public Competitor {
   virtual void Step(Ids ids, Boxes boxes) = 0;
   // Appends the pairs that touch and have a body of the last Step(), each once.
   virtual void PairsOf(Ids ids, std::vector<IndexPair>& found) = 0;
-  // Appends all pairs that touch, and returns their number. A space that
-  // reports how its pairs change may return the number alone.
-  virtual std::size_t AllPairs(std::vector<IndexPair>& found) = 0;
-  // Appends the pairs of the last AllPairs(), of a space that returns their
-  // number alone.
-  virtual void ListPairs(std::vector<IndexPair>& /*found*/) const {}
   // Appends the bodies that touch the query.
   virtual void Find(const BodyQuery<kDims>& query,
                     std::vector<std::uint32_t>& found) const = 0;
   virtual void Cast(const BodyCast<kDims>& cast, CastHits& hits) const = 0;
-  // Whether it has queries and casts that do not read all bodies.
-  virtual bool CanFind() const { return true; }
+  // Whether it has casts of rays and of boxes.
   virtual bool CanCast() const { return true; }
   virtual bool CanCastBoxes() const { return CanCast(); }
   // A stored corner may be beside the exact one by this share of its distance
@@ -174,24 +158,17 @@ class BodySpace : public Competitor {
       boxes_[ids[i]] = boxes[i];
     }
   }
-  // Appends the pairs that touch: those with a body of `ids`, or all.
-  // visit(function) calls function(a, b) for the candidates.
+  // Appends the pairs that touch and have a body of `ids`. visit(function)
+  // calls function(a, b) for the candidates.
   template <typename Visit>
   void PairsAmong(Ids ids, std::vector<IndexPair>& found, Visit visit) {
     for (std::uint32_t id : ids) moved_[id] = 1;
     visit([&](std::uint32_t a, std::uint32_t b) {
-      if ((moved_[a] | moved_[b]) != 0 && Touch(boxes_[a], boxes_[b])) {
+      if ((moved_[a] | moved_[b]) != 0 && Touches(boxes_[a], boxes_[b])) {
         found.push_back({a, b});
       }
     });
     for (std::uint32_t id : ids) moved_[id] = 0;
-  }
-  template <typename Visit>
-  std::size_t AllPairsAmong(std::vector<IndexPair>& found, Visit visit) const {
-    visit([&](std::uint32_t a, std::uint32_t b) {
-      if (Touch(boxes_[a], boxes_[b])) found.push_back({a, b});
-    });
-    return found.size();
   }
   // The same by a query for each of `ids`: each(a, function) calls function(b)
   // for the bodies near a.
@@ -201,7 +178,7 @@ class BodySpace : public Competitor {
     for (std::uint32_t a : ids) {
       each(a, [&, a](std::uint32_t b) {
         const bool is_other = b < a || (b != a && moved_[b] == 0);
-        if (is_other && Touch(boxes_[a], boxes_[b])) found.push_back({a, b});
+        if (is_other && Touches(boxes_[a], boxes_[b])) found.push_back({a, b});
       });
     }
     for (std::uint32_t id : ids) moved_[id] = 0;
@@ -210,20 +187,6 @@ class BodySpace : public Competitor {
   std::vector<Box> boxes_;
   std::vector<std::uint8_t> moved_;
 };
-
-template <int kDims>
-using BodySpacePtr = std::unique_ptr<BodySpace<kDims>>;
-
-// btDbvtBroadphase, with its cache of pairs. Its casts do not find a body that
-// they only touch.
-BodySpacePtr<3> MakeBulletSpace(std::size_t bodies);
-// b2BroadPhase, with a list of contacts as b2ContactManager's.
-BodySpacePtr<2> MakeBox2dSpace(std::size_t bodies);
-// fcl::DynamicAABBTreeCollisionManager<float>.
-BodySpacePtr<3> MakeFclSpace(std::size_t bodies);
-// Our own flat scan.
-template <int kDims>
-BodySpacePtr<kDims> MakeScanSpace(std::size_t bodies);
 
 }  // namespace halfspace::bench
 

@@ -57,11 +57,21 @@ auto IndexTaker(std::vector<std::uint32_t>& found) {
   return Taker([&found](const auto& entry) { found.push_back(entry.second); });
 }
 
+// Packed from all boxes at once.
 template <int kDims, std::size_t kNodeSize>
-class BoostTree : public BoxTree<kDims>, public NearestTree<kDims> {
+auto TreeOf(std::span<const Aabb<kDims>> boxes) {
+  std::vector<Entry<kDims>> entries;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    entries.emplace_back(BoxOf(boxes[i]), static_cast<std::uint32_t>(i));
+  }
+  return bgi::rtree<Entry<kDims>, bgi::quadratic<kNodeSize>>(entries);
+}
+
+template <int kDims, std::size_t kNodeSize>
+class BoostTree : public BoxTree<kDims> {
  public:
-  explicit BoostTree(const std::vector<Entry<kDims>>& entries)
-      : tree_(entries) {}
+  explicit BoostTree(std::span<const Aabb<kDims>> boxes)
+      : tree_(TreeOf<kDims, kNodeSize>(boxes)) {}
 
   void Find(const Aabb<kDims>& query,
             std::vector<std::uint32_t>& found) const override {
@@ -69,12 +79,23 @@ class BoostTree : public BoxTree<kDims>, public NearestTree<kDims> {
     tree_.query(bgi::intersects(BoxOf(query)), IndexTaker(found));
   }
 
+  bool CanCount() const override { return true; }
   std::size_t Count(const Aabb<kDims>& query) const override {
     return tree_.query(bgi::intersects(BoxOf(query)),
                        Taker([](const auto& /*entry*/) {}));
   }
 
-  void Nearest(const Point<kDims>& point, std::size_t count,
+ private:
+  bgi::rtree<Entry<kDims>, bgi::quadratic<kNodeSize>> tree_;
+};
+
+template <std::size_t kNodeSize>
+class BoostNearest : public NearestTree {
+ public:
+  explicit BoostNearest(std::span<const Aabb3> boxes)
+      : tree_(TreeOf<3, kNodeSize>(boxes)) {}
+
+  void Nearest(const Point<3>& point, std::size_t count,
                std::vector<std::uint32_t>& found) override {
     found.clear();
     // Boost has no answer to this, but an assertion.
@@ -84,43 +105,26 @@ class BoostTree : public BoxTree<kDims>, public NearestTree<kDims> {
   }
 
  private:
-  bgi::rtree<Entry<kDims>, bgi::quadratic<kNodeSize>> tree_;
+  bgi::rtree<Entry<3>, bgi::quadratic<kNodeSize>> tree_;
 };
 
-template <typename Tree, int kDims>
-std::unique_ptr<Tree> Make(std::span<const Aabb<kDims>> boxes,
-                           std::size_t node_size) {
-  std::vector<Entry<kDims>> entries;
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    entries.emplace_back(BoxOf(boxes[i]), static_cast<std::uint32_t>(i));
+template <std::size_t kNodeSize>
+struct RegisterNodeSize {
+  template <typename Interface, typename Tree>
+  static void Register() {
+    Registered<Interface>(
+        "Boost R-tree, " + std::to_string(kNodeSize) + " a node",
+        [](auto boxes) { return std::make_unique<Tree>(boxes); });
   }
-  switch (node_size) {
-    case 8:
-      return std::make_unique<BoostTree<kDims, 8>>(entries);
-    case 32:
-      return std::make_unique<BoostTree<kDims, 32>>(entries);
-    default:
-      return std::make_unique<BoostTree<kDims, 16>>(entries);
+  RegisterNodeSize() {
+    Register<BoxTree<2>, BoostTree<2, kNodeSize>>();
+    Register<BoxTree<3>, BoostTree<3, kNodeSize>>();
+    Register<NearestTree, BoostNearest<kNodeSize>>();
   }
-}
+};
+const RegisterNodeSize<8> kNodesOf8;
+const RegisterNodeSize<16> kNodesOf16;
+const RegisterNodeSize<32> kNodesOf32;
 
 }  // namespace
-
-std::unique_ptr<BoxTree<2>> MakeBoostTree(std::span<const Aabb2> boxes,
-                                          std::size_t node_size) {
-  return Make<BoxTree<2>>(boxes, node_size);
-}
-std::unique_ptr<BoxTree<3>> MakeBoostTree(std::span<const Aabb3> boxes,
-                                          std::size_t node_size) {
-  return Make<BoxTree<3>>(boxes, node_size);
-}
-std::unique_ptr<NearestTree<2>> MakeBoostNearest(std::span<const Aabb2> boxes,
-                                                 std::size_t node_size) {
-  return Make<NearestTree<2>>(boxes, node_size);
-}
-std::unique_ptr<NearestTree<3>> MakeBoostNearest(std::span<const Aabb3> boxes,
-                                                 std::size_t node_size) {
-  return Make<NearestTree<3>>(boxes, node_size);
-}
-
 }  // namespace halfspace::bench

@@ -37,16 +37,13 @@ class Box2dSpace : public BodySpace<2> {
   void PairsOf(Ids ids, std::vector<IndexPair>& found) override {
     PairsAmong(ids, found, [&](auto function) { ForEachPair(function); });
   }
-  std::size_t AllPairs(std::vector<IndexPair>& found) override {
-    return AllPairsAmong(found, [&](auto function) { ForEachPair(function); });
-  }
 
   void Find(const BodyQuery<2>& query,
             std::vector<std::uint32_t>& found) const override {
     struct {
       bool QueryCallback(std::int32_t proxy) {
         const std::uint32_t id = space.IdOf(proxy);
-        if (!query.Touches(space.boxes_[id])) return true;
+        if (!query.Finds(space.boxes_[id])) return true;
         found.push_back(id);
         return !query.is_first;
       }
@@ -57,7 +54,7 @@ class Box2dSpace : public BodySpace<2> {
     space_.Query(&callback, BoxOf(query.box));
   }
 
-  // It casts rays. The way of a box is a query.
+  // It casts rays alone.
   bool CanCastBoxes() const override { return false; }
   void Cast(const BodyCast<2>& cast, CastHits& hits) const override {
     struct {
@@ -67,18 +64,10 @@ class Box2dSpace : public BodySpace<2> {
         return std::max(hits.limit / cast.max_t,
                         std::numeric_limits<float>::min());
       }
-      bool QueryCallback(std::int32_t proxy) {
-        hits.Test(cast, space.boxes_[space.IdOf(proxy)]);
-        return true;
-      }
       const Box2dSpace& space;
       const BodyCast<2>& cast;
       CastHits& hits;
     } callback{*this, cast, hits};
-    if (!cast.IsRay()) {
-      space_.Query(&callback, BoxOf(cast.Way(hits.limit)));
-      return;
-    }
     b2RayCastInput input;
     input.p1 = VectorOf(cast.box.min);
     // Of the whole way, whose direction is rounded less.
@@ -132,10 +121,10 @@ class Box2dSpace : public BodySpace<2> {
   std::vector<std::vector<std::uint32_t>> partners_;  // the greater ones
 };
 
-}  // namespace
-
-BodySpacePtr<2> MakeBox2dSpace(std::size_t bodies) {
+// With a list of contacts as b2ContactManager's.
+const Registered<BodySpace<2>> kBox2d("Box2D", [](std::size_t bodies) {
   return std::make_unique<Box2dSpace>(bodies);
-}
+});
 
+}  // namespace
 }  // namespace halfspace::bench

@@ -25,7 +25,7 @@ struct FindCallback : btBroadphaseAabbCallback {
   // It goes on whatever this returns.
   bool process(const btBroadphaseProxy* proxy) override {
     if (query.is_first && !found.empty()) return false;
-    if (query.Touches(BoxOf(proxy))) found.push_back(IdOf(proxy));
+    if (query.Finds(BoxOf(proxy))) found.push_back(IdOf(proxy));
     return true;
   }
 
@@ -84,9 +84,6 @@ class BulletSpace : public BodySpace<3> {
   void PairsOf(Ids ids, std::vector<IndexPair>& found) override {
     PairsAmong(ids, found, [&](auto function) { ForEachPair(function); });
   }
-  std::size_t AllPairs(std::vector<IndexPair>& found) override {
-    return AllPairsAmong(found, [&](auto function) { ForEachPair(function); });
-  }
 
   void Find(const BodyQuery<3>& query,
             std::vector<std::uint32_t>& found) const override {
@@ -116,10 +113,11 @@ class BulletSpace : public BodySpace<3> {
   std::unique_ptr<btDbvtBroadphase> space_;
 };
 
-}  // namespace
-
-BodySpacePtr<3> MakeBulletSpace(std::size_t bodies) {
+// btDbvtBroadphase, with its cache of pairs. Its casts do not find a body that
+// they only touch.
+const Registered<BodySpace<3>> kBullet("Bullet btDbvt", [](std::size_t bodies) {
   return std::make_unique<BulletSpace>(bodies);
-}
+});
 
+}  // namespace
 }  // namespace halfspace::bench

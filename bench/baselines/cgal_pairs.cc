@@ -53,11 +53,21 @@ class CgalPairs : public PairFinder {
   std::ptrdiff_t cutoff_;
 };
 
+// It does all its work in Pairs(). Of `cutoff` boxes it no longer makes trees,
+// but scans.
+struct RegisterCutoff {
+  explicit RegisterCutoff(std::ptrdiff_t cutoff) {
+    Registered<PairFinder>(
+        "CGAL, cutoff " + std::to_string(cutoff),
+        [cutoff](auto boxes) {
+          return std::make_unique<CgalPairs>(boxes, cutoff);
+        },
+        100'000);
+  }
+};
+const RegisterCutoff kCutoff10(10);
+const RegisterCutoff kCutoff100(100);
+const RegisterCutoff kCutoff1000(1000);
+
 }  // namespace
-
-std::unique_ptr<PairFinder> MakeCgalPairs(std::span<const Aabb3> boxes,
-                                          std::ptrdiff_t cutoff) {
-  return std::make_unique<CgalPairs>(boxes, cutoff);
-}
-
 }  // namespace halfspace::bench

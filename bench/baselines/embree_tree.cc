@@ -30,26 +30,6 @@ class Device {
   RTCDevice device_;
 };
 
-// The least sphere of floats around the box, and a little more: Embree computes
-// distances in float, with an error relative to the distance.
-RTCPointQuery SphereAround(const Aabb3& box) {
-  float center[3];
-  double square = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double low = box.min[k];
-    const double high = box.max[k];
-    center[k] = static_cast<float>((low + high) / 2);
-    const double reach = std::max(high - center[k], center[k] - low);
-    square += reach * reach;
-  }
-  RTCPointQuery sphere{};
-  sphere.x = center[0];
-  sphere.y = center[1];
-  sphere.z = center[2];
-  sphere.radius = static_cast<float>(std::sqrt(square) * (1 + 0x1p-20));
-  return sphere;
-}
-
 RTCRay RayOf(const Segment<3>& segment) {
   RTCRay ray{};
   ray.org_x = segment.a[0];
@@ -63,7 +43,10 @@ RTCRay RayOf(const Segment<3>& segment) {
   return ray;
 }
 
-class EmbreeTree : public BoxTree<3>, public LineTree, public PairFinder {
+// A tree of user geometry. Its queries of points are spheres, so that it has
+// none for boxes. The ends of a segment are at most twice as far from 0, on
+// each axis, as the farthest corner of a box.
+class EmbreeTree : public LineTree, public PairFinder {
  public:
   explicit EmbreeTree(std::span<const Aabb3> boxes)
       : boxes_(boxes.begin(), boxes.end()), scene_(rtcNewScene(Device::Get())) {
@@ -74,9 +57,9 @@ class EmbreeTree : public BoxTree<3>, public LineTree, public PairFinder {
             std::max({farthest, std::abs(box.min[k]), std::abs(box.max[k])});
       }
     }
-    // An ulp would do for spheres. A ray's direction, its reciprocal and its
-    // product with the origin are rounded to float, which moves the ray by a
-    // few ulps of the farthest coordinate.
+    // A ray's direction, its reciprocal and its product with the origin are
+    // rounded to float, which moves the ray by a few ulps of the farthest
+    // coordinate.
     slack_ = farthest * 0x1p-18f;
 
     const RTCGeometry geometry =
@@ -96,16 +79,6 @@ class EmbreeTree : public BoxTree<3>, public LineTree, public PairFinder {
   }
   ~EmbreeTree() override { rtcReleaseScene(scene_); }
 
-  void Find(const Aabb3& query,
-            std::vector<std::uint32_t>& found) const override {
-    found.clear();
-    RTCPointQuery sphere = SphereAround(query);
-    RTCPointQueryContext context;
-    rtcInitPointQueryContext(&context);
-    BoxSearch search{boxes_.data(), &query, &found};
-    rtcPointQuery(scene_, &sphere, &context, &EmbreeTree::TakeInBox, &search);
-  }
-
   void Along(const Segment<3>& segment,
              std::vector<std::uint32_t>& found) const override {
     found.clear();
@@ -123,11 +96,6 @@ class EmbreeTree : public BoxTree<3>, public LineTree, public PairFinder {
   }
 
  private:
-  struct BoxSearch {
-    const Aabb3* boxes;
-    const Aabb3* query;
-    std::vector<std::uint32_t>* found;
-  };
   struct LineSearch {
     RTCIntersectContext context;  // first, as Embree hands it on
     const Segment<3>* segment;
@@ -155,14 +123,6 @@ class EmbreeTree : public BoxTree<3>, public LineTree, public PairFinder {
   }
   float Above(float value) const {
     return std::nextafter(value + slack_, std::numeric_limits<float>::max());
-  }
-
-  static bool TakeInBox(RTCPointQueryFunctionArguments* arguments) {
-    const auto& search = *static_cast<const BoxSearch*>(arguments->userPtr);
-    if (Touches(search.boxes[arguments->primID], *search.query)) {
-      search.found->push_back(arguments->primID);
-    }
-    return false;  // the sphere stays as it is
   }
 
   // As no hit is ever told, the ray goes on.
@@ -193,16 +153,12 @@ class EmbreeTree : public BoxTree<3>, public LineTree, public PairFinder {
   float slack_;
 };
 
+const Registered<LineTree> kLines("Embree", [](auto boxes) {
+  return std::make_unique<EmbreeTree>(boxes);
+});
+const Registered<PairFinder> kPairs("Embree", [](auto boxes) {
+  return std::make_unique<EmbreeTree>(boxes);
+});
+
 }  // namespace
-
-std::unique_ptr<BoxTree<3>> MakeEmbreeTree(std::span<const Aabb3> boxes) {
-  return std::make_unique<EmbreeTree>(boxes);
-}
-std::unique_ptr<LineTree> MakeEmbreeLines(std::span<const Aabb3> boxes) {
-  return std::make_unique<EmbreeTree>(boxes);
-}
-std::unique_ptr<PairFinder> MakeEmbreePairs(std::span<const Aabb3> boxes) {
-  return std::make_unique<EmbreeTree>(boxes);
-}
-
 }  // namespace halfspace::bench

@@ -36,10 +36,9 @@ class GeosTree : public BoxTree<2> {
   mutable geos::index::strtree::TemplateSTRtree<std::uint32_t> tree_;
 };
 
-}  // namespace
-
-std::unique_ptr<BoxTree<2>> MakeGeosTree(std::span<const Aabb2> boxes) {
+const Registered<BoxTree<2>> kGeos("GEOS STRtree", [](auto boxes) {
   return std::make_unique<GeosTree>(boxes);
-}
+});
 
+}  // namespace
 }  // namespace halfspace::bench

@@ -71,19 +71,10 @@ inline EarlyOut EarlyOutOf(std::span<const float> minima,
           MeanOf(counted)};
 }
 
-// The batches of `width` objects, a power of two up to 64, of whose bits one is
-// set; of all batches of whole words.
-inline std::size_t BatchesWithSurvivor(std::span<const std::uint64_t> mask,
-                                       std::size_t width) {
-  const std::uint64_t batch = ~std::uint64_t{0} >> (64 - width);
-  std::size_t count = 0;
-  for (std::uint64_t word : mask) {
-    if (word == 0) continue;
-    for (std::size_t l = 0; l < 64; l += width) {
-      count += (word >> l & batch) != 0 ? 1 : 0;
-    }
-  }
-  return count;
+// The batches of 64 objects that have a survivor.
+inline std::size_t BatchesWithSurvivor(std::span<const std::uint64_t> mask) {
+  return mask.size() -
+         static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 0u));
 }
 
 // Adds the survivors of one query.

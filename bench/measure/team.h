@@ -31,6 +31,23 @@ inline double ThreadSeconds() {
   return 0.0;
 }
 
+// CPU time of this thread in ns that work() takes, without that of two looks at
+// the clock.
+template <typename Work>
+double CpuNanoseconds(Work work) {
+  const auto time = [](auto timed) {
+    const double start = ThreadSeconds();
+    timed();
+    return 1e9 * (ThreadSeconds() - start);
+  };
+  static const double clock = [&] {
+    double least = time([] {});
+    for (int i = 0; i < 1000; ++i) least = std::min(least, time([] {}));
+    return least;
+  }();
+  return std::max(0.0, time(work) - clock);
+}
+
 // work(i) in each of `threads` threads, of which the caller is thread 0. They
 // wait for each other in the system, and not by spinning: a thread that spins
 // keeps the one that it waits for off the CPU. Throws std::system_error if no

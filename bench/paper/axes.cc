@@ -6,11 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "bench/base/text.h"
-#include "bench/baselines/target_loops.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
-#include "bench/worlds/cloud_bounds.h"
 #include "bench/worlds/point_source.h"
 #include "halfspace/fit.h"
 #include "halfspace/reject.h"
@@ -88,33 +85,7 @@ Tables RunAxes(Run& run) {
              {Key("world"), Key("axes"), Value("simplex", "", 0),
               Value("over AABB"), Value("AABO", "", 0), Value("over AABB")}};
   for (PointSource& world : worlds) CountWorld(run, world, kept);
-  // 512 clouds are 300 KB: they sit in most second-level caches.
-  constexpr std::size_t kClouds = 512;
-  CloudBounds clouds(BallSource(kClouds, seed));
-  Table build{"axes: construction",
-              "bounding clouds of 50 points by an octahedron",
-              {Key("axes"), Key("target"), Value("flops a point", "", 0),
-               Value("planes that round", "", 0), Value("time", "ns", 1),
-               Value("over standard"), Value("padding / extent", "", 8)}};
-  for (Target target : run.targets) {
-    std::vector<Case> cases;
-    cases.reserve(kAllAxes.size());
-    for (Axes axes : kAllAxes) {
-      cases.push_back(clouds.MakeCase(
-          "axes/" + NameOf(target) + "/" + NameOf(axes), axes, target));
-    }
-    const std::vector<Timing> ns = run.Time(cases);
-    for (std::size_t i = 0; i < kAllAxes.size(); ++i) {
-      const Axes axes = kAllAxes[i];
-      build.Add({NameOf(axes), NameOf(target), FlopsOf(axes),
-                 RoundedPlanesOf(axes), ns[i].Median(), RatioOf(ns[i], ns[0]),
-                 clouds.MeanPad(axes, target)});
-    }
-  }
-  build.notes = {
-      "X, Y and Z copy coordinates. D is a sum, so 2 of the 8 planes round, "
-      "and move outward."};
-  return {kept, build};
+  return {kept};
 }
 
 }  // namespace halfspace::bench

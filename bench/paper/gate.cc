@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/baselines/target_loops.h"
+#include "bench/inner/target_loops.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
 #include "bench/sections/verdict.h"
@@ -113,9 +113,10 @@ Tables BranchTables(Run& run) {
                             {.schedule = Schedule::kFlat, .target = target}));
         for (std::size_t planes : kPlanes) {
           for (StageWay way : kStageWays) {
-            cases.push_back(set.StagedCase(
+            cases.push_back(set.LoopCase(
                 name + NameOf(way) + "/" + std::to_string(planes), shape,
-                target, way, planes));
+                [staged = LoopsFor(target).scan_staged, shape, way,
+                 planes](auto... of) { staged(shape, way, planes, of...); }));
           }
         }
       }

@@ -43,7 +43,7 @@ double CompareNanoseconds(const VerdictWorld& world, std::size_t target) {
 
 // Whether the paper's inequality predicts the winner, for each world.
 Table DensityTable(const Verdict& verdict, std::size_t target,
-                   const std::vector<ExactTest>& exact_tests) {
+                   const ExactTest& exact) {
   const double compare = CompareNanoseconds(TypicalOf(verdict), target);
   Table table{
       "model",
@@ -65,16 +65,14 @@ Table DensityTable(const Verdict& verdict, std::size_t target,
                              .Difference(ShapeKind::kAabb, ShapeKind::kSimplex)
                              .median;
     const double break_even = BreakEven(saved, (c - 1.0) * box);
-    for (const ExactTest& exact : exact_tests) {
-      const double limit = DensityLimit(c, compare, exact.ns.median);
-      const Winner winner = WinnerOf(
-          world.OverSimplex(ShapeKind::kAabb, target, exact.ns.median));
-      table.Add({world.name(), exact.name, world.survivors.aabb,
-                 is_counted ? Cell(c) : Cell(), 100.0 * box,
-                 is_counted ? Cell(100.0 * limit) : Cell(),
-                 NameOf(box < limit ? Winner::kSimplex : Winner::kBox),
-                 NameOf(winner), is_counted ? Cell(break_even) : Cell()});
-    }
+    const double limit = DensityLimit(c, compare, exact.ns.median);
+    const Winner winner =
+        WinnerOf(world.OverSimplex(ShapeKind::kAabb, target, exact.ns.median));
+    table.Add({world.name(), exact.name, world.survivors.aabb,
+               is_counted ? Cell(c) : Cell(), 100.0 * box,
+               is_counted ? Cell(100.0 * limit) : Cell(),
+               NameOf(box < limit ? Winner::kSimplex : Winner::kBox),
+               NameOf(winner), is_counted ? Cell(break_even) : Cell()});
   }
   table.notes = {
       "kappa: survivors of a query of " + Grouped(TypicalOf(verdict).objects) +
@@ -316,15 +314,9 @@ Tables RunModel(Run& run) {
   // The best target is the last of the verdict's.
   std::size_t target = verdict.targets().size() - 1;
   while (target > 0 && verdict.targets()[target] != run.best()) --target;
-  std::vector<ExactTest> exact_tests = run.ExactTests();
-  if (run.options.exact_ns) exact_tests.push_back(run.TheExactTest());
-  Table exact{"model: exact tests",
-              "ns of one exact test of two shapes near each other",
-              {Key("test"), Value("time", "ns", 1)}};
-  for (const ExactTest& test : exact_tests) exact.Add({test.name, test.ns});
-  return {DensityTable(verdict, target, exact_tests),
+  return {DensityTable(verdict, target, run.TheExactTest()),
           EarlyOutTable(run.SmallSet(), run.Measured()),
-          AdvantageTable(run, TypicalOf(verdict), target), exact,
+          AdvantageTable(run, TypicalOf(verdict), target),
           CubeTable(run.options.seed, run.is_quick())};
 }
 

@@ -101,7 +101,7 @@ Table OrdersTable(const Workload& workload) {
     for (const Aabo3& query : workload.queries) {
       counter.Add(query);
       SurvivorMask(sorted.view().aabb(), query.aabb(), mask);
-      left += BatchesWithSurvivor(mask, kBatch);
+      left += BatchesWithSurvivor(mask);
     }
     const WorkCount work = counter.Average();
     const auto at = static_cast<std::size_t>(

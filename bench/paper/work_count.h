@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bench/base/shape.h"
-#include "bench/baselines/target_loops.h"
+#include "bench/inner/target_loops.h"
 #include "halfspace/bounds.h"
 #include "halfspace/world.h"
 

@@ -41,7 +41,7 @@ inline Column Higher(std::string name, std::string unit = {}, int digits = 2) {
   return {std::move(name), std::move(unit), false, Better::kHigher, digits};
 }
 
-enum class Flag { kNone, kMet, kMissed, kWinner, kTie };
+enum class Flag { kNone, kWinner, kTie };
 
 // A text, a number, or nothing: then the value was not measured. A number may
 // have a spread.

@@ -19,8 +19,7 @@ constexpr int kDeepest = 16;
 constexpr double kMostDigits = 17;  // of docs/report.schema.json
 constexpr const char* kNoReport = "no JSON report of this version";
 constexpr std::array<const char*, 3> kBetter = {"", "lower", "higher"};
-constexpr std::array<const char*, 5> kFlags = {"", "met", "missed", "winner",
-                                               "tie"};
+constexpr std::array<const char*, 3> kFlags = {"", "winner", "tie"};
 
 template <typename Enum, typename Names>
 Enum EnumOf(const Names& names, const std::string& name) {
@@ -64,7 +63,10 @@ Cell CellFrom(const Json& json) {
     if (json.at(1).is_number()) {
       cell.spread = {json.at(1).get<double>(), json.at(2).get<double>()};
     }
-    if (json.size() > 3) cell.flag = EnumOf<Flag>(kFlags, json.at(3));
+    // Reports of older versions say whether a value met an aim.
+    if (json.size() > 3 && json.at(3) != "met" && json.at(3) != "missed") {
+      cell.flag = EnumOf<Flag>(kFlags, json.at(3));
+    }
     return cell;
   }
   if (json.is_null()) return {};

@@ -20,7 +20,7 @@ std::string TextOf(double value, int digits) {
 // The lines of a cell: one, or two if the range has its own.
 std::vector<std::string> LinesOf(const Cell& cell, int digits,
                                  bool has_range_below) {
-  constexpr const char* kMarks[] = {"", " met", " MISSED", " *", " ="};
+  constexpr const char* kMarks[] = {"", " *", " ="};
   const std::string mark = kMarks[static_cast<std::size_t>(cell.flag)];
   if (!cell.value) {
     return {(cell.text.empty() ? "-" : Printable(cell.text)) + mark};

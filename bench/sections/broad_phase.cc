@@ -1,3 +1,4 @@
+// BroadPhase next to the broad phases of other libraries and to a plain Bvh.
 #include "halfspace/broad_phase.h"
 
 #include <algorithm>
@@ -5,79 +6,92 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <span>
 #include <string>
+#include <system_error>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "bench/base/text.h"
 #include "bench/baselines/body_space.h"
-#include "bench/sections/broad_phase_parts.h"
-#include "bench/sections/run.h"
+#include "bench/measure/machine.h"
+#include "bench/measure/team.h"
+#include "bench/sections/contest.h"
 #include "bench/sections/sections.h"
 #include "bench/worlds/body_scene.h"
 #include "halfspace/bvh.h"
 #include "halfspace/bvh_nearest.h"
 #include "halfspace/bvh_pairs.h"
 #include "halfspace/bvh_shapes.h"
-#include "halfspace/pair_events.h"
 
 namespace halfspace::bench {
 namespace {
 
-// A tree, and how it changes in a frame: what BroadPhase is measured by.
+using Ids = std::vector<std::uint32_t>;
+using Ns = std::vector<double>;
+
+struct Result {
+  Table times{"broad_phase",
+              "frames and queries, next to the broad phases of others",
+              {Key("world"), Key("bodies"), Key("what"), Key("by"),
+               Lower("time", "us", 3), Higher("times the fastest")}};
+  Table changes{
+      "broad_phase: changes",
+      "next to the same of a Bvh",
+      {Key("what"), Key("world"), Key("bodies"), Lower("time", "ns/body", 1),
+       Value("Bvh", "ns/body", 1), Lower("over the Bvh")}};
+};
+
+// Gives objects of a Bvh other bounds, as BroadPhase::Update() does: it sorts
+// about a 16th of the objects if the order has decayed. All ids are
+// 0, 1, and so on.
+template <int kDims>
+void ChangeTree(Bvh<AabbView<kDims>>& tree, std::span<const std::uint32_t> ids,
+                std::span<const Aabb<kDims>> boxes) {
+  if (ids.size() == tree.size()) {
+    tree.Refit(boxes);
+  } else {
+    tree.Set(ids, boxes);
+  }
+  if (tree.CostRatio() > 1.25) {
+    tree.RebuildPartial(std::max<std::size_t>(1, tree.size() / 16));
+  }
+}
+
 template <int kDims>
 struct PlainTree {
-  using Tree = Bvh<AabbView<kDims>>;
-
   void Insert(std::span<const std::uint32_t> /*ids*/,
               std::span<const Aabb<kDims>> boxes) {
-    tree = Tree(boxes);
-    events.Update(tree);
+    world = Bvh<AabbView<kDims>>(boxes);
   }
   void Step(std::span<const std::uint32_t> ids,
             std::span<const Aabb<kDims>> boxes) {
-    ChangeTree(tree, ids, boxes);
+    ChangeTree<kDims>(world, ids, boxes);
   }
-  std::size_t AllPairs(std::span<const std::uint32_t> moved) {
-    if (moved.size() == tree.size()) {
-      events.Update(tree);
-    } else {
-      events.Update(tree, moved);
-    }
-    return events.size();
-  }
-  Span<const IdPair> pairs() const { return events.pairs(); }
-  const Tree& world() const { return tree; }
 
-  Tree tree;
-  PairEvents events;
+  Bvh<AabbView<kDims>> world;
 };
 
 template <int kDims>
 struct Bodies {
-  explicit Bodies(bool has_lock) : bodies({.caller_locks = !has_lock}) {}
+  explicit Bodies(bool has_lock) : world({.caller_locks = !has_lock}) {}
 
   void Insert(std::span<const std::uint32_t> ids,
               std::span<const Aabb<kDims>> boxes) {
-    bodies.Insert(ids, boxes);
-    bodies.Update();
+    world.Insert(ids, boxes);
+    world.Update();
   }
   void Step(std::span<const std::uint32_t> ids,
             std::span<const Aabb<kDims>> boxes) {
-    bodies.Move(ids, boxes);
-    bodies.Update();
+    world.Move(ids, boxes);
+    world.Update();
   }
-  std::size_t AllPairs(std::span<const std::uint32_t> /*moved*/) {
-    bodies.UpdatePairs();
-    return bodies.pairs().size();
-  }
-  Span<const IdPair> pairs() const { return bodies.pairs(); }
-  const BroadPhase<AabbView<kDims>>& world() const { return bodies; }
 
-  BroadPhase<AabbView<kDims>> bodies;
+  BroadPhase<AabbView<kDims>> world;
 };
 
 // Their calls have the same names.
@@ -93,20 +107,11 @@ class OurSpace : public BodySpace<kDims> {
       : Base(bodies), space_(options...) {}
 
   void Insert(Ids ids, Boxes boxes) override { space_.Insert(ids, boxes); }
-  void Step(Ids ids, Boxes boxes) override {
-    space_.Step(ids, boxes);
-    last_.assign(ids.begin(), ids.end());
-  }
+  void Step(Ids ids, Boxes boxes) override { space_.Step(ids, boxes); }
   void PairsOf(Ids ids, std::vector<IndexPair>& found) override {
-    ForEachPairOf(space_.world(), ids, [&](Span<const IdPair> pairs) {
+    ForEachPairOf(space_.world, ids, [&](Span<const IdPair> pairs) {
       for (const IdPair& pair : pairs) found.push_back({pair.a, pair.b});
     });
-  }
-  std::size_t AllPairs(std::vector<IndexPair>& /*found*/) override {
-    return space_.AllPairs(last_);
-  }
-  void ListPairs(std::vector<IndexPair>& found) const override {
-    for (const IdPair& pair : space_.pairs()) found.push_back({pair.a, pair.b});
   }
 
   void Find(const BodyQuery<kDims>& query,
@@ -114,14 +119,13 @@ class OurSpace : public BodySpace<kDims> {
     using Kind = typename BodyQuery<kDims>::Kind;
     const auto ask = [&](const auto& shape) {
       if (query.is_first) {
-        const auto any = AnySurvivor(space_.world(), shape);
+        const auto any = AnySurvivor(space_.world, shape);
         if (any) found.push_back(*any);
         return;
       }
-      ForEachSurvivor(space_.world(), shape,
-                      [&](Span<const std::uint32_t> ids) {
-                        found.insert(found.end(), ids.begin(), ids.end());
-                      });
+      ForEachSurvivor(space_.world, shape, [&](Span<const std::uint32_t> ids) {
+        found.insert(found.end(), ids.begin(), ids.end());
+      });
     };
     if (query.kind == Kind::kBox) ask(query.box);
     if (query.kind == Kind::kSphere) ask(query.sphere);
@@ -134,70 +138,71 @@ class OurSpace : public BodySpace<kDims> {
       return Limit{hits.limit};
     };
     if (cast.IsRay()) {
-      RayCast(space_.world(),
+      RayCast(space_.world,
               Ray<kDims>{cast.box.min, cast.direction, cast.max_t}, hit);
     } else {
-      BoxCast(space_.world(), cast.box, cast.direction, cast.max_t, hit);
+      BoxCast(space_.world, cast.box, cast.direction, cast.max_t, hit);
     }
   }
 
  private:
   Space space_;
-  std::vector<std::uint32_t> last_;  // that moved
 };
 
-// The scenes, and how many times as fast as the fastest competitor a frame of
-// 4096 bodies and more has to be, if all move (in 3D and in 2D) or a tenth.
-struct Scenes {
-  BodyKind kind;
-  double all[2];
-  double tenth;
-};
-constexpr Scenes kScenes[] = {{BodyKind::kGas, {4, 6}, 8},
-                              {BodyKind::kSparse, {1, 1}, 1},
-                              {BodyKind::kPile, {2, 2}, 8},
-                              {BodyKind::kLogNormal, {4, 6}, 8},
-                              {BodyKind::kBepu, {4, 6}, 8}};
-
-// What takes some contestants seconds is left out.
-constexpr std::size_t kMostScanned = 4096;
-
-struct Way {
+struct Path {
   const char* name;
   float length;  // 0: through the world
   float side;
   bool is_closest;
 };
-constexpr std::array kWays = {
-    Way{"ray of 10, closest", 10, 0, true},
-    Way{"ray of 10, all", 10, 0, false},
-    Way{"ray through the world, closest", 0, 0, true},
-    Way{"ray through the world, all", 0, 0, false},
-    Way{"box cast of 10, closest", 10, 1, true},
-    Way{"box cast of 10, all", 10, 1, false},
-    Way{"box cast through the world, closest", 0, 1, true},
-    Way{"box cast through the world, all", 0, 1, false},
+constexpr std::array kPaths = {
+    Path{"ray of 10, closest", 10, 0, true},
+    Path{"ray of 10, all", 10, 0, false},
+    Path{"ray through the world, closest", 0, 0, true},
+    Path{"ray through the world, all", 0, 0, false},
+    Path{"box cast of 10, closest", 10, 1, true},
+    Path{"box cast of 10, all", 10, 1, false},
+    Path{"box cast through the world, closest", 0, 1, true},
+    Path{"box cast through the world, all", 0, 1, false},
 };
 
-// All broad phases on one scene. The first kOurs are ours: BroadPhase, the same
-// without a lock, and a Bvh with PairEvents.
+// All broad phases on one scene.
 template <int kDims>
 class BodyContest {
+  using Box = Aabb<kDims>;
+  using Boxes = std::vector<Box>;
+  using Scene = BodyScene<kDims>;
+  using Space = BodySpace<kDims>;
+  using Kind = typename BodyQuery<kDims>::Kind;
+
  public:
-  BodyContest(const Scenes& its, std::size_t bodies, std::uint64_t seed,
-              Throughput& throughput, BroadPhaseResult& result)
-      : its_(its),
-        scene_(its.kind, bodies, seed),
-        seed_(seed),
-        throughput_(throughput),
+  BodyContest(Run& run, BodyKind kind, std::size_t bodies, Result& result)
+      : run_(run),
+        scene_(kind, bodies, run.options.seed),
+        seed_(run.options.seed),
         result_(result),
-        world_(std::string(NameOf(its.kind)) + (kDims == 2 ? " 2D" : " 3D")),
-        all_(scene_.AllIds()) {}
+        world_(std::string(NameOf(kind)) + (kDims == 2 ? " 2D" : " 3D")),
+        all_(scene_.AllIds()) {
+    const auto add = [&](std::string name, Who who,
+                         std::unique_ptr<Space> space) {
+      space->Insert(all_, scene_.At(all_, 0));
+      contestants_.push_back({std::move(name), who, std::move(space), 0});
+    };
+    add("halfspace", Who::kOurs,
+        std::make_unique<OurSpace<kDims, Bodies<kDims>>>(bodies, true));
+    add("halfspace, caller's lock", Who::kOurs,
+        std::make_unique<OurSpace<kDims, Bodies<kDims>>>(bodies, false));
+    add("halfspace Bvh", Who::kOurs,
+        std::make_unique<OurSpace<kDims, PlainTree<kDims>>>(bodies));
+    for (const auto& competitor : Registered<Space>::All()) {
+      if (bodies > competitor.most) continue;
+      add(competitor.name, Who::kCompetitor, competitor.make(bodies));
+    }
+  }
 
   // A frame: `percent` of the bodies move, and then the pairs of these are
-  // listed, or all pairs are kept up to date.
-  void RunFrames(std::size_t percent, bool are_kept) {
-    Build();
+  // listed.
+  void RunFrames(std::size_t percent) {
     const Ids moved = percent == 100 ? all_ : scene_.Some(percent);
     if (moved.empty()) return;
     std::vector<Boxes> frames;
@@ -207,98 +212,60 @@ class BodyContest {
     constexpr std::size_t kBodiesOfRun = 16384;
     const std::size_t frames_of_run =
         std::clamp<std::size_t>(kBodiesOfRun / scene_.size(), 2, 32);
-    std::vector<Case> cases;
+    const std::string what = "frame of " + std::to_string(percent) + " %";
+    Contest contest(run_, PlaceOf(what));
     for (Contestant& contestant : contestants_) {
-      const auto frame = [this, &contestant, &moved, &frames, are_kept] {
+      const auto frame = [this, &contestant, &moved, &frames] {
         // Through the states and back.
         constexpr std::size_t kLast = Scene::kStates - 1;
         const std::size_t turn = ++contestant.frame % (2 * kLast);
         const std::size_t state = std::min(turn, 2 * kLast - turn);
         contestant.space->Step(moved, frames[state]);
         found_.clear();
-        if (are_kept) {
-          pairs_ = contestant.space->AllPairs(found_);
-        } else {
-          contestant.space->PairsOf(moved, found_);
-        }
+        contestant.space->PairsOf(moved, found_);
         return state;
       };
       Case c;
-      c.name = contestant.name;
       c.items = static_cast<double>(frames_of_run);
-      c.check = [this, frame, &contestant, &moved, are_kept] {
-        const std::size_t state = frame();
-        if (are_kept && found_.empty()) contestant.space->ListPairs(found_);
-        return CheckPairs(moved, state, are_kept, contestant.space->Slack());
+      c.check = [this, frame, &contestant, &moved] {
+        return CheckPairs(moved, frame(), contestant.space->Slack());
       };
       c.run = [frame, frames_of_run] {
         for (std::size_t f = 0; f < frames_of_run; ++f) std::ignore = frame();
       };
-      cases.push_back(std::move(c));
+      contest.Add(contestant.name, "", contestant.who, std::move(c));
     }
-    Time(std::move(cases),
-         "frame of " + std::to_string(percent) + " %" +
-             (are_kept ? ", all pairs" : ""),
-         scene_.size() < 4000
-             ? aims::kFramesOfFew
-             : aims::WithLessOnAvx2(percent < 100 ? its_.tenth
-                                                  : its_.all[3 - kDims]),
-         false);
+    Time(contest, what);
   }
 
   void RunQueries() {
-    Build();
     for (const Contestant& contestant : contestants_) {
       for (std::size_t s = 1; s < 5; ++s) {
         contestant.space->Step(all_, scene_.At(all_, s));
       }
     }
     boxes_ = scene_.At(all_, 4);
-    using Kind = typename BodyQuery<kDims>::Kind;
     RunQuery("point", Kind::kBox, 0, false);
     RunQuery("box of 2", Kind::kBox, 2, false);
     RunQuery("sphere of 2", Kind::kSphere, 2, false);
     RunQuery("oriented box of 2", Kind::kOrientedBox, 2, false);
     RunQuery("first hit of a box of 1", Kind::kBox, 1, true);
-    for (const Way& way : kWays) RunCast(way);
+    for (const Path& path : kPaths) RunCast(path);
   }
 
  private:
-  using Box = Aabb<kDims>;
-  using Scene = BodyScene<kDims>;
-  using Ids = typename Scene::Ids;
-  using Boxes = std::vector<Box>;
-
-  static constexpr std::size_t kOurs = 3;
   static constexpr std::size_t kChecked = 200;
 
   struct Contestant {
     std::string name;
-    BodySpacePtr<kDims> space;
-    std::size_t frame = 0;
+    Who who;
+    std::unique_ptr<Space> space;
+    std::size_t frame;
   };
 
-  void Build() {
-    contestants_.clear();
-    const std::size_t bodies = scene_.size();
-    Add("halfspace",
-        std::make_unique<OurSpace<kDims, Bodies<kDims>>>(bodies, true));
-    Add("halfspace, caller's lock",
-        std::make_unique<OurSpace<kDims, Bodies<kDims>>>(bodies, false));
-    Add("halfspace Bvh",
-        std::make_unique<OurSpace<kDims, PlainTree<kDims>>>(bodies));
-    if constexpr (kDims == 2) {
-      Add("Box2D", MakeBox2dSpace(bodies));
-    } else {
-      Add("Bullet btDbvt", MakeBulletSpace(bodies));
-      Add("FCL dynamic tree", MakeFclSpace(bodies));
-    }
-    if (bodies <= kMostScanned) Add("scan", MakeScanSpace<kDims>(bodies));
-  }
-  void Add(const char* name, BodySpacePtr<kDims> space) {
-    if (space == nullptr) return;
-    space->Insert(all_, scene_.At(all_, 0));
-    contestants_.push_back({name, std::move(space), 0});
+  std::string PlaceOf(const std::string& what) const {
+    return "broad_phase/" + world_ + "/" + std::to_string(scene_.size()) + "/" +
+           what;
   }
 
   // Whether boxes touch that are smaller by this share of their distance from
@@ -318,8 +285,7 @@ class BodyContest {
     return Touch(less, b);
   }
 
-  std::string CheckPairs(const Ids& moved, std::size_t state, bool are_kept,
-                         float slack) {
+  std::string CheckPairs(const Ids& moved, std::size_t state, float slack) {
     Boxes boxes = scene_.At(all_, 0);
     const Boxes now = scene_.At(moved, state);
     std::vector<bool> is_moved(boxes.size());
@@ -330,22 +296,16 @@ class BodyContest {
     const Bvh<AabbView<kDims>> bvh(boxes);
     std::vector<IdPair> all(Pairs(bvh, {}));
     std::ignore = Pairs(bvh, all);
-    if (are_kept && pairs_ != found_.size()) {
-      return std::to_string(pairs_) + " pairs are counted, and " +
-             std::to_string(found_.size()) + " listed";
-    }
     std::vector<IndexPair> expected;
     for (const IdPair& pair : all) {
-      if (are_kept || is_moved[pair.a] || is_moved[pair.b]) {
+      if (is_moved[pair.a] || is_moved[pair.b]) {
         expected.push_back({pair.a, pair.b});
       }
     }
-    const auto sort = [](std::vector<IndexPair>& pairs) {
-      for (IndexPair& pair : pairs) std::sort(pair.begin(), pair.end());
-      std::sort(pairs.begin(), pairs.end());
-    };
-    sort(expected);
-    sort(found_);
+    for (std::vector<IndexPair>* pairs : {&expected, &found_}) {
+      for (IndexPair& pair : *pairs) std::sort(pair.begin(), pair.end());
+      std::sort(pairs->begin(), pairs->end());
+    }
     std::vector<IndexPair> missing;
     std::set_difference(expected.begin(), expected.end(), found_.begin(),
                         found_.end(), std::back_inserter(missing));
@@ -358,15 +318,15 @@ class BodyContest {
                : "the pairs are not those of a BVH";
   }
 
-  BodyQuery<kDims> MakeQuery(typename BodyQuery<kDims>::Kind kind, float side,
-                             bool is_first, Random& random) const {
+  BodyQuery<kDims> MakeQuery(Kind kind, float side, bool is_first,
+                             Random& random) const {
     BodyQuery<kDims> query{kind, is_first, scene_.AnyBox(side, random), {}, {}};
     Point<kDims> center;
     for (std::size_t k = 0; k < kDims; ++k) {
       center[k] = 0.5f * (query.box.min[k] + query.box.max[k]);
     }
     query.sphere = {center, 0.5f * side};
-    if (kind != BodyQuery<kDims>::Kind::kOrientedBox) return query;
+    if (kind != Kind::kOrientedBox) return query;
     query.oriented.center = center;
     const Point<kDims> x = Scene::AnyDirection(random);
     query.oriented.axes[0] = x;
@@ -393,132 +353,105 @@ class BodyContest {
     return query;
   }
 
-  void RunQuery(const char* name, typename BodyQuery<kDims>::Kind kind,
-                float side, bool is_first) {
+  void RunQuery(const char* name, Kind kind, float side, bool is_first) {
     Random random(seed_ + 2);
     std::vector<BodyQuery<kDims>> queries(kTimedQueries);
     for (BodyQuery<kDims>& query : queries) {
       query = MakeQuery(kind, side, is_first, random);
     }
-    const auto find = [&](const BodySpace<kDims>& space, std::size_t q) {
-      ids_.clear();
-      space.Find(queries[q], ids_);
-    };
-    std::vector<Ids> expected;
+    std::vector<Ids> expected(kChecked);
     for (std::size_t q = 0; q < kChecked; ++q) {
-      expected.emplace_back();
       for (std::uint32_t id : all_) {
-        if (queries[q].Touches(boxes_[id])) expected.back().push_back(id);
+        if (queries[q].Finds(boxes_[id])) expected[q].push_back(id);
       }
     }
-    const auto check = [&](const BodySpace<kDims>& space) -> std::string {
-      std::size_t wrong = 0;
-      for (std::size_t q = 0; q < kChecked; ++q) {
-        find(space, q);
-        std::sort(ids_.begin(), ids_.end());
-        if (is_first) {
-          wrong +=
-              ids_.empty() != expected[q].empty() ||
-                      !std::includes(expected[q].begin(), expected[q].end(),
-                                     ids_.begin(), ids_.end())
-                  ? 1
-                  : 0;
-        } else {
-          wrong += ids_ == expected[q] ? 0 : 1;
-        }
-      }
-      return Wrong(wrong, kChecked, kind != BodyQuery<kDims>::Kind::kBox);
-    };
-    std::vector<Case> cases;
+    Contest contest(run_, PlaceOf(name));
     for (const Contestant& contestant : contestants_) {
-      const BodySpace<kDims>& space = *contestant.space;
-      if (!space.CanFind()) continue;
-      cases.push_back(InTurn(contestant.name, queries, kTimedQueries,
-                             QueriesOfRun(20000),
-                             [&](const BodyQuery<kDims>& query) {
-                               ids_.clear();
-                               space.Find(query, ids_);
-                             }));
-      cases.back().name = contestant.name;
-      cases.back().check = [&] { return check(space); };
+      const auto find =
+          [this, &space = *contestant.space](const BodyQuery<kDims>& query) {
+            ids_.clear();
+            space.Find(query, ids_);
+          };
+      Case c = InTurn("", queries, kTimedQueries, QueriesOfRun(20000), find);
+      c.check = [&, find]() -> std::string {
+        std::size_t wrong = 0;
+        for (std::size_t q = 0; q < kChecked; ++q) {
+          find(queries[q]);
+          std::sort(ids_.begin(), ids_.end());
+          const bool is_right =
+              is_first
+                  ? ids_.empty() == expected[q].empty() &&
+                        std::includes(expected[q].begin(), expected[q].end(),
+                                      ids_.begin(), ids_.end())
+                  : ids_ == expected[q];
+          wrong += is_right ? 0 : 1;
+        }
+        return Wrong(wrong, kChecked, kind != Kind::kBox);
+      };
+      contest.Add(contestant.name, "", contestant.who, std::move(c));
     }
-    Time(std::move(cases), name,
-         is_first               ? aims::kFirstHit
-         : scene_.size() < 4000 ? aims::kBodyQueriesOfFew
-                                : aims::kBodyQueries,
-         true);
+    Time(contest, name);
   }
 
-  void RunCast(const Way& way) {
+  void RunCast(const Path& path) {
     Random random(seed_ + 3);
     std::vector<BodyCast<kDims>> casts(kTimedQueries);
     const float length = scene_.world().max[0] * std::sqrt(float{kDims});
     for (BodyCast<kDims>& cast : casts) {
-      cast.is_closest = way.is_closest;
-      cast.box = scene_.AnyBox(way.side, random);
+      cast.is_closest = path.is_closest;
+      cast.box = scene_.AnyBox(path.side, random);
       cast.direction = Scene::AnyDirection(random);
-      cast.max_t = way.length > 0 ? way.length : 2 * length;
+      cast.max_t = path.length > 0 ? path.length : 2 * length;
       for (std::size_t k = 0; k < kDims; ++k) {
         cast.inverse[k] = 1 / cast.direction[k];
-        if (way.length > 0) continue;
+        if (path.length > 0) continue;
         cast.box.min[k] -= length * cast.direction[k];
-        cast.box.max[k] = cast.box.min[k] + way.side;
+        cast.box.max[k] = cast.box.min[k] + path.side;
       }
     }
-    const auto find = [](const BodySpace<kDims>& space,
-                         const BodyCast<kDims>& cast) {
-      CastHits hits{0, cast.max_t};
-      space.Cast(cast, hits);
-      KeepResult(static_cast<std::uint32_t>(hits.count));
-      return hits;
-    };
-    std::vector<CastHits> all_expected;
+    std::vector<CastHits> expected;
     for (std::size_t q = 0; q < kChecked; ++q) {
-      all_expected.push_back({0, casts[q].max_t});
-      for (const Box& box : boxes_) all_expected.back().Test(casts[q], box);
+      expected.push_back({0, casts[q].max_t});
+      for (const Box& box : boxes_) expected.back().Test(casts[q], box);
     }
-    const auto check = [&](const BodySpace<kDims>& space) -> std::string {
-      std::size_t wrong = 0;
-      std::size_t all = 0;
-      for (std::size_t q = 0; q < kChecked; ++q) {
-        const CastHits& expected = all_expected[q];
-        const CastHits hits = find(space, casts[q]);
-        if (way.is_closest) {
-          const float off = std::abs(hits.limit - expected.limit);
-          wrong += off <= 1e-5f * (100 + casts[q].max_t) ? 0 : 1;
-          ++all;
-        } else {
-          wrong += std::max(hits.count, expected.count) -
-                   std::min(hits.count, expected.count);
-          all += expected.count;
-        }
-      }
-      return Wrong(wrong, all, true);
-    };
-    const std::size_t queries = way.length > 0 ? 20000 : 2000;
-    // Where the whole way is a query.
-    const std::size_t queries_by_way = way.length > 0 ? 20000 : 20;
-    std::vector<Case> cases;
+    Contest contest(run_, PlaceOf(path.name));
     for (const Contestant& contestant : contestants_) {
-      const BodySpace<kDims>& space = *contestant.space;
-      if (!space.CanCast()) continue;
-      cases.push_back(InTurn(contestant.name, casts, kTimedQueries,
-                             space.CanCastBoxes() || way.side == 0
-                                 ? QueriesOfRun(queries)
-                                 : QueriesOfRun(queries_by_way),
-                             [&space, find](const BodyCast<kDims>& cast) {
-                               std::ignore = find(space, cast);
-                             }));
-      cases.back().name = contestant.name;
-      cases.back().check = [&] { return check(space); };
+      const Space& space = *contestant.space;
+      if (!(path.side > 0 ? space.CanCastBoxes() : space.CanCast())) continue;
+      const auto find = [&space](const BodyCast<kDims>& cast) {
+        CastHits hits{0, cast.max_t};
+        space.Cast(cast, hits);
+        KeepResult(static_cast<std::uint32_t>(hits.count));
+        return hits;
+      };
+      Case c = InTurn(
+          "", casts, kTimedQueries,
+          QueriesOfRun(path.length > 0 ? 20000 : 2000),
+          [find](const BodyCast<kDims>& cast) { std::ignore = find(cast); });
+      c.check = [&, find]() -> std::string {
+        std::size_t wrong = 0;
+        std::size_t all = 0;
+        for (std::size_t q = 0; q < kChecked; ++q) {
+          const CastHits hits = find(casts[q]);
+          if (path.is_closest) {
+            const float off = std::abs(hits.limit - expected[q].limit);
+            wrong += off <= 1e-5f * (100 + casts[q].max_t) ? 0 : 1;
+            ++all;
+          } else {
+            wrong += std::max(hits.count, expected[q].count) -
+                     std::min(hits.count, expected[q].count);
+            all += expected[q].count;
+          }
+        }
+        return Wrong(wrong, all, true);
+      };
+      contest.Add(contestant.name, "", contestant.who, std::move(c));
     }
-    Time(std::move(cases), way.name,
-         kDims == 2 ? aims::kBodyCasts2D : aims::kBodyCasts3D, true);
+    Time(contest, path.name);
   }
 
   std::size_t QueriesOfRun(std::size_t queries) const {
-    return throughput_.is_quick() ? std::max<std::size_t>(1, queries / 20)
-                                  : queries;
+    return run_.is_quick() ? queries / 20 : queries;
   }
 
   // Of rounded tests, one in a hundred may differ where shapes just touch.
@@ -529,89 +462,319 @@ class BodyContest {
            " answers are not those of a loop over the bodies";
   }
 
-  void Time(std::vector<Case> cases, const std::string& what, const Aim& aim,
-            bool is_query) {
-    const std::string place =
-        world_ + "/" + std::to_string(scene_.size()) + "/" + what + "/";
-    std::vector<std::string> names;
-    std::vector<std::size_t> competitors;
-    for (Case& c : cases) {
-      if (names.size() >= kOurs) competitors.push_back(names.size());
-      names.push_back(c.name);
-      c.name = place + c.name;
-    }
-    const std::size_t most_repetitions = scene_.size() < 10'000 ? 5 : 3;
-    const Timings timings = throughput_.TimeRuns(
-        std::move(cases),
-        std::min(throughput_.repetitions(), most_repetitions));
-    for (std::size_t i = 0; i < timings.size(); ++i) {
-      Ratio us = SpreadOf(timings[i]);
+  void Time(Contest& contest, const std::string& what) {
+    contest.Time(std::min<std::size_t>(run_.effort.repetitions,
+                                       scene_.size() < 10'000 ? 5 : 3));
+    for (std::size_t i = 0; i < contest.size(); ++i) {
+      Ratio us = SpreadOf(contest.timing(i));
       us = {us.median / 1e3, us.low / 1e3, us.high / 1e3};
-      Row row = {world_, scene_.size(), what, names[i], us, Cell()};
-      if (!competitors.empty()) {
-        row.back() =
-            RatioOf(timings[FastestOf(timings, competitors)], timings[i]);
-      }
-      result_.times.Add(std::move(row));
+      result_.times.Add({world_, scene_.size(), what, contest.name(i), us,
+                         contest.OverFastest(i)});
     }
-    const std::string name =
-        world_ + " " + Grouped(scene_.size()) + ", " + what;
-    const Target target = ChosenTarget();
-    if (is_query) {
-      const auto over_bvh = [&](std::size_t ours) {
-        std::vector<double> ns = timings[ours].samples;
-        for (std::size_t i = 0; i < ns.size(); ++i) {
-          ns[i] -= timings[kOurs - 1].samples[i];
-        }
-        return SpreadOf({"", ns});
-      };
-      throughput_.AddRatio(aims::kLock, target, name + ": ns over a Bvh",
-                           over_bvh(0));
-      throughput_.AddRatio(aims::kNoLock, target,
-                           name + ", caller's lock: ns over a Bvh",
-                           over_bvh(1));
-    }
-    if (competitors.empty()) return;
-    const std::size_t fastest = FastestOf(timings, competitors);
-    throughput_.AddRatio(aim, target, name + ": times " + names[fastest],
-                         RatioOf(timings[fastest], timings[0]));
   }
 
-  Scenes its_;
+  Run& run_;
   Scene scene_;
   std::uint64_t seed_;
-  Throughput& throughput_;
-  BroadPhaseResult& result_;
+  Result& result_;
   std::string world_;
   Ids all_;
   std::vector<Contestant> contestants_;
   Boxes boxes_;  // while queries run
   std::vector<IndexPair> found_;
-  std::size_t pairs_ = 0;
   Ids ids_;
 };
 
+// A broad phase and a Bvh of the same bodies: each step of a frame by itself,
+// the two worlds in turns.
 template <int kDims>
-void AddParts(std::size_t most, std::uint64_t seed, BroadPhaseResult& result,
-              ThroughputParts& parts) {
-  for (const Scenes& its : kScenes) {
-    for (std::size_t bodies : {100, 1024, 4096, 16384, 65536}) {
-      if (bodies > most) continue;
-      for (std::size_t percent : {10, 100}) {
-        for (bool are_kept : {false, true}) {
-          parts.push_back([=, &result](Throughput& to) {
-            BodyContest<kDims>(its, bodies, seed, to, result)
-                .RunFrames(percent, are_kept);
-          });
+class BodyChanges {
+  using Scene = BodyScene<kDims>;
+  using Box = Aabb<kDims>;
+  using Boxes = std::vector<Box>;
+  using Space = BroadPhase<AabbView<kDims>>;
+  using Tree = Bvh<AabbView<kDims>>;
+
+ public:
+  BodyChanges(Run& run, BodyKind kind, std::size_t bodies, Result& result)
+      : run_(run),
+        scene_(kind, bodies, run.options.seed),
+        result_(result),
+        random_(run.options.seed + 4),
+        all_(scene_.AllIds()),
+        boxes_(scene_.At(all_, 0)),
+        tree_(boxes_),
+        world_(std::string(NameOf(kind)) + (kDims == 2 ? " 2D" : " 3D")) {
+    space_.Insert(all_, boxes_);
+    space_.Rebuild();
+  }
+
+  // Some bodies move, the same ones in each frame.
+  void RunFrames(std::size_t percent) {
+    const Ids moved = percent == 100 ? all_ : scene_.Some(percent);
+    if (moved.empty()) return;
+    const bool are_all = moved.size() == all_.size();
+    std::vector<Boxes> states;
+    for (std::size_t s = 0; s < Scene::kStates; ++s) {
+      states.push_back(scene_.At(moved, s));
+    }
+    std::vector<IdPair> pairs(Pairs(tree_, {}) + all_.size());
+    enum Step { kPlainChange, kPlainSearch, kChange, kSearch, kEvents, kSteps };
+    std::array<Ns, kSteps> ns;
+    std::array<std::size_t, kSteps> found{};
+    const auto run = [&](std::size_t step, const Boxes& boxes) {
+      switch (step) {
+        case kPlainChange:
+          ChangeTree<kDims>(tree_, moved, boxes);
+          break;
+        case kPlainSearch:
+          found[step] =
+              are_all ? Pairs(tree_, pairs) : PairsOf(tree_, moved, pairs);
+          break;
+        case kChange:
+          space_.Move(moved, boxes);
+          space_.Update();
+          break;
+        case kSearch:
+          found[step] = PairsOf(space_, moved, pairs);
+          break;
+        default:
+          space_.UpdatePairs();
+          found[step] = space_.pairs().size();
+      }
+    };
+    const std::size_t frames =
+        run_.is_quick()
+            ? 3
+            : std::clamp<std::size_t>((1u << 20) / all_.size(), 33, 400);
+    for (std::size_t f = 0; f < frames + 2; ++f) {
+      const std::size_t turn = f % (2 * Scene::kStates - 2);
+      const Boxes& boxes =
+          states[std::min(turn, 2 * Scene::kStates - 2 - turn)];
+      // The broad phase comes first in every other frame.
+      for (std::size_t i = 0; i < kSteps; ++i) {
+        const std::size_t step = f % 2 == 0 ? i : (i < 3 ? kChange + i : i - 3);
+        const double time = CpuNanoseconds([&] { run(step, boxes); });
+        if (f >= 2) ns[step].push_back(time);
+      }
+      const std::size_t expected = Pairs(tree_, {});
+      if (found[kSearch] != found[kPlainSearch] || found[kEvents] != expected) {
+        throw WrongAnswer("broad_phase: the pairs are not those of a Bvh");
+      }
+    }
+    const std::string what = "frame of " + std::to_string(percent) + " %, ";
+    Add(what + "move and update", moved.size(), ns[kChange], ns[kPlainChange]);
+    Add(what + "pairs", moved.size(), ns[kSearch], ns[kPlainSearch]);
+    Add(what + "pairs and events, over pairs", moved.size(), ns[kEvents],
+        ns[kPlainSearch]);
+  }
+
+  // Bodies that do not move, and moves by themselves.
+  void RunMoves() {
+    const Boxes moved = scene_.At(all_, 1);
+    Ns still;
+    Ns list;
+    Ns single;
+    Repeat([&] {
+      still.push_back(CpuNanoseconds([&] {
+        space_.Move(all_, boxes_);
+        space_.Update();
+      }));
+      list.push_back(CpuNanoseconds([&] { space_.Move(all_, moved); }));
+      space_.Update();
+      single.push_back(CpuNanoseconds([&] {
+        for (std::size_t i = 0; i < all_.size(); ++i) {
+          space_.Move(all_[i], boxes_[i]);
+        }
+      }));
+      space_.Update();
+    });
+    Add("moves of a list", all_.size(), list);
+    Add("single moves", all_.size(), single);
+    Add("still bodies, move and update", all_.size(), still);
+  }
+
+  // A move before each query.
+  void RunAlternation(bool is_of_few) {
+    constexpr std::size_t kSteps = 4096;
+    Boxes queries;
+    Ids moved;
+    for (std::size_t i = 0; i < kSteps; ++i) {
+      queries.push_back(scene_.AnyBox(2, random_));
+      moved.push_back(static_cast<std::uint32_t>(random_.Below(
+          is_of_few ? std::min<std::size_t>(8, all_.size()) : all_.size())));
+    }
+    const std::array<Boxes, 2> places = {scene_.At(moved, 1),
+                                         scene_.At(moved, 0)};
+    std::array<Ns, 2> ns;
+    std::size_t turn = 0;
+    Repeat([&] {
+      const Boxes& to = places[turn++ % 2];
+      std::array<std::size_t, 2> found{};
+      ns[0].push_back(CpuNanoseconds([&] {
+        for (std::size_t i = 0; i < kSteps; ++i) {
+          space_.Move(moved[i], to[i]);
+          found[0] += CountOf(space_, queries[i]);
+        }
+      }));
+      ns[1].push_back(CpuNanoseconds([&] {
+        for (std::size_t i = 0; i < kSteps; ++i) {
+          tree_.Set(moved[i], to[i]);
+          found[1] += CountOf(tree_, queries[i]);
+        }
+      }));
+      if (found[0] != found[1]) {
+        throw WrongAnswer("broad_phase: a query misses a move");
+      }
+    });
+    Add(std::string("move of ") + (is_of_few ? "one of 8" : "any body") +
+            " and a query",
+        kSteps, ns[0], ns[1]);
+    space_.Move(all_, boxes_);
+    space_.Update();
+    tree_.Refit(boxes_);
+  }
+
+  // 16 bodies at a time leave and come back, and all of them.
+  void RunInserts() {
+    for (const std::size_t count : {std::size_t{16}, all_.size()}) {
+      Ns inserts;
+      Ns erasures;
+      const std::size_t times =
+          count == all_.size() ? 5 : 10 * run_.effort.repetitions;
+      for (std::size_t r = 0; r < times; ++r) {
+        Ids some = all_;
+        for (std::size_t i = 0; count < all_.size() && i < count; ++i) {
+          std::swap(some[i], some[i + random_.Below(some.size() - i)]);
+        }
+        some.resize(std::min(count, some.size()));
+        Boxes boxes;
+        for (std::uint32_t id : some) boxes.push_back(boxes_[id]);
+        erasures.push_back(CpuNanoseconds([&] {
+          space_.Erase(some);
+          space_.Update();
+        }));
+        inserts.push_back(CpuNanoseconds([&] {
+          space_.Insert(some, boxes);
+          space_.Update();
+        }));
+      }
+      const std::string of = (count == all_.size() ? " of all" : " of 16") +
+                             std::string(", and update");
+      Add("insert" + of, count, inserts);
+      Add("erasure" + of, count, erasures);
+    }
+  }
+
+  // Two threads that move and query all the time, each a half of the bodies,
+  // next to one that does all of it. CPU time, so that other programs do not
+  // count.
+  void RunThreads() {
+    if (UsableCpus() < 2) {
+      result_.changes.notes.push_back(
+          "Not measured: two threads. This run may use one CPU.");
+      return;
+    }
+    const Boxes moved = scene_.At(all_, 1);
+    const auto work = [&](std::size_t begin, std::size_t end) {
+      std::size_t found = 0;
+      for (const Boxes* to : {&moved, &std::as_const(boxes_)}) {
+        constexpr std::size_t kSome = 16;
+        for (std::size_t i = begin; i < end; i += kSome) {
+          const std::size_t count = std::min(kSome, end - i);
+          space_.Move({all_.data() + i, count}, {to->data() + i, count});
+          for (std::size_t q = i; q < i + count; ++q) {
+            found += CountOf(space_, moved[q]);
+          }
         }
       }
+      KeepResult(static_cast<std::uint32_t>(found));
+    };
+    std::array<Ns, 2> ns;
+    try {
+      Repeat([&] {
+        for (std::size_t threads : {1, 2}) {
+          std::array<double, 2> of_thread{};
+          RunTeam(threads, [&](std::size_t thread) {
+            const std::size_t share = all_.size() / threads;
+            of_thread[thread] = CpuNanoseconds([&] {
+              work(thread * share, thread + 1 == threads ? all_.size() : share);
+            });
+          });
+          ns[threads - 1].push_back(std::max(of_thread[0], of_thread[1]));
+          space_.Update();
+        }
+      });
+      Add("moves and queries, one thread", all_.size(), ns[0]);
+      Add("moves and queries, two threads", all_.size(), ns[1]);
+    } catch (const std::system_error& error) {
+      result_.changes.notes.push_back(
+          std::string("Not measured: two threads. ") + error.what());
+    }
+  }
+
+ private:
+  template <typename World>
+  static std::size_t CountOf(const World& world, const Box& query) {
+    std::size_t count = 0;
+    ForEachSurvivor(world, query, [&](Span<const std::uint32_t> ids) {
+      count += ids.size();
+    });
+    return count;
+  }
+
+  template <typename Work>
+  void Repeat(Work work) const {
+    for (std::size_t r = 0; r < 3 * run_.effort.repetitions; ++r) work();
+  }
+
+  void Add(const std::string& what, std::size_t bodies, const Ns& ours,
+           const Ns& plain = {}) {
+    const auto of_body = [bodies](Ns ns) {
+      for (double& x : ns) x /= static_cast<double>(bodies);
+      return SpreadOf({"", ns});
+    };
+    Row row = {what, world_, all_.size(), of_body(ours), Cell(), Cell()};
+    if (!plain.empty()) {
+      row[4] = of_body(plain);
+      row[5] = RatioOf(ours, plain);
+    }
+    result_.changes.Add(std::move(row));
+  }
+
+  Run& run_;
+  Scene scene_;
+  Result& result_;
+  Random random_;
+  Ids all_;
+  Boxes boxes_;
+  Tree tree_;
+  Space space_;
+  std::string world_;
+};
+
+template <int kDims>
+void AddParts(Run& run, std::size_t most, Result& result, Parts& parts) {
+  for (BodyKind kind : {BodyKind::kGas, BodyKind::kSparse, BodyKind::kPile,
+                        BodyKind::kLogNormal, BodyKind::kBepu}) {
+    for (std::size_t bodies : UpTo(most, {100, 1024, 4096, 16384, 65536})) {
+      for (std::size_t percent : {10, 100}) {
+        parts.emplace_back([&run, &result, kind, bodies, percent] {
+          BodyContest<kDims>(run, kind, bodies, result).RunFrames(percent);
+        });
+      }
       const bool has_queries =
-          its.kind == BodyKind::kGas
-              ? bodies > 1000
-              : bodies == std::min<std::size_t>(most, 16384);
-      if (!has_queries) continue;
-      parts.push_back([=, &result](Throughput& to) {
-        BodyContest<kDims>(its, bodies, seed, to, result).RunQueries();
+          kind == BodyKind::kGas ? bodies > 1000
+                                 : bodies == std::min<std::size_t>(most, 16384);
+      if (has_queries) {
+        parts.emplace_back([&run, &result, kind, bodies] {
+          BodyContest<kDims>(run, kind, bodies, result).RunQueries();
+        });
+      }
+      parts.emplace_back([&run, &result, kind, bodies] {
+        for (std::size_t percent : {1, 10, 100}) {
+          BodyChanges<kDims>(run, kind, bodies, result).RunFrames(percent);
+        }
       });
     }
   }
@@ -620,17 +783,25 @@ void AddParts(std::size_t most, std::uint64_t seed, BroadPhaseResult& result,
 }  // namespace
 
 Tables RunBroadPhase(Run& run) {
-  BroadPhaseResult result;
-  Throughput throughput(run, "broad_phase");
+  Result result;
   std::size_t most = run.is_quick() ? 1024 : 65536;
   if (run.options.objects != 0) most = std::min(most, run.options.objects);
-  const std::uint64_t seed = run.options.seed;
-  ThroughputParts parts;
-  AddParts<3>(most, seed, result, parts);
-  AddParts<2>(most, seed, result, parts);
-  AddBodyChanges(most, seed, result, parts);
-  RunParts(parts, throughput);
-  return {result.times, result.changes, throughput.Aims()};
+  Parts parts;
+  AddParts<3>(run, most, result, parts);
+  AddParts<2>(run, most, result, parts);
+  for (std::size_t bodies : UpTo(most, {1024, 4096, 16384, 65536})) {
+    parts.emplace_back([&, bodies] {
+      BodyChanges<3> changes(run, BodyKind::kGas, bodies, result);
+      changes.RunMoves();
+      changes.RunThreads();
+      if (bodies != most) return;
+      changes.RunAlternation(true);
+      changes.RunAlternation(false);
+      changes.RunInserts();
+    });
+  }
+  RunParts(run, parts);
+  return {result.times, result.changes};
 }
 
 }  // namespace halfspace::bench

@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/baselines/target_loops.h"
-#include "bench/sections/aims.h"
+#include "bench/inner/target_loops.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
 #include "bench/worlds/build_source.h"
@@ -76,27 +75,15 @@ class BuildGroup {
     }
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const Timing& timing = timings[copies_.size() + i];
-      Cell percent = RatioOf(timings[copy], timing).Percent();
-      Row& row = rows_[i].cells;
-      // Boxes out of the caches have an aim.
-      if (rows_[i].has_aim) {
-        const double aim = aims::kBuild.For(rows_[i].target);
-        percent =
-            percent.With(*percent.value >= aim ? Flag::kMet : Flag::kMissed);
-      }
+      Row& row = rows_[i];
       row.insert(row.end(), {timing.Median(), bytes_per_item / timing.Median(),
-                             percent, NameOf(copies_[copy])});
+                             RatioOf(timings[copy], timing).Percent(),
+                             NameOf(copies_[copy])});
       table.Add(row);
     }
   }
 
  private:
-  struct Planned {
-    Row cells;
-    Target target;
-    bool has_aim;
-  };
-
   Case MakeCase(std::string name) const {
     Case c;
     c.name = std::move(name);
@@ -118,13 +105,9 @@ class BuildGroup {
   }
 
   void AddBuild(Target target, const Rounding& rounding) {
-    rows_.push_back({{source_.shapes, source_.planes, rounding.name,
-                      NameOf(target), working_set_, source_.objects,
-                      source_.items == source_.objects ? "object" : "point"},
-                     target,
-                     source_.shapes == std::string("boxes") &&
-                         source_.planes == std::string("aabo") &&
-                         !rounding.tightest && working_set_ == "memory"});
+    rows_.push_back({source_.shapes, source_.planes, rounding.name,
+                     NameOf(target), working_set_, source_.objects,
+                     source_.items == source_.objects ? "object" : "point"});
     Case c = MakeCase("build/" + working_set_ + "/" + NameOf(target) + "/" +
                       source_.shapes + "-to-" + source_.planes + "/" +
                       rounding.name);
@@ -140,7 +123,7 @@ class BuildGroup {
   BuildSource source_;
   std::size_t rounds_;
   std::vector<CopyWay> copies_;
-  std::vector<Planned> rows_;
+  std::vector<Row> rows_;
   std::vector<Case> cases_;  // the copies, then the rows
 };
 

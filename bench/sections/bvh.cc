@@ -1,25 +1,40 @@
+// BVHs next to the trees of other libraries.
 #include "halfspace/bvh.h"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/measure/curves.h"
+#include "bench/baselines/box_tree.h"
 #include "bench/measure/machine.h"
-#include "bench/sections/bvh_parts.h"
+#include "bench/measure/team.h"
 #include "bench/sections/contest.h"
-#include "bench/sections/run.h"
 #include "bench/sections/sections.h"
-#include "bench/sections/throughput.h"
 #include "bench/worlds/box_set.h"
+#include "bench/worlds/random.h"
+#include "halfspace/bvh_nearest.h"
+#include "halfspace/bvh_pairs.h"
+#include "halfspace/bvh_shapes.h"
+#include "halfspace/quantized.h"
+#include "halfspace/reject.h"
 
 namespace halfspace::bench {
 namespace {
+
+using Ids = std::vector<std::uint32_t>;
+using Bvh3 = Bvh<AabbView3>;
 
 // A scan of more is slower than anything else.
 constexpr std::size_t kMostScanned = 10000;
@@ -28,107 +43,570 @@ constexpr std::size_t kMostScanned = 10000;
 constexpr std::size_t kMostOfFile = 4'000'000;
 constexpr float kFarthest = 1e12f;
 constexpr std::size_t kMostFound = 2000;
-// Where a scan may be faster.
-constexpr std::array<std::size_t, 6> kFewObjects = {30,   100,  300,
-                                                    1000, 3000, 10000};
 // All structures of a workload together.
 constexpr std::size_t kBytesOfBox = 1500;
+// In one turn of the structures, after which each has evicted the others.
+constexpr std::size_t kQueriesInTurn = 2000;
 
 // As many survivors of a query in 2D as in 3D, with the same number of objects:
 // (2 * 0.37 / 100)^2 is (2 * 1.9 / 100)^3.
 constexpr float kSide3D = 1.9f;
 constexpr float kSide2D = 0.37f;
 
-// What a competition needs to be told, apart from its boxes.
-struct Aims {
-  Aim threshold;
-  std::vector<Target> targets;  // the best one first
-  bool is_order_compared = false;
+struct Result {
+  Table queries{"bvh",
+                "us a query; times as fast as the fastest competitor",
+                {Key("world"), Key("objects"), Key("what"), Key("target"),
+                 Value("in a row", "us", 3), Higher("times"),
+                 Value("in turns", "us", 3)}};
+  Table jobs{"bvh: jobs",
+             "what is done to all objects at once",
+             {Key("job"), Key("objects"), Value("time", "ms", 1)}};
+
+  void AddJobs(const Contest& contest, std::size_t objects) {
+    for (std::size_t i = 0; i < contest.size(); ++i) {
+      jobs.Add({contest.name(i), objects, contest.timing(i).Median() / 1e6});
+    }
+  }
+};
+
+// The box queries of a set, by all that can answer them.
+template <int kDims>
+class QueryContest {
+  using Box = Aabb<kDims>;
+  using View = AabbView<kDims>;
+  using Tree = Bvh<View>;
+
+ public:
+  QueryContest(Run& run, const BoxSet<kDims>& set)
+      : run_(run),
+        set_(set),
+        place_("bvh/" + set.name + "/" + std::to_string(set.boxes.size())),
+        boxes_(set.boxes),
+        in_a_row_(run, place_),
+        in_turns_(run, place_ + "/in turns") {
+    // The answers of a flat scan of the floats, for as many queries as it
+    // answers in a moment.
+    const std::size_t count =
+        std::clamp<std::size_t>(50'000'000 / set.boxes.size(), 20, 1000);
+    found_.resize(set.boxes.size());
+    for (std::size_t q = 0; q < count; ++q) {
+      const std::size_t kept = Survivors(boxes_.view(), set_.queries[q], found_,
+                                         {.schedule = Schedule::kFlat});
+      expected_.emplace_back(
+          found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(kept));
+    }
+  }
+
+  // Each row has a copy of the world, so that in turns with the others it finds
+  // the caches as a tree finds them.
+  void AddBvh(BuildQuality quality, Target target, bool has_calls_of_many) {
+    const std::string name = quality == BuildQuality::kHigh ? "tight" : "fast";
+    const auto world = std::make_shared<const Tree>(
+        boxes_.view(), BuildOptions{.quality = quality});
+    if (all_ids_.empty()) MakeRoom(*world);
+    AddFind(
+        name + ", one query a call", NameOf(target), Who::kOurs,
+        [this, target, world](const Box& query) {
+          return Found(Survivors(*world, query, found_, {.target = target}));
+        });
+    if (has_calls_of_many) {
+      AddAllAtOnce(name + ", all in one call", target,
+                   std::make_shared<const Tree>(*world));
+    }
+  }
+  void AddCounts(Target target) {
+    const auto count = [target, world = std::make_shared<const Tree>(
+                                    boxes_.view())](const Box& query) {
+      return CountSurvivors(*world, query, {.target = target});
+    };
+    const auto check = [this, count]() -> std::string {
+      for (std::size_t q = 0; q < expected_.size(); ++q) {
+        if (count(set_.queries[q]) != expected_[q].size()) {
+          return "the counts are not those of a scan";
+        }
+      }
+      return {};
+    };
+    Add("tight, counts, one query a call", NameOf(target), Who::kOurs, check,
+        [&](std::size_t queries) {
+          return InTurn("", set_.queries, kTimedQueries, queries,
+                        [count](const Box& box) { std::ignore = count(box); });
+        });
+  }
+  void AddQuantizedScan(Target target) {
+    AddFind(
+        "quantized scan, one query a call", NameOf(target), Who::kOurs,
+        [this, target,
+         world = std::make_shared<const QuantizedWorld<View>>(set_.boxes)](
+            const Box& query) {
+          return Found(Survivors(*world, query, found_, {.target = target}));
+        });
+  }
+  void AddCompetitors() {
+    for (const auto& competitor : Registered<BoxTree<kDims>>::All()) {
+      if (set_.boxes.size() > competitor.most) continue;
+      AddFind(competitor.name, "", Who::kCompetitor,
+              [this, tree = std::shared_ptr<const BoxTree<kDims>>(
+                         competitor.make(set_.boxes))](const Box& query) {
+                tree->Find(query, listed_);
+                return std::span<const std::uint32_t>(listed_);
+              });
+    }
+  }
+
+  void Time(Table& table) {
+    const std::size_t repetitions =
+        set_.boxes.size() < 1'000'000
+            ? run_.effort.repetitions
+            : std::min<std::size_t>(run_.effort.repetitions, 5);
+    in_a_row_.Time(repetitions);
+    // So many that each has all queries.
+    in_turns_.Time(std::max(repetitions, kTimedQueries / kQueriesInTurn));
+    for (std::size_t i = 0; i < in_a_row_.size(); ++i) {
+      table.Add({set_.name, set_.boxes.size(), in_a_row_.name(i),
+                 in_a_row_.target(i), in_a_row_.timing(i).Median() / 1e3,
+                 in_a_row_.OverFastest(i), in_turns_.timing(i).Median() / 1e3});
+    }
+    table.notes.push_back(set_.name + ", " + Grouped(set_.boxes.size()) +
+                          " boxes: a query finds " + Fixed(survivors_, 1) +
+                          " and visits " + Fixed(blocks_, 1) +
+                          " blocks of 64.");
+  }
+
+ private:
+  static constexpr const char* kWrong =
+      "the boxes found are not those of a scan";
+
+  // For the ids of all queries.
+  void MakeRoom(const Tree& world) {
+    std::size_t sum = 0;
+    QueryStatistics read;
+    for (const Box& query : set_.queries) {
+      // By ids: a count does not visit what is inside a query.
+      sum += Survivors(world, query, {}, {.statistics = &read});
+    }
+    blocks_ =
+        static_cast<double>(read.node_blocks + read.leaves) / kTimedQueries;
+    survivors_ = static_cast<double>(sum) / kTimedQueries;
+    all_ids_.resize(sum + 1);
+    offsets_.resize(kTimedQueries + 1);
+  }
+  std::span<const std::uint32_t> Found(std::size_t count) const {
+    return std::span(found_).first(count);
+  }
+  bool IsExpected(std::size_t query, std::span<const std::uint32_t> ids) const {
+    Ids sorted(ids.begin(), ids.end());
+    std::sort(sorted.begin(), sorted.end());
+    return sorted == expected_[query];
+  }
+
+  // case_of(n) asks n queries in a run, and the next ones in the next run.
+  template <typename Check, typename CaseOf>
+  void Add(const std::string& name, const std::string& target, Who who,
+           const Check& check, const CaseOf& case_of) {
+    Case c = case_of(kTimedQueries);
+    c.check = check;
+    in_a_row_.Add(name, target, who, std::move(c));
+    in_turns_.Add(name, target, who, case_of(kQueriesInTurn));
+  }
+  // find(query) returns the ids.
+  template <typename Find>
+  void AddFind(const std::string& name, const std::string& target, Who who,
+               Find find) {
+    const auto check = [this, find]() -> std::string {
+      for (std::size_t q = 0; q < expected_.size(); ++q) {
+        if (!IsExpected(q, find(set_.queries[q]))) return kWrong;
+      }
+      return {};
+    };
+    Add(name, target, who, check, [&](std::size_t queries) {
+      return InTurn("", set_.queries, kTimedQueries, queries,
+                    [find](const Box& query) { std::ignore = find(query); });
+    });
+  }
+  void AddAllAtOnce(const std::string& name, Target target,
+                    const std::shared_ptr<const Tree>& world) {
+    const auto ask = [this, world, target](std::span<const Box> queries) {
+      std::ignore = SurvivorsOfEach(*world, queries, all_ids_, offsets_,
+                                    {.target = target});
+    };
+    const auto check = [this, ask]() -> std::string {
+      ask(std::span(set_.queries).first(expected_.size()));
+      for (std::size_t q = 0; q < expected_.size(); ++q) {
+        if (!IsExpected(q, std::span(all_ids_).subspan(
+                               offsets_[q], offsets_[q + 1] - offsets_[q]))) {
+          return kWrong;
+        }
+      }
+      return {};
+    };
+    Add(name, NameOf(target), Who::kOurs, check, [&](std::size_t queries) {
+      Case c;
+      c.items = static_cast<double>(queries);
+      c.run = [this, ask, queries, next = std::size_t{0}]() mutable {
+        ask(std::span(set_.queries).subspan(next, queries));
+        next = (next + queries) % kTimedQueries;
+      };
+      return c;
+    });
+  }
+
+  Run& run_;
+  const BoxSet<kDims>& set_;
+  std::string place_;
+  World<View> boxes_;
+  Contest in_a_row_;
+  Contest in_turns_;
+  double survivors_ = 0.0;     // of a query
+  double blocks_ = 0.0;        // that it visits in tight quality
+  std::vector<Ids> expected_;  // of the first queries
+  Ids found_;                  // what one query finds
+  Ids listed_;                 // by a competitor
+  Ids all_ids_;
+  std::vector<std::size_t> offsets_;
 };
 
 template <int kDims>
-void RunContest(const BoxSet<kDims>& set, const Aims& aims,
-                Throughput& throughput, BvhResult& result) {
-  Contest<kDims> contest(set, throughput);
-  const Target best = aims.targets.front();
-  for (Target target : aims.targets) {
-    for (BuildQuality quality : {BuildQuality::kHigh, BuildQuality::kFast}) {
-      contest.AddBvh(quality, target);
+void RunQueries(Run& run, const BoxSet<kDims>& set,
+                const std::vector<Target>& targets, Result& result) {
+  QueryContest<kDims> contest(run, set);
+  for (Target target : targets) {
+    contest.AddBvh(BuildQuality::kHigh, target, true);
+    contest.AddBvh(BuildQuality::kFast, target, true);
+  }
+  contest.AddCounts(targets.front());
+  if (set.boxes.size() <= kMostScanned) {
+    contest.AddQuantizedScan(targets.front());
+  }
+  contest.AddCompetitors();
+  contest.Time(result.queries);
+}
+
+void RunSkewed(Run& run, const BoxSet<3>& set,
+               const std::vector<Target>& targets, Result& result) {
+  QueryContest<3> contest(run, set);
+  for (Target target : targets) {
+    contest.AddBvh(BuildQuality::kHigh, target, false);
+  }
+  contest.AddCompetitors();
+  contest.Time(result.queries);
+}
+
+// What is built ends after its time, as its end is no part of a build.
+void RunBuilds(Run& run, const BoxSet<3>& set, Result& result) {
+  using Made = std::shared_ptr<const void>;
+  std::vector<std::pair<std::string, std::function<Made()>>> builds = {
+      {"tight", [&] { return std::make_shared<const Bvh3>(set.boxes); }},
+      {"fast", [&] {
+         return std::make_shared<const Bvh3>(
+             set.boxes, BuildOptions{.quality = BuildQuality::kFast});
+       }}};
+  for (const auto& competitor : Registered<BoxTree<3>>::All()) {
+    if (set.boxes.size() > competitor.most) continue;
+    builds.emplace_back(competitor.name, [&] {
+      return std::shared_ptr<const BoxTree<3>>(competitor.make(set.boxes));
+    });
+  }
+  std::vector<std::vector<double>> ns(builds.size());
+  const std::size_t repetitions =
+      std::min<std::size_t>(run.effort.repetitions, 5);
+  // The first ones find memory that nobody has used.
+  for (std::size_t r = 0; r <= repetitions; ++r) {
+    for (std::size_t i = 0; i < builds.size(); ++i) {
+      Made made;
+      const double time = CpuNanoseconds([&] { made = builds[i].second(); });
+      if (r != 0) ns[i].push_back(time);
     }
   }
-  contest.AddCounts(best);
-  if (set.boxes.size() <= kMostScanned) contest.AddQuantizedScan(best);
-  contest.AddCompetitors();
-  contest.AddGrid();
-  constexpr std::size_t kMostRepetitions = 5;
-  contest.Run(set.boxes.size() < 1'000'000
-                  ? throughput.repetitions()
-                  : std::min(throughput.repetitions(), kMostRepetitions));
-  for (Target target : aims.targets) {
-    contest.AddRatios(aims.threshold, target);
+  for (std::size_t i = 0; i < builds.size(); ++i) {
+    result.jobs.Add(
+        {builds[i].first, set.boxes.size(), RangeOf(ns[i]).median / 1e6});
   }
-  if (aims.is_order_compared) contest.AddFastOverTight(best);
-  contest.AddRemarks(best);
-  contest.AddTo(result);
 }
 
-void RunSkewed(const SkewedWorld& world, std::size_t objects,
-               std::uint64_t seed, const std::vector<Target>& targets,
-               Throughput& throughput, BvhResult& result) {
-  const BoxSet<3> set = world.make(world.name, objects, kSide3D, seed);
-  const BoxSet<3> uniform =
-      MakeUniformBoxes<3>("uniform", objects, kSide3D, seed);
-  Contest<3> contest(set, throughput);
-  for (Target target : targets) {
-    contest.AddBvhOneByOne(BuildQuality::kHigh, target);
-    contest.AddUniform(uniform, target);
-  }
-  contest.AddCompetitors();
-  contest.Run(throughput.repetitions());
-  for (Target target : targets) {
-    contest.AddSkewedRatios(
-        objects < 100'000 ? aims::kBvhSkewedTenThousand : aims::kBvhSkewedMore,
-        target);
-  }
-  contest.AddTo(result);
+// Each is a BVH of its own, so that none finds what another has left in the
+// caches.
+void RunRefits(Run& run, const BoxSet<3>& set, Result& result) {
+  constexpr std::size_t kPlanes = detail::kPlaneCount<Aabb3>;
+  const std::span<const Aabb3> boxes = set.boxes;
+  Bvh3 in_order(boxes);
+  Bvh3 by_id(boxes);
+  World<AabbView3> bounds;
+  for (std::uint32_t id : in_order.ids()) bounds.Push(boxes[id]);
+  // A refit reads the floats and writes them and the codes; a copy moves as
+  // many bytes, half of them each way.
+  const std::size_t moved =
+      boxes.size() * kPlanes * (2 * sizeof(float) + sizeof(std::int16_t));
+  std::vector<std::byte> from(moved / 2, std::byte{1});
+  std::vector<std::byte> to(moved / 2);
+  Contest contest(run, "bvh/refit");
+  const auto add = [&](const char* name, const Bvh3* tree, auto refit) {
+    Case c;
+    c.run = refit;
+    c.check = [tree, refit]() -> std::string {
+      refit();
+      if (tree == nullptr || tree->CostRatio() == 1.0) return {};
+      return "the same bounds make another world";
+    };
+    contest.Add(name, "", Who::kOurs, std::move(c));
+  };
+  add("refit, in order", &in_order,
+      [&] { in_order.RefitInOrder(bounds.view()); });
+  add("refit, by id, of a list", &by_id, [&] { by_id.Refit(boxes); });
+  add("copy of as many bytes", nullptr,
+      [&] { std::memcpy(to.data(), from.data(), to.size()); });
+  contest.Time(std::max<std::size_t>(5, run.effort.repetitions));
+  result.AddJobs(contest, boxes.size());
 }
 
-void RunScan(std::size_t most, std::uint64_t seed, Throughput& throughput,
-             BvhResult& result) {
-  const Target target = throughput.targets().front();
-  std::vector<double> sizes;
-  std::vector<double> scan;
-  std::vector<double> sorted;
-  for (std::size_t objects : kFewObjects) {
-    if (objects > most) continue;
-    const BoxSet<3> set = MakeUniformBoxes<3>("few", objects, kSide3D, seed);
-    Contest<3> contest(set, throughput);
-    contest.AddFloatScan(target);
-    contest.AddQuantizedScan(target);
-    contest.AddBvh(BuildQuality::kHigh, target);
-    contest.Run(std::min<std::size_t>(throughput.repetitions(), 3));
-    sizes.push_back(static_cast<double>(objects));
-    scan.push_back(std::min(contest.MedianOf(0), contest.MedianOf(1)));
-    sorted.push_back(contest.MedianOf(2));
+// A case of a job, of which run() returns how many pairs there are.
+template <typename Run>
+Case CountedCase(std::size_t expected, Run run) {
+  Case c;
+  c.run = [run] { std::ignore = run(); };
+  c.check = [expected, run]() -> std::string {
+    const std::size_t count = run();
+    if (count == expected) return {};
+    return std::to_string(count) + " pairs, and not " +
+           std::to_string(expected);
+  };
+  return c;
+}
+
+void RunPairs(Run& run, const BoxSet<3>& set, Target target, Result& result) {
+  const PairOptions options{.target = target};
+  Bvh3 world(set.boxes);
+  std::vector<IdPair> pairs(Pairs(world, {}, options));
+  std::vector<IndexPair> found;
+  found.reserve(pairs.size());
+  Contest contest(run, "bvh/pairs");
+  contest.Add("pairs", "", Who::kOurs, CountedCase(pairs.size(), [&] {
+                return Pairs(world, pairs, options);
+              }));
+  contest.Add("fast build and pairs", "", Who::kOurs,
+              CountedCase(pairs.size(), [&] {
+                return Pairs(Bvh3(set.boxes, {.quality = BuildQuality::kFast}),
+                             pairs, options);
+              }));
+  // The pairs of a few objects, and a query for each.
+  Ids moved;
+  for (std::size_t i = 0; i < set.boxes.size();
+       i += std::max<std::size_t>(1, set.boxes.size() / 256)) {
+    moved.push_back(static_cast<std::uint32_t>(i));
   }
-  const double below = CrossoverSize(sizes, scan, sorted);
-  result.queries.notes.push_back(
-      below > 0.0 ? "Below " + Fixed(below, 0) +
-                        " boxes a flat scan is faster, one query a call."
-                  : "A flat scan is at no size faster, one query a call.");
+  world.Reserve(world.size());  // as if they had been moved by id
+  std::vector<bool> is_moved(set.boxes.size());
+  for (std::uint32_t id : moved) is_moved[id] = true;
+  std::ignore = Pairs(world, pairs, options);
+  std::size_t of_moved = 0;
+  std::size_t survivors = moved.size();  // themselves
+  for (const IdPair& pair : pairs) {
+    of_moved += is_moved[pair.a] || is_moved[pair.b] ? 1 : 0;
+    survivors += (is_moved[pair.a] ? 1 : 0) + (is_moved[pair.b] ? 1 : 0);
+  }
+  const std::string some = std::to_string(moved.size());
+  contest.Add("pairs of " + some + " objects", "", Who::kOurs,
+              CountedCase(of_moved, [&] {
+                return PairsOf(world, moved, pairs, options);
+              }));
+  Ids ids(set.boxes.size());
+  contest.Add(some + " queries", "", Who::kOurs, CountedCase(survivors, [&] {
+                std::size_t count = 0;
+                for (std::uint32_t id : moved) {
+                  count +=
+                      Survivors(world, set.boxes[id], ids, {.target = target});
+                }
+                return count;
+              }));
+  for (const auto& competitor : Registered<PairFinder>::All()) {
+    if (set.boxes.size() > competitor.most) continue;
+    contest.Add(competitor.name + ", build", "", Who::kCompetitor,
+                CountedCase(0, [&] {
+                  std::ignore = competitor.make(set.boxes);
+                  return std::size_t{0};
+                }));
+    contest.Add(
+        competitor.name + ", pairs", "", Who::kCompetitor,
+        CountedCase(pairs.size(), [&found, finder = std::shared_ptr<PairFinder>(
+                                               competitor.make(set.boxes))] {
+          finder->Pairs(found);
+          return found.size();
+        }));
+  }
+  contest.Time(3);
+  result.AddJobs(contest, set.boxes.size());
+}
+
+// One kind of search, by a BVH and by others, over queries of a type.
+template <typename Query>
+class Search {
+ public:
+  Search(Run& run, std::string name, const std::vector<Query>& queries)
+      : run_(run),
+        name_(std::move(name)),
+        queries_(queries),
+        contest_(run, "bvh/" + name_) {}
+
+  // number(query, find(query)) is the same for all that are added. `per_run` of
+  // the queries are asked in a run, and the next ones in the next.
+  template <typename Find, typename Number>
+  void Add(const std::string& name, const std::string& target, Who who,
+           std::size_t per_run, Find find, Number number) {
+    Case c = InTurn("", queries_, queries_.size(), per_run,
+                    [find](const Query& query) { std::ignore = find(query); });
+    c.check = [this, find, number]() -> std::string {
+      std::vector<std::size_t> numbers;
+      for (std::size_t q = 0; q < 20; ++q) {
+        numbers.push_back(number(queries_[q], find(queries_[q])));
+      }
+      if (expected_.empty()) expected_ = numbers;
+      return numbers == expected_ ? "" : "the answers differ";
+    };
+    contest_.Add(name, target, who, std::move(c));
+  }
+
+  void Time(std::size_t objects, Table& table) {
+    contest_.Time(run_.effort.repetitions);
+    for (std::size_t i = 0; i < contest_.size(); ++i) {
+      table.Add({name_, objects, contest_.name(i), contest_.target(i),
+                 contest_.timing(i).Median() / 1e3, contest_.OverFastest(i),
+                 Cell()});
+    }
+  }
+
+ private:
+  Run& run_;
+  std::string name_;
+  const std::vector<Query>& queries_;
+  Contest contest_;
+  std::vector<std::size_t> expected_;
+};
+
+void RunSearches(Run& run, const BoxSet<3>& set, Target target,
+                 Result& result) {
+  constexpr float kHalfWorld = 50.0f;
+  const std::string target_name = NameOf(target);
+  const Bvh3 world(set.boxes);
+  Random random(run.options.seed);
+  const auto any_point = [&] {
+    Point<3> point;
+    for (float& x : point) x = kHalfWorld * random.Signed();
+    return point;
+  };
+  Ids found(set.boxes.size());
+  const auto itself = [](const auto&, std::size_t count) { return count; };
+
+  // A tenth of the world: its third root of each axis.
+  constexpr float kHalfSide = 0.4642f * kHalfWorld;
+  std::vector<Aabb3> large(kTimedQueries);
+  std::vector<Point<3>> points(kTimedQueries);
+  std::vector<Segment<3>> segments(kTimedQueries);
+  for (std::size_t q = 0; q < kTimedQueries; ++q) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float center = (kHalfWorld - kHalfSide) * random.Signed();
+      large[q].min[k] = center - kHalfSide;
+      large[q].max[k] = center + kHalfSide;
+    }
+    points[q] = any_point();
+    // 0.3 of the way from one point to another.
+    segments[q] = {any_point(), any_point()};
+    for (std::size_t k = 0; k < 3; ++k) {
+      segments[q].b[k] =
+          segments[q].a[k] + 0.3f * (segments[q].b[k] - segments[q].a[k]);
+    }
+  }
+
+  {
+    Search<Aabb3> counts(run, "counts of a tenth", large);
+    counts.Add(
+        "counts", target_name, Who::kOurs, 2000,
+        [&](const Aabb3& query) {
+          return CountSurvivors(world, query, {.target = target});
+        },
+        itself);
+    counts.Add(
+        "ids", target_name, Who::kOurs, 200,
+        [&](const Aabb3& query) {
+          return Survivors(world, query, found, {.target = target});
+        },
+        itself);
+    for (const auto& competitor : Registered<BoxTree<3>>::All()) {
+      if (set.boxes.size() > competitor.most) continue;
+      const std::shared_ptr<const BoxTree<3>> tree = competitor.make(set.boxes);
+      if (!tree->CanCount()) continue;
+      counts.Add(
+          competitor.name, "", Who::kCompetitor, 5,
+          [tree](const Aabb3& query) { return tree->Count(query); }, itself);
+    }
+    counts.Time(set.boxes.size(), result.queries);
+  }
+  {
+    constexpr std::size_t kCount = 8;
+    Search<Point<3>> nearest(run, "nearest 8", points);
+    // Many boxes are equally far away, so the answer is a distance: of the
+    // last.
+    const auto farthest = [&set](const Point<3>& point, auto&& ids) {
+      double most = 0;
+      for (std::uint32_t id : ids) {
+        double square = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+          const double beyond =
+              std::max({set.boxes[id].min[k] - point[k],
+                        point[k] - set.boxes[id].max[k], 0.0f});
+          square += beyond * beyond;
+        }
+        most = std::max(most, square);
+      }
+      return static_cast<std::size_t>(1e6 * std::sqrt(most)) + ids.size();
+    };
+    std::array<std::uint32_t, kCount> ids;
+    std::array<float, kCount> distances;
+    nearest.Add(
+        "nearest", target_name, Who::kOurs, 2000,
+        [&](const Point<3>& point) {
+          constexpr float kFar = std::numeric_limits<float>::infinity();
+          return std::span(ids).first(
+              KNearest(world, point, ids, distances, kFar, {.target = target}));
+        },
+        farthest);
+    for (const auto& competitor : Registered<NearestTree>::All()) {
+      nearest.Add(
+          competitor.name, "", Who::kCompetitor, 200,
+          [&found, tree = std::shared_ptr<NearestTree>(
+                       competitor.make(set.boxes))](const Point<3>& point) {
+            tree->Nearest(point, kCount, found);
+            return std::span<const std::uint32_t>(found);
+          },
+          farthest);
+    }
+    nearest.Time(set.boxes.size(), result.queries);
+  }
+  found.resize(set.boxes.size());
+  Search<Segment<3>> along(run, "along a segment", segments);
+  along.Add(
+      "ids", target_name, Who::kOurs, 1000,
+      [&](const Segment<3>& segment) {
+        return Survivors(world, segment, found, {.target = target});
+      },
+      itself);
+  Ids listed;
+  for (const auto& competitor : Registered<LineTree>::All()) {
+    along.Add(
+        competitor.name, "", Who::kCompetitor, 200,
+        [&listed, tree = std::shared_ptr<const LineTree>(
+                      competitor.make(set.boxes))](const Segment<3>& segment) {
+          tree->Along(segment, listed);
+          return listed.size();
+        },
+        itself);
+  }
+  along.Time(set.boxes.size(), result.queries);
 }
 
 bool HasMemoryFor(std::size_t objects) {
   const std::size_t available = FreeMemory();
   return available == 0 || objects < available / kBytesOfBox;
-}
-
-// The sizes up to `most`; if none, that one.
-std::vector<std::size_t> UpTo(std::size_t most,
-                              std::vector<std::size_t> sizes) {
-  std::erase_if(sizes, [most](std::size_t size) { return size > most; });
-  if (sizes.empty()) sizes.push_back(most);
-  return sizes;
 }
 
 // Why the boxes of a file are not measured; empty if they are.
@@ -146,7 +624,7 @@ std::string WhyNot(const Workload* input) {
                                      [](float x) { return x <= kFarthest; });
     if (!is_near) return "coordinates beyond 1e12, which not all trees take";
   }
-  const Bvh<AabbView3> world(view);
+  const Bvh3 world(view);
   std::size_t found = 0;
   for (const Aabo3& query : input->queries) {
     found += CountSurvivors(world, query.aabb());
@@ -157,48 +635,36 @@ std::string WhyNot(const Workload* input) {
   return {};
 }
 
-Aim ThresholdFor(std::size_t objects) {
-  if (objects < 10'000) return aims::kBvhThousand;
-  if (objects < 100'000) return aims::kBvhTenThousand;
-  if (objects < 1'000'000) return aims::kBvhHundredThousand;
-  return aims::kBvhMillion;
-}
-
 }  // namespace
 
 Tables RunBvh(Run& run) {
-  const Workload* input = run.input();
   const std::uint64_t seed = run.options.seed;
-  BvhResult result;
-  Throughput throughput(run, "bvh");
-  const Target best = throughput.targets().front();
+  const Target best = run.WidthTargets().front();
+  std::vector<Target> targets = {best};
+  for (Target target : run.WidthTargets()) {
+    if (target.name() == "AVX2" && target != best) targets.push_back(target);
+  }
+  Result result;
   std::size_t most = run.is_quick() ? 100'000 : 1'000'000;
   if (run.options.objects != 0) most = std::min(most, run.options.objects);
   if (most > 100'000 && !HasMemoryFor(most)) {
     most = 100'000;
-    throughput.NotReached("more than " + Grouped(most) +
-                          " boxes, which do not fit the free memory");
+    result.queries.notes.push_back(
+        "Not measured: more than 100 000 boxes, which do not fit the free "
+        "memory.");
   }
+  const auto uniform = [seed](std::size_t objects) {
+    return MakeUniformBoxes<3>("a", objects, kSide3D, seed);
+  };
 
-  std::vector<Target> targets = {best};
-  for (Target target : throughput.targets()) {
-    if (IsAvx2(target) && target != best) targets.push_back(target);
-  }
-
-  ThroughputParts parts;
-  const std::vector<std::size_t> sizes =
-      UpTo(most, {1000, 10'000, 100'000, 1'000'000});
-  for (std::size_t objects : sizes) {
-    const Aims aims{ThresholdFor(objects), targets, objects == sizes.back()};
-    parts.push_back([=, &result](Throughput& to) {
-      RunContest(MakeUniformBoxes<3>("a", objects, kSide3D, seed), aims, to,
-                 result);
-    });
+  Parts parts;
+  for (std::size_t objects : UpTo(most, {1000, 10'000, 100'000, 1'000'000})) {
+    parts.emplace_back(
+        [&, objects] { RunQueries(run, uniform(objects), targets, result); });
   }
   for (std::size_t objects : UpTo(most, {100'000, 1'000'000})) {
-    parts.push_back([=, &result](Throughput& to) {
-      RunContest(MakeClusters("clusters", objects, seed),
-                 {aims::kBvhClusters, {best}}, to, result);
+    parts.emplace_back([&, objects] {
+      RunQueries(run, MakeClusters("clusters", objects, seed), {best}, result);
     });
   }
   // Of a quick run, the first two with few objects.
@@ -208,44 +674,35 @@ Tables RunBvh(Run& run) {
   for (const SkewedWorld& world :
        SkewedWorlds().first(run.is_quick() ? 2 : SkewedWorlds().size())) {
     for (std::size_t objects : skewed_sizes) {
-      parts.push_back([=, &result](Throughput& to) {
-        RunSkewed(world, objects, seed, targets, to, result);
+      parts.emplace_back([&, objects] {
+        RunSkewed(run, world.make(world.name, objects, kSide3D, seed), targets,
+                  result);
       });
     }
   }
-  if (const std::string why = WhyNot(input); why.empty()) {
-    parts.push_back([=, &result](Throughput& to) {
-      RunContest(BoxesOf("file", *input), {aims::kBvhFile, {best}}, to, result);
+  if (const std::string why = WhyNot(run.input()); why.empty()) {
+    parts.emplace_back([&] {
+      RunQueries(run, BoxesOf("file", *run.input()), {best}, result);
     });
   } else {
-    throughput.NotReached("the boxes of a file: " + why);
+    result.queries.notes.push_back("Not measured: the boxes of a file: " + why +
+                                   ".");
   }
   for (std::size_t objects : UpTo(most, {100'000, 1'000'000})) {
-    parts.push_back([=, &result](Throughput& to) {
-      RunContest(MakeUniformBoxes<2>("2D", objects, kSide2D, seed),
-                 {aims::kBvh2D, {best}}, to, result);
+    parts.emplace_back([&, objects] {
+      RunQueries(run, MakeUniformBoxes<2>("2D", objects, kSide2D, seed), {best},
+                 result);
     });
   }
-  parts.push_back(
-      [=, &result](Throughput& to) { RunScan(most, seed, to, result); });
-  parts.push_back([=, &result](Throughput& to) {
-    RunBvhBuilds(MakeUniformBoxes<3>("a", most, kSide3D, seed), to, result);
-  });
-  parts.push_back([=, &result](Throughput& to) {
-    RunBvhRefits(MakeUniformBoxes<3>("a", most, kSide3D, seed), to, result);
-  });
+  parts.emplace_back([&] { RunBuilds(run, uniform(most), result); });
+  parts.emplace_back([&] { RunRefits(run, uniform(most), result); });
   for (std::size_t objects : UpTo(most, {100'000, 1'000'000})) {
-    parts.push_back([=, &result](Throughput& to) {
-      RunBvhPairs(MakeUniformBoxes<3>("a", objects, kSide3D, seed), to, result);
-    });
+    parts.emplace_back(
+        [&, objects] { RunPairs(run, uniform(objects), best, result); });
   }
-  parts.push_back([=, &result](Throughput& to) {
-    RunBvhSearches(MakeUniformBoxes<3>("a", most, kSide3D, seed), seed, to,
-                   result);
-  });
-  RunParts(parts, throughput);
-
-  return {result.queries, result.jobs, throughput.Aims()};
+  parts.emplace_back([&] { RunSearches(run, uniform(most), best, result); });
+  RunParts(run, parts);
+  return {result.queries, result.jobs};
 }
 
 }  // namespace halfspace::bench

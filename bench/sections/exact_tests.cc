@@ -11,21 +11,14 @@
 #include "bench/measure/measure.h"
 #include "bench/sections/run.h"
 #include "bench/worlds/random.h"
-#include "halfspace/shapes.h"
 
 namespace halfspace::bench {
 namespace {
 
-// Tests of two shapes by separating axes, in floats, as engines have them. True
-// if the shapes have a point in common.
+// A test by separating axes, in floats, as engines have it. True if the
+// triangles have a point in common.
 using Vector3 = std::array<float, 3>;
 using Triangle = std::array<Vector3, 3>;
-
-struct OrientedBox {
-  Vector3 center;
-  std::array<Vector3, 3> axes;  // unit vectors
-  Vector3 half;                 // along each of them
-};
 
 Vector3 Minus(const Vector3& a, const Vector3& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -56,15 +49,6 @@ Triangle EdgesOf(const Triangle& t) {
   return {Minus(t[1], t[0]), Minus(t[2], t[1]), Minus(t[0], t[2])};
 }
 
-// The radius of a box along an axis.
-float Reach(const OrientedBox& box, const Vector3& axis) {
-  float reach = 0.0f;
-  for (std::size_t k = 0; k < 3; ++k) {
-    reach += box.half[k] * std::abs(Dot(box.axes[k], axis));
-  }
-  return reach;
-}
-
 bool Touch(const Triangle& a, const Triangle& b) {
   const Triangle edges_a = EdgesOf(a);
   const Triangle edges_b = EdgesOf(b);
@@ -86,103 +70,41 @@ bool Touch(const Triangle& a, const Triangle& b) {
   return true;
 }
 
-bool Touch(const Sphere3& a, const Sphere3& b) {
-  const Vector3 between = Minus(a.center, b.center);
-  const float reach = a.radius + b.radius;
-  return Dot(between, between) <= reach * reach;
-}
+}  // namespace
 
-bool Touch(const OrientedBox& a, const OrientedBox& b) {
-  const Vector3 between = Minus(b.center, a.center);
-  const auto is_separated_by = [&](const Vector3& axis) {
-    return std::abs(Dot(between, axis)) > Reach(a, axis) + Reach(b, axis);
-  };
-  for (const Vector3& axis : a.axes) {
-    if (is_separated_by(axis)) return false;
-  }
-  for (const Vector3& axis : b.axes) {
-    if (is_separated_by(axis)) return false;
-  }
-  for (const Vector3& axis_a : a.axes) {
-    for (const Vector3& axis_b : b.axes) {
-      if (is_separated_by(Cross(axis_a, axis_b))) return false;
+ExactTest MeasureExactTest(Run& run) {
+  // So many that no predictor learns them, around each other as candidates are.
+  constexpr float kBetween = 0.75f;
+  Random random(run.options.seed);
+  const auto triangle = [&random] {
+    Vector3 at;
+    for (float& x : at) x = kBetween * random.Signed();
+    Triangle corners;
+    for (Vector3& corner : corners) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        corner[k] = at[k] + 0.5f * random.Signed();
+      }
     }
+    return corners;
+  };
+  std::vector<std::pair<Triangle, Triangle>> pairs;
+  for (std::size_t i = 0; i < kTimedQueries; ++i) {
+    pairs.emplace_back(triangle(), triangle());
   }
-  return true;
-}
-
-template <typename Shape>
-Case TestCase(const char* name, const std::vector<std::pair<Shape, Shape>>& all,
-              std::size_t& touching) {
-  Case c = InTurn(std::string("exact/") + name, all, all.size(), all.size(),
-                  [&touching](const std::pair<Shape, Shape>& pair) {
+  std::size_t touching = 0;
+  Case c = InTurn("exact/triangle-triangle", pairs, pairs.size(), pairs.size(),
+                  [&touching](const std::pair<Triangle, Triangle>& pair) {
                     touching += Touch(pair.first, pair.second) ? 1 : 0;
                   });
-  c.group = "exact";
-  c.check = [&all]() -> std::string {
-    for (const auto& [a, b] : all) {
+  c.check = [&pairs]() -> std::string {
+    for (const auto& [a, b] : pairs) {
       if (Touch(a, b) != Touch(b, a)) return "a pair touches one way only";
     }
     return {};
   };
-  return c;
-}
-
-}  // namespace
-
-std::vector<ExactTest> MeasureExactTests(Run& run) {
-  // So many that no predictor learns them, around each other as candidates are.
-  constexpr float kBetween = 0.75f;
-  Random random(run.options.seed);
-  const auto vector = [&random](float scale) {
-    Vector3 v;
-    for (float& x : v) x = scale * random.Signed();
-    return v;
-  };
-  const auto moved = [](Vector3 v, const Vector3& by) {
-    for (std::size_t k = 0; k < 3; ++k) v[k] += by[k];
-    return v;
-  };
-  const auto triangle = [&] {
-    const Vector3 at = vector(kBetween);
-    return Triangle{moved(vector(0.5f), at), moved(vector(0.5f), at),
-                    moved(vector(0.5f), at)};
-  };
-  const auto sphere = [&] { return Sphere3{vector(kBetween), 0.5f}; };
-  // Turned about one axis by an angle of a Pythagorean triple: unit vectors.
-  const auto box = [&] {
-    OrientedBox b{vector(kBetween), {}, {0.5f, 0.3f, 0.2f}};
-    const std::size_t up = random.Below(3);
-    b.axes[up][up] = 1.0f;
-    const std::size_t x = (up + 1) % 3;
-    const std::size_t y = (up + 2) % 3;
-    b.axes[x][x] = b.axes[y][y] = 0.8f;
-    b.axes[x][y] = 0.6f;
-    b.axes[y][x] = -0.6f;
-    return b;
-  };
-  std::vector<std::pair<Triangle, Triangle>> triangles;
-  std::vector<std::pair<Sphere3, Sphere3>> spheres;
-  std::vector<std::pair<OrientedBox, OrientedBox>> boxes;
-  for (std::size_t i = 0; i < kTimedQueries; ++i) {
-    triangles.emplace_back(triangle(), triangle());
-    spheres.emplace_back(sphere(), sphere());
-    boxes.emplace_back(box(), box());
-  }
-  std::size_t touching = 0;
-  const std::vector<Case> cases = {
-      TestCase("triangle-triangle", triangles, touching),
-      TestCase("sphere-sphere", spheres, touching),
-      TestCase("box-box", boxes, touching)};
-  const std::vector<Timing> timings = run.Time(cases);
+  const Ratio ns = SpreadOf(run.Time({c}).front());
   KeepResult(static_cast<std::uint32_t>(touching));
-  std::vector<ExactTest> tests;
-  for (std::size_t i = 0; i < cases.size(); ++i) {
-    tests.push_back(
-        {std::array{"triangle-triangle", "sphere-sphere", "box-box"}[i],
-         SpreadOf(timings[i])});
-  }
-  return tests;
+  return {"triangle-triangle", ns};
 }
 
 }  // namespace halfspace::bench

@@ -3,7 +3,6 @@
 #define HALFSPACE_BENCH_SECTIONS_EXACT_TESTS_H_
 
 #include <string>
-#include <vector>
 
 #include "bench/measure/measure.h"
 
@@ -16,8 +15,8 @@ struct ExactTest {
   Ratio ns;  // of a pair
 };
 
-// Triangles, spheres and boxes around each other, one test at a time.
-std::vector<ExactTest> MeasureExactTests(Run& run);
+// Of two triangles around each other, one test at a time.
+ExactTest MeasureExactTest(Run& run);
 
 }  // namespace halfspace::bench
 

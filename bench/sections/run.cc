@@ -73,6 +73,19 @@ Target Run::best() const {
   return is_measured ? ChosenTarget() : targets.front();
 }
 
+std::vector<Target> Run::WidthTargets() const {
+  std::vector<Target> widths;
+  for (Target target : targets) {
+    if (target.name().starts_with("AVX3") || target.name() == "AVX2" ||
+        target.name() == "SSE4") {
+      widths.push_back(target);
+    }
+  }
+  if (widths.empty()) widths.push_back(targets.front());
+  if (is_quick()) widths.resize(1, widths.front());
+  return widths;
+}
+
 std::size_t Run::SceneObjects() const {
   if (options.objects != 0) return options.objects;
   return options.is_quick ? kQuickObjects : kPaperObjects;
@@ -146,17 +159,13 @@ std::vector<std::string> Run::NotReached() const {
   return reasons;
 }
 
-const std::vector<ExactTest>& Run::ExactTests() {
-  if (exact_tests_.empty()) exact_tests_ = MeasureExactTests(*this);
-  return exact_tests_;
-}
-
 ExactTest Run::TheExactTest() {
   if (options.exact_ns) {
     return {"given",
             Ratio{*options.exact_ns, *options.exact_ns, *options.exact_ns}};
   }
-  return ExactTests().front();
+  if (!exact_test_) exact_test_ = MeasureExactTest(*this);
+  return *exact_test_;
 }
 
 void Run::AddVerdictGroup() {

@@ -43,6 +43,9 @@ class Run {
 
   // The target that programs get, or the best that is measured.
   Target best() const;
+  // The best target of each width of vectors: AVX-512, AVX2 and SSE4.2 on x86;
+  // the best one elsewhere, and if the run is quick.
+  std::vector<Target> WidthTargets() const;
   // In memory targets hardly differ, and take long: the best alone, and so if
   // the run is quick.
   std::vector<Target> TargetsIn(const std::string& set) const {
@@ -74,7 +77,6 @@ class Run {
     return Measure(cases, with, progress);
   }
 
-  const std::vector<ExactTest>& ExactTests();
   // That of --exact-ns, or of a pair of triangles.
   ExactTest TheExactTest();
 
@@ -101,7 +103,7 @@ class Run {
   Workload scene_;
   LoadProbe load_;
   ClockProbe clock_;
-  std::vector<ExactTest> exact_tests_;
+  std::optional<ExactTest> exact_test_;
   std::vector<std::unique_ptr<WorkingSet>> sets_;
   std::unique_ptr<Verdict> verdict_;
 };

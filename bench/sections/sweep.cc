@@ -14,7 +14,6 @@
 #include "bench/measure/measure.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
-#include "bench/worlds/scene.h"
 #include "halfspace/bvh.h"
 #include "halfspace/quantized.h"
 #include "halfspace/reject.h"
@@ -177,65 +176,24 @@ Tables RunSweep(Run& run) {
             {Key("shape"), Key("schedule"), Key("precision"),
              Value("time", "us", 3), Value("survivors", "", 1),
              Value("with exact", "us", 3), Lower("of the best")}};
-  Table cells{"sweep",
-              "the fastest way to a list of survivors" + test,
-              {Key("size", "%"), Key("objects"), Value("winner"),
-               Value("survivors", "", 1), Value("with exact", "us", 3),
-               Value("next best"), Value("its time over that")}};
-  cells.columns[0].digits = 1;
-  const std::vector<double> sizes =
-      run.is_quick() ? std::vector{0.1, 1.0, 10.0}
-                     : std::vector{0.1, 0.3, 1.0, 3.0, 10.0, 30.0};
-  std::vector<std::size_t> counts = {1000, 100'000};
-  if (!run.is_quick()) counts.insert(counts.begin() + 1, 10'000);
-  const std::size_t parts =
-      run.is_page() ? 1 : sizes.size() * counts.size() + 1;
-  run.progress.BeginPart(0, parts);
-  {
-    const Workload& workload = run.Measured();
-    const AaboWorld3 world =
-        Thinned(workload.objects,
-                run.is_quick() ? kMostOwnObjects / 8 : kMostOwnObjects);
-    const std::vector<Way> ways =
-        Contestants(world, workload.timed_queries, target)
-            .Measure(run, "sweep/own", exact_ns);
-    for (const Way& way : ways) {
-      own.Add({way.shape, way.schedule, way.precision,
-               way.timing.Median() / 1e3, way.survivors,
-               way.with_exact.Median() / 1e3, OfBest(way, ways)});
-    }
-    own.notes = {Grouped(world.size()) + " objects of " +
-                 (run.input() != nullptr ? workload.name : "the scene") + "."};
+  const Workload& workload = run.Measured();
+  const AaboWorld3 world = Thinned(
+      workload.objects, run.is_quick() ? kMostOwnObjects / 8 : kMostOwnObjects);
+  const std::vector<Way> ways =
+      Contestants(world, workload.timed_queries, target)
+          .Measure(run, "sweep/own", exact_ns);
+  for (const Way& way : ways) {
+    own.Add({way.shape, way.schedule, way.precision, way.timing.Median() / 1e3,
+             way.survivors, way.with_exact.Median() / 1e3, OfBest(way, ways)});
   }
+  own.notes = {Grouped(world.size()) + " objects of " +
+               (run.input() != nullptr ? workload.name : "the scene") + "."};
   // The page needs the answers alone.
   if (run.is_page()) {
     run.tables.push_back(own);
     return {};
   }
-  std::size_t part = 1;
-  for (double size : sizes) {
-    for (std::size_t objects : counts) {
-      run.progress.BeginPart(part++, parts);
-      const Workload scene =
-          SceneOfSize(size / 100.0, objects, run.options.seed);
-      const std::vector<Way> ways =
-          Contestants(scene.objects, scene.timed_queries, target)
-              .Measure(
-                  run,
-                  "sweep/" + Fixed(size, 1) + "/" + std::to_string(objects),
-                  exact_ns);
-      const Ratio next = OfBest(ways[1], ways);
-      cells.Add({size, objects,
-                 Cell(ways[0].name())
-                     .With(next.low <= 1.0 ? Flag::kTie : Flag::kWinner),
-                 ways[0].survivors, ways[0].with_exact.Median() / 1e3,
-                 ways[1].name(), next});
-    }
-  }
-  cells.notes = {
-      "size: of an object, in % of the world's side. = : the next "
-      "best is within the range of the repetitions."};
-  return {own, cells};
+  return {own};
 }
 
 }  // namespace halfspace::bench

@@ -121,23 +121,6 @@ std::vector<Aabb<kDims>> BodyScene<kDims>::At(const Ids& ids,
 }
 
 template <int kDims>
-std::vector<Aabb<kDims>> BodyScene<kDims>::Within(std::size_t frame) const {
-  std::vector<Box> boxes = boxes_;
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    for (std::size_t k = 0; k < kDims; ++k) {
-      const float side = world_.max[k];
-      const float way = std::abs(boxes[i].min[k] +
-                                 static_cast<float>(frame) * velocities_[i][k]);
-      const float turn = std::fmod(way, 2 * side);
-      const float length = boxes[i].max[k] - boxes[i].min[k];
-      boxes[i].min[k] = std::min(turn, 2 * side - turn);
-      boxes[i].max[k] = boxes[i].min[k] + length;
-    }
-  }
-  return boxes;
-}
-
-template <int kDims>
 Point<kDims> BodyScene<kDims>::AnyPoint(Random& random) const {
   Point<kDims> point;
   for (std::size_t k = 0; k < kDims; ++k) {

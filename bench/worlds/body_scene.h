@@ -42,10 +42,6 @@ class BodyScene {
   Ids Some(std::size_t percent) const;
   // The boxes of these bodies in a state.
   std::vector<Box> At(const Ids& ids, std::size_t state) const;
-  // The boxes of all bodies after any number of frames, if they turn back at
-  // the walls of the world.
-  std::vector<Box> Within(std::size_t frame) const;
-
   // A place in the world, a box of that side there, and a direction of length
   // 1.
   Point<kDims> AnyPoint(Random& random) const;

@@ -1,4 +1,4 @@
-// Spheres around points, for the sphere tests of baselines/target_loops.h.
+// Spheres around points, for the sphere tests of inner/target_loops.h.
 #ifndef HALFSPACE_BENCH_WORLDS_BOUNDING_SPHERE_H_
 #define HALFSPACE_BENCH_WORLDS_BOUNDING_SPHERE_H_
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/base/aligned_vector.h"
-#include "bench/baselines/target_loops.h"
+#include "bench/inner/target_loops.h"
 #include "bench/worlds/random.h"
 #include "halfspace/fit.h"
 
@@ -66,50 +66,6 @@ BuildSource MakeBoxes(const Workload& workload, std::size_t bytes) {
     return BoundBoxes(BoxesOf(boxes->view()), built->planes(), options, status);
   };
   source.single = [boxes](std::size_t i) { return BoundAabb(boxes->Get(i)); };
-  return source;
-}
-
-BuildSource MakeBoxRecords(const Workload& workload, std::size_t bytes) {
-  BuildSource source = SourceOf("box-records", ObjectsFor(bytes, 24 + 32));
-  auto boxes = std::make_shared<AlignedVector<Aabb3>>(source.objects);
-  for (std::size_t i = 0; i < source.objects; ++i) {
-    (*boxes)[i] = BoxOf(workload, i);
-  }
-  source.copy.Read(boxes->data(), boxes->size());
-  source.build = [boxes, built = source.built](const FitOptions& options,
-                                               FitStatus* status) {
-    return BoundBoxes(BoxesOf(std::span<const Aabb3>(*boxes)), built->planes(),
-                      options, status);
-  };
-  source.single = [boxes](std::size_t i) { return BoundAabb((*boxes)[i]); };
-  return source;
-}
-
-BuildSource MakeBoxesToD(const Workload& workload, std::size_t bytes) {
-  BuildSource source;
-  source.shapes = "boxes";
-  source.planes = "d";
-  source.objects = ObjectsFor(bytes, 24 + 8);
-  source.items = source.objects;
-  source.copy.objects = source.objects;
-  source.built =
-      std::make_shared<AaboWorld3>(ResizedTo(workload.objects, source.objects));
-  const AaboPlanes3 planes = source.built->planes();
-  const AabbView3 view = source.built->view().aabb();
-  for (const float* plane : view.min) source.copy.Read(plane, view.size);
-  for (const float* plane : view.max) source.copy.Read(plane, view.size);
-  source.copy.Write(planes.min[kDAxis], view.size);
-  source.copy.Write(planes.max[kDAxis], view.size);
-  source.build = [built = source.built](const FitOptions& options,
-                                        FitStatus* status) {
-    const AaboPlanes3 all = built->planes();
-    return BoundBoxes(BoxesOf(built->view().aabb()),
-                      DPlanes3{all.min[kDAxis], all.max[kDAxis], all.size},
-                      options, status);
-  };
-  source.single = [built = source.built](std::size_t i) {
-    return BoundAabb(built->Get(i).aabb());
-  };
   return source;
 }
 
@@ -242,10 +198,6 @@ BuildSource MakeBuildSource(BuildKind kind, const Workload& workload,
   switch (kind) {
     case BuildKind::kBoxes:
       return MakeBoxes(workload, bytes);
-    case BuildKind::kBoxRecords:
-      return MakeBoxRecords(workload, bytes);
-    case BuildKind::kBoxesToD:
-      return MakeBoxesToD(workload, bytes);
     case BuildKind::kSpheres:
       return MakeSpheres(workload, bytes);
     case BuildKind::kTriangles:
@@ -260,9 +212,8 @@ std::string CheckBuild(const BuildSource& source, const FitOptions& options) {
   // What is looked at afterwards must have been written.
   const AaboPlanes3 planes = source.built->planes();
   const std::size_t step = std::max<std::size_t>(1, source.objects / kChecked);
-  const bool has_axes = source.planes == "aabo";
   for (std::size_t i = 0; i < source.objects; i += step) {
-    for (std::size_t k = has_axes ? 0 : kDAxis; k <= kDAxis; ++k) {
+    for (std::size_t k = 0; k <= kDAxis; ++k) {
       planes.min[k][i] = std::numeric_limits<float>::quiet_NaN();
       planes.max[k][i] = std::numeric_limits<float>::quiet_NaN();
     }

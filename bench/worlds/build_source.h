@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "bench/baselines/target_loops.h"
+#include "bench/inner/target_loops.h"
 #include "bench/worlds/workload.h"
 #include "halfspace/fit_many.h"
 
@@ -16,23 +16,21 @@ namespace halfspace::bench {
 
 enum class BuildKind {
   kBoxes,
-  kBoxRecords,  // an array of structures
-  kBoxesToD,    // the D planes of a world of boxes, in place
   kSpheres,
   kTriangles,
   kPointSets,
 };
 
-inline constexpr std::array<BuildKind, 6> kBuildKinds = {
-    BuildKind::kBoxes,   BuildKind::kBoxRecords, BuildKind::kBoxesToD,
-    BuildKind::kSpheres, BuildKind::kTriangles,  BuildKind::kPointSets};
+inline constexpr std::array<BuildKind, 4> kBuildKinds = {
+    BuildKind::kBoxes, BuildKind::kSpheres, BuildKind::kTriangles,
+    BuildKind::kPointSets};
 
 inline constexpr std::size_t kPointsOfSet = 50;
 inline constexpr std::size_t kDAxis = 3;
 
 struct BuildSource {
-  std::string shapes;  // "boxes", "box-records", "spheres", ...
-  std::string planes;  // "aabo" or "d"
+  std::string shapes;  // "boxes", "spheres", ...
+  std::string planes;  // "aabo"
   std::size_t objects = 0;
   std::size_t items = 0;  // objects, or the points of all sets
   CopyJob copy;           // the bytes that a build moves

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <memory>
 
 #include "bench/worlds/moved_clouds.h"
@@ -97,7 +99,42 @@ PointSource SourceOf(std::string name, std::size_t objects, std::uint64_t seed,
   return {std::move(name), objects, points, points};
 }
 
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr double kMostFloat = std::numeric_limits<float>::max();
+
+float RoundedDown(double value) {
+  if (value < -kMostFloat) return -kInfinity;
+  const auto rounded = static_cast<float>(std::min(value, kMostFloat));
+  return rounded > value ? std::nextafter(rounded, -kInfinity) : rounded;
+}
+
 }  // namespace
+
+Aabo3 BoundOnRegularAxes(std::span<const float> points) {
+  std::array<double, Aabo3::kAxes> min;
+  std::array<double, Aabo3::kAxes> max;
+  min.fill(std::numeric_limits<double>::infinity());
+  max.fill(-std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i + 2 < points.size(); i += 3) {
+    const double x = points[i];
+    const double y = points[i + 1];
+    const double z = points[i + 2];
+    const std::array<double, Aabo3::kAxes> along = {x + y + z, x - y - z,
+                                                    y - x - z, z - x - y};
+    // Two sums round, by half of 2^-52 each.
+    const double error = 0x1p-51 * (std::abs(x) + std::abs(y) + std::abs(z));
+    for (std::size_t k = 0; k < Aabo3::kAxes; ++k) {
+      min[k] = std::min(min[k], along[k] - error);
+      max[k] = std::max(max[k], along[k] + error);
+    }
+  }
+  Aabo3 bound;
+  for (std::size_t k = 0; k < Aabo3::kAxes; ++k) {
+    bound.min[k] = RoundedDown(min[k]);
+    bound.max[k] = -RoundedDown(-max[k]);
+  }
+  return bound;
+}
 
 PointSource SceneSource(std::size_t objects, std::uint64_t seed) {
   const auto clouds = std::make_shared<MovedClouds<3>>(seed);

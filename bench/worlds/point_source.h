@@ -42,6 +42,12 @@ PointSource BallSource(std::size_t objects, std::uint64_t seed);
 PointSource BoxSource(std::size_t objects, std::uint64_t seed);
 PointSource MixedSource(std::size_t objects, std::uint64_t seed);
 
+// An octahedron around points, x y z each, at least one, whose axes are
+// (1, 1, 1), (1, -1, -1), (-1, 1, -1) and (-1, -1, 1): four normals of a
+// regular tetrahedron, which sum to zero. The kernels know planes, and no
+// directions.
+Aabo3 BoundOnRegularAxes(std::span<const float> points);
+
 }  // namespace halfspace::bench
 
 #endif  // HALFSPACE_BENCH_WORLDS_POINT_SOURCE_H_

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "bench/baselines/target_loops.h"
+#include "bench/inner/target_loops.h"
 #include "bench/worlds/bounding_sphere.h"
 #include "bench/worlds/working_set.h"
 #include "halfspace/fit.h"

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "bench/base/text.h"
-#include "bench/baselines/target_loops.h"
+#include "bench/inner/target_loops.h"
 #include "tests/reference/reference.h"
 
 namespace halfspace::bench {
@@ -116,35 +116,12 @@ Case WorkingSet::LibraryCase(std::string name, ShapeKind shape,
       });
 }
 
-Case WorkingSet::LoopCase(std::string name, ShapeKind shape, WidthScan scan) {
+Case WorkingSet::LoopCase(std::string name, ShapeKind shape, const Scan& scan) {
   return MakeCase(
       std::move(name), shape,
       [this, scan, shape, planes = PlanesOf(shape, view_)](const Aabo3& aabo) {
         const std::vector<float> query = QueryOf(shape, aabo);
         scan(planes.data(), query.data(), objects(), mask_.data());
-      });
-}
-
-Case WorkingSet::GatedCase(std::string name, ShapeKind shape, Target target,
-                           std::size_t width) {
-  return MakeCase(std::move(name), shape,
-                  [this, scan = LoopsFor(target).scan_gated, shape, width,
-                   planes = PlanesOf(shape, view_)](const Aabo3& aabo) {
-                    const std::vector<float> query = QueryOf(shape, aabo);
-                    scan(shape, width, planes.data(), query.data(), objects(),
-                         mask_.data());
-                  });
-}
-
-Case WorkingSet::StagedCase(std::string name, ShapeKind shape, Target target,
-                            StageWay way, std::size_t planes_of_stage) {
-  return MakeCase(
-      std::move(name), shape,
-      [this, scan = LoopsFor(target).scan_staged, shape, way, planes_of_stage,
-       planes = PlanesOf(shape, view_)](const Aabo3& aabo) {
-        const std::vector<float> query = QueryOf(shape, aabo);
-        scan(shape, way, planes_of_stage, planes.data(), query.data(),
-             objects(), mask_.data());
       });
 }
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "bench/base/shape.h"
-#include "bench/baselines/target_loops.h"
+#include "bench/inner/target_loops.h"
 #include "bench/measure/machine.h"
 #include "bench/measure/measure.h"
 #include "bench/worlds/workload.h"
@@ -86,16 +86,19 @@ class WorkingSet {
   // The case of a call of the library.
   Case LibraryCase(std::string name, ShapeKind shape, const Options& options);
 
-  // The case of a loop over all planes of the shape.
-  Case LoopCase(std::string name, ShapeKind shape, WidthScan scan);
-
-  // The case of an early-out after every half-space, in batches of `width`.
+  // The case of scan(planes, query, size, mask) over the planes of the shape,
+  // which writes the reject mask.
+  using Scan =
+      std::function<void(const float* const* planes, const float* query,
+                         std::size_t size, std::uint64_t* mask)>;
+  Case LoopCase(std::string name, ShapeKind shape, const Scan& scan);
+  // An early-out after every half-space, in batches of `width`.
   Case GatedCase(std::string name, ShapeKind shape, Target target,
-                 std::size_t width);
-
-  // The case of stages of groups, with branches or lists.
-  Case StagedCase(std::string name, ShapeKind shape, Target target,
-                  StageWay way, std::size_t planes_of_stage);
+                 std::size_t width) {
+    return LoopCase(std::move(name), shape,
+                    [gated = LoopsFor(target).scan_gated, shape,
+                     width](auto... of) { gated(shape, width, of...); });
+  }
 
   // Reading the shape's planes, with the vectors of a target.
   Case ReadCase(std::string name, ShapeKind shape, ReadWay way,

@@ -1,5 +1,5 @@
-// What the sections `dual` and `axes` count and bound, by hand; and the points
-// that volumes and axes are made from.
+// What the section `axes` bounds, by hand; and the points that volumes and axes
+// are made from.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -8,25 +8,12 @@
 #include <span>
 #include <vector>
 
-#include "bench/measure/counts.h"
-#include "bench/worlds/cloud_bounds.h"
 #include "bench/worlds/point_source.h"
 #include "bench/worlds/scene.h"
 #include "halfspace/fit.h"
-#include "tests/library/support/environment.h"
 
 namespace halfspace::bench {
 namespace {
-
-TEST(SecondReadsTest, AreCountedByHand) {
-  const std::array<std::uint64_t, 3> mask = {0b1011, 0,
-                                             std::uint64_t{3} << 62 | 1 << 4};
-  EXPECT_EQ(BatchesWithSurvivor(mask, 1), 6u);
-  EXPECT_EQ(BatchesWithSurvivor(mask, 2), 4u);
-  EXPECT_EQ(BatchesWithSurvivor(mask, 4), 3u);
-  EXPECT_EQ(BatchesWithSurvivor(mask, 16), 3u);
-  EXPECT_EQ(BatchesWithSurvivor(mask, 64), 2u);
-}
 
 TEST(RegularBoundsTest, AreThoseOfAPointByHand) {
   const std::array<float, 3> point = {1, 2, 4};
@@ -47,46 +34,6 @@ TEST(RegularBoundsTest, EncloseWhatRounds) {
   EXPECT_GT(bound.max[0], 0x1p24f);
   EXPECT_LE(bound.min[0], 0x1p24f);
   EXPECT_LT(bound.min[1], 0x1p24f);
-}
-
-TEST(CloudBoundsTest, EncloseCloudsOnEveryTarget) {
-  for (std::uint64_t seed : {1, 2, 3}) {
-    CloudBounds clouds(BallSource(200, seed));
-    for (Target target : testing::TargetsUnderTest()) {
-      for (Axes axes : kAllAxes) {
-        EXPECT_EQ(clouds.MakeCase("", axes, target).check(), "")
-            << NameOf(axes) << ", " << target.name();
-      }
-    }
-  }
-}
-
-TEST(CloudBoundsTest, StandardAxesCopyWhatTheyCan) {
-  CloudBounds clouds(BallSource(100, /*seed=*/4));
-  const PointSource same = BallSource(100, /*seed=*/4);
-  clouds.Bound(Axes::kStandard, ChosenTarget());
-  for (std::size_t c = 0; c < clouds.size(); ++c) {
-    const auto points = same.next_object();
-    const Aabo3 exact = BoundPoints(Points3{points.data(), points.size() / 3});
-    for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_EQ(clouds.min(k, c), exact.min[k]);
-      EXPECT_EQ(clouds.max(k, c), exact.max[k]);
-    }
-    EXPECT_LE(clouds.min(3, c), exact.min[3]);
-    EXPECT_GE(clouds.max(3, c), exact.max[3]);
-  }
-}
-
-// Two roundings, and two more, of at most 160: 4 * 2^-24 * 160 = 3.8e-5, in
-// clouds of 1.7 and more: 2.3e-5 on each of 8 planes, and a quarter of it with
-// two of 8.
-TEST(CloudBoundsTest, MovesPlanesALittle) {
-  CloudBounds clouds(BallSource(100, /*seed=*/4));
-  const double signs = clouds.MeanPad(Axes::kRegularSigns, ChosenTarget());
-  const double standard = clouds.MeanPad(Axes::kStandard, ChosenTarget());
-  EXPECT_GT(standard, 0.0);
-  EXPECT_LT(standard, signs);
-  EXPECT_LT(signs, 2.3e-5);
 }
 
 void ExpectObjects(const PointSource& source, const Workload& workload) {

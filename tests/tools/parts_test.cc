@@ -61,31 +61,6 @@ TEST(PrintableTest, EscapesControlCharactersAndLeavesLetters) {
   EXPECT_EQ(Printable("\xC2\x9Bm"), "\xC2\\x9bm");  // U+009B
 }
 
-TEST(LineFitTest, FindsInterceptAndSlope) {
-  const std::vector<double> x = {64, 128, 1024};
-  const std::vector<double> exact = {7 + 64 * 0.5, 7 + 128 * 0.5,
-                                     7 + 1024 * 0.5};
-  EXPECT_NEAR(FitLine(x, exact).intercept, 7.0, 1e-9);
-  EXPECT_NEAR(FitLine(x, exact).slope, 0.5, 1e-12);
-  // By hand: means 2 and 3, slope (1 * 2 + 0 + 1 * 1) / 2.
-  const std::vector<double> few = {1, 2, 3};
-  const std::vector<double> scattered = {1, 4, 4};
-  EXPECT_NEAR(FitLine(few, scattered).slope, 1.5, 1e-12);
-  EXPECT_NEAR(FitLine(few, scattered).intercept, 0.0, 1e-12);
-}
-
-TEST(CrossoverSizeTest, InterpolatesBetweenLogarithms) {
-  const std::vector<double> sizes = {100, 10000};
-  const std::vector<double> ours = {1, 100};
-  // Half of theirs, then twice as much: in the middle.
-  const std::vector<double> theirs = {2, 50};
-  EXPECT_NEAR(CrossoverSize(sizes, ours, theirs), 1000, 1e-6);
-  const std::vector<double> faster = {0.5, 200};
-  EXPECT_EQ(CrossoverSize(sizes, ours, faster), 0.0);
-  const std::vector<double> slower = {2, 200};
-  EXPECT_EQ(CrossoverSize(sizes, ours, slower), 10000.0);
-}
-
 // A virtual machine that hides its caches had 32 MiB of "memory".
 TEST(WorkingSetTest, MemoryIsMemoryOnAnyMachine) {
   constexpr std::size_t kMebibyte = std::size_t{1} << 20;

@@ -22,7 +22,7 @@ Report Example() {
   speed.Add({"simplex \"<&\n",
              std::size_t{65536},
              Cell(),
-             Cell(Ratio{2.0, 1.75, 2.5}).With(Flag::kMet),
+             Cell(Ratio{2.0, 1.75, 2.5}).With(Flag::kWinner),
              {}});
   speed.notes = {"A note."};
   speed.chart = Chart{"w", {"time"}, "shape", true, false, {{"AABB", 2.5}}};
@@ -46,13 +46,12 @@ std::size_t WidestOf(const std::string& text) {
 }
 
 TEST(TextTest, AlignsNumbersRightAndTextLeft) {
-  EXPECT_EQ(
-      TextOf(Example().tables[0]),
-      "\nspeed: of two shapes\n\n"
-      "  shape                 w  time, ns          times as fast  remark\n"
-      "  AABB                 16     1.500      1.25 [1.00, 1.50]  slow =\n"
-      "  simplex \"<&\\x0a  65 536         -  2.00 [1.75, 2.50] met  -\n"
-      "\n  A note.\n");
+  EXPECT_EQ(TextOf(Example().tables[0]),
+            "\nspeed: of two shapes\n\n"
+            "  shape                 w  time, ns        times as fast  remark\n"
+            "  AABB                 16     1.500    1.25 [1.00, 1.50]  slow =\n"
+            "  simplex \"<&\\x0a  65 536         -  2.00 [1.75, 2.50] *  -\n"
+            "\n  A note.\n");
 }
 
 TEST(TextTest, WrapsWhatIsTooWide) {
@@ -120,6 +119,16 @@ TEST(JsonTest, KeepsCountsAndFiveDigits) {
   EXPECT_EQ(read.tables[0].rows[0][0].value, 4194304.0);
   EXPECT_EQ(read.tables[0].rows[0][1].value, 0.12346);
   EXPECT_EQ(read.tables[0].rows[0][2].value, std::nullopt);
+}
+
+// They said whether a value met an aim.
+TEST(JsonTest, ReadsReportsOfOlderVersions) {
+  std::string text = ToJson(Example());
+  const std::size_t at = text.find("\"winner\"");
+  ASSERT_NE(at, std::string::npos);
+  const Report read = ReportFromJson(text.replace(at, 8, "\"missed\""));
+  EXPECT_EQ(read.tables[0].rows[1][3].flag, Flag::kNone);
+  EXPECT_EQ(read.tables[0].rows[1][3].value, 2.0);
 }
 
 TEST(JsonTest, RefusesWhatIsNoReport) {

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "bench/baselines/target_loops.h"
+#include "bench/inner/target_loops.h"
 #include "bench/worlds/bounding_sphere.h"
 #include "bench/worlds/point_source.h"
 #include "bench/worlds/random.h"

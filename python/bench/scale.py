@@ -2,7 +2,7 @@
 """Measures halfspace.dask on two worker processes of this machine against one process,
 and computes by a model what 1000 workers and 10^11 boxes would cost.
 
-    bench/python/scale.py [--objects N] [--repetitions R] [--out FILE.json]
+    python/bench/scale.py [--objects N] [--repetitions R] [--out FILE.json]
 
 Needs the module `halfspace`, and python3-distributed. docs/scale.md explains the model.
 """

@@ -102,5 +102,16 @@ def show(tables):
 
 
 def write(path, tables, seed, repetitions):
-    run = {"schema": 4, "context": context(seed, repetitions), "tables": tables}
-    pathlib.Path(path).write_text(json.dumps(run, indent=1) + "\n", encoding="utf-8")
+    def compact(value):
+        return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
+
+    # A row on each line, as cpuinfo-bench writes them.
+    texts = []
+    for each in tables:
+        head = {key: value for key, value in each.items() if key != "rows"}
+        texts.append(f'{compact(head)[:-1]},"rows":[\n'
+                     + ",\n".join(map(compact, each["rows"])) + "]}")
+    run = json.dumps(context(seed, repetitions), indent=1, ensure_ascii=False)
+    pathlib.Path(path).write_text(
+        f'{{"schema":4,\n"context":{run},\n"tables":[\n' + ",\n".join(texts) + "]}\n",
+        encoding="utf-8")

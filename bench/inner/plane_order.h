@@ -1,8 +1,8 @@
 // The order in which the experiments evaluate the planes of a shape in 3
 // dimensions: those of a box axis by axis, those of an octahedron simplex by
 // simplex, as in the paper.
-#ifndef HALFSPACE_BENCH_BASELINES_PLANE_ORDER_H_
-#define HALFSPACE_BENCH_BASELINES_PLANE_ORDER_H_
+#ifndef HALFSPACE_BENCH_INNER_PLANE_ORDER_H_
+#define HALFSPACE_BENCH_INNER_PLANE_ORDER_H_
 
 #include <array>
 #include <cstddef>
@@ -41,4 +41,4 @@ inline constexpr Plane kPlaneOf = kOrder[kIndex];
 
 }  // namespace halfspace::bench
 
-#endif  // HALFSPACE_BENCH_BASELINES_PLANE_ORDER_H_
+#endif  // HALFSPACE_BENCH_INNER_PLANE_ORDER_H_

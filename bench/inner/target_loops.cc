@@ -1,13 +1,13 @@
-#include "bench/baselines/target_loops.h"
+#include "bench/inner/target_loops.h"
 
 #include <utility>
 
 #include "bench/base/target_function.h"
-#include "bench/baselines/plane_order.h"
+#include "bench/inner/plane_order.h"
 #include "dispatch/scan/prepare.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "bench/baselines/target_loops.cc"
+#define HWY_TARGET_INCLUDE "bench/inner/target_loops.cc"
 #include "hwy/cache_control.h"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
@@ -16,12 +16,11 @@
 #include "kernels/scan/stages-inl.h"
 
 // After the kernels, whose parts they use.
-#include "bench/baselines/axes_builder-inl.h"
-#include "bench/baselines/gated_scan-inl.h"
-#include "bench/baselines/memory_loops-inl.h"
-#include "bench/baselines/vectorised-inl.h"
-#include "bench/baselines/volume_scans-inl.h"
-#include "bench/baselines/width_scans-inl.h"
+#include "bench/inner/gated_scan-inl.h"
+#include "bench/inner/memory_loops-inl.h"
+#include "bench/inner/vectorised-inl.h"
+#include "bench/inner/volume_scans-inl.h"
+#include "bench/inner/width_scans-inl.h"
 
 namespace halfspace::bench {
 
@@ -36,7 +35,6 @@ TargetLoops LoopsOf<HWY_TARGET>() {
           .scan_gated = &HWY_NAMESPACE::ScanGated,
           .scan_staged = &HWY_NAMESPACE::ScanStaged,
           .fill_plane_words = &HWY_NAMESPACE::FillPlaneWords,
-          .bound_clouds = &HWY_NAMESPACE::BoundCloudsOn,
           .scan_seven_sided = &HWY_NAMESPACE::ScanSevenSided,
           .scan_spheres = &HWY_NAMESPACE::ScanSpheres,
           .scan_spheres_by_axis = &HWY_NAMESPACE::ScanSpheresByAxis,
@@ -55,14 +53,6 @@ namespace halfspace::bench {
 
 TargetLoops LoopsFor(Target target) {
   return FunctionOf<TargetLoops>(target, [](auto t) { return LoopsOf<t()>(); });
-}
-
-AxisMatrix MatrixOf(Axes axes) {
-  if (axes == Axes::kStandard) {
-    return {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, -1, -1}}};
-  }
-  const double c = axes == Axes::kRegular ? double{kRootOfThird} : 1.0;
-  return {{{c, c, c}, {c, -c, -c}, {-c, c, -c}, {-c, -c, c}}};
 }
 
 }  // namespace halfspace::bench

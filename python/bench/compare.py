@@ -2,7 +2,7 @@
 """Compares the module halfspace with other Python packages and with GEOS called from C,
 on one thread, after it has checked that all answers are the same.
 
-    bench/python/compare.py [--quick] [--repetitions R] [--out FILE.json]
+    python/bench/compare.py [--quick] [--repetitions R] [--out FILE.json]
 
 Needs the module halfspace, a C compiler, and Debian's python3-shapely (1.8), python3-rtree,
 python3-geopandas, python3-scipy and libgeos-dev. --quick takes a hundredth of
