@@ -270,7 +270,7 @@ class BodyContest {
 
   // Whether boxes touch that are smaller by this share of their distance from
   // 0.
-  static bool TouchWell(const Box& a, const Box& b, float share) {
+  static bool TouchesWell(const Box& a, const Box& b, float share) {
     float square = 0;
     for (std::size_t k = 0; k < kDims; ++k) {
       const float far = std::max(std::abs(a.min[k]), std::abs(a.max[k])) +
@@ -282,7 +282,7 @@ class BodyContest {
       less.min[k] += share * std::sqrt(square);
       less.max[k] -= share * std::sqrt(square);
     }
-    return Touch(less, b);
+    return Touches(less, b);
   }
 
   std::string CheckPairs(const Ids& moved, std::size_t state, float slack) {
@@ -311,7 +311,7 @@ class BodyContest {
                         found_.end(), std::back_inserter(missing));
     const bool has_all = std::none_of(
         missing.begin(), missing.end(), [&](const IndexPair& pair) {
-          return TouchWell(boxes[pair[0]], boxes[pair[1]], slack);
+          return TouchesWell(boxes[pair[0]], boxes[pair[1]], slack);
         });
     return has_all && found_.size() + missing.size() == expected.size()
                ? ""
