@@ -194,8 +194,36 @@ std::string PromiseText(const Verdict& verdict, std::size_t cells) {
          Grouped(verdict.queries()) + " different queries.";
 }
 
-Table TimesTable(const Verdict& verdict) {
-  Table times{"verdict: times",
+Table CrossingsTable(const Verdict& verdict, std::string name,
+                     const ExactTest& exact) {
+  const std::vector<double> sizes = SizesOf(verdict);
+  Table table{
+      std::move(name),
+      "the sizes from which on the simplex is faster, and from which on "
+      "the box is faster again",
+      {Key("target"), Key("exact test"), Value("simplex from", "%", 2),
+       Value("box from", "%", 2)}};
+  for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
+    const auto cell = [&](const Ratio& size) {
+      const Cell measured = CellOf(size);
+      return measured.value ? measured : Cell(EndText(size.median, sizes));
+    };
+    const auto add = [&](const std::string& test, const Crossings& sizes_of) {
+      table.Add({verdict.columns()[c].name, test, cell(sizes_of.from),
+                 cell(sizes_of.to)});
+    };
+    add("none", verdict.CrossingsOf(c));
+    add(exact.name, verdict.CrossingsWithExact(c));
+  }
+  table.notes = {
+      "The simplex is faster between the two sizes. < and >: beyond those that "
+      "were measured, " +
+      MeasuredText(sizes) + "."};
+  return table;
+}
+
+Table TimesTable(const Verdict& verdict, std::string name) {
+  Table times{std::move(name),
               "ns per object, and the range of the groups",
               {Key("size"), Key("target"), Key("shape"), Key("schedule"),
                Value("time", "ns", 4), Value("over the flat simplex", "", 3)}};
@@ -345,6 +373,22 @@ std::vector<VerdictColumn> LibraryColumns(const Run& run) {
     const WidthLoops& widest = loops.widths.back();
     if (widest.lanes > lanes) {
       columns.push_back({ColumnName(target, widest.lanes), target, widest});
+    }
+  }
+  return columns;
+}
+
+std::vector<VerdictColumn> WidthColumns(const Run& run) {
+  std::vector<Target> targets = {run.best()};
+  const std::optional<Target> scalar = FindTarget("SCALAR");
+  if (run.options.target.empty() && scalar && *scalar != run.best()) {
+    targets.insert(targets.begin(), *scalar);
+  }
+  std::vector<VerdictColumn> columns;
+  for (Target target : targets) {
+    for (const WidthLoops& loops : LoopsFor(target).widths) {
+      if (loops.lanes == 0) continue;
+      columns.push_back({ColumnName(target, loops.lanes), target, loops});
     }
   }
   return columns;
@@ -588,7 +632,37 @@ Tables RunVerdict(Run& run) {
                                Fixed(exact.ns.median, 0) + " ns (" +
                                exact.name + ") of each survivor",
                            exact.ns.median));
-  tables.push_back(TimesTable(verdict));
+  if (!verdict.is_of_file())
+    tables.push_back(CrossingsTable(verdict, "verdict: sizes", exact));
+  tables.push_back(TimesTable(verdict, "verdict: times"));
+  return tables;
+}
+
+Tables RunWidth(Run& run) {
+  if (run.machine.is_emulated) {
+    return {{"width", "simplex or box", {}, {}, {kEmulated}}};
+  }
+  Verdict verdict(run, WidthColumns(run));
+  for (std::size_t g = 0; g < kGroups; ++g) {
+    run.progress.BeginPart(g, kGroups);
+    verdict.AddGroup(run);
+  }
+  const std::size_t cells = verdict.worlds().size() * verdict.columns().size();
+  Table table = TableOf(verdict, "width",
+                        "time of the best float box scan / time of the best "
+                        "simplex scan by the lanes of vectors, one query, L2",
+                        0.0);
+  table.notes.push_back(
+      "The same loops, flat or staged, are compiled for vectors of each width. "
+      "They differ in their lanes, and from scalar code in the instruction "
+      "set.");
+  table.notes.push_back(PromiseText(verdict, cells));
+  Tables tables = {std::move(table)};
+  if (!verdict.is_of_file()) {
+    tables.push_back(
+        CrossingsTable(verdict, "width: sizes", run.TheExactTest()));
+  }
+  tables.push_back(TimesTable(verdict, "width: times"));
   return tables;
 }
 

@@ -71,6 +71,10 @@ struct VerdictColumn {
 // What the library has for each target, the narrowest first. Where it uses
 // shorter vectors than the target has, loops with the whole vectors, too.
 std::vector<VerdictColumn> LibraryColumns(const Run& run);
+// The same loops with vectors of each width of the best target, after those of
+// scalar code.
+std::vector<VerdictColumn> WidthColumns(const Run& run);
+
 // One world and column.
 struct VerdictCell {
   // ns of an object in each group, of each contender.

@@ -40,7 +40,7 @@ endfunction()
 halfspace_command_line_test(version CODE 0 ARGUMENTS --version
   STDOUT "cpuinfo-bench ${PROJECT_VERSION}")
 halfspace_command_line_test(list CODE 0 ARGUMENTS --list
-  STDOUT "^verdict\nanswers\nmachine\ncheck\ntable1\ngate\nmodel\nkernels\ntier\nbuild\nthroughput\nbvh\nbroad_phase\nquality\nvolumes\ndual\naxes\nsegments\nsweep\nthreads\nnoise\n$")
+  STDOUT "^verdict\nanswers\nwidth\nmachine\ncheck\ntable1\ngate\nmodel\nkernels\ntier\nbuild\nthroughput\nbvh\nbroad_phase\nquality\nvolumes\ndual\naxes\nsegments\nsweep\nthreads\nnoise\n$")
 halfspace_command_line_test(help CODE 0 ARGUMENTS --help STDOUT "--mesh")
 halfspace_command_line_test(progress CODE 0
   ARGUMENTS --details machine,quality --objects 4096
