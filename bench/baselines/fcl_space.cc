@@ -7,8 +7,7 @@
 namespace halfspace::bench {
 namespace {
 
-// The broad phase reads the box alone, and keeps the last one while the next is
-// inside it, as that of a body at rest can be.
+// The broad phase reads the box alone.
 class FclBody : public fcl::CollisionObject<float> {
  public:
   FclBody(const std::shared_ptr<fcl::CollisionGeometry<float>>& geometry,
@@ -62,7 +61,7 @@ class FclSpace : public BodySpace<3> {
     }
     PairsByQueries(ids, found, [&](std::uint32_t a, auto function) {
       ForEachNear(bodies_[a].get(), [&](std::uint32_t b) {
-        if (Touch(boxes_[a], boxes_[b])) function(b);
+        function(b);
         return false;
       });
     });
