@@ -1,6 +1,6 @@
 #!/bin/sh
 # uses_every_function.sh HEADER FILE...: fails if the header declares a function
-# that no file calls.
+# that no file names.
 set -eu
 header=$1
 shift
@@ -10,7 +10,7 @@ functions="$functions
 $(sed -n 's/^static inline .*[ *]\(hs_[a-z0-9_]*\)(.*/\1/p' "$header")"
 bad=0
 for function in $functions; do
-  if ! cat "$@" | grep -q "[^a-z0-9_]$function("; then
+  if ! cat "$@" | grep -qw "$function"; then
     echo "not called by a test: $function"
     bad=1
   fi
