@@ -46,7 +46,8 @@ unpack() {
   rm -rf "$2"
   mkdir -p "$2"
   while read -r line; do
-    printf '%b' "$line" >"$2/$((++i))"
+    i=$((i + 1))
+    printf '%b' "$line" >"$2/$i"
   done < <(sed 's/ *#.*//; /^$/d; s/../\\x&/g' "$corpus/$1.txt")
 }
 
