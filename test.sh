@@ -9,12 +9,14 @@ source "$root/scripts/arm.sh"
 
 usage='usage: ./test.sh [--full] [--arm] [CTEST ARGUMENT...]
 
-Installs what is missing, builds the library, and tests it on this machine: every
-kernel of every target that the machine can run, each call and each builder.
+Installs what is missing, builds the library in 3 dimensions, and runs the tests that
+can fail on one machine and pass on another: scans on every target that the machine
+can run, in every way to call them; hashes of the answers of all other kernels and
+builders; the choice of a target; and threads.
 
-  --full  everything. Left out otherwise: 2 and 4 dimensions, except that the
-          answers of all kernels in them are compared with known hashes; and the
-          tests of cpuinfo-bench, of the examples, and of the installed package
+  --full  everything: 2, 3 and 4 dimensions; what all machines have in common, such
+          as exact bounds and the checks of arguments; and the tests of the C API, of
+          cpuinfo-bench, of the examples, and of the installed package
   --arm   for arm64 instead: cross-compiles, and runs under qemu, on NEON, SVE, SVE2
           and their fixed-width forms, the tests of what differs there, at a
           hundredth of their scale
@@ -37,6 +39,9 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
+# Whoever chooses tests reads what ctest says of them.
+# shellcheck disable=SC2034  # for test_preset
+if [ $# -gt 0 ]; then show_all=yes; fi
 
 # The options of ctest that may follow. Before anything is installed.
 for argument in "$@"; do
@@ -65,7 +70,13 @@ if [ "$preset" = aarch64 ]; then prepare_arm; fi
 if [ "$is_full" ]; then
   build_preset "$preset" -DHALFSPACE_TEST_ONLY_3D=OFF
   test_preset "$preset" "$@"
-else
-  build_preset "$preset" -DHALFSPACE_TEST_ONLY_3D=ON "${library_tests[@]}"
+elif [ "$preset" = aarch64 ]; then
+  build_preset "$preset" "${library_tests[@]}"
   test_preset "$preset" --label-regex '^library$' "$@"
+else
+  # In a folder of its own: a library of all dimensions, and its tests, would be built
+  # again after bench.sh or --full.
+  build_preset release -B test -DHALFSPACE_DIMS=3 -DHALFSPACE_C=OFF \
+    -DHALFSPACE_BUILD_TOOLS=OFF -DHALFSPACE_BUILD_EXAMPLES=OFF "${machine_tests[@]}"
+  test_preset release -B test --label-regex '^library$' "$@"
 fi

@@ -1,19 +1,61 @@
 # shellcheck shell=bash
-# Says what a script is doing, on stderr: stdout belongs to the results.
+# Says what a script is doing, on stderr: stdout belongs to the results. Needs `root`,
+# the top of the repository.
 
 say() {
   printf '%s\n' "$*" >&2
 }
 
-# step NAME COMMAND...: runs the command with its output on stderr, and ends the
-# script if it fails.
+# follow NAME LOG: until it is killed, shows how far the step is. Ninja writes
+# [12/340] into its log, and ctest 12/340 Test.
+follow() {
+  local progress
+  while kill -0 $$ 2>/dev/null; do
+    progress=$(tail -c 4000 "$2" 2>/dev/null | tr '\r' '\n' |
+      sed -nE 's,^ *\[?([0-9]+/[0-9]+)(\] .*| Test +#.*)$,\1,p' | tail -n 1)
+    printf '\r==> %s %s\033[K' "$1" "$progress" >&2
+    sleep 0.5
+  done
+}
+
+# step NAME COMMAND...: runs the command with its output in a log. If the command
+# fails, shows what failed and ends the script.
 step() {
-  local name=$1 status=0
+  local name=$1 status=0 started=$SECONDS log follower=
   shift
-  say "==> $name"
-  "$@" >&2 || status=$?
+  # shellcheck disable=SC2154  # root is the caller's
+  mkdir -p "$root/build/logs"
+  log=$root/build/logs/${name//[^a-zA-Z0-9]/_}.txt
+  : >"$log"
+  if [ -t 2 ]; then
+    follow "$name" "$log" &
+    follower=$!
+  else
+    say "==> $name"
+  fi
+  "$@" >"$log" 2>&1 || status=$?
+  if [ "$follower" ]; then
+    kill "$follower" 2>/dev/null || true
+    wait "$follower" 2>/dev/null || true
+    printf '\r==> %s: %d s\033[K\n' "$name" $((SECONDS - started)) >&2
+  fi
   if [ "$status" -ne 0 ]; then
-    say "FAILED: $name (exit code $status). The command was: $*"
+    show_failure "$log" >&2
+    say "FAILED: $name (exit code $status). All it said is in $log. The command was: $*"
     exit "$status"
+  fi
+}
+
+# show_failure LOG: the first failure that Ninja or ctest reports, and the end.
+show_failure() {
+  local lines
+  lines=$(wc -l <"$1")
+  if [ "$lines" -gt 80 ]; then
+    awk 'NR > last - 30 { exit }
+         /^FAILED: |\*\*\*(Failed|Exception|Timeout|Not Run)/ { shown = 1 }
+         shown && ++count <= 50' last="$lines" "$1"
+    tail -n 30 "$1"
+  else
+    cat "$1"
   fi
 }

@@ -1,5 +1,5 @@
-// What the tests of the C API share: checks that go on after a failure, random
-// numbers, and the test of two bounds as reject.h describes it.
+// What the tests of the C API share: checks that go on after a failure, and
+// random numbers.
 #ifndef TESTS_C_CHECK_H_
 #define TESTS_C_CHECK_H_
 
@@ -49,6 +49,9 @@ static inline int is_last_error(const char* text) {
   } while (0)
 
 #define CHECK_INVALID(call, text) CHECK_FAILS(call, HS_INVALID_ARGUMENT, text)
+// The same, with the name of the function in front of the text.
+#define INVALID(function, arguments, text) \
+  CHECK_INVALID(function arguments, #function ": " text)
 
 enum { KINDS = 6 };
 
@@ -71,18 +74,6 @@ static inline float random_float(uint32_t* state) {
 void random_bounds(hs_kind kind, size_t count, float side, uint32_t seed,
                    float* bounds);
 
-// Whether no plane separates an object and a query, which are records.
-static inline int survives(hs_kind kind, const float* object,
-                           const float* query) {
-  const size_t axes = hs_bound_values(kind) / 2;
-  size_t k;
-  for (k = 0; k < axes; ++k) {
-    if (object[k] > query[axes + k]) return 0;
-    if (!is_simplex(kind) && object[axes + k] < query[k]) return 0;
-  }
-  return 1;
-}
-
 static inline hs_bvh_config bvh_config_of(hs_kind kind) {
   hs_bvh_config config;
   CHECK_OK(hs_bvh_config_default(&config, sizeof(config)));
@@ -98,15 +89,11 @@ static inline hs_scan_config scan_config_of(hs_kind kind, int bits) {
 }
 
 void test_bounds(void);
-void test_scans(void);
-void test_queries(void);
-void test_nearest_and_rays(void);
-void test_pairs(void);
-void test_changes(void);
-void test_broad_phase(void);
+void test_callbacks(void);
 void test_files(void);
 void test_errors(void);
 void test_memory(void);
-void test_exceptions(void);  // in C++
+void test_exceptions(void);  // in C++, as the next
+void test_parity(void);
 
 #endif  // TESTS_C_CHECK_H_

@@ -100,28 +100,26 @@ static void test_structs(void) {
   CHECK(strstr(hs_last_error(), "use a newer library") != NULL);
 
   memset(&options, 0, sizeof(options));
-  CHECK_INVALID(hs_bvh_query(bvh, &columns, &options, ids, 2, NULL, &total),
-                "hs_bvh_query: options->struct_size: expected sizeof *options, "
-                "as the function ..._default() sets it, got 0");
+  INVALID(hs_bvh_query, (bvh, &columns, &options, ids, 2, NULL, &total),
+          "options->struct_size: expected sizeof *options, as the function "
+          "..._default() sets it, got 0");
   options.struct_size = sizeof(options) - 1;
-  CHECK_INVALID(hs_bvh_query(bvh, &columns, &options, ids, 2, NULL, &total),
-                "hs_bvh_query: options->struct_size: expected a multiple of 4, "
-                "as the function ..._default() sets it, got 39");
-  CHECK_INVALID(hs_bvh_config_default(NULL, sizeof(config)),
-                "hs_bvh_config_default: the struct: expected a pointer, got "
-                "null");
-  CHECK_INVALID(hs_bvh_config_default(
-                    (hs_bvh_config*)(void*)((char*)&newer + 1), sizeof(newer)),
-                "hs_bvh_config_default: the struct: expected memory aligned to "
-                "8 bytes, got a misaligned pointer");
-  CHECK_INVALID(
-      hs_bvh_query(bvh, &columns, (hs_query_options*)(void*)((char*)&newer + 4),
-                   ids, 2, NULL, &total),
-      "hs_bvh_query: options: expected memory aligned to 8 bytes, "
-      "got a misaligned pointer");
-  CHECK_INVALID(hs_pair_options_default((hs_pair_options*)(void*)&newer, 0),
-                "hs_pair_options_default: struct_size: expected the sizeof of "
-                "the struct, got 0");
+  INVALID(hs_bvh_query, (bvh, &columns, &options, ids, 2, NULL, &total),
+          "options->struct_size: expected a multiple of 4, as the function "
+          "..._default() sets it, got 39");
+  INVALID(hs_bvh_config_default, (NULL, sizeof(config)),
+          "the struct: expected a pointer, got null");
+  INVALID(hs_bvh_config_default,
+          ((hs_bvh_config*)(void*)((char*)&newer + 1), sizeof(newer)),
+          "the struct: expected memory aligned to 8 bytes, got a misaligned "
+          "pointer");
+  INVALID(
+      hs_bvh_query,
+      (bvh, &columns, (hs_query_options*)(void*)((char*)&newer + 4), ids, 2,
+       NULL, &total),
+      "options: expected memory aligned to 8 bytes, got a misaligned pointer");
+  INVALID(hs_pair_options_default, ((hs_pair_options*)(void*)&newer, 0),
+          "struct_size: expected the sizeof of the struct, got 0");
   hs_bvh_destroy(bvh);
 }
 
@@ -131,21 +129,19 @@ static void test_columns(void) {
   hs_builder* builder = NULL;
   hs_bvh* bvh = NULL;
   size_t size = 0;
-  CHECK_INVALID(hs_bvh_create(&config, NULL, &bvh),
-                "hs_bvh_create: objects: expected a pointer, got null");
+  INVALID(hs_bvh_create, (&config, NULL, &bvh),
+          "objects: expected a pointer, got null");
   columns.column[4] = NULL;
-  CHECK_INVALID(hs_bvh_create(&config, &columns, &bvh),
-                "hs_bvh_create: objects->column[4]: expected a pointer, got "
-                "null");
+  INVALID(hs_bvh_create, (&config, &columns, &bvh),
+          "objects->column[4]: expected a pointer, got null");
   columns.column[4] = (const char*)kBoxes + 1;
-  CHECK_INVALID(hs_bvh_create(&config, &columns, &bvh),
-                "hs_bvh_create: objects->column[4]: expected memory aligned to "
-                "4 bytes, got a misaligned pointer");
+  INVALID(hs_bvh_create, (&config, &columns, &bvh),
+          "objects->column[4]: expected memory aligned to 4 bytes, got a "
+          "misaligned pointer");
   columns = hs_float_rows(kBoxes, 2, 6);
   columns.type = (hs_scalar)2;
-  CHECK_INVALID(hs_bvh_create(&config, &columns, &bvh),
-                "hs_bvh_create: objects->type: expected an enumerator of "
-                "hs_scalar, got 2");
+  INVALID(hs_bvh_create, (&config, &columns, &bvh),
+          "objects->type: expected an enumerator of hs_scalar, got 2");
   columns = hs_float_rows(kBoxes, SIZE_MAX / 6, 6);
   CHECK(hs_bvh_create(&config, &columns, &bvh) == HS_INVALID_ARGUMENT);
   CHECK(strstr(hs_last_error(), "hs_bvh_create: objects->count: expected") ==
@@ -162,15 +158,13 @@ static void test_columns(void) {
   // So many fit the address space, if all are one record.
   columns.count = (size_t)1 << 31;
   CHECK(hs_bvh_create(&config, &columns, &bvh) == HS_INVALID_ARGUMENT);
-  CHECK_INVALID(hs_bvh_create(&config, &columns, &bvh),
-                "hs_bvh_create: objects: expected fewer than 2^31 objects in "
-                "all, got 2147483648");
+  INVALID(hs_bvh_create, (&config, &columns, &bvh),
+          "objects: expected fewer than 2^31 objects in all, got 2147483648");
   CHECK(bvh == NULL);
   // No copy is made first.
   CHECK_OK(hs_builder_create(&config, &builder));
-  CHECK_INVALID(hs_builder_push(builder, &columns),
-                "hs_builder_push: objects: expected fewer than 2^31 objects in "
-                "all, got 2147483648");
+  INVALID(hs_builder_push, (builder, &columns),
+          "objects: expected fewer than 2^31 objects in all, got 2147483648");
   hs_builder_destroy(builder);
   // The stride of one record is not used.
   columns.count = 1;
@@ -188,33 +182,29 @@ static void test_configurations(void) {
   hs_scan* scan = NULL;
   float bounds[8];
   CHECK(hs_bound_values((hs_kind)7) == 0);
-  CHECK_INVALID(
-      hs_bvh_create(&config, &columns, &bvh),
-      "hs_bvh_create: config->kind: expected an enumerator of hs_kind, got "
-      "0");
-  CHECK_INVALID(hs_bound_boxes((hs_kind)-1, &columns, NULL, bounds, NULL),
-                "hs_bound_boxes: kind: expected an enumerator of hs_kind, got "
-                "-1");
-  CHECK_INVALID(hs_bvh_create(NULL, &columns, &bvh),
-                "hs_bvh_create: config: expected a pointer, got null");
+  INVALID(hs_bvh_create, (&config, &columns, &bvh),
+          "config->kind: expected an enumerator of hs_kind, got 0");
+  INVALID(hs_bound_boxes, ((hs_kind)-1, &columns, NULL, bounds, NULL),
+          "kind: expected an enumerator of hs_kind, got -1");
+  INVALID(hs_bvh_create, (NULL, &columns, &bvh),
+          "config: expected a pointer, got null");
   config.kind = HS_BOX3;
   config.quality = (hs_quality)2;
-  CHECK_INVALID(hs_builder_create(&config, &builder),
-                "hs_builder_create: config->quality: expected an enumerator of "
-                "hs_quality, got 2");
+  INVALID(hs_builder_create, (&config, &builder),
+          "config->quality: expected an enumerator of hs_quality, got 2");
   config.quality = HS_QUALITY_HIGH;
   config.target = "avx9";
-  CHECK_INVALID(hs_bvh_create(&config, &columns, &bvh),
-                "hs_bvh_create: config->target: expected null or a name of "
-                "hs_target_name(), got \"avx9\"");
+  INVALID(hs_bvh_create, (&config, &columns, &bvh),
+          "config->target: expected null or a name of hs_target_name(), got "
+          "\"avx9\"");
   config.target = NULL;
   memcpy(&config.allocator.context, &scan, sizeof(scan));
   CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
   hs_bvh_destroy(bvh);
-  CHECK_INVALID(hs_scan_create(&scan_config, &columns, &scan),
-                "hs_scan_create: config->bits: expected 0, 8 or 16, got 9");
-  CHECK_INVALID(hs_bvh_create(&config, &columns, NULL),
-                "hs_bvh_create: bvh: expected a pointer, got null");
+  INVALID(hs_scan_create, (&scan_config, &columns, &scan),
+          "config->bits: expected 0, 8 or 16, got 9");
+  INVALID(hs_bvh_create, (&config, &columns, NULL),
+          "bvh: expected a pointer, got null");
   CHECK(scan == NULL && builder == NULL);
 }
 
@@ -230,9 +220,9 @@ static void test_allocators(void) {
   hs_bvh_config config = bvh_config_of(HS_BOX3);
   hs_bvh* bvh = NULL;
   config.allocator.allocate = no_memory;
-  CHECK_INVALID(hs_bvh_create(&config, &columns, &bvh),
-                "hs_bvh_create: config->allocator: expected both functions or "
-                "neither, got allocate alone");
+  INVALID(hs_bvh_create, (&config, &columns, &bvh),
+          "config->allocator: expected both functions or neither, got allocate "
+          "alone");
   CHECK(bvh == NULL);
 }
 
@@ -243,6 +233,13 @@ static hs_visit no_ids(void* context, size_t query, const uint32_t* ids,
   (void)ids;
   (void)count;
   return HS_CONTINUE;
+}
+
+static float no_hit(void* context, size_t cast, uint32_t id, float t) {
+  (void)context;
+  (void)cast;
+  (void)id;
+  return t;
 }
 
 static void test_handles_and_outputs(void) {
@@ -270,6 +267,8 @@ static void test_handles_and_outputs(void) {
   hs_scan* scan = NULL;
   size_t total = 0;
   uint32_t ids[4] = {0, 7, 0, 0};
+  const uint32_t twice[] = {9, 9};
+  const uint32_t masks[] = {1, 2};
   uint64_t word = 0;
   hs_id_pair pair;
   CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
@@ -277,80 +276,83 @@ static void test_handles_and_outputs(void) {
   CHECK_OK(hs_bvh_create(&simplices, &columns, &simplex));
   CHECK_OK(hs_scan_create(&scan_config, &columns, &scan));
 
-  CHECK_INVALID(hs_bvh_query(NULL, &columns, NULL, ids, 4, NULL, &total),
-                "hs_bvh_query: bvh: expected a pointer, got null");
-  CHECK_INVALID(hs_bvh_query(bvh, &columns, NULL, NULL, 4, NULL, &total),
-                "hs_bvh_query: ids: expected a pointer, got null");
-  CHECK_INVALID(hs_bvh_query(bvh, &columns, NULL, ids, 4, NULL, NULL),
-                "hs_bvh_query: total: expected a pointer, got null");
-  CHECK_INVALID(hs_bvh_query(bvh, &columns, NULL, ids, SIZE_MAX, NULL, &total),
-                "hs_bvh_query: ids: expected a size that fits the address "
-                "space, got 18446744073709551615 elements");
-  CHECK_INVALID(hs_bvh_probe(bvh, &columns, NULL, NULL, NULL),
-                "hs_bvh_probe: function: expected a pointer, got null");
-  CHECK_INVALID(hs_bvh_probe(NULL, &columns, NULL, no_ids, NULL),
-                "hs_bvh_probe: bvh: expected a pointer, got null");
-  CHECK_INVALID(hs_bvh_erase(bvh, ids, 2),
-                "hs_bvh_erase: ids[1]: expected the id of an object, got 7");
+  INVALID(hs_bvh_query, (NULL, &columns, NULL, ids, 4, NULL, &total),
+          "bvh: expected a pointer, got null");
+  INVALID(hs_bvh_query, (bvh, &columns, NULL, NULL, 4, NULL, &total),
+          "ids: expected a pointer, got null");
+  INVALID(hs_bvh_query, (bvh, &columns, NULL, ids, 4, NULL, NULL),
+          "total: expected a pointer, got null");
+  INVALID(hs_bvh_query, (bvh, &columns, NULL, ids, SIZE_MAX, NULL, &total),
+          "ids: expected a size that fits the address space, got "
+          "18446744073709551615 elements");
+  INVALID(hs_bvh_probe, (bvh, &columns, NULL, NULL, NULL),
+          "function: expected a pointer, got null");
+  INVALID(hs_bvh_probe, (NULL, &columns, NULL, no_ids, NULL),
+          "bvh: expected a pointer, got null");
+  INVALID(hs_bvh_erase, (bvh, ids, 2),
+          "ids[1]: expected the id of an object, got 7");
   CHECK(strcmp(hs_last_error_argument(), "ids[1]") == 0);
   CHECK(strcmp(hs_last_error_reason(), "expected the id of an object, got 7") ==
         0);
-  CHECK_INVALID(hs_bvh_set(bvh, ids, &columns),
-                "hs_bvh_set: ids[1]: expected the id of an object, got 7");
+  INVALID(hs_bvh_set, (bvh, ids, &columns),
+          "ids[1]: expected the id of an object, got 7");
   CHECK_OK(hs_bvh_size(bvh, &total));
   CHECK(total == 2);
-  CHECK_INVALID(hs_bvh_refit(bvh, &one, NULL, NULL),
-                "hs_bvh_refit: objects: expected a bound for each id, at least "
-                "2, got 1");
-  CHECK_INVALID(hs_bvh_get_all(bvh, bounds, 1),
-                "hs_bvh_get_all: room: expected at least hs_bvh_id_limit(), 2, "
-                "got 1");
-  CHECK_INVALID(hs_bvh_reserve(bvh, (size_t)1 << 31),
-                "hs_bvh_reserve: objects: expected fewer than 2^31 objects in "
-                "all, got 2147483648");
+  INVALID(hs_bvh_insert_as, (bvh, twice, &columns),
+          "ids: expected ids that no object has, below 4294967295, each once, "
+          "got 9 twice");
+  INVALID(hs_bvh_insert_as, (bvh, NULL, &columns),
+          "ids: expected a pointer, got null");
+  CHECK_OK(hs_bvh_set_masks(bvh, NULL, NULL, 0));
+  INVALID(hs_bvh_set_masks, (bvh, NULL, masks, 1),
+          "ids: expected a pointer, got null");
+  INVALID(hs_bvh_set_all_masks, (bvh, masks, 1),
+          "masks: expected a mask for each id, at least 2, got 1");
+  INVALID(hs_bvh_refit, (bvh, &one, NULL, NULL),
+          "objects: expected a bound for each id, at least 2, got 1");
+  INVALID(hs_bvh_get_all, (bvh, bounds, 1),
+          "room: expected at least hs_bvh_id_limit(), 2, got 1");
+  INVALID(hs_bvh_reserve, (bvh, (size_t)1 << 31),
+          "objects: expected fewer than 2^31 objects in all, got 2147483648");
   CHECK_OK(hs_query_options_default(&options, sizeof(options)));
   options.exclusive = 1;
-  CHECK_INVALID(
-      hs_bvh_nearest_to_boxes(simplex, &columns, 1, 1, &options, ids, NULL),
-      "hs_bvh_nearest_to_boxes: options->exclusive: expected 0, as the BVH is "
-      "not of boxes, got 1");
-  CHECK_INVALID(
-      hs_bvh_nearest_to_points(bvh, &columns, 1, NAN, NULL, ids, NULL),
-      "hs_bvh_nearest_to_points: max_distance: expected a number that is not "
-      "negative, got nan");
-  CHECK_INVALID(
-      hs_bvh_nearest_to_boxes(bvh, &columns, SIZE_MAX, 1, NULL, ids, NULL),
-      "hs_bvh_nearest_to_boxes: k: expected rows that fit the address space, "
-      "got 18446744073709551615 for each of 2 queries");
-  CHECK_INVALID(
-      hs_bvh_nearest_to_boxes(bvh, &inverted_boxes, 1, 1, NULL, ids, NULL),
-      "hs_bvh_nearest_to_boxes: boxes: expected minima that are not above the "
-      "maxima, got 2 and 1 on axis 1 of box 1");
-  CHECK_INVALID(hs_bound_boxes(HS_BOX3, &columns, NULL, bounds,
-                               (size_t*)(void*)((char*)&total + 1)),
-                "hs_bound_boxes: everything: expected memory aligned to 8 "
-                "bytes, got a misaligned pointer");
-  CHECK_INVALID(hs_bvh_raycast(bvh, &rays, 0, NULL, ids, NULL),
-                "hs_bvh_raycast: rays->column[6]: expected limits of t that "
-                "are not negative, got -1.0000001 of ray 0");
+  INVALID(hs_bvh_nearest_to_boxes,
+          (simplex, &columns, 1, 1, &options, ids, NULL),
+          "options->exclusive: expected 0, as the BVH is not of boxes, got 1");
+  INVALID(hs_bvh_nearest_to_points, (bvh, &columns, 1, NAN, NULL, ids, NULL),
+          "max_distance: expected a number that is not negative, got nan");
+  INVALID(hs_bvh_nearest_to_boxes,
+          (bvh, &columns, SIZE_MAX, 1, NULL, ids, NULL),
+          "k: expected rows that fit the address space, got "
+          "18446744073709551615 for each of 2 queries");
+  INVALID(hs_bvh_nearest_to_boxes,
+          (bvh, &inverted_boxes, 1, 1, NULL, ids, NULL),
+          "boxes: expected minima that are not above the maxima, got 2 and 1 "
+          "on axis 1 of box 1");
+  INVALID(
+      hs_bound_boxes,
+      (HS_BOX3, &columns, NULL, bounds, (size_t*)(void*)((char*)&total + 1)),
+      "everything: expected memory aligned to 8 bytes, got a misaligned "
+      "pointer");
+  INVALID(hs_bvh_raycast, (bvh, &rays, 0, NULL, ids, NULL),
+          "rays->column[6]: expected limits of t that are not negative, got "
+          "-1.0000001 of ray 0");
   ray[6] = 1;
-  CHECK_INVALID(hs_bvh_raycast(bvh, &rays, -1, NULL, ids, NULL),
-                "hs_bvh_raycast: radius: expected a number that is not "
-                "negative, got -1");
+  INVALID(hs_bvh_raycast, (bvh, &rays, -1, NULL, ids, NULL),
+          "radius: expected a number that is not negative, got -1");
   rays = hs_double_rows(double_ray, 1, 7);
-  CHECK_INVALID(hs_bvh_raycast(bvh, &rays, 0, NULL, ids, NULL),
-                "hs_bvh_raycast: rays->type: expected HS_FLOAT32, as these "
-                "cannot be rounded outward, got HS_FLOAT64");
+  INVALID(hs_bvh_raycast, (bvh, &rays, 0, NULL, ids, NULL),
+          "rays->type: expected HS_FLOAT32, as these cannot be rounded "
+          "outward, got HS_FLOAT64");
   CHECK(strcmp(hs_last_error_argument(), "rays->type") == 0);
-  CHECK_INVALID(hs_bvh_raycast_each(bvh, &rays, 0, NULL, NULL, NULL),
-                "hs_bvh_raycast_each: function: expected a pointer, got null");
+  INVALID(hs_bvh_raycast_each, (bvh, &rays, 0, NULL, NULL, NULL),
+          "function: expected a pointer, got null");
 
-  CHECK_INVALID(hs_bvh_join(bvh, other, NULL, &pair, 1, &total),
-                "hs_bvh_join: b: expected a BVH of the kind of `a`, got "
-                "another kind");
-  CHECK_INVALID(hs_bvh_pairs(simplex, NULL, &pair, 1, &total),
-                "hs_bvh_pairs: expected BVHs of boxes or octahedra, got "
-                "simplices, which have no planes that face each other");
+  INVALID(hs_bvh_join, (bvh, other, NULL, &pair, 1, &total),
+          "b: expected a BVH of the kind of `a`, got another kind");
+  INVALID(hs_bvh_pairs, (simplex, NULL, &pair, 1, &total),
+          "expected BVHs of boxes or octahedra, got simplices, which have no "
+          "planes that face each other");
   CHECK(strcmp(hs_last_error_argument(), "") == 0);
   CHECK_OK(hs_pair_options_default(&pair_options, sizeof(pair_options)));
   CHECK_OK(hs_query_options_default(&options, sizeof(options)));
@@ -358,41 +360,167 @@ static void test_handles_and_outputs(void) {
   CHECK_OK(hs_scan_options_default(&scan_options, sizeof(scan_options)));
   options.target = pair_options.target = "x";
   bound_options.target = scan_options.target = "x";
-  CHECK_INVALID(hs_bvh_count(bvh, &columns, &options, &total),
-                "hs_bvh_count: options->target: expected null or a name of "
-                "hs_target_name(), got \"x\"");
-  CHECK_INVALID(hs_bvh_pairs(bvh, &pair_options, &pair, 1, &total),
-                "hs_bvh_pairs: options->target: expected null or a name of "
-                "hs_target_name(), got \"x\"");
-  CHECK_INVALID(hs_bound_boxes(HS_BOX3, &columns, &bound_options, bounds, NULL),
-                "hs_bound_boxes: options->target: expected null or a name of "
-                "hs_target_name(), got \"x\"");
-  CHECK_INVALID(hs_scan_counts(scan, &columns, &scan_options, &total),
-                "hs_scan_counts: options->target: expected null or a name of "
-                "hs_target_name(), got \"x\"");
+  INVALID(hs_bvh_count, (bvh, &columns, &options, &total),
+          "options->target: expected null or a name of hs_target_name(), got "
+          "\"x\"");
+  INVALID(hs_bvh_pairs, (bvh, &pair_options, &pair, 1, &total),
+          "options->target: expected null or a name of hs_target_name(), got "
+          "\"x\"");
+  INVALID(hs_bound_boxes, (HS_BOX3, &columns, &bound_options, bounds, NULL),
+          "options->target: expected null or a name of hs_target_name(), got "
+          "\"x\"");
+  INVALID(hs_scan_counts, (scan, &columns, &scan_options, &total),
+          "options->target: expected null or a name of hs_target_name(), got "
+          "\"x\"");
   pair_options.target = NULL;
   pair_options.margin = INFINITY;
-  CHECK_INVALID(hs_bvh_pairs(bvh, &pair_options, &pair, 1, &total),
-                "hs_bvh_pairs: options->margin: expected a finite number that "
-                "is not negative, got inf");
-  CHECK_INVALID(hs_bvh_pairs_each(bvh, NULL, NULL, NULL),
-                "hs_bvh_pairs_each: function: expected a pointer, got null");
+  INVALID(hs_bvh_pairs, (bvh, &pair_options, &pair, 1, &total),
+          "options->margin: expected a finite number that is not negative, got "
+          "inf");
+  INVALID(hs_bvh_pairs_each, (bvh, NULL, NULL, NULL),
+          "function: expected a pointer, got null");
 
-  CHECK_INVALID(hs_scan_masks(scan, &columns, NULL, &word, 1),
-                "hs_scan_masks: words: expected at least 1 for each of 2 "
-                "queries, got 1");
+  INVALID(hs_scan_masks, (scan, &columns, NULL, &word, 1),
+          "words: expected at least 1 for each of 2 queries, got 1");
   CHECK_OK(hs_scan_options_default(&scan_options, sizeof(scan_options)));
   scan_options.begin = 2;
   scan_options.end = 1;
-  CHECK_INVALID(hs_scan_masks(scan, &columns, &scan_options, &word, 1),
-                "hs_scan_masks: options: expected a `begin` of at most `end`, "
-                "got 2 and 1");
-  CHECK_INVALID(hs_bvh_save(bvh, NULL),
-                "hs_bvh_save: path: expected a pointer, got null");
+  INVALID(hs_scan_masks, (scan, &columns, &scan_options, &word, 1),
+          "options: expected a `begin` of at most `end`, got 2 and 1");
+  INVALID(hs_bvh_save, (bvh, NULL), "path: expected a pointer, got null");
   hs_scan_destroy(scan);
   hs_bvh_destroy(simplex);
   hs_bvh_destroy(other);
   hs_bvh_destroy(bvh);
+}
+
+static void test_bodies(void) {
+  const float boxes[] = {0, 0, 1, 1, 2, 2, 3, 3};
+  const double doubles[] = {0, 0, 1, 2};
+  const float motion[] = {1, 0, -1};
+  const uint32_t ids[] = {5, 900};
+  const uint32_t large[] = {5, (uint32_t)1 << 31};
+  const uint32_t twice[] = {5, 5};
+  const hs_body_masks masks[] = {{1, 1}, {1, 1}};
+  hs_columns columns = hs_float_rows(boxes, 2, 4);
+  hs_columns one = hs_float_rows(boxes, 1, 4);
+  hs_columns motions = hs_float_rows(motion, 1, 3);
+  hs_broad_phase_config config;
+  hs_query_options query;
+  hs_update_options options;
+  hs_pair_options pair_options;
+  hs_body_statistics statistics;
+  hs_id_pair pair;
+  static char bytes[4096];
+  float record[4];
+  uint32_t id = 0;
+  size_t size = 0;
+  hs_broad_phase* bodies = NULL;
+  CHECK_OK(hs_broad_phase_config_default(&config, sizeof(config)));
+  CHECK_OK(hs_query_options_default(&query, sizeof(query)));
+  config.kind = HS_SIMPLEX2;
+  query.shape = HS_SHAPE_SPHERE;
+  INVALID(hs_broad_phase_create, (&config, &bodies),
+          "config->kind: expected boxes or octahedra, got simplices, which "
+          "have no planes that face each other");
+  config.kind = (hs_kind)7;
+  INVALID(hs_broad_phase_create, (&config, &bodies),
+          "config->kind: expected an enumerator of hs_kind, got 7");
+  config.kind = HS_BOX2;
+  INVALID(hs_broad_phase_create, (NULL, &bodies),
+          "config: expected a pointer, got null");
+  CHECK(bodies == NULL);
+  CHECK_OK(hs_broad_phase_create(&config, &bodies));
+  INVALID(hs_broad_phase_insert, (bodies, large, &columns, NULL),
+          "ids[1]: expected an id below 2^31, got 2147483648");
+  INVALID(hs_broad_phase_insert, (bodies, twice, &columns, masks),
+          "ids[1]: expected an id that no body has, once in the list, got 5");
+  INVALID(hs_broad_phase_insert, (bodies, NULL, &columns, NULL),
+          "ids: expected a pointer, got null");
+  CHECK_OK(hs_broad_phase_size(bodies, &size));
+  CHECK(size == 0);
+  CHECK_OK(hs_broad_phase_insert(bodies, ids, &one, NULL));
+  INVALID(hs_broad_phase_move, (bodies, ids, &columns),
+          "ids[1]: expected the id of a body, got 900");
+  INVALID(hs_broad_phase_erase, (bodies, ids, 2),
+          "ids[1]: expected the id of a body, got 900");
+  INVALID(hs_broad_phase_set_masks, (bodies, ids, masks, 2),
+          "ids[1]: expected the id of a body, got 900");
+  INVALID(hs_broad_phase_set_masks, (bodies, ids, NULL, 1),
+          "masks: expected a pointer, got null");
+  INVALID(hs_broad_phase_get, (bodies, ids, 2, NULL, NULL),
+          "ids[1]: expected the id of a body, got 900");
+  INVALID(hs_broad_phase_probe, (bodies, &one, NULL, NULL, NULL),
+          "function: expected a pointer, got null");
+  one = hs_double_rows(doubles, 1, 3);
+  INVALID(hs_broad_phase_probe, (bodies, &one, &query, no_ids, NULL),
+          "queries->type: expected HS_FLOAT32, as these cannot be rounded "
+          "outward, got HS_FLOAT64");
+  INVALID(hs_broad_phase_count, (bodies, &motions, &query, &size),
+          "radius: expected a number that is not negative, got -1");
+  query.shape = (hs_shape)3;
+  INVALID(hs_broad_phase_any, (bodies, &motions, &query, &id),
+          "options->shape: expected an enumerator of hs_shape, got 3");
+  query.shape = HS_SHAPE_BOUND;
+  query.exclusive = 1;
+  one = hs_float_rows(boxes, 1, 4);
+  INVALID(hs_broad_phase_nearest_to_points,
+          (bodies, &one, 1, 1, &query, &id, NULL),
+          "options->exclusive: expected 0, as this is an option of BVHs alone, "
+          "got 1");
+  INVALID(hs_broad_phase_nearest_to_boxes,
+          (bodies, &one, 1, -1, NULL, &id, NULL),
+          "max_distance: expected a number that is not negative, got -1");
+  INVALID(hs_broad_phase_spherecast, (bodies, &motions, &one, NULL, &id, NULL),
+          "spheres->column[2]: expected radii that are not negative, got -1 of "
+          "sphere 0");
+  INVALID(hs_broad_phase_boxcast, (bodies, &one, &motions, NULL, &id, NULL),
+          "motions->column[2]: expected limits of t that are not negative, got "
+          "-1 of motion 0");
+  INVALID(hs_broad_phase_boxcast_each,
+          (bodies, &columns, &motions, NULL, no_hit, NULL),
+          "motions->count: expected one for each of 2 boxes, got 1");
+  INVALID(hs_broad_phase_boxcast, (bodies, &one, &motions, NULL, NULL, NULL),
+          "ids: expected a pointer, got null");
+  INVALID(hs_broad_phase_raycast_each, (bodies, &one, 0, NULL, NULL, NULL),
+          "function: expected a pointer, got null");
+  motions = hs_double_rows(doubles, 1, 3);
+  INVALID(hs_broad_phase_boxcast_each,
+          (bodies, &one, &motions, NULL, no_hit, NULL),
+          "motions->type: expected HS_FLOAT32, as these cannot be rounded "
+          "outward, got HS_FLOAT64");
+  INVALID(hs_broad_phase_pairs_of, (bodies, ids, 2, NULL, &pair, 1, &size),
+          "ids[1]: expected the id of a body, got 900");
+  CHECK_OK(hs_pair_options_default(&pair_options, sizeof(pair_options)));
+  pair_options.margin = -1;
+  INVALID(
+      hs_broad_phase_pairs_of, (bodies, ids, 1, &pair_options, &pair, 1, &size),
+      "options->margin: expected a finite number that is not negative, got -1");
+  INVALID(hs_broad_phase_began, (bodies, NULL, &size),
+          "pairs: expected a pointer, got null");
+  CHECK_OK(hs_update_options_default(&options, sizeof(options)));
+  options.struct_size = 3;
+  INVALID(hs_broad_phase_update, (bodies, &options),
+          "options->struct_size: expected sizeof *options, as the function "
+          "..._default() sets it, got 3");
+  INVALID(hs_broad_phase_statistics, (bodies, &statistics, 3),
+          "struct_size: expected the sizeof of the struct, got 3");
+  INVALID(hs_broad_phase_validate, (NULL, NULL),
+          "bodies: expected a pointer, got null");
+  // Wrong bytes change nothing.
+  CHECK_OK(hs_broad_phase_save(bodies, bytes, sizeof(bytes), &size));
+  CHECK(size > 64 && size <= sizeof(bytes));
+  CHECK_FAILS(hs_broad_phase_load(bodies, bytes, 20), HS_CORRUPT,
+              "hs_broad_phase_load: data: expected all bytes of "
+              "BroadPhase::Save(), got 20 bytes");
+  CHECK(hs_broad_phase_load(bodies, bytes, size - 64) == HS_CORRUPT);
+  INVALID(hs_broad_phase_load, (bodies, NULL, size),
+          "data: expected a pointer, got null");
+  bytes[9] ^= 1;
+  CHECK(hs_broad_phase_load(bodies, bytes, size) == HS_CORRUPT);
+  CHECK_OK(hs_broad_phase_get(bodies, ids, 1, record, NULL));
+  CHECK(memcmp(record, boxes, sizeof(record)) == 0);
+  hs_broad_phase_destroy(bodies);
 }
 
 void test_errors(void) {
@@ -401,4 +529,5 @@ void test_errors(void) {
   test_configurations();
   test_allocators();
   test_handles_and_outputs();
+  test_bodies();
 }

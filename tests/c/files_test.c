@@ -81,10 +81,10 @@ static void test_kinds(void) {
                 "others");
     CHECK(hs_blob_kind(objects, sizeof(objects), &kind) == HS_CORRUPT);
     CHECK(kind == (hs_kind)0);
-    CHECK_INVALID(hs_blob_kind(NULL, size, &kind),
-                  "hs_blob_kind: data: expected a pointer, got null");
-    CHECK_INVALID(hs_blob_kind(blob, size, NULL),
-                  "hs_blob_kind: kind: expected a pointer, got null");
+    INVALID(hs_blob_kind, (NULL, size, &kind),
+            "data: expected a pointer, got null");
+    INVALID(hs_blob_kind, (blob, size, NULL),
+            "kind: expected a pointer, got null");
     hs_bvh_destroy(bvh);
   }
 }

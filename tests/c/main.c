@@ -22,12 +22,8 @@ static void test_version_and_targets(void) {
 int main(void) {
   test_version_and_targets();
   test_bounds();
-  test_scans();
-  test_queries();
-  test_nearest_and_rays();
-  test_pairs();
-  test_changes();
-  test_broad_phase();
+  test_parity();
+  test_callbacks();
   test_files();
   test_errors();
   test_memory();

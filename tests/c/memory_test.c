@@ -80,7 +80,7 @@ static size_t size_of(const hs_bvh* bvh) {
   return size;
 }
 
-static void use_bvh(hs_kind kind, memory* its) {
+static void use_bvh(hs_kind kind, int bits, memory* its) {
   static uint32_t ids[OBJECTS];
   static double doubles[OBJECTS * VALUES];
   const size_t values = hs_bound_values(kind);
@@ -92,6 +92,7 @@ static void use_bvh(hs_kind kind, memory* its) {
   size_t size = 0;
   size_t i;
   for (i = 0; i < OBJECTS * values; ++i) doubles[i] = (double)objects[i];
+  (void)bits;
   config.allocator = allocator_of(its);
   if (has_done(its, hs_builder_create(&config, &builder))) {
     // A batch that does not fit changes nothing.
@@ -148,7 +149,7 @@ static void use_bvh(hs_kind kind, memory* its) {
 }
 
 // A call without memory changes nothing.
-static void use_broad_phase(hs_kind kind, memory* its) {
+static void use_broad_phase(hs_kind kind, int bits, memory* its) {
   static uint32_t ids[OBJECTS];
   static double doubles[OBJECTS * VALUES];
   static char bytes[OBJECTS * 256];
@@ -167,6 +168,7 @@ static void use_broad_phase(hs_kind kind, memory* its) {
   size_t count = 0;
   size_t i;
   int is_valid = 0;
+  (void)bits;
   for (i = 0; i < OBJECTS; ++i) ids[i] = (uint32_t)i;
   for (i = 0; i < OBJECTS * values; ++i) doubles[i] = (double)objects[i];
   for (i = 0; i < OBJECTS; ++i) masks[i].category = masks[i].collides_with = 3;
@@ -268,37 +270,32 @@ static void test_misaligned(void) {
   hs_bvh_destroy(bvh);
 }
 
-void test_memory(void) {
-  size_t n;
-  int kind;
-  int bits;
+// The n-th allocation fails, for each n.
+static void use_without_memory(void (*use)(hs_kind kind, int bits, memory* its),
+                               hs_kind kind, int bits, size_t least) {
   memory its = {0, 0, 0, 1};
-  for (kind = 0; kind < KINDS; kind += 5) {
-    random_bounds(kind_of(kind), OBJECTS, 0.1f, 13, objects);
-    for (n = 0, its.has_failed = 1; its.has_failed; ++n) {
-      its.has_failed = 0;
-      its.left = n;
-      use_bvh(kind_of(kind), &its);
-      CHECK(its.live == 0 && its.bytes == 0);
-    }
-    CHECK(n > 10);
-    if (!is_simplex(kind_of(kind))) {
-      for (n = 0, its.has_failed = 1; its.has_failed; ++n) {
-        its.has_failed = 0;
-        its.left = n;
-        use_broad_phase(kind_of(kind), &its);
-        CHECK(its.live == 0 && its.bytes == 0);
-      }
-      CHECK(n > 10);
+  size_t n;
+  for (n = 0; its.has_failed; ++n) {
+    its.has_failed = 0;
+    its.left = n;
+    use(kind, bits, &its);
+    CHECK(its.live == 0 && its.bytes == 0);
+  }
+  CHECK(n > least);
+}
+
+void test_memory(void) {
+  const hs_kind kinds[] = {HS_BOX2, HS_SIMPLEX3};
+  size_t i;
+  int bits;
+  for (i = 0; i < 2; ++i) {
+    random_bounds(kinds[i], OBJECTS, 0.1f, 13, objects);
+    use_without_memory(use_bvh, kinds[i], 0, 10);
+    if (!is_simplex(kinds[i])) {
+      use_without_memory(use_broad_phase, kinds[i], 0, 10);
     }
     for (bits = 0; bits <= 16; bits += 8) {
-      for (n = 0, its.has_failed = 1; its.has_failed; ++n) {
-        its.has_failed = 0;
-        its.left = n;
-        use_scan(kind_of(kind), bits, &its);
-        CHECK(its.live == 0 && its.bytes == 0);
-      }
-      CHECK(n > 2);
+      use_without_memory(use_scan, kinds[i], bits, 2);
     }
   }
   (void)remove("c_test_memory.bvh");

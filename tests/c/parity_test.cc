@@ -1,0 +1,1289 @@
+// The C API against the C++ library: the same calls on the same random input
+// give the same values, in every form that columns can have. What the values
+// should be, the tests of the C++ library know.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "halfspace/halfspace.h"
+
+extern "C" {
+#include "check.h"
+}
+
+namespace halfspace {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr std::uint32_t kAll = 0xFFFFFFFF;
+constexpr std::size_t kObjects = 400;
+// More than are converted at a time.
+constexpr std::size_t kQueries = 300;
+
+// How records are stored: one after another, with gaps, each column in memory
+// of its own, and as doubles that are no floats.
+enum Form { kRows, kWide, kApart, kDoubles };
+constexpr std::array kFloats = {kRows, kWide, kApart};
+constexpr std::array kForms = {kRows, kWide, kApart, kDoubles};
+
+float Round(double value, float to) {
+  const auto nearest = static_cast<float>(value);
+  const bool is_outward = to < 0 ? nearest <= value : nearest >= value;
+  return is_outward || std::isnan(value) ? nearest
+                                         : std::nextafter(nearest, to);
+}
+
+// Records whose first values, `minima`, become floats that are not greater, and
+// the others floats that are not less.
+class Records {
+ public:
+  Records(std::size_t values, std::size_t minima, std::vector<double> doubles)
+      : values_(values), doubles_(std::move(doubles)) {
+    wide_.resize(count() * (values + 1), 99);
+    apart_.resize(doubles_.size());
+    for (std::size_t i = 0; i < doubles_.size(); ++i) {
+      const std::size_t record = i / values;
+      const std::size_t v = i % values;
+      const float value =
+          Round(doubles_[i], v < minima ? -kInfinity : kInfinity);
+      rows_.push_back(value);
+      wide_[record * (values + 1) + v] = value;
+      apart_[(values - 1 - v) * count() + record] = value;
+    }
+  }
+
+  std::size_t count() const { return doubles_.size() / values_; }
+  const float* row(std::size_t i) const { return rows_.data() + i * values_; }
+  const double* doubles(std::size_t i) const {
+    return doubles_.data() + i * values_;
+  }
+
+  hs_columns In(Form form) const {
+    if (form == kRows) return hs_float_rows(rows_.data(), count(), values_);
+    if (form == kDoubles)
+      return hs_double_rows(doubles_.data(), count(), values_);
+    hs_columns columns = hs_float_rows(wide_.data(), count(), values_ + 1);
+    if (form == kWide) return columns;
+    columns.stride = 1;
+    for (std::size_t v = 0; v < values_; ++v) {
+      columns.column[v] = apart_.data() + (values_ - 1 - v) * count();
+    }
+    return columns;
+  }
+
+ private:
+  std::size_t values_;
+  std::vector<double> doubles_;
+  std::vector<float> rows_;
+  std::vector<float> wide_;
+  std::vector<float> apart_;
+};
+
+class Random {
+ public:
+  explicit Random(std::uint32_t seed) : state_(seed) {}
+  double Number() {
+    return static_cast<double>(random_float(&state_)) * 1.1 - 0.05;
+  }
+  std::uint32_t Below(std::size_t end) {
+    return static_cast<std::uint32_t>(random_float(&state_) *
+                                      static_cast<float>(end));
+  }
+
+ private:
+  std::uint32_t state_;
+};
+
+// From -0.05 to 1.05; with a `radius`, the last of each record is not negative.
+Records RandomNumbers(std::size_t count, std::size_t values, std::uint32_t seed,
+                      double radius = 0) {
+  Random random(seed);
+  std::vector<double> numbers(count * values);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    numbers[i] = random.Number();
+    if (radius != 0 && i % values == values - 1) {
+      numbers[i] = radius * std::abs(numbers[i]);
+    }
+  }
+  return Records(values, values, std::move(numbers));
+}
+
+// Boxes in `dims` dimensions, or octahedra, some of which may be special.
+Records RandomBounds(std::size_t count, std::size_t dims, std::size_t axes,
+                     double side, std::uint32_t seed, bool has_special = true) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  Random random(seed);
+  std::vector<double> all;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::vector<double> min(axes);
+    std::vector<double> max(axes);
+    for (std::size_t k = 0; k < dims; ++k) {
+      min[k] = random.Number();
+      max[k] = min[k] + side * std::abs(random.Number());
+      if (axes == dims) continue;
+      min[dims] -= max[k];
+      max[dims] -= min[k];
+    }
+    if (has_special && i == 3) min[0] = std::nan("");
+    if (has_special && i == 5) min.assign(axes, kInf), max.assign(axes, -kInf);
+    if (has_special && i == 7) std::swap(min[1], max[1]);
+    all.insert(all.end(), min.begin(), min.end());
+    all.insert(all.end(), max.begin(), max.end());
+  }
+  return Records(2 * axes, axes, std::move(all));
+}
+
+// What the two APIs call the same.
+template <typename ViewType>
+struct Kind {
+  using View = ViewType;
+  using Bound = typename View::Bound;
+  using Query = typename View::Query;
+  static constexpr std::size_t kDims = Bound::kDimensions;
+  static constexpr std::size_t kAxes = Bound::kAxes;
+  static constexpr std::size_t kValues = 2 * kAxes;
+  static constexpr bool kIsBox = kAxes == kDims;
+  static constexpr bool kIsSimplex = !detail::HasMax<Bound>;
+  static constexpr auto kKind =
+      static_cast<hs_kind>((kIsBox       ? HS_BOX2
+                            : kIsSimplex ? HS_SIMPLEX2
+                                         : HS_OCTAHEDRON2) +
+                           kDims - 2);
+
+  static Records Make(std::size_t count, double side, std::uint32_t seed) {
+    return RandomBounds(count, kDims, kAxes, side, seed);
+  }
+  // Without the columns that are not read.
+  static hs_columns Objects(const Records& records, Form form) {
+    return Without(records.In(form), kAxes, kValues);
+  }
+  static hs_columns Queries(const Records& records, Form form) {
+    return Without(records.In(form), 0, kAxes);
+  }
+  template <typename Any>
+  static std::vector<Any> All(const Records& records) {
+    std::vector<Any> all(records.count());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const float* const row = records.row(i);
+      if constexpr (detail::HasMin<Any>)
+        std::copy_n(row, kAxes, all[i].min.begin());
+      if constexpr (detail::HasMax<Any>) {
+        std::copy_n(row + kAxes, kAxes, all[i].max.begin());
+      }
+    }
+    return all;
+  }
+  // The maxima of a simplex are infinite.
+  static bool IsRecord(const float* record, const Bound& bound) {
+    std::array<float, kValues> expected;
+    expected.fill(kInfinity);
+    std::copy_n(bound.min.begin(), kAxes, expected.begin());
+    if constexpr (detail::HasMax<Bound>) {
+      std::copy_n(bound.max.begin(), kAxes, expected.begin() + kAxes);
+    }
+    return memcmp(record, expected.data(), sizeof(expected)) == 0;
+  }
+
+ private:
+  static hs_columns Without(hs_columns columns, std::size_t begin,
+                            std::size_t end) {
+    for (std::size_t v = begin; kIsSimplex && v < end; ++v)
+      columns.column[v] = nullptr;
+    return columns;
+  }
+};
+
+template <typename Shape>
+std::vector<Shape> Shapes(const Records& records) {
+  std::vector<Shape> shapes(records.count());
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    memcpy(&shapes[i], records.row(i), sizeof(Shape));
+  }
+  return shapes;
+}
+
+template <typename List>
+List Sorted(List list) {
+  std::sort(list.begin(), list.end());
+  return list;
+}
+
+template <typename Options>
+Options DefaultsOf(hs_status (*fill)(Options*, std::size_t)) {
+  Options options;
+  CHECK_OK(fill(&options, sizeof(options)));
+  return options;
+}
+
+const char* LastTarget() { return hs_target_name(hs_target_count() - 1); }
+
+// Builders.
+
+// Compares the records that call(kind, columns, options, bounds, everything)
+// writes with the planes that fit(rows, planes, options, status) writes.
+template <int kDims, typename Call, typename Fit>
+void CheckBuilder(const Records& records, std::size_t shapes, const Call& call,
+                  const Fit& fit) {
+  const auto check = [&]<typename World>(hs_kind kind, World world, Form form,
+                                         const auto* rows) {
+    using Its = Kind<typename World::View>;
+    for (int options = 0; options < 4; ++options) {
+      hs_bound_options of_c = DefaultsOf(&hs_bound_options_default);
+      of_c.tightest = options % 2;
+      of_c.empty_if_inverted = options / 2;
+      of_c.target = LastTarget();
+      FitOptions of_cc;
+      of_cc.tightest = of_c.tightest != 0;
+      of_cc.inverted = options / 2 ? Inverted::kEmpty : Inverted::kEverything;
+      FitStatus status;
+      world.Resize(shapes);
+      fit(rows, world.planes(), of_cc, &status);
+      std::vector<float> bounds(shapes * Its::kValues + 1, 7.0f);
+      std::size_t everything = 99;
+      const hs_columns columns = records.In(form);
+      CHECK_OK(call(kind, &columns, &of_c, bounds.data(), &everything));
+      CHECK(everything == status.everything && bounds.back() == 7);
+      for (std::size_t i = 0; i < shapes; ++i) {
+        CHECK(Its::IsRecord(bounds.data() + i * Its::kValues, world.Get(i)));
+      }
+    }
+  };
+  constexpr int kAbove = kDims - 2;
+  for (int of : {HS_OCTAHEDRON2, HS_SIMPLEX2}) {
+    const auto kind = static_cast<hs_kind>(of + kAbove);
+    for (Form form : kFloats)
+      check(kind, AaboWorld<kDims>(), form, records.row(0));
+    check(kind, AaboWorld<kDims>(), kDoubles, records.doubles(0));
+  }
+  const auto kind = static_cast<hs_kind>(HS_BOX2 + kAbove);
+  for (Form form : kFloats)
+    check(kind, AabbWorld<kDims>(), form, records.row(0));
+  check(kind, AabbWorld<kDims>(), kDoubles, records.doubles(0));
+}
+
+template <int kDims>
+void TestBuilders() {
+  constexpr auto kD = static_cast<std::size_t>(kDims);
+  const auto columns_of = []<typename T>(const T* rows, std::size_t stride,
+                                         auto* to) {
+    for (std::size_t k = 0; k < kD; ++k) (*to)[k] = rows + k;
+    return stride;
+  };
+  CheckBuilder<kDims>(
+      RandomBounds(kObjects, kD, kD, 1, 1), kObjects, &hs_bound_boxes,
+      [&]<typename T>(const T* rows, auto... rest) {
+        Boxes<kDims, T> boxes;
+        columns_of(rows, 0, &boxes.min);
+        boxes.stride = columns_of(rows + kD, 2 * kD, &boxes.max);
+        boxes.count = kObjects;
+        BoundBoxes(boxes, rest...);
+      });
+  // Some radii are negative.
+  CheckBuilder<kDims>(
+      RandomNumbers(kObjects, kD + 1, 2), kObjects, &hs_bound_spheres,
+      [&]<typename T>(const T* rows, auto... rest) {
+        Spheres<kDims, T> spheres;
+        spheres.stride = columns_of(rows, kD + 1, &spheres.center);
+        spheres.radius = rows + kD;
+        spheres.count = kObjects;
+        BoundSpheres(spheres, rest...);
+      });
+  CheckBuilder<kDims>(RandomNumbers(kObjects, kD, 3), kObjects,
+                      &hs_bound_points,
+                      [&]<typename T>(const T* rows, auto... rest) {
+                        Boxes<kDims, T> boxes;
+                        columns_of(rows, 0, &boxes.min);
+                        boxes.stride = columns_of(rows, kD, &boxes.max);
+                        boxes.count = kObjects;
+                        BoundBoxes(boxes, rest...);
+                      });
+  std::vector<std::uint32_t> corners(3 * kObjects);
+  std::iota(corners.begin(), corners.end(), 0u);
+  CheckBuilder<kDims>(RandomNumbers(kObjects, 3 * kD, 4), kObjects,
+                      &hs_bound_triangles,
+                      [&]<typename T>(const T* rows, auto... rest) {
+                        BoundTriangles(Points<kDims, T>{rows, corners.size()},
+                                       corners, rest...);
+                      });
+  // Some vertices do not exist.
+  Random random(5);
+  for (std::uint32_t& corner : corners) corner = random.Below(502);
+  const Records points = RandomNumbers(500, kD, 6);
+  CheckBuilder<kDims>(
+      points, kObjects,
+      [&](hs_kind kind, const hs_columns* columns, auto... rest) {
+        return hs_bound_faces(kind, columns, corners.data(), kObjects, rest...);
+      },
+      [&]<typename T>(const T* rows, auto... rest) {
+        BoundTriangles(Points<kDims, T>{rows, points.count()}, corners,
+                       rest...);
+      });
+  // Sets of 0 to 2 points.
+  std::vector<std::size_t> ends;
+  for (std::size_t end = 0; ends.size() < 450;)
+    ends.push_back(end += random.Below(3));
+  const Records of_sets = RandomNumbers(ends.back(), kD, 7);
+  CheckBuilder<kDims>(
+      of_sets, ends.size(),
+      [&](hs_kind kind, const hs_columns* columns, auto... rest) {
+        return hs_bound_point_sets(kind, columns, ends.data(), ends.size(),
+                                   rest...);
+      },
+      [&]<typename T>(const T* rows, auto... rest) {
+        BoundPointSets(Points<kDims, T>{rows, of_sets.count()}, ends, rest...);
+      });
+}
+
+// Scans.
+
+template <typename View>
+void TestScan(int bits, Form form, std::size_t count = kQueries) {
+  using Its = Kind<View>;
+  const Records objects = Its::Make(kObjects, 0.3, 11);
+  const Records queries = Its::Make(count, 0.6, 12);
+  const auto bounds = Its::template All<typename View::Bound>(objects);
+  const World<View> world{Span<const typename View::Bound>(bounds)};
+  const auto asked = Its::template All<typename View::Query>(queries);
+  const hs_columns of_objects = Its::Objects(objects, form);
+  const hs_columns of_queries = Its::Queries(queries, form);
+  const hs_scan_config config = scan_config_of(Its::kKind, bits);
+  hs_scan* scan = nullptr;
+  CHECK_OK(hs_scan_create(&config, &of_objects, &scan));
+  std::size_t size = 0;
+  CHECK_OK(hs_scan_size(scan, &size));
+  CHECK(size == kObjects);
+  for (const auto& [begin, end] :
+       {std::pair(std::size_t{0}, SIZE_MAX),
+        std::pair(std::size_t{64}, std::size_t{200})}) {
+    hs_scan_options options = DefaultsOf(&hs_scan_options_default);
+    options.begin = begin;
+    options.end = end;
+    if (begin != 0) options.target = LastTarget();
+    Options of_cc;
+    of_cc.range = {begin, end};
+    const std::size_t words = hs_mask_words(std::min(end, kObjects) - begin);
+    std::vector<std::uint64_t> masks(words * count);
+    std::vector<std::size_t> counts(count);
+    std::vector<std::size_t> offsets(count + 1);
+    std::vector<std::uint32_t> any(count);
+    std::vector<std::uint32_t> indices(count * kObjects);
+    std::vector<std::uint32_t> of_pairs[2] = {indices, indices};
+    std::size_t total = 0;
+    CHECK_OK(
+        hs_scan_masks(scan, &of_queries, &options, masks.data(), masks.size()));
+    CHECK_OK(hs_scan_counts(scan, &of_queries, &options, counts.data()));
+    CHECK_OK(hs_scan_any(scan, &of_queries, &options, any.data()));
+    CHECK_OK(hs_scan_indices(scan, &of_queries, &options, indices.data(),
+                             indices.size(), offsets.data(), &total));
+    indices.resize(total);
+    std::vector<std::uint32_t> expected;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+    for (std::size_t q = 0; q < count; ++q) {
+      std::vector<std::uint64_t> mask(words);
+      SurvivorMask(world, asked[q], mask, of_cc);
+      CHECK(std::equal(mask.begin(), mask.end(), masks.begin() + q * words));
+      std::vector<std::uint32_t> found(kObjects);
+      found.resize(Survivors(world, asked[q], found, of_cc));
+      CHECK(counts[q] == found.size() && offsets[q] == expected.size());
+      CHECK(found.empty()
+                ? any[q] == HS_NO_ID
+                : std::binary_search(found.begin(), found.end(), any[q]));
+      for (std::uint32_t i : found) pairs.emplace_back(q, i);
+      expected.insert(expected.end(), found.begin(), found.end());
+    }
+    CHECK(!expected.empty() && offsets[count] == expected.size());
+    CHECK(indices == expected);
+    CHECK_OK(hs_scan_pairs(scan, &of_queries, &options, of_pairs[0].data(),
+                           of_pairs[1].data(), of_pairs[0].size(), &total));
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
+    for (std::size_t i = 0; i < total; ++i) {
+      found.emplace_back(of_pairs[0][i], of_pairs[1][i]);
+    }
+    CHECK(Sorted(found) == pairs);
+    // In pieces, without offsets.
+    for (options.skip = 0; options.skip < total;
+         options.skip += total / 9 + 1) {
+      std::array<std::uint32_t, 3> some{};
+      std::array<std::uint32_t, 3> others{};
+      std::size_t again = 0;
+      const std::size_t room = std::min(some.size(), total - options.skip);
+      CHECK_OK(hs_scan_indices(scan, &of_queries, &options, some.data(), room,
+                               nullptr, &again));
+      CHECK(again == total && std::equal(some.begin(), some.begin() + room,
+                                         expected.begin() + options.skip));
+      CHECK_OK(hs_scan_pairs(scan, &of_queries, &options, some.data(),
+                             others.data(), room, &again));
+      CHECK(again == total);
+      for (std::size_t i = 0; i < room; ++i) {
+        CHECK(std::pair(some[i], others[i]) == found[options.skip + i]);
+      }
+    }
+  }
+  hs_scan_destroy(scan);
+}
+
+// Searches, of BVHs and of broad phases.
+
+struct BvhFunctions {
+  using Handle = hs_bvh;
+  static constexpr auto kQuery = &hs_bvh_query;
+  static constexpr auto kCount = &hs_bvh_count;
+  static constexpr auto kAny = &hs_bvh_any;
+  static constexpr auto kProbe = &hs_bvh_probe;
+  static constexpr auto kNearestToPoints = &hs_bvh_nearest_to_points;
+  static constexpr auto kNearestToBoxes = &hs_bvh_nearest_to_boxes;
+  static constexpr auto kRayCast = &hs_bvh_raycast;
+  static constexpr auto kBoxCast = &hs_bvh_boxcast;
+  static constexpr auto kSphereCast = &hs_bvh_spherecast;
+  static constexpr auto kRayCastEach = &hs_bvh_raycast_each;
+  static constexpr auto kBoxCastEach = &hs_bvh_boxcast_each;
+  static constexpr auto kSphereCastEach = &hs_bvh_spherecast_each;
+  static constexpr auto kPairsOf = &hs_bvh_pairs_of;
+  static constexpr auto kPairsOfEach = &hs_bvh_pairs_of_each;
+};
+struct BodyFunctions {
+  using Handle = hs_broad_phase;
+  static constexpr auto kQuery = &hs_broad_phase_query;
+  static constexpr auto kCount = &hs_broad_phase_count;
+  static constexpr auto kAny = &hs_broad_phase_any;
+  static constexpr auto kProbe = &hs_broad_phase_probe;
+  static constexpr auto kNearestToPoints = &hs_broad_phase_nearest_to_points;
+  static constexpr auto kNearestToBoxes = &hs_broad_phase_nearest_to_boxes;
+  static constexpr auto kRayCast = &hs_broad_phase_raycast;
+  static constexpr auto kBoxCast = &hs_broad_phase_boxcast;
+  static constexpr auto kSphereCast = &hs_broad_phase_spherecast;
+  static constexpr auto kRayCastEach = &hs_broad_phase_raycast_each;
+  static constexpr auto kBoxCastEach = &hs_broad_phase_boxcast_each;
+  static constexpr auto kSphereCastEach = &hs_broad_phase_spherecast_each;
+  static constexpr auto kPairsOf = &hs_broad_phase_pairs_of;
+  static constexpr auto kPairsOfEach = &hs_broad_phase_pairs_of_each;
+};
+
+// What a probe found, and after how many calls it stops.
+struct Probed {
+  std::vector<std::vector<std::uint32_t>> ids =
+      std::vector<std::vector<std::uint32_t>>(kQueries);
+  std::size_t last_query = 0;
+  std::size_t calls = 0;
+  std::size_t stop_after = 0;
+
+  static hs_visit Add(void* context, std::size_t query,
+                      const std::uint32_t* ids, std::size_t count) {
+    auto& its = *static_cast<Probed*>(context);
+    CHECK(query >= its.last_query && count > 0);
+    its.last_query = query;
+    its.ids[query].insert(its.ids[query].end(), ids, ids + count);
+    return ++its.calls == its.stop_after ? HS_STOP : HS_CONTINUE;
+  }
+};
+
+template <typename Functions, typename World, typename Query>
+void CheckQueries(const World& world, const typename Functions::Handle* handle,
+                  const hs_columns& columns, const std::vector<Query>& queries,
+                  hs_shape shape, std::uint32_t mask) {
+  const std::size_t count = columns.count;
+  hs_query_options options = DefaultsOf(&hs_query_options_default);
+  options.shape = shape;
+  options.mask = mask;
+  options.skip = 5;  // of kQuery alone
+  if (mask != kAll) options.target = LastTarget();
+  QueryOptions of_cc;
+  of_cc.mask = mask;
+  std::vector<std::vector<std::uint32_t>> expected;
+  std::vector<std::size_t> counts(count);
+  std::vector<std::uint32_t> any(count);
+  CHECK_OK(Functions::kCount(handle, &columns, &options, counts.data()));
+  CHECK_OK(Functions::kAny(handle, &columns, &options, any.data()));
+  for (std::size_t q = 0; q < count; ++q) {
+    std::vector<std::uint32_t> found(CountSurvivors(world, queries[q], of_cc));
+    CHECK(Survivors(world, queries[q], found, of_cc) == found.size());
+    CHECK(counts[q] == found.size());
+    std::sort(found.begin(), found.end());
+    CHECK(found.empty()
+              ? any[q] == HS_NO_ID
+              : std::binary_search(found.begin(), found.end(), any[q]));
+    expected.push_back(std::move(found));
+  }
+  Probed probed;
+  probed.ids.resize(count);
+  CHECK_OK(
+      Functions::kProbe(handle, &columns, &options, &Probed::Add, &probed));
+  CHECK(probed.calls > 0);
+  for (auto& ids : probed.ids) std::sort(ids.begin(), ids.end());
+  CHECK(probed.ids == expected);
+  Probed stopped;
+  stopped.stop_after = 1;
+  CHECK_OK(
+      Functions::kProbe(handle, &columns, &options, &Probed::Add, &stopped));
+  CHECK(stopped.calls == 1);
+
+  options.skip = 0;
+  std::vector<std::size_t> offsets(count + 1);
+  std::size_t total = 0;
+  CHECK_OK(Functions::kQuery(handle, &columns, &options, nullptr, 0, nullptr,
+                             &total));
+  std::vector<std::uint32_t> ids(total);
+  CHECK_OK(Functions::kQuery(handle, &columns, &options, ids.data(), total,
+                             offsets.data(), &total));
+  CHECK(offsets[0] == 0 && offsets[count] == total && total == ids.size());
+  for (std::size_t q = 0; q < count; ++q) {
+    CHECK(Sorted(std::vector(ids.begin() + offsets[q],
+                             ids.begin() + offsets[q + 1])) == expected[q]);
+  }
+  for (options.skip = 0; options.skip < total; options.skip += total / 9 + 1) {
+    std::array<std::uint32_t, 3> some{};
+    const std::size_t room = std::min(some.size(), total - options.skip);
+    std::size_t again = 0;
+    CHECK_OK(Functions::kQuery(handle, &columns, &options, some.data(), room,
+                               offsets.data(), &again));
+    CHECK(again == total && offsets[count] == total);
+    CHECK(std::equal(some.begin(), some.begin() + room,
+                     ids.begin() + options.skip));
+  }
+}
+
+// `nearest(q, ids, distances, options)` is the C++ call.
+template <typename Call, typename Nearest>
+void CheckNearest(const Call& call, const Nearest& nearest) {
+  constexpr std::size_t kNearest = 5;
+  for (std::uint32_t mask : {kAll, 6u}) {
+    hs_query_options options = DefaultsOf(&hs_query_options_default);
+    options.mask = mask;
+    options.skip = 1;  // of kQuery alone
+    if (mask != kAll) options.target = LastTarget();
+    SearchOptions of_cc;
+    of_cc.mask = mask;
+    std::vector<std::uint32_t> ids(kQueries * kNearest);
+    std::vector<std::uint32_t> without_distances(ids.size());
+    std::vector<float> distances(ids.size());
+    CHECK_OK(call(kNearest, &options, ids.data(), distances.data()));
+    CHECK_OK(call(kNearest, &options, without_distances.data(), nullptr));
+    CHECK(ids == without_distances &&
+          *std::min_element(ids.begin(), ids.end()) != HS_NO_ID);
+    for (std::size_t q = 0; q < kQueries; ++q) {
+      std::vector<std::uint32_t> its_ids(kNearest);
+      std::vector<float> its_distances(kNearest);
+      const std::size_t found = nearest(q, its_ids, its_distances, of_cc);
+      std::fill(its_ids.begin() + found, its_ids.end(), HS_NO_ID);
+      std::fill(its_distances.begin() + found, its_distances.end(), kInfinity);
+      CHECK(std::equal(its_ids.begin(), its_ids.end(),
+                       ids.begin() + q * kNearest));
+      CHECK(std::equal(its_distances.begin(), its_distances.end(),
+                       distances.begin() + q * kNearest));
+    }
+  }
+}
+
+// Hits, in their order. Some casts go on, some end at the nearest, some at the
+// first.
+struct Hits {
+  std::vector<std::tuple<std::size_t, std::uint32_t, float>> all;
+
+  float Add(std::size_t cast, std::uint32_t id, float t) {
+    all.emplace_back(cast, id, t);
+    return cast % 3 == 0 ? kInfinity : cast % 3 == 1 ? t : -1.0f;
+  }
+  static float AddOne(void* hits, std::size_t cast, std::uint32_t id, float t) {
+    return static_cast<Hits*>(hits)->Add(cast, id, t);
+  }
+};
+
+// `each` and `first` are the C functions, and cast(i, function, options) the
+// C++ call.
+template <typename Each, typename First, typename Cast>
+void CheckCasts(const Each& each, const First& first, const Cast& cast) {
+  for (std::uint32_t mask : {kAll, 6u}) {
+    hs_query_options options = DefaultsOf(&hs_query_options_default);
+    options.mask = mask;
+    if (mask != kAll) options.target = LastTarget();
+    SearchOptions of_cc;
+    of_cc.mask = mask;
+    Hits hits;
+    Hits expected;
+    std::vector<std::uint32_t> ids(kQueries);
+    std::vector<std::uint32_t> without_ts(kQueries);
+    std::vector<float> ts(kQueries);
+    CHECK_OK(each(&options, &Hits::AddOne, &hits));
+    CHECK_OK(first(&options, ids.data(), ts.data()));
+    CHECK_OK(first(&options, without_ts.data(), nullptr));
+    CHECK(ids == without_ts);
+    for (std::size_t i = 0; i < kQueries; ++i) {
+      cast(
+          i,
+          [&](std::uint32_t id, float t) {
+            return Limit{expected.Add(i, id, t)};
+          },
+          of_cc);
+      auto closest = std::pair(kInfinity, HS_NO_ID);
+      cast(
+          i,
+          [&](std::uint32_t id, float t) {
+            closest = std::min(closest, std::pair(t, id));
+            return Limit{kInfinity};
+          },
+          of_cc);
+      CHECK(std::pair(ts[i], ids[i]) == closest);
+    }
+    CHECK(hits.all == expected.all && hits.all.size() > 10);
+  }
+}
+
+// Pairs, in their order.
+struct FoundPairs {
+  std::vector<IdPair> pairs;
+  bool stops = false;
+
+  static hs_visit Add(void* context, const hs_id_pair* pairs,
+                      std::size_t count) {
+    auto& its = *static_cast<FoundPairs*>(context);
+    CHECK(count > 0);
+    for (std::size_t i = 0; i < count; ++i)
+      its.pairs.push_back({pairs[i].a, pairs[i].b});
+    return its.stops ? HS_STOP : HS_CONTINUE;
+  }
+};
+
+// `list` and `each` are the C functions, and pairs(pairs, options) the C++
+// call. `wanted` is for the objects of a set.
+template <typename List, typename Each, typename Pairs>
+void CheckPairs(const List& list, const Each& each, const Pairs& pairs,
+                Span<const std::uint32_t> wanted = {}) {
+  for (int choice = 0; choice < 4; ++choice) {
+    hs_pair_options options = DefaultsOf(&hs_pair_options_default);
+    PairOptions of_cc;
+    if (choice % 2 == 1) {
+      options.mask = of_cc.mask = 7;
+      options.margin = of_cc.margin = 0.01f;
+      options.target = LastTarget();
+      options.wanted = wanted.data();
+      of_cc.wanted = wanted;
+    }
+    if (choice / 2 == 1) {
+      options.skip = of_cc.skip = 5;
+      options.begin = of_cc.begin = wanted.empty() ? 1 : 0;
+      options.end = of_cc.end = wanted.empty() ? 3 : SIZE_MAX;
+    }
+    std::vector<IdPair> expected(pairs(Span<IdPair>(), of_cc) - of_cc.skip);
+    const std::size_t total = pairs(Span<IdPair>(expected), of_cc);
+    CHECK(total > 20 && total == expected.size() + of_cc.skip);
+    std::vector<hs_id_pair> listed(expected.size() + 1, hs_id_pair{99, 99});
+    std::size_t found = 0;
+    CHECK_OK(list(&options, listed.data(), expected.size(), &found));
+    CHECK(found == total && listed.back().a == 99);
+    CHECK(memcmp(listed.data(), expected.data(), expected.size() * 8) == 0);
+    CHECK_OK(list(&options, listed.data(), 0, &found));
+    CHECK(found == total);
+    FoundPairs given;
+    CHECK_OK(each(&options, &FoundPairs::Add, &given));
+    CHECK(given.pairs == expected);
+    FoundPairs stopped;
+    stopped.stops = true;
+    CHECK_OK(each(&options, &FoundPairs::Add, &stopped));
+    CHECK(!stopped.pairs.empty() && stopped.pairs.size() <= 256);
+  }
+}
+
+template <typename Functions, typename World>
+void CheckSearches(const World& world, const typename Functions::Handle* handle,
+                   const std::vector<std::uint32_t>& ids) {
+  using View = typename World::View;
+  using Its = Kind<View>;
+  constexpr int kDims = Its::kDims;
+  const Records bounds = Its::Make(kQueries, 0.3, 21);
+  const Records points = RandomNumbers(kQueries, kDims, 22);
+  const Records spheres = RandomNumbers(kQueries, kDims + 1, 23, 0.1);
+  const Records boxes = RandomBounds(kQueries, kDims, kDims, 0.1, 24, false);
+  hs_columns one = Its::Queries(bounds, kRows);
+  one.count = 1;
+  CheckQueries<Functions>(world, handle, one,
+                          Its::template All<typename View::Query>(bounds),
+                          HS_SHAPE_BOUND, kAll);
+  for (std::uint32_t mask : {kAll, 6u}) {
+    for (Form form : kForms) {
+      CheckQueries<Functions>(world, handle, Its::Queries(bounds, form),
+                              Its::template All<typename View::Query>(bounds),
+                              HS_SHAPE_BOUND, mask);
+      if (form == kDoubles) continue;
+      CheckQueries<Functions>(world, handle, points.In(form),
+                              Shapes<Point<kDims>>(points), HS_SHAPE_POINT,
+                              mask);
+      CheckQueries<Functions>(world, handle, spheres.In(form),
+                              Shapes<Sphere<kDims>>(spheres), HS_SHAPE_SPHERE,
+                              mask);
+    }
+  }
+
+  const auto as_boxes = Shapes<Aabb<kDims>>(boxes);
+  for (Form form : kForms) {
+    const hs_columns of_boxes = boxes.In(form);
+    CheckNearest(
+        [&](std::size_t k, auto... rest) {
+          return Functions::kNearestToBoxes(handle, &of_boxes, k, 0.05f,
+                                            rest...);
+        },
+        [&](std::size_t q, auto& its_ids, auto& distances,
+            const auto& options) {
+          return KNearest(world, as_boxes[q], its_ids, distances, 0.05f,
+                          options);
+        });
+    // A point of doubles is the box of floats around it.
+    const hs_columns of_points = points.In(form);
+    CheckNearest(
+        [&](std::size_t k, auto... rest) {
+          return Functions::kNearestToPoints(handle, &of_points, k, kInfinity,
+                                             rest...);
+        },
+        [&](std::size_t q, auto& its_ids, auto& distances,
+            const auto& options) {
+          Aabb<kDims> box;
+          for (std::size_t k = 0; k < kDims; ++k) {
+            const double value = points.doubles(q)[k];
+            const float nearest = points.row(q)[k];
+            box.min[k] = form == kDoubles ? Round(value, -kInfinity) : nearest;
+            box.max[k] = form == kDoubles ? Round(value, kInfinity) : nearest;
+          }
+          return KNearest(world, box, its_ids, distances, kInfinity, options);
+        });
+  }
+
+  // Rays have their motions behind their origins.
+  Random random(25);
+  std::vector<double> numbers;
+  std::vector<double> motion_numbers;
+  for (std::size_t i = 0; i < kQueries; ++i) {
+    for (int k = 0; k < kDims; ++k) numbers.push_back(random.Number());
+    for (int k = 0; k < kDims; ++k)
+      motion_numbers.push_back(random.Number() - 0.5);
+    motion_numbers.push_back(i % 2 == 0 ? 1 : kInfinity);
+    numbers.insert(numbers.end(), motion_numbers.end() - kDims - 1,
+                   motion_numbers.end());
+  }
+  const Records rays(2 * kDims + 1, 2 * kDims + 1, std::move(numbers));
+  const Records motions(kDims + 1, kDims + 1, std::move(motion_numbers));
+  const auto as_rays = Shapes<Ray<kDims>>(rays);
+  const auto as_spheres = Shapes<Sphere<kDims>>(spheres);
+  struct Motion {
+    Point<kDims> direction;
+    float max_t;
+  };
+  const auto as_motions = Shapes<Motion>(motions);
+  for (Form form : kForms) {
+    const hs_columns of_rays = rays.In(form);
+    const hs_columns of_motions = motions.In(form == kDoubles ? kRows : form);
+    const hs_columns of_boxes = boxes.In(form);
+    const hs_columns of_spheres = spheres.In(form);
+    const auto box_cast = [&](std::size_t i, const auto& function,
+                              const auto& options) {
+      BoxCast(world, as_boxes[i], as_motions[i].direction, as_motions[i].max_t,
+              function, options);
+    };
+    CheckCasts(
+        [&](auto... rest) {
+          return Functions::kBoxCastEach(handle, &of_boxes, &of_motions,
+                                         rest...);
+        },
+        [&](auto... rest) {
+          return Functions::kBoxCast(handle, &of_boxes, &of_motions, rest...);
+        },
+        box_cast);
+    if (form == kDoubles) continue;
+    CheckCasts(
+        [&](auto... rest) {
+          return Functions::kRayCastEach(handle, &of_rays, 0.01f, rest...);
+        },
+        [&](auto... rest) {
+          return Functions::kRayCast(handle, &of_rays, 0.01f, rest...);
+        },
+        [&](std::size_t i, const auto& function, const auto& options) {
+          RayCast(world, as_rays[i], 0.01f, function, options);
+        });
+    CheckCasts(
+        [&](auto... rest) {
+          return Functions::kSphereCastEach(handle, &of_spheres, &of_motions,
+                                            rest...);
+        },
+        [&](auto... rest) {
+          return Functions::kSphereCast(handle, &of_spheres, &of_motions,
+                                        rest...);
+        },
+        [&](std::size_t i, const auto& function, const auto& options) {
+          SphereCast(world, as_spheres[i], as_motions[i].direction,
+                     as_motions[i].max_t, function, options);
+        });
+  }
+
+  if constexpr (!Its::kIsSimplex) {
+    std::vector<std::uint32_t> wanted;
+    for (std::uint32_t id : ids) wanted.push_back(1u << id % 4);
+    CheckPairs(
+        [&](auto... rest) {
+          return Functions::kPairsOf(handle, ids.data(), ids.size(), rest...);
+        },
+        [&](auto... rest) {
+          return Functions::kPairsOfEach(handle, ids.data(), ids.size(),
+                                         rest...);
+        },
+        [&](Span<IdPair> pairs, const PairOptions& options) {
+          return PairsOf(world, ids, pairs, options);
+        },
+        wanted);
+  }
+}
+
+// BVHs.
+
+template <typename View>
+void CheckSame(const Bvh<View>& expected, const hs_bvh* bvh) {
+  using Its = Kind<View>;
+  const void* blob = nullptr;
+  std::size_t size = 0;
+  CHECK_OK(hs_bvh_blob(bvh, &blob, &size));
+  const Span<const std::byte> its = expected.Blob();
+  CHECK(size == its.size() && memcmp(blob, its.data(), size) == 0);
+  CHECK_OK(hs_bvh_size(bvh, &size));
+  CHECK(size == expected.size());
+  CHECK_OK(hs_bvh_bytes(bvh, &size));
+  CHECK(size == expected.bytes());
+  double ratio = 0;
+  CHECK_OK(hs_bvh_cost_ratio(bvh, &ratio));
+  CHECK(ratio == expected.CostRatio());
+  std::array<float, Its::kValues> around{};
+  CHECK_OK(hs_bvh_bounds(bvh, around.data()));
+  CHECK(Its::IsRecord(around.data(), expected.Bounds()));
+  CHECK_OK(hs_bvh_id_limit(bvh, &size));
+  CHECK(size == expected.id_limit());
+  std::vector<float> records(size * Its::kValues + 1, 7);
+  CHECK_OK(hs_bvh_get_all(bvh, records.data(), size + 9));
+  CHECK(records.back() == 7);
+  std::vector<std::uint32_t> ids;
+  for (std::uint32_t id = 0; id < size; ++id) {
+    const float* const record = records.data() + id * Its::kValues;
+    if (expected.Has(id)) {
+      CHECK(Its::IsRecord(record, expected.Get(id)));
+      ids.push_back(id);
+    } else {
+      CHECK(record[0] == kInfinity && record[Its::kValues - 1] == -kInfinity);
+    }
+  }
+  std::vector<float> some(ids.size() * Its::kValues);
+  CHECK_OK(hs_bvh_get(bvh, ids.data(), ids.size(), some.data()));
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    CHECK(memcmp(some.data() + i * Its::kValues,
+                 records.data() + ids[i] * Its::kValues,
+                 Its::kValues * sizeof(float)) == 0);
+  }
+}
+
+template <typename View>
+void TestBvh() {
+  using Its = Kind<View>;
+  using Bound = typename View::Bound;
+  const Records objects = Its::Make(kObjects, 0.2, 31);
+  const auto bounds = Its::template All<Bound>(objects);
+  for (hs_quality quality : {HS_QUALITY_HIGH, HS_QUALITY_FAST}) {
+    hs_bvh_config config = bvh_config_of(Its::kKind);
+    config.quality = quality;
+    config.target = LastTarget();
+    BuildOptions build;
+    build.quality =
+        quality == HS_QUALITY_HIGH ? BuildQuality::kHigh : BuildQuality::kFast;
+    hs_builder* builder = nullptr;
+    CHECK_OK(hs_builder_create(&config, &builder));
+    std::vector<Bound> pushed;
+    Bvh<View> expected{Span<const Bound>(bounds), build};
+    hs_bvh* bvh = nullptr;
+    for (Form form : kForms) {
+      hs_bvh_destroy(bvh);
+      const hs_columns columns = Its::Objects(objects, form);
+      CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
+      CheckSame(expected, bvh);
+      CHECK_OK(hs_builder_push(builder, &columns));
+      pushed.insert(pushed.end(), bounds.begin(), bounds.end());
+      hs_bvh* built = nullptr;
+      CHECK_OK(hs_builder_finish(builder, &built));
+      CheckSame(Bvh<View>(Span<const Bound>(pushed), build), built);
+      hs_bvh_destroy(built);
+    }
+    hs_builder_destroy(builder);
+
+    // Changes, each by records in another form.
+    std::uint32_t seed = 40;
+    for (Form form : kForms) {
+      const Records some = Its::Make(100, 0.2, ++seed);
+      const auto their_bounds = Its::template All<Bound>(some);
+      const Span<const Bound> span(their_bounds);
+      const hs_columns columns = Its::Objects(some, form);
+      std::vector<std::uint32_t> ids(100);
+      std::vector<std::uint32_t> its_ids(100);
+      CHECK_OK(hs_bvh_insert(bvh, &columns, ids.data()));
+      expected.Insert(span, its_ids);
+      CHECK(ids == its_ids);
+      for (std::size_t i = 0; i < ids.size(); ++i) {
+        ids[i] = static_cast<std::uint32_t>(expected.id_limit() + 5 + i);
+      }
+      CHECK_OK(hs_bvh_insert_as(bvh, ids.data(), &columns));
+      expected.InsertAs(ids, span);
+      CheckSame(expected, bvh);
+      std::vector<std::uint32_t> masks;
+      for (std::uint32_t& id : ids) {
+        id -= 300;
+        masks.push_back(1u << id % 4);
+        expected.SetMasks(id, masks.back());
+      }
+      CHECK_OK(hs_bvh_set_masks(bvh, ids.data(), masks.data(), masks.size()));
+      CHECK_OK(hs_bvh_set(bvh, ids.data(), &columns));
+      expected.Set(ids, span);
+      CheckSame(expected, bvh);
+      CHECK_OK(hs_bvh_erase(bvh, ids.data(), 20));
+      expected.Erase({ids.data(), 20});
+      CheckSame(expected, bvh);
+      const Records all = Its::Make(expected.id_limit(), 0.2, ++seed);
+      const hs_columns of_all = Its::Objects(all, form);
+      CHECK_OK(hs_bvh_refit(bvh, &of_all, nullptr, nullptr));
+      const auto all_bounds = Its::template All<Bound>(all);
+      expected.Refit(Span<const Bound>(all_bounds));
+      CheckSame(expected, bvh);
+    }
+    CHECK_OK(hs_bvh_reserve(bvh, 5000));
+    expected.Reserve(5000);
+    CheckSame(expected, bvh);
+    CHECK_OK(hs_bvh_rebuild(bvh, &config));
+    expected.Rebuild(build);
+    CheckSame(expected, bvh);
+    std::vector<std::uint32_t> masks;
+    for (std::uint32_t id = 0; id < expected.id_limit(); ++id)
+      masks.push_back(1u << id % 5);
+    CHECK_OK(hs_bvh_set_all_masks(bvh, masks.data(), masks.size()));
+    expected.SetMasks(masks);
+    CheckSame(expected, bvh);
+    if (quality == HS_QUALITY_HIGH) {
+      hs_bvh_destroy(bvh);
+      continue;
+    }
+
+    std::vector<std::uint32_t> set;
+    for (std::uint32_t id = 0; id < 300; id += 2) {
+      if (expected.Has(id)) set.push_back(id);
+    }
+    CheckSearches<BvhFunctions>(expected, bvh, set);
+    if constexpr (!Its::kIsSimplex) {
+      std::size_t parts = 0;
+      CHECK_OK(hs_bvh_pair_parts(bvh, &parts));
+      CHECK(parts == PairParts(expected));
+      CheckPairs([&](auto... rest) { return hs_bvh_pairs(bvh, rest...); },
+                 [&](auto... rest) { return hs_bvh_pairs_each(bvh, rest...); },
+                 [&](Span<IdPair> pairs, const PairOptions& options) {
+                   return Pairs(expected, pairs, options);
+                 });
+      const hs_columns columns = Its::Objects(objects, kRows);
+      const Bvh<View> other{Span<const Bound>(bounds), build};
+      hs_bvh* second = nullptr;
+      CHECK_OK(hs_bvh_create(&config, &columns, &second));
+      CheckPairs(
+          [&](auto... rest) { return hs_bvh_join(bvh, second, rest...); },
+          [&](auto... rest) { return hs_bvh_join_each(bvh, second, rest...); },
+          [&](Span<IdPair> pairs, const PairOptions& options) {
+            return Pairs(expected, other, pairs, options);
+          });
+      hs_bvh_destroy(second);
+    }
+    hs_bvh_destroy(bvh);
+  }
+}
+
+// Two objects that a query of doubles touches if it is rounded outward.
+template <typename View>
+void TestQueryOfDoubles() {
+  using Its = Kind<View>;
+  std::vector<double> numbers(Its::kAxes, 0.1);
+  numbers.resize(Its::kValues, 0.7);
+  const Records query(Its::kValues, Its::kAxes, numbers);
+  const float* const row = query.row(0);
+  numbers.assign(row + Its::kAxes, row + Its::kValues);
+  numbers.resize(Its::kValues, 9);
+  numbers.resize(Its::kValues + Its::kAxes, -9);
+  numbers.insert(numbers.end(), row, row + Its::kAxes);
+  const Records objects(Its::kValues, Its::kAxes, numbers);
+  const hs_columns columns = Its::Objects(objects, kRows);
+  const hs_columns asked = Its::Queries(query, kDoubles);
+  const hs_bvh_config config = bvh_config_of(Its::kKind);
+  const hs_scan_config of_scan = scan_config_of(Its::kKind, 0);
+  hs_bvh* bvh = nullptr;
+  hs_scan* scan = nullptr;
+  std::size_t count = 0;
+  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
+  CHECK_OK(hs_bvh_count(bvh, &asked, nullptr, &count));
+  CHECK(count == 2);
+  CHECK_OK(hs_scan_create(&of_scan, &columns, &scan));
+  CHECK_OK(hs_scan_counts(scan, &asked, nullptr, &count));
+  CHECK(count == 2);
+  hs_scan_destroy(scan);
+  hs_bvh_destroy(bvh);
+}
+
+// The nearest objects that are not equal to the query, which is one of them.
+template <int kDims>
+void TestNearestOthers() {
+  constexpr std::size_t kNearest = 5;
+  using Its = Kind<AabbView<kDims>>;
+  const Records objects = Its::Make(kObjects, 0.01, 35);
+  const auto boxes = Its::template All<Aabb<kDims>>(objects);
+  const Bvh<AabbView<kDims>> expected{Span<const Aabb<kDims>>(boxes)};
+  const hs_bvh_config config = bvh_config_of(Its::kKind);
+  hs_columns columns = objects.In(kRows);
+  hs_bvh* bvh = nullptr;
+  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
+  for (std::size_t v = 0; v < Its::kValues; ++v)
+    columns.column[v] = objects.row(8) + v;
+  columns.count = kQueries;
+  hs_query_options options = DefaultsOf(&hs_query_options_default);
+  options.exclusive = 1;
+  for (std::size_t k : {std::size_t{1}, kNearest}) {
+    std::vector<std::uint32_t> ids(kQueries * k);
+    std::vector<std::uint32_t> without_distances(ids.size());
+    std::vector<float> distances(ids.size());
+    CHECK_OK(hs_bvh_nearest_to_boxes(bvh, &columns, k, 0.05f, &options,
+                                     ids.data(), distances.data()));
+    CHECK_OK(hs_bvh_nearest_to_boxes(bvh, &columns, k, 0.05f, &options,
+                                     without_distances.data(), nullptr));
+    CHECK(ids == without_distances);
+    for (std::size_t q = 0; q < kQueries; ++q) {
+      std::vector<std::uint32_t> its_ids(kObjects);
+      std::vector<float> its_distances(kObjects);
+      const std::size_t found =
+          KNearest(expected, boxes[8 + q], its_ids, its_distances, 0.05f);
+      std::vector<float> others;
+      for (std::size_t i = 0; i < found; ++i) {
+        if (its_ids[i] != 8 + q) others.push_back(its_distances[i]);
+      }
+      others.resize(k, kInfinity);
+      CHECK(
+          std::equal(others.begin(), others.end(), distances.begin() + q * k));
+      for (std::size_t i = 0; i < k; ++i) {
+        CHECK((ids[q * k + i] == HS_NO_ID) == (others[i] == kInfinity));
+        CHECK(ids[q * k + i] != 8 + q);
+      }
+    }
+  }
+  hs_bvh_destroy(bvh);
+}
+
+// Broad phases.
+
+bool KeepNoSevens(void* context, std::uint32_t a, std::uint32_t b,
+                  bool masks_match) {
+  CHECK(*static_cast<int*>(context) == 77);
+  return a % 7 != 0 && b % 7 != 0 && masks_match;
+}
+
+bool IsSame(Span<const IdPair> expected,
+            hs_status (*list)(const hs_broad_phase*, const hs_id_pair**,
+                              std::size_t*),
+            const hs_broad_phase* bodies) {
+  const hs_id_pair* pairs = nullptr;
+  std::size_t count = 0;
+  CHECK_OK(list(bodies, &pairs, &count));
+  return count == expected.size() &&
+         std::equal(expected.begin(), expected.end(), pairs,
+                    [](const IdPair& a, const hs_id_pair& b) {
+                      return a.a == b.a && a.b == b.b;
+                    });
+}
+
+template <typename View>
+void CheckSame(const BroadPhase<View>& expected, const hs_broad_phase* bodies) {
+  using Its = Kind<View>;
+  std::vector<std::byte> bytes;
+  expected.Save([&](Span<const std::byte> piece) {
+    bytes.insert(bytes.end(), piece.begin(), piece.end());
+  });
+  std::size_t size = 0;
+  CHECK_OK(hs_broad_phase_save(bodies, nullptr, 0, &size));
+  CHECK(size == bytes.size());
+  std::vector<std::byte> saved(size + 1, std::byte{7});
+  CHECK_OK(hs_broad_phase_save(bodies, saved.data(), size / 2, &size));
+  CHECK(size == bytes.size() && saved[size / 2] == std::byte{7});
+  CHECK_OK(hs_broad_phase_save(bodies, saved.data(), size, &size));
+  CHECK(std::equal(bytes.begin(), bytes.end(), saved.begin()) &&
+        saved.back() == std::byte{7});
+  CHECK_OK(hs_broad_phase_size(bodies, &size));
+  CHECK(size == expected.size());
+  std::array<float, Its::kValues> around{};
+  CHECK_OK(hs_broad_phase_bounds(bodies, around.data()));
+  CHECK(Its::IsRecord(around.data(), expected.Bounds()));
+  int is_valid = 0;
+  CHECK_OK(hs_broad_phase_validate(bodies, &is_valid));
+  CHECK(is_valid == 1);
+  hs_body_statistics found;
+  CHECK_OK(hs_broad_phase_statistics(bodies, &found, sizeof(found)));
+  const BroadPhaseStatistics its = expected.Statistics();
+  CHECK(found.bodies == its.bodies && found.pairs == its.pairs);
+  CHECK(found.bytes == its.bytes && found.cost_ratio == its.cost_ratio);
+  CHECK_OK(hs_broad_phase_id_limit(bodies, &size));
+  CHECK(size == expected.id_limit());
+  std::vector<std::uint32_t> ids;
+  for (std::uint32_t id = 0; id < size + 2; ++id) {
+    int has = 2;
+    CHECK_OK(hs_broad_phase_has(bodies, id, &has));
+    CHECK(has == (expected.Has(id) ? 1 : 0));
+    if (has == 1) ids.push_back(id);
+  }
+  std::vector<float> records(ids.size() * Its::kValues);
+  std::vector<hs_body_masks> masks(ids.size());
+  CHECK_OK(hs_broad_phase_get(bodies, ids.data(), ids.size(), records.data(),
+                              masks.data()));
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const BodyMasks its_masks = expected.MasksOf(ids[i]);
+    CHECK(
+        Its::IsRecord(records.data() + i * Its::kValues, expected.Get(ids[i])));
+    CHECK(masks[i].category == its_masks.category);
+    CHECK(masks[i].collides_with == its_masks.collides_with);
+  }
+  CHECK(IsSame(expected.pairs(), &hs_broad_phase_pairs, bodies));
+  CHECK(IsSame(expected.began(), &hs_broad_phase_began, bodies));
+  CHECK(IsSame(expected.ended(), &hs_broad_phase_ended, bodies));
+}
+
+template <typename View>
+void TestBroadPhase(bool moves_wait) {
+  using Its = Kind<View>;
+  using Bound = typename View::Bound;
+  int context = 77;
+  auto config = DefaultsOf(&hs_broad_phase_config_default);
+  config.kind = Its::kKind;
+  config.keep = &KeepNoSevens;
+  config.keep_context = &context;
+  config.moves_wait_for_update = moves_wait ? 1 : 0;
+  config.caller_locks = moves_wait ? 0 : 1;
+  BroadPhaseOptions options;
+  options.filter = {&KeepNoSevens, &context};
+  options.moves_wait_for_update = moves_wait;
+  options.caller_locks = !moves_wait;
+  BroadPhase<View> expected(options);
+  hs_broad_phase* bodies = nullptr;
+  CHECK_OK(hs_broad_phase_create(&config, &bodies));
+  std::uint32_t seed = 50;
+  for (Form form : kForms) {
+    const std::uint32_t first = 400u * static_cast<std::uint32_t>(form);
+    std::vector<std::uint32_t> ids;
+    std::vector<BodyMasks> masks;
+    std::vector<hs_body_masks> of_c;
+    for (std::uint32_t i = 0; i < 200; ++i) {
+      ids.push_back(first + 2 * i);
+      masks.push_back({1u << i % 5, i % 4 == 0 ? 3 : kAll});
+      of_c.push_back({masks.back().category, masks.back().collides_with});
+    }
+    const Records some = Its::Make(ids.size(), 0.15, ++seed);
+    const auto bounds = Its::template All<Bound>(some);
+    const hs_columns columns = some.In(form);
+    const bool has_masks = form != kWide;
+    CHECK_OK(hs_broad_phase_insert(bodies, ids.data(), &columns,
+                                   has_masks ? of_c.data() : nullptr));
+    expected.Insert(
+        ids, bounds,
+        has_masks ? Span<const BodyMasks>(masks) : Span<const BodyMasks>());
+    CheckSame(expected, bodies);
+    CHECK_OK(
+        hs_broad_phase_set_masks(bodies, ids.data(), of_c.data() + 50, 100));
+    expected.SetMasks({ids.data(), 100}, {masks.data() + 50, 100});
+    CHECK_OK(hs_broad_phase_update_pairs(bodies, nullptr));
+    expected.UpdatePairs();
+    CheckSame(expected, bodies);
+    // A move that queries see, or do not see yet.
+    std::rotate(ids.begin(), ids.begin() + 60, ids.end());
+    const Records moved = Its::Make(ids.size(), 0.15, ++seed);
+    const hs_columns of_moved = moved.In(form);
+    CHECK_OK(hs_broad_phase_move(bodies, ids.data(), &of_moved));
+    expected.Move(ids, Its::template All<Bound>(moved));
+    std::vector<std::size_t> counts(some.count());
+    CHECK_OK(hs_broad_phase_count(bodies, &columns, nullptr, counts.data()));
+    for (std::size_t q = 0; q < counts.size(); ++q) {
+      CHECK(counts[q] == CountSurvivors(expected, bounds[q]));
+    }
+    auto update = DefaultsOf(&hs_update_options_default);
+    if (form != kRows) update.budget = form == kWide ? 0 : 100;
+    CHECK_OK(hs_broad_phase_update(bodies, &update));
+    expected.Update({update.budget, {}});
+    CHECK_OK(hs_broad_phase_erase(bodies, ids.data(), 30));
+    expected.Erase({ids.data(), 30});
+    CHECK_OK(hs_broad_phase_update_pairs(bodies, nullptr));
+    expected.UpdatePairs();
+    CheckSame(expected, bodies);
+    CHECK(!expected.began().empty() && !expected.ended().empty());
+
+    // A copy, and a loaded one in the next forms.
+    hs_broad_phase* other = nullptr;
+    if (form == kRows) {
+      CHECK_OK(hs_broad_phase_copy(bodies, &other));
+    } else {
+      std::size_t size = 0;
+      CHECK_OK(hs_broad_phase_save(bodies, nullptr, 0, &size));
+      std::vector<std::byte> saved(size);
+      CHECK_OK(hs_broad_phase_save(bodies, saved.data(), size, &size));
+      CHECK_OK(hs_broad_phase_create(&config, &other));
+      CHECK_OK(hs_broad_phase_load(other, saved.data(), size));
+    }
+    hs_broad_phase_destroy(bodies);
+    bodies = other;
+    // Its memory can differ.
+    BroadPhase<View> copy(options);
+    if (form == kRows) {
+      copy = expected;
+    } else {
+      std::vector<std::byte> bytes;
+      expected.Save([&](Span<const std::byte> piece) {
+        bytes.insert(bytes.end(), piece.begin(), piece.end());
+      });
+      copy.Load(bytes);
+    }
+    expected = std::move(copy);
+    CheckSame(expected, bodies);
+  }
+  std::vector<std::uint32_t> set;
+  for (std::uint32_t id = 0; id < 600; id += 3) {
+    if (expected.Has(id)) set.push_back(id);
+  }
+  CheckSearches<BodyFunctions>(expected, bodies, set);
+  CHECK_OK(hs_broad_phase_rebuild(bodies, nullptr));
+  expected.Rebuild();
+  CheckSame(expected, bodies);
+  hs_broad_phase_destroy(bodies);
+}
+
+template <typename View>
+void TestKind() {
+  for (Form form : kForms) TestScan<View>(0, form);
+  TestScan<View>(0, kRows, 1);
+  TestScan<View>(8, kRows);
+  TestScan<View>(16, kDoubles);
+  TestQueryOfDoubles<View>();
+  TestBvh<View>();
+  if constexpr (!Kind<View>::kIsSimplex) {
+    TestBroadPhase<View>(false);
+    TestBroadPhase<View>(true);
+  }
+}
+
+}  // namespace
+}  // namespace halfspace
+
+extern "C" void test_parity(void) {
+  using namespace halfspace;
+  TestBuilders<2>();
+  TestBuilders<3>();
+  TestKind<AabbView2>();
+  TestKind<AabbView3>();
+  TestKind<AaboView2>();
+  TestKind<AaboView3>();
+  TestKind<SimplexView2>();
+  TestKind<SimplexView3>();
+  TestNearestOthers<2>();
+  TestNearestOthers<3>();
+}
