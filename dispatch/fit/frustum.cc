@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <new>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -299,7 +300,10 @@ std::optional<Aabo3> TryAny(Planes<double> planes) {
 }
 
 template <typename Scalar>
-Aabo3 BoundPlanes(Planes<Scalar> planes, FitStatus* status) {
+void BoundPlanes(const detail::AnyShape& any, std::size_t count,
+                 FitStatus* status) {
+  const Planes<Scalar> planes(
+      static_cast<const HalfSpace<3, Scalar>*>(any.shape), count);
   if (planes.size() != kPlanes) {
     dispatch::ThrowInvalid("BoundFrustum", "planes", "6 planes",
                            std::to_string(planes.size()));
@@ -307,17 +311,16 @@ Aabo3 BoundPlanes(Planes<Scalar> planes, FitStatus* status) {
   dispatch::CheckPointer(
       "BoundFrustum", planes.data(), alignof(HalfSpace<3, Scalar>),
       [] { return "planes"; }, [] { return "6 planes"; });
-  return dispatch::Build(status, [&] { return TryAny(planes); });
+  new (any.bound)
+      Aabo3(dispatch::Build(status, [&] { return TryAny(planes); }));
 }
 
 }  // namespace
 
-Aabo3 BoundFrustum(Planes<float> planes, FitStatus* status) {
-  return BoundPlanes<float>(planes, status);
-}
-
-Aabo3 BoundFrustum(Planes<double> planes, FitStatus* status) {
-  return BoundPlanes<double>(planes, status);
+void detail::BoundFrustum(const AnyShape& planes, std::size_t count,
+                          FitStatus* status) {
+  planes.is_double ? BoundPlanes<double>(planes, count, status)
+                   : BoundPlanes<float>(planes, count, status);
 }
 
 }  // namespace halfspace

@@ -87,6 +87,10 @@ HALFSPACE_API void BoundImageOfPoints(const AnyShape& points, const void* map,
 HALFSPACE_API void BoundImageOfBox(const AnyShape& box, const void* map,
                                    bool is_map_double, FitStatus* status);
 
+// Of `count` planes.
+HALFSPACE_API void BoundFrustum(const AnyShape& planes, std::size_t count,
+                                FitStatus* status);
+
 template <int kDims, typename Scalar>
 AnyShape ShapeOf(const void* shape, void* bound) {
   static_assert(2 <= kDims && kDims <= 4, "bounds have 2, 3 or 4 dimensions");
@@ -250,10 +254,16 @@ Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims, Scalar>& box,
 //   or misaligned.
 //   Cost: about 25 us, and up to ten times that if more than three planes meet
 //   in a point, exactly or nearly.
-HALFSPACE_API Aabo3 BoundFrustum(Span<const HalfSpace3> planes,
-                                 FitStatus* status = nullptr);
-HALFSPACE_API Aabo3 BoundFrustum(Span<const HalfSpace<3, double>> planes,
-                                 FitStatus* status = nullptr);
+inline Aabo3 BoundFrustum(Span<const HalfSpace3> planes,
+                          FitStatus* status = nullptr) {
+  return detail::Built<3, float>(&detail::BoundFrustum, planes.data(),
+                                 planes.size(), status);
+}
+inline Aabo3 BoundFrustum(Span<const HalfSpace<3, double>> planes,
+                          FitStatus* status = nullptr) {
+  return detail::Built<3, double>(&detail::BoundFrustum, planes.data(),
+                                  planes.size(), status);
+}
 
 // Bounds the exact image of a point set, or of a box, under an affine map. Call
 // it on the local shape in every pose, instead of rotating a bound, which makes

@@ -47,8 +47,9 @@ HALFSPACE_DECLARE_KERNELS(kFitPointSets);
 #undef HALFSPACE_DECLARE_KERNELS
 
 // The builders of doubles by source and by dimensions, from 2 on: one, for
-// every target.
-HALFSPACE_API extern const FitKernels* const kFitKernelsOfDoubles[4][3];
+// every target. Solids are boxes and spheres; the others need only points.
+HALFSPACE_API extern const FitKernels* const kFitSolidsOfDoubles[2][3];
+HALFSPACE_API extern const FitKernels* const kFitPointsOfDoubles[2][3];
 
 // Boxes have all minima, then all maxima; spheres the center, then the radius;
 // points their coordinates.
@@ -83,10 +84,12 @@ Source SourceOf(const Columns& columns, std::size_t column_count,
                 bool has_one_pointer = false) {
   static_assert(2 <= kDims && kDims <= 4, "bounds have 2, 3 or 4 dimensions");
   const FitKernels* kernels = nullptr;
-  if constexpr (std::is_same_v<Scalar, double>) {
-    kernels = kFitKernelsOfDoubles[kSource][kDims - 2];
-  } else {
+  if constexpr (std::is_same_v<Scalar, float>) {
     kernels = FitKernelsOf<kSource, kDims>::kTargets;
+  } else if constexpr (kSource == kFitBoxes || kSource == kFitSpheres) {
+    kernels = kFitSolidsOfDoubles[kSource][kDims - 2];
+  } else {
+    kernels = kFitPointsOfDoubles[kSource - kFitTriangles][kDims - 2];
   }
   return {kernels, kDims, column_count, columns, has_one_pointer};
 }
