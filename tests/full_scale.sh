@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs the tests against exact arithmetic at full scale, and prints what ran:
 # 20 times what test.sh takes, which makes more than 10^7 bounds, 10^6 spheres and
-# 10^5 pairs of touching triangles. About ten minutes of one core. An argument
+# 10^5 pairs that touch. About ten minutes of one core. An argument
 # sets another scale.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)

@@ -23,9 +23,10 @@ TYPED_TEST(BroadPhaseHistoryTest, AnyHistoryIsThatOfTheModel) {
   const std::size_t rounds = std::max<std::size_t>(4, Scaled(12));
   for (std::size_t round = 0; round < rounds; ++round) {
     BodyMaker<View> maker(round);
-    // One with three levels of nodes.
+    // One with three levels of nodes: 63 % of so many bodies are more than
+    // 64^2. It takes nine tenths of the time, so it is short at a small scale.
     const bool is_large = round == 1;
-    const std::size_t most_bodies = is_large         ? 9000
+    const std::size_t most_bodies = is_large         ? 7000
                                     : round % 3 == 0 ? 200
                                                      : 1500;
     constexpr std::uint32_t kStrides[] = {1, 3, 700, 64, 5000};
@@ -39,7 +40,7 @@ TYPED_TEST(BroadPhaseHistoryTest, AnyHistoryIsThatOfTheModel) {
                                                kStrides[round % 5], options,
                                                kModes[round / 2 % 4]);
     if (is_large) history.Insert(most_bodies);
-    const std::size_t steps = is_large ? 12 : 10 + Scaled(20);
+    const std::size_t steps = is_large ? 3 + Scaled(9) : 10 + Scaled(20);
     for (std::size_t step = 0; step < steps; ++step) {
       const std::size_t what = history.Change();
       history.ExpectIsModel(maker.random()());

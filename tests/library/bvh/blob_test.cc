@@ -32,7 +32,7 @@ namespace {
 
 template <typename Case>
 class BvhBlobTest : public ::testing::Test {};
-TYPED_TEST_SUITE(BvhBlobTest, BvhCases, CaseNames);
+TYPED_TEST_SUITE(BvhBlobTest, FewBvhCases, CaseNames);
 
 TYPED_TEST(BvhBlobTest, ABlobIsTheWorld) {
   using View = typename TypeParam::View;

@@ -32,7 +32,7 @@ namespace {
 
 template <typename Case>
 class BvhChangesTest : public ::testing::Test {};
-TYPED_TEST_SUITE(BvhChangesTest, BvhCases, CaseNames);
+TYPED_TEST_SUITE(BvhChangesTest, FewBvhCases, CaseNames);
 
 // The bound of each object, and of all.
 template <typename View>

@@ -28,6 +28,9 @@ inline Ids InOrder(std::span<const std::uint32_t> ids) {
 using BvhCases = Tested<
     ::testing::Types<Whole<SimplexView2>, Whole<SimplexView3>, Whole<AabbView2>,
                      Whole<AabbView3>, Whole<AaboView2>, Whole<AaboView3>>>;
+// Of each kind one, for changes and blobs: a tree knows its planes by number.
+using FewBvhCases = Tested<
+    ::testing::Types<Whole<SimplexView2>, Whole<AabbView3>, Whole<AaboView3>>>;
 
 // An octahedron as an object of the view, and as a query.
 template <typename View>

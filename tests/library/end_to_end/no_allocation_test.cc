@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -17,10 +18,8 @@
 #include "tests/library/support/dims.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/limited_memory.h"
-#include "tests/library/support/many_calls.h"
 #include "tests/library/support/quantized_cases.h"
 #include "tests/library/support/sanitized.h"
-#include "tests/library/support/unchecked.h"
 
 #if defined(__unix__)
 #include "tests/library/support/stack_use.h"
@@ -31,26 +30,21 @@ namespace {
 
 // Every call on `world`, for one query and for many, with every target and
 // schedule.
-template <typename AnyWorld, typename One, typename Many>
-void VisitCalls(const AnyWorld& world,
-                const std::vector<typename AnyWorld::Query>& queries,
-                const One& one, const Many& many) {
+void VisitCalls(const AnyWorld& world, const AnyQueries& queries,
+                const NamedCall& one, const NamedCall& many) {
   CallOutputs outputs;
-  ManyCallOutputs many_outputs;
+  std::vector<std::uint64_t> masks(MaskWords(world.size()) * queries.count);
   for (Target target : TargetsUnderTest()) {
     for (Schedule schedule : kSchedules) {
       const Options options{.schedule = schedule, .target = target};
-      ForEachCall(world, queries[0], options, outputs, one);
-      ForEachManyCall(world, std::span(queries), options, many_outputs, many);
+      ForEachCall(world, world.One(queries), options, outputs, one);
+      ForEachManyCall(world, queries, options, outputs, many);
     }
-    const auto view = world.view();
-    if constexpr (HasKernels<decltype(view)>) {
-      std::vector<std::uint64_t> masks(MaskWords(view.size) * queries.size());
+    if (world.HasUnchecked()) {
       one("kernels.h",
-          [&] { SurvivorMaskUnchecked(view, queries[0], masks, target); });
-      many("kernels.h, many", [&] {
-        SurvivorMasksUnchecked(view, std::span(queries), masks, target);
-      });
+          [&] { world.UncheckedMask(world.One(queries), masks, target); });
+      many("kernels.h, many",
+           [&] { world.UncheckedMasks(queries, masks, target); });
     }
   }
 }
@@ -74,8 +68,8 @@ TYPED_TEST_SUITE(NoAllocationOfCallsTest, FewQuantizedCases,
 
 // The same on floats, on quantized bounds and on both; of many objects, whose
 // planes are in no first-level cache, with one query, for which there is room.
-template <typename Case, typename One, typename Many>
-void VisitWorlds(const One& one, const Many& many) {
+template <typename Case>
+void VisitWorlds(const NamedCall& one, const NamedCall& many) {
   using View = typename Case::View;
   Random random(62);
   for (const auto& [objects, count] :
@@ -83,18 +77,19 @@ void VisitWorlds(const One& one, const Many& many) {
     auto bounds =
         MakeQuantizedBounds<View>(QuantizedInputKind::kUniform,
                                   static_cast<std::size_t>(objects), random);
-    std::vector<typename View::Query> queries;
+    std::vector<typename View::Query> all;
     for (int i = 0; i < count; ++i) {
-      queries.push_back(MakeQuantizedQuery<View>(bounds, random));
+      all.push_back(MakeQuantizedQuery<View>(bounds, random));
     }
+    const AnyQueries queries(all.data(), all.size());
     const World<View> floats(bounds);
     const QuantizedWorld<View, typename Case::Element> quantized_world{
         std::span(bounds)};
-    VisitCalls(floats, queries, one, many);
-    VisitCalls(quantized_world.quantized(), queries, one, many);
-    VisitCalls(Refined(quantized_world.quantized(), floats.view()), queries,
-               one, many);
-    VisitCalls(quantized_world, queries, one, many);
+    VisitCalls(AnyWorld(floats), queries, one, many);
+    VisitCalls(AnyWorld(quantized_world.quantized()), queries, one, many);
+    VisitCalls(AnyWorld(Refined(quantized_world.quantized(), floats.view())),
+               queries, one, many);
+    VisitCalls(AnyWorld(quantized_world), queries, one, many);
   }
 }
 
@@ -104,8 +99,9 @@ TYPED_TEST(NoAllocationOfCallsTest, OnFloatsAndQuantized) {
 }
 
 // Of more objects than one level has nodes for.
-template <typename Visit>
-void VisitBvh(const Visit& visit) {
+void VisitBvh(
+    const std::function<void(const char* name, std::size_t most,
+                             const std::function<void()>& call)>& visit) {
   AaboWorld3 floats;
   for (int i = 0; i < 5000; ++i) {
     const auto x = static_cast<float>(i);

@@ -83,7 +83,18 @@ class FitManyMemoryTest : public ::testing::Test {
   AaboPlanes<kDims> expected_;
 };
 
-TYPED_TEST_SUITE(FitManyMemoryTest, AllBulkSources, BulkSourceNames);
+// Each source with few columns and with many. Doubles are bounded one by one.
+#if defined(HALFSPACE_TEST_ONLY_3D)
+using MemorySources = AllBulkSources;
+#else
+using MemorySources =
+    ::testing::Types<BoxSource<2>, BoxSource<4>, SphereSource<2>,
+                     SphereSource<3>, TriangleSource<3>, TriangleSource<4>,
+                     PointSetSource<2>, PointSetSource<3>, BoxSource<3, double>,
+                     SphereSource<3, double>, TriangleSource<3, double>,
+                     PointSetSource<3, double>>;
+#endif
+TYPED_TEST_SUITE(FitManyMemoryTest, MemorySources, BulkSourceNames);
 
 TYPED_TEST(FitManyMemoryTest, EverySizeAndStride) {
   const auto all = this->RandomShapes();

@@ -14,9 +14,9 @@
 
 #include "halfspace/halfspace.h"
 #include "tests/library/support/answers.h"
+#include "tests/library/support/calls.h"
 #include "tests/library/support/canaries.h"
 #include "tests/library/support/environment.h"
-#include "tests/library/support/many_calls.h"
 
 namespace halfspace::testing {
 namespace {
@@ -161,7 +161,7 @@ TEST(ManyOutputsTest, CountsOfNothingAreZero) {
 TEST(ManyOutputsTest, NothingNeedsNoMemoryAndHasATarget) {
   const AabbWorld3 world = PointsOnX(10000);
   const std::vector<Aabb3> queries = LongerAndLonger(300);
-  ManyCallOutputs outputs;
+  CallOutputs outputs;
   for (Target target : TargetsUnderTest()) {
     for (Schedule schedule : kSchedules) {
       const Options options{.schedule = schedule, .target = target};
@@ -175,7 +175,7 @@ TEST(ManyOutputsTest, NothingNeedsNoMemoryAndHasATarget) {
       SurvivorMasks(empty, queries, {}, options);
       EXPECT_EQ(SurvivorPairs(empty, queries, {}, {}, options), 0u);
       // Outputs that are left alone.
-      const auto ask = [](std::string_view, auto call) { call(); };
+      const auto ask = [](std::string_view, const auto& call) { call(); };
       ForEachManyCall(world, {}, options, outputs, ask);
       EXPECT_TRUE(outputs.Untouched());
       ForEachManyCall(empty, {}, options, outputs, ask);

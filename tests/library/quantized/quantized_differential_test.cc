@@ -4,40 +4,42 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <vector>
 
-#include "halfspace/quantized.h"
 #include "tests/library/quantized/quantized_answers.h"
+#include "tests/library/quantized/quantized_rows.h"
 #include "tests/library/support/environment.h"
-#include "tests/library/support/quantized_cases.h"
 #include "tests/library/support/sizes.h"
 
 namespace halfspace::testing {
 namespace {
 
-template <typename Case>
-class QuantizedDifferentialTest : public ::testing::Test {
+class QuantizedDifferentialTest
+    : public ::testing::TestWithParam<QuantizedRow> {
  protected:
-  using FloatView = typename Case::View;
-  using Element = typename Case::Element;
-
   // A world of its own for each size, and several queries.
-  void Check(QuantizedInputKind kind, std::size_t size, std::size_t queries) {
+  void Check(QuantizedInputKind kind, std::size_t size,
+             std::size_t query_count) {
     SCOPED_TRACE(::testing::Message()
                  << NameOf(kind) << ", " << size << " objects");
-    auto bounds = MakeQuantizedBounds<FloatView>(kind, size, random_);
-    const World<FloatView> world(bounds);
-    const QuantizedBounds<FloatView, Element> quantized(world.view());
+    const auto values =
+        MakeQuantizedValues(GetParam().layout, kind, size, random_);
+    const auto all = GetParam().make(values);
+    const AnyWorld floats = all->floats();
+    const AnyWorld quantized = all->quantized();
     ASSERT_EQ(quantized.size(), size);
-    ASSERT_EQ(quantized.empty(), size == 0);
-    EXPECT_TRUE(quantized.Fits());
-    for (std::size_t q = 0; q < queries; ++q) {
-      const auto query = MakeQuantizedQuery<FloatView>(bounds, random_);
-      ASSERT_TRUE(
-          QuantizedAnswersEverywhere(quantized, world.view(), query, targets_));
+    EXPECT_TRUE(all->Fits());
+    const QuantizedQueries queries(GetParam(), values, query_count, random_);
+    for (std::size_t q = 0; q < query_count; ++q) {
+      const AnyQueries query = queries.Some(q, 1);
+      Answer exact;
+      exact.AssignReference(floats, query);
+      ASSERT_TRUE(QuantizedAnswersEverywhere(quantized, all->refined(), exact,
+                                             query, targets_));
       objects_ += size;
-      survivors_ += ReferenceAnswer(world.view(), query).survivors().size();
+      survivors_ += exact.survivors().size();
     }
   }
 
@@ -55,70 +57,76 @@ class QuantizedDifferentialTest : public ::testing::Test {
   std::size_t survivors_ = 0;
 };
 
-TYPED_TEST_SUITE(QuantizedDifferentialTest, QuantizedCases, QuantizedCaseNames);
-
-TYPED_TEST(QuantizedDifferentialTest, EverySmallSize) {
+TEST_P(QuantizedDifferentialTest, EverySmallSize) {
   std::size_t turn = 0;
   for (std::size_t size = 0; size <= 130; ++size) {
     for (std::size_t i = 0; i < Scaled(3); ++i) {
-      this->Check(kQuantizedInputKinds[turn++ % kQuantizedInputKinds.size()],
-                  size, 1);
-      if (this->HasFatalFailure()) return;
+      Check(kQuantizedInputKinds[turn++ % kQuantizedInputKinds.size()], size,
+            1);
+      if (HasFatalFailure()) return;
     }
   }
-  this->ExpectBothAnswers();
+  ExpectBothAnswers();
 }
 
-TYPED_TEST(QuantizedDifferentialTest, EveryKindAroundTiles) {
+TEST_P(QuantizedDifferentialTest, EveryKindAroundTiles) {
   const std::vector<std::size_t> sizes = SizesAroundTiles();
   std::size_t turn = 0;
   for (QuantizedInputKind kind : kQuantizedInputKinds) {
     for (std::size_t i = 0; i < Scaled(2); ++i) {
-      this->Check(kind, sizes[turn++ % sizes.size()], 2);
-      if (this->HasFatalFailure()) return;
+      Check(kind, sizes[turn++ % sizes.size()], 2);
+      if (HasFatalFailure()) return;
     }
   }
-  this->ExpectBothAnswers();
+  ExpectBothAnswers();
 }
 
-TYPED_TEST(QuantizedDifferentialTest, FromAfar) {
-  using Bound = typename TypeParam::View::Bound;
-  const std::size_t record_bytes =
-      sizeof(Bound) / sizeof(float) * sizeof(typename TypeParam::Element);
+TEST_P(QuantizedDifferentialTest, FromAfar) {
   // The largest first.
-  std::vector<std::size_t> sizes = SizesFromMemory(record_bytes);
+  std::vector<std::size_t> sizes =
+      SizesFromMemory(GetParam().planes() * GetParam().element_bytes);
   for (std::size_t left = Scaled(sizes.size()); left != 0; --left) {
-    this->Check(QuantizedInputKind::kClustered, sizes.back(), 4);
+    Check(QuantizedInputKind::kClustered, sizes.back(), 4);
     sizes.pop_back();
-    if (this->HasFatalFailure()) return;
+    if (HasFatalFailure()) return;
   }
-  this->ExpectBothAnswers();
+  ExpectBothAnswers();
 }
 
 // Few objects make few thresholds, so each size is a map of its own.
-TYPED_TEST(QuantizedDifferentialTest, WhatTouchesIsKept) {
-  using View = typename TypeParam::View;
+TEST_P(QuantizedDifferentialTest, WhatTouchesIsKept) {
+  const std::size_t planes = GetParam().planes();
   for (QuantizedInputKind kind : kQuantizedInputKinds) {
     for (std::size_t size : {1u, 2u, 3u, 7u, 8u, 254u, 255u, 256u, 700u}) {
       SCOPED_TRACE(::testing::Message()
                    << NameOf(kind) << ", " << size << " objects");
-      const auto bounds = MakeQuantizedBounds<View>(kind, size, this->random_);
-      const World<View> world(bounds);
-      const QuantizedBounds<View, typename TypeParam::Element> quantized(
-          world.view());
+      const auto values =
+          MakeQuantizedValues(GetParam().layout, kind, size, random_);
+      const auto all = GetParam().make(values);
+      const AnyWorld floats = all->floats();
+      const AnyWorld quantized = all->quantized();
       const std::size_t step = std::max<std::size_t>(1, size / Scaled(size));
       for (std::size_t i = 0; i < size; i += step) {
-        const auto query = TouchingQuery<View>(bounds[i]);
-        const Answer quantized_world =
-            AnswerByMask(quantized, size, query, this->targets_[0]);
-        ASSERT_TRUE(
-            KeepsAllOf(ReferenceAnswer(world.view(), query), quantized_world));
-        ASSERT_EQ(quantized_world.survivor_mask()[i / 64] >> (i % 64) & 1, 1u)
+        // It touches object i in every plane.
+        std::array<float, 10> query{};
+        for (std::size_t p = 0; p < planes; ++p) {
+          query[OpposingValue(GetParam().layout, p)] = values[i * planes + p];
+        }
+        Answer exact;
+        exact.AssignReference(floats, {query.data(), 1});
+        const Answer of_quantized =
+            AnswerByMask(quantized, {query.data(), 1}, targets_[0]);
+        ASSERT_TRUE(KeepsAllOf(exact, of_quantized));
+        ASSERT_EQ(of_quantized.survivor_mask()[i / 64] >> (i % 64) & 1, 1u)
             << i;
       }
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(, QuantizedDifferentialTest,
+                         ::testing::ValuesIn(QuantizedRows()),
+                         QuantizedRowName);
 
 }  // namespace
 }  // namespace halfspace::testing

@@ -17,7 +17,6 @@
 #include "tests/library/support/calls.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
-#include "tests/library/support/many_calls.h"
 #include "tests/library/support/misaligned.h"
 #include "tests/library/support/quantized_cases.h"
 
@@ -49,16 +48,15 @@ class QuantizedErrorsTest : public ::testing::Test {
                        std::string_view expected, std::string_view given) {
     using Query = typename FloatView::Query;
     const Query query = Query::Everything();
-    const auto refuses = [&](std::string_view name, auto call) {
+    const auto refuses = [&](std::string_view name, const auto& call) {
       EXPECT_TRUE(Refuses(call, {"halfspace: ", name, argument, "expected",
                                  expected, "got", given}));
     };
     CallOutputs outputs;
     ForEachCall(world, query, {}, outputs, refuses);
     EXPECT_TRUE(outputs.Untouched());
-    ManyCallOutputs many_outputs;
-    ForEachManyCall(world, std::span(&query, 1), {}, many_outputs, refuses);
-    EXPECT_TRUE(many_outputs.Untouched());
+    ForEachManyCall(world, std::span(&query, 1), {}, outputs, refuses);
+    EXPECT_TRUE(outputs.Untouched());
   }
 
   Random random_{31};

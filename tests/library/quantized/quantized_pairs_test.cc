@@ -9,72 +9,62 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
-#include "halfspace/quantized.h"
-#include "halfspace/reject.h"
+#include "tests/library/quantized/quantized_rows.h"
 #include "tests/library/support/answers.h"
 #include "tests/library/support/environment.h"
-#include "tests/library/support/quantized_cases.h"
 
 namespace halfspace::testing {
 namespace {
 
-template <typename Case>
-class QuantizedPairsTest : public ::testing::Test {
+class QuantizedPairsTest : public ::testing::TestWithParam<QuantizedRow> {
  protected:
-  using FloatView = typename Case::View;
-  using Bound = typename FloatView::Bound;
-  using Query = typename FloatView::Query;
-  using Element = typename Case::Element;
-  static constexpr std::uint32_t kMost = std::numeric_limits<Element>::max();
-
   // The value that has this level in a plane. In a plane of minima the least
   // level is of what reaches no threshold; in one of maxima the greatest is of
   // what passes all.
-  static float ValueOf(std::uint32_t level) {
+  static float ValueOf(std::size_t level) {
     return static_cast<float>(level) - 200.f;
   }
 
   // Objects that reject nothing but in plane p, where object i has a value of
   // level i.
-  static std::vector<Bound> ObjectsOf(std::size_t p) {
-    std::vector<Bound> bounds(kMost + std::size_t{1});
-    for (std::size_t i = 0; i < bounds.size(); ++i) {
-      for (std::size_t other = 0; other < kPlanes<FloatView>; ++other) {
-        StoredValue<FloatView>(bounds[i], other) = 0.f;
-      }
-      StoredValue<FloatView>(bounds[i], p) = ValueOf(static_cast<Element>(i));
+  std::vector<float> ObjectsOf(std::size_t p) const {
+    std::vector<float> values((most_ + 1) * planes_);
+    for (std::size_t i = 0; i <= most_; ++i) {
+      values[i * planes_ + p] = ValueOf(i);
     }
-    return bounds;
+    return values;
   }
 
   // Trains from all but the one object that no threshold is for, which is then
   // put in its place.
-  static QuantizedBounds<FloatView, Element> QuantizedOf(
-      std::size_t p, const std::vector<Bound>& bounds) {
-    const std::size_t odd = IsMinPlane<FloatView>(p) ? 0 : kMost;
-    std::vector<Bound> trained = bounds;
-    trained.erase(trained.begin() + static_cast<std::ptrdiff_t>(odd));
-    QuantizedBounds<FloatView, Element> quantized{
-        World<FloatView>(trained).view()};
-    quantized.Push(bounds.back());
-    for (std::size_t i = 0; i < bounds.size(); ++i) quantized.Set(i, bounds[i]);
+  std::unique_ptr<AnyQuantized> QuantizedOf(
+      std::size_t p, const std::vector<float>& values) const {
+    const std::size_t odd = GetParam().IsMinPlane(p) ? 0 : most_;
+    std::vector<float> trained = values;
+    const auto at =
+        trained.begin() + static_cast<std::ptrdiff_t>(odd * planes_);
+    trained.erase(at, at + static_cast<std::ptrdiff_t>(planes_));
+    auto quantized = GetParam().make(trained);
+    quantized->Push(&values[most_ * planes_]);
+    for (std::size_t i = 0; i <= most_; ++i) {
+      quantized->Set(i, &values[i * planes_]);
+    }
     return quantized;
   }
 
   // Masks alone, for the other outputs are made of them.
-  ::testing::AssertionResult RejectsEverywhere(
-      const Answer& answer,
-      const QuantizedBounds<FloatView, Element>& quantized,
-      const Query& query) {
+  ::testing::AssertionResult RejectsEverywhere(const Answer& answer,
+                                               const AnyWorld& quantized,
+                                               const AnyQueries& query) {
     mask_.resize(answer.reject_mask().size());
-    for (Target target : targets_) {
+    for (Target target : TargetsUnderTest()) {
       for (Schedule schedule : kSchedules) {
         const Options options{.schedule = schedule, .target = target};
-        RejectMask(quantized, query, mask_, options);
+        detail::RejectMask(quantized.Asked(query), mask_, options);
         const std::span<const std::uint64_t> mask = mask_;
         if (internal::Same(answer.reject_mask(), mask)) continue;
         return internal::FailElement("RejectMask", options,
@@ -86,42 +76,42 @@ class QuantizedPairsTest : public ::testing::Test {
 
   // All of one byte; of two bytes other ones from plane to plane, when not all
   // are tried.
-  static std::vector<std::uint32_t> QueryLevels(std::size_t p) {
-    std::vector<std::uint32_t> quantized;
-    if (kMost == 255) {
-      for (std::uint32_t level = 0; level <= kMost; ++level)
-        quantized.push_back(level);
-      return quantized;
+  std::vector<std::uint32_t> QueryLevels(std::size_t p) const {
+    std::vector<std::uint32_t> levels;
+    if (most_ == 255) {
+      for (std::uint32_t level = 0; level <= most_; ++level)
+        levels.push_back(level);
+      return levels;
     }
     constexpr std::array<std::uint32_t, 16> kEdges = {
         0,     1,     127,   128,   255,   256,   257,   0x7f00,
-        32766, 32767, 32768, 32769, 65279, 65280, 65534, kMost};
+        32766, 32767, 32768, 32769, 65279, 65280, 65534, 65535};
     for (std::size_t i = 0; i < Scaled(kEdges.size()); ++i) {
-      quantized.push_back(kEdges[(5 * p + i) % kEdges.size()]);
+      levels.push_back(kEdges[(5 * p + i) % kEdges.size()]);
     }
-    return quantized;
+    return levels;
   }
 
+  const std::size_t planes_ = GetParam().planes();
+  const std::size_t most_ =
+      (std::size_t{1} << (8 * GetParam().element_bytes)) - 1;
+
  private:
-  std::vector<Target> targets_ = TargetsUnderTest();
   std::vector<std::uint64_t> mask_;
 };
 
-TYPED_TEST_SUITE(QuantizedPairsTest, QuantizedCases, QuantizedCaseNames);
-
-TYPED_TEST(QuantizedPairsTest, AreComparedAsTheirLevelsAre) {
-  using View = typename TypeParam::View;
-  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-    const bool is_min = IsMinPlane<View>(p);
-    const auto bounds = this->ObjectsOf(p);
-    const auto quantized = this->QuantizedOf(p, bounds);
-    typename View::Query query{};
-    for (const std::uint32_t level : this->QueryLevels(p)) {
-      OpposingValue<View>(query, p) = this->ValueOf(level);
-      const Answer answer(bounds.size(), [&](std::size_t i) {
+TEST_P(QuantizedPairsTest, AreComparedAsTheirLevelsAre) {
+  for (std::size_t p = 0; p < planes_; ++p) {
+    const bool is_min = GetParam().IsMinPlane(p);
+    const auto quantized = QuantizedOf(p, ObjectsOf(p));
+    std::array<float, 10> query{};
+    for (const std::uint32_t level : QueryLevels(p)) {
+      query[OpposingValue(GetParam().layout, p)] = ValueOf(level);
+      const Answer answer(most_ + 1, [&](std::size_t i) {
         return is_min ? i > level : i < level;
       });
-      ASSERT_TRUE(this->RejectsEverywhere(answer, quantized, query))
+      ASSERT_TRUE(
+          RejectsEverywhere(answer, quantized->quantized(), {query.data(), 1}))
           << "plane " << p << ", level " << level << " of the query";
     }
   }
@@ -129,32 +119,37 @@ TYPED_TEST(QuantizedPairsTest, AreComparedAsTheirLevelsAre) {
 
 // What lies between two thresholds has the level that its side of the test
 // gives it: of a minimum that of the threshold below, of a maximum that above.
-TYPED_TEST(QuantizedPairsTest, BetweenThresholdsTheNextOneOutwardCounts) {
-  using View = typename TypeParam::View;
+TEST_P(QuantizedPairsTest, BetweenThresholdsTheNextOneOutwardCounts) {
   constexpr std::uint32_t kLevel = 100;
   const Options options{.target = TargetsUnderTest().front()};
-  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+  for (std::size_t p = 0; p < planes_; ++p) {
     SCOPED_TRACE(p);
-    const float outward = IsMinPlane<View>(p) ? 0.25f : -0.25f;
-    auto bounds = this->ObjectsOf(p);
-    auto quantized = this->QuantizedOf(p, bounds);
-    typename View::Query query{};
+    const bool is_min = GetParam().IsMinPlane(p);
+    const float outward = is_min ? 0.25f : -0.25f;
+    auto values = ObjectsOf(p);
+    const auto quantized = QuantizedOf(p, values);
+    std::array<float, 10> query{};
     const auto survivors = [&](float value) {
-      OpposingValue<View>(query, p) = value;
-      return CountSurvivors(quantized, query, options);
+      query[OpposingValue(GetParam().layout, p)] = value;
+      const AnyWorld world = quantized->quantized();
+      return detail::CountSurvivors(world.Asked({query.data(), 1}), options);
     };
-    const float value = this->ValueOf(kLevel);
+    const float value = ValueOf(kLevel);
     const std::size_t count = survivors(value);
-    EXPECT_EQ(count, IsMinPlane<View>(p) ? kLevel + 1 : bounds.size() - kLevel);
+    EXPECT_EQ(count, is_min ? kLevel + 1 : most_ + 1 - kLevel);
     EXPECT_EQ(survivors(value + outward), count);
     EXPECT_EQ(survivors(value + 3 * outward), count);
     EXPECT_NE(survivors(value - outward), count);
-    StoredValue<View>(bounds[kLevel], p) = value + 3 * outward;
-    quantized.Set(kLevel, bounds[kLevel]);
+    values[kLevel * planes_ + p] = value + 3 * outward;
+    quantized->Set(kLevel, &values[kLevel * planes_]);
     EXPECT_EQ(survivors(value), count);
     EXPECT_NE(survivors(value - outward), count);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(, QuantizedPairsTest,
+                         ::testing::ValuesIn(QuantizedRows()),
+                         QuantizedRowName);
 
 }  // namespace
 }  // namespace halfspace::testing

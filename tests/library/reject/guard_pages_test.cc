@@ -1,21 +1,20 @@
-// Nothing is read or written beyond the planes and the outputs: each of them
-// lies in a mapping of its own, right beside a page that faults.
+// Nothing is read or written beyond the planes, the queries and the outputs:
+// each of them lies in a mapping of its own, right beside a page that faults.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <type_traits>
 #include <vector>
 
 #include "halfspace/fit.h"
 #include "halfspace/reject_shapes.h"
 #include "tests/library/support/answers.h"
-#include "tests/library/support/cases.h"
 #include "tests/library/support/environment.h"
+#include "tests/library/support/flat_cases.h"
 #include "tests/library/support/guarded_memory.h"
-#include "tests/library/support/inputs.h"
+#include "tests/library/support/many_answers.h"
 #include "tests/library/support/sizes.h"
 
 namespace halfspace::testing {
@@ -35,75 +34,111 @@ TEST(GuardedMemoryDeathTest, FaultsOneElementFromEitherGuard) {
   EXPECT_DEATH(touch(last + 1), "");
 }
 
-template <typename Case>
-class GuardPagesTest : public ::testing::Test {
+constexpr GuardedSide kSides[] = {GuardedSide::kBefore, GuardedSide::kAfter};
+
+class GuardPagesTest : public ::testing::TestWithParam<FlatCase> {
  protected:
-  using Stored = typename Case::Stored;
-  using Scalar = ScalarOf<Stored>;
+  static constexpr std::size_t kMostObjects = 2 * 4096 + 37;
+  static constexpr std::size_t kMostQueries = 259;
 
   GuardPagesTest() {
-    for (auto& plane : planes_) {
-      plane = std::make_unique<GuardedMemory>(kMostObjects * sizeof(Scalar));
+    for (std::size_t p = 0; p < GetParam().stored.plane_count; ++p) {
+      planes_.push_back(std::make_unique<GuardedMemory>(
+          kMostObjects * GetParam().scalar_bytes()));
     }
   }
 
-  static constexpr std::size_t kMostObjects = 2 * 4096;
-
-  void Check(const Input<Stored>& input, std::size_t size, GuardedSide side) {
-    Stored stored;
-    for (std::size_t p = 0; p < kPlanes<Stored>; ++p) {
-      const auto plane = planes_[p]->template Get<Scalar>(size, side);
-      std::copy_n(input.planes[p].begin(), size, plane.begin());
-      PlaneOf(stored, p) = plane.data();
+  // A world of the first `size` objects of an input.
+  AnyWorld WorldOf(const FlatInput& input, std::size_t size,
+                   GuardedSide side) const {
+    PlanePointers pointers{};
+    const std::size_t bytes = size * GetParam().scalar_bytes();
+    for (std::size_t p = 0; p < planes_.size(); ++p) {
+      const auto plane = planes_[p]->Get<std::byte>(bytes, side);
+      std::copy_n(input.Plane(p).begin(), bytes, plane.begin());
+      pointers[p] = plane.data();
     }
-    stored.size = size;
-    const auto view = Case::Seen(stored);
-    const auto query = Case::Seen(input.query);
-    const Answer answer = ReferenceAnswer(view, query);
+    return GetParam().world(pointers, size);
+  }
+
+  void Check(const FlatInput& input, std::size_t size, GuardedSide side) {
+    const AnyWorld world = WorldOf(input, size, side);
+    Answer answer;
+    answer.AssignReference(world, input.query());
     const Outputs outputs = {
-        mask_.Get<std::uint64_t>(answer.reject_mask().size(), side),
-        indices_.Get<std::uint32_t>(answer.survivors().size(), side)};
+        rows_.Get<std::uint64_t>(answer.reject_mask().size(), side),
+        object_indices_.Get<std::uint32_t>(answer.survivors().size(), side)};
     for (Target target : targets_) {
       for (Schedule schedule : kSchedules) {
-        ASSERT_TRUE(Answers(answer, view, query,
+        ASSERT_TRUE(Answers(answer, world, input.query(),
                             {.schedule = schedule, .target = target}, outputs))
             << size << " objects";
       }
     }
-    using View = std::remove_cvref_t<decltype(view.view())>;
-    constexpr int kDims = View::Bound::kDimensions;
-    if constexpr (std::is_same_v<Scalar, float> && kDims <= 3) {
-      CheckHalfSpaces<kDims>(view, side);
+    if (!GetParam().is_double && GetParam().seen.dims <= 3) {
+      CheckHalfSpaces(world, side);
     }
   }
 
   // Each target keeps the same objects.
-  template <int kDims, typename View>
-  void CheckHalfSpaces(const View& view, GuardedSide side) {
-    HalfSpace<kDims> half_spaces[2] = {};
-    half_spaces[0].normal[0] = 1;
-    half_spaces[1].normal[1] = -1;
-    half_spaces[1].normal[0] = 0.5f;
-    half_spaces[1].offset = 1;
-    const std::size_t words = MaskWords(view.size);
-    std::vector<std::uint64_t> expected(words);
-    SurvivorMask(view, half_spaces, expected, {.target = targets_.back()});
-    const auto mask = mask_.Get<std::uint64_t>(words, side);
+  void CheckHalfSpaces(const AnyWorld& world, GuardedSide side) const {
+    // Normals and offsets.
+    const std::vector<float> values =
+        GetParam().seen.dims == 2
+            ? std::vector<float>{1, 0, 0, 0.5f, -1, 1}
+            : std::vector<float>{1, 0, 0, 0, 0.5f, -1, 0, 1};
+    const auto survivors = [&](std::span<std::uint64_t> mask, Target target) {
+      detail::SurvivorMask(detail::FrontScan{world.Asked({}), values.data(), 2},
+                           mask, {.target = target});
+    };
+    std::vector<std::uint64_t> expected(MaskWords(world.size()));
+    survivors(expected, targets_.back());
+    const auto mask = rows_.Get<std::uint64_t>(expected.size(), side);
     for (Target target : targets_) {
-      SurvivorMask(view, half_spaces, mask, {.target = target});
+      survivors(mask, target);
       ASSERT_TRUE(std::equal(expected.begin(), expected.end(), mask.begin()))
-          << view.size << " objects, " << target.name();
+          << world.size() << " objects, " << target.name();
+    }
+  }
+
+  // The first `count` queries, and a range of the objects.
+  void CheckMany(const FlatInput& input, const FlatQueries& all_queries,
+                 std::size_t size, std::size_t count, const Range& range = {}) {
+    const std::size_t bytes = count * GetParam().query_bytes();
+    for (GuardedSide side : kSides) {
+      const AnyWorld world = WorldOf(input, size, side);
+      const auto records = queries_memory_.Get<std::byte>(bytes, side);
+      std::copy_n(all_queries.records().begin(), bytes, records.begin());
+      const AnyQueries queries(records.data(), count);
+      answers_.AssignReference(world, queries, range);
+      const auto rows =
+          rows_.Get<std::uint64_t>(answers_.reject_rows().size(), side);
+      for (Target target : targets_) {
+        for (Schedule schedule : kSchedules) {
+          std::fill(rows.begin(), rows.end(), kUnwritten);
+          const ManyOutputs outputs = {
+              rows, query_indices_.Get<std::uint32_t>(answers_.pairs(), side),
+              object_indices_.Get<std::uint32_t>(answers_.pairs(), side),
+              counts_.Get<std::size_t>(count, side)};
+          ASSERT_TRUE(AnswersMany(
+              answers_, world, queries,
+              {.schedule = schedule, .target = target, .range = range},
+              outputs))
+              << size << " objects, " << count << " queries, range "
+              << range.begin << ", " << range.end;
+        }
+      }
     }
   }
 
   void CheckSizes(const std::vector<std::size_t>& sizes) {
     Random random(2);
     for (InputKind kind : {InputKind::kMixed, InputKind::kRuns}) {
-      const auto input = MakeInput<Stored>(kind, sizes.back(), random);
+      const FlatInput input(GetParam(), kind, sizes.back(), random);
       for (std::size_t size : sizes) {
-        for (GuardedSide side : {GuardedSide::kBefore, GuardedSide::kAfter}) {
+        for (GuardedSide side : kSides) {
           Check(input, size, side);
-          if (this->HasFatalFailure()) return;
+          if (HasFatalFailure()) return;
         }
       }
     }
@@ -111,20 +146,47 @@ class GuardPagesTest : public ::testing::Test {
 
  private:
   std::vector<Target> targets_ = TargetsUnderTest();
-  std::unique_ptr<GuardedMemory> planes_[kPlanes<Stored>];
-  GuardedMemory mask_{MaskWords(kMostObjects) * sizeof(std::uint64_t)};
-  GuardedMemory indices_{kMostObjects * sizeof(std::uint32_t)};
+  ManyAnswers answers_;
+  std::vector<std::unique_ptr<GuardedMemory>> planes_;
+  GuardedMemory queries_memory_{kMostQueries * GetParam().query_bytes()};
+  GuardedMemory rows_{kMostQueries * MaskWords(kMostObjects) *
+                      sizeof(std::uint64_t)};
+  GuardedMemory query_indices_{kMostQueries * kMostObjects *
+                               sizeof(std::uint32_t)};
+  GuardedMemory object_indices_{kMostQueries * kMostObjects *
+                                sizeof(std::uint32_t)};
+  GuardedMemory counts_{kMostQueries * sizeof(std::size_t)};
 };
 
-TYPED_TEST_SUITE(GuardPagesTest, AllCases, CaseNames);
+TEST_P(GuardPagesTest, EverySmallSize) { CheckSizes(EverySmallSize()); }
 
-TYPED_TEST(GuardPagesTest, EverySmallSize) {
-  this->CheckSizes(EverySmallSize());
+TEST_P(GuardPagesTest, SizesAroundTiles) {
+  CheckSizes({4096, 4096 + 64 + 1, 2 * 4096 - 1});
 }
 
-TYPED_TEST(GuardPagesTest, SizesAroundTiles) {
-  this->CheckSizes({4096, 4096 + 64 + 1, 2 * 4096 - 1});
+TEST_P(GuardPagesTest, SeveralQueries) {
+  Random random(5);
+  const FlatInput input(GetParam(), InputKind::kRuns, kMostObjects, random);
+  const FlatQueries queries(GetParam(), input, kMostQueries, random);
+  const auto check = [&](std::size_t size, std::size_t count,
+                         const Range& range = {}) {
+    if (!HasFatalFailure()) CheckMany(input, queries, size, count, range);
+  };
+  // Every length of the last word.
+  for (std::size_t size = 0; size <= 64 + MostLanes(); ++size) {
+    check(size, 1);
+    check(size, 7);
+  }
+  for (std::size_t count : {0, 1, 2, 3, 4, 5, 8, 15, 16, 17, 255, 256, 259}) {
+    check(2 * 64 + 5, count);
+  }
+  for (const Range& range : {Range{}, Range{61, 4099}, Range{4097, 8229}}) {
+    check(kMostObjects, 5, range);
+  }
 }
+
+INSTANTIATE_TEST_SUITE_P(, GuardPagesTest, ::testing::ValuesIn(AllFlatCases()),
+                         FlatCaseName);
 
 // The gap after the last point of a stride need not exist.
 TEST(GuardPagesFitTest, PointsEndAtAGuardPage) {

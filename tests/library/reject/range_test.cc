@@ -6,16 +6,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "halfspace/reject_many.h"
 #include "tests/library/support/canaries.h"
-#include "tests/library/support/cases.h"
 #include "tests/library/support/environment.h"
-#include "tests/library/support/inputs.h"
+#include "tests/library/support/flat_cases.h"
 #include "tests/library/support/many_canaries.h"
-#include "tests/library/support/many_queries.h"
 
 namespace halfspace::testing {
 namespace {
@@ -39,106 +38,111 @@ std::vector<Range> EveryRange(std::size_t size) {
   return ranges;
 }
 
-template <typename Case>
-class RangeTest : public ::testing::Test {
+class RangeTest : public ::testing::TestWithParam<FlatCase> {
  protected:
-  using View = typename Case::View;
-  using Query = typename View::Query;
-
   void SetUpInput(std::size_t size) {
     Random random(size);
-    input_ = MakeInput<typename Case::Stored>(InputKind::kMixed, size, random);
-    view_ = Case::Seen(ViewAt(input_, 0, size, 1));
-    queries_ = MakeQueries<Case>(input_, kQueries, random);
+    input_.emplace(GetParam(), InputKind::kMixed, size, random);
+    world_.emplace(input_->WorldAt(0, size, 1));
+    all_queries_ = FlatQueries(GetParam(), *input_, kQueries, random);
+    queries_ = all_queries_.Some(0, kQueries);
+    query_ = all_queries_.Some(0, 1);
   }
 
   void CheckAll(std::span<const Range> ranges) {
     for (const Range& range : ranges) {
-      SCOPED_TRACE(::testing::Message() << view_.size << " objects, range "
+      SCOPED_TRACE(::testing::Message() << world_->size() << " objects, range "
                                         << range.begin << ", " << range.end);
-      answer_.AssignReference(view_, queries_[0], range);
-      ASSERT_TRUE(
-          AnswersEverywhere(answer_, view_, queries_[0], targets_, range));
-      answers_.AssignReference(view_, queries_, range);
-      ASSERT_TRUE(AnswersManyEverywhere(answers_, view_, queries_, targets_));
+      answer_.AssignReference(*world_, query_, range);
+      ASSERT_TRUE(AnswersEverywhere(answer_, *world_, query_, targets_, range));
+      answers_.AssignReference(*world_, queries_, range);
+      ASSERT_TRUE(AnswersManyEverywhere(answers_, *world_, queries_, targets_));
     }
   }
 
-  View view_;
-  std::vector<Query> queries_;
+  std::optional<AnyWorld> world_;
+  AnyQueries queries_;
+  AnyQueries query_;
 
  private:
-  Input<typename Case::Stored> input_;
+  std::optional<FlatInput> input_;
+  FlatQueries all_queries_;
   std::vector<Target> targets_ = TargetsUnderTest();
   Answer answer_;
   ManyAnswers answers_;
 };
 
-TYPED_TEST_SUITE(RangeTest, WholeCases, CaseNames);
-
-TYPED_TEST(RangeTest, EveryRangeOfASmallWorld) {
+TEST_P(RangeTest, EveryRangeOfASmallWorld) {
   for (std::size_t size : {0, 1, 64, 3 * 64 + 37}) {
-    this->SetUpInput(size);
-    this->CheckAll(EveryRange(size));
-    if (this->HasFatalFailure()) return;
+    SetUpInput(size);
+    CheckAll(EveryRange(size));
+    if (HasFatalFailure()) return;
   }
 }
 
 // Tiles begin where the range does.
-TYPED_TEST(RangeTest, RangesAcrossTiles) {
+TEST_P(RangeTest, RangesAcrossTiles) {
   constexpr std::size_t kSize = 2 * 4096 + 5 * 64 + 37;
-  this->SetUpInput(kSize);
+  SetUpInput(kSize);
   const std::vector<Range> ranges = {
       {65, 4096 + 128}, {4031, kSize},           {64, 4096},
       {63, 4096 + 64},  {2 * 4096 + 319, kMost}, {4096, 2 * 4096 + 1},
       {0, 2 * 4096},    {511, 2 * 4096}};
-  this->CheckAll(
+  CheckAll(
       std::span(ranges).first(std::min(Scaled(ranges.size()), ranges.size())));
 }
 
 // AnySurvivor looks at few objects first, then at more.
-TYPED_TEST(RangeTest, AnySurvivorSeesTheRangeAlone) {
-  using TheView = typename TypeParam::View;
-  using Bound = typename TheView::Bound;
+TEST_P(RangeTest, AnySurvivorSeesTheRangeAlone) {
+  const FlatCase& kind = GetParam();
   constexpr std::size_t kSize = 3 * 4096 + 65;
-  World<TheView> world(std::vector<Bound>(kSize, Bound::Empty()));
-  const auto query = TheView::Query::Everything();
-  for (std::size_t at : {64u, 511u, 512u, 575u, 4096u + 512u, 2u * 4096u + 63u,
-                         3u * 4096u + 64u}) {
-    world.Set(at, Bound::Everything());
-    const std::size_t word = at / 64 * 64;
-    for (Target target : TargetsUnderTest()) {
-      const auto any = [&](std::size_t begin, std::size_t end) {
-        return AnySurvivor(world, query,
-                           {.target = target, .range = {begin, end}})
-            .has_value();
-      };
-      EXPECT_TRUE(any(0, kMost)) << at;
-      EXPECT_TRUE(any(word, kMost)) << at;
-      EXPECT_TRUE(any(word, word + 64)) << at;
-      EXPECT_TRUE(any(0, word + 64)) << at;
-      EXPECT_TRUE(any(at, at + 1)) << at;
-      EXPECT_FALSE(any(0, at)) << at;
-      EXPECT_FALSE(any(at + 1, kMost)) << at;
-      EXPECT_FALSE(any(0, word)) << at;
-      EXPECT_FALSE(any(word, word)) << at;
-      EXPECT_FALSE(any(word + 64, kMost)) << at;
+  kind.WithScalar([&]<typename T>(T) {
+    // A query of zeros keeps an object of zeros, and none that is above it.
+    const T query[10] = {};
+    std::vector<T> plane(kSize, T{1});
+    const std::vector<T> others(kSize);
+    PlanePointers planes{};
+    planes.fill(others.data());
+    planes[0] = plane.data();
+    const AnyWorld world = kind.world(planes, kSize);
+    for (std::size_t at : {64u, 511u, 512u, 575u, 4096u + 512u,
+                           2u * 4096u + 63u, 3u * 4096u + 64u}) {
+      plane[at] = 0;
+      const std::size_t word = at / 64 * 64;
+      for (Target target : TargetsUnderTest()) {
+        const auto any = [&](std::size_t begin, std::size_t end) {
+          return detail::AnySurvivor(
+                     world.Asked({query, 1}),
+                     {.target = target, .range = {begin, end}}) !=
+                 detail::kNoSurvivor;
+        };
+        EXPECT_TRUE(any(0, kMost)) << at;
+        EXPECT_TRUE(any(word, kMost)) << at;
+        EXPECT_TRUE(any(word, word + 64)) << at;
+        EXPECT_TRUE(any(0, word + 64)) << at;
+        EXPECT_TRUE(any(at, at + 1)) << at;
+        EXPECT_FALSE(any(0, at)) << at;
+        EXPECT_FALSE(any(at + 1, kMost)) << at;
+        EXPECT_FALSE(any(0, word)) << at;
+        EXPECT_FALSE(any(word, word)) << at;
+        EXPECT_FALSE(any(word + 64, kMost)) << at;
+      }
+      plane[at] = 1;
     }
-    world.Set(at, Bound::Empty());
-  }
+  });
 }
 
-TYPED_TEST(RangeTest, PartsMakeTheWhole) {
+TEST_P(RangeTest, PartsMakeTheWhole) {
   constexpr std::size_t kSize = 4096 + 3 * 64 + 37;
-  this->SetUpInput(kSize);
-  const auto& view = this->view_;
-  const auto& queries = this->queries_;
+  SetUpInput(kSize);
+  const auto all = [&] { return world_->Asked(queries_); };
+  const auto one = [&] { return world_->Asked(query_); };
   std::vector<std::uint64_t> whole(kQueries * MaskWords(kSize));
   std::vector<std::size_t> whole_counts(kQueries);
-  SurvivorMasks(view, queries, whole);
-  SurvivorCounts(view, queries, whole_counts);
+  detail::SurvivorMasks(all(), whole, {}, 0);
+  detail::SurvivorCounts(all(), whole_counts, {});
   std::vector<std::uint32_t> whole_list(kSize);
-  whole_list.resize(Survivors(view, queries[0], whole_list));
+  whole_list.resize(detail::Survivors(one(), whole_list, {}, 0));
 
   std::vector<std::uint64_t> rows(whole.size());
   std::vector<std::size_t> counts(kQueries);
@@ -149,11 +153,11 @@ TYPED_TEST(RangeTest, PartsMakeTheWhole) {
   for (const Range& range : {Range{4096 + 64, kMost}, Range{0, 640},
                              Range{640, 640}, Range{640, 4096 + 64}}) {
     const Options options{.range = range};
-    SurvivorMasks(view, queries, std::span(rows).subspan(range.begin / 64),
-                  options, MaskWords(kSize));
-    SurvivorCounts(view, queries, part_counts, options);
+    detail::SurvivorMasks(all(), std::span(rows).subspan(range.begin / 64),
+                          options, MaskWords(kSize));
+    detail::SurvivorCounts(all(), part_counts, options);
     for (std::size_t q = 0; q < kQueries; ++q) counts[q] += part_counts[q];
-    const std::size_t found = Survivors(view, queries[0], part, options);
+    const std::size_t found = detail::Survivors(one(), part, options, 0);
     const auto end = part.begin() + static_cast<std::ptrdiff_t>(found);
     list.insert(list.end(), part.begin(), end);
   }
@@ -162,6 +166,9 @@ TYPED_TEST(RangeTest, PartsMakeTheWhole) {
   EXPECT_EQ(counts, whole_counts);
   EXPECT_EQ(list, whole_list);
 }
+
+INSTANTIATE_TEST_SUITE_P(, RangeTest, ::testing::ValuesIn(WholeFlatCases()),
+                         FlatCaseName);
 
 }  // namespace
 }  // namespace halfspace::testing

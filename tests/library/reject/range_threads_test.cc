@@ -9,27 +9,26 @@
 
 #include "halfspace/reject_many.h"
 #include "tests/library/support/answers.h"
-#include "tests/library/support/cases.h"
 #include "tests/library/support/environment.h"
-#include "tests/library/support/inputs.h"
-#include "tests/library/support/many_queries.h"
+#include "tests/library/support/flat_cases.h"
 
 namespace halfspace::testing {
 namespace {
 
 TEST(RangeThreadsTest, TwoThreadsFillTheSameMasks) {
-  using Case = Whole<AaboView3>;
   constexpr std::size_t kObjects = 9 * 64 + 5;
   constexpr std::size_t kQueries = 5;
   constexpr std::size_t kMiddle = 5 * 64;
   Random random(11);
-  const auto input = MakeInput<AaboView3>(InputKind::kMixed, kObjects, random);
-  const AaboView3 world = ViewAt(input, 0, kObjects, 1);
-  const auto queries = MakeQueries<Case>(input, kQueries, random);
+  const FlatCase kind = RowOf<Whole<AaboView3>>();
+  const FlatInput input(kind, InputKind::kMixed, kObjects, random);
+  const AnyWorld world = input.WorldAt(0, kObjects, 1);
+  const FlatQueries queries(kind, input, kQueries, random);
   constexpr std::size_t kWords = MaskWords(kObjects);
   std::vector<std::uint64_t> expected_rows;
-  for (const Aabo3& query : queries) {
-    const Answer answer = ReferenceAnswer(world, query);
+  for (std::size_t q = 0; q < kQueries; ++q) {
+    Answer answer;
+    answer.AssignReference(world, queries.Some(q, 1));
     const auto mask = answer.survivor_mask();
     expected_rows.insert(expected_rows.end(), mask.begin(), mask.end());
   }
@@ -45,10 +44,11 @@ TEST(RangeThreadsTest, TwoThreadsFillTheSameMasks) {
             .schedule = schedule, .target = target, .range = range};
         const std::size_t first = range.begin / 64;
         for (std::size_t i = 0; i < Scaled(50); ++i) {
-          SurvivorMask(world, queries[0], std::span(mask).subspan(first),
-                       options);
-          SurvivorMasks(world, queries, std::span(rows).subspan(first), options,
-                        kWords);
+          detail::SurvivorMask(world.Asked(queries.Some(0, 1)),
+                               std::span(mask).subspan(first), options);
+          detail::SurvivorMasks(world.Asked(queries.Some(0, kQueries)),
+                                std::span(rows).subspan(first), options,
+                                kWords);
         }
       };
       {

@@ -10,12 +10,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "tests/library/support/answers.h"
 #include "tests/library/support/canaries.h"
-#include "tests/library/support/cases.h"
 #include "tests/library/support/environment.h"
+#include "tests/library/support/flat_cases.h"
 #include "tests/library/support/fp_modes.h"
 
 namespace halfspace::testing {
@@ -42,120 +43,124 @@ std::size_t Objects() { return 64 + 2 * MostLanes() - 1; }
 
 // Special values in one plane, object i having value i + shift, and nothing
 // that could reject in the other planes.
-template <typename View>
+template <typename T>
 class SpecialPlane {
  public:
-  using Scalar = ScalarOf<View>;
-
-  SpecialPlane(std::size_t plane, Scalar query_value)
-      : plane_(plane), query_value_(query_value) {
-    for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-      const Scalar never{IsMinPlane<View>(p) ? -1.f : 1.f};
-      planes_[p].assign(Objects(), never);
-      PlaneOf(view_, p) = planes_[p].data();
-      OpposingValue<View>(query_, p) = 0;
+  SpecialPlane(const FlatCase& kind, std::size_t plane, T query_value)
+      : is_min_(kind.IsMinPlane(plane)), query_value_(query_value) {
+    for (std::size_t p = 0; p < kind.seen.plane_count; ++p) {
+      pointers_[p] = (kind.IsMinPlane(p) ? minima_ : maxima_).data();
     }
-    view_.size = Objects();
-    OpposingValue<View>(query_, plane) = query_value;
+    pointers_[plane] = plane_.data();
+    query_[kind.Opposing(plane)] = query_value;
+    world_.emplace(kind.world(pointers_, Objects()));
   }
+  SpecialPlane(const SpecialPlane&) = delete;
+  SpecialPlane& operator=(const SpecialPlane&) = delete;
 
   void Shift(std::size_t shift) {
     for (std::size_t i = 0; i < Objects(); ++i) {
-      planes_[plane_][i] =
-          kSpecialValues<Scalar>[(i + shift) % kSpecialValues<Scalar>.size()];
+      plane_[i] = kSpecialValues<T>[(i + shift) % kSpecialValues<T>.size()];
     }
   }
 
   bool Rejects(std::size_t i) const {
-    const Scalar object = planes_[plane_][i];
-    return IsMinPlane<View>(plane_) ? IsGreater(object, query_value_)
-                                    : IsGreater(query_value_, object);
+    return is_min_ ? IsGreater(plane_[i], query_value_)
+                   : IsGreater(query_value_, plane_[i]);
   }
 
-  const View& view() const { return view_; }
-  const typename View::Query& query() const { return query_; }
+  const AnyWorld& world() const { return *world_; }
+  AnyQueries query() const { return {query_.data(), 1}; }
 
  private:
-  std::size_t plane_;
-  Scalar query_value_;
-  std::array<std::vector<Scalar>, kPlanes<View>> planes_;
-  View view_;
-  typename View::Query query_;
+  bool is_min_;
+  T query_value_;
+  std::vector<T> plane_ = std::vector<T>(Objects());
+  // Which a query of zeros does not reject.
+  std::vector<T> minima_ = std::vector<T>(Objects(), T{-1});
+  std::vector<T> maxima_ = std::vector<T>(Objects(), T{1});
+  PlanePointers pointers_{};
+  std::array<T, 10> query_{};
+  std::optional<AnyWorld> world_;
 };
 
-// Calls check(plane) for every plane, query value and rotation of the values.
-// At a smaller scale, every seventh rotation: each value is in each lane at
-// full scale.
-template <typename View, typename Check>
-void ForEachPair(Check check) {
-  const std::size_t step = TestScale() < 1 ? 7 : 1;
-  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-    for (const auto query_value : kSpecialValues<ScalarOf<View>>) {
-      SpecialPlane<View> plane(p, query_value);
-      for (std::size_t shift = 0; shift < kSpecialValues<ScalarOf<View>>.size();
-           shift += step) {
-        plane.Shift(shift);
-        check(plane);
-        if (::testing::Test::HasFatalFailure()) return;
+class SpecialValuesTest : public ::testing::TestWithParam<FlatCase> {
+ protected:
+  // Calls check(plane) for every plane, query value and rotation of the values.
+  // At a smaller scale, every seventh rotation: each value is in each lane at
+  // full scale.
+  template <typename Check>
+  void ForEachPair(Check check) const {
+    const std::size_t step = TestScale() < 1 ? 7 : 1;
+    GetParam().WithScalar([&]<typename T>(T) {
+      for (std::size_t p = 0; p < GetParam().seen.plane_count; ++p) {
+        for (const T query_value : kSpecialValues<T>) {
+          SpecialPlane<T> plane(GetParam(), p, query_value);
+          for (std::size_t shift = 0; shift < kSpecialValues<T>.size();
+               shift += step) {
+            plane.Shift(shift);
+            check(plane);
+            if (HasFatalFailure()) return;
+          }
+        }
       }
-    }
+    });
   }
-}
 
-template <typename Case>
-class SpecialValuesTest : public ::testing::Test {};
+  const std::vector<Target> targets_ = TargetsUnderTest();
+};
 
-TYPED_TEST_SUITE(SpecialValuesTest, WholeCases, CaseNames);
-
-TYPED_TEST(SpecialValuesTest, FollowTheRuleInEveryLane) {
-  const std::vector<Target> targets = TargetsUnderTest();
-  ForEachPair<typename TypeParam::View>([&](const auto& plane) {
+TEST_P(SpecialValuesTest, FollowTheRuleInEveryLane) {
+  ForEachPair([&](const auto& plane) {
     const Answer answer(Objects(),
                         [&](std::size_t i) { return plane.Rejects(i); });
     ASSERT_TRUE(
-        AnswersEverywhere(answer, plane.view(), plane.query(), targets));
+        AnswersEverywhere(answer, plane.world(), plane.query(), targets_));
   });
 }
 
 // What engines initialise boxes to. As bounds.h says: a limit on one plane
 // rejects it, and Everything() does not.
-TYPED_TEST(SpecialValuesTest, UntouchedBoxesAreNumbersToAScan) {
-  using View = typename TypeParam::View;
-  constexpr auto kMost = std::numeric_limits<ScalarOf<View>>::max();
-  SpecialPlane<View> plane(0, 0);
-  View view = plane.view();
-  const std::vector<ScalarOf<View>> minima(Objects(), kMost);
-  const std::vector<ScalarOf<View>> maxima(Objects(), -kMost);
-  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-    PlaneOf(view, p) = (IsMinPlane<View>(p) ? minima : maxima).data();
-  }
-  const auto everything = View::Query::Everything();
-  const std::vector<Target> targets = TargetsUnderTest();
-  EXPECT_TRUE(
-      AnswersEverywhere(Answer(Objects(), [](std::size_t) { return false; }),
-                        view, everything, targets));
-  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-    auto query = everything;
-    auto& limit = OpposingValue<View>(query, p);
-    limit = std::nextafter(limit, ScalarOf<View>{0});
+TEST_P(SpecialValuesTest, UntouchedBoxesAreNumbersToAScan) {
+  const FlatCase& kind = GetParam();
+  kind.WithScalar([&]<typename T>(T) {
+    constexpr T kMost = std::numeric_limits<T>::max();
+    const std::vector<T> minima(Objects(), kMost);
+    const std::vector<T> maxima(Objects(), -kMost);
+    PlanePointers planes{};
+    std::array<T, 10> everything{};
+    for (std::size_t p = 0; p < kind.seen.plane_count; ++p) {
+      const bool is_min = kind.IsMinPlane(p);
+      planes[p] = (is_min ? minima : maxima).data();
+      everything[kind.Opposing(p)] = is_min ? kMost : -kMost;
+    }
+    const AnyWorld world = kind.world(planes, Objects());
     EXPECT_TRUE(
-        AnswersEverywhere(Answer(Objects(), [](std::size_t) { return true; }),
-                          view, query, targets));
-  }
+        AnswersEverywhere(Answer(Objects(), [](std::size_t) { return false; }),
+                          world, {everything.data(), 1}, targets_));
+    for (std::size_t p = 0; p < kind.seen.plane_count; ++p) {
+      auto query = everything;
+      T& limit = query[kind.Opposing(p)];
+      limit = std::nextafter(limit, T{0});
+      EXPECT_TRUE(
+          AnswersEverywhere(Answer(Objects(), [](std::size_t) { return true; }),
+                            world, {query.data(), 1}, targets_));
+    }
+  });
 }
 
 // A process may run with subnormals flushed to zero. That may cost survivors
 // that could have been rejected, never the other way round.
-TYPED_TEST(SpecialValuesTest, NothingMoreIsRejectedWithSubnormalsFlushed) {
+TEST_P(SpecialValuesTest, NothingMoreIsRejectedWithSubnormalsFlushed) {
   std::vector<std::uint64_t> mask(MaskWords(Objects()));
   std::size_t kept_more = 0;
-  ForEachPair<typename TypeParam::View>([&](const auto& plane) {
-    for (Target target : TargetsUnderTest()) {
+  ForEachPair([&](const auto& plane) {
+    for (Target target : targets_) {
       for (Schedule schedule : kSchedules) {
         {
           const FlushDenormals flush;
-          RejectMask(plane.view(), plane.query(), mask,
-                     {.schedule = schedule, .target = target});
+          detail::RejectMask(plane.world().Asked(plane.query()), mask,
+                             {.schedule = schedule, .target = target});
         }
         for (std::size_t i = 0; i < Objects(); ++i) {
           const bool rejected = ((mask[i / 64] >> (i % 64)) & 1) != 0;
@@ -172,6 +177,9 @@ TYPED_TEST(SpecialValuesTest, NothingMoreIsRejectedWithSubnormalsFlushed) {
     EXPECT_GT(kept_more, 0u);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(, SpecialValuesTest,
+                         ::testing::ValuesIn(WholeFlatCases()), FlatCaseName);
 
 }  // namespace
 }  // namespace halfspace::testing

@@ -17,9 +17,8 @@
 
 #include "halfspace/reject.h"
 #include "halfspace/targets.h"
+#include "tests/library/support/any_world.h"
 #include "tests/library/support/target_that_runs.h"
-#include "tests/library/support/unchecked.h"
-#include "tests/reference/reference.h"
 
 namespace halfspace::testing {
 
@@ -60,11 +59,17 @@ class Answer {
   }
 
   // The oracle's answer.
+  void AssignReference(const AnyWorld& world, const AnyQueries& query,
+                       const Range& range = {}) {
+    std::vector<std::uint64_t> mask(MaskWords(world.size()));
+    world.ReferenceMask(query, mask);
+    Assign(world.size(), range,
+           [&](std::size_t i) { return (mask[i / 64] >> (i % 64) & 1) != 0; });
+  }
   template <typename View>
   void AssignReference(const View& view, const typename View::Query& query,
                        const Range& range = {}) {
-    Assign(view.size, range,
-           [&](std::size_t i) { return reference::Rejects(view, query, i); });
+    AssignReference(AnyWorld(view), {&query, 1}, range);
   }
 
   std::span<const std::uint64_t> reject_mask() const { return reject_mask_; }
@@ -123,10 +128,11 @@ bool Same(std::span<const T> expected, std::span<const T> given) {
 
 // All calls give `answer`, and run on the target of `options`, or on the
 // chosen one.
-template <typename AnyWorld>
-::testing::AssertionResult Answers(const Answer& answer, const AnyWorld& world,
-                                   const typename AnyWorld::Query& query,
-                                   const Options& options, Outputs outputs) {
+inline ::testing::AssertionResult Answers(const Answer& answer,
+                                          const AnyWorld& world,
+                                          const AnyQueries& query,
+                                          const Options& options,
+                                          Outputs outputs) {
   using internal::Fail;
   using internal::FailElement;
   using internal::Same;
@@ -137,19 +143,20 @@ template <typename AnyWorld>
     return Fail("CountSurvivors", options) << "ran on " << ran.name();
   }
 
-  RejectMask(world, query, outputs.mask, options);
+  detail::RejectMask(world.Asked(query), outputs.mask, options);
   std::span<const std::uint64_t> mask = outputs.mask;
   if (!Same(answer.reject_mask(), mask)) {
     return FailElement("RejectMask", options, answer.reject_mask(), mask);
   }
 
-  SurvivorMask(world, query, outputs.mask, options);
+  detail::SurvivorMask(world.Asked(query), outputs.mask, options);
   if (!Same(answer.survivor_mask(), mask)) {
     return FailElement("SurvivorMask", options, answer.survivor_mask(), mask);
   }
 
   const std::size_t count = answer.survivors().size();
-  std::size_t counted = Survivors(world, query, outputs.indices, options);
+  std::size_t counted =
+      detail::Survivors(world.Asked(query), outputs.indices, options, 0);
   std::span<const std::uint32_t> indices = outputs.indices;
   if (counted != count) {
     return Fail("Survivors", options)
@@ -159,48 +166,51 @@ template <typename AnyWorld>
     return FailElement("Survivors", options, answer.survivors(), indices);
   }
 
-  counted = CountSurvivors(world, query, options);
+  counted = detail::CountSurvivors(world.Asked(query), options);
   if (counted != count) {
     return Fail("CountSurvivors", options)
            << "expected " << count << ", got " << counted;
   }
 
-  const std::optional<std::size_t> first = AnySurvivor(world, query, options);
-  if (first.has_value() != (count != 0) ||
-      (first && *first != answer.survivors().front())) {
+  const std::size_t first = detail::AnySurvivor(world.Asked(query), options);
+  if (first !=
+      (count == 0 ? detail::kNoSurvivor : answer.survivors().front())) {
     return Fail("AnySurvivor", options)
-           << "got " << (first ? std::to_string(*first) : "none") << " of "
-           << count << " survivors";
+           << "got " << first << " of " << count << " survivors";
   }
 
   std::fill(outputs.indices.begin(), outputs.indices.end(), 0);
   counted = 0;
-  ForEachSurvivor(
-      world, query,
-      [&](Span<const std::uint32_t> some) {
-        for (std::uint32_t i : some) {
-          if (counted < outputs.indices.size()) outputs.indices[counted] = i;
-          ++counted;
-        }
-      },
-      options);
+  const auto add = [&](Span<const std::uint32_t> some) {
+    for (std::uint32_t i : some) {
+      if (counted < outputs.indices.size()) outputs.indices[counted] = i;
+      ++counted;
+    }
+  };
+  detail::Callback call{add};
+  detail::ForEachSurvivor(world.Asked(query), &decltype(call)::Run, &call,
+                          options);
   if (counted != count || !Same(answer.survivors(), indices)) {
     return Fail("ForEachSurvivor", options)
            << "expected " << count << " survivors, got " << counted
            << ", or others";
   }
 
-  if constexpr (HasKernels<AnyWorld>) {
-    if (options.schedule == Schedule::kAuto && options.range.begin == 0 &&
-        options.range.end >= world.size) {
-      std::fill(outputs.mask.begin(), outputs.mask.end(), kUnwritten);
-      SurvivorMaskUnchecked(world, query, outputs.mask, options.target);
-      if (!Same(answer.survivor_mask(), mask)) {
-        return FailElement("Kernels", options, answer.survivor_mask(), mask);
-      }
+  if (world.HasUnchecked() && options.schedule == Schedule::kAuto &&
+      options.range.begin == 0 && options.range.end >= world.size()) {
+    std::fill(outputs.mask.begin(), outputs.mask.end(), kUnwritten);
+    world.UncheckedMask(query, outputs.mask, options.target);
+    if (!Same(answer.survivor_mask(), mask)) {
+      return FailElement("Kernels", options, answer.survivor_mask(), mask);
     }
   }
   return ::testing::AssertionSuccess();
+}
+template <typename World>
+::testing::AssertionResult Answers(const Answer& answer, const World& world,
+                                   const typename World::Query& query,
+                                   const Options& options, Outputs outputs) {
+  return Answers(answer, AnyWorld(world), {&query, 1}, options, outputs);
 }
 
 }  // namespace halfspace::testing

@@ -1,52 +1,107 @@
-// The calls of reject.h as a list, for what must hold for each of them.
+// The calls of reject.h and reject_many.h as lists, for what must hold for each
+// of them.
 #ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_CALLS_H_
 #define HALFSPACE_TESTS_LIBRARY_SUPPORT_CALLS_H_
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <string_view>
 #include <tuple>
 
-#include "halfspace/reject.h"
+#include "halfspace/reject_many.h"
+#include "tests/library/support/any_world.h"
 #include "tests/library/support/canaries.h"
 
 namespace halfspace::testing {
 
-// Room for the masks and lists of small worlds, and proof that nothing was
-// written there.
+// Room for the outputs of small worlds and few queries, and proof that nothing
+// was written there and no function was called.
 struct CallOutputs {
   static constexpr std::size_t kRoom = 300;
 
-  Canaried<std::uint64_t> mask;
-  Canaried<std::uint32_t> indices;
-
-  std::size_t passed = 0;  // to a function
+  Canaried<std::uint64_t> words;
+  Canaried<std::uint32_t> indices;  // of objects
+  Canaried<std::uint32_t> query_indices;
+  Canaried<std::size_t> counts;
+  std::size_t passed = 0;
 
   bool Untouched() const {
-    return mask.IntactBut(0) && indices.IntactBut(0) && passed == 0;
+    return words.IntactBut(0) && indices.IntactBut(0) &&
+           query_indices.IntactBut(0) && counts.IntactBut(0) && passed == 0;
   }
 };
 
-// Calls visit(name, call) for each of the six.
-template <typename AnyWorld, typename Visit>
-void ForEachCall(const AnyWorld& world, const typename AnyWorld::Query& query,
-                 const Options& options, CallOutputs& outputs, Visit visit) {
-  const auto mask = outputs.mask.Reset(CallOutputs::kRoom);
+using NamedCall =
+    std::function<void(std::string_view name, const std::function<void()>&)>;
+
+// Calls visit(name, call) for each of the six calls of one query.
+inline void ForEachCall(const AnyWorld& world, const AnyQueries& query,
+                        const Options& options, CallOutputs& outputs,
+                        const NamedCall& visit) {
+  const auto words = outputs.words.Reset(CallOutputs::kRoom);
   const auto indices = outputs.indices.Reset(CallOutputs::kRoom);
+  outputs.query_indices.Reset(0);
+  outputs.counts.Reset(0);
   outputs.passed = 0;
-  visit("RejectMask", [&] { RejectMask(world, query, mask, options); });
-  visit("SurvivorMask", [&] { SurvivorMask(world, query, mask, options); });
+  const auto asked = [&] { return world.Asked(query); };
+  visit("RejectMask", [&] { detail::RejectMask(asked(), words, options); });
+  visit("SurvivorMask", [&] { detail::SurvivorMask(asked(), words, options); });
   visit("Survivors",
-        [&] { std::ignore = Survivors(world, query, indices, options); });
+        [&] { std::ignore = detail::Survivors(asked(), indices, options, 0); });
   visit("CountSurvivors",
-        [&] { std::ignore = CountSurvivors(world, query, options); });
+        [&] { std::ignore = detail::CountSurvivors(asked(), options); });
   visit("AnySurvivor",
-        [&] { std::ignore = AnySurvivor(world, query, options); });
+        [&] { std::ignore = detail::AnySurvivor(asked(), options); });
   visit("ForEachSurvivor", [&] {
-    ForEachSurvivor(
-        world, query, [&](const auto& some) { outputs.passed += some.size(); },
-        options);
+    const auto add = [&](Span<const std::uint32_t> some) {
+      outputs.passed += some.size();
+    };
+    detail::Callback call{add};
+    detail::ForEachSurvivor(asked(), &decltype(call)::Run, &call, options);
   });
+}
+template <typename World>
+void ForEachCall(const World& world, const typename World::Query& query,
+                 const Options& options, CallOutputs& outputs,
+                 const NamedCall& visit) {
+  ForEachCall(AnyWorld(world), {&query, 1}, options, outputs, visit);
+}
+
+// The same for each of the five calls of several queries.
+inline void ForEachManyCall(const AnyWorld& world, const AnyQueries& queries,
+                            const Options& options, CallOutputs& outputs,
+                            const NamedCall& visit) {
+  const auto words = outputs.words.Reset(CallOutputs::kRoom);
+  const auto indices = outputs.indices.Reset(CallOutputs::kRoom);
+  const auto query_indices = outputs.query_indices.Reset(CallOutputs::kRoom);
+  const auto counts = outputs.counts.Reset(CallOutputs::kRoom);
+  outputs.passed = 0;
+  const auto asked = [&] { return world.Asked(queries); };
+  visit("RejectMasks",
+        [&] { detail::RejectMasks(asked(), words, options, 0); });
+  visit("SurvivorMasks",
+        [&] { detail::SurvivorMasks(asked(), words, options, 0); });
+  visit("SurvivorPairs", [&] {
+    std::ignore =
+        detail::SurvivorPairs(asked(), query_indices, indices, options, 0);
+  });
+  visit("SurvivorCounts",
+        [&] { detail::SurvivorCounts(asked(), counts, options); });
+  visit("ForEachTile", [&] {
+    const auto add = [&](const SurvivorTile&) { ++outputs.passed; };
+    detail::Callback call{add};
+    detail::ForEachTile(asked(), &decltype(call)::Run, &call, options);
+  });
+}
+template <typename World>
+void ForEachManyCall(const World& world,
+                     std::span<const typename World::Query> queries,
+                     const Options& options, CallOutputs& outputs,
+                     const NamedCall& visit) {
+  ForEachManyCall(AnyWorld(world), AnyQueries(queries), options, outputs,
+                  visit);
 }
 
 }  // namespace halfspace::testing

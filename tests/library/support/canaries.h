@@ -58,11 +58,9 @@ class CanariedOutputs {
 };
 
 // Answers() between canaries, with every schedule on every given target.
-template <typename AnyWorld>
-::testing::AssertionResult AnswersEverywhere(
-    const Answer& answer, const AnyWorld& world,
-    const typename AnyWorld::Query& query, std::span<const Target> targets,
-    const Range& range = {}) {
+inline ::testing::AssertionResult AnswersEverywhere(
+    const Answer& answer, const AnyWorld& world, const AnyQueries& query,
+    std::span<const Target> targets, const Range& range = {}) {
   thread_local CanariedOutputs outputs;
   for (Target target : targets) {
     for (Schedule schedule : kSchedules) {
@@ -76,6 +74,15 @@ template <typename AnyWorld>
     }
   }
   return ::testing::AssertionSuccess();
+}
+template <typename World>
+::testing::AssertionResult AnswersEverywhere(const Answer& answer,
+                                             const World& world,
+                                             const typename World::Query& query,
+                                             std::span<const Target> targets,
+                                             const Range& range = {}) {
+  return AnswersEverywhere(answer, AnyWorld(world), {&query, 1}, targets,
+                           range);
 }
 
 }  // namespace halfspace::testing

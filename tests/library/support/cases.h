@@ -67,6 +67,12 @@ const ScalarOf<View>*& PlaneOf(View& view, std::size_t p) {
   return view.min[p];
 }
 
+// The same by number: which value of a query plane p is compared with.
+inline std::size_t OpposingValue(const detail::PlaneLayout& layout,
+                                 std::size_t p) {
+  return p < layout.axes ? layout.first_max + p : p - layout.axes;
+}
+
 // A case: the planes in memory are those of `Stored`, and are queried as
 // `View`.
 template <typename TheView>

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <limits>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "tests/library/support/cases.h"
@@ -112,18 +113,25 @@ struct Input {
   typename View::Query query;
 };
 
+// Fills a plane, and returns the query's value for it.
+template <typename T>
+T FillPlane(InputKind kind, bool is_min, std::span<T> plane, Random& random) {
+  std::uniform_real_distribution<T> coordinate(T{-100}, T{100});
+  const bool special = kind == InputKind::kAdversarial && OneIn(4, random);
+  const T query = special ? SpecialValue<T>(random) : coordinate(random);
+  PlaneValueSource<T> source(kind, is_min, query);
+  for (T& value : plane) value = source.Next(random);
+  return query;
+}
+
 template <typename View>
 Input<View> MakeInput(InputKind kind, std::size_t objects, Random& random) {
-  using T = ScalarOf<View>;
-  std::uniform_real_distribution<T> coordinate(T{-100}, T{100});
   Input<View> input;
   for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-    const bool special = kind == InputKind::kAdversarial && OneIn(4, random);
-    const T query = special ? SpecialValue<T>(random) : coordinate(random);
-    OpposingValue<View>(input.query, p) = query;
-    PlaneValueSource<T> source(kind, IsMinPlane<View>(p), query);
-    input.planes[p].resize(objects);
-    for (T& value : input.planes[p]) value = source.Next(random);
+    auto& plane = input.planes[p];
+    plane.resize(objects);
+    OpposingValue<View>(input.query, p) =
+        FillPlane<ScalarOf<View>>(kind, IsMinPlane<View>(p), plane, random);
   }
   return input;
 }

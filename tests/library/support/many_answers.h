@@ -42,13 +42,24 @@ class ManyAnswers {
   }
 
   // The oracle's answers, query by query.
+  void AssignReference(const AnyWorld& world, const AnyQueries& queries,
+                       const Range& range = {}) {
+    const std::size_t words = MaskWords(world.size());
+    std::vector<std::uint64_t> rows(queries.count * words);
+    for (std::size_t q = 0; q < queries.count; ++q) {
+      world.ReferenceMask(world.One(queries, q),
+                          std::span(rows).subspan(q * words, words));
+    }
+    Assign(world.size(), queries.count, range,
+           [&](std::size_t q, std::size_t i) {
+             return (rows[q * words + i / 64] >> (i % 64) & 1) != 0;
+           });
+  }
   template <typename View>
   void AssignReference(const View& view,
                        std::span<const typename View::Query> queries,
                        const Range& range = {}) {
-    Assign(view.size, queries.size(), range, [&](std::size_t q, std::size_t i) {
-      return reference::Rejects(view, queries[q], i);
-    });
+    AssignReference(AnyWorld(view), AnyQueries(queries), range);
   }
 
   std::size_t objects() const { return objects_; }
@@ -110,39 +121,38 @@ inline ::testing::AssertionResult PairsAre(const ManyAnswers& answers,
 }  // namespace internal
 
 // All five calls give `answers`.
-template <typename AnyWorld>
-::testing::AssertionResult AnswersMany(
-    const ManyAnswers& answers, const AnyWorld& world,
-    std::span<const typename AnyWorld::Query> queries, const Options& options,
-    ManyOutputs outputs) {
+inline ::testing::AssertionResult AnswersMany(const ManyAnswers& answers,
+                                              const AnyWorld& world,
+                                              const AnyQueries& queries,
+                                              const Options& options,
+                                              ManyOutputs outputs) {
   using internal::Fail;
   using internal::FailElement;
   using internal::Same;
   const std::span<const std::uint64_t> rows = outputs.rows;
 
-  RejectMasks(world, queries, outputs.rows, options);
+  detail::RejectMasks(world.Asked(queries), outputs.rows, options, 0);
   if (!Same(answers.reject_rows(), rows)) {
     return FailElement("RejectMasks", options, answers.reject_rows(), rows);
   }
 
-  SurvivorMasks(world, queries, outputs.rows, options);
+  detail::SurvivorMasks(world.Asked(queries), outputs.rows, options, 0);
   if (!Same(answers.survivor_rows(), rows)) {
     return FailElement("SurvivorMasks", options, answers.survivor_rows(), rows);
   }
 
-  if constexpr (HasKernels<AnyWorld>) {
-    if (options.schedule == Schedule::kAuto && options.range.begin == 0 &&
-        options.range.end >= world.size) {
-      std::fill(outputs.rows.begin(), outputs.rows.end(), kUnwritten);
-      SurvivorMasksUnchecked(world, queries, outputs.rows, options.target);
-      if (!Same(answers.survivor_rows(), rows)) {
-        return FailElement("Kernels", options, answers.survivor_rows(), rows);
-      }
+  if (world.HasUnchecked() && options.schedule == Schedule::kAuto &&
+      options.range.begin == 0 && options.range.end >= world.size()) {
+    std::fill(outputs.rows.begin(), outputs.rows.end(), kUnwritten);
+    world.UncheckedMasks(queries, outputs.rows, options.target);
+    if (!Same(answers.survivor_rows(), rows)) {
+      return FailElement("Kernels", options, answers.survivor_rows(), rows);
     }
   }
 
-  const std::size_t pairs = SurvivorPairs(world, queries, outputs.query_indices,
-                                          outputs.object_indices, options);
+  const std::size_t pairs =
+      detail::SurvivorPairs(world.Asked(queries), outputs.query_indices,
+                            outputs.object_indices, options, 0);
   if (pairs != answers.pairs()) {
     return Fail("SurvivorPairs", options)
            << "expected " << answers.pairs() << ", got " << pairs;
@@ -151,8 +161,8 @@ template <typename AnyWorld>
     return right;
   }
 
-  SurvivorCounts(world, queries, outputs.counts, options);
-  for (std::size_t q = 0; q < queries.size(); ++q) {
+  detail::SurvivorCounts(world.Asked(queries), outputs.counts, options);
+  for (std::size_t q = 0; q < queries.count; ++q) {
     if (outputs.counts[q] != answers.answers()[q].survivors().size()) {
       return Fail("SurvivorCounts", options)
              << "query " << q << ": expected "
@@ -161,11 +171,12 @@ template <typename AnyWorld>
     }
   }
 
-  CoveredTiles covered(answers.survivor_rows(), queries.size(),
+  CoveredTiles covered(answers.survivor_rows(), queries.count,
                        answers.objects(), answers.range());
-  ForEachTile(
-      world, queries, [&](const SurvivorTile& tile) { covered.Add(tile); },
-      options);
+  const auto add = [&](const SurvivorTile& tile) { covered.Add(tile); };
+  detail::Callback call{add};
+  detail::ForEachTile(world.Asked(queries), &decltype(call)::Run, &call,
+                      options);
   if (const auto wrong = covered.WhatIsWrong(); !wrong.empty()) {
     return Fail("ForEachTile", options) << wrong;
   }

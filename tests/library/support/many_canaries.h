@@ -39,11 +39,9 @@ class CanariedManyOutputs {
 };
 
 // AnswersMany() between canaries, with every schedule on every given target.
-template <typename AnyWorld>
-::testing::AssertionResult AnswersManyEverywhere(
+inline ::testing::AssertionResult AnswersManyEverywhere(
     const ManyAnswers& answers, const AnyWorld& world,
-    std::span<const typename AnyWorld::Query> queries,
-    std::span<const Target> targets) {
+    const AnyQueries& queries, std::span<const Target> targets) {
   thread_local CanariedManyOutputs outputs;
   for (Target target : targets) {
     for (Schedule schedule : kSchedules) {
@@ -58,6 +56,14 @@ template <typename AnyWorld>
     }
   }
   return ::testing::AssertionSuccess();
+}
+template <typename World>
+::testing::AssertionResult AnswersManyEverywhere(
+    const ManyAnswers& answers, const World& world,
+    std::span<const typename World::Query> queries,
+    std::span<const Target> targets) {
+  return AnswersManyEverywhere(answers, AnyWorld(world), AnyQueries(queries),
+                               targets);
 }
 
 }  // namespace halfspace::testing

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <random>
 #include <string>
@@ -117,70 +118,50 @@ inline float NearlyZero(Random& random) {
   return std::bit_cast<float>(magnitude | (OneIn(2, random) ? 0x80000000u : 0));
 }
 
-template <typename View>
-typename View::Bound OneQuantizedBound(QuantizedInputKind kind,
-                                       Random& random) {
-  using Bound = typename View::Bound;
+// The values of a bound's planes.
+inline void FillQuantizedBound(const detail::PlaneLayout& layout,
+                               QuantizedInputKind kind, Random& random,
+                               float* values) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  if (kind == QuantizedInputKind::kSpecialBounds && !OneIn(4, random)) {
-    return OneIn(2, random) ? Bound::Everything() : Bound::Empty();
-  }
-  Bound bound;
-  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kMost = std::numeric_limits<float>::max();
+  const bool is_special =
+      kind == QuantizedInputKind::kSpecialBounds && !OneIn(4, random);
+  // Of a minimum: Everything() or Empty().
+  const float special = !is_special        ? 0.f
+                        : OneIn(2, random) ? -kMost
+                                           : kInfinity;
+  for (std::size_t p = 0; p < layout.plane_count; ++p) {
     const bool is_odd = p % 2 != 0;
+    const bool is_min = p < layout.axes;
+    if (is_special) {
+      values[p] = is_min ? special : -special;
+      continue;
+    }
     const float middle = QuantizedMiddle(kind, random);
     const float half = UniformIn(0.f, 30.f, random);
-    float value = IsMinPlane<View>(p) ? middle - half : middle + half;
+    float value = is_min ? middle - half : middle + half;
     if (kind == QuantizedInputKind::kAnyValues && OneIn(4, random)) {
       value = SpecialValue<float>(random);
     }
     if (kind == QuantizedInputKind::kSubnormals) value = NearlyZero(random);
     if (kind == QuantizedInputKind::kConstantPlanes && is_odd) value = 7.f;
     if (kind == QuantizedInputKind::kNanPlanes && is_odd) value = kNan;
-    StoredValue<View>(bound, p) = value;
+    values[p] = value;
   }
-  return bound;
 }
 
-}  // namespace internal
-
-template <typename View>
-std::vector<typename View::Bound> MakeQuantizedBounds(QuantizedInputKind kind,
-                                                      std::size_t count,
-                                                      Random& random) {
-  std::vector<typename View::Bound> bounds(count);
-  for (auto& bound : bounds) {
-    bound = internal::OneQuantizedBound<View>(kind, random);
-  }
-  if (kind == QuantizedInputKind::kEqualObjects) {
-    for (auto& bound : bounds) bound = bounds.front();
-  }
-  return bounds;
-}
-
-// A query that touches `bound` in every plane, so that it is kept.
-template <typename View>
-typename View::Query TouchingQuery(typename View::Bound bound) {
-  typename View::Query query;
-  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-    OpposingValue<View>(query, p) = StoredValue<View>(bound, p);
-  }
-  return query;
-}
-
-// A query that a part of the bounds survive. Where it may reject, its value is
-// that of one of them, a neighbour of it, or special.
-template <typename View>
-typename View::Query MakeQuantizedQuery(
-    std::vector<typename View::Bound>& bounds, Random& random) {
+// Fills a query that a part of `count` bounds survive. Where it may reject, its
+// value is that of one of them, a neighbour of it, or special.
+inline void FillQuantizedQuery(const detail::PlaneLayout& layout,
+                               const float* bounds, std::size_t count,
+                               Random& random, float* query) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  typename View::Query query;
-  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-    float& value = OpposingValue<View>(query, p);
-    const float loose = IsMinPlane<View>(p) ? 1e35f : -1e35f;
+  for (std::size_t p = 0; p < layout.plane_count; ++p) {
+    const bool is_min = p < layout.axes;
+    float& value = query[OpposingValue(layout, p)];
     const float stored =
-        bounds.empty() ? 0.f
-                       : StoredValue<View>(bounds[random() % bounds.size()], p);
+        count == 0 ? 0.f : bounds[random() % count * layout.plane_count + p];
     switch (random() % 12) {
       case 0:
         value = SpecialValue<float>(random);
@@ -197,9 +178,55 @@ typename View::Query MakeQuantizedQuery(
         value = stored;
         break;
       default:
-        value = loose;
+        value = is_min ? 1e35f : -1e35f;
     }
   }
+}
+
+}  // namespace internal
+
+// The values of `count` bounds, one bound after another.
+inline std::vector<float> MakeQuantizedValues(const detail::PlaneLayout& layout,
+                                              QuantizedInputKind kind,
+                                              std::size_t count,
+                                              Random& random) {
+  const std::size_t planes = layout.plane_count;
+  std::vector<float> values(count * planes);
+  for (std::size_t i = 0; i < count; ++i) {
+    internal::FillQuantizedBound(layout, kind, random, &values[i * planes]);
+  }
+  if (kind == QuantizedInputKind::kEqualObjects) {
+    for (std::size_t i = planes; i < values.size(); ++i) {
+      values[i] = values[i - planes];
+    }
+  }
+  return values;
+}
+
+template <typename View>
+std::vector<typename View::Bound> MakeQuantizedBounds(QuantizedInputKind kind,
+                                                      std::size_t count,
+                                                      Random& random) {
+  using Bound = typename View::Bound;
+  const std::vector<float> values =
+      MakeQuantizedValues(detail::kLayoutOf<Bound>, kind, count, random);
+  std::vector<Bound> bounds(count);
+  static_assert(sizeof(Bound) == kPlanes<View> * sizeof(float));
+  if (count != 0) {
+    std::memcpy(bounds.data(), values.data(), count * sizeof(Bound));
+  }
+  return bounds;
+}
+
+template <typename View>
+typename View::Query MakeQuantizedQuery(
+    const std::vector<typename View::Bound>& bounds, Random& random) {
+  typename View::Query query;
+  static_assert(sizeof(query) == kPlanes<View> * sizeof(float));
+  internal::FillQuantizedQuery(detail::kLayoutOf<typename View::Bound>,
+                               reinterpret_cast<const float*>(bounds.data()),
+                               bounds.size(), random,
+                               reinterpret_cast<float*>(&query));
   return query;
 }
 

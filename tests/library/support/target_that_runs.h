@@ -2,29 +2,30 @@
 #ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_TARGET_THAT_RUNS_H_
 #define HALFSPACE_TESTS_LIBRARY_SUPPORT_TARGET_THAT_RUNS_H_
 
-#include <cstddef>
-
 #include "halfspace/reject.h"
 #include "halfspace/target.h"
 #include "kernels/scan/kernel_table.h"
+#include "tests/library/support/any_world.h"
 
 namespace halfspace::testing {
 
 // Each call of reject.h and reject_many.h takes its kernels as this one does.
-template <typename AnyWorld>
-Target TargetThatRuns(const AnyWorld& world,
-                      const typename AnyWorld::Query& query,
-                      const Options& options) {
-  const auto view = world.view();
-  detail::Scan scan = detail::ScanOf(view, &query, 1);
+inline Target TargetThatRuns(const AnyWorld& world, const AnyQueries& query,
+                             const Options& options) {
+  detail::Scan scan = world.Asked(query);
   // The call writes its kernels there.
   static_cast<void>(
       detail::CountSurvivors(static_cast<detail::Scan&&>(scan), options));
   // The kernel says which target it was compiled for: no queries, no objects.
   detail::Part nothing{};
-  nothing.queries = &query;
+  nothing.queries = query.records;
   return Target::FromHighwayBit(
       scan.kernels->run[scan.type->flat](scan, nothing));
+}
+template <typename World>
+Target TargetThatRuns(const World& world, const typename World::Query& query,
+                      const Options& options) {
+  return TargetThatRuns(AnyWorld(world), {&query, 1}, options);
 }
 
 }  // namespace halfspace::testing

@@ -95,7 +95,7 @@ TEST(EnvironmentTest, CallsRunWhatItNamesOrRefuse) {
   CallOutputs outputs;
   ForEachCall(
       empty, Aabo3::Everything(), {}, outputs,
-      [&](std::string_view name, auto call) {
+      [&](std::string_view name, const auto& call) {
         if (MustBeRefused()) {
           EXPECT_TRUE(Refuses(call, {"HALFSPACE_TARGET", "expected one of ",
                                      "got \"" + Requested() + '"'}))

@@ -141,7 +141,7 @@ TEST(TargetsTest, HandleOfNoSupportedTargetIsRefused) {
     for (std::int64_t bit : bits) {
       const Target target = Target::FromHighwayBit(bit);
       ForEachCall(*world, Aabo3::Everything(), {.target = target}, outputs,
-                  [&](std::string_view name, auto call) {
+                  [&](std::string_view name, const auto& call) {
                     EXPECT_TRUE(Refuses(
                         call, {name, "options.target",
                                "expected one of " + SupportedNames(), "got"}))

@@ -98,7 +98,11 @@ class WorldTest : public ::testing::Test {
   Random random_{3};
 };
 
-TYPED_TEST_SUITE(WorldTest, WholeCases, CaseNames);
+// A world knows its planes by number: few and many, of floats and of doubles.
+using WorldCases = Tested<
+    ::testing::Types<Whole<SimplexView3>, Whole<AabbView2>, Whole<AaboView3>,
+                     Whole<AaboView4>, Whole<AabbView<3, double>>>>;
+TYPED_TEST_SUITE(WorldTest, WorldCases, CaseNames);
 
 TYPED_TEST(WorldTest, RandomOperationsFollowTheModel) {
   CountingMemory memory;
