@@ -64,7 +64,7 @@ def cell(value, column):
         text += f" [{number(low, digits)}, {number(high, digits)}]"
     if flag == "winner":
         return f"**{text}** *"
-    return text + {"tie": " =", "met": " met", "missed": " missed"}.get(flag, "")
+    return text + {"tie": " ="}.get(flag, "")
 
 
 def table_of(runs, machine, name):
