@@ -14,6 +14,7 @@
 #include "dispatch/bvh/tree.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
+#include "dispatch/errors/number_checks.h"
 #include "dispatch/exact/default_fp_mode.h"
 #include "halfspace/bvh.h"
 #include "kernels/prefetch.h"
@@ -457,10 +458,7 @@ BvhRoom BvhState::RoomFor(std::size_t more, const char* call) const {
       (room.slots > 0 && size() + more <= room.slots / 4 * 3 + 1)) {
     return kSlotsById;
   }
-  if (slots() + more >= kMostObjects) {
-    dispatch::ThrowInvalid(call, "world", "fewer than 2^31 objects in all",
-                           std::to_string(slots() + more));
-  }
+  dispatch::CheckObjectCount(call, "world", slots() + more);
   const std::size_t half_more =
       room.slots + std::max(kBlockObjects, room.slots / 2);
   return {std::max(slots() + more, std::min(kMostObjects - 1, half_more)), 1,
