@@ -189,12 +189,16 @@ def page(runs):
             "| run | machine | halfspace | sections |\n|---|---|---|---|\n")
     for name, run in runs.items():
         context = run["context"]
-        sections = list(dict.fromkeys(table["name"].split(":")[0] for table in run["tables"]))
+        added = {name for key in context if key.startswith("also ")
+                 for name in key.removeprefix("also ").split(", ")}
+        sections = list(dict.fromkeys(table["name"].split(":")[0] for table in run["tables"]
+                                      if table["name"] not in added))
         version = ", ".join(filter(None, [
             context["version"], context.get("commit", ""), context["date"][:10]]))
         text += (f"| `{name}.json` | {context['cpu']}, "
                  f"{context['model']}; {context['caches']}; {context['cores']} cores, "
-                 f"{context['machine']}; best target {context['target']} | {version} | "
+                 f"{context['machine']}; best target {context['target']}"
+                 f"{'; ' * ('noise' in context)}{context.get('noise', '')} | {version} | "
                  f"{', '.join(sections)}: `{context['command']}` |\n")
         for key, value in context.items():
             if key.startswith("also"):

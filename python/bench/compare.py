@@ -389,14 +389,9 @@ class World:
                      for library, limit in limits.items()}
 
 
-def table(name, title, libraries, contests, notes, aims=()):
-    """`aims`: {library: the least ratio}."""
+def table(name, title, libraries, contests, notes):
     column = report.column
-    rows = []
-    for row, ratios in contests:
-        for library, aim in dict(aims).items():
-            ratios[library].append("met" if ratios[library][0] >= aim else "missed")
-        rows.append([*row, *map(ratios.get, libraries)])
+    rows = [[*row, *map(ratios.get, libraries)] for row, ratios in contests]
     return report.table(
         f"compare: {name}", title,
         [column("objects", key=True), column("query", key=True), column("results a probe"),
@@ -427,11 +422,8 @@ def joins(scale, geos, repetitions, rng):
     return [
         table("join", f"{spaced(objects)} boxes joined with {spaced(probes)}, on one thread",
               list(limits), rows,
-              ["met, missed: the aim is 5 times for GEOS, and 20 times for shapely and rtree, "
-               "with 1 000 000 boxes.",
-               f"{Geopandas.name} uses rtree, and tests the geometries exactly. It runs on the "
-               f"first {spaced(limits[Geopandas])} probes, and is compared with halfspace on them."],
-              {geos: 5, Shapely: 20, Rtree: 20} if scale == 1 else {}),
+              [f"{Geopandas.name} uses rtree, and tests the geometries exactly. It runs on the "
+               f"first {spaced(limits[Geopandas])} probes, and is compared with halfspace on them."]),
         report.table(
             "compare: build", f"Building a tree of {spaced(objects)} boxes, on one thread",
             [column("objects", key=True), column("halfspace", "s", 3, better="lower"),
