@@ -16,9 +16,9 @@ constexpr double kDecayed = 1.25;
 constexpr double kAllDecayed = 2;
 
 // Until queries visit twice as many leaves, an update sorts 2 objects for each
-// change, and so many at least: a few changes wait. If 16 of 65 536 bodies come
-// and go in each frame, updates take a sixth of the time that they took when
-// they always sorted a 16th of the bodies.
+// body that changed, and 2048 at least: a few changes wait. If 16 of 65 536
+// bodies come and go in each frame, updates take a sixth of the time that they
+// took when they always sorted a 16th of the bodies.
 constexpr std::size_t kSortedOfChange = 2;
 constexpr std::size_t kLeastSorted = 2048;
 
@@ -26,9 +26,15 @@ constexpr std::uint32_t kAllBits = 0xFFFFFFFF;
 
 void Sort(BroadPhaseState& state, const UpdateOptions& options) {
   BvhTree& tree = state.tree;
+  state.changes = std::min(
+      state.changes + state.records.Count(Records::kForOrder), tree.size());
+  state.records.Clear(Records::kForOrder);
   if (options.budget == 0 || tree.size() == 0) return;
   const double ratio = tree.CostRatio();
-  if (!(ratio > kDecayed)) return;
+  if (!(ratio > kDecayed)) {
+    state.changes = 0;
+    return;
+  }
   std::size_t budget = options.budget;
   if (budget == UpdateOptions::kAutomatic) {
     budget = tree.size() / 16;
@@ -40,8 +46,9 @@ void Sort(BroadPhaseState& state, const UpdateOptions& options) {
   } else if (ratio > kAllDecayed && budget >= tree.size()) {
     BuildOptions build;
     build.run = options.run;
+    tree.Rebuild(build);
     state.changes = 0;
-    return tree.Rebuild(build);
+    return;
   }
   const std::size_t sorted =
       tree.RebuildPartial(std::max<std::size_t>(budget, 1));
@@ -102,6 +109,7 @@ std::size_t InsertBodies(BroadPhaseState& state, Span<const std::uint32_t> ids,
                          Span<const float> values,
                          Span<const BodyMasks> masks) {
   const Changing changing("BroadPhase::Insert", state);
+  if (ids.empty()) return 0;
   const std::size_t planes = state.planes();
   state.records.Reserve(ids);
   ReserveMasks(state, ids, masks);
@@ -111,14 +119,13 @@ std::size_t InsertBodies(BroadPhaseState& state, Span<const std::uint32_t> ids,
     if (!state.records.Insert(ids[i], values.data() + i * planes)) return i;
     inserted.Add();
   }
-  BvhState::Of(state.tree).PutOffSort();
   state.tree.InsertAs(ids, ColumnsOfRows(values.data(), ids.size(), planes));
+  BvhState::Of(state.tree).PutOffSort();
   for (std::size_t i = 0; i < ids.size(); ++i) {
     SetMask(state, ids[i], masks.empty() ? BodyMasks() : masks[i]);
     state.records.SetChanged(ids[i]);
   }
   inserted.Keep();
-  state.changes += ids.size();
   state.size.fetch_add(ids.size(), std::memory_order_relaxed);
   return ids.size();
 }
@@ -177,7 +184,6 @@ void BroadPhaseCore::Erase(Span<const std::uint32_t> ids) {
     state_->records.Erase(id);
     state_->records.SetChanged(id);
     state_->size.fetch_sub(1, std::memory_order_relaxed);
-    ++state_->changes;
   }
 }
 
@@ -223,6 +229,8 @@ void BroadPhaseCore::Rebuild(const Runner& run) {
   BuildOptions options;
   options.run = run;
   state_->tree.Rebuild(options);
+  state_->records.Clear(Records::kForOrder);
+  state_->changes = 0;
 }
 
 }  // namespace halfspace::detail

@@ -53,15 +53,16 @@ void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
   const Changing changing("BroadPhase::UpdatePairs", state);
   state.Flush();
   const bool is_of_some =
-      IsSmallSet(state.records.CountChanged(), state.tree.size());
+      IsSmallSet(state.records.Count(Records::kForPairs), state.tree.size());
   const BlockVector<std::uint32_t> changed =
-      is_of_some ? state.ChangedIds() : BlockVector<std::uint32_t>();
+      is_of_some ? state.IdsOf(Records::kForPairs)
+                 : BlockVector<std::uint32_t>();
   const Span<const std::uint32_t> set(changed.data(), changed.size());
   KeptPairs kept(state);
   state.events.Update(
       {kernels, &state.tree, nullptr, is_of_some ? &set : nullptr},
       {.run = run}, kept.filter());
-  state.records.ClearChanged();
+  state.records.Clear(Records::kForPairs);
 }
 
 const PairEventsCore& BroadPhaseCore::events() const { return state_->events; }

@@ -214,7 +214,7 @@ std::size_t Records::TakeMarks() {
     for (std::uint64_t some = group.some_taken; some != 0; some &= some - 1) {
       const std::size_t w = LowestBit(some);
       group.taken[w] = group.TakeMarksOf(w);
-      group.changed[w] |= group.taken[w];
+      for (auto& changed : group.changed) changed[w] |= group.taken[w];
       count += static_cast<std::size_t>(std::popcount(group.taken[w]));
     }
   });
@@ -292,9 +292,10 @@ void Records::Swap(Records& other) {
   std::swap(bytes_, other.bytes_);
 }
 
-void Records::ClearChanged() {
-  ForEachGroup(
-      [](std::size_t, Group& group) { std::fill_n(group.changed, 64, 0); });
+void Records::Clear(ChangedSet set) {
+  ForEachGroup([set](std::size_t, Group& group) {
+    std::fill_n(group.changed[set], 64, 0);
+  });
 }
 
 }  // namespace halfspace::detail

@@ -197,23 +197,34 @@ class Records {
     Copy(std::make_index_sequence<kAxes>(), *At(id), to);
   }
 
-  // The changed bodies are those whose marks were taken, or for which
-  // SetChanged() was called, since ClearChanged().
-  void SetChanged(std::uint32_t id) {
-    GroupAt(id / kGroupIds)->changed[id / 64 % 64] |= std::uint64_t{1}
-                                                      << id % 64;
+  // The bodies whose marks were taken, or for which Add() was called, since
+  // Clear(). One set is for UpdatePairs(), and one for Update(), which sorts
+  // the more the more bodies are in it. A set depends on moves alone, and not
+  // on when marks were taken.
+  enum ChangedSet : std::uint8_t { kForPairs, kForOrder };
+  void Add(ChangedSet set, std::uint32_t id) {
+    GroupAt(id / kGroupIds)->changed[set][id / 64 % 64] |= std::uint64_t{1}
+                                                           << id % 64;
   }
-  void ClearChanged();
-  std::size_t CountChanged() const {
+  void SetChanged(std::uint32_t id) {
+    Add(kForPairs, id);
+    Add(kForOrder, id);
+  }
+  void Clear(ChangedSet set);
+  std::size_t Count(ChangedSet set) const {
     std::size_t count = 0;
-    ForEachChanged([&count](std::uint32_t) { ++count; });
+    ForEachGroup([&](std::size_t, const Group& group) {
+      for (const std::uint64_t bits : group.changed[set]) {
+        count += static_cast<std::size_t>(std::popcount(bits));
+      }
+    });
     return count;
   }
   template <typename Visit>
-  void ForEachChanged(const Visit& visit) const {
+  void ForEachOf(ChangedSet set, const Visit& visit) const {
     ForEachGroup([&](std::size_t g, const Group& group) {
       for (std::size_t w = 0; w < 64; ++w) {
-        for (std::uint64_t bits = group.changed[w]; bits != 0;
+        for (std::uint64_t bits = group.changed[set][w]; bits != 0;
              bits &= bits - 1) {
           visit(IdOf(g, w, LowestBit(bits)));
         }
@@ -237,8 +248,8 @@ class Records {
     std::atomic<std::uint64_t> some;  // a bit for 64 bodies, some with marks
     std::atomic<std::uint8_t> marks[kGroupIds];  // 1 or 0
     std::uint64_t some_taken;
-    std::uint64_t taken[64];  // of these
-    std::uint64_t changed[64];
+    std::uint64_t taken[64];         // of these
+    std::uint64_t changed[2][64];    // by ChangedSet
     std::atomic<Word*> records[64];  // of 64 ids each, or null
 
     // Marks are written as bytes and read eight at a time. On the supported

@@ -15,8 +15,8 @@ constexpr char kMagic[8] = {'h', 'a', 'l', 'f', 'b', 'o', 'd', 'y'};
 constexpr std::uint32_t kVersion = 1;
 
 // After the header come the blob of the tree, the pairs, the collides_with
-// masks, and the ids of bodies that changed since the last UpdatePairs(). Each
-// begins at a multiple of 64 bytes.
+// masks, and the ids of bodies that changed since the last UpdatePairs() and
+// since the last Update(). Each begins at a multiple of 64 bytes.
 struct alignas(64) SaveHeader {
   std::uint64_t bytes;  // of all
   char magic[8];
@@ -26,7 +26,8 @@ struct alignas(64) SaveHeader {
   std::uint64_t pairs;
   std::uint64_t collides_with;
   std::uint64_t changed;
-  std::uint64_t changes;  // BroadPhaseState::changes
+  std::uint32_t changed_for_order;
+  std::uint32_t changes;  // BroadPhaseState::changes
 };
 static_assert(sizeof(SaveHeader) == 64);
 
@@ -79,23 +80,27 @@ BroadPhaseCore::BroadPhaseCore(const BroadPhaseCore& other)
   state_->events = PairEventsCore(from.events, from.options.memory);
   state_->collides_with = from.collides_with;
   state_->changes = from.changes;
-  from.records.ForEachChanged([&](std::uint32_t id) {
-    state_->records.Reserve({&id, 1});  // no body may have it
-    state_->records.SetChanged(id);
-  });
+  for (const auto set : {Records::kForPairs, Records::kForOrder}) {
+    from.records.ForEachOf(set, [&](std::uint32_t id) {
+      state_->records.Reserve({&id, 1});  // no body may have it
+      state_->records.Add(set, id);
+    });
+  }
 }
 
 void BroadPhaseCore::Save(SaveFunction function, void* context) const {
   BroadPhaseState& state = *state_;
   const Changing changing("BroadPhase::Save", state);
   state.Flush();
-  const BlockVector<std::uint32_t> changed = state.ChangedIds();
+  const auto changed = state.IdsOf(Records::kForPairs);
+  const auto changed_for_order = state.IdsOf(Records::kForOrder);
   const Span<const std::byte> tree = state.tree.Blob();
   const Span<const IdPair> pairs = state.events.pairs();
   const Span<const std::byte> parts[] = {
       tree, BytesOf(pairs.data(), pairs.size()),
       BytesOf(state.collides_with.data(), state.collides_with.size()),
-      BytesOf(changed.data(), changed.size())};
+      BytesOf(changed.data(), changed.size()),
+      BytesOf(changed_for_order.data(), changed_for_order.size())};
   SaveHeader header{};
   header.bytes = sizeof(header);
   for (const Span<const std::byte>& part : parts) {
@@ -108,7 +113,9 @@ void BroadPhaseCore::Save(SaveFunction function, void* context) const {
   header.pairs = pairs.size();
   header.collides_with = state.collides_with.size();
   header.changed = changed.size();
-  header.changes = state.changes;
+  header.changed_for_order =
+      static_cast<std::uint32_t>(changed_for_order.size());
+  header.changes = static_cast<std::uint32_t>(state.changes);
   function(context, BytesOf(&header, 1));
   for (const Span<const std::byte>& part : parts) {
     constexpr std::byte kPadding[kAlignment] = {};
@@ -146,23 +153,29 @@ void BroadPhaseCore::Load(Span<const std::byte> bytes) {
   const auto pairs = parts.Next<IdPair>(header.pairs);
   const auto collides_with = parts.Next<std::uint32_t>(header.collides_with);
   const auto changed = parts.Next<std::uint32_t>(header.changed);
+  const auto changed_for_order =
+      parts.Next<std::uint32_t>(header.changed_for_order);
   BvhTree tree(state.type, state.options.memory);
   if (!blob.empty()) tree.Load(blob, false);
   to.Adopt(std::move(tree));
   to.events.Load(pairs);
-  to.changes = static_cast<std::size_t>(header.changes);
+  to.changes = header.changes;
   to.collides_with.assign(collides_with.begin(), collides_with.end());
   if (!collides_with.empty() && collides_with.size() < to.tree.id_limit()) {
     ThrowNotSaved("a mask for each id",
                   std::to_string(collides_with.size()) + " masks");
   }
-  for (const std::uint32_t id : changed) {
-    if (id >= kMostObjects) {
-      ThrowNotSaved("ids below 2^31", std::to_string(id));
+  const auto add = [&](Records::ChangedSet set, Span<const std::uint32_t> ids) {
+    for (const std::uint32_t id : ids) {
+      if (id >= kMostObjects) {
+        ThrowNotSaved("ids below 2^31", std::to_string(id));
+      }
+      to.records.Reserve({&id, 1});
+      to.records.Add(set, id);
     }
-    to.records.Reserve({&id, 1});
-    to.records.SetChanged(id);
-  }
+  };
+  add(Records::kForPairs, changed);
+  add(Records::kForOrder, changed_for_order);
   const Changing changing(kLoad, state);
   state.Swap(to);
 }

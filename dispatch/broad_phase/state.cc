@@ -39,10 +39,11 @@ void BroadPhaseState::CheckBodies(const char* call,
                          std::to_string(ids[i]), i);
 }
 
-BlockVector<std::uint32_t> BroadPhaseState::ChangedIds() const {
+BlockVector<std::uint32_t> BroadPhaseState::IdsOf(
+    Records::ChangedSet set) const {
   BlockVector<std::uint32_t> ids(BlockAllocator<std::uint32_t>(options.memory));
-  ids.reserve(records.CountChanged());
-  records.ForEachChanged([&](std::uint32_t id) { ids.push_back(id); });
+  ids.reserve(records.Count(set));
+  records.ForEachOf(set, [&](std::uint32_t id) { ids.push_back(id); });
   return ids;
 }
 
@@ -50,7 +51,6 @@ void BroadPhaseState::Flush() {
   if (!records.HasMarks()) return;
   BvhState::Of(tree).PrepareRefit();
   const std::size_t count = records.TakeMarks();
-  changes += count;
   const bool is_all = 2 * count > tree.size();
   WithAxes(type.axes, [&](auto axes) {
     is_all ? FlushAll<axes>() : FlushSome<axes>(count);

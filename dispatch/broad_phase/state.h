@@ -46,8 +46,8 @@ class BroadPhaseState {
   // Throws unless bodies have all these ids.
   void CheckBodies(const char* call, Span<const std::uint32_t> ids) const;
 
-  // With exclusive access: of bodies that changed since the last UpdatePairs().
-  BlockVector<std::uint32_t> ChangedIds() const;
+  // With exclusive access.
+  BlockVector<std::uint32_t> IdsOf(Records::ChangedSet set) const;
 
   // The tree must not change at the same time.
   BodyMasks MasksOf(std::uint32_t id) const {
@@ -82,8 +82,7 @@ class BroadPhaseState {
   BvhTree tree;
   const BvhTree nothing;  // on which arguments are checked
   PairEventsCore events;
-  // Bodies that were moved, inserted and erased, for which Update() has not
-  // sorted yet.
+  // Changes for which Update() has not sorted yet, without those of kForOrder.
   std::size_t changes = 0;
   // A bit for each slot and each node of the tree: room for Flush().
   BlockVector<std::uint64_t> changed_slots;

@@ -434,8 +434,8 @@ std::size_t BvhState::FindSlot(const float* values) const {
 
 // The first of the last slots that have to be sorted, after `added` objects
 // came to the end, or the end. Each object there is sorted with the 256 that
-// came with it, these with 1024, and so on; and with all, when as many were
-// inserted as there were when all were sorted.
+// came with it, these with 1024, and so on; and with all, when half as many
+// were inserted as there were when all were sorted.
 std::size_t BvhState::FirstDue(std::size_t added) const {
   const std::size_t end = slots();
   const BvhHeader& header = this->header();
@@ -447,7 +447,7 @@ std::size_t BvhState::FirstDue(std::size_t added) const {
   std::size_t last = kSortEach;
   if (after / last == before / last) return end;
   while (after / (4 * last) != before / (4 * last)) last *= 4;
-  return end - (after - before / last * last);
+  return end - std::max(std::min(added, end), after - before / last * last);
 }
 
 // The room for `more` objects. If more than a quarter of the slots are empty,
@@ -466,17 +466,17 @@ BvhRoom BvhState::RoomFor(std::size_t more, const char* call) const {
 }
 
 // Sorts the slots that are due. Without memory for that they stay as they are,
-// as the order changes no result. Returns whether slots were sorted.
-bool BvhState::SortDue(std::size_t added, const char* call) {
+// as the order changes no result.
+void BvhState::SortDue(std::size_t added, const char* call) {
   const std::size_t first = FirstDue(added);
-  if (first == slots()) return false;
+  if (first == slots()) return;
   const SlotRange range = {first / kBlockObjects * kBlockObjects, slots()};
   const bool is_all = first == 0;
 #if defined(__cpp_exceptions)
   try {
     Resort(call, {&range, 1});
   } catch (const std::bad_alloc&) {
-    return false;
+    return;
   }
 #else
   Resort(call, {&range, 1});
@@ -485,7 +485,6 @@ bool BvhState::SortDue(std::size_t added, const char* call) {
     header().sorted = header().size;
     header().inserted = 0;
   }
-  return true;
 }
 
 // Writes a new object to an empty slot, whose block has to be encoded then.
@@ -520,12 +519,11 @@ std::uint32_t BvhTree::Insert(Span<const float> values) {
   const auto id = static_cast<std::uint32_t>(tree.Used().Least());
   const std::size_t added = slot == tree.slots() ? 1 : 0;
   tree.Put(slot, id, values.data());
-  if (tree.SortDue(added, kCall)) return id;
   tree.EncodePath(slot, slot % kBlockObjects == 0);
+  tree.SortDue(added, kCall);
   return id;
 }
 
-// At the end, and sorted there, as it takes longer to find an empty slot.
 void BvhTree::Insert(const Columns& bounds, Span<std::uint32_t> ids) {
   BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::Insert";
@@ -584,7 +582,8 @@ void BvhTree::InsertAs(Span<const std::uint32_t> ids, const Columns& bounds) {
       bounds, room, [&](std::size_t i) { return ids[i]; }, kCall);
 }
 
-// Sorts the new slots, or all, if that is due.
+// A short list takes empty slots, as single objects do. Sorts the new slots, or
+// all, if that is due.
 template <typename IdOf>
 void BvhState::Append(const Columns& bounds, const BvhRoom& room,
                       const IdOf& id_of, const char* call) {
@@ -600,10 +599,12 @@ void BvhState::Append(const Columns& bounds, const BvhRoom& room,
     Put(slot, id_of(i), values);
     if (slot < begin) EncodePath(slot);
   });
-  if (SortDue(slots() - begin, call) || slots() == begin) return;
-  const BvhKernels::OfPlanes& kernels = KernelsFor(type_, Target(), call);
-  dispatch::InDefaultFpMode(
-      [&] { EncodeSlots(levels_, kernels, begin, slots()); });
+  if (slots() > begin) {
+    const BvhKernels::OfPlanes& kernels = KernelsFor(type_, Target(), call);
+    dispatch::InDefaultFpMode(
+        [&] { EncodeSlots(levels_, kernels, begin, slots()); });
+  }
+  SortDue(slots() - begin, call);
 }
 
 // Without its block, which has to be encoded then.

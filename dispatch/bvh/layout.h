@@ -66,8 +66,8 @@ struct alignas(64) BvhHeader {
   std::uint32_t size;      // objects
   std::uint32_t ids;       // in use or free: from 0 on
   std::uint32_t unused;    // all ones; until format 4 the first free id
-  std::uint32_t sorted;    // objects when all were sorted
-  std::uint32_t inserted;  // since then
+  std::uint32_t sorted;    // slots when all were sorted, that are left of these
+  std::uint32_t inserted;  // since then, or since PutOffSort()
 };
 static_assert(sizeof(BvhHeader) == 64);
 

@@ -215,7 +215,10 @@ std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges) {
       const std::size_t end =
           blocks * kBlockObjects -
           static_cast<std::size_t>(std::countl_zero(level.present[blocks - 1]));
-      header().slots = static_cast<std::uint32_t>(end);
+      // As many objects as before are behind those that were sorted with all.
+      const auto cut = header().slots - static_cast<std::uint32_t>(end);
+      header().slots -= cut;
+      header().sorted -= std::min(header().sorted, cut);
       Truncate(type_, levels_, end);
       EncodeSlots(levels_, kernels, end - 1, end);
     }
@@ -242,8 +245,10 @@ void BvhState::CloseGaps() {
   const double decay = std::max(1.0, CostRatio());
   const BvhLevel& level = levels_.level[0];
   std::size_t to = 0;
+  std::size_t sorted = 0;
   for (std::size_t s = 0; s < header.slots; ++s) {
     if (!IsPresent(levels_, s)) continue;
+    if (s < header.sorted) ++sorted;
     for (std::size_t p = 0; p < type_.plane_count; ++p) {
       level.Value(p, to) = level.Value(p, s);
     }
@@ -252,7 +257,7 @@ void BvhState::CloseGaps() {
     ++to;
   }
   header.slots = static_cast<std::uint32_t>(to);
-  header.sorted = std::min(header.sorted, header.slots);
+  header.sorted = static_cast<std::uint32_t>(sorted);
   if (to == 0) {
     header.ids = 0;
     header.inserted = 0;
@@ -270,74 +275,70 @@ void BvhState::CloseGaps() {
   });
 }
 
-std::size_t BvhState::SortWorst(std::size_t most, const char* call) {
-  const std::size_t parts = PartsOf(slots());
-  const Scratch memory(memory_, parts * sizeof(WornPart));
-  auto* const worn = reinterpret_cast<WornPart*>(memory.data());
-  dispatch::InDefaultFpMode([&] {
-    const auto bound_of = [&](std::size_t part) {
-      return BoundOf(type_, levels_, PartAt(levels_, part));
-    };
-    for (std::size_t part = 0; part < parts; ++part) {
-      const BvhPart as_is = AsIs(type_, levels_, PartAt(levels_, part));
-      const double growth =
-          as_is.cost - CostAsBuilt(levels_.built[part], as_is.objects);
-      // An altered blob can have a NaN, which cannot be sorted.
-      worn[part] = {0, growth > 0 ? growth : 0, part};
-    }
-    WornPart& worst = *std::max_element(
-        worn, worn + parts,
-        [](const auto& a, const auto& b) { return a.growth < b.growth; });
-    const Values bound = bound_of(worst.part);
-    const Values world = BoundOf(type_, levels_, {0, slots()});
-    // Objects that moved from one part to another change places with objects of
-    // the parts that overlap theirs. A part that is sorted by itself keeps its
-    // objects, wherever they go. But a part of new objects from everywhere
-    // overlaps all, and would spread the objects of a part that is sorted with
-    // it: queries of a world whose objects come and go took three times as
-    // long.
-    const double size = Overlap(type_, bound, bound, world);
-    for (std::size_t part = 0; part < parts && worst.growth > 0; ++part) {
-      const Values other = bound_of(part);
-      const double overlap = Overlap(type_, bound, other, world);
-      const double greater =
-          std::max(size, Overlap(type_, other, other, world));
-      worn[part].overlap = overlap > greater / 8 ? overlap : 0;
-    }
-    worst.overlap = 2;  // the first
-  });
-  std::sort(worn, worn + parts, [](const auto& a, const auto& b) {
-    return std::tie(a.overlap, a.growth) > std::tie(b.overlap, b.growth);
-  });
-  if (!(worn[0].growth > 0)) return 0;
-  std::size_t bad = most < parts ? 1 : parts;
-  while (bad < std::min(most, parts) && worn[bad].overlap > 0) ++bad;
-  // The parts are sorted by their number, so that neighbouring slots get
-  // neighbouring objects.
-  std::sort(worn, worn + bad,
-            [](const auto& a, const auto& b) { return a.part < b.part; });
-  const Scratch list(memory_, bad * sizeof(SlotRange));
-  auto* const ranges = reinterpret_cast<SlotRange*>(list.data());
-  for (std::size_t w = 0; w < bad; ++w) {
-    ranges[w] = PartAt(levels_, worn[w].part);
-  }
-  return Resort(call, {ranges, bad});
-}
-
 std::size_t BvhTree::RebuildPartial(std::size_t objects) {
   BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::RebuildPartial";
   if (tree.slots() == 0 || objects == 0 || tree.levels_.count == 1) return 0;
   tree.CheckChange(kCall);
-  std::size_t sorted = 0;
-  do {
-    const std::size_t parts = (objects - sorted) / kPartSlots;
-    const std::size_t now =
-        tree.SortWorst(std::max<std::size_t>(2, parts), kCall);
-    if (now == 0) break;
-    sorted += now;
-  } while (sorted + 2 * kPartSlots <= objects);
-  return sorted;
+  const std::size_t parts = PartsOf(tree.header().slots);
+  const Scratch memory(tree.memory_, parts * sizeof(WornPart));
+  auto* const worn = reinterpret_cast<WornPart*>(memory.data());
+  std::size_t alike = 0;
+  dispatch::InDefaultFpMode([&] {
+    const BvhLevels& levels = tree.levels_;
+    const auto bound_of = [&](std::size_t part) {
+      return BoundOf(tree.type_, levels, PartAt(levels, part));
+    };
+    for (std::size_t part = 0; part < parts; ++part) {
+      const BvhPart as_is = AsIs(tree.type_, levels, PartAt(levels, part));
+      const double growth =
+          as_is.cost - CostAsBuilt(levels.built[part], as_is.objects);
+      // An altered blob can have a NaN, which cannot be sorted.
+      worn[part] = {0, growth > 0 ? growth : 0, part};
+    }
+    std::iter_swap(worn, std::max_element(worn, worn + parts,
+                                          [](const auto& a, const auto& b) {
+                                            return a.growth < b.growth;
+                                          }));
+    const Values bound = bound_of(worn[0].part);
+    const Values world = BoundOf(tree.type_, levels, {0, tree.slots()});
+    const double size = Overlap(tree.type_, bound, bound, world);
+    for (std::size_t i = 0; i < parts && worn[0].growth > 0; ++i) {
+      const Values other = bound_of(worn[i].part);
+      worn[i].overlap = Overlap(tree.type_, bound, other, world);
+      // A part of new objects from everywhere overlaps all parts, and would
+      // spread the objects of those that are sorted with it: queries of a world
+      // whose objects come and go took three times as long.
+      const double others_size = Overlap(tree.type_, other, other, world);
+      if (8 * others_size >= size && 8 * size >= others_size) {
+        std::swap(worn[i], worn[alike++]);
+      }
+    }
+  });
+  if (!(worn[0].growth > 0)) return 0;
+  const std::size_t most = std::max<std::size_t>(2, objects / kPartSlots);
+  if (most >= parts) alike = parts;
+  // The parts that overlap are sorted together, so objects that have moved from
+  // one part to another change their part. A part that is sorted alone would
+  // keep its objects, wherever they are.
+  std::sort(worn + 1, worn + alike, [](const auto& a, const auto& b) {
+    return std::tie(a.overlap, a.growth) > std::tie(b.overlap, b.growth);
+  });
+  std::size_t bad = 1;
+  while (bad < std::min(most, alike) &&
+         (worn[bad].overlap > 0 || worn[bad].growth > 0)) {
+    ++bad;
+  }
+  // The parts are sorted by their number, so that neighbouring slots get
+  // neighbouring objects.
+  std::sort(worn, worn + bad,
+            [](const auto& a, const auto& b) { return a.part < b.part; });
+  const Scratch list(tree.memory_, bad * sizeof(SlotRange));
+  auto* const ranges = reinterpret_cast<SlotRange*>(list.data());
+  for (std::size_t w = 0; w < bad; ++w) {
+    ranges[w] = PartAt(tree.levels_, worn[w].part);
+  }
+  return tree.Resort(kCall, {ranges, bad});
 }
 
 }  // namespace halfspace::detail

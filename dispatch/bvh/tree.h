@@ -49,10 +49,9 @@ class BvhState {
   // `changed` has WordsOfChanges() words, which are 0 after the words of the
   // slots. The tree must have changed by id before. No call allocates.
   void PrepareRefit() { Prepare("Bvh::Refit", {}); }
-  // For a caller that sorts by itself: the next insertions do not sort all.
-  void PutOffSort() {
-    if (block_ != nullptr) header().inserted = 0;
-  }
+  // After a change, for a caller that sorts by itself: insertions until now do
+  // not count towards a sort of all.
+  void PutOffSort() { header().inserted = 0; }
   void EncodePath(std::size_t slot, bool is_new_block = false);
   void EncodeTouched(std::uint64_t* changed);
   static std::size_t WordsOfChanges(std::size_t slots);
@@ -94,12 +93,12 @@ class BvhState {
   std::size_t PrepareObject(std::uint32_t id, bool has_masks, const char* call);
   BvhRoom RoomFor(std::size_t more, const char* call) const;
   std::size_t FirstDue(std::size_t added) const;
-  bool SortDue(std::size_t added, const char* call);
+  void SortDue(std::size_t added, const char* call);
   std::size_t FindSlot(const float* values) const;
   // Throws unless all ids are free and each is in the list once.
   void CheckNewIds(Span<const std::uint32_t> ids, const char* call) const;
   void Put(std::size_t slot, std::uint32_t id, const float* values);
-  // Adds objects behind the last slot, under the ids that id_of(i) returns.
+  // Adds objects under the ids that id_of(i) returns.
   template <typename IdOf>
   void Append(const Columns& bounds, const BvhRoom& room, const IdOf& id_of,
               const char* call);
@@ -111,10 +110,6 @@ class BvhState {
   // Prepare(). Ranges ascend and begin at blocks. Returns the number of
   // objects.
   std::size_t Resort(const char* call, Span<const SlotRange> ranges);
-  // Sorts the worst part again, with those that it overlaps, `most` in all.
-  // Returns the number of objects, or 0 if no part is worse than when it was
-  // sorted.
-  std::size_t SortWorst(std::size_t most, const char* call);
   void CloseGaps();
 
   BvhType type_;

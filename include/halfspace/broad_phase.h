@@ -122,9 +122,11 @@ struct UpdateOptions {
   static constexpr std::size_t kAutomatic = static_cast<std::size_t>(-1);
 
   // About how many bodies are sorted again if Bvh::CostRatio is above 1.25
-  // (Bvh::RebuildPartial). 0 sorts none. kAutomatic is size() / 16. If the
-  // ratio is above 2, and the budget is not less than size(), all are sorted as
-  // by Rebuild().
+  // (Bvh::RebuildPartial). 0 sorts none. kAutomatic is size() / 16 if the ratio
+  // is above 2. Otherwise it is at most two for each body that changed since
+  // the last update that sorted, and none is sorted before that is 2048 or
+  // size(). If the ratio is above 2, and the budget is not less than size(),
+  // all are sorted as by Rebuild().
   std::size_t budget = kAutomatic;
   // Used when all are sorted (runner.h).
   Runner run = {};

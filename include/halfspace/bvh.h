@@ -444,9 +444,11 @@ class Bvh {
 
   // Sorts the group of 1024 places whose surface has grown most, together with
   // those that overlap it most and then with those that have grown most, about
-  // `objects` objects in total and at least two groups. Groups that are sorted
-  // together exchange their objects. Returns the number of objects sorted, and
-  // 0 if no group has grown. Takes 0.1 to 0.3 us per object.
+  // `objects` objects in total and up to two groups at least. Groups that are
+  // more than 8 times as large, or as small, are left out, unless there is room
+  // for all. Groups that are sorted together exchange their objects. Returns
+  // the number of objects sorted, and 0 if no group has grown. Takes 0.1 to 0.3
+  // us per object.
   std::size_t RebuildPartial(std::size_t objects) {
     return tree_.RebuildPartial(objects);
   }

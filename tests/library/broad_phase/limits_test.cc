@@ -340,6 +340,41 @@ Ids OrderOf(const Bodies& bodies) {
   return ids;
 }
 
+// How much Update() sorts depends on the bodies that changed, and not on how
+// often they were copied into the tree.
+TEST(BroadPhaseBudgetTest, TheOrderDependsOnChangesAlone) {
+  constexpr std::uint32_t kCount = 6'000;
+  Spread<AabbView3> spread(0.2f);
+  std::vector<Aabb3> boxes(kCount);
+  for (Aabb3& box : boxes) box = spread.NextObject();
+  const Ids ids = IdsUpTo(kCount);
+  Bodies with_updates_alone;
+  with_updates_alone.Insert(ids, boxes);
+  Bodies with_queries(with_updates_alone);
+  Bodies saved(with_updates_alone);
+  for (int frame = 0; frame < 60; ++frame) {
+    const Ids some = {ids.begin() + frame * 40, ids.begin() + frame * 40 + 400};
+    std::vector<Aabb3> moved(some.size());
+    for (int pass = 0; pass < 2; ++pass) {
+      for (Aabb3& box : moved) box = spread.NextObject();
+      for (Bodies* bodies : {&with_updates_alone, &with_queries, &saved}) {
+        bodies->Move(some, moved);
+      }
+      EXPECT_EQ(CountSurvivors(with_queries, Aabb3::Everything()), kCount);
+      std::vector<std::byte> bytes;
+      saved.Save([&](Span<const std::byte> part) {
+        bytes.insert(bytes.end(), part.begin(), part.end());
+      });
+      saved.Load(bytes);
+    }
+    for (Bodies* bodies : {&with_updates_alone, &with_queries, &saved}) {
+      bodies->Update();
+    }
+    ASSERT_EQ(OrderOf(with_queries), OrderOf(with_updates_alone)) << frame;
+    ASSERT_EQ(OrderOf(saved), OrderOf(with_updates_alone)) << frame;
+  }
+}
+
 TEST(BroadPhaseBudgetTest, LimitsHowManyAreSortedAgain) {
   constexpr std::uint32_t kCount = 40'000;
   Bodies bodies;
