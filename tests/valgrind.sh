@@ -28,13 +28,13 @@ export HALFSPACE_TEST_SCALE=0.02  # leaves out the huge world, too
 left_out=(
   # valgrind ignores the bits of MXCSR that flush subnormals or unmask exceptions,
   # and these notice that they are not kept.
-  '*.MakingAndChangingAWorldNeverTrap'
-  '*.DistancesOfAllSizesInAllFloatingPointModes'
-  '*.NothingMoreIsRejectedWithSubnormalsFlushed'
+  '*.MakingAndChangingAWorldNeverTrap*'
+  '*.DistancesOfAllSizesInAllFloatingPointModes*'
+  '*.NothingMoreIsRejectedWithSubnormalsFlushed*'
   # Its operator new cannot throw, and ends the process instead.
-  '*.MemoryThatCannotBeHadIsBadAlloc'
+  '*.MemoryThatCannotBeHadIsBadAlloc*'
   # Reads a thread's stack below what is in use.
-  '*.TakeTheStackThatHeadersState'
+  '*.TakeTheStackThatHeadersState*'
   # Faults on purpose, which memcheck reports.
   '*DeathTest.*'
   # Long histories that only count nodes and bytes: AnyHistoryIsThatOfTheModel makes
@@ -44,7 +44,7 @@ left_out=(
   # 3 dimensions only, and scans only of planes that are seen as what they are: minutes,
   # for the same code.
   '*/2D*' '*/4D*' '*/Simplex2*' '*/Simplex4*' '*/Aabb2*' '*/Aabb4*' '*/Aabo2*' '*/Aabo4*'
-  '*/Aabo3AsSimplex.*' '*/Aabo3AsAabb.*' '*/Aabo3DoubleAs*')
+  '*/Aabo3AsSimplex*' '*/Aabo3AsAabb*' '*/Aabo3DoubleAs*')
 
 filter="-$(IFS=:; echo "${left_out[*]}")"
 logs=$root/build/memcheck
