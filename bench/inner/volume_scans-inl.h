@@ -55,21 +55,21 @@ void ScanSevenSided(const float* const* planes, const float* query, size_t size,
   const bool is_streaming = dispatch::StreamingPays() &&
                             size * kRecordBytes > dispatch::kInCacheBytes;
   const size_t words = size / kWordObjects;
-  const detail::Part all = {.first_query = 0,
-                            .query_count = 1,
-                            .queries = query,
-                            .begin = 0,
-                            .end = size,
-                            .rows = mask,
-                            .stride = 0};
+  const detail::Chunk all = {.first_query = 0,
+                             .query_count = 1,
+                             .queries = query,
+                             .begin = 0,
+                             .end = size,
+                             .rows = mask,
+                             .stride = 0};
   // A tile is finished after the minima of the next one, when its maxima have
   // arrived.
   size_t last = 0;
   uint64_t last_nonzero = 0;
   for (size_t begin = 0; begin < words; begin += kTileWords) {
     const size_t count = HWY_MIN(kTileWords, words - begin);
-    const detail::Part tile =
-        PartFrom(all, begin, (begin + count) * kWordObjects);
+    const detail::Chunk tile =
+        ChunkFrom(all, begin, (begin + count) * kWordObjects);
     if (is_streaming && kPagesPay) {
       StreamPages<false, float>(LoadAll(), minima, tile);
     } else {

@@ -1,8 +1,8 @@
-// A scan in parts. A tile of the world stays in the first-level cache while all
-// batches of queries are tested against it. Survivors of quantized bounds are
-// tested again by the floats, one part later.
-#ifndef HALFSPACE_DISPATCH_SCAN_PARTS_H_
-#define HALFSPACE_DISPATCH_SCAN_PARTS_H_
+// A scan in chunks. A tile of the world stays in the first-level cache while
+// all batches of queries are tested against it. Survivors of quantized bounds
+// are tested again by the floats, one chunk later.
+#ifndef HALFSPACE_DISPATCH_SCAN_CHUNKS_H_
+#define HALFSPACE_DISPATCH_SCAN_CHUNKS_H_
 
 #include <algorithm>
 #include <bit>
@@ -15,46 +15,46 @@
 
 namespace halfspace::dispatch {
 
+using detail::Chunk;
 using detail::kMostQueries;
-using detail::Part;
 using detail::Scan;
 
-// A run is the words of one query on at most kRunObjects objects. A part is one
-// run of each query of a batch, or up to kRunsOfOne runs of one query.
-inline constexpr std::size_t kRunWords = 64;
-inline constexpr std::size_t kRunObjects = 64 * kRunWords;
-inline constexpr std::size_t kRunsOfOne = 4;
+// A row is the words of one query on at most kRowObjects objects. A chunk is
+// one row of each query of a batch, or up to kRowsOfOne rows of one query.
+inline constexpr std::size_t kRowWords = 64;
+inline constexpr std::size_t kRowObjects = 64 * kRowWords;
+inline constexpr std::size_t kRowsOfOne = 4;
 
-// The words of a part, and which of them are nonzero.
+// The words of a chunk, and which of them are nonzero.
 struct Tested {
-  // Up to kMostListed survivors of quantized bounds are listed. If a run has
-  // one or two, each loop over words and bits is mispredicted once in each run,
+  // Up to kMostListed survivors of quantized bounds are listed. If a row has
+  // one or two, each loop over words and bits is mispredicted once in each row,
   // and there would be three such loops.
   static constexpr std::size_t kMostListed = 64;
 
-  Part part;
-  std::size_t runs;
-  std::uint64_t nonzero[kMostQueries];  // words, of each run
+  Chunk chunk;
+  std::size_t row_count;
+  std::uint64_t nonzero[kMostQueries];  // words, of each row
   std::size_t candidates;               // their number, listed or not
-  std::uint16_t list[kMostListed];      // run * kRunObjects + object
+  std::uint16_t list[kMostListed];      // row * kRowObjects + object
 
-  bool is_one() const { return part.query_count == 1; }
-  std::size_t words() const { return MaskWords(part.end - part.begin); }
-  std::size_t WordsOfRun(std::size_t run) const {
-    return is_one() ? std::min(kRunWords, words() - run * kRunWords) : words();
+  bool is_one() const { return chunk.query_count == 1; }
+  std::size_t words() const { return MaskWords(chunk.end - chunk.begin); }
+  std::size_t WordsInRow(std::size_t row) const {
+    return is_one() ? std::min(kRowWords, words() - row * kRowWords) : words();
   }
-  std::size_t QueryOfRun(std::size_t run) const {
-    return part.first_query + (is_one() ? 0 : run);
+  std::size_t QueryOfRow(std::size_t row) const {
+    return chunk.first_query + (is_one() ? 0 : row);
   }
-  std::size_t ObjectOfRun(std::size_t run) const {
-    return part.begin + (is_one() ? run * kRunObjects : 0);
+  std::size_t ObjectOfRow(std::size_t row) const {
+    return chunk.begin + (is_one() ? row * kRowObjects : 0);
   }
-  std::uint64_t* RowOfRun(std::size_t run) const {
-    return part.rows + (is_one() ? run * kRunWords : run * part.stride);
+  std::uint64_t* RowWords(std::size_t row) const {
+    return chunk.rows + (is_one() ? row * kRowWords : row * chunk.stride);
   }
 };
 
-// Test a candidate, a survivor of quantized bounds, on the floats (parts.cc).
+// Test a candidate, a survivor of quantized bounds, on the floats (chunks.cc).
 bool FloatsReject(const Scan& scan, std::size_t query, std::size_t object);
 void PrefetchFloats(const Scan& scan, std::size_t object);
 
@@ -64,31 +64,31 @@ void PrefetchFloats(const Scan& scan, std::size_t object);
 void PrefetchTile(const Scan& scan, std::size_t begin, std::size_t objects,
                   std::size_t share, std::size_t shares);
 
-// One query is tested on a few runs at a time, because more work between
+// One query is tested on a few rows at a time, because more work between
 // prefetching floats and reading them hides more of their latency. Several
 // queries are tested on a tile that leaves room for the words in the
 // first-level cache: with 32 KiB a box took 4 % more time on Zen 4. The second
 // half of quantized planes is rarely read, so it does not count.
-inline std::size_t PartObjects(const Scan& scan) {
+inline std::size_t ChunkObjects(const Scan& scan) {
   constexpr std::size_t kTileBytes = 28 * 1024;
   constexpr std::size_t kQuantizedTileBytes = 32 * 1024;
-  if (scan.query_count == 1) return kRunsOfOne * kRunObjects;
+  if (scan.query_count == 1) return kRowsOfOne * kRowObjects;
   const std::size_t bytes =
       scan.type->encode != nullptr ? kQuantizedTileBytes : kTileBytes;
-  return std::min(kRunObjects, bytes / scan.type->record_bytes / 64 * 64);
+  return std::min(kRowObjects, bytes / scan.type->record_bytes / 64 * 64);
 }
 
-// Calls visit(run, object of the run) for every bit of the words.
+// Calls visit(row, object of the row) for every bit of the words.
 template <typename Visit>
 [[gnu::always_inline]] inline void ForEachBit(const Tested& tested,
                                               const Visit& visit) {
-  for (std::size_t run = 0; run < tested.runs; ++run) {
-    const std::uint64_t* const words = tested.RowOfRun(run);
-    for (std::uint64_t nonzero = tested.nonzero[run]; nonzero != 0;
+  for (std::size_t row = 0; row < tested.row_count; ++row) {
+    const std::uint64_t* const words = tested.RowWords(row);
+    for (std::uint64_t nonzero = tested.nonzero[row]; nonzero != 0;
          nonzero &= nonzero - 1) {
       const auto w = static_cast<std::size_t>(std::countr_zero(nonzero));
       for (std::uint64_t left = words[w]; left != 0; left &= left - 1) {
-        visit(run, 64 * w + static_cast<std::size_t>(std::countr_zero(left)));
+        visit(row, 64 * w + static_cast<std::size_t>(std::countr_zero(left)));
       }
     }
   }
@@ -99,20 +99,21 @@ template <typename Visit>
 void ForEachCandidate(const Tested& tested, const Visit& visit) {
   if (tested.candidates > Tested::kMostListed) return ForEachBit(tested, visit);
   for (std::size_t c = 0; c < tested.candidates; ++c) {
-    visit(tested.list[c] / kRunObjects, tested.list[c] % kRunObjects);
+    visit(tested.list[c] / kRowObjects, tested.list[c] % kRowObjects);
   }
 }
 
 inline void FindNonzero(const Scan& scan, Tested& tested) {
-  tested.runs = tested.is_one() ? (tested.words() + kRunWords - 1) / kRunWords
-                                : tested.part.query_count;
-  for (std::size_t run = 0; run < tested.runs; ++run) {
-    tested.nonzero[run] = scan.kernels->nonzero_words(tested.RowOfRun(run),
-                                                      tested.WordsOfRun(run));
+  tested.row_count = tested.is_one()
+                         ? (tested.words() + kRowWords - 1) / kRowWords
+                         : tested.chunk.query_count;
+  for (std::size_t row = 0; row < tested.row_count; ++row) {
+    tested.nonzero[row] = scan.kernels->nonzero_words(tested.RowWords(row),
+                                                      tested.WordsInRow(row));
   }
 }
 
-// Tests a part on quantized bounds that floats refine: writes its words, and
+// Tests a chunk on quantized bounds that floats refine: writes its words, and
 // prefetches and lists the candidates.
 //
 // Of octahedra only the minima are tested. They usually leave so few candidates
@@ -121,26 +122,27 @@ inline void FindNonzero(const Scan& scan, Tested& tested) {
 // are nonzero, the maxima are tested too.
 inline void FindCandidates(const Scan& scan, Tested& tested) {
   bool is_tested = false;
-  if (scan.way == detail::kBySimplex) {
-    const detail::Way minima =
+  if (scan.kernel == detail::kBySimplex) {
+    const detail::ScanKernel minima =
         scan.is_streaming ? detail::kMinimaStreaming : detail::kMinima;
-    scan.kernels->run[minima](scan, tested.part);
+    scan.kernels->run[minima](scan, tested.chunk);
     FindNonzero(scan, tested);
-    const std::uint64_t runs =
-        tested.runs == 0 ? 0 : ~std::uint64_t{0} >> (64 - tested.runs);
-    is_tested = 4 * scan.kernels->count_bits(tested.nonzero, runs) <=
-                tested.part.query_count * tested.words();
+    const std::uint64_t rows =
+        tested.row_count == 0 ? 0
+                              : ~std::uint64_t{0} >> (64 - tested.row_count);
+    is_tested = 4 * scan.kernels->count_bits(tested.nonzero, rows) <=
+                tested.chunk.query_count * tested.words();
   }
   if (!is_tested) {
-    Run(scan, tested.part);
+    Run(scan, tested.chunk);
     FindNonzero(scan, tested);
   }
   std::size_t count = 0;
-  ForEachBit(tested, [&](std::size_t run, std::size_t object) {
-    PrefetchFloats(scan, tested.ObjectOfRun(run) + object);
+  ForEachBit(tested, [&](std::size_t row, std::size_t object) {
+    PrefetchFloats(scan, tested.ObjectOfRow(row) + object);
     if (count < Tested::kMostListed) {
       tested.list[count] =
-          static_cast<std::uint16_t>(run * kRunObjects + object);
+          static_cast<std::uint16_t>(row * kRowObjects + object);
     }
     ++count;
   });
@@ -149,65 +151,65 @@ inline void FindCandidates(const Scan& scan, Tested& tested) {
 
 // Clears the bits of candidates that the floats reject.
 inline void Refine(const Scan& scan, Tested& tested) {
-  ForEachCandidate(tested, [&](std::size_t run, std::size_t object) {
+  ForEachCandidate(tested, [&](std::size_t row, std::size_t object) {
     const std::uint64_t rejected = FloatsReject(
-        scan, tested.QueryOfRun(run), tested.ObjectOfRun(run) + object);
-    std::uint64_t& word = tested.RowOfRun(run)[object / 64];
+        scan, tested.QueryOfRow(row), tested.ObjectOfRow(row) + object);
+    std::uint64_t& word = tested.RowWords(row)[object / 64];
     word &= ~(rejected << object % 64);
-    if (word == 0) tested.nonzero[run] &= ~(std::uint64_t{1} << object / 64);
+    if (word == 0) tested.nonzero[row] &= ~(std::uint64_t{1} << object / 64);
   });
 }
 
 // How a call goes through its scan:
 //   kBlock     so many queries are encoded at a time
-//   kRuns      a part has at most so many runs
-//   kOneRun    one query on at most so many objects is one run, without parts
-//   kIsUrgent  a survivor is wanted soon. It is often among the first kOneRun
-//              objects, so these are the first part.
+//   kRows      a chunk has at most so many rows
+//   kOneRow    one query on at most so many objects is one row, without chunks
+//   kIsUrgent  a survivor is wanted soon. It is often among the first kOneRow
+//              objects, so these are the first chunk.
 struct OneQuery {
   static constexpr std::size_t kBlock = 1;
-  static constexpr std::size_t kRuns = kRunsOfOne;
-  static constexpr std::size_t kOneRun = kRunObjects;
+  static constexpr std::size_t kRows = kRowsOfOne;
+  static constexpr std::size_t kOneRow = kRowObjects;
   static constexpr bool kIsUrgent = false;
 };
 struct UrgentQuery {
   static constexpr std::size_t kBlock = 1;
-  static constexpr std::size_t kRuns = 1;
-  static constexpr std::size_t kOneRun = 512;
+  static constexpr std::size_t kRows = 1;
+  static constexpr std::size_t kOneRow = 512;
   static constexpr bool kIsUrgent = true;
 };
 struct ManyQueries {
   static constexpr std::size_t kBlock = 256;
-  static constexpr std::size_t kRuns = kMostQueries;
-  static constexpr std::size_t kOneRun = 0;
+  static constexpr std::size_t kRows = kMostQueries;
+  static constexpr std::size_t kOneRow = 0;
   static constexpr bool kIsUrgent = false;
 };
 
-// Rows on the stack, for two parts.
+// Rows on the stack, for two chunks.
 template <typename Queries>
 struct Rows {
-  void operator()(Part& part, std::size_t turn) {
-    part.rows = words[turn];
-    part.stride = kRunWords;
+  void operator()(Chunk& chunk, std::size_t turn) {
+    chunk.rows = words[turn];
+    chunk.stride = kRowWords;
   }
-  std::uint64_t words[2][Queries::kRuns * kRunWords];
+  std::uint64_t words[2][Queries::kRows * kRowWords];
 };
 
 // Tests every batch of queries on every tile of objects. Calls visit(tested)
-// for each part, after it was refined, until visit() returns false. place(part,
-// turn) sets the rows and the stride of a part. The rows of two turns are in
-// use at the same time. `tested` says which words are nonzero only if bounds
-// are refined.
+// for each chunk, after it was refined, until visit() returns false.
+// place(chunk, turn) sets the rows and the stride of a chunk. The rows of two
+// turns are in use at the same time. `tested` says which words are nonzero only
+// if bounds are refined.
 //
 // Queries are encoded once for all tiles, kBlock at a time. kBlock is so large
 // that reading the world again for the next block costs little.
 template <typename Queries, typename Place, typename Visit>
-void VisitParts(const Scan& scan, Place& place, const Visit& visit) {
+void VisitChunks(const Scan& scan, Place& place, const Visit& visit) {
   const detail::ScanType& type = *scan.type;
   alignas(16) std::byte
       quantized[Queries::kBlock * detail::kMaxPlanes * sizeof(std::int16_t)];
-  // The floats that refine the previous part are still being fetched.
-  Tested parts[2];
+  // The floats that refine the previous chunk are still being fetched.
+  Tested chunks[2];
   std::size_t turn = 0;
   bool is_waiting = false;
   const std::size_t most =
@@ -221,28 +223,28 @@ void VisitParts(const Scan& scan, Place& place, const Visit& visit) {
     }
     const std::size_t batches = (block + kMostQueries - 1) / kMostQueries;
     std::size_t objects =
-        Queries::kIsUrgent ? Queries::kOneRun : PartObjects(scan);
+        Queries::kIsUrgent ? Queries::kOneRow : ChunkObjects(scan);
     for (std::size_t begin = scan.begin; begin < scan.end;) {
       const std::size_t end = std::min(scan.end - begin, objects) + begin;
       for (std::size_t b = 0; b < batches; ++b) {
         if (batches > 1) PrefetchTile(scan, end, objects, b, batches);
         const std::size_t q = b * kMostQueries;
-        Tested* tested = &parts[turn];
-        tested->part = {.first_query = first + q,
-                        .query_count = std::min(kMostQueries, block - q),
-                        .queries = queries + q * type.record_bytes,
-                        .begin = begin,
-                        .end = end,
-                        .rows = nullptr,
-                        .stride = 0};
-        place(tested->part, turn);
+        Tested* tested = &chunks[turn];
+        tested->chunk = {.first_query = first + q,
+                         .query_count = std::min(kMostQueries, block - q),
+                         .queries = queries + q * type.record_bytes,
+                         .begin = begin,
+                         .end = end,
+                         .rows = nullptr,
+                         .stride = 0};
+        place(tested->chunk, turn);
         if (!type.is_refined) {
-          Run(scan, tested->part);
+          Run(scan, tested->chunk);
         } else {
           FindCandidates(scan, *tested);
           if (!Queries::kIsUrgent) {
             turn ^= 1;
-            tested = &parts[turn];
+            tested = &chunks[turn];
             if (!is_waiting) {
               is_waiting = true;
               continue;
@@ -253,80 +255,80 @@ void VisitParts(const Scan& scan, Place& place, const Visit& visit) {
         if (!visit(*tested)) return;
       }
       begin = end;
-      if (Queries::kIsUrgent) objects = kRunObjects;
+      if (Queries::kIsUrgent) objects = kRowObjects;
     }
   }
   if (!is_waiting) return;
-  Refine(scan, parts[turn ^ 1]);
-  visit(parts[turn ^ 1]);
+  Refine(scan, chunks[turn ^ 1]);
+  visit(chunks[turn ^ 1]);
 }
 
 // The same with rows on the stack, and `tested` always says which words are
-// nonzero. A function of its own, so that a call of one run needs neither its
+// nonzero. A function of its own, so that a call of one row needs neither its
 // stack nor its registers.
 template <typename Queries, typename Visit>
 [[gnu::noinline]] void VisitRows(const Scan& scan, const Visit& visit) {
   Rows<Queries> rows;
-  VisitParts<Queries>(scan, rows, [&](Tested& tested) {
+  VisitChunks<Queries>(scan, rows, [&](Tested& tested) {
     if (!scan.type->is_refined) FindNonzero(scan, tested);
     return visit(tested);
   });
 }
 
-// The words of one query on all objects of a scan of at most one run.
-inline Tested OneRun(const Scan& scan, std::uint64_t* words,
+// The words of one query on all objects of a scan of at most one row.
+inline Tested OneRow(const Scan& scan, std::uint64_t* words,
                      std::uint64_t nonzero) {
   Tested tested;
-  tested.part = WholeRange(scan, words);
-  tested.runs = 1;
+  tested.chunk = WholeRange(scan, words);
+  tested.row_count = 1;
   tested.nonzero[0] = nonzero;
   return tested;
 }
 
 // Tests all objects of a prepared scan. Calls visit(tested) with the words of
-// one part after another, until it returns false. A scan of one run is one
-// part, without the cost of parts.
+// one chunk after another, until it returns false. A scan of one row is one
+// chunk, without the cost of chunks.
 template <typename Queries, typename Visit>
 [[gnu::always_inline]] inline void VisitWords(Scan& scan,
                                               const Options& options,
                                               const Visit& visit) {
-  if constexpr (Queries::kOneRun != 0) {
+  if constexpr (Queries::kOneRow != 0) {
     if (IsShort(scan)) {
       std::uint64_t word;
       WriteFlatMask(scan, &word);
-      visit(OneRun(scan, &word, word != 0));
+      visit(OneRow(scan, &word, word != 0));
       return;
     }
     const std::size_t objects = scan.end - scan.begin;
-    if (objects <= Queries::kOneRun && scan.type->encode == nullptr) {
-      ChooseWay(scan, options);
-      std::uint64_t words[Queries::kOneRun / 64];
+    if (objects <= Queries::kOneRow && scan.type->encode == nullptr) {
+      ChooseKernel(scan, options);
+      std::uint64_t words[Queries::kOneRow / 64];
       Run(scan, WholeRange(scan, words));
-      visit(OneRun(scan, words,
+      visit(OneRow(scan, words,
                    scan.kernels->nonzero_words(words, MaskWords(objects))));
       return;
     }
   }
-  ChooseWay(scan, options);
+  ChooseKernel(scan, options);
   VisitRows<Queries>(scan, visit);
 }
 
-// Calls visit(query, object) for every survivor. Within a part, the objects of
+// Calls visit(query, object) for every survivor. Within a chunk, the objects of
 // each query ascend.
 template <typename Visit>
 [[gnu::always_inline]] inline void ForEachSurvivor(const Tested& tested,
                                                    const Visit& visit) {
-  ForEachBit(tested, [&](std::size_t run, std::size_t object) {
-    visit(tested.QueryOfRun(run), tested.ObjectOfRun(run) + object);
+  ForEachBit(tested, [&](std::size_t row, std::size_t object) {
+    visit(tested.QueryOfRow(row), tested.ObjectOfRow(row) + object);
   });
 }
 
-// Calls visit(query, number of survivors) for every run.
+// Calls visit(query, number of survivors) for every row.
 template <typename Visit>
 void ForEachCount(const Scan& scan, const Tested& tested, const Visit& visit) {
-  for (std::size_t run = 0; run < tested.runs; ++run) {
-    visit(tested.QueryOfRun(run),
-          scan.kernels->count_bits(tested.RowOfRun(run), tested.nonzero[run]));
+  for (std::size_t row = 0; row < tested.row_count; ++row) {
+    visit(tested.QueryOfRow(row),
+          scan.kernels->count_bits(tested.RowWords(row), tested.nonzero[row]));
   }
 }
 
@@ -340,14 +342,14 @@ inline void Flip(std::uint64_t* words, std::size_t count) {
 template <typename Queries>
 void WriteRows(const Scan& scan, std::uint64_t* rows, std::size_t stride,
                bool rejects) {
-  const auto place = [&](Part& part, std::size_t) {
-    part.rows =
-        rows + part.first_query * stride + (part.begin - scan.begin) / 64;
-    part.stride = stride;
+  const auto place = [&](Chunk& chunk, std::size_t) {
+    chunk.rows =
+        rows + chunk.first_query * stride + (chunk.begin - scan.begin) / 64;
+    chunk.stride = stride;
   };
-  VisitParts<Queries>(scan, place, [&](const Tested& tested) {
-    for (std::size_t q = 0; rejects && q < tested.part.query_count; ++q) {
-      Flip(tested.part.rows + q * stride, tested.words());
+  VisitChunks<Queries>(scan, place, [&](const Tested& tested) {
+    for (std::size_t q = 0; rejects && q < tested.chunk.query_count; ++q) {
+      Flip(tested.chunk.rows + q * stride, tested.words());
     }
     return true;
   });
@@ -355,4 +357,4 @@ void WriteRows(const Scan& scan, std::uint64_t* rows, std::size_t stride,
 
 }  // namespace halfspace::dispatch
 
-#endif  // HALFSPACE_DISPATCH_SCAN_PARTS_H_
+#endif  // HALFSPACE_DISPATCH_SCAN_CHUNKS_H_

@@ -1,4 +1,4 @@
-#include "dispatch/scan/parts.h"
+#include "dispatch/scan/chunks.h"
 
 #include "kernels/prefetch.h"
 
