@@ -1,7 +1,6 @@
 #include "c/call.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
@@ -135,10 +134,6 @@ void Call::FailMisaligned(const char* argument, std::size_t alignment) const {
 void Call::FailTooMany(const char* argument, std::size_t count) const {
   Fail(HS_INVALID_ARGUMENT, argument,
        "expected a size that fits the address space, got %zu elements", count);
-}
-
-NumberText::NumberText(float value) {
-  std::to_chars(text_.data(), text_.data() + text_.size() - 1, value);
 }
 
 hs_status StatusOfException(const Call& call) noexcept {

@@ -85,17 +85,6 @@ class Call {
   const char* name_;
 };
 
-// The shortest text that stands for no other float, in every locale: "%g"
-// rounds, and can write a comma.
-class NumberText {
- public:
-  explicit NumberText(float value);
-  const char* c_str() const { return text_.data(); }
-
- private:
-  std::array<char, 24> text_{};
-};
-
 // The status of the exception that is being handled, and its message.
 hs_status StatusOfException(const Call& call) noexcept;
 
@@ -109,6 +98,17 @@ hs_status Run(const char* name, const Body& body) noexcept {
   } catch (...) {
     return StatusOfException(call);
   }
+}
+
+// Writes what get() returns of `from` to `*value`.
+template <typename From, typename Value, typename Function>
+hs_status Get(const char* name, const char* from_name, const From* from,
+              const char* value_name, Value* value, const Function& get) {
+  return Run(name, [&](const Call& call) {
+    call.CheckPointer(from_name, from);
+    call.CheckPointer(value_name, value);
+    *value = get();
+  });
 }
 
 // Copies the fields that the caller's struct has over those of `options`, which

@@ -17,7 +17,7 @@
 #include "dispatch/errors/number_checks.h"
 #include "dispatch/exact/default_fp_mode.h"
 #include "halfspace/bvh.h"
-#include "kernels/prefetch.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::detail {
 namespace {

@@ -14,7 +14,7 @@
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/exact/default_fp_mode.h"
 #include "dispatch/exact/outward.h"
-#include "kernels/prefetch.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::detail {
 namespace {

@@ -16,6 +16,7 @@
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "halfspace/detail/plane_arrays.h"
+#include "kernels/compiler.h"
 #include "kernels/results.h"
 
 namespace halfspace::detail {
@@ -170,8 +171,8 @@ class Search {
     sink.Flush();
   }
 
-  [[gnu::noinline]] void RunParts(std::size_t parts, std::size_t expected,
-                                  PairList& found) const {
+  HALFSPACE_NOINLINE void RunParts(std::size_t parts, std::size_t expected,
+                                   PairList& found) const {
     LockedMemory memory(found.memory());
     struct Part {
       PairList found;

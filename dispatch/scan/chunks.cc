@@ -1,6 +1,6 @@
 #include "dispatch/scan/chunks.h"
 
-#include "kernels/prefetch.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::dispatch {
 namespace {

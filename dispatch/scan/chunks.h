@@ -11,6 +11,7 @@
 
 #include "dispatch/scan/prepare.h"
 #include "halfspace/detail/scan.h"
+#include "kernels/compiler.h"
 #include "kernels/scan/kernel_table.h"
 
 namespace halfspace::dispatch {
@@ -80,8 +81,8 @@ inline std::size_t ChunkObjects(const Scan& scan) {
 
 // Calls visit(row, object of the row) for every bit of the words.
 template <typename Visit>
-[[gnu::always_inline]] inline void ForEachBit(const Tested& tested,
-                                              const Visit& visit) {
+HALFSPACE_ALWAYS_INLINE void ForEachBit(const Tested& tested,
+                                        const Visit& visit) {
   for (std::size_t row = 0; row < tested.row_count; ++row) {
     const std::uint64_t* const words = tested.RowWords(row);
     for (std::uint64_t nonzero = tested.nonzero[row]; nonzero != 0;
@@ -267,7 +268,7 @@ void VisitChunks(const Scan& scan, Place& place, const Visit& visit) {
 // nonzero. A function of its own, so that a call of one row needs neither its
 // stack nor its registers.
 template <typename Queries, typename Visit>
-[[gnu::noinline]] void VisitRows(const Scan& scan, const Visit& visit) {
+HALFSPACE_NOINLINE void VisitRows(const Scan& scan, const Visit& visit) {
   Rows<Queries> rows;
   VisitChunks<Queries>(scan, rows, [&](Tested& tested) {
     if (!scan.type->is_refined) FindNonzero(scan, tested);
@@ -289,9 +290,8 @@ inline Tested OneRow(const Scan& scan, std::uint64_t* words,
 // one chunk after another, until it returns false. A scan of one row is one
 // chunk, without the cost of chunks.
 template <typename Queries, typename Visit>
-[[gnu::always_inline]] inline void VisitWords(Scan& scan,
-                                              const Options& options,
-                                              const Visit& visit) {
+HALFSPACE_ALWAYS_INLINE void VisitWords(Scan& scan, const Options& options,
+                                        const Visit& visit) {
   if constexpr (Queries::kOneRow != 0) {
     if (IsShort(scan)) {
       std::uint64_t word;
@@ -316,8 +316,8 @@ template <typename Queries, typename Visit>
 // Calls visit(query, object) for every survivor. Within a chunk, the objects of
 // each query ascend.
 template <typename Visit>
-[[gnu::always_inline]] inline void ForEachSurvivor(const Tested& tested,
-                                                   const Visit& visit) {
+HALFSPACE_ALWAYS_INLINE void ForEachSurvivor(const Tested& tested,
+                                             const Visit& visit) {
   ForEachBit(tested, [&](std::size_t row, std::size_t object) {
     visit(tested.QueryOfRow(row), tested.ObjectOfRow(row) + object);
   });

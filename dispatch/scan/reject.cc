@@ -7,6 +7,7 @@
 
 #include "dispatch/scan/chunks.h"
 #include "dispatch/scan/prepare.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::detail {
 namespace {
@@ -17,8 +18,8 @@ using dispatch::Tested;
 
 // A function of its own, because its buffers would make the stack frame of its
 // caller large.
-[[gnu::noinline]] void WriteQuantizedMask(const Scan& scan,
-                                          std::uint64_t* mask) {
+HALFSPACE_NOINLINE void WriteQuantizedMask(const Scan& scan,
+                                           std::uint64_t* mask) {
   dispatch::WriteRows<OneQuery>(scan, mask, 0, false);
 }
 

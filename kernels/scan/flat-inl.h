@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "hwy/highway.h"
+#include "kernels/compiler.h"
 #include "kernels/scan/kernel_table.h"
 #include "kernels/scan/words-inl.h"
 
@@ -175,10 +176,10 @@ HWY_NOINLINE void FlatSeveral(const detail::Scan& scan,
     uint64_t survivors[kQueries] = {};
     for (size_t l = 0; l < kWordObjects; l += kLanes) {
       hn::Mask<WordTag<T>> kept[kQueries];
-#pragma GCC unroll 16
+      HALFSPACE_UNROLL
       for (size_t p = 0; p < kPlanes; ++p) {
         const auto object = hn::LoadU(d, planes[p] + i + l);
-#pragma GCC unroll 16
+        HALFSPACE_UNROLL
         for (size_t query = 0; query < kQueries; ++query) {
           const auto value = compared[p][query];
           if (p == 0) {

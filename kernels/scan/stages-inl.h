@@ -12,7 +12,7 @@
 #include <cstdint>
 
 #include "hwy/highway.h"
-#include "kernels/prefetch.h"
+#include "kernels/compiler.h"
 #include "kernels/scan/by_axis-inl.h"
 #include "kernels/scan/flat-inl.h"
 #include "kernels/scan/kernel_table.h"
