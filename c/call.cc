@@ -28,10 +28,9 @@ constinit thread_local Message last_error{};
 // no memory far behind the struct is read.
 constexpr std::size_t kLargestStruct = 4096;
 
-[[gnu::format(printf, 3, 0)]] void SetMessageV(const Call& call,
-                                               const Name& argument,
-                                               const char* format,
-                                               std::va_list arguments) {
+[[gnu::format(HALFSPACE_PRINTF, 3, 0)]] void SetMessageV(
+    const Call& call, const Name& argument, const char* format,
+    std::va_list arguments) {
   // Into another buffer, because an argument can be part of the last message.
   Message message;
   std::strcpy(message.argument, argument.c_str());
@@ -44,9 +43,10 @@ constexpr std::size_t kLargestStruct = 4096;
   last_error = message;
 }
 
-[[gnu::format(printf, 3, 4)]] void SetMessage(const Call& call,
-                                              const Name& argument,
-                                              const char* format, ...) {
+[[gnu::format(HALFSPACE_PRINTF, 3, 4)]] void SetMessage(const Call& call,
+                                                        const Name& argument,
+                                                        const char* format,
+                                                        ...) {
   std::va_list arguments;
   va_start(arguments, format);
   SetMessageV(call, argument, format, arguments);

@@ -17,6 +17,13 @@
 #include "halfspace/memory.h"
 #include "halfspace/targets.h"
 
+// The formats of C99, which gcc for Windows knows under another name.
+#if defined(__MINGW32__) && !defined(__clang__)
+#define HALFSPACE_PRINTF gnu_printf
+#else
+#define HALFSPACE_PRINTF printf
+#endif
+
 namespace halfspace::c {
 
 // Thrown by Call::Fail(), which has written the message.
@@ -48,7 +55,7 @@ class Call {
   const char* name() const { return name_; }
 
   // Writes the message "NAME: ARGUMENT: FORMAT..." and throws.
-  [[noreturn, gnu::cold, gnu::format(printf, 4, 5)]] void Fail(
+  [[noreturn, gnu::cold, gnu::format(HALFSPACE_PRINTF, 4, 5)]] void Fail(
       hs_status status, const Name& argument, const char* format, ...) const;
 
   // Writes the message of an error of the C++ library, whose argument has this
