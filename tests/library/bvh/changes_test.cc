@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -282,6 +283,64 @@ TYPED_TEST(BvhChangesTest, LevelsStayAsTightAsAfterARefit) {
     EXPECT_TRUE(std::equal(c.level[l].floats, c.level[l].floats + floats,
                            b.level[l].floats))
         << l;
+  }
+}
+
+// The node that an insertion chooses is the same on every target, also among
+// bounds that are empty, infinite or NaN, and for such a bound.
+TYPED_TEST(BvhChangesTest, TheNearestNodeIsThatOfPlainCode) {
+  using View = typename TypeParam::View;
+  using Bound = typename View::Bound;
+  Spread<View> spread(1.0f);
+  Random random(3);
+  World<View> world = spread.Objects(9000);
+  const auto any_bound = [&] {
+    Bound bound = random() % 8 == 0   ? Bound::Empty()
+                  : random() % 8 == 0 ? Bound::Everything()
+                                      : spread.NextObject();
+    if (random() % 8 == 0) {
+      bound.min[random() % Bound::kAxes] =
+          std::numeric_limits<float>::quiet_NaN();
+    }
+    return bound;
+  };
+  for (std::size_t i = 0; i < 9000; i += 1 + random() % 256) {
+    world.Set(i, any_bound());
+  }
+  const Bvh<View> bvh(world);
+  const detail::BvhTree& tree = detail::TreeOf(bvh);
+  const detail::BvhLevel& level = tree.levels().level[1];
+  const auto plain = [&](std::size_t block, const auto& values,
+                         std::uint64_t nodes) {
+    std::int32_t least = std::numeric_limits<std::int32_t>::max();
+    for (std::size_t i = 0; i < 64; ++i) {
+      float growth = 0;
+      for (std::size_t p = 0; p < values.size(); ++p) {
+        const float node = level.Value(p, block * 64 + i);
+        const float beyond =
+            p < Bound::kAxes ? node - values[p] : values[p] - node;
+        if (beyond > 0) growth += beyond;
+      }
+      const std::int32_t key = (std::bit_cast<std::int32_t>(growth) & ~63) |
+                               static_cast<std::int32_t>(i);
+      if ((nodes >> i & 1) != 0) least = std::min(least, key);
+    }
+    return static_cast<std::size_t>(least & 63);
+  };
+  for (std::size_t round = 0; round < 2000; ++round) {
+    const std::size_t block = random() % 2;  // of 141 nodes
+    const Bound bound = any_bound();
+    const auto values = detail::Planes(bound);
+    const std::uint64_t nodes = round % 4 == 0
+                                    ? std::uint64_t{1} << random() % 64
+                                    : level.present[block] & ~random();
+    if (nodes == 0) continue;
+    for (const Target target : TargetsUnderTest()) {
+      ASSERT_EQ(detail::KernelsFor(tree.type(), target, "")
+                    .nearest_node(level, block, values.data(), nodes),
+                plain(block, values, nodes))
+          << round;
+    }
   }
 }
 
