@@ -8,15 +8,18 @@
 //           share of batches that reach half-space k
 //   Adv(w)  ns that the simplex saves per object, with the exact tests
 //   w*      the smallest w from which on it is positive
-#ifndef HALFSPACE_BENCH_MEASURE_COST_MODEL_H_
-#define HALFSPACE_BENCH_MEASURE_COST_MODEL_H_
+#ifndef HALFSPACE_BENCH_PAPER_MODEL_H_
+#define HALFSPACE_BENCH_PAPER_MODEL_H_
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <optional>
 #include <span>
 #include <vector>
+
+#include "bench/measure/measure.h"
 
 namespace halfspace::bench {
 
@@ -68,21 +71,59 @@ inline double BreakEven(double saved, double more) {
   return saved / more;
 }
 
-// Where a ratio at ascending widths passes 1, between two of them straight over
-// the logarithm of the width.
-inline std::vector<double> CrossingsOf(std::span<const double> widths,
-                                       std::span<const double> ratios) {
-  std::vector<double> crossings;
-  for (std::size_t i = 1; i < ratios.size(); ++i) {
-    const double before = ratios[i - 1] - 1.0;
-    const double after = ratios[i] - 1.0;
-    if ((before > 0.0) == (after > 0.0)) continue;
-    crossings.push_back(widths[i - 1] * std::pow(widths[i] / widths[i - 1],
-                                                 before / (before - after)));
+// The mean of some values, and the range that has the mean of all such values
+// with a probability of 95 %: two standard errors on each side.
+inline Ratio MeanOf(const std::vector<double>& values) {
+  const auto count = static_cast<double>(values.size());
+  double mean = 0.0;
+  for (double value : values) mean += value / count;
+  double square = 0.0;
+  for (double value : values) square += (value - mean) * (value - mean);
+  const double error =
+      count > 1.0 ? std::sqrt(square / (count - 1.0) / count) : 0.0;
+  return {mean, mean - 2.0 * error, mean + 2.0 * error};
+}
+
+// How often the first half-space rejects a whole batch of w objects: the
+// paper's p^w. p is the share of objects that it rejects. It differs between
+// queries.
+struct EarlyOut {
+  double of_mean_p = 0.0;  // (mean of p)^w, the paper's
+  Ratio mean_of_p_w;       // mean over queries of p_q^w
+  Ratio counted;           // share of batches that it rejects whole
+};
+
+// With one minimum of each object, and the query's maximum of each query.
+// Objects after the last full batch are left out.
+inline EarlyOut EarlyOutOf(std::span<const float> minima,
+                           std::span<const float> maxima, std::size_t w) {
+  const std::size_t batches = minima.size() / w;
+  std::vector<float> objects(minima.begin(), minima.end());
+  objects.resize(batches * w);
+  std::vector<float> least;  // of each batch: it is rejected if this one is
+  for (std::size_t b = 0; b < batches; ++b) {
+    const auto batch = minima.subspan(b * w, w);
+    least.push_back(*std::min_element(batch.begin(), batch.end()));
   }
-  return crossings;
+  std::sort(objects.begin(), objects.end());
+  std::sort(least.begin(), least.end());
+  const auto share_above = [](const std::vector<float>& sorted, float maximum) {
+    const auto first = std::upper_bound(sorted.begin(), sorted.end(), maximum);
+    return static_cast<double>(sorted.end() - first) /
+           static_cast<double>(sorted.size());
+  };
+  std::vector<double> p;
+  std::vector<double> powers;
+  std::vector<double> counted;
+  for (float maximum : maxima) {
+    p.push_back(share_above(objects, maximum));
+    powers.push_back(std::pow(p.back(), static_cast<double>(w)));
+    counted.push_back(share_above(least, maximum));
+  }
+  return {std::pow(MeanOf(p).median, static_cast<double>(w)), MeanOf(powers),
+          MeanOf(counted)};
 }
 
 }  // namespace halfspace::bench
 
-#endif  // HALFSPACE_BENCH_MEASURE_COST_MODEL_H_
+#endif  // HALFSPACE_BENCH_PAPER_MODEL_H_

@@ -1,6 +1,6 @@
-// Spheres around points, for the sphere tests of inner/target_loops.h.
-#ifndef HALFSPACE_BENCH_WORLDS_BOUNDING_SPHERE_H_
-#define HALFSPACE_BENCH_WORLDS_BOUNDING_SPHERE_H_
+// Spheres around points, for the sphere tests of loops.h.
+#ifndef HALFSPACE_BENCH_PAPER_BOUNDING_SPHERE_H_
+#define HALFSPACE_BENCH_PAPER_BOUNDING_SPHERE_H_
 
 #include <span>
 
@@ -28,4 +28,4 @@ Sphere<3> Inflated(const Sphere<3>& sphere);
 
 }  // namespace halfspace::bench
 
-#endif  // HALFSPACE_BENCH_WORLDS_BOUNDING_SPHERE_H_
+#endif  // HALFSPACE_BENCH_PAPER_BOUNDING_SPHERE_H_

@@ -1,6 +1,6 @@
-// Finds what a per-target translation unit of the experiments left behind.
-#ifndef HALFSPACE_BENCH_BASE_TARGET_FUNCTION_H_
-#define HALFSPACE_BENCH_BASE_TARGET_FUNCTION_H_
+// Finds what a per-target translation unit left behind.
+#ifndef HALFSPACE_BENCH_INNER_TARGET_FUNCTION_H_
+#define HALFSPACE_BENCH_INNER_TARGET_FUNCTION_H_
 
 #include <cstdint>
 
@@ -22,4 +22,4 @@ Function FunctionOf(Target wanted, const Get& get) {
 
 }  // namespace halfspace::bench
 
-#endif  // HALFSPACE_BENCH_BASE_TARGET_FUNCTION_H_
+#endif  // HALFSPACE_BENCH_INNER_TARGET_FUNCTION_H_

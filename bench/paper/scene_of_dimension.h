@@ -1,6 +1,6 @@
 // The paper's scene in any number of dimensions.
-#ifndef HALFSPACE_BENCH_WORLDS_SCENE_OF_DIMENSION_H_
-#define HALFSPACE_BENCH_WORLDS_SCENE_OF_DIMENSION_H_
+#ifndef HALFSPACE_BENCH_PAPER_SCENE_OF_DIMENSION_H_
+#define HALFSPACE_BENCH_PAPER_SCENE_OF_DIMENSION_H_
 
 #include <algorithm>
 #include <cmath>
@@ -72,4 +72,4 @@ SceneOf<kDims> MakeSceneOf(std::size_t objects, std::size_t queries,
 
 }  // namespace halfspace::bench
 
-#endif  // HALFSPACE_BENCH_WORLDS_SCENE_OF_DIMENSION_H_
+#endif  // HALFSPACE_BENCH_PAPER_SCENE_OF_DIMENSION_H_
