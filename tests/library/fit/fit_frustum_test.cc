@@ -3,21 +3,22 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <type_traits>
 
 #include "halfspace/fit.h"
 #include "tests/library/fit/exact_frustum.h"
-#include "tests/library/support/random_shapes.h"
-#include "tests/library/support/samples.h"
+#include "tests/library/fit/random_shapes.h"
 
 namespace halfspace::testing {
 namespace {
 
 constexpr std::size_t kSamples = 40;
 
-using Planes = std::array<HalfSpace3, 6>;
+using SixPlanes = std::array<HalfSpace3, 6>;
 
 float Dot(const Point3& a, const Point3& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -27,9 +28,25 @@ Point3 Combined(float s, const Point3& a, float t, const Point3& b) {
   return {s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2]};
 }
 
+Point3 RandomPoint3(PointKind kind, Random& random) {
+  Point3 point;
+  RandomFloats<float>(kind, random, point);
+  return point;
+}
+
+float RandomLength(PointKind kind, Random& random) {
+  return static_cast<float>(RandomNumbers(kind, false, random).Length());
+}
+
+Aabb3 RandomBox(PointKind kind, Random& random) {
+  const Point3 a = RandomPoint3(kind, random);
+  const Point3 b = RandomPoint3(kind, random);
+  return BoundSegment(Segment3{a, b}).aabb();
+}
+
 // Small enough for products with any coordinate.
 Point3 RandomNormal(PointKind kind, Random& random) {
-  auto normal = RandomPointOf<3, float>(kind, random);
+  Point3 normal = RandomPoint3(kind, random);
   if (kind == PointKind::kWideExponents) {
     for (float& x : normal) x *= 0x1p-122f;
   }
@@ -42,7 +59,7 @@ HalfSpace3 PlaneThrough(const Point3& point, const Point3& normal) {
 }
 
 // Neither the order of the planes nor the lengths of the normals matter.
-void Disguise(Planes& planes, Random& random) {
+void Disguise(SixPlanes& planes, Random& random) {
   for (HalfSpace3& plane : planes) {
     const int exponent = RandomExponent(-20, 4, random);
     for (float& x : plane.normal) x = std::ldexp(x, exponent);
@@ -51,8 +68,8 @@ void Disguise(Planes& planes, Random& random) {
   std::shuffle(planes.begin(), planes.end(), random);
 }
 
-Planes FacesOf(const Box<3>& box) {
-  Planes planes{};
+SixPlanes FacesOf(const Aabb3& box) {
+  SixPlanes planes{};
   for (std::size_t k = 0; k < 3; ++k) {
     planes[k].normal[k] = 1.f;
     planes[k].offset = -box.min[k];
@@ -65,7 +82,7 @@ Planes FacesOf(const Box<3>& box) {
 using WidePlanes = std::array<HalfSpace<3, double>, 6>;
 
 // Numbers beside those of the floats, and then any lengths of the normals.
-WidePlanes Widened(const Planes& planes, Random& random) {
+WidePlanes Widened(const SixPlanes& planes, Random& random) {
   WidePlanes wide;
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const int exponent = RandomExponent(-300, 300, random);
@@ -112,11 +129,11 @@ void ExpectExactOf(const AnyPlanes& planes) {
   } else if (exact.Magnitude() > Exact(0x1p125)) {
     ASSERT_EQ(bound, Aabo3::Everything());
   } else {
-    ASSERT_TRUE(exact.Hull().IsEnclosedBy(bound, kWithinOneUlp));
+    ASSERT_TRUE(exact.Hull().IsEnclosedBy(bound.min.data(), kWithinOneUlp));
   }
 }
 
-void ExpectExact(Planes planes, Random& random) {
+void ExpectExact(SixPlanes planes, Random& random) {
   Disguise(planes, random);
   ExpectExactOf(planes);
   ExpectExactOf(Widened(planes, random));
@@ -134,19 +151,15 @@ void ExpectExact(Planes planes, Random& random) {
 
 TEST(FitFrustumExactTest, Boxes) {
   ForEachSample(40, kSamples, 1, [](PointKind kind, Random& random) {
-    const auto box = RandomBox<3, float>(kind, random);
-    const Planes planes = FacesOf(box);
-    ASSERT_TRUE(ExactFrustum(planes).Hull().IsEnclosedBy(BoundAabb(box),
-                                                         kAnyLooseness));
-    ExpectExact(planes, random);
+    ExpectExact(FacesOf(RandomBox(kind, random)), random);
   });
 }
 
 // Of three random directions, around a random point.
 TEST(FitFrustumExactTest, Parallelepipeds) {
   ForEachSample(41, kSamples, 1, [](PointKind kind, Random& random) {
-    const auto center = RandomPointOf<3, float>(PointKind::kUniform, random);
-    Planes planes;
+    const auto center = RandomPoint3(PointKind::kUniform, random);
+    SixPlanes planes;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto normal = RandomNormal(kind, random);
       for (float side : {-1.f, 1.f}) {
@@ -163,11 +176,11 @@ TEST(FitFrustumExactTest, Parallelepipeds) {
 // Four planes through an eye, and two across the view.
 TEST(FitFrustumExactTest, Frusta) {
   ForEachSample(42, kSamples, 1, [](PointKind kind, Random& random) {
-    const auto eye = RandomPointOf<3, float>(
+    const auto eye = RandomPoint3(
         kind == PointKind::kWideExponents ? PointKind::kUniform : kind, random);
     std::array<Point3, 3> view;  // right, up, forward
     for (auto& v : view) {
-      v = RandomPointOf<3, float>(PointKind::kUniform, random);
+      v = RandomPoint3(PointKind::kUniform, random);
     }
     const auto [right, up, forward] = view;
     const float wide = RandomMantissa(random);
@@ -175,7 +188,7 @@ TEST(FitFrustumExactTest, Frusta) {
     const float near = RandomMantissa(random);
     const Point3 to = Combined(1.f, eye, near, forward);
     const Point3 end = Combined(1.f, eye, 2.f + near, forward);
-    const Planes planes = {
+    const SixPlanes planes = {
         PlaneThrough(eye, Combined(wide, forward, 1.f, right)),
         PlaneThrough(eye, Combined(wide, forward, -1.f, right)),
         PlaneThrough(eye, Combined(high, forward, 1.f, up)),
@@ -192,9 +205,9 @@ TEST(FitFrustumExactTest, RandomHalfSpaces) {
   std::size_t empty = 0;
   std::size_t closed = 0;
   ForEachSample(43, 2 * kSamples, 1, [&](PointKind kind, Random& random) {
-    const auto inside = RandomPointOf<3, float>(kind, random);
+    const auto inside = RandomPoint3(kind, random);
     const bool around = !OneIn(4, random);
-    Planes planes;
+    SixPlanes planes;
     for (HalfSpace3& plane : planes) {
       plane = PlaneThrough(inside, RandomNormal(kind, random));
       plane.offset += around ? std::fabs(plane.offset) : plane.offset;
@@ -214,10 +227,10 @@ TEST(FitFrustumExactTest, RandomHalfSpaces) {
 // it is cut, or gone.
 TEST(FitFrustumExactTest, BoxesThatAllButVanish) {
   ForEachSample(45, kSamples, 1, [](PointKind kind, Random& random) {
-    auto box = RandomBox<3, float>(kind, random);
+    auto box = RandomBox(kind, random);
     const std::size_t axis = random() % 3;
     box.max[axis] = box.min[axis];
-    Planes planes = FacesOf(box);
+    SixPlanes planes = FacesOf(box);
     for (std::size_t k = 0; k < 3; ++k) {
       if (k == axis) continue;
       planes[axis].normal[k] =
@@ -231,20 +244,20 @@ TEST(FitFrustumExactTest, BoxesThatAllButVanish) {
 // x, y, z >= the origin's and x + y + z <= something: a corner of a box.
 TEST(FitFrustumExactTest, FourPlanesAndTwoMore) {
   ForEachSample(44, kSamples, 4, [](PointKind kind, Random& random) {
-    const auto origin = RandomPointOf<3, float>(kind, random);
-    Planes planes{};
+    const auto origin = RandomPoint3(kind, random);
+    SixPlanes planes{};
     for (std::size_t k = 0; k < 3; ++k) {
       planes[k].normal[k] = 1.f;
       planes[k].offset = -origin[k];
       planes[3].normal[k] = -1.f;
     }
     planes[3].offset =
-        -Dot(planes[3].normal, origin) + RandomLength<float>(kind, random);
+        -Dot(planes[3].normal, origin) + RandomLength(kind, random);
     // The same again; without a normal, and in front or on it everywhere.
     planes[4] = planes[5] = planes[random() % 4];
     ExpectExact(planes, random);
     planes[4] = {{0.f, 0.f, 0.f}, 0.f};
-    planes[5] = {{0.f, -0.f, 0.f}, RandomLength<float>(kind, random)};
+    planes[5] = {{0.f, -0.f, 0.f}, RandomLength(kind, random)};
     ExpectExact(planes, random);
     // Without a normal, and behind it everywhere.
     planes[4].offset = -0x1p-149f;
@@ -253,6 +266,138 @@ TEST(FitFrustumExactTest, FourPlanesAndTwoMore) {
     planes[3] = planes[random() % 3];
     ASSERT_EQ(BoundFrustum(planes), Aabo3::Everything());
   });
+}
+
+// A prism without ends: no three planes meet in a point.
+TEST(FitFrustumHardTest, NormalsInOnePlaneGiveEverything) {
+  const SixPlanes prism = {{{{1, 0, 0}, 1},
+                            {{0, 1, 0}, 1},
+                            {{-1, 0, 0}, 1},
+                            {{0, -1, 0}, 1},
+                            {{1, 1, 0}, 1},
+                            {{-1, -1, 0}, 1}}};
+  EXPECT_EQ(BoundFrustum(prism), Aabo3::Everything());
+}
+
+// |p y + z| <= 1 and |y + s z| <= 1, where p s - 1 = -2^-46: a needle, from
+// y = -(s + 1) 2^46 to +(s + 1) 2^46 and z = -(p + 1) 2^46 to +(p + 1) 2^46.
+// Its determinants are u times -2^-46, the difference of products that take
+// more bits than a double has. 0 <= x <= 1, so that D goes from -2^24 - 1 to
+// 2^24, of which the first is no float.
+TEST(FitFrustumHardTest, NeedleFromProductsThatDoubleCannotHold) {
+  constexpr float p = 0x1.000002p0f;
+  constexpr float s = 0x1.fffffcp-1f;
+  for (std::uint32_t mantissa = 1; mantissa < 0x800000; mantissa += 65'538) {
+    const auto u = std::bit_cast<float>(0x3f800000 | mantissa);
+    const SixPlanes needle = {{{{u, 0, 0}, 0},
+                               {{-u, 0, 0}, u},
+                               {{0, p, 1}, 1},
+                               {{0, -p, -1}, 1},
+                               {{0, 1, s}, 1},
+                               {{0, -1, -s}, 1}}};
+    const Aabo3 bound = BoundFrustum(needle);
+    EXPECT_EQ(bound.min, (std::array{0.f, -0x1.fffffep46f, -0x1.000002p47f,
+                                     -0x1.000002p24f}))
+        << u;
+    EXPECT_EQ(bound.max,
+              (std::array{1.f, 0x1.fffffep46f, 0x1.000002p47f, 0x1p24f}))
+        << u;
+  }
+}
+
+// The planes x - 2^-24 y = 65/64 and 2^-24 x + y = 2^-24 meet at
+// x = 65/64 - 2^-6 / (2^48 + 1), which double rounds to 65/64. They are ordered
+// so that all determinants of that edge have one sign, then the other.
+TEST(FitFrustumHardTest, CornersThatDoubleRoundsToAFloat) {
+  constexpr HalfSpace3 left = {{1, -0x1p-24f, 0}, -65.f / 64};
+  constexpr HalfSpace3 below = {{0x1p-24f, 1, 0}, -0x1p-24f};
+  constexpr HalfSpace3 near = {{0, 0, 1}, 0};
+  constexpr HalfSpace3 far = {{0, 0, -1}, 1};
+  constexpr HalfSpace3 right = {{-1, 0x1p-24f, 0}, 3};
+  constexpr HalfSpace3 above = {{-0x1p-24f, -1, 0}, 1};
+  for (const SixPlanes& planes :
+       {SixPlanes{left, far, below, near, right, above},
+        SixPlanes{below, far, left, near, right, above}}) {
+    EXPECT_EQ(BoundFrustum(planes).min[0], 0x1.03fffep0f);
+  }
+}
+
+// 0 <= z <= 1, -1 <= y <= 2 and 1 <= x <= 1 - 2^-60 y, which is 1 to a double:
+// what is above y = 0 is in front of all but one plane, and not of that.
+TEST(FitFrustumHardTest, CornersBehindAPlaneByLessThanDoubleCanTell) {
+  SixPlanes planes = {{{{1, 0, 0}, -1},
+                       {{-1, -0x1p-60f, 0}, 1},
+                       {{0, 1, 0}, 1},
+                       {{0, -1, 0}, 2},
+                       {{0, 0, 1}, 0},
+                       {{0, 0, -1}, 1}}};
+  const Aabo3 bound = BoundFrustum(planes);
+  EXPECT_EQ(bound.min[1], -1.f);
+  EXPECT_EQ(bound.max[1], 0.f);
+  // Above y = 0x1p-149 there is nothing.
+  planes[2].offset = -0x1p-149f;
+  EXPECT_EQ(BoundFrustum(planes), Aabo3::Empty());
+}
+
+// Four planes meet in a point, and one of them is there twice.
+TEST(FitFrustumHardTest, CornersOfMoreThanThreePlanes) {
+  constexpr HalfSpace3 a = {{3, 1, -1}, 1};
+  constexpr HalfSpace3 b = {{-3, 1, -1}, 1};
+  constexpr HalfSpace3 c = {{0x1.000002p0f, -7, -1}, 1};
+  constexpr HalfSpace3 d = {{-0x1.000002p0f, -7, -1}, 1};
+  constexpr HalfSpace3 below = {{0, 0, 1}, 0};
+  const Aabo3 bound = BoundFrustum(std::array{a, b, c, d, below, a});
+  EXPECT_EQ(bound.max[2], 1.f);
+  EXPECT_EQ(bound.min[2], 0.f);
+}
+
+// Corners too far away; and as far as can be bounded.
+TEST(FitFrustumHardTest, FarCorners) {
+  SixPlanes cube = FacesOf({{-1, -1, -1}, {1, 1, 1}});
+  cube[0].offset = 0x1.8p125f;
+  EXPECT_EQ(BoundFrustum(cube), Aabo3::Everything());
+  cube[0].offset = 0x1p124f;
+  EXPECT_EQ(BoundFrustum(cube).min[0], -0x1p124f);
+}
+
+TEST(FitFrustumHardTest, DoublesFarApart) {
+  WidePlanes cube{};
+  for (std::size_t i = 0; i < 6; ++i) {
+    cube[i].normal[i / 2] = i % 2 == 0 ? 1 : -1;
+    cube[i].offset = 1;
+  }
+  EXPECT_EQ(BoundFrustum(cube).max[0], 1.f);
+  // So long a normal, so short a normal.
+  cube[1] = {{-0x1p1023, 0, 0}, 0x1p1023};
+  cube[2] = {{0, 0x1p-1074, 0}, 0x1p-1074};
+  EXPECT_EQ(BoundFrustum(cube).max[0], 1.f);
+  EXPECT_EQ(BoundFrustum(cube).min[1], -1.f);
+  cube[1] = {{-1, 0x1p-200, 0}, 1};
+  EXPECT_EQ(BoundFrustum(cube).max[0], 0x1.000002p0f);
+  cube[1].normal[1] = 0x1p-201;
+  EXPECT_EQ(BoundFrustum(cube), Aabo3::Everything());
+  cube[1] = {{-1, 0, 0}, 0x1p201};
+  EXPECT_EQ(BoundFrustum(cube), Aabo3::Everything());
+  // In front of it everywhere, and behind it everywhere.
+  cube[1] = {{-1, 0, 0}, 1};
+  cube[0].offset = -0x1p-200;
+  EXPECT_EQ(BoundFrustum(cube).min[0], 0.f);
+}
+
+// The corner x, y, z >= 1 and x + y + z <= 3 shrunk to one point, to nothing,
+// and opened.
+TEST(FitFrustumHardTest, OnePointNoneAndTooMany) {
+  SixPlanes planes = {{{{1, 0, 0}, -1},
+                       {{0, 1, 0}, -1},
+                       {{0, 0, 1}, -1},
+                       {{-1, -1, -1}, 3},
+                       {{-1, -1, -1}, 3},
+                       {{-1, -1, -1}, 3}}};
+  EXPECT_EQ(BoundFrustum(planes), (Aabo3{{1, 1, 1, -3}, {1, 1, 1, -3}}));
+  planes[3].offset = std::nextafter(3.f, 0.f);
+  EXPECT_EQ(BoundFrustum(planes), Aabo3::Empty());
+  planes[3] = planes[4] = planes[5] = {{-1, -1, 0}, 3};
+  EXPECT_EQ(BoundFrustum(planes), Aabo3::Everything());
 }
 
 }  // namespace
