@@ -18,7 +18,7 @@
 
 #if defined(__SSE2__) || defined(_M_X64)
 #include <xmmintrin.h>
-#elif defined(_M_ARM64)
+#elif defined(_M_ARM64) && !defined(__clang__)
 #include <intrin.h>
 #endif
 
@@ -64,7 +64,7 @@ class DefaultFpMode {
   // inputs to zero.
   static constexpr Register kMode = 0x0100'0000 | 0x00c0'0000 | 0x9f00 | 1;
   static constexpr Register kDefault = 0;
-#if defined(_M_ARM64)
+#if defined(_M_ARM64) && !defined(__clang__)
   static constexpr int kFpcr = 0x5a20;  // op0 3, op1 3, CRn 4, CRm 4, op2 0
   static Register Read() { return _ReadStatusReg(kFpcr); }
   static void Write(Register value) { _WriteStatusReg(kFpcr, value); }
