@@ -150,6 +150,18 @@ PairList PairsIn(const Layout& layout, const Objects& objects) {
   return pairs;
 }
 
+Ids KeptBy(const Layout& layout, const Objects& objects, const Shape& shape,
+           std::uint32_t mask) {
+  const ShapeReference reference(layout, shape);
+  Ids ids;
+  for (const auto& [id, object] : objects) {
+    if (HasMask(object, mask) && reference.Keeps(object.bound)) {
+      ids.push_back(id);
+    }
+  }
+  return ids;
+}
+
 void ExpectFinds(const Searches& world, const Objects& objects,
                  std::span<const Shape> shapes, const QueryOptions& options) {
   constexpr std::uint32_t kCanary = 0xABABABAB;
@@ -167,12 +179,7 @@ void ExpectFinds(const Searches& world, const Objects& objects,
       (void)other->Find(shape, ids, {.mask = options.mask}, 0);
       std::sort(ids.begin(), ids.end());
     } else {
-      const ShapeReference reference(world.layout, shape);
-      for (const auto& [id, object] : objects) {
-        if (HasMask(object, options.mask) && reference.Keeps(object.bound)) {
-          ids.push_back(id);
-        }
-      }
+      ids = KeptBy(world.layout, objects, shape, options.mask);
     }
     counts.push_back(ids.size());
     total += ids.size();

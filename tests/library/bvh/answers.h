@@ -42,6 +42,10 @@ bool AreSeparated(const Layout& layout, const Planes& a, const Planes& b,
 // With margin 0.
 PairList PairsIn(const Layout& layout, const Objects& objects);
 
+// The objects that the test of a shape keeps, in order. Not for oriented boxes.
+Ids KeptBy(const Layout& layout, const Objects& objects, const Shape& shape,
+           std::uint32_t mask);
+
 // Every call for the shapes, which are of one kind. It finds those objects that
 // the test of each shape keeps.
 void ExpectFinds(const Searches& world, const Objects& objects,

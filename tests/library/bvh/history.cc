@@ -16,8 +16,10 @@
 
 namespace halfspace::testing {
 
-RandomChoices::RandomChoices(const Layout& layout, std::uint64_t seed)
+RandomChoices::RandomChoices(const Layout& layout, std::uint64_t seed,
+                             bool may_trap)
     : layout_(layout),
+      may_trap_(may_trap),
       random_(seed),
       small_(layout, 1, seed),
       large_(layout, 15, seed),
@@ -45,7 +47,7 @@ Planes RandomChoices::Next() {
       bound[plane] = kNan;
       return bound;
     case 5:
-      bound[plane] = SpecialValue<float>(random_);
+      if (!may_trap_) bound[plane] = SpecialValue<float>(random_);
       return bound;
     case 6:  // inverted
       if (layout_.has_max) std::swap(bound[0], bound[layout_.first_max]);

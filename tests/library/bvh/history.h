@@ -25,10 +25,12 @@ class Choices {
   virtual BodyMasks Masks() = 0;
 };
 
-// Bounds of every kind: small ones that move, and each that is special.
+// Bounds of every kind: small ones that move, and each that is special. A
+// search may trap on subnormals, which `may_trap` leaves out.
 class RandomChoices final : public Choices {
  public:
-  RandomChoices(const Layout& layout, std::uint64_t seed);
+  RandomChoices(const Layout& layout, std::uint64_t seed,
+                bool may_trap = false);
   std::size_t Below(std::size_t end) override { return random_() % end; }
   Planes Next() override;
   // By up to a quarter of a small bound's size, or somewhere else.
@@ -38,6 +40,7 @@ class RandomChoices final : public Choices {
 
  private:
   Layout layout_;
+  bool may_trap_;
   Random random_;
   Spheres small_;
   Spheres large_;

@@ -9,7 +9,6 @@
 #include <cstring>
 #include <span>
 #include <type_traits>
-#include <utility>
 #include <vector>
 
 #include "tests/library/bvh/any_bvh.h"
@@ -17,16 +16,16 @@
 
 namespace halfspace::testing {
 
-// `Base` is Searches, or has more than it.
-template <typename Base, typename World>
+// `Base` is Searches, or has more than it. `Held` is a World or a reference.
+template <typename Base, typename World, typename Held = World>
 class SearchesOf : public Base {
  public:
   using View = typename World::View;
   using Bound = typename View::Bound;
   static constexpr int kDims = Bound::kDimensions;
 
-  explicit SearchesOf(World world)
-      : Base(detail::kLayoutOf<Bound>), world_(std::move(world)) {}
+  explicit SearchesOf(Held world)
+      : Base(detail::kLayoutOf<Bound>), world_(static_cast<Held&&>(world)) {}
 
   std::size_t size() const override { return world_.size(); }
   std::size_t Find(const Shape& shape, Span<std::uint32_t> ids,
@@ -139,7 +138,7 @@ class SearchesOf : public Base {
     };
   }
 
-  World world_;
+  Held world_;
 
  private:
   template <typename Query>
