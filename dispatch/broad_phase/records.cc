@@ -215,8 +215,9 @@ std::size_t Records::TakeMarks() {
     for (std::uint64_t some = group.some_taken; some != 0; some &= some - 1) {
       const std::size_t w = LowestBit(some);
       group.taken[w] = group.TakeMarksOf(w);
-      for (auto& changed : group.changed) changed[w] |= group.taken[w];
-      count += static_cast<std::size_t>(std::popcount(group.taken[w]));
+      Add(kForPairs, group, w, group.taken[w]);
+      Add(kForOrder, group, w, group.taken[w]);
+      count += PopCount(group.taken[w]);
     }
   });
   Fence();
@@ -291,9 +292,12 @@ void Records::Swap(Records& other) {
   list_.store(other.list_.exchange(list_));
   has_marks_.store(other.has_marks_.exchange(has_marks_));
   std::swap(bytes_, other.bytes_);
+  std::swap(counts_, other.counts_);
 }
 
 void Records::Clear(ChangedSet set) {
+  if (counts_[set] == 0) return;
+  counts_[set] = 0;
   ForEachGroup([set](std::size_t, Group& group) {
     std::fill_n(group.changed[set], 64, 0);
   });

@@ -603,7 +603,9 @@ template <size_t kAxes, bool kHasMax>
 constexpr detail::BvhKernels::OfPlanes MakeBvhKernelsOf() {
   return {&FindCenters<kAxes, kHasMax>,
           &FindPlaces<kCenterAxes<kAxes, kHasMax>>,
-          &EncodeBlocks<kAxes, kHasMax>, &RunPlaneWalk<kAxes, kHasMax, true>,
+          &EncodeBlocks<kAxes, kHasMax>,
+          &NearestNode<kAxes, kHasMax>,
+          &RunPlaneWalk<kAxes, kHasMax, true>,
           &RunPlaneWalk<kAxes, kHasMax, false>};
 }
 
