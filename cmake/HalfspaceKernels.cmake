@@ -142,7 +142,7 @@ endif()
 halfspace_add_table(bvh_shapes BvhShapeKernels
   "{{&RunWalk<BallQuery, true>, &RunWalk<BallQuery, false>},
     {&RunWalk<LineQuery, true>, &RunWalk<LineQuery, false>},
-    {&RunWalk<FrontsQuery, true>, &RunWalk<FrontsQuery, false>}}"
+    {&RunWalk<HalfSpacesQuery, true>, &RunWalk<HalfSpacesQuery, false>}}"
   ${optimised})
 
 # The unchecked calls (kernels.h).

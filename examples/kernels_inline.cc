@@ -66,13 +66,16 @@ std::vector<Node> MakeTree() {
   return nodes;
 }
 
+std::size_t CountOnBestTarget(const Node* nodes, const float* query) {
+  return HWY_DYNAMIC_DISPATCH(CountTouched)(nodes, query);
+}
+
 }  // namespace example
 
 int main() {
   const std::vector<Node> nodes = example::MakeTree();
   const float query[] = {100, 0, 0, 200, 1, 1};  // min x y z, max x y z
-  const std::size_t touched =
-      HWY_DYNAMIC_DISPATCH(example::CountTouched)(nodes.data(), query);
+  const std::size_t touched = example::CountOnBestTarget(nodes.data(), query);
   std::printf("%zu objects could touch the query\n", touched);
   return touched == 51 ? 0 : 1;
 }

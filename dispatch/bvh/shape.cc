@@ -28,10 +28,10 @@ float SquaredLimit(float radius) {
 }
 
 // Returns false if the half-space rejects nothing with this offset.
-bool SetOffset(double scaled, Front& front) {
+bool SetOffset(double scaled, HalfSpaceTest& test) {
   const bool is_finite = std::isfinite(scaled);
   scaled = std::clamp(scaled, -0x1p126, 0x1p126);
-  front.offset = RoundedUp(scaled + std::abs(scaled) * 0x1p-19 + 0x1p-120);
+  test.offset = RoundedUp(scaled + std::abs(scaled) * 0x1p-19 + 0x1p-120);
   return is_finite && scaled < 0x1p126;
 }
 
@@ -130,7 +130,8 @@ void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
   if (limiting == 0) line.entering = line.planes = 0;
 }
 
-Front MakeFront(const PlaneLayout& planes, const float* normal, float offset) {
+HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
+                                float offset) {
   constexpr std::uint64_t kOne = 1023;  // the exponent of 1
   // A simplex has only minima, so the normal is written as a combination of the
   // axes with factors of at most 0: `normal[k] - most` for axis k, and `-most`
@@ -163,8 +164,8 @@ Front MakeFront(const PlaneLayout& planes, const float* normal, float offset) {
                  kOne)
                 << 52)
           : 1;
-  Front front{};
-  bool tells = SetOffset(offset * scale, front) && is_finite;
+  HalfSpaceTest test{};
+  bool tells = SetOffset(offset * scale, test) && is_finite;
   for (std::size_t k = 0; tells && k < factor_count; ++k) {
     const double factor = factors[k] * scale;
     if (factor == 0) continue;
@@ -174,17 +175,18 @@ Front MakeFront(const PlaneLayout& planes, const float* normal, float offset) {
     const auto min = static_cast<std::uint32_t>(k);
     const auto max = static_cast<std::uint32_t>(planes.axes + k);
     const bool is_max = planes.has_max && factor > 0;
-    front.term[front.terms++] = {is_max ? max : min, is_max ? min : max,
-                                 static_cast<float>(factor * (1 + 0x1p-19)),
-                                 static_cast<float>(factor * (1 - 0x1p-19))};
+    test.term[test.terms++] = {is_max ? max : min, is_max ? min : max,
+                               static_cast<float>(factor * (1 + 0x1p-19)),
+                               static_cast<float>(factor * (1 - 0x1p-19))};
   }
-  if (!tells) front = {0, 0, {}};
-  return front;
+  if (!tells) test = {0, 0, {}};
+  return test;
 }
 
 template <std::size_t kDims>
-void MakeFronts(const PlaneLayout& planes, const float* normal, float offset,
-                float opposite_offset, Front* two) {
+void MakeHalfSpaceTests(const PlaneLayout& planes, const float* normal,
+                        float offset, float opposite_offset,
+                        HalfSpaceTest* two) {
   constexpr double kScale = 0x1p-4;
   bool tells = SetOffset(offset * kScale, two[0]);
   bool opposite_tells = SetOffset(opposite_offset * kScale, two[1]);
@@ -209,9 +211,9 @@ void MakeFronts(const PlaneLayout& planes, const float* normal, float offset,
   if (!opposite_tells) two[1].offset = 0;
 }
 
-template void MakeFronts<2>(const PlaneLayout&, const float*, float, float,
-                            Front*);
-template void MakeFronts<3>(const PlaneLayout&, const float*, float, float,
-                            Front*);
+template void MakeHalfSpaceTests<2>(const PlaneLayout&, const float*, float,
+                                    float, HalfSpaceTest*);
+template void MakeHalfSpaceTests<3>(const PlaneLayout&, const float*, float,
+                                    float, HalfSpaceTest*);
 
 }  // namespace halfspace::detail

@@ -92,7 +92,7 @@ class Prepared {
         SetSides();
         return;
       case BvhShapeQuery::kHalfSpaces:
-        SetFronts();
+        SetHalfSpaces();
     }
   }
 
@@ -115,8 +115,9 @@ class Prepared {
         return run(&ball_, shapes.ball.find, shapes.ball.count);
       case kLine:
         return run(&line_, shapes.line.find, shapes.line.count);
-      case kFronts:
-        return run(&fronts_, shapes.fronts.find, shapes.fronts.count);
+      case kHalfSpaces:
+        return run(&half_spaces_, shapes.half_spaces.find,
+                   shapes.half_spaces.count);
     }
   }
 
@@ -143,13 +144,13 @@ class Prepared {
     if (line_.planes == 0) SetBounds(true);
   }
 
-  void SetFronts() {
-    fronts_.count = 0;
+  void SetHalfSpaces() {
+    half_spaces_.count = 0;
     for (std::size_t f = 0; f < query_.count; ++f) {
       const float* const half_space = query_.values + f * (query_.dims + 1);
-      AddFront(half_space, half_space[query_.dims]);
+      AddHalfSpace(half_space, half_space[query_.dims]);
     }
-    is_ = kFronts;
+    is_ = kHalfSpaces;
   }
 
   void SetSides() {
@@ -163,7 +164,7 @@ class Prepared {
   // The sides of an oriented box, and the axis-aligned box around it.
   template <std::size_t kDims>
   void SetSidesOf() {
-    fronts_.count = 0;
+    half_spaces_.count = 0;
     if (world_.has_max) {
       SetBox<kDims>();
     } else {
@@ -191,15 +192,15 @@ class Prepared {
       }
       AddSides<kDims>(normal);
     }
-    is_ = kFronts;
+    is_ = kHalfSpaces;
   }
 
   // If a number is not finite, the box rejects nothing.
   template <std::size_t kDims>
   void SetBox() {
     const float* const half_extents = query_.values + kDims * (kDims + 1);
-    fronts_.box_dims = kDims;
-    fronts_.max_plane = world_.axes;
+    half_spaces_.box_dims = kDims;
+    half_spaces_.max_plane = world_.axes;
     bool is_finite = true;
     for (std::size_t k = 0; k < kDims; ++k) {
       const double middle = query_.values[k];
@@ -210,12 +211,12 @@ class Prepared {
       }
       is_finite &= std::isfinite(middle) && std::isfinite(reach);
       reach += (std::abs(middle) + reach) * 0x1p-48;
-      fronts_.low[k] = -RoundedUp(reach - middle);
-      fronts_.high[k] = RoundedUp(reach + middle);
+      half_spaces_.low[k] = -RoundedUp(reach - middle);
+      half_spaces_.high[k] = RoundedUp(reach + middle);
     }
     for (std::size_t k = 0; k < kDims && !is_finite; ++k) {
-      fronts_.low[k] = -kInf<float>;
-      fronts_.high[k] = kInf<float>;
+      half_spaces_.low[k] = -kInf<float>;
+      half_spaces_.high[k] = kInf<float>;
     }
   }
 
@@ -251,20 +252,20 @@ class Prepared {
     const float offset = RoundedUp(reach - middle);
     const float opposite_offset = RoundedUp(reach + middle);
     if (world_.has_max) {
-      MakeFronts<kDims>(world_, up, offset, opposite_offset,
-                        fronts_.front + fronts_.count);
-      fronts_.count += 2;
+      MakeHalfSpaceTests<kDims>(world_, up, offset, opposite_offset,
+                                half_spaces_.test + half_spaces_.count);
+      half_spaces_.count += 2;
       return;
     }
-    AddFront(up, offset);
+    AddHalfSpace(up, offset);
     for (float& component : up) component = -component;
-    AddFront(up, opposite_offset);
+    AddHalfSpace(up, opposite_offset);
   }
 
   // Constructed in place, because a copy would wait for the stores.
-  void AddFront(const float* normal, float offset) {
-    new (&fronts_.front[fronts_.count++])
-        Front(MakeFront(world_, normal, offset));
+  void AddHalfSpace(const float* normal, float offset) {
+    new (&half_spaces_.test[half_spaces_.count++])
+        HalfSpaceTest(MakeHalfSpaceTest(world_, normal, offset));
   }
 
   // Uses the bound of a point or a sphere. Other shapes use Everything().
@@ -301,11 +302,11 @@ class Prepared {
 
   const BvhType& world_;
   const BvhShapeQuery& query_;
-  enum { kBounds, kBall, kLine, kFronts } is_;
+  enum { kBounds, kBall, kLine, kHalfSpaces } is_;
   std::array<float, 8> bounds_;
   Ball ball_;
   Line line_;
-  Fronts fronts_;
+  HalfSpaceTests half_spaces_;
 };
 
 }  // namespace

@@ -18,67 +18,68 @@ namespace {
 // Runs a scan of half-spaces as a scan with queries. A function of its own,
 // because its list would make the stack frame of its caller large.
 template <typename Ask>
-HALFSPACE_NOINLINE auto WithQuery(HalfSpaceScan& fronts, const char* call,
+HALFSPACE_NOINLINE auto WithQuery(HalfSpaceScan& half_spaces, const char* call,
                                   const Ask& ask) {
-  if (fronts.count > kMostHalfSpaces) {
+  if (half_spaces.count > kMostHalfSpaces) {
     dispatch::ThrowInvalid(call, "half-spaces",
                            "at most " + std::to_string(kMostHalfSpaces),
-                           std::to_string(fronts.count));
+                           std::to_string(half_spaces.count));
   }
-  dispatch::CheckMemory(call, "half-spaces", fronts.values, fronts.count,
-                        alignof(float));
-  ScanType type = *fronts.scan.type;
-  Fronts query;
+  dispatch::CheckMemory(call, "half-spaces", half_spaces.values,
+                        half_spaces.count, alignof(float));
+  ScanType type = *half_spaces.scan.type;
+  HalfSpaceTests query;
   dispatch::InDefaultFpMode([&] {
-    query.count = fronts.count;
+    query.count = half_spaces.count;
     for (std::size_t f = 0; f < query.count; ++f) {
-      const float* const normal = fronts.values + f * (type.dims + 1u);
-      query.front[f] = MakeFront(type, normal, normal[type.dims]);
+      const float* const normal = half_spaces.values + f * (type.dims + 1u);
+      query.test[f] = MakeHalfSpaceTest(type, normal, normal[type.dims]);
     }
   });
   type.all_kernels = &KernelsOfAll<TargetKernels>::kTargets;
-  fronts.scan.type = &type;
-  fronts.scan.queries = &query;
-  fronts.scan.query_count = 1;
-  return ask(fronts.scan);
+  half_spaces.scan.type = &type;
+  half_spaces.scan.queries = &query;
+  half_spaces.scan.query_count = 1;
+  return ask(half_spaces.scan);
 }
 
 }  // namespace
 
-void RejectMask(HalfSpaceScan&& fronts, Span<std::uint64_t> mask,
+void RejectMask(HalfSpaceScan&& half_spaces, Span<std::uint64_t> mask,
                 const Options& options) {
-  WithQuery(fronts, "RejectMask",
+  WithQuery(half_spaces, "RejectMask",
             [&](const Scan& scan) { RejectMask(Scan(scan), mask, options); });
 }
 
-void SurvivorMask(HalfSpaceScan&& fronts, Span<std::uint64_t> mask,
+void SurvivorMask(HalfSpaceScan&& half_spaces, Span<std::uint64_t> mask,
                   const Options& options) {
-  WithQuery(fronts, "SurvivorMask",
+  WithQuery(half_spaces, "SurvivorMask",
             [&](const Scan& scan) { SurvivorMask(Scan(scan), mask, options); });
 }
 
-std::size_t Survivors(HalfSpaceScan&& fronts, Span<std::uint32_t> indices,
+std::size_t Survivors(HalfSpaceScan&& half_spaces, Span<std::uint32_t> indices,
                       const Options& options, std::size_t skip) {
-  return WithQuery(fronts, "Survivors", [&](const Scan& scan) {
+  return WithQuery(half_spaces, "Survivors", [&](const Scan& scan) {
     return Survivors(Scan(scan), indices, options, skip);
   });
 }
 
-std::size_t CountSurvivors(HalfSpaceScan&& fronts, const Options& options) {
-  return WithQuery(fronts, "CountSurvivors", [&](const Scan& scan) {
+std::size_t CountSurvivors(HalfSpaceScan&& half_spaces,
+                           const Options& options) {
+  return WithQuery(half_spaces, "CountSurvivors", [&](const Scan& scan) {
     return CountSurvivors(Scan(scan), options);
   });
 }
 
-std::size_t AnySurvivor(HalfSpaceScan&& fronts, const Options& options) {
-  return WithQuery(fronts, "AnySurvivor", [&](const Scan& scan) {
+std::size_t AnySurvivor(HalfSpaceScan&& half_spaces, const Options& options) {
+  return WithQuery(half_spaces, "AnySurvivor", [&](const Scan& scan) {
     return AnySurvivor(Scan(scan), options);
   });
 }
 
-void ForEachSurvivor(HalfSpaceScan&& fronts, SomeFunction function,
+void ForEachSurvivor(HalfSpaceScan&& half_spaces, SomeFunction function,
                      void* context, const Options& options) {
-  WithQuery(fronts, "ForEachSurvivor", [&](const Scan& scan) {
+  WithQuery(half_spaces, "ForEachSurvivor", [&](const Scan& scan) {
     ForEachSurvivor(Scan(scan), function, context, options);
   });
 }

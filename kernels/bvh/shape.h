@@ -57,7 +57,7 @@ inline float ReportedTime(float t) { return t < kApartOnLine ? 0 : t; }
 // A half-space as a sum over planes of a bound. Each plane is multiplied by a
 // factor that was rounded up and down, and the greater product counts. The sum
 // is negative for bounds behind the half-space.
-struct Front {
+struct HalfSpaceTest {
   struct Term {
     std::uint32_t plane;
     std::uint32_t opposite;  // the plane of the bound's nearest corner
@@ -70,16 +70,16 @@ struct Front {
 };
 
 // Half-spaces, and a box that the bounds must touch as well.
-struct Fronts {
+struct HalfSpaceTests {
   std::size_t box_dims = 0;  // 0 without a box
   std::size_t max_plane;     // the first maximum
   float low[3];
   float high[3];
   std::size_t count;
-  Front front[kMostHalfSpaces];
+  HalfSpaceTest test[kMostHalfSpaces];
 };
 
-// Walks whose query is a Ball, a Line or Fronts.
+// Walks whose query is a Ball, a Line or HalfSpaceTests.
 struct BvhShapeKernels {
   struct OfShape {
     WalkFunction find;
@@ -87,7 +87,7 @@ struct BvhShapeKernels {
   };
   OfShape ball;
   OfShape line;
-  OfShape fronts;
+  OfShape half_spaces;
 };
 
 extern template struct KernelsOfAll<BvhShapeKernels>;
@@ -105,13 +105,15 @@ void MakeBall(const PlaneLayout& planes, const float* center, float radius,
 // touched if the box touches it on each axis by itself, D included.
 void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
               const double* direction, float max_t, float radius, Line& line);
-Front MakeFront(const PlaneLayout& planes, const float* normal, float offset);
-// Makes two fronts with opposite normals, for bounds with maxima. The largest
-// component of the normal is 1. Takes less than half the time of two calls of
-// MakeFront().
+HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
+                                float offset);
+// Makes the tests of two half-spaces with opposite normals, for bounds with
+// maxima. The largest component of the normal is 1. Takes less than half the
+// time of two calls of MakeHalfSpaceTest().
 template <std::size_t kDims>
-void MakeFronts(const PlaneLayout& planes, const float* normal, float offset,
-                float opposite_offset, Front* two);
+void MakeHalfSpaceTests(const PlaneLayout& planes, const float* normal,
+                        float offset, float opposite_offset,
+                        HalfSpaceTest* two);
 
 }  // namespace halfspace::detail
 

@@ -1,8 +1,8 @@
 // Tests 64 objects or nodes by their floats against a query shape.
 //
-// Results are the same on every target (front-inl.h). All computed values are
-// monotone in the planes of a bound, so a shape that rejects a node rejects all
-// objects in it.
+// Results are the same on every target (half_space-inl.h). All computed values
+// are monotone in the planes of a bound, so a shape that rejects a node rejects
+// all objects in it.
 #if defined(HALFSPACE_KERNELS_BVH_SHAPES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_BVH_SHAPES_INL_H_
 #undef HALFSPACE_KERNELS_BVH_SHAPES_INL_H_
@@ -16,7 +16,7 @@
 
 #include "hwy/highway.h"
 #include "kernels/bvh/block.h"
-#include "kernels/bvh/front-inl.h"
+#include "kernels/bvh/half_space-inl.h"
 #include "kernels/bvh/shape.h"
 #include "kernels/scan/words-inl.h"
 
@@ -183,12 +183,13 @@ class LineQuery : public ShapeQuery<LineQuery> {
 };
 
 // The bounds that are not behind a half-space.
-class FrontsQuery : public ShapeQuery<FrontsQuery> {
+class HalfSpacesQuery : public ShapeQuery<HalfSpacesQuery> {
  public:
   static constexpr bool kFindsInside = true;
 
-  explicit FrontsQuery(const void* fronts)
-      : fronts_(*static_cast<const detail::Fronts*>(fronts)) {}
+  explicit HalfSpacesQuery(const void* half_spaces)
+      : half_spaces_(*static_cast<const detail::HalfSpaceTests*>(half_spaces)) {
+  }
 
   HWY_NOINLINE uint64_t TestApart(size_t, const detail::BvhLevel& level,
                                   size_t block) const {
@@ -206,7 +207,7 @@ class FrontsQuery : public ShapeQuery<FrontsQuery> {
   uint64_t Bits(const detail::BvhLevel& level, size_t block,
                 uint64_t candidates) const {
     const float* const floats = level.Plane(block, 0);
-    if (fronts_.box_dims != 0) {
+    if (half_spaces_.box_dims != 0) {
       candidates = NotRejected(candidates, [&](auto d, size_t i) HWY_ATTR {
         return IsOutside<kIsNearest>(d, floats + i);
       });
@@ -215,10 +216,11 @@ class FrontsQuery : public ShapeQuery<FrontsQuery> {
     const size_t lanes = hn::Lanes(d);
     const uint64_t all = ~uint64_t{0} >> (detail::kBlockObjects - lanes);
     for (size_t i = 0; i < detail::kBlockObjects; i += lanes) {
-      for (size_t f = 0; f < fronts_.count && (candidates & all << i) != 0;
+      for (size_t f = 0; f < half_spaces_.count && (candidates & all << i) != 0;
            ++f) {
-        const auto sum = FrontSum(
-            d, fronts_.front[f], [&](const detail::Front::Term& term) HWY_ATTR {
+        const auto sum = HalfSpaceSum(
+            d, half_spaces_.test[f],
+            [&](const detail::HalfSpaceTest::Term& term) HWY_ATTR {
               const size_t plane = kIsNearest ? term.opposite : term.plane;
               return hn::LoadU(d, floats + plane * detail::kBlockObjects + i);
             });
@@ -234,13 +236,13 @@ class FrontsQuery : public ShapeQuery<FrontsQuery> {
   template <bool kIsNearest, class D>
   HWY_INLINE hn::Mask<D> IsOutside(D d, const float* floats) const {
     const float* const maxima =
-        floats + fronts_.max_plane * detail::kBlockObjects;
+        floats + half_spaces_.max_plane * detail::kBlockObjects;
     auto is_outside = hn::Lt(hn::Zero(d), hn::Zero(d));
-    for (size_t k = 0; k < fronts_.box_dims; ++k) {
+    for (size_t k = 0; k < half_spaces_.box_dims; ++k) {
       const auto min = hn::LoadU(d, floats + k * detail::kBlockObjects);
       const auto max = hn::LoadU(d, maxima + k * detail::kBlockObjects);
-      const auto low = hn::Set(d, fronts_.low[k]);
-      const auto high = hn::Set(d, fronts_.high[k]);
+      const auto low = hn::Set(d, half_spaces_.low[k]);
+      const auto high = hn::Set(d, half_spaces_.high[k]);
       if constexpr (kIsNearest) {
         const auto is_inside = hn::And(hn::Ge(min, low), hn::Le(max, high));
         is_outside = hn::Or(is_outside, hn::Not(is_inside));
@@ -252,7 +254,7 @@ class FrontsQuery : public ShapeQuery<FrontsQuery> {
     return is_outside;
   }
 
-  const detail::Fronts& fronts_;
+  const detail::HalfSpaceTests& half_spaces_;
 };
 
 }  // namespace HWY_NAMESPACE

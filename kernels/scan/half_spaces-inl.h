@@ -12,7 +12,7 @@
 #include <cstdint>
 
 #include "hwy/highway.h"
-#include "kernels/bvh/front-inl.h"
+#include "kernels/bvh/half_space-inl.h"
 #include "kernels/scan/half_spaces.h"
 #include "kernels/scan/words-inl.h"
 
@@ -26,40 +26,41 @@ namespace hn = hwy::HWY_NAMESPACE;
 // objects are behind one half-space.
 template <class D, class Load>
 HWY_INLINE uint64_t HalfSpaceBits(D d, Load load, const float* const* planes,
-                                  const detail::Fronts& query, size_t i) {
+                                  const detail::HalfSpaceTests& query,
+                                  size_t i) {
   uint64_t kept = ~uint64_t{0} >> (kWordObjects - hn::Lanes(d));
   for (size_t f = 0; f < query.count && kept != 0; ++f) {
-    const auto sum = FrontSum(d, query.front[f],
-                              [&](const detail::Front::Term& term) HWY_ATTR {
-                                return load(d, planes[term.plane] + i);
-                              });
+    const auto sum =
+        HalfSpaceSum(d, query.test[f],
+                     [&](const detail::HalfSpaceTest::Term& term)
+                         HWY_ATTR { return load(d, planes[term.plane] + i); });
     kept &= ~LaneBits(d, hn::Lt(sum, hn::Zero(d)));
   }
   return kept;
 }
 
 HWY_INLINE uint64_t HalfSpaceWord(const float* const* planes,
-                                  const detail::Fronts& fronts, size_t begin,
-                                  size_t count) {
+                                  const detail::HalfSpaceTests& tests,
+                                  size_t begin, size_t count) {
   const WordTag<float> d;
   const size_t lanes = hn::Lanes(d);
   uint64_t bits = 0;
   size_t l = 0;
   for (; l + lanes <= count; l += lanes) {
-    bits |= HalfSpaceBits(d, LoadAll(), planes, fronts, begin + l) << l;
+    bits |= HalfSpaceBits(d, LoadAll(), planes, tests, begin + l) << l;
   }
   if (l == count) return bits;
   const LoadFirst load{count - l};
-  bits |= HalfSpaceBits(d, load, planes, fronts, begin + l) << l;
+  bits |= HalfSpaceBits(d, load, planes, tests, begin + l) << l;
   return bits & ~(~uint64_t{0} << count);
 }
 
 void HalfSpaceMask(const void* pointers, size_t begin, size_t count,
                    const void* query, uint64_t* words) noexcept {
   const auto* planes = static_cast<const float* const*>(pointers);
-  const auto& fronts = *static_cast<const detail::Fronts*>(query);
+  const auto& tests = *static_cast<const detail::HalfSpaceTests*>(query);
   for (size_t i = 0; i < count; i += kWordObjects) {
-    *words++ = HalfSpaceWord(planes, fronts, begin + i,
+    *words++ = HalfSpaceWord(planes, tests, begin + i,
                              HWY_MIN(kWordObjects, count - i));
   }
 }

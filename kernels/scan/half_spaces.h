@@ -8,7 +8,7 @@
 namespace halfspace::detail {
 
 // One kernel for any planes of floats, and for every enumerator of ScanKernel.
-// Its queries are Fronts.
+// Its queries are HalfSpaceTests.
 extern template struct KernelsOfAll<TargetKernels>;
 
 }  // namespace halfspace::detail

@@ -249,19 +249,19 @@ struct HalfSpaceScan {
   std::size_t count;
 };
 
-HALFSPACE_API void RejectMask(HalfSpaceScan&& fronts, Span<std::uint64_t> mask,
-                              const Options& options);
-HALFSPACE_API void SurvivorMask(HalfSpaceScan&& fronts,
+HALFSPACE_API void RejectMask(HalfSpaceScan&& half_spaces,
+                              Span<std::uint64_t> mask, const Options& options);
+HALFSPACE_API void SurvivorMask(HalfSpaceScan&& half_spaces,
                                 Span<std::uint64_t> mask,
                                 const Options& options);
-HALFSPACE_API std::size_t Survivors(HalfSpaceScan&& fronts,
+HALFSPACE_API std::size_t Survivors(HalfSpaceScan&& half_spaces,
                                     Span<std::uint32_t> indices,
                                     const Options& options, std::size_t skip);
-HALFSPACE_API std::size_t CountSurvivors(HalfSpaceScan&& fronts,
+HALFSPACE_API std::size_t CountSurvivors(HalfSpaceScan&& half_spaces,
                                          const Options& options);
-HALFSPACE_API std::size_t AnySurvivor(HalfSpaceScan&& fronts,
+HALFSPACE_API std::size_t AnySurvivor(HalfSpaceScan&& half_spaces,
                                       const Options& options);
-HALFSPACE_API void ForEachSurvivor(HalfSpaceScan&& fronts,
+HALFSPACE_API void ForEachSurvivor(HalfSpaceScan&& half_spaces,
                                    SomeFunction function, void* context,
                                    const Options& options);
 

@@ -24,7 +24,7 @@ namespace {
 
 struct Hashes {
   std::uint64_t answers;  // sorted
-  std::uint64_t order;    // as they came; changes with the way of the tree
+  std::uint64_t order;    // as they came; changes with the tree's arrangement
 };
 const std::map<std::string, Hashes> kExpected = {
     {"Aabb2", {0x3b9ba85a2dd65828, 0x7751cd392e6022dc}},
@@ -149,8 +149,11 @@ TYPED_TEST(BroadPhaseHashTest, AnswersAreTheSameEverywhere) {
   const Hashes& expected = kExpected.at(name);
   EXPECT_EQ(sorted.value(), expected.answers)
       << name << ": 0x" << std::hex << sorted.value();
+#if defined(__GLIBCXX__)
+  // How std::nth_element arranges elements is up to the standard library.
   EXPECT_EQ(order.value(), expected.order)
       << name << ": 0x" << std::hex << order.value();
+#endif
 }
 
 }  // namespace

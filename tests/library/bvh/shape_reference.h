@@ -59,12 +59,12 @@ inline float EntryOf(const Planes& planes, const detail::Line& line) {
   return enter > exit + detail::kApartOnLine ? kInf : enter;
 }
 
-inline bool IsBehind(const Planes& planes, const detail::Front& front) {
-  float sum = front.offset;
-  for (std::size_t t = 0; t < front.terms; ++t) {
-    const float value = planes[front.term[t].plane];
-    const float more = value * front.term[t].more;
-    const float less = value * front.term[t].less;
+inline bool IsBehind(const Planes& planes, const detail::HalfSpaceTest& test) {
+  float sum = test.offset;
+  for (std::size_t t = 0; t < test.terms; ++t) {
+    const float value = planes[test.term[t].plane];
+    const float more = value * test.term[t].more;
+    const float less = value * test.term[t].less;
     sum = sum + (more > less ? more : less);
   }
   return sum < 0;
@@ -102,9 +102,9 @@ class ShapeReference {
     }
     return (!has_ball_ || IsInReach(layout_, planes, ball_)) &&
            (!has_line_ || EntryOf(planes, line_) <= 1) &&
-           std::none_of(fronts_.begin(), fronts_.end(), [&](const auto& front) {
-             return IsBehind(planes, front);
-           });
+           std::none_of(
+               half_spaces_.begin(), half_spaces_.end(),
+               [&](const auto& front) { return IsBehind(planes, front); });
   }
 
  private:
@@ -115,7 +115,8 @@ class ShapeReference {
     const float* const n = shape.numbers.data();
     if (shape.kind == Shape::kHalfSpaces) {
       for (std::size_t i = 0; i < shape.numbers.size(); i += kDims + 1) {
-        fronts_.push_back(detail::MakeFront(layout_, n + i, n[i + kDims]));
+        half_spaces_.push_back(
+            detail::MakeHalfSpaceTest(layout_, n + i, n[i + kDims]));
       }
     } else if (shape.kind == Shape::kPoint || shape.kind == Shape::kSphere) {
       Sphere<kDims> sphere{};
@@ -148,7 +149,7 @@ class ShapeReference {
   bool has_line_ = false;
   detail::Ball ball_{};
   detail::Line line_{};
-  std::vector<detail::Front> fronts_;
+  std::vector<detail::HalfSpaceTest> half_spaces_;
 };
 
 }  // namespace halfspace::testing

@@ -4,11 +4,12 @@
 // Results are the same on every target. All operations are of IEEE arithmetic,
 // in a fixed order. Compares decide about NaN, because the minimum or maximum
 // of a NaN differs between targets.
-#if defined(HALFSPACE_KERNELS_BVH_FRONT_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef HALFSPACE_KERNELS_BVH_FRONT_INL_H_
-#undef HALFSPACE_KERNELS_BVH_FRONT_INL_H_
+#if defined(HALFSPACE_KERNELS_BVH_HALF_SPACE_INL_H_) == \
+    defined(HWY_TARGET_TOGGLE)
+#ifdef HALFSPACE_KERNELS_BVH_HALF_SPACE_INL_H_
+#undef HALFSPACE_KERNELS_BVH_HALF_SPACE_INL_H_
 #else
-#define HALFSPACE_KERNELS_BVH_FRONT_INL_H_
+#define HALFSPACE_KERNELS_BVH_HALF_SPACE_INL_H_
 #endif
 
 #include <cstddef>
@@ -45,11 +46,11 @@ HWY_INLINE V LesserOf(V a, V b) {
 // Negative for bounds behind the half-space. plane_of(term) is a vector of the
 // plane that a term reads.
 template <class D, class PlaneOf>
-HWY_INLINE hn::Vec<D> FrontSum(D d, const detail::Front& front,
-                               const PlaneOf& plane_of) {
-  auto sum = hn::Set(d, front.offset);
-  for (size_t t = 0; t < front.terms; ++t) {
-    const detail::Front::Term& term = front.term[t];
+HWY_INLINE hn::Vec<D> HalfSpaceSum(D d, const detail::HalfSpaceTest& test,
+                                   const PlaneOf& plane_of) {
+  auto sum = hn::Set(d, test.offset);
+  for (size_t t = 0; t < test.terms; ++t) {
+    const detail::HalfSpaceTest::Term& term = test.term[t];
     const auto value = plane_of(term);
     sum = hn::Add(sum, GreaterOf(hn::Mul(value, hn::Set(d, term.more)),
                                  hn::Mul(value, hn::Set(d, term.less))));
@@ -61,4 +62,4 @@ HWY_INLINE hn::Vec<D> FrontSum(D d, const detail::Front& front,
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
 
-#endif  // HALFSPACE_KERNELS_BVH_FRONT_INL_H_
+#endif  // HALFSPACE_KERNELS_BVH_HALF_SPACE_INL_H_
