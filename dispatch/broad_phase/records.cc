@@ -200,12 +200,14 @@ void Records::Move(Span<const std::uint32_t> ids, const float* planes) {
 
 // A mover that runs at the same time sees that takes_ has changed, and reads
 // its mark again after a fence. Either the mark is taken here later, or the
-// mover sets it again. So each eight marks are taken by one exchange, after the
-// exchange of `some` in the single total order, and has_marks_ is cleared
+// mover sets it again. (Only a thread with exclusive access writes takes_, so
+// plain stores will do.) So each eight marks are taken by one exchange, after
+// the exchange of `some` in the single total order, and has_marks_ is cleared
 // before the fence.
 std::size_t Records::TakeMarks() {
   std::size_t count = 0;
-  takes_.fetch_add(1, std::memory_order_seq_cst);
+  const std::uint64_t takes = takes_.load(std::memory_order_relaxed);
+  takes_.store(takes + 1, std::memory_order_relaxed);
   has_marks_.store(false, std::memory_order_relaxed);
   Fence();
   ForEachGroup([&](std::size_t, Group& group) {
@@ -221,7 +223,7 @@ std::size_t Records::TakeMarks() {
     }
   });
   Fence();
-  takes_.fetch_add(1, std::memory_order_seq_cst);
+  takes_.store(takes + 2, std::memory_order_release);
   return count;
 }
 

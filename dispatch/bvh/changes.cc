@@ -225,21 +225,20 @@ void BvhState::Reallocate(const char* call, const BvhRoom& room) {
   Swap(grown);
 }
 
-void BvhState::CheckIds(Span<const std::uint32_t> ids, const char* call) const {
+void BvhTree::CheckIds(Span<const std::uint32_t> ids, const char* call) const {
+  const BvhState& tree = BvhState::Of(*this);
   dispatch::CheckMemory(call, "ids", ids.data(), ids.size(),
                         alignof(std::uint32_t));
-  const bool has_slots = block_ != nullptr && levels_.slots != nullptr;
-  const std::uint32_t limit = has_slots ? header().ids : 0;
-  const std::size_t slots = this->slots();
+  const bool has_slots = tree.levels_.slots != nullptr;
+  const std::uint32_t limit = has_slots ? tree.header().ids : 0;
+  const std::size_t slots = tree.slots();
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (ids[i] < limit ? IsIn(levels_, slots, ids[i]) : Has(ids[i])) continue;
+    if (ids[i] < limit ? IsIn(tree.levels_, slots, ids[i]) : Has(ids[i])) {
+      continue;
+    }
     dispatch::ThrowInvalid(call, "ids", "the id of an object",
                            std::to_string(ids[i]), i);
   }
-}
-
-void BvhTree::CheckIds(Span<const std::uint32_t> ids, const char* call) const {
-  BvhState::Of(*this).CheckIds(ids, call);
 }
 
 // Before a change of one object. Returns its slot.
@@ -301,7 +300,7 @@ void BvhTree::Set(Span<const std::uint32_t> ids, const Columns& bounds) {
   constexpr const char* kCall = "Bvh::Set";
   if (bounds.size != 0) CheckColumns(tree.type_, bounds, kCall);
   CheckAsMany(ids, bounds, kCall);
-  tree.CheckIds(ids, kCall);
+  CheckIds(ids, kCall);
   if (ids.empty()) return;
   tree.CheckChange(kCall);
   const ChangedBits changed(tree.memory_, tree.slots(), ids.size());
@@ -316,7 +315,7 @@ void BvhTree::Set(Span<const std::uint32_t> ids, const Columns& bounds) {
 void BvhTree::Refit(Span<const std::uint32_t> ids, const Columns& bounds) {
   BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::Refit";
-  tree.CheckIds(ids, kCall);
+  CheckIds(ids, kCall);
   if (ids.empty()) return;
   if (bounds.size < id_limit()) {
     dispatch::ThrowInvalid(
@@ -621,7 +620,7 @@ void BvhTree::Erase(std::uint32_t id) {
 void BvhTree::Erase(Span<const std::uint32_t> ids) {
   BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::Erase";
-  tree.CheckIds(ids, kCall);
+  CheckIds(ids, kCall);
   if (ids.empty()) return;
   tree.CheckChange(kCall);
   const ChangedBits changed(tree.memory_, tree.slots(), ids.size());
@@ -657,10 +656,8 @@ void BvhTree::Reserve(std::size_t objects) {
   const std::size_t room = objects <= tree.size()
                                ? tree.slots()
                                : tree.slots() + (objects - tree.size());
-  if (objects >= kMostObjects || room >= kMostObjects) {
-    dispatch::ThrowInvalid(kCall, "objects", "fewer than 2^31 objects in all",
-                           std::to_string(objects));
-  }
+  dispatch::CheckObjectCount(kCall, "objects", objects);
+  dispatch::CheckObjectCount(kCall, "objects", room);
   tree.Prepare(kCall, {room, 1, false});
 }
 

@@ -9,12 +9,15 @@
 #include <mutex>
 #include <new>
 #include <string>
+#include <tuple>
 
 #include "dispatch/bvh/pairs.h"
 #include "dispatch/bvh/scratch.h"
 #include "dispatch/bvh/tree.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
+#include "dispatch/errors/number_checks.h"
+#include "dispatch/targets/chosen_target.h"
 #include "halfspace/detail/plane_arrays.h"
 #include "kernels/compiler.h"
 #include "kernels/results.h"
@@ -251,6 +254,15 @@ void Sort(PairList& pairs) {
     if (end - begin > 1) std::sort(begin, end, IsLess);
     begin = end;
   }
+}
+
+// A pair that is in the list twice, or a pair of equal ids.
+IdPair FindTwice(Span<const IdPair> pairs, const MemoryResource& memory) {
+  PairList sorted(memory);
+  sorted.Append(pairs);
+  Sort(sorted);
+  const IdPair* const twice = std::adjacent_find(sorted.begin(), sorted.end());
+  return twice == sorted.end() ? IdPair{0, 0} : *twice;
 }
 
 // The difference of two lists, each of which has a pair at most once. Lists
@@ -507,6 +519,10 @@ void PairEventsCore::Update(const PairSources& sources,
   // Only loaded pairs have greater ids. An IdSet would take memory for ids that
   // the world does not have.
   constexpr std::size_t kMostIds = std::size_t{1} << 20;
+  // As the search does. An error handler may leave by longjmp, so they are
+  // checked before there is any memory.
+  dispatch::CheckFiniteLength(kUpdate, "options.margin", options.margin);
+  std::ignore = dispatch::IndexOf(options.target, kUpdate);
   if (sources.ids != nullptr) {
     const Span<const std::uint32_t> ids = *sources.ids;
     dispatch::CheckMemory(kUpdate, "changed", ids.data(), ids.size(),
@@ -583,17 +599,15 @@ void PairEventsCore::Load(Span<const IdPair> pairs) {
     }
     id_limit = std::max<std::size_t>(id_limit, std::size_t{b} + 1);
   }
+  const IdPair twice = FindTwice(pairs, memory());
+  if (twice.a != twice.b) {
+    dispatch::ThrowInvalid(
+        kCall, "pairs", "each pair once",
+        std::to_string(twice.a) + " and " + std::to_string(twice.b) + " twice");
+  }
   PairEventsCore loaded(memory());
   loaded.id_limit_ = id_limit;
   loaded.pairs_.Append(pairs);
-  PairList sorted(loaded.pairs_, memory());
-  Sort(sorted);
-  const IdPair* const twice = std::adjacent_find(sorted.begin(), sorted.end());
-  if (twice != sorted.end()) {
-    dispatch::ThrowInvalid(kCall, "pairs", "each pair once",
-                           std::to_string(twice->a) + " and " +
-                               std::to_string(twice->b) + " twice");
-  }
   swap(*this, loaded);
 }
 

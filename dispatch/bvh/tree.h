@@ -39,8 +39,6 @@ class BvhState {
   std::size_t slots() const { return levels_.level[0].size; }
   std::size_t size() const { return block_ == nullptr ? 0 : header().size; }
   bool Has(std::uint32_t id) const;
-  // Throws unless all are ids of objects.
-  void CheckIds(Span<const std::uint32_t> ids, const char* call) const;
   double CostRatio() const;
 
   // For the broad phase, which writes the floats of slots itself. It calls

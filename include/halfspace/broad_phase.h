@@ -30,7 +30,9 @@
 //   Save(), a copy, Statistics() and Validate() wait until no query runs, and
 //   then run alone, except that bodies may move. So a thread must not make one
 //   of these calls while it holds a lock that the function of a query needs.
-//   The function of a query must not make one: it throws (error.h).
+//   The function of a query must not make one: it throws (error.h). While a
+//   call waits, a query that begins waits for it for 50 us at most. So a call
+//   may wait without end if longer queries overlap each other all the time.
 // - A query never waits for a query, and Move() waits for nothing.
 // - The functions that calls that run alone call (PairFilter::keep, Runner and
 //   the function of Save()) must not call the broad phase, except Move(), Has()
@@ -154,6 +156,10 @@ struct BroadPhaseStatistics {
 // the record and the tree, and 8 more with masks. A pair takes 8 bytes after
 // the first UpdatePairs(). A group of 64 ids without a body takes 12 bytes, so
 // ids may have gaps. An empty broad phase takes about 6 KB.
+//
+// Copies: a copy has the same bodies, masks, pairs and options, and from then
+// on returns the same answers and events in the same order. An object that was
+// moved from may only be destroyed or assigned to.
 template <typename ViewType>
 class BroadPhase {
  public:
@@ -167,10 +173,6 @@ class BroadPhase {
 
   explicit BroadPhase(const BroadPhaseOptions& options = {})
       : core_(detail::BvhTypeOf<View>(), options) {}
-
-  // A copy has the same bodies, masks, pairs and options, and from then on
-  // returns the same answers and events in the same order. An object that was
-  // moved from may only be destroyed or assigned to.
 
   // Adds bodies. Ids are the caller's numbers below 2^31, such as the index of
   // a body; memory grows with the greatest. `masks` is empty, or has an element
@@ -281,7 +283,8 @@ class BroadPhase {
   // in the same order. Move(), Has(), Get(), MasksOf(), PairsOf() and
   // ForEachPairOf() must not run at the same time.
   // As with Bvh::FromBlob(), altered bytes can change results, but no call
-  // reads or writes outside the memory of the broad phase. Errors: the bytes
+  // reads or writes outside the memory of the broad phase. They can make Load()
+  // allocate 2000 times their size. Errors: the bytes
   // are not from Save() of this type, byte order and format, or were cut. A
   // handler of errors must not call longjmp then (error.h).
   template <typename Write>
@@ -334,6 +337,7 @@ void CastLine(const BroadPhase<View>& bodies, const LineCast& cast,
 // bodies have moved since the last Update() and another query runs. So call
 // Update() before them where queries run at the same time.
 
+// As Survivors() of bvh.h.
 template <typename View, typename Query = typename View::Query,
           typename Asked = detail::BvhAsked<View, Query>>
 [[nodiscard]] std::size_t Survivors(const BroadPhase<View>& bodies,
@@ -343,6 +347,7 @@ template <typename View, typename Query = typename View::Query,
   return detail::CoreOf(bodies).Survivors(Asked::Of(query), ids, options, skip);
 }
 
+// As CountSurvivors() of bvh.h.
 template <typename View, typename Query = typename View::Query,
           typename Asked = detail::BvhAsked<View, Query>>
 [[nodiscard]] std::size_t CountSurvivors(const BroadPhase<View>& bodies,
@@ -351,6 +356,7 @@ template <typename View, typename Query = typename View::Query,
   return detail::CoreOf(bodies).Count(Asked::Of(query), options);
 }
 
+// As AnySurvivor() of bvh.h.
 template <typename View, typename Query = typename View::Query,
           typename Asked = detail::BvhAsked<View, Query>>
 [[nodiscard]] std::optional<std::uint32_t> AnySurvivor(
@@ -363,6 +369,7 @@ template <typename View, typename Query = typename View::Query,
   return id;
 }
 
+// As ForEachSurvivor() of bvh.h.
 template <typename View, typename Function,
           typename Query = typename View::Query,
           typename Asked = detail::BvhAsked<View, Query>>
@@ -373,6 +380,7 @@ void ForEachSurvivor(const BroadPhase<View>& bodies, const Query& query,
                                  options);
 }
 
+// As SurvivorsOfEach() of bvh.h.
 template <typename View, typename Queries = Span<const typename View::Query>,
           typename Query = std::decay_t<
               decltype(*std::data(std::declval<const Queries&>()))>,
@@ -387,6 +395,7 @@ template <typename View, typename Queries = Span<const typename View::Query>,
                                                 offsets, options, skip);
 }
 
+// As KNearest() of bvh_nearest.h, from a point or from a box.
 template <typename View>
 [[nodiscard]] std::size_t KNearest(
     const BroadPhase<View>& bodies,
@@ -410,6 +419,7 @@ template <typename View, typename Box,
       distances, options);
 }
 
+// As RayCast(), BoxCast() and SphereCast() of bvh_nearest.h.
 template <typename View, typename Function>
 void RayCast(const BroadPhase<View>& bodies,
              const Ray<View::Bound::kDimensions>& ray, float radius,
@@ -439,6 +449,7 @@ void SphereCast(const BroadPhase<View>& bodies,
                    options);
 }
 
+// As PairsOf() and ForEachPairOf() of bvh_pairs.h.
 template <typename View>
 [[nodiscard]] std::size_t PairsOf(const BroadPhase<View>& bodies,
                                   Span<const std::uint32_t> ids,

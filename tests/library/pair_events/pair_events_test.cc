@@ -434,6 +434,28 @@ TEST(PairEventsLoadTest, PairsOfNoObjectsEnd) {
   }
 }
 
+// An error handler may leave by longjmp, and then nothing is freed.
+TEST(PairEventsErrorsTest, AWrongCallHoldsNoMemory) {
+  static CountingMemory* memory;
+  static std::size_t blocks;
+  CountingMemory counting;
+  memory = &counting;
+  Crowd crowd;
+  PairEvents events(counting.resource());
+  events.Update(crowd.bvh);
+  blocks = counting.blocks;
+  SetErrorHandler([](const Error& error) {
+    EXPECT_EQ(memory->blocks, blocks) << error.what();
+    throw std::runtime_error("handler");
+  });
+  const PairVector twice = {{1, 2}, {3, 4}, {1, 2}};
+  EXPECT_THROW(events.Update(crowd.bvh, {.margin = -1}), std::runtime_error);
+  EXPECT_THROW(events.Update(crowd.bvh, Ids{9999}, {.margin = -1}),
+               std::runtime_error);
+  EXPECT_THROW(events.Load(twice), std::runtime_error);
+  SetErrorHandler(nullptr);
+}
+
 TEST(PairEventsRunnerTest, ARunnerThatThrowsChangesNothing) {
   Crowd crowd;
   PairEvents events;
