@@ -149,92 +149,6 @@ std::optional<Workload> ReadInput(const BenchOptions& options) {
   return workload;
 }
 
-// A table is named "section" or "section: part".
-std::string SectionOf(const std::string& table) {
-  return table.substr(0, table.find(':'));
-}
-
-// Whether it has a value that --against compares.
-bool HasComparedValue(const Table& table) {
-  for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    if (table.columns[c].better == Better::kNeither) continue;
-    for (const Row& row : table.rows) {
-      if (row[c].value) return true;
-    }
-  }
-  return false;
-}
-
-[[noreturn]] void FailWithoutValues(const std::string& path) {
-  throw UsageError("--against " + path +
-                   ": no value is in both runs; choose sections and targets "
-                   "that it has");
-}
-
-// The report of --against; nothing if none was given. Before anything is
-// measured.
-std::optional<Report> ReadStored(const BenchOptions& options) {
-  const std::string& path = options.against;
-  if (path.empty()) return std::nullopt;
-  constexpr std::size_t kMostBytes = std::size_t{64} << 20;
-  Report stored;
-  try {
-    stored = ReportFromJson(ReadBytes(path, kMostBytes));
-  } catch (const std::invalid_argument& error) {
-    throw InputError(path, error.what(),
-                     "give a file that --format json --out has written");
-  }
-  const std::string why = WhyIncomparable(stored, options);
-  if (!why.empty()) {
-    throw UsageError("--against " + path + ": " + why +
-                     "; compare runs of the same machine and options");
-  }
-  const auto may_be_compared = [&options](const Table& table) {
-    return options.Wants(SectionOf(table.name)) && HasComparedValue(table);
-  };
-  if (std::none_of(stored.tables.begin(), stored.tables.end(),
-                   may_be_compared)) {
-    FailWithoutValues(path);
-  }
-  return stored;
-}
-
-// Prints what is worse than in the stored run, and still is when its sections
-// run again: elsewhere in memory, and with other neighbours.
-int ReportWorse(const Report& stored, Comparison comparison,
-                const BenchOptions& options) {
-  const std::string& path = options.against;
-  std::vector<std::string>& worse = comparison.worse;
-  if (!worse.empty()) {
-    BenchOptions again = options;
-    again.details.clear();
-    for (const std::string& table : comparison.tables) {
-      again.details.push_back(SectionOf(table));
-    }
-    Progress progress;
-    const Report second =
-        RunSections(again, ReadInput(options), progress, nullptr);
-    progress.Clear();
-    const std::vector<std::string> twice = Compare(stored, second).worse;
-    // Without their values, which differ.
-    const auto name = [](const std::string& line) {
-      return line.substr(0, line.rfind(' ', line.rfind(", was ") - 1));
-    };
-    std::erase_if(worse, [&](const std::string& once) {
-      return std::none_of(
-          twice.begin(), twice.end(),
-          [&](const std::string& other) { return name(other) == name(once); });
-    });
-  }
-  for (const std::string& line : worse) {
-    std::cerr << ThisProgram().name << ": worse: " << Printable(line) << '\n';
-  }
-  std::cerr << ThisProgram().name << ": " << worse.size() << " of "
-            << comparison.compared << " values are worse than in "
-            << Printable(path) << '\n';
-  return worse.empty() ? kExitOk : kExitWorse;
-}
-
 Report RunTo(std::ostream& out, const BenchOptions& options,
              std::optional<Workload> input) {
   const bool is_text = options.format == Format::kText;
@@ -268,25 +182,17 @@ int Main(int argc, char** argv) {
       !choice.error.empty()) {
     return Fail("HALFSPACE_TARGET: " + std::string(choice.error), kExitUsage);
   }
-  const std::optional<Report> stored = ReadStored(options);
   std::optional<Workload> input = ReadInput(options);
   std::optional<OutFile> file;
   if (!options.out.empty()) file.emplace(options.out);
-  // A run that cannot be compared writes no report.
-  const bool is_held = file || stored;
   std::ostringstream text;
   text.exceptions(std::ios::badbit);
   const Report report =
-      RunTo(is_held ? text : std::cout, options, std::move(input));
-  std::optional<Comparison> comparison;
-  if (stored) {
-    comparison = Compare(*stored, report);
-    if (comparison->compared == 0) FailWithoutValues(options.against);
-  }
+      RunTo(file ? text : std::cout, options, std::move(input));
   if (file) {
     file->Write(text.str());
   } else {
-    std::cout << text.str() << std::flush;
+    std::cout << std::flush;
   }
   if (options.is_strict && report.ValueOf("noise") == "noisy") {
     return Fail(
@@ -294,8 +200,7 @@ int Main(int argc, char** argv) {
         "(the section noise says how much); run again when the machine is idle",
         kExitFailed);
   }
-  return stored ? ReportWorse(*stored, *std::move(comparison), options)
-                : kExitOk;
+  return kExitOk;
 }
 
 }  // namespace

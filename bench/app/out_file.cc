@@ -31,8 +31,7 @@ void CheckOutputs(const BenchOptions& options) {
   const std::pair<std::string, std::string> inputs[] = {
       {"--mesh", options.mesh},
       {"--bounds", options.bounds},
-      {"--query-bounds", options.query_bounds},
-      {"--against", options.against}};
+      {"--query-bounds", options.query_bounds}};
   for (const auto& [option, path] : inputs) {
     if (options.out.empty() || path.empty()) continue;
     if (WouldReplace(options.out, path)) {

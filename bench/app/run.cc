@@ -145,17 +145,4 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
   return report;
 }
 
-std::string WhyIncomparable(const Report& stored, const BenchOptions& options) {
-  const Machine machine = DescribeMachine();
-  const std::string now = machine.Model() + ", " + machine.CachesText();
-  const std::string then =
-      stored.ValueOf("model") + ", " + stored.ValueOf("caches");
-  if (now != then) return "it is of " + then + ", and this is " + now;
-  if (stored.ValueOf("scope") != options.Scope()) {
-    return "it was made with \"" + stored.ValueOf("scope") +
-           "\", and this run with \"" + options.Scope() + "\"";
-  }
-  return {};
-}
-
 }  // namespace halfspace::bench

@@ -19,10 +19,6 @@ namespace halfspace::bench {
 Report RunSections(const BenchOptions& options, std::optional<Workload> input,
                    Progress& progress, std::ostream* text);
 
-// What a run is compared by: runs of other machines, or with other options,
-// are not. Empty if they can be compared.
-std::string WhyIncomparable(const Report& stored, const BenchOptions& options);
-
 }  // namespace halfspace::bench
 
 #endif  // HALFSPACE_BENCH_APP_RUN_H_

@@ -66,13 +66,4 @@ std::string ReadText(const std::string& path) {
   return text;
 }
 
-std::string ReadBytes(const std::string& path, std::size_t most) {
-  const File file = Open(path);
-  std::string bytes;
-  while (bytes.size() < most &&
-         Append(path, file, std::min(kChunk, most - bytes.size()), bytes)) {
-  }
-  return bytes;
-}
-
 }  // namespace halfspace::bench

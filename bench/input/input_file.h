@@ -26,9 +26,6 @@ class InputError : public std::runtime_error {
 // must not fill the memory. Throws InputError.
 std::string ReadText(const std::string& path);
 
-// The first bytes of any file, at most `most`. Throws InputError.
-std::string ReadBytes(const std::string& path, std::size_t most);
-
 }  // namespace halfspace::bench
 
 #endif  // HALFSPACE_BENCH_INPUT_INPUT_FILE_H_

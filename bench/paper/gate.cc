@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench/base/text.h"
+#include "bench/inner/target_loops.h"
 #include "bench/paper/loops.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
@@ -96,40 +97,39 @@ Tables BranchTables(Run& run) {
   }
   constexpr std::array<ShapeKind, 2> kCompared = {ShapeKind::kAabb,
                                                   ShapeKind::kSimplex};
-  constexpr std::array<std::size_t, 2> kPlanes = {1, 2};
-  constexpr std::array<Way, 2> kWays = {Way::kBranches, Way::kLists};
+  // And the planes of a stage.
+  constexpr std::array<std::pair<Way, std::size_t>, 5> kWays = {
+      {{Way::kFlat, 0},
+       {Way::kBranches, 1},
+       {Way::kLists, 1},
+       {Way::kBranches, 2},
+       {Way::kLists, 2}}};
   for (double percent : percents) {
     const Workload scene =
         SceneOfSize(percent / 100.0, size.objects, run.options.seed);
     WorkingSet set(scene, size);
     for (Target target : run.TargetsIn(set.name())) {
-      const StagedScan staged = PaperLoopsFor(target).widest();
+      // With the library's vectors.
+      const StagedScan staged =
+          PaperLoopsFor(target).StagedOf(LoopsFor(target).one_query_lanes());
       if (target.lanes() < 4 || staged == nullptr) continue;
-      // Of each shape: flat, then branches and lists for each number of planes.
       std::vector<Case> cases;
       for (ShapeKind shape : kCompared) {
         const std::string name = "gate/" + NameOf(target) + "/" +
                                  Fixed(percent, 1) + "/" + NameOf(shape) + "/";
-        cases.push_back(
-            set.LibraryCase(name + "flat", shape,
-                            {.schedule = Schedule::kFlat, .target = target}));
-        for (std::size_t planes : kPlanes) {
-          for (Way way : kWays) {
-            cases.push_back(
-                set.LoopCase(name + NameOf(way) + "/" + std::to_string(planes),
-                             shape, [staged, shape, way, planes](auto... of) {
-                               staged(shape, way, planes, of...);
-                             }));
-          }
+        for (const auto& [way, planes] : kWays) {
+          cases.push_back(set.LoopCase(
+              name + NameOf(way) + "/" + std::to_string(planes), shape,
+              [=](auto... of) { staged(shape, way, planes, of...); }));
         }
       }
       const std::vector<Timing> ns = run.Time(cases, effort);
-      const std::size_t of_shape = ns.size() / kCompared.size();
+      const std::size_t of_shape = kWays.size();
       for (std::size_t s = 0; s < kCompared.size(); ++s) {
         const Timing* flat = &ns[s * of_shape];
-        for (std::size_t p = 0; p < kPlanes.size(); ++p) {
-          const Timing* way = flat + 1 + kWays.size() * p;
-          times.Add({NameOf(target), percent, NameOf(kCompared[s]), kPlanes[p],
+        for (std::size_t planes : {1, 2}) {
+          const Timing* way = flat + 2 * planes - 1;
+          times.Add({NameOf(target), percent, NameOf(kCompared[s]), planes,
                      flat->Median(), way[0].Median(), way[1].Median(),
                      RangeOfRatios(way[0], way[1])});
         }

@@ -6,6 +6,7 @@
 #ifndef HALFSPACE_BENCH_PAPER_LOOPS_H_
 #define HALFSPACE_BENCH_PAPER_LOOPS_H_
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -94,12 +95,9 @@ struct PaperLoops {
   // if their length is not known.
   std::array<StagedScan, kWidths.size()> staged = {};
 
-  // With the whole vectors of the target; null if their length is not known.
-  StagedScan widest() const {
-    for (std::size_t i = kWidths.size(); i-- > 0;) {
-      if (staged[i] != nullptr) return staged[i];
-    }
-    return nullptr;
+  StagedScan StagedOf(std::size_t lanes) const {
+    const auto* at = std::find(kWidths.begin(), kWidths.end(), lanes);
+    return at == kWidths.end() ? nullptr : staged[at - kWidths.begin()];
   }
 };
 

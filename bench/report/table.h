@@ -21,7 +21,7 @@ struct Column {
   std::string name;
   std::string unit = {};
   bool is_key = false;  // with the other keys, it identifies a row
-  // --against compares columns that have a better side.
+  // Columns that have a better side can be compared with those of other runs.
   Better better = Better::kNeither;
   int digits = 2;  // after the point, in text
 };
@@ -33,7 +33,7 @@ inline Column Key(std::string name, std::string unit = {}) {
 inline Column Value(std::string name, std::string unit = {}, int digits = 2) {
   return {std::move(name), std::move(unit), false, Better::kNeither, digits};
 }
-// Values that --against compares.
+// Values that are compared.
 inline Column Lower(std::string name, std::string unit = {}, int digits = 2) {
   return {std::move(name), std::move(unit), false, Better::kLower, digits};
 }
@@ -120,20 +120,6 @@ void WriteLead(std::ostream& out, const Table& table);
 
 // docs/report.schema.json describes it.
 std::string ToJson(const Report& report);
-
-// Throws std::invalid_argument, with what is wrong, if ToJson() has not made
-// it.
-Report ReportFromJson(std::string_view json);
-
-// How a run compares with a stored one. Values are compared if their tables,
-// columns and keys are equal. A value is worse if it is worse by more than a
-// tenth, and its spread is worse than that of the stored value.
-struct Comparison {
-  std::size_t compared = 0;
-  std::vector<std::string> worse;   // a line for each
-  std::vector<std::string> tables;  // their names, each once
-};
-Comparison Compare(const Report& stored, const Report& now);
 
 }  // namespace halfspace::bench
 

@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "bench/report/table.h"
 
@@ -13,21 +12,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kSchema = 4;
-// More than a report has. To destroy deep JSON takes as many calls on the
-// stack.
-constexpr int kDeepest = 16;
-constexpr double kMostDigits = 17;  // of docs/report.schema.json
-constexpr const char* kNoReport = "no JSON report of this version";
 constexpr std::array<const char*, 3> kBetter = {"", "lower", "higher"};
 constexpr std::array<const char*, 3> kFlags = {"", "winner", "tie"};
-
-template <typename Enum, typename Names>
-Enum EnumOf(const Names& names, const std::string& name) {
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (name == names[i]) return static_cast<Enum>(i);
-  }
-  throw std::invalid_argument(kNoReport);
-}
 
 // Whole numbers are counts, and exact; others keep five digits.
 Json ToJson(double value) {
@@ -55,23 +41,6 @@ Json ToJson(const Cell& cell) {
     list.push_back(kFlags[static_cast<std::size_t>(cell.flag)]);
   }
   return list;
-}
-
-Cell CellFrom(const Json& json) {
-  if (json.is_array()) {
-    Cell cell = CellFrom(json.at(0));
-    if (json.at(1).is_number()) {
-      cell.spread = {json.at(1).get<double>(), json.at(2).get<double>()};
-    }
-    // Reports of older versions say whether a value met an aim.
-    if (json.size() > 3 && json.at(3) != "met" && json.at(3) != "missed") {
-      cell.flag = EnumOf<Flag>(kFlags, json.at(3));
-    }
-    return cell;
-  }
-  if (json.is_null()) return {};
-  if (json.is_number()) return json.get<double>();
-  return json.get<std::string>();
 }
 
 Json ToJson(const Table& table) {
@@ -109,44 +78,6 @@ Json ToJson(const Table& table) {
   }
   if (!table.lead.empty()) json["lead"] = table.lead;
   return json;
-}
-
-int DigitsOf(const Json& column) {
-  const double digits = column.value("digits", 2.0);
-  if (!(digits >= 0 && digits <= kMostDigits)) {
-    throw std::invalid_argument(kNoReport);
-  }
-  return static_cast<int>(digits);
-}
-
-Table TableFrom(const Json& json) {
-  Table table{json.at("name"), json.at("title")};
-  for (const Json& column : json.at("columns")) {
-    table.columns.push_back(
-        {column.at("name"), column.value("unit", ""),
-         column.value("key", false),
-         EnumOf<Better>(kBetter, column.value("better", "")),
-         DigitsOf(column)});
-  }
-  for (const Json& cells : json.at("rows")) {
-    Row row;
-    for (const Json& cell : cells) row.push_back(CellFrom(cell));
-    if (row.size() != table.columns.size()) {
-      throw std::invalid_argument(kNoReport);
-    }
-    table.Add(std::move(row));
-  }
-  if (json.contains("notes")) table.notes = json.at("notes");
-  if (json.contains("chart")) {
-    const Json& chart = json.at("chart");
-    table.chart = Chart{chart.at("x"), chart.at("y"), chart.at("series"),
-                        chart.at("x_log"), chart.at("y_log")};
-    for (const Json& mark : chart.value("marks", Json::array())) {
-      table.chart->marks.push_back({mark.at(0), mark.at(1)});
-    }
-  }
-  if (json.contains("lead")) table.lead = json.at("lead");
-  return table;
 }
 
 // A line for each row, so that versions of a stored run can be compared.
@@ -192,27 +123,6 @@ std::string ToJson(const Report& report) {
     before = ",\n";
   }
   return text + "]}\n";
-}
-
-Report ReportFromJson(std::string_view json) {
-  try {
-    const auto is_kept = [](int depth, Json::parse_event_t, const Json&) {
-      if (depth > kDeepest) throw std::invalid_argument(kNoReport);
-      return true;
-    };
-    const Json root = Json::parse(json, is_kept);
-    if (root.at("schema") != kSchema) throw std::invalid_argument(kNoReport);
-    Report report;
-    for (const auto& [key, value] : root.at("context").items()) {
-      report.context.emplace_back(key, value.get<std::string>());
-    }
-    for (const Json& table : root.at("tables")) {
-      report.tables.push_back(TableFrom(table));
-    }
-    return report;
-  } catch (const Json::exception&) {
-    throw std::invalid_argument(kNoReport);
-  }
 }
 
 }  // namespace halfspace::bench

@@ -27,7 +27,6 @@
 #include "halfspace/bvh_nearest.h"
 #include "halfspace/bvh_pairs.h"
 #include "halfspace/bvh_shapes.h"
-#include "halfspace/quantized.h"
 #include "halfspace/reject.h"
 
 namespace halfspace::bench {
@@ -36,8 +35,6 @@ namespace {
 using Ids = std::vector<std::uint32_t>;
 using Bvh3 = Bvh<AabbView3>;
 
-// A scan of more is slower than anything else.
-constexpr std::size_t kMostScanned = 10000;
 // Of a file. Bullet takes no coordinates further out; and of more ids, writing
 // them is what would be timed.
 constexpr std::size_t kMostOfFile = 4'000'000;
@@ -114,34 +111,6 @@ class QueryContest {
       AddAllAtOnce(name + ", all in one call", target,
                    std::make_shared<const Tree>(*world));
     }
-  }
-  void AddCounts(Target target) {
-    const auto count = [target, world = std::make_shared<const Tree>(
-                                    boxes_.view())](const Box& query) {
-      return CountSurvivors(*world, query, {.target = target});
-    };
-    const auto check = [this, count]() -> std::string {
-      for (std::size_t q = 0; q < expected_.size(); ++q) {
-        if (count(set_.queries[q]) != expected_[q].size()) {
-          return "the counts are not those of a scan";
-        }
-      }
-      return {};
-    };
-    Add("tight, counts, one query a call", NameOf(target), Who::kOurs, check,
-        [&](std::size_t queries) {
-          return InTurn("", set_.queries, kTimedQueries, queries,
-                        [count](const Box& box) { std::ignore = count(box); });
-        });
-  }
-  void AddQuantizedScan(Target target) {
-    AddFind(
-        "quantized scan, one query a call", NameOf(target), Who::kOurs,
-        [this, target,
-         world = std::make_shared<const QuantizedWorld<View>>(set_.boxes)](
-            const Box& query) {
-          return Found(Survivors(*world, query, found_, {.target = target}));
-        });
   }
   void AddCompetitors() {
     for (const auto& competitor : Registered<BoxTree<kDims>>::All()) {
@@ -267,27 +236,15 @@ class QueryContest {
   std::vector<std::size_t> offsets_;
 };
 
+// By fast builds and in one call, too, unless only_tight.
 template <int kDims>
 void RunQueries(Run& run, const BoxSet<kDims>& set,
-                const std::vector<Target>& targets, Result& result) {
+                const std::vector<Target>& targets, Result& result,
+                bool only_tight = false) {
   QueryContest<kDims> contest(run, set);
   for (Target target : targets) {
-    contest.AddBvh(BuildQuality::kHigh, target, true);
-    contest.AddBvh(BuildQuality::kFast, target, true);
-  }
-  contest.AddCounts(targets.front());
-  if (set.boxes.size() <= kMostScanned) {
-    contest.AddQuantizedScan(targets.front());
-  }
-  contest.AddCompetitors();
-  contest.Time(result.queries);
-}
-
-void RunSkewed(Run& run, const BoxSet<3>& set,
-               const std::vector<Target>& targets, Result& result) {
-  QueryContest<3> contest(run, set);
-  for (Target target : targets) {
-    contest.AddBvh(BuildQuality::kHigh, target, false);
+    contest.AddBvh(BuildQuality::kHigh, target, !only_tight);
+    if (!only_tight) contest.AddBvh(BuildQuality::kFast, target, true);
   }
   contest.AddCompetitors();
   contest.Time(result.queries);
@@ -662,21 +619,22 @@ Tables RunBvh(Run& run) {
     parts.emplace_back(
         [&, objects] { RunQueries(run, uniform(objects), targets, result); });
   }
-  for (std::size_t objects : UpTo(most, {100'000, 1'000'000})) {
-    parts.emplace_back([&, objects] {
-      RunQueries(run, MakeClusters("clusters", objects, seed), {best}, result);
-    });
-  }
-  // Of a quick run, the first two with few objects.
-  const std::vector<std::size_t> skewed_sizes =
-      UpTo(run.is_quick() ? std::min<std::size_t>(most, 10'000) : most,
-           {10'000, 100'000});
-  for (const SkewedWorld& world :
-       SkewedWorlds().first(run.is_quick() ? 2 : SkewedWorlds().size())) {
-    for (std::size_t objects : skewed_sizes) {
-      parts.emplace_back([&, objects] {
-        RunSkewed(run, world.make(world.name, objects, kSide3D, seed), targets,
-                  result);
+  // Of clusters all ways, and more objects. Of a quick run, the first three
+  // with few objects.
+  const std::span<const SkewedWorld> worlds =
+      SkewedWorlds().first(run.is_quick() ? 3 : SkewedWorlds().size());
+  for (const SkewedWorld& world : worlds) {
+    const bool is_first = &world == worlds.data();
+    for (std::size_t objects :
+         is_first
+             ? UpTo(most, {100'000, 1'000'000})
+             : UpTo(run.is_quick() ? std::min<std::size_t>(most, 10'000) : most,
+                    {10'000, 100'000})) {
+      parts.emplace_back([&, objects, is_first] {
+        BoxSet<3> set = world.make(objects, kSide3D, seed);
+        set.name = world.name;
+        RunQueries(run, set, is_first ? std::vector{best} : targets, result,
+                   !is_first);
       });
     }
   }

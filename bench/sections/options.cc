@@ -249,11 +249,6 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
   app.add_option("--out", options.out, "Write the report to this file")
       ->check(CheckFileName)
       ->type_name("FILE");
-  app.add_option("--against", options.against,
-                 "Compare values with those of this JSON report; exit with 5 "
-                 "if one is worse")
-      ->check(CheckFileName)
-      ->type_name("FILE.json");
   app.add_flag("--list", options.is_list, "List the sections and exit");
   try {
     app.parse(argc, argv);

@@ -34,7 +34,6 @@ struct BenchOptions {
   bool is_strict = false;
   Format format = Format::kText;
   std::string out;
-  std::string against;  // a stored report; empty: none
   bool is_list = false;
 
   // Those that choose what is measured, as on the command line, but for the
@@ -49,7 +48,6 @@ inline constexpr int kExitWrongAnswer = 1;
 inline constexpr int kExitUsage = 2;
 inline constexpr int kExitBadInput = 3;
 inline constexpr int kExitFailed = 4;
-inline constexpr int kExitWorse = 5;
 
 // What is wrong with the command line, and what to do.
 class UsageError : public std::runtime_error {

@@ -104,7 +104,7 @@ const Workload& Run::Scene() {
   try {
     scene_ = MakeScene(SceneObjects(),
                        options.queries != 0 ? options.queries : kTimedQueries,
-                       options.seed, [](double /*done*/) {});
+                       options.seed);
     scene_.timed_queries = scene_.queries;
     if (options.queries == 0) scene_.queries.resize(kPaperQueries);
   } catch (const std::bad_alloc&) {

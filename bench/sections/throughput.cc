@@ -159,7 +159,7 @@ Tables RunThroughput(Run& run) {
   for (std::size_t q = 0; q < 16; ++q) {
     few.push_back(workload.queries[q % workload.queries.size()]);
   }
-  Workload made = MakeScene(objects, kQueries, run.options.seed, [](double) {});
+  Workload made = MakeScene(objects, kQueries, run.options.seed);
   std::vector<Scene> scenes;
   scenes.push_back(
       {"L1",

@@ -1,7 +1,6 @@
 #include "bench/worlds/box_set.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -30,47 +29,10 @@ Aabb<kDims> UniformBox(float side, Random& random) {
   return box;
 }
 
-class Clusters {
- public:
-  explicit Clusters(Random& random) : random_(random) {
-    float sum = 0;
-    for (std::size_t i = 0; i < kClusters; ++i) {
-      sum += std::exp(NearlyNormal(random_));
-      ends_.push_back(sum);
-      centers_.push_back(UniformBox<3>(0, random_));
-    }
-  }
-
-  Aabb3 Next() {
-    const float place = ends_.back() * (random_.Signed() + 1) / 2;
-    const auto end = std::upper_bound(ends_.begin(), ends_.end() - 1, place);
-    const Aabb3& of =
-        centers_[static_cast<std::size_t>(std::distance(ends_.begin(), end))];
-    Aabb3 box;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const float center = of.min[k] + kDeviation * NearlyNormal(random_);
-      const float side =
-          kMedianSide * std::exp(kDeviationOfLog * NearlyNormal(random_));
-      box.min[k] = center - side / 2;
-      box.max[k] = center + side / 2;
-    }
-    return box;
-  }
-
- private:
-  static constexpr std::size_t kClusters = 50;
-  static constexpr float kDeviation = 3.0f;
-  static constexpr float kMedianSide = 0.4f;
-  static constexpr float kDeviationOfLog = 0.5f;
-
-  Random& random_;
-  std::vector<float> ends_;  // each as far from the one before as it is large
-  std::vector<Aabb3> centers_;
-};
-
-template <int kDims, typename Next>
-BoxSet<kDims> Make(std::string name, std::size_t count, const Next& next) {
-  BoxSet<kDims> set{std::move(name), {}, {}};
+// next() makes one box after the other.
+template <int kDims = 3, typename Next>
+BoxSet<kDims> Make(std::size_t count, const Next& next) {
+  BoxSet<kDims> set;
   set.boxes.reserve(count);
   for (std::size_t i = 0; i < count; ++i) set.boxes.push_back(next());
   for (std::size_t i = 0; i < kTimedQueries; ++i) {
@@ -81,27 +43,53 @@ BoxSet<kDims> Make(std::string name, std::size_t count, const Next& next) {
 
 // Uniform boxes, of which the first `few` are skewed by skew(i, box).
 template <typename Skew>
-BoxSet<3> MakeWithFew(std::string name, std::size_t count, float side,
-                      std::uint64_t seed, std::size_t few, Skew skew) {
-  BoxSet<3> set = MakeUniformBoxes<3>(std::move(name), count, side, seed);
-  for (std::size_t i = 0; i < std::min(few, count); ++i) {
-    skew(i, set.boxes[i]);
-  }
+BoxSet<3> MakeWithFew(std::size_t count, float side, std::uint64_t seed,
+                      std::size_t few, Skew skew) {
+  BoxSet<3> set = MakeUniformBoxes<3>("", count, side, seed);
+  for (std::size_t i = 0; i < std::min(few, count); ++i) skew(i, set.boxes[i]);
   return set;
 }
 
 template <int kExponent>
-BoxSet<3> MakeOutliers(std::string name, std::size_t count, float side,
-                       std::uint64_t seed) {
-  return MakeWithFew(std::move(name), count, side, seed, 10,
-                     [factor = std::pow(10.0f, static_cast<float>(kExponent))](
-                         std::size_t, Aabb3& box) {
-                       for (float& x : box.min) x *= factor;
-                       for (float& x : box.max) x *= factor;
-                     });
+BoxSet<3> MakeOutliers(std::size_t count, float side, std::uint64_t seed) {
+  return MakeWithFew(count, side, seed, 10, [](std::size_t, Aabb3& box) {
+    const float factor = std::pow(10.0f, static_cast<float>(kExponent));
+    for (float& x : box.min) x *= factor;
+    for (float& x : box.max) x *= factor;
+  });
 }
 
-BoxSet<3> MakeTeapotInStadium(std::string name, std::size_t count, float side,
+BoxSet<3> MakeClusters(std::size_t count, float /*side*/, std::uint64_t seed) {
+  constexpr std::size_t kClusters = 50;
+  constexpr float kDeviation = 3.0f;
+  constexpr float kMedianSide = 0.4f;
+  constexpr float kDeviationOfLog = 0.5f;
+  Random random(seed);
+  float sum = 0;
+  std::vector<float> ends;  // each as far from the one before as it is large
+  std::vector<Aabb3> centers;
+  for (std::size_t i = 0; i < kClusters; ++i) {
+    sum += std::exp(NearlyNormal(random));
+    ends.push_back(sum);
+    centers.push_back(UniformBox<3>(0, random));
+  }
+  return Make(count, [&] {
+    const float place = ends.back() * (random.Signed() + 1) / 2;
+    const auto end = std::upper_bound(ends.begin(), ends.end() - 1, place);
+    const Aabb3& of = centers[static_cast<std::size_t>(end - ends.begin())];
+    Aabb3 box;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float center = of.min[k] + kDeviation * NearlyNormal(random);
+      const float side =
+          kMedianSide * std::exp(kDeviationOfLog * NearlyNormal(random));
+      box.min[k] = center - side / 2;
+      box.max[k] = center + side / 2;
+    }
+    return box;
+  });
+}
+
+BoxSet<3> MakeTeapotInStadium(std::size_t count, float side,
                               std::uint64_t seed) {
   constexpr std::size_t kTeapots = 20;
   constexpr float kScale = 1e-3f;
@@ -112,7 +100,7 @@ BoxSet<3> MakeTeapotInStadium(std::string name, std::size_t count, float side,
   for (std::size_t i = 0; i < kTeapots; ++i) {
     centers.push_back(UniformBox<3>(0, random));
   }
-  return Make<3>(std::move(name), count, [&] {
+  return Make(count, [&] {
     if (random.Below(10) == 0) return UniformBox<3>(side, random);
     const Aabb3& center = centers[random.Below(kTeapots)];
     Aabb3 box = UniformBox<3>(side_in_teapot, random);
@@ -124,33 +112,29 @@ BoxSet<3> MakeTeapotInStadium(std::string name, std::size_t count, float side,
   });
 }
 
-BoxSet<3> MakeGroundPlanes(std::string name, std::size_t count, float side,
-                           std::uint64_t seed) {
-  return MakeWithFew(
-      std::move(name), count, side, seed, 5, [](std::size_t i, Aabb3& box) {
-        const float z = 20.0f * static_cast<float>(i) - 40.0f;
-        box = {{-kHalfCube, -kHalfCube, z}, {kHalfCube, kHalfCube, z + 0.1f}};
-      });
+BoxSet<3> MakeGroundPlanes(std::size_t count, float side, std::uint64_t seed) {
+  return MakeWithFew(count, side, seed, 5, [](std::size_t i, Aabb3& box) {
+    const float z = 20.0f * static_cast<float>(i) - 40.0f;
+    box = {{-kHalfCube, -kHalfCube, z}, {kHalfCube, kHalfCube, z + 0.1f}};
+  });
 }
 
 // The largest boxes are cubes of five times the side, which gives as many
 // survivors: for sides s and t that are log-uniform over many decades below 5,
 // the mean of (s + t)^3 is 8.
-BoxSet<3> MakeSixDecades(std::string name, std::size_t count, float side,
-                         std::uint64_t seed) {
+BoxSet<3> MakeSixDecades(std::size_t count, float side, std::uint64_t seed) {
   Random random(seed);
-  return Make<3>(std::move(name), count, [&] {
+  return Make(count, [&] {
     const float decades = 3.0f * (random.Signed() - 1.0f);
     return UniformBox<3>(5.0f * side * std::pow(10.0f, decades), random);
   });
 }
 
-BoxSet<3> MakeOnePlane(std::string name, std::size_t count, float side,
-                       std::uint64_t seed) {
+BoxSet<3> MakeOnePlane(std::size_t count, float side, std::uint64_t seed) {
   // In the unit of the world, its square is the cube of the uniform side.
   const float side_on_plane = side * std::sqrt(side / kHalfCube);
   Random random(seed);
-  return Make<3>(std::move(name), count, [&] {
+  return Make(count, [&] {
     Aabb3 box = UniformBox<3>(side_on_plane, random);
     box.min[2] = 0.0f;
     box.max[2] = side_on_plane;
@@ -158,23 +142,22 @@ BoxSet<3> MakeOnePlane(std::string name, std::size_t count, float side,
   });
 }
 
-BoxSet<3> MakeLongObject(std::string name, std::size_t count, float side,
-                         std::uint64_t seed) {
-  return MakeWithFew(std::move(name), count, side, seed, 1,
-                     [](std::size_t, Aabb3& box) {
-                       box.min[0] = -1e4f * kHalfCube;
-                       box.max[0] = 1e4f * kHalfCube;
-                     });
+BoxSet<3> MakeLongObject(std::size_t count, float side, std::uint64_t seed) {
+  return MakeWithFew(count, side, seed, 1, [](std::size_t, Aabb3& box) {
+    box.min[0] = -1e4f * kHalfCube;
+    box.max[0] = 1e4f * kHalfCube;
+  });
 }
 
-constexpr std::array kSkewedWorlds = {
-    SkewedWorld{"10 outliers at 10^4", MakeOutliers<4>},
-    SkewedWorld{"teapot in a stadium", MakeTeapotInStadium},
-    SkewedWorld{"10 outliers at 10^7", MakeOutliers<7>},
-    SkewedWorld{"5 ground planes", MakeGroundPlanes},
-    SkewedWorld{"six decades of sizes", MakeSixDecades},
-    SkewedWorld{"all on one plane", MakeOnePlane},
-    SkewedWorld{"one long object", MakeLongObject}};
+constexpr SkewedWorld kSkewedWorlds[] = {
+    {"clusters", MakeClusters},
+    {"10 outliers at 10^4", MakeOutliers<4>},
+    {"teapot in a stadium", MakeTeapotInStadium},
+    {"10 outliers at 10^7", MakeOutliers<7>},
+    {"5 ground planes", MakeGroundPlanes},
+    {"six decades of sizes", MakeSixDecades},
+    {"all on one plane", MakeOnePlane},
+    {"one long object", MakeLongObject}};
 
 }  // namespace
 
@@ -184,24 +167,18 @@ template <int kDims>
 BoxSet<kDims> MakeUniformBoxes(std::string name, std::size_t count, float side,
                                std::uint64_t seed) {
   Random random(seed);
-  return Make<kDims>(std::move(name), count,
-                     [&] { return UniformBox<kDims>(side, random); });
+  BoxSet<kDims> set =
+      Make<kDims>(count, [&] { return UniformBox<kDims>(side, random); });
+  set.name = std::move(name);
+  return set;
 }
 template BoxSet<2> MakeUniformBoxes<2>(std::string, std::size_t, float,
                                        std::uint64_t);
 template BoxSet<3> MakeUniformBoxes<3>(std::string, std::size_t, float,
                                        std::uint64_t);
 
-BoxSet<3> MakeClusters(std::string name, std::size_t count,
-                       std::uint64_t seed) {
-  Random random(seed);
-  Clusters clusters(random);
-  return Make<3>(std::move(name), count, [&] { return clusters.Next(); });
-}
-
 BoxSet<3> BoxesOf(std::string name, const Workload& workload) {
   BoxSet<3> set{std::move(name), {}, {}};
-  set.boxes.reserve(workload.objects.size());
   for (std::size_t i = 0; i < workload.objects.size(); ++i) {
     set.boxes.push_back(workload.objects.Get(i).aabb());
   }

@@ -26,18 +26,13 @@ template <int kDims>
 BoxSet<kDims> MakeUniformBoxes(std::string name, std::size_t count, float side,
                                std::uint64_t seed);
 
-// Boxes in 50 clusters, and queries of the same kind: how many boxes a cluster
-// has, and how long a box is, are log-normal; centers are spread around those
-// of the clusters, which are uniform in [-50, 50]^3.
-BoxSet<3> MakeClusters(std::string name, std::size_t count, std::uint64_t seed);
-
-// A uniform world with a skew. Queries are of the same kind as the boxes,
-// without the few that skew the world. A query finds about as many boxes as in
-// the uniform world of boxes of side `side`.
+// Worlds of boxes in 3D, and queries of the same kind, without the few that
+// skew a world. The first one has 50 clusters: how many boxes a cluster has,
+// and how long a box is, are log-normal. In the others a query finds about as
+// many boxes as in the uniform world of boxes of side `side`.
 struct SkewedWorld {
   const char* name;
-  BoxSet<3> (*make)(std::string name, std::size_t count, float side,
-                    std::uint64_t seed);
+  BoxSet<3> (*make)(std::size_t count, float side, std::uint64_t seed);
 };
 std::span<const SkewedWorld> SkewedWorlds();
 

@@ -16,16 +16,12 @@ Aabo3 BoundNext(MovedClouds<3>& clouds) {
 }  // namespace
 
 Workload MakeScene(std::size_t objects, std::size_t queries, std::uint64_t seed,
-                   const std::function<void(double)>& progress, float radius) {
-  constexpr std::size_t kReport = 1 << 14;
+                   float radius) {
   MovedClouds<3> clouds(seed);
   clouds.Scale(radius);
   Workload scene{"scene", {}, {}};
   scene.objects.Reserve(objects);
   for (std::size_t i = 0; i < objects; ++i) {
-    if (i % kReport == 0) {
-      progress(static_cast<double>(i) / static_cast<double>(objects));
-    }
     scene.objects.Push(BoundNext(clouds));
   }
   for (std::size_t i = 0; i < queries; ++i) {
@@ -36,9 +32,8 @@ Workload MakeScene(std::size_t objects, std::size_t queries, std::uint64_t seed,
 
 Workload SceneOfSize(double share, std::size_t objects, std::uint64_t seed,
                      std::size_t queries) {
-  Workload scene = MakeScene(
-      objects, queries, seed, [](double) {},
-      static_cast<float>(share) * kSceneSide / 2);
+  Workload scene = MakeScene(objects, queries, seed,
+                             static_cast<float>(share) * kSceneSide / 2);
   scene.timed_queries = scene.queries;
   return scene;
 }

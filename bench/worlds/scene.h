@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 
 #include "bench/worlds/workload.h"
 
@@ -16,10 +15,8 @@ inline constexpr float kSceneSide = 100.0f;
 
 // 100 clouds of 50 to 64 points uniform in a sphere of that radius; each object
 // and each query is one of them, moved uniformly within [-50, 50]^3. The same
-// seed gives the same scene on every machine. `progress` gets the fraction
-// done.
+// seed gives the same scene on every machine.
 Workload MakeScene(std::size_t objects, std::size_t queries, std::uint64_t seed,
-                   const std::function<void(double)>& progress,
                    float radius = 1.0f);
 
 // A scene whose clouds are that share of the world's side wide. All its queries

@@ -178,9 +178,9 @@ TEST(CompetitorsTest, FindAndCountTheBoxesThatTouchIn3D) {
 TEST(CompetitorsTest, FindAndCountTheBoxesThatTouchInSkewedWorlds) {
   std::vector<World<3>> worlds;
   for (const SkewedWorld& skewed : SkewedWorlds()) {
-    BoxSet<3> set = skewed.make(skewed.name, 1000, 8.0f, 1);
+    BoxSet<3> set = skewed.make(1000, 8.0f, 1);
     set.queries.resize(200);
-    worlds.push_back({set.name, set.boxes, set.queries});
+    worlds.push_back({skewed.name, set.boxes, set.queries});
   }
   TestBoxTrees(worlds);
 }

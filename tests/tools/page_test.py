@@ -185,6 +185,32 @@ refuse(json.dumps(report_of([[1, 1], [2, -1.7e308], [3, 1.7e308]])), "too large"
 refuse(json.dumps(report_of([["\ud800", 1]])), "surrogates")
 refuse(json.dumps(report_of([[1, 1]], digits=10 ** 8)), "digits")
 
+
+def against(before, now, **context):
+    """The exit code and the output of a comparison of two rows, of which y is better if lower."""
+    paths = []
+    for row, more in (before, {}), (now, context):
+        report = report_of([row])
+        report["tables"][0]["columns"][0]["key"] = True
+        report["tables"][0]["columns"][1]["better"] = "lower"
+        report["context"].update(more)
+        with tempfile.NamedTemporaryFile("w", suffix=".json", delete=False) as file:
+            json.dump(report, file)
+        paths.append(file.name)
+    run = subprocess.run([*tool, "--against", *paths], capture_output=True, text=True)
+    for path in paths:
+        os.remove(path)
+    return run.returncode, run.stdout + run.stderr
+
+
+# Worse is what differs by more than a tenth, and from the range, in the worse direction.
+was = [1, [1.0, 0.9, 1.1]]
+for now, code in (([1, [1.09, 1.2, 1.2]], 0), ([1, [1.3, 1.05, 1.5]], 0), ([1, 0.5], 0),
+                  ([1, [1.3, 1.2, 1.5]], 5), ([1, 1.3], 5), ([2, 1.0], 1), ([1, None], 1)):
+    assert against(was, now)[0] == code, now
+assert "t, 1, y: 1.30, was 1.00\n1 of 1 values" in against(was, [1, 1.3])[1]
+assert against(was, was, model="other")[0] == 1
+
 # Where two x are so near that their logarithms are equal, there is no line between them.
 with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
     json.dump(report_of([[1e300, 1], [math.nextafter(1e300, math.inf), 2]]), file)
