@@ -18,7 +18,9 @@ constexpr double kAllDecayed = 2;
 // Until queries visit twice as many leaves, an update sorts 2 objects for each
 // body that changed, and 2048 at least: a few changes wait. If 16 of 65 536
 // bodies come and go in each frame, updates take a sixth of the time that they
-// took when they always sorted a 16th of the bodies.
+// took when they always sorted a 16th of the bodies. The cost ratio, which all
+// leaves have a part in, is computed after a 64th of the bodies has changed, or
+// in an update without changes.
 constexpr std::size_t kSortedOfChange = 2;
 constexpr std::size_t kLeastSorted = 2048;
 
@@ -26,24 +28,28 @@ constexpr std::uint32_t kAllBits = 0xFFFFFFFF;
 
 void Sort(BroadPhaseState& state, const UpdateOptions& options) {
   BvhTree& tree = state.tree;
-  state.changes = std::min(
-      state.changes + state.records.Count(Records::kForOrder), tree.size());
+  const bool is_automatic = options.budget == UpdateOptions::kAutomatic;
+  const std::size_t changed = state.records.Count(Records::kForOrder);
   state.records.Clear(Records::kForOrder);
+  state.changes = std::min(state.changes + changed, tree.size());
+  const std::size_t due = kSortedOfChange * state.changes;
   if (options.budget == 0 || tree.size() == 0) return;
+  const std::size_t least_due = std::min(tree.size() / 32, kLeastSorted);
+  if (is_automatic && changed > 0 && due < least_due) return;
   const double ratio = tree.CostRatio();
   if (!(ratio > kDecayed)) {
     state.changes = 0;
     return;
   }
+  const bool is_all_decayed = ratio > kAllDecayed;
   std::size_t budget = options.budget;
-  if (budget == UpdateOptions::kAutomatic) {
+  if (is_automatic) {
     budget = tree.size() / 16;
-    if (!(ratio > kAllDecayed)) {
-      const std::size_t due = kSortedOfChange * state.changes;
+    if (!is_all_decayed) {
       if (due < std::min(tree.size(), kLeastSorted)) return;
       budget = std::min(budget, due);
     }
-  } else if (ratio > kAllDecayed && budget >= tree.size()) {
+  } else if (is_all_decayed && budget >= tree.size()) {
     BuildOptions build;
     build.run = options.run;
     tree.Rebuild(build);
@@ -53,6 +59,10 @@ void Sort(BroadPhaseState& state, const UpdateOptions& options) {
   const std::size_t sorted =
       tree.RebuildPartial(std::max<std::size_t>(budget, 1));
   state.changes -= std::min(state.changes, sorted / kSortedOfChange);
+  // The next update computes the ratio too, however few bodies change.
+  if (is_all_decayed) {
+    state.changes = std::max(state.changes, least_due / kSortedOfChange);
+  }
 }
 
 void SetMask(BroadPhaseState& state, std::uint32_t id, const BodyMasks& masks) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "halfspace/detail/plane_arrays.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::detail {
 namespace {
@@ -68,13 +69,13 @@ bool Records::Read(std::uint32_t id, float* planes) const {
 
 template <typename EightAt>
 std::uint64_t Records::Group::MarksBy(std::size_t w, const EightAt& eight_at) {
+  // Moves byte i, 0 or 1, to bit 56 + i.
+  constexpr std::uint64_t kGather = std::endian::native == std::endian::little
+                                        ? 0x0102040810204080
+                                        : 0x8040201008040201;
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < 8; ++i) {
-    std::uint64_t bytes = eight_at(8 * w + i);
-    if constexpr (std::endian::native == std::endian::big) {
-      bytes = __builtin_bswap64(bytes);
-    }
-    bits |= bytes * 0x0102040810204080 >> 56 << 8 * i;
+    bits |= eight_at(8 * w + i) * kGather >> 56 << 8 * i;
   }
   return bits;
 }
@@ -97,7 +98,7 @@ std::uint64_t Records::Group::TakeMarksOf(std::size_t w) {
 
 // Sets a mark while marks are being taken. Repeats that until the mark will be
 // found.
-[[gnu::noinline]] void Records::MarkAgain(std::uint32_t id) {
+HALFSPACE_NOINLINE void Records::MarkAgain(std::uint32_t id) {
   Group& group = *GroupAt(id / kGroupIds);
   const std::uint64_t bit = std::uint64_t{1} << id / 64 % 64;
   const auto is_marked = [&] {
@@ -214,8 +215,9 @@ std::size_t Records::TakeMarks() {
     for (std::uint64_t some = group.some_taken; some != 0; some &= some - 1) {
       const std::size_t w = LowestBit(some);
       group.taken[w] = group.TakeMarksOf(w);
-      for (auto& changed : group.changed) changed[w] |= group.taken[w];
-      count += static_cast<std::size_t>(std::popcount(group.taken[w]));
+      Add(kForPairs, group, w, group.taken[w]);
+      Add(kForOrder, group, w, group.taken[w]);
+      count += PopCount(group.taken[w]);
     }
   });
   Fence();
@@ -290,9 +292,12 @@ void Records::Swap(Records& other) {
   list_.store(other.list_.exchange(list_));
   has_marks_.store(other.has_marks_.exchange(has_marks_));
   std::swap(bytes_, other.bytes_);
+  std::swap(counts_, other.counts_);
 }
 
 void Records::Clear(ChangedSet set) {
+  if (counts_[set] == 0) return;
+  counts_[set] = 0;
   ForEachGroup([set](std::size_t, Group& group) {
     std::fill_n(group.changed[set], 64, 0);
   });

@@ -25,7 +25,6 @@
 #define HALFSPACE_DISPATCH_BROAD_PHASE_RECORDS_H_
 
 #include <atomic>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -34,9 +33,10 @@
 #include <utility>
 
 #include "halfspace/detail/bvh.h"
+#include "halfspace/mask.h"
 #include "halfspace/memory.h"
 #include "halfspace/span.h"
-#include "kernels/prefetch.h"
+#include "kernels/compiler.h"
 
 #if defined(__has_feature)
 #if __has_feature(thread_sanitizer)
@@ -203,23 +203,15 @@ class Records {
   // on when marks were taken.
   enum ChangedSet : std::uint8_t { kForPairs, kForOrder };
   void Add(ChangedSet set, std::uint32_t id) {
-    GroupAt(id / kGroupIds)->changed[set][id / 64 % 64] |= std::uint64_t{1}
-                                                           << id % 64;
+    Add(set, *GroupAt(id / kGroupIds), id / 64 % 64,
+        std::uint64_t{1} << id % 64);
   }
   void SetChanged(std::uint32_t id) {
     Add(kForPairs, id);
     Add(kForOrder, id);
   }
   void Clear(ChangedSet set);
-  std::size_t Count(ChangedSet set) const {
-    std::size_t count = 0;
-    ForEachGroup([&](std::size_t, const Group& group) {
-      for (const std::uint64_t bits : group.changed[set]) {
-        count += static_cast<std::size_t>(std::popcount(bits));
-      }
-    });
-    return count;
-  }
+  std::size_t Count(ChangedSet set) const { return counts_[set]; }
   template <typename Visit>
   void ForEachOf(ChangedSet set, const Visit& visit) const {
     ForEachGroup([&](std::size_t g, const Group& group) {
@@ -268,9 +260,6 @@ class Records {
     GroupSlot* slots() { return reinterpret_cast<GroupSlot*>(this + 1); }
   };
 
-  static std::size_t LowestBit(std::uint64_t bits) {
-    return static_cast<std::size_t>(std::countr_zero(bits));
-  }
   static std::uint32_t IdOf(std::size_t group, std::size_t word,
                             std::size_t bit) {
     return static_cast<std::uint32_t>(group * kGroupIds + word * 64 + bit);
@@ -352,11 +341,16 @@ class Records {
   void MoveSome(std::index_sequence<kWord...> each,
                 Span<const std::uint32_t> ids, const float* planes);
   void MarkAgain(std::uint32_t id);
+  void Add(ChangedSet set, Group& group, std::size_t w, std::uint64_t bits) {
+    counts_[set] += PopCount(bits & ~group.changed[set][w]);
+    group.changed[set][w] |= bits;
+  }
   void Grow(std::size_t groups);
 
   MemoryResource memory_;
   std::size_t words_;  // of a record
   std::size_t bytes_ = 0;
+  std::size_t counts_[2] = {};  // of the bodies in each ChangedSet
   std::atomic<GroupList*> list_{nullptr};
   std::atomic<bool> has_marks_{false};
   std::atomic<std::uint32_t> queries_{0};

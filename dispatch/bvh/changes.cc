@@ -17,7 +17,8 @@
 #include "dispatch/errors/number_checks.h"
 #include "dispatch/exact/default_fp_mode.h"
 #include "halfspace/bvh.h"
-#include "kernels/prefetch.h"
+#include "halfspace/mask.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::detail {
 namespace {
@@ -51,41 +52,17 @@ std::uint32_t FindTwice(Span<const std::uint32_t> ids,
   return kNoId;
 }
 
-// How much each node of a block would have to grow to enclose a bound, as a sum
-// over its planes.
-std::array<float, kBlockObjects> GrowthsOf(const PlaneLayout& layout,
-                                           const BvhLevel& level,
-                                           std::size_t block,
-                                           const float* values) {
-  std::array<float, kBlockObjects> growths{};
+// How much a node would have to grow to enclose a bound, as a sum over its
+// planes.
+float GrowthOf(const PlaneLayout& layout, const BvhLevel& level,
+               std::size_t node, const float* values) {
+  float growth = 0;
   for (std::size_t p = 0; p < layout.plane_count; ++p) {
-    const float* const plane = level.Plane(block, p);
-    const float sign = p < layout.axes ? 1.0f : -1.0f;
-    for (std::size_t i = 0; i < kBlockObjects; ++i) {
-      const float beyond = sign * (plane[i] - values[p]);
-      growths[i] += beyond > 0 ? beyond : 0;
-    }
+    const float beyond = p < layout.axes ? level.Value(p, node) - values[p]
+                                         : values[p] - level.Value(p, node);
+    growth += beyond > 0 ? beyond : 0;
   }
-  return growths;
-}
-
-// The lane of the least number, which is not negative, of those in `lanes`, of
-// which there is one at least. Without branches, as half of the leaves can be
-// full. Numbers that differ by less than 2^-17 of their size count as equal.
-std::size_t LeastOf(const std::array<float, kBlockObjects>& numbers,
-                    std::uint64_t lanes) {
-  std::array<std::int32_t, kBlockObjects> keys;
-  for (std::size_t i = 0; i < kBlockObjects; ++i) {
-    const auto bits = std::bit_cast<std::int32_t>(numbers[i]);
-    keys[i] = (bits & ~63) | static_cast<std::int32_t>(i);
-  }
-  constexpr std::int32_t kNone = std::numeric_limits<std::int32_t>::max();
-  for (std::uint64_t others = ~lanes; others != 0; others &= others - 1) {
-    keys[static_cast<std::size_t>(std::countr_zero(others))] = kNone;
-  }
-  std::int32_t least = kNone;
-  for (const std::int32_t key : keys) least = std::min(least, key);
-  return static_cast<std::size_t>(least & 63);
+  return growth;
 }
 
 // The size of a node by the same measure.
@@ -103,12 +80,11 @@ float ExtentOf(const PlaneLayout& layout, const BvhLevel& level,
 // changes to make up for the time to look at all bits.
 class ChangedBits {
  public:
-  ChangedBits(const MemoryResource& memory, const BvhLevels& levels,
+  ChangedBits(const MemoryResource& memory, std::size_t slots,
               std::size_t changes)
-      : bytes_(changes <= BvhState::FewChanges(levels.level[0].size)
+      : bytes_(changes <= BvhState::FewChanges(slots)
                    ? 0
-                   : BvhState::WordsOfChanges(levels.level[0].size) *
-                         sizeof(std::uint64_t)),
+                   : BvhState::WordsOfChanges(slots) * sizeof(std::uint64_t)),
         memory_(memory, bytes_) {
     if (bytes_ > 0) std::memset(memory_.data(), 0, bytes_);
   }
@@ -291,19 +267,20 @@ void BvhState::EncodePath(std::size_t slot, bool is_new_block) {
   });
 }
 
-// Encodes the object of a slot later, with all in `changed`, or at once.
-void BvhState::Touch(std::size_t slot, std::uint64_t* changed) {
+// Writes a bound to a slot in use. Encodes it later, with all in `changed`, or
+// at once.
+void BvhState::Write(std::size_t slot, const float* values,
+                     std::uint64_t* changed) {
+  for (std::size_t p = 0; p < type_.plane_count; ++p) {
+    levels_.level[0].Value(p, slot) = values[p];
+  }
   if (changed == nullptr) return EncodePath(slot);
-  changed[slot / 64] |= std::uint64_t{1} << slot % 64;
+  AssignBit(changed, slot, true);
 }
 
 void BvhTree::Set(std::uint32_t id, Span<const float> values) {
   BvhState& tree = BvhState::Of(*this);
-  const std::size_t slot = tree.PrepareObject(id, false, "Bvh::Set");
-  for (std::size_t p = 0; p < values.size(); ++p) {
-    tree.levels_.level[0].Value(p, slot) = values[p];
-  }
-  tree.EncodePath(slot);
+  tree.Write(tree.PrepareObject(id, false, "Bvh::Set"), values.data(), nullptr);
 }
 
 // Encodes what has changed, level after level.
@@ -327,14 +304,11 @@ void BvhTree::Set(Span<const std::uint32_t> ids, const Columns& bounds) {
   tree.CheckIds(ids, kCall);
   if (ids.empty()) return;
   tree.CheckChange(kCall);
-  const ChangedBits changed(tree.memory_, tree.levels_, ids.size());
+  const ChangedBits changed(tree.memory_, tree.slots(), ids.size());
   tree.Prepare(kCall, kSlotsById);
   ForEachRecord(tree.type_, bounds, [&](std::size_t i, const float* values) {
     const std::size_t slot = tree.levels_.slots[ids[i]];
-    for (std::size_t p = 0; p < tree.type_.plane_count; ++p) {
-      tree.levels_.level[0].Value(p, slot) = values[p];
-    }
-    tree.Touch(slot, changed.words());
+    tree.Write(slot, values, changed.words());
   });
   tree.EncodeTouched(changed.words());
 }
@@ -352,19 +326,22 @@ void BvhTree::Refit(Span<const std::uint32_t> ids, const Columns& bounds) {
   }
   CheckColumns(tree.type_, bounds, kCall);
   tree.CheckChange(kCall);
-  const ChangedBits changed(tree.memory_, tree.levels_, ids.size());
+  const ChangedBits changed(tree.memory_, tree.slots(), ids.size());
   tree.Prepare(kCall, kSlotsById);
   std::uint64_t* const words = changed.words();
   if (words == nullptr) {
     for (const std::uint32_t id : ids) {
-      const std::size_t slot = tree.levels_.slots[id];
-      CopyBounds(tree.levels_, bounds, tree.levels_.ids, slot / kBlockObjects,
-                 std::uint64_t{1} << slot % kBlockObjects);
-      tree.EncodePath(slot);
+      BoundValues values;
+      for (std::size_t p = 0; p < tree.type_.plane_count; ++p) {
+        values[p] = bounds.floats(p)[id * bounds.stride];
+      }
+      tree.Write(tree.levels_.slots[id], values.data(), nullptr);
     }
     return;
   }
-  for (const std::uint32_t id : ids) tree.Touch(tree.levels_.slots[id], words);
+  for (const std::uint32_t id : ids) {
+    AssignBit(words, tree.levels_.slots[id], true);
+  }
   // Leaf by leaf, so that bounds are copied to memory that is in cache. Those
   // of the next leaf are anywhere. To prefetch the second line of a bound, as a
   // refit of all objects does, takes 5 to 18 % longer (Zen 3).
@@ -376,8 +353,7 @@ void BvhTree::Refit(Span<const std::uint32_t> ids, const Columns& bounds) {
     }
     for (std::uint64_t bits = next < blocks ? words[next] : 0; bits != 0;
          bits &= bits - 1) {
-      const std::size_t slot = next * kBlockObjects +
-                               static_cast<std::size_t>(std::countr_zero(bits));
+      const std::size_t slot = next * kBlockObjects + LowestBit(bits);
       kernels::PrefetchToL2(bounds.floats(0) + its_ids[slot] * bounds.stride);
     }
     CopyBounds(tree.levels_, bounds, its_ids, block, words[block]);
@@ -403,6 +379,7 @@ void BvhState::AppendSlot() {
 std::size_t BvhState::FindSlot(const float* values) const {
   const std::size_t end = slots();
   if (size() == end) return end;
+  const BvhKernels::OfPlanes& kernels = KernelsFor(type_, Target(), "Bvh");
   const std::uint64_t* const present = levels_.level[0].present;
   std::size_t block = 0;
   for (std::size_t l = levels_.count; l-- > 1;) {
@@ -412,24 +389,28 @@ std::size_t BvhState::FindSlot(const float* values) const {
     std::uint64_t with_room = level.present[block];
     if (l == 1) {
       const std::size_t nodes = std::min(kBlockObjects, level.size - first);
+      std::uint64_t full = 0;
       for (std::size_t i = 0; i < nodes; ++i) {
-        const bool is_full = present[first + i] == LanesOf(end, first + i);
-        with_room &= ~(std::uint64_t{is_full} << i);
+        full |= std::uint64_t{~present[first + i] == 0} << i;
       }
+      const std::size_t last = level.size - 1;
+      if (present[last] == LanesOf(end, last) && last < first + nodes) {
+        full |= std::uint64_t{1} << last % kBlockObjects;
+      }
+      with_room &= ~full;
     }
     if (with_room == 0) return end;
-    const auto growths = GrowthsOf(type_, level, block, values);
-    const std::size_t best = LeastOf(growths, with_room);
-    if (l == 1 && growths[best] > 0 &&
-        !(16 * growths[best] <= ExtentOf(type_, level, first + best))) {
+    block = first + kernels.nearest_node(level, block, values, with_room);
+  }
+  if (levels_.count > 1) {
+    const BvhLevel& leaves = levels_.level[1];
+    const float growth = GrowthOf(type_, leaves, block, values);
+    if (growth > 0 && !(16 * growth <= ExtentOf(type_, leaves, block))) {
       return end;
     }
-    block = first + best;
   }
   const std::uint64_t empty = LanesOf(end, block) & ~present[block];
-  if (empty == 0) return end;
-  return block * kBlockObjects +
-         static_cast<std::size_t>(std::countr_zero(empty));
+  return empty == 0 ? end : block * kBlockObjects + LowestBit(empty);
 }
 
 // The first of the last slots that have to be sorted, after `added` objects
@@ -495,8 +476,7 @@ void BvhState::Put(std::size_t slot, std::uint32_t id, const float* values) {
   for (std::size_t p = 0; p < type_.plane_count; ++p) {
     level.Value(p, slot) = values[p];
   }
-  level.present[slot / kBlockObjects] |= std::uint64_t{1}
-                                         << slot % kBlockObjects;
+  AssignBit(level.present, slot, true);
   PutId(levels_, slot, id, 0xFFFFFFFF);
   Used().Add(id);
   header.ids = std::max(header.ids, id + 1);
@@ -582,47 +562,49 @@ void BvhTree::InsertAs(Span<const std::uint32_t> ids, const Columns& bounds) {
       bounds, room, [&](std::size_t i) { return ids[i]; }, kCall);
 }
 
-// A short list takes empty slots, as single objects do. Sorts the new slots, or
-// all, if that is due.
+// A short list takes empty slots, as single objects do. If it is not very
+// short, all its slots are found by the nodes as they were before. Sorts the
+// new slots, or all, if that is due.
 template <typename IdOf>
 void BvhState::Append(const Columns& bounds, const BvhRoom& room,
                       const IdOf& id_of, const char* call) {
+  const ChangedBits changed(memory_, slots() + bounds.size, bounds.size);
   Prepare(call, room);
   if (slots() + bounds.size > header().capacity) CloseGaps();
   const std::size_t begin = slots();
   // A larger list is sorted in less time than empty slots are found.
   const bool is_short = 16 * bounds.size <= size();
-  ForEachRecord(type_, bounds, [&](std::size_t i, const float* values) {
-    const std::size_t slot =
-        is_short ? dispatch::InDefaultFpMode([&] { return FindSlot(values); })
-                 : slots();
-    Put(slot, id_of(i), values);
-    if (slot < begin) EncodePath(slot);
+  std::uint64_t* const words = changed.words();
+  dispatch::InDefaultFpMode([&] {
+    ForEachRecord(type_, bounds, [&](std::size_t i, const float* values) {
+      const std::size_t slot = is_short ? FindSlot(values) : slots();
+      Put(slot, id_of(i), values);
+      if (words == nullptr) return EncodePath(slot, slot % kBlockObjects == 0);
+      // Of a new block, all is encoded.
+      words[slot / 64] |=
+          slot < begin ? std::uint64_t{1} << slot % 64 : ~std::uint64_t{0};
+    });
   });
-  if (slots() > begin) {
-    const BvhKernels::OfPlanes& kernels = KernelsFor(type_, Target(), call);
-    dispatch::InDefaultFpMode(
-        [&] { EncodeSlots(levels_, kernels, begin, slots()); });
-  }
+  EncodeTouched(words);
   SortDue(slots() - begin, call);
 }
 
-// Without its block, which has to be encoded then.
-void BvhState::Remove(std::uint32_t id) {
+// Encodes the empty slot as Write() does.
+void BvhState::Remove(std::uint32_t id, std::uint64_t* changed) {
   const std::size_t slot = levels_.slots[id];
   const BvhLevel& level = levels_.level[0];
-  constexpr float kInf = std::numeric_limits<float>::infinity();
-  for (std::size_t p = 0; p < type_.plane_count; ++p) {
-    level.Value(p, slot) = p < type_.axes ? kInf : -kInf;
-  }
-  level.present[slot / kBlockObjects] &=
-      ~(std::uint64_t{1} << slot % kBlockObjects);
+  AssignBit(level.present, slot, false);
   if (level.masks != nullptr) level.masks[slot] = 0;
   levels_.ids[slot] = kNoId;
-  BvhHeader& header = this->header();
   levels_.slots[id] = kNoId;
   Used().Remove(id);
-  --header.size;
+  --header().size;
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  BoundValues empty;
+  for (std::size_t p = 0; p < type_.plane_count; ++p) {
+    empty[p] = p < type_.axes ? kInf : -kInf;
+  }
+  Write(slot, empty.data(), changed);
 }
 
 bool BvhState::HasManyGaps() const {
@@ -631,13 +613,9 @@ bool BvhState::HasManyGaps() const {
 
 void BvhTree::Erase(std::uint32_t id) {
   BvhState& tree = BvhState::Of(*this);
-  const std::size_t slot = tree.PrepareObject(id, false, "Bvh::Erase");
-  tree.Remove(id);
-  if (tree.HasManyGaps()) {
-    tree.CloseGaps();
-  } else {
-    tree.EncodePath(slot);
-  }
+  tree.PrepareObject(id, false, "Bvh::Erase");
+  tree.Remove(id, nullptr);
+  if (tree.HasManyGaps()) tree.CloseGaps();
 }
 
 void BvhTree::Erase(Span<const std::uint32_t> ids) {
@@ -646,13 +624,11 @@ void BvhTree::Erase(Span<const std::uint32_t> ids) {
   tree.CheckIds(ids, kCall);
   if (ids.empty()) return;
   tree.CheckChange(kCall);
-  const ChangedBits changed(tree.memory_, tree.levels_, ids.size());
+  const ChangedBits changed(tree.memory_, tree.slots(), ids.size());
   tree.Prepare(kCall, kSlotsById);
   for (const std::uint32_t id : ids) {
     if (!tree.Has(id)) continue;  // a second time in the list
-    const std::size_t slot = tree.levels_.slots[id];
-    tree.Remove(id);
-    tree.Touch(slot, changed.words());
+    tree.Remove(id, changed.words());
   }
   tree.EncodeTouched(changed.words());
   if (tree.HasManyGaps()) tree.CloseGaps();

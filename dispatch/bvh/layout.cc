@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -14,7 +13,8 @@
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/exact/default_fp_mode.h"
 #include "dispatch/exact/outward.h"
-#include "kernels/prefetch.h"
+#include "halfspace/mask.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::detail {
 namespace {
@@ -325,7 +325,7 @@ void CopyBounds(const BvhLevels& levels, const Columns& objects,
   float* const to = levels.level[0].Plane(block, 0);
   const float* const rows = RowsOf(objects, planes);
   for (; slots != 0; slots &= slots - 1) {
-    const auto i = static_cast<std::size_t>(std::countr_zero(slots));
+    const std::size_t i = LowestBit(slots);
     const std::size_t from =
         (elements == nullptr ? first + i : elements[first + i]) *
         objects.stride;
@@ -396,8 +396,7 @@ BvhPart AsIs(const PlaneLayout& layout, const BvhLevels& levels,
   BvhPart as_is{};
   for (std::size_t n = range.begin / kBlockObjects; n < BlocksOf(range.end);
        ++n) {
-    as_is.objects +=
-        static_cast<std::size_t>(std::popcount(levels.level[0].present[n]));
+    as_is.objects += PopCount(levels.level[0].present[n]);
     if (levels.count == 1) continue;  // no nodes
     const BvhLevel& nodes = levels.level[1];
     double extents[4] = {};
@@ -423,12 +422,11 @@ BvhPart AsIs(const PlaneLayout& layout, const BvhLevels& levels,
   return as_is;
 }
 
-void OrMasks(BvhLevels& levels, std::size_t level, std::size_t block) {
-  const std::uint32_t* const of_block =
-      levels.level[level].masks + block * kBlockObjects;
-  std::uint32_t all = 0;
-  for (std::size_t i = 0; i < kBlockObjects; ++i) all |= of_block[i];
-  levels.level[level + 1].masks[block] = all;
+bool OrMasks(BvhLevels& levels, std::size_t level, std::size_t block) {
+  std::uint32_t& node = levels.level[level + 1].masks[block];
+  const std::uint32_t before = node;
+  node = levels.level[level].MasksOf(block);
+  return node != before;
 }
 
 void OrAllMasks(BvhLevels& levels) {

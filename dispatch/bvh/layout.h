@@ -45,6 +45,9 @@ struct BvhRoom {
   bool has_masks;
 };
 
+// The planes of a bound: all minima, then all maxima.
+using BoundValues = std::array<float, kMaxPlanes>;
+
 // Slots begin ... end - 1.
 struct SlotRange {
   std::size_t begin;
@@ -81,8 +84,13 @@ inline void CopyButChecksum(void* to, const std::byte* from,
               bytes - kAfter);
 }
 
-inline std::atomic_ref<std::uint64_t> Checksum(BvhHeader& header) {
-  return std::atomic_ref<std::uint64_t>(header.checksum);
+// Not an std::atomic_ref, which libc++ has since its version 19.
+inline std::atomic<std::uint64_t>& Checksum(BvhHeader& header) {
+  using Atomic = std::atomic<std::uint64_t>;
+  static_assert(sizeof(Atomic) == sizeof(header.checksum));
+  static_assert(alignof(Atomic) == sizeof(header.checksum));
+  static_assert(Atomic::is_always_lock_free);
+  return reinterpret_cast<Atomic&>(header.checksum);
 }
 
 inline constexpr char kBvhMagic[8] = {'h', 'a', 'l', 'f', 's', 'o', 'r', 't'};
@@ -131,11 +139,17 @@ void ClearSlots(const PlaneLayout& layout, BvhLevels& levels, std::size_t level,
 // blocks have to be encoded afterwards.
 void Truncate(const PlaneLayout& layout, BvhLevels& levels, std::size_t slots);
 
+inline bool BitOf(const std::uint64_t* words, std::size_t i) {
+  return (words[i / 64] >> i % 64 & 1) != 0;
+}
+inline void AssignBit(std::uint64_t* words, std::size_t i, bool value) {
+  const std::uint64_t bit = std::uint64_t{1} << i % 64;
+  words[i / 64] = value ? words[i / 64] | bit : words[i / 64] & ~bit;
+}
+
 // Whether there is an object in a slot.
 inline bool IsPresent(const BvhLevels& levels, std::size_t slot) {
-  return (levels.level[0].present[slot / kBlockObjects] >>
-              slot % kBlockObjects &
-          1) != 0;
+  return BitOf(levels.level[0].present, slot);
 }
 
 // Whether an object has this id, which is in use or free. `levels.slots` must
@@ -214,8 +228,8 @@ void EncodeSlots(BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
                  std::size_t begin, std::size_t end);
 
 // Sets the masks of the node above a block, or of all nodes, to the union of
-// the masks below them.
-void OrMasks(BvhLevels& levels, std::size_t level, std::size_t block);
+// the masks below them. Returns whether that changes the node.
+bool OrMasks(BvhLevels& levels, std::size_t level, std::size_t block);
 void OrAllMasks(BvhLevels& levels);
 
 // Copies the bounds of the slots of a block whose bits are set. Slot s gets

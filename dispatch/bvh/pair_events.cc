@@ -16,6 +16,7 @@
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "halfspace/detail/plane_arrays.h"
+#include "kernels/compiler.h"
 #include "kernels/results.h"
 
 namespace halfspace::detail {
@@ -170,8 +171,8 @@ class Search {
     sink.Flush();
   }
 
-  [[gnu::noinline]] void RunParts(std::size_t parts, std::size_t expected,
-                                  PairList& found) const {
+  HALFSPACE_NOINLINE void RunParts(std::size_t parts, std::size_t expected,
+                                   PairList& found) const {
     LockedMemory memory(found.memory());
     struct Part {
       PairList found;
@@ -466,28 +467,29 @@ class Removal {
     constexpr std::size_t kGroup = 8;
     IdPair* kept = pairs_.data() + size_;
     IdPair* removed = removed_.end();
-    for (std::size_t i = 0; i < count; i += kGroup) {
-      const std::size_t some = std::min(kGroup, count - i);
+    // Without branches, because they would be mispredicted.
+    const auto move = [&](const IdPair pair, std::uint8_t is_removed) {
+      *removed = pair;
+      *kept = pair;
+      removed += is_removed;
+      kept += is_removed ^ 1;
+    };
+    std::size_t i = 0;
+    for (; i + kGroup <= count; i += kGroup) {
       std::array<std::uint8_t, kGroup> is_removed;
-      unsigned removes = 0;
-      for (std::size_t k = 0; k < some; ++k) {
+      std::uint8_t removes = 0;
+      for (std::size_t k = 0; k < kGroup; ++k) {
         is_removed[k] = changed.HasOne(from[i + k]);
         removes |= is_removed[k];
       }
       if (removes == 0) {
-        std::memmove(kept, from + i, some * sizeof(IdPair));
-        kept += some;
+        std::memmove(kept, from + i, kGroup * sizeof(IdPair));
+        kept += kGroup;
         continue;
       }
-      // No branches, because they would be mispredicted.
-      for (std::size_t k = 0; k < some; ++k) {
-        const IdPair pair = from[i + k];
-        *removed = pair;
-        *kept = pair;
-        removed += is_removed[k];
-        kept += is_removed[k] ^ 1;
-      }
+      for (std::size_t k = 0; k < kGroup; ++k) move(from[i + k], is_removed[k]);
     }
+    for (; i < count; ++i) move(from[i], changed.HasOne(from[i]));
     size_ = static_cast<std::size_t>(kept - pairs_.data());
     removed_.SetSize(static_cast<std::size_t>(removed - removed_.data()));
   }

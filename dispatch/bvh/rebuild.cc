@@ -78,13 +78,11 @@ class Gathered {
   Columns columns_;
 };
 
-using Values = std::array<float, kMaxPlanes>;
-
 // The bound of some blocks of objects, from the nodes above them.
-Values BoundOf(const PlaneLayout& layout, const BvhLevels& levels,
-               const SlotRange& range) {
+BoundValues BoundOf(const PlaneLayout& layout, const BvhLevels& levels,
+                    const SlotRange& range) {
   constexpr float kInf = std::numeric_limits<float>::infinity();
-  Values bound;
+  BoundValues bound;
   for (std::size_t p = 0; p < layout.plane_count; ++p) {
     const bool is_min = p < layout.axes;
     bound[p] = is_min ? kInf : -kInf;
@@ -100,8 +98,8 @@ Values BoundOf(const PlaneLayout& layout, const BvhLevels& levels,
 // The share of the world's bound that both bounds cover, or 0 if one of them
 // has an infinite plane. An axis on which the world has no extent does not
 // count.
-double Overlap(const PlaneLayout& layout, const Values& a, const Values& b,
-               const Values& world) {
+double Overlap(const PlaneLayout& layout, const BoundValues& a,
+               const BoundValues& b, const BoundValues& world) {
   double slack = 0;
   double of_world = 0;
   double share = 1;
@@ -300,11 +298,11 @@ std::size_t BvhTree::RebuildPartial(std::size_t objects) {
                                           [](const auto& a, const auto& b) {
                                             return a.growth < b.growth;
                                           }));
-    const Values bound = bound_of(worn[0].part);
-    const Values world = BoundOf(tree.type_, levels, {0, tree.slots()});
+    const BoundValues bound = bound_of(worn[0].part);
+    const BoundValues world = BoundOf(tree.type_, levels, {0, tree.slots()});
     const double size = Overlap(tree.type_, bound, bound, world);
     for (std::size_t i = 0; i < parts && worn[0].growth > 0; ++i) {
-      const Values other = bound_of(worn[i].part);
+      const BoundValues other = bound_of(worn[i].part);
       worn[i].overlap = Overlap(tree.type_, bound, other, world);
       // A part of new objects from everywhere overlaps all parts, and would
       // spread the objects of those that are sorted with it: queries of a world

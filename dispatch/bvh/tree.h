@@ -102,10 +102,10 @@ class BvhState {
   template <typename IdOf>
   void Append(const Columns& bounds, const BvhRoom& room, const IdOf& id_of,
               const char* call);
-  void Remove(std::uint32_t id);
+  void Remove(std::uint32_t id, std::uint64_t* changed);
   bool HasManyGaps() const;
   void AppendSlot();
-  void Touch(std::size_t slot, std::uint64_t* changed);
+  void Write(std::size_t slot, const float* values, std::uint64_t* changed);
   // Sorts the objects of some slots into the first of these slots, after
   // Prepare(). Ranges ascend and begin at blocks. Returns the number of
   // objects.

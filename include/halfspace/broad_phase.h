@@ -125,8 +125,9 @@ struct UpdateOptions {
   // (Bvh::RebuildPartial). 0 sorts none. kAutomatic is size() / 16 if the ratio
   // is above 2. Otherwise it is at most two for each body that changed since
   // the last update that sorted, and none is sorted before that is 2048 or
-  // size(). If the ratio is above 2, and the budget is not less than size(),
-  // all are sorted as by Rebuild().
+  // size(). It reads the ratio when a 64th of the bodies or 1024 have changed,
+  // or when none has. If the ratio is above 2, and the budget is not less than
+  // size(), all are sorted as by Rebuild().
   std::size_t budget = kAutomatic;
   // Used when all are sorted (runner.h).
   Runner run = {};

@@ -295,8 +295,9 @@ class Bvh {
   // `ids.size()` must be at least `bounds.size()`. Up to a 16th of the size()
   // takes places as in single insertions, and more objects take new places at
   // the end. They are sorted where the same number of single insertions would
-  // sort, but all at once. Grows the block at most once. If there is no memory
-  // to sort with, the objects stay unsorted.
+  // sort, but all at once. Grows the block at most once, and allocates and
+  // frees up to a bit per place. If there is no memory to sort with, the
+  // objects stay unsorted.
   void Insert(Span<const Bound> bounds, Span<std::uint32_t> ids) {
     tree_.Insert(detail::ColumnsOf(bounds), ids);
   }

@@ -113,6 +113,12 @@ struct BvhKernels {
     void (*places)(const Centers& centers, const Grid& grid,
                    std::uint32_t* places);
     void (*encode)(const BlockRange& range);
+    // Returns the lane of the node that has to grow least to enclose a bound,
+    // as a sum over its planes, or of the first of those that are nearly equal.
+    // `values` are all minima, then all maxima, and `nodes` has a bit for each
+    // node of the block that counts. There must be one.
+    std::size_t (*nearest_node)(const BvhLevel& level, std::size_t block,
+                                const float* values, std::uint64_t nodes);
     WalkFunction find;
     WalkFunction count;
   };

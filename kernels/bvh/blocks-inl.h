@@ -426,12 +426,6 @@ HWY_INLINE void EncodeSome(const detail::BlockRange& range, size_t block,
   }
 }
 
-HWY_INLINE uint32_t AllMasks(const uint32_t* masks) {
-  uint32_t all = 0;
-  for (size_t i = 0; i < detail::kBlockObjects; ++i) all |= masks[i];
-  return all;
-}
-
 // Returns whether the bit changed.
 HWY_INLINE bool AssignBit(uint64_t* words, size_t i, bool value) {
   const uint64_t bit = uint64_t{1} << (i % 64);
@@ -505,13 +499,47 @@ void EncodeBlocks(const detail::BlockRange& range) {
     if (range.changed == nullptr) continue;
     if (level.masks != nullptr) {
       uint32_t& node = range.above->masks[b];
-      const uint32_t masks = AllMasks(level.masks + b * detail::kBlockObjects);
+      const uint32_t masks = level.MasksOf(b);
       is_changed |= node != masks;
       node = masks;
     }
     range.changed_above[b / 64 - range.begin / 64] |= uint64_t{is_changed}
                                                       << (b % 64);
   }
+}
+
+// The lane is in the lowest bits of a growth, so the least number has both.
+// Growths that differ by less than 2^-17 of their size count as equal.
+template <size_t kAxes, bool kHasMax>
+size_t NearestNode(const detail::BvhLevel& level, size_t block,
+                   const float* values, uint64_t nodes) {
+  constexpr int32_t kLaneBits = detail::kBlockObjects - 1;
+  const hn::CappedTag<float, 16> d;
+  const hn::Rebind<int32_t, decltype(d)> di;
+  const auto lanes = hn::Iota(di, 0);
+  const auto bits = hn::Shl(hn::Set(di, 1), lanes);
+  const auto none = hn::Set(di, std::numeric_limits<int32_t>::max());
+  auto least = none;
+  for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
+    auto growth = hn::Zero(d);
+    for (size_t p = 0; p < kBlockPlanes<kAxes, kHasMax>; ++p) {
+      const auto plane = hn::LoadU(d, level.Plane(block, p) + i);
+      const auto value = hn::Set(d, values[p]);
+      const auto beyond =
+          p < kAxes ? hn::Sub(plane, value) : hn::Sub(value, plane);
+      // A NaN is no growth.
+      growth = hn::Add(growth,
+                       hn::IfThenElseZero(hn::Gt(beyond, hn::Zero(d)), beyond));
+    }
+    const auto key =
+        hn::Or(hn::AndNot(hn::Set(di, kLaneBits), hn::BitCast(di, growth)),
+               hn::Add(lanes, hn::Set(di, static_cast<int32_t>(i))));
+    const auto counts =
+        hn::TestBit(hn::Set(di, static_cast<int32_t>(nodes >> i)), bits);
+    least = hn::Min(least, hn::IfThenElse(counts, key, none));
+  }
+  return static_cast<size_t>(hn::GetLane(hn::MinOfLanes(di, least)) &
+                             kLaneBits);
 }
 
 }  // namespace HWY_NAMESPACE

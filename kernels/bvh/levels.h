@@ -37,6 +37,14 @@ struct BvhLevel {
   float* Plane(std::size_t block, std::size_t plane) const {
     return floats + (block * planes + plane) * kBlockObjects;
   }
+  // The union of the masks of a block.
+  std::uint32_t MasksOf(std::size_t block) const {
+    std::uint32_t all = 0;
+    for (std::size_t i = 0; i < kBlockObjects; ++i) {
+      all |= masks[block * kBlockObjects + i];
+    }
+    return all;
+  }
   float& Value(std::size_t plane, std::size_t i) const {
     return Plane(i / kBlockObjects, plane)[i % kBlockObjects];
   }

@@ -14,7 +14,7 @@
 #include "kernels/bvh/block.h"
 #include "kernels/bvh/blocks-inl.h"
 #include "kernels/bvh/curve-inl.h"
-#include "kernels/prefetch.h"
+#include "kernels/compiler.h"
 #include "kernels/scan/words-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -603,7 +603,9 @@ template <size_t kAxes, bool kHasMax>
 constexpr detail::BvhKernels::OfPlanes MakeBvhKernelsOf() {
   return {&FindCenters<kAxes, kHasMax>,
           &FindPlaces<kCenterAxes<kAxes, kHasMax>>,
-          &EncodeBlocks<kAxes, kHasMax>, &RunPlaneWalk<kAxes, kHasMax, true>,
+          &EncodeBlocks<kAxes, kHasMax>,
+          &NearestNode<kAxes, kHasMax>,
+          &RunPlaneWalk<kAxes, kHasMax, true>,
           &RunPlaneWalk<kAxes, kHasMax, false>};
 }
 
