@@ -11,7 +11,7 @@ prepare_machine
 install_packages valgrind
 # Results that depend on uninitialised memory, and leaks: one test of each kind of memory
 # that the library reads. The others read the same memory with more values.
-tests=(kernels_test many_test worlds_test quantized_test quantized_memory_test bvh_test
+tests=(kernels_test many_test worlds_test quantized_test memory_test bvh_test
   bvh_changes_test broad_phase_test fit_test fit_many_test)
 # Where test.sh --full has built them with all dimensions, nothing is built again.
 built=$root/build/release
@@ -53,7 +53,7 @@ export filter logs
 
 # memcheck TEST: a line on how it went, or why it failed.
 #
-# quantized_memory_test brings its own operator new, which valgrind must leave alone
+# memory_test brings its own operator new, which valgrind must leave alone
 # (nouserintercepts); the memory below it is valgrind's all the same.
 #
 # A vector that is loaded beyond the end of a block is an error to us, even one

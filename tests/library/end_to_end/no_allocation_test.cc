@@ -15,10 +15,9 @@
 #include "tests/library/fit/random_shapes.h"
 #include "tests/library/fit_many/bulk.h"
 #include "tests/library/support/calls.h"
-#include "tests/library/support/cases.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/limited_memory.h"
-#include "tests/library/support/quantized_cases.h"
+#include "tests/library/support/quantized_rows.h"
 #include "tests/library/support/sanitized.h"
 
 #if defined(__unix__)
@@ -80,42 +79,37 @@ TEST(NoAllocationTest, BuildersOfMany) {
   }
 }
 
-template <typename Case>
-class NoAllocationOfCallsTest : public ::testing::Test {};
-TYPED_TEST_SUITE(NoAllocationOfCallsTest, FewQuantizedCases,
-                 QuantizedCaseNames);
-
-// The same on floats, on quantized bounds and on both; of many objects, whose
-// planes are in no first-level cache, with one query, for which there is room.
-template <typename Case>
-void VisitWorlds(const NamedCall& one, const NamedCall& many) {
-  using View = typename Case::View;
-  Random random(62);
-  for (const auto& [objects, count] :
-       {std::pair(1000, 9), std::pair(15000, 1)}) {
-    auto bounds =
-        MakeQuantizedBounds<View>(QuantizedInputKind::kUniform,
-                                  static_cast<std::size_t>(objects), random);
-    std::vector<typename View::Query> all;
-    for (int i = 0; i < count; ++i) {
-      all.push_back(MakeQuantizedQuery<View>(bounds, random));
+class NoAllocationOfCallsTest : public ::testing::TestWithParam<QuantizedRow> {
+ protected:
+  // The same on floats, on quantized bounds and on both; of many objects, whose
+  // planes are in no first-level cache, with one query, for which there is
+  // room.
+  static void VisitWorlds(const NamedCall& one, const NamedCall& many) {
+    Random random(62);
+    for (const auto& [objects, count] :
+         {std::pair(1000, 9), std::pair(15000, 1)}) {
+      const auto values =
+          MakeQuantizedValues(GetParam().layout, QuantizedInputKind::kUniform,
+                              static_cast<std::size_t>(objects), random);
+      const auto all = GetParam().make(values);
+      const auto queries = static_cast<std::size_t>(count);
+      const QuantizedQueries some(GetParam(), values, queries, random);
+      for (const AnyWorld& world :
+           {all->floats(), all->quantized(), all->refined(), all->world()}) {
+        VisitCalls(world, some.Some(0, queries), one, many);
+      }
     }
-    const AnyQueries queries(all.data(), all.size());
-    const World<View> floats(bounds);
-    const QuantizedWorld<View, typename Case::Element> quantized_world{
-        std::span(bounds)};
-    VisitCalls(AnyWorld(floats), queries, one, many);
-    VisitCalls(AnyWorld(quantized_world.quantized()), queries, one, many);
-    VisitCalls(AnyWorld(Refined(quantized_world.quantized(), floats.view())),
-               queries, one, many);
-    VisitCalls(AnyWorld(quantized_world), queries, one, many);
   }
+};
+
+TEST_P(NoAllocationOfCallsTest, OnFloatsAndQuantized) {
+  const auto visit = [](auto, const auto& call) { kWithoutMemory(call); };
+  VisitWorlds(visit, visit);
 }
 
-TYPED_TEST(NoAllocationOfCallsTest, OnFloatsAndQuantized) {
-  const auto visit = [](auto, const auto& call) { kWithoutMemory(call); };
-  VisitWorlds<TypeParam>(visit, visit);
-}
+INSTANTIATE_TEST_SUITE_P(, NoAllocationOfCallsTest,
+                         ::testing::ValuesIn(QuantizedRows()),
+                         QuantizedRowName);
 
 // Of more objects than one level has nodes for.
 void VisitBvh(
@@ -203,13 +197,13 @@ TEST(NoAllocationOfBvhTest, TakeTheStackThatHeadersState) {
   });
 }
 
-TYPED_TEST(NoAllocationOfCallsTest, TakeTheStackThatHeadersState) {
+TEST_P(NoAllocationOfCallsTest, TakeTheStackThatHeadersState) {
   const auto most = [](std::size_t bytes) {
     return [bytes](auto name, const auto& call) {
       EXPECT_LE(StackUse(call), bytes) << name;
     };
   };
-  VisitWorlds<TypeParam>(most(8 * 1024), most(32 * 1024));
+  VisitWorlds(most(8 * 1024), most(32 * 1024));
 }
 #endif
 

@@ -151,7 +151,7 @@ struct Builder {
 std::vector<Builder> Builders(
     const std::vector<std::size_t>& dims = TestDims());
 std::vector<Builder> Changes(const std::vector<std::size_t>& dims = TestDims());
-inline std::vector<Builder> BuildersAndChanges() {
+[[maybe_unused]] static std::vector<Builder> BuildersAndChanges() {
   std::vector<Builder> all = Builders();
   for (Builder& change : Changes()) all.push_back(change);
   return all;

@@ -14,6 +14,7 @@
 
 #include "halfspace/fit_many.h"
 #include "tests/library/support/expect_invalid.h"
+#include "tests/library/support/misaligned.h"
 
 namespace halfspace::testing {
 namespace {
@@ -21,8 +22,12 @@ namespace {
 constexpr std::size_t kCount = 3;
 constexpr std::size_t kHuge = std::numeric_limits<std::size_t>::max();
 
+enum class Call { kBoxes, kSpheres, kTriangles, kPointSets };
+
 class FitManyErrorsTest : public ::testing::Test {
  protected:
+  using Parts = std::initializer_list<std::string_view>;
+
   FitManyErrorsTest() {
     for (auto& column : columns_) column.assign(16, 1.f);
     for (auto& plane : planes_) plane.assign(16, kUntouched);
@@ -40,29 +45,37 @@ class FitManyErrorsTest : public ::testing::Test {
     }
   }
 
-  template <typename Call>
-  void ExpectRefused(Call call, std::initializer_list<std::string_view> parts) {
+  // With what the members hold; of points, those of `points`.
+  template <typename AnyPoints>
+  void Make(Call call, const AnyPoints& points, FitStatus* status) {
+    switch (call) {
+      case Call::kBoxes:
+        BoundBoxes(boxes_, output_, options_, status);
+        break;
+      case Call::kSpheres:
+        BoundSpheres(spheres_, output_, options_, status);
+        break;
+      case Call::kTriangles:
+        BoundTriangles(points, indices_, output_, options_, status);
+        break;
+      case Call::kPointSets:
+        BoundPointSets(points, ends_, output_, options_, status);
+        break;
+    }
+  }
+
+  template <typename AnyPoints>
+  void ExpectRefused(Call call, const AnyPoints& points, Parts parts) {
     FitStatus status;
-    EXPECT_TRUE(Refuses([&] { call(&status); }, parts));
+    EXPECT_TRUE(Refuses([&] { Make(call, points, &status); }, parts));
     EXPECT_EQ(status.results, 0u);
     for (const auto& plane : planes_) {
       EXPECT_TRUE(std::all_of(plane.begin(), plane.end(),
                               [](float value) { return value == kUntouched; }));
     }
   }
-
-  void ExpectBoxesRefused(std::initializer_list<std::string_view> parts,
-                          const FitOptions& options = {}) {
-    ExpectRefused(
-        [&](FitStatus* status) {
-          BoundBoxes(boxes_, output_, options, status);
-        },
-        parts);
-  }
-
-  static float* Misaligned(const float* pointer) {
-    return reinterpret_cast<float*>(reinterpret_cast<std::uintptr_t>(pointer) +
-                                    1);
+  void ExpectRefused(Call call, Parts parts) {
+    ExpectRefused(call, points_, parts);
   }
 
   static constexpr float kUntouched = 77.f;
@@ -73,179 +86,129 @@ class FitManyErrorsTest : public ::testing::Test {
   Spheres3 spheres_;
   PointsSoa3 points_;
   AaboPlanes3 output_;
-  std::vector<std::uint32_t> indices_ = {0, 1, 2, 0, 1, 2, 0, 1, 2};
-  std::vector<std::size_t> ends_ = {1, 2, 3};
+  FitOptions options_;
+  std::vector<std::uint32_t> list_ = {0, 1, 2, 0, 1, 2, 0, 1, 2};
+  std::vector<std::size_t> end_list_ = {1, 2, 3};
+  Span<const std::uint32_t> indices_ = list_;
+  Span<const std::size_t> ends_ = end_list_;
 };
 
 TEST_F(FitManyErrorsTest, NullAndMisalignedPointers) {
-  boxes_.max[0] = nullptr;
-  ExpectBoxesRefused(
-      {"BoundBoxes: boxes.max[0]: expected 3 boxes, got a null"});
-  const std::array<Aabb3, kCount> list{};
-  const auto expect_list_refused = [&](const Aabb3* boxes,
-                                       std::string_view given) {
-    ExpectRefused(
-        [&](FitStatus* status) {
-          BoundBoxes(BoxesOf(Span<const Aabb3>(boxes, kCount)), output_, {},
-                     status);
-        },
-        {"BoundBoxes: boxes.min[0]: expected", given});
+  struct Row {
+    Call call;
+    const float** pointer;
+    std::string_view argument;
+    std::string_view expected;
   };
-  expect_list_refused(nullptr, "got a null");
-  expect_list_refused(
-      reinterpret_cast<const Aabb3*>(Misaligned(list[0].min.data())),
-      "got a misaligned");
-  boxes_.max[0] = Misaligned(columns_[3].data());
-  ExpectBoxesRefused(
-      {"BoundBoxes: boxes.max[0]", "aligned to 4", "misaligned"});
-  boxes_.max[0] = columns_[3].data();
+  for (const Row& row :
+       {Row{Call::kBoxes, &boxes_.max[0], "BoundBoxes: boxes.max[0]",
+            "3 boxes"},
+        Row{Call::kBoxes, &boxes_.min[2], "BoundBoxes: boxes.min[2]",
+            "3 boxes"},
+        Row{Call::kSpheres, &spheres_.radius, "BoundSpheres: spheres.radius",
+            "3 spheres"},
+        Row{Call::kSpheres, &spheres_.center[2],
+            "BoundSpheres: spheres.center[2]", "3 spheres"},
+        Row{Call::kTriangles, &points_.coords[1],
+            "BoundTriangles: vertices.coords[1]", "3 vertices"},
+        Row{Call::kPointSets, &points_.coords[1],
+            "BoundPointSets: points.coords[1]", "3 points"}}) {
+    const float* const before = *row.pointer;
+    *row.pointer = nullptr;
+    ExpectRefused(row.call, {row.argument, ": expected ", row.expected,
+                             "got a null pointer"});
+    *row.pointer = Misaligned(before);
+    ExpectRefused(row.call,
+                  {row.argument, ": expected", "aligned to 4", "misaligned"});
+    *row.pointer = before;
+  }
+  const Points3 none{nullptr, kCount};
+  ExpectRefused(Call::kTriangles, none,
+                {"vertices.coords: expected 3 vertices", "a null pointer"});
+  ExpectRefused(Call::kPointSets, none,
+                {"points.coords: expected 3 points", "a null pointer"});
+  const Aabb3* const no_boxes = nullptr;
+  boxes_ = BoxesOf(Span<const Aabb3>(no_boxes, kCount));
+  ExpectRefused(Call::kBoxes, {"BoundBoxes: boxes.min[0]: expected", "a null"});
+}
+
+TEST_F(FitManyErrorsTest, OutputsAndIndicesThatAreNoMemory) {
   output_.max[3] = nullptr;
-  ExpectBoxesRefused({"BoundBoxes", "planes.max[3]", "a null pointer"});
+  ExpectRefused(Call::kBoxes, {"BoundBoxes: planes.max[3]", "a null pointer"});
   output_.max[3] = Misaligned(planes_[7].data());
-  ExpectBoxesRefused({"BoundBoxes", "planes.max[3]", "misaligned"});
+  ExpectRefused(Call::kBoxes, {"BoundBoxes: planes.max[3]", "misaligned"});
   output_.max[3] = planes_[7].data();
-  boxes_.min[2] = nullptr;
-  ExpectBoxesRefused({"BoundBoxes: boxes.min[2]: expected", "a null pointer"});
-
-  const auto expect_spheres_refused = [&](std::string_view text) {
-    ExpectRefused(
-        [&](FitStatus* status) { BoundSpheres(spheres_, output_, {}, status); },
-        {text, "a null pointer"});
-  };
-  spheres_.radius = nullptr;
-  expect_spheres_refused("BoundSpheres: spheres.radius: expected 3 spheres");
-  spheres_.center[2] = nullptr;
-  expect_spheres_refused("BoundSpheres: spheres.center[2]: expected 3 spheres");
-}
-
-TEST_F(FitManyErrorsTest, NullPoints) {
-  const auto expect_refused = [&](const auto& points, std::string_view coords) {
-    const std::string expected = std::string(coords) + ": expected 3 ";
-    ExpectRefused(
-        [&](FitStatus* status) {
-          BoundTriangles(points, indices_, output_, {}, status);
-        },
-        {"BoundTriangles: vertices." + expected + "vertices",
-         "a null pointer"});
-    ExpectRefused(
-        [&](FitStatus* status) {
-          BoundPointSets(points, ends_, output_, {}, status);
-        },
-        {"BoundPointSets: points." + expected + "points", "a null pointer"});
-  };
-  points_.coords[1] = nullptr;
-  expect_refused(points_, "coords[1]");
-  expect_refused(Points3{nullptr, kCount}, "coords");
-}
-
-TEST_F(FitManyErrorsTest, MisalignedIndices) {
-  const auto* indices = reinterpret_cast<const std::uint32_t*>(
-      reinterpret_cast<std::uintptr_t>(indices_.data()) + 1);
-  ExpectRefused(
-      [&](FitStatus* status) {
-        output_.size = 2;
-        BoundTriangles(points_, {indices, 6}, output_, {}, status);
-      },
-      {"BoundTriangles", "indices", "aligned to 4", "misaligned"});
-  const auto* ends = reinterpret_cast<const std::size_t*>(
-      reinterpret_cast<std::uintptr_t>(ends_.data()) + 4);
-  ExpectRefused(
-      [&](FitStatus* status) {
-        BoundPointSets(points_, {ends, 2}, output_, {}, status);
-      },
-      {"BoundPointSets", "ends", "aligned to 8", "misaligned"});
+  output_.size = 2;
+  const std::uint32_t* const indices = list_.data();
+  indices_ = {Misaligned(indices), 6};
+  ExpectRefused(Call::kTriangles,
+                {"BoundTriangles: indices", "aligned to 4", "misaligned"});
+  const std::size_t* const ends = end_list_.data();
+  ends_ = {Misaligned(ends), 2};
+  ExpectRefused(Call::kPointSets,
+                {"BoundPointSets: ends", "aligned to 8", "misaligned"});
 }
 
 TEST_F(FitManyErrorsTest, SizesThatDiffer) {
   boxes_.count = spheres_.count = kCount - 1;
-  ExpectBoxesRefused({"BoundBoxes", "boxes.count: expected 3", "got 2"});
-  ExpectRefused(
-      [&](FitStatus* status) { BoundSpheres(spheres_, output_, {}, status); },
-      {"BoundSpheres", "spheres.count: expected 3", "got 2"});
-  indices_.pop_back();
-  ExpectRefused(
-      [&](FitStatus* status) {
-        BoundTriangles(points_, indices_, output_, {}, status);
-      },
-      {"BoundTriangles", "indices.size(): expected 9", "got 8"});
-  ends_.push_back(3);
-  ExpectRefused(
-      [&](FitStatus* status) {
-        BoundPointSets(points_, ends_, output_, {}, status);
-      },
-      {"BoundPointSets", "ends.size(): expected 3", "got 4"});
+  ExpectRefused(Call::kBoxes, {"BoundBoxes: boxes.count: expected 3", "got 2"});
+  ExpectRefused(Call::kSpheres,
+                {"BoundSpheres: spheres.count: expected 3", "got 2"});
+  indices_ = {list_.data(), 8};
+  ExpectRefused(Call::kTriangles,
+                {"BoundTriangles: indices.size(): expected 9", "got 8"});
+  ends_ = {end_list_.data(), 2};
+  ExpectRefused(Call::kPointSets,
+                {"BoundPointSets: ends.size(): expected 3", "got 2"});
 }
 
-// Of 32 bits or of 64, whatever a size has here.
-TEST_F(FitManyErrorsTest, SizesBeyondTheAddressSpace) {
+// Of 32 bits or of 64, whatever a size has here. Of stride and count, the
+// larger is to blame.
+TEST_F(FitManyErrorsTest, BeyondTheAddressSpace) {
+  boxes_.stride = spheres_.stride = kHuge / 4;
+  const Points3 strided{columns_[0].data(), kCount, kHuge / 4};
+  const std::string given = "got " + std::to_string(kHuge / 4);
+  const std::string stride = "stride: expected a stride with which 3 ";
+  ExpectRefused(Call::kBoxes, {"BoundBoxes: boxes.", stride, given});
+  ExpectRefused(Call::kSpheres, {"BoundSpheres: spheres.", stride, given});
+  ExpectRefused(Call::kTriangles, strided,
+                {"BoundTriangles: vertices.", stride, given});
+  ExpectRefused(Call::kPointSets, strided,
+                {"BoundPointSets: points.", stride, given});
   boxes_.count = output_.size = kHuge / 4;
   boxes_.stride = 2;
-  ExpectBoxesRefused({"BoundBoxes: boxes.count: expected", "stride 2",
-                      "got " + std::to_string(kHuge / 4)});
+  ExpectRefused(Call::kBoxes,
+                {"BoundBoxes: boxes.count: expected", "stride 2", given});
   boxes_.count = output_.size = kHuge;
   boxes_.stride = 0;
-  ExpectBoxesRefused({"BoundBoxes", "planes.size: expected", "address space"});
+  ExpectRefused(Call::kBoxes,
+                {"BoundBoxes", "planes.size: expected", "address space"});
   output_.size = kHuge / 3 + 1;
-  ExpectRefused(
-      [&](FitStatus* status) {
-        BoundTriangles(points_, indices_, output_, {}, status);
-      },
-      {"BoundTriangles", "planes.size: expected", "address space"});
+  ExpectRefused(Call::kTriangles,
+                {"BoundTriangles", "planes.size: expected", "address space"});
   output_.size = kCount;
   points_.count = kHuge;
-  ExpectRefused(
-      [&](FitStatus* status) {
-        BoundPointSets(points_, ends_, output_, {}, status);
-      },
-      {"BoundPointSets: points.count: expected"});
-}
-
-// Of stride and count, the larger is to blame.
-TEST_F(FitManyErrorsTest, StridesBeyondTheAddressSpace) {
-  boxes_.stride = spheres_.stride = kHuge / 4;
-  const std::string expected = "expected a stride with which 3 ";
-  const std::string given = "got " + std::to_string(kHuge / 4);
-  ExpectBoxesRefused({"BoundBoxes: boxes.stride: " + expected, given});
-  ExpectRefused(
-      [&](FitStatus* status) { BoundSpheres(spheres_, output_, {}, status); },
-      {"BoundSpheres: spheres.stride: " + expected, given});
-  const Points3 points{columns_[0].data(), kCount, kHuge / 4};
-  ExpectRefused(
-      [&](FitStatus* status) {
-        BoundTriangles(points, indices_, output_, {}, status);
-      },
-      {"BoundTriangles: vertices.stride: " + expected, given});
-  ExpectRefused(
-      [&](FitStatus* status) {
-        BoundPointSets(points, ends_, output_, {}, status);
-      },
-      {"BoundPointSets: points.stride: " + expected, given});
+  ExpectRefused(Call::kPointSets, {"BoundPointSets: points.count: expected"});
 }
 
 TEST_F(FitManyErrorsTest, OutputsThatOverlap) {
   output_.max[1] = planes_[2].data() + kCount - 1;
-  ExpectBoxesRefused(
-      {"BoundBoxes", "planes.m", "apart from", "planes.m", "got an overlap"});
+  ExpectRefused(Call::kBoxes, {"BoundBoxes", "planes.m", "apart from",
+                               "planes.m", "got an overlap"});
   output_.max[1] = columns_[4].data() + kCount - 1;
-  ExpectBoxesRefused({"BoundBoxes", "planes.max[1]: expected",
-                      "apart from boxes.max[1]", "got an overlap"});
+  ExpectRefused(Call::kBoxes, {"BoundBoxes", "planes.max[1]: expected",
+                               "apart from boxes.max[1]", "got an overlap"});
   EXPECT_EQ(columns_[4], std::vector<float>(16, 1.f));
   // Between the values of a column is inside it.
   boxes_.stride = 2;
   output_.max[1] = columns_[4].data() + 4;
-  ExpectBoxesRefused({"planes.max[1]", "apart from boxes.max[1]"});
-  output_.max[1] = reinterpret_cast<float*>(&indices_[6]);
-  ExpectRefused(
-      [&](FitStatus* status) {
-        BoundTriangles(points_, indices_, output_, {}, status);
-      },
-      {"BoundTriangles", "planes.max[1]", "apart from indices"});
-  output_.max[1] = reinterpret_cast<float*>(ends_.data()) + 5;
-  ExpectRefused(
-      [&](FitStatus* status) {
-        BoundPointSets(points_, ends_, output_, {}, status);
-      },
-      {"BoundPointSets", "planes.max[1]", "apart from ends"});
+  ExpectRefused(Call::kBoxes, {"planes.max[1]", "apart from boxes.max[1]"});
+  output_.max[1] = reinterpret_cast<float*>(&list_[6]);
+  ExpectRefused(Call::kTriangles,
+                {"BoundTriangles", "planes.max[1]", "apart from indices"});
+  output_.max[1] = reinterpret_cast<float*>(end_list_.data()) + 5;
+  ExpectRefused(Call::kPointSets,
+                {"BoundPointSets", "planes.max[1]", "apart from ends"});
 }
 
 // Right behind an input, and right before it, is fine.
@@ -258,13 +221,12 @@ TEST_F(FitManyErrorsTest, NeighboursAreNoOverlap) {
 }
 
 TEST_F(FitManyErrorsTest, TargetsAndOptions) {
-  const Target nonsense = Target::FromHighwayBit(3);  // two bits
-  ExpectBoxesRefused({"BoundBoxes", "target"}, {.target = nonsense});
-  ExpectBoxesRefused({"BoundBoxes", "options.inverted", "got 7"},
-                     {.inverted = static_cast<Inverted>(7)});
+  options_.target = Target::FromHighwayBit(3);  // two bits
+  ExpectRefused(Call::kBoxes, {"BoundBoxes", "target"});
+  options_ = {.inverted = static_cast<Inverted>(7)};
+  ExpectRefused(Call::kBoxes, {"BoundBoxes", "options.inverted", "got 7"});
   boxes_.count = output_.size = 0;
-  ExpectBoxesRefused({"BoundBoxes", "options.inverted", "got 7"},
-                     {.inverted = static_cast<Inverted>(7)});
+  ExpectRefused(Call::kBoxes, {"BoundBoxes", "options.inverted", "got 7"});
 }
 
 // Null pointers are fine where there is nothing.
@@ -283,33 +245,27 @@ TEST_F(FitManyErrorsTest, NothingIsNoError) {
 TEST_F(FitManyErrorsTest, Doubles) {
   alignas(double) std::array<float, 2 * kCount + 2> room{};
   const std::array<double, kCount> ones = {1, 1, 1};
-  const auto* doubles = reinterpret_cast<const double*>(room.data());
   Boxes<3, double> boxes{.count = kCount};
   boxes.min.fill(ones.data());
   boxes.max.fill(ones.data());
-  const auto expect_refused =
-      [&](std::initializer_list<std::string_view> parts) {
-        ExpectRefused(
-            [&](FitStatus* status) { BoundBoxes(boxes, output_, {}, status); },
-            parts);
-      };
+  const auto refused = [&](Parts parts) {
+    FitStatus status;
+    EXPECT_TRUE(
+        Refuses([&] { BoundBoxes(boxes, output_, options_, &status); }, parts));
+    EXPECT_EQ(status.results, 0u);
+  };
   boxes.max[1] = reinterpret_cast<const double*>(room.data() + 1);
-  expect_refused({"BoundBoxes: boxes.max[1]: expected", "aligned to 8 bytes"});
-  boxes.max[1] = doubles;
+  refused({"BoundBoxes: boxes.max[1]: expected", "aligned to 8 bytes"});
+  boxes.max[1] = reinterpret_cast<const double*>(room.data());
   output_.min[2] = room.data() + 2 * kCount - 1;
-  expect_refused({"BoundBoxes: planes.min[2]: expected", "boxes.max[1]"});
+  refused({"BoundBoxes: planes.min[2]: expected", "boxes.max[1]"});
   output_.min[2] = planes_[2].data();
   boxes.count = kCount + 1;
-  expect_refused({"BoundBoxes: boxes.count: expected 3"});
+  refused({"BoundBoxes: boxes.count: expected 3"});
   // A target that is not there is refused, though one is like the other.
   boxes.count = kCount;
-  ExpectRefused(
-      [&](FitStatus* status) {
-        BoundBoxes(boxes, output_,
-                   {.target = Target::FromHighwayBit(std::int64_t{1} << 50)},
-                   status);
-      },
-      {"BoundBoxes: ", "target"});
+  options_.target = Target::FromHighwayBit(std::int64_t{1} << 50);
+  refused({"BoundBoxes: ", "target"});
 }
 
 }  // namespace

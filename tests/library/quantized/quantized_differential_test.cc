@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "tests/library/quantized/quantized_answers.h"
-#include "tests/library/quantized/quantized_rows.h"
 #include "tests/library/support/environment.h"
+#include "tests/library/support/quantized_rows.h"
 #include "tests/library/support/sizes.h"
 
 namespace halfspace::testing {

@@ -6,110 +6,98 @@
 #include <cfenv>
 #include <cstddef>
 #include <cstdint>
-#include <span>
-#include <utility>
+#include <memory>
+#include <optional>
 #include <vector>
 
-#include "halfspace/quantized.h"
 #include "halfspace/reject.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/fp_modes.h"
-#include "tests/library/support/quantized_cases.h"
+#include "tests/library/support/quantized_rows.h"
 
 namespace halfspace::testing {
 namespace {
 
-template <typename Case>
-class QuantizedFpModesTest : public ::testing::Test {
- protected:
-  using FloatView = typename Case::View;
-  using TheWorld = QuantizedWorld<FloatView, typename Case::Element>;
-  using Mask = std::vector<std::uint64_t>;
-
-  struct Masks {
-    Mask floats;
-    Mask quantized;
-    Mask refined;
-  };
-
-  // Made and asked in the mode of the caller.
-  TheWorld Make() const { return TheWorld(std::span(bounds_)); }
-  Masks Ask(const TheWorld& world, const typename FloatView::Query& query,
-            const Options& options) const {
-    const std::size_t words = MaskWords(bounds_.size());
-    Masks masks = {Mask(words), Mask(words), Mask(words)};
-    SurvivorMask(floats_, query, masks.floats, options);
-    SurvivorMask(world.quantized(), query, masks.quantized, options);
-    SurvivorMask(world, query, masks.refined, options);
-    return masks;
+// Another mode while it exists.
+struct Mode {
+  Mode(int rounding, bool is_flushing) : rounding_(rounding) {
+    if (is_flushing) flush_.emplace();
   }
 
-  // make() and ask() return objects that set another mode while they exist.
-  template <typename MakeMode, typename AskMode>
-  void ExpectSame(MakeMode make_mode, AskMode ask_mode) {
-    for (QuantizedInputKind kind :
-         {QuantizedInputKind::kSubnormals, QuantizedInputKind::kAnyValues,
-          QuantizedInputKind::kUniform}) {
-      bounds_ = MakeQuantizedBounds<FloatView>(kind, 300, random_);
-      floats_.Assign(bounds_);
-      const TheWorld world = [&] {
-        const auto mode = make_mode();
-        return Make();
-      }();
-      const TheWorld usual = Make();
-      for (std::size_t i = 0; i < Scaled(20); ++i) {
-        const auto query = MakeQuantizedQuery<FloatView>(bounds_, random_);
+ private:
+  RoundingMode rounding_;
+  std::optional<FlushDenormals> flush_;
+};
+
+class QuantizedFpModesTest : public ::testing::TestWithParam<QuantizedRow> {};
+
+TEST_P(QuantizedFpModesTest, ModesDoNotMatter) {
+  constexpr std::size_t kObjects = 300;
+  struct Modes {
+    int made_rounding;
+    bool is_made_flushing;
+    int asked_rounding;
+    bool is_asked_flushing;
+  };
+  constexpr Modes kModes[] = {
+      {FE_TONEAREST, false, FE_TONEAREST, true},
+      {FE_TONEAREST, true, FE_TONEAREST, false},
+      {FE_TONEAREST, true, FE_TONEAREST, true},
+      {FE_UPWARD, false, FE_DOWNWARD, false},
+      {FE_DOWNWARD, false, FE_TOWARDZERO, false},
+      {FE_TOWARDZERO, false, FE_UPWARD, false},
+  };
+  Random random(43);
+  for (QuantizedInputKind kind :
+       {QuantizedInputKind::kSubnormals, QuantizedInputKind::kAnyValues,
+        QuantizedInputKind::kUniform}) {
+    const auto values =
+        MakeQuantizedValues(GetParam().layout, kind, kObjects, random);
+    const auto usual = GetParam().make(values);
+    for (const Modes& modes : kModes) {
+      std::unique_ptr<AnyQuantized> all;
+      {
+        const Mode mode(modes.made_rounding, modes.is_made_flushing);
+        all = GetParam().make(values);
+        all->world();
+      }
+      const QuantizedQueries queries(GetParam(), values, Scaled(20), random);
+      for (std::size_t q = 0; q < Scaled(20); ++q) {
+        const AnyQueries query = queries.Some(q, 1);
         for (Target target : TargetsUnderTest()) {
-          const Masks masks = [&] {
-            const auto mode = ask_mode();
-            return Ask(world, query, {.target = target});
-          }();
-          ASSERT_EQ(masks.refined, masks.floats)
-              << NameOf(kind) << ", " << target.name();
-          for (std::size_t w = 0; w < masks.floats.size(); ++w) {
-            ASSERT_EQ(masks.floats[w] & ~masks.quantized[w], 0u)
-                << NameOf(kind) << ", " << target.name();
+          const auto mask_of = [&](const AnyWorld& world) {
+            std::vector<std::uint64_t> mask(MaskWords(kObjects));
+            detail::SurvivorMask(world.Asked(query), mask, {.target = target});
+            return mask;
+          };
+          std::vector<std::uint64_t> floats;
+          std::vector<std::uint64_t> quantized;
+          std::vector<std::uint64_t> refined;
+          std::vector<std::uint64_t> of_world;
+          {
+            const Mode mode(modes.asked_rounding, modes.is_asked_flushing);
+            floats = mask_of(all->floats());
+            quantized = mask_of(all->quantized());
+            refined = mask_of(all->refined());
+            of_world = mask_of(all->world());
+          }
+          ASSERT_EQ(refined, floats) << NameOf(kind) << ", " << target.name();
+          ASSERT_EQ(of_world, floats) << NameOf(kind) << ", " << target.name();
+          for (std::size_t w = 0; w < floats.size(); ++w) {
+            ASSERT_EQ(floats[w] & ~quantized[w], 0u) << NameOf(kind);
           }
           // The map does not depend on modes at all.
-          ASSERT_EQ(masks.quantized,
-                    Ask(usual, query, {.target = target}).quantized)
+          ASSERT_EQ(quantized, mask_of(usual->quantized()))
               << NameOf(kind) << ", " << target.name();
         }
       }
     }
   }
-
- private:
-  Random random_{43};
-  std::vector<typename FloatView::Bound> bounds_;
-  World<FloatView> floats_;
-};
-
-TYPED_TEST_SUITE(QuantizedFpModesTest, FewQuantizedCases, QuantizedCaseNames);
-
-// As threads start.
-RoundingMode UsualMode() { return RoundingMode(FE_TONEAREST); }
-
-TYPED_TEST(QuantizedFpModesTest, SubnormalsMayBeFlushedWhenAsked) {
-  this->ExpectSame(UsualMode, [] { return FlushDenormals(); });
 }
 
-TYPED_TEST(QuantizedFpModesTest, SubnormalsMayBeFlushedWhenMade) {
-  this->ExpectSame([] { return FlushDenormals(); }, UsualMode);
-}
-
-TYPED_TEST(QuantizedFpModesTest, SubnormalsMayBeFlushedAlways) {
-  this->ExpectSame([] { return FlushDenormals(); },
-                   [] { return FlushDenormals(); });
-}
-
-TYPED_TEST(QuantizedFpModesTest, RoundingDoesNotMatter) {
-  for (int mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
-    SCOPED_TRACE(mode);
-    this->ExpectSame([mode] { return RoundingMode(mode); }, UsualMode);
-    this->ExpectSame(UsualMode, [mode] { return RoundingMode(mode); });
-  }
-}
+INSTANTIATE_TEST_SUITE_P(, QuantizedFpModesTest,
+                         ::testing::ValuesIn(QuantizedRows()),
+                         QuantizedRowName);
 
 }  // namespace
 }  // namespace halfspace::testing

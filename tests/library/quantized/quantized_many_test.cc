@@ -11,9 +11,9 @@
 
 #include "halfspace/reject_many.h"
 #include "tests/library/quantized/quantized_answers.h"
-#include "tests/library/quantized/quantized_rows.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/many_canaries.h"
+#include "tests/library/support/quantized_rows.h"
 
 namespace halfspace::testing {
 namespace {

@@ -13,9 +13,9 @@
 #include <span>
 #include <vector>
 
-#include "tests/library/quantized/quantized_rows.h"
 #include "tests/library/support/answers.h"
 #include "tests/library/support/environment.h"
+#include "tests/library/support/quantized_rows.h"
 
 namespace halfspace::testing {
 namespace {

@@ -18,7 +18,6 @@
 namespace halfspace::testing {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kAbove2 = 0x1.000002p1f;  // one ulp above 2
 constexpr float kTiny = 0x1p-149f;        // one ulp above 0
 
@@ -48,7 +47,8 @@ void ExpectFates(
   }
 }
 
-// The queries are the corner simplex with vertices 0 and 2 on every axis: X, Y
+// Each plane by itself, one ulp beyond it, and NaN, are in KnownPlanesTest. The
+// queries are the corner simplex with vertices 0 and 2 on every axis: X, Y
 // and Z go from 0 to 2, and D = -(X + Y + Z) from -2 to 0. Boxes are written as
 // their minima, then their maxima. A point has D = -(x + y + z) as both minimum
 // and maximum.
@@ -61,17 +61,11 @@ TEST(KnownTest, Simplices) {
            {{2, 2, 2, -6}},
            kKept},
           {"point (3, 0, 0), X", {{3, 0, 0, -3}}, kRejected},
-          {"point (0, 3, 0), Y", {{0, 3, 0, -3}}, kRejected},
           {"point (0, 0, 3), Z", {{0, 0, 3, -3}}, kRejected},
           {"point (2, -3, 0), D alone: 1 > 0", {{2, -3, 0, 1}}, kRejected},
           {"point (1, 1, -2) touches D", {{1, 1, -2, 0}}, kKept},
           {"touches all planes", {{2, 2, 2, 0}}, kKept},
-          {"one ulp beyond X", {{kAbove2, 0, 0, -3}}, kRejected},
-          {"one ulp beyond Y", {{0, kAbove2, 0, -3}}, kRejected},
-          {"one ulp beyond Z", {{0, 0, kAbove2, -3}}, kRejected},
           {"one ulp beyond D", {{0, 0, 0, kTiny}}, kRejected},
-          {"a NaN rejects nothing", {{0, 0, 0, kNan}}, kKept},
-          {"a NaN hides no other plane", {{0, 0, 3, kNan}}, kRejected},
           {"everything", UpSimplex3::Everything(), kKept},
           {"empty", UpSimplex3::Empty(), kRejected},
       });
@@ -86,14 +80,6 @@ TEST(KnownTest, Boxes) {
           {"touches the corner (0, 0, 0)", {{-1, -1, -1}, {0, 0, 0}}, kKept},
           {"min X alone", {{3, 0, 0}, {4, 2, 2}}, kRejected},
           {"max X alone", {{-2, 0, 0}, {-1, 2, 2}}, kRejected},
-          {"min Y alone", {{0, 3, 0}, {2, 4, 2}}, kRejected},
-          {"max Y alone", {{0, -2, 0}, {2, -1, 2}}, kRejected},
-          {"min Z alone", {{0, 0, 3}, {2, 2, 4}}, kRejected},
-          {"max Z alone", {{0, 0, -2}, {2, 2, -1}}, kRejected},
-          {"one ulp beyond min Z", {{0, 0, kAbove2}, {2, 2, 4}}, kRejected},
-          {"one ulp beyond max Z", {{0, 0, -2}, {2, 2, -kTiny}}, kRejected},
-          {"a NaN rejects nothing", {{0, 0, 0}, {1, 1, kNan}}, kKept},
-          {"a NaN hides no other plane", {{0, 0, 3}, {1, 1, kNan}}, kRejected},
           {"everything", Aabb3::Everything(), kKept},
           {"empty", Aabb3::Empty(), kRejected},
       });
@@ -117,17 +103,9 @@ TEST(KnownTest, Octahedra) {
            kRejected},
           {"min X alone", {{3, 0, 0, -2}, {4, 2, 2, 0}}, kRejected},
           {"max X alone", {{-4, 0, 0, -2}, {-1, 2, 2, 0}}, kRejected},
-          {"min Y alone", {{0, 3, 0, -2}, {2, 4, 2, 0}}, kRejected},
-          {"max Y alone", {{0, -4, 0, -2}, {2, -1, 2, 0}}, kRejected},
-          {"min Z alone", {{0, 0, 3, -2}, {2, 2, 4, 0}}, kRejected},
-          {"max Z alone", {{0, 0, -4, -2}, {2, 2, -1, 0}}, kRejected},
           {"one ulp beyond min D", {{0, 0, 0, kTiny}, {2, 2, 2, 1}}, kRejected},
           {"one ulp beyond max D",
            {{0, 0, 0, -9}, {2, 2, 2, -kAbove2}},
-           kRejected},
-          {"a NaN rejects nothing", {{0, 0, 0, -2}, {2, 2, 2, kNan}}, kKept},
-          {"a NaN hides no other plane",
-           {{0, 0, 3, -2}, {2, 2, 4, kNan}},
            kRejected},
           {"everything", Aabo3::Everything(), kKept},
           {"empty", Aabo3::Empty(), kRejected},

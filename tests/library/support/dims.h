@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <type_traits>
@@ -21,13 +22,24 @@ using AllDims =
     ::testing::Types<DimsConstant<2>, DimsConstant<3>, DimsConstant<4>>;
 #endif
 
-// The same, for loops.
-inline std::vector<std::size_t> TestDims() {
+// The same, for loops. Of each file by itself: rows of tables are compiled for
+// all dimensions that the library has.
+[[maybe_unused]] static std::vector<std::size_t> TestDims() {
 #if defined(HALFSPACE_TEST_ONLY_3D)
   return {3};
 #else
   return {2, 3, 4};
 #endif
+}
+
+// Forgets the rows of other dimensions: dims_of(row).
+template <typename Row, typename DimsOf>
+std::vector<Row> InDims(const std::vector<std::size_t>& dims,
+                        std::vector<Row> rows, DimsOf dims_of) {
+  std::erase_if(rows, [&](const Row& row) {
+    return std::find(dims.begin(), dims.end(), dims_of(row)) == dims.end();
+  });
+  return rows;
 }
 
 struct DimsNames {

@@ -18,6 +18,7 @@
 
 #include "tests/library/support/any_world.h"
 #include "tests/library/support/cases.h"
+#include "tests/library/support/dims.h"
 #include "tests/library/support/inputs.h"
 
 namespace halfspace::testing {
@@ -56,43 +57,18 @@ struct FlatCase {
   }
 };
 
-template <typename Case>
-FlatCase RowOf() {
-  using Stored = typename Case::Stored;
-  using Scalar = ScalarOf<Stored>;
-  return {NameOf(Case()),
-          detail::kLayoutOf<typename Stored::Bound>,
-          detail::kLayoutOf<typename Case::View::Bound>,
-          std::is_same_v<Scalar, double>,
-          [](const PlanePointers& planes, std::size_t size) {
-            Stored stored;
-            for (std::size_t p = 0; p < kPlanes<Stored>; ++p) {
-              PlaneOf(stored, p) = static_cast<const Scalar*>(planes[p]);
-            }
-            stored.size = size;
-            return AnyWorld(Case::Seen(stored));
-          },
-          [](const void* stored, void* seen) {
-            const auto query =
-                Case::Seen(*static_cast<const typename Stored::Query*>(stored));
-            std::memcpy(seen, &query, sizeof(query));
-          }};
+// In all dimensions that the library has.
+std::vector<FlatCase> AllFlatRows();
+std::vector<FlatCase> WholeFlatRows();
+
+// In those that are tested.
+[[maybe_unused]] static std::vector<FlatCase> AllFlatCases() {
+  return InDims(TestDims(), AllFlatRows(),
+                [](const FlatCase& row) { return std::size_t{row.seen.dims}; });
 }
-
-namespace internal {
-
-template <typename... Cases>
-std::vector<FlatCase> RowsOf(const ::testing::Types<Cases...>&) {
-  return {RowOf<Cases>()...};
-}
-
-}  // namespace internal
-
-inline std::vector<FlatCase> AllFlatCases() {
-  return internal::RowsOf(AllCases());
-}
-inline std::vector<FlatCase> WholeFlatCases() {
-  return internal::RowsOf(WholeCases());
+[[maybe_unused]] static std::vector<FlatCase> WholeFlatCases() {
+  return InDims(TestDims(), WholeFlatRows(),
+                [](const FlatCase& row) { return std::size_t{row.seen.dims}; });
 }
 
 inline std::string FlatCaseName(

@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <random>
 #include <string>
@@ -201,33 +200,6 @@ inline std::vector<float> MakeQuantizedValues(const detail::PlaneLayout& layout,
     }
   }
   return values;
-}
-
-template <typename View>
-std::vector<typename View::Bound> MakeQuantizedBounds(QuantizedInputKind kind,
-                                                      std::size_t count,
-                                                      Random& random) {
-  using Bound = typename View::Bound;
-  const std::vector<float> values =
-      MakeQuantizedValues(detail::kLayoutOf<Bound>, kind, count, random);
-  std::vector<Bound> bounds(count);
-  static_assert(sizeof(Bound) == kPlanes<View> * sizeof(float));
-  if (count != 0) {
-    std::memcpy(bounds.data(), values.data(), count * sizeof(Bound));
-  }
-  return bounds;
-}
-
-template <typename View>
-typename View::Query MakeQuantizedQuery(
-    const std::vector<typename View::Bound>& bounds, Random& random) {
-  typename View::Query query;
-  static_assert(sizeof(query) == kPlanes<View> * sizeof(float));
-  internal::FillQuantizedQuery(detail::kLayoutOf<typename View::Bound>,
-                               reinterpret_cast<const float*>(bounds.data()),
-                               bounds.size(), random,
-                               reinterpret_cast<float*>(&query));
-  return query;
 }
 
 }  // namespace halfspace::testing

@@ -1,7 +1,7 @@
 // The kinds of quantized worlds as rows, for tests that are compiled once for
 // all of them.
-#ifndef HALFSPACE_TESTS_LIBRARY_QUANTIZED_QUANTIZED_ROWS_H_
-#define HALFSPACE_TESTS_LIBRARY_QUANTIZED_QUANTIZED_ROWS_H_
+#ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_QUANTIZED_ROWS_H_
+#define HALFSPACE_TESTS_LIBRARY_SUPPORT_QUANTIZED_ROWS_H_
 
 #include <gtest/gtest.h>
 
@@ -16,6 +16,7 @@
 
 #include "halfspace/quantized.h"
 #include "tests/library/support/any_world.h"
+#include "tests/library/support/dims.h"
 #include "tests/library/support/quantized_cases.h"
 
 namespace halfspace::testing {
@@ -48,66 +49,14 @@ struct QuantizedRow {
   }
 };
 
-namespace internal {
+// In all dimensions that the library has.
+std::vector<QuantizedRow> AllQuantizedRows();
 
-template <typename Case>
-class AnyQuantizedOf : public AnyQuantized {
- public:
-  using View = typename Case::View;
-  using Bound = typename View::Bound;
-
-  explicit AnyQuantizedOf(const std::vector<float>& values)
-      : floats_(Bounds(values)), quantized_(floats_.view()) {}
-
-  AnyWorld floats() const override { return AnyWorld(floats_); }
-  AnyWorld quantized() const override { return AnyWorld(quantized_); }
-  AnyWorld refined() const override {
-    return AnyWorld(Refined(quantized_, floats_.view()));
-  }
-  AnyWorld world() override {
-    if (!world_) world_.emplace(floats_);
-    return AnyWorld(*world_);
-  }
-  bool Fits() const override { return quantized_.Fits(); }
-  void Set(std::size_t i, const float* values) override {
-    quantized_.Set(i, BoundOf(values));
-  }
-  void Push(const float* values) override { quantized_.Push(BoundOf(values)); }
-
- private:
-  static Bound BoundOf(const float* values) {
-    Bound bound;
-    std::memcpy(&bound, values, sizeof(bound));
-    return bound;
-  }
-  static std::vector<Bound> Bounds(const std::vector<float>& values) {
-    std::vector<Bound> bounds;
-    for (std::size_t i = 0; i < values.size(); i += kPlanes<View>) {
-      bounds.push_back(BoundOf(&values[i]));
-    }
-    return bounds;
-  }
-
-  World<View> floats_;
-  QuantizedBounds<View, typename Case::Element> quantized_;
-  std::optional<QuantizedWorld<View, typename Case::Element>> world_;
-};
-
-template <typename... Cases>
-std::vector<QuantizedRow> QuantizedRowsOf(const ::testing::Types<Cases...>&) {
-  return {
-      {QuantizedCaseNames::GetName<Cases>(0),
-       detail::kLayoutOf<typename Cases::View::Bound>,
-       sizeof(typename Cases::Element),
-       [](const std::vector<float>& values) -> std::unique_ptr<AnyQuantized> {
-         return std::make_unique<AnyQuantizedOf<Cases>>(values);
-       }}...};
-}
-
-}  // namespace internal
-
-inline std::vector<QuantizedRow> QuantizedRows() {
-  return internal::QuantizedRowsOf(QuantizedCases());
+// In those that are tested.
+[[maybe_unused]] static std::vector<QuantizedRow> QuantizedRows() {
+  return InDims(TestDims(), AllQuantizedRows(), [](const QuantizedRow& row) {
+    return std::size_t{row.layout.dims};
+  });
 }
 
 inline std::string QuantizedRowName(
@@ -140,4 +89,4 @@ class QuantizedQueries {
 
 }  // namespace halfspace::testing
 
-#endif  // HALFSPACE_TESTS_LIBRARY_QUANTIZED_QUANTIZED_ROWS_H_
+#endif  // HALFSPACE_TESTS_LIBRARY_SUPPORT_QUANTIZED_ROWS_H_

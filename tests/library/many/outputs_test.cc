@@ -1,0 +1,336 @@
+// What calls leave of their outputs: long masks, short lists, none; and what
+// the functions that they call may do. Masks of their exact size, and lists,
+// are compared bit by bit wherever tests compare answers (support/answers.h).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <random>
+#include <span>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "halfspace/halfspace.h"
+#include "tests/library/support/answers.h"
+#include "tests/library/support/calls.h"
+#include "tests/library/support/canaries.h"
+#include "tests/library/support/environment.h"
+
+namespace halfspace::testing {
+namespace {
+
+// Calls `check` with every target and schedule.
+template <typename Check>
+void Everywhere(Check check) {
+  for (Target target : TargetsUnderTest()) {
+    for (Schedule schedule : kSchedules) {
+      SCOPED_TRACE(::testing::Message() << target.name() << ", schedule "
+                                        << static_cast<int>(schedule));
+      check(Options{.schedule = schedule, .target = target});
+    }
+  }
+}
+
+// Object i is a point at x = i, but every third is empty; query q is all points
+// with x <= 3 q, and query 0 is everything.
+AabbWorld3 PointsOnX(std::size_t n) {
+  AabbWorld3 world;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto x = static_cast<float>(i);
+    world.Push(i % 3 == 0 ? Aabb3::Empty() : Aabb3{{x, 0, 0}, {x, 0, 0}});
+  }
+  return world;
+}
+std::vector<Aabb3> LongerAndLonger(std::size_t count) {
+  std::vector<Aabb3> queries(count, Aabb3{});
+  for (std::size_t q = 0; q < count; ++q) {
+    queries[q].max[0] = static_cast<float>(3 * q);
+  }
+  if (count != 0) queries[0] = Aabb3::Everything();
+  return queries;
+}
+
+class OutputsTest : public ::testing::TestWithParam<std::size_t> {};
+
+TEST_P(OutputsTest, WordsAndCountsPastTheEndAreNotTouched) {
+  constexpr std::size_t kQueries = 18;
+  const AabbWorld3 world = PointsOnX(GetParam());
+  const std::vector<Aabb3> queries = LongerAndLonger(kQueries);
+  const std::size_t words = MaskWords(world.size());
+  Canaried<std::uint64_t> masks;
+  Canaried<std::size_t> counts;
+  Everywhere([&](const Options& options) {
+    RejectMask(world, queries[0], masks.Reset(words + 5), options);
+    EXPECT_TRUE(masks.IntactBut(words));
+    SurvivorMask(world, queries[0], masks.Reset(words + 5), options);
+    EXPECT_TRUE(masks.IntactBut(words));
+    RejectMasks(world, queries, masks.Reset(kQueries * words + 70), options);
+    EXPECT_TRUE(masks.IntactBut(kQueries * words));
+    SurvivorMasks(world, queries, masks.Reset(kQueries * words + 70), options);
+    EXPECT_TRUE(masks.IntactBut(kQueries * words));
+    SurvivorCounts(world, queries, counts.Reset(kQueries + 70), options);
+    EXPECT_TRUE(counts.IntactBut(kQueries));
+  });
+}
+
+// Pieces of any length make the whole list.
+TEST_P(OutputsTest, ListsHaveWhatFitsFromWhereTheySkip) {
+  const AabbWorld3 floats = PointsOnX(GetParam());
+  const QuantizedWorld<AabbView3> quantized(floats);
+  const std::vector<Aabb3> queries = LongerAndLonger(20);
+  const AnyQueries asked(queries.data(), queries.size());
+  Canaried<std::uint32_t> first_list;
+  Canaried<std::uint32_t> second_list;
+  // list(first, second, skip) is a call; `all` is what it writes at most.
+  const auto check = [&](const auto& list,
+                         const std::array<std::vector<std::uint32_t>, 2>& all) {
+    const std::size_t count = all[0].size();
+    for (std::size_t skip :
+         {std::size_t{0}, std::size_t{1}, count / 2, count, ~std::size_t{0}}) {
+      const std::size_t left = count - std::min(skip, count);
+      const std::size_t lengths[] = {
+          0, 1, left / 2, left == 0 ? 0 : left - 1, left, left + 70};
+      for (std::size_t first : lengths) {
+        for (std::size_t second : {first, left / 3, left + 1}) {
+          const auto out = first_list.Reset(first);
+          const auto other = second_list.Reset(second);
+          ASSERT_EQ(list(out, other, skip), count);
+          const std::size_t written =
+              std::min({left, first, all[1].empty() ? first : second});
+          const auto from = static_cast<std::ptrdiff_t>(count - left);
+          ASSERT_TRUE(std::equal(
+              out.begin(), out.begin() + static_cast<std::ptrdiff_t>(written),
+              all[0].begin() + from))
+              << skip << ", " << first << ", " << second;
+          ASSERT_TRUE(first_list.IntactBut(written)) << skip << ", " << first;
+          if (all[1].empty()) break;
+          ASSERT_TRUE(
+              std::equal(other.begin(),
+                         other.begin() + static_cast<std::ptrdiff_t>(written),
+                         all[1].begin() + from))
+              << skip << ", " << first << ", " << second;
+          ASSERT_TRUE(second_list.IntactBut(written)) << skip << ", " << second;
+        }
+      }
+    }
+  };
+  Everywhere([&](const Options& options) {
+    for (const AnyWorld& world : {AnyWorld(floats), AnyWorld(quantized)}) {
+      const auto survivors = [&](Span<std::uint32_t> out, Span<std::uint32_t>,
+                                 std::size_t skip) {
+        return detail::Survivors(world.Asked(world.One(asked)), out, options,
+                                 skip);
+      };
+      std::vector<std::uint32_t> all;
+      for (std::uint32_t i = 0; i < world.size(); ++i) {
+        if (i % 3 != 0) all.push_back(i);
+      }
+      check(survivors, {all, {}});
+      const auto pairs = [&](Span<std::uint32_t> of_queries,
+                             Span<std::uint32_t> of_objects, std::size_t skip) {
+        return detail::SurvivorPairs(world.Asked(asked), of_queries, of_objects,
+                                     options, skip);
+      };
+      std::array<std::vector<std::uint32_t>, 2> all_pairs;
+      for (auto& list : all_pairs) list.resize(20 * world.size());
+      const std::size_t count = pairs(all_pairs[0], all_pairs[1], 0);
+      for (auto& list : all_pairs) list.resize(count);
+      if (count != 0) check(pairs, all_pairs);
+    }
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, OutputsTest,
+                         ::testing::Values(0, 1, 2, 63, 64, 65, 127, 128, 200,
+                                           4096, 4161));
+
+// What is too long by far is no error, though its bytes have no number.
+TEST(ManyOutputsTest, PairsTakeNoMoreRoomThanThereArePairs) {
+  std::vector<std::uint32_t> query_indices(140);
+  std::vector<std::uint32_t> object_indices(140);
+  const std::size_t boundless = ~std::size_t{0} / sizeof(std::uint32_t);
+  EXPECT_EQ(SurvivorPairs(PointsOnX(70), LongerAndLonger(2),
+                          {query_indices.data(), boundless},
+                          {object_indices.data(), boundless}),
+            46u + 2u);
+}
+
+// Counts are written, not added to.
+TEST(ManyOutputsTest, CountsOfNothingAreZero) {
+  const std::vector<Aabb3> queries = LongerAndLonger(3);
+  std::vector<std::size_t> counts(3, 7);
+  SurvivorCounts(AabbWorld3(), queries, counts);
+  EXPECT_EQ(counts, std::vector<std::size_t>(3));
+  counts.assign(3, 7);
+  SurvivorCounts(PointsOnX(100), queries, counts, {.range = {64, 64}});
+  EXPECT_EQ(counts, std::vector<std::size_t>(3));
+}
+
+TEST(ManyOutputsTest, NothingNeedsNoMemoryAndHasATarget) {
+  const AabbWorld3 world = PointsOnX(10000);
+  const std::vector<Aabb3> queries = LongerAndLonger(300);
+  const AabbView3 empty;
+  CallOutputs outputs;
+  Everywhere([&](const Options& options) {
+    // No outputs at all.
+    RejectMasks(world, {}, {}, options);
+    SurvivorMasks(world, {}, {}, options);
+    EXPECT_EQ(SurvivorPairs(world, {}, {}, {}, options), 0u);
+    SurvivorCounts(world, {}, {}, options);
+    RejectMasks(empty, queries, {}, options);
+    SurvivorMasks(empty, queries, {}, options);
+    EXPECT_EQ(SurvivorPairs(empty, queries, {}, {}, options), 0u);
+    // Outputs that are left alone.
+    const auto ask = [](std::string_view, const auto& call) { call(); };
+    ForEachManyCall(world, {}, options, outputs, ask);
+    EXPECT_TRUE(outputs.Untouched());
+    ForEachManyCall(empty, {}, options, outputs, ask);
+    EXPECT_TRUE(outputs.Untouched());
+  });
+}
+
+TEST(MaskWordsTest, RoundsUpWithoutOverflow) {
+  EXPECT_EQ(MaskWords(0), 0u);
+  EXPECT_EQ(MaskWords(1), 1u);
+  EXPECT_EQ(MaskWords(64), 1u);
+  EXPECT_EQ(MaskWords(65), 2u);
+  EXPECT_EQ(MaskWords(~std::size_t{0}), (~std::size_t{0} >> 6) + 1);
+}
+
+TEST(SetBitsTest, AreThoseOfEveryMask) {
+  std::mt19937_64 random(3);
+  for (std::size_t words : {0u, 1u, 2u, 5u}) {
+    // Sparse words, dense ones, and words of 0 at either end.
+    for (int ands = 0; ands < 9; ++ands) {
+      std::vector<std::uint64_t> mask(words, ands == 0 ? ~std::uint64_t{0} : 0);
+      for (std::size_t w = 0; w < words && ands != 0; ++w) {
+        mask[w] = random();
+        for (int a = 1; a < ands; ++a) mask[w] &= random();
+      }
+      std::vector<std::size_t> expected;
+      for (std::size_t i = 0; i < 64 * words; ++i) {
+        if ((mask[i / 64] >> i % 64 & 1) != 0) expected.push_back(i);
+      }
+      std::vector<std::size_t> bits;
+      for (std::size_t i : SetBits(mask)) bits.push_back(i);
+      EXPECT_EQ(bits, expected);
+      EXPECT_EQ(CountBits(mask), expected.size());
+    }
+  }
+}
+
+// In pieces of at most 256, and no more than were asked for.
+TEST(ForEachSurvivorTest, CallsUntilItIsStopped) {
+  const AabbWorld3 world = PointsOnX(20000);
+  const Aabb3 query = Aabb3::Everything();
+  std::vector<std::uint32_t> all(world.size());
+  all.resize(Survivors(world, query, all));
+  for (std::size_t most : {std::size_t{1}, std::size_t{3}, ~std::size_t{0}}) {
+    std::vector<std::uint32_t> seen;
+    std::size_t calls = 0;
+    ForEachSurvivor(world, query, [&](Span<const std::uint32_t> some) {
+      EXPECT_TRUE(0 < some.size() && some.size() <= 256);
+      seen.insert(seen.end(), some.begin(), some.end());
+      return ++calls == most ? Visit::kStop : Visit::kContinue;
+    });
+    EXPECT_TRUE(most == calls || seen == all);
+    EXPECT_TRUE(std::equal(seen.begin(), seen.end(), all.begin()));
+  }
+  EXPECT_THROW(
+      ForEachSurvivor(world, query,
+                      [](const auto&) { throw std::runtime_error(""); }),
+      std::runtime_error);
+}
+
+std::size_t seen_by_function = 0;
+void Function(const SurvivorTile& tile) { seen_by_function += tile.queries; }
+
+TEST(ForEachTileTest, TakesAnythingThatTakesATile) {
+  const AabbWorld3 world = PointsOnX(100);
+  const std::vector<Aabb3> queries = LongerAndLonger(3);
+  seen_by_function = 0;
+  ForEachTile(world, queries, Function);
+  EXPECT_EQ(seen_by_function, 3u);
+  ForEachTile(world, queries, &Function);
+  EXPECT_EQ(seen_by_function, 6u);
+
+  std::size_t seen = 0;
+  const auto add = [&seen](const SurvivorTile& tile) { seen += tile.queries; };
+  ForEachTile(world, queries, add);
+  EXPECT_EQ(seen, 3u);
+  ForEachTile(world, queries, std::function<void(SurvivorTile)>(add));
+  EXPECT_EQ(seen, 6u);
+  // With a state of its own, which is not copied.
+  auto counter = [&seen,
+                  count = std::size_t{0}](const SurvivorTile& tile) mutable {
+    count += tile.queries;
+    seen = count;
+  };
+  ForEachTile(world, queries, counter);
+  counter(SurvivorTile{});
+  EXPECT_EQ(seen, 3u);
+  auto owner = [p = std::make_unique<int>(3)](const SurvivorTile& tile) {
+    EXPECT_EQ(tile.queries, static_cast<std::size_t>(*p));
+  };
+  ForEachTile(world, queries, std::move(owner));
+}
+
+TEST(ForEachTileTest, EndsWhenItIsStoppedOrThrows) {
+  const AabbWorld3 world = PointsOnX(10000);
+  const std::vector<Aabb3> queries = LongerAndLonger(40);
+  const QuantizedBounds<AabbView3, std::uint8_t> quantized(world);
+  const auto check = [&](const auto& any_world, Target target) {
+    const auto tiles_until = [&](std::size_t last, bool is_thrown) {
+      std::size_t tiles = 0;
+      try {
+        ForEachTile(any_world, queries,
+                    [&](const SurvivorTile&) {
+                      const bool is_last = ++tiles == last;
+                      if (is_last && is_thrown) throw std::out_of_range("");
+                      return is_last ? Visit::kStop : Visit::kContinue;
+                    },
+                    {.target = target});
+      } catch (const std::out_of_range&) {
+      }
+      return tiles;
+    };
+    const std::size_t all = tiles_until(0, false);
+    EXPECT_GT(all, 3u);
+    for (std::size_t last = 1; last <= all; ++last) {
+      EXPECT_EQ(tiles_until(last, false), last);
+      EXPECT_EQ(tiles_until(last, true), last);
+    }
+  };
+  for (Target target : TargetsUnderTest()) {
+    check(world, target);
+    check(quantized, target);
+    check(Refined(quantized, world), target);
+  }
+}
+
+// A tile's rows stay as they are when its function makes calls of its own.
+TEST(ForEachTileTest, FunctionMayCallTheLibrary) {
+  const AabbWorld3 world = PointsOnX(1000);
+  const std::vector<Aabb3> queries = LongerAndLonger(40);
+  std::vector<std::uint64_t> inner(MaskWords(1000));
+  std::size_t compared = 0;
+  ForEachTile(world, queries, [&](const SurvivorTile& tile) {
+    for (std::size_t q = 0; q < tile.queries; ++q) {
+      SurvivorMask(world, queries[tile.first_query + q], inner);
+      const auto row = tile.Row(q);
+      EXPECT_TRUE(std::equal(
+          row.begin(), row.end(),
+          inner.begin() + static_cast<std::ptrdiff_t>(tile.first_object / 64)));
+      compared += row.size();
+    }
+  });
+  EXPECT_EQ(compared, 40 * inner.size());
+}
+
+}  // namespace
+}  // namespace halfspace::testing

@@ -1,0 +1,121 @@
+// Bounds for the rows of owners.h, and the check that an owner has them.
+#ifndef HALFSPACE_TESTS_LIBRARY_WORLD_OWNER_INPUTS_H_
+#define HALFSPACE_TESTS_LIBRARY_WORLD_OWNER_INPUTS_H_
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "tests/library/quantized/quantized_answers.h"
+#include "tests/library/support/environment.h"
+#include "tests/library/support/owners.h"
+#include "tests/library/support/quantized_cases.h"
+
+namespace halfspace::testing {
+
+class OwnerTest : public ::testing::TestWithParam<OwnerRow> {
+ protected:
+  // Of a random kind, if none is given: anything at all.
+  Records RandomBounds(std::size_t count) {
+    return RandomBounds(
+        count, kQuantizedInputKinds[random_() % kQuantizedInputKinds.size()]);
+  }
+  Records RandomBounds(std::size_t count, QuantizedInputKind kind) {
+    const std::size_t planes = row_.layout.plane_count;
+    const std::vector<float> values =
+        MakeQuantizedValues(row_.layout, kind, count, random_);
+    Records bounds(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const float* const its = &values[i * planes];
+      const std::vector<double> wide(its, its + planes);
+      if (row_.is_double) {
+        std::memcpy(bounds[i].data(), wide.data(), planes * sizeof(double));
+      } else {
+        std::memcpy(bounds[i].data(), its, planes * sizeof(float));
+      }
+    }
+    return bounds;
+  }
+  Record RandomBound() { return RandomBounds(1)[0]; }
+
+  // Size, bits, and what view() promises; of quantized bounds, the answers.
+  void ExpectHolds(const AnyOwner& owner, const Records& model) {
+    ASSERT_EQ(owner.size(), model.size());
+    ASSERT_EQ(owner.empty(), model.empty());
+    ASSERT_EQ(owner.quantized().size(), model.size());
+    for (std::size_t i = 0; i < model.size(); ++i) {
+      Record bound{};
+      if (owner.Get(i, bound)) {
+        ASSERT_EQ(bound, model[i]) << i;
+      }
+    }
+    if (row_.IsQuantized()) {
+      ExpectAnswers(owner, model);
+    } else if (row_.is_double) {
+      ExpectPlanes<double>(owner, model);
+    } else {
+      ExpectPlanes<float>(owner, model);
+    }
+  }
+
+  const OwnerRow row_ = GetParam();
+  Random random_{3};
+
+ private:
+  // Alignment, values and padding.
+  template <typename T>
+  void ExpectPlanes(const AnyOwner& owner, const Records& model) {
+    ASSERT_GE(owner.capacity(), owner.size());
+    if (model.empty()) return;
+    const AnyWorld world = owner.seen();
+    const detail::Scan scan = world.Asked({});
+    for (std::size_t p = 0; p < row_.layout.plane_count; ++p) {
+      const void* plane;
+      std::memcpy(
+          &plane,
+          reinterpret_cast<const std::byte*>(scan.planes) + p * sizeof(plane),
+          sizeof(plane));
+      ASSERT_EQ(reinterpret_cast<std::uintptr_t>(plane) % 64, 0u) << p;
+      const auto* const values = static_cast<const T*>(plane);
+      for (std::size_t i = 0; i < model.size(); ++i) {
+        ASSERT_EQ(std::memcmp(values + i, &model[i][p * sizeof(T)], sizeof(T)),
+                  0)
+            << p << ", " << i;
+      }
+      const T empty = std::numeric_limits<T>::infinity();
+      for (std::size_t i = model.size(); i % 64 != 0; ++i) {
+        ASSERT_EQ(values[i], p < row_.layout.axes ? empty : -empty)
+            << p << ", padding " << i;
+      }
+    }
+  }
+
+  // Refined the floats' answers, and alone no more rejections.
+  void ExpectAnswers(const AnyOwner& owner, const Records& model) {
+    const auto floats = row_.MakeFloats(model);
+    const std::vector<std::byte> list = row_.List(model);
+    std::vector<float> values(list.size() / sizeof(float));
+    if (!list.empty()) std::memcpy(values.data(), list.data(), list.size());
+    for (int i = 0; i < 3; ++i) {
+      std::array<float, 10> query{};
+      internal::FillQuantizedQuery(row_.layout, values.data(), model.size(),
+                                   random_, query.data());
+      const AnyQueries asked(query.data(), 1);
+      Answer exact;
+      exact.AssignReference(floats->seen(), asked);
+      ASSERT_TRUE(QuantizedAnswersEverywhere(
+          owner.quantized(), owner.Refined(*floats), exact, asked, target_));
+    }
+  }
+
+  const std::vector<Target> target_ = {TargetsUnderTest().front()};
+};
+
+}  // namespace halfspace::testing
+
+#endif  // HALFSPACE_TESTS_LIBRARY_WORLD_OWNER_INPUTS_H_
