@@ -18,6 +18,12 @@
 
 namespace halfspace::kernels {
 
+// std::bit_cast, which libc++ has from version 14 on.
+template <typename To, typename From>
+constexpr To BitCast(const From& from) {
+  return __builtin_bit_cast(To, from);
+}
+
 // Into the first-level cache. The asm is there because gcc 12 removes a
 // function that only prefetches, as if it had no effect.
 HALFSPACE_ALWAYS_INLINE void Prefetch(const void* address) {

@@ -49,13 +49,14 @@ class SavedParts {
   template <typename T>
   Span<const T> Next(std::uint64_t count) {
     const std::size_t left = bytes_.size() - next_;
-    if (count > left / sizeof(T) || Padded(count * sizeof(T)) > left) {
+    if (count > left / sizeof(T) ||
+        Padded(static_cast<std::size_t>(count) * sizeof(T)) > left) {
       ThrowNotSaved("all bytes of BroadPhase::Save()",
                     std::to_string(bytes_.size()) + " bytes");
     }
     const Span<const T> part(reinterpret_cast<const T*>(bytes_.data() + next_),
                              static_cast<std::size_t>(count));
-    next_ += Padded(count * sizeof(T));
+    next_ += Padded(static_cast<std::size_t>(count) * sizeof(T));
     return part;
   }
 

@@ -50,7 +50,7 @@ namespace {
 constexpr const char* kUpdate = "PairEvents::Update";
 
 std::uint64_t BitsOf(const IdPair& pair) {
-  return std::bit_cast<std::uint64_t>(pair);
+  return kernels::BitCast<std::uint64_t>(pair);
 }
 std::uint64_t KeyOf(const IdPair& pair) {
   return std::uint64_t{pair.a} << 32 | pair.b;

@@ -213,7 +213,7 @@ void FindPairs(const PairSources& sources, const PairOptions& options,
   dispatch::CheckFiniteLength(call, "options.margin", options.margin);
   // Looks at the bits, because a compare may flush subnormals.
   const bool has_margin =
-      std::bit_cast<std::uint32_t>(options.margin) << 1 != 0;
+      kernels::BitCast<std::uint32_t>(options.margin) << 1 != 0;
   if (sources.ids != nullptr) {
     CheckSet(a, *sources.ids, options.wanted, call);
   } else if (!options.wanted.empty()) {

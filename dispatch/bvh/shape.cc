@@ -3,12 +3,12 @@
 #include "kernels/bvh/shape.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
 #include "kernels/bvh/block.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::detail {
 
@@ -159,8 +159,8 @@ HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
   // planes cannot overflow.
   const double scale =
       is_finite && largest > 0
-          ? std::bit_cast<double>(
-                (kOne - 4 - (std::bit_cast<std::uint64_t>(largest) >> 52) +
+          ? kernels::BitCast<double>(
+                (kOne - 4 - (kernels::BitCast<std::uint64_t>(largest) >> 52) +
                  kOne)
                 << 52)
           : 1;

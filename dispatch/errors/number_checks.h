@@ -4,7 +4,6 @@
 #ifndef HALFSPACE_DISPATCH_ERRORS_NUMBER_CHECKS_H_
 #define HALFSPACE_DISPATCH_ERRORS_NUMBER_CHECKS_H_
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -13,6 +12,7 @@
 #include <type_traits>
 
 #include "dispatch/errors/error.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::dispatch {
 
@@ -21,13 +21,13 @@ using BitsOf = std::conditional_t<sizeof(Scalar) == sizeof(std::uint32_t),
                                   std::uint32_t, std::uint64_t>;
 template <typename Scalar>
 inline constexpr auto kInfinityBits =
-    std::bit_cast<BitsOf<Scalar>>(std::numeric_limits<Scalar>::infinity());
+    kernels::BitCast<BitsOf<Scalar>>(std::numeric_limits<Scalar>::infinity());
 
 // Throws unless the length is 0 or more, which infinity is.
 template <typename Scalar>
 void CheckLength(std::string_view call, std::string_view argument,
                  Scalar length) {
-  const auto bits = std::bit_cast<BitsOf<Scalar>>(length);
+  const auto bits = kernels::BitCast<BitsOf<Scalar>>(length);
   // All other numbers with a sign are above infinity.
   if (bits <= kInfinityBits<Scalar> || bits << 1 == 0) return;
   ThrowInvalid(call, argument, "a number that is not negative",
@@ -38,7 +38,7 @@ void CheckLength(std::string_view call, std::string_view argument,
 template <typename Scalar>
 void CheckFiniteLength(std::string_view call, std::string_view argument,
                        Scalar length) {
-  const auto bits = std::bit_cast<BitsOf<Scalar>>(length);
+  const auto bits = kernels::BitCast<BitsOf<Scalar>>(length);
   if (bits < kInfinityBits<Scalar> || bits << 1 == 0) return;
   ThrowInvalid(call, argument, "a finite number that is not negative",
                detail::NumberText(length));

@@ -10,11 +10,12 @@
 #define HALFSPACE_DISPATCH_EXACT_OUTWARD_H_
 
 #include <array>
-#include <bit>
 #include <cfloat>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+
+#include "kernels/compiler.h"
 
 namespace halfspace::dispatch {
 
@@ -88,11 +89,11 @@ inline float RoundDown(const ExactSum& sum) {
                               (static_cast<std::uint32_t>(back == sum.value) &
                                static_cast<std::uint32_t>(sum.rest < 0.0));
   // Below zero, magnitudes grow: +0 counts as -0 there.
-  const auto bits = std::bit_cast<std::uint32_t>(nearest);
+  const auto bits = kernels::BitCast<std::uint32_t>(nearest);
   const auto is_positive = static_cast<std::uint32_t>(nearest > 0.0f);
   const std::uint32_t below =
       (bits | ((is_positive - 1) & 0x80000000u)) + 1 - 2 * is_positive;
-  return std::bit_cast<float>(bits ^ ((bits ^ below) & (0 - above)));
+  return kernels::BitCast<float>(bits ^ ((bits ^ below) & (0 - above)));
 }
 
 // The smallest float that is not below the sum.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "halfspace/detail/quantized.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::detail {
 namespace {
@@ -24,7 +25,7 @@ constexpr Key kPad = std::numeric_limits<Key>::max();
 constexpr Key KeyOf(float value, Key key_of_nan) {
   constexpr std::uint32_t kInfinity = 0x7f800000;
   constexpr std::uint32_t kSmallestNormal = 0x00800000;
-  const auto bits = std::bit_cast<std::uint32_t>(value);
+  const auto bits = kernels::BitCast<std::uint32_t>(value);
   const std::uint32_t magnitude = bits & 0x7fffffff;
   if (magnitude > kInfinity) return key_of_nan;
   if (magnitude < kSmallestNormal) return 0;

@@ -72,12 +72,12 @@ void CheckWorld(const detail::Scan& scan) {
 }
 
 void CheckIndicesFit(const detail::Scan& scan) {
-  if (scan.size > kMostIndices) {
+  if (std::uint64_t{scan.size} > kMostIndices) {
     ThrowInvalid(scan.call, "world.size",
                  "at most 2^32 objects for 32-bit indices",
                  std::to_string(scan.size));
   }
-  if (scan.query_count > kMostIndices) {
+  if (std::uint64_t{scan.query_count} > kMostIndices) {
     ThrowInvalid(scan.call, "queries",
                  "at most 2^32 queries for 32-bit indices",
                  std::to_string(scan.query_count));

@@ -102,7 +102,8 @@ inline bool IsSuspect(const detail::Scan& scan, const Output& output) {
   const std::size_t bytes = output.used * output.bytes;
   const auto begin = reinterpret_cast<std::uintptr_t>(output.begin);
   const auto queries = reinterpret_cast<std::uintptr_t>(scan.queries);
-  if (output.are_indices && scan.size > kMostIndices) return true;
+  if (output.are_indices && std::uint64_t{scan.size} > kMostIndices)
+    return true;
   return bytes != 0 &&
          (output.size < output.used || begin == 0 ||
           (begin & (output.bytes - 1)) != 0 ||

@@ -10,7 +10,6 @@
 #define HALFSPACE_KERNELS_BVH_NEAREST_INL_H_
 #endif
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -21,6 +20,7 @@
 #include "kernels/bvh/nearest.h"
 #include "kernels/bvh/shapes-inl.h"
 #include "kernels/bvh/sorted-inl.h"
+#include "kernels/compiler.h"
 #include "kernels/scan/words-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -195,8 +195,8 @@ class NearestFinder {
       if (search_.room == 1) {
         const float least = keys[AboutLeast(keys, end)];
         bits &= LanesUpTo(
-            std::bit_cast<float>(std::bit_cast<uint32_t>(least) | kLanes), keys,
-            end);
+            kernels::BitCast<float>(kernels::BitCast<uint32_t>(least) | kLanes),
+            keys, end);
       } else {
         TakeSorted(first, bits, end, keys);
         return;

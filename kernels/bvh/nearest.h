@@ -3,12 +3,12 @@
 #ifndef HALFSPACE_KERNELS_BVH_NEAREST_H_
 #define HALFSPACE_KERNELS_BVH_NEAREST_H_
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 
 #include "halfspace/detail/bvh.h"
 #include "kernels/bvh/shape.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::detail {
 
@@ -17,10 +17,10 @@ namespace halfspace::detail {
 // distances.
 using KeyedSlot = std::uint64_t;
 inline KeyedSlot Keyed(float key, std::size_t slot) {
-  return std::uint64_t{std::bit_cast<std::uint32_t>(key)} << 32 | slot;
+  return std::uint64_t{kernels::BitCast<std::uint32_t>(key)} << 32 | slot;
 }
 inline float KeyOf(KeyedSlot keyed) {
-  return std::bit_cast<float>(static_cast<std::uint32_t>(keyed >> 32));
+  return kernels::BitCast<float>(static_cast<std::uint32_t>(keyed >> 32));
 }
 
 struct NearestSearch {

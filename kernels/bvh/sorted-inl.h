@@ -6,7 +6,6 @@
 #define HALFSPACE_KERNELS_BVH_SORTED_INL_H_
 #endif
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -36,7 +35,7 @@ struct SortedLanes {
     for (; bits != 0; bits &= bits - 1) {
       const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
       in_order[count++] =
-          uint64_t{std::bit_cast<uint32_t>(keys[lane])} << 32 | lane;
+          uint64_t{kernels::BitCast<uint32_t>(keys[lane])} << 32 | lane;
     }
     // The place of each is the number of lesser ones. This has no branches,
     // which would be mispredicted.
