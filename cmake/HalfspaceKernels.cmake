@@ -145,6 +145,15 @@ halfspace_add_table(bvh_shapes BvhShapeKernels
     {&RunWalk<HalfSpacesQuery, true>, &RunWalk<HalfSpacesQuery, false>}}"
   ${optimised})
 
+# Highway 1.0.3 has no vectors of doubles on WebAssembly: the kernels with doubles are
+# plain code there. Each list of kernels has one entry, whatever it is called.
+if(EMSCRIPTEN)
+  get_target_property(sources halfspace SOURCES)
+  list(FILTER sources INCLUDE REGEX "/(scan_double|fit_spheres|fit_triangles|fit_point_sets)")
+  set_property(SOURCE ${sources} APPEND PROPERTY COMPILE_OPTIONS
+    -UHWY_COMPILE_ONLY_STATIC -DHWY_COMPILE_ONLY_SCALAR)
+endif()
+
 # The unchecked calls (kernels.h).
 set(axes_bits 0)
 foreach(axes IN LISTS all_axes)

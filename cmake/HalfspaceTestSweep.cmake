@@ -4,7 +4,11 @@ include(GoogleTest)
 
 # The emulated machines: one run per target and vector length in bits. Native
 # machines have one vector length per target, and a test runs all targets.
-if(HALFSPACE_ONLY_SCALAR)
+if(EMSCRIPTEN)
+  set(HALFSPACE_SWEEP WASM:128)
+  set(HALFSPACE_SWEEP_EACH WASM:128)
+  set(HALFSPACE_SWEEP_FEW WASM:128)
+elseif(HALFSPACE_ONLY_SCALAR)
   set(HALFSPACE_SWEEP "")
 elseif(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # SVE and SVE2 are one source: each length once, and a short and a long one of
@@ -23,7 +27,8 @@ endif()
 set(HALFSPACE_SWEEP_ONE NEON:128)
 set(HALFSPACE_SWEEP_NONE "")
 # Highway's plain fall-back has another name, and width, by compiler.
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+if(EMSCRIPTEN)
+elseif(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   list(APPEND HALFSPACE_SWEEP SCALAR:32)
   list(APPEND HALFSPACE_SWEEP_EACH SCALAR:32)
 else()

@@ -1,0 +1,431 @@
+// A BVH of boxes in WebAssembly. index.d.ts is the manual.
+import base64 from './module.js';
+
+/** The id that stands for "none" in results with a fixed number of ids. */
+export const NO_ID = 0xffffffff;
+
+export class HalfspaceError extends Error {
+  constructor(argument, reason) {
+    super(argument ? `${argument}: ${reason}` : reason);
+    this.name = 'HalfspaceError';
+    this.argument = argument;
+  }
+}
+
+function fail(argument, reason) {
+  throw new HalfspaceError(argument, reason);
+}
+
+// The module --------------------------------------------------------------------------
+
+// What its C library asks a system for: no environment, no files, no exit.
+const system = {
+  environ_sizes_get(count, bytes) {
+    new Uint32Array(memory.buffer)[count >>> 2] = 0;
+    new Uint32Array(memory.buffer)[bytes >>> 2] = 0;
+    return 0;
+  },
+  environ_get: () => 0,
+};
+const NOT_THERE = 52;  // WASI's ENOSYS
+const imports = {
+  env: new Proxy({}, { get: () => () => {} }),
+  wasi_snapshot_preview1: new Proxy(system, {
+    get: (known, name) => known[name] ?? (() => NOT_THERE),
+  }),
+};
+const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+const { instance } = await WebAssembly.instantiate(bytes, imports);
+const wasm = instance.exports;
+const memory = wasm.memory;
+wasm._initialize?.();
+
+// Views of the module's memory. It moves as it grows, and views of the old one are empty.
+let u8, u32, f32, f64;
+function look() {
+  if (u8?.length) return;
+  u8 = new Uint8Array(memory.buffer);
+  u32 = new Uint32Array(memory.buffer);
+  f32 = new Float32Array(memory.buffer);
+  f64 = new Float64Array(memory.buffer);
+}
+look();
+
+function text(address) {
+  look();
+  return new TextDecoder().decode(u8.slice(address, u8.indexOf(0, address)));
+}
+
+// The C API's names, as callers know them.
+const names = { objects: 'boxes', queries: 'boxes', data: 'bytes', 'hs_bvh_blob()': 'toBytes()' };
+const named = (text) => text.replace(/\w+(\(\))?/g, (name) => names[name] ?? name);
+
+function failAsModule(argument = '') {
+  fail(named(text(wasm.error_argument()).replace(/->.*/, '')) || argument,
+    named(text(wasm.error_reason())));
+}
+
+function check(result) {
+  // Results are signed: -1 is the largest size.
+  if (result === -1) failAsModule();
+  return result >>> 0;
+}
+
+function allocate(bytes) {
+  const address = bytes < 2 ** 32 ? wasm.malloc(Math.max(bytes, 8)) >>> 0 : 0;
+  if (address === 0) fail('', `out of memory: ${bytes} bytes cannot be allocated`);
+  look();
+  return address;
+}
+
+// Calls run(allocate), and frees what it allocated.
+function withMemory(run) {
+  const blocks = [];
+  try {
+    return run((bytes) => {
+      blocks.push(allocate(bytes));
+      return blocks.at(-1);
+    });
+  } finally {
+    for (const block of blocks) wasm.free(block);
+  }
+}
+
+// Room for results of one call, kept from call to call.
+let room = 0;
+let results = 0;
+function makeRoom(count) {
+  if (room >= count) return;
+  const size = Math.max(count, 2 * room, 1024);
+  const block = allocate(4 * size);
+  if (results) wasm.free(results);
+  [results, room] = [block, size];
+}
+
+const oneValues = wasm.one_values();
+const oneResult = wasm.one_result();
+
+// Arguments ---------------------------------------------------------------------------
+
+// Rows of `values` numbers, of a Float32Array, a Float64Array or what can become one.
+function rowsOf(name, data, values) {
+  let array = data;
+  if (!(array instanceof Float32Array) && !(array instanceof Float64Array)) {
+    if (array === null || typeof array !== 'object' || typeof array.length !== 'number') {
+      fail(name, `expected an array of numbers, got ${array === null ? 'null' : typeof array}`);
+    }
+    array = Float64Array.from(array, (value, i) => {
+      if (typeof value !== 'number') fail(`${name}[${i}]`, `expected a number, got ${typeof value}`);
+      return value;
+    });
+  }
+  if (array.length === 0) {
+    try {
+      new Uint8Array(array.buffer);
+    } catch {
+      fail(name, 'the ArrayBuffer is detached: it was transferred');
+    }
+  }
+  if (array.length % values !== 0) {
+    fail(name, `expected ${values} numbers for each, got ${array.length} in all`);
+  }
+  return array;
+}
+
+function boxesOf(name, data, dimensions) {
+  const boxes = rowsOf(name, data, 2 * dimensions);
+  for (let i = 0; i < boxes.length; i += 2 * dimensions) {
+    for (let k = i; k < i + dimensions; ++k) {
+      if (!(boxes[k] <= boxes[k + dimensions])) {
+        fail(`${name}[${k}]`, `expected a minimum that is not above the maximum, ` +
+          `got ${boxes[k]} and ${boxes[k + dimensions]}`);
+      }
+    }
+  }
+  return boxes;
+}
+
+function numbersOf(name, data, values) {
+  const numbers = rowsOf(name, data, values);
+  const i = numbers.findIndex(Number.isNaN);
+  if (i >= 0) fail(`${name}[${i}]`, 'expected a number, got NaN');
+  return numbers;
+}
+
+function idsOf(ids, count) {
+  if (ids === null || typeof ids !== 'object' || typeof ids.length !== 'number') {
+    fail('ids', 'expected an array of ids');
+  }
+  if (count !== undefined && ids.length !== count) {
+    fail('ids', `expected as many as boxes, ${count}, got ${ids.length}`);
+  }
+  return Uint32Array.from(ids, (id, i) => {
+    if (!Number.isInteger(id) || id < 0 || id >= NO_ID) {
+      fail(`ids[${i}]`, `expected the id of an object, got ${id}`);
+    }
+    return id;
+  });
+}
+
+function countOf(name, value) {
+  if (value !== Infinity && !(Number.isInteger(value) && value > 0)) {
+    fail(name, `expected a whole number above 0, or Infinity, got ${value}`);
+  }
+  return value;
+}
+
+function distanceOf(name, value) {
+  if (!(value >= 0)) fail(name, `expected a number that is not negative, got ${value}`);
+  return value;
+}
+
+// Copies an array to the module, and returns its address.
+function copyIn(allocate, array) {
+  const address = allocate(array.byteLength);
+  new array.constructor(memory.buffer, address, array.length).set(array);
+  return address;
+}
+
+const isDouble = (array) => (array instanceof Float64Array ? 1 : 0);
+
+// The BVH -----------------------------------------------------------------------------
+
+const registry = new FinalizationRegistry((bvh) => wasm.bvh_destroy(bvh));
+
+export class BVH {
+  #bvh;
+  #dimensions;
+
+  constructor(boxes, { dimensions = 2, quality = 'high' } = {}) {
+    if (dimensions !== 2 && dimensions !== 3) {
+      fail('dimensions', `expected 2 or 3, got ${dimensions}`);
+    }
+    if (quality !== 'high' && quality !== 'fast') {
+      fail('quality', `expected "high" or "fast", got ${quality}`);
+    }
+    const array = boxesOf('boxes', boxes, dimensions);
+    this.#own(dimensions, withMemory((allocate) => wasm.bvh_create(
+      dimensions, isDouble(array), copyIn(allocate, array),
+      array.length / (2 * dimensions), quality === 'fast' ? 1 : 0)));
+  }
+
+  static fromBytes(bytes) {
+    const from = bytes instanceof ArrayBuffer ? new Uint8Array(bytes) : bytes;
+    if (!(from instanceof Uint8Array)) {
+      fail('bytes', 'expected a Uint8Array or an ArrayBuffer');
+    }
+    return withMemory((allocate) => {
+      const address = copyIn(allocate, from);
+      const dimensions = check(wasm.blob_dimensions(address, from.length));
+      if (dimensions === 0) fail('bytes', 'expected a BVH of boxes, got another kind of bounds');
+      const bvh = new BVH([], { dimensions });
+      bvh.dispose();
+      bvh.#own(dimensions, wasm.bvh_from_blob(dimensions, address, from.length), 'bytes');
+      return bvh;
+    });
+  }
+
+  #own(dimensions, bvh, argument) {
+    if (bvh === 0) failAsModule(argument);
+    this.#bvh = bvh;
+    this.#dimensions = dimensions;
+    registry.register(this, bvh, this);
+  }
+
+  dispose() {
+    if (!this.#bvh) return;
+    registry.unregister(this);
+    wasm.bvh_destroy(this.#bvh);
+    this.#bvh = 0;
+  }
+
+  #open() {
+    if (!this.#bvh) fail('', 'the BVH was disposed of');
+    return this.#bvh;
+  }
+
+  get dimensions() { return this.#dimensions; }
+  get size() { return check(wasm.bvh_size(this.#open())); }
+  get idLimit() { return check(wasm.bvh_id_limit(this.#open())); }
+
+  get bounds() {
+    const address = wasm.bvh_bounds(this.#open());
+    look();
+    return f32.slice(address / 4, address / 4 + 2 * this.#dimensions);
+  }
+
+  toBytes() {
+    const size = check(wasm.bvh_blob(this.#open()));
+    look();
+    const address = u32[oneResult / 4];
+    return u8.slice(address, address + size);
+  }
+
+  query(box) {
+    const bvh = this.#open();
+    const dimensions = this.#dimensions;
+    if (box?.length !== 2 * dimensions) {
+      fail('box', `expected ${2 * dimensions} numbers: all minima, then all maxima`);
+    }
+    look();
+    const to = oneValues / 8;
+    for (let k = 0; k < dimensions; ++k) {
+      const min = box[k];
+      const max = box[dimensions + k];
+      if (!(min <= max) || typeof min !== 'number' || typeof max !== 'number') {
+        fail(`box[${k}]`, `expected a minimum that is not above the maximum, got ${min} and ${max}`);
+      }
+      f64[to + k] = min;
+      f64[to + dimensions + k] = max;
+    }
+    for (;;) {
+      const total = wasm.bvh_query(bvh, dimensions, 1, oneValues, 1, results, room, 0);
+      if (total === -1) failAsModule();
+      look();
+      if (total <= room) return u32.slice(results / 4, results / 4 + total);
+      makeRoom(total);
+    }
+  }
+
+  queryMany(boxes) {
+    const bvh = this.#open();
+    const dimensions = this.#dimensions;
+    const array = boxesOf('boxes', boxes, dimensions);
+    const count = array.length / (2 * dimensions);
+    return withMemory((allocate) => {
+      const from = copyIn(allocate, array);
+      const offsets = allocate(4 * (count + 1));
+      for (;;) {
+        const total = check(wasm.bvh_query(bvh, dimensions, isDouble(array), from, count,
+          results, room, offsets));
+        look();
+        if (total <= room) {
+          return {
+            ids: u32.slice(results / 4, results / 4 + total),
+            offsets: u32.slice(offsets / 4, offsets / 4 + count + 1),
+          };
+        }
+        makeRoom(total);
+      }
+    });
+  }
+
+  nearest(point, k = 1, maxDistance = Infinity) {
+    const bvh = this.#open();
+    if (point?.length !== this.#dimensions) fail('point', `expected ${this.#dimensions} numbers`);
+    const most = Math.min(countOf('k', k), this.size);
+    makeRoom(2 * most);
+    look();
+    f64.set(numbersOf('point', point, this.#dimensions), oneValues / 8);
+    check(wasm.bvh_nearest(bvh, this.#dimensions, 1, oneValues, 1, most,
+      distanceOf('maxDistance', maxDistance), results, results + 4 * most));
+    look();
+    let found = most;
+    while (found > 0 && u32[results / 4 + found - 1] === NO_ID) --found;
+    return u32.slice(results / 4, results / 4 + found);
+  }
+
+  nearestMany(points, k = 1, maxDistance = Infinity) {
+    const bvh = this.#open();
+    const array = numbersOf('points', points, this.#dimensions);
+    const count = array.length / this.#dimensions;
+    const most = Math.min(countOf('k', k), this.size);
+    return withMemory((allocate) => {
+      const from = copyIn(allocate, array);
+      const ids = allocate(4 * count * most);
+      const distances = allocate(4 * count * most);
+      check(wasm.bvh_nearest(bvh, this.#dimensions, isDouble(array), from, count, most,
+        distanceOf('maxDistance', maxDistance), ids, distances));
+      look();
+      return {
+        k: most,
+        ids: u32.slice(ids / 4, ids / 4 + count * most),
+        distances: f32.slice(distances / 4, distances / 4 + count * most),
+      };
+    });
+  }
+
+  raycast(origin, direction, maxT = Infinity) {
+    const dimensions = this.#dimensions;
+    if (origin?.length !== dimensions) fail('origin', `expected ${dimensions} numbers`);
+    if (direction?.length !== dimensions) fail('direction', `expected ${dimensions} numbers`);
+    const ray = [...numbersOf('origin', origin, dimensions),
+      ...numbersOf('direction', direction, dimensions), distanceOf('maxT', maxT)];
+    const { ids, ts } = this.raycastMany(Float32Array.from(ray));
+    return ids[0] === NO_ID ? null : { id: ids[0], t: ts[0] };
+  }
+
+  raycastMany(rays) {
+    const bvh = this.#open();
+    const values = 2 * this.#dimensions + 1;
+    const array = Float32Array.from(numbersOf('rays', rays, values));
+    const count = array.length / values;
+    return withMemory((allocate) => {
+      const from = copyIn(allocate, array);
+      const ids = allocate(4 * count);
+      const ts = allocate(4 * count);
+      check(wasm.bvh_raycast(bvh, this.#dimensions, from, count, ids, ts));
+      look();
+      return {
+        ids: u32.slice(ids / 4, ids / 4 + count),
+        ts: f32.slice(ts / 4, ts / 4 + count),
+      };
+    });
+  }
+
+  pairs(margin = 0) { return this.#pairs(0, margin); }
+
+  join(other, margin = 0) {
+    if (!(other instanceof BVH)) fail('other', 'expected a BVH');
+    if (other.#dimensions !== this.#dimensions) {
+      fail('other', `expected a BVH of ${this.#dimensions} dimensions, got one of ${other.#dimensions}`);
+    }
+    return this.#pairs(other.#open(), margin);
+  }
+
+  #pairs(other, margin) {
+    const bvh = this.#open();
+    if (distanceOf('margin', margin) === Infinity) fail('margin', 'expected a finite number');
+    for (;;) {
+      const total = check(wasm.bvh_pairs(bvh, other, margin, results, Math.floor(room / 2)));
+      look();
+      if (2 * total <= room) return u32.slice(results / 4, results / 4 + 2 * total);
+      makeRoom(2 * total);
+    }
+  }
+
+  insert(boxes) {
+    const bvh = this.#open();
+    const array = boxesOf('boxes', boxes, this.#dimensions);
+    const count = array.length / (2 * this.#dimensions);
+    return withMemory((allocate) => {
+      const from = copyIn(allocate, array);
+      const ids = allocate(4 * count);
+      check(wasm.bvh_insert(bvh, this.#dimensions, isDouble(array), from, count, ids));
+      look();
+      return u32.slice(ids / 4, ids / 4 + count);
+    });
+  }
+
+  set(ids, boxes) {
+    const bvh = this.#open();
+    const array = boxesOf('boxes', boxes, this.#dimensions);
+    const count = array.length / (2 * this.#dimensions);
+    const list = idsOf(ids, count);
+    withMemory((allocate) => check(wasm.bvh_set(bvh, this.#dimensions, isDouble(array),
+      copyIn(allocate, array), count, copyIn(allocate, list))));
+  }
+
+  erase(ids) {
+    const bvh = this.#open();
+    const list = idsOf(ids);
+    withMemory((allocate) => check(wasm.bvh_erase(bvh, copyIn(allocate, list), list.length)));
+  }
+
+  rebuild() { check(wasm.bvh_rebuild(this.#open())); }
+}
+
+if (Symbol.dispose) BVH.prototype[Symbol.dispose] = BVH.prototype.dispose;
+
+/** The version of the library, for example "0.1.0". */
+export const version = text(wasm.version());

@@ -1,0 +1,232 @@
+// The package as it is installed: run by test.sh, with the folder of stored BVHs.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { test } from 'node:test';
+import * as halfspace from 'halfspace';
+
+const { BVH, HalfspaceError, NO_ID } = halfspace;
+const data = process.env.HALFSPACE_TEST_DATA;
+
+function random(seed) {
+  let state = seed;
+  return () => {
+    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+    return state / 2 ** 32;
+  };
+}
+
+// Boxes of numbers that are floats, some of them points, and some far away.
+function someBoxes(count, dimensions, next) {
+  const boxes = [];
+  for (let i = 0; i < count; ++i) {
+    const scale = next() < 0.02 ? 1000 : 10;
+    const min = Array.from({ length: dimensions }, () => Math.fround(scale * next()));
+    const side = next() < 0.1 ? 0 : 1;
+    boxes.push([...min, ...min.map((v) => Math.fround(v + side * next()))]);
+  }
+  return boxes;
+}
+
+const axes = (dimensions) => [...Array(dimensions).keys()];
+const overlap = (a, b, d, margin = 0) =>
+  axes(d).every((k) => a[k] <= b[d + k] + margin && b[k] <= a[d + k] + margin);
+const distance = (box, p, d) =>
+  Math.hypot(...axes(d).map((k) => Math.max(0, box[k] - p[k], p[k] - box[d + k])));
+const sorted = (ids) => Array.from(ids).sort((a, b) => a - b);
+const pairsOf = (ids, ordered) => sorted(Array.from({ length: ids.length / 2 }, (_, i) => {
+  const [a, b] = [ids[2 * i], ids[2 * i + 1]];
+  return ordered || a < b ? 1e6 * a + b : 1e6 * b + a;
+}));
+
+// All calls, against a map of ids and boxes.
+function checkAnswers(tree, boxes, next) {
+  const d = tree.dimensions;
+  assert.equal(tree.size, boxes.size);
+  const found = (query) => sorted([...boxes].filter(([, b]) => overlap(b, query, d)).map(([id]) => id));
+  const queries = someBoxes(20, d, next);
+  const many = tree.queryMany(Float64Array.from(queries.flat()));
+  queries.forEach((query, q) => {
+    const expected = found(query);
+    assert.deepEqual(sorted(tree.query(query)), expected);
+    assert.deepEqual(sorted(many.ids.slice(many.offsets[q], many.offsets[q + 1])), expected);
+  });
+  const points = queries.map((query) => query.slice(0, d));
+  const all = tree.nearestMany(Float32Array.from(points.flat()), 5);
+  assert.equal(all.k, Math.min(5, boxes.size));
+  points.forEach((point, q) => {
+    const expected = [...boxes.values()].map((box) => distance(box, point, d)).sort((a, b) => a - b);
+    const near = tree.nearest(point, 5);
+    assert.deepEqual(near, all.ids.slice(q * all.k, (q + 1) * all.k));
+    near.forEach((id, i) => {
+      for (const value of [distance(boxes.get(id), point, d), all.distances[q * all.k + i]]) {
+        assert.ok(Math.abs(value - expected[i]) <= 2e-6 * expected[i]);
+      }
+    });
+    const limit = expected[2] ?? 1;
+    const within = tree.nearest(point, Infinity, 1.001 * limit);
+    assert.ok(within.every((id) => distance(boxes.get(id), point, d) <= 1.002 * limit));
+    assert.ok(within.length >= expected.filter((value) => value <= limit).length);
+  });
+  // Along an axis a ray enters at the minimum of what it meets.
+  const axis = axes(d).map((k) => (k === 0 ? 1 : 0));
+  for (const point of points) {
+    const origin = [-1, ...point.slice(1)];
+    const met = [...boxes.values()].filter((b) =>
+      axes(d).slice(1).every((k) => b[k] <= point[k] && point[k] <= b[d + k]));
+    const hit = tree.raycast(origin, axis);
+    assert.equal(hit === null, met.length === 0);
+    if (hit) {
+      const first = Math.min(...met.map((b) => b[0])) + 1;
+      assert.ok(hit.t <= first && hit.t >= first * (1 - 1e-5));
+      assert.equal(tree.raycast(origin, axis, 0.9 * first), null);
+    }
+  }
+  for (const margin of [0, 0.5]) {
+    const expected = [];
+    for (const [a, boxA] of boxes) {
+      for (const [b, boxB] of boxes) if (a < b && overlap(boxA, boxB, d, margin)) expected.push(1e6 * a + b);
+    }
+    assert.deepEqual(pairsOf(tree.pairs(margin)), sorted(expected));
+  }
+  const few = queries.filter((_, i) => i % 3 === 0);
+  assert.deepEqual(pairsOf(new BVH(few.flat(), { dimensions: d }).join(tree), true),
+    pairsOf(few.flatMap((query, i) => found(query).flatMap((id) => [i, id])), true));
+}
+
+for (const dimensions of [2, 3]) {
+  test(`any history of boxes in ${dimensions} dimensions`, () => {
+    for (const count of [0, 1, 65, 600]) {
+      const next = random(count + dimensions);
+      const some = (n) => someBoxes(n, dimensions, next);
+      const boxes = new Map(some(count).map((box, id) => [id, box]));
+      const rows = Float32Array.from([...boxes.values()].flat());
+      let tree = new BVH(rows, { dimensions, quality: count === 65 ? 'fast' : 'high' });
+      for (let step = 0; step < 4; ++step) {
+        checkAnswers(tree, boxes, next);
+        const added = some(30);
+        tree.insert(added.flat()).forEach((id, i) => {
+          assert.ok(!boxes.has(id));
+          boxes.set(id, added[i]);
+        });
+        const ids = [...boxes.keys()].filter(() => next() < 0.2);
+        tree.erase(ids);
+        ids.forEach((id) => boxes.delete(id));
+        const moved = [...boxes.keys()].filter(() => next() < 0.3);
+        const to = some(moved.length);
+        tree.set(moved, to.flat());
+        moved.forEach((id, i) => boxes.set(id, to[i]));
+        if (step === 1) tree.rebuild();
+        if (step === 2) {
+          const old = tree;
+          tree = BVH.fromBytes(old.toBytes().buffer);
+          old.dispose();
+        }
+      }
+      checkAnswers(tree, boxes, next);
+      const around = axes(2 * dimensions).map((k) => Math[k < dimensions ? 'min' : 'max'](
+        ...[...boxes.values()].map((box) => box[k])));
+      assert.deepEqual([...tree.bounds], around);
+      assert.ok(tree.idLimit > Math.max(...boxes.keys()));
+    }
+  });
+}
+
+test('doubles are rounded outward', () => {
+  const tree = new BVH([0.1, 0.1, 0.3, 0.3]);
+  for (const box of [[0.3, 0.3, 1, 1], [0, 0, 0.1, 0.1], [0.3 + 1e-12, 0.3, 1, 1]]) {
+    assert.deepEqual([...tree.query(box)], [0]);
+  }
+  assert.deepEqual([...tree.query([0.31, 0.3, 1, 1])], []);
+  assert.deepEqual([...tree.query([-Infinity, -Infinity, Infinity, Infinity])], [0]);
+});
+
+test('more results than there was room for, and memory that grows', () => {
+  const tree = new BVH(new Float32Array(4 * 100000));
+  const view = tree.bounds;
+  assert.equal(tree.query([0, 0, 1, 1]).length, 100000);
+  assert.equal(tree.queryMany(new Float32Array(40)).ids.length, 1000000);
+  assert.ok(view.length === 4 && view.every((value) => value === 0));
+  assert.throws(() => tree.nearestMany(new Float32Array(2 * 20000), 100000), /out of memory/);
+  assert.equal(tree.nearest([0, 0]).length, 1);
+});
+
+test('stored BVHs of C++', () => {
+  for (const format of [3, 4, 5]) {
+    const tree = BVH.fromBytes(readFileSync(`${data}/boxes.${format}.bvh`));
+    assert.equal(tree.query([...tree.bounds]).length, tree.size);
+    if (format === 5) assert.deepEqual(Buffer.from(tree.toBytes()), readFileSync(`${data}/boxes.5.bvh`));
+  }
+});
+
+const flat = new BVH([0, 0, 1, 1]);
+const gone = new BVH([]);
+gone.dispose();
+gone.dispose();
+const detached = new Float32Array(8);
+structuredClone(detached.buffer, { transfer: [detached.buffer] });
+const altered = flat.toBytes();
+altered[altered.length - 1] ^= 1;
+for (const [argument, call] of [
+  ['boxes', () => new BVH()],
+  ['boxes', () => new BVH(null)],
+  ['boxes', () => new BVH('0011')],
+  ['boxes', () => new BVH([1, 2, 3])],
+  ['boxes', () => new BVH(detached)],
+  ['boxes[1]', () => new BVH([0, '0', 1, 1])],
+  ['boxes[0]', () => new BVH([NaN, 0, 1, 1])],
+  ['boxes[5]', () => new BVH([0, 0, 1, 1, 0, 2, 1, 1])],
+  ['dimensions', () => new BVH([], { dimensions: 4 })],
+  ['quality', () => new BVH([], { quality: 'best' })],
+  ['box', () => flat.query()],
+  ['box', () => flat.query([0, 0, 1])],
+  ['box[1]', () => flat.query([0, undefined, 1, 1])],
+  ['box[0]', () => flat.query([2, 0, 1, 1])],
+  ['boxes', () => flat.queryMany([0, 0, 1])],
+  ['point', () => flat.nearest([0])],
+  ['point[1]', () => flat.nearest([0, NaN])],
+  ['k', () => flat.nearest([0, 0], 0)],
+  ['k', () => flat.nearest([0, 0], 1.5)],
+  ['maxDistance', () => flat.nearest([0, 0], 1, -1)],
+  ['maxDistance', () => flat.nearestMany([0, 0], 1, NaN)],
+  ['origin', () => flat.raycast([0], [1, 0])],
+  ['direction[0]', () => flat.raycast([0, 0], [NaN, 0])],
+  ['maxT', () => flat.raycast([0, 0], [1, 0], -1)],
+  ['rays', () => flat.raycastMany([0, 0])],
+  ['margin', () => flat.pairs(-1)],
+  ['margin', () => flat.pairs(Infinity)],
+  ['other', () => flat.join({})],
+  ['other', () => flat.join(new BVH([], { dimensions: 3 }))],
+  ['', () => flat.join(gone)],
+  ['ids', () => flat.erase(0)],
+  ['ids[0]', () => flat.erase([1])],
+  ['ids[1]', () => flat.erase([0, -1])],
+  ['ids', () => flat.set([0, 0], [0, 0, 1, 1])],
+  ['ids[0]', () => flat.set([9], [0, 0, 1, 1])],
+  ['boxes[0]', () => flat.insert([3, 0, 1, 1])],
+  ['bytes', () => BVH.fromBytes([1])],
+  ['bytes', () => BVH.fromBytes(new Uint8Array(4))],
+  ['bytes', () => BVH.fromBytes(new Uint8Array(9999).fill(7))],
+  ['bytes', () => BVH.fromBytes(altered)],
+  ['bytes', () => BVH.fromBytes(readFileSync(`${data}/octahedra.5.bvh`))],
+  ['', () => gone.query([0, 0, 1, 1])],
+  ['', () => gone.size],
+]) {
+  test(`misuse: ${call}`.replace(/\s+/g, ' '), () => {
+    assert.throws(call, (error) => {
+      assert.ok(error instanceof HalfspaceError, String(error));
+      assert.equal(error.argument, argument, error.message);
+      assert.ok(error.message.length > argument.length + 5);
+      return true;
+    });
+    assert.deepEqual([...flat.query([0, 0, 1, 1])], [0]);
+  });
+}
+
+test('the types name what there is', () => {
+  const types = readFileSync(new URL('./node_modules/halfspace/index.d.ts', import.meta.url), 'utf8');
+  const names = Object.getOwnPropertyNames(BVH.prototype);
+  for (const name of [...names, 'fromBytes', ...Object.keys(halfspace)]) {
+    assert.match(types, new RegExp(`\\b${name}\\b[(:; ]`), name);
+  }
+  assert.equal(NO_ID, 2 ** 32 - 1);
+});
